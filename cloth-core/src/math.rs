@@ -1,0 +1,87 @@
+//! The only place where the scalar and the small-vector types are chosen.
+
+/// The scalar of the whole workspace.
+pub type Real = f64;
+
+/// A point, a direction or a force: three scalars, in the unit that the item using it states.
+pub type Vec3 = nalgebra::Vector3<Real>;
+
+/// A 3 × 3 matrix, for instance one block of a Hessian (N/m).
+pub type Mat3 = nalgebra::Matrix3<Real>;
+
+/// `N × N` table of 3 × 3 blocks: the Hessian (N/m) of one `N`-vertex element.
+pub type Blocks<const N: usize> = [[Mat3; N]; N];
+
+/// Squared lengths (m²) below this are treated as zero, because their square root and quotient
+/// would no longer be accurate.
+const ZERO_LENGTH_SQUARED: Real = 1e-280;
+
+/// The vertices of one element, copied out of the array of all vertices.
+///
+/// # Panics
+/// If an index is not smaller than `x.len()`.
+#[inline]
+#[must_use]
+pub fn gather<const N: usize>(x: &[Vec3], vertices: [u32; N]) -> [Vec3; N] {
+    vertices.map(|vertex| x[vertex as usize])
+}
+
+/// Length (m) and direction (dimensionless, unit length) of the difference `d` (m) of the two
+/// vertices `pair`.
+///
+/// Where the two vertices coincide the length has no gradient. Any unit vector is then a limit of
+/// nearby gradients; we return one that depends on the vertex numbers only. It makes a collapsed cloth
+/// unfold in all directions instead of staying a point, gives opposite forces to the two
+/// vertices, and repeats from run to run.
+#[inline]
+#[must_use]
+pub fn length_and_direction(d: Vec3, pair: [u32; 2]) -> (Real, Vec3) {
+    let squared = d.norm_squared();
+    if squared > ZERO_LENGTH_SQUARED {
+        let length = squared.sqrt();
+        (length, d / length)
+    } else {
+        (0.0, arbitrary_direction(pair))
+    }
+}
+
+/// A unit vector that depends on the two numbers only, spread evenly over the sphere.
+#[cold]
+fn arbitrary_direction(pair: [u32; 2]) -> Vec3 {
+    // Two rounds of a 64-bit multiplicative hash; the upper and the lower half give a point of the
+    // unit square, which Archimedes' map takes to the sphere without crowding the poles.
+    let mut bits = (u64::from(pair[0]) << 32) | u64::from(pair[1]);
+    for _ in 0..2 {
+        bits = (bits ^ (bits >> 32)).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+    }
+    let unit = |half: u64| (half as u32 as Real + 0.5) / (u32::MAX as Real + 1.0);
+    let height = 2.0 * unit(bits >> 32) - 1.0;
+    let angle = std::f64::consts::TAU * unit(bits);
+    let radius = (1.0 - height * height).sqrt();
+    Vec3::new(radius * angle.cos(), radius * angle.sin(), height)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn direction_of_coincident_vertices_is_a_unit_vector_and_repeats() {
+        for pair in [[0, 1], [1, 0], [7, 123_456], [u32::MAX - 1, u32::MAX]] {
+            let (length, n) = length_and_direction(Vec3::zeros(), pair);
+            assert_eq!(length, 0.0);
+            assert!((n.norm() - 1.0).abs() < 1e-14);
+            assert_eq!(n, length_and_direction(Vec3::zeros(), pair).1);
+        }
+    }
+
+    #[test]
+    fn arbitrary_directions_have_no_preferred_side() {
+        let mean = (0..10_000)
+            .map(|i| arbitrary_direction([i, i + 1]))
+            .sum::<Vec3>()
+            / 10_000.0;
+        // The mean of n independent unit vectors has a standard deviation of 1/√n.
+        assert!(mean.norm() < 0.03, "mean {mean}");
+    }
+}

@@ -1,0 +1,248 @@
+//! The rest shape of a cloth: rest positions and triangles, checked once at the door.
+
+use crate::math::{Real, Vec3};
+use std::fmt;
+
+pub mod generate;
+pub mod obj;
+
+/// Rest shape of the cloth: `V` rest positions (m) and `F` triangles, counter-clockwise seen from
+/// the front (CORE-1).
+///
+/// A `TriMesh` that exists has passed the checks of [`TriMesh::new`], so no later code repeats them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TriMesh {
+    positions: Vec<Vec3>,
+    triangles: Vec<[u32; 3]>,
+}
+
+impl TriMesh {
+    /// Checks the buffers and keeps them.
+    ///
+    /// # Errors
+    /// The first [`MeshError`] met: an empty mesh, a position that is not finite, an index out of range, a
+    /// triangle that names a vertex twice or whose area is zero to rounding, two triangles
+    /// on the same three vertices, or a vertex that no triangle uses.
+    pub fn new(positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Result<Self, MeshError> {
+        check(&positions, &triangles)?;
+        Ok(Self {
+            positions,
+            triangles,
+        })
+    }
+
+    /// Rest positions (m), one per vertex.
+    #[must_use]
+    pub fn positions(&self) -> &[Vec3] {
+        &self.positions
+    }
+
+    /// Vertex numbers of each triangle.
+    #[must_use]
+    pub fn triangles(&self) -> &[[u32; 3]] {
+        &self.triangles
+    }
+
+    /// Number of vertices V.
+    #[must_use]
+    pub fn vertex_count(&self) -> usize {
+        self.positions.len()
+    }
+
+    /// Number of triangles F.
+    #[must_use]
+    pub fn triangle_count(&self) -> usize {
+        self.triangles.len()
+    }
+
+    /// Rest area of each triangle (m²).
+    pub fn areas(&self) -> impl Iterator<Item = Real> + '_ {
+        self.triangles
+            .iter()
+            .map(|&t| triangle_area(&self.positions, t))
+    }
+
+    /// Rest area of the whole mesh (m²).
+    #[must_use]
+    pub fn area(&self) -> Real {
+        self.areas().sum()
+    }
+}
+
+/// Area (m²) of a triangle of `positions` (m).
+pub(crate) fn triangle_area(positions: &[Vec3], triangle: [u32; 3]) -> Real {
+    let [a, b, c] = crate::math::gather(positions, triangle);
+    0.5 * (b - a).cross(&(c - a)).norm()
+}
+
+/// Areas below this fraction of the squared longest edge are zero to rounding.
+const ZERO_AREA: Real = 1e-12;
+
+fn check(positions: &[Vec3], triangles: &[[u32; 3]]) -> Result<(), MeshError> {
+    if triangles.is_empty() {
+        return Err(MeshError::Empty);
+    }
+    if let Some(vertex) = positions.iter().position(|p| p.iter().any(|c| !c.is_finite())) {
+        return Err(MeshError::NonFinitePosition { vertex });
+    }
+    let mut used = vec![false; positions.len()];
+    for (triangle, &corners) in triangles.iter().enumerate() {
+        for vertex in corners {
+            match used.get_mut(vertex as usize) {
+                Some(seen) => *seen = true,
+                None => {
+                    return Err(MeshError::IndexOutOfRange {
+                        triangle,
+                        vertex,
+                        vertex_count: positions.len(),
+                    });
+                }
+            }
+        }
+        let [a, b, c] = corners;
+        if a == b || b == c || c == a {
+            return Err(MeshError::RepeatedVertex { triangle, corners });
+        }
+        let [pa, pb, pc] = crate::math::gather(positions, corners);
+        let longest = (pb - pa)
+            .norm_squared()
+            .max((pc - pb).norm_squared())
+            .max((pa - pc).norm_squared());
+        let area = triangle_area(positions, corners);
+        // Written so that a comparison with NaN (overflowing coordinates) is an error too.
+        if !(area > ZERO_AREA * longest && longest.is_finite()) {
+            return Err(MeshError::ZeroArea { triangle, area });
+        }
+    }
+    if let Some([first, second]) = duplicate(triangles) {
+        return Err(MeshError::DuplicateTriangle { first, second });
+    }
+    match used.iter().position(|&seen| !seen) {
+        Some(vertex) => Err(MeshError::UnreferencedVertex { vertex }),
+        None => Ok(()),
+    }
+}
+
+/// The first pair of triangles on the same three vertices, whatever their winding.
+fn duplicate(triangles: &[[u32; 3]]) -> Option<[usize; 2]> {
+    let mut keyed: Vec<([u32; 3], usize)> = triangles
+        .iter()
+        .enumerate()
+        .map(|(index, &corners)| {
+            let mut key = corners;
+            key.sort_unstable();
+            (key, index)
+        })
+        .collect();
+    keyed.sort_unstable();
+    keyed
+        .windows(2)
+        .filter(|pair| pair[0].0 == pair[1].0)
+        .map(|pair| [pair[0].1, pair[1].1])
+        .min_by_key(|pair| pair[1])
+}
+
+/// Why triangles and positions do not make a usable mesh (CORE-1, CORE-2).
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum MeshError {
+    /// There is no triangle.
+    Empty,
+    /// A coordinate is NaN or infinite.
+    NonFinitePosition {
+        /// The vertex.
+        vertex: usize,
+    },
+    /// A triangle names a vertex that does not exist.
+    IndexOutOfRange {
+        /// The triangle.
+        triangle: usize,
+        /// The vertex it names.
+        vertex: u32,
+        /// How many vertices there are.
+        vertex_count: usize,
+    },
+    /// A triangle names a vertex twice.
+    RepeatedVertex {
+        /// The triangle.
+        triangle: usize,
+        /// Its three vertices.
+        corners: [u32; 3],
+    },
+    /// A triangle has no area at rest, to rounding.
+    ZeroArea {
+        /// The triangle.
+        triangle: usize,
+        /// Its area (m²).
+        area: Real,
+    },
+    /// Two triangles have the same three vertices.
+    DuplicateTriangle {
+        /// The earlier triangle.
+        first: usize,
+        /// The later one.
+        second: usize,
+    },
+    /// No triangle uses a vertex, so it would have no mass.
+    UnreferencedVertex {
+        /// The vertex.
+        vertex: usize,
+    },
+    /// More than two triangles meet at an edge.
+    NonManifoldEdge {
+        /// The two vertices of the edge.
+        ends: [u32; 2],
+        /// The first three of the triangles that meet there.
+        triangles: [usize; 3],
+    },
+    /// A generator was asked for a mesh that does not exist.
+    InvalidParameter {
+        /// The parameter.
+        name: &'static str,
+        /// Its value.
+        value: Real,
+        /// What it has to be.
+        range: &'static str,
+    },
+}
+
+impl fmt::Display for MeshError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Empty => write!(f, "the mesh has no triangles"),
+            Self::NonFinitePosition { vertex } => {
+                write!(f, "vertex {vertex} has a coordinate that is not a finite number")
+            }
+            Self::IndexOutOfRange {
+                triangle,
+                vertex,
+                vertex_count,
+            } => write!(
+                f,
+                "triangle {triangle} names vertex {vertex}, but there are only {vertex_count} vertices"
+            ),
+            Self::RepeatedVertex { triangle, corners } => {
+                write!(f, "triangle {triangle} names a vertex twice: {corners:?}")
+            }
+            Self::ZeroArea { triangle, area } => {
+                write!(f, "triangle {triangle} is degenerate: its area is {area:e} m²")
+            }
+            Self::DuplicateTriangle { first, second } => {
+                write!(f, "triangles {first} and {second} have the same three vertices")
+            }
+            Self::UnreferencedVertex { vertex } => {
+                write!(f, "vertex {vertex} belongs to no triangle")
+            }
+            Self::NonManifoldEdge { ends, triangles } => write!(
+                f,
+                "the edge between vertices {} and {} is not manifold: triangles {}, {} and {} meet there",
+                ends[0], ends[1], triangles[0], triangles[1], triangles[2]
+            ),
+            Self::InvalidParameter { name, value, range } => {
+                write!(f, "{name} is {value}, but it has to be {range}")
+            }
+        }
+    }
+}
+
+impl std::error::Error for MeshError {}

@@ -1,0 +1,222 @@
+//! Masses, and what moves: positions and velocities.
+
+use crate::math::{Real, Vec3};
+use crate::mesh::TriMesh;
+use std::fmt;
+
+/// Lumped masses (kg) and their inverses (1/kg), both of length `V` (CORE-3; the matrix `M` of S1 (13)).
+///
+/// A vertex with inverse mass 0 is *prescribed* (pinned): no force moves it. It travels with
+/// its own velocity, which the caller sets: zero holds it still, and [`crate::pin::Pins`] makes it
+/// follow a path.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Particles {
+    mass: Vec<Real>,
+    inverse_mass: Vec<Real>,
+}
+
+impl Particles {
+    /// Particles of given masses (kg), none prescribed.
+    ///
+    /// # Errors
+    /// [`ParticleError::InvalidMass`] if a mass is not a positive finite number.
+    pub fn new(mass: Vec<Real>) -> Result<Self, ParticleError> {
+        if let Some(vertex) = mass.iter().position(|&m| !(m > 0.0 && (1.0 / m).is_finite() && m.is_finite())) {
+            return Err(ParticleError::InvalidMass {
+                vertex,
+                mass: mass[vertex],
+            });
+        }
+        let inverse_mass = mass.iter().map(|m| 1.0 / m).collect();
+        Ok(Self { mass, inverse_mass })
+    }
+
+    /// A third of each triangle's mass to each of its corners; `density` in kg/m².
+    ///
+    /// # Errors
+    /// [`ParticleError::InvalidDensity`] if the density is not a positive finite number.
+    pub fn from_areal_density(mesh: &TriMesh, density: Real) -> Result<Self, ParticleError> {
+        if !(density > 0.0 && density.is_finite()) {
+            return Err(ParticleError::InvalidDensity { density });
+        }
+        let mut mass = vec![0.0; mesh.vertex_count()];
+        for (triangle, area) in mesh.triangles().iter().zip(mesh.areas()) {
+            for &vertex in triangle {
+                mass[vertex as usize] += density * area / 3.0;
+            }
+        }
+        Self::new(mass)
+    }
+
+    /// Replaces the mass (kg) of one vertex. A prescribed vertex stays prescribed.
+    ///
+    /// # Errors
+    /// [`ParticleError::InvalidMass`], [`ParticleError::NoSuchVertex`].
+    pub fn set_mass(&mut self, vertex: usize, mass: Real) -> Result<(), ParticleError> {
+        self.require(vertex)?;
+        if !(mass > 0.0 && (1.0 / mass).is_finite() && mass.is_finite()) {
+            return Err(ParticleError::InvalidMass { vertex, mass });
+        }
+        self.mass[vertex] = mass;
+        if self.inverse_mass[vertex] != 0.0 {
+            self.inverse_mass[vertex] = 1.0 / mass;
+        }
+        Ok(())
+    }
+
+    /// Gives a vertex infinite mass: it moves with its own velocity whatever the forces.
+    ///
+    /// # Errors
+    /// [`ParticleError::NoSuchVertex`].
+    pub fn prescribe(&mut self, vertex: usize) -> Result<(), ParticleError> {
+        self.require(vertex)?;
+        self.inverse_mass[vertex] = 0.0;
+        Ok(())
+    }
+
+    /// Takes the infinite mass away again.
+    ///
+    /// # Errors
+    /// [`ParticleError::NoSuchVertex`].
+    pub fn release(&mut self, vertex: usize) -> Result<(), ParticleError> {
+        self.require(vertex)?;
+        self.inverse_mass[vertex] = 1.0 / self.mass[vertex];
+        Ok(())
+    }
+
+    fn require(&self, vertex: usize) -> Result<(), ParticleError> {
+        if vertex < self.mass.len() {
+            Ok(())
+        } else {
+            Err(ParticleError::NoSuchVertex {
+                vertex,
+                vertex_count: self.mass.len(),
+            })
+        }
+    }
+
+    /// Number of vertices V.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.mass.len()
+    }
+
+    /// Whether there is no vertex at all.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.mass.is_empty()
+    }
+
+    /// Lumped masses (kg), one per vertex; a prescribed vertex keeps its own.
+    #[must_use]
+    pub fn mass(&self) -> &[Real] {
+        &self.mass
+    }
+
+    /// Inverse masses (1/kg), one per vertex; 0 for a prescribed one.
+    #[must_use]
+    pub fn inverse_mass(&self) -> &[Real] {
+        &self.inverse_mass
+    }
+
+    /// Whether the vertex is prescribed.
+    #[must_use]
+    pub fn is_prescribed(&self, vertex: usize) -> bool {
+        self.inverse_mass[vertex] == 0.0
+    }
+
+    /// Number of vertices that forces can move.
+    #[must_use]
+    pub fn free_count(&self) -> usize {
+        self.inverse_mass.iter().filter(|&&w| w != 0.0).count()
+    }
+}
+
+/// What moves: positions (m) and velocities (m/s), both of length `V`, the time (s) and the number of
+/// steps taken.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct State {
+    /// Positions (m), one per vertex.
+    pub positions: Vec<Vec3>,
+    /// Velocities (m/s), one per vertex.
+    pub velocities: Vec<Vec3>,
+    /// Time (s) since the start.
+    pub time: Real,
+    /// Steps taken since the start.
+    pub steps: u64,
+}
+
+impl State {
+    /// The given positions (m), at rest, at time 0.
+    #[must_use]
+    pub fn at_rest(positions: Vec<Vec3>) -> Self {
+        let velocities = vec![Vec3::zeros(); positions.len()];
+        Self {
+            positions,
+            velocities,
+            time: 0.0,
+            steps: 0,
+        }
+    }
+
+    /// The first vertex whose position or velocity is not finite (CORE-14).
+    #[must_use]
+    pub fn first_non_finite(&self) -> Option<usize> {
+        let bad = |v: &Vec3| !(v.x.is_finite() && v.y.is_finite() && v.z.is_finite());
+        let position = self.positions.iter().position(bad);
+        let velocity = self.velocities.iter().position(bad);
+        match (position, velocity) {
+            (Some(p), Some(v)) => Some(p.min(v)),
+            (p, v) => p.or(v),
+        }
+    }
+}
+
+/// Why masses or pins were refused.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum ParticleError {
+    /// A mass is zero, negative, not finite, or too small to be inverted.
+    InvalidMass {
+        /// The vertex.
+        vertex: usize,
+        /// Its mass (kg).
+        mass: Real,
+    },
+    /// The areal density is zero, negative or not finite.
+    InvalidDensity {
+        /// The density (kg/m²).
+        density: Real,
+    },
+    /// A vertex was named that does not exist.
+    NoSuchVertex {
+        /// The vertex.
+        vertex: usize,
+        /// How many there are.
+        vertex_count: usize,
+    },
+}
+
+impl fmt::Display for ParticleError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::InvalidMass { vertex, mass } => write!(
+                f,
+                "vertex {vertex} has mass {mass} kg, but a mass has to be a positive finite number"
+            ),
+            Self::InvalidDensity { density } => write!(
+                f,
+                "the areal density is {density} kg/m², but it has to be a positive finite number"
+            ),
+            Self::NoSuchVertex {
+                vertex,
+                vertex_count,
+            } => write!(
+                f,
+                "there is no vertex {vertex}: the cloth has {vertex_count} vertices, numbered from 0"
+            ),
+        }
+    }
+}
+
+impl std::error::Error for ParticleError {}
