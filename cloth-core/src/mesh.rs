@@ -195,6 +195,13 @@ pub enum MeshError {
         /// The first three of the triangles that meet there.
         triangles: [usize; 3],
     },
+    /// Edges are numbered with 32 bits, which is enough for this many triangles only.
+    TooManyTriangles {
+        /// How many there are.
+        count: usize,
+        /// The most there may be.
+        limit: usize,
+    },
     /// A generator was asked for a mesh that does not exist.
     InvalidParameter {
         /// The parameter.
@@ -238,6 +245,9 @@ impl fmt::Display for MeshError {
                 "the edge between vertices {} and {} is not manifold: triangles {}, {} and {} meet there",
                 ends[0], ends[1], triangles[0], triangles[1], triangles[2]
             ),
+            Self::TooManyTriangles { count, limit } => {
+                write!(f, "the mesh has {count} triangles, but {limit} is the most that can be numbered")
+            }
             Self::InvalidParameter { name, value, range } => {
                 write!(f, "{name} is {value}, but it has to be {range}")
             }
