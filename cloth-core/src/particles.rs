@@ -21,7 +21,10 @@ impl Particles {
     /// # Errors
     /// [`ParticleError::InvalidMass`] if a mass is not a positive finite number.
     pub fn new(mass: Vec<Real>) -> Result<Self, ParticleError> {
-        if let Some(vertex) = mass.iter().position(|&m| !(m > 0.0 && (1.0 / m).is_finite() && m.is_finite())) {
+        if let Some(vertex) = mass
+            .iter()
+            .position(|&m| !(m > 0.0 && (1.0 / m).is_finite() && m.is_finite()))
+        {
             return Err(ParticleError::InvalidMass {
                 vertex,
                 mass: mass[vertex],

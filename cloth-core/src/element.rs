@@ -1,0 +1,164 @@
+//! One description of a material, three views of it: the page that every method reads.
+//!
+//! An *element* is a small struct with the numbers of its vertices and its rest data: a spring (2 vertices), a
+//! hinge (4). What a method can do with it is a trait:
+//!
+//! | view | what it says | who asks for it |
+//! |---|---|---|
+//! | [`Energy`] | `E(x)`, `∂E/∂x`, `∂²E/∂x²` | explicit and implicit integration |
+//! | [`Constraint`] | rows `C(x)`, `∂C/∂x`, `k` with `E = ½ Σ k C²` | PBD, XPBD |
+//! | [`Projective`] | `E = ½ w ‖G x − p‖²`, `p` the nearest point of a set | projective dynamics |
+//!
+//! A `Constraint` is an `Energy` without further code: the blanket implementation below is the
+//! line where the one becomes the other. That is why there is no `impl Energy for Spring` to be found.
+
+use crate::math::{Blocks, Mat3, Real, Vec3};
+use std::fmt::Debug;
+
+/// One stencil of `N` vertices with its rest data.
+pub trait Element<const N: usize>: Copy + Debug + Send + Sync + 'static {
+    /// The vertices it touches, in the order that its formulas use. No vertex stands twice.
+    fn vertices(&self) -> [u32; N];
+}
+
+/// One scalar constraint at one configuration (CORE-9).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Row<const N: usize> {
+    /// `C(x)`, zero at rest, in the unit that the element documents.
+    pub value: Real,
+    /// `∂C/∂xᵢ`, one per vertex of the element (unit of `C` per m).
+    pub gradient: [Vec3; N],
+    /// `k` with the energy `½ k C²` (J); the compliance of S1 (37) is `α = 1/k`.
+    pub stiffness: Real,
+}
+
+/// `[Row<N>; M]`: the rows of one element, on the stack. Sealed.
+pub trait RowArray<const N: usize>: sealed::Sealed + AsRef<[Row<N>]> + Copy {
+    /// How many rows M.
+    const LEN: usize;
+}
+impl<const N: usize, const M: usize> RowArray<N> for [Row<N>; M] {
+    const LEN: usize = M;
+}
+mod sealed {
+    pub trait Sealed {}
+    impl<const N: usize, const M: usize> Sealed for [super::Row<N>; M] {}
+}
+
+/// What to do with the negative eigenvalues of an element's Hessian (CORE-8).
+///
+/// Newton's method needs a direction that goes down; a compressed spring has a Hessian
+/// that is indefinite across its axis, S1 (3).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Convexity {
+    /// Keep them: the true second derivative.
+    Exact,
+    /// Set them to zero.
+    #[default]
+    Clamp,
+    /// Take their absolute value.
+    Abs,
+    /// Drop the second derivative of the constraint: `Σ k ∂C ∂Cᵀ` alone.
+    GaussNewton,
+}
+
+/// Value, gradient and Hessian: all that an explicit or a Newton-type method asks for.
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` is not an energy of {N}-vertex elements",
+    note = "implement `Constraint<{N}>` (its rows give the energy), or `Energy<{N}>` directly"
+)]
+pub trait Energy<const N: usize>: Element<N> {
+    /// `E(x)` (J).
+    fn value(&self, x: &[Vec3; N]) -> Real;
+
+    /// `∂E/∂xᵢ` (N), one per vertex; the force is its negative.
+    fn gradient(&self, x: &[Vec3; N]) -> [Vec3; N];
+
+    /// `∂²E/∂xᵢ∂xⱼ` (N/m).
+    fn hessian(&self, x: &[Vec3; N], convexity: Convexity) -> Blocks<N>;
+}
+
+/// An energy `E = ½ Σᵣ kᵣ Cᵣ²`, given by its rows: what PBD and XPBD ask for.
+///
+/// Implement it for one `N` only, or the compiler cannot infer `N` where families are added.
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` has no constraint rows for {N} vertices, so position-based methods cannot take it",
+    note = "position-based methods need `E = ½ Σ k C²`; implement `Constraint<{N}>`"
+)]
+pub trait Constraint<const N: usize>: Element<N> {
+    /// `[Row<N>; M]`.
+    type Rows: RowArray<N>;
+
+    /// The rows at `x` (m).
+    fn rows(&self, x: &[Vec3; N]) -> Self::Rows;
+
+    /// `Σᵣ kᵣ Cᵣ ∂²Cᵣ/∂x²` (N/m), made positive semi-definite as `convexity` says. Never called for
+    /// [`Convexity::GaussNewton`]. Zero where the rows are linear, which is the default.
+    fn curvature(&self, x: &[Vec3; N], convexity: Convexity) -> Blocks<N> {
+        let _ = (x, convexity);
+        [[Mat3::zeros(); N]; N]
+    }
+}
+
+/// An energy `E = ½ w ‖G x − p‖²` with `p` the nearest point of a set: what projective dynamics
+/// asks for (CORE-10; S1 (27)–(32)).
+///
+/// The gradient is `w Gᵀ(G x − p)`, because the nearest point moves at right angles to the difference.
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` is not a squared distance to a set, so projective dynamics cannot take it",
+    note = "projective dynamics needs `E = ½ w ‖Gx − p‖²` with a constant G; implement `Projective<{N}, {K}>`"
+)]
+pub trait Projective<const N: usize, const K: usize>: Element<N> {
+    /// `G`: `K` rows of vertex coefficients, constant for the life of the element. Each row acts on x, y and z alike.
+    fn operator(&self) -> [[Real; N]; K];
+
+    /// `w`, in the unit that makes `½ w ‖G x‖²` a J.
+    fn weight(&self) -> Real;
+
+    /// The nearest point of the set to `z = G x`.
+    fn project(&self, z: [Vec3; K]) -> [Vec3; K];
+}
+
+/// The line where a constraint becomes an energy: `E = ½ Σ k C²`, `∂E = Σ k C ∂C`,
+/// `∂²E = Σ k ∂C ∂Cᵀ + Σ k C ∂²C` (S1 (1)–(3) for a spring).
+impl<const N: usize, C: Constraint<N>> Energy<N> for C {
+    #[inline]
+    fn value(&self, x: &[Vec3; N]) -> Real {
+        let rows = self.rows(x);
+        let sum: Real = rows
+            .as_ref()
+            .iter()
+            .map(|row| row.stiffness * row.value * row.value)
+            .sum();
+        0.5 * sum
+    }
+
+    #[inline]
+    fn gradient(&self, x: &[Vec3; N]) -> [Vec3; N] {
+        let mut sum = [Vec3::zeros(); N];
+        for row in self.rows(x).as_ref() {
+            for i in 0..N {
+                sum[i] += row.gradient[i] * (row.stiffness * row.value);
+            }
+        }
+        sum
+    }
+
+    #[inline]
+    fn hessian(&self, x: &[Vec3; N], convexity: Convexity) -> Blocks<N> {
+        let mut sum = match convexity {
+            Convexity::GaussNewton => [[Mat3::zeros(); N]; N],
+            _ => self.curvature(x, convexity),
+        };
+        for row in self.rows(x).as_ref() {
+            for i in 0..N {
+                let scaled = row.gradient[i] * row.stiffness;
+                for j in 0..N {
+                    sum[i][j] += scaled * row.gradient[j].transpose();
+                }
+            }
+        }
+        sum
+    }
+}

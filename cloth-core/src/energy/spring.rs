@@ -1,0 +1,99 @@
+//! The spring: two vertices that want to be a rest length apart (CORE-4).
+
+use crate::element::{Constraint, Convexity, Element, Projective, Row};
+use crate::math::{Blocks, Mat3, Real, Vec3, length_and_direction};
+
+/// A linear spring, S1 (1)–(4): `C = ‖x₀ − x₁‖ − L` (m), `E = ½ k C²` (J).
+///
+/// Where its two ends coincide the direction of its force is not defined; see
+/// [`length_and_direction`] for the one it gets.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Spring {
+    /// The two ends.
+    pub vertices: [u32; 2],
+    /// Rest length L (m).
+    pub rest_length: Real,
+    /// Stiffness k (N/m).
+    pub stiffness: Real,
+}
+
+impl Spring {
+    /// One spring of stiffness `stiffness` (N/m) along every pair of `ends`, at rest at `rest_positions` (m). With the ends
+    /// of [`crate::topology::EdgeTable`] these are the structural springs of CORE-5.
+    ///
+    /// # Panics
+    /// If an end is not smaller than the number of rest positions.
+    #[must_use]
+    pub fn along(rest_positions: &[Vec3], ends: &[[u32; 2]], stiffness: Real) -> Vec<Self> {
+        ends.iter()
+            .map(|&vertices| {
+                let [a, b] = crate::math::gather(rest_positions, vertices);
+                Self {
+                    vertices,
+                    rest_length: (a - b).norm(),
+                    stiffness,
+                }
+            })
+            .collect()
+    }
+}
+
+impl Element<2> for Spring {
+    #[inline]
+    fn vertices(&self) -> [u32; 2] {
+        self.vertices
+    }
+}
+
+impl Constraint<2> for Spring {
+    type Rows = [Row<2>; 1];
+
+    #[inline]
+    fn rows(&self, x: &[Vec3; 2]) -> [Row<2>; 1] {
+        let (length, n) = length_and_direction(x[0] - x[1], self.vertices);
+        [Row {
+            value: length - self.rest_length,
+            gradient: [n, -n],
+            stiffness: self.stiffness,
+        }]
+    }
+
+    /// `k (1 − L/l)(I − n nᵀ)`: positive across a stretched spring, negative across a compressed one, so `Clamp` drops it
+    /// under compression (S2).
+    #[inline]
+    fn curvature(&self, x: &[Vec3; 2], convexity: Convexity) -> Blocks<2> {
+        let (length, n) = length_and_direction(x[0] - x[1], self.vertices);
+        let strain = if length > 0.0 {
+            1.0 - self.rest_length / length
+        } else if self.rest_length == 0.0 {
+            1.0 // E = ½ k l² is smooth here
+        } else {
+            0.0 // no second derivative exists; the rank-one part k n nᵀ stands alone
+        };
+        let factor = match convexity {
+            Convexity::Clamp => strain.max(0.0),
+            Convexity::Abs => strain.abs(),
+            Convexity::Exact | Convexity::GaussNewton => strain,
+        };
+        let block = (Mat3::identity() - n * n.transpose()) * (self.stiffness * factor);
+        [[block, -block], [-block, block]]
+    }
+}
+
+/// S1 (28): the set is the sphere of radius L, so `p = L (x₀ − x₁)/‖x₀ − x₁‖`.
+impl Projective<2, 1> for Spring {
+    #[inline]
+    fn operator(&self) -> [[Real; 2]; 1] {
+        [[1.0, -1.0]]
+    }
+
+    #[inline]
+    fn weight(&self) -> Real {
+        self.stiffness
+    }
+
+    #[inline]
+    fn project(&self, [z]: [Vec3; 1]) -> [Vec3; 1] {
+        [length_and_direction(z, self.vertices).1 * self.rest_length]
+    }
+}

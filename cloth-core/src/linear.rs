@@ -1,0 +1,7 @@
+//! Linear solvers over the matrices of this crate (CORE-12).
+
+mod block_cholesky;
+mod cholesky;
+
+pub use block_cholesky::BlockCholesky;
+pub use cholesky::{Cholesky, CholeskyError, FactorView, UpperPattern};

@@ -1,0 +1,117 @@
+//! Cholesky factorisation of a [`BlockMatrix`], without the rows and columns of prescribed vertices.
+
+use super::cholesky::{Cholesky, CholeskyError, UpperPattern};
+use crate::block_matrix::{BlockMatrix, BlockPattern};
+use crate::math::{Real, Vec3};
+
+/// Factor of the part of a block matrix that belongs to free vertices.
+#[derive(Debug)]
+pub struct BlockCholesky {
+    cholesky: Cholesky,
+    /// Number of each free vertex among the free ones; `PRESCRIBED` for the others.
+    free_index: Vec<u32>,
+    right_hand_side: Vec<Real>,
+}
+
+const PRESCRIBED: u32 = u32::MAX;
+
+impl BlockCholesky {
+    /// Analyses the pattern; `is_free[v]` says whether vertex `v` takes part.
+    ///
+    /// # Errors
+    /// [`CholeskyError::TooLarge`].
+    ///
+    /// # Panics
+    /// If `is_free` does not have one entry per row of the pattern.
+    pub fn analyze(pattern: &BlockPattern, is_free: &[bool]) -> Result<Self, CholeskyError> {
+        assert_eq!(is_free.len(), pattern.row_count(), "one flag per row");
+        let mut free_count = 0;
+        let free_index: Vec<u32> = is_free
+            .iter()
+            .map(|&free| {
+                if !free {
+                    return PRESCRIBED;
+                }
+                free_count += 1;
+                free_count - 1
+            })
+            .collect();
+        // Row i of the lower half, read across, is column i of the upper half, read down.
+        let mut column_offsets = vec![0u32];
+        let mut rows = Vec::new();
+        for row in (0..pattern.row_count()).filter(|&row| is_free[row]) {
+            for axis in 0..3 {
+                for &column in &pattern.columns()[pattern.row(row)] {
+                    let index = free_index[column as usize];
+                    if index != PRESCRIBED {
+                        let height = if column as usize == row { axis + 1 } else { 3 };
+                        rows.extend((0..height).map(|k| 3 * index + k));
+                    }
+                }
+                let end = u32::try_from(rows.len()).map_err(|_| CholeskyError::TooLarge)?;
+                column_offsets.push(end);
+            }
+        }
+        Ok(Self {
+            cholesky: Cholesky::analyze(UpperPattern {
+                column_offsets,
+                rows,
+            })?,
+            right_hand_side: vec![0.0; 3 * free_count as usize],
+            free_index,
+        })
+    }
+
+    /// Numbers stored in the factor.
+    #[must_use]
+    pub fn factor_len(&self) -> usize {
+        self.cholesky.factor_len()
+    }
+
+    /// Factorises the numbers of `matrix`, which has the pattern that was analysed.
+    ///
+    /// # Errors
+    /// [`CholeskyError::NotPositiveDefinite`].
+    pub fn factorize(&mut self, matrix: &BlockMatrix) -> Result<(), CholeskyError> {
+        let pattern = matrix.pattern();
+        let mut values = self.cholesky.values_mut().iter_mut();
+        let mut push = |value: Real| *values.next().expect("the pattern that was analysed") = value;
+        for row in (0..pattern.row_count()).filter(|&row| self.free_index[row] != PRESCRIBED) {
+            for axis in 0..3 {
+                for slot in pattern.row(row) {
+                    let column = pattern.columns()[slot] as usize;
+                    if self.free_index[column] != PRESCRIBED {
+                        let block = &matrix.blocks()[slot];
+                        let height = if column == row { axis + 1 } else { 3 };
+                        (0..height).for_each(|k| push(block[(axis, k)]));
+                    }
+                }
+            }
+        }
+        self.cholesky.factorize()
+    }
+
+    /// Solves `A x = b` over the free vertices; `x` is set to zero at the others.
+    ///
+    /// # Panics
+    /// If `b` or `x` does not have one entry per row, or no factorisation has succeeded.
+    pub fn solve(&mut self, b: &[Vec3], x: &mut [Vec3]) {
+        assert_eq!(b.len(), self.free_index.len(), "length of b");
+        assert_eq!(x.len(), self.free_index.len(), "length of x");
+        for (&index, b) in self.free_index.iter().zip(b) {
+            if index != PRESCRIBED {
+                let at = 3 * index as usize;
+                self.right_hand_side[at..at + 3].copy_from_slice(b.as_slice());
+            }
+        }
+        self.cholesky.solve_in_place(&mut self.right_hand_side);
+        for (&index, x) in self.free_index.iter().zip(x) {
+            *x = if index == PRESCRIBED {
+                Vec3::zeros()
+            } else {
+                let at = 3 * index as usize;
+                Vec3::from_column_slice(&self.right_hand_side[at..at + 3])
+            };
+        }
+    }
+}

@@ -1,0 +1,176 @@
+//! Yardsticks that belong to no method: energies, momenta, strain, and the function that implicit Euler minimises (CORE-14).
+
+use crate::energy::Spring;
+use crate::family::Energies;
+use crate::math::{Real, Vec3, gather};
+use crate::particles::{Particles, State};
+use crate::step::StepInput;
+
+/// `½ Σ m ‖v‖²` (J).
+#[must_use]
+pub fn kinetic_energy(particles: &Particles, velocities: &[Vec3]) -> Real {
+    let twice: Real = particles
+        .mass()
+        .iter()
+        .zip(velocities)
+        .map(|(m, v)| m * v.norm_squared())
+        .sum();
+    0.5 * twice
+}
+
+/// `−Σ m g·x` (J), zero at the origin.
+#[must_use]
+pub fn gravitational_energy(particles: &Particles, positions: &[Vec3], gravity: Vec3) -> Real {
+    -particles
+        .mass()
+        .iter()
+        .zip(positions)
+        .map(|(m, x)| m * gravity.dot(x))
+        .sum::<Real>()
+}
+
+/// `Σ m v` (kg m/s).
+#[must_use]
+pub fn linear_momentum(particles: &Particles, velocities: &[Vec3]) -> Vec3 {
+    particles
+        .mass()
+        .iter()
+        .zip(velocities)
+        .map(|(&m, v)| v * m)
+        .sum()
+}
+
+/// `Σ m x × v` (kg m²/s), about the origin.
+#[must_use]
+pub fn angular_momentum(particles: &Particles, state: &State) -> Vec3 {
+    let moving = state.positions.iter().zip(&state.velocities);
+    particles
+        .mass()
+        .iter()
+        .zip(moving)
+        .map(|(&m, (x, v))| x.cross(v) * m)
+        .sum()
+}
+
+/// Mean position weighted by mass (m).
+#[must_use]
+pub fn center_of_mass(particles: &Particles, positions: &[Vec3]) -> Vec3 {
+    let moment: Vec3 = particles
+        .mass()
+        .iter()
+        .zip(positions)
+        .map(|(&m, x)| x * m)
+        .sum();
+    moment / particles.mass().iter().sum::<Real>()
+}
+
+/// Strain `(l − L)/L` (dimensionless) of springs.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Strain {
+    /// Largest: the most stretched spring; 0 if there is none.
+    pub max: Real,
+    /// Smallest: the most compressed spring; 0 if there is none.
+    pub min: Real,
+    /// Root of the mean square.
+    pub rms: Real,
+}
+
+impl Strain {
+    /// Strain of all springs that have a rest length.
+    #[must_use]
+    pub fn of(springs: &[Spring], positions: &[Vec3]) -> Self {
+        let mut strain = Self::default();
+        let mut count = 0;
+        for spring in springs.iter().filter(|s| s.rest_length > 0.0) {
+            let [a, b] = gather(positions, spring.vertices);
+            let e = (a - b).norm() / spring.rest_length - 1.0;
+            if count == 0 {
+                (strain.max, strain.min) = (e, e);
+            }
+            strain.max = strain.max.max(e);
+            strain.min = strain.min.min(e);
+            strain.rms += e * e;
+            count += 1;
+        }
+        if count > 0 {
+            strain.rms = (strain.rms / Real::from(count)).sqrt();
+        }
+        strain
+    }
+}
+
+/// The inertial prediction `x̃ = x + Δt v + Δt² a`, where every vertex would go without elasticity, S1 (9); a prescribed vertex goes to `x + Δt v`.
+///
+/// # Panics
+/// If the lengths differ.
+pub fn predict(particles: &Particles, state: &State, input: &StepInput<'_>, out: &mut [Vec3]) {
+    assert_eq!(out.len(), particles.len(), "number of predictions");
+    let dt = input.dt;
+    let moving = state.positions.iter().zip(&state.velocities);
+    for (vertex, (out, (x, v))) in out.iter_mut().zip(moving).enumerate() {
+        let a = input.external_acceleration(vertex, particles.inverse_mass()[vertex]);
+        *out = x + (v + a * dt) * dt;
+    }
+}
+
+/// `G(x) = ‖x − x̃‖²_M / (2Δt²) + E(x)`: what implicit Euler minimises in one step, S1 (10), over the
+/// vertices that are not prescribed.
+#[derive(Clone, Copy, Debug)]
+pub struct IncrementalPotential<'a> {
+    /// Masses and prescribed vertices.
+    pub particles: &'a Particles,
+    /// E.
+    pub energies: &'a Energies,
+    /// x̃ (m), see [`predict`].
+    pub predicted: &'a [Vec3],
+    /// Δt (s).
+    pub dt: Real,
+}
+
+impl IncrementalPotential<'_> {
+    /// `G(x)` (J).
+    #[must_use]
+    pub fn value(&self, x: &[Vec3]) -> Real {
+        self.inertia(x) + self.energies.value(x)
+    }
+
+    /// `‖x − x̃‖²_M / (2Δt²)` (J).
+    fn inertia(&self, x: &[Vec3]) -> Real {
+        let mut twice = 0.0;
+        for (vertex, (x, goal)) in x.iter().zip(self.predicted).enumerate() {
+            if !self.particles.is_prescribed(vertex) {
+                twice += self.particles.mass()[vertex] * (x - goal).norm_squared();
+            }
+        }
+        0.5 * twice / (self.dt * self.dt)
+    }
+
+    /// Writes `∂G/∂x` (N) to `out`: `M (x − x̃)/Δt² + ∂E/∂x`, zero at prescribed vertices.
+    pub fn gradient_into(&self, x: &[Vec3], out: &mut [Vec3]) {
+        out.fill(Vec3::zeros());
+        self.energies.add_gradient(x, out);
+        let scale = 1.0 / (self.dt * self.dt);
+        for (vertex, out) in out.iter_mut().enumerate() {
+            if self.particles.is_prescribed(vertex) {
+                *out = Vec3::zeros();
+            } else {
+                let pull = x[vertex] - self.predicted[vertex];
+                *out += pull * (self.particles.mass()[vertex] * scale);
+            }
+        }
+    }
+
+    /// Norm of a gradient of `G` in the metric of `M⁻¹` (N/√kg), over the vertices that are not prescribed (VALIDATION 8.1).
+    #[must_use]
+    pub fn gradient_norm(&self, gradient: &[Vec3]) -> Real {
+        let square = |(w, g): (&Real, &Vec3)| w * g.norm_squared();
+        let sum: Real = self
+            .particles
+            .inverse_mass()
+            .iter()
+            .zip(gradient)
+            .map(square)
+            .sum();
+        sum.sqrt()
+    }
+}

@@ -1,0 +1,313 @@
+//! The contract between a method and those who run it: one step, what goes in, what comes out.
+
+use crate::math::{Real, Vec3};
+use crate::particles::State;
+use std::fmt;
+
+/// A method: advances a state by one step, in place, without allocating once warm.
+pub trait Stepper: Send {
+    /// Name of the method, as `cloth-bench list` shows it.
+    fn name(&self) -> &'static str;
+
+    /// Advances `state` by `input.dt`.
+    ///
+    /// # Errors
+    /// See [`StepError`]; on error `state` is as it was before.
+    ///
+    /// # Panics
+    /// If `state` or `input.load` does not have the number of vertices that the solver was built for.
+    fn step(&mut self, state: &mut State, input: StepInput<'_>) -> Result<StepReport, StepError>;
+}
+
+/// Everything outside the cloth that acts during one step.
+#[non_exhaustive]
+pub struct StepInput<'a> {
+    /// Step size Δt (s), positive and finite.
+    pub dt: Real,
+    /// Acceleration of free fall (m/s²); zero unless set.
+    pub gravity: Vec3,
+    /// Further forces (N), one per vertex, constant during the step.
+    pub load: Option<&'a [Vec3]>,
+    /// Watches the iterations. `None`: nothing is computed for it.
+    pub observer: Option<&'a mut dyn Observer>,
+}
+
+impl fmt::Debug for StepInput<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("StepInput")
+            .field("dt", &self.dt)
+            .field("gravity", &self.gravity)
+            .field("load", &self.load.map(<[Vec3]>::len))
+            .field("observer", &self.observer.is_some())
+            .finish()
+    }
+}
+
+impl<'a> StepInput<'a> {
+    /// A step of `dt` (s) on which nothing acts from outside.
+    #[must_use]
+    pub fn new(dt: Real) -> Self {
+        Self {
+            dt,
+            gravity: Vec3::zeros(),
+            load: None,
+            observer: None,
+        }
+    }
+
+    /// Sets the acceleration of free fall (m/s²).
+    #[must_use]
+    pub fn gravity(mut self, gravity: Vec3) -> Self {
+        self.gravity = gravity;
+        self
+    }
+
+    /// Sets further forces (N), one per vertex.
+    #[must_use]
+    pub fn load(mut self, load: &'a [Vec3]) -> Self {
+        self.load = Some(load);
+        self
+    }
+
+    /// Sets the observer.
+    #[must_use]
+    pub fn observer(mut self, observer: &'a mut dyn Observer) -> Self {
+        self.observer = Some(observer);
+        self
+    }
+
+    /// Checks what a caller can get wrong with data; every method calls it first.
+    ///
+    /// # Errors
+    /// [`StepError::InvalidTimeStep`]; [`StepError::NonFiniteInput`] for gravity, a load, a
+    /// position or a velocity that is not finite.
+    ///
+    /// # Panics
+    /// If `state` or the load does not have `vertex_count` entries.
+    pub fn check(&self, state: &State, vertex_count: usize) -> Result<(), StepError> {
+        assert_eq!(state.positions.len(), vertex_count, "number of positions");
+        assert_eq!(state.velocities.len(), vertex_count, "number of velocities");
+        if !(self.dt > 0.0 && self.dt.is_finite()) {
+            return Err(StepError::InvalidTimeStep { dt: self.dt });
+        }
+        if !self.gravity.iter().all(|c| c.is_finite()) {
+            return Err(StepError::NonFiniteInput {
+                what: "gravity",
+                vertex: None,
+            });
+        }
+        if let Some(load) = self.load {
+            assert_eq!(load.len(), vertex_count, "number of loads");
+            let bad = load.iter().position(|f| !f.iter().all(|c| c.is_finite()));
+            if bad.is_some() {
+                return Err(StepError::NonFiniteInput {
+                    what: "the load",
+                    vertex: bad,
+                });
+            }
+        }
+        match state.first_non_finite() {
+            Some(vertex) => Err(StepError::NonFiniteInput {
+                what: "the state",
+                vertex: Some(vertex),
+            }),
+            None => Ok(()),
+        }
+    }
+
+    /// Acceleration (m/s²) of a vertex of inverse mass `w` (1/kg) by gravity and load; zero for a prescribed vertex.
+    #[inline]
+    #[must_use]
+    pub fn external_acceleration(&self, vertex: usize, w: Real) -> Vec3 {
+        if w == 0.0 {
+            return Vec3::zeros();
+        }
+        match self.load {
+            Some(load) => self.gravity + load[vertex] * w,
+            None => self.gravity,
+        }
+    }
+}
+
+/// Watches one step from inside.
+pub trait Observer {
+    /// Called after every iteration of the method, numbered from 1, with the positions (m) it has reached.
+    fn iteration(&mut self, iteration: u32, positions: &[Vec3]);
+}
+
+/// Whether an iteration ended because it was done, or because it was told to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Outcome {
+    /// The tolerance was met (or the method has no iteration).
+    Converged,
+    /// The iterations were spent before the tolerance was met (or no tolerance was set).
+    BudgetSpent,
+}
+
+/// What one step did: only numbers that the method has at hand.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StepReport {
+    /// How the iteration ended.
+    pub outcome: Outcome,
+    /// Iterations (sweeps, Newton steps, local–global pairs), summed over the substeps.
+    pub iterations: u32,
+    /// Numerical factorisations of a matrix.
+    pub factorizations: u32,
+    /// Solves with a factor.
+    pub linear_solves: u32,
+    /// Step lengths that a line search tried and rejected.
+    pub backtracks: u32,
+    /// What the method measures its convergence by, at the end, if it measures it; see the method.
+    pub residual: Option<Real>,
+}
+
+impl StepReport {
+    /// A report of `iterations` and nothing else.
+    #[must_use]
+    pub fn new(outcome: Outcome, iterations: u32) -> Self {
+        Self {
+            outcome,
+            iterations,
+            factorizations: 0,
+            linear_solves: 0,
+            backtracks: 0,
+            residual: None,
+        }
+    }
+}
+
+/// Why a step was not taken. The state is left as it was.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum StepError {
+    /// The step size is zero, negative or not finite.
+    InvalidTimeStep {
+        /// The step size (s).
+        dt: Real,
+    },
+    /// Something that went in is NaN or infinite.
+    NonFiniteInput {
+        /// What.
+        what: &'static str,
+        /// At which vertex, if it has one entry per vertex.
+        vertex: Option<usize>,
+    },
+    /// The result was not finite at a vertex.
+    NonFinite {
+        /// The first such vertex.
+        vertex: usize,
+        /// The step, counted from 1.
+        step: u64,
+    },
+    /// An explicit method was asked for a step larger than the stable one.
+    Unstable {
+        /// The step asked for (s).
+        dt: Real,
+        /// The largest stable one (s), estimated.
+        stable_dt: Real,
+        /// The step, counted from 1.
+        step: u64,
+    },
+    /// A matrix that has to be positive definite is not.
+    NotPositiveDefinite {
+        /// The iteration, counted from 1.
+        iteration: u32,
+        /// The step, counted from 1.
+        step: u64,
+    },
+    /// A line search found no lower point although the gradient is not small.
+    LineSearchStalled {
+        /// The iteration, counted from 1.
+        iteration: u32,
+        /// Gradient norm there, relative to the start.
+        residual: Real,
+        /// The step, counted from 1.
+        step: u64,
+    },
+}
+
+impl fmt::Display for StepError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::InvalidTimeStep { dt } => write!(
+                f,
+                "the time step is {dt} s, but it has to be a positive finite number"
+            ),
+            Self::NonFiniteInput {
+                what,
+                vertex: Some(vertex),
+            } => write!(f, "{what} is not finite at vertex {vertex}"),
+            Self::NonFiniteInput { what, vertex: None } => write!(f, "{what} is not finite"),
+            Self::NonFinite { vertex, step } => write!(
+                f,
+                "step {step} gave a result that is not finite at vertex {vertex}; the state before it was kept"
+            ),
+            Self::Unstable {
+                dt,
+                stable_dt,
+                step,
+            } => write!(
+                f,
+                "step {step} is unstable: the time step is {dt:.4e} s, the largest stable one is {stable_dt:.4e} s"
+            ),
+            Self::NotPositiveDefinite { iteration, step } => write!(
+                f,
+                "the matrix of step {step}, iteration {iteration}, is not positive definite"
+            ),
+            Self::LineSearchStalled {
+                iteration,
+                residual,
+                step,
+            } => write!(
+                f,
+                "the line search of step {step} stalled in iteration {iteration} at a relative gradient of {residual:.3e}"
+            ),
+        }
+    }
+}
+
+impl std::error::Error for StepError {}
+
+/// Why a solver could not be built.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum BuildError {
+    /// An element names a vertex that the particles do not have.
+    NoSuchVertex {
+        /// The element, counted in the order given.
+        element: usize,
+        /// The vertex.
+        vertex: u32,
+        /// How many vertices there are.
+        vertex_count: usize,
+    },
+    /// A setting lies outside its range.
+    InvalidSetting {
+        /// Its name.
+        name: &'static str,
+        /// Its value.
+        value: Real,
+        /// What it has to be.
+        range: &'static str,
+    },
+}
+
+impl fmt::Display for BuildError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NoSuchVertex {
+                element,
+                vertex,
+                vertex_count,
+            } => write!(
+                f,
+                "element {element} names vertex {vertex}, but there are only {vertex_count} vertices"
+            ),
+            Self::InvalidSetting { name, value, range } => {
+                write!(f, "{name} is {value}, but it has to be {range}")
+            }
+        }
+    }
+}
+
+impl std::error::Error for BuildError {}
