@@ -14,6 +14,8 @@ mod parallel;
 pub mod block_matrix;
 #[cfg(feature = "cholesky")]
 pub mod linear;
+#[cfg(feature = "cholesky")]
+pub mod dof;
 pub mod step;
 pub mod measure;
 pub mod check;

@@ -2,6 +2,8 @@
 
 mod block_cholesky;
 mod cholesky;
+mod inertia;
 
 pub use block_cholesky::BlockCholesky;
 pub use cholesky::{Cholesky, CholeskyError, FactorView, UpperPattern};
+pub use inertia::Inertia;

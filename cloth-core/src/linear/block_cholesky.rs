@@ -36,27 +36,8 @@ impl BlockCholesky {
                 free_count - 1
             })
             .collect();
-        // Row i of the lower half, read across, is column i of the upper half, read down.
-        let mut column_offsets = vec![0u32];
-        let mut rows = Vec::new();
-        for row in (0..pattern.row_count()).filter(|&row| is_free[row]) {
-            for axis in 0..3 {
-                for &column in &pattern.columns()[pattern.row(row)] {
-                    let index = free_index[column as usize];
-                    if index != PRESCRIBED {
-                        let height = if column as usize == row { axis + 1 } else { 3 };
-                        rows.extend((0..height).map(|k| 3 * index + k));
-                    }
-                }
-                let end = u32::try_from(rows.len()).map_err(|_| CholeskyError::TooLarge)?;
-                column_offsets.push(end);
-            }
-        }
         Ok(Self {
-            cholesky: Cholesky::analyze(UpperPattern {
-                column_offsets,
-                rows,
-            })?,
+            cholesky: Cholesky::analyze(upper_pattern(pattern, &free_index)?)?,
             right_hand_side: vec![0.0; 3 * free_count as usize],
             free_index,
         })
@@ -73,21 +54,10 @@ impl BlockCholesky {
     /// # Errors
     /// [`CholeskyError::NotPositiveDefinite`].
     pub fn factorize(&mut self, matrix: &BlockMatrix) -> Result<(), CholeskyError> {
-        let pattern = matrix.pattern();
         let mut values = self.cholesky.values_mut().iter_mut();
-        let mut push = |value: Real| *values.next().expect("the pattern that was analysed") = value;
-        for row in (0..pattern.row_count()).filter(|&row| self.free_index[row] != PRESCRIBED) {
-            for axis in 0..3 {
-                for slot in pattern.row(row) {
-                    let column = pattern.columns()[slot] as usize;
-                    if self.free_index[column] != PRESCRIBED {
-                        let block = &matrix.blocks()[slot];
-                        let height = if column == row { axis + 1 } else { 3 };
-                        (0..height).for_each(|k| push(block[(axis, k)]));
-                    }
-                }
-            }
-        }
+        for_each_value(matrix, &self.free_index, |value| {
+            *values.next().expect("the pattern that was analysed") = value;
+        });
         self.cholesky.factorize()
     }
 
@@ -112,6 +82,53 @@ impl BlockCholesky {
                 let at = 3 * index as usize;
                 Vec3::from_column_slice(&self.right_hand_side[at..at + 3])
             };
+        }
+    }
+}
+
+/// The scalar upper half of the free part of a block pattern. Row i of the lower half, read across, is column i of
+/// the upper half, read down.
+pub(super) fn upper_pattern(
+    pattern: &BlockPattern,
+    free_index: &[u32],
+) -> Result<UpperPattern, CholeskyError> {
+    let mut column_offsets = vec![0u32];
+    let mut rows = Vec::new();
+    for row in (0..pattern.row_count()).filter(|&row| free_index[row] != PRESCRIBED) {
+        for axis in 0..3 {
+            for &column in &pattern.columns()[pattern.row(row)] {
+                let index = free_index[column as usize];
+                if index != PRESCRIBED {
+                    let height = if column as usize == row { axis + 1 } else { 3 };
+                    rows.extend((0..height).map(|k| 3 * index + k));
+                }
+            }
+            let end = u32::try_from(rows.len()).map_err(|_| CholeskyError::TooLarge)?;
+            column_offsets.push(end);
+        }
+    }
+    Ok(UpperPattern {
+        column_offsets,
+        rows,
+    })
+}
+
+/// The numbers of a block matrix in the order of [`upper_pattern`].
+pub(super) fn for_each_value(
+    matrix: &BlockMatrix,
+    free_index: &[u32],
+    mut visit: impl FnMut(Real),
+) {
+    let pattern = matrix.pattern();
+    for row in (0..pattern.row_count()).filter(|&row| free_index[row] != PRESCRIBED) {
+        for axis in 0..3 {
+            for slot in pattern.row(row) {
+                let column = pattern.columns()[slot] as usize;
+                if free_index[column] != PRESCRIBED {
+                    let height = if column == row { axis + 1 } else { 3 };
+                    (0..height).for_each(|k| visit(matrix.blocks()[slot][(axis, k)]));
+                }
+            }
         }
     }
 }

@@ -31,7 +31,7 @@ impl UpperPattern {
         self.column_offsets.len() - 1
     }
 
-    fn view(&self) -> SymbolicSparseColMatRef<'_, u32> {
+    pub(super) fn view(&self) -> SymbolicSparseColMatRef<'_, u32> {
         let n = self.dimension();
         SymbolicSparseColMatRef::new_checked(n, n, &self.column_offsets, None, &self.rows)
     }

@@ -1,0 +1,102 @@
+//! Degrees of freedom: the closed forms of VALIDATION 6 and a dense computation.
+
+use cloth_core::dof::{EdgeRank, bent};
+use cloth_core::math::{Real, Vec3};
+use cloth_core::mesh::TriMesh;
+use cloth_core::mesh::generate::{self, Diagonals};
+use cloth_core::topology::{EdgeTable, Topology};
+
+fn measured(mesh: &TriMesh, positions: &[Vec3]) -> (Topology, EdgeRank) {
+    let edges = EdgeTable::build(mesh).unwrap();
+    let rank = EdgeRank::measure(positions, &edges).unwrap();
+    (Topology::of(mesh, &edges), rank)
+}
+
+/// Rank and smallest kept singular value by a dense singular value decomposition.
+fn dense(positions: &[Vec3], edges: &EdgeTable) -> (usize, Real) {
+    let mut j = nalgebra::DMatrix::<Real>::zeros(edges.len(), 3 * positions.len());
+    for (row, [a, b]) in edges.ends().iter().enumerate() {
+        let n = (positions[*a as usize] - positions[*b as usize]).normalize();
+        for axis in 0..3 {
+            j[(row, 3 * *a as usize + axis)] = n[axis];
+            j[(row, 3 * *b as usize + axis)] = -n[axis];
+        }
+    }
+    let kept: Vec<Real> = j
+        .singular_values()
+        .iter()
+        .copied()
+        .filter(|&s| s > 1e-6)
+        .collect();
+    (
+        kept.len(),
+        kept.iter().copied().fold(Real::INFINITY, Real::min),
+    )
+}
+
+#[test]
+fn eight_by_eight_cells_have_84_motions_flat_and_35_bent() {
+    let mesh = generate::grid(9, 9, 1.0, 1.0, Diagonals::Alternating).unwrap();
+    let (topology, flat) = measured(&mesh, mesh.positions());
+    assert_eq!(topology.count_3v_e, 35);
+    assert_eq!(flat.nullity, 84);
+    assert_eq!(flat.self_stresses, 49);
+    let (_, curved) = measured(&mesh, &bent(mesh.positions()));
+    assert_eq!(curved.nullity, 35);
+    assert_eq!(curved.self_stresses, 0);
+}
+
+#[test]
+fn a_flat_sheet_keeps_one_motion_per_vertex_and_three_more() {
+    let sheets = [
+        generate::grid(7, 12, 1.0, 2.0, Diagonals::OneWay).unwrap(),
+        generate::grid(12, 7, 2.0, 1.0, Diagonals::Alternating).unwrap(),
+        generate::grid(6, 6, 1.0, 1.0, Diagonals::Crossed).unwrap(),
+        generate::disk(6, 0.5).unwrap(),
+        generate::irregular(10, 1.0, 1.0, 7).unwrap(),
+    ];
+    for mesh in sheets {
+        let (topology, flat) = measured(&mesh, mesh.positions());
+        assert_eq!(flat.nullity, topology.vertices + 3);
+        let inner = topology.vertices - topology.boundary_edges;
+        assert_eq!(
+            flat.self_stresses, inner,
+            "one self-stress per inner vertex"
+        );
+        let (_, curved) = measured(&mesh, &bent(mesh.positions()));
+        assert_eq!(curved.nullity as i64, topology.count_3v_e);
+    }
+}
+
+#[test]
+fn the_rank_agrees_with_a_dense_singular_value_decomposition() {
+    let meshes = [
+        generate::grid(6, 5, 1.0, 1.0, Diagonals::OneWay).unwrap(),
+        generate::tube(7, 4, 0.3, 1.0).unwrap(),
+        generate::sphere(2, 1.0).unwrap(),
+        generate::torus(9, 6, 1.0, 0.3).unwrap(),
+        generate::irregular(6, 1.0, 1.0, 3).unwrap(),
+    ];
+    for mesh in meshes {
+        let edges = EdgeTable::build(&mesh).unwrap();
+        for positions in [mesh.positions().to_vec(), bent(mesh.positions())] {
+            let sparse = EdgeRank::measure(&positions, &edges).unwrap();
+            let (rank, smallest) = dense(&positions, &edges);
+            assert_eq!(sparse.rank, rank);
+            assert!(
+                (sparse.smallest_kept / smallest - 1.0).abs() < 2e-3,
+                "{} against {smallest}",
+                sparse.smallest_kept
+            );
+        }
+    }
+}
+
+#[test]
+fn a_closed_convex_surface_has_only_its_rigid_motions() {
+    let mesh = generate::sphere(6, 1.0).unwrap();
+    let (topology, rank) = measured(&mesh, mesh.positions());
+    assert_eq!(topology.count_3v_e, 6);
+    assert_eq!(rank.nullity, 6);
+    assert_eq!(rank.self_stresses, 0);
+}
