@@ -1,0 +1,159 @@
+//! A mesh by name: a file, or a generator such as `grid:33x33:alternating`.
+
+use crate::error::BenchError;
+use crate::names;
+use cloth_core::mesh::generate::{self, Diagonals};
+use cloth_core::mesh::{TriMesh, obj};
+use std::path::Path;
+
+/// The generators and how they are written, for `list`.
+pub const GENERATORS: [(&str, &str); 8] = [
+    (
+        "grid:NxM:PATTERN",
+        "N × M vertices, 1 m wide; PATTERN is one-way, alternating or crossed",
+    ),
+    (
+        "equilateral:NxM",
+        "N × M vertices on a lattice of equilateral triangles, 1 m wide",
+    ),
+    (
+        "irregular:N",
+        "about N × N vertices, jittered, Delaunay, 1 m × 1 m",
+    ),
+    ("disk:N", "N rings, radius 0.5 m"),
+    (
+        "tube:NxM",
+        "N vertices around, M cells along, radius 0.25 m, 1 m long",
+    ),
+    (
+        "torus:NxM",
+        "N vertices around, M across, radii 0.5 m and 0.2 m",
+    ),
+    (
+        "sphere:N",
+        "an icosahedron with edges split in N, radius 0.5 m",
+    ),
+    (
+        "moebius:NxM",
+        "a Möbius band, N vertices around, M cells across, radius 0.5 m",
+    ),
+];
+
+/// The diagonal patterns by name.
+pub const PATTERNS: [(&str, Diagonals); 3] = [
+    ("one-way", Diagonals::OneWay),
+    ("alternating", Diagonals::Alternating),
+    ("crossed", Diagonals::Crossed),
+];
+
+/// Builds or reads the mesh that `spec` names.
+///
+/// # Errors
+/// [`BenchError::Usage`] that names what is wrong with the name, or with the line of the file.
+pub fn load(spec: &str) -> Result<TriMesh, BenchError> {
+    let mut parts = spec.split(':');
+    let kind = parts.next().unwrap_or_default();
+    let arguments: Vec<&str> = parts.collect();
+    let known: Vec<&str> = GENERATORS
+        .iter()
+        .map(|(form, _)| form.split(':').next().unwrap_or(form))
+        .collect();
+    if !known.contains(&kind) {
+        let looks_like_a_name = !arguments.is_empty() && !Path::new(spec).exists();
+        if looks_like_a_name {
+            return Err(BenchError::Usage(names::unknown(
+                "mesh generator",
+                kind,
+                &known,
+            )));
+        }
+        return obj::read(Path::new(spec)).map_err(BenchError::usage);
+    }
+    let form = GENERATORS[known.iter().position(|k| *k == kind).unwrap_or(0)].0;
+    let wrong = || BenchError::Usage(format!("`{spec}` is not of the form {form}"));
+    let one = || -> Result<usize, BenchError> {
+        match arguments[..] {
+            [n] => n.parse().map_err(|_| wrong()),
+            _ => Err(wrong()),
+        }
+    };
+    let two = |text: &str| -> Result<[usize; 2], BenchError> {
+        let (n, m) = text.split_once('x').ok_or_else(wrong)?;
+        Ok([
+            n.parse().map_err(|_| wrong())?,
+            m.parse().map_err(|_| wrong())?,
+        ])
+    };
+    let only_two = || match arguments[..] {
+        [size] => two(size),
+        _ => Err(wrong()),
+    };
+    let mesh = match kind {
+        "grid" => {
+            let [size, pattern] = arguments[..] else {
+                return Err(wrong());
+            };
+            let [n, m] = two(size)?;
+            let diagonals = PATTERNS
+                .iter()
+                .find(|(name, _)| *name == pattern)
+                .ok_or_else(|| {
+                    let known: Vec<&str> = PATTERNS.iter().map(|(name, _)| *name).collect();
+                    BenchError::Usage(names::unknown("diagonal pattern", pattern, &known))
+                })?;
+            let height = m.saturating_sub(1) as f64 / n.saturating_sub(1).max(1) as f64;
+            generate::grid(n, m, 1.0, height, diagonals.1)
+        }
+        "equilateral" => {
+            let [n, m] = only_two()?;
+            generate::equilateral(n, m, 1.0 / n.saturating_sub(1).max(1) as f64)
+        }
+        "irregular" => generate::irregular(one()?, 1.0, 1.0, 1),
+        "disk" => generate::disk(one()?, 0.5),
+        "tube" => {
+            let [n, m] = only_two()?;
+            generate::tube(n, m, 0.25, 1.0)
+        }
+        "torus" => {
+            let [n, m] = only_two()?;
+            generate::torus(n, m, 0.5, 0.2)
+        }
+        "sphere" => generate::sphere(one()?, 0.5),
+        _ => {
+            let [n, m] = only_two()?;
+            generate::moebius(n, m, 0.5, 0.3)
+        }
+    };
+    mesh.map_err(|error| BenchError::Usage(format!("`{spec}`: {error}")))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_form_makes_the_mesh_it_names() {
+        let counts = |spec: &str| {
+            let mesh = load(spec).unwrap();
+            (mesh.vertex_count(), mesh.triangle_count())
+        };
+        assert_eq!(counts("grid:9x5:one-way"), (45, 64));
+        assert_eq!(counts("grid:9x5:alternating"), (45, 64));
+        assert_eq!(counts("grid:9x5:crossed"), (45 + 32, 128));
+        assert_eq!(counts("tube:8x3"), (32, 48));
+        assert_eq!(counts("torus:9x6"), (54, 108));
+        assert_eq!(counts("sphere:3"), (92, 180));
+    }
+
+    #[test]
+    fn a_wrong_name_is_answered_with_the_right_form() {
+        let message = |spec: &str| load(spec).unwrap_err().to_string();
+        assert!(message("grd:9x9:one-way").contains("`grid`"));
+        assert!(message("grid:9:one-way").contains("grid:NxM:PATTERN"));
+        assert!(message("grid:9x9:oneway").contains("`one-way`"));
+        assert!(message("grid:9x9").contains("grid:NxM:PATTERN"));
+        assert!(message("disk:0").contains("`disk:0`"));
+        assert!(message("sphere:two").contains("sphere:N"));
+        assert!(message("no-such-file.obj").contains("no-such-file.obj"));
+    }
+}

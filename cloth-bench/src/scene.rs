@@ -1,0 +1,112 @@
+//! The physical scenes, stated once in SI units. Every method simulates the same one.
+
+mod build;
+mod pins;
+
+pub use build::build;
+
+use crate::settings::{Parameter, parameter};
+use cloth_core::cloth::ClothModel;
+use cloth_core::math::{Real, Vec3};
+use cloth_core::particles::State;
+
+/// What is simulated: the same masses, elements, pins and start for every method.
+#[derive(Clone, Debug)]
+pub struct Scene {
+    /// Its name.
+    pub name: &'static str,
+    /// Masses (pins included) and elements.
+    pub model: ClothModel,
+    /// Where it starts.
+    pub start: State,
+    /// Triangles, for pictures and for counting crossings; none for a chain.
+    pub triangles: Vec<[u32; 3]>,
+    /// Acceleration of free fall (m/s²).
+    pub gravity: Vec3,
+    /// Step size Δt (s) unless the caller wants another.
+    pub dt: Real,
+    /// Number of steps unless the caller wants another.
+    pub steps: u32,
+    /// Which vertex of the caller's mesh each vertex is, where vertices were renumbered.
+    pub order: Option<cloth_core::ordering::Order>,
+}
+
+/// A scene that can be named.
+#[derive(Clone, Copy, Debug)]
+pub struct SceneInfo {
+    /// Its name.
+    pub name: &'static str,
+    /// What it is.
+    pub about: &'static str,
+    /// What can be set.
+    pub parameters: &'static [Parameter],
+}
+
+pub(crate) const DENSITY: Parameter = parameter("density", "0.2", "areal density (kg/m²)");
+pub(crate) const STIFFNESS: Parameter =
+    parameter("stiffness", "1e4", "stiffness k of every spring (N/m)");
+pub(crate) const RIGIDITY: Parameter = parameter("rigidity", "1e-5", "bending rigidity D (N·m)");
+pub(crate) const GRAVITY: Parameter =
+    parameter("gravity", "9.81", "acceleration of free fall (m/s²)");
+pub(crate) const SIZE: Parameter = parameter("n", "33", "vertices a side");
+pub(crate) const PATTERN: Parameter = parameter(
+    "pattern",
+    "alternating",
+    "diagonals: one-way, alternating or crossed",
+);
+pub(crate) const PINS: Parameter = parameter(
+    "pins",
+    "default",
+    "held vertices: default (corners of a grid, highest of a file), corners, highest, none, or numbers such as 0,32",
+);
+pub(crate) const UP: Parameter = parameter(
+    "up",
+    "default",
+    "axis against gravity: x, y or z (default z, for a file y)",
+);
+pub(crate) const LINKS: Parameter = parameter("n", "20", "number of free masses");
+pub(crate) const LINK_LENGTH: Parameter = parameter("link", "0.05", "length of a link (m)");
+pub(crate) const LINK_MASS: Parameter = parameter("mass", "0.01", "mass of a vertex (kg)");
+pub(crate) const TIP_MASS: Parameter =
+    parameter("tip_mass", "0.01", "mass of the last vertex (kg)");
+pub(crate) const ASPECT: Parameter =
+    parameter("length", "1", "length of the strip (m), 0.2 m wide");
+pub(crate) const STRIP_SIZE: Parameter = parameter("n", "8", "cells across the strip");
+pub(crate) const STRIP_RIGIDITY: Parameter =
+    parameter("rigidity", "0.1", "bending rigidity D (N·m)");
+
+/// Every scene.
+pub const SCENES: [SceneInfo; 4] = [
+    SceneInfo {
+        name: "hang",
+        about: "a sheet of 1 m × 1 m held at two corners, starting horizontal; with --mesh any OBJ, held at its highest vertices",
+        parameters: &[
+            SIZE, PATTERN, DENSITY, STIFFNESS, RIGIDITY, GRAVITY, PINS, UP,
+        ],
+    },
+    SceneInfo {
+        name: "drop",
+        about: "the same sheet in free fall, held nowhere: it must not deform",
+        parameters: &[
+            SIZE, PATTERN, DENSITY, STIFFNESS, RIGIDITY, GRAVITY, PINS, UP,
+        ],
+    },
+    SceneInfo {
+        name: "chain",
+        about: "a chain of equal links held at one end, starting horizontal",
+        parameters: &[LINKS, LINK_LENGTH, LINK_MASS, TIP_MASS, STIFFNESS, GRAVITY],
+    },
+    SceneInfo {
+        name: "cantilever",
+        about: "a strip clamped at one end, bending under its own weight",
+        parameters: &[
+            STRIP_SIZE,
+            ASPECT,
+            PATTERN,
+            DENSITY,
+            STIFFNESS,
+            STRIP_RIGIDITY,
+            GRAVITY,
+        ],
+    },
+];

@@ -1,0 +1,193 @@
+//! From a name and settings to a [`Scene`].
+
+use super::{
+    ASPECT, DENSITY, GRAVITY, LINK_LENGTH, LINK_MASS, LINKS, PATTERN, PINS, RIGIDITY, SCENES, SIZE,
+    STIFFNESS, STRIP_RIGIDITY, STRIP_SIZE, Scene, SceneInfo, TIP_MASS, UP, pins,
+};
+use crate::error::BenchError;
+use crate::mesh_spec::{self, PATTERNS};
+use crate::names;
+use crate::settings::Settings;
+use cloth_core::cloth::{Cloth, ClothModel, Membrane};
+use cloth_core::energy::Spring;
+use cloth_core::math::{Real, Vec3};
+use cloth_core::mesh::TriMesh;
+use cloth_core::mesh::generate;
+use cloth_core::ordering::Order;
+use cloth_core::particles::{Particles, State};
+
+impl SceneInfo {
+    /// The scene of that name.
+    ///
+    /// # Errors
+    /// [`BenchError::Usage`] that names the nearest known one.
+    pub fn find(name: &str) -> Result<&'static Self, BenchError> {
+        SCENES
+            .iter()
+            .find(|scene| scene.name == name)
+            .ok_or_else(|| {
+                let known: Vec<&str> = SCENES.iter().map(|s| s.name).collect();
+                BenchError::Usage(names::unknown("scene", name, &known))
+            })
+    }
+}
+
+/// Builds the scene `name`. `mesh` replaces the sheet of `hang` and `drop` (a file, or a generator).
+///
+/// # Errors
+/// [`BenchError::Usage`] for an unknown scene, a mesh that does not serve, or a value out of range.
+pub fn build(name: &str, mesh: Option<&str>, settings: &Settings) -> Result<Scene, BenchError> {
+    let info = SceneInfo::find(name)?;
+    match (info.name, mesh) {
+        ("chain", None) => chain(settings),
+        ("cantilever", None) => cantilever(settings),
+        (name, Some(_)) if name == "chain" || name == "cantilever" => Err(BenchError::Usage(
+            format!("scene `{name}` takes no --mesh; `hang` and `drop` do"),
+        )),
+        (name, mesh) => sheet(name, mesh, settings),
+    }
+}
+
+/// `hang` and `drop`.
+fn sheet(name: &'static str, mesh: Option<&str>, settings: &Settings) -> Result<Scene, BenchError> {
+    let from_file = mesh.is_some_and(|spec| !spec.contains(':'));
+    let (mesh, order) = match mesh {
+        Some(spec) => {
+            let mesh = mesh_spec::load(spec)?;
+            // Files come in any vertex order; neighbours in space become neighbours in memory.
+            let order = from_file.then(|| Order::morton(mesh.positions()));
+            (mesh, order)
+        }
+        None => {
+            let n = settings.count(&SIZE, 2)? as usize;
+            let diagonals = settings.choice(&PATTERN, &PATTERNS)?;
+            (
+                generate::grid(n, n, 1.0, 1.0, diagonals).map_err(BenchError::usage)?,
+                None,
+            )
+        }
+    };
+    let axis = match settings.text(&UP) {
+        "default" if from_file => "y",
+        "default" => "z",
+        axis => axis,
+    };
+    let up = Settings::default()
+        .with(UP.name, axis)
+        .choice(&UP, &[("x", Vec3::x()), ("y", Vec3::y()), ("z", Vec3::z())])?;
+    let held = match (settings.text(&PINS), name) {
+        ("default", "drop") => "none",
+        ("default", _) if from_file => "highest",
+        ("default", _) => "corners",
+        (text, _) => text,
+    };
+    let mut held = pins::chosen(held, mesh.positions(), up)?;
+    let mesh = match &order {
+        Some(order) => {
+            for vertex in &mut held {
+                *vertex = order.new_of_old()[*vertex] as usize;
+            }
+            order.reorder_mesh(&mesh)
+        }
+        None => mesh,
+    };
+    let mut model = cloth(settings, settings.number(&RIGIDITY)?)?
+        .on(&mesh)
+        .map_err(BenchError::usage)?;
+    hold(&held, &mut model)?;
+    let gravity = up * -settings.number(&GRAVITY)?;
+    Ok(Scene {
+        order,
+        ..of_mesh(name, &mesh, model, gravity)
+    })
+}
+
+fn hold(vertices: &[usize], model: &mut ClothModel) -> Result<(), BenchError> {
+    vertices
+        .iter()
+        .try_for_each(|&vertex| model.particles.prescribe(vertex).map_err(BenchError::usage))
+}
+
+fn cloth(settings: &Settings, rigidity: Real) -> Result<Cloth, BenchError> {
+    Ok(Cloth {
+        areal_density: settings.number(&DENSITY)?,
+        membrane: Membrane::SpringStiffness(settings.number(&STIFFNESS)?),
+        bending_rigidity: rigidity,
+    })
+}
+
+fn of_mesh(name: &'static str, mesh: &TriMesh, model: ClothModel, gravity: Vec3) -> Scene {
+    Scene {
+        name,
+        model,
+        start: State::at_rest(mesh.positions().to_vec()),
+        triangles: mesh.triangles().to_vec(),
+        gravity,
+        dt: 1.0 / 60.0,
+        steps: 300,
+        order: None,
+    }
+}
+
+fn chain(settings: &Settings) -> Result<Scene, BenchError> {
+    let n = settings.count(&LINKS, 1)? as usize;
+    let link = settings.positive(&LINK_LENGTH)?;
+    let mut mass = vec![settings.number(&LINK_MASS)?; n + 1];
+    mass[n] = settings.number(&TIP_MASS)?;
+    let mut particles = Particles::new(mass).map_err(BenchError::usage)?;
+    particles.prescribe(0).map_err(BenchError::usage)?;
+    let positions: Vec<Vec3> = (0..=n)
+        .map(|i| Vec3::new(i as Real * link, 0.0, 0.0))
+        .collect();
+    let ends: Vec<[u32; 2]> = (0..n as u32).map(|i| [i, i + 1]).collect();
+    let stiffness = settings.number(&STIFFNESS)?;
+    if stiffness < 0.0 {
+        return Err(BenchError::Usage(format!(
+            "stiffness is {stiffness}, but it must not be negative"
+        )));
+    }
+    Ok(Scene {
+        name: "chain",
+        model: ClothModel {
+            springs: Spring::along(&positions, &ends, stiffness),
+            hinges: Vec::new(),
+            particles,
+        },
+        start: State::at_rest(positions),
+        triangles: Vec::new(),
+        gravity: Vec3::z() * -settings.number(&GRAVITY)?,
+        dt: 1.0 / 60.0,
+        steps: 300,
+        order: None,
+    })
+}
+
+fn cantilever(settings: &Settings) -> Result<Scene, BenchError> {
+    const WIDTH: Real = 0.2;
+    let across = settings.count(&STRIP_SIZE, 1)? as usize;
+    let length = settings.positive(&ASPECT)?;
+    let along = ((length / WIDTH * across as Real).round() as usize).max(2);
+    let diagonals = settings.choice(&PATTERN, &PATTERNS)?;
+    let mesh = generate::grid(along + 1, across + 1, length, WIDTH, diagonals)
+        .map_err(BenchError::usage)?;
+    let mut model = cloth(settings, settings.number(&STRIP_RIGIDITY)?)?
+        .on(&mesh)
+        .map_err(BenchError::usage)?;
+    // Two columns of vertices are held: position and direction of the clamped end.
+    let left = mesh
+        .positions()
+        .iter()
+        .map(|p| p.x)
+        .fold(Real::INFINITY, Real::min);
+    let clamp = left + 1.5 * length / along as Real;
+    let held: Vec<usize> = (0..mesh.vertex_count())
+        .filter(|&v| mesh.positions()[v].x < clamp)
+        .collect();
+    hold(&held, &mut model)?;
+    Ok(of_mesh(
+        "cantilever",
+        &mesh,
+        model,
+        Vec3::z() * -settings.number(&GRAVITY)?,
+    ))
+}

@@ -1,0 +1,230 @@
+//! `--set key=value`: named parameters of scenes, methods and laws, checked against what each of them knows.
+
+use crate::error::BenchError;
+use crate::names;
+use cloth_core::math::Real;
+
+/// A parameter that a scene, a method or a law takes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Parameter {
+    /// Its key.
+    pub name: &'static str,
+    /// Its value if it is not set, as one would write it.
+    pub default: &'static str,
+    /// What it is, with its unit.
+    pub about: &'static str,
+}
+
+/// Shorthand for a table of parameters.
+#[must_use]
+pub const fn parameter(
+    name: &'static str,
+    default: &'static str,
+    about: &'static str,
+) -> Parameter {
+    Parameter {
+        name,
+        default,
+        about,
+    }
+}
+
+/// The values set on the command line.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Settings {
+    given: Vec<(String, String)>,
+}
+
+impl Settings {
+    /// Reads `key=value` pairs. Of a key set twice the last value holds.
+    ///
+    /// # Errors
+    /// [`BenchError::Usage`] for a pair without `=` or without a key.
+    pub fn parse<S: AsRef<str>>(pairs: &[S]) -> Result<Self, BenchError> {
+        let mut given = Vec::new();
+        for pair in pairs {
+            match pair.as_ref().split_once('=') {
+                Some((key, value)) if !key.trim().is_empty() => {
+                    given.push((key.trim().to_owned(), value.trim().to_owned()));
+                }
+                _ => {
+                    return Err(BenchError::Usage(format!(
+                        "`--set {}` is not of the form key=value",
+                        pair.as_ref()
+                    )));
+                }
+            }
+        }
+        Ok(Self { given })
+    }
+
+    /// The same settings and one more.
+    #[must_use]
+    pub fn with(mut self, key: &str, value: impl ToString) -> Self {
+        self.given.push((key.to_owned(), value.to_string()));
+        self
+    }
+
+    /// Refuses keys that none of the tables knows. `what` names what takes them.
+    ///
+    /// # Errors
+    /// [`BenchError::Usage`] that names the key and the nearest known one.
+    pub fn check(&self, what: &str, tables: &[&[Parameter]]) -> Result<(), BenchError> {
+        let known: Vec<&str> = tables
+            .iter()
+            .flat_map(|t| t.iter())
+            .map(|p| p.name)
+            .collect();
+        match self
+            .given
+            .iter()
+            .find(|(key, _)| !known.contains(&key.as_str()))
+        {
+            Some((key, _)) => Err(BenchError::Usage(names::unknown(
+                &format!("parameter of {what}"),
+                key,
+                &known,
+            ))),
+            None => Ok(()),
+        }
+    }
+
+    /// What was given for a key.
+    #[must_use]
+    pub fn get(&self, key: &str) -> Option<&str> {
+        self.given
+            .iter()
+            .rev()
+            .find(|(k, _)| k == key)
+            .map(|(_, v)| v.as_str())
+    }
+
+    /// The value of a parameter as text, its default if it was not set.
+    #[must_use]
+    pub fn text<'a>(&'a self, parameter: &Parameter) -> &'a str {
+        self.get(parameter.name).unwrap_or(parameter.default)
+    }
+
+    /// The value as a finite number.
+    ///
+    /// # Errors
+    /// [`BenchError::Usage`] if it is none.
+    pub fn number(&self, parameter: &Parameter) -> Result<Real, BenchError> {
+        let text = self.text(parameter);
+        text.parse::<Real>()
+            .ok()
+            .filter(|v| v.is_finite())
+            .ok_or_else(|| {
+                BenchError::Usage(format!(
+                    "{} is `{text}`, but it has to be a finite number",
+                    parameter.name
+                ))
+            })
+    }
+
+    /// The value as a number above zero.
+    ///
+    /// # Errors
+    /// [`BenchError::Usage`] if it is none.
+    pub fn positive(&self, parameter: &Parameter) -> Result<Real, BenchError> {
+        let value = self.number(parameter)?;
+        if value > 0.0 {
+            Ok(value)
+        } else {
+            Err(BenchError::Usage(format!(
+                "{} is {value}, but it has to be above zero",
+                parameter.name
+            )))
+        }
+    }
+
+    /// The value as a whole number of at least `least`.
+    ///
+    /// # Errors
+    /// [`BenchError::Usage`] if it is none.
+    pub fn count(&self, parameter: &Parameter, least: u32) -> Result<u32, BenchError> {
+        let text = self.text(parameter);
+        text.parse::<u32>()
+            .ok()
+            .filter(|&n| n >= least)
+            .ok_or_else(|| {
+                BenchError::Usage(format!(
+                    "{} is `{text}`, but it has to be a whole number, at least {least}",
+                    parameter.name
+                ))
+            })
+    }
+
+    /// The value as one of a few names.
+    ///
+    /// # Errors
+    /// [`BenchError::Usage`] that names the nearest known one.
+    pub fn choice<T: Copy>(
+        &self,
+        parameter: &Parameter,
+        choices: &[(&'static str, T)],
+    ) -> Result<T, BenchError> {
+        let text = self.text(parameter);
+        choices
+            .iter()
+            .find(|(name, _)| *name == text)
+            .map(|&(_, value)| value)
+            .ok_or_else(|| {
+                let known: Vec<&str> = choices.iter().map(|&(name, _)| name).collect();
+                BenchError::Usage(names::unknown(parameter.name, text, &known))
+            })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TABLE: [Parameter; 2] = [
+        parameter("stiffness", "1e4", "N/m"),
+        parameter("iterations", "10", "a count"),
+    ];
+
+    #[test]
+    fn the_last_value_of_a_key_holds_and_defaults_fill_in() {
+        let set = Settings::parse(&["stiffness=5", "stiffness = 7"]).unwrap();
+        assert_eq!(set.number(&TABLE[0]).unwrap(), 7.0);
+        assert_eq!(set.count(&TABLE[1], 1).unwrap(), 10);
+    }
+
+    #[test]
+    fn an_unknown_key_is_answered_with_the_nearest_known_one() {
+        let set = Settings::parse(&["stifness=5"]).unwrap();
+        let message = set
+            .check("scene `hang`", &[&TABLE])
+            .unwrap_err()
+            .to_string();
+        assert!(
+            message.contains("`stifness`") && message.contains("`stiffness`"),
+            "{message}"
+        );
+    }
+
+    #[test]
+    fn values_out_of_range_are_refused_by_name() {
+        for (pair, parameter) in [
+            ("stiffness=nan", 0),
+            ("stiffness=-1", 0),
+            ("stiffness=x", 0),
+        ] {
+            let error = Settings::parse(&[pair])
+                .unwrap()
+                .positive(&TABLE[parameter])
+                .unwrap_err();
+            assert!(error.to_string().starts_with("stiffness is"), "{error}");
+        }
+        assert!(
+            Settings::parse(&["iterations=0"])
+                .unwrap()
+                .count(&TABLE[1], 1)
+                .is_err()
+        );
+        assert!(Settings::parse(&["iterations"]).is_err());
+        assert!(Settings::parse(&["=3"]).is_err());
+    }
+}
