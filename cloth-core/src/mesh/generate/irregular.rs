@@ -5,15 +5,17 @@ use crate::math::{Real, Vec3};
 use crate::mesh::{MeshError, TriMesh};
 use crate::topology::{EdgeTable, HingeTable};
 
-/// Rounds of moving vertices and restoring the Delaunay property; after four the rows of the
-/// grid it started from can no longer be seen.
-const ROUNDS: usize = 4;
+/// Rounds of moving vertices and restoring the Delaunay property. After eight, little is left of
+/// the two directions of the grid: the mean of cos 4φ over the edges falls from 0.22 after one
+/// round to about 0.05 (60 × 60, of which 0.02 are the boundary).
+const ROUNDS: usize = 8;
 
 /// Largest displacement per round and axis, as a fraction of the spacing.
 const JITTER: Real = 0.24;
 
-/// Triangles may not be pushed below this shape quality; 1 is equilateral, 0 has no area.
-const LEAST_QUALITY: Real = 0.4;
+/// No triangle may be pushed below this shape quality (1 is equilateral, 0 has no area). It
+/// keeps angles above about 16° in a sheet of square cells, and still lets most moves pass.
+const LEAST_QUALITY: Real = 0.5;
 
 /// Flat irregular sheet of n × n vertices, `width` × `height` (m), with a corner at the origin:
 /// the Delaunay triangulation of randomly displaced points.
@@ -78,9 +80,9 @@ fn displace(
         let before = positions[vertex];
         let quality_before = worst(positions);
         positions[vertex] += d;
-        // On a stretched sheet all triangles may be thin from the start; then they may at least
-        // not get much thinner, and never turn over.
-        if worst(positions) < LEAST_QUALITY.min(0.8 * quality_before) {
+        // On a stretched sheet all triangles are thin from the start; then they may at least not
+        // get thinner.
+        if worst(positions) < LEAST_QUALITY.min(quality_before) {
             positions[vertex] = before;
         }
     }

@@ -146,7 +146,7 @@ pub fn moebius(
 ///
 /// All vertices have six neighbours but the twelve of the icosahedron, which have five. The
 /// first twelve vertices are those; then come the inner points of its 30 edges, then of its 20
-/// faces. The longest edge tends to about 1.3 times the shortest as `n` grows.
+/// faces. The longest edge tends to about 1.5 times the shortest as `n` grows.
 ///
 /// # Errors
 /// [`MeshError::InvalidParameter`] for `n` = 0, for a radius that is not positive and finite, or

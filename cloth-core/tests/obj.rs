@@ -1,0 +1,221 @@
+//! Reading and writing OBJ: every mistake names its line (CORE-1).
+
+use cloth_core::math::Vec3;
+use cloth_core::mesh::generate::{irregular, sphere};
+use cloth_core::mesh::obj::{self, ObjProblem};
+use proptest::prelude::*;
+use std::path::{Path, PathBuf};
+
+/// A square of two triangles, lines 1 to 6.
+const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 4\n";
+
+fn message(text: &str) -> String {
+    obj::parse(text).unwrap_err().to_string()
+}
+
+fn temporary(name: &str) -> PathBuf {
+    std::env::temp_dir().join(format!("cloth-core-{}-{name}", std::process::id()))
+}
+
+#[test]
+fn every_way_to_write_a_face_reads_the_same() {
+    let square = obj::parse(SQUARE).unwrap();
+    let vertices = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
+    let spellings = [
+        "f 1 2 3 4",
+        "f -4 -3 -2 -1",
+        "f 1/1 2/2 3/3 4/4",
+        "f 1//1 2//1 3//1 4//1",
+        "f 1/1/1 2/2/1 3/3/1 4/4/1",
+        "f 1/-1/-1 -3//2 3/7 4",
+        "f 1 2 \\\n 3 \\\n 4",
+        "\tf   1\t2 3 4   # a comment",
+        "# f 9 9 9 \\\nf 1 2 3 4",
+    ];
+    for face in spellings {
+        assert_eq!(
+            obj::parse(&format!("{vertices}{face}")).unwrap(),
+            square,
+            "{face}"
+        );
+    }
+    // Faces may come first, and lines may end as they do on Windows.
+    let faces_first = format!("f 1 2 3 4\n{vertices}");
+    assert_eq!(obj::parse(&faces_first).unwrap(), square);
+    assert_eq!(obj::parse(&SQUARE.replace('\n', "\r\n")).unwrap(), square);
+    assert_eq!(obj::parse(&format!("\u{feff}{SQUARE}")).unwrap(), square);
+}
+
+#[test]
+fn what_a_cloth_does_not_need_is_skipped() {
+    let text = format!(
+        "# made by hand\nmtllib a.mtl\no thing\ng part 1\nusemtl red\ns off\nvt 0 0\nvn 0 0 1\n\
+         vp 1\n\n{SQUARE}l 1 2\np 1\ncstype bezier\ncurv 0 1 1 2\nend\nvendor_extension x y\n"
+    );
+    assert_eq!(obj::parse(&text).unwrap(), obj::parse(SQUARE).unwrap());
+    let coloured = SQUARE.replace("v 1 1 0", "v +1. 1e0 .0 0.5 0.25 0.125");
+    assert_eq!(obj::parse(&coloured).unwrap(), obj::parse(SQUARE).unwrap());
+}
+
+#[test]
+fn every_mistake_names_its_line() {
+    let cases = [
+        (
+            "v 0 0\n",
+            "line 7: a vertex needs three coordinates, this one has 2",
+        ),
+        (
+            "v\n",
+            "line 7: a vertex needs three coordinates, this one has 0",
+        ),
+        ("v 0 0 z\n", "line 7: \"z\" is not a number"),
+        ("v 0 nan 0\n", "line 7: a coordinate is not a finite number"),
+        (
+            "v 0 0 -inf\n",
+            "line 7: a coordinate is not a finite number",
+        ),
+        (
+            "v 0 0 1e999\n",
+            "line 7: a coordinate is not a finite number",
+        ),
+        (
+            "f 1 2\n",
+            "line 7: a face needs at least three corners, this one has 2",
+        ),
+        (
+            "f\n",
+            "line 7: a face needs at least three corners, this one has 0",
+        ),
+        (
+            "f 1 2 x\n",
+            "line 7: \"x\" is not a corner of a face, which reads v, v/vt, v//vn or v/vt/vn",
+        ),
+        (
+            "f 1 2 0\n",
+            "line 7: \"0\" is not a corner of a face, which reads v, v/vt, v//vn or v/vt/vn",
+        ),
+        (
+            "f 1 2 3.5\n",
+            "line 7: \"3.5\" is not a corner of a face, which reads v, v/vt, v//vn or v/vt/vn",
+        ),
+        (
+            "f 1/ 2 3\n",
+            "line 7: \"1/\" is not a corner of a face, which reads v, v/vt, v//vn or v/vt/vn",
+        ),
+        (
+            "f 1/1/1/1 2 3\n",
+            "line 7: \"1/1/1/1\" is not a corner of a face, which reads v, v/vt, v//vn or v/vt/vn",
+        ),
+        (
+            "f 1 2 5\n",
+            "line 7: the face names vertex 5, but there are only 4 vertices",
+        ),
+        (
+            "f 1 2 5000000000\n",
+            "line 7: the face names vertex 5000000000, but there are only 4 vertices",
+        ),
+        (
+            "f 1 2 -5\n",
+            "line 7: the face names vertex -5, counted backwards, but there are only 4 vertices so far",
+        ),
+        ("f 2 4 2\n", "line 7: the face names a vertex twice"),
+        (
+            "f 3 1 2\n",
+            "line 7: the face has the same three vertices as that of line 5",
+        ),
+        (
+            "f 2 1 3\n",
+            "line 7: the face has the same three vertices as that of line 5",
+        ),
+        ("v 2 2 0\n", "line 7: the vertex belongs to no face"),
+        (
+            "v 2 2 0\nf 1 3 5\n",
+            "line 8: the face is degenerate: the area of a triangle is 0e0 m²",
+        ),
+        (
+            "v 2 2 1\nf 1 3 5\n",
+            "line 8: the edge between vertices 1 and 3 belongs to the faces of lines 5 and 6 already",
+        ),
+        ("<html>\n", "line 7: \"<html>\" is not a keyword of OBJ"),
+        ("1 2 3\n", "line 7: \"1\" is not a keyword of OBJ"),
+    ];
+    for (mistake, expected) in cases {
+        assert_eq!(message(&format!("{SQUARE}{mistake}")), expected);
+    }
+    // A continued line counts as the one where it starts, and those after it are not moved.
+    assert!(message("v 0 \\\n0 z\n").starts_with("line 1: "));
+    assert!(message("v 0 \\\n0 0\n\nv x\n").starts_with("line 4: "));
+}
+
+#[test]
+fn files_that_are_missing_or_empty_are_named() {
+    let missing = Path::new("no/such/file.obj");
+    let error = obj::read(missing).unwrap_err();
+    assert!(matches!(error.problem(), ObjProblem::Unreadable(_)));
+    assert!(
+        error
+            .to_string()
+            .starts_with("no/such/file.obj: the file cannot be read: ")
+    );
+    assert!(std::error::Error::source(&error).is_some());
+
+    let path = temporary("empty.obj");
+    std::fs::write(&path, "").unwrap();
+    let error = obj::read(&path).unwrap_err();
+    assert_eq!(error.path(), Some(path.as_path()));
+    assert!(
+        error
+            .to_string()
+            .ends_with(": there are no faces, so there is no cloth")
+    );
+    std::fs::write(&path, "# caf\u{e9}\nv 1 2\n").unwrap();
+    let error = obj::read(&path).unwrap_err();
+    assert_eq!(error.line(), Some(2));
+    assert!(
+        error
+            .to_string()
+            .starts_with(&format!("{}: line 2: ", path.display()))
+    );
+    // Latin-1 in a comment is no reason to refuse a mesh.
+    let latin: Vec<u8> = [b"# caf\xe9\n", SQUARE.as_bytes()].concat();
+    std::fs::write(&path, latin).unwrap();
+    assert!(obj::read(&path).is_ok());
+    std::fs::remove_file(&path).unwrap();
+}
+
+#[test]
+fn writing_and_reading_gives_the_same_bits() {
+    let path = temporary("round.obj");
+    for mesh in [sphere(5, 0.3).unwrap(), irregular(15, 1.0, 1.0, 4).unwrap()] {
+        obj::write(&path, mesh.positions(), mesh.triangles()).unwrap();
+        assert_eq!(obj::read(&path).unwrap(), mesh);
+    }
+    std::fs::remove_file(&path).unwrap();
+    let nowhere = obj::write(Path::new("no/such/folder/a.obj"), &[], &[]).unwrap_err();
+    assert!(matches!(nowhere.problem(), ObjProblem::Unwritable(_)));
+}
+
+/// Lines that are nearly right reach further into the reader than arbitrary text does.
+fn nearly_obj() -> impl Strategy<Value = String> {
+    let word = "[vfg#\\\\]|-?[0-9]{1,3}|[0-9]/[0-9]?/[0-9]|nan|1e999|-?[0-9]\\.[0-9]|/|\\PC{0,3}";
+    let line = prop::collection::vec(word, 0..6).prop_map(|words| words.join(" "));
+    prop::collection::vec(line, 0..20).prop_map(|lines| lines.join("\n"))
+}
+
+proptest! {
+    #[test]
+    fn no_text_makes_the_reader_panic(text in "(?s).{0,200}", nearly in nearly_obj()) {
+        let _ = obj::parse(&text);
+        let _ = obj::parse(&format!("{SQUARE}{nearly}"));
+        let _ = obj::parse(&nearly);
+    }
+
+    #[test]
+    fn every_finite_coordinate_survives(bits in prop::array::uniform3(any::<u64>())) {
+        let p = bits.map(f64::from_bits);
+        prop_assume!(p.iter().all(|c| c.is_finite()));
+        let text = obj::format(&[Vec3::from(p)], &[]);
+        let read = text.split_whitespace().skip(1).map(|w| w.parse::<f64>().unwrap().to_bits());
+        prop_assert_eq!(read.collect::<Vec<_>>(), bits);
+    }
+}
