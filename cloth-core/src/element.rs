@@ -36,9 +36,21 @@ pub struct Row<const N: usize> {
 pub trait RowArray<const N: usize>: sealed::Sealed + AsRef<[Row<N>]> + Copy {
     /// How many rows M.
     const LEN: usize;
+
+    /// `[T; M]`: what a method remembers of each row, a multiplier for instance.
+    type PerRow<T: Copy + Debug + Send + Sync>: AsRef<[T]> + AsMut<[T]> + Copy + Debug + Send + Sync;
+
+    /// The same memory for every row.
+    fn per_row<T: Copy + Debug + Send + Sync>(value: T) -> Self::PerRow<T>;
 }
 impl<const N: usize, const M: usize> RowArray<N> for [Row<N>; M] {
     const LEN: usize = M;
+
+    type PerRow<T: Copy + Debug + Send + Sync> = [T; M];
+
+    fn per_row<T: Copy + Debug + Send + Sync>(value: T) -> [T; M] {
+        [value; M]
+    }
 }
 mod sealed {
     pub trait Sealed {}

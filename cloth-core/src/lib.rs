@@ -17,6 +17,7 @@ pub mod linear;
 #[cfg(feature = "cholesky")]
 pub mod dof;
 pub mod step;
+pub mod position_based;
 pub mod measure;
 pub mod check;
 pub mod cloth;

@@ -1,1 +1,9 @@
-//! x
+//! xpbd
+#![forbid(unsafe_code)]
+
+mod compliance;
+mod config;
+mod solver;
+
+pub use config::XpbdConfig;
+pub use solver::{XpbdBuilder, XpbdSolver};

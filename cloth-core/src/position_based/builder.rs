@@ -1,0 +1,107 @@
+//! How a position-based solver is put together.
+
+use super::{Families, Motion, Rule, Sweep};
+use crate::element::Constraint;
+use crate::math::Real;
+use crate::particles::Particles;
+use crate::step::BuildError;
+use std::fmt;
+
+/// The settings of a position-based method, and the solver that they make of masses and constraints.
+pub trait Settings: fmt::Debug + Default + Sized {
+    /// How the method goes along a row.
+    type Rule: Rule;
+    /// The method.
+    type Solver;
+
+    /// Sweeps per substep, parts of a step, and the order of a sweep.
+    fn pace(&self) -> (u32, u32, Sweep);
+
+    /// Checks what the method adds to its [`Settings::pace`].
+    ///
+    /// # Errors
+    /// [`BuildError::InvalidSetting`].
+    fn check(&self) -> Result<(), BuildError>;
+
+    /// The solver.
+    fn assemble(self, motion: Motion, families: Families<Self::Rule>) -> Self::Solver;
+}
+
+/// What is left to do for one family once the order of the sweep is known.
+type Plan<R> = Box<dyn FnOnce(&mut Families<R>, usize, Sweep) -> Result<(), BuildError>>;
+
+/// Collects what a position-based solver is built of.
+pub struct Builder<S: Settings> {
+    motion: Motion,
+    plans: Vec<Plan<S::Rule>>,
+    settings: S,
+}
+
+impl<S: Settings> Builder<S> {
+    /// Starts with the masses and prescribed vertices of `particles` as they are now, without constraints and with the default settings.
+    #[must_use]
+    pub fn new(particles: &Particles) -> Self {
+        Self {
+            motion: Motion::new(particles),
+            plans: Vec::new(),
+            settings: S::default(),
+        }
+    }
+
+    /// Adds a family of constraints. A sweep visits the families in the order in which they were added.
+    #[must_use]
+    pub fn energy<const N: usize, E: Constraint<N>>(mut self, elements: Vec<E>) -> Self {
+        self.plans
+            .push(Box::new(move |families, vertex_count, sweep| {
+                families.add(&elements, vertex_count, sweep)
+            }));
+        self
+    }
+
+    /// Replaces the settings.
+    #[must_use]
+    pub fn config(mut self, settings: S) -> Self {
+        self.settings = settings;
+        self
+    }
+
+    /// The solver.
+    ///
+    /// # Errors
+    /// [`BuildError::InvalidSetting`]; [`BuildError::NoSuchVertex`] if an element names a vertex that the particles do not have.
+    ///
+    /// # Panics
+    /// If an element of a coloured sweep names a vertex twice.
+    pub fn build(self) -> Result<S::Solver, BuildError> {
+        let (iterations, substeps, sweep) = self.settings.pace();
+        at_least_one("the number of iterations", iterations)?;
+        at_least_one("the number of substeps", substeps)?;
+        self.settings.check()?;
+        let mut families = Families::none();
+        for plan in self.plans {
+            plan(&mut families, self.motion.vertex_count(), sweep)?;
+        }
+        Ok(self.settings.assemble(self.motion, families))
+    }
+}
+
+impl<S: Settings> fmt::Debug for Builder<S> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Builder")
+            .field("vertices", &self.motion.vertex_count())
+            .field("families", &self.plans.len())
+            .field("settings", &self.settings)
+            .finish()
+    }
+}
+
+fn at_least_one(name: &'static str, count: u32) -> Result<(), BuildError> {
+    if count > 0 {
+        return Ok(());
+    }
+    Err(BuildError::InvalidSetting {
+        name,
+        value: Real::from(count),
+        range: "at least 1",
+    })
+}

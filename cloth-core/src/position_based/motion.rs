@@ -1,0 +1,114 @@
+//! Everything before and after the projection.
+
+use crate::math::{Real, Vec3};
+use crate::particles::{Particles, State};
+use crate::step::{Outcome, StepError, StepInput, StepReport};
+
+/// A working copy of what moves, and the four things that happen to it in a step.
+///
+/// In the order of a step: [`begin`](Self::begin); for each substep [`predict`](Self::predict), any number of
+/// [`iterate`](Self::iterate), [`update_velocities`](Self::update_velocities); [`finish`](Self::finish). The caller's state is
+/// written in the last one only, so that an error leaves it as it was.
+#[derive(Clone, Debug)]
+pub struct Motion {
+    /// Inverse masses (1/kg), one per vertex.
+    inverse_mass: Vec<Real>,
+    /// Positions (m), one per vertex: what the projection moves.
+    positions: Vec<Vec3>,
+    /// Velocities (m/s), one per vertex.
+    velocities: Vec<Vec3>,
+    /// Positions (m) before the projection, one per vertex.
+    predicted: Vec<Vec3>,
+    /// Iterations since `begin`.
+    iterations: u32,
+}
+
+impl Motion {
+    /// For these masses, as they are now.
+    #[must_use]
+    pub fn new(particles: &Particles) -> Self {
+        let zeros = || vec![Vec3::zeros(); particles.len()];
+        Self {
+            inverse_mass: particles.inverse_mass().to_vec(),
+            positions: zeros(),
+            velocities: zeros(),
+            predicted: zeros(),
+            iterations: 0,
+        }
+    }
+
+    /// Number of vertices V.
+    #[must_use]
+    pub fn vertex_count(&self) -> usize {
+        self.inverse_mass.len()
+    }
+
+    /// Inverse masses (1/kg), one per vertex.
+    #[must_use]
+    pub fn inverse_mass(&self) -> &[Real] {
+        &self.inverse_mass
+    }
+
+    /// Checks the input and copies the state.
+    ///
+    /// # Errors
+    /// Those of [`StepInput::check`].
+    ///
+    /// # Panics
+    /// If `state` or the load does not have V entries.
+    pub fn begin(&mut self, state: &State, input: &StepInput<'_>) -> Result<(), StepError> {
+        input.check(state, self.vertex_count())?;
+        self.positions.copy_from_slice(&state.positions);
+        self.velocities.copy_from_slice(&state.velocities);
+        self.iterations = 0;
+        Ok(())
+    }
+
+    /// Free flight over `h` (s), S1 (24): `v ← v + h a`, `x ← x + h v`. A prescribed vertex keeps its v.
+    pub fn predict(&mut self, input: &StepInput<'_>, h: Real) {
+        for vertex in 0..self.vertex_count() {
+            let a = input.external_acceleration(vertex, self.inverse_mass[vertex]);
+            self.velocities[vertex] += a * h;
+            self.positions[vertex] += self.velocities[vertex] * h;
+        }
+        self.predicted.copy_from_slice(&self.positions);
+    }
+
+    /// One iteration: `sweep` gets the inverse masses (1/kg) and the positions (m); then the observer looks.
+    pub fn iterate(&mut self, input: &mut StepInput<'_>, sweep: impl FnOnce(&[Real], &mut [Vec3])) {
+        sweep(&self.inverse_mass, &mut self.positions);
+        self.iterations += 1;
+        if let Some(observer) = &mut input.observer {
+            observer.iteration(self.iterations, &self.positions);
+        }
+    }
+
+    /// `v ← v + (x − x̃)/h`, S1 (26) with x̃ the prediction.
+    ///
+    /// Since `x̃ = x₀ + h v` this is the other published form `(x − x₀)/h`. We take this one because a vertex that no constraint moved
+    /// then keeps its velocity to the last bit, a prescribed one in particular; the other one divides the rounding of `x₀ + h v` by h.
+    pub fn update_velocities(&mut self, h: Real) {
+        let moved = self.positions.iter().zip(&self.predicted);
+        for (v, (x, predicted)) in self.velocities.iter_mut().zip(moved) {
+            *v += (x - predicted) / h;
+        }
+    }
+
+    /// Hands the result over and moves the clock by `dt` (s).
+    ///
+    /// # Errors
+    /// [`StepError::NonFinite`]; `state` is then as it was.
+    pub fn finish(&mut self, state: &mut State, dt: Real) -> Result<StepReport, StepError> {
+        let finite = |v: &Vec3| v.iter().all(|c| c.is_finite());
+        let mut results = self.positions.iter().zip(&self.velocities);
+        if let Some(vertex) = results.position(|(x, v)| !(finite(x) && finite(v))) {
+            let step = state.steps + 1;
+            return Err(StepError::NonFinite { vertex, step });
+        }
+        state.positions.copy_from_slice(&self.positions);
+        state.velocities.copy_from_slice(&self.velocities);
+        state.time += dt;
+        state.steps += 1;
+        Ok(StepReport::new(Outcome::BudgetSpent, self.iterations))
+    }
+}

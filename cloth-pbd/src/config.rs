@@ -1,0 +1,29 @@
+//! What can be chosen.
+
+use crate::stiffness::StiffnessRule;
+use cloth_core::position_based::Sweep;
+
+/// Settings of [`PbdSolver`](crate::PbdSolver).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PbdConfig {
+    /// Sweeps over all constraints per substep, at least 1.
+    pub iterations: u32,
+    /// Parts into which a step is divided, at least 1; each is a step of its own of size Δt/substeps.
+    pub substeps: u32,
+    /// Order of the sweep.
+    pub sweep: Sweep,
+    /// What the stiffness of a material means for a projection.
+    pub stiffness: StiffnessRule,
+}
+
+impl Default for PbdConfig {
+    /// One substep of 20 coloured sweeps, stiffness from the material.
+    fn default() -> Self {
+        Self {
+            iterations: 20,
+            substeps: 1,
+            sweep: Sweep::Colored,
+            stiffness: StiffnessRule::Material,
+        }
+    }
+}

@@ -1,0 +1,96 @@
+//! The algorithm.
+
+use crate::config::PbdConfig;
+use crate::stiffness::Projection;
+use cloth_core::math::Real;
+use cloth_core::particles::{Particles, State};
+use cloth_core::position_based::{Builder, Families, Motion, Settings, Sweep};
+use cloth_core::step::{BuildError, StepError, StepInput, StepReport, Stepper};
+
+/// Position-based dynamics; see the [crate documentation](crate).
+#[derive(Debug)]
+pub struct PbdSolver {
+    motion: Motion,
+    families: Families<Projection>,
+    config: PbdConfig,
+    /// The substep (s) that the remembered stiffnesses belong to, once there is one.
+    substep: Option<Real>,
+}
+
+impl PbdSolver {
+    /// Starts with the masses and prescribed vertices of `particles` as they are now, and without constraints.
+    #[must_use]
+    pub fn builder(particles: &Particles) -> PbdBuilder {
+        PbdBuilder::new(particles)
+    }
+
+    /// What it was built with.
+    #[must_use]
+    pub fn config(&self) -> &PbdConfig {
+        &self.config
+    }
+
+    /// The rule for substeps of `h` (s).
+    fn projection(&mut self, h: Real) -> Projection {
+        if self.substep != Some(h) {
+            self.families.forget();
+            self.substep = Some(h);
+        }
+        Projection {
+            stiffness: self.config.stiffness,
+            substep: h,
+            iterations: self.config.iterations,
+        }
+    }
+}
+
+impl Stepper for PbdSolver {
+    fn name(&self) -> &'static str {
+        "pbd"
+    }
+
+    fn step(
+        &mut self,
+        state: &mut State,
+        mut input: StepInput<'_>,
+    ) -> Result<StepReport, StepError> {
+        self.motion.begin(state, &input)?;
+        let h = input.dt / Real::from(self.config.substeps);
+        let projection = self.projection(h);
+        for _ in 0..self.config.substeps {
+            self.motion.predict(&input, h); // S1 (24)
+            for _ in 0..self.config.iterations {
+                self.motion.iterate(&mut input, |w, x| {
+                    self.families.sweep(&projection, w, x); // S1 (25)
+                });
+            }
+            self.motion.update_velocities(h); // S1 (26)
+        }
+        self.motion.finish(state, input.dt)
+    }
+}
+
+/// Collects what a [`PbdSolver`] is built of.
+pub type PbdBuilder = Builder<PbdConfig>;
+
+impl Settings for PbdConfig {
+    type Rule = Projection;
+    type Solver = PbdSolver;
+
+    fn pace(&self) -> (u32, u32, Sweep) {
+        (self.iterations, self.substeps, self.sweep)
+    }
+
+    fn check(&self) -> Result<(), BuildError> {
+        self.stiffness.check()
+    }
+
+    fn assemble(self, motion: Motion, families: Families<Projection>) -> PbdSolver {
+        PbdSolver {
+            motion,
+            families,
+            config: self,
+            substep: None,
+        }
+    }
+}

@@ -1,0 +1,27 @@
+//! What can be chosen.
+
+use cloth_core::position_based::Sweep;
+
+/// Settings of [`XpbdSolver`](crate::XpbdSolver).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct XpbdConfig {
+    /// Sweeps over all constraints per substep, at least 1.
+    pub iterations: u32,
+    /// Parts into which a step is divided, at least 1; each is a step of its own of size Δt/substeps, with
+    /// multipliers that start at zero.
+    pub substeps: u32,
+    /// Order of the sweep.
+    pub sweep: Sweep,
+}
+
+impl Default for XpbdConfig {
+    /// Twenty substeps of one coloured sweep: for the same number of sweeps, small steps are nearer to the solution than
+    /// many iterations (Macklin et al. 2019).
+    fn default() -> Self {
+        Self {
+            iterations: 1,
+            substeps: 20,
+            sweep: Sweep::Colored,
+        }
+    }
+}
