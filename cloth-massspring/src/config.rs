@@ -1,0 +1,121 @@
+//! Settings of the integrators.
+
+use cloth_core::element::Convexity;
+use cloth_core::math::Real;
+use cloth_core::step::BuildError;
+
+/// Settings of [`crate::ExplicitEuler`] and [`crate::SymplecticEuler`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ExplicitConfig {
+    /// How many equal parts a step is cut into; one evaluation of the forces each.
+    pub substeps: u32,
+    /// What to do about steps that are too large.
+    pub stability: StabilityCheck,
+}
+
+/// What an explicit integrator does about steps that are too large.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum StabilityCheck {
+    /// Estimate the largest stable step, refuse larger ones, and end a run that gains energy from nowhere.
+    #[default]
+    Watch,
+    /// Nothing, for studying what happens; only a result that is not finite is an error.
+    Off,
+}
+
+impl Default for ExplicitConfig {
+    fn default() -> Self {
+        Self {
+            substeps: 1,
+            stability: StabilityCheck::Watch,
+        }
+    }
+}
+
+impl ExplicitConfig {
+    /// Whether every setting lies in its range.
+    pub(crate) fn check(&self) -> Result<(), BuildError> {
+        if self.substeps == 0 {
+            return Err(BuildError::InvalidSetting {
+                name: "substeps",
+                value: 0.0,
+                range: "at least 1",
+            });
+        }
+        Ok(())
+    }
+}
+
+/// Settings of [`crate::ImplicitEuler`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ImplicitConfig {
+    /// Most Newton iterations in a step. Spending them all is no error; the report says so.
+    pub max_iterations: u32,
+    /// The iteration ends when `‖∇G(x)‖ ≤ tolerance · ‖∇G(x̃)‖` in the norm of M⁻¹ (dimensionless), or when rounding
+    /// allows no more; 0 asks for as much as rounding allows.
+    pub tolerance: Real,
+    /// Which second derivative Newton's method uses.
+    pub hessian: HessianPolicy,
+    /// Where Newton's method starts.
+    pub start: StartGuess,
+}
+
+/// Which second derivative of the elastic energy Newton's method uses (CORE-8).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum HessianPolicy {
+    /// The exact one wherever it makes the matrix positive definite, and [`Convexity::Clamp`] elsewhere: robust far from
+    /// the minimum, quadratic convergence near it.
+    #[default]
+    ExactFirst,
+    /// Always the same. With [`Convexity::Exact`] a step can fail with
+    /// [`NotPositiveDefinite`](cloth_core::step::StepError::NotPositiveDefinite); with the others convergence is
+    /// linear where springs are compressed.
+    Always(Convexity),
+}
+
+/// Where Newton's method starts. A prescribed vertex is where it will be at the end of the step, in any case.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum StartGuess {
+    /// `x[0]`, the positions before the step.
+    Previous,
+    /// `x[0] + Δt v[0]`.
+    #[default]
+    Inertial,
+    /// `x̃ = x[0] + Δt v[0] + Δt² a`, with gravity and load.
+    Predicted,
+}
+
+impl Default for ImplicitConfig {
+    fn default() -> Self {
+        Self {
+            max_iterations: 100,
+            tolerance: 1e-6,
+            hessian: HessianPolicy::ExactFirst,
+            start: StartGuess::Inertial,
+        }
+    }
+}
+
+impl ImplicitConfig {
+    /// Whether every setting lies in its range.
+    pub(crate) fn check(&self) -> Result<(), BuildError> {
+        if !(self.tolerance >= 0.0 && self.tolerance.is_finite()) {
+            return Err(BuildError::InvalidSetting {
+                name: "tolerance",
+                value: self.tolerance,
+                range: "zero or a positive finite number",
+            });
+        }
+        if self.max_iterations == 0 {
+            return Err(BuildError::InvalidSetting {
+                name: "max_iterations",
+                value: 0.0,
+                range: "at least 1",
+            });
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,255 @@
+//! Forward Euler and symplectic Euler: two ways to end the same step (MS-1).
+//!
+//! Forces at the start of the step, S1 (5); then S1 (6):
+//!
+//! ```text
+//! v[1] = v[0] + Δt M⁻¹ f(x[0])
+//! x[1] = x[0] + Δt v[1]          symplectic (semi-implicit) Euler, S1 (6)
+//! x[1] = x[0] + Δt v[0]          forward (explicit) Euler
+//! ```
+//!
+//! One index apart, and worlds: forward Euler lets every oscillation grow by `√(1 + z²)` a step (`z = Δt ω`), symplectic
+//! Euler keeps it for ever as long as `z < 2`.
+
+mod builder;
+mod watch;
+
+pub use builder::ExplicitBuilder;
+
+use crate::config::{ExplicitConfig, StabilityCheck};
+use cloth_core::family::Energies;
+use cloth_core::math::{Real, Vec3};
+use cloth_core::particles::{Particles, State};
+use cloth_core::step::{Outcome, StepError, StepInput, StepReport, Stepper};
+use watch::Watch;
+
+/// Which velocity moves the positions.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Scheme {
+    /// The old one, `v[0]`.
+    Forward,
+    /// The new one, `v[1]`.
+    Symplectic,
+}
+
+/// Forward Euler. It is here to be looked at.
+///
+/// No step is small enough for it: a mode of frequency ω grows by `√(1 + (Δt ω)²)` a step, about `½ Δt ω²` per
+/// second. Steps beyond the limit of [`SymplecticEuler`] are refused, below it the run goes on until it
+/// has gained energy from nowhere; both end with [`StepError::Unstable`], whose `stable_dt` is 0 because no step is
+/// stable.
+#[derive(Debug)]
+pub struct ExplicitEuler(Explicit);
+
+/// Symplectic (semi-implicit) Euler, S1 (6).
+///
+/// First order, stable for `Δt ω < 2` in every oscillation ω of the cloth. The energy stays within a band around its
+/// true value, wide where `Δt ω` is near 2; linear and angular momentum are kept to rounding.
+///
+/// With [`StabilityCheck::Watch`] a step (or substep) beyond [`crate::stable_time_step`] is refused with
+/// [`StepError::Unstable`]. The estimate is made before the first step and then made anew every 256 substeps or whenever the
+/// kinetic energy has grown fourfold, because springs that are stretched are stiffer across their axis. A
+/// run that has gained a hundred times the energy it started with and was given since ends with the same error.
+#[derive(Debug)]
+pub struct SymplecticEuler(Explicit);
+
+impl ExplicitEuler {
+    /// Starts the description of a solver for these particles.
+    #[must_use]
+    pub fn builder(particles: &Particles) -> ExplicitBuilder<Self> {
+        ExplicitBuilder::new(particles, |parts| {
+            Self(Explicit::new(Scheme::Forward, parts))
+        })
+    }
+}
+
+impl SymplecticEuler {
+    /// Starts the description of a solver for these particles.
+    #[must_use]
+    pub fn builder(particles: &Particles) -> ExplicitBuilder<Self> {
+        ExplicitBuilder::new(particles, |parts| {
+            Self(Explicit::new(Scheme::Symplectic, parts))
+        })
+    }
+}
+
+impl Stepper for ExplicitEuler {
+    fn name(&self) -> &'static str {
+        "explicit-euler"
+    }
+
+    fn step(&mut self, state: &mut State, input: StepInput<'_>) -> Result<StepReport, StepError> {
+        self.0.step(state, input)
+    }
+}
+
+impl Stepper for SymplecticEuler {
+    fn name(&self) -> &'static str {
+        "symplectic-euler"
+    }
+
+    fn step(&mut self, state: &mut State, input: StepInput<'_>) -> Result<StepReport, StepError> {
+        self.0.step(state, input)
+    }
+}
+
+/// What both are made of.
+#[derive(Debug)]
+struct Parts {
+    particles: Particles,
+    energies: Energies,
+    config: ExplicitConfig,
+}
+
+/// The part that the two have in common.
+#[derive(Debug)]
+struct Explicit {
+    scheme: Scheme,
+    parts: Parts,
+    /// Positions (m) and velocities (m/s) during the step; the caller's change when it has succeeded.
+    positions: Vec<Vec3>,
+    velocities: Vec<Vec3>,
+    /// `∂E/∂x` (N).
+    gradient: Vec<Vec3>,
+    watch: Option<Watch>,
+}
+
+impl Explicit {
+    fn new(scheme: Scheme, parts: Parts) -> Self {
+        let zeros = vec![Vec3::zeros(); parts.particles.len()];
+        let watch = match parts.config.stability {
+            StabilityCheck::Watch => Some(Watch::new(&parts.particles)),
+            StabilityCheck::Off => None,
+        };
+        Self {
+            scheme,
+            parts,
+            positions: zeros.clone(),
+            velocities: zeros.clone(),
+            gradient: zeros,
+            watch,
+        }
+    }
+
+    fn step(
+        &mut self,
+        state: &mut State,
+        mut input: StepInput<'_>,
+    ) -> Result<StepReport, StepError> {
+        input.check(state, self.parts.particles.len())?;
+        self.positions.copy_from_slice(&state.positions);
+        self.velocities.copy_from_slice(&state.velocities);
+        if let Some(watch) = &mut self.watch {
+            watch.begin(&self.parts, &self.positions, &self.velocities);
+        }
+        let substeps = self.parts.config.substeps;
+        for substep in 1..=substeps {
+            if let Err(trouble) = self.substep(&input) {
+                if let Some(watch) = &mut self.watch {
+                    watch.forget();
+                }
+                return Err(self.report(trouble, &input, state.steps + 1));
+            }
+            if let Some(observer) = input.observer.as_deref_mut() {
+                observer.iteration(substep, &self.positions);
+            }
+        }
+        if let Some(watch) = &mut self.watch {
+            watch.end(&self.parts, &self.positions, &self.velocities);
+        }
+        std::mem::swap(&mut state.positions, &mut self.positions);
+        std::mem::swap(&mut state.velocities, &mut self.velocities);
+        state.time += input.dt;
+        state.steps += 1;
+        Ok(StepReport::new(Outcome::Converged, substeps))
+    }
+
+    /// One substep of S1 (6), and what the watch says to it.
+    fn substep(&mut self, input: &StepInput<'_>) -> Result<(), Trouble> {
+        let dt = input.dt / Real::from(self.parts.config.substeps);
+        if let Some(watch) = &mut self.watch {
+            watch.admit(&self.parts, &self.positions, dt)?;
+        }
+        self.gradient.fill(Vec3::zeros());
+        let energies = &self.parts.energies;
+        energies.add_gradient(&self.positions, &mut self.gradient);
+        let mut tally = Tally::default();
+        let particles = &self.parts.particles;
+        let masses = particles.mass().iter().zip(particles.inverse_mass());
+        for (vertex, (&mass, &w)) in masses.enumerate() {
+            let gradient = self.gradient[vertex];
+            let external = input.external_acceleration(vertex, w);
+            let before = self.velocities[vertex];
+            let after = before + (external - gradient * w) * dt;
+            self.velocities[vertex] = after;
+            self.positions[vertex] += dt
+                * match self.scheme {
+                    Scheme::Forward => before,
+                    Scheme::Symplectic => after,
+                };
+            if w == 0.0 {
+                // The pin moves against the elastic force.
+                tally.work += gradient.dot(&after) * dt;
+            } else {
+                tally.work += mass * external.dot(&after) * dt;
+                tally.kinetic += 0.5 * mass * after.norm_squared();
+            }
+        }
+        if let Some(vertex) = self.first_non_finite() {
+            return Err(Trouble::NonFinite { vertex });
+        }
+        match &mut self.watch {
+            Some(watch) => watch.account(&tally),
+            None => Ok(()),
+        }
+    }
+
+    fn first_non_finite(&self) -> Option<usize> {
+        let bad = |v: &Vec3| !v.iter().all(|c| c.is_finite());
+        let both = self.positions.iter().zip(&self.velocities);
+        both.enumerate()
+            .find_map(|(vertex, (x, v))| (bad(x) || bad(v)).then_some(vertex))
+    }
+
+    /// Names the trouble in terms of the whole step.
+    fn report(&self, trouble: Trouble, input: &StepInput<'_>, step: u64) -> StepError {
+        let limit = self.watch.as_ref().and_then(Watch::limit);
+        let limit = limit.map(|dt| dt * Real::from(self.parts.config.substeps));
+        let unstable = |stable_dt| StepError::Unstable {
+            dt: input.dt,
+            stable_dt: match self.scheme {
+                Scheme::Forward => 0.0,
+                Scheme::Symplectic => stable_dt,
+            },
+            step,
+        };
+        match (trouble, limit) {
+            (Trouble::NonFinite { .. }, Some(limit)) if input.dt > limit => unstable(limit),
+            (Trouble::NonFinite { vertex }, _) => StepError::NonFinite { vertex, step },
+            (Trouble::TooLarge | Trouble::Gain, limit) => unstable(limit.unwrap_or(Real::INFINITY)),
+        }
+    }
+}
+
+/// Sums over the free vertices of one substep.
+#[derive(Clone, Copy, Debug, Default)]
+struct Tally {
+    /// Kinetic energy (J) at its end.
+    kinetic: Real,
+    /// Work (J) done on the cloth by gravity, load and pins.
+    work: Real,
+}
+
+/// Why a substep cannot be taken.
+#[derive(Clone, Copy, Debug)]
+enum Trouble {
+    /// It is beyond the stable one.
+    TooLarge,
+    /// The cloth has gained energy from nowhere.
+    Gain,
+    /// The result is not finite.
+    NonFinite {
+        /// The first vertex where.
+        vertex: usize,
+    },
+}

@@ -1,0 +1,130 @@
+//! Notices that a run is unstable before its numbers are nonsense.
+//!
+//! Two signs. The step is beyond the stable one: known before any harm is done, but only as well as the estimate is fresh.
+//! The cloth has more kinetic energy than it can have: `K ≤ (K + E)₀ + W`, with `W` the work of gravity,
+//! load and pins; exact solutions obey, and a run that breaks it by a large factor has
+//! blown up, whatever the reason.
+
+use super::{Parts, Tally, Trouble};
+use crate::stability::Spectrum;
+use cloth_core::math::{Real, Vec3};
+use cloth_core::measure::kinetic_energy;
+use cloth_core::particles::Particles;
+
+/// Substeps after which the estimate is made anew.
+const FRESH_FOR: u32 = 256;
+/// Growth of the kinetic energy after which it is made anew, whatever its age.
+const GROWTH: Real = 4.0;
+/// Kinetic energy over what the cloth started with and was given, from which on a run counts as blown up.
+///
+/// In a stable run of symplectic Euler an oscillation can show `(2 + z)/(2 − z)` times its least energy: 100 is reached at
+/// `z` = 1.96.
+const GAIN: Real = 100.0;
+/// Motion in one substep, relative to the size of the coordinates, that rounding may have made.
+const ROUNDING: Real = 1e-10;
+/// Margin of the comparison with the limit, for a step that was computed to be equal to it.
+const EQUAL: Real = 1.0 + 1e-12;
+
+/// The memory of the watch.
+#[derive(Debug)]
+pub(super) struct Watch {
+    spectrum: Spectrum,
+    /// The last estimate (s), if one was made and there is stiffness.
+    limit: Option<Real>,
+    /// Substeps since then; `None` before the first.
+    age: Option<u32>,
+    /// Largest kinetic energy (J) that the estimate has been made for.
+    kinetic: Real,
+    /// `(K + E)₀ + W` (J), and the largest value it has had.
+    given: Real,
+    most_given: Real,
+    /// The state as the last step left it, in two numbers.
+    left: Option<[Real; 2]>,
+}
+
+impl Watch {
+    pub(super) fn new(particles: &Particles) -> Self {
+        Self {
+            spectrum: Spectrum::new(particles),
+            limit: None,
+            age: None,
+            kinetic: 0.0,
+            given: 0.0,
+            most_given: 0.0,
+            left: None,
+        }
+    }
+
+    /// The largest stable substep (s) by the last estimate.
+    pub(super) fn limit(&self) -> Option<Real> {
+        self.limit
+    }
+
+    /// Starts the account of energy anew if this is not the state that the last step left.
+    pub(super) fn begin(&mut self, parts: &Parts, positions: &[Vec3], velocities: &[Vec3]) {
+        if self.left == Some(fingerprint(&parts.particles, positions, velocities)) {
+            return;
+        }
+        self.age = None;
+        self.kinetic = kinetic_energy(&parts.particles, velocities);
+        self.given = self.kinetic + parts.energies.value(positions);
+        self.most_given = self.given;
+    }
+
+    pub(super) fn end(&mut self, parts: &Parts, positions: &[Vec3], velocities: &[Vec3]) {
+        self.left = Some(fingerprint(&parts.particles, positions, velocities));
+    }
+
+    /// A step has failed: what comes next is another story.
+    pub(super) fn forget(&mut self) {
+        self.left = None;
+    }
+
+    /// Lets a substep of `dt` (s) pass, or not.
+    pub(super) fn admit(
+        &mut self,
+        parts: &Parts,
+        positions: &[Vec3],
+        dt: Real,
+    ) -> Result<(), Trouble> {
+        if self.age.is_none_or(|age| age >= FRESH_FOR) {
+            let (energies, particles) = (&parts.energies, &parts.particles);
+            self.limit = self
+                .spectrum
+                .stable_time_step(energies, particles, positions);
+            self.age = Some(0);
+            // Energy that rounding can put in, so that a cloth at rest does not raise the alarm.
+            let size = positions.iter().map(Vec3::amax).fold(0.0, Real::max);
+            let mass: Real = particles.mass().iter().sum();
+            let noise = 0.5 * mass * (ROUNDING * size / dt).powi(2);
+            self.most_given = self.most_given.max(noise);
+        }
+        match self.limit {
+            Some(limit) if dt > limit * EQUAL => Err(Trouble::TooLarge),
+            _ => Ok(()),
+        }
+    }
+
+    /// Enters what a substep did into the account.
+    pub(super) fn account(&mut self, tally: &Tally) -> Result<(), Trouble> {
+        self.given += tally.work;
+        self.most_given = self.most_given.max(self.given);
+        self.age = self.age.map(|age| age + 1);
+        if tally.kinetic > GROWTH * self.kinetic {
+            self.kinetic = tally.kinetic;
+            self.age = None;
+        }
+        if tally.kinetic > GAIN * self.most_given {
+            return Err(Trouble::Gain);
+        }
+        Ok(())
+    }
+}
+
+/// Two sums that change when anything else than a pin's velocity does.
+fn fingerprint(particles: &Particles, positions: &[Vec3], velocities: &[Vec3]) -> [Real; 2] {
+    let places = positions.iter().map(Vec3::norm_squared).sum();
+    let speeds = particles.inverse_mass().iter().zip(velocities);
+    let free = speeds.filter(|(w, _)| **w != 0.0);
+    [places, free.map(|(_, v)| v.norm_squared()).sum()]
+}

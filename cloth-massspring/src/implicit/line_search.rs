@@ -1,0 +1,99 @@
+//! How far to go along a Newton direction: backtracking with Armijo's condition, and its form for the last digits.
+
+use cloth_core::math::{Real, Vec3};
+use cloth_core::measure::IncrementalPotential;
+
+/// Part of the promised decrease that has to be kept (Armijo's constant).
+const SUFFICIENT: Real = 1e-4;
+/// `G` may rise by this part of itself where the slopes show that the minimum comes nearer: two values of `G` that differ by less cannot be
+/// told apart (see [`LineSearch::search`]).
+const ROUNDING: Real = 1e-10;
+/// Part of the first slope that the slope at the new point may have, with either sign, in that case.
+const SLOPE: Real = 0.8;
+/// Step lengths tried before giving up. Each is at most half of the one before.
+const MOST_TRIALS: u32 = 50;
+
+/// A point on the way, and what is known there.
+#[derive(Clone, Debug)]
+pub(super) struct Point {
+    /// Positions (m).
+    pub(super) positions: Vec<Vec3>,
+    /// `∂G/∂x` (N).
+    pub(super) gradient: Vec<Vec3>,
+    /// `G` (J).
+    pub(super) value: Real,
+}
+
+impl Point {
+    pub(super) fn new(vertex_count: usize) -> Self {
+        Self {
+            positions: vec![Vec3::zeros(); vertex_count],
+            gradient: vec![Vec3::zeros(); vertex_count],
+            value: 0.0,
+        }
+    }
+
+    /// Evaluates `G` and its gradient at the positions.
+    pub(super) fn evaluate(&mut self, potential: &IncrementalPotential<'_>) {
+        self.value = potential.value(&self.positions);
+        potential.gradient_into(&self.positions, &mut self.gradient);
+    }
+}
+
+/// What a search found.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Found {
+    /// Step lengths that were rejected.
+    pub(super) backtracks: u32,
+    /// Whether one was accepted.
+    pub(super) accepted: bool,
+}
+
+/// Moves `to` to `from + α direction`, with `α = 1` or the first smaller one that is accepted, and evaluates it there.
+///
+/// Armijo's condition compares two values of `G`. Near the minimum they agree in all digits that are
+/// free of rounding, long before the gradient is as small as it can be. There the condition is put in terms of slopes,
+/// as Hager and Zhang do (SIAM J. Optim. 16, 2005, <https://doi.org/10.1137/030601880>): for a quadratic, the slope
+/// `φ'(α) ≤ (1 − 2c) |φ'(0)|` says the same as `φ(α) ≤ φ(0) + c α φ'(0)`, without cancellation.
+pub(super) fn search(
+    potential: &IncrementalPotential<'_>,
+    from: &Point,
+    direction: &[Vec3],
+    to: &mut Point,
+) -> Found {
+    let slope = dot(&from.gradient, direction);
+    let mut length = 1.0;
+    for backtracks in 0..MOST_TRIALS {
+        for ((to, from), p) in to.positions.iter_mut().zip(&from.positions).zip(direction) {
+            *to = from + p * length;
+        }
+        to.value = potential.value(&to.positions);
+        let rise = to.value - from.value;
+        let enough = rise <= SUFFICIENT * length * slope;
+        if enough || rise <= ROUNDING * from.value.abs() {
+            potential.gradient_into(&to.positions, &mut to.gradient);
+            if enough || dot(&to.gradient, direction) <= SLOPE * slope.abs() {
+                return Found {
+                    backtracks,
+                    accepted: true,
+                };
+            }
+        }
+        length = shorter(length, slope, rise);
+    }
+    Found {
+        backtracks: MOST_TRIALS,
+        accepted: false,
+    }
+}
+
+/// The minimum of the parabola through what is known, kept between a tenth and a half of `length`.
+fn shorter(length: Real, slope: Real, rise: Real) -> Real {
+    let minimum = -0.5 * slope * length * length / (rise - slope * length);
+    // A rise that is not a number (overflow) comes out of `max` and `min` as a tenth.
+    minimum.min(0.5 * length).max(0.1 * length)
+}
+
+fn dot(a: &[Vec3], b: &[Vec3]) -> Real {
+    a.iter().zip(b).map(|(a, b)| a.dot(b)).sum()
+}
