@@ -5,7 +5,7 @@
 //! parallel gives the same bits as visiting it in turn.
 
 use crate::element::Element;
-use crate::math::{Vec3, gather};
+use crate::math::Vec3;
 use crate::parallel;
 
 /// Elements of one type in the order in which a sweep visits them (CORE-13).
@@ -122,14 +122,7 @@ impl<const N: usize, E: Element<N>> Colored<N, E> {
         assert_eq!(slots.len(), self.elements.len(), "one slot per element");
         assert_eq!(x.len(), self.vertex_count, "one position per vertex");
         if self.offsets.is_empty() {
-            for ((element, slot), &vertices) in self.elements.iter().zip(slots).zip(&self.vertices)
-            {
-                let mut local = gather(x, vertices);
-                visit(element, slot, &mut local);
-                for (vertex, moved) in vertices.into_iter().zip(local) {
-                    x[vertex as usize] = moved;
-                }
-            }
+            parallel::visit_in_order(&self.elements, &self.vertices, slots, x, &visit);
             return;
         }
         for range in self.offsets.windows(2).map(|w| w[0]..w[1]) {
@@ -188,6 +181,7 @@ fn greedy_colors<const N: usize, E: Element<N>>(elements: &[E], vertex_count: us
 mod tests {
     use super::*;
     use crate::energy::Spring;
+    use crate::math::gather;
 
     fn star(arms: u32) -> Vec<Spring> {
         (1..=arms)

@@ -1,11 +1,27 @@
-//! Visiting elements that share no vertex, on one thread or on several. The only file of the workspace with `unsafe`.
+//! Visiting elements in turn, or on several threads where they share no vertex. The only file of the workspace with `unsafe`.
 
-use crate::math::{Vec3, gather};
+use crate::math::Vec3;
+use std::marker::PhantomData;
 
 /// Fewer elements than this are visited on one thread: waking a second one costs some microseconds,
 /// and an element costs about ten nanoseconds.
 #[cfg(feature = "parallel")]
 const SMALLEST_PARALLEL_SET: usize = 8192;
+
+/// Visits each element once, in order, with a copy of its vertices, which is stored back.
+pub(crate) fn visit_in_order<const N: usize, E, A>(
+    elements: &[E],
+    stencils: &[[u32; N]],
+    slots: &mut [A],
+    x: &mut [Vec3],
+    visit: &impl Fn(&E, &mut A, &mut [Vec3; N]),
+) {
+    #[allow(unsafe_code)]
+    // SAFETY: `x` is borrowed mutably until this returns, so no other thread touches it.
+    unsafe {
+        visit_each(elements, stencils, slots, &Positions::new(x), visit);
+    }
+}
 
 /// Stencils of which no two share a vertex.
 #[derive(Clone, Copy, Debug)]
@@ -19,77 +35,91 @@ impl<'a, const N: usize> Disjoint<'a, N> {
     }
 }
 
-/// Visits each element once with a copy of its vertices, which is stored back.
+/// Visits each element once with a copy of its vertices, which is stored back; on several threads if that is worth it.
 pub(crate) fn visit_disjoint<const N: usize, E: Sync, A: Send>(
     elements: &[E],
-    vertices: Disjoint<'_, N>,
+    stencils: Disjoint<'_, N>,
     slots: &mut [A],
     x: &mut [Vec3],
     visit: &(impl Fn(&E, &mut A, &mut [Vec3; N]) + Sync),
 ) {
     #[cfg(feature = "parallel")]
     if elements.len() >= SMALLEST_PARALLEL_SET && rayon::current_num_threads() > 1 {
-        return on_threads(elements, vertices, slots, x, visit);
+        use rayon::prelude::*;
+
+        let x = Positions::new(x);
+        let chunk = elements
+            .len()
+            .div_ceil(4 * rayon::current_num_threads())
+            .max(SMALLEST_PARALLEL_SET / 8);
+        elements
+            .par_chunks(chunk)
+            .zip(stencils.0.par_chunks(chunk))
+            .zip(slots.par_chunks_mut(chunk))
+            .for_each(|((elements, stencils), slots)| {
+                #[allow(unsafe_code)]
+                // SAFETY: the stencils of other chunks share no vertex with these, because all are `Disjoint`, and
+                // each chunk is visited by one thread; nobody else has `x`, which is borrowed mutably until this returns.
+                unsafe {
+                    visit_each(elements, stencils, slots, &x, visit);
+                }
+            });
+        return;
     }
-    for ((element, slot), &stencil) in elements.iter().zip(slots).zip(vertices.0) {
-        let mut local = gather(x, stencil);
+    visit_in_order(elements, stencils.0, slots, x, visit);
+}
+
+/// The one loop behind all visits, and the one place that calls `visit`: a closure that is called
+/// in several places is not inlined into any of them, which doubles the time of a spring.
+///
+/// # Safety
+/// While this runs, no other thread reads or writes the positions of these stencils' vertices.
+#[allow(unsafe_code)] // the reason is in the section above
+unsafe fn visit_each<const N: usize, E, A>(
+    elements: &[E],
+    stencils: &[[u32; N]],
+    slots: &mut [A],
+    x: &Positions<'_>,
+    visit: &impl Fn(&E, &mut A, &mut [Vec3; N]),
+) {
+    for ((element, slot), stencil) in elements.iter().zip(slots).zip(stencils) {
+        let places = stencil.map(|vertex| x.place(vertex));
+        // SAFETY: the places are in bounds and aligned, and no other thread uses them, as the caller says. No reference to
+        // a position lives across `visit`.
+        let mut local = places.map(|place| unsafe { *place });
         visit(element, slot, &mut local);
         for i in 0..N {
-            x[stencil[i] as usize] = local[i];
+            // SAFETY: as above.
+            unsafe {
+                *places[i] = local[i];
+            }
         }
     }
 }
 
-#[cfg(feature = "parallel")]
-fn on_threads<const N: usize, E: Sync, A: Send>(
-    elements: &[E],
-    vertices: Disjoint<'_, N>,
-    slots: &mut [A],
-    x: &mut [Vec3],
-    visit: &(impl Fn(&E, &mut A, &mut [Vec3; N]) + Sync),
-) {
-    use rayon::prelude::*;
+/// The positions of all vertices, mutably borrowed, in a form that threads can share.
+struct Positions<'a> {
+    first: *mut Vec3,
+    count: usize,
+    borrow: PhantomData<&'a mut [Vec3]>,
+}
 
-    struct Shared(*mut Vec3, usize);
-    #[allow(unsafe_code)] // SAFETY: see `get` and `set`, the only users of the pointer.
-    unsafe impl Sync for Shared {}
-    impl Shared {
-        fn get(&self, vertex: u32) -> Vec3 {
-            assert!((vertex as usize) < self.1);
-            #[allow(unsafe_code)]
-            // SAFETY: in bounds by the assertion. No other thread reads or writes this vertex: the stencils are `Disjoint`,
-            // each is visited by one thread only, and a thread touches only the vertices of the stencil it visits.
-            unsafe {
-                *self.0.add(vertex as usize)
-            }
-        }
-        fn set(&self, vertex: u32, position: Vec3) {
-            assert!((vertex as usize) < self.1);
-            #[allow(unsafe_code)]
-            // SAFETY: as in `get`; and `x` stays mutably borrowed while `Shared` lives.
-            unsafe {
-                *self.0.add(vertex as usize) = position;
-            }
+#[allow(unsafe_code)] // SAFETY: only `visit_each` uses the pointer, under the condition it states.
+unsafe impl Sync for Positions<'_> {}
+
+impl<'a> Positions<'a> {
+    fn new(x: &'a mut [Vec3]) -> Self {
+        Self {
+            first: x.as_mut_ptr(),
+            count: x.len(),
+            borrow: PhantomData,
         }
     }
 
-    let shared = Shared(x.as_mut_ptr(), x.len());
-    let shared = &shared;
-    let chunk = elements
-        .len()
-        .div_ceil(4 * rayon::current_num_threads())
-        .max(SMALLEST_PARALLEL_SET / 8);
-    elements
-        .par_chunks(chunk)
-        .zip(vertices.0.par_chunks(chunk))
-        .zip(slots.par_chunks_mut(chunk))
-        .for_each(|((elements, stencils), slots)| {
-            for ((element, slot), stencil) in elements.iter().zip(slots).zip(stencils) {
-                let mut local = stencil.map(|vertex| shared.get(vertex));
-                visit(element, slot, &mut local);
-                for i in 0..N {
-                    shared.set(stencil[i], local[i]);
-                }
-            }
-        });
+    /// Where a position lies.
+    fn place(&self, vertex: u32) -> *mut Vec3 {
+        assert!((vertex as usize) < self.count, "no such vertex");
+        // In bounds, so wrapping never happens; this form needs no `unsafe`.
+        self.first.wrapping_add(vertex as usize)
+    }
 }
