@@ -122,6 +122,10 @@ pub trait Constraint<const N: usize>: Element<N> {
     note = "projective dynamics needs `E = ½ w ‖Gx − p‖²` with a constant G; implement `Projective<{N}, {K}>`"
 )]
 pub trait Projective<const N: usize, const K: usize>: Element<N> {
+    /// Whether [`Projective::project`] returns the same points for every `z`. The energy is then quadratic, and
+    /// a solver may add its part once a step instead of once an iteration.
+    const PROJECTION_IS_CONSTANT: bool = false;
+
     /// `G`: `K` rows of vertex coefficients, constant for the life of the element. Each row acts on x, y and z alike.
     fn operator(&self) -> [[Real; N]; K];
 

@@ -290,6 +290,8 @@ pub enum BuildError {
         /// What it has to be.
         range: &'static str,
     },
+    /// The factor of the matrix has more entries than can be counted or kept in memory.
+    MatrixTooLarge,
 }
 
 impl fmt::Display for BuildError {
@@ -305,6 +307,9 @@ impl fmt::Display for BuildError {
             ),
             Self::InvalidSetting { name, value, range } => {
                 write!(f, "{name} is {value}, but it has to be {range}")
+            }
+            Self::MatrixTooLarge => {
+                write!(f, "the factor of the matrix is too large for the memory")
             }
         }
     }

@@ -39,6 +39,8 @@ impl Constraint<1> for Attachment {
 }
 
 impl Projective<1, 1> for Attachment {
+    const PROJECTION_IS_CONSTANT: bool = true;
+
     #[inline]
     fn operator(&self) -> [[Real; 1]; 1] {
         [[1.0]]

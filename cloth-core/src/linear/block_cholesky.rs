@@ -53,6 +53,9 @@ impl BlockCholesky {
     ///
     /// # Errors
     /// [`CholeskyError::NotPositiveDefinite`].
+    ///
+    /// # Panics
+    /// If `matrix` does not have the pattern that was analysed.
     pub fn factorize(&mut self, matrix: &BlockMatrix) -> Result<(), CholeskyError> {
         let mut values = self.cholesky.values_mut().iter_mut();
         for_each_value(matrix, &self.free_index, |value| {

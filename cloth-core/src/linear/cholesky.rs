@@ -69,7 +69,7 @@ impl Cholesky {
     /// If the pattern is not one of compressed columns.
     pub fn analyze(pattern: UpperPattern) -> Result<Self, CholeskyError> {
         let params = CholeskySymbolicParams {
-            supernodal_flop_ratio_threshold: SupernodalThreshold::FORCE_SUPERNODAL,
+            supernodal_flop_ratio_threshold: ALWAYS_SUPERNODAL,
             ..Default::default()
         };
         let ordering = SymmetricOrdering::Amd;
@@ -168,6 +168,10 @@ impl Cholesky {
 /// Memory for solving is set aside for this many right-hand sides: x, y and z.
 const RIGHT_HAND_SIDES: usize = 3;
 
+/// faer takes supernodes if the operations per entry of the factor *exceed* this; its own `FORCE_SUPERNODAL` is 0, which a
+/// diagonal matrix does not exceed.
+pub(super) const ALWAYS_SUPERNODAL: SupernodalThreshold = SupernodalThreshold(-1.0);
+
 fn llt_params() -> Spec<LltParams, Real> {
     Default::default()
 }
@@ -181,6 +185,7 @@ pub struct FactorView<'a> {
 impl<'a> FactorView<'a> {
     /// For each position in the factor's order, the row of the matrix that stands there.
     #[must_use]
+    #[allow(clippy::missing_panics_doc)] // every factor is made with a permutation
     pub fn order(&self) -> &'a [u32] {
         let permutation = self.owner.symbolic.perm();
         permutation
@@ -194,7 +199,7 @@ impl<'a> FactorView<'a> {
     pub fn supernode_count(&self) -> usize {
         match self.owner.symbolic.raw() {
             SymbolicCholeskyRaw::Supernodal(supernodes) => supernodes.n_supernodes(),
-            SymbolicCholeskyRaw::Simplicial(_) => unreachable!("analysed as supernodal"),
+            SymbolicCholeskyRaw::Simplicial(_) => 0, // only a matrix without rows is not analysed as supernodal
         }
     }
 

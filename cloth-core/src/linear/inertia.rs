@@ -4,12 +4,11 @@
 //! answers the question for one s.
 
 use super::block_cholesky::{for_each_value, upper_pattern};
-use super::cholesky::{CholeskyError, UpperPattern};
+use super::cholesky::{ALWAYS_SUPERNODAL, CholeskyError, UpperPattern};
 use crate::block_matrix::BlockMatrix;
 use crate::math::Real;
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::sparse::SparseColMatRef;
-use faer::sparse::linalg::SupernodalThreshold;
 use faer::sparse::linalg::cholesky::supernodal::SupernodalLdltRef;
 use faer::sparse::linalg::cholesky::{
     CholeskySymbolicParams, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering,
@@ -60,7 +59,7 @@ impl Inertia {
     pub fn new(pattern: UpperPattern, values: Vec<Real>) -> Result<Self, CholeskyError> {
         assert_eq!(values.len(), pattern.rows.len(), "one number per nonzero");
         let params = CholeskySymbolicParams {
-            supernodal_flop_ratio_threshold: SupernodalThreshold::FORCE_SUPERNODAL,
+            supernodal_flop_ratio_threshold: ALWAYS_SUPERNODAL,
             ..Default::default()
         };
         let symbolic = factorize_symbolic_cholesky(
