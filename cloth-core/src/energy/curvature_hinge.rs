@@ -108,6 +108,8 @@ impl Constraint<4> for CurvatureHinge {
 
 /// The set is the single point 0: `E = ½ K ‖q x‖²` is already in the form of S1 (27).
 impl Projective<4, 1> for CurvatureHinge {
+    const PROJECTION_IS_CONSTANT: bool = true;
+
     #[inline]
     fn operator(&self) -> [[Real; 4]; 1] {
         [self.coefficients]
