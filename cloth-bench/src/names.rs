@@ -1,0 +1,84 @@
+//! What to say when a name is not known.
+//!
+//! Scenes, methods, studies and laws are all chosen by name on the command line. A name that does
+//! not exist is answered with the nearest one that does, by Damerau–Levenshtein distance, so a
+//! transposed pair of letters counts as one mistake.
+
+/// The nearest of `known` to `given`, if one is near enough to be what was meant.
+///
+/// Near means at most one mistake in three letters (and always at least one allowed), or that the
+/// given name is the beginning of a known one. Case does not count. Of equally near names the
+/// first in `known` is returned.
+#[must_use]
+pub fn nearest<'a>(given: &str, known: &[&'a str]) -> Option<&'a str> {
+    let given = given.trim().to_lowercase();
+    let allowed = (given.chars().count() / 3).max(1);
+    let by_distance = known
+        .iter()
+        .map(|&name| {
+            (
+                strsim::damerau_levenshtein(&given, &name.to_lowercase()),
+                name,
+            )
+        })
+        .min_by_key(|&(distance, _)| distance)
+        .filter(|&(distance, _)| distance <= allowed);
+    by_distance.map(|(_, name)| name).or_else(|| {
+        let begins = |name: &&&str| given.len() > 1 && name.to_lowercase().starts_with(&given);
+        known.iter().find(begins).copied()
+    })
+}
+
+/// One sentence that refuses the name `given` of a `kind` of thing (`"method"`, `"scene"`),
+/// suggests the nearest known name if there is one, and lists the known ones.
+///
+/// ```
+/// # use cloth_bench::names::unknown;
+/// assert_eq!(
+///     unknown("method", "xpdb", &["pbd", "xpbd"]),
+///     "unknown method `xpdb`: did you mean `xpbd`? (known: pbd, xpbd)"
+/// );
+/// ```
+#[must_use]
+pub fn unknown(kind: &str, given: &str, known: &[&str]) -> String {
+    let known_names = if known.is_empty() {
+        "none".to_owned()
+    } else {
+        known.join(", ")
+    };
+    match nearest(given, known) {
+        Some(name) => {
+            format!("unknown {kind} `{given}`: did you mean `{name}`? (known: {known_names})")
+        }
+        None => format!("unknown {kind} `{given}` (known: {known_names})"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const METHODS: [&str; 5] = ["implicit-euler", "implicit-midpoint", "pbd", "xpbd", "pd"];
+
+    #[test]
+    fn swapped_letters_are_one_mistake() {
+        assert_eq!(nearest("xpdb", &METHODS), Some("xpbd"));
+        assert_eq!(nearest("implicit-uelr", &METHODS), Some("implicit-euler"));
+    }
+
+    #[test]
+    fn case_and_beginnings_are_forgiven() {
+        assert_eq!(nearest("XPBD", &METHODS), Some("xpbd"));
+        assert_eq!(nearest("implicit-m", &METHODS), Some("implicit-midpoint"));
+    }
+
+    #[test]
+    fn nothing_near_gives_no_suggestion() {
+        assert_eq!(nearest("conjugate-gradient", &METHODS), None);
+        assert_eq!(nearest("", &METHODS), None);
+        assert_eq!(
+            unknown("scene", "x", &[]),
+            "unknown scene `x` (known: none)"
+        );
+    }
+}

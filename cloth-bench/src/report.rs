@@ -1,0 +1,18 @@
+//! What a study leaves behind: plots, tables and pictures, collected in one page.
+//!
+//! - [`plot`]: curves over linear or logarithmic axes, as SVG
+//! - [`table`]: numbers, as CSV for programs and HTML for people
+//! - [`render`]: triangle meshes, as PNG
+//! - [`html`]: the page that holds it all, in a single file without outside resources
+//! - [`facts`]: commit, machine and threads, which every result states
+//! - [`palette`]: one colour and marker per method
+//! - [`scale`]: ranges and ticks
+
+mod canvas;
+pub mod facts;
+pub mod html;
+pub mod palette;
+pub mod plot;
+pub mod render;
+pub mod scale;
+pub mod table;

@@ -1,0 +1,331 @@
+//! One page for everything: a single HTML file without scripts or outside resources.
+//!
+//! A section answers one question. Its answer in plain words stands directly below it, then the
+//! figures, pictures and tables it rests on, then the command that makes them again.
+
+use super::table::Table;
+
+/// A picture with its caption.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Picture {
+    /// A PNG file.
+    pub png: Vec<u8>,
+    /// What it shows.
+    pub caption: String,
+}
+
+/// The answer to one question.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Section {
+    /// The anchor in the page: letters, digits and `-`; other characters become `-`.
+    pub id: String,
+    /// The heading.
+    pub title: String,
+    /// The question in one sentence.
+    pub question: String,
+    /// The answer in plain words, once someone has judged the numbers.
+    pub verdict: Option<String>,
+    /// The command that makes this section again.
+    pub command: String,
+    /// Figures: `<svg>` elements from [`Plot::draw`](super::plot::Plot::draw). They go into the
+    /// page as they are.
+    pub plots: Vec<String>,
+    /// Pictures.
+    pub pictures: Vec<Picture>,
+    /// Tables with their captions.
+    pub tables: Vec<(String, Table)>,
+    /// Surprises, limits, anything a reader should know; one paragraph each.
+    pub notes: Vec<String>,
+}
+
+/// The whole page.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Report {
+    /// The heading.
+    pub title: String,
+    /// Name and value of what every result depends on; see [`facts::collect`](super::facts::collect).
+    pub facts: Vec<(String, String)>,
+    /// The sections, in order.
+    pub sections: Vec<Section>,
+}
+
+/// Tables longer than this are folded away at first.
+const LONG_TABLE: usize = 15;
+
+impl Report {
+    /// The page as the text of one HTML file.
+    #[must_use]
+    pub fn to_html(&self) -> String {
+        let title = escape(&self.title);
+        let facts: String = self
+            .facts
+            .iter()
+            .map(|(name, value)| {
+                format!(
+                    "<div><dt>{}</dt><dd>{}</dd></div>\n",
+                    escape(name),
+                    escape(value)
+                )
+            })
+            .collect();
+        let contents: String = self
+            .sections
+            .iter()
+            .map(|s| {
+                let answer = if s.verdict.is_some() {
+                    ""
+                } else {
+                    " class=\"open\""
+                };
+                format!(
+                    "<li{answer}><a href=\"#{}\">{}</a> <span>{}</span></li>\n",
+                    anchor(&s.id),
+                    escape(&s.title),
+                    escape(&s.question)
+                )
+            })
+            .collect();
+        let contents = if self.sections.len() < 2 {
+            String::new()
+        } else {
+            format!("<nav aria-label=\"Contents\"><ol>\n{contents}</ol></nav>\n")
+        };
+        let sections: String = self.sections.iter().map(Section::to_html).collect();
+        format!(
+            "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>\n\
+             <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n\
+             <title>{title}</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n<header>\n\
+             <h1>{title}</h1>\n<dl class=\"facts\">\n{facts}</dl>\n</header>\n{contents}<main>\n\
+             {sections}</main>\n</body>\n</html>\n"
+        )
+    }
+}
+
+impl Section {
+    fn to_html(&self) -> String {
+        let mut html = format!(
+            "<section id=\"{}\">\n<h2>{}</h2>\n",
+            anchor(&self.id),
+            escape(&self.title)
+        );
+        if !self.question.is_empty() {
+            html += &format!("<p class=\"question\">{}</p>\n", escape(&self.question));
+        }
+        if let Some(verdict) = &self.verdict {
+            html += &format!("<p class=\"verdict\">{}</p>\n", escape(verdict));
+        }
+        for plot in &self.plots {
+            html += &format!("<figure class=\"plot\">\n{plot}</figure>\n");
+        }
+        if !self.pictures.is_empty() {
+            html += "<div class=\"pictures\">\n";
+            for picture in &self.pictures {
+                let caption = escape(&picture.caption);
+                html += &format!(
+                    "<figure><img alt=\"{caption}\" src=\"data:image/png;base64,{}\"/>\
+                     <figcaption>{caption}</figcaption></figure>\n",
+                    base64(&picture.png)
+                );
+            }
+            html += "</div>\n";
+        }
+        for (caption, table) in &self.tables {
+            let (caption, body) = (escape(caption), table.to_html());
+            html += &if table.rows.len() > LONG_TABLE {
+                let rows = table.rows.len();
+                format!(
+                    "<details><summary>{caption} ({rows} rows)</summary>\
+                     <div class=\"scroll\">{body}</div></details>\n"
+                )
+            } else {
+                format!("<p class=\"caption\">{caption}</p><div class=\"scroll\">{body}</div>\n")
+            };
+        }
+        if !self.notes.is_empty() {
+            let notes: String = self
+                .notes
+                .iter()
+                .map(|note| format!("<li>{}</li>\n", escape(note)))
+                .collect();
+            html += &format!("<h3>Worth knowing</h3>\n<ul class=\"notes\">\n{notes}</ul>\n");
+        }
+        if !self.command.is_empty() {
+            html += &format!("<pre><code>{}</code></pre>\n", escape(&self.command));
+        }
+        html + "</section>\n"
+    }
+}
+
+/// `text` with everything replaced that HTML or XML would read as markup, in content and in
+/// quoted attributes. Control characters, which XML forbids, become `�`.
+#[must_use]
+pub fn escape(text: &str) -> String {
+    let mut escaped = String::with_capacity(text.len());
+    for letter in text.chars() {
+        match letter {
+            '&' => escaped += "&amp;",
+            '<' => escaped += "&lt;",
+            '>' => escaped += "&gt;",
+            '"' => escaped += "&quot;",
+            '\'' => escaped += "&#39;",
+            '\n' | '\t' => escaped.push(letter),
+            _ if letter.is_control() => escaped.push('\u{fffd}'),
+            _ => escaped.push(letter),
+        }
+    }
+    escaped
+}
+
+/// `id` as an anchor.
+fn anchor(id: &str) -> String {
+    id.chars()
+        .map(|c| if c.is_ascii_alphanumeric() { c } else { '-' })
+        .collect()
+}
+
+/// RFC 4648, with padding.
+fn base64(bytes: &[u8]) -> String {
+    const LETTERS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    let mut text = String::with_capacity(bytes.len().div_ceil(3) * 4);
+    for chunk in bytes.chunks(3) {
+        let byte = |i: usize| u32::from(chunk.get(i).copied().unwrap_or(0));
+        let bits = byte(0) << 16 | byte(1) << 8 | byte(2);
+        for i in 0..4 {
+            let letter = LETTERS[(bits >> (18 - 6 * i) & 63) as usize];
+            text.push(if i <= chunk.len() {
+                char::from(letter)
+            } else {
+                '='
+            });
+        }
+    }
+    text
+}
+
+const STYLE: &str = include_str!("page.css");
+
+/// Checks what a browser would not complain about: every element closed, every `<` an element.
+///
+/// # Panics
+/// If `markup` is not well-formed.
+#[cfg(test)]
+pub(crate) fn assert_well_formed(markup: &str) {
+    let mut open = Vec::new();
+    let markup = markup.strip_prefix("<!DOCTYPE html>").unwrap_or(markup);
+    for piece in markup.split('<').skip(1) {
+        let (tag, text) = piece.split_once('>').expect("every tag ends");
+        assert_eq!(
+            tag.matches('"').count() % 2,
+            0,
+            "quotes are balanced: {tag}"
+        );
+        assert!(
+            !text.contains('>') || open.last() == Some(&"style"),
+            "stray > in {text}"
+        );
+        for entity in text.split('&').skip(1).chain(tag.split('&').skip(1)) {
+            assert!(
+                entity.find(';').is_some_and(|end| end <= 5),
+                "bare & before {entity:.20}"
+            );
+        }
+        if let Some(name) = tag.strip_prefix('/') {
+            assert_eq!(open.pop(), Some(name), "closes the element that is open");
+        } else if !tag.ends_with('/') {
+            open.push(tag.split_whitespace().next().expect("a tag has a name"));
+        }
+    }
+    assert!(open.is_empty(), "left open: {open:?}");
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::plot::{Plot, Series};
+
+    #[test]
+    fn base64_agrees_with_rfc_4648() {
+        for (bytes, text) in [
+            ("", ""),
+            ("f", "Zg=="),
+            ("fo", "Zm8="),
+            ("foo", "Zm9v"),
+            ("foob", "Zm9vYg=="),
+            ("fooba", "Zm9vYmE="),
+            ("foobar", "Zm9vYmFy"),
+        ] {
+            assert_eq!(base64(bytes.as_bytes()), text);
+        }
+        assert_eq!(base64(&[0xfb, 0xff, 0xfe]), "+//+");
+    }
+
+    fn nasty() -> Report {
+        let nasty = "<script>alert(\"x\")</script> & 'more' \u{1}";
+        let mut table = Table::new(&[nasty]);
+        table.push([nasty.into()]);
+        let plot = Plot {
+            title: nasty.into(),
+            series: vec![Series::new(nasty, vec![(0.0, 1.0)])],
+            note: nasty.into(),
+            ..Plot::default()
+        };
+        let section = Section {
+            id: nasty.into(),
+            title: nasty.into(),
+            question: nasty.into(),
+            verdict: Some(nasty.into()),
+            command: nasty.into(),
+            plots: vec![plot.draw().svg],
+            pictures: vec![Picture {
+                png: vec![1, 2, 3],
+                caption: nasty.into(),
+            }],
+            tables: vec![(nasty.into(), table)],
+            notes: vec![nasty.into()],
+        };
+        Report {
+            title: nasty.into(),
+            facts: vec![(nasty.into(), nasty.into())],
+            sections: vec![section.clone(), section],
+        }
+    }
+
+    #[test]
+    fn everything_is_escaped() {
+        let html = nasty().to_html();
+        assert_well_formed(&html);
+        assert!(!html.contains("<script") && !html.contains('\u{1}'));
+    }
+
+    #[test]
+    fn the_page_needs_nothing_from_outside() {
+        let html = nasty().to_html();
+        let addresses =
+            html.matches("http").count() - html.matches("http://www.w3.org/2000/svg").count();
+        assert_eq!(addresses, 0);
+        assert!(!html.contains("<link") && !html.contains("@import") && !html.contains("url("));
+    }
+
+    #[test]
+    fn contents_lead_to_the_sections() {
+        let html = nasty().to_html();
+        let target = html
+            .split("href=\"#")
+            .nth(1)
+            .unwrap()
+            .split('"')
+            .next()
+            .unwrap();
+        assert!(html.contains(&format!("<section id=\"{target}\">")));
+    }
+
+    #[test]
+    fn an_empty_report_is_a_page() {
+        assert_well_formed(&Report::default().to_html());
+        let empty = Report {
+            sections: vec![Section::default()],
+            ..Report::default()
+        };
+        assert_well_formed(&empty.to_html());
+    }
+}

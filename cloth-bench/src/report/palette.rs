@@ -1,0 +1,256 @@
+//! Colours and markers, the same for a method in every plot.
+//!
+//! The colours come from the palettes of Okabe and Ito (<https://jfly.uni-koeln.de/color/>) and
+//! of Paul Tol (<https://personal.sron.nl/~pault/>), darkened where a thin line on white would be
+//! too faint. They stay apart under the two common colour vision deficiencies (a test simulates
+//! both), and markers say the same thing once more.
+
+/// Red, green and blue, sRGB, 0 to 255.
+pub type Rgb = [u8; 3];
+
+/// Text and axes.
+pub const INK: Rgb = [0x22, 0x26, 0x2b];
+/// Secondary text: labels of ticks, notes.
+pub const SOFT_INK: Rgb = [0x5a, 0x62, 0x6b];
+/// Grid lines.
+pub const GRID: Rgb = [0xe3, 0xe6, 0xe9];
+
+/// The shape that marks a data point.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Marker {
+    /// A disk.
+    Circle,
+    /// A square.
+    Square,
+    /// A triangle, point up.
+    Triangle,
+    /// A square on its corner.
+    Diamond,
+    /// A triangle, point down.
+    TriangleDown,
+    /// Two crossed strokes, ×.
+    Cross,
+    /// Two crossed strokes, +.
+    Plus,
+    /// A five-pointed star.
+    Star,
+}
+
+/// Method names with their colour and marker.
+const METHODS: [(&str, Rgb, Marker); 9] = [
+    ("xpbd", [0x07, 0x66, 0xb9], Marker::Circle),
+    ("pbd", [0xdd, 0x8a, 0x00], Marker::Square),
+    ("pd", [0x00, 0x8f, 0x6a], Marker::Triangle),
+    ("implicit-euler", [0xc4, 0x3e, 0x00], Marker::Diamond),
+    ("bdf2", [0x72, 0x12, 0x61], Marker::TriangleDown),
+    ("implicit-midpoint", [0xc9, 0x6f, 0xa5], Marker::Cross),
+    ("explicit-euler", [0x4a, 0xad, 0xeb], Marker::Plus),
+    ("symplectic-euler", [0x3a, 0x2a, 0x8c], Marker::Star),
+    ("newton", [0x33, 0x33, 0x33], Marker::Circle),
+];
+
+/// For labels that do not begin with the name of a method, in order of appearance.
+const OTHERS: [(Rgb, Marker); 8] = [
+    ([0x00, 0x5f, 0x9e], Marker::Circle),
+    ([0xda, 0x61, 0x02], Marker::Square),
+    ([0x6f, 0xad, 0x3b], Marker::Triangle),
+    ([0x82, 0x23, 0x6e], Marker::Diamond),
+    ([0x15, 0xad, 0x99], Marker::TriangleDown),
+    ([0x8a, 0x1c, 0x3c], Marker::Cross),
+    ([0x63, 0x73, 0x7e], Marker::Plus),
+    ([0x65, 0x3d, 0x17], Marker::Star),
+];
+
+/// Colour and marker of one series.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Look {
+    /// Of line and marker.
+    pub colour: Rgb,
+    /// At the data points.
+    pub marker: Marker,
+    /// Whether the marker is drawn as an outline: the second, fourth, … series of one method.
+    pub hollow: bool,
+}
+
+/// The method that `label` begins with: `xpbd` in `xpbd`, `xpbd, 4 substeps` and `xpbd (exact)`.
+fn method(label: &str) -> Option<usize> {
+    METHODS.iter().position(|(name, ..)| {
+        label
+            .strip_prefix(name)
+            .is_some_and(|rest| !rest.starts_with(|c: char| c.is_alphanumeric() || c == '-'))
+    })
+}
+
+/// The look of each series of one plot, from the labels alone.
+///
+/// A method has its fixed colour. Several series of one method have the same hue, lighter and
+/// darker in turn, and differ in marker. Other labels take colours in order of appearance.
+#[must_use]
+pub fn looks(labels: &[&str]) -> Vec<Look> {
+    let mut seen = [0; METHODS.len()];
+    let mut other = 0;
+    labels
+        .iter()
+        .map(|label| {
+            let Some(index) = method(label) else {
+                let (colour, marker) = OTHERS[other % OTHERS.len()];
+                other += 1;
+                return Look {
+                    colour,
+                    marker,
+                    hollow: other > OTHERS.len(),
+                };
+            };
+            let (_, colour, marker) = METHODS[index];
+            let nth = seen[index];
+            seen[index] += 1;
+            // Every second variant darker than the first of its method, the others lighter.
+            let (towards, share) = match nth {
+                0 => (255, 0.0),
+                n if n % 2 == 1 => (255, 0.25 + 0.12 * f64::from(n.min(5))),
+                n => (0, 0.25 + 0.1 * f64::from(n.min(4))),
+            };
+            Look {
+                colour: mix(colour, [towards; 3], share),
+                marker,
+                hollow: nth % 2 == 1,
+            }
+        })
+        .collect()
+}
+
+/// `share` (0 to 1) of `to` in `from`.
+#[must_use]
+pub fn mix(from: Rgb, to: Rgb, share: f64) -> Rgb {
+    std::array::from_fn(|i| {
+        (f64::from(from[i]) * (1.0 - share) + f64::from(to[i]) * share).round() as u8
+    })
+}
+
+/// An sRGB channel (0 to 255) as linear light (0 to 1).
+#[must_use]
+pub fn to_linear(channel: u8) -> f64 {
+    let value = f64::from(channel) / 255.0;
+    if value <= 0.040_45 {
+        value / 12.92
+    } else {
+        ((value + 0.055) / 1.055).powf(2.4)
+    }
+}
+
+/// Linear light (0 to 1, clamped) as an sRGB channel (0 to 255).
+#[must_use]
+pub fn from_linear(light: f64) -> u8 {
+    let light = light.clamp(0.0, 1.0);
+    let value = if light <= 0.003_130_8 {
+        light * 12.92
+    } else {
+        1.055 * light.powf(1.0 / 2.4) - 0.055
+    };
+    (value * 255.0).round() as u8
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Machado, Oliveira and Fernandes 2009 (doi:10.1109/TVCG.2009.113), severity 1: what is left
+    /// of linear RGB without the green (first) or red (second) cones.
+    const DEFICIENCIES: [[[f64; 3]; 3]; 2] = [
+        [
+            [0.367, 0.861, -0.228],
+            [0.280, 0.673, 0.047],
+            [-0.012, 0.043, 0.969],
+        ],
+        [
+            [0.152, 1.053, -0.205],
+            [0.115, 0.786, 0.099],
+            [-0.004, -0.048, 1.052],
+        ],
+    ];
+
+    /// CIE L*a*b* (D65) of linear RGB.
+    fn lab(rgb: [f64; 3]) -> [f64; 3] {
+        let row = |r: [f64; 3]| r.iter().zip(rgb).map(|(a, b)| a * b.max(0.0)).sum::<f64>();
+        let x = row([0.4124, 0.3576, 0.1805]) / 0.9505;
+        let y = row([0.2126, 0.7152, 0.0722]);
+        let z = row([0.0193, 0.1192, 0.9505]) / 1.089;
+        let f = |t: f64| {
+            if t > 0.008856 {
+                t.cbrt()
+            } else {
+                7.787 * t + 16.0 / 116.0
+            }
+        };
+        [
+            116.0 * f(y) - 16.0,
+            500.0 * (f(x) - f(y)),
+            200.0 * (f(y) - f(z)),
+        ]
+    }
+
+    fn distance(a: Rgb, b: Rgb, seen: impl Fn([f64; 3]) -> [f64; 3]) -> f64 {
+        let [a, b] = [a, b].map(|colour| lab(seen(colour.map(to_linear))));
+        a.iter()
+            .zip(b)
+            .map(|(a, b)| (a - b).powi(2))
+            .sum::<f64>()
+            .sqrt()
+    }
+
+    fn assert_distinct(colours: &[Rgb]) {
+        for (i, &a) in colours.iter().enumerate() {
+            for &b in &colours[..i] {
+                let normal = distance(a, b, |c| c);
+                assert!(normal > 20.0, "{a:?} and {b:?}: {normal}");
+                for matrix in DEFICIENCIES {
+                    let seen = distance(a, b, |c| {
+                        matrix.map(|row| row.iter().zip(c).map(|(m, c)| m * c).sum())
+                    });
+                    assert!(
+                        seen > 8.0,
+                        "{a:02x?} and {b:02x?} for the colour blind: {seen}"
+                    );
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn colours_stay_apart_for_the_colour_blind() {
+        assert_distinct(&METHODS.map(|(_, colour, _)| colour));
+        assert_distinct(&OTHERS.map(|(colour, _)| colour));
+    }
+
+    #[test]
+    fn colours_stand_out_from_white() {
+        for colour in METHODS.map(|m| m.1).into_iter().chain(OTHERS.map(|o| o.0)) {
+            let [r, g, b] = colour.map(to_linear);
+            let contrast = 1.05 / (0.2126 * r + 0.7152 * g + 0.0722 * b + 0.05);
+            assert!(contrast > 2.3, "{colour:02x?}: {contrast}");
+        }
+    }
+
+    #[test]
+    fn a_method_looks_the_same_in_every_plot() {
+        let a = looks(&["pd", "exact", "xpbd, 4 substeps"]);
+        let b = looks(&["xpbd", "something", "pd (dense)"]);
+        assert_eq!((a[0], a[2]), (b[2], b[0]));
+        assert_ne!(looks(&["pbd"])[0], looks(&["xpbd"])[0]);
+        assert_eq!(method("pdx"), None);
+        assert_eq!(method("pd-like"), None);
+    }
+
+    #[test]
+    fn series_of_one_method_differ() {
+        let looks = looks(&["xpbd, 1", "xpbd, 2", "xpbd, 3", "xpbd, 4"]);
+        for (i, a) in looks.iter().enumerate() {
+            assert!(looks[..i].iter().all(|b| a.colour != b.colour));
+        }
+    }
+
+    #[test]
+    fn linear_light_reads_back() {
+        assert!((0..=255).all(|channel| from_linear(to_linear(channel)) == channel));
+    }
+}

@@ -1,0 +1,834 @@
+//! Pictures of triangle meshes, drawn in software: what the cloth looks like.
+//!
+//! An orthographic or perspective camera frames the bounding box; triangles go through a z-buffer
+//! and are shaded by the cosine to a key light (Lambert), with a weaker fill light from the other
+//! side. Normals are averaged at vertices, so a coarse mesh looks smooth; that is a kindness to the
+//! eye, not a property of the solution, and [`View::wire`] shows the triangles as they are. Front
+//! (counter-clockwise) and back have different colours. There are no shadows.
+
+use std::fmt;
+
+use cloth_core::math::Vec3;
+
+use super::palette::{Rgb, from_linear, to_linear};
+
+/// Samples per pixel along each side.
+const SAMPLES: usize = 2;
+
+/// A mesh and how it is coloured.
+#[derive(Debug, Clone, Copy)]
+pub struct Surface<'a> {
+    /// Positions (m), one per vertex.
+    pub positions: &'a [Vec3],
+    /// Triangles, each three vertex numbers, counter-clockwise seen from the front.
+    pub triangles: &'a [[u32; 3]],
+    /// Colour of the front.
+    pub front: Rgb,
+    /// Colour of the back.
+    pub back: Rgb,
+}
+
+impl<'a> Surface<'a> {
+    /// A piece of cloth: blue front, sand-coloured back.
+    #[must_use]
+    pub fn cloth(positions: &'a [Vec3], triangles: &'a [[u32; 3]]) -> Self {
+        Self {
+            positions,
+            triangles,
+            front: [0x3f, 0x86, 0xc4],
+            back: [0xe3, 0xa8, 0x57],
+        }
+    }
+
+    /// Something solid that cloth lies on: grey.
+    #[must_use]
+    pub fn obstacle(positions: &'a [Vec3], triangles: &'a [[u32; 3]]) -> Self {
+        Self {
+            positions,
+            triangles,
+            front: [0xb4, 0xb7, 0xba],
+            back: [0x8c, 0x8f, 0x92],
+        }
+    }
+}
+
+/// How depth is projected.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Projection {
+    /// Parallel rays: equal lengths look equal everywhere.
+    Orthographic,
+    /// Rays through one point.
+    Perspective {
+        /// Full angle of view (rad) over the smaller side of the picture, between 0 and π.
+        angle: f64,
+    },
+}
+
+/// Camera, light and picture size.
+#[derive(Debug, Clone, PartialEq)]
+pub struct View {
+    /// Width of one tile (px).
+    pub width: usize,
+    /// Height of one tile (px).
+    pub height: usize,
+    /// Where the camera looks (any length).
+    pub direction: Vec3,
+    /// What is up in the picture (any length, not parallel to `direction`).
+    pub up: Vec3,
+    /// How depth is projected.
+    pub projection: Projection,
+    /// Towards the key light, in camera axes: right, up, towards the camera (any length).
+    pub light: Vec3,
+    /// Opacity (0 to 1) of the mesh edges drawn over the surface; 0 for none. Edges fade where
+    /// triangles are only a few pixels large.
+    pub wire: f64,
+    /// Background, `None` for transparent.
+    pub background: Option<Rgb>,
+    /// The lower and upper corner (m) of the box to frame; `None` frames everything.
+    pub bounds: Option<[Vec3; 2]>,
+}
+
+impl Default for View {
+    /// 720 × 540 px, seen in perspective from the front, the right and above, with z up, on white.
+    fn default() -> Self {
+        Self {
+            width: 720,
+            height: 540,
+            direction: Vec3::new(-0.45, 0.8, -0.42),
+            up: Vec3::z(),
+            projection: Projection::Perspective { angle: 0.5 },
+            light: Vec3::new(-0.5, 0.75, 0.65),
+            wire: 0.0,
+            background: Some([255; 3]),
+            bounds: None,
+        }
+    }
+}
+
+/// Why there is no picture.
+#[derive(Debug, Clone, PartialEq)]
+pub enum RenderError {
+    /// There is no triangle, or no tile.
+    Empty,
+    /// A position is NaN or infinite.
+    NotFinite {
+        /// Number of the tile.
+        tile: usize,
+        /// Number of the vertex within its surface.
+        vertex: usize,
+    },
+    /// A triangle names a vertex that does not exist.
+    NoSuchVertex {
+        /// Number of the triangle within its surface.
+        triangle: usize,
+        /// The vertex number it names.
+        vertex: u32,
+        /// How many vertices the surface has.
+        vertex_count: usize,
+    },
+    /// The view cannot be drawn; the text says why.
+    View(&'static str),
+    /// The picture could not be encoded.
+    Encoding(String),
+}
+
+impl fmt::Display for RenderError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Empty => write!(f, "there is no triangle to draw"),
+            Self::NotFinite { tile, vertex } => {
+                write!(
+                    f,
+                    "the position of vertex {vertex} in tile {tile} is not finite"
+                )
+            }
+            Self::NoSuchVertex {
+                triangle,
+                vertex,
+                vertex_count,
+            } => write!(
+                f,
+                "triangle {triangle} names vertex {vertex}, but there are {vertex_count} vertices"
+            ),
+            Self::View(reason) => write!(f, "the view cannot be drawn: {reason}"),
+            Self::Encoding(reason) => write!(f, "the PNG could not be written: {reason}"),
+        }
+    }
+}
+
+impl std::error::Error for RenderError {}
+
+/// A PNG file that shows `surfaces` together.
+///
+/// # Errors
+/// [`RenderError`] if there is nothing to draw, a position is not finite, a triangle names a
+/// missing vertex, or the view is degenerate.
+pub fn render(surfaces: &[Surface<'_>], view: &View) -> Result<Vec<u8>, RenderError> {
+    render_row(&[surfaces], view)
+}
+
+/// A PNG file with one tile per group of surfaces, from left to right, all seen by the same camera
+/// at the same scale, so that they can be compared.
+///
+/// # Errors
+/// As [`render`].
+pub fn render_row(tiles: &[&[Surface<'_>]], view: &View) -> Result<Vec<u8>, RenderError> {
+    check(tiles, view)?;
+    let camera = Camera::framing(tiles, view)?;
+    let (width, height) = (view.width * tiles.len(), view.height);
+    let mut pixels = vec![0; width * height * 4];
+    for (column, surfaces) in tiles.iter().enumerate() {
+        let mut raster = Raster::new(view);
+        for surface in *surfaces {
+            raster.draw(surface, &camera, view);
+        }
+        raster.resolve(view.background, |x, y, colour| {
+            let at = 4 * (y * width + column * view.width + x);
+            pixels[at..at + 4].copy_from_slice(&colour);
+        });
+    }
+    encode(&pixels, width, height)
+}
+
+fn encode(pixels: &[u8], width: usize, height: usize) -> Result<Vec<u8>, RenderError> {
+    let failed = |error: png::EncodingError| RenderError::Encoding(error.to_string());
+    let side = |pixels| u32::try_from(pixels).map_err(|_| RenderError::View("too many pixels"));
+    let mut file = Vec::new();
+    let mut encoder = png::Encoder::new(&mut file, side(width)?, side(height)?);
+    encoder.set_color(png::ColorType::Rgba);
+    encoder.set_depth(png::BitDepth::Eight);
+    let mut writer = encoder.write_header().map_err(failed)?;
+    writer.write_image_data(pixels).map_err(failed)?;
+    writer.finish().map_err(failed)?;
+    Ok(file)
+}
+
+fn check(tiles: &[&[Surface<'_>]], view: &View) -> Result<(), RenderError> {
+    if !(1..=16_384).contains(&view.width) || !(1..=16_384).contains(&view.height) {
+        return Err(RenderError::View(
+            "a side has less than 1 or more than 16384 pixels",
+        ));
+    }
+    if tiles
+        .iter()
+        .flat_map(|tile| tile.iter())
+        .all(|surface| surface.triangles.is_empty())
+    {
+        return Err(RenderError::Empty);
+    }
+    for (tile, surfaces) in tiles.iter().enumerate() {
+        for surface in *surfaces {
+            let finite = |x: &Vec3| x.iter().all(|v| v.is_finite());
+            if let Some(vertex) = surface.positions.iter().position(|x| !finite(x)) {
+                return Err(RenderError::NotFinite { tile, vertex });
+            }
+            let vertex_count = surface.positions.len();
+            for (triangle, vertices) in surface.triangles.iter().enumerate() {
+                if let Some(&vertex) = vertices.iter().find(|&&v| v as usize >= vertex_count) {
+                    return Err(RenderError::NoSuchVertex {
+                        triangle,
+                        vertex,
+                        vertex_count,
+                    });
+                }
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Right, up and backward axes (the camera looks along −backward), and what maps them to samples.
+#[derive(Debug)]
+struct Camera {
+    right: Vec3,
+    up: Vec3,
+    back: Vec3,
+    /// The point in the middle of the picture (m).
+    centre: Vec3,
+    /// Distance (m) from the eye to the centre; `None` for parallel rays.
+    distance: Option<f64>,
+    /// Samples per metre at the centre.
+    scale: f64,
+    /// The middle of the picture, in samples.
+    middle: [f64; 2],
+}
+
+impl Camera {
+    fn framing(tiles: &[&[Surface<'_>]], view: &View) -> Result<Self, RenderError> {
+        let unit = |v: Vec3| v.try_normalize(1e-12);
+        let degenerate = RenderError::View("direction and up must be independent vectors");
+        let (back, right) = unit(-view.direction)
+            .and_then(|back| Some((back, unit(view.up.cross(&back))?)))
+            .ok_or(degenerate)?;
+        let mut camera = Self {
+            right,
+            up: back.cross(&right),
+            back,
+            centre: Vec3::zeros(),
+            distance: None,
+            scale: 1.0,
+            middle: [view.width, view.height].map(|side| (side * SAMPLES) as f64 / 2.0),
+        };
+        let corners = corners(tiles, view.bounds);
+        let [low, high] = camera.extent(&corners);
+        let middle = (low + high) / 2.0;
+        camera.centre = camera.right * middle.x + camera.up * middle.y + camera.back * middle.z;
+        let half = ((high - low) / 2.0).map(|v| v.max(1e-9 * (1.0 + middle.norm())));
+        // 6 % of the picture stay empty on each side.
+        let room = camera.middle.map(|side| 0.88 * side);
+        camera.scale = (room[0] / half.x).min(room[1] / half.y);
+        if let Projection::Perspective { angle } = view.projection {
+            if !(angle > 0.0 && angle < std::f64::consts::PI) {
+                return Err(RenderError::View(
+                    "the angle of view is not between 0 and π",
+                ));
+            }
+            camera.step_back(&corners, half, room, angle);
+        }
+        if !camera.scale.is_finite() || !camera.centre.iter().all(|v| v.is_finite()) {
+            return Err(RenderError::View("the box to frame is too large"));
+        }
+        Ok(camera)
+    }
+
+    /// Lower and upper bounds of `points` in camera axes (m).
+    fn extent(&self, points: &[Vec3]) -> [Vec3; 2] {
+        let infinite = Vec3::repeat(f64::INFINITY);
+        points
+            .iter()
+            .fold([infinite, -infinite], |[low, high], point| {
+                let x = Vec3::new(
+                    self.right.dot(point),
+                    self.up.dot(point),
+                    self.back.dot(point),
+                );
+                [low.inf(&x), high.sup(&x)]
+            })
+    }
+
+    /// Moves the eye back until all corners are in the picture.
+    fn step_back(&mut self, corners: &[Vec3], half: Vec3, room: [f64; 2], angle: f64) {
+        let tangent = (angle / 2.0).tan();
+        let smaller = self.middle[0].min(self.middle[1]);
+        // The angle fixes how many samples a unit of slope takes; each corner then asks for a
+        // distance.
+        let focal = smaller / tangent;
+        let needed = corners.iter().map(|corner| {
+            let x = corner - self.centre;
+            let sideways = (self.right.dot(&x).abs() * focal / room[0])
+                .max(self.up.dot(&x).abs() * focal / room[1]);
+            self.back.dot(&x) + sideways
+        });
+        let distance = needed.fold(half.z * 1.01 + 1e-6 * half.norm(), f64::max);
+        self.distance = Some(distance);
+        self.scale = focal / distance;
+    }
+
+    /// Where a point (m) stands: samples from left and top, and nearness, which grows towards the
+    /// camera and is linear in the picture. `None` behind the eye.
+    fn project(&self, point: &Vec3) -> Option<[f64; 3]> {
+        let x = point - self.centre;
+        let towards = self.back.dot(&x);
+        let (shrink, nearness) = match self.distance {
+            None => (1.0, towards),
+            Some(distance) => {
+                let depth = distance - towards;
+                if depth < 1e-6 * distance {
+                    return None;
+                }
+                (distance / depth, 1.0 / depth)
+            }
+        };
+        let scale = self.scale * shrink;
+        Some([
+            self.middle[0] + scale * self.right.dot(&x),
+            self.middle[1] - scale * self.up.dot(&x),
+            nearness,
+        ])
+    }
+
+    /// The unit vector from `point` to the eye.
+    fn towards_eye(&self, point: &Vec3) -> Vec3 {
+        let Some(distance) = self.distance else {
+            return self.back;
+        };
+        (self.centre + self.back * distance - point).normalize()
+    }
+}
+
+/// The corners of the box to frame.
+fn corners(tiles: &[&[Surface<'_>]], bounds: Option<[Vec3; 2]>) -> Vec<Vec3> {
+    let Some([low, high]) = bounds else {
+        // Every vertex is a corner: the box of a tilted sheet would leave much empty space.
+        let surfaces = tiles.iter().flat_map(|tile| tile.iter());
+        return surfaces
+            .flat_map(|s| {
+                s.triangles
+                    .iter()
+                    .flatten()
+                    .map(|&v| s.positions[v as usize])
+            })
+            .collect();
+    };
+    let pick = |i: usize, bit: usize| {
+        if i >> bit & 1 == 0 {
+            low[bit]
+        } else {
+            high[bit]
+        }
+    };
+    (0..8)
+        .map(|i| Vec3::new(pick(i, 0), pick(i, 1), pick(i, 2)))
+        .collect()
+}
+
+/// Linear-light colour samples with their nearness.
+struct Raster {
+    width: usize,
+    height: usize,
+    nearness: Vec<f64>,
+    colour: Vec<[f64; 3]>,
+}
+
+/// One corner of a triangle in the picture.
+#[derive(Clone, Copy)]
+struct Corner {
+    at: [f64; 3],
+    position: Vec3,
+    normal: Vec3,
+}
+
+impl Raster {
+    fn new(view: &View) -> Self {
+        let (width, height) = (view.width * SAMPLES, view.height * SAMPLES);
+        let nearness = vec![f64::NEG_INFINITY; width * height];
+        Self {
+            width,
+            height,
+            nearness,
+            colour: vec![[0.0; 3]; width * height],
+        }
+    }
+
+    fn draw(&mut self, surface: &Surface<'_>, camera: &Camera, view: &View) {
+        let normals = vertex_normals(surface);
+        let shade = Shade::new(surface, camera, view);
+        for triangle in surface.triangles {
+            let corner = |i: usize| {
+                let vertex = triangle[i] as usize;
+                let position = surface.positions[vertex];
+                let at = camera.project(&position)?;
+                Some(Corner {
+                    at,
+                    position,
+                    normal: normals[vertex],
+                })
+            };
+            if let (Some(a), Some(b), Some(c)) = (corner(0), corner(1), corner(2)) {
+                self.fill([a, b, c], &shade, camera);
+            }
+        }
+    }
+
+    fn fill(&mut self, corners: [Corner; 3], shade: &Shade, camera: &Camera) {
+        let [a, b, c] = corners.map(|corner| corner.at);
+        // Twice the signed area; the picture's y points down, so the front is negative.
+        let area = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+        if area == 0.0 || !area.is_finite() {
+            return;
+        }
+        let front = area < 0.0;
+        let side = |p: [f64; 3], q: [f64; 3]| (q[0] - p[0]).hypot(q[1] - p[1]);
+        let heights = [side(b, c), side(c, a), side(a, b)].map(|edge| area.abs() / edge);
+        let span = |axis: usize, size: usize| {
+            let values = [a[axis], b[axis], c[axis]];
+            let low = values.iter().copied().fold(f64::INFINITY, f64::min) - 0.5;
+            let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max) - 0.5;
+            (low.ceil().clamp(0.0, size as f64) as usize)
+                ..(high.floor() + 1.0).clamp(0.0, size as f64) as usize
+        };
+        for y in span(1, self.height) {
+            for x in span(0, self.width) {
+                let (px, py) = (x as f64 + 0.5, y as f64 + 0.5);
+                let share = |p: [f64; 3], q: [f64; 3]| {
+                    ((q[0] - p[0]) * (py - p[1]) - (q[1] - p[1]) * (px - p[0])) / area
+                };
+                let weights = [share(b, c), share(c, a), share(a, b)];
+                if weights.iter().any(|w| *w < 0.0) {
+                    continue;
+                }
+                let nearness = weights[0] * a[2] + weights[1] * b[2] + weights[2] * c[2];
+                let at = y * self.width + x;
+                if nearness > self.nearness[at] {
+                    self.nearness[at] = nearness;
+                    self.colour[at] = shade.colour(corners, weights, heights, front, camera);
+                }
+            }
+        }
+    }
+
+    /// Averages the samples of each pixel and hands over its sRGB colour and opacity.
+    fn resolve(&self, background: Option<Rgb>, mut put: impl FnMut(usize, usize, [u8; 4])) {
+        let behind = background.map(|colour| colour.map(to_linear));
+        let count = (SAMPLES * SAMPLES) as f64;
+        for y in 0..self.height / SAMPLES {
+            for x in 0..self.width / SAMPLES {
+                let (mut sum, mut covered) = ([0.0; 3], 0.0);
+                for sample in 0..SAMPLES * SAMPLES {
+                    let row = y * SAMPLES + sample / SAMPLES;
+                    let at = row * self.width + x * SAMPLES + sample % SAMPLES;
+                    let hit = self.nearness[at] > f64::NEG_INFINITY;
+                    if let Some(colour) = if hit { Some(self.colour[at]) } else { behind } {
+                        (0..3).for_each(|i| sum[i] += colour[i]);
+                        covered += 1.0;
+                    }
+                }
+                let [r, g, b] = sum.map(|light| from_linear(light / f64::max(covered, 1.0)));
+                put(x, y, [r, g, b, (255.0 * covered / count).round() as u8]);
+            }
+        }
+    }
+}
+
+/// Sums of the area-weighted normals of the triangles around each vertex (m²). Zero where they
+/// cancel.
+fn vertex_normals(surface: &Surface<'_>) -> Vec<Vec3> {
+    let mut normals = vec![Vec3::zeros(); surface.positions.len()];
+    for triangle in surface.triangles {
+        let [a, b, c] = triangle.map(|v| surface.positions[v as usize]);
+        let normal = (b - a).cross(&(c - a));
+        for vertex in triangle {
+            normals[*vertex as usize] += normal;
+        }
+    }
+    normals
+}
+
+/// Lights and colours, in linear light and world axes.
+struct Shade {
+    front: [f64; 3],
+    back: [f64; 3],
+    key: Vec3,
+    fill: Vec3,
+    wire: f64,
+}
+
+impl Shade {
+    fn new(surface: &Surface<'_>, camera: &Camera, view: &View) -> Self {
+        let world =
+            |v: Vec3| (camera.right * v.x + camera.up * v.y + camera.back * v.z).normalize();
+        let light = view.light.try_normalize(1e-12).unwrap_or_else(Vec3::z);
+        Self {
+            front: surface.front.map(to_linear),
+            back: surface.back.map(to_linear),
+            key: world(light),
+            fill: world(Vec3::new(-light.x, -0.3 * light.y, light.z.abs() + 0.3)),
+            wire: view.wire.clamp(0.0, 1.0),
+        }
+    }
+
+    /// The colour of the point with the given barycentric weights in the picture.
+    fn colour(
+        &self,
+        corners: [Corner; 3],
+        weights: [f64; 3],
+        heights: [f64; 3],
+        front: bool,
+        camera: &Camera,
+    ) -> [f64; 3] {
+        // Weights in the picture are not weights in space, where rays converge.
+        let mut weights_in_space = weights;
+        if camera.distance.is_some() {
+            (0..3).for_each(|i| weights_in_space[i] *= corners[i].at[2]);
+            let sum: f64 = weights_in_space.iter().sum();
+            weights_in_space.iter_mut().for_each(|w| *w /= sum);
+        }
+        let blend = |of: fn(&Corner) -> Vec3| {
+            (0..3)
+                .map(|i| of(&corners[i]) * weights_in_space[i])
+                .sum::<Vec3>()
+        };
+        let eye = camera.towards_eye(&blend(|corner| corner.position));
+        let facing = if front { 1.0 } else { -1.0 };
+        let normal = blend(|corner| corner.normal)
+            .try_normalize(1e-150)
+            .unwrap_or(eye * facing)
+            * facing;
+        let lambert = |light: &Vec3| normal.dot(light).max(0.0);
+        let brightness = 0.16 + 0.78 * lambert(&self.key) + 0.2 * lambert(&self.fill);
+        let colour = if front { self.front } else { self.back };
+        let darker = 1.0 - 0.75 * self.wire * wire(weights, heights);
+        colour.map(|light| light * brightness * darker)
+    }
+}
+
+/// How much of a wire covers the point (0 to 1): one near an edge, fading out where the triangle
+/// is small. `heights` are those of the triangle (samples).
+fn wire(weights: [f64; 3], heights: [f64; 3]) -> f64 {
+    let distance = (0..3)
+        .map(|i| weights[i] * heights[i])
+        .fold(f64::INFINITY, f64::min);
+    let smallest = heights.into_iter().fold(f64::INFINITY, f64::min);
+    let visible = ((smallest - 5.0) / 15.0).clamp(0.0, 1.0);
+    // Half a line lies in each of the two triangles that share the edge.
+    visible * (1.4 - distance).clamp(0.0, 1.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A sphere of the given radius (m) around `centre`, as a grid of longitudes and latitudes.
+    fn sphere(radius: f64, centre: Vec3) -> (Vec<Vec3>, Vec<[u32; 3]>) {
+        let (around, along) = (128, 64);
+        let mut positions = Vec::new();
+        for j in 0..=along {
+            for i in 0..around {
+                let polar = std::f64::consts::PI * f64::from(j) / f64::from(along);
+                let azimuth = std::f64::consts::TAU * f64::from(i) / f64::from(around);
+                let (s, c) = polar.sin_cos();
+                positions
+                    .push(centre + radius * Vec3::new(s * azimuth.cos(), s * azimuth.sin(), c));
+            }
+        }
+        let at = |i: u32, j: u32| j * around + i % around;
+        let mut triangles = Vec::new();
+        for j in 0..along {
+            for i in 0..around {
+                triangles.push([at(i, j), at(i, j + 1), at(i + 1, j + 1)]);
+                triangles.push([at(i, j), at(i + 1, j + 1), at(i + 1, j)]);
+            }
+        }
+        (positions, triangles)
+    }
+
+    fn view() -> View {
+        View {
+            width: 200,
+            height: 160,
+            direction: Vec3::y(),
+            projection: Projection::Orthographic,
+            background: None,
+            light: Vec3::new(0.0, 1.0, 1.0),
+            ..View::default()
+        }
+    }
+
+    fn decode(file: &[u8]) -> (usize, Vec<[u8; 4]>) {
+        let mut reader = png::Decoder::new(std::io::Cursor::new(file))
+            .read_info()
+            .unwrap();
+        let mut bytes = vec![0; reader.output_buffer_size().unwrap()];
+        let info = reader.next_frame(&mut bytes).unwrap();
+        let (pixels, rest) = bytes.as_chunks::<4>();
+        assert!(rest.is_empty());
+        (info.width as usize, pixels.to_vec())
+    }
+
+    fn covered(pixels: &[[u8; 4]]) -> f64 {
+        pixels.iter().map(|p| f64::from(p[3]) / 255.0).sum()
+    }
+
+    #[test]
+    fn a_sphere_covers_a_disk() {
+        let (positions, triangles) = sphere(2.0, Vec3::new(5.0, -3.0, 1.0));
+        let (_, pixels) =
+            decode(&render(&[Surface::cloth(&positions, &triangles)], &view()).unwrap());
+        let radius = 0.88 * 80.0;
+        let expected = std::f64::consts::PI * radius * radius;
+        let area = covered(&pixels);
+        assert!(
+            (area / expected - 1.0).abs() < 0.01,
+            "{area} instead of {expected}"
+        );
+    }
+
+    #[test]
+    fn perspective_frames_everything_and_makes_near_things_larger() {
+        let (positions, triangles) = sphere(1.0, Vec3::zeros());
+        let perspective = View {
+            projection: Projection::Perspective { angle: 0.9 },
+            ..view()
+        };
+        let (width, pixels) =
+            decode(&render(&[Surface::cloth(&positions, &triangles)], &perspective).unwrap());
+        let border = |i: usize| {
+            i.is_multiple_of(width) || i % width == width - 1 || i < width || i >= pixels.len() - width
+        };
+        assert!(
+            pixels
+                .iter()
+                .enumerate()
+                .all(|(i, p)| !border(i) || p[3] == 0)
+        );
+        assert!(covered(&pixels) > 0.8 * std::f64::consts::PI * (0.88_f64 * 80.0).powi(2));
+        let camera =
+            Camera::framing(&[&[Surface::cloth(&positions, &triangles)]], &perspective).unwrap();
+        let height = |y: f64| {
+            let ends = [0.5, -0.5].map(|z| camera.project(&Vec3::new(0.0, y, z)).unwrap()[1]);
+            ends[1] - ends[0]
+        };
+        assert!(height(-0.5) > 1.1 * height(0.5));
+    }
+
+    #[test]
+    fn light_from_above_shades_left_and_right_alike() {
+        let (positions, triangles) = sphere(1.0, Vec3::zeros());
+        let (width, pixels) =
+            decode(&render(&[Surface::cloth(&positions, &triangles)], &view()).unwrap());
+        let rows: Vec<_> = pixels.chunks(width).collect();
+        for row in &rows {
+            for x in 0..width / 2 {
+                let (left, right) = (row[x], row[width - 1 - x]);
+                let inside = left[3] == 255 && right[3] == 255;
+                assert!(
+                    !inside || (0..3).all(|i| left[i].abs_diff(right[i]) <= 2),
+                    "{left:?} {right:?}"
+                );
+            }
+        }
+        let brightness = |y: usize| rows[y][width / 2][1];
+        assert!(brightness(40) > brightness(120) + 30);
+    }
+
+    #[test]
+    fn the_nearer_surface_hides_the_farther_and_each_side_has_its_colour() {
+        let square = |y: f64| {
+            [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)].map(|(x, z)| Vec3::new(x, y, z))
+        };
+        let (near, far) = (square(-1.0), square(1.0));
+        let triangles = [[0, 1, 2], [0, 2, 3]];
+        let red = Surface {
+            positions: &near,
+            triangles: &triangles,
+            front: [200, 0, 0],
+            back: [0, 200, 0],
+        };
+        let blue = Surface {
+            positions: &far,
+            front: [0, 0, 200],
+            ..red
+        };
+        let middle = |surfaces: &[Surface<'_>], direction: Vec3| {
+            let (width, pixels) = decode(
+                &render(
+                    surfaces,
+                    &View {
+                        direction,
+                        ..view()
+                    },
+                )
+                .unwrap(),
+            );
+            pixels[80 * width + 95]
+        };
+        for order in [[red, blue], [blue, red]] {
+            let seen = middle(&order, Vec3::y());
+            assert!(seen[0] > 100 && seen[1] == 0 && seen[2] == 0, "{seen:?}");
+        }
+        let from_behind = middle(&[red], -Vec3::y());
+        assert!(
+            from_behind[1] > 100 && from_behind[0] == 0,
+            "{from_behind:?}"
+        );
+    }
+
+    #[test]
+    fn tiles_share_one_scale() {
+        let (small, triangles) = sphere(0.5, Vec3::zeros());
+        let (large, _) = sphere(1.0, Vec3::zeros());
+        let tiles = [&small, &large].map(|positions| [Surface::cloth(positions, &triangles)]);
+        let (width, pixels) = decode(&render_row(&[&tiles[0], &tiles[1]], &view()).unwrap());
+        assert_eq!(width, 400);
+        let half = |first: usize| {
+            let rows = pixels
+                .chunks(width)
+                .map(|row| covered(&row[first..first + 200]));
+            rows.sum::<f64>()
+        };
+        assert!(
+            (half(200) / half(0) - 4.0).abs() < 0.06,
+            "{} {}",
+            half(0),
+            half(200)
+        );
+    }
+
+    #[test]
+    fn wires_darken_edges_only() {
+        let positions = [(-1.0, -1.0), (1.0, -1.0), (0.0, 1.0)].map(|(x, z)| Vec3::new(x, 0.0, z));
+        let surface = [Surface::cloth(&positions, &[[0, 1, 2]])];
+        let pixels = |wire| decode(&render(&surface, &View { wire, ..view() }).unwrap()).1;
+        let (plain, wired) = (pixels(0.0), pixels(1.0));
+        let changed = plain.iter().zip(&wired).filter(|(a, b)| a != b).count() as f64;
+        assert!(
+            changed > 100.0 && changed < 0.15 * covered(&plain),
+            "{changed}"
+        );
+    }
+
+    #[test]
+    fn bad_input_is_an_error() {
+        let positions = [Vec3::zeros(), Vec3::x(), Vec3::new(0.0, f64::NAN, 0.0)];
+        let triangles = [[0, 1, 2]];
+        let fails = |surfaces: &[Surface<'_>], view: &View| render(surfaces, view).unwrap_err();
+        assert_eq!(
+            fails(&[Surface::cloth(&positions, &triangles)], &view()),
+            RenderError::NotFinite { tile: 0, vertex: 2 }
+        );
+        assert_eq!(fails(&[], &view()), RenderError::Empty);
+        assert_eq!(
+            fails(&[Surface::cloth(&positions, &[])], &view()),
+            RenderError::Empty
+        );
+        assert_eq!(render_row(&[], &view()).unwrap_err(), RenderError::Empty);
+        let missing = RenderError::NoSuchVertex {
+            triangle: 0,
+            vertex: 2,
+            vertex_count: 2,
+        };
+        assert_eq!(
+            fails(&[Surface::cloth(&positions[..2], &triangles)], &view()),
+            missing
+        );
+        let good = [Vec3::zeros(), Vec3::x(), Vec3::z()];
+        let surface = [Surface::cloth(&good, &triangles)];
+        for wrong in [
+            View { width: 0, ..view() },
+            View {
+                direction: Vec3::z(),
+                ..view()
+            },
+            View {
+                projection: Projection::Perspective { angle: 4.0 },
+                ..view()
+            },
+        ] {
+            assert!(matches!(fails(&surface, &wrong), RenderError::View(_)));
+        }
+    }
+
+    #[test]
+    fn degenerate_meshes_are_pictures() {
+        for positions in [
+            [Vec3::zeros(); 3],
+            [Vec3::repeat(1e200), Vec3::x(), Vec3::z()],
+            [Vec3::x(), Vec3::x() * 2.0, Vec3::x() * 3.0],
+        ] {
+            for projection in [
+                Projection::Orthographic,
+                Projection::Perspective { angle: 0.5 },
+            ] {
+                let _ = render(
+                    &[Surface::cloth(&positions, &[[0, 1, 2]])],
+                    &View {
+                        projection,
+                        ..view()
+                    },
+                );
+            }
+        }
+        let point = [Vec3::zeros(); 3];
+        assert!(render(&[Surface::cloth(&point, &[[0, 1, 2]])], &view()).is_ok());
+    }
+}

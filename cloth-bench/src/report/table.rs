@@ -1,0 +1,311 @@
+//! Tables: every number of a study, to a CSV file and to HTML.
+//!
+//! The CSV keeps each number to its last bit, for other programs. The HTML rounds to four
+//! significant digits, for people.
+
+use super::html::escape;
+
+/// One value of a [`Table`].
+#[derive(Debug, Clone, PartialEq)]
+pub enum Cell {
+    /// A name or a remark.
+    Text(String),
+    /// A count.
+    Int(i64),
+    /// A measured or computed number; its column says the unit.
+    Number(f64),
+    /// There is no value here (a method does not have this quantity, or the run failed).
+    Missing,
+}
+
+impl From<&str> for Cell {
+    fn from(text: &str) -> Self {
+        Self::Text(text.to_owned())
+    }
+}
+
+impl From<String> for Cell {
+    fn from(text: String) -> Self {
+        Self::Text(text)
+    }
+}
+
+impl From<i64> for Cell {
+    fn from(count: i64) -> Self {
+        Self::Int(count)
+    }
+}
+
+impl From<usize> for Cell {
+    /// Counts above `i64::MAX`, which no table here can hold, become `i64::MAX`.
+    fn from(count: usize) -> Self {
+        Self::Int(i64::try_from(count).unwrap_or(i64::MAX))
+    }
+}
+
+impl From<f64> for Cell {
+    fn from(number: f64) -> Self {
+        Self::Number(number)
+    }
+}
+
+impl<T: Into<Cell>> From<Option<T>> for Cell {
+    fn from(value: Option<T>) -> Self {
+        value.map_or(Self::Missing, Into::into)
+    }
+}
+
+impl Cell {
+    /// As one CSV field, quoted where RFC 4180 asks for it.
+    ///
+    /// Numbers are the shortest text that reads back to the same `f64`; `NaN`, `inf` and `-inf`
+    /// are written so. A missing value is an empty field, an empty text is `""`.
+    fn to_csv(&self) -> String {
+        match self {
+            Self::Text(text) => quoted(text),
+            Self::Int(count) => count.to_string(),
+            Self::Number(number) => format!("{number:?}"),
+            Self::Missing => String::new(),
+        }
+    }
+
+    /// As one HTML table cell.
+    fn to_html(&self) -> String {
+        match self {
+            Self::Text(text) => format!("<td>{}</td>", escape(text)),
+            Self::Int(count) => format!("<td class=\"number\">{count}</td>"),
+            Self::Number(number) => {
+                format!("<td class=\"number\">{}</td>", significant(*number, 4))
+            }
+            Self::Missing => "<td class=\"number missing\">–</td>".to_owned(),
+        }
+    }
+
+    fn is_numeric(&self) -> bool {
+        matches!(self, Self::Int(_) | Self::Number(_))
+    }
+}
+
+/// Rows of values under named columns. A column name states its unit: `"time (s)"`.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Table {
+    /// The name of each column, with its unit.
+    pub columns: Vec<String>,
+    /// The rows, each with one cell per column.
+    pub rows: Vec<Vec<Cell>>,
+}
+
+impl Table {
+    /// A table without rows.
+    #[must_use]
+    pub fn new(columns: &[&str]) -> Self {
+        Self {
+            columns: columns.iter().map(|&name| name.to_owned()).collect(),
+            rows: Vec::new(),
+        }
+    }
+
+    /// Adds one row.
+    ///
+    /// # Panics
+    /// If the row does not have one cell per column.
+    pub fn push<const N: usize>(&mut self, row: [Cell; N]) {
+        assert_eq!(N, self.columns.len(), "a row has one cell per column");
+        self.rows.push(row.into());
+    }
+
+    /// As a CSV file (RFC 4180: comma, CRLF, first line the column names), at full precision.
+    #[must_use]
+    pub fn to_csv(&self) -> String {
+        let names = self
+            .columns
+            .iter()
+            .map(|name| quoted(name))
+            .collect::<Vec<_>>()
+            .join(",");
+        let mut csv = names + "\r\n";
+        for row in &self.rows {
+            csv += &row.iter().map(Cell::to_csv).collect::<Vec<_>>().join(",");
+            csv += "\r\n";
+        }
+        csv
+    }
+
+    /// As an HTML `<table>`, numbers to four significant digits and aligned to the right.
+    #[must_use]
+    pub fn to_html(&self) -> String {
+        let mut html = String::from("<table><thead><tr>");
+        for (column, name) in self.columns.iter().enumerate() {
+            let mut cells = self.rows.iter().filter_map(|row| row.get(column));
+            let class = if cells.any(Cell::is_numeric) {
+                " class=\"number\""
+            } else {
+                ""
+            };
+            html += &format!("<th scope=\"col\"{class}>{}</th>", escape(name));
+        }
+        html += "</tr></thead><tbody>\n";
+        for row in &self.rows {
+            let cells: String = row.iter().map(Cell::to_html).collect();
+            html += &format!("<tr>{cells}</tr>\n");
+        }
+        html + "</tbody></table>\n"
+    }
+}
+
+/// `text` as a CSV field: in quotes, with quotes doubled, if it holds a comma, a quote, a line
+/// break or blanks at its ends, or is empty.
+fn quoted(text: &str) -> String {
+    let plain = !text.is_empty() && !text.contains([',', '"', '\r', '\n']) && text.trim() == text;
+    if plain {
+        text.to_owned()
+    } else {
+        format!("\"{}\"", text.replace('"', "\"\""))
+    }
+}
+
+/// `number` rounded to `digits` significant digits, without trailing zeros; as `1.5e-7` outside
+/// of 0.001 … 100 000, as `NaN`, `∞` or `−∞` if not finite.
+#[must_use]
+pub fn significant(number: f64, digits: usize) -> String {
+    if number.is_nan() {
+        return "NaN".to_owned();
+    }
+    if number.is_infinite() {
+        return if number > 0.0 { "∞" } else { "−∞" }.to_owned();
+    }
+    if number == 0.0 {
+        return "0".to_owned();
+    }
+    let last = digits.max(1) - 1;
+    // Rounding may carry into the next decade, so the exponent is read from the rounded text.
+    let scientific = format!("{number:.last$e}");
+    let (mantissa, exponent) = scientific.split_once('e').unwrap_or((&scientific, "0"));
+    let exponent: i32 = exponent.parse().unwrap_or(0);
+    let text = if (-3..5).contains(&exponent) {
+        let decimals = usize::try_from(last as i32 - exponent).unwrap_or(0);
+        trimmed(&format!("{number:.decimals$}")).to_owned()
+    } else {
+        format!("{}e{exponent}", trimmed(mantissa))
+    };
+    text.replace('-', "−").replace("e−", "e-")
+}
+
+/// Without the zeros that end a decimal fraction.
+fn trimmed(decimal: &str) -> &str {
+    if decimal.contains('.') {
+        decimal.trim_end_matches('0').trim_end_matches('.')
+    } else {
+        decimal
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Reads RFC 4180 back: fields, and whether each was quoted.
+    fn parse(csv: &str) -> Vec<Vec<(String, bool)>> {
+        let (mut rows, mut row, mut field) = (Vec::new(), Vec::new(), String::new());
+        let (mut inside, mut was_quoted) = (false, false);
+        let mut letters = csv.chars().peekable();
+        while let Some(letter) = letters.next() {
+            match letter {
+                '"' if inside && letters.peek() == Some(&'"') => field.extend(letters.next()),
+                '"' => (inside, was_quoted) = (!inside, true),
+                ',' if !inside => {
+                    row.push((std::mem::take(&mut field), std::mem::take(&mut was_quoted)))
+                }
+                '\r' if !inside => {
+                    assert_eq!(letters.next(), Some('\n'));
+                    row.push((std::mem::take(&mut field), std::mem::take(&mut was_quoted)));
+                    rows.push(std::mem::take(&mut row));
+                }
+                _ => field.push(letter),
+            }
+        }
+        assert!(field.is_empty() && row.is_empty(), "the last line ends");
+        rows
+    }
+
+    #[test]
+    fn csv_text_reads_back() {
+        let texts = [
+            "plain",
+            "a,b",
+            "say \"hi\"",
+            "two\r\nlines",
+            " blank",
+            "",
+            "\"",
+            "ü → λ",
+        ];
+        let mut table = Table::new(&["name, quoted"]);
+        for text in texts {
+            table.push([text.into()]);
+        }
+        let rows = parse(&table.to_csv());
+        assert_eq!(rows[0][0].0, "name, quoted");
+        for (row, text) in rows[1..].iter().zip(texts) {
+            assert_eq!(row[0].0, text);
+        }
+    }
+
+    #[test]
+    fn csv_numbers_read_back_to_the_last_bit() {
+        let numbers = [
+            0.1,
+            1.0 / 3.0,
+            -0.0,
+            5e-324,
+            f64::MAX,
+            1e23,
+            f64::INFINITY,
+            f64::NAN,
+        ];
+        let mut table = Table::new(&["x (m)"]);
+        for number in numbers {
+            table.push([number.into()]);
+        }
+        for (row, number) in parse(&table.to_csv())[1..].iter().zip(numbers) {
+            let read: f64 = row[0].0.parse().unwrap();
+            assert!(read.to_bits() == number.to_bits() || read.is_nan() && number.is_nan());
+        }
+    }
+
+    #[test]
+    fn missing_is_not_the_empty_text() {
+        let mut table = Table::new(&["a", "b"]);
+        table.push([Cell::Missing, "".into()]);
+        assert_eq!(table.to_csv(), "a,b\r\n,\"\"\r\n");
+    }
+
+    #[test]
+    fn html_is_escaped_and_numbers_stand_right() {
+        let mut table = Table::new(&["<name>", "n"]);
+        table.push(["a<b & c".into(), 12_usize.into()]);
+        let html = table.to_html();
+        assert!(html.contains("&lt;name&gt;") && html.contains("a&lt;b &amp; c"));
+        assert!(html.contains("<th scope=\"col\" class=\"number\">n</th>"));
+        assert!(html.contains("<td class=\"number\">12</td>"));
+    }
+
+    #[test]
+    fn significant_digits() {
+        for (number, text) in [
+            (0.0, "0"),
+            (1.0, "1"),
+            (-0.5, "−0.5"),
+            (1234.5678, "1235"),
+            (99999.9, "1e5"),
+            (0.99996, "1"),
+            (0.001234567, "0.001235"),
+            (1.5e-7, "1.5e-7"),
+            (-2.0e8, "−2e8"),
+            (12000.0, "12000"),
+            (f64::NAN, "NaN"),
+        ] {
+            assert_eq!(significant(number, 4), text);
+        }
+    }
+}
