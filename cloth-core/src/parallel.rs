@@ -117,6 +117,7 @@ impl<'a> Positions<'a> {
     }
 
     /// Where a position lies.
+    #[inline]
     fn place(&self, vertex: u32) -> *mut Vec3 {
         assert!((vertex as usize) < self.count, "no such vertex");
         // In bounds, so wrapping never happens; this form needs no `unsafe`.

@@ -98,11 +98,19 @@ impl Constraint<4> for CurvatureHinge {
     #[inline]
     fn rows(&self, x: &[Vec3; 4]) -> [Row<4>; 3] {
         let z = self.curvature_vector(x);
-        std::array::from_fn(|axis| Row {
-            value: z[axis],
-            gradient: self.coefficients.map(|q| Vec3::ith(axis, q)),
+        let mut rows = [Row {
+            value: 0.0,
+            gradient: [Vec3::zeros(); 4],
             stiffness: self.stiffness,
-        })
+        }; 3];
+        // Loops, because `map` and `from_fn` to arrays of this size are calls that copy.
+        for axis in 0..3 {
+            rows[axis].value = z[axis];
+            for i in 0..4 {
+                rows[axis].gradient[i][axis] = self.coefficients[i];
+            }
+        }
+        rows
     }
 }
 
