@@ -1,8 +1,14 @@
 //! The cloth simulation methods of this workspace, measured side by side.
 
+pub mod commands;
 pub mod error;
+pub mod laws;
 pub mod mesh_spec;
+pub mod method;
 pub mod names;
 pub mod report;
+pub mod run;
 pub mod scene;
 pub mod settings;
+pub mod studies;
+pub mod yardstick;

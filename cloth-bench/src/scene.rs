@@ -8,6 +8,7 @@ pub use build::build;
 use crate::settings::{Parameter, parameter};
 use cloth_core::cloth::ClothModel;
 use cloth_core::math::{Real, Vec3};
+use cloth_core::mesh::TriMesh;
 use cloth_core::particles::State;
 
 /// What is simulated: the same masses, elements, pins and start for every method.
@@ -19,8 +20,8 @@ pub struct Scene {
     pub model: ClothModel,
     /// Where it starts.
     pub start: State,
-    /// Triangles, for pictures and for counting crossings; none for a chain.
-    pub triangles: Vec<[u32; 3]>,
+    /// The mesh at rest, for pictures and for counting crossings; a chain has none.
+    pub mesh: Option<TriMesh>,
     /// Acceleration of free fall (m/s²).
     pub gravity: Vec3,
     /// Step size Δt (s) unless the caller wants another.

@@ -653,7 +653,10 @@ mod tests {
         let (width, pixels) =
             decode(&render(&[Surface::cloth(&positions, &triangles)], &perspective).unwrap());
         let border = |i: usize| {
-            i.is_multiple_of(width) || i % width == width - 1 || i < width || i >= pixels.len() - width
+            i.is_multiple_of(width)
+                || i % width == width - 1
+                || i < width
+                || i >= pixels.len() - width
         };
         assert!(
             pixels

@@ -1,0 +1,80 @@
+//! The commands, one file each. `--json` puts one JSON object on standard output and nothing else there; progress goes to standard error.
+
+mod law;
+mod list;
+mod locking;
+mod run;
+mod study;
+
+use crate::error::BenchError;
+use clap::Subcommand;
+
+/// What the program is asked to do.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Runs studies and writes report.html, data/*.csv, plots/*.svg and manifest.json
+    Study(study::Arguments),
+    /// Runs one simulation
+    Run(run::Arguments),
+    /// Counts and measures the degrees of freedom that the edges of a mesh leave
+    Locking(locking::Arguments),
+    /// Puts one closed form beside what the code does
+    Law(law::Arguments),
+    /// Shows scenes, methods, studies, laws and meshes with their parameters
+    List(list::Arguments),
+}
+
+/// Does it.
+///
+/// # Errors
+/// [`BenchError`], whose exit code is the program's.
+pub fn execute(command: &Command) -> Result<(), BenchError> {
+    match command {
+        Command::Study(arguments) => study::execute(arguments),
+        Command::Run(arguments) => run::execute(arguments),
+        Command::Locking(arguments) => locking::execute(arguments),
+        Command::Law(arguments) => law::execute(arguments),
+        Command::List(arguments) => list::execute(arguments),
+    }
+}
+
+/// Writes to standard output; a closed pipe is no error.
+fn print(text: &str) -> Result<(), BenchError> {
+    use std::io::Write;
+    let mut out = std::io::stdout().lock();
+    match writeln!(out, "{text}").and_then(|()| out.flush()) {
+        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => {
+            Err(BenchError::Failed(format!("standard output: {error}")))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Creates the folders above `path` and writes the file.
+fn write_file(path: &std::path::Path, content: &[u8]) -> Result<(), BenchError> {
+    let written = match path.parent() {
+        Some(folder) => {
+            std::fs::create_dir_all(folder).and_then(|()| std::fs::write(path, content))
+        }
+        None => std::fs::write(path, content),
+    };
+    written.map_err(|error| BenchError::Failed(format!("{}: {error}", path.display())))
+}
+
+/// Prints name and value pairs, as a JSON object or as lines.
+fn print_pairs(json: bool, pairs: &[(&str, serde_json::Value)]) -> Result<(), BenchError> {
+    if json {
+        let object: serde_json::Map<String, serde_json::Value> = pairs
+            .iter()
+            .map(|(name, value)| ((*name).to_owned(), value.clone()))
+            .collect();
+        return print(&serde_json::Value::Object(object).to_string());
+    }
+    let width = pairs.iter().map(|(name, _)| name.len()).max().unwrap_or(0);
+    let line = |(name, value): &(&str, serde_json::Value)| match value {
+        serde_json::Value::String(text) => format!("{name:width$}  {text}"),
+        serde_json::Value::Null => format!("{name:width$}  -"),
+        value => format!("{name:width$}  {value}"),
+    };
+    print(&pairs.iter().map(line).collect::<Vec<_>>().join("\n"))
+}

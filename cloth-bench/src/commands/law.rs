@@ -1,0 +1,49 @@
+//! `cloth-bench law NAME`
+
+use super::print_pairs;
+use crate::error::BenchError;
+use crate::laws::Law;
+use crate::settings::Settings;
+use clap::Args;
+use serde_json::json;
+
+/// Arguments of `law`.
+#[derive(Debug, Args)]
+pub struct Arguments {
+    /// The law (see list)
+    name: String,
+    /// Sets a parameter
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    settings: Vec<String>,
+    /// One JSON object instead of lines
+    #[arg(long)]
+    json: bool,
+}
+
+pub(super) fn execute(arguments: &Arguments) -> Result<(), BenchError> {
+    let law = Law::find(&arguments.name)?;
+    let verdict = law.evaluate(&Settings::parse(&arguments.settings)?)?;
+    let mut pairs = vec![
+        ("law", json!(law.name)),
+        ("expected", json!(verdict.expected)),
+        ("measured", json!(verdict.measured)),
+        ("error", json!(verdict.error())),
+        ("tolerance", json!(law.tolerance)),
+    ];
+    pairs.extend(
+        verdict
+            .details
+            .iter()
+            .map(|&(name, value)| (name, json!(value))),
+    );
+    print_pairs(arguments.json, &pairs)?;
+    if verdict.error() <= law.tolerance {
+        return Ok(());
+    }
+    Err(BenchError::Failed(format!(
+        "law `{}` does not hold: the error {:e} is above {:e}",
+        law.name,
+        verdict.error(),
+        law.tolerance
+    )))
+}

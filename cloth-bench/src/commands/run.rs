@@ -1,0 +1,255 @@
+//! `cloth-bench run SCENE --method M`
+
+use super::{print_pairs, write_file};
+use crate::error::BenchError;
+use crate::method::Method;
+use crate::report::render::{Surface, View, render};
+use crate::run::run;
+use crate::scene::{self, Scene, SceneInfo};
+use crate::settings::Settings;
+use crate::yardstick::StepProblem;
+use clap::{Args, ValueEnum};
+use cloth_core::math::{Real, Vec3};
+use cloth_core::mesh::obj;
+use cloth_core::particles::State;
+use indicatif::ProgressBar;
+use serde_json::{Value, json};
+use std::path::{Path, PathBuf};
+
+/// Arguments of `run`.
+#[derive(Debug, Args)]
+pub struct Arguments {
+    /// The scene (see list)
+    scene: String,
+    /// The method (see list)
+    #[arg(long)]
+    method: String,
+    /// An OBJ file or a generator (see list) in place of the scene's own sheet
+    #[arg(long, value_name = "MESH")]
+    mesh: Option<String>,
+    /// Vertices a side, links or cells, as the scene says
+    #[arg(long)]
+    n: Option<u32>,
+    /// Number of steps
+    #[arg(long)]
+    steps: Option<u32>,
+    /// Step size (s)
+    #[arg(long, allow_negative_numbers = true)]
+    dt: Option<Real>,
+    /// Number of threads; all cores if not given
+    #[arg(long)]
+    threads: Option<usize>,
+    /// Sets a parameter of the scene or the method
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    settings: Vec<String>,
+    /// Compares the last step with the minimiser that implicit Euler aims at
+    #[arg(long)]
+    reference: bool,
+    /// Folder for the state after every step
+    #[arg(long, value_name = "DIR")]
+    export: Option<PathBuf>,
+    /// Format of the exported states
+    #[arg(long, value_enum, default_value = "obj", requires = "export")]
+    format: Format,
+    /// PNG file for a picture of the end
+    #[arg(long, value_name = "FILE")]
+    picture: Option<PathBuf>,
+    /// One JSON object instead of lines
+    #[arg(long)]
+    json: bool,
+}
+
+/// Formats of exported states.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum Format {
+    /// Wavefront OBJ, one file a step
+    Obj,
+}
+
+pub(super) fn execute(arguments: &Arguments) -> Result<(), BenchError> {
+    let mut settings = Settings::parse(&arguments.settings)?;
+    if let Some(n) = arguments.n {
+        settings = settings.with("n", n);
+    }
+    let info = SceneInfo::find(&arguments.scene)?;
+    let method = Method::find(&arguments.method)?;
+    let what = format!("scene `{}` with method `{}`", info.name, method.name);
+    settings.check(&what, &[info.parameters, method.parameters])?;
+    let scene = scene::build(info.name, arguments.mesh.as_deref(), &settings)?;
+    let dt = arguments.dt.unwrap_or(scene.dt);
+    if !(dt > 0.0 && dt.is_finite()) {
+        return Err(BenchError::Usage(format!(
+            "--dt is {dt} s, but it has to be a positive finite number"
+        )));
+    }
+    let steps = arguments.steps.unwrap_or(scene.steps);
+    if arguments.picture.is_some() || arguments.export.is_some() {
+        scene.mesh.as_ref().ok_or_else(|| {
+            BenchError::Usage(format!(
+                "scene `{}` has no triangles to export or to draw",
+                info.name
+            ))
+        })?;
+    }
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(arguments.threads.unwrap_or(0))
+        .build()
+        .map_err(BenchError::failed)?;
+    // Inside the pool, so that the methods use its threads and no others.
+    pool.install(|| simulate(arguments, &scene, method, &settings, dt, steps))
+}
+
+fn simulate(
+    arguments: &Arguments,
+    scene: &Scene,
+    method: &Method,
+    settings: &Settings,
+    dt: Real,
+    steps: u32,
+) -> Result<(), BenchError> {
+    let mut stepper = method.build(scene, settings, dt)?;
+    let bar = ProgressBar::new(u64::from(steps));
+    let mut state = scene.start.clone();
+    let mut before_last = scene.start.clone();
+    let finished = run(
+        scene,
+        &mut *stepper,
+        &mut state,
+        dt,
+        steps,
+        |step, state, _| {
+            bar.inc(1);
+            if step + 1 == steps {
+                before_last.clone_from(state);
+            }
+            match &arguments.export {
+                Some(folder) => export(arguments.format, folder, step, scene, state),
+                None => Ok(()),
+            }
+        },
+    );
+    bar.finish_and_clear();
+    let vertices = state.positions.len();
+    let summary = match finished {
+        Ok(summary) => summary,
+        Err(error) => {
+            print_pairs(
+                arguments.json,
+                &[
+                    ("scene", json!(scene.name)),
+                    ("method", json!(method.name)),
+                    ("vertices", json!(vertices)),
+                    ("steps", json!(state.steps)),
+                    ("finite", json!(state.first_non_finite().is_none())),
+                    ("error", json!(error.to_string())),
+                ],
+            )?;
+            return Err(error);
+        }
+    };
+    let mut pairs = vec![
+        ("scene", json!(scene.name)),
+        ("method", json!(method.name)),
+        ("vertices", json!(vertices)),
+        ("pins", json!(vertices - scene.model.particles.free_count())),
+        ("steps", json!(summary.steps)),
+        ("dt", json!(dt)),
+        ("threads", json!(rayon::current_num_threads())),
+        ("ms_per_step_median", json!(summary.ms_per_step_median)),
+        ("iterations", json!(summary.iterations)),
+        ("iterations_per_step", json!(summary.iterations_per_step)),
+        ("converged_steps", json!(summary.converged_steps)),
+        ("max_stretch", json!(summary.max_stretch)),
+        ("rms_strain", json!(summary.rms_strain)),
+        ("kinetic_energy", json!(summary.kinetic_energy)),
+        ("elastic_energy", json!(summary.elastic_energy)),
+        ("potential_energy", json!(summary.potential_energy)),
+        ("center_of_mass_drop", json!(summary.center_of_mass_drop)),
+        ("intersections", json!(summary.intersections)),
+        ("min_distance", json!(summary.min_distance)),
+        ("finite", json!(state.first_non_finite().is_none())),
+    ];
+    if arguments.reference {
+        pairs.extend(compared(scene, &before_last, &state, dt)?);
+    }
+    if let (Some(file), Some(mesh)) = (&arguments.picture, &scene.mesh) {
+        let surface = Surface::cloth(&state.positions, mesh.triangles());
+        write_file(
+            file,
+            &render(&[surface], &view(scene)).map_err(BenchError::failed)?,
+        )?;
+    }
+    print_pairs(arguments.json, &pairs)
+}
+
+/// The last step beside the minimiser of its own incremental potential.
+fn compared(
+    scene: &Scene,
+    before: &State,
+    after: &State,
+    dt: Real,
+) -> Result<[(&'static str, Value); 3], BenchError> {
+    let problem = StepProblem::new(&scene.model, before, scene.gravity, dt)?;
+    let error = problem.error(&after.positions);
+    Ok([
+        ("objective_error", json!(error.objective)),
+        ("gradient_error", json!(error.gradient)),
+        ("reference_gradient", json!(problem.reference_gradient())),
+    ])
+}
+
+/// A camera that looks at the scene from the front and a little above, gravity pointing down.
+fn view(scene: &Scene) -> View {
+    let up = -scene.gravity.try_normalize(0.0).unwrap_or(-Vec3::z());
+    let view = View::default();
+    // The default camera has z up; another up takes the camera along.
+    let turn = nalgebra_rotation(up);
+    View {
+        direction: turn * view.direction,
+        up,
+        ..view
+    }
+}
+
+fn nalgebra_rotation(up: Vec3) -> cloth_core::math::Mat3 {
+    let (right, back) = if up.y.abs() > 0.5 {
+        (Vec3::x(), Vec3::z())
+    } else {
+        (Vec3::x(), -Vec3::y())
+    };
+    let (right, back) = if up.x.abs() > 0.5 {
+        (Vec3::y(), Vec3::z())
+    } else {
+        (right, back)
+    };
+    cloth_core::math::Mat3::from_columns(&[right, -back, up])
+}
+
+fn export(
+    format: Format,
+    folder: &Path,
+    step: u32,
+    scene: &Scene,
+    state: &State,
+) -> Result<(), BenchError> {
+    let Some(mesh) = &scene.mesh else {
+        return Ok(());
+    };
+    let (positions, triangles) = match &scene.order {
+        // Back in the caller's numbers.
+        Some(order) => {
+            let back = |t: &[u32; 3]| t.map(|v| order.old_of_new()[v as usize]);
+            (
+                order.restore(&state.positions),
+                mesh.triangles().iter().map(back).collect(),
+            )
+        }
+        None => (state.positions.clone(), mesh.triangles().to_vec()),
+    };
+    match format {
+        Format::Obj => {
+            let text = obj::format(&positions, &triangles);
+            write_file(&folder.join(format!("{step:05}.obj")), text.as_bytes())
+        }
+    }
+}

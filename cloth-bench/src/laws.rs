@@ -1,0 +1,112 @@
+//! Closed forms (VALIDATION 1–6) beside what the code does.
+
+mod chains;
+mod constraints;
+
+mod elements;
+mod motion;
+mod space;
+
+pub(crate) use constraints::Stretched;
+
+use crate::error::BenchError;
+use crate::names;
+use crate::settings::{Parameter, Settings};
+use cloth_core::math::Real;
+
+/// What a law says and what the code does.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Verdict {
+    /// The closed form.
+    pub expected: Real,
+    /// What the code gives.
+    pub measured: Real,
+    /// What else there is to know, name and value.
+    pub details: Vec<(&'static str, Real)>,
+}
+
+impl Verdict {
+    /// An expected and a measured number.
+    #[must_use]
+    pub fn new(expected: Real, measured: Real) -> Self {
+        Self {
+            expected,
+            measured,
+            details: Vec::new(),
+        }
+    }
+
+    /// Adds a named number.
+    #[must_use]
+    pub fn detail(mut self, name: &'static str, value: Real) -> Self {
+        self.details.push((name, value));
+        self
+    }
+
+    /// `|measured − expected|`, relative to the expected number unless that is zero.
+    #[must_use]
+    pub fn error(&self) -> Real {
+        let difference = (self.measured - self.expected).abs();
+        if self.expected == 0.0 {
+            difference
+        } else {
+            difference / self.expected.abs()
+        }
+    }
+}
+
+/// A closed form that can be asked for by name.
+#[derive(Clone, Copy, Debug)]
+pub struct Law {
+    /// Its name.
+    pub name: &'static str,
+    /// What it says, and the unit of its number.
+    pub about: &'static str,
+    /// What can be set.
+    pub parameters: &'static [Parameter],
+    /// How far the code may be from it (relative) before the law counts as broken.
+    pub tolerance: Real,
+    evaluate: fn(&Settings) -> Result<Verdict, BenchError>,
+}
+
+/// Every law.
+pub const LAWS: [&Law; 13] = [
+    &motion::OSCILLATOR,
+    &motion::FREE_FALL,
+    &constraints::XPBD_CONSTRAINT,
+    &constraints::PBD_CONSTRAINT,
+    &chains::CHAIN_RATE,
+    &chains::SAG,
+    &chains::HANGING_CHAIN,
+    &elements::LATTICE_MODULUS,
+    &elements::BENDING_FACTOR,
+    &elements::FLAT_BENDING,
+    &space::NULL_SPACE,
+    &space::COUNT,
+    &space::SAME_MINIMUM,
+];
+
+impl Law {
+    /// The law of that name.
+    ///
+    /// # Errors
+    /// [`BenchError::Usage`] that names the nearest known one.
+    pub fn find(name: &str) -> Result<&'static Self, BenchError> {
+        LAWS.iter()
+            .copied()
+            .find(|law| law.name == name)
+            .ok_or_else(|| {
+                let known: Vec<&str> = LAWS.iter().map(|law| law.name).collect();
+                BenchError::Usage(names::unknown("law", name, &known))
+            })
+    }
+
+    /// Puts the closed form beside what the code does.
+    ///
+    /// # Errors
+    /// [`BenchError::Usage`] for a parameter that is unknown or out of range, [`BenchError::Failed`] if the code gives no number.
+    pub fn evaluate(&self, settings: &Settings) -> Result<Verdict, BenchError> {
+        settings.check(&format!("law `{}`", self.name), &[self.parameters])?;
+        (self.evaluate)(settings)
+    }
+}

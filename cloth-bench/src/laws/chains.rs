@@ -1,0 +1,244 @@
+//! Chains: how fast sweeps converge, how far a chain sags, how it hangs (VALIDATION 2, 5).
+
+use super::{Law, Verdict};
+use crate::error::BenchError;
+use crate::settings::{Parameter, Settings, parameter};
+use cloth_core::energy::Spring;
+use cloth_core::math::{Real, Vec3};
+use cloth_core::particles::{Particles, State};
+use cloth_core::position_based::Sweep;
+use cloth_core::step::{Observer, StepInput, Stepper};
+use cloth_massspring::{ImplicitConfig, ImplicitEuler};
+use cloth_pbd::{PbdConfig, PbdSolver, StiffnessRule};
+use cloth_xpbd::{XpbdConfig, XpbdSolver};
+
+const LINKS: Parameter = parameter("links", "20", "number of links N");
+
+const SOLVER: Parameter = parameter("solver", "xpbd", "pbd or xpbd");
+
+pub(super) const CHAIN_RATE: Law = Law {
+    name: "chain-rate",
+    about: "factor by which one Gauss–Seidel sweep reduces the error of a straight chain of rigid links, held at one end: cos²(π/2N)",
+    parameters: &[SOLVER, LINKS],
+    tolerance: 1e-7,
+    evaluate: chain_rate,
+};
+
+const SUBSTEPS: Parameter = parameter("substeps", "10", "parts of the step of 1/60 s");
+const ITERATIONS: Parameter = parameter("iterations", "1", "sweeps per substep");
+const TIP_MASS: Parameter = parameter(
+    "tip_mass",
+    "1",
+    "mass of the last vertex (kg); the others have 1 kg",
+);
+
+pub(super) const SAG: Law = Law {
+    name: "sag",
+    about: "sag (m) of a hanging chain of rigid links at rest under XPBD: g h² N(N − 1)/2 for one sweep from the support, else the fixed point of the sweeps as a matrix",
+    parameters: &[LINKS, SUBSTEPS, ITERATIONS, TIP_MASS],
+    tolerance: 1e-8,
+    evaluate: sag,
+};
+
+const STIFFNESS: Parameter = parameter("stiffness", "1e4", "stiffness k of every link (N/m)");
+const MASS: Parameter = parameter("mass", "0.1", "mass m of every vertex (kg)");
+const EXTRA: Parameter = parameter("tip_mass", "1", "further mass M at the tip (kg)");
+
+pub(super) const HANGING_CHAIN: Law = Law {
+    name: "hanging-chain",
+    about: "displacement (m) of the tip of a hanging elastic chain: n(n + 1)mg/(2k) + nMg/k",
+    parameters: &[LINKS, STIFFNESS, MASS, EXTRA],
+    tolerance: 1e-10,
+    evaluate: hanging_chain,
+};
+
+const GRAVITY: Real = 9.81;
+
+/// A chain along −z of links of 1 m, held at the top.
+fn chain(
+    masses: Vec<Real>,
+    stiffness: Real,
+) -> Result<(Particles, Vec<Spring>, State), BenchError> {
+    let links = masses.len() - 1;
+    let mut particles = Particles::new(masses).map_err(BenchError::usage)?;
+    particles.prescribe(0).map_err(BenchError::failed)?;
+    let positions: Vec<Vec3> = (0..=links)
+        .map(|i| Vec3::new(0.0, 0.0, -(i as Real)))
+        .collect();
+    let ends: Vec<[u32; 2]> = (0..links as u32).map(|i| [i, i + 1]).collect();
+    let springs = Spring::along(&positions, &ends, stiffness);
+    Ok((particles, springs, State::at_rest(positions)))
+}
+
+/// Distance from the straight chain of rest lengths, after each sweep.
+#[derive(Debug, Default)]
+struct Deviation(Vec<Real>);
+
+impl Observer for Deviation {
+    fn iteration(&mut self, _: u32, positions: &[Vec3]) {
+        let square = |(i, p): (usize, &Vec3)| (p.z + i as Real).powi(2);
+        self.0.push(
+            positions
+                .iter()
+                .enumerate()
+                .map(square)
+                .sum::<Real>()
+                .sqrt(),
+        );
+    }
+}
+
+fn chain_rate(settings: &Settings) -> Result<Verdict, BenchError> {
+    let links = settings.count(&LINKS, 2)?;
+    let (particles, springs, mut state) = chain(vec![1.0; links as usize + 1], Real::INFINITY)?;
+    for (i, p) in state.positions.iter_mut().enumerate().skip(1) {
+        p.z -= 0.01 * (1.0 + (i as Real * 0.7).sin());
+    }
+    let angle = std::f64::consts::FRAC_PI_2 / Real::from(links);
+    let expected = angle.cos().powi(2);
+    // The second mode decays as cos²(3π/2N). After this many sweeps it is 1e-9 of the first.
+    let next = (3.0 * angle).cos().powi(2);
+    let iterations = (1e-9_f64.ln() / (next / expected).ln()).ceil() as u32 + 2;
+    let mut solver: Box<dyn Stepper> =
+        match settings.choice(&SOLVER, &[("pbd", true), ("xpbd", false)])? {
+            true => Box::new(
+                PbdSolver::builder(&particles)
+                    .energy(springs)
+                    .config(PbdConfig {
+                        iterations,
+                        substeps: 1,
+                        sweep: Sweep::Sequential,
+                        stiffness: StiffnessRule::Fixed(1.0),
+                    })
+                    .build()
+                    .map_err(BenchError::failed)?,
+            ),
+            false => Box::new(
+                XpbdSolver::builder(&particles)
+                    .energy(springs)
+                    .config(XpbdConfig {
+                        iterations,
+                        substeps: 1,
+                        sweep: Sweep::Sequential,
+                    })
+                    .build()
+                    .map_err(BenchError::failed)?,
+            ),
+        };
+    let mut deviation = Deviation::default();
+    let input = StepInput::new(1.0).observer(&mut deviation);
+    solver.step(&mut state, input).map_err(BenchError::failed)?;
+    let [.., before, last] = deviation.0[..] else {
+        return Err(BenchError::Failed(
+            "the solver reported fewer than two sweeps".into(),
+        ));
+    };
+    Ok(Verdict::new(expected, last / before).detail("sweeps", Real::from(iterations)))
+}
+
+fn sag(settings: &Settings) -> Result<Verdict, BenchError> {
+    let links = settings.count(&LINKS, 1)? as usize;
+    let substeps = settings.count(&SUBSTEPS, 1)?;
+    let iterations = settings.count(&ITERATIONS, 1)?;
+    let tip = settings.positive(&TIP_MASS)?;
+    let mut masses = vec![1.0; links + 1];
+    masses[links] = tip;
+    let h = 1.0 / 60.0 / Real::from(substeps);
+    let (particles, springs, mut state) = chain(masses, Real::INFINITY)?;
+    let matrix = SweepMatrix::new(&particles, iterations);
+    let expected = if iterations == 1 && tip == 1.0 {
+        let n = links as Real;
+        GRAVITY * h * h * n * (n - 1.0) / 2.0
+    } else {
+        matrix.sag(GRAVITY * h * h)?
+    };
+    let mut solver = XpbdSolver::builder(&particles)
+        .energy(springs)
+        .config(XpbdConfig {
+            iterations,
+            substeps,
+            sweep: Sweep::Sequential,
+        })
+        .build()
+        .map_err(BenchError::failed)?;
+    let mut steps = 0;
+    let mut before = Real::INFINITY;
+    let hangs = |state: &State| -(state.positions[links].z) - links as Real;
+    // To rest: until a hundred steps change nothing that can be seen.
+    while steps < 1_000_000 {
+        for _ in 0..100 {
+            let input = StepInput::new(1.0 / 60.0).gravity(Vec3::z() * -GRAVITY);
+            solver.step(&mut state, input).map_err(BenchError::failed)?;
+        }
+        steps += 100;
+        let now = hangs(&state);
+        let fastest = state.velocities.iter().map(Vec3::amax).fold(0.0, Real::max);
+        if (now - before).abs() <= 1e-10 * now.abs() && fastest < 1e-9 {
+            break;
+        }
+        before = now;
+    }
+    Ok(Verdict::new(expected, hangs(&state)).detail("steps_to_rest", Real::from(steps)))
+}
+
+/// `n` Gauss–Seidel sweeps over a vertical chain of rigid links, as a matrix that acts on the displacements of the free vertices.
+#[derive(Debug)]
+struct SweepMatrix(nalgebra::DMatrix<Real>);
+
+impl SweepMatrix {
+    fn new(particles: &Particles, iterations: u32) -> Self {
+        let w = particles.inverse_mass();
+        let n = w.len() - 1;
+        let mut sweep = nalgebra::DMatrix::<Real>::identity(n + 1, n + 1);
+        for link in 0..n {
+            // The link brings its ends together by their difference, shared as their inverse masses.
+            let difference = sweep.row(link + 1) - sweep.row(link);
+            let total = w[link] + w[link + 1];
+            for (vertex, sign) in [(link, 1.0), (link + 1, -1.0)] {
+                let moved = sweep.row(vertex) + &difference * (sign * w[vertex] / total);
+                sweep.set_row(vertex, &moved);
+            }
+        }
+        let free = sweep.view((1, 1), (n, n)).into_owned();
+        Self((1..iterations).fold(free.clone(), |power, _| power * &free))
+    }
+
+    /// The displacement of the tip that the sweeps just restore after every vertex has dropped by `drop`: `u = S (u + drop)`.
+    fn sag(&self, drop: Real) -> Result<Real, BenchError> {
+        let n = self.0.nrows();
+        let dropped = &self.0 * nalgebra::DVector::from_element(n, drop);
+        let system = nalgebra::DMatrix::identity(n, n) - &self.0;
+        let solved = system.lu().solve(&dropped);
+        let u =
+            solved.ok_or_else(|| BenchError::Failed("the sweeps have no fixed point".into()))?;
+        Ok(u[n - 1])
+    }
+}
+
+fn hanging_chain(settings: &Settings) -> Result<Verdict, BenchError> {
+    let links = settings.count(&LINKS, 1)? as usize;
+    let k = settings.positive(&STIFFNESS)?;
+    let m = settings.positive(&MASS)?;
+    let extra = settings.number(&EXTRA)?;
+    let mut masses = vec![m; links + 1];
+    masses[links] = m + extra;
+    let (particles, springs, mut state) = chain(masses, k)?;
+    let mut solver = ImplicitEuler::builder(&particles)
+        .energy(springs)
+        .and_then(|builder| {
+            let tight = ImplicitConfig {
+                tolerance: 0.0,
+                ..Default::default()
+            };
+            builder.config(tight).build()
+        })
+        .map_err(BenchError::failed)?;
+    // A step of a thousand seconds leaves next to nothing of the inertia; a few of them leave nothing.
+    for _ in 0..10 {
+        let input = StepInput::new(1e3).gravity(Vec3::z() * -GRAVITY);
+        solver.step(&mut state, input).map_err(BenchError::failed)?;
+    }
+    let n = links as Real;
+    let expected = n * (n + 1.0) * m * GRAVITY / (2.0 * k) + n * extra * GRAVITY / k;
+    Ok(Verdict::new(expected, -state.positions[links].z - n))
+}

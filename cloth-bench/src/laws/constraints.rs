@@ -1,0 +1,109 @@
+//! How stiff one constraint is, as simulated (VALIDATION 5).
+
+use super::{Law, Verdict};
+use crate::error::BenchError;
+use crate::settings::{Parameter, Settings, parameter};
+use cloth_core::energy::Spring;
+use cloth_core::math::{Real, Vec3};
+use cloth_core::particles::{Particles, State};
+use cloth_core::step::{StepInput, Stepper};
+use cloth_pbd::{PbdConfig, PbdSolver, StiffnessRule};
+use cloth_xpbd::{XpbdConfig, XpbdSolver};
+
+const ITERATIONS: Parameter = parameter("iterations", "10", "iterations of the one step");
+const DT: Parameter = parameter("dt", "0.01", "step size (s)");
+const STIFFNESS: Parameter = parameter("stiffness", "100", "stiffness k of the spring (N/m)");
+const FRACTION: Parameter = parameter(
+    "stiffness",
+    "0.5",
+    "stiffness s of the projection, 0 to 1 (dimensionless)",
+);
+
+pub(super) const XPBD_CONSTRAINT: Law = Law {
+    name: "xpbd-constraint",
+    about: "stiffness (N/m) that one XPBD constraint shows in one step: k, whatever the iterations",
+    parameters: &[ITERATIONS, STIFFNESS, DT],
+    tolerance: 1e-10,
+    evaluate: xpbd_constraint,
+};
+
+pub(super) const PBD_CONSTRAINT: Law = Law {
+    name: "pbd-constraint",
+    about: "stiffness (N/m) that one PBD constraint shows in one step: ((1 − s)⁻ⁿ − 1)/(Δt² w), w = 1 /kg",
+    parameters: &[ITERATIONS, FRACTION, DT],
+    tolerance: 1e-10,
+    evaluate: pbd_constraint,
+};
+
+/// A mass of 1 kg on a spring of stiffness `k` (N/m) and rest length 1 m to a held vertex, stretched by half.
+#[derive(Debug)]
+pub(crate) struct Stretched {
+    pub(crate) particles: Particles,
+    pub(crate) spring: Spring,
+}
+
+impl Stretched {
+    pub(crate) fn new(k: Real) -> Result<Self, BenchError> {
+        let mut particles = Particles::new(vec![1.0; 2]).map_err(BenchError::failed)?;
+        particles.prescribe(0).map_err(BenchError::failed)?;
+        let spring = Spring {
+            vertices: [0, 1],
+            rest_length: 1.0,
+            stiffness: k,
+        };
+        Ok(Self { particles, spring })
+    }
+
+    /// The stiffness (N/m) that one step of `dt` (s) shows: `C̃/C′ = 1 + k Δt² w`.
+    pub(crate) fn effective_stiffness(
+        &self,
+        solver: &mut dyn Stepper,
+        dt: Real,
+    ) -> Result<Real, BenchError> {
+        const STRETCH: Real = 0.5;
+        let mut state = State::at_rest(vec![Vec3::zeros(), Vec3::new(1.0 + STRETCH, 0.0, 0.0)]);
+        solver
+            .step(&mut state, StepInput::new(dt))
+            .map_err(BenchError::failed)?;
+        let left = (state.positions[1] - state.positions[0]).norm() - self.spring.rest_length;
+        Ok((STRETCH / left - 1.0) / (dt * dt))
+    }
+}
+
+fn xpbd_constraint(settings: &Settings) -> Result<Verdict, BenchError> {
+    let k = settings.positive(&STIFFNESS)?;
+    let stretched = Stretched::new(k)?;
+    let mut solver = XpbdSolver::builder(&stretched.particles)
+        .energy(vec![stretched.spring])
+        .config(XpbdConfig {
+            iterations: settings.count(&ITERATIONS, 1)?,
+            substeps: 1,
+            ..Default::default()
+        })
+        .build()
+        .map_err(BenchError::usage)?;
+    let measured = stretched.effective_stiffness(&mut solver, settings.positive(&DT)?)?;
+    Ok(Verdict::new(k, measured))
+}
+
+fn pbd_constraint(settings: &Settings) -> Result<Verdict, BenchError> {
+    let s = settings.number(&FRACTION)?;
+    let iterations = settings.count(&ITERATIONS, 1)?;
+    let dt = settings.positive(&DT)?;
+    let stretched = Stretched::new(1.0)?;
+    let mut solver = PbdSolver::builder(&stretched.particles)
+        .energy(vec![stretched.spring])
+        .config(PbdConfig {
+            iterations,
+            substeps: 1,
+            stiffness: StiffnessRule::Fixed(s),
+            ..Default::default()
+        })
+        .build()
+        .map_err(BenchError::usage)?;
+    let expected = ((1.0 - s).powi(-(iterations as i32)) - 1.0) / (dt * dt);
+    Ok(Verdict::new(
+        expected,
+        stretched.effective_stiffness(&mut solver, dt)?,
+    ))
+}

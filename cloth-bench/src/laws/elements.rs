@@ -1,0 +1,282 @@
+//! What springs and hinges amount to as a sheet (VALIDATION 3, 4).
+
+use super::{Law, Verdict};
+use crate::error::BenchError;
+use crate::settings::{Parameter, Settings, parameter};
+use cloth_core::cloth::{Cloth, Membrane};
+use cloth_core::energy::CurvatureHinge;
+use cloth_core::math::{Real, Vec3};
+use cloth_core::mesh::TriMesh;
+use cloth_core::mesh::generate::{self, Diagonals};
+use cloth_core::topology::{EdgeTable, HingeTable};
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Pattern {
+    Equilateral,
+    OneWay,
+    Alternating,
+}
+
+const PATTERN: Parameter = parameter(
+    "pattern",
+    "equilateral",
+    "equilateral, one-way or alternating",
+);
+const PATTERNS: [(&str, Pattern); 3] = [
+    ("equilateral", Pattern::Equilateral),
+    ("one-way", Pattern::OneWay),
+    ("alternating", Pattern::Alternating),
+];
+const ANGLE: Parameter = parameter(
+    "angle_deg",
+    "0",
+    "direction of the pull, from the x axis (degrees)",
+);
+
+pub(super) const LATTICE_MODULUS: Law = Law {
+    name: "lattice-modulus",
+    about: "Y/k of springs of equal stiffness, pulled in one direction (dimensionless); one-way grids have a closed form at 0, 45, 90 and 135 degrees",
+    parameters: &[PATTERN, ANGLE],
+    tolerance: 1e-9,
+    evaluate: lattice_modulus,
+};
+
+const MODEL: Parameter = parameter("model", "bergou", "bergou (quadratic)");
+const SURFACE: Parameter = parameter("surface", "cylinder", "cylinder, sphere or saddle");
+
+pub(super) const BENDING_FACTOR: Law = Law {
+    name: "bending-factor",
+    about: "bending energy per area over ½ k (κ1² + κ2² …) for coefficient k: cylinder ½ k κ², sphere and saddle ½ k (2κ)² (VALIDATION 4)",
+    parameters: &[MODEL, PATTERN, SURFACE, ANGLE],
+    tolerance: 1e-9,
+    evaluate: bending_factor,
+};
+
+pub(super) const FLAT_BENDING: Law = Law {
+    name: "flat-bending",
+    about: "quadratic bending energy (J) of a flat irregular sheet that is turned and stretched in its plane: 0",
+    parameters: &[],
+    tolerance: 1e-25,
+    evaluate: flat_bending,
+};
+
+/// A patch of the pattern with unit edges (unit cells for the grids), and a window (low corner, size) in it that holds whole periods.
+fn patch(pattern: Pattern) -> Result<(TriMesh, [Real; 2], [Real; 2]), BenchError> {
+    const CELLS: usize = 12;
+    let side = CELLS as Real;
+    let row = 0.75_f64.sqrt();
+    let (mesh, window) = match pattern {
+        Pattern::Equilateral => (
+            generate::equilateral(CELLS + 1, CELLS + 1, 1.0),
+            [6.0, 6.0 * row],
+        ),
+        Pattern::OneWay => (
+            generate::grid(CELLS + 1, CELLS + 1, side, side, Diagonals::OneWay),
+            [6.0, 6.0],
+        ),
+        Pattern::Alternating => (
+            generate::grid(CELLS + 1, CELLS + 1, side, side, Diagonals::Alternating),
+            [6.0, 6.0],
+        ),
+    };
+    // No edge has its middle on the rim of the window.
+    Ok((mesh.map_err(BenchError::failed)?, [3.123, 2.877], window))
+}
+
+/// Stress times area (N·m) of the springs under the strain `(e_xx, e_yy, 2 e_xy)`, by virtual work: `Σ ∂E/∂x ⊗ X`, symmetrised by nature.
+fn stress(
+    model: &cloth_core::cloth::ClothModel,
+    rest: &[Vec3],
+    strain: [Real; 3],
+) -> Result<[Real; 3], BenchError> {
+    let stretched: Vec<Vec3> = rest
+        .iter()
+        .map(|p| {
+            let shear = 0.5 * strain[2];
+            p + Vec3::new(
+                strain[0] * p.x + shear * p.y,
+                shear * p.x + strain[1] * p.y,
+                0.0,
+            )
+        })
+        .collect();
+    let mut gradient = vec![Vec3::zeros(); rest.len()];
+    model
+        .energies()
+        .map_err(BenchError::failed)?
+        .add_gradient(&stretched, &mut gradient);
+    let work = |i: usize, j: usize| {
+        gradient
+            .iter()
+            .zip(rest)
+            .map(|(g, p)| g[i] * p[j])
+            .sum::<Real>()
+    };
+    Ok([work(0, 0), work(1, 1), 0.5 * (work(0, 1) + work(1, 0))])
+}
+
+fn lattice_modulus(settings: &Settings) -> Result<Verdict, BenchError> {
+    const STRAIN: Real = 1e-5;
+    let pattern = settings.choice(&PATTERN, &PATTERNS)?;
+    let angle = settings.number(&ANGLE)?.to_radians();
+    let (mesh, ..) = patch(pattern)?;
+    let cloth = Cloth {
+        areal_density: 1.0,
+        membrane: Membrane::SpringStiffness(1.0),
+        bending_rigidity: 0.0,
+    };
+    let mut model = cloth.on(&mesh).map_err(BenchError::failed)?;
+    // In the unbounded lattice a spring on the rim belongs to this patch by half.
+    let edges = EdgeTable::build(&mesh).map_err(BenchError::failed)?;
+    for (edge, spring) in model.springs.iter_mut().enumerate() {
+        if edges.is_boundary(edge) {
+            spring.stiffness *= 0.5;
+        }
+    }
+    let mut tensor = nalgebra::Matrix3::<Real>::zeros();
+    for column in 0..3 {
+        let mut strain = [0.0; 3];
+        strain[column] = STRAIN;
+        let above = stress(&model, mesh.positions(), strain)?;
+        let below = stress(&model, mesh.positions(), strain.map(|e| -e))?;
+        for row in 0..3 {
+            tensor[(row, column)] = (above[row] - below[row]) / (2.0 * STRAIN * mesh.area());
+        }
+    }
+    let c = |m: [[Real; 3]; 3]| nalgebra::Matrix3::from_fn(|i, j| m[i][j]);
+    let expected = match pattern {
+        Pattern::Equilateral => 2.0 / 3.0_f64.sqrt(),
+        Pattern::Alternating => 4.0 / 3.0,
+        // Σ L² (t⊗t⊗t⊗t) over the springs of a cell: two sides and one diagonal.
+        Pattern::OneWay => modulus(
+            &c([[1.5, 0.5, 0.5], [0.5, 1.5, 0.5], [0.5, 0.5, 0.5]]),
+            angle,
+        )?,
+    };
+    Ok(Verdict::new(expected, modulus(&tensor, angle)?))
+}
+
+/// Young's modulus along a direction: a pull `σ = d dᵀ` makes the strain `C⁻¹σ`.
+fn modulus(tensor: &nalgebra::Matrix3<Real>, angle: Real) -> Result<Real, BenchError> {
+    let (sin, cos) = angle.sin_cos();
+    let pull = nalgebra::Vector3::new(cos * cos, sin * sin, sin * cos);
+    let inverse = tensor
+        .try_inverse()
+        .ok_or_else(|| BenchError::Failed("the springs do not resist every strain".into()))?;
+    Ok(1.0 / pull.dot(&(inverse * pull)))
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Surface {
+    Cylinder,
+    Sphere,
+    Saddle,
+}
+
+/// Curvature tensor `(κ_xx, κ_yy, κ_xy)` of a surface with curvature 1 in the direction of `angle`.
+fn curvature(surface: Surface, angle: Real) -> [Real; 3] {
+    let across = match surface {
+        Surface::Cylinder => 0.0,
+        Surface::Sphere => 1.0,
+        Surface::Saddle => -1.0,
+    };
+    let (sin, cos) = angle.sin_cos();
+    [
+        cos * cos + across * sin * sin,
+        sin * sin + across * cos * cos,
+        (1.0 - across) * sin * cos,
+    ]
+}
+
+/// Energy per area over `½ k`, by hand: `Σ 3/(A₀ + A₁) (q z)²` over the hinges of one period, with `z = ½ x·κx`.
+fn energy_by_hand(pattern: Pattern, [xx, yy, xy]: [Real; 3]) -> Real {
+    let square = |x: Real| x * x;
+    match pattern {
+        // Each of three directions t with normal n gives ⅓ (κ_tt − 3 κ_nn)².
+        Pattern::Equilateral => [0.0_f64, 60.0, 120.0]
+            .iter()
+            .map(|degrees| {
+                let (s, c) = degrees.to_radians().sin_cos();
+                let along = xx * c * c + yy * s * s + 2.0 * xy * s * c;
+                square(along - 3.0 * (xx + yy - along)) / 3.0
+            })
+            .sum(),
+        Pattern::OneWay => 12.0 * square(xy) + 3.0 * square(xx + xy) + 3.0 * square(yy + xy),
+        Pattern::Alternating => 12.0 * square(xy) + 3.0 * square(xx) + 3.0 * square(yy),
+    }
+}
+
+fn bending_factor(settings: &Settings) -> Result<Verdict, BenchError> {
+    const CURVATURE: Real = 1e-3;
+    settings.choice(&MODEL, &[("bergou", ())])?;
+    let pattern = settings.choice(&PATTERN, &PATTERNS)?;
+    let surface = settings.choice(
+        &SURFACE,
+        &[
+            ("cylinder", Surface::Cylinder),
+            ("sphere", Surface::Sphere),
+            ("saddle", Surface::Saddle),
+        ],
+    )?;
+    let angle = settings.number(&ANGLE)?.to_radians();
+    let kappa = curvature(surface, angle);
+    let (mesh, low, size) = patch(pattern)?;
+    let curved: Vec<Vec3> = mesh
+        .positions()
+        .iter()
+        .map(|p| {
+            let twice = kappa[0] * p.x * p.x + kappa[1] * p.y * p.y + 2.0 * kappa[2] * p.x * p.y;
+            Vec3::new(p.x, p.y, 0.5 * CURVATURE * twice)
+        })
+        .collect();
+    let edges = EdgeTable::build(&mesh).map_err(BenchError::failed)?;
+    let hinges = HingeTable::build(&mesh, &edges);
+    let inside: Vec<CurvatureHinge> = hinges
+        .hinges()
+        .iter()
+        .filter(|hinge| {
+            let middle =
+                (mesh.positions()[hinge[0] as usize] + mesh.positions()[hinge[1] as usize]) * 0.5;
+            (0..2).all(|axis| middle[axis] >= low[axis] && middle[axis] < low[axis] + size[axis])
+        })
+        .map(|&hinge| {
+            CurvatureHinge::new(
+                hinge,
+                &cloth_core::math::gather(mesh.positions(), hinge),
+                1.0,
+            )
+        })
+        .collect();
+    let energies = cloth_core::family::Energies::new(mesh.vertex_count())
+        .with(inside)
+        .map_err(BenchError::failed)?;
+    let per_area = energies.value(&curved) / (size[0] * size[1]);
+    // A sphere is compared by its mean curvature, κ1 + κ2 = 2.
+    let scale = if surface == Surface::Sphere { 4.0 } else { 1.0 };
+    let measured = per_area / (0.5 * CURVATURE * CURVATURE) / scale;
+    Ok(Verdict::new(
+        energy_by_hand(pattern, kappa) / scale,
+        measured,
+    ))
+}
+
+fn flat_bending(_: &Settings) -> Result<Verdict, BenchError> {
+    let mesh = generate::irregular(20, 1.0, 1.0, 5).map_err(BenchError::failed)?;
+    let cloth = Cloth {
+        areal_density: 1.0,
+        membrane: Membrane::SpringStiffness(0.0),
+        bending_rigidity: 1.0,
+    };
+    let mut model = cloth.on(&mesh).map_err(BenchError::failed)?;
+    model.springs.clear();
+    let turn = nalgebra::Rotation3::from_euler_angles(0.4, -1.1, 2.3);
+    let moved: Vec<Vec3> = mesh
+        .positions()
+        .iter()
+        .map(|p| {
+            turn * Vec3::new(1.3 * p.x + 0.2 * p.y, 0.7 * p.y, 0.0) + Vec3::new(3.0, -2.0, 1.0)
+        })
+        .collect();
+    let energy = model.energies().map_err(BenchError::failed)?.value(&moved);
+    Ok(Verdict::new(0.0, energy))
+}

@@ -1,0 +1,202 @@
+//! Time integration: one oscillator, and free fall (VALIDATION 1).
+
+use super::{Law, Verdict};
+use crate::error::BenchError;
+use crate::method::Method;
+use crate::scene;
+use crate::settings::{Parameter, Settings, parameter};
+use cloth_core::energy::Attachment;
+use cloth_core::math::{Real, Vec3};
+use cloth_core::particles::{Particles, State};
+use cloth_core::step::{StepInput, Stepper};
+use cloth_massspring::{
+    ExplicitConfig, ExplicitEuler, ImplicitConfig, ImplicitEuler, StabilityCheck, SymplecticEuler,
+};
+use cloth_pd::{PdConfig, PdSolver};
+use cloth_xpbd::{XpbdConfig, XpbdSolver};
+
+const SCHEME: Parameter = parameter(
+    "scheme",
+    "implicit-euler",
+    "explicit-euler, symplectic-euler, implicit-euler; xpbd and pd, which are implicit Euler here",
+);
+const Z: Parameter = parameter(
+    "z",
+    "0.5",
+    "step size times angular frequency, z = Δt ω (dimensionless)",
+);
+
+pub(super) const OSCILLATOR: Law = Law {
+    name: "oscillator",
+    about: "amplification per step of x″ = −ω²x (dimensionless); phase per step (rad) as a detail",
+    parameters: &[SCHEME, Z],
+    tolerance: 1e-11,
+    evaluate: oscillator,
+};
+
+const METHOD: Parameter = parameter("method", "xpbd", "any method");
+const SIZE: Parameter = parameter("n", "17", "vertices a side");
+const STEPS: Parameter = parameter("steps", "60", "number of steps");
+
+pub(super) const FREE_FALL: Law = Law {
+    name: "free-fall",
+    about: "fall (m) of a free sheet after n steps of 1/60 s, without any change of shape",
+    parameters: &[METHOD, SIZE, STEPS],
+    tolerance: 1e-12,
+    evaluate: free_fall,
+};
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Scheme {
+    Explicit,
+    Symplectic,
+    Implicit,
+    Xpbd,
+    Pd,
+}
+
+const SCHEMES: [(&str, Scheme); 5] = [
+    ("explicit-euler", Scheme::Explicit),
+    ("symplectic-euler", Scheme::Symplectic),
+    ("implicit-euler", Scheme::Implicit),
+    ("xpbd", Scheme::Xpbd),
+    ("pd", Scheme::Pd),
+];
+
+impl Scheme {
+    /// Amplification and phase (rad) per step in closed form.
+    fn closed_form(self, z: Real) -> (Real, Real) {
+        match self {
+            Self::Explicit => ((1.0 + z * z).sqrt(), z.atan()),
+            Self::Symplectic if z <= 2.0 => (1.0, 2.0 * (z / 2.0).asin()),
+            Self::Symplectic => {
+                let half = z * z / 2.0 - 1.0;
+                (half + (half * half - 1.0).sqrt(), std::f64::consts::PI)
+            }
+            Self::Implicit | Self::Xpbd | Self::Pd => (1.0 / (1.0 + z * z).sqrt(), z.atan()),
+        }
+    }
+
+    /// A mass of 1 kg on a spring of stiffness `k` (N/m) to the origin.
+    fn solver(self, k: Real) -> Result<Box<dyn Stepper>, BenchError> {
+        let particles = Particles::new(vec![1.0]).map_err(BenchError::failed)?;
+        let spring = vec![Attachment {
+            vertex: 0,
+            target: Vec3::zeros(),
+            stiffness: k,
+        }];
+        let unchecked = ExplicitConfig {
+            stability: StabilityCheck::Off,
+            ..Default::default()
+        };
+        Ok(match self {
+            Self::Explicit => Box::new(
+                ExplicitEuler::builder(&particles)
+                    .energy(spring)
+                    .and_then(|b| b.config(unchecked).build())
+                    .map_err(BenchError::failed)?,
+            ),
+            Self::Symplectic => Box::new(
+                SymplecticEuler::builder(&particles)
+                    .energy(spring)
+                    .and_then(|b| b.config(unchecked).build())
+                    .map_err(BenchError::failed)?,
+            ),
+            Self::Implicit => Box::new(
+                ImplicitEuler::builder(&particles)
+                    .energy(spring)
+                    .and_then(|b| {
+                        let tight = ImplicitConfig {
+                            tolerance: 0.0,
+                            ..Default::default()
+                        };
+                        b.config(tight).build()
+                    })
+                    .map_err(BenchError::failed)?,
+            ),
+            Self::Xpbd => Box::new(
+                XpbdSolver::builder(&particles)
+                    .energy(spring)
+                    .config(XpbdConfig {
+                        substeps: 1,
+                        iterations: 1,
+                        ..Default::default()
+                    })
+                    .build()
+                    .map_err(BenchError::failed)?,
+            ),
+            Self::Pd => Box::new(
+                PdSolver::builder(&particles)
+                    .energy(spring)
+                    .config(PdConfig {
+                        iterations: 1,
+                        ..Default::default()
+                    })
+                    .build()
+                    .map_err(BenchError::failed)?,
+            ),
+        })
+    }
+}
+
+fn oscillator(settings: &Settings) -> Result<Verdict, BenchError> {
+    let scheme = settings.choice(&SCHEME, &SCHEMES)?;
+    let z = settings.positive(&Z)?;
+    let mut solver = scheme.solver(z * z)?;
+    // One step of size 1 is a linear map of (x, v); its columns are what it does to (1, 0) and (0, 1).
+    let mut column = |x: Real, v: Real| -> Result<[Real; 2], BenchError> {
+        let mut state = State::at_rest(vec![Vec3::new(x, 0.0, 0.0)]);
+        state.velocities[0].x = v;
+        solver
+            .step(&mut state, StepInput::new(1.0))
+            .map_err(BenchError::failed)?;
+        Ok([state.positions[0].x, state.velocities[0].x])
+    };
+    let [a, c] = column(1.0, 0.0)?;
+    let [b, d] = column(0.0, 1.0)?;
+    let half_trace = 0.5 * (a + d);
+    let determinant = a * d - b * c;
+    let discriminant = half_trace * half_trace - determinant;
+    let (amplification, phase) = if discriminant < 0.0 {
+        (determinant.sqrt(), (-discriminant).sqrt().atan2(half_trace))
+    } else {
+        let root = discriminant.sqrt();
+        let (one, other) = (half_trace + root, half_trace - root);
+        let largest = if one.abs() > other.abs() { one } else { other };
+        (
+            largest.abs(),
+            if largest < 0.0 {
+                std::f64::consts::PI
+            } else {
+                0.0
+            },
+        )
+    };
+    let (expected, expected_phase) = scheme.closed_form(z);
+    Ok(Verdict::new(expected, amplification)
+        .detail("phase_expected", expected_phase)
+        .detail("phase_measured", phase))
+}
+
+fn free_fall(settings: &Settings) -> Result<Verdict, BenchError> {
+    let method = Method::find(settings.text(&METHOD))?;
+    let steps = settings.count(&STEPS, 1)?;
+    let sheet = Settings::default()
+        .with("n", settings.count(&SIZE, 2)?)
+        .with("pins", "none");
+    let scene = scene::build("drop", None, &sheet)?;
+    let mut solver = method.build(&scene, &Settings::default(), scene.dt)?;
+    let mut state = scene.start.clone();
+    for _ in 0..steps {
+        let input = StepInput::new(scene.dt).gravity(scene.gravity);
+        solver.step(&mut state, input).map_err(BenchError::failed)?;
+    }
+    let strain = cloth_core::measure::Strain::of(&scene.model.springs, &state.positions);
+    let fall = scene.start.positions[0].z - state.positions[0].z;
+    // Every method here gains its velocity at the start of a (sub)step of size h: x_n = ½ g h² n (n + 1).
+    let substeps = method.substeps(&scene, &Settings::default(), scene.dt)?;
+    let n = Real::from(steps) * Real::from(substeps);
+    let h = scene.dt / Real::from(substeps);
+    let expected = 0.5 * 9.81 * h * h * n * (n + method.velocity_lead());
+    Ok(Verdict::new(expected, fall).detail("largest_strain", strain.max.max(-strain.min)))
+}

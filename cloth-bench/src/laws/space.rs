@@ -1,0 +1,113 @@
+//! Degrees of freedom, and two methods with one minimum.
+
+use super::{Law, Verdict};
+use crate::error::BenchError;
+use crate::mesh_spec;
+use crate::scene;
+use crate::settings::{Parameter, Settings, parameter};
+use crate::yardstick;
+use cloth_core::dof::{EdgeRank, bent};
+use cloth_core::math::Real;
+use cloth_core::mesh::TriMesh;
+use cloth_core::step::{StepInput, Stepper};
+use cloth_core::topology::{EdgeTable, Topology};
+use cloth_pd::{PdConfig, PdSolver};
+
+const MESH: Parameter = parameter("mesh", "grid:9x9:alternating", "a generator or a file");
+
+pub(super) const COUNT: Law = Law {
+    name: "count",
+    about: "3V − E = 3χ + E_b, on any mesh (S1 (20))",
+    parameters: &[MESH],
+    tolerance: 0.0,
+    evaluate: count,
+};
+
+pub(super) const NULL_SPACE: Law = Law {
+    name: "null-space",
+    about: "motions that keep every edge of the bent mesh: 3χ + E_b (VALIDATION 6); the flat ones are a detail",
+    parameters: &[MESH],
+    tolerance: 0.0,
+    evaluate: null_space,
+};
+
+const SIZE: Parameter = parameter("n", "9", "vertices a side");
+const STIFFNESS: Parameter = parameter("stiffness", "100", "stiffness of the springs (N/m)");
+
+pub(super) const SAME_MINIMUM: Law = Law {
+    name: "same-minimum",
+    about: "distance (m) between the converged step of PD and that of Newton, on the hanging sheet: 0",
+    parameters: &[SIZE, STIFFNESS],
+    tolerance: 1e-9,
+    evaluate: same_minimum,
+};
+
+fn counted(settings: &Settings) -> Result<(TriMesh, EdgeTable, Topology), BenchError> {
+    let mesh = mesh_spec::load(settings.text(&MESH))?;
+    let edges = EdgeTable::build(&mesh).map_err(BenchError::usage)?;
+    let topology = Topology::of(&mesh, &edges);
+    Ok((mesh, edges, topology))
+}
+
+/// `3χ + E_b`.
+fn closed_form(topology: &Topology) -> Real {
+    (3 * topology.euler + topology.boundary_edges as i64) as Real
+}
+
+fn count(settings: &Settings) -> Result<Verdict, BenchError> {
+    let (_, _, topology) = counted(settings)?;
+    let verdict = Verdict::new(closed_form(&topology), topology.count_3v_e as Real);
+    Ok(verdict
+        .detail("euler", topology.euler as Real)
+        .detail("boundary_edges", topology.boundary_edges as Real))
+}
+
+fn null_space(settings: &Settings) -> Result<Verdict, BenchError> {
+    let (mesh, edges, topology) = counted(settings)?;
+    let measure =
+        |positions: &[_]| EdgeRank::measure(positions, &edges).map_err(BenchError::failed);
+    let rest = measure(mesh.positions())?;
+    let curved = measure(&bent(mesh.positions()))?;
+    // Self-stresses of the bent mesh belong to the law: nullity = 3χ + E_b + S.
+    let expected = closed_form(&topology) + curved.self_stresses as Real;
+    Ok(Verdict::new(expected, curved.nullity as Real)
+        .detail("nullity_flat", rest.nullity as Real)
+        .detail("self_stresses_flat", rest.self_stresses as Real)
+        .detail("self_stresses_bent", curved.self_stresses as Real)
+        .detail("smallest_kept_bent", curved.smallest_kept))
+}
+
+fn same_minimum(settings: &Settings) -> Result<Verdict, BenchError> {
+    let settings = Settings::default()
+        .with(SIZE.name, settings.count(&SIZE, 2)?)
+        .with(STIFFNESS.name, settings.positive(&STIFFNESS)?);
+    let scene = scene::build("hang", None, &settings)?;
+    let input = || StepInput::new(scene.dt).gravity(scene.gravity);
+    let mut newton = yardstick::reference(&scene.model)?;
+    let mut before = scene.start.clone();
+    for _ in 0..10 {
+        newton
+            .step(&mut before, input())
+            .map_err(BenchError::failed)?;
+    }
+    let mut by_newton = before.clone();
+    newton
+        .step(&mut by_newton, input())
+        .map_err(BenchError::failed)?;
+    let config = PdConfig {
+        iterations: 100_000,
+        tolerance: Some(1e-12),
+        ..Default::default()
+    };
+    let mut pd = PdSolver::builder(&scene.model.particles)
+        .energy(scene.model.springs.clone())
+        .energy(scene.model.hinges.clone())
+        .config(config)
+        .build()
+        .map_err(BenchError::failed)?;
+    let mut by_pd = before;
+    let report = pd.step(&mut by_pd, input()).map_err(BenchError::failed)?;
+    let apart = by_pd.positions.iter().zip(&by_newton.positions);
+    let distance = apart.map(|(a, b)| (a - b).norm()).fold(0.0, Real::max);
+    Ok(Verdict::new(0.0, distance).detail("pd_iterations", Real::from(report.iterations)))
+}

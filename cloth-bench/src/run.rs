@@ -1,0 +1,123 @@
+//! One simulation: a scene, a method, a number of steps.
+
+use crate::error::BenchError;
+use crate::scene::Scene;
+use cloth_collide::SeparationProbe;
+use cloth_core::math::{Real, Vec3};
+use cloth_core::measure;
+use cloth_core::particles::State;
+use cloth_core::step::{Outcome, StepInput, StepReport, Stepper};
+use std::time::Instant;
+
+/// What a run did and where it ended.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Summary {
+    /// Steps taken.
+    pub steps: u32,
+    /// Median time of a step (ms).
+    pub ms_per_step_median: Real,
+    /// Iterations, summed over the steps.
+    pub iterations: u64,
+    /// Iterations of the median step.
+    pub iterations_per_step: u32,
+    /// Steps that met their tolerance; methods without one meet it never.
+    pub converged_steps: u32,
+    /// Largest strain of a spring at the end (dimensionless).
+    pub max_stretch: Real,
+    /// Root mean square of the strains at the end (dimensionless).
+    pub rms_strain: Real,
+    /// Kinetic energy at the end (J).
+    pub kinetic_energy: Real,
+    /// Elastic energy at the end (J).
+    pub elastic_energy: Real,
+    /// Elastic energy plus gravitational energy relative to the start (J).
+    pub potential_energy: Real,
+    /// How far the centre of mass fell (m).
+    pub center_of_mass_drop: Real,
+    /// Crossing pairs of triangles at the end; none measured where the scene has no triangles.
+    pub intersections: Option<usize>,
+    /// Smallest distance (m) at the end between parts that share no vertex.
+    pub min_distance: Option<Real>,
+}
+
+/// Runs `steps` steps of `dt` (s). `after` is called with every state, the step's number from 1 and its report.
+///
+/// # Errors
+/// [`BenchError::Failed`] with the method's own error. `state` is then the last good one.
+pub fn run(
+    scene: &Scene,
+    stepper: &mut dyn Stepper,
+    state: &mut State,
+    dt: Real,
+    steps: u32,
+    mut after: impl FnMut(u32, &State, &StepReport) -> Result<(), BenchError>,
+) -> Result<Summary, BenchError> {
+    let start_height = height(scene, state);
+    let mut seconds = Vec::with_capacity(steps as usize);
+    let mut iterations = Vec::with_capacity(steps as usize);
+    let mut converged_steps = 0;
+    for step in 1..=steps {
+        let started = Instant::now();
+        let input = StepInput::new(dt).gravity(scene.gravity);
+        let report = stepper.step(state, input).map_err(BenchError::failed)?;
+        seconds.push(started.elapsed().as_secs_f64());
+        iterations.push(report.iterations);
+        converged_steps += u32::from(report.outcome == Outcome::Converged);
+        after(step, state, &report)?;
+    }
+    let energies = scene.model.energies().map_err(BenchError::failed)?;
+    let particles = &scene.model.particles;
+    let strain = measure::Strain::of(&scene.model.springs, &state.positions);
+    let elastic_energy = energies.value(&state.positions);
+    let fallen = |x: &[Vec3]| measure::gravitational_energy(particles, x, scene.gravity);
+    let separation = separation(scene, state)?;
+    Ok(Summary {
+        steps,
+        ms_per_step_median: 1e3 * median(&mut seconds),
+        iterations: iterations.iter().map(|&n| u64::from(n)).sum(),
+        iterations_per_step: median_count(&mut iterations),
+        converged_steps,
+        max_stretch: strain.max,
+        rms_strain: strain.rms,
+        kinetic_energy: measure::kinetic_energy(particles, &state.velocities),
+        elastic_energy,
+        potential_energy: elastic_energy + fallen(&state.positions)
+            - fallen(&scene.start.positions),
+        center_of_mass_drop: start_height - height(scene, state),
+        intersections: separation.map(|s| s.intersecting_pairs),
+        min_distance: separation.and_then(|s| s.min_distance),
+    })
+}
+
+fn separation(
+    scene: &Scene,
+    state: &State,
+) -> Result<Option<cloth_collide::Separation>, BenchError> {
+    let Some(mesh) = &scene.mesh else {
+        return Ok(None);
+    };
+    let measured = SeparationProbe::new(mesh).measure(&state.positions);
+    measured.map(Some).map_err(BenchError::failed)
+}
+
+/// Height of the centre of mass (m) against gravity; 0 without gravity.
+fn height(scene: &Scene, state: &State) -> Real {
+    let up = -scene.gravity.try_normalize(0.0).unwrap_or_default();
+    measure::center_of_mass(&scene.model.particles, &state.positions).dot(&up)
+}
+
+/// Median of some times; 0 of none.
+#[must_use]
+pub fn median(values: &mut [Real]) -> Real {
+    values.sort_by(Real::total_cmp);
+    match values.len() {
+        0 => 0.0,
+        n if n % 2 == 1 => values[n / 2],
+        n => 0.5 * (values[n / 2 - 1] + values[n / 2]),
+    }
+}
+
+fn median_count(values: &mut [u32]) -> u32 {
+    values.sort_unstable();
+    values.get(values.len() / 2).copied().unwrap_or(0)
+}

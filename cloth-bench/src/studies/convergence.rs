@@ -1,0 +1,406 @@
+//! Error inside one implicit step, per iteration and per second, for every method (BENCH-1; VALIDATION 8.1).
+
+use super::{Findings, Scope, Study};
+use crate::error::BenchError;
+use crate::method::{METHODS, Method};
+use crate::report::html::Picture;
+use crate::report::plot::{Axis, Plot, Series};
+use crate::report::render::{Surface, View, render_row};
+use crate::report::table::{Cell, Table};
+use crate::run::{self, median};
+use crate::scene::{self, Scene};
+use crate::settings::Settings;
+use crate::yardstick::{self, Sample, StepProblem};
+use cloth_core::math::{Real, Vec3};
+use cloth_core::particles::State;
+use cloth_core::step::{StepInput, Stepper};
+
+pub(super) const STUDY: Study = Study {
+    name: "convergence",
+    question: "How fast does each method approach the implicit Euler step, and what does it give at its default setting?",
+    about: "The step is the sixteenth of the hanging sheet, a quarter of a second into its fall. The reference is Newton's \
+        method to rounding; the error is (G − G*)/(G(x̃) − G*), 1 at the inertial prediction. Newton, PD and the sweeps of PBD and XPBD are one \
+        run each, measured after every iteration (the clock stands still while we measure). A method that cuts the step into parts solves another problem, \
+        whose solution is nearer to the motion in continuous time than implicit Euler's; its points are whole steps, one per number of parts. \
+        XPBD with iterations stops at a floor: it is not a minimiser of G. PBD turns the spring constant into a projection that is right for one constraint \
+        alone; in a sheet every sweep makes it stiffer.",
+    cases,
+    run,
+};
+
+fn sizes(scope: Scope) -> &'static [u32] {
+    match scope {
+        Scope::Quick => &[17, 33],
+        Scope::Full => &[32, 64, 128],
+    }
+}
+
+/// Methods whose error goes down by iterating on one step, the setting, and the most iterations.
+fn iterated(scope: Scope) -> [(&'static str, Settings, u32); 4] {
+    let sweeps = match scope {
+        Scope::Quick => 500,
+        Scope::Full => 2000,
+    };
+    let one_substep = Settings::default().with("substeps", 1);
+    [
+        (
+            "implicit-euler",
+            Settings::default().with("tolerance", 0),
+            60,
+        ),
+        ("pd", Settings::default(), sweeps),
+        ("xpbd", one_substep.clone(), sweeps),
+        ("pbd", one_substep, sweeps),
+    ]
+}
+
+/// Methods that cut the step, and into how many parts.
+fn cut(scope: Scope) -> [(&'static str, Vec<u32>); 2] {
+    let most = match scope {
+        Scope::Quick => 6,
+        Scope::Full => 9,
+    };
+    [
+        ("xpbd", (0..most).map(|i| 1 << i).collect()),
+        ("pbd", (0..most).map(|i| 1 << i).collect()),
+    ]
+}
+
+fn cases(scope: Scope) -> u64 {
+    let per_size = 1 + iterated(scope).len() + cut(scope).len() + METHODS.len();
+    (sizes(scope).len() * per_size + METHODS.len()) as u64
+}
+
+fn run(scope: Scope, progress: &mut dyn FnMut(&str)) -> Result<Findings, BenchError> {
+    let mut findings = Findings::default();
+    let mut samples = Table::new(&[
+        "n",
+        "method",
+        "setting",
+        "iterations",
+        "seconds",
+        "objective error",
+        "gradient error",
+    ]);
+    let mut defaults = Table::new(&[
+        "n",
+        "method",
+        "ms per step",
+        "iterations",
+        "objective error",
+        "gradient error",
+        "remark",
+    ]);
+    for &n in sizes(scope) {
+        progress(&format!("convergence: reference at {n} × {n}"));
+        let scene = scene::build("hang", None, &Settings::default().with("n", n))?;
+        let problem = problem(&scene)?;
+        let mut curves = Curves::default();
+        for (name, settings, most) in iterated(scope) {
+            progress(&format!("convergence: {name} at {n} × {n}"));
+            let settings = settings.with("iterations", most);
+            let mut solver = Method::find(name)?.build(&scene, &settings, scene.dt)?;
+            // Once to warm up: memory, and what is factorised once.
+            problem.solve(&mut *solver)?;
+            let trace = problem.trace(&mut *solver)?;
+            for sample in thinned(&trace) {
+                push_sample(&mut samples, n, name, "iterations", sample);
+            }
+            curves.add(name, &trace);
+        }
+        for (name, parts) in cut(scope) {
+            progress(&format!("convergence: {name} by substeps at {n} × {n}"));
+            let mut trace = Vec::new();
+            for substeps in parts {
+                let settings = Settings::default()
+                    .with("substeps", substeps)
+                    .with("iterations", 1);
+                let mut solver = Method::find(name)?.build(&scene, &settings, scene.dt)?;
+                let (error, report, seconds) = repeated(&problem, &mut *solver, 3)?;
+                trace.push(Sample {
+                    iteration: report.iterations,
+                    seconds,
+                    error,
+                });
+            }
+            for sample in &trace {
+                push_sample(&mut samples, n, name, "substeps", sample);
+            }
+            curves.add(&format!("{name}, substeps"), &trace);
+        }
+        for method in &METHODS {
+            progress(&format!(
+                "convergence: {} at its default, {n} × {n}",
+                method.name
+            ));
+            defaults.push(default_row(n, &scene, &problem, method)?);
+        }
+        curves.draw(n, &mut findings);
+    }
+    findings.section.verdict = verdict(&defaults);
+    findings.table(
+        "convergence-defaults",
+        "Every method at its default setting: one step of the hanging sheet",
+        defaults,
+    );
+    findings.data("convergence", samples);
+    half_a_second(scope, &mut findings, progress)?;
+    Ok(findings)
+}
+
+/// The sixteenth step of the hanging sheet.
+fn problem(scene: &Scene) -> Result<StepProblem, BenchError> {
+    let mut newton =
+        Method::find("implicit-euler")?.build(scene, &Settings::default(), scene.dt)?;
+    let mut state = scene.start.clone();
+    for _ in 0..15 {
+        let input = StepInput::new(scene.dt).gravity(scene.gravity);
+        newton.step(&mut state, input).map_err(BenchError::failed)?;
+    }
+    StepProblem::new(&scene.model, &state, scene.gravity, scene.dt)
+}
+
+/// Error and report of one step, and the median of its times over some repetitions after a warm-up.
+fn repeated(
+    problem: &StepProblem,
+    solver: &mut dyn Stepper,
+    repetitions: usize,
+) -> Result<(yardstick::StepError, cloth_core::step::StepReport, Real), BenchError> {
+    let (error, report, _) = problem.solve(solver)?;
+    let mut seconds = Vec::with_capacity(repetitions);
+    for _ in 0..repetitions {
+        seconds.push(problem.solve(solver)?.2);
+    }
+    Ok((error, report, median(&mut seconds)))
+}
+
+fn default_row(
+    n: u32,
+    scene: &Scene,
+    problem: &StepProblem,
+    method: &Method,
+) -> Result<[Cell; 7], BenchError> {
+    let mut solver = method.build(scene, &Settings::default(), scene.dt)?;
+    let head = [Cell::from(n as usize), Cell::from(method.name)];
+    let tail = match repeated(problem, &mut *solver, 5) {
+        Ok((error, report, seconds)) => [
+            Cell::from(1e3 * seconds),
+            Cell::from(report.iterations as usize),
+            Cell::from(error.objective),
+            Cell::from(error.gradient),
+            Cell::from(""),
+        ],
+        // A failure is counted, not dropped.
+        Err(error) => [
+            Cell::Missing,
+            Cell::Missing,
+            Cell::Missing,
+            Cell::Missing,
+            Cell::from(error.to_string()),
+        ],
+    };
+    let mut row = head.into_iter().chain(tail);
+    Ok(std::array::from_fn(|_| row.next().unwrap_or(Cell::Missing)))
+}
+
+fn push_sample(table: &mut Table, n: u32, method: &str, setting: &str, sample: &Sample) {
+    table.push([
+        Cell::from(n as usize),
+        Cell::from(method),
+        Cell::from(setting),
+        Cell::from(sample.iteration as usize),
+        Cell::from(sample.seconds),
+        Cell::from(sample.error.objective),
+        Cell::from(sample.error.gradient),
+    ]);
+}
+
+/// About twenty samples per decade of iterations: a logarithmic axis shows no more.
+fn thinned(trace: &[Sample]) -> impl Iterator<Item = &Sample> {
+    let mut next = 0.0;
+    trace.iter().filter(move |sample| {
+        let keep = Real::from(sample.iteration) >= next;
+        if keep {
+            next = Real::from(sample.iteration) * 1.12;
+        }
+        keep
+    })
+}
+
+/// Curves of one size: objective and gradient, against iterations and against time.
+#[derive(Debug, Default)]
+struct Curves([Vec<Series>; 4]);
+
+impl Curves {
+    fn add(&mut self, label: &str, trace: &[Sample]) {
+        let points = |x: fn(&Sample) -> Real, y: fn(&Sample) -> Real| {
+            thinned(trace).map(|s| (x(s), y(s))).collect()
+        };
+        let iterations = |s: &Sample| Real::from(s.iteration);
+        let ms = |s: &Sample| 1e3 * s.seconds;
+        self.0[0].push(Series::new(
+            label,
+            points(iterations, |s| s.error.objective),
+        ));
+        self.0[1].push(Series::new(label, points(ms, |s| s.error.objective)));
+        self.0[2].push(Series::new(label, points(iterations, |s| s.error.gradient)));
+        self.0[3].push(Series::new(label, points(ms, |s| s.error.gradient)));
+    }
+
+    fn draw(self, n: u32, findings: &mut Findings) {
+        let kinds = [
+            (
+                "objective-iterations",
+                "Objective error against iterations",
+                "iterations (dimensionless)",
+                "(G − G*)/(G(x̃) − G*)",
+            ),
+            (
+                "objective-time",
+                "Objective error against time",
+                "time (ms)",
+                "(G − G*)/(G(x̃) − G*)",
+            ),
+            (
+                "gradient-iterations",
+                "Gradient against iterations",
+                "iterations (dimensionless)",
+                "‖∇G‖/‖∇G(x̃)‖",
+            ),
+            (
+                "gradient-time",
+                "Gradient against time",
+                "time (ms)",
+                "‖∇G‖/‖∇G(x̃)‖",
+            ),
+        ];
+        for ((name, title, x, y), series) in kinds.into_iter().zip(self.0) {
+            findings.plot(
+                &format!("convergence-{name}-{n}"),
+                &Plot {
+                    title: format!("{title}, {n} × {n} vertices"),
+                    x: Axis::log(x),
+                    y: Axis::log(&format!("{y} (dimensionless)")),
+                    series,
+                    note: String::new(),
+                },
+            );
+        }
+    }
+}
+
+/// What the table of defaults says in words, at the largest size.
+fn verdict(defaults: &Table) -> Option<String> {
+    let last = defaults.rows.last()?.first()?.clone();
+    let mut parts = Vec::new();
+    for row in defaults
+        .rows
+        .iter()
+        .filter(|row| row.first() == Some(&last))
+    {
+        if let [
+            _,
+            Cell::Text(method),
+            Cell::Number(ms),
+            _,
+            Cell::Number(error),
+            ..,
+        ] = &row[..]
+        {
+            parts.push(format!("{method} {ms:.3} ms with an error of {error:.1e}"));
+        }
+    }
+    let Cell::Int(n) = last else { return None };
+    Some(format!(
+        "At the default settings one step of the {n} × {n} sheet takes {}.",
+        parts.join("; ")
+    ))
+}
+
+/// Every method on the same sheet from the same start, looked at after half a second.
+fn half_a_second(
+    scope: Scope,
+    findings: &mut Findings,
+    progress: &mut dyn FnMut(&str),
+) -> Result<(), BenchError> {
+    let n = sizes(scope)[sizes(scope).len() - 1].min(64);
+    let scene = scene::build("hang", None, &Settings::default().with("n", n))?;
+    let mut table = Table::new(&[
+        "method",
+        "ms per step",
+        "fall of the centre of mass (m)",
+        "largest stretch",
+        "rms strain",
+        "crossing pairs",
+        "remark",
+    ]);
+    let mut sheets: Vec<(&str, State)> = Vec::new();
+    for method in &METHODS {
+        progress(&format!("convergence: {} for half a second", method.name));
+        let mut solver = method.build(&scene, &Settings::default(), scene.dt)?;
+        let mut state = scene.start.clone();
+        let done = run::run(&scene, &mut *solver, &mut state, scene.dt, 30, |_, _, _| {
+            Ok(())
+        });
+        match done {
+            Ok(summary) => {
+                table.push([
+                    Cell::from(method.name),
+                    Cell::from(summary.ms_per_step_median),
+                    Cell::from(summary.center_of_mass_drop),
+                    Cell::from(summary.max_stretch),
+                    Cell::from(summary.rms_strain),
+                    summary.intersections.map_or(Cell::Missing, Cell::from),
+                    Cell::from(""),
+                ]);
+                sheets.push((method.name, state));
+            }
+            Err(error) => table.push([
+                Cell::from(method.name),
+                Cell::Missing,
+                Cell::Missing,
+                Cell::Missing,
+                Cell::Missing,
+                Cell::Missing,
+                Cell::from(error.to_string()),
+            ]),
+        }
+    }
+    let caption = format!(
+        "The {n} × {n} sheet after 0.5 s (30 steps), starting horizontal: stretch alone misleads, so the fall stands beside it"
+    );
+    findings.table("hang-half-a-second", &caption, table);
+    if let Some(mesh) = &scene.mesh {
+        findings
+            .section
+            .pictures
+            .push(picture(&sheets, mesh.triangles(), n)?);
+    }
+    Ok(())
+}
+
+fn picture(
+    sheets: &[(&str, State)],
+    triangles: &[[u32; 3]],
+    n: u32,
+) -> Result<Picture, BenchError> {
+    let surfaces: Vec<[Surface<'_>; 1]> = sheets
+        .iter()
+        .map(|(_, state)| [Surface::cloth(&state.positions, triangles)])
+        .collect();
+    let tiles: Vec<&[Surface<'_>]> = surfaces.iter().map(|s| &s[..]).collect();
+    let view = View {
+        width: 330,
+        height: 330,
+        direction: Vec3::new(-0.5, 0.8, -0.3),
+        ..View::default()
+    };
+    let names: Vec<&str> = sheets.iter().map(|(name, _)| *name).collect();
+    Ok(Picture {
+        png: render_row(&tiles, &view).map_err(BenchError::failed)?,
+        caption: format!(
+            "The {n} × {n} sheet after 0.5 s, from left to right: {}.",
+            names.join(", ")
+        ),
+    })
+}

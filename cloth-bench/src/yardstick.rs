@@ -1,0 +1,209 @@
+//! One implicit step as a problem with a known answer, and how far a method is from it (VALIDATION 8.1).
+
+use crate::error::BenchError;
+use cloth_core::cloth::ClothModel;
+use cloth_core::family::Energies;
+use cloth_core::math::{Real, Vec3};
+use cloth_core::measure::{IncrementalPotential, predict};
+use cloth_core::particles::State;
+use cloth_core::step::{Observer, StepInput, StepReport, Stepper};
+use cloth_massspring::{ImplicitConfig, ImplicitEuler};
+use std::time::Instant;
+
+/// One step from a given state, with the minimiser of `G` (S1 (10)) found by Newton's method to rounding.
+#[derive(Debug)]
+pub struct StepProblem {
+    model: ClothModel,
+    energies: Energies,
+    state: State,
+    gravity: Vec3,
+    dt: Real,
+    predicted: Vec<Vec3>,
+    minimiser: Vec<Vec3>,
+    minimum: Real,
+    start_gap: Real,
+    start_gradient: Real,
+}
+
+/// How far from the minimiser some positions are.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StepError {
+    /// `(G − G*)/(G(x̃) − G*)` (dimensionless): 1 at the inertial prediction, 0 at the minimum.
+    pub objective: Real,
+    /// `‖∇G‖/‖∇G(x̃)‖` in the norm of M⁻¹ (dimensionless).
+    pub gradient: Real,
+}
+
+/// What one iteration reached.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sample {
+    /// Iterations so far.
+    pub iteration: u32,
+    /// Seconds so far, without the time spent measuring.
+    pub seconds: Real,
+    /// Distance from the minimiser.
+    pub error: StepError,
+}
+
+impl StepProblem {
+    /// The step of size `dt` (s) from `state`.
+    ///
+    /// # Errors
+    /// [`BenchError::Failed`] if Newton's method does not reach its floor, or if the prediction is already the minimiser.
+    pub fn new(
+        model: &ClothModel,
+        state: &State,
+        gravity: Vec3,
+        dt: Real,
+    ) -> Result<Self, BenchError> {
+        let energies = model.energies().map_err(BenchError::failed)?;
+        let input = StepInput::new(dt).gravity(gravity);
+        let mut predicted = state.positions.clone();
+        predict(&model.particles, state, &input, &mut predicted);
+        let mut end = state.clone();
+        let report = reference(model)?
+            .step(&mut end, input)
+            .map_err(BenchError::failed)?;
+        let mut problem = Self {
+            model: model.clone(),
+            energies,
+            state: state.clone(),
+            gravity,
+            dt,
+            predicted,
+            minimiser: end.positions,
+            minimum: 0.0,
+            start_gap: 1.0,
+            start_gradient: 1.0,
+        };
+        let (at_minimiser, at_prediction) = {
+            let potential = problem.potential();
+            (
+                potential.value(&problem.minimiser),
+                potential.value(&problem.predicted),
+            )
+        };
+        problem.minimum = at_minimiser;
+        problem.start_gap = at_prediction - at_minimiser;
+        problem.start_gradient = problem.gradient_norm(&problem.predicted);
+        let relative = problem.error(&problem.minimiser).gradient;
+        if !(problem.start_gap > 0.0 && relative < 1e-8) {
+            return Err(BenchError::Failed(format!(
+                "the reference did not converge: relative gradient {relative:e} after {} iterations, gap {:e} J",
+                report.iterations, problem.start_gap
+            )));
+        }
+        Ok(problem)
+    }
+
+    fn potential(&self) -> IncrementalPotential<'_> {
+        IncrementalPotential {
+            particles: &self.model.particles,
+            energies: &self.energies,
+            predicted: &self.predicted,
+            dt: self.dt,
+        }
+    }
+
+    fn gradient_norm(&self, positions: &[Vec3]) -> Real {
+        let mut gradient = vec![Vec3::zeros(); positions.len()];
+        let potential = self.potential();
+        potential.gradient_into(positions, &mut gradient);
+        potential.gradient_norm(&gradient)
+    }
+
+    /// Distance of `positions` (m) from the minimiser.
+    #[must_use]
+    pub fn error(&self, positions: &[Vec3]) -> StepError {
+        StepError {
+            objective: (self.potential().value(positions) - self.minimum) / self.start_gap,
+            gradient: self.gradient_norm(positions) / self.start_gradient,
+        }
+    }
+
+    /// The state that the step starts from.
+    #[must_use]
+    pub fn state(&self) -> &State {
+        &self.state
+    }
+
+    /// Relative gradient norm at the reference: how exactly it is known.
+    #[must_use]
+    pub fn reference_gradient(&self) -> Real {
+        self.error(&self.minimiser).gradient
+    }
+
+    /// Takes the step with a method and measures after every iteration.
+    ///
+    /// # Errors
+    /// [`BenchError::Failed`] with the method's own error.
+    pub fn trace(&self, stepper: &mut dyn Stepper) -> Result<Vec<Sample>, BenchError> {
+        let mut recorder = Recorder {
+            problem: self,
+            started: Instant::now(),
+            measuring: 0.0,
+            samples: Vec::new(),
+        };
+        let mut state = self.state.clone();
+        let input = StepInput::new(self.dt)
+            .gravity(self.gravity)
+            .observer(&mut recorder);
+        stepper
+            .step(&mut state, input)
+            .map_err(BenchError::failed)?;
+        Ok(recorder.samples)
+    }
+
+    /// Takes the step with a method, unwatched; returns the error at its end, its report and the seconds it took.
+    ///
+    /// # Errors
+    /// [`BenchError::Failed`] with the method's own error.
+    pub fn solve(
+        &self,
+        stepper: &mut dyn Stepper,
+    ) -> Result<(StepError, StepReport, Real), BenchError> {
+        let mut state = self.state.clone();
+        let started = Instant::now();
+        let report = stepper
+            .step(&mut state, StepInput::new(self.dt).gravity(self.gravity))
+            .map_err(BenchError::failed)?;
+        let seconds = started.elapsed().as_secs_f64();
+        Ok((self.error(&state.positions), report, seconds))
+    }
+}
+
+/// Newton's method to rounding: the reference.
+///
+/// # Errors
+/// [`BenchError::Failed`] if the model names vertices that do not exist.
+pub fn reference(model: &ClothModel) -> Result<ImplicitEuler, BenchError> {
+    let config = ImplicitConfig {
+        tolerance: 0.0,
+        max_iterations: 500,
+        ..Default::default()
+    };
+    ImplicitEuler::builder(&model.particles)
+        .energy(model.springs.clone())
+        .and_then(|builder| builder.energy(model.hinges.clone()))
+        .and_then(|builder| builder.config(config).build())
+        .map_err(BenchError::failed)
+}
+
+struct Recorder<'a> {
+    problem: &'a StepProblem,
+    started: Instant,
+    measuring: Real,
+    samples: Vec<Sample>,
+}
+
+impl Observer for Recorder<'_> {
+    fn iteration(&mut self, iteration: u32, positions: &[Vec3]) {
+        let called = self.started.elapsed().as_secs_f64();
+        self.samples.push(Sample {
+            iteration,
+            seconds: called - self.measuring,
+            error: self.problem.error(positions),
+        });
+        self.measuring += self.started.elapsed().as_secs_f64() - called;
+    }
+}

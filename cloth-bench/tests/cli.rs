@@ -1,0 +1,365 @@
+//! The program as a user meets it: exit codes, JSON on standard output, one sentence for what is wrong.
+
+use std::path::PathBuf;
+use std::process::{Command, Output};
+
+fn program(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_cloth-bench"))
+        .args(arguments)
+        .output()
+        .expect("the program runs")
+}
+
+fn refused(arguments: &[&str], code: i32, words: &[&str]) {
+    let output = program(arguments);
+    let message = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(code), "{arguments:?}: {message}");
+    for word in words {
+        assert!(
+            message.contains(word),
+            "{arguments:?} says `{message}`, which lacks `{word}`"
+        );
+    }
+}
+
+fn json(arguments: &[&str]) -> serde_json::Value {
+    let output = program(arguments);
+    assert!(
+        output.status.success(),
+        "{arguments:?}: {}",
+        String::from_utf8_lossy(&output.stderr)
+    );
+    serde_json::from_slice(&output.stdout).expect("one JSON object")
+}
+
+/// A folder of this test's own.
+fn folder(name: &str) -> PathBuf {
+    let path = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(name);
+    std::fs::create_dir_all(&path).unwrap();
+    path
+}
+
+#[test]
+fn unknown_names_are_answered_with_the_nearest_known_one() {
+    refused(
+        &["run", "hnag", "--method", "pbd"],
+        2,
+        &["`hnag`", "`hang`"],
+    );
+    refused(
+        &["run", "hang", "--method", "xpdb"],
+        2,
+        &["`xpdb`", "`xpbd`"],
+    );
+    refused(
+        &["run", "hang", "--method", "pbd", "--set", "stifness=3"],
+        2,
+        &["`stifness`", "`stiffness`"],
+    );
+    refused(&["law", "oscilator"], 2, &["`oscilator`", "`oscillator`"]);
+    refused(
+        &["law", "sag", "--set", "link=3"],
+        2,
+        &["`link`", "`links`"],
+    );
+    refused(
+        &["study", "convergance"],
+        2,
+        &["`convergance`", "`convergence`"],
+    );
+    refused(&["locking", "grd:3x3:one-way"], 2, &["`grd`", "`grid`"]);
+}
+
+#[test]
+fn values_out_of_range_are_refused_by_name() {
+    let run = |more: &[&'static str], words: &[&str]| {
+        let arguments: Vec<&str> = ["run", "hang", "--n", "5", "--method", "pbd"]
+            .into_iter()
+            .chain(more.iter().copied())
+            .collect();
+        refused(&arguments, 2, words);
+    };
+    run(&["--dt", "0"], &["dt", "0 s"]);
+    run(&["--dt", "-0.1"], &["dt", "-0.1"]);
+    run(&["--dt", "nan"], &["dt", "NaN"]);
+    run(&["--set", "density=-1"], &["density", "-1"]);
+    run(&["--set", "pins=99"], &["vertex 99"]);
+    run(&["--set", "pins=top"], &["pins"]);
+    run(&["--set", "iterations=0"], &["iterations"]);
+    run(&["--set", "stiffness=-5"], &["stiffness", "-5"]);
+    run(&["--set", "projection=1.5"], &["1.5"]);
+    run(&["--set", "n"], &["key=value"]);
+    refused(
+        &["run", "chain", "--method", "pbd", "--mesh", "disk:3"],
+        2,
+        &["chain", "--mesh"],
+    );
+}
+
+#[test]
+fn broken_meshes_are_refused_with_their_line() {
+    let folder = folder("broken-meshes");
+    let square = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
+    let cases = [
+        ("empty.obj", String::new(), "empty.obj"),
+        ("out-of-range.obj", format!("{square}f 1 2 9\n"), "line 5"),
+        (
+            "degenerate.obj",
+            format!("{square}f 1 2 3\nf 1 1 4\n"),
+            "line 6",
+        ),
+        (
+            "not-a-number.obj",
+            format!("v 0 nan 0\n{square}f 2 3 4\n"),
+            "line 1",
+        ),
+        ("word.obj", format!("{square}v 1 x 2\nf 1 2 3\n"), "line 5"),
+        (
+            "non-manifold.obj",
+            format!("{square}v 0 0 1\nf 1 2 3\nf 1 2 4\nf 1 2 5\n"),
+            "line",
+        ),
+        (
+            "zero-area.obj",
+            "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n".to_owned(),
+            "line 4",
+        ),
+    ];
+    for (name, text, words) in cases {
+        let file = folder.join(name);
+        std::fs::write(&file, text).unwrap();
+        let file = file.to_str().unwrap();
+        refused(
+            &["run", "hang", "--method", "pd", "--mesh", file],
+            2,
+            &[words],
+        );
+        refused(&["locking", file], 2, &[words]);
+    }
+    refused(
+        &[
+            "run",
+            "hang",
+            "--method",
+            "pd",
+            "--mesh",
+            "no/such/file.obj",
+        ],
+        2,
+        &["no/such/file.obj"],
+    );
+}
+
+#[test]
+fn an_unstable_run_says_its_step_and_the_stable_one() {
+    let arguments = [
+        "run",
+        "hang",
+        "--n",
+        "17",
+        "--method",
+        "symplectic-euler",
+        "--set",
+        "substeps=1",
+    ];
+    refused(&arguments, 1, &["unstable", "1.6667e-2 s", "stable"]);
+    refused(
+        &["run", "hang", "--n", "9", "--method", "explicit-euler"],
+        1,
+        &["unstable"],
+    );
+}
+
+#[test]
+fn a_run_tells_in_json_what_it_did() {
+    for method in ["symplectic-euler", "implicit-euler", "pbd", "xpbd", "pd"] {
+        let told = json(&[
+            "run",
+            "hang",
+            "--n",
+            "9",
+            "--steps",
+            "5",
+            "--method",
+            method,
+            "--json",
+            "--reference",
+        ]);
+        for key in [
+            "method",
+            "vertices",
+            "steps",
+            "ms_per_step_median",
+            "iterations",
+            "max_stretch",
+            "kinetic_energy",
+            "potential_energy",
+            "center_of_mass_drop",
+            "intersections",
+            "min_distance",
+            "finite",
+            "objective_error",
+            "gradient_error",
+        ] {
+            assert!(
+                told.get(key).is_some_and(|v| !v.is_null()),
+                "{method} does not tell {key}: {told}"
+            );
+        }
+        assert_eq!(told["vertices"], 81);
+        assert_eq!(told["finite"], true);
+        // All but the two corners fall freely at first: 5 steps, half g h² n(n + 1).
+        let drop = told["center_of_mass_drop"].as_f64().unwrap();
+        assert!((0.02..0.042).contains(&drop), "{method} fell {drop} m");
+    }
+}
+
+#[test]
+fn a_mesh_file_is_held_at_its_highest_vertices_and_exported_in_its_own_order() {
+    let folder = folder("mesh-file");
+    let file = folder.join("sheet.obj");
+    let mut text = String::new();
+    // Columns first and top last, so that the order in memory is another one.
+    for i in 0..6 {
+        for j in 0..6 {
+            text += &format!(
+                "v {} {} {}\n",
+                0.1 * f64::from(i),
+                0.1 * f64::from(j),
+                0.01 * f64::from(i * j % 3)
+            );
+        }
+    }
+    for i in 0..5 {
+        for j in 0..5 {
+            let a = 6 * i + j + 1;
+            text += &format!("f {} {} {}\nf {} {} {}\n", a, a + 6, a + 7, a, a + 7, a + 1);
+        }
+    }
+    std::fs::write(&file, &text).unwrap();
+    let out = folder.join("out");
+    let told = json(&[
+        "run",
+        "hang",
+        "--mesh",
+        file.to_str().unwrap(),
+        "--method",
+        "xpbd",
+        "--steps",
+        "3",
+        "--json",
+        "--export",
+        out.to_str().unwrap(),
+    ]);
+    assert_eq!(told["pins"], 6);
+    let original = cloth_core::mesh::obj::parse(&text).unwrap();
+    let exported = cloth_core::mesh::obj::read(&out.join("00003.obj")).unwrap();
+    assert_eq!(exported.vertex_count(), 36);
+    for v in 0..36 {
+        let moved = (exported.positions()[v] - original.positions()[v]).norm();
+        assert_eq!(v % 6 == 5, moved == 0.0, "vertex {v} moved by {moved}");
+    }
+    let sorted = |mesh: &cloth_core::mesh::TriMesh| {
+        let mut triangles: Vec<[u32; 3]> = mesh.triangles().to_vec();
+        for t in &mut triangles {
+            t.sort_unstable();
+        }
+        triangles.sort_unstable();
+        triangles
+    };
+    assert_eq!(sorted(&original), sorted(&exported));
+}
+
+#[test]
+fn locking_counts_and_measures() {
+    let told = json(&["locking", "grid:9x9:alternating", "--json"]);
+    for (key, value) in [
+        ("vertices", 81),
+        ("edges", 208),
+        ("faces", 128),
+        ("boundary_edges", 32),
+        ("euler", 1),
+        ("count_3v_e", 35),
+        ("rank_flat", 159),
+        ("nullity_flat", 84),
+        ("rank_bent", 208),
+        ("nullity_bent", 35),
+    ] {
+        assert_eq!(told[key], value, "{key}");
+    }
+}
+
+#[test]
+fn a_law_tells_expected_measured_and_error() {
+    let told = json(&[
+        "law",
+        "pbd-constraint",
+        "--set",
+        "iterations=3",
+        "--set",
+        "stiffness=0.5",
+        "--set",
+        "dt=1",
+        "--json",
+    ]);
+    assert_eq!(told["expected"], 7.0);
+    assert!(told["error"].as_f64().unwrap() < 1e-12);
+}
+
+#[test]
+fn list_shows_every_name() {
+    let told = json(&["list", "--json"]);
+    for (kind, names) in [
+        (
+            "methods",
+            &[
+                "explicit-euler",
+                "symplectic-euler",
+                "implicit-euler",
+                "pbd",
+                "xpbd",
+                "pd",
+            ][..],
+        ),
+        ("scenes", &["hang", "drop", "chain", "cantilever"]),
+        ("studies", &["convergence", "stiffness", "locking"]),
+        ("laws", &["oscillator", "chain-rate", "sag"]),
+    ] {
+        for name in names {
+            let found = told[kind]
+                .as_array()
+                .unwrap()
+                .iter()
+                .any(|entry| entry["name"] == **name);
+            assert!(found, "{kind}: {name}");
+        }
+    }
+}
+
+#[test]
+fn a_study_writes_its_report_and_its_data() {
+    let folder = folder("study");
+    let told = json(&[
+        "study",
+        "locking",
+        "--quick",
+        "--out",
+        folder.to_str().unwrap(),
+        "--json",
+    ]);
+    assert_eq!(told["studies"][0], "locking");
+    assert_eq!(told["failed"].as_array().unwrap().len(), 0);
+    for file in [
+        "report.html",
+        "manifest.json",
+        "data/locking.csv",
+        "plots/locking-share.svg",
+    ] {
+        assert!(
+            folder.join(file).metadata().is_ok_and(|m| m.len() > 100),
+            "{file}"
+        );
+    }
+    let page = std::fs::read_to_string(folder.join("report.html")).unwrap();
+    assert!(page.contains("<svg") && page.contains("3V − E"));
+}

@@ -1,0 +1,16 @@
+//! Claims that hold for every method.
+
+#[path = "contract/common.rs"]
+mod common;
+#[path = "contract/momentum.rs"]
+mod momentum;
+#[path = "contract/no_alloc.rs"]
+mod no_alloc;
+#[path = "contract/refuses.rs"]
+mod refuses;
+#[path = "contract/rest_state.rs"]
+mod rest_state;
+#[path = "contract/skips.rs"]
+mod skips;
+#[path = "contract/thread_parity.rs"]
+mod thread_parity;

@@ -1,0 +1,30 @@
+//! What the claims share: the methods that run, and some scenes.
+
+use cloth_bench::method::{METHODS, Method};
+use cloth_bench::scene::{self, Scene};
+use cloth_bench::settings::Settings;
+use cloth_core::particles::State;
+use cloth_core::step::{StepInput, Stepper};
+
+/// Every method but forward Euler, which refuses every step as unstable.
+pub(crate) fn methods() -> impl Iterator<Item = &'static Method> {
+    METHODS
+        .iter()
+        .filter(|method| method.name != "explicit-euler")
+}
+
+pub(crate) fn scene(name: &str, pairs: &[&str]) -> Scene {
+    scene::build(name, None, &Settings::parse(pairs).unwrap()).unwrap()
+}
+
+pub(crate) fn solver(method: &Method, scene: &Scene) -> Box<dyn Stepper> {
+    method.build(scene, &Settings::default(), scene.dt).unwrap()
+}
+
+pub(crate) fn advance(solver: &mut dyn Stepper, scene: &Scene, state: &mut State, steps: usize) {
+    for _ in 0..steps {
+        solver
+            .step(state, StepInput::new(scene.dt).gravity(scene.gravity))
+            .unwrap();
+    }
+}

@@ -1,0 +1,45 @@
+//! The number of threads changes no bit.
+
+use crate::common::{advance, methods, scene, solver};
+use rayon::ThreadPoolBuilder;
+
+#[test]
+fn one_two_and_four_threads_give_the_same_bits() {
+    // Large enough for the parallel paths: 240 × 240 vertices have some 30,000 springs in a colour.
+    let scene = scene("hang", &["n=240", "stiffness=100"]);
+    for method in methods().filter(|m| matches!(m.name, "pbd" | "xpbd" | "pd")) {
+        let run = |threads: usize| {
+            let pool = ThreadPoolBuilder::new()
+                .num_threads(threads)
+                .build()
+                .unwrap();
+            pool.install(|| {
+                let mut solver = solver(method, &scene);
+                let mut state = scene.start.clone();
+                advance(&mut *solver, &scene, &mut state, 2);
+                state
+            })
+        };
+        let one = run(1);
+        for threads in [2, 4] {
+            assert!(
+                one == run(threads),
+                "{} with {threads} threads",
+                method.name
+            );
+        }
+    }
+}
+
+#[test]
+fn a_run_repeats_to_the_bit() {
+    let scene = scene("hang", &["n=12"]);
+    for method in methods() {
+        let run = || {
+            let mut state = scene.start.clone();
+            advance(&mut *solver(method, &scene), &scene, &mut state, 5);
+            state
+        };
+        assert!(run() == run(), "{}", method.name);
+    }
+}

@@ -1,0 +1,240 @@
+//! Every law holds, over its parameters.
+
+use cloth_bench::laws::{LAWS, Law, Verdict};
+use cloth_bench::method::METHODS;
+use cloth_bench::settings::Settings;
+
+fn holds(name: &str, pairs: &[&str]) -> Verdict {
+    let law = Law::find(name).unwrap();
+    let verdict = law.evaluate(&Settings::parse(pairs).unwrap()).unwrap();
+    assert!(
+        verdict.error() <= law.tolerance,
+        "law {name} {pairs:?}: expected {}, measured {}, error {:e}",
+        verdict.expected,
+        verdict.measured,
+        verdict.error()
+    );
+    verdict
+}
+
+fn detail(verdict: &Verdict, name: &str) -> f64 {
+    verdict
+        .details
+        .iter()
+        .find(|(key, _)| *key == name)
+        .expect(name)
+        .1
+}
+
+#[test]
+fn every_law_holds_at_its_defaults() {
+    for law in LAWS {
+        holds(law.name, &[]);
+    }
+}
+
+#[test]
+fn one_oscillator_is_amplified_and_turned_as_the_closed_form_says() {
+    for scheme in [
+        "explicit-euler",
+        "symplectic-euler",
+        "implicit-euler",
+        "xpbd",
+        "pd",
+    ] {
+        for z in ["0.001", "0.1", "0.7", "1.9", "2.5", "30"] {
+            let verdict = holds(
+                "oscillator",
+                &[&format!("scheme={scheme}"), &format!("z={z}")],
+            );
+            let [expected, measured] =
+                ["phase_expected", "phase_measured"].map(|name| detail(&verdict, name));
+            assert!(
+                (expected - measured).abs() < 1e-11,
+                "{scheme}, z = {z}: {expected} against {measured}"
+            );
+        }
+    }
+}
+
+#[test]
+fn a_free_sheet_falls_without_changing_its_shape() {
+    for method in METHODS {
+        // Forward Euler is refused: no step is stable.
+        if method.name != "explicit-euler" {
+            let verdict = holds("free-fall", &[&format!("method={}", method.name)]);
+            assert!(
+                detail(&verdict, "largest_strain") < 1e-12,
+                "{}",
+                method.name
+            );
+        }
+    }
+}
+
+#[test]
+fn one_xpbd_constraint_has_its_own_stiffness_at_any_iteration_count() {
+    for iterations in [1, 2, 50] {
+        for stiffness in ["1e-3", "100", "1e6"] {
+            for dt in ["1e-3", "0.0166"] {
+                let [i, k, h] = [
+                    format!("iterations={iterations}"),
+                    format!("stiffness={stiffness}"),
+                    format!("dt={dt}"),
+                ];
+                holds("xpbd-constraint", &[&i, &k, &h]);
+            }
+        }
+    }
+}
+
+#[test]
+fn one_pbd_constraint_stiffens_with_iterations_and_step_size() {
+    for iterations in [1, 3, 10] {
+        for s in ["0.05", "0.5", "0.9"] {
+            holds(
+                "pbd-constraint",
+                &[
+                    &format!("iterations={iterations}"),
+                    &format!("stiffness={s}"),
+                ],
+            );
+            holds(
+                "pbd-constraint",
+                &[
+                    &format!("iterations={iterations}"),
+                    &format!("stiffness={s}"),
+                    "dt=1e-3",
+                ],
+            );
+        }
+    }
+}
+
+#[test]
+fn sweeps_over_a_chain_converge_at_the_rate_of_the_closed_form() {
+    for solver in ["pbd", "xpbd"] {
+        for links in [2, 5, 20, 60] {
+            holds(
+                "chain-rate",
+                &[&format!("solver={solver}"), &format!("links={links}")],
+            );
+        }
+    }
+}
+
+#[test]
+fn a_chain_sags_as_far_as_the_sweeps_leave_it() {
+    for [links, substeps, iterations, tip] in [
+        [20, 1, 1, 1],
+        [20, 10, 1, 1],
+        [5, 4, 1, 1],
+        [20, 1, 10, 1],
+        [10, 2, 3, 100],
+    ] {
+        let pairs = [
+            format!("links={links}"),
+            format!("substeps={substeps}"),
+            format!("iterations={iterations}"),
+            format!("tip_mass={tip}"),
+        ];
+        holds("sag", &pairs.each_ref().map(String::as_str));
+    }
+}
+
+#[test]
+fn a_hanging_chain_stretches_by_its_weight() {
+    for [links, tip] in [[1, 0], [20, 0], [20, 100], [200, 1]] {
+        holds(
+            "hanging-chain",
+            &[&format!("links={links}"), &format!("tip_mass={tip}")],
+        );
+    }
+}
+
+#[test]
+fn lattices_have_their_modulus_in_every_direction() {
+    for pattern in ["equilateral", "alternating", "one-way"] {
+        for angle in ["0", "17", "45", "90", "-45", "120"] {
+            holds(
+                "lattice-modulus",
+                &[&format!("pattern={pattern}"), &format!("angle_deg={angle}")],
+            );
+        }
+    }
+    for [angle, modulus] in [[0.0, 1.0], [45.0, 2.0], [-45.0, 0.4]] {
+        let verdict = holds(
+            "lattice-modulus",
+            &["pattern=one-way", &format!("angle_deg={angle}")],
+        );
+        assert!(
+            (verdict.expected - modulus).abs() < 1e-12,
+            "{angle}: {}",
+            verdict.expected
+        );
+    }
+}
+
+#[test]
+fn quadratic_bending_has_the_factors_of_its_pattern() {
+    let factor = |pattern: &str, surface: &str, angle: f64| {
+        let pairs = [
+            format!("pattern={pattern}"),
+            format!("surface={surface}"),
+            format!("angle_deg={angle}"),
+        ];
+        holds("bending-factor", &pairs.each_ref().map(String::as_str)).measured
+    };
+    for angle in [0.0, 10.0, 45.0, 77.0, 135.0] {
+        let published = [
+            ("equilateral", 3.0, 3.0, 1.0),
+            ("one-way", 3.0, 9.0, 1.5),
+            ("alternating", 3.0, 4.5, 1.5),
+        ];
+        for (pattern, low, high, sphere) in published {
+            let cylinder = factor(pattern, "cylinder", angle);
+            assert!(
+                cylinder > low - 1e-9 && cylinder < high + 1e-9,
+                "{pattern} at {angle}: {cylinder}"
+            );
+            assert!((factor(pattern, "sphere", angle) - sphere).abs() < 1e-9);
+            factor(pattern, "saddle", angle);
+        }
+    }
+    assert!((factor("one-way", "cylinder", 45.0) - 9.0).abs() < 1e-9);
+    assert!((factor("alternating", "cylinder", 45.0) - 4.5).abs() < 1e-9);
+}
+
+#[test]
+fn degrees_of_freedom_are_those_of_euler_and_the_boundary() {
+    let meshes = [
+        "grid:9x9:one-way",
+        "grid:9x13:alternating",
+        "grid:7x7:crossed",
+        "equilateral:8x9",
+        "irregular:12",
+        "disk:5",
+        "tube:9x6",
+        "sphere:4",
+        "torus:12x8",
+        "moebius:16x3",
+    ];
+    for mesh in meshes {
+        holds("count", &[&format!("mesh={mesh}")]);
+        holds("null-space", &[&format!("mesh={mesh}")]);
+    }
+    let verdict = holds("null-space", &["mesh=grid:9x9:alternating"]);
+    assert_eq!(
+        (verdict.measured, detail(&verdict, "nullity_flat")),
+        (35.0, 84.0)
+    );
+    assert_eq!(holds("null-space", &["mesh=sphere:5"]).measured, 6.0);
+    assert_eq!(holds("count", &["mesh=torus:12x8"]).measured, 0.0);
+}
+
+#[test]
+fn converged_pd_and_converged_newton_are_one() {
+    for stiffness in ["10", "100"] {
+        holds("same-minimum", &[&format!("stiffness={stiffness}")]);
+    }
+}
