@@ -59,20 +59,35 @@ pub struct ImplicitConfig {
     pub hessian: HessianPolicy,
     /// Where Newton's method starts.
     pub start: StartGuess,
+    /// Which points with a small gradient are good enough.
+    pub accept: Accept,
 }
 
 /// Which second derivative of the elastic energy Newton's method uses (CORE-8).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum HessianPolicy {
-    /// The exact one wherever it makes the matrix positive definite, and [`Convexity::Clamp`] elsewhere: robust far from
-    /// the minimum, quadratic convergence near it.
+    /// The exact one wherever it makes the matrix positive definite; elsewhere as much of it as possible, blended
+    /// with that of [`Convexity::Clamp`]. Robust far from the minimum, quadratic convergence near it.
     #[default]
     ExactFirst,
     /// Always the same. With [`Convexity::Exact`] a step can fail with
     /// [`NotPositiveDefinite`](cloth_core::step::StepError::NotPositiveDefinite); with the others convergence is
     /// linear where springs are compressed.
     Always(Convexity),
+}
+
+/// Which points with a small gradient are good enough.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Accept {
+    /// All of them, a saddle point too: a solution of S1 (9), which is all that implicit Euler asks for. A compressed sheet may
+    /// then buckle some steps later than it could.
+    #[default]
+    Stationary,
+    /// Minima only, S1 (10). Costs at most one factorisation more where the point is a minimum. A saddle point is left
+    /// along a direction of negative curvature; which side the cloth then falls to is decided by a fixed pseudo-random vector.
+    Minimum,
 }
 
 /// Where Newton's method starts. A prescribed vertex is where it will be at the end of the step, in any case.
@@ -95,11 +110,24 @@ impl Default for ImplicitConfig {
             tolerance: 1e-6,
             hessian: HessianPolicy::ExactFirst,
             start: StartGuess::Inertial,
+            accept: Accept::Stationary,
         }
     }
 }
 
 impl ImplicitConfig {
+    /// Settings for a reference solution (VALIDATION 8.1): a minimum, not a saddle point, to the last digit that rounding
+    /// allows or 1e-12, whichever comes first.
+    #[must_use]
+    pub fn reference() -> Self {
+        Self {
+            max_iterations: 1000,
+            tolerance: 1e-12,
+            accept: Accept::Minimum,
+            ..Self::default()
+        }
+    }
+
     /// Whether every setting lies in its range.
     pub(crate) fn check(&self) -> Result<(), BuildError> {
         if !(self.tolerance >= 0.0 && self.tolerance.is_finite()) {

@@ -2,6 +2,7 @@
 
 mod line_search;
 mod newton;
+mod system;
 
 use crate::config::{ImplicitConfig, StartGuess};
 use cloth_core::block_matrix::BlockMatrix;
@@ -13,6 +14,7 @@ use cloth_core::measure::{IncrementalPotential, predict};
 use cloth_core::particles::{Particles, State};
 use cloth_core::step::{BuildError, Outcome, StepError, StepInput, StepReport, Stepper};
 use newton::{Newton, Task};
+use system::NewtonSystem;
 
 /// Implicit Euler, S1 (7)–(15).
 #[derive(Debug)]
@@ -137,7 +139,7 @@ impl ImplicitBuilder {
     /// Builds the solver: looks up the pattern of the matrix and analyses it for factorisation.
     ///
     /// # Errors
-    /// [`BuildError::InvalidSetting`].
+    /// [`BuildError::InvalidSetting`], [`BuildError::MatrixTooLarge`].
     pub fn build(mut self) -> Result<ImplicitEuler, BuildError> {
         self.config.check()?;
         let vertex_count = self.particles.len();
@@ -145,9 +147,12 @@ impl ImplicitBuilder {
         let is_free: Vec<bool> = (0..vertex_count)
             .map(|vertex| !self.particles.is_prescribed(vertex))
             .collect();
-        let cholesky = BlockCholesky::analyze(&pattern, &is_free).expect("TODO");
+        let cholesky =
+            BlockCholesky::analyze(&pattern, &is_free).map_err(|_| BuildError::MatrixTooLarge)?;
+        let matrix = BlockMatrix::zeros(pattern);
+        let system = NewtonSystem::new(matrix, cholesky, self.config.hessian);
         Ok(ImplicitEuler {
-            newton: Newton::new(BlockMatrix::zeros(pattern), cholesky),
+            newton: Newton::new(system, vertex_count),
             predicted: vec![Vec3::zeros(); vertex_count],
             particles: self.particles,
             energies: self.energies,

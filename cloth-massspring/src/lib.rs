@@ -6,7 +6,9 @@ mod explicit;
 mod implicit;
 mod stability;
 
-pub use config::{ExplicitConfig, HessianPolicy, ImplicitConfig, StabilityCheck, StartGuess};
+pub use config::{
+    Accept, ExplicitConfig, HessianPolicy, ImplicitConfig, StabilityCheck, StartGuess,
+};
 pub use explicit::{ExplicitBuilder, ExplicitEuler, SymplecticEuler};
 pub use implicit::{ImplicitBuilder, ImplicitEuler};
 pub use stability::stable_time_step;

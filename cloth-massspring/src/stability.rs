@@ -73,7 +73,7 @@ impl Spectrum {
         let mut basis = vec![zeros.clone(); BASIS];
         for (vertex, start) in basis[0].iter_mut().enumerate() {
             if !particles.is_prescribed(vertex) {
-                *start = Vec3::from_fn(|axis, _| noise(3 * vertex as u64 + axis as u64));
+                *start = noise(vertex);
             }
         }
         normalize(&mut basis[0]);
@@ -177,16 +177,18 @@ fn largest(tridiagonal: &SMatrix<Real, BASIS, BASIS>, beta: Real, step: usize) -
     }
 }
 
-/// A number in (−1, 1) that depends on `index` only, without pattern (the finaliser of `splitmix64`).
-fn noise(index: u64) -> Real {
-    let mut bits = (index + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
-    bits = (bits ^ (bits >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-    bits = (bits ^ (bits >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-    bits ^= bits >> 31;
-    (bits >> 11) as Real / (1u64 << 52) as Real - 1.0
+/// A vector with coordinates in (−1, 1) that depends on `vertex` only, without pattern (the finaliser of `splitmix64`).
+pub(crate) fn noise(vertex: usize) -> Vec3 {
+    Vec3::from_fn(|axis, _| {
+        let mut bits = (3 * vertex as u64 + axis as u64 + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+        bits = (bits ^ (bits >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        bits = (bits ^ (bits >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        bits ^= bits >> 31;
+        (bits >> 11) as Real / (1u64 << 52) as Real - 1.0
+    })
 }
 
-fn dot(a: &[Vec3], b: &[Vec3]) -> Real {
+pub(crate) fn dot(a: &[Vec3], b: &[Vec3]) -> Real {
     a.iter().zip(b).map(|(a, b)| a.dot(b)).sum()
 }
 

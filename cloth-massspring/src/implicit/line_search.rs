@@ -1,5 +1,6 @@
 //! How far to go along a Newton direction: backtracking with Armijo's condition, and its form for the last digits.
 
+use crate::stability::dot;
 use cloth_core::math::{Real, Vec3};
 use cloth_core::measure::IncrementalPotential;
 
@@ -87,13 +88,35 @@ pub(super) fn search(
     }
 }
 
+/// Moves `to` along a direction of negative `curvature` (N/m) from a stationary point, as far as `G` falls like the parabola that the
+/// curvature promises, and evaluates it there. Returns whether `G` falls at all.
+pub(super) fn leave_saddle(
+    potential: &IncrementalPotential<'_>,
+    from: &Point,
+    direction: &[Vec3],
+    curvature: Real,
+    to: &mut Point,
+) -> bool {
+    // Any length will do that is neither lost in rounding nor beyond the hollow that the direction leads to: from the largest coordinate down.
+    let size = |v: &[Vec3]| v.iter().map(Vec3::amax).fold(0.0, Real::max);
+    let mut length = size(&from.positions) / size(direction);
+    for _ in 0..MOST_TRIALS {
+        for ((to, from), p) in to.positions.iter_mut().zip(&from.positions).zip(direction) {
+            *to = from + p * length;
+        }
+        to.value = potential.value(&to.positions);
+        if to.value - from.value <= 0.25 * curvature * length * length {
+            potential.gradient_into(&to.positions, &mut to.gradient);
+            return true;
+        }
+        length *= 0.5;
+    }
+    false
+}
+
 /// The minimum of the parabola through what is known, kept between a tenth and a half of `length`.
 fn shorter(length: Real, slope: Real, rise: Real) -> Real {
     let minimum = -0.5 * slope * length * length / (rise - slope * length);
     // A rise that is not a number (overflow) comes out of `max` and `min` as a tenth.
     minimum.min(0.5 * length).max(0.1 * length)
-}
-
-fn dot(a: &[Vec3], b: &[Vec3]) -> Real {
-    a.iter().zip(b).map(|(a, b)| a.dot(b)).sum()
 }

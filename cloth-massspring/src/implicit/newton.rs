@@ -1,31 +1,27 @@
-//! Newton's method, S1 (11)–(15).
+//! Newton's method, S1 (11)–(15): the loop.
 
 use super::line_search::{self, Point};
-use crate::config::{HessianPolicy, ImplicitConfig};
-use cloth_core::block_matrix::BlockMatrix;
-use cloth_core::element::Convexity;
-use cloth_core::linear::BlockCholesky;
+use super::system::NewtonSystem;
+use crate::config::{Accept, ImplicitConfig};
 use cloth_core::math::{Real, Vec3};
 use cloth_core::measure::IncrementalPotential;
 use cloth_core::step::{Observer, Outcome, StepError, StepReport};
 
-/// A gradient that a line search cannot lower any more counts as lost in rounding up to this multiple of the
-/// estimate [`Newton::rounding`]; above, the stall is an error.
-const STALL: Real = 1e3;
+/// Where no lower point is found, the gradient counts as lost in rounding up to this multiple of the estimate of
+/// [`NewtonSystem::rounding`]; above, it is an error.
+const STALL: Real = 100.0;
 
 /// Newton's method with everything it needs between two calls.
 #[derive(Debug)]
 pub(super) struct Newton {
-    matrix: BlockMatrix,
-    cholesky: BlockCholesky,
+    system: NewtonSystem,
     direction: Vec<Vec3>,
     pub(super) current: Point,
     next: Point,
-    /// Gradient norm (N/√kg) that rounding of the positions makes, where the matrix was last assembled.
-    rounding: Real,
 }
 
 /// What stays the same during one minimisation.
+#[derive(Debug)]
 pub(super) struct Task<'a> {
     pub(super) potential: IncrementalPotential<'a>,
     pub(super) config: &'a ImplicitConfig,
@@ -36,15 +32,12 @@ pub(super) struct Task<'a> {
 }
 
 impl Newton {
-    pub(super) fn new(matrix: BlockMatrix, cholesky: BlockCholesky) -> Self {
-        let vertex_count = matrix.pattern().row_count();
+    pub(super) fn new(system: NewtonSystem, vertex_count: usize) -> Self {
         Self {
-            matrix,
-            cholesky,
+            system,
             direction: vec![Vec3::zeros(); vertex_count],
             current: Point::new(vertex_count),
             next: Point::new(vertex_count),
-            rounding: 0.0,
         }
     }
 
@@ -54,79 +47,46 @@ impl Newton {
         task: &Task<'_>,
         mut observer: Option<&mut dyn Observer>,
     ) -> Result<StepReport, StepError> {
+        let potential = &task.potential;
         let mut report = StepReport::new(Outcome::Converged, 0);
-        self.rounding = 0.0;
-        self.current.evaluate(&task.potential);
+        // Not known before a matrix has been assembled.
+        let mut rounding = 0.0;
+        self.system.reset();
+        self.current.evaluate(potential);
         loop {
-            let norm = task.potential.gradient_norm(&self.current.gradient);
-            if !(norm.is_finite() && self.current.value.is_finite()) {
-                return Err(self.non_finite(task.step));
-            }
-            let relative = |rounding: Real| match norm / task.reference.max(rounding) {
-                ratio if norm > 0.0 => ratio,
-                _ => 0.0,
-            };
-            report.residual = Some(relative(self.rounding));
-            if norm <= (task.config.tolerance * task.reference).max(self.rounding) {
+            let norm = self.gradient_norm(task)?;
+            report.residual = Some(task.residual(norm, rounding));
+            let small = norm <= task.small_enough(rounding);
+            if small && self.is_accepted(task, &mut report) {
                 return Ok(report);
             }
             if report.iterations == task.config.max_iterations {
                 report.outcome = Outcome::BudgetSpent;
                 return Ok(report);
             }
-            report.iterations += 1;
-            let mut exact = task.config.hessian == HessianPolicy::ExactFirst;
-            self.assemble(task, if exact { Convexity::Exact } else { fixed(task) });
-            self.rounding = self.estimate_rounding(task);
-            if norm <= self.rounding {
-                report.iterations -= 1;
-                report.residual = Some(relative(self.rounding));
+            self.system.assemble(potential, &self.current.positions);
+            rounding = self.system.rounding(potential, &self.current.positions);
+            report.residual = Some(task.residual(norm, rounding));
+            if !small && norm <= rounding && self.is_accepted(task, &mut report) {
                 return Ok(report);
             }
-            report.factorizations += 1;
-            let mut factored = self.cholesky.factorize(&self.matrix).is_ok();
-            if !factored && exact {
-                exact = false;
-                self.assemble(task, Convexity::Clamp);
-                report.factorizations += 1;
-                factored = self.cholesky.factorize(&self.matrix).is_ok();
-            }
-            let _ = exact;
-            if !factored {
-                return Err(StepError::NotPositiveDefinite {
-                    iteration: report.iterations,
-                    step: task.step,
-                });
-            }
-            self.cholesky
-                .solve(&self.current.gradient, &mut self.direction);
-            self.direction.iter_mut().for_each(|p| *p = -*p);
-            report.linear_solves += 1;
-            let found = line_search::search(
-                &task.potential,
-                &self.current,
-                &self.direction,
-                &mut self.next,
-            );
-            report.backtracks += found.backtracks;
-            if std::env::var("NEWTON").is_ok() {
-                eprintln!(
-                    "  it {} exact {exact} backtracks {} norm {:.3e} rel {:.3e} floor {:.3e} value {:.6e}",
-                    report.iterations,
-                    found.backtracks,
-                    norm,
-                    norm / task.reference,
-                    self.rounding,
-                    self.current.value
-                );
-            }
-            if !found.accepted {
-                if norm <= STALL * self.rounding {
+            report.iterations += 1;
+            self.factorize(task, &mut report)?;
+            let moved = if norm <= task.small_enough(rounding) {
+                self.leave_saddle(task)
+            } else {
+                self.descend(task, &mut report)
+            };
+            if !moved {
+                if norm <= STALL * rounding {
                     return Ok(report);
+                }
+                if self.system.fall_back() {
+                    continue;
                 }
                 return Err(StepError::LineSearchStalled {
                     iteration: report.iterations,
-                    residual: relative(self.rounding),
+                    residual: task.residual(norm, rounding),
                     step: task.step,
                 });
             }
@@ -137,42 +97,91 @@ impl Newton {
         }
     }
 
-    /// `M/Δt² + H`, the matrix of S1 (15).
-    fn assemble(&mut self, task: &Task<'_>, convexity: Convexity) {
-        let potential = &task.potential;
-        self.matrix.clear();
-        let scale = 1.0 / (potential.dt * potential.dt);
-        let inertia = potential.particles.mass().iter().map(|m| m * scale);
-        self.matrix.add_diagonal(inertia);
-        potential
-            .energies
-            .add_hessian(&self.current.positions, 1.0, convexity, &mut self.matrix);
-    }
-
-    /// Norm (N/√kg) of the gradient that the rounding of the positions alone can make: half a unit in the last place
-    /// of the largest coordinate, times the diagonal of the matrix.
-    fn estimate_rounding(&self, task: &Task<'_>) -> Real {
-        let pattern = self.matrix.pattern();
-        let mut sum = 0.0;
-        let mut largest: Real = 0.0;
-        for (vertex, w) in task.potential.particles.inverse_mass().iter().enumerate() {
-            let diagonal = &self.matrix.blocks()[pattern.row(vertex).end - 1];
-            sum += w * diagonal.norm_squared();
-            largest = largest.max(self.current.positions[vertex].amax());
+    fn gradient_norm(&self, task: &Task<'_>) -> Result<Real, StepError> {
+        let norm = task.potential.gradient_norm(&self.current.gradient);
+        if norm.is_finite() && self.current.value.is_finite() {
+            return Ok(norm);
         }
-        Real::EPSILON * largest * sum.sqrt()
-    }
-
-    fn non_finite(&self, step: u64) -> StepError {
         let bad = |v: &Vec3| !v.iter().all(|c| c.is_finite());
         let vertex = self.current.gradient.iter().position(bad).unwrap_or(0);
-        StepError::NonFinite { vertex, step }
+        Err(StepError::NonFinite {
+            vertex,
+            step: task.step,
+        })
+    }
+
+    fn factorize(&mut self, task: &Task<'_>, report: &mut StepReport) -> Result<(), StepError> {
+        let x = &self.current.positions;
+        match self.system.factorize(&task.potential, x) {
+            Ok(attempts) => {
+                report.factorizations += attempts;
+                Ok(())
+            }
+            Err(_) => Err(StepError::NotPositiveDefinite {
+                iteration: report.iterations,
+                step: task.step,
+            }),
+        }
+    }
+
+    /// One Newton step, S1 (14), into `next`. Returns whether it leads down.
+    fn descend(&mut self, task: &Task<'_>, report: &mut StepReport) -> bool {
+        self.system
+            .solve(&self.current.gradient, &mut self.direction);
+        report.linear_solves += 1;
+        let found = line_search::search(
+            &task.potential,
+            &self.current,
+            &self.direction,
+            &mut self.next,
+        );
+        report.backtracks += found.backtracks;
+        found.accepted
+    }
+
+    /// Whether a point where the gradient is small is good enough to stop.
+    fn is_accepted(&mut self, task: &Task<'_>, report: &mut StepReport) -> bool {
+        // If the last factor was exact, the Newton step that led here was from the valley of a minimum.
+        if task.config.accept == Accept::Stationary || self.system.is_exact() {
+            return true;
+        }
+        report.factorizations += 1;
+        self.system
+            .factorize_exact(&task.potential, &self.current.positions)
+    }
+
+    /// Goes down from a saddle point, into `next`, where a gradient shows no way. Returns whether there is one.
+    fn leave_saddle(&mut self, task: &Task<'_>) -> bool {
+        let (x, product) = (&self.current.positions, &mut self.next.gradient);
+        let direction = &mut self.direction;
+        match self
+            .system
+            .negative_curvature(&task.potential, x, direction, product)
+        {
+            Some(curvature) => line_search::leave_saddle(
+                &task.potential,
+                &self.current,
+                direction,
+                curvature,
+                &mut self.next,
+            ),
+            None => false,
+        }
     }
 }
 
-fn fixed(task: &Task<'_>) -> Convexity {
-    match task.config.hessian {
-        HessianPolicy::ExactFirst => Convexity::Exact,
-        HessianPolicy::Always(convexity) => convexity,
+impl Task<'_> {
+    /// Gradient norm (N/√kg) at which the iteration ends.
+    fn small_enough(&self, rounding: Real) -> Real {
+        (self.config.tolerance * self.reference).max(rounding)
+    }
+
+    /// Gradient norm relative to that at x̃. In free fall the latter is zero and only rounding is left to compare with.
+    fn residual(&self, norm: Real, rounding: Real) -> Real {
+        if norm > 0.0 {
+            norm / self.reference.max(rounding)
+        } else {
+            0.0
+        }
     }
 }

@@ -1,0 +1,229 @@
+//! The linear system of S1 (15), `(M/Δt² + H) Δx = −∇G`, kept positive definite.
+//!
+//! Where springs are compressed the exact `H` can make the matrix indefinite, and a Newton step may lead uphill. The usual cure, dropping the
+//! indefinite part of every element ([`Convexity::Clamp`], S2), always works and is always paid for: convergence
+//! becomes linear, and near a saddle point (a compressed sheet that has not buckled yet) Newton's method
+//! converges *to the saddle*. We therefore drop no more than necessary: the matrix is
+//!
+//! ```text
+//! M/Δt² + b H_exact + (1 − b) H_clamped,    0 ≤ b ≤ 1
+//! ```
+//!
+//! with the blend `b` as near to 1 as positive definiteness allows, which the Cholesky factorisation tells. Near a minimum `b = 1`
+//! and convergence is quadratic. Near a saddle the blended matrix is almost singular along the way down, so
+//! the step along it is long, and the saddle is left within a few iterations.
+
+use crate::config::HessianPolicy;
+use crate::stability::{dot, noise};
+use cloth_core::block_matrix::BlockMatrix;
+use cloth_core::element::Convexity;
+use cloth_core::linear::BlockCholesky;
+use cloth_core::math::{Real, Vec3};
+use cloth_core::measure::IncrementalPotential;
+
+/// Iterations without another attempt at `b = 1` after one has failed: a failed attempt costs as much as a good one.
+const PATIENCE: u32 = 5;
+/// Blend to try after the first failed attempt.
+/// Difference between the blend that worked and the one that failed at which the search between them ends.
+const NEAR: Real = 0.03;
+/// Part of the way to `b = 1` that is left after an attempt that succeeded at once.
+/// Factor on `b` after an attempt with what worked last has failed.
+const FALL: Real = 0.5;
+/// Blends below this are rounded down to 0.
+const LEAST: Real = 0.025;
+/// Inverse iterations for a direction of negative curvature.
+const INVERSE_ITERATIONS: u32 = 8;
+
+/// The matrix, its factor, and how much of the exact Hessian it could take last time.
+#[derive(Debug)]
+pub(super) struct NewtonSystem {
+    matrix: BlockMatrix,
+    cholesky: BlockCholesky,
+    policy: HessianPolicy,
+    /// What worked last.
+    blend: Real,
+    /// What failed last.
+    ceiling: Real,
+    /// Iterations until `b = 1` is tried again.
+    wait: u32,
+    /// Whether the last factor was that of the exact Hessian.
+    exact: bool,
+}
+
+impl NewtonSystem {
+    pub(super) fn new(matrix: BlockMatrix, cholesky: BlockCholesky, policy: HessianPolicy) -> Self {
+        Self {
+            matrix,
+            cholesky,
+            policy,
+            blend: 1.0,
+            ceiling: 1.0,
+            wait: 0,
+            exact: false,
+        }
+    }
+
+    /// Forgets what was learnt in another step.
+    pub(super) fn reset(&mut self) {
+        (self.blend, self.ceiling, self.wait, self.exact) = (1.0, 1.0, 0, false);
+    }
+
+    /// Whether the last factorisation proved that the exact Hessian of `G` is positive definite.
+    pub(super) fn is_exact(&self) -> bool {
+        self.exact
+    }
+
+    /// Assembles the matrix to be tried first at `x` (m).
+    pub(super) fn assemble(&mut self, g: &IncrementalPotential<'_>, x: &[Vec3]) {
+        match self.policy {
+            HessianPolicy::Always(convexity) => self.fill(g, x, &[(1.0, convexity)]),
+            HessianPolicy::ExactFirst => self.fill_blend(g, x, self.first_blend()),
+        }
+    }
+
+    /// Factorises it, or as much of it as is positive definite. Returns the number of attempts.
+    pub(super) fn factorize(
+        &mut self,
+        g: &IncrementalPotential<'_>,
+        x: &[Vec3],
+    ) -> Result<u32, NotPositiveDefinite> {
+        if let HessianPolicy::Always(convexity) = self.policy {
+            self.exact = convexity == Convexity::Exact;
+            let factored = self.cholesky.factorize(&self.matrix);
+            return factored.map(|()| 1).map_err(|_| NotPositiveDefinite);
+        }
+        let mut blend = self.first_blend();
+        for attempt in 1.. {
+            if self.cholesky.factorize(&self.matrix).is_ok() {
+                self.exact = blend == 1.0;
+                self.wait = if self.exact { 0 } else { self.wait - 1 };
+                self.blend = blend;
+                return Ok(attempt);
+            }
+            if blend == 0.0 {
+                return Err(NotPositiveDefinite);
+            }
+            blend = self.lower(blend);
+            self.fill_blend(g, x, blend);
+        }
+        unreachable!("the blend falls to 0")
+    }
+
+    /// The exact Hessian now and then; otherwise half-way between what worked last and what failed last.
+    fn first_blend(&self) -> Real {
+        if self.wait == 0 {
+            1.0
+        } else if self.ceiling - self.blend > NEAR {
+            0.5 * (self.blend + self.ceiling)
+        } else {
+            self.blend
+        }
+    }
+
+    /// What to try after `failed`.
+    fn lower(&mut self, failed: Real) -> Real {
+        self.ceiling = failed;
+        if failed == 1.0 {
+            self.wait = PATIENCE;
+        }
+        if failed > self.blend {
+            return self.blend;
+        }
+        self.blend = if failed * FALL < LEAST {
+            0.0
+        } else {
+            failed * FALL
+        };
+        self.blend
+    }
+
+    /// Drops the whole indefinite part in the next iteration. Returns whether that changes anything.
+    pub(super) fn fall_back(&mut self) -> bool {
+        let changes = self.policy == HessianPolicy::ExactFirst && self.first_blend() > 0.0;
+        (self.blend, self.wait) = (0.0, PATIENCE);
+        changes
+    }
+
+    fn fill_blend(&mut self, g: &IncrementalPotential<'_>, x: &[Vec3], blend: Real) {
+        match blend {
+            1.0 => self.fill(g, x, &[(1.0, Convexity::Exact)]),
+            0.0 => self.fill(g, x, &[(1.0, Convexity::Clamp)]),
+            b => self.fill(g, x, &[(b, Convexity::Exact), (1.0 - b, Convexity::Clamp)]),
+        }
+    }
+
+    fn fill(&mut self, g: &IncrementalPotential<'_>, x: &[Vec3], parts: &[(Real, Convexity)]) {
+        self.matrix.clear();
+        let scale = 1.0 / (g.dt * g.dt);
+        self.matrix
+            .add_diagonal(g.particles.mass().iter().map(|m| m * scale));
+        for &(share, convexity) in parts {
+            g.energies
+                .add_hessian(x, share, convexity, &mut self.matrix);
+        }
+    }
+
+    /// `out = −(matrix)⁻¹ gradient`.
+    pub(super) fn solve(&mut self, gradient: &[Vec3], out: &mut [Vec3]) {
+        self.cholesky.solve(gradient, out);
+        out.iter_mut().for_each(|p| *p = -*p);
+    }
+
+    /// Norm (N/√kg) of the gradient that rounding makes at `x`: positions are stored to half a unit in the last place
+    /// of their coordinates, and the gradient changes with them as the diagonal blocks of the matrix say.
+    pub(super) fn rounding(&self, g: &IncrementalPotential<'_>, x: &[Vec3]) -> Real {
+        let pattern = self.matrix.pattern();
+        let mut sum = 0.0;
+        let mut largest: Real = 0.0;
+        for (vertex, w) in g.particles.inverse_mass().iter().enumerate() {
+            let diagonal = &self.matrix.blocks()[pattern.row(vertex).end - 1];
+            sum += w * diagonal.norm_squared();
+            largest = largest.max(x[vertex].amax());
+        }
+        0.5 * Real::EPSILON * largest * sum.sqrt()
+    }
+
+    /// Tries the exact Hessian at `x`.
+    pub(super) fn factorize_exact(&mut self, g: &IncrementalPotential<'_>, x: &[Vec3]) -> bool {
+        self.fill(g, x, &[(1.0, Convexity::Exact)]);
+        self.exact = self.cholesky.factorize(&self.matrix).is_ok();
+        self.exact
+    }
+
+    /// Writes a direction of negative curvature of `G` to `out` and returns that curvature (N/m, per squared length of `out`), or `None` if
+    /// it finds none. Call it after [`NewtonSystem::factorize`] at the same `x`: inverse iteration with that
+    /// factor tends to what it is most nearly singular for.
+    pub(super) fn negative_curvature(
+        &mut self,
+        g: &IncrementalPotential<'_>,
+        x: &[Vec3],
+        out: &mut [Vec3],
+        product: &mut [Vec3],
+    ) -> Option<Real> {
+        for (vertex, p) in product.iter_mut().enumerate() {
+            *p = noise(vertex);
+        }
+        for _ in 0..INVERSE_ITERATIONS {
+            self.cholesky.solve(product, out);
+            let length = dot(out, out).sqrt();
+            out.iter_mut().for_each(|p| *p /= length);
+            product.fill(Vec3::zeros());
+            g.energies
+                .add_hessian_product(x, out, Convexity::Exact, product);
+            let inertia = 1.0 / (g.dt * g.dt);
+            for ((product, p), m) in product.iter_mut().zip(&*out).zip(g.particles.mass()) {
+                *product += p * (m * inertia);
+            }
+            let curvature = dot(out, product);
+            if curvature < 0.0 {
+                return Some(curvature);
+            }
+            product.copy_from_slice(out);
+        }
+        None
+    }
+}
+
+/// The matrix is indefinite even without the indefinite parts of its elements, or the policy forbids to drop them.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct NotPositiveDefinite;
