@@ -21,6 +21,8 @@ pub struct Verdict {
     pub expected: Real,
     /// What the code gives.
     pub measured: Real,
+    /// Relative error (absolute if the expected number is 0) that rounding alone can explain, where that is more than the law's tolerance; else 0.
+    pub rounding: Real,
     /// What else there is to know, name and value.
     pub details: Vec<(&'static str, Real)>,
 }
@@ -32,8 +34,16 @@ impl Verdict {
         Self {
             expected,
             measured,
+            rounding: 0.0,
             details: Vec::new(),
         }
+    }
+
+    /// States what rounding alone can explain.
+    #[must_use]
+    pub fn rounding(mut self, rounding: Real) -> Self {
+        self.rounding = rounding;
+        self
     }
 
     /// Adds a named number.
@@ -87,6 +97,12 @@ pub const LAWS: [&Law; 13] = [
 ];
 
 impl Law {
+    /// Whether the code is as near to the closed form as it has to be.
+    #[must_use]
+    pub fn holds(&self, verdict: &Verdict) -> bool {
+        verdict.error() <= self.tolerance.max(verdict.rounding)
+    }
+
     /// The law of that name.
     ///
     /// # Errors

@@ -28,7 +28,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<(), BenchError> {
         ("expected", json!(verdict.expected)),
         ("measured", json!(verdict.measured)),
         ("error", json!(verdict.error())),
-        ("tolerance", json!(law.tolerance)),
+        ("tolerance", json!(law.tolerance.max(verdict.rounding))),
     ];
     pairs.extend(
         verdict
@@ -37,13 +37,13 @@ pub(super) fn execute(arguments: &Arguments) -> Result<(), BenchError> {
             .map(|&(name, value)| (name, json!(value))),
     );
     print_pairs(arguments.json, &pairs)?;
-    if verdict.error() <= law.tolerance {
+    if law.holds(&verdict) {
         return Ok(());
     }
     Err(BenchError::Failed(format!(
         "law `{}` does not hold: the error {:e} is above {:e}",
         law.name,
         verdict.error(),
-        law.tolerance
+        law.tolerance.max(verdict.rounding)
     )))
 }
