@@ -1,0 +1,44 @@
+//! Axis-aligned boxes: the cheap lower limit of a distance.
+
+use cloth_core::math::{Real, Vec3};
+
+/// The smallest axis-aligned box around some points.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Bounds {
+    /// The corner with the smallest coordinates (m).
+    pub(crate) lower: Vec3,
+    /// The corner with the largest coordinates (m).
+    pub(crate) upper: Vec3,
+}
+
+impl Bounds {
+    /// The box around `points` (m).
+    pub(crate) fn around<const N: usize>(points: [Vec3; N]) -> Self {
+        let mut bounds = Self {
+            lower: points[0],
+            upper: points[0],
+        };
+        for point in &points[1..] {
+            bounds.lower = bounds.lower.inf(point);
+            bounds.upper = bounds.upper.sup(point);
+        }
+        bounds
+    }
+
+    /// The box moved outwards by `margin` (m) on each side.
+    pub(crate) fn loosened(&self, margin: Real) -> Self {
+        let margin = Vec3::repeat(margin);
+        Self {
+            lower: self.lower - margin,
+            upper: self.upper + margin,
+        }
+    }
+
+    /// Squared distance (m²) of two boxes: no points in them are closer.
+    pub(crate) fn squared_gap(&self, other: &Self) -> Real {
+        (self.lower - other.upper)
+            .sup(&(other.lower - self.upper))
+            .sup(&Vec3::zeros())
+            .norm_squared()
+    }
+}

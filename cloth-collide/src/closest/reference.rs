@@ -1,0 +1,104 @@
+//! The same distances for whole coordinates, in exact integer arithmetic up to the last quotient and root. For tests.
+
+use cloth_core::math::{Real, Vec3};
+use proptest::prelude::*;
+
+pub(super) type Point = [i128; 3];
+
+pub(super) fn real(p: Point) -> Vec3 {
+    p.map(|c| c as Real).into()
+}
+
+/// Four points on a lattice: small, so that they coincide, line up and share planes often; or large, with slivers and
+/// nearly parallel edges of angles down to 1e-12, since some points are moved by one step from the line of two others.
+pub(super) fn lattice() -> impl Strategy<Value = [Point; 4]> {
+    let points = |size: i128| proptest::array::uniform4(proptest::array::uniform3(-size..=size));
+    let nearly_on_a_line = (points(200_000), 0..4usize, -3i128..=3, points(1)).prop_map(
+        |([a, b, ..], moved, along, by)| {
+            let mut found = [a, b, a, b];
+            for (k, p) in found.iter_mut().enumerate() {
+                // Whole multiples of (b − a)/2 from a, each one or no step aside.
+                let part = if k == moved {
+                    along
+                } else {
+                    2 * (k as i128 % 2)
+                };
+                *p = [0, 1, 2].map(|i| a[i] + (b[i] - a[i]) * part / 2 + by[k][i]);
+            }
+            found
+        },
+    );
+    prop_oneof![
+        points(1),
+        points(3),
+        points(1000),
+        points(500_000),
+        nearly_on_a_line
+    ]
+}
+
+fn minus(a: Point, b: Point) -> Point {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+fn dot(a: Point, b: Point) -> i128 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+fn cross(a: Point, b: Point) -> Point {
+    [
+        a[1] * b[2] - a[2] * b[1],
+        a[2] * b[0] - a[0] * b[2],
+        a[0] * b[1] - a[1] * b[0],
+    ]
+}
+
+fn root_of_quotient(a: i128, b: i128) -> Real {
+    (a as Real / b as Real).sqrt()
+}
+
+fn point_segment(p: Point, [a, b]: [Point; 2]) -> Real {
+    let (d, e) = (minus(p, a), minus(b, a));
+    let along = dot(d, e);
+    if along <= 0 {
+        root_of_quotient(dot(d, d), 1)
+    } else if along >= dot(e, e) {
+        root_of_quotient(dot(minus(p, b), minus(p, b)), 1)
+    } else {
+        let n = cross(d, e);
+        root_of_quotient(dot(n, n), dot(e, e))
+    }
+}
+
+/// Distance of p from the plane through the origin across n.
+fn height(p: Point, n: Point) -> Real {
+    dot(p, n).unsigned_abs() as Real / root_of_quotient(dot(n, n), 1)
+}
+
+pub(super) fn point_triangle(p: Point, [a, b, c]: [Point; 3]) -> Real {
+    let n = cross(minus(b, a), minus(c, a));
+    let left_of = |from: Point, to: Point| dot(n, cross(minus(to, from), minus(p, from))) >= 0;
+    if n != [0; 3] && left_of(a, b) && left_of(b, c) && left_of(c, a) {
+        height(minus(p, a), n)
+    } else {
+        [[a, b], [b, c], [c, a]]
+            .map(|edge| point_segment(p, edge))
+            .into_iter()
+            .fold(Real::MAX, Real::min)
+    }
+}
+
+pub(super) fn edge_edge([a, b]: [Point; 2], [c, d]: [Point; 2]) -> Real {
+    let (u, v, w) = (minus(b, a), minus(d, c), minus(c, a));
+    let n = cross(u, v);
+    let inside = |x: i128| 0 <= x && x <= dot(n, n);
+    // a + s u + h n = c + t v; Cramer's rule.
+    if n != [0; 3] && inside(dot(n, cross(w, v))) && inside(dot(n, cross(w, u))) {
+        height(w, n)
+    } else {
+        let ends = [(a, [c, d]), (b, [c, d]), (c, [a, b]), (d, [a, b])];
+        ends.map(|(p, edge)| point_segment(p, edge))
+            .into_iter()
+            .fold(Real::MAX, Real::min)
+    }
+}

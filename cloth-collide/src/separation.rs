@@ -1,0 +1,275 @@
+//! How far is the cloth from touching itself, and where it does, how often?
+
+use crate::bounds::Bounds;
+use crate::broad_phase::TrianglePairs;
+use crate::closest::{edge_edge, point_triangle};
+use crate::error::CollideError;
+use crate::intersect::{segment_meets_triangle, triangles_meet};
+use cloth_core::math::{Real, Vec3, gather};
+use cloth_core::mesh::TriMesh;
+
+/// What [`SeparationProbe::measure`] finds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Separation {
+    /// How many pairs of triangles meet where they should not: pairs without a common vertex that
+    /// have a point in common, and pairs with one common vertex that have a second point in common. Touching
+    /// counts, as in [`triangles_meet`].
+    pub intersecting_pairs: usize,
+    /// The smallest distance (m) between a vertex and a triangle, or between two edges, that have no vertex in
+    /// common; 0 if any triangles intersect; absent if the mesh is a single triangle.
+    pub min_distance: Option<Real>,
+}
+
+/// Measures how close a cloth comes to itself, again and again while it moves.
+///
+/// **What is measured.** `min_distance` takes all pairs (vertex, triangle) and (edge, edge) *that share no
+/// vertex*, the same pairs between which a contact model with a thickness keeps its distance. It is zero
+/// exactly if some piece of the cloth meets another one, up to rounding.
+///
+/// **What it does not say.** Neighbours in the mesh are such pairs too: two triangles with a common edge have two corners that face
+/// each other across it. So `min_distance` is never more than the smallest height of a triangle onto an
+/// edge that it shares: for an unstretched square grid of cell size h with diagonals, h/√2 (the corner across the diagonal), even when it lies flat and alone.
+/// A *smaller* value means contact is near, a sharp fold, or a triangle pressed flat in its own plane. To
+/// tell, compare with the value of the rest shape. No rule that leaves out more neighbours is free of this, and
+/// each loses the sharp folds, so none is applied.
+///
+/// Two triangles with a common *edge* never count as intersecting: they meet elsewhere only if they lie exactly
+/// flat on each other, and then `min_distance` is zero, or nearly so for rounding.
+///
+/// **How.** Once per position: (1) pairs of triangles with overlapping boxes go through the exact
+/// test of [`triangles_meet`]. (2) If none meets, the distance across every inner edge gives an upper limit r, and the pairs
+/// of (1) lower it. (3) All pairs of triangles whose boxes are within r are searched, r shrinking as
+/// they are. So that no pair of primitives is computed twice, each vertex and each edge belongs to one of its
+/// triangles (Curtis, Tamstorf and Manocha 2008), and a pair of triangles computes what both own.
+///
+/// ```
+/// use cloth_collide::SeparationProbe;
+/// use cloth_core::math::Vec3;
+/// use cloth_core::mesh::TriMesh;
+///
+/// // Two unit squares (m), 10 cm apart.
+/// let square = |z| [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 1.0)].map(|(x, y)| Vec3::new(x, y, z));
+/// let positions = [square(0.0), square(0.1)].concat();
+/// let triangles = vec![[0, 1, 2], [1, 3, 2], [4, 5, 6], [5, 7, 6]];
+/// let mesh = TriMesh::new(positions.clone(), triangles)?;
+///
+/// let mut probe = SeparationProbe::new(&mesh);
+/// assert_eq!(probe.measure(&positions)?.min_distance, Some(0.1));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug)]
+pub struct SeparationProbe {
+    pairs: TrianglePairs,
+    owned: Vec<Owned>,
+    /// Pairs (vertex, triangle) across inner edges: near each other, so their distances are a good upper limit.
+    facing: Vec<(u32, u32)>,
+}
+
+/// Which of its own corners and edges a triangle speaks for. Edge k goes from corner k to the next one.
+#[derive(Clone, Copy, Debug, Default)]
+struct Owned {
+    vertices: [bool; 3],
+    edges: [bool; 3],
+}
+
+/// The two corners of edge k of a triangle.
+fn ends(k: usize) -> [usize; 2] {
+    [k, (k + 1) % 3]
+}
+
+impl SeparationProbe {
+    /// Prepares for the cloth `mesh`: builds the tree, and looks up who owns what.
+    #[must_use]
+    pub fn new(mesh: &TriMesh) -> Self {
+        Self {
+            pairs: TrianglePairs::new(mesh),
+            owned: owned(mesh),
+            facing: facing(mesh.triangles()),
+        }
+    }
+
+    /// Measures the cloth at `positions` (m), one per vertex. The result depends on mesh and positions only.
+    ///
+    /// # Errors
+    /// [`CollideError::NonFinitePosition`] if a coordinate is NaN or infinite.
+    ///
+    /// # Panics
+    /// If there are not as many positions as the mesh has vertices.
+    pub fn measure(&mut self, positions: &[Vec3]) -> Result<Separation, CollideError> {
+        self.pairs.move_to(positions)?;
+        let intersecting_pairs = self.count_intersecting(positions);
+        let min_distance = if intersecting_pairs > 0 {
+            Some(0.0)
+        } else {
+            self.min_distance(positions)
+        };
+        Ok(Separation {
+            intersecting_pairs,
+            min_distance,
+        })
+    }
+
+    fn count_intersecting(&mut self, positions: &[Vec3]) -> usize {
+        self.pairs.within(0.0);
+        let triangles = self.pairs.triangles();
+        let meets = |pair: &&[u32; 2]| meet_unduly(pair.map(|t| triangles[t as usize]), positions);
+        self.pairs.found().iter().filter(meets).count()
+    }
+
+    /// The smallest distance (m), given that the pairs of overlapping boxes have just been listed.
+    fn min_distance(&mut self, positions: &[Vec3]) -> Option<Real> {
+        let mut nearest = self.facing_squared(positions)?;
+        self.lower_to_listed(positions, &mut nearest);
+        self.pairs.within(nearest.sqrt());
+        self.lower_to_listed(positions, &mut nearest);
+        Some(nearest.sqrt())
+    }
+
+    /// Lowers the squared distance `nearest` (m²) to that of the listed pairs of triangles.
+    fn lower_to_listed(&self, positions: &[Vec3], nearest: &mut Real) {
+        for &pair in self.pairs.found() {
+            self.lower_to_pair(pair, positions, nearest);
+        }
+    }
+
+    /// The smallest squared distance (m²) across an inner edge.
+    fn facing_squared(&self, positions: &[Vec3]) -> Option<Real> {
+        let triangles = self.pairs.triangles();
+        let squared = |&(vertex, triangle): &(u32, u32)| {
+            let corners = gather(positions, triangles[triangle as usize]);
+            let nearest = point_triangle(positions[vertex as usize], corners);
+            nearest.separation.norm_squared()
+        };
+        self.facing.iter().map(squared).reduce(Real::min)
+    }
+
+    /// Lowers the squared distance `nearest` (m²) to that of the primitives that two triangles own.
+    fn lower_to_pair(&self, pair: [u32; 2], positions: &[Vec3], nearest: &mut Real) {
+        let pair = pair.map(|t| t as usize);
+        let bounds = pair.map(|t| &self.pairs.bounds()[t]);
+        if bounds[0].squared_gap(bounds[1]) > *nearest {
+            return;
+        }
+        let corners = pair.map(|t| self.pairs.triangles()[t]);
+        let owned = pair.map(|t| self.owned[t]);
+        let x = corners.map(|c| gather(positions, c));
+        for (one, other) in [(0, 1), (1, 0)] {
+            for k in 0..3 {
+                if owned[one].vertices[k] && !corners[other].contains(&corners[one][k]) {
+                    let point = x[one][k];
+                    if Bounds::around([point]).squared_gap(bounds[other]) <= *nearest {
+                        let found = point_triangle(point, x[other]).separation;
+                        *nearest = nearest.min(found.norm_squared());
+                    }
+                }
+            }
+        }
+        for i in (0..3).filter(|&i| owned[0].edges[i]) {
+            let first = ends(i).map(|k| x[0][k]);
+            let first_bounds = Bounds::around(first);
+            if first_bounds.squared_gap(bounds[1]) > *nearest {
+                continue;
+            }
+            for j in (0..3).filter(|&j| owned[1].edges[j]) {
+                let apart = ends(j).map(|k| corners[1][k]);
+                if ends(i).iter().any(|&k| apart.contains(&corners[0][k])) {
+                    continue;
+                }
+                let second = ends(j).map(|k| x[1][k]);
+                if first_bounds.squared_gap(&Bounds::around(second)) <= *nearest {
+                    let found = edge_edge(first, second).separation;
+                    *nearest = nearest.min(found.norm_squared());
+                }
+            }
+        }
+    }
+}
+
+/// Whether two triangles have a point in common that is not due to a common vertex or edge.
+fn meet_unduly(pair: [[u32; 3]; 2], positions: &[Vec3]) -> bool {
+    let x = pair.map(|t| gather(positions, t));
+    let shared = |one: usize| pair[one].map(|vertex| pair[1 - one].contains(&vertex));
+    match shared(0).iter().filter(|&&s| s).count() {
+        0 => triangles_meet(x[0], x[1]),
+        // Two triangles that share a corner are both convex: if they share another point, they share the
+        // segment to it and beyond, until one of them ends, and that is on the edge across from the corner.
+        1 => (0..2).any(|one| {
+            let across = match shared(one) {
+                [true, _, _] => [1, 2],
+                [_, true, _] => [2, 0],
+                _ => [0, 1],
+            };
+            segment_meets_triangle(across.map(|k| x[one][k]), x[1 - one])
+        }),
+        _ => false,
+    }
+}
+
+/// Gives each vertex and each edge to the first triangle that has it.
+fn owned(mesh: &TriMesh) -> Vec<Owned> {
+    let mut owned = vec![Owned::default(); mesh.triangle_count()];
+    let mut taken = vec![false; mesh.vertex_count()];
+    for (owned, corners) in owned.iter_mut().zip(mesh.triangles()) {
+        owned.vertices = corners.map(|v| !std::mem::replace(&mut taken[v as usize], true));
+    }
+    let sides = sorted_sides(mesh.triangles());
+    for same in sides.chunk_by(|a, b| a.ends == b.ends) {
+        owned[same[0].triangle as usize].edges[same[0].k] = true;
+    }
+    owned
+}
+
+/// Pairs (vertex, triangle) across inner edges; if there are none, of each triangle and the next.
+fn facing(triangles: &[[u32; 3]]) -> Vec<(u32, u32)> {
+    let sides = sorted_sides(triangles);
+    let across: Vec<_> = sides
+        .windows(2)
+        .filter(|two| two[0].ends == two[1].ends)
+        .map(|two| (two[1].opposite(triangles), two[0].triangle))
+        .collect();
+    if !across.is_empty() {
+        return across;
+    }
+    // No two triangles have the same three vertices, so the next one has a vertex that this one has not.
+    (0..)
+        .zip(triangles.windows(2))
+        .flat_map(|(t, two)| {
+            let elsewhere = move |v: &u32| !two[0].contains(v);
+            two[1].into_iter().filter(elsewhere).map(move |v| (v, t))
+        })
+        .collect()
+}
+
+/// One edge of one triangle.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct Side {
+    /// The two vertices, the smaller number first.
+    ends: [u32; 2],
+    triangle: u32,
+    k: usize,
+}
+
+impl Side {
+    fn opposite(self, triangles: &[[u32; 3]]) -> u32 {
+        triangles[self.triangle as usize][(self.k + 2) % 3]
+    }
+}
+
+/// All edges of all triangles, those between the same two vertices next to each other.
+fn sorted_sides(triangles: &[[u32; 3]]) -> Vec<Side> {
+    let mut sides: Vec<Side> = (0..)
+        .zip(triangles)
+        .flat_map(|(triangle, corners)| {
+            (0..3).map(move |k| {
+                let [a, b] = ends(k).map(|k| corners[k]);
+                Side {
+                    ends: [a.min(b), a.max(b)],
+                    triangle,
+                    k,
+                }
+            })
+        })
+        .collect();
+    sides.sort_unstable();
+    sides
+}
