@@ -1,0 +1,59 @@
+//! Momenta of a free sheet.
+
+use crate::{all_three, hang, noise};
+use cloth_core::energy::Spring;
+use cloth_core::math::Vec3;
+use cloth_core::measure::{angular_momentum, linear_momentum};
+use cloth_core::particles::{Particles, State};
+use cloth_core::step::StepInput;
+
+/// A sheet without pins, crumpled and moving.
+fn crumpled() -> (Particles, Vec<Spring>, State) {
+    let (mesh, mut model) = hang(9);
+    for vertex in 0..model.particles.len() {
+        model.particles.release(vertex).unwrap();
+    }
+    let positions = mesh.positions().iter().enumerate();
+    let positions = positions.map(|(i, x)| x * 1.1 + noise(i) * 0.01).collect();
+    let mut state = State::at_rest(positions);
+    for (i, v) in state.velocities.iter_mut().enumerate() {
+        *v = noise(i + 1000) + Vec3::new(0.5, 0.0, 1.0);
+    }
+    (model.particles, model.springs, state)
+}
+
+#[test]
+fn linear_momentum_is_kept_by_all() {
+    let (particles, springs, start) = crumpled();
+    let before = linear_momentum(&particles, &start.velocities);
+    for solver in &mut all_three(&particles, &springs) {
+        let mut state = start.clone();
+        for _ in 0..40 {
+            solver.step(&mut state, StepInput::new(1e-4)).unwrap();
+        }
+        let change = linear_momentum(&particles, &state.velocities) - before;
+        assert!(
+            change.norm() < 1e-12 * before.norm(),
+            "{}: {change}",
+            solver.name()
+        );
+    }
+}
+
+#[test]
+fn angular_momentum_is_kept_by_symplectic_euler_alone() {
+    let (particles, springs, start) = crumpled();
+    let before = angular_momentum(&particles, &start);
+    let changes = all_three(&particles, &springs).map(|mut solver| {
+        let mut state = start.clone();
+        for _ in 0..40 {
+            solver.step(&mut state, StepInput::new(1e-4)).unwrap();
+        }
+        (angular_momentum(&particles, &state) - before).norm() / before.norm()
+    });
+    assert!(changes[1] < 1e-13, "symplectic: {:e}", changes[1]);
+    assert!(
+        changes[0] > 1e-6 && changes[2] > 1e-6,
+        "forward and implicit: {changes:?}"
+    );
+}

@@ -1,0 +1,249 @@
+//! Implicit Euler as a minimisation.
+
+use crate::refusals::buckling;
+use crate::{DOWN, chain, hang, largest_difference, noise, sharp};
+use cloth_core::element::Convexity;
+use cloth_core::math::{Real, Vec3};
+use cloth_core::measure::{IncrementalPotential, center_of_mass, predict};
+use cloth_core::particles::State;
+use cloth_core::step::{Observer, Outcome, StepInput, Stepper};
+use cloth_massspring::{Accept, HessianPolicy, ImplicitConfig, ImplicitEuler, StartGuess};
+
+const DT: Real = 1.0 / 60.0;
+
+fn hanging(n: usize, config: ImplicitConfig) -> (ImplicitEuler, State) {
+    let (mesh, model) = hang(n);
+    let builder = ImplicitEuler::builder(&model.particles)
+        .energy(model.springs)
+        .unwrap();
+    let solver = builder
+        .energy(model.hinges)
+        .unwrap()
+        .config(config)
+        .build()
+        .unwrap();
+    (solver, State::at_rest(mesh.positions().to_vec()))
+}
+
+/// Positions after every iteration.
+#[derive(Default)]
+struct Recorder(Vec<Vec<Vec3>>);
+
+impl Observer for Recorder {
+    fn iteration(&mut self, iteration: u32, positions: &[Vec3]) {
+        self.0.push(positions.to_vec());
+        assert_eq!(self.0.len(), iteration as usize);
+    }
+}
+
+/// `‖∇G(x)‖/‖∇G(x̃)‖` of the scene `hang` in the step from `state`, computed apart from the solver.
+fn residual(n: usize, state: &State, x: &[Vec3]) -> Real {
+    let (_, model) = hang(n);
+    let input = StepInput::new(DT).gravity(DOWN);
+    let mut predicted = vec![Vec3::zeros(); x.len()];
+    predict(&model.particles, state, &input, &mut predicted);
+    let potential = IncrementalPotential {
+        particles: &model.particles,
+        energies: &model.energies().unwrap(),
+        predicted: &predicted,
+        dt: DT,
+    };
+    let norm = |x: &[Vec3]| {
+        let mut gradient = vec![Vec3::zeros(); x.len()];
+        potential.gradient_into(x, &mut gradient);
+        potential.gradient_norm(&gradient)
+    };
+    norm(x) / norm(&predicted)
+}
+
+#[test]
+fn the_gradient_ends_below_the_tolerance() {
+    for tolerance in [1e-2, 1e-5, 1e-8] {
+        let config = ImplicitConfig {
+            tolerance,
+            ..ImplicitConfig::default()
+        };
+        let (mut solver, mut state) = hanging(12, config);
+        for _ in 0..20 {
+            let before = state.clone();
+            let report = solver
+                .step(&mut state, StepInput::new(DT).gravity(DOWN))
+                .unwrap();
+            let measured = residual(12, &before, &state.positions);
+            assert_eq!(report.outcome, Outcome::Converged);
+            assert!(measured <= tolerance * (1.0 + 1e-6), "{measured:e}");
+            assert!((report.residual.unwrap() / measured - 1.0).abs() < 1e-3);
+        }
+    }
+}
+
+#[test]
+fn the_reference_settings_reach_the_last_digits_in_every_step() {
+    let (mut solver, mut state) = hanging(16, ImplicitConfig::reference());
+    let mut worst: Real = 0.0;
+    for _ in 0..30 {
+        let report = solver
+            .step(&mut state, StepInput::new(DT).gravity(DOWN))
+            .unwrap();
+        assert_eq!(report.outcome, Outcome::Converged);
+        worst = worst.max(report.residual.unwrap());
+    }
+    // Positions of 1 m are stored to 1.1e-16 m, and springs of 1e4 N/m feel that: less than this is noise.
+    assert!(worst < 2e-11, "{worst:e}");
+    let (_, model) = hang(16);
+    let fall = -center_of_mass(&model.particles, &state.positions).z;
+    assert!(
+        (0.487..0.502).contains(&fall),
+        "the sheet has fallen {fall} m"
+    );
+}
+
+#[test]
+fn convergence_is_quadratic_in_the_end() {
+    let (mut solver, mut state) = stretched_chain(StartGuess::Inertial);
+    let mut checked = 0;
+    for _ in 0..10 {
+        let mut recorder = Recorder::default();
+        let input = StepInput::new(DT).gravity(DOWN).observer(&mut recorder);
+        solver.step(&mut state, input).unwrap();
+        let error = |x: &Vec<Vec3>| largest_difference(x, &state.positions);
+        let errors: Vec<Real> = recorder.0.iter().map(error).collect();
+        for e in errors.windows(3) {
+            if e[0] < 0.1 && e[2] > 1e-13 {
+                let order = (e[2] / e[1]).ln() / (e[1] / e[0]).ln();
+                assert!(order > 1.7, "{e:?}: {order}");
+                checked += 1;
+            }
+        }
+    }
+    assert!(checked >= 5, "{checked} triples to compare");
+}
+
+#[test]
+fn dropping_the_indefinite_part_costs_the_quadratic_convergence() {
+    let count = |hessian| {
+        let config = ImplicitConfig {
+            hessian,
+            tolerance: 1e-9,
+            ..ImplicitConfig::default()
+        };
+        let (mut solver, mut state) = hanging(12, config);
+        let mut iterations = 0;
+        for _ in 0..20 {
+            let report = solver
+                .step(&mut state, StepInput::new(DT).gravity(DOWN))
+                .unwrap();
+            iterations += report.iterations;
+        }
+        iterations
+    };
+    let (blended, clamped) = (
+        count(HessianPolicy::ExactFirst),
+        count(HessianPolicy::Always(Convexity::Clamp)),
+    );
+    assert!(
+        blended * 3 < clamped * 2,
+        "{blended} against {clamped} iterations"
+    );
+}
+
+/// Ten springs pulled to 1.3 times their length between two prescribed ends, moving.
+fn stretched_chain(start: StartGuess) -> (ImplicitEuler, State) {
+    let (mut particles, springs, mut positions) = chain(10, 2e3);
+    positions
+        .iter_mut()
+        .for_each(|x| *x = Vec3::new(-x.z * 1.3, 0.0, 0.0));
+    particles.prescribe(10).unwrap();
+    let config = ImplicitConfig { start, ..sharp() };
+    let builder = ImplicitEuler::builder(&particles).energy(springs).unwrap();
+    let mut state = State::at_rest(positions);
+    for (i, v) in state.velocities.iter_mut().enumerate().take(10).skip(1) {
+        *v = noise(i) * 20.0;
+    }
+    (builder.config(config).build().unwrap(), state)
+}
+
+#[test]
+fn the_start_does_not_matter_where_springs_are_stretched() {
+    let starts = [
+        StartGuess::Previous,
+        StartGuess::Inertial,
+        StartGuess::Predicted,
+    ];
+    let solutions = starts.map(|start| {
+        let (mut solver, mut state) = stretched_chain(start);
+        for _ in 0..5 {
+            solver
+                .step(&mut state, StepInput::new(DT).gravity(DOWN))
+                .unwrap();
+        }
+        state.positions
+    });
+    assert!(largest_difference(&solutions[0], &solutions[1]) < 1e-12);
+    assert!(largest_difference(&solutions[0], &solutions[2]) < 1e-12);
+}
+
+#[test]
+fn a_minimum_is_found_where_a_stationary_point_is_not_enough() {
+    // Pressed straight together, the middle vertex feels no force, but the way out is downhill.
+    let deflection = |accept| {
+        let (particles, springs, positions) = buckling();
+        let config = ImplicitConfig { accept, ..sharp() };
+        let builder = ImplicitEuler::builder(&particles).energy(springs).unwrap();
+        let mut solver = builder.config(config).build().unwrap();
+        let mut state = State::at_rest(positions);
+        solver.step(&mut state, StepInput::new(1e6)).unwrap();
+        state.positions[1] - Vec3::x()
+    };
+    assert_eq!(deflection(Accept::Stationary), Vec3::zeros());
+    // Both springs at rest: an isosceles triangle with legs of 2 m over a base of 2 m.
+    let found = deflection(Accept::Minimum);
+    assert!((found.norm() - 3.0_f64.sqrt()).abs() < 1e-9, "{found}");
+    assert!(found.x.abs() < 1e-9);
+}
+
+#[test]
+fn a_step_that_is_already_solved_takes_no_factorisation() {
+    let (particles, springs, positions) = chain(10, 2e3);
+    let builder = ImplicitEuler::builder(&particles).energy(springs).unwrap();
+    let mut solver = builder.build().unwrap();
+    let mut state = State::at_rest(positions);
+    let report = solver.step(&mut state, StepInput::new(DT)).unwrap();
+    assert_eq!((report.iterations, report.factorizations), (0, 0));
+    assert_eq!(report.residual, Some(0.0));
+}
+
+#[test]
+fn a_spent_budget_is_an_outcome_and_the_best_point_is_kept() {
+    let config = ImplicitConfig {
+        max_iterations: 2,
+        tolerance: 1e-9,
+        ..ImplicitConfig::default()
+    };
+    let (mut solver, mut state) = hanging(12, config);
+    let report = solver
+        .step(&mut state, StepInput::new(DT).gravity(DOWN))
+        .unwrap();
+    assert_eq!(
+        (report.outcome, report.iterations),
+        (Outcome::BudgetSpent, 2)
+    );
+    assert_eq!(state.steps, 1);
+}
+
+#[test]
+fn far_from_the_origin_it_still_converges() {
+    let (mesh, model) = hang(10);
+    let builder = ImplicitEuler::builder(&model.particles)
+        .energy(model.springs)
+        .unwrap();
+    let mut solver = builder.config(ImplicitConfig::reference()).build().unwrap();
+    let shift = Vec3::repeat(1e4);
+    let mut state = State::at_rest(mesh.positions().iter().map(|x| x + shift).collect());
+    for _ in 0..10 {
+        let report = solver
+            .step(&mut state, StepInput::new(DT).gravity(DOWN))
+            .unwrap();
+        assert_eq!(report.outcome, Outcome::Converged);
+    }
+}
