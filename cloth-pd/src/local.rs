@@ -28,7 +28,7 @@ pub(crate) trait Projections: Debug + Send + Sync {
 pub(crate) struct Family<const N: usize, const K: usize, E> {
     elements: Vec<E>,
     #[cfg(feature = "parallel")]
-    threads: crate::parallel::Gather<N, K>,
+    pieces: crate::parallel::Pieces,
 }
 
 impl<const N: usize, const K: usize, E: Projective<N, K>> Family<N, K, E> {
@@ -50,7 +50,7 @@ impl<const N: usize, const K: usize, E: Projective<N, K>> Family<N, K, E> {
         Ok(Self {
             elements,
             #[cfg(feature = "parallel")]
-            threads: Default::default(),
+            pieces: Default::default(),
         })
     }
 
@@ -71,7 +71,7 @@ impl<const N: usize, const K: usize, E: Projective<N, K>> Family<N, K, E> {
         };
         #[cfg(feature = "parallel")]
         if crate::parallel::pays(self.elements.len()) {
-            return self.threads.sum(&self.elements, out, weighted_goal);
+            return self.pieces.sum(&self.elements, out, weighted_goal);
         }
         for element in &self.elements {
             let goal = weighted_goal(element);
