@@ -1,6 +1,9 @@
 //! One implicit step as a problem with a known answer, and how far a method is from it (VALIDATION 8.1).
 
 use crate::error::BenchError;
+use crate::method::Method;
+use crate::scene::Scene;
+use crate::settings::Settings;
 use cloth_core::cloth::ClothModel;
 use cloth_core::family::Energies;
 use cloth_core::math::{Real, Vec3};
@@ -94,6 +97,20 @@ impl StepProblem {
             )));
         }
         Ok(problem)
+    }
+
+    /// The step that follows after `steps` steps of `dt` (s) of implicit Euler from the start of a scene: the same step for every method.
+    ///
+    /// # Errors
+    /// [`BenchError::Failed`] if implicit Euler fails on the way, or as for [`StepProblem::new`].
+    pub fn after(scene: &Scene, steps: u32, dt: Real) -> Result<Self, BenchError> {
+        let mut newton = Method::find("implicit-euler")?.build(scene, &Settings::default(), dt)?;
+        let mut state = scene.start.clone();
+        for _ in 0..steps {
+            let input = StepInput::new(dt).gravity(scene.gravity);
+            newton.step(&mut state, input).map_err(BenchError::failed)?;
+        }
+        Self::new(&scene.model, &state, scene.gravity, dt)
     }
 
     fn potential(&self) -> IncrementalPotential<'_> {

@@ -1,23 +1,103 @@
 //! The cloth, and what it costs to deform it: the common ground of all method crates.
+//!
+//! # The idea
+//!
+//! A cloth is a set of vertices with masses and a sum of small elastic energies, each on a few vertices: a spring on two, a hinge on four.
+//! Methods differ in what they do with an energy. One needs its gradient, another its Hessian, a third the constraint behind
+//! it, a fourth the nearest undeformed shape. So an element is written once, as a small struct, and shows each method the view it asks
+//! for ([`element`]). What an element cannot show does not compile.
+//!
+//! With state `x`, `v` (m, m/s), lumped masses `M` (kg) and step `Δt` (s), every method advances
+//!
+//! `M v̇ = −∂E/∂x + f`, `ẋ = v`,
+//!
+//! and what implicit Euler makes of one step, the minimum of `G(x) = ‖x − x̃‖²_M/(2Δt²) + E(x)` with
+//! `x̃ = x + Δt v + Δt² M⁻¹f`, is the yardstick that all of them are held against ([`measure::IncrementalPotential`]).
+//!
+//! # Equation → code
+//!
+//! | equation | code |
+//! |---|---|
+//! | `E = ½ k (‖x₀ − x₁‖ − L)²` and its derivatives, S1 (1)–(4) | [`energy::Spring`] |
+//! | `E = ½ K ‖q x‖²`, S1 (16) | [`energy::CurvatureHinge`] |
+//! | `E = ½ k ‖x − p‖²`, S1 (29) | [`energy::Attachment`] |
+//! | `x̃`, S1 (9); `G`, `∇G`, S1 (10) | [`measure::predict`], [`measure::IncrementalPotential`] |
+//! | `M`, S1 (13) | [`particles::Particles`] |
+//! | `E = ½ Σ k C²` from constraint rows, S1 (21), (22) | [`element::Constraint`] |
+//! | `E = ½ w ‖G x − p‖²`, S1 (27) | [`element::Projective`] |
+//! | `3V − E = 3χ + E_b`, S1 (19), (20) | [`topology::Topology`]; the rank: `dof::EdgeRank` |
+//!
+//! "S1" is a slide deck on cloth dynamics; its equations stand, corrected where they need it, in the files named.
+//!
+//! # An example
+//!
+//! ```
+//! use cloth_core::cloth::{Cloth, Membrane};
+//! use cloth_core::math::Vec3;
+//! use cloth_core::measure;
+//! use cloth_core::mesh::generate::{Diagonals, grid};
+//!
+//! let mesh = grid(9, 9, 1.0, 1.0, Diagonals::Alternating)?;
+//! let cotton = Cloth {
+//!     areal_density: 0.2,                   // kg/m²
+//!     membrane: Membrane::Modulus(1000.0),  // N/m
+//!     bending_rigidity: 1e-5,               // N·m
+//! };
+//! let mut model = cotton.on(&mesh)?;
+//! model.particles.prescribe(0)?;            // hold a corner
+//! let energies = model.energies()?;
+//!
+//! // Pulled by one per cent in all directions, the sheet stores Y s²/(1 − ν) per area with ν = 1/3.
+//! let stretched: Vec<Vec3> = mesh.positions().iter().map(|p| p * 1.01).collect();
+//! let expected = 1000.0 * 0.01_f64.powi(2) / (1.0 - 1.0 / 3.0);
+//! assert!((energies.value(&stretched) / expected - 1.0).abs() < 1e-12);
+//! # let strain = measure::Strain::of(&model.springs, &stretched);
+//! # assert!((strain.rms - 0.01).abs() < 1e-12);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! # Limits
+//!
+//! - Double precision throughout; the scalar is chosen in [`math`] and nowhere else.
+//! - Bending is quadratic and flat at rest ([`energy::CurvatureHinge`]); stretching is by springs, whose modulus depends on the pattern of
+//!   the mesh ([`cloth::Membrane`]).
+//! - One thread sums energies, gradients and Hessians; only sweeps over coloured elements use several.
+//!
+//! # Features
+//!
+//! `parallel` (default): sweeps on rayon's threads, with the same bits as without. `cholesky`: `linear` and `dof`, over faer.
+//!
+//! # The files, in reading order
 
 pub mod math;
+
 pub mod mesh;
 pub mod topology;
+
 pub mod particles;
 pub mod pin;
+
 pub mod element;
 pub mod energy;
 pub mod family;
+
+pub mod cloth;
+
 pub mod coloring;
 pub mod ordering;
 mod parallel;
+
 pub mod block_matrix;
 #[cfg(feature = "cholesky")]
 pub mod linear;
+
 #[cfg(feature = "cholesky")]
 pub mod dof;
+
 pub mod step;
+
 pub mod position_based;
+
 pub mod measure;
+
 pub mod check;
-pub mod cloth;

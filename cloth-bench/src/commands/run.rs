@@ -12,6 +12,7 @@ use clap::{Args, ValueEnum};
 use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::obj;
 use cloth_core::particles::State;
+use cloth_core::step::Stepper;
 use indicatif::ProgressBar;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
@@ -42,7 +43,7 @@ pub struct Arguments {
     /// Sets a parameter of the scene or the method
     #[arg(long = "set", value_name = "KEY=VALUE")]
     settings: Vec<String>,
-    /// Compares the last step with the minimiser that implicit Euler aims at
+    /// Also takes the step that implicit Euler would take next after as many steps, and compares it with the minimiser of that step: the same step for every method
     #[arg(long)]
     reference: bool,
     /// Folder for the state after every step
@@ -110,7 +111,6 @@ fn simulate(
     let mut stepper = method.build(scene, settings, dt)?;
     let bar = ProgressBar::new(u64::from(steps));
     let mut state = scene.start.clone();
-    let mut before_last = scene.start.clone();
     let finished = run(
         scene,
         &mut *stepper,
@@ -119,9 +119,6 @@ fn simulate(
         steps,
         |step, state, _| {
             bar.inc(1);
-            if step + 1 == steps {
-                before_last.clone_from(state);
-            }
             match &arguments.export {
                 Some(folder) => export(arguments.format, folder, step, scene, state),
                 None => Ok(()),
@@ -170,7 +167,7 @@ fn simulate(
         ("finite", json!(state.first_non_finite().is_none())),
     ];
     if arguments.reference {
-        pairs.extend(compared(scene, &before_last, &state, dt)?);
+        pairs.extend(compared(scene, &mut *stepper, steps, dt)?);
     }
     if let (Some(file), Some(mesh)) = (&arguments.picture, &scene.mesh) {
         let surface = Surface::cloth(&state.positions, mesh.triangles());
@@ -182,18 +179,19 @@ fn simulate(
     print_pairs(arguments.json, &pairs)
 }
 
-/// The last step beside the minimiser of its own incremental potential.
+/// One step of the method beside the minimiser that implicit Euler aims at.
 fn compared(
     scene: &Scene,
-    before: &State,
-    after: &State,
+    stepper: &mut dyn Stepper,
+    steps: u32,
     dt: Real,
-) -> Result<[(&'static str, Value); 3], BenchError> {
-    let problem = StepProblem::new(&scene.model, before, scene.gravity, dt)?;
-    let error = problem.error(&after.positions);
+) -> Result<[(&'static str, Value); 4], BenchError> {
+    let problem = StepProblem::after(scene, steps, dt)?;
+    let (error, report, _) = problem.solve(stepper)?;
     Ok([
         ("objective_error", json!(error.objective)),
         ("gradient_error", json!(error.gradient)),
+        ("compared_iterations", json!(report.iterations)),
         ("reference_gradient", json!(problem.reference_gradient())),
     ])
 }

@@ -246,8 +246,9 @@ pub(super) fn wrap(text: &str, size: i32, width: i32) -> Vec<String> {
         } else {
             line += blank;
         }
+        let too_long = text_width(word, size) > width;
         for letter in word.chars() {
-            if !line.is_empty() && text_width(&line, size) + size > width {
+            if too_long && text_width(&line, size) + size > width {
                 lines.push(std::mem::take(&mut line));
             }
             line.push(letter);
@@ -265,13 +266,18 @@ mod tests {
 
     #[test]
     fn wrapped_lines_fit_and_lose_nothing() {
-        let text = "a few words and averyverylongwordwithoutanyblankinsideitatallreally and an end";
+        let text =
+            "a few words and averyverylongwordwithoutanyblankinsideitatallreally and an end then";
         let lines = wrap(text, 13, 120);
         assert!(
             lines.iter().all(|line| text_width(line, 13) <= 130),
             "{lines:?}"
         );
         assert_eq!(lines.concat().replace(' ', ""), text.replace(' ', ""));
+        let short = text.replace("averyverylongwordwithoutanyblankinsideitatallreally", "more");
+        for width in 60..400 {
+            assert_eq!(wrap(&short, 13, width).join(" "), short, "words stay whole");
+        }
         assert!(wrap("", 13, 100).is_empty());
         assert_eq!(wrap("one line", 13, 500), ["one line"]);
     }

@@ -13,7 +13,7 @@ use crate::settings::Settings;
 use crate::yardstick::{self, Sample, StepProblem};
 use cloth_core::math::{Real, Vec3};
 use cloth_core::particles::State;
-use cloth_core::step::{StepInput, Stepper};
+use cloth_core::step::Stepper;
 
 pub(super) const STUDY: Study = Study {
     name: "convergence",
@@ -94,7 +94,7 @@ fn run(scope: Scope, progress: &mut dyn FnMut(&str)) -> Result<Findings, BenchEr
     for &n in sizes(scope) {
         progress(&format!("convergence: reference at {n} × {n}"));
         let scene = scene::build("hang", None, &Settings::default().with("n", n))?;
-        let problem = problem(&scene)?;
+        let problem = StepProblem::after(&scene, 15, scene.dt)?;
         let mut curves = Curves::default();
         for (name, settings, most) in iterated(scope) {
             progress(&format!("convergence: {name} at {n} × {n}"));
@@ -146,18 +146,6 @@ fn run(scope: Scope, progress: &mut dyn FnMut(&str)) -> Result<Findings, BenchEr
     findings.data("convergence", samples);
     half_a_second(scope, &mut findings, progress)?;
     Ok(findings)
-}
-
-/// The sixteenth step of the hanging sheet.
-fn problem(scene: &Scene) -> Result<StepProblem, BenchError> {
-    let mut newton =
-        Method::find("implicit-euler")?.build(scene, &Settings::default(), scene.dt)?;
-    let mut state = scene.start.clone();
-    for _ in 0..15 {
-        let input = StepInput::new(scene.dt).gravity(scene.gravity);
-        newton.step(&mut state, input).map_err(BenchError::failed)?;
-    }
-    StepProblem::new(&scene.model, &state, scene.gravity, scene.dt)
 }
 
 /// Error and report of one step, and the median of its times over some repetitions after a warm-up.
