@@ -120,6 +120,42 @@ fn convergence_is_quadratic_in_the_end() {
 }
 
 #[test]
+fn every_iteration_leads_down_from_a_crumpled_state() {
+    let (mut solver, mut state) = hanging(8, ImplicitConfig::default());
+    let (_, model) = hang(8);
+    for (i, x) in state.positions.iter_mut().enumerate() {
+        if !model.particles.is_prescribed(i) {
+            *x += noise(i) * 0.5;
+        }
+    }
+    let (mut recorder, input) = (Recorder::default(), StepInput::new(DT).gravity(DOWN));
+    let mut predicted = vec![Vec3::zeros(); state.positions.len()];
+    predict(&model.particles, &state, &input, &mut predicted);
+    let potential = IncrementalPotential {
+        particles: &model.particles,
+        energies: &model.energies().unwrap(),
+        predicted: &predicted,
+        dt: DT,
+    };
+    let mut before = potential.value(&state.positions);
+    let report = solver
+        .step(&mut state, input.observer(&mut recorder))
+        .unwrap();
+    assert!(
+        report.backtracks > 0,
+        "the full step would do everywhere: {report:?}"
+    );
+    for (iteration, x) in recorder.0.iter().enumerate() {
+        let after = potential.value(x);
+        assert!(
+            after <= before * (1.0 + 1e-10),
+            "{iteration}: {before} to {after} J"
+        );
+        before = after;
+    }
+}
+
+#[test]
 fn dropping_the_indefinite_part_costs_the_quadratic_convergence() {
     let count = |hessian| {
         let config = ImplicitConfig {

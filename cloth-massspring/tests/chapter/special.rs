@@ -45,6 +45,19 @@ fn moving_pins_follow_their_path_and_keep_their_velocity() {
 }
 
 #[test]
+fn the_velocity_of_a_pin_is_not_computed_from_where_it_went() {
+    // At these coordinates the difference of two positions has lost half of its digits.
+    let (particles, springs, positions) = chain(1, 1e3);
+    for solver in &mut all_three(&particles, &springs) {
+        let shift = Vec3::repeat(1e8 / 3.0);
+        let mut state = State::at_rest(positions.iter().map(|x| x + shift).collect());
+        state.velocities[0] = Vec3::new(0.1, 0.2, 0.3);
+        solver.step(&mut state, StepInput::new(1e-3)).unwrap();
+        assert_eq!(state.velocities[0], Vec3::new(0.1, 0.2, 0.3));
+    }
+}
+
+#[test]
 fn a_cloth_collapsed_to_a_point_stays_finite_and_unfolds() {
     let (_, model) = hang(5);
     for solver in &mut all_three(&model.particles, &model.springs) {
