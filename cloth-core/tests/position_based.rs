@@ -400,6 +400,11 @@ fn the_observer_sees_every_iteration_of_every_substep() {
     assert_eq!(report.iterations, 6);
     let seen = [(1, 1.0), (2, 1.0), (3, 2.0), (4, 2.0), (5, 3.0), (6, 3.0)];
     assert_eq!(log.0, seen);
+    // Counted from 1 in each step.
+    let mut log = Log::default();
+    let input = StepInput::new(3.0).observer(&mut log);
+    assert_eq!(solver.step(&mut state, input).unwrap().iterations, 6);
+    assert_eq!(log.0[0], (1, 4.0));
 }
 
 #[test]

@@ -88,7 +88,9 @@
 #![forbid(unsafe_code)]
 
 mod config;
+
 mod stiffness;
+
 mod solver;
 
 pub use config::PbdConfig;

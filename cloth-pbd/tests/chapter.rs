@@ -6,6 +6,7 @@ mod chain;
 mod sheet;
 
 use chain::Chain;
+use cloth_core::element::{Constraint, Element, Row};
 use cloth_core::energy::{Attachment, CurvatureHinge, Spring};
 use cloth_core::math::{Real, Vec3};
 use cloth_core::particles::{Particles, State};
@@ -267,19 +268,50 @@ fn a_cloth_gives_the_same_bits_on_any_number_of_threads_and_when_taken_up_again(
     assert!(one == state);
 }
 
+/// `C = ½(‖x‖² − 1)`: its w̃ depends on where the vertex is.
+#[derive(Clone, Copy, Debug)]
+struct OnSphere;
+
+impl Element<1> for OnSphere {
+    fn vertices(&self) -> [u32; 1] {
+        [0]
+    }
+}
+
+impl Constraint<1> for OnSphere {
+    type Rows = [Row<1>; 1];
+
+    fn rows(&self, x: &[Vec3; 1]) -> [Row<1>; 1] {
+        [Row {
+            value: 0.5 * (x[0].norm_squared() - 1.0),
+            gradient: *x,
+            stiffness: 300.0,
+        }]
+    }
+}
+
 #[test]
-fn a_new_step_size_brings_a_new_stiffness() {
-    let chain = Chain::of(3, 0.1, 0.1, 200.0);
-    let builder = || PbdSolver::builder(&chain.particles).energy(chain.springs.clone());
-    let mut state = chain.at_rest();
-    state.positions[3].x += 0.2;
-    let mut solver = builder().build().unwrap();
-    solver.step(&mut state, StepInput::new(0.01)).unwrap();
-    let mut again = state.clone();
-    solver.step(&mut state, StepInput::new(0.003)).unwrap();
-    let mut fresh = builder().build().unwrap();
-    fresh.step(&mut again, StepInput::new(0.003)).unwrap();
-    assert_eq!(state, again);
+fn a_new_step_size_or_configuration_brings_a_new_stiffness() {
+    let particles = Particles::new(vec![1.0]).unwrap();
+    let builder = || PbdSolver::builder(&particles).energy(vec![OnSphere]);
+    let mut warm = builder().build().unwrap();
+    let mut state = State::at_rest(vec![Vec3::new(1.0, 1.0, 0.5)]);
+    for dt in [0.01, 0.003, 0.003, 0.2, 0.2, 0.01] {
+        let mut again = state.clone();
+        let mut fresh = builder().build().unwrap();
+        warm.step(&mut state, StepInput::new(dt)).unwrap();
+        fresh.step(&mut again, StepInput::new(dt)).unwrap();
+        assert_eq!(state, again);
+    }
+    // One iteration, so that its w̃ is that of the start: s = kh²w̃/(1 + kh²w̃).
+    let mut once = builder().config(config(1, MATERIAL)).build().unwrap();
+    for x in [2.0, 3.0] {
+        let mut state = State::at_rest(vec![Vec3::new(x, 0.0, 0.0)]);
+        once.step(&mut state, StepInput::new(0.1)).unwrap();
+        let z = 300.0 * 0.01 * x * x;
+        let law = x - z / (1.0 + z) * 0.5 * (x * x - 1.0) / x;
+        assert!((state.positions[0].x - law).abs() < 1e-12);
+    }
 }
 
 #[test]

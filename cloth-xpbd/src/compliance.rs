@@ -25,7 +25,7 @@ impl Compliance {
     pub(crate) fn violation(self, row: RowAt, multiplier: Real) -> Option<Real> {
         let compliance = self.scaled(row.stiffness);
         let movable = row.weight + compliance;
-        (movable > 0.0 && movable < Real::INFINITY).then(|| row.value + compliance * multiplier)
+        (movable > 0.0 && movable < Real::INFINITY).then_some(row.value + compliance * multiplier)
     }
 }
 

@@ -87,7 +87,9 @@
 #![forbid(unsafe_code)]
 
 mod config;
+
 mod compliance;
+
 mod solver;
 
 pub use config::XpbdConfig;

@@ -1,6 +1,6 @@
 //! A sheet held at two corners falls and swings: the same number of sweeps, spent on iterations or on substeps.
 //!
-//! `cargo run --release -p cloth-xpbd --example hanging`
+//! `cargo run --release -p cloth-xpbd --example hanging_sheet`
 
 use cloth_core::cloth::{Cloth, Membrane};
 use cloth_core::math::Vec3;

@@ -1,6 +1,6 @@
 //! A row of springs hangs from its first vertex: how far it sags, against statics, for more and more iterations.
 //!
-//! `cargo run --release -p cloth-pbd --example hanging`
+//! `cargo run --release -p cloth-pbd --example springs_in_a_row`
 
 use cloth_core::energy::Spring;
 use cloth_core::math::Vec3;
