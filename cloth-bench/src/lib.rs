@@ -12,3 +12,8 @@ pub mod scene;
 pub mod settings;
 pub mod studies;
 pub mod yardstick;
+
+/// The example of the README, compiled and run with the doc tests.
+#[cfg(doctest)]
+#[doc = include_str!("../../README.md")]
+struct Readme;
