@@ -141,3 +141,139 @@ fn upper_pattern(lower: &CsMat<Real>) -> Result<UpperPattern, CholeskyError> {
             .collect::<Result<_, _>>()?,
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::local::Family;
+    use cloth_core::element::{Element, Projective};
+    use cloth_core::energy::{Attachment, Spring};
+
+    /// Two rows on three vertices, as an energy of a triangle would have.
+    #[derive(Clone, Copy, Debug)]
+    struct Corner([u32; 3], [[Real; 3]; 2]);
+
+    impl Element<3> for Corner {
+        fn vertices(&self) -> [u32; 3] {
+            self.0
+        }
+    }
+
+    impl Projective<3, 2> for Corner {
+        fn operator(&self) -> [[Real; 3]; 2] {
+            self.1
+        }
+        fn weight(&self) -> Real {
+            2.5
+        }
+        fn project(&self, z: [Vec3; 2]) -> [Vec3; 2] {
+            z
+        }
+    }
+
+    type Families = Vec<Box<dyn Projections>>;
+
+    fn family<const N: usize, const K: usize, E: Projective<N, K>>(
+        elements: &[E],
+        particles: &Particles,
+    ) -> Box<dyn Projections> {
+        Box::new(Family::new(elements.to_vec(), particles).unwrap())
+    }
+
+    /// `w GᵀG` of all elements, entry by entry.
+    fn add_dense<const N: usize, const K: usize, E: Projective<N, K>>(
+        elements: &[E],
+        dense: &mut [[Real; 6]; 6],
+    ) {
+        for element in elements {
+            let mut rows = [[0.0; 6]; K];
+            for (row, coefficients) in rows.iter_mut().zip(element.operator()) {
+                for (vertex, g) in element.vertices().into_iter().zip(coefficients) {
+                    row[vertex as usize] = g;
+                }
+            }
+            for (i, j) in (0..36).map(|at| (at / 6, at % 6)) {
+                let product: Real = rows.iter().map(|row| row[i] * row[j]).sum();
+                dense[i][j] += element.weight() * product;
+            }
+        }
+    }
+
+    #[test]
+    fn the_matrix_is_mass_over_dt_squared_plus_the_sum_of_w_gt_g_over_free_vertices() {
+        let mut particles = Particles::new(vec![0.1, 0.2, 0.3, 0.4, 0.5, 0.6]).unwrap();
+        particles.prescribe(2).unwrap();
+        let spring = |vertices, stiffness| Spring {
+            vertices,
+            rest_length: 1.0,
+            stiffness,
+        };
+        let springs = [
+            spring([1, 0], 3.0),
+            spring([0, 1], 4.0),
+            spring([2, 5], 5.0),
+            spring([5, 3], 0.7),
+        ];
+        let corners = [
+            Corner([4, 2, 0], [[1.0, -3.0, 2.0], [0.5, 0.25, -0.75]]),
+            Corner([3, 4, 1], [[0.0, 1.0, -1.0], [2.0, -1.0, -1.0]]),
+        ];
+        let ties = [Attachment {
+            vertex: 3,
+            target: Vec3::zeros(),
+            stiffness: 9.0,
+        }];
+        let families: Families = vec![
+            family(&springs, &particles),
+            family(&corners, &particles),
+            family(&ties, &particles),
+        ];
+        let mut dense = [[0.0; 6]; 6];
+        add_dense(&springs, &mut dense);
+        add_dense(&corners, &mut dense);
+        add_dense(&ties, &mut dense);
+
+        let mut global = GlobalSystem::new(&particles, &families).unwrap();
+        for dt in [0.1, 0.3] {
+            assert_eq!(global.prepare(dt), Ok(1));
+            let mut matrix = dense;
+            for (i, mass) in particles.mass().iter().enumerate() {
+                matrix[i][i] += mass / (dt * dt);
+            }
+            let mut values = global.cholesky.values_mut().iter();
+            for (_, (row, column)) in &global.stiffness {
+                let [i, j] = [row, column].map(|row| global.vertices[row] as usize);
+                let error = values.next().unwrap() - matrix[i][j];
+                assert!(error.abs() < 1e-13, "{i} {j}: {error:e}");
+            }
+            // What is stored is all there is: A x = b at the x that the solve gives.
+            let b: Vec<Vec3> = (0..6).map(|v| Vec3::new(1.0, v as Real, -0.5)).collect();
+            let mut x = vec![Vec3::zeros(); 6];
+            global.solve(&b, &mut x);
+            assert_eq!(x[2], Vec3::zeros());
+            for i in [0, 1, 3, 4, 5] {
+                let product: Vec3 = (0..6).map(|j| x[j] * matrix[i][j]).sum();
+                assert!((product - b[i]).norm() < 1e-13, "{i}");
+            }
+        }
+    }
+
+    #[test]
+    fn elements_that_move_nothing_are_left_out() {
+        let mut particles = Particles::new(vec![1.0; 3]).unwrap();
+        particles.prescribe(0).unwrap();
+        particles.prescribe(1).unwrap();
+        let spring = |vertices, stiffness| Spring {
+            vertices,
+            rest_length: 1.0,
+            stiffness,
+        };
+        let family = |springs: &[Spring]| Family::<2, 1, Spring>::new(springs.to_vec(), &particles);
+        assert!(
+            family(&[spring([0, 1], 5.0), spring([1, 2], 0.0)])
+                .unwrap()
+                .is_empty()
+        );
+        assert!(!family(&[spring([1, 2], 5.0)]).unwrap().is_empty());
+    }
+}

@@ -29,9 +29,11 @@
 //! ```
 //!
 //! (34) is printed for the increment Δx; with `f = Σ w Gᵀ(p − G x)` and `H = Σ w GᵀG` it is the same equation. We solve it
-//! for `d = x − y`, y the positions before the step with prescribed vertices already where they will be:
-//! `A d = M (x̃ − y)/Δt² + Σ w Gᵀ(p − G y)`. The numbers stay small, so no digits are lost far from the origin; `G y` and what is constant in p are added up once a
-//! step; and as `d` is zero at prescribed vertices, their rows and columns drop out without a trace.
+//! for `d = x − x̃`: `A d = Σ w Gᵀ(p − G x̃)`. The masses drop out of the right-hand side, and what is left is small, so no digits are lost in free fall or
+//! far from the origin; `G x̃` and what is constant in p are added up once a step; and as d is zero at prescribed
+//! vertices, their rows and columns drop out too. The right-hand side at x̃ is `−∇G(x̃)`, and the difference of two that follow one another is
+//! `∇G` at the iterate between: a tolerance costs no evaluation of its own.
+//!
 //! S1 calls the matrix symmetric but not necessarily semi-definite; `Σ w GᵀG` is semi-definite for weights ≥ 0, and M makes A positive definite.
 //!
 //! | equation | where |

@@ -15,9 +15,9 @@ pub(crate) trait Projections: Debug + Send + Sync {
     /// Hands over the entries of the lower half of `Σ w GᵀG`.
     fn add_matrix(&self, entry: &mut EntrySink<'_>);
 
-    /// Adds what is the same in all iterations of a step that starts at `y` (m) to `out` (N): `Σ w Gᵀ(p − G y)` where the projection
-    /// is constant, `−Σ w GᵀG y` where it is not.
-    fn add_constant_pull(&mut self, y: &[Vec3], out: &mut [Vec3]);
+    /// Adds what is the same in all iterations of a step with the prediction x̃ (m) to `out` (N): `Σ w Gᵀ(p − G x̃)` where the
+    /// projection is constant, `−Σ w GᵀG x̃` where it is not.
+    fn add_constant_pull(&mut self, predicted: &[Vec3], out: &mut [Vec3]);
 
     /// Adds `Σ w Gᵀ p` with the projections `p` of `G x` (m) to `out` (N), unless they are constant.
     fn add_projections(&mut self, x: &[Vec3], out: &mut [Vec3]);
@@ -100,14 +100,14 @@ impl<const N: usize, const K: usize, E: Projective<N, K>> Projections for Family
         }
     }
 
-    fn add_constant_pull(&mut self, y: &[Vec3], out: &mut [Vec3]) {
+    fn add_constant_pull(&mut self, predicted: &[Vec3], out: &mut [Vec3]) {
         if E::PROJECTION_IS_CONSTANT {
-            self.pull(y, out, |element, z| {
+            self.pull(predicted, out, |element, z| {
                 let p = element.project(z);
                 std::array::from_fn(|k| p[k] - z[k])
             });
         } else {
-            self.pull(y, out, |_, z| z.map(|z| -z));
+            self.pull(predicted, out, |_, z| z.map(|z| -z));
         }
     }
 

@@ -5,7 +5,8 @@ use crate::global::GlobalSystem;
 use crate::local::{Family, Projections};
 use crate::residual::Residual;
 use cloth_core::element::Projective;
-use cloth_core::math::{Real, Vec3};
+use cloth_core::math::Vec3;
+use cloth_core::measure::predict;
 use cloth_core::particles::{Particles, State};
 use cloth_core::step::{BuildError, Outcome, StepError, StepInput, StepReport, Stepper};
 
@@ -18,13 +19,13 @@ pub struct PdSolver {
     config: PdConfig,
     /// With a tolerance only.
     residual: Option<Residual>,
-    /// y (m): the positions before the step, but prescribed vertices where they will be after it.
-    origin: Vec<Vec3>,
+    /// x̃ (m); a prescribed vertex is where it will be after the step.
+    predicted: Vec<Vec3>,
     /// The part of b (N) that is the same in all iterations of a step.
     constant_pull: Vec<Vec3>,
     /// b (N).
     pull: Vec<Vec3>,
-    /// `d = x − y` (m); zero for prescribed vertices.
+    /// `d = x − x̃` (m); zero for prescribed vertices.
     displacement: Vec<Vec3>,
     /// x (m), the iterate.
     positions: Vec<Vec3>,
@@ -46,7 +47,7 @@ impl Stepper for PdSolver {
         let factorizations =
             prepared.map_err(|_| StepError::NotPositiveDefinite { iteration: 1, step })?;
         self.predict(state, &input); // S1 (33)
-        self.start();
+        self.start(state);
         let mut iterations = 0;
         let outcome = loop {
             if self.global.is_empty() {
@@ -56,7 +57,7 @@ impl Stepper for PdSolver {
                 break Outcome::BudgetSpent;
             }
             self.project(); // S1 (28)–(31)
-            if self.is_converged() {
+            if self.is_converged(iterations) {
                 break Outcome::Converged;
             }
             if iterations == self.config.iterations {
@@ -68,7 +69,7 @@ impl Stepper for PdSolver {
                 observer.iteration(iterations, &self.positions);
             }
         };
-        self.finish(state, input.dt)?; // S1 (35)
+        self.finish(state, &input)?; // S1 (35)
         Ok(StepReport {
             factorizations,
             linear_solves: iterations,
@@ -95,49 +96,39 @@ impl PdSolver {
         &self.config
     }
 
-    /// S1 (33): goes to `x̃ = y + Δt v + Δt² a`, and gathers what depends on the step but not on the iteration,
-    /// `M (x̃ − y)/Δt² + Σ w Gᵀ(p − G y)`, the last sum with p only where it is constant.
+    /// S1 (33): goes to `x̃ = x[0] + Δt v + Δt² a`, and gathers `Σ w Gᵀ(p − G x̃)`, with p only where it is constant.
     fn predict(&mut self, state: &State, input: &StepInput<'_>) {
-        let dt = input.dt;
-        for vertex in 0..self.particles.len() {
-            let (x, v) = (state.positions[vertex], state.velocities[vertex]);
-            let w = self.particles.inverse_mass()[vertex];
-            let a = input.external_acceleration(vertex, w);
-            let way = (v + a * dt) * dt;
-            (self.origin[vertex], self.displacement[vertex]) = if w == 0.0 {
-                (x + way, Vec3::zeros())
-            } else {
-                (x, way)
-            };
-            self.positions[vertex] = x + way;
-            self.constant_pull[vertex] =
-                self.displacement[vertex] * (self.particles.mass()[vertex] / (dt * dt));
-        }
+        predict(&self.particles, state, input, &mut self.predicted);
+        self.positions.copy_from_slice(&self.predicted);
+        self.displacement.fill(Vec3::zeros());
+        self.constant_pull.fill(Vec3::zeros());
         for family in &mut self.families {
-            family.add_constant_pull(&self.origin, &mut self.constant_pull);
+            family.add_constant_pull(&self.predicted, &mut self.constant_pull);
         }
     }
 
-    /// Chooses `x⁽⁰⁾`, and measures `∇G(x̃)` if there is a tolerance to compare with it.
-    fn start(&mut self) {
+    /// Goes to `x⁽⁰⁾`. If that is not x̃, and there is a tolerance, looks at x̃ first.
+    fn start(&mut self, state: &State) {
         if let Some(residual) = &mut self.residual {
-            residual.begin(self.particles.inverse_mass(), |gradient| {
-                for family in &mut self.families {
-                    family.add_constant_pull(&self.positions, gradient);
-                    family.add_projections(&self.positions, gradient);
-                }
-            });
-            if residual.is_zero_at_prediction() {
+            residual.begin();
+        }
+        if self.config.start == Start::Predicted {
+            return;
+        }
+        if self.residual.is_some() {
+            self.project();
+            if self.is_converged(0) {
                 return;
             }
         }
-        if self.config.start == Start::Previous {
-            self.positions.copy_from_slice(&self.origin);
-            self.displacement.fill(Vec3::zeros());
+        for (vertex, x) in self.positions.iter_mut().enumerate() {
+            if !self.particles.is_prescribed(vertex) {
+                *x = state.positions[vertex];
+            }
         }
     }
 
-    /// The local step: `b = M (x̃ − y)/Δt² + Σ w Gᵀ(p(x) − G y)`.
+    /// The local step: `b = Σ w Gᵀ(p(x) − G x̃)`.
     fn project(&mut self) {
         self.pull.copy_from_slice(&self.constant_pull);
         for family in &mut self.families {
@@ -145,36 +136,35 @@ impl PdSolver {
         }
     }
 
-    fn is_converged(&mut self) -> bool {
+    fn is_converged(&mut self, iterations: u32) -> bool {
         let inverse_mass = self.particles.inverse_mass();
         self.residual
             .as_mut()
-            .is_some_and(|residual| residual.is_met(inverse_mass, &self.pull))
+            .is_some_and(|residual| residual.is_met(inverse_mass, &self.pull, iterations))
     }
 
-    /// The global step: `A d = b`, `x = y + d`.
+    /// The global step: `A d = b`, `x = x̃ + d`.
     fn solve(&mut self) {
         self.global.solve(&self.pull, &mut self.displacement);
         for vertex in 0..self.positions.len() {
-            self.positions[vertex] = self.origin[vertex] + self.displacement[vertex];
+            self.positions[vertex] = self.predicted[vertex] + self.displacement[vertex];
         }
     }
 
-    /// S1 (35): `x[1] = x`, `v[1] = d/Δt`.
-    fn finish(&self, state: &mut State, dt: Real) -> Result<(), StepError> {
+    /// S1 (35): `x[1] = x`; and `v[1] = (x − x[0])/Δt`, written as `v + Δt a + d/Δt`, which does not subtract positions.
+    fn finish(&mut self, state: &mut State, input: &StepInput<'_>) -> Result<(), StepError> {
         let step = state.steps + 1;
         let is_finite = |v: &Vec3| v.iter().all(|c| c.is_finite());
-        let mut moved = self.positions.iter().zip(&self.displacement);
-        if let Some(vertex) = moved.position(|(x, d)| !is_finite(x) || !is_finite(&(d / dt))) {
-            return Err(StepError::NonFinite { vertex, step });
-        }
-        state.positions.copy_from_slice(&self.positions);
-        for (vertex, v) in state.velocities.iter_mut().enumerate() {
-            if !self.particles.is_prescribed(vertex) {
-                *v = self.displacement[vertex] / dt;
+        for (vertex, d) in self.displacement.iter_mut().enumerate() {
+            let a = input.external_acceleration(vertex, self.particles.inverse_mass()[vertex]);
+            *d = state.velocities[vertex] + a * input.dt + *d / input.dt;
+            if !is_finite(&self.positions[vertex]) || !is_finite(d) {
+                return Err(StepError::NonFinite { vertex, step });
             }
         }
-        state.time += dt;
+        state.positions.copy_from_slice(&self.positions);
+        state.velocities.copy_from_slice(&self.displacement);
+        state.time += input.dt;
         state.steps = step;
         Ok(())
     }
@@ -231,7 +221,7 @@ impl PdBuilder {
             particles: self.particles,
             families,
             global,
-            origin: zeros.clone(),
+            predicted: zeros.clone(),
             constant_pull: zeros.clone(),
             pull: zeros.clone(),
             displacement: zeros.clone(),

@@ -1,0 +1,7 @@
+//! The claims of the chapter.
+
+mod cloth;
+mod edges;
+mod minimum;
+mod motion;
+mod step;

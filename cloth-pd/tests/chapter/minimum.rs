@@ -1,0 +1,224 @@
+//! What the iteration converges to, and how.
+
+use crate::cloth::{
+    DT, GRAVITY, distance, falling, hanging, iterations, potential, shake, sheet, solver,
+    to_tolerance,
+};
+use cloth_core::energy::{Attachment, Spring};
+use cloth_core::math::{Real, Vec3};
+use cloth_core::particles::{Particles, State};
+use cloth_core::step::{Observer, Outcome, StepInput, Stepper};
+use cloth_pd::{PdConfig, PdSolver, Start};
+
+#[test]
+fn a_converged_step_is_a_stationary_point_of_the_incremental_potential() {
+    let (model, mut state) = hanging(8, 200.0);
+    shake(&model, &mut state, 0.02);
+    let before = state.clone();
+    let report = solver(&model, to_tolerance(1e-11))
+        .step(&mut state, falling())
+        .unwrap();
+    assert_eq!(report.outcome, Outcome::Converged);
+    let (_, gradient) = potential(&model, &before, &falling(), &state.positions);
+    assert!(gradient <= 1.1e-11, "{gradient:e}");
+}
+
+#[test]
+fn the_reported_residual_is_the_relative_gradient_of_the_incremental_potential() {
+    for (start, count) in [
+        (Start::Predicted, 1),
+        (Start::Predicted, 7),
+        (Start::Previous, 3),
+    ] {
+        let (model, mut state) = hanging(8, 1e4);
+        shake(&model, &mut state, 0.02);
+        let before = state.clone();
+        let config = PdConfig {
+            iterations: count,
+            tolerance: Some(0.0),
+            start,
+        };
+        let report = solver(&model, config).step(&mut state, falling()).unwrap();
+        assert_eq!(
+            (report.outcome, report.iterations),
+            (Outcome::BudgetSpent, count)
+        );
+        let (_, expected) = potential(&model, &before, &falling(), &state.positions);
+        let error = report.residual.unwrap() / expected - 1.0;
+        assert!(error.abs() < 1e-12, "{start:?} {count}: {error:e}");
+    }
+}
+
+#[test]
+fn a_tolerance_watches_and_does_not_change_the_iteration() {
+    let run = |tolerance| {
+        let (model, mut state) = hanging(8, 1e4);
+        let config = PdConfig {
+            tolerance,
+            ..iterations(12)
+        };
+        solver(&model, config).step(&mut state, falling()).unwrap();
+        state
+    };
+    assert_eq!(run(None), run(Some(0.0)));
+}
+
+#[test]
+fn one_spring_ends_at_implicit_euler_in_closed_form() {
+    let (mass, stiffness, rest_length, dt) = (0.3, 50.0, 1.0, 0.1);
+    let mut particles = Particles::new(vec![1.0, mass]).unwrap();
+    particles.prescribe(0).unwrap();
+    let spring = Spring {
+        vertices: [0, 1],
+        rest_length,
+        stiffness,
+    };
+    let position = Vec3::new(1.5, 0.2, -0.3);
+    let velocity = Vec3::new(-2.0, 3.0, 1.0);
+    let predicted = position + (velocity + GRAVITY * dt) * dt;
+    // By symmetry the minimum lies on the line from the fixed end to x̃.
+    let length = (mass * predicted.norm() + dt * dt * stiffness * rest_length)
+        / (mass + dt * dt * stiffness);
+    let expected = predicted.normalize() * length;
+    for start in [Start::Previous, Start::Predicted] {
+        let config = PdConfig {
+            iterations: 200,
+            tolerance: None,
+            start,
+        };
+        let mut solver = PdSolver::builder(&particles)
+            .energy(vec![spring])
+            .config(config)
+            .build()
+            .unwrap();
+        let mut state = State::at_rest(vec![Vec3::zeros(), position]);
+        state.velocities[1] = velocity;
+        solver
+            .step(&mut state, StepInput::new(dt).gravity(GRAVITY))
+            .unwrap();
+        assert!((state.positions[1] - expected).norm() < 1e-15, "{start:?}");
+        let speed = (expected - position) / dt;
+        assert!((state.velocities[1] - speed).norm() < 1e-13, "{start:?}");
+    }
+}
+
+#[test]
+fn two_starts_end_at_the_same_minimum() {
+    let run = |start| {
+        let (model, mut state) = hanging(8, 200.0);
+        let config = PdConfig {
+            start,
+            ..to_tolerance(1e-12)
+        };
+        solver(&model, config).step(&mut state, falling()).unwrap();
+        state.positions
+    };
+    let apart = distance(&run(Start::Previous), &run(Start::Predicted));
+    assert!(apart < 1e-14, "{apart:e}");
+}
+
+/// Collects G after every iteration.
+struct Values<'a, F: Fn(&[Vec3]) -> Real> {
+    potential: &'a F,
+    seen: Vec<Real>,
+}
+
+impl<F: Fn(&[Vec3]) -> Real> Observer for Values<'_, F> {
+    fn iteration(&mut self, iteration: u32, positions: &[Vec3]) {
+        self.seen.push((self.potential)(positions));
+        assert_eq!(iteration as usize, self.seen.len());
+    }
+}
+
+#[test]
+fn the_incremental_potential_falls_in_every_iteration_from_any_start() {
+    for (stiffness, shake_by) in [(10.0, 0.3), (1e4, 0.0), (1e4, 0.3), (1e6, 0.01)] {
+        let (model, mut state) = hanging(8, stiffness);
+        shake(&model, &mut state, shake_by);
+        let before = state.clone();
+        let value = |x: &[Vec3]| potential(&model, &before, &falling(), x).0;
+        let mut observer = Values {
+            potential: &value,
+            seen: Vec::new(),
+        };
+        let input = falling().observer(&mut observer);
+        solver(&model, iterations(60))
+            .step(&mut state, input)
+            .unwrap();
+        assert_eq!(observer.seen.len(), 60);
+        let rounding = 1e-15 * observer.seen[0];
+        for pair in observer.seen.windows(2) {
+            assert!(pair[1] <= pair[0] + rounding, "k {stiffness}: {pair:?}");
+        }
+    }
+}
+
+#[test]
+fn quadratic_energies_are_solved_by_one_iteration() {
+    let (model, mut state) = hanging(8, 1.0);
+    shake(&model, &mut state, 0.1);
+    let ties: Vec<Attachment> = (0..20)
+        .map(|i| Attachment {
+            vertex: 3 * i,
+            target: Vec3::new(0.1, 0.2, 0.3),
+            stiffness: 70.0,
+        })
+        .collect();
+    let build = |config| {
+        PdSolver::builder(&model.particles)
+            .energy(model.hinges.clone())
+            .energy(ties.clone())
+            .config(config)
+            .build()
+            .unwrap()
+    };
+    let model = cloth_core::cloth::ClothModel {
+        springs: Vec::new(),
+        ..model.clone()
+    };
+    let before = state.clone();
+    build(iterations(1)).step(&mut state, falling()).unwrap();
+    let energies = model.energies().unwrap().with(ties.clone()).unwrap();
+    let mut predicted = before.positions.clone();
+    cloth_core::measure::predict(&model.particles, &before, &falling(), &mut predicted);
+    let potential = cloth_core::measure::IncrementalPotential {
+        particles: &model.particles,
+        energies: &energies,
+        predicted: &predicted,
+        dt: DT,
+    };
+    let norm = |x: &[Vec3]| {
+        let mut gradient = x.to_vec();
+        potential.gradient_into(x, &mut gradient);
+        potential.gradient_norm(&gradient)
+    };
+    let ratio = norm(&state.positions) / norm(&predicted);
+    assert!(ratio < 2e-15, "{ratio:e}");
+
+    // And the solver notices: the second right-hand side is the first, bit for bit.
+    let mut watched = before;
+    let report = build(to_tolerance(0.0))
+        .step(&mut watched, falling())
+        .unwrap();
+    assert_eq!((report.outcome, report.iterations), (Outcome::Converged, 1));
+    assert_eq!(report.residual, Some(0.0));
+    assert_eq!(watched, state);
+}
+
+#[test]
+fn one_step_has_the_same_result_with_elements_in_another_order() {
+    let (model, mut state) = sheet(8, 200.0);
+    shake(&model, &mut state, 0.05);
+    let mut reversed = state.clone();
+    let mut model_reversed = model.clone();
+    model_reversed.springs.reverse();
+    model_reversed.hinges.reverse();
+    solver(&model, iterations(30))
+        .step(&mut state, falling())
+        .unwrap();
+    solver(&model_reversed, iterations(30))
+        .step(&mut reversed, falling())
+        .unwrap();
+    let apart = distance(&state.positions, &reversed.positions);
+    assert!(apart < 4e-15, "{apart:e}");
+}

@@ -1,0 +1,207 @@
+//! The contract of a step: factorisations, threads, errors.
+
+use crate::cloth::{DT, GRAVITY, falling, hanging, iterations, shake, sheet, solver};
+use cloth_core::energy::Spring;
+use cloth_core::math::{Real, Vec3};
+use cloth_core::particles::{Particles, State};
+use cloth_core::step::{BuildError, StepError, StepInput, Stepper};
+use cloth_pd::{PdConfig, PdSolver};
+
+fn input_of<'a>(dt: Real) -> StepInput<'a> {
+    StepInput::new(dt).gravity(GRAVITY)
+}
+
+#[test]
+fn a_changed_step_size_is_factorised_once_and_reported() {
+    let (model, mut state) = hanging(9, 1e4);
+    let mut one = solver(&model, iterations(4));
+    let reported: Vec<u32> = [DT, DT, DT / 2.0, DT / 2.0, DT, DT]
+        .into_iter()
+        .map(|dt| one.step(&mut state, input_of(dt)).unwrap().factorizations)
+        .collect();
+    assert_eq!(reported, [1, 0, 1, 0, 1, 0]);
+}
+
+#[test]
+fn a_step_has_the_bits_that_a_new_solver_gives() {
+    let (model, mut state) = hanging(9, 1e4);
+    shake(&model, &mut state, 0.02);
+    let mut old = solver(&model, iterations(4));
+    for dt in [DT, DT / 3.0, DT / 3.0, 2.0 * DT, DT] {
+        let mut by_new = state.clone();
+        solver(&model, iterations(4))
+            .step(&mut by_new, input_of(dt))
+            .unwrap();
+        old.step(&mut state, input_of(dt)).unwrap();
+        assert_eq!(state, by_new);
+    }
+}
+
+#[test]
+fn the_report_counts_one_solve_an_iteration() {
+    let (model, mut state) = hanging(5, 1e4);
+    let report = solver(&model, iterations(7))
+        .step(&mut state, falling())
+        .unwrap();
+    assert_eq!(
+        (report.iterations, report.linear_solves, report.backtracks),
+        (7, 7, 0)
+    );
+    assert_eq!(report.residual, None);
+}
+
+#[cfg(feature = "parallel")]
+#[test]
+fn threads_do_not_change_a_bit() {
+    let (model, mut start) = hanging(128, 1e4);
+    shake(&model, &mut start, 0.002);
+    let run = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build()
+            .unwrap();
+        let mut state = start.clone();
+        let config = PdConfig {
+            tolerance: Some(1e-9),
+            ..iterations(3)
+        };
+        let mut solver = solver(&model, config);
+        let residual = pool.install(|| {
+            solver.step(&mut state, falling()).unwrap();
+            solver.step(&mut state, falling()).unwrap().residual
+        });
+        (state, residual)
+    };
+    let one = run(1);
+    assert!(one == run(2) && one == run(4));
+}
+
+#[test]
+fn an_error_leaves_the_state_as_it_was() {
+    let (model, start) = hanging(5, 1e4);
+    let mut solver = solver(&model, iterations(3));
+    let mut refuse = |state: &State, input: StepInput<'_>| {
+        let mut after = state.clone();
+        let error = solver.step(&mut after, input).unwrap_err();
+        // NaN is not equal to itself; the text of it is.
+        assert_eq!(format!("{after:?}"), format!("{state:?}"));
+        error
+    };
+    for dt in [0.0, -DT, Real::NAN, Real::INFINITY] {
+        assert!(matches!(
+            refuse(&start, input_of(dt)),
+            StepError::InvalidTimeStep { .. }
+        ));
+    }
+    let mut bad = start.clone();
+    bad.positions[3].y = Real::NAN;
+    let vertex = Some(3);
+    assert_eq!(
+        refuse(&bad, falling()),
+        StepError::NonFiniteInput {
+            what: "the state",
+            vertex
+        }
+    );
+    let mut load = vec![Vec3::zeros(); 25];
+    load[7].x = Real::INFINITY;
+    let vertex = Some(7);
+    assert_eq!(
+        refuse(&start, falling().load(&load)),
+        StepError::NonFiniteInput {
+            what: "the load",
+            vertex
+        }
+    );
+    load[7].x = 1e308;
+    assert!(matches!(
+        refuse(&start, falling().load(&load)),
+        StepError::NonFinite { step: 1, .. }
+    ));
+    // M/Δt² is infinite.
+    let expected = StepError::NotPositiveDefinite {
+        iteration: 1,
+        step: 1,
+    };
+    assert_eq!(refuse(&start, input_of(1e-200)), expected);
+
+    let (mut after, mut by_new) = (start.clone(), start);
+    assert_eq!(
+        solver.step(&mut after, falling()).unwrap().factorizations,
+        1
+    );
+    self::solver(&model, iterations(3))
+        .step(&mut by_new, falling())
+        .unwrap();
+    assert_eq!(after, by_new);
+}
+
+#[test]
+fn a_singular_matrix_is_reported() {
+    let (model, mut state) = sheet(5, 1e4);
+    let before = state.clone();
+    // M/Δt² is zero.
+    let error = solver(&model, iterations(3)).step(&mut state, StepInput::new(1e200));
+    match error {
+        Err(StepError::NotPositiveDefinite { .. }) => {}
+        other => panic!("{other:?}"),
+    }
+    assert_eq!(state, before);
+}
+
+#[test]
+fn what_cannot_be_built_is_refused() {
+    let particles = Particles::new(vec![1.0; 3]).unwrap();
+    let spring = Spring {
+        vertices: [0, 1],
+        rest_length: 1.0,
+        stiffness: 5.0,
+    };
+    let build = |spring, config| {
+        PdSolver::builder(&particles)
+            .energy(vec![spring])
+            .config(config)
+            .build()
+    };
+    let refused = |spring, config: PdConfig| match build(spring, config) {
+        Err(BuildError::InvalidSetting { name, .. }) => name,
+        other => panic!("{other:?}"),
+    };
+    let config = PdConfig::default();
+    assert_eq!(refused(spring, iterations(0)), "iterations");
+    for tolerance in [-1.0, Real::NAN, Real::INFINITY] {
+        assert_eq!(
+            refused(
+                spring,
+                PdConfig {
+                    tolerance: Some(tolerance),
+                    ..config
+                }
+            ),
+            "tolerance"
+        );
+    }
+    for stiffness in [-1.0, Real::NAN, Real::INFINITY] {
+        assert_eq!(
+            refused(
+                Spring {
+                    stiffness,
+                    ..spring
+                },
+                config
+            ),
+            "the weight of an element"
+        );
+    }
+    let outside = Spring {
+        vertices: [0, 3],
+        ..spring
+    };
+    let expected = BuildError::NoSuchVertex {
+        element: 0,
+        vertex: 3,
+        vertex_count: 3,
+    };
+    assert_eq!(build(outside, config).unwrap_err(), expected);
+    assert!(build(spring, config).is_ok());
+}
