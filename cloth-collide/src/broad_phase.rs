@@ -1,11 +1,12 @@
 //! Which triangles of a cloth can be near each other? Candidates from a tree of boxes.
 
 use crate::bounds::Bounds;
-use crate::convert::aabb;
+use crate::convert::{aabb, bounds as node_bounds};
 use crate::error::CollideError;
 use cloth_core::math::{Real, Vec3, gather};
 use cloth_core::mesh::TriMesh;
-use parry3d_f64::partitioning::{Bvh, BvhBuildStrategy, BvhWorkspace};
+use parry3d_f64::partitioning::{Bvh, BvhBuildStrategy, BvhNode, BvhWorkspace};
+use std::cell::Cell;
 use std::fmt;
 
 /// Finds the pairs of triangles of one cloth that are possibly within a given distance of each other: the pairs
@@ -43,7 +44,7 @@ impl TrianglePairs {
         let leaves: Vec<_> = bounds
             .iter()
             .map(|b| b.loosened(thickness))
-            .map(|b| aabb(b.lower, b.upper))
+            .map(|b| aabb(&b))
             .collect();
         Self {
             tree: Bvh::from_leaves(BvhBuildStrategy::Binned, &leaves),
@@ -90,12 +91,7 @@ impl TrianglePairs {
         // Half of the distance for each of the two boxes, and enough that rounding here loses no pair; the squared
         // gap decides below.
         let margin = 0.5 * distance + 4.0 * Real::EPSILON * (self.reach + distance);
-        for (triangle, bounds) in (0..).zip(&self.bounds) {
-            let loose = bounds.loosened(margin);
-            let leaf = aabb(loose.lower, loose.upper);
-            self.tree.insert_or_update_partially(leaf, triangle, 0.0);
-        }
-        self.tree.refit_without_opt();
+        self.refit(margin);
         let Self {
             tree,
             workspace,
@@ -113,6 +109,27 @@ impl TrianglePairs {
         tree.traverse_bvtt_single_tree::<false>(workspace, &mut keep);
         pairs.sort_unstable();
         pairs
+    }
+
+    /// Lets the tree follow the boxes, each loosened by `margin` (m).
+    fn refit(&mut self, margin: Real) {
+        for (triangle, bounds) in (0..).zip(&self.bounds) {
+            let leaf = aabb(&bounds.loosened(margin));
+            self.tree.insert_or_update_partially(leaf, triangle, 0.0);
+        }
+        self.tree.refit_without_opt();
+    }
+
+    /// Hands `visit` every pair of triangles a < b whose boxes are nearer than the distance whose square is `limit` (m²), which
+    /// `visit` may lower on the way. The tree has to be as [`TrianglePairs::within`] leaves it.
+    pub(crate) fn visit_within(&self, limit: &Cell<Real>, mut visit: impl FnMut([u32; 2])) {
+        let near =
+            |a: &BvhNode, b: &BvhNode| node_bounds(a).squared_gap(&node_bounds(b)) < limit.get();
+        for (a, b) in self.tree.leaf_pairs(&self.tree, near) {
+            if a < b {
+                visit([a, b]);
+            }
+        }
     }
 
     /// What [`TrianglePairs::within`] has found last.
@@ -151,3 +168,6 @@ fn bounds_of(triangles: &[[u32; 3]], positions: &[Vec3]) -> Vec<Bounds> {
 fn reach(positions: &[Vec3]) -> Real {
     positions.iter().map(Vec3::amax).fold(0.0, Real::max)
 }
+
+#[cfg(test)]
+mod tests;

@@ -4,9 +4,11 @@ use crate::bounds::Bounds;
 use crate::broad_phase::TrianglePairs;
 use crate::closest::{edge_edge, point_triangle};
 use crate::error::CollideError;
+use crate::incidence::{Owned, ends, facing, owned};
 use crate::intersect::{segment_meets_triangle, triangles_meet};
 use cloth_core::math::{Real, Vec3, gather};
 use cloth_core::mesh::TriMesh;
+use std::cell::Cell;
 
 /// What [`SeparationProbe::measure`] finds.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -36,11 +38,11 @@ pub struct Separation {
 /// Two triangles with a common *edge* never count as intersecting: they meet elsewhere only if they lie exactly
 /// flat on each other, and then `min_distance` is zero, or nearly so for rounding.
 ///
-/// **How.** Once per position: (1) pairs of triangles with overlapping boxes go through the exact
-/// test of [`triangles_meet`]. (2) If none meets, the distance across every inner edge gives an upper limit r, and the pairs
-/// of (1) lower it. (3) All pairs of triangles whose boxes are within r are searched, r shrinking as
-/// they are. So that no pair of primitives is computed twice, each vertex and each edge belongs to one of its
-/// triangles (Curtis, Tamstorf and Manocha 2008), and a pair of triangles computes what both own.
+/// **How.** Pairs of triangles with overlapping boxes go through the exact test of [`triangles_meet`]. If none
+/// meets, the distances across all inner edges and those of the pairs just tested give an upper limit. The tree of
+/// boxes is then walked in search of anything nearer than the limit, which falls with every find. So
+/// that no pair of primitives is computed twice, each vertex and each edge belongs to one of its triangles
+/// (Curtis, Tamstorf and Manocha 2008), and a pair of triangles computes what both own.
 ///
 /// ```
 /// use cloth_collide::SeparationProbe;
@@ -63,18 +65,6 @@ pub struct SeparationProbe {
     owned: Vec<Owned>,
     /// Pairs (vertex, triangle) across inner edges: near each other, so their distances are a good upper limit.
     facing: Vec<(u32, u32)>,
-}
-
-/// Which of its own corners and edges a triangle speaks for. Edge k goes from corner k to the next one.
-#[derive(Clone, Copy, Debug, Default)]
-struct Owned {
-    vertices: [bool; 3],
-    edges: [bool; 3],
-}
-
-/// The two corners of edge k of a triangle.
-fn ends(k: usize) -> [usize; 2] {
-    [k, (k + 1) % 3]
 }
 
 impl SeparationProbe {
@@ -117,19 +107,19 @@ impl SeparationProbe {
     }
 
     /// The smallest distance (m), given that the pairs of overlapping boxes have just been listed.
-    fn min_distance(&mut self, positions: &[Vec3]) -> Option<Real> {
-        let mut nearest = self.facing_squared(positions)?;
-        self.lower_to_listed(positions, &mut nearest);
-        self.pairs.within(nearest.sqrt());
-        self.lower_to_listed(positions, &mut nearest);
-        Some(nearest.sqrt())
-    }
-
-    /// Lowers the squared distance `nearest` (m²) to that of the listed pairs of triangles.
-    fn lower_to_listed(&self, positions: &[Vec3], nearest: &mut Real) {
+    fn min_distance(&self, positions: &[Vec3]) -> Option<Real> {
+        let nearest = Cell::new(self.facing_squared(positions)?);
         for &pair in self.pairs.found() {
-            self.lower_to_pair(pair, positions, nearest);
+            self.lower_to_pair(pair, positions, &nearest);
         }
+        self.pairs.visit_within(&nearest, |pair| {
+            let [a, b] = pair.map(|t| &self.pairs.bounds()[t as usize]);
+            // Overlapping boxes were in the list.
+            if a.squared_gap(b) > 0.0 {
+                self.lower_to_pair(pair, positions, &nearest);
+            }
+        });
+        Some(nearest.get().sqrt())
     }
 
     /// The smallest squared distance (m²) across an inner edge.
@@ -144,10 +134,10 @@ impl SeparationProbe {
     }
 
     /// Lowers the squared distance `nearest` (m²) to that of the primitives that two triangles own.
-    fn lower_to_pair(&self, pair: [u32; 2], positions: &[Vec3], nearest: &mut Real) {
+    fn lower_to_pair(&self, pair: [u32; 2], positions: &[Vec3], nearest: &Cell<Real>) {
         let pair = pair.map(|t| t as usize);
         let bounds = pair.map(|t| &self.pairs.bounds()[t]);
-        if bounds[0].squared_gap(bounds[1]) > *nearest {
+        if bounds[0].squared_gap(bounds[1]) >= nearest.get() {
             return;
         }
         let corners = pair.map(|t| self.pairs.triangles()[t]);
@@ -157,9 +147,9 @@ impl SeparationProbe {
             for k in 0..3 {
                 if owned[one].vertices[k] && !corners[other].contains(&corners[one][k]) {
                     let point = x[one][k];
-                    if Bounds::around([point]).squared_gap(bounds[other]) <= *nearest {
+                    if Bounds::around([point]).squared_gap(bounds[other]) < nearest.get() {
                         let found = point_triangle(point, x[other]).separation;
-                        *nearest = nearest.min(found.norm_squared());
+                        nearest.set(nearest.get().min(found.norm_squared()));
                     }
                 }
             }
@@ -167,7 +157,7 @@ impl SeparationProbe {
         for i in (0..3).filter(|&i| owned[0].edges[i]) {
             let first = ends(i).map(|k| x[0][k]);
             let first_bounds = Bounds::around(first);
-            if first_bounds.squared_gap(bounds[1]) > *nearest {
+            if first_bounds.squared_gap(bounds[1]) >= nearest.get() {
                 continue;
             }
             for j in (0..3).filter(|&j| owned[1].edges[j]) {
@@ -176,9 +166,9 @@ impl SeparationProbe {
                     continue;
                 }
                 let second = ends(j).map(|k| x[1][k]);
-                if first_bounds.squared_gap(&Bounds::around(second)) <= *nearest {
+                if first_bounds.squared_gap(&Bounds::around(second)) < nearest.get() {
                     let found = edge_edge(first, second).separation;
-                    *nearest = nearest.min(found.norm_squared());
+                    nearest.set(nearest.get().min(found.norm_squared()));
                 }
             }
         }
@@ -205,71 +195,5 @@ fn meet_unduly(pair: [[u32; 3]; 2], positions: &[Vec3]) -> bool {
     }
 }
 
-/// Gives each vertex and each edge to the first triangle that has it.
-fn owned(mesh: &TriMesh) -> Vec<Owned> {
-    let mut owned = vec![Owned::default(); mesh.triangle_count()];
-    let mut taken = vec![false; mesh.vertex_count()];
-    for (owned, corners) in owned.iter_mut().zip(mesh.triangles()) {
-        owned.vertices = corners.map(|v| !std::mem::replace(&mut taken[v as usize], true));
-    }
-    let sides = sorted_sides(mesh.triangles());
-    for same in sides.chunk_by(|a, b| a.ends == b.ends) {
-        owned[same[0].triangle as usize].edges[same[0].k] = true;
-    }
-    owned
-}
-
-/// Pairs (vertex, triangle) across inner edges; if there are none, of each triangle and the next.
-fn facing(triangles: &[[u32; 3]]) -> Vec<(u32, u32)> {
-    let sides = sorted_sides(triangles);
-    let across: Vec<_> = sides
-        .windows(2)
-        .filter(|two| two[0].ends == two[1].ends)
-        .map(|two| (two[1].opposite(triangles), two[0].triangle))
-        .collect();
-    if !across.is_empty() {
-        return across;
-    }
-    // No two triangles have the same three vertices, so the next one has a vertex that this one has not.
-    (0..)
-        .zip(triangles.windows(2))
-        .flat_map(|(t, two)| {
-            let elsewhere = move |v: &u32| !two[0].contains(v);
-            two[1].into_iter().filter(elsewhere).map(move |v| (v, t))
-        })
-        .collect()
-}
-
-/// One edge of one triangle.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-struct Side {
-    /// The two vertices, the smaller number first.
-    ends: [u32; 2],
-    triangle: u32,
-    k: usize,
-}
-
-impl Side {
-    fn opposite(self, triangles: &[[u32; 3]]) -> u32 {
-        triangles[self.triangle as usize][(self.k + 2) % 3]
-    }
-}
-
-/// All edges of all triangles, those between the same two vertices next to each other.
-fn sorted_sides(triangles: &[[u32; 3]]) -> Vec<Side> {
-    let mut sides: Vec<Side> = (0..)
-        .zip(triangles)
-        .flat_map(|(triangle, corners)| {
-            (0..3).map(move |k| {
-                let [a, b] = ends(k).map(|k| corners[k]);
-                Side {
-                    ends: [a.min(b), a.max(b)],
-                    triangle,
-                    k,
-                }
-            })
-        })
-        .collect();
-    sides.sort_unstable();
-    sides
-}
+#[cfg(test)]
+mod tests;

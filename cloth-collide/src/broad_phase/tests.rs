@@ -1,0 +1,156 @@
+use super::*;
+use crate::closest::{edge_edge, point_triangle};
+use crate::shapes::{deformed, sheet};
+
+/// Distance of two boxes, written another way than the code has it.
+fn box_distance(a: [Vec3; 3], b: [Vec3; 3]) -> Real {
+    let mut squared = 0.0;
+    for axis in 0..3 {
+        let range = |t: [Vec3; 3]| {
+            let mut c = t.map(|x| x[axis]);
+            c.sort_by(f64::total_cmp);
+            (c[0], c[2])
+        };
+        let ((low, high), (other_low, other_high)) = (range(a), range(b));
+        let gap = if other_low > high {
+            other_low - high
+        } else if low > other_high {
+            low - other_high
+        } else {
+            0.0
+        };
+        squared += gap * gap;
+    }
+    squared.sqrt()
+}
+
+fn brute_force(mesh: &TriMesh, positions: &[Vec3], distance: Real) -> Vec<[u32; 2]> {
+    let corners = |t: u32| gather(positions, mesh.triangles()[t as usize]);
+    let count = mesh.triangle_count() as u32;
+    let all = (0..count).flat_map(|a| (a + 1..count).map(move |b| [a, b]));
+    all.filter(|&[a, b]| box_distance(corners(a), corners(b)) <= distance)
+        .collect()
+}
+
+#[test]
+fn pairs_are_those_of_brute_force_in_order() {
+    let mesh = sheet(9);
+    for (name, positions) in deformed(&mesh) {
+        let mut pairs = TrianglePairs::new(&mesh);
+        pairs.move_to(&positions).unwrap();
+        // One cell is 1/8: the second distance is met exactly by many boxes of the flat sheet.
+        for distance in [0.0, 0.125, 0.3, 1e-3, 10.0] {
+            let expected = brute_force(&mesh, &positions, distance);
+            assert_eq!(pairs.within(distance), expected, "{name} within {distance}");
+        }
+    }
+}
+
+#[test]
+fn pairs_far_from_the_origin_are_not_lost_to_rounding() {
+    let mesh = sheet(9);
+    let positions: Vec<Vec3> = mesh
+        .positions()
+        .iter()
+        .map(|x| x + Vec3::repeat(1e9))
+        .collect();
+    let mut pairs = TrianglePairs::new(&mesh);
+    pairs.move_to(&positions).unwrap();
+    for distance in [0.0, 0.125, 1e-9] {
+        assert_eq!(
+            pairs.within(distance),
+            brute_force(&mesh, &positions, distance)
+        );
+    }
+}
+
+#[test]
+fn triangles_closer_than_the_distance_are_among_the_pairs() {
+    let mesh = sheet(7);
+    for (name, positions) in deformed(&mesh) {
+        let mut pairs = TrianglePairs::new(&mesh);
+        pairs.move_to(&positions).unwrap();
+        let found = pairs.within(0.05).to_vec();
+        let corners = |t: usize| gather(&positions, mesh.triangles()[t]);
+        for b in 0..mesh.triangle_count() {
+            for a in 0..b {
+                let (x, y) = (corners(a), corners(b));
+                let edge = |t: [Vec3; 3], k: usize| [t[k], t[(k + 1) % 3]];
+                let near = (0..3).any(|k| point_triangle(x[k], y).distance() <= 0.05)
+                    || (0..9).any(|k| edge_edge(edge(x, k / 3), edge(y, k % 3)).distance() <= 0.05);
+                if near {
+                    let pair = [a as u32, b as u32];
+                    assert!(
+                        found.binary_search(&pair).is_ok(),
+                        "{name}: {pair:?} is missing"
+                    );
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn pairs_do_not_depend_on_what_was_asked_before() {
+    let mesh = sheet(12);
+    let shapes = deformed(&mesh);
+    let mut used = TrianglePairs::new(&mesh);
+    for (name, positions) in shapes.iter().chain(shapes.iter().rev()) {
+        let mut fresh = TrianglePairs::new(&mesh);
+        used.move_to(positions).unwrap();
+        fresh.move_to(positions).unwrap();
+        assert_eq!(used.within(0.02), fresh.within(0.02), "{name}");
+    }
+}
+
+#[test]
+fn pairs_before_any_move_are_those_of_the_rest_shape() {
+    let mesh = sheet(5);
+    let expected = brute_force(&mesh, mesh.positions(), 0.0);
+    assert_eq!(TrianglePairs::new(&mesh).within(0.0), expected);
+}
+
+/// The tree has special cases for one and two leaves.
+#[test]
+fn one_two_and_three_triangles() {
+    let strip: Vec<Vec3> = (0..5)
+        .map(|i| Vec3::new(f64::from(i), f64::from(i % 2), 0.0))
+        .collect();
+    for count in 1..=3 {
+        let triangles = (0..count).map(|i| [i, i + 1, i + 2]).collect();
+        let mesh = TriMesh::new(strip[..count as usize + 2].to_vec(), triangles).unwrap();
+        let mut pairs = TrianglePairs::new(&mesh);
+        let moved: Vec<Vec3> = mesh.positions().iter().map(|x| x * 2.0).collect();
+        pairs.move_to(&moved).unwrap();
+        assert_eq!(pairs.within(0.0), brute_force(&mesh, &moved, 0.0));
+    }
+}
+
+#[test]
+fn position_that_is_not_finite_is_refused_and_changes_nothing() {
+    let mesh = sheet(4);
+    let mut pairs = TrianglePairs::new(&mesh);
+    let before = pairs.within(0.1).to_vec();
+    for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+        let mut positions = vec![Vec3::zeros(); mesh.vertex_count()];
+        positions[7].y = bad;
+        positions[9].z = bad;
+        assert_eq!(
+            pairs.move_to(&positions),
+            Err(CollideError::NonFinitePosition { vertex: 7 })
+        );
+    }
+    assert_eq!(pairs.within(0.1), before);
+}
+
+#[test]
+#[should_panic(expected = "number of vertices")]
+fn wrong_number_of_positions_is_a_bug_of_the_caller() {
+    let _ = TrianglePairs::new(&sheet(4)).move_to(&[Vec3::zeros()]);
+}
+
+#[test]
+#[should_panic(expected = "the distance is -1")]
+fn negative_distance_is_a_bug_of_the_caller() {
+    TrianglePairs::new(&sheet(4)).within(-1.0);
+}
