@@ -189,20 +189,15 @@ impl StepProblem {
     }
 }
 
-/// Newton's method to rounding: the reference.
+/// Newton's method to rounding, and to a minimum: the reference.
 ///
 /// # Errors
 /// [`BenchError::Failed`] if the model names vertices that do not exist.
 pub fn reference(model: &ClothModel) -> Result<ImplicitEuler, BenchError> {
-    let config = ImplicitConfig {
-        tolerance: 0.0,
-        max_iterations: 500,
-        ..Default::default()
-    };
     ImplicitEuler::builder(&model.particles)
         .energy(model.springs.clone())
         .and_then(|builder| builder.energy(model.hinges.clone()))
-        .and_then(|builder| builder.config(config).build())
+        .and_then(|builder| builder.config(ImplicitConfig::reference()).build())
         .map_err(BenchError::failed)
 }
 

@@ -246,6 +246,14 @@ impl fmt::Display for StepError {
                 dt,
                 stable_dt,
                 step,
+            } if *stable_dt == 0.0 => write!(
+                f,
+                "step {step} is unstable: the time step is {dt:.4e} s, and no step is stable for this method"
+            ),
+            Self::Unstable {
+                dt,
+                stable_dt,
+                step,
             } => write!(
                 f,
                 "step {step} is unstable: the time step is {dt:.4e} s, the largest stable one is {stable_dt:.4e} s"
