@@ -11,6 +11,7 @@
 mod canvas;
 pub mod facts;
 pub mod html;
+mod layout;
 pub mod palette;
 pub mod plot;
 pub mod render;

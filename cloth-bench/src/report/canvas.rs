@@ -82,9 +82,16 @@ impl<'a> Canvas<'a> {
             .draw(&PathElement::new(path.to_vec(), stroke(colour, width)))?)
     }
 
-    /// A dashed path (units), `width` (px) wide.
-    pub(super) fn dashes(&self, path: &[(i32, i32)], colour: Rgb, width: f64) -> Drawn {
-        let (dash, gap) = (Self::units(7), Self::units(4));
+    /// A dashed path (units), `width` (px) wide, in one of four patterns.
+    pub(super) fn dashes(
+        &self,
+        path: &[(i32, i32)],
+        colour: Rgb,
+        width: f64,
+        pattern: usize,
+    ) -> Drawn {
+        let (dash, gap) = [(7, 4), (2, 4), (14, 5), (4, 9)][pattern % 4];
+        let (dash, gap) = (Self::units(dash), Self::units(gap));
         let style = stroke(colour, width);
         Ok(self.area.draw(&DashedPathElement::new(
             path.iter().copied(),
@@ -274,7 +281,10 @@ mod tests {
             "{lines:?}"
         );
         assert_eq!(lines.concat().replace(' ', ""), text.replace(' ', ""));
-        let short = text.replace("averyverylongwordwithoutanyblankinsideitatallreally", "more");
+        let short = text.replace(
+            "averyverylongwordwithoutanyblankinsideitatallreally",
+            "more",
+        );
         for width in 60..400 {
             assert_eq!(wrap(&short, 13, width).join(" "), short, "words stay whole");
         }

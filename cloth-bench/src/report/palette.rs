@@ -36,6 +36,16 @@ pub enum Marker {
     Star,
 }
 
+/// The markers that have an inside, and so can be filled or hollow.
+const MARKERS: [Marker; 6] = [
+    Marker::Circle,
+    Marker::Square,
+    Marker::Triangle,
+    Marker::Diamond,
+    Marker::TriangleDown,
+    Marker::Star,
+];
+
 /// Method names with their colour and marker.
 const METHODS: [(&str, Rgb, Marker); 9] = [
     ("xpbd", [0x07, 0x66, 0xb9], Marker::Circle),
@@ -81,42 +91,78 @@ fn method(label: &str) -> Option<usize> {
     })
 }
 
-/// The look of each series of one plot, from the labels alone.
+/// The look of each measured series of one plot, from the labels alone.
 ///
 /// A method has its fixed colour. Several series of one method have the same hue, lighter and
-/// darker in turn, and differ in marker. Other labels take colours in order of appearance.
+/// darker in turn, and differ in marker. Other labels take, in order of appearance, colours that
+/// do not resemble those of the methods in the same plot.
 #[must_use]
 pub fn looks(labels: &[&str]) -> Vec<Look> {
+    let present: Vec<Rgb> = labels
+        .iter()
+        .filter_map(|label| method(label))
+        .map(|index| METHODS[index].1)
+        .collect();
+    let resembles = |other: &Rgb| present.iter().any(|colour| gap(*other, *colour) < 70.0);
+    // Those that resemble come last: with many labels it is better to repeat than to run out.
+    let (last, first): (Vec<_>, Vec<_>) = OTHERS.iter().partition(|(colour, _)| resembles(colour));
+    let others: Vec<_> = first.into_iter().chain(last).collect();
     let mut seen = [0; METHODS.len()];
     let mut other = 0;
     labels
         .iter()
-        .map(|label| {
-            let Some(index) = method(label) else {
-                let (colour, marker) = OTHERS[other % OTHERS.len()];
+        .map(|label| match method(label) {
+            Some(index) => {
+                seen[index] += 1;
+                variant(index, seen[index] - 1)
+            }
+            None => {
+                let &(colour, marker) = others[other % others.len()];
+                let hollow = other >= others.len();
                 other += 1;
-                return Look {
+                Look {
                     colour,
                     marker,
-                    hollow: other > OTHERS.len(),
-                };
-            };
-            let (_, colour, marker) = METHODS[index];
-            let nth = seen[index];
-            seen[index] += 1;
-            // Every second variant darker than the first of its method, the others lighter.
-            let (towards, share) = match nth {
-                0 => (255, 0.0),
-                n if n % 2 == 1 => (255, 0.25 + 0.12 * f64::from(n.min(5))),
-                n => (0, 0.25 + 0.1 * f64::from(n.min(4))),
-            };
-            Look {
-                colour: mix(colour, [towards; 3], share),
-                marker,
-                hollow: nth % 2 == 1,
+                    hollow,
+                }
             }
         })
         .collect()
+}
+
+/// The look of a curve in closed form: that of the measured series whose whole label it begins
+/// with (`xpbd, 4 substeps, exact`), else that of its method, else `None`, which means ink.
+#[must_use]
+pub fn exact_look(label: &str, measured: &[(&str, Look)]) -> Option<Look> {
+    let longest = measured
+        .iter()
+        .filter(|(other, _)| !other.is_empty() && label.starts_with(other))
+        .max_by_key(|(other, _)| other.len());
+    let of_method = || method(label).map(|index| variant(index, 0));
+    longest.map(|(_, look)| *look).or_else(of_method)
+}
+
+/// The look of the `nth` series of one method in one plot.
+fn variant(index: usize, nth: u32) -> Look {
+    let (_, colour, marker) = METHODS[index];
+    // Every second variant is lighter than the first of its method, the others darker.
+    let (towards, share) = match nth {
+        0 => (255, 0.0),
+        n if n % 2 == 1 => (255, 0.22 + 0.08 * f64::from(n.min(5))),
+        n => (0, 0.25 + 0.1 * f64::from(n.min(4))),
+    };
+    let shape = MARKERS.iter().position(|m| *m == marker).unwrap_or(0);
+    Look {
+        colour: mix(colour, [towards; 3], share),
+        marker: MARKERS[(shape + nth as usize / 2) % MARKERS.len()],
+        hollow: nth % 2 == 1,
+    }
+}
+
+/// How far apart two colours are in sRGB (0 to 442), weighted as the eye weights them.
+fn gap(a: Rgb, b: Rgb) -> f64 {
+    let square = |i: usize| (f64::from(a[i]) - f64::from(b[i])).powi(2);
+    (2.0 * square(0) + 4.0 * square(1) + 3.0 * square(2)).sqrt() / 1.7
 }
 
 /// `share` (0 to 1) of `to` in `from`.
@@ -243,10 +289,37 @@ mod tests {
 
     #[test]
     fn series_of_one_method_differ() {
-        let looks = looks(&["xpbd, 1", "xpbd, 2", "xpbd, 3", "xpbd, 4"]);
+        let looks = looks(&["xpbd, 1", "xpbd, 2", "xpbd, 3", "xpbd, 4", "xpbd, 5"]);
         for (i, a) in looks.iter().enumerate() {
-            assert!(looks[..i].iter().all(|b| a.colour != b.colour));
+            for b in &looks[..i] {
+                assert_ne!(a.colour, b.colour);
+                assert_ne!((a.marker, a.hollow), (b.marker, b.hollow));
+            }
         }
+    }
+
+    #[test]
+    fn other_labels_keep_away_from_the_methods_present() {
+        let methods = ["xpbd", "pbd", "pd"];
+        let looks = looks(&[&methods[..], &["first", "second"]].concat());
+        for other in &looks[3..] {
+            assert!(
+                looks[..3]
+                    .iter()
+                    .all(|look| gap(look.colour, other.colour) > 70.0)
+            );
+        }
+    }
+
+    #[test]
+    fn a_closed_form_looks_like_what_it_describes() {
+        let labels = ["xpbd, 1", "xpbd, 16", "sag"];
+        let measured: Vec<_> = labels.into_iter().zip(looks(&labels)).collect();
+        let exact = |label| exact_look(label, &measured);
+        assert_eq!(exact("xpbd, 16, exact"), Some(measured[1].1));
+        assert_eq!(exact("sag, closed form"), Some(measured[2].1));
+        assert_eq!(exact("pd, exact"), Some(looks(&["pd"])[0]));
+        assert_eq!(exact("order 2"), None);
     }
 
     #[test]

@@ -4,12 +4,9 @@
 //! legend stands beside the data, never on it. What an axis cannot show (a zero on a logarithmic
 //! axis, a `NaN` anywhere) is left out, counted, and said below the plot.
 
-use plotters::coord::types::RangedCoordf64;
-use plotters::prelude::*;
-
-use super::canvas::{Anchor, Canvas, LINE, WIDTH, text_width, wrap};
-use super::palette::{GRID, INK, Look, SOFT_INK, looks, mix};
-use super::scale::{Scale, Ticks, range, ticks};
+use super::layout::{Curve, Layout};
+use super::palette::{Look, exact_look, looks};
+use super::scale::{Scale, range};
 
 /// What an axis measures.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -66,7 +63,7 @@ impl Axis {
     }
 
     /// The range of places to show, given the places of the points.
-    fn places(&self, of_points: impl Iterator<Item = f64>) -> (f64, f64) {
+    pub(super) fn places(&self, of_points: impl Iterator<Item = f64>) -> (f64, f64) {
         let given = self
             .range
             .map(|(low, high)| (self.scale.place(low), self.scale.place(high)));
@@ -106,6 +103,9 @@ pub enum Style {
     #[default]
     LinePoints,
     /// A dashed line through the points, below all data: a closed form, a reference, a guide.
+    ///
+    /// It is black, unless its label begins with the label of a measured series or of a method;
+    /// then it has that colour.
     ExactCurve,
 }
 
@@ -164,19 +164,6 @@ pub struct Drawing {
     pub dropped: usize,
 }
 
-/// Height of the data area (px).
-const PLOT_HEIGHT: i32 = 340;
-/// Length of the line sample in the legend (px).
-const SAMPLE: i32 = 34;
-
-/// A curve reduced to what can be shown.
-struct Curve<'a> {
-    series: &'a Series,
-    look: Look,
-    /// Runs of points between points that cannot be shown, as places.
-    runs: Vec<Vec<(f64, f64)>>,
-}
-
 impl Plot {
     /// Draws the figure.
     ///
@@ -184,10 +171,17 @@ impl Plot {
     /// Never in practice: it writes to a string, which cannot fail.
     #[must_use]
     pub fn draw(&self) -> Drawing {
-        let labels: Vec<&str> = self.series.iter().map(|s| s.label.as_str()).collect();
         let mut absent = Vec::new();
         let mut curves = Vec::new();
-        for ((index, series), look) in self.series.iter().enumerate().zip(looks(&labels)) {
+        let measured = self.measured_looks();
+        let (mut next, mut pattern) = (measured.iter(), 0);
+        for (index, series) in self.series.iter().enumerate() {
+            let look = if series.style == Style::ExactCurve {
+                pattern += 1;
+                exact_look(&series.label, &measured)
+            } else {
+                next.next().map(|(_, look)| *look)
+            };
             let mut runs = vec![Vec::new()];
             for &(x, y) in &series.points {
                 match self.x.refuses(x).or_else(|| self.y.refuses(y)) {
@@ -202,7 +196,7 @@ impl Plot {
                 }
             }
             runs.retain(|run| !run.is_empty());
-            curves.push(Curve { series, look, runs });
+            curves.push(Curve::new(series, look, pattern, runs));
         }
         let note = [self.note.clone(), self.say_absent(&absent)].join("\n");
         let svg = Layout::new(self, &curves, note.trim())
@@ -212,6 +206,14 @@ impl Plot {
             svg,
             dropped: absent.len(),
         }
+    }
+
+    /// Label and look of every series that is not a closed form.
+    fn measured_looks(&self) -> Vec<(&str, Look)> {
+        let measured = self.series.iter().filter(|s| s.style != Style::ExactCurve);
+        let labels: Vec<&str> = measured.map(|s| s.label.as_str()).collect();
+        let looks = looks(&labels);
+        labels.into_iter().zip(looks).collect()
     }
 
     /// `Not shown: 3 points at zero (xpbd 2, pd 1), 1 point not finite (pbd).`
@@ -242,241 +244,10 @@ impl Plot {
     }
 }
 
-/// Where everything stands (px).
-struct Layout<'a> {
-    plot: &'a Plot,
-    title: Vec<String>,
-    note: Vec<String>,
-    legend: Vec<Vec<String>>,
-    x_range: (f64, f64),
-    y_range: (f64, f64),
-    x_ticks: Ticks,
-    y_ticks: Ticks,
-    left: i32,
-    right: i32,
-    top: i32,
-    bottom: i32,
-    height: i32,
-}
-
-impl<'a> Layout<'a> {
-    fn new(plot: &'a Plot, curves: &[Curve<'_>], note: &str) -> Self {
-        let points = || curves.iter().flat_map(|c| c.runs.iter().flatten());
-        let x_range = plot.x.places(points().map(|p| p.0));
-        let y_range = plot.y.places(points().map(|p| p.1));
-        let widest = |texts: &mut dyn Iterator<Item = &String>, size| {
-            texts.map(|t| text_width(t, size)).max().unwrap_or(0)
-        };
-        let y_ticks = ticks(plot.y.scale, y_range, 8);
-        let left = 26 + widest(&mut y_ticks.labelled.iter().map(|(_, text)| text), 13).max(24);
-        let legend: Vec<_> = curves
-            .iter()
-            .map(|c| wrap(&c.series.label, 13, 190))
-            .collect();
-        let column = widest(&mut legend.iter().flatten(), 13);
-        let right = WIDTH
-            - if legend.is_empty() {
-                24
-            } else {
-                24 + SAMPLE + 10 + column + 14
-            };
-        let x_ticks = ticks(plot.x.scale, x_range, 8);
-        let title = wrap(&plot.title, 18, WIDTH - 40);
-        let note: Vec<_> = note.lines().flat_map(|l| wrap(l, 12, WIDTH - 40)).collect();
-        let top = 20 + 24 * title.len() as i32 + 30;
-        let legend_height = legend
-            .iter()
-            .map(|l| l.len() as i32 * LINE + 5)
-            .sum::<i32>();
-        let bottom = top + PLOT_HEIGHT.max(legend_height);
-        let note_height = if note.is_empty() {
-            0
-        } else {
-            10 + note.len() as i32 * 17
-        };
-        let height = bottom + 62 + note_height;
-        Self {
-            plot,
-            title,
-            note,
-            legend,
-            x_range,
-            y_range,
-            x_ticks,
-            y_ticks,
-            left,
-            right,
-            top,
-            bottom,
-            height,
-        }
-    }
-
-    fn draw(&self, curves: &[Curve<'_>]) -> Result<String, Box<dyn std::error::Error>> {
-        let mut svg = String::new();
-        {
-            let backend = SVGBackend::with_string(&mut svg, Canvas::size(self.height));
-            let area = backend.into_drawing_area();
-            let canvas = Canvas::new(area);
-            self.frame(&canvas)?;
-            let pixels = |a: i32, b: i32| Canvas::units(a)..Canvas::units(b);
-            let data = canvas.area().clone().apply_coord_spec(Cartesian2d::<
-                RangedCoordf64,
-                RangedCoordf64,
-            >::new(
-                self.x_range.0..self.x_range.1,
-                self.y_range.0..self.y_range.1,
-                (pixels(self.left, self.right), pixels(self.bottom, self.top)),
-            ));
-            let to_canvas = |place: &(f64, f64)| data.map_coordinate(place);
-            self.axes(&canvas, &|x, y| to_canvas(&(x, y)))?;
-            // Closed forms below, data above.
-            let (exact, measured): (Vec<_>, Vec<_>) = curves
-                .iter()
-                .partition(|c| c.series.style == Style::ExactCurve);
-            for curve in exact.into_iter().chain(measured) {
-                for run in &curve.runs {
-                    let mut path: Vec<_> = run.iter().map(to_canvas).collect();
-                    path.dedup();
-                    draw_curve(&canvas, curve, &path)?;
-                }
-            }
-            if curves.iter().all(|c| c.runs.is_empty()) {
-                let middle = ((self.left + self.right) / 2, (self.top + self.bottom) / 2);
-                canvas.text("no data", middle, 15, SOFT_INK, Anchor::Middle)?;
-            }
-            self.legend(&canvas, curves)?;
-            canvas.area().present()?;
-        }
-        Ok(Canvas::finish(&svg, self.height, &self.plot.title))
-    }
-
-    /// Background, title, axis labels and note.
-    fn frame(&self, canvas: &Canvas<'_>) -> super::canvas::Drawn {
-        canvas.rectangle((0, 0), (WIDTH, self.height), [255; 3])?;
-        for (i, line) in self.title.iter().enumerate() {
-            canvas.bold(line, (20, 26 + 24 * i as i32), 18, INK)?;
-        }
-        canvas.text(
-            &self.plot.y.label,
-            (20, self.top - 19),
-            13,
-            INK,
-            Anchor::Left,
-        )?;
-        let below = ((self.left + self.right) / 2, self.bottom + 43);
-        canvas.text(&self.plot.x.label, below, 13, INK, Anchor::Middle)?;
-        for (i, line) in self.note.iter().enumerate() {
-            let y = self.bottom + 72 + 17 * i as i32;
-            canvas.text(line, (20, y), 12, SOFT_INK, Anchor::Left)?;
-        }
-        Ok(())
-    }
-
-    /// Grid, border and ticks.
-    fn axes(
-        &self,
-        canvas: &Canvas<'_>,
-        at: &dyn Fn(f64, f64) -> (i32, i32),
-    ) -> super::canvas::Drawn {
-        let ((x0, x1), (y0, y1)) = (self.x_range, self.y_range);
-        let faint = mix(GRID, [255; 3], 0.6);
-        for &x in &self.x_ticks.minor {
-            canvas.stroke(&[at(x, y0), at(x, y1)], faint, 1.0)?;
-        }
-        for &y in &self.y_ticks.minor {
-            canvas.stroke(&[at(x0, y), at(x1, y)], faint, 1.0)?;
-        }
-        let mut last = i32::MIN;
-        for (x, text) in &self.x_ticks.labelled {
-            canvas.stroke(&[at(*x, y0), at(*x, y1)], GRID, 1.0)?;
-            let (centre, half) = (Canvas::pixels(at(*x, y0).0), text_width(text, 13) / 2);
-            // Neighbours of a logarithmic axis may stand too close for their texts.
-            if centre - half > last {
-                canvas.text(
-                    text,
-                    (centre, self.bottom + 17),
-                    13,
-                    SOFT_INK,
-                    Anchor::Middle,
-                )?;
-                last = centre + half + 6;
-            }
-        }
-        let mut last = i32::MAX;
-        for (y, text) in &self.y_ticks.labelled {
-            canvas.stroke(&[at(x0, *y), at(x1, *y)], GRID, 1.0)?;
-            let centre = Canvas::pixels(at(x0, *y).1);
-            if centre + 15 < last {
-                canvas.text(text, (self.left - 9, centre), 13, SOFT_INK, Anchor::Right)?;
-                last = centre;
-            }
-        }
-        canvas.stroke(
-            &[at(x0, y1), at(x0, y0), at(x1, y0)],
-            mix(SOFT_INK, [255; 3], 0.3),
-            1.25,
-        )
-    }
-
-    fn legend(&self, canvas: &Canvas<'_>, curves: &[Curve<'_>]) -> super::canvas::Drawn {
-        let left = self.right + 24;
-        let mut y = self.top + 8;
-        for (curve, lines) in curves.iter().zip(&self.legend) {
-            let end = |x: i32| (Canvas::units(x), Canvas::units(y));
-            let sample = Curve {
-                series: curve.series,
-                look: curve.look,
-                runs: Vec::new(),
-            };
-            draw_line(canvas, &sample, &[end(left), end(left + SAMPLE)])?;
-            if matches!(curve.series.style, Style::Points | Style::LinePoints) {
-                canvas.marker(end(left + SAMPLE / 2), curve.look)?;
-            }
-            let ink = if curve.runs.is_empty() {
-                mix(INK, [255; 3], 0.5)
-            } else {
-                INK
-            };
-            for line in lines {
-                canvas.text(line, (left + SAMPLE + 10, y), 13, ink, Anchor::Left)?;
-                y += LINE;
-            }
-            y += 5;
-        }
-        Ok(())
-    }
-}
-
-fn draw_line(canvas: &Canvas<'_>, curve: &Curve<'_>, path: &[(i32, i32)]) -> super::canvas::Drawn {
-    match curve.series.style {
-        Style::Points => Ok(()),
-        Style::Line | Style::LinePoints => canvas.stroke(path, curve.look.colour, 2.0),
-        Style::ExactCurve => canvas.dashes(path, mix(curve.look.colour, [0; 3], 0.25), 1.75),
-    }
-}
-
-fn draw_curve(canvas: &Canvas<'_>, curve: &Curve<'_>, path: &[(i32, i32)]) -> super::canvas::Drawn {
-    draw_line(canvas, curve, path)?;
-    let lonely = path.len() == 1 && curve.series.style != Style::ExactCurve;
-    let stride = match curve.series.style {
-        Style::Points => 1,
-        // First and last point always carry a marker.
-        Style::LinePoints => path.len().div_ceil(24).max(1),
-        _ if lonely => 1,
-        _ => return Ok(()),
-    };
-    for (i, &point) in path.iter().enumerate() {
-        if i.is_multiple_of(stride) || i + 1 == path.len() {
-            canvas.marker(point, curve.look)?;
-        }
-    }
-    Ok(())
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::report::canvas::WIDTH;
     use crate::report::html::assert_well_formed;
 
     fn plot(scale: Scale, series: Vec<Series>) -> Plot {

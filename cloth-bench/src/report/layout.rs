@@ -1,0 +1,276 @@
+//! Where everything in a plot stands: title, axes, data, legend beside the data, note below.
+
+use plotters::coord::types::RangedCoordf64;
+use plotters::prelude::*;
+
+use super::canvas::{Anchor, Canvas, Drawn, LINE, WIDTH, text_width, wrap};
+use super::palette::{GRID, INK, Look, Marker, SOFT_INK, mix};
+use super::plot::{Plot, Series, Style};
+use super::scale::{Ticks, ticks};
+
+/// Height of the data area (px).
+const PLOT_HEIGHT: i32 = 340;
+/// Length of the line sample in the legend (px).
+const SAMPLE: i32 = 34;
+
+/// A curve reduced to what can be shown.
+pub(super) struct Curve<'a> {
+    series: &'a Series,
+    look: Look,
+    /// Which dashes a closed form has.
+    pattern: usize,
+    /// Runs of points between points that cannot be shown, as places.
+    runs: Vec<Vec<(f64, f64)>>,
+}
+
+impl<'a> Curve<'a> {
+    /// A curve with the given look, or else in ink; the `pattern`-th closed form of its plot,
+    /// counted from one.
+    pub(super) fn new(
+        series: &'a Series,
+        look: Option<Look>,
+        pattern: usize,
+        runs: Vec<Vec<(f64, f64)>>,
+    ) -> Self {
+        let ink = Look {
+            colour: INK,
+            marker: Marker::Circle,
+            hollow: true,
+        };
+        Self {
+            series,
+            look: look.unwrap_or(ink),
+            pattern: pattern.saturating_sub(1),
+            runs,
+        }
+    }
+}
+
+/// Where everything stands (px).
+pub(super) struct Layout<'a> {
+    plot: &'a Plot,
+    title: Vec<String>,
+    note: Vec<String>,
+    legend: Vec<Vec<String>>,
+    x_range: (f64, f64),
+    y_range: (f64, f64),
+    x_ticks: Ticks,
+    y_ticks: Ticks,
+    left: i32,
+    right: i32,
+    top: i32,
+    bottom: i32,
+    height: i32,
+}
+
+impl<'a> Layout<'a> {
+    pub(super) fn new(plot: &'a Plot, curves: &[Curve<'_>], note: &str) -> Self {
+        let points = || curves.iter().flat_map(|c| c.runs.iter().flatten());
+        let x_range = plot.x.places(points().map(|p| p.0));
+        let y_range = plot.y.places(points().map(|p| p.1));
+        let widest = |texts: &mut dyn Iterator<Item = &String>, size| {
+            texts.map(|t| text_width(t, size)).max().unwrap_or(0)
+        };
+        let y_ticks = ticks(plot.y.scale, y_range, 8);
+        let left = 26 + widest(&mut y_ticks.labelled.iter().map(|(_, text)| text), 13).max(24);
+        let legend: Vec<_> = curves
+            .iter()
+            .map(|c| wrap(&c.series.label, 13, 190))
+            .collect();
+        let column = widest(&mut legend.iter().flatten(), 13);
+        let right = WIDTH
+            - if legend.is_empty() {
+                24
+            } else {
+                24 + SAMPLE + 10 + column + 14
+            };
+        let x_ticks = ticks(plot.x.scale, x_range, 8);
+        let title = wrap(&plot.title, 18, WIDTH - 110);
+        let note: Vec<_> = note.lines().flat_map(|l| wrap(l, 12, WIDTH - 40)).collect();
+        let top = 20 + 24 * title.len() as i32 + 30;
+        let legend_height = legend
+            .iter()
+            .map(|l| l.len() as i32 * LINE + 5)
+            .sum::<i32>();
+        let bottom = top + PLOT_HEIGHT.max(legend_height);
+        let note_height = if note.is_empty() {
+            0
+        } else {
+            10 + note.len() as i32 * 17
+        };
+        let height = bottom + 62 + note_height;
+        Self {
+            plot,
+            title,
+            note,
+            legend,
+            x_range,
+            y_range,
+            x_ticks,
+            y_ticks,
+            left,
+            right,
+            top,
+            bottom,
+            height,
+        }
+    }
+
+    pub(super) fn draw(&self, curves: &[Curve<'_>]) -> Result<String, Box<dyn std::error::Error>> {
+        let mut svg = String::new();
+        {
+            let backend = SVGBackend::with_string(&mut svg, Canvas::size(self.height));
+            let area = backend.into_drawing_area();
+            let canvas = Canvas::new(area);
+            self.frame(&canvas)?;
+            let pixels = |a: i32, b: i32| Canvas::units(a)..Canvas::units(b);
+            let data = canvas.area().clone().apply_coord_spec(Cartesian2d::<
+                RangedCoordf64,
+                RangedCoordf64,
+            >::new(
+                self.x_range.0..self.x_range.1,
+                self.y_range.0..self.y_range.1,
+                (pixels(self.left, self.right), pixels(self.bottom, self.top)),
+            ));
+            let to_canvas = |place: &(f64, f64)| data.map_coordinate(place);
+            self.axes(&canvas, &|x, y| to_canvas(&(x, y)))?;
+            // Closed forms below, data above.
+            let (exact, measured): (Vec<_>, Vec<_>) = curves
+                .iter()
+                .partition(|c| c.series.style == Style::ExactCurve);
+            for curve in exact.into_iter().chain(measured) {
+                for run in &curve.runs {
+                    let mut path: Vec<_> = run.iter().map(to_canvas).collect();
+                    path.dedup();
+                    draw_curve(&canvas, curve, &path)?;
+                }
+            }
+            if curves.iter().all(|c| c.runs.is_empty()) {
+                let middle = ((self.left + self.right) / 2, (self.top + self.bottom) / 2);
+                canvas.text("no data", middle, 15, SOFT_INK, Anchor::Middle)?;
+            }
+            self.legend(&canvas, curves)?;
+            canvas.area().present()?;
+        }
+        Ok(Canvas::finish(&svg, self.height, &self.plot.title))
+    }
+
+    /// Background, title, axis labels and note.
+    fn frame(&self, canvas: &Canvas<'_>) -> Drawn {
+        canvas.rectangle((0, 0), (WIDTH, self.height), [255; 3])?;
+        for (i, line) in self.title.iter().enumerate() {
+            canvas.bold(line, (20, 26 + 24 * i as i32), 18, INK)?;
+        }
+        canvas.text(
+            &self.plot.y.label,
+            (20, self.top - 19),
+            13,
+            INK,
+            Anchor::Left,
+        )?;
+        let below = ((self.left + self.right) / 2, self.bottom + 43);
+        canvas.text(&self.plot.x.label, below, 13, INK, Anchor::Middle)?;
+        for (i, line) in self.note.iter().enumerate() {
+            let y = self.bottom + 72 + 17 * i as i32;
+            canvas.text(line, (20, y), 12, SOFT_INK, Anchor::Left)?;
+        }
+        Ok(())
+    }
+
+    /// Grid, border and ticks.
+    fn axes(&self, canvas: &Canvas<'_>, at: &dyn Fn(f64, f64) -> (i32, i32)) -> Drawn {
+        let ((x0, x1), (y0, y1)) = (self.x_range, self.y_range);
+        let faint = mix(GRID, [255; 3], 0.6);
+        for &x in &self.x_ticks.minor {
+            canvas.stroke(&[at(x, y0), at(x, y1)], faint, 1.0)?;
+        }
+        for &y in &self.y_ticks.minor {
+            canvas.stroke(&[at(x0, y), at(x1, y)], faint, 1.0)?;
+        }
+        let mut last = i32::MIN;
+        for (x, text) in &self.x_ticks.labelled {
+            canvas.stroke(&[at(*x, y0), at(*x, y1)], GRID, 1.0)?;
+            let (centre, half) = (Canvas::pixels(at(*x, y0).0), text_width(text, 13) / 2);
+            // Neighbours of a logarithmic axis may stand too close for their texts.
+            if centre - half > last {
+                canvas.text(
+                    text,
+                    (centre, self.bottom + 17),
+                    13,
+                    SOFT_INK,
+                    Anchor::Middle,
+                )?;
+                last = centre + half + 6;
+            }
+        }
+        let mut last = i32::MAX;
+        for (y, text) in &self.y_ticks.labelled {
+            canvas.stroke(&[at(x0, *y), at(x1, *y)], GRID, 1.0)?;
+            let centre = Canvas::pixels(at(x0, *y).1);
+            if centre + 15 < last {
+                canvas.text(text, (self.left - 9, centre), 13, SOFT_INK, Anchor::Right)?;
+                last = centre;
+            }
+        }
+        canvas.stroke(
+            &[at(x0, y1), at(x0, y0), at(x1, y0)],
+            mix(SOFT_INK, [255; 3], 0.3),
+            1.25,
+        )
+    }
+
+    fn legend(&self, canvas: &Canvas<'_>, curves: &[Curve<'_>]) -> Drawn {
+        let left = self.right + 24;
+        let mut y = self.top + 8;
+        for (curve, lines) in curves.iter().zip(&self.legend) {
+            let end = |x: i32| (Canvas::units(x), Canvas::units(y));
+            draw_line(canvas, curve, &[end(left), end(left + SAMPLE)])?;
+            if matches!(curve.series.style, Style::Points | Style::LinePoints) {
+                canvas.marker(end(left + SAMPLE / 2), curve.look)?;
+            }
+            let ink = if curve.runs.is_empty() {
+                mix(INK, [255; 3], 0.5)
+            } else {
+                INK
+            };
+            for line in lines {
+                canvas.text(line, (left + SAMPLE + 10, y), 13, ink, Anchor::Left)?;
+                y += LINE;
+            }
+            y += 5;
+        }
+        Ok(())
+    }
+}
+
+fn draw_line(canvas: &Canvas<'_>, curve: &Curve<'_>, path: &[(i32, i32)]) -> Drawn {
+    match curve.series.style {
+        Style::Points => Ok(()),
+        Style::Line | Style::LinePoints => canvas.stroke(path, curve.look.colour, 2.0),
+        Style::ExactCurve => canvas.dashes(
+            path,
+            mix(curve.look.colour, [0; 3], 0.25),
+            1.75,
+            curve.pattern,
+        ),
+    }
+}
+
+fn draw_curve(canvas: &Canvas<'_>, curve: &Curve<'_>, path: &[(i32, i32)]) -> Drawn {
+    draw_line(canvas, curve, path)?;
+    // A run of one point has no line.
+    let lonely = path.len() == 1;
+    let stride = match curve.series.style {
+        Style::Points => 1,
+        // First and last point always carry a marker.
+        Style::LinePoints => path.len().div_ceil(24).max(1),
+        _ if lonely => 1,
+        _ => return Ok(()),
+    };
+    for (i, &point) in path.iter().enumerate() {
+        if i.is_multiple_of(stride) || i + 1 == path.len() {
+            canvas.marker(point, curve.look)?;
+        }
+    }
+    Ok(())
+}
