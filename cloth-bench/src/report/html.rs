@@ -72,13 +72,8 @@ impl Report {
             .sections
             .iter()
             .map(|s| {
-                let answer = if s.verdict.is_some() {
-                    ""
-                } else {
-                    " class=\"open\""
-                };
                 format!(
-                    "<li{answer}><a href=\"#{}\">{}</a> <span>{}</span></li>\n",
+                    "<li><a href=\"#{}\">{}</a> <span>{}</span></li>\n",
                     anchor(&s.id),
                     escape(&s.title),
                     escape(&s.question)

@@ -151,10 +151,12 @@ fn variant(index: usize, nth: u32) -> Look {
         n if n % 2 == 1 => (255, 0.22 + 0.08 * f64::from(n.min(5))),
         n => (0, 0.25 + 0.1 * f64::from(n.min(4))),
     };
+    // The first two have the marker of the method, later ones move on in pairs.
     let shape = MARKERS.iter().position(|m| *m == marker).unwrap_or(0);
+    let moved = MARKERS[(shape + nth as usize / 2) % MARKERS.len()];
     Look {
         colour: mix(colour, [towards; 3], share),
-        marker: MARKERS[(shape + nth as usize / 2) % MARKERS.len()],
+        marker: if nth < 2 { marker } else { moved },
         hollow: nth % 2 == 1,
     }
 }
@@ -282,7 +284,10 @@ mod tests {
         let a = looks(&["pd", "exact", "xpbd, 4 substeps"]);
         let b = looks(&["xpbd", "something", "pd (dense)"]);
         assert_eq!((a[0], a[2]), (b[2], b[0]));
-        assert_ne!(looks(&["pbd"])[0], looks(&["xpbd"])[0]);
+        for (name, colour, marker) in METHODS {
+            let look = looks(&[name])[0];
+            assert_eq!((look.colour, look.marker), (colour, marker));
+        }
         assert_eq!(method("pdx"), None);
         assert_eq!(method("pd-like"), None);
     }
