@@ -64,10 +64,6 @@ impl Settings for Pace {
         (self.iterations, self.substeps, self.sweep)
     }
 
-    fn check(&self) -> Result<(), BuildError> {
-        Ok(())
-    }
-
     fn assemble(self, motion: Motion, families: Families<Rigid>) -> Solver {
         Solver {
             pace: self,
@@ -294,7 +290,7 @@ fn bad_input_is_refused_and_the_state_left_alone() {
     assert_eq!(error, StepError::NonFiniteInput { what, vertex });
     assert!(broken.velocities[1].y.is_nan() && broken.steps == 0);
     // Finite going in, not coming out.
-    let mut wild = good.clone();
+    let mut wild = good;
     wild.velocities[1].x = 1e308;
     let kept = wild.clone();
     let error = solver.step(&mut wild, StepInput::new(10.0)).unwrap_err();

@@ -5,7 +5,7 @@ use crate::config::XpbdConfig;
 use cloth_core::math::{Real, Vec3};
 use cloth_core::particles::{Particles, State};
 use cloth_core::position_based::{Builder, Families, Motion, Settings, Sweep};
-use cloth_core::step::{BuildError, StepError, StepInput, StepReport, Stepper};
+use cloth_core::step::{StepError, StepInput, StepReport, Stepper};
 
 /// Extended position-based dynamics; see the [crate documentation](crate).
 #[derive(Debug)]
@@ -106,10 +106,6 @@ impl Settings for XpbdConfig {
 
     fn pace(&self) -> (u32, u32, Sweep) {
         (self.iterations, self.substeps, self.sweep)
-    }
-
-    fn check(&self) -> Result<(), BuildError> {
-        Ok(())
     }
 
     fn assemble(self, motion: Motion, families: Families<Compliance>) -> XpbdSolver {

@@ -21,7 +21,9 @@ pub trait Settings: fmt::Debug + Default + Sized {
     ///
     /// # Errors
     /// [`BuildError::InvalidSetting`].
-    fn check(&self) -> Result<(), BuildError>;
+    fn check(&self) -> Result<(), BuildError> {
+        Ok(())
+    }
 
     /// The solver.
     fn assemble(self, motion: Motion, families: Families<Self::Rule>) -> Self::Solver;
