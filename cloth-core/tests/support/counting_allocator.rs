@@ -1,9 +1,13 @@
 //! An allocator that counts, for the tests that nothing is allocated in a step.
 
 use std::alloc::{GlobalAlloc, Layout, System};
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::cell::Cell;
 
-static COUNT: AtomicUsize = AtomicUsize::new(0);
+thread_local! {
+    // By thread, because the harness of the tests allocates on its own whenever it likes. Constant and without a
+    // destructor, so that to count does not allocate.
+    static COUNT: Cell<usize> = const { Cell::new(0) };
+}
 
 struct Counting;
 
@@ -11,7 +15,7 @@ struct Counting;
 // SAFETY: every call goes to the system's allocator unchanged; counting does not allocate.
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        COUNT.fetch_add(1, Ordering::Relaxed);
+        COUNT.set(COUNT.get() + 1);
         // SAFETY: the caller's promises are those that `System` asks for.
         unsafe { System.alloc(layout) }
     }
@@ -22,7 +26,7 @@ unsafe impl GlobalAlloc for Counting {
     }
 
     unsafe fn realloc(&self, place: *mut u8, layout: Layout, size: usize) -> *mut u8 {
-        COUNT.fetch_add(1, Ordering::Relaxed);
+        COUNT.set(COUNT.get() + 1);
         // SAFETY: as above.
         unsafe { System.realloc(place, layout, size) }
     }
@@ -31,12 +35,12 @@ unsafe impl GlobalAlloc for Counting {
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
 
-/// How often twenty calls of `step` ask for memory, after a first one that may. Other threads are counted too: keep one test per file.
+/// How often twenty calls of `step` ask for memory, after a first one that may, on this thread.
 pub(crate) fn allocations_once_warm(mut step: impl FnMut()) -> usize {
     step();
-    let before = COUNT.load(Ordering::Relaxed);
+    let before = COUNT.get();
     for _ in 0..20 {
         step();
     }
-    COUNT.load(Ordering::Relaxed) - before
+    COUNT.get() - before
 }
