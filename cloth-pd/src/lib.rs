@@ -29,8 +29,7 @@
 //! ```
 //!
 //! (34) is printed for the increment Δx; with `f = Σ w Gᵀ(p − G x)` and `H = Σ w GᵀG` it is the same equation. We solve it
-//! for `d = x − x̃`: `A d = Σ w Gᵀ(p − G x̃)`. The masses drop out of the right-hand side, and what is left is small, so no digits are lost in free fall or
-//! far from the origin; `G x̃` and what is constant in p are added up once a step; and as d is zero at prescribed
+//! for `d = x − x̃`: `A d = Σ w Gᵀ(p − G x̃)`. The masses drop out of the right-hand side, and what is left is small, so free fall loses no digits; `G x̃` and what is constant in p are added up once a step; and as d is zero at prescribed
 //! vertices, their rows and columns drop out too. The right-hand side at x̃ is `−∇G(x̃)`, and the difference of two that follow one another is
 //! `∇G` at the iterate between: a tolerance costs no evaluation of its own.
 //!

@@ -118,18 +118,13 @@ impl<const N: usize, const K: usize, E: Projective<N, K>> Projections for Family
     }
 }
 
-/// `z = G x`. Written with differences to the first vertex, which do not cancel far from the origin; a row of an element that
-/// feels no translation sums to zero.
+/// `z = G x`.
 #[inline]
 fn apply<const N: usize, const K: usize>(operator: &[[Real; N]; K], x: &[Vec3; N]) -> [Vec3; K] {
     let mut z = [Vec3::zeros(); K];
     for k in 0..K {
-        let sum: Real = operator[k].iter().sum();
-        if sum != 0.0 {
-            z[k] = x[0] * sum;
-        }
-        for i in 1..N {
-            z[k] += (x[i] - x[0]) * operator[k][i];
+        for i in 0..N {
+            z[k] += x[i] * operator[k][i];
         }
     }
     z

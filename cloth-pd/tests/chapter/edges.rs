@@ -6,7 +6,7 @@ use crate::cloth::{
 use cloth_core::energy::Spring;
 use cloth_core::math::{Real, Vec3};
 use cloth_core::particles::{Particles, State};
-use cloth_core::step::{Outcome, StepError, Stepper};
+use cloth_core::step::{Outcome, StepError, StepInput, Stepper};
 use cloth_pd::{PdConfig, PdSolver};
 
 #[test]
@@ -193,4 +193,17 @@ fn masses_may_differ_a_millionfold() {
         .unwrap();
     let (_, gradient) = potential(&model, &before, &falling(), &state.positions);
     assert!(gradient < 1e-9, "{gradient:e}");
+}
+
+#[test]
+fn a_pin_that_leaves_the_numbers_is_an_error() {
+    let mut particles = Particles::new(vec![0.1, 0.1]).unwrap();
+    particles.prescribe(1).unwrap();
+    let mut solver = PdSolver::builder(&particles).build().unwrap();
+    let mut state = State::at_rest(vec![Vec3::zeros(), Vec3::repeat(1.7e308)]);
+    state.velocities[1] = Vec3::repeat(1e308);
+    let before = state.clone();
+    let error = solver.step(&mut state, StepInput::new(1.0)).unwrap_err();
+    assert_eq!(error, StepError::NonFinite { vertex: 1, step: 1 });
+    assert_eq!(state, before);
 }
