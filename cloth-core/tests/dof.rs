@@ -1,4 +1,3 @@
-#![cfg(feature = "cholesky")]
 //! Degrees of freedom: the closed forms of VALIDATION 6 and a dense computation.
 
 use cloth_core::dof::{EdgeRank, bent};

@@ -1,5 +1,4 @@
 //! Block matrices and their factorisation against dense ones.
-#![cfg(feature = "cholesky")]
 #![allow(unsafe_code)] // a counting global allocator can be written in no other way
 
 use cloth_core::block_matrix::{BlockMatrix, PatternBuilder};
