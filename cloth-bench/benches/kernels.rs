@@ -141,7 +141,7 @@ fn global_solve(criterion: &mut Criterion) {
     group.bench_function("library", |bencher| {
         bencher.iter(|| cholesky.solve_in_place(&mut columns))
     });
-    let b = scene.start.positions.clone();
+    let b = scene.start.positions;
     let mut solution = vec![Vec3::zeros(); count];
     group.bench_function("panels", |bencher| {
         bencher.iter(|| panels.solve(black_box(&b), &mut solution))

@@ -60,8 +60,9 @@ impl Settings {
 
     /// The same settings and one more.
     #[must_use]
-    pub fn with(mut self, key: &str, value: impl ToString) -> Self {
-        self.given.push((key.to_owned(), value.to_string()));
+    #[allow(clippy::needless_pass_by_value)] // callers hand in literals; a reference before each would only be noise
+    pub fn with(mut self, key: &str, value: impl std::fmt::Display) -> Self {
+        self.given.push((key.to_owned(), format!("{value}")));
         self
     }
 

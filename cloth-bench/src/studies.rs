@@ -22,8 +22,11 @@ pub struct Study {
     /// What would surprise us, and what each table holds.
     pub about: &'static str,
     cases: fn(Scope) -> u64,
-    run: fn(Scope, &mut dyn FnMut(&str)) -> Result<Findings, BenchError>,
+    run: Run,
 }
+
+/// Measures and judges; calls back with the name of each case before it.
+type Run = fn(Scope, &mut dyn FnMut(&str)) -> Result<Findings, BenchError>;
 
 /// How much of a study to run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
