@@ -7,6 +7,7 @@ use cloth_core::step::BuildError;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PdConfig {
     /// Local–global iterations in a step: exactly as many without a tolerance, at most as many with one; at least 1.
+    /// Stiff cloth wants many more than the ten of the default, see the limits in the [crate documentation](crate).
     pub iterations: u32,
     /// With `Some(τ)` the iteration ends as soon as `‖∇G(x)‖ ≤ τ ‖∇G(x̃)‖` in the norm of M⁻¹ (τ dimensionless), and the
     /// report has that ratio as its residual. `None`: nothing is computed for it.

@@ -97,8 +97,12 @@
 //! ```
 //!
 //! # Limits
-//! - The iteration converges linearly, and the more slowly the stiffer the cloth: per iteration the error along a soft mode falls by a factor near 1 where
-//!   `k Δt²/m` is large. The first iterations gain most. Cut short, the cloth turns and falls too slowly, as if it were damped.
+//! - The iteration converges linearly, and the more slowly the stiffer the cloth: A is as stiff across a spring as along it, so a mode that turns springs without
+//!   stretching them, as falling and folding do, keeps a share `κ/(m/Δt² + κ)` of its error in every iteration, κ its stiffness in `Σ w GᵀG`. The first ten
+//!   iterations remove most of the stretch and little of that.
+//! - So, cut short, the cloth does not stretch but hangs in the air. A sheet of 1 m × 1 m, 0.2 kg/m², 32 vertices a side, springs of 10⁴ N/m, held at two corners and
+//!   let go horizontally, should fall 0.49 m (centre of mass) in half a second. At Δt = 1/60 s it falls 0.05 m with 1 iteration a step, 0.14 m with 10, 0.37 m with 50, 0.48 m with
+//!   200. Look at the fall beside the stretch before choosing a number; it takes fewer with softer springs or smaller steps.
 //! - Where it converges to is a stationary point of `G`, the solution of implicit Euler, with the numerical damping of that.
 //! - Linear momentum of a free cloth is conserved in every iteration, to rounding. Angular momentum is not: implicit Euler does not conserve it, and an iteration cut
 //!   short less so.
@@ -109,9 +113,10 @@
 //! - The residual compares with `‖∇G(x̃)‖`. Where that is rounding alone, as for a cloth in free fall, no tolerance is met and all iterations are spent, without harm.
 //!
 //! # When to use it
-//! For many steps with one mesh and one step size and a moderate accuracy: a few iterations give a plausible motion
-//! at a price that does not depend on the stiffness. Newton's method is cheaper to high accuracy; where constraints come and go (contacts, tearing), or a
-//! hundred thousand vertices have to move in a few milliseconds, the position-based methods are.
+//! For many steps with one mesh and one step size, where stretch is what one sees: an iteration costs two passes over a
+//! small factor, no iteration can make matters worse, and no step size is too large. Where the motion has to be right and the
+//! springs are stiff, Newton's method needs far fewer iterations than the difference in their price; where constraints come and go (contacts, tearing), the position-based methods
+//! have no matrix to factorise.
 //! Quadratic energies (bending of a flat sheet, attachments) are solved exactly by one iteration.
 //!
 //! # References
