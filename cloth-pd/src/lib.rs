@@ -115,7 +115,7 @@
 //! # When to use it
 //! For many steps with one mesh and one step size, where stretch is what one sees: an iteration costs two passes over a
 //! small factor, no iteration can make matters worse, and no step size is too large. Where the motion has to be right and the
-//! springs are stiff, Newton's method needs far fewer iterations than the difference in their price; where constraints come and go (contacts, tearing), the position-based methods
+//! springs are stiff, compare it with Newton's method, whose iterations are few and cost a factorisation each. Where constraints come and go (contacts, tearing), the position-based methods
 //! have no matrix to factorise.
 //! Quadratic energies (bending of a flat sheet, attachments) are solved exactly by one iteration.
 //!
