@@ -64,6 +64,65 @@ fn pairs_far_from_the_origin_are_not_lost_to_rounding() {
     }
 }
 
+/// Half of one unit in the last place is nothing to a coordinate, or a whole unit, as rounding has it.
+#[test]
+fn pairs_one_unit_in_the_last_place_apart_are_found() {
+    let unit = 1e9f64.next_up() - 1e9;
+    let layer = |i: u32| {
+        [[0., 0.], [1., 0.], [0., 1.]].map(|[x, y]| Vec3::new(x, y, 1e9 + unit * f64::from(i)))
+    };
+    let positions: Vec<Vec3> = (0..8).flat_map(layer).collect();
+    let mesh = TriMesh::new(
+        positions,
+        (0..8).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect(),
+    )
+    .unwrap();
+    let mut pairs = TrianglePairs::new(&mesh);
+    for units in 0..4 {
+        let expected: Vec<[u32; 2]> = (0..8)
+            .flat_map(|a| (a + 1..8).map(move |b| [a, b]))
+            .filter(|[a, b]| b - a <= units)
+            .collect();
+        assert_eq!(
+            pairs.within(unit * f64::from(units)),
+            expected,
+            "{units} units"
+        );
+    }
+}
+
+#[test]
+fn visit_meets_every_pair_that_is_nearer_once_and_follows_a_falling_limit() {
+    let mesh = sheet(9);
+    for (name, positions) in deformed(&mesh) {
+        let mut pairs = TrianglePairs::new(&mesh);
+        pairs.move_to(&positions).unwrap();
+        pairs.within(0.0);
+        let mut visited = Vec::new();
+        pairs.visit_within(&Cell::new(0.2 * 0.2), |pair| visited.push(pair));
+        visited.sort_unstable();
+        // The tree's boxes are larger by rounding, and a box at exactly the limit is no longer of interest.
+        let expected = brute_force(&mesh, &positions, 0.2 - 1e-9);
+        assert_eq!(
+            expected,
+            brute_force(&mesh, &positions, 0.2 + 1e-9),
+            "{name}: not a good distance"
+        );
+        assert_eq!(visited, expected, "{name}");
+
+        let limit = Cell::new(0.2 * 0.2);
+        let mut count = 0;
+        pairs.visit_within(&limit, |_| {
+            count += 1;
+            limit.set(0.0);
+        });
+        assert!(
+            count <= 4,
+            "{name}: {count} pairs, where nothing is nearer than 0"
+        );
+    }
+}
+
 #[test]
 fn triangles_closer_than_the_distance_are_among_the_pairs() {
     let mesh = sheet(7);

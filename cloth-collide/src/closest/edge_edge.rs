@@ -3,8 +3,8 @@
 use super::nearest_on_segment;
 use cloth_core::math::{Real, Vec3};
 
-/// Edges are nearly parallel if the squared sine of their angle is below this: s and t have then lost six of
-/// sixteen digits, and a wrong one may be taken for a point inside.
+/// Edges are nearly parallel if the squared sine of their angle is below this: s has then lost six of
+/// sixteen digits, and may lose all.
 const NEARLY_PARALLEL: Real = 1e-12;
 
 /// Where two edges come nearest to each other.
@@ -31,14 +31,15 @@ impl EdgeEdge {
 /// With u and v the two edge vectors, d the way from the start of `second` to that of `first` and n = u × v, the
 /// two infinite lines are nearest at
 ///
-/// s = n · (v × d) / n²,  t = n · (u × d) / n².
+/// s = n · (v × d) / n²,  t = v · (d + s u) / v².
 ///
 /// If both lie in 0..=1 that is the answer. Otherwise an end of one of the edges takes part, and
 /// the best of the four pairs (end, other edge) is it. This is the region walk of Ericson (2005), section
-/// 5.1.9, with two changes for nearly parallel edges, which are common in cloth. Ericson's determinant
+/// 5.1.9, with changes for nearly parallel edges, which are common in cloth. Ericson's determinant
 /// |u|²|v|² − (u · v)² is made of rounding once the angle θ is below 1e-8; n² keeps its digits down to
-/// θ = 1e-16. Even so s and t have errors of 1e-16/θ; used together they would add up, so t is taken anew as the
-/// foot of the point at s, which leaves an error of θ · 1e-16/θ. Below θ = 1e-6 the four ends are always looked at.
+/// θ = 1e-16. Even so s has an error of 1e-16/θ. It does no harm if t is the foot of just this point, as above, since along
+/// nearly parallel edges the distance changes by θ times the way; a t computed like s would add its own error to
+/// the distance. Below θ = 1e-6 the four ends are always looked at.
 ///
 /// The distance is accurate to a few roundings of the size of the configuration (the longest of the
 /// edges and of the ways between them), at every angle. The two points are less certain, as they have to be: parallel
@@ -62,12 +63,11 @@ pub fn edge_edge(first: [Vec3; 2], second: [Vec3; 2]) -> EdgeEdge {
     let n = u.cross(&v);
     let n_squared = n.norm_squared();
     let mut inside = None;
-    if n_squared > 0.0 {
+    if n_squared >= Real::MIN_POSITIVE {
         let s = n.dot(&v.cross(&d)) / n_squared;
-        let t = n.dot(&u.cross(&d)) / n_squared;
+        let at_s = d + u * s;
+        let t = v.dot(&at_s) / v.norm_squared();
         if (0.0..=1.0).contains(&s) && (0.0..=1.0).contains(&t) {
-            let at_s = d + u * s;
-            let t = nearest_on_segment(at_s, v);
             let found = EdgeEdge {
                 along: [s, t],
                 separation: at_s - v * t,

@@ -76,6 +76,9 @@ fn inside(point: Vec3, triangle: [Vec3; 3], refined: bool) -> Option<PointTriang
     let (e1, e2) = (b - a, c - a);
     let n = e1.cross(&e2);
     let n_squared = n.norm_squared();
+    if n_squared < Real::MIN_POSITIVE {
+        return None;
+    }
     let weights = |d: Vec3| {
         [
             n.dot(&d.cross(&e2)) / n_squared,
@@ -84,7 +87,6 @@ fn inside(point: Vec3, triangle: [Vec3; 3], refined: bool) -> Option<PointTriang
     };
     let mut separation = point - a;
     let [mut wb, mut wc] = weights(separation);
-    // Written so that the NaN of a triangle without area is not inside.
     let fits = |wb: Real, wc: Real| wb >= 0.0 && wc >= 0.0 && 1.0 - wb - wc >= 0.0;
     if !fits(wb, wc) {
         return None;

@@ -9,31 +9,25 @@ pub(super) fn real(p: Point) -> Vec3 {
     p.map(|c| c as Real).into()
 }
 
-/// Four points on a lattice: small, so that they coincide, line up and share planes often; or large, with slivers and
-/// nearly parallel edges of angles down to 1e-12, since some points are moved by one step from the line of two others.
+/// Four points on a lattice: a small one, so that they coincide, line up and share planes often; a large one; and one
+/// that is long and thin, of which all points are in one plane. There, slivers and nearly parallel edges have
+/// angles down to 1e-8 and are often at distance 0, where an error is most visible, and parallel edges have
+/// coordinates too long for their cross product to come out as zero.
 pub(super) fn lattice() -> impl Strategy<Value = [Point; 4]> {
     let points = |size: i128| proptest::array::uniform4(proptest::array::uniform3(-size..=size));
-    let nearly_on_a_line = (points(200_000), 0..4usize, -3i128..=3, points(1)).prop_map(
-        |([a, b, ..], moved, along, by)| {
-            let mut found = [a, b, a, b];
-            for (k, p) in found.iter_mut().enumerate() {
-                // Whole multiples of (b − a)/2 from a, each one or no step aside.
-                let part = if k == moved {
-                    along
-                } else {
-                    2 * (k as i128 % 2)
-                };
-                *p = [0, 1, 2].map(|i| a[i] + (b[i] - a[i]) * part / 2 + by[k][i]);
-            }
-            found
-        },
-    );
+    let directions = (points(100_000_000), points(1000), points(3), points(3));
+    let long_and_thin = directions.prop_map(|(long, medium, short, steps)| {
+        let [start, along] = [long[0], long[1]];
+        let across = [short[0], medium[0]][usize::from(short[1][0] > 0)];
+        steps.map(|[i, j, _]| [0, 1, 2].map(|k| start[k] + i * along[k] + j * across[k]))
+    });
     prop_oneof![
         points(1),
         points(3),
         points(1000),
         points(500_000),
-        nearly_on_a_line
+        long_and_thin.clone(),
+        long_and_thin
     ]
 }
 

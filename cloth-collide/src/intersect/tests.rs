@@ -106,6 +106,18 @@ fn triangle_without_area_is_a_segment_or_a_point() {
     assert!(!triangles_meet([v(1., 2., 3.); 3], [v(1., 2., 3.5); 3]));
 }
 
+#[test]
+fn segments_of_one_line_meet_if_they_overlap() {
+    for (x, y) in [(1.0, 0.0), (0.0, 1.0), (3.0, -2.0)] {
+        let at = |t: f64| Coord { x: x * t, y: y * t };
+        assert!(segments_meet([at(0.), at(2.)], [at(3.), at(1.)]));
+        assert!(segments_meet([at(0.), at(2.)], [at(2.), at(3.)]));
+        assert!(!segments_meet([at(0.), at(2.)], [at(4.), at(3.)]));
+        assert!(segments_meet([at(0.), at(2.)], [at(1.), at(1.)]));
+        assert!(!segments_meet([at(0.), at(2.)], [at(3.), at(3.)]));
+    }
+}
+
 /// A tilted plane that holds the diagonal x = y = z exactly, and corners that stand on the diagonal or one unit in
 /// the last place beside it. Plain floating point gets most of these wrong.
 #[test]

@@ -235,6 +235,35 @@ fn distance_is_zero_where_cloth_goes_through_cloth_far_from_any_vertex_or_edge()
     );
 }
 
+/// Above the middle of a large triangle hangs the tip of another: a distance of vertex and face. Across the rim of
+/// a third stands a fourth: one of edge and edge. In every order of the triangles.
+#[test]
+fn nearest_vertex_and_nearest_edges_are_found_whichever_triangle_comes_first() {
+    let large = [v(-9., -9., 0.), v(9., -9., 0.), v(0., 9., 0.)];
+    let tip = [v(0., 0., 0.25), v(1., 0., 5.), v(-1., 0., 5.)];
+    let crossing = [v(8., -10., 0.125), v(8., -8., 0.125), v(8., -9., 5.)];
+    for (other, expected) in [(tip, 0.25), (crossing, 0.125)] {
+        for turn in 0..3 {
+            for first in [false, true] {
+                let turned = [0, 1, 2].map(|k| other[(k + turn) % 3]);
+                let x = if first {
+                    [turned, large].concat()
+                } else {
+                    [large, turned].concat()
+                };
+                let mesh = TriMesh::new(x.clone(), vec![[0, 1, 2], [3, 4, 5]]).unwrap();
+                assert_eq!(
+                    measure(&mesh, &x),
+                    Separation {
+                        intersecting_pairs: 0,
+                        min_distance: Some(expected)
+                    }
+                );
+            }
+        }
+    }
+}
+
 #[test]
 fn single_triangle_has_no_distance() {
     let x = vec![Vec3::zeros(), Vec3::x(), Vec3::y()];
