@@ -2,6 +2,8 @@
 
 #[path = "contract/common.rs"]
 mod common;
+#[path = "../../cloth-core/tests/support/counting_allocator.rs"]
+mod counting_allocator;
 #[path = "contract/momentum.rs"]
 mod momentum;
 #[path = "contract/no_alloc.rs"]
