@@ -15,8 +15,8 @@ use std::hint::black_box;
 
 const SIDE: u32 = 128;
 
-fn sheet() -> Scene {
-    scene::build("hang", None, &Settings::default().with("n", SIDE)).expect("a scene")
+fn sheet(side: u32) -> Scene {
+    scene::build("hang", None, &Settings::default().with("n", side)).expect("a scene")
 }
 
 /// Reading and writing memory: what every kernel is held against.
@@ -43,7 +43,7 @@ fn bandwidth(criterion: &mut Criterion) {
 
 /// One Gauss–Seidel sweep of distance projections, in vertex order and colour by colour.
 fn projections(criterion: &mut Criterion) {
-    let scene = sheet();
+    let scene = sheet(SIDE);
     let springs = &scene.model.springs;
     let count = scene.start.positions.len();
     let project = |spring: &Spring, (): &mut (), x: &mut [Vec3; 2]| {
@@ -69,7 +69,7 @@ fn projections(criterion: &mut Criterion) {
 
 /// Energies, gradients and Hessians of springs and hinges.
 fn elements(criterion: &mut Criterion) {
-    let scene = sheet();
+    let scene = sheet(SIDE);
     let x = &scene.start.positions;
     let families = [
         (
@@ -103,7 +103,7 @@ fn elements(criterion: &mut Criterion) {
 
 /// The block matrix of a Newton iteration: product, factorisation, solve.
 fn newton_matrix(criterion: &mut Criterion) {
-    let scene = sheet();
+    let scene = sheet(SIDE);
     let x = &scene.start.positions;
     let mut energies = scene.model.energies().expect("elements of the sheet");
     let mut matrix = BlockMatrix::zeros(energies.bind_pattern());
@@ -129,23 +129,25 @@ fn newton_matrix(criterion: &mut Criterion) {
 
 /// The V × V matrix of projective dynamics: x, y and z at once, by the library's solve and by panels.
 fn global_solve(criterion: &mut Criterion) {
-    let scene = sheet();
-    let count = scene.start.positions.len();
-    let mut cholesky = laplacian(&scene);
-    cholesky.factorize().expect("a positive definite matrix");
-    let places: Vec<u32> = (0..count as u32).collect();
-    let mut panels = PanelFactor::new(cholesky.factor(), &places);
-    let mut group = criterion.benchmark_group("three right-hand sides");
-    group.throughput(Throughput::Elements(cholesky.factor_len() as u64));
-    let mut columns: Vec<Real> = (0..3 * count).map(|i| (i as Real).sin()).collect();
-    group.bench_function("library", |bencher| {
-        bencher.iter(|| cholesky.solve_in_place(&mut columns))
-    });
-    let b = scene.start.positions;
-    let mut solution = vec![Vec3::zeros(); count];
-    group.bench_function("panels", |bencher| {
-        bencher.iter(|| panels.solve(black_box(&b), &mut solution))
-    });
+    for side in [64, 128, 256] {
+        let scene = sheet(side);
+        let count = scene.start.positions.len();
+        let mut cholesky = laplacian(&scene);
+        cholesky.factorize().expect("a positive definite matrix");
+        let places: Vec<u32> = (0..count as u32).collect();
+        let mut panels = PanelFactor::new(cholesky.factor(), &places);
+        let mut group = criterion.benchmark_group(format!("three right-hand sides, {side} a side"));
+        group.throughput(Throughput::Elements(cholesky.factor_len() as u64));
+        let mut columns: Vec<Real> = (0..3 * count).map(|i| (i as Real).sin()).collect();
+        group.bench_function("library", |bencher| {
+            bencher.iter(|| cholesky.solve_in_place(&mut columns))
+        });
+        let b = scene.start.positions;
+        let mut solution = vec![Vec3::zeros(); count];
+        group.bench_function("panels", |bencher| {
+            bencher.iter(|| panels.solve(black_box(&b), &mut solution))
+        });
+    }
 }
 
 /// `M + 20 L` of the springs.

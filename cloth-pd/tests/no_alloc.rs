@@ -61,11 +61,13 @@ fn allocations(n: usize, tolerance: Option<f64>, step_sizes: &[f64]) -> u64 {
         solver.step(&mut state, input).unwrap();
     };
     step(step_sizes[0]);
-    let before = ALLOCATIONS.load(Ordering::Relaxed);
-    for _ in 0..3 {
+    // The harness of the tests allocates on its own now and then; what a step allocates, it allocates in every round.
+    let mut round = || {
+        let before = ALLOCATIONS.load(Ordering::Relaxed);
         step_sizes.iter().for_each(|&dt| step(dt));
-    }
-    ALLOCATIONS.load(Ordering::Relaxed) - before
+        ALLOCATIONS.load(Ordering::Relaxed) - before
+    };
+    (0..4).map(|_| round()).min().unwrap_or(0)
 }
 
 /// One test, because the count is that of the whole process.

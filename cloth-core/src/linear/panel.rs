@@ -324,35 +324,4 @@ mod tests {
         assert!(relative_difference(&solution, &reference(&mut cholesky, &b)) < 1e-13);
         assert!((0..16).all(|i| x[2 * i] == Vec3::repeat(-7.0)));
     }
-
-    #[test]
-    #[ignore = "prints times"]
-    fn times() {
-        for n in [64, 128, 256] {
-            let mut cholesky = grid_matrix(n, 1.0);
-            let b = right_hand_side(n * n);
-            let places: Vec<u32> = (0..(n * n) as u32).collect();
-            let mut x = b.clone();
-            let mut panels = PanelFactor::new(cholesky.factor(), &places);
-            let mut columns = vec![1.0; 3 * n * n];
-            let mut times = [Vec::new(), Vec::new()];
-            for _ in 0..(2_000_000 / (n * n)).min(200) {
-                let start = std::time::Instant::now();
-                panels.solve(&b, &mut x);
-                times[0].push(start.elapsed().as_secs_f64());
-                let start = std::time::Instant::now();
-                cholesky.solve_in_place(&mut columns);
-                times[1].push(start.elapsed().as_secs_f64());
-            }
-            let [ours, theirs] = times.map(|mut t| {
-                t.sort_by(Real::total_cmp);
-                1e3 * t[t.len() / 2]
-            });
-            let numbers = (panels.values.len(), panels.panels.len());
-            println!(
-                "{n}: panels {ours:.3} ms, faer {theirs:.3} ms, {:.2}x, {numbers:?}",
-                theirs / ours
-            );
-        }
-    }
 }
