@@ -101,9 +101,9 @@ impl<'a> Canvas<'a> {
         ))?)
     }
 
-    /// A marker around a point (units). A white rim sets it off from lines below.
-    pub(super) fn marker(&self, at: (i32, i32), look: Look) -> Drawn {
-        let radius = 4.4 * f64::from(UNIT);
+    /// A marker around a point (units), `size` times the usual one. A white rim sets it off from lines below.
+    pub(super) fn marker(&self, at: (i32, i32), look: Look, size: f64) -> Drawn {
+        let radius = 4.4 * size * f64::from(UNIT);
         let corners = |count: usize, turn: f64, radii: [f64; 2]| -> Vec<(i32, i32)> {
             (0..count)
                 .map(|i| {

@@ -52,6 +52,8 @@ pub(super) struct Layout<'a> {
     title: Vec<String>,
     note: Vec<String>,
     legend: Vec<Vec<String>>,
+    /// For each curve, the later ones that lie on it.
+    covers: Vec<Vec<usize>>,
     x_range: (f64, f64),
     y_range: (f64, f64),
     x_ticks: Ticks,
@@ -86,7 +88,17 @@ impl<'a> Layout<'a> {
             };
         let x_ticks = ticks(plot.x.scale, x_range, 8);
         let title = wrap(&plot.title, 18, WIDTH - 110);
-        let note: Vec<_> = note.lines().flat_map(|l| wrap(l, 12, WIDTH - 40)).collect();
+        let pixels = [
+            f64::from(right - left) / (x_range.1 - x_range.0),
+            f64::from(PLOT_HEIGHT) / (y_range.1 - y_range.0),
+        ];
+        let covers = covers(curves, pixels);
+        let note = [note, &say_covers(curves, &covers)].join("\n");
+        let note: Vec<_> = note
+            .trim()
+            .lines()
+            .flat_map(|l| wrap(l, 12, WIDTH - 40))
+            .collect();
         let top = 20 + 24 * title.len() as i32 + 30;
         let legend_height = legend
             .iter()
@@ -104,6 +116,7 @@ impl<'a> Layout<'a> {
             title,
             note,
             legend,
+            covers,
             x_range,
             y_range,
             x_ticks,
@@ -134,15 +147,25 @@ impl<'a> Layout<'a> {
             ));
             let to_canvas = |place: &(f64, f64)| data.map_coordinate(place);
             self.axes(&canvas, &|x, y| to_canvas(&(x, y)))?;
-            // Closed forms below, data above.
+            // Closed forms over the lines, where a line on the same path would hide them, and
+            // below the markers.
             let (exact, measured): (Vec<_>, Vec<_>) = curves
                 .iter()
-                .partition(|c| c.series.style == Style::ExactCurve);
-            for curve in exact.into_iter().chain(measured) {
+                .zip(&self.covers)
+                .partition(|(c, _)| c.series.style == Style::ExactCurve);
+            let path = |run: &Vec<_>| {
+                let mut path: Vec<_> = run.iter().map(to_canvas).collect();
+                path.dedup();
+                path
+            };
+            for (curve, _) in measured.iter().chain(&exact) {
                 for run in &curve.runs {
-                    let mut path: Vec<_> = run.iter().map(to_canvas).collect();
-                    path.dedup();
-                    draw_curve(&canvas, curve, &path)?;
+                    draw_line(&canvas, curve, &path(run))?;
+                }
+            }
+            for (curve, covers) in exact.iter().chain(&measured) {
+                for run in &curve.runs {
+                    draw_markers(&canvas, curve, &path(run), covers.len())?;
                 }
             }
             if curves.iter().all(|c| c.runs.is_empty()) {
@@ -226,7 +249,7 @@ impl<'a> Layout<'a> {
             let end = |x: i32| (Canvas::units(x), Canvas::units(y));
             draw_line(canvas, curve, &[end(left), end(left + SAMPLE)])?;
             if matches!(curve.series.style, Style::Points | Style::LinePoints) {
-                canvas.marker(end(left + SAMPLE / 2), curve.look)?;
+                canvas.marker(end(left + SAMPLE / 2), curve.look, 1.0)?;
             }
             let ink = if curve.runs.is_empty() {
                 mix(INK, [255; 3], 0.5)
@@ -243,6 +266,47 @@ impl<'a> Layout<'a> {
     }
 }
 
+/// For each measured curve, the later measured curves that hide all of it: that have a point
+/// within 1.5 px of each of its points. `pixels` are those per place, across and up.
+fn covers(curves: &[Curve<'_>], pixels: [f64; 2]) -> Vec<Vec<usize>> {
+    let measured = |c: &Curve<'_>| c.series.style != Style::ExactCurve && !c.runs.is_empty();
+    let hides = |below: &Curve<'_>, above: &Curve<'_>| {
+        let mut others = above.runs.iter().flatten();
+        measured(below)
+            && measured(above)
+            && below.runs.iter().flatten().all(|p| {
+                others.next().is_some_and(|q| {
+                    let (x, y) = (pixels[0] * (p.0 - q.0), pixels[1] * (p.1 - q.1));
+                    x.hypot(y) < 1.5
+                })
+            })
+    };
+    (0..curves.len())
+        .map(|i| {
+            let later = i + 1..curves.len();
+            later.filter(|&j| hides(&curves[i], &curves[j])).collect()
+        })
+        .collect()
+}
+
+/// `On one another: pbd, xpbd under pd.`
+fn say_covers(curves: &[Curve<'_>], covers: &[Vec<usize>]) -> String {
+    let label = |i: usize| curves[i].series.label.as_str();
+    let below = |top: usize| {
+        let hidden = (0..top).filter(|&i| covers[i].last() == Some(&top));
+        hidden.map(label).collect::<Vec<_>>()
+    };
+    let groups: Vec<_> = (0..curves.len())
+        .filter(|&top| !below(top).is_empty())
+        .map(|top| format!("{} under {}", below(top).join(", "), label(top)))
+        .collect();
+    if groups.is_empty() {
+        String::new()
+    } else {
+        format!("On one another: {}.", groups.join("; "))
+    }
+}
+
 fn draw_line(canvas: &Canvas<'_>, curve: &Curve<'_>, path: &[(i32, i32)]) -> Drawn {
     match curve.series.style {
         Style::Points => Ok(()),
@@ -256,8 +320,14 @@ fn draw_line(canvas: &Canvas<'_>, curve: &Curve<'_>, path: &[(i32, i32)]) -> Dra
     }
 }
 
-fn draw_curve(canvas: &Canvas<'_>, curve: &Curve<'_>, path: &[(i32, i32)]) -> Drawn {
-    draw_line(canvas, curve, path)?;
+/// Markers along a path (units), larger where later curves cover this one, so that all show.
+fn draw_markers(
+    canvas: &Canvas<'_>,
+    curve: &Curve<'_>,
+    path: &[(i32, i32)],
+    covers: usize,
+) -> Drawn {
+    let size = 1.0 + 0.45 * covers.min(4) as f64;
     // A run of one point has no line.
     let lonely = path.len() == 1;
     let stride = match curve.series.style {
@@ -269,7 +339,7 @@ fn draw_curve(canvas: &Canvas<'_>, curve: &Curve<'_>, path: &[(i32, i32)]) -> Dr
     };
     for (i, &point) in path.iter().enumerate() {
         if i.is_multiple_of(stride) || i + 1 == path.len() {
-            canvas.marker(point, curve.look)?;
+            canvas.marker(point, curve.look, size)?;
         }
     }
     Ok(())

@@ -2,7 +2,8 @@
 //!
 //! plotters maps data to the canvas and writes the shapes; the layout around them is ours. The
 //! legend stands beside the data, never on it. What an axis cannot show (a zero on a logarithmic
-//! axis, a `NaN` anywhere) is left out, counted, and said below the plot.
+//! axis, a `NaN` anywhere) is left out, counted, and said below the plot. Curves that lie on one
+//! another are named there too, and their markers grow downwards so that each can be seen.
 
 use super::layout::{Curve, Layout};
 use super::palette::{Look, exact_look, looks};
@@ -102,7 +103,7 @@ pub enum Style {
     /// A line with markers; of many points only some are marked.
     #[default]
     LinePoints,
-    /// A dashed line through the points, below all data: a closed form, a reference, a guide.
+    /// A dashed line through the points, below the markers: a closed form, a reference, a guide.
     ///
     /// It is black, unless its label begins with the label of a measured series or of a method;
     /// then it has that colour.
@@ -313,6 +314,25 @@ mod tests {
         let mut cut = plot(Scale::Linear, vec![Series::new("pd", a)]);
         cut.x = cut.x.within(0.0, 2.5);
         assert_eq!(cut.draw().dropped, 3);
+    }
+
+    #[test]
+    fn curves_on_one_another_are_named() {
+        let points = |shift: f64| {
+            (1..20)
+                .map(|i| (f64::from(i), f64::from(i) + shift))
+                .collect()
+        };
+        let series = |shifts: [f64; 3]| {
+            let labels = ["pbd", "xpbd", "pd"].into_iter().zip(shifts);
+            labels
+                .map(|(label, shift)| Series::new(label, points(shift)))
+                .collect()
+        };
+        let svg = plot(Scale::Linear, series([0.0, 1e-3, 0.0])).draw().svg;
+        assert!(svg.contains("On one another: pbd, xpbd under pd."));
+        let svg = plot(Scale::Linear, series([0.0, 3.0, 6.0])).draw().svg;
+        assert!(!svg.contains("On one another"));
     }
 
     #[test]
