@@ -217,7 +217,7 @@ impl Plot {
         labels.into_iter().zip(looks).collect()
     }
 
-    /// `Not shown: 3 points at zero (xpbd 2, pd 1), 1 point not finite (pbd).`
+    /// `Not shown: 3 points at zero (2 of xpbd; 1 of pd), 1 point not finite (1 of pbd).`
     fn say_absent(&self, absent: &[(Absence, usize)]) -> String {
         let mut parts = Vec::new();
         for (kind, words) in Absence::ALL {
@@ -230,17 +230,17 @@ impl Plot {
                 .zip(&counts)
                 .filter(|(_, count)| **count > 0);
             let named: Vec<_> = named
-                .map(|(s, count)| format!("{} {count}", s.label))
+                .map(|(s, count)| format!("{count} of {}", s.label))
                 .collect();
             if total > 0 {
                 let points = if total == 1 { "point" } else { "points" };
-                parts.push(format!("{total} {points} {words} ({})", named.join(", ")));
+                parts.push(format!("{total} {points} {words} ({})", named.join("; ")));
             }
         }
         if parts.is_empty() {
             String::new()
         } else {
-            format!("Not shown: {}.", parts.join("; "))
+            format!("Not shown: {}.", parts.join(", "))
         }
     }
 }
@@ -307,7 +307,7 @@ mod tests {
         .draw();
         assert_eq!(drawing.dropped, 6);
         assert!(drawing.svg.contains(
-            "3 points at zero (pd 3); 1 point below zero (pd 1); 2 points not finite (pd 1, pbd 1)"
+            "3 points at zero (3 of pd), 1 point below zero (1 of pd), 2 points not finite (1 of pd; 1 of pbd)"
         ));
         let linear = plot(Scale::Linear, vec![Series::new("pd", a.clone())]).draw();
         assert_eq!(linear.dropped, 1);
