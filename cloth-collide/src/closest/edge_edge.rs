@@ -3,10 +3,6 @@
 use super::nearest_on_segment;
 use cloth_core::math::{Real, Vec3};
 
-/// Edges are nearly parallel if the squared sine of their angle is below this: s has then lost six of
-/// sixteen digits, and may lose all.
-const NEARLY_PARALLEL: Real = 1e-12;
-
 /// Where two edges come nearest to each other.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EdgeEdge {
@@ -39,7 +35,7 @@ impl EdgeEdge {
 /// |u|²|v|² − (u · v)² is made of rounding once the angle θ is below 1e-8; n² keeps its digits down to
 /// θ = 1e-16. Even so s has an error of 1e-16/θ. It does no harm if t is the foot of just this point, as above, since along
 /// nearly parallel edges the distance changes by θ times the way; a t computed like s would add its own error to
-/// the distance. Below θ = 1e-6 the four ends are always looked at.
+/// the distance.
 ///
 /// The distance is accurate to a few roundings of the size of the configuration (the longest of the
 /// edges and of the ways between them), at every angle. The two points are less certain, as they have to be: parallel
@@ -62,27 +58,19 @@ pub fn edge_edge(first: [Vec3; 2], second: [Vec3; 2]) -> EdgeEdge {
     let d = first[0] - second[0];
     let n = u.cross(&v);
     let n_squared = n.norm_squared();
-    let mut inside = None;
+    // Subnormal numbers would leave s too few digits.
     if n_squared >= Real::MIN_POSITIVE {
         let s = n.dot(&v.cross(&d)) / n_squared;
         let at_s = d + u * s;
         let t = v.dot(&at_s) / v.norm_squared();
         if (0.0..=1.0).contains(&s) && (0.0..=1.0).contains(&t) {
-            let found = EdgeEdge {
+            return EdgeEdge {
                 along: [s, t],
                 separation: at_s - v * t,
             };
-            if n_squared > NEARLY_PARALLEL * u.norm_squared() * v.norm_squared() {
-                return found;
-            }
-            inside = Some(found);
         }
     }
-    let ends = nearest_with_an_end(first, second);
-    match inside {
-        Some(i) if i.separation.norm_squared() <= ends.separation.norm_squared() => i,
-        _ => ends,
-    }
+    nearest_with_an_end(first, second)
 }
 
 /// The nearest pair of points (of the two edges, in m) among those of which one is an end.
@@ -220,6 +208,9 @@ mod tests {
             edge_edge(edge, [v(3., 0., 0.), v(9., 0., 0.)]).distance(),
             0.0
         ); // overlapping
+        // One so short that the square of the cross product has hardly a digit.
+        let short = [v(1.2, -1e-160, 0.), v(1.2, 1e-160, 0.)];
+        assert!(edge_edge(edge, short).distance() < 1e-15);
         let (p, q) = (v(1., 3., 0.), v(1., 0., 4.));
         assert_eq!(edge_edge([p, p], [q, q]).distance(), 5.0);
         assert_eq!(edge_edge([p, p], [p, p]).distance(), 0.0);

@@ -3,10 +3,6 @@
 use super::nearest_on_segment;
 use cloth_core::math::{Real, Vec3};
 
-/// A triangle is a sliver if the squared sine of the angle at its first corner is below this. Above, the weights
-/// lose one digit at most.
-const SLIVER: Real = 1e-2;
-
 /// Where a triangle comes nearest to a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PointTriangle {
@@ -29,18 +25,17 @@ impl PointTriangle {
 /// Nearest point of `triangle` (three positions, m) to `point` (m) (COL-5).
 ///
 /// The plane around a triangle falls into seven regions, by whether the nearest point is inside,
-/// on an edge or at a vertex (Ericson 2005, section 5.1.5). With e₁ = b − a, e₂ = c − a, d = p − a and
-/// n = e₁ × e₂, the foot of the perpendicular has the weights
+/// on an edge or at a vertex (Ericson 2005, section 5.1.5). Let u = c − b be the longest edge, a the corner across from it,
+/// e = a − b, d = p − b and n = u × e. The foot of the perpendicular from p has the weights
 ///
-/// w_b = n · (d × e₂) / n²,  w_c = n · (e₁ × d) / n²,  w_a = 1 − w_b − w_c.
+/// w_a = n · (u × d) / n²,  w_c = u · (d − w_a e) / u²,  w_b = 1 − w_a − w_c.
 ///
 /// If none is negative, that is the answer. Otherwise the nearest point is on the boundary, and the
 /// nearest of the three edges' nearest points is it; clamping takes care of the vertices. Ericson goes
-/// through the regions one by one with dot products, which is less work, but their differences
-/// cancel for slivers: where the angle at a is θ or π − θ they have errors of 1e-16/θ², the cross products 1e-16/θ.
-/// For slivers that is still too much, so there a is the corner of the largest angle (what remains then
-/// is the flat cap), the formula is applied once more to what is left over in the plane, and the boundary is always
-/// looked at. A triangle that has become a segment or a point is all boundary.
+/// through the regions one by one with dot products, which is less work, but for slivers their differences
+/// cancel. Here, in a triangle that is θ times as high as it is long, w_a has an error of 1e-16/θ, but w_c belongs to just
+/// this w_a: what goes wrong is the height of the foot in the triangle, by 1e-16/θ times θ. A triangle that has become a segment
+/// or a point is all boundary.
 ///
 /// The distance is accurate to a few roundings of the size of the configuration (the longest of the
 /// edges and of the way to the point), for every shape of triangle. The weights are less certain, as they have to be:
@@ -58,75 +53,36 @@ impl PointTriangle {
 /// ```
 #[must_use]
 pub fn point_triangle(point: Vec3, triangle: [Vec3; 3]) -> PointTriangle {
-    let [a, b, c] = triangle;
-    let (e1, e2) = (b - a, c - a);
-    let n = e1.cross(&e2);
-    if n.norm_squared() > SLIVER * e1.norm_squared() * e2.norm_squared() {
-        inside(point, triangle, false).unwrap_or_else(|| nearest_on_boundary(point, triangle))
-    } else {
-        nearest_of_sliver(point, triangle)
-    }
+    inside(point, triangle).unwrap_or_else(|| nearest_on_boundary(point, triangle))
 }
 
 /// The foot of the perpendicular from `point` to the plane of `triangle` (m), if it is inside.
-///
-/// Refined, the weights leave nothing in the plane but rounding, whatever the angle at the first corner.
-fn inside(point: Vec3, triangle: [Vec3; 3], refined: bool) -> Option<PointTriangle> {
-    let [a, b, c] = triangle;
-    let (e1, e2) = (b - a, c - a);
-    let n = e1.cross(&e2);
-    let n_squared = n.norm_squared();
-    if n_squared < Real::MIN_POSITIVE {
-        return None;
-    }
-    let weights = |d: Vec3| {
-        [
-            n.dot(&d.cross(&e2)) / n_squared,
-            n.dot(&e1.cross(&d)) / n_squared,
-        ]
-    };
-    let mut separation = point - a;
-    let [mut wb, mut wc] = weights(separation);
-    let fits = |wb: Real, wc: Real| wb >= 0.0 && wc >= 0.0 && 1.0 - wb - wc >= 0.0;
-    if !fits(wb, wc) {
-        return None;
-    }
-    separation -= e1 * wb + e2 * wc;
-    if refined {
-        let [more_b, more_c] = weights(separation);
-        wb += more_b;
-        wc += more_c;
-        separation = point - a - (e1 * wb + e2 * wc);
-    }
-    fits(wb, wc).then_some(PointTriangle {
-        weights: [1.0 - wb - wc, wb, wc],
-        separation,
-    })
-}
-
-/// [`point_triangle`] for a triangle with hardly any area.
-#[cold]
-fn nearest_of_sliver(point: Vec3, triangle: [Vec3; 3]) -> PointTriangle {
-    let boundary = nearest_on_boundary(point, triangle);
-    // The largest angle is across from the longest edge.
+fn inside(point: Vec3, triangle: [Vec3; 3]) -> Option<PointTriangle> {
     let across = |k: usize| (triangle[(k + 1) % 3] - triangle[(k + 2) % 3]).norm_squared();
-    let first = if across(0) >= across(1) && across(0) >= across(2) {
-        0
-    } else if across(1) >= across(2) {
-        1
-    } else {
+    let squared = [across(0), across(1), across(2)];
+    let longest = usize::from(squared[1] > squared[0]);
+    let longest = if squared[2] > squared[longest] {
         2
+    } else {
+        longest
     };
-    let turned = [0, 1, 2].map(|k| triangle[(first + k) % 3]);
-    match inside(point, turned, true) {
-        Some(mut found)
-            if found.separation.norm_squared() <= boundary.separation.norm_squared() =>
-        {
-            found.weights.rotate_right(first);
-            found
+    let [a, b, c] = [0, 1, 2].map(|k| triangle[(longest + k) % 3]);
+
+    let (u, e, d) = (c - b, a - b, point - b);
+    let n = u.cross(&e);
+    let wa = n.dot(&u.cross(&d)) / n.norm_squared();
+    let above = d - e * wa;
+    let wc = u.dot(&above) / squared[longest];
+    let wb = 1.0 - wa - wc;
+    // Written so that the NaN of a triangle without area is not inside.
+    (wa >= 0.0 && wb >= 0.0 && wc >= 0.0).then(|| {
+        let mut weights = [wa, wb, wc];
+        weights.rotate_right(longest);
+        PointTriangle {
+            weights,
+            separation: above - u * wc,
         }
-        _ => boundary,
-    }
+    })
 }
 
 /// The nearest point (of `triangle`, to `point`, all in m) among those of the three edges.
@@ -264,28 +220,30 @@ mod tests {
         assert_eq!(point_triangle(v(0., 0., 1.), tiny).distance(), 1.0);
     }
 
-    #[test]
-    fn height_above_a_sliver_is_accurate_at_every_width() {
-        for exponent in 0..17 {
-            let width = 10f64.powi(-exponent);
-            // A cap (obtuse angle at each corner in turn) and a needle.
-            for [b, c] in [
-                [v(1., 0., 0.), v(0.5, width, 0.)],
-                [v(1., 0., 0.), v(1., width, 0.)],
-            ] {
-                let height = 0.125;
-                let p = v(0.5, 0.25 * width, height);
-                for triangle in [
-                    [Vec3::zeros(), b, c],
-                    [b, c, Vec3::zeros()],
-                    [c, Vec3::zeros(), b],
-                ] {
-                    let d = point_triangle(p, triangle).distance();
-                    assert!(
-                        (d - height).abs() < 1e-15,
-                        "width {width:e}: {d} instead of {height}"
-                    );
-                }
+    fn direction() -> impl Strategy<Value = Vec3> {
+        [-1.0..1.0, -1.0..1.0, -1.0..1.0f64].prop_map(|x| Vec3::from(x).normalize())
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(20_000))]
+        /// Needles, caps and what is between, thin down to nothing; points above them, as near to the rim as can be.
+        #[test]
+        fn height_above_a_thin_triangle_is_accurate(
+            (along, other) in (direction(), direction()),
+            foot_of_c in prop_oneof![Just(1.0), Just(0.0), Just(0.5), 0.0..1.0],
+            width in 0..20,
+            exponents in [0..12, 0..12, 0..12],
+            height in prop_oneof![Just(0.0), Just(0.25)],
+        ) {
+            let up = along.cross(&other).normalize();
+            let width = 0.1f64.powi(width);
+            let (a, b) = (Vec3::zeros(), along);
+            let c = along * foot_of_c + up.cross(&along) * width;
+            let [wa, wb, wc] = exponents.map(|e| 0.1f64.powi(e));
+            let p = (a * wa + b * wb + c * wc) / (wa + wb + wc) + up * height;
+            for triangle in [[a, b, c], [b, c, a], [c, a, b], [c, b, a], [b, a, c], [a, c, b]] {
+                let error = (point_triangle(p, triangle).distance() - height).abs();
+                prop_assert!(error < 3e-15, "{error:e}");
             }
         }
     }
