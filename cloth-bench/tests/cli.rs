@@ -89,6 +89,14 @@ fn values_out_of_range_are_refused_by_name() {
     run(&["--set", "stiffness=-5"], &["stiffness", "-5"]);
     run(&["--set", "projection=1.5"], &["1.5"]);
     run(&["--set", "n"], &["key=value"]);
+    run(&["--threads", "0"], &["--threads", "1 to"]);
+    run(&["--threads", "100000"], &["--threads", "1 to"]);
+    refused(
+        &["law", "pbd-constraint", "--set", "stiffness=1"],
+        2,
+        &["stiffness", "below 1"],
+    );
+    refused(&["law", "oscillator", "--set", "z=-1"], 2, &["z", "-1"]);
     refused(
         &["run", "chain", "--method", "pbd", "--mesh", "disk:3"],
         2,

@@ -67,6 +67,9 @@ enum Format {
     Obj,
 }
 
+/// More threads than this are a slip of the pen.
+const MOST_THREADS: usize = 1024;
+
 pub(super) fn execute(arguments: &Arguments) -> Result<(), BenchError> {
     let mut settings = Settings::parse(&arguments.settings)?;
     if let Some(n) = arguments.n {
@@ -91,6 +94,14 @@ pub(super) fn execute(arguments: &Arguments) -> Result<(), BenchError> {
                 info.name
             ))
         })?;
+    }
+    if let Some(threads) = arguments
+        .threads
+        .filter(|threads| !(1..=MOST_THREADS).contains(threads))
+    {
+        return Err(BenchError::Usage(format!(
+            "--threads is {threads}, but it has to be 1 to {MOST_THREADS}"
+        )));
     }
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(arguments.threads.unwrap_or(0))

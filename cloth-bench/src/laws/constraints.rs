@@ -98,6 +98,11 @@ fn xpbd_constraint(settings: &Settings) -> Result<Verdict, BenchError> {
 
 fn pbd_constraint(settings: &Settings) -> Result<Verdict, BenchError> {
     let s = settings.number(&FRACTION)?;
+    if !(0.0..1.0).contains(&s) {
+        return Err(BenchError::Usage(format!(
+            "stiffness is {s}, but it has to be at least 0 and below 1, where the constraint is rigid"
+        )));
+    }
     let iterations = settings.count(&ITERATIONS, 1)?;
     let dt = settings.positive(&DT)?;
     let stretched = Stretched::new(1.0)?;
