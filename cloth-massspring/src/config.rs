@@ -1,5 +1,6 @@
 //! Settings of the integrators.
 
+use crate::damping::Damping;
 use cloth_core::element::Convexity;
 use cloth_core::math::Real;
 use cloth_core::step::BuildError;
@@ -11,6 +12,8 @@ pub struct ExplicitConfig {
     pub substeps: u32,
     /// What to do about steps that are too large.
     pub stability: StabilityCheck,
+    /// Forces against the motion; none unless set.
+    pub damping: Damping,
 }
 
 /// What an explicit integrator does about steps that are too large.
@@ -29,6 +32,7 @@ impl Default for ExplicitConfig {
         Self {
             substeps: 1,
             stability: StabilityCheck::Watch,
+            damping: Damping::default(),
         }
     }
 }
@@ -43,11 +47,11 @@ impl ExplicitConfig {
                 range: "at least 1",
             });
         }
-        Ok(())
+        self.damping.check()
     }
 }
 
-/// Settings of [`crate::ImplicitEuler`].
+/// Settings of [`crate::ImplicitEuler`], [`crate::ImplicitMidpoint`] and [`crate::Bdf2`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ImplicitConfig {
     /// Most Newton iterations in a step. Spending them all is no error; the report says so.
@@ -61,6 +65,26 @@ pub struct ImplicitConfig {
     pub start: StartGuess,
     /// Which points with a small gradient are good enough.
     pub accept: Accept,
+    /// How much of the minimisation is done.
+    pub solve: Solve,
+    /// Forces against the motion; none unless set.
+    pub damping: Damping,
+}
+
+/// How much of the minimisation an implicit step does.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Solve {
+    /// Newton's method with line search, to the tolerance.
+    #[default]
+    Newton,
+    /// One Newton step of full length from the start guess: the forces linearised there, and one linear system (MS-3).
+    /// Neither the tolerance nor the most iterations nor [`Accept`] matter, and no residual is computed.
+    ///
+    /// The cheapest implicit step there is. Linear forces it integrates like the full solution. Otherwise its
+    /// error is of the order of the integrator's own, but nothing holds the energy down: a step that turns a stiff
+    /// spring by a large angle stretches it, and the next one starts from there.
+    Linearized,
 }
 
 /// Which second derivative of the elastic energy Newton's method uses (CORE-8).
@@ -111,11 +135,25 @@ impl Default for ImplicitConfig {
             hessian: HessianPolicy::ExactFirst,
             start: StartGuess::Inertial,
             accept: Accept::Stationary,
+            solve: Solve::Newton,
+            damping: Damping::default(),
         }
     }
 }
 
 impl ImplicitConfig {
+    /// Settings for a step that costs one linear solve, as D. Baraff and A. Witkin take it
+    /// (SIGGRAPH 1998, <https://doi.org/10.1145/280814.280821>): linearised at `x[0]`, the indefinite part of compressed springs dropped.
+    #[must_use]
+    pub fn linearized() -> Self {
+        Self {
+            solve: Solve::Linearized,
+            start: StartGuess::Previous,
+            hessian: HessianPolicy::Always(Convexity::Clamp),
+            ..Self::default()
+        }
+    }
+
     /// Settings for a reference solution (VALIDATION 8.1): a minimum, not a saddle point, to the last digit that rounding
     /// allows or 1e-12, whichever comes first.
     #[must_use]
@@ -144,6 +182,6 @@ impl ImplicitConfig {
                 range: "at least 1",
             });
         }
-        Ok(())
+        self.damping.check()
     }
 }

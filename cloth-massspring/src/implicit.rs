@@ -1,30 +1,55 @@
-//! Implicit Euler, S1 (7), as the minimisation S1 (10) (MS-2).
+//! Implicit integrators as minimisations (MS-2, MS-3, MS-4).
 //!
-//! The forces are taken at the end of the step, where they are not known yet. The positions there are the minimum of
-//! [`IncrementalPotential`]; the rooms below go down to it: the loop in `newton`, the matrix in `system`, the step length in
-//! `line_search`.
+//! The forces are taken where they are not known yet. Implicit Euler, S1 (7)–(10), implicit midpoint and BDF2 all do it by one *stage*:
+//! from a base `x_b`, `v_b` over a time `τ`,
+//!
+//! ```text
+//! v = v_b + τ (M⁻¹ f(x) + g − α v)
+//! x = x_b + τ v
+//! ```
+//!
+//! | integrator | base | τ | after the stage |
+//! |---|---|---|---|
+//! | implicit Euler | `x[0]`, `v[0]` | Δt | that is the end |
+//! | implicit midpoint | `x[0]`, `v[0]` | Δt/2 | as far again: `x[1] = 2x − x[0]`, `v[1] = 2v − v[0]` |
+//! | BDF2 | `(4x[0] − x[−1])/3`, `(4v[0] − v[−1])/3` | 2Δt/3 | that is the end |
+//!
+//! Without the velocity, a stage says that `x` is a stationary point of `‖x − x̂‖²_M/(2s²) + E(x)` with
+//! `s² = τ²/(1 + ατ)` and `x̂ = x_b + τ v_b/(1 + ατ) + s² g`: the drag α only changes two numbers. The
+//! rooms below go down to it: the function in `stage` and `damper`, the loop in `newton`, the matrix in
+//! `system`, the step length in `line_search`.
 
+mod bdf2;
+mod builder;
+mod damper;
 mod line_search;
 mod newton;
+mod stage;
 mod system;
 
-use crate::config::{ImplicitConfig, StartGuess};
-use cloth_core::block_matrix::BlockMatrix;
-use cloth_core::element::Energy;
+pub use bdf2::Bdf2;
+pub use builder::ImplicitBuilder;
+
+use crate::config::{ImplicitConfig, Solve, StartGuess};
 use cloth_core::family::Energies;
-use cloth_core::linear::BlockCholesky;
 use cloth_core::math::{Real, Vec3};
-use cloth_core::measure::{IncrementalPotential, predict};
+use cloth_core::measure::IncrementalPotential;
 use cloth_core::particles::{Particles, State};
-use cloth_core::step::{BuildError, Outcome, StepError, StepInput, StepReport, Stepper};
+use cloth_core::step::{Outcome, StepError, StepInput, StepReport, Stepper};
+use damper::Damper;
 use newton::{Newton, Task};
-use system::NewtonSystem;
+use stage::Stage;
 
 /// Implicit Euler, S1 (7)–(15): every step is a minimum of `G`, found by Newton's method with a line search and a sparse
 /// Cholesky factorisation.
 ///
 /// Stable for any step, of first order, and heavily damped: an oscillation ω shrinks by `1/√(1 + (Δt ω)²)` a step. Linear
 /// momentum is kept (to the tolerance), angular momentum is not.
+///
+/// With [`Solve::Linearized`] it is the step of Baraff and Witkin, and calls itself `linear-implicit`.
+///
+/// Damping: drag acts with the velocity at the end of the step, without approximation. Stiffness damping acts with that velocity too, and with
+/// the stiffness at `x[0] + Δt v[0]`. An oscillation then shrinks by `1/√(1 + Δt γ + (Δt ω)²)`, `γ = α + β ω²`, a step.
 ///
 /// The residual in the report is `‖∇G(x)‖/‖∇G(x̃)‖` at the end, in the norm of M⁻¹ (VALIDATION 8.1). A step has converged when it
 /// is below the tolerance, or when the gradient is as small as rounding lets it be: positions are stored to half a
@@ -40,144 +65,219 @@ use system::NewtonSystem;
 /// may be indefinite, or with an energy of the caller's whose clamped Hessian is;
 /// [`StepError::NonFinite`] where numbers overflow.
 #[derive(Debug)]
-pub struct ImplicitEuler {
-    particles: Particles,
-    energies: Energies,
-    config: ImplicitConfig,
-    /// x̃ (m).
-    predicted: Vec<Vec3>,
-    newton: Newton,
-}
+pub struct ImplicitEuler(Implicit);
+
+/// The implicit midpoint rule (MS-4): the forces in the middle of the step, at `(x[0] + x[1])/2`.
+///
+/// Second order, time-reversible and symplectic. An oscillation ω keeps its amplitude whatever the step, and turns by
+/// `2 atan(Δt ω/2)`: the energy of linear springs is kept to rounding, linear and angular momentum to the tolerance.
+///
+/// The other side of it: nothing dies out, and that holds for modes the step does not resolve. With `Δt ω ≫ 2` they turn by almost half a circle and
+/// appear as a vertex-to-vertex tremble that goes on for ever. Nor is the energy of *nonlinear* springs kept:
+/// where they are stiff and the step is long, it wanders and may grow. For cloth at large steps take [`Bdf2`], or give it some stiffness damping.
+///
+/// Half a step of implicit Euler, and what happened in it once more. Damping: drag and stiffness act with the velocity in the middle, both with
+/// second order. Prescribed vertices pass the middle at `x[0] + ½ Δt v[0]`.
+///
+/// Errors and residual are those of [`ImplicitEuler`], for the stage in the middle. An observer is shown positions in the middle too.
+///
+/// E. Hairer, C. Lubich, G. Wanner, *Geometric Numerical Integration*, 2006, II.1.1, <https://doi.org/10.1007/3-540-30666-8>.
+#[derive(Debug)]
+pub struct ImplicitMidpoint(Implicit);
 
 impl ImplicitEuler {
     /// Starts the description of a solver for these particles.
     #[must_use]
-    pub fn builder(particles: &Particles) -> ImplicitBuilder {
-        ImplicitBuilder {
-            energies: Energies::new(particles.len()),
-            particles: particles.clone(),
-            config: ImplicitConfig::default(),
-        }
+    pub fn builder(particles: &Particles) -> ImplicitBuilder<Self> {
+        ImplicitBuilder::new(particles, Self)
     }
 
     /// The settings.
     #[must_use]
     pub fn config(&self) -> &ImplicitConfig {
-        &self.config
+        &self.0.config
     }
+}
 
-    /// Where Newton's method starts at a vertex (m).
-    fn start(&self, vertex: usize, state: &State, dt: Real) -> Vec3 {
-        let (x, v) = (state.positions[vertex], state.velocities[vertex]);
-        match self.config.start {
-            _ if self.particles.is_prescribed(vertex) => self.predicted[vertex],
-            StartGuess::Previous => x,
-            StartGuess::Inertial => x + v * dt,
-            StartGuess::Predicted => self.predicted[vertex],
-        }
+impl ImplicitMidpoint {
+    /// Starts the description of a solver for these particles.
+    #[must_use]
+    pub fn builder(particles: &Particles) -> ImplicitBuilder<Self> {
+        ImplicitBuilder::new(particles, Self)
     }
 }
 
 impl Stepper for ImplicitEuler {
     fn name(&self) -> &'static str {
-        "implicit-euler"
+        match self.0.config.solve {
+            Solve::Newton => "implicit-euler",
+            Solve::Linearized => "linear-implicit",
+        }
     }
 
     fn step(&mut self, state: &mut State, input: StepInput<'_>) -> Result<StepReport, StepError> {
-        input.check(state, self.particles.len())?;
+        input.check(state, self.0.particles.len())?;
+        self.0.advance_euler(state, input)
+    }
+}
+
+impl Stepper for ImplicitMidpoint {
+    fn name(&self) -> &'static str {
+        "implicit-midpoint"
+    }
+
+    fn step(&mut self, state: &mut State, input: StepInput<'_>) -> Result<StepReport, StepError> {
+        input.check(state, self.0.particles.len())?;
+        let span = Span {
+            tau: 0.5 * input.dt,
+            place: Place::Middle,
+        };
+        self.0.advance(state, input, span, |_, x, v| [x, v])
+    }
+}
+
+/// What a stage spans.
+#[derive(Clone, Copy, Debug)]
+struct Span {
+    /// τ (s).
+    tau: Real,
+    place: Place,
+}
+
+/// Which point in time a stage solves for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Place {
+    /// The end of the step.
+    End,
+    /// Its middle; the end is as far again.
+    Middle,
+}
+
+/// What all implicit integrators are made of.
+#[derive(Debug)]
+struct Implicit {
+    particles: Particles,
+    energies: Energies,
+    config: ImplicitConfig,
+    /// `x_b` (m).
+    base: Vec<Vec3>,
+    /// `x̂` (m).
+    predicted: Vec<Vec3>,
+    damper: Option<Damper>,
+    newton: Newton,
+}
+
+impl Implicit {
+    /// A step of implicit Euler.
+    fn advance_euler(
+        &mut self,
+        state: &mut State,
+        input: StepInput<'_>,
+    ) -> Result<StepReport, StepError> {
+        let span = Span {
+            tau: input.dt,
+            place: Place::End,
+        };
+        self.advance(state, input, span, |_, x, v| [x, v])
+    }
+
+    /// A step by one stage. `base` gives `x_b` and `v_b` of a vertex from its number, position and velocity.
+    fn advance(
+        &mut self,
+        state: &mut State,
+        input: StepInput<'_>,
+        span: Span,
+        base: impl Fn(usize, Vec3, Vec3) -> [Vec3; 2],
+    ) -> Result<StepReport, StepError> {
         let step = state.steps + 1;
-        predict(&self.particles, state, &input, &mut self.predicted);
-        for vertex in 0..self.particles.len() {
-            self.newton.current.positions[vertex] = self.start(vertex, state, input.dt);
-        }
+        let drag = 1.0 / (1.0 + self.config.damping.air_drag * span.tau);
+        self.predict(state, &input, span, drag, base);
         let mut report = StepReport::new(Outcome::Converged, 0);
         if self.particles.free_count() > 0 {
-            let potential = IncrementalPotential {
-                particles: &self.particles,
-                energies: &self.energies,
-                predicted: &self.predicted,
-                dt: input.dt,
-            };
-            // The place of the gradient is free until the iteration starts.
-            let gradient = &mut self.newton.current.gradient;
-            potential.gradient_into(&self.predicted, gradient);
             let task = Task {
-                potential,
+                stage: Stage {
+                    potential: IncrementalPotential {
+                        particles: &self.particles,
+                        energies: &self.energies,
+                        predicted: &self.predicted,
+                        dt: span.tau * drag.sqrt(),
+                    },
+                    damper: self.damper.as_ref(),
+                },
                 config: &self.config,
-                reference: potential.gradient_norm(gradient),
                 step,
             };
             report = self.newton.minimize(&task, input.observer)?;
         }
-        let solution = &self.newton.current.positions;
         let overflow = |vertex: &usize| {
-            let velocity = (solution[*vertex] - state.positions[*vertex]) / input.dt;
-            !velocity.iter().all(|c| c.is_finite())
+            let [x, v] = self.end(*vertex, state, input.dt, span);
+            !x.iter().chain(&v).all(|c| c.is_finite())
         };
         if let Some(vertex) = (0..self.particles.len()).find(overflow) {
             return Err(StepError::NonFinite { vertex, step });
         }
         for vertex in 0..self.particles.len() {
-            if !self.particles.is_prescribed(vertex) {
-                state.velocities[vertex] = (solution[vertex] - state.positions[vertex]) / input.dt;
-            }
-            state.positions[vertex] = solution[vertex];
+            let [x, v] = self.end(vertex, state, input.dt, span);
+            (state.positions[vertex], state.velocities[vertex]) = (x, v);
         }
         state.time += input.dt;
         state.steps = step;
         Ok(report)
     }
-}
 
-/// Description of an [`ImplicitEuler`].
-#[derive(Debug)]
-pub struct ImplicitBuilder {
-    particles: Particles,
-    energies: Energies,
-    config: ImplicitConfig,
-}
-
-impl ImplicitBuilder {
-    /// Adds elements of one kind.
-    ///
-    /// # Errors
-    /// [`BuildError::NoSuchVertex`].
-    pub fn energy<const N: usize, E: Energy<N>>(
-        mut self,
-        elements: Vec<E>,
-    ) -> Result<Self, BuildError> {
-        self.energies = self.energies.with(elements)?;
-        Ok(self)
+    /// Fills in the base, the prediction, the damper and the start of Newton's method.
+    fn predict(
+        &mut self,
+        state: &State,
+        input: &StepInput<'_>,
+        span: Span,
+        drag: Real,
+        base: impl Fn(usize, Vec3, Vec3) -> [Vec3; 2],
+    ) {
+        let tau = span.tau;
+        let start = &mut self.newton.current.positions;
+        for (vertex, &w) in self.particles.inverse_mass().iter().enumerate() {
+            let (x, v) = (state.positions[vertex], state.velocities[vertex]);
+            if w == 0.0 {
+                let there = x + v * match span.place {
+                    Place::End => input.dt,
+                    Place::Middle => 0.5 * input.dt,
+                };
+                self.base[vertex] = there - v * tau;
+                self.predicted[vertex] = there;
+                start[vertex] = there;
+            } else {
+                let [from, speed] = base(vertex, x, v);
+                let pull = input.external_acceleration(vertex, w) * tau;
+                self.base[vertex] = from;
+                self.predicted[vertex] = from + (speed + pull) * (tau * drag);
+                start[vertex] = from + speed * tau;
+            }
+        }
+        if let Some(damper) = &mut self.damper {
+            damper.set(&self.energies, start, &self.base, tau);
+        }
+        for (vertex, start) in start.iter_mut().enumerate() {
+            match self.config.start {
+                StartGuess::Inertial => {}
+                _ if self.particles.is_prescribed(vertex) => {}
+                StartGuess::Previous => *start = state.positions[vertex],
+                StartGuess::Predicted => *start = self.predicted[vertex],
+            }
+        }
     }
 
-    /// Sets the settings.
-    #[must_use]
-    pub fn config(mut self, config: ImplicitConfig) -> Self {
-        self.config = config;
-        self
-    }
-
-    /// Builds the solver: looks up the pattern of the matrix and analyses it for factorisation.
-    ///
-    /// # Errors
-    /// [`BuildError::InvalidSetting`], [`BuildError::MatrixTooLarge`].
-    pub fn build(mut self) -> Result<ImplicitEuler, BuildError> {
-        self.config.check()?;
-        let vertex_count = self.particles.len();
-        let pattern = self.energies.bind_pattern();
-        let is_free: Vec<bool> = (0..vertex_count)
-            .map(|vertex| !self.particles.is_prescribed(vertex))
-            .collect();
-        let cholesky =
-            BlockCholesky::analyze(&pattern, &is_free).map_err(|_| BuildError::MatrixTooLarge)?;
-        let matrix = BlockMatrix::zeros(pattern);
-        let system = NewtonSystem::new(matrix, cholesky, self.config.hessian);
-        Ok(ImplicitEuler {
-            newton: Newton::new(system, vertex_count),
-            predicted: vec![Vec3::zeros(); vertex_count],
-            particles: self.particles,
-            energies: self.energies,
-            config: self.config,
-        })
+    /// Position (m) and velocity (m/s) of a vertex at the end of the step, from the stage.
+    fn end(&self, vertex: usize, state: &State, dt: Real, span: Span) -> [Vec3; 2] {
+        let (x, v) = (state.positions[vertex], state.velocities[vertex]);
+        if self.particles.is_prescribed(vertex) {
+            return [x + v * dt, v];
+        }
+        let there = self.newton.current.positions[vertex];
+        let speed = (there - self.base[vertex]) / span.tau;
+        match span.place {
+            Place::End => [there, speed],
+            Place::Middle => [there * 2.0 - x, speed * 2.0 - v],
+        }
     }
 }

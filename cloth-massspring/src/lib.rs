@@ -115,13 +115,15 @@
 #![forbid(unsafe_code)]
 
 mod config;
+mod damping;
 mod explicit;
 mod implicit;
 mod stability;
 
 pub use config::{
-    Accept, ExplicitConfig, HessianPolicy, ImplicitConfig, StabilityCheck, StartGuess,
+    Accept, ExplicitConfig, HessianPolicy, ImplicitConfig, Solve, StabilityCheck, StartGuess,
 };
+pub use damping::Damping;
 pub use explicit::{ExplicitBuilder, ExplicitEuler, SymplecticEuler};
-pub use implicit::{ImplicitBuilder, ImplicitEuler};
+pub use implicit::{Bdf2, ImplicitBuilder, ImplicitEuler, ImplicitMidpoint};
 pub use stability::stable_time_step;

@@ -89,9 +89,10 @@ impl Watch {
     ) -> Result<(), Trouble> {
         if self.age.is_none_or(|age| age >= FRESH_FOR) {
             let (energies, particles) = (&parts.energies, &parts.particles);
-            self.limit = self
+            let undamped = self
                 .spectrum
                 .stable_time_step(energies, particles, positions);
+            self.limit = parts.config.damping.stable_step(undamped);
             self.age = Some(0);
             // Energy that rounding can put in, so that a cloth at rest does not raise the alarm.
             let size = positions.iter().map(Vec3::amax).fold(0.0, Real::max);

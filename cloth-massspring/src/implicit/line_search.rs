@@ -1,8 +1,8 @@
 //! How far to go along a Newton direction: backtracking with Armijo's condition, and its form for the last digits.
 
+use super::stage::Stage;
 use crate::stability::dot;
 use cloth_core::math::{Real, Vec3};
-use cloth_core::measure::IncrementalPotential;
 
 /// Part of the promised decrease that has to be kept (Armijo's constant).
 const SUFFICIENT: Real = 1e-4;
@@ -35,9 +35,9 @@ impl Point {
     }
 
     /// Evaluates `G` and its gradient at the positions.
-    pub(super) fn evaluate(&mut self, potential: &IncrementalPotential<'_>) {
-        self.value = potential.value(&self.positions);
-        potential.gradient_into(&self.positions, &mut self.gradient);
+    pub(super) fn evaluate(&mut self, stage: &Stage<'_>) {
+        self.value = stage.value(&self.positions);
+        stage.gradient_into(&self.positions, &mut self.gradient);
     }
 }
 
@@ -56,23 +56,18 @@ pub(super) struct Found {
 /// free of rounding, long before the gradient is as small as it can be. There the condition is put in terms of slopes,
 /// as Hager and Zhang do (SIAM J. Optim. 16, 2005, <https://doi.org/10.1137/030601880>): for a quadratic, the slope
 /// `φ'(α) ≤ (1 − 2c) |φ'(0)|` says the same as `φ(α) ≤ φ(0) + c α φ'(0)`, without cancellation.
-pub(super) fn search(
-    potential: &IncrementalPotential<'_>,
-    from: &Point,
-    direction: &[Vec3],
-    to: &mut Point,
-) -> Found {
+pub(super) fn search(stage: &Stage<'_>, from: &Point, direction: &[Vec3], to: &mut Point) -> Found {
     let slope = dot(&from.gradient, direction);
     let mut length = 1.0;
     for backtracks in 0..MOST_TRIALS {
         for ((to, from), p) in to.positions.iter_mut().zip(&from.positions).zip(direction) {
             *to = from + p * length;
         }
-        to.value = potential.value(&to.positions);
+        to.value = stage.value(&to.positions);
         let rise = to.value - from.value;
         let enough = rise <= SUFFICIENT * length * slope;
         if enough || rise <= ROUNDING * from.value.abs() {
-            potential.gradient_into(&to.positions, &mut to.gradient);
+            stage.gradient_into(&to.positions, &mut to.gradient);
             if enough || dot(&to.gradient, direction) <= SLOPE * slope.abs() {
                 return Found {
                     backtracks,
@@ -91,7 +86,7 @@ pub(super) fn search(
 /// Moves `to` along a direction of negative `curvature` (N/m) from a stationary point, as far as `G` falls like the parabola that the
 /// curvature promises, and evaluates it there. Returns whether `G` falls at all.
 pub(super) fn leave_saddle(
-    potential: &IncrementalPotential<'_>,
+    stage: &Stage<'_>,
     from: &Point,
     direction: &[Vec3],
     curvature: Real,
@@ -104,9 +99,9 @@ pub(super) fn leave_saddle(
         for ((to, from), p) in to.positions.iter_mut().zip(&from.positions).zip(direction) {
             *to = from + p * length;
         }
-        to.value = potential.value(&to.positions);
+        to.value = stage.value(&to.positions);
         if to.value - from.value <= 0.25 * curvature * length * length {
-            potential.gradient_into(&to.positions, &mut to.gradient);
+            stage.gradient_into(&to.positions, &mut to.gradient);
             return true;
         }
         length *= 0.5;

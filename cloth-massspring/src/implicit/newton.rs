@@ -1,10 +1,10 @@
 //! Newton's method, S1 (11)–(15): the loop.
 
 use super::line_search::{self, Point};
+use super::stage::Stage;
 use super::system::NewtonSystem;
-use crate::config::{Accept, ImplicitConfig};
+use crate::config::{Accept, ImplicitConfig, Solve};
 use cloth_core::math::{Real, Vec3};
-use cloth_core::measure::IncrementalPotential;
 use cloth_core::step::{Observer, Outcome, StepError, StepReport};
 
 /// Where no lower point is found, the gradient counts as lost in rounding up to this multiple of the estimate of
@@ -18,15 +18,15 @@ pub(super) struct Newton {
     direction: Vec<Vec3>,
     pub(super) current: Point,
     next: Point,
+    /// Norm of the gradient at the prediction (N/√kg).
+    reference: Real,
 }
 
 /// What stays the same during one minimisation.
 #[derive(Debug)]
 pub(super) struct Task<'a> {
-    pub(super) potential: IncrementalPotential<'a>,
+    pub(super) stage: Stage<'a>,
     pub(super) config: &'a ImplicitConfig,
-    /// `‖∇G(x̃)‖` (N/√kg).
-    pub(super) reference: Real,
     /// The step, counted from 1.
     pub(super) step: u64,
 }
@@ -38,25 +38,66 @@ impl Newton {
             direction: vec![Vec3::zeros(); vertex_count],
             current: Point::new(vertex_count),
             next: Point::new(vertex_count),
+            reference: 0.0,
         }
     }
 
-    /// Minimises `G`, starting at `self.current.positions` and ending there.
+    /// Minimises the function of a stage, starting at `self.current.positions` and ending there; or takes one step of it only.
     pub(super) fn minimize(
+        &mut self,
+        task: &Task<'_>,
+        observer: Option<&mut dyn Observer>,
+    ) -> Result<StepReport, StepError> {
+        self.system.reset();
+        match task.config.solve {
+            Solve::Newton => self.iterate(task, observer),
+            Solve::Linearized => self.solve_once(task, observer),
+        }
+    }
+
+    /// One full Newton step and nothing else.
+    fn solve_once(
+        &mut self,
+        task: &Task<'_>,
+        observer: Option<&mut dyn Observer>,
+    ) -> Result<StepReport, StepError> {
+        let mut report = StepReport::new(Outcome::Converged, 1);
+        let stage = &task.stage;
+        stage.gradient_into(&self.current.positions, &mut self.current.gradient);
+        self.current.value = 0.0;
+        self.gradient_norm(task)?;
+        self.system.assemble(stage, &self.current.positions);
+        self.factorize(task, &mut report)?;
+        self.system
+            .solve(&self.current.gradient, &mut self.direction);
+        report.linear_solves = 1;
+        for (x, p) in self.current.positions.iter_mut().zip(&self.direction) {
+            *x += p;
+        }
+        if let Some(observer) = observer {
+            observer.iteration(1, &self.current.positions);
+        }
+        Ok(report)
+    }
+
+    /// Newton's method to the tolerance.
+    fn iterate(
         &mut self,
         task: &Task<'_>,
         mut observer: Option<&mut dyn Observer>,
     ) -> Result<StepReport, StepError> {
-        let potential = &task.potential;
+        let stage = &task.stage;
         let mut report = StepReport::new(Outcome::Converged, 0);
         // Not known before a matrix has been assembled.
         let mut rounding = 0.0;
-        self.system.reset();
-        self.current.evaluate(potential);
+        // The place of the gradient is free until the iteration starts.
+        stage.gradient_into(stage.potential.predicted, &mut self.current.gradient);
+        self.reference = stage.gradient_norm(&self.current.gradient);
+        self.current.evaluate(stage);
         loop {
             let norm = self.gradient_norm(task)?;
-            report.residual = Some(task.residual(norm, rounding));
-            let small = norm <= task.small_enough(rounding);
+            report.residual = Some(self.residual(norm, rounding));
+            let small = norm <= self.small_enough(task, rounding);
             if small && self.is_accepted(task, &mut report) {
                 return Ok(report);
             }
@@ -64,15 +105,15 @@ impl Newton {
                 report.outcome = Outcome::BudgetSpent;
                 return Ok(report);
             }
-            self.system.assemble(potential, &self.current.positions);
-            rounding = self.system.rounding(potential, &self.current.positions);
-            report.residual = Some(task.residual(norm, rounding));
+            self.system.assemble(stage, &self.current.positions);
+            rounding = self.system.rounding(stage, &self.current.positions);
+            report.residual = Some(self.residual(norm, rounding));
             if !small && norm <= rounding && self.is_accepted(task, &mut report) {
                 return Ok(report);
             }
             report.iterations += 1;
             self.factorize(task, &mut report)?;
-            let moved = if norm <= task.small_enough(rounding) {
+            let moved = if norm <= self.small_enough(task, rounding) {
                 self.leave_saddle(task)
             } else {
                 self.descend(task, &mut report)
@@ -86,7 +127,7 @@ impl Newton {
                 }
                 return Err(StepError::LineSearchStalled {
                     iteration: report.iterations,
-                    residual: task.residual(norm, rounding),
+                    residual: self.residual(norm, rounding),
                     step: task.step,
                 });
             }
@@ -98,7 +139,7 @@ impl Newton {
     }
 
     fn gradient_norm(&self, task: &Task<'_>) -> Result<Real, StepError> {
-        let norm = task.potential.gradient_norm(&self.current.gradient);
+        let norm = task.stage.gradient_norm(&self.current.gradient);
         if norm.is_finite() && self.current.value.is_finite() {
             return Ok(norm);
         }
@@ -112,7 +153,7 @@ impl Newton {
 
     fn factorize(&mut self, task: &Task<'_>, report: &mut StepReport) -> Result<(), StepError> {
         let x = &self.current.positions;
-        match self.system.factorize(&task.potential, x) {
+        match self.system.factorize(&task.stage, x) {
             Ok(attempts) => {
                 report.factorizations += attempts;
                 Ok(())
@@ -129,12 +170,8 @@ impl Newton {
         self.system
             .solve(&self.current.gradient, &mut self.direction);
         report.linear_solves += 1;
-        let found = line_search::search(
-            &task.potential,
-            &self.current,
-            &self.direction,
-            &mut self.next,
-        );
+        let found =
+            line_search::search(&task.stage, &self.current, &self.direction, &mut self.next);
         report.backtracks += found.backtracks;
         found.accepted
     }
@@ -147,7 +184,7 @@ impl Newton {
         }
         report.factorizations += 1;
         self.system
-            .factorize_exact(&task.potential, &self.current.positions)
+            .factorize_exact(&task.stage, &self.current.positions)
     }
 
     /// Goes down from a saddle point, into `next`, where a gradient shows no way. Returns whether there is one.
@@ -156,10 +193,10 @@ impl Newton {
         let direction = &mut self.direction;
         match self
             .system
-            .negative_curvature(&task.potential, x, direction, product)
+            .negative_curvature(&task.stage, x, direction, product)
         {
             Some(curvature) => line_search::leave_saddle(
-                &task.potential,
+                &task.stage,
                 &self.current,
                 direction,
                 curvature,
@@ -168,15 +205,13 @@ impl Newton {
             None => false,
         }
     }
-}
 
-impl Task<'_> {
     /// Gradient norm (N/√kg) at which the iteration ends.
-    fn small_enough(&self, rounding: Real) -> Real {
-        (self.config.tolerance * self.reference).max(rounding)
+    fn small_enough(&self, task: &Task<'_>, rounding: Real) -> Real {
+        (task.config.tolerance * self.reference).max(rounding)
     }
 
-    /// Gradient norm relative to that at x̃. In free fall the latter is zero and only rounding is left to compare with.
+    /// Gradient norm relative to that at the prediction. In free fall the latter is zero and only rounding is left to compare with.
     fn residual(&self, norm: Real, rounding: Real) -> Real {
         if norm > 0.0 {
             norm / self.reference.max(rounding)

@@ -13,20 +13,18 @@
 //! and convergence is quadratic. Near a saddle the blended matrix is almost singular along the way down, so
 //! the step along it is long, and the saddle is left within a few iterations.
 
+use super::stage::Stage;
 use crate::config::HessianPolicy;
 use crate::stability::{dot, noise};
 use cloth_core::block_matrix::BlockMatrix;
 use cloth_core::element::Convexity;
 use cloth_core::linear::BlockCholesky;
 use cloth_core::math::{Real, Vec3};
-use cloth_core::measure::IncrementalPotential;
 
 /// Iterations without another attempt at `b = 1` after one has failed: a failed attempt costs as much as a good one.
 const PATIENCE: u32 = 5;
-/// Blend to try after the first failed attempt.
 /// Difference between the blend that worked and the one that failed at which the search between them ends.
 const NEAR: Real = 0.03;
-/// Part of the way to `b = 1` that is left after an attempt that succeeded at once.
 /// Factor on `b` after an attempt with what worked last has failed.
 const FALL: Real = 0.5;
 /// Blends below this are rounded down to 0.
@@ -74,7 +72,7 @@ impl NewtonSystem {
     }
 
     /// Assembles the matrix to be tried first at `x` (m).
-    pub(super) fn assemble(&mut self, g: &IncrementalPotential<'_>, x: &[Vec3]) {
+    pub(super) fn assemble(&mut self, g: &Stage<'_>, x: &[Vec3]) {
         match self.policy {
             HessianPolicy::Always(convexity) => self.fill(g, x, &[(1.0, convexity)]),
             HessianPolicy::ExactFirst => self.fill_blend(g, x, self.first_blend()),
@@ -84,7 +82,7 @@ impl NewtonSystem {
     /// Factorises it, or as much of it as is positive definite. Returns the number of attempts.
     pub(super) fn factorize(
         &mut self,
-        g: &IncrementalPotential<'_>,
+        g: &Stage<'_>,
         x: &[Vec3],
     ) -> Result<u32, NotPositiveDefinite> {
         if let HessianPolicy::Always(convexity) = self.policy {
@@ -144,7 +142,7 @@ impl NewtonSystem {
         changes
     }
 
-    fn fill_blend(&mut self, g: &IncrementalPotential<'_>, x: &[Vec3], blend: Real) {
+    fn fill_blend(&mut self, g: &Stage<'_>, x: &[Vec3], blend: Real) {
         match blend {
             1.0 => self.fill(g, x, &[(1.0, Convexity::Exact)]),
             0.0 => self.fill(g, x, &[(1.0, Convexity::Clamp)]),
@@ -152,15 +150,8 @@ impl NewtonSystem {
         }
     }
 
-    fn fill(&mut self, g: &IncrementalPotential<'_>, x: &[Vec3], parts: &[(Real, Convexity)]) {
-        self.matrix.clear();
-        let scale = 1.0 / (g.dt * g.dt);
-        self.matrix
-            .add_diagonal(g.particles.mass().iter().map(|m| m * scale));
-        for &(share, convexity) in parts {
-            g.energies
-                .add_hessian(x, share, convexity, &mut self.matrix);
-        }
+    fn fill(&mut self, g: &Stage<'_>, x: &[Vec3], parts: &[(Real, Convexity)]) {
+        g.hessian_into(x, parts, &mut self.matrix);
     }
 
     /// `out = −(matrix)⁻¹ gradient`.
@@ -171,11 +162,11 @@ impl NewtonSystem {
 
     /// Norm (N/√kg) of the gradient that rounding makes at `x`: positions are stored to half a unit in the last place
     /// of their coordinates, and the gradient changes with them as the diagonal blocks of the matrix say.
-    pub(super) fn rounding(&self, g: &IncrementalPotential<'_>, x: &[Vec3]) -> Real {
+    pub(super) fn rounding(&self, g: &Stage<'_>, x: &[Vec3]) -> Real {
         let pattern = self.matrix.pattern();
         let mut sum = 0.0;
         let mut largest: Real = 0.0;
-        for (vertex, w) in g.particles.inverse_mass().iter().enumerate() {
+        for (vertex, w) in g.potential.particles.inverse_mass().iter().enumerate() {
             let diagonal = &self.matrix.blocks()[pattern.row(vertex).end - 1];
             sum += w * diagonal.norm_squared();
             largest = largest.max(x[vertex].amax());
@@ -184,7 +175,7 @@ impl NewtonSystem {
     }
 
     /// Tries the exact Hessian at `x`.
-    pub(super) fn factorize_exact(&mut self, g: &IncrementalPotential<'_>, x: &[Vec3]) -> bool {
+    pub(super) fn factorize_exact(&mut self, g: &Stage<'_>, x: &[Vec3]) -> bool {
         self.fill(g, x, &[(1.0, Convexity::Exact)]);
         self.exact = self.cholesky.factorize(&self.matrix).is_ok();
         self.exact
@@ -195,7 +186,7 @@ impl NewtonSystem {
     /// factor tends to what it is most nearly singular for.
     pub(super) fn negative_curvature(
         &mut self,
-        g: &IncrementalPotential<'_>,
+        g: &Stage<'_>,
         x: &[Vec3],
         out: &mut [Vec3],
         product: &mut [Vec3],
@@ -207,13 +198,7 @@ impl NewtonSystem {
             self.cholesky.solve(product, out);
             let length = dot(out, out).sqrt();
             out.iter_mut().for_each(|p| *p /= length);
-            product.fill(Vec3::zeros());
-            g.energies
-                .add_hessian_product(x, out, Convexity::Exact, product);
-            let inertia = 1.0 / (g.dt * g.dt);
-            for ((product, p), m) in product.iter_mut().zip(&*out).zip(g.particles.mass()) {
-                *product += p * (m * inertia);
-            }
+            g.hessian_product_into(x, out, product);
             let curvature = dot(out, product);
             if curvature < 0.0 {
                 return Some(curvature);

@@ -1,9 +1,12 @@
 //! The claims of the chapter, by topic.
 
 mod conservation;
+mod damping;
 mod newton;
+mod order;
 mod oscillator;
 mod refusals;
+mod second_order;
 mod special;
 mod stability;
 mod statics;
@@ -16,8 +19,8 @@ use cloth_core::mesh::generate::{Diagonals, grid};
 use cloth_core::particles::Particles;
 use cloth_core::step::Stepper;
 use cloth_massspring::{
-    Accept, ExplicitConfig, ExplicitEuler, ImplicitConfig, ImplicitEuler, StabilityCheck,
-    SymplecticEuler,
+    Accept, Bdf2, ExplicitConfig, ExplicitEuler, ImplicitConfig, ImplicitEuler, ImplicitMidpoint,
+    StabilityCheck, SymplecticEuler,
 };
 
 /// As many digits as rounding allows, and minima only.
@@ -37,33 +40,30 @@ fn unwatched() -> ExplicitConfig {
     }
 }
 
-/// Forward, symplectic and implicit Euler for the same springs, the explicit ones unwatched.
-fn all_three(particles: &Particles, springs: &[Spring]) -> [Box<dyn Stepper>; 3] {
+/// A solver of one kind.
+macro_rules! solver {
+    ($kind:ident, $particles:expr, $energies:expr, $config:expr) => {
+        $kind::builder($particles)
+            .energy($energies)
+            .unwrap()
+            .config($config)
+            .build()
+            .unwrap()
+    };
+}
+pub(crate) use solver;
+
+/// Every integrator for the same springs, the explicit ones unwatched: forward, symplectic, implicit and linearised implicit Euler, midpoint, BDF2.
+fn all(particles: &Particles, springs: &[Spring]) -> [Box<dyn Stepper>; 6] {
+    let springs = || springs.to_vec();
+    let linearized = ImplicitConfig::linearized();
     [
-        Box::new(
-            ExplicitEuler::builder(particles)
-                .energy(springs.to_vec())
-                .unwrap()
-                .config(unwatched())
-                .build()
-                .unwrap(),
-        ),
-        Box::new(
-            SymplecticEuler::builder(particles)
-                .energy(springs.to_vec())
-                .unwrap()
-                .config(unwatched())
-                .build()
-                .unwrap(),
-        ),
-        Box::new(
-            ImplicitEuler::builder(particles)
-                .energy(springs.to_vec())
-                .unwrap()
-                .config(sharp())
-                .build()
-                .unwrap(),
-        ),
+        Box::new(solver!(ExplicitEuler, particles, springs(), unwatched())),
+        Box::new(solver!(SymplecticEuler, particles, springs(), unwatched())),
+        Box::new(solver!(ImplicitEuler, particles, springs(), sharp())),
+        Box::new(solver!(ImplicitEuler, particles, springs(), linearized)),
+        Box::new(solver!(ImplicitMidpoint, particles, springs(), sharp())),
+        Box::new(solver!(Bdf2, particles, springs(), sharp())),
     ]
 }
 

@@ -1,6 +1,6 @@
 //! What is refused, and that the state is then as it was.
 
-use crate::{DOWN, all_three, chain};
+use crate::{DOWN, all, chain};
 use cloth_core::element::Convexity;
 use cloth_core::energy::Spring;
 use cloth_core::math::{Real, Vec3};
@@ -23,7 +23,7 @@ fn refused(solver: &mut dyn Stepper, state: &State, input: StepInput<'_>) -> Ste
 fn time_steps_that_are_none() {
     let (particles, springs, positions) = chain(2, 10.0);
     let state = State::at_rest(positions);
-    for solver in &mut all_three(&particles, &springs) {
+    for solver in &mut all(&particles, &springs) {
         for dt in [0.0, -1.0, Real::NAN, Real::INFINITY] {
             let error = refused(solver.as_mut(), &state, StepInput::new(dt));
             assert!(
@@ -41,7 +41,7 @@ fn input_that_is_not_finite() {
     let mut bad = good.clone();
     bad.velocities[2].y = Real::NAN;
     let load = [Vec3::zeros(), Vec3::repeat(Real::INFINITY), Vec3::zeros()];
-    for solver in &mut all_three(&particles, &springs) {
+    for solver in &mut all(&particles, &springs) {
         let error = refused(solver.as_mut(), &bad, StepInput::new(0.01));
         assert!(matches!(
             error,
@@ -76,7 +76,7 @@ fn a_result_that_overflows() {
     let (particles, springs, positions) = chain(2, 1e300);
     let mut state = State::at_rest(positions);
     state.positions[2] *= 1e200;
-    for solver in &mut all_three(&particles, &springs) {
+    for solver in &mut all(&particles, &springs) {
         let error = refused(solver.as_mut(), &state, StepInput::new(1e10));
         assert!(
             matches!(error, StepError::NonFinite { step: 1, .. }),

@@ -1,6 +1,6 @@
 //! Hanging chains at rest, and free fall (VALIDATION 2).
 
-use crate::{DOWN, all_three, chain, hang, largest_difference, sharp};
+use crate::{DOWN, all, chain, hang, largest_difference, sharp};
 use cloth_core::math::{Real, Vec3};
 use cloth_core::particles::State;
 use cloth_core::step::{StepInput, Stepper};
@@ -56,10 +56,7 @@ fn free_fall_does_not_deform_and_follows_the_sum_of_its_steps() {
         n * (n + 1.0) / 2.0,
         n * (n + 1.0) / 2.0,
     ];
-    for (solver, sum) in all_three(&model.particles, &model.springs)
-        .iter_mut()
-        .zip(sums)
-    {
+    for (solver, sum) in all(&model.particles, &model.springs).iter_mut().zip(sums) {
         let mut state = State::at_rest(mesh.positions().to_vec());
         for _ in 0..steps {
             solver

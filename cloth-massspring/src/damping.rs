@@ -1,0 +1,56 @@
+//! Damping (MS-5): drag of the air, and a resistance to deformation that grows with the stiffness.
+
+use cloth_core::math::Real;
+use cloth_core::step::BuildError;
+
+/// Forces against the motion, `f = −α M v − β K v` (Rayleigh damping). An oscillation ω loses energy at the rate
+/// `2γ = α + β ω²`: the air takes from slow motions as much as from fast ones, the material from fast ones most.
+///
+/// `K` is the material part of the stiffness, `Σ k ∂C ∂Cᵀ` ([`GaussNewton`](cloth_core::element::Convexity::GaussNewton)): it resists
+/// the *rate of strain*. What a tense spring feels across its axis is not in it, so that a cloth that
+/// turns like a rigid body is not held back. For springs of rest length 0 and for bending it is all there is.
+///
+/// Zero means none: neither is then computed. How exactly each integrator takes them is said there.
+///
+/// J. W. Strutt (Lord Rayleigh), *The Theory of Sound*, 1877, § 81.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Damping {
+    /// α (1/s): the air holds every vertex back by `α m v`. A drag of `c` N per m/s and m² of cloth is `α = c/ρ`, with ρ the
+    /// areal density (kg/m²).
+    pub air_drag: Real,
+    /// β (s): every element resists its rate of strain with `β` times its stiffness.
+    pub stiffness: Real,
+}
+
+impl Damping {
+    /// Whether every coefficient lies in its range.
+    pub(crate) fn check(&self) -> Result<(), BuildError> {
+        let coefficients = [
+            ("air_drag", self.air_drag),
+            ("stiffness damping", self.stiffness),
+        ];
+        for (name, value) in coefficients {
+            if !(value >= 0.0 && value.is_finite()) {
+                return Err(BuildError::InvalidSetting {
+                    name,
+                    value,
+                    range: "zero or a positive finite number",
+                });
+            }
+        }
+        Ok(())
+    }
+
+    /// The largest stable step (s) of symplectic Euler whose damping force is that of the start of the step, from the one without
+    /// damping, `2/ω`: the step with `(Δt ω)² + 2 Δt (α + β ω²) = 4`, which is the shorter the larger ω.
+    pub(crate) fn stable_step(&self, undamped: Option<Real>) -> Option<Real> {
+        if *self == Self::default() {
+            return undamped;
+        }
+        let square = undamped.map_or(0.0, |step| (2.0 / step).powi(2));
+        let rate = self.air_drag + self.stiffness * square;
+        // The positive root, written so that it neither cancels nor divides by a square that is zero.
+        let step = 4.0 / (rate + (rate * rate + 4.0 * square).sqrt());
+        step.is_finite().then_some(step)
+    }
+}

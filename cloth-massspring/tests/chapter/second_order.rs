@@ -1,0 +1,221 @@
+//! Implicit midpoint and BDF2: closed forms, energy, and when BDF2 starts again.
+
+use crate::{DOWN, chain, hang, largest_difference, oscillator, sharp, solver};
+use cloth_core::math::{Real, Vec3};
+use cloth_core::measure::kinetic_energy;
+use cloth_core::particles::State;
+use cloth_core::pin::Pins;
+use cloth_core::step::{StepInput, Stepper};
+use cloth_massspring::{Bdf2, ImplicitConfig, ImplicitEuler, ImplicitMidpoint};
+
+const OMEGA: Real = 7.0;
+
+/// Position and velocity/ω.
+fn phase(state: &State) -> [Real; 2] {
+    [state.positions[0].x, state.velocities[0].x / OMEGA]
+}
+
+fn start() -> State {
+    let mut state = State::at_rest(vec![Vec3::new(0.3, 0.0, 0.0)]);
+    state.velocities[0].x = 1.1;
+    state
+}
+
+#[test]
+fn midpoint_keeps_the_energy_of_an_oscillator_and_turns_by_twice_the_arc_tangent() {
+    for z in [0.01, 0.3, 1.0, 30.0] {
+        let (particles, springs) = oscillator(OMEGA);
+        let mut solver = solver!(ImplicitMidpoint, &particles, springs, sharp());
+        let mut state = start();
+        let first = phase(&state);
+        for _ in 0..1000 {
+            let [x0, v0] = phase(&state);
+            solver.step(&mut state, StepInput::new(z / OMEGA)).unwrap();
+            let [x1, v1] = phase(&state);
+            let angle = (x1 * v0 - x0 * v1).atan2(x0 * x1 + v0 * v1);
+            let expected = 2.0 * (z / 2.0).atan();
+            assert!((angle - expected).abs() < 1e-12, "z {z}: {angle}");
+        }
+        let [x, v] = phase(&state);
+        let drift = x.hypot(v) / first[0].hypot(first[1]) - 1.0;
+        assert!(drift.abs() < 1e-12, "z {z}: {drift:e} in 1000 steps");
+    }
+}
+
+#[test]
+fn bdf2_follows_its_recurrence() {
+    // (3 + 2iz) u[1] = 4 u[0] − u[−1] for u = x + i v/ω, after one step of implicit Euler, (1 + iz) u[1] = u[0].
+    for z in [0.01, 0.3, 1.0, 30.0] {
+        let (particles, springs) = oscillator(OMEGA);
+        let mut solver = solver!(Bdf2, &particles, springs, sharp());
+        let mut state = start();
+        let over = |[x, v]: [Real; 2], re: Real, im: Real| {
+            let square = re * re + im * im;
+            [(x * re + v * im) / square, (v * re - x * im) / square]
+        };
+        let mut before = phase(&state);
+        let mut now = over(before, 1.0, z);
+        for step in 0..40 {
+            solver.step(&mut state, StepInput::new(z / OMEGA)).unwrap();
+            let [x, v] = phase(&state);
+            let error = (x - now[0]).hypot(v - now[1]) / now[0].hypot(now[1]);
+            assert!(error < 1e-11, "z {z}, step {step}: {error:e}");
+            let next = [0, 1].map(|i| 4.0 * now[i] - before[i]);
+            (before, now) = (now, over(next, 3.0, 2.0 * z));
+        }
+    }
+}
+
+#[test]
+fn bdf2_shrinks_an_oscillation_by_a_quarter_of_the_fourth_power() {
+    let z: Real = 0.05;
+    let (particles, springs) = oscillator(OMEGA);
+    let mut solver = solver!(Bdf2, &particles, springs, sharp());
+    let mut state = start();
+    let mut size = 0.0;
+    for _ in 0..40 {
+        let [x, v] = phase(&state);
+        size = x.hypot(v);
+        solver.step(&mut state, StepInput::new(z / OMEGA)).unwrap();
+    }
+    let [x, v] = phase(&state);
+    let loss = 1.0 - x.hypot(v) / size;
+    assert!((loss / (z.powi(4) / 4.0) - 1.0).abs() < 0.02, "{loss:e}");
+}
+
+/// Positions after three steps of BDF2 on a chain, the third after `change`, of size `dt`.
+fn third_step(change: impl Fn(&mut State), dt: Real) -> [State; 2] {
+    let (particles, springs, positions) = chain(4, 1e3);
+    let mut solver = solver!(Bdf2, &particles, springs.clone(), sharp());
+    let mut state = State::at_rest(positions);
+    state.velocities[4] = Vec3::x();
+    let input = |dt| StepInput::new(dt).gravity(DOWN);
+    for _ in 0..2 {
+        solver.step(&mut state, input(0.01)).unwrap();
+    }
+    change(&mut state);
+    let mut euler = state.clone();
+    solver.step(&mut state, input(dt)).unwrap();
+    let mut other = solver!(ImplicitEuler, &particles, springs, sharp());
+    other.step(&mut euler, input(dt)).unwrap();
+    [state, euler]
+}
+
+#[test]
+fn bdf2_starts_again_with_implicit_euler_where_the_past_does_not_fit() {
+    let [bdf2, euler] = third_step(|state| state.positions[2].x += 1e-9, 0.01);
+    assert!(bdf2 == euler, "a moved vertex");
+    let [bdf2, euler] = third_step(|state| state.velocities[3].y = 2.0, 0.01);
+    assert!(bdf2 == euler, "a kicked vertex");
+    let [bdf2, euler] = third_step(|_| (), 0.02);
+    assert!(bdf2 == euler, "another step size");
+    let [bdf2, euler] = third_step(|_| (), 0.01);
+    assert!(largest_difference(&bdf2.positions, &euler.positions) > 1e-6);
+    let [steered, euler] = third_step(|state| state.velocities[0].y = 2.0, 0.01);
+    assert!(
+        largest_difference(&steered.positions[1..], &euler.positions[1..]) > 1e-6,
+        "steering a pin is no restart"
+    );
+}
+
+#[test]
+fn a_refused_step_does_not_cost_bdf2_its_memory() {
+    let run = |refused: bool| {
+        let (particles, springs, positions) = chain(4, 1e3);
+        let mut solver = solver!(Bdf2, &particles, springs, sharp());
+        let mut state = State::at_rest(positions);
+        state.velocities[4] = Vec3::x();
+        for _ in 0..5 {
+            solver.step(&mut state, StepInput::new(0.01)).unwrap();
+            if refused {
+                solver.step(&mut state, StepInput::new(-1.0)).unwrap_err();
+            }
+        }
+        state
+    };
+    assert!(run(true) == run(false));
+}
+
+#[test]
+fn driven_pins_do_not_spoil_the_second_order() {
+    // The free end of a spring whose other end is shaken, against the exact solution by a fine run.
+    let run = |steps: u32| {
+        let (mut particles, springs, positions) = chain(2, 50.0);
+        let mut pins = Pins::new();
+        let path = |t: Real| Vec3::new(0.2 * (5.0 * t).sin(), 0.0, 0.1 * t * t);
+        pins.follow(&mut particles, 0, path).unwrap();
+        let mut ends = Vec::new();
+        for mut solver in [
+            Box::new(solver!(
+                ImplicitMidpoint,
+                &particles,
+                springs.clone(),
+                sharp()
+            )) as Box<dyn Stepper>,
+            Box::new(solver!(Bdf2, &particles, springs, sharp())),
+        ] {
+            let mut state = State::at_rest(positions.clone());
+            state.velocities[0] = Vec3::x();
+            let dt = 0.8 / Real::from(steps);
+            for _ in 0..steps {
+                pins.steer(&mut state, dt);
+                solver
+                    .step(&mut state, StepInput::new(dt).gravity(DOWN))
+                    .unwrap();
+            }
+            ends.push(state.positions);
+        }
+        ends
+    };
+    let [coarse, fine, reference] = [run(160), run(320), run(2560)];
+    for method in 0..2 {
+        let error = |ends: &[Vec<Vec3>]| largest_difference(&ends[method], &reference[0]);
+        let order = (error(&coarse) / error(&fine)).log2();
+        assert!((1.8..2.2).contains(&order), "method {method}: {order}");
+    }
+}
+
+#[test]
+fn a_swinging_sheet_loses_least_with_midpoint_and_most_with_implicit_euler() {
+    let kinetic = |solver: &mut dyn Stepper| {
+        let (mesh, model) = hang(8);
+        let mut state = State::at_rest(mesh.positions().to_vec());
+        for _ in 0..100 {
+            let input = StepInput::new(1.0 / 200.0).gravity(DOWN);
+            solver.step(&mut state, input).unwrap();
+        }
+        kinetic_energy(&model.particles, &state.velocities)
+    };
+    let (_, model) = hang(8);
+    let config = ImplicitConfig::default();
+    let (p, springs) = (&model.particles, &model.springs);
+    let midpoint = kinetic(&mut solver!(ImplicitMidpoint, p, springs.clone(), config));
+    let bdf2 = kinetic(&mut solver!(Bdf2, p, springs.clone(), config));
+    let euler = kinetic(&mut solver!(ImplicitEuler, p, springs.clone(), config));
+    assert!(
+        midpoint > bdf2 && bdf2 > euler,
+        "{midpoint} {bdf2} {euler} J"
+    );
+}
+
+#[test]
+fn a_linearised_step_costs_one_solve_and_is_exact_for_linear_forces() {
+    let (particles, springs) = oscillator(OMEGA);
+    let mut full = solver!(ImplicitEuler, &particles, springs.clone(), sharp());
+    let linearized = ImplicitConfig::linearized();
+    let mut once = solver!(ImplicitEuler, &particles, springs, linearized);
+    assert_eq!(once.name(), "linear-implicit");
+    let [mut a, mut b] = [start(), start()];
+    for _ in 0..10 {
+        full.step(&mut a, StepInput::new(0.1)).unwrap();
+        let report = once.step(&mut b, StepInput::new(0.1)).unwrap();
+        let costs = (
+            report.iterations,
+            report.factorizations,
+            report.linear_solves,
+        );
+        assert_eq!(costs, (1, 1, 1));
+        assert_eq!(report.residual, None);
+    }
+    assert!(largest_difference(&a.positions, &b.positions) < 1e-14);
+}
