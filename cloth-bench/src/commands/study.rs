@@ -107,7 +107,6 @@ fn write_report(
     seconds: f64,
 ) -> Result<(), BenchError> {
     let mut facts = facts::collect();
-    facts.push(("threads".into(), rayon::current_num_threads().to_string()));
     facts.push((
         "scope".into(),
         if arguments.quick { "quick" } else { "full" }.into(),

@@ -155,11 +155,11 @@ fn one_constraint(
         measured.push(Series::new(&label, curve).styled(Style::Points));
         if let Some(s) = fixed {
             let curve = points.iter().map(|&(x, n, dt)| (x, law(n, dt))).collect();
-            exact.push(Series::new(&format!("law, s = {s}"), curve).styled(Style::ExactCurve));
+            exact.push(Series::new(&format!("pbd, s = {s}, exact"), curve).styled(Style::ExactCurve));
         }
     }
     let k = points.iter().map(|&(x, ..)| (x, STIFFNESS)).collect();
-    exact.push(Series::new("law, k", k).styled(Style::ExactCurve));
+    exact.push(Series::new("k, exact", k).styled(Style::ExactCurve));
     measured.extend(exact);
     Ok(measured)
 }
