@@ -38,7 +38,8 @@ impl TrianglePairs {
         let triangles = mesh.triangles().to_vec();
         let bounds = bounds_of(&triangles, mesh.positions());
         // The tree is cut where the volumes of the boxes become small. A flat sheet along the axes has boxes without
-        // volume, all cuts look equal, and the tree becomes useless; so every box is given a thickness.
+        // volume, and all cuts look equal; so every box is given a thickness. Measured on a crumpled sheet: the
+        // search then takes two thirds of the time.
         let size = |b: &Bounds| (b.upper - b.lower).norm();
         let thickness = 0.25 * bounds.iter().map(size).sum::<Real>() / bounds.len() as Real;
         let leaves: Vec<_> = bounds

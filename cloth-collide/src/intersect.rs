@@ -19,7 +19,7 @@ use robust::{Coord, Coord3D, orient2d, orient3d};
 /// computed with as many digits as it needs (Shewchuk 1997). If everything is coplanar the same
 /// question is asked of the three projections along the axes: they all meet exactly if the originals do,
 /// because one of them at least is one-to-one. Most pairs do not get that far: they are apart by more than
-/// rounding along the normals of the triangles or of their edges, which plain floating point can tell.
+/// rounding along the normal of a triangle or of its edges, which plain floating point can tell.
 ///
 /// Exact means: right for the `f64` coordinates as they stand, without any tolerance. Only overflow and underflow of
 /// a product of three coordinate differences, beyond about 1e100 m and below about 1e-100 m, are not guarded against.

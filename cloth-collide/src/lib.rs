@@ -17,7 +17,7 @@
 //!
 //! | What | Where |
 //! |---|---|
-//! | w_a = n · (u × d) / n², w_c = u · (d − w_a e) / u²: nearest point of a triangle | [`point_triangle`] |
+//! | w_c = n · (u × d) / n², w_b = u · (d − w_c e) / u²: nearest point of a triangle | [`point_triangle`] |
 //! | s = n · (v × d) / n², t = v · (d + s u) / v²: nearest points of two edges | [`edge_edge`] |
 //! | signs of pqab, pqbc, pqca: a segment meets a triangle, exactly | [`segment_meets_triangle`] |
 //! | an edge of one meets the other: two triangles meet, exactly | [`triangles_meet`] |

@@ -25,17 +25,17 @@ impl PointTriangle {
 /// Nearest point of `triangle` (three positions, m) to `point` (m) (COL-5).
 ///
 /// The plane around a triangle falls into seven regions, by whether the nearest point is inside,
-/// on an edge or at a vertex (Ericson 2005, section 5.1.5). Let u = c − b be the longest edge, a the corner across from it,
-/// e = a − b, d = p − b and n = u × e. The foot of the perpendicular from p has the weights
+/// on an edge or at a vertex (Ericson 2005, section 5.1.5). With u = b − a, e = c − a, d = p − a and n = u × e, the foot of the
+/// perpendicular from p has the weights
 ///
-/// w_a = n · (u × d) / n²,  w_c = u · (d − w_a e) / u²,  w_b = 1 − w_a − w_c.
+/// w_c = n · (u × d) / n²,  w_b = u · (d − w_c e) / u²,  w_a = 1 − w_b − w_c.
 ///
 /// If none is negative, that is the answer. Otherwise the nearest point is on the boundary, and the
 /// nearest of the three edges' nearest points is it; clamping takes care of the vertices. Ericson goes
 /// through the regions one by one with dot products, which is less work, but for slivers their differences
-/// cancel. Here, in a triangle that is θ times as high as it is long, w_a has an error of 1e-16/θ, but w_c belongs to just
-/// this w_a: what goes wrong is the height of the foot in the triangle, by 1e-16/θ times θ. A triangle that has become a segment
-/// or a point is all boundary.
+/// cancel. Here, if c is θ times as high above the edge ab as it is far from a, w_c has an error of 1e-16/θ. But w_b belongs to
+/// just this w_c, so what goes wrong is the height of the foot in the triangle, by 1e-16/θ times θ. A triangle that has become a
+/// segment or a point is all boundary.
 ///
 /// The distance is accurate to a few roundings of the size of the configuration (the longest of the
 /// edges and of the way to the point), for every shape of triangle. The weights are less certain, as they have to be:
@@ -58,30 +58,17 @@ pub fn point_triangle(point: Vec3, triangle: [Vec3; 3]) -> PointTriangle {
 
 /// The foot of the perpendicular from `point` to the plane of `triangle` (m), if it is inside.
 fn inside(point: Vec3, triangle: [Vec3; 3]) -> Option<PointTriangle> {
-    let across = |k: usize| (triangle[(k + 1) % 3] - triangle[(k + 2) % 3]).norm_squared();
-    let squared = [across(0), across(1), across(2)];
-    let longest = usize::from(squared[1] > squared[0]);
-    let longest = if squared[2] > squared[longest] {
-        2
-    } else {
-        longest
-    };
-    let [a, b, c] = [0, 1, 2].map(|k| triangle[(longest + k) % 3]);
-
-    let (u, e, d) = (c - b, a - b, point - b);
+    let [a, b, c] = triangle;
+    let (u, e, d) = (b - a, c - a, point - a);
     let n = u.cross(&e);
-    let wa = n.dot(&u.cross(&d)) / n.norm_squared();
-    let above = d - e * wa;
-    let wc = u.dot(&above) / squared[longest];
-    let wb = 1.0 - wa - wc;
+    let wc = n.dot(&u.cross(&d)) / n.norm_squared();
+    let above = d - e * wc;
+    let wb = u.dot(&above) / u.norm_squared();
+    let wa = 1.0 - wb - wc;
     // Written so that the NaN of a triangle without area is not inside.
-    (wa >= 0.0 && wb >= 0.0 && wc >= 0.0).then(|| {
-        let mut weights = [wa, wb, wc];
-        weights.rotate_right(longest);
-        PointTriangle {
-            weights,
-            separation: above - u * wc,
-        }
+    (wa >= 0.0 && wb >= 0.0 && wc >= 0.0).then(|| PointTriangle {
+        weights: [wa, wb, wc],
+        separation: above - u * wb,
     })
 }
 

@@ -5,7 +5,7 @@ use cloth_core::math::{Real, Vec3};
 /// True only if the convex hulls of `first` and `second` (positions, m) have no point in common; false if they have,
 /// or if the directions tried here leave it open.
 ///
-/// The directions are the normal of the triangle, the in-plane normals of its edges and those of the edges of `first`. What they are
+/// The directions are the normal of the triangle and the in-plane normals of its edges. What they are
 /// exactly does not matter, for two sets that are apart along *any* direction are apart. So only the rounding of
 /// the projections counts, and the gap has to exceed it.
 pub(super) fn certainly_apart<const N: usize>(first: [Vec3; N], second: [Vec3; 3]) -> bool {
@@ -15,7 +15,6 @@ pub(super) fn certainly_apart<const N: usize>(first: [Vec3; N], second: [Vec3; 3
     let all = first.iter().chain(&second);
     let size = all.map(Vec3::amax).fold(0.0, Real::max);
     let n = second[1].cross(&second[2]);
-    let edge_of = |corners: &[Vec3], k: usize| corners[(k + 1) % corners.len()] - corners[k];
     let apart_along = |direction: Vec3| {
         // A projection rounds three differences, three products and two sums, each by half of EPSILON at most.
         let rounding = 16.0 * Real::EPSILON * size * direction.amax();
@@ -23,11 +22,7 @@ pub(super) fn certainly_apart<const N: usize>(first: [Vec3; N], second: [Vec3; 3
         let [other_low, other_high] = range(&second, direction);
         low - other_high > rounding || other_low - high > rounding
     };
-    // A segment has one edge, a triangle three.
-    let edge_count = if N == 2 { 1 } else { N };
-    apart_along(n)
-        || (0..3).any(|k| apart_along(n.cross(&edge_of(&second, k))))
-        || (0..edge_count).any(|k| apart_along(n.cross(&edge_of(&first, k))))
+    apart_along(n) || (0..3).any(|k| apart_along(n.cross(&(second[(k + 1) % 3] - second[k]))))
 }
 
 /// The smallest and the largest projection of `points` on `direction`.

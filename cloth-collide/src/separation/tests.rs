@@ -245,19 +245,14 @@ fn nearest_vertex_and_nearest_edges_are_found_whichever_comes_first() {
         v(9., 9., 0.),
         v(-9., 9., 0.),
     ];
-    let tip = [
-        v(1., 0., 0.25),
-        v(2., 0., 5.),
-        v(1., 0., 9.),
-        v(-1., 0., 5.),
-    ];
+    let tip = |z| [v(1., 0., z), v(2., 0., 5.), v(1., 0., 9.), v(-1., 0., 5.)];
     let foot = [
         v(1., -10., 0.125),
         v(1., -8., 0.125),
         v(1., -8., 9.),
         v(1., -10., 9.),
     ];
-    for (sail, expected) in [(tip, 0.25), (foot, 0.125)] {
+    for (sail, expected) in [(tip(0.25), 0.25), (tip(0.9375), 0.9375), (foot, 0.125)] {
         for turn in 0..4 {
             for x in [[square, sail], [sail, square]] {
                 let x = x
