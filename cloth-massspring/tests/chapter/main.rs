@@ -6,6 +6,7 @@ mod newton;
 mod order;
 mod oscillator;
 mod refusals;
+mod robustness;
 mod second_order;
 mod special;
 mod stability;
