@@ -1,5 +1,7 @@
 //! The only place where the scalar and the small-vector types are chosen.
 
+use crate::element::Convexity;
+
 /// The scalar of the whole workspace.
 pub type Real = f64;
 
@@ -59,6 +61,30 @@ fn arbitrary_direction(pair: [u32; 2]) -> Vec3 {
     let angle = std::f64::consts::TAU * unit(bits);
     let radius = (1.0 - height * height).sqrt();
     Vec3::new(radius * angle.cos(), radius * angle.sin(), height)
+}
+
+/// A symmetric Hessian of four vertices (N/m) with its negative eigenvalues treated as `convexity` says; clamped under
+/// [`Convexity::GaussNewton`]. For elements whose eigenvalues have no closed form. On the stack.
+#[must_use]
+pub fn make_semidefinite(blocks: &Blocks<4>, convexity: Convexity) -> Blocks<4> {
+    if convexity == Convexity::Exact {
+        return *blocks;
+    }
+    let dense =
+        nalgebra::SMatrix::<Real, 12, 12>::from_fn(|r, c| blocks[r / 3][c / 3][(r % 3, c % 3)]);
+    let eigen = dense.symmetric_eigen();
+    let values = match convexity {
+        Convexity::Abs => eigen.eigenvalues.map(Real::abs),
+        _ => eigen.eigenvalues.map(|value| value.max(0.0)),
+    };
+    // V Λ Vᵀ as W Wᵀ with W = V √Λ: symmetric to the last bit.
+    let mut root = eigen.eigenvectors;
+    for (mut column, value) in root.column_iter_mut().zip(values.iter()) {
+        column *= value.sqrt();
+    }
+    let sum = root * root.transpose();
+    let block = |i, j| sum.fixed_view::<3, 3>(3 * i, 3 * j).into_owned();
+    std::array::from_fn(|i| std::array::from_fn(|j| block(i, j)))
 }
 
 #[cfg(test)]

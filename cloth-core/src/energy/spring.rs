@@ -36,6 +36,23 @@ impl Spring {
             })
             .collect()
     }
+
+    /// One spring of stiffness `stiffness` (N/m) between the two wing tips of every hinge: the bending springs of CORE-5.
+    ///
+    /// Limits: they do not resist a small fold. Folded by θ without stretching, a hinge whose wings are mirror images, ℓ₀ apart, costs
+    /// `½ k ℓ₀² (1 − cos(θ/2))² ≈ k ℓ₀² θ⁴/128`, so no rigidity D corresponds to k; and stretching the cloth stretches them too.
+    ///
+    /// # Panics
+    /// If a vertex of a hinge is not smaller than the number of rest positions.
+    #[must_use]
+    pub fn across(
+        rest_positions: &[Vec3],
+        hinges: &crate::topology::HingeTable,
+        stiffness: Real,
+    ) -> Vec<Self> {
+        let tips: Vec<_> = hinges.hinges().iter().map(|h| [h[2], h[3]]).collect();
+        Self::along(rest_positions, &tips, stiffness)
+    }
 }
 
 impl Element<2> for Spring {

@@ -1,0 +1,136 @@
+//! Bending that is a cubic polynomial of the positions, with a rest angle (CORE-6).
+//!
+//! A. Garg, E. Grinspun, M. Wardetzky, D. Zorin, "Cubic shells", SCA 2007, <https://doi.org/10.2312/SCA/SCA07/091-098>.
+
+use super::CurvatureHinge;
+use super::dihedral_hinge::angle;
+use crate::element::{Convexity, Element, Energy};
+use crate::math::{Blocks, Mat3, Real, Vec3, gather, make_semidefinite};
+use crate::mesh::TriMesh;
+use crate::topology::HingeTable;
+
+/// The energy `E = K (1 − cos(θ − θ₀))` (J), written as a polynomial.
+///
+/// `1 − cos(θ − θ₀) = 1 − cos θ₀ cos θ − sin θ₀ sin θ`. As long as the triangles are not stretched, the vector
+/// `z = q x` (m) of [`CurvatureHinge`] gives `cos θ = 1 − ‖z‖²/(2e²)`, a quadratic, and the volume `V = e·(d₂ × d₃)` (m³) that the edge and
+/// the two arms `dᵢ = xᵢ − x₀` span gives `sin θ = −‖e‖ V/(4A₀A₁)`, a cubic. With all lengths at rest,
+///
+/// `E = K (1 − cos θ₀ + cos θ₀ ‖z‖²/(2e²) + sin θ₀ ‖e‖ V/(4A₀A₁))`, `K = k·3e²/(A₀ + A₁)`.
+///
+/// The Hessian is linear in the positions; with θ₀ = 0 it is that of [`CurvatureHinge`]. The sign of θ is that of
+/// [`super::DihedralHinge`].
+///
+/// It is no sum of squares, so there is no constraint view and no projective one.
+///
+/// Limits: the polynomial means `1 − cos` only for triangles that keep their shape, and needs a membrane that sees to that. A curved rest shape alone is
+/// not in equilibrium: scaled by s, `dE/ds = −K (1 − cos θ₀)(3 + cos θ₀)` at s = 1, a pull outwards
+/// that the membrane balances at a strain of order `D/(Y e²)`; and without bound on the stretch there is no bound on E from below.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CubicShell {
+    /// Edge `x₀ x₁`, then the wing tips `x₂`, `x₃`.
+    pub vertices: [u32; 4],
+    /// `q` of [`CurvatureHinge`] (dimensionless), sum 0.
+    pub coefficients: [Real; 4],
+    /// `K (1 − cos θ₀)` (J).
+    pub constant: Real,
+    /// `K cos θ₀/e²` (N/m), the factor of `½ ‖z‖²`.
+    pub quadratic: Real,
+    /// `K sin θ₀ ‖e‖/(4A₀A₁)` (J/m³), the factor of V.
+    pub cubic: Real,
+}
+
+impl CubicShell {
+    /// The coefficient k (N·m) that gives a sheet of equilateral triangles the cylindrical bending rigidity
+    /// `rigidity` = D (N·m): `k = D/3` (VALIDATION 4).
+    #[must_use]
+    pub fn coefficient(rigidity: Real) -> Real {
+        rigidity / 3.0
+    }
+
+    /// One element on every hinge of the mesh, for a bending rigidity D (N·m). The shape of the mesh is the rest shape.
+    #[must_use]
+    pub fn across(mesh: &TriMesh, hinges: &HingeTable, rigidity: Real) -> Vec<Self> {
+        let k = Self::coefficient(rigidity);
+        hinges
+            .hinges()
+            .iter()
+            .map(|&vertices| Self::new(vertices, &gather(mesh.positions(), vertices), k))
+            .collect()
+    }
+
+    /// The element with coefficient `k` (N·m), at rest at `rest` (m). The two triangles must have an area.
+    #[must_use]
+    pub fn new(vertices: [u32; 4], rest: &[Vec3; 4], k: Real) -> Self {
+        let flat = CurvatureHinge::new(vertices, rest, k);
+        let edge = rest[1] - rest[0];
+        let [a, b] = [rest[2], rest[3]].map(|tip| edge.cross(&(tip - rest[0])).norm());
+        let (sin, cos) = angle(rest).unwrap_or(0.0).sin_cos();
+        let stiffness = flat.stiffness * edge.norm_squared();
+        Self {
+            vertices,
+            coefficients: flat.coefficients,
+            constant: stiffness * (1.0 - cos),
+            quadratic: flat.stiffness * cos,
+            cubic: stiffness * sin * edge.norm() / (a * b),
+        }
+    }
+
+    /// `z` (m), by differences to one vertex: coordinates far from the origin do not cancel.
+    fn curvature_vector(&self, x: &[Vec3; 4]) -> Vec3 {
+        (1..4).map(|i| (x[i] - x[0]) * self.coefficients[i]).sum()
+    }
+}
+
+impl Element<4> for CubicShell {
+    #[inline]
+    fn vertices(&self) -> [u32; 4] {
+        self.vertices
+    }
+}
+
+impl Energy<4> for CubicShell {
+    fn value(&self, x: &[Vec3; 4]) -> Real {
+        let [e, a, b] = [x[1] - x[0], x[2] - x[0], x[3] - x[0]];
+        let square = self.curvature_vector(x).norm_squared();
+        self.constant + 0.5 * self.quadratic * square + self.cubic * e.dot(&a.cross(&b))
+    }
+
+    fn gradient(&self, x: &[Vec3; 4]) -> [Vec3; 4] {
+        let [e, a, b] = [x[1] - x[0], x[2] - x[0], x[3] - x[0]];
+        let z = self.curvature_vector(x);
+        let mut volume = [Vec3::zeros(), a.cross(&b), b.cross(&e), e.cross(&a)];
+        volume[0] = -(volume[1] + volume[2] + volume[3]);
+        std::array::from_fn(|i| {
+            z * (self.quadratic * self.coefficients[i]) + volume[i] * self.cubic
+        })
+    }
+
+    fn hessian(&self, x: &[Vec3; 4], convexity: Convexity) -> Blocks<4> {
+        let arms = [x[1] - x[0], x[2] - x[0], x[3] - x[0]].map(|arm| arm.cross_matrix());
+        let [e, a, b] = arms;
+        // ∂²V/∂e∂d₂ = −[d₃]×, and so on round; the rows and columns of x₀ make the sums zero.
+        let zero = Mat3::zeros();
+        let mut volume = [[zero; 4]; 4];
+        for (i, j, block) in [(1, 2, -b), (1, 3, a), (2, 3, -e)] {
+            volume[i][j] = block;
+            volume[j][i] = block.transpose();
+        }
+        for i in 1..4 {
+            volume[i][0] = -(volume[i][1] + volume[i][2] + volume[i][3]);
+            volume[0][i] = volume[i][0].transpose();
+        }
+        // volume[0][0] is minus the sum of skew blocks that cancel in pairs: zero.
+        let mut sum = [[zero; 4]; 4];
+        for i in 0..4 {
+            for j in 0..4 {
+                let q = self.quadratic * self.coefficients[i] * self.coefficients[j];
+                sum[i][j] = Mat3::identity() * q + volume[i][j] * self.cubic;
+            }
+        }
+        // What is convex by its form needs no eigenvalues; there is no constraint whose gradient would make a Gauss–Newton matrix, so that one is clamped.
+        if self.cubic == 0.0 && self.quadratic >= 0.0 {
+            return sum;
+        }
+        make_semidefinite(&sum, convexity)
+    }
+}

@@ -1,0 +1,231 @@
+//! Bending by the angle between two triangles, with a rest angle (CORE-6).
+//!
+//! E. Grinspun, A. Hirani, M. Desbrun, P. Schröder, "Discrete shells", SCA 2003,
+//! <https://doi.org/10.2312/SCA03/062-067>: the energy.
+//! R. Bridson, S. Marino, R. Fedkiw, "Simulation of clothing with folds and wrinkles", SCA 2003,
+//! <https://doi.org/10.2312/SCA03/028-036>: the directions u₁…u₄ of the force, which are `∂θ/∂x`.
+//! R. Tamstorf, E. Grinspun, "Discrete bending forces and their Jacobians", Graphical Models 75 (2013),
+//! <https://doi.org/10.1016/j.gmod.2013.07.001>: the Hessian of θ.
+
+use crate::element::{Constraint, Convexity, Element, Row};
+use crate::math::{Blocks, Mat3, Real, Vec3, gather, make_semidefinite};
+use crate::mesh::TriMesh;
+use crate::topology::HingeTable;
+use std::f64::consts::{PI, TAU};
+
+/// The energy `E = ½ K (θ − θ₀)²` (J) of Grinspun et al. (2003) and, to first order in θ, of Bridson et al. (2003).
+///
+/// Four vertices, the edge `x₀ x₁` and the wing tips `x₂` (left of the arrow `x₀ → x₁`) and `x₃`. θ is the signed
+/// deviation from flat (rad), positive where the edge is a ridge seen from the front:
+///
+/// `θ = atan2((n₂ × n₃)·e/‖e‖, n₂·n₃)`, with `e = x₁ − x₀`, `n₂ = e × (x₂ − x₀)`, `n₃ = (x₃ − x₀) × e`.
+///
+/// One row, `C = θ − θ₀` (rad), taken the short way round into (−π, π], so that `E` stays continuous when a wing
+/// passes from π to −π. Its gradient is `∂θ/∂x₂ = −‖e‖ n₂/‖n₂‖²`, `∂θ/∂x₃ = −‖e‖ n₃/‖n₃‖²`, shared out to the ends of the
+/// edge by the lever rule.
+///
+/// Limits: E has a kink where the angle is opposite to the rest angle, `|θ − θ₀| = π`. A hinge with a wing of zero area (or an edge
+/// of zero length) has no angle; value, gradient and Hessian are then defined to be zero, and
+/// the hinge does nothing until its wings have an area again. Near that the gradient grows as one over the height of the wing.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DihedralHinge {
+    /// Edge `x₀ x₁`, then the wing tips `x₂`, `x₃`.
+    pub vertices: [u32; 4],
+    /// Rest angle θ₀ (rad).
+    pub rest_angle: Real,
+    /// K (J, that is N·m, per rad²).
+    pub stiffness: Real,
+}
+
+impl DihedralHinge {
+    /// The coefficient k (N·m) of Grinspun's `k (θ − θ₀)² 3e²/(A₀ + A₁)` that gives a sheet of equilateral triangles the cylindrical
+    /// bending rigidity `rigidity` = D (N·m): `k = D/6` (VALIDATION 4).
+    #[must_use]
+    pub fn grinspun_coefficient(rigidity: Real) -> Real {
+        rigidity / 6.0
+    }
+
+    /// The same for the coefficient k (N·m) of Bridson's force: `k = 4D`.
+    #[must_use]
+    pub fn bridson_coefficient(rigidity: Real) -> Real {
+        4.0 * rigidity
+    }
+
+    /// One element on every hinge of the mesh, for a bending rigidity D (N·m). The shape of the mesh is the rest shape.
+    #[must_use]
+    pub fn across(mesh: &TriMesh, hinges: &HingeTable, rigidity: Real) -> Vec<Self> {
+        let k = Self::grinspun_coefficient(rigidity);
+        hinges
+            .hinges()
+            .iter()
+            .map(|&vertices| Self::grinspun(vertices, &gather(mesh.positions(), vertices), k))
+            .collect()
+    }
+
+    /// Grinspun's element with coefficient `k` (N·m), `K = 6 k e²/(A₀ + A₁)`, at rest at `rest` (m). The two triangles must have an area.
+    #[must_use]
+    pub fn grinspun(vertices: [u32; 4], rest: &[Vec3; 4], k: Real) -> Self {
+        Self {
+            vertices,
+            rest_angle: angle(rest).unwrap_or(0.0),
+            stiffness: 6.0 * k * edge_squared_over_area(rest),
+        }
+    }
+
+    /// Bridson's element with coefficient `k` (N·m), `K = k e²/(4(A₀ + A₁))`. His force goes with `sin(θ/2)`; this is its
+    /// first order, `E = (k/8) e²/(A₀ + A₁) (θ − θ₀)²`, with edge and areas at rest.
+    #[must_use]
+    pub fn bridson(vertices: [u32; 4], rest: &[Vec3; 4], k: Real) -> Self {
+        Self {
+            vertices,
+            rest_angle: angle(rest).unwrap_or(0.0),
+            stiffness: 0.25 * k * edge_squared_over_area(rest),
+        }
+    }
+}
+
+/// `e²/(A₀ + A₁)` (dimensionless).
+pub(super) fn edge_squared_over_area(x: &[Vec3; 4]) -> Real {
+    let edge = x[1] - x[0];
+    let twice = |tip: Vec3| edge.cross(&(tip - x[0])).norm();
+    2.0 * edge.norm_squared() / (twice(x[2]) + twice(x[3]))
+}
+
+/// θ (rad) in [−π, π], or none where a wing has no area.
+pub(super) fn angle(x: &[Vec3; 4]) -> Option<Real> {
+    let edge = x[1] - x[0];
+    let left = Wing::of(edge, x[2] - x[0])?;
+    let right = Wing::of(edge, x[3] - x[0])?;
+    Some(turn(&left, &right))
+}
+
+/// One triangle of the hinge. `∂θ` is the difference of two parts, each of one wing alone, and so is `∂²θ`.
+struct Wing {
+    /// e and its length (m).
+    edge: Vec3,
+    length: Real,
+    /// From `x₀` to the tip (m).
+    arm: Vec3,
+    /// Unit normal `e × d/‖e × d‖`.
+    normal: Vec3,
+    /// `‖e × d‖` (m²), twice the area.
+    twice_area: Real,
+    /// Where the foot of the height divides the edge (dimensionless).
+    foot: Real,
+}
+
+impl Wing {
+    /// None where the triangle has no area: its sine at `x₀` is below 10⁻¹⁰, and the direction of its normal is rounding.
+    fn of(edge: Vec3, arm: Vec3) -> Option<Self> {
+        let normal = edge.cross(&arm);
+        let (squared, e2) = (normal.norm_squared(), edge.norm_squared());
+        let zero = 1e-20 * e2 * arm.norm_squared();
+        (squared > zero.max(1e-200)).then(|| Self {
+            edge,
+            length: e2.sqrt(),
+            arm,
+            normal: normal / squared.sqrt(),
+            twice_area: squared.sqrt(),
+            foot: arm.dot(&edge) / e2,
+        })
+    }
+
+    /// This wing's part of `∂θ` at `x₀`, `x₁` and the tip (1/m), for the wing on the left; the right one has the opposite sign.
+    fn gradient(&self) -> [Vec3; 3] {
+        let tip = self.normal * (-self.length / self.twice_area);
+        [tip * (self.foot - 1.0), tip * -self.foot, tip]
+    }
+
+    /// The derivatives of [`Wing::gradient`] by `x₀`, `x₁` and the tip (1/m²): `[row][column]`.
+    fn hessian(&self) -> [[Mat3; 3]; 3] {
+        let n = self.normal;
+        let unit = self.edge / self.length;
+        // g = −‖e‖ n/‖n‖², with ∂n = [e]× ∂d − [d]× ∂e.
+        let reflect = (Mat3::identity() - n * n.transpose() * 2.0)
+            * (self.length / (self.twice_area * self.twice_area));
+        let by_arm = -reflect * self.edge.cross_matrix();
+        let by_edge = reflect * self.arm.cross_matrix() - n * unit.transpose() / self.twice_area;
+        // The end x₁ gets −t g, with t = d·e/e².
+        let tip = n * (-self.length / self.twice_area);
+        let e2 = self.length * self.length;
+        let foot_by_edge = (self.arm - self.edge * (2.0 * self.foot)) / e2;
+        let end_by_arm = -by_arm * self.foot - tip * (self.edge / e2).transpose();
+        let end_by_edge = -by_edge * self.foot - tip * foot_by_edge.transpose();
+        let last = [-by_edge - by_arm, by_edge, by_arm];
+        let middle = [-end_by_edge - end_by_arm, end_by_edge, end_by_arm];
+        // The three parts of the gradient sum to zero.
+        [
+            std::array::from_fn(|column| -middle[column] - last[column]),
+            middle,
+            last,
+        ]
+    }
+}
+
+/// θ from the two wings. The right normal of the formula is `(x₃ − x₀) × e`, minus that of [`Wing`].
+fn turn(left: &Wing, right: &Wing) -> Real {
+    let sine = -left.normal.cross(&right.normal).dot(&left.edge) / left.length;
+    sine.atan2(-left.normal.dot(&right.normal))
+}
+
+/// An angle (rad) taken the short way round, into [−π, π].
+fn short_way(angle: Real) -> Real {
+    if angle > PI {
+        angle - TAU
+    } else if angle < -PI {
+        angle + TAU
+    } else {
+        angle
+    }
+}
+
+impl Element<4> for DihedralHinge {
+    #[inline]
+    fn vertices(&self) -> [u32; 4] {
+        self.vertices
+    }
+}
+
+impl Constraint<4> for DihedralHinge {
+    type Rows = [Row<4>; 1];
+
+    #[inline]
+    fn rows(&self, x: &[Vec3; 4]) -> [Row<4>; 1] {
+        let mut row = Row {
+            value: 0.0,
+            gradient: [Vec3::zeros(); 4],
+            stiffness: self.stiffness,
+        };
+        let edge = x[1] - x[0];
+        if let (Some(left), Some(right)) =
+            (Wing::of(edge, x[2] - x[0]), Wing::of(edge, x[3] - x[0]))
+        {
+            let [l, r] = [left.gradient(), right.gradient()];
+            row.value = short_way(turn(&left, &right) - self.rest_angle);
+            row.gradient = [l[0] - r[0], l[1] - r[1], l[2], -r[2]];
+        }
+        [row]
+    }
+
+    /// `K (θ − θ₀) ∂²θ`, indefinite, with its eigenvalues taken as `convexity` says.
+    fn curvature(&self, x: &[Vec3; 4], convexity: Convexity) -> Blocks<4> {
+        let mut sum = [[Mat3::zeros(); 4]; 4];
+        let edge = x[1] - x[0];
+        let (Some(left), Some(right)) = (Wing::of(edge, x[2] - x[0]), Wing::of(edge, x[3] - x[0]))
+        else {
+            return sum;
+        };
+        let force = self.stiffness * short_way(turn(&left, &right) - self.rest_angle);
+        for (wing, places, factor) in [(left, [0, 1, 2], force), (right, [0, 1, 3], -force)] {
+            let hessian = wing.hessian();
+            for (i, &row) in places.iter().enumerate() {
+                for (j, &column) in places.iter().enumerate() {
+                    // One wing alone is not symmetric, both together are; halves of both orders make it so to the last bit.
+                    let half = (hessian[i][j] + hessian[j][i].transpose()) * (0.5 * factor);
+                    sum[row][column] += half;
+                }
+            }
+        }
+        make_semidefinite(&sum, convexity)
+    }
+}
