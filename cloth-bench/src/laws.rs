@@ -1,11 +1,12 @@
 //! Closed forms (VALIDATION 1–6) beside what the code does.
 
+mod catenary;
 mod chains;
 mod constraints;
-
 mod elements;
 mod motion;
 mod space;
+mod swings;
 
 pub(crate) use constraints::Stretched;
 
@@ -80,7 +81,7 @@ pub struct Law {
 }
 
 /// Every law.
-pub const LAWS: [&Law; 13] = [
+pub const LAWS: [&Law; 16] = [
     &motion::OSCILLATOR,
     &motion::FREE_FALL,
     &constraints::XPBD_CONSTRAINT,
@@ -88,6 +89,9 @@ pub const LAWS: [&Law; 13] = [
     &chains::CHAIN_RATE,
     &chains::SAG,
     &chains::HANGING_CHAIN,
+    &catenary::CATENARY,
+    &swings::PENDULUM,
+    &swings::CHAIN_SWING,
     &elements::LATTICE_MODULUS,
     &elements::BENDING_FACTOR,
     &elements::FLAT_BENDING,

@@ -8,8 +8,8 @@ use cloth_core::math::Real;
 use cloth_core::position_based::Sweep;
 use cloth_core::step::Stepper;
 use cloth_massspring::{
-    ExplicitConfig, ExplicitEuler, ImplicitConfig, ImplicitEuler, StartGuess, SymplecticEuler,
-    stable_time_step,
+    Bdf2, Damping, ExplicitConfig, ExplicitEuler, ImplicitConfig, ImplicitEuler, ImplicitMidpoint,
+    StartGuess, SymplecticEuler, stable_time_step,
 };
 use cloth_pbd::{PbdConfig, PbdSolver, StiffnessRule};
 use cloth_pd::{PdConfig, PdSolver, Start};
@@ -32,6 +32,9 @@ enum Kind {
     Explicit,
     Symplectic,
     Implicit,
+    LinearImplicit,
+    Midpoint,
+    Bdf2,
     Pbd,
     Xpbd,
     Pd,
@@ -52,6 +55,12 @@ const START: Parameter = parameter(
     "start",
     "inertial",
     "first guess: previous, inertial or predicted",
+);
+const AIR_DRAG: Parameter = parameter("air_drag", "0", "drag per mass α (1/s): a force −α m v");
+const STIFFNESS_DAMPING: Parameter = parameter(
+    "stiffness_damping",
+    "0",
+    "stiffness-proportional damping β (s): a force −β K v",
 );
 const PBD_ITERATIONS: Parameter = parameter("iterations", "20", "sweeps per substep");
 const PBD_SUBSTEPS: Parameter = parameter("substeps", "1", "parts of a step");
@@ -75,25 +84,51 @@ const PD_TOLERANCE: Parameter = parameter(
 );
 const PD_START: Parameter = parameter("start", "predicted", "first guess: previous or predicted");
 
+const NEWTON: &[Parameter] = &[
+    MAX_ITERATIONS,
+    TOLERANCE,
+    START,
+    AIR_DRAG,
+    STIFFNESS_DAMPING,
+];
+
 /// Every method.
-pub const METHODS: [Method; 6] = [
+pub const METHODS: [Method; 9] = [
     Method {
         name: "explicit-euler",
         about: "forward Euler: forces at the start of the step",
-        parameters: &[EXPLICIT_SUBSTEPS],
+        parameters: &[EXPLICIT_SUBSTEPS, AIR_DRAG, STIFFNESS_DAMPING],
         kind: Kind::Explicit,
     },
     Method {
         name: "symplectic-euler",
         about: "semi-implicit Euler: forces first, then positions with the new velocities",
-        parameters: &[EXPLICIT_SUBSTEPS],
+        parameters: &[EXPLICIT_SUBSTEPS, AIR_DRAG, STIFFNESS_DAMPING],
         kind: Kind::Symplectic,
     },
     Method {
         name: "implicit-euler",
         about: "implicit Euler as a minimisation, by Newton with line search and sparse Cholesky",
-        parameters: &[MAX_ITERATIONS, TOLERANCE, START],
+        parameters: NEWTON,
         kind: Kind::Implicit,
+    },
+    Method {
+        name: "linear-implicit",
+        about: "implicit Euler with one linear solve a step (Baraff and Witkin)",
+        parameters: &[AIR_DRAG, STIFFNESS_DAMPING],
+        kind: Kind::LinearImplicit,
+    },
+    Method {
+        name: "implicit-midpoint",
+        about: "implicit midpoint rule: second order, no damping of its own",
+        parameters: NEWTON,
+        kind: Kind::Midpoint,
+    },
+    Method {
+        name: "bdf2",
+        about: "two-step backward differences: second order, little damping",
+        parameters: NEWTON,
+        kind: Kind::Bdf2,
     },
     Method {
         name: "pbd",
@@ -147,43 +182,24 @@ impl Method {
     ) -> Result<Box<dyn Stepper>, BenchError> {
         let model = &scene.model;
         let (springs, hinges) = (model.springs.clone(), model.hinges.clone());
+        let particles = &model.particles;
+        macro_rules! mass_spring {
+            ($kind:ident, $config:expr) => {{
+                let config = $config;
+                let built = $kind::builder(particles)
+                    .energy(springs)
+                    .and_then(|b| b.energy(hinges))
+                    .and_then(|b| b.config(config).build());
+                Box::new(built.map_err(BenchError::usage)?)
+            }};
+        }
         Ok(match self.kind {
-            Kind::Explicit => {
-                let config = self.explicit(scene, settings, dt)?;
-                let builder = ExplicitEuler::builder(&model.particles).energy(springs);
-                let built = builder
-                    .and_then(|b| b.energy(hinges))
-                    .and_then(|b| b.config(config).build());
-                Box::new(built.map_err(BenchError::usage)?)
-            }
-            Kind::Symplectic => {
-                let config = self.explicit(scene, settings, dt)?;
-                let builder = SymplecticEuler::builder(&model.particles).energy(springs);
-                let built = builder
-                    .and_then(|b| b.energy(hinges))
-                    .and_then(|b| b.config(config).build());
-                Box::new(built.map_err(BenchError::usage)?)
-            }
-            Kind::Implicit => {
-                let config = ImplicitConfig {
-                    max_iterations: settings.count(&MAX_ITERATIONS, 1)?,
-                    tolerance: settings.number(&TOLERANCE)?,
-                    start: settings.choice(
-                        &START,
-                        &[
-                            ("previous", StartGuess::Previous),
-                            ("inertial", StartGuess::Inertial),
-                            ("predicted", StartGuess::Predicted),
-                        ],
-                    )?,
-                    ..Default::default()
-                };
-                let builder = ImplicitEuler::builder(&model.particles).energy(springs);
-                let built = builder
-                    .and_then(|b| b.energy(hinges))
-                    .and_then(|b| b.config(config).build());
-                Box::new(built.map_err(BenchError::usage)?)
-            }
+            Kind::Explicit => mass_spring!(ExplicitEuler, self.explicit(scene, settings, dt)?),
+            Kind::Symplectic => mass_spring!(SymplecticEuler, self.explicit(scene, settings, dt)?),
+            Kind::Implicit => mass_spring!(ImplicitEuler, newton(settings)?),
+            Kind::LinearImplicit => mass_spring!(ImplicitEuler, linearized(settings)?),
+            Kind::Midpoint => mass_spring!(ImplicitMidpoint, newton(settings)?),
+            Kind::Bdf2 => mass_spring!(Bdf2, newton(settings)?),
             Kind::Pbd => {
                 let config = PbdConfig {
                     iterations: settings.count(&PBD_ITERATIONS, 1)?,
@@ -241,6 +257,7 @@ impl Method {
     ) -> Result<ExplicitConfig, BenchError> {
         Ok(ExplicitConfig {
             substeps: self.substeps(scene, settings, dt)?,
+            damping: damping(settings)?,
             ..Default::default()
         })
     }
@@ -256,7 +273,7 @@ impl Method {
         dt: Real,
     ) -> Result<u32, BenchError> {
         match self.kind {
-            Kind::Implicit | Kind::Pd => Ok(1),
+            Kind::Implicit | Kind::LinearImplicit | Kind::Midpoint | Kind::Bdf2 | Kind::Pd => Ok(1),
             Kind::Pbd => settings.count(&PBD_SUBSTEPS, 1),
             Kind::Xpbd => settings.count(&XPBD_SUBSTEPS, 1),
             Kind::Explicit | Kind::Symplectic if settings.text(&EXPLICIT_SUBSTEPS) != "auto" => {
@@ -271,13 +288,49 @@ impl Method {
         }
     }
 
-    /// How many of n equal substeps of free fall the new velocity leads the position: a fall is `½ g h² n (n + lead)`.
+    /// How far free fall leads in `n` equal (sub)steps of size h, in units of `½ g h²`.
     #[must_use]
-    pub fn velocity_lead(&self) -> Real {
-        if self.kind == Kind::Explicit {
-            -1.0
-        } else {
-            1.0
+    pub fn free_fall(&self, n: u32) -> Real {
+        let count = Real::from(n);
+        match self.kind {
+            // The velocity of a step is that at its start, in its middle or at its end.
+            Kind::Explicit => count * (count - 1.0),
+            Kind::Midpoint => count * count,
+            // Exact but for what the first step, of implicit Euler, leaves: errors stay or shrink to a third.
+            Kind::Bdf2 => count * count + 1.5 * (1.0 - (1.0 / 3.0 as Real).powf(count)),
+            _ => count * (count + 1.0),
         }
     }
+}
+
+/// Settings of the methods that iterate with Newton's method.
+fn newton(settings: &Settings) -> Result<ImplicitConfig, BenchError> {
+    Ok(ImplicitConfig {
+        max_iterations: settings.count(&MAX_ITERATIONS, 1)?,
+        tolerance: settings.number(&TOLERANCE)?,
+        start: settings.choice(
+            &START,
+            &[
+                ("previous", StartGuess::Previous),
+                ("inertial", StartGuess::Inertial),
+                ("predicted", StartGuess::Predicted),
+            ],
+        )?,
+        damping: damping(settings)?,
+        ..Default::default()
+    })
+}
+
+fn linearized(settings: &Settings) -> Result<ImplicitConfig, BenchError> {
+    Ok(ImplicitConfig {
+        damping: damping(settings)?,
+        ..ImplicitConfig::linearized()
+    })
+}
+
+fn damping(settings: &Settings) -> Result<Damping, BenchError> {
+    Ok(Damping {
+        air_drag: settings.number(&AIR_DRAG)?,
+        stiffness: settings.number(&STIFFNESS_DAMPING)?,
+    })
 }

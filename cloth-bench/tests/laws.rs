@@ -39,6 +39,9 @@ fn one_oscillator_is_amplified_and_turned_as_the_closed_form_says() {
         "explicit-euler",
         "symplectic-euler",
         "implicit-euler",
+        "linear-implicit",
+        "implicit-midpoint",
+        "bdf2",
         "xpbd",
         "pd",
     ] {
@@ -147,6 +150,56 @@ fn a_hanging_chain_stretches_by_its_weight() {
             "hanging-chain",
             &[&format!("links={links}"), &format!("tip_mass={tip}")],
         );
+    }
+}
+
+#[test]
+fn a_pendulum_swings_slower_the_higher_it_starts() {
+    for method in ["implicit-midpoint", "bdf2"] {
+        for (angle, period) in [("10", 1.001_907_2), ("90", 1.180_340_6), ("160", 2.007_5)] {
+            let verdict = holds(
+                "pendulum",
+                &[&format!("method={method}"), &format!("angle_deg={angle}")],
+            );
+            assert!((verdict.expected - period).abs() < 1e-4, "{angle}");
+        }
+    }
+}
+
+#[test]
+fn small_swings_of_a_chain_have_the_frequencies_of_laguerre() {
+    for links in [1, 2, 5, 12] {
+        for mode in [1, links.min(2), links] {
+            holds(
+                "chain-swing",
+                &[&format!("links={links}"), &format!("mode={mode}")],
+            );
+        }
+    }
+    holds("chain-swing", &["method=bdf2"]);
+}
+
+#[test]
+fn a_chain_between_two_supports_hangs_as_a_catenary() {
+    for links in [2, 7, 20, 100] {
+        for [span, drop] in [
+            ["0.6", "0.1"],
+            ["0.5", "0.3"],
+            ["0.95", "0"],
+            ["1.3", "-0.4"],
+        ] {
+            for stiffness in ["500", "1e5"] {
+                let pairs = [
+                    format!("links={links}"),
+                    format!("span={span}"),
+                    format!("drop={drop}"),
+                    format!("stiffness={stiffness}"),
+                ];
+                let verdict = holds("catenary", &pairs.each_ref().map(String::as_str));
+                let distance = detail(&verdict, "largest_distance");
+                assert!(distance < 1e-8, "{pairs:?}: {distance:e} m");
+            }
+        }
     }
 }
 

@@ -10,15 +10,17 @@ use cloth_core::math::{Real, Vec3};
 use cloth_core::particles::{Particles, State};
 use cloth_core::step::{StepInput, Stepper};
 use cloth_massspring::{
-    ExplicitConfig, ExplicitEuler, ImplicitConfig, ImplicitEuler, StabilityCheck, SymplecticEuler,
+    Bdf2, ExplicitConfig, ExplicitEuler, ImplicitConfig, ImplicitEuler, ImplicitMidpoint,
+    StabilityCheck, SymplecticEuler,
 };
 use cloth_pd::{PdConfig, PdSolver};
 use cloth_xpbd::{XpbdConfig, XpbdSolver};
+use nalgebra::Complex;
 
 const SCHEME: Parameter = parameter(
     "scheme",
     "implicit-euler",
-    "explicit-euler, symplectic-euler, implicit-euler; xpbd and pd, which are implicit Euler here",
+    "explicit-euler, symplectic-euler, implicit-euler, linear-implicit, implicit-midpoint, bdf2; xpbd and pd, which are implicit Euler here",
 );
 const Z: Parameter = parameter(
     "z",
@@ -51,14 +53,20 @@ enum Scheme {
     Explicit,
     Symplectic,
     Implicit,
+    Linear,
+    Midpoint,
+    Bdf2,
     Xpbd,
     Pd,
 }
 
-const SCHEMES: [(&str, Scheme); 5] = [
+const SCHEMES: [(&str, Scheme); 8] = [
     ("explicit-euler", Scheme::Explicit),
     ("symplectic-euler", Scheme::Symplectic),
     ("implicit-euler", Scheme::Implicit),
+    ("linear-implicit", Scheme::Linear),
+    ("implicit-midpoint", Scheme::Midpoint),
+    ("bdf2", Scheme::Bdf2),
     ("xpbd", Scheme::Xpbd),
     ("pd", Scheme::Pd),
 ];
@@ -73,7 +81,14 @@ impl Scheme {
                 let half = z * z / 2.0 - 1.0;
                 (half + (half * half - 1.0).sqrt(), std::f64::consts::PI)
             }
-            Self::Implicit | Self::Xpbd | Self::Pd => (1.0 / (1.0 + z * z).sqrt(), z.atan()),
+            Self::Midpoint => (1.0, 2.0 * (z / 2.0).atan()),
+            Self::Bdf2 => {
+                let root = Complex::new(1.0, 2.0 * z).sqrt();
+                (Complex::new(2.0, 0.0) - root).inv().to_polar()
+            }
+            Self::Implicit | Self::Linear | Self::Xpbd | Self::Pd => {
+                (1.0 / (1.0 + z * z).sqrt(), z.atan())
+            }
         }
     }
 
@@ -87,6 +102,10 @@ impl Scheme {
         }];
         let unchecked = ExplicitConfig {
             stability: StabilityCheck::Off,
+            ..Default::default()
+        };
+        let tight = ImplicitConfig {
+            tolerance: 0.0,
             ..Default::default()
         };
         Ok(match self {
@@ -105,13 +124,25 @@ impl Scheme {
             Self::Implicit => Box::new(
                 ImplicitEuler::builder(&particles)
                     .energy(spring)
-                    .and_then(|b| {
-                        let tight = ImplicitConfig {
-                            tolerance: 0.0,
-                            ..Default::default()
-                        };
-                        b.config(tight).build()
-                    })
+                    .and_then(|b| b.config(tight).build())
+                    .map_err(BenchError::failed)?,
+            ),
+            Self::Linear => Box::new(
+                ImplicitEuler::builder(&particles)
+                    .energy(spring)
+                    .and_then(|b| b.config(ImplicitConfig::linearized()).build())
+                    .map_err(BenchError::failed)?,
+            ),
+            Self::Midpoint => Box::new(
+                ImplicitMidpoint::builder(&particles)
+                    .energy(spring)
+                    .and_then(|b| b.config(tight).build())
+                    .map_err(BenchError::failed)?,
+            ),
+            Self::Bdf2 => Box::new(
+                Bdf2::builder(&particles)
+                    .energy(spring)
+                    .and_then(|b| b.config(tight).build())
                     .map_err(BenchError::failed)?,
             ),
             Self::Xpbd => Box::new(
@@ -142,7 +173,18 @@ impl Scheme {
 fn oscillator(settings: &Settings) -> Result<Verdict, BenchError> {
     let scheme = settings.choice(&SCHEME, &SCHEMES)?;
     let z = settings.positive(&Z)?;
-    let mut solver = scheme.solver(z * z)?;
+    let (amplification, phase) = match scheme {
+        Scheme::Bdf2 => two_step_map(z)?,
+        _ => one_step_map(scheme.solver(z * z)?)?,
+    };
+    let (expected, expected_phase) = scheme.closed_form(z);
+    Ok(Verdict::new(expected, amplification)
+        .detail("phase_expected", expected_phase)
+        .detail("phase_measured", phase))
+}
+
+/// Largest amplification and its phase (rad) of a solver that knows nothing but the state.
+fn one_step_map(mut solver: Box<dyn Stepper>) -> Result<(Real, Real), BenchError> {
     // One step of size 1 is a linear map of (x, v); its columns are what it does to (1, 0) and (0, 1).
     let mut column = |x: Real, v: Real| -> Result<[Real; 2], BenchError> {
         let mut state = State::at_rest(vec![Vec3::new(x, 0.0, 0.0)]);
@@ -157,7 +199,7 @@ fn oscillator(settings: &Settings) -> Result<Verdict, BenchError> {
     let half_trace = 0.5 * (a + d);
     let determinant = a * d - b * c;
     let discriminant = half_trace * half_trace - determinant;
-    let (amplification, phase) = if discriminant < 0.0 {
+    Ok(if discriminant < 0.0 {
         (determinant.sqrt(), (-discriminant).sqrt().atan2(half_trace))
     } else {
         let root = discriminant.sqrt();
@@ -171,11 +213,39 @@ fn oscillator(settings: &Settings) -> Result<Verdict, BenchError> {
                 0.0
             },
         )
+    })
+}
+
+/// The same of BDF2. For `u = x + iv/ω` its step is `u[2] = p u[1] + q u[0]`; the first step, with a load and without, makes two pairs
+/// `u[0]`, `u[1]` that tell p and q apart.
+fn two_step_map(z: Real) -> Result<(Real, Real), BenchError> {
+    let run = |force: Real| -> Result<[Complex<Real>; 2], BenchError> {
+        let mut solver = Scheme::Bdf2.solver(z * z)?;
+        let mut state = State::at_rest(vec![Vec3::x()]);
+        let mut reached = |load: Real| {
+            let load = [Vec3::x() * load];
+            solver
+                .step(&mut state, StepInput::new(1.0).load(&load))
+                .map_err(BenchError::failed)?;
+            Ok(Complex::new(
+                state.positions[0].x,
+                state.velocities[0].x / z,
+            ))
+        };
+        Ok([reached(force)?, reached(0.0)?])
     };
-    let (expected, expected_phase) = scheme.closed_form(z);
-    Ok(Verdict::new(expected, amplification)
-        .detail("phase_expected", expected_phase)
-        .detail("phase_measured", phase))
+    let ([a1, a2], [b1, b2]) = (run(0.0)?, run(1.0 + z * z)?);
+    let p = (b2 - a2) / (b1 - a1);
+    let q = a2 - p * a1;
+    let root = (p * p + q * 4.0).sqrt();
+    let [one, other] = [p + root, p - root].map(|twice| twice * 0.5);
+    let largest = if one.norm() > other.norm() {
+        one
+    } else {
+        other
+    };
+    // u turns clockwise.
+    Ok((largest.norm(), -largest.arg()))
 }
 
 fn free_fall(settings: &Settings) -> Result<Verdict, BenchError> {
@@ -193,11 +263,10 @@ fn free_fall(settings: &Settings) -> Result<Verdict, BenchError> {
     }
     let strain = cloth_core::measure::Strain::of(&scene.model.springs, &state.positions);
     let fall = scene.start.positions[0].z - state.positions[0].z;
-    // Every method here gains its velocity at the start of a (sub)step of size h: x_n = ½ g h² n (n + 1).
     let substeps = method.substeps(&scene, &Settings::default(), scene.dt)?;
-    let n = Real::from(steps) * Real::from(substeps);
+    let n = steps * substeps;
     let h = scene.dt / Real::from(substeps);
-    let expected = 0.5 * 9.81 * h * h * n * (n + method.velocity_lead());
+    let expected = 0.5 * 9.81 * h * h * method.free_fall(n);
     // A method that solves for positions with a matrix knows them to ε times its condition, k Δt²/m at most.
     let particles = &scene.model.particles;
     let ends = |s: &cloth_core::energy::Spring| {

@@ -1,0 +1,219 @@
+//! Swings: the pendulum at any angle, and the small swings of a chain (VALIDATION 2).
+
+use super::{Law, Verdict};
+use crate::error::BenchError;
+use crate::settings::{Parameter, Settings, parameter};
+use cloth_core::energy::Spring;
+use cloth_core::math::{Real, Vec3};
+use cloth_core::particles::{Particles, State};
+use cloth_core::step::{StepInput, Stepper};
+use cloth_massspring::{Bdf2, ImplicitConfig, ImplicitMidpoint};
+use std::f64::consts::PI;
+
+const GRAVITY: Real = 9.81;
+
+const METHOD: Parameter = parameter(
+    "method",
+    "implicit-midpoint",
+    "implicit-midpoint or bdf2, which are of second order",
+);
+const ANGLE: Parameter = parameter("angle_deg", "90", "angle from which it is let go (degrees)");
+const STEPS: Parameter = parameter(
+    "steps",
+    "400",
+    "steps per period of small swings; a second run takes twice as many",
+);
+
+pub(super) const PENDULUM: Law = Law {
+    name: "pendulum",
+    about: "period of a pendulum of 1 m over that of small swings (dimensionless): (2/π) K(sin θ/2); extrapolated from two step sizes",
+    parameters: &[ANGLE, METHOD, STEPS],
+    tolerance: 2e-6,
+    evaluate: pendulum,
+};
+
+const LINKS: Parameter = parameter("links", "5", "number of links N");
+const MODE: Parameter = parameter("mode", "1", "which swing, 1 for the slowest, up to N");
+
+pub(super) const CHAIN_SWING: Law = Law {
+    name: "chain-swing",
+    about: "angular frequency (rad/s) of a small swing of N equal masses on N links of 0.2 m: √(g x/l), x a zero of the Laguerre polynomial L_N; extrapolated from two step sizes",
+    parameters: &[LINKS, MODE, METHOD, STEPS],
+    tolerance: 1e-6,
+    evaluate: chain_swing,
+};
+
+#[derive(Clone, Copy)]
+enum Scheme {
+    Midpoint,
+    Bdf2,
+}
+
+const SCHEMES: [(&str, Scheme); 2] = [
+    ("implicit-midpoint", Scheme::Midpoint),
+    ("bdf2", Scheme::Bdf2),
+];
+
+/// Something let go at rest, held at vertex 0.
+struct Swing {
+    particles: Particles,
+    springs: Vec<Spring>,
+    start: State,
+}
+
+impl Swing {
+    /// Time (s) until the last vertex first passes below the support.
+    fn quarter(&self, scheme: Scheme, dt: Real) -> Result<Real, BenchError> {
+        let sharp = ImplicitConfig {
+            tolerance: 0.0,
+            ..Default::default()
+        };
+        let (particles, springs) = (&self.particles, self.springs.clone());
+        let mut solver: Box<dyn Stepper> = match scheme {
+            Scheme::Midpoint => Box::new(
+                ImplicitMidpoint::builder(particles)
+                    .energy(springs)
+                    .and_then(|b| b.config(sharp).build())
+                    .map_err(BenchError::failed)?,
+            ),
+            Scheme::Bdf2 => Box::new(
+                Bdf2::builder(particles)
+                    .energy(springs)
+                    .and_then(|b| b.config(sharp).build())
+                    .map_err(BenchError::failed)?,
+            ),
+        };
+        let mut state = self.start.clone();
+        let tip = state.positions.len() - 1;
+        for step in 0..1_000_000 {
+            let (x0, v0) = (state.positions[tip].x, state.velocities[tip].x);
+            let input = StepInput::new(dt).gravity(Vec3::z() * -GRAVITY);
+            solver.step(&mut state, input).map_err(BenchError::failed)?;
+            let (x1, v1) = (state.positions[tip].x, state.velocities[tip].x);
+            if x1 <= 0.0 {
+                return Ok((Real::from(step) + crossing([x0, x1], [v0 * dt, v1 * dt])) * dt);
+            }
+        }
+        Err(BenchError::Failed("it does not swing back".into()))
+    }
+
+    /// The same without the error of second order, from steps of `dt` and `dt/2` (s); and that of the longer step alone.
+    fn extrapolated(&self, scheme: Scheme, dt: Real) -> Result<[Real; 2], BenchError> {
+        let [coarse, fine] = [self.quarter(scheme, dt)?, self.quarter(scheme, 0.5 * dt)?];
+        Ok([(4.0 * fine - coarse) / 3.0, coarse])
+    }
+}
+
+/// Where in (0, 1) the cubic with values `x` and slopes `v` at 0 and 1 passes zero.
+fn crossing([x0, x1]: [Real; 2], [v0, v1]: [Real; 2]) -> Real {
+    let value = |s: Real| {
+        let r = 1.0 - s;
+        r * r * (1.0 + 2.0 * s) * x0 + s * r * r * v0 + s * s * (3.0 - 2.0 * s) * x1
+            - s * s * r * v1
+    };
+    let [mut low, mut high] = [0.0, 1.0];
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        if value(middle) > 0.0 {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    0.5 * (low + high)
+}
+
+/// The arithmetic-geometric mean. K(k) is `π/2` over that of 1 and `√(1 − k²)`.
+fn agm(mut a: Real, mut b: Real) -> Real {
+    for _ in 0..40 {
+        (a, b) = (0.5 * (a + b), (a * b).sqrt());
+    }
+    a
+}
+
+fn pendulum(settings: &Settings) -> Result<Verdict, BenchError> {
+    let angle = settings.positive(&ANGLE)?;
+    if angle >= 180.0 {
+        return Err(BenchError::Usage(format!(
+            "angle_deg is {angle}, but it has to be below 180"
+        )));
+    }
+    let scheme = settings.choice(&METHOD, &SCHEMES)?;
+    let steps = settings.count(&STEPS, 8)?;
+    let angle = angle.to_radians();
+    let mut particles = Particles::new(vec![1.0; 2]).map_err(BenchError::failed)?;
+    particles.prescribe(0).map_err(BenchError::failed)?;
+    let positions = vec![Vec3::zeros(), Vec3::new(angle.sin(), 0.0, -angle.cos())];
+    // The rod stretches by some 1e-9 of itself.
+    let swing = Swing {
+        springs: Spring::along(&positions, &[[0, 1]], 1e9 * GRAVITY),
+        particles,
+        start: State::at_rest(positions),
+    };
+    let small = 2.0 * PI / GRAVITY.sqrt();
+    let [quarter, coarse] = swing.extrapolated(scheme, small / Real::from(steps))?;
+    let expected = 1.0 / agm(1.0, (0.5 * angle).cos());
+    Ok(Verdict::new(expected, 4.0 * quarter / small)
+        .detail("longer_step_alone", 4.0 * coarse / small))
+}
+
+fn chain_swing(settings: &Settings) -> Result<Verdict, BenchError> {
+    let links = settings.count(&LINKS, 1)? as usize;
+    let mode = settings.count(&MODE, 1)? as usize;
+    if mode > links {
+        return Err(BenchError::Usage(format!(
+            "mode is {mode}, but {links} links have only {links} swings"
+        )));
+    }
+    let scheme = settings.choice(&METHOD, &SCHEMES)?;
+    let steps = settings.count(&STEPS, 8)?;
+    let (length, mass, stiffness) = (0.2, 0.1, 1e3);
+    let zero = laguerre_zeros(links)[mode - 1];
+    let expected = (GRAVITY * zero / length).sqrt();
+    // The shape of the swing: values of L_0, L_1, … from the tip upwards.
+    let mut shape = vec![1.0, 1.0 - zero];
+    for i in 1..links {
+        let n = i as Real;
+        let next = ((2.0 * n + 1.0 - zero) * shape[i] - n * shape[i - 1]) / (n + 1.0);
+        shape.push(next);
+    }
+    let largest = shape.iter().copied().map(Real::abs).fold(0.0, Real::max);
+    let place = |i: usize| {
+        let x = match i {
+            0 => 0.0,
+            _ => 1e-6 * length * shape[links - i] / largest,
+        };
+        Vec3::new(x, 0.0, -(i as Real) * length)
+    };
+    // Each link hangs at its full length under its own load, so that only the swing moves.
+    let load = |i: usize| (links - i) as Real * mass * GRAVITY;
+    let springs = (0..links).map(|i| Spring {
+        vertices: [i as u32, i as u32 + 1],
+        rest_length: length - load(i) / stiffness,
+        stiffness,
+    });
+    let mut particles = Particles::new(vec![mass; links + 1]).map_err(BenchError::failed)?;
+    particles.prescribe(0).map_err(BenchError::failed)?;
+    let swing = Swing {
+        particles,
+        springs: springs.collect(),
+        start: State::at_rest((0..=links).map(place).collect()),
+    };
+    let period = 2.0 * PI / expected;
+    let [quarter, coarse] = swing.extrapolated(scheme, period / Real::from(steps))?;
+    Ok(Verdict::new(expected, 0.5 * PI / quarter)
+        .detail("longer_step_alone", 0.5 * PI / coarse)
+        .detail("laguerre_zero", zero))
+}
+
+/// The zeros of the Laguerre polynomial `L_n`, ascending: the eigenvalues of its recurrence.
+fn laguerre_zeros(n: usize) -> Vec<Real> {
+    let recurrence = nalgebra::DMatrix::from_fn(n, n, |i, j| match i.abs_diff(j) {
+        0 => 2.0 * i as Real + 1.0,
+        1 => i.max(j) as Real,
+        _ => 0.0,
+    });
+    let mut zeros: Vec<Real> = recurrence.symmetric_eigenvalues().iter().copied().collect();
+    zeros.sort_by(Real::total_cmp);
+    zeros
+}
