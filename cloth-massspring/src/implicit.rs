@@ -74,7 +74,9 @@ pub struct ImplicitEuler(Implicit);
 ///
 /// The other side of it: nothing dies out, and that holds for modes the step does not resolve. With `Δt ω ≫ 2` they turn by almost half a circle and
 /// appear as a vertex-to-vertex tremble that goes on for ever. Nor is the energy of *nonlinear* springs kept:
-/// where they are stiff and the step is long, it wanders and may grow. For cloth at large steps take [`Bdf2`], or give it some stiffness damping.
+/// where they are stiff and the step is long, it grows without bound, though every stage has its minimum. A sheet of 8 × 8 vertices on springs of 10⁴ N/m
+/// reaches 10⁶ J within 300 steps of 1/60 s (a test says so). Use it where the step resolves the fastest oscillation, `Δt ω < 2` or
+/// so; for cloth at large steps take [`Bdf2`].
 ///
 /// Half a step of implicit Euler, and what happened in it once more. Damping: drag and stiffness act with the velocity in the middle, both with
 /// second order. Prescribed vertices pass the middle at `x[0] + ½ Δt v[0]`.

@@ -1,4 +1,4 @@
-//! Cloth as a mass-spring system, stepped in time (MS-1, MS-2).
+//! Cloth as a mass-spring system, stepped in time (MS-1 to MS-5).
 //!
 //! # The idea
 //!
@@ -32,6 +32,23 @@
 //! and a minimum can be looked for with a guarantee that equations do not give: every Newton step S1 (11)–(15),
 //! shortened by a line search, leads down. No step size is too large for it.
 //!
+//! The same minimisation, with another goal and another time in the place of `x̃` and Δt, gives two integrators of *second*
+//! order: the implicit midpoint rule (half a step of implicit Euler, and what happened in it once more) and BDF2 (the
+//! velocity from a parabola through three points in time).
+//!
+//! ```text
+//!                     base x_b, v_b                          τ        then
+//! implicit Euler      x[0], v[0]                             Δt
+//! implicit midpoint   x[0], v[0]                             Δt/2     x[1] = 2x − x[0],  v[1] = 2v − v[0]
+//! BDF2                (4x[0] − x[−1])/3, (4v[0] − v[−1])/3   2Δt/3
+//!
+//! x minimises ‖x − x̂‖²_M/(2s²) + E(x),   x̂ = x_b + τ v_b/(1 + ατ) + s² g,   s² = τ²/(1 + ατ),   v = (x − x_b)/τ
+//! ```
+//!
+//! Here α is the drag of the air, which costs nothing. Damping that grows with the stiffness adds a third term, `β/(2τ) (x − x_b)ᵀ K (x − x_b)`.
+//! And the minimisation can be cut short: one Newton step from `x[0]` without a line search is the implicit step of
+//! Baraff and Witkin.
+//!
 //! # From equation to function
 //!
 //! | equation | says | where |
@@ -41,21 +58,47 @@
 //! | `Δt < 2/ω_max` | stability | [`stable_time_step`] |
 //! | S1 (7)–(10) | implicit Euler, as a minimisation | [`ImplicitEuler`], [`cloth_core::measure::IncrementalPotential`] |
 //! | S1 (11)–(14) | Newton's method, start guess | [`ImplicitConfig`], [`StartGuess`] |
+//! | `τ = Δt/2` | the implicit midpoint rule | [`ImplicitMidpoint`] |
+//! | `τ = 2Δt/3` | BDF2, and when it starts again | [`Bdf2`] |
+//! | one Newton step | linearised implicit Euler | [`Solve::Linearized`], [`ImplicitConfig::linearized`] |
+//! | `−α M v − β K v` | drag, stiffness-proportional damping | [`Damping`] |
 //! | S1 (15) | the linear system, kept positive definite | [`HessianPolicy`], [`Accept`] |
 //!
 //! # What a step does to one oscillation
 //!
 //! With `z = Δt ω` (VALIDATION 1; the tests hold each line to twelve digits or more):
 //!
-//! | method | amplitude per step | angle per step | stable |
-//! |---|---|---|---|
-//! | [`ExplicitEuler`] | `√(1 + z²)` | `atan z` | never |
-//! | [`SymplecticEuler`] | 1 for `z < 2`, else `(z²/2 − 1) + √((z²/2 − 1)² − 1)` | `2 asin(z/2)` | `z < 2` |
-//! | [`ImplicitEuler`] | `1/√(1 + z²)` | `atan z` | always |
+//! | method | order | amplitude per step | angle per step | stable |
+//! |---|---|---|---|---|
+//! | [`ExplicitEuler`] | 1 | `√(1 + z²)` | `atan z` | never |
+//! | [`SymplecticEuler`] | 1 | 1 for `z < 2`, else `(z²/2 − 1) + √((z²/2 − 1)² − 1)` | `2 asin(z/2)` | `z < 2` |
+//! | [`ImplicitEuler`], also linearised | 1 | `1/√(1 + z²)` | `atan z` | always |
+//! | [`ImplicitMidpoint`] | 2 | 1 | `2 atan(z/2)` | always |
+//! | [`Bdf2`] | 2 | modulus of `λ = 1/(2 − √(1 + 2iz))`, `1 − z⁴/4` for small z | argument of λ | always |
+//!
+//! The orders are measured, too: on a chain of five links that swings for 0.4 s the error (root mean square over the mass, of a chain of 1 m) goes with Δt as
+//!
+//! | method | error at Δt = 1 ms | 0.5 ms | 0.25 ms | order |
+//! |---|---|---|---|---|
+//! | forward Euler | 1.5 mm | 0.76 mm | 0.38 mm | 1.01 |
+//! | symplectic Euler | 0.79 mm | 0.40 mm | 0.20 mm | 1.00 |
+//! | implicit Euler | 1.5 mm | 0.75 mm | 0.38 mm | 0.99 |
+//! | linearised implicit Euler | 1.5 mm | 0.75 mm | 0.38 mm | 0.99 |
+//! | implicit midpoint | 2.5 µm | 0.62 µm | 0.15 µm | 2.00 |
+//! | BDF2 | 9.1 µm | 2.3 µm | 0.56 µm | 2.00 |
 //!
 //! # Limits
 //!
-//! - All three are of first order in time.
+//! - Second order is a promise for steps that resolve the motion. Where stiff springs oscillate faster than the step, BDF2 lets them die out within a few
+//!   steps; the midpoint rule keeps them trembling, and as springs are nonlinear their energy grows until the run is nonsense: stable for one oscillation is
+//!   not stable for cloth. Midpoint is for steps that resolve the fastest oscillation.
+//! - The linearised step has no line search and goes down to no minimum: nothing guarantees that its energy stays bounded where springs turn far in a step.
+//! - Damping keeps its order of accuracy: `K` is taken where inertia leads, `v` where the forces are. It is that of the material only,
+//!   the tension of a spring does not damp its turning.
+//! - Newton's method converges from cloth that is random, flattened, collapsed into a point or turned inside out, with stiffnesses and masses that
+//!   differ by 10⁸ and 10⁶, at steps from 1 ms to 1 s: ten runs of ten in each of 108 cases. But it can take hundreds of
+//!   iterations (800 at worst) where a stiff net unfolds; with [`ImplicitConfig::max_iterations`] at its default such a step ends with
+//!   [`BudgetSpent`](cloth_core::step::Outcome::BudgetSpent) at the best point so far.
 //! - Implicit Euler is *heavily damped*: an oscillation of period 10 Δt loses 15 % of its amplitude in every step. Cloth that swings and
 //!   wrinkles less with it than it should is the price of the large step, not a property of the cloth. It keeps
 //!   linear momentum, not angular momentum.
@@ -107,10 +150,11 @@
 //!   <https://doi.org/10.1145/2010324.1964967>: implicit Euler as a minimisation.
 //! - K.-J. Choi, H.-S. Ko, "Stable but responsive cloth", SIGGRAPH 2002, <https://doi.org/10.1145/566570.566624>: why a compressed spring makes the matrix
 //!   indefinite, and what it means.
+//! - C. F. Curtiss, J. O. Hirschfelder, "Integration of stiff equations", PNAS 38(3), 1952, <https://doi.org/10.1073/pnas.38.3.235>: BDF.
 //! - J. Nocedal, S. J. Wright, *Numerical Optimization*, 2nd ed., Springer 2006,
 //!   <https://doi.org/10.1007/978-0-387-40065-5>: chapter 3, line search and modified Newton methods.
 //! - E. Hairer, C. Lubich, G. Wanner, *Geometric Numerical Integration*, 2nd ed., Springer 2006,
-//!   <https://doi.org/10.1007/3-540-30666-8>: what symplectic Euler keeps.
+//!   <https://doi.org/10.1007/3-540-30666-8>: what symplectic Euler and the midpoint rule keep.
 
 #![forbid(unsafe_code)]
 

@@ -1,6 +1,6 @@
 //! Damped oscillators against the closed forms of each integrator, and what damping must not do.
 
-use crate::{DOWN, chain, hang, largest_difference, oscillator, sharp, solver};
+use crate::{DOWN, chain, hang, oscillator, sharp, solver};
 use cloth_core::energy::Spring;
 use cloth_core::math::{Real, Vec3};
 use cloth_core::measure::{kinetic_energy, linear_momentum};
@@ -213,25 +213,8 @@ fn drag_alone_slows_a_fall_to_its_terminal_velocity() {
 }
 
 #[test]
-fn damping_of_zero_changes_no_bit_and_negative_damping_is_refused() {
-    let (particles, springs, positions) = chain(5, 1e3);
-    let with = |damping| {
-        let config = ImplicitConfig { damping, ..sharp() };
-        ImplicitEuler::builder(&particles)
-            .energy(springs.clone())
-            .unwrap()
-            .config(config)
-            .build()
-    };
-    let mut plain = solver!(ImplicitEuler, &particles, springs.clone(), sharp());
-    let mut zero = with(Damping::default()).unwrap();
-    let [mut a, mut b] = [positions.clone(), positions].map(State::at_rest);
-    for _ in 0..5 {
-        let input = || StepInput::new(0.02).gravity(DOWN);
-        plain.step(&mut a, input()).unwrap();
-        zero.step(&mut b, input()).unwrap();
-    }
-    assert!(largest_difference(&a.positions, &b.positions) == 0.0);
+fn damping_that_is_negative_or_not_finite_is_refused() {
+    let (particles, _, _) = chain(5, 1e3);
     for bad in [-1.0, Real::NAN, Real::INFINITY] {
         let drag = Damping {
             air_drag: bad,
@@ -242,8 +225,12 @@ fn damping_of_zero_changes_no_bit_and_negative_damping_is_refused() {
             stiffness: bad,
         };
         for damping in [drag, stiff] {
-            let error = with(damping).unwrap_err();
-            assert!(matches!(error, BuildError::InvalidSetting { .. }));
+            let config = ImplicitConfig { damping, ..sharp() };
+            let error = ImplicitEuler::builder(&particles).config(config).build();
+            assert!(matches!(error, Err(BuildError::InvalidSetting { .. })));
+            let builder = SymplecticEuler::builder(&particles).config(explicit(damping));
+            let error = builder.build();
+            assert!(matches!(error, Err(BuildError::InvalidSetting { .. })));
         }
     }
 }

@@ -131,7 +131,7 @@ impl Swing {
                 errors[2]
             );
             assert!(
-                (orders[1] - expected).abs() < 0.08,
+                (orders[1] - expected).abs() < 0.03,
                 "{what}, {}: {orders:?}",
                 solver.name()
             );

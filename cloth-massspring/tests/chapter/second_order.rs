@@ -1,9 +1,11 @@
 //! Implicit midpoint and BDF2: closed forms, energy, and when BDF2 starts again.
 
 use crate::{DOWN, chain, hang, largest_difference, oscillator, sharp, solver};
+use cloth_core::energy::Spring;
+use cloth_core::family::Energies;
 use cloth_core::math::{Real, Vec3};
-use cloth_core::measure::kinetic_energy;
-use cloth_core::particles::State;
+use cloth_core::measure::{gravitational_energy, kinetic_energy};
+use cloth_core::particles::{Particles, State};
 use cloth_core::pin::Pins;
 use cloth_core::step::{StepInput, Stepper};
 use cloth_massspring::{Bdf2, ImplicitConfig, ImplicitEuler, ImplicitMidpoint};
@@ -218,4 +220,43 @@ fn a_linearised_step_costs_one_solve_and_is_exact_for_linear_forces() {
         assert_eq!(report.residual, None);
     }
     assert!(largest_difference(&a.positions, &b.positions) < 1e-14);
+}
+
+/// Kinetic, elastic and gravitational energy (J) of the scene `hang` over 300 steps of 1/60 s: at the start, and the largest later on.
+fn energies(make: impl Fn(&Particles, Vec<Spring>) -> Box<dyn Stepper>) -> [Real; 2] {
+    let (mesh, model) = hang(8);
+    let energies = Energies::new(model.particles.len())
+        .with(model.springs.clone())
+        .unwrap();
+    let mut solver = make(&model.particles, model.springs);
+    let mut state = State::at_rest(mesh.positions().to_vec());
+    let total = |state: &State| {
+        kinetic_energy(&model.particles, &state.velocities)
+            + energies.value(&state.positions)
+            + gravitational_energy(&model.particles, &state.positions, DOWN)
+    };
+    let first = total(&state);
+    let mut largest = Real::MIN;
+    for _ in 0..300 {
+        let input = StepInput::new(1.0 / 60.0).gravity(DOWN);
+        solver.step(&mut state, input).unwrap();
+        largest = largest.max(total(&state));
+    }
+    [first, largest]
+}
+
+#[test]
+fn midpoint_blows_up_on_stiff_cloth_at_a_long_step_where_the_others_gain_nothing() {
+    let config = ImplicitConfig::default();
+    let midpoint = energies(|p, s| Box::new(solver!(ImplicitMidpoint, p, s, config)));
+    let bdf2 = energies(|p, s| Box::new(solver!(Bdf2, p, s, config)));
+    let euler = energies(|p, s| Box::new(solver!(ImplicitEuler, p, s, config)));
+    let linear = energies(|p, s| {
+        let config = ImplicitConfig::linearized();
+        Box::new(solver!(ImplicitEuler, p, s, config))
+    });
+    assert!(midpoint[1] > midpoint[0] + 1e3, "midpoint: {midpoint:?} J");
+    for [first, largest] in [bdf2, euler, linear] {
+        assert!(largest <= first, "from {first} to {largest} J");
+    }
 }
