@@ -1,0 +1,134 @@
+//! The linear-elastic sheet at large rotations: St. Venant–Kirchhoff triangles (CORE-7).
+//!
+//! P. Volino, N. Magnenat-Thalmann, F. Faure, "A simple approach to nonlinear tensile stiffness for accurate cloth
+//! simulation", ACM Trans. Graph. 28 (2009), <https://doi.org/10.1145/1559755.1559762>.
+
+use super::triangle_map::TriangleMap;
+use crate::element::{Constraint, Convexity, Element, Row};
+use crate::math::{Blocks, Mat3, Real, Vec3, gather};
+use crate::mesh::TriMesh;
+use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2};
+
+/// A triangle of an isotropic sheet in plane stress, `E = A·½ G:C:G` (J) with the Green strain `G = ½(FᵀF − I)` (dimensionless).
+///
+/// F (3 × 2) maps rest to present. The rows are G in the eigenbasis of the plane-stress matrix C,
+///
+/// `C = ((G₁₁ + G₂₂)/√2, (G₁₁ − G₂₂)/√2, √2 G₁₂)`, `k = (A Y/(1 − ν), A Y/(1 + ν), A Y/(1 + ν))`,
+///
+/// so `E = ½ Σ k C²` is diagonal. Pulled to s times its length along one direction the sheet answers with `P = Y s (s² − 1)/2` (N/m),
+/// and gets `√(1 − ν (s² − 1))` times as wide (VALIDATION 3), in any direction.
+///
+/// Limits: pressed below `s = 1/√3` the force decreases, and a triangle pressed to nothing costs a finite energy. A collapsed
+/// triangle is finite everywhere, as E is a polynomial.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StvkTriangle {
+    /// Its three corners.
+    pub vertices: [u32; 3],
+    map: TriangleMap,
+    /// `A Y/(1 − ν)` (J): resistance to a change of area.
+    area_stiffness: Real,
+    /// `A Y/(1 + ν)` (J): resistance to shear.
+    shear_stiffness: Real,
+}
+
+impl StvkTriangle {
+    /// One element on every triangle of the mesh, for a membrane modulus Y (N/m) and Poisson's ratio ν in (−1, 1).
+    #[must_use]
+    pub fn on(mesh: &TriMesh, modulus: Real, poisson_ratio: Real) -> Vec<Self> {
+        mesh.triangles()
+            .iter()
+            .map(|&vertices| {
+                let rest = gather(mesh.positions(), vertices);
+                Self::new(vertices, &rest, modulus, poisson_ratio)
+            })
+            .collect()
+    }
+
+    /// The element at rest at `rest` (m), which must have an area, for Y (N/m) and ν in (−1, 1).
+    #[must_use]
+    pub fn new(vertices: [u32; 3], rest: &[Vec3; 3], modulus: Real, poisson_ratio: Real) -> Self {
+        let map = TriangleMap::new(rest);
+        Self {
+            vertices,
+            area_stiffness: map.area * modulus / (1.0 - poisson_ratio),
+            shear_stiffness: map.area * modulus / (1.0 + poisson_ratio),
+            map,
+        }
+    }
+}
+
+impl Element<3> for StvkTriangle {
+    #[inline]
+    fn vertices(&self) -> [u32; 3] {
+        self.vertices
+    }
+}
+
+/// `C` of the rows from the columns of F.
+fn strains([f, g]: [Vec3; 2]) -> [Real; 3] {
+    let [xx, yy] = [
+        0.5 * (f.norm_squared() - 1.0),
+        0.5 * (g.norm_squared() - 1.0),
+    ];
+    [
+        (xx + yy) * FRAC_1_SQRT_2,
+        (xx - yy) * FRAC_1_SQRT_2,
+        f.dot(&g) * FRAC_1_SQRT_2, // √2 G₁₂
+    ]
+}
+
+impl Constraint<3> for StvkTriangle {
+    type Rows = [Row<3>; 3];
+
+    #[inline]
+    fn rows(&self, x: &[Vec3; 3]) -> [Row<3>; 3] {
+        let [f, g] = self.map.columns(x);
+        let value = strains([f, g]);
+        let s = FRAC_1_SQRT_2;
+        let by_columns = [[f * s, g * s], [f * s, g * -s], [g * s, f * s]];
+        let stiffness = [
+            self.area_stiffness,
+            self.shear_stiffness,
+            self.shear_stiffness,
+        ];
+        std::array::from_fn(|r| Row {
+            value: value[r],
+            gradient: self.map.back(by_columns[r]),
+            stiffness: stiffness[r],
+        })
+    }
+
+    /// `A bᵢ·S bⱼ I` with the second Piola–Kirchhoff stress S. Making S semi-definite, two eigenvalues in closed form, makes it so.
+    fn curvature(&self, x: &[Vec3; 3], convexity: Convexity) -> Blocks<3> {
+        let [area, shear, slant] = strains(self.map.columns(x));
+        // A S = mean I + [[half, off], [off, −half]], with eigenvalues mean ± radius.
+        let mean = self.area_stiffness * area * FRAC_1_SQRT_2;
+        let half = self.shear_stiffness * shear * FRAC_1_SQRT_2;
+        let off = self.shear_stiffness * slant / SQRT_2;
+        let radius = half.hypot(off);
+        let chosen = |value: Real| match convexity {
+            Convexity::Clamp => value.max(0.0),
+            Convexity::Abs => value.abs(),
+            Convexity::Exact | Convexity::GaussNewton => value,
+        };
+        let [high, low] = [chosen(mean + radius), chosen(mean - radius)];
+        let (mean, turn) = (
+            0.5 * (high + low),
+            if radius > 0.0 {
+                0.5 * (high - low) / radius
+            } else {
+                0.0
+            },
+        );
+        let (half, off) = (half * turn, off * turn);
+        let b = &self.map.gradients;
+        std::array::from_fn(|i| {
+            std::array::from_fn(|j| {
+                let diagonal = mean * (b[i][0] * b[j][0] + b[i][1] * b[j][1]);
+                let split = half * (b[i][0] * b[j][0] - b[i][1] * b[j][1]);
+                let mixed = off * (b[i][0] * b[j][1] + b[i][1] * b[j][0]);
+                Mat3::identity() * (diagonal + split + mixed)
+            })
+        })
+    }
+}
