@@ -257,6 +257,30 @@ fn quadratic_bending_has_the_factors_of_its_pattern() {
 }
 
 #[test]
+fn every_bending_model_has_the_factors_of_its_pattern_times_its_own() {
+    let models = [("grinspun", 2.0), ("bridson", 1.0 / 12.0), ("cubic", 1.0)];
+    for (model, own) in models {
+        for pattern in ["equilateral", "one-way", "alternating"] {
+            for surface in ["cylinder", "sphere", "saddle"] {
+                for angle in ["0", "10", "45", "77", "135"] {
+                    let measured = |model: &str| {
+                        let pairs = [
+                            format!("model={model}"),
+                            format!("pattern={pattern}"),
+                            format!("surface={surface}"),
+                            format!("angle_deg={angle}"),
+                        ];
+                        holds("bending-factor", &pairs.each_ref().map(String::as_str)).measured
+                    };
+                    let ratio = measured(model) / measured("bergou");
+                    assert!((ratio / own - 1.0).abs() < 1e-9, "{model}: {ratio}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
 fn degrees_of_freedom_are_those_of_euler_and_the_boundary() {
     let meshes = [
         "grid:9x9:one-way",

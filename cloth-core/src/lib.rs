@@ -20,6 +20,11 @@
 //! |---|---|
 //! | `E = ½ k (‖x₀ − x₁‖ − L)²` and its derivatives, S1 (1)–(4) | [`energy::Spring`] |
 //! | `E = ½ K ‖q x‖²`, S1 (16) | [`energy::CurvatureHinge`] |
+//! | `E = ½ K (‖q x‖ − r)²`, curved at rest | [`energy::CurvedHinge`] |
+//! | `E = ½ K (θ − θ₀)²`, with `K = D e²/(A₀ + A₁)` | [`energy::DihedralHinge`] |
+//! | `E = K (1 − cos(θ − θ₀))` as a cubic polynomial | [`energy::CubicShell`] |
+//! | `E = ½ A G:C:G`, `G = ½(FᵀF − I)` | [`energy::StvkTriangle`] |
+//! | `E = ½ A k ‖F − R‖²` | [`energy::ArapTriangle`] |
 //! | `E = ½ k ‖x − p‖²`, S1 (29) | [`energy::Attachment`] |
 //! | `x̃`, S1 (9); `G`, `∇G`, S1 (10) | [`measure::predict`], [`measure::IncrementalPotential`] |
 //! | `M`, S1 (13) | [`particles::Particles`] |
@@ -59,8 +64,8 @@
 //! # Limits
 //!
 //! - Double precision throughout; the scalar is chosen in [`math`] and nowhere else.
-//! - Bending is quadratic and flat at rest ([`energy::CurvatureHinge`]); stretching is by springs, whose modulus depends on the pattern of
-//!   the mesh ([`cloth::Membrane`]).
+//! - A [`cloth::Cloth`] is cut to springs, whose modulus depends on the pattern of the mesh ([`cloth::Membrane`]), and to quadratic hinges,
+//!   which are flat at rest. The other elements of [`energy`] are added family by family.
 //! - One thread sums energies, gradients and Hessians; only sweeps over coloured elements use several.
 //!
 //! # Features
