@@ -66,6 +66,9 @@ impl Verdict {
     }
 }
 
+/// Where rounding can do more than this (relative), a comparison says nothing.
+const MOST_ROUNDING: Real = 1e-3;
+
 /// A closed form that can be asked for by name.
 #[derive(Clone, Copy, Debug)]
 pub struct Law {
@@ -127,6 +130,14 @@ impl Law {
     /// [`BenchError::Usage`] for a parameter that is unknown or out of range, [`BenchError::Failed`] if the code gives no number.
     pub fn evaluate(&self, settings: &Settings) -> Result<Verdict, BenchError> {
         settings.check(&format!("law `{}`", self.name), &[self.parameters])?;
-        (self.evaluate)(settings)
+        let verdict = (self.evaluate)(settings)?;
+        // Written so that a bound that is not a number is refused too.
+        if verdict.rounding < MOST_ROUNDING {
+            return Ok(verdict);
+        }
+        Err(BenchError::Usage(format!(
+            "law `{}` cannot be checked with these values: rounding alone may change the result by {:.1e}",
+            self.name, verdict.rounding
+        )))
     }
 }

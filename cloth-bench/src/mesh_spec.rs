@@ -46,6 +46,23 @@ pub const PATTERNS: [(&str, Diagonals); 3] = [
     ("crossed", Diagonals::Crossed),
 ];
 
+/// Names of the generators.
+fn kinds() -> Vec<&'static str> {
+    GENERATORS
+        .iter()
+        .map(|(form, _)| form.split(':').next().unwrap_or(form))
+        .collect()
+}
+
+/// Whether `spec` names a file: what has no colon, or exists and is no generator.
+#[must_use]
+pub fn is_file(spec: &str) -> bool {
+    match spec.split_once(':') {
+        None => !kinds().contains(&spec),
+        Some((kind, _)) => !kinds().contains(&kind) && Path::new(spec).exists(),
+    }
+}
+
 /// Builds or reads the mesh that `spec` names.
 ///
 /// # Errors
@@ -54,20 +71,16 @@ pub fn load(spec: &str) -> Result<TriMesh, BenchError> {
     let mut parts = spec.split(':');
     let kind = parts.next().unwrap_or_default();
     let arguments: Vec<&str> = parts.collect();
-    let known: Vec<&str> = GENERATORS
-        .iter()
-        .map(|(form, _)| form.split(':').next().unwrap_or(form))
-        .collect();
-    if !known.contains(&kind) {
-        let looks_like_a_name = !arguments.is_empty() && !Path::new(spec).exists();
-        if looks_like_a_name {
-            return Err(BenchError::Usage(names::unknown(
-                "mesh generator",
-                kind,
-                &known,
-            )));
-        }
+    if is_file(spec) {
         return obj::read(Path::new(spec)).map_err(BenchError::usage);
+    }
+    let known = kinds();
+    if !known.contains(&kind) {
+        return Err(BenchError::Usage(names::unknown(
+            "mesh generator",
+            kind,
+            &known,
+        )));
     }
     let form = GENERATORS[known.iter().position(|k| *k == kind).unwrap_or(0)].0;
     let wrong = || BenchError::Usage(format!("`{spec}` is not of the form {form}"));

@@ -40,6 +40,9 @@ enum Kind {
     Pd,
 }
 
+/// More parts of a step than this are a slip of the pen.
+const MOST_SUBSTEPS: Real = 1e6;
+
 const EXPLICIT_SUBSTEPS: Parameter = parameter(
     "substeps",
     "auto",
@@ -283,9 +286,23 @@ impl Method {
                 let energies = scene.model.energies().map_err(BenchError::usage)?;
                 let stable =
                     stable_time_step(&energies, &scene.model.particles, &scene.start.positions);
-                Ok(stable.map_or(1, |stable| (2.0 * dt / stable).ceil().max(1.0) as u32))
+                let wanted = stable.map_or(1.0, |stable| (2.0 * dt / stable).ceil().max(1.0));
+                if wanted <= MOST_SUBSTEPS {
+                    return Ok(wanted as u32);
+                }
+                Err(BenchError::Usage(format!(
+                    "a stable step of {} needs {wanted:.1e} substeps of {dt} s, more than {MOST_SUBSTEPS:e}",
+                    self.name
+                )))
             }
         }
+    }
+
+    /// Whether the method, solved exactly, takes the step of implicit Euler, so that its error can be measured against the minimiser of `G`. The second-order
+    /// rules take another step.
+    #[must_use]
+    pub fn aims_at_implicit_euler(&self) -> bool {
+        !matches!(self.kind, Kind::Midpoint | Kind::Bdf2)
     }
 
     /// How far free fall leads in `n` equal (sub)steps of size h, in units of `½ g h²`.

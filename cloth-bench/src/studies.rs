@@ -31,7 +31,7 @@ type Run = fn(Scope, &mut dyn FnMut(&str)) -> Result<Findings, BenchError>;
 /// How much of a study to run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scope {
-    /// Small sizes: a minute for all studies.
+    /// Small sizes.
     Quick,
     /// All sizes.
     Full,
@@ -54,6 +54,17 @@ impl Findings {
         let svg = plot.draw().svg;
         self.section.plots.push(svg.clone());
         self.plots.push((name.to_owned(), svg));
+    }
+
+    /// What a method gave, or `None` and a note that says why it failed: a failure is a finding.
+    pub(crate) fn unless_failed<T>(
+        &mut self,
+        case: &str,
+        outcome: Result<T, BenchError>,
+    ) -> Option<T> {
+        outcome
+            .map_err(|error| self.section.notes.push(format!("Failed: {case}: {error}.")))
+            .ok()
     }
 
     /// Keeps a table as data only.

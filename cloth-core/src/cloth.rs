@@ -16,9 +16,9 @@ pub enum Membrane {
     SpringStiffness(Real),
     /// Membrane modulus Y (N/m): Young's modulus times thickness.
     ///
-    /// Every edge gets `k = 3 Y A/Σ L²`, with A the area of the mesh: then the springs, averaged over all directions, make
-    /// an isotropic sheet of modulus Y and Poisson's ratio 1/3. For the equilateral lattice (`Y = 2k/√3`) and the alternating
-    /// grid (`Y = 4k/3`) it is exact in every direction.
+    /// Every edge gets `k = 3 Y A/Σ n L²`, with A the area of the mesh and n half the number of triangles at an edge (1 inside, ½ on the rim);
+    /// rim edges get half of it. Then the springs, averaged over all directions, make an isotropic sheet of modulus Y and Poisson's ratio 1/3.
+    /// For the equilateral lattice (`Y = 2k/√3`) and the alternating grid (`Y = 4k/3`) it is exact in every direction.
     Modulus(Real),
 }
 
@@ -52,11 +52,7 @@ impl Cloth {
     pub fn on(&self, mesh: &TriMesh) -> Result<ClothModel, ClothError> {
         let particles = Particles::from_areal_density(mesh, self.areal_density)?;
         let edges = EdgeTable::build(mesh)?;
-        let mut springs = Spring::along(mesh.positions(), edges.ends(), 1.0);
-        let stiffness = self.membrane.spring_stiffness(mesh, &springs)?;
-        for spring in &mut springs {
-            spring.stiffness = stiffness;
-        }
+        let springs = self.membrane.springs(mesh, &edges)?;
         if !(self.bending_rigidity >= 0.0 && self.bending_rigidity.is_finite()) {
             return Err(ClothError::OutOfRange {
                 name: "bending rigidity",
@@ -82,8 +78,8 @@ impl Cloth {
 }
 
 impl Membrane {
-    /// Stiffness k (N/m) of each spring.
-    fn spring_stiffness(self, mesh: &TriMesh, springs: &[Spring]) -> Result<Real, ClothError> {
+    /// One spring per edge.
+    fn springs(self, mesh: &TriMesh, edges: &EdgeTable) -> Result<Vec<Spring>, ClothError> {
         let (name, value) = match self {
             Self::SpringStiffness(k) => ("spring stiffness", k),
             Self::Modulus(y) => ("membrane modulus", y),
@@ -95,13 +91,17 @@ impl Membrane {
                 unit: "N/m",
             });
         }
-        Ok(match self {
-            Self::SpringStiffness(k) => k,
-            Self::Modulus(y) => {
-                let squares: Real = springs.iter().map(|s| s.rest_length * s.rest_length).sum();
-                3.0 * y * mesh.area() / squares
+        let mut springs = Spring::along(mesh.positions(), edges.ends(), value);
+        if let Self::Modulus(y) = self {
+            let share = |edge: usize| if edges.is_boundary(edge) { 0.5 } else { 1.0 };
+            let square = |(edge, s): (usize, &Spring)| share(edge) * s.rest_length * s.rest_length;
+            let squares: Real = springs.iter().enumerate().map(square).sum();
+            let stiffness = 3.0 * y * mesh.area() / squares;
+            for (edge, spring) in springs.iter_mut().enumerate() {
+                spring.stiffness = share(edge) * stiffness;
             }
-        })
+        }
+        Ok(springs)
     }
 }
 

@@ -119,8 +119,8 @@ fn smallest_kept(
     Ok((low * high).sqrt())
 }
 
-/// A smooth motion (m) that bends any shape in all directions, for measuring the rank of a bent sheet: every position moves
-/// by a tenth of the size of the shape, along a wave that no symmetry of a mesh shares.
+/// The positions (m) after a smooth motion that bends any shape in all directions, for measuring the rank of a bent sheet. Every position moves
+/// by at most a quarter of the size of the shape, along a wave that no symmetry of a mesh shares. A shape without size stays as it is.
 #[must_use]
 pub fn bent(positions: &[Vec3]) -> Vec<Vec3> {
     let low = positions
@@ -133,7 +133,10 @@ pub fn bent(positions: &[Vec3]) -> Vec<Vec3> {
         .copied()
         .reduce(|a, b| a.sup(&b))
         .unwrap_or_default();
-    let size = (high - low).amax().max(Real::MIN_POSITIVE);
+    let size = (high - low).amax();
+    if size == 0.0 {
+        return positions.to_vec();
+    }
     positions
         .iter()
         .map(|p| {

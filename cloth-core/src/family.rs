@@ -75,7 +75,13 @@ impl<const N: usize, E: Energy<N>> EnergyFamily for Family<N, E> {
 
     fn add_hessian(&self, x: &[Vec3], scale: Real, convexity: Convexity, out: &mut BlockMatrix) {
         let blocks = out.blocks_mut();
-        let slots = self.slots.chunks_exact(N * (N + 1) / 2);
+        let per_element = N * (N + 1) / 2;
+        assert_eq!(
+            self.slots.len(),
+            per_element * self.elements.len(),
+            "bind_pattern comes before add_hessian"
+        );
+        let slots = self.slots.chunks_exact(per_element);
         for (element, slots) in self.elements.iter().zip(slots) {
             let vertices = element.vertices();
             let hessian = element.hessian(&gather(x, vertices), convexity);
@@ -192,6 +198,9 @@ impl Energies {
     }
 
     /// Adds `scale · ∂²E/∂x²` (N/m) to a matrix on the pattern that [`Energies::bind_pattern`] gave.
+    ///
+    /// # Panics
+    /// If [`Energies::bind_pattern`] was not called since the last family was added.
     pub fn add_hessian(
         &self,
         x: &[Vec3],

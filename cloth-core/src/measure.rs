@@ -6,9 +6,18 @@ use crate::math::{Real, Vec3, gather};
 use crate::particles::{Particles, State};
 use crate::step::StepInput;
 
+/// One entry per vertex, or the caller has mixed up two cloths.
+fn check_length(particles: &Particles, entries: &[Vec3]) {
+    assert_eq!(entries.len(), particles.len(), "one entry per vertex");
+}
+
 /// `½ Σ m ‖v‖²` (J).
+///
+/// # Panics
+/// If there is not one entry per vertex.
 #[must_use]
 pub fn kinetic_energy(particles: &Particles, velocities: &[Vec3]) -> Real {
+    check_length(particles, velocities);
     let twice: Real = particles
         .mass()
         .iter()
@@ -19,8 +28,12 @@ pub fn kinetic_energy(particles: &Particles, velocities: &[Vec3]) -> Real {
 }
 
 /// `−Σ m g·x` (J), zero at the origin.
+///
+/// # Panics
+/// If there is not one entry per vertex.
 #[must_use]
 pub fn gravitational_energy(particles: &Particles, positions: &[Vec3], gravity: Vec3) -> Real {
+    check_length(particles, positions);
     -particles
         .mass()
         .iter()
@@ -30,8 +43,12 @@ pub fn gravitational_energy(particles: &Particles, positions: &[Vec3], gravity: 
 }
 
 /// `Σ m v` (kg m/s).
+///
+/// # Panics
+/// If there is not one entry per vertex.
 #[must_use]
 pub fn linear_momentum(particles: &Particles, velocities: &[Vec3]) -> Vec3 {
+    check_length(particles, velocities);
     particles
         .mass()
         .iter()
@@ -41,8 +58,13 @@ pub fn linear_momentum(particles: &Particles, velocities: &[Vec3]) -> Vec3 {
 }
 
 /// `Σ m x × v` (kg m²/s), about the origin.
+///
+/// # Panics
+/// If there is not one entry per vertex.
 #[must_use]
 pub fn angular_momentum(particles: &Particles, state: &State) -> Vec3 {
+    check_length(particles, &state.positions);
+    check_length(particles, &state.velocities);
     let moving = state.positions.iter().zip(&state.velocities);
     particles
         .mass()
@@ -52,9 +74,13 @@ pub fn angular_momentum(particles: &Particles, state: &State) -> Vec3 {
         .sum()
 }
 
-/// Mean position weighted by mass (m).
+/// Mean position weighted by mass (m); not a number if there is no vertex.
+///
+/// # Panics
+/// If there is not one entry per vertex.
 #[must_use]
 pub fn center_of_mass(particles: &Particles, positions: &[Vec3]) -> Vec3 {
+    check_length(particles, positions);
     let moment: Vec3 = particles
         .mass()
         .iter()
@@ -104,7 +130,9 @@ impl Strain {
 /// # Panics
 /// If the lengths differ.
 pub fn predict(particles: &Particles, state: &State, input: &StepInput<'_>, out: &mut [Vec3]) {
-    assert_eq!(out.len(), particles.len(), "number of predictions");
+    check_length(particles, &state.positions);
+    check_length(particles, &state.velocities);
+    check_length(particles, out);
     let dt = input.dt;
     let moving = state.positions.iter().zip(&state.velocities);
     for (vertex, (out, (x, v))) in out.iter_mut().zip(moving).enumerate() {
@@ -129,6 +157,9 @@ pub struct IncrementalPotential<'a> {
 
 impl IncrementalPotential<'_> {
     /// `G(x)` (J).
+    ///
+    /// # Panics
+    /// If `x` or the prediction does not have one entry per vertex.
     #[must_use]
     pub fn value(&self, x: &[Vec3]) -> Real {
         self.inertia(x) + self.energies.value(x)
@@ -136,6 +167,8 @@ impl IncrementalPotential<'_> {
 
     /// `‖x − x̃‖²_M / (2Δt²)` (J).
     fn inertia(&self, x: &[Vec3]) -> Real {
+        check_length(self.particles, x);
+        check_length(self.particles, self.predicted);
         let mut twice = 0.0;
         for (vertex, (x, goal)) in x.iter().zip(self.predicted).enumerate() {
             if !self.particles.is_prescribed(vertex) {

@@ -1,4 +1,4 @@
-//! Visiting elements in turn, or on several threads where they share no vertex. The only file of the workspace with `unsafe`.
+//! Visiting elements in turn, or on several threads where they share no vertex. The only file of a library here with `unsafe`.
 
 use crate::math::Vec3;
 use std::marker::PhantomData;

@@ -37,7 +37,7 @@ impl Particles {
     /// A third of each triangle's mass to each of its corners; `density` in kg/m².
     ///
     /// # Errors
-    /// [`ParticleError::InvalidDensity`] if the density is not a positive finite number.
+    /// [`ParticleError::InvalidDensity`] if the density is not a positive finite number, [`ParticleError::InvalidMass`] if it makes a mass too small to be inverted.
     pub fn from_areal_density(mesh: &TriMesh, density: Real) -> Result<Self, ParticleError> {
         if !(density > 0.0 && density.is_finite()) {
             return Err(ParticleError::InvalidDensity { density });
@@ -123,6 +123,9 @@ impl Particles {
     }
 
     /// Whether the vertex is prescribed.
+    ///
+    /// # Panics
+    /// If there is no such vertex.
     #[must_use]
     pub fn is_prescribed(&self, vertex: usize) -> bool {
         self.inverse_mass[vertex] == 0.0

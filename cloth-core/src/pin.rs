@@ -48,8 +48,9 @@ impl Pins {
     /// Sets the velocities (m/s) with which the pins reach their paths after a step of `dt` (s).
     ///
     /// # Panics
-    /// If `state` has fewer vertices than the particles the pins were made for.
+    /// If `dt` is not a positive number, or `state` has fewer vertices than the particles the pins were made for.
     pub fn steer(&self, state: &mut State, dt: Real) {
+        assert!(dt > 0.0, "the step is {dt} s, but it has to be positive");
         for (vertex, path) in &self.paths {
             let goal = path(state.time + dt);
             state.velocities[*vertex] = (goal - state.positions[*vertex]) / dt;

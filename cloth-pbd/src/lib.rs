@@ -5,7 +5,7 @@
 //! alone, then goes through the constraints one after another and moves the few vertices of each, along the constraint's gradient and
 //! the lighter ones further, until it is satisfied or, for a soft one, partly so. The next constraint sees what
 //! the one before it wrote (Gauss–Seidel). What the positions did in the end is the velocity.
-//! No force is ever computed, no system solved, and nothing overshoots: a constraint is never moved beyond zero.
+//! No force is ever computed, no system solved, and no spring overshoots: it is never moved beyond its rest length.
 //!
 //! # Equations
 //! Per substep of size h = Δt/substeps, with `wᵢ = 1/mᵢ` and s the stiffness of a projection (PBD-1, PBD-2):

@@ -95,6 +95,12 @@ pub(super) fn execute(arguments: &Arguments) -> Result<(), BenchError> {
             ))
         })?;
     }
+    if arguments.reference && !method.aims_at_implicit_euler() {
+        return Err(BenchError::Usage(format!(
+            "--reference compares with the step of implicit Euler, at which method `{}` does not aim",
+            method.name
+        )));
+    }
     if let Some(threads) = arguments
         .threads
         .filter(|threads| !(1..=MOST_THREADS).contains(threads))

@@ -73,7 +73,7 @@ impl Stretched {
 
     /// What rounding can do to that stiffness `k` (relative): the position, of the order of 1 m, is known to ε, and both what is left of the stretch and what
     /// has gone of it are differences of positions.
-    fn rounding(k: Real, dt: Real) -> Real {
+    pub(crate) fn rounding(k: Real, dt: Real) -> Real {
         let factor = 1.0 + k * dt * dt;
         4.0 * Real::EPSILON * (factor / STRETCH) * (1.0 + 1.0 / (factor - 1.0))
     }

@@ -36,7 +36,7 @@ const ANGLE: Parameter = parameter(
 
 pub(super) const LATTICE_MODULUS: Law = Law {
     name: "lattice-modulus",
-    about: "Y/k of springs of equal stiffness, pulled in one direction (dimensionless); one-way grids have a closed form at 0, 45, 90 and 135 degrees",
+    about: "Y/k of springs of equal stiffness, pulled in one direction (dimensionless)",
     parameters: &[PATTERN, ANGLE],
     tolerance: 1e-9,
     evaluate: lattice_modulus,
@@ -51,7 +51,7 @@ const SURFACE: Parameter = parameter("surface", "cylinder", "cylinder, sphere or
 
 pub(super) const BENDING_FACTOR: Law = Law {
     name: "bending-factor",
-    about: "bending energy per area over ½ k (κ1² + κ2² …) for coefficient k: cylinder ½ k κ², sphere and saddle ½ k (2κ)² (VALIDATION 4)",
+    about: "bending energy per area for coefficient k: over ½ k κ² on a cylinder and a saddle, over ½ k (2κ)² on a sphere (VALIDATION 4)",
     parameters: &[MODEL, PATTERN, SURFACE, ANGLE],
     tolerance: 1e-9,
     evaluate: bending_factor,

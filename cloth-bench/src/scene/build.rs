@@ -50,9 +50,17 @@ pub fn build(name: &str, mesh: Option<&str>, settings: &Settings) -> Result<Scen
 
 /// `hang` and `drop`.
 fn sheet(name: &'static str, mesh: Option<&str>, settings: &Settings) -> Result<Scene, BenchError> {
-    let from_file = mesh.is_some_and(|spec| !spec.contains(':'));
+    let from_file = mesh.is_some_and(mesh_spec::is_file);
     let (mesh, order) = match mesh {
         Some(spec) => {
+            if let Some(name) = [SIZE.name, PATTERN.name]
+                .into_iter()
+                .find(|name| settings.get(name).is_some())
+            {
+                return Err(BenchError::Usage(format!(
+                    "{name} shapes the scene's own sheet, which --mesh replaces: give one of them"
+                )));
+            }
             let mesh = mesh_spec::load(spec)?;
             // Files come in any vertex order; neighbours in space become neighbours in memory.
             let order = from_file.then(|| Order::morton(mesh.positions()));
@@ -129,8 +137,16 @@ fn of_mesh(name: &'static str, mesh: &TriMesh, model: ClothModel, gravity: Vec3)
     }
 }
 
+/// A longer chain is a slip of the pen.
+const MOST_LINKS: usize = 10_000_000;
+
 fn chain(settings: &Settings) -> Result<Scene, BenchError> {
     let n = settings.count(&LINKS, 1)? as usize;
+    if n > MOST_LINKS {
+        return Err(BenchError::Usage(format!(
+            "n is {n}, but a chain has at most {MOST_LINKS} links"
+        )));
+    }
     let link = settings.positive(&LINK_LENGTH)?;
     let mut mass = vec![settings.number(&LINK_MASS)?; n + 1];
     mass[n] = settings.number(&TIP_MASS)?;

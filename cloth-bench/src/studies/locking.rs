@@ -14,7 +14,7 @@ pub(super) const STUDY: Study = Study {
     name: "locking",
     question: "How many motions does a sheet with rigid edges have, and does the diagonal pattern matter?",
     about: "The count 3V − E assumes that the edge lengths are independent conditions. Rank and nullity are those of the \
-        Jacobian of the edge lengths, at rest and after a smooth bend by a tenth of the size; a motion that belongs to the null space keeps \
+        Jacobian of the edge lengths, at rest and after a smooth bend by up to a quarter of the size; a motion that belongs to the null space keeps \
         every length to first order. The smallest kept singular value tells how near the bent sheet is to having one motion more.",
     cases,
     run,

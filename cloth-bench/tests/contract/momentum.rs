@@ -35,7 +35,7 @@ fn a_free_cloth_keeps_its_linear_momentum() {
             "{} lost {drift:e} of its momentum",
             method.name
         );
-        // Position-based sweeps move along lines of force, and so does the explicit step: no torque.
+        // Of the methods here only symplectic Euler keeps the angular momentum as well.
         if matches!(method.name, "symplectic-euler") {
             let drift = (angular_momentum(particles, &state) - turning).norm() / turning.norm();
             assert!(drift < 1e-11, "{} lost {drift:e} of its spin", method.name);
