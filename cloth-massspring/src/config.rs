@@ -82,7 +82,7 @@ pub enum Solve {
     /// Neither the tolerance nor the most iterations nor [`Accept`] matter, and no residual is computed.
     ///
     /// The cheapest implicit step there is. Linear forces it integrates like the full solution. Otherwise its
-    /// error is of the order of the integrator's own, but nothing guarantees that the energy goes down: a
+    /// error is of the order of the integrator's own, the second order of midpoint and BDF2 only where the Hessian is exact or no spring is compressed; but nothing guarantees that the energy goes down: a
     /// step that turns a stiff spring by a large angle stretches it, and the next one starts from there.
     Linearized,
 }
