@@ -8,7 +8,7 @@ mod motion;
 mod space;
 mod swings;
 
-pub(crate) use constraints::Stretched;
+pub(crate) use constraints::{Stretched, fixed_projection};
 
 use crate::error::BenchError;
 use crate::names;

@@ -33,17 +33,18 @@ impl StiffnessRule {
 }
 
 /// `s = 1 − (1 + kh²w̃)^(−1/n)` (dimensionless), from `stiffness_times_h2_w` = kh²w̃ (dimensionless) and
-/// n = `iterations`: the inverse of [`effective_stiffness`].
+/// n = `iterations`: the inverse of [`effective_stiffness`]. For kh²w̃ ≥ 0 and n ≥ 1.
 #[inline]
 #[must_use]
 pub fn projection_stiffness(stiffness_times_h2_w: Real, iterations: u32) -> Real {
+    debug_assert!(stiffness_times_h2_w >= 0.0 && iterations > 0);
     // 1 − exp(−ln(1 + z)/n), written so that a soft material (small z) keeps its digits; z = ∞ gives 1.
     -(-stiffness_times_h2_w.ln_1p() / Real::from(iterations)).exp_m1()
 }
 
 /// The stiffness k (N/m for a spring) that `iterations` projections with stiffness `s` (dimensionless) in a substep of
 /// `h` (s) amount to for one constraint of generalised inverse mass `weight` (1/kg for a spring):
-/// `((1 − s)^(−n) − 1)/(h²w̃)`.
+/// `((1 − s)^(−n) − 1)/(h²w̃)`. For s from 0 to 1, n ≥ 1 and h, w̃ > 0.
 ///
 /// ```
 /// use cloth_pbd::{effective_stiffness, projection_stiffness};
@@ -55,6 +56,7 @@ pub fn projection_stiffness(stiffness_times_h2_w: Real, iterations: u32) -> Real
 /// ```
 #[must_use]
 pub fn effective_stiffness(s: Real, iterations: u32, h: Real, weight: Real) -> Real {
+    debug_assert!((0.0..=1.0).contains(&s) && iterations > 0 && h * weight > 0.0);
     let growth = -Real::from(iterations) * (-s).ln_1p();
     growth.exp_m1() / (h * h * weight)
 }

@@ -20,12 +20,19 @@ impl Compliance {
         1.0 / (stiffness * self.substep * self.substep)
     }
 
-    /// `C + α̃λ` (unit of C), what the sweeps bring to zero; `None` where no multiplier could change it: the row
-    /// has no stiffness, or it is hard and nothing of it can move.
-    pub(crate) fn violation(self, row: RowAt, multiplier: Real) -> Option<Real> {
+    /// `α̃` and `w̃ + α̃` of a row, or `None` where no multiplier could change it: it has no stiffness, or it is hard and nothing of it
+    /// can move. Neither is a rare case to be caught later.
+    #[inline]
+    fn solvable(self, row: RowAt) -> Option<(Real, Real)> {
         let compliance = self.scaled(row.stiffness);
         let movable = row.weight + compliance;
-        (movable > 0.0 && movable < Real::INFINITY).then_some(row.value + compliance * multiplier)
+        (movable > 0.0 && movable < Real::INFINITY).then_some((compliance, movable))
+    }
+
+    /// `C + α̃λ` (unit of C), what the sweeps bring to zero; `None` where no multiplier could change it.
+    pub(crate) fn violation(self, row: RowAt, multiplier: Real) -> Option<Real> {
+        self.solvable(row)
+            .map(|(compliance, _)| row.value + compliance * multiplier)
     }
 }
 
@@ -35,12 +42,9 @@ impl Rule for Compliance {
 
     #[inline]
     fn multiplier(&self, row: RowAt, total: &mut Real) -> Real {
-        let compliance = self.scaled(row.stiffness);
-        let movable = row.weight + compliance;
-        // Not a rare case to be caught later: a row of zero stiffness, or a hard one between pins.
-        if !(movable > 0.0 && movable < Real::INFINITY) {
+        let Some((compliance, movable)) = self.solvable(row) else {
             return 0.0;
-        }
+        };
         let change = -(row.value + compliance * *total) / movable;
         *total += change;
         change

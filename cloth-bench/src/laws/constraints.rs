@@ -96,6 +96,11 @@ fn xpbd_constraint(settings: &Settings) -> Result<Verdict, BenchError> {
     Ok(Verdict::new(k, measured).rounding(Stretched::rounding(k, dt)))
 }
 
+/// Stiffness (N/m) that n projections with stiffness s amount to in a step of `dt` (s), for w = 1 /kg: `((1 − s)⁻ⁿ − 1)/Δt²`.
+pub(crate) fn fixed_projection(s: Real, iterations: u32, dt: Real) -> Real {
+    ((1.0 - s).powf(-Real::from(iterations)) - 1.0) / (dt * dt)
+}
+
 fn pbd_constraint(settings: &Settings) -> Result<Verdict, BenchError> {
     let s = settings.number(&FRACTION)?;
     if !(0.0..1.0).contains(&s) {
@@ -116,7 +121,7 @@ fn pbd_constraint(settings: &Settings) -> Result<Verdict, BenchError> {
         })
         .build()
         .map_err(BenchError::usage)?;
-    let expected = ((1.0 - s).powi(-(iterations as i32)) - 1.0) / (dt * dt);
+    let expected = fixed_projection(s, iterations, dt);
     let measured = stretched.effective_stiffness(&mut solver, dt)?;
     Ok(Verdict::new(expected, measured).rounding(Stretched::rounding(expected, dt)))
 }

@@ -2,7 +2,7 @@
 
 use super::{Findings, Scope, Study};
 use crate::error::BenchError;
-use crate::laws::Stretched;
+use crate::laws::{Stretched, fixed_projection};
 use crate::method::Method;
 use crate::report::plot::{Axis, Plot, Series, Style};
 use crate::report::table::{Cell, Table};
@@ -138,7 +138,7 @@ fn one_constraint(
     let mut worst: Real = 0.0;
     for (label, name, settings, fixed) in methods {
         let law = |n: u32, dt: Real| match fixed {
-            Some(s) => ((1.0 - s).powi(-(n as i32)) - 1.0) / (dt * dt),
+            Some(s) => fixed_projection(s, n, dt),
             None => STIFFNESS,
         };
         let mut curve = Vec::new();
