@@ -305,3 +305,19 @@ fn a_curved_sheet_is_at_rest_and_the_quadratic_model_is_not() {
     let stored = sum(quadratic.iter().map(|h| h.value(&at(h.vertices))).collect());
     assert!(stored > 0.3 && stored < 3.0, "{stored}");
 }
+
+#[test]
+fn clamped_is_half_way_between_exact_and_absolute() {
+    let shell = CubicShell::new(VERTICES, &folded(2.0), 0.7);
+    for seed in 0..20 {
+        let x = shape(seed);
+        let [exact, abs, clamped] = [Convexity::Exact, Convexity::Abs, Convexity::Clamp]
+            .map(|convexity| shell.hessian(&x, convexity));
+        for i in 0..4 {
+            for j in 0..4 {
+                let half = (exact[i][j] + abs[i][j]) * 0.5;
+                assert!((half - clamped[i][j]).amax() < 1e-11);
+            }
+        }
+    }
+}
