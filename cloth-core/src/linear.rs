@@ -2,10 +2,10 @@
 
 mod block_cholesky;
 mod cholesky;
-mod panel;
 mod inertia;
+mod panel;
 
 pub use block_cholesky::BlockCholesky;
 pub use cholesky::{Cholesky, CholeskyError, FactorView, UpperPattern};
-pub use panel::PanelFactor;
 pub use inertia::Inertia;
+pub use panel::PanelFactor;

@@ -82,7 +82,10 @@ fn check(positions: &[Vec3], triangles: &[[u32; 3]]) -> Result<(), MeshError> {
     if triangles.is_empty() {
         return Err(MeshError::Empty);
     }
-    if let Some(vertex) = positions.iter().position(|p| p.iter().any(|c| !c.is_finite())) {
+    if let Some(vertex) = positions
+        .iter()
+        .position(|p| p.iter().any(|c| !c.is_finite()))
+    {
         return Err(MeshError::NonFinitePosition { vertex });
     }
     let mut used = vec![false; positions.len()];
@@ -218,7 +221,10 @@ impl fmt::Display for MeshError {
         match self {
             Self::Empty => write!(f, "the mesh has no triangles"),
             Self::NonFinitePosition { vertex } => {
-                write!(f, "vertex {vertex} has a coordinate that is not a finite number")
+                write!(
+                    f,
+                    "vertex {vertex} has a coordinate that is not a finite number"
+                )
             }
             Self::IndexOutOfRange {
                 triangle,
@@ -232,10 +238,16 @@ impl fmt::Display for MeshError {
                 write!(f, "triangle {triangle} names a vertex twice: {corners:?}")
             }
             Self::ZeroArea { triangle, area } => {
-                write!(f, "triangle {triangle} is degenerate: its area is {area:e} m²")
+                write!(
+                    f,
+                    "triangle {triangle} is degenerate: its area is {area:e} m²"
+                )
             }
             Self::DuplicateTriangle { first, second } => {
-                write!(f, "triangles {first} and {second} have the same three vertices")
+                write!(
+                    f,
+                    "triangles {first} and {second} have the same three vertices"
+                )
             }
             Self::UnreferencedVertex { vertex } => {
                 write!(f, "vertex {vertex} belongs to no triangle")
@@ -246,7 +258,10 @@ impl fmt::Display for MeshError {
                 ends[0], ends[1], triangles[0], triangles[1], triangles[2]
             ),
             Self::TooManyTriangles { count, limit } => {
-                write!(f, "the mesh has {count} triangles, but {limit} is the most that can be numbered")
+                write!(
+                    f,
+                    "the mesh has {count} triangles, but {limit} is the most that can be numbered"
+                )
             }
             Self::InvalidParameter { name, value, range } => {
                 write!(f, "{name} is {value}, but it has to be {range}")
