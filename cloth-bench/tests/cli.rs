@@ -89,6 +89,7 @@ fn values_out_of_range_are_refused_by_name() {
     run(&["--set", "stiffness=-5"], &["stiffness", "-5"]);
     run(&["--set", "projection=1.5"], &["1.5"]);
     run(&["--set", "n"], &["key=value"]);
+    run(&["--mesh", "disk:3"], &["n shapes", "--mesh"]);
     run(&["--threads", "0"], &["--threads", "1 to"]);
     run(&["--threads", "100000"], &["--threads", "1 to"]);
     refused(
@@ -102,6 +103,22 @@ fn values_out_of_range_are_refused_by_name() {
         2,
         &["chain", "--mesh"],
     );
+}
+
+#[test]
+fn a_method_with_another_aim_is_not_compared_with_implicit_euler() {
+    let arguments = [
+        "run",
+        "hang",
+        "--n",
+        "5",
+        "--steps",
+        "2",
+        "--method",
+        "bdf2",
+        "--reference",
+    ];
+    refused(&arguments, 2, &["`bdf2`", "--reference"]);
 }
 
 #[test]
