@@ -383,10 +383,20 @@ fn half_a_second(
     );
     findings.table("hang-half-a-second", &caption, table);
     if let Some(mesh) = &scene.mesh {
-        findings
-            .section
-            .pictures
-            .push(picture(&sheets, mesh.triangles(), n)?);
+        // Four to a row, all seen by one camera.
+        let everything = sheets
+            .iter()
+            .flat_map(|(_, state)| &state.positions)
+            .copied();
+        let low = everything
+            .clone()
+            .reduce(|a, b| a.inf(&b))
+            .unwrap_or_default();
+        let high = everything.reduce(|a, b| a.sup(&b)).unwrap_or_default();
+        for row in sheets.chunks(4) {
+            let picture = picture(row, mesh.triangles(), n, [low, high])?;
+            findings.section.pictures.push(picture);
+        }
     }
     Ok(())
 }
@@ -395,6 +405,7 @@ fn picture(
     sheets: &[(&str, State)],
     triangles: &[[u32; 3]],
     n: u32,
+    bounds: [Vec3; 2],
 ) -> Result<Picture, BenchError> {
     let surfaces: Vec<[Surface<'_>; 1]> = sheets
         .iter()
@@ -405,6 +416,7 @@ fn picture(
         width: 330,
         height: 330,
         direction: Vec3::new(-0.5, 0.8, -0.3),
+        bounds: Some(bounds),
         ..View::default()
     };
     let names: Vec<&str> = sheets.iter().map(|(name, _)| *name).collect();
