@@ -71,8 +71,10 @@ impl TrianglePairs {
             self.vertex_count,
             "the number of positions is not the number of vertices"
         );
-        let broken = |p: &Vec3| !p.iter().all(|c| c.is_finite());
-        if let Some(vertex) = positions.iter().position(broken) {
+        if let Some(vertex) = positions
+            .iter()
+            .position(|p| !cloth_core::math::is_finite(p))
+        {
             return Err(CollideError::NonFinitePosition { vertex });
         }
         for (bounds, &corners) in self.bounds.iter_mut().zip(&self.triangles) {

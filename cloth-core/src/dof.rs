@@ -48,10 +48,7 @@ impl EdgeRank {
     /// # Panics
     /// If an edge names a vertex that has no position.
     pub fn measure(positions: &[Vec3], edges: &EdgeTable) -> Result<Self, RankError> {
-        if let Some(vertex) = positions
-            .iter()
-            .position(|p| !p.iter().all(|c| c.is_finite()))
-        {
+        if let Some(vertex) = positions.iter().position(|p| !crate::math::is_finite(p)) {
             return Err(RankError::NonFinite { vertex });
         }
         let normal = normal_matrix(positions, edges);

@@ -18,6 +18,13 @@ pub type Blocks<const N: usize> = [[Mat3; N]; N];
 /// would no longer be accurate.
 const ZERO_LENGTH_SQUARED: Real = 1e-280;
 
+/// Whether all three coordinates are finite numbers.
+#[inline]
+#[must_use]
+pub fn is_finite(v: &Vec3) -> bool {
+    v.x.is_finite() && v.y.is_finite() && v.z.is_finite()
+}
+
 /// The vertices of one element, copied out of the array of all vertices.
 ///
 /// # Panics

@@ -82,10 +82,7 @@ fn check(positions: &[Vec3], triangles: &[[u32; 3]]) -> Result<(), MeshError> {
     if triangles.is_empty() {
         return Err(MeshError::Empty);
     }
-    if let Some(vertex) = positions
-        .iter()
-        .position(|p| p.iter().any(|c| !c.is_finite()))
-    {
+    if let Some(vertex) = positions.iter().position(|p| !crate::math::is_finite(p)) {
         return Err(MeshError::NonFinitePosition { vertex });
     }
     let mut used = vec![false; positions.len()];

@@ -55,7 +55,7 @@ impl Order {
     /// and so do those whose position is not finite, which come first.
     #[must_use]
     pub fn morton(positions: &[Vec3]) -> Self {
-        let finite = || positions.iter().filter(|p| p.iter().all(|c| c.is_finite()));
+        let finite = || positions.iter().filter(|p| crate::math::is_finite(p));
         let low = finite().fold(Vec3::repeat(Real::INFINITY), |low, p| low.inf(p));
         let high = finite().fold(Vec3::repeat(Real::NEG_INFINITY), |high, p| high.sup(p));
         // One scale for all three axes: the curve should not see a thin sheet as a cube.

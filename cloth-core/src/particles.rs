@@ -168,7 +168,7 @@ impl State {
     /// The first vertex whose position or velocity is not finite (CORE-14).
     #[must_use]
     pub fn first_non_finite(&self) -> Option<usize> {
-        let bad = |v: &Vec3| !(v.x.is_finite() && v.y.is_finite() && v.z.is_finite());
+        let bad = |v: &Vec3| !crate::math::is_finite(v);
         let position = self.positions.iter().position(bad);
         let velocity = self.velocities.iter().position(bad);
         match (position, velocity) {

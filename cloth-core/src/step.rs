@@ -90,7 +90,7 @@ impl<'a> StepInput<'a> {
         if !(self.dt > 0.0 && self.dt.is_finite()) {
             return Err(StepError::InvalidTimeStep { dt: self.dt });
         }
-        if !self.gravity.iter().all(|c| c.is_finite()) {
+        if !crate::math::is_finite(&self.gravity) {
             return Err(StepError::NonFiniteInput {
                 what: "gravity",
                 vertex: None,
@@ -98,7 +98,7 @@ impl<'a> StepInput<'a> {
         }
         if let Some(load) = self.load {
             assert_eq!(load.len(), vertex_count, "number of loads");
-            let bad = load.iter().position(|f| !f.iter().all(|c| c.is_finite()));
+            let bad = load.iter().position(|f| !crate::math::is_finite(f));
             if bad.is_some() {
                 return Err(StepError::NonFiniteInput {
                     what: "the load",

@@ -227,7 +227,7 @@ impl Explicit {
     }
 
     fn first_non_finite(&self) -> Option<usize> {
-        let bad = |v: &Vec3| !v.iter().all(|c| c.is_finite());
+        let bad = |v: &Vec3| !cloth_core::math::is_finite(v);
         let both = self.positions.iter().zip(&self.velocities);
         both.enumerate()
             .find_map(|(vertex, (x, v))| (bad(x) || bad(v)).then_some(vertex))

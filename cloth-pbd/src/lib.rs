@@ -62,7 +62,7 @@
 //! # Limits
 //! - **The material is met by one constraint alone.** [`StiffnessRule::Material`] is exact for it. Constraints that share vertices
 //!   spoil each other's corrections, and then the rule gives cloth *softer* than its k, the more so the larger `k h² w̃` and the longer the chain:
-//!   two springs in a row of k = 100 N/m, 10 g a vertex, h = 1/60 s, sag 1.9 times too far; twenty of 10⁴ N/m 80 to 250 times (13 to 26 times at 100 g a vertex, 3 times at 1 kg). More iterations do not cure it:
+//!   two springs in a row of k = 100 N/m, 10 g a vertex, h = 1/60 s, sag 1.9 times too far; twenty of 10⁴ N/m 80 to 250 times (3 times at 1 kg a vertex). More iterations do not cure it:
 //!   each then corrects less, and the whole tends to a limit.
 //! - **With [`StiffnessRule::Fixed`] the stiffness depends on the iterations**: it grows with each of them and with each smaller step, without
 //!   bound, and no number of iterations is the right one.

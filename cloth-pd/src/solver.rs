@@ -154,11 +154,12 @@ impl PdSolver {
     /// S1 (35): `x[1] = x`; and `v[1] = (x − x[0])/Δt`, written as `v + Δt a + d/Δt`, which does not subtract positions.
     fn finish(&mut self, state: &mut State, input: &StepInput<'_>) -> Result<(), StepError> {
         let step = state.steps + 1;
-        let is_finite = |v: &Vec3| v.iter().all(|c| c.is_finite());
         for (vertex, d) in self.displacement.iter_mut().enumerate() {
             let a = input.external_acceleration(vertex, self.particles.inverse_mass()[vertex]);
             *d = state.velocities[vertex] + a * input.dt + *d / input.dt;
-            if !is_finite(&self.positions[vertex]) || !is_finite(d) {
+            if !cloth_core::math::is_finite(&self.positions[vertex])
+                || !cloth_core::math::is_finite(d)
+            {
                 return Err(StepError::NonFinite { vertex, step });
             }
         }

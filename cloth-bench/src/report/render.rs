@@ -8,7 +8,7 @@
 
 use std::fmt;
 
-use cloth_core::math::Vec3;
+use cloth_core::math::{Vec3, is_finite};
 
 use super::palette::Rgb;
 use camera::Camera;
@@ -223,8 +223,7 @@ fn check(tiles: &[&[Surface<'_>]], view: &View) -> Result<(), RenderError> {
     }
     for (tile, surfaces) in tiles.iter().enumerate() {
         for surface in *surfaces {
-            let finite = |x: &Vec3| x.iter().all(|v| v.is_finite());
-            if let Some(vertex) = surface.positions.iter().position(|x| !finite(x)) {
+            if let Some(vertex) = surface.positions.iter().position(|x| !is_finite(x)) {
                 return Err(RenderError::NotFinite { tile, vertex });
             }
             let vertex_count = surface.positions.len();

@@ -99,9 +99,10 @@ impl Motion {
     /// # Errors
     /// [`StepError::NonFinite`]; `state` is then as it was.
     pub fn finish(&mut self, state: &mut State, dt: Real) -> Result<StepReport, StepError> {
-        let finite = |v: &Vec3| v.iter().all(|c| c.is_finite());
         let mut results = self.positions.iter().zip(&self.velocities);
-        if let Some(vertex) = results.position(|(x, v)| !(finite(x) && finite(v))) {
+        if let Some(vertex) =
+            results.position(|(x, v)| !(crate::math::is_finite(x) && crate::math::is_finite(v)))
+        {
             let step = state.steps + 1;
             return Err(StepError::NonFinite { vertex, step });
         }

@@ -143,7 +143,7 @@ impl Newton {
         if norm.is_finite() && self.current.value.is_finite() {
             return Ok(norm);
         }
-        let bad = |v: &Vec3| !v.iter().all(|c| c.is_finite());
+        let bad = |v| !cloth_core::math::is_finite(v);
         let vertex = self.current.gradient.iter().position(bad).unwrap_or(0);
         Err(StepError::NonFinite {
             vertex,
