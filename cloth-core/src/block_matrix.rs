@@ -5,6 +5,7 @@
 
 use crate::element::Element;
 use crate::math::{Mat3, Real, Vec3};
+use crate::parallel::prefetch;
 use std::sync::Arc;
 
 /// Collects which blocks of the lower half are not zero.
@@ -111,6 +112,9 @@ impl BlockPattern {
     }
 }
 
+/// How many blocks before its use a product asks for a block: 2 kB.
+const AHEAD: usize = 28;
+
 /// The numbers on a [`BlockPattern`], for instance a Hessian (N/m).
 #[derive(Clone, Debug)]
 pub struct BlockMatrix {
@@ -177,6 +181,7 @@ impl BlockMatrix {
             let diagonal = range.end - 1;
             let mut sum = self.blocks[diagonal] * x[row];
             for slot in range.start..diagonal {
+                prefetch(&self.blocks, slot + AHEAD);
                 let column = self.pattern.columns[slot] as usize;
                 let block = &self.blocks[slot];
                 sum += block * x[column];

@@ -70,7 +70,7 @@
 //!
 //! # Features
 //!
-//! `parallel` (default): sweeps on rayon's threads, with the same bits as without. `cholesky`: `linear` and `dof`, over faer.
+//! `parallel` (default): sweeps on rayon's threads, with the same bits as without. `cholesky`: the factorisations of `linear`, and `dof`, over faer.
 //!
 //! # The files, in reading order
 
@@ -93,7 +93,6 @@ pub mod ordering;
 mod parallel;
 
 pub mod block_matrix;
-#[cfg(feature = "cholesky")]
 pub mod linear;
 
 #[cfg(feature = "cholesky")]

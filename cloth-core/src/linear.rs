@@ -1,11 +1,43 @@
-//! Linear solvers over the matrices of this crate (CORE-12).
+//! Solvers for `A x = b` (CORE-12): one trait, [`LinearSolver`], over one matrix, [`BlockMatrix`](crate::block_matrix::BlockMatrix).
+//!
+//! | solver | file |
+//! |---|---|
+//! | sparse Cholesky by blocks, [`BlockCholesky`] | `block_cholesky`, over `cholesky` |
+//! | conjugate gradients, [`ConjugateGradients`] | `conjugate_gradients` |
+//! | damped Jacobi, [`Jacobi`] | `jacobi` |
+//! | Jacobi with Chebyshev acceleration, [`ChebyshevJacobi`] | `chebyshev` |
+//! | Gauss–Seidel, [`GaussSeidel`] | `gauss_seidel` |
+//!
+//! [`LinearMethod`] names them; [`spectrum()`] estimates condition numbers. The factorisations need the feature `cholesky`: [`Cholesky`] for a
+//! scalar matrix, [`PanelFactor`] for its solves with three right-hand sides, [`Inertia`] to count eigenvalues.
 
+#[cfg(feature = "cholesky")]
 mod block_cholesky;
+mod chebyshev;
+#[cfg(feature = "cholesky")]
 mod cholesky;
+mod conjugate_gradients;
+mod diagonal;
+mod gauss_seidel;
+#[cfg(feature = "cholesky")]
 mod inertia;
+mod jacobi;
+#[cfg(feature = "cholesky")]
 mod panel;
+mod solver;
+mod spectrum;
 
+#[cfg(feature = "cholesky")]
 pub use block_cholesky::BlockCholesky;
+pub use chebyshev::ChebyshevJacobi;
+#[cfg(feature = "cholesky")]
 pub use cholesky::{Cholesky, CholeskyError, FactorView, UpperPattern};
+pub use conjugate_gradients::{ConjugateGradients, Preconditioner};
+pub use gauss_seidel::GaussSeidel;
+#[cfg(feature = "cholesky")]
 pub use inertia::Inertia;
+pub use jacobi::Jacobi;
+#[cfg(feature = "cholesky")]
 pub use panel::PanelFactor;
+pub use solver::{Budget, LinearError, LinearMethod, LinearReport, LinearSolver};
+pub use spectrum::{Spectrum, spectrum};

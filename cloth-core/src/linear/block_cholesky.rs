@@ -1,8 +1,10 @@
 //! Cholesky factorisation of a [`BlockMatrix`], without the rows and columns of prescribed vertices.
 
 use super::cholesky::{Cholesky, CholeskyError, UpperPattern};
+use super::solver::{LinearError, LinearReport, LinearSolver, dot};
 use crate::block_matrix::{BlockMatrix, BlockPattern};
 use crate::math::{Real, Vec3};
+use crate::step::Outcome;
 
 /// Factor of the part of a block matrix that belongs to free vertices.
 #[derive(Debug)]
@@ -11,6 +13,8 @@ pub struct BlockCholesky {
     /// Number of each free vertex among the free ones; `PRESCRIBED` for the others.
     free_index: Vec<u32>,
     right_hand_side: Vec<Real>,
+    /// `b − A x` of a solve through [`LinearSolver`].
+    residual: Vec<Vec3>,
 }
 
 const PRESCRIBED: u32 = u32::MAX;
@@ -39,6 +43,7 @@ impl BlockCholesky {
         Ok(Self {
             cholesky: Cholesky::analyze(upper_pattern(pattern, &free_index)?)?,
             right_hand_side: vec![0.0; 3 * free_count as usize],
+            residual: vec![Vec3::zeros(); free_index.len()],
             free_index,
         })
     }
@@ -86,6 +91,46 @@ impl BlockCholesky {
                 Vec3::from_column_slice(&self.right_hand_side[at..at + 3])
             };
         }
+    }
+}
+
+impl LinearSolver for BlockCholesky {
+    fn name(&self) -> &'static str {
+        "cholesky"
+    }
+
+    fn prepare(&mut self, matrix: &BlockMatrix) -> Result<(), LinearError> {
+        self.factorize(matrix)
+            .map_err(|_| LinearError::NotPositiveDefinite)
+    }
+
+    fn solve(
+        &mut self,
+        matrix: &BlockMatrix,
+        b: &[Vec3],
+        x: &mut [Vec3],
+    ) -> Result<LinearReport, LinearError> {
+        BlockCholesky::solve(self, b, x);
+        matrix.multiply(x, &mut self.residual);
+        let mut b_squared = 0.0;
+        for ((r, b), &index) in self.residual.iter_mut().zip(b).zip(&self.free_index) {
+            let free = index != PRESCRIBED;
+            *r = if free { b - *r } else { Vec3::zeros() };
+            b_squared += if free { b.norm_squared() } else { 0.0 };
+        }
+        let residual = (dot(&self.residual, &self.residual) / b_squared).sqrt();
+        if b_squared > 0.0 && !residual.is_finite() {
+            return Err(LinearError::Diverged { iterations: 1 });
+        }
+        Ok(LinearReport {
+            outcome: Outcome::Converged,
+            iterations: 1,
+            residual: if b_squared > 0.0 { residual } else { 0.0 },
+        })
+    }
+
+    fn proves_definiteness(&self) -> bool {
+        true
     }
 }
 
