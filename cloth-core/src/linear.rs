@@ -18,6 +18,8 @@ mod chebyshev;
 mod cholesky;
 mod conjugate_gradients;
 mod diagonal;
+#[cfg(feature = "cholesky")]
+mod fill;
 mod gauss_seidel;
 #[cfg(feature = "cholesky")]
 mod inertia;
@@ -33,6 +35,8 @@ pub use chebyshev::ChebyshevJacobi;
 #[cfg(feature = "cholesky")]
 pub use cholesky::{Cholesky, CholeskyError, FactorView, UpperPattern};
 pub use conjugate_gradients::{ConjugateGradients, Preconditioner};
+#[cfg(feature = "cholesky")]
+pub use fill::FillOrdering;
 pub use gauss_seidel::GaussSeidel;
 #[cfg(feature = "cholesky")]
 pub use inertia::Inertia;

@@ -29,6 +29,9 @@
 //! pseudoperipheral node finder*, 1979, doi:10.1145/355841.355845.
 
 mod cuthill_mckee;
+pub(crate) mod graph;
+#[cfg(feature = "cholesky")]
+pub(crate) mod nested_dissection;
 
 use crate::math::{Real, Vec3};
 use crate::mesh::TriMesh;

@@ -4,7 +4,7 @@ use cloth_core::block_matrix::{BlockMatrix, PatternBuilder};
 use cloth_core::element::{Convexity, Element};
 use cloth_core::energy::Spring;
 use cloth_core::family::Energies;
-use cloth_core::linear::{BlockCholesky, CholeskyError};
+use cloth_core::linear::{BlockCholesky, CholeskyError, FillOrdering};
 use cloth_core::math::{Real, Vec3};
 use nalgebra::{DMatrix, DVector};
 #[path = "support/counting_allocator.rs"]
@@ -110,6 +110,18 @@ fn a_factor_solves_like_a_dense_one_with_and_without_prescribed_vertices() {
         for seed in 0..5 {
             solves_like_dense(&mut cholesky, seed, &is_free);
         }
+    }
+}
+
+#[test]
+fn every_order_of_elimination_gives_the_same_solution() {
+    let is_free: Vec<bool> = (0..COUNT).map(|v| v != 4).collect();
+    let (sparse, _) = matrices(0, 1.0, Convexity::Clamp);
+    for ordering in [FillOrdering::MinimumDegree, FillOrdering::NestedDissection] {
+        let pattern = sparse.pattern();
+        let mut cholesky = BlockCholesky::analyze_with(pattern, &is_free, ordering).unwrap();
+        assert_eq!(cholesky.ordering(), ordering);
+        solves_like_dense(&mut cholesky, 1, &is_free);
     }
 }
 

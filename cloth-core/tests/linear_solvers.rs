@@ -294,7 +294,7 @@ fn every_solver_finds_what_a_dense_one_finds() {
 fn the_spectrum_is_that_of_the_dense_matrix() {
     let (matrix, dense, is_free) = sheet(Convexity::Clamp, 1e3);
     let (reduced, _) = free_part(&dense, &is_free);
-    let eigenvalues = reduced.clone().symmetric_eigenvalues();
+    let eigenvalues = reduced.symmetric_eigenvalues();
     let found = spectrum(&matrix, &is_free, Preconditioner::Identity, 1000).unwrap();
     let exact = eigenvalues.max() / eigenvalues.min();
     assert!((found.largest / eigenvalues.max() - 1.0).abs() < 1e-12);

@@ -3,9 +3,11 @@
 //! faer's convenient interface allocates in every call (tens of thousands of times for a cloth); the low-level one never
 //! does. Its parallelism does not pay for matrices of this size, so it is not used.
 
+use super::fill::{self, Elimination, FillOrdering};
 use crate::math::Real;
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::LltParams;
+use faer::perm::PermRef;
 use faer::sparse::linalg::SupernodalThreshold;
 use faer::sparse::linalg::cholesky::{
     CholeskySymbolicParams, LltRef, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering,
@@ -31,6 +33,16 @@ impl UpperPattern {
         self.column_offsets.len() - 1
     }
 
+    /// The nonzeros beside the diagonal, as pairs of row and column.
+    pub(super) fn off_diagonal(&self) -> impl Iterator<Item = [u32; 2]> + Clone {
+        let columns = self.column_offsets.windows(2).zip(0u32..);
+        columns.flat_map(|(range, column)| {
+            let rows = &self.rows[range[0] as usize..range[1] as usize];
+            let above = rows.iter().filter(move |&&row| row < column);
+            above.map(move |&row| [row, column])
+        })
+    }
+
     pub(super) fn view(&self) -> SymbolicSparseColMatRef<'_, u32> {
         let n = self.dimension();
         SymbolicSparseColMatRef::new_checked(n, n, &self.column_offsets, None, &self.rows)
@@ -40,6 +52,7 @@ impl UpperPattern {
 /// A symmetric positive definite matrix and its factor.
 pub struct Cholesky {
     pattern: UpperPattern,
+    ordering: FillOrdering,
     symbolic: SymbolicCholesky<u32>,
     values: Vec<Real>,
     factor: Vec<Real>,
@@ -59,7 +72,7 @@ impl fmt::Debug for Cholesky {
 }
 
 impl Cholesky {
-    /// Finds an ordering (approximate minimum degree) and the nonzeros of the factor, and sets aside the memory for
+    /// Finds an ordering (the one of less work, [`FillOrdering`]) and the nonzeros of the factor, and sets aside the memory for
     /// factorising and for solving up to three right-hand sides.
     ///
     /// # Errors
@@ -68,12 +81,29 @@ impl Cholesky {
     /// # Panics
     /// If the pattern is not one of compressed columns.
     pub fn analyze(pattern: UpperPattern) -> Result<Self, CholeskyError> {
+        let elimination = fill::best(&pattern)?;
+        Self::analyze_in_order(pattern, elimination)
+    }
+
+    /// The same for an order that is known.
+    pub(super) fn analyze_in_order(
+        pattern: UpperPattern,
+        elimination: Elimination,
+    ) -> Result<Self, CholeskyError> {
         let params = CholeskySymbolicParams {
             supernodal_flop_ratio_threshold: ALWAYS_SUPERNODAL,
             ..Default::default()
         };
-        let ordering = SymmetricOrdering::Amd;
-        let symbolic = factorize_symbolic_cholesky(pattern.view(), Side::Upper, ordering, params)
+        let Elimination {
+            ordering, sequence, ..
+        } = elimination;
+        let mut place = vec![0; sequence.len()];
+        (0u32..)
+            .zip(&sequence)
+            .for_each(|(at, &row)| place[row as usize] = at);
+        let permutation = PermRef::new_checked(&sequence, &place, sequence.len());
+        let custom = SymmetricOrdering::Custom(permutation);
+        let symbolic = factorize_symbolic_cholesky(pattern.view(), Side::Upper, custom, params)
             .map_err(|_| CholeskyError::TooLarge)?;
         let numeric = symbolic.factorize_numeric_llt_scratch::<Real>(Par::Seq, llt_params());
         let solve = symbolic.solve_in_place_scratch::<Real>(RIGHT_HAND_SIDES, Par::Seq);
@@ -83,6 +113,7 @@ impl Cholesky {
             factor: vec![0.0; symbolic.len_val()],
             symbolic,
             pattern,
+            ordering,
             memory,
             factored: false,
         })
@@ -92,6 +123,12 @@ impl Cholesky {
     #[must_use]
     pub fn pattern(&self) -> &UpperPattern {
         &self.pattern
+    }
+
+    /// The ordering taken.
+    #[must_use]
+    pub fn ordering(&self) -> FillOrdering {
+        self.ordering
     }
 
     /// The numbers of the matrix, in the order of its pattern, to be filled before [`Cholesky::factorize`].
@@ -188,10 +225,7 @@ impl<'a> FactorView<'a> {
     #[allow(clippy::missing_panics_doc)] // every factor is made with a permutation
     pub fn order(&self) -> &'a [u32] {
         let permutation = self.owner.symbolic.perm();
-        permutation
-            .expect("approximate minimum degree gives a permutation")
-            .arrays()
-            .0
+        permutation.expect("analysed with a permutation").arrays().0
     }
 
     /// Number of supernodes.

@@ -1,10 +1,12 @@
 //! Breadth first search from a far end, neighbours of few neighbours first.
 
+use super::graph::Graph;
 use crate::topology::EdgeTable;
 
 /// All vertices in Cuthill–McKee order, not yet reversed; pieces follow by their lowest vertex.
 pub(super) fn sequence(vertex_count: usize, edges: &EdgeTable) -> Vec<u32> {
-    let graph = Graph::new(vertex_count, edges);
+    let mut graph = Graph::new(vertex_count, edges.ends().iter().copied());
+    graph.sort_by_degree();
     let mut search = Search {
         graph: &graph,
         mark: vec![0; vertex_count],
@@ -24,43 +26,6 @@ pub(super) fn sequence(vertex_count: usize, edges: &EdgeTable) -> Vec<u32> {
         }
     }
     sequence
-}
-
-/// Neighbours of each vertex, those with fewer neighbours first, then by number.
-struct Graph {
-    starts: Vec<u32>,
-    neighbours: Vec<u32>,
-}
-
-impl Graph {
-    fn new(vertex_count: usize, edges: &EdgeTable) -> Self {
-        let mut starts = vec![0_u32; vertex_count + 1];
-        for &vertex in edges.ends().as_flattened() {
-            starts[vertex as usize + 1] += 1;
-        }
-        for vertex in 0..vertex_count {
-            starts[vertex + 1] += starts[vertex];
-        }
-        let mut next = starts.clone();
-        let mut neighbours = vec![0; 2 * edges.len()];
-        for &[a, b] in edges.ends() {
-            for [from, to] in [[a, b], [b, a]] {
-                neighbours[next[from as usize] as usize] = to;
-                next[from as usize] += 1;
-            }
-        }
-        let degree = |v: u32| starts[v as usize + 1] - starts[v as usize];
-        for range in starts.windows(2) {
-            neighbours[range[0] as usize..range[1] as usize]
-                .sort_unstable_by_key(|&v| (degree(v), v));
-        }
-        Self { starts, neighbours }
-    }
-
-    fn of(&self, vertex: u32) -> &[u32] {
-        let [from, to] = [vertex as usize, vertex as usize + 1].map(|v| self.starts[v] as usize);
-        &self.neighbours[from..to]
-    }
 }
 
 /// Breadth first search whose marks need no clearing between runs.
