@@ -4,6 +4,7 @@ use crate::error::BenchError;
 use crate::names;
 use crate::scene::Scene;
 use crate::settings::{Parameter, Settings, parameter};
+use cloth_core::linear::{Budget, LinearMethod};
 use cloth_core::math::Real;
 use cloth_core::position_based::Sweep;
 use cloth_core::step::Stepper;
@@ -87,9 +88,28 @@ const PD_TOLERANCE: Parameter = parameter(
 );
 const PD_START: Parameter = parameter("start", "predicted", "first guess: previous or predicted");
 
+const LINEAR: Parameter = parameter(
+    "linear",
+    "cholesky",
+    "linear solver: cholesky, conjugate-gradients, chebyshev-jacobi, jacobi or gauss-seidel",
+);
+const LINEAR_TOLERANCE: Parameter = parameter(
+    "linear_tolerance",
+    "1e-3",
+    "relative residual at which an iterative linear solver is done",
+);
+const LINEAR_ITERATIONS: Parameter = parameter(
+    "linear_iterations",
+    "1000",
+    "most iterations of an iterative linear solver",
+);
+
 const NEWTON: &[Parameter] = &[
     MAX_ITERATIONS,
     TOLERANCE,
+    LINEAR,
+    LINEAR_TOLERANCE,
+    LINEAR_ITERATIONS,
     START,
     AIR_DRAG,
     STIFFNESS_DAMPING,
@@ -118,7 +138,13 @@ pub const METHODS: [Method; 9] = [
     Method {
         name: "linear-implicit",
         about: "implicit Euler with one linear solve a step (Baraff and Witkin)",
-        parameters: &[AIR_DRAG, STIFFNESS_DAMPING],
+        parameters: &[
+            LINEAR,
+            LINEAR_TOLERANCE,
+            LINEAR_ITERATIONS,
+            AIR_DRAG,
+            STIFFNESS_DAMPING,
+        ],
         kind: Kind::LinearImplicit,
     },
     Method {
@@ -325,6 +351,7 @@ fn newton(settings: &Settings) -> Result<ImplicitConfig, BenchError> {
     Ok(ImplicitConfig {
         max_iterations: settings.count(&MAX_ITERATIONS, 1)?,
         tolerance: settings.number(&TOLERANCE)?,
+        linear: linear(settings)?,
         start: settings.choice(
             &START,
             &[
@@ -340,9 +367,30 @@ fn newton(settings: &Settings) -> Result<ImplicitConfig, BenchError> {
 
 fn linearized(settings: &Settings) -> Result<ImplicitConfig, BenchError> {
     Ok(ImplicitConfig {
+        linear: linear(settings)?,
         damping: damping(settings)?,
         ..ImplicitConfig::linearized()
     })
+}
+
+fn linear(settings: &Settings) -> Result<LinearMethod, BenchError> {
+    let budget = Budget {
+        tolerance: settings.number(&LINEAR_TOLERANCE)?,
+        max_iterations: settings.count(&LINEAR_ITERATIONS, 1)?,
+    };
+    settings.choice(
+        &LINEAR,
+        &[
+            ("cholesky", LinearMethod::Cholesky),
+            (
+                "conjugate-gradients",
+                LinearMethod::ConjugateGradients(budget),
+            ),
+            ("chebyshev-jacobi", LinearMethod::ChebyshevJacobi(budget)),
+            ("jacobi", LinearMethod::Jacobi(budget)),
+            ("gauss-seidel", LinearMethod::GaussSeidel(budget)),
+        ],
+    )
 }
 
 fn damping(settings: &Settings) -> Result<Damping, BenchError> {

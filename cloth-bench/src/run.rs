@@ -20,6 +20,8 @@ pub struct Summary {
     pub iterations: u64,
     /// Iterations of the median step.
     pub iterations_per_step: u32,
+    /// Iterations of the linear solver, summed over the steps; a direct solve counts as one.
+    pub linear_iterations: u64,
     /// Steps that met their tolerance; methods without one meet it never.
     pub converged_steps: u32,
     /// Largest strain of a spring at the end (dimensionless).
@@ -55,13 +57,14 @@ pub fn run(
     let start_height = height(scene, state);
     let mut seconds = Vec::with_capacity(steps as usize);
     let mut iterations = Vec::with_capacity(steps as usize);
-    let mut converged_steps = 0;
+    let (mut converged_steps, mut linear_iterations) = (0, 0);
     for step in 1..=steps {
         let started = Instant::now();
         let input = StepInput::new(dt).gravity(scene.gravity);
         let report = stepper.step(state, input).map_err(BenchError::failed)?;
         seconds.push(started.elapsed().as_secs_f64());
         iterations.push(report.iterations);
+        linear_iterations += u64::from(report.linear_iterations);
         converged_steps += u32::from(report.outcome == Outcome::Converged);
         after(step, state, &report)?;
     }
@@ -76,6 +79,7 @@ pub fn run(
         ms_per_step_median: 1e3 * median(&mut seconds),
         iterations: iterations.iter().map(|&n| u64::from(n)).sum(),
         iterations_per_step: median_count(&mut iterations),
+        linear_iterations,
         converged_steps,
         max_stretch: strain.max,
         rms_strain: strain.rms,

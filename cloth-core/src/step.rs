@@ -151,10 +151,12 @@ pub struct StepReport {
     pub outcome: Outcome,
     /// Iterations (sweeps, Newton steps, local–global pairs), summed over the substeps.
     pub iterations: u32,
-    /// Numerical factorisations of a matrix.
+    /// Numerical factorisations of a matrix, or what an iterative solver prepares in their place.
     pub factorizations: u32,
-    /// Solves with a factor.
+    /// Linear systems solved.
     pub linear_solves: u32,
+    /// Iterations of the linear solver in them; a direct solver takes one.
+    pub linear_iterations: u32,
     /// Step lengths that a line search tried and rejected.
     pub backtracks: u32,
     /// What the method measures its convergence by, at the end, if it measures it; see the method.
@@ -170,6 +172,7 @@ impl StepReport {
             iterations,
             factorizations: 0,
             linear_solves: 0,
+            linear_iterations: 0,
             backtracks: 0,
             residual: None,
         }
@@ -298,6 +301,13 @@ pub enum BuildError {
         /// What it has to be.
         range: &'static str,
     },
+    /// Two settings exclude each other.
+    SettingsConflict {
+        /// The one, with its value.
+        one: &'static str,
+        /// What it asks of the others.
+        needs: &'static str,
+    },
     /// The factor of the matrix has more entries than can be counted or kept in memory.
     MatrixTooLarge,
 }
@@ -316,6 +326,7 @@ impl fmt::Display for BuildError {
             Self::InvalidSetting { name, value, range } => {
                 write!(f, "{name} is {value}, but it has to be {range}")
             }
+            Self::SettingsConflict { one, needs } => write!(f, "{one} needs {needs}"),
             Self::MatrixTooLarge => {
                 write!(f, "the factor of the matrix is too large for the memory")
             }

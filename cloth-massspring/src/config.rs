@@ -2,6 +2,7 @@
 
 use crate::damping::Damping;
 use cloth_core::element::Convexity;
+use cloth_core::linear::LinearMethod;
 use cloth_core::math::Real;
 use cloth_core::step::BuildError;
 
@@ -61,6 +62,9 @@ pub struct ImplicitConfig {
     pub tolerance: Real,
     /// Which second derivative Newton's method uses.
     pub hessian: HessianPolicy,
+    /// How the linear systems are solved. An iterative solver needs no factor, which is the larger part of time and memory on
+    /// large sheets; its tolerance is also how much of the gradient a Newton step leaves behind.
+    pub linear: LinearMethod,
     /// Where Newton's method starts.
     pub start: StartGuess,
     /// Which points with a small gradient are good enough.
@@ -111,6 +115,7 @@ pub enum Accept {
     Stationary,
     /// Minima only, S1 (10). Costs at most one factorisation more where the point is a minimum. A saddle point is left
     /// along a direction of negative curvature; which side the cloth then falls to is decided by a fixed pseudo-random vector.
+    /// Needs a linear solver that proves definiteness: [`LinearMethod::Cholesky`].
     Minimum,
 }
 
@@ -133,6 +138,7 @@ impl Default for ImplicitConfig {
             max_iterations: 100,
             tolerance: 1e-6,
             hessian: HessianPolicy::ExactFirst,
+            linear: LinearMethod::Cholesky,
             start: StartGuess::Inertial,
             accept: Accept::Stationary,
             solve: Solve::Newton,
@@ -180,6 +186,15 @@ impl ImplicitConfig {
                 name: "max_iterations",
                 value: 0.0,
                 range: "at least 1",
+            });
+        }
+        if self.solve == Solve::Newton
+            && self.accept == Accept::Minimum
+            && !self.linear.proves_definiteness()
+        {
+            return Err(BuildError::SettingsConflict {
+                one: "accept = Minimum",
+                needs: "a linear solver that proves definiteness, Cholesky",
             });
         }
         self.damping.check()

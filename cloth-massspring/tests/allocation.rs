@@ -1,6 +1,7 @@
 //! No step after the first allocates.
 
 use cloth_core::energy::Spring;
+use cloth_core::linear::{Budget, LinearMethod};
 use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::generate::{Diagonals, grid};
 use cloth_core::particles::{Particles, State};
@@ -40,7 +41,14 @@ fn no_step_after_the_first_allocates() {
             Box::new(builder.config($config).build().unwrap())
         }};
     }
-    let solvers: [(Box<dyn Stepper>, Real, usize); 6] = [
+    let budget = Budget::default();
+    let iterative = [
+        LinearMethod::ConjugateGradients(budget),
+        LinearMethod::ChebyshevJacobi(budget),
+        LinearMethod::Jacobi(budget),
+        LinearMethod::GaussSeidel(budget),
+    ];
+    let mut solvers: Vec<(Box<dyn Stepper>, Real, usize)> = vec![
         (solver!(ExplicitEuler, explicit), 1e-5, 300),
         (solver!(SymplecticEuler, explicit), 1e-5, 1000),
         (solver!(ImplicitEuler, implicit), frame, 10),
@@ -52,6 +60,13 @@ fn no_step_after_the_first_allocates() {
         (solver!(ImplicitMidpoint, implicit), frame, 10),
         (solver!(Bdf2, implicit), frame, 10),
     ];
+    for linear in iterative {
+        let config = ImplicitConfig {
+            linear,
+            ..ImplicitConfig::default()
+        };
+        solvers.push((solver!(ImplicitEuler, config), frame, 10));
+    }
     for (mut solver, dt, steps) in solvers {
         let mut state = State::at_rest(mesh.positions().to_vec());
         let gravity = Vec3::new(0.0, 0.0, -9.81);

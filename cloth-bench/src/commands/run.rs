@@ -172,6 +172,7 @@ fn simulate(
         ("ms_per_step_median", json!(summary.ms_per_step_median)),
         ("iterations", json!(summary.iterations)),
         ("iterations_per_step", json!(summary.iterations_per_step)),
+        ("linear_iterations", json!(summary.linear_iterations)),
         ("converged_steps", json!(summary.converged_steps)),
         ("max_stretch", json!(summary.max_stretch)),
         ("rms_strain", json!(summary.rms_strain)),

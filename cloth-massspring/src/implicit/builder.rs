@@ -8,7 +8,6 @@ use crate::config::ImplicitConfig;
 use cloth_core::block_matrix::BlockMatrix;
 use cloth_core::element::Energy;
 use cloth_core::family::Energies;
-use cloth_core::linear::BlockCholesky;
 use cloth_core::math::Vec3;
 use cloth_core::particles::Particles;
 use cloth_core::step::BuildError;
@@ -53,10 +52,10 @@ impl<S> ImplicitBuilder<S> {
         self
     }
 
-    /// Builds the solver: looks up the pattern of the matrix and analyses it for factorisation.
+    /// Builds the solver: looks up the pattern of the matrix and analyses it for the linear solver.
     ///
     /// # Errors
-    /// [`BuildError::InvalidSetting`], [`BuildError::MatrixTooLarge`].
+    /// [`BuildError::InvalidSetting`], [`BuildError::SettingsConflict`], [`BuildError::MatrixTooLarge`].
     pub fn build(mut self) -> Result<S, BuildError> {
         self.config.check()?;
         let vertex_count = self.particles.len();
@@ -64,12 +63,11 @@ impl<S> ImplicitBuilder<S> {
         let is_free: Vec<bool> = (0..vertex_count)
             .map(|vertex| !self.particles.is_prescribed(vertex))
             .collect();
-        let cholesky =
-            BlockCholesky::analyze(&pattern, &is_free).map_err(|_| BuildError::MatrixTooLarge)?;
+        let solver = self.config.linear.build(&pattern, &is_free)?;
         let beta = self.config.damping.stiffness;
         let damper = (beta > 0.0).then(|| Damper::new(beta, Arc::clone(&pattern)));
         let matrix = BlockMatrix::zeros(pattern);
-        let system = NewtonSystem::new(matrix, cholesky, self.config.hessian);
+        let system = NewtonSystem::new(matrix, solver, self.config.hessian);
         let zeros = vec![Vec3::zeros(); vertex_count];
         Ok((self.finish)(Implicit {
             newton: Newton::new(system, vertex_count),

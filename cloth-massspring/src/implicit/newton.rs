@@ -68,9 +68,7 @@ impl Newton {
         self.gradient_norm(task)?;
         self.system.assemble(stage, &self.current.positions);
         self.factorize(task, &mut report)?;
-        self.system
-            .solve(&self.current.gradient, &mut self.direction);
-        report.linear_solves = 1;
+        self.solve(task, &mut report)?;
         for (x, p) in self.current.positions.iter_mut().zip(&self.direction) {
             *x += p;
         }
@@ -116,7 +114,7 @@ impl Newton {
             let moved = if norm <= self.small_enough(task, rounding) {
                 self.leave_saddle(task)
             } else {
-                self.descend(task, &mut report)
+                self.descend(task, &mut report)?
             };
             if !moved {
                 if norm <= STALL * rounding {
@@ -165,15 +163,31 @@ impl Newton {
         }
     }
 
+    /// The Newton direction. An iterative solver may find the matrix indefinite only here.
+    fn solve(&mut self, task: &Task<'_>, report: &mut StepReport) -> Result<(), StepError> {
+        let indefinite = |report: &StepReport| StepError::NotPositiveDefinite {
+            iteration: report.iterations,
+            step: task.step,
+        };
+        loop {
+            report.linear_solves += 1;
+            let (gradient, x) = (&self.current.gradient, &self.current.positions);
+            if let Ok(done) = self.system.solve(gradient, &mut self.direction) {
+                report.linear_iterations += done.iterations;
+                return Ok(());
+            }
+            let attempts = self.system.retreat(&task.stage, x);
+            report.factorizations += attempts.map_err(|_| indefinite(report))?;
+        }
+    }
+
     /// One Newton step, S1 (14), into `next`. Returns whether it leads down.
-    fn descend(&mut self, task: &Task<'_>, report: &mut StepReport) -> bool {
-        self.system
-            .solve(&self.current.gradient, &mut self.direction);
-        report.linear_solves += 1;
+    fn descend(&mut self, task: &Task<'_>, report: &mut StepReport) -> Result<bool, StepError> {
+        self.solve(task, report)?;
         let found =
             line_search::search(&task.stage, &self.current, &self.direction, &mut self.next);
         report.backtracks += found.backtracks;
-        found.accepted
+        Ok(found.accepted)
     }
 
     /// Whether a point where the gradient is small is good enough to stop.

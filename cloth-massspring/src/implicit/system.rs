@@ -9,7 +9,8 @@
 //! M/Δt² + b H_exact + (1 − b) H_clamped,    0 ≤ b ≤ 1
 //! ```
 //!
-//! with the blend `b` as near to 1 as positive definiteness allows, which the Cholesky factorisation tells. Near a minimum `b = 1`
+//! with the blend `b` as near to 1 as positive definiteness allows, which the Cholesky factorisation tells, and conjugate
+//! gradients where they come across it. Near a minimum `b = 1`
 //! and convergence is quadratic. Near a saddle the blended matrix is almost singular along the way down, so
 //! the step along it is long, and the saddle is left within a few iterations.
 
@@ -18,7 +19,7 @@ use crate::config::HessianPolicy;
 use crate::stability::{dot, noise};
 use cloth_core::block_matrix::BlockMatrix;
 use cloth_core::element::Convexity;
-use cloth_core::linear::BlockCholesky;
+use cloth_core::linear::{LinearError, LinearReport, LinearSolver};
 use cloth_core::math::{Real, Vec3};
 
 /// Iterations without another attempt at `b = 1` after one has failed: a failed attempt costs as much as a good one.
@@ -32,11 +33,11 @@ const LEAST: Real = 0.025;
 /// Inverse iterations for a direction of negative curvature.
 const INVERSE_ITERATIONS: u32 = 8;
 
-/// The matrix, its factor, and how much of the exact Hessian it could take last time.
+/// The matrix, its solver, and how much of the exact Hessian it could take last time.
 #[derive(Debug)]
 pub(super) struct NewtonSystem {
     matrix: BlockMatrix,
-    cholesky: BlockCholesky,
+    solver: Box<dyn LinearSolver>,
     policy: HessianPolicy,
     /// What worked last.
     blend: Real,
@@ -49,10 +50,14 @@ pub(super) struct NewtonSystem {
 }
 
 impl NewtonSystem {
-    pub(super) fn new(matrix: BlockMatrix, cholesky: BlockCholesky, policy: HessianPolicy) -> Self {
+    pub(super) fn new(
+        matrix: BlockMatrix,
+        solver: Box<dyn LinearSolver>,
+        policy: HessianPolicy,
+    ) -> Self {
         Self {
             matrix,
-            cholesky,
+            solver,
             policy,
             blend: 1.0,
             ceiling: 1.0,
@@ -85,16 +90,46 @@ impl NewtonSystem {
         g: &Stage<'_>,
         x: &[Vec3],
     ) -> Result<u32, NotPositiveDefinite> {
-        if let HessianPolicy::Always(convexity) = self.policy {
-            self.exact = convexity == Convexity::Exact;
-            let factored = self.cholesky.factorize(&self.matrix);
-            return factored.map(|()| 1).map_err(|_| NotPositiveDefinite);
+        match self.policy {
+            HessianPolicy::Always(convexity) => {
+                self.exact = convexity == Convexity::Exact && self.solver.proves_definiteness();
+                let prepared = self.solver.prepare(&self.matrix);
+                prepared.map(|()| 1).map_err(|_| NotPositiveDefinite)
+            }
+            HessianPolicy::ExactFirst => self.settle(g, x, self.first_blend()),
         }
-        let mut blend = self.first_blend();
+    }
+
+    /// Drops more of the indefinite part after [`NewtonSystem::solve`] has failed. Returns the number of attempts.
+    pub(super) fn retreat(
+        &mut self,
+        g: &Stage<'_>,
+        x: &[Vec3],
+    ) -> Result<u32, NotPositiveDefinite> {
+        if self.policy != HessianPolicy::ExactFirst || self.blend == 0.0 {
+            return Err(NotPositiveDefinite);
+        }
+        let blend = self.lower(self.blend);
+        self.fill_blend(g, x, blend);
+        self.settle(g, x, blend)
+    }
+
+    /// Lowers the blend from that of the matrix as it is to the first that the solver takes.
+    fn settle(
+        &mut self,
+        g: &Stage<'_>,
+        x: &[Vec3],
+        mut blend: Real,
+    ) -> Result<u32, NotPositiveDefinite> {
         for attempt in 1.. {
-            if self.cholesky.factorize(&self.matrix).is_ok() {
-                self.exact = blend == 1.0;
-                self.wait = if self.exact { 0 } else { self.wait - 1 };
+            if self.solver.prepare(&self.matrix).is_ok() {
+                let whole = blend == 1.0;
+                self.exact = whole && self.solver.proves_definiteness();
+                self.wait = if whole {
+                    0
+                } else {
+                    self.wait.saturating_sub(1)
+                };
                 self.blend = blend;
                 return Ok(attempt);
             }
@@ -155,9 +190,17 @@ impl NewtonSystem {
     }
 
     /// `out = −(matrix)⁻¹ gradient`.
-    pub(super) fn solve(&mut self, gradient: &[Vec3], out: &mut [Vec3]) {
-        self.cholesky.solve(gradient, out);
+    ///
+    /// # Errors
+    /// Where an iterative solver finds out on the way that the matrix is not positive definite.
+    pub(super) fn solve(
+        &mut self,
+        gradient: &[Vec3],
+        out: &mut [Vec3],
+    ) -> Result<LinearReport, LinearError> {
+        let report = self.solver.solve(&self.matrix, gradient, out)?;
         out.iter_mut().for_each(|p| *p = -*p);
+        Ok(report)
     }
 
     /// Norm (N/√kg) of the gradient that rounding makes at `x`: positions are stored to half a unit in the last place
@@ -177,7 +220,7 @@ impl NewtonSystem {
     /// Tries the exact Hessian at `x`.
     pub(super) fn factorize_exact(&mut self, g: &Stage<'_>, x: &[Vec3]) -> bool {
         self.fill(g, x, &[(1.0, Convexity::Exact)]);
-        self.exact = self.cholesky.factorize(&self.matrix).is_ok();
+        self.exact = self.solver.prepare(&self.matrix).is_ok();
         self.exact
     }
 
@@ -195,7 +238,7 @@ impl NewtonSystem {
             *p = noise(vertex);
         }
         for _ in 0..INVERSE_ITERATIONS {
-            self.cholesky.solve(product, out);
+            self.solver.solve(&self.matrix, product, out).ok()?;
             let length = dot(out, out).sqrt();
             out.iter_mut().for_each(|p| *p /= length);
             g.hessian_product_into(x, out, product);

@@ -2,6 +2,7 @@
 
 mod conservation;
 mod damping;
+mod linear;
 mod newton;
 mod order;
 mod oscillator;

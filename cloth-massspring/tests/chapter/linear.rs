@@ -1,0 +1,148 @@
+//! The linear solver is a choice, and changes the way but not the goal (CORE-12, MS-2).
+
+use crate::{DOWN, chain, hang, largest_difference, noise, sharp, solver};
+use cloth_core::linear::{Budget, LinearMethod};
+use cloth_core::math::{Real, Vec3};
+use cloth_core::particles::State;
+use cloth_core::step::{BuildError, Outcome, StepInput, StepReport, Stepper};
+use cloth_massspring::{Accept, ImplicitConfig, ImplicitEuler};
+
+const DT: Real = 1.0 / 60.0;
+
+fn iterative(tolerance: Real) -> [LinearMethod; 4] {
+    let budget = Budget {
+        tolerance,
+        max_iterations: 20_000,
+    };
+    [
+        LinearMethod::ConjugateGradients(budget),
+        LinearMethod::ChebyshevJacobi(budget),
+        LinearMethod::Jacobi(budget),
+        LinearMethod::GaussSeidel(budget),
+    ]
+}
+
+/// One step of a sheet that falls fast enough for its springs to be stretched: the minimum is the only one.
+fn step(config: ImplicitConfig) -> (State, StepReport) {
+    let (mesh, model) = hang(8);
+    let mut state = State::at_rest(mesh.positions().to_vec());
+    for (vertex, v) in state.velocities.iter_mut().enumerate() {
+        if !model.particles.is_prescribed(vertex) {
+            *v = Vec3::new(0.0, -3.0, -3.0) + noise(vertex);
+        }
+    }
+    let mut solver = solver!(ImplicitEuler, &model.particles, model.springs, config);
+    let input = StepInput::new(DT).gravity(DOWN);
+    let report = solver.step(&mut state, input).unwrap();
+    (state, report)
+}
+
+#[test]
+fn every_linear_solver_leads_newton_to_the_same_minimum() {
+    let (expected, direct) = step(sharp());
+    assert_eq!(direct.linear_iterations, direct.linear_solves);
+    for linear in iterative(1e-3) {
+        let (found, report) = step(ImplicitConfig {
+            linear,
+            tolerance: 1e-9,
+            ..ImplicitConfig::default()
+        });
+        let difference = largest_difference(&found.positions, &expected.positions);
+        assert_eq!(report.outcome, Outcome::Converged, "{linear:?}");
+        assert!(difference < 1e-9, "{linear:?}: {difference:e}");
+        assert!(report.linear_iterations > report.linear_solves);
+    }
+}
+
+#[test]
+fn each_newton_step_leaves_as_much_of_the_gradient_as_the_tolerance_says() {
+    // On springs without rest length Newton's method is exact after one step, but for the linear solver.
+    let (particles, mut springs, positions) = chain(10, 1e4);
+    for spring in &mut springs {
+        spring.rest_length = 0.0;
+    }
+    for tolerance in [1e-1, 1e-3, 1e-6] {
+        for linear in iterative(tolerance) {
+            let config = ImplicitConfig {
+                linear,
+                max_iterations: 1,
+                tolerance: 0.0,
+                ..ImplicitConfig::default()
+            };
+            let mut solver = solver!(ImplicitEuler, &particles, springs.clone(), config);
+            let input = || StepInput::new(DT).gravity(DOWN);
+            let report = solver
+                .step(&mut State::at_rest(positions.clone()), input())
+                .unwrap();
+            let start = start_residual(&positions, &springs, &particles);
+            let left = report.residual.unwrap() / start;
+            assert!(left <= tolerance * 1.001, "{linear:?}: {left:e}");
+            // Ten masses have ten eigenvalues: conjugate gradients may end exactly.
+            let exact = matches!(linear, LinearMethod::ConjugateGradients(_));
+            assert!(exact || left >= 0.1 * tolerance, "{linear:?}: {left:e}");
+        }
+    }
+}
+
+/// `‖∇G(x₀)‖/‖∇G(x̃)‖` at the start `x₀` of Newton's method, which for cloth at rest is `x[0]`.
+fn start_residual(
+    positions: &[Vec3],
+    springs: &[cloth_core::energy::Spring],
+    particles: &cloth_core::particles::Particles,
+) -> Real {
+    use cloth_core::measure::{IncrementalPotential, predict};
+    let energies = cloth_core::family::Energies::new(particles.len())
+        .with(springs.to_vec())
+        .unwrap();
+    let mut predicted = positions.to_vec();
+    let input = StepInput::new(DT).gravity(DOWN);
+    let state = State::at_rest(positions.to_vec());
+    predict(particles, &state, &input, &mut predicted);
+    let potential = IncrementalPotential {
+        particles,
+        energies: &energies,
+        predicted: &predicted,
+        dt: DT,
+    };
+    let norm = |x: &[Vec3]| {
+        let mut gradient = vec![Vec3::zeros(); x.len()];
+        potential.gradient_into(x, &mut gradient);
+        potential.gradient_norm(&gradient)
+    };
+    norm(positions) / norm(&predicted)
+}
+
+#[test]
+fn a_minimum_is_promised_only_by_a_solver_that_can_prove_it() {
+    let (particles, springs, _) = chain(3, 1e4);
+    for linear in iterative(1e-3) {
+        let config = ImplicitConfig {
+            linear,
+            accept: Accept::Minimum,
+            ..ImplicitConfig::default()
+        };
+        let builder = ImplicitEuler::builder(&particles)
+            .energy(springs.clone())
+            .unwrap();
+        let refused = builder.config(config).build().unwrap_err();
+        assert!(
+            matches!(refused, BuildError::SettingsConflict { .. }),
+            "{refused}"
+        );
+    }
+}
+
+#[test]
+fn conjugate_gradients_solve_the_linearised_step_too() {
+    let linearized = ImplicitConfig::linearized();
+    let (expected, _) = step(linearized);
+    for linear in iterative(1e-12) {
+        let (found, report) = step(ImplicitConfig {
+            linear,
+            ..linearized
+        });
+        let difference = largest_difference(&found.positions, &expected.positions);
+        assert!(difference < 1e-10, "{linear:?}: {difference:e}");
+        assert_eq!(report.linear_solves, 1);
+    }
+}
