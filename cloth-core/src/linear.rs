@@ -30,7 +30,7 @@ mod solver;
 mod spectrum;
 
 #[cfg(feature = "cholesky")]
-pub use block_cholesky::BlockCholesky;
+pub use block_cholesky::{BlockCholesky, upper_half};
 pub use chebyshev::ChebyshevJacobi;
 #[cfg(feature = "cholesky")]
 pub use cholesky::{Cholesky, CholeskyError, FactorView, UpperPattern};

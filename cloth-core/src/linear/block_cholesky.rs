@@ -53,23 +53,14 @@ impl BlockCholesky {
         order: impl FnOnce(&UpperPattern) -> Result<Elimination, CholeskyError>,
     ) -> Result<Self, CholeskyError> {
         assert_eq!(is_free.len(), pattern.row_count(), "one flag per row");
-        let mut free_count = 0;
-        let free_index: Vec<u32> = is_free
-            .iter()
-            .map(|&free| {
-                if !free {
-                    return PRESCRIBED;
-                }
-                free_count += 1;
-                free_count - 1
-            })
-            .collect();
+        let free_index = numbered(is_free);
+        let free_count = is_free.iter().filter(|free| **free).count();
         Ok(Self {
             cholesky: Cholesky::analyze_in_order(
                 upper_pattern(pattern, &free_index)?,
                 for_coordinates(order(&vertex_pattern(pattern, &free_index))?),
             )?,
-            right_hand_side: vec![0.0; 3 * free_count as usize],
+            right_hand_side: vec![0.0; 3 * free_count],
             residual: vec![Vec3::zeros(); free_index.len()],
             free_index,
         })
@@ -167,6 +158,42 @@ impl LinearSolver for BlockCholesky {
     }
 }
 
+/// Number of each free vertex among the free ones.
+fn numbered(is_free: &[bool]) -> Vec<u32> {
+    let mut free_count = 0;
+    let number = |free: &bool| {
+        if !free {
+            return PRESCRIBED;
+        }
+        free_count += 1;
+        free_count - 1
+    };
+    is_free.iter().map(number).collect()
+}
+
+/// The free part of a block matrix as a scalar matrix: its upper half, and the numbers in the order of that pattern.
+///
+/// # Errors
+/// [`CholeskyError::TooLarge`].
+///
+/// # Panics
+/// If `is_free` does not have one entry per row of the pattern.
+pub fn upper_half(
+    matrix: &BlockMatrix,
+    is_free: &[bool],
+) -> Result<(UpperPattern, Vec<Real>), CholeskyError> {
+    assert_eq!(
+        is_free.len(),
+        matrix.pattern().row_count(),
+        "one flag per row"
+    );
+    let free_index = numbered(is_free);
+    let pattern = upper_pattern(matrix.pattern(), &free_index)?;
+    let mut values = Vec::with_capacity(pattern.rows.len());
+    for_each_value(matrix, &free_index, |value| values.push(value));
+    Ok((pattern, values))
+}
+
 /// An order of the vertices as one of their coordinates. (Ordering vertices is a ninth of the work of ordering coordinates.)
 fn for_coordinates(mut elimination: Elimination) -> Elimination {
     let coordinates = |v: &u32| [3 * v, 3 * v + 1, 3 * v + 2];
@@ -192,7 +219,7 @@ fn vertex_pattern(pattern: &BlockPattern, free_index: &[u32]) -> UpperPattern {
 
 /// The scalar upper half of the free part of a block pattern. Row i of the lower half, read across, is column i of
 /// the upper half, read down.
-pub(super) fn upper_pattern(
+fn upper_pattern(
     pattern: &BlockPattern,
     free_index: &[u32],
 ) -> Result<UpperPattern, CholeskyError> {
@@ -218,11 +245,7 @@ pub(super) fn upper_pattern(
 }
 
 /// The numbers of a block matrix in the order of [`upper_pattern`].
-pub(super) fn for_each_value(
-    matrix: &BlockMatrix,
-    free_index: &[u32],
-    mut visit: impl FnMut(Real),
-) {
+fn for_each_value(matrix: &BlockMatrix, free_index: &[u32], mut visit: impl FnMut(Real)) {
     let pattern = matrix.pattern();
     for row in (0..pattern.row_count()).filter(|&row| free_index[row] != PRESCRIBED) {
         for axis in 0..3 {

@@ -160,12 +160,14 @@ impl Cholesky {
                 llt_params(),
             )
             .map_err(|_| CholeskyError::NotPositiveDefinite)?;
-        // A pivot that is NaN or infinite passes the test of its sign.
-        if !self.factor.iter().sum::<Real>().is_finite() {
-            return Err(CholeskyError::NotPositiveDefinite);
-        }
         self.factored = true;
-        Ok(())
+        // A pivot that is NaN or infinite passes the test of its sign. What is not finite elsewhere spoils a later pivot.
+        self.factored = self.factor().pivots_are_finite();
+        if self.factored {
+            Ok(())
+        } else {
+            Err(CholeskyError::NotPositiveDefinite)
+        }
     }
 
     /// Replaces each column of `right_hand_sides` (column after column, n numbers each, at most three columns) by the solution.
@@ -235,6 +237,13 @@ impl<'a> FactorView<'a> {
             SymbolicCholeskyRaw::Supernodal(supernodes) => supernodes.n_supernodes(),
             SymbolicCholeskyRaw::Simplicial(_) => 0, // only a matrix without rows is not analysed as supernodal
         }
+    }
+
+    fn pivots_are_finite(&self) -> bool {
+        (0..self.supernode_count()).all(|index| {
+            let (_, _, block) = self.supernode(index);
+            (0..block.ncols()).all(|column| block[(column, column)].is_finite())
+        })
     }
 
     /// Supernode `index`: its first column, the rows below its triangle, and its numbers as a dense column-major matrix of

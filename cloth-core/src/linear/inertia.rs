@@ -3,7 +3,7 @@
 //! `A − s I = L D Lᵀ` has as many positive entries in D as A has eigenvalues above s. One factorisation
 //! answers the question for one s.
 
-use super::block_cholesky::{for_each_value, upper_pattern};
+use super::block_cholesky::upper_half;
 use super::cholesky::{ALWAYS_SUPERNODAL, CholeskyError, UpperPattern};
 use crate::block_matrix::BlockMatrix;
 use crate::math::Real;
@@ -42,10 +42,7 @@ impl Inertia {
     /// # Errors
     /// [`CholeskyError::TooLarge`].
     pub fn of(matrix: &BlockMatrix) -> Result<Self, CholeskyError> {
-        let all: Vec<u32> = (0..matrix.pattern().row_count() as u32).collect();
-        let pattern = upper_pattern(matrix.pattern(), &all)?;
-        let mut values = Vec::with_capacity(pattern.rows.len());
-        for_each_value(matrix, &all, |value| values.push(value));
+        let (pattern, values) = upper_half(matrix, &vec![true; matrix.pattern().row_count()])?;
         Self::new(pattern, values)
     }
 

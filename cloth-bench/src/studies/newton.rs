@@ -1,0 +1,141 @@
+//! Where the time of a Newton iteration goes, and which ordering and linear solver win at which size (CORE-12, MS-2).
+
+mod parts;
+mod solvers;
+
+use super::{Findings, Scope, Study};
+use crate::error::BenchError;
+use crate::method::Method;
+use crate::run::median;
+use crate::scene::{self, Scene};
+use crate::settings::Settings;
+use cloth_core::block_matrix::BlockMatrix;
+use cloth_core::element::Convexity;
+use cloth_core::family::Energies;
+use cloth_core::math::{Real, Vec3};
+use cloth_core::measure::{IncrementalPotential, predict};
+use cloth_core::particles::State;
+use cloth_core::step::StepInput;
+use std::time::Instant;
+
+pub(super) const STUDY: Study = Study {
+    name: "newton",
+    question: "Where does the time of a Newton iteration go, and which ordering and which linear solver win at which size?",
+    about: "The matrix M/Δt² + H of the hanging sheet after a quarter of a second, Δt = 1/60 s, indefinite parts dropped. Times are medians in one process on one thread. \
+        `library` is the sparse Cholesky library alone, numbers in place: refactor and solve. The limit of a product is the bytes it has to read and write over what a triad moves \
+        per second in as much memory. Iterative solvers start at zero; one that spends its iterations is marked. Expect assembly to be a small part, \
+        conjugate gradients to overtake the factorisation on large sheets and loose tolerances, and the stationary iterations never to be worth it.",
+    cases,
+    run,
+};
+
+/// Vertices a side.
+fn sides(scope: Scope) -> &'static [u32] {
+    match scope {
+        Scope::Quick => &[16, 32],
+        Scope::Full => &[32, 64, 128, 256],
+    }
+}
+
+fn cases(scope: Scope) -> u64 {
+    2 * sides(scope).len() as u64
+}
+
+fn run(scope: Scope, progress: &mut dyn FnMut(&str)) -> Result<Findings, BenchError> {
+    let mut findings = Findings::default();
+    let mut parts = parts::Parts::default();
+    let mut solvers = solvers::Solvers::default();
+    for &side in sides(scope) {
+        progress(&format!("newton: {side} × {side}, parts of an iteration"));
+        let mut system = System::falling(side)?;
+        parts.measure(side, &mut system)?;
+        progress(&format!("newton: {side} × {side}, linear solvers"));
+        solvers.measure(side, &system)?;
+    }
+    let first = parts.report(&mut findings);
+    let second = solvers.report(&mut findings);
+    findings.section.verdict = Some(format!("{first} {second}"));
+    Ok(findings)
+}
+
+/// The linear system of the first Newton iteration of a step, and what it is made of.
+struct System {
+    scene: Scene,
+    energies: Energies,
+    state: State,
+    predicted: Vec<Vec3>,
+    matrix: BlockMatrix,
+    gradient: Vec<Vec3>,
+    is_free: Vec<bool>,
+}
+
+impl System {
+    /// A quarter of a second into the fall, taken with linearised steps.
+    fn falling(side: u32) -> Result<Self, BenchError> {
+        let scene = scene::build("hang", None, &Settings::default().with("n", side))?;
+        let mut state = scene.start.clone();
+        let mut solver =
+            Method::find("linear-implicit")?.build(&scene, &Settings::default(), scene.dt)?;
+        let input = || StepInput::new(scene.dt).gravity(scene.gravity);
+        for _ in 0..15 {
+            solver
+                .step(&mut state, input())
+                .map_err(BenchError::failed)?;
+        }
+        let mut energies = scene.model.energies().map_err(BenchError::failed)?;
+        let count = state.positions.len();
+        let mut predicted = vec![Vec3::zeros(); count];
+        predict(&scene.model.particles, &state, &input(), &mut predicted);
+        let particles = &scene.model.particles;
+        let mut system = Self {
+            matrix: BlockMatrix::zeros(energies.bind_pattern()),
+            is_free: (0..count).map(|v| !particles.is_prescribed(v)).collect(),
+            gradient: vec![Vec3::zeros(); count],
+            scene,
+            energies,
+            state,
+            predicted,
+        };
+        system.assemble();
+        let mut gradient = std::mem::take(&mut system.gradient);
+        system
+            .potential()
+            .gradient_into(&system.state.positions, &mut gradient);
+        system.gradient = gradient;
+        Ok(system)
+    }
+
+    fn potential(&self) -> IncrementalPotential<'_> {
+        IncrementalPotential {
+            particles: &self.scene.model.particles,
+            energies: &self.energies,
+            predicted: &self.predicted,
+            dt: self.scene.dt,
+        }
+    }
+
+    fn assemble(&mut self) {
+        let inertia = 1.0 / (self.scene.dt * self.scene.dt);
+        let masses = self.scene.model.particles.mass().iter();
+        self.matrix.clear();
+        self.matrix.add_diagonal(masses.map(|m| m * inertia));
+        let x = &self.state.positions;
+        self.energies
+            .add_hessian(x, 1.0, Convexity::Clamp, &mut self.matrix);
+    }
+}
+
+/// Median time (s) of some runs, the first not counted: half a second's worth, but between three and fifty.
+fn seconds(mut work: impl FnMut()) -> Real {
+    let started = Instant::now();
+    work();
+    let runs = (0.5 / started.elapsed().as_secs_f64()).clamp(3.0, 50.0) as usize;
+    let mut times: Vec<Real> = (0..runs)
+        .map(|_| {
+            let started = Instant::now();
+            work();
+            started.elapsed().as_secs_f64()
+        })
+        .collect();
+    median(&mut times)
+}

@@ -1,0 +1,174 @@
+//! Every linear solver on the same system.
+
+use super::{System, seconds};
+use crate::error::BenchError;
+use crate::report::plot::{Axis, Plot, Series};
+use crate::report::table::{Cell, Table};
+use crate::studies::Findings;
+use cloth_core::linear::{
+    Budget, LinearMethod, LinearReport, LinearSolver, Preconditioner, spectrum,
+};
+use cloth_core::math::{Real, Vec3};
+use cloth_core::step::Outcome;
+
+/// Relative residuals asked for.
+const TOLERANCES: [Real; 2] = [1e-3, 1e-8];
+/// More iterations than this are not worth waiting for.
+const MOST: u32 = 2000;
+
+#[derive(Default)]
+pub(super) struct Solvers {
+    solves: Vec<Solve>,
+    /// Vertices a side, condition numbers of the matrix without and with preconditioner.
+    conditions: Vec<(u32, [Real; 2])>,
+}
+
+struct Solve {
+    side: u32,
+    name: &'static str,
+    tolerance: Real,
+    /// Preparing and solving (s).
+    time: Real,
+    report: LinearReport,
+}
+
+impl Solvers {
+    pub(super) fn measure(&mut self, side: u32, system: &System) -> Result<(), BenchError> {
+        let mut condition = [0.0; 2];
+        let kinds = [Preconditioner::Identity, Preconditioner::BlockJacobi];
+        for (kind, condition) in kinds.into_iter().zip(&mut condition) {
+            let found = spectrum(&system.matrix, &system.is_free, kind, MOST);
+            *condition = found.map_err(BenchError::failed)?.condition_number();
+        }
+        self.conditions.push((side, condition));
+        for tolerance in TOLERANCES {
+            let budget = Budget {
+                tolerance,
+                max_iterations: MOST,
+            };
+            for method in [
+                LinearMethod::Cholesky,
+                LinearMethod::ConjugateGradients(budget),
+                LinearMethod::ChebyshevJacobi(budget),
+                LinearMethod::GaussSeidel(budget),
+                LinearMethod::Jacobi(budget),
+            ] {
+                let built = method.build(system.matrix.pattern(), &system.is_free);
+                let mut solver = built.map_err(BenchError::failed)?;
+                self.solves
+                    .push(solve(side, tolerance, &mut *solver, system)?);
+            }
+        }
+        Ok(())
+    }
+
+    pub(super) fn report(&self, findings: &mut Findings) -> String {
+        let mut table = Table::new(&[
+            "vertices a side",
+            "solver",
+            "relative residual asked for",
+            "prepare and solve (ms)",
+            "iterations",
+            "relative residual",
+            "done",
+        ]);
+        for solve in &self.solves {
+            let done = solve.report.outcome == Outcome::Converged;
+            table.push([
+                Cell::from(solve.side as usize),
+                Cell::from(solve.name),
+                Cell::from(solve.tolerance),
+                Cell::from(1e3 * solve.time),
+                Cell::from(solve.report.iterations as usize),
+                Cell::from(solve.report.residual),
+                Cell::from(if done { "yes" } else { "budget spent" }),
+            ]);
+        }
+        for tolerance in TOLERANCES {
+            findings.plot(
+                &format!("newton-solvers-{tolerance:e}"),
+                &self.plot(tolerance),
+            );
+        }
+        findings.table("newton-solvers", "Linear solvers", table);
+        let mut table = Table::new(&[
+            "vertices a side",
+            "condition number of A",
+            "condition number of D⁻¹A",
+        ]);
+        for &(side, [plain, preconditioned]) in &self.conditions {
+            table.push([
+                Cell::from(side as usize),
+                Cell::from(plain),
+                Cell::from(preconditioned),
+            ]);
+        }
+        findings.table("newton-conditions", "Condition numbers", table);
+        self.verdict()
+    }
+
+    fn plot(&self, tolerance: Real) -> Plot {
+        let mut names: Vec<&'static str> = self.solves.iter().map(|s| s.name).collect();
+        names.truncate(names.len().min(5));
+        let series = names.into_iter().map(|name| {
+            let solves = self.solves.iter().filter(|s| {
+                s.name == name && s.tolerance == tolerance && s.report.outcome == Outcome::Converged
+            });
+            let points = solves.map(|s| (Real::from(s.side), 1e3 * s.time)).collect();
+            Series::new(name, points)
+        });
+        Plot {
+            title: format!("Preparing and solving to a residual of {tolerance:e}"),
+            x: Axis::log("vertices a side"),
+            y: Axis::log("time (ms)"),
+            series: series.collect(),
+            note: "Solvers that spent their iterations are left out.".into(),
+        }
+    }
+
+    /// Who wins, size by size.
+    fn verdict(&self) -> String {
+        let mut sentences = Vec::new();
+        for tolerance in TOLERANCES {
+            let winners = self.conditions.iter().map(|&(side, _)| {
+                let fits = |s: &&Solve| {
+                    s.side == side
+                        && s.tolerance == tolerance
+                        && s.report.outcome == Outcome::Converged
+                };
+                let solves = self.solves.iter().filter(fits);
+                let best = solves.min_by(|a, b| a.time.total_cmp(&b.time));
+                best.map_or(String::new(), |best| format!("{} at {side}", best.name))
+            });
+            let winners: Vec<String> = winners.collect();
+            sentences.push(format!(
+                "To a residual of {tolerance:e} the fastest is {}.",
+                winners.join(", ")
+            ));
+        }
+        sentences.join(" ")
+    }
+}
+
+fn solve(
+    side: u32,
+    tolerance: Real,
+    solver: &mut dyn LinearSolver,
+    system: &System,
+) -> Result<Solve, BenchError> {
+    let mut x = vec![Vec3::zeros(); system.is_free.len()];
+    let mut outcome = None;
+    let time = seconds(|| {
+        let prepared = solver.prepare(&system.matrix);
+        outcome =
+            Some(prepared.and_then(|()| solver.solve(&system.matrix, &system.gradient, &mut x)));
+    });
+    let report = outcome.expect("it ran").map_err(BenchError::failed)?;
+    Ok(Solve {
+        side,
+        name: solver.name(),
+        tolerance,
+        time,
+        report,
+    })
+}
