@@ -23,7 +23,7 @@ use crate::math::{Real, Vec3};
 use crate::step::BuildError;
 
 /// Iterations of conjugate gradients for an estimate of the interval.
-const ESTIMATION: u32 = 30;
+const ESTIMATION: u32 = 100;
 /// The largest eigenvalue is estimated from below; beyond the interval the iteration diverges.
 const ABOVE: Real = 1.05;
 /// The smallest is estimated from above, and at [`ESTIMATION`] iterations not well.
