@@ -8,7 +8,9 @@ use cloth_core::coloring::Colored;
 use cloth_core::element::{Convexity, Element};
 use cloth_core::energy::Spring;
 use cloth_core::family::Energies;
-use cloth_core::linear::{BlockCholesky, Cholesky, PanelFactor, UpperPattern};
+use cloth_core::linear::{
+    BlockCholesky, Budget, Cholesky, LinearMethod, PanelFactor, UpperPattern,
+};
 use cloth_core::math::{Real, Vec3};
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use std::hint::black_box;
@@ -127,6 +129,45 @@ fn newton_matrix(criterion: &mut Criterion) {
     });
 }
 
+/// One iteration of each linear solver, or one factorisation and solve: the same matrix.
+fn linear_solvers(criterion: &mut Criterion) {
+    for side in [128, 256] {
+        let scene = sheet(side);
+        let x = &scene.start.positions;
+        let mut energies = scene.model.energies().expect("elements of the sheet");
+        let mut matrix = BlockMatrix::zeros(energies.bind_pattern());
+        energies.add_hessian(x, 1.0, Convexity::Clamp, &mut matrix);
+        matrix.add_diagonal(scene.model.particles.mass().iter().map(|m| m * 3600.0));
+        let mut y = vec![Vec3::zeros(); x.len()];
+        let mut group = criterion.benchmark_group(format!("linear solver, {side} a side"));
+        group.sample_size(10);
+        group.bench_function("product", |bencher| {
+            bencher.iter(|| matrix.multiply(black_box(x), &mut y))
+        });
+        let budget = Budget {
+            tolerance: 0.0,
+            max_iterations: ITERATIONS,
+        };
+        for method in [
+            LinearMethod::ConjugateGradients(budget),
+            LinearMethod::ChebyshevJacobi(budget),
+            LinearMethod::Jacobi(budget),
+            LinearMethod::GaussSeidel(budget),
+        ] {
+            let free = vec![true; x.len()];
+            let mut solver = method.build(matrix.pattern(), &free).expect("memory");
+            solver.prepare(&matrix).expect("a positive definite matrix");
+            let name = format!("{}, {ITERATIONS} iterations", solver.name());
+            group.bench_function(name, |bencher| {
+                bencher.iter(|| solver.solve(&matrix, black_box(x), &mut y))
+            });
+        }
+    }
+}
+
+/// Iterations of an iterative solver in one measurement.
+const ITERATIONS: u32 = 10;
+
 /// The V × V matrix of projective dynamics: x, y and z at once, by the library's solve and by panels.
 fn global_solve(criterion: &mut Criterion) {
     for side in [64, 128, 256] {
@@ -183,6 +224,7 @@ criterion_group!(
     projections,
     elements,
     newton_matrix,
+    linear_solvers,
     global_solve
 );
 criterion_main!(benches);
