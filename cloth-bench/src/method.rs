@@ -5,7 +5,7 @@ use crate::names;
 use crate::scene::Scene;
 use crate::settings::{Parameter, Settings, parameter};
 use cloth_core::math::Real;
-use cloth_core::position_based::Sweep;
+use cloth_core::position_based::{Acceleration, Chebyshev, Radius, Sweep};
 use cloth_core::step::Stepper;
 use cloth_massspring::{
     Bdf2, Damping, ExplicitConfig, ExplicitEuler, ImplicitConfig, ImplicitEuler, ImplicitMidpoint,
@@ -75,7 +75,22 @@ const PBD_STIFFNESS: Parameter = parameter(
 const SWEEP: Parameter = parameter(
     "sweep",
     "colored",
-    "order of the sweep: colored or sequential",
+    "how a sweep goes: colored, sequential, jacobi (with averaging) or plain-jacobi",
+);
+const RELAXATION: Parameter = parameter(
+    "relaxation",
+    "1",
+    "part of its correction that a constraint makes in a visit, above 0 and below 2",
+);
+const CHEBYSHEV: Parameter = parameter(
+    "chebyshev",
+    "none",
+    "extrapolation of the sweeps: none, auto (spectral radius estimated), or the spectral radius",
+);
+const CHEBYSHEV_DELAY: Parameter = parameter(
+    "chebyshev_delay",
+    "4",
+    "plain sweeps of a substep before the extrapolation",
 );
 const XPBD_ITERATIONS: Parameter = parameter("iterations", "1", "sweeps per substep");
 const XPBD_SUBSTEPS: Parameter = parameter("substeps", "20", "parts of a step");
@@ -136,13 +151,28 @@ pub const METHODS: [Method; 9] = [
     Method {
         name: "pbd",
         about: "position-based dynamics",
-        parameters: &[PBD_ITERATIONS, PBD_SUBSTEPS, PBD_STIFFNESS, SWEEP],
+        parameters: &[
+            PBD_ITERATIONS,
+            PBD_SUBSTEPS,
+            PBD_STIFFNESS,
+            SWEEP,
+            RELAXATION,
+            CHEBYSHEV,
+            CHEBYSHEV_DELAY,
+        ],
         kind: Kind::Pbd,
     },
     Method {
         name: "xpbd",
         about: "extended position-based dynamics, small steps",
-        parameters: &[XPBD_ITERATIONS, XPBD_SUBSTEPS, SWEEP],
+        parameters: &[
+            XPBD_ITERATIONS,
+            XPBD_SUBSTEPS,
+            SWEEP,
+            RELAXATION,
+            CHEBYSHEV,
+            CHEBYSHEV_DELAY,
+        ],
         kind: Kind::Xpbd,
     },
     Method {
@@ -153,9 +183,11 @@ pub const METHODS: [Method; 9] = [
     },
 ];
 
-const SWEEPS: [(&str, Sweep); 2] = [
+const SWEEPS: [(&str, Sweep); 4] = [
     ("colored", Sweep::Colored),
     ("sequential", Sweep::Sequential),
+    ("jacobi", Sweep::Jacobi),
+    ("plain-jacobi", Sweep::PlainJacobi),
 ];
 
 impl Method {
@@ -208,6 +240,7 @@ impl Method {
                     iterations: settings.count(&PBD_ITERATIONS, 1)?,
                     substeps: settings.count(&PBD_SUBSTEPS, 1)?,
                     sweep: settings.choice(&SWEEP, &SWEEPS)?,
+                    acceleration: acceleration(settings)?,
                     stiffness: match settings.text(&PBD_STIFFNESS) {
                         "material" => StiffnessRule::Material,
                         _ => StiffnessRule::Fixed(settings.number(&PBD_STIFFNESS)?),
@@ -223,6 +256,7 @@ impl Method {
                     iterations: settings.count(&XPBD_ITERATIONS, 1)?,
                     substeps: settings.count(&XPBD_SUBSTEPS, 1)?,
                     sweep: settings.choice(&SWEEP, &SWEEPS)?,
+                    acceleration: acceleration(settings)?,
                 };
                 let builder = XpbdSolver::builder(&model.particles)
                     .energy(springs)
@@ -342,6 +376,19 @@ fn linearized(settings: &Settings) -> Result<ImplicitConfig, BenchError> {
     Ok(ImplicitConfig {
         damping: damping(settings)?,
         ..ImplicitConfig::linearized()
+    })
+}
+
+fn acceleration(settings: &Settings) -> Result<Acceleration, BenchError> {
+    let radius = match settings.text(&CHEBYSHEV) {
+        "none" => None,
+        "auto" => Some(Radius::Estimated),
+        _ => Some(Radius::Given(settings.number(&CHEBYSHEV)?)),
+    };
+    let delay = settings.count(&CHEBYSHEV_DELAY, 1)?;
+    Ok(Acceleration {
+        relaxation: settings.number(&RELAXATION)?,
+        chebyshev: radius.map(|radius| Chebyshev { radius, delay }),
     })
 }
 
