@@ -193,13 +193,6 @@ impl Recurrence {
 
     /// `Σ m ‖S(x) − x‖²` (kg m²) over the vertices that can move.
     fn correction(&mut self, inverse_mass: &[Real], x: &[Vec3]) -> Real {
-        let sum = |(((sum, x), now), w): (((&mut Real, &[Vec3]), &[Vec3]), &[Real])| {
-            let terms = x.iter().zip(now).zip(w);
-            *sum = terms
-                .filter(|&(_, &w)| w > 0.0)
-                .map(|((x, now), w)| (x - now).norm_squared() / w)
-                .sum();
-        };
         let sums = &mut self.partial_sums;
         #[cfg(feature = "parallel")]
         if x.len() >= SMALLEST_PARALLEL_SET && rayon::current_num_threads() > 1 {
@@ -208,14 +201,14 @@ impl Recurrence {
                 .zip(x.par_chunks(CHUNK))
                 .zip(self.now.par_chunks(CHUNK))
                 .zip(inverse_mass.par_chunks(CHUNK))
-                .for_each(sum);
+                .for_each(|(((sum, x), now), w)| *sum = squared_distance(x, now, w));
             return self.partial_sums.iter().sum();
         }
         sums.iter_mut()
             .zip(x.chunks(CHUNK))
             .zip(self.now.chunks(CHUNK))
             .zip(inverse_mass.chunks(CHUNK))
-            .for_each(sum);
+            .for_each(|(((sum, x), now), w)| *sum = squared_distance(x, now, w));
         self.partial_sums.iter().sum()
     }
 
@@ -236,4 +229,13 @@ impl Recurrence {
         }
         blend((x, &self.before));
     }
+}
+
+/// `Σ m ‖x − y‖²` (kg m²) over the vertices that can move.
+fn squared_distance(x: &[Vec3], y: &[Vec3], inverse_mass: &[Real]) -> Real {
+    let terms = x.iter().zip(y).zip(inverse_mass);
+    terms
+        .filter(|&(_, &w)| w > 0.0)
+        .map(|((x, y), w)| (x - y).norm_squared() / w)
+        .sum()
 }
