@@ -64,6 +64,34 @@ fn a_hanging_chain_has_the_sag_and_the_tensions_of_statics() {
     }
 }
 
+/// A rigid chain of 20 links: `cos²(π/40)` per plain sweep, and at best `ρ/(1 + √(1 − ρ²))` of an extrapolated one.
+#[test]
+fn extrapolated_sweeps_need_a_tenth_of_the_iterations() {
+    let chain = Chain::new(20, Real::INFINITY);
+    let needed = |acceleration| {
+        let config = XpbdConfig {
+            iterations: 2000,
+            substeps: 1,
+            acceleration,
+            ..XpbdConfig::default()
+        };
+        let builder = XpbdSolver::builder(&chain.particles).energy(chain.springs.clone());
+        let mut solver = builder.config(config).build().unwrap();
+        let left = chain.stretch_after_each_iteration(&mut solver);
+        assert_eq!(solver.surrendered(), 0);
+        left.iter().position(|&stretch| stretch < 1e-7).unwrap()
+    };
+    let plain = needed(Acceleration::default());
+    let radius = (std::f64::consts::PI / 40.0).cos().powi(2);
+    let given = needed(chebyshev(Radius::Given(radius)));
+    let estimated = needed(chebyshev(Radius::Estimated));
+    println!("{plain} plain, {given} with ρ given, {estimated} with ρ estimated");
+    assert!(
+        given * 10 < plain && estimated * 6 < plain,
+        "{plain} {given} {estimated}"
+    );
+}
+
 #[test]
 fn nothing_is_allocated_after_the_first_step() {
     let (mesh, model) = sheet::held_sheet(24, 1e4);
