@@ -11,7 +11,7 @@ use cloth_massspring::{
     Bdf2, Damping, ExplicitConfig, ExplicitEuler, ImplicitConfig, ImplicitEuler, ImplicitMidpoint,
     StartGuess, SymplecticEuler, stable_time_step,
 };
-use cloth_pbd::{PbdConfig, PbdSolver, StiffnessRule};
+use cloth_pbd::{Limited, PbdConfig, PbdSolver, StiffnessRule, StrainLimiter, StretchRange};
 use cloth_pd::{PdConfig, PdSolver, Start};
 use cloth_xpbd::{XpbdConfig, XpbdSolver};
 
@@ -102,12 +102,25 @@ const PD_TOLERANCE: Parameter = parameter(
 );
 const PD_START: Parameter = parameter("start", "predicted", "first guess: previous or predicted");
 
+const STRAIN_LIMIT: Parameter = parameter(
+    "strain_limit",
+    "none",
+    "strain beyond which no spring is stretched after a step (strain limiting), or none",
+);
+const STRAIN_LIMIT_PASSES: Parameter = parameter(
+    "strain_limit_passes",
+    "100",
+    "most passes of strain limiting per step",
+);
+
 const NEWTON: &[Parameter] = &[
     MAX_ITERATIONS,
     TOLERANCE,
     START,
     AIR_DRAG,
     STIFFNESS_DAMPING,
+    STRAIN_LIMIT,
+    STRAIN_LIMIT_PASSES,
 ];
 
 /// Every method.
@@ -115,13 +128,25 @@ pub const METHODS: [Method; 9] = [
     Method {
         name: "explicit-euler",
         about: "forward Euler: forces at the start of the step",
-        parameters: &[EXPLICIT_SUBSTEPS, AIR_DRAG, STIFFNESS_DAMPING],
+        parameters: &[
+            EXPLICIT_SUBSTEPS,
+            AIR_DRAG,
+            STIFFNESS_DAMPING,
+            STRAIN_LIMIT,
+            STRAIN_LIMIT_PASSES,
+        ],
         kind: Kind::Explicit,
     },
     Method {
         name: "symplectic-euler",
         about: "semi-implicit Euler: forces first, then positions with the new velocities",
-        parameters: &[EXPLICIT_SUBSTEPS, AIR_DRAG, STIFFNESS_DAMPING],
+        parameters: &[
+            EXPLICIT_SUBSTEPS,
+            AIR_DRAG,
+            STIFFNESS_DAMPING,
+            STRAIN_LIMIT,
+            STRAIN_LIMIT_PASSES,
+        ],
         kind: Kind::Symplectic,
     },
     Method {
@@ -133,7 +158,12 @@ pub const METHODS: [Method; 9] = [
     Method {
         name: "linear-implicit",
         about: "implicit Euler with one linear solve a step (Baraff and Witkin)",
-        parameters: &[AIR_DRAG, STIFFNESS_DAMPING],
+        parameters: &[
+            AIR_DRAG,
+            STIFFNESS_DAMPING,
+            STRAIN_LIMIT,
+            STRAIN_LIMIT_PASSES,
+        ],
         kind: Kind::LinearImplicit,
     },
     Method {
@@ -159,6 +189,8 @@ pub const METHODS: [Method; 9] = [
             RELAXATION,
             CHEBYSHEV,
             CHEBYSHEV_DELAY,
+            STRAIN_LIMIT,
+            STRAIN_LIMIT_PASSES,
         ],
         kind: Kind::Pbd,
     },
@@ -172,13 +204,21 @@ pub const METHODS: [Method; 9] = [
             RELAXATION,
             CHEBYSHEV,
             CHEBYSHEV_DELAY,
+            STRAIN_LIMIT,
+            STRAIN_LIMIT_PASSES,
         ],
         kind: Kind::Xpbd,
     },
     Method {
         name: "pd",
         about: "projective dynamics",
-        parameters: &[PD_ITERATIONS, PD_TOLERANCE, PD_START],
+        parameters: &[
+            PD_ITERATIONS,
+            PD_TOLERANCE,
+            PD_START,
+            STRAIN_LIMIT,
+            STRAIN_LIMIT_PASSES,
+        ],
         kind: Kind::Pd,
     },
 ];
@@ -205,11 +245,30 @@ impl Method {
             })
     }
 
-    /// A solver for a scene and a step size `dt` (s).
+    /// A solver for a scene and a step size `dt` (s), with strain limiting if the settings ask for it.
     ///
     /// # Errors
     /// [`BenchError::Usage`] for a setting out of range.
     pub fn build(
+        &self,
+        scene: &Scene,
+        settings: &Settings,
+        dt: Real,
+    ) -> Result<Box<dyn Stepper>, BenchError> {
+        let solver = self.solver(scene, settings, dt)?;
+        if settings.text(&STRAIN_LIMIT) == "none" {
+            return Ok(solver);
+        }
+        let range = StretchRange::stretch(settings.number(&STRAIN_LIMIT)?);
+        let limiter = StrainLimiter::builder(&scene.model.particles)
+            .springs(&scene.model.springs, range)
+            .max_passes(settings.count(&STRAIN_LIMIT_PASSES, 1)?)
+            .build()
+            .map_err(BenchError::usage)?;
+        Ok(Box::new(Limited::new(solver, limiter)))
+    }
+
+    fn solver(
         &self,
         scene: &Scene,
         settings: &Settings,

@@ -14,5 +14,6 @@ mod refuses;
 mod rest_state;
 #[path = "contract/skips.rs"]
 mod skips;
+mod strain_limit;
 #[path = "contract/thread_parity.rs"]
 mod thread_parity;
