@@ -1,6 +1,7 @@
 //! Closed forms (VALIDATION 1–6) beside what the code does.
 
 mod catenary;
+mod chain_rate;
 mod chains;
 mod constraints;
 mod elements;
@@ -89,7 +90,7 @@ pub const LAWS: [&Law; 16] = [
     &motion::FREE_FALL,
     &constraints::XPBD_CONSTRAINT,
     &constraints::PBD_CONSTRAINT,
-    &chains::CHAIN_RATE,
+    &chain_rate::CHAIN_RATE,
     &chains::SAG,
     &chains::HANGING_CHAIN,
     &catenary::CATENARY,

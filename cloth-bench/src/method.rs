@@ -6,13 +6,13 @@ use crate::scene::Scene;
 use crate::settings::{Parameter, Settings, parameter};
 use cloth_core::linear::{Budget, LinearMethod};
 use cloth_core::math::Real;
-use cloth_core::position_based::Sweep;
+use cloth_core::position_based::{Acceleration, Chebyshev, Radius, Sweep};
 use cloth_core::step::Stepper;
 use cloth_massspring::{
     Bdf2, Damping, ExplicitConfig, ExplicitEuler, ImplicitConfig, ImplicitEuler, ImplicitMidpoint,
     StartGuess, SymplecticEuler, stable_time_step,
 };
-use cloth_pbd::{PbdConfig, PbdSolver, StiffnessRule};
+use cloth_pbd::{Limited, PbdConfig, PbdSolver, StiffnessRule, StrainLimiter, StretchRange};
 use cloth_pd::{PdConfig, PdSolver, Start};
 use cloth_xpbd::{XpbdConfig, XpbdSolver};
 
@@ -76,7 +76,22 @@ const PBD_STIFFNESS: Parameter = parameter(
 const SWEEP: Parameter = parameter(
     "sweep",
     "colored",
-    "order of the sweep: colored or sequential",
+    "how a sweep goes: colored, sequential, jacobi (with averaging) or plain-jacobi",
+);
+const RELAXATION: Parameter = parameter(
+    "relaxation",
+    "1",
+    "part of its correction that a constraint makes in a visit, above 0 and below 2",
+);
+const CHEBYSHEV: Parameter = parameter(
+    "chebyshev",
+    "none",
+    "extrapolation of the sweeps: none, auto (spectral radius estimated), or the spectral radius",
+);
+const CHEBYSHEV_DELAY: Parameter = parameter(
+    "chebyshev_delay",
+    "4",
+    "plain sweeps of a substep before the extrapolation",
 );
 const XPBD_ITERATIONS: Parameter = parameter("iterations", "1", "sweeps per substep");
 const XPBD_SUBSTEPS: Parameter = parameter("substeps", "20", "parts of a step");
@@ -103,6 +118,16 @@ const LINEAR_ITERATIONS: Parameter = parameter(
     "1000",
     "most iterations of an iterative linear solver",
 );
+const STRAIN_LIMIT: Parameter = parameter(
+    "strain_limit",
+    "none",
+    "strain beyond which no spring is stretched after a step (strain limiting), or none",
+);
+const STRAIN_LIMIT_PASSES: Parameter = parameter(
+    "strain_limit_passes",
+    "100",
+    "most passes of strain limiting per step",
+);
 
 const NEWTON: &[Parameter] = &[
     MAX_ITERATIONS,
@@ -113,6 +138,8 @@ const NEWTON: &[Parameter] = &[
     START,
     AIR_DRAG,
     STIFFNESS_DAMPING,
+    STRAIN_LIMIT,
+    STRAIN_LIMIT_PASSES,
 ];
 
 /// Every method.
@@ -120,13 +147,25 @@ pub const METHODS: [Method; 9] = [
     Method {
         name: "explicit-euler",
         about: "forward Euler: forces at the start of the step",
-        parameters: &[EXPLICIT_SUBSTEPS, AIR_DRAG, STIFFNESS_DAMPING],
+        parameters: &[
+            EXPLICIT_SUBSTEPS,
+            AIR_DRAG,
+            STIFFNESS_DAMPING,
+            STRAIN_LIMIT,
+            STRAIN_LIMIT_PASSES,
+        ],
         kind: Kind::Explicit,
     },
     Method {
         name: "symplectic-euler",
         about: "semi-implicit Euler: forces first, then positions with the new velocities",
-        parameters: &[EXPLICIT_SUBSTEPS, AIR_DRAG, STIFFNESS_DAMPING],
+        parameters: &[
+            EXPLICIT_SUBSTEPS,
+            AIR_DRAG,
+            STIFFNESS_DAMPING,
+            STRAIN_LIMIT,
+            STRAIN_LIMIT_PASSES,
+        ],
         kind: Kind::Symplectic,
     },
     Method {
@@ -144,6 +183,8 @@ pub const METHODS: [Method; 9] = [
             LINEAR_ITERATIONS,
             AIR_DRAG,
             STIFFNESS_DAMPING,
+            STRAIN_LIMIT,
+            STRAIN_LIMIT_PASSES,
         ],
         kind: Kind::LinearImplicit,
     },
@@ -162,26 +203,53 @@ pub const METHODS: [Method; 9] = [
     Method {
         name: "pbd",
         about: "position-based dynamics",
-        parameters: &[PBD_ITERATIONS, PBD_SUBSTEPS, PBD_STIFFNESS, SWEEP],
+        parameters: &[
+            PBD_ITERATIONS,
+            PBD_SUBSTEPS,
+            PBD_STIFFNESS,
+            SWEEP,
+            RELAXATION,
+            CHEBYSHEV,
+            CHEBYSHEV_DELAY,
+            STRAIN_LIMIT,
+            STRAIN_LIMIT_PASSES,
+        ],
         kind: Kind::Pbd,
     },
     Method {
         name: "xpbd",
         about: "extended position-based dynamics, small steps",
-        parameters: &[XPBD_ITERATIONS, XPBD_SUBSTEPS, SWEEP],
+        parameters: &[
+            XPBD_ITERATIONS,
+            XPBD_SUBSTEPS,
+            SWEEP,
+            RELAXATION,
+            CHEBYSHEV,
+            CHEBYSHEV_DELAY,
+            STRAIN_LIMIT,
+            STRAIN_LIMIT_PASSES,
+        ],
         kind: Kind::Xpbd,
     },
     Method {
         name: "pd",
         about: "projective dynamics",
-        parameters: &[PD_ITERATIONS, PD_TOLERANCE, PD_START],
+        parameters: &[
+            PD_ITERATIONS,
+            PD_TOLERANCE,
+            PD_START,
+            STRAIN_LIMIT,
+            STRAIN_LIMIT_PASSES,
+        ],
         kind: Kind::Pd,
     },
 ];
 
-const SWEEPS: [(&str, Sweep); 2] = [
+const SWEEPS: [(&str, Sweep); 4] = [
     ("colored", Sweep::Colored),
     ("sequential", Sweep::Sequential),
+    ("jacobi", Sweep::Jacobi),
+    ("plain-jacobi", Sweep::PlainJacobi),
 ];
 
 impl Method {
@@ -199,11 +267,30 @@ impl Method {
             })
     }
 
-    /// A solver for a scene and a step size `dt` (s).
+    /// A solver for a scene and a step size `dt` (s), with strain limiting if the settings ask for it.
     ///
     /// # Errors
     /// [`BenchError::Usage`] for a setting out of range.
     pub fn build(
+        &self,
+        scene: &Scene,
+        settings: &Settings,
+        dt: Real,
+    ) -> Result<Box<dyn Stepper>, BenchError> {
+        let solver = self.solver(scene, settings, dt)?;
+        if settings.text(&STRAIN_LIMIT) == "none" {
+            return Ok(solver);
+        }
+        let range = StretchRange::stretch(settings.number(&STRAIN_LIMIT)?);
+        let limiter = StrainLimiter::builder(&scene.model.particles)
+            .springs(&scene.model.springs, range)
+            .max_passes(settings.count(&STRAIN_LIMIT_PASSES, 1)?)
+            .build()
+            .map_err(BenchError::usage)?;
+        Ok(Box::new(Limited::new(solver, limiter)))
+    }
+
+    fn solver(
         &self,
         scene: &Scene,
         settings: &Settings,
@@ -234,6 +321,7 @@ impl Method {
                     iterations: settings.count(&PBD_ITERATIONS, 1)?,
                     substeps: settings.count(&PBD_SUBSTEPS, 1)?,
                     sweep: settings.choice(&SWEEP, &SWEEPS)?,
+                    acceleration: acceleration(settings)?,
                     stiffness: match settings.text(&PBD_STIFFNESS) {
                         "material" => StiffnessRule::Material,
                         _ => StiffnessRule::Fixed(settings.number(&PBD_STIFFNESS)?),
@@ -249,6 +337,7 @@ impl Method {
                     iterations: settings.count(&XPBD_ITERATIONS, 1)?,
                     substeps: settings.count(&XPBD_SUBSTEPS, 1)?,
                     sweep: settings.choice(&SWEEP, &SWEEPS)?,
+                    acceleration: acceleration(settings)?,
                 };
                 let builder = XpbdSolver::builder(&model.particles)
                     .energy(springs)
@@ -391,6 +480,19 @@ fn linear(settings: &Settings) -> Result<LinearMethod, BenchError> {
             ("gauss-seidel", LinearMethod::GaussSeidel(budget)),
         ],
     )
+}
+
+fn acceleration(settings: &Settings) -> Result<Acceleration, BenchError> {
+    let radius = match settings.text(&CHEBYSHEV) {
+        "none" => None,
+        "auto" => Some(Radius::Estimated),
+        _ => Some(Radius::Given(settings.number(&CHEBYSHEV)?)),
+    };
+    let delay = settings.count(&CHEBYSHEV_DELAY, 1)?;
+    Ok(Acceleration {
+        relaxation: settings.number(&RELAXATION)?,
+        chebyshev: radius.map(|radius| Chebyshev { radius, delay }),
+    })
 }
 
 fn damping(settings: &Settings) -> Result<Damping, BenchError> {

@@ -14,5 +14,7 @@ mod refuses;
 mod rest_state;
 #[path = "contract/skips.rs"]
 mod skips;
+#[path = "contract/strain_limit.rs"]
+mod strain_limit;
 #[path = "contract/thread_parity.rs"]
 mod thread_parity;

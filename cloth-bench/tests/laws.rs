@@ -114,13 +114,34 @@ fn one_pbd_constraint_stiffens_with_iterations_and_step_size() {
 
 #[test]
 fn sweeps_over_a_chain_converge_at_the_rate_of_the_closed_form() {
-    for solver in ["pbd", "xpbd"] {
-        for links in [2, 5, 20, 60] {
-            holds(
-                "chain-rate",
-                &[&format!("solver={solver}"), &format!("links={links}")],
-            );
+    for method in ["pbd", "xpbd"] {
+        for solver in ["jacobi", "gauss-seidel", "sor", "chebyshev"] {
+            for links in [2, 5, 20, 60] {
+                let pairs = [
+                    format!("method={method}"),
+                    format!("solver={solver}"),
+                    format!("links={links}"),
+                ];
+                let verdict = holds("chain-rate", &pairs.each_ref().map(String::as_str));
+                assert!(verdict.rounding < 1e-9, "{pairs:?}: {:e}", verdict.rounding);
+                assert!(detail(&verdict, "off_mode") < 1e-11);
+            }
         }
+        holds("chain-rate", &[&format!("solver={method}")]);
+    }
+    // Iterations per decade for 20 links, as VALIDATION 5 prints them.
+    for (solver, printed) in [
+        ("jacobi", 746.0),
+        ("gauss-seidel", 373.0),
+        ("chebyshev", 29.3),
+        ("sor", 14.6),
+    ] {
+        let factor = holds("chain-rate", &[&format!("solver={solver}")]).measured;
+        let per_decade = -1.0 / factor.log10();
+        assert!(
+            (per_decade / printed - 1.0).abs() < 3e-3,
+            "{solver}: {per_decade}"
+        );
     }
 }
 

@@ -5,7 +5,7 @@
 //! parallel gives the same bits as visiting it in turn.
 
 use crate::element::Element;
-use crate::math::Vec3;
+use crate::math::{Vec3, gather};
 use crate::parallel;
 
 /// Elements of one type in the order in which a sweep visits them (CORE-13).
@@ -135,6 +135,28 @@ impl<const N: usize, E: Element<N>> Colored<N, E> {
             );
         }
     }
+
+    /// Visits every element once, in the opposite order of [`Colored::sweep`], on one thread.
+    ///
+    /// # Panics
+    /// If `slots` is not as long as the elements, or `x` not as long as the vertices.
+    pub fn sweep_back<A>(
+        &self,
+        slots: &mut [A],
+        x: &mut [Vec3],
+        visit: impl Fn(&E, &mut A, &mut [Vec3; N]),
+    ) {
+        assert_eq!(slots.len(), self.elements.len(), "one slot per element");
+        assert_eq!(x.len(), self.vertex_count, "one position per vertex");
+        let backwards = self.elements.iter().zip(slots).zip(&self.vertices).rev();
+        for ((element, slot), vertices) in backwards {
+            let mut local = gather(x, *vertices);
+            visit(element, slot, &mut local);
+            for (&vertex, moved) in vertices.iter().zip(local) {
+                x[vertex as usize] = moved;
+            }
+        }
+    }
 }
 
 /// The smallest colour that no earlier element at a shared vertex has, for each element in turn.
@@ -181,7 +203,6 @@ fn greedy_colors<const N: usize, E: Element<N>>(elements: &[E], vertex_count: us
 mod tests {
     use super::*;
     use crate::energy::Spring;
-    use crate::math::gather;
 
     fn star(arms: u32) -> Vec<Spring> {
         (1..=arms)
@@ -239,6 +260,12 @@ mod tests {
         assert_eq!(
             x.iter().map(|p| p.x).collect::<Vec<_>>(),
             [8.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0]
+        );
+        // And back: vertex 0 gets the 8 that it gave, then each the sum of the one before it as it is now.
+        kept.sweep_back(&mut [(); 7], &mut x, |_, (), local| local[1] += local[0]);
+        assert_eq!(
+            x.iter().map(|p| p.x).collect::<Vec<_>>(),
+            [15.0, 17.0, 5.0, 7.0, 9.0, 11.0, 13.0]
         );
     }
 

@@ -9,9 +9,12 @@
 //! | [`CubicShell`], rest angle | 4 | yes | – | – | N·m, from a rigidity in N·m |
 //! | [`StvkTriangle`], modulus Y and ν | 3 | yes | 3 rows | – | J, from a modulus in N/m |
 //! | [`ArapTriangle`], modulus Y, ν = 0 | 3 | yes | 2 rows | K = 2 | J, from a modulus in N/m |
+//! | [`AreaTriangle`], area modulus K | 3 | yes | 1 row | – | N/m³, from a modulus in N/m |
+//! | [`VolumeTetrahedron`], bulk modulus K | 4 | yes | 1 row | – | N/m⁵, from a modulus in Pa |
 //! | [`Attachment`] | 1 | yes | 3 rows | K = 1 | N/m |
 
 mod arap_triangle;
+mod area;
 mod attachment;
 mod cubic_shell;
 mod curvature_hinge;
@@ -20,8 +23,10 @@ mod dihedral_hinge;
 mod spring;
 mod stvk_triangle;
 mod triangle_map;
+mod volume;
 
 pub use arap_triangle::ArapTriangle;
+pub use area::AreaTriangle;
 pub use attachment::Attachment;
 pub use cubic_shell::CubicShell;
 pub use curvature_hinge::CurvatureHinge;
@@ -29,3 +34,4 @@ pub use curved_hinge::CurvedHinge;
 pub use dihedral_hinge::DihedralHinge;
 pub use spring::Spring;
 pub use stvk_triangle::StvkTriangle;
+pub use volume::VolumeTetrahedron;

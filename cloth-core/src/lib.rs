@@ -25,6 +25,7 @@
 //! | `E = K (1 − cos(θ − θ₀))` as a cubic polynomial | [`energy::CubicShell`] |
 //! | `E = ½ A G:C:G`, `G = ½(FᵀF − I)` | [`energy::StvkTriangle`] |
 //! | `E = ½ A k ‖F − R‖²` | [`energy::ArapTriangle`] |
+//! | `E = ½ k (A − A₀)²`, `E = ½ k (V − V₀)²` | [`energy::AreaTriangle`], [`energy::VolumeTetrahedron`] |
 //! | `E = ½ k ‖x − p‖²`, S1 (29) | [`energy::Attachment`] |
 //! | `x̃`, S1 (9); `G`, `∇G`, S1 (10) | [`measure::predict`], [`measure::IncrementalPotential`] |
 //! | `M`, S1 (13) | [`particles::Particles`] |

@@ -1,7 +1,7 @@
 //! What can be chosen.
 
 use crate::stiffness::StiffnessRule;
-use cloth_core::position_based::Sweep;
+use cloth_core::position_based::{Acceleration, Sweep};
 
 /// Settings of [`PbdSolver`](crate::PbdSolver).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -12,17 +12,20 @@ pub struct PbdConfig {
     pub substeps: u32,
     /// Order of the sweep.
     pub sweep: Sweep,
+    /// Relaxation of the corrections and extrapolation of the sweeps. A constraint alone shows its stiffness only without both.
+    pub acceleration: Acceleration,
     /// What the stiffness of a material means for a projection.
     pub stiffness: StiffnessRule,
 }
 
 impl Default for PbdConfig {
-    /// One substep of 20 coloured sweeps, stiffness from the material.
+    /// One substep of 20 coloured sweeps as they are, stiffness from the material.
     fn default() -> Self {
         Self {
             iterations: 20,
             substeps: 1,
             sweep: Sweep::Colored,
+            acceleration: Acceleration::default(),
             stiffness: StiffnessRule::Material,
         }
     }

@@ -93,6 +93,9 @@ mod stiffness;
 
 mod solver;
 
+mod strain_limit;
+
 pub use config::PbdConfig;
 pub use solver::{PbdBuilder, PbdSolver};
 pub use stiffness::{StiffnessRule, effective_stiffness, projection_stiffness};
+pub use strain_limit::{LimitReport, Limited, StrainLimiter, StrainLimiterBuilder, StretchRange};

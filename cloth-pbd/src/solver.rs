@@ -4,7 +4,7 @@ use crate::config::PbdConfig;
 use crate::stiffness::Projection;
 use cloth_core::math::Real;
 use cloth_core::particles::{Particles, State};
-use cloth_core::position_based::{Builder, Families, Motion, Settings, Sweep};
+use cloth_core::position_based::{Acceleration, Builder, Families, Motion, Settings, Sweep};
 use cloth_core::step::{BuildError, StepError, StepInput, StepReport, Stepper};
 
 /// Position-based dynamics; see the [crate documentation](crate).
@@ -28,6 +28,13 @@ impl PbdSolver {
     #[must_use]
     pub fn config(&self) -> &PbdConfig {
         &self.config
+    }
+
+    /// How many substeps, since the solver was built, gave up their extrapolation because it made the corrections grow; see
+    /// [`Chebyshev`](cloth_core::position_based::Chebyshev).
+    #[must_use]
+    pub fn surrendered(&self) -> u64 {
+        self.families.surrendered()
     }
 
     /// The rule for substeps of `h` (s).
@@ -59,6 +66,7 @@ impl Stepper for PbdSolver {
         let projection = self.projection(h);
         for _ in 0..self.config.substeps {
             self.motion.predict(&input, h); // S1 (24)
+            self.families.restart();
             for _ in 0..self.config.iterations {
                 self.motion.iterate(&mut input, |w, x| {
                     self.families.sweep(&projection, w, x); // S1 (25)
@@ -79,6 +87,10 @@ impl Settings for PbdConfig {
 
     fn pace(&self) -> (u32, u32, Sweep) {
         (self.iterations, self.substeps, self.sweep)
+    }
+
+    fn acceleration(&self) -> Acceleration {
+        self.acceleration
     }
 
     fn check(&self) -> Result<(), BuildError> {

@@ -24,6 +24,7 @@ fn config(iterations: u32, stiffness: StiffnessRule) -> PbdConfig {
         substeps: 1,
         sweep: Sweep::Sequential,
         stiffness,
+        ..PbdConfig::default()
     }
 }
 

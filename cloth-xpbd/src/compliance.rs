@@ -40,13 +40,21 @@ impl Rule for Compliance {
     /// λ (kg m² per unit of C; kg m for a spring) since the start of the substep.
     type Memory = Real;
 
+    /// `x = x̃ + M⁻¹ ∂Cᵀλ` is affine, and so is the extrapolation: done to both, it keeps them together.
+    const MEMORY_ITERATES: bool = true;
+
     #[inline]
     fn multiplier(&self, row: RowAt, total: &mut Real) -> Real {
         let Some((compliance, movable)) = self.solvable(row) else {
             return 0.0;
         };
         let change = -(row.value + compliance * *total) / movable;
-        *total += change;
+        *total += row.share * change;
         change
+    }
+
+    #[inline]
+    fn extrapolate(now: &mut Real, before: &Real, omega: Real) {
+        *now = before + omega * (*now - before);
     }
 }

@@ -1,9 +1,9 @@
 //! What can be chosen.
 
-use cloth_core::position_based::Sweep;
+use cloth_core::position_based::{Acceleration, Sweep};
 
 /// Settings of [`XpbdSolver`](crate::XpbdSolver).
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct XpbdConfig {
     /// Sweeps over all constraints per substep, at least 1.
     pub iterations: u32,
@@ -12,6 +12,8 @@ pub struct XpbdConfig {
     pub substeps: u32,
     /// Order of the sweep.
     pub sweep: Sweep,
+    /// Relaxation of the corrections and extrapolation of the sweeps, positions and multipliers together.
+    pub acceleration: Acceleration,
 }
 
 impl Default for XpbdConfig {
@@ -22,6 +24,7 @@ impl Default for XpbdConfig {
             iterations: 1,
             substeps: 20,
             sweep: Sweep::Colored,
+            acceleration: Acceleration::default(),
         }
     }
 }

@@ -4,7 +4,7 @@ use crate::compliance::Compliance;
 use crate::config::XpbdConfig;
 use cloth_core::math::{Real, Vec3};
 use cloth_core::particles::{Particles, State};
-use cloth_core::position_based::{Builder, Families, Motion, Settings, Sweep};
+use cloth_core::position_based::{Acceleration, Builder, Families, Motion, Settings, Sweep};
 use cloth_core::step::{StepError, StepInput, StepReport, Stepper};
 
 /// Extended position-based dynamics; see the [crate documentation](crate).
@@ -34,6 +34,7 @@ impl Stepper for XpbdSolver {
         for _ in 0..self.config.substeps {
             self.motion.predict(&input, h); // S1 (24)
             self.families.forget(); // λ = 0, here and not in each iteration
+            self.families.restart();
             for _ in 0..self.config.iterations {
                 self.motion.iterate(&mut input, |w, x| {
                     self.families.sweep(&compliance, w, x); // S1 (36)
@@ -56,6 +57,13 @@ impl XpbdSolver {
     #[must_use]
     pub fn config(&self) -> &XpbdConfig {
         &self.config
+    }
+
+    /// How many substeps, since the solver was built, gave up their extrapolation because it made the corrections grow; see
+    /// [`Chebyshev`](cloth_core::position_based::Chebyshev).
+    #[must_use]
+    pub fn surrendered(&self) -> u64 {
+        self.families.surrendered()
     }
 
     /// `max |C + α̃λ|` over all rows (unit of C; m for springs and hinges) at `positions` (m), with the multipliers of the
@@ -106,6 +114,10 @@ impl Settings for XpbdConfig {
 
     fn pace(&self) -> (u32, u32, Sweep) {
         (self.iterations, self.substeps, self.sweep)
+    }
+
+    fn acceleration(&self) -> Acceleration {
+        self.acceleration
     }
 
     fn assemble(self, motion: Motion, families: Families<Compliance>) -> XpbdSolver {

@@ -23,6 +23,7 @@ fn iterations(iterations: u32) -> XpbdConfig {
         iterations,
         substeps: 1,
         sweep: Sweep::Sequential,
+        ..XpbdConfig::default()
     }
 }
 
@@ -138,6 +139,7 @@ fn a_hanging_chain_has_the_sag_and_the_tensions_of_statics_in_any_order_of_the_s
             iterations: 200,
             substeps: 2,
             sweep,
+            ..XpbdConfig::default()
         };
         let mut solver = solver(&chain, config);
         let sag = chain.sag_at_rest(&mut solver, 0.1, 500);

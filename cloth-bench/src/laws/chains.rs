@@ -1,4 +1,4 @@
-//! Chains: how fast sweeps converge, how far a chain sags, how it hangs (VALIDATION 2, 5).
+//! Chains: how far a chain sags, how it hangs (VALIDATION 2, 5).
 
 use super::{Law, Verdict};
 use crate::error::BenchError;
@@ -7,22 +7,11 @@ use cloth_core::energy::Spring;
 use cloth_core::math::{Real, Vec3};
 use cloth_core::particles::{Particles, State};
 use cloth_core::position_based::Sweep;
-use cloth_core::step::{Observer, StepInput, Stepper};
+use cloth_core::step::{StepInput, Stepper};
 use cloth_massspring::{ImplicitConfig, ImplicitEuler};
-use cloth_pbd::{PbdConfig, PbdSolver, StiffnessRule};
 use cloth_xpbd::{XpbdConfig, XpbdSolver};
 
-const LINKS: Parameter = parameter("links", "20", "number of links N");
-
-const SOLVER: Parameter = parameter("solver", "xpbd", "pbd or xpbd");
-
-pub(super) const CHAIN_RATE: Law = Law {
-    name: "chain-rate",
-    about: "factor by which one Gauss–Seidel sweep reduces the error of a straight chain of rigid links, held at one end: cos²(π/2N)",
-    parameters: &[SOLVER, LINKS],
-    tolerance: 1e-7,
-    evaluate: chain_rate,
-};
+pub(super) const LINKS: Parameter = parameter("links", "20", "number of links N");
 
 const SUBSTEPS: Parameter = parameter("substeps", "10", "parts of the step of 1/60 s");
 const ITERATIONS: Parameter = parameter("iterations", "1", "sweeps per substep");
@@ -55,7 +44,7 @@ pub(super) const HANGING_CHAIN: Law = Law {
 const GRAVITY: Real = 9.81;
 
 /// A chain along −z of links of 1 m, held at the top.
-fn chain(
+pub(super) fn chain(
     masses: Vec<Real>,
     stiffness: Real,
 ) -> Result<(Particles, Vec<Spring>, State), BenchError> {
@@ -68,76 +57,6 @@ fn chain(
     let ends: Vec<[u32; 2]> = (0..links as u32).map(|i| [i, i + 1]).collect();
     let springs = Spring::along(&positions, &ends, stiffness);
     Ok((particles, springs, State::at_rest(positions)))
-}
-
-/// Distance from the straight chain of rest lengths, after each sweep.
-#[derive(Debug, Default)]
-struct Deviation(Vec<Real>);
-
-impl Observer for Deviation {
-    fn iteration(&mut self, _: u32, positions: &[Vec3]) {
-        let square = |(i, p): (usize, &Vec3)| (p.z + i as Real).powi(2);
-        self.0.push(
-            positions
-                .iter()
-                .enumerate()
-                .map(square)
-                .sum::<Real>()
-                .sqrt(),
-        );
-    }
-}
-
-fn chain_rate(settings: &Settings) -> Result<Verdict, BenchError> {
-    let links = settings.count(&LINKS, 2)?;
-    let (particles, springs, mut state) = chain(vec![1.0; links as usize + 1], Real::INFINITY)?;
-    for (i, p) in state.positions.iter_mut().enumerate().skip(1) {
-        p.z -= 0.01 * (1.0 + (i as Real * 0.7).sin());
-    }
-    let angle = std::f64::consts::FRAC_PI_2 / Real::from(links);
-    let expected = angle.cos().powi(2);
-    // The second mode decays as cos²(3π/2N); two links have only one. After this many sweeps it is 1e-9 of the first.
-    let next = (3.0 * angle).cos().powi(2);
-    let iterations = if links == 2 {
-        4
-    } else {
-        (1e-9_f64.ln() / (next / expected).ln()).ceil() as u32 + 3
-    };
-    let mut solver: Box<dyn Stepper> =
-        match settings.choice(&SOLVER, &[("pbd", true), ("xpbd", false)])? {
-            true => Box::new(
-                PbdSolver::builder(&particles)
-                    .energy(springs)
-                    .config(PbdConfig {
-                        iterations,
-                        substeps: 1,
-                        sweep: Sweep::Sequential,
-                        stiffness: StiffnessRule::Fixed(1.0),
-                    })
-                    .build()
-                    .map_err(BenchError::failed)?,
-            ),
-            false => Box::new(
-                XpbdSolver::builder(&particles)
-                    .energy(springs)
-                    .config(XpbdConfig {
-                        iterations,
-                        substeps: 1,
-                        sweep: Sweep::Sequential,
-                    })
-                    .build()
-                    .map_err(BenchError::failed)?,
-            ),
-        };
-    let mut deviation = Deviation::default();
-    let input = StepInput::new(1.0).observer(&mut deviation);
-    solver.step(&mut state, input).map_err(BenchError::failed)?;
-    let [.., before, last] = deviation.0[..] else {
-        return Err(BenchError::Failed(
-            "the solver reported fewer than two sweeps".into(),
-        ));
-    };
-    Ok(Verdict::new(expected, last / before).detail("sweeps", Real::from(iterations)))
 }
 
 /// Steps after which a chain that still moves is given up.
@@ -165,6 +84,7 @@ fn sag(settings: &Settings) -> Result<Verdict, BenchError> {
             iterations,
             substeps,
             sweep: Sweep::Sequential,
+            ..Default::default()
         })
         .build()
         .map_err(BenchError::failed)?;

@@ -1,6 +1,6 @@
 //! How a position-based solver is put together.
 
-use super::{Families, Motion, Rule, Sweep};
+use super::{Acceleration, Families, Motion, Rule, Sweep};
 use crate::element::Constraint;
 use crate::math::Real;
 use crate::particles::Particles;
@@ -17,7 +17,12 @@ pub trait Settings: fmt::Debug + Default + Sized {
     /// Sweeps per substep, parts of a step, and the order of a sweep.
     fn pace(&self) -> (u32, u32, Sweep);
 
-    /// Checks what the method adds to its [`Settings::pace`].
+    /// What is made of a sequence of sweeps; nothing, unless the method says so.
+    fn acceleration(&self) -> Acceleration {
+        Acceleration::default()
+    }
+
+    /// Checks what the method adds to its [`Settings::pace`] and [`Settings::acceleration`].
     ///
     /// # Errors
     /// [`BuildError::InvalidSetting`].
@@ -30,7 +35,7 @@ pub trait Settings: fmt::Debug + Default + Sized {
 }
 
 /// What is left to do for one family once the order of the sweep is known.
-type Plan<R> = Box<dyn FnOnce(&mut Families<R>, usize, Sweep) -> Result<(), BuildError>>;
+type Plan<R> = Box<dyn FnOnce(&mut Families<R>) -> Result<(), BuildError>>;
 
 /// Collects what a position-based solver is built of.
 pub struct Builder<S: Settings> {
@@ -54,9 +59,7 @@ impl<S: Settings> Builder<S> {
     #[must_use]
     pub fn energy<const N: usize, E: Constraint<N>>(mut self, elements: Vec<E>) -> Self {
         self.plans
-            .push(Box::new(move |families, vertex_count, sweep| {
-                families.add(&elements, vertex_count, sweep)
-            }));
+            .push(Box::new(move |families| families.add(&elements)));
         self
     }
 
@@ -79,9 +82,10 @@ impl<S: Settings> Builder<S> {
         at_least_one("the number of iterations", iterations)?;
         at_least_one("the number of substeps", substeps)?;
         self.settings.check()?;
-        let mut families = Families::none();
+        let acceleration = self.settings.acceleration();
+        let mut families = Families::new(self.motion.vertex_count(), sweep, acceleration)?;
         for plan in self.plans {
-            plan(&mut families, self.motion.vertex_count(), sweep)?;
+            plan(&mut families)?;
         }
         Ok(self.settings.assemble(self.motion, families))
     }

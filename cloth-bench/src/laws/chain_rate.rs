@@ -1,0 +1,196 @@
+//! How fast the sweeps over a straight chain of rigid links converge (VALIDATION 5).
+
+use super::chains::{LINKS, chain};
+use super::{Law, Verdict};
+use crate::error::BenchError;
+use crate::settings::{Parameter, Settings, parameter};
+use cloth_core::math::{Real, Vec3};
+use cloth_core::position_based::{Acceleration, Chebyshev, Radius, Sweep};
+use cloth_core::step::{Observer, StepInput, Stepper};
+use cloth_pbd::{PbdConfig, PbdSolver, StiffnessRule};
+use cloth_xpbd::{XpbdConfig, XpbdSolver};
+use std::f64::consts::FRAC_PI_2;
+
+const SOLVER: Parameter = parameter(
+    "solver",
+    "gauss-seidel",
+    "jacobi, gauss-seidel, sor (at its best relaxation) or chebyshev (on jacobi); pbd or xpbd: gauss-seidel of that method",
+);
+const METHOD: Parameter = parameter("method", "xpbd", "whose sweeps: pbd or xpbd");
+
+pub(super) const CHAIN_RATE: Law = Law {
+    name: "chain-rate",
+    about: "factor by which one sweep reduces the slowest error of a straight chain of N rigid links, held at one end: jacobi cos(π/2N), gauss-seidel cos²(π/2N), sor ω − 1 with ω = 2/(1 + sin(π/2N)), chebyshev cos(π/2N)/(1 + sin(π/2N))",
+    parameters: &[SOLVER, METHOD, LINKS],
+    tolerance: 1e-10,
+    evaluate: chain_rate,
+};
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Solver {
+    Jacobi,
+    GaussSeidel,
+    Sor,
+    Chebyshev,
+}
+
+/// The slowest error of a kind of sweep, and what a sweep leaves of it.
+#[derive(Debug)]
+struct Mode {
+    factor: Real,
+    sweep: Sweep,
+    acceleration: Acceleration,
+    sweeps: u32,
+    /// Displacements (m) of the vertices along −z, from the held one.
+    displacements: Vec<Real>,
+    /// Part of the mode that is there after the last sweep.
+    left: Real,
+}
+
+impl Mode {
+    fn new(solver: Solver, links: u32) -> Self {
+        let angle = FRAC_PI_2 / Real::from(links);
+        let (sin, cos) = angle.sin_cos();
+        let mut acceleration = Acceleration::default();
+        let mut sweep = Sweep::Sequential;
+        let (mut sweeps, mut size) = (3, 0.5);
+        // The multipliers of the slowest mode are rʲ cos((j − 1)π/2N) in link j.
+        let (factor, r) = match solver {
+            Solver::Jacobi | Solver::Chebyshev => {
+                sweep = Sweep::PlainJacobi;
+                (cos, 1.0)
+            }
+            Solver::GaussSeidel => (cos * cos, cos),
+            Solver::Sor => {
+                acceleration.relaxation = 2.0 / (1.0 + sin);
+                let factor = acceleration.relaxation - 1.0;
+                (factor, factor.sqrt())
+            }
+        };
+        let mut left = factor.powi(3);
+        let mut law = factor;
+        if solver == Solver::Chebyshev {
+            let radius = Radius::Given(cos);
+            acceleration.chebyshev = Some(Chebyshev { radius, delay: 1 });
+            law = cos / (1.0 + sin);
+            // k sweeps leave 1/T_k(1/ρ) = 1/cosh(k arcosh(1/ρ)), whose factor is the law's but for exp(−2k arcosh(1/ρ)): here 1e-11. The mode starts
+            // large, so that some millionths of it are still well above rounding.
+            let decay = -law.ln();
+            sweeps = (5.5 * std::f64::consts::LN_10 / decay).ceil().max(3.0) as u32;
+            left = 2.0 * (-Real::from(sweeps) * decay).exp();
+            size = 100.0;
+        }
+        let multiplier = |link: u32| {
+            if link > links {
+                return 0.0;
+            }
+            size * r.powi(link as i32 - 1) * (Real::from(link - 1) * angle).cos()
+        };
+        let displacement = |vertex| match vertex {
+            0 => 0.0,
+            _ => multiplier(vertex) - multiplier(vertex + 1),
+        };
+        Self {
+            factor: law,
+            sweep,
+            acceleration,
+            sweeps,
+            displacements: (0..=links).map(displacement).collect(),
+            left,
+        }
+    }
+
+    /// Σ u², of the mode.
+    fn square(&self) -> Real {
+        self.displacements.iter().map(|u| u * u).sum()
+    }
+}
+
+/// How much of the mode is there after each sweep, and how much else (m) after the last.
+#[derive(Debug)]
+struct Watch<'a> {
+    mode: &'a Mode,
+    parts: Vec<Real>,
+    other: Real,
+}
+
+impl Observer for Watch<'_> {
+    fn iteration(&mut self, _: u32, positions: &[Vec3]) {
+        let off = |(i, p): (usize, &Vec3)| -p.z - i as Real;
+        let off: Vec<Real> = positions.iter().enumerate().map(off).collect();
+        let mode = &self.mode.displacements;
+        let product: Real = off.iter().zip(mode).map(|(a, b)| a * b).sum();
+        let part = product / self.mode.square();
+        let other = off.iter().zip(mode).map(|(a, b)| (a - part * b).abs());
+        self.other = other.fold(0.0, Real::max);
+        self.parts.push(part);
+    }
+}
+
+fn chain_rate(settings: &Settings) -> Result<Verdict, BenchError> {
+    let links = settings.count(&LINKS, 2)?;
+    let (solver, by_pbd) = settings.choice(
+        &SOLVER,
+        &[
+            ("jacobi", (Solver::Jacobi, None)),
+            ("gauss-seidel", (Solver::GaussSeidel, None)),
+            ("sor", (Solver::Sor, None)),
+            ("chebyshev", (Solver::Chebyshev, None)),
+            ("pbd", (Solver::GaussSeidel, Some(true))),
+            ("xpbd", (Solver::GaussSeidel, Some(false))),
+        ],
+    )?;
+    let by_pbd = match by_pbd {
+        Some(by_pbd) => by_pbd,
+        None => settings.choice(&METHOD, &[("pbd", true), ("xpbd", false)])?,
+    };
+    let mode = Mode::new(solver, links);
+    let (particles, springs, mut state) = chain(vec![1.0; links as usize + 1], Real::INFINITY)?;
+    for (x, displacement) in state.positions.iter_mut().zip(&mode.displacements) {
+        x.z -= displacement;
+    }
+    let (iterations, sweep, acceleration) = (mode.sweeps, mode.sweep, mode.acceleration);
+    let mut solver: Box<dyn Stepper> = if by_pbd {
+        let builder = PbdSolver::builder(&particles).energy(springs);
+        let config = PbdConfig {
+            iterations,
+            sweep,
+            acceleration,
+            stiffness: StiffnessRule::Fixed(1.0),
+            ..Default::default()
+        };
+        Box::new(builder.config(config).build().map_err(BenchError::failed)?)
+    } else {
+        let builder = XpbdSolver::builder(&particles).energy(springs);
+        let config = XpbdConfig {
+            iterations,
+            substeps: 1,
+            sweep,
+            acceleration,
+        };
+        Box::new(builder.config(config).build().map_err(BenchError::failed)?)
+    };
+    let mut watch = Watch {
+        mode: &mode,
+        parts: Vec::new(),
+        other: 0.0,
+    };
+    let input = StepInput::new(1.0).observer(&mut watch);
+    solver.step(&mut state, input).map_err(BenchError::failed)?;
+    let [.., before, last] = watch.parts[..] else {
+        return Err(BenchError::Failed(
+            "the solver reported fewer than two sweeps".into(),
+        ));
+    };
+    // Positions are known to ε times the largest of them; the sum over the vertices averages over them.
+    let largest = Real::from(links)
+        + mode
+            .displacements
+            .iter()
+            .fold(0.0, |a: Real, b| a.max(b.abs()));
+    let rounding = 4.0 * Real::EPSILON * largest / (mode.left * mode.square().sqrt());
+    Ok(Verdict::new(mode.factor, last / before)
+        .rounding(rounding)
+        .detail("sweeps", Real::from(iterations))
+        .detail("off_mode", watch.other))
+}

@@ -1,0 +1,84 @@
+//! In which order a sweep visits the elements, and what is made of a sequence of sweeps.
+
+use super::{Chebyshev, Radius};
+use crate::math::Real;
+use crate::step::BuildError;
+
+/// How a sweep goes through the elements (PBD-2).
+///
+/// The iterates depend on it; where the sweeps converge, all kinds agree. In the straight chain of N equal rigid links, held at one end, one
+/// sweep leaves the factor given of the slowest part of the error (VALIDATION 5).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Sweep {
+    /// Gauss–Seidel in the order given, on one thread: an element sees what the one before it moved. Chain: `cos²(π/2N)`. With
+    /// [`Chebyshev`] a sweep goes there and back.
+    Sequential,
+    /// Gauss–Seidel colour by colour (CORE-13), on rayon's threads where a colour is large enough and the feature `parallel` is on. The
+    /// bits do not depend on the number of threads. Chain: `cos²(π/2N)`.
+    #[default]
+    Colored,
+    /// Jacobi with averaging: all elements are solved at the same positions, and each makes the share `1/n` of its correction, with n the
+    /// largest number of elements that meet in one of its vertices (prescribed ones not counted). Chain: `cos²(π/4N)`.
+    ///
+    /// The common variant divides by the number of elements vertex by vertex instead. Then the two ends of a spring move by different shares:
+    /// momentum is not kept, and a multiplier does not know how much of it was used. With one share per element `Σ m x` is kept, XPBD's λ and x go
+    /// together, and linear rows converge from anywhere: the sweep is `1 − Σ sⱼPⱼ` with projectors P (in the metric of M) and `Σ sⱼ ≤ 1` at every vertex.
+    Jacobi,
+    /// Jacobi without averaging: all corrections are made in full, at once. Chain: `cos(π/2N)`.
+    ///
+    /// It diverges where more than two stiff elements meet, hence in every cloth, unless the relaxation is below 2 over that number.
+    PlainJacobi,
+}
+
+/// What is made of a sequence of sweeps (PBD-2, PBD-3).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Acceleration {
+    /// Part ω (dimensionless) of its correction that a visit makes, above 0 and below 2. Below 1 is under-relaxation; above 1, with a
+    /// Gauss–Seidel sweep, it is SOR, whose best ω for the straight chain is `2/(1 + sin(π/2N))`, with the factor `ω − 1` per sweep.
+    pub relaxation: Real,
+    /// Extrapolation over the sweeps of a substep; none by default.
+    pub chebyshev: Option<Chebyshev>,
+}
+
+impl Default for Acceleration {
+    /// Corrections made in full, no extrapolation.
+    fn default() -> Self {
+        Self {
+            relaxation: 1.0,
+            chebyshev: None,
+        }
+    }
+}
+
+impl Acceleration {
+    /// Whether the numbers are in their ranges.
+    ///
+    /// # Errors
+    /// [`BuildError::InvalidSetting`].
+    pub fn check(&self) -> Result<(), BuildError> {
+        let refuse = |name, value, range| Err(BuildError::InvalidSetting { name, value, range });
+        if !(self.relaxation > 0.0 && self.relaxation < 2.0) {
+            let range = "above 0 and below 2";
+            return refuse("the relaxation", self.relaxation, range);
+        }
+        match self.chebyshev {
+            Some(Chebyshev {
+                radius: Radius::Given(radius),
+                ..
+            }) if !(0.0..1.0).contains(&radius) => {
+                refuse("the spectral radius", radius, "at least 0 and below 1")
+            }
+            Some(Chebyshev { radius, delay }) => {
+                let (least, range) = match radius {
+                    Radius::Given(_) => (1, "at least 1"),
+                    Radius::Estimated => (2, "at least 2 where the radius is estimated"),
+                };
+                if delay >= least {
+                    return Ok(());
+                }
+                refuse("the delay of the acceleration", Real::from(delay), range)
+            }
+            None => Ok(()),
+        }
+    }
+}

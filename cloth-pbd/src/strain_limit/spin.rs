@@ -1,0 +1,140 @@
+//! The angular momentum of what hangs together.
+
+use cloth_core::math::{Mat3, Real, Vec3};
+
+/// The parts of a cloth between which no limit acts.
+#[derive(Debug, Default)]
+pub(super) struct Pieces {
+    /// Vertices, piece after piece, in ascending order within each.
+    vertices: Vec<u32>,
+    /// Piece p is `vertices[starts[p]..starts[p + 1]]`.
+    starts: Vec<usize>,
+}
+
+impl Pieces {
+    /// From pairs of vertices that hang together. Vertices in no pair are left out.
+    pub(super) fn new(pairs: &[[u32; 2]], vertex_count: usize) -> Self {
+        // Each vertex points to a smaller one of its piece, the smallest to itself.
+        let mut below: Vec<u32> = (0..vertex_count as u32).collect();
+        let mut linked = vec![false; vertex_count];
+        let root = |below: &mut [u32], mut v: u32| {
+            while below[v as usize] != v {
+                below[v as usize] = below[below[v as usize] as usize];
+                v = below[v as usize];
+            }
+            v
+        };
+        for &[a, b] in pairs {
+            let (a_root, b_root) = (root(&mut below, a), root(&mut below, b));
+            below[a_root.max(b_root) as usize] = a_root.min(b_root);
+            (linked[a as usize], linked[b as usize]) = (true, true);
+        }
+        let mut members: Vec<(u32, u32)> = (0..vertex_count as u32)
+            .filter(|&v| linked[v as usize])
+            .map(|v| (root(&mut below, v), v))
+            .collect();
+        members.sort_unstable();
+        let mut starts = vec![0];
+        for piece in members.chunk_by(|a, b| a.0 == b.0) {
+            starts.push(starts[starts.len() - 1] + piece.len());
+        }
+        Self {
+            vertices: members.into_iter().map(|(_, v)| v).collect(),
+            starts,
+        }
+    }
+
+    fn iter(&self) -> impl Iterator<Item = &[u32]> {
+        self.starts.windows(2).map(|w| &self.vertices[w[0]..w[1]])
+    }
+
+    /// Turns every piece of the body `after` so that its angular momentum is that of the body `before`, with the smallest change of the velocities
+    /// `after.v` in the metric of M: a rigid rotation.
+    pub(super) fn keep_angular_momentum(
+        &self,
+        inverse_mass: &[Real],
+        [x_before, v_before]: [&[Vec3]; 2],
+        x: &[Vec3],
+        v: &mut [Vec3],
+    ) {
+        for piece in self.iter() {
+            let from = Body {
+                piece,
+                w: inverse_mass,
+                x: x_before,
+                v: v_before,
+            };
+            let to = Body { x, v, ..from };
+            let (Some(pivot_before), Some(pivot)) = (from.pivot(), to.pivot()) else {
+                continue;
+            };
+            let (wanted, _) = from.spin(pivot_before);
+            let (present, inertia) = to.spin(pivot);
+            let omega = turn(&inertia, wanted - present);
+            for i in piece.iter().map(|&i| i as usize) {
+                if inverse_mass[i] > 0.0 {
+                    v[i] += omega.cross(&(x[i] - pivot.0));
+                }
+            }
+        }
+    }
+}
+
+/// Some vertices of a cloth: inverse masses (1/kg), positions (m) and velocities (m/s) of all.
+#[derive(Clone, Copy)]
+struct Body<'a> {
+    piece: &'a [u32],
+    w: &'a [Real],
+    x: &'a [Vec3],
+    v: &'a [Vec3],
+}
+
+impl Body<'_> {
+    fn vertices(&self) -> impl Iterator<Item = usize> {
+        self.piece.iter().map(|&i| i as usize)
+    }
+
+    /// Position and velocity of what it turns about: its one prescribed vertex, or its centre of mass; `None` if two or more are prescribed.
+    fn pivot(&self) -> Option<(Vec3, Vec3)> {
+        let mut held = self.vertices().filter(|&i| self.w[i] == 0.0);
+        match (held.next(), held.next()) {
+            (Some(pin), None) => Some((self.x[pin], self.v[pin])),
+            (Some(_), Some(_)) => None,
+            (None, _) => {
+                let mass: Real = self.vertices().map(|i| 1.0 / self.w[i]).sum();
+                let mean = |of: &[Vec3]| -> Vec3 {
+                    self.vertices().map(|i| of[i] / (self.w[i] * mass)).sum()
+                };
+                Some((mean(self.x), mean(self.v)))
+            }
+        }
+    }
+
+    /// `Σ m (x − c) × (v − u)` (kg m²/s) and the tensor of inertia (kg m²) about the pivot c that moves with u.
+    fn spin(&self, (c, u): (Vec3, Vec3)) -> (Vec3, Mat3) {
+        let mut momentum = Vec3::zeros();
+        let mut inertia = Mat3::zeros();
+        for i in self.vertices().filter(|&i| self.w[i] > 0.0) {
+            let (r, v) = (self.x[i] - c, self.v[i] - u);
+            momentum += r.cross(&v) / self.w[i];
+            inertia += (Mat3::identity() * r.norm_squared() - r * r.transpose()) / self.w[i];
+        }
+        (momentum, inertia)
+    }
+}
+
+/// The smallest ω (rad/s) with `I ω = L`. Vertices on a line cannot turn about it, and have no L along it.
+fn turn(inertia: &Mat3, momentum: Vec3) -> Vec3 {
+    let size = inertia.trace();
+    if size <= 0.0 || !size.is_finite() {
+        return Vec3::zeros();
+    }
+    let eigen = inertia.symmetric_eigen();
+    (0..3)
+        .filter(|&k| eigen.eigenvalues[k] > 1e-14 * size)
+        .map(|k| {
+            let axis = eigen.eigenvectors.column(k);
+            axis * (axis.dot(&momentum) / eigen.eigenvalues[k])
+        })
+        .sum()
+}
