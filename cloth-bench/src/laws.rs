@@ -3,9 +3,12 @@
 mod catenary;
 mod chains;
 mod constraints;
+mod elastica;
 mod elements;
+mod models;
 mod motion;
 mod space;
+mod strip;
 mod swings;
 
 pub(crate) use constraints::{Stretched, fixed_projection};
@@ -84,7 +87,7 @@ pub struct Law {
 }
 
 /// Every law.
-pub const LAWS: [&Law; 16] = [
+pub const LAWS: [&Law; 17] = [
     &motion::OSCILLATOR,
     &motion::FREE_FALL,
     &constraints::XPBD_CONSTRAINT,
@@ -98,6 +101,7 @@ pub const LAWS: [&Law; 16] = [
     &elements::LATTICE_MODULUS,
     &elements::BENDING_FACTOR,
     &elements::FLAT_BENDING,
+    &elastica::ELASTICA,
     &space::NULL_SPACE,
     &space::COUNT,
     &space::SAME_MINIMUM,

@@ -1,5 +1,9 @@
 //! Every method by name, with its published setting: one for all scenes.
 
+mod families;
+
+pub(crate) use families::implicit_euler;
+
 use crate::error::BenchError;
 use crate::names;
 use crate::scene::Scene;

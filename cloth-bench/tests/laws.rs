@@ -1,30 +1,11 @@
 //! Every law holds, over its parameters.
 
-use cloth_bench::laws::{LAWS, Law, Verdict};
+#[path = "support/law.rs"]
+mod support;
+
+use cloth_bench::laws::LAWS;
 use cloth_bench::method::METHODS;
-use cloth_bench::settings::Settings;
-
-fn holds(name: &str, pairs: &[&str]) -> Verdict {
-    let law = Law::find(name).unwrap();
-    let verdict = law.evaluate(&Settings::parse(pairs).unwrap()).unwrap();
-    assert!(
-        law.holds(&verdict),
-        "law {name} {pairs:?}: expected {}, measured {}, error {:e}",
-        verdict.expected,
-        verdict.measured,
-        verdict.error()
-    );
-    verdict
-}
-
-fn detail(verdict: &Verdict, name: &str) -> f64 {
-    verdict
-        .details
-        .iter()
-        .find(|(key, _)| *key == name)
-        .expect(name)
-        .1
-}
+use support::{detail, holds};
 
 #[test]
 fn every_law_holds_at_its_defaults() {

@@ -1,5 +1,9 @@
 //! One description of a cloth in SI units, from which every method gets its constants.
 
+mod elements;
+
+pub use elements::Elements;
+
 use crate::energy::{CurvatureHinge, Spring};
 use crate::family::Energies;
 use crate::math::Real;

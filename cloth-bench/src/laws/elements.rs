@@ -1,10 +1,10 @@
 //! What springs and hinges amount to as a sheet (VALIDATION 3, 4).
 
+use super::models::{MODEL, MODEL_NAMES};
 use super::{Law, Verdict};
 use crate::error::BenchError;
 use crate::settings::{Parameter, Settings, parameter};
 use cloth_core::cloth::{Cloth, Membrane};
-use cloth_core::energy::{CubicShell, CurvatureHinge, DihedralHinge};
 use cloth_core::family::Energies;
 use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::TriMesh;
@@ -42,11 +42,6 @@ pub(super) const LATTICE_MODULUS: Law = Law {
     evaluate: lattice_modulus,
 };
 
-const MODEL: Parameter = parameter(
-    "model",
-    "bergou",
-    "bergou (quadratic), grinspun, bridson or cubic",
-);
 const SURFACE: Parameter = parameter("surface", "cylinder", "cylinder, sphere or saddle");
 
 pub(super) const BENDING_FACTOR: Law = Law {
@@ -211,63 +206,9 @@ fn energy_by_hand(pattern: Pattern, [xx, yy, xy]: [Real; 3]) -> Real {
     }
 }
 
-/// The bending models, each with coefficient k = 1.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Model {
-    Bergou,
-    Grinspun,
-    Bridson,
-    Cubic,
-}
-
-impl Model {
-    /// Energy of a small fold over that of the quadratic model with the same k (VALIDATION 4).
-    fn factor(self) -> Real {
-        match self {
-            Self::Bergou | Self::Cubic => 1.0,
-            Self::Grinspun => 2.0,
-            Self::Bridson => 1.0 / 12.0,
-        }
-    }
-
-    /// Bending energy (J) of a mesh on some of its hinges, at rest as it is, in another shape.
-    fn value(self, rest: &[Vec3], hinges: &[[u32; 4]], x: &[Vec3]) -> Result<Real, BenchError> {
-        let corners = |hinge: [u32; 4]| cloth_core::math::gather(rest, hinge);
-        let energies = Energies::new(rest.len());
-        let each = hinges.iter();
-        let energies = match self {
-            Self::Bergou => energies.with(
-                each.map(|&h| CurvatureHinge::new(h, &corners(h), 1.0))
-                    .collect(),
-            ),
-            Self::Grinspun => energies.with(
-                each.map(|&h| DihedralHinge::grinspun(h, &corners(h), 1.0))
-                    .collect(),
-            ),
-            Self::Bridson => energies.with(
-                each.map(|&h| DihedralHinge::bridson(h, &corners(h), 1.0))
-                    .collect(),
-            ),
-            Self::Cubic => energies.with(
-                each.map(|&h| CubicShell::new(h, &corners(h), 1.0))
-                    .collect(),
-            ),
-        };
-        Ok(energies.map_err(BenchError::failed)?.value(x))
-    }
-}
-
 fn bending_factor(settings: &Settings) -> Result<Verdict, BenchError> {
     const CURVATURE: Real = 1e-6; // m⁻¹: models of the angle differ from the quadratic one by the square of the slope
-    let model = settings.choice(
-        &MODEL,
-        &[
-            ("bergou", Model::Bergou),
-            ("grinspun", Model::Grinspun),
-            ("bridson", Model::Bridson),
-            ("cubic", Model::Cubic),
-        ],
-    )?;
+    let model = settings.choice(&MODEL, &MODEL_NAMES)?;
     let pattern = settings.choice(&PATTERN, &PATTERNS)?;
     let surface = settings.choice(
         &SURFACE,
@@ -300,7 +241,11 @@ fn bending_factor(settings: &Settings) -> Result<Verdict, BenchError> {
             (0..2).all(|axis| middle[axis] >= low[axis] && middle[axis] < low[axis] + size[axis])
         })
         .collect();
-    let per_area = model.value(mesh.positions(), &inside, &curved)? / (size[0] * size[1]);
+    let bending = model
+        .elements(mesh.positions(), &inside, 1.0)
+        .add_to(Energies::new(mesh.vertex_count()))
+        .map_err(BenchError::failed)?;
+    let per_area = bending.value(&curved) / (size[0] * size[1]);
     // A sphere is compared by its mean curvature, κ1 + κ2 = 2.
     let scale = if surface == Surface::Sphere { 4.0 } else { 1.0 };
     let measured = per_area / (0.5 * CURVATURE * CURVATURE) / scale;
