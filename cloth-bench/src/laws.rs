@@ -1,5 +1,6 @@
 //! Closed forms (VALIDATION 1–6) beside what the code does.
 
+mod buckling;
 mod catenary;
 mod chains;
 mod constraints;
@@ -87,7 +88,7 @@ pub struct Law {
 }
 
 /// Every law.
-pub const LAWS: [&Law; 17] = [
+pub const LAWS: [&Law; 18] = [
     &motion::OSCILLATOR,
     &motion::FREE_FALL,
     &constraints::XPBD_CONSTRAINT,
@@ -102,6 +103,7 @@ pub const LAWS: [&Law; 17] = [
     &elements::BENDING_FACTOR,
     &elements::FLAT_BENDING,
     &elastica::ELASTICA,
+    &buckling::LATERAL_BUCKLING,
     &space::NULL_SPACE,
     &space::COUNT,
     &space::SAME_MINIMUM,

@@ -75,3 +75,21 @@ fn a_narrow_strip_of_equilateral_triangles_is_softer_by_its_poisson_ratio() {
     let limit = 2.0 * narrow - wide;
     assert!((limit - 0.125).abs() < 0.004, "{wide} {narrow} {limit}");
 }
+
+#[test]
+fn a_strip_held_edge_on_falls_over_where_the_beam_does() {
+    for model in MODELS {
+        let verdict = holds("lateral-buckling", &[&format!("model={model}")]);
+        let isotropic = 12.8538 * (2.0 / (1.0 - 1.0 / 3.0_f64)).sqrt();
+        assert!((verdict.expected / isotropic - 1.0).abs() < 1e-5);
+    }
+}
+
+#[test]
+fn the_onset_of_buckling_is_approached_by_finer_and_narrower_strips() {
+    let verdict = holds("lateral-buckling", &["across=17", "slenderness=32"]);
+    assert!(verdict.error() < 0.0015, "{}", verdict.error());
+    // One strip alone is not the beam: the docs of the law say by how much.
+    let strip = detail(&verdict, "finest_strip") / verdict.expected - 1.0;
+    assert!((strip + 0.0044).abs() < 3e-4, "{strip}");
+}
