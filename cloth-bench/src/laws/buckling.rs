@@ -94,7 +94,8 @@ impl EdgeOn {
         let load = Vec3::y() * -gravity;
         let start = self.strip.mesh.positions();
         let rest = self.strip.rest(start, load, Accept::Stationary)?;
-        if rest.positions.iter().any(|x| x.z != 0.0) {
+        // To rounding: not every model keeps the plane to the last bit.
+        if rest.positions.iter().any(|x| x.z.abs() > 1e-12) {
             return Err(BenchError::Failed("the strip left its plane".into()));
         }
         let mut energies = self.strip.energies()?;

@@ -11,7 +11,7 @@ use crate::topology::HingeTable;
 
 /// The hinge whose curvature vector `z = q x` (m) wants the length r that it has at rest: `C = ‖z‖ − r`, `E = ½ K C²` (J).
 ///
-/// `q` and `K` are those of [`CurvatureHinge`], which is the case r = 0. Folded by θ without stretching, `‖z‖ = 2e |sin(θ/2)|`, so
+/// `q` and `K` are those of [`CurvatureHinge`], which is the case r = 0 (a rest shape that is flat up to rounding counts as such). Folded by θ without stretching, `‖z‖ = 2e |sin(θ/2)|`, so
 ///
 /// `E = ½ K 4e² (|sin(θ/2)| − |sin(θ₀/2)|)²`.
 ///
@@ -54,7 +54,13 @@ impl CurvedHinge {
             rest_curvature: 0.0,
             stiffness: flat.stiffness,
         };
-        curved.rest_curvature = curved.curvature_vector(rest).norm();
+        let curvature = curved.curvature_vector(rest).norm();
+        // What the rounding of the coordinates makes of a flat hinge is no curvature: E would be a cone of that size.
+        let size = rest.iter().map(Vec3::amax).fold(0.0, Real::max);
+        let coefficients: Real = flat.coefficients.iter().map(|q| q.abs()).sum();
+        if curvature > 4.0 * Real::EPSILON * coefficients * size {
+            curved.rest_curvature = curvature;
+        }
         curved
     }
 
