@@ -1,5 +1,6 @@
 //! Closed forms (VALIDATION 1–6) beside what the code does.
 
+mod bending_spring;
 mod buckling;
 mod catenary;
 mod chains;
@@ -8,6 +9,7 @@ mod elastica;
 mod elements;
 mod models;
 mod motion;
+mod patch;
 mod space;
 mod strip;
 mod swings;
@@ -88,7 +90,7 @@ pub struct Law {
 }
 
 /// Every law.
-pub const LAWS: [&Law; 18] = [
+pub const LAWS: [&Law; 20] = [
     &motion::OSCILLATOR,
     &motion::FREE_FALL,
     &constraints::XPBD_CONSTRAINT,
@@ -101,7 +103,9 @@ pub const LAWS: [&Law; 18] = [
     &swings::CHAIN_SWING,
     &elements::LATTICE_MODULUS,
     &elements::BENDING_FACTOR,
+    &patch::PATCH,
     &elements::FLAT_BENDING,
+    &bending_spring::BENDING_SPRING,
     &elastica::ELASTICA,
     &buckling::LATERAL_BUCKLING,
     &space::NULL_SPACE,

@@ -208,6 +208,47 @@ fn lattices_have_their_modulus_in_every_direction() {
 }
 
 #[test]
+fn sheets_answer_a_pull_in_any_direction_with_their_closed_form() {
+    for element in ["stvk", "arap", "springs"] {
+        for direction in ["0", "17", "45", "-63"] {
+            for stretch in ["0.9", "1", "1.01", "1.4"] {
+                for load in ["uniaxial", "equibiaxial"] {
+                    let pairs = [
+                        format!("element={element}"),
+                        format!("direction_deg={direction}"),
+                        format!("stretch={stretch}"),
+                        format!("load={load}"),
+                    ];
+                    let verdict = holds("patch", &pairs.each_ref().map(String::as_str));
+                    let [expected, measured] =
+                        ["lateral_expected", "lateral"].map(|name| detail(&verdict, name));
+                    assert!((expected - measured).abs() < 1e-12, "{pairs:?}");
+                    let inner = detail(&verdict, "force_on_inner_vertices");
+                    assert!(inner < 1e-14, "{pairs:?}: {inner:e}");
+                }
+            }
+        }
+    }
+    for poisson in ["-0.4", "0", "0.49"] {
+        holds("patch", &[&format!("poisson={poisson}")]);
+    }
+    // Springs have no pull per modulus of their own at large stretch: it depends on the direction.
+    let [a, b] = ["0", "30"].map(|direction| {
+        let direction = format!("direction_deg={direction}");
+        holds("patch", &["element=springs", "stretch=1.4", &direction]).measured
+    });
+    assert!((a / b - 1.0).abs() > 1e-2);
+}
+
+#[test]
+fn a_bending_spring_resists_with_the_fourth_power_of_the_fold() {
+    for angle in ["0.1", "2", "20"] {
+        let verdict = holds("bending-spring", &[&format!("angle_deg={angle}")]);
+        assert!((detail(&verdict, "exponent") - 4.0).abs() < 0.02);
+    }
+}
+
+#[test]
 fn quadratic_bending_has_the_factors_of_its_pattern() {
     let factor = |pattern: &str, surface: &str, angle: f64| {
         let pairs = [
@@ -239,7 +280,12 @@ fn quadratic_bending_has_the_factors_of_its_pattern() {
 
 #[test]
 fn every_bending_model_has_the_factors_of_its_pattern_times_its_own() {
-    let models = [("grinspun", 2.0), ("bridson", 1.0 / 12.0), ("cubic", 1.0)];
+    let models = [
+        ("grinspun", 2.0),
+        ("bridson", 1.0 / 12.0),
+        ("cubic", 1.0),
+        ("curved", 1.0),
+    ];
     for (model, own) in models {
         for pattern in ["equilateral", "one-way", "alternating"] {
             for surface in ["cylinder", "sphere", "saddle"] {
