@@ -7,6 +7,7 @@ mod chains;
 mod constraints;
 mod elastica;
 mod elements;
+mod factors;
 mod models;
 mod motion;
 mod patch;
@@ -102,7 +103,7 @@ pub const LAWS: [&Law; 20] = [
     &swings::PENDULUM,
     &swings::CHAIN_SWING,
     &elements::LATTICE_MODULUS,
-    &elements::BENDING_FACTOR,
+    &factors::BENDING_FACTOR,
     &patch::PATCH,
     &elements::FLAT_BENDING,
     &bending_spring::BENDING_SPRING,

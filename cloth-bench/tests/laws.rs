@@ -279,6 +279,34 @@ fn quadratic_bending_has_the_factors_of_its_pattern() {
 }
 
 #[test]
+fn vertices_of_two_kinds_settle_at_two_heights() {
+    for surface in ["cylinder", "sphere", "saddle"] {
+        for angle in ["0", "25", "45"] {
+            for (pattern, settles) in [
+                ("alternating", surface != "saddle"),
+                ("equilateral", false),
+                ("one-way", false),
+            ] {
+                for model in ["bergou", "grinspun"] {
+                    let settled = |settled: &str| {
+                        let pairs = [
+                            format!("pattern={pattern}"),
+                            format!("surface={surface}"),
+                            format!("angle_deg={angle}"),
+                            format!("model={model}"),
+                            format!("settled={settled}"),
+                        ];
+                        holds("bending-factor", &pairs.each_ref().map(String::as_str)).measured
+                    };
+                    let relief = 1.0 - settled("yes") / settled("no");
+                    assert_eq!(relief > 0.1, settles, "{pattern} {surface}: {relief}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
 fn every_bending_model_has_the_factors_of_its_pattern_times_its_own() {
     let models = [
         ("grinspun", 2.0),
