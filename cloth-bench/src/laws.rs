@@ -1,12 +1,19 @@
 //! Closed forms (VALIDATION 1–6) beside what the code does.
 
+mod bending_spring;
+mod buckling;
 mod catenary;
 mod chain_rate;
 mod chains;
 mod constraints;
+mod elastica;
 mod elements;
+mod factors;
+mod models;
 mod motion;
+mod patch;
 mod space;
+mod strip;
 mod swings;
 
 pub(crate) use constraints::{Stretched, fixed_projection};
@@ -85,7 +92,7 @@ pub struct Law {
 }
 
 /// Every law.
-pub const LAWS: [&Law; 16] = [
+pub const LAWS: [&Law; 20] = [
     &motion::OSCILLATOR,
     &motion::FREE_FALL,
     &constraints::XPBD_CONSTRAINT,
@@ -97,8 +104,12 @@ pub const LAWS: [&Law; 16] = [
     &swings::PENDULUM,
     &swings::CHAIN_SWING,
     &elements::LATTICE_MODULUS,
-    &elements::BENDING_FACTOR,
+    &factors::BENDING_FACTOR,
+    &patch::PATCH,
     &elements::FLAT_BENDING,
+    &bending_spring::BENDING_SPRING,
+    &elastica::ELASTICA,
+    &buckling::LATERAL_BUCKLING,
     &space::NULL_SPACE,
     &space::COUNT,
     &space::SAME_MINIMUM,

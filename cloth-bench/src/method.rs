@@ -1,9 +1,16 @@
 //! Every method by name, with its published setting: one for all scenes.
 
+mod families;
+
+pub(crate) use families::implicit_euler;
+
+use families::{add_constraints, add_energies, add_families, add_projections, refused};
+
 use crate::error::BenchError;
 use crate::names;
 use crate::scene::Scene;
 use crate::settings::{Parameter, Settings, parameter};
+use cloth_core::cloth::Elements;
 use cloth_core::linear::{Budget, LinearMethod};
 use cloth_core::math::Real;
 use cloth_core::position_based::{Acceleration, Chebyshev, Radius, Sweep};
@@ -270,7 +277,7 @@ impl Method {
     /// A solver for a scene and a step size `dt` (s), with strain limiting if the settings ask for it.
     ///
     /// # Errors
-    /// [`BenchError::Usage`] for a setting out of range.
+    /// [`BenchError::Usage`] for a setting out of range, or an element of the scene without the view that the method needs.
     pub fn build(
         &self,
         scene: &Scene,
@@ -297,16 +304,12 @@ impl Method {
         dt: Real,
     ) -> Result<Box<dyn Stepper>, BenchError> {
         let model = &scene.model;
-        let (springs, hinges) = (model.springs.clone(), model.hinges.clone());
-        let particles = &model.particles;
+        let (particles, families) = (&model.particles, model.families());
         macro_rules! mass_spring {
             ($kind:ident, $config:expr) => {{
                 let config = $config;
-                let built = $kind::builder(particles)
-                    .energy(springs)
-                    .and_then(|b| b.energy(hinges))
-                    .and_then(|b| b.config(config).build());
-                Box::new(built.map_err(BenchError::usage)?)
+                let builder = add_energies!($kind::builder(particles), families, self.name);
+                Box::new(builder.config(config).build().map_err(BenchError::usage)?)
             }};
         }
         Ok(match self.kind {
@@ -327,9 +330,7 @@ impl Method {
                         _ => StiffnessRule::Fixed(settings.number(&PBD_STIFFNESS)?),
                     },
                 };
-                let builder = PbdSolver::builder(&model.particles)
-                    .energy(springs)
-                    .energy(hinges);
+                let builder = add_constraints!(PbdSolver::builder(particles), families, self.name);
                 Box::new(builder.config(config).build().map_err(BenchError::usage)?)
             }
             Kind::Xpbd => {
@@ -339,9 +340,7 @@ impl Method {
                     sweep: settings.choice(&SWEEP, &SWEEPS)?,
                     acceleration: acceleration(settings)?,
                 };
-                let builder = XpbdSolver::builder(&model.particles)
-                    .energy(springs)
-                    .energy(hinges);
+                let builder = add_constraints!(XpbdSolver::builder(particles), families, self.name);
                 Box::new(builder.config(config).build().map_err(BenchError::usage)?)
             }
             Kind::Pd => {
@@ -359,9 +358,7 @@ impl Method {
                         ],
                     )?,
                 };
-                let builder = PdSolver::builder(&model.particles)
-                    .energy(springs)
-                    .energy(hinges);
+                let builder = add_projections!(PdSolver::builder(particles), families, self.name);
                 Box::new(builder.config(config).build().map_err(BenchError::usage)?)
             }
         })

@@ -70,7 +70,7 @@ pub fn run(
     }
     let energies = scene.model.energies().map_err(BenchError::failed)?;
     let particles = &scene.model.particles;
-    let strain = measure::Strain::of(&scene.model.springs, &state.positions);
+    let strain = measure::Strain::of(&scene.gauges()?, &state.positions);
     let elastic_energy = energies.value(&state.positions);
     let fallen = |x: &[Vec3]| measure::gravitational_energy(particles, x, scene.gravity);
     let separation = separation(scene, state)?;

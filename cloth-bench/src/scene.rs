@@ -1,15 +1,19 @@
 //! The physical scenes, stated once in SI units. Every method simulates the same one.
 
 mod build;
+mod cloth;
 mod pins;
 
 pub use build::build;
 
+use crate::error::BenchError;
 use crate::settings::{Parameter, parameter};
 use cloth_core::cloth::ClothModel;
+use cloth_core::energy::Spring;
 use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::TriMesh;
 use cloth_core::particles::State;
+use cloth_core::topology::EdgeTable;
 
 /// What is simulated: the same masses, elements, pins and start for every method.
 #[derive(Clone, Debug)]
@@ -32,6 +36,22 @@ pub struct Scene {
     pub order: Option<cloth_core::ordering::Order>,
 }
 
+impl Scene {
+    /// Springs to measure stretch by: those of the model, or one on every edge of a sheet whose membrane is made of triangles.
+    ///
+    /// # Errors
+    /// [`BenchError::Failed`] if an edge of the mesh is not manifold.
+    pub fn gauges(&self) -> Result<Vec<Spring>, BenchError> {
+        match &self.mesh {
+            Some(mesh) if self.model.springs.is_empty() => {
+                let edges = EdgeTable::build(mesh).map_err(BenchError::failed)?;
+                Ok(Spring::along(mesh.positions(), edges.ends(), 0.0))
+            }
+            _ => Ok(self.model.springs.clone()),
+        }
+    }
+}
+
 /// A scene that can be named.
 #[derive(Clone, Copy, Debug)]
 pub struct SceneInfo {
@@ -46,6 +66,36 @@ pub struct SceneInfo {
 pub(crate) const DENSITY: Parameter = parameter("density", "0.2", "areal density (kg/m²)");
 pub(crate) const STIFFNESS: Parameter =
     parameter("stiffness", "1e4", "stiffness k of every spring (N/m)");
+pub(crate) const MODULUS: Parameter = parameter(
+    "modulus",
+    "none",
+    "membrane modulus Y (N/m) in the place of the stiffness of springs, or none",
+);
+pub(crate) const MEMBRANE: Parameter = parameter(
+    "membrane",
+    "springs",
+    "elements that resist stretching: springs, stvk or arap; triangles get the modulus that springs of the given stiffness have",
+);
+pub(crate) const POISSON: Parameter = parameter(
+    "poisson",
+    "0.3333333333333333",
+    "Poisson's ratio of stvk, from −1 to 1; springs have 1/3",
+);
+pub(crate) const SHEAR: Parameter = parameter(
+    "shear",
+    "none",
+    "stiffness of springs along both diagonals of rectangular cells (N/m), or none: one diagonal, as stiff as the other edges",
+);
+pub(crate) const BENDING: Parameter = parameter(
+    "bending",
+    "quadratic",
+    "elements that resist bending: quadratic, dihedral, cubic, curved, spring (across hinges) or none",
+);
+pub(crate) const BENDING_STIFFNESS: Parameter = parameter(
+    "bending_stiffness",
+    "1",
+    "stiffness of springs across hinges (N/m)",
+);
 pub(crate) const RIGIDITY: Parameter = parameter("rigidity", "1e-5", "bending rigidity D (N·m)");
 pub(crate) const GRAVITY: Parameter =
     parameter("gravity", "9.81", "acceleration of free fall (m/s²)");
@@ -76,21 +126,35 @@ pub(crate) const STRIP_SIZE: Parameter = parameter("n", "8", "cells across the s
 pub(crate) const STRIP_RIGIDITY: Parameter =
     parameter("rigidity", "0.1", "bending rigidity D (N·m)");
 
+/// What can be set of a sheet.
+const SHEET: &[Parameter] = &[
+    SIZE,
+    PATTERN,
+    DENSITY,
+    STIFFNESS,
+    MODULUS,
+    MEMBRANE,
+    POISSON,
+    SHEAR,
+    RIGIDITY,
+    BENDING,
+    BENDING_STIFFNESS,
+    GRAVITY,
+    PINS,
+    UP,
+];
+
 /// Every scene.
 pub const SCENES: [SceneInfo; 4] = [
     SceneInfo {
         name: "hang",
         about: "a sheet of 1 m × 1 m held at two corners, starting horizontal; with --mesh any OBJ, held at its highest vertices",
-        parameters: &[
-            SIZE, PATTERN, DENSITY, STIFFNESS, RIGIDITY, GRAVITY, PINS, UP,
-        ],
+        parameters: SHEET,
     },
     SceneInfo {
         name: "drop",
         about: "the same sheet in free fall, held nowhere: it must not deform",
-        parameters: &[
-            SIZE, PATTERN, DENSITY, STIFFNESS, RIGIDITY, GRAVITY, PINS, UP,
-        ],
+        parameters: SHEET,
     },
     SceneInfo {
         name: "chain",
@@ -106,7 +170,13 @@ pub const SCENES: [SceneInfo; 4] = [
             PATTERN,
             DENSITY,
             STIFFNESS,
+            MODULUS,
+            MEMBRANE,
+            POISSON,
+            SHEAR,
             STRIP_RIGIDITY,
+            BENDING,
+            BENDING_STIFFNESS,
             GRAVITY,
         ],
     },

@@ -1,7 +1,7 @@
 //! One implicit step as a problem with a known answer, and how far a method is from it (VALIDATION 8.1).
 
 use crate::error::BenchError;
-use crate::method::Method;
+use crate::method::{self, Method};
 use crate::scene::Scene;
 use crate::settings::Settings;
 use cloth_core::cloth::ClothModel;
@@ -194,11 +194,11 @@ impl StepProblem {
 /// # Errors
 /// [`BenchError::Failed`] if the model names vertices that do not exist.
 pub fn reference(model: &ClothModel) -> Result<ImplicitEuler, BenchError> {
-    ImplicitEuler::builder(&model.particles)
-        .energy(model.springs.clone())
-        .and_then(|builder| builder.energy(model.hinges.clone()))
-        .and_then(|builder| builder.config(ImplicitConfig::reference()).build())
-        .map_err(BenchError::failed)
+    method::implicit_euler(
+        &model.particles,
+        model.families(),
+        ImplicitConfig::reference(),
+    )
 }
 
 struct Recorder<'a> {

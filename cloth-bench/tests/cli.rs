@@ -106,6 +106,40 @@ fn values_out_of_range_are_refused_by_name() {
 }
 
 #[test]
+fn elements_without_the_view_of_a_method_are_refused() {
+    let run = |method: &str, set: &[&str], words: &[&str]| {
+        let mut arguments = vec!["run", "hang", "--n", "5", "--method", method];
+        set.iter()
+            .for_each(|pair| arguments.extend(["--set", pair]));
+        refused(&arguments, 2, words);
+    };
+    run(
+        "pd",
+        &["membrane=stvk"],
+        &["`pd`", "StVK triangles", "distance"],
+    );
+    run("pd", &["bending=dihedral"], &["`pd`", "dihedral hinges"]);
+    run(
+        "xpbd",
+        &["bending=cubic"],
+        &["`xpbd`", "cubic-shell", "squares"],
+    );
+    run("pbd", &["membrane=stvkk"], &["`stvkk`", "`stvk`"]);
+    // What nothing would use is no choice either.
+    run("pbd", &["poisson=0.3"], &["poisson", "membrane=stvk"]);
+    run("pbd", &["bending_stiffness=3"], &["bending_stiffness"]);
+    run("pbd", &["bending=none", "rigidity=1"], &["rigidity"]);
+    run(
+        "pbd",
+        &["modulus=1", "stiffness=1"],
+        &["modulus", "stiffness"],
+    );
+    run("pbd", &["modulus=1", "shear=1"], &["shear"]);
+    run("pbd", &["shear=-1"], &["shear", "-1"]);
+    run("pbd", &["membrane=stvk", "poisson=1"], &["Poisson", "1"]);
+}
+
+#[test]
 fn a_method_with_another_aim_is_not_compared_with_implicit_euler() {
     let arguments = [
         "run",

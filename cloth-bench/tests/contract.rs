@@ -1,5 +1,7 @@
 //! Claims that hold for every method.
 
+#[path = "contract/carriers.rs"]
+mod carriers;
 #[path = "contract/common.rs"]
 mod common;
 #[path = "../../cloth-core/tests/support/counting_allocator.rs"]

@@ -1,30 +1,11 @@
 //! Every law holds, over its parameters.
 
-use cloth_bench::laws::{LAWS, Law, Verdict};
+#[path = "support/law.rs"]
+mod support;
+
+use cloth_bench::laws::LAWS;
 use cloth_bench::method::METHODS;
-use cloth_bench::settings::Settings;
-
-fn holds(name: &str, pairs: &[&str]) -> Verdict {
-    let law = Law::find(name).unwrap();
-    let verdict = law.evaluate(&Settings::parse(pairs).unwrap()).unwrap();
-    assert!(
-        law.holds(&verdict),
-        "law {name} {pairs:?}: expected {}, measured {}, error {:e}",
-        verdict.expected,
-        verdict.measured,
-        verdict.error()
-    );
-    verdict
-}
-
-fn detail(verdict: &Verdict, name: &str) -> f64 {
-    verdict
-        .details
-        .iter()
-        .find(|(key, _)| *key == name)
-        .expect(name)
-        .1
-}
+use support::{detail, holds};
 
 #[test]
 fn every_law_holds_at_its_defaults() {
@@ -248,6 +229,47 @@ fn lattices_have_their_modulus_in_every_direction() {
 }
 
 #[test]
+fn sheets_answer_a_pull_in_any_direction_with_their_closed_form() {
+    for element in ["stvk", "arap", "springs"] {
+        for direction in ["0", "17", "45", "-63"] {
+            for stretch in ["0.9", "1", "1.01", "1.4"] {
+                for load in ["uniaxial", "equibiaxial"] {
+                    let pairs = [
+                        format!("element={element}"),
+                        format!("direction_deg={direction}"),
+                        format!("stretch={stretch}"),
+                        format!("load={load}"),
+                    ];
+                    let verdict = holds("patch", &pairs.each_ref().map(String::as_str));
+                    let [expected, measured] =
+                        ["lateral_expected", "lateral"].map(|name| detail(&verdict, name));
+                    assert!((expected - measured).abs() < 1e-12, "{pairs:?}");
+                    let inner = detail(&verdict, "force_on_inner_vertices");
+                    assert!(inner < 1e-14, "{pairs:?}: {inner:e}");
+                }
+            }
+        }
+    }
+    for poisson in ["-0.4", "0", "0.49"] {
+        holds("patch", &[&format!("poisson={poisson}")]);
+    }
+    // Springs have no pull per modulus of their own at large stretch: it depends on the direction.
+    let [a, b] = ["0", "30"].map(|direction| {
+        let direction = format!("direction_deg={direction}");
+        holds("patch", &["element=springs", "stretch=1.4", &direction]).measured
+    });
+    assert!((a / b - 1.0).abs() > 1e-2);
+}
+
+#[test]
+fn a_bending_spring_resists_with_the_fourth_power_of_the_fold() {
+    for angle in ["0.1", "2", "20"] {
+        let verdict = holds("bending-spring", &[&format!("angle_deg={angle}")]);
+        assert!((detail(&verdict, "exponent") - 4.0).abs() < 0.02);
+    }
+}
+
+#[test]
 fn quadratic_bending_has_the_factors_of_its_pattern() {
     let factor = |pattern: &str, surface: &str, angle: f64| {
         let pairs = [
@@ -278,8 +300,41 @@ fn quadratic_bending_has_the_factors_of_its_pattern() {
 }
 
 #[test]
+fn vertices_of_two_kinds_settle_at_two_heights() {
+    for surface in ["cylinder", "sphere", "saddle"] {
+        for angle in ["0", "25", "45"] {
+            for (pattern, settles) in [
+                ("alternating", surface != "saddle"),
+                ("equilateral", false),
+                ("one-way", false),
+            ] {
+                for model in ["bergou", "grinspun"] {
+                    let settled = |settled: &str| {
+                        let pairs = [
+                            format!("pattern={pattern}"),
+                            format!("surface={surface}"),
+                            format!("angle_deg={angle}"),
+                            format!("model={model}"),
+                            format!("settled={settled}"),
+                        ];
+                        holds("bending-factor", &pairs.each_ref().map(String::as_str)).measured
+                    };
+                    let relief = 1.0 - settled("yes") / settled("no");
+                    assert_eq!(relief > 0.1, settles, "{pattern} {surface}: {relief}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
 fn every_bending_model_has_the_factors_of_its_pattern_times_its_own() {
-    let models = [("grinspun", 2.0), ("bridson", 1.0 / 12.0), ("cubic", 1.0)];
+    let models = [
+        ("grinspun", 2.0),
+        ("bridson", 1.0 / 12.0),
+        ("cubic", 1.0),
+        ("curved", 1.0),
+    ];
     for (model, own) in models {
         for pattern in ["equilateral", "one-way", "alternating"] {
             for surface in ["cylinder", "sphere", "saddle"] {

@@ -1,4 +1,39 @@
 //! One description of a cloth in SI units, from which every method gets its constants.
+//!
+//! A [`Cloth`] says what the cloth is: mass, modulus, rigidity. [`Carriers`] say which elements carry it. A [`ClothModel`] is
+//! both cut to a mesh, a list of families of [`Elements`] for the builder of any solver:
+//!
+//! ```
+//! use cloth_core::cloth::{BendingCarrier, Carriers, Cloth, Membrane, MembraneCarrier};
+//! use cloth_core::mesh::generate::{Diagonals, grid};
+//!
+//! let mesh = grid(9, 9, 1.0, 1.0, Diagonals::Alternating)?;
+//! let cotton = Cloth {
+//!     areal_density: 0.2,                   // kg/m²
+//!     membrane: Membrane::Modulus(1000.0),  // N/m
+//!     bending_rigidity: 1e-5,               // N·m
+//! };
+//! let springs = cotton.on(&mesh)?;
+//! let triangles = cotton.carried_by(
+//!     &Carriers {
+//!         membrane: MembraneCarrier::Stvk { poisson_ratio: 1.0 / 3.0 },
+//!         bending: BendingCarrier::Dihedral,
+//!         ..Carriers::default()
+//!     },
+//!     &mesh,
+//! )?;
+//! // The same cloth: stretched by a thousandth, both store the same energy up to the order of the strain.
+//! let stretched: Vec<_> = mesh.positions().iter().map(|p| p * 1.001).collect();
+//! let [a, b] = [springs.energies()?.value(&stretched), triangles.energies()?.value(&stretched)];
+//! assert!((a / b - 1.0).abs() < 2e-3);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod carriers;
+mod elements;
+
+pub use carriers::{BendingCarrier, Carriers, MembraneCarrier};
+pub use elements::Elements;
 
 use crate::energy::{CurvatureHinge, Spring};
 use crate::family::Energies;
@@ -6,7 +41,7 @@ use crate::math::Real;
 use crate::mesh::{MeshError, TriMesh};
 use crate::particles::{ParticleError, Particles};
 use crate::step::BuildError;
-use crate::topology::{EdgeTable, HingeTable};
+use crate::topology::EdgeTable;
 use std::fmt;
 
 /// How the cloth resists being stretched.
@@ -38,82 +73,112 @@ pub struct Cloth {
 pub struct ClothModel {
     /// Masses; pin vertices here before building a solver.
     pub particles: Particles,
-    /// Structural springs, one per edge.
+    /// Structural springs, one per edge; none if something else carries the membrane.
     pub springs: Vec<Spring>,
-    /// Bending elements, one per inner edge; none if the rigidity is 0.
+    /// Quadratic hinges, one per inner edge; none if the rigidity is 0 or something else carries the bending.
     pub hinges: Vec<CurvatureHinge>,
+    /// Elements of every other kind, and springs that are not structural.
+    pub others: Vec<Elements>,
 }
 
 impl Cloth {
-    /// Masses and elements of this cloth on a mesh at rest.
+    /// Masses and elements of this cloth on a mesh at rest: springs on the edges and quadratic hinges.
     ///
     /// # Errors
     /// [`ClothError`] if a number is out of range or an edge of the mesh is not manifold.
     pub fn on(&self, mesh: &TriMesh) -> Result<ClothModel, ClothError> {
+        self.carried_by(&Carriers::default(), mesh)
+    }
+
+    /// The same with a choice of elements.
+    ///
+    /// # Errors
+    /// [`ClothError`] if a number is out of range, an edge of the mesh is not manifold, or the choice does not fit the cloth or the mesh.
+    pub fn carried_by(
+        &self,
+        carriers: &Carriers,
+        mesh: &TriMesh,
+    ) -> Result<ClothModel, ClothError> {
         let particles = Particles::from_areal_density(mesh, self.areal_density)?;
         let edges = EdgeTable::build(mesh)?;
-        let springs = self.membrane.springs(mesh, &edges)?;
-        if !(self.bending_rigidity >= 0.0 && self.bending_rigidity.is_finite()) {
-            return Err(ClothError::OutOfRange {
-                name: "bending rigidity",
-                value: self.bending_rigidity,
-                unit: "N·m",
-            });
-        }
-        let hinges = if self.bending_rigidity > 0.0 {
-            CurvatureHinge::across(
-                mesh,
-                &HingeTable::build(mesh, &edges),
-                self.bending_rigidity,
-            )
-        } else {
-            Vec::new()
-        };
+        let cut = carriers.cut(self, mesh, &edges)?;
         Ok(ClothModel {
             particles,
-            springs,
-            hinges,
+            springs: cut.springs,
+            hinges: cut.hinges,
+            others: cut.others,
         })
     }
 }
 
 impl Membrane {
-    /// One spring per edge.
-    fn springs(self, mesh: &TriMesh, edges: &EdgeTable) -> Result<Vec<Spring>, ClothError> {
+    fn check(self) -> Result<(), ClothError> {
         let (name, value) = match self {
             Self::SpringStiffness(k) => ("spring stiffness", k),
             Self::Modulus(y) => ("membrane modulus", y),
         };
-        if !(value >= 0.0 && value.is_finite()) {
-            return Err(ClothError::OutOfRange {
-                name,
-                value,
-                unit: "N/m",
-            });
-        }
+        carriers::not_negative(name, value, "N/m")
+    }
+
+    /// One spring per edge.
+    fn springs(self, mesh: &TriMesh, edges: &EdgeTable) -> Vec<Spring> {
+        let (Self::SpringStiffness(value) | Self::Modulus(value)) = self;
         let mut springs = Spring::along(mesh.positions(), edges.ends(), value);
-        if let Self::Modulus(y) = self {
-            let share = |edge: usize| if edges.is_boundary(edge) { 0.5 } else { 1.0 };
-            let square = |(edge, s): (usize, &Spring)| share(edge) * s.rest_length * s.rest_length;
-            let squares: Real = springs.iter().enumerate().map(square).sum();
-            let stiffness = 3.0 * y * mesh.area() / squares;
+        if let Self::Modulus(modulus) = self {
+            let stiffness = modulus / modulus_per_stiffness(mesh, edges);
             for (edge, spring) in springs.iter_mut().enumerate() {
-                spring.stiffness = share(edge) * stiffness;
+                spring.stiffness = share(edges, edge) * stiffness;
             }
         }
-        Ok(springs)
+        springs
+    }
+
+    /// Y (N/m); of springs, that of their mean over all directions.
+    fn modulus(self, mesh: &TriMesh, edges: &EdgeTable) -> Real {
+        match self {
+            Self::SpringStiffness(k) => k * modulus_per_stiffness(mesh, edges),
+            Self::Modulus(y) => y,
+        }
     }
 }
 
+/// `Σ n L²/(3A)`, Y/k of equal springs in the mean over all directions.
+fn modulus_per_stiffness(mesh: &TriMesh, edges: &EdgeTable) -> Real {
+    let x = mesh.positions();
+    let square = |(edge, &[a, b]): (usize, &[u32; 2])| {
+        share(edges, edge) * (x[a as usize] - x[b as usize]).norm_squared()
+    };
+    let squares: Real = edges.ends().iter().enumerate().map(square).sum();
+    squares / (3.0 * mesh.area())
+}
+
+/// Half the number of triangles at an edge.
+fn share(edges: &EdgeTable, edge: usize) -> Real {
+    if edges.is_boundary(edge) { 0.5 } else { 1.0 }
+}
+
 impl ClothModel {
+    /// All elements, family by family; families without elements are left out.
+    #[must_use]
+    pub fn families(&self) -> Vec<Elements> {
+        let own = [
+            Elements::Springs(self.springs.clone()),
+            Elements::Quadratic(self.hinges.clone()),
+        ];
+        own.into_iter()
+            .chain(self.others.iter().cloned())
+            .filter(|family| !family.is_empty())
+            .collect()
+    }
+
     /// The elastic energy.
     ///
     /// # Errors
     /// [`BuildError::NoSuchVertex`] if an element was changed to name a vertex that does not exist.
     pub fn energies(&self) -> Result<Energies, BuildError> {
-        Energies::new(self.particles.len())
-            .with(self.springs.clone())?
-            .with(self.hinges.clone())
+        let none = Energies::new(self.particles.len());
+        let mut families = self.families().into_iter();
+        families.try_fold(none, |sum, family| family.add_to(sum))
     }
 }
 
@@ -134,6 +199,12 @@ pub enum ClothError {
         /// Its unit.
         unit: &'static str,
     },
+    /// Poisson's ratio (dimensionless) does not lie between −1 and 1.
+    PoissonRatio(Real),
+    /// Shear springs were asked for beside a membrane that is not made of springs of a given stiffness.
+    ShearWithoutStiffness,
+    /// Shear springs were asked for on a mesh where no two triangles form a rectangle.
+    NoRectangles,
 }
 
 impl fmt::Display for ClothError {
@@ -144,6 +215,16 @@ impl fmt::Display for ClothError {
             Self::OutOfRange { name, value, unit } => write!(
                 f,
                 "the {name} is {value} {unit}, but it has to be zero or a positive finite number"
+            ),
+            Self::PoissonRatio(value) => write!(
+                f,
+                "Poisson's ratio is {value}, but it has to lie between -1 and 1"
+            ),
+            Self::ShearWithoutStiffness => f.write_str(
+                "shear springs stand beside springs of a given stiffness, not beside triangles or springs made from a modulus",
+            ),
+            Self::NoRectangles => f.write_str(
+                "no two triangles of the mesh form a rectangle that shear springs could cross",
             ),
         }
     }

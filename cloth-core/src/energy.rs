@@ -12,10 +12,15 @@
 //! | [`AreaTriangle`], area modulus K | 3 | yes | 1 row | – | N/m³, from a modulus in N/m |
 //! | [`VolumeTetrahedron`], bulk modulus K | 4 | yes | 1 row | – | N/m⁵, from a modulus in Pa |
 //! | [`Attachment`] | 1 | yes | 3 rows | K = 1 | N/m |
+//!
+//! A dash is a view that the energy does not have. The projective view needs a squared distance to a set under a *constant* linear map: an angle is no
+//! linear function of positions, and the strains of StVK are quadratic ones. (PD bends by the length of the curvature vector instead, [`CurvedHinge`], and stretches by ARAP.) The
+//! constraint view needs a sum of squares, and the cubic shell is a polynomial of third degree, unbounded from below.
 
 mod arap_triangle;
 mod area;
 mod attachment;
+mod cotangent;
 mod cubic_shell;
 mod curvature_hinge;
 mod curved_hinge;

@@ -262,6 +262,29 @@ fn the_projective_view_of_a_curved_hinge_gives_the_same_forces() {
     assert!((flat / quadratic - 1.0).abs() < 1e-13);
 }
 
+#[test]
+fn a_flat_sheet_is_flat_for_curved_hinges_wherever_it_lies() {
+    // Coordinates that are no round numbers: each hinge is flat up to rounding only.
+    let flat = generate::irregular(12, 1.0, 1.0, 4).unwrap();
+    let turn = nalgebra::Rotation3::from_euler_angles(0.4, -1.1, 2.3);
+    let place = |p: &Vec3| turn * p + Vec3::new(0.3, -7.0, 2.0);
+    let moved: Vec<Vec3> = flat.positions().iter().map(place).collect();
+    let mesh = TriMesh::new(moved, flat.triangles().to_vec()).unwrap();
+    let hinges = HingeTable::build(&mesh, &EdgeTable::build(&mesh).unwrap());
+    for hinge in CurvedHinge::across(&mesh, &hinges, 1.0) {
+        assert_eq!(hinge.rest_curvature, 0.0);
+        let x = hinge.vertices.map(|v| mesh.positions()[v as usize]);
+        let quadratic = CurvatureHinge::new(hinge.vertices, &x, 1.0 / 3.0);
+        let [own, other] = [
+            hinge.hessian(&x, Convexity::Exact),
+            quadratic.hessian(&x, Convexity::Exact),
+        ];
+        for (a, b) in own.iter().flatten().zip(other.iter().flatten()) {
+            assert!((a - b).amax() < 1e-9 * hinge.stiffness);
+        }
+    }
+}
+
 /// The limit that the docs of the cubic shell state.
 #[test]
 fn a_curved_cubic_shell_pulls_outwards_at_rest() {

@@ -4,31 +4,30 @@ use super::{Law, Verdict};
 use crate::error::BenchError;
 use crate::settings::{Parameter, Settings, parameter};
 use cloth_core::cloth::{Cloth, Membrane};
-use cloth_core::energy::{CubicShell, CurvatureHinge, DihedralHinge};
-use cloth_core::family::Energies;
 use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::TriMesh;
 use cloth_core::mesh::generate::{self, Diagonals};
-use cloth_core::topology::{EdgeTable, HingeTable};
+use cloth_core::topology::EdgeTable;
 
+/// How a sheet is cut into triangles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Pattern {
+pub(crate) enum Pattern {
     Equilateral,
     OneWay,
     Alternating,
 }
 
-const PATTERN: Parameter = parameter(
+pub(super) const PATTERN: Parameter = parameter(
     "pattern",
     "equilateral",
     "equilateral, one-way or alternating",
 );
-const PATTERNS: [(&str, Pattern); 3] = [
+pub(crate) const PATTERNS: [(&str, Pattern); 3] = [
     ("equilateral", Pattern::Equilateral),
     ("one-way", Pattern::OneWay),
     ("alternating", Pattern::Alternating),
 ];
-const ANGLE: Parameter = parameter(
+pub(super) const ANGLE: Parameter = parameter(
     "angle_deg",
     "0",
     "direction of the pull, from the x axis (degrees)",
@@ -42,21 +41,6 @@ pub(super) const LATTICE_MODULUS: Law = Law {
     evaluate: lattice_modulus,
 };
 
-const MODEL: Parameter = parameter(
-    "model",
-    "bergou",
-    "bergou (quadratic), grinspun, bridson or cubic",
-);
-const SURFACE: Parameter = parameter("surface", "cylinder", "cylinder, sphere or saddle");
-
-pub(super) const BENDING_FACTOR: Law = Law {
-    name: "bending-factor",
-    about: "bending energy per area for coefficient k: over ½ k κ² on a cylinder and a saddle, over ½ k (2κ)² on a sphere (VALIDATION 4)",
-    parameters: &[MODEL, PATTERN, SURFACE, ANGLE],
-    tolerance: 1e-9,
-    evaluate: bending_factor,
-};
-
 pub(super) const FLAT_BENDING: Law = Law {
     name: "flat-bending",
     about: "quadratic bending energy (J) of a flat irregular sheet that is turned and stretched in its plane: 0",
@@ -66,7 +50,7 @@ pub(super) const FLAT_BENDING: Law = Law {
 };
 
 /// A patch of the pattern with unit edges (unit cells for the grids), and a window (low corner, size) in it that holds whole periods.
-fn patch(pattern: Pattern) -> Result<(TriMesh, [Real; 2], [Real; 2]), BenchError> {
+pub(super) fn patch(pattern: Pattern) -> Result<(TriMesh, [Real; 2], [Real; 2]), BenchError> {
     const CELLS: usize = 12;
     let side = CELLS as Real;
     let row = 0.75_f64.sqrt();
@@ -169,145 +153,6 @@ fn modulus(tensor: &nalgebra::Matrix3<Real>, angle: Real) -> Result<Real, BenchE
         .try_inverse()
         .ok_or_else(|| BenchError::Failed("the springs do not resist every strain".into()))?;
     Ok(1.0 / pull.dot(&(inverse * pull)))
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Surface {
-    Cylinder,
-    Sphere,
-    Saddle,
-}
-
-/// Curvature tensor `(κ_xx, κ_yy, κ_xy)` of a surface with curvature 1 in the direction of `angle`.
-fn curvature(surface: Surface, angle: Real) -> [Real; 3] {
-    let across = match surface {
-        Surface::Cylinder => 0.0,
-        Surface::Sphere => 1.0,
-        Surface::Saddle => -1.0,
-    };
-    let (sin, cos) = angle.sin_cos();
-    [
-        cos * cos + across * sin * sin,
-        sin * sin + across * cos * cos,
-        (1.0 - across) * sin * cos,
-    ]
-}
-
-/// Energy per area over `½ k`, by hand: `Σ 3/(A₀ + A₁) (q z)²` over the hinges of one period, with `z = ½ x·κx`.
-fn energy_by_hand(pattern: Pattern, [xx, yy, xy]: [Real; 3]) -> Real {
-    let square = |x: Real| x * x;
-    match pattern {
-        // Each of three directions t with normal n gives ⅓ (κ_tt − 3 κ_nn)².
-        Pattern::Equilateral => [0.0_f64, 60.0, 120.0]
-            .iter()
-            .map(|degrees| {
-                let (s, c) = degrees.to_radians().sin_cos();
-                let along = xx * c * c + yy * s * s + 2.0 * xy * s * c;
-                square(along - 3.0 * (xx + yy - along)) / 3.0
-            })
-            .sum(),
-        Pattern::OneWay => 12.0 * square(xy) + 3.0 * square(xx + xy) + 3.0 * square(yy + xy),
-        Pattern::Alternating => 12.0 * square(xy) + 3.0 * square(xx) + 3.0 * square(yy),
-    }
-}
-
-/// The bending models, each with coefficient k = 1.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Model {
-    Bergou,
-    Grinspun,
-    Bridson,
-    Cubic,
-}
-
-impl Model {
-    /// Energy of a small fold over that of the quadratic model with the same k (VALIDATION 4).
-    fn factor(self) -> Real {
-        match self {
-            Self::Bergou | Self::Cubic => 1.0,
-            Self::Grinspun => 2.0,
-            Self::Bridson => 1.0 / 12.0,
-        }
-    }
-
-    /// Bending energy (J) of a mesh on some of its hinges, at rest as it is, in another shape.
-    fn value(self, rest: &[Vec3], hinges: &[[u32; 4]], x: &[Vec3]) -> Result<Real, BenchError> {
-        let corners = |hinge: [u32; 4]| cloth_core::math::gather(rest, hinge);
-        let energies = Energies::new(rest.len());
-        let each = hinges.iter();
-        let energies = match self {
-            Self::Bergou => energies.with(
-                each.map(|&h| CurvatureHinge::new(h, &corners(h), 1.0))
-                    .collect(),
-            ),
-            Self::Grinspun => energies.with(
-                each.map(|&h| DihedralHinge::grinspun(h, &corners(h), 1.0))
-                    .collect(),
-            ),
-            Self::Bridson => energies.with(
-                each.map(|&h| DihedralHinge::bridson(h, &corners(h), 1.0))
-                    .collect(),
-            ),
-            Self::Cubic => energies.with(
-                each.map(|&h| CubicShell::new(h, &corners(h), 1.0))
-                    .collect(),
-            ),
-        };
-        Ok(energies.map_err(BenchError::failed)?.value(x))
-    }
-}
-
-fn bending_factor(settings: &Settings) -> Result<Verdict, BenchError> {
-    const CURVATURE: Real = 1e-6; // m⁻¹: models of the angle differ from the quadratic one by the square of the slope
-    let model = settings.choice(
-        &MODEL,
-        &[
-            ("bergou", Model::Bergou),
-            ("grinspun", Model::Grinspun),
-            ("bridson", Model::Bridson),
-            ("cubic", Model::Cubic),
-        ],
-    )?;
-    let pattern = settings.choice(&PATTERN, &PATTERNS)?;
-    let surface = settings.choice(
-        &SURFACE,
-        &[
-            ("cylinder", Surface::Cylinder),
-            ("sphere", Surface::Sphere),
-            ("saddle", Surface::Saddle),
-        ],
-    )?;
-    let angle = settings.number(&ANGLE)?.to_radians();
-    let kappa = curvature(surface, angle);
-    let (mesh, low, size) = patch(pattern)?;
-    let curved: Vec<Vec3> = mesh
-        .positions()
-        .iter()
-        .map(|p| {
-            let twice = kappa[0] * p.x * p.x + kappa[1] * p.y * p.y + 2.0 * kappa[2] * p.x * p.y;
-            Vec3::new(p.x, p.y, 0.5 * CURVATURE * twice)
-        })
-        .collect();
-    let edges = EdgeTable::build(&mesh).map_err(BenchError::failed)?;
-    let hinges = HingeTable::build(&mesh, &edges);
-    let inside: Vec<[u32; 4]> = hinges
-        .hinges()
-        .iter()
-        .copied()
-        .filter(|hinge| {
-            let middle =
-                (mesh.positions()[hinge[0] as usize] + mesh.positions()[hinge[1] as usize]) * 0.5;
-            (0..2).all(|axis| middle[axis] >= low[axis] && middle[axis] < low[axis] + size[axis])
-        })
-        .collect();
-    let per_area = model.value(mesh.positions(), &inside, &curved)? / (size[0] * size[1]);
-    // A sphere is compared by its mean curvature, κ1 + κ2 = 2.
-    let scale = if surface == Surface::Sphere { 4.0 } else { 1.0 };
-    let measured = per_area / (0.5 * CURVATURE * CURVATURE) / scale;
-    Ok(Verdict::new(
-        model.factor() * energy_by_hand(pattern, kappa) / scale,
-        measured,
-    ))
 }
 
 fn flat_bending(_: &Settings) -> Result<Verdict, BenchError> {

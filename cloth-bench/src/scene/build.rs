@@ -1,14 +1,14 @@
 //! From a name and settings to a [`Scene`].
 
 use super::{
-    ASPECT, DENSITY, GRAVITY, LINK_LENGTH, LINK_MASS, LINKS, PATTERN, PINS, RIGIDITY, SCENES, SIZE,
-    STIFFNESS, STRIP_RIGIDITY, STRIP_SIZE, Scene, SceneInfo, TIP_MASS, UP, pins,
+    ASPECT, GRAVITY, LINK_LENGTH, LINK_MASS, LINKS, PATTERN, PINS, RIGIDITY, SCENES, SIZE,
+    STIFFNESS, STRIP_RIGIDITY, STRIP_SIZE, Scene, SceneInfo, TIP_MASS, UP, cloth, pins,
 };
 use crate::error::BenchError;
 use crate::mesh_spec::{self, PATTERNS};
 use crate::names;
 use crate::settings::Settings;
-use cloth_core::cloth::{Cloth, ClothModel, Membrane};
+use cloth_core::cloth::ClothModel;
 use cloth_core::energy::Spring;
 use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::TriMesh;
@@ -99,9 +99,7 @@ fn sheet(name: &'static str, mesh: Option<&str>, settings: &Settings) -> Result<
         }
         None => mesh,
     };
-    let mut model = cloth(settings, settings.number(&RIGIDITY)?)?
-        .on(&mesh)
-        .map_err(BenchError::usage)?;
+    let mut model = cloth::cut(settings, &RIGIDITY, &mesh)?;
     hold(&held, &mut model)?;
     let gravity = up * -settings.number(&GRAVITY)?;
     Ok(Scene {
@@ -114,14 +112,6 @@ fn hold(vertices: &[usize], model: &mut ClothModel) -> Result<(), BenchError> {
     vertices
         .iter()
         .try_for_each(|&vertex| model.particles.prescribe(vertex).map_err(BenchError::usage))
-}
-
-fn cloth(settings: &Settings, rigidity: Real) -> Result<Cloth, BenchError> {
-    Ok(Cloth {
-        areal_density: settings.number(&DENSITY)?,
-        membrane: Membrane::SpringStiffness(settings.number(&STIFFNESS)?),
-        bending_rigidity: rigidity,
-    })
 }
 
 fn of_mesh(name: &'static str, mesh: &TriMesh, model: ClothModel, gravity: Vec3) -> Scene {
@@ -167,6 +157,7 @@ fn chain(settings: &Settings) -> Result<Scene, BenchError> {
         model: ClothModel {
             springs: Spring::along(&positions, &ends, stiffness),
             hinges: Vec::new(),
+            others: Vec::new(),
             particles,
         },
         start: State::at_rest(positions),
@@ -186,9 +177,7 @@ fn cantilever(settings: &Settings) -> Result<Scene, BenchError> {
     let diagonals = settings.choice(&PATTERN, &PATTERNS)?;
     let mesh = generate::grid(along + 1, across + 1, length, WIDTH, diagonals)
         .map_err(BenchError::usage)?;
-    let mut model = cloth(settings, settings.number(&STRIP_RIGIDITY)?)?
-        .on(&mesh)
-        .map_err(BenchError::usage)?;
+    let mut model = cloth::cut(settings, &STRIP_RIGIDITY, &mesh)?;
     // Two columns of vertices are held: position and direction of the clamped end.
     let left = mesh
         .positions()

@@ -106,6 +106,7 @@ fn one_constraint(
             particles: stretched.particles.clone(),
             springs: vec![stretched.spring],
             hinges: Vec::new(),
+            others: Vec::new(),
         },
         start: State::at_rest(vec![Vec3::zeros(), Vec3::x()]),
         mesh: None,

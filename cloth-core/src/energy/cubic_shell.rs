@@ -2,22 +2,22 @@
 //!
 //! A. Garg, E. Grinspun, M. Wardetzky, D. Zorin, "Cubic shells", SCA 2007, <https://doi.org/10.2312/SCA/SCA07/091-098>.
 
-use super::CurvatureHinge;
+use super::cotangent::{Cotangents, curvature_vector, on_each_hinge};
 use super::dihedral_hinge::angle;
 use crate::element::{Convexity, Element, Energy};
-use crate::math::{Blocks, Mat3, Real, Vec3, gather, make_semidefinite};
+use crate::math::{Blocks, Mat3, Real, Vec3, make_semidefinite};
 use crate::mesh::TriMesh;
 use crate::topology::HingeTable;
 
 /// The energy `E = K (1 − cos(θ − θ₀))` (J), written as a polynomial.
 ///
 /// `1 − cos(θ − θ₀) = 1 − cos θ₀ cos θ − sin θ₀ sin θ`. As long as the triangles are not stretched, the vector
-/// `z = q x` (m) of [`CurvatureHinge`] gives `cos θ = 1 − ‖z‖²/(2e²)`, a quadratic, and the volume `V = e·(d₂ × d₃)` (m³) that the edge and
+/// `z = q x` (m) of [`CurvatureHinge`](super::CurvatureHinge) gives `cos θ = 1 − ‖z‖²/(2e²)`, a quadratic, and the volume `V = e·(d₂ × d₃)` (m³) that the edge and
 /// the two arms `dᵢ = xᵢ − x₀` span gives `sin θ = −‖e‖ V/(4A₀A₁)`, a cubic. With all lengths at rest,
 ///
 /// `E = K (1 − cos θ₀ + cos θ₀ ‖z‖²/(2e²) + sin θ₀ ‖e‖ V/(4A₀A₁))`, `K = k·3e²/(A₀ + A₁)`.
 ///
-/// The Hessian is linear in the positions; with θ₀ = 0 it is that of [`CurvatureHinge`]. The sign of θ is that of
+/// The Hessian is linear in the positions; with θ₀ = 0 it is that of [`CurvatureHinge`](super::CurvatureHinge). The sign of θ is that of
 /// [`super::DihedralHinge`].
 ///
 /// It is no sum of squares, so there is no constraint view and no projective one.
@@ -29,7 +29,7 @@ use crate::topology::HingeTable;
 pub struct CubicShell {
     /// Edge `x₀ x₁`, then the wing tips `x₂`, `x₃`.
     pub vertices: [u32; 4],
-    /// `q` of [`CurvatureHinge`] (dimensionless), sum 0.
+    /// `q` of [`CurvatureHinge`](super::CurvatureHinge) (dimensionless), sum 0.
     pub coefficients: [Real; 4],
     /// `K (1 − cos θ₀)` (J).
     pub constant: Real,
@@ -51,33 +51,25 @@ impl CubicShell {
     #[must_use]
     pub fn across(mesh: &TriMesh, hinges: &HingeTable, rigidity: Real) -> Vec<Self> {
         let k = Self::coefficient(rigidity);
-        hinges
-            .hinges()
-            .iter()
-            .map(|&vertices| Self::new(vertices, &gather(mesh.positions(), vertices), k))
-            .collect()
+        on_each_hinge(mesh, hinges, |vertices, rest| Self::new(vertices, rest, k))
     }
 
     /// The element with coefficient `k` (N·m), at rest at `rest` (m). The two triangles must have an area.
     #[must_use]
     pub fn new(vertices: [u32; 4], rest: &[Vec3; 4], k: Real) -> Self {
-        let flat = CurvatureHinge::new(vertices, rest, k);
-        let edge = rest[1] - rest[0];
-        let [a, b] = [rest[2], rest[3]].map(|tip| edge.cross(&(tip - rest[0])).norm());
+        let shape = Cotangents::of(rest);
+        let length = (rest[1] - rest[0]).norm();
         let (sin, cos) = angle(rest).unwrap_or(0.0).sin_cos();
-        let stiffness = flat.stiffness * edge.norm_squared();
+        let flat = shape.stiffness(k);
+        let stiffness = flat * length * length;
+        let [a, b] = shape.areas;
         Self {
             vertices,
-            coefficients: flat.coefficients,
+            coefficients: shape.coefficients,
             constant: stiffness * (1.0 - cos),
-            quadratic: flat.stiffness * cos,
-            cubic: stiffness * sin * edge.norm() / (a * b),
+            quadratic: flat * cos,
+            cubic: stiffness * sin * length / (4.0 * a * b),
         }
-    }
-
-    /// `z` (m), by differences to one vertex: coordinates far from the origin do not cancel.
-    fn curvature_vector(&self, x: &[Vec3; 4]) -> Vec3 {
-        (1..4).map(|i| (x[i] - x[0]) * self.coefficients[i]).sum()
     }
 }
 
@@ -91,13 +83,13 @@ impl Element<4> for CubicShell {
 impl Energy<4> for CubicShell {
     fn value(&self, x: &[Vec3; 4]) -> Real {
         let [e, a, b] = [x[1] - x[0], x[2] - x[0], x[3] - x[0]];
-        let square = self.curvature_vector(x).norm_squared();
+        let square = curvature_vector(&self.coefficients, x).norm_squared();
         self.constant + 0.5 * self.quadratic * square + self.cubic * e.dot(&a.cross(&b))
     }
 
     fn gradient(&self, x: &[Vec3; 4]) -> [Vec3; 4] {
         let [e, a, b] = [x[1] - x[0], x[2] - x[0], x[3] - x[0]];
-        let z = self.curvature_vector(x);
+        let z = curvature_vector(&self.coefficients, x);
         let mut volume = [Vec3::zeros(), a.cross(&b), b.cross(&e), e.cross(&a)];
         volume[0] = -(volume[1] + volume[2] + volume[3]);
         std::array::from_fn(|i| {

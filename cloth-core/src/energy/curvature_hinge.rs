@@ -3,8 +3,9 @@
 //! M. Bergou, M. Wardetzky, D. Harmon, D. Zorin, E. Grinspun, "A quadratic bending model for inextensible surfaces",
 //! SGP 2006, <https://doi.org/10.2312/SGP/SGP06/227-230>.
 
+use super::cotangent::{Cotangents, curvature_vector, on_each_hinge};
 use crate::element::{Constraint, Element, Projective, Row};
-use crate::math::{Real, Vec3, gather};
+use crate::math::{Real, Vec3};
 use crate::mesh::TriMesh;
 use crate::topology::HingeTable;
 
@@ -47,42 +48,20 @@ impl CurvatureHinge {
     #[must_use]
     pub fn across(mesh: &TriMesh, hinges: &HingeTable, rigidity: Real) -> Vec<Self> {
         let k = Self::coefficient(rigidity);
-        hinges
-            .hinges()
-            .iter()
-            .map(|&vertices| Self::new(vertices, &gather(mesh.positions(), vertices), k))
-            .collect()
+        on_each_hinge(mesh, hinges, |vertices, rest| Self::new(vertices, rest, k))
     }
 
     /// The element with coefficient `k` (N·m) on four vertices whose rest positions (m) are `rest`. The two triangles must
     /// have an area, as those of a [`TriMesh`] have.
     #[must_use]
     pub fn new(vertices: [u32; 4], rest: &[Vec3; 4], k: Real) -> Self {
-        let [x0, x1, x2, x3] = *rest;
-        let edge = x1 - x0;
-        let [c0, c2] = [x2, x3].map(|tip| cotangent(edge, tip - x0));
-        let [c1, c3] = [x2, x3].map(|tip| cotangent(-edge, tip - x1));
-        let areas = [x2, x3].map(|tip| 0.5 * edge.cross(&(tip - x0)).norm());
+        let shape = Cotangents::of(rest);
         Self {
             vertices,
-            coefficients: [c1 + c3, c0 + c2, -(c0 + c1), -(c2 + c3)],
-            stiffness: k * 3.0 / (areas[0] + areas[1]),
+            coefficients: shape.coefficients,
+            stiffness: shape.stiffness(k),
         }
     }
-
-    /// `z` (m), zero when flat.
-    #[inline]
-    fn curvature_vector(&self, x: &[Vec3; 4]) -> Vec3 {
-        // Differences to one vertex, so that coordinates far from the origin do not cancel; the
-        // coefficients sum to zero.
-        let q = &self.coefficients;
-        (x[1] - x[0]) * q[1] + (x[2] - x[0]) * q[2] + (x[3] - x[0]) * q[3]
-    }
-}
-
-/// Cotangent (dimensionless) of the angle between two vectors.
-fn cotangent(a: Vec3, b: Vec3) -> Real {
-    a.dot(&b) / a.cross(&b).norm()
 }
 
 impl Element<4> for CurvatureHinge {
@@ -97,7 +76,7 @@ impl Constraint<4> for CurvatureHinge {
 
     #[inline]
     fn rows(&self, x: &[Vec3; 4]) -> [Row<4>; 3] {
-        let z = self.curvature_vector(x);
+        let z = curvature_vector(&self.coefficients, x);
         let mut rows = [Row {
             value: 0.0,
             gradient: [Vec3::zeros(); 4],

@@ -4,14 +4,15 @@
 //! ACM Trans. Graph. 33 (2014), <https://doi.org/10.1145/2601097.2601116>, section 5.5, one hinge at a time.
 
 use super::CurvatureHinge;
+use super::cotangent::{Cotangents, curvature_vector, on_each_hinge};
 use crate::element::{Constraint, Convexity, Element, Projective, Row};
-use crate::math::{Blocks, Mat3, Real, Vec3, gather, length_and_direction};
+use crate::math::{Blocks, Mat3, Real, Vec3, length_and_direction};
 use crate::mesh::TriMesh;
 use crate::topology::HingeTable;
 
 /// The hinge whose curvature vector `z = q x` (m) wants the length r that it has at rest: `C = ‖z‖ − r`, `E = ½ K C²` (J).
 ///
-/// `q` and `K` are those of [`CurvatureHinge`], which is the case r = 0. Folded by θ without stretching, `‖z‖ = 2e |sin(θ/2)|`, so
+/// `q` and `K` are those of [`CurvatureHinge`], which is the case r = 0 (a rest shape that is flat up to rounding counts as such). Folded by θ without stretching, `‖z‖ = 2e |sin(θ/2)|`, so
 ///
 /// `E = ½ K 4e² (|sin(θ/2)| − |sin(θ₀/2)|)²`.
 ///
@@ -37,30 +38,24 @@ impl CurvedHinge {
     #[must_use]
     pub fn across(mesh: &TriMesh, hinges: &HingeTable, rigidity: Real) -> Vec<Self> {
         let k = CurvatureHinge::coefficient(rigidity);
-        hinges
-            .hinges()
-            .iter()
-            .map(|&vertices| Self::new(vertices, &gather(mesh.positions(), vertices), k))
-            .collect()
+        on_each_hinge(mesh, hinges, |vertices, rest| Self::new(vertices, rest, k))
     }
 
     /// The element with coefficient `k` (N·m) of [`CurvatureHinge`], at rest at `rest` (m). The two triangles must have an area.
     #[must_use]
     pub fn new(vertices: [u32; 4], rest: &[Vec3; 4], k: Real) -> Self {
-        let flat = CurvatureHinge::new(vertices, rest, k);
-        let mut curved = Self {
+        let shape = Cotangents::of(rest);
+        let curvature = curvature_vector(&shape.coefficients, rest).norm();
+        // What the rounding of the coordinates makes of a flat hinge is no curvature: E would be a cone of that size.
+        let size = rest.iter().map(Vec3::amax).fold(0.0, Real::max);
+        let coefficients: Real = shape.coefficients.iter().map(|q| q.abs()).sum();
+        let is_flat = curvature <= 4.0 * Real::EPSILON * coefficients * size;
+        Self {
             vertices,
-            coefficients: flat.coefficients,
-            rest_curvature: 0.0,
-            stiffness: flat.stiffness,
-        };
-        curved.rest_curvature = curved.curvature_vector(rest).norm();
-        curved
-    }
-
-    /// `z` (m), by differences to one vertex: coordinates far from the origin do not cancel.
-    fn curvature_vector(&self, x: &[Vec3; 4]) -> Vec3 {
-        (1..4).map(|i| (x[i] - x[0]) * self.coefficients[i]).sum()
+            coefficients: shape.coefficients,
+            rest_curvature: if is_flat { 0.0 } else { curvature },
+            stiffness: shape.stiffness(k),
+        }
     }
 
     /// `‖z‖` (m) and the direction of z.
@@ -81,7 +76,7 @@ impl Constraint<4> for CurvedHinge {
 
     #[inline]
     fn rows(&self, x: &[Vec3; 4]) -> [Row<4>; 1] {
-        let (length, n) = self.length_and_direction(self.curvature_vector(x));
+        let (length, n) = self.length_and_direction(curvature_vector(&self.coefficients, x));
         [Row {
             value: length - self.rest_curvature,
             gradient: self.coefficients.map(|q| n * q),
@@ -91,7 +86,7 @@ impl Constraint<4> for CurvedHinge {
 
     /// `K (1 − r/‖z‖)(I − n nᵀ) qᵢqⱼ`: negative where the hinge is flatter than at rest.
     fn curvature(&self, x: &[Vec3; 4], convexity: Convexity) -> Blocks<4> {
-        let (length, n) = self.length_and_direction(self.curvature_vector(x));
+        let (length, n) = self.length_and_direction(curvature_vector(&self.coefficients, x));
         let excess = if self.rest_curvature == 0.0 {
             1.0 // E = ½ K ‖z‖² is smooth everywhere
         } else if length > 0.0 {

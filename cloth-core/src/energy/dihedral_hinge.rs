@@ -7,8 +7,9 @@
 //! R. Tamstorf, E. Grinspun, "Discrete bending forces and their Jacobians", Graphical Models 75 (2013),
 //! <https://doi.org/10.1016/j.gmod.2013.07.001>: the Hessian of θ.
 
+use super::cotangent::on_each_hinge;
 use crate::element::{Constraint, Convexity, Element, Row};
-use crate::math::{Blocks, Mat3, Real, Vec3, gather, make_semidefinite};
+use crate::math::{Blocks, Mat3, Real, Vec3, make_semidefinite};
 use crate::mesh::TriMesh;
 use crate::topology::HingeTable;
 use std::f64::consts::{PI, TAU};
@@ -55,11 +56,9 @@ impl DihedralHinge {
     #[must_use]
     pub fn across(mesh: &TriMesh, hinges: &HingeTable, rigidity: Real) -> Vec<Self> {
         let k = Self::grinspun_coefficient(rigidity);
-        hinges
-            .hinges()
-            .iter()
-            .map(|&vertices| Self::grinspun(vertices, &gather(mesh.positions(), vertices), k))
-            .collect()
+        on_each_hinge(mesh, hinges, |vertices, rest| {
+            Self::grinspun(vertices, rest, k)
+        })
     }
 
     /// Grinspun's element with coefficient `k` (N·m), `K = 6 k e²/(A₀ + A₁)`, at rest at `rest` (m). The two triangles must have an area.

@@ -1,0 +1,99 @@
+//! The cloth of a scene: its numbers, and which elements carry it.
+
+use super::{
+    BENDING, BENDING_STIFFNESS, DENSITY, MEMBRANE, MODULUS, POISSON, RIGIDITY, SHEAR, STIFFNESS,
+};
+use crate::error::BenchError;
+use crate::settings::{Parameter, Settings};
+use cloth_core::cloth::{BendingCarrier, Carriers, Cloth, ClothModel, Membrane, MembraneCarrier};
+use cloth_core::math::Real;
+use cloth_core::mesh::TriMesh;
+
+/// Cuts the cloth that settings describe to a mesh. `rigidity` is the parameter of the scene for D: scenes differ in its default.
+pub(super) fn cut(
+    settings: &Settings,
+    rigidity: &Parameter,
+    mesh: &TriMesh,
+) -> Result<ClothModel, BenchError> {
+    let cloth = Cloth {
+        areal_density: settings.number(&DENSITY)?,
+        membrane: membrane(settings)?,
+        bending_rigidity: settings.number(rigidity)?,
+    };
+    let carriers = Carriers {
+        membrane: membrane_carrier(settings)?,
+        shear: optional(settings, &SHEAR)?,
+        bending: bending_carrier(settings)?,
+    };
+    cloth.carried_by(&carriers, mesh).map_err(BenchError::usage)
+}
+
+fn membrane(settings: &Settings) -> Result<Membrane, BenchError> {
+    let Some(modulus) = optional(settings, &MODULUS)? else {
+        return Ok(Membrane::SpringStiffness(settings.number(&STIFFNESS)?));
+    };
+    if settings.get(STIFFNESS.name).is_some() {
+        return Err(BenchError::Usage(
+            "modulus and stiffness both say how stiff the membrane is: give one of them".into(),
+        ));
+    }
+    Ok(Membrane::Modulus(modulus))
+}
+
+fn membrane_carrier(settings: &Settings) -> Result<MembraneCarrier, BenchError> {
+    let kind = settings.choice(
+        &MEMBRANE,
+        &[("springs", "springs"), ("stvk", "stvk"), ("arap", "arap")],
+    )?;
+    if kind != "stvk" {
+        needs(settings, &POISSON, "membrane=stvk")?;
+    }
+    Ok(match kind {
+        "stvk" => MembraneCarrier::Stvk {
+            poisson_ratio: settings.number(&POISSON)?,
+        },
+        "arap" => MembraneCarrier::Arap,
+        _ => MembraneCarrier::Springs,
+    })
+}
+
+fn bending_carrier(settings: &Settings) -> Result<BendingCarrier, BenchError> {
+    let springs = BendingCarrier::Springs(settings.number(&BENDING_STIFFNESS)?);
+    let carrier = settings.choice(
+        &BENDING,
+        &[
+            ("quadratic", BendingCarrier::Quadratic),
+            ("dihedral", BendingCarrier::Dihedral),
+            ("cubic", BendingCarrier::Cubic),
+            ("curved", BendingCarrier::Curved),
+            ("spring", springs),
+            ("none", BendingCarrier::None),
+        ],
+    )?;
+    if carrier != springs {
+        needs(settings, &BENDING_STIFFNESS, "bending=spring")?;
+    }
+    if carrier == springs || carrier == BendingCarrier::None {
+        needs(settings, &RIGIDITY, "bending hinges")?;
+    }
+    Ok(carrier)
+}
+
+/// Refuses a parameter that has been set although nothing uses it.
+fn needs(settings: &Settings, parameter: &Parameter, what: &str) -> Result<(), BenchError> {
+    if settings.get(parameter.name).is_none() {
+        return Ok(());
+    }
+    Err(BenchError::Usage(format!(
+        "{} has no meaning without {what}",
+        parameter.name
+    )))
+}
+
+/// The value as a number, or none where it says so.
+fn optional(settings: &Settings, parameter: &Parameter) -> Result<Option<Real>, BenchError> {
+    match settings.text(parameter) {
+        "none" => Ok(None),
+        _ => settings.number(parameter).map(Some),
+    }
+}

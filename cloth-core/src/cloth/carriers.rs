@@ -1,0 +1,197 @@
+//! Which elements carry a cloth: the choice, and how each kind gets its constants from the one description (CORE-5 to CORE-7).
+
+use super::{Cloth, ClothError, Elements, Membrane};
+use crate::energy::{
+    ArapTriangle, CubicShell, CurvatureHinge, CurvedHinge, DihedralHinge, Spring, StvkTriangle,
+};
+use crate::math::{Real, gather};
+use crate::mesh::TriMesh;
+use crate::topology::{EdgeTable, HingeTable};
+
+/// Which elements carry a cloth. The default, springs on the edges and quadratic hinges, is what [`Cloth::on`] takes.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Carriers {
+    /// What resists stretching.
+    pub membrane: MembraneCarrier,
+    /// Stiffness (N/m) of shear springs along both diagonals of every rectangle that two triangles form: one lies on an edge and takes this stiffness
+    /// instead of the membrane's, the other is added. With axial springs of stiffness k on a square grid the sheet is isotropic if this is k/2, and has
+    /// then the modulus `Y = 4k/3` and ν = 1/3 (VALIDATION 3). None: no second diagonal. Springs of a given stiffness only.
+    pub shear: Option<Real>,
+    /// What resists bending.
+    pub bending: BendingCarrier,
+}
+
+/// What resists stretching.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
+pub enum MembraneCarrier {
+    /// A spring on every edge.
+    #[default]
+    Springs,
+    /// St. Venant–Kirchhoff triangles with the modulus of the cloth; of a cloth that states a spring stiffness k, with the modulus that those springs have
+    /// in the mean over all directions, `Y = k Σ n L²/(3A)` as in [`Membrane::Modulus`].
+    Stvk {
+        /// Poisson's ratio ν in (−1, 1) (dimensionless); 1/3 is that of springs.
+        poisson_ratio: Real,
+    },
+    /// As-rigid-as-possible triangles with the same modulus and ν = 0.
+    Arap,
+}
+
+/// What resists bending. Each kind gets its constant from the rigidity D of the cloth (VALIDATION 4); a cloth with D = 0 gets none.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
+pub enum BendingCarrier {
+    /// [`CurvatureHinge`]: flat at rest.
+    #[default]
+    Quadratic,
+    /// [`DihedralHinge`]: the mesh is the rest shape.
+    Dihedral,
+    /// [`CubicShell`]: the mesh is the rest shape.
+    Cubic,
+    /// [`CurvedHinge`]: the mesh is the rest shape.
+    Curved,
+    /// Springs of this stiffness (N/m) between the wing tips of every hinge, [`Spring::across`]. They have no rigidity: D is not used.
+    Springs(Real),
+    /// Nothing; D is not used.
+    None,
+}
+
+/// The springs on the edges, and everything else.
+pub(super) struct Cut {
+    pub(super) springs: Vec<Spring>,
+    pub(super) hinges: Vec<CurvatureHinge>,
+    pub(super) others: Vec<Elements>,
+}
+
+impl Carriers {
+    /// Cuts a cloth to a mesh.
+    pub(super) fn cut(
+        &self,
+        cloth: &Cloth,
+        mesh: &TriMesh,
+        edges: &EdgeTable,
+    ) -> Result<Cut, ClothError> {
+        cloth.membrane.check()?;
+        not_negative("bending rigidity", cloth.bending_rigidity, "N·m")?;
+        let mut cut = Cut {
+            springs: Vec::new(),
+            hinges: Vec::new(),
+            others: Vec::new(),
+        };
+        self.add_membrane(cloth.membrane, mesh, edges, &mut cut)?;
+        self.add_bending(cloth.bending_rigidity, mesh, edges, &mut cut)?;
+        Ok(cut)
+    }
+
+    fn add_membrane(
+        &self,
+        membrane: Membrane,
+        mesh: &TriMesh,
+        edges: &EdgeTable,
+        cut: &mut Cut,
+    ) -> Result<(), ClothError> {
+        match self.membrane {
+            MembraneCarrier::Springs => cut.springs = membrane.springs(mesh, edges),
+            MembraneCarrier::Stvk { poisson_ratio } => {
+                if !(-1.0 < poisson_ratio && poisson_ratio < 1.0) {
+                    return Err(ClothError::PoissonRatio(poisson_ratio));
+                }
+                let modulus = membrane.modulus(mesh, edges);
+                let triangles = StvkTriangle::on(mesh, modulus, poisson_ratio);
+                cut.others.push(Elements::Stvk(triangles));
+            }
+            MembraneCarrier::Arap => {
+                let triangles = ArapTriangle::on(mesh, membrane.modulus(mesh, edges));
+                cut.others.push(Elements::Arap(triangles));
+            }
+        }
+        let Some(stiffness) = self.shear else {
+            return Ok(());
+        };
+        not_negative("shear stiffness", stiffness, "N/m")?;
+        if self.membrane != MembraneCarrier::Springs || matches!(membrane, Membrane::Modulus(_)) {
+            return Err(ClothError::ShearWithoutStiffness);
+        }
+        let diagonals = shear(mesh, edges, stiffness, &mut cut.springs)?;
+        cut.others.push(Elements::Springs(diagonals));
+        Ok(())
+    }
+
+    fn add_bending(
+        &self,
+        rigidity: Real,
+        mesh: &TriMesh,
+        edges: &EdgeTable,
+        cut: &mut Cut,
+    ) -> Result<(), ClothError> {
+        if let BendingCarrier::Springs(stiffness) = self.bending {
+            not_negative("stiffness of the bending springs", stiffness, "N/m")?;
+            let hinges = HingeTable::build(mesh, edges);
+            let springs = Spring::across(mesh.positions(), &hinges, stiffness);
+            cut.others.push(Elements::Springs(springs));
+            return Ok(());
+        }
+        if rigidity == 0.0 || self.bending == BendingCarrier::None {
+            return Ok(());
+        }
+        let table = HingeTable::build(mesh, edges);
+        match self.bending {
+            BendingCarrier::Quadratic => {
+                cut.hinges = CurvatureHinge::across(mesh, &table, rigidity);
+            }
+            BendingCarrier::Dihedral => {
+                let hinges = DihedralHinge::across(mesh, &table, rigidity);
+                cut.others.push(Elements::Dihedral(hinges));
+            }
+            BendingCarrier::Cubic => {
+                let hinges = CubicShell::across(mesh, &table, rigidity);
+                cut.others.push(Elements::Cubic(hinges));
+            }
+            BendingCarrier::Curved => {
+                let hinges = CurvedHinge::across(mesh, &table, rigidity);
+                cut.others.push(Elements::Curved(hinges));
+            }
+            BendingCarrier::Springs(_) | BendingCarrier::None => {}
+        }
+        Ok(())
+    }
+}
+
+/// Sets the springs on the diagonals of rectangles to `stiffness` (N/m), and returns those of the other diagonals.
+fn shear(
+    mesh: &TriMesh,
+    edges: &EdgeTable,
+    stiffness: Real,
+    springs: &mut [Spring],
+) -> Result<Vec<Spring>, ClothError> {
+    let hinges = HingeTable::build(mesh, edges);
+    // Hinges stand in the order of their edges.
+    let inner = (0..edges.len()).filter(|&edge| !edges.is_boundary(edge));
+    let mut crossing = Vec::new();
+    for (edge, &hinge) in inner.zip(hinges.hinges()) {
+        let [x0, x1, x2, x3] = gather(mesh.positions(), hinge);
+        let [length, other] = [(x1 - x0).norm(), (x3 - x2).norm()];
+        // The diagonals of a rectangle are as long as each other and halve each other.
+        let apart = (x0 + x1 - x2 - x3).norm().max((length - other).abs());
+        if apart < 1e-9 * length {
+            springs[edge].stiffness = stiffness;
+            crossing.push([hinge[2], hinge[3]]);
+        }
+    }
+    if crossing.is_empty() {
+        return Err(ClothError::NoRectangles);
+    }
+    Ok(Spring::along(mesh.positions(), &crossing, stiffness))
+}
+
+pub(super) fn not_negative(
+    name: &'static str,
+    value: Real,
+    unit: &'static str,
+) -> Result<(), ClothError> {
+    if value >= 0.0 && value.is_finite() {
+        return Ok(());
+    }
+    Err(ClothError::OutOfRange { name, value, unit })
+}

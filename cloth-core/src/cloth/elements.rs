@@ -1,0 +1,81 @@
+//! Families of the energies of this crate, to be kept in one list whatever their kind.
+
+use crate::energy::{
+    ArapTriangle, CubicShell, CurvatureHinge, CurvedHinge, DihedralHinge, Spring, StvkTriangle,
+};
+use crate::family::Energies;
+use crate::step::BuildError;
+
+/// All elements of one kind, with the kind as a case: what a description of a cloth hands to the builder of a solver.
+///
+/// A builder takes the cases that have the view its method asks for, and the compiler sees to it that it takes no other.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Elements {
+    /// Springs: structural, shear or bending.
+    Springs(Vec<Spring>),
+    /// Triangles of a linear-elastic sheet.
+    Stvk(Vec<StvkTriangle>),
+    /// As-rigid-as-possible triangles.
+    Arap(Vec<ArapTriangle>),
+    /// Quadratic hinges, flat at rest.
+    Quadratic(Vec<CurvatureHinge>),
+    /// Hinges in the cotangent form, curved at rest.
+    Curved(Vec<CurvedHinge>),
+    /// Hinges by angle.
+    Dihedral(Vec<DihedralHinge>),
+    /// Hinges of the cubic shell.
+    Cubic(Vec<CubicShell>),
+}
+
+impl Elements {
+    /// What the elements are, as a word in a sentence.
+    #[must_use]
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Springs(_) => "springs",
+            Self::Stvk(_) => "StVK triangles",
+            Self::Arap(_) => "ARAP triangles",
+            Self::Quadratic(_) => "quadratic hinges",
+            Self::Curved(_) => "curved cotangent hinges",
+            Self::Dihedral(_) => "dihedral hinges",
+            Self::Cubic(_) => "cubic-shell hinges",
+        }
+    }
+
+    /// Number of elements.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        match self {
+            Self::Springs(elements) => elements.len(),
+            Self::Stvk(elements) => elements.len(),
+            Self::Arap(elements) => elements.len(),
+            Self::Quadratic(elements) => elements.len(),
+            Self::Curved(elements) => elements.len(),
+            Self::Dihedral(elements) => elements.len(),
+            Self::Cubic(elements) => elements.len(),
+        }
+    }
+
+    /// Whether there are none.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Adds them to a sum of energies: every kind has that view.
+    ///
+    /// # Errors
+    /// [`BuildError::NoSuchVertex`].
+    pub fn add_to(self, energies: Energies) -> Result<Energies, BuildError> {
+        match self {
+            Self::Springs(elements) => energies.with(elements),
+            Self::Stvk(elements) => energies.with(elements),
+            Self::Arap(elements) => energies.with(elements),
+            Self::Quadratic(elements) => energies.with(elements),
+            Self::Curved(elements) => energies.with(elements),
+            Self::Dihedral(elements) => energies.with(elements),
+            Self::Cubic(elements) => energies.with(elements),
+        }
+    }
+}
