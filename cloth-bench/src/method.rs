@@ -12,7 +12,7 @@ use cloth_massspring::{
     StartGuess, SymplecticEuler, stable_time_step,
 };
 use cloth_pbd::{PbdConfig, PbdSolver, StiffnessRule};
-use cloth_pd::{PdConfig, PdSolver, Start};
+use cloth_pd::{Acceleration, PdConfig, PdSolver, Start};
 use cloth_xpbd::{XpbdConfig, XpbdSolver};
 
 /// A method that can be named.
@@ -79,13 +79,33 @@ const SWEEP: Parameter = parameter(
 );
 const XPBD_ITERATIONS: Parameter = parameter("iterations", "1", "sweeps per substep");
 const XPBD_SUBSTEPS: Parameter = parameter("substeps", "20", "parts of a step");
-const PD_ITERATIONS: Parameter = parameter("iterations", "10", "local–global iterations per step");
+const PD_ITERATIONS: Parameter = parameter("iterations", "8", "local–global iterations per step");
 const PD_TOLERANCE: Parameter = parameter(
     "tolerance",
     "none",
     "relative gradient norm at which a step is done, or none",
 );
-const PD_START: Parameter = parameter("start", "predicted", "first guess: previous or predicted");
+const PD_START: Parameter = parameter(
+    "start",
+    "inertial",
+    "first guess: previous, inertial or predicted",
+);
+const PD_ACCELERATION: Parameter = parameter(
+    "acceleration",
+    "quasi-newton",
+    "none, chebyshev or quasi-newton",
+);
+const PD_HISTORY: Parameter = parameter("history", "5", "pairs that quasi-newton remembers");
+const PD_COARSE: Parameter = parameter(
+    "coarse",
+    "4",
+    "cells a side of the coarse grid under quasi-newton; 0: none",
+);
+const PD_RADIUS: Parameter = parameter(
+    "spectral_radius",
+    "auto",
+    "of the plain iteration, for chebyshev; auto: estimated in every step",
+);
 
 const NEWTON: &[Parameter] = &[
     MAX_ITERATIONS,
@@ -148,7 +168,15 @@ pub const METHODS: [Method; 9] = [
     Method {
         name: "pd",
         about: "projective dynamics",
-        parameters: &[PD_ITERATIONS, PD_TOLERANCE, PD_START],
+        parameters: &[
+            PD_ITERATIONS,
+            PD_TOLERANCE,
+            PD_START,
+            PD_ACCELERATION,
+            PD_HISTORY,
+            PD_COARSE,
+            PD_RADIUS,
+        ],
         kind: Kind::Pd,
     },
 ];
@@ -230,24 +258,15 @@ impl Method {
                 Box::new(builder.config(config).build().map_err(BenchError::usage)?)
             }
             Kind::Pd => {
-                let config = PdConfig {
-                    iterations: settings.count(&PD_ITERATIONS, 1)?,
-                    tolerance: match settings.text(&PD_TOLERANCE) {
-                        "none" => None,
-                        _ => Some(settings.number(&PD_TOLERANCE)?),
-                    },
-                    start: settings.choice(
-                        &PD_START,
-                        &[
-                            ("previous", Start::Previous),
-                            ("predicted", Start::Predicted),
-                        ],
-                    )?,
-                };
-                let builder = PdSolver::builder(&model.particles)
+                let mut builder = PdSolver::builder(&model.particles)
                     .energy(springs)
-                    .energy(hinges);
-                Box::new(builder.config(config).build().map_err(BenchError::usage)?)
+                    .energy(hinges)
+                    .config(projective(settings)?);
+                let cells = settings.count(&PD_COARSE, 0)?;
+                if cells > 0 {
+                    builder = builder.coarse_grid(&scene.start.positions, cells);
+                }
+                Box::new(builder.build().map_err(BenchError::usage)?)
             }
         })
     }
@@ -335,6 +354,40 @@ fn newton(settings: &Settings) -> Result<ImplicitConfig, BenchError> {
         )?,
         damping: damping(settings)?,
         ..Default::default()
+    })
+}
+
+fn projective(settings: &Settings) -> Result<PdConfig, BenchError> {
+    let acceleration = match settings.choice(
+        &PD_ACCELERATION,
+        &[("none", 0), ("chebyshev", 1), ("quasi-newton", 2)],
+    )? {
+        0 => Acceleration::None,
+        1 => Acceleration::Chebyshev {
+            spectral_radius: match settings.text(&PD_RADIUS) {
+                "auto" => None,
+                _ => Some(settings.number(&PD_RADIUS)?),
+            },
+        },
+        _ => Acceleration::QuasiNewton {
+            history: settings.count(&PD_HISTORY, 0)?,
+        },
+    };
+    Ok(PdConfig {
+        iterations: settings.count(&PD_ITERATIONS, 1)?,
+        tolerance: match settings.text(&PD_TOLERANCE) {
+            "none" => None,
+            _ => Some(settings.number(&PD_TOLERANCE)?),
+        },
+        start: settings.choice(
+            &PD_START,
+            &[
+                ("previous", Start::Previous),
+                ("inertial", Start::Inertial),
+                ("predicted", Start::Predicted),
+            ],
+        )?,
+        acceleration,
     })
 }
 
