@@ -79,7 +79,7 @@ const SWEEP: Parameter = parameter(
 );
 const XPBD_ITERATIONS: Parameter = parameter("iterations", "1", "sweeps per substep");
 const XPBD_SUBSTEPS: Parameter = parameter("substeps", "20", "parts of a step");
-const PD_ITERATIONS: Parameter = parameter("iterations", "8", "local–global iterations per step");
+const PD_ITERATIONS: Parameter = parameter("iterations", "6", "local–global iterations per step");
 const PD_TOLERANCE: Parameter = parameter(
     "tolerance",
     "none",

@@ -143,7 +143,13 @@ pub trait Projective<const N: usize, const K: usize>: Element<N> {
     fn resistance(&self, z: [Vec3; K]) -> [[Mat3; K]; K] {
         let _ = z;
         std::array::from_fn(|k| {
-            std::array::from_fn(|l| if k == l { Mat3::identity() } else { Mat3::zeros() })
+            std::array::from_fn(|l| {
+                if k == l {
+                    Mat3::identity()
+                } else {
+                    Mat3::zeros()
+                }
+            })
         })
     }
 }

@@ -15,12 +15,12 @@ use crate::local::Projections;
 use cloth_core::block_matrix::{BlockMatrix, PatternBuilder};
 use cloth_core::element::Element;
 use cloth_core::linear::{BlockCholesky, CholeskyError};
-use cloth_core::math::{Real, Vec3};
+use cloth_core::math::{Mat3, Real, Vec3};
 use cloth_core::particles::Particles;
 
-/// Part of itself that is added to each diagonal entry of `PᵀHP`. Where the cloth touches a cell of the lattice in a plane, hats on it are linearly dependent
-/// and the matrix has a null space, in which P x = 0: nothing is changed there but that it can be factorised.
-const SHIFT: Real = 1e-9;
+/// Nodes are tied to their neighbours with this part of their stiffness. Where the cloth crosses a cell of the lattice in a plane, hats on it are linearly dependent
+/// and `PᵀHP` has a null space, in which P x = 0: the ties change nothing there but that the matrix can be factorised. They do not resist translations, so momentum is kept.
+const TIE: Real = 1e-9;
 
 /// P, and the factor of `PᵀHP`.
 #[derive(Debug)]
@@ -117,13 +117,25 @@ impl CoarseGrid {
         for family in families.iter_mut().filter(|family| !family.is_constant()) {
             family.add_coarse_stiffness(x, &mut self.matrix);
         }
+        self.tie_neighbours();
+        self.is_factored = self.cholesky.factorize(&self.matrix).is_ok();
+    }
+
+    fn tie_neighbours(&mut self) {
         for node in 0..self.lattice.node_count() {
-            let diagonal = self.matrix.pattern().row(node).end - 1;
-            for axis in 0..3 {
-                self.matrix.blocks_mut()[diagonal][(axis, axis)] *= 1.0 + SHIFT;
+            let row = self.matrix.pattern().row(node);
+            let own = row.end - 1;
+            for slot in row.start..own {
+                let neighbour = self.matrix.pattern().columns()[slot] as usize;
+                let other = self.matrix.pattern().row(neighbour).end - 1;
+                let blocks = self.matrix.blocks_mut();
+                let weakest = blocks[own].trace().min(blocks[other].trace());
+                let tie = Mat3::from_diagonal_element(TIE / 3.0 * weakest);
+                blocks[own] += tie;
+                blocks[other] += tie;
+                blocks[slot] -= tie;
             }
         }
-        self.is_factored = self.cholesky.factorize(&self.matrix).is_ok();
     }
 
     /// Adds `P (PᵀHP)⁻¹ Pᵀ r` (m) of a right-hand side r (N) to `out`.

@@ -136,13 +136,18 @@ impl CoarseFamily {
             let slots = &self.slots[starts[3]..ends[3]];
             let sum = &mut self.sum[..slots.len()];
             sum.fill(Mat3::zeros());
-            let mut coefficients = self.coefficients[starts[1]..ends[1]].chunks_exact(node_count * K);
+            let mut coefficients =
+                self.coefficients[starts[1]..ends[1]].chunks_exact(node_count * K);
             for &element in &self.order[starts[0]..ends[0]] {
                 let element = &elements[element as usize];
                 let z = apply(&element.operator(), &gather(x, element.vertices()));
                 let weight = element.weight();
-                let resistance = element.resistance(z).map(|row| row.map(|block| block * weight));
-                let Some(coefficients) = coefficients.next() else { break };
+                let resistance = element
+                    .resistance(z)
+                    .map(|row| row.map(|block| block * weight));
+                let Some(coefficients) = coefficients.next() else {
+                    break;
+                };
                 add_products(&resistance, coefficients, sum);
             }
             for (slot, sum) in slots.iter().zip(sum.iter()) {

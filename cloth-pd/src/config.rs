@@ -23,7 +23,8 @@ pub struct PdConfig {
 pub enum Start {
     /// `x[0]`, the positions before the step.
     Previous,
-    /// `x[0] + Δt v[0]`: the motion goes on as it was. What gravity adds in a step is mostly taken back by the cloth, so this is nearer to the end of the step than x̃.
+    /// `x[0] + Δt v[0]`: the motion goes on as it was. What gravity adds in a step is mostly taken back by a cloth that is held, so this is nearer to the
+    /// end of the step than x̃. A piece of cloth that nothing holds falls as a whole besides, so that its momentum is right from the start.
     #[default]
     Inertial,
     /// `x̃`, called `s` in S1 (33): where the vertices would go without elasticity.
@@ -54,7 +55,7 @@ pub enum Acceleration {
 impl Default for PdConfig {
     fn default() -> Self {
         Self {
-            iterations: 8,
+            iterations: 6,
             tolerance: None,
             start: Start::Inertial,
             acceleration: Acceleration::QuasiNewton { history: 5 },

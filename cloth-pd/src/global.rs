@@ -77,6 +77,11 @@ impl GlobalSystem {
         Ok(1)
     }
 
+    /// Lower half of `Σ w GᵀG` (N/m) over all vertices.
+    pub(crate) fn stiffness(&self) -> &CsMat<Real> {
+        &self.stiffness
+    }
+
     /// Whether no vertex can move.
     pub(crate) fn is_empty(&self) -> bool {
         self.mass.iter().all(Option::is_none)

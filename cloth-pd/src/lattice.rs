@@ -15,8 +15,16 @@ pub(crate) struct Lattice {
 impl Lattice {
     /// Lays `cells` cubes along the longest side of the box around `rest` (m). Vertices that are not free get no weights, nodes near no free vertex no number.
     pub(crate) fn over(rest: &[Vec3], is_free: impl Fn(usize) -> bool, cells: u32) -> Self {
-        let low = rest.iter().copied().reduce(|a, b| a.inf(&b)).unwrap_or_default();
-        let high = rest.iter().copied().reduce(|a, b| a.sup(&b)).unwrap_or_default();
+        let low = rest
+            .iter()
+            .copied()
+            .reduce(|a, b| a.inf(&b))
+            .unwrap_or_default();
+        let high = rest
+            .iter()
+            .copied()
+            .reduce(|a, b| a.sup(&b))
+            .unwrap_or_default();
         let extent = high - low;
         let side = extent.max() / Real::from(cells);
         // Along each axis: the node before, and how far beyond it.

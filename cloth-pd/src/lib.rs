@@ -130,6 +130,7 @@ mod chebyshev;
 mod coarse;
 mod coarse_family;
 mod config;
+mod free_pieces;
 mod global;
 mod lattice;
 mod local;

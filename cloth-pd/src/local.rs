@@ -83,7 +83,10 @@ impl<const N: usize, const K: usize, E: Projective<N, K>> Family<N, K, E> {
         pull: impl Fn(&E, [Vec3; K]) -> [Vec3; K] + Sync,
     ) -> Real {
         let weighted = |element: &E| {
-            let pull = pull(element, apply(&element.operator(), &gather(x, element.vertices())));
+            let pull = pull(
+                element,
+                apply(&element.operator(), &gather(x, element.vertices())),
+            );
             let weight = element.weight();
             let squared: Real = pull.iter().map(Vec3::norm_squared).sum();
             (pull.map(|pull| pull * weight), 0.5 * weight * squared)

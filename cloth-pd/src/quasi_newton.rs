@@ -127,8 +127,7 @@ impl QuasiNewton {
         }
         let mut length = 1.0;
         for backtracks in 0..MOST_TRIALS {
-            self.next
-                .go(&point.displacement, &self.direction, length);
+            self.next.go(&point.displacement, &self.direction, length);
             objective.evaluate(&mut self.next);
             let rise = self.next.value - point.value;
             let is_lower = rise <= SUFFICIENT * length * slope;

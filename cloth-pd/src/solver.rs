@@ -3,6 +3,7 @@
 use crate::chebyshev::Chebyshev;
 use crate::coarse::CoarseGrid;
 use crate::config::{Acceleration, PdConfig, Start};
+use crate::free_pieces::FreePieces;
 use crate::global::GlobalSystem;
 use crate::local::{Family, Projections};
 use crate::objective::{Objective, Point};
@@ -22,6 +23,7 @@ pub struct PdSolver {
     global: GlobalSystem,
     coarse: Option<CoarseGrid>,
     method: Method,
+    free_pieces: FreePieces,
     config: PdConfig,
     /// The iterate.
     point: Point,
@@ -129,6 +131,10 @@ impl PdSolver {
                 Start::Inertial => state.velocities[vertex] * dt,
                 Start::Predicted => self.objective.inertial[vertex],
             };
+        }
+        if self.config.start == Start::Inertial {
+            let (goal, q) = (&self.objective.inertial, &mut self.point.displacement);
+            self.free_pieces.align(particles, goal, q);
         }
         self.point.is_evaluated = false;
         match &mut self.method {
@@ -260,9 +266,9 @@ impl PdBuilder {
             Acceleration::Chebyshev { spectral_radius } => {
                 Method::Chebyshev(Box::new(Chebyshev::new(spectral_radius, vertex_count)))
             }
-            Acceleration::QuasiNewton { history } => Method::QuasiNewton(Box::new(
-                QuasiNewton::new(history as usize, vertex_count),
-            )),
+            Acceleration::QuasiNewton { history } => {
+                Method::QuasiNewton(Box::new(QuasiNewton::new(history as usize, vertex_count)))
+            }
         };
         let coarse = match (&method, self.coarse) {
             (Method::QuasiNewton(_), Some((rest, cells))) => {
@@ -273,6 +279,7 @@ impl PdBuilder {
             _ => None,
         };
         Ok(PdSolver {
+            free_pieces: FreePieces::of(global.stiffness(), &self.particles),
             config: self.config,
             objective: Objective::new(self.particles, families),
             global,

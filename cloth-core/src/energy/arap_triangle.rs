@@ -177,7 +177,10 @@ impl Projective<3, 2> for ArapTriangle {
             (1.0 / first, [w, zero], 1.0),
             (1.0 / second, [zero, w], 1.0),
         ];
-        let mut sum = [[Mat3::identity(), Mat3::zeros()], [Mat3::zeros(), Mat3::identity()]];
+        let mut sum = [
+            [Mat3::identity(), Mat3::zeros()],
+            [Mat3::zeros(), Mat3::identity()],
+        ];
         for (loss, left, scale) in modes {
             let mode = singular.combine(left, [scale; 2]);
             for k in 0..2 {

@@ -130,6 +130,10 @@ impl Projective<4, 1> for CurvedHinge {
     #[inline]
     fn resistance(&self, [z]: [Vec3; 1]) -> [[Mat3; 1]; 1] {
         let (length, n) = self.length_and_direction(z);
-        [[crate::math::radial_resistance(length, n, self.rest_curvature)]]
+        [[crate::math::radial_resistance(
+            length,
+            n,
+            self.rest_curvature,
+        )]]
     }
 }
