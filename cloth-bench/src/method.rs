@@ -1,6 +1,10 @@
 //! Every method by name, with its published setting: one for all scenes.
 
 mod families;
+mod mass_spring;
+mod position_based;
+mod projective;
+mod strain_limit;
 
 pub(crate) use families::implicit_euler;
 
@@ -9,19 +13,17 @@ use families::{add_constraints, add_energies, add_families, add_projections, ref
 use crate::error::BenchError;
 use crate::names;
 use crate::scene::Scene;
-use crate::settings::{Parameter, Settings, parameter};
+use crate::settings::{Parameter, Settings};
 use cloth_core::cloth::Elements;
-use cloth_core::linear::{Budget, LinearMethod};
 use cloth_core::math::Real;
-use cloth_core::position_based::{Acceleration, Chebyshev, Radius, Sweep};
 use cloth_core::step::Stepper;
 use cloth_massspring::{
-    Bdf2, Damping, ExplicitConfig, ExplicitEuler, ImplicitConfig, ImplicitEuler, ImplicitMidpoint,
-    StartGuess, SymplecticEuler, stable_time_step,
+    Bdf2, ExplicitConfig, ExplicitEuler, ImplicitEuler, ImplicitMidpoint, SymplecticEuler,
+    stable_time_step,
 };
-use cloth_pbd::{Limited, PbdConfig, PbdSolver, StiffnessRule, StrainLimiter, StretchRange};
-use cloth_pd::{PdConfig, PdSolver, Start};
-use cloth_xpbd::{XpbdConfig, XpbdSolver};
+use cloth_pbd::PbdSolver;
+use cloth_pd::PdSolver;
+use cloth_xpbd::XpbdSolver;
 
 /// A method that can be named.
 #[derive(Clone, Copy, Debug)]
@@ -30,8 +32,8 @@ pub struct Method {
     pub name: &'static str,
     /// What it is.
     pub about: &'static str,
-    /// What can be set, with the published setting.
-    pub parameters: &'static [Parameter],
+    /// What can be set of this method alone, with the published setting.
+    parameters: &'static [Parameter],
     kind: Kind,
 }
 
@@ -51,212 +53,62 @@ enum Kind {
 /// More parts of a step than this are a slip of the pen.
 const MOST_SUBSTEPS: Real = 1e6;
 
-const EXPLICIT_SUBSTEPS: Parameter = parameter(
-    "substeps",
-    "auto",
-    "parts of a step; auto: as many as half the stable step of the start asks for",
-);
-const MAX_ITERATIONS: Parameter = parameter("iterations", "100", "most Newton iterations per step");
-const TOLERANCE: Parameter = parameter(
-    "tolerance",
-    "1e-6",
-    "relative gradient norm at which a step is done",
-);
-const START: Parameter = parameter(
-    "start",
-    "inertial",
-    "first guess: previous, inertial or predicted",
-);
-const AIR_DRAG: Parameter = parameter("air_drag", "0", "drag per mass α (1/s): a force −α m v");
-const STIFFNESS_DAMPING: Parameter = parameter(
-    "stiffness_damping",
-    "0",
-    "stiffness-proportional damping β (s): a force −β K v",
-);
-const PBD_ITERATIONS: Parameter = parameter("iterations", "20", "sweeps per substep");
-const PBD_SUBSTEPS: Parameter = parameter("substeps", "1", "parts of a step");
-const PBD_STIFFNESS: Parameter = parameter(
-    "projection",
-    "material",
-    "stiffness of the projections: material (one constraint alone shows its k), or a number from 0 to 1",
-);
-const SWEEP: Parameter = parameter(
-    "sweep",
-    "colored",
-    "how a sweep goes: colored, sequential, jacobi (with averaging) or plain-jacobi",
-);
-const RELAXATION: Parameter = parameter(
-    "relaxation",
-    "1",
-    "part of its correction that a constraint makes in a visit, above 0 and below 2",
-);
-const CHEBYSHEV: Parameter = parameter(
-    "chebyshev",
-    "none",
-    "extrapolation of the sweeps: none, auto (spectral radius estimated), or the spectral radius",
-);
-const CHEBYSHEV_DELAY: Parameter = parameter(
-    "chebyshev_delay",
-    "4",
-    "plain sweeps of a substep before the extrapolation",
-);
-const XPBD_ITERATIONS: Parameter = parameter("iterations", "1", "sweeps per substep");
-const XPBD_SUBSTEPS: Parameter = parameter("substeps", "20", "parts of a step");
-const PD_ITERATIONS: Parameter = parameter("iterations", "10", "local–global iterations per step");
-const PD_TOLERANCE: Parameter = parameter(
-    "tolerance",
-    "none",
-    "relative gradient norm at which a step is done, or none",
-);
-const PD_START: Parameter = parameter("start", "predicted", "first guess: previous or predicted");
-
-const LINEAR: Parameter = parameter(
-    "linear",
-    "cholesky",
-    "linear solver: cholesky, conjugate-gradients, chebyshev-jacobi, jacobi or gauss-seidel",
-);
-const LINEAR_TOLERANCE: Parameter = parameter(
-    "linear_tolerance",
-    "1e-3",
-    "relative residual at which an iterative linear solver is done",
-);
-const LINEAR_ITERATIONS: Parameter = parameter(
-    "linear_iterations",
-    "1000",
-    "most iterations of an iterative linear solver",
-);
-const STRAIN_LIMIT: Parameter = parameter(
-    "strain_limit",
-    "none",
-    "strain beyond which no spring is stretched after a step (strain limiting), or none",
-);
-const STRAIN_LIMIT_PASSES: Parameter = parameter(
-    "strain_limit_passes",
-    "100",
-    "most passes of strain limiting per step",
-);
-
-const NEWTON: &[Parameter] = &[
-    MAX_ITERATIONS,
-    TOLERANCE,
-    LINEAR,
-    LINEAR_TOLERANCE,
-    LINEAR_ITERATIONS,
-    START,
-    AIR_DRAG,
-    STIFFNESS_DAMPING,
-    STRAIN_LIMIT,
-    STRAIN_LIMIT_PASSES,
-];
-
 /// Every method.
 pub const METHODS: [Method; 9] = [
     Method {
         name: "explicit-euler",
         about: "forward Euler: forces at the start of the step",
-        parameters: &[
-            EXPLICIT_SUBSTEPS,
-            AIR_DRAG,
-            STIFFNESS_DAMPING,
-            STRAIN_LIMIT,
-            STRAIN_LIMIT_PASSES,
-        ],
+        parameters: mass_spring::EXPLICIT,
         kind: Kind::Explicit,
     },
     Method {
         name: "symplectic-euler",
         about: "semi-implicit Euler: forces first, then positions with the new velocities",
-        parameters: &[
-            EXPLICIT_SUBSTEPS,
-            AIR_DRAG,
-            STIFFNESS_DAMPING,
-            STRAIN_LIMIT,
-            STRAIN_LIMIT_PASSES,
-        ],
+        parameters: mass_spring::EXPLICIT,
         kind: Kind::Symplectic,
     },
     Method {
         name: "implicit-euler",
         about: "implicit Euler as a minimisation, by Newton with line search and sparse Cholesky",
-        parameters: NEWTON,
+        parameters: mass_spring::NEWTON,
         kind: Kind::Implicit,
     },
     Method {
         name: "linear-implicit",
         about: "implicit Euler with one linear solve a step (Baraff and Witkin)",
-        parameters: &[
-            LINEAR,
-            LINEAR_TOLERANCE,
-            LINEAR_ITERATIONS,
-            AIR_DRAG,
-            STIFFNESS_DAMPING,
-            STRAIN_LIMIT,
-            STRAIN_LIMIT_PASSES,
-        ],
+        parameters: mass_spring::LINEARIZED,
         kind: Kind::LinearImplicit,
     },
     Method {
         name: "implicit-midpoint",
         about: "implicit midpoint rule: second order, no damping of its own",
-        parameters: NEWTON,
+        parameters: mass_spring::NEWTON,
         kind: Kind::Midpoint,
     },
     Method {
         name: "bdf2",
         about: "two-step backward differences: second order, little damping",
-        parameters: NEWTON,
+        parameters: mass_spring::NEWTON,
         kind: Kind::Bdf2,
     },
     Method {
         name: "pbd",
         about: "position-based dynamics",
-        parameters: &[
-            PBD_ITERATIONS,
-            PBD_SUBSTEPS,
-            PBD_STIFFNESS,
-            SWEEP,
-            RELAXATION,
-            CHEBYSHEV,
-            CHEBYSHEV_DELAY,
-            STRAIN_LIMIT,
-            STRAIN_LIMIT_PASSES,
-        ],
+        parameters: position_based::PBD,
         kind: Kind::Pbd,
     },
     Method {
         name: "xpbd",
         about: "extended position-based dynamics, small steps",
-        parameters: &[
-            XPBD_ITERATIONS,
-            XPBD_SUBSTEPS,
-            SWEEP,
-            RELAXATION,
-            CHEBYSHEV,
-            CHEBYSHEV_DELAY,
-            STRAIN_LIMIT,
-            STRAIN_LIMIT_PASSES,
-        ],
+        parameters: position_based::XPBD,
         kind: Kind::Xpbd,
     },
     Method {
         name: "pd",
         about: "projective dynamics",
-        parameters: &[
-            PD_ITERATIONS,
-            PD_TOLERANCE,
-            PD_START,
-            STRAIN_LIMIT,
-            STRAIN_LIMIT_PASSES,
-        ],
+        parameters: projective::PD,
         kind: Kind::Pd,
     },
-];
-
-const SWEEPS: [(&str, Sweep); 4] = [
-    ("colored", Sweep::Colored),
-    ("sequential", Sweep::Sequential),
-    ("jacobi", Sweep::Jacobi),
-    ("plain-jacobi", Sweep::PlainJacobi),
 ];
 
 impl Method {
@@ -274,6 +126,12 @@ impl Method {
             })
     }
 
+    /// The tables of what can be set, with the published setting: of the method, and of all methods.
+    #[must_use]
+    pub fn parameters(&self) -> [&'static [Parameter]; 2] {
+        [self.parameters, strain_limit::STRAIN_LIMITING]
+    }
+
     /// A solver for a scene and a step size `dt` (s), with strain limiting if the settings ask for it.
     ///
     /// # Errors
@@ -284,17 +142,7 @@ impl Method {
         settings: &Settings,
         dt: Real,
     ) -> Result<Box<dyn Stepper>, BenchError> {
-        let solver = self.solver(scene, settings, dt)?;
-        if settings.text(&STRAIN_LIMIT) == "none" {
-            return Ok(solver);
-        }
-        let range = StretchRange::stretch(settings.number(&STRAIN_LIMIT)?);
-        let limiter = StrainLimiter::builder(&scene.model.particles)
-            .springs(&scene.model.springs, range)
-            .max_passes(settings.count(&STRAIN_LIMIT_PASSES, 1)?)
-            .build()
-            .map_err(BenchError::usage)?;
-        Ok(Box::new(Limited::new(solver, limiter)))
+        strain_limit::limited(self.solver(scene, settings, dt)?, scene, settings)
     }
 
     fn solver(
@@ -315,51 +163,28 @@ impl Method {
         Ok(match self.kind {
             Kind::Explicit => mass_spring!(ExplicitEuler, self.explicit(scene, settings, dt)?),
             Kind::Symplectic => mass_spring!(SymplecticEuler, self.explicit(scene, settings, dt)?),
-            Kind::Implicit => mass_spring!(ImplicitEuler, newton(settings)?),
-            Kind::LinearImplicit => mass_spring!(ImplicitEuler, linearized(settings)?),
-            Kind::Midpoint => mass_spring!(ImplicitMidpoint, newton(settings)?),
-            Kind::Bdf2 => mass_spring!(Bdf2, newton(settings)?),
+            Kind::Implicit => mass_spring!(ImplicitEuler, mass_spring::newton(settings)?),
+            Kind::LinearImplicit => mass_spring!(ImplicitEuler, mass_spring::linearized(settings)?),
+            Kind::Midpoint => mass_spring!(ImplicitMidpoint, mass_spring::newton(settings)?),
+            Kind::Bdf2 => mass_spring!(Bdf2, mass_spring::newton(settings)?),
             Kind::Pbd => {
-                let config = PbdConfig {
-                    iterations: settings.count(&PBD_ITERATIONS, 1)?,
-                    substeps: settings.count(&PBD_SUBSTEPS, 1)?,
-                    sweep: settings.choice(&SWEEP, &SWEEPS)?,
-                    acceleration: acceleration(settings)?,
-                    stiffness: match settings.text(&PBD_STIFFNESS) {
-                        "material" => StiffnessRule::Material,
-                        _ => StiffnessRule::Fixed(settings.number(&PBD_STIFFNESS)?),
-                    },
-                };
+                let config = position_based::pbd(settings)?;
                 let builder = add_constraints!(PbdSolver::builder(particles), families, self.name);
                 Box::new(builder.config(config).build().map_err(BenchError::usage)?)
             }
             Kind::Xpbd => {
-                let config = XpbdConfig {
-                    iterations: settings.count(&XPBD_ITERATIONS, 1)?,
-                    substeps: settings.count(&XPBD_SUBSTEPS, 1)?,
-                    sweep: settings.choice(&SWEEP, &SWEEPS)?,
-                    acceleration: acceleration(settings)?,
-                };
+                let config = position_based::xpbd(settings)?;
                 let builder = add_constraints!(XpbdSolver::builder(particles), families, self.name);
                 Box::new(builder.config(config).build().map_err(BenchError::usage)?)
             }
             Kind::Pd => {
-                let config = PdConfig {
-                    iterations: settings.count(&PD_ITERATIONS, 1)?,
-                    tolerance: match settings.text(&PD_TOLERANCE) {
-                        "none" => None,
-                        _ => Some(settings.number(&PD_TOLERANCE)?),
-                    },
-                    start: settings.choice(
-                        &PD_START,
-                        &[
-                            ("previous", Start::Previous),
-                            ("predicted", Start::Predicted),
-                        ],
-                    )?,
-                };
                 let builder = add_projections!(PdSolver::builder(particles), families, self.name);
-                Box::new(builder.config(config).build().map_err(BenchError::usage)?)
+                let mut builder = builder.config(projective::projective(settings)?);
+                let cells = settings.count(&projective::PD_COARSE, 0)?;
+                if cells > 0 {
+                    builder = builder.coarse_grid(&scene.start.positions, cells);
+                }
+                Box::new(builder.build().map_err(BenchError::usage)?)
             }
         })
     }
@@ -372,7 +197,7 @@ impl Method {
     ) -> Result<ExplicitConfig, BenchError> {
         Ok(ExplicitConfig {
             substeps: self.substeps(scene, settings, dt)?,
-            damping: damping(settings)?,
+            damping: mass_spring::damping(settings)?,
             ..Default::default()
         })
     }
@@ -389,10 +214,12 @@ impl Method {
     ) -> Result<u32, BenchError> {
         match self.kind {
             Kind::Implicit | Kind::LinearImplicit | Kind::Midpoint | Kind::Bdf2 | Kind::Pd => Ok(1),
-            Kind::Pbd => settings.count(&PBD_SUBSTEPS, 1),
-            Kind::Xpbd => settings.count(&XPBD_SUBSTEPS, 1),
-            Kind::Explicit | Kind::Symplectic if settings.text(&EXPLICIT_SUBSTEPS) != "auto" => {
-                settings.count(&EXPLICIT_SUBSTEPS, 1)
+            Kind::Pbd => settings.count(&position_based::PBD_SUBSTEPS, 1),
+            Kind::Xpbd => settings.count(&position_based::XPBD_SUBSTEPS, 1),
+            Kind::Explicit | Kind::Symplectic
+                if settings.text(&mass_spring::EXPLICIT_SUBSTEPS) != "auto" =>
+            {
+                settings.count(&mass_spring::EXPLICIT_SUBSTEPS, 1)
             }
             Kind::Explicit | Kind::Symplectic => {
                 let energies = scene.model.energies().map_err(BenchError::usage)?;
@@ -430,71 +257,4 @@ impl Method {
             _ => count * (count + 1.0),
         }
     }
-}
-
-/// Settings of the methods that iterate with Newton's method.
-fn newton(settings: &Settings) -> Result<ImplicitConfig, BenchError> {
-    Ok(ImplicitConfig {
-        max_iterations: settings.count(&MAX_ITERATIONS, 1)?,
-        tolerance: settings.number(&TOLERANCE)?,
-        linear: linear(settings)?,
-        start: settings.choice(
-            &START,
-            &[
-                ("previous", StartGuess::Previous),
-                ("inertial", StartGuess::Inertial),
-                ("predicted", StartGuess::Predicted),
-            ],
-        )?,
-        damping: damping(settings)?,
-        ..Default::default()
-    })
-}
-
-fn linearized(settings: &Settings) -> Result<ImplicitConfig, BenchError> {
-    Ok(ImplicitConfig {
-        linear: linear(settings)?,
-        damping: damping(settings)?,
-        ..ImplicitConfig::linearized()
-    })
-}
-
-fn linear(settings: &Settings) -> Result<LinearMethod, BenchError> {
-    let budget = Budget {
-        tolerance: settings.number(&LINEAR_TOLERANCE)?,
-        max_iterations: settings.count(&LINEAR_ITERATIONS, 1)?,
-    };
-    settings.choice(
-        &LINEAR,
-        &[
-            ("cholesky", LinearMethod::Cholesky),
-            (
-                "conjugate-gradients",
-                LinearMethod::ConjugateGradients(budget),
-            ),
-            ("chebyshev-jacobi", LinearMethod::ChebyshevJacobi(budget)),
-            ("jacobi", LinearMethod::Jacobi(budget)),
-            ("gauss-seidel", LinearMethod::GaussSeidel(budget)),
-        ],
-    )
-}
-
-fn acceleration(settings: &Settings) -> Result<Acceleration, BenchError> {
-    let radius = match settings.text(&CHEBYSHEV) {
-        "none" => None,
-        "auto" => Some(Radius::Estimated),
-        _ => Some(Radius::Given(settings.number(&CHEBYSHEV)?)),
-    };
-    let delay = settings.count(&CHEBYSHEV_DELAY, 1)?;
-    Ok(Acceleration {
-        relaxation: settings.number(&RELAXATION)?,
-        chebyshev: radius.map(|radius| Chebyshev { radius, delay }),
-    })
-}
-
-fn damping(settings: &Settings) -> Result<Damping, BenchError> {
-    Ok(Damping {
-        air_drag: settings.number(&AIR_DRAG)?,
-        stiffness: settings.number(&STIFFNESS_DAMPING)?,
-    })
 }

@@ -134,6 +134,24 @@ pub trait Projective<const N: usize, const K: usize>: Element<N> {
 
     /// The nearest point of the set to `z = G x`.
     fn project(&self, z: [Vec3; K]) -> [Vec3; K];
+
+    /// How the distance resists a change of `z`: `I − ∂p/∂z` in 3 × 3 blocks (dimensionless), without its negative eigenvalues, so
+    /// that `w Gᵀ (I − ∂p/∂z) G` is the Hessian under [`Convexity::Clamp`].
+    ///
+    /// The identity, which it is by default, bounds it from above: exact where the projection is constant, as stiff in all
+    /// directions elsewhere.
+    fn resistance(&self, z: [Vec3; K]) -> [[Mat3; K]; K] {
+        let _ = z;
+        std::array::from_fn(|k| {
+            std::array::from_fn(|l| {
+                if k == l {
+                    Mat3::identity()
+                } else {
+                    Mat3::zeros()
+                }
+            })
+        })
+    }
 }
 
 /// The line where a constraint becomes an energy: `E = ½ Σ k C²`, `∂E = Σ k C ∂C`,

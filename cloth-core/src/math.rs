@@ -54,6 +54,20 @@ pub fn length_and_direction(d: Vec3, pair: [u32; 2]) -> (Real, Vec3) {
     }
 }
 
+/// Second derivative (dimensionless) of `½ (l − rest)²` by a vector of `length` l (m) and direction `n`, without its negative eigenvalues:
+/// `n nᵀ + (1 − rest/l)(I − n nᵀ)`, the second part only where l > rest.
+#[inline]
+#[must_use]
+pub fn radial_resistance(length: Real, n: Vec3, rest: Real) -> Mat3 {
+    let across = match length {
+        _ if rest == 0.0 => 1.0, // ½ l² is smooth, also at 0
+        _ if length > rest => 1.0 - rest / length,
+        _ => 0.0,
+    };
+    let along = n * n.transpose();
+    along * (1.0 - across) + Mat3::from_diagonal_element(across)
+}
+
 /// A unit vector that depends on the two numbers only, spread evenly over the sphere.
 #[cold]
 fn arbitrary_direction(pair: [u32; 2]) -> Vec3 {

@@ -6,14 +6,15 @@ use cloth_core::step::BuildError;
 /// Settings of [`PdSolver`](crate::PdSolver).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PdConfig {
-    /// Local–global iterations in a step: exactly as many without a tolerance, at most as many with one; at least 1.
-    /// Stiff cloth wants many more than the ten of the default, see the limits in the [crate documentation](crate).
+    /// Iterations in a step: exactly as many without a tolerance, at most as many with one; at least 1.
     pub iterations: u32,
     /// With `Some(τ)` the iteration ends as soon as `‖∇G(x)‖ ≤ τ ‖∇G(x̃)‖` in the norm of M⁻¹ (τ dimensionless), and the
     /// report has that ratio as its residual. `None`: nothing is computed for it.
     pub tolerance: Option<Real>,
     /// Where the iteration starts.
     pub start: Start,
+    /// What is made of a local–global pair.
+    pub acceleration: Acceleration,
 }
 
 /// Where the iteration starts, S1 (34). A prescribed vertex is where it will be at the end of the step, in any case.
@@ -22,40 +23,84 @@ pub struct PdConfig {
 pub enum Start {
     /// `x[0]`, the positions before the step.
     Previous,
-    /// `x̃`, called `s` in S1 (33): where the vertices would go without elasticity.
+    /// `x[0] + Δt v[0]`: the motion goes on as it was. What gravity adds in a step is mostly taken back by a cloth that is held, so this is nearer to the
+    /// end of the step than x̃. A piece of cloth that nothing holds falls as a whole besides, so that its momentum is right from the start.
     #[default]
+    Inertial,
+    /// `x̃`, called `s` in S1 (33): where the vertices would go without elasticity.
     Predicted,
+}
+
+/// How iterates are combined.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Acceleration {
+    /// Local and global step take turns as printed. `G` falls in every iteration without being looked at.
+    None,
+    /// The Chebyshev semi-iterative method (Wang 2015) over the plain iteration: each iterate is extrapolated from the one before the last.
+    /// Where `G` would not fall, the plain iterate is taken and the method begins anew.
+    Chebyshev {
+        /// Largest factor ρ (dimensionless, at least 0, below 1) by which the plain iteration keeps an error. `None`: read off the
+        /// plain iterations that every step then starts with.
+        spectral_radius: Option<Real>,
+    },
+    /// Quasi-Newton (Liu, Bouaziz, Kavan 2017): L-BFGS with the inverse of the constant matrix (and the coarse grid, if the solver was
+    /// given one) as the first inverse Hessian, and a line search on `G`.
+    QuasiNewton {
+        /// Pairs of differences that are remembered (m in the paper); with 0 each direction is that of one global solve.
+        history: u32,
+    },
 }
 
 impl Default for PdConfig {
     fn default() -> Self {
         Self {
-            iterations: 10,
+            iterations: 6,
             tolerance: None,
-            start: Start::Predicted,
+            start: Start::Inertial,
+            acceleration: Acceleration::QuasiNewton { history: 5 },
         }
     }
 }
 
 impl PdConfig {
+    /// The method as it was first published: local and global step take turns, from x̃, ten times.
+    #[must_use]
+    pub fn plain() -> Self {
+        Self {
+            iterations: 10,
+            tolerance: None,
+            start: Start::Predicted,
+            acceleration: Acceleration::None,
+        }
+    }
+
     /// Whether every setting lies in its range.
     pub(crate) fn check(&self) -> Result<(), BuildError> {
+        let refuse = |name, value, range| Err(BuildError::InvalidSetting { name, value, range });
         if self.iterations == 0 {
-            return Err(BuildError::InvalidSetting {
-                name: "iterations",
-                value: 0.0,
-                range: "at least 1",
-            });
+            return refuse("iterations", 0.0, "at least 1");
         }
-        match self.tolerance {
-            Some(tolerance) if !(tolerance >= 0.0 && tolerance.is_finite()) => {
-                Err(BuildError::InvalidSetting {
-                    name: "tolerance",
-                    value: tolerance,
-                    range: "zero or a positive finite number",
-                })
+        if let Some(tolerance) = self.tolerance
+            && !(tolerance >= 0.0 && tolerance.is_finite())
+        {
+            return refuse("tolerance", tolerance, "zero or a positive finite number");
+        }
+        match self.acceleration {
+            Acceleration::Chebyshev {
+                spectral_radius: Some(radius),
+            } if !(0.0..1.0).contains(&radius) => {
+                refuse("spectral_radius", radius, "at least 0 and below 1")
             }
+            Acceleration::QuasiNewton { history } if history > MOST_HISTORY => refuse(
+                "history",
+                Real::from(history),
+                "at most 1000: more remembers nothing that helps",
+            ),
             _ => Ok(()),
         }
     }
 }
+
+/// A longer history is a slip of the pen; its memory is set aside when the solver is built.
+const MOST_HISTORY: u32 = 1000;

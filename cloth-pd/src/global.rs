@@ -1,19 +1,20 @@
 //! The global step: one matrix for x, y and z alike, the same in every iteration, factorised once per step size.
 
 use crate::local::Projections;
-use cloth_core::linear::{Cholesky, CholeskyError, PanelFactor, UpperPattern};
+use cloth_core::linear::{Cholesky, CholeskyError, FactorView, PanelFactor, UpperPattern};
 use cloth_core::math::{Real, Vec3};
 use cloth_core::particles::Particles;
 use sprs::{CsMat, TriMat};
 use std::fmt;
 
-/// `A = M/Δt² + Σ w GᵀG` over the vertices that are not prescribed, S1 (34), and its factor.
+/// A pivot below this part of its diagonal entry has lost all but a few of its digits.
+const SMALLEST_PIVOT: Real = 1e-12;
+
+/// `A = M/Δt² + Σ w GᵀG` over the vertices that are not prescribed, S1 (34), and its factor. The row of a prescribed vertex is that of the identity.
 pub(crate) struct GlobalSystem {
-    /// The vertex of each row.
-    vertices: Vec<u32>,
-    /// Lumped mass (kg) of each row.
-    mass: Vec<Real>,
-    /// Lower half of `Σ w GᵀG` (N/m), row by row, the diagonal last in each.
+    /// Lumped mass (kg) of each vertex; none where it is prescribed.
+    mass: Vec<Option<Real>>,
+    /// Lower half of `Σ w GᵀG` (N/m) over all vertices, row by row, the diagonal last in each.
     stiffness: CsMat<Real>,
     cholesky: Cholesky,
     /// The factor in the layout that the iterations read; none before the first step.
@@ -25,7 +26,7 @@ pub(crate) struct GlobalSystem {
 impl fmt::Debug for GlobalSystem {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("GlobalSystem")
-            .field("rows", &self.vertices.len())
+            .field("rows", &self.mass.len())
             .field("nonzeros", &self.stiffness.nnz())
             .field("factored_for", &self.factored_for)
             .finish()
@@ -38,18 +39,14 @@ impl GlobalSystem {
         particles: &Particles,
         families: &[Box<dyn Projections>],
     ) -> Result<Self, CholeskyError> {
-        let all = 0..particles.len() as u32;
-        let vertices: Vec<u32> = all
-            .filter(|&vertex| !particles.is_prescribed(vertex as usize))
-            .collect();
-        let stiffness = assemble(particles.len(), &vertices, families);
+        let stiffness = assemble(particles.len(), families);
         let cholesky = Cholesky::analyze(upper_pattern(&stiffness)?)?;
+        let mass = |vertex: usize| {
+            let is_free = !particles.is_prescribed(vertex);
+            is_free.then(|| particles.mass()[vertex])
+        };
         Ok(Self {
-            mass: vertices
-                .iter()
-                .map(|&v| particles.mass()[v as usize])
-                .collect(),
-            vertices,
+            mass: (0..particles.len()).map(mass).collect(),
             stiffness,
             cholesky,
             panels: None,
@@ -63,34 +60,34 @@ impl GlobalSystem {
             return Ok(0);
         }
         self.factored_for = None;
-        let values = self.cholesky.values_mut();
-        values.copy_from_slice(self.stiffness.data());
-        let row_ends = self.stiffness.indptr();
-        for (end, mass) in row_ends
-            .as_slice()
-            .expect("whole")
-            .iter()
-            .skip(1)
-            .zip(&self.mass)
-        {
-            values[end - 1] += mass / (dt * dt);
-        }
+        fill(&self.stiffness, &self.mass, dt, self.cholesky.values_mut());
         self.cholesky.factorize()?;
         let factor = self.cholesky.factor();
+        if smallest_pivot(factor, &self.stiffness, &self.mass, dt) < SMALLEST_PIVOT {
+            return Err(CholeskyError::NotPositiveDefinite);
+        }
         match &mut self.panels {
             Some(panels) => panels.refill(factor),
-            None => self.panels = Some(PanelFactor::new(factor, &self.vertices)),
+            None => {
+                let places: Vec<u32> = (0..self.mass.len() as u32).collect();
+                self.panels = Some(PanelFactor::new(factor, &places));
+            }
         }
         self.factored_for = Some(dt);
         Ok(1)
     }
 
-    /// Whether no vertex can move.
-    pub(crate) fn is_empty(&self) -> bool {
-        self.vertices.is_empty()
+    /// Lower half of `Σ w GᵀG` (N/m) over all vertices.
+    pub(crate) fn stiffness(&self) -> &CsMat<Real> {
+        &self.stiffness
     }
 
-    /// Solves `A d = b` (N to m) over the free vertices; the entries of the others are neither read nor written.
+    /// Whether no vertex can move.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.mass.iter().all(Option::is_none)
+    }
+
+    /// Solves `A d = b` (N to m). `b` has to be zero at prescribed vertices; so is `d`.
     ///
     /// # Panics
     /// If nothing has been prepared.
@@ -100,29 +97,54 @@ impl GlobalSystem {
     }
 }
 
-/// Lower half of `Σ w GᵀG` over the rows `vertices`, every diagonal entry present.
-fn assemble(
-    vertex_count: usize,
-    vertices: &[u32],
-    families: &[Box<dyn Projections>],
-) -> CsMat<Real> {
-    const PRESCRIBED: usize = usize::MAX;
-    let mut row_of = vec![PRESCRIBED; vertex_count];
-    for (row, &vertex) in vertices.iter().enumerate() {
-        row_of[vertex as usize] = row;
+/// The numbers of A for a step of `dt` (s), in the order of its lower half.
+fn fill(stiffness: &CsMat<Real>, mass: &[Option<Real>], dt: Real, values: &mut [Real]) {
+    let mut values = values.iter_mut();
+    for (row, entries) in stiffness.outer_iterator().enumerate() {
+        for ((column, &k), value) in entries.iter().zip(&mut values) {
+            *value = match (mass[row], mass[column]) {
+                (Some(mass), Some(_)) if row == column => k + mass / dt / dt,
+                (Some(_), Some(_)) => k,
+                _ if row == column => 1.0,
+                _ => 0.0,
+            };
+        }
     }
-    let mut entries = TriMat::new((vertices.len(), vertices.len()));
-    for row in 0..vertices.len() {
+}
+
+/// The smallest square of a diagonal entry of the factor, relative to the diagonal entry of the matrix that it comes from: what elimination has left of it.
+fn smallest_pivot(
+    factor: FactorView<'_>,
+    stiffness: &CsMat<Real>,
+    mass: &[Option<Real>],
+    dt: Real,
+) -> Real {
+    let order = factor.order();
+    let row_ends = stiffness.indptr();
+    let mut smallest: Real = 1.0;
+    for index in 0..factor.supernode_count() {
+        let (start, _, block) = factor.supernode(index);
+        for column in 0..block.ncols() {
+            let row = order[start + column] as usize;
+            if let Some(mass) = mass[row] {
+                let last = row_ends.outer_inds_sz(row).end - 1;
+                let diagonal = stiffness.data()[last] + mass / dt / dt;
+                let pivot = block[(column, column)];
+                smallest = smallest.min(pivot * pivot / diagonal);
+            }
+        }
+    }
+    smallest
+}
+
+/// Lower half of `Σ w GᵀG` over all vertices, every diagonal entry present.
+fn assemble(vertex_count: usize, families: &[Box<dyn Projections>]) -> CsMat<Real> {
+    let mut entries = TriMat::new((vertex_count, vertex_count));
+    for row in 0..vertex_count {
         entries.add_triplet(row, row, 0.0);
     }
     for family in families {
-        family.add_matrix(&mut |i, j, value| {
-            // Rows ascend with vertices, so the lower half stays the lower half.
-            let (row, column) = (row_of[i as usize], row_of[j as usize]);
-            if row != PRESCRIBED && column != PRESCRIBED {
-                entries.add_triplet(row, column, value);
-            }
-        });
+        family.add_matrix(&mut |i, j, value| entries.add_triplet(i as usize, j as usize, value));
     }
     entries.to_csr()
 }
@@ -240,14 +262,18 @@ mod tests {
             for (i, mass) in particles.mass().iter().enumerate() {
                 matrix[i][i] += mass / (dt * dt);
             }
+            for i in 0..6 {
+                (matrix[i][2], matrix[2][i]) = (0.0, 0.0);
+            }
+            matrix[2][2] = 1.0;
             let mut values = global.cholesky.values_mut().iter();
             for (_, (row, column)) in &global.stiffness {
-                let [i, j] = [row, column].map(|row| global.vertices[row] as usize);
-                let error = values.next().unwrap() - matrix[i][j];
-                assert!(error.abs() < 1e-13, "{i} {j}: {error:e}");
+                let error = values.next().unwrap() - matrix[row][column];
+                assert!(error.abs() < 1e-13, "{row} {column}: {error:e}");
             }
             // What is stored is all there is: A x = b at the x that the solve gives.
-            let b: Vec<Vec3> = (0..6).map(|v| Vec3::new(1.0, v as Real, -0.5)).collect();
+            let mut b: Vec<Vec3> = (0..6).map(|v| Vec3::new(1.0, v as Real, -0.5)).collect();
+            b[2] = Vec3::zeros();
             let mut x = vec![Vec3::zeros(); 6];
             global.solve(&b, &mut x);
             assert_eq!(x[2], Vec3::zeros());

@@ -126,13 +126,19 @@
 //!   <https://doi.org/10.1145/2508363.2508406>.
 #![forbid(unsafe_code)]
 
+mod chebyshev;
+mod coarse;
+mod coarse_family;
 mod config;
+mod free_pieces;
 mod global;
+mod lattice;
 mod local;
-#[cfg(feature = "parallel")]
-mod parallel;
-mod residual;
+mod objective;
+mod pieces;
+mod quadratic;
+mod quasi_newton;
 mod solver;
 
-pub use config::{PdConfig, Start};
+pub use config::{Acceleration, PdConfig, Start};
 pub use solver::{PdBuilder, PdSolver};

@@ -1,5 +1,9 @@
 //! The local step: every element on its own projects `z = G x` to the nearest point `p` of its set, and pulls its vertices there.
 
+use crate::coarse_family::CoarseFamily;
+use crate::lattice::Lattice;
+use crate::pieces::{self, Pieces};
+use cloth_core::block_matrix::{BlockMatrix, BlockPattern};
 use cloth_core::element::Projective;
 use cloth_core::family::check_vertices;
 use cloth_core::math::{Real, Vec3, gather};
@@ -12,23 +16,36 @@ pub(crate) type EntrySink<'a> = dyn FnMut(u32, u32, Real) + 'a;
 
 /// Sums over all elements of one kind, with the kind forgotten.
 pub(crate) trait Projections: Debug + Send + Sync {
+    /// Whether the projections are the same for all positions, so that the energy is quadratic.
+    fn is_constant(&self) -> bool;
+
     /// Hands over the entries of the lower half of `Σ w GᵀG`.
     fn add_matrix(&self, entry: &mut EntrySink<'_>);
 
-    /// Adds what is the same in all iterations of a step with the prediction x̃ (m) to `out` (N): `Σ w Gᵀ(p − G x̃)` where the
-    /// projection is constant, `−Σ w GᵀG x̃` where it is not.
-    fn add_constant_pull(&mut self, predicted: &[Vec3], out: &mut [Vec3]);
+    /// Adds `Σ w Gᵀ(p − G x)` to `out` (N) if the projections are constant, else nothing.
+    fn add_constant_pull(&mut self, x: &[Vec3], out: &mut [Vec3]);
 
-    /// Adds `Σ w Gᵀ p` with the projections `p` of `G x` (m) to `out` (N), unless they are constant.
-    fn add_projections(&mut self, x: &[Vec3], out: &mut [Vec3]);
+    /// Adds the gradient `Σ w Gᵀ(G x − p)` at x (m) to `out` (N) and returns the energy `½ Σ w ‖G x − p‖²` (J), unless the
+    /// projections are constant.
+    fn add_gradient(&mut self, x: &[Vec3], out: &mut [Vec3]) -> Real;
+
+    /// Prepares the sums over a coarse grid, and adds the pairs of nodes that the elements tie together.
+    fn lay_over(&mut self, lattice: &Lattice, pairs: &mut Vec<[u32; 2]>);
+
+    /// Looks up the places of those pairs.
+    fn bind_nodes(&mut self, pattern: &BlockPattern);
+
+    /// Adds the stiffness at x (m), seen through the hats of the coarse grid, to `out` (N/m).
+    fn add_coarse_stiffness(&mut self, x: &[Vec3], out: &mut BlockMatrix);
 }
 
 /// All elements of one kind that can move something.
 #[derive(Debug)]
 pub(crate) struct Family<const N: usize, const K: usize, E> {
     elements: Vec<E>,
-    #[cfg(feature = "parallel")]
-    pieces: crate::parallel::Pieces,
+    pieces: Pieces,
+    /// Nothing without a coarse grid.
+    coarse: CoarseFamily,
 }
 
 impl<const N: usize, const K: usize, E: Projective<N, K>> Family<N, K, E> {
@@ -49,8 +66,8 @@ impl<const N: usize, const K: usize, E: Projective<N, K>> Family<N, K, E> {
         elements.retain(|e| e.weight() > 0.0 && e.vertices().into_iter().any(is_free));
         Ok(Self {
             elements,
-            #[cfg(feature = "parallel")]
-            pieces: Default::default(),
+            pieces: Pieces::new(particles.len()),
+            coarse: CoarseFamily::default(),
         })
     }
 
@@ -58,33 +75,45 @@ impl<const N: usize, const K: usize, E: Projective<N, K>> Family<N, K, E> {
         self.elements.is_empty()
     }
 
-    /// Adds `Σ w Gᵀ goal(element, G x)` to `out`; on one thread or on several, with the same bits.
-    fn pull(
+    /// Adds `Σ w Gᵀ pull(element, G x)` to `out` and returns `½ Σ w ‖pull‖²`; on one thread or on several, with the same bits.
+    fn sum(
         &mut self,
         x: &[Vec3],
         out: &mut [Vec3],
-        goal: impl Fn(&E, [Vec3; K]) -> [Vec3; K] + Sync,
-    ) {
-        let weighted_goal = |element: &E| {
-            let z = apply(&element.operator(), &gather(x, element.vertices()));
-            goal(element, z).map(|goal| goal * element.weight())
+        pull: impl Fn(&E, [Vec3; K]) -> [Vec3; K] + Sync,
+    ) -> Real {
+        let weighted = |element: &E| {
+            let pull = pull(
+                element,
+                apply(&element.operator(), &gather(x, element.vertices())),
+            );
+            let weight = element.weight();
+            let squared: Real = pull.iter().map(Vec3::norm_squared).sum();
+            (pull.map(|pull| pull * weight), 0.5 * weight * squared)
         };
         #[cfg(feature = "parallel")]
-        if crate::parallel::pays(self.elements.len()) {
-            return self.pieces.sum(&self.elements, out, weighted_goal);
+        if pieces::pays(self.elements.len()) {
+            return self.pieces.sum(&self.elements, out, weighted);
         }
+        self.pieces.values.fill(0.0);
         for element in &self.elements {
-            let goal = weighted_goal(element);
+            let (pull, value) = weighted(element);
             let operator = element.operator();
             let vertices = element.vertices();
             for i in 0..N {
-                out[vertices[i] as usize] += share(&operator, &goal, i);
+                out[vertices[i] as usize] += share(&operator, &pull, i);
             }
+            self.pieces.values[pieces::of(vertices[0])] += value;
         }
+        self.pieces.values.iter().sum()
     }
 }
 
 impl<const N: usize, const K: usize, E: Projective<N, K>> Projections for Family<N, K, E> {
+    fn is_constant(&self) -> bool {
+        E::PROJECTION_IS_CONSTANT
+    }
+
     fn add_matrix(&self, entry: &mut EntrySink<'_>) {
         for element in &self.elements {
             let vertices = element.vertices();
@@ -100,27 +129,44 @@ impl<const N: usize, const K: usize, E: Projective<N, K>> Projections for Family
         }
     }
 
-    fn add_constant_pull(&mut self, predicted: &[Vec3], out: &mut [Vec3]) {
+    fn add_constant_pull(&mut self, x: &[Vec3], out: &mut [Vec3]) {
         if E::PROJECTION_IS_CONSTANT {
-            self.pull(predicted, out, |element, z| {
+            self.sum(x, out, |element, z| {
                 let p = element.project(z);
                 std::array::from_fn(|k| p[k] - z[k])
             });
-        } else {
-            self.pull(predicted, out, |_, z| z.map(|z| -z));
         }
     }
 
-    fn add_projections(&mut self, x: &[Vec3], out: &mut [Vec3]) {
-        if !E::PROJECTION_IS_CONSTANT {
-            self.pull(x, out, E::project);
+    fn add_gradient(&mut self, x: &[Vec3], out: &mut [Vec3]) -> Real {
+        if E::PROJECTION_IS_CONSTANT {
+            return 0.0;
         }
+        self.sum(x, out, |element, z| {
+            let p = element.project(z);
+            std::array::from_fn(|k| z[k] - p[k])
+        })
+    }
+
+    fn lay_over(&mut self, lattice: &Lattice, pairs: &mut Vec<[u32; 2]>) {
+        self.coarse = CoarseFamily::new(&self.elements, lattice, pairs);
+    }
+
+    fn bind_nodes(&mut self, pattern: &BlockPattern) {
+        self.coarse.bind(pattern);
+    }
+
+    fn add_coarse_stiffness(&mut self, x: &[Vec3], out: &mut BlockMatrix) {
+        self.coarse.add_stiffness(&self.elements, x, out);
     }
 }
 
 /// `z = G x`.
 #[inline]
-fn apply<const N: usize, const K: usize>(operator: &[[Real; N]; K], x: &[Vec3; N]) -> [Vec3; K] {
+pub(crate) fn apply<const N: usize, const K: usize>(
+    operator: &[[Real; N]; K],
+    x: &[Vec3; N],
+) -> [Vec3; K] {
     let mut z = [Vec3::zeros(); K];
     for k in 0..K {
         for i in 0..N {
@@ -130,16 +176,16 @@ fn apply<const N: usize, const K: usize>(operator: &[[Real; N]; K], x: &[Vec3; N
     z
 }
 
-/// Vertex `i`'s part of `Gᵀ goal`.
+/// Vertex `i`'s part of `Gᵀ pull`.
 #[inline]
 pub(crate) fn share<const N: usize, const K: usize>(
     operator: &[[Real; N]; K],
-    goal: &[Vec3; K],
+    pull: &[Vec3; K],
     i: usize,
 ) -> Vec3 {
     let mut sum = Vec3::zeros();
     for k in 0..K {
-        sum += goal[k] * operator[k][i];
+        sum += pull[k] * operator[k][i];
     }
     sum
 }

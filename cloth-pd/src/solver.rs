@@ -1,34 +1,42 @@
 //! The algorithm.
 
-use crate::config::{PdConfig, Start};
+use crate::chebyshev::Chebyshev;
+use crate::coarse::CoarseGrid;
+use crate::config::{Acceleration, PdConfig, Start};
+use crate::free_pieces::FreePieces;
 use crate::global::GlobalSystem;
 use crate::local::{Family, Projections};
-use crate::residual::Residual;
+use crate::objective::{Objective, Point};
+use crate::quasi_newton::QuasiNewton;
 use cloth_core::element::Projective;
-use cloth_core::math::Vec3;
-use cloth_core::measure::predict;
+use cloth_core::math::{Real, Vec3, is_finite};
 use cloth_core::particles::{Particles, State};
 use cloth_core::step::{BuildError, Outcome, StepError, StepInput, StepReport, Stepper};
 
 /// Projective dynamics; see the [crate documentation](crate).
+///
+/// A step reports as factorisations those of the constant matrix: 1 in the first step and whenever Δt has changed, else 0. Its residual is
+/// `‖∇G(x)‖/‖∇G(x̃)‖`, with a tolerance only.
 #[derive(Debug)]
 pub struct PdSolver {
-    particles: Particles,
-    families: Vec<Box<dyn Projections>>,
+    objective: Objective,
     global: GlobalSystem,
+    coarse: Option<CoarseGrid>,
+    method: Method,
+    free_pieces: FreePieces,
     config: PdConfig,
-    /// With a tolerance only.
-    residual: Option<Residual>,
-    /// x̃ (m); a prescribed vertex is where it will be after the step.
-    predicted: Vec<Vec3>,
-    /// The part of b (N) that is the same in all iterations of a step.
-    constant_pull: Vec<Vec3>,
-    /// b (N).
-    pull: Vec<Vec3>,
-    /// `d = x − x̃` (m); zero for prescribed vertices.
-    displacement: Vec<Vec3>,
-    /// x (m), the iterate.
-    positions: Vec<Vec3>,
+    /// The iterate.
+    point: Point,
+    /// What is left to do with the positions.
+    velocities: Vec<Vec3>,
+}
+
+/// The acceleration and its memory.
+#[derive(Debug)]
+enum Method {
+    Plain { increment: Vec<Vec3> },
+    Chebyshev(Box<Chebyshev>),
+    QuasiNewton(Box<QuasiNewton>),
 }
 
 impl Stepper for PdSolver {
@@ -41,41 +49,46 @@ impl Stepper for PdSolver {
         state: &mut State,
         mut input: StepInput<'_>,
     ) -> Result<StepReport, StepError> {
-        input.check(state, self.particles.len())?;
+        input.check(state, self.point.positions.len())?;
         let step = state.steps + 1;
         let prepared = self.global.prepare(input.dt);
         let factorizations =
             prepared.map_err(|_| StepError::NotPositiveDefinite { iteration: 1, step })?;
-        self.predict(state, &input); // S1 (33)
-        self.start(state);
-        let mut iterations = 0;
-        let outcome = loop {
+        self.objective.begin(state, &input)?; // S1 (33)
+        let mut report = StepReport {
+            factorizations,
+            ..StepReport::new(Outcome::Converged, 0)
+        };
+        let reference = self.reference();
+        self.start(state, input.dt);
+        report.outcome = loop {
             if self.global.is_empty() {
                 break Outcome::Converged;
             }
-            if iterations == self.config.iterations && self.residual.is_none() {
+            let is_last = report.iterations == self.config.iterations;
+            if is_last && self.config.tolerance.is_none() {
                 break Outcome::BudgetSpent;
             }
-            self.project(); // S1 (28)–(31)
-            if self.is_converged(iterations) {
+            if !self.point.is_evaluated {
+                self.objective.evaluate(&mut self.point); // S1 (28)–(31)
+            }
+            if self.is_converged(reference, &mut report) {
                 break Outcome::Converged;
             }
-            if iterations == self.config.iterations {
+            if is_last {
                 break Outcome::BudgetSpent;
             }
-            self.solve(); // S1 (34)
-            iterations += 1;
+            self.advance(&mut report); // S1 (34)
+            report.iterations += 1;
             if let Some(observer) = &mut input.observer {
-                observer.iteration(iterations, &self.positions);
+                if !self.point.is_evaluated {
+                    self.objective.place(&mut self.point);
+                }
+                observer.iteration(report.iterations, &self.point.positions);
             }
         };
         self.finish(state, &input)?; // S1 (35)
-        Ok(StepReport {
-            factorizations,
-            linear_solves: iterations,
-            residual: self.residual.as_ref().and_then(Residual::value),
-            ..StepReport::new(outcome, iterations)
-        })
+        Ok(report)
     }
 }
 
@@ -86,6 +99,7 @@ impl PdSolver {
         PdBuilder {
             particles: particles.clone(),
             families: Ok(Vec::new()),
+            coarse: None,
             config: PdConfig::default(),
         }
     }
@@ -96,75 +110,96 @@ impl PdSolver {
         &self.config
     }
 
-    /// S1 (33): goes to `x̃ = x[0] + Δt v + Δt² a`, and gathers `Σ w Gᵀ(p − G x̃)`, with p only where it is constant.
-    fn predict(&mut self, state: &State, input: &StepInput<'_>) {
-        predict(&self.particles, state, input, &mut self.predicted);
-        self.positions.copy_from_slice(&self.predicted);
-        self.displacement.fill(Vec3::zeros());
-        self.constant_pull.fill(Vec3::zeros());
-        for family in &mut self.families {
-            family.add_constant_pull(&self.predicted, &mut self.constant_pull);
+    /// `‖∇G(x̃)‖` (N/√kg), with a tolerance only.
+    fn reference(&mut self) -> Real {
+        if self.config.tolerance.is_none() || self.global.is_empty() {
+            return 0.0;
+        }
+        let q = &mut self.point.displacement;
+        q.copy_from_slice(&self.objective.inertial);
+        self.objective.evaluate(&mut self.point);
+        self.objective.norm(&self.point.gradient)
+    }
+
+    /// Goes to `x⁽⁰⁾`, and lets everything that remembers begin anew.
+    fn start(&mut self, state: &State, dt: Real) {
+        let particles = &self.objective.particles;
+        for (vertex, q) in self.point.displacement.iter_mut().enumerate() {
+            *q = match self.config.start {
+                _ if particles.is_prescribed(vertex) => self.objective.inertial[vertex],
+                Start::Previous => Vec3::zeros(),
+                Start::Inertial => state.velocities[vertex] * dt,
+                Start::Predicted => self.objective.inertial[vertex],
+            };
+        }
+        if self.config.start == Start::Inertial {
+            let (goal, q) = (&self.objective.inertial, &mut self.point.displacement);
+            self.free_pieces.align(particles, goal, q);
+        }
+        self.point.is_evaluated = false;
+        match &mut self.method {
+            Method::Plain { .. } => {}
+            Method::Chebyshev(method) => method.begin(),
+            Method::QuasiNewton(method) => method.begin(),
+        }
+        if let Some(coarse) = &mut self.coarse {
+            self.objective.place(&mut self.point);
+            coarse.prepare(&mut self.objective.families, &self.point.positions, dt);
         }
     }
 
-    /// Goes to `x⁽⁰⁾`. If that is not x̃, and there is a tolerance, looks at x̃ first.
-    fn start(&mut self, state: &State) {
-        if let Some(residual) = &mut self.residual {
-            residual.begin();
-        }
-        if self.config.start == Start::Predicted {
-            return;
-        }
-        if self.residual.is_some() {
-            self.project();
-            if self.is_converged(0) {
-                return;
+    /// Whether the tolerance is met at the point.
+    fn is_converged(&self, reference: Real, report: &mut StepReport) -> bool {
+        let Some(tolerance) = self.config.tolerance else {
+            return false;
+        };
+        let norm = self.objective.norm(&self.point.gradient);
+        let residual = if norm > 0.0 { norm / reference } else { 0.0 };
+        report.residual = Some(residual);
+        residual <= tolerance
+    }
+
+    /// One iteration.
+    fn advance(&mut self, report: &mut StepReport) {
+        let (objective, global, point) = (&mut self.objective, &mut self.global, &mut self.point);
+        report.linear_solves += 1;
+        match &mut self.method {
+            Method::Plain { increment } => {
+                global.solve(&point.gradient, increment);
+                for (q, d) in point.displacement.iter_mut().zip(increment) {
+                    *q -= *d;
+                }
+                point.is_evaluated = false;
+            }
+            Method::Chebyshev(method) => {
+                report.backtracks += u32::from(method.advance(objective, global, point));
+            }
+            Method::QuasiNewton(method) => {
+                let (backtracks, solves) =
+                    method.advance(objective, global, self.coarse.as_mut(), point);
+                report.backtracks += backtracks;
+                report.linear_solves += solves - 1;
             }
         }
-        for (vertex, x) in self.positions.iter_mut().enumerate() {
-            if !self.particles.is_prescribed(vertex) {
-                *x = state.positions[vertex];
-            }
-        }
     }
 
-    /// The local step: `b = Σ w Gᵀ(p(x) − G x̃)`.
-    fn project(&mut self) {
-        self.pull.copy_from_slice(&self.constant_pull);
-        for family in &mut self.families {
-            family.add_projections(&self.positions, &mut self.pull);
-        }
-    }
-
-    fn is_converged(&mut self, iterations: u32) -> bool {
-        let inverse_mass = self.particles.inverse_mass();
-        self.residual
-            .as_mut()
-            .is_some_and(|residual| residual.is_met(inverse_mass, &self.pull, iterations))
-    }
-
-    /// The global step: `A d = b`, `x = x̃ + d`.
-    fn solve(&mut self) {
-        self.global.solve(&self.pull, &mut self.displacement);
-        for vertex in 0..self.positions.len() {
-            self.positions[vertex] = self.predicted[vertex] + self.displacement[vertex];
-        }
-    }
-
-    /// S1 (35): `x[1] = x`; and `v[1] = (x − x[0])/Δt`, written as `v + Δt a + d/Δt`, which does not subtract positions.
+    /// S1 (35): `x[1] = x`, `v[1] = (x − x[0])/Δt`.
     fn finish(&mut self, state: &mut State, input: &StepInput<'_>) -> Result<(), StepError> {
         let step = state.steps + 1;
-        for (vertex, d) in self.displacement.iter_mut().enumerate() {
-            let a = input.external_acceleration(vertex, self.particles.inverse_mass()[vertex]);
-            *d = state.velocities[vertex] + a * input.dt + *d / input.dt;
-            if !cloth_core::math::is_finite(&self.positions[vertex])
-                || !cloth_core::math::is_finite(d)
-            {
+        self.objective.place(&mut self.point);
+        let particles = &self.objective.particles;
+        for (vertex, v) in self.velocities.iter_mut().enumerate() {
+            *v = if particles.is_prescribed(vertex) {
+                state.velocities[vertex]
+            } else {
+                self.point.displacement[vertex] / input.dt
+            };
+            if !is_finite(&self.point.positions[vertex]) || !is_finite(v) {
                 return Err(StepError::NonFinite { vertex, step });
             }
         }
-        state.positions.copy_from_slice(&self.positions);
-        state.velocities.copy_from_slice(&self.displacement);
+        state.positions.copy_from_slice(&self.point.positions);
+        state.velocities.copy_from_slice(&self.velocities);
         state.time += input.dt;
         state.steps = step;
         Ok(())
@@ -176,6 +211,7 @@ impl PdSolver {
 pub struct PdBuilder {
     particles: Particles,
     families: Result<Vec<Box<dyn Projections>>, BuildError>,
+    coarse: Option<(Vec<Vec3>, u32)>,
     config: PdConfig,
 }
 
@@ -196,6 +232,14 @@ impl PdBuilder {
         self
     }
 
+    /// Lays a coarse grid over the cloth, of `cells` cubes along the longest side of the box around its rest positions (m). [`Acceleration::QuasiNewton`] takes a Newton step on
+    /// it in every iteration, the other methods have no use for it. A few cells are enough: 4 do for a sheet of any resolution.
+    #[must_use]
+    pub fn coarse_grid(mut self, rest_positions: &[Vec3], cells: u32) -> Self {
+        self.coarse = Some((rest_positions.to_vec(), cells));
+        self
+    }
+
     /// Replaces the settings.
     #[must_use]
     pub fn config(mut self, config: PdConfig) -> Self {
@@ -206,27 +250,61 @@ impl PdBuilder {
     /// The solver: assembles the matrix and analyses it. It is factorised in the first step, which tells the step size.
     ///
     /// # Errors
-    /// [`BuildError::InvalidSetting`], also for a weight that is negative or not finite; [`BuildError::NoSuchVertex`] if an element names a
-    /// vertex that the particles do not have; [`BuildError::MatrixTooLarge`].
+    /// [`BuildError::InvalidSetting`], also for a weight that is negative or not finite, and for a coarse grid of no or too many cells or of positions that are not one finite position per
+    /// vertex; [`BuildError::NoSuchVertex`] if an element names a vertex that the particles do not have; [`BuildError::MatrixTooLarge`].
     pub fn build(self) -> Result<PdSolver, BuildError> {
         self.config.check()?;
-        let families = self.families?;
-        let global = GlobalSystem::new(&self.particles, &families)
-            .map_err(|_| BuildError::MatrixTooLarge)?;
+        let mut families = self.families?;
+        let too_large = |_| BuildError::MatrixTooLarge;
+        let global = GlobalSystem::new(&self.particles, &families).map_err(too_large)?;
         let vertex_count = self.particles.len();
         let zeros = vec![Vec3::zeros(); vertex_count];
-        let residual = |tolerance| Residual::new(tolerance, vertex_count);
+        let method = match self.config.acceleration {
+            Acceleration::None => Method::Plain {
+                increment: zeros.clone(),
+            },
+            Acceleration::Chebyshev { spectral_radius } => {
+                Method::Chebyshev(Box::new(Chebyshev::new(spectral_radius, vertex_count)))
+            }
+            Acceleration::QuasiNewton { history } => {
+                Method::QuasiNewton(Box::new(QuasiNewton::new(history as usize, vertex_count)))
+            }
+        };
+        let coarse = match (&method, self.coarse) {
+            (Method::QuasiNewton(_), Some((rest, cells))) => {
+                check_coarse(&rest, cells, vertex_count)?;
+                let grid = CoarseGrid::new(&rest, cells, &self.particles, &mut families);
+                Some(grid.map_err(too_large)?)
+            }
+            _ => None,
+        };
         Ok(PdSolver {
-            residual: self.config.tolerance.map(residual),
+            free_pieces: FreePieces::of(global.stiffness(), &self.particles),
             config: self.config,
-            particles: self.particles,
-            families,
+            objective: Objective::new(self.particles, families),
             global,
-            predicted: zeros.clone(),
-            constant_pull: zeros.clone(),
-            pull: zeros.clone(),
-            displacement: zeros.clone(),
-            positions: zeros,
+            coarse,
+            method,
+            point: Point::new(vertex_count),
+            velocities: zeros,
         })
+    }
+}
+
+/// Finer grids than this cost more to factorise than they save.
+const MOST_CELLS: u32 = 1000;
+
+fn check_coarse(rest: &[Vec3], cells: u32, vertex_count: usize) -> Result<(), BuildError> {
+    let refuse = |name, value, range| Err(BuildError::InvalidSetting { name, value, range });
+    if !(1..=MOST_CELLS).contains(&cells) {
+        return refuse("coarse cells", Real::from(cells), "between 1 and 1000");
+    }
+    if rest.len() != vertex_count {
+        let range = "one per vertex";
+        return refuse("the number of rest positions", rest.len() as Real, range);
+    }
+    match rest.iter().find(|x| !is_finite(x)) {
+        Some(x) => refuse("a rest position", x.sum(), "finite"),
+        None => Ok(()),
     }
 }

@@ -5,7 +5,7 @@ use cloth_core::math::Vec3;
 use cloth_core::mesh::generate::{Diagonals, grid};
 use cloth_core::particles::State;
 use cloth_core::step::{StepInput, Stepper};
-use cloth_pd::{PdConfig, PdSolver, Start};
+use cloth_pd::{Acceleration, PdConfig, PdSolver, Start};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -45,16 +45,23 @@ fn hanging(n: usize) -> (ClothModel, State) {
 }
 
 /// Allocations of some steps that follow on a first one with each of these step sizes.
-fn allocations(n: usize, tolerance: Option<f64>, step_sizes: &[f64]) -> u64 {
+fn allocations(
+    n: usize,
+    acceleration: Acceleration,
+    tolerance: Option<f64>,
+    step_sizes: &[f64],
+) -> u64 {
     let (model, mut state) = hanging(n);
     let config = PdConfig {
-        iterations: 4,
+        iterations: 8,
         tolerance,
-        start: Start::Previous,
+        start: Start::Inertial,
+        acceleration,
     };
     let builder = PdSolver::builder(&model.particles)
         .energy(model.springs)
-        .energy(model.hinges);
+        .energy(model.hinges)
+        .coarse_grid(&state.positions, 4);
     let mut solver = builder.config(config).build().unwrap();
     let mut step = |dt| {
         let input = StepInput::new(dt).gravity(Vec3::new(0.0, 0.0, -9.81));
@@ -73,20 +80,28 @@ fn allocations(n: usize, tolerance: Option<f64>, step_sizes: &[f64]) -> u64 {
 /// One test, because the count is that of the whole process.
 #[test]
 fn steps_after_the_first_do_not_allocate() {
-    assert_eq!(allocations(12, None, &[0.01]), 0, "as it comes");
-    assert_eq!(allocations(12, Some(1e-3), &[0.01]), 0, "with a tolerance");
-    assert_eq!(
-        allocations(12, None, &[0.01, 0.02]),
-        0,
-        "with a factorisation in each step"
-    );
+    let chebyshev = |spectral_radius| Acceleration::Chebyshev { spectral_radius };
+    let quasi_newton = Acceleration::QuasiNewton { history: 3 };
+    for acceleration in [
+        Acceleration::None,
+        chebyshev(None),
+        chebyshev(Some(0.99)),
+        quasi_newton,
+    ] {
+        let count = |tolerance, dt: &[f64]| allocations(12, acceleration, tolerance, dt);
+        assert_eq!(count(None, &[0.01]), 0, "{acceleration:?}");
+        let tolerance = Some(1e-3);
+        assert_eq!(count(tolerance, &[0.01]), 0, "{acceleration:?}, tolerance");
+        let sizes = [0.01, 0.02];
+        assert_eq!(count(None, &sizes), 0, "{acceleration:?}, factorising");
+    }
     #[cfg(feature = "parallel")]
     {
         let pool = rayon::ThreadPoolBuilder::new()
             .num_threads(2)
             .build()
             .unwrap();
-        let on_threads = pool.install(|| allocations(128, None, &[0.01]));
+        let on_threads = pool.install(|| allocations(128, quasi_newton, None, &[0.01]));
         assert_eq!(on_threads, 0, "on two threads");
     }
 }

@@ -23,28 +23,28 @@ pub struct Arguments {
 struct Entry {
     name: &'static str,
     about: &'static str,
-    parameters: &'static [Parameter],
+    parameters: Vec<&'static Parameter>,
 }
 
 fn entries() -> [(&'static str, Vec<Entry>); 5] {
-    let entry = |name, about, parameters| Entry {
+    let entry = |name, about, tables: &[&'static [Parameter]]| Entry {
         name,
         about,
-        parameters,
+        parameters: tables.iter().copied().flatten().collect(),
     };
     [
         (
             "scenes",
             SCENES
                 .iter()
-                .map(|s| entry(s.name, s.about, s.parameters))
+                .map(|s| entry(s.name, s.about, &[s.parameters]))
                 .collect(),
         ),
         (
             "methods",
             METHODS
                 .iter()
-                .map(|m| entry(m.name, m.about, m.parameters))
+                .map(|m| entry(m.name, m.about, &m.parameters()))
                 .collect(),
         ),
         (
@@ -57,7 +57,7 @@ fn entries() -> [(&'static str, Vec<Entry>); 5] {
         (
             "laws",
             LAWS.iter()
-                .map(|l| entry(l.name, l.about, l.parameters))
+                .map(|l| entry(l.name, l.about, &[l.parameters]))
                 .collect(),
         ),
         (
@@ -84,7 +84,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<(), BenchError> {
         lines.push(format!("{kind}:"));
         for entry in entries {
             lines.push(format!("  {:18} {}", entry.name, entry.about));
-            for p in entry.parameters {
+            for p in &entry.parameters {
                 lines.push(format!(
                     "  {:18}   --set {}={}  {}",
                     "", p.name, p.default, p.about
@@ -96,7 +96,8 @@ pub(super) fn execute(arguments: &Arguments) -> Result<(), BenchError> {
 }
 
 fn as_json(entry: &Entry) -> Value {
-    let parameter = |p: &Parameter| json!({"name": p.name, "default": p.default, "about": p.about});
+    let parameter =
+        |p: &&Parameter| json!({"name": p.name, "default": p.default, "about": p.about});
     let parameters: Vec<Value> = entry.parameters.iter().map(parameter).collect();
     json!({"name": entry.name, "about": entry.about, "parameters": parameters})
 }

@@ -78,7 +78,10 @@ pub(super) fn execute(arguments: &Arguments) -> Result<(), BenchError> {
     let info = SceneInfo::find(&arguments.scene)?;
     let method = Method::find(&arguments.method)?;
     let what = format!("scene `{}` with method `{}`", info.name, method.name);
-    settings.check(&what, &[info.parameters, method.parameters])?;
+    settings.check(
+        &what,
+        &[&[info.parameters], &method.parameters()[..]].concat(),
+    )?;
     let scene = scene::build(info.name, arguments.mesh.as_deref(), &settings)?;
     let dt = arguments.dt.unwrap_or(scene.dt);
     if !(dt > 0.0 && dt.is_finite()) {

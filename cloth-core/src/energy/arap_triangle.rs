@@ -164,4 +164,31 @@ impl Projective<3, 2> for ArapTriangle {
         let singular = Singular::of(z);
         singular.combine(singular.left, [1.0; 2])
     }
+
+    /// The identity less what the three modes of [`Constraint::curvature`] that turn F take away from it.
+    fn resistance(&self, z: [Vec3; 2]) -> [[Mat3; 2]; 2] {
+        let singular = Singular::of(z);
+        let [u, v] = singular.left;
+        let (w, zero) = (u.cross(&v), Vec3::zeros());
+        let [first, second] = singular.values;
+        let half = std::f64::consts::FRAC_1_SQRT_2;
+        let modes = [
+            (2.0 / (first + second), [-v, u], half),
+            (1.0 / first, [w, zero], 1.0),
+            (1.0 / second, [zero, w], 1.0),
+        ];
+        let mut sum = [
+            [Mat3::identity(), Mat3::zeros()],
+            [Mat3::zeros(), Mat3::identity()],
+        ];
+        for (loss, left, scale) in modes {
+            let mode = singular.combine(left, [scale; 2]);
+            for k in 0..2 {
+                for l in 0..2 {
+                    sum[k][l] -= mode[k] * mode[l].transpose() * loss.min(1.0);
+                }
+            }
+        }
+        sum
+    }
 }

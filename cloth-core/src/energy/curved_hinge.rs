@@ -120,4 +120,15 @@ impl Projective<4, 1> for CurvedHinge {
     fn project(&self, [z]: [Vec3; 1]) -> [Vec3; 1] {
         [self.length_and_direction(z).1 * self.rest_curvature]
     }
+
+    /// As of a spring.
+    #[inline]
+    fn resistance(&self, [z]: [Vec3; 1]) -> [[Mat3; 1]; 1] {
+        let (length, n) = self.length_and_direction(z);
+        [[crate::math::radial_resistance(
+            length,
+            n,
+            self.rest_curvature,
+        )]]
+    }
 }

@@ -113,4 +113,11 @@ impl Projective<2, 1> for Spring {
     fn project(&self, [z]: [Vec3; 1]) -> [Vec3; 1] {
         [length_and_direction(z, self.vertices).1 * self.rest_length]
     }
+
+    /// `n nᵀ + (1 − L/l)(I − n nᵀ)`, the second part only under tension.
+    #[inline]
+    fn resistance(&self, [z]: [Vec3; 1]) -> [[Mat3; 1]; 1] {
+        let (length, n) = length_and_direction(z, self.vertices);
+        [[crate::math::radial_resistance(length, n, self.rest_length)]]
+    }
 }

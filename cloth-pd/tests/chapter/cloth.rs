@@ -6,7 +6,7 @@ use cloth_core::measure::{IncrementalPotential, predict};
 use cloth_core::mesh::generate::{Diagonals, grid};
 use cloth_core::particles::State;
 use cloth_core::step::StepInput;
-use cloth_pd::{PdConfig, PdSolver};
+use cloth_pd::{Acceleration, PdConfig, PdSolver};
 
 pub(crate) const DT: Real = 1.0 / 60.0;
 pub(crate) const GRAVITY: Vec3 = Vec3::new(0.0, 0.0, -9.81);
@@ -48,7 +48,7 @@ pub(crate) fn solver(model: &ClothModel, config: PdConfig) -> PdSolver {
 pub(crate) fn iterations(iterations: u32) -> PdConfig {
     PdConfig {
         iterations,
-        ..PdConfig::default()
+        ..PdConfig::plain()
     }
 }
 
@@ -56,8 +56,37 @@ pub(crate) fn to_tolerance(tolerance: Real) -> PdConfig {
     PdConfig {
         iterations: 100_000,
         tolerance: Some(tolerance),
-        ..PdConfig::default()
+        ..PdConfig::plain()
     }
+}
+
+/// The same settings with every acceleration.
+pub(crate) fn accelerated(config: PdConfig) -> [PdConfig; 6] {
+    let radius = |spectral_radius| Acceleration::Chebyshev { spectral_radius };
+    let history = |history| Acceleration::QuasiNewton { history };
+    [
+        Acceleration::None,
+        radius(None),
+        radius(Some(0.95)),
+        radius(Some(0.9999)),
+        history(0),
+        history(5),
+    ]
+    .map(|acceleration| PdConfig {
+        acceleration,
+        ..config
+    })
+}
+
+/// A solver with a coarse grid of 4 cells over the rest positions `rest` (m).
+pub(crate) fn coarse_solver(model: &ClothModel, rest: &[Vec3], config: PdConfig) -> PdSolver {
+    PdSolver::builder(&model.particles)
+        .energy(model.springs.clone())
+        .energy(model.hinges.clone())
+        .coarse_grid(rest, 4)
+        .config(config)
+        .build()
+        .unwrap()
 }
 
 /// Numbers between −1 and 1 that repeat from run to run.

@@ -1,5 +1,6 @@
 //! The claims of the chapter.
 
+mod acceleration;
 mod cloth;
 mod edges;
 mod minimum;

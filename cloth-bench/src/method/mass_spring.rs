@@ -1,0 +1,122 @@
+//! Settings of the mass-spring integrators.
+
+use crate::error::BenchError;
+use crate::settings::{Parameter, Settings, parameter};
+use cloth_core::linear::{Budget, LinearMethod};
+use cloth_massspring::{Damping, ImplicitConfig, StartGuess};
+
+pub(super) const EXPLICIT_SUBSTEPS: Parameter = parameter(
+    "substeps",
+    "auto",
+    "parts of a step; auto: as many as half the stable step of the start asks for",
+);
+const MAX_ITERATIONS: Parameter = parameter("iterations", "100", "most Newton iterations per step");
+const TOLERANCE: Parameter = parameter(
+    "tolerance",
+    "1e-6",
+    "relative gradient norm at which a step is done",
+);
+const START: Parameter = parameter(
+    "start",
+    "inertial",
+    "first guess: previous, inertial or predicted",
+);
+const AIR_DRAG: Parameter = parameter("air_drag", "0", "drag per mass α (1/s): a force −α m v");
+const STIFFNESS_DAMPING: Parameter = parameter(
+    "stiffness_damping",
+    "0",
+    "stiffness-proportional damping β (s): a force −β K v",
+);
+const LINEAR: Parameter = parameter(
+    "linear",
+    "cholesky",
+    "linear solver: cholesky, conjugate-gradients, chebyshev-jacobi, jacobi or gauss-seidel",
+);
+const LINEAR_TOLERANCE: Parameter = parameter(
+    "linear_tolerance",
+    "1e-3",
+    "relative residual at which an iterative linear solver is done",
+);
+const LINEAR_ITERATIONS: Parameter = parameter(
+    "linear_iterations",
+    "1000",
+    "most iterations of an iterative linear solver",
+);
+
+/// Of the explicit integrators.
+pub(super) const EXPLICIT: &[Parameter] = &[EXPLICIT_SUBSTEPS, AIR_DRAG, STIFFNESS_DAMPING];
+
+/// Of those that iterate with Newton's method.
+pub(super) const NEWTON: &[Parameter] = &[
+    MAX_ITERATIONS,
+    TOLERANCE,
+    LINEAR,
+    LINEAR_TOLERANCE,
+    LINEAR_ITERATIONS,
+    START,
+    AIR_DRAG,
+    STIFFNESS_DAMPING,
+];
+
+/// Of the linearised step.
+pub(super) const LINEARIZED: &[Parameter] = &[
+    LINEAR,
+    LINEAR_TOLERANCE,
+    LINEAR_ITERATIONS,
+    AIR_DRAG,
+    STIFFNESS_DAMPING,
+];
+
+/// Settings of the methods that iterate with Newton's method.
+pub(super) fn newton(settings: &Settings) -> Result<ImplicitConfig, BenchError> {
+    Ok(ImplicitConfig {
+        max_iterations: settings.count(&MAX_ITERATIONS, 1)?,
+        tolerance: settings.number(&TOLERANCE)?,
+        linear: linear(settings)?,
+        start: settings.choice(
+            &START,
+            &[
+                ("previous", StartGuess::Previous),
+                ("inertial", StartGuess::Inertial),
+                ("predicted", StartGuess::Predicted),
+            ],
+        )?,
+        damping: damping(settings)?,
+        ..Default::default()
+    })
+}
+
+pub(super) fn linearized(settings: &Settings) -> Result<ImplicitConfig, BenchError> {
+    Ok(ImplicitConfig {
+        linear: linear(settings)?,
+        damping: damping(settings)?,
+        ..ImplicitConfig::linearized()
+    })
+}
+
+fn linear(settings: &Settings) -> Result<LinearMethod, BenchError> {
+    let budget = Budget {
+        tolerance: settings.number(&LINEAR_TOLERANCE)?,
+        max_iterations: settings.count(&LINEAR_ITERATIONS, 1)?,
+    };
+    settings.choice(
+        &LINEAR,
+        &[
+            ("cholesky", LinearMethod::Cholesky),
+            (
+                "conjugate-gradients",
+                LinearMethod::ConjugateGradients(budget),
+            ),
+            ("chebyshev-jacobi", LinearMethod::ChebyshevJacobi(budget)),
+            ("jacobi", LinearMethod::Jacobi(budget)),
+            ("gauss-seidel", LinearMethod::GaussSeidel(budget)),
+        ],
+    )
+}
+
+pub(super) fn damping(settings: &Settings) -> Result<Damping, BenchError> {
+    Ok(Damping {
+        air_drag: settings.number(&AIR_DRAG)?,
+        stiffness: settings.number(&STIFFNESS_DAMPING)?,
+    })
+}

@@ -1,0 +1,100 @@
+//! Settings of the position-based methods.
+
+use crate::error::BenchError;
+use crate::settings::{Parameter, Settings, parameter};
+use cloth_core::position_based::{Acceleration, Chebyshev, Radius, Sweep};
+use cloth_pbd::{PbdConfig, StiffnessRule};
+use cloth_xpbd::XpbdConfig;
+
+pub(super) const PBD_SUBSTEPS: Parameter = parameter("substeps", "1", "parts of a step");
+pub(super) const XPBD_SUBSTEPS: Parameter = parameter("substeps", "20", "parts of a step");
+const PBD_ITERATIONS: Parameter = parameter("iterations", "20", "sweeps per substep");
+const PBD_STIFFNESS: Parameter = parameter(
+    "projection",
+    "material",
+    "stiffness of the projections: material (one constraint alone shows its k), or a number from 0 to 1",
+);
+const XPBD_ITERATIONS: Parameter = parameter("iterations", "1", "sweeps per substep");
+const SWEEP: Parameter = parameter(
+    "sweep",
+    "colored",
+    "how a sweep goes: colored, sequential, jacobi (with averaging) or plain-jacobi",
+);
+const RELAXATION: Parameter = parameter(
+    "relaxation",
+    "1",
+    "part of its correction that a constraint makes in a visit, above 0 and below 2",
+);
+const CHEBYSHEV: Parameter = parameter(
+    "chebyshev",
+    "none",
+    "extrapolation of the sweeps: none, auto (spectral radius estimated), or the spectral radius",
+);
+const CHEBYSHEV_DELAY: Parameter = parameter(
+    "chebyshev_delay",
+    "4",
+    "plain sweeps of a substep before the extrapolation",
+);
+
+/// Of position-based dynamics.
+pub(super) const PBD: &[Parameter] = &[
+    PBD_ITERATIONS,
+    PBD_SUBSTEPS,
+    PBD_STIFFNESS,
+    SWEEP,
+    RELAXATION,
+    CHEBYSHEV,
+    CHEBYSHEV_DELAY,
+];
+
+/// Of extended position-based dynamics.
+pub(super) const XPBD: &[Parameter] = &[
+    XPBD_ITERATIONS,
+    XPBD_SUBSTEPS,
+    SWEEP,
+    RELAXATION,
+    CHEBYSHEV,
+    CHEBYSHEV_DELAY,
+];
+
+const SWEEPS: [(&str, Sweep); 4] = [
+    ("colored", Sweep::Colored),
+    ("sequential", Sweep::Sequential),
+    ("jacobi", Sweep::Jacobi),
+    ("plain-jacobi", Sweep::PlainJacobi),
+];
+
+pub(super) fn pbd(settings: &Settings) -> Result<PbdConfig, BenchError> {
+    Ok(PbdConfig {
+        iterations: settings.count(&PBD_ITERATIONS, 1)?,
+        substeps: settings.count(&PBD_SUBSTEPS, 1)?,
+        sweep: settings.choice(&SWEEP, &SWEEPS)?,
+        acceleration: acceleration(settings)?,
+        stiffness: match settings.text(&PBD_STIFFNESS) {
+            "material" => StiffnessRule::Material,
+            _ => StiffnessRule::Fixed(settings.number(&PBD_STIFFNESS)?),
+        },
+    })
+}
+
+pub(super) fn xpbd(settings: &Settings) -> Result<XpbdConfig, BenchError> {
+    Ok(XpbdConfig {
+        iterations: settings.count(&XPBD_ITERATIONS, 1)?,
+        substeps: settings.count(&XPBD_SUBSTEPS, 1)?,
+        sweep: settings.choice(&SWEEP, &SWEEPS)?,
+        acceleration: acceleration(settings)?,
+    })
+}
+
+fn acceleration(settings: &Settings) -> Result<Acceleration, BenchError> {
+    let radius = match settings.text(&CHEBYSHEV) {
+        "none" => None,
+        "auto" => Some(Radius::Estimated),
+        _ => Some(Radius::Given(settings.number(&CHEBYSHEV)?)),
+    };
+    let delay = settings.count(&CHEBYSHEV_DELAY, 1)?;
+    Ok(Acceleration {
+        relaxation: settings.number(&RELAXATION)?,
+        chebyshev: radius.map(|radius| Chebyshev { radius, delay }),
+    })
+}

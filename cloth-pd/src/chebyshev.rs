@@ -1,0 +1,102 @@
+//! The Chebyshev semi-iterative method over the plain iteration (H. Wang, "A Chebyshev semi-iterative approach for accelerating projective
+//! and position-based dynamics", 2015, algorithm 1), with a guard.
+
+use crate::global::GlobalSystem;
+use crate::objective::{Objective, Point};
+use cloth_core::math::{Real, Vec3};
+
+/// Plain iterations before the first extrapolation (S in the paper, which takes 10).
+const DELAY: u32 = 3;
+/// An estimate is not trusted beyond this: at 1 the method would not converge.
+const LARGEST_RADIUS: Real = 0.9999;
+
+/// What the method remembers from one iteration to the next.
+#[derive(Debug)]
+pub(crate) struct Chebyshev {
+    given: Option<Real>,
+    /// ρ (dimensionless).
+    radius: Real,
+    /// ω (dimensionless).
+    weight: Real,
+    /// Iterations since the method began anew.
+    count: u32,
+    /// The length of the last plain increment, in the norm of its own matrix (√J).
+    last_size: Real,
+    /// The displacement before the last (m).
+    before: Vec<Vec3>,
+    increment: Vec<Vec3>,
+    next: Point,
+}
+
+impl Chebyshev {
+    pub(crate) fn new(given: Option<Real>, vertex_count: usize) -> Self {
+        let zeros = vec![Vec3::zeros(); vertex_count];
+        Self {
+            given,
+            radius: given.unwrap_or(0.0),
+            weight: 1.0,
+            count: 0,
+            last_size: 0.0,
+            before: zeros.clone(),
+            increment: zeros,
+            next: Point::new(vertex_count),
+        }
+    }
+
+    pub(crate) fn begin(&mut self) {
+        self.restart();
+        self.last_size = 0.0;
+        self.radius = self.given.unwrap_or(0.0);
+    }
+
+    fn restart(&mut self) {
+        (self.weight, self.count) = (1.0, 0);
+    }
+
+    /// Moves the evaluated `point` by one iteration. Returns whether an extrapolation was taken back.
+    pub(crate) fn advance(
+        &mut self,
+        objective: &mut Objective,
+        global: &mut GlobalSystem,
+        point: &mut Point,
+    ) -> bool {
+        global.solve(&point.gradient, &mut self.increment);
+        self.count += 1;
+        if self.given.is_none() && self.count <= DELAY {
+            // ‖A⁻¹g‖ in the norm of A, in which the plain iteration contracts by its largest eigenvalue.
+            let size = crate::objective::dot(&point.gradient, &self.increment)
+                .max(0.0)
+                .sqrt();
+            if self.last_size > 0.0 && size.is_finite() {
+                self.radius = (size / self.last_size).min(LARGEST_RADIUS);
+            }
+            self.last_size = size;
+        }
+        if self.count <= DELAY {
+            self.before.copy_from_slice(&point.displacement);
+            let from = &self.before;
+            point.go(from, &self.increment, -1.0);
+            return false;
+        }
+        let squared = self.radius * self.radius;
+        self.weight = match self.count - DELAY {
+            1 => 2.0 / (2.0 - squared),
+            _ => 4.0 / (4.0 - squared * self.weight),
+        };
+        for vertex in 0..self.before.len() {
+            let (old, now) = (self.before[vertex], point.displacement[vertex]);
+            let plain = now - self.increment[vertex];
+            self.next.displacement[vertex] = old + (plain - old) * self.weight;
+        }
+        objective.evaluate(&mut self.next);
+        self.before.copy_from_slice(&point.displacement);
+        // Not so if the value is not a number.
+        if self.next.value <= point.value {
+            std::mem::swap(point, &mut self.next);
+            return false;
+        }
+        point.go(&self.before, &self.increment, -1.0);
+        self.restart();
+        true
+    }
+}

@@ -1,0 +1,89 @@
+//! Pieces of the cloth that nothing holds.
+
+use cloth_core::math::{Real, Vec3};
+use cloth_core::particles::Particles;
+use sprs::CsMat;
+
+/// Connected pieces of the cloth without a prescribed vertex and without an element that resists a translation. The momentum of such a piece
+/// after the step is known beforehand: elasticity does not change it.
+#[derive(Debug)]
+pub(crate) struct FreePieces {
+    /// Number of the piece of each vertex, `HELD` for vertices of pieces that are not free.
+    piece: Vec<u32>,
+    /// Mass (kg) of each piece.
+    mass: Vec<Real>,
+    shift: Vec<Vec3>,
+}
+
+const HELD: u32 = u32::MAX;
+/// A row of `Σ w GᵀG` whose entries add up to more than this part of its diagonal resists a translation.
+const ROUNDING: Real = 1e-12;
+
+impl FreePieces {
+    /// Finds the pieces in the lower half of `Σ w GᵀG` (N/m).
+    pub(crate) fn of(stiffness: &CsMat<Real>, particles: &Particles) -> Self {
+        let count = particles.len();
+        let mut parent: Vec<u32> = (0..count as u32).collect();
+        let (mut sums, mut diagonal) = (vec![0.0; count], vec![0.0; count]);
+        for (&value, (row, column)) in stiffness {
+            sums[row] += value;
+            if row == column {
+                diagonal[row] = value;
+            } else {
+                sums[column] += value;
+                if value != 0.0 {
+                    let (a, b) = (root(&mut parent, row), root(&mut parent, column));
+                    parent[a.max(b)] = a.min(b) as u32;
+                }
+            }
+        }
+        let mut is_held = vec![false; count];
+        for vertex in 0..count {
+            if particles.is_prescribed(vertex) || sums[vertex].abs() > ROUNDING * diagonal[vertex] {
+                is_held[root(&mut parent, vertex)] = true;
+            }
+        }
+        let mut number = vec![HELD; count];
+        let (mut piece, mut mass) = (Vec::with_capacity(count), Vec::new());
+        for vertex in 0..count {
+            let root = root(&mut parent, vertex);
+            if !is_held[root] && number[root] == HELD {
+                number[root] = mass.len() as u32;
+                mass.push(0.0);
+            }
+            piece.push(number[root]);
+            if let Some(mass) = mass.get_mut(number[root] as usize) {
+                *mass += particles.mass()[vertex];
+            }
+        }
+        Self {
+            shift: vec![Vec3::zeros(); mass.len()],
+            piece,
+            mass,
+        }
+    }
+
+    /// Moves every free piece as a whole, so that its centre of mass is displaced as that of `goal`; both are displacements (m).
+    pub(crate) fn align(&mut self, particles: &Particles, goal: &[Vec3], q: &mut [Vec3]) {
+        self.shift.fill(Vec3::zeros());
+        for (vertex, &piece) in self.piece.iter().enumerate() {
+            if let Some(shift) = self.shift.get_mut(piece as usize) {
+                *shift += (goal[vertex] - q[vertex]) * particles.mass()[vertex];
+            }
+        }
+        for (&piece, q) in self.piece.iter().zip(q) {
+            if let Some(shift) = self.shift.get(piece as usize) {
+                *q += shift / self.mass[piece as usize];
+            }
+        }
+    }
+}
+
+/// The representative of the piece of a vertex; shortens the path to it.
+fn root(parent: &mut [u32], mut vertex: usize) -> usize {
+    while parent[vertex] as usize != vertex {
+        parent[vertex] = parent[parent[vertex] as usize];
+        vertex = parent[vertex] as usize;
+    }
+    vertex
+}

@@ -1,0 +1,89 @@
+//! Hat functions on a coarse lattice of cubes laid over the cloth at rest.
+
+use cloth_core::math::{Real, Vec3};
+
+/// For every vertex the lattice nodes around it and their weights, which are trilinear and add up to 1: what moves linearly over the rest shape is
+/// represented exactly, rotations of the whole among it.
+#[derive(Debug)]
+pub(crate) struct Lattice {
+    /// Nodes and weights of vertex v: `entries[offsets[v]..offsets[v + 1]]`, nodes ascending.
+    offsets: Vec<u32>,
+    entries: Vec<(u32, Real)>,
+    node_count: usize,
+}
+
+impl Lattice {
+    /// Lays `cells` cubes along the longest side of the box around `rest` (m). Vertices that are not free get no weights, nodes near no free vertex no number.
+    pub(crate) fn over(rest: &[Vec3], is_free: impl Fn(usize) -> bool, cells: u32) -> Self {
+        let low = rest
+            .iter()
+            .copied()
+            .reduce(|a, b| a.inf(&b))
+            .unwrap_or_default();
+        let high = rest
+            .iter()
+            .copied()
+            .reduce(|a, b| a.sup(&b))
+            .unwrap_or_default();
+        let extent = high - low;
+        let side = extent.max() / Real::from(cells);
+        // Along each axis: the node before, and how far beyond it.
+        let locate = |x: Real, axis: usize| -> (u64, Real) {
+            if extent[axis] <= FLAT * extent.max() {
+                return (0, 0.0);
+            }
+            let at = (x - low[axis]) / side;
+            let last = (extent[axis] / side - 1e-9).ceil().max(1.0) - 1.0;
+            let node = at.floor().clamp(0.0, last);
+            (node as u64, at - node)
+        };
+        let mut offsets = vec![0u32];
+        let mut keys: Vec<(u64, Real)> = Vec::new();
+        for (vertex, x) in rest.iter().enumerate() {
+            if is_free(vertex) {
+                let axes: [(u64, Real); 3] = std::array::from_fn(|axis| locate(x[axis], axis));
+                for corner in 0..8u64 {
+                    let (mut key, mut weight) = (0, 1.0);
+                    for (axis, (node, beyond)) in axes.into_iter().enumerate() {
+                        let bit = corner >> axis & 1;
+                        key = key << 21 | (node + bit);
+                        weight *= if bit == 1 { beyond } else { 1.0 - beyond };
+                    }
+                    if weight > SMALLEST_WEIGHT {
+                        keys.push((key, weight));
+                    }
+                }
+            }
+            offsets.push(keys.len() as u32);
+        }
+        let mut nodes: Vec<u64> = keys.iter().map(|(key, _)| *key).collect();
+        nodes.sort_unstable();
+        nodes.dedup();
+        let number = |key: u64| nodes.binary_search(&key).unwrap_or_default() as u32;
+        let mut entries: Vec<(u32, Real)> = keys.iter().map(|&(k, w)| (number(k), w)).collect();
+        for range in offsets.windows(2) {
+            entries[range[0] as usize..range[1] as usize].sort_unstable_by_key(|entry| entry.0);
+        }
+        Self {
+            offsets,
+            entries,
+            node_count: nodes.len(),
+        }
+    }
+
+    /// Number of nodes.
+    pub(crate) fn node_count(&self) -> usize {
+        self.node_count
+    }
+
+    /// Nodes and weights (dimensionless) of a vertex.
+    #[inline]
+    pub(crate) fn of(&self, vertex: usize) -> &[(u32, Real)] {
+        &self.entries[self.offsets[vertex] as usize..self.offsets[vertex + 1] as usize]
+    }
+}
+
+/// A box thinner than this part of its longest side is flat: one layer of nodes, no cells.
+const FLAT: Real = 1e-6;
+/// Smaller weights are rounding.
+const SMALLEST_WEIGHT: Real = 1e-9;

@@ -1,0 +1,115 @@
+//! The cloth cut into pieces of neighbouring vertices, so that sums over elements come out the same on any number of threads.
+
+use cloth_core::math::Real;
+
+/// Vertices of a piece. Twice as many make half as many elements that are visited twice, and half as many pieces.
+const PIECE: usize = 2_048;
+
+/// The piece of a vertex.
+#[inline]
+pub(crate) fn of(vertex: u32) -> usize {
+    vertex as usize / PIECE
+}
+
+/// The elements of a family, by pieces of the cloth: vertices with neighbouring numbers.
+///
+/// Each piece visits the elements that touch it, in the order in which one thread would come to them, and adds to its own vertices only; an element on
+/// the border of two pieces is visited by both. So no two threads write to the same place, and every vertex adds up the
+/// same numbers in the same order on any number of threads. A number per element is added up by the piece of its first vertex.
+#[derive(Debug, Default)]
+pub(crate) struct Pieces {
+    /// One number per piece.
+    pub(crate) values: Vec<Real>,
+    /// Elements of piece `p`: `elements[offsets[p]..offsets[p + 1]]`, ascending. Made when several threads first meet the family.
+    #[cfg(feature = "parallel")]
+    offsets: Vec<usize>,
+    #[cfg(feature = "parallel")]
+    elements: Vec<u32>,
+}
+
+impl Pieces {
+    pub(crate) fn new(vertex_count: usize) -> Self {
+        Self {
+            values: vec![0.0; vertex_count.div_ceil(PIECE)],
+            ..Self::default()
+        }
+    }
+}
+
+#[cfg(feature = "parallel")]
+pub(crate) use threads::pays;
+
+#[cfg(feature = "parallel")]
+mod threads {
+    use super::{PIECE, Pieces, of};
+    use crate::local::share;
+    use cloth_core::element::{Element, Projective};
+    use cloth_core::math::{Real, Vec3};
+    use rayon::prelude::*;
+
+    /// Smaller families are visited on one thread: an element costs about five nanoseconds, so these take less than a sixth of
+    /// a millisecond, and a second thread that has to be woken first saves nothing of it.
+    const SMALLEST_PARALLEL_FAMILY: usize = 32_768;
+
+    /// Whether several threads are there, and enough for them to do.
+    pub(crate) fn pays(element_count: usize) -> bool {
+        element_count >= SMALLEST_PARALLEL_FAMILY && rayon::current_num_threads() > 1
+    }
+
+    impl Pieces {
+        /// Adds `Σ Gᵀ pull(element)` to `out`, and returns the sum of the numbers that come with it.
+        pub(crate) fn sum<const N: usize, const K: usize, E: Projective<N, K>>(
+            &mut self,
+            elements: &[E],
+            out: &mut [Vec3],
+            pull: impl Fn(&E) -> ([Vec3; K], Real) + Sync,
+        ) -> Real {
+            if self.offsets.is_empty() {
+                self.list(elements);
+            }
+            let ranges = self.offsets.par_windows(2);
+            let pieces = ranges.zip(out.par_chunks_mut(PIECE)).zip(&mut self.values);
+            pieces
+                .enumerate()
+                .for_each(|(piece, ((range, out), total))| {
+                    let start = piece * PIECE;
+                    *total = 0.0;
+                    for &element in &self.elements[range[0]..range[1]] {
+                        let element = &elements[element as usize];
+                        let ((pull, value), operator) = (pull(element), element.operator());
+                        let vertices = element.vertices();
+                        for i in 0..N {
+                            // Wraps to a large number for a vertex before the piece, and finds nothing.
+                            if let Some(out) =
+                                out.get_mut((vertices[i] as usize).wrapping_sub(start))
+                            {
+                                *out += share(&operator, &pull, i);
+                            }
+                        }
+                        if of(vertices[0]) == piece {
+                            *total += value;
+                        }
+                    }
+                });
+            self.values.iter().sum()
+        }
+
+        fn list<const N: usize, E: Element<N>>(&mut self, elements: &[E]) {
+            let mut lists = vec![Vec::new(); self.values.len()];
+            for (index, element) in elements.iter().enumerate() {
+                for vertex in element.vertices() {
+                    let list: &mut Vec<u32> = &mut lists[of(vertex)];
+                    if list.last() != Some(&(index as u32)) {
+                        list.push(index as u32);
+                    }
+                }
+            }
+            self.offsets = vec![0];
+            self.elements.clear();
+            for list in lists {
+                self.elements.extend(list);
+                self.offsets.push(self.elements.len());
+            }
+        }
+    }
+}

@@ -1,0 +1,171 @@
+//! L-BFGS that starts from the constant matrix (T. Liu, S. Bouaziz, L. Kavan, "Quasi-Newton methods for real-time simulation of hyperelastic
+//! materials", 2017, algorithm 2), and its line search.
+
+use crate::coarse::CoarseGrid;
+use crate::global::GlobalSystem;
+use crate::objective::{Objective, Point, add, dot};
+use cloth_core::math::{Real, Vec3};
+
+/// Part of the promised decrease that has to be kept (Armijo's constant).
+const SUFFICIENT: Real = 1e-4;
+/// Two values of `G` that differ by less than this part of their size cannot be told apart.
+const ROUNDING: Real = 1e-12;
+/// Part of the first slope that the slope at the new point may have, with either sign, where values cannot be told apart.
+const SLOPE: Real = 0.9;
+/// Step lengths tried along one direction; each is at most half of the one before.
+const MOST_TRIALS: u32 = 12;
+
+/// One difference of iterates and of their gradients.
+#[derive(Clone, Debug)]
+struct Pair {
+    /// s (m).
+    step: Vec<Vec3>,
+    /// y (N).
+    change: Vec<Vec3>,
+    /// `1/(s·y)` (1/J).
+    inverse_product: Real,
+}
+
+/// The remembered pairs, and room to work in.
+#[derive(Debug)]
+pub(crate) struct QuasiNewton {
+    /// A ring: the newest is `pairs[newest]`, `len` of them count.
+    pairs: Vec<Pair>,
+    newest: usize,
+    len: usize,
+    /// α of the first loop.
+    shares: Vec<Real>,
+    work: Vec<Vec3>,
+    direction: Vec<Vec3>,
+    next: Point,
+}
+
+impl QuasiNewton {
+    pub(crate) fn new(history: usize, vertex_count: usize) -> Self {
+        let zeros = vec![Vec3::zeros(); vertex_count];
+        let pair = Pair {
+            step: zeros.clone(),
+            change: zeros.clone(),
+            inverse_product: 0.0,
+        };
+        Self {
+            pairs: vec![pair; history],
+            newest: 0,
+            len: 0,
+            shares: vec![0.0; history],
+            work: zeros.clone(),
+            direction: zeros,
+            next: Point::new(vertex_count),
+        }
+    }
+
+    /// Forgets all pairs.
+    pub(crate) fn begin(&mut self) {
+        self.len = 0;
+    }
+
+    /// Moves the evaluated `point` to a lower one, evaluated too. Returns the number of step lengths tried in vain, and of global solves.
+    pub(crate) fn advance(
+        &mut self,
+        objective: &mut Objective,
+        global: &mut GlobalSystem,
+        mut coarse: Option<&mut CoarseGrid>,
+        point: &mut Point,
+    ) -> (u32, u32) {
+        self.find_direction(global, coarse.as_deref_mut(), point);
+        let mut rejected = match self.search(objective, point) {
+            Ok(backtracks) => return (self.accept(point, backtracks), 1),
+            Err(backtracks) => backtracks,
+        };
+        // What is remembered, or the coarse grid, misleads here. A plain iteration needs no search: it minimises a bound of G.
+        self.len = 0;
+        global.solve(&point.gradient, &mut self.direction);
+        self.next.go(&point.displacement, &self.direction, -1.0);
+        objective.evaluate(&mut self.next);
+        rejected = self.accept(point, rejected);
+        (rejected, 2)
+    }
+
+    /// The two-loop recursion: `direction = −H g` with `H` the inverse Hessian that the pairs make of the first one.
+    fn find_direction(
+        &mut self,
+        global: &mut GlobalSystem,
+        coarse: Option<&mut CoarseGrid>,
+        point: &Point,
+    ) {
+        self.work.copy_from_slice(&point.gradient);
+        let history = self.pairs.len();
+        for age in 0..self.len {
+            let at = (self.newest + history - age) % history;
+            let pair = &self.pairs[at];
+            self.shares[at] = pair.inverse_product * dot(&pair.step, &self.work);
+            add(&mut self.work, -self.shares[at], &pair.change);
+        }
+        global.solve(&self.work, &mut self.direction);
+        if let Some(coarse) = coarse {
+            coarse.add_correction(&self.work, &mut self.direction);
+        }
+        for age in (0..self.len).rev() {
+            let at = (self.newest + history - age) % history;
+            let pair = &self.pairs[at];
+            let share = pair.inverse_product * dot(&pair.change, &self.direction);
+            add(&mut self.direction, self.shares[at] - share, &pair.step);
+        }
+        self.direction.iter_mut().for_each(|p| *p = -*p);
+    }
+
+    /// Moves `next` along the direction until `G` has fallen enough. Returns the lengths tried in vain, as an error if none was
+    /// good.
+    ///
+    /// Armijo's condition compares two values of `G`, which near the minimum agree in all digits that are free of rounding. There the
+    /// slope decides, as Hager and Zhang have it (SIAM J. Optim. 16, 2005).
+    fn search(&mut self, objective: &mut Objective, point: &Point) -> Result<u32, u32> {
+        let slope = dot(&point.gradient, &self.direction);
+        // Also if it is not a number.
+        if !(slope < 0.0) {
+            return Err(0);
+        }
+        let mut length = 1.0;
+        for backtracks in 0..MOST_TRIALS {
+            self.next.go(&point.displacement, &self.direction, length);
+            objective.evaluate(&mut self.next);
+            let rise = self.next.value - point.value;
+            let is_lower = rise <= SUFFICIENT * length * slope;
+            let is_level = rise.abs() <= ROUNDING * point.size.max(self.next.size);
+            if is_lower && !is_level
+                || is_level && dot(&self.next.gradient, &self.direction).abs() <= SLOPE * -slope
+            {
+                return Ok(backtracks);
+            }
+            // The minimum of the parabola through what is known, between a tenth and a half; a rise that is not a number
+            // comes out as a tenth.
+            let minimum = -0.5 * slope * length * length / (rise - slope * length);
+            length = minimum.min(0.5 * length).max(0.1 * length);
+        }
+        Err(MOST_TRIALS)
+    }
+
+    /// Makes `next` the point and remembers the difference.
+    fn accept(&mut self, point: &mut Point, rejected: u32) -> u32 {
+        std::mem::swap(point, &mut self.next);
+        let history = self.pairs.len();
+        if history == 0 {
+            return rejected;
+        }
+        let slot = (self.newest + 1) % history;
+        let (new, old) = (&*point, &self.next);
+        let pair = &mut self.pairs[slot];
+        for vertex in 0..new.gradient.len() {
+            pair.step[vertex] = new.displacement[vertex] - old.displacement[vertex];
+            pair.change[vertex] = new.gradient[vertex] - old.gradient[vertex];
+        }
+        let product = dot(&pair.step, &pair.change);
+        // Where G is not convex along the step, a pair would make H indefinite.
+        if product > 0.0 && (1.0 / product).is_finite() {
+            pair.inverse_product = 1.0 / product;
+            self.newest = slot;
+            self.len = (self.len + 1).min(history);
+        }
+        rejected
+    }
+}
