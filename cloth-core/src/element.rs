@@ -81,6 +81,10 @@ pub enum Convexity {
     note = "implement `Constraint<{N}>` (its rows give the energy), or `Energy<{N}>` directly"
 )]
 pub trait Energy<const N: usize>: Element<N> {
+    /// Whether [`Energy::hessian`] is the same at every `x` and for every [`Convexity`]. The Hessians of a family are then added up once, and
+    /// never computed again.
+    const HESSIAN_IS_CONSTANT: bool = false;
+
     /// `E(x)` (J).
     fn value(&self, x: &[Vec3; N]) -> Real;
 
@@ -101,6 +105,9 @@ pub trait Energy<const N: usize>: Element<N> {
 pub trait Constraint<const N: usize>: Element<N> {
     /// `[Row<N>; M]`.
     type Rows: RowArray<N>;
+
+    /// Whether the gradients of the rows are the same at every `x`, so that the energy is quadratic; [`Constraint::curvature`] is then zero.
+    const ROWS_ARE_LINEAR: bool = false;
 
     /// The rows at `x` (m).
     fn rows(&self, x: &[Vec3; N]) -> Self::Rows;
@@ -157,6 +164,8 @@ pub trait Projective<const N: usize, const K: usize>: Element<N> {
 /// The line where a constraint becomes an energy: `E = ½ Σ k C²`, `∂E = Σ k C ∂C`,
 /// `∂²E = Σ k ∂C ∂Cᵀ + Σ k C ∂²C` (S1 (1)–(3) for a spring).
 impl<const N: usize, C: Constraint<N>> Energy<N> for C {
+    const HESSIAN_IS_CONSTANT: bool = C::ROWS_ARE_LINEAR;
+
     #[inline]
     fn value(&self, x: &[Vec3; N]) -> Real {
         let rows = self.rows(x);

@@ -2,7 +2,7 @@
 
 use crate::block_matrix::{BlockMatrix, BlockPattern, PatternBuilder};
 use crate::element::{Convexity, Energy};
-use crate::math::{Real, Vec3, gather};
+use crate::math::{Mat3, Real, Vec3, gather};
 use crate::step::BuildError;
 use std::fmt::Debug;
 use std::sync::Arc;
@@ -22,6 +22,8 @@ struct Family<const N: usize, E> {
     elements: Vec<E>,
     /// Place of each block of the lower half of each element's Hessian: `N (N + 1)/2` numbers an element, filled by `bind`.
     slots: Vec<u32>,
+    /// The Hessian of the whole family, if it is constant: blocks and their places, filled by `bind`.
+    constant: Vec<(u32, Mat3)>,
 }
 
 impl<const N: usize, E: Energy<N>> EnergyFamily for Family<N, E> {
@@ -71,20 +73,52 @@ impl<const N: usize, E: Energy<N>> EnergyFamily for Family<N, E> {
                 }
             }
         }
+        if E::HESSIAN_IS_CONSTANT {
+            let mut sum = vec![Mat3::zeros(); pattern.block_count()];
+            self.add_elements(|_| [Vec3::zeros(); N], 1.0, Convexity::Exact, &mut sum);
+            self.slots.sort_unstable();
+            self.slots.dedup();
+            let slots = self.slots.iter();
+            self.constant = slots.map(|&slot| (slot, sum[slot as usize])).collect();
+            self.slots = Vec::new();
+        }
     }
 
     fn add_hessian(&self, x: &[Vec3], scale: Real, convexity: Convexity, out: &mut BlockMatrix) {
-        let blocks = out.blocks_mut();
+        if E::HESSIAN_IS_CONSTANT {
+            assert!(!self.constant.is_empty(), "{UNBOUND}");
+            for (slot, block) in &self.constant {
+                out.blocks_mut()[*slot as usize] += block * scale;
+            }
+        } else {
+            let local = |vertices| gather(x, vertices);
+            self.add_elements(local, scale, convexity, out.blocks_mut());
+        }
+    }
+}
+
+/// Why there is nothing to add.
+const UNBOUND: &str = "bind_pattern comes before add_hessian";
+
+impl<const N: usize, E: Energy<N>> Family<N, E> {
+    /// Adds the Hessian of every element to the blocks of a matrix; `local` gives the positions (m) of its vertices.
+    fn add_elements(
+        &self,
+        local: impl Fn([u32; N]) -> [Vec3; N],
+        scale: Real,
+        convexity: Convexity,
+        blocks: &mut [Mat3],
+    ) {
         let per_element = N * (N + 1) / 2;
         assert_eq!(
             self.slots.len(),
             per_element * self.elements.len(),
-            "bind_pattern comes before add_hessian"
+            "{UNBOUND}"
         );
         let slots = self.slots.chunks_exact(per_element);
         for (element, slots) in self.elements.iter().zip(slots) {
             let vertices = element.vertices();
-            let hessian = element.hessian(&gather(x, vertices), convexity);
+            let hessian = element.hessian(&local(vertices), convexity);
             let mut slot = slots.iter();
             for i in 0..N {
                 for j in 0..=i {
@@ -140,6 +174,7 @@ impl Energies {
             self.families.push(Box::new(Family {
                 elements,
                 slots: Vec::new(),
+                constant: Vec::new(),
             }));
         }
         Ok(self)

@@ -2,7 +2,7 @@
 
 use cloth_core::block_matrix::{BlockMatrix, PatternBuilder};
 use cloth_core::element::{Convexity, Element};
-use cloth_core::energy::Spring;
+use cloth_core::energy::{Attachment, CurvatureHinge, Spring};
 use cloth_core::family::Energies;
 use cloth_core::linear::{BlockCholesky, CholeskyError, FillOrdering};
 use cloth_core::math::{Real, Vec3};
@@ -78,6 +78,54 @@ fn the_product_without_a_matrix_is_the_same() {
     sparse.multiply(&p, &mut with);
     energies.add_hessian_product(&x, &p, Convexity::Clamp, &mut without);
     assert!((flat(&with) - flat(&without)).amax() < 1e-12);
+}
+
+#[test]
+fn constant_hessians_added_up_once_are_those_of_the_elements() {
+    let hinges: Vec<CurvatureHinge> = (0..COUNT as u32 - 3)
+        .map(|i| {
+            let corners = [3, 0, 1, 2].map(|k| noise(i as usize + k));
+            CurvatureHinge::new([i + 3, i, i + 1, i + 2], &corners, 7.0)
+        })
+        .collect();
+    let pins = [2, 5].map(|vertex| Attachment {
+        vertex,
+        target: Vec3::x(),
+        stiffness: 3.0,
+    });
+    let energies = |count| {
+        Energies::new(count)
+            .with(hinges.clone())
+            .and_then(|e| e.with(pins.to_vec()))
+            .unwrap()
+    };
+    let mut bound = energies(COUNT);
+    // Twice: what the first binding made must not stay.
+    let _ = bound.bind_pattern();
+    let mut sparse = BlockMatrix::zeros(bound.bind_pattern());
+    let x: Vec<Vec3> = (0..COUNT).map(|i| noise(40 + i)).collect();
+    let p: Vec<Vec3> = (0..COUNT).map(|i| noise(i + 777)).collect();
+    bound.add_hessian(&x, 0.25, Convexity::Exact, &mut sparse);
+    bound.add_hessian(&x, 0.75, Convexity::Clamp, &mut sparse);
+    let (mut with, mut without) = (vec![Vec3::zeros(); COUNT], vec![Vec3::zeros(); COUNT]);
+    sparse.multiply(&p, &mut with);
+    energies(COUNT).add_hessian_product(&x, &p, Convexity::Exact, &mut without);
+    let scale = flat(&without).amax();
+    assert!((flat(&with) - flat(&without)).amax() < 1e-13 * scale);
+}
+
+#[test]
+#[should_panic(expected = "bind_pattern comes before add_hessian")]
+fn constant_hessians_are_not_added_before_they_are_bound() {
+    let pins = vec![Attachment {
+        vertex: 0,
+        target: Vec3::x(),
+        stiffness: 3.0,
+    }];
+    let mut bound = Energies::new(1).with(pins.clone()).unwrap();
+    let mut sparse = BlockMatrix::zeros(bound.bind_pattern());
+    let unbound = Energies::new(1).with(pins).unwrap();
+    unbound.add_hessian(&[Vec3::zeros()], 1.0, Convexity::Exact, &mut sparse);
 }
 
 /// Solves with some vertices prescribed, sparse and dense, and compares.

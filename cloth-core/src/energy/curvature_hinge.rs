@@ -74,6 +74,8 @@ impl Element<4> for CurvatureHinge {
 impl Constraint<4> for CurvatureHinge {
     type Rows = [Row<4>; 3];
 
+    const ROWS_ARE_LINEAR: bool = true;
+
     #[inline]
     fn rows(&self, x: &[Vec3; 4]) -> [Row<4>; 3] {
         let z = curvature_vector(&self.coefficients, x);
