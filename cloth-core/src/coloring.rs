@@ -136,24 +136,36 @@ impl<const N: usize, E: Element<N>> Colored<N, E> {
         }
     }
 
-    /// Visits every element once, in the opposite order of [`Colored::sweep`], on one thread.
+    /// The same the other way round: colour by colour from the last to the first, or the input order backwards.
     ///
     /// # Panics
     /// If `slots` is not as long as the elements, or `x` not as long as the vertices.
-    pub fn sweep_back<A>(
+    pub fn sweep_back<A: Send>(
         &self,
         slots: &mut [A],
         x: &mut [Vec3],
-        visit: impl Fn(&E, &mut A, &mut [Vec3; N]),
+        visit: impl Fn(&E, &mut A, &mut [Vec3; N]) + Sync,
     ) {
         assert_eq!(slots.len(), self.elements.len(), "one slot per element");
         assert_eq!(x.len(), self.vertex_count, "one position per vertex");
-        let backwards = self.elements.iter().zip(slots).zip(&self.vertices).rev();
-        for ((element, slot), vertices) in backwards {
-            let mut local = gather(x, *vertices);
-            visit(element, slot, &mut local);
-            for (&vertex, moved) in vertices.iter().zip(local) {
-                x[vertex as usize] = moved;
+        // Within a colour the order makes no difference.
+        for range in self.offsets.windows(2).map(|w| w[0]..w[1]).rev() {
+            parallel::visit_disjoint(
+                &self.elements[range.clone()],
+                parallel::Disjoint::trust(&self.vertices[range.clone()]),
+                &mut slots[range],
+                x,
+                &visit,
+            );
+        }
+        if self.offsets.is_empty() {
+            let backwards = self.elements.iter().zip(slots).zip(&self.vertices).rev();
+            for ((element, slot), vertices) in backwards {
+                let mut local = gather(x, *vertices);
+                visit(element, slot, &mut local);
+                for (&vertex, moved) in vertices.iter().zip(local) {
+                    x[vertex as usize] = moved;
+                }
             }
         }
     }
@@ -267,6 +279,22 @@ mod tests {
             x.iter().map(|p| p.x).collect::<Vec<_>>(),
             [15.0, 17.0, 5.0, 7.0, 9.0, 11.0, 13.0]
         );
+    }
+
+    #[test]
+    fn a_coloured_sweep_goes_back_as_it_came() {
+        let colored = Colored::new(&ring(9), 9);
+        let mut order = vec![0_usize; 9];
+        let next = std::sync::atomic::AtomicUsize::new(1);
+        let visit = |_: &Spring, slot: &mut usize, _: &mut [Vec3; 2]| {
+            *slot = next.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
+        };
+        let mut x = vec![Vec3::zeros(); 9];
+        colored.sweep(&mut order, &mut x, visit);
+        assert_eq!(order, [1, 2, 3, 4, 5, 6, 7, 8, 9]);
+        colored.sweep_back(&mut order, &mut x, visit);
+        // Colour after colour: of four, of four, of one.
+        assert_eq!(order, [15, 16, 17, 18, 11, 12, 13, 14, 10]);
     }
 
     #[test]

@@ -93,9 +93,12 @@ mod stiffness;
 
 mod solver;
 
+mod hierarchy;
+
 mod strain_limit;
 
 pub use config::PbdConfig;
+pub use hierarchy::{Hierarchy, HierarchyConfig, HierarchyError, Link};
 pub use solver::{PbdBuilder, PbdSolver};
 pub use stiffness::{StiffnessRule, effective_stiffness, projection_stiffness};
 pub use strain_limit::{LimitReport, Limited, StrainLimiter, StrainLimiterBuilder, StretchRange};

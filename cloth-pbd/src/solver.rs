@@ -1,6 +1,7 @@
 //! The algorithm.
 
 use crate::config::PbdConfig;
+use crate::hierarchy::Hierarchy;
 use crate::stiffness::Projection;
 use cloth_core::math::Real;
 use cloth_core::particles::{Particles, State};
@@ -12,6 +13,8 @@ use cloth_core::step::{BuildError, StepError, StepInput, StepReport, Stepper};
 pub struct PbdSolver {
     motion: Motion,
     families: Families<Projection>,
+    /// Coarse levels; without them nothing is done for them.
+    hierarchy: Option<Hierarchy>,
     config: PbdConfig,
     /// The substep (s) that the remembered stiffnesses belong to, once there is one.
     substep: Option<Real>,
@@ -22,6 +25,22 @@ impl PbdSolver {
     #[must_use]
     pub fn builder(particles: &Particles) -> PbdBuilder {
         PbdBuilder::new(particles)
+    }
+
+    /// The same solver with coarse levels, which correct the positions before the first sweep of each substep, or more often.
+    ///
+    /// # Errors
+    /// [`BuildError::InvalidSetting`] for a hierarchy of a mesh with another number of vertices.
+    pub fn with_hierarchy(mut self, hierarchy: Hierarchy) -> Result<Self, BuildError> {
+        if hierarchy.vertex_count() != self.motion.vertex_count() {
+            return Err(BuildError::InvalidSetting {
+                name: "the number of vertices of the hierarchy",
+                value: hierarchy.vertex_count() as Real,
+                range: "that of the particles",
+            });
+        }
+        self.hierarchy = Some(hierarchy);
+        Ok(self)
     }
 
     /// What it was built with.
@@ -67,8 +86,13 @@ impl Stepper for PbdSolver {
         for _ in 0..self.config.substeps {
             self.motion.predict(&input, h); // S1 (24)
             self.families.restart();
-            for _ in 0..self.config.iterations {
+            for sweep in 0..self.config.iterations {
+                let due = self.hierarchy.as_mut().filter(|h| h.is_due(sweep));
                 self.motion.iterate(&mut input, |w, x| {
+                    if let Some(hierarchy) = due {
+                        hierarchy.correct(x);
+                        self.families.restart();
+                    }
                     self.families.sweep(&projection, w, x); // S1 (25)
                 });
             }
@@ -101,6 +125,7 @@ impl Settings for PbdConfig {
         PbdSolver {
             motion,
             families,
+            hierarchy: None,
             config: self,
             substep: None,
         }

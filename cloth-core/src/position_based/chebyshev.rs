@@ -16,12 +16,12 @@ use crate::math::{Real, Vec3};
 /// What it does to the memory of a row is the method's [`Rule`](super::Rule): XPBD's λ is a part of the iterate, and extrapolated with x, so that
 /// `M(x − x̃) = Σ ∂Cᵀλ` stays as true as the sweeps make it.
 ///
-/// Jacobi sweeps, and Gauss–Seidel sweeps there and back, have real eigenvalues. A one-way sweep along a row of elements has not even enough
-/// eigenvectors: extrapolated, the error of a chain of 30 links grows by 10¹¹ before it falls. That is why a sequential sweep that is
-/// accelerated goes back again, twice the work. Sweeps colour by colour behave well without it.
+/// Jacobi sweeps have real eigenvalues, and so have Gauss–Seidel sweeps that go there and back (both are symmetric in the metric of M). One-way sweeps have not:
+/// extrapolated, the error of a chain of 30 links swept from its end grows by 10¹¹ before it falls, and that of a sheet swept colour by
+/// colour grows without end. That is why Gauss–Seidel sweeps that are accelerated go back again, twice the work.
 ///
-/// Limits: sweeps over a cloth are not linear, and coloured ones have complex eigenvalues, so nothing is proved there. Therefore the size of the
-/// corrections, `‖S(x) − x‖` in the metric of M, is watched. Where it exceeds the largest of the plain sweeps, or a hundred times its smallest value so
+/// Limits: sweeps over a cloth are not linear, so nothing is proved there. Therefore the size of the corrections, `‖S(x) − x‖` in the metric of M, is
+/// watched. Where it exceeds the largest of the plain sweeps, or a hundred times its smallest value so
 /// far in the substep, the extrapolation is thrown away, and the rest of the substep goes on with plain
 /// sweeps ([`Families::surrendered`](super::Families::surrendered) tells).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -46,8 +46,8 @@ pub enum Radius {
 /// ρ is estimated no larger than this.
 const LARGEST_RADIUS: Real = 1.0 - 1e-7;
 
-/// Squared growth of the corrections over their smallest at which extrapolation is given up. Coloured sweeps over chains of up to 60 links come
-/// to a growth of 6.2.
+/// Squared growth of the corrections over their smallest at which extrapolation is given up. They do not fall evenly where one part of the error
+/// prevails for a while.
 const REBOUND: Real = 100.0 * 100.0;
 
 /// Squared size of the corrections, relative to the largest of the plain sweeps, below which their growth is rounding.

@@ -320,8 +320,8 @@ impl<R: Rule> Families<R> {
                 for family in &mut self.families {
                     family.sweep(rule, self.relaxation, inverse_mass, x);
                 }
-                // One way only, the iterates of a long row of elements cannot be extrapolated; there and back they can.
-                if self.sweep == Sweep::Sequential && self.recurrence.is_some() {
+                // One way only, the iterates cannot be extrapolated; there and back they can.
+                if self.recurrence.is_some() {
                     for family in self.families.iter_mut().rev() {
                         family.sweep_back(rule, self.relaxation, inverse_mass, x);
                     }

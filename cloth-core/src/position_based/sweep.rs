@@ -10,8 +10,9 @@ use crate::step::BuildError;
 /// sweep leaves the factor given of the slowest part of the error (VALIDATION 5).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Sweep {
-    /// Gauss–Seidel in the order given, on one thread: an element sees what the one before it moved. Chain: `cos²(π/2N)`. With
-    /// [`Chebyshev`] a sweep goes there and back.
+    /// Gauss–Seidel in the order given, on one thread: an element sees what the one before it moved. Chain: `cos²(π/2N)`.
+    ///
+    /// With [`Chebyshev`], Gauss–Seidel sweeps of both kinds go there and back, twice the work.
     Sequential,
     /// Gauss–Seidel colour by colour (CORE-13), on rayon's threads where a colour is large enough and the feature `parallel` is on. The
     /// bits do not depend on the number of threads. Chain: `cos²(π/2N)`.

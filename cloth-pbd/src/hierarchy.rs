@@ -1,0 +1,313 @@
+//! Coarser levels that carry corrections over long ways (PBD-3).
+//!
+//! M. Müller, "Hierarchical position based dynamics", VRIPHYS 2008, <https://doi.org/10.2312/PE/vriphys/vriphys08/001-010>.
+
+mod coarsen;
+mod geodesic;
+mod level;
+mod tether;
+
+use cloth_core::math::{Real, Vec3};
+use cloth_core::mesh::{MeshError, TriMesh};
+use cloth_core::particles::Particles;
+use cloth_core::position_based::Sweep;
+use cloth_core::step::BuildError;
+use cloth_core::topology::EdgeTable;
+use coarsen::{Graph, coarsen};
+use geodesic::Geodesics;
+use level::Level;
+use std::fmt;
+
+/// Settings of a [`Hierarchy`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HierarchyConfig {
+    /// Most coarse levels, at least 1. Coarsening stops earlier where it gains nothing.
+    pub levels: u32,
+    /// Parents that a vertex inside the cloth has at least on the next coarser level, at least 1.
+    pub parents: u32,
+    /// Sweeps over the links of each level in one correction, at least 1.
+    pub sweeps: u32,
+    /// Part (dimensionless, above 0 and at most 1) of its excess length that a link loses in a visit.
+    pub stiffness: Real,
+    /// Corrections in a substep: one before the first sweep, and if this is a number, one after every so many further sweeps.
+    pub every: Option<u32>,
+    /// Order of the sweeps over the links.
+    pub sweep: Sweep,
+}
+
+impl Default for HierarchyConfig {
+    /// As many levels as there are, two parents, two coloured sweeps a level at full stiffness, one correction a substep.
+    fn default() -> Self {
+        Self {
+            levels: 16,
+            parents: 2,
+            sweeps: 2,
+            stiffness: 1.0,
+            every: None,
+            sweep: Sweep::Colored,
+        }
+    }
+}
+
+/// Coarse levels of a cloth, for [`PbdSolver::with_hierarchy`](crate::PbdSolver::with_hierarchy).
+///
+/// A Gauss–Seidel sweep carries a correction from neighbour to neighbour; over a cloth of N vertices a side it takes of the order of N² sweeps to
+/// settle. A level with a third of the vertices settles a good deal faster, and is cheaper.
+///
+/// - **Coarsening.** Vertices are left out one after another as long as every one left out keeps at least
+///   [`HierarchyConfig::parents`] neighbours on the coarse level: its parents. On a boundary, of the sheet or of a hole, its two neighbours there are needed and are the
+///   parents. Prescribed vertices are kept.
+/// - **Links.** Two coarse vertices are linked where a fine link joins them, or vertices whose nearest parents they are. The length of a link is the
+///   shortest way over the cloth at rest, not through the air, so no folding, bending or unrolling without stretch makes one longer. And links only pull. Hence what costs the cloth
+///   nothing costs a coarse level nothing: it does not resist bending.
+/// - **Correction.** From the coarsest level to the finest, links are shortened by projections; then the finer level follows: `Δx = Σ wₚ Δxₚ` with weights
+///   `wₚ ∝ 1/distance`, sum 1. A vertex of a level weighs what it weighs itself and its share of its children, so `Σ m x` does not change.
+///
+/// Limits: links are as hard as [`HierarchyConfig::stiffness`] says, whatever the material; a soft cloth becomes stiffer. Weights are not exact for linear fields where
+/// the parents of a vertex lie to one side. Angular momentum is not kept by `Δx = Σ wₚ Δxₚ`. Only stretching is corrected.
+#[derive(Debug)]
+pub struct Hierarchy {
+    vertex_count: usize,
+    /// From fine to coarse.
+    levels: Vec<Level>,
+    config: HierarchyConfig,
+}
+
+/// One link of a coarse level.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Link {
+    /// The two vertices, numbered as in the mesh.
+    pub vertices: [u32; 2],
+    /// Length at rest (m), beyond which it pulls.
+    pub length: Real,
+}
+
+/// Coarser levels than this gain nothing.
+const SMALLEST_LEVEL: usize = 4;
+
+impl Hierarchy {
+    /// The levels of a cloth at rest, with the masses and prescribed vertices of `particles` as they are now.
+    ///
+    /// # Errors
+    /// [`HierarchyError`].
+    pub fn build(
+        mesh: &TriMesh,
+        particles: &Particles,
+        config: HierarchyConfig,
+    ) -> Result<Self, HierarchyError> {
+        check(&config)?;
+        let vertex_count = mesh.vertex_count();
+        if particles.len() != vertex_count {
+            return Err(BuildError::InvalidSetting {
+                name: "the number of particles",
+                value: particles.len() as Real,
+                range: "that of the vertices of the mesh",
+            }
+            .into());
+        }
+        let edges = EdgeTable::build(mesh)?;
+        let mut geodesics = Geodesics::new(mesh);
+        let mut graph = Graph::of_mesh(mesh.positions(), &edges);
+        let mut original: Vec<u32> = (0..vertex_count as u32).collect();
+        let mut mass = particles.mass().to_vec();
+        let mut levels: Vec<Level> = Vec::new();
+        let is_prescribed = |v: u32| particles.is_prescribed(v as usize);
+        while levels.len() < config.levels as usize {
+            let hold = |v: u32| is_prescribed(original[v as usize]);
+            let coarsening = coarsen(&graph, hold, config.parents as usize);
+            let count = coarsening.kept.len();
+            if count < SMALLEST_LEVEL || 10 * count > 9 * graph.len() {
+                break;
+            }
+            let of_mesh: Vec<u32> = coarsening
+                .kept
+                .iter()
+                .map(|&v| original[v as usize])
+                .collect();
+            let lengths = lengths(&mut geodesics, &coarsening.links, &of_mesh);
+            let links = coarsening
+                .links
+                .iter()
+                .copied()
+                .zip(lengths.iter().copied());
+            graph = Graph::new(count, links, coarsening.rim_links.iter().copied());
+            let level = Level::new(
+                coarsening,
+                &lengths,
+                &original,
+                &mass,
+                is_prescribed,
+                config.sweep,
+            )?;
+            original.clone_from(&level.original);
+            mass.clone_from(&level.mass);
+            levels.push(level);
+        }
+        Ok(Self {
+            vertex_count,
+            levels,
+            config,
+        })
+    }
+
+    /// What it was built with.
+    #[must_use]
+    pub fn config(&self) -> &HierarchyConfig {
+        &self.config
+    }
+
+    /// Number of vertices of the mesh.
+    #[must_use]
+    pub fn vertex_count(&self) -> usize {
+        self.vertex_count
+    }
+
+    /// Number of coarse levels; 0 if the mesh is too small for any.
+    #[must_use]
+    pub fn level_count(&self) -> usize {
+        self.levels.len()
+    }
+
+    /// The vertices of coarse level `level`, from 1, numbered as in the mesh; level 0 is the mesh.
+    ///
+    /// # Panics
+    /// If there is no such coarse level.
+    #[must_use]
+    pub fn vertices(&self, level: usize) -> &[u32] {
+        &self.levels[level - 1].original
+    }
+
+    /// The links of coarse level `level`, from 1.
+    ///
+    /// # Panics
+    /// If there is no such coarse level.
+    #[must_use]
+    pub fn links(&self, level: usize) -> Vec<Link> {
+        let level = &self.levels[level - 1];
+        let of_mesh = |v: u32| level.original[v as usize];
+        let link = |t: &tether::Tether| Link {
+            vertices: t.vertices.map(of_mesh),
+            length: t.length,
+        };
+        level.links.iter().map(link).collect()
+    }
+
+    /// The vertices of the level before coarse level `level` (from 1) that are not in it, each with its parents and their weights (dimensionless, sum 1), all numbered as in the
+    /// mesh.
+    ///
+    /// # Panics
+    /// If there is no such coarse level.
+    #[must_use]
+    pub fn parents(&self, level: usize) -> Vec<(u32, Vec<(u32, Real)>)> {
+        let finer = |v: u32| match level {
+            1 => v,
+            _ => self.levels[level - 2].original[v as usize],
+        };
+        let level = &self.levels[level - 1];
+        let of_mesh = |&(v, weight): &(u32, Real)| (level.original[v as usize], weight);
+        let parents = level.parents();
+        parents
+            .map(|(child, parents)| (finer(child), parents.iter().map(of_mesh).collect()))
+            .collect()
+    }
+
+    /// One correction of `positions` (m), from the coarsest level to the finest.
+    ///
+    /// # Panics
+    /// If there is not one position per vertex of the mesh.
+    pub fn correct(&mut self, positions: &mut [Vec3]) {
+        assert_eq!(positions.len(), self.vertex_count, "number of positions");
+        for level in 0..self.levels.len() {
+            let (finer, coarser) = self.levels.split_at_mut(level);
+            match finer.last() {
+                Some(finer) => coarser[0].take(finer.positions()),
+                None => coarser[0].take(positions),
+            }
+        }
+        for level in (0..self.levels.len()).rev() {
+            let (finer, coarser) = self.levels.split_at_mut(level);
+            coarser[0].pull(self.config.sweeps, self.config.stiffness);
+            match finer.last_mut() {
+                Some(finer) => coarser[0].hand_down(finer.positions_mut()),
+                None => coarser[0].hand_down(positions),
+            }
+        }
+    }
+
+    /// Whether a correction comes before sweep number `sweep` (from 0) of a substep.
+    pub(crate) fn is_due(&self, sweep: u32) -> bool {
+        match self.config.every {
+            Some(every) => sweep.is_multiple_of(every),
+            None => sweep == 0,
+        }
+    }
+}
+
+/// Lengths (m) of links between coarse vertices that stand for the vertices `of_mesh`.
+fn lengths(geodesics: &mut Geodesics<'_>, links: &[[u32; 2]], of_mesh: &[u32]) -> Vec<Real> {
+    let mut lengths = Vec::with_capacity(links.len());
+    for from_one in links.chunk_by(|a, b| a[0] == b[0]) {
+        let targets: Vec<u32> = from_one.iter().map(|l| of_mesh[l[1] as usize]).collect();
+        lengths.extend(geodesics.from(of_mesh[from_one[0][0] as usize], &targets));
+    }
+    lengths
+}
+
+fn check(config: &HierarchyConfig) -> Result<(), BuildError> {
+    let counts = [
+        ("the number of levels", config.levels),
+        ("the number of parents", config.parents),
+        ("the sweeps of a level", config.sweeps),
+        ("the sweeps between corrections", config.every.unwrap_or(1)),
+    ];
+    for (name, count) in counts {
+        if count == 0 {
+            return Err(BuildError::InvalidSetting {
+                name,
+                value: 0.0,
+                range: "at least 1",
+            });
+        }
+    }
+    if config.stiffness > 0.0 && config.stiffness <= 1.0 {
+        return Ok(());
+    }
+    Err(BuildError::InvalidSetting {
+        name: "the stiffness of the coarse links",
+        value: config.stiffness,
+        range: "above 0 and at most 1",
+    })
+}
+
+/// Why no hierarchy could be built.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum HierarchyError {
+    /// The mesh does not serve.
+    Mesh(MeshError),
+    /// A setting lies outside its range.
+    Build(BuildError),
+}
+
+impl fmt::Display for HierarchyError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Mesh(error) => error.fmt(f),
+            Self::Build(error) => error.fmt(f),
+        }
+    }
+}
+
+impl std::error::Error for HierarchyError {}
+
+impl From<MeshError> for HierarchyError {
+    fn from(error: MeshError) -> Self {
+        Self::Mesh(error)
+    }
+}
+
+impl From<BuildError> for HierarchyError {
+    fn from(error: BuildError) -> Self {
+        Self::Build(error)
+    }
+}
