@@ -1,5 +1,6 @@
 //! Studies: one question each, answered by measurement on the same scenes for every method.
 
+mod bending;
 mod convergence;
 mod locking;
 mod stiffness;
@@ -82,7 +83,12 @@ impl Findings {
 }
 
 /// Every study.
-pub const STUDIES: [&Study; 3] = [&convergence::STUDY, &stiffness::STUDY, &locking::STUDY];
+pub const STUDIES: [&Study; 4] = [
+    &convergence::STUDY,
+    &stiffness::STUDY,
+    &locking::STUDY,
+    &bending::STUDY,
+];
 
 impl Study {
     /// The study of that name.
