@@ -1,5 +1,6 @@
 //! Studies: one question each, answered by measurement on the same scenes for every method.
 
+mod bending;
 mod convergence;
 mod locking;
 mod newton;
@@ -83,10 +84,11 @@ impl Findings {
 }
 
 /// Every study.
-pub const STUDIES: [&Study; 4] = [
+pub const STUDIES: [&Study; 5] = [
     &convergence::STUDY,
     &stiffness::STUDY,
     &locking::STUDY,
+    &bending::STUDY,
     &newton::STUDY,
 ];
 

@@ -381,8 +381,23 @@ fn list_shows_every_name() {
             ][..],
         ),
         ("scenes", &["hang", "drop", "chain", "cantilever"]),
-        ("studies", &["convergence", "stiffness", "locking"]),
-        ("laws", &["oscillator", "chain-rate", "sag"]),
+        (
+            "studies",
+            &["convergence", "stiffness", "locking", "bending"],
+        ),
+        (
+            "laws",
+            &[
+                "oscillator",
+                "chain-rate",
+                "sag",
+                "patch",
+                "elastica",
+                "lateral-buckling",
+                "bending-factor",
+                "bending-spring",
+            ],
+        ),
     ] {
         for name in names {
             let found = told[kind]

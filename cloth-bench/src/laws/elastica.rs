@@ -60,7 +60,7 @@ const STEPS: usize = 4000;
 pub(crate) fn exact(gamma: Real) -> Profile {
     // δ(1) grows with δ(0), and at least as fast as it would without gravity: δ(0) ≤ π/2.
     let [mut low, mut high] = [-gamma.sqrt() - 10.0, FRAC_PI_2.ln()];
-    for _ in 0..100 {
+    for _ in 0..64 {
         let middle = 0.5 * (low + high);
         if integrate(gamma, middle.exp()).0 > FRAC_PI_2 {
             high = middle;

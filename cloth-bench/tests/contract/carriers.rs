@@ -1,6 +1,7 @@
 //! The elements of a scene are a choice: a method takes those whose view it needs, and refuses the others by name.
 
 use crate::common::{advance, methods, scene, solver};
+use crate::counting_allocator::allocations_once_warm;
 use cloth_bench::error::BenchError;
 use cloth_bench::method::Method;
 use cloth_bench::run::run;
@@ -59,6 +60,19 @@ fn a_free_sheet_of_any_elements_keeps_its_shape() {
                 let apart = (now - then - fall).norm();
                 assert!(apart < 1e-9, "{} {choice}: {apart:e} m", method.name);
             }
+        }
+    }
+}
+
+#[test]
+fn no_element_makes_a_step_allocate() {
+    for choice in CHOICES {
+        let scene = scene("hang", &["n=8", choice]);
+        for method in methods().filter(|method| takes(method, choice)) {
+            let mut solver = solver(method, &scene);
+            let mut state = scene.start.clone();
+            let count = allocations_once_warm(|| advance(&mut *solver, &scene, &mut state, 1));
+            assert_eq!(count, 0, "{} {choice}", method.name);
         }
     }
 }

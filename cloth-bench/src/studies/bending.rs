@@ -1,0 +1,320 @@
+//! How cloth bends: a heavy strip against its exact curve, and what each model amounts to on each pattern (VALIDATION 4).
+
+use super::{Findings, Scope, Study};
+use crate::error::BenchError;
+use crate::laws::elastica::{exact, sag};
+use crate::laws::elements::PATTERNS;
+use crate::laws::factors::{Case, SURFACES, factor};
+use crate::laws::models::{MODELS, Model};
+use crate::laws::strip::Shape;
+use crate::report::plot::{Axis, Plot, Series, Style};
+use crate::report::table::{Cell, Table};
+use cloth_core::math::Real;
+
+pub(super) const STUDY: Study = Study {
+    name: "bending",
+    question: "Does one bending rigidity mean the same cloth in every bending model, and is it the one that was asked for?",
+    about: "The strip is clamped at one end and hangs under its own weight, Γ = ρ g L³/D; its drop over span at rest is compared with the exact solution of θ″ + Γ(1 − s) cos θ = 0. \
+        Its triangles are three times as high along the strip as wide across it: then the folds are the generators of a cylinder, no edge without a hinge lies across, and Poisson's ratio, \
+        which the pattern decides and which is −1/3 for equilateral triangles, makes up 0.15 % at most. The factors are energies per area of vertices on a surface of constant \
+        curvature, over ½ k κ² (sphere: ½ k (2κ)²); 3 on a cylinder is what D = 3k means. Settled: on the alternating grid vertices with four and with eight neighbours may stand at different heights, \
+        as they do in equilibrium.",
+    cases,
+    run,
+};
+
+/// Γ on which every model is measured.
+fn loads(scope: Scope) -> &'static [Real] {
+    match scope {
+        Scope::Quick => &[0.1, 1.0, 10.0, 100.0, 1000.0],
+        Scope::Full => &[
+            0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1000.0,
+        ],
+    }
+}
+
+fn rows(scope: Scope) -> usize {
+    match scope {
+        Scope::Quick => 128,
+        Scope::Full => 256,
+    }
+}
+
+/// Rows of the strips that show how the error falls, and their Γ.
+const REFINED: [usize; 5] = [16, 32, 64, 128, 256];
+const REFINED_LOADS: [Real; 2] = [100.0, 1000.0];
+/// One model by the curvature vector and one by the angle: at rest the mesh is flat, and the others are the same.
+const REFINED_MODELS: [(&str, Model); 2] = [MODELS[0], MODELS[2]];
+
+fn cases(scope: Scope) -> u64 {
+    let curve = MODELS.len() * loads(scope).len();
+    let refined = REFINED_LOADS.len() * REFINED_MODELS.len();
+    (curve + refined + 1) as u64
+}
+
+/// A strip whose own error, of Poisson's ratio and of the rim, is 0.014 %.
+const fn long_triangles(rows: usize) -> Shape {
+    Shape {
+        cells: rows - 2,
+        across: 3,
+        elongation: 8.0,
+    }
+}
+
+const fn strip(rows: usize) -> Shape {
+    Shape {
+        cells: rows - 2,
+        across: 5,
+        elongation: 3.0,
+    }
+}
+
+fn ratio(gamma: Real) -> Real {
+    let profile = exact(gamma);
+    profile.drop / profile.span
+}
+
+fn run(scope: Scope, progress: &mut dyn FnMut(&str)) -> Result<Findings, BenchError> {
+    let mut findings = Findings::default();
+    let worst = elastica(scope, &mut findings, progress);
+    refinement(&mut findings, progress);
+    progress("bending: factors");
+    let apart = factors(&mut findings)?;
+    let on_curve = worst.is_some_and(|worst| worst < 0.01);
+    let alike = if on_curve {
+        "Every model lies on the curve of the heavy elastica"
+    } else {
+        "NOT every model lies on the curve of the heavy elastica"
+    };
+    let worst = worst.map_or("none was measured at every load".to_owned(), |worst| {
+        format!("largest error {:.2} %", 100.0 * worst)
+    });
+    findings.section.verdict = Some(format!(
+        "{alike} from Γ = 0.1 to 1000 on a strip of {} × 5 vertices ({worst}), so one rigidity D means one cloth. That holds where bending follows the edges: \
+         the measured factors are those of the closed forms to {apart:.0e}, and they differ with pattern, direction and shape, from 1 to 18 for one k of the quadratic model.",
+        rows(scope)
+    ));
+    Ok(findings)
+}
+
+/// H/W against Γ. Returns the largest relative error, or none if a strip did not come to rest.
+fn elastica(scope: Scope, findings: &mut Findings, progress: &mut dyn FnMut(&str)) -> Option<Real> {
+    let mut table = Table::new(&[
+        "model",
+        "Γ",
+        "H/W exact",
+        "H/W measured",
+        "relative error",
+        "span W/L",
+        "drop H/L",
+        "forces left over weight",
+        "Newton iterations",
+    ]);
+    let (mut heights, mut errors) = (Vec::new(), Vec::new());
+    let mut worst = Some(0.0);
+    let loads: Vec<(Real, Real)> = loads(scope).iter().map(|&g| (g, ratio(g))).collect();
+    for (name, model) in MODELS {
+        let (mut curve, mut error_curve) = (Vec::new(), Vec::new());
+        for &(gamma, expected) in &loads {
+            let case = format!("{name}, Γ = {gamma}");
+            progress(&format!("bending: {case}"));
+            let sagged = sag(gamma, model, strip(rows(scope)));
+            let Some(sagged) = findings.unless_failed(&case, sagged) else {
+                worst = None;
+                continue;
+            };
+            let profile = sagged.profile;
+            let measured = profile.drop / profile.span;
+            let error = measured / expected - 1.0;
+            worst = worst.map(|worst: Real| worst.max(error.abs()));
+            curve.push((gamma, measured));
+            error_curve.push((gamma, 100.0 * error));
+            table.push([
+                Cell::from(name),
+                Cell::from(gamma),
+                Cell::from(expected),
+                Cell::from(measured),
+                Cell::from(error),
+                Cell::from(profile.span),
+                Cell::from(profile.drop),
+                Cell::from(sagged.rest.residual),
+                Cell::from(sagged.rest.iterations as usize),
+            ]);
+        }
+        heights.push(Series::new(name, curve).styled(Style::Points));
+        errors.push(Series::new(name, error_curve));
+    }
+    let exact_curve = (0..=40)
+        .map(|i| 10.0_f64.powf(-1.0 + 0.1 * Real::from(i)))
+        .map(|gamma| (gamma, ratio(gamma)))
+        .collect();
+    heights.push(Series::new("heavy elastica, exact", exact_curve).styled(Style::ExactCurve));
+    findings.plot(
+        "bending-elastica",
+        &Plot {
+            title: "A strip under its own weight".into(),
+            x: Axis::log("Γ = ρ g L³/D (dimensionless)"),
+            y: Axis::log("drop over span H/W (dimensionless)"),
+            series: heights,
+            note: "The dashed curve is the exact solution of θ″ + Γ(1 − s) cos θ = 0.".into(),
+        },
+    );
+    findings.plot(
+        "bending-elastica-error",
+        &Plot {
+            title: "Distance of the models from the exact curve".into(),
+            x: Axis::log("Γ = ρ g L³/D (dimensionless)"),
+            y: Axis::linear("error of H/W (%)"),
+            series: errors,
+            note: "On the left what is left of Poisson's ratio and the rim, which lacks hinges; on the right the resolution, where a fold θ and 2 sin(θ/2) are no longer the same."
+                .into(),
+        },
+    );
+    findings.table(
+        "bending-elastica",
+        "Drop over span of a heavy strip at rest",
+        table,
+    );
+    worst
+}
+
+/// The error of H/W against resolution.
+fn refinement(findings: &mut Findings, progress: &mut dyn FnMut(&str)) {
+    let mut table = Table::new(&["model", "Γ", "rows", "relative error of H/W"]);
+    let mut series = Vec::new();
+    for gamma in REFINED_LOADS {
+        let expected = ratio(gamma);
+        for (name, model) in REFINED_MODELS {
+            progress(&format!("bending: refinement, {name}, Γ = {gamma}"));
+            let mut curve = Vec::new();
+            for rows in REFINED {
+                let case = format!("{name}, Γ = {gamma}, {rows} rows");
+                let sagged = sag(gamma, model, long_triangles(rows));
+                let Some(sagged) = findings.unless_failed(&case, sagged) else {
+                    continue;
+                };
+                let profile = sagged.profile;
+                let error = profile.drop / profile.span / expected - 1.0;
+                curve.push((rows as Real, 100.0 * error.abs()));
+                table.push([
+                    Cell::from(name),
+                    Cell::from(gamma),
+                    Cell::from(rows),
+                    Cell::from(error),
+                ]);
+            }
+            series.push(Series::new(&format!("{name}, Γ = {gamma}"), curve));
+        }
+    }
+    let second = REFINED.map(|rows| (rows as Real, 2.0 * (32.0 / rows as Real).powi(2)));
+    series.push(Series::new("second order", second.to_vec()).styled(Style::ExactCurve));
+    findings.plot(
+        "bending-refinement",
+        &Plot {
+            title: "Error of H/W against resolution".into(),
+            x: Axis::log("rows of vertices along the strip (dimensionless)"),
+            y: Axis::log("error of H/W (%)").within(0.01, 30.0),
+            series,
+            note: "Triangles eight times as high as wide, three vertices across: what the strip itself is wrong by, Poisson's ratio and the rim, is 0.014 %.".into(),
+        },
+    );
+    findings.data("bending-refinement", table);
+}
+
+/// The factors of every model and pattern, and the factor of a cylinder by direction. Returns the largest relative distance from the closed forms.
+fn factors(findings: &mut Findings) -> Result<Real, BenchError> {
+    let mut table = Table::new(&[
+        "model",
+        "pattern",
+        "cylinder 0°",
+        "cylinder 45°",
+        "sphere",
+        "saddle 0°",
+        "saddle 45°",
+        "settled: cylinder 0°",
+        "settled: cylinder 45°",
+        "settled: sphere",
+    ]);
+    let [cylinder, sphere, saddle] = SURFACES.map(|(_, surface)| surface);
+    let shown = [
+        (cylinder, 0.0, false),
+        (cylinder, 45.0, false),
+        (sphere, 0.0, false),
+        (saddle, 0.0, false),
+        (saddle, 45.0, false),
+        (cylinder, 0.0, true),
+        (cylinder, 45.0, true),
+        (sphere, 0.0, true),
+    ];
+    let mut apart: Real = 0.0;
+    let mut measure = |case: Case| -> Result<Real, BenchError> {
+        let [expected, measured] = factor(case)?;
+        apart = apart.max((measured / expected - 1.0).abs());
+        Ok(measured)
+    };
+    for (name, model) in MODELS {
+        for (pattern_name, pattern) in PATTERNS {
+            let mut line = [const { Cell::Missing }; 10];
+            line[0] = Cell::from(name);
+            line[1] = Cell::from(pattern_name);
+            for (cell, (surface, degrees, settled)) in line[2..].iter_mut().zip(shown) {
+                let measured = measure(Case {
+                    model,
+                    pattern,
+                    surface,
+                    angle: Real::to_radians(degrees),
+                    settled,
+                })?;
+                *cell = Cell::from(measured);
+            }
+            table.push(line);
+        }
+    }
+    let mut series = Vec::new();
+    let mut curves = Vec::new();
+    for (name, pattern) in PATTERNS {
+        for settled in [false, true] {
+            if settled && name != "alternating" {
+                continue;
+            }
+            let label = if settled {
+                format!("{name}, settled")
+            } else {
+                name.to_owned()
+            };
+            let case = |degrees: Real| Case {
+                model: Model::Bergou,
+                pattern,
+                surface: cylinder,
+                angle: degrees.to_radians(),
+                settled,
+            };
+            let at = |step: i32| 7.5 * Real::from(step);
+            let points: Result<Vec<_>, BenchError> = (0..=24)
+                .map(|step| Ok((at(step), measure(case(at(step)))?)))
+                .collect();
+            let exact: Result<Vec<_>, BenchError> = (0..=72)
+                .map(|step| Ok((at(step) / 3.0, factor(case(at(step) / 3.0))?[0])))
+                .collect();
+            series.push(Series::new(&label, points?).styled(Style::Points));
+            curves.push(Series::new(&format!("{label}, exact"), exact?).styled(Style::ExactCurve));
+        }
+    }
+    series.extend(curves);
+    findings.plot(
+        "bending-direction",
+        &Plot {
+            title: "Energy of a cylinder, by the direction in which it bends".into(),
+            x: Axis::linear("direction of the curvature (degrees)"),
+            y: Axis::linear("energy per area over ½ k κ² (dimensionless)"),
+            series,
+            note: "Quadratic model. Dashed: by hand, hinge by hinge.".into(),
+        },
+    );
+    findings.table(
+        "bending-factors",
+        "Energy per area for coefficient k, over ½ k κ² (sphere: over ½ k (2κ)²)",
+        table,
+    );
+    Ok(apart)
+}
