@@ -98,7 +98,7 @@ const PD_ACCELERATION: Parameter = parameter(
 const PD_HISTORY: Parameter = parameter("history", "5", "pairs that quasi-newton remembers");
 const PD_COARSE: Parameter = parameter(
     "coarse",
-    "4",
+    "8",
     "cells a side of the coarse grid under quasi-newton; 0: none",
 );
 const PD_RADIUS: Parameter = parameter(
