@@ -14,6 +14,8 @@ mod no_alloc;
 mod refuses;
 #[path = "contract/rest_state.rs"]
 mod rest_state;
+#[path = "contract/same_minimum.rs"]
+mod same_minimum;
 #[path = "contract/skips.rs"]
 mod skips;
 #[path = "contract/strain_limit.rs"]

@@ -11,6 +11,8 @@
 //! | [`ArapTriangle`], modulus Y, ν = 0 | 3 | yes | 2 rows | K = 2 | J, from a modulus in N/m |
 //! | [`AreaTriangle`], area modulus K | 3 | yes | 1 row | – | N/m³, from a modulus in N/m |
 //! | [`VolumeTetrahedron`], bulk modulus K | 4 | yes | 1 row | – | N/m⁵, from a modulus in Pa |
+//! | [`StrainLimitSpring`], slack in a range | 2 | yes | 1 row | K = 1 | N/m |
+//! | [`StrainLimitTriangle`], slack in a range | 3 | yes | 2 rows | K = 2 | J, from a modulus in N/m |
 //! | [`Attachment`] | 1 | yes | 3 rows | K = 1 | N/m |
 //!
 //! A dash is a view that the energy does not have. The projective view needs a squared distance to a set under a *constant* linear map: an angle is no
@@ -26,6 +28,8 @@ mod curvature_hinge;
 mod curved_hinge;
 mod dihedral_hinge;
 mod spring;
+mod strain_limit_spring;
+mod strain_limit_triangle;
 mod stvk_triangle;
 mod triangle_map;
 mod volume;
@@ -38,5 +42,17 @@ pub use curvature_hinge::CurvatureHinge;
 pub use curved_hinge::CurvedHinge;
 pub use dihedral_hinge::DihedralHinge;
 pub use spring::Spring;
+pub use strain_limit_spring::StrainLimitSpring;
+pub use strain_limit_triangle::StrainLimitTriangle;
 pub use stvk_triangle::StvkTriangle;
 pub use volume::VolumeTetrahedron;
+
+use crate::math::Real;
+
+/// Refuses limits `[σ_min, σ_max]` (dimensionless) that leave no room.
+fn check_limits([least, most]: [Real; 2]) {
+    assert!(
+        0.0 <= least && least <= most,
+        "strain limits {least} to {most}: the first must not be negative, nor above the second"
+    );
+}

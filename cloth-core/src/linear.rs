@@ -25,6 +25,8 @@ mod gauss_seidel;
 mod inertia;
 mod jacobi;
 #[cfg(feature = "cholesky")]
+mod low_rank;
+#[cfg(feature = "cholesky")]
 mod panel;
 mod solver;
 mod spectrum;
@@ -41,6 +43,8 @@ pub use gauss_seidel::GaussSeidel;
 #[cfg(feature = "cholesky")]
 pub use inertia::Inertia;
 pub use jacobi::Jacobi;
+#[cfg(feature = "cholesky")]
+pub use low_rank::LowRank;
 #[cfg(feature = "cholesky")]
 pub use panel::PanelFactor;
 pub use solver::{Budget, LinearError, LinearMethod, LinearReport, LinearSolver};

@@ -10,10 +10,12 @@
 //! symmetric and positive definite, so the direction goes down. H is taken where the step's iteration starts, once a step; `PᵀHP` is small, and factorising it
 //! costs next to nothing.
 
+use crate::free_pieces::FreePieces;
 use crate::lattice::Lattice;
 use crate::local::Projections;
 use cloth_core::block_matrix::{BlockMatrix, PatternBuilder};
 use cloth_core::element::Element;
+use cloth_core::energy::Attachment;
 use cloth_core::linear::{BlockCholesky, CholeskyError};
 use cloth_core::math::{Mat3, Real, Vec3};
 use cloth_core::particles::Particles;
@@ -33,6 +35,10 @@ pub(crate) struct CoarseGrid {
     matrix: BlockMatrix,
     cholesky: BlockCholesky,
     is_factored: bool,
+    /// Hats reach from one piece of the cloth to the next; what nothing holds must not be pushed.
+    free_pieces: FreePieces,
+    /// A correction (m) over the vertices; unused without free pieces.
+    correction: Vec<Vec3>,
     right_hand_side: Vec<Vec3>,
     solution: Vec<Vec3>,
 }
@@ -53,6 +59,7 @@ impl CoarseGrid {
         rest: &[Vec3],
         cells: u32,
         particles: &Particles,
+        free_pieces: &FreePieces,
         families: &mut [Box<dyn Projections>],
     ) -> Result<Self, CholeskyError> {
         let is_free = |vertex: usize| !particles.is_prescribed(vertex);
@@ -99,6 +106,8 @@ impl CoarseGrid {
             matrix: constant.clone(),
             constant,
             is_factored: false,
+            free_pieces: free_pieces.clone(),
+            correction: vec![Vec3::zeros(); particles.len()],
             right_hand_side: vec![Vec3::zeros(); node_count],
             solution: vec![Vec3::zeros(); node_count],
             lattice,
@@ -106,7 +115,13 @@ impl CoarseGrid {
     }
 
     /// Takes `PᵀHP` at x (m) for a step of `dt` (s). Where it cannot be factorised there is no correction until the next call.
-    pub(crate) fn prepare(&mut self, families: &mut [Box<dyn Projections>], x: &[Vec3], dt: Real) {
+    pub(crate) fn prepare(
+        &mut self,
+        families: &mut [Box<dyn Projections>],
+        attachments: &[Attachment],
+        x: &[Vec3],
+        dt: Real,
+    ) {
         let blocks = self.matrix.blocks_mut();
         blocks.copy_from_slice(self.constant.blocks());
         for &(slot, mass) in &self.mass {
@@ -116,6 +131,17 @@ impl CoarseGrid {
         }
         for family in families.iter_mut().filter(|family| !family.is_constant()) {
             family.add_coarse_stiffness(x, &mut self.matrix);
+        }
+        for attachment in attachments.iter().filter(|a| a.stiffness > 0.0) {
+            let nodes = self.lattice.of(attachment.vertex as usize);
+            for (i, (a, wa)) in nodes.iter().enumerate() {
+                for (b, wb) in &nodes[..=i] {
+                    let slot = self.matrix.pattern().slot(*a, *b);
+                    let slot = slot.expect("a pair of the pattern") as usize;
+                    let stiffness = attachment.stiffness * wa * wb;
+                    self.matrix.blocks_mut()[slot] += Mat3::from_diagonal_element(stiffness);
+                }
+            }
         }
         self.tie_neighbours();
         self.is_factored = self.cholesky.factorize(&self.matrix).is_ok();
@@ -151,6 +177,19 @@ impl CoarseGrid {
         }
         self.cholesky
             .solve(&self.right_hand_side, &mut self.solution);
+        if self.free_pieces.is_empty() {
+            return self.interpolate(out);
+        }
+        let mut correction = std::mem::take(&mut self.correction);
+        correction.fill(Vec3::zeros());
+        self.interpolate(&mut correction);
+        self.free_pieces.align(None, &mut correction);
+        crate::objective::add(out, 1.0, &correction);
+        self.correction = correction;
+    }
+
+    /// Adds P times the solution to `out`.
+    fn interpolate(&self, out: &mut [Vec3]) {
         for (vertex, out) in out.iter_mut().enumerate() {
             for &(node, weight) in self.lattice.of(vertex) {
                 *out += self.solution[node as usize] * weight;

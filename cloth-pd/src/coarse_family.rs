@@ -134,6 +134,10 @@ impl CoarseFamily {
             let ends = group.ends.map(|end| end as usize);
             let node_count = ends[2] - starts[2];
             let slots = &self.slots[starts[3]..ends[3]];
+            if node_count == 0 {
+                starts = ends; // prescribed vertices only
+                continue;
+            }
             let sum = &mut self.sum[..slots.len()];
             sum.fill(Mat3::zeros());
             let mut coefficients =

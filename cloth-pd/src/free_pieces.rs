@@ -6,32 +6,33 @@ use sprs::CsMat;
 
 /// Connected pieces of the cloth without a prescribed vertex and without an element that resists a translation. The momentum of such a piece
 /// after the step is known beforehand: elasticity does not change it.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct FreePieces {
     /// Number of the piece of each vertex, `HELD` for vertices of pieces that are not free.
     piece: Vec<u32>,
-    /// Mass (kg) of each piece.
+    /// Mass (kg) of each vertex, and of each piece.
+    vertex_mass: Vec<Real>,
     mass: Vec<Real>,
     shift: Vec<Vec3>,
 }
 
 const HELD: u32 = u32::MAX;
-/// A row of `Σ w GᵀG` whose entries add up to more than this part of its diagonal resists a translation.
-const ROUNDING: Real = 1e-12;
+/// A row of `Σ w GᵀG` whose entries add up to more than this part of the largest diagonal entry resists a translation; an entry that is smaller ties nothing.
+/// Elements that have been taken away leave so much.
+const ROUNDING: Real = 1e-13;
 
 impl FreePieces {
     /// Finds the pieces in the lower half of `Σ w GᵀG` (N/m).
     pub(crate) fn of(stiffness: &CsMat<Real>, particles: &Particles) -> Self {
         let count = particles.len();
         let mut parent: Vec<u32> = (0..count as u32).collect();
-        let (mut sums, mut diagonal) = (vec![0.0; count], vec![0.0; count]);
+        let mut sums: Vec<Real> = vec![0.0; count];
+        let largest = stiffness.data().iter().copied().fold(0.0, Real::max);
         for (&value, (row, column)) in stiffness {
             sums[row] += value;
-            if row == column {
-                diagonal[row] = value;
-            } else {
+            if row != column {
                 sums[column] += value;
-                if value != 0.0 {
+                if value.abs() > ROUNDING * largest {
                     let (a, b) = (root(&mut parent, row), root(&mut parent, column));
                     parent[a.max(b)] = a.min(b) as u32;
                 }
@@ -39,7 +40,7 @@ impl FreePieces {
         }
         let mut is_held = vec![false; count];
         for vertex in 0..count {
-            if particles.is_prescribed(vertex) || sums[vertex].abs() > ROUNDING * diagonal[vertex] {
+            if particles.is_prescribed(vertex) || sums[vertex].abs() > ROUNDING * largest {
                 is_held[root(&mut parent, vertex)] = true;
             }
         }
@@ -58,17 +59,24 @@ impl FreePieces {
         }
         Self {
             shift: vec![Vec3::zeros(); mass.len()],
+            vertex_mass: particles.mass().to_vec(),
             piece,
             mass,
         }
     }
 
-    /// Moves every free piece as a whole, so that its centre of mass is displaced as that of `goal`; both are displacements (m).
-    pub(crate) fn align(&mut self, particles: &Particles, goal: &[Vec3], q: &mut [Vec3]) {
+    /// Whether there is none.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.mass.is_empty()
+    }
+
+    /// Moves every free piece as a whole, so that its centre of mass is displaced as that of `goal`, or not at all without one; both are displacements (m).
+    pub(crate) fn align(&mut self, goal: Option<&[Vec3]>, q: &mut [Vec3]) {
         self.shift.fill(Vec3::zeros());
         for (vertex, &piece) in self.piece.iter().enumerate() {
             if let Some(shift) = self.shift.get_mut(piece as usize) {
-                *shift += (goal[vertex] - q[vertex]) * particles.mass()[vertex];
+                let goal = goal.map_or_else(Vec3::zeros, |goal| goal[vertex]);
+                *shift += (goal - q[vertex]) * self.vertex_mass[vertex];
             }
         }
         for (&piece, q) in self.piece.iter().zip(q) {

@@ -126,6 +126,7 @@
 //!   <https://doi.org/10.1145/2508363.2508406>.
 #![forbid(unsafe_code)]
 
+mod change;
 mod chebyshev;
 mod coarse;
 mod coarse_family;
@@ -140,5 +141,6 @@ mod quadratic;
 mod quasi_newton;
 mod solver;
 
+pub use change::{AttachmentId, ChangeError};
 pub use config::{Acceleration, PdConfig, Start};
 pub use solver::{PdBuilder, PdSolver};

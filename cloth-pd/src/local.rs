@@ -1,6 +1,7 @@
 //! The local step: every element on its own projects `z = G x` to the nearest point `p` of its set, and pulls its vertices there.
 
 use crate::coarse_family::CoarseFamily;
+use crate::global::Term;
 use crate::lattice::Lattice;
 use crate::pieces::{self, Pieces};
 use cloth_core::block_matrix::{BlockMatrix, BlockPattern};
@@ -29,6 +30,10 @@ pub(crate) trait Projections: Debug + Send + Sync {
     /// projections are constant.
     fn add_gradient(&mut self, x: &[Vec3], out: &mut [Vec3]) -> Real;
 
+    /// Takes away the element that was given as number `element`, and hands over what it leaves of `Σ w GᵀG`: the rows of its operator, negative.
+    /// Returns whether it was there.
+    fn remove(&mut self, element: usize, terms: &mut Vec<Term>) -> Option<()>;
+
     /// Prepares the sums over a coarse grid, and adds the pairs of nodes that the elements tie together.
     fn lay_over(&mut self, lattice: &Lattice, pairs: &mut Vec<[u32; 2]>);
 
@@ -39,17 +44,28 @@ pub(crate) trait Projections: Debug + Send + Sync {
     fn add_coarse_stiffness(&mut self, x: &[Vec3], out: &mut BlockMatrix);
 }
 
-/// All elements of one kind that can move something.
+/// Where an element that was given is now.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Place {
+    At(u32),
+    /// It never had a weight, and nobody misses it.
+    Weightless,
+    Removed,
+}
+
+/// All elements of one kind that have a weight.
 #[derive(Debug)]
 pub(crate) struct Family<const N: usize, const K: usize, E> {
     elements: Vec<E>,
+    /// Place in `elements` of each element that was given.
+    places: Vec<Place>,
     pieces: Pieces,
     /// Nothing without a coarse grid.
     coarse: CoarseFamily,
 }
 
 impl<const N: usize, const K: usize, E: Projective<N, K>> Family<N, K, E> {
-    /// Leaves out the elements that have no weight or no free vertex.
+    /// Leaves out the elements that have no weight.
     pub(crate) fn new(mut elements: Vec<E>, particles: &Particles) -> Result<Self, BuildError> {
         check_vertices(&elements, particles.len())?;
         for element in &elements {
@@ -62,17 +78,22 @@ impl<const N: usize, const K: usize, E: Projective<N, K>> Family<N, K, E> {
                 });
             }
         }
-        let is_free = |vertex: u32| !particles.is_prescribed(vertex as usize);
-        elements.retain(|e| e.weight() > 0.0 && e.vertices().into_iter().any(is_free));
+        let mut count = 0;
+        let place = |element: &E| {
+            if element.weight() == 0.0 {
+                return Place::Weightless;
+            }
+            count += 1;
+            Place::At(count - 1)
+        };
+        let places = elements.iter().map(place).collect();
+        elements.retain(|element| element.weight() > 0.0);
         Ok(Self {
             elements,
+            places,
             pieces: Pieces::new(particles.len()),
             coarse: CoarseFamily::default(),
         })
-    }
-
-    pub(crate) fn is_empty(&self) -> bool {
-        self.elements.is_empty()
     }
 
     /// Adds `Σ w Gᵀ pull(element, G x)` to `out` and returns `½ Σ w ‖pull‖²`; on one thread or on several, with the same bits.
@@ -146,6 +167,32 @@ impl<const N: usize, const K: usize, E: Projective<N, K>> Projections for Family
             let p = element.project(z);
             std::array::from_fn(|k| z[k] - p[k])
         })
+    }
+
+    fn remove(&mut self, element: usize, terms: &mut Vec<Term>) -> Option<()> {
+        let place = self.places.get_mut(element)?;
+        let at = match *place {
+            Place::At(at) => at,
+            Place::Weightless => {
+                *place = Place::Removed;
+                return Some(());
+            }
+            Place::Removed => return None,
+        };
+        *place = Place::Removed;
+        // The order of the others stays: sums come out as without the element.
+        let gone = self.elements.remove(at as usize);
+        for place in &mut self.places[element + 1..] {
+            if let Place::At(at) = place {
+                *at -= 1;
+            }
+        }
+        self.pieces.forget();
+        terms.extend(gone.operator().map(|row| Term {
+            column: gone.vertices().into_iter().zip(row).collect(),
+            weight: -gone.weight(),
+        }));
+        Some(())
     }
 
     fn lay_over(&mut self, lattice: &Lattice, pairs: &mut Vec<[u32; 2]>) {

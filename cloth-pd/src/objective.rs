@@ -2,6 +2,7 @@
 
 use crate::local::Projections;
 use crate::quadratic::Quadratic;
+use cloth_core::energy::Attachment;
 use cloth_core::math::{Real, Vec3};
 use cloth_core::particles::{Particles, State};
 use cloth_core::step::{StepError, StepInput};
@@ -16,6 +17,8 @@ pub(crate) struct Objective {
     pub(crate) families: Vec<Box<dyn Projections>>,
     /// All families whose projection is constant, as one matrix.
     quadratic: Quadratic,
+    /// Attachments that came after the solver was built; without stiffness where one has gone.
+    pub(crate) attachments: Vec<Attachment>,
     /// x[0] (m).
     from: Vec<Vec3>,
     /// h (m).
@@ -70,6 +73,7 @@ impl Objective {
         let zeros = vec![Vec3::zeros(); particles.len()];
         Self {
             quadratic: Quadratic::of(particles.len(), &families),
+            attachments: Vec::new(),
             particles,
             families,
             from: zeros.clone(),
@@ -77,6 +81,11 @@ impl Objective {
             constant_pull: zeros,
             dt: 1.0,
         }
+    }
+
+    /// Takes notice of elements that are gone.
+    pub(crate) fn refresh(&mut self) {
+        self.quadratic = Quadratic::of(self.particles.len(), &self.families);
     }
 
     /// Takes up the step that begins at `state`.
@@ -115,6 +124,12 @@ impl Objective {
         let mut elastic = 0.0;
         for family in &mut self.families {
             elastic += family.add_gradient(&point.positions, gradient);
+        }
+        for attachment in &self.attachments {
+            let vertex = attachment.vertex as usize;
+            let pull = point.positions[vertex] - attachment.target;
+            gradient[vertex] += pull * attachment.stiffness;
+            elastic += 0.5 * attachment.stiffness * pull.norm_squared();
         }
         let (mut inertia, mut bending) = (0.0, 0.0);
         let per_dt_squared = 1.0 / self.dt / self.dt;

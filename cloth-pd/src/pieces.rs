@@ -34,6 +34,12 @@ impl Pieces {
             ..Self::default()
         }
     }
+
+    /// Forgets which elements there are.
+    pub(crate) fn forget(&mut self) {
+        #[cfg(feature = "parallel")]
+        self.offsets.clear();
+    }
 }
 
 #[cfg(feature = "parallel")]

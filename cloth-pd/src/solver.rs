@@ -19,11 +19,15 @@ use cloth_core::step::{BuildError, Outcome, StepError, StepInput, StepReport, St
 /// `‖∇G(x)‖/‖∇G(x̃)‖`, with a tolerance only.
 #[derive(Debug)]
 pub struct PdSolver {
-    objective: Objective,
-    global: GlobalSystem,
+    pub(crate) objective: Objective,
+    pub(crate) global: GlobalSystem,
     coarse: Option<CoarseGrid>,
+    /// Rest positions (m) and cells of the coarse grid.
+    lattice: Option<(Vec<Vec3>, u32)>,
     method: Method,
     free_pieces: FreePieces,
+    /// Whether the cloth was changed since the last step.
+    pub(crate) is_stale: bool,
     config: PdConfig,
     /// The iterate.
     point: Point,
@@ -51,6 +55,7 @@ impl Stepper for PdSolver {
     ) -> Result<StepReport, StepError> {
         input.check(state, self.point.positions.len())?;
         let step = state.steps + 1;
+        self.refresh();
         let prepared = self.global.prepare(input.dt);
         let factorizations =
             prepared.map_err(|_| StepError::NotPositiveDefinite { iteration: 1, step })?;
@@ -110,6 +115,25 @@ impl PdSolver {
         &self.config
     }
 
+    /// Takes notice of what was changed since the last step.
+    fn refresh(&mut self) {
+        if !std::mem::take(&mut self.is_stale) {
+            return;
+        }
+        let objective = &mut self.objective;
+        objective.refresh();
+        self.free_pieces = FreePieces::of(self.global.stiffness(), &objective.particles);
+        if let (Some(coarse), Some((rest, cells))) = (&mut self.coarse, &self.lattice) {
+            let particles = &objective.particles;
+            // A grid that the memory does not hold is one that is not needed.
+            let (pieces, families) = (&self.free_pieces, &mut objective.families);
+            match CoarseGrid::new(rest, *cells, particles, pieces, families) {
+                Ok(grid) => *coarse = grid,
+                Err(_) => self.coarse = None,
+            }
+        }
+    }
+
     /// `‖∇G(x̃)‖` (N/√kg), with a tolerance only.
     fn reference(&mut self) -> Real {
         if self.config.tolerance.is_none() || self.global.is_empty() {
@@ -134,7 +158,7 @@ impl PdSolver {
         }
         if self.config.start == Start::Inertial {
             let (goal, q) = (&self.objective.inertial, &mut self.point.displacement);
-            self.free_pieces.align(particles, goal, q);
+            self.free_pieces.align(Some(goal), q);
         }
         self.point.is_evaluated = false;
         match &mut self.method {
@@ -144,7 +168,8 @@ impl PdSolver {
         }
         if let Some(coarse) = &mut self.coarse {
             self.objective.place(&mut self.point);
-            coarse.prepare(&mut self.objective.families, &self.point.positions, dt);
+            let (families, ties) = (&mut self.objective.families, &self.objective.attachments);
+            coarse.prepare(families, ties, &self.point.positions, dt);
         }
     }
 
@@ -216,7 +241,7 @@ pub struct PdBuilder {
 }
 
 impl PdBuilder {
-    /// Adds a family of elements. Those without weight or without a free vertex are left out.
+    /// Adds a family of elements. Those without weight are left out.
     #[must_use]
     pub fn energy<const N: usize, const K: usize, E: Projective<N, K>>(
         mut self,
@@ -224,7 +249,6 @@ impl PdBuilder {
     ) -> Self {
         if let Ok(families) = &mut self.families {
             match Family::new(elements, &self.particles) {
-                Ok(family) if family.is_empty() => {}
                 Ok(family) => families.push(Box::new(family)),
                 Err(error) => self.families = Err(error),
             }
@@ -233,7 +257,7 @@ impl PdBuilder {
     }
 
     /// Lays a coarse grid over the cloth, of `cells` cubes along the longest side of the box around its rest positions (m). [`Acceleration::QuasiNewton`] takes a Newton step on
-    /// it in every iteration, the other methods have no use for it. A few cells are enough: 4 do for a sheet of any resolution.
+    /// it in every iteration, the other methods have no use for it. A few cells are enough, 8 for instance, whatever the resolution of the cloth.
     #[must_use]
     pub fn coarse_grid(mut self, rest_positions: &[Vec3], cells: u32) -> Self {
         self.coarse = Some((rest_positions.to_vec(), cells));
@@ -270,20 +294,24 @@ impl PdBuilder {
                 Method::QuasiNewton(Box::new(QuasiNewton::new(history as usize, vertex_count)))
             }
         };
-        let coarse = match (&method, self.coarse) {
+        let free_pieces = FreePieces::of(global.stiffness(), &self.particles);
+        let coarse = match (&method, &self.coarse) {
             (Method::QuasiNewton(_), Some((rest, cells))) => {
-                check_coarse(&rest, cells, vertex_count)?;
-                let grid = CoarseGrid::new(&rest, cells, &self.particles, &mut families);
+                check_coarse(rest, *cells, vertex_count)?;
+                let particles = &self.particles;
+                let grid = CoarseGrid::new(rest, *cells, particles, &free_pieces, &mut families);
                 Some(grid.map_err(too_large)?)
             }
             _ => None,
         };
         Ok(PdSolver {
-            free_pieces: FreePieces::of(global.stiffness(), &self.particles),
+            free_pieces,
             config: self.config,
             objective: Objective::new(self.particles, families),
             global,
+            lattice: coarse.as_ref().and(self.coarse),
             coarse,
+            is_stale: false,
             method,
             point: Point::new(vertex_count),
             velocities: zeros,

@@ -6,7 +6,7 @@ use cloth_pd::{Acceleration, PdConfig, Start};
 
 pub(super) const PD_COARSE: Parameter = parameter(
     "coarse",
-    "4",
+    "8",
     "cells a side of the coarse grid under quasi-newton; 0: none",
 );
 const PD_ITERATIONS: Parameter = parameter("iterations", "6", "local–global iterations per step");

@@ -48,14 +48,14 @@ impl ArapTriangle {
 }
 
 /// `F = σ₁ u₁ v₁ᵀ + σ₂ u₂ v₂ᵀ`, σ₁ ≥ σ₂ ≥ 0.
-struct Singular {
-    values: [Real; 2],
-    left: [Vec3; 2],
+pub(super) struct Singular {
+    pub(super) values: [Real; 2],
+    pub(super) left: [Vec3; 2],
     right: [[Real; 2]; 2],
 }
 
 impl Singular {
-    fn of([f, g]: [Vec3; 2]) -> Self {
+    pub(super) fn of([f, g]: [Vec3; 2]) -> Self {
         // FᵀF is diagonal in axes turned by this angle.
         let angle = 0.5 * (2.0 * f.dot(&g)).atan2(f.norm_squared() - g.norm_squared());
         let (s, c) = angle.sin_cos();
@@ -75,7 +75,7 @@ impl Singular {
     }
 
     /// The two columns of `Σ weightₖ uₖ vₖᵀ` for left vectors `u`.
-    fn combine(&self, u: [Vec3; 2], weights: [Real; 2]) -> [Vec3; 2] {
+    pub(super) fn combine(&self, u: [Vec3; 2], weights: [Real; 2]) -> [Vec3; 2] {
         std::array::from_fn(|column| {
             u[0] * (weights[0] * self.right[0][column])
                 + u[1] * (weights[1] * self.right[1][column])

@@ -1,6 +1,7 @@
 //! The claims of the chapter.
 
 mod acceleration;
+mod change;
 mod cloth;
 mod edges;
 mod minimum;

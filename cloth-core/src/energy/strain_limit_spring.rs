@@ -1,0 +1,136 @@
+//! A spring that is slack within a range: strain limiting along an edge (PBD-4, PD-2).
+//!
+//! X. Provot, "Deformation constraints in a mass-spring model to describe rigid cloth behavior", Graphics Interface 1995; as a projection, S. Bouaziz et al.,
+//! "Projective dynamics", 2014, <https://doi.org/10.1145/2601097.2601116>, section 5.1.
+
+use crate::element::{Constraint, Convexity, Element, Projective, Row};
+use crate::math::{Blocks, Mat3, Real, Vec3, length_and_direction};
+
+/// Costs nothing while its length l is between `σ_min L` and `σ_max L`: `C = l − clamp(l)` (m), `E = ½ k C²` (J).
+///
+/// With both limits 1 it is a [`Spring`](super::Spring). Set beside one that is soft, it gives cloth that yields first and then holds.
+///
+/// Limits: a soft limit: a load f stretches it by f/k beyond σ_max. The stiffness jumps at the limits, where the one of the inside is given.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StrainLimitSpring {
+    /// The two ends.
+    pub vertices: [u32; 2],
+    /// Shortest free length `σ_min L` (m).
+    pub shortest: Real,
+    /// Longest free length `σ_max L` (m), at least the shortest.
+    pub longest: Real,
+    /// Stiffness k (N/m) outside.
+    pub stiffness: Real,
+}
+
+impl StrainLimitSpring {
+    /// One element along every pair of `ends`, with limits `[σ_min, σ_max]` (dimensionless) on its length relative to that at `rest_positions` (m) and
+    /// stiffness `stiffness` (N/m).
+    ///
+    /// # Panics
+    /// If an end is not smaller than the number of rest positions, or `0 ≤ σ_min ≤ σ_max` does not hold.
+    #[must_use]
+    pub fn along(
+        rest_positions: &[Vec3],
+        ends: &[[u32; 2]],
+        limits: [Real; 2],
+        stiffness: Real,
+    ) -> Vec<Self> {
+        super::check_limits(limits);
+        ends.iter()
+            .map(|&vertices| {
+                let [a, b] = crate::math::gather(rest_positions, vertices);
+                let [shortest, longest] = limits.map(|limit| limit * (a - b).norm());
+                Self {
+                    vertices,
+                    shortest,
+                    longest,
+                    stiffness,
+                }
+            })
+            .collect()
+    }
+
+    /// The allowed length (m) nearest to `length` (m).
+    #[inline]
+    fn nearest(&self, length: Real) -> Real {
+        length.min(self.longest).max(self.shortest)
+    }
+}
+
+impl Element<2> for StrainLimitSpring {
+    #[inline]
+    fn vertices(&self) -> [u32; 2] {
+        self.vertices
+    }
+}
+
+impl Constraint<2> for StrainLimitSpring {
+    type Rows = [Row<2>; 1];
+
+    /// The gradient vanishes with C between the limits.
+    #[inline]
+    fn rows(&self, x: &[Vec3; 2]) -> [Row<2>; 1] {
+        let (length, n) = length_and_direction(x[0] - x[1], self.vertices);
+        let value = length - self.nearest(length);
+        let is_free = value == 0.0 && self.longest > 0.0;
+        let n = if is_free { Vec3::zeros() } else { n };
+        [Row {
+            value,
+            gradient: [n, -n],
+            stiffness: self.stiffness,
+        }]
+    }
+
+    /// `k (C/l)(I − n nᵀ)`: negative below the shortest length.
+    #[inline]
+    fn curvature(&self, x: &[Vec3; 2], convexity: Convexity) -> Blocks<2> {
+        let (length, n) = length_and_direction(x[0] - x[1], self.vertices);
+        let strain = if length > 0.0 {
+            1.0 - self.nearest(length) / length
+        } else if self.longest == 0.0 {
+            1.0 // E = ½ k l² is smooth here
+        } else {
+            0.0 // no second derivative exists; the rank-one part stands alone
+        };
+        let factor = match convexity {
+            Convexity::Clamp => strain.max(0.0),
+            Convexity::Abs => strain.abs(),
+            Convexity::Exact | Convexity::GaussNewton => strain,
+        };
+        let block = (Mat3::identity() - n * n.transpose()) * (self.stiffness * factor);
+        [[block, -block], [-block, block]]
+    }
+}
+
+/// The set is the shell between two spheres, so `p = clamp(l) z/l`.
+impl Projective<2, 1> for StrainLimitSpring {
+    #[inline]
+    fn operator(&self) -> [[Real; 2]; 1] {
+        [[1.0, -1.0]]
+    }
+
+    #[inline]
+    fn weight(&self) -> Real {
+        self.stiffness
+    }
+
+    #[inline]
+    fn project(&self, [z]: [Vec3; 1]) -> [Vec3; 1] {
+        let (length, n) = length_and_direction(z, self.vertices);
+        let nearest = self.nearest(length);
+        // Between the limits z itself, to the last bit.
+        [if nearest == length { z } else { n * nearest }]
+    }
+
+    #[inline]
+    fn resistance(&self, [z]: [Vec3; 1]) -> [[Mat3; 1]; 1] {
+        let (length, n) = length_and_direction(z, self.vertices);
+        let nearest = self.nearest(length);
+        [[if nearest == length && self.longest > 0.0 {
+            Mat3::zeros()
+        } else {
+            crate::math::radial_resistance(length, n, nearest)
+        }]]
+    }
+}

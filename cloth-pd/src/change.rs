@@ -1,0 +1,186 @@
+//! What may change between two steps: pins, attachments, elements.
+
+use crate::global::Term;
+use crate::solver::PdSolver;
+use cloth_core::energy::Attachment;
+use cloth_core::math::{Real, Vec3, is_finite};
+use std::fmt;
+
+/// Names an attachment that was made with [`PdSolver::attach`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct AttachmentId(u32);
+
+/// Changes of the cloth between two steps.
+///
+/// The next step takes notice of them all at once: by a correction of the factor in every solve as long as that is cheaper, else by a factorisation, which it reports. It may allocate.
+/// To move what is prescribed or attached already changes no matrix and costs nothing.
+impl PdSolver {
+    /// Grabs a vertex: from now on it moves with its own velocity whatever the forces.
+    ///
+    /// # Errors
+    /// [`ChangeError::NoSuchVertex`].
+    pub fn prescribe(&mut self, vertex: usize) -> Result<(), ChangeError> {
+        self.require(vertex)?;
+        if !self.objective.particles.is_prescribed(vertex) {
+            self.objective
+                .particles
+                .prescribe(vertex)
+                .map_err(|_| ChangeError::NoSuchVertex { vertex })?;
+            self.global.set_mass(vertex, None);
+            self.is_stale = true;
+        }
+        Ok(())
+    }
+
+    /// Lets a prescribed vertex go.
+    ///
+    /// # Errors
+    /// [`ChangeError::NoSuchVertex`].
+    pub fn release(&mut self, vertex: usize) -> Result<(), ChangeError> {
+        self.require(vertex)?;
+        let particles = &mut self.objective.particles;
+        if particles.is_prescribed(vertex) {
+            particles
+                .release(vertex)
+                .map_err(|_| ChangeError::NoSuchVertex { vertex })?;
+            self.global.set_mass(vertex, Some(particles.mass()[vertex]));
+            self.is_stale = true;
+        }
+        Ok(())
+    }
+
+    /// Ties a vertex to a point by a spring without length: a hand, a hook, a contact.
+    ///
+    /// # Errors
+    /// [`ChangeError::NoSuchVertex`]; [`ChangeError::InvalidAttachment`] for a stiffness that is not positive and finite, or a target that is not finite.
+    pub fn attach(&mut self, attachment: Attachment) -> Result<AttachmentId, ChangeError> {
+        self.require(attachment.vertex as usize)?;
+        let stiffness = attachment.stiffness;
+        if !(stiffness > 0.0 && stiffness.is_finite() && is_finite(&attachment.target)) {
+            return Err(ChangeError::InvalidAttachment { attachment });
+        }
+        self.tie(attachment.vertex, stiffness);
+        let ties = &mut self.objective.attachments;
+        let free = ties.iter().position(|tie| tie.stiffness == 0.0);
+        let place = free.unwrap_or(ties.len());
+        if free.is_none() {
+            ties.push(attachment);
+        }
+        ties[place] = attachment;
+        Ok(AttachmentId(place as u32))
+    }
+
+    /// Moves the target (m) of an attachment.
+    ///
+    /// # Errors
+    /// [`ChangeError::NoSuchAttachment`]; [`ChangeError::InvalidAttachment`] for a target that is not finite.
+    pub fn move_attachment(&mut self, id: AttachmentId, target: Vec3) -> Result<(), ChangeError> {
+        let place = self.place(id)?;
+        let moved = Attachment {
+            target,
+            ..self.objective.attachments[place]
+        };
+        if !is_finite(&target) {
+            return Err(ChangeError::InvalidAttachment { attachment: moved });
+        }
+        self.objective.attachments[place] = moved;
+        Ok(())
+    }
+
+    /// Takes an attachment away. Its name may be given to a later one.
+    ///
+    /// # Errors
+    /// [`ChangeError::NoSuchAttachment`].
+    pub fn detach(&mut self, id: AttachmentId) -> Result<(), ChangeError> {
+        let place = self.place(id)?;
+        let gone = &mut self.objective.attachments[place];
+        let (vertex, stiffness) = (gone.vertex, gone.stiffness);
+        gone.stiffness = 0.0;
+        self.tie(vertex, -stiffness);
+        Ok(())
+    }
+
+    /// Takes an element away: a thread that tears. `family` counts the calls of [`PdBuilder::energy`](crate::PdBuilder::energy), `element` the elements that were given there, both from 0.
+    ///
+    /// # Errors
+    /// [`ChangeError::NoSuchElement`], also if it has been taken away before.
+    pub fn remove(&mut self, family: usize, element: usize) -> Result<(), ChangeError> {
+        let mut terms = Vec::new();
+        let families = &mut self.objective.families;
+        families
+            .get_mut(family)
+            .and_then(|family| family.remove(element, &mut terms))
+            .ok_or(ChangeError::NoSuchElement { family, element })?;
+        terms.into_iter().for_each(|term| self.global.add(term));
+        self.is_stale = true;
+        Ok(())
+    }
+
+    fn require(&self, vertex: usize) -> Result<(), ChangeError> {
+        if vertex < self.objective.particles.len() {
+            Ok(())
+        } else {
+            Err(ChangeError::NoSuchVertex { vertex })
+        }
+    }
+
+    fn place(&self, AttachmentId(place): AttachmentId) -> Result<usize, ChangeError> {
+        let is_there = |tie: &Attachment| tie.stiffness > 0.0;
+        let place = place as usize;
+        match self.objective.attachments.get(place).is_some_and(is_there) {
+            true => Ok(place),
+            false => Err(ChangeError::NoSuchAttachment),
+        }
+    }
+
+    fn tie(&mut self, vertex: u32, weight: Real) {
+        self.global.add(Term {
+            column: vec![(vertex, 1.0)],
+            weight,
+        });
+        self.is_stale = true;
+    }
+}
+
+/// Why a change was refused.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum ChangeError {
+    /// A vertex was named that does not exist.
+    NoSuchVertex {
+        /// The vertex.
+        vertex: usize,
+    },
+    /// An element was named that does not exist, or no longer.
+    NoSuchElement {
+        /// The family.
+        family: usize,
+        /// The element.
+        element: usize,
+    },
+    /// An attachment was named that has been taken away.
+    NoSuchAttachment,
+    /// The stiffness is not a positive finite number, or the target is not finite.
+    InvalidAttachment {
+        /// What was given.
+        attachment: Attachment,
+    },
+}
+
+impl fmt::Display for ChangeError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NoSuchVertex { vertex } => write!(f, "there is no vertex {vertex}"),
+            Self::NoSuchElement { family, element } => {
+                write!(f, "there is no element {element} in family {family}")
+            }
+            Self::NoSuchAttachment => write!(f, "that attachment has been taken away"),
+            Self::InvalidAttachment { attachment } => write!(
+                f,
+                "an attachment has to have a positive finite stiffness and a finite target, but this one is {attachment:?}"
+            ),
+        }
+    }
+}
+
+impl std::error::Error for ChangeError {}
