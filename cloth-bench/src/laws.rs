@@ -7,6 +7,7 @@ mod elements;
 mod motion;
 mod space;
 mod swings;
+mod xpbd;
 
 pub(crate) use constraints::{Stretched, fixed_projection};
 
@@ -84,11 +85,13 @@ pub struct Law {
 }
 
 /// Every law.
-pub const LAWS: [&Law; 16] = [
+pub const LAWS: [&Law; 18] = [
     &motion::OSCILLATOR,
     &motion::FREE_FALL,
     &constraints::XPBD_CONSTRAINT,
     &constraints::PBD_CONSTRAINT,
+    &xpbd::XPBD_DAMPING,
+    &xpbd::SUPPORT_FORCE,
     &chains::CHAIN_RATE,
     &chains::SAG,
     &chains::HANGING_CHAIN,

@@ -79,6 +79,11 @@ const SWEEP: Parameter = parameter(
 );
 const XPBD_ITERATIONS: Parameter = parameter("iterations", "1", "sweeps per substep");
 const XPBD_SUBSTEPS: Parameter = parameter("substeps", "20", "parts of a step");
+const XPBD_DAMPING: Parameter = parameter(
+    "damping",
+    "0",
+    "stiffness-proportional damping β (s) of every constraint: a force −β k Ċ along it",
+);
 const PD_ITERATIONS: Parameter = parameter("iterations", "10", "local–global iterations per step");
 const PD_TOLERANCE: Parameter = parameter(
     "tolerance",
@@ -142,7 +147,7 @@ pub const METHODS: [Method; 9] = [
     Method {
         name: "xpbd",
         about: "extended position-based dynamics, small steps",
-        parameters: &[XPBD_ITERATIONS, XPBD_SUBSTEPS, SWEEP],
+        parameters: &[XPBD_ITERATIONS, XPBD_SUBSTEPS, SWEEP, XPBD_DAMPING],
         kind: Kind::Xpbd,
     },
     Method {
@@ -223,6 +228,7 @@ impl Method {
                     iterations: settings.count(&XPBD_ITERATIONS, 1)?,
                     substeps: settings.count(&XPBD_SUBSTEPS, 1)?,
                     sweep: settings.choice(&SWEEP, &SWEEPS)?,
+                    damping: settings.number(&XPBD_DAMPING)?,
                 };
                 let builder = XpbdSolver::builder(&model.particles)
                     .energy(springs)

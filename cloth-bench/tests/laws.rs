@@ -90,6 +90,37 @@ fn one_xpbd_constraint_has_its_own_stiffness_at_any_iteration_count() {
 }
 
 #[test]
+fn a_damped_xpbd_constraint_takes_the_step_of_implicit_euler() {
+    for iterations in [1, 20] {
+        for stiffness in ["1", "100", "1e6"] {
+            for damping in ["0", "1e-3", "10"] {
+                for speed in ["0", "-3", "40"] {
+                    let pairs = [
+                        format!("iterations={iterations}"),
+                        format!("stiffness={stiffness}"),
+                        format!("damping={damping}"),
+                        format!("speed={speed}"),
+                    ];
+                    holds("xpbd-damping", &pairs.each_ref().map(String::as_str));
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_support_bears_the_weight_of_the_chain() {
+    for pairs in [
+        &["stiffness=1e5"][..],
+        &["links=1", "iterations=1"],
+        &["links=4", "mass=1", "stiffness=100", "iterations=200"],
+        &["links=3", "tip_mass=5", "iterations=100000"],
+    ] {
+        holds("support-force", pairs);
+    }
+}
+
+#[test]
 fn one_pbd_constraint_stiffens_with_iterations_and_step_size() {
     for iterations in [1, 3, 10] {
         for s in ["0.05", "0.5", "0.9"] {

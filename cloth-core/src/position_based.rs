@@ -20,7 +20,7 @@ mod families;
 mod motion;
 
 pub use builder::{Builder, Settings};
-pub use families::{Families, RowAt, Rule};
+pub use families::{Families, RowAt, RowEquation, RowView, Rule};
 pub use motion::Motion;
 
 /// In which order a sweep visits the elements of a family.

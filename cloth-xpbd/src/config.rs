@@ -1,9 +1,10 @@
 //! What can be chosen.
 
+use cloth_core::math::Real;
 use cloth_core::position_based::Sweep;
 
 /// Settings of [`XpbdSolver`](crate::XpbdSolver).
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct XpbdConfig {
     /// Sweeps over all constraints per substep, at least 1.
     pub iterations: u32,
@@ -12,16 +13,21 @@ pub struct XpbdConfig {
     pub substeps: u32,
     /// Order of the sweep.
     pub sweep: Sweep,
+    /// β (s): a force `−β k Ċ` along every row beside the elastic `−k C` (Rayleigh's form of XPBD's constraint damping). Zero, the default, costs nothing.
+    ///
+    /// A hard row cannot move and is not damped.
+    pub damping: Real,
 }
 
 impl Default for XpbdConfig {
     /// Twenty substeps of one coloured sweep: for the same number of sweeps, small steps are nearer to the solution than
-    /// many iterations (Macklin et al. 2019).
+    /// many iterations (Macklin et al. 2019). No damping.
     fn default() -> Self {
         Self {
             iterations: 1,
             substeps: 20,
             sweep: Sweep::Colored,
+            damping: 0.0,
         }
     }
 }

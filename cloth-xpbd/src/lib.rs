@@ -92,5 +92,8 @@ mod compliance;
 
 mod solver;
 
+mod forces;
+
 pub use config::XpbdConfig;
+pub use forces::RowForce;
 pub use solver::{XpbdBuilder, XpbdSolver};

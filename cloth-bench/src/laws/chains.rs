@@ -52,10 +52,10 @@ pub(super) const HANGING_CHAIN: Law = Law {
     evaluate: hanging_chain,
 };
 
-const GRAVITY: Real = 9.81;
+pub(super) const GRAVITY: Real = 9.81;
 
 /// A chain along −z of links of 1 m, held at the top.
-fn chain(
+pub(super) fn chain(
     masses: Vec<Real>,
     stiffness: Real,
 ) -> Result<(Particles, Vec<Spring>, State), BenchError> {
@@ -124,6 +124,7 @@ fn chain_rate(settings: &Settings) -> Result<Verdict, BenchError> {
                         iterations,
                         substeps: 1,
                         sweep: Sweep::Sequential,
+                        ..XpbdConfig::default()
                     })
                     .build()
                     .map_err(BenchError::failed)?,
@@ -165,6 +166,7 @@ fn sag(settings: &Settings) -> Result<Verdict, BenchError> {
             iterations,
             substeps,
             sweep: Sweep::Sequential,
+            ..XpbdConfig::default()
         })
         .build()
         .map_err(BenchError::failed)?;

@@ -28,6 +28,45 @@ pub trait Rule: Debug + Send + Sync + 'static {
     ///
     /// It has to be finite also where the weight is zero.
     fn multiplier(&self, row: RowAt, memory: &mut Self::Memory) -> Real;
+
+    /// The softness and the residual of a row, for a method whose Δλ solves `(w̃ + softness) Δλ = −residual`; `None` where nothing could change it.
+    ///
+    /// The rows of one element are then solved together, with the products of their gradients. `None` for all rows, the default, has them solved one after another.
+    #[inline]
+    fn equation(&self, row: RowAt, memory: &Self::Memory) -> Option<RowEquation> {
+        let _ = (row, memory);
+        None
+    }
+
+    /// Remembers that a row solved together with others got the multiplier `change` (kg m² per unit of C).
+    #[inline]
+    fn remember(&self, change: Real, memory: &mut Self::Memory) {
+        let _ = (change, memory);
+    }
+}
+
+/// One row of the small system of an element; see [`Rule::equation`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RowEquation {
+    /// What Δλ is to bring to zero (unit of C).
+    pub residual: Real,
+    /// What stands beside w̃ on the diagonal (unit of C² per kg m²), not negative.
+    pub softness: Real,
+}
+
+/// One row as it is read out: where it stands, whom it acts on.
+#[derive(Clone, Copy, Debug)]
+pub struct RowView<'a, M> {
+    /// Number of the row in its family: element after element in the order in which they were given, row after row.
+    pub index: usize,
+    /// Its numbers.
+    pub row: RowAt,
+    /// The vertices of its element.
+    pub vertices: &'a [u32],
+    /// `∂C/∂x` (unit of C per m), one per vertex of the element.
+    pub gradient: &'a [Vec3],
+    /// What is remembered of it.
+    pub memory: &'a M,
 }
 
 /// The door of a family: one virtual call a sweep, none per element.
@@ -36,6 +75,13 @@ trait AnyFamily<R: Rule>: Debug + Send + Sync {
     fn forget(&mut self);
     fn each_row(&self, inverse_mass: &[Real], x: &[Vec3], see: &mut dyn FnMut(RowAt, &R::Memory));
     fn remembered(&self, out: &mut Vec<R::Memory>);
+    fn set(&mut self, inverse_mass: &[Real], x: &[Vec3], memory: &dyn Fn(RowAt) -> R::Memory);
+    fn inspect(
+        &self,
+        inverse_mass: &[Real],
+        x: &[Vec3],
+        see: &mut dyn FnMut(RowView<'_, R::Memory>),
+    );
 }
 
 /// Elements of one kind with their memory, one array of rows per element, in visiting order.
@@ -53,7 +99,7 @@ impl<const N: usize, E: Constraint<N>, R: Rule> AnyFamily<R> for Family<N, E, Sl
         self.elements
             .sweep(&mut self.memory, x, |element, memory, x| {
                 let w = element.vertices().map(|v| inverse_mass[v as usize]);
-                project(rule, element.rows(x).as_ref(), &w, memory.as_mut(), x);
+                project::<N, E::Rows, R>(rule, &element.rows(x), &w, memory.as_mut(), x);
             });
     }
 
@@ -79,12 +125,59 @@ impl<const N: usize, E: Constraint<N>, R: Rule> AnyFamily<R> for Family<N, E, Sl
             out[place..place + E::Rows::LEN].copy_from_slice(memory.as_ref());
         }
     }
+
+    fn set(&mut self, inverse_mass: &[Real], x: &[Vec3], start: &dyn Fn(RowAt) -> R::Memory) {
+        for (element, memory) in self.elements.elements().iter().zip(&mut self.memory) {
+            let w = element.vertices().map(|v| inverse_mass[v as usize]);
+            let rows = element.rows(&gather(x, element.vertices()));
+            for (row, memory) in rows.as_ref().iter().zip(memory.as_mut()) {
+                *memory = start(row_at(row, &w, row.value));
+            }
+        }
+    }
+
+    fn inspect(
+        &self,
+        inverse_mass: &[Real],
+        x: &[Vec3],
+        see: &mut dyn FnMut(RowView<'_, R::Memory>),
+    ) {
+        let places = self.elements.input_index().iter().zip(&self.memory);
+        for (element, (&place, memory)) in self.elements.elements().iter().zip(places) {
+            let vertices = element.vertices();
+            let w = vertices.map(|v| inverse_mass[v as usize]);
+            let rows = element.rows(&gather(x, vertices));
+            for (i, (row, memory)) in rows.as_ref().iter().zip(memory.as_ref()).enumerate() {
+                see(RowView {
+                    index: place as usize * E::Rows::LEN + i,
+                    row: row_at(row, &w, row.value),
+                    vertices: &vertices,
+                    gradient: &row.gradient,
+                    memory,
+                });
+            }
+        }
+    }
 }
 
-/// Row after row of one element. All gradients are those at the start; the value of a later row is
+/// The rows of one element: together where the method says how, else one after another.
+#[inline(always)]
+fn project<const N: usize, A: RowArray<N>, R: Rule>(
+    rule: &R,
+    rows: &A,
+    w: &[Real; N],
+    memory: &mut [R::Memory],
+    x: &mut [Vec3; N],
+) {
+    if A::LEN == 1 || !together(rule, rows, w, memory, x) {
+        in_turn(rule, rows.as_ref(), w, memory, x);
+    }
+}
+
+/// Row after row. All gradients are those at the start; the value of a later row is
 /// updated to first order for what the earlier ones moved, which is exact for linear rows.
 #[inline(always)]
-fn project<const N: usize, R: Rule>(
+fn in_turn<const N: usize, R: Rule>(
     rule: &R,
     rows: &[Row<N>],
     w: &[Real; N],
@@ -107,6 +200,80 @@ fn project<const N: usize, R: Rule>(
     for i in 0..N {
         x[i] += moved[i];
     }
+}
+
+/// A pivot below this part of its diagonal is rounding: the row says nothing that the rows before it did not say.
+const REDUNDANT: Real = 1e-12;
+
+/// Solves `(J M⁻¹ Jᵀ + softness) Δλ = −residual` for the rows of one element by `L D Lᵀ`. False, with nothing
+/// done, if the method has no equation for any row.
+#[inline(always)]
+fn together<const N: usize, A: RowArray<N>, R: Rule>(
+    rule: &R,
+    rows: &A,
+    w: &[Real; N],
+    memory: &mut [R::Memory],
+    x: &mut [Vec3; N],
+) -> bool {
+    // L below the diagonal, D on it; a pivot of 0 leaves its row out.
+    let (mut lower, mut change) = (A::per_row(A::per_row(0.0)), A::per_row(0.0));
+    let (lower, change, rows) = (lower.as_mut(), change.as_mut(), rows.as_ref());
+    let mut any = false;
+    for r in 0..rows.len() {
+        let seen = row_at(&rows[r], w, rows[r].value);
+        let Some(equation) = rule.equation(seen, &memory[r]) else {
+            continue;
+        };
+        any = true;
+        let whole = seen.weight + equation.softness;
+        let (mut pivot, mut value) = (whole, -equation.residual);
+        let mut scaled = A::per_row(0.0); // L D
+        let scaled = scaled.as_mut();
+        for s in 0..r {
+            let before = lower[s].as_ref()[s];
+            if before == 0.0 {
+                continue;
+            }
+            for i in 0..N {
+                scaled[s] += w[i] * rows[r].gradient[i].dot(&rows[s].gradient[i]);
+            }
+            for t in 0..s {
+                scaled[s] -= scaled[t] * lower[s].as_ref()[t];
+            }
+            let l = scaled[s] / before;
+            pivot -= l * scaled[s];
+            value -= l * change[s];
+            lower[r].as_mut()[s] = l;
+        }
+        if pivot > REDUNDANT * whole {
+            lower[r].as_mut()[r] = pivot;
+            change[r] = value;
+        } else {
+            lower[r].as_mut().fill(0.0);
+        }
+    }
+    if !any {
+        return false;
+    }
+    let mut moved = [Vec3::zeros(); N];
+    for r in (0..rows.len()).rev() {
+        let pivot = lower[r].as_ref()[r];
+        if pivot == 0.0 {
+            continue;
+        }
+        change[r] /= pivot;
+        for q in r + 1..rows.len() {
+            change[r] -= lower[q].as_ref()[r] * change[q];
+        }
+        rule.remember(change[r], &mut memory[r]);
+        for i in 0..N {
+            moved[i] += rows[r].gradient[i] * (w[i] * change[r]);
+        }
+    }
+    for i in 0..N {
+        x[i] += moved[i];
+    }
+    true
 }
 
 #[inline(always)]
@@ -159,6 +326,42 @@ impl<R: Rule> Families<R> {
         for family in &self.families {
             family.each_row(inverse_mass, x, &mut see);
         }
+    }
+
+    /// Sets the memory of every row to what `start` makes of the row at `x` (m).
+    ///
+    /// # Panics
+    /// If the lengths are not those that the families were built for.
+    pub fn set(&mut self, inverse_mass: &[Real], x: &[Vec3], start: impl Fn(RowAt) -> R::Memory) {
+        for family in &mut self.families {
+            family.set(inverse_mass, x, &start);
+        }
+    }
+
+    /// Number of families.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.families.len()
+    }
+
+    /// Whether there is no family.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.families.is_empty()
+    }
+
+    /// Shows every row of one family at `x` (m) with its gradient, in visiting order.
+    ///
+    /// # Panics
+    /// If there is no such family, or the lengths are not those that it was built for.
+    pub fn inspect(
+        &self,
+        family: usize,
+        inverse_mass: &[Real],
+        x: &[Vec3],
+        mut see: impl FnMut(RowView<'_, R::Memory>),
+    ) {
+        self.families[family].inspect(inverse_mass, x, &mut see);
     }
 
     /// Writes the memory of the rows of one family to `out`: element after element in the order in which they were given, row after row.

@@ -1,9 +1,13 @@
 //! The claims of the chapter.
 
-#[path = "../../cloth-core/tests/support/chain.rs"]
+#[path = "../../../cloth-core/tests/support/chain.rs"]
 mod chain;
-#[path = "../../cloth-core/tests/support/sheet.rs"]
+#[path = "../../../cloth-core/tests/support/sheet.rs"]
 mod sheet;
+
+mod damping;
+mod forces;
+mod rows;
 
 use chain::Chain;
 use cloth_core::energy::{CurvatureHinge, Spring};
@@ -23,6 +27,7 @@ fn iterations(iterations: u32) -> XpbdConfig {
         iterations,
         substeps: 1,
         sweep: Sweep::Sequential,
+        damping: 0.0,
     }
 }
 
@@ -138,6 +143,7 @@ fn a_hanging_chain_has_the_sag_and_the_tensions_of_statics_in_any_order_of_the_s
             iterations: 200,
             substeps: 2,
             sweep,
+            damping: 0.0,
         };
         let mut solver = solver(&chain, config);
         let sag = chain.sag_at_rest(&mut solver, 0.1, 500);
