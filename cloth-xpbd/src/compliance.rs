@@ -47,6 +47,22 @@ impl Compliance {
         if offset.is_finite() { offset } else { 0.0 }
     }
 
+    /// `β/(h + β)` (dimensionless): the part of C⁰ that a damped row of finite stiffness keeps if it is stiff; 0 for a hard one. With it `C − (part) C⁰ + α̃λ = 0`.
+    #[cfg(feature = "direct")]
+    pub(crate) fn kept(self, stiffness: Real) -> Real {
+        if stiffness.is_finite() {
+            self.damping / (self.substep + self.damping)
+        } else {
+            0.0
+        }
+    }
+
+    /// h (s).
+    #[cfg(feature = "direct")]
+    pub(crate) fn substep(self) -> Real {
+        self.substep
+    }
+
     /// `λ/h²`, the generalised force (N for a spring), from λ.
     pub(crate) fn force(self, multiplier: Real) -> Real {
         multiplier / (self.substep * self.substep)

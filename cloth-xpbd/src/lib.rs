@@ -94,6 +94,9 @@ mod solver;
 
 mod forces;
 
+#[cfg(feature = "direct")]
+pub mod direct;
+
 pub use config::XpbdConfig;
 pub use forces::RowForce;
 pub use solver::{XpbdBuilder, XpbdSolver};

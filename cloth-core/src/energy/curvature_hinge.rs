@@ -3,8 +3,8 @@
 //! M. Bergou, M. Wardetzky, D. Harmon, D. Zorin, E. Grinspun, "A quadratic bending model for inextensible surfaces",
 //! SGP 2006, <https://doi.org/10.2312/SGP/SGP06/227-230>.
 
-use crate::element::{Constraint, Element, Projective, Row};
-use crate::math::{Real, Vec3, gather};
+use crate::element::{Constraint, Convexity, Element, Projective, Row};
+use crate::math::{Blocks, Mat3, Real, Vec3, gather};
 use crate::mesh::TriMesh;
 use crate::topology::HingeTable;
 
@@ -111,6 +111,12 @@ impl Constraint<4> for CurvatureHinge {
             }
         }
         rows
+    }
+
+    /// Zero: the rows are linear.
+    #[inline]
+    fn geometric_stiffness(&self, _: &[Vec3; 4], _: &[Real], _: Convexity) -> Blocks<4> {
+        [[Mat3::zeros(); 4]; 4]
     }
 }
 
