@@ -94,7 +94,7 @@ impl Minres {
             let above = s1 * diagonal + c0 * c1 * length;
             let above_that = s0 * length;
             end.iterations += 1;
-            if !(radius > Real::EPSILON * (above.abs() + above_that.abs())) {
+            if radius <= Real::EPSILON * (above.abs() + above_that.abs()) || radius.is_nan() {
                 break; // singular, and b has a part that no x reaches
             }
             (c0, s0) = (c1, s1);

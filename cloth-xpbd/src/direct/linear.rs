@@ -145,8 +145,7 @@ impl Solver {
         for _ in 0..=CORRECTIONS {
             kkt.residual(right, out, residual);
             let left = residual.norm();
-            // Written so that what is not a number ends it too.
-            if !(left < USEFUL * before) || left <= ROUNDING * whole {
+            if left >= USEFUL * before || left <= ROUNDING * whole || left.is_nan() {
                 before = left;
                 break;
             }

@@ -228,7 +228,7 @@ impl SchurGradients {
             self.dual.apply(kkt, &self.direction, &mut self.product);
             let pairs = self.direction.iter().zip(&self.product);
             let curvature: Real = pairs.map(|(d, p)| d * p).sum();
-            if !(curvature > 0.0) {
+            if curvature <= 0.0 || curvature.is_nan() {
                 break; // singular: what is left of the right-hand side is out of reach
             }
             let length = now / curvature;

@@ -7,6 +7,7 @@ use super::linear::Solver;
 use super::merit::{Merit, Scene};
 use super::rows::{RowFamily, Rows};
 use crate::compliance::Compliance;
+use cloth_core::linear::CholeskyError;
 use cloth_core::math::{Real, Vec3, is_finite};
 use cloth_core::measure::predict;
 use cloth_core::particles::{Particles, State};
@@ -156,12 +157,19 @@ impl DirectXpbd {
     ) -> Result<StepReport, StepError> {
         let step = state.steps + 1;
         let compliance = Compliance::new(input.dt, self.config.damping);
+        let unknown =
+            self.config.warm_start && self.config.geometric_stiffness && self.last.is_none();
         self.begin(state, input, compliance);
         let size = extent(&state.positions);
         let mut report = StepReport::new(Outcome::BudgetSpent, 0);
         for iteration in 1..=self.config.max_iterations {
             report.iterations = iteration;
             self.assemble(compliance);
+            if iteration == 1 && unknown {
+                self.guess_multipliers()
+                    .map_err(|_| StepError::NotPositiveDefinite { iteration, step })?;
+                self.assemble(compliance);
+            }
             self.solver
                 .prepare(&self.kkt)
                 .map_err(|_| StepError::NotPositiveDefinite { iteration, step })?;
@@ -302,6 +310,18 @@ impl DirectXpbd {
             let hat = self.kkt.softness[row] * self.change.l[row];
             self.right.l[row] = -(self.kkt.row_scale[row] * self.rows.value[row] + hat);
         }
+    }
+
+    /// Takes the multipliers of one solve without geometric stiffness, and moves nothing: what a first step has in place of those of a step before.
+    fn guess_multipliers(&mut self) -> Result<(), CholeskyError> {
+        self.solver.prepare(&self.kkt)?;
+        if self.solver.solve(&self.kkt, &self.right, &mut self.change) {
+            self.forget_undetermined();
+        }
+        for row in 0..self.rows.len() {
+            self.multipliers[row] += self.kkt.row_scale[row] * self.change.l[row];
+        }
+        Ok(())
     }
 
     /// Takes from the new multipliers what rows that depend on one another leave open, and their contradiction has made large. It moves nothing, but the geometric stiffness

@@ -17,7 +17,11 @@ fn two_supports_and_an_attachment_share_the_weight_at_any_step_size() {
     let springs = |i: u32| Spring {
         vertices: [i, i + 1],
         rest_length: 0.14,
-        stiffness: if i % 2 == 0 { 400.0 } else { Real::INFINITY },
+        stiffness: if i.is_multiple_of(2) {
+            400.0
+        } else {
+            Real::INFINITY
+        },
     };
     let held = Attachment {
         vertex: 4,

@@ -1,5 +1,6 @@
 //! The direct solver.
 
+#[allow(dead_code, reason = "shared with tests that use the rest of it")]
 #[path = "../../../cloth-core/tests/support/chain.rs"]
 mod chain;
 mod convergence;
