@@ -1,5 +1,6 @@
 //! The geometric stiffness of every element.
 
+#[allow(dead_code, reason = "shared with tests that use the rest of it")]
 #[path = "support/elements.rs"]
 mod elements;
 

@@ -39,10 +39,10 @@ fn two_seconds(chain: &Chain, start: &State, config: DirectConfig) -> (Real, Rea
 }
 
 /// The tension T makes the light vertices swing sideways with `ω² = 4T/(m l)` and less. In the plain form the direction of the tension is that of the start of the step, as in an
-/// explicit method, and `hω > 2` is unstable: here it is 3.3 for a tip of 1 kg, and 330 for 10⁴ kg. No stiffness of the links changes that, nor how exactly the system is solved.
+/// explicit method, and `hω > 2` is unstable: here it is 3.3 for a tip of 1 kg, and 33 for 100 kg. No stiffness of the links changes that, nor how exactly the system is solved.
 #[test]
 fn one_solve_a_step_is_stable_with_geometric_stiffness_and_not_without() {
-    for tip in [1.0, 100.0, 1e4] {
+    for tip in [1.0, 10.0, 100.0] {
         for stiffness in [1e7, Real::INFINITY] {
             let (chain, start) = hanging(tip, stiffness);
             let plain = DirectConfig {
@@ -51,8 +51,7 @@ fn one_solve_a_step_is_stable_with_geometric_stiffness_and_not_without() {
             };
             let (sideways, gain, _) = two_seconds(&chain, &start, plain);
             assert!(sideways > 0.1, "{sideways} m");
-            // The heaviest tip falls while the chain folds, which hides the gain.
-            assert!(gain > 1.0 || tip > 100.0, "{gain} J");
+            assert!(gain > 1.0, "{gain} J");
             let (_, _, converged) = two_seconds(&chain, &start, with(System::SaddleLdlt));
             for system in [System::SaddleLdlt, System::SchurCholesky] {
                 let config = DirectConfig {
@@ -60,7 +59,7 @@ fn one_solve_a_step_is_stable_with_geometric_stiffness_and_not_without() {
                     ..DirectConfig::linearized()
                 };
                 let (sideways, gain, positions) = two_seconds(&chain, &start, config);
-                assert!(sideways < 5e-4, "{system:?}: {sideways:e} m");
+                assert!(sideways < 1.5e-4, "{system:?}: {sideways:e} m");
                 let apart = largest_distance(&positions, &converged);
                 assert!(apart < 6e-5, "{system:?}: {apart:e} m");
                 if stiffness == Real::INFINITY {
