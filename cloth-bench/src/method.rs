@@ -13,6 +13,7 @@ use cloth_massspring::{
 };
 use cloth_pbd::{PbdConfig, PbdSolver, StiffnessRule};
 use cloth_pd::{PdConfig, PdSolver, Start};
+use cloth_xpbd::direct::{DirectConfig, DirectXpbd, System};
 use cloth_xpbd::{XpbdConfig, XpbdSolver};
 
 /// A method that can be named.
@@ -37,6 +38,7 @@ enum Kind {
     Bdf2,
     Pbd,
     Xpbd,
+    XpbdDirect,
     Pd,
 }
 
@@ -84,6 +86,22 @@ const XPBD_DAMPING: Parameter = parameter(
     "0",
     "stiffness-proportional damping β (s) of every constraint: a force −β k Ċ along it",
 );
+const DIRECT_ITERATIONS: Parameter = parameter("iterations", "20", "most iterations per step");
+const DIRECT_TOLERANCE: Parameter = parameter(
+    "tolerance",
+    "1e-6",
+    "largest motion of the last iteration, as a part of the size of the cloth",
+);
+const DIRECT_SYSTEM: Parameter = parameter(
+    "system",
+    "saddle",
+    "linear system and solver: saddle (primal–dual, L D Lᵀ), saddle-minres, schur (dual, Cholesky) or schur-cg",
+);
+const DIRECT_MODE: Parameter = parameter(
+    "mode",
+    "converged",
+    "converged, stable (one solve a step with geometric stiffness) or plain (one solve without)",
+);
 const PD_ITERATIONS: Parameter = parameter("iterations", "10", "local–global iterations per step");
 const PD_TOLERANCE: Parameter = parameter(
     "tolerance",
@@ -101,7 +119,7 @@ const NEWTON: &[Parameter] = &[
 ];
 
 /// Every method.
-pub const METHODS: [Method; 9] = [
+pub const METHODS: [Method; 10] = [
     Method {
         name: "explicit-euler",
         about: "forward Euler: forces at the start of the step",
@@ -149,6 +167,18 @@ pub const METHODS: [Method; 9] = [
         about: "extended position-based dynamics, small steps",
         parameters: &[XPBD_ITERATIONS, XPBD_SUBSTEPS, SWEEP, XPBD_DAMPING],
         kind: Kind::Xpbd,
+    },
+    Method {
+        name: "xpbd-direct",
+        about: "the step of XPBD as one system of positions and multipliers, solved directly",
+        parameters: &[
+            DIRECT_ITERATIONS,
+            DIRECT_TOLERANCE,
+            DIRECT_SYSTEM,
+            DIRECT_MODE,
+            XPBD_DAMPING,
+        ],
+        kind: Kind::XpbdDirect,
     },
     Method {
         name: "pd",
@@ -235,6 +265,13 @@ impl Method {
                     .energy(hinges);
                 Box::new(builder.config(config).build().map_err(BenchError::usage)?)
             }
+            Kind::XpbdDirect => {
+                let builder = DirectXpbd::builder(&model.particles)
+                    .energy(springs)
+                    .energy(hinges);
+                let builder = builder.config(direct(settings)?);
+                Box::new(builder.build().map_err(BenchError::usage)?)
+            }
             Kind::Pd => {
                 let config = PdConfig {
                     iterations: settings.count(&PD_ITERATIONS, 1)?,
@@ -282,7 +319,12 @@ impl Method {
         dt: Real,
     ) -> Result<u32, BenchError> {
         match self.kind {
-            Kind::Implicit | Kind::LinearImplicit | Kind::Midpoint | Kind::Bdf2 | Kind::Pd => Ok(1),
+            Kind::Implicit
+            | Kind::LinearImplicit
+            | Kind::Midpoint
+            | Kind::Bdf2
+            | Kind::Pd
+            | Kind::XpbdDirect => Ok(1),
             Kind::Pbd => settings.count(&PBD_SUBSTEPS, 1),
             Kind::Xpbd => settings.count(&XPBD_SUBSTEPS, 1),
             Kind::Explicit | Kind::Symplectic if settings.text(&EXPLICIT_SUBSTEPS) != "auto" => {
@@ -341,6 +383,35 @@ fn newton(settings: &Settings) -> Result<ImplicitConfig, BenchError> {
         )?,
         damping: damping(settings)?,
         ..Default::default()
+    })
+}
+
+fn direct(settings: &Settings) -> Result<DirectConfig, BenchError> {
+    let systems = [
+        ("saddle", System::SaddleLdlt),
+        ("saddle-minres", System::SaddleMinres),
+        ("schur", System::SchurCholesky),
+        ("schur-cg", System::SchurConjugateGradients),
+    ];
+    let one_solve = DirectConfig::linearized();
+    let plain = DirectConfig {
+        geometric_stiffness: false,
+        ..one_solve
+    };
+    let converged = DirectConfig {
+        max_iterations: settings.count(&DIRECT_ITERATIONS, 1)?,
+        tolerance: settings.number(&DIRECT_TOLERANCE)?,
+        ..DirectConfig::default()
+    };
+    let modes = [
+        ("converged", converged),
+        ("stable", one_solve),
+        ("plain", plain),
+    ];
+    Ok(DirectConfig {
+        system: settings.choice(&DIRECT_SYSTEM, &systems)?,
+        damping: settings.number(&XPBD_DAMPING)?,
+        ..settings.choice(&DIRECT_MODE, &modes)?
     })
 }
 

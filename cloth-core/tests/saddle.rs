@@ -99,7 +99,7 @@ fn a_vanishing_pivot_is_replaced() {
 #[test]
 fn minres_solves_what_conjugate_gradients_cannot() {
     let a = matrix(1e-2);
-    let eigenvalues = a.clone().symmetric_eigenvalues();
+    let eigenvalues = a.symmetric_eigenvalues();
     assert!(eigenvalues.min() < 0.0 && eigenvalues.max() > 0.0);
     let mut minres = Minres::new(N);
     for preconditioned in [false, true] {
