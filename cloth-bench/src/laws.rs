@@ -85,13 +85,15 @@ pub struct Law {
 }
 
 /// Every law.
-pub const LAWS: [&Law; 18] = [
+pub const LAWS: [&Law; 20] = [
     &motion::OSCILLATOR,
     &motion::FREE_FALL,
     &constraints::XPBD_CONSTRAINT,
     &constraints::PBD_CONSTRAINT,
     &xpbd::XPBD_DAMPING,
     &xpbd::SUPPORT_FORCE,
+    &xpbd::XPBD_COMPLIANCE,
+    &xpbd::DIRECT_STEP,
     &chains::CHAIN_RATE,
     &chains::SAG,
     &chains::HANGING_CHAIN,

@@ -3,6 +3,7 @@
 mod convergence;
 mod locking;
 mod stiffness;
+mod xpbd_floor;
 
 pub use locking::Locking;
 
@@ -82,7 +83,12 @@ impl Findings {
 }
 
 /// Every study.
-pub const STUDIES: [&Study; 3] = [&convergence::STUDY, &stiffness::STUDY, &locking::STUDY];
+pub const STUDIES: [&Study; 4] = [
+    &convergence::STUDY,
+    &stiffness::STUDY,
+    &locking::STUDY,
+    &xpbd_floor::STUDY,
+];
 
 impl Study {
     /// The study of that name.

@@ -109,6 +109,28 @@ fn a_damped_xpbd_constraint_takes_the_step_of_implicit_euler() {
 }
 
 #[test]
+fn converged_xpbd_satisfies_its_rows_and_leaves_a_floor_that_falls_with_the_step() {
+    let floor = |dt: &str| {
+        let verdict = holds("xpbd-compliance", &[&format!("dt={dt}")]);
+        detail(&verdict, "objective_floor")
+    };
+    let [large, small] = [floor("0.0166666667"), floor("0.00104166667")];
+    assert!(large > 1e-6 && small < 1e-2 * large, "{large:e} {small:e}");
+    holds("xpbd-compliance", &["tip_mass=100", "iterations=100000"]);
+}
+
+#[test]
+fn the_direct_solver_takes_the_step_of_implicit_euler() {
+    for system in ["saddle", "saddle-minres", "schur", "schur-cg"] {
+        for stiffness in ["200", "1e4"] {
+            let pairs = [format!("system={system}"), format!("stiffness={stiffness}")];
+            holds("direct-step", &pairs.each_ref().map(String::as_str));
+        }
+    }
+    holds("direct-step", &["tip_mass=1000"]);
+}
+
+#[test]
 fn a_support_bears_the_weight_of_the_chain() {
     for pairs in [
         &["stiffness=1e5"][..],

@@ -3,11 +3,14 @@
 use super::chains::{GRAVITY, chain};
 use super::{Law, Verdict};
 use crate::error::BenchError;
+use crate::scene;
 use crate::settings::{Parameter, Settings, parameter};
+use crate::yardstick::StepProblem;
 use cloth_core::energy::Spring;
 use cloth_core::math::{Real, Vec3};
 use cloth_core::particles::{Particles, State};
 use cloth_core::step::{StepInput, Stepper};
+use cloth_xpbd::direct::{DirectConfig, DirectXpbd, System};
 use cloth_xpbd::{XpbdConfig, XpbdSolver};
 
 const ITERATIONS: Parameter = parameter("iterations", "3", "sweeps of the one step");
@@ -37,6 +40,105 @@ pub(super) const SUPPORT_FORCE: Law = Law {
     tolerance: 1e-10,
     evaluate: support_force,
 };
+
+const SWINGING_LINKS: Parameter = parameter("links", "10", "number of links N");
+const SWINGING_STIFFNESS: Parameter =
+    parameter("stiffness", "200", "stiffness k of every link (N/m)");
+const SWINGING_TIP: Parameter = parameter("tip_mass", "0.1", "mass of the last vertex (kg)");
+const SWINGING_DT: Parameter = parameter("dt", "0.01", "step size (s)");
+const CONVERGED: Parameter = parameter("iterations", "8000", "sweeps of the one step");
+const SYSTEM: Parameter = parameter(
+    "system",
+    "saddle",
+    "linear solver: saddle, saddle-minres, schur or schur-cg",
+);
+
+pub(super) const XPBD_COMPLIANCE: Law = Law {
+    name: "xpbd-compliance",
+    about: "largest C + α̃λ (m) that converged XPBD leaves in one step of a swinging chain of links of 0.1 m: 0",
+    parameters: &[
+        SWINGING_LINKS,
+        SWINGING_STIFFNESS,
+        SWINGING_TIP,
+        SWINGING_DT,
+        CONVERGED,
+    ],
+    tolerance: 1e-13,
+    evaluate: xpbd_compliance,
+};
+
+pub(super) const DIRECT_STEP: Law = Law {
+    name: "direct-step",
+    about: "gradient norm that the direct solver leaves of the implicit Euler step of a swinging chain, relative to that at x̃: 0",
+    parameters: &[
+        SWINGING_LINKS,
+        SWINGING_STIFFNESS,
+        SWINGING_TIP,
+        SWINGING_DT,
+        SYSTEM,
+    ],
+    tolerance: 1e-8,
+    evaluate: direct_step,
+};
+
+/// The step of a chain, let go sideways, after 0.3 s of implicit Euler.
+fn swinging(settings: &Settings) -> Result<(scene::Scene, StepProblem), BenchError> {
+    let chain = Settings::default()
+        .with("n", settings.count(&SWINGING_LINKS, 1)?)
+        .with("link_length", 0.1)
+        .with("link_mass", 0.1)
+        .with("tip_mass", settings.positive(&SWINGING_TIP)?)
+        .with("stiffness", settings.positive(&SWINGING_STIFFNESS)?);
+    let scene = scene::build("chain", None, &chain)?;
+    let dt = settings.positive(&SWINGING_DT)?;
+    let problem = StepProblem::after(&scene, (0.3 / dt).ceil().min(1e5) as u32, dt)?;
+    Ok((scene, problem))
+}
+
+fn xpbd_compliance(settings: &Settings) -> Result<Verdict, BenchError> {
+    let (scene, problem) = swinging(settings)?;
+    let mut solver = XpbdSolver::builder(&scene.model.particles)
+        .energy(scene.model.springs.clone())
+        .config(XpbdConfig {
+            iterations: settings.count(&CONVERGED, 1)?,
+            substeps: 1,
+            ..XpbdConfig::default()
+        })
+        .build()
+        .map_err(BenchError::usage)?;
+    let mut state = problem.state().clone();
+    let input = StepInput::new(settings.positive(&SWINGING_DT)?).gravity(scene.gravity);
+    solver.step(&mut state, input).map_err(BenchError::failed)?;
+    let error = problem.error(&state.positions);
+    let residual = solver.compliance_residual(&state.positions);
+    Ok(Verdict::new(0.0, residual)
+        .detail("objective_floor", error.objective)
+        .detail("gradient_floor", error.gradient))
+}
+
+fn direct_step(settings: &Settings) -> Result<Verdict, BenchError> {
+    let (scene, problem) = swinging(settings)?;
+    let systems = [
+        ("saddle", System::SaddleLdlt),
+        ("saddle-minres", System::SaddleMinres),
+        ("schur", System::SchurCholesky),
+        ("schur-cg", System::SchurConjugateGradients),
+    ];
+    let mut solver = DirectXpbd::builder(&scene.model.particles)
+        .energy(scene.model.springs.clone())
+        .config(DirectConfig {
+            system: settings.choice(&SYSTEM, &systems)?,
+            tolerance: 1e-13,
+            ..DirectConfig::default()
+        })
+        .build()
+        .map_err(BenchError::usage)?;
+    let (error, report, _) = problem.solve(&mut solver)?;
+    Ok(Verdict::new(0.0, error.gradient)
+        .detail("objective_error", error.objective)
+        .detail("iterations", Real::from(report.iterations))
+        .detail("compliance_residual", solver.residuals().compliance))
+}
 
 /// Stretch at the start (m).
 const STRETCH: Real = 0.5;
