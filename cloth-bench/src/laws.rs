@@ -15,6 +15,7 @@ mod patch;
 mod space;
 pub(crate) mod strip;
 mod swings;
+mod xpbd;
 
 pub(crate) use constraints::{Stretched, fixed_projection};
 
@@ -92,12 +93,16 @@ pub struct Law {
 }
 
 /// Every law.
-pub const LAWS: [&Law; 20] = [
+pub const LAWS: [&Law; 24] = [
     &motion::OSCILLATOR,
     &motion::FREE_FALL,
     &constraints::XPBD_CONSTRAINT,
     &constraints::PBD_CONSTRAINT,
     &chain_rate::CHAIN_RATE,
+    &xpbd::XPBD_DAMPING,
+    &xpbd::SUPPORT_FORCE,
+    &xpbd::XPBD_COMPLIANCE,
+    &xpbd::DIRECT_STEP,
     &chains::SAG,
     &chains::HANGING_CHAIN,
     &catenary::CATENARY,

@@ -1,5 +1,6 @@
 //! Every method by name, with its published setting: one for all scenes.
 
+mod direct;
 mod families;
 mod mass_spring;
 mod position_based;
@@ -24,6 +25,7 @@ use cloth_massspring::{
 use cloth_pbd::PbdSolver;
 use cloth_pd::PdSolver;
 use cloth_xpbd::XpbdSolver;
+use cloth_xpbd::direct::DirectXpbd;
 
 /// A method that can be named.
 #[derive(Clone, Copy, Debug)]
@@ -47,6 +49,7 @@ enum Kind {
     Bdf2,
     Pbd,
     Xpbd,
+    XpbdDirect,
     Pd,
 }
 
@@ -54,7 +57,7 @@ enum Kind {
 const MOST_SUBSTEPS: Real = 1e6;
 
 /// Every method.
-pub const METHODS: [Method; 9] = [
+pub const METHODS: [Method; 10] = [
     Method {
         name: "explicit-euler",
         about: "forward Euler: forces at the start of the step",
@@ -102,6 +105,12 @@ pub const METHODS: [Method; 9] = [
         about: "extended position-based dynamics, small steps",
         parameters: position_based::XPBD,
         kind: Kind::Xpbd,
+    },
+    Method {
+        name: "xpbd-direct",
+        about: "the step of XPBD as one system of positions and multipliers, solved directly",
+        parameters: direct::DIRECT,
+        kind: Kind::XpbdDirect,
     },
     Method {
         name: "pd",
@@ -177,6 +186,11 @@ impl Method {
                 let builder = add_constraints!(XpbdSolver::builder(particles), families, self.name);
                 Box::new(builder.config(config).build().map_err(BenchError::usage)?)
             }
+            Kind::XpbdDirect => {
+                let config = direct::direct(settings)?;
+                let builder = add_constraints!(DirectXpbd::builder(particles), families, self.name);
+                Box::new(builder.config(config).build().map_err(BenchError::usage)?)
+            }
             Kind::Pd => {
                 let builder = add_projections!(PdSolver::builder(particles), families, self.name);
                 let mut builder = builder.config(projective::projective(settings)?);
@@ -213,7 +227,12 @@ impl Method {
         dt: Real,
     ) -> Result<u32, BenchError> {
         match self.kind {
-            Kind::Implicit | Kind::LinearImplicit | Kind::Midpoint | Kind::Bdf2 | Kind::Pd => Ok(1),
+            Kind::Implicit
+            | Kind::LinearImplicit
+            | Kind::Midpoint
+            | Kind::Bdf2
+            | Kind::Pd
+            | Kind::XpbdDirect => Ok(1),
             Kind::Pbd => settings.count(&position_based::PBD_SUBSTEPS, 1),
             Kind::Xpbd => settings.count(&position_based::XPBD_SUBSTEPS, 1),
             Kind::Explicit | Kind::Symplectic

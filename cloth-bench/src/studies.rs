@@ -5,6 +5,7 @@ mod convergence;
 mod locking;
 mod newton;
 mod stiffness;
+mod xpbd_floor;
 
 pub use locking::Locking;
 
@@ -84,11 +85,12 @@ impl Findings {
 }
 
 /// Every study.
-pub const STUDIES: [&Study; 5] = [
+pub const STUDIES: [&Study; 6] = [
     &convergence::STUDY,
     &stiffness::STUDY,
     &locking::STUDY,
     &bending::STUDY,
+    &xpbd_floor::STUDY,
     &newton::STUDY,
 ];
 

@@ -71,6 +71,59 @@ fn one_xpbd_constraint_has_its_own_stiffness_at_any_iteration_count() {
 }
 
 #[test]
+fn a_damped_xpbd_constraint_takes_the_step_of_implicit_euler() {
+    for iterations in [1, 20] {
+        for stiffness in ["1", "100", "1e6"] {
+            for damping in ["0", "1e-3", "10"] {
+                for speed in ["0", "-3", "40"] {
+                    let pairs = [
+                        format!("iterations={iterations}"),
+                        format!("stiffness={stiffness}"),
+                        format!("damping={damping}"),
+                        format!("speed={speed}"),
+                    ];
+                    holds("xpbd-damping", &pairs.each_ref().map(String::as_str));
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn converged_xpbd_satisfies_its_rows_and_leaves_a_floor_that_falls_with_the_step() {
+    let floor = |dt: &str| {
+        let verdict = holds("xpbd-compliance", &[&format!("dt={dt}")]);
+        detail(&verdict, "objective_floor")
+    };
+    let [large, small] = [floor("0.0166666667"), floor("0.00104166667")];
+    assert!(large > 1e-6 && small < 1e-2 * large, "{large:e} {small:e}");
+    holds("xpbd-compliance", &["tip_mass=100", "iterations=100000"]);
+}
+
+#[test]
+fn the_direct_solver_takes_the_step_of_implicit_euler() {
+    for system in ["saddle", "saddle-minres", "schur", "schur-cg"] {
+        for stiffness in ["200", "1e4"] {
+            let pairs = [format!("system={system}"), format!("stiffness={stiffness}")];
+            holds("direct-step", &pairs.each_ref().map(String::as_str));
+        }
+    }
+    holds("direct-step", &["tip_mass=1000"]);
+}
+
+#[test]
+fn a_support_bears_the_weight_of_the_chain() {
+    for pairs in [
+        &["stiffness=1e5"][..],
+        &["links=1", "iterations=1"],
+        &["links=4", "mass=1", "stiffness=100", "iterations=200"],
+        &["links=3", "tip_mass=5", "iterations=100000"],
+    ] {
+        holds("support-force", pairs);
+    }
+}
+
+#[test]
 fn one_pbd_constraint_stiffens_with_iterations_and_step_size() {
     for iterations in [1, 3, 10] {
         for s in ["0.05", "0.5", "0.9"] {

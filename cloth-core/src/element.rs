@@ -12,6 +12,8 @@
 //! A `Constraint` is an `Energy` without further code: the blanket implementation below is the
 //! line where the one becomes the other. That is why there is no `impl Energy for Spring` to be found.
 
+mod differences;
+
 use crate::math::{Blocks, Mat3, Real, Vec3};
 use std::fmt::Debug;
 
@@ -106,11 +108,29 @@ pub trait Constraint<const N: usize>: Element<N> {
     /// `[Row<N>; M]`.
     type Rows: RowArray<N>;
 
-    /// Whether the gradients of the rows are the same at every `x`, so that the energy is quadratic; [`Constraint::curvature`] is then zero.
+    /// Whether the gradients of the rows are the same at every `x`, so that the energy is quadratic; [`Constraint::curvature`] and
+    /// [`Constraint::geometric_stiffness`] are then zero.
     const ROWS_ARE_LINEAR: bool = false;
 
     /// The rows at `x` (m).
     fn rows(&self, x: &[Vec3; N]) -> Self::Rows;
+
+    /// `−Σᵣ λᵣ ∂²Cᵣ/∂x²` (unit of λ times unit of C per m²), made positive semi-definite as `convexity` says: what the force `Jᵀλ` changes by
+    /// where the gradients turn, with λ one number per row. It is [`Constraint::curvature`] with −λ in place of k C, and defined for hard rows too. Zero for
+    /// [`Convexity::GaussNewton`].
+    ///
+    /// Unless an element writes its own, it comes from differences of the gradients, to some ten digits.
+    fn geometric_stiffness(
+        &self,
+        x: &[Vec3; N],
+        multipliers: &[Real],
+        convexity: Convexity,
+    ) -> Blocks<N> {
+        if Self::ROWS_ARE_LINEAR {
+            return [[Mat3::zeros(); N]; N];
+        }
+        differences::geometric_stiffness(self, x, multipliers, convexity)
+    }
 
     /// `Σᵣ kᵣ Cᵣ ∂²Cᵣ/∂x²` (N/m), made positive semi-definite as `convexity` says. Never called for
     /// [`Convexity::GaussNewton`]. Zero where the rows are linear, which is the default.

@@ -26,8 +26,11 @@ mod inertia;
 mod jacobi;
 #[cfg(feature = "cholesky")]
 mod low_rank;
+mod minres;
 #[cfg(feature = "cholesky")]
 mod panel;
+#[cfg(feature = "cholesky")]
+mod signed_cholesky;
 mod solver;
 mod spectrum;
 
@@ -45,7 +48,10 @@ pub use inertia::Inertia;
 pub use jacobi::Jacobi;
 #[cfg(feature = "cholesky")]
 pub use low_rank::LowRank;
+pub use minres::{KrylovEnd, Minres};
 #[cfg(feature = "cholesky")]
 pub use panel::PanelFactor;
+#[cfg(feature = "cholesky")]
+pub use signed_cholesky::SignedCholesky;
 pub use solver::{Budget, LinearError, LinearMethod, LinearReport, LinearSolver};
 pub use spectrum::{Spectrum, spectrum};

@@ -20,13 +20,16 @@
 
 mod builder;
 mod chebyshev;
+mod correction;
 mod families;
 mod jacobi;
 mod motion;
+mod rule;
 mod sweep;
 
 pub use builder::{Builder, Settings};
 pub use chebyshev::{Chebyshev, Radius};
-pub use families::{Families, RowAt, Rule};
+pub use families::Families;
 pub use motion::Motion;
+pub use rule::{RowAt, RowEquation, RowView, Rule};
 pub use sweep::{Acceleration, Sweep};

@@ -9,7 +9,9 @@ use cloth_core::mesh::TriMesh;
 use cloth_core::mesh::generate::{Diagonals, grid};
 use cloth_core::particles::{Particles, State};
 use cloth_core::pin::Pins;
-use cloth_core::position_based::{Builder, Families, Motion, RowAt, Rule, Settings, Sweep};
+use cloth_core::position_based::{
+    Builder, Families, Motion, RowAt, RowEquation, Rule, Settings, Sweep,
+};
 use cloth_core::step::{BuildError, Observer, StepError, StepInput, StepReport};
 use cloth_core::topology::EdgeTable;
 
@@ -22,13 +24,12 @@ struct Rigid;
 impl Rule for Rigid {
     type Memory = u32;
 
-    fn multiplier(&self, row: RowAt, visits: &mut u32) -> Real {
+    fn equation(&self, row: RowAt, visits: &mut u32) -> Option<RowEquation> {
         *visits += 1;
-        if row.weight > 0.0 {
-            -row.value / row.weight
-        } else {
-            0.0
-        }
+        (row.weight > 0.0).then_some(RowEquation {
+            residual: row.value,
+            softness: 0.0,
+        })
     }
 }
 
@@ -294,7 +295,7 @@ fn bad_input_is_refused_and_the_state_left_alone() {
     wild.velocities[1].x = 1e308;
     let kept = wild.clone();
     let error = solver.step(&mut wild, StepInput::new(10.0)).unwrap_err();
-    assert_eq!(error, StepError::NonFinite { vertex: 0, step: 1 });
+    assert_eq!(error, StepError::NonFinite { vertex: 1, step: 1 });
     assert_eq!(wild, kept);
     // And it still works.
     solver.step(&mut wild, StepInput::new(1e-308)).unwrap();

@@ -4,7 +4,9 @@ use cloth_core::energy::{CurvatureHinge, Spring};
 use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::TriMesh;
 use cloth_core::mesh::generate::{Diagonals, grid, irregular};
-use cloth_core::position_based::{Acceleration, Chebyshev, Families, Radius, RowAt, Rule, Sweep};
+use cloth_core::position_based::{
+    Acceleration, Chebyshev, Families, Radius, RowAt, RowEquation, Rule, Sweep,
+};
 use cloth_core::step::BuildError;
 use cloth_core::topology::{EdgeTable, HingeTable};
 use std::f64::consts::PI;
@@ -17,14 +19,15 @@ impl Rule for Rigid {
     type Memory = Real;
     const MEMORY_ITERATES: bool = true;
 
-    fn multiplier(&self, row: RowAt, total: &mut Real) -> Real {
-        let change = if row.weight > 0.0 {
-            -row.value / row.weight
-        } else {
-            0.0
-        };
-        *total += row.share * change;
-        change
+    fn equation(&self, row: RowAt, _: &mut Real) -> Option<RowEquation> {
+        (row.weight > 0.0).then_some(RowEquation {
+            residual: row.value,
+            softness: 0.0,
+        })
+    }
+
+    fn remember(&self, change: Real, total: &mut Real) {
+        *total += change;
     }
 
     fn extrapolate(now: &mut Real, before: &Real, omega: Real) {

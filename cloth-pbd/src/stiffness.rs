@@ -1,7 +1,7 @@
 //! From the stiffness k of a material to the stiffness s of a projection.
 
 use cloth_core::math::Real;
-use cloth_core::position_based::{RowAt, Rule};
+use cloth_core::position_based::{RowAt, RowEquation, Rule};
 use cloth_core::step::BuildError;
 
 /// Which part s (dimensionless, 0 to 1) of its violation a constraint removes in one visit.
@@ -84,9 +84,9 @@ impl Rule for Projection {
     type Memory = Known;
 
     #[inline]
-    fn multiplier(&self, row: RowAt, known: &mut Known) -> Real {
+    fn equation(&self, row: RowAt, known: &mut Known) -> Option<RowEquation> {
         if row.weight <= 0.0 {
-            return 0.0; // all its vertices are prescribed, or its gradient vanishes
+            return None; // all its vertices are prescribed, or its gradient vanishes
         }
         let s = match self.stiffness {
             StiffnessRule::Fixed(s) => s,
@@ -100,7 +100,10 @@ impl Rule for Projection {
                 known.s
             }
         };
-        -s * row.value / row.weight
+        Some(RowEquation {
+            residual: s * row.value,
+            softness: 0.0,
+        })
     }
 }
 

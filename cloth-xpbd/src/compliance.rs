@@ -1,56 +1,104 @@
 //! How far XPBD goes along a row.
 
 use cloth_core::math::Real;
-use cloth_core::position_based::{RowAt, Rule};
+use cloth_core::position_based::{RowAt, RowEquation, Rule};
 
-/// `Δλ = −(C + α̃λ)/(w̃ + α̃)` with `α̃ = 1/(k h²)`.
+/// `Δλ = −(C + α̃λ)/(w̃ + α̃)` with `α̃ = 1/(k h²)`, and the same with damping.
 ///
 /// It is one Gauss–Seidel step on the system S1 (44) with the velocities eliminated,
 /// `(J M⁻¹ Jᵀ + α̃) Δλ = −(C + α̃λ)`, for one row and with λ = h² times the multiplier of the source.
+///
+/// Damping adds `−β k Ċ` to the force `−k C` along the row, with `Ċ = (C − C⁰)/h` and C⁰ the value at the start of the substep:
+/// λ is to become `−k h² C − k h β (C − C⁰)`. Written for `ν = λ − k h β C⁰`, that is `C + α̃ν = 0` with `α̃ = 1/(k h (h + β))`: the rule of an
+/// undamped row, that starts from `ν = −k h β C⁰` instead of 0. So damping costs a sweep nothing. ν is what is remembered.
+///
+/// Macklin et al. (2016), equation 26, take `∂C/∂x·(x − x⁰)` for `C − C⁰`. For linear rows it is the same. For others it is not zero in a rigid rotation
+/// by a finite angle, and would damp it.
 #[derive(Clone, Copy, Debug)]
 pub struct Compliance {
     /// h (s).
-    pub(crate) substep: Real,
+    substep: Real,
+    /// β (s).
+    damping: Real,
+    /// `h (h + β)` (s²).
+    stiffening: Real,
 }
 
 impl Compliance {
+    /// For substeps of `substep` (s) and a damping β (s).
+    pub(crate) fn new(substep: Real, damping: Real) -> Self {
+        Self {
+            substep,
+            damping,
+            stiffening: substep * (substep + damping),
+        }
+    }
+
     /// `α̃` (unit of C² per kg m²): 0 for an infinite stiffness, ∞ for none.
     #[inline]
-    fn scaled(self, stiffness: Real) -> Real {
-        1.0 / (stiffness * self.substep * self.substep)
+    pub(crate) fn scaled(self, stiffness: Real) -> Real {
+        1.0 / (stiffness * self.stiffening)
     }
 
-    /// `α̃` and `w̃ + α̃` of a row, or `None` where no multiplier could change it: it has no stiffness, or it is hard and nothing of it
-    /// can move. Neither is a rare case to be caught later.
-    #[inline]
-    fn solvable(self, row: RowAt) -> Option<(Real, Real)> {
-        let compliance = self.scaled(row.stiffness);
-        let movable = row.weight + compliance;
-        (movable > 0.0 && movable < Real::INFINITY).then_some((compliance, movable))
+    /// `λ − ν = k h β C⁰` (kg m² per unit of C) of a row whose value was `start` when the substep began; 0 for a row that is hard, to the last digit of its stiffness.
+    /// Nothing of it can move.
+    pub(crate) fn offset(self, stiffness: Real, start: Real) -> Real {
+        let offset = stiffness * self.substep * self.damping * start;
+        if offset.is_finite() { offset } else { 0.0 }
     }
 
-    /// `C + α̃λ` (unit of C), what the sweeps bring to zero; `None` where no multiplier could change it.
-    pub(crate) fn violation(self, row: RowAt, multiplier: Real) -> Option<Real> {
-        self.solvable(row)
-            .map(|(compliance, _)| row.value + compliance * multiplier)
+    /// `β/(h + β)` (dimensionless): the part of C⁰ that a damped row of finite stiffness keeps if it is stiff; 0 for a hard one. With it `C − (part) C⁰ + α̃λ = 0`.
+    #[cfg(feature = "direct")]
+    pub(crate) fn kept(self, stiffness: Real) -> Real {
+        if stiffness.is_finite() {
+            self.damping / (self.substep + self.damping)
+        } else {
+            0.0
+        }
+    }
+
+    /// h (s).
+    #[cfg(feature = "direct")]
+    pub(crate) fn substep(self) -> Real {
+        self.substep
+    }
+
+    /// `λ/h²`, the generalised force (N for a spring), from λ.
+    pub(crate) fn force(self, multiplier: Real) -> Real {
+        multiplier / (self.substep * self.substep)
+    }
+
+    /// `C + α̃ν` (unit of C), what the sweeps bring to zero; `None` where no multiplier could change it.
+    pub(crate) fn violation(self, row: RowAt, remembered: Real) -> Option<Real> {
+        self.equation(row, &mut { remembered })
+            .map(|equation| equation.residual)
     }
 }
 
 impl Rule for Compliance {
-    /// λ (kg m² per unit of C; kg m for a spring) since the start of the substep.
+    /// ν (kg m² per unit of C; kg m for a spring); λ since the start of the substep, if nothing is damped.
     type Memory = Real;
 
     /// `x = x̃ + M⁻¹ ∂Cᵀλ` is affine, and so is the extrapolation: done to both, it keeps them together.
     const MEMORY_ITERATES: bool = true;
 
+    const ROWS_TOGETHER: bool = true;
+
+    /// `C + α̃ν` and `α̃`, or `None` where no multiplier could change it: it has no stiffness, or it is hard and nothing of it
+    /// can move. Neither is a rare case to be caught later.
     #[inline]
-    fn multiplier(&self, row: RowAt, total: &mut Real) -> Real {
-        let Some((compliance, movable)) = self.solvable(row) else {
-            return 0.0;
-        };
-        let change = -(row.value + compliance * *total) / movable;
-        *total += row.share * change;
-        change
+    fn equation(&self, row: RowAt, total: &mut Real) -> Option<RowEquation> {
+        let softness = self.scaled(row.stiffness);
+        let movable = row.weight + softness;
+        (movable > 0.0 && movable < Real::INFINITY).then_some(RowEquation {
+            residual: row.value + softness * *total,
+            softness,
+        })
+    }
+
+    #[inline]
+    fn remember(&self, change: Real, total: &mut Real) {
+        *total += change;
     }
 
     #[inline]

@@ -1,5 +1,6 @@
 //! What can be chosen.
 
+use cloth_core::math::Real;
 use cloth_core::position_based::{Acceleration, Sweep};
 
 /// Settings of [`XpbdSolver`](crate::XpbdSolver).
@@ -14,17 +15,22 @@ pub struct XpbdConfig {
     pub sweep: Sweep,
     /// Relaxation of the corrections and extrapolation of the sweeps, positions and multipliers together.
     pub acceleration: Acceleration,
+    /// β (s): a force `−β k Ċ` along every row beside the elastic `−k C` (Rayleigh's form of XPBD's constraint damping). Zero, the default, costs nothing.
+    ///
+    /// A hard row cannot move and is not damped.
+    pub damping: Real,
 }
 
 impl Default for XpbdConfig {
     /// Twenty substeps of one coloured sweep: for the same number of sweeps, small steps are nearer to the solution than
-    /// many iterations (Macklin et al. 2019).
+    /// many iterations (Macklin et al. 2019). No damping.
     fn default() -> Self {
         Self {
             iterations: 1,
             substeps: 20,
             sweep: Sweep::Colored,
             acceleration: Acceleration::default(),
+            damping: 0.0,
         }
     }
 }

@@ -92,5 +92,11 @@ mod compliance;
 
 mod solver;
 
+mod forces;
+
+#[cfg(feature = "direct")]
+pub mod direct;
+
 pub use config::XpbdConfig;
+pub use forces::RowForce;
 pub use solver::{XpbdBuilder, XpbdSolver};

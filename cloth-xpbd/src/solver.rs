@@ -5,16 +5,18 @@ use crate::config::XpbdConfig;
 use cloth_core::math::{Real, Vec3};
 use cloth_core::particles::{Particles, State};
 use cloth_core::position_based::{Acceleration, Builder, Families, Motion, Settings, Sweep};
-use cloth_core::step::{StepError, StepInput, StepReport, Stepper};
+use cloth_core::step::{BuildError, StepError, StepInput, StepReport, Stepper};
 
 /// Extended position-based dynamics; see the [crate documentation](crate).
 #[derive(Debug)]
 pub struct XpbdSolver {
-    motion: Motion,
-    families: Families<Compliance>,
+    pub(crate) motion: Motion,
+    pub(crate) families: Families<Compliance>,
     config: XpbdConfig,
-    /// With the substep of the last step, once there was one.
-    last: Option<Compliance>,
+    /// With the substep of the last step, once one was taken.
+    pub(crate) last: Option<Compliance>,
+    /// Positions (m) at the start of the last substep, one per vertex; empty if nothing is damped.
+    pub(crate) start: Vec<Vec3>,
 }
 
 impl Stepper for XpbdSolver {
@@ -28,12 +30,12 @@ impl Stepper for XpbdSolver {
         mut input: StepInput<'_>,
     ) -> Result<StepReport, StepError> {
         self.motion.begin(state, &input)?;
+        self.last = None;
         let h = input.dt / Real::from(self.config.substeps);
-        let compliance = Compliance { substep: h };
-        self.last = Some(compliance);
+        let compliance = Compliance::new(h, self.config.damping);
         for _ in 0..self.config.substeps {
+            self.forget(compliance); // λ = 0, here and not in each iteration
             self.motion.predict(&input, h); // S1 (24)
-            self.families.forget(); // λ = 0, here and not in each iteration
             self.families.restart();
             for _ in 0..self.config.iterations {
                 self.motion.iterate(&mut input, |w, x| {
@@ -42,7 +44,9 @@ impl Stepper for XpbdSolver {
             }
             self.motion.update_velocities(h); // S1 (26)
         }
-        self.motion.finish(state, input.dt)
+        let report = self.motion.finish(state, input.dt)?;
+        self.last = Some(compliance);
+        Ok(report)
     }
 }
 
@@ -51,6 +55,18 @@ impl XpbdSolver {
     #[must_use]
     pub fn builder(particles: &Particles) -> XpbdBuilder {
         XpbdBuilder::new(particles)
+    }
+
+    /// Sets λ to zero, at the start of a substep.
+    fn forget(&mut self, compliance: Compliance) {
+        if self.start.is_empty() {
+            self.families.forget();
+            return;
+        }
+        let (w, x) = (self.motion.inverse_mass(), self.motion.positions());
+        self.start.copy_from_slice(x);
+        self.families
+            .set(w, x, |row| -compliance.offset(row.stiffness, row.value));
     }
 
     /// What it was built with.
@@ -66,7 +82,7 @@ impl XpbdSolver {
         self.families.surrendered()
     }
 
-    /// `max |C + α̃λ|` over all rows (unit of C; m for springs and hinges) at `positions` (m), with the multipliers of the
+    /// `max |C + α̃λ|` (damped: `|C + α̃ν|`) over all rows (unit of C; m for springs and hinges) at `positions` (m), with the multipliers of the
     /// last substep: what the sweeps of that substep bring to zero. With the positions that the step ended at
     /// it tells how far they got.
     ///
@@ -84,24 +100,13 @@ impl XpbdSolver {
         let mut largest: Real = 0.0;
         if let Some(compliance) = self.last {
             self.families
-                .each_row(self.motion.inverse_mass(), positions, |row, &multiplier| {
-                    if let Some(violation) = compliance.violation(row, multiplier) {
+                .each_row(self.motion.inverse_mass(), positions, |row, &remembered| {
+                    if let Some(violation) = compliance.violation(row, remembered) {
                         largest = largest.max(violation.abs());
                     }
                 });
         }
         largest
-    }
-
-    /// Writes the multipliers λ (kg m² per unit of C; kg m for springs and hinges) of the last substep to `out`: those of the family that
-    /// was added as number `family` (from 0), element after element in the order given, row after row.
-    ///
-    /// `λ/h²` is the generalised force of the row: the tension of a spring is `−λ/h²` (N).
-    ///
-    /// # Panics
-    /// If there is no such family.
-    pub fn multipliers_into(&self, family: usize, out: &mut Vec<Real>) {
-        self.families.remembered(family, out);
     }
 }
 
@@ -120,8 +125,25 @@ impl Settings for XpbdConfig {
         self.acceleration
     }
 
+    fn check(&self) -> Result<(), BuildError> {
+        if self.damping >= 0.0 && self.damping.is_finite() {
+            return Ok(());
+        }
+        Err(BuildError::InvalidSetting {
+            name: "the damping",
+            value: self.damping,
+            range: "zero or positive, and finite",
+        })
+    }
+
     fn assemble(self, motion: Motion, families: Families<Compliance>) -> XpbdSolver {
+        let damped = if self.damping > 0.0 {
+            motion.vertex_count()
+        } else {
+            0
+        };
         XpbdSolver {
+            start: vec![Vec3::zeros(); damped],
             motion,
             families,
             config: self,

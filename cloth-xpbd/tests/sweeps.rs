@@ -43,6 +43,7 @@ fn a_hanging_chain_has_the_sag_and_the_tensions_of_statics() {
                 substeps: 2,
                 sweep,
                 acceleration,
+                ..XpbdConfig::default()
             };
             let builder = XpbdSolver::builder(&chain.particles).energy(chain.springs.clone());
             let mut solver = builder.config(config).build().unwrap();
@@ -105,6 +106,7 @@ fn nothing_is_allocated_after_the_first_step() {
             substeps: 1,
             sweep,
             acceleration,
+            ..XpbdConfig::default()
         };
         let builder = XpbdSolver::builder(&model.particles).energy(model.springs.clone());
         let builder = builder.energy(model.hinges.clone()).config(config);

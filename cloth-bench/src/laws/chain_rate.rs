@@ -167,6 +167,7 @@ fn chain_rate(settings: &Settings) -> Result<Verdict, BenchError> {
             substeps: 1,
             sweep,
             acceleration,
+            ..XpbdConfig::default()
         };
         Box::new(builder.config(config).build().map_err(BenchError::failed)?)
     };

@@ -41,7 +41,7 @@ pub(super) const HANGING_CHAIN: Law = Law {
     evaluate: hanging_chain,
 };
 
-const GRAVITY: Real = 9.81;
+pub(super) const GRAVITY: Real = 9.81;
 
 /// A chain along −z of links of 1 m, held at the top.
 pub(super) fn chain(

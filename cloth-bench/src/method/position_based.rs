@@ -36,6 +36,12 @@ const CHEBYSHEV_DELAY: Parameter = parameter(
     "plain sweeps of a substep before the extrapolation",
 );
 
+pub(super) const XPBD_DAMPING: Parameter = parameter(
+    "damping",
+    "0",
+    "stiffness-proportional damping β (s) of every constraint: a force −β k Ċ along it",
+);
+
 /// Of position-based dynamics.
 pub(super) const PBD: &[Parameter] = &[
     PBD_ITERATIONS,
@@ -55,6 +61,7 @@ pub(super) const XPBD: &[Parameter] = &[
     RELAXATION,
     CHEBYSHEV,
     CHEBYSHEV_DELAY,
+    XPBD_DAMPING,
 ];
 
 const SWEEPS: [(&str, Sweep); 4] = [
@@ -83,6 +90,7 @@ pub(super) fn xpbd(settings: &Settings) -> Result<XpbdConfig, BenchError> {
         substeps: settings.count(&XPBD_SUBSTEPS, 1)?,
         sweep: settings.choice(&SWEEP, &SWEEPS)?,
         acceleration: acceleration(settings)?,
+        damping: settings.number(&XPBD_DAMPING)?,
     })
 }
 

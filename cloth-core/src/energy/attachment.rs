@@ -1,7 +1,7 @@
 //! A vertex tied to a point in space (CORE-9, CORE-10).
 
-use crate::element::{Constraint, Element, Projective, Row};
-use crate::math::{Real, Vec3};
+use crate::element::{Constraint, Convexity, Element, Projective, Row};
+use crate::math::{Blocks, Mat3, Real, Vec3};
 
 /// A spring of rest length zero between a vertex and a fixed point p, S1 (29): `E = ½ k ‖x − p‖²` (J).
 ///
@@ -37,6 +37,12 @@ impl Constraint<1> for Attachment {
             gradient: [Vec3::ith(axis, 1.0)],
             stiffness: self.stiffness,
         })
+    }
+
+    /// Zero: the rows are linear.
+    #[inline]
+    fn geometric_stiffness(&self, _: &[Vec3; 1], _: &[Real], _: Convexity) -> Blocks<1> {
+        [[Mat3::zeros(); 1]; 1]
     }
 }
 

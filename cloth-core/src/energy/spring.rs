@@ -75,6 +75,30 @@ impl Constraint<2> for Spring {
         }]
     }
 
+    /// `−λ/l (I − n nᵀ)`: positive where the spring pulls, λ < 0.
+    #[inline]
+    fn geometric_stiffness(
+        &self,
+        x: &[Vec3; 2],
+        multipliers: &[Real],
+        convexity: Convexity,
+    ) -> Blocks<2> {
+        let (length, n) = length_and_direction(x[0] - x[1], self.vertices);
+        let tension = if length > 0.0 {
+            -multipliers[0] / length
+        } else {
+            0.0 // no second derivative exists
+        };
+        let factor = match convexity {
+            Convexity::Clamp => tension.max(0.0),
+            Convexity::Abs => tension.abs(),
+            Convexity::Exact => tension,
+            Convexity::GaussNewton => 0.0,
+        };
+        let block = (Mat3::identity() - n * n.transpose()) * factor;
+        [[block, -block], [-block, block]]
+    }
+
     /// `k (1 − L/l)(I − n nᵀ)`: positive across a stretched spring, negative across a compressed one, so `Clamp` drops it
     /// under compression (S2).
     #[inline]

@@ -1,48 +1,16 @@
 //! The elements of each kind, and the sweep over them.
 
 use super::chebyshev::Recurrence;
+use super::correction::{correction, project, row_at};
 use super::jacobi::{self, Corrections};
+use super::rule::{RowAt, RowView, Rule};
 use super::{Acceleration, Sweep};
 use crate::coloring::Colored;
-use crate::element::{Constraint, Row, RowArray};
+use crate::element::{Constraint, RowArray};
 use crate::family::check_vertices;
 use crate::math::{Real, Vec3, gather};
 use crate::step::BuildError;
 use std::fmt::Debug;
-
-/// One row where a sweep meets it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct RowAt {
-    /// `C`, in the unit that the element documents.
-    pub value: Real,
-    /// `w̃ = Σᵢ wᵢ ‖∂C/∂xᵢ‖²` (unit of C² per kg m²): how easily the row moves. Zero if all its vertices are prescribed, or its gradient vanishes.
-    pub weight: Real,
-    /// `k` with the energy `½ k C²` (J).
-    pub stiffness: Real,
-    /// Part (dimensionless) of its Δλ that the row will really make: 1, unless the sweep is a relaxed or an averaging one.
-    pub share: Real,
-}
-
-/// What tells one position-based method from another: how far it goes along one row.
-pub trait Rule: Debug + Send + Sync + 'static {
-    /// What is remembered of a row from one visit to the next. It starts, and is forgotten, as the default.
-    type Memory: Copy + Debug + Default + Send + Sync + 'static;
-
-    /// Whether the memory is a part of the iterate, as a multiplier is that goes with the positions. It is then extrapolated with them
-    /// ([`Rule::extrapolate`]).
-    const MEMORY_ITERATES: bool = false;
-
-    /// Δλ (kg m² per unit of C): the vertices of the row will move by `wᵢ ∂C/∂xᵢ Δλ`, times [`RowAt::share`]. A memory of multipliers has to take
-    /// the share into account; Δλ itself has not.
-    ///
-    /// It has to be finite also where the weight is zero.
-    fn multiplier(&self, row: RowAt, memory: &mut Self::Memory) -> Real;
-
-    /// What [`Chebyshev`](super::Chebyshev) does to the memory: `now ← before + ω (now − before)`. Only called if [`Rule::MEMORY_ITERATES`].
-    fn extrapolate(now: &mut Self::Memory, before: &Self::Memory, omega: Real) {
-        let _ = (now, before, omega);
-    }
-}
 
 /// The door of a family: one virtual call a sweep, none per element.
 trait AnyFamily<R: Rule>: Debug + Send + Sync {
@@ -63,6 +31,13 @@ trait AnyFamily<R: Rule>: Debug + Send + Sync {
     fn extrapolate(&mut self, omega: Real);
     fn each_row(&self, inverse_mass: &[Real], x: &[Vec3], see: &mut dyn FnMut(RowAt, &R::Memory));
     fn remembered(&self, out: &mut Vec<R::Memory>);
+    fn set(&mut self, inverse_mass: &[Real], x: &[Vec3], memory: &dyn Fn(RowAt) -> R::Memory);
+    fn inspect(
+        &self,
+        inverse_mass: &[Real],
+        x: &[Vec3],
+        see: &mut dyn FnMut(RowView<'_, R::Memory>),
+    );
 }
 
 /// Elements of one kind with their memory, one array of rows per element, in visiting order.
@@ -84,14 +59,14 @@ impl<const N: usize, E: Constraint<N>, R: Rule> AnyFamily<R> for Family<N, E, Sl
     fn sweep(&mut self, rule: &R, relaxation: Real, inverse_mass: &[Real], x: &mut [Vec3]) {
         self.elements
             .sweep(&mut self.memory, x, |element, memory, x| {
-                project(rule, element, inverse_mass, relaxation, memory, x);
+                project(rule, element, inverse_mass, relaxation, memory.as_mut(), x);
             });
     }
 
     fn sweep_back(&mut self, rule: &R, relaxation: Real, inverse_mass: &[Real], x: &mut [Vec3]) {
         self.elements
             .sweep_back(&mut self.memory, x, |element, memory, x| {
-                project(rule, element, inverse_mass, relaxation, memory, x);
+                project(rule, element, inverse_mass, relaxation, memory.as_mut(), x);
             });
     }
 
@@ -100,7 +75,7 @@ impl<const N: usize, E: Constraint<N>, R: Rule> AnyFamily<R> for Family<N, E, Sl
             let vertices = element.vertices();
             let w = vertices.map(|v| inverse_mass[v as usize]);
             let rows = element.rows(&gather(x, vertices));
-            correction(rule, rows.as_ref(), &w, share, memory.as_mut())
+            correction(rule, &rows, &w, share, memory.as_mut())
         };
         let (moves, _) = moves.as_chunks_mut::<N>();
         jacobi::each_element(
@@ -151,7 +126,7 @@ impl<const N: usize, E: Constraint<N>, R: Rule> AnyFamily<R> for Family<N, E, Sl
             let w = element.vertices().map(|v| inverse_mass[v as usize]);
             let rows = element.rows(&gather(x, element.vertices()));
             for (row, memory) in rows.as_ref().iter().zip(memory.as_ref()) {
-                see(row_at(row, &w, row.value, 1.0), memory);
+                see(row_at(row, &w, row.value), memory);
             }
         }
     }
@@ -164,63 +139,38 @@ impl<const N: usize, E: Constraint<N>, R: Rule> AnyFamily<R> for Family<N, E, Sl
             out[place..place + E::Rows::LEN].copy_from_slice(memory.as_ref());
         }
     }
-}
 
-/// Moves the vertices of one element, at `x` (m).
-#[inline(always)]
-fn project<const N: usize, E: Constraint<N>, R: Rule>(
-    rule: &R,
-    element: &E,
-    inverse_mass: &[Real],
-    relaxation: Real,
-    memory: &mut Slot<N, E, R>,
-    x: &mut [Vec3; N],
-) {
-    let w = element.vertices().map(|v| inverse_mass[v as usize]);
-    let rows = element.rows(x);
-    let moved = correction(rule, rows.as_ref(), &w, relaxation, memory.as_mut());
-    for i in 0..N {
-        x[i] += moved[i];
-    }
-}
-
-/// What one element moves its vertices by (m): row after row, then `share` of it. All gradients are those at the start; the value of a later row is
-/// updated to first order for what the earlier ones moved, which is exact for linear rows.
-#[inline(always)]
-fn correction<const N: usize, R: Rule>(
-    rule: &R,
-    rows: &[Row<N>],
-    w: &[Real; N],
-    share: Real,
-    memory: &mut [R::Memory],
-) -> [Vec3; N] {
-    let mut moved = [Vec3::zeros(); N];
-    for (row, memory) in rows.iter().zip(memory) {
-        let mut value = row.value;
-        if rows.len() > 1 {
-            for i in 0..N {
-                value += row.gradient[i].dot(&moved[i]);
+    fn set(&mut self, inverse_mass: &[Real], x: &[Vec3], start: &dyn Fn(RowAt) -> R::Memory) {
+        for (element, memory) in self.elements.elements().iter().zip(&mut self.memory) {
+            let w = element.vertices().map(|v| inverse_mass[v as usize]);
+            let rows = element.rows(&gather(x, element.vertices()));
+            for (row, memory) in rows.as_ref().iter().zip(memory.as_mut()) {
+                *memory = start(row_at(row, &w, row.value));
             }
         }
-        let multiplier = rule.multiplier(row_at(row, w, value, share), memory);
-        for i in 0..N {
-            moved[i] += row.gradient[i] * (w[i] * multiplier);
-        }
     }
-    moved.map(|moved| moved * share)
-}
 
-#[inline(always)]
-fn row_at<const N: usize>(row: &Row<N>, w: &[Real; N], value: Real, share: Real) -> RowAt {
-    let mut weight = 0.0;
-    for i in 0..N {
-        weight += w[i] * row.gradient[i].norm_squared();
-    }
-    RowAt {
-        value,
-        weight,
-        stiffness: row.stiffness,
-        share,
+    fn inspect(
+        &self,
+        inverse_mass: &[Real],
+        x: &[Vec3],
+        see: &mut dyn FnMut(RowView<'_, R::Memory>),
+    ) {
+        let places = self.elements.input_index().iter().zip(&self.memory);
+        for (element, (&place, memory)) in self.elements.elements().iter().zip(places) {
+            let vertices = element.vertices();
+            let w = vertices.map(|v| inverse_mass[v as usize]);
+            let rows = element.rows(&gather(x, vertices));
+            for (i, (row, memory)) in rows.as_ref().iter().zip(memory.as_ref()).enumerate() {
+                see(RowView {
+                    index: place as usize * E::Rows::LEN + i,
+                    row: row_at(row, &w, row.value),
+                    vertices: &vertices,
+                    gradient: &row.gradient,
+                    memory,
+                });
+            }
+        }
     }
 }
 
@@ -404,7 +354,43 @@ impl<R: Rule> Families<R> {
         }
     }
 
-    /// Writes the memory of a family, numbered from 0 as they were added, to `out`: element after element in the order given, row after row.
+    /// Sets the memory of every row to what `start` makes of the row at `x` (m).
+    ///
+    /// # Panics
+    /// If the lengths are not those that the families were built for.
+    pub fn set(&mut self, inverse_mass: &[Real], x: &[Vec3], start: impl Fn(RowAt) -> R::Memory) {
+        for family in &mut self.families {
+            family.set(inverse_mass, x, &start);
+        }
+    }
+
+    /// Number of families.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.families.len()
+    }
+
+    /// Whether there is no family.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.families.is_empty()
+    }
+
+    /// Shows every row of one family at `x` (m) with its gradient, in visiting order.
+    ///
+    /// # Panics
+    /// If there is no such family, or the lengths are not those that it was built for.
+    pub fn inspect(
+        &self,
+        family: usize,
+        inverse_mass: &[Real],
+        x: &[Vec3],
+        mut see: impl FnMut(RowView<'_, R::Memory>),
+    ) {
+        self.families[family].inspect(inverse_mass, x, &mut see);
+    }
+
+    /// Writes the memory of the rows of one family to `out`: element after element in the order in which they were given, row after row.
     ///
     /// # Panics
     /// If there is no such family.

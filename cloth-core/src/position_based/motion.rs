@@ -49,6 +49,12 @@ impl Motion {
         &self.inverse_mass
     }
 
+    /// Positions (m) as they are now, one per vertex.
+    #[must_use]
+    pub fn positions(&self) -> &[Vec3] {
+        &self.positions
+    }
+
     /// Checks the input and copies the state.
     ///
     /// # Errors

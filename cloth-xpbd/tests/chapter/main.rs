@@ -1,9 +1,13 @@
 //! The claims of the chapter.
 
-#[path = "../../cloth-core/tests/support/chain.rs"]
+#[path = "../../../cloth-core/tests/support/chain.rs"]
 mod chain;
-#[path = "../../cloth-core/tests/support/sheet.rs"]
+#[path = "../../../cloth-core/tests/support/sheet.rs"]
 mod sheet;
+
+mod damping;
+mod forces;
+mod rows;
 
 use chain::Chain;
 use cloth_core::energy::{CurvatureHinge, Spring};

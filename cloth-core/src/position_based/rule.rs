@@ -1,0 +1,68 @@
+//! What tells one position-based method from another.
+
+use crate::math::{Real, Vec3};
+use std::fmt::Debug;
+
+/// One row where a sweep meets it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RowAt {
+    /// `C`, in the unit that the element documents.
+    pub value: Real,
+    /// `w̃ = Σᵢ wᵢ ‖∂C/∂xᵢ‖²` (unit of C² per kg m²): how easily the row moves. Zero if all its vertices are prescribed, or its gradient vanishes.
+    pub weight: Real,
+    /// `k` with the energy `½ k C²` (J).
+    pub stiffness: Real,
+}
+
+/// What a method makes of a row: `(w̃ + softness) Δλ = −residual`.
+///
+/// Δλ (kg m² per unit of C) is how far to go: the vertices of the row move by `wᵢ ∂C/∂xᵢ Δλ`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RowEquation {
+    /// What Δλ is to bring to zero (unit of C).
+    pub residual: Real,
+    /// What stands beside w̃ (unit of C² per kg m²), not negative.
+    pub softness: Real,
+}
+
+/// One row as it is read out: where it stands, whom it acts on.
+#[derive(Clone, Copy, Debug)]
+pub struct RowView<'a, M> {
+    /// Number of the row in its family: element after element in the order in which they were given, row after row.
+    pub index: usize,
+    /// Its numbers.
+    pub row: RowAt,
+    /// The vertices of its element.
+    pub vertices: &'a [u32],
+    /// `∂C/∂x` (unit of C per m), one per vertex of the element.
+    pub gradient: &'a [Vec3],
+    /// What is remembered of it.
+    pub memory: &'a M,
+}
+
+/// How far a method goes along the rows of an element.
+pub trait Rule: Debug + Send + Sync + 'static {
+    /// What is remembered of a row from one visit to the next. It starts, and is forgotten, as the default.
+    type Memory: Copy + Debug + Default + Send + Sync + 'static;
+
+    /// Whether the memory is a part of the iterate, as a multiplier is that goes with the positions. It is then extrapolated with them
+    /// ([`Rule::extrapolate`]).
+    const MEMORY_ITERATES: bool = false;
+
+    /// Whether the rows of one element are solved together, with the products of their gradients, or one after another.
+    const ROWS_TOGETHER: bool = false;
+
+    /// The equation of a row; `None` where nothing could change it, in particular if weight and softness both vanish.
+    fn equation(&self, row: RowAt, memory: &mut Self::Memory) -> Option<RowEquation>;
+
+    /// Remembers that a row went along by `change` (kg m² per unit of C): Δλ, or the part of it that a relaxed or an averaging sweep takes.
+    #[inline]
+    fn remember(&self, change: Real, memory: &mut Self::Memory) {
+        let _ = (change, memory);
+    }
+
+    /// What [`Chebyshev`](super::Chebyshev) does to the memory: `now ← before + ω (now − before)`. Only called if [`Rule::MEMORY_ITERATES`].
+    fn extrapolate(now: &mut Self::Memory, before: &Self::Memory, omega: Real) {
+        let _ = (now, before, omega);
+    }
+}

@@ -1,0 +1,137 @@
+//! How a solver is put together.
+
+use super::config::DirectConfig;
+use super::kkt::{Kkt, Pair};
+use super::linear::Solver;
+use super::merit::Merit;
+use super::rows::{RowFamily, Rows, family};
+use super::solver::DirectXpbd;
+use cloth_core::block_matrix::{BlockMatrix, PatternBuilder};
+use cloth_core::element::Constraint;
+use cloth_core::math::{Real, Vec3};
+use cloth_core::particles::Particles;
+use cloth_core::step::BuildError;
+
+/// Collects what a [`DirectXpbd`] is built of.
+#[derive(Debug)]
+pub struct DirectBuilder {
+    particles: Particles,
+    families: Result<Vec<Box<dyn RowFamily>>, BuildError>,
+    config: DirectConfig,
+}
+
+impl DirectBuilder {
+    pub(super) fn new(particles: &Particles) -> Self {
+        Self {
+            particles: particles.clone(),
+            families: Ok(Vec::new()),
+            config: DirectConfig::default(),
+        }
+    }
+
+    /// Adds a family of constraints.
+    #[must_use]
+    pub fn energy<const N: usize, E: Constraint<N>>(mut self, elements: Vec<E>) -> Self {
+        let vertex_count = self.particles.len();
+        self.families = self.families.and_then(|mut families| {
+            families.push(family(elements, vertex_count)?);
+            Ok(families)
+        });
+        self
+    }
+
+    /// Replaces the settings.
+    #[must_use]
+    pub fn config(mut self, config: DirectConfig) -> Self {
+        self.config = config;
+        self
+    }
+
+    /// The solver: the pattern is made and analysed here, once.
+    ///
+    /// # Errors
+    /// [`BuildError::InvalidSetting`]; [`BuildError::NoSuchVertex`] if an element names a vertex that the particles do not have; [`BuildError::MatrixTooLarge`].
+    pub fn build(self) -> Result<DirectXpbd, BuildError> {
+        let config = self.config;
+        check(
+            "the number of iterations",
+            Real::from(config.max_iterations),
+            config.max_iterations > 0,
+            "at least 1",
+        )?;
+        let finite = |value: Real| value >= 0.0 && value.is_finite();
+        let range = "zero or positive, and finite";
+        check(
+            "the tolerance",
+            config.tolerance,
+            finite(config.tolerance),
+            range,
+        )?;
+        check("the damping", config.damping, finite(config.damping), range)?;
+        check(
+            "the Krylov tolerance",
+            config.krylov_tolerance,
+            finite(config.krylov_tolerance),
+            range,
+        )?;
+        let mut families = self.families?;
+        let vertex_count = self.particles.len();
+        let mut pattern = PatternBuilder::new(vertex_count);
+        let mut rows = Rows::default();
+        rows.offsets.push(0);
+        for family in &families {
+            family.append(&mut rows);
+            if config.geometric_stiffness && !config.system.is_dual() {
+                family.add_pattern(&mut pattern);
+            }
+        }
+        let pattern = pattern.build();
+        if config.geometric_stiffness && !config.system.is_dual() {
+            for family in &mut families {
+                family.bind(&pattern);
+            }
+        }
+        let w = self.particles.inverse_mass();
+        let kkt = Kkt::new(&rows, w, BlockMatrix::zeros(pattern));
+        let solver = Solver::new(&kkt, &config).map_err(|_| BuildError::MatrixTooLarge)?;
+        let masses = self.particles.mass().iter().zip(w);
+        let mass = masses.map(|(m, w)| if *w == 0.0 { 0.0 } else { *m });
+        let pair = || Pair::zeros(vertex_count, rows.len());
+        let zeros = || vec![Vec3::zeros(); vertex_count];
+        Ok(DirectXpbd {
+            mass: mass.collect(),
+            particles: self.particles,
+            config,
+            families,
+            merit: Merit::new(rows.len()),
+            start_value: vec![0.0; rows.len()],
+            multipliers: vec![0.0; rows.len()],
+            trial_multipliers: vec![0.0; rows.len()],
+            softness: vec![0.0; rows.len()],
+            right: pair(),
+            change: pair(),
+            correction: pair(),
+            predicted: zeros(),
+            positions: zeros(),
+            direction: zeros(),
+            trial: zeros(),
+            last: None,
+            residuals: Default::default(),
+            solver,
+            kkt,
+            rows,
+        })
+    }
+}
+
+fn check(
+    name: &'static str,
+    value: Real,
+    good: bool,
+    range: &'static str,
+) -> Result<(), BuildError> {
+    if good {
+        return Ok(());
+    }
+    Err(BuildError::InvalidSetting { name, value, range })
+}

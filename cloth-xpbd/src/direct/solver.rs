@@ -1,0 +1,485 @@
+//! The algorithm.
+
+use super::builder::DirectBuilder;
+use super::config::{DirectConfig, DirectStart};
+use super::kkt::{Kkt, Pair};
+use super::linear::Solver;
+use super::merit::{Merit, Scene};
+use super::rows::{RowFamily, Rows};
+use crate::compliance::Compliance;
+use cloth_core::linear::CholeskyError;
+use cloth_core::math::{Real, Vec3, is_finite};
+use cloth_core::measure::predict;
+use cloth_core::particles::{Particles, State};
+use cloth_core::step::{Outcome, StepError, StepInput, StepReport, Stepper};
+
+/// The step of XPBD as one system; see the [module documentation](super).
+#[derive(Debug)]
+pub struct DirectXpbd {
+    pub(super) particles: Particles,
+    /// Masses (kg), 0 for prescribed vertices.
+    pub(super) mass: Vec<Real>,
+    pub(super) config: DirectConfig,
+    pub(super) families: Vec<Box<dyn RowFamily>>,
+    /// As last evaluated. With damping, `value` is less by what a damped row keeps of C⁰.
+    pub(super) rows: Rows,
+    pub(super) kkt: Kkt,
+    pub(super) solver: Solver,
+    pub(super) merit: Merit,
+    /// What is taken off the value of each row (unit of C), for damping.
+    pub(super) start_value: Vec<Real>,
+    /// λ of each row (kg m² per unit of C).
+    pub(super) multipliers: Vec<Real>,
+    pub(super) trial_multipliers: Vec<Real>,
+    /// α̃ of each row; infinite where no multiplier could change it.
+    pub(super) softness: Vec<Real>,
+    pub(super) right: Pair,
+    pub(super) change: Pair,
+    pub(super) correction: Pair,
+    /// x̃, x, Δx, and a place to try (m), one per vertex.
+    pub(super) predicted: Vec<Vec3>,
+    pub(super) positions: Vec<Vec3>,
+    pub(super) direction: Vec<Vec3>,
+    pub(super) trial: Vec<Vec3>,
+    /// With the size of the last step, if it succeeded.
+    pub(super) last: Option<Compliance>,
+    pub(super) residuals: Residuals,
+}
+
+/// What the last step left of the two equations.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Residuals {
+    /// Largest `|C + α̃λ|` of a row (unit of C; m for springs and hinges).
+    pub compliance: Real,
+    /// `‖M (x − x̃)/h² − Jᵀλ/h²‖` in the norm of M⁻¹ (N/√kg).
+    pub momentum: Real,
+}
+
+/// Part of the promised decrease that has to be kept (Armijo's constant).
+const SUFFICIENT: Real = 1e-4;
+/// Step lengths tried before giving up, each half of the one before.
+const MOST_TRIALS: u32 = 40;
+
+impl Stepper for DirectXpbd {
+    fn name(&self) -> &'static str {
+        "xpbd-direct"
+    }
+
+    fn step(
+        &mut self,
+        state: &mut State,
+        mut input: StepInput<'_>,
+    ) -> Result<StepReport, StepError> {
+        input.check(state, self.particles.len())?;
+        let stepped = self.iterate(state, &mut input);
+        match stepped {
+            Ok(report) => {
+                self.write(state, &input);
+                Ok(report)
+            }
+            Err(error) => {
+                // What a failed step leaves must not start the next one.
+                self.last = None;
+                self.multipliers.fill(0.0);
+                Err(error)
+            }
+        }
+    }
+}
+
+impl DirectXpbd {
+    /// Starts with the masses and prescribed vertices of `particles` as they are now, and without constraints.
+    #[must_use]
+    pub fn builder(particles: &Particles) -> DirectBuilder {
+        DirectBuilder::new(particles)
+    }
+
+    /// What it was built with.
+    #[must_use]
+    pub fn config(&self) -> &DirectConfig {
+        &self.config
+    }
+
+    /// Numbers stored in the factor; 0 for a Krylov method.
+    #[must_use]
+    pub fn factor_len(&self) -> usize {
+        self.solver.factor_len()
+    }
+
+    /// What was added to the diagonal of every row in the factor of the last iteration (dimensionless: the diagonal is 1), so that hard rows that depend on one another
+    /// do not make the matrix singular. It changes how fast a step converges, not what it converges to.
+    #[must_use]
+    pub fn regularization(&self) -> Real {
+        self.solver.shift()
+    }
+
+    /// What the last step left of the two equations; zero before the first.
+    #[must_use]
+    pub fn residuals(&self) -> Residuals {
+        self.residuals
+    }
+
+    /// Writes the multipliers λ (kg m² per unit of C; kg m for springs and hinges) of the last step to `out`: those of the family that
+    /// was added as number `family` (from 0), element after element in the order given, row after row. Zero before the first step and after one that failed.
+    ///
+    /// # Panics
+    /// If there is no such family.
+    pub fn multipliers_into(&self, family: usize, out: &mut Vec<Real>) {
+        let first: usize = self.families[..family].iter().map(|f| f.row_count()).sum();
+        let count = self.families[family].row_count();
+        out.clear();
+        out.extend_from_slice(&self.multipliers[first..first + count]);
+    }
+
+    /// Writes `Σ Jᵀλ/h²` (N) over all constraints to `out`, one per vertex, as
+    /// [`XpbdSolver::vertex_forces_into`](crate::XpbdSolver::vertex_forces_into) does.
+    ///
+    /// # Panics
+    /// If `out` does not have one entry per vertex.
+    pub fn vertex_forces_into(&self, out: &mut [Vec3]) {
+        assert_eq!(out.len(), self.mass.len(), "one force per vertex");
+        out.fill(Vec3::zeros());
+        let Some(compliance) = self.last else {
+            return;
+        };
+        for (row, &multiplier) in self.multipliers.iter().enumerate() {
+            for e in self.rows.entries(row) {
+                let force = self.rows.gradient[e] * compliance.force(multiplier);
+                out[self.rows.vertices[e] as usize] += force;
+            }
+        }
+    }
+
+    fn iterate(
+        &mut self,
+        state: &State,
+        input: &mut StepInput<'_>,
+    ) -> Result<StepReport, StepError> {
+        let step = state.steps + 1;
+        let compliance = Compliance::new(input.dt, self.config.damping);
+        let unknown =
+            self.config.warm_start && self.config.geometric_stiffness && self.last.is_none();
+        self.begin(state, input, compliance);
+        let size = extent(&state.positions);
+        let mut report = StepReport::new(Outcome::BudgetSpent, 0);
+        for iteration in 1..=self.config.max_iterations {
+            report.iterations = iteration;
+            self.assemble(compliance);
+            if iteration == 1 && unknown {
+                self.guess_multipliers()
+                    .map_err(|_| StepError::NotPositiveDefinite { iteration, step })?;
+                self.assemble(compliance);
+            }
+            self.solver
+                .prepare(&self.kkt)
+                .map_err(|_| StepError::NotPositiveDefinite { iteration, step })?;
+            if self.solver.solve(&self.kkt, &self.right, &mut self.change) {
+                self.forget_undetermined();
+            }
+            let scaled = self.change.x.iter().zip(&self.kkt.vertex_scale);
+            for (direction, (x, scale)) in self.direction.iter_mut().zip(scaled) {
+                *direction = x * *scale;
+            }
+            if let Some(vertex) = self.direction.iter().position(|d| !is_finite(d)) {
+                return Err(StepError::NonFinite { vertex, step });
+            }
+            let moved = self.direction.iter().map(Vec3::amax).fold(0.0, Real::max);
+            // Where nothing moves any more, two values of the merit differ by rounding only.
+            let done = moved <= self.config.tolerance * size;
+            if done || !self.config.line_search {
+                self.try_length(1.0);
+                self.accept();
+            } else {
+                self.search(size, &mut report)
+                    .ok_or(StepError::LineSearchStalled {
+                        iteration,
+                        residual: moved / size,
+                        step,
+                    })?;
+            }
+            if let Some(observer) = &mut input.observer {
+                observer.iteration(iteration, &self.positions);
+            }
+            if done {
+                report.outcome = Outcome::Converged;
+                break;
+            }
+        }
+        // The velocity is a quotient of positions, and may overflow where they do not.
+        let velocity = |v: usize| (self.positions[v] - self.predicted[v]) / input.dt;
+        if let Some(vertex) = (0..self.positions.len())
+            .find(|&v| !is_finite(&self.positions[v]) || !is_finite(&velocity(v)))
+        {
+            return Err(StepError::NonFinite { vertex, step });
+        }
+        self.finish(compliance, &mut report);
+        Ok(report)
+    }
+
+    /// x̃, where to start, and λ to start from.
+    fn begin(&mut self, state: &State, input: &StepInput<'_>, compliance: Compliance) {
+        predict(&self.particles, state, input, &mut self.predicted);
+        self.start_value.fill(0.0);
+        if self.config.damping > 0.0 {
+            self.evaluate_at(&state.positions);
+            let rows = self.rows.value.iter().zip(&self.rows.stiffness);
+            for (start, (value, &k)) in self.start_value.iter_mut().zip(rows) {
+                *start = compliance.kept(k) * value;
+            }
+        }
+        for (v, x) in self.positions.iter_mut().enumerate() {
+            let free = !self.particles.is_prescribed(v);
+            *x = match self.config.start {
+                DirectStart::Previous if free => state.positions[v],
+                _ => self.predicted[v],
+            };
+        }
+        let ratio = match self.last {
+            Some(last) if self.config.warm_start => compliance.substep() / last.substep(),
+            _ => 0.0,
+        };
+        self.multipliers
+            .iter_mut()
+            .for_each(|l| *l *= ratio * ratio);
+        self.merit.reset();
+        self.solver.factorizations = 0;
+        self.solver.solves = 0;
+        self.trial.copy_from_slice(&self.positions);
+        self.evaluate_trial();
+    }
+
+    /// C, J and k at `x`.
+    fn evaluate_at(&mut self, x: &[Vec3]) {
+        let mut first = 0;
+        for family in &self.families {
+            family.evaluate(x, first, &mut self.rows);
+            first += family.row_count();
+        }
+        for (value, start) in self.rows.value.iter_mut().zip(&self.start_value) {
+            *value -= start;
+        }
+    }
+
+    fn evaluate_trial(&mut self) {
+        let trial = std::mem::take(&mut self.trial);
+        self.evaluate_at(&trial);
+        self.trial = trial;
+    }
+
+    /// The matrix and the right-hand side at the present positions and multipliers.
+    fn assemble(&mut self, compliance: Compliance) {
+        self.set_rows(compliance);
+        let families: &[_] = if self.config.geometric_stiffness {
+            &self.families
+        } else {
+            &[]
+        };
+        let diagonal_only = self.config.system.is_dual();
+        self.kkt
+            .set_hessian(families, &self.positions, &self.multipliers, diagonal_only);
+        self.set_right();
+    }
+
+    fn set_rows(&mut self, compliance: Compliance) {
+        self.kkt.set_rows(&self.rows, compliance);
+        for row in 0..self.rows.len() {
+            self.softness[row] = if self.kkt.row_scale[row] > 0.0 {
+                compliance.scaled(self.rows.stiffness[row])
+            } else {
+                Real::INFINITY
+            };
+        }
+    }
+
+    /// Minus the two equations, scaled.
+    fn set_right(&mut self) {
+        for (v, right) in self.right.x.iter_mut().enumerate() {
+            let pull = self.predicted[v] - self.positions[v];
+            *right = pull * (self.mass[v] * self.kkt.vertex_scale[v]);
+        }
+        for row in 0..self.rows.len() {
+            let scale = self.kkt.row_scale[row];
+            self.change.l[row] = if scale > 0.0 {
+                self.multipliers[row] / scale
+            } else {
+                0.0
+            };
+        }
+        self.kkt.add_forces(&self.change.l, 1.0, &mut self.right.x);
+        for row in 0..self.rows.len() {
+            let hat = self.kkt.softness[row] * self.change.l[row];
+            self.right.l[row] = -(self.kkt.row_scale[row] * self.rows.value[row] + hat);
+        }
+    }
+
+    /// Takes the multipliers of one solve without geometric stiffness, and moves nothing: what a first step has in place of those of a step before.
+    fn guess_multipliers(&mut self) -> Result<(), CholeskyError> {
+        self.solver.prepare(&self.kkt)?;
+        if self.solver.solve(&self.kkt, &self.right, &mut self.change) {
+            self.forget_undetermined();
+        }
+        for row in 0..self.rows.len() {
+            self.multipliers[row] += self.kkt.row_scale[row] * self.change.l[row];
+        }
+        Ok(())
+    }
+
+    /// Takes from the new multipliers what rows that depend on one another leave open, and their contradiction has made large. It moves nothing, but the geometric stiffness
+    /// would see it.
+    fn forget_undetermined(&mut self) {
+        for _ in 0..2 {
+            for row in 0..self.rows.len() {
+                let scale = self.kkt.row_scale[row];
+                self.right.l[row] = self.change.l[row];
+                if scale > 0.0 {
+                    self.right.l[row] += self.multipliers[row] / scale;
+                }
+            }
+            self.solver
+                .undetermined(&self.kkt, &self.right.l, &mut self.correction);
+            for (change, undetermined) in self.change.l.iter_mut().zip(&self.correction.l) {
+                *change -= undetermined;
+            }
+        }
+    }
+
+    /// Takes the first of Δ, Δ with a second-order correction, Δ/2, Δ/4, … that makes the merit fall enough; `None` if none does.
+    fn search(&mut self, size: Real, report: &mut StepReport) -> Option<()> {
+        let changes = self.change.l.iter().zip(&self.kkt.row_scale);
+        self.merit
+            .raise(&self.multipliers, changes.map(|(l, scale)| l * scale));
+        let scene = Scene {
+            mass: &self.mass,
+            predicted: &self.predicted,
+            softness: &self.softness,
+        };
+        let start = self.merit.value(scene, &self.positions, &self.rows);
+        let slope = self
+            .merit
+            .slope(scene, &self.positions, &self.rows, &self.direction);
+        let rounding = self.merit.rounding(start, size);
+        let bound = |length: Real| start + SUFFICIENT * length * slope.min(0.0) + rounding;
+        let mut length = 1.0;
+        for _ in 0..MOST_TRIALS {
+            self.try_length(length);
+            if self.trial_merit() <= bound(length) {
+                self.accept();
+                return Some(());
+            }
+            if length == 1.0 {
+                self.correct();
+                if self.trial_merit() <= bound(1.0) {
+                    self.accept();
+                    return Some(());
+                }
+            }
+            report.backtracks += 1;
+            length *= 0.5;
+        }
+        None
+    }
+
+    fn trial_merit(&self) -> Real {
+        let scene = Scene {
+            mass: &self.mass,
+            predicted: &self.predicted,
+            softness: &self.softness,
+        };
+        self.merit.value(scene, &self.trial, &self.rows)
+    }
+
+    /// Puts `x + t Δx`, `λ + t Δλ` in the place to try, and evaluates the rows there.
+    fn try_length(&mut self, t: Real) {
+        let moved = self.positions.iter().zip(&self.direction);
+        for (trial, (x, d)) in self.trial.iter_mut().zip(moved) {
+            *trial = x + d * t;
+        }
+        for row in 0..self.rows.len() {
+            let change = self.kkt.row_scale[row] * self.change.l[row];
+            self.trial_multipliers[row] = self.multipliers[row] + t * change;
+        }
+        self.evaluate_trial();
+    }
+
+    /// Adds to the place to try what the matrix says of the curvature of the rows that it did not see: without it a hard row that turns keeps whole
+    /// steps from being accepted.
+    fn correct(&mut self) {
+        self.right.x.fill(Vec3::zeros());
+        for row in 0..self.rows.len() {
+            let scale = self.kkt.row_scale[row];
+            self.right.l[row] = if scale > 0.0 {
+                let softness = self.softness[row] * self.trial_multipliers[row];
+                -scale * (self.rows.value[row] + softness)
+            } else {
+                0.0
+            };
+        }
+        self.solver
+            .solve(&self.kkt, &self.right, &mut self.correction);
+        for (v, trial) in self.trial.iter_mut().enumerate() {
+            *trial += self.correction.x[v] * self.kkt.vertex_scale[v];
+        }
+        for row in 0..self.rows.len() {
+            self.trial_multipliers[row] += self.kkt.row_scale[row] * self.correction.l[row];
+        }
+        self.evaluate_trial();
+    }
+
+    fn accept(&mut self) {
+        std::mem::swap(&mut self.positions, &mut self.trial);
+        std::mem::swap(&mut self.multipliers, &mut self.trial_multipliers);
+    }
+
+    /// What is left of the equations, and the counts.
+    fn finish(&mut self, compliance: Compliance, report: &mut StepReport) {
+        self.last = Some(compliance);
+        self.set_rows(compliance);
+        for row in 0..self.rows.len() {
+            // A spring between two pins is no part of the system, but it has a force.
+            if self.kkt.row_scale[row] == 0.0 {
+                let force = -self.rows.value[row] / compliance.scaled(self.rows.stiffness[row]);
+                self.multipliers[row] = if force.is_finite() { force } else { 0.0 };
+            }
+        }
+        self.set_right();
+        let rows = self.right.l.iter().zip(&self.kkt.row_scale);
+        let left = rows.filter(|(_, scale)| **scale > 0.0);
+        let h = compliance.substep();
+        self.residuals = Residuals {
+            compliance: left.map(|(l, scale)| l.abs() / scale).fold(0.0, Real::max),
+            momentum: self
+                .right
+                .x
+                .iter()
+                .map(Vec3::norm_squared)
+                .sum::<Real>()
+                .sqrt()
+                / (h * h),
+        };
+        report.factorizations = self.solver.factorizations;
+        report.linear_solves = self.solver.solves;
+        report.residual = Some(self.residuals.compliance);
+    }
+
+    /// Hands the result over, with `v ← v + h a + (x − x̃)/h`, S1 (26).
+    fn write(&self, state: &mut State, input: &StepInput<'_>) {
+        for (v, velocity) in state.velocities.iter_mut().enumerate() {
+            let w = self.particles.inverse_mass()[v];
+            *velocity += input.external_acceleration(v, w) * input.dt;
+            *velocity += (self.positions[v] - self.predicted[v]) / input.dt;
+        }
+        state.positions.copy_from_slice(&self.positions);
+        state.time += input.dt;
+        state.steps += 1;
+    }
+}
+
+/// Largest side of the box around the positions (m); 1 if they are one point.
+fn extent(positions: &[Vec3]) -> Real {
+    let low = positions.iter().copied().reduce(|a, b| a.inf(&b));
+    let high = positions.iter().copied().reduce(|a, b| a.sup(&b));
+    match (low, high) {
+        (Some(low), Some(high)) if high != low => (high - low).amax(),
+        _ => 1.0,
+    }
+}

@@ -1,0 +1,97 @@
+//! Forces, read out of the multipliers (XPBD-4).
+
+use crate::solver::XpbdSolver;
+use cloth_core::math::{Real, Vec3};
+
+/// The force of one row over the last substep.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RowForce<'a> {
+    /// Number of the row in its family: element after element in the order in which they were given, row after row.
+    pub index: usize,
+    /// The vertices of its element.
+    pub vertices: &'a [u32],
+    /// `∂C/∂x` (unit of C per m) at the end of the substep, one per vertex of the element.
+    pub gradient: &'a [Vec3],
+    /// `λ/h²` (J per unit of C; N for springs and hinges), positive where it pushes C up: the tension of a spring is its negative.
+    pub magnitude: Real,
+}
+
+impl RowForce<'_> {
+    /// `∂C/∂xᵢ λ/h²` (N): the force on vertex number `i` of the element.
+    ///
+    /// # Panics
+    /// If the element has no such vertex.
+    #[must_use]
+    pub fn on(&self, i: usize) -> Vec3 {
+        self.gradient[i] * self.magnitude
+    }
+}
+
+/// What the last substep of the last step did, as forces. All are zero before the first step and after one that failed.
+///
+/// They are the mean over the substep, damping included, and as far from the solution as the sweeps left them: with one sweep per substep, λ of a row
+/// is what its one visit made of it.
+impl XpbdSolver {
+    /// Writes the multipliers λ (kg m² per unit of C; kg m for springs and hinges) of the last substep to `out`: those of the family that
+    /// was added as number `family` (from 0), element after element in the order given, row after row.
+    ///
+    /// `λ/h²` is the generalised force of the row: the tension of a spring is `−λ/h²` (N).
+    ///
+    /// # Panics
+    /// If there is no such family.
+    pub fn multipliers_into(&self, family: usize, out: &mut Vec<Real>) {
+        self.families.remembered(family, out);
+        let Some(compliance) = self.last else {
+            out.fill(0.0);
+            return;
+        };
+        if !self.start.is_empty() {
+            let w = self.motion.inverse_mass();
+            self.families.inspect(family, w, &self.start, |seen| {
+                out[seen.index] += compliance.offset(seen.row.stiffness, seen.row.value);
+            });
+        }
+    }
+
+    /// Shows the force `f = Jᵀλ/h²` of every row of the family that was added as number `family` (from 0), in no particular order.
+    ///
+    /// # Panics
+    /// If there is no such family.
+    pub fn each_force(&self, family: usize, mut see: impl FnMut(RowForce<'_>)) {
+        let mut multipliers = Vec::new();
+        self.multipliers_into(family, &mut multipliers);
+        let Some(compliance) = self.last else {
+            return;
+        };
+        let (w, x) = (self.motion.inverse_mass(), self.motion.positions());
+        self.families.inspect(family, w, x, |seen| {
+            see(RowForce {
+                index: seen.index,
+                vertices: seen.vertices,
+                gradient: seen.gradient,
+                magnitude: compliance.force(multipliers[seen.index]),
+            });
+        });
+    }
+
+    /// Writes `Σ Jᵀλ/h²` (N) over all constraints to `out`, one per vertex. At a prescribed vertex it is what the cloth pulls with,
+    /// the negative of what a support there has to bear.
+    ///
+    /// # Panics
+    /// If `out` does not have one entry per vertex.
+    pub fn vertex_forces_into(&self, out: &mut [Vec3]) {
+        assert_eq!(
+            out.len(),
+            self.motion.vertex_count(),
+            "one force per vertex"
+        );
+        out.fill(Vec3::zeros());
+        for family in 0..self.families.len() {
+            self.each_force(family, |force| {
+                for (i, &vertex) in force.vertices.iter().enumerate() {
+                    out[vertex as usize] += force.on(i);
+                }
+            });
+        }
+    }
+}
