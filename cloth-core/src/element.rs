@@ -13,6 +13,9 @@
 //! line where the one becomes the other. That is why there is no `impl Energy for Spring` to be found.
 
 mod differences;
+mod sweep_forms;
+
+pub use sweep_forms::{Steep, VectorRow};
 
 use crate::math::{Blocks, Mat3, Real, Vec3};
 use std::fmt::Debug;
@@ -130,6 +133,23 @@ pub trait Constraint<const N: usize>: Element<N> {
             return [[Mat3::zeros(); N]; N];
         }
         differences::geometric_stiffness(self, x, multipliers, convexity)
+    }
+
+    /// The same rows for a sweep, with gradients that lack a common divisor: see [`Steep`]. By default the divisor is 1.
+    #[inline(always)]
+    fn steep_rows(&self, x: &[Vec3; N]) -> Steep<Self::Rows> {
+        Steep {
+            rows: self.rows(x),
+            divisor: 1.0,
+            divisor_squared: 1.0,
+        }
+    }
+
+    /// The rows as one [`VectorRow`], if they are one; then there are three, and they are linear. A sweep wants to know, because it is
+    /// several times faster on it.
+    #[inline(always)]
+    fn vector_row(&self) -> Option<VectorRow<N>> {
+        None
     }
 
     /// `Σᵣ kᵣ Cᵣ ∂²Cᵣ/∂x²` (N/m), made positive semi-definite as `convexity` says. Never called for

@@ -19,11 +19,11 @@ impl Rule for Rigid {
     type Memory = Real;
     const MEMORY_ITERATES: bool = true;
 
-    fn equation(&self, row: RowAt, _: &mut Real) -> Option<RowEquation> {
-        (row.weight > 0.0).then_some(RowEquation {
+    fn equation(&self, row: RowAt, _: &mut Real) -> RowEquation {
+        RowEquation {
             residual: row.value,
             softness: 0.0,
-        })
+        }
     }
 
     fn remember(&self, change: Real, total: &mut Real) {
@@ -403,7 +403,7 @@ fn multipliers_and_positions_stay_together() {
                 families.sweep(&Rigid, &sheet.w, &mut x);
             }
             let mut lambda = Vec::new();
-            families.remembered(0, &mut lambda);
+            families.remembered(0, &mut lambda, |memory| *memory);
             let mut expected = sheet.x.clone();
             for (hinge, lambda) in sheet.hinges.iter().zip(lambda.chunks(3)) {
                 for (&v, q) in hinge.vertices.iter().zip(hinge.coefficients) {
@@ -501,7 +501,7 @@ fn the_bits_do_not_depend_on_the_number_of_threads() {
                     families.sweep(&Rigid, &sheet.w, &mut x);
                 }
                 let mut lambda = Vec::new();
-                families.remembered(1, &mut lambda);
+                families.remembered(1, &mut lambda, |memory| *memory);
                 (x, lambda)
             };
             let pool = |threads| rayon::ThreadPoolBuilder::new().num_threads(threads).build();

@@ -84,14 +84,11 @@ impl Rule for Projection {
     type Memory = Known;
 
     #[inline]
-    fn equation(&self, row: RowAt, known: &mut Known) -> Option<RowEquation> {
-        if row.weight <= 0.0 {
-            return None; // all its vertices are prescribed, or its gradient vanishes
-        }
+    fn equation(&self, row: RowAt, known: &mut Known) -> RowEquation {
         let s = match self.stiffness {
             StiffnessRule::Fixed(s) => s,
             StiffnessRule::Material => {
-                let weight = rounded(row.weight);
+                let weight = rounded(row.weight());
                 if weight != known.weight {
                     let z = row.stiffness * self.substep * self.substep * weight;
                     let s = projection_stiffness(z, self.iterations);
@@ -100,10 +97,10 @@ impl Rule for Projection {
                 known.s
             }
         };
-        Some(RowEquation {
+        RowEquation {
             residual: s * row.value,
             softness: 0.0,
-        })
+        }
     }
 }
 

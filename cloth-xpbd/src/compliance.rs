@@ -14,7 +14,7 @@ use cloth_core::position_based::{RowAt, RowEquation, Rule};
 ///
 /// Macklin et al. (2016), equation 26, take `∂C/∂x·(x − x⁰)` for `C − C⁰`. For linear rows it is the same. For others it is not zero in a rigid rotation
 /// by a finite angle, and would damp it.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Compliance {
     /// h (s).
     substep: Real,
@@ -68,41 +68,61 @@ impl Compliance {
         multiplier / (self.substep * self.substep)
     }
 
-    /// `C + α̃ν` (unit of C), what the sweeps bring to zero; `None` where no multiplier could change it.
-    pub(crate) fn violation(self, row: RowAt, remembered: Real) -> Option<Real> {
-        self.equation(row, &mut { remembered })
-            .map(|equation| equation.residual)
+    /// `C + α̃ν` (unit of C), what the sweeps bring to zero; `None` where no multiplier could change it: it has no stiffness, or it is hard and nothing of it
+    /// can move.
+    pub(crate) fn violation(self, row: RowAt, total: Real) -> Option<Real> {
+        let softness = self.scaled(row.stiffness);
+        let movable = row.weight() + softness;
+        (movable > 0.0 && movable < Real::INFINITY).then_some(row.value + softness * total)
     }
 }
 
-impl Rule for Compliance {
+/// What is remembered of a row.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Multiplier {
     /// ν (kg m² per unit of C; kg m for a spring); λ since the start of the substep, if nothing is damped.
-    type Memory = Real;
+    pub(crate) total: Real,
+    /// α̃ (unit of C² per kg m²). It belongs to the element and the substep: computing it takes a division, which a visit can do without.
+    softness: Real,
+}
+
+impl Rule for Compliance {
+    type Memory = Multiplier;
 
     /// `x = x̃ + M⁻¹ ∂Cᵀλ` is affine, and so is the extrapolation: done to both, it keeps them together.
     const MEMORY_ITERATES: bool = true;
 
     const ROWS_TOGETHER: bool = true;
 
-    /// `C + α̃ν` and `α̃`, or `None` where no multiplier could change it: it has no stiffness, or it is hard and nothing of it
-    /// can move. Neither is a rare case to be caught later.
-    #[inline]
-    fn equation(&self, row: RowAt, total: &mut Real) -> Option<RowEquation> {
-        let softness = self.scaled(row.stiffness);
-        let movable = row.weight + softness;
-        (movable > 0.0 && movable < Real::INFINITY).then_some(RowEquation {
-            residual: row.value + softness * *total,
-            softness,
-        })
+    /// ν starts from `−k h β C⁰`.
+    fn prepare(&self, row: RowAt, memory: &mut Multiplier) {
+        *memory = Multiplier {
+            total: -self.offset(row.stiffness, row.value),
+            softness: self.scaled(row.stiffness),
+        };
     }
 
     #[inline]
-    fn remember(&self, change: Real, total: &mut Real) {
-        *total += change;
+    fn forget(memory: &mut Multiplier) {
+        memory.total = 0.0;
+    }
+
+    /// `C + α̃ν` and `α̃`.
+    #[inline]
+    fn equation(&self, row: RowAt, memory: &mut Multiplier) -> RowEquation {
+        RowEquation {
+            residual: row.value + memory.softness * memory.total,
+            softness: memory.softness,
+        }
     }
 
     #[inline]
-    fn extrapolate(now: &mut Real, before: &Real, omega: Real) {
-        *now = before + omega * (*now - before);
+    fn remember(&self, change: Real, memory: &mut Multiplier) {
+        memory.total += change;
+    }
+
+    #[inline]
+    fn extrapolate(now: &mut Multiplier, before: &Multiplier, omega: Real) {
+        now.total = before.total + omega * (now.total - before.total);
     }
 }

@@ -40,7 +40,7 @@ impl XpbdSolver {
     /// # Panics
     /// If there is no such family.
     pub fn multipliers_into(&self, family: usize, out: &mut Vec<Real>) {
-        self.families.remembered(family, out);
+        self.families.remembered(family, out, |memory| memory.total);
         let Some(compliance) = self.last else {
             out.fill(0.0);
             return;

@@ -15,6 +15,8 @@ pub struct XpbdSolver {
     config: XpbdConfig,
     /// With the substep of the last step, once one was taken.
     pub(crate) last: Option<Compliance>,
+    /// For which the families know their α̃.
+    prepared: Option<Compliance>,
     /// Positions (m) at the start of the last substep, one per vertex; empty if nothing is damped.
     pub(crate) start: Vec<Vec3>,
 }
@@ -59,14 +61,17 @@ impl XpbdSolver {
 
     /// Sets λ to zero, at the start of a substep.
     fn forget(&mut self, compliance: Compliance) {
-        if self.start.is_empty() {
+        let damped = !self.start.is_empty();
+        if !damped && self.prepared == Some(compliance) {
             self.families.forget();
             return;
         }
         let (w, x) = (self.motion.inverse_mass(), self.motion.positions());
-        self.start.copy_from_slice(x);
-        self.families
-            .set(w, x, |row| -compliance.offset(row.stiffness, row.value));
+        if damped {
+            self.start.copy_from_slice(x);
+        }
+        self.families.prepare(&compliance, w, x);
+        self.prepared = Some(compliance);
     }
 
     /// What it was built with.
@@ -100,8 +105,8 @@ impl XpbdSolver {
         let mut largest: Real = 0.0;
         if let Some(compliance) = self.last {
             self.families
-                .each_row(self.motion.inverse_mass(), positions, |row, &remembered| {
-                    if let Some(violation) = compliance.violation(row, remembered) {
+                .each_row(self.motion.inverse_mass(), positions, |row, memory| {
+                    if let Some(violation) = compliance.violation(row, memory.total) {
                         largest = largest.max(violation.abs());
                     }
                 });
@@ -148,6 +153,7 @@ impl Settings for XpbdConfig {
             families,
             config: self,
             last: None,
+            prepared: None,
         }
     }
 }

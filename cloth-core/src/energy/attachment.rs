@@ -1,7 +1,7 @@
 //! A vertex tied to a point in space (CORE-9, CORE-10).
 
-use crate::element::{Constraint, Convexity, Element, Projective, Row};
-use crate::math::{Blocks, Mat3, Real, Vec3};
+use crate::element::{Constraint, Element, Projective, Row, VectorRow};
+use crate::math::{Real, Vec3};
 
 /// A spring of rest length zero between a vertex and a fixed point p, S1 (29): `E = ½ k ‖x − p‖²` (J).
 ///
@@ -31,18 +31,23 @@ impl Constraint<1> for Attachment {
 
     #[inline]
     fn rows(&self, x: &[Vec3; 1]) -> [Row<1>; 3] {
-        let d = x[0] - self.target;
-        std::array::from_fn(|axis| Row {
-            value: d[axis],
-            gradient: [Vec3::ith(axis, 1.0)],
-            stiffness: self.stiffness,
-        })
+        self.as_vector_row().rows(x)
     }
 
-    /// Zero: the rows are linear.
-    #[inline]
-    fn geometric_stiffness(&self, _: &[Vec3; 1], _: &[Real], _: Convexity) -> Blocks<1> {
-        [[Mat3::zeros(); 1]; 1]
+    #[inline(always)]
+    fn vector_row(&self) -> Option<VectorRow<1>> {
+        Some(self.as_vector_row())
+    }
+}
+
+impl Attachment {
+    #[inline(always)]
+    fn as_vector_row(&self) -> VectorRow<1> {
+        VectorRow {
+            coefficients: [1.0],
+            target: self.target,
+            stiffness: self.stiffness,
+        }
     }
 }
 

@@ -3,8 +3,8 @@
 //! M. Bergou, M. Wardetzky, D. Harmon, D. Zorin, E. Grinspun, "A quadratic bending model for inextensible surfaces",
 //! SGP 2006, <https://doi.org/10.2312/SGP/SGP06/227-230>.
 
-use super::cotangent::{Cotangents, curvature_vector, on_each_hinge};
-use crate::element::{Constraint, Element, Projective, Row};
+use super::cotangent::{Cotangents, on_each_hinge};
+use crate::element::{Constraint, Element, Projective, Row, VectorRow};
 use crate::math::{Real, Vec3};
 use crate::mesh::TriMesh;
 use crate::topology::HingeTable;
@@ -78,20 +78,23 @@ impl Constraint<4> for CurvatureHinge {
 
     #[inline]
     fn rows(&self, x: &[Vec3; 4]) -> [Row<4>; 3] {
-        let z = curvature_vector(&self.coefficients, x);
-        let mut rows = [Row {
-            value: 0.0,
-            gradient: [Vec3::zeros(); 4],
+        self.as_vector_row().rows(x)
+    }
+
+    #[inline(always)]
+    fn vector_row(&self) -> Option<VectorRow<4>> {
+        Some(self.as_vector_row())
+    }
+}
+
+impl CurvatureHinge {
+    #[inline(always)]
+    fn as_vector_row(&self) -> VectorRow<4> {
+        VectorRow {
+            coefficients: self.coefficients,
+            target: Vec3::zeros(),
             stiffness: self.stiffness,
-        }; 3];
-        // Loops, because `map` and `from_fn` to arrays of this size are calls that copy.
-        for axis in 0..3 {
-            rows[axis].value = z[axis];
-            for i in 0..4 {
-                rows[axis].gradient[i][axis] = self.coefficients[i];
-            }
         }
-        rows
     }
 }
 

@@ -1,6 +1,6 @@
 //! The spring: two vertices that want to be a rest length apart (CORE-4).
 
-use crate::element::{Constraint, Convexity, Element, Projective, Row};
+use crate::element::{Constraint, Convexity, Element, Projective, Row, Steep};
 use crate::math::{Blocks, Mat3, Real, Vec3, length_and_direction};
 
 /// A linear spring, S1 (1)–(4): `C = ‖x₀ − x₁‖ − L` (m), `E = ½ k C²` (J).
@@ -97,6 +97,30 @@ impl Constraint<2> for Spring {
         };
         let block = (Mat3::identity() - n * n.transpose()) * factor;
         [[block, -block], [-block, block]]
+    }
+
+    #[inline(always)]
+    fn steep_rows(&self, x: &[Vec3; 2]) -> Steep<[Row<2>; 1]> {
+        let d = x[0] - x[1];
+        let squared = d.norm_squared();
+        let length = squared.sqrt();
+        // Not so for the shortest and longest lengths, whose squares are zero or infinite.
+        if squared < Real::MIN_POSITIVE || squared == Real::INFINITY {
+            return Steep {
+                rows: self.rows(x),
+                divisor: 1.0,
+                divisor_squared: 1.0,
+            };
+        }
+        Steep {
+            rows: [Row {
+                value: length - self.rest_length,
+                gradient: [d, -d],
+                stiffness: self.stiffness,
+            }],
+            divisor: length,
+            divisor_squared: squared,
+        }
     }
 
     /// `k (1 − L/l)(I − n nᵀ)`: positive across a stretched spring, negative across a compressed one, so `Clamp` drops it

@@ -39,6 +39,7 @@ impl Graph {
     }
 
     /// Number of vertices.
+    #[cfg(feature = "cholesky")]
     pub(crate) fn len(&self) -> usize {
         self.starts.len() - 1
     }

@@ -1,7 +1,7 @@
 //! What one element moves its vertices by.
 
-use super::rule::{RowAt, Rule};
-use crate::element::{Constraint, Row, RowArray};
+use super::rule::{RowAt, RowEquation, Rule};
+use crate::element::{Constraint, Row, RowArray, Steep, VectorRow};
 use crate::math::{Real, Vec3};
 
 /// Moves the vertices of one element, at `x` (m), by `share` (dimensionless) of its correction.
@@ -14,8 +14,7 @@ pub(super) fn project<const N: usize, E: Constraint<N>, R: Rule>(
     memory: &mut [R::Memory],
     x: &mut [Vec3; N],
 ) {
-    let w = element.vertices().map(|v| inverse_mass[v as usize]);
-    let moved = correction(rule, &element.rows(x), &w, share, memory);
+    let moved = correction(rule, element, inverse_mass, share, memory, x);
     for i in 0..N {
         x[i] += moved[i];
     }
@@ -23,55 +22,103 @@ pub(super) fn project<const N: usize, E: Constraint<N>, R: Rule>(
 
 /// What one element moves its vertices by (m): `share` of what its rows ask for. All gradients are those at the start.
 #[inline(always)]
-pub(super) fn correction<const N: usize, A: RowArray<N>, R: Rule>(
+pub(super) fn correction<const N: usize, E: Constraint<N>, R: Rule>(
     rule: &R,
-    rows: &A,
+    element: &E,
+    inverse_mass: &[Real],
+    share: Real,
+    memory: &mut [R::Memory],
+    x: &[Vec3; N],
+) -> [Vec3; N] {
+    let w = element.vertices().map(|v| inverse_mass[v as usize]);
+    if let Some(row) = element.vector_row() {
+        at_once(rule, &row, &w, share, memory, x)
+    } else if R::ROWS_TOGETHER && E::Rows::LEN > 1 {
+        together(rule, &element.rows(x), &w, share, memory)
+    } else {
+        in_turn(rule, &element.steep_rows(x), &w, share, memory)
+    }
+}
+
+/// `Δλ` of a row whose gradient is too long by a divisor, over that divisor; 0 where nothing could change the row.
+#[inline(always)]
+fn steep_change(equation: RowEquation, row: RowAt, divisor: Real) -> Real {
+    let whole = row.steep_weight + equation.softness * row.divisor_squared;
+    if whole > 0.0 && whole < Real::INFINITY {
+        -equation.residual * divisor / whole
+    } else {
+        0.0
+    }
+}
+
+/// Three rows at right angles to each other, with the same weight.
+#[inline(always)]
+fn at_once<const N: usize, R: Rule>(
+    rule: &R,
+    row: &VectorRow<N>,
     w: &[Real; N],
     share: Real,
     memory: &mut [R::Memory],
+    x: &[Vec3; N],
 ) -> [Vec3; N] {
-    let moved = if R::ROWS_TOGETHER && A::LEN > 1 {
-        together(rule, rows, w, share, memory)
-    } else {
-        in_turn(rule, rows.as_ref(), w, share, memory)
-    };
-    moved.map(|moved| moved * share)
+    let value = row.value(x);
+    let mut weight = 0.0;
+    for i in 0..N {
+        weight += w[i] * (row.coefficients[i] * row.coefficients[i]);
+    }
+    let mut change = Vec3::zeros();
+    for axis in 0..3 {
+        let seen = RowAt {
+            value: value[axis],
+            stiffness: row.stiffness,
+            steep_weight: weight,
+            divisor_squared: 1.0,
+        };
+        let equation = rule.equation(seen, &mut memory[axis]);
+        change[axis] = share * steep_change(equation, seen, 1.0);
+        rule.remember(change[axis], &mut memory[axis]);
+    }
+    let mut moved = [Vec3::zeros(); N];
+    for i in 0..N {
+        moved[i] = change * (w[i] * row.coefficients[i]);
+    }
+    moved
 }
 
 /// Row after row. The value of a later row is updated to first order for what the earlier ones moved, which is exact for linear rows.
 #[inline(always)]
-fn in_turn<const N: usize, R: Rule>(
+fn in_turn<const N: usize, A: RowArray<N>, R: Rule>(
     rule: &R,
-    rows: &[Row<N>],
+    steep: &Steep<A>,
     w: &[Real; N],
     share: Real,
     memory: &mut [R::Memory],
 ) -> [Vec3; N] {
     let mut moved = [Vec3::zeros(); N];
-    for (row, memory) in rows.iter().zip(memory) {
+    for (r, row) in steep.rows.as_ref().iter().enumerate() {
         let mut value = row.value;
-        if rows.len() > 1 {
+        if r > 0 {
+            let mut moved_by = 0.0;
             for i in 0..N {
-                value += row.gradient[i].dot(&moved[i]);
+                moved_by += row.gradient[i].dot(&moved[i]);
             }
+            value += moved_by / steep.divisor;
         }
-        let seen = row_at(row, w, value);
-        let Some(equation) = rule.equation(seen, memory) else {
-            continue;
-        };
-        let change = -equation.residual / (seen.weight + equation.softness);
-        rule.remember(share * change, memory);
+        let seen = row_at(row, w, value, steep.divisor_squared);
+        let equation = rule.equation(seen, &mut memory[r]);
+        let change = steep_change(equation, seen, steep.divisor);
+        rule.remember(share * (change * steep.divisor), &mut memory[r]);
         for i in 0..N {
             moved[i] += row.gradient[i] * (w[i] * change);
         }
     }
-    moved
+    moved.map(|moved| moved * share)
 }
 
 /// A pivot below this part of its diagonal is rounding: the row says nothing that the rows before it did not say.
 const REDUNDANT: Real = 1e-12;
 
-/// Solves `(J M⁻¹ Jᵀ + softness) Δλ = −residual` for the rows of one element by `L D Lᵀ`. A row without an equation is left out.
+/// Solves `(J M⁻¹ Jᵀ + softness) Δλ = −residual` for the rows of one element by `L D Lᵀ`. A row that nothing could change is left out.
 #[inline(always)]
 fn together<const N: usize, A: RowArray<N>, R: Rule>(
     rule: &R,
@@ -84,11 +131,12 @@ fn together<const N: usize, A: RowArray<N>, R: Rule>(
     let (mut lower, mut change) = (A::per_row(A::per_row(0.0)), A::per_row(0.0));
     let (lower, change, rows) = (lower.as_mut(), change.as_mut(), rows.as_ref());
     for r in 0..rows.len() {
-        let seen = row_at(&rows[r], w, rows[r].value);
-        let Some(equation) = rule.equation(seen, &mut memory[r]) else {
+        let seen = row_at(&rows[r], w, rows[r].value, 1.0);
+        let equation = rule.equation(seen, &mut memory[r]);
+        let whole = seen.steep_weight + equation.softness;
+        if !(whole > 0.0 && whole < Real::INFINITY) {
             continue;
-        };
-        let whole = seen.weight + equation.softness;
+        }
         let (mut pivot, mut value) = (whole, -equation.residual);
         let mut scaled = A::per_row(0.0); // L D
         let scaled = scaled.as_mut();
@@ -130,19 +178,25 @@ fn together<const N: usize, A: RowArray<N>, R: Rule>(
             moved[i] += rows[r].gradient[i] * (w[i] * change[r]);
         }
     }
-    moved
+    moved.map(|moved| moved * share)
 }
 
-/// What a method sees of a row with the value `value`.
+/// What a method sees of a row with the value `value`, and gradients too long by the root of `divisor_squared`.
 #[inline(always)]
-pub(super) fn row_at<const N: usize>(row: &Row<N>, w: &[Real; N], value: Real) -> RowAt {
-    let mut weight = 0.0;
+pub(super) fn row_at<const N: usize>(
+    row: &Row<N>,
+    w: &[Real; N],
+    value: Real,
+    divisor_squared: Real,
+) -> RowAt {
+    let mut steep_weight = 0.0;
     for i in 0..N {
-        weight += w[i] * row.gradient[i].norm_squared();
+        steep_weight += w[i] * row.gradient[i].norm_squared();
     }
     RowAt {
         value,
-        weight,
         stiffness: row.stiffness,
+        steep_weight,
+        divisor_squared,
     }
 }

@@ -30,8 +30,12 @@ trait AnyFamily<R: Rule>: Debug + Send + Sync {
     fn remember(&mut self);
     fn extrapolate(&mut self, omega: Real);
     fn each_row(&self, inverse_mass: &[Real], x: &[Vec3], see: &mut dyn FnMut(RowAt, &R::Memory));
-    fn remembered(&self, out: &mut Vec<R::Memory>);
-    fn set(&mut self, inverse_mass: &[Real], x: &[Vec3], memory: &dyn Fn(RowAt) -> R::Memory);
+    /// Shows the memory of every row with the row's number in the input.
+    fn remembered(&self, see: &mut dyn FnMut(usize, &R::Memory));
+    /// Number of rows.
+    fn row_count(&self) -> usize;
+    /// Lets the rule learn what it can of every row.
+    fn prepare(&mut self, rule: &R, inverse_mass: &[Real], x: &[Vec3]);
     fn inspect(
         &self,
         inverse_mass: &[Real],
@@ -73,9 +77,8 @@ impl<const N: usize, E: Constraint<N>, R: Rule> AnyFamily<R> for Family<N, E, Sl
     fn correct(&mut self, rule: &R, inverse_mass: &[Real], x: &[Vec3], moves: &mut [Vec3]) {
         let correct = |element: &E, &share: &Real, memory: &mut Slot<N, E, R>| -> [Vec3; N] {
             let vertices = element.vertices();
-            let w = vertices.map(|v| inverse_mass[v as usize]);
-            let rows = element.rows(&gather(x, vertices));
-            correction(rule, &rows, &w, share, memory.as_mut())
+            let x = gather(x, vertices);
+            correction(rule, element, inverse_mass, share, memory.as_mut(), &x)
         };
         let (moves, _) = moves.as_chunks_mut::<N>();
         jacobi::each_element(
@@ -118,7 +121,19 @@ impl<const N: usize, E: Constraint<N>, R: Rule> AnyFamily<R> for Family<N, E, Sl
     }
 
     fn forget(&mut self) {
-        self.memory.fill(E::Rows::per_row(R::Memory::default()));
+        for memory in &mut self.memory {
+            memory.as_mut().iter_mut().for_each(R::forget);
+        }
+    }
+
+    fn prepare(&mut self, rule: &R, inverse_mass: &[Real], x: &[Vec3]) {
+        for (element, memory) in self.elements.elements().iter().zip(&mut self.memory) {
+            let w = element.vertices().map(|v| inverse_mass[v as usize]);
+            let rows = element.rows(&gather(x, element.vertices()));
+            for (row, memory) in rows.as_ref().iter().zip(memory.as_mut()) {
+                rule.prepare(row_at(row, &w, row.value, 1.0), memory);
+            }
+        }
     }
 
     fn each_row(&self, inverse_mass: &[Real], x: &[Vec3], see: &mut dyn FnMut(RowAt, &R::Memory)) {
@@ -126,28 +141,22 @@ impl<const N: usize, E: Constraint<N>, R: Rule> AnyFamily<R> for Family<N, E, Sl
             let w = element.vertices().map(|v| inverse_mass[v as usize]);
             let rows = element.rows(&gather(x, element.vertices()));
             for (row, memory) in rows.as_ref().iter().zip(memory.as_ref()) {
-                see(row_at(row, &w, row.value), memory);
+                see(row_at(row, &w, row.value, 1.0), memory);
             }
         }
     }
 
-    fn remembered(&self, out: &mut Vec<R::Memory>) {
-        out.clear();
-        out.resize(self.memory.len() * E::Rows::LEN, R::Memory::default());
+    fn remembered(&self, see: &mut dyn FnMut(usize, &R::Memory)) {
         for (&place, memory) in self.elements.input_index().iter().zip(&self.memory) {
-            let place = place as usize * E::Rows::LEN;
-            out[place..place + E::Rows::LEN].copy_from_slice(memory.as_ref());
+            let first = place as usize * E::Rows::LEN;
+            for (r, memory) in memory.as_ref().iter().enumerate() {
+                see(first + r, memory);
+            }
         }
     }
 
-    fn set(&mut self, inverse_mass: &[Real], x: &[Vec3], start: &dyn Fn(RowAt) -> R::Memory) {
-        for (element, memory) in self.elements.elements().iter().zip(&mut self.memory) {
-            let w = element.vertices().map(|v| inverse_mass[v as usize]);
-            let rows = element.rows(&gather(x, element.vertices()));
-            for (row, memory) in rows.as_ref().iter().zip(memory.as_mut()) {
-                *memory = start(row_at(row, &w, row.value));
-            }
-        }
+    fn row_count(&self) -> usize {
+        self.memory.len() * E::Rows::LEN
     }
 
     fn inspect(
@@ -164,7 +173,7 @@ impl<const N: usize, E: Constraint<N>, R: Rule> AnyFamily<R> for Family<N, E, Sl
             for (i, (row, memory)) in rows.as_ref().iter().zip(memory.as_ref()).enumerate() {
                 see(RowView {
                     index: place as usize * E::Rows::LEN + i,
-                    row: row_at(row, &w, row.value),
+                    row: row_at(row, &w, row.value, 1.0),
                     vertices: &vertices,
                     gradient: &row.gradient,
                     memory,
@@ -332,7 +341,7 @@ impl<R: Rule> Families<R> {
         self.surrendered
     }
 
-    /// Sets all memory to the default.
+    /// Makes all memory that of rows not visited yet, at the start of a substep.
     pub fn forget(&mut self) {
         for family in &mut self.families {
             family.forget();
@@ -354,13 +363,13 @@ impl<R: Rule> Families<R> {
         }
     }
 
-    /// Sets the memory of every row to what `start` makes of the row at `x` (m).
+    /// Lets the rule learn what it can of every row at `x` (m), and forget what it knew ([`Rule::prepare`]).
     ///
     /// # Panics
     /// If the lengths are not those that the families were built for.
-    pub fn set(&mut self, inverse_mass: &[Real], x: &[Vec3], start: impl Fn(RowAt) -> R::Memory) {
+    pub fn prepare(&mut self, rule: &R, inverse_mass: &[Real], x: &[Vec3]) {
         for family in &mut self.families {
-            family.set(inverse_mass, x, &start);
+            family.prepare(rule, inverse_mass, x);
         }
     }
 
@@ -390,11 +399,19 @@ impl<R: Rule> Families<R> {
         self.families[family].inspect(inverse_mass, x, &mut see);
     }
 
-    /// Writes the memory of the rows of one family to `out`: element after element in the order in which they were given, row after row.
+    /// Writes what `read` takes from the memory of the rows of one family to `out`: element after element in the order in which they were given, row after row.
     ///
     /// # Panics
     /// If there is no such family.
-    pub fn remembered(&self, family: usize, out: &mut Vec<R::Memory>) {
-        self.families[family].remembered(out);
+    pub fn remembered<T: Clone + Default>(
+        &self,
+        family: usize,
+        out: &mut Vec<T>,
+        read: impl Fn(&R::Memory) -> T,
+    ) {
+        let family = &self.families[family];
+        out.clear();
+        out.resize(family.row_count(), T::default());
+        family.remembered(&mut |place, memory| out[place] = read(memory));
     }
 }

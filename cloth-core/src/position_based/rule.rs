@@ -8,10 +8,23 @@ use std::fmt::Debug;
 pub struct RowAt {
     /// `C`, in the unit that the element documents.
     pub value: Real,
-    /// `w̃ = Σᵢ wᵢ ‖∂C/∂xᵢ‖²` (unit of C² per kg m²): how easily the row moves. Zero if all its vertices are prescribed, or its gradient vanishes.
-    pub weight: Real,
     /// `k` with the energy `½ k C²` (J).
     pub stiffness: Real,
+    /// `divisor² w̃`.
+    pub(super) steep_weight: Real,
+    /// See [`Steep`](crate::element::Steep).
+    pub(super) divisor_squared: Real,
+}
+
+impl RowAt {
+    /// `w̃ = Σᵢ wᵢ ‖∂C/∂xᵢ‖²` (unit of C² per kg m²): how easily the row moves. Zero if all its vertices are prescribed, or its gradient vanishes.
+    ///
+    /// A division: a rule that can do without does not ask.
+    #[inline]
+    #[must_use]
+    pub fn weight(&self) -> Real {
+        self.steep_weight / self.divisor_squared
+    }
 }
 
 /// What a method makes of a row: `(w̃ + softness) Δλ = −residual`.
@@ -42,7 +55,7 @@ pub struct RowView<'a, M> {
 
 /// How far a method goes along the rows of an element.
 pub trait Rule: Debug + Send + Sync + 'static {
-    /// What is remembered of a row from one visit to the next. It starts, and is forgotten, as the default.
+    /// What is remembered of a row from one visit to the next. It starts as the default.
     type Memory: Copy + Debug + Default + Send + Sync + 'static;
 
     /// Whether the memory is a part of the iterate, as a multiplier is that goes with the positions. It is then extrapolated with them
@@ -52,8 +65,20 @@ pub trait Rule: Debug + Send + Sync + 'static {
     /// Whether the rows of one element are solved together, with the products of their gradients, or one after another.
     const ROWS_TOGETHER: bool = false;
 
-    /// The equation of a row; `None` where nothing could change it, in particular if weight and softness both vanish.
-    fn equation(&self, row: RowAt, memory: &mut Self::Memory) -> Option<RowEquation>;
+    /// The equation of a row. A row that nothing could change, because `w̃ + softness` is zero or infinite, stays as it is whatever its residual.
+    fn equation(&self, row: RowAt, memory: &mut Self::Memory) -> RowEquation;
+
+    /// Learns what it can of a row before the sweeps of a step begin, and again whenever the rule is another one.
+    #[inline]
+    fn prepare(&self, row: RowAt, memory: &mut Self::Memory) {
+        let _ = (row, memory);
+    }
+
+    /// Makes the memory that of a row not visited yet, at the start of a substep.
+    #[inline]
+    fn forget(memory: &mut Self::Memory) {
+        *memory = Self::Memory::default();
+    }
 
     /// Remembers that a row went along by `change` (kg m² per unit of C): Δλ, or the part of it that a relaxed or an averaging sweep takes.
     #[inline]

@@ -14,7 +14,6 @@ use super::rows::{RowFamily, Rows};
 use crate::compliance::Compliance;
 use cloth_core::block_matrix::BlockMatrix;
 use cloth_core::math::{Real, Vec3};
-use cloth_core::position_based::{RowAt, Rule};
 
 /// Positions and multipliers, or what stands in their equations.
 #[derive(Clone, Debug)]
@@ -101,17 +100,12 @@ impl Kkt {
                 let s = self.vertex_scale[self.vertices[e] as usize];
                 weight += (s * rows.gradient[e]).norm_squared();
             }
-            let row = RowAt {
-                value: rows.value[r],
-                weight,
-                stiffness: rows.stiffness[r],
-            };
-            let (scale, softness) = match compliance.equation(row, &mut 0.0) {
-                Some(equation) if weight > 0.0 => {
-                    let diagonal = weight + equation.softness;
-                    (1.0 / diagonal.sqrt(), equation.softness / diagonal)
-                }
-                _ => (0.0, 1.0),
+            let softness = compliance.scaled(rows.stiffness[r]);
+            let diagonal = weight + softness;
+            let (scale, softness) = if weight > 0.0 && diagonal < Real::INFINITY {
+                (1.0 / diagonal.sqrt(), softness / diagonal)
+            } else {
+                (0.0, 1.0)
             };
             self.row_scale[r] = scale;
             self.softness[r] = softness;
