@@ -147,6 +147,19 @@ fn a_strip_held_edge_on_falls_over_where_the_beam_does() {
     }
 }
 
+/// Other triangles have another ratio of twist to bending, and the onset follows it from 22.3 to 38.8.
+#[test]
+fn the_onset_of_buckling_follows_the_stiffness_against_twist() {
+    for (elongation, bound) in [("1.2", 1e-3), ("2", 2e-3)] {
+        let verdict = holds("lateral-buckling", &[&format!("elongation={elongation}")]);
+        assert!(verdict.error() < bound, "{elongation}: {}", verdict.error());
+        let [twist, bending] =
+            ["twist_rigidity", "bending_rigidity"].map(|name| detail(&verdict, name));
+        let beam = 12.8538 * (twist / bending).sqrt();
+        assert!((verdict.expected / beam - 1.0).abs() < 1e-5);
+    }
+}
+
 #[test]
 fn the_onset_of_buckling_is_approached_by_finer_and_narrower_strips() {
     let verdict = holds("lateral-buckling", &["across=17", "slenderness=32"]);

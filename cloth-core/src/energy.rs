@@ -18,6 +18,20 @@
 //! A dash is a view that the energy does not have. The projective view needs a squared distance to a set under a *constant* linear map: an angle is no
 //! linear function of positions, and the strains of StVK are quadratic ones. (PD bends by the length of the curvature vector instead, [`CurvedHinge`], and stretches by ARAP.) The
 //! constraint view needs a sum of squares, and the cubic shell is a polynomial of third degree, unbounded from below.
+//!
+//! # What a bending rigidity means on a mesh
+//!
+//! Each bending model gets its own coefficient from one rigidity D (VALIDATION 4), so that bending about the edges of the mesh costs `½ D κ²` per area. What else the
+//! sheet does, the pattern of its triangles decides, and no coefficient can change it; the models agree in it, as they agree in small folds:
+//!
+//! | pattern | bent to a cylinder, over D | bent to a sphere, over `½ D (2κ)²` | note |
+//! |---|---|---|---|
+//! | equilateral | 1 in every direction | 1/3 | Poisson's ratio −1/3: a strip free to curve across is softer, by 8/9 |
+//! | alternating | 1 along the grid, 3/2 across it at 45° | 1/2 | as long as all vertices stand on the surface |
+//! | alternating, at rest | 5/6 and 4/3 | 1/3 | vertices with four and with eight neighbours settle at two heights; a strip free to curve across: 4/5 |
+//! | one way | 3/4 to 3 | 1/2 | stiffest where the curvature runs along the diagonals, at 45° |
+//!
+//! Derived hinge by hinge; measured in the bench (laws `bending-factor`, `elastica`, `lateral-buckling`; study `bending`).
 
 mod arap_triangle;
 mod area;

@@ -37,6 +37,11 @@ const ACROSS: Parameter = parameter(
     "9",
     "vertices across the finer strips, an odd number; the coarser ones have half as many cells",
 );
+const ELONGATION: Parameter = parameter(
+    "elongation",
+    "0.8660254037844386",
+    "height of the triangles along the strip over their base across it; √¾ makes them equilateral",
+);
 const SLENDERNESS: Parameter = parameter(
     "slenderness",
     "16",
@@ -46,7 +51,7 @@ const SLENDERNESS: Parameter = parameter(
 pub(super) const LATERAL_BUCKLING: Law = Law {
     name: "lateral-buckling",
     about: "Γ at which a strip held edge-on falls over sideways under its own weight (dimensionless): 12.8538 √(2/(1 + ν)), ν = −1/3 for equilateral triangles; extrapolated from four strips",
-    parameters: &[MODEL, ACROSS, SLENDERNESS],
+    parameters: &[MODEL, ACROSS, SLENDERNESS, ELONGATION],
     tolerance: 0.005,
     evaluate: lateral_buckling,
 };
@@ -155,9 +160,8 @@ fn onset(strip: &mut EdgeOn, expected: Real) -> Result<Real, BenchError> {
     Ok(0.5 * (low + high))
 }
 
-/// The strip of equilateral triangles nearest to a width.
-fn shape(across: usize, slenderness: Real) -> Result<Shape, BenchError> {
-    let elongation = 0.75_f64.sqrt();
+/// The strip of whole cells nearest to a width.
+fn shape(across: usize, slenderness: Real, elongation: Real) -> Result<Shape, BenchError> {
     let cells = (slenderness * (across - 1) as Real / elongation - 0.5).round();
     let shape = Shape {
         cells: cells.max(2.0) as usize,
@@ -189,8 +193,9 @@ fn lateral_buckling(settings: &Settings) -> Result<Verdict, BenchError> {
             "across is {across}, but it has to be odd: half of the cells make the coarser strip"
         )));
     }
-    let finest = shape(across, slenderness)?;
-    let at = |across, slenderness| critical(model, shape(across, slenderness)?);
+    let elongation = settings.positive(&ELONGATION)?;
+    let finest = shape(across, slenderness, elongation)?;
+    let at = |across, slenderness| critical(model, shape(across, slenderness, elongation)?);
     // To cells of no size, at either width; then to no width.
     let fine_cells = |slenderness: Real| {
         let [fine, coarse] = [

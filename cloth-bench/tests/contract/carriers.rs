@@ -1,13 +1,16 @@
 //! The elements of a scene are a choice: a method takes those whose view it needs, and refuses the others by name.
 
-use crate::common::{advance, methods, scene, solver};
+use crate::common::{advance, methods, scene as built, solver};
 use crate::counting_allocator::allocations_once_warm;
 use cloth_bench::error::BenchError;
 use cloth_bench::method::Method;
 use cloth_bench::run::run;
+use cloth_bench::scene;
 use cloth_bench::settings::Settings;
 use cloth_bench::yardstick::StepProblem;
 use cloth_core::math::Real;
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
 
 const CHOICES: [&str; 9] = [
     "membrane=springs",
@@ -32,7 +35,7 @@ fn takes(method: &Method, choice: &str) -> bool {
 #[test]
 fn a_method_takes_the_elements_it_has_a_view_of_and_no_others() {
     for choice in CHOICES {
-        let scene = scene("hang", &["n=5", choice]);
+        let scene = built("hang", &["n=5", choice]);
         for method in methods() {
             let built = method.build(&scene, &Settings::default(), scene.dt);
             match built {
@@ -51,7 +54,7 @@ fn a_method_takes_the_elements_it_has_a_view_of_and_no_others() {
 #[test]
 fn a_free_sheet_of_any_elements_keeps_its_shape() {
     for choice in CHOICES {
-        let scene = scene("drop", &["n=6", choice]);
+        let scene = built("drop", &["n=6", choice]);
         for method in methods().filter(|method| takes(method, choice)) {
             let mut state = scene.start.clone();
             advance(&mut *solver(method, &scene), &scene, &mut state, 5);
@@ -64,10 +67,58 @@ fn a_free_sheet_of_any_elements_keeps_its_shape() {
     }
 }
 
+/// A sheet bent to a quarter of a cylinder, as a file.
+fn arc() -> PathBuf {
+    let mut text = String::new();
+    for (i, j) in (0..9).flat_map(|i| (0..5).map(move |j| (i, j))) {
+        let (sin, cos) = (0.2 * Real::from(i)).sin_cos();
+        writeln!(
+            text,
+            "v {} {} {}",
+            0.5 * sin,
+            0.1 * Real::from(j),
+            0.5 * cos
+        )
+        .unwrap();
+    }
+    for a in (0..8).flat_map(|i| (1..5).map(move |j| 5 * i + j)) {
+        writeln!(text, "f {a} {} {}\nf {a} {} {}", a + 5, a + 6, a + 6, a + 1).unwrap();
+    }
+    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join("arc.obj");
+    std::fs::write(&path, text).unwrap();
+    path
+}
+
+#[test]
+fn a_sheet_that_is_curved_at_rest_keeps_its_shape() {
+    let path = arc();
+    // Largest change of a distance (m) between two vertices after half a second of free fall.
+    let change = |bending: &str| {
+        let settings = Settings::parse(&["rigidity=1e-3", bending]).unwrap();
+        let scene = scene::build("drop", path.to_str(), &settings).unwrap();
+        let newton = Method::find("implicit-euler").unwrap();
+        let mut state = scene.start.clone();
+        advance(&mut *solver(newton, &scene), &scene, &mut state, 30);
+        let (now, then) = (&state.positions, &scene.start.positions);
+        let pairs = (0..now.len()).flat_map(|i| (0..i).map(move |j| (i, j)));
+        let apart =
+            |(i, j): (usize, usize)| ((now[i] - now[j]).norm() - (then[i] - then[j]).norm()).abs();
+        pairs.map(apart).fold(0.0, Real::max)
+    };
+    for bending in ["bending=dihedral", "bending=curved"] {
+        let change = change(bending);
+        assert!(change < 1e-9, "{bending}: {change:e}");
+    }
+    // The cubic form pulls outwards until the membrane balances it; the quadratic one is flat at rest, and opens.
+    let [cubic, quadratic] = ["bending=cubic", "bending=quadratic"].map(change);
+    assert!(cubic > 1e-9 && cubic < 1e-5, "{cubic:e}");
+    assert!(quadratic > 0.05, "{quadratic:e}");
+}
+
 #[test]
 fn no_element_makes_a_step_allocate() {
     for choice in CHOICES {
-        let scene = scene("hang", &["n=8", choice]);
+        let scene = built("hang", &["n=8", choice]);
         for method in methods().filter(|method| takes(method, choice)) {
             let mut solver = solver(method, &scene);
             let mut state = scene.start.clone();
@@ -81,7 +132,7 @@ fn no_element_makes_a_step_allocate() {
 fn elements_change_what_hangs() {
     // Elastic energy after a swing: each choice has its own.
     let elastic = |pairs: &[&str]| {
-        let scene = scene("hang", pairs);
+        let scene = built("hang", pairs);
         let method = Method::find("implicit-euler").unwrap();
         let mut stepper = solver(method, &scene);
         let mut state = scene.start.clone();
@@ -115,7 +166,7 @@ fn elements_change_what_hangs() {
 
 #[test]
 fn converged_pd_and_newton_agree_on_triangles_and_curved_hinges() {
-    let scene = scene(
+    let scene = built(
         "hang",
         &["n=7", "stiffness=100", "membrane=arap", "bending=curved"],
     );
