@@ -1,19 +1,24 @@
 //! Every method by name, with its published setting: one for all scenes.
 
+mod position_based;
+
 use crate::error::BenchError;
 use crate::names;
 use crate::scene::Scene;
 use crate::settings::{Parameter, Settings, parameter};
 use cloth_core::math::Real;
-use cloth_core::position_based::{Acceleration, Chebyshev, Radius, Sweep};
 use cloth_core::step::Stepper;
 use cloth_massspring::{
     Bdf2, Damping, ExplicitConfig, ExplicitEuler, ImplicitConfig, ImplicitEuler, ImplicitMidpoint,
     StartGuess, SymplecticEuler, stable_time_step,
 };
-use cloth_pbd::{Limited, PbdConfig, PbdSolver, StiffnessRule, StrainLimiter, StretchRange};
+use cloth_pbd::{Limited, PbdConfig, PbdSolver, StiffnessRule};
 use cloth_pd::{PdConfig, PdSolver, Start};
 use cloth_xpbd::{XpbdConfig, XpbdSolver};
+use position_based::{
+    CHEBYSHEV, CHEBYSHEV_DELAY, HIERARCHY, RELAXATION, STRAIN_LIMIT, STRAIN_LIMIT_PASSES, SWEEP,
+    acceleration, hierarchy, strain_limiter, sweep,
+};
 
 /// A method that can be named.
 #[derive(Clone, Copy, Debug)]
@@ -72,26 +77,6 @@ const PBD_STIFFNESS: Parameter = parameter(
     "material",
     "stiffness of the projections: material (one constraint alone shows its k), or a number from 0 to 1",
 );
-const SWEEP: Parameter = parameter(
-    "sweep",
-    "colored",
-    "how a sweep goes: colored, sequential, jacobi (with averaging) or plain-jacobi",
-);
-const RELAXATION: Parameter = parameter(
-    "relaxation",
-    "1",
-    "part of its correction that a constraint makes in a visit, above 0 and below 2",
-);
-const CHEBYSHEV: Parameter = parameter(
-    "chebyshev",
-    "none",
-    "extrapolation of the sweeps: none, auto (spectral radius estimated), or the spectral radius",
-);
-const CHEBYSHEV_DELAY: Parameter = parameter(
-    "chebyshev_delay",
-    "4",
-    "plain sweeps of a substep before the extrapolation",
-);
 const XPBD_ITERATIONS: Parameter = parameter("iterations", "1", "sweeps per substep");
 const XPBD_SUBSTEPS: Parameter = parameter("substeps", "20", "parts of a step");
 const PD_ITERATIONS: Parameter = parameter("iterations", "10", "local–global iterations per step");
@@ -101,17 +86,6 @@ const PD_TOLERANCE: Parameter = parameter(
     "relative gradient norm at which a step is done, or none",
 );
 const PD_START: Parameter = parameter("start", "predicted", "first guess: previous or predicted");
-
-const STRAIN_LIMIT: Parameter = parameter(
-    "strain_limit",
-    "none",
-    "strain beyond which no spring is stretched after a step (strain limiting), or none",
-);
-const STRAIN_LIMIT_PASSES: Parameter = parameter(
-    "strain_limit_passes",
-    "100",
-    "most passes of strain limiting per step",
-);
 
 const NEWTON: &[Parameter] = &[
     MAX_ITERATIONS,
@@ -185,6 +159,7 @@ pub const METHODS: [Method; 9] = [
             PBD_ITERATIONS,
             PBD_SUBSTEPS,
             PBD_STIFFNESS,
+            HIERARCHY,
             SWEEP,
             RELAXATION,
             CHEBYSHEV,
@@ -223,13 +198,6 @@ pub const METHODS: [Method; 9] = [
     },
 ];
 
-const SWEEPS: [(&str, Sweep); 4] = [
-    ("colored", Sweep::Colored),
-    ("sequential", Sweep::Sequential),
-    ("jacobi", Sweep::Jacobi),
-    ("plain-jacobi", Sweep::PlainJacobi),
-];
-
 impl Method {
     /// The method of that name.
     ///
@@ -256,16 +224,10 @@ impl Method {
         dt: Real,
     ) -> Result<Box<dyn Stepper>, BenchError> {
         let solver = self.solver(scene, settings, dt)?;
-        if settings.text(&STRAIN_LIMIT) == "none" {
-            return Ok(solver);
-        }
-        let range = StretchRange::stretch(settings.number(&STRAIN_LIMIT)?);
-        let limiter = StrainLimiter::builder(&scene.model.particles)
-            .springs(&scene.model.springs, range)
-            .max_passes(settings.count(&STRAIN_LIMIT_PASSES, 1)?)
-            .build()
-            .map_err(BenchError::usage)?;
-        Ok(Box::new(Limited::new(solver, limiter)))
+        Ok(match strain_limiter(scene, settings)? {
+            Some(limiter) => Box::new(Limited::new(solver, limiter)),
+            None => solver,
+        })
     }
 
     fn solver(
@@ -298,7 +260,7 @@ impl Method {
                 let config = PbdConfig {
                     iterations: settings.count(&PBD_ITERATIONS, 1)?,
                     substeps: settings.count(&PBD_SUBSTEPS, 1)?,
-                    sweep: settings.choice(&SWEEP, &SWEEPS)?,
+                    sweep: sweep(settings)?,
                     acceleration: acceleration(settings)?,
                     stiffness: match settings.text(&PBD_STIFFNESS) {
                         "material" => StiffnessRule::Material,
@@ -308,13 +270,19 @@ impl Method {
                 let builder = PbdSolver::builder(&model.particles)
                     .energy(springs)
                     .energy(hinges);
-                Box::new(builder.config(config).build().map_err(BenchError::usage)?)
+                let solver = builder.config(config).build().map_err(BenchError::usage)?;
+                Box::new(match hierarchy(scene, settings)? {
+                    Some(hierarchy) => solver
+                        .with_hierarchy(hierarchy)
+                        .map_err(BenchError::usage)?,
+                    None => solver,
+                })
             }
             Kind::Xpbd => {
                 let config = XpbdConfig {
                     iterations: settings.count(&XPBD_ITERATIONS, 1)?,
                     substeps: settings.count(&XPBD_SUBSTEPS, 1)?,
-                    sweep: settings.choice(&SWEEP, &SWEEPS)?,
+                    sweep: sweep(settings)?,
                     acceleration: acceleration(settings)?,
                 };
                 let builder = XpbdSolver::builder(&model.particles)
@@ -435,19 +403,6 @@ fn linearized(settings: &Settings) -> Result<ImplicitConfig, BenchError> {
     Ok(ImplicitConfig {
         damping: damping(settings)?,
         ..ImplicitConfig::linearized()
-    })
-}
-
-fn acceleration(settings: &Settings) -> Result<Acceleration, BenchError> {
-    let radius = match settings.text(&CHEBYSHEV) {
-        "none" => None,
-        "auto" => Some(Radius::Estimated),
-        _ => Some(Radius::Given(settings.number(&CHEBYSHEV)?)),
-    };
-    let delay = settings.count(&CHEBYSHEV_DELAY, 1)?;
-    Ok(Acceleration {
-        relaxation: settings.number(&RELAXATION)?,
-        chebyshev: radius.map(|radius| Chebyshev { radius, delay }),
     })
 }
 
