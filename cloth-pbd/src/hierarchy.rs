@@ -59,17 +59,16 @@ impl Default for HierarchyConfig {
 ///   [`HierarchyConfig::parents`] neighbours on the coarse level, its parents, and lies among them. On a boundary, of the sheet or of a hole, its two neighbours there are needed and are the
 ///   parents. Prescribed vertices are kept.
 /// - **Links.** Two coarse vertices are linked where a fine link joins them, or vertices whose nearest parents they are. The length of a link is the
-///   shortest way over the cloth at rest, not through the air, so no folding, bending or unrolling without stretch makes one longer. And links only pull. Hence what costs the cloth
+///   shortest way over the cloth at rest, not through the air, so no folding, bending or unrolling without stretch makes one longer. And where no link is longer, none does anything. Hence what costs the cloth
 ///   nothing costs a coarse level nothing: it does not resist bending.
-/// - **Correction.** From the coarsest level to the finest, links that are too long are shortened by projections. A link remembers its multiplier, which may fall but not
-///   change its sign: it gives back what it pulled too much. (Müller's links only pull. Pulling by turns they draw the cloth together sideways,
-///   and nothing on their level draws it apart again.) Then the finer level follows: `Δx = Σ wₚ Δxₚ`, the weights near `1/distance`, with
-///   sum 1 and, as far as none has to be negative, exact for linear fields. A vertex of a level weighs what it weighs itself and its share of its children, so
-///   `Σ m x` does not change.
+/// - **Correction.** From the coarsest level to the finest, links that are too long are shortened by projections. What a link does not do is to become shorter than it was
+///   by the correction of others: below its length at the start it pushes back. (Müller's links only pull. Pulling by turns they draw the cloth together
+///   sideways, and nothing on their level draws it apart again: on a hanging sheet of 128 × 128 vertices by a fifth of what gravity moved it.) Then the finer
+///   level follows: `Δx = Σ wₚ Δxₚ`, the weights near `1/distance`, with sum 1 and, as far as none has to be negative, exact for linear fields. A vertex of a
+///   level weighs what it weighs itself and its share of its children, so `Σ m x` does not change.
 ///
 /// Limits: links are as hard as [`HierarchyConfig::stiffness`] says, whatever the material; a soft cloth becomes stiffer. Angular momentum is not kept by `Δx = Σ wₚ Δxₚ`. Only
-/// stretching is corrected: where a cloth carries by pressure, as a flat sheet held at two corners does in its plane (a beam, until it buckles), a coarse level does not know
-/// of it, and corrections that come often disturb the sweeps instead of helping them.
+/// stretching is corrected.
 #[derive(Debug)]
 pub struct Hierarchy {
     vertex_count: usize,
@@ -83,7 +82,7 @@ pub struct Hierarchy {
 pub struct Link {
     /// The two vertices, numbered as in the mesh.
     pub vertices: [u32; 2],
-    /// Length at rest (m), beyond which it pulls.
+    /// Length at rest (m), down to which it pulls.
     pub length: Real,
 }
 

@@ -94,8 +94,10 @@ impl Level {
 
     /// Sweeps over the links, each of which goes the part `stiffness` of its way.
     pub(super) fn pull(&mut self, sweeps: u32, stiffness: Real) {
-        let rule = Pull { stiffness };
         self.tethers.forget();
+        self.tethers
+            .sweep(&Pull::Begin, &self.inverse_mass, &mut self.x);
+        let rule = Pull::Go(stiffness);
         for _ in 0..sweeps {
             self.tethers.sweep(&rule, &self.inverse_mass, &mut self.x);
         }

@@ -4,7 +4,7 @@ use cloth_core::element::{Constraint, Element, Row};
 use cloth_core::math::{Real, Vec3, length_and_direction};
 use cloth_core::position_based::{RowAt, Rule};
 
-/// `C = ‖x₀ − x₁‖ − L` (m), to be solved by [`Pull`].
+/// A link of a coarse level: `C = ‖x₀ − x₁‖ − L` (m), to be solved by [`Pull`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Tether {
     pub(super) vertices: [u32; 2],
@@ -33,27 +33,48 @@ impl Constraint<2> for Tether {
     }
 }
 
-/// Brings a row towards zero by a multiplier whose sum is never positive: a link pulls, and may take back what it has pulled too much, but never
-/// pushes. Shorter than L it does nothing, so cloth that folds between two coarse vertices is none of its business.
+/// Keeps a link between its length at the start of the correction, if that was below L, and L: by a multiplier that pulls as long as the link would be longer, pushes
+/// as long as it would be shorter, and is zero between.
 ///
-/// Without taking back, links that pull by turns would draw the cloth together, since nothing draws it apart again.
+/// So cloth that folds between two coarse vertices is none of its business: a link that is short may stay short. But the correction itself does not make links
+/// shorter. Links that only pull, by turns, would draw the cloth together sideways, and nothing on their level would draw it apart again.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Pull {
-    /// Part of C (dimensionless) that is removed in a visit.
-    pub(super) stiffness: Real,
+pub(super) enum Pull {
+    /// Looks how long the links are.
+    Begin,
+    /// Goes this part (dimensionless) of the way in a visit.
+    Go(Real),
+}
+
+/// What a link remembers during a correction.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Memory {
+    /// C (m) at the start, or 0 if that was above.
+    shortest: Real,
+    /// λ (kg m): negative for a pull.
+    total: Real,
 }
 
 impl Rule for Pull {
-    /// λ (kg m) since the start of the correction.
-    type Memory = Real;
+    type Memory = Memory;
 
     #[inline]
-    fn multiplier(&self, row: RowAt, total: &mut Real) -> Real {
+    fn multiplier(&self, row: RowAt, memory: &mut Memory) -> Real {
+        let part = match *self {
+            Self::Begin => {
+                memory.shortest = row.value.min(0.0);
+                return 0.0;
+            }
+            Self::Go(part) => part,
+        };
         if row.weight <= 0.0 {
             return 0.0;
         }
-        let change = (-self.stiffness * row.value / row.weight).min(-*total);
-        *total += row.share * change;
+        let pull = memory.total - part * row.value / row.weight;
+        let push = memory.total - part * (row.value - memory.shortest) / row.weight;
+        let total = if pull < 0.0 { pull } else { push.max(0.0) };
+        let change = total - memory.total;
+        memory.total += row.share * change;
         change
     }
 }
