@@ -179,7 +179,11 @@ impl Method {
             Kind::Pbd => {
                 let config = position_based::pbd(settings)?;
                 let builder = add_constraints!(PbdSolver::builder(particles), families, self.name);
-                Box::new(builder.config(config).build().map_err(BenchError::usage)?)
+                let solver = builder.config(config).build().map_err(BenchError::usage)?;
+                Box::new(match position_based::hierarchy(scene, settings)? {
+                    Some(levels) => solver.with_hierarchy(levels).map_err(BenchError::usage)?,
+                    None => solver,
+                })
             }
             Kind::Xpbd => {
                 let config = position_based::xpbd(settings)?;

@@ -1,7 +1,7 @@
-//! A sheet hangs by its two upper corners, at rest. In one step gravity takes every vertex down by g h², and the sweeps have to bring it back: how
-//! many sweeps, and how much time, until a hundredth of that is left, plainly and with each acceleration.
+//! A sheet hangs at rest, by its upper edge or by its two upper corners. In one step gravity takes every vertex down by g h², and the sweeps have to
+//! bring it back: how many sweeps, and how much time, until a hundredth of that is left, plainly and with each acceleration.
 //!
-//! `cargo run --release -p cloth-pbd --example accelerated_sheet [vertices a side, 32]`
+//! `cargo run --release -p cloth-pbd --example accelerated_sheet [vertices a side, 16] [edge or corners, both]`
 
 use cloth_core::energy::Spring;
 use cloth_core::math::Vec3;
@@ -19,7 +19,7 @@ const GRAVITY: Vec3 = Vec3::new(0.0, -9.81, 0.0);
 const STEP: f64 = 1.0 / 60.0;
 const MOST_SWEEPS: u32 = 300_000;
 
-/// Root mean square of the distances to the places at rest, after each sweep.
+/// The first sweep after which the root mean square of the distances to the places at rest was small.
 struct Errors<'a> {
     rest: &'a [Vec3],
     wanted: f64,
@@ -28,11 +28,12 @@ struct Errors<'a> {
 
 impl Observer for Errors<'_> {
     fn iteration(&mut self, sweep: u32, x: &[Vec3]) {
-        let square = |(x, rest): (&Vec3, &Vec3)| (x - rest).norm_squared();
-        let sum: f64 = x.iter().zip(self.rest).map(square).sum();
-        let error = (sum / x.len() as f64).sqrt();
-        if error <= self.wanted && self.reached.is_none() {
-            self.reached = Some(sweep);
+        if self.reached.is_none() {
+            let square = |(x, rest): (&Vec3, &Vec3)| (x - rest).norm_squared();
+            let sum: f64 = x.iter().zip(self.rest).map(square).sum();
+            if (sum / x.len() as f64).sqrt() <= self.wanted {
+                self.reached = Some(sweep);
+            }
         }
     }
 }
@@ -40,8 +41,18 @@ impl Observer for Errors<'_> {
 fn main() -> Result<(), Box<dyn Error>> {
     let side = match std::env::args().nth(1) {
         Some(side) => side.parse()?,
-        None => 32,
+        None => 16,
     };
+    let only = std::env::args().nth(2);
+    for held in ["edge", "corners"] {
+        if only.as_ref().is_none_or(|only| only == held) {
+            compare(side, held)?;
+        }
+    }
+    Ok(())
+}
+
+fn compare(side: usize, held: &str) -> Result<(), Box<dyn Error>> {
     let mesh = grid(side, side, 1.0, 1.0, Diagonals::Alternating)?;
     let mut particles = Particles::from_areal_density(&mesh, 0.2)?;
     let top = mesh
@@ -50,7 +61,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         .map(|x| x.y)
         .fold(f64::MIN, f64::max);
     for (v, x) in mesh.positions().iter().enumerate() {
-        if x.y == top && (x.x == 0.0 || x.x == 1.0) {
+        if x.y == top && (held == "edge" || x.x == 0.0 || x.x == 1.0) {
             particles.prescribe(v)?;
         }
     }
@@ -70,13 +81,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         ("coloured, Chebyshev given", Sweep::Colored, given, None),
         ("coloured, Chebyshev auto", Sweep::Colored, auto, None),
         (
-            "there and back, Chebyshev given",
-            Sweep::Sequential,
-            given,
-            None,
-        ),
-        (
-            "there and back, Chebyshev auto",
+            "in the order given, Chebyshev auto",
             Sweep::Sequential,
             auto,
             None,
@@ -88,12 +93,6 @@ fn main() -> Result<(), Box<dyn Error>> {
             none,
             often(10),
         ),
-        (
-            "coloured, hierarchy every sweep",
-            Sweep::Colored,
-            none,
-            often(1),
-        ),
         ("hierarchy once, Chebyshev auto", Sweep::Colored, auto, once),
         (
             "hierarchy every 40, Chebyshev auto",
@@ -101,10 +100,9 @@ fn main() -> Result<(), Box<dyn Error>> {
             auto,
             often(40),
         ),
-        ("Jacobi", Sweep::Jacobi, none, None),
         ("Jacobi, Chebyshev auto", Sweep::Jacobi, auto, None),
     ];
-    println!("{side} × {side} vertices, sweeps and time to 1 % of g h²");
+    println!("{side} × {side} vertices, held by its {held}: sweeps and time to 1 % of g h²");
     let mut first = None;
     for (name, sweep, chebyshev, hierarchy) in methods {
         let acceleration = Acceleration {
@@ -117,29 +115,36 @@ fn main() -> Result<(), Box<dyn Error>> {
             stiffness: StiffnessRule::Fixed(1.0),
             ..PbdConfig::default()
         };
-        let Some((sweeps, seconds)) = measure(&mesh, &particles, config, hierarchy)? else {
+        let Some(needed) = measure(&mesh, &particles, config, hierarchy)? else {
             println!("{name:36} not in {MOST_SWEEPS} sweeps");
             continue;
         };
-        let plain = *first.get_or_insert((sweeps, seconds));
-        let speed_up = |(a, b): (f64, f64)| a / b;
+        let plain = *first.get_or_insert(needed);
         println!(
-            "{name:36} {sweeps:6} sweeps {:9.1} ms   {:6.1} times fewer, {:6.1} times faster",
-            1e3 * seconds,
-            speed_up((f64::from(plain.0), f64::from(sweeps))),
-            speed_up((plain.1, seconds)),
+            "{name:36} {:6} sweeps {:9.1} ms   {:7.1} times fewer, {:7.1} times faster",
+            needed.sweeps,
+            1e3 * needed.seconds,
+            f64::from(plain.sweeps) / f64::from(needed.sweeps),
+            plain.seconds / needed.seconds,
         );
     }
     Ok(())
 }
 
-/// Sweeps needed, and the time (s) of a step of so many; `None` if they are too many.
+/// Sweeps until the error is small, and the time (s) of a step of so many.
+#[derive(Clone, Copy)]
+struct Needed {
+    sweeps: u32,
+    seconds: f64,
+}
+
+/// `None` if too many sweeps are needed.
 fn measure(
     mesh: &TriMesh,
     particles: &Particles,
     config: PbdConfig,
     hierarchy: Option<HierarchyConfig>,
-) -> Result<Option<(u32, f64)>, Box<dyn Error>> {
+) -> Result<Option<Needed>, Box<dyn Error>> {
     let edges = EdgeTable::build(mesh)?;
     let springs = Spring::along(mesh.positions(), edges.ends(), 1.0);
     let make = |iterations| -> Result<PbdSolver, Box<dyn Error>> {
@@ -164,12 +169,17 @@ fn measure(
         };
         let input = StepInput::new(STEP).gravity(GRAVITY);
         make(sweeps)?.step(&mut start.clone(), input.observer(&mut errors))?;
-        if let Some(reached) = errors.reached {
-            let mut solver = make(reached)?;
-            let mut state = start.clone();
-            let started = Instant::now();
-            solver.step(&mut state, StepInput::new(STEP).gravity(GRAVITY))?;
-            return Ok(Some((reached, started.elapsed().as_secs_f64())));
+        if let Some(sweeps) = errors.reached {
+            let mut solver = make(sweeps)?;
+            // The second step is the warm one; the best of five.
+            let mut seconds = f64::INFINITY;
+            for _ in 0..6 {
+                let mut state = start.clone();
+                let started = Instant::now();
+                solver.step(&mut state, StepInput::new(STEP).gravity(GRAVITY))?;
+                seconds = seconds.min(started.elapsed().as_secs_f64());
+            }
+            return Ok(Some(Needed { sweeps, seconds }));
         }
         sweeps *= 4;
     }

@@ -1,9 +1,10 @@
 //! Settings of the position-based methods.
 
 use crate::error::BenchError;
+use crate::scene::Scene;
 use crate::settings::{Parameter, Settings, parameter};
 use cloth_core::position_based::{Acceleration, Chebyshev, Radius, Sweep};
-use cloth_pbd::{PbdConfig, StiffnessRule};
+use cloth_pbd::{Hierarchy, HierarchyConfig, PbdConfig, StiffnessRule};
 use cloth_xpbd::XpbdConfig;
 
 pub(super) const PBD_SUBSTEPS: Parameter = parameter("substeps", "1", "parts of a step");
@@ -36,6 +37,11 @@ const CHEBYSHEV_DELAY: Parameter = parameter(
     "plain sweeps of a substep before the extrapolation",
 );
 
+const HIERARCHY: Parameter = parameter(
+    "hierarchy",
+    "none",
+    "correction by coarse levels: none, once a substep, or the number of sweeps from one to the next",
+);
 pub(super) const XPBD_DAMPING: Parameter = parameter(
     "damping",
     "0",
@@ -47,6 +53,7 @@ pub(super) const PBD: &[Parameter] = &[
     PBD_ITERATIONS,
     PBD_SUBSTEPS,
     PBD_STIFFNESS,
+    HIERARCHY,
     SWEEP,
     RELAXATION,
     CHEBYSHEV,
@@ -92,6 +99,31 @@ pub(super) fn xpbd(settings: &Settings) -> Result<XpbdConfig, BenchError> {
         acceleration: acceleration(settings)?,
         damping: settings.number(&XPBD_DAMPING)?,
     })
+}
+
+/// The coarse levels, if the settings ask for them.
+pub(super) fn hierarchy(
+    scene: &Scene,
+    settings: &Settings,
+) -> Result<Option<Hierarchy>, BenchError> {
+    let every = match settings.text(&HIERARCHY) {
+        "none" => return Ok(None),
+        "once" => None,
+        _ => Some(settings.count(&HIERARCHY, 1)?),
+    };
+    let Some(mesh) = &scene.mesh else {
+        return Err(BenchError::Usage(format!(
+            "scene `{}` has no triangles to make coarse levels of",
+            scene.name
+        )));
+    };
+    let config = HierarchyConfig {
+        every,
+        ..HierarchyConfig::default()
+    };
+    Hierarchy::build(mesh, &scene.model.particles, config)
+        .map(Some)
+        .map_err(BenchError::usage)
 }
 
 fn acceleration(settings: &Settings) -> Result<Acceleration, BenchError> {

@@ -1,6 +1,6 @@
 //! Which vertices go on to the next coarser level, and on whom the others depend.
 
-use cloth_core::math::Real;
+use cloth_core::math::{Mat3, Real, Vec3};
 use cloth_core::topology::EdgeTable;
 
 /// Vertices of one level and what links them.
@@ -14,7 +14,7 @@ pub(super) struct Graph {
 
 impl Graph {
     /// The vertices and edges of a mesh.
-    pub(super) fn of_mesh(positions: &[cloth_core::math::Vec3], edges: &EdgeTable) -> Self {
+    pub(super) fn of_mesh(positions: &[Vec3], edges: &EdgeTable) -> Self {
         let length = |[a, b]: [u32; 2]| (positions[a as usize] - positions[b as usize]).norm();
         let links = edges.ends().iter().map(|&ends| (ends, length(ends)));
         let rim = (0..edges.len()).filter(|&edge| edges.is_boundary(edge));
@@ -71,36 +71,78 @@ pub(super) struct Coarsening {
 const NONE: u32 = u32::MAX;
 
 /// Leaves out as many vertices as it can in one go, so that each of them has at least `parent_count` parents among those kept, on the rim its two neighbours
-/// there. `hold` says which have to be kept: those that are prescribed.
+/// there, and lies among them: see [`weights`]. `hold` says which have to be kept: those that are prescribed. `place` gives the position at rest (m).
 pub(super) fn coarsen(
     graph: &Graph,
     hold: impl Fn(u32) -> bool,
+    place: impl Fn(u32) -> Vec3,
     parent_count: usize,
 ) -> Coarsening {
     let count = graph.len();
     let mut kept = vec![true; count];
-    let needed = |v: usize| match graph.rim[v].is_empty() {
-        true => parent_count,
-        false => 2,
+    let mut parents = Vec::new();
+    let is_carried = |v: usize, kept: &[bool], parents: &mut Vec<(u32, Real)>| {
+        let on_rim = !graph.rim[v].is_empty();
+        let needed = if on_rim { 2 } else { parent_count };
+        parents.clear();
+        parents.extend(graph.candidates(v).filter(|&(p, _)| kept[p as usize]));
+        parents.len() >= needed && (on_rim || weights(place(v as u32), parents, &place) < ASIDE)
     };
     // The rim first: what it keeps decides what the inside can lean on.
     let rim = (0..count).filter(|&v| graph.rim[v].len() == 2);
     let inside = (0..count).filter(|&v| graph.rim[v].is_empty());
-    for v in rim.chain(inside) {
-        let parents_of = |u: usize| graph.candidates(u).filter(|&(p, _)| kept[p as usize]);
-        let spared = |u: usize| {
-            let without = parents_of(u).filter(|&(p, _)| p as usize != v).count();
-            kept[u] || without >= needed(u)
-        };
+    for v in rim.chain(inside).filter(|&v| !hold(v as u32)) {
+        kept[v] = false;
         let mut around = graph.neighbors[v].iter().map(|&(u, _)| u as usize);
-        if !hold(v as u32) && parents_of(v).count() >= needed(v) && around.all(spared) {
-            kept[v] = false;
-        }
+        kept[v] = !(is_carried(v, &kept, &mut parents)
+            && around.all(|u| kept[u] || is_carried(u, &kept, &mut parents)));
     }
-    describe(graph, &kept)
+    describe(graph, &kept, place)
 }
 
-fn describe(graph: &Graph, kept: &[bool]) -> Coarsening {
+/// How far a vertex may lie from the weighted mean of its parents, relative to their mean distance.
+const ASIDE: Real = 0.3;
+
+/// Turns the distances (m) in `parents` into weights (dimensionless, sum 1, none negative), and gives how far from the place the weighted mean of the parents is, relative
+/// to their mean distance.
+///
+/// Inverse distances are changed by as little as it takes to have the weighted mean in place, `w = b (1 + β·(r − m))` with r the ways to the parents,
+/// m their weighted mean and `cov β = −m`; as far as no weight becomes negative. Where it is in place, linear fields are handed down exactly.
+fn weights(place: Vec3, parents: &mut [(u32, Real)], of: impl Fn(u32) -> Vec3) -> Real {
+    let count = parents.len() as Real;
+    let distance = parents.iter().map(|(_, d)| d).sum::<Real>() / count;
+    let inverse: Real = parents.iter().map(|(_, d)| 1.0 / d).sum();
+    parents
+        .iter_mut()
+        .for_each(|(_, d)| *d = 1.0 / (*d * inverse));
+    let way = |p: u32| of(p) - place;
+    let mean: Vec3 = parents.iter().map(|&(p, b)| way(p) * b).sum();
+    let mut covariance = Mat3::zeros();
+    for &(p, b) in parents.iter() {
+        let r = way(p) - mean;
+        covariance += r * r.transpose() * b;
+    }
+    let eigen = covariance.symmetric_eigen();
+    let mut beta = Vec3::zeros();
+    for k in 0..3 {
+        if eigen.eigenvalues[k] > 1e-6 * distance * distance {
+            let axis: Vec3 = eigen.eigenvectors.column(k).into();
+            beta -= axis * (axis.dot(&mean) / eigen.eigenvalues[k]);
+        }
+    }
+    let slopes = parents.iter().map(|&(p, _)| beta.dot(&(way(p) - mean)));
+    let part = slopes.fold(
+        1.0,
+        |part: Real, s| if s < -1.0 { part.min(-1.0 / s) } else { part },
+    );
+    for (p, b) in parents.iter_mut() {
+        *b *= (1.0 + part * beta.dot(&(way(*p) - mean))).max(0.0);
+    }
+    let aside: Vec3 = parents.iter().map(|&(p, w)| way(p) * w).sum();
+    aside.norm() / distance
+}
+
+fn describe(graph: &Graph, kept: &[bool], place: impl Fn(u32) -> Vec3) -> Coarsening {
     let mut coarse = vec![NONE; graph.len()];
     let mut survivors = Vec::new();
     for v in (0..graph.len()).filter(|&v| kept[v]) {
@@ -111,15 +153,15 @@ fn describe(graph: &Graph, kept: &[bool]) -> Coarsening {
     let mut nearest = coarse.clone();
     for v in (0..graph.len()).filter(|&v| !kept[v]) {
         let of_kept = graph.candidates(v).filter(|&(p, _)| kept[p as usize]);
-        let mut own: Vec<(u32, Real)> = of_kept
-            .map(|(p, length)| (coarse[p as usize], 1.0 / length))
-            .collect();
-        let sum: Real = own.iter().map(|(_, weight)| weight).sum();
-        own.iter_mut().for_each(|(_, weight)| *weight /= sum);
-        let best = own.iter().fold((NONE, 0.0), |best, &(p, weight)| {
-            if weight > best.1 { (p, weight) } else { best }
-        });
-        nearest[v] = best.0;
+        let mut own: Vec<(u32, Real)> = of_kept.collect();
+        let closest = own
+            .iter()
+            .fold((NONE, Real::INFINITY), |best, &(p, length)| {
+                if length < best.1 { (p, length) } else { best }
+            });
+        nearest[v] = coarse[closest.0 as usize];
+        weights(place(v as u32), &mut own, &place);
+        own.iter_mut().for_each(|(p, _)| *p = coarse[*p as usize]);
         parents.push((v as u32, own));
     }
     let through = |pairs: &mut dyn Iterator<Item = [u32; 2]>| {

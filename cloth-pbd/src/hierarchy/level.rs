@@ -1,8 +1,7 @@
 //! One coarse level: its links, and what it hands down.
 
 use super::coarsen::Coarsening;
-use super::tether::Tether;
-use crate::stiffness::{Projection, StiffnessRule};
+use super::tether::{Pull, Tether};
 use cloth_core::math::{Real, Vec3};
 use cloth_core::position_based::{Acceleration, Families, Sweep};
 use cloth_core::step::BuildError;
@@ -21,7 +20,7 @@ pub(super) struct Level {
     pub(super) mass: Vec<Real>,
     inverse_mass: Vec<Real>,
     pub(super) links: Vec<Tether>,
-    tethers: Families<Projection>,
+    tethers: Families<Pull>,
     /// Positions (m) now and before anything moved.
     x: Vec<Vec3>,
     before: Vec<Vec3>,
@@ -93,13 +92,12 @@ impl Level {
         self.before.copy_from_slice(&self.x);
     }
 
-    /// Shortens the links that are too long, `sweeps` times by the part `stiffness`.
+    /// Sweeps over the links, each of which goes the part `stiffness` of its way.
     pub(super) fn pull(&mut self, sweeps: u32, stiffness: Real) {
-        let rule = Projection {
-            stiffness: StiffnessRule::Fixed(stiffness),
-            substep: 1.0,
-            iterations: sweeps,
-        };
+        self.tethers.forget();
+        self.tethers
+            .sweep(&Pull::Begin, &self.inverse_mass, &mut self.x);
+        let rule = Pull::Go(stiffness);
         for _ in 0..sweeps {
             self.tethers.sweep(&rule, &self.inverse_mass, &mut self.x);
         }

@@ -2,9 +2,9 @@
 
 use cloth_core::element::{Constraint, Element, Row};
 use cloth_core::math::{Real, Vec3, length_and_direction};
+use cloth_core::position_based::{RowAt, RowEquation, Rule};
 
-/// A spring that pulls but never pushes: `C = max(0, ‖x₀ − x₁‖ − L)` (m). Shorter than L it has no value, so cloth that folds between two coarse vertices
-/// is none of its business.
+/// A link of a coarse level: `C = ‖x₀ − x₁‖ − L` (m), to be solved by [`Pull`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Tether {
     pub(super) vertices: [u32; 2],
@@ -26,9 +26,61 @@ impl Constraint<2> for Tether {
     fn rows(&self, x: &[Vec3; 2]) -> [Row<2>; 1] {
         let (length, n) = length_and_direction(x[0] - x[1], self.vertices);
         [Row {
-            value: (length - self.length).max(0.0),
+            value: length - self.length,
             gradient: [n, -n],
             stiffness: Real::INFINITY,
         }]
+    }
+}
+
+/// Keeps a link between its length at the start of the correction, if that was below L, and L: by a multiplier that pulls as long as the link would be longer, pushes
+/// as long as it would be shorter, and is zero between.
+///
+/// So cloth that folds between two coarse vertices is none of its business: a link that is short may stay short. But the correction itself does not make links
+/// shorter. Links that only pull, by turns, would draw the cloth together sideways, and nothing on their level would draw it apart again.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Pull {
+    /// Looks how long the links are.
+    Begin,
+    /// Goes this part (dimensionless) of the way in a visit.
+    Go(Real),
+}
+
+/// What a link remembers during a correction.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Memory {
+    /// C (m) at the start, or 0 if that was above.
+    shortest: Real,
+    /// λ (kg m): negative for a pull.
+    total: Real,
+}
+
+impl Rule for Pull {
+    type Memory = Memory;
+
+    #[inline]
+    fn equation(&self, row: RowAt, memory: &mut Memory) -> RowEquation {
+        let residual = match *self {
+            Self::Begin => {
+                memory.shortest = row.value.min(0.0);
+                0.0
+            }
+            Self::Go(part) => {
+                // The multipliers times w̃, which saves two divisions.
+                let total = memory.total * row.weight();
+                let pull = total - part * row.value;
+                let push = total - part * (row.value - memory.shortest);
+                total - if pull < 0.0 { pull } else { push.max(0.0) }
+            }
+        };
+        RowEquation {
+            residual,
+            softness: 0.0,
+        }
+    }
+
+    #[inline]
+    fn remember(&self, change: Real, memory: &mut Memory) {
+        memory.total += change;
     }
 }

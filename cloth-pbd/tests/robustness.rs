@@ -1,0 +1,240 @@
+//! PBD from starts that make no sense, at ratios that are too large (VALIDATION 8.5).
+//!
+//! A cell is one kind of start at one size of step, stiffness and mass ratio, with one way to go through the constraints; ten jittered runs
+//! each. A step passes if it ends in a finite state, or with an error and the state as it was; the second is counted.
+
+use cloth_core::energy::{AreaTriangle, CurvatureHinge, Spring};
+use cloth_core::math::{Real, Vec3};
+use cloth_core::measure::Strain;
+use cloth_core::mesh::TriMesh;
+use cloth_core::mesh::generate::{Diagonals, grid};
+use cloth_core::particles::{Particles, State};
+use cloth_core::position_based::{Acceleration, Chebyshev, Radius, Sweep};
+use cloth_core::step::{StepInput, Stepper};
+use cloth_core::topology::{EdgeTable, HingeTable};
+use cloth_pbd::{Hierarchy, HierarchyConfig, PbdConfig, PbdSolver, StiffnessRule};
+
+const RUNS: usize = 10;
+const SIDE: usize = 6;
+const DOWN: Vec3 = Vec3::new(0.0, 0.0, -9.81);
+
+/// Deterministic numbers in (−1, 1).
+fn noise(index: usize) -> Vec3 {
+    Vec3::from_fn(|axis, _| {
+        let t = (3 * index + axis) as Real * 0.754_877_666 + 0.17;
+        2.0 * t.fract() - 1.0
+    })
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Start {
+    Random,
+    Flattened,
+    Collapsed,
+    Mirrored,
+}
+
+const STARTS: [Start; 4] = [
+    Start::Random,
+    Start::Flattened,
+    Start::Collapsed,
+    Start::Mirrored,
+];
+
+/// Free vertices moved to a bad place, with a jitter that depends on `run`.
+fn start(kind: Start, sheet: &Sheet, run: usize) -> State {
+    let mut positions = sheet.mesh.positions().to_vec();
+    for (vertex, x) in positions.iter_mut().enumerate() {
+        let jitter = noise(1000 * run + vertex);
+        if !sheet.particles.is_prescribed(vertex) {
+            *x = match kind {
+                Start::Random => jitter,
+                // Into the line through the held corners, almost: nothing could say in which direction to leave a plane that it fills.
+                Start::Flattened => Vec3::new(x.x, 0.0, 0.0) + jitter * 1e-3,
+                // Onto one point, exactly; the point differs.
+                Start::Collapsed => noise(run),
+                // Turned inside out through the held corners, and almost flat.
+                Start::Mirrored => Vec3::new(1.0 - x.x, -x.y, 1e-6 * jitter.z),
+            };
+        }
+    }
+    State::at_rest(positions)
+}
+
+/// A sheet of 1 m × 1 m with two corners held, springs of stiffness k on all edges, bending, area, and vertices of 0.01 kg, every third of `mass` times that.
+struct Sheet {
+    mesh: TriMesh,
+    particles: Particles,
+    springs: Vec<Spring>,
+    hinges: Vec<CurvatureHinge>,
+    areas: Vec<AreaTriangle>,
+}
+
+impl Sheet {
+    fn new(stiffness: Real, mass: Real) -> Self {
+        let mesh = grid(SIDE, SIDE, 1.0, 1.0, Diagonals::Alternating).unwrap();
+        let masses = (0..mesh.vertex_count()).map(|v| if v % 3 == 0 { 0.01 * mass } else { 0.01 });
+        let mut particles = Particles::new(masses.collect()).unwrap();
+        particles.prescribe(0).unwrap();
+        particles.prescribe(SIDE - 1).unwrap();
+        let edges = EdgeTable::build(&mesh).unwrap();
+        let hinges = HingeTable::build(&mesh, &edges);
+        Self {
+            springs: Spring::along(mesh.positions(), edges.ends(), stiffness),
+            hinges: CurvatureHinge::across(&mesh, &hinges, 1e-5 * stiffness.min(1e6)),
+            areas: AreaTriangle::on(&mesh, stiffness),
+            mesh,
+            particles,
+        }
+    }
+
+    fn solver(&self, way: Way, stiffness: StiffnessRule, iterations: u32) -> PbdSolver {
+        let acceleration = Acceleration {
+            chebyshev: way.chebyshev.map(|radius| Chebyshev { radius, delay: 3 }),
+            ..Acceleration::default()
+        };
+        let config = PbdConfig {
+            iterations,
+            sweep: way.sweep,
+            acceleration,
+            stiffness,
+            ..PbdConfig::default()
+        };
+        let builder = PbdSolver::builder(&self.particles).energy(self.springs.clone());
+        let builder = builder
+            .energy(self.hinges.clone())
+            .energy(self.areas.clone());
+        let solver = builder.config(config).build().unwrap();
+        if !way.hierarchy {
+            return solver;
+        }
+        let config = HierarchyConfig {
+            every: Some(7),
+            ..HierarchyConfig::default()
+        };
+        let hierarchy = Hierarchy::build(&self.mesh, &self.particles, config).unwrap();
+        assert!(hierarchy.level_count() > 0);
+        solver.with_hierarchy(hierarchy).unwrap()
+    }
+}
+
+/// How to go through the constraints.
+#[derive(Clone, Copy, Debug)]
+struct Way {
+    sweep: Sweep,
+    chebyshev: Option<Radius>,
+    hierarchy: bool,
+}
+
+fn ways() -> Vec<Way> {
+    let mut ways = Vec::new();
+    for sweep in [Sweep::Sequential, Sweep::Colored, Sweep::Jacobi] {
+        for chebyshev in [None, Some(Radius::Estimated), Some(Radius::Given(0.99))] {
+            for hierarchy in [false, true] {
+                ways.push(Way {
+                    sweep,
+                    chebyshev,
+                    hierarchy,
+                });
+            }
+        }
+    }
+    ways
+}
+
+/// A fixed stiffness does not look at k; once is enough.
+fn rules(stiffness: Real) -> Vec<StiffnessRule> {
+    match stiffness == 0.0 {
+        true => vec![StiffnessRule::Material, StiffnessRule::Fixed(0.7)],
+        false => vec![StiffnessRule::Material],
+    }
+}
+
+#[test]
+fn every_step_ends_in_a_finite_state_or_leaves_it_as_it_was() {
+    let (mut taken, mut refused) = (0, 0);
+    for stiffness in [0.0, 1e-6, 1e2, 1e10, Real::INFINITY] {
+        for mass in [1.0, 1e6] {
+            let sheet = Sheet::new(stiffness, mass);
+            for way in ways() {
+                for rule in rules(stiffness) {
+                    let mut solver = sheet.solver(way, rule, 10);
+                    for dt in [1e-3, 1.0 / 60.0, 1.0] {
+                        for (kind, run) in STARTS
+                            .into_iter()
+                            .flat_map(|s| (0..RUNS).map(move |r| (s, r)))
+                        {
+                            let before = start(kind, &sheet, run);
+                            let mut state = before.clone();
+                            match solver.step(&mut state, StepInput::new(dt).gravity(DOWN)) {
+                                Ok(_) => {
+                                    taken += 1;
+                                    assert_eq!(state.first_non_finite(), None, "{way:?} {kind:?}");
+                                }
+                                Err(error) => {
+                                    refused += 1;
+                                    assert!(state == before, "{way:?} {kind:?}: {error}");
+                                }
+                            }
+                        }
+                    }
+                }
+            }
+        }
+    }
+    println!("{taken} steps taken, {refused} refused");
+    assert_eq!(refused, 0);
+}
+
+/// Hard springs, from anywhere, with gravity: some seconds later the sheet hangs with its edges as long as they should be.
+#[test]
+fn the_sheet_recovers_from_any_start() {
+    let sheet = Sheet::new(Real::INFINITY, 1.0);
+    let mut bad = Vec::new();
+    for way in ways() {
+        // Averaged Jacobi sweeps move little each.
+        let iterations = if way.sweep == Sweep::Jacobi { 100 } else { 30 };
+        for kind in STARTS {
+            let mut worst: Real = 0.0;
+            for run in 0..3 {
+                let mut solver = sheet.solver(way, StiffnessRule::Material, iterations);
+                let mut state = start(kind, &sheet, run);
+                for _ in 0..100 {
+                    let input = StepInput::new(1.0 / 60.0).gravity(DOWN);
+                    solver.step(&mut state, input).unwrap();
+                }
+                let strain = Strain::of(&sheet.springs, &state.positions);
+                worst = worst.max(strain.rms);
+            }
+            println!("{way:?} {kind:?}: strain {worst:.1e}");
+            if worst > 0.05 {
+                bad.push(format!("{way:?} {kind:?}: strain {worst:.1e}"));
+            }
+        }
+    }
+    assert!(bad.is_empty(), "{} cells:\n{}", bad.len(), bad.join("\n"));
+}
+
+/// Far from the origin the positions have fewer digits, and that is all.
+#[test]
+fn coordinates_may_be_large() {
+    let sheet = Sheet::new(1e4, 1.0);
+    let shift = Vec3::repeat(1e4);
+    for way in ways() {
+        let run = |shift: Vec3| {
+            let mut state =
+                State::at_rest(sheet.mesh.positions().iter().map(|x| x + shift).collect());
+            let mut solver = sheet.solver(way, StiffnessRule::Material, 15);
+            for _ in 0..10 {
+                solver
+                    .step(&mut state, StepInput::new(0.01).gravity(DOWN))
+                    .unwrap();
+            }
+            state
+        };
+        let (near, far) = (run(Vec3::zeros()), run(shift));
+        for (a, b) in near.positions.iter().zip(&far.positions) {
+            assert!((b - shift - a).norm() < 1e-6, "{way:?}");
+        }
+    }
+}
