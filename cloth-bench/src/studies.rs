@@ -2,6 +2,7 @@
 
 mod convergence;
 mod locking;
+mod projective;
 mod stiffness;
 
 pub use locking::Locking;
@@ -82,7 +83,12 @@ impl Findings {
 }
 
 /// Every study.
-pub const STUDIES: [&Study; 3] = [&convergence::STUDY, &stiffness::STUDY, &locking::STUDY];
+pub const STUDIES: [&Study; 4] = [
+    &convergence::STUDY,
+    &stiffness::STUDY,
+    &locking::STUDY,
+    &projective::STUDY,
+];
 
 impl Study {
     /// The study of that name.

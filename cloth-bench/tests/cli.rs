@@ -347,7 +347,10 @@ fn list_shows_every_name() {
             ][..],
         ),
         ("scenes", &["hang", "drop", "chain", "cantilever"]),
-        ("studies", &["convergence", "stiffness", "locking"]),
+        (
+            "studies",
+            &["convergence", "stiffness", "locking", "projective"],
+        ),
         ("laws", &["oscillator", "chain-rate", "sag"]),
     ] {
         for name in names {
