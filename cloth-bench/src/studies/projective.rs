@@ -68,7 +68,7 @@ fn stiffnesses(scope: Scope) -> &'static [Real] {
 fn most(scope: Scope) -> u32 {
     match scope {
         Scope::Quick => 2_000,
-        Scope::Full => 10_000,
+        Scope::Full => 3_000,
     }
 }
 
