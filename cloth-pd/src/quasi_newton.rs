@@ -69,10 +69,10 @@ impl QuasiNewton {
         &mut self,
         objective: &mut Objective,
         global: &mut GlobalSystem,
-        mut coarse: Option<&mut CoarseGrid>,
+        coarse: Option<&mut CoarseGrid>,
         point: &mut Point,
     ) -> (u32, u32) {
-        self.find_direction(global, coarse.as_deref_mut(), point);
+        self.find_direction(global, coarse, point);
         let mut rejected = match self.search(objective, point) {
             Ok(backtracks) => return (self.accept(point, backtracks), 1),
             Err(backtracks) => backtracks,
@@ -128,8 +128,7 @@ impl QuasiNewton {
     /// slope decides, as Hager and Zhang have it (SIAM J. Optim. 16, 2005).
     fn search(&mut self, objective: &mut Objective, point: &Point) -> Result<u32, u32> {
         let slope = -dot(&point.gradient, &self.direction);
-        // Also if it is not a number.
-        if !(slope < 0.0) {
+        if slope.is_nan() || slope >= 0.0 {
             return Err(0);
         }
         let mut length = 1.0;
