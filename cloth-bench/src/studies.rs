@@ -4,6 +4,7 @@ mod bending;
 mod convergence;
 mod locking;
 mod newton;
+mod projective;
 mod stiffness;
 mod xpbd_floor;
 
@@ -85,12 +86,13 @@ impl Findings {
 }
 
 /// Every study.
-pub const STUDIES: [&Study; 6] = [
+pub const STUDIES: [&Study; 7] = [
     &convergence::STUDY,
     &stiffness::STUDY,
     &locking::STUDY,
     &bending::STUDY,
     &xpbd_floor::STUDY,
+    &projective::STUDY,
     &newton::STUDY,
 ];
 

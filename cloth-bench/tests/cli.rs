@@ -383,7 +383,15 @@ fn list_shows_every_name() {
         ("scenes", &["hang", "drop", "chain", "cantilever"]),
         (
             "studies",
-            &["convergence", "stiffness", "locking", "bending"],
+            &[
+                "convergence",
+                "stiffness",
+                "locking",
+                "bending",
+                "xpbd-floor",
+                "projective",
+                "newton",
+            ],
         ),
         (
             "laws",

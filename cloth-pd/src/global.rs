@@ -47,10 +47,10 @@ pub(crate) struct Term {
 /// Estimates of work (ns), from measurements on one core: per number of the factor, once for a solve with three right-hand sides; per number of the factor and per
 /// multiplication for a factorisation; per row and rank for a correction. They decide which way is taken, not what comes out.
 mod work {
-    pub(super) const SOLVE: f64 = 1.3;
-    pub(super) const FACTOR_ENTRY: f64 = 6.0;
-    pub(super) const FACTOR_PRODUCT: f64 = 0.25;
-    pub(super) const CORRECT: f64 = 1.5;
+    pub(super) const SOLVE: f64 = 0.85;
+    pub(super) const FACTOR_ENTRY: f64 = 3.0;
+    pub(super) const FACTOR_PRODUCT: f64 = 0.13;
+    pub(super) const CORRECT: f64 = 1.2;
 }
 
 impl fmt::Debug for GlobalSystem {

@@ -3,7 +3,7 @@
 
 use crate::coarse::CoarseGrid;
 use crate::global::GlobalSystem;
-use crate::objective::{Objective, Point, add, dot};
+use crate::objective::{Objective, Point, dot};
 use cloth_core::math::{Real, Vec3};
 
 /// Part of the promised decrease that has to be kept (Armijo's constant).
@@ -69,10 +69,10 @@ impl QuasiNewton {
         &mut self,
         objective: &mut Objective,
         global: &mut GlobalSystem,
-        mut coarse: Option<&mut CoarseGrid>,
+        coarse: Option<&mut CoarseGrid>,
         point: &mut Point,
     ) -> (u32, u32) {
-        self.find_direction(global, coarse.as_deref_mut(), point);
+        self.find_direction(global, coarse, point);
         let mut rejected = match self.search(objective, point) {
             Ok(backtracks) => return (self.accept(point, backtracks), 1),
             Err(backtracks) => backtracks,
@@ -86,48 +86,54 @@ impl QuasiNewton {
         (rejected, 2)
     }
 
-    /// The two-loop recursion: `direction = −H g` with `H` the inverse Hessian that the pairs make of the first one.
+    /// The two-loop recursion: `direction = H g` with `H` the inverse Hessian that the pairs make of the first one. Each subtraction is done in one pass with the product that comes next.
     fn find_direction(
         &mut self,
         global: &mut GlobalSystem,
         coarse: Option<&mut CoarseGrid>,
         point: &Point,
     ) {
-        self.work.copy_from_slice(&point.gradient);
         let history = self.pairs.len();
-        for age in 0..self.len {
-            let at = (self.newest + history - age) % history;
-            let pair = &self.pairs[at];
-            self.shares[at] = pair.inverse_product * dot(&pair.step, &self.work);
-            add(&mut self.work, -self.shares[at], &pair.change);
+        let (pairs, newest, len) = (&self.pairs, self.newest, self.len);
+        // The pair of some age, 0 the newest.
+        let pair = |age: usize| (age < len).then(|| (newest + history - age) % history);
+        self.work.copy_from_slice(&point.gradient);
+        let mut product = pair(0).map_or(0.0, |at| dot(&pairs[at].step, &self.work));
+        for age in 0..len {
+            let Some(at) = pair(age) else { break };
+            let share = pairs[at].inverse_product * product;
+            self.shares[at] = share;
+            let next = pair(age + 1).map(|at| &pairs[at].step[..]);
+            product = add_and_dot(&mut self.work, -share, &pairs[at].change, next);
         }
         global.solve(&self.work, &mut self.direction);
         if let Some(coarse) = coarse {
             coarse.add_correction(&self.work, &mut self.direction);
         }
-        for age in (0..self.len).rev() {
-            let at = (self.newest + history - age) % history;
-            let pair = &self.pairs[at];
-            let share = pair.inverse_product * dot(&pair.change, &self.direction);
-            add(&mut self.direction, self.shares[at] - share, &pair.step);
+        let oldest = len.checked_sub(1).and_then(pair);
+        product = oldest.map_or(0.0, |at| dot(&pairs[at].change, &self.direction));
+        for age in (0..len).rev() {
+            let Some(at) = pair(age) else { break };
+            let share = self.shares[at] - pairs[at].inverse_product * product;
+            let next = age.checked_sub(1).and_then(pair);
+            let next = next.map(|at| &pairs[at].change[..]);
+            product = add_and_dot(&mut self.direction, share, &pairs[at].step, next);
         }
-        self.direction.iter_mut().for_each(|p| *p = -*p);
     }
 
-    /// Moves `next` along the direction until `G` has fallen enough. Returns the lengths tried in vain, as an error if none was
+    /// Moves `next` against the direction until `G` has fallen enough. Returns the lengths tried in vain, as an error if none was
     /// good.
     ///
     /// Armijo's condition compares two values of `G`, which near the minimum agree in all digits that are free of rounding. There the
     /// slope decides, as Hager and Zhang have it (SIAM J. Optim. 16, 2005).
     fn search(&mut self, objective: &mut Objective, point: &Point) -> Result<u32, u32> {
-        let slope = dot(&point.gradient, &self.direction);
-        // Also if it is not a number.
-        if !(slope < 0.0) {
+        let slope = -dot(&point.gradient, &self.direction);
+        if slope.is_nan() || slope >= 0.0 {
             return Err(0);
         }
         let mut length = 1.0;
         for backtracks in 0..MOST_TRIALS {
-            self.next.go(&point.displacement, &self.direction, length);
+            self.next.go(&point.displacement, &self.direction, -length);
             objective.evaluate(&mut self.next);
             let rise = self.next.value - point.value;
             let is_lower = rise <= SUFFICIENT * length * slope;
@@ -168,4 +174,18 @@ impl QuasiNewton {
         }
         rejected
     }
+}
+
+/// `y += factor · x`, and then `y · next`, if there is a next.
+fn add_and_dot(y: &mut [Vec3], factor: Real, x: &[Vec3], next: Option<&[Vec3]>) -> Real {
+    let Some(next) = next else {
+        crate::objective::add(y, factor, x);
+        return 0.0;
+    };
+    let mut product = 0.0;
+    for ((y, x), next) in y.iter_mut().zip(x).zip(next) {
+        *y += x * factor;
+        product += y.dot(next);
+    }
+    product
 }

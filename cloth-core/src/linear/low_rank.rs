@@ -124,8 +124,8 @@ impl LowRank {
                 relative(r, a, &self.order).total_cmp(&relative(s, a, &self.order))
             });
             let best = best.unwrap_or(column);
-            // Also if it is not a number.
-            if !(relative(best, a, &self.order) > SMALLEST_PIVOT) {
+            let pivot = relative(best, a, &self.order);
+            if pivot.is_nan() || pivot <= SMALLEST_PIVOT {
                 return false;
             }
             if best != column {

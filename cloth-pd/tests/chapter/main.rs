@@ -6,4 +6,5 @@ mod cloth;
 mod edges;
 mod minimum;
 mod motion;
+mod robust;
 mod step;

@@ -1,0 +1,207 @@
+//! What a step of projective dynamics is made of, on the hanging sheet: the global solve against the library's, the factorisation, the correction for changed
+//! rows, the local step, whole steps.
+
+use cloth_bench::scene::{self, Scene};
+use cloth_bench::settings::Settings;
+use cloth_core::element::{Element, Projective};
+use cloth_core::linear::{Cholesky, LowRank, PanelFactor, UpperPattern};
+use cloth_core::math::{Real, Vec3, gather};
+use cloth_core::step::{StepInput, Stepper};
+use cloth_pd::{Acceleration, PdConfig, PdSolver};
+use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
+use std::hint::black_box;
+
+fn sheet(side: u32) -> Scene {
+    scene::build("hang", None, &Settings::default().with("n", side)).expect("a scene")
+}
+
+/// `M/Δt² + Σ w GᵀG` of springs and hinges, all vertices free.
+fn matrix(scene: &Scene) -> Cholesky {
+    let model = &scene.model;
+    let masses = model.particles.mass().iter();
+    let mut columns: Vec<Vec<(u32, Real)>> = (0..)
+        .zip(masses)
+        .map(|(v, m)| vec![(v, m / (scene.dt * scene.dt))])
+        .collect();
+    fn add<const N: usize, E: Projective<N, 1>>(elements: &[E], columns: &mut [Vec<(u32, Real)>]) {
+        for element in elements {
+            let (vertices, [row]) = (element.vertices(), element.operator());
+            for i in 0..N {
+                for j in (0..N).filter(|&j| vertices[j] <= vertices[i]) {
+                    let entry = (vertices[j], element.weight() * row[i] * row[j]);
+                    columns[vertices[i] as usize].push(entry);
+                }
+            }
+        }
+    }
+    add(&model.springs, &mut columns);
+    add(&model.hinges, &mut columns);
+    let mut pattern = UpperPattern {
+        column_offsets: vec![0],
+        rows: Vec::new(),
+    };
+    let mut values: Vec<Real> = Vec::new();
+    for column in &mut columns {
+        column.sort_by_key(|entry| entry.0);
+        for same in column.chunk_by(|a, b| a.0 == b.0) {
+            pattern.rows.push(same[0].0);
+            values.push(same.iter().map(|entry| entry.1).sum());
+        }
+        pattern.column_offsets.push(values.len() as u32);
+    }
+    let mut cholesky = Cholesky::analyze(pattern).expect("memory");
+    cholesky.values_mut().copy_from_slice(&values);
+    cholesky.factorize().expect("positive definite");
+    cholesky
+}
+
+fn panels_of(cholesky: &Cholesky, count: usize) -> PanelFactor {
+    let places: Vec<u32> = (0..count as u32).collect();
+    PanelFactor::new(cholesky.factor(), &places)
+}
+
+/// Bytes that a solve has to read: every number of the factor twice.
+fn global_solve(criterion: &mut Criterion) {
+    for side in [64, 128, 256, 512] {
+        let scene = sheet(side);
+        let count = scene.start.positions.len();
+        let mut cholesky = matrix(&scene);
+        let mut panels = panels_of(&cholesky, count);
+        let mut group = criterion.benchmark_group(format!("projective solve, {side} a side"));
+        group.sample_size(20);
+        group.throughput(Throughput::Bytes(16 * cholesky.factor_len() as u64));
+        let mut columns: Vec<Real> = (0..3 * count).map(|i| (i as Real).sin()).collect();
+        group.bench_function("library", |bencher| {
+            bencher.iter(|| cholesky.solve_in_place(&mut columns))
+        });
+        let b = &scene.start.positions;
+        let mut solution = vec![Vec3::zeros(); count];
+        group.bench_function("panels", |bencher| {
+            bencher.iter(|| panels.solve(black_box(b), &mut solution))
+        });
+    }
+}
+
+/// Refactoring against setting up a correction of rank k, and what the correction adds to every solve.
+fn changes(criterion: &mut Criterion) {
+    for side in [32, 64, 128, 256] {
+        let scene = sheet(side);
+        let count = scene.start.positions.len();
+        let mut cholesky = matrix(&scene);
+        let mut panels = panels_of(&cholesky, count);
+        let mut group = criterion.benchmark_group(format!("projective change, {side} a side"));
+        group.sample_size(10);
+        group.throughput(Throughput::Elements(cholesky.factor_len() as u64));
+        group.bench_function("factorise", |bencher| {
+            bencher.iter(|| {
+                cholesky.factorize().expect("positive definite");
+                panels.refill(cholesky.factor());
+            });
+        });
+        let mut solution = vec![Vec3::zeros(); count];
+        group.bench_function("solve", |bencher| {
+            bencher.iter(|| panels.solve(black_box(&scene.start.positions), &mut solution))
+        });
+        for rank in [1, 3, 10, 30, 100] {
+            let mut low_rank = LowRank::default();
+            for column in 0..rank {
+                low_rank.push([((column * 7919 % count) as u32, 1.0)]);
+            }
+            group.bench_function(BenchmarkId::new("set up a correction", rank), |bencher| {
+                bencher.iter(|| low_rank.prepare(count, |b, x| panels.solve(b, x)));
+            });
+            group.bench_function(BenchmarkId::new("correct a solve", rank), |bencher| {
+                bencher.iter(|| low_rank.correct(&mut solution));
+            });
+        }
+    }
+}
+
+/// The projections of all springs, and reading and writing the same bytes without them: two positions and two forces (24 B each, the forces read and
+/// written) and a spring (24 B).
+fn local_step(criterion: &mut Criterion) {
+    for side in [128, 256, 512] {
+        let scene = sheet(side);
+        let (springs, x) = (&scene.model.springs, &scene.start.positions);
+        let mut forces = vec![Vec3::zeros(); x.len()];
+        let mut group = criterion.benchmark_group(format!("projective local step, {side} a side"));
+        let bytes = springs.len() * 24 + x.len() * 72;
+        group.throughput(Throughput::Bytes(bytes as u64));
+        group.bench_function("project springs", |bencher| {
+            bencher.iter(|| {
+                for spring in springs {
+                    let [i, j] = spring.vertices();
+                    let [a, b] = gather(x, [i, j]);
+                    let [p] = spring.project([a - b]);
+                    let pull = (a - b - p) * spring.weight();
+                    forces[i as usize] += pull;
+                    forces[j as usize] -= pull;
+                }
+                black_box(&mut forces);
+            });
+        });
+        let plain = springs.iter().map(|s| [s.stiffness, s.rest_length, 1.0]);
+        let plain: Vec<[Real; 3]> = plain.collect();
+        group.bench_function("read and write the same bytes", |bencher| {
+            bencher.iter(|| {
+                let mut sum = [0.0; 3];
+                for spring in &plain {
+                    for lane in 0..3 {
+                        sum[lane] += spring[lane];
+                    }
+                }
+                for (force, x) in forces.iter_mut().zip(x) {
+                    *force += x * sum[0];
+                }
+                black_box(&mut forces);
+            });
+        });
+    }
+}
+
+/// One step at a quarter of a second into the fall, with each acceleration, and one of Newton's method.
+fn steps(criterion: &mut Criterion) {
+    for side in [64, 128] {
+        let scene = sheet(side);
+        let build = |acceleration| {
+            PdSolver::builder(&scene.model.particles)
+                .energy(scene.model.springs.clone())
+                .energy(scene.model.hinges.clone())
+                .coarse_grid(&scene.start.positions, 8)
+                .config(PdConfig {
+                    acceleration,
+                    ..PdConfig::default()
+                })
+                .build()
+                .expect("a solver")
+        };
+        let quasi_newton = Acceleration::QuasiNewton { history: 5 };
+        let mut solver = build(quasi_newton);
+        let mut state = scene.start.clone();
+        let input = || StepInput::new(scene.dt).gravity(scene.gravity);
+        for _ in 0..15 {
+            solver.step(&mut state, input()).expect("a step");
+        }
+        let mut group = criterion.benchmark_group(format!("projective step, {side} a side"));
+        group.sample_size(10);
+        let chebyshev = Acceleration::Chebyshev {
+            spectral_radius: Some(0.99),
+        };
+        for (name, acceleration) in [
+            ("plain", Acceleration::None),
+            ("chebyshev", chebyshev),
+            ("quasi-newton", quasi_newton),
+        ] {
+            let mut solver = build(acceleration);
+            group.bench_function(name, |bencher| {
+                bencher.iter(|| {
+                    let mut state = state.clone();
+                    solver.step(&mut state, input())
+                });
+            });
+        }
+    }
+}
+
+criterion_group!(benches, global_solve, changes, local_step, steps);
+criterion_main!(benches);

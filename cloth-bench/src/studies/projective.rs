@@ -1,0 +1,282 @@
+//! Projective dynamics by acceleration, resolution and stiffness (BENCH-1; PD-3).
+
+use super::{Findings, Scope, Study};
+use crate::error::BenchError;
+use crate::method::Method;
+use crate::report::plot::{Axis, Plot, Series};
+use crate::report::table::{Cell, Table};
+use crate::run;
+use crate::scene;
+use crate::settings::Settings;
+use crate::yardstick::{Sample, StepProblem};
+use cloth_core::math::Real;
+
+pub(super) const STUDY: Study = Study {
+    name: "projective",
+    question: "How many iterations does projective dynamics need, does their number depend on resolution and stiffness, and what do the accelerations save?",
+    about: "The step is the sixteenth of the hanging sheet, with Newton's method to rounding as the reference; the error is (G − G*)/(G(x̃) − G*). All variants start at x̃ \
+        here. The constant matrix is as stiff across a spring as along it, so what turns springs without stretching them converges slowly, and the more so the stiffer the \
+        springs. The second table is the whole fall: half a second at the default setting and at others, beside converged implicit Euler in the same process. Times are those of a machine that may have \
+        been busy; counts are not.",
+    cases,
+    run,
+};
+
+/// Label and settings of each variant.
+const VARIANTS: [(&str, &[(&str, &str)]); 4] = [
+    ("plain", &[("acceleration", "none")]),
+    (
+        "chebyshev",
+        &[("acceleration", "chebyshev"), ("spectral_radius", "0.9995")],
+    ),
+    ("quasi-newton", &[("coarse", "0")]),
+    ("quasi-newton, coarse grid", &[]),
+];
+
+/// Errors that are waited for.
+const GOALS: [Real; 3] = [1e-2, 1e-4, 1e-6];
+
+/// Settings of the whole fall.
+const FALLS: [(&str, &[(&str, &str)]); 4] = [
+    (
+        "plain, 10 iterations from x̃",
+        &[
+            ("acceleration", "none"),
+            ("iterations", "10"),
+            ("start", "predicted"),
+        ],
+    ),
+    ("no coarse grid", &[("coarse", "0")]),
+    ("default", &[]),
+    ("12 iterations", &[("iterations", "12")]),
+];
+
+fn sizes(scope: Scope) -> &'static [u32] {
+    match scope {
+        Scope::Quick => &[17, 33],
+        Scope::Full => &[32, 64, 128],
+    }
+}
+
+fn stiffnesses(scope: Scope) -> &'static [Real] {
+    match scope {
+        Scope::Quick => &[1e2, 1e4],
+        Scope::Full => &[1e2, 1e3, 1e4, 1e5],
+    }
+}
+
+fn most(scope: Scope) -> u32 {
+    match scope {
+        Scope::Quick => 2_000,
+        Scope::Full => 3_000,
+    }
+}
+
+fn cases(scope: Scope) -> u64 {
+    let steps = (sizes(scope).len() + stiffnesses(scope).len()) * VARIANTS.len();
+    (steps + sizes(scope).len() * (1 + FALLS.len())) as u64
+}
+
+fn with(pairs: &[(&str, &str)]) -> Settings {
+    let start = Settings::default();
+    pairs
+        .iter()
+        .fold(start, |settings, (key, value)| settings.with(key, value))
+}
+
+fn run(scope: Scope, progress: &mut dyn FnMut(&str)) -> Result<Findings, BenchError> {
+    let mut findings = Findings::default();
+    let mut table = Table::new(&[
+        "n",
+        "stiffness (N/m)",
+        "variant",
+        "iterations to 1e-2",
+        "to 1e-4",
+        "to 1e-6",
+        "ms to 1e-4",
+    ]);
+    let at = |n, stiffness| {
+        Settings::default()
+            .with("n", n)
+            .with("stiffness", stiffness)
+    };
+    let mut by_size = Vec::new();
+    for &n in sizes(scope) {
+        let counts = one_step(scope, &at(n, 1e4), &mut table, &mut findings, progress)?;
+        by_size.push((Real::from(n), counts));
+    }
+    let mut by_stiffness = Vec::new();
+    let n = sizes(scope)[0];
+    for &k in stiffnesses(scope) {
+        let counts = one_step(scope, &at(n, k), &mut table, &mut findings, progress)?;
+        by_stiffness.push((k, counts));
+    }
+    findings.table(
+        "projective-iterations",
+        "Iterations of one step to three errors; empty where the budget did not reach it",
+        table,
+    );
+    for (name, title, x, counts) in [
+        (
+            "projective-size",
+            "Iterations to an error of 1e-4 against resolution, k = 1e4 N/m",
+            "vertices a side (dimensionless)",
+            &by_size,
+        ),
+        (
+            "projective-stiffness",
+            "Iterations to an error of 1e-4 against stiffness",
+            "spring stiffness k (N/m)",
+            &by_stiffness,
+        ),
+    ] {
+        let series = VARIANTS.iter().enumerate().map(|(index, (label, _))| {
+            let points = counts
+                .iter()
+                .filter_map(|(x, counts): &(Real, [Option<u32>; 4])| {
+                    counts[index].map(|count| (*x, Real::from(count)))
+                });
+            Series::new(label, points.collect())
+        });
+        findings.plot(
+            name,
+            &Plot {
+                title: title.into(),
+                x: Axis::log(x),
+                y: Axis::log("iterations (dimensionless)"),
+                series: series.collect(),
+                note: String::new(),
+            },
+        );
+    }
+    findings.section.verdict = verdict(&by_size, &by_stiffness);
+    falls(scope, &mut findings, progress)?;
+    Ok(findings)
+}
+
+/// Traces every variant on one step; returns the iterations of each to the second goal.
+fn one_step(
+    scope: Scope,
+    settings: &Settings,
+    table: &mut Table,
+    findings: &mut Findings,
+    progress: &mut dyn FnMut(&str),
+) -> Result<[Option<u32>; 4], BenchError> {
+    let scene = scene::build("hang", None, settings)?;
+    let problem = StepProblem::after(&scene, 15, scene.dt)?;
+    let mut counts = [None; 4];
+    let (n, k) = (settings.get("n"), settings.get("stiffness"));
+    for (index, (label, pairs)) in VARIANTS.into_iter().enumerate() {
+        let case = format!("{label}, n {}, k {}", n.unwrap_or(""), k.unwrap_or(""));
+        progress(&format!("projective: {case}"));
+        let settings = with(pairs)
+            .with("iterations", most(scope))
+            .with("start", "predicted")
+            .with("tolerance", 1e-9);
+        let mut solver = Method::find("pd")?.build(&scene, &settings, scene.dt)?;
+        let traced = problem.trace(&mut *solver);
+        let trace = findings.unless_failed(&case, traced).unwrap_or_default();
+        let first = |goal: Real| trace.iter().find(|sample| sample.error.objective <= goal);
+        let reached: [Option<&Sample>; 3] = GOALS.map(first);
+        counts[index] = reached[1].map(|sample| sample.iteration);
+        let count = |sample: Option<&Sample>| Cell::from(sample.map(|s| s.iteration as usize));
+        table.push([
+            Cell::from(n.unwrap_or("")),
+            Cell::from(k.unwrap_or("")),
+            Cell::from(label),
+            count(reached[0]),
+            count(reached[1]),
+            count(reached[2]),
+            Cell::from(reached[1].map(|sample| 1e3 * sample.seconds)),
+        ]);
+    }
+    Ok(counts)
+}
+
+/// Whether the plain iteration, and the default, need as many iterations at the largest as at the smallest.
+fn verdict(
+    by_size: &[(Real, [Option<u32>; 4])],
+    by_stiffness: &[(Real, [Option<u32>; 4])],
+) -> Option<String> {
+    let ends = |counts: &[(Real, [Option<u32>; 4])], index: usize| {
+        let (first, last) = (counts.first()?, counts.last()?);
+        let show =
+            |count: Option<u32>| count.map_or("not within the budget".into(), |c| c.to_string());
+        Some([show(first.1[index]), show(last.1[index])])
+    };
+    let (sizes, stiffness) = (ends(by_size, 0)?, ends(by_stiffness, 0)?);
+    let (coarse, coarse_stiffness) = (ends(by_size, 3)?, ends(by_stiffness, 3)?);
+    let (from, to) = (by_size.first()?.0, by_size.last()?.0);
+    let (soft, stiff) = (by_stiffness.first()?.0, by_stiffness.last()?.0);
+    Some(format!(
+        "Iterations to an error of 1e-4, at {from} and at {to} vertices a side: {} and {} plain, {} and {} with the coarse grid. At {soft:e} and at {stiff:e} N/m: {} and \
+         {} plain, {} and {} with the coarse grid.",
+        sizes[0],
+        sizes[1],
+        coarse[0],
+        coarse[1],
+        stiffness[0],
+        stiffness[1],
+        coarse_stiffness[0],
+        coarse_stiffness[1],
+    ))
+}
+
+/// Half a second of the hanging sheet: fall and stretch beside those of converged implicit Euler.
+fn falls(
+    scope: Scope,
+    findings: &mut Findings,
+    progress: &mut dyn FnMut(&str),
+) -> Result<(), BenchError> {
+    let mut table = Table::new(&[
+        "n",
+        "setting",
+        "fall of the centre of mass (m)",
+        "relative to implicit Euler",
+        "largest stretch",
+        "relative to implicit Euler",
+        "ms per step",
+        "times faster than Newton",
+    ]);
+    for &n in sizes(scope) {
+        let scene = scene::build("hang", None, &Settings::default().with("n", n))?;
+        let simulate = |method: &str, settings: &Settings| {
+            let mut solver = Method::find(method)?.build(&scene, settings, scene.dt)?;
+            let mut state = scene.start.clone();
+            run::run(&scene, &mut *solver, &mut state, scene.dt, 30, |_, _, _| {
+                Ok(())
+            })
+        };
+        progress(&format!(
+            "projective: implicit Euler for half a second, {n} × {n}"
+        ));
+        let newton = simulate("implicit-euler", &Settings::default())?;
+        let mut push = |label: &str, summary: &run::Summary| {
+            let fall = summary.center_of_mass_drop;
+            table.push([
+                Cell::from(n as usize),
+                Cell::from(label),
+                Cell::from(fall),
+                Cell::from(fall / newton.center_of_mass_drop - 1.0),
+                Cell::from(summary.max_stretch),
+                Cell::from(summary.max_stretch / newton.max_stretch - 1.0),
+                Cell::from(summary.ms_per_step_median),
+                Cell::from(newton.ms_per_step_median / summary.ms_per_step_median),
+            ]);
+        };
+        push("implicit Euler, converged", &newton);
+        for (label, pairs) in FALLS {
+            progress(&format!("projective: {label} for half a second, {n} × {n}"));
+            let outcome = simulate("pd", &with(pairs));
+            if let Some(summary) = findings.unless_failed(label, outcome) {
+                push(label, &summary);
+            }
+        }
+    }
+    findings.table(
+        "projective-fall",
+        "The hanging sheet after 0.5 s (30 steps), starting horizontal, k = 1e4 N/m",
+        table,
+    );
+    Ok(())
+}
