@@ -94,6 +94,8 @@ mod solver;
 
 mod forces;
 
+pub mod links;
+
 #[cfg(feature = "direct")]
 pub mod direct;
 
