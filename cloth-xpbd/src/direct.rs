@@ -78,16 +78,27 @@
 //!   protection; they may be refused by the line search.
 //! - With [`DirectConfig::warm_start`] a step depends on the one before it.
 
-mod builder;
 mod config;
-mod kkt;
-mod linear;
-mod merit;
+
 mod rows;
+
+mod kkt;
+
 mod saddle;
 mod schur;
+
+mod linear;
+
+mod merit;
+mod search;
+
 mod solver;
+
+mod readout;
+
+mod builder;
 
 pub use builder::DirectBuilder;
 pub use config::{DirectConfig, DirectStart, System};
-pub use solver::{DirectXpbd, Residuals};
+pub use readout::Residuals;
+pub use solver::DirectXpbd;
