@@ -19,26 +19,86 @@
 //! ```
 //!
 //! With `H = M` alone, and once from `x⁰`, this is S1 (44) as printed. The published XPBD drops the first right-hand side and keeps `H = M`; we keep it, so that
-//! the iteration ends at the implicit Euler step and not near it, and so that elastic energies and hard constraints can stand in one system.
+//! the iteration ends at the implicit Euler step and not near it, and so that elastic energies and hard constraints can stand in one system. Where no gradient turns the two end at the same place.
+//!
+//! The system is solved in one of four ways ([`System`]). *Primal–dual*: as it stands, symmetric after a change of sign, by `L D Lᵀ` or by MINRES. *Dual*: with Δx eliminated,
+//! `(J H⁻¹ Jᵀ + α̃) Δλ = …`, by Cholesky or by conjugate gradients. The dual matrix needs an H whose inverse is as sparse, so the geometric stiffness is then replaced by a block-diagonal upper bound. GMRES
+//! is not offered: on a symmetric matrix it makes the iterates of MINRES, and keeps all directions to do so.
+//!
+//! An iterate is accepted if a merit function falls (`direct/merit.rs`), which is the elastic energy near rest and a linear penalty beyond, so that hard rows need no limit process.
+//!
+//! ## Geometric stiffness
+//! `J(x)ᵀλ` turns with the cloth. An iteration without that term, H = M, applies the forces of the step in the directions that the links had before it, as an explicit method does: a light vertex of mass m between
+//! links of length l under a tension T swings sideways with up to `ω² = 4T/(m l)`, and beyond `hω = 2` one solve a step is unstable, however stiff the links and however exact the solve.
+//! With `−Σ λ ∂²C` in H, made positive semi-definite, it is stable (Tournier et al. 2015). Ours is the full matrix, not the stiffness of each vertex alone. The first step has no λ of a step before; it makes one solve more, without moving.
 //!
 //! | equation | where |
 //! |---|---|
 //! | the system, scaled | `direct/kkt.rs` |
-//! | `[H Jᵀ; J −α̃]`: `L D Lᵀ`, MINRES | `direct/saddle.rs` |
-//! | `(J H⁻¹ Jᵀ + α̃) Δλ = …`: Cholesky, conjugate gradients | `direct/schur.rs` |
+//! | `[H Jᵀ; J −α̃]`: `L D Lᵀ`, MINRES | `direct/saddle.rs`, [`SignedCholesky`](cloth_core::linear::SignedCholesky), [`Minres`](cloth_core::linear::Minres) |
+//! | `(J H⁻¹ Jᵀ + α̃) Δλ = …`: Cholesky, conjugate gradients | `direct/schur.rs`, [`Cholesky`](cloth_core::linear::Cholesky) |
 //! | `−Σ λ ∂²C ⪰ 0` | [`Constraint::geometric_stiffness`](cloth_core::element::Constraint::geometric_stiffness) |
+//! | dependent rows, refinement | `direct/linear.rs` |
 //! | which of two iterates is better | `direct/merit.rs` |
+//! | the loop around them | [`DirectXpbd`] |
+//!
+//! # Example
+//! ```
+//! use cloth_core::{energy::Spring, math::Vec3, particles::{Particles, State}};
+//! use cloth_core::step::{StepInput, Stepper};
+//! use cloth_xpbd::direct::DirectXpbd;
+//!
+//! // Twenty rigid links of 10 g each, and a ton at their end.
+//! let mut mass = vec![0.01; 21];
+//! mass[20] = 1000.0;
+//! let mut particles = Particles::new(mass)?;
+//! particles.prescribe(0)?;
+//! let link = |i| Spring { vertices: [i, i + 1], rest_length: 0.05, stiffness: f64::INFINITY };
+//! let mut solver = DirectXpbd::builder(&particles).energy((0..20).map(link).collect()).build()?;
+//!
+//! let mut state = State::at_rest((0..21).map(|i| Vec3::new(0.0, 0.0, -0.05 * i as f64)).collect());
+//! let report = solver.step(&mut state, StepInput::new(1.0 / 60.0).gravity(Vec3::new(0.0, 0.0, -9.81)))?;
+//! assert!(report.iterations <= 4);
+//! assert!((state.positions[20].z + 1.0).abs() < 1e-12);
+//! let mut forces = vec![Vec3::zeros(); 21];
+//! solver.vertex_forces_into(&mut forces);
+//! assert!((forces[0].norm() - 1000.19 * 9.81).abs() < 1e-6);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! # Limits
+//! - A sheet has three rows per hinge and one per edge, some 12 V beside its 3 V positions. For cloth without hard constraints Newton's method on the positions alone is the smaller system;
+//!   this solver is for chains, bodies of links, and hard constraints in cloth.
+//! - The negative part of the geometric stiffness is dropped, as it has to be for a direction that goes down. Where much of the cloth is compressed the iteration is then not Newton's, and takes tens of iterations or spends its budget
+//!   ([`Outcome::BudgetSpent`](cloth_core::step::Outcome::BudgetSpent); [`DirectXpbd::residuals`] says what is left).
+//! - The dual form with its upper bound is slow where links turn far in a step under a high tension: `h² T/(m l)` much above 1. Without geometric stiffness it is exact, and may be
+//!   unable to converge there.
+//! - Hard rows that depend on one another are solved with a small number added to the diagonal ([`DirectXpbd::regularization`]), which refinement takes out again. If they can be met together, they are; λ is then one of many. If they contradict one
+//!   another the step ends between them, and its residual says so. A *flat* sheet of hard edges is at the border: no λ bends it, its lengths come to some 1e-7 m and the step does not converge. The Krylov methods have no such
+//!   protection; they may be refused by the line search.
+//! - With [`DirectConfig::warm_start`] a step depends on the one before it.
 
-mod builder;
 mod config;
-mod kkt;
-mod linear;
-mod merit;
+
 mod rows;
+
+mod kkt;
+
 mod saddle;
 mod schur;
+
+mod linear;
+
+mod merit;
+mod search;
+
 mod solver;
+
+mod readout;
+
+mod builder;
 
 pub use builder::DirectBuilder;
 pub use config::{DirectConfig, DirectStart, System};
-pub use solver::{DirectXpbd, Residuals};
+pub use readout::Residuals;
+pub use solver::DirectXpbd;

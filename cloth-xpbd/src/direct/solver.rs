@@ -4,7 +4,8 @@ use super::builder::DirectBuilder;
 use super::config::{DirectConfig, DirectStart};
 use super::kkt::{Kkt, Pair};
 use super::linear::Solver;
-use super::merit::{Merit, Scene};
+use super::merit::Merit;
+use super::readout::Residuals;
 use super::rows::{RowFamily, Rows};
 use crate::compliance::Compliance;
 use cloth_core::linear::CholeskyError;
@@ -46,20 +47,6 @@ pub struct DirectXpbd {
     pub(super) residuals: Residuals,
 }
 
-/// What the last step left of the two equations.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Residuals {
-    /// Largest `|C + α̃λ|` of a row (unit of C; m for springs and hinges).
-    pub compliance: Real,
-    /// `‖M (x − x̃)/h² − Jᵀλ/h²‖` in the norm of M⁻¹ (N/√kg).
-    pub momentum: Real,
-}
-
-/// Part of the promised decrease that has to be kept (Armijo's constant).
-const SUFFICIENT: Real = 1e-4;
-/// Step lengths tried before giving up, each half of the one before.
-const MOST_TRIALS: u32 = 40;
-
 impl Stepper for DirectXpbd {
     fn name(&self) -> &'static str {
         "xpbd-direct"
@@ -98,56 +85,6 @@ impl DirectXpbd {
     #[must_use]
     pub fn config(&self) -> &DirectConfig {
         &self.config
-    }
-
-    /// Numbers stored in the factor; 0 for a Krylov method.
-    #[must_use]
-    pub fn factor_len(&self) -> usize {
-        self.solver.factor_len()
-    }
-
-    /// What was added to the diagonal of every row in the factor of the last iteration (dimensionless: the diagonal is 1), so that hard rows that depend on one another
-    /// do not make the matrix singular. It changes how fast a step converges, not what it converges to.
-    #[must_use]
-    pub fn regularization(&self) -> Real {
-        self.solver.shift()
-    }
-
-    /// What the last step left of the two equations; zero before the first.
-    #[must_use]
-    pub fn residuals(&self) -> Residuals {
-        self.residuals
-    }
-
-    /// Writes the multipliers λ (kg m² per unit of C; kg m for springs and hinges) of the last step to `out`: those of the family that
-    /// was added as number `family` (from 0), element after element in the order given, row after row. Zero before the first step and after one that failed.
-    ///
-    /// # Panics
-    /// If there is no such family.
-    pub fn multipliers_into(&self, family: usize, out: &mut Vec<Real>) {
-        let first: usize = self.families[..family].iter().map(|f| f.row_count()).sum();
-        let count = self.families[family].row_count();
-        out.clear();
-        out.extend_from_slice(&self.multipliers[first..first + count]);
-    }
-
-    /// Writes `Σ Jᵀλ/h²` (N) over all constraints to `out`, one per vertex, as
-    /// [`XpbdSolver::vertex_forces_into`](crate::XpbdSolver::vertex_forces_into) does.
-    ///
-    /// # Panics
-    /// If `out` does not have one entry per vertex.
-    pub fn vertex_forces_into(&self, out: &mut [Vec3]) {
-        assert_eq!(out.len(), self.mass.len(), "one force per vertex");
-        out.fill(Vec3::zeros());
-        let Some(compliance) = self.last else {
-            return;
-        };
-        for (row, &multiplier) in self.multipliers.iter().enumerate() {
-            for e in self.rows.entries(row) {
-                let force = self.rows.gradient[e] * compliance.force(multiplier);
-                out[self.rows.vertices[e] as usize] += force;
-            }
-        }
     }
 
     fn iterate(
@@ -260,7 +197,7 @@ impl DirectXpbd {
         }
     }
 
-    fn evaluate_trial(&mut self) {
+    pub(super) fn evaluate_trial(&mut self) {
         let trial = std::mem::take(&mut self.trial);
         self.evaluate_at(&trial);
         self.trial = trial;
@@ -341,93 +278,6 @@ impl DirectXpbd {
                 *change -= undetermined;
             }
         }
-    }
-
-    /// Takes the first of Δ, Δ with a second-order correction, Δ/2, Δ/4, … that makes the merit fall enough; `None` if none does.
-    fn search(&mut self, size: Real, report: &mut StepReport) -> Option<()> {
-        let changes = self.change.l.iter().zip(&self.kkt.row_scale);
-        self.merit
-            .raise(&self.multipliers, changes.map(|(l, scale)| l * scale));
-        let scene = Scene {
-            mass: &self.mass,
-            predicted: &self.predicted,
-            softness: &self.softness,
-        };
-        let start = self.merit.value(scene, &self.positions, &self.rows);
-        let slope = self
-            .merit
-            .slope(scene, &self.positions, &self.rows, &self.direction);
-        let rounding = self.merit.rounding(start, size);
-        let bound = |length: Real| start + SUFFICIENT * length * slope.min(0.0) + rounding;
-        let mut length = 1.0;
-        for _ in 0..MOST_TRIALS {
-            self.try_length(length);
-            if self.trial_merit() <= bound(length) {
-                self.accept();
-                return Some(());
-            }
-            if length == 1.0 {
-                self.correct();
-                if self.trial_merit() <= bound(1.0) {
-                    self.accept();
-                    return Some(());
-                }
-            }
-            report.backtracks += 1;
-            length *= 0.5;
-        }
-        None
-    }
-
-    fn trial_merit(&self) -> Real {
-        let scene = Scene {
-            mass: &self.mass,
-            predicted: &self.predicted,
-            softness: &self.softness,
-        };
-        self.merit.value(scene, &self.trial, &self.rows)
-    }
-
-    /// Puts `x + t Δx`, `λ + t Δλ` in the place to try, and evaluates the rows there.
-    fn try_length(&mut self, t: Real) {
-        let moved = self.positions.iter().zip(&self.direction);
-        for (trial, (x, d)) in self.trial.iter_mut().zip(moved) {
-            *trial = x + d * t;
-        }
-        for row in 0..self.rows.len() {
-            let change = self.kkt.row_scale[row] * self.change.l[row];
-            self.trial_multipliers[row] = self.multipliers[row] + t * change;
-        }
-        self.evaluate_trial();
-    }
-
-    /// Adds to the place to try what the matrix says of the curvature of the rows that it did not see: without it a hard row that turns keeps whole
-    /// steps from being accepted.
-    fn correct(&mut self) {
-        self.right.x.fill(Vec3::zeros());
-        for row in 0..self.rows.len() {
-            let scale = self.kkt.row_scale[row];
-            self.right.l[row] = if scale > 0.0 {
-                let softness = self.softness[row] * self.trial_multipliers[row];
-                -scale * (self.rows.value[row] + softness)
-            } else {
-                0.0
-            };
-        }
-        self.solver
-            .solve(&self.kkt, &self.right, &mut self.correction);
-        for (v, trial) in self.trial.iter_mut().enumerate() {
-            *trial += self.correction.x[v] * self.kkt.vertex_scale[v];
-        }
-        for row in 0..self.rows.len() {
-            self.trial_multipliers[row] += self.kkt.row_scale[row] * self.correction.l[row];
-        }
-        self.evaluate_trial();
-    }
-
-    fn accept(&mut self) {
-        std::mem::swap(&mut self.positions, &mut self.trial);
-        std::mem::swap(&mut self.multipliers, &mut self.trial_multipliers);
     }
 
     /// What is left of the equations, and the counts.

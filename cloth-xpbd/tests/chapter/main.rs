@@ -1,5 +1,7 @@
 //! The claims of the chapter.
 
+#[path = "../support/bad_starts.rs"]
+mod bad_starts;
 #[path = "../../../cloth-core/tests/support/chain.rs"]
 mod chain;
 #[path = "../../../cloth-core/tests/support/sheet.rs"]
@@ -7,6 +9,8 @@ mod sheet;
 
 mod damping;
 mod forces;
+mod links;
+mod robustness;
 mod rows;
 
 use chain::Chain;

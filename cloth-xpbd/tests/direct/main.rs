@@ -1,5 +1,7 @@
 //! The direct solver.
 
+#[path = "../support/bad_starts.rs"]
+mod bad_starts;
 #[allow(dead_code, reason = "shared with tests that use the rest of it")]
 #[path = "../../../cloth-core/tests/support/chain.rs"]
 mod chain;
@@ -8,6 +10,7 @@ mod convergence;
 mod counting_allocator;
 mod degenerate;
 mod forces;
+mod robustness;
 #[path = "../../../cloth-core/tests/support/sheet.rs"]
 mod sheet;
 mod stable;
