@@ -104,6 +104,10 @@ pub trait Constraint<const N: usize>: Element<N> {
     /// `[Row<N>; M]`.
     type Rows: RowArray<N>;
 
+    /// Whether no coordinate of any vertex is moved by two rows, so that they can be solved one by one, whatever the masses. True for rows that are the
+    /// coordinates of a linear expression.
+    const ROWS_ARE_INDEPENDENT: bool = false;
+
     /// The rows at `x` (m).
     fn rows(&self, x: &[Vec3; N]) -> Self::Rows;
 

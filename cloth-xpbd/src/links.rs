@@ -38,6 +38,8 @@ impl Element<2> for Joint {
 impl Constraint<2> for Joint {
     type Rows = [Row<2>; 3];
 
+    const ROWS_ARE_INDEPENDENT: bool = true;
+
     #[inline]
     fn rows(&self, x: &[Vec3; 2]) -> [Row<2>; 3] {
         let apart = x[0] - x[1];

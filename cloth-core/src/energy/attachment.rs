@@ -27,6 +27,8 @@ impl Element<1> for Attachment {
 impl Constraint<1> for Attachment {
     type Rows = [Row<1>; 3];
 
+    const ROWS_ARE_INDEPENDENT: bool = true;
+
     #[inline]
     fn rows(&self, x: &[Vec3; 1]) -> [Row<1>; 3] {
         let d = x[0] - self.target;

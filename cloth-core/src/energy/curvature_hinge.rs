@@ -95,6 +95,8 @@ impl Element<4> for CurvatureHinge {
 impl Constraint<4> for CurvatureHinge {
     type Rows = [Row<4>; 3];
 
+    const ROWS_ARE_INDEPENDENT: bool = true;
+
     #[inline]
     fn rows(&self, x: &[Vec3; 4]) -> [Row<4>; 3] {
         let z = self.curvature_vector(x);

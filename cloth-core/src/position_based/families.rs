@@ -99,7 +99,7 @@ impl<const N: usize, E: Constraint<N>, R: Rule> AnyFamily<R> for Family<N, E, Sl
         self.elements
             .sweep(&mut self.memory, x, |element, memory, x| {
                 let w = element.vertices().map(|v| inverse_mass[v as usize]);
-                project::<N, E::Rows, R>(rule, &element.rows(x), &w, memory.as_mut(), x);
+                project::<N, E, R>(rule, &element.rows(x), &w, memory.as_mut(), x);
             });
     }
 
@@ -160,17 +160,18 @@ impl<const N: usize, E: Constraint<N>, R: Rule> AnyFamily<R> for Family<N, E, Sl
     }
 }
 
-/// The rows of one element: together where the method says how, else one after another.
+/// The rows of one element: one by one where they are independent, together where the method says how, else one after another.
 #[inline(always)]
-fn project<const N: usize, A: RowArray<N>, R: Rule>(
+fn project<const N: usize, E: Constraint<N>, R: Rule>(
     rule: &R,
-    rows: &A,
+    rows: &E::Rows,
     w: &[Real; N],
     memory: &mut [R::Memory],
     x: &mut [Vec3; N],
 ) {
-    if A::LEN == 1 || !together(rule, rows, w, memory, x) {
-        in_turn(rule, rows.as_ref(), w, memory, x);
+    let alone = E::ROWS_ARE_INDEPENDENT || E::Rows::LEN == 1;
+    if alone || !together(rule, rows, w, memory, x) {
+        in_turn(rule, rows.as_ref(), alone, w, memory, x);
     }
 }
 
@@ -180,6 +181,7 @@ fn project<const N: usize, A: RowArray<N>, R: Rule>(
 fn in_turn<const N: usize, R: Rule>(
     rule: &R,
     rows: &[Row<N>],
+    alone: bool,
     w: &[Real; N],
     memory: &mut [R::Memory],
     x: &mut [Vec3; N],
@@ -187,7 +189,7 @@ fn in_turn<const N: usize, R: Rule>(
     let mut moved = [Vec3::zeros(); N];
     for (row, memory) in rows.iter().zip(memory) {
         let mut value = row.value;
-        if rows.len() > 1 {
+        if !alone {
             for i in 0..N {
                 value += row.gradient[i].dot(&moved[i]);
             }
