@@ -23,9 +23,9 @@
 //! λ is set to zero once per substep. Setting it to zero in each iteration is a known mistake: one constraint alone then
 //! ends at `C̃/(1 + k h² w̃)ⁿ` instead of implicit Euler's `C̃/(1 + k h² w̃)`, and k depends on n again.
 //!
-//! The rows of one element are solved together, `(J M⁻¹ Jᵀ + α̃) Δλ = −(C + α̃λ)` with the few rows of the element: a hinge that bends one way and the other, or the three
-//! strains of a triangle, do not have to find each other by repetition. Where two hard rows of an element say the same, the later one is left out. Nothing is ever divided by
-//! α̃, so that α = 0 is exactly hard.
+//! The rows of one element are solved together, `(J M⁻¹ Jᵀ + α̃) Δλ = −(C + α̃λ)` with the few rows of the element: the three
+//! strains of a triangle do not have to find each other by repetition. Rows without a coordinate in common, those of a quadratic hinge for instance, are solved one by one, which is the same. Where two hard
+//! rows of an element say the same, the later one is left out. Nothing is ever divided by α̃, so that α = 0 is exactly hard.
 //!
 //! ## Damping
 //! [`XpbdConfig::damping`] = β (s) adds `−β k Ċ` to the force `−k C` of every row, with `Ċ = (C − C⁰)/h` and C⁰ the value at the start of the substep: XPBD's constraint damping

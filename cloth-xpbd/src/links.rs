@@ -3,7 +3,7 @@
 //! A rigid link is a [`Spring`] of infinite stiffness: with α = 0 its row is a hard constraint, and λ/h² is the force that holds it. Links that share a vertex are hinged there.
 //! A body is a truss of links. What is missing for chains and ragdolls is here: a joint between two vertices that are not one, and a limit to an angle.
 
-use cloth_core::element::{Constraint, Convexity, Element, Row};
+use cloth_core::element::{Constraint, Convexity, Element, Row, VectorRow};
 use cloth_core::energy::Spring;
 use cloth_core::math::{Blocks, Mat3, Real, Vec3, length_and_direction};
 
@@ -38,23 +38,27 @@ impl Element<2> for Joint {
 impl Constraint<2> for Joint {
     type Rows = [Row<2>; 3];
 
+    const ROWS_ARE_LINEAR: bool = true;
+
     #[inline]
     fn rows(&self, x: &[Vec3; 2]) -> [Row<2>; 3] {
-        let apart = x[0] - x[1];
-        std::array::from_fn(|axis| {
-            let unit = Vec3::ith(axis, 1.0);
-            Row {
-                value: apart[axis],
-                gradient: [unit, -unit],
-                stiffness: self.stiffness,
-            }
-        })
+        self.as_vector_row().rows(x)
     }
 
-    /// Zero: the rows are linear.
     #[inline]
-    fn geometric_stiffness(&self, _: &[Vec3; 2], _: &[Real], _: Convexity) -> Blocks<2> {
-        [[Mat3::zeros(); 2]; 2]
+    fn vector_row(&self) -> Option<VectorRow<2>> {
+        Some(self.as_vector_row())
+    }
+}
+
+impl Joint {
+    #[inline]
+    fn as_vector_row(&self) -> VectorRow<2> {
+        VectorRow {
+            coefficients: [1.0, -1.0],
+            target: Vec3::zeros(),
+            stiffness: self.stiffness,
+        }
     }
 }
 
