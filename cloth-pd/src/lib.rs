@@ -21,15 +21,14 @@
 //!
 //! # What the constant matrix loses, and how it is won back
 //! A is as stiff across a spring as along it, but a spring resists only along. Motions that turn springs without stretching them, as falling and folding
-//! do, keep a share `κ/(m/Δt² + κ)` of their error in every iteration, κ their stiffness in `Σ w GᵀG`; of stiff cloth that is nearly all. Cut short, such a cloth does not stretch, it hangs in the air: looked at by its
-//! stretch alone it seems converged. Three remedies stand on the same matrix:
+//! do, keep a share `κ/(m/Δt² + κ)` of their error in every iteration, κ their stiffness in `Σ w GᵀG`; of stiff cloth that is nearly all. Cut short, such a cloth hangs in the air. Three remedies stand on the same matrix:
 //!
 //! - **Chebyshev** (Wang 2015): extrapolation from the iterate before the last, with weights that follow from the largest share ρ. We keep `G` in view: where it would not fall, the
 //!   plain iterate is taken and the weights begin anew.
 //! - **Quasi-Newton** (Liu et al. 2017): `A⁻¹` is the first guess at the inverse Hessian of `G`, the last few differences of iterates and gradients improve it (L-BFGS), a line search
 //!   with Armijo's condition makes sure of the descent. If a direction fails, a plain iteration is taken, which needs no search.
 //! - **A coarse grid** under the quasi-Newton iteration: the slow motions are smooth, so a few hundred unknowns on a lattice of hat functions P describe them, and there Newton's method costs next to
-//!   nothing. The first guess becomes `A⁻¹ + P (PᵀHP)⁻¹ Pᵀ` with the true Hessian H at the start of the step's iteration: an additive two-level preconditioner. The matrix is for what is rough, the grid for what is smooth.
+//!   nothing. The first guess becomes `A⁻¹ + P (PᵀHP)⁻¹ Pᵀ` with the Hessian H (its negative eigenvalues set to zero) at the start of the step's iteration: an additive two-level preconditioner. The matrix is for what is rough, the grid for what is smooth.
 //!
 //! A sheet of 1 m × 1 m, 0.2 kg/m², springs of 10⁴ N/m, 128 vertices a side, held at two corners and let go horizontally, falls 0.499 m (centre of mass) in half a second at Δt = 1/60 s and is stretched by 2.46 % at most, as
 //! converged Newton has it. In 6 iterations a step:
