@@ -29,10 +29,9 @@ pub(crate) struct Pieces {
 
 impl Pieces {
     pub(crate) fn new(vertex_count: usize) -> Self {
-        Self {
-            values: vec![0.0; vertex_count.div_ceil(PIECE)],
-            ..Self::default()
-        }
+        let mut pieces = Self::default();
+        pieces.values.resize(vertex_count.div_ceil(PIECE), 0.0);
+        pieces
     }
 
     /// Forgets which elements there are.

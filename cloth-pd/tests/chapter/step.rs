@@ -1,11 +1,13 @@
 //! The contract of a step: factorisations, threads, errors.
 
-use crate::cloth::{DT, GRAVITY, falling, hanging, iterations, shake, sheet, solver};
+use crate::cloth::{
+    DT, GRAVITY, coarse_solver, falling, hanging, iterations, shake, sheet, solver,
+};
 use cloth_core::energy::Spring;
 use cloth_core::math::{Real, Vec3};
 use cloth_core::particles::{Particles, State};
 use cloth_core::step::{BuildError, StepError, StepInput, Stepper};
-use cloth_pd::{PdConfig, PdSolver};
+use cloth_pd::{Acceleration, PdConfig, PdSolver};
 
 fn input_of<'a>(dt: Real) -> StepInput<'a> {
     StepInput::new(dt).gravity(GRAVITY)
@@ -55,7 +57,7 @@ fn the_report_counts_one_solve_an_iteration() {
 fn threads_do_not_change_a_bit() {
     let (model, mut start) = hanging(128, 1e4);
     shake(&model, &mut start, 0.002);
-    let run = |threads| {
+    let run = |threads, acceleration| {
         let pool = rayon::ThreadPoolBuilder::new()
             .num_threads(threads)
             .build()
@@ -63,17 +65,23 @@ fn threads_do_not_change_a_bit() {
         let mut state = start.clone();
         let config = PdConfig {
             tolerance: Some(1e-9),
-            ..iterations(3)
+            iterations: 3,
+            acceleration,
+            ..PdConfig::default()
         };
-        let mut solver = solver(&model, config);
+        let mut solver = coarse_solver(&model, &start.positions, config);
         let residual = pool.install(|| {
             solver.step(&mut state, falling()).unwrap();
             solver.step(&mut state, falling()).unwrap().residual
         });
         (state, residual)
     };
-    let one = run(1);
-    assert!(one == run(2) && one == run(4));
+    let plain = Acceleration::None;
+    let quasi_newton = Acceleration::QuasiNewton { history: 5 };
+    for acceleration in [plain, quasi_newton] {
+        let one = run(1, acceleration);
+        assert!(one == run(2, acceleration) && one == run(4, acceleration));
+    }
 }
 
 #[test]
