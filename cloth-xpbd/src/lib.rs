@@ -53,7 +53,8 @@
 //! | S1 (24), (26) | [`Motion::predict`](cloth_core::position_based::Motion::predict), [`update_velocities`](cloth_core::position_based::Motion::update_velocities) |
 //! | C, ∂C/∂x, k (CORE-9; S1 (37)) | [`Constraint::rows`](cloth_core::element::Constraint::rows) of each element |
 //! | Δλ, from S1 (38)–(44); damping | `compliance.rs` |
-//! | the sweep of S1 (36) | [`Families::sweep`](cloth_core::position_based::Families::sweep), coloured or in the order given: [`Sweep`](cloth_core::position_based::Sweep) |
+//! | the sweep of S1 (36) | [`Families::sweep`](cloth_core::position_based::Families::sweep), in the order of [`Sweep`](cloth_core::position_based::Sweep) |
+//! | extrapolated sweeps, λ together with x (XPBD-4) | [`Chebyshev`](cloth_core::position_based::Chebyshev) |
 //! | `max abs(C + α̃λ)` | [`XpbdSolver::compliance_residual`] |
 //! | λ; `Jᵀλ/h²` | [`XpbdSolver::multipliers_into`]; [`XpbdSolver::each_force`], [`XpbdSolver::vertex_forces_into`] |
 //! | the loop around them | [`XpbdSolver`] |
