@@ -1,11 +1,7 @@
 //! A sheet hangs at rest, by its upper edge or by its two upper corners. In one step gravity takes every vertex down by g h², and the sweeps have to
 //! bring it back: how many sweeps, and how much time, until a hundredth of that is left, plainly and with each acceleration.
 //!
-<<<<<<<< HEAD:cloth-pbd/examples/accelerated_sheet.rs
-//! `cargo run --release -p cloth-pbd --example accelerated_sheet [vertices a side, 16] [edge or corners, both]`
-========
 //! `cargo run --release -p cloth-pbd --example accelerations [vertices a side, 16] [edge or corners, both]`
->>>>>>>> pbd:cloth-pbd/examples/accelerations.rs
 
 use cloth_core::energy::Spring;
 use cloth_core::math::Vec3;
