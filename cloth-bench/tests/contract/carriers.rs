@@ -28,7 +28,8 @@ const CHOICES: [&str; 9] = [
 fn takes(method: &Method, choice: &str) -> bool {
     !matches!(
         (method.name, choice),
-        ("pd", "membrane=stvk" | "bending=dihedral") | ("pbd" | "xpbd" | "pd", "bending=cubic")
+        ("pd", "membrane=stvk" | "bending=dihedral")
+            | ("pbd" | "xpbd" | "xpbd-direct" | "pd", "bending=cubic")
     )
 }
 
