@@ -104,8 +104,8 @@ impl Constraint<2> for Spring {
         let d = x[0] - x[1];
         let squared = d.norm_squared();
         let length = squared.sqrt();
-        // Not so for the shortest lengths, whose squares are zero or have few digits.
-        if squared < Real::MIN_POSITIVE {
+        // Not so where the square of the length is lost; beyond the largest numbers the rows make a step fail, as they should.
+        if squared < Real::MIN_POSITIVE || squared == Real::INFINITY {
             return Steep {
                 rows: self.rows(x),
                 divisor: 1.0,
