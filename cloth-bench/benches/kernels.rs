@@ -103,14 +103,20 @@ fn elements(criterion: &mut Criterion) {
     }
 }
 
+/// `M/Δt² + H` of a sheet at rest, Δt = 1/60 s.
+fn implicit_matrix(scene: &Scene) -> BlockMatrix {
+    let mut energies = scene.model.energies().expect("elements of the sheet");
+    let mut matrix = BlockMatrix::zeros(energies.bind_pattern());
+    energies.add_hessian(&scene.start.positions, 1.0, Convexity::Clamp, &mut matrix);
+    matrix.add_diagonal(scene.model.particles.mass().iter().map(|m| m * 3600.0));
+    matrix
+}
+
 /// The block matrix of a Newton iteration: product, factorisation, solve.
 fn newton_matrix(criterion: &mut Criterion) {
     let scene = sheet(SIDE);
     let x = &scene.start.positions;
-    let mut energies = scene.model.energies().expect("elements of the sheet");
-    let mut matrix = BlockMatrix::zeros(energies.bind_pattern());
-    energies.add_hessian(x, 1.0, Convexity::Clamp, &mut matrix);
-    matrix.add_diagonal(scene.model.particles.mass().iter().map(|m| m * 3600.0));
+    let matrix = implicit_matrix(&scene);
     let mut y = vec![Vec3::zeros(); x.len()];
     let mut group = criterion.benchmark_group("block matrix");
     group.throughput(Throughput::Elements(matrix.pattern().block_count() as u64));
@@ -134,10 +140,7 @@ fn linear_solvers(criterion: &mut Criterion) {
     for side in [128, 256] {
         let scene = sheet(side);
         let x = &scene.start.positions;
-        let mut energies = scene.model.energies().expect("elements of the sheet");
-        let mut matrix = BlockMatrix::zeros(energies.bind_pattern());
-        energies.add_hessian(x, 1.0, Convexity::Clamp, &mut matrix);
-        matrix.add_diagonal(scene.model.particles.mass().iter().map(|m| m * 3600.0));
+        let matrix = implicit_matrix(&scene);
         let mut y = vec![Vec3::zeros(); x.len()];
         let mut group = criterion.benchmark_group(format!("linear solver, {side} a side"));
         group.sample_size(10);

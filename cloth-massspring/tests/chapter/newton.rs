@@ -5,11 +5,12 @@ use crate::{DOWN, chain, hang, largest_difference, noise, sharp};
 use cloth_core::element::Convexity;
 use cloth_core::math::{Real, Vec3};
 use cloth_core::measure::{IncrementalPotential, center_of_mass, predict};
-use cloth_core::particles::State;
+use cloth_core::family::Energies;
+use cloth_core::particles::{Particles, State};
 use cloth_core::step::{Observer, Outcome, StepInput, Stepper};
 use cloth_massspring::{Accept, HessianPolicy, ImplicitConfig, ImplicitEuler, StartGuess};
 
-const DT: Real = 1.0 / 60.0;
+pub(crate) const DT: Real = 1.0 / 60.0;
 
 fn hanging(n: usize, config: ImplicitConfig) -> (ImplicitEuler, State) {
     let (mesh, model) = hang(n);
@@ -39,12 +40,22 @@ impl Observer for Recorder {
 /// `‖∇G(x)‖/‖∇G(x̃)‖` of the scene `hang` in the step from `state`, computed apart from the solver.
 fn residual(n: usize, state: &State, x: &[Vec3]) -> Real {
     let (_, model) = hang(n);
+    relative_gradient(&model.particles, &model.energies().unwrap(), state, x)
+}
+
+/// `‖∇G(x)‖/‖∇G(x̃)‖` in a step of [`DT`] from `state`.
+pub(crate) fn relative_gradient(
+    particles: &Particles,
+    energies: &Energies,
+    state: &State,
+    x: &[Vec3],
+) -> Real {
     let input = StepInput::new(DT).gravity(DOWN);
     let mut predicted = vec![Vec3::zeros(); x.len()];
-    predict(&model.particles, state, &input, &mut predicted);
+    predict(particles, state, &input, &mut predicted);
     let potential = IncrementalPotential {
-        particles: &model.particles,
-        energies: &model.energies().unwrap(),
+        particles,
+        energies,
         predicted: &predicted,
         dt: DT,
     };
