@@ -77,9 +77,7 @@ fn each_newton_step_leaves_as_much_of_the_gradient_as_the_tolerance_says() {
             };
             let mut solver = solver!(ImplicitEuler, &particles, springs.clone(), config);
             let input = || StepInput::new(DT).gravity(DOWN);
-            let report = solver
-                .step(&mut rest.clone(), input())
-                .unwrap();
+            let report = solver.step(&mut rest.clone(), input()).unwrap();
             let left = report.residual.unwrap() / start;
             assert!(left <= tolerance * 1.001, "{linear:?}: {left:e}");
             // Ten masses have ten eigenvalues: conjugate gradients may end exactly.
