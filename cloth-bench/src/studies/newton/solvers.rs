@@ -128,25 +128,34 @@ impl Solvers {
 
     /// Who wins, size by size.
     fn verdict(&self) -> String {
-        let mut sentences = Vec::new();
-        for tolerance in TOLERANCES {
-            let winners = self.conditions.iter().map(|&(side, _)| {
-                let fits = |s: &&Solve| {
-                    s.side == side
-                        && s.tolerance == tolerance
-                        && s.report.outcome == Outcome::Converged
-                };
-                let solves = self.solves.iter().filter(fits);
-                let best = solves.min_by(|a, b| a.time.total_cmp(&b.time));
-                best.map_or(String::new(), |best| format!("{} at {side}", best.name))
-            });
-            let winners: Vec<String> = winners.collect();
-            sentences.push(format!(
-                "To a residual of {tolerance:e} the fastest is {}.",
-                winners.join(", ")
-            ));
-        }
+        let sentences = TOLERANCES.map(|tolerance| {
+            let winners: Vec<(u32, &str)> = self
+                .conditions
+                .iter()
+                .filter_map(|&(side, _)| Some((side, self.fastest(side, tolerance)?)))
+                .collect();
+            let who = match winners.first() {
+                Some((_, name)) if winners.iter().all(|(_, other)| other == name) => {
+                    format!("{name} at every size")
+                }
+                _ => {
+                    let each = winners
+                        .iter()
+                        .map(|(side, name)| format!("{name} at {side}"));
+                    each.collect::<Vec<_>>().join(", ")
+                }
+            };
+            format!("To a residual of {tolerance:e} the fastest is {who}.")
+        });
         sentences.join(" ")
+    }
+
+    fn fastest(&self, side: u32, tolerance: Real) -> Option<&'static str> {
+        let done = self.solves.iter().filter(|s| {
+            s.side == side && s.tolerance == tolerance && s.report.outcome == Outcome::Converged
+        });
+        done.min_by(|a, b| a.time.total_cmp(&b.time))
+            .map(|s| s.name)
     }
 }
 
