@@ -55,6 +55,13 @@ impl Spring {
     }
 }
 
+/// Length and direction where the square of the length is no number to work with: seldom needed, and kept out of the way of the loops.
+#[cold]
+#[inline(never)]
+fn lost(d: Vec3, vertices: [u32; 2]) -> (Real, Vec3) {
+    length_and_direction(d, vertices)
+}
+
 impl Element<2> for Spring {
     #[inline]
     fn vertices(&self) -> [u32; 2] {
@@ -103,23 +110,23 @@ impl Constraint<2> for Spring {
     fn steep_rows(&self, x: &[Vec3; 2]) -> Steep<[Row<2>; 1]> {
         let d = x[0] - x[1];
         let squared = d.norm_squared();
-        let length = squared.sqrt();
-        // Not so where the square of the length is lost; beyond the largest numbers the rows make a step fail, as they should.
+        let mut steep = (d, squared.sqrt(), squared);
+        let mut length = steep.1;
+        // Where the square of the length is lost; beyond the largest numbers the rows make a step fail, as they should.
         if squared < Real::MIN_POSITIVE || squared == Real::INFINITY {
-            return Steep {
-                rows: self.rows(x),
-                divisor: 1.0,
-                divisor_squared: 1.0,
-            };
+            let n;
+            (length, n) = lost(d, self.vertices);
+            steep = (n, 1.0, 1.0);
         }
+        let (gradient, divisor, divisor_squared) = steep;
         Steep {
             rows: [Row {
                 value: length - self.rest_length,
-                gradient: [d, -d],
+                gradient: [gradient, -gradient],
                 stiffness: self.stiffness,
             }],
-            divisor: length,
-            divisor_squared: squared,
+            divisor,
+            divisor_squared,
         }
     }
 
