@@ -7,7 +7,7 @@ use crate::math::{Real, Vec3};
 ///
 /// The direction of a spring is a difference of positions over its length. A sweep that divides by the length waits for a root, then for a
 /// division, then for the division that gives Δλ. With the difference itself as the gradient the last one takes in the other:
-/// `Δλ/l = −C l/(w̃ l² + α̃ l²)`, where `w̃ l²` and `l²` need no root. A visit takes half the time.
+/// `Δλ/l = −C l/(w̃ l² + α̃ l²)`, where `w̃ l²` and `l²` need no root.
 #[derive(Clone, Copy, Debug)]
 pub struct Steep<A> {
     /// The rows, each with `divisor · ∂C/∂x` for its gradient.
