@@ -80,6 +80,19 @@ pub enum Convexity {
     GaussNewton,
 }
 
+impl Convexity {
+    /// What becomes of one eigenvalue, in its unit.
+    #[inline]
+    #[must_use]
+    pub fn applied_to(self, eigenvalue: Real) -> Real {
+        match self {
+            Self::Clamp => eigenvalue.max(0.0),
+            Self::Abs => eigenvalue.abs(),
+            Self::Exact | Self::GaussNewton => eigenvalue,
+        }
+    }
+}
+
 /// Value, gradient and Hessian: all that an explicit or a Newton-type method asks for.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` is not an energy of {N}-vertex elements",

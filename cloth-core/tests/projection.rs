@@ -193,6 +193,11 @@ fn collapsed_elements_with_limits_are_finite() {
             [Vec3::zeros(); 3],
         ] {
             let element = limited_triangle(limits);
+            if x[0] == x[1] && x[1] == x[2] {
+                // Both singular values are 0, and each lies the lower limit away from the set.
+                let expected = element.weight() * limits[0] * limits[0];
+                assert!((element.value(&x) - expected).abs() <= 1e-15 * expected);
+            }
             assert!(element.value(&x).is_finite());
             assert!(element.gradient(&x).iter().flatten().all(|g| g.is_finite()));
             assert!(largest(&element.hessian(&x, Convexity::Exact)).is_finite());

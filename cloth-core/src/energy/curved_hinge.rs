@@ -94,11 +94,7 @@ impl Constraint<4> for CurvedHinge {
         } else {
             0.0 // no second derivative exists; the rank-one part stands alone
         };
-        let factor = match convexity {
-            Convexity::Clamp => excess.max(0.0),
-            Convexity::Abs => excess.abs(),
-            Convexity::Exact | Convexity::GaussNewton => excess,
-        };
+        let factor = convexity.applied_to(excess);
         let across = (Mat3::identity() - n * n.transpose()) * (self.stiffness * factor);
         self.coefficients
             .map(|a| self.coefficients.map(|b| across * (a * b)))

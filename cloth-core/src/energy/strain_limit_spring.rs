@@ -93,11 +93,7 @@ impl Constraint<2> for StrainLimitSpring {
         } else {
             0.0 // no second derivative exists; the rank-one part stands alone
         };
-        let factor = match convexity {
-            Convexity::Clamp => strain.max(0.0),
-            Convexity::Abs => strain.abs(),
-            Convexity::Exact | Convexity::GaussNewton => strain,
-        };
+        let factor = convexity.applied_to(strain);
         let block = (Mat3::identity() - n * n.transpose()) * (self.stiffness * factor);
         [[block, -block], [-block, block]]
     }

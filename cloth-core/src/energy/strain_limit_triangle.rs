@@ -119,11 +119,7 @@ impl Constraint<3> for StrainLimitTriangle {
         let singular = Singular::of(self.map.columns(x));
         let mut sum = [[Mat3::zeros(); 3]; 3];
         for (value, left, scale) in self.turns(&singular) {
-            let factor = match convexity {
-                Convexity::Clamp => value.max(0.0),
-                Convexity::Abs => value.abs(),
-                Convexity::Exact | Convexity::GaussNewton => value,
-            };
+            let factor = convexity.applied_to(value);
             let mode = self.map.back(singular.combine(left, [scale; 2]));
             for i in 0..3 {
                 for j in 0..3 {

@@ -90,10 +90,6 @@ impl Cholesky {
         pattern: UpperPattern,
         elimination: Elimination,
     ) -> Result<Self, CholeskyError> {
-        let params = CholeskySymbolicParams {
-            supernodal_flop_ratio_threshold: ALWAYS_SUPERNODAL,
-            ..Default::default()
-        };
         let Elimination {
             ordering, sequence, ..
         } = elimination;
@@ -103,8 +99,7 @@ impl Cholesky {
             .for_each(|(at, &row)| place[row as usize] = at);
         let permutation = PermRef::new_checked(&sequence, &place, sequence.len());
         let custom = SymmetricOrdering::Custom(permutation);
-        let symbolic = factorize_symbolic_cholesky(pattern.view(), Side::Upper, custom, params)
-            .map_err(|_| CholeskyError::TooLarge)?;
+        let symbolic = symbolic(&pattern, custom)?;
         let numeric = symbolic.factorize_numeric_llt_scratch::<Real>(Par::Seq, llt_params());
         let solve = symbolic.solve_in_place_scratch::<Real>(RIGHT_HAND_SIDES, Par::Seq);
         let memory = MemBuffer::try_new(numeric.or(solve)).map_err(|_| CholeskyError::TooLarge)?;
@@ -209,7 +204,20 @@ const RIGHT_HAND_SIDES: usize = 3;
 
 /// faer takes supernodes if the operations per entry of the factor *exceed* this; its own `FORCE_SUPERNODAL` is 0, which a
 /// diagonal matrix does not exceed.
-pub(super) const ALWAYS_SUPERNODAL: SupernodalThreshold = SupernodalThreshold(-1.0);
+const ALWAYS_SUPERNODAL: SupernodalThreshold = SupernodalThreshold(-1.0);
+
+/// The nonzeros of the factor in an order, as supernodes.
+pub(super) fn symbolic(
+    pattern: &UpperPattern,
+    ordering: SymmetricOrdering<'_, u32>,
+) -> Result<SymbolicCholesky<u32>, CholeskyError> {
+    let params = CholeskySymbolicParams {
+        supernodal_flop_ratio_threshold: ALWAYS_SUPERNODAL,
+        ..Default::default()
+    };
+    factorize_symbolic_cholesky(pattern.view(), Side::Upper, ordering, params)
+        .map_err(|_| CholeskyError::TooLarge)
+}
 
 fn llt_params() -> Spec<LltParams, Real> {
     Default::default()

@@ -4,16 +4,13 @@
 //! answers the question for one s.
 
 use super::block_cholesky::upper_half;
-use super::cholesky::{ALWAYS_SUPERNODAL, CholeskyError, UpperPattern};
+use super::cholesky::{CholeskyError, UpperPattern, symbolic};
 use crate::block_matrix::BlockMatrix;
 use crate::math::Real;
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::sparse::SparseColMatRef;
 use faer::sparse::linalg::cholesky::supernodal::SupernodalLdltRef;
-use faer::sparse::linalg::cholesky::{
-    CholeskySymbolicParams, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering,
-    factorize_symbolic_cholesky,
-};
+use faer::sparse::linalg::cholesky::{SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering};
 use faer::{Par, Side};
 use std::fmt;
 
@@ -55,17 +52,7 @@ impl Inertia {
     /// If there is not one number per nonzero of the pattern.
     pub fn new(pattern: UpperPattern, values: Vec<Real>) -> Result<Self, CholeskyError> {
         assert_eq!(values.len(), pattern.rows.len(), "one number per nonzero");
-        let params = CholeskySymbolicParams {
-            supernodal_flop_ratio_threshold: ALWAYS_SUPERNODAL,
-            ..Default::default()
-        };
-        let symbolic = factorize_symbolic_cholesky(
-            pattern.view(),
-            Side::Upper,
-            SymmetricOrdering::Amd,
-            params,
-        )
-        .map_err(|_| CholeskyError::TooLarge)?;
+        let symbolic = symbolic(&pattern, SymmetricOrdering::Amd)?;
         let scratch = symbolic.factorize_numeric_ldlt_scratch::<Real>(Par::Seq, Default::default());
         Ok(Self {
             shifted: values.clone(),

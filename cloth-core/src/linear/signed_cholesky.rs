@@ -4,15 +4,12 @@
 //! negative ones as S has (R. Vanderbei, "Symmetric quasidefinite matrices", SIAM J. Optim. 5, 1995, <https://doi.org/10.1137/0805005>). So the ordering
 //! can be chosen for sparsity once, and no pivoting is needed. Where S is small the factor loses digits; iterative refinement gives them back.
 
-use super::cholesky::{ALWAYS_SUPERNODAL, CholeskyError, UpperPattern};
+use super::cholesky::{CholeskyError, UpperPattern, symbolic};
 use crate::math::Real;
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::ldlt::factor::LdltRegularization;
 use faer::sparse::SparseColMatRef;
-use faer::sparse::linalg::cholesky::{
-    CholeskySymbolicParams, LdltRef, SymbolicCholesky, SymmetricOrdering,
-    factorize_symbolic_cholesky,
-};
+use faer::sparse::linalg::cholesky::{LdltRef, SymbolicCholesky, SymmetricOrdering};
 use faer::{Conj, MatMut, Par, Side};
 use std::fmt;
 
@@ -52,17 +49,7 @@ impl SignedCholesky {
     /// # Panics
     /// If the pattern is not one of compressed columns.
     pub fn analyze(pattern: UpperPattern, positive: usize) -> Result<Self, CholeskyError> {
-        let params = CholeskySymbolicParams {
-            supernodal_flop_ratio_threshold: ALWAYS_SUPERNODAL,
-            ..Default::default()
-        };
-        let symbolic = factorize_symbolic_cholesky(
-            pattern.view(),
-            Side::Upper,
-            SymmetricOrdering::Amd,
-            params,
-        )
-        .map_err(|_| CholeskyError::TooLarge)?;
+        let symbolic = symbolic(&pattern, SymmetricOrdering::Amd)?;
         let numeric = symbolic.factorize_numeric_ldlt_scratch::<Real>(Par::Seq, Default::default());
         let solve = symbolic.solve_in_place_scratch::<Real>(1, Par::Seq);
         let memory = MemBuffer::try_new(numeric.or(solve)).map_err(|_| CholeskyError::TooLarge)?;
