@@ -428,9 +428,9 @@ fn memory_comes_back_in_input_order_and_is_forgotten_on_request() {
     assert_eq!(visits, [0; 12]);
     let mut values = Vec::new();
     let x: Vec<Vec3> = (0..4).map(|i| Vec3::new(0.0, Real::from(i), 0.0)).collect();
-    solver.families.each_row(&[1.0; 4], &x, |row, _| {
-        values.push((row.value, row.weight()))
-    });
+    solver
+        .families
+        .each_row(&[1.0; 4], &x, |row, _| values.push((row.value, row.weight)));
     assert_eq!(values.len(), 3 + 12);
     assert_eq!(values[0], (0.0, 2.0));
 }

@@ -14,7 +14,7 @@ fn independent<const N: usize, C: Constraint<N>>(element: &C, x: &[Vec3; N]) -> 
     (0..N).all(|i| (0..3).all(|axis| users(i, axis) <= 1))
 }
 
-fn same<const N: usize>(one: &[Row<N>], other: &[Row<N>], divisor: Real) {
+fn same<const N: usize>(one: &[Row<N>], other: &[Row<N>]) {
     assert_eq!(one.len(), other.len());
     for (one, other) in one.iter().zip(other) {
         let scale = one.value.abs().max(1.0);
@@ -24,7 +24,7 @@ fn same<const N: usize>(one: &[Row<N>], other: &[Row<N>], divisor: Real) {
         );
         assert_eq!(one.stiffness, other.stiffness);
         for i in 0..N {
-            assert!((one.gradient[i] - other.gradient[i] / divisor).amax() <= 1e-15);
+            assert!((one.gradient[i] - other.gradient[i]).amax() <= 1e-15);
         }
     }
 }
@@ -39,11 +39,24 @@ fn holds<const N: usize, C: Constraint<N>>(element: &C, x: &[Vec3; N]) {
         "{element:?}"
     );
     if let Some(vector) = vector {
-        same(rows.as_ref(), &vector.rows(x), 1.0);
+        same(rows.as_ref(), &vector.rows(x));
     }
-    let steep = element.steep_rows(x);
-    same(rows.as_ref(), steep.rows.as_ref(), steep.divisor);
-    assert!((steep.divisor_squared.sqrt() / steep.divisor - 1.0).abs() < 1e-15);
+    let is_unit = single
+        && rows.as_ref()[0]
+            .gradient
+            .iter()
+            .all(|g| (g.norm() - 1.0).abs() < 1e-14);
+    let unit = element.unit_row(x);
+    assert_eq!(unit.is_some(), is_unit, "{element:?}");
+    if let Some(unit) = unit {
+        same(rows.as_ref(), &[unit.row()]);
+        let lengths = unit.direction.map(|direction| direction.norm());
+        assert!(
+            lengths
+                .iter()
+                .all(|l| (l / unit.length - 1.0).abs() < 1e-15)
+        );
+    }
 }
 
 #[test]

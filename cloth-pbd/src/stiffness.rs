@@ -88,7 +88,7 @@ impl Rule for Projection {
         let s = match self.stiffness {
             StiffnessRule::Fixed(s) => s,
             StiffnessRule::Material => {
-                let weight = rounded(row.weight());
+                let weight = rounded(row.weight);
                 if weight != known.weight {
                     let z = row.stiffness * self.substep * self.substep * weight;
                     let s = projection_stiffness(z, self.iterations);

@@ -72,18 +72,32 @@ impl Compliance {
     /// can move.
     pub(crate) fn violation(self, row: RowAt, total: Real) -> Option<Real> {
         let softness = self.scaled(row.stiffness);
-        let movable = row.weight() + softness;
+        let movable = row.weight + softness;
         (movable > 0.0 && movable < Real::INFINITY).then_some(row.value + softness * total)
     }
 }
+
+/// A row without stiffness has `α̃ = ∞`, and `α̃ν` no value. With this one instead (unit of C² per kg m²) it moves nothing by more than 1e-290 m.
+const SOFTEST: Real = 1e300;
 
 /// What is remembered of a row.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Multiplier {
     /// ν (kg m² per unit of C; kg m for a spring); λ since the start of the substep, if nothing is damped.
-    pub(crate) total: Real,
+    total: Real,
     /// α̃ (unit of C² per kg m²). It belongs to the element and the substep: computing it takes a division, which a visit can do without.
     softness: Real,
+}
+
+impl Multiplier {
+    /// ν; exactly 0 without stiffness.
+    pub(crate) fn total(&self) -> Real {
+        if self.softness < SOFTEST {
+            self.total
+        } else {
+            0.0
+        }
+    }
 }
 
 impl Rule for Compliance {
@@ -98,7 +112,7 @@ impl Rule for Compliance {
     fn prepare(&self, row: RowAt, memory: &mut Multiplier) {
         *memory = Multiplier {
             total: -self.offset(row.stiffness, row.value),
-            softness: self.scaled(row.stiffness),
+            softness: self.scaled(row.stiffness).min(SOFTEST),
         };
     }
 

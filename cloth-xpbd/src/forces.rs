@@ -1,5 +1,6 @@
 //! Forces, read out of the multipliers (XPBD-4).
 
+use crate::compliance::Multiplier;
 use crate::solver::XpbdSolver;
 use cloth_core::math::{Real, Vec3};
 
@@ -40,7 +41,7 @@ impl XpbdSolver {
     /// # Panics
     /// If there is no such family.
     pub fn multipliers_into(&self, family: usize, out: &mut Vec<Real>) {
-        self.families.remembered(family, out, |memory| memory.total);
+        self.families.remembered(family, out, Multiplier::total);
         let Some(compliance) = self.last else {
             out.fill(0.0);
             return;

@@ -106,7 +106,7 @@ impl XpbdSolver {
         if let Some(compliance) = self.last {
             self.families
                 .each_row(self.motion.inverse_mass(), positions, |row, memory| {
-                    if let Some(violation) = compliance.violation(row, memory.total) {
+                    if let Some(violation) = compliance.violation(row, memory.total()) {
                         largest = largest.max(violation.abs());
                     }
                 });

@@ -3,19 +3,34 @@
 use super::Row;
 use crate::math::{Real, Vec3};
 
-/// Rows whose gradients are `∂C/∂x = row.gradient / divisor`.
+/// One row whose gradient is a unit vector at every vertex, not yet divided by its length: `∂C/∂xᵢ = direction[i] / length`.
 ///
 /// The direction of a spring is a difference of positions over its length. A sweep that divides by the length waits for a root, then for a
-/// division, then for the division that gives Δλ. With the difference itself as the gradient the last one takes in the other:
-/// `Δλ/l = −C l/(w̃ l² + α̃ l²)`, where `w̃ l²` and `l²` need no root.
-#[derive(Clone, Copy, Debug)]
-pub struct Steep<A> {
-    /// The rows, each with `divisor · ∂C/∂x` for its gradient.
-    pub rows: A,
-    /// What the gradients have to be divided by, above zero.
-    pub divisor: Real,
-    /// Its square.
-    pub divisor_squared: Real,
+/// division, then for the division that gives Δλ. With the difference itself the last one takes in the other: `Δλ/l = −C/((w̃ + α̃) l)`, and
+/// `w̃ = Σ wᵢ` needs no gradient at all.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct UnitRow<const N: usize> {
+    /// `C(x)`, zero at rest (m).
+    pub value: Real,
+    /// `l ∂C/∂xᵢ` (m), one per vertex of the element.
+    pub direction: [Vec3; N],
+    /// `l` (m), above zero: the length of every `direction`.
+    pub length: Real,
+    /// `k` with the energy `½ k C²` (J).
+    pub stiffness: Real,
+}
+
+impl<const N: usize> UnitRow<N> {
+    /// The row.
+    #[inline]
+    #[must_use]
+    pub fn row(&self) -> Row<N> {
+        Row {
+            value: self.value,
+            gradient: self.direction.map(|direction| direction / self.length),
+            stiffness: self.stiffness,
+        }
+    }
 }
 
 /// Three rows that are the coordinates of one vector: `C = Σ qᵢ xᵢ − target`.

@@ -1,6 +1,6 @@
 //! The spring: two vertices that want to be a rest length apart (CORE-4).
 
-use crate::element::{Constraint, Convexity, Element, Projective, Row, Steep};
+use crate::element::{Constraint, Convexity, Element, Projective, Row, UnitRow};
 use crate::math::{Blocks, Mat3, Real, Vec3, length_and_direction};
 
 /// A linear spring, S1 (1)–(4): `C = ‖x₀ − x₁‖ − L` (m), `E = ½ k C²` (J).
@@ -55,6 +55,9 @@ impl Spring {
     }
 }
 
+/// Below this (m²) the square of a length has lost digits.
+const SHORTEST_SQUARED: Real = 1e-290;
+
 /// Length and direction where the square of the length is no number to work with: seldom needed, and kept out of the way of the loops.
 #[cold]
 #[inline(never)]
@@ -107,27 +110,23 @@ impl Constraint<2> for Spring {
     }
 
     #[inline(always)]
-    fn steep_rows(&self, x: &[Vec3; 2]) -> Steep<[Row<2>; 1]> {
-        let d = x[0] - x[1];
+    fn unit_row(&self, x: &[Vec3; 2]) -> Option<UnitRow<2>> {
+        let mut d = x[0] - x[1];
         let squared = d.norm_squared();
-        let mut steep = (d, squared.sqrt(), squared);
-        let mut length = steep.1;
-        // Where the square of the length is lost; beyond the largest numbers the rows make a step fail, as they should.
-        if squared < Real::MIN_POSITIVE || squared == Real::INFINITY {
-            let n;
-            (length, n) = lost(d, self.vertices);
-            steep = (n, 1.0, 1.0);
+        let mut length = squared.sqrt();
+        let mut value = length - self.rest_length;
+        // One comparison, with no number at the end of the range: those become a test of bits, several times as long.
+        if squared < SHORTEST_SQUARED {
+            let shortest;
+            (shortest, d) = lost(d, self.vertices);
+            (value, length) = (shortest - self.rest_length, 1.0);
         }
-        let (gradient, divisor, divisor_squared) = steep;
-        Steep {
-            rows: [Row {
-                value: length - self.rest_length,
-                gradient: [gradient, -gradient],
-                stiffness: self.stiffness,
-            }],
-            divisor,
-            divisor_squared,
-        }
+        Some(UnitRow {
+            value,
+            direction: [d, -d],
+            length,
+            stiffness: self.stiffness,
+        })
     }
 
     /// `k (1 − L/l)(I − n nᵀ)`: positive across a stretched spring, negative across a compressed one, so `Clamp` drops it

@@ -1,7 +1,7 @@
 //! What one element moves its vertices by.
 
 use super::rule::{RowAt, RowEquation, Rule};
-use crate::element::{Constraint, Row, RowArray, Steep, VectorRow};
+use crate::element::{Constraint, Row, RowArray, UnitRow, VectorRow};
 use crate::math::{Real, Vec3};
 
 /// Moves the vertices of one element, at `x` (m), by `share` (dimensionless) of its correction.
@@ -33,22 +33,51 @@ pub(super) fn correction<const N: usize, E: Constraint<N>, R: Rule>(
     let w = element.vertices().map(|v| inverse_mass[v as usize]);
     if let Some(row) = element.vector_row() {
         at_once(rule, &row, &w, share, memory, x)
+    } else if let Some(row) = element.unit_row(x) {
+        along(rule, &row, &w, share, memory)
     } else if R::ROWS_TOGETHER && E::Rows::LEN > 1 {
         together(rule, &element.rows(x), &w, share, memory)
     } else {
-        in_turn(rule, &element.steep_rows(x), &w, share, memory)
+        in_turn(rule, &element.rows(x), &w, share, memory)
     }
 }
 
-/// `Δλ` of a row whose gradient is too long by a divisor, over that divisor; 0 where nothing could change the row.
+/// Nothing can change a row whose `w̃ + softness` is not above this.
+const SMALLEST: Real = 1e-300;
+
+/// `Δλ` of a row over `length`; 0 where nothing could change the row.
 #[inline(always)]
-fn steep_change(equation: RowEquation, row: RowAt, divisor: Real) -> Real {
-    let whole = row.steep_weight + equation.softness * row.divisor_squared;
-    if whole > 0.0 && whole < Real::INFINITY {
-        -equation.residual * divisor / whole
+fn change_over(length: Real, equation: RowEquation, weight: Real) -> Real {
+    let whole = (weight + equation.softness) * length;
+    if whole > SMALLEST {
+        -equation.residual / whole
     } else {
         0.0
     }
+}
+
+/// One row with a gradient of unit vectors.
+#[inline(always)]
+fn along<const N: usize, R: Rule>(
+    rule: &R,
+    row: &UnitRow<N>,
+    w: &[Real; N],
+    share: Real,
+    memory: &mut [R::Memory],
+) -> [Vec3; N] {
+    let seen = RowAt {
+        value: row.value,
+        stiffness: row.stiffness,
+        weight: sum(w),
+    };
+    let equation = rule.equation(seen, &mut memory[0]);
+    let change = share * change_over(row.length, equation, seen.weight);
+    rule.remember(change * row.length, &mut memory[0]);
+    let mut moved = row.direction;
+    for i in 0..N {
+        moved[i] *= w[i] * change;
+    }
+    moved
 }
 
 /// Three rows at right angles to each other, with the same weight.
@@ -62,20 +91,20 @@ fn at_once<const N: usize, R: Rule>(
     x: &[Vec3; N],
 ) -> [Vec3; N] {
     let value = row.value(x);
-    let mut weight = 0.0;
+    let mut weights = *w;
     for i in 0..N {
-        weight += w[i] * (row.coefficients[i] * row.coefficients[i]);
+        weights[i] *= row.coefficients[i] * row.coefficients[i];
     }
+    let weight = sum(&weights);
     let mut change = Vec3::zeros();
     for axis in 0..3 {
         let seen = RowAt {
             value: value[axis],
             stiffness: row.stiffness,
-            steep_weight: weight,
-            divisor_squared: 1.0,
+            weight,
         };
         let equation = rule.equation(seen, &mut memory[axis]);
-        change[axis] = share * steep_change(equation, seen, 1.0);
+        change[axis] = share * change_over(1.0, equation, weight);
         rule.remember(change[axis], &mut memory[axis]);
     }
     let mut moved = [Vec3::zeros(); N];
@@ -89,25 +118,23 @@ fn at_once<const N: usize, R: Rule>(
 #[inline(always)]
 fn in_turn<const N: usize, A: RowArray<N>, R: Rule>(
     rule: &R,
-    steep: &Steep<A>,
+    rows: &A,
     w: &[Real; N],
     share: Real,
     memory: &mut [R::Memory],
 ) -> [Vec3; N] {
     let mut moved = [Vec3::zeros(); N];
-    for (r, row) in steep.rows.as_ref().iter().enumerate() {
+    for (r, row) in rows.as_ref().iter().enumerate() {
         let mut value = row.value;
         if r > 0 {
-            let mut moved_by = 0.0;
             for i in 0..N {
-                moved_by += row.gradient[i].dot(&moved[i]);
+                value += row.gradient[i].dot(&moved[i]);
             }
-            value += moved_by / steep.divisor;
         }
-        let seen = row_at(row, w, value, steep.divisor_squared);
+        let seen = row_at(row, w, value);
         let equation = rule.equation(seen, &mut memory[r]);
-        let change = steep_change(equation, seen, steep.divisor);
-        rule.remember(share * (change * steep.divisor), &mut memory[r]);
+        let change = change_over(1.0, equation, seen.weight);
+        rule.remember(share * change, &mut memory[r]);
         for i in 0..N {
             moved[i] += row.gradient[i] * (w[i] * change);
         }
@@ -131,10 +158,10 @@ fn together<const N: usize, A: RowArray<N>, R: Rule>(
     let (mut lower, mut change) = (A::per_row(A::per_row(0.0)), A::per_row(0.0));
     let (lower, change, rows) = (lower.as_mut(), change.as_mut(), rows.as_ref());
     for r in 0..rows.len() {
-        let seen = row_at(&rows[r], w, rows[r].value, 1.0);
+        let seen = row_at(&rows[r], w, rows[r].value);
         let equation = rule.equation(seen, &mut memory[r]);
-        let whole = seen.steep_weight + equation.softness;
-        if !(whole > 0.0 && whole < Real::INFINITY) {
+        let whole = seen.weight + equation.softness;
+        if whole <= SMALLEST {
             continue;
         }
         let (mut pivot, mut value) = (whole, -equation.residual);
@@ -181,22 +208,26 @@ fn together<const N: usize, A: RowArray<N>, R: Rule>(
     moved.map(|moved| moved * share)
 }
 
-/// What a method sees of a row with the value `value`, and gradients too long by the root of `divisor_squared`.
+/// What a method sees of a row with the value `value`.
 #[inline(always)]
-pub(super) fn row_at<const N: usize>(
-    row: &Row<N>,
-    w: &[Real; N],
-    value: Real,
-    divisor_squared: Real,
-) -> RowAt {
-    let mut steep_weight = 0.0;
+pub(super) fn row_at<const N: usize>(row: &Row<N>, w: &[Real; N], value: Real) -> RowAt {
+    let mut weights = *w;
     for i in 0..N {
-        steep_weight += w[i] * row.gradient[i].norm_squared();
+        weights[i] *= row.gradient[i].norm_squared();
     }
     RowAt {
         value,
         stiffness: row.stiffness,
-        steep_weight,
-        divisor_squared,
+        weight: sum(&weights),
     }
+}
+
+/// The sum of at least one number.
+#[inline(always)]
+fn sum<const N: usize>(numbers: &[Real; N]) -> Real {
+    let mut sum = numbers[0];
+    for &number in &numbers[1..] {
+        sum += number;
+    }
+    sum
 }

@@ -131,7 +131,7 @@ impl<const N: usize, E: Constraint<N>, R: Rule> AnyFamily<R> for Family<N, E, Sl
             let w = element.vertices().map(|v| inverse_mass[v as usize]);
             let rows = element.rows(&gather(x, element.vertices()));
             for (row, memory) in rows.as_ref().iter().zip(memory.as_mut()) {
-                rule.prepare(row_at(row, &w, row.value, 1.0), memory);
+                rule.prepare(row_at(row, &w, row.value), memory);
             }
         }
     }
@@ -141,7 +141,7 @@ impl<const N: usize, E: Constraint<N>, R: Rule> AnyFamily<R> for Family<N, E, Sl
             let w = element.vertices().map(|v| inverse_mass[v as usize]);
             let rows = element.rows(&gather(x, element.vertices()));
             for (row, memory) in rows.as_ref().iter().zip(memory.as_ref()) {
-                see(row_at(row, &w, row.value, 1.0), memory);
+                see(row_at(row, &w, row.value), memory);
             }
         }
     }
@@ -173,7 +173,7 @@ impl<const N: usize, E: Constraint<N>, R: Rule> AnyFamily<R> for Family<N, E, Sl
             for (i, (row, memory)) in rows.as_ref().iter().zip(memory.as_ref()).enumerate() {
                 see(RowView {
                     index: place as usize * E::Rows::LEN + i,
-                    row: row_at(row, &w, row.value, 1.0),
+                    row: row_at(row, &w, row.value),
                     vertices: &vertices,
                     gradient: &row.gradient,
                     memory,

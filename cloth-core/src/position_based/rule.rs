@@ -10,21 +10,8 @@ pub struct RowAt {
     pub value: Real,
     /// `k` with the energy `½ k C²` (J).
     pub stiffness: Real,
-    /// `divisor² w̃`.
-    pub(super) steep_weight: Real,
-    /// See [`Steep`](crate::element::Steep).
-    pub(super) divisor_squared: Real,
-}
-
-impl RowAt {
     /// `w̃ = Σᵢ wᵢ ‖∂C/∂xᵢ‖²` (unit of C² per kg m²): how easily the row moves. Zero if all its vertices are prescribed, or its gradient vanishes.
-    ///
-    /// A division: a rule that can do without does not ask.
-    #[inline]
-    #[must_use]
-    pub fn weight(&self) -> Real {
-        self.steep_weight / self.divisor_squared
-    }
+    pub weight: Real,
 }
 
 /// What a method makes of a row: `(w̃ + softness) Δλ = −residual`.
@@ -34,7 +21,7 @@ impl RowAt {
 pub struct RowEquation {
     /// What Δλ is to bring to zero (unit of C).
     pub residual: Real,
-    /// What stands beside w̃ (unit of C² per kg m²), not negative.
+    /// What stands beside w̃ (unit of C² per kg m²), not negative, finite.
     pub softness: Real,
 }
 
@@ -65,7 +52,7 @@ pub trait Rule: Debug + Send + Sync + 'static {
     /// Whether the rows of one element are solved together, with the products of their gradients, or one after another.
     const ROWS_TOGETHER: bool = false;
 
-    /// The equation of a row. A row that nothing could change, because `w̃ + softness` is zero or infinite, stays as it is whatever its residual.
+    /// The equation of a row. A row that nothing could change, because `w̃ + softness` is zero, stays as it is whatever its residual.
     fn equation(&self, row: RowAt, memory: &mut Self::Memory) -> RowEquation;
 
     /// Learns what it can of a row before the sweeps of a step begin, and again whenever the rule is another one.

@@ -67,7 +67,7 @@ impl Rule for Pull {
             }
             Self::Go(part) => {
                 // The multipliers times w̃, which saves two divisions.
-                let total = memory.total * row.weight();
+                let total = memory.total * row.weight;
                 let pull = total - part * row.value;
                 let push = total - part * (row.value - memory.shortest);
                 total - if pull < 0.0 { pull } else { push.max(0.0) }
