@@ -1,0 +1,46 @@
+//! A colour for every element.
+
+use crate::element::Element;
+
+/// The smallest colour that no earlier element at a shared vertex has, for each element in turn.
+pub(super) fn greedy_colors<const N: usize, E: Element<N>>(
+    elements: &[E],
+    vertex_count: usize,
+) -> Vec<u32> {
+    // Colours in use at each vertex, 64 to a word; words are added where a vertex needs more.
+    let mut words = 1;
+    let mut used = vec![0u64; vertex_count];
+    let mut colors = Vec::with_capacity(elements.len());
+    for element in elements {
+        let vertices = element.vertices();
+        for (i, vertex) in vertices.iter().enumerate() {
+            assert!(
+                !vertices[..i].contains(vertex),
+                "an element names vertex {vertex} twice"
+            );
+        }
+        let free = (0..words).find_map(|word| {
+            let taken = vertices
+                .iter()
+                .fold(0, |taken, &v| taken | used[v as usize * words + word]);
+            (taken != u64::MAX).then(|| word * 64 + taken.trailing_ones() as usize)
+        });
+        let color = free.unwrap_or_else(|| {
+            let mut wider = vec![0u64; vertex_count * (words + 1)];
+            for (to, from) in wider
+                .chunks_exact_mut(words + 1)
+                .zip(used.chunks_exact(words))
+            {
+                to[..words].copy_from_slice(from);
+            }
+            used = wider;
+            words += 1;
+            (words - 1) * 64
+        });
+        for &v in &vertices {
+            used[v as usize * words + color / 64] |= 1 << (color % 64);
+        }
+        colors.push(color as u32);
+    }
+    colors
+}
