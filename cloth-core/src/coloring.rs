@@ -19,9 +19,8 @@ mod greedy;
 mod stages;
 
 use crate::element::Element;
-use crate::math::Vec3;
 use crate::parallel::{self, Parts};
-use greedy::greedy_colors;
+pub use greedy::greedy_colors;
 use stages::{Place, Stage, stages};
 
 /// A cloth of at least so many vertices is cut into blocks: its positions and masses alone are 16 MB. Measured, springs: at 512 × 512 vertices
@@ -121,21 +120,21 @@ impl<const N: usize, E: Element<N>> Colored<N, E> {
     }
 
     /// Visits every element once. `visit` gets the element, its slot of the method's own memory, and a copy of its
-    /// vertices' positions, which is stored back afterwards.
+    /// vertices' positions, which is stored back afterwards. Positions are what the method takes for them: three numbers (m), or a register of four.
     ///
     /// With the feature `parallel`, stages large enough to be worth it are split over rayon's threads; the result has the same bits as on one thread.
     ///
     /// # Panics
     /// If `slots` is not as long as the elements, or `x` not as long as the vertices.
-    pub fn sweep<A: Send>(
+    pub fn sweep<A: Send, P: Copy + Send>(
         &self,
         slots: &mut [A],
-        x: &mut [Vec3],
-        visit: impl Fn(&E, &mut A, &mut [Vec3; N]) + Sync,
+        x: &mut [P],
+        visit: impl Fn(&E, &mut A, &mut [P; N]) + Sync,
     ) {
         self.check(slots, x);
         for stage in &self.stages {
-            parallel::visit::<false, N, _, _>(self.parts(stage), slots, x, &visit);
+            parallel::visit::<false, N, _, _, _>(self.parts(stage), slots, x, &visit);
         }
     }
 
@@ -143,19 +142,19 @@ impl<const N: usize, E: Element<N>> Colored<N, E> {
     ///
     /// # Panics
     /// If `slots` is not as long as the elements, or `x` not as long as the vertices.
-    pub fn sweep_back<A: Send>(
+    pub fn sweep_back<A: Send, P: Copy + Send>(
         &self,
         slots: &mut [A],
-        x: &mut [Vec3],
-        visit: impl Fn(&E, &mut A, &mut [Vec3; N]) + Sync,
+        x: &mut [P],
+        visit: impl Fn(&E, &mut A, &mut [P; N]) + Sync,
     ) {
         self.check(slots, x);
         for stage in self.stages.iter().rev() {
-            parallel::visit::<true, N, _, _>(self.parts(stage), slots, x, &visit);
+            parallel::visit::<true, N, _, _, _>(self.parts(stage), slots, x, &visit);
         }
     }
 
-    fn check<A>(&self, slots: &[A], x: &[Vec3]) {
+    fn check<A, P>(&self, slots: &[A], x: &[P]) {
         assert_eq!(slots.len(), self.elements.len(), "one slot per element");
         assert_eq!(x.len(), self.vertex_count, "one position per vertex");
     }
@@ -169,6 +168,7 @@ impl<const N: usize, E: Element<N>> Colored<N, E> {
 mod tests {
     use super::*;
     use crate::energy::Spring;
+    use crate::math::Vec3;
 
     fn star(arms: u32) -> Vec<Spring> {
         (1..=arms)

@@ -1,7 +1,6 @@
 //! Visiting elements in turn, or on several threads where they share no vertex; and a hint to the memory. The only file of a
 //! library here with `unsafe`.
 
-use crate::math::Vec3;
 use std::marker::PhantomData;
 use std::ops::Range;
 
@@ -37,11 +36,11 @@ impl<'a, const N: usize, E> Parts<'a, N, E> {
 
 /// Visits each element of `parts` once with its slot and a copy of its vertices, which is stored back; on several threads if that is worth
 /// it. In order, or from the last to the first if it goes `BACK`.
-pub(crate) fn visit<const BACK: bool, const N: usize, E: Sync, A: Send>(
+pub(crate) fn visit<const BACK: bool, const N: usize, E: Sync, A: Send, P: Copy + Send>(
     parts: Parts<'_, N, E>,
     slots: &mut [A],
-    x: &mut [Vec3],
-    visit: &(impl Fn(&E, &mut A, &mut [Vec3; N]) + Sync),
+    x: &mut [P],
+    visit: &(impl Fn(&E, &mut A, &mut [P; N]) + Sync),
 ) {
     let slots = &mut slots[parts.range()];
     #[cfg(feature = "parallel")]
@@ -56,7 +55,7 @@ pub(crate) fn visit<const BACK: bool, const N: usize, E: Sync, A: Send>(
     #[allow(unsafe_code)]
     // SAFETY: `x` is borrowed mutably until this returns, so no one else touches it.
     unsafe {
-        visit_parts::<BACK, N, E, A>(&parts, slots, &Positions::new(x), grain, visit);
+        visit_parts::<BACK, N, E, A, P>(&parts, slots, &Positions::new(x), grain, visit);
     }
 }
 
@@ -65,12 +64,12 @@ pub(crate) fn visit<const BACK: bool, const N: usize, E: Sync, A: Send>(
 /// # Safety
 /// While this runs, nobody else reads or writes the positions of the vertices of these parts.
 #[allow(unsafe_code)] // the reason is in the section above
-unsafe fn visit_parts<const BACK: bool, const N: usize, E: Sync, A: Send>(
+unsafe fn visit_parts<const BACK: bool, const N: usize, E: Sync, A: Send, P: Copy + Send>(
     parts: &Parts<'_, N, E>,
     slots: &mut [A],
-    x: &Positions<'_>,
+    x: &Positions<'_, P>,
     grain: usize,
-    visit: &(impl Fn(&E, &mut A, &mut [Vec3; N]) + Sync),
+    visit: &(impl Fn(&E, &mut A, &mut [P; N]) + Sync),
 ) {
     #[cfg(feature = "parallel")]
     if slots.len() > grain && parts.bounds.len() > 2 {
@@ -83,8 +82,8 @@ unsafe fn visit_parts<const BACK: bool, const N: usize, E: Sync, A: Send>(
         let (first_slots, second_slots) = slots.split_at_mut(first.range().len());
         // SAFETY: the two halves are of different parts, so they share no vertex.
         rayon::join(
-            || unsafe { visit_parts::<BACK, N, E, A>(&first, first_slots, x, grain, visit) },
-            || unsafe { visit_parts::<BACK, N, E, A>(&second, second_slots, x, grain, visit) },
+            || unsafe { visit_parts::<BACK, N, E, A, P>(&first, first_slots, x, grain, visit) },
+            || unsafe { visit_parts::<BACK, N, E, A, P>(&second, second_slots, x, grain, visit) },
         );
         return;
     }
@@ -93,12 +92,15 @@ unsafe fn visit_parts<const BACK: bool, const N: usize, E: Sync, A: Send>(
     // them, which doubles the time of a spring.
     unsafe {
         let (elements, stencils) = (&parts.elements[range.clone()], &parts.stencils[range]);
-        visit_each::<BACK, N, E, A>(elements, stencils, slots, x, visit);
+        visit_each::<BACK, N, E, A, P>(elements, stencils, slots, x, visit);
     }
 }
 
 /// How many elements ahead positions are asked for: long enough for the memory to answer.
 const AHEAD: usize = 16;
+
+/// With fewer vertices than this the positions are in a cache, and asking for them costs more than it saves.
+const FAR: usize = 1 << 17;
 
 /// The one loop behind all visits.
 ///
@@ -106,20 +108,22 @@ const AHEAD: usize = 16;
 /// While this runs, nobody else reads or writes the positions of these stencils' vertices.
 #[allow(unsafe_code)] // the reason is in the section above
 #[inline(always)]
-unsafe fn visit_each<const BACK: bool, const N: usize, E, A>(
+unsafe fn visit_each<const BACK: bool, const N: usize, E, A, P: Copy>(
     elements: &[E],
     stencils: &[[u32; N]],
     slots: &mut [A],
-    x: &Positions<'_>,
-    visit: &impl Fn(&E, &mut A, &mut [Vec3; N]),
+    x: &Positions<'_, P>,
+    visit: &impl Fn(&E, &mut A, &mut [P; N]),
 ) {
     let count = slots.len();
     let (elements, stencils) = (&elements[..count], &stencils[..count]);
+    // Nobody is that far ahead: then nothing is asked for.
+    let distance = if x.count < FAR { count } else { AHEAD };
     for done in 0..count {
         let (i, ahead) = if BACK {
-            (count - 1 - done, (count - 1 - done).wrapping_sub(AHEAD))
+            (count - 1 - done, (count - 1 - done).wrapping_sub(distance))
         } else {
-            (done, done + AHEAD)
+            (done, done + distance)
         };
         if let Some(stencil) = stencils.get(ahead) {
             for &vertex in stencil {
@@ -141,17 +145,17 @@ unsafe fn visit_each<const BACK: bool, const N: usize, E, A>(
 }
 
 /// The positions of all vertices, mutably borrowed, in a form that threads can share.
-struct Positions<'a> {
-    first: *mut Vec3,
+struct Positions<'a, P> {
+    first: *mut P,
     count: usize,
-    borrow: PhantomData<&'a mut [Vec3]>,
+    borrow: PhantomData<&'a mut [P]>,
 }
 
-#[allow(unsafe_code)] // SAFETY: only `visit_each` uses the pointer, under the condition it states.
-unsafe impl Sync for Positions<'_> {}
+#[allow(unsafe_code)] // SAFETY: only `visit_each` uses the pointer, under the condition it states; what it hands from thread to thread is `Send`.
+unsafe impl<P: Send> Sync for Positions<'_, P> {}
 
-impl<'a> Positions<'a> {
-    fn new(x: &'a mut [Vec3]) -> Self {
+impl<'a, P> Positions<'a, P> {
+    fn new(x: &'a mut [P]) -> Self {
         Self {
             first: x.as_mut_ptr(),
             count: x.len(),
@@ -161,7 +165,7 @@ impl<'a> Positions<'a> {
 
     /// Where a position lies.
     #[inline]
-    fn place(&self, vertex: u32) -> *mut Vec3 {
+    fn place(&self, vertex: u32) -> *mut P {
         assert!((vertex as usize) < self.count, "no such vertex");
         // In bounds, so wrapping never happens; this form needs no `unsafe`.
         self.first.wrapping_add(vertex as usize)

@@ -146,6 +146,9 @@ pub mod links;
 #[cfg(feature = "direct")]
 pub mod direct;
 
+#[cfg(feature = "single")]
+pub mod single;
+
 pub use config::XpbdConfig;
 pub use forces::RowForce;
 pub use solver::{XpbdBuilder, XpbdSolver};

@@ -3,7 +3,8 @@
 use crate::element::Element;
 
 /// The smallest colour that no earlier element at a shared vertex has, for each element in turn.
-pub(super) fn greedy_colors<const N: usize, E: Element<N>>(
+#[must_use]
+pub fn greedy_colors<const N: usize, E: Element<N>>(
     elements: &[E],
     vertex_count: usize,
 ) -> Vec<u32> {

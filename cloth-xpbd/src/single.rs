@@ -1,0 +1,238 @@
+//! The sweeps in single precision, four springs at a time. Behind the feature `single`.
+//!
+//! # Idea
+//! A sweep in double precision spends its time on a root, a division, and the moving of numbers of eight bytes. In single precision a position and its inverse mass fit
+//! one register, and a root of four springs takes as long as that of one. What it costs is digits, and so only the sweeps are done this way: positions and
+//! velocities stay in double precision, and of a substep's sweeps only the *change* is added to them.
+//!
+//! ```text
+//! v ← v + h g,  x̃ ← x + h v                    double
+//! y ← x̃ − o, rounded; y₀ ← y                   o: the middle of the cloth
+//! n sweeps on y, λ                             single; the same equations as XpbdSolver
+//! x ← x̃ + (y − y₀),  v ← v + (x − x̃)/h         double
+//! ```
+//!
+//! What is lost is then no drift but a roughness: the sweeps see positions rounded to 6e-8 of the size of the cloth, which for a spring of length l in a cloth of size s is a
+//! strain of about `6e-8 s/l`.
+//!
+//! Springs go in packs of four of one colour, so that no two share a vertex. A pack is an element of eight vertices, and is coloured and shared by threads like any other. The rows of a
+//! [`VectorRow`](cloth_core::element::VectorRow), those of a quadratic hinge or an attachment, are the three coordinates of one register.
+//!
+//! | what | where |
+//! |---|---|
+//! | Δλ of four springs | `single/springs.rs` |
+//! | Δλ of a vector row | `single/vector_rows.rs` |
+//! | from double precision and back | `single/positions.rs` |
+//! | the loop around them | [`SingleXpbd`] |
+//!
+//! # Limits
+//! - Springs and vector rows only, coloured sweeps only, no damping, no extrapolation, no forces read out: for all that there is [`XpbdSolver`](crate::XpbdSolver).
+//! - A stiffness is infinite from `1/(k h²) < 1e-38` on, and zero from `1/(k h²) > 1e30`.
+//! - Springs visited in another order than [`XpbdSolver`](crate::XpbdSolver) does where a colour's last pack is not full; converged results agree, iterates nearly.
+
+mod positions;
+mod springs;
+mod vector_rows;
+
+use crate::compliance::Compliance;
+use cloth_core::element::Constraint;
+use cloth_core::energy::Spring;
+use cloth_core::math::Real;
+use cloth_core::particles::{Particles, State};
+use cloth_core::position_based::Motion;
+use cloth_core::step::{BuildError, StepError, StepInput, StepReport, Stepper};
+use positions::Positions;
+use springs::Springs;
+use std::fmt::Debug;
+use vector_rows::VectorRows;
+use wide::f32x4;
+
+/// Settings of [`SingleXpbd`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SingleConfig {
+    /// Sweeps over all constraints per substep, at least 1.
+    pub iterations: u32,
+    /// Parts into which a step is divided, at least 1.
+    pub substeps: u32,
+}
+
+impl Default for SingleConfig {
+    /// Twenty substeps of one sweep, as [`XpbdConfig`](crate::XpbdConfig).
+    fn default() -> Self {
+        Self {
+            iterations: 1,
+            substeps: 20,
+        }
+    }
+}
+
+/// XPBD whose sweeps are in single precision; see the [module documentation](self).
+#[derive(Debug)]
+pub struct SingleXpbd {
+    motion: Motion,
+    families: Vec<Box<dyn Family>>,
+    positions: Positions,
+    config: SingleConfig,
+}
+
+/// Elements of one kind with their multipliers.
+trait Family: Debug + Send {
+    /// Learns the compliances, and where the origin lies (m).
+    fn prepare(&mut self, compliance: Compliance, origin: &cloth_core::math::Vec3);
+    /// λ = 0.
+    fn forget(&mut self);
+    /// One sweep over positions (m, relative to the origin) with the inverse mass (1/kg) as the fourth number.
+    fn sweep(&mut self, x: &mut [f32x4]);
+}
+
+impl SingleXpbd {
+    /// Starts with the masses and prescribed vertices of `particles` as they are now, and without constraints.
+    #[must_use]
+    pub fn builder(particles: &Particles) -> SingleBuilder {
+        SingleBuilder {
+            solver: Self {
+                motion: Motion::new(particles),
+                families: Vec::new(),
+                positions: Positions::new(particles.len()),
+                config: SingleConfig::default(),
+            },
+            error: None,
+        }
+    }
+}
+
+impl Stepper for SingleXpbd {
+    fn name(&self) -> &'static str {
+        "xpbd-single"
+    }
+
+    fn step(
+        &mut self,
+        state: &mut State,
+        mut input: StepInput<'_>,
+    ) -> Result<StepReport, StepError> {
+        self.motion.begin(state, &input)?;
+        let h = input.dt / Real::from(self.config.substeps);
+        let origin = self.positions.center(self.motion.positions());
+        for family in &mut self.families {
+            family.prepare(Compliance::new(h, 0.0), &origin);
+        }
+        for _ in 0..self.config.substeps {
+            self.motion.predict(&input, h); // S1 (24)
+            self.positions
+                .round(self.motion.positions(), self.motion.inverse_mass());
+            for family in &mut self.families {
+                family.forget();
+            }
+            for iteration in 1..=self.config.iterations {
+                let shown = iteration == self.config.iterations || input.observer.is_some();
+                self.motion.iterate(&mut input, |_, x| {
+                    for family in &mut self.families {
+                        family.sweep(self.positions.as_mut_slice()); // S1 (36)
+                    }
+                    if shown {
+                        self.positions.add_change(x);
+                    }
+                });
+            }
+            self.motion.update_velocities(h); // S1 (26)
+        }
+        self.motion.finish(state, input.dt)
+    }
+}
+
+/// Collects what a [`SingleXpbd`] is built of.
+#[derive(Debug)]
+pub struct SingleBuilder {
+    solver: SingleXpbd,
+    /// The first that was found.
+    error: Option<BuildError>,
+}
+
+impl SingleBuilder {
+    /// Adds springs. A sweep visits families in the order in which they were added.
+    ///
+    /// # Panics
+    /// If a spring has the same vertex at both ends.
+    #[must_use]
+    pub fn springs(self, springs: &[Spring]) -> Self {
+        self.add(springs, |count| Springs::new(springs, count).map(boxed))
+    }
+
+    /// Adds elements whose rows are a [`VectorRow`](cloth_core::element::VectorRow): quadratic hinges, attachments.
+    ///
+    /// # Panics
+    /// If an element names a vertex twice.
+    #[must_use]
+    pub fn vector_rows<const N: usize, E: Constraint<N>>(self, elements: &[E]) -> Self {
+        self.add(elements, |count| {
+            VectorRows::<N>::new(elements, count).map(boxed)
+        })
+    }
+
+    fn add<const N: usize, E: Constraint<N>>(
+        mut self,
+        elements: &[E],
+        family: impl FnOnce(usize) -> Result<Box<dyn Family>, BuildError>,
+    ) -> Self {
+        if self.error.is_none() {
+            let count = self.solver.motion.vertex_count();
+            let family =
+                cloth_core::family::check_vertices(elements, count).and_then(|()| family(count));
+            match family {
+                Ok(family) => self.solver.families.push(family),
+                Err(error) => self.error = Some(error),
+            }
+        }
+        self
+    }
+
+    /// Replaces the settings.
+    #[must_use]
+    pub fn config(mut self, config: SingleConfig) -> Self {
+        self.solver.config = config;
+        self
+    }
+
+    /// The solver.
+    ///
+    /// # Errors
+    /// [`BuildError::InvalidSetting`]; [`BuildError::NoSuchVertex`]; [`BuildError::SettingsConflict`] for elements that are not a vector row.
+    pub fn build(self) -> Result<SingleXpbd, BuildError> {
+        if let Some(error) = self.error {
+            return Err(error);
+        }
+        let SingleConfig {
+            iterations,
+            substeps,
+        } = self.solver.config;
+        for (name, count) in [
+            ("the number of iterations", iterations),
+            ("the number of substeps", substeps),
+        ] {
+            if count == 0 {
+                return Err(BuildError::InvalidSetting {
+                    name,
+                    value: 0.0,
+                    range: "at least 1",
+                });
+            }
+        }
+        Ok(self.solver)
+    }
+}
+
+fn boxed<F: Family + 'static>(family: F) -> Box<dyn Family> {
+    Box::new(family)
+}
+
+/// `α̃` in single precision.
+fn softness(compliance: Compliance, stiffness: Real) -> f32 {
+    (compliance.scaled(stiffness) as f32).min(SOFTEST)
+}
+
+/// A row without stiffness has `α̃ = ∞`, and `α̃λ` no value.
+const SOFTEST: f32 = 1e30;
+
+/// Nothing can change a row whose `w̃ + α̃` is not above this.
+const SMALLEST: f32 = 1e-30;

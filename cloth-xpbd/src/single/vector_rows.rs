@@ -1,0 +1,128 @@
+//! Three rows that are the coordinates of one vector.
+
+use super::positions::EMPTY;
+use super::{Family, SMALLEST, softness};
+use crate::compliance::Compliance;
+use cloth_core::coloring::Colored;
+use cloth_core::element::{Constraint, Element, VectorRow};
+use cloth_core::math::{Real, Vec3};
+use cloth_core::step::BuildError;
+use wide::f32x4;
+
+/// The rows `C = Σ qᵢ xᵢ − target` of one element.
+#[derive(Clone, Copy, Debug)]
+struct Rows<const N: usize> {
+    vertices: [u32; N],
+    /// q.
+    coefficients: [f32; N],
+    /// `Σ qᵢ`, 0 where it is that but for rounding.
+    sum: f32,
+}
+
+impl<const N: usize> Element<N> for Rows<N> {
+    #[inline]
+    fn vertices(&self) -> [u32; N] {
+        self.vertices
+    }
+}
+
+/// What is remembered of an element.
+#[derive(Clone, Copy, Debug, Default)]
+struct Multipliers {
+    /// λ (kg m² per unit of C), and a number that is not used.
+    total: f32x4,
+    /// `target − (Σ qᵢ) o` (unit of C), with the origin o.
+    target: f32x4,
+    /// α̃ (unit of C² per kg m²).
+    softness: f32,
+}
+
+/// All elements of a family.
+#[derive(Debug)]
+pub(super) struct VectorRows<const N: usize> {
+    rows: Colored<N, Rows<N>>,
+    memory: Vec<Multipliers>,
+    /// The same elements in visiting order and double precision.
+    exact: Vec<VectorRow<N>>,
+}
+
+/// The sum of the coefficients.
+fn sum<const N: usize>(row: &VectorRow<N>) -> Real {
+    let sum: Real = row.coefficients.iter().sum();
+    let size: Real = row.coefficients.iter().map(|q| q.abs()).sum();
+    if sum.abs() > 1e-12 * size { sum } else { 0.0 }
+}
+
+impl<const N: usize> VectorRows<N> {
+    pub(super) fn new<E: Constraint<N>>(
+        elements: &[E],
+        vertex_count: usize,
+    ) -> Result<Self, BuildError> {
+        let exact: Option<Vec<VectorRow<N>>> = elements.iter().map(E::vector_row).collect();
+        let exact = exact.ok_or(BuildError::SettingsConflict {
+            one: "a sweep in single precision",
+            needs: "springs, and elements whose rows are one vector row",
+        })?;
+        let rows = elements.iter().zip(&exact);
+        let rows: Vec<Rows<N>> = rows
+            .map(|(element, row)| Rows {
+                vertices: element.vertices(),
+                coefficients: row.coefficients.map(|q| q as f32),
+                sum: sum(row) as f32,
+            })
+            .collect();
+        let rows = Colored::new(&rows, vertex_count + EMPTY);
+        let order = rows.input_index().iter();
+        Ok(Self {
+            exact: order.map(|&i| exact[i as usize]).collect(),
+            memory: vec![Multipliers::default(); elements.len()],
+            rows,
+        })
+    }
+}
+
+impl<const N: usize> Family for VectorRows<N> {
+    fn prepare(&mut self, compliance: Compliance, origin: &Vec3) {
+        for (memory, row) in self.memory.iter_mut().zip(&self.exact) {
+            let target = row.target - origin * sum(row);
+            let [x, y, z]: [f32; 3] = std::array::from_fn(|axis| target[axis] as f32);
+            memory.target = f32x4::new([x, y, z, 0.0]);
+            memory.softness = softness(compliance, row.stiffness);
+        }
+    }
+
+    fn forget(&mut self) {
+        for memory in &mut self.memory {
+            memory.total = f32x4::splat(0.0);
+        }
+    }
+
+    fn sweep(&mut self, x: &mut [f32x4]) {
+        self.rows.sweep(&mut self.memory, x, project);
+    }
+}
+
+/// `Δλ = −(C + α̃λ)/(Σ wᵢ qᵢ² + α̃)` for the three coordinates, and what it moves.
+#[inline(always)]
+fn project<const N: usize>(rows: &Rows<N>, memory: &mut Multipliers, x: &mut [f32x4; N]) {
+    let q = &rows.coefficients;
+    // From the first vertex, because differences of neighbours have fewer digits to lose than their places.
+    let mut value = x[0] * f32x4::splat(rows.sum) - memory.target;
+    for i in 1..N {
+        value += (x[i] - x[0]) * f32x4::splat(q[i]);
+    }
+    let w: [f32; N] = std::array::from_fn(|i| x[i].to_array()[3]);
+    let mut whole = memory.softness;
+    for i in 0..N {
+        whole += w[i] * (q[i] * q[i]);
+    }
+    // The inverse mass is not a coordinate.
+    let coordinates = f32x4::new([1.0, 1.0, 1.0, 0.0]);
+    let factor = -1.0 / whole.max(SMALLEST);
+    let residual = value + memory.total * f32x4::splat(memory.softness);
+    let change = residual * coordinates * f32x4::splat(factor);
+    memory.total += change;
+    for i in 0..N {
+        x[i] += change * f32x4::splat(w[i] * q[i]);
+    }
+}
