@@ -221,16 +221,15 @@ fn target(problem: &str, n: u32) -> Result<(Scene, State, Target), BenchError> {
         let state = step.state().clone();
         return Ok((scene, state, Target::ImplicitEuler(Box::new(step))));
     }
-    let pins = if problem == "edge" {
-        "highest"
-    } else {
-        "corners"
-    };
+    let pins = if problem == "edge" { "none" } else { "corners" };
     let settings = settings
         .with("up", "y")
         .with("pins", pins)
         .with("bending", "none");
     let mut scene = scene::build("hang", None, &settings)?;
+    if problem == "edge" {
+        hold_upper_row(&mut scene)?;
+    }
     for spring in &mut scene.model.springs {
         spring.stiffness = Real::INFINITY;
     }
@@ -238,6 +237,19 @@ fn target(problem: &str, n: u32) -> Result<(Scene, State, Target), BenchError> {
     let places: Vec<Vec3> = state.positions.clone();
     let fallen = scene.gravity.norm() * scene.dt * scene.dt;
     Ok((scene, state, Target::Places { places, fallen }))
+}
+
+/// Exactly one row of vertices, whatever the size.
+fn hold_upper_row(scene: &mut Scene) -> Result<(), BenchError> {
+    let heights = scene.start.positions.iter().map(|x| x.y);
+    let top = heights.fold(Real::NEG_INFINITY, Real::max);
+    for (v, x) in scene.start.positions.iter().enumerate() {
+        if x.y == top {
+            let held = scene.model.particles.prescribe(v);
+            held.map_err(BenchError::failed)?;
+        }
+    }
+    Ok(())
 }
 
 /// What the table says in words, at the largest size.
