@@ -24,7 +24,7 @@ const TIP_MASS: Parameter = parameter(
 
 pub(super) const SAG: Law = Law {
     name: "sag",
-    about: "sag (m) of a hanging chain of rigid links at rest under XPBD: g h² N(N − 1)/2 for one sweep from the support, else the fixed point of the sweeps as a matrix",
+    about: "sag (m) of a hanging chain of rigid links at rest under XPBD: g h² Σ (mass below vertex i)/mᵢ over the vertices between support and tip for one sweep from the support, which is g h² N(N − 1)/2 for equal masses; else the fixed point of the sweeps as a matrix",
     parameters: &[LINKS, SUBSTEPS, ITERATIONS, TIP_MASS],
     tolerance: 1e-10,
     evaluate: sag,
@@ -73,9 +73,10 @@ fn sag(settings: &Settings) -> Result<Verdict, BenchError> {
     let h = 1.0 / 60.0 / Real::from(substeps);
     let (particles, springs, start) = chain(masses, Real::INFINITY)?;
     let matrix = SweepMatrix::new(&particles, iterations);
-    let expected = if iterations == 1 && tip == 1.0 {
+    let expected = if iterations == 1 {
+        // Link i ends as long as link i + 1 pulls its lower end away, by wᵢ λᵢ₊₁, and λᵢ₊₁ = g h² (mass below vertex i).
         let n = links as Real;
-        GRAVITY * h * h * n * (n - 1.0) / 2.0
+        GRAVITY * h * h * (n * (n - 1.0) / 2.0 + (n - 1.0) * (tip - 1.0))
     } else {
         matrix.sag(GRAVITY * h * h)?
     };

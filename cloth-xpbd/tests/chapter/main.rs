@@ -9,6 +9,7 @@ mod sheet;
 
 mod damping;
 mod forces;
+mod guide;
 mod links;
 mod robustness;
 mod rows;
