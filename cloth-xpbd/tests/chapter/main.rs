@@ -10,6 +10,7 @@ mod sheet;
 mod damping;
 mod forces;
 mod guide;
+mod input;
 mod links;
 mod robustness;
 mod rows;
