@@ -115,7 +115,8 @@ fn extrapolated(seen: &[(u32, Real)]) -> Result<Needed, BenchError> {
     let &(from, before) = middle.ok_or_else(stalled)?;
     let rate = (before / error).ln() / Real::from(last - from);
     // A floor rather than a slow descent: as many again would take less than a hundredth of the error.
-    if !(rate * Real::from(last) > 0.01) {
+    let falls = rate * Real::from(last) > 0.01;
+    if !falls {
         return Err(BenchError::Failed(format!(
             "the error is {error:.2e} after {last} sweeps and falls no further"
         )));
