@@ -305,7 +305,7 @@ fn with_a_hierarchy_the_sweeps_converge_to_the_same_answer() {
             every: Some(10),
             ..HierarchyConfig::default()
         };
-        let (plain, with) = (settled(None, 20_000), settled(Some(often), 1000));
+        let (plain, with) = (settled(None, 20_000), settled(Some(often), 4000));
         for (x, name) in [(&plain, "plain"), (&with, "with a hierarchy")] {
             let off = x.iter().zip(mesh.positions());
             let off = off.map(|(a, b)| (a - b).norm()).fold(0.0, Real::max);

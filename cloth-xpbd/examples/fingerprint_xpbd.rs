@@ -1,19 +1,16 @@
 //! A number for every bit of a falling sheet after some steps, one for each way to sweep. It is the same on any number of threads, and without the feature `parallel`:
 //!
-//! `cargo run --release -p cloth-pbd --example fingerprint`
-//! `cargo run --release -p cloth-pbd --example fingerprint --no-default-features`
+//! `cargo run --release -p cloth-xpbd --example fingerprint_xpbd`
+//! `cargo run --release -p cloth-xpbd --example fingerprint_xpbd --no-default-features`
 
 use cloth_core::cloth::{Cloth, Membrane};
-use cloth_core::energy::ArapTriangle;
+use cloth_core::energy::StvkTriangle;
 use cloth_core::math::Vec3;
 use cloth_core::mesh::generate::{Diagonals, grid};
 use cloth_core::particles::State;
 use cloth_core::position_based::{Acceleration, Chebyshev, Radius, Sweep};
-use cloth_core::step::StepInput;
-use cloth_core::step::Stepper;
-use cloth_pbd::{
-    Hierarchy, HierarchyConfig, Limited, PbdConfig, PbdSolver, StrainLimiter, StretchRange,
-};
+use cloth_core::step::{StepInput, Stepper};
+use cloth_xpbd::{XpbdConfig, XpbdSolver};
 use std::error::Error;
 
 /// Large enough for every parallel path.
@@ -33,54 +30,50 @@ fn main() -> Result<(), Box<dyn Error>> {
         radius: Radius::Estimated,
         delay: 3,
     });
-    for (name, sweep, chebyshev, coarse) in [
-        ("sequential", Sweep::Sequential, None, false),
-        ("coloured", Sweep::Colored, None, false),
-        ("coloured, Chebyshev", Sweep::Colored, chebyshev, false),
-        ("coloured, hierarchy", Sweep::Colored, None, true),
-        ("Jacobi", Sweep::Jacobi, None, false),
-        ("Jacobi, Chebyshev", Sweep::Jacobi, chebyshev, false),
+    for (name, sweep, chebyshev, damping) in [
+        ("sequential", Sweep::Sequential, None, 0.0),
+        ("coloured", Sweep::Colored, None, 0.0),
+        ("coloured, damped", Sweep::Colored, None, 1e-3),
+        ("coloured, Chebyshev", Sweep::Colored, chebyshev, 0.0),
+        ("Jacobi", Sweep::Jacobi, None, 0.0),
+        ("Jacobi, Chebyshev", Sweep::Jacobi, chebyshev, 0.0),
     ] {
-        let config = PbdConfig {
-            iterations: 12,
+        let config = XpbdConfig {
+            iterations: 8,
+            substeps: 2,
             sweep,
             acceleration: Acceleration {
                 chebyshev,
                 ..Acceleration::default()
             },
-            ..PbdConfig::default()
+            damping,
         };
-        let mut solver = PbdSolver::builder(&model.particles)
+        let triangles = StvkTriangle::on(&mesh, 100.0, 0.3);
+        let mut solver = XpbdSolver::builder(&model.particles)
             .energy(model.springs.clone())
+            .energy(triangles)
             .energy(model.hinges.clone())
             .config(config)
             .build()?;
-        if coarse {
-            let config = HierarchyConfig {
-                every: Some(4),
-                ..HierarchyConfig::default()
-            };
-            let hierarchy = Hierarchy::build(&mesh, &model.particles, config)?;
-            solver = solver.with_hierarchy(hierarchy)?;
-        }
-        let limiter = StrainLimiter::builder(&model.particles)
-            .stretches(&ArapTriangle::on(&mesh, 1.0), StretchRange::stretch(0.01))
-            .max_passes(5)
-            .build()?;
-        let mut solver = Limited::new(Box::new(solver), limiter);
         let mut state = State::at_rest(mesh.positions().to_vec());
         for _ in 0..3 {
             let input = StepInput::new(1.0 / 60.0).gravity(Vec3::z() * -9.81);
             solver.step(&mut state, input)?;
         }
-        println!("{name:20} {:016x}", fingerprint(&state));
+        let mut forces = vec![Vec3::zeros(); mesh.vertex_count()];
+        solver.vertex_forces_into(&mut forces);
+        println!("{name:20} {:016x}", fingerprint(&state, &forces));
     }
     Ok(())
 }
 
-/// FNV-1a over the bits of all positions and velocities.
-fn fingerprint(state: &State) -> u64 {
-    let numbers = state.positions.iter().chain(&state.velocities);
+/// FNV-1a over the bits of all positions, velocities and forces.
+fn fingerprint(state: &State, forces: &[Vec3]) -> u64 {
+    let numbers = state
+        .positions
+        .iter()
+        .chain(&state.velocities)
+        .chain(forces);
     let bytes = numbers.flat_map(|v| v.iter().flat_map(|c| c.to_bits().to_le_bytes()));
     bytes.fold(0xcbf2_9ce4_8422_2325, |hash: u64, byte: u8| {
         (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
