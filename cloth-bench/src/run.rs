@@ -42,6 +42,39 @@ pub struct Summary {
     pub min_distance: Option<Real>,
 }
 
+/// Takes steps of `dt` (s) until no velocity is `still` (m/s) or more, at most `most`; gives the number of steps, `None` if something still moves after the last.
+///
+/// Small steps hardly damp, so the cloth is brought to rest by *kinetic damping*: whenever the kinetic energy has passed a maximum, all velocities are set to
+/// zero. The state of rest is the method's own: there the velocities are zero anyway.
+///
+/// # Errors
+/// [`BenchError::Failed`] with the method's own error.
+pub fn to_rest(
+    scene: &Scene,
+    stepper: &mut dyn Stepper,
+    state: &mut State,
+    dt: Real,
+    most: u32,
+    still: Real,
+) -> Result<Option<u32>, BenchError> {
+    let mut before = 0.0;
+    for step in 1..=most {
+        let input = StepInput::new(dt).gravity(scene.gravity);
+        stepper.step(state, input).map_err(BenchError::failed)?;
+        if state.velocities.iter().all(|v| v.amax() < still) {
+            return Ok(Some(step));
+        }
+        let energy = measure::kinetic_energy(&scene.model.particles, &state.velocities);
+        if energy < before {
+            state.velocities.fill(Vec3::zeros());
+            before = 0.0;
+        } else {
+            before = energy;
+        }
+    }
+    Ok(None)
+}
+
 /// Runs `steps` steps of `dt` (s). `after` is called with every state, the step's number from 1 and its report.
 ///
 /// # Errors

@@ -1,10 +1,12 @@
 //! Studies: one question each, answered by measurement on the same scenes for every method.
 
+mod acceleration;
 mod bending;
 mod convergence;
 mod locking;
 mod newton;
 mod projective;
+mod sag;
 mod stiffness;
 mod xpbd_floor;
 
@@ -86,11 +88,13 @@ impl Findings {
 }
 
 /// Every study.
-pub const STUDIES: [&Study; 7] = [
+pub const STUDIES: [&Study; 9] = [
     &convergence::STUDY,
     &stiffness::STUDY,
     &locking::STUDY,
     &bending::STUDY,
+    &acceleration::STUDY,
+    &sag::STUDY,
     &xpbd_floor::STUDY,
     &projective::STUDY,
     &newton::STUDY,

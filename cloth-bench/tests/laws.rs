@@ -200,6 +200,20 @@ fn a_chain_sags_as_far_as_the_sweeps_leave_it() {
         ];
         holds("sag", &pairs.each_ref().map(String::as_str));
     }
+    // Light and heavy tips, few and many sweeps, each kind of effort.
+    for tip in ["1", "1e3", "1e5"] {
+        for effort in ["substeps", "iterations"] {
+            let other = if effort == "substeps" {
+                "iterations=1"
+            } else {
+                "substeps=1"
+            };
+            for count in [1, 16, 256] {
+                let effort = format!("{effort}={count}");
+                holds("sag", &[&format!("tip_mass={tip}"), &effort, other]);
+            }
+        }
+    }
 }
 
 #[test]

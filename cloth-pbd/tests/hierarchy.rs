@@ -5,6 +5,7 @@ mod counting_allocator;
 
 use cloth_core::energy::Spring;
 use cloth_core::math::{Real, Vec3};
+use cloth_core::measure::Strain;
 use cloth_core::mesh::TriMesh;
 use cloth_core::mesh::generate::{Diagonals, disk, grid, irregular, tube, without_triangles};
 use cloth_core::particles::{Particles, State};
@@ -202,6 +203,115 @@ fn what_does_not_stretch_the_cloth_is_left_alone() {
         }
     }
     assert!(longer > 20, "{longer}");
+}
+
+/// The same on irregular sheets, with a boundary and a hole: whatever brings no two vertices further apart than they are at rest.
+#[test]
+fn folds_of_irregular_and_holed_sheets_are_left_alone() {
+    let along = Vec3::new(0.8, 0.6, 0.0);
+    let zigzag = |x: Real| x.rem_euclid(0.3).min(0.3 - x.rem_euclid(0.3));
+    // Folded sharp along slanted lines; rolled up tightly.
+    let accordion = |p: &Vec3| {
+        let x = p.dot(&along);
+        p + along * (zigzag(x) - x)
+    };
+    let rolled = |p: &Vec3| Vec3::new(0.05 * (20.0 * p.x).cos(), p.y, 0.05 * (20.0 * p.x).sin());
+    for mesh in [irregular(20, 1.0, 1.0, 7).unwrap(), holed()] {
+        let mut hierarchy = build(&mesh, &uneven(&mesh), HierarchyConfig::default());
+        assert!(hierarchy.level_count() >= 2);
+        let shapes: [&dyn Fn(&Vec3) -> Vec3; 2] = [&accordion, &rolled];
+        for shape in shapes {
+            let start: Vec<Vec3> = mesh.positions().iter().map(shape).collect();
+            let mut x = start.clone();
+            hierarchy.correct(&mut x);
+            for (a, b) in x.iter().zip(&start) {
+                assert!((a - b).norm() < 1e-14);
+            }
+        }
+    }
+}
+
+/// A sheet hung over a line, holed in one half: both halves hang down side by side with the hierarchy as without.
+#[test]
+fn a_sheet_over_a_line_keeps_its_fold() {
+    let mesh = {
+        let sheet = irregular(16, 1.0, 1.0, 11).unwrap();
+        let hole = |_, corners: [Vec3; 3]| {
+            let centre = corners.iter().sum::<Vec3>() / 3.0;
+            (centre - Vec3::new(0.5, 0.25, 0.0)).norm() < 0.12
+        };
+        without_triangles(&sheet, hole).unwrap()
+    };
+    let mut particles = Particles::from_areal_density(&mesh, 0.2).unwrap();
+    for (v, x) in mesh.positions().iter().enumerate() {
+        if (x.y - 0.5).abs() < 0.04 {
+            particles.prescribe(v).unwrap();
+        }
+    }
+    // Both sides of the strip that is held hang down.
+    let over = |p: &Vec3| {
+        let y = p.y - 0.5;
+        let beyond = (y.abs() - 0.04).max(0.0);
+        let kept = y.abs() - beyond;
+        Vec3::new(p.x, y.signum() * (kept + 0.1 * beyond), -0.99 * beyond)
+    };
+    let hung = |hierarchy| {
+        let mut solver = solver(&mesh, &particles, hierarchy, 60);
+        let mut state = State::at_rest(mesh.positions().iter().map(over).collect());
+        for _ in 0..60 {
+            let input = StepInput::new(1.0 / 60.0).gravity(Vec3::z() * -9.81);
+            solver.step(&mut state, input).unwrap();
+        }
+        state.positions
+    };
+    let often = HierarchyConfig {
+        every: Some(10),
+        ..HierarchyConfig::default()
+    };
+    let (plain, with) = (hung(None), hung(Some(often)));
+    let strains = [&plain, &with].map(|x| Strain::of(&springs(&mesh), x).rms);
+    assert!(strains[1] < 1.05 * strains[0], "{strains:?}");
+    for positions in [&plain, &with] {
+        // The ends of the sheet hang side by side, though 1 m apart within the cloth.
+        let end = |at: Real| {
+            let near = |v: &usize| (mesh.positions()[*v].y - at).abs() < 1e-9;
+            let of_end: Vec<usize> = (0..mesh.vertex_count()).filter(near).collect();
+            of_end.iter().map(|&v| positions[v]).sum::<Vec3>() / of_end.len() as Real
+        };
+        let (front, back) = (end(0.0), end(1.0));
+        assert!((front - back).norm() < 0.2, "{front} {back}");
+        assert!(front.z < -0.4 && back.z < -0.4, "{front} {back}");
+    }
+}
+
+/// Held along an edge, with a hole: plain sweeps and those after corrections end at one place, that at rest.
+#[test]
+fn with_a_hierarchy_the_sweeps_converge_to_the_same_answer() {
+    for mesh in [holed(), irregular(14, 1.0, 1.0, 3).unwrap()] {
+        let mut particles = Particles::from_areal_density(&mesh, 0.2).unwrap();
+        for (v, x) in mesh.positions().iter().enumerate() {
+            if x.y > 1.0 - 1e-9 {
+                particles.prescribe(v).unwrap();
+            }
+        }
+        let settled = |hierarchy, sweeps| {
+            let mut state = State::at_rest(mesh.positions().to_vec());
+            let input = StepInput::new(0.01).gravity(Vec3::y() * -9.81);
+            let mut solver = solver(&mesh, &particles, hierarchy, sweeps);
+            solver.step(&mut state, input).unwrap();
+            state.positions
+        };
+        let often = HierarchyConfig {
+            every: Some(10),
+            ..HierarchyConfig::default()
+        };
+        let (plain, with) = (settled(None, 20_000), settled(Some(often), 4000));
+        for (x, name) in [(&plain, "plain"), (&with, "with a hierarchy")] {
+            let off = x.iter().zip(mesh.positions());
+            let off = off.map(|(a, b)| (a - b).norm()).fold(0.0, Real::max);
+            assert!(off < 1e-13, "{name}: {off:e} m off its place at rest");
+        }
+    }
 }
 
 struct Errors<'a> {

@@ -37,7 +37,14 @@ impl Compliance {
     /// `α̃` (unit of C² per kg m²): 0 for an infinite stiffness, ∞ for none.
     #[inline]
     pub(crate) fn scaled(self, stiffness: Real) -> Real {
-        1.0 / (stiffness * self.stiffening)
+        // Also where `h (h + β)` is too small or too large for a number.
+        if stiffness == Real::INFINITY {
+            0.0
+        } else if stiffness == 0.0 {
+            Real::INFINITY
+        } else {
+            1.0 / (stiffness * self.stiffening)
+        }
     }
 
     /// `λ − ν = k h β C⁰` (kg m² per unit of C) of a row whose value was `start` when the substep began; 0 for a row that is hard, to the last digit of its stiffness.
@@ -65,7 +72,8 @@ impl Compliance {
 
     /// `λ/h²`, the generalised force (N for a spring), from λ.
     pub(crate) fn force(self, multiplier: Real) -> Real {
-        multiplier / (self.substep * self.substep)
+        // One by one, since h² may be too small for a number.
+        multiplier / self.substep / self.substep
     }
 
     /// `C + α̃ν` (unit of C), what the sweeps bring to zero; `None` where no multiplier could change it: it has no stiffness, or it is hard and nothing of it

@@ -22,6 +22,9 @@ pub struct Arguments {
     /// Folder for report.html, data, plots and manifest.json
     #[arg(long, default_value = "cloth-report", value_name = "DIR")]
     out: PathBuf,
+    /// The tables on standard output too, besides the verdicts
+    #[arg(long, conflicts_with = "json")]
+    tables: bool,
     /// One JSON object on standard output instead of text
     #[arg(long)]
     json: bool,
@@ -73,6 +76,11 @@ pub(super) fn execute(arguments: &Arguments) -> Result<(), BenchError> {
         print(&json!({"studies": names, "failed": failures, "out": arguments.out}).to_string())?;
     } else {
         for (study, findings) in &done {
+            if arguments.tables {
+                for (caption, table) in &findings.section.tables {
+                    print(&format!("{caption}\n{}", table.to_text()))?;
+                }
+            }
             print(&format!(
                 "{}: {}",
                 study.name,

@@ -24,7 +24,7 @@ const TIP_MASS: Parameter = parameter(
 
 pub(super) const SAG: Law = Law {
     name: "sag",
-    about: "sag (m) of a hanging chain of rigid links at rest under XPBD: g h² N(N − 1)/2 for one sweep from the support, else the fixed point of the sweeps as a matrix",
+    about: "sag (m) of a hanging chain of rigid links at rest under XPBD: g h² Σ (mass below vertex i)/mᵢ over the vertices between support and tip for one sweep from the support, which is g h² N(N − 1)/2 for equal masses; else the fixed point of the sweeps as a matrix",
     parameters: &[LINKS, SUBSTEPS, ITERATIONS, TIP_MASS],
     tolerance: 1e-10,
     evaluate: sag,
@@ -73,38 +73,43 @@ fn sag(settings: &Settings) -> Result<Verdict, BenchError> {
     let h = 1.0 / 60.0 / Real::from(substeps);
     let (particles, springs, start) = chain(masses, Real::INFINITY)?;
     let matrix = SweepMatrix::new(&particles, iterations);
-    let expected = if iterations == 1 && tip == 1.0 {
+    let expected = if iterations == 1 {
+        // Link i ends as long as link i + 1 pulls its lower end away, by wᵢ λᵢ₊₁, and λᵢ₊₁ = g h² (mass below vertex i).
         let n = links as Real;
-        GRAVITY * h * h * n * (n - 1.0) / 2.0
+        GRAVITY * h * h * (n * (n - 1.0) / 2.0 + (n - 1.0) * (tip - 1.0))
     } else {
         matrix.sag(GRAVITY * h * h)?
     };
-    let mut solver = XpbdSolver::builder(&particles)
-        .energy(springs)
-        .config(XpbdConfig {
+    let solver = |substeps| {
+        let builder = XpbdSolver::builder(&particles).energy(springs.clone());
+        let config = XpbdConfig {
             iterations,
             substeps,
             sweep: Sweep::Sequential,
             ..Default::default()
-        })
-        .build()
-        .map_err(BenchError::failed)?;
-    let (sag, steps) = matrix.rest(substeps, |displacements| {
+        };
+        builder.config(config).build().map_err(BenchError::failed)
+    };
+    // How far a step from rest moves the free vertices, u (m) below their places.
+    let step = |solver: &mut XpbdSolver, dt, u: &DVector<Real>| {
         let mut state = start.clone();
-        for (p, u) in state.positions[1..].iter_mut().zip(displacements.iter()) {
+        for (p, u) in state.positions[1..].iter_mut().zip(u.iter()) {
             p.z -= u;
         }
         let before = state.positions.clone();
-        let input = StepInput::new(1.0 / 60.0).gravity(Vec3::z() * -GRAVITY);
+        let input = StepInput::new(dt).gravity(Vec3::z() * -GRAVITY);
         solver.step(&mut state, input).map_err(BenchError::failed)?;
         let moved = before.iter().zip(&state.positions).skip(1);
-        Ok(DVector::from_iterator(
-            links,
-            moved.map(|(before, after)| before.z - after.z),
-        ))
-    })?;
+        let moved = moved.map(|(before, after)| before.z - after.z);
+        Ok::<_, BenchError>(DVector::from_iterator(links, moved))
+    };
+    // Rest under one substep is rest under many; the whole step then tells how far it is from its own.
+    let mut one = solver(1)?;
+    let (rest, steps) = matrix.rest(|u| step(&mut one, h, u))?;
+    let moved = step(&mut solver(substeps)?, 1.0 / 60.0, &rest)?;
+    let sag = (rest + matrix.to_rest(&moved, substeps)?)[links - 1];
     let scale = if expected == 0.0 { 1.0 } else { expected.abs() };
-    let rounding = 4.0 * matrix.rounding(sag)? / scale;
+    let rounding = 4.0 * matrix.rounding(sag)? / scale + matrix.own_rounding(iterations)?;
     Ok(Verdict::new(expected, sag)
         .rounding(rounding)
         .detail("steps", Real::from(steps)))
@@ -115,29 +120,32 @@ fn sag(settings: &Settings) -> Result<Verdict, BenchError> {
 struct SweepMatrix(nalgebra::DMatrix<Real>);
 
 impl SweepMatrix {
-    /// Where the solver comes to rest: the displacement of the tip that its step leaves alone, and the steps taken to find it. `step` tells how far a step of `substeps` parts moves
+    /// Where the solver comes to rest: the displacements (m) that its substep leaves alone, and the substeps taken to find them. `step` tells how far a substep moves
     /// the free vertices from rest.
     ///
-    /// To wait would take more than 10⁶ steps for a heavy tip. At rest every velocity is zero, and a step from u moves it by `r = F(u) − u`, which is
-    /// some `n(n + 1)/2` times what one of n substeps does. The next u is `u + (I − S)⁻¹ r` over that number: this finds the fixed point of F, wherever it is, if S is near to what a substep does.
+    /// To wait would take more than 10⁶ steps for a heavy tip. At rest every velocity is zero, and a step from u moves it by `r = F(u) − u`. The next u is
+    /// `u + (I − S)⁻¹ r`: this finds the fixed point of F, wherever it is, if S is near to what a substep does.
     fn rest(
         &self,
-        substeps: u32,
         mut step: impl FnMut(&DVector<Real>) -> Result<DVector<Real>, BenchError>,
-    ) -> Result<(Real, u32), BenchError> {
-        let n = self.0.nrows();
-        let falls = 0.5 * Real::from(substeps) * (Real::from(substeps) + 1.0);
-        let mut u = DVector::zeros(n);
+    ) -> Result<(DVector<Real>, u32), BenchError> {
+        let mut u = DVector::zeros(self.0.nrows());
         for steps in 1..=MOST_STEPS {
-            let change = self.solve(&step(&u)?)? / falls;
+            let change = self.to_rest(&step(&u)?, 1)?;
             u += &change;
             if change.amax() <= 1e-14 * u.amax() + self.rounding(u.amax())? {
-                return Ok((u[n - 1], steps));
+                return Ok((u, steps));
             }
         }
         Err(BenchError::Failed(format!(
             "the chain is not at rest after {MOST_STEPS} steps"
         )))
+    }
+
+    /// The way to rest (m) of what a step of `substeps` parts moves by r (m): `(I − S)⁻¹ r` over `n(n + 1)/2`, since near rest n substeps go so many times as far as one.
+    fn to_rest(&self, r: &DVector<Real>, substeps: u32) -> Result<DVector<Real>, BenchError> {
+        let n = Real::from(substeps);
+        Ok(self.solve(r)? / (0.5 * n * (n + 1.0)))
     }
 
     /// `(I − S)⁻¹ r`.
@@ -150,9 +158,19 @@ impl SweepMatrix {
 
     /// What rounding does to the fixed point (m), for displacements of `size` (m): positions are known to ε, and `(I − S)⁻¹` magnifies what is unknown.
     fn rounding(&self, size: Real) -> Result<Real, BenchError> {
-        let n = self.0.nrows();
-        let magnified = self.solve(&DVector::from_element(n, 1.0))?.amax();
-        Ok(2.0 * Real::EPSILON * (n as Real + size) * magnified)
+        let n = self.0.nrows() as Real;
+        Ok(2.0 * Real::EPSILON * (n + size) * self.magnified()?)
+    }
+
+    /// What rounding does to [`Self::sag`] (relative): each sweep rounds the matrix by some ε, and `(I − S)⁻¹` magnifies it.
+    fn own_rounding(&self, iterations: u32) -> Result<Real, BenchError> {
+        Ok(2.0 * Real::EPSILON * Real::from(iterations) * self.magnified()?)
+    }
+
+    /// The largest row sum of `(I − S)⁻¹`.
+    fn magnified(&self) -> Result<Real, BenchError> {
+        let ones = DVector::from_element(self.0.nrows(), 1.0);
+        Ok(self.solve(&ones)?.amax())
     }
 
     fn new(particles: &Particles, iterations: u32) -> Self {

@@ -69,6 +69,16 @@ impl Cell {
         }
     }
 
+    /// For a terminal.
+    fn to_text(&self) -> String {
+        match self {
+            Self::Text(text) => text.clone(),
+            Self::Int(count) => count.to_string(),
+            Self::Number(number) => significant(*number, 4),
+            Self::Missing => "–".to_owned(),
+        }
+    }
+
     /// As one HTML table cell.
     fn to_html(&self) -> String {
         match self {
@@ -129,6 +139,46 @@ impl Table {
             csv += "\r\n";
         }
         csv
+    }
+
+    /// As lines of text for a terminal, numbers to four significant digits and to the right of their columns.
+    #[must_use]
+    pub fn to_text(&self) -> String {
+        let texts: Vec<Vec<String>> = self
+            .rows
+            .iter()
+            .map(|row| row.iter().map(Cell::to_text).collect())
+            .collect();
+        let width = |text: &str| text.chars().count();
+        let widths: Vec<usize> = (0..self.columns.len())
+            .map(|column| {
+                let cells = texts.iter().filter_map(|row| row.get(column));
+                let widest = cells.map(|text| width(text)).max().unwrap_or(0);
+                widest.max(width(&self.columns[column]))
+            })
+            .collect();
+        let mut lines = String::new();
+        for (row, cells) in std::iter::once(&self.columns).chain(&texts).enumerate() {
+            let mut line = String::new();
+            for (column, text) in cells.iter().enumerate() {
+                let blanks = " ".repeat(widths[column] - width(text));
+                let is_name = row > 0 && matches!(self.rows[row - 1][column], Cell::Text(_));
+                let is_name = is_name
+                    || row == 0
+                        && self
+                            .rows
+                            .iter()
+                            .any(|cells| matches!(cells[column], Cell::Text(_)));
+                line += &if is_name {
+                    format!("{text}{blanks}  ")
+                } else {
+                    format!("{blanks}{text}  ")
+                };
+            }
+            lines += line.trim_end();
+            lines.push('\n');
+        }
+        lines
     }
 
     /// As an HTML `<table>`, numbers to four significant digits and aligned to the right.
@@ -278,6 +328,17 @@ mod tests {
         let mut table = Table::new(&["a", "b"]);
         table.push([Cell::Missing, "".into()]);
         assert_eq!(table.to_csv(), "a,b\r\n,\"\"\r\n");
+    }
+
+    #[test]
+    fn text_stands_in_columns() {
+        let mut table = Table::new(&["name", "x (m)"]);
+        table.push(["λ".into(), 0.125.into()]);
+        table.push(["longer".into(), Cell::Missing]);
+        assert_eq!(
+            table.to_text(),
+            "name    x (m)\nλ       0.125\nlonger      –\n"
+        );
     }
 
     #[test]

@@ -6,13 +6,13 @@ use crate::laws::{Stretched, fixed_projection};
 use crate::method::Method;
 use crate::report::plot::{Axis, Plot, Series, Style};
 use crate::report::table::{Cell, Table};
+use crate::run;
 use crate::scene::{self, Scene};
 use crate::settings::Settings;
 use cloth_core::cloth::ClothModel;
 use cloth_core::math::{Real, Vec3};
-use cloth_core::measure::kinetic_energy;
 use cloth_core::particles::State;
-use cloth_core::step::{StepInput, Stepper};
+use cloth_core::step::Stepper;
 
 pub(super) const STUDY: Study = Study {
     name: "stiffness",
@@ -271,29 +271,10 @@ fn chain(
 }
 
 /// Stretch (m) of the chain when nothing moves any more, and the steps that took; `None` if it still moved after the last.
-///
-/// Small steps hardly damp, so the chain is brought to rest by *kinetic damping*: whenever the kinetic energy has passed a maximum, all velocities are set to
-/// zero. The state of rest is the method's own: there the velocities are zero anyway.
 fn at_rest(scene: &Scene, solver: &mut dyn Stepper) -> Result<(Real, Option<usize>), BenchError> {
-    const MOST: usize = 6000;
     let mut state = scene.start.clone();
+    let steps = run::to_rest(scene, solver, &mut state, scene.dt, 6000, 1e-8)?;
     let last = state.positions.len() - 1;
-    let mut before = 0.0;
-    let mut at_rest = None;
-    for step in 1..=MOST {
-        let input = StepInput::new(scene.dt).gravity(scene.gravity);
-        solver.step(&mut state, input).map_err(BenchError::failed)?;
-        if state.velocities.iter().all(|v| v.amax() < 1e-8) {
-            at_rest = Some(step);
-            break;
-        }
-        let energy = kinetic_energy(&scene.model.particles, &state.velocities);
-        if energy < before {
-            state.velocities.fill(Vec3::zeros());
-            before = 0.0;
-        } else {
-            before = energy;
-        }
-    }
-    Ok((-state.positions[last].z - Real::from(LINKS), at_rest))
+    let stretch = -state.positions[last].z - Real::from(LINKS);
+    Ok((stretch, steps.map(|steps| steps as usize)))
 }

@@ -1,8 +1,11 @@
 //! Strain limiting works after a step of any method.
 
-use crate::common::{advance, methods, scene};
+use crate::common::{advance, methods, scene, solver};
 use cloth_bench::settings::Settings;
-use cloth_core::measure::{Strain, linear_momentum};
+use cloth_core::math::{Real, Vec3};
+use cloth_core::measure::{Strain, angular_momentum, linear_momentum};
+use cloth_core::step::Outcome;
+use cloth_pbd::{StrainLimiter, StretchRange};
 
 #[test]
 fn no_method_leaves_a_spring_beyond_the_limit() {
@@ -44,5 +47,51 @@ fn a_limited_cloth_keeps_its_linear_momentum() {
             "{} lost {drift:e} of its momentum",
             method.name
         );
+    }
+}
+
+/// Whatever the method makes of the momenta, the limiter after its step changes neither.
+#[test]
+fn limiting_keeps_both_momenta_to_round_off_after_a_step_of_any_method() {
+    let scene = scene("drop", &["n=8", "gravity=0", "stiffness=5"]);
+    let particles = &scene.model.particles;
+    for method in methods() {
+        let mut state = scene.start.clone();
+        for (i, (x, v)) in state
+            .positions
+            .iter()
+            .zip(&mut state.velocities)
+            .enumerate()
+        {
+            let phase = i as Real;
+            let shaken = Vec3::new(phase.sin(), (1.7 * phase).cos(), (0.6 * phase).sin());
+            *v = Vec3::new(1.0, 0.3, -0.2) + Vec3::new(0.5, 1.0, 2.0).cross(x) + shaken;
+        }
+        let mut solver = solver(method, &scene);
+        let builder = StrainLimiter::builder(particles).max_passes(2000);
+        let range = StretchRange::stretch(0.01);
+        let mut limiter = builder
+            .springs(&scene.model.springs, range)
+            .build()
+            .unwrap();
+        let mut passes = 0;
+        for _ in 0..10 {
+            advance(&mut *solver, &scene, &mut state, 1);
+            let linear = linear_momentum(particles, &state.velocities);
+            let angular = angular_momentum(particles, &state);
+            let report = limiter.apply(&mut state, scene.dt).unwrap();
+            assert_eq!(report.outcome, Outcome::Converged, "{}", method.name);
+            passes += report.passes - 1;
+            // What the momenta are sums of.
+            let parts = || state.positions.iter().zip(&state.velocities);
+            let parts = || parts().zip(particles.mass());
+            let size: Real = parts().map(|((_, v), m)| m * v.norm()).sum();
+            let error = (linear_momentum(particles, &state.velocities) - linear).norm() / size;
+            assert!(error < 1e-14, "{}: linear {error:e}", method.name);
+            let size: Real = parts().map(|((x, v), m)| m * x.norm() * v.norm()).sum();
+            let error = (angular_momentum(particles, &state) - angular).norm() / size;
+            assert!(error < 1e-14, "{}: angular {error:e}", method.name);
+        }
+        assert!(passes > 20, "{} was hardly limited", method.name);
     }
 }

@@ -9,6 +9,8 @@ mod sheet;
 
 mod damping;
 mod forces;
+mod guide;
+mod input;
 mod links;
 mod robustness;
 mod rows;

@@ -8,8 +8,10 @@ use cloth_core::energy::Spring;
 use cloth_core::math::{Real, Vec3};
 use cloth_core::measure::{gravitational_energy, kinetic_energy};
 use cloth_core::particles::{Particles, State};
+use cloth_core::position_based::{Acceleration, Chebyshev, Radius, Sweep};
 use cloth_core::step::{StepInput, Stepper};
 use cloth_xpbd::{XpbdConfig, XpbdSolver};
+use rayon::prelude::*;
 
 const RUNS: usize = 10;
 const GRAVITY: Vec3 = Vec3::new(0.0, -9.81, 0.0);
@@ -69,38 +71,125 @@ fn every_step_is_finite_from_any_start_at_any_ratio() {
     assert_eq!(cells, 4 * 2 * 3 * 2 * 3 * 4);
 }
 
-/// Gravity and damping take every start back to a sheet that hangs: its energy ends below that of its start, its edges near their lengths.
+/// Energy (J) of the sheet: kinetic, of the springs, and in the field of gravity.
+fn energy(sheet: &Sheet, state: &State) -> Real {
+    kinetic_energy(&sheet.particles, &state.velocities)
+        + gravitational_energy(&sheet.particles, &state.positions, GRAVITY)
+        + sheet
+            .springs
+            .iter()
+            .map(|s| {
+                let x = s.vertices.map(|v| state.positions[v as usize]);
+                cloth_core::element::Energy::value(s, &x)
+            })
+            .sum::<Real>()
+}
+
+/// How to go through the constraints: order, extrapolation, iterations and substeps.
+fn ways() -> Vec<XpbdConfig> {
+    let mut ways = Vec::new();
+    for (sweep, iterations, substeps) in [
+        (Sweep::Sequential, 1, 20),
+        (Sweep::Colored, 1, 20),
+        (Sweep::Jacobi, 20, 5),
+        (Sweep::Colored, 25, 1),
+    ] {
+        for radius in [None, Some(Radius::Estimated), Some(Radius::Given(0.95))] {
+            if radius.is_some() && iterations == 1 {
+                continue; // nothing to extrapolate
+            }
+            let chebyshev = radius.map(|radius| Chebyshev { radius, delay: 3 });
+            ways.push(XpbdConfig {
+                iterations,
+                substeps,
+                sweep,
+                acceleration: Acceleration {
+                    chebyshev,
+                    ..Acceleration::default()
+                },
+                damping: 1e-3,
+            });
+        }
+    }
+    ways
+}
+
+/// Gravity and damping take every start back to a sheet that hangs: its strain ends where that of a sheet ends that was let go straight down, its energy there too or a fold above it. None ends with more energy than it started with.
 #[test]
 fn every_start_recovers_to_a_hanging_sheet() {
     let sheet = sheet(1e4, 1.0, 1.0);
-    let config = XpbdConfig {
-        damping: 1e-3,
-        ..XpbdConfig::default()
-    };
-    let mut solver = solver(&sheet, config);
-    for kind in STARTS {
-        for run in 0..RUNS {
-            let mut state = sheet.start(kind, run);
-            let energy = |state: &State| {
-                kinetic_energy(&sheet.particles, &state.velocities)
-                    + gravitational_energy(&sheet.particles, &state.positions, GRAVITY)
-                    + sheet
-                        .springs
-                        .iter()
-                        .map(|s| {
-                            let x = s.vertices.map(|v| state.positions[v as usize]);
-                            cloth_core::element::Energy::value(s, &x)
-                        })
-                        .sum::<Real>()
-            };
-            let before = energy(&state);
-            for _ in 0..300 {
-                let input = StepInput::new(1.0 / 60.0).gravity(GRAVITY);
-                solver.step(&mut state, input).unwrap();
+    let cell = |config: XpbdConfig| {
+        let mut solver = solver(&sheet, config);
+        let mut step = |state: &mut State| {
+            let input = StepInput::new(1.0 / 60.0).gravity(GRAVITY);
+            solver.step(state, input).unwrap();
+        };
+        // By kinetic damping; what hangs only because it balances falls in time.
+        let mut settle = |state: &mut State, steps: u32, done: &dyn Fn(Real, Real) -> bool| {
+            let mut before = 0.0;
+            for _ in 0..steps {
+                step(state);
+                let moving = kinetic_energy(&sheet.particles, &state.velocities);
+                if moving < before {
+                    state.velocities.fill(Vec3::zeros());
+                    before = 0.0;
+                    if done(energy(&sheet, state), strain(&sheet, state)) {
+                        break;
+                    }
+                } else {
+                    before = moving;
+                }
             }
-            let (after, strain) = (energy(&state), strain(&sheet, &state));
-            assert!(after < before, "{kind:?} {run}: {before} to {after} J");
-            assert!(strain < 0.02, "{kind:?} {run}: rms strain {strain}");
+        };
+        let mut rest = sheet.hanging();
+        settle(&mut rest, 300, &|_, _| false);
+        let (rest, rest_strain) = (energy(&sheet, &rest), strain(&sheet, &rest));
+        let back = |energy: Real, strain: Real| {
+            (energy - rest).abs() < 0.01 && strain < rest_strain + 0.001
+        };
+        // A fold may be left that only a push would undo, by a few hundredths of what it is from upright to hanging (3.5 J).
+        let folded = |energy: Real, strain: Real| {
+            (energy - rest).abs() < 0.15 && strain < rest_strain + 0.001
+        };
+        for kind in STARTS {
+            for run in 0..RUNS {
+                let mut state = sheet.start(kind, run);
+                let before = energy(&sheet, &state);
+                settle(&mut state, 400, &back);
+                let (after, strain) = (energy(&sheet, &state), strain(&sheet, &state));
+                let cell = format!("{config:?} {kind:?} {run}");
+                assert!(after < before, "{cell}: {before} to {after} J");
+                assert!(
+                    folded(after, strain),
+                    "{cell}: {after} J and rms strain {strain:e} instead of {rest} J and {rest_strain:e}"
+                );
+            }
+        }
+        println!("{config:?}: back at {rest} J, rms strain {rest_strain:e}");
+    };
+    ways().into_par_iter().for_each(cell);
+}
+
+/// One step by every kind of sweep, extrapolated and not, at ratios that are too large.
+#[test]
+fn every_kind_of_sweep_stays_finite() {
+    for (stiffness, ratio) in [(1e2, 1e8), (Real::INFINITY, 1.0)] {
+        for mass in [1.0, 1e6] {
+            let sheet = sheet(stiffness, ratio, mass);
+            for config in ways() {
+                let mut solver = solver(&sheet, config);
+                for dt in [1e-3, 1.0] {
+                    for kind in STARTS {
+                        for run in 0..RUNS {
+                            let mut state = sheet.start(kind, run);
+                            let input = StepInput::new(dt).gravity(GRAVITY);
+                            let step = solver.step(&mut state, input);
+                            assert!(step.is_ok(), "{config:?} {kind:?} {run}: {step:?}");
+                            assert_eq!(state.first_non_finite(), None, "{config:?} {kind:?} {run}");
+                        }
+                    }
+                }
+            }
         }
     }
 }

@@ -3,6 +3,7 @@
 use crate::bad_starts::{STARTS, sheet};
 use cloth_core::math::{Real, Vec3};
 use cloth_core::measure::Strain;
+use cloth_core::particles::State;
 use cloth_core::step::{Outcome, StepInput, Stepper};
 use cloth_xpbd::direct::{DirectConfig, DirectXpbd, System};
 
@@ -72,7 +73,7 @@ fn a_step_is_finite_or_refused_from_any_start_at_any_ratio() {
     );
 }
 
-/// Steps cut short at fifteen iterations still take every start back to a sheet that hangs, its edges near their lengths.
+/// Steps cut short at fifteen iterations still take every start back to a sheet whose edges are as near to their lengths as those of one that hangs at rest, though it may still swing.
 #[test]
 fn every_start_recovers_to_a_hanging_sheet() {
     let sheet = sheet(1e4, 1.0, 1.0);
@@ -85,15 +86,19 @@ fn every_start_recovers_to_a_hanging_sheet() {
     let builder = DirectXpbd::builder(&sheet.particles).energy(sheet.springs.clone());
     let builder = builder.energy(sheet.hinges.clone()).config(config);
     let mut solver = builder.build().unwrap();
+    let mut after_two_seconds = |mut state: State| {
+        for _ in 0..120 {
+            let input = StepInput::new(1.0 / 60.0).gravity(DOWN);
+            solver.step(&mut state, input).unwrap();
+        }
+        Strain::of(&sheet.springs, &state.positions).rms
+    };
+    let rest = after_two_seconds(sheet.hanging());
     for kind in STARTS {
-        for run in 0..3 {
-            let mut state = sheet.start(kind, run);
-            for _ in 0..120 {
-                let input = StepInput::new(1.0 / 60.0).gravity(DOWN);
-                solver.step(&mut state, input).unwrap();
-            }
-            let strain = Strain::of(&sheet.springs, &state.positions).rms;
-            assert!(strain < 0.02, "{kind:?} {run}: rms strain {strain}");
+        for run in 0..RUNS {
+            let strain = after_two_seconds(sheet.start(kind, run));
+            println!("{kind:?} {run}: {strain:e}, at rest {rest:e}");
+            assert!(strain < rest + 0.001, "{kind:?} {run}: rms strain {strain}");
         }
     }
 }

@@ -61,6 +61,12 @@ pub(crate) fn sheet(stiffness: Real, ratio: Real, mass: Real) -> Sheet {
 }
 
 impl Sheet {
+    /// Straight down from the held corners, nothing stretched, at rest.
+    pub(crate) fn hanging(&self) -> State {
+        let down = |x: &Vec3| Vec3::new(x.x, -x.y, x.z);
+        State::at_rest(self.mesh.positions().iter().map(down).collect())
+    }
+
     /// Free vertices moved to a bad place, with a jitter that depends on `run`.
     pub(crate) fn start(&self, kind: Start, run: usize) -> State {
         let mut positions = self.mesh.positions().to_vec();

@@ -1,0 +1,306 @@
+//! What Chebyshev extrapolation, over-relaxation and a hierarchy save, in sweeps and in time (BENCH-1; PBD-2, PBD-3, XPBD-4).
+
+mod needed;
+
+use super::{Findings, Scope, Study};
+use crate::error::BenchError;
+use crate::report::table::{Cell, Table};
+use crate::scene::{self, Scene};
+use crate::settings::Settings;
+use crate::yardstick::StepProblem;
+use cloth_core::math::{Real, Vec3};
+use cloth_core::particles::State;
+use needed::{Needed, Target};
+use std::f64::consts::FRAC_PI_2;
+
+pub(super) const STUDY: Study = Study {
+    name: "acceleration",
+    question: "How many sweeps, and how many milliseconds, do the accelerations save on the way to an error of 1 %?",
+    about: "Three steps of 1/60 s of a sheet of 1 m × 1 m. `edge` and `corners`: rigid springs, hanging at rest by the upper edge or the two upper corners; gravity takes every vertex down by g h², the exact \
+        answer is the place at rest, and the error is the root mean square of the distances to it over g h². `falling`: the scene `hang`, springs of 1e4 N/m and bending, sixteenth step; the error is \
+        (G − G*)/(G(x̃) − G*) against the implicit Euler step by Newton's method. Where the sweeps allowed do not suffice, the count goes on at the rate of the second half of them and is \
+        marked `at least`: errors fall more slowly the longer it takes. With Chebyshev a Gauss–Seidel sweep goes there and back, counted as one. Times are the smallest of several repetitions, all methods in turn, one process; \
+        beyond 200 sweeps a further sweep costs what it does on the mean of 200.",
+    cases,
+    run,
+};
+
+/// Vertices a side.
+fn sides(scope: Scope) -> &'static [u32] {
+    match scope {
+        Scope::Quick => &[24],
+        Scope::Full => &[32, 64, 128],
+    }
+}
+
+/// Sweeps before a count is extrapolated.
+fn most_sweeps(scope: Scope) -> u32 {
+    match scope {
+        Scope::Quick => 4_000,
+        Scope::Full => 16_000,
+    }
+}
+
+const PROBLEMS: [&str; 3] = ["edge", "corners", "falling"];
+
+/// What to sweep with: the name in the table, the method, and what is set of it.
+struct Way {
+    name: &'static str,
+    method: &'static str,
+    settings: Settings,
+}
+
+/// The ways to go through one problem on a sheet of `n` vertices a side; the first is what the others are compared with.
+fn ways(problem: &str, n: u32) -> Vec<Way> {
+    let angle = FRAC_PI_2 / Real::from(n - 1);
+    let relaxation = 2.0 / (1.0 + angle.sin());
+    let radius = 1.0 - 2.5 / Real::from(n * n);
+    let set = |pairs: &[(&str, String)]| {
+        let one_substep = Settings::default().with("substeps", 1);
+        pairs
+            .iter()
+            .fold(one_substep, |all, (key, value)| all.with(key, value))
+    };
+    let jacobi = ("sweep", "jacobi".to_owned());
+    let sequential = ("sweep", "sequential".to_owned());
+    let auto = ("chebyshev", "auto".to_owned());
+    let given = ("chebyshev", radius.to_string());
+    let sor = ("relaxation", relaxation.to_string());
+    let rigid = ("projection", "1".to_owned());
+    let levels = |every: &str| ("hierarchy", every.to_owned());
+    let of = |method, name, pairs: &[(&str, String)]| Way {
+        name,
+        method,
+        settings: set(pairs),
+    };
+    let mut ways = vec![
+        of("xpbd", "coloured", &[]),
+        of("xpbd", "in the order given", &[sequential]),
+        of("xpbd", "coloured, SOR", std::slice::from_ref(&sor)),
+        of("xpbd", "coloured, Chebyshev", std::slice::from_ref(&auto)),
+        of(
+            "xpbd",
+            "coloured, Chebyshev, ρ given",
+            std::slice::from_ref(&given),
+        ),
+        of("xpbd", "Jacobi", std::slice::from_ref(&jacobi)),
+        of("xpbd", "Jacobi, Chebyshev", &[jacobi.clone(), auto.clone()]),
+    ];
+    if problem == "falling" {
+        return ways;
+    }
+    // Rigid projections do not look at k; PBD's and XPBD's sweeps are then the same, and the first line shows what λ costs.
+    ways.extend([
+        of("pbd", "coloured", std::slice::from_ref(&rigid)),
+        of("pbd", "coloured, SOR", &[rigid.clone(), sor]),
+        of("pbd", "coloured, Chebyshev", &[rigid.clone(), auto.clone()]),
+        of(
+            "pbd",
+            "coloured, Chebyshev, ρ given",
+            &[rigid.clone(), given],
+        ),
+        of("pbd", "Jacobi", &[rigid.clone(), jacobi.clone()]),
+        of(
+            "pbd",
+            "Jacobi, Chebyshev",
+            &[rigid.clone(), jacobi, auto.clone()],
+        ),
+        of("pbd", "hierarchy once", &[rigid.clone(), levels("once")]),
+        of("pbd", "hierarchy every 10", &[rigid.clone(), levels("10")]),
+        of(
+            "pbd",
+            "hierarchy every 40, Chebyshev",
+            &[rigid, levels("40"), auto],
+        ),
+    ]);
+    ways
+}
+
+fn cases(scope: Scope) -> u64 {
+    let per_size: usize = PROBLEMS.iter().map(|p| 1 + ways(p, 24).len()).sum();
+    (sides(scope).len() * per_size) as u64
+}
+
+fn run(scope: Scope, progress: &mut dyn FnMut(&str)) -> Result<Findings, BenchError> {
+    let mut findings = Findings::default();
+    let mut table = Table::new(&[
+        "problem",
+        "n",
+        "method",
+        "sweeps",
+        "needs sweeps",
+        "count",
+        "ms",
+        "ms per sweep",
+        "times fewer sweeps",
+        "times faster",
+    ]);
+    for &n in sides(scope) {
+        for problem in PROBLEMS {
+            measure(scope, problem, n, &mut table, &mut findings, progress)?;
+        }
+    }
+    findings.section.verdict = verdict(&table);
+    findings.table(
+        "acceleration",
+        "Sweeps and time until a hundredth of the error of the prediction is left",
+        table,
+    );
+    Ok(findings)
+}
+
+fn measure(
+    scope: Scope,
+    problem: &'static str,
+    n: u32,
+    table: &mut Table,
+    findings: &mut Findings,
+    progress: &mut dyn FnMut(&str),
+) -> Result<(), BenchError> {
+    let (scene, state, target) = target(problem, n)?;
+    let mut counted = Vec::new();
+    for way in ways(problem, n) {
+        progress(&format!(
+            "acceleration: {problem} at {n} × {n}, {} {}",
+            way.method, way.name
+        ));
+        let case = format!("{} {}, {problem} at {n} × {n}", way.method, way.name);
+        let needed = needed::sweeps(
+            &scene,
+            &state,
+            &target,
+            way.method,
+            &way.settings,
+            most_sweeps(scope),
+        );
+        if let Some(needed) = findings.unless_failed(&case, needed) {
+            counted.push((way, needed));
+        }
+    }
+    progress(&format!("acceleration: {problem} at {n} × {n}, times"));
+    let runs: Vec<(&str, &Settings, u32)> = counted
+        .iter()
+        .map(|(way, needed)| (way.method, &way.settings, needed.sweeps.ceil() as u32))
+        .collect();
+    let times = needed::times(&scene, &state, &runs)?;
+    let plain = counted
+        .first()
+        .zip(times.first())
+        .map(|((_, needed), time)| (needed.sweeps, time.seconds));
+    for ((way, needed), time) in counted.iter().zip(&times) {
+        let Needed { sweeps, measured } = *needed;
+        let (fewer, faster) = match plain {
+            Some((plain_sweeps, plain_seconds)) => (
+                Cell::from(plain_sweeps / sweeps),
+                Cell::from(plain_seconds / time.seconds),
+            ),
+            None => (Cell::Missing, Cell::Missing),
+        };
+        table.push([
+            Cell::from(problem),
+            Cell::from(n as usize),
+            Cell::from(way.method),
+            Cell::from(way.name),
+            Cell::from(sweeps.round() as usize),
+            Cell::from(if measured { "measured" } else { "at least" }),
+            Cell::from(1e3 * time.seconds),
+            Cell::from(1e3 * time.per_sweep),
+            fewer,
+            faster,
+        ]);
+    }
+    Ok(())
+}
+
+/// The scene, the state that the step starts from, and how far from its end some positions are.
+fn target(problem: &str, n: u32) -> Result<(Scene, State, Target), BenchError> {
+    let settings = Settings::default().with("n", n);
+    if problem == "falling" {
+        let scene = scene::build("hang", None, &settings)?;
+        let step = StepProblem::after(&scene, 15, scene.dt)?;
+        let state = step.state().clone();
+        return Ok((scene, state, Target::ImplicitEuler(Box::new(step))));
+    }
+    let pins = if problem == "edge" { "none" } else { "corners" };
+    let settings = settings
+        .with("up", "y")
+        .with("pins", pins)
+        .with("bending", "none");
+    let mut scene = scene::build("hang", None, &settings)?;
+    if problem == "edge" {
+        hold_upper_row(&mut scene)?;
+    }
+    for spring in &mut scene.model.springs {
+        spring.stiffness = Real::INFINITY;
+    }
+    let state = scene.start.clone();
+    let places: Vec<Vec3> = state.positions.clone();
+    let fallen = scene.gravity.norm() * scene.dt * scene.dt;
+    Ok((scene, state, Target::Places { places, fallen }))
+}
+
+/// Exactly one row of vertices, whatever the size.
+fn hold_upper_row(scene: &mut Scene) -> Result<(), BenchError> {
+    let heights = scene.start.positions.iter().map(|x| x.y);
+    let top = heights.fold(Real::NEG_INFINITY, Real::max);
+    for (v, x) in scene.start.positions.iter().enumerate() {
+        if x.y == top {
+            let held = scene.model.particles.prescribe(v);
+            held.map_err(BenchError::failed)?;
+        }
+    }
+    Ok(())
+}
+
+/// What the table says in words, at the largest size.
+fn verdict(table: &Table) -> Option<String> {
+    let Cell::Int(n) = *table.rows.last()?.get(1)? else {
+        return None;
+    };
+    let mut parts = Vec::new();
+    for problem in PROBLEMS {
+        let rows = table
+            .rows
+            .iter()
+            .filter(|row| row[0] == Cell::from(problem) && row[1] == Cell::Int(n));
+        let best = rows
+            .clone()
+            .min_by(|a, b| number(&a[6]).total_cmp(&number(&b[6])))?;
+        let plain = rows.clone().next()?;
+        let text = |cell: &Cell| match cell {
+            Cell::Text(text) => text.clone(),
+            _ => String::new(),
+        };
+        let count = |row: &[Cell]| {
+            let bound = if text(&row[5]) == "measured" {
+                ""
+            } else {
+                "at least "
+            };
+            format!("{bound}{} sweeps", number(&row[4]))
+        };
+        parts.push(format!(
+            "{problem}: {} {} {} and {:.1} ms, {} {} {} and {:.1} ms",
+            text(&plain[2]),
+            text(&plain[3]),
+            count(plain),
+            number(&plain[6]),
+            text(&best[2]),
+            text(&best[3]),
+            count(best),
+            number(&best[6]),
+        ));
+    }
+    Some(format!(
+        "To a hundredth of the error, {n} × {n} vertices, plain sweeps and the fastest way. {}.",
+        parts.join("; ")
+    ))
+}
+
+fn number(cell: &Cell) -> Real {
+    match *cell {
+        Cell::Number(number) => number,
+        Cell::Int(count) => count as Real,
+        _ => Real::INFINITY,
+    }
+}

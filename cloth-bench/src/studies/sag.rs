@@ -1,0 +1,345 @@
+//! What a setting of XPBD leaves, and whether the settings guide of its chapter is right (BENCH-3; VALIDATION 5).
+
+use super::{Findings, Scope, Study};
+use crate::error::BenchError;
+use crate::laws::Law;
+use crate::method::Method;
+use crate::report::plot::{Axis, Plot, Series, Style};
+use crate::report::table::{Cell, Table};
+use crate::run;
+use crate::scene::{self, Scene};
+use crate::settings::Settings;
+use cloth_core::math::{Real, Vec3};
+use cloth_core::measure::Strain;
+
+pub(super) const STUDY: Study = Study {
+    name: "sag",
+    question: "How far does a rigid cloth sag under a setting of XPBD, and how many substeps does a wanted strain take?",
+    about: "Table sag-chain: a chain of 20 rigid links of 1 m, masses of 1 kg and a tip of up to 1e5 kg, at rest, sequential sweeps from the support, Δt = 1/60 s split into substeps or swept again and again; \
+        expected is g h² (N(N − 1)/2 + (N − 1)(M/m − 1)) for one sweep, else the fixed point of the sweeps as a matrix. Table sag-substeps: the guide, s = Δt √(g (N − 1)/(2 l ε)) rounded up, \
+        for N = 24 edges of 1/24 m in a row: a chain, and a sheet of 1 m × 1 m hung by one edge or by two corners, rigid springs, with hinges of 1e-5 N·m; mean strain is the fall of the lowest vertex over 1 m. Table sag-iterations: \
+        as many sweeps as the mesh has edges across, as iterations of one substep and as substeps. The state of rest is found by taking the velocities away whenever the kinetic energy has passed a maximum.",
+    cases,
+    run,
+};
+
+/// Links of the first table.
+const LINKS: u32 = 20;
+/// Edges in a row of the others; each is 1/N m long.
+const ROW: u32 = 24;
+const SUPPORTS: [&str; 3] = ["chain", "edge", "corners"];
+const SWEEPS: [&str; 2] = ["colored", "sequential"];
+const GRAVITY: Real = 9.81;
+const STEP: Real = 1.0 / 60.0;
+/// When nothing is faster than this (m/s), it is at rest.
+const STILL: Real = 1e-6;
+
+fn tips(scope: Scope) -> &'static [Real] {
+    match scope {
+        Scope::Quick => &[1.0, 1e2],
+        Scope::Full => &[1.0, 10.0, 1e2, 1e3, 1e4, 1e5],
+    }
+}
+
+fn efforts(scope: Scope) -> &'static [u32] {
+    match scope {
+        Scope::Quick => &[1, 8, 64],
+        Scope::Full => &[1, 2, 4, 8, 16, 32, 64, 128, 256],
+    }
+}
+
+fn wanted(scope: Scope) -> &'static [Real] {
+    match scope {
+        Scope::Quick => &[1e-2],
+        Scope::Full => &[3e-2, 1e-2, 3e-3, 1e-3],
+    }
+}
+
+fn most_steps(scope: Scope) -> u32 {
+    match scope {
+        Scope::Quick => 300,
+        Scope::Full => 3000,
+    }
+}
+
+fn cases(scope: Scope) -> u64 {
+    (1 + SUPPORTS.len() * SWEEPS.len() * (wanted(scope).len() + 2)) as u64
+}
+
+fn run(scope: Scope, progress: &mut dyn FnMut(&str)) -> Result<Findings, BenchError> {
+    let mut findings = Findings::default();
+    progress("sag: chains with light and heavy tips");
+    let holds = chains(scope, &mut findings)?;
+    let guide = substeps(scope, &mut findings, progress)?;
+    let diameter = iterations(scope, &mut findings, progress)?;
+    findings.section.verdict = Some(format!(
+        "The chain sags by its law {holds}. {guide} {diameter}"
+    ));
+    Ok(findings)
+}
+
+/// The law `sag` over its parameters; how well it holds.
+fn chains(scope: Scope, findings: &mut Findings) -> Result<String, BenchError> {
+    let law = Law::find("sag")?;
+    let mut table = Table::new(&[
+        "tip mass (kg)",
+        "spent on",
+        "count",
+        "sag (m)",
+        "expected (m)",
+        "relative error",
+        "by rounding",
+        "mean strain",
+    ]);
+    let (mut worst, mut broken): (Real, u32) = (0.0, 0);
+    let mut series = Vec::new();
+    for spent in ["substeps", "iterations"] {
+        let other = if spent == "substeps" {
+            "iterations"
+        } else {
+            "substeps"
+        };
+        for &tip in tips(scope) {
+            let mut curve = Vec::new();
+            for &count in efforts(scope) {
+                let settings = Settings::default()
+                    .with("links", LINKS)
+                    .with("tip_mass", tip)
+                    .with(spent, count)
+                    .with(other, 1);
+                let case = format!("tip of {tip} kg, {count} {spent}");
+                let Some(verdict) = findings.unless_failed(&case, law.evaluate(&settings)) else {
+                    continue;
+                };
+                if !law.holds(&verdict) {
+                    broken += 1;
+                }
+                if verdict.rounding < law.tolerance {
+                    worst = worst.max(verdict.error());
+                }
+                table.push([
+                    Cell::from(tip),
+                    Cell::from(spent),
+                    Cell::from(count as usize),
+                    Cell::from(verdict.measured),
+                    Cell::from(verdict.expected),
+                    Cell::from(verdict.error()),
+                    Cell::from(verdict.rounding),
+                    Cell::from(verdict.measured / Real::from(LINKS)),
+                ]);
+                curve.push((Real::from(count), verdict.measured));
+            }
+            series.push(Series::new(&format!("{spent}, tip of {tip} kg"), curve));
+        }
+    }
+    let law = |&s: &u32| {
+        let h = STEP / Real::from(s);
+        let n = Real::from(LINKS);
+        (Real::from(s), GRAVITY * h * h * n * (n - 1.0) / 2.0)
+    };
+    let exact = efforts(scope).iter().map(law).collect();
+    series.push(Series::new("g h² N(N − 1)/2", exact).styled(Style::ExactCurve));
+    findings.table(
+        "sag-chain",
+        "Sag of a hanging chain of 20 rigid links of 1 m at rest",
+        table,
+    );
+    findings.plot(
+        "sag-chain",
+        &Plot {
+            title: "Sag of a hanging chain of 20 rigid links of 1 m, Δt = 1/60 s".into(),
+            x: Axis::log("sweeps per step (dimensionless)"),
+            y: Axis::log("sag (m)"),
+            series,
+            note: "Dashed: the law for one sweep per substep and equal masses.".into(),
+        },
+    );
+    Ok(match broken {
+        0 => format!("to {worst:.1e}, or to rounding where that is more"),
+        _ => format!("but in {broken} cases"),
+    })
+}
+
+/// Something rigid of N edges in a row that hangs at rest, stretched out.
+fn hanging(support: &str) -> Result<Scene, BenchError> {
+    let mut scene = if support == "chain" {
+        let settings = Settings::default()
+            .with("n", ROW)
+            .with("link", 1.0 / Real::from(ROW))
+            .with("mass", 0.01)
+            .with("tip_mass", 0.01);
+        let mut scene = scene::build("chain", None, &settings)?;
+        for p in &mut scene.start.positions {
+            *p = Vec3::new(0.0, 0.0, -p.x);
+        }
+        scene
+    } else {
+        let pins = if support == "edge" {
+            "highest"
+        } else {
+            "corners"
+        };
+        let settings = Settings::default()
+            .with("n", ROW + 1)
+            .with("up", "y")
+            .with("pins", pins);
+        scene::build("hang", None, &settings)?
+    };
+    for spring in &mut scene.model.springs {
+        spring.stiffness = Real::INFINITY;
+    }
+    Ok(scene)
+}
+
+/// A hanging cloth at rest.
+struct Rest {
+    /// Fall of the lowest vertex over 1 m (dimensionless).
+    mean: Real,
+    strain: Strain,
+    still: bool,
+}
+
+fn rest(scope: Scope, support: &str, settings: &Settings) -> Result<Rest, BenchError> {
+    let scene = hanging(support)?;
+    let mut solver = Method::find("xpbd")?.build(&scene, settings, STEP)?;
+    let mut state = scene.start.clone();
+    let still = run::to_rest(
+        &scene,
+        &mut *solver,
+        &mut state,
+        STEP,
+        most_steps(scope),
+        STILL,
+    )?;
+    let down = scene.gravity.normalize();
+    let lowest = |x: &[Vec3]| {
+        x.iter()
+            .map(|x| x.dot(&down))
+            .fold(Real::NEG_INFINITY, Real::max)
+    };
+    Ok(Rest {
+        mean: lowest(&state.positions) - lowest(&scene.start.positions),
+        strain: Strain::of(&scene.model.springs, &state.positions),
+        still: still.is_some(),
+    })
+}
+
+/// Mean strain (dimensionless) of N links of 1/N m swept once per substep: `g h² (N − 1)/(2 l)`.
+fn law(substeps: u32) -> Real {
+    let h = STEP / Real::from(substeps);
+    let n = Real::from(ROW);
+    GRAVITY * h * h * (n - 1.0) * n / 2.0
+}
+
+fn substeps(
+    scope: Scope,
+    findings: &mut Findings,
+    progress: &mut dyn FnMut(&str),
+) -> Result<String, BenchError> {
+    let mut table = Table::new(&[
+        "hung by",
+        "sweep",
+        "wanted strain",
+        "substeps",
+        "law: mean strain",
+        "mean strain",
+        "rms strain",
+        "largest strain",
+        "at rest",
+    ]);
+    let mut largest: Vec<(&str, Real, Real)> = SUPPORTS.map(|s| (s, 0.0, 0.0)).to_vec();
+    for (support, worst) in SUPPORTS.into_iter().zip(&mut largest) {
+        for sweep in SWEEPS {
+            for &wanted in wanted(scope) {
+                progress(&format!("sag: {support}, {sweep}, strain {wanted}"));
+                // √(law at one substep/ε).
+                let substeps = (law(1) / wanted).sqrt().ceil() as u32;
+                let settings = Settings::default()
+                    .with("substeps", substeps)
+                    .with("iterations", 1)
+                    .with("sweep", sweep);
+                let rest = rest(scope, support, &settings)?;
+                let expected = law(substeps);
+                worst.1 = worst.1.max(rest.mean / expected);
+                worst.2 = worst.2.max(rest.strain.max / expected);
+                table.push([
+                    Cell::from(support),
+                    Cell::from(sweep),
+                    Cell::from(wanted),
+                    Cell::from(substeps as usize),
+                    Cell::from(expected),
+                    Cell::from(rest.mean),
+                    Cell::from(rest.strain.rms),
+                    Cell::from(rest.strain.max),
+                    Cell::from(if rest.still { "yes" } else { "no" }),
+                ]);
+            }
+        }
+    }
+    findings.table(
+        "sag-substeps",
+        "The substeps that the guide gives for a wanted mean strain, and what they leave",
+        table,
+    );
+    let parts: Vec<String> = largest
+        .iter()
+        .map(|(support, mean, max)| {
+            format!("{support} {mean:.2} times its mean and {max:.1} times it in the worst edge")
+        })
+        .collect();
+    Ok(format!(
+        "With the substeps of the guide, at most, relative to the strain it predicts: {}.",
+        parts.join(", ")
+    ))
+}
+
+fn iterations(
+    scope: Scope,
+    findings: &mut Findings,
+    progress: &mut dyn FnMut(&str),
+) -> Result<String, BenchError> {
+    let mut table = Table::new(&[
+        "hung by",
+        "sweep",
+        "24 sweeps as",
+        "mean strain",
+        "rms strain",
+        "largest strain",
+        "at rest",
+    ]);
+    let mut of_edge = Vec::new();
+    for support in SUPPORTS {
+        for sweep in SWEEPS {
+            for (spent, other) in [("iterations", "substeps"), ("substeps", "iterations")] {
+                progress(&format!("sag: {support}, {sweep}, {ROW} {spent}"));
+                let settings = Settings::default()
+                    .with(spent, ROW)
+                    .with(other, 1)
+                    .with("sweep", sweep);
+                let rest = rest(scope, support, &settings)?;
+                if support == "edge" && sweep == "colored" {
+                    of_edge.push(rest.mean);
+                }
+                table.push([
+                    Cell::from(support),
+                    Cell::from(sweep),
+                    Cell::from(spent),
+                    Cell::from(rest.mean),
+                    Cell::from(rest.strain.rms),
+                    Cell::from(rest.strain.max),
+                    Cell::from(if rest.still { "yes" } else { "no" }),
+                ]);
+            }
+        }
+    }
+    findings.table(
+        "sag-iterations",
+        "As many sweeps a step as the mesh has edges across: what they leave as iterations and as substeps",
+        table,
+    );
+    Ok(format!(
+        "\"Iterations = mesh diameter\" leaves a mean strain of {:.2e} on the sheet hung by an edge, the same sweeps as substeps {:.2e}.",
+        of_edge.first().copied().unwrap_or(Real::NAN),
+        of_edge.last().copied().unwrap_or(Real::NAN),
+    ))
+}
