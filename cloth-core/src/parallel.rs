@@ -130,10 +130,18 @@ unsafe fn visit_each<const BACK: bool, const N: usize, E, A, P: Copy>(
                 fetch(x.first.wrapping_add(vertex as usize));
             }
         }
-        let places = stencils[i].map(|vertex| x.place(vertex));
+        // Loops, because `map` to arrays of eight is a call.
+        let mut places = [x.place(stencils[i][0]); N];
+        for corner in 1..N {
+            places[corner] = x.place(stencils[i][corner]);
+        }
         // SAFETY: the places are in bounds and aligned, and no other thread uses them, as the caller says. No reference to
         // a position lives across `visit`.
-        let mut local = places.map(|place| unsafe { *place });
+        let mut local = [unsafe { *places[0] }; N];
+        for corner in 1..N {
+            // SAFETY: as above.
+            local[corner] = unsafe { *places[corner] };
+        }
         visit(&elements[i], &mut slots[i], &mut local);
         for i in 0..N {
             // SAFETY: as above.

@@ -125,7 +125,7 @@ fn project(pack: &Pack, memory: &mut Multipliers, x: &mut [f32x4; 8]) {
     let mut divisor = squared.sqrt();
     let mut length = divisor;
     if squared.simd_lt(f32x4::splat(SHORTEST_SQUARED)).any() {
-        (length, divisor) = lost(&pack.vertices, &mut d);
+        (length, divisor, d) = lost(&pack.vertices, d);
     }
     let value = length - pack.rest_length;
     let whole = (aw + bw + memory.softness) * divisor;
@@ -142,7 +142,7 @@ fn project(pack: &Pack, memory: &mut Multipliers, x: &mut [f32x4; 8]) {
 /// Lengths and divisors again, with a direction of its own where a spring has none: see [`length_and_direction`].
 #[cold]
 #[inline(never)]
-fn lost(vertices: &[u32; 8], d: &mut [f32x4; 3]) -> (f32x4, f32x4) {
+fn lost(vertices: &[u32; 8], d: [f32x4; 3]) -> (f32x4, f32x4, [f32x4; 3]) {
     let mut coordinates = d.map(|d| d.to_array());
     let (mut lengths, mut divisors) = ([0.0; 4], [0.0; 4]);
     for i in 0..4 {
@@ -157,6 +157,6 @@ fn lost(vertices: &[u32; 8], d: &mut [f32x4; 3]) -> (f32x4, f32x4) {
             }
         }
     }
-    *d = coordinates.map(f32x4::new);
-    (f32x4::new(lengths), f32x4::new(divisors))
+    let d = coordinates.map(f32x4::new);
+    (f32x4::new(lengths), f32x4::new(divisors), d)
 }
