@@ -1,5 +1,6 @@
 //! What can be wrong with the positions that are to be measured.
 
+use cloth_core::math::Real;
 use std::fmt;
 
 /// Why positions cannot be searched for contact.
@@ -11,6 +12,11 @@ pub enum CollideError {
         /// The first such vertex.
         vertex: usize,
     },
+    /// The time step is not a positive finite number.
+    InvalidTimeStep {
+        /// What it was (s).
+        dt: Real,
+    },
 }
 
 impl fmt::Display for CollideError {
@@ -20,6 +26,9 @@ impl fmt::Display for CollideError {
                 f,
                 "vertex {vertex} has a coordinate that is not a finite number"
             ),
+            Self::InvalidTimeStep { dt } => {
+                write!(f, "the time step is {dt} s, but it has to be positive")
+            }
         }
     }
 }

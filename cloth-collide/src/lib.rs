@@ -96,11 +96,13 @@ mod convert;
 mod error;
 mod incidence;
 mod intersect;
+pub mod obstacle;
 mod separation;
 
 #[cfg(test)]
 mod shapes;
 
+pub use bounds::Bounds;
 pub use broad_phase::TrianglePairs;
 pub use closest::{EdgeEdge, PointTriangle, edge_edge, point_triangle};
 pub use error::CollideError;
