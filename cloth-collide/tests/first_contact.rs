@@ -2,6 +2,7 @@
 
 #[path = "support/random.rs"]
 mod random;
+#[allow(dead_code, reason = "the spike is for another file")]
 #[path = "support/solids.rs"]
 mod solids;
 
