@@ -51,4 +51,30 @@ impl Bounds {
             .sup(&Vec3::zeros())
             .norm_squared()
     }
+
+    /// The box moved outwards by `margin` (m) on each side, and by so much more that rounding takes nothing away.
+    pub(crate) fn inflated(&self, margin: Real) -> Self {
+        let margin = Vec3::repeat(margin);
+        Self {
+            lower: (self.lower - margin).map(Real::next_down),
+            upper: (self.upper + margin).map(Real::next_up),
+        }
+    }
+
+    /// The smallest box that contains both.
+    pub(crate) fn joined(&self, other: &Self) -> Self {
+        Self {
+            lower: self.lower.inf(&other.lower),
+            upper: self.upper.sup(&other.upper),
+        }
+    }
+
+    /// Whether the two boxes have a point in common; touching counts.
+    #[must_use]
+    pub fn overlaps(&self, other: &Self) -> bool {
+        // Without an early exit: on candidates the outcome is hard to foresee.
+        (0..3).fold(true, |all, k| {
+            all & (self.lower[k] <= other.upper[k]) & (other.lower[k] <= self.upper[k])
+        })
+    }
 }

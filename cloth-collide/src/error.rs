@@ -12,6 +12,11 @@ pub enum CollideError {
         /// The first such vertex.
         vertex: usize,
     },
+    /// The margin of a search is negative or not a finite number.
+    InvalidMargin {
+        /// What it was (m).
+        margin: Real,
+    },
     /// The time step is not a positive finite number.
     InvalidTimeStep {
         /// What it was (s).
@@ -25,6 +30,10 @@ impl fmt::Display for CollideError {
             Self::NonFinitePosition { vertex } => write!(
                 f,
                 "vertex {vertex} has a coordinate that is not a finite number"
+            ),
+            Self::InvalidMargin { margin } => write!(
+                f,
+                "the margin is {margin} m, but it has to be a finite number that is not negative"
             ),
             Self::InvalidTimeStep { dt } => {
                 write!(f, "the time step is {dt} s, but it has to be positive")

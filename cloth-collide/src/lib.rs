@@ -100,10 +100,15 @@ pub mod obstacle;
 mod separation;
 
 #[cfg(test)]
+#[path = "../tests/support/random.rs"]
+mod random;
+#[cfg(test)]
 mod shapes;
 
 pub use bounds::Bounds;
-pub use broad_phase::TrianglePairs;
+pub use broad_phase::{
+    BroadPhase, ClothCandidates, Hierarchy, MortonGrid, SpatialHash, TrianglePairs,
+};
 pub use closest::{EdgeEdge, PointTriangle, edge_edge, point_triangle};
 pub use error::CollideError;
 pub use intersect::{segment_meets_triangle, triangles_meet};
