@@ -26,5 +26,6 @@ pub(super) fn sort_pairs(
     for same in scratch.chunk_by_mut(|a, b| a[0] == b[0]) {
         same.sort_unstable();
     }
-    std::mem::swap(pairs, scratch);
+    // Not swapped: the lists share `scratch`, and would hand their memory around.
+    pairs.copy_from_slice(scratch);
 }
