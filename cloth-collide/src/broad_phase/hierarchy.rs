@@ -26,8 +26,9 @@ impl Hierarchy {
         Self::default()
     }
 
-    /// A tree whose shape suits `boxes`.
-    pub(crate) fn over(boxes: &[Bounds]) -> Self {
+    /// A tree whose shape suits `boxes`, finite ones.
+    #[must_use]
+    pub fn over(boxes: &[Bounds]) -> Self {
         // The tree is cut where the volumes of the boxes become small. A flat sheet along the axes has boxes without
         // volume, and all cuts look equal; so every box is given a thickness. Measured on a crumpled sheet: the
         // search then takes two thirds of the time.
@@ -41,8 +42,12 @@ impl Hierarchy {
         }
     }
 
-    /// Lets the tree follow its boxes.
-    pub(crate) fn refit(&mut self, boxes: impl Iterator<Item = Bounds>) {
+    /// Lets the tree follow its boxes; its shape stays.
+    ///
+    /// # Panics
+    /// If there are not as many boxes as the tree was made for.
+    pub fn refit(&mut self, boxes: impl ExactSizeIterator<Item = Bounds>) {
+        assert_eq!(boxes.len(), self.leaf_count, "one box a leaf");
         for (leaf, bounds) in (0..).zip(boxes) {
             self.tree
                 .insert_or_update_partially(aabb(&bounds), leaf, 0.0);
@@ -50,8 +55,8 @@ impl Hierarchy {
         self.tree.refit_without_opt();
     }
 
-    /// Hands `visit` every pair of leaves whose boxes overlap, in either order.
-    pub(crate) fn visit_overlapping(&mut self, mut visit: impl FnMut(u32, u32)) {
+    /// Hands `visit` every pair of numbers of overlapping boxes once, the two in either order.
+    pub fn visit_overlapping(&mut self, mut visit: impl FnMut(u32, u32)) {
         self.tree
             .traverse_bvtt_single_tree::<false>(&mut self.workspace, &mut visit);
     }
