@@ -1,7 +1,7 @@
 //! Vertex–triangle and edge–edge pairs that can touch.
 
 use super::BroadPhase;
-use super::order::sort_pairs;
+use super::order::PairSorter;
 use crate::bounds::Bounds;
 use crate::error::CollideError;
 use crate::incidence::{Owned, edge_numbers, ends, owned};
@@ -50,8 +50,7 @@ pub struct ClothCandidates<B> {
     triangle_pairs: Vec<[u32; 2]>,
     vertex_triangle: Vec<[u32; 2]>,
     edge_edge: Vec<[u32; 2]>,
-    buckets: Vec<u32>,
-    scratch: Vec<[u32; 2]>,
+    sorter: PairSorter,
 }
 
 impl<B: BroadPhase> ClothCandidates<B> {
@@ -81,8 +80,7 @@ impl<B: BroadPhase> ClothCandidates<B> {
             triangle_pairs,
             vertex_triangle: Vec::new(),
             edge_edge: Vec::new(),
-            buckets: Vec::new(),
-            scratch: Vec::new(),
+            sorter: PairSorter::default(),
         }
     }
 
@@ -142,10 +140,9 @@ impl<B: BroadPhase> ClothCandidates<B> {
             self.add_edges(a as usize, b as usize);
         }
         self.triangle_pairs = pairs;
-        let (buckets, scratch) = (&mut self.buckets, &mut self.scratch);
-        let count = self.vertex_boxes.len();
-        sort_pairs(&mut self.vertex_triangle, count, buckets, scratch);
-        sort_pairs(&mut self.edge_edge, self.edges.len(), buckets, scratch);
+        self.sorter
+            .sort(&mut self.vertex_triangle, self.vertex_boxes.len());
+        self.sorter.sort(&mut self.edge_edge, self.edges.len());
     }
 
     /// Adds the vertices that triangle `a` speaks for, against triangle `b`.

@@ -1,6 +1,7 @@
 //! Which triangles of a cloth can be near each other? Candidates from a tree of boxes.
 
 use super::Hierarchy;
+use super::order::PairSorter;
 use crate::bounds::Bounds;
 use crate::error::CollideError;
 use cloth_core::math::{Real, Vec3, gather};
@@ -26,6 +27,7 @@ pub struct TrianglePairs {
     reach: Real,
     tree: Hierarchy,
     pairs: Vec<[u32; 2]>,
+    sorter: PairSorter,
 }
 
 impl TrianglePairs {
@@ -42,6 +44,7 @@ impl TrianglePairs {
             triangles,
             bounds,
             pairs: Vec::new(),
+            sorter: PairSorter::default(),
         }
     }
 
@@ -85,6 +88,7 @@ impl TrianglePairs {
             tree,
             bounds,
             pairs,
+            sorter,
             ..
         } = self;
         tree.refit(bounds.iter().map(|b| b.loosened(margin)));
@@ -95,7 +99,7 @@ impl TrianglePairs {
                 pairs.push([a.min(b), a.max(b)]);
             }
         });
-        pairs.sort_unstable();
+        sorter.sort(pairs, bounds.len());
         pairs
     }
 
