@@ -4,7 +4,7 @@ use super::BroadPhase;
 use super::order::PairSorter;
 use crate::bounds::Bounds;
 use crate::error::CollideError;
-use crate::incidence::{Owned, edge_numbers, ends, owned};
+use crate::incidence::{Owned, edge_numbers, owned};
 use cloth_core::math::{Real, Vec3, is_finite};
 use cloth_core::mesh::TriMesh;
 use cloth_core::particles::Particles;
@@ -46,6 +46,7 @@ pub struct ClothCandidates<B> {
     owned: Vec<Owned>,
     prescribed: Vec<bool>,
     vertex_boxes: Vec<Bounds>,
+    edge_boxes: Vec<Bounds>,
     triangle_boxes: Vec<Bounds>,
     triangle_pairs: Vec<[u32; 2]>,
     vertex_triangle: Vec<[u32; 2]>,
@@ -71,6 +72,7 @@ impl<B: BroadPhase> ClothCandidates<B> {
         Self {
             broad_phase,
             triangles: mesh.triangles().to_vec(),
+            edge_boxes: vec![nothing; edges.len()],
             edges,
             triangle_edges,
             owned: owned(mesh),
@@ -119,6 +121,10 @@ impl<B: BroadPhase> ClothCandidates<B> {
         for (bounds, (&from, &to)) in self.vertex_boxes.iter_mut().zip(ends()) {
             *bounds = Bounds::around([from, to]).inflated(0.5 * margin);
         }
+        for (bounds, ends) in self.edge_boxes.iter_mut().zip(&self.edges) {
+            let [a, b] = ends.map(|v| &self.vertex_boxes[v as usize]);
+            *bounds = a.joined(b);
+        }
         for (bounds, triangle) in self.triangle_boxes.iter_mut().zip(&self.triangles) {
             let [a, b, c] = triangle.map(|v| &self.vertex_boxes[v as usize]);
             *bounds = a.joined(b).joined(c);
@@ -162,27 +168,23 @@ impl<B: BroadPhase> ClothCandidates<B> {
     /// Adds the edges that triangle `a` speaks for, against those of triangle `b`.
     fn add_edges(&mut self, a: usize, b: usize) {
         for i in (0..3).filter(|&i| self.owned[a].edges[i]) {
-            let first = ends(i).map(|k| self.triangles[a][k]);
-            let first_box = self.edge_box(first);
+            let e = self.triangle_edges[a][i];
+            let first_box = &self.edge_boxes[e as usize];
             if !first_box.overlaps(&self.triangle_boxes[b]) {
                 continue;
             }
+            let first = self.edges[e as usize];
             for j in (0..3).filter(|&j| self.owned[b].edges[j]) {
-                let second = ends(j).map(|k| self.triangles[b][k]);
-                if !first.iter().any(|vertex| second.contains(vertex))
-                    && first_box.overlaps(&self.edge_box(second))
+                let f = self.triangle_edges[b][j];
+                let second = self.edges[f as usize];
+                if first_box.overlaps(&self.edge_boxes[f as usize])
+                    && !first.iter().any(|vertex| second.contains(vertex))
                     && !(self.all_prescribed(first) && self.all_prescribed(second))
                 {
-                    let (e, f) = (self.triangle_edges[a][i], self.triangle_edges[b][j]);
                     self.edge_edge.push([e.min(f), e.max(f)]);
                 }
             }
         }
-    }
-
-    fn edge_box(&self, ends: [u32; 2]) -> Bounds {
-        let [a, b] = ends.map(|v| &self.vertex_boxes[v as usize]);
-        a.joined(b)
     }
 
     fn all_prescribed<const N: usize>(&self, vertices: [u32; N]) -> bool {
