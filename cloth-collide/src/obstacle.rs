@@ -24,7 +24,7 @@
 //! | φ = ±min over triangles, the sign from angle-weighted normals | [`ClosedMesh`] |
 //! | φ = Σ wᵢ φᵢ over the eight corners of a cell | [`SampledDistance`] |
 //! | x = p + R y, v(x) = v + ω × (x − p) | [`RigidMotion`] |
-//! | E = ½ k (h − φ)², E = −k (φ − d)² ln(φ/d) | [`PenaltyLaw`], [`ObstaclePenalty`] |
+//! | E = ½ k (h − φ)², E = −k (φ − h)² ln(φ/h) | [`PenaltyLaw`], [`ObstaclePenalty`] |
 //! | Δvₙ = −(1 + e) vₙ, ‖Δvₜ‖ ≤ μ Δvₙ | [`ImpactLaw`] |
 //! | φ(x(t)) = h for the first time | [`first_contact`] |
 //! | parabola, impact, parabola, … | [`PointMass`] |
