@@ -49,7 +49,9 @@ fn boxes(mesh: &TriMesh, positions: &[Vec3]) -> Vec<Bounds> {
     mesh.triangles().iter().map(around).collect()
 }
 
-fn kinds() -> [(&'static str, fn() -> Box<dyn BroadPhase>); 3] {
+type New = fn() -> Box<dyn BroadPhase>;
+
+fn kinds() -> [(&'static str, New); 3] {
     [
         ("hierarchy", || Box::new(Hierarchy::new())),
         ("spatial hash", || Box::new(SpatialHash::new())),

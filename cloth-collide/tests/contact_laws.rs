@@ -297,6 +297,52 @@ fn contacts_are_the_tangent_planes_at_the_end_of_the_step() {
     assert!(out.is_empty());
 }
 
+/// What is spared a search has no contact.
+#[test]
+fn contacts_are_those_of_a_search_for_every_vertex_and_obstacle() {
+    let mut random = Random::new(5);
+    let torus = cloth_core::mesh::generate::torus(12, 8, 0.4, 0.15).unwrap();
+    let torus = Obstacle::new(ClosedMesh::new(&torus).unwrap());
+    let mut found = 0;
+    for _ in 0..100 {
+        let mut obstacles = [
+            torus.clone(),
+            Obstacle::new(Sphere::new(0.2).unwrap()),
+            floor(),
+        ];
+        for obstacle in &mut obstacles {
+            let motion = RigidMotion {
+                pose: Pose::at(random.point(0.5)).turned(random.point(2.0)),
+                velocity: random.point(2.0),
+                angular_velocity: random.point(3.0),
+            };
+            obstacle.set_motion(motion).unwrap();
+        }
+        let mut contacts = ObstacleContacts::new(0.01, 0.02).unwrap();
+        for obstacle in &obstacles {
+            contacts = contacts.with(obstacle.clone(), law(0.1, 0.0));
+        }
+        let from: Vec<Vec3> = (0..50).map(|_| random.point(1.5)).collect();
+        let to: Vec<Vec3> = from.iter().map(|x| x + random.point(0.6)).collect();
+        let mut expected = Vec::new();
+        for (vertex, (a, b)) in from.iter().zip(&to).enumerate() {
+            for (number, obstacle) in obstacles.iter().enumerate() {
+                let path = VertexPath::straight(*a, *b, 0.2);
+                let is_hit = first_contact(obstacle, &path, 0.0, 0.2, 0.01).is_some();
+                if is_hit || obstacle.clearance(*b, 0.2).value <= 0.03 {
+                    expected.push((vertex as u32, number as u32));
+                }
+            }
+        }
+        let mut out = Vec::new();
+        contacts.detect(&from, &to, 0.2, &mut out).unwrap();
+        let pairs: Vec<_> = out.iter().map(|c| (c.vertex, c.obstacle)).collect();
+        assert_eq!(pairs, expected);
+        found += out.iter().filter(|c| c.obstacle < 2).count();
+    }
+    assert!(found > 100, "{found}");
+}
+
 #[test]
 fn penalty_and_barrier_are_their_derivatives_integrals() {
     let laws = [
