@@ -97,7 +97,7 @@ fn pairs_of_triangles(criterion: &mut Criterion) {
 }
 
 fn candidates(criterion: &mut Criterion) {
-    for side in [32, 128] {
+    for side in [32, 128, 320] {
         let (mesh, positions) = crumpled(side);
         let count = mesh.triangle_count();
         let mut group = criterion.benchmark_group(format!("candidates, {count} triangles"));

@@ -193,11 +193,16 @@ fn a_start_in_contact_is_a_contact_at_zero_unless_it_leaves() {
 }
 
 #[test]
-fn a_way_that_is_not_finite_ends_at_once_and_is_not_certain() {
+fn arguments_that_are_not_finite_end_the_search_at_once_and_are_not_certain() {
     let ball = Obstacle::new(Sphere::new(1.0).unwrap());
     for bad in [f64::NAN, f64::INFINITY] {
         let hit = first_contact(&ball, &straight(v(bad, 0.0, 3.0), Vec3::x()), 0.0, 1.0, 0.0);
         let hit = hit.unwrap();
         assert!(hit.time == 0.0 && !hit.certain && hit.evaluations == 1);
+        let path = straight(Vec3::z() * 3.0, Vec3::x());
+        for (start, duration, thickness) in [(bad, 1.0, 0.0), (0.0, bad, 0.0), (0.0, 1.0, bad)] {
+            let hit = first_contact(&ball, &path, start, duration, thickness).unwrap();
+            assert!(hit.time == 0.0 && !hit.certain, "{hit:?}");
+        }
     }
 }

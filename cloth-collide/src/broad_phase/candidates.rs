@@ -137,7 +137,9 @@ impl<B: BroadPhase> ClothCandidates<B> {
 
     /// Makes candidates from the pairs of triangles.
     fn collect(&mut self) {
-        let pairs = std::mem::take(&mut self.triangle_pairs);
+        let mut pairs = std::mem::take(&mut self.triangle_pairs);
+        // What comes next reads the triangles of each pair; in this order most are still in the cache.
+        self.sorter.sort(&mut pairs, self.triangles.len());
         self.vertex_triangle.clear();
         self.edge_edge.clear();
         for &[a, b] in &pairs {

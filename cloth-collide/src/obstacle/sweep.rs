@@ -109,7 +109,7 @@ pub fn first_contact(
         let far = path.from.amax() + position.amax() + centre.amax() + thickness;
         let turned = spin * (start + time).abs();
         let rounding = 16.0 * Real::EPSILON * (far + turned * (position - centre).amax());
-        if !(distance.is_finite() && rate.is_finite()) {
+        if !(distance.is_finite() && rate.is_finite() && (start + duration).is_finite()) {
             return found(false);
         }
         if distance <= rounding && (rate <= 0.0 || !shape.is_convex()) {
@@ -134,8 +134,12 @@ pub fn first_contact(
             free_time(safe, -steepest, shape.lipschitz() * acceleration)
         };
         let step = by_speed.max(by_rate);
-        // Where nothing moves, the step is infinite, or 0/0.
-        if step.is_nan() || time + step > duration {
+        if step.is_nan() {
+            // Numbers too large to say anything.
+            return found(false);
+        }
+        // Where nothing moves, the step is infinite.
+        if time + step > duration {
             return None;
         }
         if time + step == time {
