@@ -29,6 +29,14 @@
 //! | φ(x(t)) = h for the first time | [`first_contact`] |
 //! | parabola, impact, parabola, … | [`PointMass`] |
 //!
+//! # Limits
+//!
+//! - Only vertices touch obstacles.
+//! - φ of a shape is the distance to its surface, so from deep inside a thin one the nearest way out may be the far side. What keeps vertices on their
+//!   side is [`first_contact`], or [`ObstacleContacts::detect`] with it, not the discrete response.
+//! - Meshes and samples are not taken to be convex: a way that grazes them may end early, and says so.
+//! - The impulses of one step treat one vertex and one obstacle at a time. A vertex between two obstacles is pushed by each in turn, and may end inside the first.
+//!
 //! # References
 //!
 //! - J. A. Bærentzen and H. Aanæs, Signed distance computation using the angle weighted pseudonormal, *IEEE Transactions on Visualization and

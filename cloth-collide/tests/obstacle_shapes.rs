@@ -339,11 +339,14 @@ fn an_obstacle_moves_as_a_rigid_body() {
         assert!((slope - obstacle.velocity_at(world(time), time)).norm() < 1e-8);
         // To let time pass is to ask later.
         let mut later = obstacle.clone();
-        later.advance(time);
+        later.advance(time).unwrap();
         let p = random.point(2.0);
         let (one, other) = (later.clearance(p, 0.0), obstacle.clearance(p, time));
         assert!((one.value - other.value).abs() < 1e-14);
     }
+    let mut still = obstacle;
+    assert!(still.advance(f64::NAN).is_err());
+    assert_eq!(still.motion(), &motion);
     let to = motion.pose_at(0.25);
     let between = RigidMotion::between(motion.pose, to, 0.25).unwrap();
     assert!((between.velocity - motion.velocity).norm() < 1e-13);

@@ -63,8 +63,15 @@ impl Obstacle {
     }
 
     /// Lets `time` (s) pass: where the obstacle is then becomes where it is at time 0.
-    pub fn advance(&mut self, time: Real) {
-        self.motion.pose = self.motion.pose_at(time);
+    ///
+    /// # Errors
+    /// [`ObstacleError::NonFinite`] if that is nowhere. The obstacle then stays where it was.
+    pub fn advance(&mut self, time: Real) -> Result<(), ObstacleError> {
+        let pose = self.motion.pose_at(time);
+        self.set_motion(RigidMotion {
+            pose,
+            ..self.motion
+        })
     }
 
     /// How it moves.
