@@ -1,4 +1,4 @@
-//! Closed forms (VALIDATION 1–6) beside what the code does.
+//! Closed forms (VALIDATION 1–7) beside what the code does.
 
 mod bending_spring;
 mod buckling;
@@ -6,6 +6,7 @@ mod catenary;
 mod chain_rate;
 mod chains;
 mod constraints;
+mod contact;
 pub(crate) mod elastica;
 pub(crate) mod elements;
 pub(crate) mod factors;
@@ -93,7 +94,7 @@ pub struct Law {
 }
 
 /// Every law.
-pub const LAWS: [&Law; 24] = [
+pub const LAWS: [&Law; 27] = [
     &motion::OSCILLATOR,
     &motion::FREE_FALL,
     &constraints::XPBD_CONSTRAINT,
@@ -118,6 +119,9 @@ pub const LAWS: [&Law; 24] = [
     &space::NULL_SPACE,
     &space::COUNT,
     &space::SAME_MINIMUM,
+    &contact::INCLINE,
+    &contact::BOUNCE,
+    &contact::BARRIER_GAP,
 ];
 
 impl Law {

@@ -460,3 +460,42 @@ fn converged_pd_and_converged_newton_are_one() {
         holds("same-minimum", &[&format!("stiffness={stiffness}")]);
     }
 }
+
+#[test]
+fn a_block_slides_if_the_tangent_of_the_slope_exceeds_the_friction() {
+    for angle in ["0", "5", "20", "45", "80"] {
+        for friction in ["0", "0.08", "0.36", "0.37", "0.99", "2"] {
+            let pairs = [format!("angle_deg={angle}"), format!("friction={friction}")];
+            let verdict = holds("incline", &pairs.each_ref().map(String::as_str));
+            let slides = detail(&verdict, "tangent") > friction.parse().unwrap();
+            assert_eq!(verdict.expected > 0.0, slides, "{pairs:?}");
+            assert_eq!(detail(&verdict, "speed") > 1e-9, slides, "{pairs:?}");
+        }
+    }
+}
+
+#[test]
+fn a_ball_bounces_to_the_square_of_the_restitution() {
+    for restitution in ["0", "0.3", "0.8", "1"] {
+        for (height, bounces) in [("1", "1"), ("0.05", "2"), ("20", "6")] {
+            holds(
+                "bounce",
+                &[
+                    &format!("restitution={restitution}"),
+                    &format!("height={height}"),
+                    &format!("bounces={bounces}"),
+                ],
+            );
+        }
+    }
+}
+
+#[test]
+fn a_mass_rests_where_its_barrier_bears_it() {
+    for mass in ["1e-5", "0.001", "1"] {
+        for range in ["0.001", "0.05"] {
+            let pairs = [format!("mass={mass}"), format!("range={range}")];
+            holds("barrier-gap", &pairs.each_ref().map(String::as_str));
+        }
+    }
+}

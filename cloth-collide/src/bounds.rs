@@ -4,16 +4,21 @@ use cloth_core::math::{Real, Vec3};
 
 /// The smallest axis-aligned box around some points.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Bounds {
+pub struct Bounds {
     /// The corner with the smallest coordinates (m).
-    pub(crate) lower: Vec3,
+    pub lower: Vec3,
     /// The corner with the largest coordinates (m).
-    pub(crate) upper: Vec3,
+    pub upper: Vec3,
 }
 
 impl Bounds {
     /// The box around `points` (m).
     pub(crate) fn around<const N: usize>(points: [Vec3; N]) -> Self {
+        Self::of(&points)
+    }
+
+    /// The box around `points` (m), of which there is at least one.
+    pub(crate) fn of(points: &[Vec3]) -> Self {
         let mut bounds = Self {
             lower: points[0],
             upper: points[0],
@@ -23,6 +28,11 @@ impl Bounds {
             bounds.upper = bounds.upper.sup(point);
         }
         bounds
+    }
+
+    /// The largest coordinate of a corner, in size (m).
+    pub(crate) fn size(&self) -> Real {
+        self.lower.amax().max(self.upper.amax())
     }
 
     /// The box moved outwards by `margin` (m) on each side.
@@ -40,5 +50,31 @@ impl Bounds {
             .sup(&(other.lower - self.upper))
             .sup(&Vec3::zeros())
             .norm_squared()
+    }
+
+    /// The box moved outwards by `margin` (m) on each side, and by so much more that rounding takes nothing away.
+    pub(crate) fn inflated(&self, margin: Real) -> Self {
+        let margin = Vec3::repeat(margin);
+        Self {
+            lower: (self.lower - margin).map(Real::next_down),
+            upper: (self.upper + margin).map(Real::next_up),
+        }
+    }
+
+    /// The smallest box that contains both.
+    pub(crate) fn joined(&self, other: &Self) -> Self {
+        Self {
+            lower: self.lower.inf(&other.lower),
+            upper: self.upper.sup(&other.upper),
+        }
+    }
+
+    /// Whether the two boxes have a point in common; touching counts.
+    #[must_use]
+    pub fn overlaps(&self, other: &Self) -> bool {
+        // Without an early exit: on candidates the outcome is hard to foresee.
+        (0..3).fold(true, |all, k| {
+            all & (self.lower[k] <= other.upper[k]) & (other.lower[k] <= self.upper[k])
+        })
     }
 }

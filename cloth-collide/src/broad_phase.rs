@@ -1,176 +1,48 @@
-//! Which triangles of a cloth can be near each other? Candidates from a tree of boxes.
+//! Which pieces of a cloth can touch? Candidates from axis-aligned boxes (COL-1).
+//!
+//! # The idea
+//!
+//! Every triangle gets a box around all that it sweeps from one position to the next, moved outwards by half of the margin. Pieces whose boxes
+//! are disjoint cannot come nearer than the margin. A *broad phase* finds the overlapping pairs without looking at all n². There are three, and they find the
+//! same pairs:
+//!
+//! | | how | suits |
+//! |---|---|---|
+//! | [`Hierarchy`] | a tree of boxes, made once and refitted | triangles of any sizes |
+//! | [`SpatialHash`] | cubic cells, looked up by a hash of their place | triangles of one size |
+//! | [`MortonGrid`] | the same cells, sorted along a space-filling curve | triangles of one size; no table |
+//!
+//! Only triangles are searched for. [`ClothCandidates`] makes vertex–triangle and edge–edge pairs from their pairs: each vertex and each edge belongs to one of its
+//! triangles, its *representative* (Curtis, Tamstorf and Manocha 2008), inside whose box its own lies. So each pair of primitives is met in one pair of triangles
+//! only, and one search serves both kinds.
+
+mod candidates;
+mod cells;
+mod hierarchy;
+mod morton_grid;
+mod order;
+mod spatial_hash;
+mod triangle_pairs;
+
+pub use candidates::ClothCandidates;
+pub use hierarchy::Hierarchy;
+pub use morton_grid::MortonGrid;
+pub use spatial_hash::SpatialHash;
+pub use triangle_pairs::TrianglePairs;
 
 use crate::bounds::Bounds;
-use crate::convert::{aabb, bounds as node_bounds};
-use crate::error::CollideError;
-use cloth_core::math::{Real, Vec3, gather};
-use cloth_core::mesh::TriMesh;
-use parry3d_f64::partitioning::{Bvh, BvhBuildStrategy, BvhNode, BvhWorkspace};
-use std::cell::Cell;
-use std::fmt;
+use std::fmt::Debug;
 
-/// Finds the pairs of triangles of one cloth that are possibly within a given distance of each other: the pairs
-/// whose axis-aligned boxes are.
-///
-/// The boxes are the leaves of a bounding volume hierarchy (parry's). Its shape is made once, from
-/// the rest positions, since neighbours in the cloth stay neighbours however it moves; afterwards only the
-/// sizes of its boxes follow the cloth. So a result depends on the mesh, the positions and the distance, not on
-/// what was asked before, and nothing is allocated once the list of pairs has grown to its size.
-///
-/// Limits: where the rest shape has many pieces in one place (a garment as a stack of flat patterns), the
-/// tree mixes the pieces and is slow, not wrong.
-pub struct TrianglePairs {
-    triangles: Vec<[u32; 3]>,
-    vertex_count: usize,
-    bounds: Vec<Bounds>,
-    /// The largest coordinate in size (m): rounding of a box is a fraction of it.
-    reach: Real,
-    tree: Bvh,
-    workspace: BvhWorkspace,
-    pairs: Vec<[u32; 2]>,
+/// Finds overlapping boxes.
+pub trait BroadPhase: Debug + Send {
+    /// Replaces `out` by all pairs `[a, b]`, a < b, of numbers of overlapping boxes ([`Bounds::overlaps`]), each once, in any order. Corners of boxes are
+    /// finite. From the second call with as many boxes on, nothing is allocated beyond what `out` needs.
+    fn overlapping(&mut self, boxes: &[Bounds], out: &mut Vec<[u32; 2]>);
 }
 
-impl TrianglePairs {
-    /// Builds the tree over the rest shape of `mesh`, at which the cloth is also taken to be until
-    /// [`TrianglePairs::move_to`] says otherwise.
-    #[must_use]
-    pub fn new(mesh: &TriMesh) -> Self {
-        let triangles = mesh.triangles().to_vec();
-        let bounds = bounds_of(&triangles, mesh.positions());
-        // The tree is cut where the volumes of the boxes become small. A flat sheet along the axes has boxes without
-        // volume, and all cuts look equal; so every box is given a thickness. Measured on a crumpled sheet: the
-        // search then takes two thirds of the time.
-        let size = |b: &Bounds| (b.upper - b.lower).norm();
-        let thickness = 0.25 * bounds.iter().map(size).sum::<Real>() / bounds.len() as Real;
-        let leaves: Vec<_> = bounds
-            .iter()
-            .map(|b| b.loosened(thickness))
-            .map(|b| aabb(&b))
-            .collect();
-        Self {
-            tree: Bvh::from_leaves(BvhBuildStrategy::Binned, &leaves),
-            workspace: BvhWorkspace::default(),
-            vertex_count: mesh.vertex_count(),
-            reach: reach(mesh.positions()),
-            triangles,
-            bounds,
-            pairs: Vec::new(),
-        }
-    }
-
-    /// Takes the cloth to be at `positions` (m), one per vertex.
-    ///
-    /// # Errors
-    /// [`CollideError::NonFinitePosition`] if a coordinate is NaN or infinite. The cloth then stays where it was.
-    ///
-    /// # Panics
-    /// If there are not as many positions as the mesh has vertices.
-    pub fn move_to(&mut self, positions: &[Vec3]) -> Result<(), CollideError> {
-        assert_eq!(
-            positions.len(),
-            self.vertex_count,
-            "the number of positions is not the number of vertices"
-        );
-        if let Some(vertex) = positions
-            .iter()
-            .position(|p| !cloth_core::math::is_finite(p))
-        {
-            return Err(CollideError::NonFinitePosition { vertex });
-        }
-        for (bounds, &corners) in self.bounds.iter_mut().zip(&self.triangles) {
-            *bounds = Bounds::around(gather(positions, corners));
-        }
-        self.reach = reach(positions);
-        Ok(())
-    }
-
-    /// All pairs `[a, b]` of triangle numbers, a < b, whose boxes are at most `distance` (m) apart; in rising order,
-    /// each once, neighbours in the mesh included. Triangles that are closer than `distance` are among them.
-    ///
-    /// # Panics
-    /// If `distance` is negative or NaN.
-    pub fn within(&mut self, distance: Real) -> &[[u32; 2]] {
-        assert!(distance >= 0.0, "the distance is {distance}");
-        // Half of the distance for each of the two boxes, and enough that rounding here loses no pair; the squared
-        // gap decides below.
-        let margin = 0.5 * distance + 4.0 * Real::EPSILON * (self.reach + distance);
-        self.refit(margin);
-        let Self {
-            tree,
-            workspace,
-            bounds,
-            pairs,
-            ..
-        } = self;
-        pairs.clear();
-        let squared = distance * distance;
-        let mut keep = |a: u32, b: u32| {
-            if bounds[a as usize].squared_gap(&bounds[b as usize]) <= squared {
-                pairs.push([a.min(b), a.max(b)]);
-            }
-        };
-        tree.traverse_bvtt_single_tree::<false>(workspace, &mut keep);
-        pairs.sort_unstable();
-        pairs
-    }
-
-    /// Lets the tree follow the boxes, each loosened by `margin` (m).
-    fn refit(&mut self, margin: Real) {
-        for (triangle, bounds) in (0..).zip(&self.bounds) {
-            let leaf = aabb(&bounds.loosened(margin));
-            self.tree.insert_or_update_partially(leaf, triangle, 0.0);
-        }
-        self.tree.refit_without_opt();
-    }
-
-    /// Hands `visit` every pair of triangles a < b whose boxes are nearer than the distance whose square is `limit` (m²), which
-    /// `visit` may lower on the way. The tree has to be as [`TrianglePairs::within`] leaves it.
-    pub(crate) fn visit_within(&self, limit: &Cell<Real>, mut visit: impl FnMut([u32; 2])) {
-        let near =
-            |a: &BvhNode, b: &BvhNode| node_bounds(a).squared_gap(&node_bounds(b)) < limit.get();
-        for (a, b) in self.tree.leaf_pairs(&self.tree, near) {
-            if a < b {
-                visit([a, b]);
-            }
-        }
-    }
-
-    /// What [`TrianglePairs::within`] has found last.
-    pub(crate) fn found(&self) -> &[[u32; 2]] {
-        &self.pairs
-    }
-
-    /// The triangles of the mesh, as vertex numbers.
-    #[must_use]
-    pub fn triangles(&self) -> &[[u32; 3]] {
-        &self.triangles
-    }
-
-    /// The box of each triangle.
-    pub(crate) fn bounds(&self) -> &[Bounds] {
-        &self.bounds
+/// A broad phase chosen when the program runs.
+impl<B: BroadPhase + ?Sized> BroadPhase for Box<B> {
+    fn overlapping(&mut self, boxes: &[Bounds], out: &mut Vec<[u32; 2]>) {
+        (**self).overlapping(boxes, out);
     }
 }
-
-impl fmt::Debug for TrianglePairs {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        // The tree alone would be thousands of lines.
-        f.debug_struct("TrianglePairs")
-            .field("triangle_count", &self.triangles.len())
-            .field("vertex_count", &self.vertex_count)
-            .finish_non_exhaustive()
-    }
-}
-
-fn bounds_of(triangles: &[[u32; 3]], positions: &[Vec3]) -> Vec<Bounds> {
-    let corners = triangles.iter().map(|&t| gather(positions, t));
-    corners.map(Bounds::around).collect()
-}
-
-/// The largest coordinate in size (m).
-fn reach(positions: &[Vec3]) -> Real {
-    positions.iter().map(Vec3::amax).fold(0.0, Real::max)
-}
-
-#[cfg(test)]
-mod tests;

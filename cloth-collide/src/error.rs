@@ -1,5 +1,6 @@
 //! What can be wrong with the positions that are to be measured.
 
+use cloth_core::math::Real;
 use std::fmt;
 
 /// Why positions cannot be searched for contact.
@@ -11,6 +12,16 @@ pub enum CollideError {
         /// The first such vertex.
         vertex: usize,
     },
+    /// The margin of a search is negative or not a finite number.
+    InvalidMargin {
+        /// What it was (m).
+        margin: Real,
+    },
+    /// The time step is not a positive finite number.
+    InvalidTimeStep {
+        /// What it was (s).
+        dt: Real,
+    },
 }
 
 impl fmt::Display for CollideError {
@@ -20,6 +31,13 @@ impl fmt::Display for CollideError {
                 f,
                 "vertex {vertex} has a coordinate that is not a finite number"
             ),
+            Self::InvalidMargin { margin } => write!(
+                f,
+                "the margin is {margin} m, but it has to be a finite number that is not negative"
+            ),
+            Self::InvalidTimeStep { dt } => {
+                write!(f, "the time step is {dt} s, but it has to be positive")
+            }
         }
     }
 }

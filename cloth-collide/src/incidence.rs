@@ -28,6 +28,20 @@ pub(crate) fn owned(mesh: &TriMesh) -> Vec<Owned> {
     owned
 }
 
+/// The two vertices of each edge, in rising order, and the three edges of each triangle: edge k of a triangle goes from corner k to the next one.
+pub(crate) fn edge_numbers(triangles: &[[u32; 3]]) -> (Vec<[u32; 2]>, Vec<[u32; 3]>) {
+    let mut edges = Vec::new();
+    let mut of_triangle = vec![[0; 3]; triangles.len()];
+    let sides = sorted_sides(triangles);
+    for (number, same) in (0..).zip(sides.chunk_by(|a, b| a.ends == b.ends)) {
+        edges.push(same[0].ends);
+        for side in same {
+            of_triangle[side.triangle as usize][side.k] = number;
+        }
+    }
+    (edges, of_triangle)
+}
+
 /// Pairs (vertex, triangle) across inner edges; if there are none, of each triangle and the next.
 pub(crate) fn facing(triangles: &[[u32; 3]]) -> Vec<(u32, u32)> {
     let sides = sorted_sides(triangles);

@@ -1,10 +1,16 @@
-//! Does the cloth touch itself? How close does it come?
+//! What does the cloth touch: obstacles, or itself? How close does it come?
 //!
 //! # The idea
 //!
-//! A cloth of triangles is free of contact as long as no triangle meets another one, apart from
-//! the vertices and edges that they share. This crate *measures* that, for positions handed to it, and changes nothing:
-//! the number of pairs of triangles that meet, decided exactly, and the smallest distance.
+//! **Obstacles** are functions: the signed distance φ(x) of a point from a surface. A vertex is kept out by one inequality, φ(x) ≥ h, whatever the
+//! shape and however it moves. [`obstacle`] has the shapes, the search for the first contact on a way, and the responses: a penalty, a barrier, impulses with friction and
+//! restitution.
+//!
+//! **Cloth against cloth** is about pairs: a vertex and a triangle, or two edges. Looking at all of them would take n² tests, so a *broad phase* leaves the
+//! few whose boxes overlap ([`ClothCandidates`]).
+//!
+//! **Measuring** comes last. A cloth of triangles is free of contact as long as no triangle meets another one, apart from
+//! the vertices and edges that they share. [`SeparationProbe`] tells the number of pairs of triangles that meet, decided exactly, and the smallest distance.
 //!
 //! Two triangles that do not meet are nearest either at a vertex of one and some point of the other, or at
 //! a point of an edge of each. So their distance is the smallest of 6 vertex–triangle and 9 edge–edge distances:
@@ -21,10 +27,31 @@
 //! | s = n · (v × d) / n², t = v · (d + s u) / v²: nearest points of two edges | [`edge_edge`] |
 //! | signs of pqab, pqbc, pqca: a segment meets a triangle, exactly | [`segment_meets_triangle`] |
 //! | an edge of one meets the other: two triangles meet, exactly | [`triangles_meet`] |
-//! | boxes within a distance: candidates | [`TrianglePairs`] |
+//! | φ(x) and its gradient, for shapes at rest and moving | [`obstacle`], with a table of its own |
+//! | boxes of all that moves overlap: vertex–triangle and edge–edge candidates | [`ClothCandidates`] |
+//! | overlapping boxes, from a tree, from hashed cells, from cells along a curve | [`Hierarchy`], [`SpatialHash`], [`MortonGrid`] |
+//! | boxes within a distance: pairs of triangles | [`TrianglePairs`] |
 //! | number of meeting pairs, min d over everything that shares no vertex | [`SeparationProbe`] |
 //!
-//! # Example
+//! # Examples
+//!
+//! A block on a slope of 30° with the friction coefficient 0.3 slides by ½ g (sin α − μ cos α) t².
+//!
+//! ```
+//! use cloth_collide::obstacle::{HalfSpace, ImpactLaw, Obstacle, PointMass};
+//! use cloth_core::math::Vec3;
+//!
+//! let (angle, friction, gravity) = (30f64.to_radians(), 0.3, 9.81);
+//! let slope = Obstacle::new(HalfSpace::inclined(angle)?);
+//! let law = ImpactLaw::new(friction, 0.0)?;
+//! let mut block = PointMass { position: Vec3::zeros(), velocity: Vec3::zeros(), mass: 1.0 };
+//! for _ in 0..60 {
+//!     block.advance(&slope, law, 0.0, Vec3::z() * -gravity, 0.0, 1.0 / 60.0);
+//! }
+//! let way = 0.5 * gravity * (angle.sin() - friction * angle.cos());
+//! assert!((block.position.norm() - way).abs() < 1e-12);
+//! # Ok::<(), cloth_collide::obstacle::ObstacleError>(())
+//! ```
 //!
 //! A ribbon, bent until its end has gone through its beginning.
 //!
@@ -58,7 +85,10 @@
 //!
 //! # Limits
 //!
-//! - The positions of one moment are looked at. A cloth that has passed through another between two
+//! - Only vertices are kept away from obstacles: a sharp corner can pierce a triangle between them.
+//! - Obstacles are rigid, and move with constant velocities over a step.
+//! - The uniform cells of two of the broad phases suit triangles of similar size, the tree suits all.
+//! - Of [`SeparationProbe`]: the positions of one moment are looked at. A cloth that has passed through another between two
 //!   moments, and is out on the far side, shows no trace.
 //! - The count is of closed triangles: exact touching counts like crossing. It says how many pairs meet, not how deep.
 //! - Two triangles with a common edge never count, even if folded flat onto each other.
@@ -73,10 +103,15 @@
 //! | `closest/` | nearest points of a point and a triangle, and of two edges |
 //! | `intersect.rs`, `intersect/apart.rs` | the exact test, and the quick one before it |
 //! | `bounds.rs`, `convert.rs` | boxes, ours and parry's |
-//! | `broad_phase.rs` | candidates from the tree of boxes |
+//! | `obstacle.rs`, `obstacle/` | a chapter of its own: `half_space`, `sphere`, `capsule`, `cuboid`, `closed_mesh`, `sampled`; `motion`, `placed`; `penalty`, `impact`; `sweep`, `contact`, `flight` |
+//! | `broad_phase.rs` | what a broad phase is |
+//! | `broad_phase/hierarchy.rs` | the tree of boxes |
+//! | `broad_phase/cells.rs`, `spatial_hash.rs`, `morton_grid.rs` | the cells, and two ways to sort boxes into them |
+//! | `broad_phase/candidates.rs`, `order.rs` | from pairs of triangles to pairs of primitives, in order |
+//! | `broad_phase/triangle_pairs.rs` | pairs of triangles within a distance |
 //! | `incidence.rs` | which triangle speaks for which vertex and edge |
 //! | `separation.rs` | the measurement |
-//! | `error.rs` | what can be wrong with positions |
+//! | `error.rs` | what can be wrong with positions and margins |
 //!
 //! # References
 //!
@@ -87,6 +122,8 @@
 //!   *Discrete & Computational Geometry* 18, 1997. DOI 10.1007/PL00009321
 //! - S. Curtis, R. Tamstorf and D. Manocha, Fast collision detection for deformable models using
 //!   representative-triangles, I3D 2008. DOI 10.1145/1342250.1342260
+//! - M. Teschner, B. Heidelberger, M. Müller, D. Pomeranets and M. Gross, Optimized spatial hashing for collision detection of
+//!   deformable objects, VMV 2003.
 #![forbid(unsafe_code)]
 
 mod bounds;
@@ -96,12 +133,19 @@ mod convert;
 mod error;
 mod incidence;
 mod intersect;
+pub mod obstacle;
 mod separation;
 
 #[cfg(test)]
+#[path = "../tests/support/random.rs"]
+mod random;
+#[cfg(test)]
 mod shapes;
 
-pub use broad_phase::TrianglePairs;
+pub use bounds::Bounds;
+pub use broad_phase::{
+    BroadPhase, ClothCandidates, Hierarchy, MortonGrid, SpatialHash, TrianglePairs,
+};
 pub use closest::{EdgeEdge, PointTriangle, edge_edge, point_triangle};
 pub use error::CollideError;
 pub use intersect::{segment_meets_triangle, triangles_meet};

@@ -1,0 +1,229 @@
+//! Vertex–triangle and edge–edge pairs that can touch.
+
+use super::BroadPhase;
+use super::order::PairSorter;
+use crate::bounds::Bounds;
+use crate::error::CollideError;
+use crate::incidence::{Owned, edge_numbers, owned};
+use cloth_core::math::{Real, Vec3, is_finite};
+use cloth_core::mesh::TriMesh;
+use cloth_core::particles::Particles;
+
+/// The pairs (vertex, triangle) and (edge, edge) of a cloth that can come within a margin of each other while it moves; of several cloths, if they are one mesh.
+///
+/// A pair is a candidate if the boxes of its two parts overlap, each box around all positions of its vertices before and after the motion, moved outwards by half of the
+/// margin and by one rounding. So no pair is lost that comes as near as the margin while its vertices move on straight ways. Left out are
+/// pairs with a common vertex, and pairs of which all vertices are prescribed.
+///
+/// The candidates are the same for every [`BroadPhase`], in rising order, and depend on nothing but the mesh, the motion, the margin and who is
+/// prescribed.
+///
+/// ```
+/// use cloth_collide::{ClothCandidates, Hierarchy};
+/// use cloth_core::math::Vec3;
+/// use cloth_core::mesh::TriMesh;
+///
+/// // Two triangles (m), the upper one falls through the lower.
+/// let corners = [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)];
+/// let at = |z: f64| corners.map(|(x, y)| Vec3::new(x, y, z));
+/// let from = [at(0.0), at(1.0)].concat();
+/// let to = [at(0.0), at(-1.0)].concat();
+/// let mesh = TriMesh::new(from.clone(), vec![[0, 1, 2], [3, 4, 5]])?;
+///
+/// let mut candidates = ClothCandidates::new(&mesh, Hierarchy::new());
+/// candidates.update(&from, &to, 0.01)?;
+/// assert_eq!(candidates.vertex_triangle().len(), 6);
+/// assert_eq!(candidates.edge_edge().len(), 9);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug)]
+pub struct ClothCandidates<B> {
+    broad_phase: B,
+    triangles: Vec<[u32; 3]>,
+    edges: Vec<[u32; 2]>,
+    /// The three edges of each triangle.
+    triangle_edges: Vec<[u32; 3]>,
+    owned: Vec<Owned>,
+    prescribed: Vec<bool>,
+    vertex_boxes: Vec<Bounds>,
+    edge_boxes: Vec<Bounds>,
+    triangle_boxes: Vec<Bounds>,
+    triangle_pairs: Vec<[u32; 2]>,
+    vertex_triangle: Vec<[u32; 2]>,
+    edge_edge: Vec<[u32; 2]>,
+    sorter: PairSorter,
+}
+
+impl<B: BroadPhase> ClothCandidates<B> {
+    /// Prepares for the cloth `mesh`, of which no vertex is prescribed. There are no candidates before the first
+    /// [`ClothCandidates::update`].
+    #[must_use]
+    pub fn new(mesh: &TriMesh, mut broad_phase: B) -> Self {
+        let (edges, triangle_edges) = edge_numbers(mesh.triangles());
+        let at = |vertex: &u32| mesh.positions()[*vertex as usize];
+        let rest = mesh.triangles().iter();
+        let rest: Vec<_> = rest
+            .map(|t| Bounds::of(&[at(&t[0]), at(&t[1]), at(&t[2])]))
+            .collect();
+        let mut triangle_pairs = Vec::new();
+        // A tree keeps the shape of its first boxes, and those of the rest shape are best.
+        broad_phase.overlapping(&rest, &mut triangle_pairs);
+        let nothing = Bounds::around([Vec3::zeros()]);
+        Self {
+            broad_phase,
+            triangles: mesh.triangles().to_vec(),
+            edge_boxes: vec![nothing; edges.len()],
+            edges,
+            triangle_edges,
+            owned: owned(mesh),
+            prescribed: vec![false; mesh.vertex_count()],
+            vertex_boxes: vec![nothing; mesh.vertex_count()],
+            triangle_boxes: rest,
+            triangle_pairs,
+            vertex_triangle: Vec::new(),
+            edge_edge: Vec::new(),
+            sorter: PairSorter::default(),
+        }
+    }
+
+    /// Takes over which vertices are prescribed.
+    ///
+    /// # Panics
+    /// If there are not as many particles as the mesh has vertices.
+    pub fn set_prescribed(&mut self, particles: &Particles) {
+        let count = self.prescribed.len();
+        assert_eq!(particles.len(), count, "one particle a vertex");
+        for (prescribed, w) in self.prescribed.iter_mut().zip(particles.inverse_mass()) {
+            *prescribed = *w == 0.0;
+        }
+    }
+
+    /// Finds the candidates of the motion from positions `from` to positions `to` (m), one per vertex, for a margin of `margin` (m).
+    ///
+    /// # Errors
+    /// [`CollideError::NonFinitePosition`], [`CollideError::InvalidMargin`] if the margin is negative or not finite. The candidates then stay as they were.
+    ///
+    /// # Panics
+    /// If there are not as many positions as the mesh has vertices.
+    pub fn update(&mut self, from: &[Vec3], to: &[Vec3], margin: Real) -> Result<(), CollideError> {
+        let count = self.vertex_boxes.len();
+        assert!(
+            from.len() == count && to.len() == count,
+            "the number of positions is not the number of vertices"
+        );
+        if !(margin >= 0.0 && margin.is_finite()) {
+            return Err(CollideError::InvalidMargin { margin });
+        }
+        let ends = || from.iter().zip(to);
+        if let Some(vertex) = ends().position(|(a, b)| !is_finite(a) || !is_finite(b)) {
+            return Err(CollideError::NonFinitePosition { vertex });
+        }
+        for (bounds, (&from, &to)) in self.vertex_boxes.iter_mut().zip(ends()) {
+            *bounds = Bounds::around([from, to]).inflated(0.5 * margin);
+        }
+        for (bounds, ends) in self.edge_boxes.iter_mut().zip(&self.edges) {
+            let [a, b] = ends.map(|v| &self.vertex_boxes[v as usize]);
+            *bounds = a.joined(b);
+        }
+        for (bounds, triangle) in self.triangle_boxes.iter_mut().zip(&self.triangles) {
+            let [a, b, c] = triangle.map(|v| &self.vertex_boxes[v as usize]);
+            *bounds = a.joined(b).joined(c);
+        }
+        self.broad_phase
+            .overlapping(&self.triangle_boxes, &mut self.triangle_pairs);
+        self.collect();
+        Ok(())
+    }
+
+    /// Makes candidates from the pairs of triangles.
+    fn collect(&mut self) {
+        let mut pairs = std::mem::take(&mut self.triangle_pairs);
+        // What comes next reads the triangles of each pair; in this order most are still in the cache.
+        self.sorter.sort(&mut pairs, self.triangles.len());
+        self.vertex_triangle.clear();
+        self.edge_edge.clear();
+        for &[a, b] in &pairs {
+            self.add_vertices(a as usize, b as usize);
+            self.add_vertices(b as usize, a as usize);
+            self.add_edges(a as usize, b as usize);
+        }
+        self.triangle_pairs = pairs;
+        self.sorter
+            .sort(&mut self.vertex_triangle, self.vertex_boxes.len());
+        self.sorter.sort(&mut self.edge_edge, self.edges.len());
+    }
+
+    /// Adds the vertices that triangle `a` speaks for, against triangle `b`.
+    fn add_vertices(&mut self, a: usize, b: usize) {
+        let corners = self.triangles[b];
+        for k in (0..3).filter(|&k| self.owned[a].vertices[k]) {
+            let vertex = self.triangles[a][k];
+            if !corners.contains(&vertex)
+                && self.vertex_boxes[vertex as usize].overlaps(&self.triangle_boxes[b])
+                && !(self.all_prescribed([vertex]) && self.all_prescribed(corners))
+            {
+                self.vertex_triangle.push([vertex, b as u32]);
+            }
+        }
+    }
+
+    /// Adds the edges that triangle `a` speaks for, against those of triangle `b`.
+    fn add_edges(&mut self, a: usize, b: usize) {
+        for i in (0..3).filter(|&i| self.owned[a].edges[i]) {
+            let e = self.triangle_edges[a][i];
+            let first_box = &self.edge_boxes[e as usize];
+            if !first_box.overlaps(&self.triangle_boxes[b]) {
+                continue;
+            }
+            let first = self.edges[e as usize];
+            for j in (0..3).filter(|&j| self.owned[b].edges[j]) {
+                let f = self.triangle_edges[b][j];
+                let second = self.edges[f as usize];
+                if first_box.overlaps(&self.edge_boxes[f as usize])
+                    && !first.iter().any(|vertex| second.contains(vertex))
+                    && !(self.all_prescribed(first) && self.all_prescribed(second))
+                {
+                    self.edge_edge.push([e.min(f), e.max(f)]);
+                }
+            }
+        }
+    }
+
+    fn all_prescribed<const N: usize>(&self, vertices: [u32; N]) -> bool {
+        vertices.iter().all(|&v| self.prescribed[v as usize])
+    }
+
+    /// Pairs `[vertex, triangle]` in rising order.
+    #[must_use]
+    pub fn vertex_triangle(&self) -> &[[u32; 2]] {
+        &self.vertex_triangle
+    }
+
+    /// Pairs `[e, f]` of numbers of edges, e < f, in rising order.
+    #[must_use]
+    pub fn edge_edge(&self) -> &[[u32; 2]] {
+        &self.edge_edge
+    }
+
+    /// The two vertices of each edge, the lower number first; in rising order, as in [`cloth_core::topology::EdgeTable`], but here an edge may have any number of
+    /// triangles.
+    #[must_use]
+    pub fn edges(&self) -> &[[u32; 2]] {
+        &self.edges
+    }
+
+    /// The vertices of each triangle.
+    #[must_use]
+    pub fn triangles(&self) -> &[[u32; 3]] {
+        &self.triangles
+    }
+
+    /// The broad phase.
+    #[must_use]
+    pub fn broad_phase(&self) -> &B {
+        &self.broad_phase
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,285 @@
+use super::*;
+use crate::broad_phase::{Hierarchy, MortonGrid, SpatialHash};
+use crate::closest::{edge_edge, point_triangle};
+use crate::random::Random;
+use crate::shapes::{deformed, sheet};
+use cloth_core::math::gather;
+use cloth_core::topology::EdgeTable;
+
+type Pairs = Vec<[u32; 2]>;
+
+/// One of each kind, with its name.
+fn all_kinds() -> [(&'static str, Box<dyn BroadPhase>); 3] {
+    [
+        ("hierarchy", Box::new(Hierarchy::new())),
+        ("hash", Box::new(SpatialHash::new())),
+        ("morton", Box::new(MortonGrid::new())),
+    ]
+}
+
+/// Whether the inflated swept boxes of two sets of vertices overlap, axis by axis and written another way than the code has it.
+fn near(a: &[u32], b: &[u32], from: &[Vec3], to: &[Vec3], margin: Real) -> bool {
+    (0..3).all(|axis| {
+        let range = |vertices: &[u32]| {
+            let both = |&v: &u32| [from[v as usize][axis], to[v as usize][axis]];
+            let all: Vec<Real> = vertices.iter().flat_map(both).collect();
+            let low = all.iter().copied().fold(Real::INFINITY, Real::min);
+            let high = all.iter().copied().fold(-Real::INFINITY, Real::max);
+            (
+                (low - 0.5 * margin).next_down(),
+                (high + 0.5 * margin).next_up(),
+            )
+        };
+        let ((low, high), (other_low, other_high)) = (range(a), range(b));
+        !(high < other_low || other_high < low)
+    })
+}
+
+fn brute_force(
+    mesh: &TriMesh,
+    edges: &[[u32; 2]],
+    prescribed: &[bool],
+    [from, to]: [&[Vec3]; 2],
+    margin: Real,
+) -> (Pairs, Pairs) {
+    let wanted = |a: &[u32], b: &[u32]| {
+        !a.iter().any(|v| b.contains(v))
+            && a.iter().chain(b).any(|&v| !prescribed[v as usize])
+            && near(a, b, from, to, margin)
+    };
+    let vertices = 0..mesh.vertex_count() as u32;
+    let triangles = || (0..).zip(mesh.triangles());
+    let vertex_triangle = vertices
+        .flat_map(|v| {
+            triangles()
+                .filter(move |(_, t)| wanted(&[v], *t))
+                .map(move |(t, _)| [v, t])
+        })
+        .collect();
+    let numbered = || (0..).zip(edges);
+    let edge_edge = numbered()
+        .flat_map(|(i, e)| {
+            numbered()
+                .skip(i as usize + 1)
+                .filter(move |(_, f)| wanted(e, *f))
+                .map(move |(j, _)| [i, j])
+        })
+        .collect();
+    (vertex_triangle, edge_edge)
+}
+
+/// Motions between all awkward shapes, and worse.
+fn motions(mesh: &TriMesh) -> Vec<(String, Vec<Vec3>, Vec<Vec3>)> {
+    let shapes = deformed(mesh);
+    let mut random = Random::new(1);
+    let mut motions = Vec::new();
+    let mut add = |name: String, from: &[Vec3], to: &[Vec3]| {
+        motions.push((name, from.to_vec(), to.to_vec()));
+    };
+    let next = shapes.iter().cycle().skip(1);
+    for ((name, from), (next, to)) in shapes.iter().zip(next) {
+        add(format!("{name} still"), from, from);
+        add(format!("{name} to {next}"), from, to);
+    }
+    let count = mesh.vertex_count();
+    let mut scattered = |size: Real| (0..count).map(|_| random.point(size)).collect::<Vec<_>>();
+    let soup = scattered(1.0);
+    add("random".into(), &soup, &soup);
+    let nearby: Vec<Vec3> = soup
+        .iter()
+        .zip(scattered(0.1))
+        .map(|(x, d)| x + d)
+        .collect();
+    add("random motion".into(), &soup, &nearby);
+    let flattened: Vec<Vec3> = soup.iter().map(|x| Vec3::new(x.x, x.y, 0.0)).collect();
+    add("flattened".into(), &soup, &flattened);
+
+    let crumpled = &shapes[4].1;
+    let changed = |f: &dyn Fn(usize, Vec3) -> Vec3| {
+        (0..)
+            .zip(crumpled)
+            .map(|(i, &x)| f(i, x))
+            .collect::<Vec<_>>()
+    };
+    for factor in [1e-200, 1e-12, 1e9, 1e100] {
+        let scaled = changed(&|_, x| x * factor);
+        add(format!("times {factor:e}"), &scaled, &scaled);
+        let moved = changed(&|_, x| x + Vec3::new(factor, -factor, 0.0));
+        add(format!("at {factor:e}"), &moved, &moved);
+        let torn = changed(&|i, x| if i % 17 == 3 { x * factor } else { x });
+        add(format!("every 17th times {factor:e}"), &torn, &torn);
+        let last = changed(&|i, x| if i == 5 { x.add_scalar(factor) } else { x });
+        add(format!("one at {factor:e}"), crumpled, &last);
+    }
+    let graded = changed(&|i, x| x * 1.3f64.powi(i as i32));
+    add("of growing size".into(), &graded, &graded);
+    motions
+}
+
+#[test]
+fn all_three_find_what_brute_force_finds_in_order() {
+    let mesh = sheet(7);
+    let edges = EdgeTable::build(&mesh).unwrap();
+    let mut particles = Particles::new(vec![1.0; mesh.vertex_count()]).unwrap();
+    for vertex in (0..30).chain([40, 41, 47]) {
+        particles.prescribe(vertex).unwrap();
+    }
+    let prescribed: Vec<bool> = (0..mesh.vertex_count())
+        .map(|v| particles.is_prescribed(v))
+        .collect();
+    for (kind, broad_phase) in all_kinds() {
+        let mut candidates = ClothCandidates::new(&mesh, broad_phase);
+        assert_eq!(candidates.edges(), edges.ends());
+        candidates.set_prescribed(&particles);
+        // One after the other, so that what is kept from before would show.
+        for (name, from, to) in motions(&mesh) {
+            for margin in [0.0, 0.01, 0.3, 10.0] {
+                candidates.update(&from, &to, margin).unwrap();
+                let ways = [&from[..], &to[..]];
+                let (vt, ee) = brute_force(&mesh, edges.ends(), &prescribed, ways, margin);
+                let found = candidates.vertex_triangle();
+                assert_eq!(found, vt, "{kind}, {name}, margin {margin}");
+                assert_eq!(
+                    candidates.edge_edge(),
+                    ee,
+                    "{kind}, {name}, margin {margin}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn what_comes_as_near_as_the_margin_is_a_candidate() {
+    let mesh = sheet(5);
+    let triangles = mesh.triangles();
+    for (name, from, to) in motions(&mesh) {
+        let mut candidates = ClothCandidates::new(&mesh, Hierarchy::new());
+        let margin = 0.05;
+        candidates.update(&from, &to, margin).unwrap();
+        for time in [0.0, 0.37, 1.0] {
+            let x: Vec<Vec3> = from.iter().zip(&to).map(|(a, b)| a.lerp(b, time)).collect();
+            // Where rounding of the position in between exceeds the margin, it says nothing.
+            if x.iter().any(|p| p.amax() > 1e6) {
+                continue;
+            }
+            for v in 0..x.len() as u32 {
+                for (t, &corners) in (0..).zip(triangles) {
+                    let d = point_triangle(x[v as usize], gather(&x, corners)).distance();
+                    let is_found = || candidates.vertex_triangle().binary_search(&[v, t]).is_ok();
+                    let is_pair = !corners.contains(&v) && d <= margin - 1e-9;
+                    assert!(!is_pair || is_found(), "{name}: {v} {t} at {d}");
+                }
+            }
+            for (i, e) in (0..).zip(candidates.edges()) {
+                for (j, f) in (0..).zip(candidates.edges()).skip(i as usize + 1) {
+                    let d = edge_edge(gather(&x, *e), gather(&x, *f)).distance();
+                    let is_found = || candidates.edge_edge().binary_search(&[i, j]).is_ok();
+                    let is_pair = !e.iter().any(|v| f.contains(v)) && d <= margin - 1e-9;
+                    assert!(!is_pair || is_found(), "{name}: {i} {j} at {d}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn candidates_do_not_depend_on_what_was_asked_before() {
+    let mesh = sheet(20);
+    for (kind, broad_phase) in all_kinds() {
+        let mut used = ClothCandidates::new(&mesh, broad_phase);
+        for (name, from, to) in motions(&mesh) {
+            let mut fresh = ClothCandidates::new(&mesh, Hierarchy::new());
+            used.update(&from, &to, 0.02).unwrap();
+            fresh.update(&from, &to, 0.02).unwrap();
+            assert_eq!(
+                used.vertex_triangle(),
+                fresh.vertex_triangle(),
+                "{kind}, {name}"
+            );
+            assert_eq!(used.edge_edge(), fresh.edge_edge(), "{kind}, {name}");
+        }
+    }
+}
+
+#[test]
+fn boxes_of_any_number_and_size_give_the_same_pairs() {
+    let mut random = Random::new(2);
+    let mut kinds = all_kinds();
+    for round in 0..200 {
+        let count = [0, 1, 2, 3, 5, 17, 120, 300][round % 8];
+        // From all alike to twenty powers of ten apart.
+        let spread = random.real(10.0).abs();
+        let boxes: Vec<Bounds> = (0..count)
+            .map(|_| {
+                let size = 0.1 * 10f64.powf(random.real(spread));
+                let corner = random.point(1.0);
+                Bounds::around([corner, corner + random.point(size)])
+            })
+            .collect();
+        let mut expected = Vec::new();
+        for b in 0..boxes.len() {
+            expected.extend(
+                (0..b)
+                    .filter(|&a| boxes[a].overlaps(&boxes[b]))
+                    .map(|a| [a as u32, b as u32]),
+            );
+        }
+        expected.sort_unstable();
+        for (kind, broad_phase) in &mut kinds {
+            let mut found = vec![[7, 7]];
+            broad_phase.overlapping(&boxes, &mut found);
+            found.sort_unstable();
+            assert_eq!(found, expected, "{kind}, round {round}");
+        }
+    }
+}
+
+#[test]
+fn three_triangles_at_an_edge_and_two_cloths_in_one_mesh_are_welcome() {
+    let x = [
+        [0., 0., 0.],
+        [1., 0., 0.],
+        [0., 1., 0.],
+        [0., 0., 1.],
+        [0., -1., 0.],
+    ];
+    let mut positions: Vec<Vec3> = x.into_iter().map(Vec3::from).collect();
+    positions.extend([[0.1, 0.1, 0.05], [0.3, 0.1, 0.05], [0.1, 0.3, 0.05]].map(Vec3::from));
+    let triangles = vec![[0, 1, 2], [0, 1, 3], [0, 1, 4], [5, 6, 7]];
+    let mesh = TriMesh::new(positions.clone(), triangles).unwrap();
+    for (kind, broad_phase) in all_kinds() {
+        let mut candidates = ClothCandidates::new(&mesh, broad_phase);
+        candidates.update(&positions, &positions, 0.1).unwrap();
+        let edges = candidates.edges().to_vec();
+        let ways = [&positions[..]; 2];
+        let (vt, ee) = brute_force(&mesh, &edges, &[false; 8], ways, 0.1);
+        assert_eq!(candidates.vertex_triangle(), vt, "{kind}");
+        assert_eq!(candidates.edge_edge(), ee, "{kind}");
+        assert!(vt.len() > 5 && ee.len() > 5);
+    }
+}
+
+#[test]
+fn bad_input_is_refused_by_name_and_changes_nothing() {
+    let mesh = sheet(4);
+    let rest = mesh.positions().to_vec();
+    let mut candidates = ClothCandidates::new(&mesh, SpatialHash::new());
+    candidates.update(&rest, &rest, 0.5).unwrap();
+    let before = (
+        candidates.vertex_triangle().to_vec(),
+        candidates.edge_edge().to_vec(),
+    );
+    let mut bad = rest.clone();
+    bad[9].y = f64::NAN;
+    let vertex = 9;
+    let refused = Err(CollideError::NonFinitePosition { vertex });
+    assert_eq!(candidates.update(&bad, &rest, 0.5), refused);
+    assert_eq!(candidates.update(&rest, &bad, 0.5), refused);
+    for margin in [-1.0, f64::NAN, f64::INFINITY] {
+        let error = candidates.update(&rest, &rest, margin).unwrap_err();
+        assert!(error.to_string().contains("margin"), "{error}");
+    }
+    assert_eq!(candidates.vertex_triangle(), before.0);
+    assert_eq!(candidates.edge_edge(), before.1);
+}

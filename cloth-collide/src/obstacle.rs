@@ -1,0 +1,158 @@
+//! Rigid obstacles as signed distance, and what they do to the vertices of a cloth (COL-2, COL-3, COL-4).
+//!
+//! # The idea
+//!
+//! An obstacle is a function φ(x): how far the point x is from its surface, negative inside. Its gradient is the outward normal n. With it,
+//! contact of a vertex is one inequality,
+//!
+//! φ(x) ≥ h, with the thickness h of the cloth,
+//!
+//! whatever the shape. Only vertices are kept out: an edge may cut through a sharp corner of an obstacle between two of them, so a mesh has to be
+//! finer than what it falls on.
+//!
+//! A shape is described at rest around its own origin ([`SignedDistance`]), and placed by a rigid motion ([`Obstacle`]). The point is taken
+//! into the frame of the shape, the normal back out of it, so nothing of a shape is ever computed again because it moved.
+//!
+//! # Equation → code
+//!
+//! | equation | code |
+//! |---|---|
+//! | φ = n·x | [`HalfSpace`] |
+//! | φ = ‖x‖ − r | [`Sphere`] |
+//! | φ = ‖max(\|x\| − b, 0)‖ outside, the largest of \|xᵢ\| − bᵢ inside | [`Cuboid`] |
+//! | φ = ‖x − s‖ − r, s the nearest point of a segment | [`Capsule`] |
+//! | φ = ±min over triangles, the sign from angle-weighted normals | [`ClosedMesh`] |
+//! | φ = Σ wᵢ φᵢ over the eight corners of a cell | [`SampledDistance`] |
+//! | x = p + R y, v(x) = v + ω × (x − p) | [`RigidMotion`] |
+//! | E = ½ k (h − φ)², E = −k (φ − h)² ln(φ/h) | [`PenaltyLaw`], [`ObstaclePenalty`] |
+//! | Δvₙ = −(1 + e) vₙ, ‖Δvₜ‖ ≤ μ Δvₙ | [`ImpactLaw`] |
+//! | φ(x(t)) = h for the first time | [`first_contact`] |
+//! | parabola, impact, parabola, … | [`PointMass`] |
+//!
+//! # Limits
+//!
+//! - Only vertices touch obstacles.
+//! - φ of a shape is the distance to its surface, so from deep inside a thin one the nearest way out may be the far side. What keeps vertices on their
+//!   side is [`first_contact`], or [`ObstacleContacts::detect`] with it, not the discrete response.
+//! - Meshes and samples are not taken to be convex: a way that grazes them may end early, and says so.
+//! - The impulses of one step treat one vertex and one obstacle at a time. A vertex between two obstacles is pushed by each in turn, and may end inside the first.
+//!
+//! # References
+//!
+//! - J. A. Bærentzen and H. Aanæs, Signed distance computation using the angle weighted pseudonormal, *IEEE Transactions on Visualization and
+//!   Computer Graphics* 11(3), 2005. DOI 10.1109/TVCG.2005.49
+//! - R. Bridson, R. Fedkiw and J. Anderson, Robust treatment of collisions, contact and friction for cloth animation, SIGGRAPH 2002.
+//!   DOI 10.1145/566570.566623. Its section 7.5 bounds the change of the tangential velocity by that of the normal one.
+//! - M. Li et al., Incremental potential contact, SIGGRAPH 2020. DOI 10.1145/3386569.3392425. The barrier, its equation (6).
+//! - B. V. Mirtich, *Impulse-based dynamic simulation of rigid body systems*, thesis, Berkeley 1996. Conservative advancement.
+
+mod capsule;
+mod closed_mesh;
+mod contact;
+mod cuboid;
+mod error;
+mod flight;
+mod half_space;
+mod impact;
+mod motion;
+mod penalty;
+mod placed;
+mod sampled;
+mod sphere;
+mod sweep;
+
+pub use capsule::Capsule;
+pub use closed_mesh::ClosedMesh;
+pub use contact::{ObstacleContact, ObstacleContacts};
+pub use cuboid::Cuboid;
+pub use error::ObstacleError;
+pub use flight::PointMass;
+pub use half_space::HalfSpace;
+pub use impact::ImpactLaw;
+pub use motion::{Pose, RigidMotion};
+pub use penalty::{ObstaclePenalty, PenaltyLaw, PlanePenalty};
+pub use placed::Obstacle;
+pub use sampled::SampledDistance;
+pub use sphere::Sphere;
+pub use sweep::{FirstContact, VertexPath, first_contact};
+
+use crate::bounds::Bounds;
+use cloth_core::math::{Real, Vec3};
+use std::fmt::Debug;
+
+/// How far a point is from a surface, and which way is out.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Clearance {
+    /// Signed distance φ (m): positive outside, negative inside.
+    pub value: Real,
+    /// Direction n (dimensionless, unit length) in which φ grows fastest. On the surface it is the outward normal.
+    pub normal: Vec3,
+    /// How fast φ grows along n (m per m): 1, but for distances that are interpolated.
+    pub slope: Real,
+}
+
+impl Clearance {
+    /// Of a true distance, whose slope is 1.
+    #[must_use]
+    pub fn exact(value: Real, normal: Vec3) -> Self {
+        Self {
+            value,
+            normal,
+            slope: 1.0,
+        }
+    }
+
+    /// ∂φ/∂x (dimensionless).
+    #[must_use]
+    pub fn gradient(&self) -> Vec3 {
+        self.normal * self.slope
+    }
+}
+
+/// A shape given by its signed distance, in its own frame.
+///
+/// Where the nearest point of the surface is not unique (the centre of a sphere), the normal is that of one of them.
+pub trait SignedDistance: Debug + Send + Sync {
+    /// Signed distance (m), normal and slope at `point` (m), which has to be finite.
+    fn clearance(&self, point: Vec3) -> Clearance;
+
+    /// How much φ can change per m of way (dimensionless): 1 for a distance.
+    fn lipschitz(&self) -> Real {
+        1.0
+    }
+
+    /// Whether φ is a convex function, as it is if the shape is convex and φ its true distance. Searches along a path are then much shorter.
+    fn is_convex(&self) -> bool {
+        false
+    }
+
+    /// A box that contains the shape, or nothing if none does.
+    fn bounds(&self) -> Option<Bounds>;
+}
+
+/// A positive finite number, or which one is not.
+fn positive(name: &'static str, value: Real) -> Result<Real, ObstacleError> {
+    if value > 0.0 && value.is_finite() {
+        Ok(value)
+    } else {
+        Err(ObstacleError::NotPositive { name, value })
+    }
+}
+
+/// A finite number that is not negative, or which one is not.
+fn not_negative(name: &'static str, value: Real) -> Result<Real, ObstacleError> {
+    if value >= 0.0 && value.is_finite() {
+        Ok(value)
+    } else {
+        Err(ObstacleError::Negative { name, value })
+    }
+}
+
+/// A finite vector, or which one is not.
+fn finite(name: &'static str, value: Vec3) -> Result<Vec3, ObstacleError> {
+    if cloth_core::math::is_finite(&value) {
+        Ok(value)
+    } else {
+        Err(ObstacleError::NonFinite { name })
+    }
+}

@@ -1,0 +1,132 @@
+//! Why an obstacle, or a law of contact, was refused.
+
+use cloth_core::math::Real;
+use cloth_core::mesh::MeshError;
+use std::fmt;
+
+/// Why an obstacle, its motion or its law of contact was refused.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum ObstacleError {
+    /// A number has to be positive and finite.
+    NotPositive {
+        /// Which one, with its unit.
+        name: &'static str,
+        /// What it was.
+        value: Real,
+    },
+    /// A number has to be finite, and must not be negative.
+    Negative {
+        /// Which one, with its unit.
+        name: &'static str,
+        /// What it was.
+        value: Real,
+    },
+    /// A number has to be between 0 and 1.
+    NotAFraction {
+        /// Which one.
+        name: &'static str,
+        /// What it was.
+        value: Real,
+    },
+    /// A coordinate is NaN or infinite.
+    NonFinite {
+        /// Of what.
+        name: &'static str,
+    },
+    /// A direction has no length.
+    NoDirection {
+        /// Which one.
+        name: &'static str,
+    },
+    /// The mesh has an edge with three or more triangles, or too many triangles.
+    NotASurface(MeshError),
+    /// The mesh has a boundary, so there is no inside.
+    NotClosed {
+        /// How many edges have one triangle only.
+        boundary_edge_count: usize,
+        /// The two vertices of the first of them.
+        first: [u32; 2],
+    },
+    /// Two neighbouring triangles have opposite windings, so inside and outside change places between them.
+    MixedWinding {
+        /// The two vertices of the first such edge.
+        edge: [u32; 2],
+    },
+    /// Two pieces of the surface touch in one vertex, where the outward direction is not defined.
+    PinchedVertex {
+        /// The first such vertex.
+        vertex: u32,
+    },
+    /// The surface goes through itself, so inside and outside are not defined.
+    SelfIntersecting {
+        /// How many pairs of triangles meet.
+        pair_count: usize,
+    },
+    /// The triangles are clockwise seen from outside: the enclosed volume is not positive.
+    InsideOut {
+        /// The signed volume (m³).
+        volume: Real,
+    },
+    /// A shape without end cannot be sampled on a grid.
+    Unbounded,
+    /// The grid would have more samples than is allowed.
+    TooManySamples {
+        /// How many it would have.
+        count: Real,
+        /// How many are allowed.
+        limit: usize,
+    },
+}
+
+impl fmt::Display for ObstacleError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NotPositive { name, value } => write!(
+                f,
+                "the {name} is {value}, but it has to be a positive finite number"
+            ),
+            Self::Negative { name, value } => write!(
+                f,
+                "the {name} is {value}, but it has to be a finite number that is not negative"
+            ),
+            Self::NotAFraction { name, value } => {
+                write!(f, "the {name} is {value}, but it has to be between 0 and 1")
+            }
+            Self::NonFinite { name } => {
+                write!(f, "the {name} has a coordinate that is not a finite number")
+            }
+            Self::NoDirection { name } => write!(f, "the {name} has no length, so no direction"),
+            Self::NotASurface(error) => write!(f, "the mesh cannot bound an obstacle: {error}"),
+            Self::NotClosed {
+                boundary_edge_count,
+                first: [a, b],
+            } => write!(
+                f,
+                "the mesh is not closed: {boundary_edge_count} edges have one triangle only, the first from vertex {a} to vertex {b}"
+            ),
+            Self::MixedWinding { edge: [a, b] } => write!(
+                f,
+                "the triangles beside the edge from vertex {a} to vertex {b} have opposite windings"
+            ),
+            Self::PinchedVertex { vertex } => {
+                write!(f, "two pieces of the surface touch in vertex {vertex} only")
+            }
+            Self::SelfIntersecting { pair_count } => write!(
+                f,
+                "the surface goes through itself: {pair_count} pairs of triangles meet"
+            ),
+            Self::InsideOut { volume } => write!(
+                f,
+                "the enclosed volume is {volume} m³: the triangles have to be counter-clockwise seen from outside"
+            ),
+            Self::Unbounded => write!(f, "a shape without end cannot be sampled on a grid"),
+            Self::TooManySamples { count, limit } => write!(
+                f,
+                "the grid would have {count:e} samples, more than the limit of {limit}"
+            ),
+        }
+    }
+}
+
+impl std::error::Error for ObstacleError {}

@@ -1,0 +1,66 @@
+//! Everything below a plane.
+
+use super::{Clearance, ObstacleError, SignedDistance, finite};
+use crate::bounds::Bounds;
+use cloth_core::math::{Real, Vec3};
+
+/// All points with n·x ≤ 0: a floor, a slope, a wall. φ(x) = n·x.
+///
+/// ```
+/// use cloth_collide::obstacle::{HalfSpace, SignedDistance};
+/// use cloth_core::math::Vec3;
+/// let floor = HalfSpace::new(Vec3::z())?;
+/// assert_eq!(floor.clearance(Vec3::new(3.0, 4.0, 0.5)).value, 0.5);
+/// # Ok::<(), cloth_collide::obstacle::ObstacleError>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HalfSpace {
+    normal: Vec3,
+}
+
+impl HalfSpace {
+    /// The half-space that the origin lies on the surface of, with the outward `normal` (any length).
+    ///
+    /// # Errors
+    /// [`ObstacleError::NonFinite`], [`ObstacleError::NoDirection`].
+    pub fn new(normal: Vec3) -> Result<Self, ObstacleError> {
+        let name = "normal of the half-space";
+        // Scaled first, so that squares neither overflow nor vanish.
+        let scaled = finite(name, normal)? / normal.amax();
+        if normal.amax() == 0.0 {
+            return Err(ObstacleError::NoDirection { name });
+        }
+        Ok(Self {
+            normal: scaled.normalize(),
+        })
+    }
+
+    /// A half-space whose surface is inclined by `angle` (rad) against the ground z = 0: downhill is along
+    /// cos(angle) x − sin(angle) z.
+    ///
+    /// # Errors
+    /// [`ObstacleError::NonFinite`].
+    pub fn inclined(angle: Real) -> Result<Self, ObstacleError> {
+        Self::new(Vec3::new(angle.sin(), 0.0, angle.cos()))
+    }
+
+    /// The outward normal (dimensionless, unit length).
+    #[must_use]
+    pub fn normal(&self) -> Vec3 {
+        self.normal
+    }
+}
+
+impl SignedDistance for HalfSpace {
+    fn clearance(&self, point: Vec3) -> Clearance {
+        Clearance::exact(self.normal.dot(&point), self.normal)
+    }
+
+    fn is_convex(&self) -> bool {
+        true
+    }
+
+    fn bounds(&self) -> Option<Bounds> {
+        None
+    }
+}

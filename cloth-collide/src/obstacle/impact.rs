@@ -1,0 +1,77 @@
+//! Contact as an impulse: what an impact does to a velocity.
+
+use super::{ObstacleError, not_negative};
+use cloth_core::math::{Real, Vec3};
+
+/// Restitution and Coulomb friction, as a rule for velocities.
+///
+/// Let u be the velocity of a vertex relative to the surface, with the part uₙ = n·u along the normal and the part uₜ along the surface. Approaching
+/// (uₙ < 0), it changes by
+///
+/// Δuₙ = −(1 + e) uₙ,  Δuₜ = −min(μ Δuₙ / ‖uₜ‖, 1) uₜ:
+///
+/// the impulse stays in the friction cone, and friction stops but never turns round. With the mass m of the vertex, the impulse is m Δu, in both
+/// directions: the obstacle receives −m Δu, which moves it no more than anything else does.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ImpactLaw {
+    friction: Real,
+    restitution: Real,
+}
+
+impl ImpactLaw {
+    /// Coefficient of friction μ ≥ 0, coefficient of restitution e in 0..=1 (both dimensionless).
+    ///
+    /// # Errors
+    /// [`ObstacleError::Negative`], [`ObstacleError::NotAFraction`].
+    pub fn new(friction: Real, restitution: Real) -> Result<Self, ObstacleError> {
+        if !(0.0..=1.0).contains(&restitution) {
+            return Err(ObstacleError::NotAFraction {
+                name: "coefficient of restitution",
+                value: restitution,
+            });
+        }
+        Ok(Self {
+            friction: not_negative("coefficient of friction", friction)?,
+            restitution,
+        })
+    }
+
+    /// Coefficient of friction μ.
+    #[must_use]
+    pub fn friction(&self) -> Real {
+        self.friction
+    }
+
+    /// Coefficient of restitution e.
+    #[must_use]
+    pub fn restitution(&self) -> Real {
+        self.restitution
+    }
+
+    /// The same law without rebound.
+    #[must_use]
+    pub fn inelastic(self) -> Self {
+        Self {
+            restitution: 0.0,
+            ..self
+        }
+    }
+
+    /// Change of velocity (m/s) of a vertex that moves with `relative` velocity u (m/s) against a surface with unit normal `normal`.
+    #[must_use]
+    pub fn velocity_change(&self, relative: Vec3, normal: Vec3) -> Vec3 {
+        let along = relative.dot(&normal);
+        if along >= 0.0 {
+            return Vec3::zeros();
+        }
+        let push = -(1.0 + self.restitution) * along;
+        let slide = relative - normal * along;
+        let speed = slide.norm();
+        let held = if self.friction * push >= speed {
+            slide
+        } else {
+            slide * (self.friction * push / speed)
+        };
+        normal * push - held
+    }
+}

@@ -1,0 +1,131 @@
+//! Where a rigid body is, and how it moves.
+
+use super::{ObstacleError, finite};
+use cloth_core::math::{Real, Vec3, is_finite};
+use nalgebra::UnitQuaternion;
+
+/// Place of a rigid body: x = p + R y takes a point y (m) of its own frame into the world.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pose {
+    /// Where the origin of its frame is, p (m).
+    pub position: Vec3,
+    /// How its frame is turned, R.
+    pub orientation: UnitQuaternion<Real>,
+}
+
+impl Default for Pose {
+    fn default() -> Self {
+        Self::at(Vec3::zeros())
+    }
+}
+
+impl Pose {
+    /// At `position` (m), not turned.
+    #[must_use]
+    pub fn at(position: Vec3) -> Self {
+        Self {
+            position,
+            orientation: UnitQuaternion::identity(),
+        }
+    }
+
+    /// The same place, turned by `rotation` (rad) first: its direction is the axis, its length the angle.
+    #[must_use]
+    pub fn turned(self, rotation: Vec3) -> Self {
+        Self {
+            orientation: UnitQuaternion::new(rotation) * self.orientation,
+            ..self
+        }
+    }
+
+    /// A point (m) of the world, in the frame of the body (m).
+    #[must_use]
+    pub fn to_local(&self, point: Vec3) -> Vec3 {
+        self.orientation.inverse() * (point - self.position)
+    }
+
+    /// A point (m) of the body, in the world (m).
+    #[must_use]
+    pub fn to_world(&self, point: Vec3) -> Vec3 {
+        self.position + self.orientation * point
+    }
+}
+
+/// A pose at time 0, and the velocities that it keeps: over one step every motion is one of these.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct RigidMotion {
+    /// The pose at time 0.
+    pub pose: Pose,
+    /// Velocity v of the origin of the frame (m/s).
+    pub velocity: Vec3,
+    /// Angular velocity ω (rad/s), about the origin of the frame, which moves along; in world axes.
+    pub angular_velocity: Vec3,
+}
+
+impl RigidMotion {
+    /// No motion.
+    #[must_use]
+    pub fn still(pose: Pose) -> Self {
+        Self {
+            pose,
+            ..Self::default()
+        }
+    }
+
+    /// The motion that leads from one pose to another within `duration` (s), on the shortest way of turning.
+    ///
+    /// # Errors
+    /// [`ObstacleError::NotPositive`] for the duration, [`ObstacleError::NonFinite`] for a velocity.
+    pub fn between(from: Pose, to: Pose, duration: Real) -> Result<Self, ObstacleError> {
+        super::positive("duration of a motion (s)", duration)?;
+        let turn = to.orientation * from.orientation.inverse();
+        Self {
+            pose: from,
+            velocity: (to.position - from.position) / duration,
+            angular_velocity: turn.scaled_axis() / duration,
+        }
+        .checked()
+    }
+
+    /// The pose after `time` (s).
+    #[must_use]
+    pub fn pose_at(&self, time: Real) -> Pose {
+        let mut pose = self.pose;
+        pose.position += self.velocity * time;
+        if self.angular_velocity == Vec3::zeros() {
+            return pose;
+        }
+        let mut pose = pose.turned(self.angular_velocity * time);
+        // Products of many turns drift away from unit length.
+        pose.orientation.renormalize();
+        pose
+    }
+
+    /// Velocity (m/s) that the body has at `point` (m) of the world after `time` (s): v + ω × (x − p).
+    #[must_use]
+    pub fn velocity_at(&self, point: Vec3, time: Real) -> Vec3 {
+        let centre = self.pose.position + self.velocity * time;
+        self.velocity + self.angular_velocity.cross(&(point - centre))
+    }
+
+    /// Whether nothing moves.
+    #[must_use]
+    pub fn is_still(&self) -> bool {
+        self.velocity == Vec3::zeros() && self.angular_velocity == Vec3::zeros()
+    }
+
+    /// The motion, if all its numbers are finite.
+    pub(super) fn checked(self) -> Result<Self, ObstacleError> {
+        finite("position of an obstacle", self.pose.position)?;
+        finite("velocity of an obstacle", self.velocity)?;
+        finite("angular velocity of an obstacle", self.angular_velocity)?;
+        let turned = self.pose.orientation * Vec3::new(1.0, 1.0, 1.0);
+        if is_finite(&turned) {
+            Ok(self)
+        } else {
+            Err(ObstacleError::NonFinite {
+                name: "orientation of an obstacle",
+            })
+        }
+    }
+}
