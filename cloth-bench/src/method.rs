@@ -186,6 +186,9 @@ impl Method {
                 })
             }
             Kind::Xpbd => {
+                if let Some(solver) = position_based::single(particles, &families, settings)? {
+                    return Ok(Box::new(solver));
+                }
                 let config = position_based::xpbd(settings)?;
                 let builder = add_constraints!(XpbdSolver::builder(particles), families, self.name);
                 Box::new(builder.config(config).build().map_err(BenchError::usage)?)

@@ -1,11 +1,15 @@
 //! Settings of the position-based methods.
 
+use super::refused;
 use crate::error::BenchError;
 use crate::scene::Scene;
 use crate::settings::{Parameter, Settings, parameter};
+use cloth_core::cloth::Elements;
+use cloth_core::particles::Particles;
 use cloth_core::position_based::{Acceleration, Chebyshev, Radius, Sweep};
 use cloth_pbd::{Hierarchy, HierarchyConfig, PbdConfig, StiffnessRule};
 use cloth_xpbd::XpbdConfig;
+use cloth_xpbd::single::{SingleConfig, SingleXpbd};
 
 pub(super) const PBD_SUBSTEPS: Parameter = parameter("substeps", "1", "parts of a step");
 pub(super) const XPBD_SUBSTEPS: Parameter = parameter("substeps", "20", "parts of a step");
@@ -48,6 +52,12 @@ pub(super) const XPBD_DAMPING: Parameter = parameter(
     "stiffness-proportional damping β (s) of every constraint: a force −β k Ċ along it",
 );
 
+const PRECISION: Parameter = parameter(
+    "precision",
+    "double",
+    "of the sweeps: double, or single (springs and quadratic bending, coloured sweeps as they are)",
+);
+
 /// Of position-based dynamics.
 pub(super) const PBD: &[Parameter] = &[
     PBD_ITERATIONS,
@@ -69,6 +79,7 @@ pub(super) const XPBD: &[Parameter] = &[
     CHEBYSHEV,
     CHEBYSHEV_DELAY,
     XPBD_DAMPING,
+    PRECISION,
 ];
 
 const SWEEPS: [(&str, Sweep); 4] = [
@@ -99,6 +110,44 @@ pub(super) fn xpbd(settings: &Settings) -> Result<XpbdConfig, BenchError> {
         acceleration: acceleration(settings)?,
         damping: settings.number(&XPBD_DAMPING)?,
     })
+}
+
+/// XPBD with sweeps in single precision, if the settings ask for it.
+pub(super) fn single(
+    particles: &Particles,
+    families: &[Elements],
+    settings: &Settings,
+) -> Result<Option<SingleXpbd>, BenchError> {
+    if !settings.choice(&PRECISION, &[("double", false), ("single", true)])? {
+        return Ok(None);
+    }
+    let config = SingleConfig {
+        iterations: settings.count(&XPBD_ITERATIONS, 1)?,
+        substeps: settings.count(&XPBD_SUBSTEPS, 1)?,
+    };
+    let plain = XpbdConfig {
+        iterations: config.iterations,
+        substeps: config.substeps,
+        ..XpbdConfig::default()
+    };
+    if xpbd(settings)? != plain {
+        return Err(BenchError::Usage(
+            "precision=single needs coloured sweeps without relaxation, extrapolation or damping"
+                .into(),
+        ));
+    }
+    let mut builder = SingleXpbd::builder(particles).config(config);
+    for family in families {
+        builder = match family {
+            Elements::Springs(springs) => builder.springs(springs),
+            Elements::Quadratic(hinges) => builder.vector_rows(hinges),
+            other => {
+                let view = "is of a distance, or of one vector row";
+                return Err(refused("xpbd with precision=single", other, view));
+            }
+        };
+    }
+    builder.build().map(Some).map_err(BenchError::usage)
 }
 
 /// The coarse levels, if the settings ask for them.
