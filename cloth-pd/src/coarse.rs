@@ -184,7 +184,7 @@ impl CoarseGrid {
         correction.fill(Vec3::zeros());
         self.interpolate(&mut correction);
         self.free_pieces.align(None, &mut correction);
-        crate::objective::add(out, 1.0, &correction);
+        crate::vectors::add(out, 1.0, &correction);
         self.correction = correction;
     }
 

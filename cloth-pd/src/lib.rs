@@ -200,9 +200,11 @@ mod lattice;
 mod local;
 mod objective;
 mod pieces;
+mod pulls;
 mod quadratic;
 mod quasi_newton;
 mod solver;
+mod vectors;
 
 pub use change::{AttachmentId, ChangeError};
 pub use config::{Acceleration, PdConfig, Start};

@@ -23,8 +23,8 @@ pub(crate) struct Objective {
     from: Vec<Vec3>,
     /// h (m).
     pub(crate) inertial: Vec<Vec3>,
-    /// `Σ w Gᵀ(p − G x[0])` (N) over the families of constant projection.
-    constant_pull: Vec<Vec3>,
+    /// `Σ w Gᵀ(G x[0] − p)` (N) over the families of constant projection.
+    constant_gradient: Vec<Vec3>,
     /// Δt (s).
     dt: Real,
 }
@@ -78,7 +78,7 @@ impl Objective {
             families,
             from: zeros.clone(),
             inertial: zeros.clone(),
-            constant_pull: zeros,
+            constant_gradient: zeros,
             dt: 1.0,
         }
     }
@@ -100,9 +100,9 @@ impl Objective {
                 return Err(StepError::NonFinite { vertex, step });
             }
         }
-        self.constant_pull.fill(Vec3::zeros());
+        self.constant_gradient.fill(Vec3::zeros());
         for family in &mut self.families {
-            family.add_constant_pull(&self.from, &mut self.constant_pull);
+            family.add_constant_gradient(&self.from, &mut self.constant_gradient);
         }
         Ok(())
     }
@@ -131,12 +131,12 @@ impl Objective {
             gradient[vertex] += pull * attachment.stiffness;
             elastic += 0.5 * attachment.stiffness * pull.norm_squared();
         }
-        let (mut inertia, mut bending) = (0.0, 0.0);
+        let bending = self
+            .quadratic
+            .add_gradient(q, &self.constant_gradient, gradient);
+        let mut inertia = 0.0;
         let per_dt_squared = 1.0 / self.dt / self.dt;
         for vertex in 0..q.len() {
-            let pull = self.quadratic.row_times(vertex, q);
-            let constant = self.constant_pull[vertex];
-            bending += (pull * 0.5 - constant).dot(&q[vertex]);
             if self.particles.is_prescribed(vertex) {
                 gradient[vertex] = Vec3::zeros();
                 continue;
@@ -144,7 +144,7 @@ impl Objective {
             let mass = self.particles.mass()[vertex] * per_dt_squared;
             let h = self.inertial[vertex];
             inertia += 0.5 * mass * q[vertex].dot(&(q[vertex] - h * 2.0));
-            gradient[vertex] += (q[vertex] - h) * mass + (pull - constant);
+            gradient[vertex] += (q[vertex] - h) * mass;
         }
         point.value = inertia + bending + elastic;
         point.size = inertia.abs() + bending.abs() + elastic;
@@ -156,17 +156,5 @@ impl Objective {
         let squares = self.particles.inverse_mass().iter().zip(gradient);
         let squares = squares.map(|(w, g)| w * g.norm_squared());
         squares.sum::<Real>().sqrt()
-    }
-}
-
-/// `Σ aᵢ·bᵢ`.
-pub(crate) fn dot(a: &[Vec3], b: &[Vec3]) -> Real {
-    a.iter().zip(b).map(|(a, b)| a.dot(b)).sum()
-}
-
-/// `y += factor · x`.
-pub(crate) fn add(y: &mut [Vec3], factor: Real, x: &[Vec3]) {
-    for (y, x) in y.iter_mut().zip(x) {
-        *y += x * factor;
     }
 }
