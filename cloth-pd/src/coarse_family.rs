@@ -3,6 +3,7 @@
 use crate::coarse::shorten;
 use crate::lattice::Lattice;
 use crate::local::apply;
+use crate::pulls::{BLOCK, Packed, resistances_on_spheres};
 use cloth_core::block_matrix::{BlockMatrix, BlockPattern};
 use cloth_core::element::Projective;
 use cloth_core::math::{Mat3, Real, Vec3, gather};
@@ -22,9 +23,6 @@ pub(crate) struct CoarseFamily {
     sum: Vec<Mat3>,
     packed: Vec<Packed>,
 }
-
-/// The lower half of a symmetric 3 × 3 matrix, and padding to whole registers.
-type Packed = [Real; 8];
 
 #[derive(Clone, Copy, Debug)]
 struct Group {
@@ -133,6 +131,7 @@ impl CoarseFamily {
     pub(crate) fn add_stiffness<const N: usize, const K: usize, E: Projective<N, K>>(
         &mut self,
         elements: &[E],
+        are_spheres: bool,
         x: &[Vec3],
         out: &mut BlockMatrix,
     ) {
@@ -154,26 +153,30 @@ impl CoarseFamily {
                     packed.fill([0.0; 8]);
                     let mut coefficients =
                         self.coefficients[starts[1]..ends[1]].chunks_exact(node_count * K);
-                    for &element in &self.order[starts[0]..ends[0]] {
-                        let element = &elements[element as usize];
-                        let z = apply(&element.operator(), &gather(x, element.vertices()));
-                        let weight = element.weight();
-                        let resistance = element
-                            .resistance(z)
-                            .map(|row| row.map(|block| block * weight));
-                        let Some(coefficients) = coefficients.next() else {
-                            break;
-                        };
-                        if K == 1 {
-                            add_symmetric_products(&resistance[0][0], coefficients, packed);
+                    for block in self.order[starts[0]..ends[0]].chunks(BLOCK) {
+                        let block = block.iter().map(|&element| &elements[element as usize]);
+                        let on_spheres = if are_spheres {
+                            resistances_on_spheres(block.clone(), x)
                         } else {
+                            None
+                        };
+                        if let Some(resistances) = on_spheres {
+                            let coefficients = coefficients.by_ref().take(block.len());
+                            for (resistance, coefficients) in resistances.iter().zip(coefficients) {
+                                add_symmetric_products(resistance, coefficients, packed);
+                            }
+                            continue;
+                        }
+                        for (element, coefficients) in block.zip(coefficients.by_ref()) {
+                            let z = apply(&element.operator(), &gather(x, element.vertices()));
+                            let weight = element.weight();
+                            let resistance = element.resistance(z);
+                            let resistance = resistance.map(|row| row.map(|block| block * weight));
                             add_products(&resistance, coefficients, sum);
                         }
                     }
-                    if K == 1 {
-                        for (sum, packed) in sum.iter_mut().zip(packed) {
-                            *sum = unpacked(packed);
-                        }
+                    for (sum, packed) in sum.iter_mut().zip(packed) {
+                        *sum += unpacked(packed);
                     }
                     for (slot, sum) in slots.iter().zip(sum.iter()) {
                         out.blocks_mut()[*slot as usize] += sum;
@@ -211,12 +214,10 @@ fn add_products<const K: usize>(
 
 /// The same for one row, whose products are symmetric.
 #[inline(always)]
-fn add_symmetric_products(resistance: &Mat3, coefficients: &[Real], sum: &mut [Packed]) {
-    let s = resistance;
-    let s = [s.m11, s.m21, s.m31, s.m22, s.m32, s.m33, 0.0, 0.0];
+fn add_symmetric_products(resistance: &Packed, coefficients: &[Real], sum: &mut [Packed]) {
     let mut blocks = sum.iter_mut();
     for (i, a) in coefficients.iter().enumerate() {
-        let row = s.map(|entry| entry * a);
+        let row = resistance.map(|entry| entry * a);
         for b in &coefficients[..=i] {
             let Some(block) = blocks.next() else { return };
             for lane in 0..8 {

@@ -212,7 +212,9 @@ impl<const N: usize, const K: usize, E: Projective<N, K>> Projections for Family
     }
 
     fn add_coarse_stiffness(&mut self, x: &[Vec3], out: &mut BlockMatrix) {
-        self.coarse.add_stiffness(&self.elements, x, out);
+        let are_spheres = self.are_spheres;
+        self.coarse
+            .add_stiffness(&self.elements, are_spheres, x, out);
     }
 }
 

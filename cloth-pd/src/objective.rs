@@ -131,20 +131,21 @@ impl Objective {
             gradient[vertex] += pull * attachment.stiffness;
             elastic += 0.5 * attachment.stiffness * pull.norm_squared();
         }
-        let bending = self
-            .quadratic
-            .add_gradient(q, &self.constant_gradient, gradient);
-        let mut inertia = 0.0;
+        let product = self.quadratic.times(q);
+        let (mut inertia, mut bending) = (0.0, 0.0);
         let per_dt_squared = 1.0 / self.dt / self.dt;
         for vertex in 0..q.len() {
+            let (own, constant) = (q[vertex], self.constant_gradient[vertex]);
+            let pull = Vec3::new(product[vertex][0], product[vertex][1], product[vertex][2]);
+            bending += (pull * 0.5 + constant).dot(&own);
             if self.particles.is_prescribed(vertex) {
                 gradient[vertex] = Vec3::zeros();
                 continue;
             }
             let mass = self.particles.mass()[vertex] * per_dt_squared;
             let h = self.inertial[vertex];
-            inertia += 0.5 * mass * q[vertex].dot(&(q[vertex] - h * 2.0));
-            gradient[vertex] += (q[vertex] - h) * mass;
+            inertia += 0.5 * mass * own.dot(&(own - h * 2.0));
+            gradient[vertex] += (own - h) * mass + (pull + constant);
         }
         point.value = inertia + bending + elastic;
         point.size = inertia.abs() + bending.abs() + elastic;

@@ -76,6 +76,49 @@ impl<const K: usize> Pulls<K> {
         elements: impl Iterator<Item = &'a E>,
         x: &[Vec3],
     ) -> bool {
+        let Some(Spheres {
+            z,
+            radius,
+            weight,
+            squared,
+        }) = Spheres::at(elements, x)
+        else {
+            return false;
+        };
+        let mut shares = [0.0; BLOCK];
+        for lane in 0..BLOCK {
+            let length = squared[lane].sqrt();
+            let stretch = length - radius[lane];
+            let force = weight[lane] * stretch;
+            self.energies[lane] = 0.5 * force * stretch;
+            shares[lane] = force / length;
+        }
+        for lane in 0..BLOCK {
+            let pull = [z[0][lane], z[1][lane], z[2][lane]].map(|z| z * shares[lane]);
+            self.pulls[lane][0] = Vec3::from(pull);
+        }
+        true
+    }
+}
+
+/// Elements that project to spheres, side by side; what follows the last has no weight.
+#[derive(Debug)]
+struct Spheres {
+    /// `z = G x`, axis by axis.
+    z: [[Real; BLOCK]; 3],
+    radius: [Real; BLOCK],
+    weight: [Real; BLOCK],
+    /// `‖z‖²`.
+    squared: [Real; BLOCK],
+}
+
+impl Spheres {
+    /// None where some `‖z‖²` is no number to divide by.
+    #[inline(always)]
+    fn at<'a, const N: usize, const K: usize, E: Projective<N, K>>(
+        elements: impl Iterator<Item = &'a E>,
+        x: &[Vec3],
+    ) -> Option<Self> {
         let mut z = [[1.0; BLOCK]; 3];
         let (mut radius, mut weight) = ([1.0; BLOCK], [0.0; BLOCK]);
         for (lane, element) in elements.enumerate().take(BLOCK) {
@@ -86,22 +129,55 @@ impl<const K: usize> Pulls<K> {
             radius[lane] = element.sphere().unwrap_or(0.0);
             weight[lane] = element.weight();
         }
-        let mut shares = [0.0; BLOCK];
+        let mut squared = [0.0; BLOCK];
         let mut lost = 0u64;
         for lane in 0..BLOCK {
-            let squared =
+            squared[lane] =
                 z[0][lane] * z[0][lane] + z[1][lane] * z[1][lane] + z[2][lane] * z[2][lane];
-            let length = squared.sqrt();
-            let stretch = length - radius[lane];
-            let force = weight[lane] * stretch;
-            self.energies[lane] = 0.5 * force * stretch;
-            shares[lane] = force / length;
-            lost |= u64::from(!(squared >= Real::MIN_POSITIVE && squared < Real::INFINITY));
+            lost |=
+                u64::from(!(squared[lane] >= Real::MIN_POSITIVE && squared[lane] < Real::INFINITY));
         }
-        for lane in 0..BLOCK {
-            let pull = [z[0][lane], z[1][lane], z[2][lane]].map(|z| z * shares[lane]);
-            self.pulls[lane][0] = Vec3::from(pull);
-        }
-        lost == 0
+        (lost == 0).then_some(Self {
+            z,
+            radius,
+            weight,
+            squared,
+        })
     }
+}
+
+/// The lower half of a symmetric 3 × 3 matrix column by column, and padding to whole registers.
+pub(crate) type Packed = [Real; 8];
+
+/// `w (I − ∂p/∂z)` (N/m) of at most [`BLOCK`] elements that project to spheres: `w (c I + (1 − c) z zᵀ/‖z‖²)` with `c = 1 − r/‖z‖`, or 0
+/// where that is negative. None where some `‖z‖²` is no number to divide by.
+#[inline(always)]
+pub(crate) fn resistances_on_spheres<'a, const N: usize, const K: usize, E: Projective<N, K>>(
+    elements: impl Iterator<Item = &'a E>,
+    x: &[Vec3],
+) -> Option<[Packed; BLOCK]> {
+    let spheres = Spheres::at(elements, x)?;
+    let (mut across, mut along) = ([0.0; BLOCK], [0.0; BLOCK]);
+    for lane in 0..BLOCK {
+        let length = spheres.squared[lane].sqrt();
+        let share = (1.0 - spheres.radius[lane] / length).max(0.0);
+        across[lane] = spheres.weight[lane] * share;
+        along[lane] = spheres.weight[lane] * (1.0 - share) / spheres.squared[lane];
+    }
+    let mut packed = [[0.0; 8]; BLOCK];
+    for lane in 0..BLOCK {
+        let [x, y, z] = spheres.z.map(|axis| axis[lane]);
+        let (c, a) = (across[lane], along[lane]);
+        packed[lane] = [
+            c + a * x * x,
+            a * x * y,
+            a * x * z,
+            c + a * y * y,
+            a * y * z,
+            c + a * z * z,
+            0.0,
+            0.0,
+        ];
+    }
+    Some(packed)
 }

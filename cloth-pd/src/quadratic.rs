@@ -33,10 +33,10 @@ impl Quadratic {
         }
     }
 
-    /// Adds `Q q + c` (N) to `out` and returns `½ qᵀQq + cᵀq` (J), of a displacement q (m) and the gradient c (N) without it.
-    pub(crate) fn add_gradient(&mut self, q: &[Vec3], c: &[Vec3], out: &mut [Vec3]) -> Real {
+    /// `Q q` (N) of a displacement q (m), the fourth number 0.
+    pub(crate) fn times(&mut self, q: &[Vec3]) -> &[[Real; 4]] {
         if self.matrix.nnz() == 0 {
-            return 0.0; // there are no such elements
+            return &self.product; // zeros from the beginning
         }
         for (padded, q) in self.padded.iter_mut().zip(q) {
             *padded = [q.x, q.y, q.z, 0.0];
@@ -47,7 +47,7 @@ impl Quadratic {
         wide(
             #[inline(always)]
             || {
-                for (range, product) in offsets.windows(2).zip(product.iter_mut()) {
+                for (range, product) in offsets.windows(2).zip(product) {
                     let range = range[0] as usize..range[1] as usize;
                     let entries = matrix.indices()[range.clone()].iter();
                     let mut sum = [0.0; 4];
@@ -59,14 +59,8 @@ impl Quadratic {
                     }
                     *product = sum;
                 }
-                let mut energy = 0.0;
-                for ((out, product), (q, c)) in out.iter_mut().zip(product).zip(q.iter().zip(c)) {
-                    let pull = Vec3::new(product[0], product[1], product[2]);
-                    energy += (pull * 0.5 + c).dot(q);
-                    *out += pull + c;
-                }
-                energy
             },
-        )
+        );
+        &self.product
     }
 }
