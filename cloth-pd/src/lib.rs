@@ -198,6 +198,7 @@ mod free_pieces;
 mod global;
 mod lattice;
 mod local;
+mod matrix;
 mod objective;
 mod pieces;
 mod pulls;
@@ -208,4 +209,5 @@ mod vectors;
 
 pub use change::{AttachmentId, ChangeError};
 pub use config::{Acceleration, PdConfig, Start};
+pub use local::LocalStep;
 pub use solver::{PdBuilder, PdSolver};

@@ -229,6 +229,32 @@ fn key<const N: usize, E: Element<N>>(element: &E) -> [u32; 4] {
 /// Vertices that elements stay with before they go on: few enough for positions and sums to stay in the nearest cache.
 const WINDOW: u32 = 512;
 
+/// The local step of one family alone, for those who want to time it or look at it.
+#[derive(Debug)]
+pub struct LocalStep(Box<dyn Projections>);
+
+impl LocalStep {
+    /// Takes the elements over, without those that have no weight.
+    ///
+    /// # Errors
+    /// As for [`PdBuilder::build`](crate::PdBuilder::build).
+    pub fn new<const N: usize, const K: usize, E: Projective<N, K>>(
+        particles: &Particles,
+        elements: Vec<E>,
+    ) -> Result<Self, BuildError> {
+        Ok(Self(Box::new(Family::new(elements, particles)?)))
+    }
+
+    /// Adds the gradient `Σ w Gᵀ(G x − p)` at the positions x (m) to `out` (N), one of each per particle, and returns the energy `½ Σ w ‖G x − p‖²` (J). Elements
+    /// whose projection is constant add nothing: their part is a matrix.
+    ///
+    /// # Panics
+    /// If a vertex of an element has no position or no place in `out`.
+    pub fn add_gradient(&mut self, x: &[Vec3], out: &mut [Vec3]) -> Real {
+        self.0.add_gradient(x, out)
+    }
+}
+
 /// `z = G x`.
 #[inline(always)]
 pub(crate) fn apply<const N: usize, const K: usize>(
