@@ -82,17 +82,14 @@ impl<const N: usize, const K: usize, E: Projective<N, K>> Family<N, K, E> {
                 });
             }
         }
-        let mut order: Vec<usize> = (0..elements.len()).collect();
-        order.sort_by_key(|&given| (key(&elements[given]), given));
         let mut places = vec![Place::Weightless; elements.len()];
-        let mut sorted = Vec::with_capacity(elements.len());
-        for given in order {
-            if elements[given].weight() > 0.0 {
-                places[given] = Place::At(sorted.len() as u32);
-                sorted.push(elements[given]);
-            }
+        let mut sorted: Vec<(usize, E)> = elements.into_iter().enumerate().collect();
+        sorted.retain(|(_, element)| element.weight() > 0.0);
+        sorted.sort_by_key(|(given, element)| (key(element), *given));
+        for (at, (given, _)) in (0..).zip(&sorted) {
+            places[*given] = Place::At(at);
         }
-        let elements = sorted;
+        let elements: Vec<E> = sorted.into_iter().map(|(_, element)| element).collect();
         Ok(Self {
             are_spheres: K == 1 && elements.iter().all(|element| element.sphere().is_some()),
             elements,

@@ -23,8 +23,11 @@ pub(super) const STUDY: Study = Study {
     run,
 };
 
+/// Settings that differ from the default, by name.
+type Pairs = &'static [(&'static str, &'static str)];
+
 /// Label and settings of each variant.
-const VARIANTS: [(&str, &[(&str, &str)]); 4] = [
+const VARIANTS: [(&str, Pairs); 4] = [
     ("plain", &[("acceleration", "none")]),
     (
         "chebyshev",
@@ -38,7 +41,7 @@ const VARIANTS: [(&str, &[(&str, &str)]); 4] = [
 const GOALS: [Real; 3] = [1e-2, 1e-4, 1e-6];
 
 /// Settings of the whole fall.
-const FALLS: [(&str, &[(&str, &str)]); 4] = [
+const FALLS: [(&str, Pairs); 4] = [
     (
         "plain, 10 iterations from x̃",
         &[
@@ -214,7 +217,7 @@ fn milliseconds(sample: Option<&Sample>) -> Cell {
 const RACE_GOAL: Real = 1e-3;
 
 /// Label, method and settings of those who race, each from where it starts by default.
-const RACERS: [(&str, &str, &[(&str, &str)]); 3] = [
+const RACERS: [(&str, &str, Pairs); 3] = [
     (
         "projective dynamics",
         "pd",
