@@ -3,7 +3,7 @@
 
 use cloth_bench::scene::{self, Scene};
 use cloth_bench::settings::Settings;
-use cloth_core::element::{Element, Projective};
+use cloth_core::element::Projective;
 use cloth_core::linear::{Cholesky, LowRank, PanelFactor, UpperPattern};
 use cloth_core::math::{Real, Vec3};
 use cloth_core::step::{StepInput, Stepper};

@@ -1,6 +1,7 @@
 //! The function that a step minimises, and a point with its value and gradient.
 
 use crate::local::Projections;
+use crate::pieces::together;
 use crate::quadratic::Quadratic;
 use cloth_core::energy::Attachment;
 use cloth_core::math::{Real, Vec3};
@@ -121,17 +122,20 @@ impl Objective {
         let q = &point.displacement;
         let gradient = &mut point.gradient;
         gradient.fill(Vec3::zeros());
-        let mut elastic = 0.0;
-        for family in &mut self.families {
-            elastic += family.add_gradient(&point.positions, gradient);
-        }
+        let (families, quadratic) = (&mut self.families, &mut self.quadratic);
+        let positions = &point.positions;
+        let mut own = |family: &mut Box<dyn Projections>| family.add_gradient(positions, gradient);
+        let (mut elastic, product) = together(
+            q.len(),
+            || families.iter_mut().map(&mut own).sum::<Real>(),
+            || quadratic.times(q),
+        );
         for attachment in &self.attachments {
             let vertex = attachment.vertex as usize;
             let pull = point.positions[vertex] - attachment.target;
             gradient[vertex] += pull * attachment.stiffness;
             elastic += 0.5 * attachment.stiffness * pull.norm_squared();
         }
-        let product = self.quadratic.times(q);
         let (mut inertia, mut bending) = (0.0, 0.0);
         let per_dt_squared = 1.0 / self.dt / self.dt;
         for vertex in 0..q.len() {

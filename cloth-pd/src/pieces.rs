@@ -42,7 +42,17 @@ impl Pieces {
 }
 
 #[cfg(feature = "parallel")]
-pub(crate) use threads::pays;
+pub(crate) use threads::{pays, together};
+
+/// Does two things that have nothing to do with each other, one after the other.
+#[cfg(not(feature = "parallel"))]
+pub(crate) fn together<A, B>(
+    _: usize,
+    first: impl FnOnce() -> A,
+    second: impl FnOnce() -> B,
+) -> (A, B) {
+    (first(), second())
+}
 
 #[cfg(feature = "parallel")]
 mod threads {
@@ -58,9 +68,25 @@ mod threads {
     /// a millisecond, and a second thread that has to be woken first saves nothing of it.
     const SMALLEST_PARALLEL_FAMILY: usize = 32_768;
 
+    /// Passes over fewer vertices than this take less than it costs to wake a second thread a few times in an iteration.
+    const SMALLEST_PARALLEL_CLOTH: usize = 8_192;
+
     /// Whether several threads are there, and enough for them to do.
     pub(crate) fn pays(element_count: usize) -> bool {
         element_count >= SMALLEST_PARALLEL_FAMILY && rayon::current_num_threads() > 1
+    }
+
+    /// Does two things that have nothing to do with each other, at the same time if there are several threads and the cloth has enough vertices.
+    pub(crate) fn together<A: Send, B: Send>(
+        vertex_count: usize,
+        first: impl FnOnce() -> A + Send,
+        second: impl FnOnce() -> B + Send,
+    ) -> (A, B) {
+        if vertex_count >= SMALLEST_PARALLEL_CLOTH && rayon::current_num_threads() > 1 {
+            rayon::join(first, second)
+        } else {
+            (first(), second())
+        }
     }
 
     impl Pieces {

@@ -4,6 +4,7 @@
 use crate::coarse::CoarseGrid;
 use crate::global::GlobalSystem;
 use crate::objective::{Objective, Point};
+use crate::pieces::together;
 use crate::vectors::{add, add_and_dot, dot};
 use cloth_core::math::{Real, Vec3};
 
@@ -111,9 +112,14 @@ impl QuasiNewton {
                 None => add(work, -share, change),
             }
         }
-        global.solve(&self.work, &mut self.direction);
-        if let Some(coarse) = coarse {
-            coarse.add_correction(&self.work, &mut self.direction);
+        let (work, direction) = (&self.work[..], &mut self.direction[..]);
+        match coarse {
+            Some(coarse) => {
+                let solve = || global.solve(work, direction);
+                together(work.len(), solve, || coarse.solve(work));
+                coarse.add_correction(&mut self.direction);
+            }
+            None => global.solve(work, direction),
         }
         let oldest = len.checked_sub(1).and_then(pair);
         product = oldest.map_or(0.0, |at| dot(&pairs[at].change, &self.direction));

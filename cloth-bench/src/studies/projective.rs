@@ -99,8 +99,8 @@ fn run(scope: Scope, progress: &mut dyn FnMut(&str)) -> Result<Findings, BenchEr
         "to 1e-4",
         "to 1e-6",
         "ms to 1e-2",
-        "to 1e-4",
-        "to 1e-6",
+        "ms to 1e-4",
+        "ms to 1e-6",
     ]);
     let at = |n, stiffness| {
         Settings::default()
