@@ -3,11 +3,11 @@
 
 use cloth_bench::scene::{self, Scene};
 use cloth_bench::settings::Settings;
-use cloth_core::element::{Element, Projective};
+use cloth_core::element::Projective;
 use cloth_core::linear::{Cholesky, LowRank, PanelFactor, UpperPattern};
-use cloth_core::math::{Real, Vec3, gather};
+use cloth_core::math::{Real, Vec3};
 use cloth_core::step::{StepInput, Stepper};
-use cloth_pd::{Acceleration, PdConfig, PdSolver};
+use cloth_pd::{Acceleration, LocalStep, PdConfig, PdSolver};
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use std::hint::black_box;
 
@@ -127,18 +127,9 @@ fn local_step(criterion: &mut Criterion) {
         let mut group = criterion.benchmark_group(format!("projective local step, {side} a side"));
         let bytes = springs.len() * 24 + x.len() * 72;
         group.throughput(Throughput::Bytes(bytes as u64));
+        let mut local = LocalStep::new(&scene.model.particles, springs.clone()).expect("springs");
         group.bench_function("project springs", |bencher| {
-            bencher.iter(|| {
-                for spring in springs {
-                    let [i, j] = spring.vertices();
-                    let [a, b] = gather(x, [i, j]);
-                    let [p] = spring.project([a - b]);
-                    let pull = (a - b - p) * spring.weight();
-                    forces[i as usize] += pull;
-                    forces[j as usize] -= pull;
-                }
-                black_box(&mut forces);
-            });
+            bencher.iter(|| black_box(local.add_gradient(black_box(x), &mut forces)));
         });
         let plain = springs.iter().map(|s| [s.stiffness, s.rest_length, 1.0]);
         let plain: Vec<[Real; 3]> = plain.collect();

@@ -192,6 +192,13 @@ pub trait Projective<const N: usize, const K: usize>: Element<N> {
     /// The nearest point of the set to `z = G x`.
     fn project(&self, z: [Vec3; K]) -> [Vec3; K];
 
+    /// The radius r (unit of `z`) if the set is the sphere `‖z‖ = r` and `K` is 1, so that `p = r z/‖z‖`: a solver may then project several elements
+    /// at once. [`Projective::project`] says what happens at `z = 0`.
+    #[inline(always)]
+    fn sphere(&self) -> Option<Real> {
+        None
+    }
+
     /// How the distance resists a change of `z`: `I − ∂p/∂z` in 3 × 3 blocks (dimensionless), without its negative eigenvalues, so
     /// that `w Gᵀ (I − ∂p/∂z) G` is the Hessian under [`Convexity::Clamp`].
     ///

@@ -94,6 +94,9 @@ pub mod coloring;
 pub mod ordering;
 mod parallel;
 
+#[cfg(feature = "cholesky")]
+pub mod wide;
+
 pub mod block_matrix;
 pub mod linear;
 

@@ -164,8 +164,8 @@ impl CoarseGrid {
         }
     }
 
-    /// Adds `P (PᵀHP)⁻¹ Pᵀ r` (m) of a right-hand side r (N) to `out`.
-    pub(crate) fn add_correction(&mut self, r: &[Vec3], out: &mut [Vec3]) {
+    /// Finds `(PᵀHP)⁻¹ Pᵀ r` (m) for a right-hand side r (N).
+    pub(crate) fn solve(&mut self, r: &[Vec3]) {
         if !self.is_factored {
             return;
         }
@@ -177,6 +177,13 @@ impl CoarseGrid {
         }
         self.cholesky
             .solve(&self.right_hand_side, &mut self.solution);
+    }
+
+    /// Adds P times what was found last (m) to `out`.
+    pub(crate) fn add_correction(&mut self, out: &mut [Vec3]) {
+        if !self.is_factored {
+            return;
+        }
         if self.free_pieces.is_empty() {
             return self.interpolate(out);
         }
@@ -184,7 +191,7 @@ impl CoarseGrid {
         correction.fill(Vec3::zeros());
         self.interpolate(&mut correction);
         self.free_pieces.align(None, &mut correction);
-        crate::objective::add(out, 1.0, &correction);
+        crate::vectors::add(out, 1.0, &correction);
         self.correction = correction;
     }
 

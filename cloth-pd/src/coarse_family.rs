@@ -3,9 +3,11 @@
 use crate::coarse::shorten;
 use crate::lattice::Lattice;
 use crate::local::apply;
+use crate::pulls::{BLOCK, Packed, resistances_on_spheres};
 use cloth_core::block_matrix::{BlockMatrix, BlockPattern};
 use cloth_core::element::Projective;
 use cloth_core::math::{Mat3, Real, Vec3, gather};
+use cloth_core::wide::wide;
 
 /// Elements with the same nodes under them, one after another: their sum is formed in a small dense matrix and added to the large one once.
 #[derive(Debug, Default)]
@@ -19,6 +21,7 @@ pub(crate) struct CoarseFamily {
     /// Places in the matrix of the pairs of nodes of each group, the lower half row by row.
     slots: Vec<u32>,
     sum: Vec<Mat3>,
+    packed: Vec<Packed>,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -119,51 +122,74 @@ impl CoarseFamily {
             *start = group.ends[3];
             Some(count as usize)
         });
-        self.sum = vec![Mat3::zeros(); most.max().unwrap_or(0)];
+        let most = most.max().unwrap_or(0);
+        self.sum = vec![Mat3::zeros(); most];
+        self.packed = vec![[0.0; 8]; most];
     }
 
     /// Adds `Pᵀ (Σ w Gᵀ (I − ∂p/∂z) G) P` at x (m) to `out` (N/m).
     pub(crate) fn add_stiffness<const N: usize, const K: usize, E: Projective<N, K>>(
         &mut self,
         elements: &[E],
+        are_spheres: bool,
         x: &[Vec3],
         out: &mut BlockMatrix,
     ) {
-        let mut starts = [0; 4];
-        for group in &self.groups {
-            let ends = group.ends.map(|end| end as usize);
-            let node_count = ends[2] - starts[2];
-            let slots = &self.slots[starts[3]..ends[3]];
-            if node_count == 0 {
-                starts = ends; // prescribed vertices only
-                continue;
-            }
-            let sum = &mut self.sum[..slots.len()];
-            sum.fill(Mat3::zeros());
-            let mut coefficients =
-                self.coefficients[starts[1]..ends[1]].chunks_exact(node_count * K);
-            for &element in &self.order[starts[0]..ends[0]] {
-                let element = &elements[element as usize];
-                let z = apply(&element.operator(), &gather(x, element.vertices()));
-                let weight = element.weight();
-                let resistance = element
-                    .resistance(z)
-                    .map(|row| row.map(|block| block * weight));
-                let Some(coefficients) = coefficients.next() else {
-                    break;
-                };
-                add_products(&resistance, coefficients, sum);
-            }
-            for (slot, sum) in slots.iter().zip(sum.iter()) {
-                out.blocks_mut()[*slot as usize] += sum;
-            }
-            starts = ends;
-        }
+        wide(
+            #[inline(always)]
+            || {
+                let mut starts = [0; 4];
+                for group in &self.groups {
+                    let ends = group.ends.map(|end| end as usize);
+                    let node_count = ends[2] - starts[2];
+                    let slots = &self.slots[starts[3]..ends[3]];
+                    if node_count == 0 {
+                        starts = ends; // prescribed vertices only
+                        continue;
+                    }
+                    let sum = &mut self.sum[..slots.len()];
+                    sum.fill(Mat3::zeros());
+                    let packed = &mut self.packed[..slots.len()];
+                    packed.fill([0.0; 8]);
+                    let mut coefficients =
+                        self.coefficients[starts[1]..ends[1]].chunks_exact(node_count * K);
+                    for block in self.order[starts[0]..ends[0]].chunks(BLOCK) {
+                        let block = block.iter().map(|&element| &elements[element as usize]);
+                        let on_spheres = if are_spheres {
+                            resistances_on_spheres(block.clone(), x)
+                        } else {
+                            None
+                        };
+                        if let Some(resistances) = on_spheres {
+                            let coefficients = coefficients.by_ref().take(block.len());
+                            for (resistance, coefficients) in resistances.iter().zip(coefficients) {
+                                add_symmetric_products(resistance, coefficients, packed);
+                            }
+                            continue;
+                        }
+                        for (element, coefficients) in block.zip(coefficients.by_ref()) {
+                            let z = apply(&element.operator(), &gather(x, element.vertices()));
+                            let weight = element.weight();
+                            let resistance = element.resistance(z);
+                            let resistance = resistance.map(|row| row.map(|block| block * weight));
+                            add_products(&resistance, coefficients, sum);
+                        }
+                    }
+                    for (sum, packed) in sum.iter_mut().zip(packed) {
+                        *sum += unpacked(packed);
+                    }
+                    for (slot, sum) in slots.iter().zip(sum.iter()) {
+                        out.blocks_mut()[*slot as usize] += sum;
+                    }
+                    starts = ends;
+                }
+            },
+        );
     }
 }
 
 /// Adds `Σₖₗ cₐₖ c_bₗ Sₖₗ` to the block of each pair of nodes a ≥ b.
-#[inline]
+#[inline(always)]
 fn add_products<const K: usize>(
     resistance: &[[Mat3; K]; K],
     coefficients: &[Real],
@@ -184,4 +210,24 @@ fn add_products<const K: usize>(
             }
         }
     }
+}
+
+/// The same for one row, whose products are symmetric.
+#[inline(always)]
+fn add_symmetric_products(resistance: &Packed, coefficients: &[Real], sum: &mut [Packed]) {
+    let mut blocks = sum.iter_mut();
+    for (i, a) in coefficients.iter().enumerate() {
+        let row = resistance.map(|entry| entry * a);
+        for b in &coefficients[..=i] {
+            let Some(block) = blocks.next() else { return };
+            for lane in 0..8 {
+                block[lane] += row[lane] * b;
+            }
+        }
+    }
+}
+
+#[inline(always)]
+fn unpacked(&[xx, yx, zx, yy, zy, zz, ..]: &Packed) -> Mat3 {
+    Mat3::new(xx, yx, zx, yx, yy, zy, zx, zy, zz)
 }

@@ -4,12 +4,14 @@ use crate::coarse_family::CoarseFamily;
 use crate::global::Term;
 use crate::lattice::Lattice;
 use crate::pieces::{self, Pieces};
+use crate::pulls::{BLOCK, Pulls};
 use cloth_core::block_matrix::{BlockMatrix, BlockPattern};
-use cloth_core::element::Projective;
+use cloth_core::element::{Element, Projective};
 use cloth_core::family::check_vertices;
-use cloth_core::math::{Real, Vec3, gather};
+use cloth_core::math::{Real, Vec3};
 use cloth_core::particles::Particles;
 use cloth_core::step::BuildError;
+use cloth_core::wide::wide;
 use std::fmt::Debug;
 
 /// Takes one entry of the matrix `Σ w GᵀG`: row, column, value (N/m).
@@ -23,8 +25,8 @@ pub(crate) trait Projections: Debug + Send + Sync {
     /// Hands over the entries of the lower half of `Σ w GᵀG`.
     fn add_matrix(&self, entry: &mut EntrySink<'_>);
 
-    /// Adds `Σ w Gᵀ(p − G x)` to `out` (N) if the projections are constant, else nothing.
-    fn add_constant_pull(&mut self, x: &[Vec3], out: &mut [Vec3]);
+    /// Adds the gradient `Σ w Gᵀ(G x − p)` at x (m) to `out` (N) if the projections are constant, else nothing.
+    fn add_constant_gradient(&mut self, x: &[Vec3], out: &mut [Vec3]);
 
     /// Adds the gradient `Σ w Gᵀ(G x − p)` at x (m) to `out` (N) and returns the energy `½ Σ w ‖G x − p‖²` (J), unless the
     /// projections are constant.
@@ -59,14 +61,16 @@ pub(crate) struct Family<const N: usize, const K: usize, E> {
     elements: Vec<E>,
     /// Place in `elements` of each element that was given.
     places: Vec<Place>,
+    /// Whether all of them project to a sphere.
+    are_spheres: bool,
     pieces: Pieces,
     /// Nothing without a coarse grid.
     coarse: CoarseFamily,
 }
 
 impl<const N: usize, const K: usize, E: Projective<N, K>> Family<N, K, E> {
-    /// Leaves out the elements that have no weight.
-    pub(crate) fn new(mut elements: Vec<E>, particles: &Particles) -> Result<Self, BuildError> {
+    /// Leaves out the elements that have no weight, and sorts the others for the sums.
+    pub(crate) fn new(elements: Vec<E>, particles: &Particles) -> Result<Self, BuildError> {
         check_vertices(&elements, particles.len())?;
         for element in &elements {
             let weight = element.weight();
@@ -78,17 +82,16 @@ impl<const N: usize, const K: usize, E: Projective<N, K>> Family<N, K, E> {
                 });
             }
         }
-        let mut count = 0;
-        let place = |element: &E| {
-            if element.weight() == 0.0 {
-                return Place::Weightless;
-            }
-            count += 1;
-            Place::At(count - 1)
-        };
-        let places = elements.iter().map(place).collect();
-        elements.retain(|element| element.weight() > 0.0);
+        let mut places = vec![Place::Weightless; elements.len()];
+        let mut sorted: Vec<(usize, E)> = elements.into_iter().enumerate().collect();
+        sorted.retain(|(_, element)| element.weight() > 0.0);
+        sorted.sort_by_key(|(given, element)| (key(element), *given));
+        for (at, (given, _)) in (0..).zip(&sorted) {
+            places[*given] = Place::At(at);
+        }
+        let elements: Vec<E> = sorted.into_iter().map(|(_, element)| element).collect();
         Ok(Self {
+            are_spheres: K == 1 && elements.iter().all(|element| element.sphere().is_some()),
             elements,
             places,
             pieces: Pieces::new(particles.len()),
@@ -96,36 +99,42 @@ impl<const N: usize, const K: usize, E: Projective<N, K>> Family<N, K, E> {
         })
     }
 
-    /// Adds `Σ w Gᵀ pull(element, G x)` to `out` and returns `½ Σ w ‖pull‖²`; on one thread or on several, with the same bits.
-    fn sum(
-        &mut self,
-        x: &[Vec3],
-        out: &mut [Vec3],
-        pull: impl Fn(&E, [Vec3; K]) -> [Vec3; K] + Sync,
-    ) -> Real {
-        let weighted = |element: &E| {
-            let pull = pull(
-                element,
-                apply(&element.operator(), &gather(x, element.vertices())),
-            );
-            let weight = element.weight();
-            let squared: Real = pull.iter().map(Vec3::norm_squared).sum();
-            (pull.map(|pull| pull * weight), 0.5 * weight * squared)
-        };
+    /// Adds `Σ w Gᵀ(G x − p)` to `out` and returns `½ Σ w ‖G x − p‖²`; on one thread or on several, with the same bits.
+    fn sum(&mut self, x: &[Vec3], out: &mut [Vec3]) -> Real {
+        let are_spheres = self.are_spheres;
         #[cfg(feature = "parallel")]
         if pieces::pays(self.elements.len()) {
-            return self.pieces.sum(&self.elements, out, weighted);
+            return self.pieces.sum(&self.elements, are_spheres, x, out);
         }
-        self.pieces.values.fill(0.0);
-        for element in &self.elements {
-            let (pull, value) = weighted(element);
-            let operator = element.operator();
-            let vertices = element.vertices();
-            for i in 0..N {
-                out[vertices[i] as usize] += share(&operator, &pull, i);
-            }
-            self.pieces.values[pieces::of(vertices[0])] += value;
-        }
+        let (elements, values) = (&self.elements[..], &mut self.pieces.values[..]);
+        values.fill(0.0);
+        wide(
+            #[inline(always)]
+            || {
+                let mut pulls = Pulls::default();
+                // The sum of a piece stays in a register as long as the piece is the same: memory would make every element wait for the one before.
+                let (mut piece, mut sum) = (0, 0.0);
+                for block in elements.chunks(BLOCK) {
+                    pulls.find(block.iter(), are_spheres, x);
+                    for (element, (pull, energy)) in block.iter().zip(pulls.each()) {
+                        let operator = element.operator();
+                        let vertices = element.vertices();
+                        for i in 0..N {
+                            out[vertices[i] as usize] += share(&operator, pull, i);
+                        }
+                        if pieces::of(vertices[0]) != piece {
+                            values[piece] = sum;
+                            piece = pieces::of(vertices[0]);
+                            sum = values[piece];
+                        }
+                        sum += energy;
+                    }
+                    if let Some(value) = values.get_mut(piece) {
+                        *value = sum;
+                    }
+                }
+            },
+        );
         self.pieces.values.iter().sum()
     }
 }
@@ -150,12 +159,9 @@ impl<const N: usize, const K: usize, E: Projective<N, K>> Projections for Family
         }
     }
 
-    fn add_constant_pull(&mut self, x: &[Vec3], out: &mut [Vec3]) {
+    fn add_constant_gradient(&mut self, x: &[Vec3], out: &mut [Vec3]) {
         if E::PROJECTION_IS_CONSTANT {
-            self.sum(x, out, |element, z| {
-                let p = element.project(z);
-                std::array::from_fn(|k| p[k] - z[k])
-            });
+            self.sum(x, out);
         }
     }
 
@@ -163,10 +169,7 @@ impl<const N: usize, const K: usize, E: Projective<N, K>> Projections for Family
         if E::PROJECTION_IS_CONSTANT {
             return 0.0;
         }
-        self.sum(x, out, |element, z| {
-            let p = element.project(z);
-            std::array::from_fn(|k| z[k] - p[k])
-        })
+        self.sum(x, out)
     }
 
     fn remove(&mut self, element: usize, terms: &mut Vec<Term>) -> Option<()> {
@@ -182,9 +185,11 @@ impl<const N: usize, const K: usize, E: Projective<N, K>> Projections for Family
         *place = Place::Removed;
         // The order of the others stays: sums come out as without the element.
         let gone = self.elements.remove(at as usize);
-        for place in &mut self.places[element + 1..] {
-            if let Place::At(at) = place {
-                *at -= 1;
+        for place in &mut self.places {
+            if let Place::At(after) = place
+                && *after > at
+            {
+                *after -= 1;
             }
         }
         self.pieces.forget();
@@ -204,19 +209,59 @@ impl<const N: usize, const K: usize, E: Projective<N, K>> Projections for Family
     }
 
     fn add_coarse_stiffness(&mut self, x: &[Vec3], out: &mut BlockMatrix) {
-        self.coarse.add_stiffness(&self.elements, x, out);
+        let are_spheres = self.are_spheres;
+        self.coarse
+            .add_stiffness(&self.elements, are_spheres, x, out);
+    }
+}
+
+/// Elements in the order of these numbers have their vertices near one another, but seldom the same vertex as the element before, whose sum they would have to wait for: all of one
+/// direction on a grid come together, first those that start at an even vertex.
+fn key<const N: usize, E: Element<N>>(element: &E) -> [u32; 4] {
+    let vertices = element.vertices();
+    let (first, last) = (vertices[0], vertices[N - 1]);
+    [first / WINDOW, last.wrapping_sub(first), first % 2, first]
+}
+
+/// Vertices that elements stay with before they go on: few enough for positions and sums to stay in the nearest cache.
+const WINDOW: u32 = 512;
+
+/// The local step of one family alone, for those who want to time it or look at it.
+#[derive(Debug)]
+pub struct LocalStep(Box<dyn Projections>);
+
+impl LocalStep {
+    /// Takes the elements over, without those that have no weight.
+    ///
+    /// # Errors
+    /// As for [`PdBuilder::build`](crate::PdBuilder::build).
+    pub fn new<const N: usize, const K: usize, E: Projective<N, K>>(
+        particles: &Particles,
+        elements: Vec<E>,
+    ) -> Result<Self, BuildError> {
+        Ok(Self(Box::new(Family::new(elements, particles)?)))
+    }
+
+    /// Adds the gradient `Σ w Gᵀ(G x − p)` at the positions x (m) to `out` (N), one of each per particle, and returns the energy `½ Σ w ‖G x − p‖²` (J). Elements
+    /// whose projection is constant add nothing: their part is a matrix.
+    ///
+    /// # Panics
+    /// If a vertex of an element has no position or no place in `out`.
+    pub fn add_gradient(&mut self, x: &[Vec3], out: &mut [Vec3]) -> Real {
+        self.0.add_gradient(x, out)
     }
 }
 
 /// `z = G x`.
-#[inline]
+#[inline(always)]
 pub(crate) fn apply<const N: usize, const K: usize>(
     operator: &[[Real; N]; K],
     x: &[Vec3; N],
 ) -> [Vec3; K] {
     let mut z = [Vec3::zeros(); K];
     for k in 0..K {
-        for i in 0..N {
+        z[k] = x[0] * operator[k][0];
+        for i in 1..N {
             z[k] += x[i] * operator[k][i];
         }
     }
@@ -224,14 +269,14 @@ pub(crate) fn apply<const N: usize, const K: usize>(
 }
 
 /// Vertex `i`'s part of `Gᵀ pull`.
-#[inline]
+#[inline(always)]
 pub(crate) fn share<const N: usize, const K: usize>(
     operator: &[[Real; N]; K],
     pull: &[Vec3; K],
     i: usize,
 ) -> Vec3 {
-    let mut sum = Vec3::zeros();
-    for k in 0..K {
+    let mut sum = pull[0] * operator[0][i];
+    for k in 1..K {
         sum += pull[k] * operator[k][i];
     }
     sum

@@ -1,6 +1,7 @@
 //! The function that a step minimises, and a point with its value and gradient.
 
 use crate::local::Projections;
+use crate::pieces::together;
 use crate::quadratic::Quadratic;
 use cloth_core::energy::Attachment;
 use cloth_core::math::{Real, Vec3};
@@ -23,8 +24,8 @@ pub(crate) struct Objective {
     from: Vec<Vec3>,
     /// h (m).
     pub(crate) inertial: Vec<Vec3>,
-    /// `Σ w Gᵀ(p − G x[0])` (N) over the families of constant projection.
-    constant_pull: Vec<Vec3>,
+    /// `Σ w Gᵀ(G x[0] − p)` (N) over the families of constant projection.
+    constant_gradient: Vec<Vec3>,
     /// Δt (s).
     dt: Real,
 }
@@ -78,7 +79,7 @@ impl Objective {
             families,
             from: zeros.clone(),
             inertial: zeros.clone(),
-            constant_pull: zeros,
+            constant_gradient: zeros,
             dt: 1.0,
         }
     }
@@ -100,9 +101,9 @@ impl Objective {
                 return Err(StepError::NonFinite { vertex, step });
             }
         }
-        self.constant_pull.fill(Vec3::zeros());
+        self.constant_gradient.fill(Vec3::zeros());
         for family in &mut self.families {
-            family.add_constant_pull(&self.from, &mut self.constant_pull);
+            family.add_constant_gradient(&self.from, &mut self.constant_gradient);
         }
         Ok(())
     }
@@ -121,10 +122,14 @@ impl Objective {
         let q = &point.displacement;
         let gradient = &mut point.gradient;
         gradient.fill(Vec3::zeros());
-        let mut elastic = 0.0;
-        for family in &mut self.families {
-            elastic += family.add_gradient(&point.positions, gradient);
-        }
+        let (families, quadratic) = (&mut self.families, &mut self.quadratic);
+        let positions = &point.positions;
+        let mut own = |family: &mut Box<dyn Projections>| family.add_gradient(positions, gradient);
+        let (mut elastic, product) = together(
+            q.len(),
+            || families.iter_mut().map(&mut own).sum::<Real>(),
+            || quadratic.times(q),
+        );
         for attachment in &self.attachments {
             let vertex = attachment.vertex as usize;
             let pull = point.positions[vertex] - attachment.target;
@@ -134,17 +139,17 @@ impl Objective {
         let (mut inertia, mut bending) = (0.0, 0.0);
         let per_dt_squared = 1.0 / self.dt / self.dt;
         for vertex in 0..q.len() {
-            let pull = self.quadratic.row_times(vertex, q);
-            let constant = self.constant_pull[vertex];
-            bending += (pull * 0.5 - constant).dot(&q[vertex]);
+            let (own, constant) = (q[vertex], self.constant_gradient[vertex]);
+            let pull = Vec3::new(product[vertex][0], product[vertex][1], product[vertex][2]);
+            bending += (pull * 0.5 + constant).dot(&own);
             if self.particles.is_prescribed(vertex) {
                 gradient[vertex] = Vec3::zeros();
                 continue;
             }
             let mass = self.particles.mass()[vertex] * per_dt_squared;
             let h = self.inertial[vertex];
-            inertia += 0.5 * mass * q[vertex].dot(&(q[vertex] - h * 2.0));
-            gradient[vertex] += (q[vertex] - h) * mass + (pull - constant);
+            inertia += 0.5 * mass * own.dot(&(own - h * 2.0));
+            gradient[vertex] += (own - h) * mass + (pull + constant);
         }
         point.value = inertia + bending + elastic;
         point.size = inertia.abs() + bending.abs() + elastic;
@@ -156,17 +161,5 @@ impl Objective {
         let squares = self.particles.inverse_mass().iter().zip(gradient);
         let squares = squares.map(|(w, g)| w * g.norm_squared());
         squares.sum::<Real>().sqrt()
-    }
-}
-
-/// `Σ aᵢ·bᵢ`.
-pub(crate) fn dot(a: &[Vec3], b: &[Vec3]) -> Real {
-    a.iter().zip(b).map(|(a, b)| a.dot(b)).sum()
-}
-
-/// `y += factor · x`.
-pub(crate) fn add(y: &mut [Vec3], factor: Real, x: &[Vec3]) {
-    for (y, x) in y.iter_mut().zip(x) {
-        *y += x * factor;
     }
 }

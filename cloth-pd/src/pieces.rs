@@ -42,59 +42,76 @@ impl Pieces {
 }
 
 #[cfg(feature = "parallel")]
-pub(crate) use threads::pays;
+pub(crate) use threads::{pays, together};
+
+/// Does two things that have nothing to do with each other, one after the other.
+#[cfg(not(feature = "parallel"))]
+pub(crate) fn together<A, B>(
+    _: usize,
+    first: impl FnOnce() -> A,
+    second: impl FnOnce() -> B,
+) -> (A, B) {
+    (first(), second())
+}
 
 #[cfg(feature = "parallel")]
 mod threads {
     use super::{PIECE, Pieces, of};
     use crate::local::share;
+    use crate::pulls::{BLOCK, Pulls};
     use cloth_core::element::{Element, Projective};
     use cloth_core::math::{Real, Vec3};
+    use cloth_core::wide::wide;
     use rayon::prelude::*;
 
     /// Smaller families are visited on one thread: an element costs about five nanoseconds, so these take less than a sixth of
     /// a millisecond, and a second thread that has to be woken first saves nothing of it.
     const SMALLEST_PARALLEL_FAMILY: usize = 32_768;
 
+    /// Passes over fewer vertices than this take less than it costs to wake a second thread a few times in an iteration.
+    const SMALLEST_PARALLEL_CLOTH: usize = 8_192;
+
     /// Whether several threads are there, and enough for them to do.
     pub(crate) fn pays(element_count: usize) -> bool {
         element_count >= SMALLEST_PARALLEL_FAMILY && rayon::current_num_threads() > 1
     }
 
+    /// Does two things that have nothing to do with each other, at the same time if there are several threads and the cloth has enough vertices.
+    pub(crate) fn together<A: Send, B: Send>(
+        vertex_count: usize,
+        first: impl FnOnce() -> A + Send,
+        second: impl FnOnce() -> B + Send,
+    ) -> (A, B) {
+        if vertex_count >= SMALLEST_PARALLEL_CLOTH && rayon::current_num_threads() > 1 {
+            rayon::join(first, second)
+        } else {
+            (first(), second())
+        }
+    }
+
     impl Pieces {
-        /// Adds `Σ Gᵀ pull(element)` to `out`, and returns the sum of the numbers that come with it.
+        /// Adds `Σ w Gᵀ(G x − p)` to `out`, and returns `½ Σ w ‖G x − p‖²`.
         pub(crate) fn sum<const N: usize, const K: usize, E: Projective<N, K>>(
             &mut self,
             elements: &[E],
+            are_spheres: bool,
+            x: &[Vec3],
             out: &mut [Vec3],
-            pull: impl Fn(&E) -> ([Vec3; K], Real) + Sync,
         ) -> Real {
             if self.offsets.is_empty() {
                 self.list(elements);
             }
+            let numbers = &self.elements;
             let ranges = self.offsets.par_windows(2);
             let pieces = ranges.zip(out.par_chunks_mut(PIECE)).zip(&mut self.values);
             pieces
                 .enumerate()
                 .for_each(|(piece, ((range, out), total))| {
-                    let start = piece * PIECE;
-                    *total = 0.0;
-                    for &element in &self.elements[range[0]..range[1]] {
-                        let element = &elements[element as usize];
-                        let ((pull, value), operator) = (pull(element), element.operator());
-                        let vertices = element.vertices();
-                        for i in 0..N {
-                            // Wraps to a large number for a vertex before the piece, and finds nothing.
-                            if let Some(out) =
-                                out.get_mut((vertices[i] as usize).wrapping_sub(start))
-                            {
-                                *out += share(&operator, &pull, i);
-                            }
-                        }
-                        if of(vertices[0]) == piece {
-                            *total += value;
-                        }
-                    }
+                    let own = &numbers[range[0]..range[1]];
+                    *total = wide(
+                        #[inline(always)]
+                        || sum_piece(piece, own, elements, are_spheres, x, out),
+                    );
                 });
             self.values.iter().sum()
         }
@@ -116,5 +133,36 @@ mod threads {
                 self.offsets.push(self.elements.len());
             }
         }
+    }
+
+    /// Adds what the elements with the numbers `own` pull at the vertices of a piece, and returns the energy of those that it counts.
+    #[inline(always)]
+    fn sum_piece<const N: usize, const K: usize, E: Projective<N, K>>(
+        piece: usize,
+        own: &[u32],
+        elements: &[E],
+        are_spheres: bool,
+        x: &[Vec3],
+        out: &mut [Vec3],
+    ) -> Real {
+        let start = piece * PIECE;
+        let (mut total, mut pulls) = (0.0, Pulls::default());
+        for block in own.chunks(BLOCK) {
+            let block = block.iter().map(|&element| &elements[element as usize]);
+            pulls.find(block.clone(), are_spheres, x);
+            for (element, (pull, energy)) in block.zip(pulls.each()) {
+                let (vertices, operator) = (element.vertices(), element.operator());
+                for i in 0..N {
+                    // Wraps to a large number for a vertex before the piece, and finds nothing.
+                    if let Some(out) = out.get_mut((vertices[i] as usize).wrapping_sub(start)) {
+                        *out += share(&operator, pull, i);
+                    }
+                }
+                if of(vertices[0]) == piece {
+                    total += energy;
+                }
+            }
+        }
+        total
     }
 }

@@ -3,7 +3,9 @@
 
 use crate::coarse::CoarseGrid;
 use crate::global::GlobalSystem;
-use crate::objective::{Objective, Point, dot};
+use crate::objective::{Objective, Point};
+use crate::pieces::together;
+use crate::vectors::{add, add_and_dot, dot};
 use cloth_core::math::{Real, Vec3};
 
 /// Part of the promised decrease that has to be kept (Armijo's constant).
@@ -104,11 +106,20 @@ impl QuasiNewton {
             let share = pairs[at].inverse_product * product;
             self.shares[at] = share;
             let next = pair(age + 1).map(|at| &pairs[at].step[..]);
-            product = add_and_dot(&mut self.work, -share, &pairs[at].change, next);
+            let (work, change) = (&mut self.work, &pairs[at].change);
+            match next {
+                Some(next) => product = add_and_dot(work, -share, change, next),
+                None => add(work, -share, change),
+            }
         }
-        global.solve(&self.work, &mut self.direction);
-        if let Some(coarse) = coarse {
-            coarse.add_correction(&self.work, &mut self.direction);
+        let (work, direction) = (&self.work[..], &mut self.direction[..]);
+        match coarse {
+            Some(coarse) => {
+                let solve = || global.solve(work, direction);
+                together(work.len(), solve, || coarse.solve(work));
+                coarse.add_correction(&mut self.direction);
+            }
+            None => global.solve(work, direction),
         }
         let oldest = len.checked_sub(1).and_then(pair);
         product = oldest.map_or(0.0, |at| dot(&pairs[at].change, &self.direction));
@@ -117,7 +128,11 @@ impl QuasiNewton {
             let share = self.shares[at] - pairs[at].inverse_product * product;
             let next = age.checked_sub(1).and_then(pair);
             let next = next.map(|at| &pairs[at].change[..]);
-            product = add_and_dot(&mut self.direction, share, &pairs[at].step, next);
+            let (direction, step) = (&mut self.direction, &pairs[at].step);
+            match next {
+                Some(next) => product = add_and_dot(direction, share, step, next),
+                None => add(direction, share, step),
+            }
         }
     }
 
@@ -174,18 +189,4 @@ impl QuasiNewton {
         }
         rejected
     }
-}
-
-/// `y += factor · x`, and then `y · next`, if there is a next.
-fn add_and_dot(y: &mut [Vec3], factor: Real, x: &[Vec3], next: Option<&[Vec3]>) -> Real {
-    let Some(next) = next else {
-        crate::objective::add(y, factor, x);
-        return 0.0;
-    };
-    let mut product = 0.0;
-    for ((y, x), next) in y.iter_mut().zip(x).zip(next) {
-        *y += x * factor;
-        product += y.dot(next);
-    }
-    product
 }

@@ -1,6 +1,7 @@
 //! Steps after the first do not touch the heap.
 
 use cloth_core::cloth::{Cloth, ClothModel, Membrane};
+use cloth_core::energy::Attachment;
 use cloth_core::math::Vec3;
 use cloth_core::mesh::generate::{Diagonals, grid};
 use cloth_core::particles::State;
@@ -63,7 +64,17 @@ fn allocations(
         .energy(model.hinges)
         .coarse_grid(&state.positions, 4);
     let mut solver = builder.config(config).build().unwrap();
+    let tie = Attachment {
+        vertex: 5,
+        target: state.positions[5],
+        stiffness: 100.0,
+    };
+    let tied = solver.attach(tie).unwrap();
     let mut step = |dt| {
+        // The pin and the attachment are dragged all the time.
+        state.velocities[0] = Vec3::new(0.1, 0.0, 0.2 * state.time.cos());
+        let target = tie.target + Vec3::z() * state.time;
+        solver.move_attachment(tied, target).unwrap();
         let input = StepInput::new(dt).gravity(Vec3::new(0.0, 0.0, -9.81));
         solver.step(&mut state, input).unwrap();
     };

@@ -164,6 +164,11 @@ impl Projective<2, 1> for Spring {
         [length_and_direction(z, self.vertices).1 * self.rest_length]
     }
 
+    #[inline(always)]
+    fn sphere(&self) -> Option<Real> {
+        Some(self.rest_length)
+    }
+
     /// `n nᵀ + (1 − L/l)(I − n nᵀ)`, the second part only under tension.
     #[inline]
     fn resistance(&self, [z]: [Vec3; 1]) -> [[Mat3; 1]; 1] {

@@ -6,6 +6,7 @@
 
 use super::cholesky::FactorView;
 use crate::math::{Real, Vec3};
+use crate::wide::wide;
 
 /// Columns of a panel, at most: its right-hand sides then fit into the registers of any 64-bit processor.
 const WIDEST: usize = 4;
@@ -118,24 +119,29 @@ impl PanelFactor {
             let b = &b[place as usize];
             *work = [b.x, b.y, b.z, 0.0];
         }
-        for panel in &self.panels {
-            let (rows, values, work) = (&self.rows[..], &self.values[..], &mut self.work[..]);
-            match panel.width {
-                1 => panel.forward::<1>(rows, values, work),
-                2 => panel.forward::<2>(rows, values, work),
-                3 => panel.forward::<3>(rows, values, work),
-                _ => panel.forward::<4>(rows, values, work),
-            }
-        }
-        for panel in self.panels.iter().rev() {
-            let (rows, values, work) = (&self.rows[..], &self.values[..], &mut self.work[..]);
-            match panel.width {
-                1 => panel.backward::<1>(rows, values, work),
-                2 => panel.backward::<2>(rows, values, work),
-                3 => panel.backward::<3>(rows, values, work),
-                _ => panel.backward::<4>(rows, values, work),
-            }
-        }
+        let (rows, values, work) = (&self.rows[..], &self.values[..], &mut self.work[..]);
+        let panels = &self.panels[..];
+        wide(
+            #[inline(always)]
+            || {
+                for panel in panels {
+                    match panel.width {
+                        1 => panel.forward::<1>(rows, values, work),
+                        2 => panel.forward::<2>(rows, values, work),
+                        3 => panel.forward::<3>(rows, values, work),
+                        _ => panel.forward::<4>(rows, values, work),
+                    }
+                }
+                for panel in panels.iter().rev() {
+                    match panel.width {
+                        1 => panel.backward::<1>(rows, values, work),
+                        2 => panel.backward::<2>(rows, values, work),
+                        3 => panel.backward::<3>(rows, values, work),
+                        _ => panel.backward::<4>(rows, values, work),
+                    }
+                }
+            },
+        );
         for (work, &place) in self.work.iter().zip(&self.places) {
             x[place as usize] = Vec3::new(work[0], work[1], work[2]);
         }
@@ -144,7 +150,7 @@ impl PanelFactor {
 
 impl Panel {
     /// The rows below the triangle, and the numbers row by row: first of the triangle, then of those rows.
-    #[inline]
+    #[inline(always)]
     fn parts<'a, const W: usize>(
         &self,
         rows: &'a [u32],
@@ -157,7 +163,7 @@ impl Panel {
     }
 
     /// Its part of `L y = b`: solves for its own entries, subtracts them from those below.
-    #[inline]
+    #[inline(always)]
     fn forward<const W: usize>(&self, rows: &[u32], values: &[Real], work: &mut [Lanes]) {
         let (rows, triangle, below) = self.parts::<W>(rows, values);
         let own = &mut work[self.first_column as usize..][..W];
@@ -183,7 +189,7 @@ impl Panel {
     /// The rows are walked from the last to the first, so that the whole pass reads the factor as one descending
     /// stream; from the first to the last it would be many short ascending ones, which takes twice as long where the
     /// factor does not fit into the cache.
-    #[inline]
+    #[inline(always)]
     fn backward<const W: usize>(&self, rows: &[u32], values: &[Real], work: &mut [Lanes]) {
         let (rows, triangle, below) = self.parts::<W>(rows, values);
         let first = self.first_column as usize;
@@ -206,7 +212,7 @@ impl Panel {
 }
 
 /// `a − l b`, lane by lane.
-#[inline]
+#[inline(always)]
 fn minus(a: Lanes, l: Real, b: Lanes) -> Lanes {
     std::array::from_fn(|lane| a[lane] - l * b[lane])
 }

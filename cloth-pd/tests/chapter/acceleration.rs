@@ -18,13 +18,13 @@ fn every_acceleration_ends_at_the_same_minimum() {
     shake(&model, &mut state, 0.02);
     let before = state.clone();
     let mut reference = None;
-    for config in accelerated(to_tolerance(1e-12)) {
+    for config in accelerated(to_tolerance(3e-13)) {
         for mut solver in [solver(&model, config), coarse_solver(&model, &rest, config)] {
             let mut after = before.clone();
             let report = solver.step(&mut after, falling()).unwrap();
             assert_eq!(report.outcome, Outcome::Converged, "{config:?}");
             let (_, gradient) = potential(&model, &before, &falling(), &after.positions);
-            assert!(gradient <= 1.1e-12, "{config:?}: {gradient:e}");
+            assert!(gradient <= 4e-13, "{config:?}: {gradient:e}");
             let reference = reference.get_or_insert_with(|| after.positions.clone());
             let apart = distance(&after.positions, reference);
             assert!(apart < 1e-11, "{config:?}: {apart:e} m");

@@ -4,6 +4,7 @@ mod acceleration;
 mod change;
 mod cloth;
 mod edges;
+mod local;
 mod minimum;
 mod motion;
 mod robust;

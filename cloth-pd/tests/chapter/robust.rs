@@ -82,7 +82,7 @@ fn energy_does_not_appear_from_any_start() {
 }
 
 #[test]
-fn the_default_hangs_in_the_end_from_any_start() {
+fn thirty_iterations_hang_in_the_end_from_any_start() {
     let (model, flat) = hanging(9, 1e3);
     let rest = &flat.positions;
     let mut shapes: Vec<(&str, Vec<Vec3>)> = STARTS
@@ -94,16 +94,16 @@ fn the_default_hangs_in_the_end_from_any_start() {
         for vertex in [72, 80] {
             start[vertex] = rest[vertex];
         }
-        let mut solver = coarse_solver(&model, rest, PdConfig::default());
+        let mut solver = coarse_solver(&model, rest, iterations(30));
         let mut state = State::at_rest(start);
-        for _ in 0..1200 {
+        for _ in 0..600 {
             solver.step(&mut state, falling()).unwrap();
             state.velocities.iter_mut().for_each(|v| *v *= 0.97);
         }
         let strain = cloth_core::measure::Strain::of(&model.springs, &state.positions);
         let lowest = state.positions.iter().map(|x| x.z).fold(0.0, Real::min);
         assert!(
-            strain.max < 0.05 && lowest < -0.7,
+            strain.max < 0.005 && lowest < -0.99,
             "{what}: {strain:?}, {lowest} m"
         );
     }
