@@ -91,9 +91,11 @@
 
 mod bounds;
 mod broad_phase;
+mod ccd;
 mod closest;
 mod convert;
 mod error;
+pub mod exact_queries;
 mod incidence;
 mod intersect;
 mod separation;
@@ -102,6 +104,7 @@ mod separation;
 mod shapes;
 
 pub use broad_phase::TrianglePairs;
+pub use ccd::{ContinuousTest, CoplanarityTest, Impact, Stop};
 pub use closest::{EdgeEdge, PointTriangle, edge_edge, point_triangle};
 pub use error::CollideError;
 pub use intersect::{segment_meets_triangle, triangles_meet};
