@@ -9,12 +9,14 @@ mod coplanarity;
 mod difference;
 mod direction;
 mod number;
+mod query;
 mod reach;
 
 #[cfg(test)]
 mod tests;
 
 pub use coplanarity::CoplanarityTest;
+pub use query::{Query, QueryKind};
 
 use crate::error::CollideError;
 use advance::walk;
@@ -97,7 +99,7 @@ impl Default for ContinuousTest {
 
 impl ContinuousTest {
     /// No query takes more steps than this.
-    pub const MOST_STEPS: u32 = advance::COARSE_STEPS + advance::FINE_STEPS;
+    pub const MOST_STEPS: u32 = advance::MOST_STEPS;
 
     /// A test for the first time at which the distance is down to `separation` d (m, not negative), or to
     /// d + `slack` · (first distance − d). The `slack` (dimensionless, from 0 to below 1) is what a line search wants

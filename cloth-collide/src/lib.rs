@@ -104,7 +104,7 @@ mod separation;
 mod shapes;
 
 pub use broad_phase::TrianglePairs;
-pub use ccd::{ContinuousTest, CoplanarityTest, Impact, Stop};
+pub use ccd::{ContinuousTest, CoplanarityTest, Impact, Query, QueryKind, Stop};
 pub use closest::{EdgeEdge, PointTriangle, edge_edge, point_triangle};
 pub use error::CollideError;
 pub use intersect::{segment_meets_triangle, triangles_meet};

@@ -4,7 +4,7 @@
 //! A bad choice costs a step, never a miss.
 
 use super::difference::Feature;
-use super::number::{Number, Triple, cross, minus, plus, power_for, times_power, value};
+use super::number::{Number, Triple, cross, dot, minus, plus, power_for, times_power, value};
 use cloth_core::math::{Real, Vec3};
 
 /// A direction that changes with time as a polynomial of second degree: its three Bernstein coefficients over an
@@ -36,7 +36,8 @@ pub(super) fn steady<const K: usize>(feature: Feature, x: &[Vec3; K]) -> Option<
         Feature::Corner(k) => x[k],
     };
     let direction = filled(direction)?;
-    Some(facing(direction, x) * (direction / direction.norm()))
+    let sign = facing(&direction.into(), &x.map(Into::into));
+    Some(direction * (sign / direction.norm()))
 }
 
 /// A direction that follows `feature` from `x`, where the polygon is now, to `end`, where it will be. Its length is of order one.
@@ -68,7 +69,7 @@ pub(super) fn moving<S: Number, const K: usize>(
         .iter()
         .map(|n| value(n).amax())
         .fold(0.0, Real::max);
-    let sign = facing(value(&direction[0]), &x.map(|x| value(&x)));
+    let sign = facing(&direction[0], x);
     (largest > 0.0).then(|| direction.map(|n| times_power(&n, power_for(largest) * sign)))
 }
 
@@ -78,8 +79,9 @@ fn across(v: Vec3, e: Vec3) -> Vec3 {
 }
 
 /// 1 or −1: the sign that makes `direction` point from the origin to the polygon `x`.
-fn facing<const K: usize>(direction: Vec3, x: &[Vec3; K]) -> Real {
-    let total: Real = x.iter().map(|x| direction.dot(x)).sum();
+fn facing<S: Number, const K: usize>(direction: &Triple<S>, x: &[Triple<S>; K]) -> Real {
+    let along = x.iter().map(|x| dot(direction, x));
+    let total = along.fold(S::new(0.0, 0.0), |sum, x| sum + x).value();
     if total < 0.0 { -1.0 } else { 1.0 }
 }
 
