@@ -27,35 +27,32 @@ pub(super) struct Difference<const K: usize> {
     pub(super) scale: Real,
 }
 
-/// K points (own unit), each the exact sum of a rounded one and the rest.
+/// K differences (own unit), rounded, and the two points (m) that each one is made of, to get at what was rounded away.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Corners<const K: usize> {
     pub(super) rounded: [Vec3; K],
-    rest: [Vec3; K],
+    pairs: [[Vec3; 2]; K],
 }
 
 impl<const K: usize> Corners<K> {
-    /// From pairs of points (m) to be subtracted.
+    /// From pairs of points (m) to be subtracted, not scaled yet.
     fn new(pairs: [[Vec3; 2]; K]) -> Self {
-        let exact = |k: usize, i: usize| exact_sum(pairs[k][0][i], -pairs[k][1][i]);
-        let part = |take: fn((Real, Real)) -> Real| {
-            std::array::from_fn(|k| Vec3::from_fn(|i, _| take(exact(k, i))))
-        };
         Self {
-            rounded: part(|sum| sum.0),
-            rest: part(|sum| sum.1),
+            rounded: pairs.map(|[a, b]| a - b),
+            pairs,
         }
     }
 
     fn scaled(mut self, scale: Real) -> Self {
-        for x in self.rounded.iter_mut().chain(&mut self.rest) {
+        for x in &mut self.rounded {
             *x *= scale;
         }
         self
     }
 
-    fn number<S: Number>(&self, k: usize) -> Triple<S> {
-        [0, 1, 2].map(|i| S::new(self.rounded[k][i], self.rest[k][i]))
+    fn number<S: Number>(&self, k: usize, scale: Real) -> Triple<S> {
+        let [a, b] = &self.pairs[k];
+        [0, 1, 2].map(|i| S::new(self.rounded[k][i], exact_sum(a[i], -b[i]).1 * scale))
     }
 }
 
@@ -80,7 +77,10 @@ impl<const K: usize> Difference<K> {
     pub(super) fn at<S: Number>(&self, time: S) -> [Triple<S>; K] {
         let rest = S::new(1.0, 0.0) - time;
         std::array::from_fn(|k| {
-            let (from, to) = (self.from.number::<S>(k), self.to.number::<S>(k));
+            let (from, to) = (
+                self.from.number::<S>(k, self.scale),
+                self.to.number::<S>(k, self.scale),
+            );
             [0, 1, 2].map(|i| from[i] * rest + to[i] * time)
         })
     }

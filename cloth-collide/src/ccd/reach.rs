@@ -48,6 +48,19 @@ impl Margin {
         self.separation * direction.norm() + rounding
     }
 
+    /// Whether one of the axes certifies the whole motion of the polygon from `from` to `to`: the boxes that it sweeps are apart.
+    pub(super) fn apart_along_an_axis<const K: usize>(
+        self,
+        from: &[Vec3; K],
+        to: &[Vec3; K],
+    ) -> bool {
+        let limit = self.limit(Vec3::x());
+        let all = || from.iter().chain(to);
+        let lower = all().fold(Vec3::repeat(Real::INFINITY), |low, x| low.inf(x));
+        let upper = all().fold(Vec3::repeat(Real::NEG_INFINITY), |high, x| high.sup(x));
+        lower.max() > limit || upper.min() < -limit
+    }
+
     /// How much of the interval, 0..=1, the steady `direction` certifies as free of contact. The polygon moves from `from` to `to`.
     pub(super) fn steady_reach<const K: usize>(
         self,

@@ -17,6 +17,13 @@ pub(super) fn coarse<const K: usize>(
 where
     [Vec3; K]: NearestFeature,
 {
+    if margin.apart_along_an_axis(&polygon.from.rounded, &polygon.to.rounded) {
+        let walk = Walk {
+            impact: None,
+            steps: 1,
+        };
+        return (walk, 1.0);
+    }
     let (mut time, mut trial, mut goal) = (0.0, 1.0, 0.0);
     let mut before: Option<[Real; 2]> = None;
     let mut x = polygon.from.rounded;
