@@ -62,6 +62,11 @@ where
         if next <= time {
             return (stopped(Stop::Contact), trial);
         }
+        trial = match (next - time) / trial {
+            whole if next >= until && whole >= 0.5 => 8.0 * trial,
+            much if much >= 0.25 => 0.5 * trial,
+            _ => 0.125 * trial,
+        };
         before = Some([next - time, clearance]);
         time = next;
         x = polygon.at(time).map(Into::into);
@@ -79,16 +84,15 @@ where
     )
 }
 
-/// The part of the motion to try next: twice as far as where a straight line through the last two clearances meets zero.
-/// `before` holds the last advance and the clearance ahead of it.
+/// The part of the motion to try next: not much more than twice as far as where a straight line through the last two clearances meets
+/// zero. `before` holds the last advance and the clearance ahead of it.
 fn next_trial(trial: Real, clearance: Real, before: Option<[Real; 2]>) -> Real {
     match before {
         Some([advance, earlier]) if earlier > clearance => {
             let zero = advance * clearance / (earlier - clearance);
-            (2.0 * zero).min(4.0 * trial)
+            trial.min(2.0 * zero)
         }
-        Some(_) => (4.0 * trial).min(1.0),
-        None => trial,
+        _ => trial.min(1.0),
     }
 }
 
