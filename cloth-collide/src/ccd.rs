@@ -38,7 +38,7 @@ use difference::Difference;
 /// the way to it. Then the left side is a cubic in t, and the convex hull of its four Bernstein coefficients shows how far it is positive. The test
 /// goes on to that time and looks again, until there is no time left or no distance.
 ///
-/// This is conservative advancement (Mirtich 1996), where additive CCD (Li et al. 2021) would bound the speed of
+/// This is conservative advancement (Mirtich 1996), where additive advancement (Li et al. 2021) would bound the speed of
 /// approach by the largest relative speed of the vertices. Here sliding and turning cost nothing, as the direction goes along. So a
 /// step covers most of what is left, and a simple contact is approached quadratically. An inclusion test (Wang et al. 2021) halves
 /// boxes in time and in both parameters of the polygon; here, whatever its parameters, a polygon on one side of a plane is done with at once.
@@ -60,6 +60,8 @@ use difference::Difference;
 ///
 /// - A pass at a distance below the above is reported as a contact.
 /// - For d > 0, steps shrink with the square root of (distance − d)/d while the direction turns, because |n| is bounded from above.
+/// - With a slack above 0, a start at less than about 1e-6 of the size of the motion can use up the steps, and then the time is early by more than
+///   the slack asks for. Without slack and separation this has not been seen.
 /// - A contact during the motion is found. What lies on the wrong side already at the start is not known to be wrong.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContinuousTest {

@@ -71,7 +71,8 @@ where
 {
     let before = polygon.at(time).map(Into::into);
     let after = polygon.at((time + 8.0 * trial).min(1.0)).map(Into::into);
-    let inside = |x: &[Vec3; K]| x.nearest_feature() == Feature::Face;
+    // Near the boundary of the face the origin may pass it by.
+    let inside = |x: &[Vec3; K]| x.depth_inside() > 1e-6;
     inside(&before)
         && inside(&after)
         && steady(Feature::Face, &before).is_some_and(|n| margin.clearance(-n, &after) > 0.0)

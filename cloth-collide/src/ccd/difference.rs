@@ -147,6 +147,18 @@ pub(super) trait NearestFeature {
     const FEATURES: &'static [Feature];
     /// Where it is.
     fn nearest_feature(&self) -> Feature;
+    /// How far inside the face it is: its smallest weight (dimensionless), 0 on the boundary.
+    fn depth_inside(&self) -> Real;
+}
+
+/// Weights of the point of the triangle `x` that is nearest to the origin.
+fn triangle_weights(x: &[Vec3; 3]) -> [Real; 3] {
+    point_triangle(Vec3::zeros(), x.map(|x| -x)).weights
+}
+
+/// Fractions of the two edges at which the parallelogram `x` is nearest to the origin. As seen from the start of the second edge.
+fn fractions([x0, x1, x2, _]: &[Vec3; 4]) -> [Real; 2] {
+    edge_edge([*x0, *x1], [Vec3::zeros(), x0 - x2]).along
 }
 
 impl NearestFeature for [Vec3; 3] {
@@ -161,7 +173,7 @@ impl NearestFeature for [Vec3; 3] {
     ];
 
     fn nearest_feature(&self) -> Feature {
-        let [wa, wb, wc] = point_triangle(Vec3::zeros(), self.map(|x| -x)).weights;
+        let [wa, wb, wc] = triangle_weights(self);
         match (wa == 0.0, wb == 0.0, wc == 0.0) {
             (true, true, _) => Feature::Corner(2),
             (true, _, true) => Feature::Corner(1),
@@ -171,6 +183,10 @@ impl NearestFeature for [Vec3; 3] {
             (_, _, true) => Feature::Edge(0, 1),
             _ => Feature::Face,
         }
+    }
+
+    fn depth_inside(&self) -> Real {
+        triangle_weights(self).into_iter().fold(1.0, Real::min)
     }
 }
 
@@ -188,9 +204,7 @@ impl NearestFeature for [Vec3; 4] {
     ];
 
     fn nearest_feature(&self) -> Feature {
-        let [x0, x1, x2, _] = *self;
-        // As seen from the start of the second edge.
-        let [s, t] = edge_edge([x0, x1], [Vec3::zeros(), x0 - x2]).along;
+        let [s, t] = fractions(self);
         let end = |along: Real| match along {
             0.0 => Some(0),
             1.0 => Some(1),
@@ -202,5 +216,10 @@ impl NearestFeature for [Vec3; 4] {
             (None, Some(j)) => Feature::Edge(2 * j, 2 * j + 1),
             (Some(i), Some(j)) => Feature::Corner(i + 2 * j),
         }
+    }
+
+    fn depth_inside(&self) -> Real {
+        let [s, t] = fractions(self);
+        s.min(1.0 - s).min(t).min(1.0 - t)
     }
 }

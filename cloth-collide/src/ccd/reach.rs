@@ -89,6 +89,11 @@ impl Margin {
         let [m0, m1, m2] = rounded.map(|n| self.separation * n.norm());
         let limit = [m0, (m0 + 2.0 * m1) / 3.0, (2.0 * m1 + m2) / 3.0, m2];
         let rounding = S::ROUNDING * norm_1 * (self.size + self.separation);
+        // Most directions fail at the start already.
+        let at_start = |x0: &Triple<S>| dot(n0, x0).value() - limit[0] - rounding;
+        if from.iter().any(|x0| at_start(x0) <= 0.0) {
+            return 0.0;
+        }
         let of_corner = |(x0, x1): (&Triple<S>, &Triple<S>)| {
             let twice = |s: S| s.times_power(2.0);
             let product = [

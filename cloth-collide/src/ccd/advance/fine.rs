@@ -1,9 +1,8 @@
 //! The walk in double precision, for what is nearer than `f64` can tell.
 
 use super::{Walk, reach_of};
-use crate::ccd::difference::{Difference, Feature, NearestFeature};
-use crate::ccd::direction::steady;
-use crate::ccd::number::{Double, Number, value};
+use crate::ccd::difference::{Difference, NearestFeature};
+use crate::ccd::number::{Double, Number};
 use crate::ccd::reach::Margin;
 use crate::ccd::{Impact, Stop};
 use cloth_core::math::{Real, Vec3};
@@ -44,14 +43,10 @@ where
             now + Double::new(trial, 0.0)
         };
         let end = polygon.at(until);
-        let rounded = x.map(|x| value(&x));
         let mut reach = 0.0;
         let first = favourite;
         let order = std::iter::once(first).chain((0..features.len()).filter(|&k| k != first));
         for k in order {
-            if !may_separate(margin, features[k], &rounded) {
-                continue;
-            }
             let found = reach_of(margin, features[k], &x, &end);
             if found > reach {
                 (reach, favourite) = (found, k);
@@ -96,10 +91,4 @@ where
         }),
         steps: BUDGET,
     }
-}
-
-/// False if the direction of `feature` does not have the polygon `x` on one side of the origin, by more than rounding.
-fn may_separate<const K: usize>(margin: Margin, feature: Feature, x: &[Vec3; K]) -> bool {
-    let rounding = 256.0 * Real::EPSILON * margin.size;
-    steady(feature, x).is_some_and(|n| margin.clearance(n, x) > -rounding)
 }
