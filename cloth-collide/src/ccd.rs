@@ -128,7 +128,7 @@ impl ContinuousTest {
     /// let floor = [Vec3::zeros(), Vec3::x(), Vec3::y()];
     /// let falling = [Vec3::new(0.25, 0.25, 0.5), Vec3::new(0.25, 0.25, -1.5)];
     /// let impact = ContinuousTest::default().vertex_triangle(falling, [floor; 2])?.unwrap();
-    /// assert!(impact.time <= 0.25 && impact.time > 0.25 - 1e-15);
+    /// assert!(impact.time <= 0.25 && impact.time > 0.25 - 1e-14);
     ///
     /// let beside = falling.map(|x| x + Vec3::x());
     /// assert_eq!(ContinuousTest::default().vertex_triangle(beside, [floor; 2])?, None);

@@ -114,7 +114,7 @@ fn norm_1(v: &Vec3) -> Real {
 }
 
 /// How far, from 0 towards 1, the polynomial with these Bernstein coefficients is certainly positive, to a few
-/// roundings: where the convex hull of its control points meets zero.
+/// roundings: where the convex hull of its control points meets zero. It is 1 only if all of them are positive.
 fn positive_until<const N: usize>(coefficients: [Real; N]) -> Real {
     if coefficients[0] <= 0.0 {
         return 0.0;
@@ -127,9 +127,34 @@ fn positive_until<const N: usize>(coefficients: [Real; N]) -> Real {
         for (i, &above) in coefficients[..k].iter().enumerate() {
             if above > 0.0 {
                 let crossing = i as Real + (k - i) as Real * (above / (above - below));
-                until = until.min(crossing / (N - 1) as Real);
+                // If `below` is tiny the quotient rounds to one.
+                let share = (crossing / (N - 1) as Real).min(1.0 - Real::EPSILON);
+                until = until.min(share);
             }
         }
     }
     until
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn polynomial_is_positive_as_far_as_its_hull() {
+        assert_eq!(positive_until([1.0, 0.5, 0.5, 1e-300]), 1.0);
+        assert_eq!(positive_until([0.0, 1.0]), 0.0);
+        assert_eq!(positive_until([1.0, -1.0]), 0.5);
+        // From (0, 1) to (2/3, −1), but nearer from (1/3, 1/4).
+        assert!((positive_until([1.0, 0.25, -1.0, 3.0]) - 0.4).abs() < 1e-15);
+    }
+
+    /// However little is missing at the end, it is not the end.
+    #[test]
+    fn zero_or_less_at_the_end_is_not_reached() {
+        for last in [0.0, -1e-300, -1e-30, -1e-17] {
+            assert!(positive_until([1.0, last]) < 1.0);
+            assert!(positive_until([1.0, 1.0, 1.0, last]) < 1.0);
+        }
+    }
 }
