@@ -145,8 +145,9 @@ mod tests {
         assert_eq!(positive_until([1.0, 0.5, 0.5, 1e-300]), 1.0);
         assert_eq!(positive_until([0.0, 1.0]), 0.0);
         assert_eq!(positive_until([1.0, -1.0]), 0.5);
-        // From (0, 1) to (2/3, −1), but nearer from (1/3, 1/4).
-        assert!((positive_until([1.0, 0.25, -1.0, 3.0]) - 0.4).abs() < 1e-15);
+        // The line from (0, 1) to (2/3, −1); and that from (1/3, 1/10), which is below it.
+        assert!((positive_until([1.0, 0.25, -1.0, 3.0]) - 1.0 / 3.0).abs() < 1e-15);
+        assert!((positive_until([9.0, 0.1, -0.1, 3.0]) - 0.5).abs() < 1e-15);
     }
 
     /// However little is missing at the end, it is not the end.
