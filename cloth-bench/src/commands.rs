@@ -1,5 +1,6 @@
 //! The commands, one file each. `--json` puts one JSON object on standard output and nothing else there; progress goes to standard error.
 
+mod ccd;
 mod law;
 mod list;
 mod locking;
@@ -18,6 +19,8 @@ pub enum Command {
     Run(run::Arguments),
     /// Counts and measures the degrees of freedom that the edges of a mesh leave
     Locking(locking::Arguments),
+    /// Asks continuous collision queries of known answer, and counts errors and time
+    Ccd(ccd::Arguments),
     /// Puts one closed form beside what the code does
     Law(law::Arguments),
     /// Shows scenes, methods, studies, laws and meshes with their parameters
@@ -33,6 +36,7 @@ pub fn execute(command: &Command) -> Result<(), BenchError> {
         Command::Study(arguments) => study::execute(arguments),
         Command::Run(arguments) => run::execute(arguments),
         Command::Locking(arguments) => locking::execute(arguments),
+        Command::Ccd(arguments) => ccd::execute(arguments),
         Command::Law(arguments) => law::execute(arguments),
         Command::List(arguments) => list::execute(arguments),
     }

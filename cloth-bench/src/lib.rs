@@ -1,5 +1,6 @@
 //! The cloth simulation methods of this workspace, measured side by side.
 
+pub mod ccd;
 pub mod commands;
 pub mod error;
 pub mod laws;

@@ -1,4 +1,4 @@
-//! The program: `cloth-bench study | run | locking | law | list`.
+//! The program: `cloth-bench study | run | locking | ccd | law | list`.
 
 use clap::Parser;
 use cloth_bench::commands::{self, Command};

@@ -381,6 +381,7 @@ fn list_shows_every_name() {
             ][..],
         ),
         ("scenes", &["hang", "drop", "chain", "cantilever"]),
+        ("ccd-methods", &["conservative", "additive", "cubic"]),
         (
             "studies",
             &[
@@ -444,4 +445,107 @@ fn a_study_writes_its_report_and_its_data() {
     }
     let page = std::fs::read_to_string(folder.join("report.html")).unwrap();
     assert!(page.contains("<svg") && page.contains("3V − E"));
+}
+
+/// A vertex that falls through a triangle, and one that falls beside it; then once more, wrongly labelled.
+fn queries(name: &str, truths: [u8; 2]) -> String {
+    let path = folder("ccd").join(name);
+    let mut text = String::new();
+    for (x, truth) in [("1,4", truths[0]), ("5,4", truths[1])] {
+        for height in ["1,2", "-1,2"] {
+            for row in [
+                &format!("{x},1,4,{height}"),
+                "0,1,0,1,0,1",
+                "1,1,0,1,0,1",
+                "0,1,1,1,0,1",
+            ] {
+                text += &format!("{row},{truth}\n");
+            }
+        }
+    }
+    std::fs::write(&path, text).unwrap();
+    path.to_str().unwrap().to_owned()
+}
+
+#[test]
+fn labelled_queries_are_counted() {
+    let good = queries("good.csv", [1, 0]);
+    let told = json(&["ccd", &good, &good, "--kind", "vf", "--json"]);
+    for (key, count) in [
+        ("queries", 4),
+        ("positives", 2),
+        ("false_positives", 0),
+        ("false_negatives", 0),
+        ("late", 0),
+    ] {
+        assert_eq!(told[key], count, "{key}");
+    }
+    for key in ["ns_per_query", "mean_ns", "median_ns", "worst_ns"] {
+        assert!(told[key].as_f64().unwrap() > 0.0, "{key}");
+    }
+    let tunnelled = json(&[
+        "ccd", &good, "--kind", "vf", "--method", "discrete", "--json",
+    ]);
+    assert_eq!(tunnelled["false_negatives"], 1);
+}
+
+#[test]
+fn a_broken_promise_is_a_failed_run_and_bad_files_are_refused() {
+    let wrong = queries("wrong.csv", [0, 1]);
+    refused(
+        &["ccd", &wrong, "--kind", "vf"],
+        1,
+        &["conservative", "missed 1"],
+    );
+    let told = json(&["ccd", &wrong, "--kind", "vf", "--method", "cubic", "--json"]);
+    assert_eq!(
+        (&told["false_positives"], &told["false_negatives"]),
+        (&1.into(), &1.into())
+    );
+
+    let bad = folder("ccd").join("bad.csv");
+    std::fs::write(&bad, "0,1,0,1,0,1,1\n0,1,zero,1,0,1,1\n").unwrap();
+    refused(
+        &["ccd", bad.to_str().unwrap(), "--kind", "ee"],
+        2,
+        &["bad.csv", "line 2", "`zero`"],
+    );
+    refused(
+        &["ccd", "no-such-file.csv", "--kind", "ee"],
+        2,
+        &["no-such-file.csv"],
+    );
+    refused(&["ccd", "--kind", "ee"], 2, &["--generate"]);
+    refused(&["ccd", &wrong, "--kind", "both"], 2, &["both"]);
+    refused(
+        &["ccd", &wrong, "--kind", "vf", "--method", "cubik"],
+        2,
+        &["`cubik`", "`cubic`"],
+    );
+}
+
+#[test]
+fn conservative_test_misses_nothing_that_is_generated() {
+    for kind in ["vf", "ee"] {
+        for seed in ["1", "2"] {
+            let arguments = [
+                "ccd",
+                "--kind",
+                kind,
+                "--generate",
+                "4000",
+                "--seed",
+                seed,
+                "--json",
+            ];
+            let told = json(&arguments);
+            assert_eq!(
+                (&told["queries"], &told["positives"]),
+                (&4000.into(), &2000.into())
+            );
+            for key in ["false_negatives", "false_positives", "late"] {
+                assert_eq!(told[key], 0, "{kind} {seed} {key}");
+            }
+        }
+    }
 }

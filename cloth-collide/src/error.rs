@@ -1,9 +1,9 @@
-//! What can be wrong with the positions that are to be measured.
+//! What can be wrong with positions, and with what is asked of them.
 
 use cloth_core::math::Real;
 use std::fmt;
 
-/// Why positions cannot be searched for contact.
+/// Why positions cannot be searched for contact, or not in the way asked for.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum CollideError {
@@ -22,6 +22,18 @@ pub enum CollideError {
         /// What it was (s).
         dt: Real,
     },
+    /// Two vertices are so far apart, above 1e300 m, that their distance is not a number any more.
+    TooFarApart,
+    /// A minimal separation is negative or not a number.
+    Separation {
+        /// What was given (m).
+        separation: Real,
+    },
+    /// A slack is not in 0..1.
+    Slack {
+        /// What was given (dimensionless).
+        slack: Real,
+    },
 }
 
 impl fmt::Display for CollideError {
@@ -38,6 +50,14 @@ impl fmt::Display for CollideError {
             Self::InvalidTimeStep { dt } => {
                 write!(f, "the time step is {dt} s, but it has to be positive")
             }
+            Self::Separation { separation } => write!(
+                f,
+                "the separation {separation} m is not a finite number, zero or more"
+            ),
+            Self::Slack { slack } => {
+                write!(f, "the slack {slack} is not in the range from 0 to below 1")
+            }
+            Self::TooFarApart => write!(f, "two vertices are more than 1e300 m apart"),
         }
     }
 }

@@ -77,6 +77,7 @@
 //! # The files, in reading order
 
 pub mod math;
+pub mod random;
 
 pub mod mesh;
 pub mod topology;

@@ -1,6 +1,7 @@
 //! `cloth-bench list`
 
 use super::print;
+use crate::ccd;
 use crate::error::BenchError;
 use crate::laws::LAWS;
 use crate::mesh_spec::GENERATORS;
@@ -26,7 +27,7 @@ struct Entry {
     parameters: Vec<&'static Parameter>,
 }
 
-fn entries() -> [(&'static str, Vec<Entry>); 5] {
+fn entries() -> [(&'static str, Vec<Entry>); 6] {
     let entry = |name, about, tables: &[&'static [Parameter]]| Entry {
         name,
         about,
@@ -58,6 +59,13 @@ fn entries() -> [(&'static str, Vec<Entry>); 5] {
             "laws",
             LAWS.iter()
                 .map(|l| entry(l.name, l.about, &[l.parameters]))
+                .collect(),
+        ),
+        (
+            "ccd-methods",
+            ccd::METHODS
+                .iter()
+                .map(|m| entry(m.name, m.about, &[]))
                 .collect(),
         ),
         (

@@ -3,6 +3,7 @@
 use super::{Diagonals, at_least, grid, positive, room_for};
 use crate::math::{Real, Vec3};
 use crate::mesh::{MeshError, TriMesh};
+use crate::random::SplitMix64;
 use crate::topology::{EdgeTable, HingeTable};
 
 /// Rounds of moving vertices and restoring the Delaunay property. After eight, little is left of
@@ -41,7 +42,7 @@ pub fn irregular(n: usize, width: Real, height: Real, seed: u64) -> Result<TriMe
     let sheet = grid(n, n, width, height, Diagonals::Alternating)?;
     let mut positions = sheet.positions().to_vec();
     let mut triangles = sheet.triangles().to_vec();
-    let mut random = SplitMix64(seed);
+    let mut random = SplitMix64::new(seed);
     let spacing = [width, height].map(|side| side / (n - 1) as Real);
     for _ in 0..ROUNDS {
         displace(&mut positions, &triangles, n, spacing, &mut random);
@@ -181,39 +182,5 @@ impl Incidence {
 
     fn of(&self, vertex: usize) -> &[u32] {
         &self.triangles[self.starts[vertex] as usize..self.starts[vertex + 1] as usize]
-    }
-}
-
-/// Random numbers in three lines (G. L. Steele, D. Lea, C. H. Flood, *Fast splittable pseudorandom
-/// number generators*, 2014, doi:10.1145/2660193.2660195). Our own, so that a mesh does not
-/// change with the version of a crate.
-struct SplitMix64(u64);
-
-impl SplitMix64 {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        let z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        z ^ (z >> 31)
-    }
-
-    /// Evenly distributed in [−1, 1).
-    fn symmetric(&mut self) -> Real {
-        // The upper 53 bits are a whole number that an f64 holds exactly.
-        (self.next() >> 11) as Real / (1_u64 << 52) as Real - 1.0
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// The published sequence for seed 1234567.
-    #[test]
-    fn splitmix_gives_the_reference_sequence() {
-        let mut random = SplitMix64(1_234_567);
-        assert_eq!(random.next(), 6_457_827_717_110_365_317);
-        assert_eq!(random.next(), 3_203_168_211_198_807_973);
-        assert_eq!(random.next(), 9_817_491_932_198_370_423);
     }
 }

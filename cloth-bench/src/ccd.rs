@@ -1,0 +1,196 @@
+//! Methods of continuous collision detection, held against queries of known answer: how often is each one wrong, and how long does it take?
+
+mod additive;
+mod file;
+
+pub use file::read;
+
+use crate::error::BenchError;
+use crate::names;
+use cloth_collide::exact_queries::{ExactQueries, Truth};
+use cloth_collide::{CollideError, ContinuousTest, CoplanarityTest, Query, QueryKind};
+use cloth_core::math::Real;
+use std::hint::black_box;
+use std::time::Instant;
+
+/// A method by name.
+#[derive(Clone, Copy, Debug)]
+pub struct CcdMethod {
+    /// Its name.
+    pub name: &'static str,
+    /// What it does.
+    pub about: &'static str,
+    /// Whether it promises to miss nothing and never to be late. A broken promise is a failed run.
+    pub promises: bool,
+    first_contact: fn(&Query) -> Result<Option<Real>, CollideError>,
+}
+
+/// All methods.
+pub const METHODS: [CcdMethod; 6] = [
+    CcdMethod {
+        name: "conservative",
+        about: "moving separating directions, certified; what is too near for f64 in double precision",
+        promises: true,
+        first_contact: |query| conservative(query, 0.0),
+    },
+    CcdMethod {
+        name: "conservative-slack",
+        about: "the same, stopping when the distance has shrunk to a thousandth",
+        promises: true,
+        first_contact: |query| conservative(query, 1e-3),
+    },
+    CcdMethod {
+        name: "additive",
+        about: "additive conservative advancement (Li et al. 2021), to a thousandth of the distance, at most 10000 steps; its distances round",
+        promises: false,
+        first_contact: |query| Ok(additive::first_contact(query)),
+    },
+    CcdMethod {
+        name: "cubic",
+        about: "roots of the coplanarity cubic and a tolerance of 1e-9 (S1 (49), (50))",
+        promises: false,
+        first_contact: |query| query.first_coplanar_contact(&CoplanarityTest::default()),
+    },
+    CcdMethod {
+        name: "cubic-strict",
+        about: "the same without a tolerance",
+        promises: false,
+        first_contact: |query| query.first_coplanar_contact(&CoplanarityTest { tolerance: 0.0 }),
+    },
+    CcdMethod {
+        name: "discrete",
+        about: "distance zero at the end of the motion: what tunnels",
+        promises: false,
+        first_contact: |query| Ok((query.distance(1.0) == 0.0).then_some(1.0)),
+    },
+];
+
+fn conservative(query: &Query, slack: Real) -> Result<Option<Real>, CollideError> {
+    let test = ContinuousTest::new(0.0, slack)?;
+    Ok(query.first_contact(&test)?.map(|impact| impact.time))
+}
+
+impl CcdMethod {
+    /// The method of this name.
+    ///
+    /// # Errors
+    /// [`BenchError::Usage`] that names the nearest known one.
+    pub fn find(name: &str) -> Result<Self, BenchError> {
+        let known = METHODS.iter().find(|method| method.name == name);
+        known.copied().ok_or_else(|| {
+            let known: Vec<&str> = METHODS.iter().map(|method| method.name).collect();
+            BenchError::Usage(names::unknown("method of `ccd`", name, &known))
+        })
+    }
+
+    /// First contact (dimensionless, 0..=1).
+    ///
+    /// # Errors
+    /// Those of the method, for numbers that cannot be worked with.
+    pub fn first_contact(&self, query: &Query) -> Result<Option<Real>, CollideError> {
+        (self.first_contact)(query)
+    }
+}
+
+/// A query and what is known about it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LabelledQuery {
+    /// The motion.
+    pub query: Query,
+    /// Whether there is a contact.
+    pub contact: bool,
+    /// A time (dimensionless, 0..=1) at which there is one, if that is known.
+    pub contact_time: Option<Real>,
+}
+
+/// `count` queries of exactly known answer, half of them contacts, half of them degenerate.
+#[must_use]
+pub fn generate(kind: QueryKind, count: usize, seed: u64) -> Vec<LabelledQuery> {
+    let labelled = |known: cloth_collide::exact_queries::KnownQuery| {
+        let contact_time = match known.truth {
+            Truth::Contact { time } => Some(time),
+            Truth::Apart { .. } => None,
+        };
+        LabelledQuery {
+            query: known.query,
+            contact: contact_time.is_some(),
+            contact_time,
+        }
+    };
+    ExactQueries::new(kind, seed)
+        .take(count)
+        .map(labelled)
+        .collect()
+}
+
+/// How a method did.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Score {
+    /// Number of queries.
+    pub queries: usize,
+    /// Queries with a contact.
+    pub positives: usize,
+    /// Contacts found that are none.
+    pub false_positives: usize,
+    /// Contacts missed.
+    pub false_negatives: usize,
+    /// Contacts found later than one that is known.
+    pub late: usize,
+    /// Mean time of a query (ns). All times are the shortest of several repetitions of each query.
+    pub mean_ns: Real,
+    /// Time that half of the queries do not exceed (ns).
+    pub median_ns: Real,
+    /// Longest time of a query (ns).
+    pub worst_ns: Real,
+}
+
+/// Repetitions of the whole set; and calls between two looks at the clock, which would otherwise be what is measured.
+const PASSES: usize = 5;
+const CALLS: u32 = 4;
+
+/// Asks the `method` every query and compares.
+///
+/// # Errors
+/// [`BenchError::Usage`] for a query that the method cannot work with, [`BenchError::Failed`] for a time that is no number in 0..=1.
+pub fn score(method: &CcdMethod, queries: &[LabelledQuery]) -> Result<Score, BenchError> {
+    let mut score = Score {
+        queries: queries.len(),
+        ..Default::default()
+    };
+    for (number, labelled) in queries.iter().enumerate() {
+        let found = method.first_contact(&labelled.query);
+        let found = found.map_err(|error| BenchError::Usage(format!("query {number}: {error}")))?;
+        if let Some(time) = found
+            && !(0.0..=1.0).contains(&time)
+        {
+            return Err(BenchError::Failed(format!(
+                "query {number}: contact at time {time}"
+            )));
+        }
+        score.positives += usize::from(labelled.contact);
+        score.false_positives += usize::from(found.is_some() && !labelled.contact);
+        score.false_negatives += usize::from(found.is_none() && labelled.contact);
+        let late =
+            matches!((found, labelled.contact_time), (Some(found), Some(known)) if found > known);
+        score.late += usize::from(late);
+    }
+    let mut shortest = vec![Real::INFINITY; queries.len()];
+    for _ in 0..PASSES {
+        for (labelled, shortest) in queries.iter().zip(&mut shortest) {
+            let start = Instant::now();
+            for _ in 0..CALLS {
+                // Checked above: it is not an error.
+                let _ = black_box(method.first_contact(black_box(&labelled.query)));
+            }
+            let each = start.elapsed().as_nanos() as Real / Real::from(CALLS);
+            *shortest = shortest.min(each);
+        }
+    }
+    shortest.sort_by(Real::total_cmp);
+    if let (Some(&median), Some(&worst)) = (shortest.get(queries.len() / 2), shortest.last()) {
+        score.mean_ns = shortest.iter().sum::<Real>() / queries.len() as Real;
+        score.median_ns = median;
+        score.worst_ns = worst;
+    }
+    Ok(score)
+}

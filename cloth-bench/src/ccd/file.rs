@@ -1,0 +1,130 @@
+//! Files of labelled queries: eight rows a query, `x_num,x_den,y_num,y_den,z_num,z_den,truth`.
+//!
+//! The format is that of the *Sample Queries* of Wang, Ferguson, Schneider, Jiang, Attene and Panozzo, A large-scale benchmark and an inclusion-based
+//! algorithm for continuous collision detection, *ACM Trans. Graph.* 40(5), 2021, DOI 10.1145/3460775. The four vertices at the
+//! start come first, then at the end: the vertex and the corners, or the ends of the one edge and of the other.
+
+use super::LabelledQuery;
+use crate::error::BenchError;
+use cloth_collide::{Query, QueryKind};
+use cloth_core::math::{Real, Vec3};
+
+const ROWS: usize = 8;
+
+/// All queries of a file. A coordinate is the `f64` nearest to its fraction; if the denominator is a power of two and the
+/// numerator short enough, it is the fraction.
+///
+/// # Errors
+/// [`BenchError::Usage`] that names the file and the line.
+pub fn read(path: &str, kind: QueryKind) -> Result<Vec<LabelledQuery>, BenchError> {
+    let text = std::fs::read_to_string(path)
+        .map_err(|error| BenchError::Usage(format!("{path}: {error}")))?;
+    parse(&text, kind).map_err(|message| BenchError::Usage(format!("{path}: {message}")))
+}
+
+fn parse(text: &str, kind: QueryKind) -> Result<Vec<LabelledQuery>, String> {
+    let mut rows = Vec::new();
+    for (number, line) in text.lines().enumerate() {
+        if line.trim().is_empty() {
+            continue;
+        }
+        let (point, truth) =
+            row(line).map_err(|message| format!("line {}: {message}", number + 1))?;
+        rows.push((number + 1, point, truth));
+    }
+    let (queries, rest) = rows.as_chunks::<ROWS>();
+    if !rest.is_empty() {
+        let line = rest[rest.len() - 1].0;
+        return Err(format!(
+            "line {line}: the last query has {} rows instead of {ROWS}",
+            rest.len()
+        ));
+    }
+    if queries.is_empty() {
+        return Err("no queries in it".to_owned());
+    }
+    queries.iter().map(|rows| query(rows, kind)).collect()
+}
+
+fn query(rows: &[(usize, Vec3, bool); ROWS], kind: QueryKind) -> Result<LabelledQuery, String> {
+    let contact = rows[0].2;
+    if let Some((line, ..)) = rows.iter().find(|row| row.2 != contact) {
+        return Err(format!(
+            "line {line}: its truth is not that of the other rows of the query"
+        ));
+    }
+    let point = |k: usize| rows[k].1;
+    Ok(LabelledQuery {
+        query: Query {
+            kind,
+            from: std::array::from_fn(point),
+            to: std::array::from_fn(|k| point(4 + k)),
+        },
+        contact,
+        contact_time: None,
+    })
+}
+
+fn row(line: &str) -> Result<(Vec3, bool), String> {
+    let columns: Vec<&str> = line.split(',').map(str::trim).collect();
+    let [xn, xd, yn, yd, zn, zd, truth] = columns[..] else {
+        return Err(format!("{} columns instead of 7", columns.len()));
+    };
+    let point = Vec3::new(fraction(xn, xd)?, fraction(yn, yd)?, fraction(zn, zd)?);
+    match truth {
+        "0" => Ok((point, false)),
+        "1" => Ok((point, true)),
+        other => Err(format!("the truth is `{other}`, not 0 or 1")),
+    }
+}
+
+fn fraction(numerator: &str, denominator: &str) -> Result<Real, String> {
+    let quotient = whole(numerator)? / whole(denominator)?;
+    if quotient.is_finite() {
+        Ok(quotient)
+    } else {
+        Err(format!("{numerator}/{denominator} is not a finite number"))
+    }
+}
+
+fn whole(text: &str) -> Result<Real, String> {
+    let digits = text.strip_prefix(['-', '+']).unwrap_or(text);
+    let is_whole = !digits.is_empty() && digits.bytes().all(|b| b.is_ascii_digit());
+    match text.parse() {
+        Ok(number) if is_whole => Ok(number),
+        _ => Err(format!("`{text}` is not a whole number")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const ROW: &str = "1,2,-3,4,5,1,1\n";
+
+    #[test]
+    fn eight_rows_are_a_query() {
+        let found = parse(&ROW.repeat(16), QueryKind::EdgeEdge).unwrap();
+        assert_eq!(found.len(), 2);
+        assert_eq!(found[1].query.to[3], Vec3::new(0.5, -0.75, 5.0));
+        assert!(found[0].contact);
+    }
+
+    #[test]
+    fn what_is_wrong_is_told_with_its_line() {
+        let refused = |text: &str| parse(text, QueryKind::VertexTriangle).unwrap_err();
+        let at_third = |row: &str| refused(&format!("{ROW}{ROW}{row}\n{}", ROW.repeat(5)));
+        for (row, words) in [
+            ("1,2,3,4,5,1", "line 3: 6 columns"),
+            ("1,2,x,4,5,1,1", "line 3: `x`"),
+            ("1,2,nan,4,5,1,1", "line 3: `nan`"),
+            ("1,0,3,4,5,1,1", "line 3: 1/0"),
+            ("1,2,3,4,5,1,2", "line 3: the truth"),
+            ("1,2,3,4,5,1,0", "line 3: its truth"),
+        ] {
+            assert!(at_third(row).contains(words), "{}", at_third(row));
+        }
+        assert!(refused(&ROW.repeat(9)).contains("line 9"));
+        assert!(refused("").contains("no queries"));
+    }
+}

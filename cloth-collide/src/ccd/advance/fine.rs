@@ -1,0 +1,94 @@
+//! The walk in double precision, for what is nearer than `f64` can tell.
+
+use super::{Walk, reach_of};
+use crate::ccd::difference::{Difference, NearestFeature};
+use crate::ccd::number::{Double, Number};
+use crate::ccd::reach::Margin;
+use crate::ccd::{Impact, Stop};
+use cloth_core::math::{Real, Vec3};
+
+/// Steps before giving up.
+pub(super) const BUDGET: u32 = 64;
+
+/// An advance in time (dimensionless) that leads nowhere: the numbers end soon after.
+const SHORTEST_ADVANCE: Real = 1e-31;
+
+/// What is tried first is not shorter than this (dimensionless).
+const SHORTEST_TRIAL: Real = 1e-24;
+
+/// The walk in double precision from `time` on, which `coarse` has reached, trying the part `trial` of the motion first. It
+/// decides whether the two touch or only come nearer than `f64` can tell, and goes on if they do not touch.
+///
+/// So near, what the nearest feature is cannot be told in `f64` either. All are tried, first the one that led furthest last.
+pub(super) fn fine<const K: usize>(
+    polygon: &Difference<K>,
+    margin: Margin,
+    time: Real,
+    trial: Real,
+) -> Walk
+where
+    [Vec3; K]: NearestFeature,
+{
+    let features = <[Vec3; K]>::FEATURES;
+    let (mut now, mut trial) = (Double::new(time, 0.0), trial.max(SHORTEST_TRIAL));
+    let mut x = polygon.at(now);
+    let mut favourite = 0;
+    let mut growth = 8.0;
+    for steps in 1..=BUDGET {
+        let rest = (Double::new(1.0, 0.0) - now).value();
+        let whole = trial >= rest;
+        let until = if whole {
+            Double::new(1.0, 0.0)
+        } else {
+            now + Double::new(trial, 0.0)
+        };
+        let end = polygon.at(until);
+        let mut reach = 0.0;
+        let first = favourite;
+        let order = std::iter::once(first).chain((0..features.len()).filter(|&k| k != first));
+        for k in order {
+            let found = reach_of(margin, features[k], &x, &end);
+            if found > reach {
+                (reach, favourite) = (found, k);
+            }
+            if reach >= 1.0 {
+                break;
+            }
+        }
+        if reach >= 1.0 {
+            if whole {
+                return Walk {
+                    impact: None,
+                    steps,
+                };
+            }
+            now = until;
+            x = end;
+            trial *= growth;
+            growth = 64.0;
+        } else {
+            let length = (until - now).value();
+            let advance = length * reach * (1.0 - 8.0 * Real::EPSILON);
+            if advance < SHORTEST_ADVANCE {
+                return Walk {
+                    impact: Some(Impact {
+                        time: now.rounded_down(),
+                        stop: Stop::Contact,
+                    }),
+                    steps,
+                };
+            }
+            now = now + Double::new(advance, 0.0);
+            x = polygon.at(now);
+            trial = length * if reach < 0.25 { 0.125 } else { 0.5 };
+            growth = 8.0;
+        }
+    }
+    Walk {
+        impact: Some(Impact {
+            time: now.rounded_down(),
+            stop: Stop::Budget,
+        }),
+        steps: BUDGET,
+    }
+}
