@@ -1,12 +1,20 @@
-//! Gauss–Seidel sweeps over the hanging sheet: time per element, on one thread and on all, beside the loop that one would write first.
+//! Gauss–Seidel sweeps over the hanging sheet: time per element, on one thread and on two, beside the loop that one would write first; by size, by order
+//! of the vertices, by method and precision.
 
+use cloth_bench::method::Method;
 use cloth_bench::scene::{self, Scene};
 use cloth_bench::settings::Settings;
 use cloth_core::element::{Constraint, Element};
 use cloth_core::energy::Spring;
 use cloth_core::math::{Real, Vec3};
+use cloth_core::mesh::generate::{Diagonals, grid, irregular};
+use cloth_core::ordering::Order;
 use cloth_core::position_based::{Acceleration, Families, RowAt, RowEquation, Rule, Sweep};
-use criterion::{Criterion, Throughput, criterion_group, criterion_main};
+use cloth_core::random::SplitMix64;
+use cloth_core::step::StepInput;
+use cloth_core::topology::EdgeTable;
+use criterion::measurement::WallTime;
+use criterion::{BenchmarkGroup, Criterion, Throughput, criterion_group, criterion_main};
 use rayon::ThreadPoolBuilder;
 
 /// XPBD's rule, with substeps of 1 ms.
@@ -28,6 +36,7 @@ impl Rule for Compliant {
         memory.softness = 1e6 / row.stiffness;
     }
 
+    #[inline(always)]
     fn equation(&self, row: RowAt, memory: &mut Multiplier) -> RowEquation {
         RowEquation {
             residual: row.value + memory.softness * memory.total,
@@ -35,6 +44,7 @@ impl Rule for Compliant {
         }
     }
 
+    #[inline(always)]
     fn remember(&self, change: Real, memory: &mut Multiplier) {
         memory.total += change;
     }
@@ -45,18 +55,14 @@ fn sheet(side: u32) -> Scene {
 }
 
 /// A sheet that is not at rest, so that no correction is zero.
-fn shaken(scene: &Scene) -> Vec<Vec3> {
-    let shaken = scene.start.positions.iter().enumerate();
+fn shaken(rest: &[Vec3]) -> Vec<Vec3> {
     let noise = |i: usize| Vec3::from_fn(|axis, _| (1e3 * (i + 7 * axis) as Real).sin());
-    let size = 0.1 / (scene.start.positions.len() as Real).sqrt();
+    let size = 0.1 / (rest.len() as Real).sqrt();
+    let shaken = rest.iter().enumerate();
     shaken.map(|(i, x)| x + noise(i) * size).collect()
 }
 
-fn families<const N: usize, E: Constraint<N>>(
-    scene: &Scene,
-    elements: &[E],
-) -> Families<Compliant> {
-    let count = scene.start.positions.len();
+fn families<const N: usize, E: Constraint<N>>(count: usize, elements: &[E]) -> Families<Compliant> {
     let mut families = Families::new(count, Sweep::Colored, Acceleration::default())
         .expect("settings in their ranges");
     families.add(elements).expect("elements of the sheet");
@@ -81,45 +87,134 @@ fn first_loop(springs: &[Spring], lambda: &mut [Real], w: &[Real], x: &mut [[Rea
     }
 }
 
-fn sweeps(criterion: &mut Criterion) {
-    for side in [64, 128, 256, 512] {
+/// Rows of one family in coloured sweeps, on some number of threads.
+fn visit<const N: usize, E: Constraint<N>>(
+    group: &mut BenchmarkGroup<'_, WallTime>,
+    name: &str,
+    threads: usize,
+    (w, elements, start): (&[Real], &[E], &[Vec3]),
+) {
+    let pool = ThreadPoolBuilder::new().num_threads(threads).build();
+    let pool = pool.expect("threads");
+    let mut families = families(w.len(), elements);
+    let mut x = start.to_vec();
+    families.prepare(&Compliant, w, &x);
+    group.throughput(Throughput::Elements(elements.len() as u64));
+    group.bench_function(format!("{name}, {threads} threads"), |bencher| {
+        bencher.iter(|| pool.install(|| families.sweep(&Compliant, w, &mut x)));
+    });
+}
+
+/// Springs and hinges of grids from 1,000 to 1,000,000 vertices, beside the loop that one would write first.
+fn grids(criterion: &mut Criterion) {
+    for side in [32, 64, 90, 128, 181, 256, 512, 1000] {
         let scene = sheet(side);
-        let w = scene.model.particles.inverse_mass();
+        let model = &scene.model;
+        let w = model.particles.inverse_mass();
         let mut group = criterion.benchmark_group(format!("sweep, {side} a side"));
         group.sample_size(20);
-        group.throughput(Throughput::Elements(scene.model.springs.len() as u64));
-        let mut springs = scene.model.springs.clone();
+        let mut springs = model.springs.clone();
         springs.sort_by_key(|spring| spring.vertices);
-        let mut x: Vec<[Real; 3]> = shaken(&scene).iter().map(|&x| x.into()).collect();
+        let start = shaken(&scene.start.positions);
+        let mut x: Vec<[Real; 3]> = start.iter().map(|&x| x.into()).collect();
         let mut lambda = vec![0.0; springs.len()];
+        group.throughput(Throughput::Elements(springs.len() as u64));
         group.bench_function("springs, in the order of their vertices", |bencher| {
             bencher.iter(|| first_loop(&springs, &mut lambda, w, &mut x));
         });
         for threads in [1, 2] {
-            let pool = ThreadPoolBuilder::new().num_threads(threads).build();
-            let pool = pool.expect("threads");
-            let mut visit = |name: &str, mut families: Families<Compliant>, count: usize| {
-                let mut x = shaken(&scene);
-                families.prepare(&Compliant, w, &x);
-                group.throughput(Throughput::Elements(count as u64));
-                group.bench_function(format!("{name}, coloured, {threads} threads"), |bencher| {
-                    bencher.iter(|| pool.install(|| families.sweep(&Compliant, w, &mut x)));
-                });
-            };
-            let model = &scene.model;
-            visit(
-                "springs",
-                families(&scene, &model.springs),
-                model.springs.len(),
-            );
-            visit(
-                "hinges",
-                families(&scene, &model.hinges),
-                model.hinges.len(),
-            );
+            visit(&mut group, "springs", threads, (w, &model.springs, &start));
+            visit(&mut group, "hinges", threads, (w, &model.hinges, &start));
         }
     }
 }
 
-criterion_group!(benches, sweeps);
+/// Meshes as a file might have them, their vertices shuffled: as they are, and sorted again as `cloth-bench` does it with files.
+fn files(criterion: &mut Criterion) {
+    let grid = |side| grid(side, side, 1.0, 1.0, Diagonals::Alternating);
+    for (name, mesh) in [
+        ("grid of 64 a side", grid(64)),
+        ("grid of 256 a side", grid(256)),
+        ("grid of 1000 a side", grid(1000)),
+        ("irregular sheet of 256 a side", irregular(256, 1.0, 1.0, 1)),
+    ] {
+        let mesh = mesh.expect("a mesh");
+        let edges = EdgeTable::build(&mesh).expect("edges");
+        let springs = Spring::along(mesh.positions(), edges.ends(), 1e4);
+        let start = shaken(mesh.positions());
+        let count = start.len();
+        let w = vec![5.0 * count as Real; count];
+        let mut shuffled: Vec<u32> = (0..count as u32).collect();
+        let mut random = SplitMix64::new(1);
+        for i in (1..count).rev() {
+            shuffled.swap(i, (random.next_bits() % (i as u64 + 1)) as usize);
+        }
+        let mut moved = vec![Vec3::zeros(); count];
+        for (&place, x) in shuffled.iter().zip(&start) {
+            moved[place as usize] = *x;
+        }
+        let numbered = |number: &dyn Fn(u32) -> u32| {
+            let springs = springs.iter().map(|spring| Spring {
+                vertices: spring.vertices.map(number),
+                ..*spring
+            });
+            let mut springs: Vec<Spring> = springs.collect();
+            springs.sort_by_key(|spring| spring.vertices);
+            springs
+        };
+        let mut group = criterion.benchmark_group(format!("sweep, {name}"));
+        group.sample_size(20);
+        visit(&mut group, "as generated", 1, (&w, &springs, &start));
+        let as_it_is = numbered(&|v| shuffled[v as usize]);
+        visit(&mut group, "shuffled", 1, (&w, &as_it_is, &moved));
+        let sorted = Order::morton(&moved);
+        let again = numbered(&|v| sorted.renumber([shuffled[v as usize]])[0]);
+        let x = sorted.apply(&moved);
+        visit(&mut group, "sorted again", 1, (&w, &again, &x));
+    }
+}
+
+/// Steps of 100 sweeps over springs alone: what a rule and its precision cost.
+fn methods(criterion: &mut Criterion) {
+    const SWEEPS: u32 = 100;
+    for side in [64, 128, 256] {
+        let mut scene = sheet(side);
+        scene.model.hinges.clear();
+        scene.model.others.clear();
+        let mut group = criterion.benchmark_group(format!("100 sweeps, {side} a side"));
+        group.sample_size(10);
+        let springs = scene.model.springs.len() as u64;
+        group.throughput(Throughput::Elements(springs * u64::from(SWEEPS)));
+        let pool = ThreadPoolBuilder::new().num_threads(1).build();
+        let pool = pool.expect("threads");
+        for (name, settings) in [
+            ("pbd", Settings::default()),
+            ("xpbd", Settings::default().with("substeps", 1)),
+            (
+                "xpbd",
+                Settings::default()
+                    .with("substeps", 1)
+                    .with("precision", "single"),
+            ),
+        ] {
+            let settings = settings.with("iterations", SWEEPS);
+            let method = Method::find(name).expect("a method");
+            let mut solver = method
+                .build(&scene, &settings, 1.0 / 60.0)
+                .expect("a solver");
+            let mut state = scene.start.clone();
+            let name = format!("{name} {}", settings.get("precision").unwrap_or("double"));
+            group.bench_function(name, |bencher| {
+                pool.install(|| {
+                    bencher.iter(|| {
+                        let input = StepInput::new(1.0 / 60.0).gravity(Vec3::new(0.0, 0.0, -9.81));
+                        solver.step(&mut state, input)
+                    });
+                });
+            });
+        }
+    }
+}
+
+criterion_group!(benches, grids, files, methods);
 criterion_main!(benches);

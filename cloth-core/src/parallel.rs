@@ -88,12 +88,35 @@ unsafe fn visit_parts<const BACK: bool, const N: usize, E: Sync, A: Send, P: Cop
         return;
     }
     let range = parts.range();
-    // SAFETY: passed on. This is the one place that calls it: a closure that is called in several places is not inlined into any of
-    // them, which doubles the time of a spring.
-    unsafe {
-        let (elements, stencils) = (&parts.elements[range.clone()], &parts.stencils[range]);
-        visit_each::<BACK, N, E, A, P>(elements, stencils, slots, x, visit);
+    let (elements, stencils) = (&parts.elements[range.clone()], &parts.stencils[range]);
+    #[cfg(target_arch = "x86_64")]
+    if std::is_x86_feature_detected!("avx2") {
+        // SAFETY: passed on, and the processor has the instructions.
+        unsafe { visit_each_avx2::<BACK, N, E, A, P>(elements, stencils, slots, x, visit) };
+        return;
     }
+    // SAFETY: passed on.
+    unsafe { visit_each::<BACK, N, E, A, P>(elements, stencils, slots, x, visit) }
+}
+
+/// [`visit_each`] in the instructions of newer processors, with the same bits, if `visit` is inlined: a twentieth faster. Above all, a root does not wait
+/// there for whatever its target register held before. In the older instructions it does unless the compiler takes care, which can make one chain
+/// of all elements and double the time.
+///
+/// # Safety
+/// That of [`visit_each`], and the processor has AVX2.
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2")]
+#[allow(unsafe_code)] // the reason is in the section above
+unsafe fn visit_each_avx2<const BACK: bool, const N: usize, E, A, P: Copy>(
+    elements: &[E],
+    stencils: &[[u32; N]],
+    slots: &mut [A],
+    x: &Positions<'_, P>,
+    visit: &impl Fn(&E, &mut A, &mut [P; N]),
+) {
+    // SAFETY: passed on.
+    unsafe { visit_each::<BACK, N, E, A, P>(elements, stencils, slots, x, visit) }
 }
 
 /// How many elements ahead positions are asked for: long enough for the memory to answer.

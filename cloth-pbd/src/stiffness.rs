@@ -80,19 +80,28 @@ pub struct Known {
     s: Real,
 }
 
+impl Projection {
+    /// s for a w̃. Out of the way of the sweep: seldom needed, and with a power in it the loop would keep nothing in registers.
+    #[cold]
+    #[inline(never)]
+    fn learn(&self, weight: Real, stiffness: Real) -> Known {
+        let z = stiffness * self.substep * self.substep * weight;
+        let s = projection_stiffness(z, self.iterations);
+        Known { weight, s }
+    }
+}
+
 impl Rule for Projection {
     type Memory = Known;
 
-    #[inline]
+    #[inline(always)]
     fn equation(&self, row: RowAt, known: &mut Known) -> RowEquation {
         let s = match self.stiffness {
             StiffnessRule::Fixed(s) => s,
             StiffnessRule::Material => {
                 let weight = rounded(row.weight);
                 if weight != known.weight {
-                    let z = row.stiffness * self.substep * self.substep * weight;
-                    let s = projection_stiffness(z, self.iterations);
-                    *known = Known { weight, s };
+                    *known = self.learn(weight, row.stiffness);
                 }
                 known.s
             }

@@ -130,7 +130,7 @@ impl Rule for Compliance {
     }
 
     /// `C + α̃ν` and `α̃`.
-    #[inline]
+    #[inline(always)]
     fn equation(&self, row: RowAt, memory: &mut Multiplier) -> RowEquation {
         RowEquation {
             residual: row.value + memory.softness * memory.total,
@@ -138,7 +138,7 @@ impl Rule for Compliance {
         }
     }
 
-    #[inline]
+    #[inline(always)]
     fn remember(&self, change: Real, memory: &mut Multiplier) {
         memory.total += change;
     }

@@ -61,17 +61,25 @@ type Slot<const N: usize, E, R> =
 
 impl<const N: usize, E: Constraint<N>, R: Rule> AnyFamily<R> for Family<N, E, Slot<N, E, R>> {
     fn sweep(&mut self, rule: &R, relaxation: Real, inverse_mass: &[Real], x: &mut [Vec3]) {
-        self.elements
-            .sweep(&mut self.memory, x, |element, memory, x| {
+        self.elements.sweep(
+            &mut self.memory,
+            x,
+            #[inline(always)]
+            |element, memory, x| {
                 project(rule, element, inverse_mass, relaxation, memory.as_mut(), x);
-            });
+            },
+        );
     }
 
     fn sweep_back(&mut self, rule: &R, relaxation: Real, inverse_mass: &[Real], x: &mut [Vec3]) {
-        self.elements
-            .sweep_back(&mut self.memory, x, |element, memory, x| {
+        self.elements.sweep_back(
+            &mut self.memory,
+            x,
+            #[inline(always)]
+            |element, memory, x| {
                 project(rule, element, inverse_mass, relaxation, memory.as_mut(), x);
-            });
+            },
+        );
     }
 
     fn correct(&mut self, rule: &R, inverse_mass: &[Real], x: &[Vec3], moves: &mut [Vec3]) {

@@ -52,7 +52,7 @@ pub trait Rule: Debug + Send + Sync + 'static {
     /// Whether the rows of one element are solved together, with the products of their gradients, or one after another.
     const ROWS_TOGETHER: bool = false;
 
-    /// The equation of a row. A row that nothing could change, because `w̃ + softness` is zero, stays as it is whatever its residual.
+    /// The equation of a row. It stands in the innermost loop, and should be `#[inline(always)]`, like [`Rule::remember`]. A row that nothing could change, because `w̃ + softness` is zero, stays as it is whatever its residual.
     fn equation(&self, row: RowAt, memory: &mut Self::Memory) -> RowEquation;
 
     /// Learns what it can of a row before the sweeps of a step begin, and again whenever the rule is another one.
@@ -68,7 +68,7 @@ pub trait Rule: Debug + Send + Sync + 'static {
     }
 
     /// Remembers that a row went along by `change` (kg m² per unit of C): Δλ, or the part of it that a relaxed or an averaging sweep takes.
-    #[inline]
+    #[inline(always)]
     fn remember(&self, change: Real, memory: &mut Self::Memory) {
         let _ = (change, memory);
     }

@@ -58,7 +58,7 @@ pub(super) struct Memory {
 impl Rule for Pull {
     type Memory = Memory;
 
-    #[inline]
+    #[inline(always)]
     fn equation(&self, row: RowAt, memory: &mut Memory) -> RowEquation {
         let residual = match *self {
             Self::Begin => {
@@ -79,7 +79,7 @@ impl Rule for Pull {
         }
     }
 
-    #[inline]
+    #[inline(always)]
     fn remember(&self, change: Real, memory: &mut Memory) {
         memory.total += change;
     }
