@@ -134,7 +134,7 @@ impl<const N: usize, E: Element<N>> Colored<N, E> {
     ) {
         self.check(slots, x);
         for stage in &self.stages {
-            parallel::visit::<false, N, _, _, _>(self.parts(stage), slots, x, &visit);
+            parallel::visit::<false, N, _, _, _>(&self.parts(stage), slots, x, &visit);
         }
     }
 
@@ -150,7 +150,7 @@ impl<const N: usize, E: Element<N>> Colored<N, E> {
     ) {
         self.check(slots, x);
         for stage in self.stages.iter().rev() {
-            parallel::visit::<true, N, _, _, _>(self.parts(stage), slots, x, &visit);
+            parallel::visit::<true, N, _, _, _>(&self.parts(stage), slots, x, &visit);
         }
     }
 

@@ -37,7 +37,7 @@ impl<'a, const N: usize, E> Parts<'a, N, E> {
 /// Visits each element of `parts` once with its slot and a copy of its vertices, which is stored back; on several threads if that is worth
 /// it. In order, or from the last to the first if it goes `BACK`.
 pub(crate) fn visit<const BACK: bool, const N: usize, E: Sync, A: Send, P: Copy + Send>(
-    parts: Parts<'_, N, E>,
+    parts: &Parts<'_, N, E>,
     slots: &mut [A],
     x: &mut [P],
     visit: &(impl Fn(&E, &mut A, &mut [P; N]) + Sync),
@@ -55,7 +55,7 @@ pub(crate) fn visit<const BACK: bool, const N: usize, E: Sync, A: Send, P: Copy 
     #[allow(unsafe_code)]
     // SAFETY: `x` is borrowed mutably until this returns, so no one else touches it.
     unsafe {
-        visit_parts::<BACK, N, E, A, P>(&parts, slots, &Positions::new(x), grain, visit);
+        visit_parts::<BACK, N, E, A, P>(parts, slots, &Positions::new(x), grain, visit);
     }
 }
 

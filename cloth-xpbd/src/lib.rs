@@ -48,6 +48,9 @@
 //! stall, and as the reference that sweeps are held against. With one solve a step and geometric stiffness it is stable constrained dynamics (XPBD-3). Without the feature the crate does not
 //! depend on a factorisation library.
 //!
+//! ## In single precision
+//! With the feature `single`, `single::SingleXpbd` sweeps over springs and quadratic hinges in single precision, four springs at a time.
+//!
 //! | equation | where |
 //! |---|---|
 //! | S1 (24), (26) | [`Motion::predict`](cloth_core::position_based::Motion::predict), [`update_velocities`](cloth_core::position_based::Motion::update_velocities) |

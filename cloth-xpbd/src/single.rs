@@ -13,7 +13,9 @@
 //! ```
 //!
 //! What is lost is then no drift but a roughness: the sweeps see positions rounded to 6e-8 of the size of the cloth, which for a spring of length l in a cloth of size s is a
-//! strain of about `6e-8 s/l`.
+//! strain of about `6e-8 s/l`. A sheet of 33 × 33 vertices and 1 m, falling for 20 steps of 20 substeps, differs from that in double precision by 3.2e-6 in the strain of its springs (rms, of
+//! 8.8e-3) and by at most 4.3e-5 m in its positions (`cargo test --release -p cloth-xpbd --features single --test single -- --nocapture`). In return a sweep over springs takes half the time, and
+//! one over quadratic hinges as well (`cargo bench -p cloth-bench --bench sweeps`).
 //!
 //! Springs go in packs of four of one colour, so that no two share a vertex. A pack is an element of eight vertices, and is coloured and shared by threads like any other. The rows of a
 //! [`VectorRow`](cloth_core::element::VectorRow), those of a quadratic hinge or an attachment, are the three coordinates of one register.
@@ -24,6 +26,36 @@
 //! | Δλ of a vector row | `single/vector_rows.rs` |
 //! | from double precision and back | `single/positions.rs` |
 //! | the loop around them | [`SingleXpbd`] |
+//!
+//! # Example
+//! ```
+//! use cloth_core::cloth::{Cloth, Membrane};
+//! use cloth_core::math::Vec3;
+//! use cloth_core::mesh::generate::{Diagonals, grid};
+//! use cloth_core::particles::State;
+//! use cloth_core::step::{StepInput, Stepper};
+//! use cloth_xpbd::single::{SingleConfig, SingleXpbd};
+//!
+//! let mesh = grid(33, 33, 1.0, 1.0, Diagonals::Alternating)?;
+//! let cloth = Cloth { areal_density: 0.2, membrane: Membrane::SpringStiffness(1e4), bending_rigidity: 1e-5 };
+//! let mut model = cloth.on(&mesh)?;
+//! for vertex in 0..33 {
+//!     model.particles.prescribe(vertex)?; // held by an edge
+//! }
+//! let mut solver = SingleXpbd::builder(&model.particles)
+//!     .springs(&model.springs)
+//!     .vector_rows(&model.hinges)
+//!     .config(SingleConfig { substeps: 40, ..Default::default() })
+//!     .build()?;
+//! let mut state = State::at_rest(mesh.positions().to_vec());
+//! let down = Vec3::new(0.0, 1.0, 0.0) * 9.81; // along the sheet
+//! for _ in 0..60 {
+//!     solver.step(&mut state, StepInput::new(1.0 / 60.0).gravity(down))?;
+//! }
+//! let mean = state.positions[32 * 33..].iter().map(|x| x.y).sum::<f64>() / 33.0;
+//! assert!((mean - 1.0).abs() < 0.01, "{mean}"); // hardly longer than it was
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 //!
 //! # Limits
 //! - Springs and vector rows only, coloured sweeps only, no damping, no extrapolation, no forces read out: for all that there is [`XpbdSolver`](crate::XpbdSolver).

@@ -3,6 +3,9 @@
 use crate::element::Element;
 
 /// The smallest colour that no earlier element at a shared vertex has, for each element in turn.
+///
+/// # Panics
+/// If an element names a vertex that is not smaller than `vertex_count`, or names one twice.
 #[must_use]
 pub fn greedy_colors<const N: usize, E: Element<N>>(
     elements: &[E],
