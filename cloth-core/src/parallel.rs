@@ -28,7 +28,7 @@ impl<'a, const N: usize, E> Parts<'a, N, E> {
         }
     }
 
-    /// First and last but one of the elements.
+    /// Where they stand among all elements.
     fn range(&self) -> Range<usize> {
         self.bounds[0]..self.bounds[self.bounds.len() - 1]
     }
@@ -119,7 +119,7 @@ unsafe fn visit_each_avx2<const BACK: bool, const N: usize, E, A, P: Copy>(
     unsafe { visit_each::<BACK, N, E, A, P>(elements, stencils, slots, x, visit) }
 }
 
-/// How many elements ahead positions are asked for: long enough for the memory to answer.
+/// Positions are asked for while so many elements before them are visited: long enough for the memory to answer.
 const AHEAD: usize = 16;
 
 /// With fewer vertices than this the positions are in a cache, and asking for them costs more than it saves.
@@ -140,36 +140,36 @@ unsafe fn visit_each<const BACK: bool, const N: usize, E, A, P: Copy>(
 ) {
     let count = slots.len();
     let (elements, stencils) = (&elements[..count], &stencils[..count]);
-    // Nobody is that far ahead: then nothing is asked for.
-    let distance = if x.count < FAR { count } else { AHEAD };
-    for done in 0..count {
-        let (i, ahead) = if BACK {
-            (count - 1 - done, (count - 1 - done).wrapping_sub(distance))
-        } else {
-            (done, done + distance)
-        };
-        if let Some(stencil) = stencils.get(ahead) {
-            for &vertex in stencil {
-                fetch(x.first.wrapping_add(vertex as usize));
+    let place = |done: usize| if BACK { count - 1 - done } else { done };
+    let far = x.count >= FAR;
+    for first in (0..count).step_by(AHEAD) {
+        if far {
+            for done in (first + AHEAD)..(first + 2 * AHEAD).min(count) {
+                for &vertex in &stencils[place(done)] {
+                    fetch(x.first.wrapping_add(vertex as usize));
+                }
             }
         }
-        // Loops, because `map` to arrays of eight is a call.
-        let mut places = [x.place(stencils[i][0]); N];
-        for corner in 1..N {
-            places[corner] = x.place(stencils[i][corner]);
-        }
-        // SAFETY: the places are in bounds and aligned, and no other thread uses them, as the caller says. No reference to
-        // a position lives across `visit`.
-        let mut local = [unsafe { *places[0] }; N];
-        for corner in 1..N {
-            // SAFETY: as above.
-            local[corner] = unsafe { *places[corner] };
-        }
-        visit(&elements[i], &mut slots[i], &mut local);
-        for i in 0..N {
-            // SAFETY: as above.
-            unsafe {
-                *places[i] = local[i];
+        for done in first..(first + AHEAD).min(count) {
+            let i = place(done);
+            // Loops, because `map` to arrays of eight is a call.
+            let mut places = [x.place(stencils[i][0]); N];
+            for corner in 1..N {
+                places[corner] = x.place(stencils[i][corner]);
+            }
+            // SAFETY: the places are in bounds and aligned, and no other thread uses them, as the caller says. No reference to
+            // a position lives across `visit`.
+            let mut local = [unsafe { *places[0] }; N];
+            for corner in 1..N {
+                // SAFETY: as above.
+                local[corner] = unsafe { *places[corner] };
+            }
+            visit(&elements[i], &mut slots[i], &mut local);
+            for i in 0..N {
+                // SAFETY: as above.
+                unsafe {
+                    *places[i] = local[i];
+                }
             }
         }
     }

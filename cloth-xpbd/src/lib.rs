@@ -97,6 +97,23 @@
 //!
 //! So spend sweeps on substeps, unless the constraints are few, or the step has to be that of implicit Euler.
 //!
+//! # What a sweep costs
+//! ns per element and sweep, on one thread of a 2-core AMD EPYC (Zen 3) with AVX2, plain release build (`cargo bench -p cloth-bench --bench sweeps`, the smallest sample of each):
+//!
+//! | vertices a side | springs | quadratic hinges | springs, single precision | springs, the loop of a first program |
+//! |---|---|---|---|---|
+//! | 64 | 5.2 | 7.9 | 2.5 | 13.4 |
+//! | 128 | 5.2 | 8.0 | 2.5 | 13.5 |
+//! | 256 | 5.5 | 10.4 | 2.5 | 13.6 |
+//! | 512 | 5.4 | 10.4 | | 13.4 |
+//! | 1000 | 6.1 | 12.9 | | 13.6 |
+//!
+//! The first program visits springs in the order of their vertices, each waiting for the one before it. A spring moves some 170 bytes, 2.3 ns at the 75 GB/s of the third-level cache.
+//! An irregular sheet of 66 000 vertices takes 5.6. Vertices numbered at random take 7.5 there and 29 on 1000 × 1000; sorted along a curve
+//! ([`Order::morton`](cloth_core::ordering::Order::morton)) they take 5.9 and 7.0.
+//!
+//! A second thread takes part in colours of at least 4096 elements: at 128 a side springs then take 4.1 instead of 5.2, from 181 a side (33 000 vertices) on half the time of one thread, and smaller sheets stay on one.
+//!
 //! # Example
 //! ```
 //! use cloth_core::{energy::Spring, math::Vec3, particles::{Particles, State}};
