@@ -43,19 +43,17 @@ pub(crate) fn visit<const BACK: bool, const N: usize, E: Sync, A: Send, P: Copy 
     visit: &(impl Fn(&E, &mut A, &mut [P; N]) + Sync),
 ) {
     let slots = &mut slots[parts.range()];
-    #[cfg(feature = "parallel")]
-    let threads = rayon::current_num_threads();
-    #[cfg(not(feature = "parallel"))]
-    let threads = 1;
-    let grain = if threads > 1 && slots.len() >= SMALLEST_PARALLEL_SET {
-        slots.len() / (4 * threads)
-    } else {
-        usize::MAX
-    };
     #[allow(unsafe_code)]
     // SAFETY: `x` is borrowed mutably until this returns, so no one else touches it.
     unsafe {
-        visit_parts::<BACK, N, E, A, P>(parts, slots, &Positions::new(x), grain, visit);
+        let x = &Positions::new(x);
+        #[cfg(feature = "parallel")]
+        if slots.len() >= SMALLEST_PARALLEL_SET && rayon::current_num_threads() > 1 {
+            let grain = slots.len() / (4 * rayon::current_num_threads());
+            visit_parts::<BACK, N, E, A, P>(parts, slots, x, grain, visit);
+            return;
+        }
+        visit_part::<BACK, N, E, A, P>(parts, slots, x, visit);
     }
 }
 
@@ -63,6 +61,7 @@ pub(crate) fn visit<const BACK: bool, const N: usize, E: Sync, A: Send, P: Copy 
 ///
 /// # Safety
 /// While this runs, nobody else reads or writes the positions of the vertices of these parts.
+#[cfg(feature = "parallel")]
 #[allow(unsafe_code)] // the reason is in the section above
 unsafe fn visit_parts<const BACK: bool, const N: usize, E: Sync, A: Send, P: Copy + Send>(
     parts: &Parts<'_, N, E>,
@@ -71,22 +70,36 @@ unsafe fn visit_parts<const BACK: bool, const N: usize, E: Sync, A: Send, P: Cop
     grain: usize,
     visit: &(impl Fn(&E, &mut A, &mut [P; N]) + Sync),
 ) {
-    #[cfg(feature = "parallel")]
-    if slots.len() > grain && parts.bounds.len() > 2 {
-        let middle = parts.bounds.len() / 2;
-        let half = |bounds| Parts { bounds, ..*parts };
-        let (first, second) = (
-            half(&parts.bounds[..=middle]),
-            half(&parts.bounds[middle..]),
-        );
-        let (first_slots, second_slots) = slots.split_at_mut(first.range().len());
-        // SAFETY: the two halves are of different parts, so they share no vertex.
-        rayon::join(
-            || unsafe { visit_parts::<BACK, N, E, A, P>(&first, first_slots, x, grain, visit) },
-            || unsafe { visit_parts::<BACK, N, E, A, P>(&second, second_slots, x, grain, visit) },
-        );
+    if slots.len() <= grain || parts.bounds.len() <= 2 {
+        // SAFETY: passed on.
+        unsafe { visit_part::<BACK, N, E, A, P>(parts, slots, x, visit) };
         return;
     }
+    let middle = parts.bounds.len() / 2;
+    let half = |bounds| Parts { bounds, ..*parts };
+    let (first, second) = (
+        half(&parts.bounds[..=middle]),
+        half(&parts.bounds[middle..]),
+    );
+    let (first_slots, second_slots) = slots.split_at_mut(first.range().len());
+    // SAFETY: the two halves are of different parts, so they share no vertex.
+    rayon::join(
+        || unsafe { visit_parts::<BACK, N, E, A, P>(&first, first_slots, x, grain, visit) },
+        || unsafe { visit_parts::<BACK, N, E, A, P>(&second, second_slots, x, grain, visit) },
+    );
+}
+
+/// Visits all elements of `parts` on this thread, in the best instructions that the processor has.
+///
+/// # Safety
+/// While this runs, nobody else reads or writes the positions of the vertices of these parts.
+#[allow(unsafe_code)] // the reason is in the section above
+unsafe fn visit_part<const BACK: bool, const N: usize, E, A, P: Copy>(
+    parts: &Parts<'_, N, E>,
+    slots: &mut [A],
+    x: &Positions<'_, P>,
+    visit: &impl Fn(&E, &mut A, &mut [P; N]),
+) {
     let range = parts.range();
     let (elements, stencils) = (&parts.elements[range.clone()], &parts.stencils[range]);
     #[cfg(target_arch = "x86_64")]

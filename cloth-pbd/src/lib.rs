@@ -113,19 +113,19 @@
 //!
 //! # What acceleration saves
 //! A sheet of 128 × 128 vertices, rigid springs, hangs at rest by its upper edge or its two upper corners, h = 1/60 s. Gravity takes every vertex down by g h²; how many sweeps until a
-//! hundredth of that is left, and how many times less time than without acceleration (the smallest of some repetitions, on one busy machine, all in one process:
+//! hundredth of that is left, and how long they take on one thread of a 2-core AMD EPYC (the smallest of some repetitions:
 //! `cargo run --release -p cloth-bench -- study acceleration --tables`). "≥": extrapolated at the rate of the second half of 16 000 sweeps; where that could be checked, by an edge, it was one sweep in 22 239 off.
 //!
-//! | | sweeps, edge | times faster | sweeps, corners | times faster |
+//! | | sweeps, edge | ms | sweeps, corners | ms |
 //! |---|---|---|---|---|
-//! | coloured Gauss–Seidel | ≥ 22 238 | 1 | ≥ 180 884 | 1 |
-//! | SOR on it, ω best for a chain of 127 links | 799 | 28 | ≥ 48 395 | 4 |
-//! | Chebyshev on it, there and back, ρ estimated | 605 | 17 | 1572 | 55 |
-//! | the same, ρ = 1 − 2.5/128² | 303 | 35 | 3510 | 25 |
-//! | averaged Jacobi | ≥ 313 267 | 0.1 | ≥ 2 388 586 | 0.2 |
-//! | Chebyshev on it, ρ estimated | 2488 | 10 | 5095 | 80 |
-//! | hierarchy, one correction | 1 | over 1000 | ≥ 180 787 | 1 |
-//! | hierarchy, every 10 sweeps | 1 | over 1000 | ≥ 74 979 | 2 |
+//! | coloured Gauss–Seidel | ≥ 22 238 | 4840 | ≥ 180 884 | 39 800 |
+//! | SOR on it, ω best for a chain of 127 links | 799 | 171 | ≥ 47 869 | 11 300 |
+//! | Chebyshev on it, there and back, ρ estimated | 605 | 317 | 1572 | 875 |
+//! | the same, ρ = 1 − 2.5/128² | 303 | 163 | 3510 | 1800 |
+//! | averaged Jacobi | ≥ 313 267 | 55 800 | ≥ 2 388 586 | 425 000 |
+//! | Chebyshev on it, ρ estimated | 2488 | 539 | 5095 | 1080 |
+//! | hierarchy, one correction | 1 | 5 | ≥ 180 787 | 40 900 |
+//! | hierarchy, every 10 sweeps | 1 | 5 | ≥ 74 979 | 34 200 |
 //!
 //! ω or ρ that were right for an edge are wrong for corners; an estimate adapts. The hierarchy is at its best where the cloth hangs taut from long supports. A sheet that hangs flat by two corners stays flat by compression,
 //! about which its links know nothing. And what one correction leaves (0.2 to 0.5 % by the edge; on another size it can be more than 1 %) goes away as slowly as ever: on 64 × 64 vertices it takes 15 further sweeps to 1 %.

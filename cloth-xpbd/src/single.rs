@@ -14,8 +14,8 @@
 //!
 //! What is lost is then no drift but a roughness: the sweeps see positions rounded to 6e-8 of the size of the cloth, which for a spring of length l in a cloth of size s is a
 //! strain of about `6e-8 s/l`. A sheet of 33 × 33 vertices and 1 m, falling for 20 steps of 20 substeps, differs from that in double precision by 3.2e-6 in the strain of its springs (rms, of
-//! 8.8e-3) and by at most 4.3e-5 m in its positions (`cargo test --release -p cloth-xpbd --features single --test single -- --nocapture`). In return a sweep over springs takes half the time, and
-//! one over quadratic hinges as well (`cargo bench -p cloth-bench --bench sweeps`).
+//! 8.8e-3) and by at most 4.3e-5 m in its positions (`cargo test --release -p cloth-xpbd --features single --test single -- --nocapture`). In return a sweep over springs takes half the
+//! time (`cargo bench -p cloth-bench --bench sweeps`).
 //!
 //! Springs go in packs of four of one colour, so that no two share a vertex. A pack is an element of eight vertices, and is coloured and shared by threads like any other. The rows of a
 //! [`VectorRow`](cloth_core::element::VectorRow), those of a quadratic hinge or an attachment, are the three coordinates of one register.

@@ -1,13 +1,15 @@
 //! The contract of a step: factorisations, threads, errors.
 
-use crate::cloth::{
-    DT, GRAVITY, coarse_solver, falling, hanging, iterations, shake, sheet, solver,
-};
+#[cfg(feature = "parallel")]
+use crate::cloth::coarse_solver;
+use crate::cloth::{DT, GRAVITY, falling, hanging, iterations, shake, sheet, solver};
 use cloth_core::energy::Spring;
 use cloth_core::math::{Real, Vec3};
 use cloth_core::particles::{Particles, State};
 use cloth_core::step::{BuildError, StepError, StepInput, Stepper};
-use cloth_pd::{Acceleration, PdConfig, PdSolver};
+#[cfg(feature = "parallel")]
+use cloth_pd::Acceleration;
+use cloth_pd::{PdConfig, PdSolver};
 
 fn input_of<'a>(dt: Real) -> StepInput<'a> {
     StepInput::new(dt).gravity(GRAVITY)
