@@ -104,6 +104,7 @@ pub mod linear;
 #[cfg(feature = "cholesky")]
 pub mod dof;
 
+pub mod contact;
 pub mod step;
 
 pub mod position_based;

@@ -168,14 +168,15 @@ impl State {
     /// The first vertex whose position or velocity is not finite (CORE-14).
     #[must_use]
     pub fn first_non_finite(&self) -> Option<usize> {
-        let bad = |v: &Vec3| !crate::math::is_finite(v);
-        let position = self.positions.iter().position(bad);
-        let velocity = self.velocities.iter().position(bad);
-        match (position, velocity) {
-            (Some(p), Some(v)) => Some(p.min(v)),
-            (p, v) => p.or(v),
-        }
+        first_non_finite(&self.positions, &self.velocities)
     }
+}
+
+/// The first vertex whose position or velocity is not finite.
+pub(crate) fn first_non_finite(positions: &[Vec3], velocities: &[Vec3]) -> Option<usize> {
+    let bad = |v: &Vec3| !crate::math::is_finite(v);
+    let mut both = positions.iter().zip(velocities);
+    both.position(|(x, v)| bad(x) || bad(v))
 }
 
 /// Why masses or pins were refused.

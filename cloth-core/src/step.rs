@@ -1,5 +1,6 @@
 //! The contract between a method and those who run it: one step, what goes in, what comes out.
 
+use crate::contact::{ContactError, ContactSource, ContactStep};
 use crate::math::{Real, Vec3};
 use crate::particles::State;
 use std::fmt;
@@ -28,6 +29,8 @@ pub struct StepInput<'a> {
     pub gravity: Vec3,
     /// Further forces (N), one per vertex, constant during the step.
     pub load: Option<&'a [Vec3]>,
+    /// What the cloth can touch. `None`: no code for contact runs.
+    pub contacts: Option<&'a mut dyn ContactSource>,
     /// Watches the iterations. `None`: nothing is computed for it.
     pub observer: Option<&'a mut dyn Observer>,
 }
@@ -38,6 +41,7 @@ impl fmt::Debug for StepInput<'_> {
             .field("dt", &self.dt)
             .field("gravity", &self.gravity)
             .field("load", &self.load.map(<[Vec3]>::len))
+            .field("contacts", &self.contacts.is_some())
             .field("observer", &self.observer.is_some())
             .finish()
     }
@@ -51,6 +55,7 @@ impl<'a> StepInput<'a> {
             dt,
             gravity: Vec3::zeros(),
             load: None,
+            contacts: None,
             observer: None,
         }
     }
@@ -66,6 +71,13 @@ impl<'a> StepInput<'a> {
     #[must_use]
     pub fn load(mut self, load: &'a [Vec3]) -> Self {
         self.load = Some(load);
+        self
+    }
+
+    /// Sets what the cloth can touch.
+    #[must_use]
+    pub fn contacts(mut self, contacts: &'a mut dyn ContactSource) -> Self {
+        self.contacts = Some(contacts);
         self
     }
 
@@ -113,6 +125,50 @@ impl<'a> StepInput<'a> {
             }),
             None => Ok(()),
         }
+    }
+
+    /// What every method does last: gives the end of the step that it has found, `positions` (m) and `velocities` (m/s), to the contacts, if there are any. `from` is
+    /// the state before.
+    ///
+    /// # Errors
+    /// [`StepError::Contact`]; [`StepError::NonFinite`] if the contacts answer with that.
+    pub fn resolve_contacts(
+        &mut self,
+        from: &State,
+        inverse_mass: &[Real],
+        positions: &mut [Vec3],
+        velocities: &mut [Vec3],
+    ) -> Result<(), StepError> {
+        let Some(contacts) = &mut self.contacts else {
+            return Ok(());
+        };
+        let step = from.steps + 1;
+        let taken = ContactStep {
+            from: &from.positions,
+            inverse_mass,
+            dt: self.dt,
+        };
+        contacts
+            .resolve(&taken, positions, velocities)
+            .map_err(|reason| StepError::Contact { reason, step })?;
+        match crate::particles::first_non_finite(positions, velocities) {
+            Some(vertex) => Err(StepError::NonFinite { vertex, step }),
+            None => Ok(()),
+        }
+    }
+
+    /// The step without contacts, and a step with nothing else: for a method that does more to the cloth after another method, and leaves contact to the end.
+    #[must_use]
+    pub fn apart(self) -> (Self, Self) {
+        let contact = Self {
+            contacts: self.contacts,
+            ..Self::new(self.dt)
+        };
+        let alone = Self {
+            contacts: None,
+            ..self
+        };
+        (alone, contact)
     }
 
     /// Acceleration (m/s²) of a vertex of inverse mass `w` (1/kg) by gravity and load; zero for a prescribed vertex.
@@ -218,6 +274,13 @@ pub enum StepError {
         /// The step, counted from 1.
         step: u64,
     },
+    /// Contact could not be resolved.
+    Contact {
+        /// Why.
+        reason: ContactError,
+        /// The step, counted from 1.
+        step: u64,
+    },
     /// A line search found no lower point although the gradient is not small.
     LineSearchStalled {
         /// The iteration, counted from 1.
@@ -265,6 +328,7 @@ impl fmt::Display for StepError {
                 f,
                 "the matrix of step {step}, iteration {iteration}, is not positive definite"
             ),
+            Self::Contact { reason, step } => write!(f, "step {step}: {reason}"),
             Self::LineSearchStalled {
                 iteration,
                 residual,

@@ -90,7 +90,7 @@ impl Solver {
             }
             self.motion.update_velocities(h);
         }
-        self.motion.finish(state, input.dt)
+        self.motion.finish(state, &mut input)
     }
 }
 

@@ -168,6 +168,12 @@ impl Explicit {
         if let Some(watch) = &mut self.watch {
             watch.end(&self.parts, &self.positions, &self.velocities);
         }
+        let (w, x, v) = (
+            self.parts.particles.inverse_mass(),
+            &mut self.positions,
+            &mut self.velocities,
+        );
+        input.resolve_contacts(state, w, x, v)?;
         std::mem::swap(&mut state.positions, &mut self.positions);
         std::mem::swap(&mut state.velocities, &mut self.velocities);
         state.time += input.dt;

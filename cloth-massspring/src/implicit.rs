@@ -187,7 +187,7 @@ impl Implicit {
     fn advance(
         &mut self,
         state: &mut State,
-        input: StepInput<'_>,
+        mut input: StepInput<'_>,
         span: Span,
         base: impl Fn(usize, Vec3, Vec3) -> [Vec3; 2],
     ) -> Result<StepReport, StepError> {
@@ -209,7 +209,7 @@ impl Implicit {
                 config: &self.config,
                 step,
             };
-            report = self.newton.minimize(&task, input.observer)?;
+            report = self.newton.minimize(&task, input.observer.take())?;
         }
         let overflow = |vertex: &usize| {
             let [x, v] = self.end(*vertex, state, input.dt, span);
@@ -218,10 +218,18 @@ impl Implicit {
         if let Some(vertex) = (0..self.particles.len()).find(overflow) {
             return Err(StepError::NonFinite { vertex, step });
         }
+        // The stage is done with, and its place free for the end.
         for vertex in 0..self.particles.len() {
-            let [x, v] = self.end(vertex, state, input.dt, span);
-            (state.positions[vertex], state.velocities[vertex]) = (x, v);
+            [self.predicted[vertex], self.base[vertex]] = self.end(vertex, state, input.dt, span);
         }
+        let (w, x, v) = (
+            self.particles.inverse_mass(),
+            &mut self.predicted,
+            &mut self.base,
+        );
+        input.resolve_contacts(state, w, x, v)?;
+        state.positions.copy_from_slice(&self.predicted);
+        state.velocities.copy_from_slice(&self.base);
         state.time += input.dt;
         state.steps = step;
         Ok(report)

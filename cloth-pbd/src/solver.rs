@@ -98,7 +98,7 @@ impl Stepper for PbdSolver {
             }
             self.motion.update_velocities(h); // S1 (26)
         }
-        self.motion.finish(state, input.dt)
+        self.motion.finish(state, &mut input)
     }
 }
 

@@ -92,7 +92,7 @@ impl Stepper for PdSolver {
                 observer.iteration(report.iterations, &self.point.positions);
             }
         };
-        self.finish(state, &input)?; // S1 (35)
+        self.finish(state, &mut input)?; // S1 (35)
         Ok(report)
     }
 }
@@ -209,7 +209,7 @@ impl PdSolver {
     }
 
     /// S1 (35): `x[1] = x`, `v[1] = (x − x[0])/Δt`.
-    fn finish(&mut self, state: &mut State, input: &StepInput<'_>) -> Result<(), StepError> {
+    fn finish(&mut self, state: &mut State, input: &mut StepInput<'_>) -> Result<(), StepError> {
         let step = state.steps + 1;
         self.objective.place(&mut self.point);
         let particles = &self.objective.particles;
@@ -223,6 +223,8 @@ impl PdSolver {
                 return Err(StepError::NonFinite { vertex, step });
             }
         }
+        let (w, x) = (particles.inverse_mass(), &mut self.point.positions);
+        input.resolve_contacts(state, w, x, &mut self.velocities)?;
         state.positions.copy_from_slice(&self.point.positions);
         state.velocities.copy_from_slice(&self.velocities);
         state.time += input.dt;

@@ -169,7 +169,7 @@ impl Stepper for SingleXpbd {
             }
             self.motion.update_velocities(h); // S1 (26)
         }
-        self.motion.finish(state, input.dt)
+        self.motion.finish(state, &mut input)
     }
 }
 

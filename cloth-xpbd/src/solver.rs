@@ -46,7 +46,7 @@ impl Stepper for XpbdSolver {
             }
             self.motion.update_velocities(h); // S1 (26)
         }
-        let report = self.motion.finish(state, input.dt)?;
+        let report = self.motion.finish(state, &mut input)?;
         self.last = Some(compliance);
         Ok(report)
     }

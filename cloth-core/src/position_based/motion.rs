@@ -1,7 +1,7 @@
 //! Everything before and after the projection.
 
 use crate::math::{Real, Vec3};
-use crate::particles::{Particles, State};
+use crate::particles::{Particles, State, first_non_finite};
 use crate::step::{Outcome, StepError, StepInput, StepReport};
 
 /// A working copy of what moves, and the four things that happen to it in a step.
@@ -100,22 +100,29 @@ impl Motion {
         }
     }
 
-    /// Hands the result over and moves the clock by `dt` (s).
+    /// Resolves contact, hands the result over and moves the clock by Δt.
     ///
     /// # Errors
-    /// [`StepError::NonFinite`]; `state` is then as it was.
-    pub fn finish(&mut self, state: &mut State, dt: Real) -> Result<StepReport, StepError> {
-        let mut results = self.positions.iter().zip(&self.velocities);
-        if let Some(vertex) =
-            results.position(|(x, v)| !(crate::math::is_finite(x) && crate::math::is_finite(v)))
-        {
-            let step = state.steps + 1;
+    /// [`StepError::NonFinite`], [`StepError::Contact`]; `state` is then as it was.
+    pub fn finish(
+        &mut self,
+        state: &mut State,
+        input: &mut StepInput<'_>,
+    ) -> Result<StepReport, StepError> {
+        let step = state.steps + 1;
+        if let Some(vertex) = first_non_finite(&self.positions, &self.velocities) {
             return Err(StepError::NonFinite { vertex, step });
         }
+        let (w, x, v) = (
+            &self.inverse_mass,
+            &mut self.positions,
+            &mut self.velocities,
+        );
+        input.resolve_contacts(state, w, x, v)?;
         state.positions.copy_from_slice(&self.positions);
         state.velocities.copy_from_slice(&self.velocities);
-        state.time += dt;
-        state.steps += 1;
+        state.time += input.dt;
+        state.steps = step;
         Ok(StepReport::new(Outcome::BudgetSpent, self.iterations))
     }
 }

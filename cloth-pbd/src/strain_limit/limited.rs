@@ -53,8 +53,18 @@ impl Stepper for Limited {
     fn step(&mut self, state: &mut State, input: StepInput<'_>) -> Result<StepReport, StepError> {
         copy(state, &mut self.before);
         let dt = input.dt;
-        let mut report = self.method.step(state, input)?;
-        match self.limiter.apply(state, dt) {
+        let (alone, mut contact) = input.apart();
+        let mut report = self.method.step(state, alone)?;
+        let limited = self.limiter.apply(state, dt).and_then(|limited| {
+            let (w, x, v) = (
+                &self.limiter.inverse_mass,
+                &mut state.positions,
+                &mut state.velocities,
+            );
+            contact.resolve_contacts(&self.before, w, x, v)?;
+            Ok(limited)
+        });
+        match limited {
             Ok(limited) => {
                 if limited.outcome == Outcome::BudgetSpent {
                     report.outcome = Outcome::BudgetSpent;

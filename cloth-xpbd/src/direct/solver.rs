@@ -59,18 +59,16 @@ impl Stepper for DirectXpbd {
     ) -> Result<StepReport, StepError> {
         input.check(state, self.particles.len())?;
         let stepped = self.iterate(state, &mut input);
-        match stepped {
-            Ok(report) => {
-                self.write(state, &input);
-                Ok(report)
-            }
-            Err(error) => {
-                // What a failed step leaves must not start the next one.
-                self.last = None;
-                self.multipliers.fill(0.0);
-                Err(error)
-            }
+        let written = stepped.and_then(|report| {
+            self.write(state, &mut input)?;
+            Ok(report)
+        });
+        if written.is_err() {
+            // What a failed step leaves must not start the next one.
+            self.last = None;
+            self.multipliers.fill(0.0);
         }
+        written
     }
 }
 
@@ -312,15 +310,20 @@ impl DirectXpbd {
     }
 
     /// Hands the result over, with `v ← v + h a + (x − x̃)/h`, S1 (26).
-    fn write(&self, state: &mut State, input: &StepInput<'_>) {
-        for (v, velocity) in state.velocities.iter_mut().enumerate() {
-            let w = self.particles.inverse_mass()[v];
-            *velocity += input.external_acceleration(v, w) * input.dt;
-            *velocity += (self.positions[v] - self.predicted[v]) / input.dt;
+    fn write(&mut self, state: &mut State, input: &mut StepInput<'_>) -> Result<(), StepError> {
+        let inverse_mass = self.particles.inverse_mass();
+        let velocities = &mut self.trial;
+        for (v, velocity) in velocities.iter_mut().enumerate() {
+            let a = input.external_acceleration(v, inverse_mass[v]);
+            let change = (self.positions[v] - self.predicted[v]) / input.dt;
+            *velocity = state.velocities[v] + a * input.dt + change;
         }
+        input.resolve_contacts(state, inverse_mass, &mut self.positions, velocities)?;
         state.positions.copy_from_slice(&self.positions);
+        state.velocities.copy_from_slice(velocities);
         state.time += input.dt;
         state.steps += 1;
+        Ok(())
     }
 }
 
