@@ -155,6 +155,8 @@ impl ClothContacts {
     fn search(&mut self, step: &ContactStep<'_>, positions: &[Vec3]) -> Result<(), ContactError> {
         let margin = self.margin();
         self.moved.fill(true);
+        // Candidates get new numbers.
+        self.hits.clear();
         let Some(cloth) = &mut self.cloth else {
             return Ok(());
         };

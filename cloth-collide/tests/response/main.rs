@@ -1,8 +1,8 @@
 //! What cloth does where it touches itself or an obstacle.
 
-#[path = "../support/random.rs"]
-mod random;
 mod flight;
 mod laws;
+#[path = "../support/random.rs"]
+mod random;
 mod safety;
 mod stack;

@@ -12,8 +12,8 @@ fn soup(random: &mut Random, count: usize) -> TriMesh {
     let sheet = grid(4, 4, 0.3, 0.3, Diagonals::Alternating).unwrap();
     let place = |k: usize, random: &mut Random| {
         let turn = nalgebra::Rotation3::new(random.point(3.0));
-        let shift = Vec3::z() * (0.5 * k as f64) + random.point(0.05);
-        moved(&sheet, |x| turn * x + shift)
+        let shift = Vec3::z() * (0.6 * k as f64) + random.point(0.05);
+        moved(&sheet, |x| turn * (x - Vec3::new(0.15, 0.15, 0.0)) + shift)
     };
     let sheets: Vec<_> = (0..count).map(|k| place(k, random)).collect();
     together(&sheets)
@@ -22,7 +22,7 @@ fn soup(random: &mut Random, count: usize) -> TriMesh {
 #[test]
 fn random_motions_of_random_pieces_never_cross() {
     let mut tally = std::collections::BTreeMap::new();
-    for seed in 0..60 {
+    for seed in 0..10 {
         let mut random = Random::new(seed);
         let mesh = soup(&mut random, 4);
         let contacts = ClothContacts::builder(&mesh)
@@ -40,6 +40,9 @@ fn random_motions_of_random_pieces_never_cross() {
             let before = flight.momentum();
             flight.step(0.03).unwrap();
             let report = flight.contacts.report();
+
+                println!("{seed} {step} {report:?}");
+            }
             *tally.entry(report.stage).or_insert(0) += 1;
             if report.stage < cloth_collide::ContactStage::Held {
                 assert!((flight.momentum() - before).norm() < 1e-11, "{report:?}");

@@ -12,7 +12,9 @@ fn ten_sheets_on_a_floor_stay_at_rest_and_press_with_their_weight() {
     let sheet = grid(9, 9, 0.5, 0.5, Diagonals::Alternating).unwrap();
     let layer = |k: usize| {
         let k = k as f64;
-        moved(&sheet, |x| x + Vec3::new(0.003 * k, 0.002 * k, h * (k + 1.0)))
+        moved(&sheet, |x| {
+            x + Vec3::new(0.003 * k, 0.002 * k, h * (k + 1.0))
+        })
     };
     let mesh = together(&(0..10).map(layer).collect::<Vec<_>>());
     let floor = Obstacle::new(HalfSpace::new(Vec3::z()).unwrap());
@@ -35,7 +37,10 @@ fn ten_sheets_on_a_floor_stay_at_rest_and_press_with_their_weight() {
         if step % 20 == 0 {
             let far = flight.positions.iter().zip(mesh.positions());
             let far = far.map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
-            println!("{step} {report:?} {far:e} force {}", report.obstacle_impulse / dt / weight);
+            println!(
+                "{step} {report:?} {far:e} force {}",
+                report.obstacle_impulse / dt / weight
+            );
         }
         assert_eq!(flight.crossings(), 0);
     }
