@@ -177,6 +177,7 @@ pub mod exact_queries;
 mod incidence;
 mod intersect;
 pub mod obstacle;
+mod response;
 mod separation;
 
 #[cfg(test)]
@@ -193,4 +194,5 @@ pub use ccd::{ContinuousTest, CoplanarityTest, Impact, Query, QueryKind, Stop};
 pub use closest::{EdgeEdge, PointTriangle, edge_edge, point_triangle};
 pub use error::CollideError;
 pub use intersect::{segment_meets_triangle, triangles_meet};
+pub use response::{ClothContacts, ContactReport, ContactStage, ContactsBuilder};
 pub use separation::{Separation, SeparationProbe};

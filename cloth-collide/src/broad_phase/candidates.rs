@@ -193,6 +193,16 @@ impl<B: BroadPhase> ClothCandidates<B> {
         vertices.iter().all(|&v| self.prescribed[v as usize])
     }
 
+    /// All pairs of triangles whose boxes overlap, neighbours and prescribed ones too, in rising order.
+    pub(crate) fn triangle_pairs(&self) -> &[[u32; 2]] {
+        &self.triangle_pairs
+    }
+
+    /// The box of each vertex, around its motion and half of the margin.
+    pub(crate) fn vertex_boxes(&self) -> &[Bounds] {
+        &self.vertex_boxes
+    }
+
     /// Pairs `[vertex, triangle]` in rising order.
     #[must_use]
     pub fn vertex_triangle(&self) -> &[[u32; 2]] {

@@ -111,16 +111,40 @@ impl ObstacleContacts {
             return Err(CollideError::NonFinitePosition { vertex });
         }
         for (vertex, (&from, &to)) in (0..).zip(ends) {
-            for (number, (obstacle, law)) in (0..).zip(&self.obstacles) {
-                if let Some(mut contact) = self.contact(obstacle, from, to, dt) {
-                    contact.vertex = vertex;
-                    contact.obstacle = number;
-                    contact.friction = law.friction();
-                    out.push(contact);
-                }
+            for number in 0..self.obstacles.len() {
+                out.extend(self.contact_of(number, vertex, [from, to], dt));
             }
         }
         Ok(())
+    }
+
+    /// The contact of one vertex, on its way between two positions (m), with obstacle `number`; as in [`ObstacleContacts::detect`].
+    pub(crate) fn contact_of(
+        &self,
+        number: usize,
+        vertex: u32,
+        way: [Vec3; 2],
+        dt: Real,
+    ) -> Option<ObstacleContact> {
+        let (obstacle, law) = &self.obstacles[number];
+        let contact = self.contact(obstacle, way[0], way[1], dt)?;
+        Some(ObstacleContact {
+            vertex,
+            obstacle: number as u32,
+            friction: law.friction(),
+            ..contact
+        })
+    }
+
+    /// The obstacles and how they are touched.
+    pub(crate) fn pairs(&self) -> &[(Obstacle, ImpactLaw)] {
+        &self.obstacles
+    }
+
+    /// At which distance (m) vertices are kept.
+    #[must_use]
+    pub fn thickness(&self) -> Real {
+        self.thickness
     }
 
     fn contact(

@@ -1,0 +1,100 @@
+//! The last resort: ways so short that nothing is in reach.
+
+use super::KEPT;
+use super::detect::Cloth;
+use super::pair::nearest;
+use cloth_core::contact::ContactStep;
+use cloth_core::math::{Real, Vec3, gather};
+
+/// Vertices that are held back.
+///
+/// Let b be the smallest distance at the start between a vertex's surroundings (its triangles and edges) and all other pieces. If every vertex of a pair goes less than
+/// half of its b, then the two pieces cannot meet, whatever they do: each point of them goes less than half of their distance. So a vertex that is held back needs no other
+/// vertex to agree, apart from those of the pairs that it is in.
+#[derive(Debug, Default)]
+pub(super) struct Hold {
+    /// How far each vertex may go (m).
+    bounds: Vec<Real>,
+    held: Vec<bool>,
+    smallest_share: Real,
+}
+
+impl Hold {
+    /// Finds out how far each vertex may go.
+    pub(super) fn start(&mut self, cloth: Option<&Cloth>, step: &ContactStep<'_>) {
+        let Self {
+            bounds,
+            held,
+            smallest_share,
+        } = self;
+        *smallest_share = 1.0;
+        held.clear();
+        held.resize(step.from.len(), false);
+        bounds.clear();
+        bounds.resize(step.from.len(), Real::INFINITY);
+        let Some(cloth) = cloth else {
+            return;
+        };
+        for index in 0..cloth.len() {
+            let pair = cloth.pair(index);
+            let distance = nearest(pair.kind, &gather(step.from, pair.vertices)).distance;
+            for v in pair.vertices {
+                let bound = &mut bounds[v as usize];
+                // Two such ways leave a little more than the share that has to be kept.
+                *bound = bound.min(0.49 * (1.0 - KEPT) * distance);
+            }
+        }
+    }
+
+    /// Holds back the vertices of a pair. Returns how many were not held before.
+    pub(super) fn pair(
+        &mut self,
+        vertices: [u32; 4],
+        step: &ContactStep<'_>,
+        positions: &mut [Vec3],
+    ) -> usize {
+        let mut count = 0;
+        for v in vertices.map(|v| v as usize) {
+            if step.inverse_mass[v] != 0.0 && !self.held[v] {
+                self.shorten(v, self.bounds[v], step, positions);
+                count += 1;
+            }
+        }
+        count
+    }
+
+    /// Leaves a vertex where it was. Returns how many were not there before: one or none.
+    pub(super) fn stop(
+        &mut self,
+        vertex: u32,
+        step: &ContactStep<'_>,
+        positions: &mut [Vec3],
+    ) -> usize {
+        let v = vertex as usize;
+        let moves = positions[v] != step.from[v];
+        self.shorten(v, 0.0, step, positions);
+        usize::from(moves)
+    }
+
+    /// Lets vertex `v` go no further than `bound` (m).
+    fn shorten(&mut self, v: usize, bound: Real, step: &ContactStep<'_>, positions: &mut [Vec3]) {
+        let way = positions[v] - step.from[v];
+        let length = way.norm();
+        if length > bound {
+            let share = bound / length;
+            positions[v] = step.from[v] + way * share;
+            self.smallest_share = self.smallest_share.min(share);
+        }
+        self.held[v] = true;
+    }
+
+    /// Number of vertices held back.
+    pub(super) fn count(&self) -> usize {
+        self.held.iter().filter(|&&held| held).count()
+    }
+
+    /// The smallest share of its way (dimensionless) that one of them has gone; 1 if there is none.
+    pub(super) fn smallest_share(&self) -> Real {
+        self.smallest_share
+    }
+}

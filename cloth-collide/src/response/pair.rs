@@ -1,0 +1,114 @@
+//! Two pieces of cloth: where they are nearest, and whether they stay apart on their way.
+
+use crate::ccd::{ContinuousTest, Query, QueryKind};
+use crate::closest::{edge_edge, point_triangle};
+use cloth_core::math::{Real, Vec3};
+
+/// A vertex and a triangle, or two edges.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Pair {
+    pub(super) kind: QueryKind,
+    /// Vertex and three corners, or the two ends of each edge.
+    pub(super) vertices: [u32; 4],
+}
+
+/// The nearest points of the two pieces: Σ wᵢ xᵢ = d n.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Nearest {
+    /// Weights wᵢ (dimensionless); those of the first piece sum to 1, those of the second to −1.
+    pub(super) weights: [Real; 4],
+    /// Unit vector n from the second to the first; zero if they touch.
+    pub(super) normal: Vec3,
+    /// Distance d (m).
+    pub(super) distance: Real,
+}
+
+/// The motion of the four vertices of a pair: positions (m) at both ends of the step.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Motion {
+    pub(super) from: [Vec3; 4],
+    pub(super) to: [Vec3; 4],
+}
+
+impl Motion {
+    pub(super) fn at(&self, time: Real) -> [Vec3; 4] {
+        std::array::from_fn(|k| self.from[k] + (self.to[k] - self.from[k]) * time)
+    }
+
+    /// Whether the four move as one, by a shift.
+    pub(super) fn is_shift(&self) -> bool {
+        let shift = self.to[0] - self.from[0];
+        (1..4).all(|k| self.to[k] - self.from[k] == shift)
+    }
+}
+
+/// Nearest points of two pieces at positions `x` (m).
+pub(super) fn nearest(kind: QueryKind, x: &[Vec3; 4]) -> Nearest {
+    let (weights, separation) = match kind {
+        QueryKind::VertexTriangle => {
+            let found = point_triangle(x[0], [x[1], x[2], x[3]]);
+            let [a, b, c] = found.weights;
+            ([1.0, -a, -b, -c], found.separation)
+        }
+        QueryKind::EdgeEdge => {
+            let found = edge_edge([x[0], x[1]], [x[2], x[3]]);
+            let [s, t] = found.along;
+            ([1.0 - s, s, t - 1.0, -t], found.separation)
+        }
+    };
+    let distance = separation.norm();
+    let normal = if distance > 0.0 {
+        separation / distance
+    } else {
+        Vec3::zeros()
+    };
+    Nearest {
+        weights,
+        normal,
+        distance,
+    }
+}
+
+/// How far (m) the plane across `normal` has the two pieces apart at least, at positions `x` (m), rounding taken off.
+fn gap_along(kind: QueryKind, normal: &Vec3, x: &[Vec3; 4]) -> Real {
+    let ways = [x[1] - x[0], x[2] - x[0], x[3] - x[0]];
+    let [a, b, c] = ways.map(|way| normal.dot(&way));
+    let size = ways
+        .iter()
+        .fold(0.0, |size: Real, way| size.max(way.amax()));
+    let gap = match kind {
+        QueryKind::VertexTriangle => -a.max(b).max(c),
+        QueryKind::EdgeEdge => a.min(0.0) - b.max(c),
+    };
+    // One difference, three products, two sums, one more difference; n is off unit length by less.
+    gap - 16.0 * Real::EPSILON * size
+}
+
+/// Whether one steady plane shows that the pieces stay further apart than `separation` (m): it does if it does at both ends, because
+/// everything is linear in time.
+pub(super) fn apart_along(
+    kind: QueryKind,
+    normal: &Vec3,
+    motion: &Motion,
+    separation: Real,
+) -> bool {
+    gap_along(kind, normal, &motion.to) > separation
+        && gap_along(kind, normal, &motion.from) > separation
+}
+
+/// The first time (0..=1) at which the distance is down to `separation` (m); nothing if there is none.
+pub(super) fn first_contact(kind: QueryKind, motion: &Motion, separation: Real) -> Option<Real> {
+    let Ok(test) = ContinuousTest::new(separation, 0.0) else {
+        return Some(0.0);
+    };
+    let query = Query {
+        kind,
+        from: motion.from,
+        to: motion.to,
+    };
+    match query.first_contact(&test) {
+        Ok(impact) => impact.map(|impact| impact.time),
+        // Numbers too large: nothing is certain.
+        Err(_) => Some(0.0),
+    }
+}

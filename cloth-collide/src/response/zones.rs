@@ -1,0 +1,149 @@
+//! Impact zones: parts of the cloth that move as rigid bodies for one step.
+
+use super::sets::Sets;
+use cloth_core::math::{Mat3, Real, Vec3};
+use nalgebra::Rotation3;
+
+/// No zone turns further than this in a step (rad). On the straight ways of its vertices distances inside it shrink by the cosine of half of it.
+const MOST_TURN: Real = 1.0;
+
+/// The zones of one step.
+#[derive(Debug, Default)]
+pub(super) struct Zones {
+    sets: Sets,
+    /// Whether a vertex is in a zone.
+    member: Vec<bool>,
+    /// (zone, vertex), in rising order, once sorted.
+    members: Vec<[u32; 2]>,
+}
+
+impl Zones {
+    /// No zones.
+    pub(super) fn reset(&mut self, vertex_count: usize) {
+        self.sets.reset(vertex_count);
+        self.member.clear();
+        self.member.resize(vertex_count, false);
+        self.members.clear();
+    }
+
+    /// Puts the four vertices of a pair, and the zones that they are in, into one zone. Returns whether they were not in one before.
+    pub(super) fn join(&mut self, vertices: [u32; 4]) -> bool {
+        let mut joined = false;
+        for v in vertices {
+            joined |= self.sets.of(v) != self.sets.of(vertices[0]);
+            self.sets.join(vertices[0], v);
+            self.member[v as usize] = true;
+        }
+        joined
+    }
+
+    /// Lists the members, zone by zone.
+    pub(super) fn sort(&mut self) {
+        let Self {
+            sets,
+            member,
+            members,
+        } = self;
+        members.clear();
+        let inside = (0..member.len() as u32).filter(|&v| member[v as usize]);
+        members.extend(inside.map(|v| [sets.of(v), v]));
+        members.sort_unstable();
+    }
+
+    /// The vertices of each zone, as pairs (zone, vertex).
+    pub(super) fn each(&self) -> impl Iterator<Item = &[[u32; 2]]> {
+        self.members.chunk_by(|a, b| a[0] == b[0])
+    }
+}
+
+/// How a zone moves: the rigid motion with the momentum and the angular momentum that the vertices have, or if some of them are prescribed, with those of the prescribed ones
+/// alone, for unit masses.
+#[derive(Clone, Copy, Debug)]
+struct Rigid {
+    centre: Vec3,
+    shift: Vec3,
+    turn: Vec3,
+}
+
+/// Fits a rigid motion to the `way` (m or m/s) of the vertices at `places` (m).
+fn rigid(zone: &[[u32; 2]], places: &[Vec3], way: &[Vec3], inverse_mass: &[Real]) -> Rigid {
+    let prescribed = zone.iter().any(|&[_, v]| inverse_mass[v as usize] == 0.0);
+    let weighted = || {
+        zone.iter().filter_map(move |&[_, v]| {
+            let w = inverse_mass[v as usize];
+            match prescribed {
+                true => (w == 0.0).then_some((v as usize, 1.0)),
+                false => Some((v as usize, 1.0 / w)),
+            }
+        })
+    };
+    let mean = |of: &[Vec3]| {
+        let (sum, mass) = weighted().fold((Vec3::zeros(), 0.0), |(sum, mass), (v, m)| {
+            (sum + of[v] * m, mass + m)
+        });
+        sum / mass
+    };
+    let (centre, shift) = (mean(places), mean(way));
+    let (mut momentum, mut inertia) = (Vec3::zeros(), Mat3::zeros());
+    for (v, m) in weighted() {
+        let arm = places[v] - centre;
+        momentum += arm.cross(&(way[v] - shift)) * m;
+        inertia += (Mat3::from_diagonal_element(arm.norm_squared()) - arm * arm.transpose()) * m;
+    }
+    Rigid {
+        centre,
+        shift,
+        turn: divided(momentum, inertia),
+    }
+}
+
+/// I⁻¹ L, without turns about an axis that has no inertia.
+fn divided(momentum: Vec3, inertia: Mat3) -> Vec3 {
+    let eigen = inertia.symmetric_eigen();
+    let smallest = 1e-9 * eigen.eigenvalues.amax();
+    let mut turn = Vec3::zeros();
+    for (axis, &value) in eigen.eigenvectors.column_iter().zip(&eigen.eigenvalues) {
+        if value > smallest {
+            turn += axis * (axis.dot(&momentum) / value);
+        }
+    }
+    turn
+}
+
+/// Moves the free vertices of a zone from `from` as one body instead of to `positions` (m), keeping momentum and angular momentum.
+pub(super) fn move_rigidly(
+    zone: &[[u32; 2]],
+    from: &[Vec3],
+    positions: &mut [Vec3],
+    ways: &mut [Vec3],
+    inverse_mass: &[Real],
+) {
+    for &[_, v] in zone {
+        ways[v as usize] = positions[v as usize] - from[v as usize];
+    }
+    let motion = rigid(zone, from, ways, inverse_mass);
+    let turn = motion.turn * (MOST_TURN / motion.turn.norm().max(MOST_TURN));
+    let rotation = Rotation3::new(turn);
+    for &[_, v] in zone {
+        let v = v as usize;
+        if inverse_mass[v] != 0.0 {
+            positions[v] = motion.centre + motion.shift + rotation * (from[v] - motion.centre);
+        }
+    }
+}
+
+/// Gives the free vertices of a zone the velocities (m/s) of one body, keeping momentum and angular momentum about its place at `positions` (m).
+pub(super) fn make_velocities_rigid(
+    zone: &[[u32; 2]],
+    positions: &[Vec3],
+    velocities: &mut [Vec3],
+    inverse_mass: &[Real],
+) {
+    let motion = rigid(zone, positions, velocities, inverse_mass);
+    for &[_, v] in zone {
+        let v = v as usize;
+        if inverse_mass[v] != 0.0 {
+            velocities[v] = motion.shift + motion.turn.cross(&(positions[v] - motion.centre));
+        }
+    }
+}

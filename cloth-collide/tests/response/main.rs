@@ -1,0 +1,8 @@
+//! What cloth does where it touches itself or an obstacle.
+
+mod flight;
+mod laws;
+#[path = "../support/random.rs"]
+mod random;
+mod safety;
+mod stack;

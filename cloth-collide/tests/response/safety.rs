@@ -1,0 +1,74 @@
+//! Nothing ever passes through anything.
+
+use super::flight::{Flight, moved, together};
+use super::random::Random;
+use cloth_collide::ClothContacts;
+use cloth_core::math::Vec3;
+use cloth_core::mesh::TriMesh;
+use cloth_core::mesh::generate::{Diagonals, grid};
+
+/// A few small sheets in a box, each turned somehow.
+fn soup(random: &mut Random, count: usize) -> TriMesh {
+    let sheet = grid(4, 4, 0.3, 0.3, Diagonals::Alternating).unwrap();
+    let place = |k: usize, random: &mut Random| {
+        let turn = nalgebra::Rotation3::new(random.point(3.0));
+        let shift = Vec3::z() * (0.6 * k as f64) + random.point(0.05);
+        moved(&sheet, |x| turn * (x - Vec3::new(0.15, 0.15, 0.0)) + shift)
+    };
+    let sheets: Vec<_> = (0..count).map(|k| place(k, random)).collect();
+    together(&sheets)
+}
+
+#[test]
+fn random_motions_of_random_pieces_never_cross() {
+    let mut tally = std::collections::BTreeMap::new();
+    for seed in 0..10 {
+        let mut random = Random::new(seed);
+        let mesh = soup(&mut random, 4);
+        let contacts = ClothContacts::builder(&mesh)
+            .thickness(5e-3)
+            .friction(0.3)
+            .build()
+            .unwrap();
+        let mut flight = Flight::new(&mesh, contacts);
+        assert_eq!(flight.crossings(), 0);
+        for step in 0..40 {
+            let centre = flight.positions.iter().sum::<Vec3>() / flight.positions.len() as f64;
+            for (v, x) in flight.velocities.iter_mut().zip(&flight.positions) {
+                *v = *v * 0.9 + random.point(1.0) + (centre - x) * 2.0;
+            }
+            let before = flight.momentum();
+            flight.step(0.03).unwrap();
+            let report = flight.contacts.report();
+
+                println!("{seed} {step} {report:?}");
+            }
+            *tally.entry(report.stage).or_insert(0) += 1;
+            if report.stage < cloth_collide::ContactStage::Held {
+                assert!((flight.momentum() - before).norm() < 1e-11, "{report:?}");
+            }
+            assert_eq!(flight.crossings(), 0, "seed {seed}, step {step}");
+        }
+    }
+    println!("{tally:?}");
+}
+
+#[test]
+fn sheets_shot_through_each_other_stay_on_their_sides() {
+    for n in [4, 9, 17] {
+        let sheet = grid(n, n, 1.0, 1.0, Diagonals::Alternating).unwrap();
+        let other = moved(&sheet, |x| Vec3::new(x.x + 0.31, x.y - 0.17, x.z + 0.8));
+        let mesh = together(&[sheet, other]);
+        let contacts = ClothContacts::builder(&mesh).build().unwrap();
+        let mut flight = Flight::new(&mesh, contacts);
+        let count = mesh.vertex_count();
+        for v in &mut flight.velocities[count / 2..] {
+            *v = Vec3::new(3.0, 1.0, -100.0);
+        }
+        for step in 0..10 {
+            flight.step(1.0 / 60.0).unwrap();
+            println!("{n} {step} {:?}", flight.contacts.report());
+            assert_eq!(flight.crossings(), 0);
+        }
+    }
+}
