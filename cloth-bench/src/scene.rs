@@ -59,6 +59,12 @@ impl Scene {
         }
     }
 
+    /// Into how many parts a step is cut because of contact; see [`Touch::parts`].
+    #[must_use]
+    pub fn parts(&self) -> u32 {
+        self.touch.as_ref().map_or(1, Touch::parts)
+    }
+
     /// Surfaces of the obstacles, for pictures: their vertices (m) at a time (s), and their triangles.
     #[must_use]
     pub fn obstacle_surfaces(&self, time: Real) -> Vec<(Vec<Vec3>, &[[u32; 3]])> {
