@@ -40,9 +40,6 @@ fn random_motions_of_random_pieces_never_cross() {
             let before = flight.momentum();
             flight.step(0.03).unwrap();
             let report = flight.contacts.report();
-
-                println!("{seed} {step} {report:?}");
-            }
             *tally.entry(report.stage).or_insert(0) += 1;
             if report.stage < cloth_collide::ContactStage::Held {
                 assert!((flight.momentum() - before).norm() < 1e-11, "{report:?}");
