@@ -30,7 +30,7 @@ const NEAR: Real = 1.5;
 /// The share of what is missing to the thickness that one step makes up.
 const RECOVERY: Real = 0.5;
 /// Contacts are satisfied to this share of the thickness.
-const TOLERANCE: Real = 1e-3;
+const TOLERANCE: Real = 1e-2;
 /// Rounds of impulses, at most, before zones take over.
 const MOST_ROUNDS: u32 = 10;
 /// Rounds after which a free motion is good enough, though some contact may still miss its thickness.
