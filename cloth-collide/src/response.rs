@@ -3,6 +3,7 @@
 mod builder;
 mod detect;
 mod hold;
+mod memory;
 mod pair;
 mod report;
 mod row;
@@ -17,8 +18,9 @@ use crate::obstacle::{Obstacle, ObstacleContacts};
 use crate::separation::meet_unduly;
 use cloth_core::contact::{ContactError, ContactSource, ContactStep};
 use cloth_core::math::{Real, Vec3, is_finite};
-use detect::{Cloth, examine_obstacle};
+use detect::{Cloth, Look};
 use hold::Hold;
+use memory::Memory;
 use row::{Row, RowMaker, into_velocity_rows};
 use solve::{MOST_SWEEPS, solve};
 use zones::{Zones, make_velocities_rigid, move_rigidly};
@@ -30,7 +32,7 @@ const NEAR: Real = 1.5;
 /// The share of what is missing to the thickness that one step makes up.
 const RECOVERY: Real = 0.5;
 /// Contacts are satisfied to this share of the thickness.
-const TOLERANCE: Real = 1e-3;
+const TOLERANCE: Real = 1e-2;
 /// Rounds of impulses, at most, before zones take over.
 const MOST_ROUNDS: u32 = 10;
 /// Rounds after which a free motion is good enough, though some contact may still miss its thickness.
@@ -62,6 +64,7 @@ pub struct ClothContacts {
     solved: Vec<Vec3>,
     ways: Vec<Vec3>,
     hold: Hold,
+    memory: Memory,
     report: ContactReport,
 }
 
@@ -209,7 +212,7 @@ impl ClothContacts {
         let mut converged = true;
         for round in 0..=MOST_ROUNDS {
             let before = self.rows.len();
-            self.find(step, positions, true);
+            self.find(step, positions, Some(round));
             let added = self.rows.len() - before;
             if self.is_free() && (added == 0 || round >= ENOUGH_ROUNDS) {
                 return Ok(true);
@@ -220,6 +223,9 @@ impl ClothContacts {
             self.report.stage = ContactStage::Impulses;
             self.report.rounds += 1;
             self.report.contacts = self.rows.len();
+            for row in &self.rows[before..] {
+                row.apply(row.multiplier, step.inverse_mass, positions);
+            }
             let tolerance = 0.1 * self.tolerance();
             let sweeps = solve(&mut self.rows, step.inverse_mass, positions, tolerance);
             converged = sweeps < MOST_SWEEPS;
@@ -251,15 +257,9 @@ impl ClothContacts {
         Ok(())
     }
 
-    /// Looks at everything that has moved since it was looked at last: lists what goes through, and if `with_rows` adds the contacts that are violated.
-    fn find(&mut self, step: &ContactStep<'_>, positions: &[Vec3], with_rows: bool) {
+    /// Looks at everything that has moved since it was looked at last: lists what goes through, and in a `round` of impulses adds the contacts that are violated.
+    fn find(&mut self, step: &ContactStep<'_>, positions: &[Vec3], round: Option<u32>) {
         let tolerance = self.tolerance();
-        let make = RowMaker {
-            from: step.from,
-            inverse_mass: step.inverse_mass,
-            dt: step.dt,
-            friction: self.friction,
-        };
         let Self {
             obstacles,
             cloth,
@@ -267,23 +267,32 @@ impl ClothContacts {
             hits,
             entering,
             moved,
+            memory,
             ..
         } = self;
+        let look = Look {
+            make: RowMaker {
+                from: step.from,
+                inverse_mass: step.inverse_mass,
+                dt: step.dt,
+                friction: self.friction,
+            },
+            to: positions,
+            tolerance,
+            memory: (round == Some(0)).then_some(memory),
+            certify: round.is_none_or(|round| round >= ENOUGH_ROUNDS),
+        };
+        let mut add = |row| {
+            if round.is_some() {
+                rows.push(row);
+            }
+        };
         if let Some(obstacles) = obstacles {
             entering.retain(|&[v, _]| !moved[v as usize]);
             let free = |v: usize| moved[v] && step.inverse_mass[v] != 0.0;
             for vertex in (0..self.vertex_count).filter(|&v| free(v)) {
                 for number in 0..obstacles.pairs().len() {
-                    let (row, enters) = examine_obstacle(
-                        obstacles,
-                        number,
-                        vertex as u32,
-                        &make,
-                        positions,
-                        tolerance,
-                    );
-                    rows.extend(row.filter(|_| with_rows));
-                    if enters {
+                    if look.obstacle(obstacles, number, vertex as u32, &mut add) {
                         entering.push([vertex as u32, number as u32]);
                     }
                 }
@@ -299,8 +308,8 @@ impl ClothContacts {
                 if !touched(cloth, index) {
                     continue;
                 }
-                let hit = if with_rows {
-                    cloth.examine(index, &make, positions, tolerance, |row| rows.push(row))
+                let hit = if round.is_some() {
+                    cloth.examine(index, &look, &mut add)
                 } else {
                     cloth.hits(index, step.from, positions)
                 };
@@ -382,7 +391,7 @@ impl ClothContacts {
                 );
             }
             self.after_a_change(step, positions)?;
-            self.find(step, positions, false);
+            self.find(step, positions, None);
         }
         Ok(())
     }
@@ -413,7 +422,7 @@ impl ClothContacts {
                 return Err(ContactError::NoWay { vertex });
             }
             self.after_a_change(step, positions)?;
-            self.find(step, positions, false);
+            self.find(step, positions, None);
         }
         self.report.held = self.hold.count();
         self.report.smallest_share = self.hold.smallest_share();
@@ -433,6 +442,7 @@ impl ClothContacts {
                 debug_assert!(moved.is_ok(), "just tried");
             }
         }
+        self.memory.replace(&self.rows, step.dt);
         if self.cloth.is_some() {
             self.safe.copy_from_slice(positions);
         }

@@ -106,6 +106,7 @@ impl ContactsBuilder<'_> {
             solved: vec![Vec3::zeros(); count],
             ways: vec![Vec3::zeros(); count],
             hold: super::Hold::default(),
+            memory: super::Memory::default(),
             report: super::ContactReport::default(),
         })
     }

@@ -1,12 +1,12 @@
 //! Which contacts does a motion make, and is it free?
 
+use super::memory::Memory;
 use super::pair::{Motion, Nearest, Pair, apart_along, first_contact, nearest};
 use super::row::{Row, RowMaker};
 use super::{KEPT, NEAR, RECOVERY};
 use crate::ccd::QueryKind;
 use crate::obstacle::{ObstacleContacts, VertexPath, first_contact as first_obstacle_contact};
 use crate::{ClothCandidates, Hierarchy};
-use cloth_core::contact::ContactStep;
 use cloth_core::math::{Real, Vec3, gather};
 use cloth_core::mesh::TriMesh;
 
@@ -77,19 +77,17 @@ impl Cloth {
         rest.distance.min(self.thickness)
     }
 
-    /// Looks at candidate `index` on the way to `to` (m): hands its contact, if it needs one, to `add`. Returns whether the pair may pass through each other or come too near.
+    /// Looks at candidate `index`: hands its contact, if it needs one, to `add`. Returns whether the pair may pass through each other or come too near.
     pub(super) fn examine(
         &mut self,
         index: usize,
-        make: &RowMaker<'_>,
-        to: &[Vec3],
-        tolerance: Real,
+        look: &Look<'_>,
         mut add: impl FnMut(Row),
     ) -> bool {
         let pair = self.pair(index);
         let motion = Motion {
-            from: gather(make.from, pair.vertices),
-            to: gather(to, pair.vertices),
+            from: gather(look.make.from, pair.vertices),
+            to: gather(look.to, pair.vertices),
         };
         let start = nearest(pair.kind, &motion.from);
         if apart_along(pair.kind, &start.normal, &motion, NEAR * self.thickness) {
@@ -99,19 +97,16 @@ impl Cloth {
             return false;
         }
         let thickness = self.thickness_of(&pair);
-        let mut keep = |row: Option<Row>| match row {
-            Some(row) if row.excess(to) < -tolerance => {
-                add(row);
-                true
-            }
-            _ => false,
-        };
+        let cloth = |at: &Nearest, offset| look.make.cloth(pair.vertices, at, offset);
         let mut found = false;
         if start.distance <= NEAR * thickness {
             if !self.has_row[index] {
                 let missing = (thickness - start.distance).max(0.0);
-                let offset = thickness - (1.0 - RECOVERY) * missing;
-                found = keep(make.cloth(pair.vertices, &start, offset));
+                let mut row = cloth(&start, thickness - (1.0 - RECOVERY) * missing);
+                if let Some(row) = &mut row {
+                    row.key = Some(self.key(index));
+                }
+                found = look.keep(row, &mut add);
                 self.has_row[index] = found;
             }
         } else {
@@ -120,7 +115,10 @@ impl Cloth {
                 return false;
             };
             let at = nearest(pair.kind, &motion.at(time));
-            found = keep(make.cloth(pair.vertices, &at, thickness));
+            found = look.keep(cloth(&at, thickness), &mut add);
+        }
+        if found && !look.certify {
+            return true;
         }
         let Some(time) = self.hit(&pair, &motion, &start) else {
             return false;
@@ -128,9 +126,22 @@ impl Cloth {
         if !found {
             let at = nearest(pair.kind, &motion.at(time));
             let offset = at.distance + RECOVERY * (thickness - at.distance).max(0.0);
-            keep(make.cloth(pair.vertices, &at, offset));
+            look.keep(cloth(&at, offset), &mut add);
         }
         true
+    }
+
+    /// What contact `index` is remembered by. Numbers of vertices, edges and triangles have 31 bits at most.
+    fn key(&self, index: usize) -> u64 {
+        let vertex_triangle = self.candidates.vertex_triangle();
+        let (kind, [a, b]) = match vertex_triangle.get(index) {
+            Some(&pair) => (0, pair),
+            None => (
+                1,
+                self.candidates.edge_edge()[index - vertex_triangle.len()],
+            ),
+        };
+        kind << 62 | u64::from(a) << 31 | u64::from(b)
     }
 
     /// When the pair, nearest at `start` first, comes nearer than the share of that distance, or of the thickness if it is less, that a step has to keep.
@@ -169,48 +180,65 @@ fn pieces(mesh: &TriMesh) -> Vec<u32> {
         .collect()
 }
 
-/// What a vertex does to obstacle `number` on its way to `to` (m): the row that keeps it out, if it needs one, and whether it gets inside.
-pub(super) fn examine_obstacle(
-    obstacles: &ObstacleContacts,
-    number: usize,
-    vertex: u32,
-    make: &RowMaker<'_>,
-    to: &[Vec3],
-    tolerance: Real,
-) -> (Option<Row>, bool) {
-    let way = [make.from, to].map(|x| x[vertex as usize]);
-    let Some(contact) = obstacles.contact_of(number, vertex, way, make.dt) else {
-        return (None, false);
-    };
-    let law = &obstacles.pairs()[number].1;
-    let row = make
-        .obstacle(&contact, law.restitution())
-        .filter(|row| row.excess(to) < -tolerance);
-    let step = ContactStep {
-        from: make.from,
-        inverse_mass: make.inverse_mass,
-        dt: make.dt,
-    };
-    (row, enters(obstacles, number, vertex, &step, to, tolerance))
+/// What a look at a motion is made with.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Look<'a> {
+    pub(super) make: RowMaker<'a>,
+    /// Where the motion ends (m).
+    pub(super) to: &'a [Vec3],
+    /// By how much (m) a contact may be violated.
+    pub(super) tolerance: Real,
+    /// Contacts of the last step, to begin with.
+    pub(super) memory: Option<&'a Memory>,
+    /// Whether it matters if a pair with a violated contact only comes too near, or passes through.
+    pub(super) certify: bool,
 }
 
-/// Whether a vertex on its way to `to` (m) gets inside an obstacle, or deeper inside if it was there before, by more than the tolerance (m).
-pub(super) fn enters(
-    obstacles: &ObstacleContacts,
-    number: usize,
-    vertex: u32,
-    step: &ContactStep<'_>,
-    to: &[Vec3],
-    tolerance: Real,
-) -> bool {
-    let [from, to] = [step.from, to].map(|x| x[vertex as usize]);
-    let obstacle = &obstacles.pairs()[number].0;
-    let start = obstacle.clearance(from, 0.0).value;
-    let kept = if start > 0.0 {
-        KEPT * start.min(obstacles.thickness())
-    } else {
-        start
-    };
-    let path = VertexPath::straight(from, to, step.dt);
-    first_obstacle_contact(obstacle, &path, 0.0, step.dt, kept - tolerance).is_some()
+impl Look<'_> {
+    /// Hands a row to `add` if it is violated, or if its contact pushed in the last step.
+    fn keep(&self, row: Option<Row>, add: &mut impl FnMut(Row)) -> bool {
+        let Some(row) = row else {
+            return false;
+        };
+        let recalled = self.memory.and_then(|m| m.recall(&row, self.make.dt));
+        let needed = recalled.is_some() || row.excess(self.to) < -self.tolerance;
+        if needed {
+            add(recalled.unwrap_or(row));
+        }
+        needed
+    }
+
+    /// What a vertex does to obstacle `number`: hands the row that keeps it out, if it needs one, to `add`, and returns whether it gets inside.
+    pub(super) fn obstacle(
+        &self,
+        obstacles: &ObstacleContacts,
+        number: usize,
+        vertex: u32,
+        mut add: impl FnMut(Row),
+    ) -> bool {
+        let way = [self.make.from, self.to].map(|x| x[vertex as usize]);
+        let Some(contact) = obstacles.contact_of(number, vertex, way, self.make.dt) else {
+            return false;
+        };
+        let law = &obstacles.pairs()[number].1;
+        let mut row = self.make.obstacle(&contact, law.restitution());
+        if let Some(row) = &mut row {
+            row.key = Some(2 << 62 | u64::from(vertex) << 31 | number as u64);
+        }
+        let found = self.keep(row, &mut add);
+        found && !self.certify || self.enters(obstacles, number, way)
+    }
+
+    /// Whether a vertex on its `way` (m) gets inside an obstacle, or deeper inside if it was there before, by more than the tolerance.
+    fn enters(&self, obstacles: &ObstacleContacts, number: usize, way: [Vec3; 2]) -> bool {
+        let obstacle = &obstacles.pairs()[number].0;
+        let start = obstacle.clearance(way[0], 0.0).value;
+        let kept = if start > 0.0 {
+            KEPT * start.min(obstacles.thickness())
+        } else {
+            start
+        };
+        let path = VertexPath::straight(way[0], way[1], self.make.dt);
+        first_obstacle_contact(obstacle, &path, 0.0, self.make.dt, kept - self.tolerance).is_some()
+    }
 }

@@ -11,6 +11,8 @@ use cloth_core::math::{Real, Vec3};
 /// The same row serves positions (m), multipliers in kg·m, and velocities (m/s), multipliers in N·s.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Row {
+    /// What the contact is remembered by; nothing if it is not.
+    pub(super) key: Option<u64>,
     pub(super) vertices: [u32; 4],
     /// wᵢ (dimensionless).
     pub(super) weights: [Real; 4],
@@ -78,6 +80,7 @@ impl RowMaker<'_> {
     /// Keeps the nearest points of two pieces of cloth `offset` (m) apart; nothing if no vertex can be moved.
     pub(super) fn cloth(&self, vertices: [u32; 4], at: &Nearest, offset: Real) -> Option<Row> {
         self.finish(Row {
+            key: None,
             vertices,
             weights: at.weights,
             normal: at.normal,
@@ -97,6 +100,7 @@ impl RowMaker<'_> {
     /// Keeps a vertex out of an obstacle; nothing if it is prescribed.
     pub(super) fn obstacle(&self, contact: &ObstacleContact, restitution: Real) -> Option<Row> {
         self.finish(Row {
+            key: None,
             vertices: [contact.vertex; 4],
             weights: [1.0, 0.0, 0.0, 0.0],
             normal: contact.normal,

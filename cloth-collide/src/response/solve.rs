@@ -4,7 +4,7 @@ use super::row::Row;
 use cloth_core::math::{Real, Vec3};
 
 /// No solve takes more sweeps than this.
-pub(super) const MOST_SWEEPS: u32 = 300;
+pub(super) const MOST_SWEEPS: u32 = 100;
 
 /// Changes `x` (positions in m or velocities in m/s) to the nearest values in the metric of the masses that satisfy all `rows`, with friction; goes on from
 /// the multipliers that the rows have, whose part of `x` is already in it. Ends when no row has to be corrected by more than `tolerance` (unit of `x`).
@@ -34,7 +34,7 @@ pub(super) fn solve(
         for row in &mut *rows {
             let onward = row.direction * share;
             row.direction = onward + row.change;
-            if share > 0.0 {
+            if onward != Vec3::zeros() {
                 row.multiplier += onward;
                 row.apply(onward, inverse_mass, x);
             }

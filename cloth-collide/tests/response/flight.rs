@@ -1,9 +1,12 @@
-//! Cloth without stiffness: every vertex flies freely, and only contact holds it.
+//! Cloth as simple as can be: vertices in free flight, edges of constant length if wanted, and contact.
 
 use cloth_collide::{ClothContacts, SeparationProbe};
 use cloth_core::contact::{ContactError, ContactSource, ContactStep};
 use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::TriMesh;
+
+/// Sweeps over the edges in a step.
+const SWEEPS: usize = 20;
 
 /// Vertices in free flight, with contact.
 pub(crate) struct Flight {
@@ -11,6 +14,8 @@ pub(crate) struct Flight {
     pub(crate) velocities: Vec<Vec3>,
     pub(crate) inverse_mass: Vec<Real>,
     pub(crate) gravity: Vec3,
+    /// Edges that keep their length (m), a few sweeps a step.
+    pub(crate) edges: Vec<([usize; 2], Real)>,
     pub(crate) contacts: ClothContacts,
     pub(crate) probe: SeparationProbe,
 }
@@ -23,6 +28,7 @@ impl Flight {
             velocities: vec![Vec3::zeros(); mesh.vertex_count()],
             inverse_mass: vec![1.0; mesh.vertex_count()],
             gravity: Vec3::zeros(),
+            edges: Vec::new(),
             contacts,
             probe: SeparationProbe::new(mesh),
         }
@@ -38,6 +44,13 @@ impl Flight {
         }
         let ends = self.positions.iter().zip(&velocities);
         let mut positions: Vec<_> = ends.map(|(x, v)| x + v * dt).collect();
+        if !self.edges.is_empty() {
+            for _ in 0..SWEEPS {
+                self.keep_lengths(&mut positions);
+            }
+            let ways = positions.iter().zip(&self.positions);
+            velocities = ways.map(|(to, from)| (to - from) / dt).collect();
+        }
         let step = ContactStep {
             from: &self.positions,
             inverse_mass: &self.inverse_mass,
@@ -47,6 +60,31 @@ impl Flight {
             .resolve(&step, &mut positions, &mut velocities)?;
         (self.positions, self.velocities) = (positions, velocities);
         Ok(())
+    }
+
+    /// Makes all edges of the mesh keep their present length.
+    pub(crate) fn with_edges(mut self, mesh: &TriMesh) -> Self {
+        let sides = mesh
+            .triangles()
+            .iter()
+            .flat_map(|t| [[t[0], t[1]], [t[1], t[2]], [t[2], t[0]]]);
+        let sorted = sides.map(|[a, b]| [a.min(b) as usize, a.max(b) as usize]);
+        let edges: std::collections::BTreeSet<_> = sorted.collect();
+        let length = |[a, b]: [usize; 2]| (self.positions[a] - self.positions[b]).norm();
+        self.edges = edges.into_iter().map(|e| (e, length(e))).collect();
+        self
+    }
+
+    fn keep_lengths(&self, x: &mut [Vec3]) {
+        for &([a, b], length) in &self.edges {
+            let (wa, wb) = (self.inverse_mass[a], self.inverse_mass[b]);
+            let way = x[b] - x[a];
+            if wa + wb > 0.0 && way.norm() > 0.0 {
+                let correction = way * ((1.0 - length / way.norm()) / (wa + wb));
+                x[a] += correction * wa;
+                x[b] -= correction * wb;
+            }
+        }
     }
 
     /// Number of pairs of triangles that meet.
