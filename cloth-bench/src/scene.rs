@@ -65,6 +65,12 @@ impl Scene {
         self.touch.as_ref().map_or(1, Touch::parts)
     }
 
+    /// Whether the cloth can touch anything.
+    #[must_use]
+    pub fn touches(&self) -> bool {
+        self.touch.as_ref().is_some_and(|touch| !touch.is_idle())
+    }
+
     /// Surfaces of the obstacles, for pictures: their vertices (m) at a time (s), and their triangles.
     #[must_use]
     pub fn obstacle_surfaces(&self, time: Real) -> Vec<(Vec<Vec3>, &[[u32; 3]])> {

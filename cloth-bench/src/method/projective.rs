@@ -17,8 +17,8 @@ const PD_TOLERANCE: Parameter = parameter(
 );
 const PD_START: Parameter = parameter(
     "start",
-    "inertial",
-    "first guess: previous, inertial or predicted",
+    "auto",
+    "first guess: previous, inertial or predicted; auto: inertial, but previous where the cloth can touch something, as after an impact it does not go on",
 );
 const PD_ACCELERATION: Parameter = parameter(
     "acceleration",
@@ -43,7 +43,8 @@ pub(super) const PD: &[Parameter] = &[
     PD_RADIUS,
 ];
 
-pub(super) fn projective(settings: &Settings) -> Result<PdConfig, BenchError> {
+/// `touching`: whether the cloth can touch anything.
+pub(super) fn projective(settings: &Settings, touching: bool) -> Result<PdConfig, BenchError> {
     let acceleration = match settings.choice(
         &PD_ACCELERATION,
         &[("none", 0), ("chebyshev", 1), ("quasi-newton", 2)],
@@ -68,6 +69,14 @@ pub(super) fn projective(settings: &Settings) -> Result<PdConfig, BenchError> {
         start: settings.choice(
             &PD_START,
             &[
+                (
+                    "auto",
+                    if touching {
+                        Start::Previous
+                    } else {
+                        Start::Inertial
+                    },
+                ),
                 ("previous", Start::Previous),
                 ("inertial", Start::Inertial),
                 ("predicted", Start::Predicted),

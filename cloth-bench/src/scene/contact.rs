@@ -107,7 +107,7 @@ impl Touch {
     }
 
     /// Whether there is nothing to touch, or nothing to be done about it.
-    fn is_idle(&self) -> bool {
+    pub(super) fn is_idle(&self) -> bool {
         let alone = !self.self_collision && self.obstacles.obstacles().next().is_none();
         alone || self.response == Response::None
     }
