@@ -28,7 +28,7 @@ use zones::{Zones, make_velocities_rigid, move_rigidly};
 /// A step may not bring two pieces nearer than this share of their distance before it, or of the thickness if that is less.
 const KEPT: Real = 0.1;
 /// Pieces that start nearer than this share of the thickness push along the line between their nearest points then; others along that when they come to the thickness.
-const NEAR: Real = 1.5;
+const NEAR: Real = 1.0;
 /// The share of what is missing to the thickness that one step makes up.
 const RECOVERY: Real = 0.5;
 /// Contacts are satisfied to this share of the thickness.
@@ -223,6 +223,10 @@ impl ClothContacts {
         for round in 0..=MOST_ROUNDS {
             let before = self.rows.len();
             certify |= round >= ENOUGH_ROUNDS;
+            if round == 1 {
+                // What was left for later.
+                self.doubt();
+            }
             self.find(
                 step,
                 positions,
@@ -331,7 +335,8 @@ impl ClothContacts {
             },
             to: positions,
             tolerance,
-            memory: pass.is_some_and(|pass| pass.first).then_some(memory),
+            memory,
+            first: pass.is_some_and(|pass| pass.first),
             certify: pass.is_none_or(|pass| pass.certify),
         };
         let mut add = |row| {
