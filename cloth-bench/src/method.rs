@@ -141,7 +141,8 @@ impl Method {
         [self.parameters, strain_limit::STRAIN_LIMITING]
     }
 
-    /// A solver for a scene and a step size `dt` (s), with strain limiting if the settings ask for it.
+    /// A solver for a scene and a step size `dt` (s), with strain limiting if the settings ask for it. Where the scene cuts steps into parts because of contact, it is one for the
+    /// parts, with a part of the substeps.
     ///
     /// # Errors
     /// [`BenchError::Usage`] for a setting out of range, or an element of the scene without the view that the method needs.
@@ -151,7 +152,15 @@ impl Method {
         settings: &Settings,
         dt: Real,
     ) -> Result<Box<dyn Stepper>, BenchError> {
-        strain_limit::limited(self.solver(scene, settings, dt)?, scene, settings)
+        let parts = scene.parts();
+        let solver = match self.substeps(scene, settings, dt)? {
+            substeps if parts > 1 && substeps > 1 => {
+                let shared = settings.clone().with("substeps", substeps.div_ceil(parts));
+                self.solver(scene, &shared, dt / Real::from(parts))?
+            }
+            _ => self.solver(scene, settings, dt / Real::from(parts))?,
+        };
+        strain_limit::limited(solver, scene, settings)
     }
 
     fn solver(

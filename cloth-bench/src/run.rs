@@ -1,8 +1,9 @@
 //! One simulation: a scene, a method, a number of steps.
 
 use crate::error::BenchError;
-use crate::scene::Scene;
+use crate::scene::{Scene, Touch};
 use cloth_collide::SeparationProbe;
+use cloth_core::contact::{ContactError, ContactSource, ContactStep};
 use cloth_core::math::{Real, Vec3};
 use cloth_core::measure;
 use cloth_core::particles::State;
@@ -16,6 +17,8 @@ pub struct Summary {
     pub steps: u32,
     /// Median time of a step (ms).
     pub ms_per_step_median: Real,
+    /// Median time of contact in it (ms); 0 where there is nothing to touch.
+    pub contact_ms_median: Real,
     /// Iterations, summed over the steps.
     pub iterations: u64,
     /// Iterations of the median step.
@@ -40,6 +43,155 @@ pub struct Summary {
     pub intersections: Option<usize>,
     /// Smallest distance (m) at the end between parts that share no vertex.
     pub min_distance: Option<Real>,
+    /// Smallest distance (m) at the end of a vertex from an obstacle, negative inside; none where there are no obstacles.
+    pub min_clearance: Option<Real>,
+}
+
+/// What [`SeparationWatch`] has seen.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Watched {
+    /// Steps after which triangles crossed.
+    pub crossed_steps: u32,
+    /// Largest number of crossing pairs of triangles after a step.
+    pub most_intersections: usize,
+    /// Smallest distance (m) after a step between parts that share no vertex.
+    pub min_distance: Option<Real>,
+    /// Smallest distance (m) after a step of a vertex from an obstacle, negative inside.
+    pub min_clearance: Option<Real>,
+}
+
+/// Looks at the cloth after every step: a crossing that comes and goes leaves no trace at the end.
+#[derive(Debug)]
+pub struct SeparationWatch<'a> {
+    scene: &'a Scene,
+    probe: Option<SeparationProbe>,
+    seen: Watched,
+}
+
+impl<'a> SeparationWatch<'a> {
+    /// For a run of this scene.
+    #[must_use]
+    pub fn new(scene: &'a Scene) -> Self {
+        Self {
+            scene,
+            probe: scene.mesh.as_ref().map(SeparationProbe::new),
+            seen: Watched::default(),
+        }
+    }
+
+    /// Looks at a state.
+    ///
+    /// # Errors
+    /// [`BenchError::Failed`] for positions that are not finite.
+    pub fn look(&mut self, state: &State) -> Result<(), BenchError> {
+        let least = |a: Option<Real>, b: Option<Real>| a.into_iter().chain(b).reduce(Real::min);
+        self.seen.min_clearance = least(self.seen.min_clearance, min_clearance(self.scene, state));
+        if let Some(probe) = &mut self.probe {
+            let now = probe
+                .measure(&state.positions)
+                .map_err(BenchError::failed)?;
+            self.seen.crossed_steps += u32::from(now.intersecting_pairs > 0);
+            self.seen.most_intersections = self.seen.most_intersections.max(now.intersecting_pairs);
+            self.seen.min_distance = least(self.seen.min_distance, now.min_distance);
+        }
+        Ok(())
+    }
+
+    /// What was seen so far.
+    #[must_use]
+    pub fn seen(&self) -> Watched {
+        self.seen
+    }
+}
+
+/// Smallest distance (m) of a vertex from an obstacle, where the obstacles are at the time of the state.
+fn min_clearance(scene: &Scene, state: &State) -> Option<Real> {
+    let obstacles = scene.touch.iter().flat_map(Touch::obstacles);
+    let clearances = obstacles.flat_map(|obstacle| {
+        let clearance = |&x: &Vec3| obstacle.clearance(x, state.time).value;
+        state.positions.iter().map(clearance)
+    });
+    clearances.reduce(Real::min)
+}
+
+/// A scene on its way: the caller's method takes the steps, and this adds all that is not the method's.
+struct Course<'a> {
+    scene: &'a Scene,
+    contacts: Option<Timed>,
+}
+
+/// Contact, and how long it took.
+struct Timed {
+    source: Box<dyn ContactSource>,
+    /// Time of the last step (s).
+    seconds: Real,
+}
+
+impl ContactSource for Timed {
+    fn resolve(
+        &mut self,
+        step: &ContactStep<'_>,
+        positions: &mut [Vec3],
+        velocities: &mut [Vec3],
+    ) -> Result<(), ContactError> {
+        let started = Instant::now();
+        let resolved = self.source.resolve(step, positions, velocities);
+        self.seconds += started.elapsed().as_secs_f64();
+        resolved
+    }
+}
+
+impl<'a> Course<'a> {
+    fn new(scene: &'a Scene) -> Result<Self, BenchError> {
+        let timed = |source| Timed {
+            source,
+            seconds: 0.0,
+        };
+        let contacts = scene.contacts()?.map(timed);
+        Ok(Self { scene, contacts })
+    }
+
+    /// One step of `dt` (s), in as many parts as contact asks for. The report counts those of all parts, and ends as the last one did.
+    fn step(
+        &mut self,
+        stepper: &mut dyn Stepper,
+        state: &mut State,
+        dt: Real,
+    ) -> Result<StepReport, BenchError> {
+        if let Some(contacts) = &mut self.contacts {
+            contacts.seconds = 0.0;
+        }
+        let parts = self.scene.parts();
+        let mut sum = self.part(stepper, state, dt / Real::from(parts))?;
+        for _ in 1..parts {
+            let report = self.part(stepper, state, dt / Real::from(parts))?;
+            sum = StepReport {
+                iterations: sum.iterations + report.iterations,
+                factorizations: sum.factorizations + report.factorizations,
+                linear_solves: sum.linear_solves + report.linear_solves,
+                linear_iterations: sum.linear_iterations + report.linear_iterations,
+                backtracks: sum.backtracks + report.backtracks,
+                ..report
+            };
+        }
+        Ok(sum)
+    }
+
+    fn part(
+        &mut self,
+        stepper: &mut dyn Stepper,
+        state: &mut State,
+        dt: Real,
+    ) -> Result<StepReport, BenchError> {
+        if let Some(pins) = &self.scene.pins {
+            pins.steer(state, dt);
+        }
+        let mut input = StepInput::new(dt).gravity(self.scene.gravity);
+        if let Some(contacts) = &mut self.contacts {
+            input = input.contacts(contacts);
+        }
+        stepper.step(state, input).map_err(BenchError::failed)
+    }
 }
 
 /// Takes steps of `dt` (s) until no velocity is `still` (m/s) or more, at most `most`; gives the number of steps, `None` if something still moves after the last.
@@ -57,10 +209,10 @@ pub fn to_rest(
     most: u32,
     still: Real,
 ) -> Result<Option<u32>, BenchError> {
+    let mut course = Course::new(scene)?;
     let mut before = 0.0;
     for step in 1..=most {
-        let input = StepInput::new(dt).gravity(scene.gravity);
-        stepper.step(state, input).map_err(BenchError::failed)?;
+        course.step(stepper, state, dt)?;
         if state.velocities.iter().all(|v| v.amax() < still) {
             return Ok(Some(step));
         }
@@ -87,15 +239,17 @@ pub fn run(
     steps: u32,
     mut after: impl FnMut(u32, &State, &StepReport) -> Result<(), BenchError>,
 ) -> Result<Summary, BenchError> {
+    let mut course = Course::new(scene)?;
     let start_height = height(scene, state);
     let mut seconds = Vec::with_capacity(steps as usize);
+    let mut contact_seconds = Vec::with_capacity(steps as usize);
     let mut iterations = Vec::with_capacity(steps as usize);
     let (mut converged_steps, mut linear_iterations) = (0, 0);
     for step in 1..=steps {
         let started = Instant::now();
-        let input = StepInput::new(dt).gravity(scene.gravity);
-        let report = stepper.step(state, input).map_err(BenchError::failed)?;
+        let report = course.step(stepper, state, dt)?;
         seconds.push(started.elapsed().as_secs_f64());
+        contact_seconds.extend(course.contacts.as_ref().map(|contacts| contacts.seconds));
         iterations.push(report.iterations);
         linear_iterations += u64::from(report.linear_iterations);
         converged_steps += u32::from(report.outcome == Outcome::Converged);
@@ -110,6 +264,7 @@ pub fn run(
     Ok(Summary {
         steps,
         ms_per_step_median: 1e3 * median(&mut seconds),
+        contact_ms_median: 1e3 * median(&mut contact_seconds),
         iterations: iterations.iter().map(|&n| u64::from(n)).sum(),
         iterations_per_step: median_count(&mut iterations),
         linear_iterations,
@@ -123,6 +278,7 @@ pub fn run(
         center_of_mass_drop: start_height - height(scene, state),
         intersections: separation.map(|s| s.intersecting_pairs),
         min_distance: separation.and_then(|s| s.min_distance),
+        min_clearance: min_clearance(scene, state),
     })
 }
 

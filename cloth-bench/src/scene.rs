@@ -2,18 +2,25 @@
 
 mod build;
 mod cloth;
+mod contact;
 mod pins;
+mod touching;
 
 pub use build::build;
+pub use contact::Touch;
 
 use crate::error::BenchError;
 use crate::settings::{Parameter, parameter};
 use cloth_core::cloth::ClothModel;
+use cloth_core::contact::ContactSource;
 use cloth_core::energy::Spring;
 use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::TriMesh;
 use cloth_core::particles::State;
+use cloth_core::pin::Pins;
 use cloth_core::topology::EdgeTable;
+use contact::{NOT_TOUCHING, TOUCHING};
+use std::sync::Arc;
 
 /// What is simulated: the same masses, elements, pins and start for every method.
 #[derive(Clone, Debug)]
@@ -32,11 +39,41 @@ pub struct Scene {
     pub dt: Real,
     /// Number of steps unless the caller wants another.
     pub steps: u32,
+    /// How held vertices move; those of which it does not know stay where they are.
+    pub pins: Option<Arc<Pins>>,
+    /// What the cloth can touch; nothing unless the scene says so.
+    pub touch: Option<Touch>,
     /// Which vertex of the caller's mesh each vertex is, where vertices were renumbered.
     pub order: Option<cloth_core::ordering::Order>,
 }
 
 impl Scene {
+    /// What resolves contact, if the scene has anything to touch.
+    ///
+    /// # Errors
+    /// [`BenchError::Usage`] for a mesh that does not serve.
+    pub fn contacts(&self) -> Result<Option<Box<dyn ContactSource>>, BenchError> {
+        match (&self.touch, &self.mesh) {
+            (Some(touch), Some(mesh)) => touch.source(mesh),
+            _ => Ok(None),
+        }
+    }
+
+    /// Into how many parts a step is cut because of contact; see [`Touch::parts`].
+    #[must_use]
+    pub fn parts(&self) -> u32 {
+        self.touch.as_ref().map_or(1, Touch::parts)
+    }
+
+    /// Surfaces of the obstacles, for pictures: their vertices (m) at a time (s), and their triangles.
+    #[must_use]
+    pub fn obstacle_surfaces(&self, time: Real) -> Vec<(Vec<Vec3>, &[[u32; 3]])> {
+        self.touch
+            .iter()
+            .flat_map(|touch| touch.surfaces(time))
+            .collect()
+    }
+
     /// Springs to measure stretch by: those of the model, or one on every edge of a sheet whose membrane is made of triangles.
     ///
     /// # Errors
@@ -59,8 +96,16 @@ pub struct SceneInfo {
     pub name: &'static str,
     /// What it is.
     pub about: &'static str,
-    /// What can be set.
-    pub parameters: &'static [Parameter],
+    /// What can be set, in groups.
+    groups: &'static [&'static [Parameter]],
+}
+
+impl SceneInfo {
+    /// What can be set, in groups.
+    #[must_use]
+    pub fn groups(&self) -> &'static [&'static [Parameter]] {
+        self.groups
+    }
 }
 
 pub(crate) const DENSITY: Parameter = parameter("density", "0.2", "areal density (kg/m²)");
@@ -126,6 +171,31 @@ pub(crate) const STRIP_SIZE: Parameter = parameter("n", "8", "cells across the s
 pub(crate) const STRIP_RIGIDITY: Parameter =
     parameter("rigidity", "0.1", "bending rigidity D (N·m)");
 
+pub(crate) const FLOOR: Parameter = parameter(
+    "floor",
+    "none",
+    "how far below the lowest vertex there is a floor (m), or none",
+);
+pub(crate) const TURNS: Parameter =
+    parameter("turns", "4", "full turns of one end against the other");
+pub(crate) const SHEETS: Parameter = parameter("sheets", "10", "number of sheets");
+
+/// What can be set of a sheet that the scene makes and places itself.
+const OWN_SHEET: &[Parameter] = &[
+    SIZE,
+    PATTERN,
+    DENSITY,
+    STIFFNESS,
+    MODULUS,
+    MEMBRANE,
+    POISSON,
+    SHEAR,
+    RIGIDITY,
+    BENDING,
+    BENDING_STIFFNESS,
+    GRAVITY,
+];
+
 /// What can be set of a sheet.
 const SHEET: &[Parameter] = &[
     SIZE,
@@ -145,26 +215,51 @@ const SHEET: &[Parameter] = &[
 ];
 
 /// Every scene.
-pub const SCENES: [SceneInfo; 4] = [
+pub const SCENES: [SceneInfo; 9] = [
     SceneInfo {
         name: "hang",
         about: "a sheet of 1 m × 1 m held at two corners, starting horizontal; with --mesh any OBJ, held at its highest vertices",
-        parameters: SHEET,
+        groups: &[SHEET, NOT_TOUCHING],
     },
     SceneInfo {
         name: "drop",
-        about: "the same sheet in free fall, held nowhere: it must not deform",
-        parameters: SHEET,
+        about: "the same sheet in free fall, held nowhere: it must not deform; or onto a floor",
+        groups: &[SHEET, NOT_TOUCHING, &[FLOOR]],
+    },
+    SceneInfo {
+        name: "drape-sphere",
+        about: "the same sheet, or with --mesh any, falls on a sphere of 0.3 m",
+        groups: &[SHEET, TOUCHING],
+    },
+    SceneInfo {
+        name: "drape-box",
+        about: "the same on a cube of 0.5 m that turns by 2 rad/s",
+        groups: &[SHEET, TOUCHING],
+    },
+    SceneInfo {
+        name: "fold",
+        about: "a ribbon of 1 m × 0.25 m, upright on a floor, falls down on itself",
+        groups: &[OWN_SHEET, TOUCHING],
+    },
+    SceneInfo {
+        name: "twist",
+        about: "a towel of 1 m × 0.3 m whose ends are turned against each other within 4 s",
+        groups: &[OWN_SHEET, TOUCHING, &[TURNS]],
+    },
+    SceneInfo {
+        name: "stack",
+        about: "sheets of 0.5 m × 0.5 m, each turned by 0.1 rad against the one below, on a floor: they stay where they are",
+        groups: &[OWN_SHEET, TOUCHING, &[SHEETS]],
     },
     SceneInfo {
         name: "chain",
         about: "a chain of equal links held at one end, starting horizontal",
-        parameters: &[LINKS, LINK_LENGTH, LINK_MASS, TIP_MASS, STIFFNESS, GRAVITY],
+        groups: &[&[LINKS, LINK_LENGTH, LINK_MASS, TIP_MASS, STIFFNESS, GRAVITY]],
     },
     SceneInfo {
         name: "cantilever",
         about: "a strip clamped at one end, bending under its own weight",
-        parameters: &[
+        groups: &[&[
             STRIP_SIZE,
             ASPECT,
             PATTERN,
@@ -178,6 +273,6 @@ pub const SCENES: [SceneInfo; 4] = [
             BENDING,
             BENDING_STIFFNESS,
             GRAVITY,
-        ],
+        ]],
     },
 ];

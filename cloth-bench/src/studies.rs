@@ -2,6 +2,7 @@
 
 mod acceleration;
 mod bending;
+mod collision;
 mod convergence;
 mod locking;
 mod newton;
@@ -88,7 +89,7 @@ impl Findings {
 }
 
 /// Every study.
-pub const STUDIES: [&Study; 9] = [
+pub const STUDIES: [&Study; 10] = [
     &convergence::STUDY,
     &stiffness::STUDY,
     &locking::STUDY,
@@ -97,6 +98,7 @@ pub const STUDIES: [&Study; 9] = [
     &sag::STUDY,
     &xpbd_floor::STUDY,
     &projective::STUDY,
+    &collision::STUDY,
     &newton::STUDY,
 ];
 

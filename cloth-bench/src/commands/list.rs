@@ -38,7 +38,7 @@ fn entries() -> [(&'static str, Vec<Entry>); 6] {
             "scenes",
             SCENES
                 .iter()
-                .map(|s| entry(s.name, s.about, &[s.parameters]))
+                .map(|s| entry(s.name, s.about, s.groups()))
                 .collect(),
         ),
         (

@@ -4,7 +4,7 @@ use super::{print_pairs, write_file};
 use crate::error::BenchError;
 use crate::method::Method;
 use crate::report::render::{Surface, View, render};
-use crate::run::run;
+use crate::run::{SeparationWatch, run};
 use crate::scene::{self, Scene, SceneInfo};
 use crate::settings::Settings;
 use crate::yardstick::StepProblem;
@@ -46,6 +46,9 @@ pub struct Arguments {
     /// Also takes the step that implicit Euler would take next after as many steps, and compares it with the minimiser of that step: the same step for every method
     #[arg(long)]
     reference: bool,
+    /// Also counts crossings and measures distances after every step, not only at the end
+    #[arg(long)]
+    watch: bool,
     /// Folder for the state after every step
     #[arg(long, value_name = "DIR")]
     export: Option<PathBuf>,
@@ -78,10 +81,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<(), BenchError> {
     let info = SceneInfo::find(&arguments.scene)?;
     let method = Method::find(&arguments.method)?;
     let what = format!("scene `{}` with method `{}`", info.name, method.name);
-    settings.check(
-        &what,
-        &[&[info.parameters], &method.parameters()[..]].concat(),
-    )?;
+    settings.check(&what, &[info.groups(), &method.parameters()[..]].concat())?;
     let scene = scene::build(info.name, arguments.mesh.as_deref(), &settings)?;
     let dt = arguments.dt.unwrap_or(scene.dt);
     if !(dt > 0.0 && dt.is_finite()) {
@@ -97,6 +97,11 @@ pub(super) fn execute(arguments: &Arguments) -> Result<(), BenchError> {
                 info.name
             ))
         })?;
+    }
+    if arguments.reference && (scene.pins.is_some() || scene.contacts()?.is_some()) {
+        return Err(BenchError::Usage(
+            "--reference compares with a step without contact and with pins at rest; this scene has other steps".into(),
+        ));
     }
     if arguments.reference && !method.aims_at_implicit_euler() {
         return Err(BenchError::Usage(format!(
@@ -131,6 +136,7 @@ fn simulate(
     let mut stepper = method.build(scene, settings, dt)?;
     let bar = ProgressBar::new(u64::from(steps));
     let mut state = scene.start.clone();
+    let mut watch = arguments.watch.then(|| SeparationWatch::new(scene));
     let finished = run(
         scene,
         &mut *stepper,
@@ -139,6 +145,9 @@ fn simulate(
         steps,
         |step, state, _| {
             bar.inc(1);
+            if let Some(watch) = &mut watch {
+                watch.look(state)?;
+            }
             match &arguments.export {
                 Some(folder) => export(arguments.format, folder, step, scene, state),
                 None => Ok(()),
@@ -173,6 +182,7 @@ fn simulate(
         ("dt", json!(dt)),
         ("threads", json!(rayon::current_num_threads())),
         ("ms_per_step_median", json!(summary.ms_per_step_median)),
+        ("contact_ms_median", json!(summary.contact_ms_median)),
         ("iterations", json!(summary.iterations)),
         ("iterations_per_step", json!(summary.iterations_per_step)),
         ("linear_iterations", json!(summary.linear_iterations)),
@@ -185,16 +195,28 @@ fn simulate(
         ("center_of_mass_drop", json!(summary.center_of_mass_drop)),
         ("intersections", json!(summary.intersections)),
         ("min_distance", json!(summary.min_distance)),
+        ("min_clearance", json!(summary.min_clearance)),
         ("finite", json!(state.first_non_finite().is_none())),
     ];
+    if let Some(seen) = watch.map(|watch| watch.seen()) {
+        pairs.extend([
+            ("crossed_steps", json!(seen.crossed_steps)),
+            ("most_intersections", json!(seen.most_intersections)),
+            ("min_distance_of_all", json!(seen.min_distance)),
+            ("min_clearance_of_all", json!(seen.min_clearance)),
+        ]);
+    }
     if arguments.reference {
         pairs.extend(compared(scene, &mut *stepper, steps, dt)?);
     }
     if let (Some(file), Some(mesh)) = (&arguments.picture, &scene.mesh) {
-        let surface = Surface::cloth(&state.positions, mesh.triangles());
+        let obstacles = scene.obstacle_surfaces(state.time);
+        let mut surfaces = vec![Surface::cloth(&state.positions, mesh.triangles())];
+        let seen = |(positions, triangles)| Surface::obstacle(positions, triangles);
+        surfaces.extend(obstacles.iter().map(|(x, t)| seen((&x[..], *t))));
         write_file(
             file,
-            &render(&[surface], &view(scene)).map_err(BenchError::failed)?,
+            &render(&surfaces, &view(scene)).map_err(BenchError::failed)?,
         )?;
     }
     print_pairs(arguments.json, &pairs)

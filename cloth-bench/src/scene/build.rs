@@ -1,7 +1,9 @@
 //! From a name and settings to a [`Scene`].
 
+use super::contact::{NO_SELF, SELF, Touch};
+use super::touching::{self, Below};
 use super::{
-    ASPECT, GRAVITY, LINK_LENGTH, LINK_MASS, LINKS, PATTERN, PINS, RIGIDITY, SCENES, SIZE,
+    ASPECT, FLOOR, GRAVITY, LINK_LENGTH, LINK_MASS, LINKS, PATTERN, PINS, RIGIDITY, SCENES, SIZE,
     STIFFNESS, STRIP_RIGIDITY, STRIP_SIZE, Scene, SceneInfo, TIP_MASS, UP, cloth, pins,
 };
 use crate::error::BenchError;
@@ -41,9 +43,14 @@ pub fn build(name: &str, mesh: Option<&str>, settings: &Settings) -> Result<Scen
     match (info.name, mesh) {
         ("chain", None) => chain(settings),
         ("cantilever", None) => cantilever(settings),
-        (name, Some(_)) if name == "chain" || name == "cantilever" => Err(BenchError::Usage(
-            format!("scene `{name}` takes no --mesh; `hang` and `drop` do"),
-        )),
+        ("fold", None) => touching::fold(info.name, settings),
+        ("twist", None) => touching::twist(info.name, settings),
+        ("stack", None) => touching::stack(info.name, settings),
+        (name @ ("chain" | "cantilever" | "fold" | "twist" | "stack"), Some(_)) => {
+            Err(BenchError::Usage(format!(
+                "scene `{name}` takes no --mesh; `hang`, `drop` and the drapes do"
+            )))
+        }
         (name, mesh) => sheet(name, mesh, settings),
     }
 }
@@ -84,7 +91,7 @@ fn sheet(name: &'static str, mesh: Option<&str>, settings: &Settings) -> Result<
         .with(UP.name, axis)
         .choice(&UP, &[("x", Vec3::x()), ("y", Vec3::y()), ("z", Vec3::z())])?;
     let held = match (settings.text(&PINS), name) {
-        ("default", "drop") => "none",
+        ("default", "drop" | "drape-sphere" | "drape-box") => "none",
         ("default", _) if from_file => "highest",
         ("default", _) => "corners",
         (text, _) => text,
@@ -102,8 +109,19 @@ fn sheet(name: &'static str, mesh: Option<&str>, settings: &Settings) -> Result<
     let mut model = cloth::cut(settings, &RIGIDITY, &mesh)?;
     hold(&held, &mut model)?;
     let gravity = up * -settings.number(&GRAVITY)?;
+    let (own, below) = match name {
+        "drape-sphere" => (&SELF, Some(Below::Sphere)),
+        "drape-box" => (&SELF, Some(Below::TurningBox)),
+        "drop" if settings.text(&FLOOR) != "none" => {
+            (&NO_SELF, Some(Below::Floor(settings.number(&FLOOR)?)))
+        }
+        _ => (&NO_SELF, None),
+    };
+    let obstacles = below.map(|kind| touching::below(&kind, &mesh, up, settings));
+    let touch = Touch::new(settings, own, obstacles.transpose()?.into_iter().collect())?;
     Ok(Scene {
         order,
+        touch: Some(touch),
         ..of_mesh(name, &mesh, model, gravity)
     })
 }
@@ -114,7 +132,12 @@ fn hold(vertices: &[usize], model: &mut ClothModel) -> Result<(), BenchError> {
         .try_for_each(|&vertex| model.particles.prescribe(vertex).map_err(BenchError::usage))
 }
 
-fn of_mesh(name: &'static str, mesh: &TriMesh, model: ClothModel, gravity: Vec3) -> Scene {
+pub(super) fn of_mesh(
+    name: &'static str,
+    mesh: &TriMesh,
+    model: ClothModel,
+    gravity: Vec3,
+) -> Scene {
     Scene {
         name,
         model,
@@ -123,6 +146,8 @@ fn of_mesh(name: &'static str, mesh: &TriMesh, model: ClothModel, gravity: Vec3)
         gravity,
         dt: 1.0 / 60.0,
         steps: 300,
+        pins: None,
+        touch: None,
         order: None,
     }
 }
@@ -165,6 +190,8 @@ fn chain(settings: &Settings) -> Result<Scene, BenchError> {
         gravity: Vec3::z() * -settings.number(&GRAVITY)?,
         dt: 1.0 / 60.0,
         steps: 300,
+        pins: None,
+        touch: None,
         order: None,
     })
 }

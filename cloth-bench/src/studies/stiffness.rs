@@ -113,6 +113,8 @@ fn one_constraint(
         gravity: Vec3::zeros(),
         dt: 1e-2,
         steps: 1,
+        pins: None,
+        touch: None,
         order: None,
     };
     let mut methods: Vec<(String, &str, Settings, Option<Real>)> = FIXED

@@ -1,0 +1,207 @@
+//! Scenes that are about contact (COL-9).
+
+use super::contact::{SELF, THICKNESS, Touch};
+use super::{GRAVITY, PATTERN, RIGIDITY, SHEETS, SIZE, Scene, TURNS, build, cloth};
+use crate::error::BenchError;
+use crate::mesh_spec::PATTERNS;
+use crate::settings::Settings;
+use cloth_collide::obstacle::{Cuboid, HalfSpace, Obstacle, Pose, RigidMotion, Sphere};
+use cloth_core::math::{Real, Vec3};
+use cloth_core::mesh::generate::Diagonals;
+use cloth_core::mesh::{TriMesh, generate};
+use cloth_core::pin::Pins;
+use nalgebra::{Rotation3, UnitQuaternion};
+use std::f64::consts::{FRAC_PI_2, TAU};
+use std::sync::Arc;
+
+/// Radius of the sphere, and half the edges of the box that cloth is draped on (m).
+const RADIUS: Real = 0.3;
+const HALF_EDGES: [Real; 3] = [0.25, 0.25, 0.25];
+/// How fast the box turns (rad/s).
+const SPIN: Real = 2.0;
+
+/// What a sheet falls on.
+pub(super) enum Below {
+    Sphere,
+    TurningBox,
+    /// This far below the lowest vertex (m).
+    Floor(Real),
+}
+
+/// An obstacle below the middle of a mesh, or below all of it, where `up` points against gravity.
+pub(super) fn below(
+    kind: &Below,
+    mesh: &TriMesh,
+    up: Vec3,
+    settings: &Settings,
+) -> Result<(Obstacle, TriMesh), BenchError> {
+    let low = mesh.positions().iter().copied().reduce(|a, b| a.inf(&b));
+    let high = mesh.positions().iter().copied().reduce(|a, b| a.sup(&b));
+    let (low, high) = (low.unwrap_or_default(), high.unwrap_or_default());
+    let lowest = low.dot(&up).min(high.dot(&up));
+    let middle = (low + high) / 2.0;
+    // Two thicknesses below the lowest vertex.
+    let at = |depth: Real| {
+        let clear = depth + 2.0 * settings.number(&THICKNESS)?;
+        Ok::<_, BenchError>(middle + up * (lowest - clear - middle.dot(&up)))
+    };
+    let turned = UnitQuaternion::rotation_between(&Vec3::z(), &up)
+        .unwrap_or_else(|| UnitQuaternion::from_axis_angle(&Vec3::x_axis(), 2.0 * FRAC_PI_2));
+    let still = |position: Vec3| {
+        RigidMotion::still(Pose {
+            position,
+            orientation: turned,
+        })
+    };
+    let (obstacle, shape) = match kind {
+        Below::Sphere => {
+            let sphere = Sphere::new(RADIUS).map_err(BenchError::failed)?;
+            let shape = generate::sphere(5, RADIUS).map_err(BenchError::failed)?;
+            (Obstacle::moving(sphere, still(at(RADIUS)?)), shape)
+        }
+        Below::TurningBox => {
+            let cuboid = Cuboid::new(HALF_EDGES.into()).map_err(BenchError::failed)?;
+            let motion = RigidMotion {
+                angular_velocity: up * SPIN,
+                ..still(at(HALF_EDGES[2])?)
+            };
+            (Obstacle::moving(cuboid, motion), block(HALF_EDGES)?)
+        }
+        Below::Floor(depth) => {
+            let size = 1.5 * (high - low).norm();
+            let plane = HalfSpace::new(Vec3::z()).map_err(BenchError::failed)?;
+            (
+                Obstacle::moving(plane, still(at(*depth)?)),
+                centred([1, 1], [size; 2], Diagonals::OneWay)?,
+            )
+        }
+    };
+    Ok((obstacle.map_err(BenchError::usage)?, shape))
+}
+
+/// The surface of a box.
+fn block(half: [Real; 3]) -> Result<TriMesh, BenchError> {
+    let corners = (0..8).map(|c| {
+        let side = |axis: usize| {
+            if c >> axis & 1 == 1 {
+                half[axis]
+            } else {
+                -half[axis]
+            }
+        };
+        Vec3::new(side(0), side(1), side(2))
+    });
+    let quads = [
+        [0, 2, 3, 1],
+        [4, 5, 7, 6],
+        [0, 1, 5, 4],
+        [2, 6, 7, 3],
+        [0, 4, 6, 2],
+        [1, 3, 7, 5],
+    ];
+    let triangles = quads
+        .iter()
+        .flat_map(|&[a, b, c, d]: &[u32; 4]| [[a, b, c], [a, c, d]]);
+    TriMesh::new(corners.collect(), triangles.collect()).map_err(BenchError::failed)
+}
+
+fn gravity(settings: &Settings) -> Result<Vec3, BenchError> {
+    Ok(Vec3::z() * -settings.number(&GRAVITY)?)
+}
+
+/// A grid around the origin.
+fn centred(cells: [u32; 2], size: [Real; 2], diagonals: Diagonals) -> Result<TriMesh, BenchError> {
+    let [columns, rows] = cells.map(|n| n as usize + 1);
+    let flat =
+        generate::grid(columns, rows, size[0], size[1], diagonals).map_err(BenchError::usage)?;
+    let middle = Vec3::new(size[0], size[1], 0.0) / 2.0;
+    moved(&flat, |x| x - middle)
+}
+
+/// `mesh` in another place.
+fn moved(mesh: &TriMesh, place: impl Fn(Vec3) -> Vec3) -> Result<TriMesh, BenchError> {
+    let positions = mesh.positions().iter().map(|&x| place(x)).collect();
+    TriMesh::new(positions, mesh.triangles().to_vec()).map_err(BenchError::usage)
+}
+
+/// A sheet of the scene's own size around the origin, in the pattern that the settings ask for.
+fn sheet(settings: &Settings, cells: [u32; 2], size: [Real; 2]) -> Result<TriMesh, BenchError> {
+    centred(cells, size, settings.choice(&PATTERN, &PATTERNS)?)
+}
+
+/// A ribbon of 1 m by ¼ m, upright on the floor, falls down on itself.
+pub(super) fn fold(name: &'static str, settings: &Settings) -> Result<Scene, BenchError> {
+    /// How far the upright ribbon is bent out of its plane (m), so that it knows where to fall.
+    const WAVE: Real = 0.01;
+    let n = settings.count(&SIZE, 2)? - 1;
+    let flat = sheet(settings, [n.div_ceil(4), n], [0.25, 1.0])?;
+    let mesh = moved(&flat, |x| Vec3::new(x.x, 0.0, x.y))?;
+    let model = cloth::cut(settings, &RIGIDITY, &mesh)?;
+    let floor = below(&Below::Floor(0.0), &mesh, Vec3::z(), settings)?;
+    let mut scene = Scene {
+        steps: 180,
+        touch: Some(Touch::new(settings, &SELF, vec![floor])?),
+        ..build::of_mesh(name, &mesh, model, gravity(settings)?)
+    };
+    for x in &mut scene.start.positions {
+        x.y += WAVE * (1.5 * TAU * x.z).sin();
+    }
+    Ok(scene)
+}
+
+/// A towel of 1 m by 0.3 m whose ends are turned against each other, and brought nearer as it becomes shorter.
+pub(super) fn twist(name: &'static str, settings: &Settings) -> Result<Scene, BenchError> {
+    const SIZES: [Real; 2] = [1.0, 0.3];
+    /// How long the turning takes (s).
+    const DURATION: Real = 4.0;
+    /// How much nearer each end comes (m).
+    const NEARER: Real = 0.1;
+    let n = settings.count(&SIZE, 2)? - 1;
+    let mesh = sheet(settings, [n, (n * 3).div_ceil(10)], SIZES)?;
+    let mut model = cloth::cut(settings, &RIGIDITY, &mesh)?;
+    let turns = settings.number(&TURNS)?;
+    let mut pins = Pins::new();
+    for (vertex, &x) in mesh.positions().iter().enumerate() {
+        if x.x.abs() < SIZES[0] / 2.0 - 1e-9 {
+            continue;
+        }
+        let side = x.x.signum();
+        // Half of the turns at each end.
+        let path = move |time: Real| {
+            let part = (time / DURATION).clamp(0.0, 1.0);
+            let turn = Rotation3::from_axis_angle(&Vec3::x_axis(), side * part * turns * TAU / 2.0);
+            turn * x - Vec3::x() * (side * part * NEARER)
+        };
+        pins.follow(&mut model.particles, vertex, path)
+            .map_err(BenchError::failed)?;
+    }
+    Ok(Scene {
+        steps: 240,
+        pins: Some(Arc::new(pins)),
+        touch: Some(Touch::new(settings, &SELF, Vec::new())?),
+        ..build::of_mesh(name, &mesh, model, gravity(settings)?)
+    })
+}
+
+/// Square sheets of ½ m, each turned a little against the one below, on the floor.
+pub(super) fn stack(name: &'static str, settings: &Settings) -> Result<Scene, BenchError> {
+    const WIDTH: Real = 0.5;
+    let n = settings.count(&SIZE, 2)? - 1;
+    let gap = 1.5 * settings.positive(&THICKNESS)?;
+    let flat = sheet(settings, [n; 2], [WIDTH; 2])?;
+    let layer = |k: u32| {
+        let turn = Rotation3::from_axis_angle(&Vec3::z_axis(), 0.1 * Real::from(k));
+        moved(&flat, |x| turn * x + Vec3::z() * (gap * Real::from(k)))
+    };
+    let layers: Vec<TriMesh> = (0..settings.count(&SHEETS, 1)?)
+        .map(layer)
+        .collect::<Result<_, _>>()?;
+    let mesh = generate::join(&layers).map_err(BenchError::usage)?;
+    let model = cloth::cut(settings, &RIGIDITY, &mesh)?;
+    let floor = below(&Below::Floor(0.0), &mesh, Vec3::z(), settings)?;
+    Ok(Scene {
+        steps: 120,
+        touch: Some(Touch::new(settings, &SELF, vec![floor])?),
+        ..build::of_mesh(name, &mesh, model, gravity(settings)?)
+    })
+}

@@ -1,0 +1,153 @@
+//! Scenes with contact, by every kind of method: what it costs, and whether anything crosses (COL-9).
+
+use super::{Findings, Scope, Study};
+use crate::error::BenchError;
+use crate::method::Method;
+use crate::report::html::Picture;
+use crate::report::render::{Surface, View, render_row};
+use crate::report::table::{Cell, Table};
+use crate::run::{self, SeparationWatch};
+use crate::scene;
+use crate::settings::Settings;
+use cloth_core::math::{Real, Vec3};
+use cloth_core::particles::State;
+
+pub(super) const STUDY: Study = Study {
+    name: "collision",
+    question: "What does contact cost each method, and does anything pass through anything?",
+    about: "Five scenes with four methods at their default settings. Contact is resolved after each step by impulses and impact zones, in the same way for all methods. After every step \
+        crossing pairs of triangles are counted by an exact test that shares no code with the response, and distances are measured: of parts of the cloth that share no vertex, and of vertices from \
+        obstacles. Expect no crossing at all; where a step is refused, the remark says why. Expect soft methods to need more contact: their cloth stretches, so more of it lies on itself. \
+        A distance of cloth from cloth below the thickness is allowed, one below zero of a vertex from an obstacle is not.",
+    cases,
+    run,
+};
+
+const SCENES: [&str; 5] = ["drape-sphere", "drape-box", "fold", "twist", "stack"];
+const METHODS: [&str; 4] = ["implicit-euler", "pbd", "xpbd", "pd"];
+
+/// Vertices a side, and the number of steps where it is not the scene's own.
+fn size(scope: Scope, scene: &str) -> (u32, Option<u32>) {
+    match (scope, scene) {
+        (Scope::Quick, _) => (13, Some(20)),
+        (Scope::Full, "stack") => (17, None),
+        (Scope::Full, _) => (49, None),
+    }
+}
+
+fn cases(_: Scope) -> u64 {
+    (SCENES.len() * METHODS.len()) as u64
+}
+
+fn run(scope: Scope, progress: &mut dyn FnMut(&str)) -> Result<Findings, BenchError> {
+    let mut findings = Findings::default();
+    let mut table = Table::new(&[
+        "scene",
+        "method",
+        "vertices",
+        "steps",
+        "ms per step",
+        "of it contact",
+        "steps with crossings",
+        "smallest distance (m)",
+        "smallest clearance (m)",
+        "largest stretch",
+        "remark",
+    ]);
+    let (mut crossed, mut refused) = (0, 0);
+    let mut shares: Vec<Real> = Vec::new();
+    for name in SCENES {
+        let (n, steps) = size(scope, name);
+        let scene = scene::build(name, None, &Settings::default().with("n", n))?;
+        let steps = steps.unwrap_or(scene.steps);
+        let mut ends = Vec::new();
+        for method in METHODS {
+            progress(&format!("collision: {name}, {method}"));
+            let settings = Settings::default();
+            let mut stepper = Method::find(method)?.build(&scene, &settings, scene.dt)?;
+            let mut watch = SeparationWatch::new(&scene);
+            let mut state = scene.start.clone();
+            let outcome = run::run(
+                &scene,
+                &mut *stepper,
+                &mut state,
+                scene.dt,
+                steps,
+                |_, state, _| watch.look(state),
+            );
+            let seen = watch.seen();
+            crossed += u32::from(seen.crossed_steps > 0);
+            let (done, remark) = match outcome {
+                Ok(summary) => (Some(summary), String::new()),
+                Err(error) => (None, error.to_string()),
+            };
+            refused += u32::from(done.is_none());
+            if let Some(summary) = &done {
+                shares.push(summary.contact_ms_median / summary.ms_per_step_median);
+            }
+            table.push([
+                Cell::from(name),
+                Cell::from(method),
+                Cell::from(state.positions.len()),
+                Cell::from(state.steps as usize),
+                Cell::from(done.as_ref().map(|s| s.ms_per_step_median)),
+                Cell::from(done.as_ref().map(|s| s.contact_ms_median)),
+                Cell::from(seen.crossed_steps as usize),
+                Cell::from(seen.min_distance),
+                Cell::from(seen.min_clearance),
+                Cell::from(done.as_ref().map(|s| s.max_stretch)),
+                Cell::from(remark),
+            ]);
+            ends.push((method, state));
+        }
+        findings.section.pictures.push(picture(&scene, &ends)?);
+    }
+    findings.table("collision", "Scenes with contact", table);
+    let cells = SCENES.len() * METHODS.len();
+    let most = shares.iter().copied().fold(0.0, Real::max);
+    let refusals = match refused {
+        0 => "no run was refused".to_owned(),
+        _ => format!("{refused} runs ended early (see the remarks)"),
+    };
+    findings.section.verdict = Some(format!(
+        "Of {cells} runs {crossed} had a step after which triangles cross, and {refusals}. Contact takes {:.0} % of a step in the median run, and at most {:.0} %.",
+        100.0 * run::median(&mut shares),
+        100.0 * most
+    ));
+    Ok(findings)
+}
+
+/// The ends of a scene side by side.
+fn picture(scene: &scene::Scene, ends: &[(&str, State)]) -> Result<Picture, BenchError> {
+    let mesh = scene.mesh.as_ref();
+    let triangles = mesh.map_or(&[][..], |mesh| mesh.triangles());
+    let obstacles: Vec<_> = ends
+        .iter()
+        .map(|(_, state)| scene.obstacle_surfaces(state.time))
+        .collect();
+    let tiles: Vec<Vec<Surface<'_>>> = ends
+        .iter()
+        .zip(&obstacles)
+        .map(|((_, state), obstacles)| {
+            let cloth = Surface::cloth(&state.positions, triangles);
+            let obstacles = obstacles.iter().map(|(x, t)| Surface::obstacle(x, t));
+            std::iter::once(cloth).chain(obstacles).collect()
+        })
+        .collect();
+    let tiles: Vec<&[Surface<'_>]> = tiles.iter().map(|tile| &tile[..]).collect();
+    let view = View {
+        width: 330,
+        height: 330,
+        direction: Vec3::new(-0.5, 0.8, -0.5),
+        ..View::default()
+    };
+    let names: Vec<&str> = ends.iter().map(|(name, _)| *name).collect();
+    Ok(Picture {
+        png: render_row(&tiles, &view).map_err(BenchError::failed)?,
+        caption: format!(
+            "`{}` at its end, from left to right: {}.",
+            scene.name,
+            names.join(", ")
+        ),
+    })
+}
