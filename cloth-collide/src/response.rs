@@ -28,7 +28,7 @@ use zones::{Zones, make_velocities_rigid, move_rigidly};
 /// A step may not bring two pieces nearer than this share of their distance before it, or of the thickness if that is less.
 const KEPT: Real = 0.1;
 /// Pieces that start nearer than this share of the thickness push along the line between their nearest points then; others along that when they come to the thickness.
-const NEAR: Real = 1.5;
+const NEAR: Real = 1.0;
 /// The share of what is missing to the thickness that one step makes up.
 const RECOVERY: Real = 0.5;
 /// Contacts are satisfied to this share of the thickness.
@@ -66,6 +66,15 @@ pub struct ClothContacts {
     hold: Hold,
     memory: Memory,
     report: ContactReport,
+}
+
+/// A look for contacts that need impulses.
+#[derive(Clone, Copy, Debug)]
+struct Pass {
+    /// Whether it is the first of the step.
+    first: bool,
+    /// Whether pairs that need impulses are looked at closely all the same.
+    certify: bool,
 }
 
 impl ContactSource for ClothContacts {
@@ -210,10 +219,37 @@ impl ClothContacts {
         positions: &mut [Vec3],
     ) -> Result<bool, ContactError> {
         let mut converged = true;
+        let mut certify = false;
         for round in 0..=MOST_ROUNDS {
             let before = self.rows.len();
-            self.find(step, positions, Some(round));
-            let added = self.rows.len() - before;
+            certify |= round >= ENOUGH_ROUNDS;
+            if round == 1 {
+                // What was left for later.
+                self.doubt();
+            }
+            self.find(
+                step,
+                positions,
+                Some(Pass {
+                    first: round == 0,
+                    certify,
+                }),
+            );
+            let mut added = self.rows.len() - before;
+            if added == 0 && !certify && !self.is_free() {
+                // No more contacts: now it matters which of them are dangerous.
+                certify = true;
+                self.doubt();
+                self.find(
+                    step,
+                    positions,
+                    Some(Pass {
+                        first: false,
+                        certify,
+                    }),
+                );
+                added = self.rows.len() - before;
+            }
             if self.is_free() && (added == 0 || round >= ENOUGH_ROUNDS) {
                 return Ok(true);
             }
@@ -233,6 +269,26 @@ impl ClothContacts {
             self.after_a_change(step, positions)?;
         }
         Ok(false)
+    }
+
+    /// Has everything looked at once more that may be dangerous.
+    fn doubt(&mut self) {
+        let Self {
+            cloth,
+            hits,
+            entering,
+            moved,
+            ..
+        } = self;
+        for &hit in hits.iter() {
+            let vertices = cloth.as_ref().map(|cloth| cloth.pair(hit).vertices);
+            for v in vertices.into_iter().flatten() {
+                moved[v as usize] = true;
+            }
+        }
+        for &[v, _] in entering.iter() {
+            moved[v as usize] = true;
+        }
     }
 
     /// Whether what was found last has no contact that the motion goes through.
@@ -257,8 +313,8 @@ impl ClothContacts {
         Ok(())
     }
 
-    /// Looks at everything that has moved since it was looked at last: lists what goes through, and in a `round` of impulses adds the contacts that are violated.
-    fn find(&mut self, step: &ContactStep<'_>, positions: &[Vec3], round: Option<u32>) {
+    /// Looks at everything that has moved since it was looked at last: lists what goes through, and on a `pass` for impulses adds the contacts that are violated.
+    fn find(&mut self, step: &ContactStep<'_>, positions: &[Vec3], pass: Option<Pass>) {
         let tolerance = self.tolerance();
         let Self {
             obstacles,
@@ -279,11 +335,12 @@ impl ClothContacts {
             },
             to: positions,
             tolerance,
-            memory: (round == Some(0)).then_some(memory),
-            certify: round.is_none_or(|round| round >= ENOUGH_ROUNDS),
+            memory,
+            first: pass.is_some_and(|pass| pass.first),
+            certify: pass.is_none_or(|pass| pass.certify),
         };
         let mut add = |row| {
-            if round.is_some() {
+            if pass.is_some() {
                 rows.push(row);
             }
         };
@@ -308,7 +365,7 @@ impl ClothContacts {
                 if !touched(cloth, index) {
                     continue;
                 }
-                let hit = if round.is_some() {
+                let hit = if pass.is_some() {
                     cloth.examine(index, &look, &mut add)
                 } else {
                     cloth.hits(index, step.from, positions)

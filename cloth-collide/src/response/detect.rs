@@ -98,16 +98,25 @@ impl Cloth {
         }
         let thickness = self.thickness_of(&pair);
         let cloth = |at: &Nearest, offset| look.make.cloth(pair.vertices, at, offset);
-        let mut found = false;
-        if start.distance <= NEAR * thickness {
-            if !self.has_row[index] {
+        let verdict = if start.distance <= NEAR * thickness {
+            if self.has_row[index] {
+                Verdict::Satisfied
+            } else {
                 let missing = (thickness - start.distance).max(0.0);
-                let mut row = cloth(&start, thickness - (1.0 - RECOVERY) * missing);
+                let offset = thickness - (1.0 - RECOVERY) * missing;
+                let mut row = cloth(&start, offset);
                 if let Some(row) = &mut row {
                     row.key = Some(self.key(index));
                 }
-                found = look.keep(row, &mut add);
-                self.has_row[index] = found;
+                // A boundary that only passes by at a distance is no obstacle.
+                let passes_by = || nearest(pair.kind, &motion.to).distance >= offset;
+                let verdict = match look.judge(row, &mut add) {
+                    Verdict::Postponed if !look.first && passes_by() => Verdict::Satisfied,
+                    Verdict::Postponed if !look.first => look.insist(row, &mut add),
+                    verdict => verdict,
+                };
+                self.has_row[index] = verdict == Verdict::Added;
+                verdict
             }
         } else {
             self.continuous_tests += 1;
@@ -115,18 +124,18 @@ impl Cloth {
                 return false;
             };
             let at = nearest(pair.kind, &motion.at(time));
-            found = look.keep(cloth(&at, thickness), &mut add);
-        }
-        if found && !look.certify {
+            look.judge_or_insist(cloth(&at, thickness), &mut add)
+        };
+        if verdict != Verdict::Satisfied && !look.certify {
             return true;
         }
         let Some(time) = self.hit(&pair, &motion, &start) else {
             return false;
         };
-        if !found {
+        if verdict == Verdict::Satisfied {
             let at = nearest(pair.kind, &motion.at(time));
             let offset = at.distance + RECOVERY * (thickness - at.distance).max(0.0);
-            look.keep(cloth(&at, offset), &mut add);
+            look.judge_or_insist(cloth(&at, offset), &mut add);
         }
         true
     }
@@ -188,24 +197,60 @@ pub(super) struct Look<'a> {
     pub(super) to: &'a [Vec3],
     /// By how much (m) a contact may be violated.
     pub(super) tolerance: Real,
-    /// Contacts of the last step, to begin with.
-    pub(super) memory: Option<&'a Memory>,
+    /// Contacts of the last step.
+    pub(super) memory: &'a Memory,
+    /// Whether this is the first look of the step: contacts of the last one are taken over, and those with the boundary of a triangle or the end of an edge are left for later. Most
+    /// boundaries have a neighbour that is the better one to push, and would only get in the way of what slides over them.
+    pub(super) first: bool,
     /// Whether it matters if a pair with a violated contact only comes too near, or passes through.
     pub(super) certify: bool,
 }
 
+/// What becomes of a possible contact.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Verdict {
+    /// Not violated.
+    Satisfied,
+    /// It is violated and has a row now, or it had a row and pushed in the last step.
+    Added,
+    /// It is violated, but with a boundary.
+    Postponed,
+}
+
 impl Look<'_> {
     /// Hands a row to `add` if it is violated, or if its contact pushed in the last step.
-    fn keep(&self, row: Option<Row>, add: &mut impl FnMut(Row)) -> bool {
+    fn judge(&self, row: Option<Row>, add: &mut impl FnMut(Row)) -> Verdict {
         let Some(row) = row else {
-            return false;
+            return Verdict::Satisfied;
         };
-        let recalled = self.memory.and_then(|m| m.recall(&row, self.make.dt));
-        let needed = recalled.is_some() || row.excess(self.to) < -self.tolerance;
-        if needed {
-            add(recalled.unwrap_or(row));
+        let recalled = self
+            .memory
+            .recall(&row, self.make.dt)
+            .filter(|_| self.first);
+        if recalled.is_none() && row.excess(self.to) >= -self.tolerance {
+            return Verdict::Satisfied;
         }
-        needed
+        if recalled.is_none() && row.is_at_boundary() {
+            return Verdict::Postponed;
+        }
+        add(recalled.unwrap_or(row));
+        Verdict::Added
+    }
+
+    /// The same for a row that is known to be violated.
+    fn insist(&self, row: Option<Row>, add: &mut impl FnMut(Row)) -> Verdict {
+        if let Some(row) = row {
+            add(row);
+        }
+        Verdict::Added
+    }
+
+    /// Postpones contacts with a boundary at the first look only.
+    fn judge_or_insist(&self, row: Option<Row>, add: &mut impl FnMut(Row)) -> Verdict {
+        match self.judge(row, add) {
+            Verdict::Postponed if !self.first => self.insist(row, add),
+            verdict => verdict,
+        }
     }
 
     /// What a vertex does to obstacle `number`: hands the row that keeps it out, if it needs one, to `add`, and returns whether it gets inside.
@@ -225,8 +270,8 @@ impl Look<'_> {
         if let Some(row) = &mut row {
             row.key = Some(2 << 62 | u64::from(vertex) << 31 | number as u64);
         }
-        let found = self.keep(row, &mut add);
-        found && !self.certify || self.enters(obstacles, number, way)
+        let verdict = self.judge(row, &mut add);
+        verdict != Verdict::Satisfied && !self.certify || self.enters(obstacles, number, way)
     }
 
     /// Whether a vertex on its `way` (m) gets inside an obstacle, or deeper inside if it was there before, by more than the tolerance.

@@ -52,6 +52,11 @@ impl Row {
         }
     }
 
+    /// Whether the nearest point of a piece of cloth is on its boundary.
+    pub(super) fn is_at_boundary(&self) -> bool {
+        !self.is_obstacle && self.weights.contains(&0.0)
+    }
+
     /// n · p − offset: negative if violated.
     pub(super) fn excess(&self, x: &[Vec3]) -> Real {
         self.normal.dot(&self.point(x)) - self.offset

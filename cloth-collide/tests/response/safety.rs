@@ -3,6 +3,10 @@
 use super::flight::{Flight, moved, together};
 use super::random::Random;
 use cloth_collide::ClothContacts;
+use cloth_collide::obstacle::{
+    HalfSpace, ImpactLaw, Obstacle, ObstacleContacts, Pose, RigidMotion,
+};
+use cloth_core::contact::ContactError;
 use cloth_core::math::Vec3;
 use cloth_core::mesh::TriMesh;
 use cloth_core::mesh::generate::{Diagonals, grid};
@@ -114,4 +118,93 @@ fn towel_twisted_by_four_turns_never_crosses_itself() {
         assert_eq!(flight.crossings(), 0, "step {step}");
     }
     println!("{tally:?}");
+}
+
+/// Two walls come together with a crumpled sheet between them. It is resolved as long as there is room, and then refused; it never crosses.
+#[test]
+fn sheet_squeezed_between_walls_is_resolved_or_refused() {
+    let sheet = grid(13, 13, 0.4, 0.4, Diagonals::Alternating).unwrap();
+    let mesh = moved(&sheet, |x| {
+        let fold = 0.02 * (40.0 * x.x).sin() + 0.01 * (31.0 * x.y).cos();
+        Vec3::new(x.x, fold, x.y) - Vec3::new(0.2, 0.0, 0.2)
+    });
+    let wall = |side: f64| {
+        let motion = RigidMotion {
+            pose: Pose::at(Vec3::x() * (-0.25 * side)),
+            velocity: Vec3::x() * (0.25 * side),
+            ..RigidMotion::default()
+        };
+        Obstacle::moving(HalfSpace::new(Vec3::x() * side).unwrap(), motion).unwrap()
+    };
+    let law = ImpactLaw::new(0.3, 0.0).unwrap();
+    let walls = ObstacleContacts::new(2e-3, 2e-3).unwrap();
+    let walls = walls.with(wall(1.0), law).with(wall(-1.0), law);
+    let contacts = ClothContacts::builder(&mesh)
+        .thickness(2e-3)
+        .friction(0.2)
+        .obstacles(walls)
+        .build()
+        .unwrap();
+    let mut flight = Flight::new(&mesh, contacts).with_edges(&mesh);
+    let mut tally = std::collections::BTreeMap::new();
+    for step in 0..120 {
+        let end = flight.step(1.0 / 60.0);
+        let report = flight.contacts.report();
+        *tally.entry(report.stage).or_insert(0) += 1;
+        if step % 10 == 0 || report.stage > cloth_collide::ContactStage::Impulses {
+            println!("{step} {end:?} {report:?}");
+        }
+        assert_eq!(flight.crossings(), 0, "step {step}");
+        let gap = 0.5 - 0.5 * (step + 1) as f64 / 60.0;
+        match end {
+            Ok(()) => {
+                for x in &flight.positions {
+                    assert!(x.x.abs() < 0.5 * gap, "step {step}: {} of {gap}", x.x);
+                }
+            }
+            Err(error) => {
+                assert!(matches!(error, ContactError::NoWay { .. }));
+                println!("{step} {gap}");
+                break;
+            }
+        }
+    }
+    println!("{tally:?}");
+}
+
+#[test]
+fn prescribed_sheets_that_cross_have_no_way() {
+    let sheet = grid(3, 3, 0.2, 0.2, Diagonals::Alternating).unwrap();
+    let other = moved(&sheet, |x| x + Vec3::new(0.013, 0.017, 0.1));
+    let mesh = together(&[sheet, other]);
+    let contacts = ClothContacts::builder(&mesh).build().unwrap();
+    let mut flight = Flight::new(&mesh, contacts);
+    flight.inverse_mass.fill(0.0);
+    for v in &mut flight.velocities[9..] {
+        *v = Vec3::z() * -1.0;
+    }
+    for _ in 0..9 {
+        flight.step(0.01).unwrap();
+    }
+    for _ in 0..3 {
+        let end = flight.step(0.02);
+        assert!(matches!(end, Err(ContactError::NoWay { .. })), "{end:?}");
+    }
+    // Nothing has happened to the contacts: back is free.
+    for v in &mut flight.velocities[9..] {
+        *v = Vec3::z();
+    }
+    flight.step(0.02).unwrap();
+}
+
+#[test]
+fn crossing_start_is_refused_with_its_count() {
+    let sheet = grid(3, 3, 0.2, 0.2, Diagonals::Alternating).unwrap();
+    let other = moved(&sheet, |x| Vec3::new(x.x + 0.013, 0.09, x.y - 0.1));
+    let mesh = together(&[sheet, other]);
+    let contacts = ClothContacts::builder(&mesh).build().unwrap();
+    let mut flight = Flight::new(&mesh, contacts);
+    let pairs = flight.crossings();
+    assert!(pairs > 0);
+    assert_eq!(flight.step(0.01), Err(ContactError::Tangled { pairs }));
 }
