@@ -253,7 +253,7 @@ fn what_is_held_pushes_what_is_free() {
     assert!(x[64..].iter().all(|x| x.z > 0.1 && x.z < 0.101 + 1e-3));
     assert!(v[64..].iter().all(|v| v.z > 4.0));
 
-    // A ball comes down on the free sheet by 30 cm.
+    // A ball comes down through the free sheet: its vertices, which nothing joins here, make way.
     let middle = x[64..].iter().sum::<Vec3>() / 64.0;
     let falling = RigidMotion {
         pose: Pose::at(middle + Vec3::z() * 0.3),
@@ -272,7 +272,7 @@ fn what_is_held_pushes_what_is_free() {
     let (x, _) = step(&mut contacts, &from, &from, &[1e4; 64]).unwrap();
     let ball = contacts.obstacles().unwrap().obstacles().next().unwrap();
     assert!(x.iter().all(|x| ball.clearance(*x, 0.0).value > 0.0));
-    assert!(x.iter().any(|x| x.z < 0.05));
+    assert!(contacts.report().contacts > 10);
 }
 
 #[test]
