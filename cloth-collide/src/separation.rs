@@ -176,7 +176,7 @@ impl SeparationProbe {
 }
 
 /// Whether two triangles have a point in common that is not due to a common vertex or edge.
-fn meet_unduly(pair: [[u32; 3]; 2], positions: &[Vec3]) -> bool {
+pub(crate) fn meet_unduly(pair: [[u32; 3]; 2], positions: &[Vec3]) -> bool {
     let x = pair.map(|t| gather(positions, t));
     let shared = |one: usize| pair[one].map(|vertex| pair[1 - one].contains(&vertex));
     match shared(0).iter().filter(|&&s| s).count() {
