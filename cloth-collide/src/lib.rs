@@ -54,6 +54,8 @@
 //! | boxes of all that moves overlap: vertex–triangle and edge–edge candidates | [`ClothCandidates`] |
 //! | overlapping boxes, from a tree, from hashed cells, from cells along a curve | [`Hierarchy`], [`SpatialHash`], [`MortonGrid`] |
 //! | boxes within a distance: pairs of triangles | [`TrianglePairs`] |
+//! | min ½ ‖x − y‖²_M/Δt² + Σ A b(d), by steps that stay in the safe set | [`barrier`], a chapter of its own |
+//! | δL = −Σ r·δx: the curve in which a cloth passes through itself, shortened | [`untangle`], a chapter of its own |
 //! | number of meeting pairs, min d over everything that shares no vertex | [`SeparationProbe`] |
 //!
 //! # Examples
@@ -136,6 +138,8 @@
 //! | `intersect.rs`, `intersect/apart.rs` | the exact test, and the quick one before it |
 //! | `bounds.rs`, `convert.rs` | boxes, ours and parry's |
 //! | `obstacle.rs`, `obstacle/` | a chapter of its own: `half_space`, `sphere`, `capsule`, `cuboid`, `closed_mesh`, `sampled`; `motion`, `placed`; `penalty`, `impact`; `sweep`, `contact`, `flight` |
+//! | `barrier.rs`, `barrier/` | a chapter of its own: `gap`, `mollifier`, `pair`; `terms`, `newton`, `guard`, `minimise`; `builder`, `contacts` |
+//! | `untangle.rs`, `untangle/` | a chapter of its own: `crossing`, `contour`, `pieces` |
 //! | `broad_phase.rs` | what a broad phase is |
 //! | `broad_phase/hierarchy.rs` | the tree of boxes |
 //! | `broad_phase/cells.rs`, `spatial_hash.rs`, `morton_grid.rs` | the cells, and two ways to sort boxes into them |
@@ -167,6 +171,7 @@
 //!   deformable objects, VMV 2003.
 #![forbid(unsafe_code)]
 
+pub mod barrier;
 mod bounds;
 mod broad_phase;
 mod ccd;
@@ -179,6 +184,7 @@ mod intersect;
 pub mod obstacle;
 mod response;
 mod separation;
+pub mod untangle;
 
 #[cfg(test)]
 #[path = "../tests/support/random.rs"]

@@ -69,6 +69,12 @@ impl ObstacleContacts {
         self
     }
 
+    /// The distance at which vertices are kept (m).
+    #[must_use]
+    pub fn thickness(&self) -> Real {
+        self.thickness
+    }
+
     /// The obstacles, in the order in which they were added.
     pub fn obstacles(&self) -> impl Iterator<Item = &Obstacle> + '_ {
         self.obstacles.iter().map(|(obstacle, _)| obstacle)

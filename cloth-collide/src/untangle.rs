@@ -1,0 +1,289 @@
+//! A cloth that passes through itself, pulled apart (COL-8).
+//!
+//! # The idea
+//!
+//! Contact keeps apart what is apart. It cannot help a cloth that starts tangled, because a cloth has no inside that would say which side is wrong. But where it passes through itself
+//! there is a curve, the *contour*, and without tangles there is none. So Volino and Magnenat-Thalmann (2006) **shorten the contour**: its length
+//! L, a sum over pairs of triangles of the segments in which they meet, has a gradient by the vertices, and cloth that goes down the gradient
+//! slips apart the short way, without anybody having decided on sides.
+//!
+//! The ends of segments are points x at which an edge E passes through a triangle with the normal N. With displacements u of the edge and w of the triangle at x,
+//!
+//! δx = u + E (N·(w − u))/(N·E),  δL = −Σ r·δx,
+//!
+//! r being the unit vector from x into its segment. An edge within a cloth has two segments at x, with opposite r where the contour is straight; so the
+//! gradient is large where the contour bends or ends, and when the two surfaces are nearly parallel, N·E small, it leads straight away from the surface.
+//!
+//! An iteration moves each vertex against the gradient, times its inverse mass, by at most a quarter of an edge, and by less where the contour would become
+//! longer. Positions alone are moved; there is no elastic energy in this, and a solver has to smooth what it leaves.
+//!
+//! # Where shortening stalls
+//!
+//! A contour that goes straight across a cloth, from rim to rim, is as long wherever it is: the gradient only pinches its ends. When an iteration
+//! gains less than a twentieth of the length, and the contour cuts something off, we fall back on the global view of Baraff et al. (2003): without the edges that pass through
+//! triangles the cloth falls into parts, the largest part is taken to be right, and each of the others is pushed as a whole through the triangles
+//! that cut it off.
+//!
+//! # Equation → code
+//!
+//! | equation | code |
+//! |---|---|
+//! | x = E ∩ triangle, and how it moves | `crossing` |
+//! | L, ∂L/∂x | `contour`, [`Untangler::contour_length`] |
+//! | parts that are cut off, and the way back | `pieces` |
+//! | until no triangles meet | [`Untangler::relax`] |
+//!
+//! # Limits
+//!
+//! - Held vertices can make it impossible, and neither method sees far: [`UntangleOutcome::Stalled`] is an answer. The positions are then finite, and
+//!   no more tangled than the report says.
+//! - Which part is right is a guess by size, and may be the wrong one.
+//! - Pushes can make the contour longer for a while.
+//! - Untangled means that no triangles meet, exactly; the distance may be tiny.
+//! - Edges in the plane of a triangle have no crossing point, and do not pull.
+//!
+//! # References
+//!
+//! - P. Volino and N. Magnenat-Thalmann, Resolving surface collisions through intersection contour minimization, *ACM Transactions on Graphics* 25(3),
+//!   2006. DOI 10.1145/1141911.1142007
+//! - D. Baraff, A. Witkin and M. Kass, Untangling cloth, *ACM Transactions on Graphics* 22(3), 2003. DOI 10.1145/882262.882357
+
+mod contour;
+mod crossing;
+mod pieces;
+
+use crate::error::CollideError;
+use cloth_core::math::{Real, Vec3, gather};
+use cloth_core::mesh::TriMesh;
+use contour::Contour;
+use pieces::Pieces;
+
+/// Moves a tangled cloth apart by shortening the curves in which it passes through itself (COL-8).
+///
+/// ```
+/// use cloth_collide::untangle::{UntangleOutcome, Untangler};
+/// use cloth_core::math::Vec3;
+/// use cloth_core::mesh::TriMesh;
+///
+/// // A corner (m) of one triangle has gone through another.
+/// let floor = [(0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)];
+/// let other = [(0.3, 0.3, -0.05), (0.5, 0.3, 0.4), (0.3, 0.5, 0.4)];
+/// let mut x: Vec<_> = floor.iter().chain(&other).map(|&(x, y, z)| Vec3::new(x, y, z)).collect();
+/// let mesh = TriMesh::new(x.clone(), vec![[0, 1, 2], [3, 4, 5]])?;
+/// let report = Untangler::new(&mesh).relax(&mut x, &[1.0; 6], 20)?;
+/// assert_eq!((report.outcome, report.pairs_after), (UntangleOutcome::Untangled, 0));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug)]
+pub struct Untangler {
+    contour: Contour,
+    pieces: Pieces,
+    /// A quarter of the mean length of the sides of the rest shape (m): no vertex moves by more in an iteration.
+    longest_step: Real,
+    gradient: Vec<Vec3>,
+    trial: Vec<Vec3>,
+    lengths: Vec<Real>,
+}
+
+/// How an attempt to untangle ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum UntangleOutcome {
+    /// No two triangles meet.
+    Untangled,
+    /// Nothing more can be done: no small motion makes the contour shorter, and nothing is cut off that can be pushed back with success.
+    Stalled,
+    /// The iterations were spent before one of these.
+    BudgetSpent,
+}
+
+/// What an attempt to untangle did.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct UntangleReport {
+    /// Pairs of triangles that met at the start, counted exactly as by [`SeparationProbe`](crate::SeparationProbe).
+    pub pairs_before: usize,
+    /// Pairs that meet at the end.
+    pub pairs_after: usize,
+    /// Length of the contour at the start (m).
+    pub length_before: Real,
+    /// Length at the end (m).
+    pub length_after: Real,
+    /// Iterations: gradients taken.
+    pub iterations: u32,
+    /// How it ended.
+    pub outcome: UntangleOutcome,
+}
+
+/// Gradients above this (dimensionless) are shortened to about 1.
+const SOFT: Real = 0.1;
+/// A step that leaves more than this part of the length is not worth while,
+const WORTHWHILE: Real = 0.95;
+/// and pushes are given up after so many iterations without fewer pairs.
+const PATIENCE: u32 = 30;
+/// Shortest step, as a part of the longest.
+const SHORTEST: Real = 1e-4;
+
+impl Untangler {
+    /// For the cloth `mesh`, whose rest shape sets the length of a step.
+    #[must_use]
+    pub fn new(mesh: &TriMesh) -> Self {
+        let side = |&t: &[u32; 3]| {
+            let [a, b, c] = gather(mesh.positions(), t);
+            ((b - a).norm() + (c - b).norm() + (a - c).norm()) / 3.0
+        };
+        let sum: Real = mesh.triangles().iter().map(side).sum();
+        let zeros = vec![Vec3::zeros(); mesh.vertex_count()];
+        Self {
+            contour: Contour::new(mesh),
+            pieces: Pieces::new(mesh),
+            longest_step: 0.25 * sum / mesh.triangle_count() as Real,
+            gradient: zeros.clone(),
+            trial: zeros,
+            lengths: Vec::new(),
+        }
+    }
+
+    /// Length of the contour (m) at `positions` (m), and into `gradient` its gradient by them (dimensionless).
+    ///
+    /// # Errors
+    /// [`CollideError::NonFinitePosition`].
+    ///
+    /// # Panics
+    /// If there is not one position and one place for a gradient per vertex.
+    pub fn contour_length(
+        &mut self,
+        positions: &[Vec3],
+        gradient: &mut [Vec3],
+    ) -> Result<Real, CollideError> {
+        assert_eq!(gradient.len(), self.trial.len(), "one gradient a vertex");
+        self.contour.find(positions)?;
+        self.contour.gradient(gradient);
+        Ok(self.contour.length())
+    }
+
+    /// Length of the contour (m) before the last [`Untangler::relax`] and after each of its iterations.
+    #[must_use]
+    pub fn lengths(&self) -> &[Real] {
+        &self.lengths
+    }
+
+    /// Moves `positions` (m) until no two triangles meet, for at most `most_iterations`. Vertices with an `inverse_mass` (1/kg) of 0 stay; of the others, heavy
+    /// ones move less. Equal inputs give equal results, to the bit.
+    ///
+    /// # Errors
+    /// [`CollideError::NonFinitePosition`]; the positions are as they were.
+    ///
+    /// # Panics
+    /// If there is not one position and one inverse mass per vertex.
+    pub fn relax(
+        &mut self,
+        positions: &mut [Vec3],
+        inverse_mass: &[Real],
+        most_iterations: u32,
+    ) -> Result<UntangleReport, CollideError> {
+        assert_eq!(positions.len(), self.trial.len(), "one position a vertex");
+        assert_eq!(inverse_mass.len(), self.trial.len(), "one mass a vertex");
+        self.contour.find(positions)?;
+        self.lengths.clear();
+        let length_before = self.contour.length();
+        let pairs_before = self.contour.pair_count;
+        let mut step = self.longest_step;
+        let mut iterations = 0;
+        // The fewest pairs so far, and when.
+        let mut best = (pairs_before, 0);
+        let outcome = loop {
+            self.lengths.push(self.contour.length());
+            if self.contour.pair_count == 0 {
+                break UntangleOutcome::Untangled;
+            }
+            if iterations == most_iterations {
+                break UntangleOutcome::BudgetSpent;
+            }
+            iterations += 1;
+            let before = self.contour.length();
+            self.contour.gradient(&mut self.gradient);
+            self.scale(inverse_mass);
+            let taken = self.shorten(positions, step)?;
+            step = taken.map_or(self.longest_step, |taken| {
+                (1.5 * taken).min(self.longest_step)
+            });
+            if taken.is_some() && self.contour.length() < WORTHWHILE * before {
+                continue;
+            }
+            self.contour.find(positions)?;
+            if self.contour.pair_count < best.0 {
+                best = (self.contour.pair_count, iterations);
+            }
+            let pushed = iterations - best.1 < PATIENCE && self.push(positions, inverse_mass)?;
+            if !pushed && taken.is_none() {
+                self.lengths.push(self.contour.length());
+                break UntangleOutcome::Stalled;
+            }
+        };
+        Ok(UntangleReport {
+            pairs_before,
+            pairs_after: self.contour.pair_count,
+            length_before,
+            length_after: self.contour.length(),
+            iterations,
+            outcome,
+        })
+    }
+
+    /// Makes displacements of the gradient: by mass, and none much above 1.
+    fn scale(&mut self, inverse_mass: &[Real]) {
+        let lightest = inverse_mass.iter().copied().fold(0.0, Real::max);
+        for (g, w) in self.gradient.iter_mut().zip(inverse_mass) {
+            let soft = (g.norm_squared() + SOFT * SOFT).sqrt();
+            *g *= if lightest > 0.0 {
+                w / lightest / soft
+            } else {
+                0.0
+            };
+        }
+    }
+
+    /// Pushes what is cut off back by the longest step. Whether anything is, and can move.
+    fn push(
+        &mut self,
+        positions: &mut [Vec3],
+        inverse_mass: &[Real],
+    ) -> Result<bool, CollideError> {
+        if !self.pieces.divide(self.contour.crossings()) {
+            return Ok(false);
+        }
+        self.pieces.push(positions, &mut self.gradient);
+        self.scale(inverse_mass);
+        if self.gradient.iter().all(|g| *g == Vec3::zeros()) {
+            return Ok(false);
+        }
+        for (x, g) in positions.iter_mut().zip(&self.gradient) {
+            *x -= g * self.longest_step;
+        }
+        self.contour.find(positions)?;
+        Ok(true)
+    }
+
+    /// Goes down the gradient by `step` (m) or less, so that the contour becomes shorter, or goes away. How far it went.
+    fn shorten(
+        &mut self,
+        positions: &mut [Vec3],
+        step: Real,
+    ) -> Result<Option<Real>, CollideError> {
+        let before = self.contour.length();
+        let mut step = step;
+        while step >= SHORTEST * self.longest_step {
+            let all = self.trial.iter_mut().zip(&*positions).zip(&self.gradient);
+            for ((trial, x), g) in all {
+                *trial = x - g * step;
+            }
+            self.contour.find(&self.trial)?;
+            let after = self.contour.length();
+            if after < before || self.contour.pair_count == 0 {
+                positions.copy_from_slice(&self.trial);
+                return Ok(Some(step));
+            }
+            step *= 0.5;
+        }
+        Ok(None)
+    }
+}

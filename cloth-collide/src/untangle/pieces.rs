@@ -1,0 +1,141 @@
+//! What the contour cuts off a cloth: the parts that are probably on the wrong side.
+
+use super::crossing::Crossing;
+use crate::incidence::edge_numbers;
+use cloth_core::math::{Real, Vec3};
+use cloth_core::mesh::TriMesh;
+
+/// Connected parts of the mesh, when the edges that pass through a triangle are taken away.
+///
+/// Each connected mesh has a largest part, taken to be right, and the others are to go back through the surface that cut them off. This is the global analysis of
+/// Baraff et al. (2003), with the number of vertices for the size of a part.
+#[derive(Debug)]
+pub(super) struct Pieces {
+    edges: Vec<[u32; 2]>,
+    /// The number of each vertex's mesh, if several are one.
+    mesh_of: Vec<u32>,
+    /// Union–find: a vertex nearer to the root of its part.
+    parent: Vec<u32>,
+    /// Vertices of the part of each root, and the largest root of each mesh.
+    sizes: Vec<u32>,
+    largest: Vec<u32>,
+    /// Edges and triangles that cross, each pair once.
+    crossings: Vec<Crossing>,
+    cut: Vec<bool>,
+    /// Direction of the way back of each root's part (m², not of unit length).
+    back: Vec<Vec3>,
+}
+
+impl Pieces {
+    pub(super) fn new(mesh: &TriMesh) -> Self {
+        let (edges, _) = edge_numbers(mesh.triangles());
+        let count = mesh.vertex_count();
+        let mut pieces = Self {
+            cut: vec![false; edges.len()],
+            edges,
+            mesh_of: vec![0; count],
+            parent: vec![0; count],
+            sizes: vec![0; count],
+            largest: vec![0; count],
+            crossings: Vec::new(),
+            back: vec![Vec3::zeros(); count],
+        };
+        pieces.join_uncut();
+        pieces.mesh_of.copy_from_slice(&pieces.parent);
+        pieces
+    }
+
+    /// The root of the part of a vertex. Afterwards every vertex points at its root.
+    fn join_uncut(&mut self) {
+        for (vertex, parent) in (0..).zip(&mut self.parent) {
+            *parent = vertex;
+        }
+        for (ends, _) in self.edges.iter().zip(&self.cut).filter(|(_, cut)| !**cut) {
+            let [a, b] = ends.map(|v| root(&self.parent, v));
+            // The smaller number is the root, so the order of edges does not matter.
+            self.parent[a.max(b) as usize] = a.min(b);
+        }
+        // Roots have smaller numbers than what hangs on them.
+        for vertex in 0..self.parent.len() {
+            self.parent[vertex] = self.parent[self.parent[vertex] as usize];
+        }
+    }
+
+    /// Takes over where edges pass through triangles. Whether anything is cut off.
+    pub(super) fn divide(&mut self, crossings: impl Iterator<Item = Crossing>) -> bool {
+        self.crossings.clear();
+        self.crossings.extend(crossings);
+        let name = |c: &Crossing| (c.sorted_edge(), c.triangle);
+        self.crossings.sort_unstable_by_key(name);
+        self.crossings.dedup_by_key(|c| name(c));
+        self.cut.fill(false);
+        for crossing in &self.crossings {
+            if let Ok(edge) = self.edges.binary_search(&crossing.sorted_edge()) {
+                // Through and back again is on the same side.
+                self.cut[edge] = !self.cut[edge];
+            }
+        }
+        self.join_uncut();
+        self.sizes.fill(0);
+        for root in &self.parent {
+            self.sizes[*root as usize] += 1;
+        }
+        self.largest.copy_from_slice(&self.mesh_of);
+        let mut cut_off = false;
+        for (vertex, root) in (0u32..).zip(&self.parent) {
+            if vertex == *root {
+                let mesh = self.mesh_of[vertex as usize] as usize;
+                cut_off |= vertex != mesh as u32;
+                if self.sizes[vertex as usize] > self.sizes[self.largest[mesh] as usize] {
+                    self.largest[mesh] = vertex;
+                }
+            }
+        }
+        cut_off
+    }
+
+    fn is_cut_off(&self, vertex: u32) -> bool {
+        let root = self.parent[vertex as usize];
+        root != self.largest[self.mesh_of[vertex as usize] as usize]
+    }
+
+    /// Replaces `out` by the way away from where the parts should go (dimensionless), so that going against it, as against a gradient, pushes them back through
+    /// the triangles that cut them off, and these the other way.
+    pub(super) fn push(&mut self, positions: &[Vec3], out: &mut [Vec3]) {
+        out.fill(Vec3::zeros());
+        self.back.fill(Vec3::zeros());
+        for crossing in &self.crossings {
+            let Some((inside, n)) = self.way_back(crossing, positions) else {
+                continue;
+            };
+            self.back[self.parent[inside as usize] as usize] += n;
+            for (vertex, weight) in crossing.triangle.iter().zip(crossing.weights) {
+                out[*vertex as usize] += n * weight;
+            }
+        }
+        for (vertex, root) in self.parent.iter().enumerate() {
+            out[vertex] -= self.back[*root as usize];
+        }
+    }
+
+    /// The end of a crossing edge that is on the wrong side, and the unit normal of the triangle that leads to the other.
+    fn way_back(&self, crossing: &Crossing, positions: &[Vec3]) -> Option<(u32, Vec3)> {
+        let [a, b] = crossing.edge;
+        let (inside, outside) = match (self.is_cut_off(a), self.is_cut_off(b)) {
+            (true, false) => (a, b),
+            (false, true) => (b, a),
+            _ => return None,
+        };
+        let n = crossing.normal.try_normalize(0.0)?;
+        let way = positions[outside as usize] - positions[inside as usize];
+        let side: Real = n.dot(&way).signum();
+        Some((inside, n * side))
+    }
+}
+
+fn root(parent: &[u32], mut vertex: u32) -> u32 {
+    while parent[vertex as usize] != vertex {
+        vertex = parent[vertex as usize];
+    }
+    vertex
+}
