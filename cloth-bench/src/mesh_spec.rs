@@ -2,12 +2,13 @@
 
 use crate::error::BenchError;
 use crate::names;
+use cloth_core::math::Vec3;
 use cloth_core::mesh::generate::{self, Diagonals};
-use cloth_core::mesh::{TriMesh, obj};
+use cloth_core::mesh::{MeshError, TriMesh, obj};
 use std::path::Path;
 
 /// The generators and how they are written, for `list`.
-pub const GENERATORS: [(&str, &str); 8] = [
+pub const GENERATORS: [(&str, &str); 9] = [
     (
         "grid:NxM:PATTERN",
         "N × M vertices, 1 m wide; PATTERN is one-way, alternating or crossed",
@@ -36,6 +37,10 @@ pub const GENERATORS: [(&str, &str); 8] = [
     (
         "moebius:NxM",
         "a Möbius band, N vertices around, M cells across, radius 0.5 m",
+    ),
+    (
+        "holes:N:K",
+        "N × N cells, alternating diagonals, 1 m × 1 m, with K × K square holes; A+B sets any two of these side by side",
     ),
 ];
 
@@ -68,12 +73,15 @@ pub fn is_file(spec: &str) -> bool {
 /// # Errors
 /// [`BenchError::Usage`] that names what is wrong with the name, or with the line of the file.
 pub fn load(spec: &str) -> Result<TriMesh, BenchError> {
-    let mut parts = spec.split(':');
-    let kind = parts.next().unwrap_or_default();
-    let arguments: Vec<&str> = parts.collect();
     if is_file(spec) {
         return obj::read(Path::new(spec)).map_err(BenchError::usage);
     }
+    if spec.contains('+') {
+        return side_by_side(spec);
+    }
+    let mut parts = spec.split(':');
+    let kind = parts.next().unwrap_or_default();
+    let arguments: Vec<&str> = parts.collect();
     let known = kinds();
     if !known.contains(&kind) {
         return Err(BenchError::Usage(names::unknown(
@@ -132,12 +140,62 @@ pub fn load(spec: &str) -> Result<TriMesh, BenchError> {
             generate::torus(n, m, 0.5, 0.2)
         }
         "sphere" => generate::sphere(one()?, 0.5),
+        "holes" => match arguments[..] {
+            [cells, holes] => with_holes(
+                cells.parse().map_err(|_| wrong())?,
+                holes.parse().map_err(|_| wrong())?,
+            ),
+            _ => return Err(wrong()),
+        },
         _ => {
             let [n, m] = only_two()?;
             generate::moebius(n, m, 0.5, 0.3)
         }
     };
     mesh.map_err(|error| BenchError::Usage(format!("`{spec}`: {error}")))
+}
+
+/// A square sheet of `cells` × `cells` cells with `holes` × `holes` square holes, at least a cell apart and a cell from the rim.
+fn with_holes(cells: usize, holes: usize) -> Result<TriMesh, MeshError> {
+    let bands = holes.saturating_mul(2).saturating_add(1);
+    if cells < bands {
+        return Err(MeshError::InvalidParameter {
+            name: "the number of cells",
+            value: cells as f64,
+            range: "at least 2 K + 1 for K holes a side",
+        });
+    }
+    let sheet = generate::grid(
+        cells.saturating_add(1),
+        cells.saturating_add(1),
+        1.0,
+        1.0,
+        Diagonals::Alternating,
+    )?;
+    // Cells lie in 2K + 1 bands, of which every second one is cut.
+    let is_cut = |x: f64| ((x * cells as f64) as usize * bands / cells) % 2 == 1;
+    generate::without_triangles(&sheet, |_, corners| {
+        let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
+        is_cut(middle.x) && is_cut(middle.y)
+    })
+}
+
+/// Several generated meshes along the x axis, 0.1 m apart.
+fn side_by_side(spec: &str) -> Result<TriMesh, BenchError> {
+    let mut next = 0.0;
+    let pieces = spec.split('+').map(|piece| {
+        let mesh = load(piece)?;
+        let along = || mesh.positions().iter().map(|p| p.x);
+        let [low, high] = [
+            along().fold(f64::INFINITY, f64::min),
+            along().fold(f64::NEG_INFINITY, f64::max),
+        ];
+        let shift = Vec3::x() * (next - low);
+        next += high - low + 0.1;
+        let positions = mesh.positions().iter().map(|p| p + shift).collect();
+        TriMesh::new(positions, mesh.triangles().to_vec()).map_err(BenchError::usage)
+    });
+    generate::join(&pieces.collect::<Result<Vec<_>, _>>()?).map_err(BenchError::usage)
 }
 
 #[cfg(test)]
@@ -156,6 +214,8 @@ mod tests {
         assert_eq!(counts("tube:8x3"), (32, 48));
         assert_eq!(counts("torus:9x6"), (54, 108));
         assert_eq!(counts("sphere:3"), (92, 180));
+        assert_eq!(counts("holes:5:2"), (36, 42));
+        assert_eq!(counts("sphere:3+disk:1+grid:2x2:one-way"), (103, 188));
     }
 
     #[test]
@@ -166,6 +226,9 @@ mod tests {
         assert!(message("grid:9x9:oneway").contains("`one-way`"));
         assert!(message("grid:9x9").contains("grid:NxM:PATTERN"));
         assert!(message("disk:0").contains("`disk:0`"));
+        assert!(message("holes:4:2").contains("2 K + 1"));
+        assert!(message("holes:4").contains("holes:N:K"));
+        assert!(message("disk:2+dsk:3").contains("`dsk`"));
         assert!(message("sphere:two").contains("sphere:N"));
         assert!(message("no-such-file.obj").contains("no-such-file.obj"));
     }

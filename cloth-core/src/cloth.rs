@@ -31,9 +31,13 @@
 
 mod carriers;
 mod elements;
+mod midpoints;
+mod relief;
 
 pub use carriers::{BendingCarrier, Carriers, MembraneCarrier};
 pub use elements::Elements;
+pub use midpoints::MidpointCloth;
+pub use relief::{SpringEdges, SpringLaw};
 
 use crate::energy::{CurvatureHinge, Spring};
 use crate::family::Energies;
@@ -205,6 +209,19 @@ pub enum ClothError {
     ShearWithoutStiffness,
     /// Shear springs were asked for on a mesh where no two triangles form a rectangle.
     NoRectangles,
+    /// Another law of springs, or springs on some edges only, were asked for where no springs stand on the edges alone.
+    ReliefWithoutSprings,
+    /// The share of k under compression (dimensionless) is above 1.
+    CompressionShare(Real),
+    /// The range of lengths without resistance does not hold 1 (dimensionless).
+    SlackRange([Real; 2]),
+    /// Edges cannot be left out as asked for.
+    Freedom {
+        /// The share of all coordinates that was to be free.
+        share: Real,
+        /// The largest there can be.
+        most: Real,
+    },
 }
 
 impl fmt::Display for ClothError {
@@ -225,6 +242,21 @@ impl fmt::Display for ClothError {
             ),
             Self::NoRectangles => f.write_str(
                 "no two triangles of the mesh form a rectangle that shear springs could cross",
+            ),
+            Self::ReliefWithoutSprings => f.write_str(
+                "slack, weaker springs under compression and springs on some edges only are for a membrane of springs on edges, not for triangles, and not beside shear springs",
+            ),
+            Self::CompressionShare(share) => write!(
+                f,
+                "under compression springs keep {share} of their stiffness, but it has to be at most 1"
+            ),
+            Self::SlackRange([shortest, longest]) => write!(
+                f,
+                "springs are slack from {shortest} to {longest} of their length, but the range has to hold 1 and begin at 0 or above"
+            ),
+            Self::Freedom { share, most } => write!(
+                f,
+                "a share of {share} of the coordinates is to be free, but it has to lie between 0 and {most}: every triangle keeps two edges"
             ),
         }
     }

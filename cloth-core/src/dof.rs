@@ -48,29 +48,40 @@ impl EdgeRank {
     /// # Panics
     /// If an edge names a vertex that has no position.
     pub fn measure(positions: &[Vec3], edges: &EdgeTable) -> Result<Self, RankError> {
+        Self::of_pairs(positions, edges.ends())
+    }
+
+    /// Measures the rank of the distances between `pairs` of vertices at `positions` (m): of springs on some edges only, for instance.
+    ///
+    /// # Errors
+    /// [`RankError`].
+    ///
+    /// # Panics
+    /// If a pair names a vertex that has no position.
+    pub fn of_pairs(positions: &[Vec3], pairs: &[[u32; 2]]) -> Result<Self, RankError> {
         if let Some(vertex) = positions.iter().position(|p| !crate::math::is_finite(p)) {
             return Err(RankError::NonFinite { vertex });
         }
-        let normal = normal_matrix(positions, edges);
+        let normal = normal_matrix(positions, pairs);
         let mut inertia = Inertia::of(&normal).map_err(RankError::Factorization)?;
         let mut above = |singular_value: Real| count_above(&mut inertia, singular_value);
         let rank = above(RANK_THRESHOLD)?;
         Ok(Self {
             rank,
             nullity: 3 * positions.len() - rank,
-            self_stresses: edges.len() - rank,
+            self_stresses: pairs.len() - rank,
             smallest_kept: if rank == 0 {
                 0.0
             } else {
-                smallest_kept(rank, largest_possible(edges, positions.len()), above)?
+                smallest_kept(rank, largest_possible(pairs, positions.len()), above)?
             },
         })
     }
 }
 
 /// `JᵀJ`: the Gauss–Newton Hessian of springs with k = 1.
-fn normal_matrix(positions: &[Vec3], edges: &EdgeTable) -> BlockMatrix {
-    let springs = Spring::along(positions, edges.ends(), 1.0);
+fn normal_matrix(positions: &[Vec3], pairs: &[[u32; 2]]) -> BlockMatrix {
+    let springs = Spring::along(positions, pairs, 1.0);
     let mut energies = Energies::new(positions.len())
         .with(springs)
         .expect("edges name vertices of their mesh");
@@ -81,9 +92,9 @@ fn normal_matrix(positions: &[Vec3], edges: &EdgeTable) -> BlockMatrix {
 
 /// A bound on the largest singular value: each edge adds `g gᵀ` with ‖g‖² = 2 to two vertices, so no eigenvalue of `JᵀJ` exceeds twice the
 /// largest number of edges at a vertex (Gershgorin).
-fn largest_possible(edges: &EdgeTable, vertex_count: usize) -> Real {
+fn largest_possible(pairs: &[[u32; 2]], vertex_count: usize) -> Real {
     let mut degree = vec![0u32; vertex_count];
-    for &vertex in edges.ends().iter().flatten() {
+    for &vertex in pairs.iter().flatten() {
         degree[vertex as usize] += 1;
     }
     (2.0 * Real::from(degree.into_iter().max().unwrap_or(0))).sqrt()

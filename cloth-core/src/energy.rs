@@ -7,6 +7,7 @@
 //! | [`CurvedHinge`], curved at rest | 4 | yes | 1 row | K = 1 | N/m, from a rigidity in N·m |
 //! | [`DihedralHinge`], rest angle | 4 | yes | 1 row | – | N·m, from a rigidity in N·m |
 //! | [`CubicShell`], rest angle | 4 | yes | – | – | N·m, from a rigidity in N·m |
+//! | [`MidpointHinge`], on edge midpoints | 5 | yes | 3 rows | K = 1 | N/m, from a rigidity in N·m |
 //! | [`StvkTriangle`], modulus Y and ν | 3 | yes | 3 rows | – | J, from a modulus in N/m |
 //! | [`ArapTriangle`], modulus Y, ν = 0 | 3 | yes | 2 rows | K = 2 | J, from a modulus in N/m |
 //! | [`AreaTriangle`], area modulus K | 3 | yes | 1 row | – | N/m³, from a modulus in N/m |
@@ -41,6 +42,7 @@ mod cubic_shell;
 mod curvature_hinge;
 mod curved_hinge;
 mod dihedral_hinge;
+mod midpoint_hinge;
 mod spring;
 mod strain_limit_spring;
 mod strain_limit_triangle;
@@ -55,6 +57,7 @@ pub use cubic_shell::CubicShell;
 pub use curvature_hinge::CurvatureHinge;
 pub use curved_hinge::CurvedHinge;
 pub use dihedral_hinge::DihedralHinge;
+pub use midpoint_hinge::MidpointHinge;
 pub use spring::Spring;
 pub use strain_limit_spring::StrainLimitSpring;
 pub use strain_limit_triangle::StrainLimitTriangle;

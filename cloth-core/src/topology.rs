@@ -29,6 +29,8 @@
 //! | V, E, F, E_b, χ, 3V − E | [`Topology::of`] |
 //! | edges across which the winding turns over | [`opposed_edges`] |
 //! | vertices where separate fans touch | [`bow_tie_vertices`] |
+//! | the middles of edges, and the triangles between them | [`Midpoints::of`] |
+//! | edges that can be left out without a triangle losing two | [`droppable_edges`] |
 //!
 //! # Limits
 //!
@@ -39,12 +41,16 @@
 mod boundary;
 mod edges;
 mod hinges;
+mod midpoints;
 mod pieces;
+mod thin;
 
 pub use boundary::boundary_loops;
 pub use edges::{EdgeTable, NONE, opposed_edges, triangle_edges};
 pub use hinges::HingeTable;
+pub use midpoints::Midpoints;
 pub use pieces::{bow_tie_vertices, components};
+pub use thin::droppable_edges;
 
 use crate::mesh::TriMesh;
 

@@ -100,3 +100,64 @@ fn a_closed_convex_surface_has_only_its_rigid_motions() {
     assert_eq!(rank.nullity, 6);
     assert_eq!(rank.self_stresses, 0);
 }
+
+/// 3V − E = 3χ + E_b, and the nullity is that plus the self-stresses, on every kind of surface; dense where it is small.
+#[test]
+fn the_formula_holds_on_every_kind_of_surface() {
+    let holed = |cells: usize| {
+        let sheet = generate::grid(cells + 1, cells + 1, 1.0, 1.0, Diagonals::Alternating).unwrap();
+        generate::without_triangles(&sheet, |_, [a, b, c]| {
+            let middle = (a + b + c) / 3.0;
+            [middle.x, middle.y]
+                .iter()
+                .all(|t| (t * 5.0) as usize % 2 == 1)
+        })
+        .unwrap()
+    };
+    let pieces = [
+        generate::disk(3, 1.0).unwrap(),
+        generate::tube(7, 3, 0.3, 1.0).unwrap(),
+        generate::sphere(2, 1.0).unwrap(),
+    ];
+    // Mesh, χ, E_b, self-stresses when bent: those of a torus, which six rigid motions force on it.
+    for (name, mesh, euler, boundary, stresses) in [
+        ("disk", generate::disk(4, 1.0).unwrap(), 1, 24, 0),
+        ("tube", generate::tube(9, 5, 0.3, 1.0).unwrap(), 0, 18, 0),
+        ("sphere", generate::sphere(3, 1.0).unwrap(), 2, 0, 0),
+        ("torus", generate::torus(11, 7, 1.0, 0.4).unwrap(), 0, 0, 6),
+        (
+            "Möbius",
+            generate::moebius(12, 3, 1.0, 0.5).unwrap(),
+            0,
+            24,
+            0,
+        ),
+        ("holes", holed(10), 1 - 4, 40 + 4 * 8, 0),
+        (
+            "pieces",
+            generate::join(&pieces).unwrap(),
+            1 + 2,
+            18 + 14,
+            0,
+        ),
+    ] {
+        let edges = EdgeTable::build(&mesh).unwrap();
+        let curved = bent(mesh.positions());
+        let (topology, rank) = measured(&mesh, &curved);
+        assert_eq!(
+            (topology.euler, topology.boundary_edges),
+            (euler, boundary),
+            "{name}"
+        );
+        assert_eq!(topology.count_3v_e, 3 * euler + boundary as i64, "{name}");
+        assert_eq!(rank.self_stresses, stresses, "{name}");
+        assert_eq!(
+            rank.nullity as i64,
+            topology.count_3v_e + stresses as i64,
+            "{name}"
+        );
+        let (dense_rank, smallest) = dense(&curved, &edges);
+        assert_eq!(rank.rank, dense_rank, "{name}");
+        assert!((rank.smallest_kept / smallest - 1.0).abs() < 2e-3, "{name}");
+    }
+}

@@ -5,12 +5,13 @@ use crate::error::BenchError;
 use crate::mesh_spec;
 use crate::studies::Locking;
 use clap::Args;
+use cloth_core::dof::RANK_THRESHOLD;
 use serde_json::json;
 
 /// Arguments of `locking`.
 #[derive(Debug, Args)]
 pub struct Arguments {
-    /// An OBJ file, or a generator: grid:NxM:alternating, disk:N, tube:NxM, torus:NxM, sphere:N, … (see list)
+    /// An OBJ file, or a generator: grid:NxM:alternating, disk:N, tube:NxM, torus:NxM, sphere:N, … (see list), or several joined by +
     mesh: String,
     /// One JSON object instead of lines
     #[arg(long)]
@@ -32,6 +33,11 @@ pub(super) fn execute(arguments: &Arguments) -> Result<(), BenchError> {
             ("components", json!(t.components)),
             ("euler", json!(t.euler)),
             ("count_3v_e", json!(t.count_3v_e)),
+            (
+                "count_3euler_boundary",
+                json!(3 * t.euler + t.boundary_edges as i64),
+            ),
+            ("rank_threshold", json!(RANK_THRESHOLD)),
             ("rank_flat", json!(found.flat.rank)),
             ("nullity_flat", json!(found.flat.nullity)),
             ("self_stresses_flat", json!(found.flat.self_stresses)),

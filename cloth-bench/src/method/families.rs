@@ -34,7 +34,9 @@ macro_rules! add_energies {
             $builder,
             $families,
             $method,
-            [Springs, Stvk, Arap, Quadratic, Curved, Dihedral, Cubic],
+            [
+                Springs, Limited, Stvk, Arap, Quadratic, Curved, Dihedral, Cubic, Midpoint
+            ],
             "has a gradient and a Hessian",
             |b, elements| b.energy(elements).map_err(BenchError::usage)?
         )
@@ -48,7 +50,9 @@ macro_rules! add_constraints {
             $builder,
             $families,
             $method,
-            [Springs, Stvk, Arap, Quadratic, Curved, Dihedral],
+            [
+                Springs, Limited, Stvk, Arap, Quadratic, Curved, Dihedral, Midpoint
+            ],
             "is a sum of squares ½ k C²",
             |b, elements| b.energy(elements)
         )
@@ -62,7 +66,7 @@ macro_rules! add_projections {
             $builder,
             $families,
             $method,
-            [Springs, Arap, Quadratic, Curved],
+            [Springs, Limited, Arap, Quadratic, Curved, Midpoint],
             "is a squared distance ½ w ‖Gx − p‖² to a set",
             |b, elements| b.energy(elements)
         )

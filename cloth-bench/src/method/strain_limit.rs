@@ -30,8 +30,9 @@ pub(super) fn limited(
         return Ok(solver);
     }
     let range = StretchRange::stretch(settings.number(&STRAIN_LIMIT)?);
+    // Triangles, and springs that are slack in a range, are limited along the edges.
     let limiter = StrainLimiter::builder(&scene.model.particles)
-        .springs(&scene.model.springs, range)
+        .springs(&scene.gauges()?, range)
         .max_passes(settings.count(&STRAIN_LIMIT_PASSES, 1)?)
         .build()
         .map_err(BenchError::usage)?;

@@ -4,10 +4,28 @@ use super::{
     BENDING, BENDING_STIFFNESS, DENSITY, MEMBRANE, MODULUS, POISSON, RIGIDITY, SHEAR, STIFFNESS,
 };
 use crate::error::BenchError;
-use crate::settings::{Parameter, Settings};
-use cloth_core::cloth::{BendingCarrier, Carriers, Cloth, ClothModel, Membrane, MembraneCarrier};
+use crate::settings::{Parameter, Settings, parameter};
+use cloth_core::cloth::{
+    BendingCarrier, Carriers, Cloth, ClothModel, Membrane, MembraneCarrier, SpringEdges, SpringLaw,
+};
 use cloth_core::math::Real;
 use cloth_core::mesh::TriMesh;
+
+pub(super) const COMPRESSION: Parameter = parameter(
+    "compression",
+    "1",
+    "share of the stiffness that springs on edges keep under compression, from 0 to 1",
+);
+pub(super) const SLACK: Parameter = parameter(
+    "slack",
+    "none",
+    "lengths relative to rest between which springs on edges do not resist, such as 0.98,1.02, or none",
+);
+pub(super) const EDGES: Parameter = parameter(
+    "edges",
+    "all",
+    "edges that carry springs: all, quads (no diagonals), or the share of the coordinates that is to be free, such as 0.2",
+);
 
 /// Cuts the cloth that settings describe to a mesh. `rigidity` is the parameter of the scene for D: scenes differ in its default.
 pub(super) fn cut(
@@ -24,6 +42,8 @@ pub(super) fn cut(
         membrane: membrane_carrier(settings)?,
         shear: optional(settings, &SHEAR)?,
         bending: bending_carrier(settings)?,
+        law: law(settings)?,
+        edges: edges(settings)?,
     };
     cloth.carried_by(&carriers, mesh).map_err(BenchError::usage)
 }
@@ -54,6 +74,41 @@ fn membrane_carrier(settings: &Settings) -> Result<MembraneCarrier, BenchError> 
         },
         "arap" => MembraneCarrier::Arap,
         _ => MembraneCarrier::Springs,
+    })
+}
+
+fn law(settings: &Settings) -> Result<SpringLaw, BenchError> {
+    if settings.text(&SLACK) == SLACK.default {
+        let share = settings.number(&COMPRESSION)?;
+        return Ok(if share == 1.0 {
+            SpringLaw::Linear
+        } else {
+            SpringLaw::Compression(share)
+        });
+    }
+    if settings.get(COMPRESSION.name).is_some() {
+        return Err(BenchError::Usage(
+            "slack and compression both say what springs do when they are pushed: give one of them"
+                .into(),
+        ));
+    }
+    let text = settings.text(&SLACK);
+    let limits = text.split_once(',').and_then(|(least, most)| {
+        let number = |text: &str| text.trim().parse::<Real>().ok();
+        Some([number(least)?, number(most)?])
+    });
+    limits.map(SpringLaw::Slack).ok_or_else(|| {
+        BenchError::Usage(format!(
+            "slack is `{text}`, but it has to be two numbers such as 0.98,1.02, or none"
+        ))
+    })
+}
+
+fn edges(settings: &Settings) -> Result<SpringEdges, BenchError> {
+    Ok(match settings.text(&EDGES) {
+        "all" => SpringEdges::All,
+        "quads" => SpringEdges::Quads,
+        _ => SpringEdges::Freedom(settings.number(&EDGES)?),
     })
 }
 

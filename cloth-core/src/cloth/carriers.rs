@@ -1,6 +1,6 @@
 //! Which elements carry a cloth: the choice, and how each kind gets its constants from the one description (CORE-5 to CORE-7).
 
-use super::{Cloth, ClothError, Elements, Membrane};
+use super::{Cloth, ClothError, Elements, Membrane, SpringEdges, SpringLaw};
 use crate::energy::{
     ArapTriangle, CubicShell, CurvatureHinge, CurvedHinge, DihedralHinge, Spring, StvkTriangle,
 };
@@ -19,6 +19,10 @@ pub struct Carriers {
     pub shear: Option<Real>,
     /// What resists bending.
     pub bending: BendingCarrier,
+    /// How springs on edges answer; springs only, and none beside shear springs.
+    pub law: SpringLaw,
+    /// Which edges carry springs; springs only, and all of them beside shear springs.
+    pub edges: SpringEdges,
 }
 
 /// What resists stretching.
@@ -91,8 +95,18 @@ impl Carriers {
         edges: &EdgeTable,
         cut: &mut Cut,
     ) -> Result<(), ClothError> {
+        let is_plain = self.law == SpringLaw::Linear && self.edges == SpringEdges::All;
+        if !is_plain && (self.membrane != MembraneCarrier::Springs || self.shear.is_some()) {
+            return Err(ClothError::ReliefWithoutSprings);
+        }
         match self.membrane {
-            MembraneCarrier::Springs => cut.springs = membrane.springs(mesh, edges),
+            MembraneCarrier::Springs => {
+                let springs = membrane.springs(mesh, edges);
+                let springs = self.edges.chosen_from(springs, mesh, edges)?;
+                let (springs, limited) = self.law.applied_to(springs)?;
+                cut.springs = springs;
+                cut.others.push(Elements::Limited(limited));
+            }
             MembraneCarrier::Stvk { poisson_ratio } => {
                 if !(-1.0 < poisson_ratio && poisson_ratio < 1.0) {
                     return Err(ClothError::PoissonRatio(poisson_ratio));

@@ -1,7 +1,8 @@
 //! Families of the energies of this crate, to be kept in one list whatever their kind.
 
 use crate::energy::{
-    ArapTriangle, CubicShell, CurvatureHinge, CurvedHinge, DihedralHinge, Spring, StvkTriangle,
+    ArapTriangle, CubicShell, CurvatureHinge, CurvedHinge, DihedralHinge, MidpointHinge, Spring,
+    StrainLimitSpring, StvkTriangle,
 };
 use crate::family::Energies;
 use crate::step::BuildError;
@@ -14,6 +15,8 @@ use crate::step::BuildError;
 pub enum Elements {
     /// Springs: structural, shear or bending.
     Springs(Vec<Spring>),
+    /// Springs that are slack in a range.
+    Limited(Vec<StrainLimitSpring>),
     /// Triangles of a linear-elastic sheet.
     Stvk(Vec<StvkTriangle>),
     /// As-rigid-as-possible triangles.
@@ -26,6 +29,8 @@ pub enum Elements {
     Dihedral(Vec<DihedralHinge>),
     /// Hinges of the cubic shell.
     Cubic(Vec<CubicShell>),
+    /// Quadratic hinges between triangles that share the middle of an edge.
+    Midpoint(Vec<MidpointHinge>),
 }
 
 impl Elements {
@@ -34,12 +39,14 @@ impl Elements {
     pub fn name(&self) -> &'static str {
         match self {
             Self::Springs(_) => "springs",
+            Self::Limited(_) => "springs with slack",
             Self::Stvk(_) => "StVK triangles",
             Self::Arap(_) => "ARAP triangles",
             Self::Quadratic(_) => "quadratic hinges",
             Self::Curved(_) => "curved cotangent hinges",
             Self::Dihedral(_) => "dihedral hinges",
             Self::Cubic(_) => "cubic-shell hinges",
+            Self::Midpoint(_) => "hinges of edge midpoints",
         }
     }
 
@@ -48,12 +55,14 @@ impl Elements {
     pub fn len(&self) -> usize {
         match self {
             Self::Springs(elements) => elements.len(),
+            Self::Limited(elements) => elements.len(),
             Self::Stvk(elements) => elements.len(),
             Self::Arap(elements) => elements.len(),
             Self::Quadratic(elements) => elements.len(),
             Self::Curved(elements) => elements.len(),
             Self::Dihedral(elements) => elements.len(),
             Self::Cubic(elements) => elements.len(),
+            Self::Midpoint(elements) => elements.len(),
         }
     }
 
@@ -70,12 +79,14 @@ impl Elements {
     pub fn add_to(self, energies: Energies) -> Result<Energies, BuildError> {
         match self {
             Self::Springs(elements) => energies.with(elements),
+            Self::Limited(elements) => energies.with(elements),
             Self::Stvk(elements) => energies.with(elements),
             Self::Arap(elements) => energies.with(elements),
             Self::Quadratic(elements) => energies.with(elements),
             Self::Curved(elements) => energies.with(elements),
             Self::Dihedral(elements) => energies.with(elements),
             Self::Cubic(elements) => energies.with(elements),
+            Self::Midpoint(elements) => energies.with(elements),
         }
     }
 }

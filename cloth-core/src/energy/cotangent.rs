@@ -9,6 +9,8 @@ use crate::topology::HingeTable;
 pub(super) struct Cotangents {
     /// `q = (cot θ₁ + cot θ₃, cot θ₀ + cot θ₂, −(cot θ₀ + cot θ₁), −(cot θ₂ + cot θ₃))`, dimensionless, sum 0: S1 (16) with its signs corrected.
     pub(super) coefficients: [Real; 4],
+    /// `cot θ₀ … cot θ₃` (dimensionless): of the first triangle at `x₀` and `x₁`, of the second at `x₀` and `x₁`.
+    pub(super) angles: [Real; 4],
     /// `A₀`, `A₁` (m²) of the wings.
     pub(super) areas: [Real; 2],
 }
@@ -22,6 +24,7 @@ impl Cotangents {
         let [c1, c3] = [x2, x3].map(|tip| cotangent(-edge, tip - x1));
         Self {
             coefficients: [c1 + c3, c0 + c2, -(c0 + c1), -(c2 + c3)],
+            angles: [c0, c1, c2, c3],
             areas: [x2, x3].map(|tip| 0.5 * edge.cross(&(tip - x0)).norm()),
         }
     }

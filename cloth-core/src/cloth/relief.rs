@@ -1,0 +1,131 @@
+//! Remedies against locking that springs on edges can take: how they answer, and which edges carry one (MS-6).
+//!
+//! A sheet of stiff edges has the freedom of its boundary only, `3χ + E_b`, and cannot fold where its mesh does not happen to have a line ([`crate::dof`]). Each
+//! remedy buys freedom and gives something up:
+//!
+//! | remedy | freedom | what it breaks |
+//! |---|---|---|
+//! | [`SpringLaw::Compression`] with share r | edges may shorten | the sheet is r times as stiff when pushed as when pulled |
+//! | [`SpringLaw::Slack`] | lengths are free in a range | nothing holds a length within the range: cloth gives by that much before it holds |
+//! | [`SpringEdges::Freedom`], [`SpringEdges::Quads`] | 3V − E grows by 1 with every edge left out | stiffness against shear; with no diagonal left on a grid it is zero, and a wanted modulus is missed |
+//!
+//! All of them are made of [`Spring`] and [`StrainLimitSpring`], which have all three views, so every method takes them.
+
+use super::{ClothError, carriers};
+use crate::energy::{Spring, StrainLimitSpring};
+use crate::math::Real;
+use crate::mesh::TriMesh;
+use crate::topology::{EdgeTable, droppable_edges};
+
+/// How the springs on the edges answer a change of length.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum SpringLaw {
+    /// In proportion, S1 (1).
+    #[default]
+    Linear,
+    /// k under tension, this share of k (dimensionless, 0 to 1) under compression: `E = ½ r k C² + ½ (1 − r) k max(0, C)²`, a spring and, beside it, one
+    /// that is slack below its rest length.
+    ///
+    /// Limits: PBD with one fixed stiffness for all constraints does not know k, and takes the two for the same.
+    Compression(Real),
+    /// Nothing while the length relative to rest lies between these limits (dimensionless, from below 1 to above 1), k times the excess outside: a dead zone. With
+    /// `[0, 1]` only tension is resisted.
+    Slack([Real; 2]),
+}
+
+/// Which edges carry springs.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum SpringEdges {
+    /// All of them.
+    #[default]
+    All,
+    /// So few that `3V − E` reaches this share of 3V (dimensionless, 0 to 1): edges are left out in the order of [`droppable_edges`].
+    Freedom(Real),
+    /// The edges of quads only: all [`droppable_edges`] are left out, the diagonals of a grid among them.
+    Quads,
+}
+
+impl SpringLaw {
+    fn check(self) -> Result<(), ClothError> {
+        match self {
+            Self::Linear => Ok(()),
+            Self::Compression(share) => {
+                carriers::not_negative("share of k under compression", share, "(dimensionless)")?;
+                if share <= 1.0 {
+                    return Ok(());
+                }
+                Err(ClothError::CompressionShare(share))
+            }
+            Self::Slack([shortest, longest]) => {
+                if (0.0..=1.0).contains(&shortest) && 1.0 <= longest && longest.is_finite() {
+                    return Ok(());
+                }
+                Err(ClothError::SlackRange([shortest, longest]))
+            }
+        }
+    }
+
+    /// The springs that answer at every length, and those that do so outside a range.
+    pub(super) fn applied_to(
+        self,
+        mut springs: Vec<Spring>,
+    ) -> Result<(Vec<Spring>, Vec<StrainLimitSpring>), ClothError> {
+        self.check()?;
+        let limited = |springs: &[Spring], limits: [Real; 2], share: Real| {
+            let one = |s: &Spring| StrainLimitSpring {
+                vertices: s.vertices,
+                shortest: limits[0] * s.rest_length,
+                longest: limits[1] * s.rest_length,
+                stiffness: share * s.stiffness,
+            };
+            springs.iter().map(one).collect()
+        };
+        Ok(match self {
+            Self::Linear => (springs, Vec::new()),
+            Self::Slack(limits) => (Vec::new(), limited(&springs, limits, 1.0)),
+            Self::Compression(1.0) => (springs, Vec::new()),
+            Self::Compression(share) => {
+                let tension = limited(&springs, [0.0, 1.0], 1.0 - share);
+                for spring in &mut springs {
+                    spring.stiffness *= share;
+                }
+                springs.retain(|spring| spring.stiffness > 0.0);
+                (springs, tension)
+            }
+        })
+    }
+}
+
+impl SpringEdges {
+    /// The springs, one per edge, without those on edges that are left out.
+    pub(super) fn chosen_from(
+        self,
+        springs: Vec<Spring>,
+        mesh: &TriMesh,
+        edges: &EdgeTable,
+    ) -> Result<Vec<Spring>, ClothError> {
+        if self == Self::All {
+            return Ok(springs);
+        }
+        let droppable = droppable_edges(mesh, edges);
+        let coordinates = 3 * mesh.vertex_count();
+        let count = match self {
+            Self::All => 0,
+            Self::Quads => droppable.len(),
+            Self::Freedom(share) => {
+                let least = (coordinates as Real - edges.len() as Real) / coordinates as Real;
+                let most = least + droppable.len() as Real / coordinates as Real;
+                if !(0.0 <= share && share <= most) {
+                    return Err(ClothError::Freedom { share, most });
+                }
+                ((share - least) * coordinates as Real).ceil().max(0.0) as usize
+            }
+        };
+        let mut is_kept = vec![true; edges.len()];
+        for &edge in droppable.iter().take(count) {
+            is_kept[edge as usize] = false;
+        }
+        let pairs = springs.into_iter().zip(is_kept);
+        Ok(pairs.filter(|(_, kept)| *kept).map(|(s, _)| s).collect())
+    }
+}

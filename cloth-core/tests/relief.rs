@@ -1,0 +1,306 @@
+//! Remedies against locking: what each gives and what it breaks, against closed forms (MS-6).
+
+use cloth_core::cloth::{
+    BendingCarrier, Carriers, Cloth, ClothError, ClothModel, Membrane, MembraneCarrier,
+    SpringEdges, SpringLaw,
+};
+use cloth_core::dof::{EdgeRank, bent};
+use cloth_core::energy::CurvatureHinge;
+use cloth_core::math::{Real, Vec3};
+use cloth_core::mesh::TriMesh;
+use cloth_core::mesh::generate::{self, Diagonals, equilateral, grid, irregular};
+use cloth_core::topology::{EdgeTable, HingeTable, Midpoints, Topology, droppable_edges};
+
+const STIFF: Cloth = Cloth {
+    areal_density: 0.2,
+    membrane: Membrane::SpringStiffness(1e3),
+    bending_rigidity: 0.0,
+};
+
+fn with(law: SpringLaw, edges: SpringEdges) -> Carriers {
+    Carriers {
+        law,
+        edges,
+        ..Carriers::default()
+    }
+}
+
+/// Elastic energy (J) after a displacement of every vertex.
+fn stored(model: &ClothModel, mesh: &TriMesh, place: impl Fn(&Vec3) -> Vec3) -> Real {
+    let x: Vec<Vec3> = mesh.positions().iter().map(place).collect();
+    model.energies().unwrap().value(&x)
+}
+
+/// `Σ ½ k (s − 1)² L²` over all edges at a stretch s: what linear springs store.
+fn linear(mesh: &TriMesh, stretch: Real) -> Real {
+    let edges = EdgeTable::build(mesh).unwrap();
+    let x = mesh.positions();
+    let squares = |&[a, b]: &[u32; 2]| (x[a as usize] - x[b as usize]).norm_squared();
+    let sum: Real = edges.ends().iter().map(squares).sum();
+    0.5e3 * (stretch - 1.0).powi(2) * sum
+}
+
+fn sheets() -> [TriMesh; 5] {
+    [
+        grid(9, 9, 1.0, 1.0, Diagonals::OneWay).unwrap(),
+        grid(9, 9, 1.0, 1.0, Diagonals::Alternating).unwrap(),
+        grid(9, 9, 1.0, 1.0, Diagonals::Crossed).unwrap(),
+        equilateral(9, 9, 0.125).unwrap(),
+        irregular(9, 1.0, 1.0, 3).unwrap(),
+    ]
+}
+
+#[test]
+fn weaker_springs_under_compression_are_weaker_by_that_share_and_only_there() {
+    for mesh in sheets() {
+        for share in [0.0, 0.1, 0.7, 1.0] {
+            let carriers = with(SpringLaw::Compression(share), SpringEdges::All);
+            let model = STIFF.carried_by(&carriers, &mesh).unwrap();
+            for (stretch, expected) in [(1.02, 1.0), (0.97, share)] {
+                let energy = stored(&model, &mesh, |p| p * stretch);
+                let wanted = expected * linear(&mesh, stretch);
+                assert!((energy - wanted).abs() <= 1e-12 * linear(&mesh, stretch));
+            }
+        }
+    }
+}
+
+#[test]
+fn slack_springs_resist_only_what_exceeds_their_range() {
+    let mesh = equilateral(9, 9, 0.125).unwrap();
+    let carriers = with(SpringLaw::Slack([0.98, 1.03]), SpringEdges::All);
+    let model = STIFF.carried_by(&carriers, &mesh).unwrap();
+    for free in [0.981, 1.0, 1.0299] {
+        assert_eq!(stored(&model, &mesh, |p| p * free), 0.0);
+    }
+    for (stretch, excess) in [(1.05, 1.02), (0.95, 0.97)] {
+        let energy = stored(&model, &mesh, |p| p * stretch);
+        assert!((energy / linear(&mesh, excess) - 1.0).abs() < 1e-11);
+    }
+}
+
+#[test]
+fn no_triangle_loses_two_edges_and_the_count_is_reached() {
+    for mesh in sheets() {
+        let edges = EdgeTable::build(&mesh).unwrap();
+        let order = droppable_edges(&mesh, &edges);
+        let mut lost = vec![0; mesh.triangle_count()];
+        for &edge in &order {
+            assert!(!edges.is_boundary(edge as usize));
+            for t in edges.sides()[edge as usize] {
+                lost[t as usize] += 1;
+            }
+        }
+        assert!(lost.iter().all(|&n| n <= 1));
+        // Nothing more could go: every inner edge has a triangle that has lost one.
+        for edge in (0..edges.len()).filter(|&e| !edges.is_boundary(e)) {
+            assert!(edges.sides()[edge].iter().any(|&t| lost[t as usize] == 1));
+        }
+        let coordinates = 3 * mesh.vertex_count();
+        let counted = |kind: SpringEdges| {
+            let model = STIFF.carried_by(&with(SpringLaw::Linear, kind), &mesh);
+            coordinates - model.unwrap().springs.len()
+        };
+        let (least, most) = (
+            coordinates - edges.len(),
+            coordinates - edges.len() + order.len(),
+        );
+        assert_eq!(counted(SpringEdges::Quads), most);
+        assert_eq!(counted(SpringEdges::Freedom(0.0)), least);
+        let wanted = 0.5 * (least + most) as Real / coordinates as Real;
+        let reached = counted(SpringEdges::Freedom(wanted)) as Real / coordinates as Real;
+        assert!(wanted <= reached && reached < wanted + 1.0 / coordinates as Real);
+    }
+}
+
+/// The edges left on a grid are those of its cells; on a bent sheet they are independent.
+#[test]
+fn quads_have_a_third_of_the_coordinates_free() {
+    let n = 9;
+    for diagonals in [Diagonals::OneWay, Diagonals::Alternating] {
+        let mesh = grid(n, n, 1.0, 1.0, diagonals).unwrap();
+        let model = STIFF
+            .carried_by(&with(SpringLaw::Linear, SpringEdges::Quads), &mesh)
+            .unwrap();
+        assert_eq!(model.springs.len(), 2 * n * (n - 1));
+        let cell = 1.0 / (n as Real - 1.0);
+        assert!(
+            model
+                .springs
+                .iter()
+                .all(|s| (s.rest_length - cell).abs() < 1e-12)
+        );
+        let ends: Vec<[u32; 2]> = model.springs.iter().map(|s| s.vertices).collect();
+        let rank = EdgeRank::of_pairs(&bent(mesh.positions()), &ends).unwrap();
+        assert_eq!(rank.nullity, 3 * n * n - 2 * n * (n - 1));
+    }
+}
+
+/// What the subset breaks: of the modulus of shear k/2 that one diagonal a cell gives, the share of diagonals that are left; with none left, nothing resists.
+#[test]
+fn shear_stiffness_goes_with_the_diagonals_and_axial_stiffness_stays() {
+    let n = 33;
+    let strain = 1e-4;
+    let mesh = grid(n, n, 1.0, 1.0, Diagonals::Alternating).unwrap();
+    let edges = EdgeTable::build(&mesh).unwrap();
+    let cells = (n - 1) * (n - 1);
+    let shear = |kind: SpringEdges| {
+        let model = STIFF
+            .carried_by(&with(SpringLaw::Linear, kind), &mesh)
+            .unwrap();
+        let energy = stored(&model, &mesh, |p| p + Vec3::x() * (strain * p.y));
+        let share = (model.springs.len() - 2 * n * (n - 1)) as Real / cells as Real;
+        // ½ G γ² per area, G = k/2 for one diagonal of length √2 cells in every cell.
+        (energy / (0.5 * strain * strain * 500.0), share)
+    };
+    let full = (3 * n * n - edges.len()) as Real / (3 * n * n) as Real;
+    for freedom in [full, 0.15, 0.25] {
+        let (modulus, share) = shear(SpringEdges::Freedom(freedom));
+        assert!((modulus / share - 1.0).abs() < 2e-4, "{modulus} {share}");
+    }
+    let (modulus, share) = shear(SpringEdges::Quads);
+    assert_eq!(share, 0.0);
+    assert!(modulus < 1e-7, "{modulus:e}");
+    // Pulled along x: k of the lines along x, the same with and without diagonals across.
+    let quads = STIFF
+        .carried_by(&with(SpringLaw::Linear, SpringEdges::Quads), &mesh)
+        .unwrap();
+    let pull = stored(&quads, &mesh, |p| p + Vec3::x() * (strain * p.x));
+    // n lines of length 1 m, each ½ k L ε² (n − 1) springs of L = 1/(n − 1).
+    let expected = 0.5e3 * strain * strain * n as Real / (n as Real - 1.0);
+    assert!((pull / expected - 1.0).abs() < 1e-9);
+}
+
+#[test]
+fn midpoints_have_e_and_e_b_motions() {
+    for mesh in [
+        grid(7, 6, 1.0, 1.0, Diagonals::OneWay).unwrap(),
+        generate::disk(4, 1.0).unwrap(),
+        generate::tube(8, 4, 0.3, 1.0).unwrap(),
+        irregular(7, 1.0, 1.0, 3).unwrap(),
+    ] {
+        let edges = EdgeTable::build(&mesh).unwrap();
+        let topology = Topology::of(&mesh, &edges);
+        let small = Midpoints::of(&mesh, &edges).unwrap();
+        let sides = EdgeTable::build(small.mesh()).unwrap();
+        assert_eq!(small.mesh().vertex_count(), topology.edges);
+        assert_eq!(sides.len(), 3 * topology.faces);
+        let x = small.between(&bent(mesh.positions()));
+        let rank = EdgeRank::measure(&x, &sides).unwrap();
+        assert_eq!(rank.nullity, topology.edges + topology.boundary_edges);
+        assert_eq!(rank.self_stresses, 0);
+    }
+}
+
+/// On positions that fit together at the vertices, midpoints cost what vertices cost.
+#[test]
+fn midpoints_of_vertices_store_the_energy_of_the_vertices() {
+    for mesh in sheets() {
+        let x = bent(mesh.positions());
+        for membrane in [
+            MembraneCarrier::Springs,
+            MembraneCarrier::Stvk { poisson_ratio: 0.3 },
+            MembraneCarrier::Arap,
+        ] {
+            for resistance in [Membrane::SpringStiffness(1e3), Membrane::Modulus(1e3)] {
+                let cloth = Cloth {
+                    membrane: resistance,
+                    ..STIFF
+                };
+                let carriers = Carriers {
+                    membrane,
+                    ..Carriers::default()
+                };
+                let whole = cloth.carried_by(&carriers, &mesh).unwrap();
+                let halves = cloth.on_midpoints(membrane, &mesh).unwrap();
+                let y = halves.midpoints.between(&x);
+                let [a, b] = [
+                    whole.energies().unwrap().value(&x),
+                    halves.model.energies().unwrap().value(&y),
+                ];
+                assert!((a / b - 1.0).abs() < 1e-10, "{membrane:?}: {a} {b}");
+            }
+        }
+        // The hinge of midpoints with k is that of vertices with k; they differ in what k means.
+        let edges = EdgeTable::build(&mesh).unwrap();
+        let bending = Cloth {
+            membrane: Membrane::SpringStiffness(0.0),
+            bending_rigidity: 1.0,
+            ..STIFF
+        };
+        let halves = bending
+            .on_midpoints(MembraneCarrier::Springs, &mesh)
+            .unwrap();
+        let mut of_vertices = cloth_core::family::Energies::new(mesh.vertex_count());
+        let hinges = CurvatureHinge::across(&mesh, &HingeTable::build(&mesh, &edges), 3.0);
+        of_vertices = of_vertices.with(hinges).unwrap();
+        let y = halves.midpoints.between(&x);
+        let [a, b] = [
+            of_vertices.value(&x),
+            halves.model.energies().unwrap().value(&y),
+        ];
+        assert!((a / b - 1.0).abs() < 1e-10, "{a} {b}");
+        // Masses: a third of every triangle at each of its edges.
+        let total: Real = halves.model.particles.mass().iter().sum();
+        assert!((total / (0.2 * mesh.area()) - 1.0).abs() < 1e-12);
+        // And back.
+        let back = halves.midpoints.vertices(&y);
+        let apart = back.iter().zip(&x).map(|(a, b)| (a - b).norm());
+        assert!(apart.fold(0.0, Real::max) < 1e-13);
+        assert!(halves.midpoints.widest_gap(&y) < 1e-13);
+    }
+}
+
+#[test]
+fn relief_that_does_not_fit_is_refused_with_numbers() {
+    let mesh = grid(5, 5, 1.0, 1.0, Diagonals::OneWay).unwrap();
+    let refused = |carriers: Carriers| STIFF.carried_by(&carriers, &mesh).unwrap_err();
+    let quads = with(SpringLaw::Linear, SpringEdges::Quads);
+    for carriers in [
+        Carriers {
+            membrane: MembraneCarrier::Arap,
+            ..quads
+        },
+        Carriers {
+            shear: Some(1.0),
+            ..with(SpringLaw::Compression(0.5), SpringEdges::All)
+        },
+    ] {
+        assert_eq!(refused(carriers), ClothError::ReliefWithoutSprings);
+    }
+    for (law, word) in [
+        (SpringLaw::Compression(1.5), "1.5"),
+        (SpringLaw::Compression(-0.5), "-0.5"),
+        (SpringLaw::Compression(Real::NAN), "NaN"),
+        (SpringLaw::Slack([1.1, 1.2]), "1.1"),
+        (SpringLaw::Slack([0.9, Real::INFINITY]), "inf"),
+        (SpringLaw::Slack([-0.1, 1.0]), "-0.1"),
+    ] {
+        let words = refused(with(law, SpringEdges::All)).to_string();
+        assert!(words.contains(word), "{words}");
+    }
+    // 75 coordinates, 56 edges, 16 diagonals.
+    let too_many = with(SpringLaw::Linear, SpringEdges::Freedom(0.5));
+    assert_eq!(
+        refused(too_many),
+        ClothError::Freedom {
+            share: 0.5,
+            most: 19.0 / 75.0 + 16.0 / 75.0
+        }
+    );
+    let bad = Cloth {
+        areal_density: 0.2,
+        ..STIFF
+    };
+    let beyond = MembraneCarrier::Stvk { poisson_ratio: 2.0 };
+    assert_eq!(
+        bad.on_midpoints(beyond, &mesh).unwrap_err(),
+        ClothError::PoissonRatio(2.0)
+    );
+    let none = Carriers {
+        bending: BendingCarrier::None,
+        ..with(SpringLaw::Compression(0.0), SpringEdges::All)
+    };
+    let model = STIFF.carried_by(&none, &mesh).unwrap();
+    assert!(model.springs.is_empty() && model.families().len() == 1);
+}
