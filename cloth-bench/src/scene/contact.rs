@@ -3,6 +3,7 @@
 use crate::error::BenchError;
 use crate::settings::{Parameter, Settings, parameter};
 use cloth_collide::ClothContacts;
+use cloth_collide::barrier::BarrierContacts;
 use cloth_collide::obstacle::{ImpactLaw, Obstacle, ObstacleContacts};
 use cloth_core::contact::ContactSource;
 use cloth_core::math::{Real, Vec3};
@@ -11,7 +12,7 @@ use cloth_core::mesh::TriMesh;
 pub(crate) const CONTACT: Parameter = parameter(
     "contact",
     "zones",
-    "how contact is resolved after every step: zones (impulses, then impact zones) or none",
+    "how contact is resolved: zones (impulses, then impact zones), barrier (of the given thickness, without friction) or none",
 );
 pub(crate) const SELF: Parameter = parameter(
     "self",
@@ -63,6 +64,7 @@ pub struct Touch {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Response {
     Zones,
+    Barrier,
     None,
 }
 
@@ -86,7 +88,11 @@ impl Touch {
         Ok(Self {
             response: settings.choice(
                 &CONTACT,
-                &[("zones", Response::Zones), ("none", Response::None)],
+                &[
+                    ("zones", Response::Zones),
+                    ("barrier", Response::Barrier),
+                    ("none", Response::None),
+                ],
             )?,
             steps: settings.count(&CONTACT_STEPS, 1)?,
             self_collision: settings.choice(own, &[("yes", true), ("no", false)])?,
@@ -120,14 +126,20 @@ impl Touch {
         if self.is_idle() {
             return Ok(None);
         }
+        let obstacles = self.obstacles.clone();
+        if self.response == Response::Barrier {
+            let contacts = BarrierContacts::builder(mesh)
+                .distance(self.thickness)
+                .obstacles(obstacles)
+                .self_collision(self.self_collision);
+            return Ok(Some(Box::new(contacts.build().map_err(BenchError::usage)?)));
+        }
         let contacts = ClothContacts::builder(mesh)
             .thickness(self.thickness)
             .friction(self.friction)
-            .obstacles(self.obstacles.clone())
-            .self_collision(self.self_collision)
-            .build()
-            .map_err(BenchError::usage)?;
-        Ok(Some(Box::new(contacts)))
+            .obstacles(obstacles)
+            .self_collision(self.self_collision);
+        Ok(Some(Box::new(contacts.build().map_err(BenchError::usage)?)))
     }
 
     /// The obstacles where they start.

@@ -147,12 +147,6 @@ impl ObstacleContacts {
         &self.obstacles
     }
 
-    /// At which distance (m) vertices are kept.
-    #[must_use]
-    pub fn thickness(&self) -> Real {
-        self.thickness
-    }
-
     fn contact(
         &self,
         obstacle: &Obstacle,
