@@ -4,6 +4,8 @@
 mod carriers;
 #[path = "contract/common.rs"]
 mod common;
+#[path = "contract/contact.rs"]
+mod contact;
 #[path = "../../cloth-core/tests/support/counting_allocator.rs"]
 mod counting_allocator;
 #[path = "contract/momentum.rs"]
