@@ -31,6 +31,8 @@ const KEPT: Real = 0.1;
 const NEAR: Real = 1.0;
 /// The share of what is missing to the thickness that one step makes up.
 const RECOVERY: Real = 0.5;
+/// The margin of the search for candidates, in thicknesses. What it has more than one lets the motion become another one without a new search.
+const MARGIN: Real = 4.0;
 /// Contacts are satisfied to this share of the thickness.
 const TOLERANCE: Real = 1e-2;
 /// Rounds of impulses, at most, before zones take over.
@@ -95,8 +97,7 @@ impl ContactSource for ClothContacts {
         self.rows.clear();
         self.hits.clear();
         self.entering.clear();
-        self.seen.copy_from_slice(positions);
-        self.search(step, positions)?;
+        self.prepare(step, positions)?;
         let free = self.impulses(step, positions)?;
         self.change_velocities(step, velocities);
         if !free {
@@ -153,33 +154,22 @@ impl ClothContacts {
         }
     }
 
-    fn margin(&self) -> Real {
-        2.0 * self.thickness
-    }
-
     fn tolerance(&self) -> Real {
         let obstacles = self.obstacles.as_ref().map(ObstacleContacts::thickness);
         let thickness = obstacles.filter(|&h| h > 0.0).unwrap_or(self.thickness);
         TOLERANCE * thickness.min(self.thickness)
     }
 
-    /// Finds the candidates of the motion, and makes sure that its start is in order.
-    fn search(&mut self, step: &ContactStep<'_>, positions: &[Vec3]) -> Result<(), ContactError> {
-        let margin = self.margin();
+    /// Makes sure that the candidates are those of the motion, if there are none of a motion with room for this one, and that the start is in order.
+    fn prepare(&mut self, step: &ContactStep<'_>, positions: &[Vec3]) -> Result<(), ContactError> {
+        self.seen.copy_from_slice(positions);
         self.moved.fill(true);
-        // Candidates get new numbers.
-        self.hits.clear();
+        if self.strayed(step.from) || self.strayed(positions) {
+            self.search(step, positions)?;
+        }
         let Some(cloth) = &mut self.cloth else {
             return Ok(());
         };
-        self.report.searches += 1;
-        if cloth
-            .candidates
-            .update(step.from, positions, margin)
-            .is_err()
-        {
-            return Err(ContactError::NonFinite { vertex: 0 });
-        }
         cloth.forget_rows();
         self.report.candidates = cloth.len();
         if self.safe == step.from {
@@ -196,6 +186,23 @@ impl ClothContacts {
             }
             pairs => Err(ContactError::Tangled { pairs }),
         }
+    }
+
+    /// Finds the candidates of the motion.
+    fn search(&mut self, step: &ContactStep<'_>, positions: &[Vec3]) -> Result<(), ContactError> {
+        self.moved.fill(true);
+        // Candidates get new numbers.
+        self.hits.clear();
+        if let Some(cloth) = &mut self.cloth {
+            let margin = MARGIN * self.thickness;
+            let updated = cloth.candidates.update(step.from, positions, margin);
+            // Everything is finite, but a box around it need not be.
+            updated.map_err(|_| ContactError::NonFinite { vertex: 0 })?;
+            cloth.forget_rows();
+            self.report.searches += 1;
+            self.report.candidates = cloth.len();
+        }
+        Ok(())
     }
 
     /// Whether a vertex may have come so far from where it was expected that there are pairs that nobody has looked for.

@@ -1,0 +1,99 @@
+//! What contact costs in a step of a crumpled sheet: folded as an accordion in both directions, layers 4 mm apart, with noise.
+//!
+//! `apart` moves it as a whole, so that nothing comes nearer than it was and only the search for candidates is left; `pressed` squeezes the pile by a hundredth in every step, at a
+//! thickness of 2 mm; `floor` lets it fall on a floor without looking for contact of the cloth with itself. All start from the same positions each time.
+
+use cloth_collide::ClothContacts;
+use cloth_collide::obstacle::{
+    HalfSpace, ImpactLaw, Obstacle, ObstacleContacts, Pose, RigidMotion,
+};
+use cloth_core::contact::{ContactSource, ContactStep};
+use cloth_core::math::{Real, Vec3};
+use cloth_core::mesh::TriMesh;
+use cloth_core::mesh::generate::{Diagonals, grid};
+use criterion::{Criterion, criterion_group, criterion_main};
+use std::hint::black_box;
+
+const THICKNESS: Real = 0.002;
+const DT: Real = 1.0 / 600.0;
+
+/// Back and forth over `width` (m), and up by `gap` (m) each time.
+fn folded(x: Real, width: Real, gap: Real) -> (Real, Real) {
+    let layer = (x / width).floor();
+    let part = x / width - layer;
+    let along = if layer % 2.0 == 0.0 { part } else { 1.0 - part };
+    (along * width, gap * (layer + part))
+}
+
+/// The sheet of 1 m × 1 m, and its positions (m) when it is crumpled.
+fn crumpled(side: usize) -> (TriMesh, Vec<Vec3>) {
+    let mesh = grid(side, side, 1.0, 1.0, Diagonals::Alternating).expect("a sheet");
+    let noise = |i: usize, k: Real| 0.0004 * (12.9898 * i as Real + 78.233 * k).sin();
+    let place = |(i, x): (usize, &Vec3)| {
+        let (along, up) = folded(x.x, 0.125, 0.004);
+        let (across, above) = folded(x.y, 0.25, 0.04);
+        Vec3::new(along, across, up + above)
+            + Vec3::new(noise(i, 1.0), noise(i, 2.0), noise(i, 3.0))
+    };
+    let positions = mesh.positions().iter().enumerate().map(place).collect();
+    (mesh, positions)
+}
+
+/// One resolved step from `from` to where `end` (m) takes each position; returns the number of contacts.
+fn resolve(contacts: &mut ClothContacts, from: &[Vec3], end: impl Fn(&Vec3) -> Vec3) -> usize {
+    let mut positions: Vec<_> = from.iter().map(end).collect();
+    let ways = positions.iter().zip(from);
+    let mut velocities: Vec<_> = ways.map(|(to, x)| (to - x) / DT).collect();
+    let inverse_mass = vec![1e4; from.len()];
+    let step = ContactStep {
+        from: black_box(from),
+        inverse_mass: &inverse_mass,
+        dt: DT,
+    };
+    let resolved = contacts.resolve(&step, &mut positions, &mut velocities);
+    resolved.expect("a way");
+    contacts.report().contacts
+}
+
+fn response(criterion: &mut Criterion) {
+    for side in [33, 129] {
+        let (mesh, from) = crumpled(side);
+        let count = mesh.triangle_count();
+        let mut group = criterion.benchmark_group(format!("response, {count} triangles"));
+        group.sample_size(10);
+        let mut contacts = ClothContacts::builder(&mesh)
+            .thickness(THICKNESS)
+            .friction(0.3)
+            .build()
+            .expect("settings in range");
+        group.bench_function("apart", |bencher| {
+            let shift = Vec3::new(0.01, 0.0, 0.02);
+            bencher.iter(|| resolve(&mut contacts, &from, |x| x + shift));
+        });
+        group.bench_function("pressed", |bencher| {
+            let press = |x: &Vec3| Vec3::new(x.x, x.y, 0.99 * x.z);
+            bencher.iter(|| resolve(&mut contacts, &from, press));
+        });
+        println!("{:?}", contacts.report());
+        let still = RigidMotion::still(Pose::at(Vec3::z() * -THICKNESS));
+        let floor = HalfSpace::new(Vec3::z()).expect("a normal");
+        let floor = Obstacle::moving(floor, still).expect("a motion");
+        let law = ImpactLaw::new(0.3, 0.0).expect("a law");
+        let floor = ObstacleContacts::new(THICKNESS, THICKNESS)
+            .expect("a thickness")
+            .with(floor, law);
+        let mut contacts = ClothContacts::builder(&mesh)
+            .self_collision(false)
+            .obstacles(floor)
+            .build()
+            .expect("settings in range");
+        group.bench_function("floor", |bencher| {
+            let fall = |x: &Vec3| x - Vec3::z() * 0.005;
+            bencher.iter(|| resolve(&mut contacts, &from, fall));
+        });
+        group.finish();
+    }
+}
+
+criterion_group!(benches, response);
+criterion_main!(benches);
