@@ -20,11 +20,11 @@
 //! # The search
 //!
 //! S1 (53) goes down the gradient. We take Newton's steps, H p = −∂F, and each is *guarded* twice: it ends before anything
-//! is nearer than a tenth of what it was, which [`ContinuousTest`](crate::ContinuousTest) and [`first_contact`](crate::obstacle::first_contact) tell without ever being late, and then before F has
+//! is nearer than 7/10 of what it was (or of d̂, if it was farther), which [`ContinuousTest`](crate::ContinuousTest) and [`first_contact`](crate::obstacle::first_contact) tell without ever being late, and then before F has
 //! stopped falling. So every point of the search, and every point on the straight ways between them, is free of crossings. The end is therefore as untangled as the start,
 //! whatever the number of steps, **even if the search is cut short**; the straight way from start to end is not looked at, and need not be free.
 //!
-//! H is the true Hessian if conjugate gradients find it positive, and Gauss–Newton's Σ A b″ ∂d ∂dᵀ + M/Δt² otherwise. Second derivatives of
+//! H is the true Hessian if conjugate gradients find it positive; otherwise the negative eigenvalues of each pair are set to zero. Second derivatives of
 //! distances come from the stationarity of the nearest points ([`Gap::curvature`]). Edges that are nearly parallel have a [`Mollifier`].
 //!
 //! Prescribed vertices and obstacles move first, as far as is safe; the free vertices, told of the motion through H, make way; and so on until all have arrived,

@@ -2,10 +2,15 @@
 
 use cloth_collide::SeparationProbe;
 use cloth_collide::barrier::BarrierContacts;
-use cloth_collide::obstacle::{HalfSpace, ImpactLaw, Obstacle, ObstacleContacts};
+use cloth_collide::barrier::{EdgeEdgeBarrier, Mollifier, VertexTriangleBarrier};
+use cloth_collide::obstacle::{HalfSpace, ImpactLaw, Obstacle, ObstacleContacts, PenaltyLaw};
 use cloth_core::contact::{ContactSource, ContactStep};
-use cloth_core::math::Vec3;
+use cloth_core::element::Energy;
+use cloth_core::math::{Vec3, gather};
 use cloth_core::mesh::TriMesh;
+use cloth_core::mesh::generate::{Diagonals, grid, join};
+use cloth_core::particles::Particles;
+use cloth_core::topology::EdgeTable;
 
 const GRAVITY: f64 = 9.81;
 const RANGE: f64 = 1e-3;
@@ -57,11 +62,19 @@ impl Fall {
         contacts.resolve(&step, &mut self.x, &mut self.v).unwrap();
     }
 
+    /// Largest speed (m/s) after so many steps; of what is led straight down, the part that can move.
     fn settle(&mut self, contacts: &mut BarrierContacts, steps: usize) -> f64 {
         for _ in 0..steps {
             self.step(contacts);
         }
-        self.v.iter().map(|v| v.norm()).fold(0.0, f64::max)
+        let speed = |v: &Vec3| {
+            if self.plumb.is_some() {
+                v.z.abs()
+            } else {
+                v.norm()
+            }
+        };
+        self.v.iter().map(speed).fold(0.0, f64::max)
     }
 }
 
@@ -223,4 +236,153 @@ fn precise(mesh: &TriMesh) -> BarrierContacts {
         .accuracy(1e-9)
         .build()
         .unwrap()
+}
+
+/// Ten aligned triangles: each vertex lies right above another, and each pair of them has 6 contacts of a vertex and 6 of two edges that are not parallel.
+#[test]
+fn stack_of_aligned_triangles_has_gaps_that_press_with_the_weight_above() {
+    let layers = 10;
+    let x: Vec<Vec3> = (0..=layers)
+        .flat_map(|k| equilateral(0.1, 9.9e-4 * k as f64))
+        .collect();
+    let triangles = (0..=layers as u32).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]);
+    let mesh = TriMesh::new(x.clone(), triangles.collect()).unwrap();
+    let mut contacts = precise(&mesh);
+    let density = 0.2;
+    let w = (0..x.len()).map(|v| {
+        if v < 3 {
+            0.0
+        } else {
+            3.0 / (density * mesh.areas().next().unwrap())
+        }
+    });
+    // Vertex upon vertex is an unstable balance, with a rate √(g/d) for each layer above.
+    let mut fall = Fall::new(x.clone(), w.collect(), 1e-3);
+    fall.plumb = Some(x);
+    let speed = fall.settle(&mut contacts, 3000);
+    let mut before = 0.0;
+    for k in 1..=layers {
+        // Each contact stands for a third of a triangle.
+        let above = (layers + 1 - k) as f64;
+        let expected = gap(density * GRAVITY * above * 3.0 / 12.0);
+        for c in 0..3 {
+            let found = fall.x[3 * k + c].z - fall.x[3 * k - 3 + c].z;
+            let error = (found - expected).abs() / RANGE;
+            assert!(
+                error < 1e-8,
+                "layer {k}: {found} instead of {expected}, {error:e}"
+            );
+        }
+        assert!(expected > before);
+        before = expected;
+    }
+    assert!(speed < 1e-8, "{speed:e}");
+}
+
+/// The energy of all barriers (J), its gradient (N) at `x` (m): over all pairs there are, without a search.
+fn forces(mesh: &TriMesh, x: &[Vec3]) -> Vec<Vec3> {
+    let law = PenaltyLaw::barrier(STIFFNESS, RANGE).unwrap();
+    let edges = EdgeTable::build(mesh).unwrap();
+    let mut vertex_area = vec![0.0; x.len()];
+    let mut edge_area = vec![0.0; edges.ends().len()];
+    for (triangle, area) in mesh.triangles().iter().zip(mesh.areas()) {
+        triangle
+            .iter()
+            .for_each(|v| vertex_area[*v as usize] += area / 3.0);
+        for (edge, ends) in edges.ends().iter().enumerate() {
+            if ends.iter().all(|v| triangle.contains(v)) {
+                edge_area[edge] += area / 3.0;
+            }
+        }
+    }
+    let mut forces = vec![Vec3::zeros(); x.len()];
+    let mut add = |vertices: [u32; 4], gradient: [Vec3; 4]| {
+        for (v, g) in vertices.iter().zip(gradient) {
+            forces[*v as usize] -= g;
+        }
+    };
+    for v in 0..x.len() as u32 {
+        for &[a, b, c] in mesh.triangles().iter().filter(|t| !t.contains(&v)) {
+            let pair = VertexTriangleBarrier {
+                vertices: [v, a, b, c],
+                area: vertex_area[v as usize],
+                law,
+            };
+            add(pair.vertices, pair.gradient(&gather(x, pair.vertices)));
+        }
+    }
+    let squared = |[a, b]: [u32; 2]| {
+        let p = mesh.positions();
+        (p[a as usize] - p[b as usize]).norm_squared()
+    };
+    for (i, &[a, b]) in edges.ends().iter().enumerate() {
+        for (j, &[c, d]) in edges.ends().iter().enumerate().skip(i + 1) {
+            if [c, d].contains(&a) || [c, d].contains(&b) {
+                continue;
+            }
+            let pair = EdgeEdgeBarrier {
+                vertices: [a, b, c, d],
+                area: edge_area[i].min(edge_area[j]),
+                law,
+                mollifier: Mollifier::new([squared([a, b]), squared([c, d])]),
+            };
+            add(pair.vertices, pair.gradient(&gather(x, pair.vertices)));
+        }
+    }
+    forces
+}
+
+#[test]
+fn ten_sheets_at_rest_stay_apart_and_each_vertex_bears_its_weight() {
+    let n = 5;
+    let layer = |k: usize| {
+        let sheet = grid(n, n, 0.2, 0.2, Diagonals::Alternating).unwrap();
+        let (angle, shift) = (
+            1.0 + k as f64,
+            Vec3::new(0.017, 0.011, 0.0) * (k % 3) as f64,
+        );
+        let turned = |x: &Vec3| {
+            let (s, c) = angle.sin_cos();
+            let y = x - Vec3::new(0.1, 0.1, 0.0);
+            Vec3::new(c * y.x - s * y.y, s * y.x + c * y.y, 9e-4 * k as f64) + shift
+        };
+        let positions = sheet.positions().iter().map(turned).collect();
+        TriMesh::new(positions, sheet.triangles().to_vec()).unwrap()
+    };
+    let mesh = join(&(0..=10).map(layer).collect::<Vec<_>>()).unwrap();
+    let (x, each) = (mesh.positions().to_vec(), n * n);
+    let particles = Particles::from_areal_density(&mesh, 0.2).unwrap();
+    let mass = particles.mass();
+    let w = (0..x.len()).map(|v| if v < each { 0.0 } else { 1.0 / mass[v] });
+    let mut contacts = precise(&mesh);
+    let mut fall = Fall::new(x.clone(), w.collect(), 0.02);
+    fall.plumb = Some(x);
+    let mut probe = SeparationProbe::new(&mesh);
+    let mut speed = 0.0;
+    for k in 0..5 {
+        speed = fall.settle(&mut contacts, 20);
+        let found = probe.measure(&fall.x).unwrap();
+        assert_eq!(found.intersecting_pairs, 0, "{k}");
+    }
+    assert!(speed < 1e-11, "{speed:e}");
+    let forces = forces(&mesh, &fall.x);
+    for v in each..forces.len() {
+        let weight = mass[v] * GRAVITY;
+        let error = (forces[v].z - weight).abs() / weight;
+        assert!(error < 1e-9, "{v}: {error:e}");
+    }
+    // On the whole, gaps grow upwards.
+    let height = |k: usize| {
+        fall.x[each * k..each * (k + 1)]
+            .iter()
+            .map(|x| x.z)
+            .sum::<f64>()
+            / each as f64
+    };
+    let gaps: Vec<f64> = (0..10).map(|k| height(k + 1) - height(k)).collect();
+    assert!(gaps.iter().all(|g| *g > 0.0));
+    assert!(
+        gaps[7..].iter().sum::<f64>() > 1.2 * gaps[..3].iter().sum::<f64>(),
+        "{gaps:?}"
+    );
 }

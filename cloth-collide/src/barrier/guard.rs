@@ -1,84 +1,90 @@
 //! How far along a step is it safe to go?
 
 use crate::broad_phase::{ClothCandidates, Hierarchy};
-use crate::ccd::{ContinuousTest, Impact};
+use crate::ccd::ContinuousTest;
 use crate::closest::{edge_edge, point_triangle};
 use crate::error::CollideError;
 use crate::obstacle::{Obstacle, VertexPath, first_contact};
 use cloth_core::math::{Real, Vec3, gather};
 
-/// A part of a step that is free of contact.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Safe {
-    /// How much of it (dimensionless, 0..=1).
-    pub(super) part: Real,
-    /// A vertex of what comes next, if something does.
-    pub(super) vertex: Option<u32>,
-}
-
-impl Safe {
-    pub(super) fn all() -> Self {
-        Self {
-            part: 1.0,
-            vertex: None,
-        }
-    }
-
-    fn lower_to(&mut self, part: Real, vertex: u32) {
-        if part < self.part {
-            *self = Self {
-                part,
-                vertex: Some(vertex),
-            };
-        }
-    }
-}
-
-/// What a step leaves of each distance, at least: the next step starts from there.
-pub(super) const SLACK: Real = 0.1;
+/// What a step leaves of each distance, or of the range of the barrier where that is less: the next step starts from there. A Newton step is meant to keep
+/// its distances; what brings it nearer than this are long tangential ways that bend, and these are better taken in pieces. With 0.1 instead
+/// the searches of random motions took twice the steps, and many ended too near to see a way.
+const SLACK: Real = 0.7;
 /// The search for that moment may end when this part of what is above it is left.
 const EARLY: Real = 0.1;
+/// Distances below this part of the coordinates cannot be relied on: positions on the way are rounded.
+const ROUNDING: Real = 64.0 * Real::EPSILON;
 
-/// A candidate's test: for the time at which its distance (m) is down to the part [`SLACK`] of what it is at the start. The slack of [`ContinuousTest`]
-/// itself would only let it stop early; it does not keep it from going on to the contact.
-fn keeping(distance: Real) -> Result<ContinuousTest, CollideError> {
-    ContinuousTest::new(SLACK * distance, EARLY)
+/// A linear motion of all vertices, from one list of positions (m) to another.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Motion<'a> {
+    pub(super) from: &'a [Vec3],
+    pub(super) to: &'a [Vec3],
+    /// Range of the barrier (m): what is farther apart may come as near in one step.
+    pub(super) range: Real,
 }
 
-/// Lowers `safe` to the part of the motion from `from` to `to` (m) in which every candidate keeps the part [`SLACK`] of its distance.
-pub(super) fn cap_by_cloth(
-    safe: &mut Safe,
-    candidates: &ClothCandidates<Hierarchy>,
-    from: &[Vec3],
-    to: &[Vec3],
-) -> Result<(), CollideError> {
-    let mut lower = |vertex: u32, impact: Option<Impact>| {
-        if let Some(impact) = impact {
-            safe.lower_to(impact.time, vertex);
+impl Motion<'_> {
+    /// The time (dimensionless, 0..=1) at which a pair's distance is down to the part [`SLACK`] of the `distance` (m) that it has at the start, as `test` finds it; nothing
+    /// if that does not happen. The slack of [`ContinuousTest`] itself would only let it stop early; it does not keep it from going on to the contact.
+    fn time(
+        &self,
+        vertices: [u32; 4],
+        distance: Real,
+        test: impl Fn(&ContinuousTest) -> Result<Option<Real>, CollideError>,
+    ) -> Result<Option<Real>, CollideError> {
+        let size = |list: &[Vec3]| vertices.map(|v| list[v as usize].amax());
+        let sizes = [size(self.from), size(self.to)];
+        let size = sizes.iter().flatten().fold(0.0, |a: Real, b| a.max(*b));
+        let keep = SLACK * distance.min(self.range);
+        if keep <= ROUNDING * size {
+            return Ok(Some(0.0));
         }
-    };
+        test(&ContinuousTest::new(keep, EARLY)?)
+    }
+
+    fn stays<const N: usize>(&self, vertices: [u32; N]) -> bool {
+        gather(self.from, vertices) == gather(self.to, vertices)
+    }
+}
+
+/// Hands `visit` the vertices of every candidate that comes too near on the way, with the time until which it does not (dimensionless, 0..=1).
+pub(super) fn visit_cloth(
+    motion: Motion<'_>,
+    candidates: &ClothCandidates<Hierarchy>,
+    mut visit: impl FnMut(&[u32], Real),
+) -> Result<(), CollideError> {
+    let Motion { from, to, .. } = motion;
     for &[vertex, triangle] in candidates.vertex_triangle() {
         let corners = candidates.triangles()[triangle as usize];
-        let v = vertex as usize;
-        let (start, end) = (gather(from, corners), gather(to, corners));
-        if from[v] == to[v] && start == end {
+        let vertices = [vertex, corners[0], corners[1], corners[2]];
+        if motion.stays(vertices) {
             continue;
         }
-        let test = keeping(point_triangle(from[v], start).distance())?;
-        lower(
-            vertex,
-            test.vertex_triangle([from[v], to[v]], [start, end])?,
-        );
+        let (start, end) = (gather(from, corners), gather(to, corners));
+        let (p, q) = (from[vertex as usize], to[vertex as usize]);
+        let distance = point_triangle(p, start).distance();
+        let time = motion.time(vertices, distance, |test| {
+            let impact = test.vertex_triangle([p, q], [start, end])?;
+            Ok(impact.map(|impact| impact.time))
+        })?;
+        time.into_iter().for_each(|time| visit(&vertices, time));
     }
     for pair in candidates.edge_edge() {
         let [first, second] = pair.map(|e| candidates.edges()[e as usize]);
-        let at = |ends: [u32; 2]| [gather(from, ends), gather(to, ends)];
-        let (one, other) = (at(first), at(second));
-        if one[0] == one[1] && other[0] == other[1] {
+        let vertices = [first[0], first[1], second[0], second[1]];
+        if motion.stays(vertices) {
             continue;
         }
-        let test = keeping(edge_edge(one[0], other[0]).distance())?;
-        lower(first[0], test.edge_edge(one, other)?);
+        let at = |ends: [u32; 2]| [gather(from, ends), gather(to, ends)];
+        let (one, other) = (at(first), at(second));
+        let distance = edge_edge(one[0], other[0]).distance();
+        let time = motion.time(vertices, distance, |test| {
+            let impact = test.edge_edge(one, other)?;
+            Ok(impact.map(|impact| impact.time))
+        })?;
+        time.into_iter().for_each(|time| visit(&vertices, time));
     }
     Ok(())
 }
@@ -90,23 +96,28 @@ pub(super) struct Interval {
     pub(super) duration: Real,
 }
 
-/// The same for the vertices against obstacles that move meanwhile, each vertex keeping its part of φ − `thickness` (m).
-pub(super) fn cap_by_obstacles(
-    safe: &mut Safe,
+/// The same for vertices against obstacles that move meanwhile, with φ − `thickness` (m) for the distance.
+pub(super) fn visit_obstacles(
+    motion: Motion<'_>,
     obstacles: &[Obstacle],
     when: Interval,
     thickness: Real,
-    from: &[Vec3],
-    to: &[Vec3],
+    mut visit: impl FnMut(&[u32], Real),
 ) {
     for obstacle in obstacles {
-        for (vertex, (&from, &to)) in (0u32..).zip(from.iter().zip(to)) {
+        let ends = motion.from.iter().zip(motion.to);
+        for (vertex, (&from, &to)) in (0u32..).zip(ends) {
             let gap = obstacle.clearance(from, when.start).value - thickness;
-            let keep = thickness + SLACK * gap;
             let path = VertexPath::straight(from, to, when.duration);
-            let hit = first_contact(obstacle, &path, when.start, when.duration, keep);
-            if let Some(hit) = hit {
-                safe.lower_to(hit.time / when.duration, vertex);
+            let keep = SLACK * gap.min(motion.range);
+            if keep <= ROUNDING * from.amax().max(to.amax()) {
+                if from != to || !obstacle.motion().is_still() {
+                    visit(&[vertex], 0.0);
+                }
+            } else if let Some(hit) =
+                first_contact(obstacle, &path, when.start, when.duration, thickness + keep)
+            {
+                visit(&[vertex], hit.time / when.duration);
             }
         }
     }

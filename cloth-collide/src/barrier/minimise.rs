@@ -1,6 +1,6 @@
 //! The minimiser: Newton steps that never leave the safe set.
 
-use super::guard::{Interval, Safe, cap_by_cloth, cap_by_obstacles};
+use super::guard::{Interval, Motion, visit_cloth, visit_obstacles};
 use super::newton::NewtonSystem;
 use super::terms::{Surroundings, Terms};
 use crate::broad_phase::{ClothCandidates, Hierarchy};
@@ -43,6 +43,15 @@ pub(super) struct Counts {
     pub(super) newton_steps: u32,
     pub(super) capped_steps: u32,
     pub(super) rounds: u32,
+}
+
+/// A part of a step that is free of contact.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Safe {
+    /// How much of it (dimensionless, 0..=1).
+    part: Real,
+    /// A vertex of what comes next, if something does.
+    vertex: Option<u32>,
 }
 
 /// Why there is no next point.
@@ -125,11 +134,19 @@ impl Minimiser {
         Ok(())
     }
 
-    /// How far the way from x to `to` is safe, while the obstacles move as in `when`.
-    fn cap(&self, when: Option<Interval>) -> Result<Safe, Stuck> {
-        let mut safe = Safe::all();
+    /// Hands `visit` the vertices of all that comes too near on the way from x to `to`, and when; obstacles move as in `when`, or stand still.
+    fn visit_near(
+        &self,
+        when: Option<Interval>,
+        mut visit: impl FnMut(&[u32], Real),
+    ) -> Result<(), Stuck> {
+        let motion = Motion {
+            from: &self.x,
+            to: &self.to,
+            range: self.terms.range(),
+        };
         if let Some(candidates) = &self.candidates {
-            cap_by_cloth(&mut safe, candidates, &self.x, &self.to)?;
+            visit_cloth(motion, candidates, &mut visit)?;
         }
         let still = Interval {
             start: 0.0,
@@ -139,15 +156,29 @@ impl Minimiser {
             Some(when) => (&self.obstacles, when),
             None => (&self.standing, still),
         };
-        cap_by_obstacles(
-            &mut safe,
-            obstacles,
-            when,
-            self.thickness,
-            &self.x,
-            &self.to,
-        );
+        visit_obstacles(motion, obstacles, when, self.thickness, visit);
+        Ok(())
+    }
+
+    /// How far the way from x to `to` is safe.
+    fn cap(&self, when: Option<Interval>) -> Result<Safe, Stuck> {
+        let mut safe = Safe {
+            part: 1.0,
+            vertex: None,
+        };
+        self.visit_near(when, |vertices, part| {
+            if part < safe.part {
+                (safe.part, safe.vertex) = (part, Some(vertices[0]));
+            }
+        })?;
         Ok(safe)
+    }
+
+    /// ∂F · (to − x) (J).
+    fn slope(&self) -> Real {
+        let ways = self.to.iter().zip(&self.x).zip(&self.gradient);
+        let free = ways.zip(&self.weight).filter(|(_, w)| **w > 0.0);
+        free.map(|(((to, x), g), _)| g.dot(&(to - x))).sum()
     }
 
     /// Takes the obstacles to be where they are at `time` (s).
@@ -210,9 +241,9 @@ impl Minimiser {
     }
 
     /// The Newton direction p; `given` sets it for the prescribed vertices, and changes the gradient for what else is known to happen. With the true Hessian if
-    /// that is positive, otherwise without the second derivatives of the distances.
+    /// that is positive, otherwise with that of each pair made so.
     fn direct(&mut self, given: impl Fn(&mut Self)) {
-        for convexity in [Convexity::Exact, Convexity::GaussNewton] {
+        for convexity in [Convexity::Exact, Convexity::Clamp] {
             self.linearise(convexity);
             self.p.fill(Vec3::zeros());
             given(self);
@@ -248,11 +279,7 @@ impl Minimiser {
                 free.filter(|(_, w)| **w > 0.0)
                     .for_each(|((to, y), _)| *to = *y);
             }
-            let along = self.gradient.iter().zip(&self.p).zip(&self.weight);
-            let slope: Real = along
-                .filter(|(_, w)| **w > 0.0)
-                .map(|((g, p), _)| g.dot(p))
-                .sum();
+            let slope = self.slope();
             self.sweep()?;
             let safe = self.cap(None)?;
             self.counts.newton_steps += 1;

@@ -33,7 +33,7 @@ impl NewtonSystem {
     }
 
     /// Solves H p = −g for the vertices with a `weight` m/Δt² (N/m), where `weight` is zero for the others. Their p is given: what `p` holds at the start. Whether
-    /// H has shown itself positive; if not, `p` is nothing but that. A Gauss–Newton Hessian is positive, and where rounding says otherwise (gaps of 1e-8 of
+    /// H has shown itself positive; if not, `p` is nothing but that. Made convex it is, and where rounding says otherwise (gaps of 1e-8 of
     /// the range), `p` is the best so far, or the preconditioned gradient.
     pub(super) fn solve(
         &mut self,
@@ -43,7 +43,7 @@ impl NewtonSystem {
         p: &mut [Vec3],
         convexity: Convexity,
     ) -> bool {
-        let certain = convexity == Convexity::GaussNewton;
+        let certain = convexity != Convexity::Exact;
         if !self.prepare(terms, weight, certain) {
             return false;
         }
