@@ -138,7 +138,7 @@ impl PdSolver {
             column: vec![(vertex, 1.0)],
             weight,
         });
-        self.is_stale = true;
+        self.are_ties_stale = true;
     }
 }
 

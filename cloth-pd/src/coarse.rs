@@ -114,6 +114,11 @@ impl CoarseGrid {
         })
     }
 
+    /// Takes notice of which pieces of the cloth nothing holds any more, or again.
+    pub(crate) fn set_free_pieces(&mut self, free_pieces: &FreePieces) {
+        self.free_pieces.clone_from(free_pieces);
+    }
+
     /// Takes `PᵀHP` at x (m) for a step of `dt` (s). Where it cannot be factorised there is no correction until the next call.
     pub(crate) fn prepare(
         &mut self,

@@ -6,7 +6,8 @@ use cloth_core::step::BuildError;
 /// Settings of [`PdSolver`](crate::PdSolver).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PdConfig {
-    /// Iterations in a step: exactly as many without a tolerance, at most as many with one; at least 1.
+    /// Iterations in a step: exactly as many without a tolerance, at most as many with one; at least 1. A step of [`Acceleration::QuasiNewton`] from [`Start::Inertial`] that would
+    /// gain energy is taken again from `x[0]`, with as many.
     pub iterations: u32,
     /// With `Some(τ)` the iteration ends as soon as `‖∇G(x)‖ ≤ τ ‖∇G(x̃)‖` in the norm of M⁻¹ (τ dimensionless), and the
     /// report has that ratio as its residual. `None`: nothing is computed for it.
@@ -24,7 +25,8 @@ pub enum Start {
     /// `x[0]`, the positions before the step.
     Previous,
     /// `x[0] + Δt v[0]`: the motion goes on as it was. What gravity adds in a step is mostly taken back by a cloth that is held, so this is nearer to the
-    /// end of the step than x̃. A piece of cloth that nothing holds falls as a whole besides, so that its momentum is right from the start.
+    /// end of the step than x̃. Where few iterations end above `G(x[0])`, energy appears in the step, and a tangle may feed on that; [`Acceleration::QuasiNewton`] then
+    /// takes the step again, from x[0]. A piece of cloth that nothing holds falls as a whole besides, so that its momentum is right from the start.
     #[default]
     Inertial,
     /// `x̃`, called `s` in S1 (33): where the vertices would go without elasticity.

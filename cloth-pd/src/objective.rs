@@ -108,6 +108,11 @@ impl Objective {
         Ok(())
     }
 
+    /// Δt (s) of the step.
+    pub(crate) fn dt(&self) -> Real {
+        self.dt
+    }
+
     /// Fills in the positions that belong to the displacement of `point`.
     pub(crate) fn place(&self, point: &mut Point) {
         let moved = self.from.iter().zip(&point.displacement);

@@ -11,7 +11,7 @@ use cloth_core::math::{Real, Vec3};
 /// Part of the promised decrease that has to be kept (Armijo's constant).
 const SUFFICIENT: Real = 1e-4;
 /// Two values of `G` that differ by less than this part of their size cannot be told apart.
-const ROUNDING: Real = 1e-12;
+pub(crate) const ROUNDING: Real = 1e-12;
 /// Part of the first slope that the slope at the new point may have, with either sign, where values cannot be told apart.
 const SLOPE: Real = 0.9;
 /// Step lengths tried along one direction; each is at most half of the one before.

@@ -7,7 +7,7 @@ use crate::free_pieces::FreePieces;
 use crate::global::GlobalSystem;
 use crate::local::{Family, Projections};
 use crate::objective::{Objective, Point};
-use crate::quasi_newton::QuasiNewton;
+use crate::quasi_newton::{QuasiNewton, ROUNDING};
 use cloth_core::element::Projective;
 use cloth_core::math::{Real, Vec3, is_finite};
 use cloth_core::particles::{Particles, State};
@@ -26,11 +26,14 @@ pub struct PdSolver {
     lattice: Option<(Vec<Vec3>, u32)>,
     method: Method,
     free_pieces: FreePieces,
-    /// Whether the cloth was changed since the last step.
+    /// Whether pins or elements were changed since the last step, and whether attachments were.
     pub(crate) is_stale: bool,
+    pub(crate) are_ties_stale: bool,
     config: PdConfig,
     /// The iterate.
     point: Point,
+    /// `x[0]`, for where the iteration ends above it.
+    fallback: Point,
     /// What is left to do with the positions.
     velocities: Vec<Vec3>,
 }
@@ -65,33 +68,11 @@ impl Stepper for PdSolver {
             ..StepReport::new(Outcome::Converged, 0)
         };
         let reference = self.reference();
-        self.start(state, input.dt);
-        report.outcome = loop {
-            if self.global.is_empty() {
-                break Outcome::Converged;
-            }
-            let is_last = report.iterations == self.config.iterations;
-            if is_last && self.config.tolerance.is_none() {
-                break Outcome::BudgetSpent;
-            }
-            if !self.point.is_evaluated {
-                self.objective.evaluate(&mut self.point); // S1 (28)–(31)
-            }
-            if self.is_converged(reference, &mut report) {
-                break Outcome::Converged;
-            }
-            if is_last {
-                break Outcome::BudgetSpent;
-            }
-            self.advance(&mut report); // S1 (34)
-            report.iterations += 1;
-            if let Some(observer) = &mut input.observer {
-                if !self.point.is_evaluated {
-                    self.objective.place(&mut self.point);
-                }
-                observer.iteration(report.iterations, &self.point.positions);
-            }
-        };
+        self.start(state);
+        report.outcome = self.iterate(reference, &mut report, &mut input);
+        if self.has_gained_energy() {
+            report.outcome = self.iterate(reference, &mut report, &mut input);
+        }
         self.finish(state, &mut input)?; // S1 (35)
         Ok(report)
     }
@@ -117,12 +98,19 @@ impl PdSolver {
 
     /// Takes notice of what was changed since the last step.
     fn refresh(&mut self) {
-        if !std::mem::take(&mut self.is_stale) {
+        let are_ties_stale = std::mem::take(&mut self.are_ties_stale);
+        let is_stale = std::mem::take(&mut self.is_stale);
+        let objective = &mut self.objective;
+        if are_ties_stale || is_stale {
+            self.free_pieces = FreePieces::of(self.global.stiffness(), &objective.particles);
+        }
+        if !is_stale {
+            if let (true, Some(coarse)) = (are_ties_stale, &mut self.coarse) {
+                coarse.set_free_pieces(&self.free_pieces);
+            }
             return;
         }
-        let objective = &mut self.objective;
         objective.refresh();
-        self.free_pieces = FreePieces::of(self.global.stiffness(), &objective.particles);
         if let (Some(coarse), Some((rest, cells))) = (&mut self.coarse, &self.lattice) {
             let particles = &objective.particles;
             // A grid that the memory does not hold is one that is not needed.
@@ -145,22 +133,34 @@ impl PdSolver {
         self.objective.norm(&self.point.gradient)
     }
 
-    /// Goes to `x⁽⁰⁾`, and lets everything that remembers begin anew.
-    fn start(&mut self, state: &State, dt: Real) {
-        let particles = &self.objective.particles;
-        for (vertex, q) in self.point.displacement.iter_mut().enumerate() {
+    /// Goes to `x⁽⁰⁾`.
+    fn start(&mut self, state: &State) {
+        let (particles, inertial) = (&self.objective.particles, &self.objective.inertial);
+        let q = &mut self.point.displacement;
+        for (vertex, q) in q.iter_mut().enumerate() {
             *q = match self.config.start {
-                _ if particles.is_prescribed(vertex) => self.objective.inertial[vertex],
+                _ if particles.is_prescribed(vertex) => inertial[vertex],
                 Start::Previous => Vec3::zeros(),
-                Start::Inertial => state.velocities[vertex] * dt,
-                Start::Predicted => self.objective.inertial[vertex],
+                Start::Inertial => state.velocities[vertex] * self.objective.dt(),
+                Start::Predicted => inertial[vertex],
             };
         }
         if self.config.start == Start::Inertial {
-            let (goal, q) = (&self.objective.inertial, &mut self.point.displacement);
-            self.free_pieces.align(Some(goal), q);
+            self.free_pieces.align(Some(inertial), q);
         }
         self.point.is_evaluated = false;
+    }
+
+    /// Iterates from the point to the end, with a memory that begins anew.
+    fn iterate(
+        &mut self,
+        reference: Real,
+        report: &mut StepReport,
+        input: &mut StepInput<'_>,
+    ) -> Outcome {
+        if self.global.is_empty() {
+            return Outcome::Converged;
+        }
         match &mut self.method {
             Method::Plain { .. } => {}
             Method::Chebyshev(method) => method.begin(),
@@ -169,8 +169,65 @@ impl PdSolver {
         if let Some(coarse) = &mut self.coarse {
             self.objective.place(&mut self.point);
             let (families, ties) = (&mut self.objective.families, &self.objective.attachments);
-            coarse.prepare(families, ties, &self.point.positions, dt);
+            coarse.prepare(families, ties, &self.point.positions, input.dt);
         }
+        let last = report.iterations + self.config.iterations;
+        loop {
+            let is_last = report.iterations == last;
+            if is_last && self.config.tolerance.is_none() {
+                return Outcome::BudgetSpent;
+            }
+            if !self.point.is_evaluated {
+                self.objective.evaluate(&mut self.point); // S1 (28)–(31)
+            }
+            if self.is_converged(reference, report) {
+                return Outcome::Converged;
+            }
+            if is_last {
+                return Outcome::BudgetSpent;
+            }
+            self.advance(report); // S1 (34)
+            report.iterations += 1;
+            if let Some(observer) = &mut input.observer {
+                if !self.point.is_evaluated {
+                    self.objective.place(&mut self.point);
+                }
+                observer.iteration(report.iterations, &self.point.positions);
+            }
+        }
+    }
+
+    /// Whether `G` is higher at the point, where the quasi-Newton method has gone from [`Start::Inertial`], than at `x[0]`; the point is then that, with free pieces
+    /// where their momentum takes them.
+    ///
+    /// `G(x[1]) ≤ G(x[0])` says that no energy appears in a step. Every iteration lowers `G`, so a start at `x[0]` has that; one that goes on with the velocity can end
+    /// above it, where the cloth is so tangled that the iterations do not get far, and a tangle fed in every step never rests. `G(x[0])` is an elastic energy, at least 0, so what is below 0
+    /// need not be compared.
+    fn has_gained_energy(&mut self) -> bool {
+        let is_watched = matches!(self.method, Method::QuasiNewton(_))
+            && self.config.start == Start::Inertial
+            && self.point.is_evaluated;
+        if !is_watched || self.point.value <= 0.0 {
+            return false;
+        }
+        let (particles, inertial) = (&self.objective.particles, &self.objective.inertial);
+        let q = &mut self.fallback.displacement;
+        for (vertex, q) in q.iter_mut().enumerate() {
+            let is_prescribed = particles.is_prescribed(vertex);
+            *q = if is_prescribed {
+                inertial[vertex]
+            } else {
+                Vec3::zeros()
+            };
+        }
+        self.free_pieces.align(Some(inertial), q);
+        self.objective.evaluate(&mut self.fallback);
+        let excess = self.point.value - self.fallback.value;
+        let is_higher = excess.is_nan() || excess > ROUNDING * self.fallback.size;
+        if is_higher {
+            std::mem::swap(&mut self.point, &mut self.fallback);
+        }
+        is_higher
     }
 
     /// Whether the tolerance is met at the point.
@@ -314,8 +371,10 @@ impl PdBuilder {
             lattice: coarse.as_ref().and(self.coarse),
             coarse,
             is_stale: false,
+            are_ties_stale: false,
             method,
             point: Point::new(vertex_count),
+            fallback: Point::new(vertex_count),
             velocities: zeros,
         })
     }

@@ -9,7 +9,7 @@ use cloth_core::math::{Real, Vec3};
 use cloth_core::measure::kinetic_energy;
 use cloth_core::particles::State;
 use cloth_core::step::{StepError, StepInput, Stepper};
-use cloth_pd::{PdConfig, Start};
+use cloth_pd::{Acceleration, PdConfig, Start};
 
 type Deform = fn(&Vec3) -> Vec3;
 
@@ -28,7 +28,7 @@ fn potential_energy(model: &ClothModel, x: &[Vec3]) -> Real {
     model.energies().unwrap().value(x) + gravity
 }
 
-/// With two iterations a step. `G(x[1]) ≤ G(x[0])`, which every start at x[0] gives, says in terms of energies: the potential energy after the step and the
+/// With two iterations a step. `G(x[1]) ≤ G(x[0])`, which every start at x[0] gives and the quasi-Newton method sees to after others, says in terms of energies: the potential energy after the step and the
 /// kinetic energy of the change of velocity are together at most the whole energy before it.
 fn recovers(what: &str, model: &ClothModel, rest: &[Vec3], start: &State, config: PdConfig) {
     let moving = |v: &[Vec3]| kinetic_energy(&model.particles, v);
@@ -65,11 +65,17 @@ fn energy_does_not_appear_from_any_start() {
             start[vertex] = rest[vertex];
         }
     };
-    for config in accelerated(iterations(2)) {
-        let config = PdConfig {
-            start: Start::Previous,
-            ..config
-        };
+    let watched =
+        |config: &PdConfig| matches!(config.acceleration, Acceleration::QuasiNewton { .. });
+    let previous = accelerated(iterations(2)).map(|config| PdConfig {
+        start: Start::Previous,
+        ..config
+    });
+    let inertial = previous.into_iter().filter(watched).map(|config| PdConfig {
+        start: Start::Inertial,
+        ..config
+    });
+    for config in previous.into_iter().chain(inertial) {
         for (what, deform) in STARTS {
             let mut start: Vec<Vec3> = rest.iter().map(deform).collect();
             held(&mut start);
@@ -81,8 +87,8 @@ fn energy_does_not_appear_from_any_start() {
     }
 }
 
-#[test]
-fn thirty_iterations_hang_in_the_end_from_any_start() {
+/// Steps, with damping, until the cloth hangs and its forces, as a part of the weight, balance. Where it is without a fold it is stretched by 0.42 %; a fold that has come to rest, of a cloth that may pass through itself, doubles a part of it.
+fn hangs_in_the_end(config: PdConfig, steps: u32, largest_force: Real) {
     let (model, flat) = hanging(9, 1e3);
     let rest = &flat.positions;
     let mut shapes: Vec<(&str, Vec<Vec3>)> = STARTS
@@ -94,19 +100,32 @@ fn thirty_iterations_hang_in_the_end_from_any_start() {
         for vertex in [72, 80] {
             start[vertex] = rest[vertex];
         }
-        let mut solver = coarse_solver(&model, rest, iterations(30));
+        let mut solver = coarse_solver(&model, rest, config);
         let mut state = State::at_rest(start);
-        for _ in 0..600 {
+        for _ in 0..steps {
             solver.step(&mut state, falling()).unwrap();
             state.velocities.iter_mut().for_each(|v| *v *= 0.97);
         }
         let strain = cloth_core::measure::Strain::of(&model.springs, &state.positions);
         let lowest = state.positions.iter().map(|x| x.z).fold(0.0, Real::min);
+        let moving = kinetic_energy(&model.particles, &state.velocities);
+        state.velocities.fill(Vec3::zeros());
+        let (_, force) = potential(&model, &state, &falling(), &state.positions);
         assert!(
-            strain.max < 0.005 && lowest < -0.99,
-            "{what}: {strain:?}, {lowest} m"
+            strain.max < 0.0055 && lowest < -0.99 && force < largest_force,
+            "{what}: {strain:?}, {lowest} m, {moving:e} J, {force:e} of the weight"
         );
     }
+}
+
+#[test]
+fn the_default_hangs_in_the_end_from_any_start() {
+    hangs_in_the_end(PdConfig::default(), 1200, 1e-7);
+}
+
+#[test]
+fn thirty_plain_iterations_hang_in_the_end_from_any_start() {
+    hangs_in_the_end(iterations(30), 600, 0.02);
 }
 
 #[test]
