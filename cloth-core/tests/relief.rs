@@ -1,12 +1,15 @@
 //! Remedies against locking: what each gives and what it breaks, against closed forms (MS-6).
 
+use cloth_core::block_matrix::BlockMatrix;
 use cloth_core::cloth::{
-    BendingCarrier, Carriers, Cloth, ClothError, ClothModel, Membrane, MembraneCarrier,
+    BendingCarrier, Carriers, Cloth, ClothError, ClothModel, Elements, Membrane, MembraneCarrier,
     SpringEdges, SpringLaw,
 };
 use cloth_core::dof::{EdgeRank, bent};
+use cloth_core::element::{Convexity, Energy};
 use cloth_core::energy::CurvatureHinge;
-use cloth_core::math::{Real, Vec3};
+use cloth_core::linear::{BlockCholesky, LinearSolver};
+use cloth_core::math::{Real, Vec3, gather};
 use cloth_core::mesh::TriMesh;
 use cloth_core::mesh::generate::{self, Diagonals, equilateral, grid, irregular};
 use cloth_core::topology::{EdgeTable, HingeTable, Midpoints, Topology, droppable_edges};
@@ -249,6 +252,68 @@ fn midpoints_of_vertices_store_the_energy_of_the_vertices() {
         assert!(apart.fold(0.0, Real::max) < 1e-13);
         assert!(halves.midpoints.widest_gap(&y) < 1e-13);
     }
+}
+
+/// What k of the midpoint hinge means: once the midpoints have settled, a cylinder costs ½ k κ² per area, and so does one about any other axis.
+#[test]
+fn the_coefficient_of_midpoint_hinges_is_the_rigidity() {
+    for angle in [0.0, 0.4, 1.1] {
+        // The rim is held where the midpoints cannot settle; its part falls with the size of the sheet.
+        let [coarse, fine] = [24, 48].map(|n| settled_factor(n, angle) - 1.0);
+        assert!(fine.abs() < 1e-2, "{angle}: {fine}");
+        assert!(fine.abs() < 0.7 * coarse.abs(), "{angle}: {coarse}, {fine}");
+    }
+}
+
+/// Energy per area of a cylinder about an axis at `angle` (rad), over ½ k κ², in the inner quarter of a sheet of n × n equilateral cells.
+fn settled_factor(n: usize, angle: Real) -> Real {
+    const RIGIDITY: Real = 2.0;
+    const CURVATURE: Real = 1e-3;
+    let lattice = equilateral(n, n, 1.0).unwrap();
+    let cloth = Cloth {
+        membrane: Membrane::SpringStiffness(0.0),
+        bending_rigidity: RIGIDITY,
+        ..STIFF
+    };
+    let cut = cloth
+        .on_midpoints(MembraneCarrier::Springs, &lattice)
+        .unwrap();
+    let size = n as Real - 1.0;
+    let is_inside = |p: &Vec3, margin: Real| {
+        let height = size * 0.75_f64.sqrt();
+        let sides = [p.x - 0.5, size - p.x, p.y, height - p.y];
+        sides.iter().all(|&d| d > margin)
+    };
+    let axis = Vec3::new(-angle.sin(), angle.cos(), 0.0);
+    let raised = |p: &Vec3| p + Vec3::z() * (0.5 * CURVATURE * axis.dot(p).powi(2));
+    let flat = cut.midpoints.mesh().positions();
+    let mut x: Vec<Vec3> = flat.iter().map(raised).collect();
+    let is_free: Vec<bool> = flat.iter().map(|p| is_inside(p, 2.5)).collect();
+    // Quadratic: one Newton step is the minimum.
+    let mut energies = cut.model.energies().unwrap();
+    let mut hessian = BlockMatrix::zeros(energies.bind_pattern());
+    energies.add_hessian(&x, 1.0, Convexity::Exact, &mut hessian);
+    let mut gradient = vec![Vec3::zeros(); x.len()];
+    energies.add_gradient(&x, &mut gradient);
+    let mut cholesky = BlockCholesky::analyze(hessian.pattern(), &is_free).unwrap();
+    LinearSolver::prepare(&mut cholesky, &hessian).unwrap();
+    let mut step = vec![Vec3::zeros(); x.len()];
+    LinearSolver::solve(&mut cholesky, &hessian, &gradient, &mut step).unwrap();
+    for (point, moved) in x.iter_mut().zip(&step) {
+        *point -= moved;
+    }
+    let Some(Elements::Midpoint(hinges)) = cut.model.others.last() else {
+        panic!("{:?}", cut.model.others)
+    };
+    let (mut energy, mut area) = (0.0, 0.0);
+    for hinge in hinges {
+        let points = gather(&x, hinge.vertices);
+        if points.iter().all(|p| is_inside(p, 0.25 * size)) {
+            energy += hinge.value(&points);
+            area += RIGIDITY / hinge.stiffness; // (A₀ + A₁)/3 = k/K
+        }
+    }
+    energy / area / (0.5 * RIGIDITY * CURVATURE * CURVATURE)
 }
 
 #[test]

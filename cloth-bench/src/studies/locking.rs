@@ -1,158 +1,84 @@
-//! How many degrees of freedom rigid edges leave, counted and measured (BENCH-2; VALIDATION 6).
+//! Bending lock: counted, measured, and cured (BENCH-2, MS-6; VALIDATION 6).
+
+mod cone;
+mod count;
+mod fold;
+mod methods;
+mod picture;
+mod remedies;
+mod sheet;
+mod sweeps;
+
+pub use count::Locking;
 
 use super::{Findings, Scope, Study};
 use crate::error::BenchError;
-use crate::mesh_spec;
-use crate::report::plot::{Axis, Plot, Series, Style};
-use crate::report::table::{Cell, Table};
-use cloth_core::dof::{EdgeRank, bent};
-use cloth_core::math::Real;
-use cloth_core::mesh::TriMesh;
-use cloth_core::topology::{EdgeTable, Topology};
+use sweeps::{Folds, OnCones};
 
 pub(super) const STUDY: Study = Study {
     name: "locking",
-    question: "How many motions does a sheet with rigid edges have, and does the diagonal pattern matter?",
-    about: "The count 3V − E assumes that the edge lengths are independent conditions. Rank and nullity are those of the \
-        Jacobian of the edge lengths, at rest and after a smooth bend by up to a quarter of the size; a motion that belongs to the null space keeps \
-        every length to first order. The smallest kept singular value tells how near the bent sheet is to having one motion more.",
+    question: "How many motions does a sheet with rigid edges have, what does that do to folds, and what helps?",
+    about: "Count: 3V − E assumes that the edge lengths are independent conditions; rank and nullity are those of the Jacobian of the edge lengths, at rest and after a smooth \
+        bend by up to a quarter of the size, and the smallest kept singular value tells how near the sheet is to having one motion more. \
+        Cone: a quarter of a ring between clamps that lie on a cone; its energy at rest, over that of its hinges with every vertex on the cone. Stiff is a sheet whose energy no longer rises with Y, locked \
+        one whose energy does. l* = (702 D R²/Y)^¼ is the edge length at which springs with all vertices on a surface of radius R store as much as the hinges. \
+        Fold: a unit square, held along one diagonal, whose corners hang down; fold angle (°) below the horizontal at which the corners are seen from the clamp; bending reached is the energy of the hinges over that of the \
+        exact elastica with the rigidity that the hinges have about this axis (column rigidity over D). rising is the direction of the diagonals of a one-way grid. A sheet free to curve across is softer than the elastica, which is why \
+        bending reached exceeds 1 where nothing locks. \
+        Remedies: conditions are the springs, as if all were taut; pull, push and shear are the energies at 2 % strain over those of the springs, \
+        so they say what a remedy breaks. Cone at Y = 1e8 N/m and at a hundredth of it, fold at 1e6 N/m, held along the falling diagonal. Cost per step: shortest of seven linearised steps of implicit Euler, over that of the springs. \
+        Methods: the same fold on 16 cells, alternating, Y = 1e6 N/m, with steps of 1/60 s until nothing moves by 0.1 mm/s; strains are those of the edges. D = 0.02 N·m everywhere, density 0.2 kg/m².",
     cases,
     run,
 };
 
-const PATTERNS: [&str; 5] = [
-    "one-way",
-    "alternating",
-    "crossed",
-    "equilateral",
-    "irregular",
-];
-
-fn sizes(scope: Scope) -> &'static [usize] {
-    match scope {
-        Scope::Quick => &[4, 8, 16, 32],
-        Scope::Full => &[4, 8, 16, 32, 64, 128],
-    }
-}
-
 fn cases(scope: Scope) -> u64 {
-    (PATTERNS.len() * sizes(scope).len()) as u64
-}
-
-/// The numbers of `cloth-bench locking`.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Locking {
-    /// The counts.
-    pub topology: Topology,
-    /// At rest.
-    pub flat: EdgeRank,
-    /// After [`bent`].
-    pub bent: EdgeRank,
-}
-
-impl Locking {
-    /// Counts and measures a mesh.
-    ///
-    /// # Errors
-    /// [`BenchError::Usage`] if an edge is not manifold, [`BenchError::Failed`] if the rank cannot be measured.
-    pub fn of(mesh: &TriMesh) -> Result<Self, BenchError> {
-        let edges = EdgeTable::build(mesh).map_err(BenchError::usage)?;
-        Ok(Self {
-            topology: Topology::of(mesh, &edges),
-            flat: EdgeRank::measure(mesh.positions(), &edges).map_err(BenchError::failed)?,
-            bent: EdgeRank::measure(&bent(mesh.positions()), &edges).map_err(BenchError::failed)?,
-        })
-    }
-}
-
-fn mesh(pattern: &str, cells: usize) -> Result<TriMesh, BenchError> {
-    let n = cells + 1;
-    mesh_spec::load(&match pattern {
-        "equilateral" => format!("equilateral:{n}x{n}"),
-        "irregular" => format!("irregular:{n}"),
-        grid => format!("grid:{n}x{n}:{grid}"),
-    })
+    count::cases(scope) + sweeps::cases(scope) + remedies::cases(scope) + methods::cases(scope) + 3
 }
 
 fn run(scope: Scope, progress: &mut dyn FnMut(&str)) -> Result<Findings, BenchError> {
-    let mut table = Table::new(&[
-        "pattern",
-        "cells",
-        "vertices",
-        "edges",
-        "3V − E",
-        "3χ + E_b",
-        "nullity flat",
-        "nullity bent",
-        "self-stresses flat",
-        "self-stresses bent",
-        "smallest kept, bent",
-    ]);
-    let mut share = Vec::new();
-    let mut smallest = Vec::new();
-    let mut as_counted = true;
-    for pattern in PATTERNS {
-        let mut shares = Vec::new();
-        let mut kept = Vec::new();
-        for &cells in sizes(scope) {
-            progress(&format!("locking: {pattern}, {cells} cells a side"));
-            let found = Locking::of(&mesh(pattern, cells)?)?;
-            let t = found.topology;
-            let coordinates = 3.0 * t.vertices as Real;
-            as_counted &=
-                found.bent.nullity as i64 == t.count_3v_e && found.flat.nullity == t.vertices + 3;
-            shares.push((cells as Real, found.bent.nullity as Real / coordinates));
-            kept.push((cells as Real, found.bent.smallest_kept));
-            table.push([
-                Cell::from(pattern),
-                Cell::from(cells),
-                Cell::from(t.vertices),
-                Cell::from(t.edges),
-                Cell::from(t.count_3v_e),
-                Cell::from(3 * t.euler + t.boundary_edges as i64),
-                Cell::from(found.flat.nullity),
-                Cell::from(found.bent.nullity),
-                Cell::from(found.flat.self_stresses),
-                Cell::from(found.bent.self_stresses),
-                Cell::from(found.bent.smallest_kept),
-            ]);
-        }
-        share.push(Series::new(pattern, shares));
-        smallest.push(Series::new(pattern, kept));
-    }
-    let closed_form = |&n: &usize| {
-        let n = n as Real;
-        (n, (3.0 + 4.0 * n) / (3.0 * (n + 1.0) * (n + 1.0)))
-    };
-    let curve = sizes(scope).iter().map(closed_form).collect();
-    share.push(Series::new("(3 + 4n)/3(n + 1)²", curve).styled(Style::ExactCurve));
     let mut findings = Findings::default();
-    findings.plot(
-        "locking-share",
-        &Plot {
-            title: "Motions left by rigid edges, as a share of all coordinates".into(),
-            x: Axis::log("cells a side (dimensionless)"),
-            y: Axis::log("nullity of the bent sheet / 3V (dimensionless)"),
-            series: share,
-            note: "The dashed curve is the closed form for a square grid with one diagonal a cell."
-                .into(),
-        },
-    );
-    findings.plot("locking-smallest", &Plot {
-        title: "How firmly the bent sheet is locked".into(),
-        x: Axis::log("cells a side (dimensionless)"),
-        y: Axis::log("smallest kept singular value (dimensionless)"),
-        series: smallest,
-        note: "Small values are motions that cost next to nothing although no rigid edge allows them.".into(),
-    });
-    findings.section.verdict = Some(if as_counted {
-        "For every pattern and size the bent sheet has exactly 3V − E = 3χ + E_b motions: those of its boundary. Per \
-         vertex that goes to zero as the mesh is refined, whatever the pattern; the flat sheet looks far freer, with V + 3, and \
-         loses the difference with the first bend."
-            .into()
-    } else {
-        "The measured null spaces are not those of the count everywhere: see the table for where they differ.".into()
-    });
-    findings.table("locking", "Counted and measured degrees of freedom", table);
+    let as_counted = count::run(scope, &mut findings, progress)?;
+    picture::draw(&mut findings, progress)?;
+    let cones = sweeps::cones(scope, &mut findings, progress)?;
+    let folds = sweeps::folds(scope, &mut findings, progress)?;
+    remedies::run(scope, &mut findings, progress)?;
+    methods::run(scope, &mut findings, progress)?;
+    findings.section.verdict = Some(verdict(as_counted, &cones, &folds));
     Ok(findings)
+}
+
+fn verdict(as_counted: bool, cones: &OnCones, folds: &Folds) -> String {
+    let count = if as_counted {
+        "For every pattern and size the bent sheet has exactly 3V − E = 3χ + E_b motions, those of its boundary, and the flat one V + 3."
+    } else {
+        "The measured null spaces are NOT those of the count everywhere."
+    };
+    let [least, most] = cones.placed;
+    let constant = if least > 0.5 && most < 2.0 {
+        "The constant 702 is confirmed for vertices on a smooth surface"
+    } else {
+        "The constant 702 is REFUTED even for vertices on a smooth surface"
+    };
+    let [remaining, at_most] = cones.left;
+    let (pattern, cells, ratio, energy) = cones.worst;
+    let [from, to] = folds.halved;
+    let onset = if folds.locked == 0 {
+        "No fold lost half of its bending".to_owned()
+    } else {
+        let judged = if from > 0.5 && to < 2.0 {
+            "confirmed within a factor of 2"
+        } else {
+            "REFUTED as a sharp number"
+        };
+        format!(
+            "As the edge length at which a fold under its own weight locks, l* is {judged}: {} of {} sheets lose half of their bending, at l = {from:.2} to {to:.2} l*; the others have lines of edges along the fold, or are not yet that stiff",
+            folds.locked,
+            folds.locked + folds.free
+        )
+    };
+    format!(
+        "{count} {constant} (membrane energy {least:.2} to {most:.2} times (l/l*)⁴ on the cone), but a sheet does not stay there: beyond l* it gets rid of all but {remaining:.0e} to {at_most:.2} of it by \
+         leaving the surface. The most locked cone is {pattern}, {cells} cells, l = {ratio:.1} l*, at {energy:.1} times the developable energy. {onset}."
+    )
 }

@@ -1,0 +1,145 @@
+//! How many degrees of freedom rigid edges leave, counted and measured (BENCH-2; VALIDATION 6).
+
+use super::{Findings, Scope};
+use crate::error::BenchError;
+use crate::mesh_spec;
+use crate::report::plot::{Axis, Plot, Series, Style};
+use crate::report::table::{Cell, Table};
+use cloth_core::dof::{EdgeRank, bent};
+use cloth_core::math::Real;
+use cloth_core::mesh::TriMesh;
+use cloth_core::topology::{EdgeTable, Topology};
+
+pub(super) const PATTERNS: [&str; 5] = [
+    "one-way",
+    "alternating",
+    "crossed",
+    "equilateral",
+    "irregular",
+];
+
+/// Cells a side.
+fn sizes(scope: Scope) -> &'static [usize] {
+    match scope {
+        Scope::Quick => &[4, 8, 16, 32],
+        Scope::Full => &[4, 8, 16, 32, 64, 128],
+    }
+}
+
+pub(super) fn cases(scope: Scope) -> u64 {
+    (PATTERNS.len() * sizes(scope).len()) as u64
+}
+
+/// The numbers of `cloth-bench locking`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Locking {
+    /// The counts.
+    pub topology: Topology,
+    /// At rest.
+    pub flat: EdgeRank,
+    /// After [`bent`].
+    pub bent: EdgeRank,
+}
+
+impl Locking {
+    /// Counts and measures a mesh.
+    ///
+    /// # Errors
+    /// [`BenchError::Usage`] if an edge is not manifold, [`BenchError::Failed`] if the rank cannot be measured.
+    pub fn of(mesh: &TriMesh) -> Result<Self, BenchError> {
+        let edges = EdgeTable::build(mesh).map_err(BenchError::usage)?;
+        Ok(Self {
+            topology: Topology::of(mesh, &edges),
+            flat: EdgeRank::measure(mesh.positions(), &edges).map_err(BenchError::failed)?,
+            bent: EdgeRank::measure(&bent(mesh.positions()), &edges).map_err(BenchError::failed)?,
+        })
+    }
+}
+
+pub(super) fn mesh_of(pattern: &str, cells: usize) -> Result<TriMesh, BenchError> {
+    let n = cells + 1;
+    mesh_spec::load(&match pattern {
+        "equilateral" => format!("equilateral:{n}x{n}"),
+        "irregular" => format!("irregular:{n}"),
+        grid => format!("grid:{n}x{n}:{grid}"),
+    })
+}
+
+/// Counts and measures every pattern; whether the count was right everywhere.
+pub(super) fn run(
+    scope: Scope,
+    findings: &mut Findings,
+    progress: &mut dyn FnMut(&str),
+) -> Result<bool, BenchError> {
+    let mut table = Table::new(&[
+        "pattern",
+        "cells",
+        "vertices",
+        "edges",
+        "3V − E",
+        "3χ + E_b",
+        "nullity flat",
+        "nullity bent",
+        "self-stresses flat",
+        "self-stresses bent",
+        "smallest kept, bent",
+    ]);
+    let mut share = Vec::new();
+    let mut smallest = Vec::new();
+    let mut as_counted = true;
+    for pattern in PATTERNS {
+        let mut shares = Vec::new();
+        let mut kept = Vec::new();
+        for &cells in sizes(scope) {
+            progress(&format!("locking: {pattern}, {cells} cells a side"));
+            let found = Locking::of(&mesh_of(pattern, cells)?)?;
+            let t = found.topology;
+            let coordinates = 3.0 * t.vertices as Real;
+            as_counted &=
+                found.bent.nullity as i64 == t.count_3v_e && found.flat.nullity == t.vertices + 3;
+            shares.push((cells as Real, found.bent.nullity as Real / coordinates));
+            kept.push((cells as Real, found.bent.smallest_kept));
+            table.push([
+                Cell::from(pattern),
+                Cell::from(cells),
+                Cell::from(t.vertices),
+                Cell::from(t.edges),
+                Cell::from(t.count_3v_e),
+                Cell::from(3 * t.euler + t.boundary_edges as i64),
+                Cell::from(found.flat.nullity),
+                Cell::from(found.bent.nullity),
+                Cell::from(found.flat.self_stresses),
+                Cell::from(found.bent.self_stresses),
+                Cell::from(found.bent.smallest_kept),
+            ]);
+        }
+        share.push(Series::new(pattern, shares));
+        smallest.push(Series::new(pattern, kept));
+    }
+    let closed_form = |&n: &usize| {
+        let n = n as Real;
+        (n, (3.0 + 4.0 * n) / (3.0 * (n + 1.0) * (n + 1.0)))
+    };
+    let curve = sizes(scope).iter().map(closed_form).collect();
+    share.push(Series::new("(3 + 4n)/3(n + 1)²", curve).styled(Style::ExactCurve));
+    findings.plot(
+        "locking-share",
+        &Plot {
+            title: "Motions left by rigid edges, as a share of all coordinates".into(),
+            x: Axis::log("cells a side (dimensionless)"),
+            y: Axis::log("nullity of the bent sheet / 3V (dimensionless)"),
+            series: share,
+            note: "The dashed curve is the closed form for a square grid with one diagonal a cell."
+                .into(),
+        },
+    );
+    findings.plot("locking-smallest", &Plot {
+        title: "How firmly the bent sheet is locked".into(),
+        x: Axis::log("cells a side (dimensionless)"),
+        y: Axis::log("smallest kept singular value (dimensionless)"),
+        series: smallest,
+        note: "Small values are motions that cost next to nothing although no rigid edge allows them.".into(),
+    });
+    findings.table("locking", "Counted and measured degrees of freedom", table);
+    Ok(as_counted)
+}

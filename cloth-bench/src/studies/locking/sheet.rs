@@ -1,0 +1,280 @@
+//! A sheet with a membrane of some kind, held where a scene wants it, and its rest.
+
+use super::count::mesh_of;
+use crate::error::BenchError;
+use crate::method;
+use cloth_core::cloth::{
+    Carriers, Cloth, Elements, Membrane, MembraneCarrier, SpringEdges, SpringLaw,
+};
+use cloth_core::element::Element;
+use cloth_core::family::Energies;
+use cloth_core::math::{Real, Vec3};
+use cloth_core::mesh::TriMesh;
+use cloth_core::particles::{Particles, State};
+use cloth_core::step::{StepInput, Stepper};
+use cloth_core::topology::{EdgeTable, Midpoints};
+use cloth_massspring::ImplicitConfig;
+
+/// What carries the membrane.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Kind {
+    Springs,
+    Stvk,
+    Arap,
+    /// Springs with this share of k under compression.
+    Compression(Real),
+    /// Springs that are slack up to this strain.
+    Slack(Real),
+    /// Springs on so few edges that this share of the coordinates is free.
+    Freedom(Real),
+    Quads,
+    /// Springs a hundred times softer, and limits at this strain as stiff as the springs would be.
+    Limited(Real),
+    /// Springs on the triangles of edge midpoints.
+    Midpoints,
+}
+
+/// The kinds of the study, with their names.
+pub(super) const KINDS: [(&str, Kind); 9] = [
+    ("springs", Kind::Springs),
+    ("StVK", Kind::Stvk),
+    ("ARAP", Kind::Arap),
+    ("k/100 under compression", Kind::Compression(0.01)),
+    ("slack ±0.5 %", Kind::Slack(0.005)),
+    ("a fifth free", Kind::Freedom(0.2)),
+    ("quads", Kind::Quads),
+    ("soft, limited at 1 %", Kind::Limited(0.01)),
+    ("midpoints", Kind::Midpoints),
+];
+
+/// A cloth on a mesh or on its midpoints; `points` are its degrees of freedom.
+#[derive(Debug)]
+pub(super) struct Sheet {
+    pub(super) mesh: TriMesh,
+    midpoints: Option<Midpoints>,
+    pub(super) particles: Particles,
+    membrane: Vec<Elements>,
+    bending: Vec<Elements>,
+    /// Positions at rest (m) of all points.
+    pub(super) points: Vec<Vec3>,
+}
+
+/// Where a sheet comes to rest.
+#[derive(Clone, Debug)]
+pub(super) struct Rest {
+    /// Positions (m) of all points.
+    pub(super) points: Vec<Vec3>,
+    /// Newton iterations.
+    pub(super) iterations: u32,
+    /// How far (m) a point moved at most in the last step.
+    pub(super) last_move: Real,
+}
+
+impl Sheet {
+    /// A sheet of density 0.2 kg/m², modulus `modulus` (N/m) and rigidity `rigidity` (N·m).
+    pub(super) fn new(
+        mesh: TriMesh,
+        kind: Kind,
+        modulus: Real,
+        rigidity: Real,
+    ) -> Result<Self, BenchError> {
+        let cloth = |modulus: Real, rigidity: Real| Cloth {
+            areal_density: 0.2,
+            membrane: Membrane::Modulus(modulus),
+            bending_rigidity: rigidity,
+        };
+        let stiff = cloth(modulus, rigidity);
+        if kind == Kind::Midpoints {
+            let cut = stiff
+                .on_midpoints(MembraneCarrier::Springs, &mesh)
+                .map_err(BenchError::usage)?;
+            let (bending, membrane) = parted(cut.model.families());
+            return Ok(Self {
+                points: cut.midpoints.mesh().positions().to_vec(),
+                midpoints: Some(cut.midpoints),
+                particles: cut.model.particles,
+                membrane,
+                bending,
+                mesh,
+            });
+        }
+        let plain = Carriers::default();
+        let law = |law| Carriers { law, ..plain };
+        let edges = |edges| Carriers { edges, ..plain };
+        let carriers = match kind {
+            Kind::Springs | Kind::Midpoints => plain,
+            Kind::Stvk => Carriers {
+                membrane: MembraneCarrier::Stvk {
+                    poisson_ratio: 1.0 / 3.0,
+                },
+                ..plain
+            },
+            Kind::Arap => Carriers {
+                membrane: MembraneCarrier::Arap,
+                ..plain
+            },
+            Kind::Compression(share) => law(SpringLaw::Compression(share)),
+            Kind::Slack(strain) => law(SpringLaw::Slack([1.0 - strain, 1.0 + strain])),
+            Kind::Limited(strain) => law(SpringLaw::Slack([1.0 - strain, 1.0 + strain])),
+            Kind::Freedom(share) => edges(SpringEdges::Freedom(share)),
+            Kind::Quads => edges(SpringEdges::Quads),
+        };
+        let cut = |cloth: Cloth, carriers: &Carriers| {
+            cloth.carried_by(carriers, &mesh).map_err(BenchError::usage)
+        };
+        let model = cut(stiff, &carriers)?;
+        let (bending, mut membrane) = parted(model.families());
+        if let Kind::Limited(_) = kind {
+            membrane.extend(cut(cloth(0.01 * modulus, 0.0), &plain)?.families());
+        }
+        Ok(Self {
+            points: mesh.positions().to_vec(),
+            midpoints: None,
+            particles: model.particles,
+            membrane,
+            bending,
+            mesh,
+        })
+    }
+
+    /// Holds the points that lie at rest where `is_held` says, and drops the elements between them: what a scene does to those is none of the sheet's doing.
+    pub(super) fn hold(&mut self, is_held: impl Fn(&Vec3) -> bool) -> Result<(), BenchError> {
+        for (point, x) in self.points.iter().enumerate() {
+            if is_held(x) {
+                self.particles
+                    .prescribe(point)
+                    .map_err(BenchError::failed)?;
+            }
+        }
+        let particles = &self.particles;
+        for family in self.membrane.iter_mut().chain(&mut self.bending) {
+            match family {
+                Elements::Springs(elements) => keep_free(elements, particles),
+                Elements::Limited(elements) => keep_free(elements, particles),
+                Elements::Stvk(elements) => keep_free(elements, particles),
+                Elements::Arap(elements) => keep_free(elements, particles),
+                Elements::Quadratic(elements) => keep_free(elements, particles),
+                Elements::Midpoint(elements) => keep_free(elements, particles),
+                _ => {}
+            }
+        }
+        Ok(())
+    }
+
+    /// The points (m) when the sheet is moved by `place`, which maps positions at rest (m).
+    pub(super) fn placed(&self, place: impl Fn(&Vec3) -> Vec3) -> Vec<Vec3> {
+        self.points.iter().map(place).collect()
+    }
+
+    /// Positions (m) of the vertices.
+    pub(super) fn vertices(&self, points: &[Vec3]) -> Vec<Vec3> {
+        match &self.midpoints {
+            Some(midpoints) => midpoints.vertices(points),
+            None => points.to_vec(),
+        }
+    }
+
+    /// Energy (J) of the hinges.
+    pub(super) fn bending_energy(&self, points: &[Vec3]) -> Result<Real, BenchError> {
+        Ok(self.sum_of(&self.bending)?.value(points))
+    }
+
+    /// Energy (J) of the membrane.
+    pub(super) fn membrane_energy(&self, points: &[Vec3]) -> Result<Real, BenchError> {
+        Ok(self.sum_of(&self.membrane)?.value(points))
+    }
+
+    fn sum_of(&self, families: &[Elements]) -> Result<Energies, BenchError> {
+        let none = Energies::new(self.particles.len());
+        families
+            .iter()
+            .cloned()
+            .try_fold(none, |sum, family| family.add_to(sum))
+            .map_err(BenchError::failed)
+    }
+
+    /// The pairs of points whose distance is a condition, as if all springs were taut.
+    pub(super) fn conditions(&self) -> Result<Vec<[u32; 2]>, BenchError> {
+        if let Some(Elements::Springs(springs)) = self.membrane.last() {
+            return Ok(springs.iter().map(|s| s.vertices).collect());
+        }
+        if let Some(Elements::Limited(springs)) = self.membrane.last() {
+            return Ok(springs.iter().map(|s| s.vertices).collect());
+        }
+        // The three strains of a triangle are the lengths of its sides.
+        let edges = EdgeTable::build(&self.mesh).map_err(BenchError::failed)?;
+        Ok(edges.ends().to_vec())
+    }
+
+    /// All elements.
+    pub(super) fn families(&self) -> Vec<Elements> {
+        self.membrane.iter().chain(&self.bending).cloned().collect()
+    }
+
+    /// Rest under gravity (m/s²), from `start`: long steps of implicit Euler that each begin without velocity, until one moves no point by 1e-6 m.
+    pub(super) fn rest(&self, start: Vec<Vec3>, gravity: Vec3) -> Result<Rest, BenchError> {
+        const MOST_STEPS: u32 = 30;
+        const DT: Real = 2.0;
+        // Under gravity the first gradient is that of the free fall of a whole step, and no measure of what is left.
+        let tolerance = if gravity == Vec3::zeros() {
+            1e-7
+        } else {
+            1e-13
+        };
+        let config = ImplicitConfig {
+            max_iterations: 300,
+            tolerance,
+            ..Default::default()
+        };
+        let mut newton = method::implicit_euler(&self.particles, self.families(), config)?;
+        let mut found = Rest {
+            points: start,
+            iterations: 0,
+            last_move: Real::INFINITY,
+        };
+        for _ in 0..MOST_STEPS {
+            let mut state = State::at_rest(found.points.clone());
+            let report = newton
+                .step(&mut state, StepInput::new(DT).gravity(gravity))
+                .map_err(BenchError::failed)?;
+            let moved = state.positions.iter().zip(&found.points);
+            found.last_move = moved.map(|(a, b)| (a - b).norm()).fold(0.0, Real::max);
+            found.iterations += report.iterations;
+            found.points = state.positions;
+            if found.last_move < 1e-6 {
+                break;
+            }
+        }
+        Ok(found)
+    }
+}
+
+/// Drops the elements whose points are all held.
+fn keep_free<const N: usize, E: Element<N>>(elements: &mut Vec<E>, particles: &Particles) {
+    elements.retain(|element| {
+        let points = element.vertices();
+        !points.iter().all(|&p| particles.is_prescribed(p as usize))
+    });
+}
+
+/// Bending and membrane apart.
+fn parted(families: Vec<Elements>) -> (Vec<Elements>, Vec<Elements>) {
+    families
+        .into_iter()
+        .partition(|family| matches!(family, Elements::Quadratic(_) | Elements::Midpoint(_)))
+}
+
+/// A mesh of the unit square with `cells` cells a side. The lattice of equilateral triangles is stretched by a few per cent in y to fill the square, and
+/// its zigzag sides are half a triangle deep.
+pub(super) fn square(pattern: &str, cells: usize) -> Result<TriMesh, BenchError> {
+    if pattern != "equilateral" {
+        return mesh_of(pattern, cells);
+    }
+    let rows = (cells as Real / 0.75_f64.sqrt()).round() as usize;
+    let lattice = cloth_core::mesh::generate::equilateral(cells + 1, rows + 1, 1.0)
+        .map_err(BenchError::failed)?;
+    let [wide, high] = [cells as Real + 0.5, rows as Real * 0.75_f64.sqrt()];
+    let place = |p: &Vec3| Vec3::new(p.x / wide, p.y / high, 0.0);
+    let positions = lattice.positions().iter().map(place).collect();
+    TriMesh::new(positions, lattice.triangles().to_vec()).map_err(BenchError::failed)
+}

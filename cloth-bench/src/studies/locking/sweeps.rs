@@ -1,0 +1,305 @@
+//! Locked or stiff: cone and fold against membrane modulus, resolution and pattern.
+
+use super::cone::{self, OnCone};
+use super::count::PATTERNS;
+use super::fold::{self, Axis};
+use super::sheet::Kind;
+use crate::error::BenchError;
+use crate::report::plot::{self, Plot, Series, Style};
+use crate::report::table::{Cell, Table};
+use crate::studies::{Findings, Scope};
+use cloth_core::math::Real;
+
+/// D (N·m) of the cone and the fold.
+pub(super) const RIGIDITY: Real = 0.02;
+
+/// Moduli Y (N/m).
+fn moduli(scope: Scope, cells: usize) -> &'static [Real] {
+    match scope {
+        Scope::Full if cells <= 64 => &[1e3, 1e4, 1e5, 1e6, 1e7, 1e8],
+        _ => &[1e4, 1e6, 1e8],
+    }
+}
+
+pub(super) fn sizes(scope: Scope) -> &'static [usize] {
+    match scope {
+        Scope::Quick => &[16, 32],
+        Scope::Full => &[16, 32, 64, 128],
+    }
+}
+
+fn fold_moduli(scope: Scope, cells: usize) -> &'static [Real] {
+    match scope {
+        Scope::Quick => &[1e4, 1e6],
+        Scope::Full if cells <= 16 => &[1e3, 1e4, 1e5, 1e6, 1e7, 1e8],
+        Scope::Full if cells <= 32 => &[1e3, 1e4, 1e5, 1e6, 1e7],
+        Scope::Full => &[1e4, 1e6],
+    }
+}
+
+fn fold_sizes(scope: Scope) -> &'static [usize] {
+    match scope {
+        Scope::Quick => &[16],
+        Scope::Full => &[16, 32, 64],
+    }
+}
+
+pub(super) fn cases(scope: Scope) -> u64 {
+    ((sizes(scope).len() + 2 * fold_sizes(scope).len()) * PATTERNS.len()) as u64
+}
+
+/// `l* = (702 D R²/Y)^¼` (m): the edge length at which the membrane of a locked bend of radius `radius` (m) was estimated to cost as much as its bending.
+pub(super) fn critical_length(radius: Real, modulus: Real, rigidity: Real) -> Real {
+    (702.0 * rigidity * radius * radius / modulus).powf(0.25)
+}
+
+/// What the cones say about the estimate.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct OnCones {
+    /// Least and largest membrane energy with all vertices on the cone over the estimate's `(l/l*)⁴`, which is exact for springs that are alike in all directions.
+    pub(super) placed: [Real; 2],
+    /// Least and largest part of that energy that is left at rest, where l > l*.
+    pub(super) left: [Real; 2],
+    /// The most locked sheet: its pattern, its cells a side, l/l*, and its energy over the developable answer.
+    pub(super) worst: (&'static str, usize, Real, Real),
+}
+
+fn widen(range: &mut [Real; 2], value: Real) {
+    *range = [range[0].min(value), range[1].max(value)];
+}
+
+/// The cone for every pattern.
+pub(super) fn cones(
+    scope: Scope,
+    findings: &mut Findings,
+    progress: &mut dyn FnMut(&str),
+) -> Result<OnCones, BenchError> {
+    let mut table = Table::new(&[
+        "pattern",
+        "cells",
+        "Y",
+        "l over l*",
+        "energy over developable",
+        "membrane over developable",
+        "the same, vertices on the cone",
+        "Newton iterations",
+        "last move",
+    ]);
+    let mut told = OnCones {
+        placed: [Real::INFINITY, 0.0],
+        left: [Real::INFINITY, 0.0],
+        worst: ("", 0, 0.0, 0.0),
+    };
+    let mut series = Vec::new();
+    for pattern in PATTERNS {
+        let mut curve = Vec::new();
+        for &cells in sizes(scope) {
+            progress(&format!("locking: cone, {pattern}, {cells} cells"));
+            let length = 1.0 / cells as Real;
+            for &modulus in moduli(scope, cells) {
+                let case = format!("cone, {pattern}, {cells} cells, Y = {modulus:e} N/m");
+                let found = cone::bend(pattern, cells, Kind::Springs, modulus, RIGIDITY);
+                let Some(found) = findings.unless_failed(&case, found) else {
+                    continue;
+                };
+                let OnCone {
+                    energy, membrane, ..
+                } = found;
+                let ratio = length / critical_length(1.0 / cone::curvature(), modulus, RIGIDITY);
+                curve.push((ratio, energy));
+                widen(&mut told.placed, found.placed / ratio.powi(4));
+                if ratio > 1.0 {
+                    widen(&mut told.left, membrane / found.placed);
+                }
+                if energy > told.worst.3 {
+                    told.worst = (pattern, cells, ratio, energy);
+                }
+                table.push([
+                    Cell::from(pattern),
+                    Cell::from(cells),
+                    Cell::from(modulus),
+                    Cell::from(ratio),
+                    Cell::from(energy),
+                    Cell::from(membrane),
+                    Cell::from(found.placed),
+                    Cell::from(found.iterations as usize),
+                    Cell::from(found.last_move),
+                ]);
+            }
+        }
+        curve.sort_by(|a, b| a.0.total_cmp(&b.0));
+        series.push(Series::new(pattern, curve).styled(Style::Points));
+    }
+    let predicted = (0..=40).map(|i| {
+        let ratio = 10.0_f64.powf(-1.0 + 0.045 * Real::from(i));
+        (ratio, 1.0 + ratio.powi(4))
+    });
+    series.push(Series::new("1 + (l/l*)⁴", predicted.collect()).styled(Style::ExactCurve));
+    findings.plot(
+        "locking-cone",
+        &Plot {
+            title: "What a sheet of springs pays for lying on a cone".into(),
+            x: plot::Axis::log("edge length l over l* = (702 D R²/Y)^¼ (dimensionless)"),
+            y: plot::Axis::log("elastic energy over the developable answer (dimensionless)"),
+            series,
+            note: "1 is a sheet that follows the cone without stretching. A sheet is locked, and not only stiff, where the energy goes on rising with Y. The dashed curve is the estimate, which holds for vertices that stay on the cone.".into(),
+        },
+    );
+    findings.table("locking-cone", "Springs on a cone", table);
+    Ok(told)
+}
+
+/// What the folds say about the estimate: least and largest edge length over l* at which half of the bending was left, and how many sheets never lost half.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Folds {
+    pub(super) halved: [Real; 2],
+    pub(super) locked: usize,
+    pub(super) free: usize,
+}
+
+/// The diagonal fold for every pattern and both diagonals.
+pub(super) fn folds(
+    scope: Scope,
+    findings: &mut Findings,
+    progress: &mut dyn FnMut(&str),
+) -> Result<Folds, BenchError> {
+    let mut told = Folds {
+        halved: [Real::INFINITY, 0.0],
+        locked: 0,
+        free: 0,
+    };
+    let mut series = Vec::new();
+    let mut table = Table::new(&[
+        "pattern",
+        "held diagonal",
+        "cells",
+        "Y",
+        "l over l*",
+        "rigidity over D",
+        "fold angle",
+        "exact angle",
+        "bending reached",
+        "membrane over bending",
+        "Newton iterations",
+        "last move",
+    ]);
+    for (name, axis) in [("rising", Axis::Along), ("falling", Axis::Across)] {
+        for pattern in PATTERNS {
+            let mut points = Vec::new();
+            for &cells in fold_sizes(scope) {
+                let mut curve: Vec<(Real, Real)> = Vec::new();
+                progress(&format!("locking: fold, {pattern}, {name}, {cells} cells"));
+                for &modulus in fold_moduli(scope, cells) {
+                    let case = format!("fold, {pattern}, {name}, {cells} cells, Y = {modulus:e}");
+                    let stiffness = [modulus, RIGIDITY];
+                    let folded = fold::fold(axis, pattern, cells, Kind::Springs, stiffness);
+                    let Some(folded) = findings.unless_failed(&case, folded) else {
+                        continue;
+                    };
+                    let critical =
+                        critical_length(folded.radius, modulus, folded.factor * RIGIDITY);
+                    let ratio = 1.0 / (cells as Real * critical);
+                    curve.push((ratio, folded.bending));
+                    table.push([
+                        Cell::from(pattern),
+                        Cell::from(name),
+                        Cell::from(cells),
+                        Cell::from(modulus),
+                        Cell::from(ratio),
+                        Cell::from(folded.factor),
+                        Cell::from(folded.angle),
+                        Cell::from(folded.exact.exact_angle()),
+                        Cell::from(folded.bending),
+                        Cell::from(folded.membrane),
+                        Cell::from(folded.rest.iterations as usize),
+                        Cell::from(folded.rest.last_move),
+                    ]);
+                }
+                match halved_at(&curve) {
+                    Some(ratio) => {
+                        told.locked += 1;
+                        widen(&mut told.halved, ratio);
+                    }
+                    None => told.free += 1,
+                }
+                points.extend(curve);
+            }
+            points.sort_by(|a, b| a.0.total_cmp(&b.0));
+            let label = format!("{pattern}, {name}");
+            series.push(Series::new(&label, points).styled(Style::Points));
+        }
+    }
+    let predicted = (0..=40).map(|i| {
+        let ratio = 10.0_f64.powf(-1.0 + 0.045 * Real::from(i));
+        (ratio, 1.0 / (1.0 + ratio.powi(4)))
+    });
+    series.push(Series::new("1/(1 + (l/l*)⁴)", predicted.collect()).styled(Style::ExactCurve));
+    findings.plot(
+        "locking-fold",
+        &Plot {
+            title: "How much of a diagonal fold a sheet of springs makes".into(),
+            x: plot::Axis::log("edge length l over l* = (702 D R²/Y)^¼ (dimensionless)"),
+            y: plot::Axis::linear("bending energy reached, over the developable answer (dimensionless)"),
+            series,
+            note: "The sheet hangs under its own weight, held along the named diagonal. The dashed curve is a guess from the estimate: a rigidity of D (1 + (l/l*)⁴) under the same load.".into(),
+        },
+    );
+    findings.table(
+        "locking-fold",
+        "Diagonal folds of a sheet of springs",
+        table,
+    );
+    Ok(told)
+}
+
+/// Where a curve `(l/l*, bending reached)` in ascending order first falls to half of its first value, if it does; between two points by logarithms.
+fn halved_at(curve: &[(Real, Real)]) -> Option<Real> {
+    let half = 0.5 * curve.first()?.1;
+    let pair = curve.windows(2).find(|pair| pair[1].1 <= half)?;
+    let [(x0, y0), (x1, y1)] = [pair[0], pair[1]];
+    let part = (y0 / half).ln() / (y0 / y1).ln();
+    Some(x0 * (x1 / x0).powf(part))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_curve_is_halved_where_it_crosses_half() {
+        let power = |x: Real| (x, 3.0 * x.powi(-2));
+        let curve = [power(1.0), power(1.3), power(5.0)];
+        assert!((halved_at(&curve).unwrap() - 2.0_f64.sqrt()).abs() < 1e-12);
+        assert_eq!(halved_at(&curve[..2]), None);
+        assert_eq!(halved_at(&[]), None);
+    }
+
+    /// The estimate, `Y l⁴/(702 D R²)`, is the membrane over the bending energy of equilateral springs with all vertices on a cylinder of radius R:
+    /// an edge at the angle φ to the axis is short by `l² sin⁴φ/(24 R²)`.
+    #[test]
+    fn the_estimate_is_the_energy_of_springs_on_a_cylinder() {
+        use super::super::sheet::Sheet;
+        use cloth_core::math::Vec3;
+        use cloth_core::mesh::generate::equilateral;
+        let (cells, radius, modulus) = (40, 20.0, 1e3);
+        let mesh = equilateral(cells + 1, cells + 1, 1.0).unwrap();
+        let sheet = Sheet::new(mesh, Kind::Springs, modulus, 1.0).unwrap();
+        // The mean of sin⁸φ over three directions is that over all, 35/128, but for a term in cos 6φ.
+        let energy = |turn: Real| {
+            let axis = Vec3::new(turn.cos(), turn.sin(), 0.0);
+            let across = Vec3::new(-axis.y, axis.x, 0.0);
+            let rolled = sheet.placed(|p| {
+                let s = across.dot(p) / radius;
+                axis * axis.dot(p) + across * (radius * s.sin()) + Vec3::z() * (radius * s.cos())
+            });
+            sheet.membrane_energy(&rolled).unwrap() / sheet.bending_energy(&rolled).unwrap()
+        };
+        let mean = (0..6)
+            .map(|k| energy(std::f64::consts::PI * Real::from(k) / 18.0))
+            .sum::<Real>()
+            / 6.0;
+        let estimate = critical_length(radius, modulus, 1.0).powi(-4);
+        let (rim, edges) = (mean / estimate, 3.0 / cells as Real);
+        assert!((rim - 1.0).abs() < edges, "{rim}");
+    }
+}
