@@ -75,6 +75,8 @@ pub(super) fn run(
         gravity: Vec3::z() * -fold::GRAVITY,
         dt: DT,
         steps: MOST_STEPS,
+        pins: None,
+        touch: None,
         order: None,
     };
     let edges = EdgeTable::build(&sheet.mesh).map_err(BenchError::failed)?;
