@@ -2,6 +2,7 @@
 
 use crate::error::BenchError;
 use crate::settings::{Parameter, Settings, parameter};
+use cloth_core::math::Real;
 use cloth_pd::{Acceleration, PdConfig, Start};
 
 pub(super) const PD_COARSE: Parameter = parameter(
@@ -9,16 +10,22 @@ pub(super) const PD_COARSE: Parameter = parameter(
     "8",
     "cells a side of the coarse grid under quasi-newton; 0: none",
 );
-const PD_ITERATIONS: Parameter = parameter("iterations", "6", "local–global iterations per step");
+const PD_ITERATIONS: Parameter = parameter(
+    "iterations",
+    "auto",
+    "local–global iterations per step, at most; auto: 6, or 60 where the cloth can touch something",
+);
+/// After an impact a few iterations are not enough: they leave strains that the next impacts feed on.
+const TOUCHING: (u32, Real) = (60, 1e-2);
 const PD_TOLERANCE: Parameter = parameter(
     "tolerance",
-    "none",
-    "relative gradient norm at which a step is done, or none",
+    "auto",
+    "relative gradient norm at which a step is done, or none; auto: none, or 1e-2 where the cloth can touch something",
 );
 const PD_START: Parameter = parameter(
     "start",
-    "auto",
-    "first guess: previous, inertial or predicted; auto: inertial, but previous where the cloth can touch something, as after an impact it does not go on",
+    "inertial",
+    "first guess: previous, inertial or predicted",
 );
 const PD_ACCELERATION: Parameter = parameter(
     "acceleration",
@@ -61,22 +68,19 @@ pub(super) fn projective(settings: &Settings, touching: bool) -> Result<PdConfig
         },
     };
     Ok(PdConfig {
-        iterations: settings.count(&PD_ITERATIONS, 1)?,
+        iterations: match settings.text(&PD_ITERATIONS) {
+            "auto" if touching => TOUCHING.0,
+            "auto" => PdConfig::default().iterations,
+            _ => settings.count(&PD_ITERATIONS, 1)?,
+        },
         tolerance: match settings.text(&PD_TOLERANCE) {
-            "none" => None,
+            "auto" if touching => Some(TOUCHING.1),
+            "auto" | "none" => None,
             _ => Some(settings.number(&PD_TOLERANCE)?),
         },
         start: settings.choice(
             &PD_START,
             &[
-                (
-                    "auto",
-                    if touching {
-                        Start::Previous
-                    } else {
-                        Start::Inertial
-                    },
-                ),
                 ("previous", Start::Previous),
                 ("inertial", Start::Inertial),
                 ("predicted", Start::Predicted),

@@ -119,10 +119,16 @@ fn sheet(name: &'static str, mesh: Option<&str>, settings: &Settings) -> Result<
     };
     let obstacles = below.map(|kind| touching::below(&kind, &mesh, up, settings));
     let touch = Touch::new(settings, own, obstacles.transpose()?.into_iter().collect())?;
+    let scene = of_mesh(name, &mesh, model, gravity);
     Ok(Scene {
         order,
         touch: Some(touch),
-        ..of_mesh(name, &mesh, model, gravity)
+        steps: if name.starts_with("drape") {
+            120
+        } else {
+            scene.steps
+        },
+        ..scene
     })
 }
 
