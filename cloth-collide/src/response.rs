@@ -58,8 +58,9 @@ use zones::Zones;
 
 /// A step may not bring two pieces nearer than this share of their distance before it, or of the thickness if that is less.
 const KEPT: Real = 0.1;
-/// Pieces that start nearer than this share of the thickness push along the line between their nearest points then; others along that when they come to the thickness.
-const NEAR: Real = 1.0;
+/// Pieces that start nearer than this share of the thickness push along the line between their nearest points then, unless one of these is on a boundary and further than the
+/// thickness; others along that when they come to the thickness.
+const NEAR: Real = 1.5;
 /// The share of what is missing to the thickness that one step makes up.
 const RECOVERY: Real = 0.5;
 /// The margin of the search for candidates, in thicknesses. What it has more than one lets the motion become another one without a new search.

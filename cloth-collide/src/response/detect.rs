@@ -127,7 +127,8 @@ impl Cloth {
         }
         let thickness = self.thickness_of(index, &pair);
         let cloth = |at: &Nearest, offset| look.make.cloth(pair.vertices, at, offset);
-        let verdict = if start.distance <= NEAR * thickness {
+        let reach = if start.is_at_boundary() { 1.0 } else { NEAR };
+        let verdict = if start.distance <= reach * thickness {
             if self.known[index].has_row {
                 Verdict::Satisfied
             } else {
@@ -260,7 +261,7 @@ impl Look<'_> {
         if recalled.is_none() && row.excess(self.to) >= -self.tolerance {
             return Verdict::Satisfied;
         }
-        if recalled.is_none() && row.is_at_boundary() {
+        if recalled.is_none() && row.is_at_boundary {
             return Verdict::Postponed;
         }
         add(recalled.unwrap_or(row));
