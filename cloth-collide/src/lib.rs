@@ -39,6 +39,12 @@
 //! is in one plane all the time. [`exact_queries`] makes queries for which the answer is known, to see which method errs how often
 //! (`cloth-bench ccd`).
 //!
+//! # Response
+//!
+//! [`ClothContacts`] joins all of this behind the one hook that every method calls at the end of its step. Candidates come from the tree; nearest points make contacts; impulses with friction
+//! are found for all of them at once; and the continuous test has the last word. Where impulses do not agree, parts of the cloth move as rigid bodies (impact zones), and where those are
+//! impossible vertices are held back to ways that cannot reach anything. So a step is either free of crossings or refused.
+//!
 //! # Equation → function
 //!
 //! | What | Where |
@@ -54,6 +60,7 @@
 //! | boxes of all that moves overlap: vertex–triangle and edge–edge candidates | [`ClothCandidates`] |
 //! | overlapping boxes, from a tree, from hashed cells, from cells along a curve | [`Hierarchy`], [`SpatialHash`], [`MortonGrid`] |
 //! | boxes within a distance: pairs of triangles | [`TrianglePairs`] |
+//! | min ½‖x − x*‖²_M with n · Σ wᵢ xᵢ ≥ h and friction; impact zones | [`ClothContacts`] |
 //! | min ½ ‖x − y‖²_M/Δt² + Σ A b(d), by steps that stay in the safe set | [`barrier`], a chapter of its own |
 //! | δL = −Σ r·δx: the curve in which a cloth passes through itself, shortened | [`untangle`], a chapter of its own |
 //! | number of meeting pairs, min d over everything that shares no vertex | [`SeparationProbe`] |
@@ -145,6 +152,11 @@
 //! | `broad_phase/cells.rs`, `spatial_hash.rs`, `morton_grid.rs` | the cells, and two ways to sort boxes into them |
 //! | `broad_phase/candidates.rs`, `order.rs` | from pairs of triangles to pairs of primitives, in order |
 //! | `broad_phase/triangle_pairs.rs` | pairs of triangles within a distance |
+//! | `response.rs` | the response, stage by stage, and why there are stages |
+//! | `response/pair.rs`, `row.rs`, `detect.rs` | two pieces; a contact as an inequality; which contacts a motion makes |
+//! | `response/impulses.rs`, `solve.rs`, `memory.rs` | impulses for all contacts, with those of the last step as a first guess |
+//! | `response/last_resorts.rs`, `zones.rs`, `sets.rs`, `hold.rs` | rigid zones, and vertices held back |
+//! | `response/builder.rs`, `report.rs` | setting up, and what was done |
 //! | `incidence.rs` | which triangle speaks for which vertex and edge |
 //! | `separation.rs` | the measurement |
 //! | `error.rs` | what can be wrong with positions and margins |

@@ -17,11 +17,22 @@ pub(super) struct Cloth {
     rest: Vec<Vec3>,
     /// The piece that each vertex belongs to.
     piece: Vec<u32>,
-    /// Whether the nearest points of a candidate at the start have their row already.
-    has_row: Vec<bool>,
+    /// What is known of each candidate.
+    known: Vec<Known>,
     /// Distance that is worked towards (m).
     thickness: Real,
     pub(super) continuous_tests: u64,
+}
+
+/// What is known of a candidate from looking at it before.
+#[derive(Clone, Copy, Debug, Default)]
+struct Known {
+    /// Whether the nearest points at the start have their row already.
+    has_row: bool,
+    /// The last direction between the nearest points: a plane across it may still have the pieces apart, whatever they do.
+    normal: Vec3,
+    /// The distance (m) that is worked towards, if it has been asked for.
+    thickness: Option<Real>,
 }
 
 impl Cloth {
@@ -30,16 +41,23 @@ impl Cloth {
             candidates: ClothCandidates::new(mesh, Hierarchy::new()),
             rest: mesh.positions().to_vec(),
             piece: pieces(mesh),
-            has_row: Vec::new(),
+            known: Vec::new(),
             thickness,
             continuous_tests: 0,
         }
     }
 
-    /// Takes all candidates for unseen.
+    /// Takes all candidates for unseen: there are new ones.
+    pub(super) fn forget(&mut self) {
+        self.known.clear();
+        self.known.resize(self.len(), Known::default());
+    }
+
+    /// Takes all candidates to have no row: a step begins.
     pub(super) fn forget_rows(&mut self) {
-        self.has_row.clear();
-        self.has_row.resize(self.len(), false);
+        for known in &mut self.known {
+            known.has_row = false;
+        }
     }
 
     /// Number of candidates.
@@ -66,15 +84,21 @@ impl Cloth {
         }
     }
 
-    /// The distance (m) that is worked towards for a pair: the thickness, or for two parts of one piece their distance at rest if that is less. So what is
+    /// The distance (m) that is worked towards for candidate `index`: the thickness, or for two parts of one piece their distance at rest if that is less. So what is
     /// finer than the thickness is not pushed away from its rest.
-    fn thickness_of(&self, pair: &Pair) -> Real {
-        let [a, .., d] = pair.vertices.map(|v| self.piece[v as usize]);
-        if a != d {
-            return self.thickness;
+    fn thickness_of(&mut self, index: usize, pair: &Pair) -> Real {
+        if let Some(thickness) = self.known[index].thickness {
+            return thickness;
         }
-        let rest = nearest(pair.kind, &gather(&self.rest, pair.vertices));
-        rest.distance.min(self.thickness)
+        let [a, .., d] = pair.vertices.map(|v| self.piece[v as usize]);
+        let thickness = if a == d {
+            let rest = nearest(pair.kind, &gather(&self.rest, pair.vertices));
+            rest.distance.min(self.thickness)
+        } else {
+            self.thickness
+        };
+        self.known[index].thickness = Some(thickness);
+        thickness
     }
 
     /// Looks at candidate `index`: hands its contact, if it needs one, to `add`. Returns whether the pair may pass through each other or come too near.
@@ -89,17 +113,23 @@ impl Cloth {
             from: gather(look.make.from, pair.vertices),
             to: gather(look.to, pair.vertices),
         };
+        let clear = NEAR * self.thickness;
+        if apart_along(pair.kind, &self.known[index].normal, &motion, clear) {
+            return false;
+        }
         let start = nearest(pair.kind, &motion.from);
-        if apart_along(pair.kind, &start.normal, &motion, NEAR * self.thickness) {
+        self.known[index].normal = start.normal;
+        if apart_along(pair.kind, &start.normal, &motion, clear) {
             return false;
         }
         if motion.is_shift() && start.distance > self.thickness {
             return false;
         }
-        let thickness = self.thickness_of(&pair);
+        let thickness = self.thickness_of(index, &pair);
         let cloth = |at: &Nearest, offset| look.make.cloth(pair.vertices, at, offset);
-        let verdict = if start.distance <= NEAR * thickness {
-            if self.has_row[index] {
+        let reach = if start.is_at_boundary() { 1.0 } else { NEAR };
+        let verdict = if start.distance <= reach * thickness {
+            if self.known[index].has_row {
                 Verdict::Satisfied
             } else {
                 let missing = (thickness - start.distance).max(0.0);
@@ -115,7 +145,7 @@ impl Cloth {
                     Verdict::Postponed if !look.first => look.insist(row, &mut add),
                     verdict => verdict,
                 };
-                self.has_row[index] = verdict == Verdict::Added;
+                self.known[index].has_row = verdict == Verdict::Added;
                 verdict
             }
         } else {
@@ -129,7 +159,7 @@ impl Cloth {
         if verdict != Verdict::Satisfied && !look.certify {
             return true;
         }
-        let Some(time) = self.hit(&pair, &motion, &start) else {
+        let Some(time) = self.hit(index, &pair, &motion, &start) else {
             return false;
         };
         if verdict == Verdict::Satisfied {
@@ -154,14 +184,15 @@ impl Cloth {
     }
 
     /// When the pair, nearest at `start` first, comes nearer than the share of that distance, or of the thickness if it is less, that a step has to keep.
-    fn hit(&mut self, pair: &Pair, motion: &Motion, start: &Nearest) -> Option<Real> {
+    fn hit(&mut self, index: usize, pair: &Pair, motion: &Motion, start: &Nearest) -> Option<Real> {
         let kept = |thickness: Real| KEPT * start.distance.min(thickness);
         if motion.is_shift() || apart_along(pair.kind, &start.normal, motion, kept(self.thickness))
         {
             return None;
         }
         self.continuous_tests += 1;
-        first_contact(pair.kind, motion, kept(self.thickness_of(pair)))
+        let kept = kept(self.thickness_of(index, pair));
+        first_contact(pair.kind, motion, kept)
     }
 
     /// Whether candidate `index` may pass through each other, or come too near, on the way to `to` (m).
@@ -172,7 +203,7 @@ impl Cloth {
             to: gather(to, pair.vertices),
         };
         let start = nearest(pair.kind, &motion.from);
-        self.hit(&pair, &motion, &start).is_some()
+        self.hit(index, &pair, &motion, &start).is_some()
     }
 }
 
@@ -230,7 +261,7 @@ impl Look<'_> {
         if recalled.is_none() && row.excess(self.to) >= -self.tolerance {
             return Verdict::Satisfied;
         }
-        if recalled.is_none() && row.is_at_boundary() {
+        if recalled.is_none() && row.is_at_boundary {
             return Verdict::Postponed;
         }
         add(recalled.unwrap_or(row));

@@ -98,3 +98,54 @@ impl Hold {
         self.smallest_share
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::SeparationProbe;
+    use crate::random::Random;
+    use cloth_core::mesh::TriMesh;
+    use cloth_core::mesh::generate::{Diagonals, grid};
+
+    /// A crumpled sheet whose vertices would all fly through each other.
+    #[test]
+    fn what_is_held_back_crosses_nothing() {
+        let sheet = grid(7, 7, 0.6, 0.6, Diagonals::Alternating).unwrap();
+        for seed in 0..20 {
+            let mut random = Random::new(seed);
+            let crumple = |x: &Vec3| {
+                Vec3::new(
+                    (9.0 * x.x).sin() * (0.05 + x.x),
+                    x.y,
+                    (9.0 * x.x).cos() * (0.05 + x.x),
+                )
+            };
+            let from: Vec<_> = sheet.positions().iter().map(crumple).collect();
+            let mesh = TriMesh::new(from.clone(), sheet.triangles().to_vec()).unwrap();
+            let mut probe = SeparationProbe::new(&mesh);
+            assert_eq!(probe.measure(&from).unwrap().intersecting_pairs, 0);
+            let mut to: Vec<_> = from.iter().map(|x| x + random.point(1.0)).collect();
+            let mut cloth = Cloth::new(&mesh, 1e-3);
+            cloth.candidates.update(&from, &to, 0.0).unwrap();
+            let mut hold = Hold::default();
+            let inverse_mass = vec![1.0; from.len()];
+            let step = ContactStep {
+                from: &from,
+                inverse_mass: &inverse_mass,
+                dt: 1.0,
+            };
+            hold.start(Some(&cloth), &step);
+            for index in 0..cloth.len() {
+                hold.pair(cloth.pair(index).vertices, &step, &mut to);
+            }
+            assert_eq!(hold.count(), from.len());
+            assert!(hold.smallest_share() > 0.0);
+            for tenths in 1..=10 {
+                let part = f64::from(tenths) / 10.0;
+                let between = from.iter().zip(&to).map(|(a, b)| a.lerp(b, part));
+                let found = probe.measure(&between.collect::<Vec<_>>()).unwrap();
+                assert_eq!(found.intersecting_pairs, 0, "seed {seed}, {part}");
+            }
+        }
+    }
+}

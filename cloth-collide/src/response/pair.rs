@@ -23,6 +23,13 @@ pub(super) struct Nearest {
     pub(super) distance: Real,
 }
 
+impl Nearest {
+    /// Whether one of the two points is on the boundary of a triangle, or the end of an edge.
+    pub(super) fn is_at_boundary(&self) -> bool {
+        self.weights.contains(&0.0)
+    }
+}
+
 /// The motion of the four vertices of a pair: positions (m) at both ends of the step.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Motion {

@@ -25,6 +25,8 @@ pub(super) struct Row {
     pub(super) friction: Real,
     pub(super) restitution: Real,
     pub(super) is_obstacle: bool,
+    /// Whether the nearest point of a piece of cloth is on its boundary.
+    pub(super) is_at_boundary: bool,
     /// 1 / Σ wᵢ²/mᵢ (kg).
     pub(super) mass: Real,
     /// λ: along n what keeps apart, across n friction.
@@ -50,11 +52,6 @@ impl Row {
                 x[v as usize] += impulse * (weight * inverse_mass[v as usize]);
             }
         }
-    }
-
-    /// Whether the nearest point of a piece of cloth is on its boundary.
-    pub(super) fn is_at_boundary(&self) -> bool {
-        !self.is_obstacle && self.weights.contains(&0.0)
     }
 
     /// n · p − offset: negative if violated.
@@ -95,6 +92,7 @@ impl RowMaker<'_> {
             friction: self.friction,
             restitution: 0.0,
             is_obstacle: false,
+            is_at_boundary: at.is_at_boundary(),
             mass: 0.0,
             multiplier: Vec3::zeros(),
             change: Vec3::zeros(),
@@ -115,6 +113,7 @@ impl RowMaker<'_> {
             friction: contact.friction,
             restitution,
             is_obstacle: true,
+            is_at_boundary: false,
             mass: 0.0,
             multiplier: Vec3::zeros(),
             change: Vec3::zeros(),

@@ -2,14 +2,15 @@
 
 use super::flight::{Flight, moved, together};
 use super::random::Random;
-use cloth_collide::ClothContacts;
 use cloth_collide::obstacle::{
     HalfSpace, ImpactLaw, Obstacle, ObstacleContacts, Pose, RigidMotion,
 };
+use cloth_collide::{ClothContacts, ContactStage};
 use cloth_core::contact::ContactError;
 use cloth_core::math::Vec3;
 use cloth_core::mesh::TriMesh;
 use cloth_core::mesh::generate::{Diagonals, grid};
+use std::collections::BTreeMap;
 
 /// A few small sheets in a box, each turned somehow.
 fn soup(random: &mut Random, count: usize) -> TriMesh {
@@ -23,35 +24,57 @@ fn soup(random: &mut Random, count: usize) -> TriMesh {
     together(&sheets)
 }
 
-#[test]
-fn random_motions_of_random_pieces_never_cross() {
-    let mut tally = std::collections::BTreeMap::new();
-    for seed in 0..10 {
+/// Steps of a soup whose vertices are kicked at random, by `kick` (m/s), and drawn together; nothing crosses at their ends nor on the way. Returns how often each stage was needed.
+fn stir(seeds: std::ops::Range<u64>, steps: u32, kick: f64) -> BTreeMap<ContactStage, u32> {
+    let mut stages = BTreeMap::new();
+    for seed in seeds {
         let mut random = Random::new(seed);
         let mesh = soup(&mut random, 4);
-        let contacts = ClothContacts::builder(&mesh)
-            .thickness(5e-3)
-            .friction(0.3)
-            .build()
-            .unwrap();
-        let mut flight = Flight::new(&mesh, contacts);
+        let builder = ClothContacts::builder(&mesh).thickness(5e-3);
+        let mut flight = Flight::new(&mesh, builder.friction(0.3).build().unwrap());
         assert_eq!(flight.crossings(), 0);
-        for step in 0..40 {
+        for step in 0..steps {
             let centre = flight.positions.iter().sum::<Vec3>() / flight.positions.len() as f64;
             for (v, x) in flight.velocities.iter_mut().zip(&flight.positions) {
-                *v = *v * 0.9 + random.point(1.0) + (centre - x) * 2.0;
+                *v = *v * 0.9 + random.point(kick) + (centre - x) * (2.0 * kick);
             }
-            let before = flight.momentum();
+            let (before, from) = (flight.momentum(), flight.positions.clone());
             flight.step(0.03).unwrap();
-            let report = flight.contacts.report();
-            *tally.entry(report.stage).or_insert(0) += 1;
-            if report.stage < cloth_collide::ContactStage::Held {
-                assert!((flight.momentum() - before).norm() < 1e-11, "{report:?}");
+            let stage = flight.contacts.report().stage;
+            *stages.entry(stage).or_insert(0) += 1;
+            if stage < ContactStage::Held {
+                let change = flight.momentum() - before;
+                assert!(change.norm() < 1e-11 * kick.max(1.0), "{change}");
             }
-            assert_eq!(flight.crossings(), 0, "seed {seed}, step {step}");
+            let end = flight.positions.clone();
+            for tenths in [1, 3, 5, 7, 9, 10] {
+                let part = f64::from(tenths) / 10.0;
+                let between = from.iter().zip(&end).map(|(a, b)| a.lerp(b, part));
+                flight.positions = between.collect();
+                assert_eq!(flight.crossings(), 0, "seed {seed}, step {step}, {part}");
+            }
+            flight.positions = end;
         }
     }
-    println!("{tally:?}");
+    stages
+}
+
+#[test]
+fn random_motions_of_random_pieces_never_cross() {
+    let stages = stir(0..8, 40, 1.0);
+    assert!(stages[&ContactStage::Impulses] > 200, "{stages:?}");
+}
+
+/// So wild that impulses alone are not enough.
+#[test]
+fn wild_motions_of_random_pieces_never_cross() {
+    for kick in [100.0, 3e3] {
+        let stages = stir(100..106, 10, kick);
+        assert!(
+            stages.contains_key(&ContactStage::Zones),
+            "{kick} m/s: {stages:?}"
+        );
+    }
 }
 
 #[test]
@@ -68,8 +91,7 @@ fn sheets_shot_through_each_other_stay_on_their_sides() {
         }
         for step in 0..10 {
             flight.step(1.0 / 60.0).unwrap();
-            println!("{n} {step} {:?}", flight.contacts.report());
-            assert_eq!(flight.crossings(), 0);
+            assert_eq!(flight.crossings(), 0, "{n}, step {step}");
         }
     }
 }
@@ -77,16 +99,16 @@ fn sheets_shot_through_each_other_stay_on_their_sides() {
 /// Both ends of a towel are turned, against each other.
 #[test]
 fn towel_twisted_by_four_turns_never_crosses_itself() {
-    let (n, m) = (13, 37);
+    let (n, m) = (9, 25);
     let sheet = grid(n, m, 0.4, 1.2, Diagonals::Alternating).unwrap();
     let mesh = moved(&sheet, |x| x - Vec3::new(0.2, 0.6, 0.0));
     let contacts = ClothContacts::builder(&mesh)
-        .thickness(4e-3)
+        .thickness(5e-3)
         .friction(0.2)
         .build()
         .unwrap();
     let mut flight = Flight::new(&mesh, contacts).with_edges(&mesh);
-    let steps = 480;
+    let steps = 300;
     let dt = 1.0 / 60.0;
     let ends: Vec<_> = (0..mesh.vertex_count())
         .filter(|&v| mesh.positions()[v].y.abs() > 0.599)
@@ -94,8 +116,6 @@ fn towel_twisted_by_four_turns_never_crosses_itself() {
     for &v in &ends {
         flight.inverse_mass[v] = 0.0;
     }
-    let mut tally = std::collections::BTreeMap::new();
-    let now = std::time::Instant::now();
     for step in 1..=steps {
         let angle = step as f64 / steps as f64 * 4.0 * std::f64::consts::PI;
         for &v in &ends {
@@ -108,16 +128,9 @@ fn towel_twisted_by_four_turns_never_crosses_itself() {
             );
             flight.velocities[v] = (at - flight.positions[v]) / dt;
         }
-        let r = flight.step(dt);
-        let report = flight.contacts.report();
-        *tally.entry(report.stage).or_insert(0) += 1;
-        if step % 20 == 0 || report.stage > cloth_collide::ContactStage::Impulses {
-            println!("{step} {report:?} {:?}", now.elapsed());
-        }
-        r.unwrap();
+        flight.step(dt).unwrap();
         assert_eq!(flight.crossings(), 0, "step {step}");
     }
-    println!("{tally:?}");
 }
 
 /// Two walls come together with a crumpled sheet between them. It is resolved as long as there is room, and then refused; it never crosses.
@@ -146,14 +159,9 @@ fn sheet_squeezed_between_walls_is_resolved_or_refused() {
         .build()
         .unwrap();
     let mut flight = Flight::new(&mesh, contacts).with_edges(&mesh);
-    let mut tally = std::collections::BTreeMap::new();
-    for step in 0..120 {
+    let mut refused = false;
+    for step in 0..60 {
         let end = flight.step(1.0 / 60.0);
-        let report = flight.contacts.report();
-        *tally.entry(report.stage).or_insert(0) += 1;
-        if step % 10 == 0 || report.stage > cloth_collide::ContactStage::Impulses {
-            println!("{step} {end:?} {report:?}");
-        }
         assert_eq!(flight.crossings(), 0, "step {step}");
         let gap = 0.5 - 0.5 * (step + 1) as f64 / 60.0;
         match end {
@@ -164,12 +172,12 @@ fn sheet_squeezed_between_walls_is_resolved_or_refused() {
             }
             Err(error) => {
                 assert!(matches!(error, ContactError::NoWay { .. }));
-                println!("{step} {gap}");
+                refused = true;
                 break;
             }
         }
     }
-    println!("{tally:?}");
+    assert!(refused, "there is no room between walls that touch");
 }
 
 #[test]

@@ -105,7 +105,9 @@ impl Carriers {
                 let springs = self.edges.chosen_from(springs, mesh, edges)?;
                 let (springs, limited) = self.law.applied_to(springs)?;
                 cut.springs = springs;
-                cut.others.push(Elements::Limited(limited));
+                if !limited.is_empty() {
+                    cut.others.push(Elements::Limited(limited));
+                }
             }
             MembraneCarrier::Stvk { poisson_ratio } => {
                 if !(-1.0 < poisson_ratio && poisson_ratio < 1.0) {
