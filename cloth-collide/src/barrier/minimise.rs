@@ -241,7 +241,7 @@ impl Minimiser {
     }
 
     /// The Newton direction p; `given` sets it for the prescribed vertices, and changes the gradient for what else is known to happen. With the true Hessian if
-    /// that is positive, otherwise with that of each pair made so.
+    /// that is positive, otherwise with only the convex part of each pair.
     fn direct(&mut self, given: impl Fn(&mut Self)) {
         for convexity in [Convexity::Exact, Convexity::Clamp] {
             self.linearise(convexity);
