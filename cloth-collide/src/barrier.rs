@@ -47,6 +47,7 @@
 //! - No friction and no restitution: an impact leaves no normal velocity but what the barrier gives back within the step.
 //! - One contact can hold up the step of all. A motion much longer than what is between the layers takes many Newton steps, and when they are
 //!   spent the cloth stays behind, safe but slower than it should be ([`BarrierReport::outcome`]).
+//! - Obstacles push free vertices only. A prescribed one may be inside, where cloth is fixed to a body for instance.
 //! - A vertex right above a vertex is an unstable balance, as it is for two balls.
 //! - The elastic energy is not in F: the method has had its say, as with any contact at the end of a step.
 //!

@@ -108,6 +108,7 @@ impl Minimiser {
         self.x.copy_from_slice(from);
         self.aim.copy_from_slice(aim);
         self.inverse_mass.copy_from_slice(inverse_mass);
+        self.terms.set_free(inverse_mass);
         for (weight, w) in self.weight.iter_mut().zip(inverse_mass) {
             *weight = if *w > 0.0 { 1.0 / (w * dt * dt) } else { 0.0 };
         }
@@ -156,7 +157,7 @@ impl Minimiser {
             Some(when) => (&self.obstacles, when),
             None => (&self.standing, still),
         };
-        visit_obstacles(motion, obstacles, when, self.thickness, visit);
+        visit_obstacles(motion, obstacles, when, self.thickness, &self.weight, visit);
         Ok(())
     }
 
