@@ -24,7 +24,7 @@
 //! stopped falling. So every point of the search, and every point on the straight ways between them, is free of crossings. The end is therefore as untangled as the start,
 //! whatever the number of steps, **even if the search is cut short**; the straight way from start to end is not looked at, and need not be free.
 //!
-//! H is the true Hessian if conjugate gradients find it positive; otherwise the negative eigenvalues of each pair are set to zero. Second derivatives of
+//! H is the true Hessian if conjugate gradients find it positive; otherwise what makes pairs indefinite is left out ([`Gap::convex_part`]). Second derivatives of
 //! distances come from the stationarity of the nearest points ([`Gap::curvature`]). Edges that are nearly parallel have a [`Mollifier`].
 //!
 //! Prescribed vertices and obstacles move first, as far as is safe; the free vertices, told of the motion through H, make way; and so on until all have arrived,
@@ -34,7 +34,7 @@
 //!
 //! | equation | code |
 //! |---|---|
-//! | d, ∂d, ∂²d | [`Gap`] |
+//! | d, ∂d, ∂²d, the convex part of −∂²d | [`Gap`] |
 //! | m(‖u × v‖²) for two edges u, v | [`Mollifier`] |
 //! | A b(d), A m b(d) as elements, with both derivatives | [`VertexTriangleBarrier`], [`EdgeEdgeBarrier`] |
 //! | which act; Σ A b and its derivatives | `terms` |
@@ -47,6 +47,7 @@
 //! - No friction and no restitution: an impact leaves no normal velocity but what the barrier gives back within the step.
 //! - One contact can hold up the step of all. A motion much longer than what is between the layers takes many Newton steps, and when they are
 //!   spent the cloth stays behind, safe but slower than it should be ([`BarrierReport::outcome`]).
+//! - Obstacles push free vertices only. A prescribed one may be inside, where cloth is fixed to a body for instance.
 //! - A vertex right above a vertex is an unstable balance, as it is for two balls.
 //! - The elastic energy is not in F: the method has had its say, as with any contact at the end of a step.
 //!

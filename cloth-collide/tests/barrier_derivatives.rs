@@ -8,6 +8,7 @@ use cloth_collide::obstacle::PenaltyLaw;
 use cloth_core::check::{gradient_error, hessian_error, smallest_eigenvalue};
 use cloth_core::element::{Convexity, Energy};
 use cloth_core::math::{Blocks, Vec3};
+use nalgebra::SMatrix;
 use random::Random;
 
 fn v(x: f64, y: f64, z: f64) -> Vec3 {
@@ -208,6 +209,32 @@ fn hessians_that_are_made_convex_have_no_negative_eigenvalue() {
         }
     }
     assert!(indefinite > 100, "{indefinite}");
+}
+
+/// The part that is kept lies between nothing and the whole: both it and what it lacks of −∂²d have no eigenvalue below zero.
+#[test]
+fn convex_part_of_a_curvature_is_not_smaller_than_it() {
+    let mut random = Random::new(9);
+    let mut kept = 0;
+    for _ in 0..500 {
+        let x: [Vec3; 4] = std::array::from_fn(|_| random.point(0.7));
+        for gap in [Gap::vertex_triangle(&x), Gap::edge_edge(&x)] {
+            let (part, whole) = (gap.convex_part(&x), gap.curvature(&x));
+            let dense = |sign: f64| {
+                SMatrix::<f64, 12, 12>::from_fn(|r, c| {
+                    let at = |b: &Blocks<4>| b[r / 3][c / 3][(r % 3, c % 3)];
+                    at(&part) + sign * at(&whole)
+                })
+            };
+            let (size, lowest) = (dense(1.0).amax() + dense(0.0).amax(), |s| {
+                dense(s).symmetric_eigenvalues().min()
+            });
+            assert!(lowest(0.0) >= -1e-12 * size, "{:e}", lowest(0.0));
+            assert!(lowest(1.0) >= -1e-12 * size, "{:e}", lowest(1.0));
+            kept += usize::from(dense(0.0).amax() > 0.0);
+        }
+    }
+    assert!(kept > 500, "{kept}");
 }
 
 /// Moving everything changes nothing, so forces add up to zero, and so do their moments.

@@ -12,6 +12,7 @@ use cloth_core::contact::{ContactError, ContactSource, ContactStep};
 use cloth_core::math::Vec3;
 use cloth_core::mesh::TriMesh;
 use cloth_core::mesh::generate::{Diagonals, grid, join};
+use cloth_core::step::BuildError;
 use random::Random;
 
 const DT: f64 = 1.0 / 60.0;
@@ -289,4 +290,52 @@ fn result_is_the_same_in_every_run() {
         (result, contacts.report())
     };
     assert_eq!(run(), run());
+}
+
+/// A corner is fixed inside a ball that falls; the rest of the triangle goes along outside.
+#[test]
+fn prescribed_vertex_may_be_inside_an_obstacle() {
+    let falling = RigidMotion {
+        velocity: Vec3::z() * -3.0,
+        ..RigidMotion::default()
+    };
+    let ball = Obstacle::moving(Sphere::new(0.1).unwrap(), falling).unwrap();
+    let law = ImpactLaw::new(0.0, 0.0).unwrap();
+    let obstacles = ObstacleContacts::new(0.0, 0.0).unwrap().with(ball, law);
+    let from = vec![
+        Vec3::zeros(),
+        Vec3::new(0.02, 0.0, -0.101),
+        Vec3::new(-0.02, 0.01, -0.101),
+    ];
+    let mesh = TriMesh::new(from.clone(), vec![[0, 1, 2]]).unwrap();
+    let mut contacts = BarrierContacts::builder(&mesh)
+        .obstacles(obstacles)
+        .build()
+        .unwrap();
+    let mut to = from.clone();
+    to[0] -= Vec3::z() * (3.0 * DT);
+    let (x, _) = step(&mut contacts, &from, &to, &[0.0, 1e3, 1e3]).unwrap();
+    assert_eq!(x[0], to[0]);
+    let mut balls = contacts.obstacles().unwrap().obstacles();
+    let ball = balls.next().unwrap();
+    assert!(x[1..].iter().all(|x| ball.clearance(*x, 0.0).value > 0.0));
+    assert!(x[1..].iter().all(|x| x.z < -0.12));
+}
+
+#[test]
+fn settings_out_of_range_are_refused_by_name() {
+    // Cells of 5 cm: the height onto a diagonal is 3.5 cm.
+    let mesh = sheet(5, 0.2, |x| x);
+    let builder = || BarrierContacts::builder(&mesh);
+    let name = |result: Result<BarrierContacts, BuildError>| match result {
+        Err(BuildError::InvalidSetting { name, .. }) => name,
+        other => panic!("{other:?}"),
+    };
+    assert!(name(builder().distance(0.036).build()).starts_with("distance"));
+    assert!(name(builder().distance(f64::NAN).build()).starts_with("distance"));
+    assert!(name(builder().stiffness(0.0).build()).starts_with("stiffness"));
+    assert!(name(builder().accuracy(-1.0).build()).starts_with("accuracy"));
+    assert!(builder().distance(0.035).build().is_ok());
+    let obstacles_only = builder().distance(0.036).self_collision(false);
+    assert!(obstacles_only.build().is_ok());
 }

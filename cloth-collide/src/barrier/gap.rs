@@ -135,6 +135,54 @@ impl Gap {
         blocks
     }
 
+    /// The part of −∂²d (1/m) that is left of it without negative eigenvalues: what a barrier, whose slope is negative, adds to a convex Hessian.
+    ///
+    /// Along the two eigenvectors of G, with the eigenvalue λ, −∂²d is (U Uᵀ − Q Qᵀ)/(λ d) with Q = c ⊗ J, P = ∂c ⊗ n and U = Q + d P. P and Q are at right angles, so that
+    /// the one positive eigenvalue μ of each comes from a quadratic equation; −c c T/d has none. The sum of these parts is not smaller than −∂²d.
+    #[must_use]
+    pub fn convex_part(&self, x: &[Vec3; 4]) -> Blocks<4> {
+        let mut blocks = [[Mat3::zeros(); 4]; 4];
+        for (turn, along) in self.principal_turns(x).into_iter().take(self.free) {
+            let lambda = along.norm_squared();
+            let squared = |v: &[Real; 4]| v.iter().map(|c| c * c).sum::<Real>();
+            let p = squared(&turn).sqrt() * self.distance;
+            let q = (squared(&self.weights) * lambda).sqrt();
+            let mu = 0.5 * p * (p + (p * p + 4.0 * q * q).sqrt());
+            let size = mu / (lambda * self.distance * (mu * mu + p * p * q * q));
+            if !size.is_finite() || p == 0.0 || q == 0.0 {
+                continue;
+            }
+            let (by_p, by_q) = (mu * self.distance / p, p);
+            let v: [Vec3; 4] = std::array::from_fn(|k| {
+                self.normal * (by_p * turn[k]) + along * (by_q * self.weights[k])
+            });
+            for (row, a) in blocks.iter_mut().zip(&v) {
+                for (block, b) in row.iter_mut().zip(&v) {
+                    *block += a * b.transpose() * size;
+                }
+            }
+        }
+        blocks
+    }
+
+    /// ∂c/∂s and J (m) for places s along the eigenvectors of G; as many of the two mean something as there are free places.
+    fn principal_turns(&self, x: &[Vec3; 4]) -> [([Real; 4], Vec3); 2] {
+        let way = |turn: &[Real; 4]| (0..4).map(|k| x[k] * turn[k]).sum::<Vec3>();
+        let [first, second] = self.turns;
+        let (u, v) = (way(&first), way(&second));
+        if self.free < 2 {
+            return [(first, u), (second, v)];
+        }
+        // A rotation that makes J₀ · J₁ zero.
+        let angle = 0.5 * (2.0 * u.dot(&v)).atan2(u.norm_squared() - v.norm_squared());
+        let (sin, cos) = angle.sin_cos();
+        let mix = |a: Real, b: Real| {
+            let turn = std::array::from_fn(|k| a * first[k] + b * second[k]);
+            (turn, u * a + v * b)
+        };
+        [mix(cos, sin), mix(-sin, cos)]
+    }
+
     /// The inverse of G; nothing if it has none, as between parallel edges.
     fn inverse_metric(&self, along: &[Vec3; 2]) -> Option<[[Real; 2]; 2]> {
         let [u, v] = along;

@@ -96,17 +96,19 @@ pub(super) struct Interval {
     pub(super) duration: Real,
 }
 
-/// The same for vertices against obstacles that move meanwhile, with φ − `thickness` (m) for the distance.
+/// The same for the vertices of positive `weight` against obstacles that move meanwhile, with φ − `thickness` (m) for the distance.
 pub(super) fn visit_obstacles(
     motion: Motion<'_>,
     obstacles: &[Obstacle],
     when: Interval,
     thickness: Real,
+    weight: &[Real],
     mut visit: impl FnMut(&[u32], Real),
 ) {
     for obstacle in obstacles {
         let ends = motion.from.iter().zip(motion.to);
-        for (vertex, (&from, &to)) in (0u32..).zip(ends) {
+        let free = (0u32..).zip(ends).zip(weight).filter(|(_, w)| **w > 0.0);
+        for ((vertex, (&from, &to)), _) in free {
             let gap = obstacle.clearance(from, when.start).value - thickness;
             let path = VertexPath::straight(from, to, when.duration);
             let keep = SLACK * gap.min(motion.range);

@@ -108,6 +108,7 @@ impl Minimiser {
         self.x.copy_from_slice(from);
         self.aim.copy_from_slice(aim);
         self.inverse_mass.copy_from_slice(inverse_mass);
+        self.terms.set_free(inverse_mass);
         for (weight, w) in self.weight.iter_mut().zip(inverse_mass) {
             *weight = if *w > 0.0 { 1.0 / (w * dt * dt) } else { 0.0 };
         }
@@ -156,7 +157,7 @@ impl Minimiser {
             Some(when) => (&self.obstacles, when),
             None => (&self.standing, still),
         };
-        visit_obstacles(motion, obstacles, when, self.thickness, visit);
+        visit_obstacles(motion, obstacles, when, self.thickness, &self.weight, visit);
         Ok(())
     }
 
@@ -241,7 +242,7 @@ impl Minimiser {
     }
 
     /// The Newton direction p; `given` sets it for the prescribed vertices, and changes the gradient for what else is known to happen. With the true Hessian if
-    /// that is positive, otherwise with that of each pair made so.
+    /// that is positive, otherwise with only the convex part of each pair.
     fn direct(&mut self, given: impl Fn(&mut Self)) {
         for convexity in [Convexity::Exact, Convexity::Clamp] {
             self.linearise(convexity);

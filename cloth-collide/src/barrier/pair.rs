@@ -39,10 +39,7 @@ impl Energy<4> for VertexTriangleBarrier {
 
     fn hessian(&self, x: &[Vec3; 4], convexity: Convexity) -> Blocks<4> {
         let gap = Gap::vertex_triangle(x);
-        made_convex(
-            barrier_hessian(&gap, self.law, self.area, x, convexity),
-            convexity,
-        )
+        barrier_hessian(&gap, self.law, self.area, x, convexity)
     }
 }
 
@@ -88,25 +85,27 @@ impl Energy<4> for EdgeEdgeBarrier {
         let gap = Gap::edge_edge(x);
         let mollified = self.mollifier.at(x);
         let area = self.area * mollified.value;
-        let mut blocks = barrier_hessian(&gap, self.law, area, x, convexity);
         let curvature = self.mollifier.curvature(x);
-        if let (Some(curvature), false) = (curvature, convexity == Convexity::GaussNewton) {
-            let barrier = self.area * self.law.energy(gap.distance);
-            let slope = self.area * self.law.slope(gap.distance);
-            let of_gap = gap.gradient();
-            for k in 0..4 {
-                for l in 0..4 {
-                    let crossed = mollified.gradient[k] * of_gap[l].transpose()
-                        + of_gap[k] * mollified.gradient[l].transpose();
-                    blocks[k][l] += curvature[k][l] * barrier + crossed * slope;
-                }
+        let (Some(curvature), false) = (curvature, convexity == Convexity::GaussNewton) else {
+            return barrier_hessian(&gap, self.law, area, x, convexity);
+        };
+        let mut blocks = barrier_hessian(&gap, self.law, area, x, Convexity::Exact);
+        let barrier = self.area * self.law.energy(gap.distance);
+        let slope = self.area * self.law.slope(gap.distance);
+        let of_gap = gap.gradient();
+        for k in 0..4 {
+            for l in 0..4 {
+                let crossed = mollified.gradient[k] * of_gap[l].transpose()
+                    + of_gap[k] * mollified.gradient[l].transpose();
+                blocks[k][l] += curvature[k][l] * barrier + crossed * slope;
             }
         }
-        made_convex(blocks, convexity)
+        make_semidefinite(&blocks, convexity)
     }
 }
 
-/// A (b″ ∂d ∂dᵀ + b′ ∂²d), without the second part for [`Convexity::GaussNewton`].
+/// A (b″ ∂d ∂dᵀ + b′ ∂²d); of the second part, which makes it indefinite, nothing for [`Convexity::GaussNewton`], and [`Gap::convex_part`] for
+/// [`Convexity::Clamp`].
 fn barrier_hessian(
     gap: &Gap,
     law: PenaltyLaw,
@@ -114,27 +113,25 @@ fn barrier_hessian(
     x: &[Vec3; 4],
     convexity: Convexity,
 ) -> Blocks<4> {
-    let (slope, curvature) = (
-        area * law.slope(gap.distance),
-        area * law.curvature(gap.distance),
-    );
+    let slope = area * law.slope(gap.distance);
+    let curvature = area * law.curvature(gap.distance);
     let along = gap.normal * gap.normal.transpose() * curvature;
-    let bent = (convexity != Convexity::GaussNewton).then(|| gap.curvature(x));
-    std::array::from_fn(|k| {
+    let (bent, times) = match convexity {
+        Convexity::GaussNewton => (None, 0.0),
+        Convexity::Clamp => (Some(gap.convex_part(x)), -slope),
+        _ => (Some(gap.curvature(x)), slope),
+    };
+    let blocks = std::array::from_fn(|k| {
         std::array::from_fn(|l| {
             let block = along * (gap.weights[k] * gap.weights[l]);
             match &bent {
-                Some(bent) => block + bent[k][l] * slope,
+                Some(bent) => block + bent[k][l] * times,
                 None => block,
             }
         })
-    })
-}
-
-fn made_convex(blocks: Blocks<4>, convexity: Convexity) -> Blocks<4> {
+    });
     match convexity {
-        // Without the second derivatives it is convex.
-        Convexity::GaussNewton => blocks,
-        other => make_semidefinite(&blocks, other),
+        Convexity::Abs => make_semidefinite(&blocks, convexity),
+        _ => blocks,
     }
 }

@@ -37,6 +37,8 @@ pub(super) struct Terms {
     /// A third of the rest area of the triangles around each vertex, and around each edge (m²).
     vertex_area: Vec<Real>,
     edge_area: Vec<Real>,
+    /// Whether obstacles push a vertex: prescribed ones may be anywhere.
+    is_free: Vec<bool>,
     /// Squared rest length of each edge (m²).
     edge_squared: Vec<Real>,
     vertex_triangle: Vec<VertexTriangleBarrier>,
@@ -65,6 +67,7 @@ impl Terms {
         Self {
             law,
             thickness,
+            is_free: vec![true; mesh.vertex_count()],
             vertex_area,
             edge_area,
             edge_squared: edges.iter().map(squared).collect(),
@@ -78,6 +81,13 @@ impl Terms {
     /// Distance from which on there is no force (m).
     pub(super) fn range(&self) -> Real {
         self.law.range()
+    }
+
+    /// Takes over which vertices are prescribed, by their inverse masses (1/kg).
+    pub(super) fn set_free(&mut self, inverse_mass: &[Real]) {
+        for (free, w) in self.is_free.iter_mut().zip(inverse_mass) {
+            *free = *w > 0.0;
+        }
     }
 
     pub(super) fn forget_pairs(&mut self) {
@@ -132,7 +142,8 @@ impl Terms {
             sum += pair.value(&gather(positions, pair.vertices));
         }
         for obstacle in around.obstacles {
-            for (x, area) in positions.iter().zip(&self.vertex_area) {
+            let free = positions.iter().zip(&self.vertex_area).zip(&self.is_free);
+            for ((x, area), _) in free.filter(|(_, free)| **free) {
                 let gap = obstacle.clearance(*x, around.time).value - self.thickness;
                 sum += area * self.law.energy(gap);
             }
@@ -157,13 +168,14 @@ impl Terms {
                 .map(|v| (v[0], Gap::edge_edge(&gather(positions, v))))
                 .find(|(_, gap)| touches(*gap))
         });
-        let inside = |x: &Vec3| {
+        let inside = |(x, free): (&Vec3, &bool)| {
             let gap = |o: &Obstacle| o.clearance(*x, around.time).value - self.thickness;
-            around.obstacles.iter().any(|o| gap(o) <= 0.0)
+            *free && around.obstacles.iter().any(|o| gap(o) <= 0.0)
         };
+        let mut all = positions.iter().zip(&self.is_free);
         first
             .map(|(vertex, _)| vertex)
-            .or_else(|| positions.iter().position(inside).map(|v| v as u32))
+            .or_else(|| all.position(inside).map(|v| v as u32))
     }
 
     /// Adds the gradient of the energy (N), and replaces the list of Hessians.
@@ -183,7 +195,8 @@ impl Terms {
             add_pair(pair, positions, convexity, gradient, &mut self.pairs);
         }
         for obstacle in around.obstacles {
-            for (vertex, x) in (0u32..).zip(positions) {
+            let free = (0u32..).zip(positions).zip(&self.is_free);
+            for ((vertex, x), _) in free.filter(|(_, free)| **free) {
                 let at = obstacle.clearance(*x, around.time);
                 let gap = at.value - self.thickness;
                 if gap >= self.range() {
