@@ -307,7 +307,7 @@ fn verdict(
     let (from, to) = (by_size.first()?.0, by_size.last()?.0);
     let (soft, stiff) = (by_stiffness.first()?.0, by_stiffness.last()?.0);
     Some(format!(
-        "Convergence independent of resolution: {}. Iterations to an error of 1e-4, at {from} and at {to} vertices a side: {} and {} plain, {} and {} with the coarse grid. At {soft:e} and at {stiff:e} N/m: {} and \
+        "Is the convergence independent of the resolution? {}. Iterations to an error of 1e-4, at {from} and at {to} vertices a side: {} and {} plain, {} and {} with the coarse grid. At {soft:e} and at {stiff:e} N/m: {} and \
          {} plain, {} and {} with the coarse grid.",
         independence(by_size),
         sizes[0],
@@ -336,8 +336,8 @@ fn independence(by_size: &[(Real, [Option<u32>; 4])]) -> String {
         }
     };
     let each = VARIANTS.iter().enumerate();
-    let each = each.map(|(index, (label, _))| format!("{label} {}", judge(index)));
-    each.collect::<Vec<_>>().join(", ")
+    let each = each.map(|(index, (label, _))| format!("{label}: {}", judge(index)));
+    each.collect::<Vec<_>>().join("; ")
 }
 
 /// Half a second of the hanging sheet: fall and stretch beside those of converged implicit Euler.
