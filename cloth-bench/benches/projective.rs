@@ -3,8 +3,8 @@
 
 use cloth_bench::scene::{self, Scene};
 use cloth_bench::settings::Settings;
-use cloth_core::element::Projective;
-use cloth_core::linear::{Cholesky, LowRank, PanelFactor, UpperPattern};
+use cloth_bench::studies::constant_matrix;
+use cloth_core::linear::{Cholesky, LowRank, PanelFactor};
 use cloth_core::math::{Real, Vec3};
 use cloth_core::step::{StepInput, Stepper};
 use cloth_pd::{Acceleration, LocalStep, PdConfig, PdSolver};
@@ -13,46 +13,6 @@ use std::hint::black_box;
 
 fn sheet(side: u32) -> Scene {
     scene::build("hang", None, &Settings::default().with("n", side)).expect("a scene")
-}
-
-/// `M/Δt² + Σ w GᵀG` of springs and hinges, all vertices free.
-fn matrix(scene: &Scene) -> Cholesky {
-    let model = &scene.model;
-    let masses = model.particles.mass().iter();
-    let mut columns: Vec<Vec<(u32, Real)>> = (0..)
-        .zip(masses)
-        .map(|(v, m)| vec![(v, m / (scene.dt * scene.dt))])
-        .collect();
-    fn add<const N: usize, E: Projective<N, 1>>(elements: &[E], columns: &mut [Vec<(u32, Real)>]) {
-        for element in elements {
-            let (vertices, [row]) = (element.vertices(), element.operator());
-            for i in 0..N {
-                for j in (0..N).filter(|&j| vertices[j] <= vertices[i]) {
-                    let entry = (vertices[j], element.weight() * row[i] * row[j]);
-                    columns[vertices[i] as usize].push(entry);
-                }
-            }
-        }
-    }
-    add(&model.springs, &mut columns);
-    add(&model.hinges, &mut columns);
-    let mut pattern = UpperPattern {
-        column_offsets: vec![0],
-        rows: Vec::new(),
-    };
-    let mut values: Vec<Real> = Vec::new();
-    for column in &mut columns {
-        column.sort_by_key(|entry| entry.0);
-        for same in column.chunk_by(|a, b| a.0 == b.0) {
-            pattern.rows.push(same[0].0);
-            values.push(same.iter().map(|entry| entry.1).sum());
-        }
-        pattern.column_offsets.push(values.len() as u32);
-    }
-    let mut cholesky = Cholesky::analyze(pattern).expect("memory");
-    cholesky.values_mut().copy_from_slice(&values);
-    cholesky.factorize().expect("positive definite");
-    cholesky
 }
 
 fn panels_of(cholesky: &Cholesky, count: usize) -> PanelFactor {
@@ -65,7 +25,7 @@ fn global_solve(criterion: &mut Criterion) {
     for side in [64, 128, 256, 512] {
         let scene = sheet(side);
         let count = scene.start.positions.len();
-        let mut cholesky = matrix(&scene);
+        let mut cholesky = constant_matrix(&scene).expect("a factor");
         let mut panels = panels_of(&cholesky, count);
         let mut group = criterion.benchmark_group(format!("projective solve, {side} a side"));
         group.sample_size(20);
@@ -87,7 +47,7 @@ fn changes(criterion: &mut Criterion) {
     for side in [32, 64, 128, 256] {
         let scene = sheet(side);
         let count = scene.start.positions.len();
-        let mut cholesky = matrix(&scene);
+        let mut cholesky = constant_matrix(&scene).expect("a factor");
         let mut panels = panels_of(&cholesky, count);
         let mut group = criterion.benchmark_group(format!("projective change, {side} a side"));
         group.sample_size(10);

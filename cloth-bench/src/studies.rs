@@ -12,6 +12,7 @@ mod stiffness;
 mod xpbd_floor;
 
 pub use locking::Locking;
+pub use projective::constant_matrix;
 
 use crate::error::BenchError;
 use crate::names;

@@ -26,7 +26,7 @@ pub enum Start {
     Previous,
     /// `x[0] + Δt v[0]`: the motion goes on as it was. What gravity adds in a step is mostly taken back by a cloth that is held, so this is nearer to the
     /// end of the step than x̃. Where few iterations end above `G(x[0])`, energy appears in the step, and a tangle may feed on that; [`Acceleration::QuasiNewton`] then
-    /// takes the step again, from x[0]. A piece of cloth that nothing holds falls as a whole besides, so that its momentum is right from the start.
+    /// takes the step again, from `x[0]`. A piece of cloth that nothing holds falls as a whole besides, so that its momentum is right from the start.
     #[default]
     Inertial,
     /// `x̃`, called `s` in S1 (33): where the vertices would go without elasticity.

@@ -88,7 +88,7 @@
 //! | | quasi-Newton | 7 | 107 | 348 |
 //! | | with a coarse grid | 5 | 27 | 596 |
 //!
-//! So the convergence does not depend on the resolution, as is said of the method. It does depend on the stiffness: to 10⁻⁴ at 32 a side, 624 plain iterations at 10² N/m and more than 3000 at 10³.
+//! So the convergence of the iterations without a coarse grid does not depend on the resolution, as is said of the method. It does depend on the stiffness: to 10⁻⁴ at 32 a side, 624 plain iterations at 10² N/m and more than 3000 at 10³.
 //!
 //! Cloth that changes between two steps ([`PdSolver::prescribe`], [`release`](PdSolver::release), [`attach`](PdSolver::attach), [`remove`](PdSolver::remove)) keeps the factor and corrects every solve for the k rows that differ,
 //! by the identity of Woodbury. To set that up takes k/3 solves, which cost as much as a factorisation at k = 15 to 35 for 32 to 256 vertices a side; and as it slows down every solve, it is given up for a factorisation when as much has been
@@ -96,8 +96,8 @@
 //!
 //! # Cost
 //! A solve reads the factor twice: 1.29 million numbers at 128 vertices a side, so 20.6 MB, and no solve is faster than the memory gives them. On a busy machine one took 1.9 times as long as that at 512 a side
-//! (DRAM, 20 GB/s) and 3.8 times at 128 (L3, 75 GB/s), and a third to a half of what the linear-algebra library takes for the same (`cargo bench --bench projective`). The local step reads 24 bytes a spring and reads or
-//! writes 72 a vertex, and takes several times as long as moving those: 32 springs are projected side by side, so it is not ruled by the square root and the division, but by collecting
+//! (DRAM, 20 GB/s) and 3.8 times at 128 (L3, 75 GB/s), and a third to a half of what the linear-algebra library takes for the same (`cargo bench --bench projective`, `cloth-bench study projective`). The local step reads 24 bytes a spring and reads or
+//! writes 72 a vertex, and takes 5 to 6 times as long as moving those, at 64 to 512 a side: 32 springs are projected side by side, so it is not ruled by the square root and the division, but by collecting
 //! the ends of each spring and adding to them, one number at a time.
 //!
 //! With quadratic bending and n vertices, f numbers in the factor, e springs and b entries in the matrix of the bending energy, an iteration moves `16 f` bytes for the solve, `24 e + 72 n` for the springs, `12 b + 136 n`
@@ -164,10 +164,25 @@
 //! # Limits
 //! - The plain iteration converges linearly, and the more slowly the stiffer the cloth. An error of 10⁻² in `G` is soon reached and says little: plain, cut short there, the sheet above hangs in the air. Look at the
 //!   fall beside the stretch before choosing a number of iterations.
-//! - A fixed number of iterations is an approximation of implicit Euler whose error is not watched. Six a step follow the first second of the hanging sheet closely; over five seconds its swinging dies away sooner than it should (32 a side: the
-//!   kinetic energy is 0.004 J instead of 0.085 J; with 50 iterations 0.085 J). With a tolerance of 10⁻² it is 0.074 J at 18 iterations a step. What is missing is the motion between the coarse grid and the springs: the matrix holds back folds that are smaller
-//!   than a cell, and what a step leaves of their error stays as energy of compressed springs (0.008 J instead of 0.0009 J). To have the largest stretch after five seconds within 10 % took 24 iterations a step (0.45 % instead of 0.46 %; 0.35 % with 6 or 12).
-//! - It is the same with a chain of 20 links, swinging: with 6 iterations its centre of mass is right to 0.1 % after half a second, but has fallen 3 % too little after five; with 8 iterations it is right to 0.2 % then. A cloth that starts in a tangle may stay in it with 6 iterations, where 30 free it.
+//! - A fixed number of iterations is an approximation of implicit Euler whose error is not watched. Six a step follow the first half second of the hanging sheet closely; over five seconds its swinging dies away sooner than it should. Means over the
+//!   last 100 of 300 steps, relative to converged implicit Euler, at 128 a side (`cloth-bench study projective` has the same for 32 and 64):
+//!
+//!   | cells, iterations | kinetic energy (%) | largest stretch (%) | the same at the last step (%) |
+//!   |---|---|---|---|
+//!   | 8, 6 | −76 | −10 | −29 |
+//!   | 8, 12 | −43 | −6 | −24 |
+//!   | 16, 12 | −29 | −6 | −23 |
+//!   | 16, 18 | −16 | −4 | −9 |
+//!   | 16, 24 | −13 | −2 | −1 |
+//!   | 16, 36 | −9 | −2 | −4 |
+//!
+//!   The motion is not chaotic: implicit Euler from a start disturbed by 10⁻³ m ends with the same largest stretch to 1 % (32 a side). One instant still misleads, because a motion with too little energy is at another point of its swing: some settings with 6 iterations
+//!   happen to be right at the last step and 36 % off on average. What is missing are folds. A fold moves vertices across the cloth, and others a little along it so that no spring is stretched. The matrix charges the motion across as if springs were stretched, and the hats of a
+//!   grid cannot follow the motion along: a grid of half the resolution of the cloth does no better, one as fine as the cloth is Newton's method, for which three iterations are enough. So folds go on with the velocity that they have, and what should have bent is
+//!   compressed (29 times the elastic energy with 6 iterations).
+//! - It is the same with a chain of 20 links, swinging: with 6 iterations its centre of mass is right to 0.1 % after half a second, but has fallen 3 % too little after five; with 8 iterations it is right to 0.2 % then.
+//! - No energy appears in a step from `x[0]`, nor in a quasi-Newton step from `x[0] + Δt v[0]`: one that ends above `G(x[0])` is taken again, which the hanging sheet never needs. Plain and Chebyshev iterations from there, and all from x̃, have no such guard; ended early they can feed a
+//!   tangle. With the default a cloth of 10³ N/m, damped, hangs in the end from any start (in a point, on a line, mirrored, random, blown up), forces balanced; of 10⁴ N/m (17 a side) three of the six starts hang after 30 s, and the others are still unfolding, stretched by less than 1 %.
 //! - The coarse grid needs rest positions, and is good for cloth that bends smoothly at its scale. It changes how fast the iteration converges, never to what; and not always for the better: at 10⁵ N/m, from x̃, the
 //!   first 10⁻² takes 32 iterations with it and 7 without any acceleration.
 //! - Where it converges to is a stationary point of `G`, the solution of implicit Euler, with the numerical damping of that. Where `G` has several (compressed cloth), which of them depends on the path.
@@ -180,7 +195,7 @@
 //!
 //! # When to use it
 //! For many steps with one mesh and one step size on a processor: an iteration costs two passes over a small factor, none can make matters worse, and no step size is too large. With the coarse grid and 6 iterations a step of the sheet above takes
-//! a hundredth of the time of converged Newton in the same process (98, 73 and 164 times less at 32, 64 and 128 a side), for a fall within 0.2 % and a stretch within 3 %. Where the motion has to be right to the last digits, Newton's method gets there in a dozen iterations. Where the material is replaced
+//! about a hundredth of the time of converged Newton, for a fall within 0.3 % and a stretch within 8 % after half a second, at 128 a side 0.1 % and 0.3 % (`cloth-bench study projective` times both in one process). Where the motion has to be right to the last digits, Newton's method gets there in a dozen iterations. Where the material is replaced
 //! altogether between steps, the position-based methods have no matrix to factorise. Quadratic energies (bending of a flat sheet, attachments) are solved exactly by one iteration.
 //!
 //! # References

@@ -1,5 +1,10 @@
 //! Projective dynamics by acceleration, resolution and stiffness (BENCH-1; PD-3).
 
+mod factor;
+mod swing;
+
+pub use factor::constant_matrix;
+
 use super::{Findings, Scope, Study};
 use crate::error::BenchError;
 use crate::method::Method;
@@ -17,7 +22,8 @@ pub(super) const STUDY: Study = Study {
     question: "How many iterations does projective dynamics need, does their number depend on resolution and stiffness, and what do the accelerations save?",
     about: "The step is the sixteenth of the hanging sheet, with Newton's method to rounding as the reference; the error is (G − G*)/(G(x̃) − G*). All variants start at x̃ \
         here. The constant matrix is as stiff across a spring as along it, so what turns springs without stretching them converges slowly, and the more so the stiffer the \
-        springs. Times are of a solver that has taken a step before, so the matrix of projective dynamics is factorised. The second table is a race with Newton's method and XPBD, the third the whole fall: half a second at the default setting and at others, beside converged implicit Euler in the same process. Times are those of a machine that may have \
+        springs. Times are of a solver that has taken a step before, so the matrix of projective dynamics is factorised. The second table is a race with Newton's method and XPBD, the third the whole fall: half a second at the default setting and at others, beside converged implicit Euler in the same process; the fourth five seconds, after which the swinging tells how much energy unfinished iterations have \
+        lost. The last is about the matrix. Times are those of a machine that may have \
         been busy; counts are not.",
     cases,
     run,
@@ -79,7 +85,9 @@ fn most(scope: Scope) -> u32 {
 fn cases(scope: Scope) -> u64 {
     let steps = (sizes(scope).len() + stiffnesses(scope).len()) * VARIANTS.len();
     let races = race_sizes(scope).len() * (1 + RACERS.len());
-    (steps + races + sizes(scope).len() * (1 + FALLS.len())) as u64
+    let swings = swing::sizes(scope).len() * (1 + swing::SETTINGS.len());
+    let falls = sizes(scope).len() * (1 + FALLS.len());
+    (steps + races + falls + swings + factor::sizes(scope).len()) as u64
 }
 
 fn with(pairs: &[(&str, &str)]) -> Settings {
@@ -159,6 +167,8 @@ fn run(scope: Scope, progress: &mut dyn FnMut(&str)) -> Result<Findings, BenchEr
     findings.section.verdict = verdict(&by_size, &by_stiffness);
     race(scope, &mut findings, progress)?;
     falls(scope, &mut findings, progress)?;
+    swing::swings(scope, &mut findings, progress)?;
+    factor::costs(scope, &mut findings, progress)?;
     Ok(findings)
 }
 
@@ -297,8 +307,9 @@ fn verdict(
     let (from, to) = (by_size.first()?.0, by_size.last()?.0);
     let (soft, stiff) = (by_stiffness.first()?.0, by_stiffness.last()?.0);
     Some(format!(
-        "Iterations to an error of 1e-4, at {from} and at {to} vertices a side: {} and {} plain, {} and {} with the coarse grid. At {soft:e} and at {stiff:e} N/m: {} and \
+        "Is the convergence independent of the resolution? {}. Iterations to an error of 1e-4, at {from} and at {to} vertices a side: {} and {} plain, {} and {} with the coarse grid. At {soft:e} and at {stiff:e} N/m: {} and \
          {} plain, {} and {} with the coarse grid.",
+        independence(by_size),
         sizes[0],
         sizes[1],
         coarse[0],
@@ -308,6 +319,25 @@ fn verdict(
         coarse_stiffness[0],
         coarse_stiffness[1],
     ))
+}
+
+/// A count that changes by less than this factor from the smallest to the largest sheet does not depend on the resolution.
+const SAME: Real = 1.5;
+
+/// What the counts by size say of each variant.
+fn independence(by_size: &[(Real, [Option<u32>; 4])]) -> String {
+    let judge = |index: usize| {
+        let counts: Option<Vec<u32>> = by_size.iter().map(|row| row.1[index]).collect();
+        let ends = counts.and_then(|c| Some((*c.iter().min()?, *c.iter().max()?)));
+        match ends {
+            Some((least, most)) if Real::from(most) <= SAME * Real::from(least) => "yes",
+            Some(_) => "no",
+            None => "not seen within the budget",
+        }
+    };
+    let each = VARIANTS.iter().enumerate();
+    let each = each.map(|(index, (label, _))| format!("{label}: {}", judge(index)));
+    each.collect::<Vec<_>>().join("; ")
 }
 
 /// Half a second of the hanging sheet: fall and stretch beside those of converged implicit Euler.

@@ -4,6 +4,7 @@ use crate::cloth::{DT, GRAVITY, distance, falling, hanging, noise};
 use cloth_core::cloth::ClothModel;
 use cloth_core::energy::Attachment;
 use cloth_core::math::{Real, Vec3};
+use cloth_core::measure::linear_momentum;
 use cloth_core::particles::State;
 use cloth_core::pin::Pins;
 use cloth_core::step::{StepInput, StepReport, Stepper};
@@ -128,6 +129,35 @@ fn a_changed_solver_steps_as_a_new_one_does() {
         factorizations += cloth.step("elements tear").factorizations;
         factorizations += cloth.step("nothing more").factorizations;
         assert!(factorizations <= 2, "{factorizations}");
+    }
+}
+
+#[test]
+fn an_attachment_holds_a_free_cloth_as_in_a_new_solver_and_lets_it_go() {
+    for config in configs() {
+        let mut cloth = Changing::new(config);
+        cloth.release(SIDE * (SIDE - 1));
+        cloth.release(SIDE * SIDE - 1);
+        cloth.step("free");
+        let tie = Attachment {
+            vertex: 7,
+            target: cloth.rest[7],
+            stiffness: 1e3,
+        };
+        cloth.ties.push(tie);
+        let id = cloth.solver.attach(tie).unwrap();
+        cloth.step("held");
+        cloth.step("held still");
+        cloth.ties.clear();
+        cloth.solver.detach(id).unwrap();
+        let before = linear_momentum(&cloth.model.particles, &cloth.state.velocities);
+        cloth.step("let go");
+        let gained = linear_momentum(&cloth.model.particles, &cloth.state.velocities) - before;
+        let mass: Real = cloth.model.particles.mass().iter().sum();
+        assert!(
+            (gained - GRAVITY * (mass * DT)).norm() < 1e-12,
+            "{config:?}: {gained}"
+        );
     }
 }
 

@@ -1,0 +1,154 @@
+//! The constant matrix: its fill, what it costs to factorise, to solve with and to change.
+
+use super::super::{Findings, Scope};
+use crate::error::BenchError;
+use crate::report::table::{Cell, Table};
+use crate::scene::{self, Scene};
+use crate::settings::Settings;
+use cloth_core::element::Projective;
+use cloth_core::linear::{Cholesky, LowRank, PanelFactor, UpperPattern};
+use cloth_core::math::{Real, Vec3};
+use std::time::Instant;
+
+/// `M/Δt² + Σ w GᵀG` of the springs and hinges of a scene, all vertices free, factorised.
+///
+/// # Errors
+/// [`BenchError::Failed`] if the factor does not fit into memory, or the matrix is singular.
+pub fn constant_matrix(scene: &Scene) -> Result<Cholesky, BenchError> {
+    let model = &scene.model;
+    let masses = model.particles.mass().iter();
+    let mut columns: Vec<Vec<(u32, Real)>> = (0..)
+        .zip(masses)
+        .map(|(v, m)| vec![(v, m / (scene.dt * scene.dt))])
+        .collect();
+    add(&model.springs, &mut columns);
+    add(&model.hinges, &mut columns);
+    let mut pattern = UpperPattern {
+        column_offsets: vec![0],
+        rows: Vec::new(),
+    };
+    let mut values: Vec<Real> = Vec::new();
+    for column in &mut columns {
+        column.sort_by_key(|entry| entry.0);
+        for same in column.chunk_by(|a, b| a.0 == b.0) {
+            pattern.rows.push(same[0].0);
+            values.push(same.iter().map(|entry| entry.1).sum());
+        }
+        pattern.column_offsets.push(values.len() as u32);
+    }
+    let mut cholesky = Cholesky::analyze(pattern).map_err(BenchError::failed)?;
+    cholesky.values_mut().copy_from_slice(&values);
+    cholesky.factorize().map_err(BenchError::failed)?;
+    Ok(cholesky)
+}
+
+/// Adds the upper half of `Σ w GᵀG`.
+fn add<const N: usize, E: Projective<N, 1>>(elements: &[E], columns: &mut [Vec<(u32, Real)>]) {
+    for element in elements {
+        let (vertices, [row]) = (element.vertices(), element.operator());
+        for i in 0..N {
+            for j in (0..N).filter(|&j| vertices[j] <= vertices[i]) {
+                let entry = (vertices[j], element.weight() * row[i] * row[j]);
+                columns[vertices[i] as usize].push(entry);
+            }
+        }
+    }
+}
+
+pub(super) fn sizes(scope: Scope) -> &'static [u32] {
+    match scope {
+        Scope::Quick => &[17, 33],
+        Scope::Full => &[32, 64, 128, 256, 512],
+    }
+}
+
+/// Repetitions, of which the shortest counts.
+const REPETITIONS: u32 = 10;
+/// Changed rows, at most, that are tried.
+const MOST_ROWS: usize = 120;
+
+/// One row per size.
+pub(super) fn costs(
+    scope: Scope,
+    findings: &mut Findings,
+    progress: &mut dyn FnMut(&str),
+) -> Result<(), BenchError> {
+    let mut table = Table::new(&[
+        "n",
+        "numbers in the lower half of the matrix",
+        "numbers in the factor",
+        "fill",
+        "ms to factorise",
+        "ms a solve",
+        "ms the library's solve",
+        "library's solve / own",
+        "GB/s, the factor read twice",
+        "changed rows as dear as factorising",
+    ]);
+    for &n in sizes(scope) {
+        progress(&format!("projective: the factor, {n} × {n}"));
+        let scene = scene::build("hang", None, &Settings::default().with("n", n))?;
+        let b = &scene.start.positions;
+        let mut cholesky = constant_matrix(&scene)?;
+        let places: Vec<u32> = (0..b.len() as u32).collect();
+        let mut panels = PanelFactor::new(cholesky.factor(), &places);
+        let (mut solution, mut columns) = (b.clone(), vec![1.0; 3 * b.len()]);
+        let (mut factorise, mut solve, mut library) =
+            (Real::INFINITY, Real::INFINITY, Real::INFINITY);
+        for _ in 0..REPETITIONS {
+            let started = Instant::now();
+            cholesky.factorize().map_err(BenchError::failed)?;
+            panels.refill(cholesky.factor());
+            factorise = factorise.min(started.elapsed().as_secs_f64());
+            // The first solve of each finds the other's numbers in the caches.
+            for _ in 0..3 {
+                solve = solve.min(seconds(|| panels.solve(b, &mut solution)));
+            }
+            for _ in 0..3 {
+                library = library.min(seconds(|| cholesky.solve_in_place(&mut columns)));
+            }
+        }
+        let rows = rows_worth(factorise, &mut panels, b.len());
+        let (given, factor) = (cholesky.values_mut().len(), cholesky.factor_len());
+        table.push([
+            Cell::from(n as usize),
+            Cell::from(given),
+            Cell::from(factor),
+            Cell::from(factor as Real / given as Real),
+            Cell::from(1e3 * factorise),
+            Cell::from(1e3 * solve),
+            Cell::from(1e3 * library),
+            Cell::from(library / solve),
+            Cell::from(16e-9 * factor as Real / solve),
+            Cell::from(rows),
+        ]);
+    }
+    findings.table(
+        "projective-factor",
+        "The constant matrix of the hanging sheet: fill, and the shortest of ten times to factorise, to solve for three right-hand sides, and to change it",
+        table,
+    );
+    Ok(())
+}
+
+fn seconds(work: impl FnOnce()) -> Real {
+    let started = Instant::now();
+    work();
+    started.elapsed().as_secs_f64()
+}
+
+/// The number of changed rows, in threes, for which setting up a correction takes as long as `limit` (s).
+fn rows_worth(limit: Real, panels: &mut PanelFactor, count: usize) -> Option<usize> {
+    (3..=MOST_ROWS.min(count)).step_by(3).find(|&rank| {
+        let mut low_rank = LowRank::default();
+        for column in 0..rank {
+            low_rank.push([((column * 7919 % count) as u32, 1.0)]);
+        }
+        let mut prepare = || {
+            seconds(|| {
+                low_rank.prepare(count, |b: &[Vec3], x: &mut [Vec3]| panels.solve(b, x));
+            })
+        };
+        (0..3).map(|_| prepare()).fold(Real::INFINITY, Real::min) >= limit
+    })
+}

@@ -1,0 +1,117 @@
+//! Five seconds of the hanging sheet: what too few iterations a step do to its swinging.
+
+use super::super::{Findings, Scope};
+use super::{Pairs, with};
+use crate::error::BenchError;
+use crate::method::Method;
+use crate::report::table::{Cell, Table};
+use crate::run;
+use crate::scene;
+use crate::settings::Settings;
+use cloth_core::math::Real;
+use cloth_core::measure::{Strain, kinetic_energy};
+
+/// Steps, and how many of them at the end are averaged over: a swing and a half.
+const STEPS: u32 = 300;
+const AVERAGED: u32 = 100;
+
+pub(super) const SETTINGS: [(&str, Pairs); 5] = [
+    ("default", &[]),
+    ("12 iterations", &[("iterations", "12")]),
+    ("24 iterations", &[("iterations", "24")]),
+    (
+        "24 iterations, 16 cells",
+        &[("iterations", "24"), ("coarse", "16")],
+    ),
+    (
+        "36 iterations, 16 cells",
+        &[("iterations", "36"), ("coarse", "16")],
+    ),
+];
+
+pub(super) fn sizes(scope: Scope) -> &'static [u32] {
+    match scope {
+        Scope::Quick => &[17],
+        Scope::Full => &[32, 64],
+    }
+}
+
+/// Means over the last steps, and the end.
+struct Swing {
+    kinetic: Real,
+    stretch: Real,
+    end: run::Summary,
+}
+
+pub(super) fn swings(
+    scope: Scope,
+    findings: &mut Findings,
+    progress: &mut dyn FnMut(&str),
+) -> Result<(), BenchError> {
+    let mut table = Table::new(&[
+        "n",
+        "setting",
+        "largest stretch, mean",
+        "relative to implicit Euler",
+        "largest stretch at the end, relative",
+        "kinetic energy, mean (J)",
+        "kinetic energy, relative",
+        "elastic energy at the end (J)",
+        "ms per step",
+    ]);
+    for &n in sizes(scope) {
+        let simulate = |method: &str, settings: &Settings| -> Result<Swing, BenchError> {
+            let scene = scene::build("hang", None, &Settings::default().with("n", n))?;
+            let mut solver = Method::find(method)?.build(&scene, settings, scene.dt)?;
+            let (mut state, gauges) = (scene.start.clone(), scene.gauges()?);
+            let (mut kinetic, mut stretch) = (0.0, 0.0);
+            let end = run::run(&scene, &mut *solver, &mut state, scene.dt, STEPS, {
+                |step, state, _| {
+                    if step > STEPS - AVERAGED {
+                        let share = 1.0 / Real::from(AVERAGED);
+                        stretch += share * Strain::of(&gauges, &state.positions).max;
+                        kinetic +=
+                            share * kinetic_energy(&scene.model.particles, &state.velocities);
+                    }
+                    Ok(())
+                }
+            })?;
+            Ok(Swing {
+                kinetic,
+                stretch,
+                end,
+            })
+        };
+        progress(&format!(
+            "projective: implicit Euler for five seconds, {n} × {n}"
+        ));
+        let newton = simulate("implicit-euler", &Settings::default())?;
+        let mut push = |label: &str, swing: &Swing| {
+            table.push([
+                Cell::from(n as usize),
+                Cell::from(label),
+                Cell::from(swing.stretch),
+                Cell::from(swing.stretch / newton.stretch - 1.0),
+                Cell::from(swing.end.max_stretch / newton.end.max_stretch - 1.0),
+                Cell::from(swing.kinetic),
+                Cell::from(swing.kinetic / newton.kinetic - 1.0),
+                Cell::from(swing.end.elastic_energy),
+                Cell::from(swing.end.ms_per_step_median),
+            ]);
+        };
+        push("implicit Euler, converged", &newton);
+        for (label, pairs) in SETTINGS {
+            progress(&format!("projective: {label} for five seconds, {n} × {n}"));
+            let outcome = simulate("pd", &with(pairs));
+            if let Some(swing) = findings.unless_failed(label, outcome) {
+                push(label, &swing);
+            }
+        }
+    }
+    findings.table(
+        "projective-swing",
+        "The hanging sheet after five seconds (300 steps); means over the last 100",
+        table,
+    );
+    Ok(())
+}

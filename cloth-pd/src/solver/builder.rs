@@ -1,0 +1,132 @@
+//! From a description to a solver.
+
+use super::{Method, PdSolver};
+use crate::chebyshev::Chebyshev;
+use crate::coarse::CoarseGrid;
+use crate::config::{Acceleration, PdConfig};
+use crate::free_pieces::FreePieces;
+use crate::global::GlobalSystem;
+use crate::local::{Family, Projections};
+use crate::objective::{Objective, Point};
+use crate::quasi_newton::QuasiNewton;
+use cloth_core::element::Projective;
+use cloth_core::math::{Real, Vec3, is_finite};
+use cloth_core::particles::Particles;
+use cloth_core::step::BuildError;
+
+/// Collects what a [`PdSolver`] is built of.
+#[derive(Debug)]
+pub struct PdBuilder {
+    particles: Particles,
+    families: Result<Vec<Box<dyn Projections>>, BuildError>,
+    coarse: Option<(Vec<Vec3>, u32)>,
+    config: PdConfig,
+}
+
+impl PdBuilder {
+    pub(super) fn new(particles: &Particles) -> Self {
+        Self {
+            particles: particles.clone(),
+            families: Ok(Vec::new()),
+            coarse: None,
+            config: PdConfig::default(),
+        }
+    }
+
+    /// Adds a family of elements. Those without weight are left out.
+    #[must_use]
+    pub fn energy<const N: usize, const K: usize, E: Projective<N, K>>(
+        mut self,
+        elements: Vec<E>,
+    ) -> Self {
+        if let Ok(families) = &mut self.families {
+            match Family::new(elements, &self.particles) {
+                Ok(family) => families.push(Box::new(family)),
+                Err(error) => self.families = Err(error),
+            }
+        }
+        self
+    }
+
+    /// Lays a coarse grid over the cloth, of `cells` cubes along the longest side of the box around its rest positions (m). [`Acceleration::QuasiNewton`] takes a Newton step on
+    /// it in every iteration, the other methods have no use for it. A few cells are enough, 8 for instance, whatever the resolution of the cloth.
+    #[must_use]
+    pub fn coarse_grid(mut self, rest_positions: &[Vec3], cells: u32) -> Self {
+        self.coarse = Some((rest_positions.to_vec(), cells));
+        self
+    }
+
+    /// Replaces the settings.
+    #[must_use]
+    pub fn config(mut self, config: PdConfig) -> Self {
+        self.config = config;
+        self
+    }
+
+    /// The solver: assembles the matrix and analyses it. It is factorised in the first step, which tells the step size.
+    ///
+    /// # Errors
+    /// [`BuildError::InvalidSetting`], also for a weight that is negative or not finite, and for a coarse grid of no or too many cells or of positions that are not one finite position per
+    /// vertex; [`BuildError::NoSuchVertex`] if an element names a vertex that the particles do not have; [`BuildError::MatrixTooLarge`].
+    pub fn build(self) -> Result<PdSolver, BuildError> {
+        self.config.check()?;
+        let mut families = self.families?;
+        let too_large = |_| BuildError::MatrixTooLarge;
+        let global = GlobalSystem::new(&self.particles, &families).map_err(too_large)?;
+        let vertex_count = self.particles.len();
+        let zeros = vec![Vec3::zeros(); vertex_count];
+        let method = match self.config.acceleration {
+            Acceleration::None => Method::Plain {
+                increment: zeros.clone(),
+            },
+            Acceleration::Chebyshev { spectral_radius } => {
+                Method::Chebyshev(Box::new(Chebyshev::new(spectral_radius, vertex_count)))
+            }
+            Acceleration::QuasiNewton { history } => {
+                Method::QuasiNewton(Box::new(QuasiNewton::new(history as usize, vertex_count)))
+            }
+        };
+        let free_pieces = FreePieces::of(global.stiffness(), &self.particles);
+        let coarse = match (&method, &self.coarse) {
+            (Method::QuasiNewton(_), Some((rest, cells))) => {
+                check_coarse(rest, *cells, vertex_count)?;
+                let particles = &self.particles;
+                let grid = CoarseGrid::new(rest, *cells, particles, &free_pieces, &mut families);
+                Some(grid.map_err(too_large)?)
+            }
+            _ => None,
+        };
+        Ok(PdSolver {
+            free_pieces,
+            config: self.config,
+            objective: Objective::new(self.particles, families),
+            global,
+            lattice: coarse.as_ref().and(self.coarse),
+            coarse,
+            is_stale: false,
+            are_ties_stale: false,
+            method,
+            point: Point::new(vertex_count),
+            fallback: Point::new(vertex_count),
+            velocities: zeros,
+        })
+    }
+}
+
+/// Finer grids than this cost more to factorise than they save.
+const MOST_CELLS: u32 = 1000;
+
+fn check_coarse(rest: &[Vec3], cells: u32, vertex_count: usize) -> Result<(), BuildError> {
+    let refuse = |name, value, range| Err(BuildError::InvalidSetting { name, value, range });
+    if !(1..=MOST_CELLS).contains(&cells) {
+        return refuse("coarse cells", Real::from(cells), "between 1 and 1000");
+    }
+    if rest.len() != vertex_count {
+        let range = "one per vertex";
+        return refuse("the number of rest positions", rest.len() as Real, range);
+    }
+    match rest.iter().find(|x| !is_finite(x)) {
+        Some(x) => refuse("a rest position", x.sum(), "finite"),
+        None => Ok(()),
+    }
+}
