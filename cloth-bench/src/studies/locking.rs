@@ -21,7 +21,7 @@ pub(super) const STUDY: Study = Study {
     about: "Count: 3V − E assumes that the edge lengths are independent conditions; rank and nullity are those of the Jacobian of the edge lengths, at rest and after a smooth \
         bend by up to a quarter of the size, and the smallest kept singular value tells how near the sheet is to having one motion more. \
         Cone: a quarter of a ring between clamps that lie on a cone; its energy at rest, over that of its hinges with every vertex on the cone. Stiff is a sheet whose energy no longer rises with Y, locked \
-        one whose energy does. l* = (702 D R²/Y)^¼ is the edge length at which springs with all vertices on a surface of radius R store as much as the hinges. \
+        one whose energy does. l* = (702 D R²/Y)^¼ is the edge length at which springs with all vertices on a surface of radius R store as much as the hinges; l⁴ is the mean of L⁴ over the edges, weighted with L². \
         Fold: a unit square, held along one diagonal, whose corners hang down; fold angle (°) below the horizontal at which the corners are seen from the clamp; bending reached is the energy of the hinges over that of the \
         exact elastica with the rigidity that the hinges have about this axis (column rigidity over D). rising is the direction of the diagonals of a one-way grid. A sheet free to curve across is softer than the elastica, which is why \
         bending reached exceeds 1 where nothing locks. \
@@ -54,13 +54,18 @@ fn verdict(as_counted: bool, cones: &OnCones, folds: &Folds) -> String {
     } else {
         "The measured null spaces are NOT those of the count everywhere."
     };
-    let [least, most] = cones.placed;
-    let constant = if least > 0.5 && most < 2.0 {
-        "The constant 702 is confirmed for vertices on a smooth surface"
+    let left = 100.0 * cones.left;
+    let [least, most] = cones.equilateral;
+    let constant = if least > 0.9 && most < 1.1 {
+        "confirmed"
     } else {
-        "The constant 702 is REFUTED even for vertices on a smooth surface"
+        "REFUTED"
     };
-    let [remaining, at_most] = cones.left;
+    let [weakest, strongest] = cones.placed;
+    let constant = format!(
+        "The estimate l* = (702 D R²/Y)^¼ is {constant} for vertices that stay on a cone: the membrane of equilateral triangles costs {least:.2} to {most:.2} times (l/l*)⁴ there, that of all patterns {weakest:.2} to {strongest:.2} times. \
+         But a sheet between clamps does not stay there: beyond l* it gets rid of all but {left:.1} % of that energy, or less, by leaving the surface."
+    );
     let (pattern, cells, ratio, energy) = cones.worst;
     let [from, to] = folds.halved;
     let onset = if folds.locked == 0 {
@@ -78,7 +83,6 @@ fn verdict(as_counted: bool, cones: &OnCones, folds: &Folds) -> String {
         )
     };
     format!(
-        "{count} {constant} (membrane energy {least:.2} to {most:.2} times (l/l*)⁴ on the cone), but a sheet does not stay there: beyond l* it gets rid of all but {remaining:.0e} to {at_most:.2} of it by \
-         leaving the surface. The most locked cone is {pattern}, {cells} cells, l = {ratio:.1} l*, at {energy:.1} times the developable energy. {onset}."
+        "{count} {constant} The most locked cone is {pattern}, {cells} cells, l = {ratio:.1} l*, at {energy:.1} times the developable energy. {onset}."
     )
 }

@@ -12,7 +12,7 @@ use cloth_core::math::Real;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
-const CHOICES: [&str; 9] = [
+const CHOICES: [&str; 12] = [
     "membrane=springs",
     "membrane=stvk",
     "membrane=arap",
@@ -22,6 +22,9 @@ const CHOICES: [&str; 9] = [
     "bending=curved",
     "bending=spring",
     "bending=none",
+    "compression=0.1",
+    "slack=0.995,1.005",
+    "edges=quads",
 ];
 
 /// Whether the method has a use for the elements.
@@ -166,17 +169,21 @@ fn elements_change_what_hangs() {
 }
 
 #[test]
-fn converged_pd_and_newton_agree_on_triangles_and_curved_hinges() {
-    let scene = built(
-        "hang",
-        &["n=7", "stiffness=100", "membrane=arap", "bending=curved"],
-    );
+fn converged_pd_and_newton_agree_on_every_element_that_both_take() {
+    agree(&["membrane=arap", "bending=curved"]);
+    agree(&["compression=0.1"]);
+    agree(&["slack=0.995,1.005"]);
+    agree(&["edges=quads"]);
+}
+
+fn agree(choices: &[&str]) {
+    let scene = built("hang", &[&["n=7", "stiffness=100"], choices].concat());
     let problem = StepProblem::after(&scene, 10, scene.dt).unwrap();
     let settings = Settings::parse(&["iterations=20000", "tolerance=1e-10"]).unwrap();
     let pd = Method::find("pd").unwrap();
     let mut stepper = pd.build(&scene, &settings, scene.dt).unwrap();
     let (error, ..) = problem.solve(&mut *stepper).unwrap();
-    assert!(error.gradient < 1e-9, "{:e}", error.gradient);
+    assert!(error.gradient < 1e-9, "{choices:?}: {:e}", error.gradient);
     let objective: Real = error.objective;
-    assert!(objective.abs() < 1e-9, "{objective:e}");
+    assert!(objective.abs() < 1e-9, "{choices:?}: {objective:e}");
 }

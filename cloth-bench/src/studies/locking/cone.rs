@@ -22,6 +22,8 @@ pub(super) struct OnCone {
     pub(super) membrane: Real,
     /// The membrane's part as long as every point lies on the cone, before anything has settled.
     pub(super) placed: Real,
+    /// [`Sheet::edge_length`] (m).
+    pub(super) edge_length: Real,
     pub(super) iterations: u32,
     pub(super) last_move: Real,
 }
@@ -33,11 +35,12 @@ fn place(p: &Vec3) -> Vec3 {
     Vec3::new(r * SIN * turn.cos(), r * SIN * turn.sin(), -r * cos)
 }
 
-/// The curvature (1/m) of a sheet that costs the same: root of the mean square over the ring.
-pub(super) fn curvature() -> Real {
-    let cot_squared = 1.0 / (SIN * SIN) - 1.0;
-    // ∫ cot²β/r² r dr over ∫ r dr.
-    (cot_squared * (1.0 / INNER).ln() / (0.5 * (1.0 - INNER * INNER))).sqrt()
+/// The radius (m) that stands for the whole ring in the estimate: membranes cost as κ⁴ and hinges as κ², so `R² = ∫κ²/∫κ⁴`.
+pub(super) fn radius() -> Real {
+    let tan_squared = SIN * SIN / (1.0 - SIN * SIN);
+    let squares = (1.0 / INNER).ln(); // ∫ r⁻² r dr
+    let fourths = 0.5 * (1.0 / (INNER * INNER) - 1.0);
+    (tan_squared * squares / fourths).sqrt()
 }
 
 /// Bends a sheet of `cells` cells a metre to the cone; `modulus` (N/m), `rigidity` (N·m).
@@ -65,6 +68,7 @@ pub(super) fn bend(
         energy: membrane + sheet.bending_energy(&rest.points)? / bending,
         membrane,
         placed,
+        edge_length: sheet.edge_length()?,
         iterations: rest.iterations,
         last_move: rest.last_move,
     })

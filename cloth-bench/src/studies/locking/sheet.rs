@@ -206,6 +206,20 @@ impl Sheet {
         Ok(edges.ends().to_vec())
     }
 
+    /// The edge length l (m) that stands for the mesh in estimates of locking: an edge on a curved surface is short by a part that goes with the square of its length
+    /// L, and stores as much as `k L²` times the square of that, so `l⁴ = Σ L² L⁴/Σ L²`.
+    pub(super) fn edge_length(&self) -> Result<Real, BenchError> {
+        let edges = EdgeTable::build(&self.mesh).map_err(BenchError::failed)?;
+        let x = self.mesh.positions();
+        let (mut sixths, mut squares) = (0.0, 0.0);
+        for &[a, b] in edges.ends() {
+            let squared = (x[a as usize] - x[b as usize]).norm_squared();
+            squares += squared;
+            sixths += squared.powi(3);
+        }
+        Ok((sixths / squares).powf(0.25))
+    }
+
     /// All elements.
     pub(super) fn families(&self) -> Vec<Elements> {
         self.membrane.iter().chain(&self.bending).cloned().collect()

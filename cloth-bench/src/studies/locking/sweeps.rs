@@ -56,10 +56,13 @@ pub(super) fn critical_length(radius: Real, modulus: Real, rigidity: Real) -> Re
 /// What the cones say about the estimate.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct OnCones {
-    /// Least and largest membrane energy with all vertices on the cone over the estimate's `(l/l*)⁴`, which is exact for springs that are alike in all directions.
+    /// Least and largest membrane energy with all vertices on the cone over the estimate's `(l/l*)⁴`, for equilateral triangles, which are nearly alike in all directions, as the estimate
+    /// assumes.
+    pub(super) equilateral: [Real; 2],
+    /// The same for all patterns.
     pub(super) placed: [Real; 2],
-    /// Least and largest part of that energy that is left at rest, where l > l*.
-    pub(super) left: [Real; 2],
+    /// Largest part of that energy that is left at rest, where l > l*.
+    pub(super) left: Real,
     /// The most locked sheet: its pattern, its cells a side, l/l*, and its energy over the developable answer.
     pub(super) worst: (&'static str, usize, Real, Real),
 }
@@ -86,8 +89,9 @@ pub(super) fn cones(
         "last move",
     ]);
     let mut told = OnCones {
+        equilateral: [Real::INFINITY, 0.0],
         placed: [Real::INFINITY, 0.0],
-        left: [Real::INFINITY, 0.0],
+        left: 0.0,
         worst: ("", 0, 0.0, 0.0),
     };
     let mut series = Vec::new();
@@ -95,7 +99,6 @@ pub(super) fn cones(
         let mut curve = Vec::new();
         for &cells in sizes(scope) {
             progress(&format!("locking: cone, {pattern}, {cells} cells"));
-            let length = 1.0 / cells as Real;
             for &modulus in moduli(scope, cells) {
                 let case = format!("cone, {pattern}, {cells} cells, Y = {modulus:e} N/m");
                 let found = cone::bend(pattern, cells, Kind::Springs, modulus, RIGIDITY);
@@ -105,11 +108,15 @@ pub(super) fn cones(
                 let OnCone {
                     energy, membrane, ..
                 } = found;
-                let ratio = length / critical_length(1.0 / cone::curvature(), modulus, RIGIDITY);
+                let ratio = found.edge_length / critical_length(cone::radius(), modulus, RIGIDITY);
                 curve.push((ratio, energy));
-                widen(&mut told.placed, found.placed / ratio.powi(4));
+                let constant = found.placed / ratio.powi(4);
+                widen(&mut told.placed, constant);
+                if pattern == "equilateral" {
+                    widen(&mut told.equilateral, constant);
+                }
                 if ratio > 1.0 {
-                    widen(&mut told.left, membrane / found.placed);
+                    told.left = told.left.max(membrane / found.placed);
                 }
                 if energy > told.worst.3 {
                     told.worst = (pattern, cells, ratio, energy);
@@ -198,7 +205,7 @@ pub(super) fn folds(
                     };
                     let critical =
                         critical_length(folded.radius, modulus, folded.factor * RIGIDITY);
-                    let ratio = 1.0 / (cells as Real * critical);
+                    let ratio = folded.sheet.edge_length()? / critical;
                     curve.push((ratio, folded.bending));
                     table.push([
                         Cell::from(pattern),
