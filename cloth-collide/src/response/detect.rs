@@ -122,7 +122,7 @@ impl Cloth {
         if apart_along(pair.kind, &start.normal, &motion, clear) {
             return false;
         }
-        if motion.is_shift() && start.distance > self.thickness {
+        if start.distance > self.thickness && motion.is_shift(start.distance) {
             return false;
         }
         let thickness = self.thickness_of(index, &pair);
@@ -186,7 +186,8 @@ impl Cloth {
     /// When the pair, nearest at `start` first, comes nearer than the share of that distance, or of the thickness if it is less, that a step has to keep.
     fn hit(&mut self, index: usize, pair: &Pair, motion: &Motion, start: &Nearest) -> Option<Real> {
         let kept = |thickness: Real| KEPT * start.distance.min(thickness);
-        if motion.is_shift() || apart_along(pair.kind, &start.normal, motion, kept(self.thickness))
+        if motion.is_shift(start.distance)
+            || apart_along(pair.kind, &start.normal, motion, kept(self.thickness))
         {
             return None;
         }
