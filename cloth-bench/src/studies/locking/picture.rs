@@ -15,17 +15,9 @@ const CELLS: usize = 16;
 const STIFFNESS: [Real; 2] = [1e6, 2e-4];
 
 const KINDS: [(&str, Axis, Kind); 3] = [
-    (
-        "stiff edges, folded along the diagonals",
-        Axis::Along,
-        Kind::Springs,
-    ),
-    ("the same, across them", Axis::Across, Kind::Springs),
-    (
-        "across them, on edge midpoints",
-        Axis::Across,
-        Kind::Midpoints,
-    ),
+    ("folded along the diagonals", Axis::Along, Kind::Springs),
+    ("folded across the diagonals", Axis::Across, Kind::Springs),
+    ("across, on edge midpoints", Axis::Across, Kind::Midpoints),
 ];
 
 /// A fold, turned so that all are seen along their axis.
@@ -106,7 +98,7 @@ fn compose(shapes: &[Shape]) -> Result<String, BenchError> {
         20.0,
         title,
         "font-size=\"18\" font-weight=\"bold\"",
-        "One cloth, one weight, one stiffness: only the direction of the mesh differs",
+        "One cloth, one weight, one stiffness: only the direction of the fold differs",
     );
     for (column, (shape, (name, ..))) in shapes.iter().zip(KINDS).enumerate() {
         let middle = COLUMN * (column as Real + 0.5);
