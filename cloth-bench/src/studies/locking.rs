@@ -29,7 +29,7 @@ pub(super) const STUDY: Study = Study {
         so they say what a remedy breaks. Cone at Y = 1e8 N/m and at a hundredth of it, fold at 1e6 N/m, held along the falling diagonal. Cost per step: shortest of seven linearised steps of implicit Euler, over that of the springs. \
         Methods: the same fold on 16 cells, alternating, Y = 1e6 N/m, with steps of 1/60 s until nothing moves by 0.1 mm/s; strains are those of the edges. D = 0.02 N·m everywhere, density 0.2 kg/m².",
     cases,
-    run,
+    run: |scope, cases| cases.parts("all", |progress| run(scope, progress)),
 };
 
 fn cases(scope: Scope) -> u64 {
