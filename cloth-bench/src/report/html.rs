@@ -4,9 +4,10 @@
 //! figures, pictures and tables it rests on, then the command that makes them again.
 
 use super::table::Table;
+use serde::{Deserialize, Serialize};
 
 /// A picture with its caption.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Picture {
     /// A PNG file.
     pub png: Vec<u8>,
@@ -15,7 +16,7 @@ pub struct Picture {
 }
 
 /// The answer to one question.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Section {
     /// The anchor in the page: letters, digits and `-`; other characters become `-`.
     pub id: String,

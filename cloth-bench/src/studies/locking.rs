@@ -33,7 +33,7 @@ pub(super) const STUDY: Study = Study {
         Sphere: the scene drape-sphere, the sheet held in its middle, D = 1e-3 N·m, with contact, velocities taken away whenever the kinetic energy has passed a maximum, until nothing is faster than 2 mm/s; nullity draped is that of the sheet as it lies there, corners below the top (m) how far it comes down. A locked sheet stands off. \
         D = 0.02 N·m elsewhere, density 0.2 kg/m².",
     cases,
-    run,
+    run: |scope, cases| cases.parts("all", |progress| run(scope, progress)),
 };
 
 fn cases(scope: Scope) -> u64 {
