@@ -5,10 +5,14 @@ mod bending;
 mod cases;
 mod collision;
 mod convergence;
+mod energy;
+mod independence;
 mod locking;
 mod newton;
 mod projective;
+mod recovery;
 mod sag;
+mod stability;
 mod stiffness;
 mod xpbd_floor;
 
@@ -94,7 +98,7 @@ impl Findings {
 }
 
 /// Every study.
-pub const STUDIES: [&Study; 10] = [
+pub const STUDIES: [&Study; 14] = [
     &convergence::STUDY,
     &stiffness::STUDY,
     &locking::STUDY,
@@ -105,6 +109,10 @@ pub const STUDIES: [&Study; 10] = [
     &projective::STUDY,
     &collision::STUDY,
     &newton::STUDY,
+    &energy::STUDY,
+    &stability::STUDY,
+    &recovery::STUDY,
+    &independence::STUDY,
 ];
 
 impl Study {
