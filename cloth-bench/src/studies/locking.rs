@@ -78,8 +78,12 @@ fn verdict(as_counted: bool, cones: &OnCones, folds: &Folds, drapes: &Drapes) ->
     );
     let (pattern, cells, ratio, energy) = cones.worst;
     let [from, to] = folds.halved;
-    let onset = if folds.locked == 0 {
-        "No fold lost half of its bending".to_owned()
+    let onset = if folds.locked < 3 {
+        format!(
+            "Only {} of {} folds under their own weight lost half of their bending: too few to judge l* by",
+            folds.locked,
+            folds.locked + folds.free
+        )
     } else {
         let judged = if from > 0.5 && to < 2.0 {
             "confirmed within a factor of 2"
@@ -92,18 +96,13 @@ fn verdict(as_counted: bool, cones: &OnCones, folds: &Folds, drapes: &Drapes) ->
             folds.locked + folds.free
         )
     };
-    let draped: Vec<String> = drapes
-        .kept
-        .iter()
-        .map(|(cells, [(worst, least), (best, most)])| {
-            format!("{least:.2} ({worst}) to {most:.2} ({best}) with {cells} cells a side")
-        })
-        .collect();
-    let draped = format!(
-        "Draped over a sphere, the corners of a sheet whose edges are a hundred times stiffer come down by {} of what they did.",
-        draped.join(" and ")
+    let draped = drapes.kept.map_or_else(
+        || "No drape over a sphere came off".to_owned(),
+        |[(worst, least), (best, most)]| {
+            format!("Draped over a sphere, the corners of a sheet whose edges are a hundred times stiffer come down by {least:.2} ({worst}) to {most:.2} ({best}) of what they did")
+        },
     );
     format!(
-        "{count} {constant} The most locked cone is {pattern}, {cells} cells, l = {ratio:.1} l*, at {energy:.1} times the developable energy. {onset}. {draped}"
+        "{count} {constant} The most locked cone is {pattern}, {cells} cells, l = {ratio:.1} l*, at {energy:.1} times the developable energy. {onset}. {draped}."
     )
 }

@@ -26,6 +26,8 @@ const RIGIDITY: Real = 1e-3;
 const MODULI: [Real; 2] = [1e3, 1e5];
 /// Everything this near (m) to the middle of the sheet is held, or a sheet that does not give slides off.
 const HELD: Real = 0.06;
+/// Cells a side.
+const CELLS: usize = 16;
 /// Contact stops vertices after the solver's step, which strains stiff edges: less so in short steps.
 const CONTACT_STEPS: u32 = 40;
 const DT: Real = 1.0 / 60.0;
@@ -38,15 +40,8 @@ const PATTERN: &str = "alternating";
 
 fn patterns(scope: Scope) -> &'static [&'static str] {
     match scope {
-        Scope::Quick => &["alternating", "irregular"],
+        Scope::Quick => &["alternating"],
         Scope::Full => &count::PATTERNS,
-    }
-}
-
-fn sizes(scope: Scope) -> &'static [usize] {
-    match scope {
-        Scope::Quick => &[16],
-        Scope::Full => &[16],
     }
 }
 
@@ -54,7 +49,6 @@ fn sizes(scope: Scope) -> &'static [usize] {
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Case {
     pattern: &'static str,
-    cells: usize,
     kind: usize,
     modulus: Real,
     method: &'static str,
@@ -80,7 +74,6 @@ struct Drape {
 fn list(scope: Scope) -> Vec<Case> {
     let base = Case {
         pattern: PATTERN,
-        cells: sizes(scope)[0],
         kind: 0,
         modulus: MODULI[1],
         method: METHOD,
@@ -88,14 +81,11 @@ fn list(scope: Scope) -> Vec<Case> {
     };
     let mut cases = Vec::new();
     for &pattern in patterns(scope) {
-        for &cells in sizes(scope) {
-            cases.extend(MODULI.map(|modulus| Case {
-                pattern,
-                cells,
-                modulus,
-                ..base
-            }));
-        }
+        cases.extend(MODULI.map(|modulus| Case {
+            pattern,
+            modulus,
+            ..base
+        }));
     }
     if scope == Scope::Quick {
         return cases;
@@ -132,7 +122,7 @@ pub(super) fn cases(scope: Scope) -> u64 {
 }
 
 fn drape(case: &Case) -> Result<Drape, BenchError> {
-    let mesh = square(case.pattern, case.cells)?;
+    let mesh = square(case.pattern, CELLS)?;
     let mut sheet = Sheet::new(mesh, KINDS[case.kind].1, case.modulus, RIGIDITY)?;
     sheet.hold(|p| (p - Vec3::new(0.5, 0.5, 0.0)).norm() < HELD)?;
     let conditions = sheet.conditions()?;
@@ -195,8 +185,8 @@ fn fall_of_corners(rest: &[Vec3], positions: &[Vec3]) -> Real {
 /// What the drapes say: how far the corners come down at the stiffer modulus, over what they do at the softer.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Drapes {
-    /// Cells a side, and pattern and ratio: least and largest.
-    pub(super) kept: Vec<(usize, [(&'static str, Real); 2])>,
+    /// Pattern and ratio: least and largest.
+    pub(super) kept: Option<[(&'static str, Real); 2]>,
 }
 
 pub(super) fn run(
@@ -207,7 +197,6 @@ pub(super) fn run(
     let mut table = Table::new(&[
         "pattern",
         "membrane",
-        "cells",
         "Y",
         "method",
         "coordinates − conditions",
@@ -222,7 +211,6 @@ pub(super) fn run(
     for case in list(scope) {
         let Case {
             pattern,
-            cells,
             modulus,
             method,
             iterations,
@@ -233,9 +221,7 @@ pub(super) fn run(
             0 => method.to_owned(),
             n => format!("{method}, {n} iterations"),
         };
-        let name = format!(
-            "locking: drape, {pattern}, {membrane}, {cells} cells, Y = {modulus:e} N/m, {solver}"
-        );
+        let name = format!("locking: drape, {pattern}, {membrane}, Y = {modulus:e} N/m, {solver}");
         progress(&name);
         let Some(found) = findings.unless_failed(&name, drape(&case)) else {
             continue;
@@ -246,7 +232,6 @@ pub(super) fn run(
         table.push([
             Cell::from(pattern),
             Cell::from(membrane),
-            Cell::from(cells),
             Cell::from(modulus),
             Cell::from(solver.as_str()),
             Cell::from(found.coordinates_left),
@@ -262,19 +247,14 @@ pub(super) fn run(
     }
     findings.table("locking-sphere", "Sheets draped over a sphere", table);
     Ok(Drapes {
-        kept: sizes(scope)
-            .iter()
-            .filter_map(|&cells| Some((cells, kept(&fallen, cells)?)))
-            .collect(),
+        kept: kept(&fallen),
     })
 }
 
 /// Least and largest share of the depth of the corners that is kept from the softer modulus to the stiffer, with their patterns.
-fn kept(fallen: &[(Case, Real)], cells: usize) -> Option<[(&'static str, Real); 2]> {
+fn kept(fallen: &[(Case, Real)]) -> Option<[(&'static str, Real); 2]> {
     let at = |pattern: &str, modulus: Real| {
-        let wanted = |(case, _): &&(Case, Real)| {
-            case.pattern == pattern && case.cells == cells && case.modulus == modulus
-        };
+        let wanted = |(case, _): &&(Case, Real)| case.pattern == pattern && case.modulus == modulus;
         fallen.iter().find(wanted).map(|&(_, depth)| depth)
     };
     let ratios = count::PATTERNS
@@ -310,10 +290,9 @@ mod tests {
                     .map(|(modulus, depth)| (Case { modulus, ..case }, depth)),
             );
         }
-        let cells = fallen[0].0.cells;
-        let [least, most] = kept(&fallen, cells).unwrap();
+        let [least, most] = kept(&fallen).unwrap();
         assert_eq!((least.0, most.0), ("crossed", "one-way"));
         assert!((least.1 - 0.25).abs() < 1e-15 && (most.1 - 0.8).abs() < 1e-15);
-        assert_eq!(kept(&fallen, cells + 1), None);
+        assert_eq!(kept(&fallen[..1]), None);
     }
 }
