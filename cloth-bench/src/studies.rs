@@ -10,6 +10,8 @@ mod newton;
 mod projective;
 mod sag;
 mod stiffness;
+mod threads;
+mod work_precision;
 mod xpbd_floor;
 
 pub use cases::{Cases, Share};
@@ -58,6 +60,9 @@ pub struct Findings {
     pub data: Vec<(String, Table)>,
     /// Drawings for `plots/NAME.svg`; they are in the section as well.
     pub plots: Vec<(String, String)>,
+    /// Plain answers, with their figures, to questions that people come with: they open the report.
+    #[serde(default)]
+    pub answers: Vec<(String, String)>,
 }
 
 impl Findings {
@@ -79,6 +84,11 @@ impl Findings {
             .ok()
     }
 
+    /// Answers a question that people come with.
+    pub(crate) fn answer(&mut self, question: &str, answer: String) {
+        self.answers.push((question.to_owned(), answer));
+    }
+
     /// Keeps a table as data only.
     pub(crate) fn data(&mut self, name: &str, table: Table) {
         self.data.push((name.to_owned(), table));
@@ -94,8 +104,9 @@ impl Findings {
 }
 
 /// Every study.
-pub const STUDIES: [&Study; 10] = [
+pub const STUDIES: [&Study; 12] = [
     &convergence::STUDY,
+    &work_precision::STUDY,
     &stiffness::STUDY,
     &locking::STUDY,
     &bending::STUDY,
@@ -105,6 +116,7 @@ pub const STUDIES: [&Study; 10] = [
     &projective::STUDY,
     &collision::STUDY,
     &newton::STUDY,
+    &threads::STUDY,
 ];
 
 impl Study {
