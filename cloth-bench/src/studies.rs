@@ -9,6 +9,7 @@ mod locking;
 mod newton;
 mod projective;
 mod sag;
+mod skip;
 mod stiffness;
 mod threads;
 mod work_precision;
@@ -104,7 +105,7 @@ impl Findings {
 }
 
 /// Every study.
-pub const STUDIES: [&Study; 12] = [
+pub const STUDIES: [&Study; 13] = [
     &convergence::STUDY,
     &work_precision::STUDY,
     &stiffness::STUDY,
@@ -117,6 +118,7 @@ pub const STUDIES: [&Study; 12] = [
     &collision::STUDY,
     &newton::STUDY,
     &threads::STUDY,
+    &skip::STUDY,
 ];
 
 impl Study {
