@@ -67,6 +67,19 @@ pub struct Findings {
 }
 
 impl Findings {
+    /// Adds what another part of the study found.
+    fn append(&mut self, part: Self) {
+        let section = part.section;
+        self.section.plots.extend(section.plots);
+        self.section.pictures.extend(section.pictures);
+        self.section.playbacks.extend(section.playbacks);
+        self.section.tables.extend(section.tables);
+        self.section.notes.extend(section.notes);
+        self.data.extend(part.data);
+        self.plots.extend(part.plots);
+        self.answers.extend(part.answers);
+    }
+
     /// Draws a plot and keeps it under a name.
     pub(crate) fn plot(&mut self, name: &str, plot: &Plot) {
         let svg = plot.draw().svg;

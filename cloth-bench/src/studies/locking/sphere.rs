@@ -19,6 +19,7 @@ use cloth_core::math::{Real, Vec3};
 use cloth_core::measure::Strain;
 use cloth_core::particles::State;
 use cloth_core::topology::EdgeTable;
+use serde::{Deserialize, Serialize};
 
 /// D (N·m): cloth of this weight bends under itself over 8 cm.
 const RIGIDITY: Real = 1e-3;
@@ -188,10 +189,10 @@ fn fall_of_corners(rest: &[Vec3], positions: &[Vec3]) -> Real {
 }
 
 /// What the drapes say: how far the corners come down at the stiffer modulus, over what they do at the softer.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(super) struct Drapes {
     /// Cells a side, and pattern and ratio: least and largest.
-    pub(super) kept: Vec<(usize, [(&'static str, Real); 2])>,
+    pub(super) kept: Vec<(usize, [(String, Real); 2])>,
 }
 
 pub(super) fn run(
@@ -259,7 +260,13 @@ pub(super) fn run(
     Ok(Drapes {
         kept: sizes(scope)
             .iter()
-            .filter_map(|&cells| Some((cells, kept(&fallen, cells)?)))
+            .filter_map(|&cells| {
+                let kept = kept(&fallen, cells)?;
+                Some((
+                    cells,
+                    kept.map(|(pattern, share)| (pattern.to_owned(), share)),
+                ))
+            })
             .collect(),
     })
 }
