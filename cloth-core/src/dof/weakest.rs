@@ -43,7 +43,7 @@ pub(super) fn smallest(
         singular_value: SHIFT.sqrt(),
     })?;
     let width = (count + SPARE).min(pairs.len());
-    let mut basis = DMatrix::from_fn(pairs.len(), width, |row, column| scattered(row, column));
+    let mut basis = DMatrix::from_fn(pairs.len(), width, scattered);
     orthonormalise(&mut basis);
     let mut forces = vec![Vec3::zeros(); positions.len()];
     let mut moved = forces.clone();
