@@ -430,7 +430,7 @@ fn half_a_second(
         findings.answer(
             "PBD or XPBD?",
             format!(
-                "Both at their default of 20 sweeps, the {n} × {n} sheet falls in half a second: {pbd}, {xpbd}; converged, {exact}. PBD's stiffness is not the one asked for (study `stiffness`), XPBD's is as soon as the sweeps suffice."
+                "Both at their default of 20 sweeps, the {n} × {n} sheet falls in half a second: {pbd}, {xpbd}; converged, {exact}. PBD's stiffness is not the one asked for (see the study of stiffness), XPBD's is as soon as the sweeps suffice."
             ),
         );
     }

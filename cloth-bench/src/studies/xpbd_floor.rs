@@ -103,7 +103,7 @@ fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
         }
         if let (Some(first), Some(last)) = (points.first(), points.last()) {
             falls.push(format!(
-                "with k = {stiffness} N/m from {:.1e} of the objective at {:.4} s to {:.1e} at {:.5} s",
+                "with k = {stiffness} N/m {:.1e} with steps of {:.4} s and {:.1e} with {:.5} s",
                 first.1, first.0, last.1, last.0
             ));
         }
@@ -114,7 +114,7 @@ fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
         ));
     }
     let falls = format!(
-        "Converged sweeps of XPBD do not end at the implicit Euler step: what is left falls {}.",
+        "Converged sweeps of XPBD do not end at the implicit Euler step: what is left of the objective is {}.",
         falls.join(", and ")
     );
     findings.answer("What does XPBD's floor cost?", falls.clone());
