@@ -12,7 +12,7 @@ mod stiffness;
 mod xpbd_floor;
 
 pub use locking::Locking;
-pub use projective::constant_matrix;
+pub use projective::{constant_matrix, local_bytes, move_bytes};
 
 use crate::error::BenchError;
 use crate::names;
