@@ -17,7 +17,7 @@ mod xpbd_floor;
 
 pub use cases::{Cases, Share};
 pub use locking::Locking;
-pub use projective::constant_matrix;
+pub use projective::{constant_matrix, local_bytes, move_bytes};
 
 use crate::error::BenchError;
 use crate::journal::Journal;

@@ -100,6 +100,11 @@ impl GlobalSystem {
         self.is_changed = true;
     }
 
+    /// Whether no family is left out.
+    pub(crate) fn is_whole(&self) -> bool {
+        !self.is_left_out.contains(&true)
+    }
+
     /// Takes an element of a family away, given what it leaves of `Σ w GᵀG`.
     pub(crate) fn remove(&mut self, family: usize, terms: Vec<Term>) {
         if !self.is_left_out[family] {

@@ -80,11 +80,16 @@ impl QuasiNewton {
             Ok(backtracks) => return (self.accept(point, backtracks), 1),
             Err(backtracks) => backtracks,
         };
-        // What is remembered, or the coarse grid, misleads here. A plain iteration needs no search: it minimises a bound of G.
+        // What is remembered, or the coarse grid, misleads here. A plain iteration needs no search: it minimises a bound of G, as long as the matrix has all families.
         self.len = 0;
         global.solve(&point.gradient, &mut self.direction);
-        self.next.go(&point.displacement, &self.direction, -1.0);
-        objective.evaluate(&mut self.next);
+        if global.is_whole() {
+            self.next.go(&point.displacement, &self.direction, -1.0);
+            objective.evaluate(&mut self.next);
+        } else {
+            // Where no length is good, the last, which is next to nothing, is taken.
+            rejected += self.search(objective, point).unwrap_or_else(|tried| tried);
+        }
         rejected = self.accept(point, rejected);
         (rejected, 2)
     }
