@@ -222,6 +222,7 @@ mod lattice;
 mod local;
 mod matrix;
 mod objective;
+mod passes;
 mod pieces;
 mod pulls;
 mod quadratic;

@@ -4,8 +4,9 @@
 use crate::coarse::CoarseGrid;
 use crate::global::GlobalSystem;
 use crate::objective::{Objective, Point};
+use crate::passes::visit;
 use crate::pieces::together;
-use crate::vectors::{add, add_and_dot, dot};
+use crate::vectors::{add, add_and_dot, dot, dot_of_part};
 use cloth_core::math::{Real, Vec3};
 
 /// Part of the promised decrease that has to be kept (Armijo's constant).
@@ -175,12 +176,20 @@ impl QuasiNewton {
         }
         let slot = (self.newest + 1) % history;
         let (new, old) = (&*point, &self.next);
+        let Pair { step, change, .. } = &mut self.pairs[slot];
+        let [product] = visit(
+            (&mut step[..], &mut change[..]),
+            #[inline(always)]
+            |start, (step, change)| {
+                let (step, change): (&mut [Vec3], &mut [Vec3]) = (step, change);
+                for (vertex, (s, y)) in (start..).zip(step.iter_mut().zip(change.iter_mut())) {
+                    *s = new.displacement[vertex] - old.displacement[vertex];
+                    *y = new.gradient[vertex] - old.gradient[vertex];
+                }
+                [dot_of_part(step, change)]
+            },
+        );
         let pair = &mut self.pairs[slot];
-        for vertex in 0..new.gradient.len() {
-            pair.step[vertex] = new.displacement[vertex] - old.displacement[vertex];
-            pair.change[vertex] = new.gradient[vertex] - old.gradient[vertex];
-        }
-        let product = dot(&pair.step, &pair.change);
         // Where G is not convex along the step, a pair would make H indefinite.
         if product > 0.0 && (1.0 / product).is_finite() {
             pair.inverse_product = 1.0 / product;

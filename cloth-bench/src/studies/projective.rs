@@ -26,7 +26,7 @@ pub(super) const STUDY: Study = Study {
         lost. The last is about the matrix. Times are those of a machine that may have \
         been busy; counts are not.",
     cases,
-    run,
+    run: |scope, cases| cases.parts("all", |progress| run(scope, progress)),
 };
 
 /// Settings that differ from the default, by name.
