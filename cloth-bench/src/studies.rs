@@ -5,11 +5,15 @@ mod bending;
 mod cases;
 mod collision;
 mod convergence;
+mod energy;
+mod independence;
 mod locking;
 mod newton;
 mod projective;
+mod recovery;
 mod sag;
 mod skip;
+mod stability;
 mod stiffness;
 mod threads;
 mod work_precision;
@@ -118,7 +122,7 @@ impl Findings {
 }
 
 /// Every study.
-pub const STUDIES: [&Study; 13] = [
+pub const STUDIES: [&Study; 17] = [
     &convergence::STUDY,
     &work_precision::STUDY,
     &stiffness::STUDY,
@@ -130,6 +134,10 @@ pub const STUDIES: [&Study; 13] = [
     &projective::STUDY,
     &collision::STUDY,
     &newton::STUDY,
+    &energy::STUDY,
+    &stability::STUDY,
+    &recovery::STUDY,
+    &independence::STUDY,
     &threads::STUDY,
     &skip::STUDY,
 ];

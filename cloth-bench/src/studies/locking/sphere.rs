@@ -1,4 +1,4 @@
-//! The drape over a sphere: a square sheet, held in the middle, falls on a sphere of 0.3 m and lies there, with contact and friction, as the scene `drape-sphere` has them.
+//! The drape over a sphere: a square sheet, held in the middle, falls on a sphere of 0.3 m and lies there, as in the scene `drape-sphere`, without friction.
 //!
 //! No sheet lies on a sphere without stretching, so there is no developable answer: what cannot stretch touches along lines and stands off in folds. Folds need bending, and a locked
 //! sheet makes few. So what is compared is one and the same sheet as its edges get stiffer, which a sheet that is merely stiff does not notice.
@@ -27,6 +27,8 @@ const RIGIDITY: Real = 1e-3;
 const MODULI: [Real; 2] = [1e3, 1e5];
 /// Everything this near (m) to the middle of the sheet is held, or a sheet that does not give slides off.
 const HELD: Real = 0.06;
+/// Contact stops vertices after the solver's step, which strains stiff edges: less so in short steps.
+const CONTACT_STEPS: u32 = 40;
 const DT: Real = 1.0 / 60.0;
 const MOST_STEPS: u32 = 200;
 /// When nothing is faster than this (m/s), it is at rest.
@@ -45,7 +47,7 @@ fn patterns(scope: Scope) -> &'static [&'static str] {
 fn sizes(scope: Scope) -> &'static [usize] {
     match scope {
         Scope::Quick => &[16],
-        Scope::Full => &[16, 32],
+        Scope::Full => &[16],
     }
 }
 
@@ -136,6 +138,9 @@ fn drape(case: &Case) -> Result<Drape, BenchError> {
     sheet.hold(|p| (p - Vec3::new(0.5, 0.5, 0.0)).norm() < HELD)?;
     let conditions = sheet.conditions()?;
     let settings = Settings::default();
+    let contact = Settings::default()
+        .with("contact_steps", CONTACT_STEPS)
+        .with("friction", 0);
     let scene = Scene {
         model: ClothModel {
             particles: sheet.particles.clone(),
@@ -147,7 +152,7 @@ fn drape(case: &Case) -> Result<Drape, BenchError> {
         mesh: Some(sheet.mesh.clone()),
         gravity: Vec3::z() * -fold::GRAVITY,
         // The obstacle under any sheet of this size.
-        ..scene::build("drape-sphere", Some("grid:2x2:one-way"), &settings)?
+        ..scene::build("drape-sphere", Some("grid:2x2:one-way"), &contact)?
     };
     let settings = match case.iterations {
         0 => settings,
