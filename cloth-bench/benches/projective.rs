@@ -3,7 +3,7 @@
 
 use cloth_bench::scene::{self, Scene};
 use cloth_bench::settings::Settings;
-use cloth_bench::studies::constant_matrix;
+use cloth_bench::studies::{constant_matrix, local_bytes, move_bytes};
 use cloth_core::linear::{Cholesky, LowRank, PanelFactor};
 use cloth_core::math::{Real, Vec3};
 use cloth_core::step::{StepInput, Stepper};
@@ -85,27 +85,14 @@ fn local_step(criterion: &mut Criterion) {
         let (springs, x) = (&scene.model.springs, &scene.start.positions);
         let mut forces = vec![Vec3::zeros(); x.len()];
         let mut group = criterion.benchmark_group(format!("projective local step, {side} a side"));
-        let bytes = springs.len() * 24 + x.len() * 72;
+        let bytes = local_bytes(springs, x);
         group.throughput(Throughput::Bytes(bytes as u64));
         let mut local = LocalStep::new(&scene.model.particles, springs.clone()).expect("springs");
         group.bench_function("project springs", |bencher| {
             bencher.iter(|| black_box(local.add_gradient(black_box(x), &mut forces)));
         });
-        let plain = springs.iter().map(|s| [s.stiffness, s.rest_length, 1.0]);
-        let plain: Vec<[Real; 3]> = plain.collect();
         group.bench_function("read and write the same bytes", |bencher| {
-            bencher.iter(|| {
-                let mut sum = [0.0; 3];
-                for spring in &plain {
-                    for lane in 0..3 {
-                        sum[lane] += spring[lane];
-                    }
-                }
-                for (force, x) in forces.iter_mut().zip(x) {
-                    *force += x * sum[0];
-                }
-                black_box(&mut forces);
-            });
+            bencher.iter(|| move_bytes(black_box(springs), x, &mut forces));
         });
     }
 }

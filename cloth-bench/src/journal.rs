@@ -90,7 +90,7 @@ impl Journal {
     /// [`BenchError::Failed`] that names the file that cannot be written.
     pub fn begin(folder: &Path, heading: Heading) -> Result<Self, BenchError> {
         let path = folder.join(FILE_NAME);
-        let failed = |error| about(&path, error);
+        let failed = |error: std::io::Error| about(&path, &error);
         std::fs::create_dir_all(folder).map_err(failed)?;
         if path.exists() {
             std::fs::rename(&path, folder.join("journal.old.jsonl")).map_err(failed)?;
@@ -149,15 +149,14 @@ impl Journal {
                 )));
             }
             for (name, value) in &part.heading.facts {
+                let is_new = |known: &str| !known.split(" and ").any(|known| known == value);
                 let fact = heading.facts.iter_mut().find(|(known, _)| known == name);
-                match fact {
-                    Some((name, known)) if OF_THE_MACHINE.contains(&name.as_str()) => {
-                        if !known.split(" and ").any(|known| known == value) {
-                            *known += " and ";
-                            *known += value;
-                        }
-                    }
-                    _ => {}
+                if let Some((_, known)) = fact
+                    && OF_THE_MACHINE.contains(&name.as_str())
+                    && is_new(known)
+                {
+                    *known += " and ";
+                    *known += value;
                 }
             }
             for study in &part.heading.studies {
@@ -180,7 +179,7 @@ impl Journal {
 
     fn open(folder: &Path) -> Result<Self, BenchError> {
         let path = folder.join(FILE_NAME);
-        let text = std::fs::read(&path).map_err(|error| about(&path, error))?;
+        let text = std::fs::read(&path).map_err(|error| about(&path, &error))?;
         // What follows the last end of a line was being written when the run died.
         let whole = text
             .iter()
@@ -198,7 +197,7 @@ impl Journal {
                 serde_json::from_slice(line).map_err(|error| unreadable(number + 1, &error))?;
             entries.insert((entry.study.clone(), entry.case.clone()), entry);
         }
-        let failed = |error| about(&path, error);
+        let failed = |error: std::io::Error| about(&path, &error);
         let mut file = OpenOptions::new().write(true).open(&path).map_err(failed)?;
         file.set_len(whole as u64).map_err(failed)?;
         file.seek(SeekFrom::End(0)).map_err(failed)?;
@@ -292,14 +291,14 @@ impl Journal {
         written
             .and_then(|()| self.file.sync_data())
             .map_err(|error| {
-                let error = about(&self.path, error);
+                let error = about(&self.path, &error);
                 self.broken = Some(error.clone());
                 error
             })
     }
 }
 
-fn about(path: &Path, error: std::io::Error) -> BenchError {
+fn about(path: &Path, error: &std::io::Error) -> BenchError {
     BenchError::Failed(format!("{}: {error}", path.display()))
 }
 

@@ -12,13 +12,16 @@ mod newton;
 mod projective;
 mod recovery;
 mod sag;
+mod skip;
 mod stability;
 mod stiffness;
+mod threads;
+mod work_precision;
 mod xpbd_floor;
 
 pub use cases::{Cases, Share};
 pub use locking::Locking;
-pub use projective::constant_matrix;
+pub use projective::{constant_matrix, local_bytes, move_bytes};
 
 use crate::error::BenchError;
 use crate::journal::Journal;
@@ -62,9 +65,25 @@ pub struct Findings {
     pub data: Vec<(String, Table)>,
     /// Drawings for `plots/NAME.svg`; they are in the section as well.
     pub plots: Vec<(String, String)>,
+    /// Plain answers, with their figures, to questions that people come with: they open the report.
+    #[serde(default)]
+    pub answers: Vec<(String, String)>,
 }
 
 impl Findings {
+    /// Adds what another part of the study found.
+    fn append(&mut self, part: Self) {
+        let section = part.section;
+        self.section.plots.extend(section.plots);
+        self.section.pictures.extend(section.pictures);
+        self.section.playbacks.extend(section.playbacks);
+        self.section.tables.extend(section.tables);
+        self.section.notes.extend(section.notes);
+        self.data.extend(part.data);
+        self.plots.extend(part.plots);
+        self.answers.extend(part.answers);
+    }
+
     /// Draws a plot and keeps it under a name.
     pub(crate) fn plot(&mut self, name: &str, plot: &Plot) {
         let svg = plot.draw().svg;
@@ -83,6 +102,11 @@ impl Findings {
             .ok()
     }
 
+    /// Answers a question that people come with.
+    pub(crate) fn answer(&mut self, question: &str, answer: String) {
+        self.answers.push((question.to_owned(), answer));
+    }
+
     /// Keeps a table as data only.
     pub(crate) fn data(&mut self, name: &str, table: Table) {
         self.data.push((name.to_owned(), table));
@@ -98,8 +122,9 @@ impl Findings {
 }
 
 /// Every study.
-pub const STUDIES: [&Study; 14] = [
+pub const STUDIES: [&Study; 17] = [
     &convergence::STUDY,
+    &work_precision::STUDY,
     &stiffness::STUDY,
     &locking::STUDY,
     &bending::STUDY,
@@ -113,6 +138,8 @@ pub const STUDIES: [&Study; 14] = [
     &stability::STUDY,
     &recovery::STUDY,
     &independence::STUDY,
+    &threads::STUDY,
+    &skip::STUDY,
 ];
 
 impl Study {

@@ -111,7 +111,7 @@ impl PdSolver {
             .get_mut(family)
             .and_then(|family| family.remove(element, &mut terms))
             .ok_or(ChangeError::NoSuchElement { family, element })?;
-        terms.into_iter().for_each(|term| self.global.add(term));
+        self.global.remove(family, terms);
         self.is_stale = true;
         Ok(())
     }

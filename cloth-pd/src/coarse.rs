@@ -13,6 +13,7 @@
 use crate::free_pieces::FreePieces;
 use crate::lattice::Lattice;
 use crate::local::Projections;
+use crate::passes::visit;
 use cloth_core::block_matrix::{BlockMatrix, PatternBuilder};
 use cloth_core::element::Element;
 use cloth_core::energy::Attachment;
@@ -202,11 +203,19 @@ impl CoarseGrid {
 
     /// Adds P times the solution to `out`.
     fn interpolate(&self, out: &mut [Vec3]) {
-        for (vertex, out) in out.iter_mut().enumerate() {
-            for &(node, weight) in self.lattice.of(vertex) {
-                *out += self.solution[node as usize] * weight;
-            }
-        }
+        let (lattice, solution) = (&self.lattice, &self.solution[..]);
+        visit(
+            out,
+            #[inline(always)]
+            |start, out: &mut [Vec3]| {
+                for (vertex, out) in (start..).zip(out) {
+                    for &(node, weight) in lattice.of(vertex) {
+                        *out += solution[node as usize] * weight;
+                    }
+                }
+                []
+            },
+        );
     }
 }
 

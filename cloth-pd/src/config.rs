@@ -46,8 +46,8 @@ pub enum Acceleration {
         /// plain iterations that every step then starts with.
         spectral_radius: Option<Real>,
     },
-    /// Quasi-Newton (Liu, Bouaziz, Kavan 2017): L-BFGS with the inverse of the constant matrix (and the coarse grid, if the solver was
-    /// given one) as the first inverse Hessian, and a line search on `G`.
+    /// Quasi-Newton (Liu, Bouaziz, Kavan 2017): L-BFGS with the inverse of the constant matrix (without the bending of thin cloth, which would be most of
+    /// the factor; and with the coarse grid, if the solver was given one) as the first inverse Hessian, and a line search on `G`.
     QuasiNewton {
         /// Pairs of differences that are remembered (m in the paper); with 0 each direction is that of one global solve.
         history: u32,

@@ -2,7 +2,6 @@
 
 use cloth_core::math::{Real, Vec3};
 use cloth_core::particles::Particles;
-use sprs::CsMat;
 
 /// Connected pieces of the cloth without a prescribed vertex and without an element that resists a translation. The momentum of such a piece
 /// after the step is known beforehand: elasticity does not change it.
@@ -22,13 +21,13 @@ const HELD: u32 = u32::MAX;
 const ROUNDING: Real = 1e-13;
 
 impl FreePieces {
-    /// Finds the pieces in the lower half of `Σ w GᵀG` (N/m).
-    pub(crate) fn of(stiffness: &CsMat<Real>, particles: &Particles) -> Self {
+    /// Finds the pieces in the entries of the lower half of `Σ w GᵀG` (N/m): row, column, value. It makes no difference if some families count twice.
+    pub(crate) fn of(entries: &[(usize, usize, Real)], particles: &Particles) -> Self {
         let count = particles.len();
         let mut parent: Vec<u32> = (0..count as u32).collect();
         let mut sums: Vec<Real> = vec![0.0; count];
-        let largest = stiffness.data().iter().copied().fold(0.0, Real::max);
-        for (&value, (row, column)) in stiffness {
+        let largest = entries.iter().map(|entry| entry.2).fold(0.0, Real::max);
+        for &(row, column, value) in entries {
             sums[row] += value;
             if row != column {
                 sums[column] += value;

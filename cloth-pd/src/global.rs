@@ -18,6 +18,8 @@ pub(crate) struct GlobalSystem {
     mass: Vec<Option<Real>>,
     /// Lower half of `Σ w GᵀG` (N/m) over all vertices, row by row, the diagonal last in each.
     stiffness: CsMat<Real>,
+    /// Families that are missing in it.
+    is_left_out: Vec<bool>,
     cholesky: Cholesky,
     /// The factor in the layout that the iterations read; none before the first step.
     panels: Option<PanelFactor>,
@@ -62,12 +64,15 @@ impl fmt::Debug for GlobalSystem {
 }
 
 impl GlobalSystem {
-    /// Assembles `Σ w GᵀG` and analyses the pattern.
+    /// Assembles `Σ w GᵀG` and analyses the pattern. `is_left_out` has the families that the matrix goes without.
     pub(crate) fn new(
         particles: &Particles,
         families: &[Box<dyn Projections>],
+        is_left_out: Vec<bool>,
     ) -> Result<Self, CholeskyError> {
-        let stiffness = assemble(particles.len(), families);
+        let kept = families.iter().zip(&is_left_out);
+        let kept = kept.filter_map(|(family, out)| (!out).then_some(family));
+        let stiffness = assemble(particles.len(), kept);
         let cholesky = Cholesky::analyze(upper_pattern(&stiffness)?)?;
         let mass = |vertex: usize| {
             let is_free = !particles.is_prescribed(vertex);
@@ -77,6 +82,7 @@ impl GlobalSystem {
         Ok(Self {
             factored_mass: mass.clone(),
             mass,
+            is_left_out,
             stiffness,
             cholesky,
             panels: None,
@@ -92,6 +98,18 @@ impl GlobalSystem {
     pub(crate) fn set_mass(&mut self, vertex: usize, mass: Option<Real>) {
         self.mass[vertex] = mass;
         self.is_changed = true;
+    }
+
+    /// Whether no family is left out.
+    pub(crate) fn is_whole(&self) -> bool {
+        !self.is_left_out.contains(&true)
+    }
+
+    /// Takes an element of a family away, given what it leaves of `Σ w GᵀG`.
+    pub(crate) fn remove(&mut self, family: usize, terms: Vec<Term>) {
+        if !self.is_left_out[family] {
+            terms.into_iter().for_each(|term| self.add(term));
+        }
     }
 
     /// Adds a term to `Σ w GᵀG`. Its entries have to be in the pattern: on the diagonal, or of an element that is or was there.
@@ -331,7 +349,7 @@ mod tests {
         add_dense(&corners, &mut dense);
         add_dense(&ties, &mut dense);
 
-        let mut global = GlobalSystem::new(&particles, &families).unwrap();
+        let mut global = GlobalSystem::new(&particles, &families, vec![false; 3]).unwrap();
         for dt in [0.1, 0.3] {
             assert_eq!(global.prepare(dt), Ok(1));
             let mut matrix = dense;

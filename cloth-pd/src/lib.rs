@@ -30,6 +30,9 @@
 //! - **A coarse grid** under the quasi-Newton iteration: the slow motions are smooth, so a few hundred unknowns on a lattice of hat functions P describe them, and there Newton's method costs next to
 //!   nothing. The first guess becomes `A⁻¹ + P (PᵀHP)⁻¹ Pᵀ` with the Hessian H (its negative eigenvalues set to zero) at the start of the step's iteration: an additive two-level preconditioner. The matrix is for what is rough, the grid for what is smooth.
 //!
+//! As the matrix is only a first guess there, it does without the bending of thin cloth: where quadratic hinges add less than a fiftieth to every diagonal entry they are left to the iteration, because a hinge ties four vertices and the factor has less than
+//! half as many numbers without (at 128 vertices a side 0.5 million and not 1.3). The plain and the Chebyshev iteration have the whole matrix.
+//!
 //! A sheet of 1 m × 1 m, 0.2 kg/m², springs of 10⁴ N/m, 128 vertices a side, held at two corners and let go horizontally, falls 0.499 m (centre of mass) in half a second at Δt = 1/60 s and is stretched by 2.46 % at most, as
 //! converged Newton has it. In 6 iterations a step:
 //!
@@ -63,6 +66,7 @@
 //! | `Σ w Gᵀ(G x − p)`, the local step | [`LocalStep`], `pulls.rs`, on threads `pieces.rs`; where p is constant, `quadratic.rs` |
 //! | `G`, `∇G` | `objective.rs` |
 //! | A, S1 (30), (32) | `matrix.rs` |
+//! | what quasi-Newton leaves out of it | `matrix.rs` |
 //! | its factor, and what changes it | `global.rs`, [`LowRank`](cloth_core::linear::LowRank) |
 //! | the solve of S1 (34) | [`PanelFactor::solve`](cloth_core::linear::PanelFactor::solve) |
 //! | Chebyshev weights (Wang 2015, algorithm 1) | `chebyshev.rs` |
@@ -95,13 +99,13 @@
 //! spent on it. A dragged pin or attachment changes no matrix.
 //!
 //! # Cost
-//! A solve reads the factor twice: 1.29 million numbers at 128 vertices a side, so 20.6 MB, and no solve is faster than the memory gives them. On a busy machine one took 1.9 times as long as that at 512 a side
-//! (DRAM, 20 GB/s) and 3.8 times at 128 (L3, 75 GB/s), and a third to a half of what the linear-algebra library takes for the same (`cargo bench --bench projective`, `cloth-bench study projective`). The local step reads 24 bytes a spring and reads or
-//! writes 72 a vertex, and takes 5 to 6 times as long as moving those, at 64 to 512 a side: 32 springs are projected side by side, so it is not ruled by the square root and the division, but by collecting
-//! the ends of each spring and adding to them, one number at a time.
+//! A solve reads the factor twice: with bending 1.29 million numbers at 128 vertices a side, so 20.6 MB, and no solve is faster than the memory gives them. On a busy machine one took 1.9 times as long as that at 512 a side
+//! (DRAM, 20 GB/s) and 3.8 times at 128 (L3, 75 GB/s), and a third to a half of what the linear-algebra library takes for the same (`cloth-bench study projective` has both ratios, by size). The local step reads 24 bytes a spring and reads or
+//! writes 72 a vertex, and is far from the limit that moving those sets (the same study): 32 springs are projected side by side, so it is not ruled by the square root and the division, but by collecting
+//! the ends of each spring and adding to them, one number at a time. With positions and forces padded to four numbers, an end is one load and one store, and the local step alone takes a fifth less, but the whole step does not: more bytes go through the memory.
 //!
-//! With quadratic bending and n vertices, f numbers in the factor, e springs and b entries in the matrix of the bending energy, an iteration moves `16 f` bytes for the solve, `24 e + 72 n` for the springs, `12 b + 136 n`
-//! for the bending, about `200 n` for the rest of the objective, and `96 n` for each pair that is remembered. At 128 a side that is about 21 MB, 2 MB, 5 MB, 3 MB and, with five pairs, 8 MB: half of it is the solve. All loops are compiled for wide registers too ([`wide`](cloth_core::wide)), and give the same bits without.
+//! With quadratic bending and n vertices, f numbers in the factor, e springs and b entries in the matrix of the bending energy, an iteration moves `16 f` bytes for the solve, `24 e + 72 n` for the springs, `12 b + 64 n`
+//! for the bending, about `200 n` for the rest of the objective, and `96 n` for each pair that is remembered. At 128 a side, with the bending left out of the matrix, that is about 9 MB, 2 MB, 4 MB, 3 MB and, with five pairs, 8 MB. All loops are compiled for wide registers too ([`wide`](cloth_core::wide)), and give the same bits without.
 //!
 //! # Example
 //! A sheet of 0.2 kg/m² held at two corners:
@@ -167,19 +171,27 @@
 //! - A fixed number of iterations is an approximation of implicit Euler whose error is not watched. Six a step follow the first half second of the hanging sheet closely; over five seconds its swinging dies away sooner than it should. Means over the
 //!   last 100 of 300 steps, relative to converged implicit Euler, at 128 a side (`cloth-bench study projective` has the same for 32 and 64):
 //!
-//!   | cells, iterations | kinetic energy (%) | largest stretch (%) | the same at the last step (%) |
+//!   | cells, iterations, pairs | kinetic energy (%) | largest stretch (%) | the same at the last step (%) |
 //!   |---|---|---|---|
-//!   | 8, 6 | −76 | −10 | −29 |
-//!   | 8, 12 | −43 | −6 | −24 |
-//!   | 16, 12 | −29 | −6 | −23 |
-//!   | 16, 18 | −16 | −4 | −9 |
-//!   | 16, 24 | −13 | −2 | −1 |
-//!   | 16, 36 | −9 | −2 | −4 |
+//!   | 8, 6, 5 (default) | −79 | −14 | −31 |
+//!   | 8, 12, 5 | −43 | −6 | −24 |
+//!   | 16, 12, 5 | −29 | −6 | −23 |
+//!   | 16, 16, 2 | −12 | 0 | +5 |
+//!   | 16, 18, 5 | −16 | −4 | −9 |
+//!   | 16, 24, 5 | −13 | −2 | −1 |
+//!   | 16, 36, 5 | −9 | −2 | −4 |
+//!
+//!   For seconds of motion take 16 cells, 16 iterations and 2 pairs. A step then takes about two and a half times as long as with the default, and fewer pairs do no harm. Nine such runs, with 1 to 3 pairs and 16 to 24 iterations, had a largest stretch that was on average 0 to 3 %
+//!   too small, and 1 to 8 % off at the last step, to either side; with 12 iterations it was 7 % to 23 % off.
 //!
 //!   The motion is not chaotic: implicit Euler from a start disturbed by 10⁻³ m ends with the same largest stretch to 1 % (32 a side). One instant still misleads, because a motion with too little energy is at another point of its swing: some settings with 6 iterations
-//!   happen to be right at the last step and 36 % off on average. What is missing are folds. A fold moves vertices across the cloth, and others a little along it so that no spring is stretched. The matrix charges the motion across as if springs were stretched, and the hats of a
+//!   happen to be right at the last step and 36 % off on average, and rounding alone moves the last step by a few per cent. What is missing are folds. A fold moves vertices across the cloth, and others a little along it so that no spring is stretched. The matrix charges the motion across as if springs were stretched, and the hats of a
 //!   grid cannot follow the motion along: a grid of half the resolution of the cloth does no better, one as fine as the cloth is Newton's method, for which three iterations are enough. So folds go on with the velocity that they have, and what should have bent is
 //!   compressed (29 times the elastic energy with 6 iterations).
+//!
+//!   None of these helps, at 32 or 64 a side: a start extrapolated with the last change of velocity; pairs kept from the step before, as they are (the steps then need line searches) or with their changes of gradient taken anew; hats that are
+//!   quadratic or cubic splines; stiffness summed up over whole cells; blocks of the Hessian's diagonal as a third part of the first guess, on the vertices and on finer grids, which moves vertices out of the cloth so far that the springs, which then
+//!   stretch, take the energy away. A valley of `G` along which the cloth bends is narrow and curved.
 //! - It is the same with a chain of 20 links, swinging: with 6 iterations its centre of mass is right to 0.1 % after half a second, but has fallen 3 % too little after five; with 8 iterations it is right to 0.2 % then.
 //! - No energy appears in a step from `x[0]`, nor in a quasi-Newton step from `x[0] + Δt v[0]`: one that ends above `G(x[0])` is taken again, which the hanging sheet never needs. Plain and Chebyshev iterations from there, and all from x̃, have no such guard; ended early they can feed a
 //!   tangle. With the default a cloth of 10³ N/m, damped, hangs in the end from any start (in a point, on a line, mirrored, random, blown up), forces balanced; of 10⁴ N/m (17 a side) three of the six starts hang after 30 s, and the others are still unfolding, stretched by less than 1 %.
@@ -195,7 +207,7 @@
 //!
 //! # When to use it
 //! For many steps with one mesh and one step size on a processor: an iteration costs two passes over a small factor, none can make matters worse, and no step size is too large. With the coarse grid and 6 iterations a step of the sheet above takes
-//! about a hundredth of the time of converged Newton, for a fall within 0.3 % and a stretch within 8 % after half a second, at 128 a side 0.1 % and 0.3 % (`cloth-bench study projective` times both in one process). Where the motion has to be right to the last digits, Newton's method gets there in a dozen iterations. Where the material is replaced
+//! about a hundredth of the time of converged Newton, for a fall within 0.3 % and a stretch within 8 % after half a second, at 128 a side 0.1 % and 0.4 % (`cloth-bench study projective` times both in one process); what to take for longer motion is said above. Where the motion has to be right to the last digits, Newton's method gets there in a dozen iterations. Where the material is replaced
 //! altogether between steps, the position-based methods have no matrix to factorise. Quadratic energies (bending of a flat sheet, attachments) are solved exactly by one iteration.
 //!
 //! # References
@@ -222,6 +234,7 @@ mod lattice;
 mod local;
 mod matrix;
 mod objective;
+mod passes;
 mod pieces;
 mod pulls;
 mod quadratic;

@@ -1,12 +1,14 @@
 //! The function that a step minimises, and a point with its value and gradient.
 
+use crate::free_pieces::FreePieces;
 use crate::local::Projections;
-use crate::pieces::together;
-use crate::quadratic::Quadratic;
+use crate::passes::visit;
+use crate::quadratic::{Padded, Quadratic};
 use cloth_core::energy::Attachment;
 use cloth_core::math::{Real, Vec3};
 use cloth_core::particles::{Particles, State};
 use cloth_core::step::{StepError, StepInput};
+use sprs::CsMat;
 
 /// `G(x) = ‖x − x̃‖²_M/(2Δt²) + E(x)` of one step, in terms of the displacement `q = x − x[0]`.
 ///
@@ -28,6 +30,8 @@ pub(crate) struct Objective {
     constant_gradient: Vec<Vec3>,
     /// Δt (s).
     dt: Real,
+    /// q (m) of the point that is evaluated, with a fourth number.
+    padded: Vec<Padded>,
 }
 
 /// A displacement, and what is known there.
@@ -62,9 +66,17 @@ impl Point {
 
     /// Moves to `from + length · direction`.
     pub(crate) fn go(&mut self, from: &[Vec3], direction: &[Vec3], length: Real) {
-        for ((q, from), p) in self.displacement.iter_mut().zip(from).zip(direction) {
-            *q = from + p * length;
-        }
+        visit(
+            (&mut self.displacement[..], (from, direction)),
+            #[inline(always)]
+            |_, (q, (from, direction))| {
+                let (q, from, direction): (&mut [Vec3], &[Vec3], &[Vec3]) = (q, from, direction);
+                for ((q, from), p) in q.iter_mut().zip(from).zip(direction) {
+                    *q = from + p * length;
+                }
+                []
+            },
+        );
         self.is_evaluated = false;
     }
 }
@@ -72,6 +84,7 @@ impl Point {
 impl Objective {
     pub(crate) fn new(particles: Particles, families: Vec<Box<dyn Projections>>) -> Self {
         let zeros = vec![Vec3::zeros(); particles.len()];
+        let padded = vec![[0.0; 4]; particles.len()];
         Self {
             quadratic: Quadratic::of(particles.len(), &families),
             attachments: Vec::new(),
@@ -81,12 +94,20 @@ impl Objective {
             inertial: zeros.clone(),
             constant_gradient: zeros,
             dt: 1.0,
+            padded,
         }
     }
 
     /// Takes notice of elements that are gone.
     pub(crate) fn refresh(&mut self) {
         self.quadratic = Quadratic::of(self.particles.len(), &self.families);
+    }
+
+    /// The pieces of the cloth that nothing holds; `stiffness` is the lower half of `Σ w GᵀG` (N/m), with or without the families of constant projection.
+    pub(crate) fn free_pieces(&self, stiffness: &CsMat<Real>) -> FreePieces {
+        let kept = stiffness.iter().map(|(&value, (i, j))| (i, j, value));
+        let entries: Vec<_> = kept.chain(self.quadratic.lower_half()).collect();
+        FreePieces::of(&entries, &self.particles)
     }
 
     /// Takes up the step that begins at `state`.
@@ -123,42 +144,84 @@ impl Objective {
 
     /// Fills in everything that belongs to the displacement of `point`.
     pub(crate) fn evaluate(&mut self, point: &mut Point) {
-        self.place(point);
-        let q = &point.displacement;
-        let gradient = &mut point.gradient;
-        gradient.fill(Vec3::zeros());
-        let (families, quadratic) = (&mut self.families, &mut self.quadratic);
-        let positions = &point.positions;
-        let mut own = |family: &mut Box<dyn Projections>| family.add_gradient(positions, gradient);
-        let (mut elastic, product) = together(
-            q.len(),
-            || families.iter_mut().map(&mut own).sum::<Real>(),
-            || quadratic.times(q),
-        );
+        self.spread(point);
+        let Point {
+            positions,
+            gradient,
+            ..
+        } = point;
+        let own = |family: &mut Box<dyn Projections>| family.add_gradient(positions, gradient);
+        let mut elastic: Real = self.families.iter_mut().map(own).sum();
         for attachment in &self.attachments {
             let vertex = attachment.vertex as usize;
-            let pull = point.positions[vertex] - attachment.target;
+            let pull = positions[vertex] - attachment.target;
             gradient[vertex] += pull * attachment.stiffness;
             elastic += 0.5 * attachment.stiffness * pull.norm_squared();
         }
-        let (mut inertia, mut bending) = (0.0, 0.0);
-        let per_dt_squared = 1.0 / self.dt / self.dt;
-        for vertex in 0..q.len() {
-            let (own, constant) = (q[vertex], self.constant_gradient[vertex]);
-            let pull = Vec3::new(product[vertex][0], product[vertex][1], product[vertex][2]);
-            bending += (pull * 0.5 + constant).dot(&own);
-            if self.particles.is_prescribed(vertex) {
-                gradient[vertex] = Vec3::zeros();
-                continue;
-            }
-            let mass = self.particles.mass()[vertex] * per_dt_squared;
-            let h = self.inertial[vertex];
-            inertia += 0.5 * mass * own.dot(&(own - h * 2.0));
-            gradient[vertex] += (own - h) * mass + (pull + constant);
-        }
+        let [inertia, bending] = self.collect(point);
         point.value = inertia + bending + elastic;
         point.size = inertia.abs() + bending.abs() + elastic;
         point.is_evaluated = true;
+    }
+
+    /// Writes down x, q with a fourth number, and no gradient yet.
+    fn spread(&mut self, point: &mut Point) {
+        let (from, q) = (&self.from[..], &point.displacement[..]);
+        let moved = (&mut point.positions[..], &mut self.padded[..]);
+        visit(
+            (moved, &mut point.gradient[..]),
+            #[inline(always)]
+            |start, ((x, padded), gradient)| {
+                let x: &mut [Vec3] = x;
+                let padded: &mut [Padded] = padded;
+                let gradient: &mut [Vec3] = gradient;
+                let part = start..start + x.len();
+                for ((x, from), q) in x.iter_mut().zip(&from[part.clone()]).zip(&q[part.clone()]) {
+                    *x = from + q;
+                }
+                for (padded, q) in padded.iter_mut().zip(&q[part]) {
+                    *padded = [q.x, q.y, q.z, 0.0];
+                }
+                gradient.fill(Vec3::zeros());
+                []
+            },
+        );
+    }
+
+    /// Adds inertia and the quadratic energies to the gradient of the other elements. Returns the energies of the two (J).
+    fn collect(&self, point: &mut Point) -> [Real; 2] {
+        let q = &point.displacement[..];
+        let (constant, inertial) = (&self.constant_gradient[..], &self.inertial[..]);
+        let (mass, inverse_mass) = (self.particles.mass(), self.particles.inverse_mass());
+        let (quadratic, padded) = (&self.quadratic, &self.padded[..]);
+        let per_dt_squared = 1.0 / self.dt / self.dt;
+        visit(
+            &mut point.gradient[..],
+            #[inline(always)]
+            |start, gradient: &mut [Vec3]| {
+                let (mut inertia, mut bending) = (0.0, 0.0);
+                for (vertex, gradient) in (start..).zip(gradient) {
+                    let own = q[vertex];
+                    let mut pull = constant[vertex];
+                    if !quadratic.is_empty() {
+                        let [x, y, z, _] = quadratic.times(vertex, padded);
+                        let product = Vec3::new(x, y, z);
+                        bending += (product * 0.5 + pull).dot(&own);
+                        pull += product;
+                    }
+                    // Nothing moves a prescribed vertex.
+                    if inverse_mass[vertex] == 0.0 {
+                        *gradient = Vec3::zeros();
+                        continue;
+                    }
+                    let mass = mass[vertex] * per_dt_squared;
+                    let h = inertial[vertex];
+                    inertia += 0.5 * mass * own.dot(&(own - h * 2.0));
+                    *gradient += (own - h) * mass + pull;
+                }
+                [inertia, bending]
+            },
+        )
     }
 
     /// Norm of a gradient in the metric of M⁻¹ (N/√kg); prescribed vertices do not count.

@@ -3,7 +3,7 @@
 use cloth_core::math::Real;
 
 /// Vertices of a piece. Twice as many make half as many elements that are visited twice, and half as many pieces.
-const PIECE: usize = 2_048;
+pub(crate) const PIECE: usize = 2_048;
 
 /// The piece of a vertex.
 #[inline]

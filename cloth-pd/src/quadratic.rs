@@ -1,18 +1,19 @@
 //! The elements whose energy is quadratic, as one matrix: bending of a flat sheet, attachments.
 
 use crate::local::Projections;
-use cloth_core::math::{Real, Vec3};
-use cloth_core::wide::wide;
+use cloth_core::math::Real;
 use sprs::{CsMatI, TriMatI};
+
+/// x, y, z and a fourth number, so that a row of a product is a sum of whole registers.
+pub(crate) type Padded = [Real; 4];
 
 /// `Q = Σ w GᵀG` over the families of constant projection, both halves, over all vertices; prescribed ones move too.
 #[derive(Debug)]
 pub(crate) struct Quadratic {
-    matrix: CsMatI<Real, u32>,
-    /// A displacement (m) with a fourth number beside x, y and z, so that a row of the product is a sum of whole registers.
-    padded: Vec<[Real; 4]>,
-    /// `Q q` (N), likewise.
-    product: Vec<[Real; 4]>,
+    /// Row i: `columns[offsets[i]..offsets[i + 1]]`, and its values (N/m) likewise.
+    offsets: Vec<u32>,
+    columns: Vec<u32>,
+    values: Vec<Real>,
 }
 
 impl Quadratic {
@@ -26,41 +27,43 @@ impl Quadratic {
                 }
             });
         }
+        let matrix: CsMatI<Real, u32> = entries.to_csr();
+        let (offsets, columns, values) = matrix.into_raw_storage();
         Self {
-            matrix: entries.to_csr(),
-            padded: vec![[0.0; 4]; vertex_count],
-            product: vec![[0.0; 4]; vertex_count],
+            offsets,
+            columns,
+            values,
         }
     }
 
-    /// `Q q` (N) of a displacement q (m), the fourth number 0.
-    pub(crate) fn times(&mut self, q: &[Vec3]) -> &[[Real; 4]] {
-        if self.matrix.nnz() == 0 {
-            return &self.product; // zeros from the beginning
+    /// The entries of its lower half: row, column, value (N/m).
+    pub(crate) fn lower_half(&self) -> impl Iterator<Item = (usize, usize, Real)> {
+        let rows = self.offsets.windows(2).enumerate();
+        rows.flat_map(|(row, range)| {
+            let range = range[0] as usize..range[1] as usize;
+            let entries = self.columns[range.clone()].iter().zip(&self.values[range]);
+            let lower = entries.filter(move |entry| *entry.0 as usize <= row);
+            lower.map(move |(&column, &value)| (row, column as usize, value))
+        })
+    }
+
+    /// Whether there is no entry.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.values.is_empty()
+    }
+
+    /// An entry of `Q q` (N) for a displacement q (m).
+    #[inline(always)]
+    pub(crate) fn times(&self, row: usize, q: &[Padded]) -> Padded {
+        let range = self.offsets[row] as usize..self.offsets[row + 1] as usize;
+        let entries = self.columns[range.clone()].iter().zip(&self.values[range]);
+        let mut sum = [0.0; 4];
+        for (&column, &value) in entries {
+            let q = q[column as usize];
+            for lane in 0..4 {
+                sum[lane] += q[lane] * value;
+            }
         }
-        for (padded, q) in self.padded.iter_mut().zip(q) {
-            *padded = [q.x, q.y, q.z, 0.0];
-        }
-        let (matrix, padded, product) = (&self.matrix, &self.padded[..], &mut self.product[..]);
-        let offsets = matrix.indptr();
-        let offsets = offsets.raw_storage();
-        wide(
-            #[inline(always)]
-            || {
-                for (range, product) in offsets.windows(2).zip(product) {
-                    let range = range[0] as usize..range[1] as usize;
-                    let entries = matrix.indices()[range.clone()].iter();
-                    let mut sum = [0.0; 4];
-                    for (&column, &value) in entries.zip(&matrix.data()[range]) {
-                        let q = padded[column as usize];
-                        for lane in 0..4 {
-                            sum[lane] += q[lane] * value;
-                        }
-                    }
-                    *product = sum;
-                }
-            },
-        );
-        &self.product
+        sum
     }
 }

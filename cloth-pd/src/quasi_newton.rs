@@ -4,8 +4,9 @@
 use crate::coarse::CoarseGrid;
 use crate::global::GlobalSystem;
 use crate::objective::{Objective, Point};
+use crate::passes::visit;
 use crate::pieces::together;
-use crate::vectors::{add, add_and_dot, dot};
+use crate::vectors::{add, add_and_dot, dot, dot_of_part};
 use cloth_core::math::{Real, Vec3};
 
 /// Part of the promised decrease that has to be kept (Armijo's constant).
@@ -79,11 +80,16 @@ impl QuasiNewton {
             Ok(backtracks) => return (self.accept(point, backtracks), 1),
             Err(backtracks) => backtracks,
         };
-        // What is remembered, or the coarse grid, misleads here. A plain iteration needs no search: it minimises a bound of G.
+        // What is remembered, or the coarse grid, misleads here. A plain iteration needs no search: it minimises a bound of G, as long as the matrix has all families.
         self.len = 0;
         global.solve(&point.gradient, &mut self.direction);
-        self.next.go(&point.displacement, &self.direction, -1.0);
-        objective.evaluate(&mut self.next);
+        if global.is_whole() {
+            self.next.go(&point.displacement, &self.direction, -1.0);
+            objective.evaluate(&mut self.next);
+        } else {
+            // Where no length is good, the last, which is next to nothing, is taken.
+            rejected += self.search(objective, point).unwrap_or_else(|tried| tried);
+        }
         rejected = self.accept(point, rejected);
         (rejected, 2)
     }
@@ -175,12 +181,20 @@ impl QuasiNewton {
         }
         let slot = (self.newest + 1) % history;
         let (new, old) = (&*point, &self.next);
+        let Pair { step, change, .. } = &mut self.pairs[slot];
+        let [product] = visit(
+            (&mut step[..], &mut change[..]),
+            #[inline(always)]
+            |start, (step, change)| {
+                let (step, change): (&mut [Vec3], &mut [Vec3]) = (step, change);
+                for (vertex, (s, y)) in (start..).zip(step.iter_mut().zip(change.iter_mut())) {
+                    *s = new.displacement[vertex] - old.displacement[vertex];
+                    *y = new.gradient[vertex] - old.gradient[vertex];
+                }
+                [dot_of_part(step, change)]
+            },
+        );
         let pair = &mut self.pairs[slot];
-        for vertex in 0..new.gradient.len() {
-            pair.step[vertex] = new.displacement[vertex] - old.displacement[vertex];
-            pair.change[vertex] = new.gradient[vertex] - old.gradient[vertex];
-        }
-        let product = dot(&pair.step, &pair.change);
         // Where G is not convex along the step, a pair would make H indefinite.
         if product > 0.0 && (1.0 / product).is_finite() {
             pair.inverse_product = 1.0 / product;

@@ -98,8 +98,11 @@ impl PdSolver {
         let are_ties_stale = std::mem::take(&mut self.are_ties_stale);
         let is_stale = std::mem::take(&mut self.is_stale);
         let objective = &mut self.objective;
+        if is_stale {
+            objective.refresh();
+        }
         if are_ties_stale || is_stale {
-            self.free_pieces = FreePieces::of(self.global.stiffness(), &objective.particles);
+            self.free_pieces = objective.free_pieces(self.global.stiffness());
         }
         if !is_stale {
             if let (true, Some(coarse)) = (are_ties_stale, &mut self.coarse) {
@@ -107,7 +110,6 @@ impl PdSolver {
             }
             return;
         }
-        objective.refresh();
         if let (Some(coarse), Some((rest, cells))) = (&mut self.coarse, &self.lattice) {
             let particles = &objective.particles;
             // A grid that the memory does not hold is one that is not needed.

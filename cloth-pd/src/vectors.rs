@@ -1,43 +1,41 @@
 //! Sums over whole vectors: a number per vertex and axis, four vertices at a time.
 
+use crate::passes::visit;
 use cloth_core::math::{Real, Vec3};
-use cloth_core::wide::wide;
 
 /// Vertices that are added up beside each other, so that no addition waits for the one before.
 const ABREAST: usize = 4;
 
 /// `Σ aᵢ·bᵢ`.
 pub(crate) fn dot(a: &[Vec3], b: &[Vec3]) -> Real {
-    wide(
+    let sum = visit(
+        (a, b),
         #[inline(always)]
-        || {
-            let mut sums = [[0.0; 3]; ABREAST];
-            let ((a, a_last), (b, b_last)) = (a.as_chunks(), b.as_chunks());
-            for (a, b) in a.iter().zip(b) {
-                add_products(&mut sums, a, b);
-            }
-            total(sums) + rest(a_last, b_last)
-        },
-    )
+        |_, (a, b)| [dot_of_part(a, b)],
+    );
+    sum[0]
 }
 
 /// `y += factor · x`.
 pub(crate) fn add(y: &mut [Vec3], factor: Real, x: &[Vec3]) {
-    wide(
+    visit(
+        (y, x),
         #[inline(always)]
-        || {
+        |_, (y, x): (&mut [Vec3], &[Vec3])| {
             for (y, x) in y.iter_mut().zip(x) {
                 *y += x * factor;
             }
+            []
         },
     );
 }
 
 /// `y += factor · x`, and then `y · next`, in one pass.
 pub(crate) fn add_and_dot(y: &mut [Vec3], factor: Real, x: &[Vec3], next: &[Vec3]) -> Real {
-    wide(
+    let sum = visit(
+        (y, (x, next)),
         #[inline(always)]
-        || {
+        |_, (y, (x, next)): (&mut [Vec3], (&[Vec3], &[Vec3]))| {
             let mut sums = [[0.0; 3]; ABREAST];
             let ((y, y_last), (x, x_last)) = (y.as_chunks_mut(), x.as_chunks::<ABREAST>());
             let (next, next_last) = next.as_chunks();
@@ -50,9 +48,21 @@ pub(crate) fn add_and_dot(y: &mut [Vec3], factor: Real, x: &[Vec3], next: &[Vec3
             for (y, x) in y_last.iter_mut().zip(x_last) {
                 *y += x * factor;
             }
-            total(sums) + rest(y_last, next_last)
+            [total(sums) + rest(y_last, next_last)]
         },
-    )
+    );
+    sum[0]
+}
+
+/// `Σ aᵢ·bᵢ` of a part.
+#[inline(always)]
+pub(crate) fn dot_of_part(a: &[Vec3], b: &[Vec3]) -> Real {
+    let mut sums = [[0.0; 3]; ABREAST];
+    let ((a, a_last), (b, b_last)) = (a.as_chunks(), b.as_chunks());
+    for (a, b) in a.iter().zip(b) {
+        add_products(&mut sums, a, b);
+    }
+    total(sums) + rest(a_last, b_last)
 }
 
 #[inline(always)]

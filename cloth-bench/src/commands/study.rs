@@ -3,8 +3,8 @@
 use super::{print, write_file};
 use crate::error::BenchError;
 use crate::journal::{Heading, Journal, Shard};
-use crate::report::facts;
-use crate::report::html::Report;
+use crate::report::html::{Answer, Report};
+use crate::report::{arrow, facts};
 use crate::studies::{Findings, STUDIES, Scope, Share, Study};
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -165,6 +165,9 @@ fn finish_shard(
 }
 
 fn print_verdicts(output: &Output, done: &[(&Study, Findings)]) -> Result<(), BenchError> {
+    for (question, answer) in done.iter().flat_map(|(_, findings)| &findings.answers) {
+        print(&format!("{question}\n  {answer}"))?;
+    }
     for (study, Findings { section, .. }) in done {
         if output.tables {
             for (caption, table) in &section.tables {
@@ -209,17 +212,29 @@ fn write_report(
     let mut report = Report {
         title: "Cloth: the methods, side by side".into(),
         facts,
+        answers: Vec::new(),
         sections: Vec::new(),
     };
-    for (_, findings) in done {
+    for (study, findings) in done {
         for (name, table) in &findings.data {
             keep(format!("data/{name}.csv"), table.to_csv().as_bytes())?;
         }
         for (name, svg) in &findings.plots {
             keep(format!("plots/{name}.svg"), svg.as_bytes())?;
         }
+        let answer = |(question, answer): &(String, String)| Answer {
+            question: question.clone(),
+            answer: answer.clone(),
+            section: study.name.to_owned(),
+        };
+        report.answers.extend(findings.answers.iter().map(answer));
         report.sections.push(findings.section.clone());
     }
+    let tables = done.iter().flat_map(|(study, findings)| {
+        let tables = findings.data.iter();
+        tables.map(|(name, table)| (study.name, name.as_str(), table))
+    });
+    keep("data/all.arrow".into(), &arrow::file(tables)?)?;
     keep("report.html".into(), report.to_html().as_bytes())?;
     let facts: serde_json::Map<String, Value> = report
         .facts

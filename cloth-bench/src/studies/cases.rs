@@ -3,6 +3,7 @@
 //! A case has a name and a result, and depends on no other case. So it can be left out when it is finished already, or when another machine runs it; what several cases
 //! need, such as a reference, is a [`Late`] value, found when the first of them asks for it.
 
+use super::Findings;
 use crate::error::BenchError;
 use crate::journal::{Journal, Shard};
 use serde::Serialize;
@@ -105,6 +106,22 @@ impl<'a> Cases<'a> {
         self.journal.record(self.study, name, seconds, recorded)?;
         outcome
     }
+    /// A case that fills findings of its own, which are added to those of the study, and draws a conclusion.
+    pub(crate) fn chapter<T: Serialize + DeserializeOwned + Default>(
+        &mut self,
+        name: &str,
+        findings: &mut Findings,
+        work: impl FnOnce(&mut Findings, &mut dyn FnMut(&str)) -> Result<T, BenchError>,
+    ) -> Result<T, BenchError> {
+        let (own, conclusion) = self.parts(name, |progress| {
+            let mut own = Findings::default();
+            let conclusion = work(&mut own, progress)?;
+            Ok((own, conclusion))
+        })?;
+        findings.append(own);
+        Ok(conclusion)
+    }
+
     /// The cases that were neither finished nor run.
     pub(super) fn left_out(&self) -> &[String] {
         &self.left_out

@@ -12,7 +12,7 @@ mod sweeps;
 
 pub use count::Locking;
 
-use super::{Findings, Scope, Study};
+use super::{Cases, Findings, Scope, Study};
 use crate::error::BenchError;
 use sphere::Drapes;
 use sweeps::{Folds, OnCones};
@@ -33,27 +33,31 @@ pub(super) const STUDY: Study = Study {
         Sphere: the scene drape-sphere, 16 cells a side, held in the middle, D = 1e-3 N·m, without friction, contact 40 times a step, velocities taken away whenever the kinetic energy has passed a maximum, until nothing is faster than 2 mm/s; nullity draped is that of the sheet as it lies there, corners below the top (m) how far it comes down. A locked sheet stands off. \
         D = 0.02 N·m elsewhere, density 0.2 kg/m².",
     cases,
-    run: |scope, cases| cases.parts("all", |progress| run(scope, progress)),
+    run,
 };
 
+/// Its parts, which report their progress themselves.
 fn cases(scope: Scope) -> u64 {
+    let parts = 7;
     count::cases(scope)
         + sweeps::cases(scope)
         + remedies::cases(scope)
         + methods::cases(scope)
         + sphere::cases(scope)
+        + parts
         + 3
 }
 
-fn run(scope: Scope, progress: &mut dyn FnMut(&str)) -> Result<Findings, BenchError> {
+fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
     let mut findings = Findings::default();
-    let as_counted = count::run(scope, &mut findings, progress)?;
-    picture::draw(&mut findings, progress)?;
-    let cones = sweeps::cones(scope, &mut findings, progress)?;
-    let folds = sweeps::folds(scope, &mut findings, progress)?;
-    remedies::run(scope, &mut findings, progress)?;
-    methods::run(scope, &mut findings, progress)?;
-    let drapes = sphere::run(scope, &mut findings, progress)?;
+    let all = &mut findings;
+    let as_counted = cases.chapter("count", all, |own, now| count::run(scope, own, now))?;
+    cases.chapter("picture", all, |own, now| picture::draw(own, now))?;
+    let cones = cases.chapter("cones", all, |own, now| sweeps::cones(scope, own, now))?;
+    let folds = cases.chapter("folds", all, |own, now| sweeps::folds(scope, own, now))?;
+    cases.chapter("remedies", all, |own, now| remedies::run(scope, own, now))?;
+    cases.chapter("methods", all, |own, now| methods::run(scope, own, now))?;
+    let drapes = cases.chapter("drapes", all, |own, now| sphere::run(scope, own, now))?;
     findings.section.verdict = Some(verdict(as_counted, &cones, &folds, &drapes));
     Ok(findings)
 }
@@ -76,7 +80,7 @@ fn verdict(as_counted: bool, cones: &OnCones, folds: &Folds, drapes: &Drapes) ->
         "The estimate l* = (702 D R²/Y)^¼ is {constant} for vertices that stay on a cone: the membrane of equilateral triangles costs {least:.2} to {most:.2} times (l/l*)⁴ there, that of all patterns {weakest:.2} to {strongest:.2} times. \
          But a sheet between clamps does not stay there: beyond l* it gets rid of all but {left:.1} % of that energy, or less, by leaving the surface."
     );
-    let (pattern, cells, ratio, energy) = cones.worst;
+    let (pattern, cells, ratio, energy) = &cones.worst;
     let [from, to] = folds.halved;
     let onset = if folds.locked < 3 {
         format!(
@@ -96,7 +100,7 @@ fn verdict(as_counted: bool, cones: &OnCones, folds: &Folds, drapes: &Drapes) ->
             folds.locked + folds.free
         )
     };
-    let draped = drapes.kept.map_or_else(
+    let draped = drapes.kept.as_ref().map_or_else(
         || "No drape over a sphere came off".to_owned(),
         |[(worst, least), (best, most)]| {
             format!("Draped over a sphere, the corners of a sheet whose edges are a hundred times stiffer come down by {least:.2} ({worst}) to {most:.2} ({best}) of what they did")

@@ -4,9 +4,9 @@ use super::{Method, PdSolver};
 use crate::chebyshev::Chebyshev;
 use crate::coarse::CoarseGrid;
 use crate::config::{Acceleration, PdConfig};
-use crate::free_pieces::FreePieces;
 use crate::global::GlobalSystem;
 use crate::local::{Family, Projections};
+use crate::matrix::light;
 use crate::objective::{Objective, Point};
 use crate::quasi_newton::QuasiNewton;
 use cloth_core::element::Projective;
@@ -70,10 +70,16 @@ impl PdBuilder {
     /// vertex; [`BuildError::NoSuchVertex`] if an element names a vertex that the particles do not have; [`BuildError::MatrixTooLarge`].
     pub fn build(self) -> Result<PdSolver, BuildError> {
         self.config.check()?;
-        let mut families = self.families?;
+        let families = self.families?;
         let too_large = |_| BuildError::MatrixTooLarge;
-        let global = GlobalSystem::new(&self.particles, &families).map_err(too_large)?;
         let vertex_count = self.particles.len();
+        let is_left_out = match self.config.acceleration {
+            // Its matrix is a first guess, which the iteration improves.
+            Acceleration::QuasiNewton { .. } => light(vertex_count, &families),
+            _ => vec![false; families.len()],
+        };
+        let global = GlobalSystem::new(&self.particles, &families, is_left_out);
+        let global = global.map_err(too_large)?;
         let zeros = vec![Vec3::zeros(); vertex_count];
         let method = match self.config.acceleration {
             Acceleration::None => Method::Plain {
@@ -86,12 +92,13 @@ impl PdBuilder {
                 Method::QuasiNewton(Box::new(QuasiNewton::new(history as usize, vertex_count)))
             }
         };
-        let free_pieces = FreePieces::of(global.stiffness(), &self.particles);
+        let mut objective = Objective::new(self.particles, families);
+        let free_pieces = objective.free_pieces(global.stiffness());
+        let (particles, families) = (&objective.particles, &mut objective.families);
         let coarse = match (&method, &self.coarse) {
             (Method::QuasiNewton(_), Some((rest, cells))) => {
                 check_coarse(rest, *cells, vertex_count)?;
-                let particles = &self.particles;
-                let grid = CoarseGrid::new(rest, *cells, particles, &free_pieces, &mut families);
+                let grid = CoarseGrid::new(rest, *cells, particles, &free_pieces, families);
                 Some(grid.map_err(too_large)?)
             }
             _ => None,
@@ -99,7 +106,7 @@ impl PdBuilder {
         Ok(PdSolver {
             free_pieces,
             config: self.config,
-            objective: Objective::new(self.particles, families),
+            objective,
             global,
             lattice: coarse.as_ref().and(self.coarse),
             coarse,

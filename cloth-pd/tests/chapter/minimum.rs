@@ -50,6 +50,30 @@ fn the_reported_residual_is_the_relative_gradient_of_the_incremental_potential()
     }
 }
 
+/// Vectors this long are worked on in two parts.
+#[test]
+fn a_cloth_of_thousands_of_vertices_converges_to_the_same_conditions() {
+    let (model, mut state) = hanging(60, 1e4);
+    let rest = state.positions.clone();
+    shake(&model, &mut state, 0.002);
+    let before = state.clone();
+    let config = PdConfig {
+        iterations: 2_000,
+        tolerance: Some(1e-6),
+        ..PdConfig::default()
+    };
+    let mut solver = coarse_solver(&model, &rest, config);
+    let report = solver.step(&mut state, falling()).unwrap();
+    let (_, gradient) = potential(&model, &before, &falling(), &state.positions);
+    let error = report.residual.unwrap() / gradient - 1.0;
+    assert!(
+        gradient <= 1.01e-6 && error.abs() < 1e-9,
+        "{gradient:e} {error:e}"
+    );
+    // 776; where an end of one part were lost, or the sum of a part, no direction would be any good.
+    assert!(report.iterations < 1000, "{report:?}");
+}
+
 #[test]
 fn a_tolerance_watches_and_does_not_change_the_iteration() {
     let run = |tolerance| {

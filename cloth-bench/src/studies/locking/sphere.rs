@@ -19,6 +19,7 @@ use cloth_core::math::{Real, Vec3};
 use cloth_core::measure::Strain;
 use cloth_core::particles::State;
 use cloth_core::topology::EdgeTable;
+use serde::{Deserialize, Serialize};
 
 /// D (N·m): cloth of this weight bends under itself over 8 cm.
 const RIGIDITY: Real = 1e-3;
@@ -183,10 +184,10 @@ fn fall_of_corners(rest: &[Vec3], positions: &[Vec3]) -> Real {
 }
 
 /// What the drapes say: how far the corners come down at the stiffer modulus, over what they do at the softer.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(super) struct Drapes {
     /// Pattern and ratio: least and largest.
-    pub(super) kept: Option<[(&'static str, Real); 2]>,
+    pub(super) kept: Option<[(String, Real); 2]>,
 }
 
 pub(super) fn run(
@@ -247,7 +248,7 @@ pub(super) fn run(
     }
     findings.table("locking-sphere", "Sheets draped over a sphere", table);
     Ok(Drapes {
-        kept: kept(&fallen),
+        kept: kept(&fallen).map(|both| both.map(|(pattern, share)| (pattern.to_owned(), share))),
     })
 }
 

@@ -6,8 +6,12 @@ use crate::report::table::{Cell, Table};
 use crate::scene::{self, Scene};
 use crate::settings::Settings;
 use cloth_core::element::Projective;
+use cloth_core::energy::Spring;
 use cloth_core::linear::{Cholesky, LowRank, PanelFactor, UpperPattern};
 use cloth_core::math::{Real, Vec3};
+use cloth_core::wide::wide;
+use cloth_pd::LocalStep;
+use std::hint::black_box;
 use std::time::Instant;
 
 /// `M/Δt² + Σ w GᵀG` of the springs and hinges of a scene, all vertices free, factorised.
@@ -83,6 +87,7 @@ pub(super) fn costs(
         "ms the library's solve",
         "library's solve / own",
         "GB/s, the factor read twice",
+        "times as long as reading it",
         "changed rows as dear as factorising",
     ]);
     for &n in sizes(scope) {
@@ -93,8 +98,8 @@ pub(super) fn costs(
         let places: Vec<u32> = (0..b.len() as u32).collect();
         let mut panels = PanelFactor::new(cholesky.factor(), &places);
         let (mut solution, mut columns) = (b.clone(), vec![1.0; 3 * b.len()]);
-        let (mut factorise, mut solve, mut library) =
-            (Real::INFINITY, Real::INFINITY, Real::INFINITY);
+        let numbers = vec![1.0; cholesky.factor_len()];
+        let [mut factorise, mut solve, mut library, mut stream] = [Real::INFINITY; 4];
         for _ in 0..REPETITIONS {
             let started = Instant::now();
             cholesky.factorize().map_err(BenchError::failed)?;
@@ -103,6 +108,9 @@ pub(super) fn costs(
             // The first solve of each finds the other's numbers in the caches.
             for _ in 0..3 {
                 solve = solve.min(seconds(|| panels.solve(b, &mut solution)));
+            }
+            for _ in 0..3 {
+                stream = stream.min(seconds(|| read_twice(&numbers)));
             }
             for _ in 0..3 {
                 library = library.min(seconds(|| cholesky.solve_in_place(&mut columns)));
@@ -120,21 +128,107 @@ pub(super) fn costs(
             Cell::from(1e3 * library),
             Cell::from(library / solve),
             Cell::from(16e-9 * factor as Real / solve),
+            Cell::from(solve / stream),
             Cell::from(rows),
         ]);
     }
     findings.table(
         "projective-factor",
-        "The constant matrix of the hanging sheet: fill, and the shortest of ten times to factorise, to solve for three right-hand sides, and to change it",
+        "The constant matrix of the hanging sheet, bending included: fill, and the shortest of thirty times to factorise, to solve for three right-hand sides, and to change it",
         table,
     );
     Ok(())
+}
+
+/// Reads the numbers from first to last and from last to first, as a solve does.
+fn read_twice(numbers: &[Real]) {
+    let total = |sums: [Real; 16], chunk: &[Real; 16]| std::array::from_fn(|i| sums[i] + chunk[i]);
+    wide(
+        #[inline(always)]
+        || {
+            let (chunks, _) = numbers.as_chunks::<16>();
+            black_box(chunks.iter().fold([0.0; 16], total));
+            black_box(chunks.iter().rev().fold([0.0; 16], total));
+        },
+    );
 }
 
 fn seconds(work: impl FnOnce()) -> Real {
     let started = Instant::now();
     work();
     started.elapsed().as_secs_f64()
+}
+
+/// The local step of the springs, beside moving the same bytes.
+pub(super) fn local_steps(
+    scope: Scope,
+    findings: &mut Findings,
+    progress: &mut dyn FnMut(&str),
+) -> Result<(), BenchError> {
+    let mut table = Table::new(&[
+        "n",
+        "springs",
+        "ns a spring",
+        "bytes",
+        "ns a spring to move them",
+        "times as long as moving them",
+    ]);
+    for &n in sizes(scope) {
+        progress(&format!("projective: the local step, {n} × {n}"));
+        let scene = scene::build("hang", None, &Settings::default().with("n", n))?;
+        let (springs, x) = (&scene.model.springs, &scene.start.positions);
+        let local = LocalStep::new(&scene.model.particles, springs.clone());
+        let mut local = local.map_err(BenchError::usage)?;
+        let mut forces = vec![Vec3::zeros(); x.len()];
+        let [mut project, mut moved] = [Real::INFINITY; 2];
+        for _ in 0..10 * REPETITIONS {
+            project = project.min(seconds(|| {
+                black_box(local.add_gradient(x, &mut forces));
+            }));
+            moved = moved.min(seconds(|| move_bytes(springs, x, &mut forces)));
+        }
+        let per_spring = 1e9 / springs.len() as Real;
+        table.push([
+            Cell::from(n as usize),
+            Cell::from(springs.len()),
+            Cell::from(project * per_spring),
+            Cell::from(local_bytes(springs, x)),
+            Cell::from(moved * per_spring),
+            Cell::from(project / moved),
+        ]);
+    }
+    findings.table(
+        "projective-local",
+        "The local step of the springs of the hanging sheet, beside moving the same bytes: a spring and a position are read, a force is read and written; the shortest of a hundred times",
+        table,
+    );
+    Ok(())
+}
+
+/// Bytes that the local step of springs has to move: those of a spring, of a position, and of a force that is read and written.
+#[must_use]
+pub fn local_bytes(springs: &[Spring], x: &[Vec3]) -> usize {
+    size_of_val(springs) + 3 * size_of_val(x)
+}
+
+/// Moves those bytes, and does next to nothing with them.
+pub fn move_bytes(springs: &[Spring], x: &[Vec3], forces: &mut [Vec3]) {
+    wide(
+        #[inline(always)]
+        || {
+            let mut sums = [[0.0; 2]; 4];
+            for four in springs.as_chunks::<4>().0 {
+                for (sum, spring) in sums.iter_mut().zip(four) {
+                    *sum = [sum[0] + spring.stiffness, sum[1] + spring.rest_length];
+                }
+            }
+            let factor = sums.iter().flatten().sum::<Real>();
+            for (force, x) in forces.iter_mut().zip(x) {
+                *force += x * factor;
+            }
+            black_box(&forces);
+        },
+    );
 }
 
 /// The number of changed rows, in threes, for which setting up a correction takes as long as `limit` (s).

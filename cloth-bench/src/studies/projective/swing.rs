@@ -1,7 +1,7 @@
 //! Five seconds of the hanging sheet: what too few iterations a step do to its swinging.
 
 use super::super::{Findings, Scope};
-use super::{Pairs, with};
+use super::{LONG, Pairs, with};
 use crate::error::BenchError;
 use crate::method::Method;
 use crate::report::table::{Cell, Table};
@@ -15,9 +15,10 @@ use cloth_core::measure::{Strain, kinetic_energy};
 const STEPS: u32 = 300;
 const AVERAGED: u32 = 100;
 
-pub(super) const SETTINGS: [(&str, Pairs); 5] = [
+pub(super) const SETTINGS: [(&str, Pairs); 6] = [
     ("default", &[]),
     ("12 iterations", &[("iterations", "12")]),
+    LONG,
     ("24 iterations", &[("iterations", "24")]),
     (
         "24 iterations, 16 cells",
