@@ -392,6 +392,10 @@ fn list_shows_every_name() {
                 "xpbd-floor",
                 "projective",
                 "newton",
+                "energy",
+                "stability",
+                "recovery",
+                "independence",
             ],
         ),
         (
