@@ -4,6 +4,7 @@ mod ccd;
 mod law;
 mod list;
 mod locking;
+mod merge;
 mod run;
 mod study;
 
@@ -15,6 +16,8 @@ use clap::Subcommand;
 pub enum Command {
     /// Runs studies and writes report.html, data/*.csv, plots/*.svg and manifest.json
     Study(study::Arguments),
+    /// Joins the parts of a run of studies that was shared among machines, and writes its report
+    Merge(merge::Arguments),
     /// Runs one simulation
     Run(run::Arguments),
     /// Counts and measures the degrees of freedom that the edges of a mesh leave
@@ -34,6 +37,7 @@ pub enum Command {
 pub fn execute(command: &Command) -> Result<(), BenchError> {
     match command {
         Command::Study(arguments) => study::execute(arguments),
+        Command::Merge(arguments) => merge::execute(arguments),
         Command::Run(arguments) => run::execute(arguments),
         Command::Locking(arguments) => locking::execute(arguments),
         Command::Ccd(arguments) => ccd::execute(arguments),

@@ -3,6 +3,7 @@
 pub mod ccd;
 pub mod commands;
 pub mod error;
+pub mod journal;
 pub mod laws;
 pub mod mesh_spec;
 pub mod method;

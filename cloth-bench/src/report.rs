@@ -2,17 +2,21 @@
 //!
 //! - [`plot`]: curves over linear or logarithmic axes, as SVG
 //! - [`table`]: numbers, as CSV for programs and HTML for people
+//! - [`arrow`]: all numbers of all tables in one Arrow file
 //! - [`render`]: triangle meshes, as PNG
+//! - [`player`]: runs that the page plays back in three dimensions
 //! - [`html`]: the page that holds it all, in a single file without outside resources
 //! - [`facts`]: commit, machine and threads, which every result states
 //! - [`palette`]: one colour and marker per method
 //! - [`scale`]: ranges and ticks
 
+pub mod arrow;
 mod canvas;
 pub mod facts;
 pub mod html;
 mod layout;
 pub mod palette;
+pub mod player;
 pub mod plot;
 pub mod render;
 pub mod scale;

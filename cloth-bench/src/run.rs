@@ -8,10 +8,11 @@ use cloth_core::math::{Real, Vec3};
 use cloth_core::measure;
 use cloth_core::particles::State;
 use cloth_core::step::{Outcome, StepInput, StepReport, Stepper};
+use serde::{Deserialize, Serialize};
 use std::time::Instant;
 
 /// What a run did and where it ended.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Summary {
     /// Steps taken.
     pub steps: u32,
@@ -48,7 +49,7 @@ pub struct Summary {
 }
 
 /// What [`SeparationWatch`] has seen.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Watched {
     /// Steps after which triangles crossed.
     pub crossed_steps: u32,

@@ -2,23 +2,34 @@
 
 mod acceleration;
 mod bending;
+mod cases;
 mod collision;
 mod convergence;
+mod energy;
+mod independence;
 mod locking;
 mod newton;
 mod projective;
+mod recovery;
 mod sag;
+mod skip;
+mod stability;
 mod stiffness;
+mod threads;
+mod work_precision;
 mod xpbd_floor;
 
+pub use cases::{Cases, Share};
 pub use locking::Locking;
 pub use projective::{constant_matrix, local_bytes, move_bytes};
 
 use crate::error::BenchError;
+use crate::journal::Journal;
 use crate::names;
 use crate::report::html::Section;
 use crate::report::plot::Plot;
 use crate::report::table::Table;
+use serde::{Deserialize, Serialize};
 
 /// A question with the means to answer it.
 #[derive(Clone, Copy, Debug)]
@@ -33,8 +44,8 @@ pub struct Study {
     run: Run,
 }
 
-/// Measures and judges; calls back with the name of each case before it.
-type Run = fn(Scope, &mut dyn FnMut(&str)) -> Result<Findings, BenchError>;
+/// Measures case by case, and judges.
+type Run = fn(Scope, &mut Cases<'_>) -> Result<Findings, BenchError>;
 
 /// How much of a study to run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -46,7 +57,7 @@ pub enum Scope {
 }
 
 /// What a study found: a section of the report, and the same as data.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Findings {
     /// The section, complete but for its id, title, question and command.
     pub section: Section,
@@ -54,9 +65,25 @@ pub struct Findings {
     pub data: Vec<(String, Table)>,
     /// Drawings for `plots/NAME.svg`; they are in the section as well.
     pub plots: Vec<(String, String)>,
+    /// Plain answers, with their figures, to questions that people come with: they open the report.
+    #[serde(default)]
+    pub answers: Vec<(String, String)>,
 }
 
 impl Findings {
+    /// Adds what another part of the study found.
+    fn append(&mut self, part: Self) {
+        let section = part.section;
+        self.section.plots.extend(section.plots);
+        self.section.pictures.extend(section.pictures);
+        self.section.playbacks.extend(section.playbacks);
+        self.section.tables.extend(section.tables);
+        self.section.notes.extend(section.notes);
+        self.data.extend(part.data);
+        self.plots.extend(part.plots);
+        self.answers.extend(part.answers);
+    }
+
     /// Draws a plot and keeps it under a name.
     pub(crate) fn plot(&mut self, name: &str, plot: &Plot) {
         let svg = plot.draw().svg;
@@ -75,6 +102,11 @@ impl Findings {
             .ok()
     }
 
+    /// Answers a question that people come with.
+    pub(crate) fn answer(&mut self, question: &str, answer: String) {
+        self.answers.push((question.to_owned(), answer));
+    }
+
     /// Keeps a table as data only.
     pub(crate) fn data(&mut self, name: &str, table: Table) {
         self.data.push((name.to_owned(), table));
@@ -90,8 +122,9 @@ impl Findings {
 }
 
 /// Every study.
-pub const STUDIES: [&Study; 10] = [
+pub const STUDIES: [&Study; 17] = [
     &convergence::STUDY,
+    &work_precision::STUDY,
     &stiffness::STUDY,
     &locking::STUDY,
     &bending::STUDY,
@@ -101,6 +134,12 @@ pub const STUDIES: [&Study; 10] = [
     &projective::STUDY,
     &collision::STUDY,
     &newton::STUDY,
+    &energy::STUDY,
+    &stability::STUDY,
+    &recovery::STUDY,
+    &independence::STUDY,
+    &threads::STUDY,
+    &skip::STUDY,
 ];
 
 impl Study {
@@ -119,22 +158,32 @@ impl Study {
             })
     }
 
-    /// Number of times that [`Study::run`] reports progress.
+    /// Number of its cases.
     #[must_use]
     pub fn cases(&self, scope: Scope) -> u64 {
         (self.cases)(scope)
     }
 
-    /// Runs it. `progress` is called before each case with its name.
+    /// Runs the cases that are not in the journal and that `share` leaves to this run, and draws the conclusions. `progress` is called before each case with its name.
+    /// Returns the names of the cases that are still missing as well: with some, the findings are not to be shown.
     ///
     /// # Errors
-    /// [`BenchError::Failed`] if a reference does not converge. A method that fails is a finding, not an error.
+    /// [`BenchError::Failed`] if the journal cannot be written, or if a reference does not converge. A method that fails is a finding, not an error.
     pub fn run(
         &self,
         scope: Scope,
+        journal: &mut Journal,
+        share: Share,
         progress: &mut dyn FnMut(&str),
-    ) -> Result<Findings, BenchError> {
-        let mut findings = (self.run)(scope, progress)?;
+    ) -> Result<(Findings, Vec<String>), BenchError> {
+        let mut cases = Cases::new(self.name, journal, share, progress);
+        let outcome = (self.run)(scope, &mut cases);
+        let missing = cases.left_out().to_vec();
+        // A journal that cannot be written has made the cases fail.
+        if let Some(error) = journal.broken() {
+            return Err(error.clone());
+        }
+        let mut findings = outcome?;
         let section = &mut findings.section;
         section.id = self.name.to_owned();
         section.title = capitalised(self.name);
@@ -149,7 +198,7 @@ impl Study {
             self.name
         );
         section.notes.push(self.about.to_owned());
-        Ok(findings)
+        Ok((findings, missing))
     }
 }
 

@@ -11,6 +11,7 @@ use cloth_core::measure::{IncrementalPotential, predict};
 use cloth_core::particles::State;
 use cloth_core::step::{Observer, StepInput, StepReport, Stepper};
 use cloth_massspring::{ImplicitConfig, ImplicitEuler};
+use serde::{Deserialize, Serialize};
 use std::time::Instant;
 
 /// One step from a given state, with the minimiser of `G` (S1 (10)) found by Newton's method to rounding.
@@ -29,7 +30,7 @@ pub struct StepProblem {
 }
 
 /// How far from the minimiser some positions are.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct StepError {
     /// `(G − G*)/(G(x̃) − G*)` (dimensionless): 1 at the inertial prediction, 0 at the minimum.
     pub objective: Real,
@@ -38,7 +39,7 @@ pub struct StepError {
 }
 
 /// What one iteration reached.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Sample {
     /// Iterations so far.
     pub iteration: u32,

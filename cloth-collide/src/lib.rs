@@ -153,7 +153,8 @@
 //! | `broad_phase/candidates.rs`, `order.rs` | from pairs of triangles to pairs of primitives, in order |
 //! | `broad_phase/triangle_pairs.rs` | pairs of triangles within a distance |
 //! | `response.rs` | the response, stage by stage, and why there are stages |
-//! | `response/pair.rs`, `row.rs`, `detect.rs` | two pieces; a contact as an inequality; which contacts a motion makes |
+//! | `response/pair.rs`, `row.rs` | two pieces; a contact as an inequality |
+//! | `response/cloth.rs`, `sleep.rs`, `detect.rs` | the candidates and what is known of them; which of them need no look; which contacts a motion makes |
 //! | `response/impulses.rs`, `solve.rs`, `memory.rs` | impulses for all contacts, with those of the last step as a first guess |
 //! | `response/last_resorts.rs`, `zones.rs`, `sets.rs`, `hold.rs` | rigid zones, and vertices held back |
 //! | `response/builder.rs`, `report.rs` | setting up, and what was done |

@@ -18,9 +18,11 @@
 //!
 //! # What makes it fast
 //!
-//! - Candidates are kept while the motion has room in their boxes. At rest the broad phase does not run at all.
-//! - A pair that some steady plane keeps apart, the last one that did or that between its nearest points, needs no continuous test.
-//! - Contacts start with the forces that they had in the last step, so a pile at rest takes a few sweeps; a new one is solved with conjugate directions.
+//! - Candidates are kept while the motion has room in their boxes, apart from what all vertices do together. At rest, and in free fall, the broad phase does not run at all.
+//! - A pair that some steady plane keeps apart, the last one that did or that between its nearest points before or after, needs no continuous test. By how much it does so is the way that its
+//!   vertices may go before the pair is looked at again: most candidates sleep.
+//! - Contacts start with the forces that they had in the last step, and those that have pushed lately are there from the start, so a pile at rest takes one round; a new one is solved with conjugate
+//!   directions.
 //!
 //! # References
 //!
@@ -31,6 +33,7 @@
 //!   half of the distance.
 
 mod builder;
+mod cloth;
 mod detect;
 mod hold;
 mod impulses;
@@ -40,6 +43,7 @@ mod pair;
 mod report;
 mod row;
 mod sets;
+mod sleep;
 mod solve;
 mod zones;
 
@@ -48,9 +52,9 @@ pub use report::{ContactReport, ContactStage};
 
 use crate::obstacle::{Obstacle, ObstacleContacts};
 use crate::separation::meet_unduly;
+use cloth::Cloth;
 use cloth_core::contact::{ContactError, ContactSource, ContactStep};
 use cloth_core::math::{Real, Vec3, is_finite};
-use detect::Cloth;
 use hold::Hold;
 use memory::Memory;
 use row::Row;
@@ -230,9 +234,14 @@ impl ClothContacts {
 
     /// Makes sure that the candidates are those of the motion, if there are none of a motion with room for this one, and that the start is in order.
     fn prepare(&mut self, step: &ContactStep<'_>, positions: &[Vec3]) -> Result<(), ContactError> {
+        if let Some(cloth) = &mut self.cloth {
+            cloth.travelled(&self.seen, step.from);
+            cloth.travelled(step.from, positions);
+        }
         self.seen.copy_from_slice(positions);
         self.moved.fill(true);
-        if self.strayed(step.from) || self.strayed(positions) {
+        let strayed = |cloth: &Cloth| cloth.strayed(step.from) || cloth.strayed(positions);
+        if self.cloth.as_ref().is_some_and(strayed) {
             self.search(step, positions)?;
         }
         let Some(cloth) = &mut self.cloth else {
@@ -263,28 +272,14 @@ impl ClothContacts {
         self.hits.clear();
         if let Some(cloth) = &mut self.cloth {
             let margin = MARGIN * self.thickness;
-            let updated = cloth.candidates.update(step.from, positions, margin);
+            let found = cloth.search(step.from, positions, margin);
             // Everything is finite, but a box around it need not be.
-            updated.map_err(|_| ContactError::NonFinite { vertex: 0 })?;
-            cloth.forget();
+            found.map_err(|_| ContactError::NonFinite { vertex: 0 })?;
+            cloth.recognise(&self.rows);
             self.report.searches += 1;
             self.report.candidates = cloth.len();
         }
         Ok(())
-    }
-
-    /// Whether a vertex may have come so far from where it was expected that there are pairs that nobody has looked for.
-    fn strayed(&self, positions: &[Vec3]) -> bool {
-        let Some(cloth) = &self.cloth else {
-            return false;
-        };
-        // Half of the margin is around the box, half of the thickness is needed there.
-        let slack = Vec3::repeat(0.5 * self.thickness);
-        let boxes = cloth.candidates.vertex_boxes().iter().zip(positions);
-        boxes.into_iter().any(|(bounds, x)| {
-            let inside = x - slack >= bounds.lower && x + slack <= bounds.upper;
-            !inside
-        })
     }
 
     /// The step is resolved: it ends where the next one may start, and obstacles move on.

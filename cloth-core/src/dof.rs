@@ -43,7 +43,10 @@
 //! # How the rank is found
 //!
 //! The rank is the number of singular values of J above a threshold. `JᵀJ` is the Gauss–Newton Hessian of unit springs, so
-//! it is assembled by the code that assembles all Hessians, and its eigenvalues are counted by [`Inertia`].
+//! it is assembled by the code that assembles all Hessians, and its eigenvalues are counted by [`Inertia`] down to [`COUNTED_ABOVE`]. Of a smoothly bent sheet the smallest
+//! singular value decreases fast with the number of vertices (a jittered sheet of 20 000 has one of 8e-7), so what lies below is looked at one by one where it is not many.
+
+mod weakest;
 
 use crate::block_matrix::BlockMatrix;
 use crate::element::Convexity;
@@ -55,9 +58,14 @@ use crate::topology::EdgeTable;
 use std::fmt;
 
 /// Singular values of the edge-length Jacobian below this are zero (dimensionless, as its entries are).
-///
-/// The eigenvalues of `JᵀJ` are its squares, 1e-12, and are found with a rounding error of about 1e-15.
-pub const RANK_THRESHOLD: Real = 1e-6;
+pub const RANK_THRESHOLD: Real = 1e-9;
+
+/// Singular values above this are counted, as eigenvalues of `JᵀJ` above its square 1e-12, which are found with a rounding error of about 1e-15. What lies below is
+/// zero or is computed one by one: at most [`MOST_WEAK`] of them. If there are more, as on a flat sheet, all are taken for zero.
+pub const COUNTED_ABOVE: Real = 1e-6;
+
+/// So many singular values below [`COUNTED_ABOVE`] are computed one by one.
+pub const MOST_WEAK: usize = 64;
 
 /// Rank of the edge-length Jacobian at one configuration.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -99,15 +107,23 @@ impl EdgeRank {
         let normal = normal_matrix(positions, pairs);
         let mut inertia = Inertia::of(&normal).map_err(RankError::Factorization)?;
         let mut above = |singular_value: Real| count_above(&mut inertia, singular_value);
-        let rank = above(RANK_THRESHOLD)?;
+        let counted = above(COUNTED_ABOVE)?;
+        let uncounted = pairs.len() - counted;
+        let mut weak = if (1..=MOST_WEAK).contains(&uncounted) {
+            weakest::smallest(positions, pairs, uncounted)?
+        } else {
+            Vec::new()
+        };
+        weak.retain(|&singular_value| singular_value > RANK_THRESHOLD);
+        let rank = counted + weak.len();
         Ok(Self {
             rank,
             nullity: 3 * positions.len() - rank,
             self_stresses: pairs.len() - rank,
-            smallest_kept: if rank == 0 {
-                0.0
-            } else {
-                smallest_kept(rank, largest_possible(pairs, positions.len()), above)?
+            smallest_kept: match weak.first() {
+                Some(&smallest) => smallest,
+                None if rank == 0 => 0.0,
+                None => smallest_kept(rank, largest_possible(pairs, positions.len()), above)?,
             },
         })
     }
@@ -149,7 +165,7 @@ fn smallest_kept(
     largest: Real,
     mut above: impl FnMut(Real) -> Result<usize, RankError>,
 ) -> Result<Real, RankError> {
-    let (mut low, mut high) = (RANK_THRESHOLD, largest * 1.001);
+    let (mut low, mut high) = (COUNTED_ABOVE, largest * 1.001);
     while high / low > 1.001 {
         let middle = (low * high).sqrt();
         if above(middle)? == rank {

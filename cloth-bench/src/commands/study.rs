@@ -2,14 +2,14 @@
 
 use super::{print, write_file};
 use crate::error::BenchError;
-use crate::report::facts;
-use crate::report::html::Report;
-use crate::studies::{Findings, STUDIES, Scope, Study};
+use crate::journal::{Heading, Journal, Shard};
+use crate::report::html::{Answer, Report};
+use crate::report::{arrow, facts};
+use crate::studies::{Findings, STUDIES, Scope, Share, Study};
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::{Value, json};
-use std::path::PathBuf;
-use std::time::Instant;
+use std::path::{Path, PathBuf};
 
 /// Arguments of `study`.
 #[derive(Debug, Args)]
@@ -19,9 +19,22 @@ pub struct Arguments {
     /// Small sizes only
     #[arg(long)]
     quick: bool,
-    /// Folder for report.html, data, plots and manifest.json
+    /// Goes on where a run with the same output folder was cut off; finished cases are not run again
+    #[arg(long)]
+    resume: bool,
+    /// Runs the I-th of N parts of the cases, without a report; `merge` joins the parts
+    #[arg(long, value_name = "I/N")]
+    shard: Option<Shard>,
+    #[command(flatten)]
+    output: Output,
+}
+
+/// Where the report goes, and what is printed.
+#[derive(Debug, Args)]
+pub(super) struct Output {
+    /// Folder for report.html, data, plots, manifest.json and the journal of finished cases
     #[arg(long, default_value = "cloth-report", value_name = "DIR")]
-    out: PathBuf,
+    pub(super) out: PathBuf,
     /// The tables on standard output too, besides the verdicts
     #[arg(long, conflicts_with = "json")]
     tables: bool,
@@ -34,72 +47,138 @@ pub(super) fn execute(arguments: &Arguments) -> Result<(), BenchError> {
     let studies: Vec<&Study> = if arguments.names.is_empty() {
         STUDIES.to_vec()
     } else {
-        arguments
-            .names
-            .iter()
-            .map(|name| Study::find(name))
-            .collect::<Result<_, _>>()?
+        // In the order of the report, and each once.
+        let asked = arguments.names.iter().map(|name| Study::find(name));
+        let asked: Vec<&Study> = asked.collect::<Result<_, _>>()?;
+        let is_asked = |study: &&Study| asked.iter().any(|other| other.name == study.name);
+        STUDIES.iter().copied().filter(is_asked).collect()
     };
-    let scope = if arguments.quick {
+    let mut facts = facts::collect();
+    if let Some(shard) = arguments.shard {
+        facts.push(("shard".into(), shard.to_string()));
+    }
+    let heading = Heading {
+        studies: studies.iter().map(|study| study.name.to_owned()).collect(),
+        quick: arguments.quick,
+        facts,
+    };
+    let out = &arguments.output.out;
+    let journal = if arguments.resume {
+        Journal::resume(out, heading)?
+    } else {
+        Journal::begin(out, heading)?
+    };
+    let share = arguments.shard.map_or(Share::All, Share::One);
+    conclude(&arguments.output, &studies, journal, share)
+}
+
+/// Runs what is not in the journal and falls to this run; writes the report, if this run is all of it.
+pub(super) fn conclude(
+    output: &Output,
+    studies: &[&Study],
+    mut journal: Journal,
+    share: Share,
+) -> Result<(), BenchError> {
+    let scope = if journal.heading().quick {
         Scope::Quick
     } else {
         Scope::Full
     };
-    // A folder that cannot be written to is found out now and not at the end.
-    write_file(&arguments.out.join("manifest.json"), b"{}")?;
-    let started = Instant::now();
     let bar = progress_bar(studies.iter().map(|study| study.cases(scope)).sum());
+    let mut first = true;
+    let mut progress = |case: &str| {
+        if !std::mem::take(&mut first) {
+            bar.inc(1);
+        }
+        bar.set_message(case.to_owned());
+        if bar.is_hidden() {
+            eprintln!("{case}");
+        }
+    };
     let mut done: Vec<(&Study, Findings)> = Vec::new();
     let mut failed: Vec<(&str, BenchError)> = Vec::new();
+    let mut missing: Vec<String> = Vec::new();
     for study in studies {
-        let mut first = true;
-        let mut progress = |case: &str| {
-            if !std::mem::take(&mut first) {
-                bar.inc(1);
+        match study.run(scope, &mut journal, share, &mut progress) {
+            Ok((findings, left_out)) => {
+                let named = |case: &String| format!("{}: {case}", study.name);
+                missing.extend(left_out.iter().map(named));
+                done.push((study, findings));
             }
-            bar.set_message(case.to_owned());
-            if bar.is_hidden() {
-                eprintln!("{case}");
-            }
-        };
-        match study.run(scope, &mut progress) {
-            Ok(findings) => done.push((study, findings)),
+            // Nothing more can be kept; what has been is safe.
+            Err(error) if journal.broken().is_some() => return Err(error),
             Err(error) => failed.push((study.name, error)),
         }
-        bar.inc(1);
     }
     bar.finish_and_clear();
-    write_report(arguments, &done, &failed, started.elapsed().as_secs_f64())?;
+    match share {
+        Share::One(shard) => {
+            finish_shard(output, &journal, shard, missing.len())?;
+            return failed.first().map_or(Ok(()), failure);
+        }
+        Share::Nothing if !missing.is_empty() => {
+            return Err(BenchError::Failed(format!(
+                "{} cases are in none of the folders: {}",
+                missing.len(),
+                missing.join("; ")
+            )));
+        }
+        _ => {}
+    }
+    write_report(&output.out, &journal, &done, &failed)?;
     let names: Vec<&str> = done.iter().map(|(study, _)| study.name).collect();
     let failures: Vec<&str> = failed.iter().map(|(name, _)| *name).collect();
-    if arguments.json {
-        print(&json!({"studies": names, "failed": failures, "out": arguments.out}).to_string())?;
+    if output.json {
+        print(&json!({"studies": names, "failed": failures, "out": output.out}).to_string())?;
     } else {
-        for (study, findings) in &done {
-            if arguments.tables {
-                for (caption, table) in &findings.section.tables {
-                    print(&format!("{caption}\n{}", table.to_text()))?;
-                }
+        print_verdicts(output, &done)?;
+    }
+    failed.first().map_or(Ok(()), failure)
+}
+
+fn failure((name, error): &(&str, BenchError)) -> Result<(), BenchError> {
+    Err(BenchError::Failed(format!("study `{name}`: {error}")))
+}
+
+fn finish_shard(
+    output: &Output,
+    journal: &Journal,
+    shard: Shard,
+    others: usize,
+) -> Result<(), BenchError> {
+    if output.json {
+        let studies = &journal.heading().studies;
+        let none: [&str; 0] = [];
+        return print(
+            &json!({
+                "studies": studies, "failed": none, "out": output.out,
+                "shard": shard.to_string(), "cases": journal.len(), "cases_of_others": others,
+            })
+            .to_string(),
+        );
+    }
+    print(&format!(
+        "shard {shard}: {} cases finished, {others} left to the others; `merge` joins {} with theirs",
+        journal.len(),
+        output.out.display()
+    ))
+}
+
+fn print_verdicts(output: &Output, done: &[(&Study, Findings)]) -> Result<(), BenchError> {
+    for (question, answer) in done.iter().flat_map(|(_, findings)| &findings.answers) {
+        print(&format!("{question}\n  {answer}"))?;
+    }
+    for (study, Findings { section, .. }) in done {
+        if output.tables {
+            for (caption, table) in &section.tables {
+                print(&format!("{caption}\n{}", table.to_text()))?;
             }
-            print(&format!(
-                "{}: {}",
-                study.name,
-                findings
-                    .section
-                    .verdict
-                    .as_deref()
-                    .unwrap_or("see the report")
-            ))?;
         }
-        print(&format!(
-            "report: {}",
-            arguments.out.join("report.html").display()
-        ))?;
+        let verdict = section.verdict.as_deref().unwrap_or("see the report");
+        print(&format!("{}: {verdict}", study.name))?;
     }
-    match failed.first() {
-        None => Ok(()),
-        Some((name, error)) => Err(BenchError::Failed(format!("study `{name}`: {error}"))),
-    }
+    let report = output.out.join("report.html");
+    print(&format!("report: {}", report.display()))
 }
 
 fn progress_bar(cases: u64) -> ProgressBar {
@@ -108,38 +187,54 @@ fn progress_bar(cases: u64) -> ProgressBar {
     ProgressBar::new(cases).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
 }
 
+/// Everything in it comes from the journal.
 fn write_report(
-    arguments: &Arguments,
+    out: &Path,
+    journal: &Journal,
     done: &[(&Study, Findings)],
     failed: &[(&str, BenchError)],
-    seconds: f64,
 ) -> Result<(), BenchError> {
-    let mut facts = facts::collect();
-    facts.push((
-        "scope".into(),
-        if arguments.quick { "quick" } else { "full" }.into(),
-    ));
+    let seconds = journal.seconds();
+    let mut facts = journal.heading().facts.clone();
+    let scope = if journal.heading().quick {
+        "quick"
+    } else {
+        "full"
+    };
+    facts.push(("scope".into(), scope.into()));
     facts.push(("time".into(), format!("{seconds:.0} s")));
     let mut files = Vec::new();
     let mut keep = |name: String, content: &[u8]| {
-        write_file(&arguments.out.join(&name), content)?;
+        write_file(&out.join(&name), content)?;
         files.push(name);
         Ok::<(), BenchError>(())
     };
     let mut report = Report {
         title: "Cloth: the methods, side by side".into(),
         facts,
+        answers: Vec::new(),
         sections: Vec::new(),
     };
-    for (_, findings) in done {
+    for (study, findings) in done {
         for (name, table) in &findings.data {
             keep(format!("data/{name}.csv"), table.to_csv().as_bytes())?;
         }
         for (name, svg) in &findings.plots {
             keep(format!("plots/{name}.svg"), svg.as_bytes())?;
         }
+        let answer = |(question, answer): &(String, String)| Answer {
+            question: question.clone(),
+            answer: answer.clone(),
+            section: study.name.to_owned(),
+        };
+        report.answers.extend(findings.answers.iter().map(answer));
         report.sections.push(findings.section.clone());
     }
+    let tables = done.iter().flat_map(|(study, findings)| {
+        let tables = findings.data.iter();
+        tables.map(|(name, table)| (study.name, name.as_str(), table))
+    });
+    keep("data/all.arrow".into(), &arrow::file(tables)?)?;
     keep("report.html".into(), report.to_html().as_bytes())?;
     let facts: serde_json::Map<String, Value> = report
         .facts
@@ -153,5 +248,5 @@ fn write_report(
     let names: Vec<&str> = done.iter().map(|(study, _)| study.name).collect();
     let manifest = json!({"studies": names, "failed": failures, "facts": facts, "files": files, "seconds": seconds});
     let text = serde_json::to_string_pretty(&manifest).map_err(BenchError::failed)?;
-    write_file(&arguments.out.join("manifest.json"), text.as_bytes())
+    write_file(&out.join("manifest.json"), text.as_bytes())
 }

@@ -1,12 +1,14 @@
-//! One page for everything: a single HTML file without scripts or outside resources.
+//! One page for everything: a single HTML file without outside resources, and without scripts unless it plays something back.
 //!
 //! A section answers one question. Its answer in plain words stands directly below it, then the
 //! figures, pictures and tables it rests on, then the command that makes them again.
 
+use super::player::{self, Playback};
 use super::table::Table;
+use serde::{Deserialize, Serialize};
 
 /// A picture with its caption.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Picture {
     /// A PNG file.
     pub png: Vec<u8>,
@@ -15,7 +17,7 @@ pub struct Picture {
 }
 
 /// The answer to one question.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Section {
     /// The anchor in the page: letters, digits and `-`; other characters become `-`.
     pub id: String,
@@ -32,6 +34,9 @@ pub struct Section {
     pub plots: Vec<String>,
     /// Pictures.
     pub pictures: Vec<Picture>,
+    /// Runs to play back.
+    #[serde(default)]
+    pub playbacks: Vec<Playback>,
     /// Tables with their captions.
     pub tables: Vec<(String, Table)>,
     /// Surprises, limits, anything a reader should know; one paragraph each.
@@ -45,8 +50,21 @@ pub struct Report {
     pub title: String,
     /// Name and value of what every result depends on; see [`facts::collect`](super::facts::collect).
     pub facts: Vec<(String, String)>,
+    /// Plain answers to the questions that people come with.
+    pub answers: Vec<Answer>,
     /// The sections, in order.
     pub sections: Vec<Section>,
+}
+
+/// A plain answer.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Answer {
+    /// The question.
+    pub question: String,
+    /// The answer, with its figures.
+    pub answer: String,
+    /// The id of the section that it rests on.
+    pub section: String,
 }
 
 /// Tables longer than this are folded away at first.
@@ -85,14 +103,39 @@ impl Report {
         } else {
             format!("<nav aria-label=\"Contents\"><ol>\n{contents}</ol></nav>\n")
         };
+        let answers = self.answers_to_html();
         let sections: String = self.sections.iter().map(Section::to_html).collect();
+        let script = if self.sections.iter().all(|s| s.playbacks.is_empty()) {
+            String::new()
+        } else {
+            format!("<script>\n{}</script>\n", player::SCRIPT)
+        };
         format!(
             "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>\n\
              <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n\
              <title>{title}</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n<header>\n\
-             <h1>{title}</h1>\n<dl class=\"facts\">\n{facts}</dl>\n</header>\n{contents}<main>\n\
-             {sections}</main>\n</body>\n</html>\n"
+             <h1>{title}</h1>\n<dl class=\"facts\">\n{facts}</dl>\n</header>\n{answers}{contents}<main>\n\
+             {sections}</main>\n{script}</body>\n</html>\n"
         )
+    }
+}
+
+impl Report {
+    fn answers_to_html(&self) -> String {
+        if self.answers.is_empty() {
+            return String::new();
+        }
+        let rows = self.answers.iter().map(|answer| {
+            format!(
+                "<dt>{}</dt><dd>{} <a href=\"#{}\">{}</a></dd>\n",
+                escape(&answer.question),
+                escape(&answer.answer),
+                anchor(&answer.section),
+                escape(&answer.section)
+            )
+        });
+        let rows: String = rows.collect();
+        format!("<h2 class=\"answers\">In short</h2>\n<dl class=\"answers\">\n{rows}</dl>\n")
     }
 }
 
@@ -123,6 +166,9 @@ impl Section {
                 );
             }
             html += "</div>\n";
+        }
+        for playback in &self.playbacks {
+            html += &playback.to_html();
         }
         for (caption, table) in &self.tables {
             let (caption, body) = (escape(caption), table.to_html());
@@ -179,7 +225,7 @@ fn anchor(id: &str) -> String {
 }
 
 /// RFC 4648, with padding.
-fn base64(bytes: &[u8]) -> String {
+pub(crate) fn base64(bytes: &[u8]) -> String {
     const LETTERS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
     let mut text = String::with_capacity(bytes.len().div_ceil(3) * 4);
     for chunk in bytes.chunks(3) {
@@ -275,12 +321,18 @@ mod tests {
                 png: vec![1, 2, 3],
                 caption: nasty.into(),
             }],
+            playbacks: Vec::new(),
             tables: vec![(nasty.into(), table)],
             notes: vec![nasty.into()],
         };
         Report {
             title: nasty.into(),
             facts: vec![(nasty.into(), nasty.into())],
+            answers: vec![Answer {
+                question: nasty.into(),
+                answer: nasty.into(),
+                section: nasty.into(),
+            }],
             sections: vec![section.clone(), section],
         }
     }

@@ -4,18 +4,30 @@
 //! significant digits, for people.
 
 use super::html::escape;
+use crate::journal::Number;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 /// One value of a [`Table`].
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub enum Cell {
     /// A name or a remark.
     Text(String),
     /// A count.
     Int(i64),
     /// A measured or computed number; its column says the unit.
+    #[serde(serialize_with = "write_number", deserialize_with = "read_number")]
     Number(f64),
     /// There is no value here (a method does not have this quantity, or the run failed).
+    #[default]
     Missing,
+}
+
+fn write_number<S: Serializer>(number: &f64, serializer: S) -> Result<S::Ok, S::Error> {
+    Number(*number).serialize(serializer)
+}
+
+fn read_number<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
+    Number::deserialize(deserializer).map(|number| number.0)
 }
 
 impl From<&str> for Cell {
@@ -97,7 +109,7 @@ impl Cell {
 }
 
 /// Rows of values under named columns. A column name states its unit: `"time (s)"`.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Table {
     /// The name of each column, with its unit.
     pub columns: Vec<String>,

@@ -2,7 +2,7 @@
 
 mod needed;
 
-use super::{Findings, Scope, Study};
+use super::{Cases, Findings, Scope, Study};
 use crate::error::BenchError;
 use crate::report::table::{Cell, Table};
 use crate::scene::{self, Scene};
@@ -10,7 +10,8 @@ use crate::settings::Settings;
 use crate::yardstick::StepProblem;
 use cloth_core::math::{Real, Vec3};
 use cloth_core::particles::State;
-use needed::{Needed, Target};
+use needed::Target;
+use serde::{Deserialize, Serialize};
 use std::f64::consts::FRAC_PI_2;
 
 pub(super) const STUDY: Study = Study {
@@ -121,7 +122,7 @@ fn cases(scope: Scope) -> u64 {
     (sides(scope).len() * per_size) as u64
 }
 
-fn run(scope: Scope, progress: &mut dyn FnMut(&str)) -> Result<Findings, BenchError> {
+fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
     let mut findings = Findings::default();
     let mut table = Table::new(&[
         "problem",
@@ -137,7 +138,9 @@ fn run(scope: Scope, progress: &mut dyn FnMut(&str)) -> Result<Findings, BenchEr
     ]);
     for &n in sides(scope) {
         for problem in PROBLEMS {
-            measure(scope, problem, n, &mut table, &mut findings, progress)?;
+            let name = format!("{problem} at {n} × {n}");
+            let counted = cases.parts(&name, |progress| measure(scope, problem, n, progress))?;
+            add(problem, n, &counted, &mut table, &mut findings);
         }
     }
     findings.section.verdict = verdict(&table);
@@ -149,67 +152,110 @@ fn run(scope: Scope, progress: &mut dyn FnMut(&str)) -> Result<Findings, BenchEr
     Ok(findings)
 }
 
+/// What one way through a problem takes, or why it does not get there.
+#[derive(Serialize, Deserialize)]
+struct Counted {
+    method: String,
+    name: String,
+    outcome: Result<Effort, String>,
+}
+
+#[derive(Clone, Copy, Serialize, Deserialize)]
+struct Effort {
+    sweeps: Real,
+    /// Whether so many were made; else it is what the rate so far leads to.
+    measured: bool,
+    /// Time of all sweeps and of one (s).
+    seconds: Real,
+    per_sweep: Real,
+}
+
+/// All ways through one problem: they are timed in turn.
 fn measure(
     scope: Scope,
     problem: &'static str,
     n: u32,
-    table: &mut Table,
-    findings: &mut Findings,
     progress: &mut dyn FnMut(&str),
-) -> Result<(), BenchError> {
+) -> Result<Vec<Counted>, BenchError> {
     let (scene, state, target) = target(problem, n)?;
+    let ways = ways(problem, n);
     let mut counted = Vec::new();
-    for way in ways(problem, n) {
+    for Way {
+        name,
+        method,
+        settings,
+    } in &ways
+    {
         progress(&format!(
-            "acceleration: {problem} at {n} × {n}, {} {}",
-            way.method, way.name
+            "acceleration: {problem} at {n} × {n}, {method} {name}"
         ));
-        let case = format!("{} {}, {problem} at {n} × {n}", way.method, way.name);
-        let needed = needed::sweeps(
-            &scene,
-            &state,
-            &target,
-            way.method,
-            &way.settings,
-            most_sweeps(scope),
-        );
-        if let Some(needed) = findings.unless_failed(&case, needed) {
-            counted.push((way, needed));
-        }
+        let most = most_sweeps(scope);
+        counted.push(needed::sweeps(
+            &scene, &state, &target, method, settings, most,
+        ));
     }
-    progress(&format!("acceleration: {problem} at {n} × {n}, times"));
-    let runs: Vec<(&str, &Settings, u32)> = counted
-        .iter()
-        .map(|(way, needed)| (way.method, &way.settings, needed.sweeps.ceil() as u32))
+    let reached = ways.iter().zip(&counted);
+    let runs: Vec<(&str, &Settings, u32)> = reached
+        .filter_map(|(way, needed)| {
+            let sweeps = needed.as_ref().ok()?.sweeps.ceil() as u32;
+            Some((way.method, &way.settings, sweeps))
+        })
         .collect();
-    let times = needed::times(&scene, &state, &runs)?;
-    let plain = counted
-        .first()
-        .zip(times.first())
-        .map(|((_, needed), time)| (needed.sweeps, time.seconds));
-    for ((way, needed), time) in counted.iter().zip(&times) {
-        let Needed { sweeps, measured } = *needed;
-        let (fewer, faster) = match plain {
-            Some((plain_sweeps, plain_seconds)) => (
-                Cell::from(plain_sweeps / sweeps),
-                Cell::from(plain_seconds / time.seconds),
-            ),
-            None => (Cell::Missing, Cell::Missing),
+    let mut times = needed::times(&scene, &state, &runs)?.into_iter();
+    let with_time = |needed: Result<needed::Needed, BenchError>| {
+        let needed = needed.map_err(|error| error.to_string())?;
+        let time = times.next().ok_or("it was not timed")?;
+        Ok(Effort {
+            sweeps: needed.sweeps,
+            measured: needed.measured,
+            seconds: time.seconds,
+            per_sweep: time.per_sweep,
+        })
+    };
+    let outcomes = counted.into_iter().map(with_time);
+    Ok(ways
+        .iter()
+        .zip(outcomes.collect::<Vec<_>>())
+        .map(|(way, outcome)| Counted {
+            method: way.method.to_owned(),
+            name: way.name.to_owned(),
+            outcome,
+        })
+        .collect())
+}
+
+fn add(problem: &str, n: u32, counted: &[Counted], table: &mut Table, findings: &mut Findings) {
+    let mut plain = None;
+    for Counted {
+        method,
+        name,
+        outcome,
+    } in counted
+    {
+        let case = format!("{method} {name}, {problem} at {n} × {n}");
+        let outcome = outcome.clone().map_err(BenchError::Failed);
+        let Some(effort) = findings.unless_failed(&case, outcome) else {
+            continue;
+        };
+        let plain: Effort = *plain.get_or_insert(effort);
+        let count = if effort.measured {
+            "measured"
+        } else {
+            "at least"
         };
         table.push([
             Cell::from(problem),
             Cell::from(n as usize),
-            Cell::from(way.method),
-            Cell::from(way.name),
-            Cell::from(sweeps.round() as usize),
-            Cell::from(if measured { "measured" } else { "at least" }),
-            Cell::from(1e3 * time.seconds),
-            Cell::from(1e3 * time.per_sweep),
-            fewer,
-            faster,
+            Cell::from(method.as_str()),
+            Cell::from(name.as_str()),
+            Cell::from(effort.sweeps.round() as usize),
+            Cell::from(count),
+            Cell::from(1e3 * effort.seconds),
+            Cell::from(1e3 * effort.per_sweep),
+            Cell::from(plain.sweeps / effort.sweeps),
+            Cell::from(plain.seconds / effort.seconds),
         ]);
     }
-    Ok(())
 }
 
 /// The scene, the state that the step starts from, and how far from its end some positions are.

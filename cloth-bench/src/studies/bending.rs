@@ -1,15 +1,16 @@
 //! How cloth bends: a heavy strip against its exact curve, and what each model amounts to on each pattern (VALIDATION 4).
 
-use super::{Findings, Scope, Study};
+use super::{Cases, Findings, Scope, Study};
 use crate::error::BenchError;
 use crate::laws::elastica::{exact, sag};
-use crate::laws::elements::PATTERNS;
+use crate::laws::elements::{PATTERNS, Pattern};
 use crate::laws::factors::{Case, SURFACES, factor};
 use crate::laws::models::{MODELS, Model};
 use crate::laws::strip::Shape;
 use crate::report::plot::{Axis, Plot, Series, Style};
 use crate::report::table::{Cell, Table};
 use cloth_core::math::Real;
+use serde::{Deserialize, Serialize};
 
 pub(super) const STUDY: Study = Study {
     name: "bending",
@@ -48,8 +49,9 @@ const REFINED_MODELS: [(&str, Model); 2] = [MODELS[0], MODELS[2]];
 
 fn cases(scope: Scope) -> u64 {
     let curve = MODELS.len() * loads(scope).len();
-    let refined = REFINED_LOADS.len() * REFINED_MODELS.len();
-    (curve + refined + 1) as u64
+    let refined = REFINED_LOADS.len() * REFINED_MODELS.len() * REFINED.len();
+    let factors = MODELS.len() * PATTERNS.len() + PATTERNS.len() + 1;
+    (curve + refined + factors) as u64
 }
 
 /// A strip whose own error, of Poisson's ratio and of the rim, is 0.014 %.
@@ -74,12 +76,11 @@ fn ratio(gamma: Real) -> Real {
     profile.drop / profile.span
 }
 
-fn run(scope: Scope, progress: &mut dyn FnMut(&str)) -> Result<Findings, BenchError> {
+fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
     let mut findings = Findings::default();
-    let worst = elastica(scope, &mut findings, progress);
-    refinement(&mut findings, progress);
-    progress("bending: factors");
-    let apart = factors(&mut findings)?;
+    let worst = elastica(scope, &mut findings, cases);
+    refinement(&mut findings, cases);
+    let apart = factors(&mut findings, cases)?;
     let on_curve = worst.is_some_and(|worst| worst < 0.01);
     let alike = if on_curve {
         "Every model lies on the curve of the heavy elastica"
@@ -97,8 +98,32 @@ fn run(scope: Scope, progress: &mut dyn FnMut(&str)) -> Result<Findings, BenchEr
     Ok(findings)
 }
 
+/// A strip at rest.
+#[derive(Default, Serialize, Deserialize)]
+struct Hanging {
+    /// Span W and drop H over the length (dimensionless).
+    span: Real,
+    drop: Real,
+    /// Forces left over the weight (dimensionless).
+    residual: Real,
+    /// Iterations of Newton's method.
+    iterations: u32,
+}
+
+impl Hanging {
+    fn at_rest(gamma: Real, model: Model, shape: Shape) -> Result<Self, BenchError> {
+        let sagged = sag(gamma, model, shape)?;
+        Ok(Self {
+            span: sagged.profile.span,
+            drop: sagged.profile.drop,
+            residual: sagged.rest.residual,
+            iterations: sagged.rest.iterations,
+        })
+    }
+}
+
 /// H/W against Γ. Returns the largest relative error, or none if a strip did not come to rest.
-fn elastica(scope: Scope, findings: &mut Findings, progress: &mut dyn FnMut(&str)) -> Option<Real> {
+fn elastica(scope: Scope, findings: &mut Findings, cases: &mut Cases<'_>) -> Option<Real> {
     let mut table = Table::new(&[
         "model",
         "Γ",
@@ -117,14 +142,12 @@ fn elastica(scope: Scope, findings: &mut Findings, progress: &mut dyn FnMut(&str
         let (mut curve, mut error_curve) = (Vec::new(), Vec::new());
         for &(gamma, expected) in &loads {
             let case = format!("{name}, Γ = {gamma}");
-            progress(&format!("bending: {case}"));
-            let sagged = sag(gamma, model, strip(rows(scope)));
-            let Some(sagged) = findings.unless_failed(&case, sagged) else {
+            let found = cases.case(&case, || Hanging::at_rest(gamma, model, strip(rows(scope))));
+            let Some(found) = findings.unless_failed(&case, found) else {
                 worst = None;
                 continue;
             };
-            let profile = sagged.profile;
-            let measured = profile.drop / profile.span;
+            let measured = found.drop / found.span;
             let error = measured / expected - 1.0;
             worst = worst.map(|worst: Real| worst.max(error.abs()));
             curve.push((gamma, measured));
@@ -135,10 +158,10 @@ fn elastica(scope: Scope, findings: &mut Findings, progress: &mut dyn FnMut(&str
                 Cell::from(expected),
                 Cell::from(measured),
                 Cell::from(error),
-                Cell::from(profile.span),
-                Cell::from(profile.drop),
-                Cell::from(sagged.rest.residual),
-                Cell::from(sagged.rest.iterations as usize),
+                Cell::from(found.span),
+                Cell::from(found.drop),
+                Cell::from(found.residual),
+                Cell::from(found.iterations as usize),
             ]);
         }
         heights.push(Series::new(name, curve).styled(Style::Points));
@@ -179,22 +202,22 @@ fn elastica(scope: Scope, findings: &mut Findings, progress: &mut dyn FnMut(&str
 }
 
 /// The error of H/W against resolution.
-fn refinement(findings: &mut Findings, progress: &mut dyn FnMut(&str)) {
+fn refinement(findings: &mut Findings, cases: &mut Cases<'_>) {
     let mut table = Table::new(&["model", "Γ", "rows", "relative error of H/W"]);
     let mut series = Vec::new();
     for gamma in REFINED_LOADS {
         let expected = ratio(gamma);
         for (name, model) in REFINED_MODELS {
-            progress(&format!("bending: refinement, {name}, Γ = {gamma}"));
             let mut curve = Vec::new();
             for rows in REFINED {
                 let case = format!("{name}, Γ = {gamma}, {rows} rows");
-                let sagged = sag(gamma, model, long_triangles(rows));
-                let Some(sagged) = findings.unless_failed(&case, sagged) else {
+                let found = cases.case(&case, || {
+                    Hanging::at_rest(gamma, model, long_triangles(rows))
+                });
+                let Some(found) = findings.unless_failed(&case, found) else {
                     continue;
                 };
-                let profile = sagged.profile;
-                let error = profile.drop / profile.span / expected - 1.0;
+                let error = found.drop / found.span / expected - 1.0;
                 curve.push((rows as Real, 100.0 * error.abs()));
                 table.push([
                     Cell::from(name),
@@ -221,8 +244,43 @@ fn refinement(findings: &mut Findings, progress: &mut dyn FnMut(&str)) {
     findings.data("bending-refinement", table);
 }
 
+/// Directions of the curvature (degrees) of the cylinder that are measured, and of the points of the exact curve between them.
+fn directions(count: i32) -> impl Iterator<Item = Real> {
+    (0..=count).map(move |step| 180.0 * Real::from(step) / Real::from(count))
+}
+
+/// What the table shows: surface, direction of its curvature (degrees), and whether the vertices have settled.
+fn shown() -> [(usize, Real, bool); 8] {
+    let [cylinder, sphere, saddle] = [0, 1, 2];
+    [
+        (cylinder, 0.0, false),
+        (cylinder, 45.0, false),
+        (sphere, 0.0, false),
+        (saddle, 0.0, false),
+        (saddle, 45.0, false),
+        (cylinder, 0.0, true),
+        (cylinder, 45.0, true),
+        (sphere, 0.0, true),
+    ]
+}
+
+/// Expected and measured factor of a bending model on a pattern, on surface number `surface`.
+fn factor_of(
+    model: Model,
+    pattern: Pattern,
+    (surface, degrees, settled): (usize, Real, bool),
+) -> Result<[Real; 2], BenchError> {
+    factor(Case {
+        model,
+        pattern,
+        surface: SURFACES[surface].1,
+        angle: degrees.to_radians(),
+        settled,
+    })
+}
+
 /// The factors of every model and pattern, and the factor of a cylinder by direction. Returns the largest relative distance from the closed forms.
-fn factors(findings: &mut Findings) -> Result<Real, BenchError> {
+fn factors(findings: &mut Findings, cases: &mut Cases<'_>) -> Result<Real, BenchError> {
     let mut table = Table::new(&[
         "model",
         "pattern",
@@ -235,43 +293,24 @@ fn factors(findings: &mut Findings) -> Result<Real, BenchError> {
         "settled: cylinder 45°",
         "settled: sphere",
     ]);
-    let [cylinder, sphere, saddle] = SURFACES.map(|(_, surface)| surface);
-    let shown = [
-        (cylinder, 0.0, false),
-        (cylinder, 45.0, false),
-        (sphere, 0.0, false),
-        (saddle, 0.0, false),
-        (saddle, 45.0, false),
-        (cylinder, 0.0, true),
-        (cylinder, 45.0, true),
-        (sphere, 0.0, true),
-    ];
     let mut apart: Real = 0.0;
-    let mut measure = |case: Case| -> Result<Real, BenchError> {
-        let [expected, measured] = factor(case)?;
-        apart = apart.max((measured / expected - 1.0).abs());
-        Ok(measured)
-    };
     for (name, model) in MODELS {
         for (pattern_name, pattern) in PATTERNS {
+            let found: Vec<[Real; 2]> = cases.case(&format!("{name} on {pattern_name}"), || {
+                let of = |what| factor_of(model, pattern, what);
+                shown().into_iter().map(of).collect()
+            })?;
             let mut line = [const { Cell::Missing }; 10];
             line[0] = Cell::from(name);
             line[1] = Cell::from(pattern_name);
-            for (cell, (surface, degrees, settled)) in line[2..].iter_mut().zip(shown) {
-                let measured = measure(Case {
-                    model,
-                    pattern,
-                    surface,
-                    angle: Real::to_radians(degrees),
-                    settled,
-                })?;
+            for (cell, [expected, measured]) in line[2..].iter_mut().zip(found) {
+                apart = apart.max((measured / expected - 1.0).abs());
                 *cell = Cell::from(measured);
             }
             table.push(line);
         }
     }
-    let mut series = Vec::new();
-    let mut curves = Vec::new();
+    let (mut series, mut curves) = (Vec::new(), Vec::new());
     for (name, pattern) in PATTERNS {
         for settled in [false, true] {
             if settled && name != "alternating" {
@@ -282,21 +321,18 @@ fn factors(findings: &mut Findings) -> Result<Real, BenchError> {
             } else {
                 name.to_owned()
             };
-            let case = |degrees: Real| Case {
-                model: Model::Bergou,
-                pattern,
-                surface: cylinder,
-                angle: degrees.to_radians(),
-                settled,
-            };
-            let at = |step: i32| 7.5 * Real::from(step);
-            let points: Result<Vec<_>, BenchError> = (0..=24)
-                .map(|step| Ok((at(step), measure(case(at(step)))?)))
+            let at = |degrees| factor_of(Model::Bergou, pattern, (0, degrees, settled));
+            let found: Vec<[Real; 2]> = cases.case(&format!("cylinder on {label}"), || {
+                directions(24).map(at).collect()
+            })?;
+            for [expected, measured] in &found {
+                apart = apart.max((measured / expected - 1.0).abs());
+            }
+            let points = directions(24).zip(found.iter().map(|[_, measured]| *measured));
+            series.push(Series::new(&label, points.collect()).styled(Style::Points));
+            let exact: Result<Vec<_>, BenchError> = directions(72)
+                .map(|degrees| Ok((degrees, at(degrees)?[0])))
                 .collect();
-            let exact: Result<Vec<_>, BenchError> = (0..=72)
-                .map(|step| Ok((at(step) / 3.0, factor(case(at(step) / 3.0))?[0])))
-                .collect();
-            series.push(Series::new(&label, points?).styled(Style::Points));
             curves.push(Series::new(&format!("{label}, exact"), exact?).styled(Style::ExactCurve));
         }
     }

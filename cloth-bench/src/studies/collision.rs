@@ -20,7 +20,7 @@ pub(super) const STUDY: Study = Study {
         obstacles. Expect no crossing at all; where a step is refused, the remark says why. Expect soft methods to need more contact: their cloth stretches, so more of it lies on itself. \
         A distance of cloth from cloth below the thickness is allowed, one below zero of a vertex from an obstacle is not.",
     cases,
-    run,
+    run: |scope, cases| cases.parts("all", |progress| run(scope, progress)),
 };
 
 const SCENES: [&str; 5] = ["drape-sphere", "drape-box", "fold", "twist", "stack"];

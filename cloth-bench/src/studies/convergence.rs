@@ -1,6 +1,7 @@
 //! Error inside one implicit step, per iteration and per second, for every method (BENCH-1; VALIDATION 8.1).
 
-use super::{Findings, Scope, Study};
+use super::cases::Late;
+use super::{Cases, Findings, Scope, Study};
 use crate::error::BenchError;
 use crate::method::{METHODS, Method};
 use crate::report::html::Picture;
@@ -8,12 +9,12 @@ use crate::report::plot::{Axis, Plot, Series};
 use crate::report::render::{Surface, View, render_row};
 use crate::report::table::{Cell, Table};
 use crate::run::{self, median};
-use crate::scene::{self, Scene};
+use crate::scene;
 use crate::settings::Settings;
-use crate::yardstick::{self, Sample, StepProblem};
+use crate::yardstick::{Sample, StepProblem};
 use cloth_core::math::{Real, Vec3};
-use cloth_core::particles::State;
 use cloth_core::step::Stepper;
+use serde::{Deserialize, Serialize};
 
 pub(super) const STUDY: Study = Study {
     name: "convergence",
@@ -78,11 +79,12 @@ fn cases(scope: Scope) -> u64 {
         .iter()
         .filter(|method| method.aims_at_implicit_euler())
         .count();
-    let per_size = 1 + iterated(scope).len() + cut(scope).len() + compared;
+    let parts: usize = cut(scope).iter().map(|(_, parts)| parts.len()).sum();
+    let per_size = iterated(scope).len() + parts + compared;
     (sizes(scope).len() * per_size + METHODS.len()) as u64
 }
 
-fn run(scope: Scope, progress: &mut dyn FnMut(&str)) -> Result<Findings, BenchError> {
+fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
     let mut findings = Findings::default();
     let mut samples = Table::new(&[
         "n",
@@ -102,47 +104,45 @@ fn run(scope: Scope, progress: &mut dyn FnMut(&str)) -> Result<Findings, BenchEr
         "gradient error",
         "remark",
     ]);
+    let mut fastest = Vec::new();
     for &n in sizes(scope) {
-        progress(&format!("convergence: reference at {n} × {n}"));
         let scene = scene::build("hang", None, &Settings::default().with("n", n))?;
-        let problem = StepProblem::after(&scene, 15, scene.dt)?;
+        let mut problem = Late::new(|| StepProblem::after(&scene, 15, scene.dt));
         let mut curves = Curves::default();
+        let mut reached: Vec<(String, Sample)> = Vec::new();
         for (label, name, settings, most) in iterated(scope) {
-            progress(&format!("convergence: {label} at {n} × {n}"));
-            let settings = settings.with("iterations", most);
-            let mut solver = Method::find(name)?.build(&scene, &settings, scene.dt)?;
-            // Once to warm up: memory, and what is factorised once.
-            let traced = problem
-                .solve(&mut *solver)
-                .and_then(|_| problem.trace(&mut *solver));
-            let trace = findings
-                .unless_failed(&format!("{label} at {n} × {n}"), traced)
-                .unwrap_or_default();
-            for sample in thinned(&trace) {
+            let case = format!("{label} at {n} × {n}");
+            let traced = cases.case(&case, || {
+                let problem = problem.get()?;
+                let settings = settings.with("iterations", most);
+                let mut solver = Method::find(name)?.build(&scene, &settings, scene.dt)?;
+                // Once to warm up: memory, and what is factorised once.
+                problem.solve(&mut *solver)?;
+                Ok(thinned(problem.trace(&mut *solver)?))
+            });
+            let trace = findings.unless_failed(&case, traced).unwrap_or_default();
+            for sample in &trace {
                 push_sample(&mut samples, n, label, "iterations", sample);
+                reached.push((label.to_owned(), *sample));
             }
             curves.add(label, &trace);
         }
         for (name, parts) in cut(scope) {
-            progress(&format!("convergence: {name} by substeps at {n} × {n}"));
             let mut trace = Vec::new();
             for substeps in parts {
-                let settings = Settings::default()
-                    .with("substeps", substeps)
-                    .with("iterations", 1);
-                let mut solver = Method::find(name)?.build(&scene, &settings, scene.dt)?;
-                let solved = repeated(&problem, &mut *solver, 3);
                 let case = format!("{name} with {substeps} substeps at {n} × {n}");
-                if let Some((error, report, seconds)) = findings.unless_failed(&case, solved) {
-                    trace.push(Sample {
-                        iteration: report.iterations,
-                        seconds,
-                        error,
-                    });
-                }
+                let sample = cases.case(&case, || {
+                    let settings = Settings::default()
+                        .with("substeps", substeps)
+                        .with("iterations", 1);
+                    let mut solver = Method::find(name)?.build(&scene, &settings, scene.dt)?;
+                    repeated(problem.get()?, &mut *solver, 3)
+                });
+                trace.extend(findings.unless_failed(&case, sample));
             }
             for sample in &trace {
                 push_sample(&mut samples, n, name, "substeps", sample);
+                reached.push((format!("{name} by substeps"), *sample));
             }
             curves.add(&format!("{name}, substeps"), &trace);
         }
@@ -150,14 +150,28 @@ fn run(scope: Scope, progress: &mut dyn FnMut(&str)) -> Result<Findings, BenchEr
             .iter()
             .filter(|method| method.aims_at_implicit_euler())
         {
-            progress(&format!(
-                "convergence: {} at its default, {n} × {n}",
-                method.name
-            ));
-            defaults.push(default_row(n, &scene, &problem, method)?);
+            let sample = cases.case(
+                &format!("{} at its default, {n} × {n}", method.name),
+                || {
+                    let mut solver = method.build(&scene, &Settings::default(), scene.dt)?;
+                    repeated(problem.get()?, &mut *solver, 5)
+                },
+            );
+            if let Ok(sample) = &sample {
+                reached.push((method.name.to_owned(), *sample));
+            }
+            defaults.push(default_row(n, method, sample));
         }
         curves.draw(n, &mut findings);
+        fastest.push(format!("{n} × {n}: {}", fastest_to(&reached)));
     }
+    findings.answer(
+        "Which method at which error and size?",
+        format!(
+            "For one implicit Euler step of the hanging sheet, at {}.",
+            fastest.join("; at ")
+        ),
+    );
     findings.section.verdict = verdict(&defaults);
     findings.table(
         "convergence-defaults",
@@ -165,51 +179,56 @@ fn run(scope: Scope, progress: &mut dyn FnMut(&str)) -> Result<Findings, BenchEr
         defaults,
     );
     findings.data("convergence", samples);
-    half_a_second(scope, &mut findings, progress)?;
+    half_a_second(scope, &mut findings, cases)?;
     Ok(findings)
 }
 
-/// Error and report of one step, and the median of its times over some repetitions after a warm-up.
+/// Who is the first at each error, in words.
+fn fastest_to(reached: &[(String, Sample)]) -> String {
+    let parts = [0.1, 1e-2, 1e-3, 1e-6].map(|wanted| {
+        let there = reached.iter().filter(|(_, s)| s.error.objective <= wanted);
+        let first = there.min_by(|(_, a), (_, b)| a.seconds.total_cmp(&b.seconds));
+        first.map_or(format!("nobody gets to {wanted:e}"), |(label, sample)| {
+            format!("{label} to {wanted:e} ({:.3} ms)", 1e3 * sample.seconds)
+        })
+    });
+    parts.join(", ")
+}
+
+/// What one whole step reaches, and the median of its times over some repetitions after a warm-up.
 fn repeated(
     problem: &StepProblem,
     solver: &mut dyn Stepper,
     repetitions: usize,
-) -> Result<(yardstick::StepError, cloth_core::step::StepReport, Real), BenchError> {
+) -> Result<Sample, BenchError> {
     let (error, report, _) = problem.solve(solver)?;
     let mut seconds = Vec::with_capacity(repetitions);
     for _ in 0..repetitions {
         seconds.push(problem.solve(solver)?.2);
     }
-    Ok((error, report, median(&mut seconds)))
+    Ok(Sample {
+        iteration: report.iterations,
+        seconds: median(&mut seconds),
+        error,
+    })
 }
 
-fn default_row(
-    n: u32,
-    scene: &Scene,
-    problem: &StepProblem,
-    method: &Method,
-) -> Result<[Cell; 7], BenchError> {
-    let mut solver = method.build(scene, &Settings::default(), scene.dt)?;
-    let head = [Cell::from(n as usize), Cell::from(method.name)];
-    let tail = match repeated(problem, &mut *solver, 5) {
-        Ok((error, report, seconds)) => [
-            Cell::from(1e3 * seconds),
-            Cell::from(report.iterations as usize),
-            Cell::from(error.objective),
-            Cell::from(error.gradient),
-            Cell::from(""),
-        ],
-        // A failure is counted, not dropped.
-        Err(error) => [
-            Cell::Missing,
-            Cell::Missing,
-            Cell::Missing,
-            Cell::Missing,
-            Cell::from(error.to_string()),
-        ],
-    };
-    let mut row = head.into_iter().chain(tail);
-    Ok(std::array::from_fn(|_| row.next().unwrap_or(Cell::Missing)))
+fn default_row(n: u32, method: &Method, outcome: Result<Sample, BenchError>) -> [Cell; 7] {
+    // A failure is counted, not dropped.
+    let remark = outcome
+        .as_ref()
+        .err()
+        .map_or(String::new(), BenchError::to_string);
+    let sample = outcome.ok();
+    [
+        Cell::from(n as usize),
+        Cell::from(method.name),
+        Cell::from(sample.map(|s| 1e3 * s.seconds)),
+        Cell::from(sample.map(|s| s.iteration as usize)),
+        Cell::from(sample.map(|s| s.error.objective)),
+        Cell::from(sample.map(|s| s.error.gradient)),
+        Cell::from(remark),
+    ]
 }
 
 fn push_sample(table: &mut Table, n: u32, method: &str, setting: &str, sample: &Sample) {
@@ -225,15 +244,16 @@ fn push_sample(table: &mut Table, n: u32, method: &str, setting: &str, sample: &
 }
 
 /// About twenty samples per decade of iterations: a logarithmic axis shows no more.
-fn thinned(trace: &[Sample]) -> impl Iterator<Item = &Sample> {
+fn thinned(mut trace: Vec<Sample>) -> Vec<Sample> {
     let mut next = 0.0;
-    trace.iter().filter(move |sample| {
+    trace.retain(|sample| {
         let keep = Real::from(sample.iteration) >= next;
         if keep {
             next = Real::from(sample.iteration) * 1.12;
         }
         keep
-    })
+    });
+    trace
 }
 
 /// Curves of one size: objective and gradient, against iterations and against time.
@@ -243,7 +263,7 @@ struct Curves([Vec<Series>; 4]);
 impl Curves {
     fn add(&mut self, label: &str, trace: &[Sample]) {
         let points = |x: fn(&Sample) -> Real, y: fn(&Sample) -> Real| {
-            thinned(trace).map(|s| (x(s), y(s))).collect()
+            trace.iter().map(|s| (x(s), y(s))).collect()
         };
         let iterations = |s: &Sample| Real::from(s.iteration);
         let ms = |s: &Sample| 1e3 * s.seconds;
@@ -329,11 +349,19 @@ fn verdict(defaults: &Table) -> Option<String> {
     ))
 }
 
+/// A sheet after its fall.
+#[derive(Default, Serialize, Deserialize)]
+struct Fallen {
+    summary: run::Summary,
+    /// Positions (m).
+    positions: Vec<[Real; 3]>,
+}
+
 /// Every method on the same sheet from the same start, looked at after half a second.
 fn half_a_second(
     scope: Scope,
     findings: &mut Findings,
-    progress: &mut dyn FnMut(&str),
+    cases: &mut Cases<'_>,
 ) -> Result<(), BenchError> {
     let n = sizes(scope)[sizes(scope).len() - 1].min(64);
     let scene = scene::build("hang", None, &Settings::default().with("n", n))?;
@@ -346,37 +374,65 @@ fn half_a_second(
         "crossing pairs",
         "remark",
     ]);
-    let mut sheets: Vec<(&str, State)> = Vec::new();
+    let mut sheets: Vec<(&str, Vec<Vec3>)> = Vec::new();
+    let mut falls: Vec<(&str, Real, Real, Real)> = Vec::new();
     for method in &METHODS {
-        progress(&format!("convergence: {} for half a second", method.name));
-        let mut solver = method.build(&scene, &Settings::default(), scene.dt)?;
-        let mut state = scene.start.clone();
-        let done = run::run(&scene, &mut *solver, &mut state, scene.dt, 30, |_, _, _| {
-            Ok(())
+        let done = cases.case(&format!("{} for half a second", method.name), || {
+            let mut solver = method.build(&scene, &Settings::default(), scene.dt)?;
+            let mut state = scene.start.clone();
+            let summary = run::run(&scene, &mut *solver, &mut state, scene.dt, 30, |_, _, _| {
+                Ok(())
+            })?;
+            let positions = state.positions.into_iter().map(Into::into).collect();
+            Ok(Fallen { summary, positions })
         });
-        match done {
-            Ok(summary) => {
-                table.push([
-                    Cell::from(method.name),
-                    Cell::from(summary.ms_per_step_median),
-                    Cell::from(summary.center_of_mass_drop),
-                    Cell::from(summary.max_stretch),
-                    Cell::from(summary.rms_strain),
-                    summary.intersections.map_or(Cell::Missing, Cell::from),
-                    Cell::from(""),
-                ]);
-                sheets.push((method.name, state));
-            }
-            Err(error) => table.push([
-                Cell::from(method.name),
-                Cell::Missing,
-                Cell::Missing,
-                Cell::Missing,
-                Cell::Missing,
-                Cell::Missing,
-                Cell::from(error.to_string()),
-            ]),
+        let remark = done
+            .as_ref()
+            .err()
+            .map_or(String::new(), BenchError::to_string);
+        let summary = done.as_ref().ok().map(|fallen| &fallen.summary);
+        table.push([
+            Cell::from(method.name),
+            Cell::from(summary.map(|s| s.ms_per_step_median)),
+            Cell::from(summary.map(|s| s.center_of_mass_drop)),
+            Cell::from(summary.map(|s| s.max_stretch)),
+            Cell::from(summary.map(|s| s.rms_strain)),
+            Cell::from(summary.and_then(|s| s.intersections)),
+            Cell::from(remark),
+        ]);
+        if let Some(s) = summary {
+            falls.push((
+                method.name,
+                s.center_of_mass_drop,
+                s.max_stretch,
+                s.ms_per_step_median,
+            ));
         }
+        if let Ok(fallen) = done
+            && !fallen.positions.is_empty()
+        {
+            sheets.push((
+                method.name,
+                fallen.positions.into_iter().map(Vec3::from).collect(),
+            ));
+        }
+    }
+    let of = |name: &str| {
+        let fall = falls.iter().find(|(known, ..)| *known == name)?;
+        Some(format!(
+            "{name} {:.3} m with {:.1} % of stretch ({:.2} ms a step)",
+            fall.1,
+            100.0 * fall.2,
+            fall.3
+        ))
+    };
+    if let (Some(pbd), Some(xpbd), Some(exact)) = (of("pbd"), of("xpbd"), of("implicit-euler")) {
+        findings.answer(
+            "PBD or XPBD?",
+            format!(
+                "Both at their default of 20 sweeps, the {n} × {n} sheet falls in half a second: {pbd}, {xpbd}; converged, {exact}. PBD's stiffness is not the one asked for (see the study of stiffness), XPBD's is as soon as the sweeps suffice."
+            ),
+        );
     }
     let caption = format!(
         "The {n} × {n} sheet after 0.5 s (30 steps), starting horizontal: stretch alone misleads, so the fall stands beside it"
@@ -384,10 +440,7 @@ fn half_a_second(
     findings.table("hang-half-a-second", &caption, table);
     if let Some(mesh) = &scene.mesh {
         // Four to a row, all seen by one camera.
-        let everything = sheets
-            .iter()
-            .flat_map(|(_, state)| &state.positions)
-            .copied();
+        let everything = sheets.iter().flat_map(|(_, positions)| positions).copied();
         let low = everything
             .clone()
             .reduce(|a, b| a.inf(&b))
@@ -402,14 +455,14 @@ fn half_a_second(
 }
 
 fn picture(
-    sheets: &[(&str, State)],
+    sheets: &[(&str, Vec<Vec3>)],
     triangles: &[[u32; 3]],
     n: u32,
     bounds: [Vec3; 2],
 ) -> Result<Picture, BenchError> {
     let surfaces: Vec<[Surface<'_>; 1]> = sheets
         .iter()
-        .map(|(_, state)| [Surface::cloth(&state.positions, triangles)])
+        .map(|(_, positions)| [Surface::cloth(positions, triangles)])
         .collect();
     let tiles: Vec<&[Surface<'_>]> = surfaces.iter().map(|s| &s[..]).collect();
     let view = View {

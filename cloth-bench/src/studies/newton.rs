@@ -3,7 +3,7 @@
 mod parts;
 mod solvers;
 
-use super::{Findings, Scope, Study};
+use super::{Cases, Findings, Scope, Study};
 use crate::error::BenchError;
 use crate::method::Method;
 use crate::run::median;
@@ -38,19 +38,24 @@ fn sides(scope: Scope) -> &'static [u32] {
 }
 
 fn cases(scope: Scope) -> u64 {
-    2 * sides(scope).len() as u64
+    sides(scope).len() as u64
 }
 
-fn run(scope: Scope, progress: &mut dyn FnMut(&str)) -> Result<Findings, BenchError> {
+fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
     let mut findings = Findings::default();
     let mut parts = parts::Parts::default();
     let mut solvers = solvers::Solvers::default();
     for &side in sides(scope) {
-        progress(&format!("newton: {side} × {side}, parts of an iteration"));
-        let mut system = System::falling(side)?;
-        parts.measure(side, &mut system)?;
-        progress(&format!("newton: {side} × {side}, linear solvers"));
-        solvers.measure(side, &system)?;
+        let name = format!("{side} × {side}");
+        let (of_parts, of_solvers) = cases.parts(&name, |progress| {
+            progress(&format!("newton: {side} × {side}, parts of an iteration"));
+            let mut system = System::falling(side)?;
+            let of_parts = parts::Parts::of(side, &mut system)?;
+            progress(&format!("newton: {side} × {side}, linear solvers"));
+            Ok((of_parts, solvers::Solvers::of(side, &system)?))
+        })?;
+        parts.append(of_parts);
+        solvers.append(of_solvers);
     }
     let first = parts.report(&mut findings);
     let second = solvers.report(&mut findings);

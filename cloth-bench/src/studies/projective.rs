@@ -5,7 +5,7 @@ mod swing;
 
 pub use factor::{constant_matrix, local_bytes, move_bytes};
 
-use super::{Findings, Scope, Study};
+use super::{Cases, Findings, Scope, Study};
 use crate::error::BenchError;
 use crate::method::Method;
 use crate::report::plot::{Axis, Plot, Series};
@@ -94,7 +94,8 @@ fn cases(scope: Scope) -> u64 {
     let races = race_sizes(scope).len() * (1 + RACERS.len());
     let swings = swing::sizes(scope).len() * (1 + swing::SETTINGS.len());
     let falls = sizes(scope).len() * (1 + FALLS.len());
-    (steps + races + falls + swings + 2 * factor::sizes(scope).len()) as u64
+    let chapters = 6;
+    (steps + races + falls + swings + 2 * factor::sizes(scope).len() + chapters) as u64
 }
 
 fn with(pairs: &[(&str, &str)]) -> Settings {
@@ -104,8 +105,33 @@ fn with(pairs: &[(&str, &str)]) -> Settings {
         .fold(start, |settings, (key, value)| settings.with(key, value))
 }
 
-fn run(scope: Scope, progress: &mut dyn FnMut(&str)) -> Result<Findings, BenchError> {
+fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
     let mut findings = Findings::default();
+    let all = &mut findings;
+    let verdict = cases.chapter("one step", all, |own, now| steps(scope, own, now))?;
+    cases.chapter("race", all, |own, now| race(scope, own, now))?;
+    cases.chapter("falls", all, |own, now| falls(scope, own, now))?;
+    cases.chapter("swings", all, |own, now| swing::swings(scope, own, now))?;
+    cases.chapter("factor", all, |own, now| factor::costs(scope, own, now))?;
+    cases.chapter("local step", all, |own, now| {
+        factor::local_steps(scope, own, now)
+    })?;
+    if let Some(verdict) = &verdict {
+        findings.answer(
+            "Does the convergence of projective dynamics depend on resolution?",
+            verdict.clone(),
+        );
+    }
+    findings.section.verdict = verdict;
+    Ok(findings)
+}
+
+/// Iterations of one step against resolution and stiffness; what they say.
+fn steps(
+    scope: Scope,
+    findings: &mut Findings,
+    progress: &mut dyn FnMut(&str),
+) -> Result<Option<String>, BenchError> {
     let mut table = Table::new(&[
         "n",
         "stiffness (N/m)",
@@ -124,13 +150,13 @@ fn run(scope: Scope, progress: &mut dyn FnMut(&str)) -> Result<Findings, BenchEr
     };
     let mut by_size = Vec::new();
     for &n in sizes(scope) {
-        let counts = one_step(scope, &at(n, 1e4), &mut table, &mut findings, progress)?;
+        let counts = one_step(scope, &at(n, 1e4), &mut table, findings, progress)?;
         by_size.push((Real::from(n), counts));
     }
     let mut by_stiffness = Vec::new();
     let n = sizes(scope)[0];
     for &k in stiffnesses(scope) {
-        let counts = one_step(scope, &at(n, k), &mut table, &mut findings, progress)?;
+        let counts = one_step(scope, &at(n, k), &mut table, findings, progress)?;
         by_stiffness.push((k, counts));
     }
     findings.table(
@@ -171,13 +197,7 @@ fn run(scope: Scope, progress: &mut dyn FnMut(&str)) -> Result<Findings, BenchEr
             },
         );
     }
-    findings.section.verdict = verdict(&by_size, &by_stiffness);
-    race(scope, &mut findings, progress)?;
-    falls(scope, &mut findings, progress)?;
-    swing::swings(scope, &mut findings, progress)?;
-    factor::costs(scope, &mut findings, progress)?;
-    factor::local_steps(scope, &mut findings, progress)?;
-    Ok(findings)
+    Ok(verdict(&by_size, &by_stiffness))
 }
 
 /// Traces every variant on one step; returns the iterations of each to the second goal.

@@ -1,7 +1,8 @@
 //! How stiff a material is as simulated, against iterations and step size (BENCH-3; VALIDATION 5).
 
-use super::{Findings, Scope, Study};
+use super::{Cases, Findings, Scope, Study};
 use crate::error::BenchError;
+use crate::journal::Number;
 use crate::laws::{Stretched, fixed_projection};
 use crate::method::Method;
 use crate::report::plot::{Axis, Plot, Series, Style};
@@ -52,7 +53,7 @@ fn cases(scope: Scope) -> u64 {
     (2 + ON_CHAIN.len() * efforts(scope).len()) as u64
 }
 
-fn run(scope: Scope, progress: &mut dyn FnMut(&str)) -> Result<Findings, BenchError> {
+fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
     let mut findings = Findings::default();
     let mut table = Table::new(&[
         "method",
@@ -61,13 +62,15 @@ fn run(scope: Scope, progress: &mut dyn FnMut(&str)) -> Result<Findings, BenchEr
         "effective stiffness (N/m)",
         "closed form (N/m)",
     ]);
-    progress("stiffness: one constraint against iterations");
     let dt = 1e-2;
     let by_iterations: Vec<(Real, u32, Real)> = efforts(scope)[..8]
         .iter()
         .map(|&n| (Real::from(n), n, dt))
         .collect();
-    let (series, first) = one_constraint(&by_iterations, &mut table)?;
+    let measured = cases.case("one constraint against iterations", || {
+        one_constraint(&by_iterations)
+    })?;
+    let (series, first) = curves(&by_iterations, &measured, &mut table);
     findings.plot("stiffness-iterations", &Plot {
         title: "Stiffness of one constraint against iterations, Δt = 0.01 s".into(),
         x: Axis::log("iterations per step (dimensionless)"),
@@ -75,9 +78,11 @@ fn run(scope: Scope, progress: &mut dyn FnMut(&str)) -> Result<Findings, BenchEr
         series,
         note: "Dashed: the closed forms. PBD with a fixed projection s has no stiffness of its own.".into(),
     });
-    progress("stiffness: one constraint against step size");
     let by_step: Vec<(Real, u32, Real)> = STEP_SIZES.iter().map(|&dt| (dt, 4, dt)).collect();
-    let (series, second) = one_constraint(&by_step, &mut table)?;
+    let measured = cases.case("one constraint against step size", || {
+        one_constraint(&by_step)
+    })?;
+    let (series, second) = curves(&by_step, &measured, &mut table);
     findings.plot(
         "stiffness-dt",
         &Plot {
@@ -89,16 +94,29 @@ fn run(scope: Scope, progress: &mut dyn FnMut(&str)) -> Result<Findings, BenchEr
         },
     );
     findings.data("stiffness-one-constraint", table);
-    chain(scope, first.max(second), &mut findings, progress)?;
+    chain(scope, first.max(second), &mut findings, cases)?;
     Ok(findings)
 }
 
-/// Measures every method at some points `(x, iterations, Δt)`; closed forms as further series, and the largest relative distance from them among the
-/// points where rounding leaves six digits.
-fn one_constraint(
-    points: &[(Real, u32, Real)],
-    table: &mut Table,
-) -> Result<(Vec<Series>, Real), BenchError> {
+/// What is measured on one constraint: label, method, settings, and s where the projection is fixed.
+fn on_one_constraint() -> Vec<(String, &'static str, Settings, Option<Real>)> {
+    let fixed = FIXED.map(|s| {
+        let settings = Settings::default().with("projection", s);
+        (format!("pbd, s = {s}"), "pbd", settings, Some(s))
+    });
+    let exact = ["pbd", "xpbd", "pd", "implicit-euler"].map(|name| {
+        let settings = match name {
+            "implicit-euler" => Settings::default().with("tolerance", 0),
+            "xpbd" => Settings::default().with("substeps", 1),
+            _ => Settings::default(),
+        };
+        (name.to_owned(), name, settings, None)
+    });
+    fixed.into_iter().chain(exact).collect()
+}
+
+/// Stiffness (N/m) that every method shows at some points `(x, iterations, Δt)`, in the order of [`on_one_constraint`].
+fn one_constraint(points: &[(Real, u32, Real)]) -> Result<Vec<Vec<Number>>, BenchError> {
     let stretched = Stretched::new(STIFFNESS)?;
     let scene = Scene {
         name: "chain",
@@ -117,38 +135,32 @@ fn one_constraint(
         touch: None,
         order: None,
     };
-    let mut methods: Vec<(String, &str, Settings, Option<Real>)> = FIXED
-        .iter()
-        .map(|&s| {
-            (
-                format!("pbd, s = {s}"),
-                "pbd",
-                Settings::default().with("projection", s),
-                Some(s),
-            )
-        })
-        .collect();
-    for name in ["pbd", "xpbd", "pd", "implicit-euler"] {
-        let settings = match name {
-            "implicit-euler" => Settings::default().with("tolerance", 0),
-            "xpbd" => Settings::default().with("substeps", 1),
-            _ => Settings::default(),
+    let measure = |(_, name, settings, _): (String, &str, Settings, Option<Real>)| {
+        let at = |&(_, iterations, dt): &(Real, u32, Real)| {
+            let settings = settings.clone().with("iterations", iterations);
+            let mut solver = Method::find(name)?.build(&scene, &settings, dt)?;
+            stretched.effective_stiffness(&mut *solver, dt).map(Number)
         };
-        methods.push((name.to_owned(), name, settings, None));
-    }
-    let mut measured = Vec::new();
-    let mut exact = Vec::new();
+        points.iter().map(at).collect()
+    };
+    on_one_constraint().into_iter().map(measure).collect()
+}
+
+/// What was measured, and the closed forms, as curves; and the largest relative distance between them among the points where rounding leaves six digits.
+fn curves(
+    points: &[(Real, u32, Real)],
+    measured: &[Vec<Number>],
+    table: &mut Table,
+) -> (Vec<Series>, Real) {
+    let (mut shown, mut exact) = (Vec::new(), Vec::new());
     let mut worst: Real = 0.0;
-    for (label, name, settings, fixed) in methods {
+    for ((label, _, _, fixed), measured) in on_one_constraint().into_iter().zip(measured) {
         let law = |n: u32, dt: Real| match fixed {
             Some(s) => fixed_projection(s, n, dt),
             None => STIFFNESS,
         };
         let mut curve = Vec::new();
-        for &(x, iterations, dt) in points {
-            let settings = settings.clone().with("iterations", iterations);
-            let mut solver = Method::find(name)?.build(&scene, &settings, dt)?;
-            let k = stretched.effective_stiffness(&mut *solver, dt)?;
+        for (&(x, iterations, dt), &Number(k)) in points.iter().zip(measured) {
             let closed_form = law(iterations, dt);
             if Stretched::rounding(closed_form, dt) < 1e-6 {
                 worst = worst.max((k / closed_form - 1.0).abs());
@@ -162,7 +174,7 @@ fn one_constraint(
             ]);
             curve.push((x, k));
         }
-        measured.push(Series::new(&label, curve).styled(Style::Points));
+        shown.push(Series::new(&label, curve).styled(Style::Points));
         if let Some(s) = fixed {
             let curve = points.iter().map(|&(x, n, dt)| (x, law(n, dt))).collect();
             exact.push(
@@ -172,8 +184,8 @@ fn one_constraint(
     }
     let k = points.iter().map(|&(x, ..)| (x, STIFFNESS)).collect();
     exact.push(Series::new("k, exact", k).styled(Style::ExactCurve));
-    measured.extend(exact);
-    Ok((measured, worst))
+    shown.extend(exact);
+    (shown, worst)
 }
 
 const LINKS: u32 = 20;
@@ -183,7 +195,7 @@ fn chain(
     scope: Scope,
     worst: Real,
     findings: &mut Findings,
-    progress: &mut dyn FnMut(&str),
+    cases: &mut Cases<'_>,
 ) -> Result<(), BenchError> {
     let settings = Settings::default()
         .with("n", LINKS)
@@ -211,7 +223,6 @@ fn chain(
     for (name, effort) in ON_CHAIN {
         let mut curve = Vec::new();
         for &count in efforts(scope) {
-            progress(&format!("stiffness: chain, {name} with {count} {effort}"));
             let settings = match effort {
                 "substeps" => Settings::default()
                     .with("substeps", count)
@@ -221,8 +232,11 @@ fn chain(
                     .with("substeps", 1)
                     .with("iterations", count),
             };
-            let mut solver = Method::find(name)?.build(&scene, &settings, scene.dt)?;
-            let (stretch, steps) = at_rest(&scene, &mut *solver)?;
+            let case = format!("chain, {name} with {count} {effort}");
+            let (stretch, steps) = cases.case(&case, || {
+                let mut solver = Method::find(name)?.build(&scene, &settings, scene.dt)?;
+                at_rest(&scene, &mut *solver)
+            })?;
             table.push([
                 Cell::from(name),
                 Cell::from(effort),

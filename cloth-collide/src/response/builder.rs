@@ -1,7 +1,7 @@
 //! Setting up contact.
 
 use super::ClothContacts;
-use super::detect::Cloth;
+use super::cloth::Cloth;
 use crate::obstacle::ObstacleContacts;
 use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::TriMesh;

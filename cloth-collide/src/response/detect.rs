@@ -1,106 +1,14 @@
 //! Which contacts does a motion make, and is it free?
 
+use super::cloth::Cloth;
 use super::memory::Memory;
-use super::pair::{Motion, Nearest, Pair, apart_along, first_contact, nearest};
+use super::pair::{Motion, Nearest, Pair, apart_along, first_contact, nearest, room_along};
 use super::row::{Row, RowMaker};
 use super::{KEPT, NEAR, RECOVERY};
-use crate::ccd::QueryKind;
 use crate::obstacle::{ObstacleContacts, VertexPath, first_contact as first_obstacle_contact};
-use crate::{ClothCandidates, Hierarchy};
 use cloth_core::math::{Real, Vec3, gather};
-use cloth_core::mesh::TriMesh;
-
-/// The cloth and who is near whom in it.
-#[derive(Debug)]
-pub(super) struct Cloth {
-    pub(super) candidates: ClothCandidates<Hierarchy>,
-    rest: Vec<Vec3>,
-    /// The piece that each vertex belongs to.
-    piece: Vec<u32>,
-    /// What is known of each candidate.
-    known: Vec<Known>,
-    /// Distance that is worked towards (m).
-    thickness: Real,
-    pub(super) continuous_tests: u64,
-}
-
-/// What is known of a candidate from looking at it before.
-#[derive(Clone, Copy, Debug, Default)]
-struct Known {
-    /// Whether the nearest points at the start have their row already.
-    has_row: bool,
-    /// The last direction between the nearest points: a plane across it may still have the pieces apart, whatever they do.
-    normal: Vec3,
-    /// The distance (m) that is worked towards, if it has been asked for.
-    thickness: Option<Real>,
-}
 
 impl Cloth {
-    pub(super) fn new(mesh: &TriMesh, thickness: Real) -> Self {
-        Self {
-            candidates: ClothCandidates::new(mesh, Hierarchy::new()),
-            rest: mesh.positions().to_vec(),
-            piece: pieces(mesh),
-            known: Vec::new(),
-            thickness,
-            continuous_tests: 0,
-        }
-    }
-
-    /// Takes all candidates for unseen: there are new ones.
-    pub(super) fn forget(&mut self) {
-        self.known.clear();
-        self.known.resize(self.len(), Known::default());
-    }
-
-    /// Takes all candidates to have no row: a step begins.
-    pub(super) fn forget_rows(&mut self) {
-        for known in &mut self.known {
-            known.has_row = false;
-        }
-    }
-
-    /// Number of candidates.
-    pub(super) fn len(&self) -> usize {
-        self.candidates.vertex_triangle().len() + self.candidates.edge_edge().len()
-    }
-
-    /// Candidate `index`: those of a vertex and a triangle come first.
-    pub(super) fn pair(&self, index: usize) -> Pair {
-        let vertex_triangle = self.candidates.vertex_triangle();
-        if let Some(&[v, t]) = vertex_triangle.get(index) {
-            let [a, b, c] = self.candidates.triangles()[t as usize];
-            return Pair {
-                kind: QueryKind::VertexTriangle,
-                vertices: [v, a, b, c],
-            };
-        }
-        let [e, f] = self.candidates.edge_edge()[index - vertex_triangle.len()];
-        let [a, b] = self.candidates.edges()[e as usize];
-        let [c, d] = self.candidates.edges()[f as usize];
-        Pair {
-            kind: QueryKind::EdgeEdge,
-            vertices: [a, b, c, d],
-        }
-    }
-
-    /// The distance (m) that is worked towards for candidate `index`: the thickness, or for two parts of one piece their distance at rest if that is less. So what is
-    /// finer than the thickness is not pushed away from its rest.
-    fn thickness_of(&mut self, index: usize, pair: &Pair) -> Real {
-        if let Some(thickness) = self.known[index].thickness {
-            return thickness;
-        }
-        let [a, .., d] = pair.vertices.map(|v| self.piece[v as usize]);
-        let thickness = if a == d {
-            let rest = nearest(pair.kind, &gather(&self.rest, pair.vertices));
-            rest.distance.min(self.thickness)
-        } else {
-            self.thickness
-        };
-        self.known[index].thickness = Some(thickness);
-        thickness
-    }
-
     /// Looks at candidate `index`: hands its contact, if it needs one, to `add`. Returns whether the pair may pass through each other or come too near.
     pub(super) fn examine(
         &mut self,
@@ -114,12 +22,15 @@ impl Cloth {
             to: gather(look.to, pair.vertices),
         };
         let clear = NEAR * self.thickness;
-        if apart_along(pair.kind, &self.known[index].normal, &motion, clear) {
+        let known = &mut self.known[index];
+        if let Some(room) = room_along(pair.kind, &known.normal, &motion, clear) {
+            self.sleep.send(index, pair.vertices, room);
             return false;
         }
         let start = nearest(pair.kind, &motion.from);
-        self.known[index].normal = start.normal;
-        if apart_along(pair.kind, &start.normal, &motion, clear) {
+        known.normal = start.normal;
+        if let Some(room) = room_along(pair.kind, &start.normal, &motion, clear) {
+            self.sleep.send(index, pair.vertices, room);
             return false;
         }
         if start.distance > self.thickness && motion.is_shift(start.distance) {
@@ -128,8 +39,17 @@ impl Cloth {
         let thickness = self.thickness_of(index, &pair);
         let cloth = |at: &Nearest, offset| look.make.cloth(pair.vertices, at, offset);
         let reach = if start.is_at_boundary() { 1.0 } else { NEAR };
-        let verdict = if start.distance <= reach * thickness {
-            if self.known[index].has_row {
+        let is_near = start.distance <= reach * thickness;
+        let has_row = self.known[index].row_step == self.step;
+        let enough = thickness - look.tolerance;
+        // What pushes stays awake.
+        let pushes = has_row || is_near && look.recalls(self.key(index));
+        if !pushes && let Some(room) = room_along(pair.kind, &start.normal, &motion, enough) {
+            self.sleep.send(index, pair.vertices, room);
+            return false;
+        }
+        let verdict = if is_near {
+            if has_row {
                 Verdict::Satisfied
             } else {
                 let missing = (thickness - start.distance).max(0.0);
@@ -145,10 +65,21 @@ impl Cloth {
                     Verdict::Postponed if !look.first => look.insist(row, &mut add),
                     verdict => verdict,
                 };
-                self.known[index].has_row = verdict == Verdict::Added;
+                if verdict == Verdict::Added {
+                    self.known[index].row_step = self.step;
+                }
                 verdict
             }
         } else {
+            if look.first && start.is_at_boundary() && start.distance <= NEAR * thickness {
+                // Most of these are kept apart by what is found now.
+                return true;
+            }
+            let end = nearest(pair.kind, &motion.to);
+            if let Some(room) = room_along(pair.kind, &end.normal, &motion, enough) {
+                self.sleep.send(index, pair.vertices, room);
+                return false;
+            }
             self.continuous_tests += 1;
             let Some(time) = first_contact(pair.kind, &motion, thickness) else {
                 return false;
@@ -168,19 +99,6 @@ impl Cloth {
             look.judge_or_insist(cloth(&at, offset), &mut add);
         }
         true
-    }
-
-    /// What contact `index` is remembered by. Numbers of vertices, edges and triangles have 31 bits at most.
-    fn key(&self, index: usize) -> u64 {
-        let vertex_triangle = self.candidates.vertex_triangle();
-        let (kind, [a, b]) = match vertex_triangle.get(index) {
-            Some(&pair) => (0, pair),
-            None => (
-                1,
-                self.candidates.edge_edge()[index - vertex_triangle.len()],
-            ),
-        };
-        kind << 62 | u64::from(a) << 31 | u64::from(b)
     }
 
     /// When the pair, nearest at `start` first, comes nearer than the share of that distance, or of the thickness if it is less, that a step has to keep.
@@ -206,19 +124,6 @@ impl Cloth {
         let start = nearest(pair.kind, &motion.from);
         self.hit(index, &pair, &motion, &start).is_some()
     }
-}
-
-/// A number for each vertex, the same for those that are connected.
-fn pieces(mesh: &TriMesh) -> Vec<u32> {
-    let mut sets = super::sets::Sets::default();
-    sets.reset(mesh.vertex_count());
-    for &[a, b, c] in mesh.triangles() {
-        sets.join(a, b);
-        sets.join(b, c);
-    }
-    (0..mesh.vertex_count() as u32)
-        .map(|v| sets.of(v))
-        .collect()
 }
 
 /// What a look at a motion is made with.
@@ -250,6 +155,11 @@ enum Verdict {
 }
 
 impl Look<'_> {
+    /// Whether a contact of the last step is taken over.
+    fn recalls(&self, key: u64) -> bool {
+        self.first && self.memory.knows(key)
+    }
+
     /// Hands a row to `add` if it is violated, or if its contact pushed in the last step.
     fn judge(&self, row: Option<Row>, add: &mut impl FnMut(Row)) -> Verdict {
         let Some(row) = row else {

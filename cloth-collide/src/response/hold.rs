@@ -1,7 +1,7 @@
 //! The last resort: ways so short that nothing is in reach.
 
 use super::KEPT;
-use super::detect::Cloth;
+use super::cloth::Cloth;
 use super::pair::nearest;
 use cloth_core::contact::ContactStep;
 use cloth_core::math::{Real, Vec3, gather};
@@ -126,7 +126,7 @@ mod tests {
             assert_eq!(probe.measure(&from).unwrap().intersecting_pairs, 0);
             let mut to: Vec<_> = from.iter().map(|x| x + random.point(1.0)).collect();
             let mut cloth = Cloth::new(&mesh, 1e-3);
-            cloth.candidates.update(&from, &to, 0.0).unwrap();
+            cloth.search(&from, &to, 0.0).unwrap();
             let mut hold = Hold::default();
             let inverse_mass = vec![1.0; from.len()];
             let step = ContactStep {

@@ -1,6 +1,6 @@
 //! The first stage: rounds of finding contacts and solving for their impulses.
 
-use super::detect::{Cloth, Look};
+use super::detect::Look;
 use super::row::{RowMaker, into_velocity_rows};
 use super::solve::{MOST_SWEEPS, solve};
 use super::{ClothContacts, ContactStage, ENOUGH_ROUNDS, MOST_ROUNDS};
@@ -107,12 +107,19 @@ impl ClothContacts {
         step: &ContactStep<'_>,
         positions: &[Vec3],
     ) -> Result<(), ContactError> {
+        if let Some(cloth) = &mut self.cloth {
+            cloth.travelled(&self.seen, positions);
+        }
         let both = self.seen.iter_mut().zip(positions);
         for (moved, (seen, x)) in self.moved.iter_mut().zip(both) {
             *moved = seen != x;
             *seen = *x;
         }
-        if self.strayed(positions) {
+        if self
+            .cloth
+            .as_ref()
+            .is_some_and(|cloth| cloth.strayed(positions))
+        {
             self.search(step, positions)?;
         }
         Ok(())
@@ -161,13 +168,10 @@ impl ClothContacts {
             }
         }
         if let Some(cloth) = cloth {
-            let touched = |cloth: &Cloth, index: usize| {
-                let vertices = cloth.pair(index).vertices;
-                vertices.iter().any(|&v| moved[v as usize])
-            };
-            hits.retain(|&index| !touched(cloth, index));
+            // One that sleeps is no hit.
+            hits.retain(|&index| !cloth.is_due(index, moved));
             for index in 0..cloth.len() {
-                if !touched(cloth, index) {
+                if !cloth.is_due(index, moved) {
                     continue;
                 }
                 let hit = if pass.is_some() {

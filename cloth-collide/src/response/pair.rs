@@ -92,16 +92,26 @@ fn gap_along(kind: QueryKind, normal: &Vec3, x: &[Vec3; 4]) -> Real {
     gap - 16.0 * Real::EPSILON * size
 }
 
-/// Whether one steady plane shows that the pieces stay further apart than `separation` (m): it does if it does at both ends, because
+/// By how much more than `separation` (m) one steady plane has the pieces apart during the motion, nothing if it does not: it does if it does at both ends, because
 /// everything is linear in time.
+pub(super) fn room_along(
+    kind: QueryKind,
+    normal: &Vec3,
+    motion: &Motion,
+    separation: Real,
+) -> Option<Real> {
+    let room = |x: &[Vec3; 4]| Some(gap_along(kind, normal, x) - separation).filter(|&r| r > 0.0);
+    Some(room(&motion.to)?.min(room(&motion.from)?))
+}
+
+/// Whether it does.
 pub(super) fn apart_along(
     kind: QueryKind,
     normal: &Vec3,
     motion: &Motion,
     separation: Real,
 ) -> bool {
-    gap_along(kind, normal, &motion.to) > separation
-        && gap_along(kind, normal, &motion.from) > separation
+    room_along(kind, normal, motion, separation).is_some()
 }
 
 /// The first time (0..=1) at which the distance is down to `separation` (m); nothing if there is none.

@@ -9,6 +9,7 @@ use crate::report::plot::{self, Plot, Series, Style};
 use crate::report::table::{Cell, Table};
 use crate::studies::{Findings, Scope};
 use cloth_core::math::Real;
+use serde::{Deserialize, Serialize};
 
 /// D (N·m) of the cone and the fold.
 pub(super) const RIGIDITY: Real = 0.02;
@@ -54,7 +55,7 @@ pub(super) fn critical_length(radius: Real, modulus: Real, rigidity: Real) -> Re
 }
 
 /// What the cones say about the estimate.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(super) struct OnCones {
     /// Least and largest membrane energy with all vertices on the cone over the estimate's `(l/l*)⁴`, for equilateral triangles, which are nearly alike in all directions, as the estimate
     /// assumes.
@@ -64,7 +65,7 @@ pub(super) struct OnCones {
     /// Largest part of that energy that is left at rest, where l > l*.
     pub(super) left: Real,
     /// The most locked sheet: its pattern, its cells a side, l/l*, and its energy over the developable answer.
-    pub(super) worst: (&'static str, usize, Real, Real),
+    pub(super) worst: (String, usize, Real, Real),
 }
 
 fn widen(range: &mut [Real; 2], value: Real) {
@@ -89,10 +90,10 @@ pub(super) fn cones(
         "last move",
     ]);
     let mut told = OnCones {
-        equilateral: [Real::INFINITY, 0.0],
-        placed: [Real::INFINITY, 0.0],
+        equilateral: [Real::MAX, 0.0],
+        placed: [Real::MAX, 0.0],
         left: 0.0,
-        worst: ("", 0, 0.0, 0.0),
+        worst: (String::new(), 0, 0.0, 0.0),
     };
     let mut series = Vec::new();
     for pattern in PATTERNS {
@@ -119,7 +120,7 @@ pub(super) fn cones(
                     told.left = told.left.max(membrane / found.placed);
                 }
                 if energy > told.worst.3 {
-                    told.worst = (pattern, cells, ratio, energy);
+                    told.worst = (pattern.to_owned(), cells, ratio, energy);
                 }
                 table.push([
                     Cell::from(pattern),
@@ -157,7 +158,7 @@ pub(super) fn cones(
 }
 
 /// What the folds say about the estimate: least and largest edge length over l* at which half of the bending was left, and how many sheets never lost half.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub(super) struct Folds {
     pub(super) halved: [Real; 2],
     pub(super) locked: usize,
@@ -171,7 +172,7 @@ pub(super) fn folds(
     progress: &mut dyn FnMut(&str),
 ) -> Result<Folds, BenchError> {
     let mut told = Folds {
-        halved: [Real::INFINITY, 0.0],
+        halved: [Real::MAX, 0.0],
         locked: 0,
         free: 0,
     };

@@ -11,16 +11,18 @@ use cloth_core::linear::{
     Preconditioner, upper_half,
 };
 use cloth_core::math::{Real, Vec3};
+use serde::{Deserialize, Serialize};
 use std::hint::black_box;
 
 /// Times of all sizes (s).
-#[derive(Default)]
+#[derive(Default, Serialize, Deserialize)]
 pub(super) struct Parts {
     iterations: Vec<Iteration>,
-    orderings: Vec<(u32, &'static str, [Elimination; 2], FillOrdering)>,
+    eliminations: Vec<Elimination>,
     products: Vec<Product>,
 }
 
+#[derive(Serialize, Deserialize)]
 struct Iteration {
     side: u32,
     assemble: Real,
@@ -37,13 +39,19 @@ impl Iteration {
 }
 
 /// What one ordering costs.
+#[derive(Serialize, Deserialize)]
 struct Elimination {
-    ordering: FillOrdering,
+    side: u32,
+    elements: String,
+    ordering: String,
+    /// Whether the solver chooses it.
+    chosen: bool,
     analyse: Real,
     factorise: Real,
     numbers: usize,
 }
 
+#[derive(Serialize, Deserialize)]
 struct Product {
     side: u32,
     blocks: usize,
@@ -53,7 +61,8 @@ struct Product {
 }
 
 impl Parts {
-    pub(super) fn measure(&mut self, side: u32, system: &mut System) -> Result<(), BenchError> {
+    /// Those of one size.
+    pub(super) fn of(side: u32, system: &mut System) -> Result<Self, BenchError> {
         let mut cholesky = BlockCholesky::analyze(system.matrix.pattern(), &system.is_free)
             .map_err(BenchError::failed)?;
         let assemble = seconds(|| system.assemble());
@@ -75,35 +84,26 @@ impl Parts {
             potential.gradient_into(&there, &mut gradient);
         });
         drop(cholesky);
-        self.iterations.push(Iteration {
+        let iteration = Iteration {
             side,
             assemble,
             factorise,
             solve,
             line_search,
             library: library(matrix, &system.is_free)?,
-        });
-        self.products.push(product(side, system)?);
-        self.compare_orderings(side, system)
+        };
+        Ok(Self {
+            iterations: vec![iteration],
+            products: vec![product(side, system)?],
+            eliminations: eliminations(side, system)?,
+        })
     }
 
-    /// Both orderings, with bending and without.
-    fn compare_orderings(&mut self, side: u32, system: &System) -> Result<(), BenchError> {
-        let springs = system.scene.model.springs.clone();
-        let mut energies = cloth_core::family::Energies::new(system.is_free.len())
-            .with(springs)
-            .map_err(BenchError::failed)?;
-        let mut without = BlockMatrix::zeros(energies.bind_pattern());
-        without.add_diagonal(system.is_free.iter().map(|_| 1.0));
-        for (name, matrix) in [("springs", &without), ("springs, bending", &system.matrix)] {
-            let chosen = BlockCholesky::analyze(matrix.pattern(), &system.is_free)
-                .map_err(BenchError::failed)?
-                .ordering();
-            let one = elimination(matrix, &system.is_free, FillOrdering::MinimumDegree)?;
-            let other = elimination(matrix, &system.is_free, FillOrdering::NestedDissection)?;
-            self.orderings.push((side, name, [one, other], chosen));
-        }
-        Ok(())
+    /// Adds those of another size.
+    pub(super) fn append(&mut self, other: Self) {
+        self.iterations.extend(other.iterations);
+        self.products.extend(other.products);
+        self.eliminations.extend(other.eliminations);
     }
 
     pub(super) fn report(&self, findings: &mut Findings) -> String {
@@ -183,18 +183,16 @@ impl Parts {
             "numbers in the factor",
             "chosen",
         ]);
-        for (side, elements, both, chosen) in &self.orderings {
-            for one in both {
-                table.push([
-                    Cell::from(*side as usize),
-                    Cell::from(*elements),
-                    Cell::from(named(one.ordering)),
-                    Cell::from(1e3 * one.analyse),
-                    Cell::from(1e3 * one.factorise),
-                    Cell::from(one.numbers),
-                    Cell::from(if one.ordering == *chosen { "yes" } else { "no" }),
-                ]);
-            }
+        for one in &self.eliminations {
+            table.push([
+                Cell::from(one.side as usize),
+                Cell::from(one.elements.as_str()),
+                Cell::from(one.ordering.as_str()),
+                Cell::from(1e3 * one.analyse),
+                Cell::from(1e3 * one.factorise),
+                Cell::from(one.numbers),
+                Cell::from(if one.chosen { "yes" } else { "no" }),
+            ]);
         }
         findings.table("newton-orderings", "Orderings of the factorisation", table);
     }
@@ -233,22 +231,38 @@ fn named(ordering: FillOrdering) -> &'static str {
     }
 }
 
-fn elimination(
-    matrix: &BlockMatrix,
-    is_free: &[bool],
-    ordering: FillOrdering,
-) -> Result<Elimination, BenchError> {
-    let analyse = || BlockCholesky::analyze_with(matrix.pattern(), is_free, ordering);
-    let mut cholesky = analyse().map_err(BenchError::failed)?;
-    let mut outcome = Ok(());
-    let factorise = seconds(|| outcome = cholesky.factorize(matrix));
-    outcome.map_err(BenchError::failed)?;
-    Ok(Elimination {
-        ordering,
-        factorise,
-        numbers: cholesky.factor_len(),
-        analyse: seconds(|| drop(black_box(analyse()))),
-    })
+/// Both orderings, with bending and without.
+fn eliminations(side: u32, system: &System) -> Result<Vec<Elimination>, BenchError> {
+    let springs = system.scene.model.springs.clone();
+    let mut energies = cloth_core::family::Energies::new(system.is_free.len())
+        .with(springs)
+        .map_err(BenchError::failed)?;
+    let mut without = BlockMatrix::zeros(energies.bind_pattern());
+    without.add_diagonal(system.is_free.iter().map(|_| 1.0));
+    let mut all = Vec::new();
+    for (elements, matrix) in [("springs", &without), ("springs, bending", &system.matrix)] {
+        let chosen = BlockCholesky::analyze(matrix.pattern(), &system.is_free)
+            .map_err(BenchError::failed)?
+            .ordering();
+        for ordering in [FillOrdering::MinimumDegree, FillOrdering::NestedDissection] {
+            let analyse =
+                || BlockCholesky::analyze_with(matrix.pattern(), &system.is_free, ordering);
+            let mut cholesky = analyse().map_err(BenchError::failed)?;
+            let mut outcome = Ok(());
+            let factorise = seconds(|| outcome = cholesky.factorize(matrix));
+            outcome.map_err(BenchError::failed)?;
+            all.push(Elimination {
+                side,
+                elements: elements.to_owned(),
+                ordering: named(ordering).to_owned(),
+                chosen: ordering == chosen,
+                factorise,
+                numbers: cholesky.factor_len(),
+                analyse: seconds(|| drop(black_box(analyse()))),
+            });
+        }
+    }
+    Ok(all)
 }
 
 /// Refactoring and solving with the library alone (s): a scalar matrix whose numbers are in place.

@@ -5,42 +5,46 @@ use crate::error::BenchError;
 use crate::report::plot::{Axis, Plot, Series};
 use crate::report::table::{Cell, Table};
 use crate::studies::Findings;
-use cloth_core::linear::{
-    Budget, LinearMethod, LinearReport, LinearSolver, Preconditioner, spectrum,
-};
+use cloth_core::linear::{Budget, LinearMethod, LinearSolver, Preconditioner, spectrum};
 use cloth_core::math::{Real, Vec3};
 use cloth_core::step::Outcome;
+use serde::{Deserialize, Serialize};
 
 /// Relative residuals asked for.
 const TOLERANCES: [Real; 2] = [1e-3, 1e-8];
 /// More iterations than this are not worth waiting for.
 const MOST: u32 = 2000;
 
-#[derive(Default)]
+#[derive(Default, Serialize, Deserialize)]
 pub(super) struct Solvers {
     solves: Vec<Solve>,
     /// Vertices a side, condition numbers of the matrix without and with preconditioner.
     conditions: Vec<(u32, [Real; 2])>,
 }
 
+#[derive(Serialize, Deserialize)]
 struct Solve {
     side: u32,
-    name: &'static str,
+    name: String,
     tolerance: Real,
     /// Preparing and solving (s).
     time: Real,
-    report: LinearReport,
+    iterations: u32,
+    /// Relative residual at the end.
+    residual: Real,
+    converged: bool,
 }
 
 impl Solvers {
-    pub(super) fn measure(&mut self, side: u32, system: &System) -> Result<(), BenchError> {
+    /// Those of one size.
+    pub(super) fn of(side: u32, system: &System) -> Result<Self, BenchError> {
+        let mut solves = Vec::new();
         let mut condition = [0.0; 2];
         let kinds = [Preconditioner::Identity, Preconditioner::BlockJacobi];
         for (kind, condition) in kinds.into_iter().zip(&mut condition) {
             let found = spectrum(&system.matrix, &system.is_free, kind, MOST);
             *condition = found.map_err(BenchError::failed)?.condition_number();
         }
-        self.conditions.push((side, condition));
         for tolerance in TOLERANCES {
             let budget = Budget {
                 tolerance,
@@ -55,11 +59,19 @@ impl Solvers {
             ] {
                 let built = method.build(system.matrix.pattern(), &system.is_free);
                 let mut solver = built.map_err(BenchError::failed)?;
-                self.solves
-                    .push(solve(side, tolerance, &mut *solver, system)?);
+                solves.push(solve(side, tolerance, &mut *solver, system)?);
             }
         }
-        Ok(())
+        Ok(Self {
+            solves,
+            conditions: vec![(side, condition)],
+        })
+    }
+
+    /// Adds those of another size.
+    pub(super) fn append(&mut self, other: Self) {
+        self.solves.extend(other.solves);
+        self.conditions.extend(other.conditions);
     }
 
     pub(super) fn report(&self, findings: &mut Findings) -> String {
@@ -73,15 +85,18 @@ impl Solvers {
             "done",
         ]);
         for solve in &self.solves {
-            let done = solve.report.outcome == Outcome::Converged;
             table.push([
                 Cell::from(solve.side as usize),
-                Cell::from(solve.name),
+                Cell::from(solve.name.as_str()),
                 Cell::from(solve.tolerance),
                 Cell::from(1e3 * solve.time),
-                Cell::from(solve.report.iterations as usize),
-                Cell::from(solve.report.residual),
-                Cell::from(if done { "yes" } else { "budget spent" }),
+                Cell::from(solve.iterations as usize),
+                Cell::from(solve.residual),
+                Cell::from(if solve.converged {
+                    "yes"
+                } else {
+                    "budget spent"
+                }),
             ]);
         }
         for tolerance in TOLERANCES {
@@ -108,12 +123,13 @@ impl Solvers {
     }
 
     fn plot(&self, tolerance: Real) -> Plot {
-        let mut names: Vec<&'static str> = self.solves.iter().map(|s| s.name).collect();
+        let mut names: Vec<&str> = self.solves.iter().map(|s| s.name.as_str()).collect();
         names.truncate(names.len().min(5));
         let series = names.into_iter().map(|name| {
-            let solves = self.solves.iter().filter(|s| {
-                s.name == name && s.tolerance == tolerance && s.report.outcome == Outcome::Converged
-            });
+            let solves = self
+                .solves
+                .iter()
+                .filter(|s| s.name == name && s.tolerance == tolerance && s.converged);
             let points = solves.map(|s| (Real::from(s.side), 1e3 * s.time)).collect();
             Series::new(name, points)
         });
@@ -150,12 +166,13 @@ impl Solvers {
         sentences.join(" ")
     }
 
-    fn fastest(&self, side: u32, tolerance: Real) -> Option<&'static str> {
-        let done = self.solves.iter().filter(|s| {
-            s.side == side && s.tolerance == tolerance && s.report.outcome == Outcome::Converged
-        });
+    fn fastest(&self, side: u32, tolerance: Real) -> Option<&str> {
+        let done = self
+            .solves
+            .iter()
+            .filter(|s| s.side == side && s.tolerance == tolerance && s.converged);
         done.min_by(|a, b| a.time.total_cmp(&b.time))
-            .map(|s| s.name)
+            .map(|s| s.name.as_str())
     }
 }
 
@@ -175,9 +192,11 @@ fn solve(
     let report = outcome.expect("it ran").map_err(BenchError::failed)?;
     Ok(Solve {
         side,
-        name: solver.name(),
+        name: solver.name().to_owned(),
         tolerance,
         time,
-        report,
+        iterations: report.iterations,
+        residual: report.residual,
+        converged: report.outcome == Outcome::Converged,
     })
 }

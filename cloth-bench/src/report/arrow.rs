@@ -1,0 +1,102 @@
+//! All tables in one Arrow file, in long form: one row per value.
+//!
+//! `pandas.read_feather` and `polars.read_ipc` read it; `df[df.table == "sag-chain"].pivot(index="row", columns="column", values="number")` gives a
+//! table back.
+
+use super::table::{Cell, Table};
+use crate::error::BenchError;
+use arrow_array::builder::{Float64Builder, StringBuilder, UInt32Builder};
+use arrow_array::{ArrayRef, RecordBatch};
+use arrow_ipc::writer::FileWriter;
+use std::sync::Arc;
+
+/// The file: columns `study`, `table`, `row` (from 0), `column`, `number` and `text`, of which the last two are null where the value is of the other kind or missing.
+///
+/// # Errors
+/// [`BenchError::Failed`] if the library refuses the data.
+pub fn file<'a>(
+    tables: impl IntoIterator<Item = (&'a str, &'a str, &'a Table)>,
+) -> Result<Vec<u8>, BenchError> {
+    let mut study = StringBuilder::new();
+    let mut name = StringBuilder::new();
+    let mut row = UInt32Builder::new();
+    let mut column = StringBuilder::new();
+    let mut number = Float64Builder::new();
+    let mut text = StringBuilder::new();
+    for (of_study, table_name, table) in tables {
+        for (index, cells) in (0_u32..).zip(&table.rows) {
+            for (column_name, cell) in table.columns.iter().zip(cells) {
+                study.append_value(of_study);
+                name.append_value(table_name);
+                row.append_value(index);
+                column.append_value(column_name);
+                match cell {
+                    Cell::Text(value) => text.append_value(value),
+                    _ => text.append_null(),
+                }
+                match *cell {
+                    Cell::Number(value) => number.append_value(value),
+                    Cell::Int(value) => number.append_value(value as f64),
+                    _ => number.append_null(),
+                }
+            }
+        }
+    }
+    let columns: [(&str, ArrayRef); 6] = [
+        ("study", Arc::new(study.finish())),
+        ("table", Arc::new(name.finish())),
+        ("row", Arc::new(row.finish())),
+        ("column", Arc::new(column.finish())),
+        ("number", Arc::new(number.finish())),
+        ("text", Arc::new(text.finish())),
+    ];
+    let batch = RecordBatch::try_from_iter_with_nullable(
+        columns.map(|(name, values)| (name, values, matches!(name, "number" | "text"))),
+    )
+    .map_err(BenchError::failed)?;
+    let mut writer =
+        FileWriter::try_new(Vec::new(), &batch.schema()).map_err(BenchError::failed)?;
+    writer.write(&batch).map_err(BenchError::failed)?;
+    writer.into_inner().map_err(BenchError::failed)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use arrow_array::Array;
+    use arrow_array::cast::AsArray;
+    use arrow_array::types::{Float64Type, UInt32Type};
+    use arrow_ipc::reader::FileReader;
+
+    #[test]
+    fn every_value_comes_back() {
+        let mut table = Table::new(&["method", "error", "steps", "remark"]);
+        table.push([
+            Cell::from("pbd"),
+            Cell::from(0.1),
+            Cell::from(3_usize),
+            Cell::Missing,
+        ]);
+        let bytes = file([("convergence", "one", &table)]).unwrap();
+        let mut reader = FileReader::try_new(std::io::Cursor::new(bytes), None).unwrap();
+        let names: Vec<_> = reader
+            .schema()
+            .fields()
+            .iter()
+            .map(|f| f.name().clone())
+            .collect();
+        assert_eq!(names, ["study", "table", "row", "column", "number", "text"]);
+        let batch = reader.next().unwrap().unwrap();
+        assert_eq!(batch.num_rows(), 4);
+        let text = |column: usize, row: usize| batch.column(column).as_string::<i32>().value(row);
+        assert_eq!(
+            [text(0, 1), text(1, 1), text(3, 1), text(5, 0)],
+            ["convergence", "one", "error", "pbd"]
+        );
+        let numbers = batch.column(4).as_primitive::<Float64Type>();
+        assert_eq!(numbers.value(1).to_bits(), 0.1_f64.to_bits());
+        assert_eq!(numbers.value(2), 3.0);
+        assert!(numbers.is_null(0) && numbers.is_null(3) && batch.column(5).is_null(3));
+        assert_eq!(batch.column(2).as_primitive::<UInt32Type>().value(3), 0);
+    }
+}

@@ -1,0 +1,149 @@
+//! Runs that a page plays back in three dimensions, side by side, seen by one camera.
+//!
+//! Positions are kept with 16 bits a coordinate between the lowest and the highest of the surface: a 65536th of its extent is below what a screen shows. The
+//! page needs WebGL 2 and nothing from outside.
+
+use super::html::{base64, escape};
+use cloth_core::math::Vec3;
+use serde::{Deserialize, Serialize};
+use serde_json::json;
+
+/// Several runs of one scene.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct Playback {
+    /// What it shows.
+    pub caption: String,
+    /// Time between two frames (s).
+    pub seconds_per_frame: f64,
+    /// The runs, in the order in which they stand side by side.
+    pub tracks: Vec<Track>,
+}
+
+/// One run.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct Track {
+    /// Its name, such as that of the method.
+    pub name: String,
+    /// What is seen in it.
+    pub surfaces: Vec<Film>,
+}
+
+/// A surface that moves.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct Film {
+    /// Whether it is cloth, with a front and a back, or an obstacle.
+    is_cloth: bool,
+    vertices: usize,
+    /// Lowest coordinates (m), and how far the highest are above them.
+    low: [f64; 3],
+    size: [f64; 3],
+    /// Vertices of the triangles: whole numbers of 32 bits, lowest byte first, as base64.
+    triangles: String,
+    /// Coordinates, frame after frame: whole numbers of 16 bits, lowest byte first, as base64.
+    frames: String,
+}
+
+impl Film {
+    /// A film of cloth.
+    #[must_use]
+    pub fn of_cloth(triangles: &[[u32; 3]], frames: &[Vec<Vec3>]) -> Self {
+        Self::new(true, triangles, frames)
+    }
+
+    /// A film of an obstacle.
+    #[must_use]
+    pub fn of_obstacle(triangles: &[[u32; 3]], frames: &[Vec<Vec3>]) -> Self {
+        Self::new(false, triangles, frames)
+    }
+
+    fn new(is_cloth: bool, triangles: &[[u32; 3]], frames: &[Vec<Vec3>]) -> Self {
+        let points = || frames.iter().flatten().copied();
+        let low = points().reduce(|a, b| a.inf(&b)).unwrap_or_default();
+        let high = points().reduce(|a, b| a.sup(&b)).unwrap_or_default();
+        let size = high - low;
+        let place = |x: f64, low: f64, size: f64| {
+            let share = if size > 0.0 { (x - low) / size } else { 0.0 };
+            ((share * 65535.0).round() as u16).to_le_bytes()
+        };
+        let coordinates = points().flat_map(|p| {
+            let three: [[u8; 2]; 3] = std::array::from_fn(|k| place(p[k], low[k], size[k]));
+            three.into_iter().flatten()
+        });
+        let corners = triangles.iter().flatten().flat_map(|v| v.to_le_bytes());
+        Self {
+            is_cloth,
+            vertices: frames.first().map_or(0, Vec::len),
+            low: low.into(),
+            size: size.into(),
+            triangles: base64(&corners.collect::<Vec<u8>>()),
+            frames: base64(&coordinates.collect::<Vec<u8>>()),
+        }
+    }
+}
+
+/// The program that plays, once per page.
+pub(super) const SCRIPT: &str = include_str!("player.js");
+
+impl Playback {
+    pub(super) fn to_html(&self) -> String {
+        let tiles: String = self
+            .tracks
+            .iter()
+            .map(|track| {
+                format!(
+                    "<div class=\"tile\"><span>{}</span></div>",
+                    escape(&track.name)
+                )
+            })
+            .collect();
+        let data = json!({"seconds_per_frame": self.seconds_per_frame, "tracks": self.tracks});
+        // A script ends at the first `</`, whatever it holds.
+        let data = data.to_string().replace('<', "\\u003c");
+        format!(
+            "<figure class=\"player\"><div class=\"stage\"><canvas></canvas>{tiles}</div>\n\
+             <div class=\"controls\"><button type=\"button\">Play</button>\
+             <input type=\"range\" min=\"0\" max=\"0\" value=\"0\" aria-label=\"time\"/><output></output></div>\n\
+             <figcaption>{} Drag to turn, scroll to come nearer.</figcaption>\n\
+             <script type=\"application/json\">{data}</script></figure>\n",
+            escape(&self.caption)
+        )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn positions_keep_sixteen_bits() {
+        let frames = [
+            vec![Vec3::new(-1.0, 2.0, 5.0), Vec3::new(0.0, 2.0, 5.5)],
+            vec![Vec3::new(3.0, 2.0, 6.0), Vec3::new(1.0, 2.0, 5.0)],
+        ];
+        let film = Film::of_cloth(&[[0, 1, 258]], &frames);
+        assert_eq!((film.low, film.size), ([-1.0, 2.0, 5.0], [4.0, 0.0, 1.0]));
+        assert_eq!(
+            film.triangles,
+            base64(&[0, 0, 0, 0, 1, 0, 0, 0, 2, 1, 0, 0])
+        );
+        // 0, 0, 0; ¼, 0, ½; 1, 0, 1; ½, 0, 0 of 65535.
+        let numbers: [u16; 12] = [0, 0, 0, 16384, 0, 32768, 65535, 0, 65535, 32768, 0, 0];
+        let bytes: Vec<u8> = numbers.iter().flat_map(|n| n.to_le_bytes()).collect();
+        assert_eq!(film.frames, base64(&bytes));
+    }
+
+    #[test]
+    fn names_cannot_end_the_script() {
+        let playback = Playback {
+            caption: "</script>".into(),
+            seconds_per_frame: 0.1,
+            tracks: vec![Track {
+                name: "</script><b>".into(),
+                surfaces: vec![Film::of_obstacle(&[], &[])],
+            }],
+        };
+        let html = playback.to_html();
+        assert_eq!(html.matches("</script>").count(), 1);
+        assert!(!html.contains("<b>"));
+    }
+}

@@ -1,0 +1,467 @@
+//! What becomes of energy and momentum over ten seconds (VALIDATION 1).
+
+use super::{Cases, Findings, Scope, Study};
+use crate::error::BenchError;
+use crate::journal::Number;
+use crate::method::{METHODS, Method};
+use crate::report::plot::{Axis, Plot, Series, Style};
+use crate::report::table::{Cell, Table, significant};
+use crate::run;
+use crate::scene::{self, Scene};
+use crate::settings::Settings;
+use cloth_core::math::{Real, Vec3};
+use cloth_core::measure::{
+    angular_momentum, gravitational_energy, kinetic_energy, linear_momentum,
+};
+use cloth_core::particles::State;
+use cloth_core::step::StepInput;
+use serde::{Deserialize, Serialize};
+
+pub(super) const STUDY: Study = Study {
+    name: "energy",
+    question: "What do the methods do to energy and momentum over 10 s that no force of the scene does?",
+    about: "Oscillator: one mass on one spring, period 1 s, along the spring; energy kept is E(10 s)/E(0), expected the closed form, (1 + z²)^−n for implicit Euler and what comes down to it on one spring, with z = ωh and n (sub)steps of h, and 1 for the midpoint rule. Explicit Euler multiplies it by 1 + z² every step and is refused. \
+        Free: a sheet without gravity or pins that flies, turns and vibrates; energy is what is left of elastic and kinetic energy without that of the flight, momenta are the largest change in 10 s over the value at the start. \
+        Forces between vertices change no linear momentum, whatever the method, so anything but rounding there is a bug; angular momentum is kept by symplectic Euler and by the implicit midpoint rule, and by no other rule here, however well it is solved. \
+        Held: a sheet held at two corners falls and swings; energy left is (E(10 s) − E_rest)/(E(0) − E_rest), 1 if nothing is lost, 0 at rest; most is the largest of it on the way, above 1 where a method makes energy. \
+        Losses are the method's own, there is no damping in the scene. One might expect more Newton iterations or a stiffer cloth to keep more: neither does, the step size decides.",
+    cases,
+    run,
+};
+
+const SECONDS: Real = 10.0;
+const SAMPLES: u32 = 100;
+/// Angular frequency (1/s) of the oscillator: period 1 s.
+const OMEGA: Real = std::f64::consts::TAU;
+
+/// A sheet and a step.
+#[derive(Clone, Copy, Debug)]
+struct Setting {
+    /// Vertices a side.
+    n: u32,
+    steps_per_second: u32,
+}
+
+const fn setting(n: u32, steps_per_second: u32) -> Setting {
+    Setting {
+        n,
+        steps_per_second,
+    }
+}
+
+const QUICK: &[Setting] = &[setting(5, 60)];
+const FULL: &[Setting] = &[setting(17, 60), setting(9, 60), setting(9, 240)];
+
+fn settings(scope: Scope) -> &'static [Setting] {
+    match scope {
+        Scope::Quick => QUICK,
+        Scope::Full => FULL,
+    }
+}
+
+/// Every method at its published setting, and the midpoint rule solved to rounding: label, name, tolerance.
+fn methods() -> Vec<(String, &'static str, Option<Real>)> {
+    let published = |method: &Method| (method.name.to_owned(), method.name, None);
+    let mut all: Vec<_> = METHODS.iter().map(published).collect();
+    let exactly = "implicit-midpoint, solved to 1e-12";
+    all.push((exactly.to_owned(), "implicit-midpoint", Some(1e-12)));
+    all
+}
+
+fn cases(scope: Scope) -> u64 {
+    ((1 + 2 * settings(scope).len()) * methods().len()) as u64
+}
+
+/// What a run of ten seconds kept.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+struct Kept {
+    /// Energy (J) at the start and after every hundredth of the time.
+    energy: Vec<Number>,
+    /// Largest change of the linear momentum, over its value at the start.
+    linear: Number,
+    /// The same of the angular momentum about the origin.
+    angular: Number,
+}
+
+impl Kept {
+    fn share(&self, sample: usize, floor: Real) -> Real {
+        (self.energy[sample].0 - floor) / (self.energy[0].0 - floor)
+    }
+
+    fn is_whole(&self) -> bool {
+        self.energy.len() == SAMPLES as usize + 1
+    }
+}
+
+/// Follows a method for ten seconds. Energy that the centre of mass carries is left out where the scene has no gravity.
+fn follow(
+    scene: &Scene,
+    name: &str,
+    tolerance: Option<Real>,
+    steps_per_second: u32,
+) -> Result<Kept, BenchError> {
+    let dt = 1.0 / Real::from(steps_per_second);
+    let steps = (SECONDS * Real::from(steps_per_second)).round() as u32;
+    let published = Settings::default();
+    let settings = match tolerance {
+        Some(tolerance) => published.with("tolerance", tolerance),
+        None => published,
+    };
+    let mut stepper = Method::find(name)?.build(scene, &settings, dt)?;
+    let energies = scene.model.energies().map_err(BenchError::failed)?;
+    let particles = &scene.model.particles;
+    let mass: Real = particles.mass().iter().sum();
+    let is_free = scene.gravity == Vec3::zeros() && particles.free_count() == particles.len();
+    let energy = |state: &State| {
+        let flight = linear_momentum(particles, &state.velocities).norm_squared() / (2.0 * mass);
+        energies.value(&state.positions)
+            + kinetic_energy(particles, &state.velocities)
+            + gravitational_energy(particles, &state.positions, scene.gravity)
+            - if is_free { flight } else { 0.0 }
+    };
+    let mut state = scene.start.clone();
+    let momenta = |state: &State| {
+        [
+            linear_momentum(particles, &state.velocities),
+            angular_momentum(particles, state),
+        ]
+    };
+    let at_start = momenta(&state);
+    let mut drift: [Real; 2] = [0.0; 2];
+    let mut kept = vec![Number(energy(&state))];
+    for step in 1..=steps {
+        let input = StepInput::new(dt).gravity(scene.gravity);
+        stepper
+            .step(&mut state, input)
+            .map_err(BenchError::failed)?;
+        if step % (steps / SAMPLES) == 0 {
+            kept.push(Number(energy(&state)));
+            for ((now, before), drift) in momenta(&state).iter().zip(at_start).zip(&mut drift) {
+                *drift = drift.max((now - before).norm() / before.norm());
+            }
+        }
+    }
+    Ok(Kept {
+        energy: kept,
+        linear: Number(drift[0]),
+        angular: Number(drift[1]),
+    })
+}
+
+/// A mass of 1 kg on a spring that is pulled by a tenth of its length.
+fn oscillator() -> Result<Scene, BenchError> {
+    let settings = Settings::default()
+        .with("n", 1)
+        .with("link", 1)
+        .with("tip_mass", 1)
+        .with("stiffness", OMEGA * OMEGA)
+        .with("gravity", 0);
+    let mut scene = scene::build("chain", None, &settings)?;
+    scene.start.positions[1].x += 0.1;
+    Ok(scene)
+}
+
+/// What the oscillator keeps of its energy, where a closed form says so (VALIDATION 1). One spring is solved exactly by one iteration of anything that aims at implicit Euler.
+fn exact(name: &str, substeps: u32, steps_per_second: u32) -> Option<Real> {
+    let count = SECONDS * Real::from(steps_per_second) * Real::from(substeps);
+    let z = OMEGA * SECONDS / count;
+    match name {
+        "implicit-euler" | "linear-implicit" | "pd" | "xpbd" | "xpbd-direct" => {
+            Some((1.0 + z * z).powf(-count))
+        }
+        "implicit-midpoint" => Some(1.0),
+        _ => None,
+    }
+}
+
+fn free(n: u32) -> Result<Scene, BenchError> {
+    let settings = Settings::default()
+        .with("n", n)
+        .with("stiffness", 1e3)
+        .with("gravity", 0);
+    let mut scene = scene::build("drop", None, &settings)?;
+    let (flight, turn) = (Vec3::new(1.0, 0.5, 0.2), Vec3::new(1.0, -0.5, 2.0));
+    for (v, x) in scene
+        .start
+        .velocities
+        .iter_mut()
+        .zip(&scene.start.positions)
+    {
+        let shake = Vec3::new(
+            (3.0 * x.y).sin(),
+            (2.0 * x.x).cos(),
+            (5.0 * x.x - 4.0 * x.y).sin(),
+        );
+        *v = flight + turn.cross(x) + 0.3 * shake;
+    }
+    Ok(scene)
+}
+
+fn held(n: u32) -> Result<Scene, BenchError> {
+    let settings = Settings::default().with("n", n).with("stiffness", 1e3);
+    scene::build("hang", None, &settings)
+}
+
+/// Energy (J) of the held sheet at rest.
+fn at_rest(scene: &Scene) -> Result<Number, BenchError> {
+    let dt = 1.0 / 60.0;
+    let mut newton = Method::find("implicit-euler")?.build(scene, &Settings::default(), dt)?;
+    let mut state = scene.start.clone();
+    run::to_rest(scene, newton.as_mut(), &mut state, dt, 2000, 1e-4)?
+        .ok_or_else(|| BenchError::Failed("the held sheet does not come to rest".into()))?;
+    let energies = scene.model.energies().map_err(BenchError::failed)?;
+    let raised = gravitational_energy(&scene.model.particles, &state.positions, scene.gravity);
+    Ok(Number(energies.value(&state.positions) + raised))
+}
+
+fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
+    let mut findings = Findings::default();
+    let law = oscillators(&mut findings, cases)?;
+    let (kept, momentum) = free_sheets(scope, &mut findings, cases)?;
+    let left = held_sheets(scope, &mut findings, cases)?;
+    findings.section.verdict = Some(format!("{law} {kept} {momentum} {left}"));
+    Ok(findings)
+}
+
+fn oscillators(findings: &mut Findings, cases: &mut Cases<'_>) -> Result<String, BenchError> {
+    const RATE: u32 = 60;
+    let mut table = Table::new(&["method", "substeps", "energy kept", "expected", "error"]);
+    let (mut series, mut worst): (_, Real) = (Vec::new(), 0.0);
+    let scene = oscillator()?;
+    for (label, name, tolerance) in methods() {
+        let case = format!("oscillator, {label}");
+        let kept = cases.case(&case, || follow(&scene, name, tolerance, RATE));
+        let Some(kept) = findings.unless_failed(&case, kept).filter(Kept::is_whole) else {
+            continue;
+        };
+        let dt = 1.0 / Real::from(RATE);
+        let substeps = Method::find(name)?.substeps(&scene, &Settings::default(), dt)?;
+        let share = kept.share(SAMPLES as usize, 0.0);
+        let expected = exact(name, substeps, RATE);
+        let error = expected.map(|expected| (share / expected - 1.0).abs());
+        worst = worst.max(error.unwrap_or(0.0));
+        table.push([
+            Cell::from(label.as_str()),
+            Cell::from(substeps as usize),
+            Cell::from(share),
+            Cell::from(expected),
+            Cell::from(error),
+        ]);
+        series.push(Series::new(&label, curve(&kept, 0.0)));
+    }
+    for (label, sign) in [("(1 + z²)^−n", -1.0), ("1", 0.0)] {
+        let z = OMEGA / Real::from(RATE);
+        let points = (0..=50).map(|k| {
+            let time = 0.2 * Real::from(k);
+            (time, (1.0 + z * z).powf(sign * time * Real::from(RATE)))
+        });
+        series.push(Series::new(label, points.collect()).styled(Style::ExactCurve));
+    }
+    findings.plot(
+        "energy-oscillator",
+        &over_time("Energy of one oscillator of 1 s, steps of 1/60 s", series),
+    );
+    findings.table("energy-oscillator", "One oscillator", table);
+    Ok(format!(
+        "One oscillator keeps what the closed forms say to {worst:.0e}."
+    ))
+}
+
+fn over_time(title: &str, series: Vec<Series>) -> Plot {
+    Plot {
+        title: title.into(),
+        x: Axis::linear("time (s)"),
+        y: Axis::log("energy left (dimensionless)").within(1e-3, 3.0),
+        series,
+        note: "1 is the energy at the start. The scene has no damping: what is lost, the method takes.".into(),
+    }
+}
+
+fn curve(kept: &Kept, floor: Real) -> Vec<(Real, Real)> {
+    let every = SECONDS / Real::from(SAMPLES);
+    (0u32..)
+        .zip(&kept.energy)
+        .map(|(k, _)| (Real::from(k) * every, kept.share(k as usize, floor)))
+        .collect()
+}
+
+fn name_of(setting: Setting) -> String {
+    format!(
+        "{0} × {0} vertices, 1/{1} s",
+        setting.n, setting.steps_per_second
+    )
+}
+
+/// What the free sheets keep, and what of the momenta; as sentences.
+fn free_sheets(
+    scope: Scope,
+    findings: &mut Findings,
+    cases: &mut Cases<'_>,
+) -> Result<(String, String), BenchError> {
+    let mut table = Table::new(&[
+        "vertices a side",
+        "steps per second",
+        "method",
+        "energy kept",
+        "change of linear momentum",
+        "change of angular momentum",
+    ]);
+    let mut told = Vec::new();
+    let mut worst: [Real; 2] = [0.0; 2];
+    let mut exactly: Vec<(String, bool)> = Vec::new();
+    for &setting in settings(scope) {
+        let scene = free(setting.n)?;
+        let mut series = Vec::new();
+        for (label, name, tolerance) in methods() {
+            let case = format!("free, {}, {label}", name_of(setting));
+            let kept = cases.case(&case, || {
+                follow(&scene, name, tolerance, setting.steps_per_second)
+            });
+            let Some(kept) = findings.unless_failed(&case, kept).filter(Kept::is_whole) else {
+                continue;
+            };
+            let share = kept.share(SAMPLES as usize, 0.0);
+            if setting.n == settings(scope)[0].n {
+                told.push(format!("{label} {}", significant(share, 3)));
+            }
+            worst[0] = worst[0].max(kept.linear.0);
+            let is_kept = kept.angular.0 < ROUNDING;
+            match exactly.iter_mut().find(|(known, _)| *known == label) {
+                Some((_, every)) => *every &= is_kept,
+                None => exactly.push((label.clone(), is_kept)),
+            }
+            if !is_kept {
+                worst[1] = worst[1].max(kept.angular.0);
+            }
+            table.push([
+                Cell::from(setting.n as usize),
+                Cell::from(setting.steps_per_second as usize),
+                Cell::from(label.as_str()),
+                Cell::from(share),
+                Cell::from(kept.linear.0),
+                Cell::from(kept.angular.0),
+            ]);
+            series.push(Series::new(&label, curve(&kept, 0.0)));
+        }
+        findings.plot(
+            &format!("energy-free-{}-{}", setting.n, setting.steps_per_second),
+            &over_time(&format!("A free sheet, {}", name_of(setting)), series),
+        );
+    }
+    findings.table("energy-free", "A free sheet for 10 s", table);
+    let linear = if worst[0] < ROUNDING {
+        format!("All keep linear momentum to rounding ({:.0e})", worst[0])
+    } else {
+        format!(
+            "Linear momentum is NOT kept by all: it changes by {:.0e}",
+            worst[0]
+        )
+    };
+    Ok((
+        format!(
+            "Of the energy of a free sheet is left after 10 s: {}.",
+            told.join(", ")
+        ),
+        format!(
+            "{linear}; angular momentum is kept to 1e-9 by {} alone, the others change it by up to {:.0e}.",
+            exactly
+                .iter()
+                .filter(|(_, every)| *every)
+                .map(|(label, _)| label.as_str())
+                .collect::<Vec<_>>()
+                .join(" and "),
+            worst[1]
+        ),
+    ))
+}
+
+/// Changes of momentum below this part are rounding, of up to 10⁵ (sub)steps.
+const ROUNDING: Real = 1e-9;
+
+fn held_sheets(
+    scope: Scope,
+    findings: &mut Findings,
+    cases: &mut Cases<'_>,
+) -> Result<String, BenchError> {
+    let mut table = Table::new(&[
+        "vertices a side",
+        "steps per second",
+        "method",
+        "energy left",
+        "most",
+    ]);
+    let mut told = Vec::new();
+    for &setting in settings(scope) {
+        let scene = held(setting.n)?;
+        let mut series = Vec::new();
+        for (label, name, tolerance) in methods() {
+            let case = format!("held, {}, {label}", name_of(setting));
+            let found = cases.case(&case, || {
+                let kept = follow(&scene, name, tolerance, setting.steps_per_second)?;
+                Ok((kept, at_rest(&scene)?))
+            });
+            let Some((kept, floor)) = findings
+                .unless_failed(&case, found)
+                .filter(|(kept, _)| kept.is_whole())
+            else {
+                continue;
+            };
+            let points = curve(&kept, floor.0);
+            let most = points.iter().map(|p| p.1).fold(0.0, Real::max);
+            let share = kept.share(SAMPLES as usize, floor.0);
+            if setting.n == settings(scope)[0].n {
+                told.push(format!("{label} {}", significant(share, 3)));
+            }
+            table.push([
+                Cell::from(setting.n as usize),
+                Cell::from(setting.steps_per_second as usize),
+                Cell::from(label.as_str()),
+                Cell::from(share),
+                Cell::from(most),
+            ]);
+            series.push(Series::new(&label, points));
+        }
+        findings.plot(
+            &format!("energy-held-{}-{}", setting.n, setting.steps_per_second),
+            &over_time(&format!("A held sheet, {}", name_of(setting)), series),
+        );
+    }
+    findings.table("energy-held", "A sheet held at two corners for 10 s", table);
+    Ok(format!(
+        "Of what a held sheet can lose is left: {}.",
+        told.join(", ")
+    ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_oscillator_keeps_what_the_closed_form_says() {
+        let scene = oscillator().unwrap();
+        for name in ["implicit-euler", "xpbd", "pd", "implicit-midpoint"] {
+            let kept = follow(&scene, name, None, 60).unwrap();
+            let method = Method::find(name).unwrap();
+            let substeps = method.substeps(&scene, &Settings::default(), 1.0 / 60.0);
+            let expected = exact(name, substeps.unwrap(), 60).unwrap();
+            let error = (kept.share(SAMPLES as usize, 0.0) / expected - 1.0).abs();
+            assert!(error < 1e-6, "{name}: {error:e}");
+        }
+    }
+
+    /// Central forces keep linear momentum in every method, and angular momentum in a symplectic one; implicit Euler loses some of it.
+    #[test]
+    fn momenta_are_kept_by_those_that_should() {
+        let scene = free(5).unwrap();
+        let kept = |name: &str| follow(&scene, name, None, 60).unwrap();
+        for name in ["symplectic-euler", "implicit-euler", "xpbd", "pd"] {
+            let drift = kept(name).linear.0;
+            assert!(drift < 1e-11, "{name}: {drift:e}");
+        }
+        assert!(kept("symplectic-euler").angular.0 < 1e-11);
+        let exactly = follow(&scene, "implicit-midpoint", Some(1e-12), 60).unwrap();
+        assert!(exactly.angular.0 < 1e-9);
+        assert!(kept("implicit-euler").angular.0 > 1e-3);
+    }
+}

@@ -1,0 +1,326 @@
+//! The drape over a sphere: a square sheet, held in the middle, falls on a sphere of 0.3 m and lies there, as in the scene `drape-sphere`, without friction.
+//!
+//! No sheet lies on a sphere without stretching, so there is no developable answer: what cannot stretch touches along lines and stands off in folds. Folds need bending, and a locked
+//! sheet makes few. So what is compared is one and the same sheet as its edges get stiffer, which a sheet that is merely stiff does not notice.
+
+use super::sheet::{KINDS, Kind, Sheet, square};
+use super::{count, fold};
+use crate::error::BenchError;
+use crate::method::Method;
+use crate::report::table::{Cell, Table};
+use crate::run;
+use crate::scene::{self, Scene};
+use crate::settings::Settings;
+use crate::studies::{Findings, Scope};
+use cloth_core::cloth::ClothModel;
+use cloth_core::dof::EdgeRank;
+use cloth_core::energy::Spring;
+use cloth_core::math::{Real, Vec3};
+use cloth_core::measure::Strain;
+use cloth_core::particles::State;
+use cloth_core::topology::EdgeTable;
+use serde::{Deserialize, Serialize};
+
+/// D (N·m): cloth of this weight bends under itself over 8 cm.
+const RIGIDITY: Real = 1e-3;
+/// Y (N/m): soft for the size of the folds, and stiff.
+const MODULI: [Real; 2] = [1e3, 1e5];
+/// Everything this near (m) to the middle of the sheet is held, or a sheet that does not give slides off.
+const HELD: Real = 0.06;
+/// Contact stops vertices after the solver's step, which strains stiff edges: less so in short steps.
+const CONTACT_STEPS: u32 = 40;
+const DT: Real = 1.0 / 60.0;
+const MOST_STEPS: u32 = 200;
+/// When nothing is faster than this (m/s), it is at rest.
+const STILL: Real = 2e-3;
+/// The method of the patterns and the kinds of membrane.
+const METHOD: &str = "implicit-euler";
+const PATTERN: &str = "alternating";
+
+fn patterns(scope: Scope) -> &'static [&'static str] {
+    match scope {
+        Scope::Quick => &["alternating", "irregular"],
+        Scope::Full => &count::PATTERNS,
+    }
+}
+
+fn sizes(scope: Scope) -> &'static [usize] {
+    match scope {
+        Scope::Quick => &[16],
+        Scope::Full => &[16],
+    }
+}
+
+/// One drape; a kind of membrane by its place in [`KINDS`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Case {
+    pattern: &'static str,
+    cells: usize,
+    kind: usize,
+    modulus: Real,
+    method: &'static str,
+    /// 0: as published.
+    iterations: u32,
+}
+
+/// What came of it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Drape {
+    coordinates_left: i64,
+    nullity: usize,
+    /// How far (m) the corners end below the highest vertex, in the mean.
+    corners: Real,
+    /// Energies (J).
+    bending: Real,
+    membrane: Real,
+    rms_strain: Real,
+    /// None: never at rest.
+    steps: Option<u32>,
+}
+
+fn list(scope: Scope) -> Vec<Case> {
+    let base = Case {
+        pattern: PATTERN,
+        cells: sizes(scope)[0],
+        kind: 0,
+        modulus: MODULI[1],
+        method: METHOD,
+        iterations: 0,
+    };
+    let mut cases = Vec::new();
+    for &pattern in patterns(scope) {
+        for &cells in sizes(scope) {
+            cases.extend(MODULI.map(|modulus| Case {
+                pattern,
+                cells,
+                modulus,
+                ..base
+            }));
+        }
+    }
+    if scope == Scope::Quick {
+        return cases;
+    }
+    // Midpoints have no surface that contact knows of.
+    let others = (1..KINDS.len()).filter(|&kind| KINDS[kind].1 != Kind::Midpoints);
+    for kind in others {
+        cases.extend(MODULI.map(|modulus| Case {
+            kind,
+            modulus,
+            ..base
+        }));
+    }
+    for (method, iterations) in [
+        ("linear-implicit", 0),
+        ("pd", 0),
+        ("xpbd", 0),
+        ("pbd", 5),
+        ("pbd", 20),
+        ("pbd", 80),
+        ("pbd", 320),
+    ] {
+        cases.push(Case {
+            method,
+            iterations,
+            ..base
+        });
+    }
+    cases
+}
+
+pub(super) fn cases(scope: Scope) -> u64 {
+    list(scope).len() as u64
+}
+
+fn drape(case: &Case) -> Result<Drape, BenchError> {
+    let mesh = square(case.pattern, case.cells)?;
+    let mut sheet = Sheet::new(mesh, KINDS[case.kind].1, case.modulus, RIGIDITY)?;
+    sheet.hold(|p| (p - Vec3::new(0.5, 0.5, 0.0)).norm() < HELD)?;
+    let conditions = sheet.conditions()?;
+    let settings = Settings::default();
+    let contact = Settings::default()
+        .with("contact_steps", CONTACT_STEPS)
+        .with("friction", 0);
+    let scene = Scene {
+        model: ClothModel {
+            particles: sheet.particles.clone(),
+            springs: Vec::new(),
+            hinges: Vec::new(),
+            others: sheet.families(),
+        },
+        start: State::at_rest(sheet.points.clone()),
+        mesh: Some(sheet.mesh.clone()),
+        gravity: Vec3::z() * -fold::GRAVITY,
+        // The obstacle under any sheet of this size.
+        ..scene::build("drape-sphere", Some("grid:2x2:one-way"), &contact)?
+    };
+    let settings = match case.iterations {
+        0 => settings,
+        n => settings.with("iterations", n),
+    };
+    let mut stepper = Method::find(case.method)?.build(&scene, &settings, DT)?;
+    let mut state = scene.start.clone();
+    let steps = run::to_rest(&scene, stepper.as_mut(), &mut state, DT, MOST_STEPS, STILL)?;
+    let edges = EdgeTable::build(&sheet.mesh).map_err(BenchError::failed)?;
+    let gauges = Spring::along(sheet.mesh.positions(), edges.ends(), 0.0);
+    let x = &state.positions;
+    let rank = EdgeRank::of_pairs(x, &conditions).map_err(BenchError::failed)?;
+    Ok(Drape {
+        coordinates_left: 3 * x.len() as i64 - conditions.len() as i64,
+        nullity: rank.nullity,
+        corners: fall_of_corners(sheet.mesh.positions(), x),
+        bending: sheet.bending_energy(x)?,
+        membrane: sheet.membrane_energy(x)?,
+        rms_strain: Strain::of(&gauges, x).rms,
+        steps,
+    })
+}
+
+/// How far (m) the four corners of the unit square are below the highest vertex, in the mean.
+fn fall_of_corners(rest: &[Vec3], positions: &[Vec3]) -> Real {
+    let highest = positions
+        .iter()
+        .map(|p| p.z)
+        .fold(Real::NEG_INFINITY, Real::max);
+    let corner = |x: Real, y: Real| {
+        let far = |p: &Vec3| (p.x - x).powi(2) + (p.y - y).powi(2);
+        let nearest = rest
+            .iter()
+            .zip(positions)
+            .min_by(|(p, _), (q, _)| far(p).total_cmp(&far(q)));
+        nearest.map_or(0.0, |(_, p)| highest - p.z)
+    };
+    0.25 * (corner(0.0, 0.0) + corner(1.0, 0.0) + corner(0.0, 1.0) + corner(1.0, 1.0))
+}
+
+/// What the drapes say: how far the corners come down at the stiffer modulus, over what they do at the softer.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub(super) struct Drapes {
+    /// Cells a side, and pattern and ratio: least and largest.
+    pub(super) kept: Vec<(usize, [(String, Real); 2])>,
+}
+
+pub(super) fn run(
+    scope: Scope,
+    findings: &mut Findings,
+    progress: &mut dyn FnMut(&str),
+) -> Result<Drapes, BenchError> {
+    let mut table = Table::new(&[
+        "pattern",
+        "membrane",
+        "cells",
+        "Y",
+        "method",
+        "coordinates − conditions",
+        "nullity draped",
+        "corners below the top",
+        "bending energy (mJ)",
+        "membrane over bending",
+        "rms strain",
+        "steps to rest",
+    ]);
+    let mut fallen: Vec<(Case, Real)> = Vec::new();
+    for case in list(scope) {
+        let Case {
+            pattern,
+            cells,
+            modulus,
+            method,
+            iterations,
+            ..
+        } = case;
+        let membrane = KINDS[case.kind].0;
+        let solver = match iterations {
+            0 => method.to_owned(),
+            n => format!("{method}, {n} iterations"),
+        };
+        let name = format!(
+            "locking: drape, {pattern}, {membrane}, {cells} cells, Y = {modulus:e} N/m, {solver}"
+        );
+        progress(&name);
+        let Some(found) = findings.unless_failed(&name, drape(&case)) else {
+            continue;
+        };
+        if case.kind == 0 && method == METHOD {
+            fallen.push((case, found.corners));
+        }
+        table.push([
+            Cell::from(pattern),
+            Cell::from(membrane),
+            Cell::from(cells),
+            Cell::from(modulus),
+            Cell::from(solver.as_str()),
+            Cell::from(found.coordinates_left),
+            Cell::from(found.nullity),
+            Cell::from(found.corners),
+            Cell::from(1e3 * found.bending),
+            Cell::from(found.membrane / found.bending),
+            Cell::from(found.rms_strain),
+            found
+                .steps
+                .map_or(Cell::Missing, |steps| Cell::from(steps as usize)),
+        ]);
+    }
+    findings.table("locking-sphere", "Sheets draped over a sphere", table);
+    Ok(Drapes {
+        kept: sizes(scope)
+            .iter()
+            .filter_map(|&cells| {
+                let kept = kept(&fallen, cells)?;
+                Some((
+                    cells,
+                    kept.map(|(pattern, share)| (pattern.to_owned(), share)),
+                ))
+            })
+            .collect(),
+    })
+}
+
+/// Least and largest share of the depth of the corners that is kept from the softer modulus to the stiffer, with their patterns.
+fn kept(fallen: &[(Case, Real)], cells: usize) -> Option<[(&'static str, Real); 2]> {
+    let at = |pattern: &str, modulus: Real| {
+        let wanted = |(case, _): &&(Case, Real)| {
+            case.pattern == pattern && case.cells == cells && case.modulus == modulus
+        };
+        fallen.iter().find(wanted).map(|&(_, depth)| depth)
+    };
+    let ratios = count::PATTERNS
+        .into_iter()
+        .filter_map(|pattern| Some((pattern, at(pattern, MODULI[1])? / at(pattern, MODULI[0])?)));
+    let ratios: Vec<(&'static str, Real)> = ratios.collect();
+    let least = ratios.iter().min_by(|a, b| a.1.total_cmp(&b.1))?;
+    let most = ratios.iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
+    Some([*least, *most])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn stiff_sheets_are_judged_by_what_is_left_of_the_depth_of_their_corners() {
+        let rest = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0], [0.5, 0.5]];
+        let rest = rest.map(|[x, y]| Vec3::new(x, y, 0.0));
+        let mut lying = rest;
+        for (vertex, depth) in [0.1, 0.2, 0.3, 0.4, -0.5].into_iter().enumerate() {
+            lying[vertex].z = -depth;
+        }
+        assert!((fall_of_corners(&rest, &lying) - 0.75).abs() < 1e-15);
+        let mut fallen = Vec::new();
+        for (pattern, [soft, stiff]) in [("one-way", [0.5, 0.4]), ("crossed", [0.4, 0.1])] {
+            let case = Case {
+                pattern,
+                ..list(Scope::Quick)[0]
+            };
+            fallen.extend(
+                [(MODULI[0], soft), (MODULI[1], stiff)]
+                    .map(|(modulus, depth)| (Case { modulus, ..case }, depth)),
+            );
+        }
+        let cells = fallen[0].0.cells;
+        let [least, most] = kept(&fallen, cells).unwrap();
+        assert_eq!((least.0, most.0), ("crossed", "one-way"));
+        assert!((least.1 - 0.25).abs() < 1e-15 && (most.1 - 0.8).abs() < 1e-15);
+        assert_eq!(kept(&fallen, cells + 1), None);
+    }
+}

@@ -1,0 +1,183 @@
+//! From impossible starts back to a sheet (BENCH-5; VALIDATION 8.5).
+
+use super::{Cases, Findings, Scope, Study};
+use crate::error::BenchError;
+use crate::journal::Number;
+use crate::method::{METHODS, Method};
+use crate::report::table::{Cell, Table};
+use crate::run;
+use crate::scene::{self, Scene};
+use crate::settings::Settings;
+use cloth_core::math::{Real, Vec3};
+use cloth_core::measure::Strain;
+use cloth_core::random::SplitMix64;
+use serde::{Deserialize, Serialize};
+
+pub(super) const STUDY: Study = Study {
+    name: "recovery",
+    question: "Which methods bring a sheet back from a random, flattened, collapsed or mirrored start?",
+    about: "A sheet of 1 m × 1 m, held along one edge under gravity, springs of 1e3 N/m and hinges of 1e-5 N·m, Δt = 1/60 s, published settings. random: every free vertex anywhere in a cube of 2 m; flattened: all in the line of their row, so no triangle has an area; \
+        collapsed: all in one point; mirrored: on the other side of the held edge. Every run is jittered by 1e-4 m, ten times with other numbers; velocities are taken away whenever the kinetic energy has passed a maximum. \
+        A run recovers if no step fails, all stays finite, and at the end the root mean square strain is at most 1e-2 above that of the sheet at rest; one run that does not fails the cell. worst strain is the largest over the runs. \
+        Mirrored is no trouble for a sheet in space, which swings down from there: it is a check. A collapsed sheet has springs of no length, which have no direction: what a method does there is a choice, and the jitter is there because no rule can break that tie for all.",
+    cases,
+    run,
+};
+
+const STARTS: [&str; 4] = ["random", "flattened", "collapsed", "mirrored"];
+const RUNS: u64 = 10;
+const DT: Real = 1.0 / 60.0;
+/// A run recovers if its strain is at most this above that at rest.
+const EXCESS: Real = 1e-2;
+const STILL: Real = 1e-3;
+
+/// Vertices a side, and steps.
+fn size(scope: Scope) -> (usize, u32) {
+    match scope {
+        Scope::Quick => (5, 150),
+        Scope::Full => (9, 300),
+    }
+}
+
+fn cases(_: Scope) -> u64 {
+    (METHODS.len() * STARTS.len()) as u64
+}
+
+/// What came of the runs of a cell.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+struct Outcome {
+    recovered: u64,
+    /// Largest root mean square strain at the end; of the runs that had one.
+    worst: Option<Number>,
+    /// Why the first run that failed did so.
+    reason: Option<String>,
+}
+
+/// The sheet, held along x = 0.
+fn sheet(n: usize) -> Result<Scene, BenchError> {
+    let settings = Settings::default()
+        .with("n", n)
+        .with("stiffness", 1e3)
+        .with("pins", "none");
+    let mut scene = scene::build("hang", None, &settings)?;
+    for (vertex, x) in scene.start.positions.iter().enumerate() {
+        if x.x == 0.0 {
+            let particles = &mut scene.model.particles;
+            particles.prescribe(vertex).map_err(BenchError::failed)?;
+        }
+    }
+    Ok(scene)
+}
+
+/// Where a vertex that lies at `x` (m) starts.
+fn place(start: &str, x: &Vec3, random: &mut SplitMix64) -> Vec3 {
+    let mut anywhere =
+        |size: Real| Vec3::new(random.symmetric(), random.symmetric(), random.symmetric()) * size;
+    let put = match start {
+        "random" => anywhere(1.0),
+        "flattened" => Vec3::new(x.x, 0.5, 0.0),
+        "collapsed" => Vec3::new(0.5, 0.5, -0.2),
+        _ => Vec3::new(-x.x, x.y, x.z),
+    };
+    put + anywhere(1e-4)
+}
+
+/// Strain (root mean square) at the end of a run.
+fn recover(scene: &Scene, name: &str, steps: u32) -> Result<Real, BenchError> {
+    let mut stepper = Method::find(name)?.build(scene, &Settings::default(), DT)?;
+    let mut state = scene.start.clone();
+    run::to_rest(scene, stepper.as_mut(), &mut state, DT, steps, STILL)?;
+    match state.first_non_finite() {
+        Some(vertex) => Err(BenchError::Failed(format!("vertex {vertex} is not finite"))),
+        None => Ok(Strain::of(&scene.gauges()?, &state.positions).rms),
+    }
+}
+
+/// Ten jittered runs.
+fn cell(n: usize, steps: u32, start: &str, name: &str) -> Result<Outcome, BenchError> {
+    let rest = recover(&sheet(n)?, "implicit-euler", steps)?;
+    let mut cell = Outcome::default();
+    for seed in 1..=RUNS {
+        let mut scene = sheet(n)?;
+        let mut random = SplitMix64::new(seed);
+        for (vertex, x) in scene.start.positions.iter_mut().enumerate() {
+            if !scene.model.particles.is_prescribed(vertex) {
+                *x = place(start, x, &mut random);
+            }
+        }
+        match recover(&scene, name, steps) {
+            Ok(strain) => {
+                cell.recovered += u64::from(strain <= rest + EXCESS);
+                let worst = cell.worst.map_or(0.0, |worst| worst.0);
+                cell.worst = Some(Number(worst.max(strain)));
+            }
+            Err(error) => {
+                cell.reason.get_or_insert_with(|| error.to_string());
+            }
+        }
+    }
+    Ok(cell)
+}
+
+fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
+    let mut findings = Findings::default();
+    let (n, steps) = size(scope);
+    let mut table = Table::new(&["method", "start", "recovered", "worst strain", "cell"]);
+    let (mut always, mut failed) = (Vec::new(), Vec::new());
+    for method in METHODS {
+        let mut lost = Vec::new();
+        for start in STARTS {
+            let case = format!("{start}, {}", method.name);
+            let found = cases.case(&case, || cell(n, steps, start, method.name));
+            let Some(found) = findings.unless_failed(&case, found) else {
+                continue;
+            };
+            let is_passed = found.recovered == RUNS;
+            if !is_passed {
+                lost.push(format!("{start} ({} of {RUNS})", found.recovered));
+            }
+            if let Some(reason) = &found.reason {
+                let note = format!("Failed: {case}: {reason}.");
+                findings.section.notes.push(note);
+            }
+            table.push([
+                Cell::from(method.name),
+                Cell::from(start),
+                Cell::from(format!("{} of {RUNS}", found.recovered)),
+                Cell::from(found.worst.map(|worst| worst.0)),
+                Cell::from(if is_passed { "passes" } else { "FAILS" }),
+            ]);
+        }
+        if lost.is_empty() {
+            always.push(method.name);
+        } else {
+            failed.push(format!("{} fails from {}", method.name, lost.join(", ")));
+        }
+    }
+    findings.table(
+        "recovery",
+        &format!("{n} × {n} vertices, at most {steps} steps"),
+        table,
+    );
+    let told = if failed.is_empty() {
+        "all do".to_owned()
+    } else {
+        failed.join("; ")
+    };
+    findings.section.verdict = Some(format!(
+        "In ten runs of ten from every start, {} recover; {told}.",
+        always.join(", ")
+    ));
+    Ok(findings)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn implicit_euler_recovers_from_a_point() {
+        let found = cell(5, 150, "collapsed", "implicit-euler").unwrap();
+        assert_eq!(found.recovered, RUNS, "{found:?}");
+    }
+}

@@ -1,0 +1,282 @@
+//! What the features cost that a scene does not use: time, dependencies, build (BENCH-6).
+
+use super::{Cases, Findings, Scope, Study};
+use crate::error::BenchError;
+use crate::method::Method;
+use crate::report::table::{Cell, Table};
+use crate::scene::{self, Scene};
+use crate::settings::Settings;
+use cloth_collide::ClothContacts;
+use cloth_core::contact::ContactSource;
+use cloth_core::math::{Real, Vec3};
+use cloth_core::step::{Observer, StepInput, Stepper};
+use std::collections::BTreeSet;
+use std::path::Path;
+use std::process::Command;
+use std::time::Instant;
+
+pub(super) const STUDY: Study = Study {
+    name: "skip",
+    question: "What does a feature cost where a scene does not use it?",
+    about: "Time: a step of the hanging sheet without the feature, with the feature there but not used (a bending rigidity of 0, a contact hook with nothing to touch, an observer that does nothing), and with it in use. The shortest of many steps, all three in turn; a \
+        difference of a few per cent is noise. Contact in use is self-collision of a sheet that does not touch itself, resolved once a step. That nothing is allocated is not measured here but tested. \
+        Dependencies: other crates that a crate of this workspace brings in, with all of its features and with the fewest; seconds are those of building it alone from nothing, its dependencies included.",
+    cases,
+    run,
+};
+
+const METHODS: [&str; 4] = ["pbd", "xpbd", "pd", "linear-implicit"];
+const FEATURES: [&str; 3] = ["bending", "contact", "observer"];
+const CRATES: [(&str, &[&str]); 8] = [
+    ("cloth-core", &["--no-default-features"]),
+    ("cloth-massspring", &["--no-default-features"]),
+    ("cloth-pbd", &["--no-default-features"]),
+    ("cloth-pbd", &[]),
+    ("cloth-xpbd", &["--no-default-features"]),
+    ("cloth-xpbd", &["--features", "direct,single"]),
+    ("cloth-pd", &["--no-default-features"]),
+    ("cloth-collide", &[]),
+];
+
+fn side(scope: Scope) -> u32 {
+    match scope {
+        Scope::Quick => 33,
+        Scope::Full => 128,
+    }
+}
+
+fn cases(_: Scope) -> u64 {
+    (FEATURES.len() * METHODS.len() + CRATES.len()) as u64
+}
+
+fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
+    let mut findings = Findings::default();
+    let mut table = Table::new(&[
+        "feature",
+        "method",
+        "without (ms)",
+        "there but unused (ms)",
+        "unused / without",
+        "in use (ms)",
+        "in use / without",
+    ]);
+    let mut most: Real = 0.0;
+    for feature in FEATURES {
+        for method in METHODS {
+            let case = format!("{feature}, {method}");
+            let times = cases.case(&case, || times(scope, feature, method));
+            let Some([without, unused, used]) = findings.unless_failed(&case, times) else {
+                continue;
+            };
+            most = most.max(unused / without);
+            table.push([
+                Cell::from(feature),
+                Cell::from(method),
+                Cell::from(1e3 * without),
+                Cell::from(1e3 * unused),
+                Cell::from(unused / without),
+                Cell::from(1e3 * used),
+                Cell::from(used / without),
+            ]);
+        }
+    }
+    let n = side(scope);
+    findings.table(
+        "skip-time",
+        &format!("Time of a step of the {n} × {n} sheet with and without a feature"),
+        table,
+    );
+    let mut table = Table::new(&[
+        "crate",
+        "features",
+        "crates it brings in",
+        "seconds to build",
+    ]);
+    let mut fewest = Vec::new();
+    for (name, features) in CRATES {
+        let features = features.join(" ");
+        let shown = if features.is_empty() {
+            "default"
+        } else {
+            &features
+        };
+        let case = format!("{name}, {shown}");
+        let weight = cases.case(&case, || weight(scope, name, &features));
+        let Some((crates, seconds)) = findings.unless_failed(&case, weight) else {
+            continue;
+        };
+        if shown == "--no-default-features" {
+            fewest.push(format!("{name} {crates}"));
+        }
+        table.push([
+            Cell::from(name),
+            Cell::from(shown),
+            Cell::from(crates),
+            Cell::from(seconds),
+        ]);
+    }
+    findings.table("skip-crates", "Dependencies of each crate alone", table);
+    findings.section.verdict = Some(format!(
+        "A feature that is there but unused makes a step at most {most:.3} times as long. With the fewest features the crates bring in so many others: {}.",
+        fewest.join(", ")
+    ));
+    Ok(findings)
+}
+
+/// An observer that does nothing.
+struct Idle;
+
+impl Observer for Idle {
+    fn iteration(&mut self, _: u32, _: &[Vec3]) {}
+}
+
+/// One way to take steps, and its best time (s).
+struct Way<'a> {
+    scene: Scene,
+    stepper: Box<dyn Stepper>,
+    contacts: Option<Box<dyn ContactSource + 'a>>,
+    observer: Option<Idle>,
+    best: Real,
+}
+
+impl Way<'_> {
+    fn new(method: &str, settings: &Settings) -> Result<Self, BenchError> {
+        let scene = scene::build("hang", None, settings)?;
+        Ok(Self {
+            stepper: Method::find(method)?.build(&scene, &Settings::default(), scene.dt)?,
+            scene,
+            contacts: None,
+            observer: None,
+            best: Real::INFINITY,
+        })
+    }
+
+    /// One step from the start of the scene: the work is the same every time.
+    fn step(&mut self) -> Result<(), BenchError> {
+        let mut state = self.scene.start.clone();
+        let mut input = StepInput::new(self.scene.dt).gravity(self.scene.gravity);
+        if let Some(contacts) = &mut self.contacts {
+            input = input.contacts(&mut **contacts);
+        }
+        if let Some(observer) = &mut self.observer {
+            input = input.observer(observer);
+        }
+        let started = Instant::now();
+        self.stepper
+            .step(&mut state, input)
+            .map_err(BenchError::failed)?;
+        self.best = self.best.min(started.elapsed().as_secs_f64());
+        Ok(())
+    }
+}
+
+/// Shortest times (s) of a step without a feature, with it there but unused, and with it in use.
+fn times(scope: Scope, feature: &str, method: &str) -> Result<[Real; 3], BenchError> {
+    let plain = Settings::default().with("n", side(scope));
+    let bare = plain.clone().with("bending", "none");
+    let mut ways = match feature {
+        "bending" => [
+            Way::new(method, &bare)?,
+            Way::new(method, &plain.clone().with("rigidity", 0))?,
+            Way::new(method, &plain)?,
+        ],
+        _ => [
+            Way::new(method, &plain)?,
+            Way::new(method, &plain)?,
+            Way::new(method, &plain)?,
+        ],
+    };
+    match feature {
+        "contact" => {
+            let Some(mesh) = ways[0].scene.mesh.clone() else {
+                return Err(BenchError::Failed("the sheet has no mesh".into()));
+            };
+            for (way, itself) in ways[1..].iter_mut().zip([false, true]) {
+                let builder = ClothContacts::builder(&mesh).self_collision(itself);
+                way.contacts = Some(Box::new(builder.build().map_err(BenchError::failed)?));
+            }
+        }
+        "observer" => {
+            ways[1].observer = Some(Idle);
+            ways[2].observer = Some(Idle);
+        }
+        _ => {}
+    }
+    let started = Instant::now();
+    for round in 0.. {
+        for way in &mut ways {
+            way.step()?;
+        }
+        if round == 0 {
+            // It warmed up.
+            ways.iter_mut().for_each(|way| way.best = Real::INFINITY);
+        }
+        if round >= 5 && started.elapsed().as_secs_f64() > 1.0 || round == 200 {
+            break;
+        }
+    }
+    Ok(ways.map(|way| way.best))
+}
+
+/// Number of crates that a crate brings in, and the seconds that building all of it takes; no seconds for the small scope.
+fn weight(scope: Scope, name: &str, features: &str) -> Result<(usize, Option<Real>), BenchError> {
+    let cargo = || {
+        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+        let mut command = Command::new("cargo");
+        command.current_dir(root);
+        command
+    };
+    let features: Vec<&str> = features.split_whitespace().collect();
+    let tree = cargo()
+        .args([
+            "tree",
+            "--offline",
+            "-p",
+            name,
+            "-e",
+            "normal",
+            "--prefix",
+            "none",
+        ])
+        .args(&features)
+        .output()
+        .map_err(|error| BenchError::Failed(format!("cargo: {error}")))?;
+    let refused = |output: &[u8]| {
+        let text = String::from_utf8_lossy(output);
+        BenchError::Failed(format!(
+            "cargo: {}",
+            text.lines().last().unwrap_or_default()
+        ))
+    };
+    if !tree.status.success() {
+        return Err(refused(&tree.stderr));
+    }
+    let text = String::from_utf8_lossy(&tree.stdout);
+    let name_of = |line: &'_ str| line.split_whitespace().next().map(str::to_owned);
+    let others: BTreeSet<String> = text.lines().filter_map(name_of).collect();
+    if scope == Scope::Quick {
+        return Ok((others.len() - 1, None));
+    }
+    let target = std::env::temp_dir().join(format!("cloth-skip-{}", std::process::id()));
+    let started = Instant::now();
+    let built = cargo()
+        .args([
+            "build",
+            "--offline",
+            "--release",
+            "-p",
+            name,
+            "--target-dir",
+        ])
+        .arg(&target)
+        .args(&features)
+        .output();
+    let seconds = started.elapsed().as_secs_f64();
+    // What is left behind there is of no use to anybody.
+    let _ = std::fs::remove_dir_all(&target);
+    match built {
+        Ok(built) if built.status.success() => Ok((others.len() - 1, Some(seconds))),
+        Ok(built) => Err(refused(&built.stderr)),
+        Err(error) => Err(BenchError::Failed(format!("cargo: {error}"))),
+    }
+}

@@ -1,0 +1,298 @@
+//! Where the methods stop working: maps of step size, stiffness, ratios and mesh quality (BENCH-5; VALIDATION 1 and 8.5).
+
+use super::{Cases, Findings, Scope, Study};
+use crate::error::BenchError;
+use crate::journal::Number;
+use crate::method::{METHODS, Method};
+use crate::report::plot::{Axis, Plot, Series, Style};
+use crate::report::table::{Cell, Table};
+use crate::scene::{self, Scene};
+use crate::settings::Settings;
+use cloth_core::math::Real;
+use cloth_core::measure::{gravitational_energy, kinetic_energy};
+use cloth_core::particles::State;
+use cloth_core::random::SplitMix64;
+use cloth_core::step::StepInput;
+use serde::{Deserialize, Serialize};
+
+mod map;
+
+use map::{MAPS, Map};
+
+pub(super) const STUDY: Study = Study {
+    name: "stability",
+    question: "At which steps, stiffnesses, ratios of mass and stiffness, and meshes does each method stop working?",
+    about: "A sheet of 1 m × 1 m held at two corners falls from the horizontal, one setting per method: the published one, but explicit methods take the step in one part, so that their limit is seen. \
+        ok: finite, and elastic, kinetic and gravitational energy never above that of the start by more than a hundredth of the weight times 1 m; strained: above it, with the step after which it was first so, but only by elastic energy, which a solver that is cut short leaves in stiff springs; \
+        grew: the kinetic and gravitational energy alone are above it, so the sheet moves faster than it can; \
+        diverged: no longer finite, or the method said so; refused: not built, with the reason in the notes. Maps: step (s) × stiffness (N/m); mass of a free corner over that of an inner vertex × stiffness of one half of the sheet over that of the other, Δt = 1/60 s; \
+        height of one row of triangles over that of the others, zero included. Limit: the largest step at which symplectic Euler keeps a fixed-free chain of 20 masses from exploding, found by bisection, over the closed form h = 1/(√(k/m) sin((2n − 1)π/(4n + 2))). \
+        What might surprise: a method can be unconditionally stable for a linear spring (implicit midpoint) and still gain energy on cloth, and PBD and XPBD, cut short by their published settings, hold more elastic energy than the fall has given although they stay finite.",
+    cases,
+    run,
+};
+
+fn cases(_: Scope) -> u64 {
+    (1 + MAPS.len() * methods().len()) as u64
+}
+
+fn methods() -> [&'static str; METHODS.len()] {
+    METHODS.map(|method| method.name)
+}
+
+fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
+    let mut findings = Findings::default();
+    let limit = limits(scope, &mut findings, cases)?;
+    let mut told = vec![limit];
+    for map in MAPS {
+        told.push(draw(&map, scope, &mut findings, cases)?);
+    }
+    findings.section.verdict = Some(told.join(" "));
+    Ok(findings)
+}
+
+/// What came of one run.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+enum Fate {
+    Ok,
+    /// Elastic energy that a solver cut short leaves in the springs, after this step; the sheet does not move faster than it may.
+    Strained(u32),
+    /// After this step.
+    Grew(u32),
+    Diverged(u32),
+    Refused(String),
+}
+
+impl Fate {
+    fn word(&self) -> String {
+        match self {
+            Self::Ok => "ok".into(),
+            Self::Strained(step) => format!("strained ({step})"),
+            Self::Grew(step) => format!("grew ({step})"),
+            Self::Diverged(step) => format!("diverged ({step})"),
+            Self::Refused(_) => "refused".into(),
+        }
+    }
+}
+
+/// Follows a method for some steps.
+fn follow(scene: &Scene, name: &str, dt: Real, steps: u32) -> Result<Fate, BenchError> {
+    let settings = match name {
+        "explicit-euler" | "symplectic-euler" => Settings::default().with("substeps", 1),
+        _ => Settings::default(),
+    };
+    let mut stepper = match Method::find(name)?.build(scene, &settings, dt) {
+        Ok(stepper) => stepper,
+        Err(error) => return Ok(Fate::Refused(error.to_string())),
+    };
+    let energies = scene.model.energies().map_err(BenchError::failed)?;
+    let particles = &scene.model.particles;
+    let moving = |state: &State| {
+        kinetic_energy(particles, &state.velocities)
+            + gravitational_energy(particles, &state.positions, scene.gravity)
+    };
+    let free = (0..particles.len()).filter(|&v| !particles.is_prescribed(v));
+    let mass: Real = free.map(|v| particles.mass()[v]).sum();
+    let mut state = scene.start.clone();
+    let mut fate = Fate::Ok;
+    let most = moving(&state) + 0.01 * mass * scene.gravity.norm();
+    for step in 1..=steps {
+        let input = StepInput::new(dt).gravity(scene.gravity);
+        if stepper.step(&mut state, input).is_err() || state.first_non_finite().is_some() {
+            return Ok(Fate::Diverged(step));
+        }
+        let (now, elastic) = (moving(&state), energies.value(&state.positions));
+        if !(now + elastic).is_finite() {
+            return Ok(Fate::Diverged(step));
+        }
+        if now > most {
+            return Ok(Fate::Grew(step));
+        }
+        if now + elastic > most && fate == Fate::Ok {
+            fate = Fate::Strained(step);
+        }
+    }
+    Ok(fate)
+}
+
+/// One table for a map, with a row per method and value of the second parameter; what it says.
+fn draw(
+    map: &Map,
+    scope: Scope,
+    findings: &mut Findings,
+    cases: &mut Cases<'_>,
+) -> Result<String, BenchError> {
+    let (across, down) = map.values(scope);
+    let mut names = vec!["method".to_owned(), map.down.to_owned()];
+    names.extend(
+        across
+            .iter()
+            .map(|value| format!("{} {}", map.across, short(*value))),
+    );
+    let names: Vec<&str> = names.iter().map(String::as_str).collect();
+    let mut table = Table::new(&names);
+    let mut passed = Vec::new();
+    let mut reasons: Vec<String> = Vec::new();
+    for name in methods() {
+        let case = format!("{}, {name}", map.name);
+        let fates = cases.case(&case, || map.all(scope, name));
+        let Some(fates) = findings
+            .unless_failed(&case, fates)
+            .filter(|fates| fates.len() == across.len() * down.len())
+        else {
+            continue;
+        };
+        for (row, value) in fates.chunks(across.len()).zip(&down) {
+            let mut cells = vec![Cell::from(name), Cell::from(*value)];
+            cells.extend(row.iter().map(|fate| Cell::from(fate.word())));
+            table.rows.push(cells);
+        }
+        for fate in &fates {
+            if let Fate::Refused(reason) = fate {
+                let note = format!("Refused: {name}: {reason}.");
+                if !reasons.contains(&note) {
+                    reasons.push(note);
+                }
+            }
+        }
+        let ok = fates.iter().filter(|fate| **fate == Fate::Ok).count();
+        let strained = fates
+            .iter()
+            .filter(|fate| matches!(fate, Fate::Strained(_)))
+            .count();
+        passed.push(match strained {
+            0 => format!("{name} {ok}"),
+            strained => format!("{name} {ok} and strained in {strained}"),
+        });
+    }
+    findings.section.notes.extend(reasons);
+    findings.table(&format!("stability-{}", map.name), map.caption, table);
+    Ok(format!(
+        "{}, of {} sheets ok: {}.",
+        map.caption,
+        across.len() * down.len(),
+        passed.join(", ")
+    ))
+}
+
+fn short(value: Real) -> String {
+    if value == 0.0 || (1e-2..1e3).contains(&value) {
+        format!("{}", (value * 1e4).round() / 1e4)
+    } else {
+        format!("{value:.0e}")
+    }
+}
+
+/// The step at which symplectic Euler explodes on a chain of 20 masses.
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+struct Limit {
+    stiffness: Number,
+    found: Number,
+    expected: Number,
+}
+
+fn limits(
+    scope: Scope,
+    findings: &mut Findings,
+    cases: &mut Cases<'_>,
+) -> Result<String, BenchError> {
+    let stiffnesses: &[Real] = match scope {
+        Scope::Quick => &[1e2, 1e6],
+        Scope::Full => &[1.0, 1e2, 1e4, 1e6, 1e8],
+    };
+    let found: Vec<Limit> = cases.case("limit of symplectic Euler", || {
+        stiffnesses.iter().map(|&k| limit(k)).collect()
+    })?;
+    let mut table = Table::new(&["stiffness (N/m)", "largest step (s)", "closed form (s)"]);
+    let mut worst: Real = 0.0;
+    for limit in &found {
+        worst = worst.max((limit.found.0 / limit.expected.0 - 1.0).abs());
+        table.push([
+            Cell::from(limit.stiffness.0),
+            Cell::from(limit.found.0),
+            Cell::from(limit.expected.0),
+        ]);
+    }
+    let curve = |of: fn(&Limit) -> Real| {
+        found
+            .iter()
+            .map(|limit| (limit.stiffness.0, of(limit)))
+            .collect()
+    };
+    findings.plot(
+        "stability-limit",
+        &Plot {
+            title: "The largest step of symplectic Euler".into(),
+            x: Axis::log("stiffness (N/m)"),
+            y: Axis::log("step (s)"),
+            series: vec![
+                Series::new("symplectic-euler", curve(|limit| limit.found.0)).styled(Style::Points),
+                Series::new("2/ω of the stiffest mode", curve(|limit| limit.expected.0))
+                    .styled(Style::ExactCurve),
+            ],
+            note: "A chain of 20 masses of 0.01 kg, held at one end, shaken along itself.".into(),
+        },
+    );
+    findings.table("stability-limit", "The limit of symplectic Euler", table);
+    Ok(format!(
+        "Symplectic Euler explodes where the closed form says, to {worst:.0e}."
+    ))
+}
+
+/// Longitudinal motion of a chain is linear, so the limit is that of its stiffest mode.
+fn limit(stiffness: Real) -> Result<Limit, BenchError> {
+    const LINKS: u32 = 20;
+    const MASS: Real = 0.01;
+    const STEPS: u32 = 3000;
+    let settings = Settings::default()
+        .with("n", LINKS)
+        .with("mass", MASS)
+        .with("tip_mass", MASS)
+        .with("stiffness", stiffness)
+        .with("gravity", 0);
+    let mut scene = scene::build("chain", None, &settings)?;
+    let mut random = SplitMix64::new(1);
+    for x in scene.start.positions.iter_mut().skip(1) {
+        x.x += 1e-9 * random.symmetric();
+    }
+    let once = Settings::default().with("substeps", 1);
+    let explodes = |dt: Real| -> Result<bool, BenchError> {
+        let mut stepper = Method::find("symplectic-euler")?.build(&scene, &once, dt)?;
+        let mut state = scene.start.clone();
+        for _ in 0..STEPS {
+            if stepper.step(&mut state, StepInput::new(dt)).is_err() {
+                return Ok(true);
+            }
+        }
+        let moved = state.positions.iter().zip(&scene.start.positions);
+        Ok(moved.map(|(a, b)| (a - b).norm()).fold(0.0, Real::max) > 1e-6)
+    };
+    let phase = std::f64::consts::PI * Real::from(2 * LINKS - 1) / Real::from(4 * LINKS + 2);
+    let expected = (MASS / stiffness).sqrt() / phase.sin();
+    let (mut low, mut high) = (0.5 * expected, 2.0 * expected);
+    while high / low > 1.0001 {
+        let middle = (low * high).sqrt();
+        if explodes(middle)? {
+            high = middle;
+        } else {
+            low = middle;
+        }
+    }
+    Ok(Limit {
+        stiffness: Number(stiffness),
+        found: Number((low * high).sqrt()),
+        expected: Number(expected),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn symplectic_euler_explodes_beyond_its_limit() {
+        let limit = limit(1e4).unwrap();
+        let error = limit.found.0 / limit.expected.0 - 1.0;
+        assert!(error.abs() < 1e-3, "{error:e}");
+    }
+}

@@ -1,0 +1,156 @@
+//! The maps: which sheet stands behind which pair of values.
+
+use super::{Fate, follow};
+use crate::error::BenchError;
+use crate::scene::{self, Scene};
+use crate::settings::Settings;
+use crate::studies::Scope;
+use cloth_core::cloth::{Cloth, Membrane};
+use cloth_core::math::{Real, Vec3};
+use cloth_core::mesh::TriMesh;
+use cloth_core::mesh::generate::{Diagonals, grid};
+use cloth_core::particles::State;
+
+/// Vertices a side.
+const N: usize = 9;
+const STEP: Real = 1.0 / 60.0;
+
+/// A pair of parameters.
+pub(super) struct Map {
+    pub(super) name: &'static str,
+    pub(super) caption: &'static str,
+    /// What changes from column to column, and from row to row.
+    pub(super) across: &'static str,
+    pub(super) down: &'static str,
+    values: [[&'static [Real]; 2]; 2],
+    /// The sheet and its step (s) for a value across and one down.
+    build: fn(Real, Real) -> Result<(Scene, Real), BenchError>,
+}
+
+/// Values are those of the quick scope, across and down, then of the full one.
+pub(super) const MAPS: [Map; 3] = [
+    Map {
+        name: "step",
+        caption: "Step size and stiffness",
+        across: "Δt",
+        down: "stiffness (N/m)",
+        values: [
+            [&[1.0 / 240.0, 1.0 / 60.0, 0.25], &[1e2, 1e6]],
+            [
+                &[1e-3, 1.0 / 240.0, 1.0 / 60.0, 1.0 / 15.0, 0.25, 1.0],
+                &[1.0, 1e2, 1e4, 1e6, 1e8],
+            ],
+        ],
+        build: |dt, stiffness| Ok((hung(stiffness)?, dt)),
+    },
+    Map {
+        name: "ratio",
+        caption: "Ratios of mass and stiffness",
+        across: "mass ratio",
+        down: "stiffness ratio",
+        values: [
+            [&[1.0, 1e4], &[1.0, 1e6]],
+            [&[1.0, 1e2, 1e4, 1e6], &[1.0, 1e2, 1e4, 1e6, 1e8]],
+        ],
+        build: |mass, stiffness| Ok((uneven(mass, stiffness)?, STEP)),
+    },
+    Map {
+        name: "quality",
+        caption: "Slivers",
+        across: "height of a row",
+        down: "stiffness (N/m)",
+        values: [
+            [&[1.0, 1e-3, 0.0], &[1e4]],
+            [&[1.0, 0.1, 1e-2, 1e-3, 1e-4, 1e-6, 0.0], &[1e2, 1e4, 1e6]],
+        ],
+        build: |height, stiffness| Ok((slivers(height, stiffness)?, STEP)),
+    },
+];
+
+impl Map {
+    /// Values across and down.
+    pub(super) fn values(&self, scope: Scope) -> (Vec<Real>, Vec<Real>) {
+        let [across, down] = self.values[usize::from(scope == Scope::Full)];
+        (across.to_vec(), down.to_vec())
+    }
+
+    /// What a method makes of every pair, row by row.
+    pub(super) fn all(&self, scope: Scope, method: &str) -> Result<Vec<Fate>, BenchError> {
+        let steps = if scope == Scope::Quick { 20 } else { 100 };
+        let (across, down) = self.values(scope);
+        let mut fates = Vec::new();
+        for &second in &down {
+            for &first in &across {
+                fates.push(match (self.build)(first, second) {
+                    Ok((scene, dt)) => follow(&scene, method, dt, steps)?,
+                    Err(error) => Fate::Refused(error.to_string()),
+                });
+            }
+        }
+        Ok(fates)
+    }
+}
+
+fn hung(stiffness: Real) -> Result<Scene, BenchError> {
+    let settings = Settings::default()
+        .with("n", N)
+        .with("stiffness", stiffness);
+    scene::build("hang", None, &settings)
+}
+
+/// The free corner opposite to the held ones is heavier than an inner vertex by `mass`, and the half of the sheet beyond the middle stiffer by `stiffness`.
+fn uneven(mass: Real, stiffness: Real) -> Result<Scene, BenchError> {
+    let mut scene = hung(1e2)?;
+    let model = &mut scene.model;
+    let particles = &mut model.particles;
+    let inner = particles.mass()[N + 1];
+    let corner = (0..particles.len())
+        .rev()
+        .find(|&v| !particles.is_prescribed(v) && scene.start.positions[v].x == 0.0)
+        .ok_or_else(|| BenchError::Failed("every corner is held".into()))?;
+    particles
+        .set_mass(corner, mass * inner)
+        .map_err(BenchError::failed)?;
+    for spring in &mut model.springs {
+        let [a, b] = spring.vertices.map(|v| scene.start.positions[v as usize].x);
+        if a + b > 1.0 {
+            spring.stiffness *= stiffness;
+        }
+    }
+    Ok(scene)
+}
+
+/// One row of the sheet is lower than the others by the factor `height`.
+fn slivers(height: Real, stiffness: Real) -> Result<Scene, BenchError> {
+    let cells = N - 1;
+    let flat = grid(N, N, 1.0, 1.0, Diagonals::Alternating).map_err(BenchError::usage)?;
+    let row = 1.0 / cells as Real;
+    let middle = 0.5;
+    let squeeze = |p: &Vec3| {
+        let beyond = (p.y - middle).clamp(0.0, row);
+        Vec3::new(p.x, p.y - beyond * (1.0 - height), p.z)
+    };
+    let squeezed = flat.positions().iter().map(squeeze).collect();
+    let mesh = TriMesh::new(squeezed, flat.triangles().to_vec()).map_err(BenchError::usage)?;
+    let base = hung(stiffness)?;
+    let cloth = Cloth {
+        areal_density: 0.2,
+        membrane: Membrane::SpringStiffness(stiffness),
+        bending_rigidity: 1e-5,
+    };
+    let mut model = cloth.on(&mesh).map_err(BenchError::usage)?;
+    for vertex in 0..model.particles.len() {
+        if base.model.particles.is_prescribed(vertex) {
+            model
+                .particles
+                .prescribe(vertex)
+                .map_err(BenchError::failed)?;
+        }
+    }
+    Ok(Scene {
+        model,
+        start: State::at_rest(mesh.positions().to_vec()),
+        mesh: Some(mesh),
+        ..base
+    })
+}

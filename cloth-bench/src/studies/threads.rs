@@ -1,0 +1,135 @@
+//! When a second thread helps.
+
+use super::{Cases, Findings, Scope, Study};
+use crate::error::BenchError;
+use crate::method::Method;
+use crate::report::plot::{Axis, Plot, Series, Style};
+use crate::report::table::{Cell, Table};
+use crate::scene;
+use crate::settings::Settings;
+use cloth_core::math::Real;
+use cloth_core::step::StepInput;
+use std::time::Instant;
+
+pub(super) const STUDY: Study = Study {
+    name: "threads",
+    question: "From which size on does a second thread make a step shorter?",
+    about: "A step of the hanging sheet at default settings, in a pool of one thread and in one of two: the shortest of several repetitions, both in turn. Gain is the time on one thread over that on two. Results are the same to the last \
+        bit. Expect no gain and no loss on small sheets, where loops stay on one thread, and less than 2 on large ones: sweeps and solves wait for memory, and the triangular solves of projective dynamics and of Newton's method are serial.",
+    cases,
+    run,
+};
+
+const METHODS: [&str; 5] = ["symplectic-euler", "pbd", "xpbd", "pd", "linear-implicit"];
+
+fn sides(scope: Scope) -> &'static [u32] {
+    match scope {
+        Scope::Quick => &[16, 48],
+        Scope::Full => &[16, 32, 64, 128, 256],
+    }
+}
+
+fn cases(scope: Scope) -> u64 {
+    (METHODS.len() * sides(scope).len()) as u64
+}
+
+fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
+    let mut findings = Findings::default();
+    let mut table = Table::new(&[
+        "method",
+        "vertices a side",
+        "one thread (ms)",
+        "two threads (ms)",
+        "gain",
+    ]);
+    let mut series = Vec::new();
+    let mut parts = Vec::new();
+    for name in METHODS {
+        let mut curve = Vec::new();
+        for &n in sides(scope) {
+            let case = format!("{name} at {n} × {n}");
+            let times = cases.case(&case, || times(name, n));
+            let Some([one, two]) = findings.unless_failed(&case, times) else {
+                continue;
+            };
+            table.push([
+                Cell::from(name),
+                Cell::from(n as usize),
+                Cell::from(1e3 * one),
+                Cell::from(1e3 * two),
+                Cell::from(one / two),
+            ]);
+            curve.push((Real::from(n), one / two));
+        }
+        let pays = curve.iter().find(|(_, gain)| *gain > 1.1);
+        let most = curve.iter().map(|(_, gain)| *gain).fold(0.0, Real::max);
+        parts.push(match pays {
+            Some((n, _)) => format!("{name} from {n} × {n} on, by up to {most:.2}"),
+            None => format!("{name} at no size measured"),
+        });
+        series.push(Series::new(name, curve));
+    }
+    let even = sides(scope).iter().map(|&n| (Real::from(n), 1.0)).collect();
+    series.push(Series::new("no gain", even).styled(Style::ExactCurve));
+    findings.plot(
+        "threads",
+        &Plot {
+            title: "What a second thread gains".into(),
+            x: Axis::log("vertices a side"),
+            y: Axis::linear("time on one thread over time on two (dimensionless)"),
+            series,
+            note: String::new(),
+        },
+    );
+    findings.table("threads", "A step on one thread and on two", table);
+    let verdict = format!(
+        "A second thread shortens a step by more than a tenth: {}.",
+        parts.join("; ")
+    );
+    findings.answer("When does a second thread help?", verdict.clone());
+    findings.section.verdict = Some(verdict);
+    Ok(findings)
+}
+
+/// Shortest times (s) of a step on one thread and on two.
+fn times(name: &str, n: u32) -> Result<[Real; 2], BenchError> {
+    let scene = scene::build("hang", None, &Settings::default().with("n", n))?;
+    let pools = [1, 2].map(|count| rayon::ThreadPoolBuilder::new().num_threads(count).build());
+    let [one, two] = pools;
+    let pools = [
+        one.map_err(BenchError::failed)?,
+        two.map_err(BenchError::failed)?,
+    ];
+    let method = Method::find(name)?;
+    let mut solvers = [
+        method.build(&scene, &Settings::default(), scene.dt)?,
+        method.build(&scene, &Settings::default(), scene.dt)?,
+    ];
+    let mut states = [scene.start.clone(), scene.start.clone()];
+    let mut best = [Real::INFINITY; 2];
+    let started = Instant::now();
+    // The first steps warm up.
+    for round in 0.. {
+        for ((pool, solver), (state, best)) in pools
+            .iter()
+            .zip(&mut solvers)
+            .zip(states.iter_mut().zip(&mut best))
+        {
+            let time = pool.install(|| {
+                let input = StepInput::new(scene.dt).gravity(scene.gravity);
+                let started = Instant::now();
+                solver
+                    .step(state, input)
+                    .map(|_| started.elapsed().as_secs_f64())
+            });
+            let time = time.map_err(BenchError::failed)?;
+            if round >= 2 {
+                *best = best.min(time);
+            }
+        }
+        if round >= 4 && started.elapsed().as_secs_f64() > 1.0 || round == 60 {
+            break;
+        }
+    }
+    Ok(best)
+}

@@ -1,0 +1,327 @@
+//! What an error in the motion costs: run time against the distance from the trajectory in continuous time (BENCH-4; VALIDATION 8.2, 8.3).
+
+use super::cases::Late;
+use super::{Cases, Findings, Scope, Study};
+use crate::error::BenchError;
+use crate::method::{METHODS, Method};
+use crate::report::player::{Film, Playback, Track};
+use crate::report::plot::{Axis, Plot, Series};
+use crate::report::table::{Cell, Table};
+use crate::run::{self, median};
+use crate::scene::{self, Scene};
+use crate::settings::Settings;
+use cloth_core::math::{Real, Vec3};
+use serde::{Deserialize, Serialize};
+use std::time::Instant;
+
+pub(super) const STUDY: Study = Study {
+    name: "work-precision",
+    question: "What does an error in the motion cost with each method, and what does the motion look like?",
+    about: "The hanging sheet for three tenths of a second from rest, with steps of 1/30 s and finer, every method at its default setting, and some accelerations. The reference is symplectic Euler with two very small steps, extrapolated; \
+        the error is ‖x(T) − x_ref(T)‖_M/(√Σm · 1 m). Times are of the whole fall, the median of three runs where these are short. Work is iterations: Newton iterations, sweeps, \
+        local and global steps, or explicit substeps. Order is that of the line above it to this one. Expect first order from implicit Euler, a floor from methods that stop iterating before they have converged, \
+        and an explicit method that is exact as soon as it is stable: its steps are short. The error against the minimiser of one step is in the study `convergence`.",
+    cases,
+    run,
+};
+
+/// Time of the comparison (s).
+const HORIZON: Real = 0.3;
+/// Steps of the reference in 1/60 s, the coarser of two.
+const REFERENCE: u32 = 4096;
+/// Errors that the verdict asks for (dimensionless).
+const WANTED: [Real; 2] = [1e-2, 1e-3];
+
+fn side(scope: Scope) -> u32 {
+    match scope {
+        Scope::Quick => 13,
+        Scope::Full => 33,
+    }
+}
+
+/// Steps per second.
+fn rates(scope: Scope) -> &'static [u32] {
+    match scope {
+        Scope::Quick => &[60, 120, 240],
+        Scope::Full => &[30, 60, 120, 240, 480, 960],
+    }
+}
+
+/// Time that is played back (s).
+fn shown(scope: Scope) -> Real {
+    match scope {
+        Scope::Quick => 1.0,
+        Scope::Full => 3.0,
+    }
+}
+
+/// What is compared: label, method, and what is not its default.
+fn ways() -> Vec<(String, &'static str, Settings)> {
+    let default = METHODS
+        .iter()
+        .map(|method| (method.name.to_owned(), method.name, Settings::default()));
+    let set = |key: &str, value: &str| Settings::default().with(key, value);
+    let accelerated = [
+        ("pbd, Chebyshev", "pbd", set("chebyshev", "auto")),
+        ("pbd, rigid", "pbd", set("projection", "1")),
+        (
+            "xpbd, 20 iterations",
+            "xpbd",
+            set("substeps", "1").with("iterations", "20"),
+        ),
+        (
+            "xpbd, 20 iterations, Chebyshev",
+            "xpbd",
+            set("substeps", "1")
+                .with("iterations", "20")
+                .with("chebyshev", "auto"),
+        ),
+        ("pd, plain", "pd", set("acceleration", "none")),
+        ("pd, Chebyshev", "pd", set("acceleration", "chebyshev")),
+    ];
+    let accelerated = accelerated.map(|(label, name, settings)| (label.to_owned(), name, settings));
+    default.chain(accelerated).collect()
+}
+
+fn cases(scope: Scope) -> u64 {
+    (1 + ways().len() * rates(scope).len() + METHODS.len()) as u64
+}
+
+/// One run to the horizon.
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+struct Outcome {
+    seconds: Real,
+    iterations: u64,
+    error: Real,
+}
+
+fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
+    let mut findings = Findings::default();
+    let n = side(scope);
+    let scene = scene::build("hang", None, &Settings::default().with("n", n))?;
+    let mut reference = Late::new(|| Reference::of(&scene));
+    let doubt = cases.case("reference", || Ok(reference.get()?.doubt))?;
+    let mut table = Table::new(&[
+        "method",
+        "steps per second",
+        "time (ms)",
+        "iterations",
+        "error",
+        "order",
+        "remark",
+    ]);
+    let mut series = [Vec::new(), Vec::new()];
+    let mut all: Vec<(String, u32, Outcome)> = Vec::new();
+    for (label, name, settings) in ways() {
+        let mut curves = [Vec::new(), Vec::new()];
+        let mut before: Option<(u32, Real)> = None;
+        for &rate in rates(scope) {
+            let case = format!("{label}, 1/{rate} s");
+            let outcome = cases.case(&case, || {
+                let method = Method::find(name)?;
+                fall(&scene, method, &settings, rate, reference.get()?)
+            });
+            let remark = outcome
+                .as_ref()
+                .err()
+                .map_or(String::new(), BenchError::to_string);
+            let outcome = outcome.ok();
+            let order = before.zip(outcome).map(|((coarser, error), now)| {
+                (error / now.error).ln() / (Real::from(rate) / Real::from(coarser)).ln()
+            });
+            before = outcome.map(|outcome| (rate, outcome.error));
+            table.push([
+                Cell::from(label.as_str()),
+                Cell::from(rate as usize),
+                Cell::from(outcome.map(|o| 1e3 * o.seconds)),
+                Cell::from(outcome.map(|o| o.iterations as usize)),
+                Cell::from(outcome.map(|o| o.error)),
+                Cell::from(order),
+                Cell::from(remark),
+            ]);
+            if let Some(outcome) = outcome {
+                curves[0].push((1e3 * outcome.seconds, outcome.error));
+                curves[1].push((1.0 / Real::from(rate), outcome.error));
+                all.push((label.clone(), rate, outcome));
+            }
+        }
+        for (series, curve) in series.iter_mut().zip(curves) {
+            series.push(Series::new(&label, curve));
+        }
+    }
+    let [by_time, by_step] = series;
+    let plot = |title: &str, x: &str, series| Plot {
+        title: format!("{title}, {n} × {n} vertices"),
+        x: Axis::log(x),
+        y: Axis::log("error (dimensionless)").within(1e-5, 1.0),
+        series,
+        note: String::new(),
+    };
+    let title = "Error of the motion against run time";
+    findings.plot("work-precision-time", &plot(title, "time (ms)", by_time));
+    let title = "Error of the motion against the step";
+    findings.plot(
+        "work-precision-step",
+        &plot(title, "step size (s)", by_step),
+    );
+    findings.table(
+        "work-precision",
+        "Three tenths of a second of the hanging sheet",
+        table,
+    );
+    findings.section.notes.push(format!(
+        "The reference is known to {doubt:.1e}: the distance between its two extrapolations."
+    ));
+    findings.section.verdict = Some(verdict(n, &all));
+    play(scope, &scene, &mut findings, cases);
+    Ok(findings)
+}
+
+/// The fastest to each error, in words.
+fn verdict(n: u32, all: &[(String, u32, Outcome)]) -> String {
+    let parts = WANTED.map(|wanted| {
+        let mut good: Vec<_> = all.iter().filter(|(.., o)| o.error <= wanted).collect();
+        good.sort_by(|(.., a), (.., b)| a.seconds.total_cmp(&b.seconds));
+        // Each method once.
+        let mut fastest: Vec<&(String, u32, Outcome)> = Vec::new();
+        for one in good {
+            if fastest.len() < 3 && fastest.iter().all(|(label, ..)| *label != one.0) {
+                fastest.push(one);
+            }
+        }
+        let named = fastest.iter().map(|(label, rate, outcome)| {
+            format!("{label} with 1/{rate} s ({:.1} ms)", 1e3 * outcome.seconds)
+        });
+        match named.collect::<Vec<_>>() {
+            named if named.is_empty() => format!("to {wanted} of the size nobody gets"),
+            named => format!(
+                "to {wanted} of the size the fastest are {}",
+                named.join(", ")
+            ),
+        }
+    });
+    format!(
+        "In the first 0.3 s of the {n} × {n} sheet {}.",
+        parts.join("; ")
+    )
+}
+
+/// Where the sheet is at the horizon, in continuous time.
+struct Reference {
+    positions: Vec<Vec3>,
+    /// How well that is known (dimensionless).
+    doubt: Real,
+}
+
+impl Reference {
+    /// Symplectic Euler with steps h, h/2 and h/4; its error is ∝ h, so 2x(h/2) − x(h) is of second order.
+    fn of(scene: &Scene) -> Result<Self, BenchError> {
+        let steps = (HORIZON / scene.dt).round() as u32;
+        let at = |substeps: u32| {
+            let settings = Settings::default().with("substeps", substeps);
+            let mut solver = Method::find("symplectic-euler")?.build(scene, &settings, scene.dt)?;
+            let mut state = scene.start.clone();
+            run::run(
+                scene,
+                &mut *solver,
+                &mut state,
+                scene.dt,
+                steps,
+                |_, _, _| Ok(()),
+            )?;
+            Ok::<_, BenchError>(state.positions)
+        };
+        let [coarse, middle, fine] = [at(REFERENCE)?, at(2 * REFERENCE)?, at(4 * REFERENCE)?];
+        let extrapolated = |coarse: &[Vec3], fine: &[Vec3]| -> Vec<Vec3> {
+            let pairs = coarse.iter().zip(fine);
+            pairs.map(|(coarse, fine)| 2.0 * fine - coarse).collect()
+        };
+        let (first, second) = (extrapolated(&coarse, &middle), extrapolated(&middle, &fine));
+        Ok(Self {
+            doubt: distance(scene, &first, &second),
+            positions: second,
+        })
+    }
+}
+
+/// ‖x − y‖_M/(√Σm · 1 m).
+fn distance(scene: &Scene, x: &[Vec3], y: &[Vec3]) -> Real {
+    let masses = scene.model.particles.mass();
+    let (mut squares, mut mass) = (0.0, 0.0);
+    for ((x, y), m) in x.iter().zip(y).zip(masses) {
+        squares += m * (x - y).norm_squared();
+        mass += m;
+    }
+    (squares / mass).sqrt()
+}
+
+fn fall(
+    scene: &Scene,
+    method: &Method,
+    settings: &Settings,
+    rate: u32,
+    reference: &Reference,
+) -> Result<Outcome, BenchError> {
+    let dt = 1.0 / Real::from(rate);
+    let steps = (HORIZON / dt).round() as u32;
+    let mut times = Vec::new();
+    let mut solver = method.build(scene, settings, dt)?;
+    loop {
+        let mut state = scene.start.clone();
+        let started = Instant::now();
+        let summary = run::run(scene, &mut *solver, &mut state, dt, steps, |_, _, _| Ok(()))?;
+        times.push(started.elapsed().as_secs_f64());
+        if times.len() == 3 || times[0] > 1.0 {
+            return Ok(Outcome {
+                seconds: median(&mut times),
+                iterations: summary.iterations,
+                error: distance(scene, &state.positions, &reference.positions),
+            });
+        }
+    }
+}
+
+/// Every method at its default setting, on film.
+fn play(scope: Scope, scene: &Scene, findings: &mut Findings, cases: &mut Cases<'_>) {
+    let Some(mesh) = &scene.mesh else {
+        return;
+    };
+    let steps = (shown(scope) / scene.dt).round() as u32;
+    let mut tracks = Vec::new();
+    for method in &METHODS {
+        let case = format!("{} on film", method.name);
+        let film = cases.case(&case, || {
+            let mut solver = method.build(scene, &Settings::default(), scene.dt)?;
+            let mut state = scene.start.clone();
+            let mut frames = vec![state.positions.clone()];
+            run::run(
+                scene,
+                &mut *solver,
+                &mut state,
+                scene.dt,
+                steps,
+                |step, state, _| {
+                    if step % 2 == 0 {
+                        frames.push(state.positions.clone());
+                    }
+                    Ok(())
+                },
+            )?;
+            Ok(Film::of_cloth(mesh.triangles(), &frames))
+        });
+        if let Some(film) = findings.unless_failed(&case, film) {
+            tracks.push(Track {
+                name: method.name.to_owned(),
+                surfaces: vec![film],
+            });
+        }
+    }
+    findings.section.playbacks.push(Playback {
+        caption: format!(
+            "The hanging sheet for {} s, every method at its default setting with steps of 1/60 s.",
+            shown(scope)
+        ),
+        seconds_per_frame: 2.0 * scene.dt,
+        tracks,
+    });
+}
