@@ -80,14 +80,15 @@ impl QuasiNewton {
             Ok(backtracks) => return (self.accept(point, backtracks), 1),
             Err(backtracks) => backtracks,
         };
-        // What is remembered, or the coarse grid, misleads here. A plain iteration needs no search: it minimises a bound of G, as long as the matrix has all families.
+        // What is remembered, or the coarse grid, misleads here. A plain iteration needs no search: it minimises a bound of G, as long as the matrix has all families; where it lacks
+        // one that has come to count, because springs beside it are gone, the length that is found is taken, or the last that was tried, which is next to nothing.
         self.len = 0;
         global.solve(&point.gradient, &mut self.direction);
-        if global.is_whole() {
-            self.next.go(&point.displacement, &self.direction, -1.0);
-            objective.evaluate(&mut self.next);
-        } else {
-            // Where no length is good, the last, which is next to nothing, is taken.
+        self.next.go(&point.displacement, &self.direction, -1.0);
+        objective.evaluate(&mut self.next);
+        let rise = self.next.value - point.value;
+        let is_higher = rise.is_nan() || rise > ROUNDING * point.size.max(self.next.size);
+        if is_higher && !global.is_whole() {
             rejected += self.search(objective, point).unwrap_or_else(|tried| tried);
         }
         rejected = self.accept(point, rejected);

@@ -142,13 +142,22 @@ pub(super) fn costs(
 
 /// Reads the numbers from first to last and from last to first, as a solve does.
 fn read_twice(numbers: &[Real]) {
-    let total = |sums: [Real; 16], chunk: &[Real; 16]| std::array::from_fn(|i| sums[i] + chunk[i]);
+    let (chunks, _) = numbers.as_chunks::<16>();
     wide(
         #[inline(always)]
         || {
-            let (chunks, _) = numbers.as_chunks::<16>();
-            black_box(chunks.iter().fold([0.0; 16], total));
-            black_box(chunks.iter().rev().fold([0.0; 16], total));
+            let mut sums = [0.0; 16];
+            for chunk in chunks {
+                for lane in 0..16 {
+                    sums[lane] += chunk[lane];
+                }
+            }
+            for chunk in chunks.iter().rev() {
+                for lane in 0..16 {
+                    sums[lane] += chunk[lane];
+                }
+            }
+            black_box(sums);
         },
     );
 }
