@@ -3,17 +3,21 @@
 pub mod ccd;
 pub mod commands;
 pub mod error;
+pub mod export;
 pub mod journal;
 pub mod laws;
 pub mod mesh_spec;
 pub mod method;
 pub mod names;
+mod program;
 pub mod report;
 pub mod run;
 pub mod scene;
 pub mod settings;
 pub mod studies;
 pub mod yardstick;
+
+pub use program::main_with;
 
 /// The example of the README, compiled and run with the doc tests.
 #[cfg(doctest)]

@@ -4,7 +4,7 @@ use crate::error::BenchError;
 use crate::names;
 use cloth_core::math::Vec3;
 use cloth_core::mesh::generate::{self, Diagonals};
-use cloth_core::mesh::{MeshError, TriMesh, obj};
+use cloth_core::mesh::{MeshError, TriMesh, io};
 use std::path::Path;
 
 /// The generators and how they are written, for `list`.
@@ -74,7 +74,7 @@ pub fn is_file(spec: &str) -> bool {
 /// [`BenchError::Usage`] that names what is wrong with the name, or with the line of the file.
 pub fn load(spec: &str) -> Result<TriMesh, BenchError> {
     if is_file(spec) {
-        return obj::read(Path::new(spec)).map_err(BenchError::usage);
+        return io::read(Path::new(spec)).map_err(BenchError::usage);
     }
     if spec.contains('+') {
         return side_by_side(spec);

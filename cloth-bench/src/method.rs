@@ -3,11 +3,13 @@
 mod direct;
 mod families;
 mod mass_spring;
+mod own;
 mod position_based;
 mod projective;
 mod strain_limit;
 
 pub(crate) use families::implicit_euler;
+pub use own::{Build, OwnMethod, all, register, with_own};
 
 use families::{add_constraints, add_energies, add_families, add_projections, refused};
 
@@ -41,7 +43,7 @@ pub struct Method {
     kind: Kind,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug)]
 enum Kind {
     Explicit,
     Symplectic,
@@ -53,12 +55,13 @@ enum Kind {
     Xpbd,
     XpbdDirect,
     Pd,
+    Own(OwnMethod),
 }
 
 /// More parts of a step than this are a slip of the pen.
 const MOST_SUBSTEPS: Real = 1e6;
 
-/// Every method.
+/// Every method of the workspace; [`all`] has those of your own too.
 pub const METHODS: [Method; 10] = [
     Method {
         name: "explicit-euler",
@@ -128,13 +131,10 @@ impl Method {
     /// # Errors
     /// [`BenchError::Usage`] that names the nearest known one.
     pub fn find(name: &str) -> Result<&'static Self, BenchError> {
-        METHODS
-            .iter()
-            .find(|method| method.name == name)
-            .ok_or_else(|| {
-                let known: Vec<&str> = METHODS.iter().map(|m| m.name).collect();
-                BenchError::Usage(names::unknown("method", name, &known))
-            })
+        all().find(|method| method.name == name).ok_or_else(|| {
+            let known: Vec<&str> = all().map(|m| m.name).collect();
+            BenchError::Usage(names::unknown("method", name, &known))
+        })
     }
 
     /// The tables of what can be set, with the published setting: of the method, and of all methods.
@@ -219,6 +219,7 @@ impl Method {
                 }
                 Box::new(builder.build().map_err(BenchError::usage)?)
             }
+            Kind::Own(own) => (own.build)(scene, settings, dt)?,
         })
     }
 
@@ -251,7 +252,8 @@ impl Method {
             | Kind::Midpoint
             | Kind::Bdf2
             | Kind::Pd
-            | Kind::XpbdDirect => Ok(1),
+            | Kind::XpbdDirect
+            | Kind::Own(_) => Ok(1),
             Kind::Pbd => settings.count(&position_based::PBD_SUBSTEPS, 1),
             Kind::Xpbd => settings.count(&position_based::XPBD_SUBSTEPS, 1),
             Kind::Explicit | Kind::Symplectic
@@ -279,7 +281,11 @@ impl Method {
     /// rules take another step.
     #[must_use]
     pub fn aims_at_implicit_euler(&self) -> bool {
-        !matches!(self.kind, Kind::Midpoint | Kind::Bdf2)
+        match self.kind {
+            Kind::Midpoint | Kind::Bdf2 => false,
+            Kind::Own(own) => own.aims_at_implicit_euler,
+            _ => true,
+        }
     }
 
     /// How far free fall leads in `n` equal (sub)steps of size h, in units of `½ g h²`.

@@ -3,6 +3,7 @@
 mod build;
 mod cloth;
 mod contact;
+pub mod file;
 mod pins;
 mod touching;
 
@@ -227,7 +228,7 @@ const SHEET: &[Parameter] = &[
 pub const SCENES: [SceneInfo; 9] = [
     SceneInfo {
         name: "hang",
-        about: "a sheet of 1 m × 1 m held at two corners, starting horizontal; with --mesh any OBJ, held at its highest vertices",
+        about: "a sheet of 1 m × 1 m held at two corners, starting horizontal; with --mesh any OBJ or PLY file, held at its highest vertices",
         groups: &[SHEET, NOT_TOUCHING],
     },
     SceneInfo {

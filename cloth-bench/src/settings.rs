@@ -66,6 +66,13 @@ impl Settings {
         self
     }
 
+    /// These settings and `later` ones, which hold where both are given.
+    #[must_use]
+    pub fn then(mut self, later: &Self) -> Self {
+        self.given.extend_from_slice(&later.given);
+        self
+    }
+
     /// Refuses keys that none of the tables knows. `what` names what takes them.
     ///
     /// # Errors

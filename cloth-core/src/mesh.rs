@@ -4,7 +4,9 @@ use crate::math::{Real, Vec3};
 use std::fmt;
 
 pub mod generate;
+pub mod io;
 pub mod obj;
+pub mod ply;
 
 /// Rest shape of the cloth: `V` rest positions (m) and `F` triangles, counter-clockwise seen from
 /// the front (CORE-1).
@@ -67,6 +69,12 @@ impl TriMesh {
     pub fn area(&self) -> Real {
         self.areas().sum()
     }
+}
+
+/// Cuts a polygon into triangles around its first corner.
+fn fan(corners: &[u32]) -> impl Iterator<Item = [u32; 3]> + '_ {
+    let (first, rest) = corners.split_at(corners.len().min(1));
+    rest.windows(2).map(|pair| [first[0], pair[0], pair[1]])
 }
 
 /// Area (m²) of a triangle of `positions` (m).

@@ -30,6 +30,12 @@ impl Pins {
         Self::default()
     }
 
+    /// Whether no vertex follows a path.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.paths.is_empty()
+    }
+
     /// Prescribes `vertex` in `particles` and makes it follow `path` (time in s to position in m).
     ///
     /// # Errors

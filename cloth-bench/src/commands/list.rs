@@ -5,8 +5,8 @@ use crate::ccd;
 use crate::error::BenchError;
 use crate::laws::LAWS;
 use crate::mesh_spec::GENERATORS;
-use crate::method::METHODS;
-use crate::scene::SCENES;
+use crate::method;
+use crate::scene::{SCENES, file};
 use crate::settings::Parameter;
 use crate::studies::STUDIES;
 use clap::Args;
@@ -20,6 +20,9 @@ pub struct Arguments {
     json: bool,
 }
 
+/// The keys of scene files, which are not given with `--set`.
+const SCENE_FILES: &str = "scene-files";
+
 /// Something that can be named, whatever its kind.
 struct Entry {
     name: &'static str,
@@ -27,7 +30,7 @@ struct Entry {
     parameters: Vec<&'static Parameter>,
 }
 
-fn entries() -> [(&'static str, Vec<Entry>); 6] {
+fn entries() -> [(&'static str, Vec<Entry>); 7] {
     let entry = |name, about, tables: &[&'static [Parameter]]| Entry {
         name,
         about,
@@ -42,9 +45,15 @@ fn entries() -> [(&'static str, Vec<Entry>); 6] {
                 .collect(),
         ),
         (
-            "methods",
-            METHODS
+            SCENE_FILES,
+            file::SECTIONS
                 .iter()
+                .map(|s| entry(s.head, s.about, &[s.keys]))
+                .collect(),
+        ),
+        (
+            "methods",
+            method::all()
                 .map(|m| entry(m.name, m.about, &m.parameters()))
                 .collect(),
         ),
@@ -93,10 +102,12 @@ pub(super) fn execute(arguments: &Arguments) -> Result<(), BenchError> {
         for entry in entries {
             lines.push(format!("  {:18} {}", entry.name, entry.about));
             for p in &entry.parameters {
-                lines.push(format!(
-                    "  {:18}   --set {}={}  {}",
-                    "", p.name, p.default, p.about
-                ));
+                let set = if kind == SCENE_FILES {
+                    format!("{} = {}", p.name, p.default)
+                } else {
+                    format!("--set {}={}", p.name, p.default)
+                };
+                lines.push(format!("  {:18}   {set}  {}", "", p.about));
             }
         }
     }

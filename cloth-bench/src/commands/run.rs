@@ -2,16 +2,15 @@
 
 use super::{print_pairs, write_file};
 use crate::error::BenchError;
+use crate::export::{Export, Format};
 use crate::method::Method;
 use crate::report::render::{Surface, View, render};
 use crate::run::{SeparationWatch, run};
 use crate::scene::{self, Scene, SceneInfo};
-use crate::settings::Settings;
+use crate::settings::{Parameter, Settings};
 use crate::yardstick::StepProblem;
-use clap::{Args, ValueEnum};
+use clap::Args;
 use cloth_core::math::{Real, Vec3};
-use cloth_core::mesh::obj;
-use cloth_core::particles::State;
 use cloth_core::step::Stepper;
 use indicatif::ProgressBar;
 use serde_json::{Value, json};
@@ -20,12 +19,12 @@ use std::path::{Path, PathBuf};
 /// Arguments of `run`.
 #[derive(Debug, Args)]
 pub struct Arguments {
-    /// The scene (see list)
+    /// The scene (see list), or a file of your own, FILE.toml (see scene-files in list)
     scene: String,
     /// The method (see list)
     #[arg(long)]
     method: String,
-    /// An OBJ file or a generator (see list) in place of the scene's own sheet
+    /// An OBJ or PLY file or a generator (see list) in place of the scene's own sheet
     #[arg(long, value_name = "MESH")]
     mesh: Option<String>,
     /// Vertices a side, links or cells, as the scene says
@@ -49,25 +48,21 @@ pub struct Arguments {
     /// Also counts crossings and measures distances after every step, not only at the end
     #[arg(long)]
     watch: bool,
-    /// Folder for the state after every step
+    /// Folder for the start and the state after every step
     #[arg(long, value_name = "DIR")]
     export: Option<PathBuf>,
     /// Format of the exported states
     #[arg(long, value_enum, default_value = "obj", requires = "export")]
     format: Format,
+    /// Exports every K-th step only
+    #[arg(long, value_name = "K", default_value_t = 1, requires = "export")]
+    export_every: u32,
     /// PNG file for a picture of the end
     #[arg(long, value_name = "FILE")]
     picture: Option<PathBuf>,
     /// One JSON object instead of lines
     #[arg(long)]
     json: bool,
-}
-
-/// Formats of exported states.
-#[derive(Clone, Copy, Debug, ValueEnum)]
-enum Format {
-    /// Wavefront OBJ, one file a step
-    Obj,
 }
 
 /// More threads than this are a slip of the pen.
@@ -78,11 +73,27 @@ pub(super) fn execute(arguments: &Arguments) -> Result<(), BenchError> {
     if let Some(n) = arguments.n {
         settings = settings.with("n", n);
     }
-    let info = SceneInfo::find(&arguments.scene)?;
     let method = Method::find(&arguments.method)?;
-    let what = format!("scene `{}` with method `{}`", info.name, method.name);
-    settings.check(&what, &[info.groups(), &method.parameters()[..]].concat())?;
-    let scene = scene::build(info.name, arguments.mesh.as_deref(), &settings)?;
+    let (of_file, info);
+    let groups: &[&[Parameter]] = if scene::file::is_file(&arguments.scene) {
+        if arguments.n.is_some() || arguments.mesh.is_some() {
+            return Err(BenchError::Usage(
+                "--n and --mesh are for the scenes of the program; a scene file has its own [[mesh]]".into(),
+            ));
+        }
+        of_file = scene::file::overrulable();
+        &of_file
+    } else {
+        info = SceneInfo::find(&arguments.scene)?;
+        info.groups()
+    };
+    let what = format!("scene `{}` with method `{}`", arguments.scene, method.name);
+    settings.check(&what, &[groups, &method.parameters()[..]].concat())?;
+    let scene = if scene::file::is_file(&arguments.scene) {
+        scene::file::build(Path::new(&arguments.scene), &settings)?
+    } else {
+        scene::build(&arguments.scene, arguments.mesh.as_deref(), &settings)?
+    };
     let dt = arguments.dt.unwrap_or(scene.dt);
     if !(dt > 0.0 && dt.is_finite()) {
         return Err(BenchError::Usage(format!(
@@ -94,7 +105,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<(), BenchError> {
         scene.mesh.as_ref().ok_or_else(|| {
             BenchError::Usage(format!(
                 "scene `{}` has no triangles to export or to draw",
-                info.name
+                scene.name
             ))
         })?;
     }
@@ -134,6 +145,15 @@ fn simulate(
     steps: u32,
 ) -> Result<(), BenchError> {
     let mut stepper = method.build(scene, settings, dt)?;
+    let mut export = match &arguments.export {
+        Some(folder) => Some(Export::begin(
+            scene,
+            folder,
+            arguments.format,
+            arguments.export_every,
+        )?),
+        None => None,
+    };
     let bar = ProgressBar::new(u64::from(steps));
     let mut state = scene.start.clone();
     let mut watch = arguments.watch.then(|| SeparationWatch::new(scene));
@@ -148,13 +168,15 @@ fn simulate(
             if let Some(watch) = &mut watch {
                 watch.look(state)?;
             }
-            match &arguments.export {
-                Some(folder) => export(arguments.format, folder, step, scene, state),
+            match &mut export {
+                Some(export) => export.after(step, state),
                 None => Ok(()),
             }
         },
     );
     bar.finish_and_clear();
+    // Of a run that failed too: what came before the failure may show why.
+    let exported = export.map(Export::finish).transpose();
     let vertices = state.positions.len();
     let summary = match finished {
         Ok(summary) => summary,
@@ -198,6 +220,13 @@ fn simulate(
         ("min_clearance", json!(summary.min_clearance)),
         ("finite", json!(state.first_non_finite().is_none())),
     ];
+    if let Some(exported) = exported? {
+        pairs.extend([
+            ("export_frames", json!(exported.frames)),
+            ("export_files", json!(exported.files)),
+            ("export_bytes", json!(exported.bytes)),
+        ]);
+    }
     if let Some(seen) = watch.map(|watch| watch.seen()) {
         pairs.extend([
             ("crossed_steps", json!(seen.crossed_steps)),
@@ -264,33 +293,4 @@ fn nalgebra_rotation(up: Vec3) -> cloth_core::math::Mat3 {
         (right, back)
     };
     cloth_core::math::Mat3::from_columns(&[right, -back, up])
-}
-
-fn export(
-    format: Format,
-    folder: &Path,
-    step: u32,
-    scene: &Scene,
-    state: &State,
-) -> Result<(), BenchError> {
-    let Some(mesh) = &scene.mesh else {
-        return Ok(());
-    };
-    let (positions, triangles) = match &scene.order {
-        // Back in the caller's numbers.
-        Some(order) => {
-            let back = |t: &[u32; 3]| t.map(|v| order.old_of_new()[v as usize]);
-            (
-                order.restore(&state.positions),
-                mesh.triangles().iter().map(back).collect(),
-            )
-        }
-        None => (state.positions.clone(), mesh.triangles().to_vec()),
-    };
-    match format {
-        Format::Obj => {
-            let text = obj::format(&positions, &triangles);
-            write_file(&folder.join(format!("{step:05}.obj")), text.as_bytes())
-        }
-    }
 }

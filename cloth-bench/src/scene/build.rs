@@ -161,7 +161,7 @@ pub(super) fn of_mesh(
 /// A longer chain is a slip of the pen.
 const MOST_LINKS: usize = 10_000_000;
 
-fn chain(settings: &Settings) -> Result<Scene, BenchError> {
+pub(super) fn chain(settings: &Settings) -> Result<Scene, BenchError> {
     let n = settings.count(&LINKS, 1)? as usize;
     if n > MOST_LINKS {
         return Err(BenchError::Usage(format!(

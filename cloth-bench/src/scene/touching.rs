@@ -80,7 +80,7 @@ pub(super) fn below(
 }
 
 /// The surface of a box.
-fn block(half: [Real; 3]) -> Result<TriMesh, BenchError> {
+pub(super) fn block(half: [Real; 3]) -> Result<TriMesh, BenchError> {
     let corners = (0..8).map(|c| {
         let side = |axis: usize| {
             if c >> axis & 1 == 1 {
@@ -110,7 +110,11 @@ fn gravity(settings: &Settings) -> Result<Vec3, BenchError> {
 }
 
 /// A grid around the origin.
-fn centred(cells: [u32; 2], size: [Real; 2], diagonals: Diagonals) -> Result<TriMesh, BenchError> {
+pub(super) fn centred(
+    cells: [u32; 2],
+    size: [Real; 2],
+    diagonals: Diagonals,
+) -> Result<TriMesh, BenchError> {
     let [columns, rows] = cells.map(|n| n as usize + 1);
     let flat =
         generate::grid(columns, rows, size[0], size[1], diagonals).map_err(BenchError::usage)?;

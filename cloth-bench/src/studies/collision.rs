@@ -2,7 +2,7 @@
 
 use super::{Findings, Scope, Study};
 use crate::error::BenchError;
-use crate::method::Method;
+use crate::method::{self, Method};
 use crate::report::html::Picture;
 use crate::report::render::{Surface, View, render_row};
 use crate::report::table::{Cell, Table};
@@ -24,7 +24,10 @@ pub(super) const STUDY: Study = Study {
 };
 
 const SCENES: [&str; 5] = ["drape-sphere", "drape-box", "fold", "twist", "stack"];
-const METHODS: [&str; 4] = ["implicit-euler", "pbd", "xpbd", "pd"];
+
+fn methods() -> Vec<&'static str> {
+    method::with_own(&["implicit-euler", "pbd", "xpbd", "pd"])
+}
 
 /// Vertices a side, and the number of steps where it is not the scene's own.
 fn size(scope: Scope, scene: &str) -> (u32, Option<u32>) {
@@ -36,7 +39,7 @@ fn size(scope: Scope, scene: &str) -> (u32, Option<u32>) {
 }
 
 fn cases(_: Scope) -> u64 {
-    (SCENES.len() * METHODS.len()) as u64
+    (SCENES.len() * methods().len()) as u64
 }
 
 fn run(scope: Scope, progress: &mut dyn FnMut(&str)) -> Result<Findings, BenchError> {
@@ -61,7 +64,7 @@ fn run(scope: Scope, progress: &mut dyn FnMut(&str)) -> Result<Findings, BenchEr
         let scene = scene::build(name, None, &Settings::default().with("n", n))?;
         let steps = steps.unwrap_or(scene.steps);
         let mut ends = Vec::new();
-        for method in METHODS {
+        for method in methods() {
             progress(&format!("collision: {name}, {method}"));
             let settings = Settings::default();
             let mut stepper = Method::find(method)?.build(&scene, &settings, scene.dt)?;
@@ -103,7 +106,7 @@ fn run(scope: Scope, progress: &mut dyn FnMut(&str)) -> Result<Findings, BenchEr
         findings.section.pictures.push(picture(&scene, &ends)?);
     }
     findings.table("collision", "Scenes with contact", table);
-    let cells = SCENES.len() * METHODS.len();
+    let cells = SCENES.len() * methods().len();
     let most = shares.iter().copied().fold(0.0, Real::max);
     let refusals = match refused {
         0 => "no run was refused".to_owned(),

@@ -3,7 +3,7 @@
 use super::cases::Late;
 use super::{Cases, Findings, Scope, Study};
 use crate::error::BenchError;
-use crate::method::{METHODS, Method};
+use crate::method::{self, Method};
 use crate::report::html::Picture;
 use crate::report::plot::{Axis, Plot, Series};
 use crate::report::render::{Surface, View, render_row};
@@ -75,13 +75,12 @@ fn cut(scope: Scope) -> [(&'static str, Vec<u32>); 2] {
 }
 
 fn cases(scope: Scope) -> u64 {
-    let compared = METHODS
-        .iter()
+    let compared = method::all()
         .filter(|method| method.aims_at_implicit_euler())
         .count();
     let parts: usize = cut(scope).iter().map(|(_, parts)| parts.len()).sum();
     let per_size = iterated(scope).len() + parts + compared;
-    (sizes(scope).len() * per_size + METHODS.len()) as u64
+    (sizes(scope).len() * per_size + method::all().count()) as u64
 }
 
 fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
@@ -146,10 +145,7 @@ fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
             }
             curves.add(&format!("{name}, substeps"), &trace);
         }
-        for method in METHODS
-            .iter()
-            .filter(|method| method.aims_at_implicit_euler())
-        {
+        for method in method::all().filter(|method| method.aims_at_implicit_euler()) {
             let sample = cases.case(
                 &format!("{} at its default, {n} × {n}", method.name),
                 || {
@@ -376,7 +372,7 @@ fn half_a_second(
     ]);
     let mut sheets: Vec<(&str, Vec<Vec3>)> = Vec::new();
     let mut falls: Vec<(&str, Real, Real, Real)> = Vec::new();
-    for method in &METHODS {
+    for method in method::all() {
         let done = cases.case(&format!("{} for half a second", method.name), || {
             let mut solver = method.build(&scene, &Settings::default(), scene.dt)?;
             let mut state = scene.start.clone();

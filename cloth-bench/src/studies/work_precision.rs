@@ -3,7 +3,7 @@
 use super::cases::Late;
 use super::{Cases, Findings, Scope, Study};
 use crate::error::BenchError;
-use crate::method::{METHODS, Method};
+use crate::method::{self, Method};
 use crate::report::player::{Film, Playback, Track};
 use crate::report::plot::{Axis, Plot, Series};
 use crate::report::table::{Cell, Table};
@@ -57,9 +57,8 @@ fn shown(scope: Scope) -> Real {
 
 /// What is compared: label, method, and what is not its default.
 fn ways() -> Vec<(String, &'static str, Settings)> {
-    let default = METHODS
-        .iter()
-        .map(|method| (method.name.to_owned(), method.name, Settings::default()));
+    let default =
+        method::all().map(|method| (method.name.to_owned(), method.name, Settings::default()));
     let set = |key: &str, value: &str| Settings::default().with(key, value);
     let accelerated = [
         ("pbd, Chebyshev", "pbd", set("chebyshev", "auto")),
@@ -84,7 +83,7 @@ fn ways() -> Vec<(String, &'static str, Settings)> {
 }
 
 fn cases(scope: Scope) -> u64 {
-    (1 + ways().len() * rates(scope).len() + METHODS.len()) as u64
+    (1 + ways().len() * rates(scope).len() + method::all().count()) as u64
 }
 
 /// One run to the horizon.
@@ -288,7 +287,7 @@ fn play(scope: Scope, scene: &Scene, findings: &mut Findings, cases: &mut Cases<
     };
     let steps = (shown(scope) / scene.dt).round() as u32;
     let mut tracks = Vec::new();
-    for method in &METHODS {
+    for method in method::all() {
         let case = format!("{} on film", method.name);
         let film = cases.case(&case, || {
             let mut solver = method.build(scene, &Settings::default(), scene.dt)?;

@@ -19,7 +19,7 @@ mod statement;
 
 pub use error::{ObjError, ObjProblem};
 
-use super::{MeshError, TriMesh};
+use super::{MeshError, TriMesh, fan};
 use crate::math::Vec3;
 use crate::topology::EdgeTable;
 use statement::{corner, position, statements};
@@ -103,16 +103,13 @@ impl Source {
     }
 
     fn add_fan(&mut self, line: usize, corners: &[u32]) -> Result<(), ObjProblem> {
-        let [first, rest @ ..] = corners else {
-            return Err(ObjProblem::TooFewCorners { found: 0 });
-        };
-        if rest.len() < 2 {
+        if corners.len() < 3 {
             return Err(ObjProblem::TooFewCorners {
                 found: corners.len(),
             });
         }
-        for pair in rest.windows(2) {
-            self.triangles.push([*first, pair[0], pair[1]]);
+        for triangle in fan(corners) {
+            self.triangles.push(triangle);
             self.lines.of_triangle.push(line);
         }
         Ok(())

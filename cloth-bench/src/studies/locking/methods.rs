@@ -4,7 +4,7 @@ use super::fold::{self, Axis};
 use super::sheet::Kind;
 use super::sweeps::RIGIDITY;
 use crate::error::BenchError;
-use crate::method::Method;
+use crate::method::{self, Method};
 use crate::report::table::{Cell, Table};
 use crate::run;
 use crate::scene::Scene;
@@ -24,8 +24,8 @@ const DT: Real = 1.0 / 60.0;
 const MOST_STEPS: u32 = 400;
 
 /// Methods and their iterations; 0: as published.
-fn methods(scope: Scope) -> &'static [(&'static str, u32)] {
-    match scope {
+fn methods(scope: Scope) -> Vec<(&'static str, u32)> {
+    let ours: &[(&str, u32)] = match scope {
         Scope::Quick => &[("implicit-euler", 0), ("pbd", 20), ("pbd", 80), ("pd", 0)],
         Scope::Full => &[
             ("implicit-euler", 0),
@@ -39,7 +39,9 @@ fn methods(scope: Scope) -> &'static [(&'static str, u32)] {
             ("pd", 0),
             ("pd", 50),
         ],
-    }
+    };
+    let own = method::with_own(&[]).into_iter().map(|name| (name, 0));
+    ours.iter().copied().chain(own).collect()
 }
 
 pub(super) fn cases(scope: Scope) -> u64 {
@@ -81,7 +83,7 @@ pub(super) fn run(
     };
     let edges = EdgeTable::build(&sheet.mesh).map_err(BenchError::failed)?;
     let gauges = Spring::along(sheet.mesh.positions(), edges.ends(), 0.0);
-    for &(name, iterations) in methods(scope) {
+    for (name, iterations) in methods(scope) {
         progress(&format!("locking: fold by {name}, {iterations} iterations"));
         let settings = match iterations {
             0 => Settings::default(),

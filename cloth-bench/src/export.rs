@@ -1,0 +1,255 @@
+//! States of a run as files that other programs open.
+//!
+//! | format | files in the folder | numbers | for |
+//! |---|---|---|---|
+//! | `obj` | `00000.obj`, `00001.obj`, … | text, every bit | every modelling program; `--mesh` |
+//! | `ply` | `00000.ply`, `00001.ply`, … | binary, double precision | MeshLab, Blender, Open3D; `--mesh` |
+//! | `vtk` | `run.pvd`, `cloth_00000.vtp`, … | binary, double precision, with velocities (m/s) and times (s) | ParaView: open `run.pvd` |
+//! | `gltf` | `run.glb` | single precision, played between the frames | Blender and the web |
+//!
+//! Frame 0 is the start. Lengths are in metres. Vertices are in the order of the caller's mesh. Obstacles are surfaces of their own: `obstacle1.obj`, or one file a
+//! frame (`obstacle1_00000.obj`) where they move. `obj`, `ply` and `vtk` keep the axes of the scene; `gltf` has y up, so its root node turns the scene.
+//!
+//! A run that fails leaves the frames before the failure, complete and playable.
+
+mod gltf;
+mod sequence;
+mod vtk;
+
+use crate::error::BenchError;
+use crate::scene::Scene;
+use clap::ValueEnum;
+use cloth_core::math::{Real, Vec3};
+use cloth_core::particles::State;
+use std::fs::File;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+/// Formats of exported states.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Format {
+    /// Wavefront OBJ, one file a frame
+    Obj,
+    /// PLY, binary, one file a frame
+    Ply,
+    /// VTK polygons, one file a frame, and run.pvd with their times, for ParaView
+    Vtk,
+    /// One binary glTF 2.0 file with an animation, run.glb, for Blender and the web
+    Gltf,
+}
+
+/// Writes states of a scene to a folder.
+pub struct Export<'a> {
+    scene: &'a Scene,
+    folder: Folder,
+    every: u32,
+    frames: u32,
+    /// In the caller's vertex numbers.
+    triangles: Vec<[u32; 3]>,
+    writer: Box<dyn Writer>,
+}
+
+impl std::fmt::Debug for Export<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Export")
+            .field("folder", &self.folder)
+            .field("every", &self.every)
+            .field("frames", &self.frames)
+            .finish_non_exhaustive()
+    }
+}
+
+/// What was written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Exported {
+    /// States.
+    pub frames: u32,
+    /// Files.
+    pub files: u64,
+    /// Size of all files (bytes).
+    pub bytes: u64,
+}
+
+/// A state on its way to a file.
+struct Frame<'a> {
+    /// Its number, from 0.
+    index: u32,
+    /// The step after which it was.
+    step: u32,
+    /// Its time (s).
+    time: Real,
+    /// Positions (m), in the caller's order.
+    positions: Vec<Vec3>,
+    /// Velocities (m/s), in the caller's order.
+    velocities: Vec<Vec3>,
+    triangles: &'a [[u32; 3]],
+    obstacles: Vec<Body<'a>>,
+}
+
+/// An obstacle in a frame.
+struct Body<'a> {
+    /// `obstacle1`, `obstacle2`, …
+    name: String,
+    /// Vertices (m).
+    positions: Vec<Vec3>,
+    triangles: &'a [[u32; 3]],
+    /// Whether it never moves.
+    is_still: bool,
+    /// Where it is.
+    pose: cloth_collide::obstacle::Pose,
+}
+
+/// One format.
+trait Writer {
+    /// Takes a frame.
+    fn frame(&mut self, frame: &Frame<'_>, folder: &mut Folder) -> Result<(), BenchError>;
+
+    /// Writes what can only be written at the end.
+    fn finish(&mut self, folder: &mut Folder) -> Result<(), BenchError>;
+}
+
+impl<'a> Export<'a> {
+    /// Creates the folder, and writes the start of the scene. Every `every`-th step is to follow.
+    ///
+    /// # Errors
+    /// [`BenchError::Usage`] for a scene without triangles or for `every` 0, [`BenchError::Failed`] with the path if it cannot be written.
+    pub fn begin(
+        scene: &'a Scene,
+        folder: &Path,
+        format: Format,
+        every: u32,
+    ) -> Result<Self, BenchError> {
+        let Some(mesh) = &scene.mesh else {
+            return Err(BenchError::Usage(format!(
+                "scene `{}` has no triangles to export",
+                scene.name
+            )));
+        };
+        if every == 0 {
+            return Err(BenchError::Usage(
+                "--export-every is 0, but it has to be at least 1".into(),
+            ));
+        }
+        let triangles = match &scene.order {
+            Some(order) => {
+                let back = |t: &[u32; 3]| t.map(|v| order.old_of_new()[v as usize]);
+                mesh.triangles().iter().map(back).collect()
+            }
+            None => mesh.triangles().to_vec(),
+        };
+        let writer: Box<dyn Writer> = match format {
+            Format::Obj => Box::new(sequence::Sequence::Obj),
+            Format::Ply => Box::new(sequence::Sequence::Ply),
+            Format::Vtk => Box::new(vtk::Vtk::default()),
+            Format::Gltf => Box::new(gltf::Gltf::new(scene.name, scene.gravity)),
+        };
+        let mut export = Self {
+            scene,
+            folder: Folder::create(folder)?,
+            every,
+            frames: 0,
+            triangles,
+            writer,
+        };
+        export.take(0, &scene.start)?;
+        Ok(export)
+    }
+
+    /// Writes the state after a step (numbered from 1), if it is one of those to be written.
+    ///
+    /// # Errors
+    /// [`BenchError::Failed`] with the path if it cannot be written.
+    pub fn after(&mut self, step: u32, state: &State) -> Result<(), BenchError> {
+        if step.is_multiple_of(self.every) {
+            self.take(step, state)
+        } else {
+            Ok(())
+        }
+    }
+
+    fn take(&mut self, step: u32, state: &State) -> Result<(), BenchError> {
+        let back = |values: &[Vec3]| match &self.scene.order {
+            Some(order) => order.restore(values),
+            None => values.to_vec(),
+        };
+        let obstacles = self.scene.touch.iter().flat_map(|touch| touch.obstacles());
+        let surfaces = self.scene.obstacle_surfaces(state.time);
+        let body = |(number, (obstacle, (positions, triangles)))| {
+            let motion: &cloth_collide::obstacle::RigidMotion =
+                cloth_collide::obstacle::Obstacle::motion(obstacle);
+            Body {
+                name: format!("obstacle{}", number + 1),
+                positions,
+                triangles,
+                is_still: motion.velocity == Vec3::zeros()
+                    && motion.angular_velocity == Vec3::zeros(),
+                pose: motion.pose_at(state.time),
+            }
+        };
+        let frame = Frame {
+            index: self.frames,
+            step,
+            time: state.time,
+            positions: back(&state.positions),
+            velocities: back(&state.velocities),
+            triangles: &self.triangles,
+            obstacles: obstacles.zip(surfaces).enumerate().map(body).collect(),
+        };
+        self.writer.frame(&frame, &mut self.folder)?;
+        self.frames += 1;
+        Ok(())
+    }
+
+    /// Writes what can only be written at the end, and says how much was written.
+    ///
+    /// # Errors
+    /// [`BenchError::Failed`] with the path if it cannot be written.
+    pub fn finish(mut self) -> Result<Exported, BenchError> {
+        self.writer.finish(&mut self.folder)?;
+        Ok(Exported {
+            frames: self.frames,
+            files: self.folder.files,
+            bytes: self.folder.bytes,
+        })
+    }
+}
+
+/// Where files go, and how many there are.
+#[derive(Debug)]
+struct Folder {
+    path: PathBuf,
+    files: u64,
+    bytes: u64,
+}
+
+impl Folder {
+    fn create(path: &Path) -> Result<Self, BenchError> {
+        std::fs::create_dir_all(path).map_err(|error| {
+            BenchError::Failed(format!(
+                "{}: the folder for the export cannot be made: {error}",
+                path.display()
+            ))
+        })?;
+        Ok(Self {
+            path: path.to_owned(),
+            files: 0,
+            bytes: 0,
+        })
+    }
+
+    /// Writes a file of several parts, replacing it.
+    fn write(&mut self, name: &str, parts: &[&[u8]]) -> Result<(), BenchError> {
+        let path = self.path.join(name);
+        let written = File::create(&path)
+            .and_then(|mut file| parts.iter().try_for_each(|part| file.write_all(part)));
+        written.map_err(|error| {
+            BenchError::Failed(format!(
+                "{}: the export cannot be written: {error}",
+                path.display()
+            ))
+        })?;
+        self.files += 1;
+        self.bytes += parts.iter().map(|part| part.len() as u64).sum::<u64>();
+        Ok(())
+    }
+}

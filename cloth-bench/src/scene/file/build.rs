@@ -1,0 +1,200 @@
+//! From the text of a file to a [`Scene`].
+
+use super::document::{Document, Section};
+use super::keys::{DT, GRAVITY, NAME, SECTIONS, STEPS, overrulable};
+use super::{mesh, obstacles, pins, start};
+use crate::error::BenchError;
+use crate::scene::contact::{NO_SELF, Touch};
+use crate::scene::{RIGIDITY, STIFFNESS, Scene, build as built_in, cloth};
+use crate::settings::Settings;
+use cloth_core::math::Vec3;
+use cloth_core::ordering::Order;
+use cloth_core::pin::Pins;
+use std::path::Path;
+use std::sync::Arc;
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+/// The scene that a file describes. What `settings` give of its keys of cloth and contact overrules the file.
+///
+/// # Errors
+/// [`BenchError::Usage`] with the path, and with the line where there is one.
+pub fn build(path: &Path, settings: &Settings) -> Result<Scene, BenchError> {
+    let text = std::fs::read_to_string(path).map_err(|error| {
+        BenchError::Usage(format!(
+            "{}: the scene file cannot be read: {error}",
+            path.display()
+        ))
+    })?;
+    let document = Document { path, text: &text };
+    let root = DeTable::parse(&text).map_err(|error| match error.span() {
+        Some(span) => document.refuse(span, error.message()),
+        None => document.refuse_whole(error.message()),
+    })?;
+    let sections = Sections::find(document, root.get_ref())?;
+    sections.scene(settings)
+}
+
+/// The tables of a file.
+struct Sections<'a> {
+    document: Document<'a>,
+    top: Section<'a>,
+    meshes: Vec<Section<'a>>,
+    cloth: Section<'a>,
+    pins: Vec<Section<'a>>,
+    start: Section<'a>,
+    obstacles: Vec<Section<'a>>,
+    contact: Section<'a>,
+    chain: Section<'a>,
+}
+
+impl<'a> Sections<'a> {
+    fn find(document: Document<'a>, root: &'a DeTable<'a>) -> Result<Self, BenchError> {
+        let [top, meshes, cloth, pins, start, obstacles, contact, chain] = &SECTIONS;
+        let names: Vec<&str> = SECTIONS[1..]
+            .iter()
+            .map(|info| info.head.trim_matches(['[', ']']))
+            .collect();
+        let named = |info: &super::SectionInfo| root.get(info.head.trim_matches(['[', ']']));
+        let table = |value: &'a Spanned<DeValue<'a>>, info: &'static super::SectionInfo| {
+            let DeValue::Table(entries) = value.get_ref() else {
+                let message = format!("this has to be a table: write {} above its keys", info.head);
+                return Err(document.refuse(value.span(), message));
+            };
+            Section::new(document, info, Some(value), Some(entries), &[])
+        };
+        let one = |info: &'static super::SectionInfo| match named(info) {
+            Some(value) => table(value, info),
+            None => Section::new(document, info, None, None, &[]),
+        };
+        let all = |info: &'static super::SectionInfo| match named(info).map(|v| (v, v.get_ref())) {
+            None => Ok(Vec::new()),
+            Some((_, DeValue::Array(array))) => {
+                array.iter().map(|value| table(value, info)).collect()
+            }
+            Some((value, _)) => {
+                let message = format!("this table can be there several times: write {}", info.head);
+                Err(document.refuse(value.span(), message))
+            }
+        };
+        Ok(Self {
+            document,
+            top: Section::new(document, top, None, Some(root), &names)?,
+            meshes: all(meshes)?,
+            cloth: one(cloth)?,
+            pins: all(pins)?,
+            start: one(start)?,
+            obstacles: all(obstacles)?,
+            contact: one(contact)?,
+            chain: one(chain)?,
+        })
+    }
+
+    fn scene(&self, settings: &Settings) -> Result<Scene, BenchError> {
+        // The top first, as one reads it.
+        let (gravity, name) = (self.gravity()?, self.name()?);
+        let (dt, steps) = (self.top.positive(&DT)?, self.top.count(&STEPS)?);
+        let scene = if self.chain.is_given() {
+            self.chain(settings)?
+        } else {
+            self.sheet(settings)?
+        };
+        Ok(Scene {
+            // Scenes have names that last, and a program reads one or a few files.
+            name: Box::leak(name.into_boxed_str()),
+            gravity,
+            dt: dt.unwrap_or(scene.dt),
+            steps: steps.unwrap_or(scene.steps),
+            ..scene
+        })
+    }
+
+    fn name(&self) -> Result<String, BenchError> {
+        let stem = self.document.path.file_stem().unwrap_or_default();
+        Ok(match self.top.text(&NAME)? {
+            Some(name) => name.to_owned(),
+            None => stem.to_string_lossy().into_owned(),
+        })
+    }
+
+    fn gravity(&self) -> Result<Vec3, BenchError> {
+        Ok(self.top.vector(&GRAVITY)?.unwrap_or(Vec3::z() * -9.81))
+    }
+
+    fn chain(&self, overruling: &Settings) -> Result<Scene, BenchError> {
+        let others = [&self.cloth, &self.start, &self.contact];
+        let mut others = others
+            .into_iter()
+            .chain(&self.meshes)
+            .chain(&self.pins)
+            .chain(&self.obstacles);
+        if let Some(other) = others.find(|section| section.is_given()) {
+            return Err(other.refuse_table("has no meaning beside [chain]"));
+        }
+        let unused = overrulable().into_iter().flatten();
+        let mut unused = unused.filter(|key| key.name != STIFFNESS.name);
+        if let Some(key) = unused.find(|key| overruling.get(key.name).is_some()) {
+            let message = format!("--set {} has no meaning for a chain", key.name);
+            return Err(BenchError::Usage(message));
+        }
+        let settings = self.chain.settings(Settings::default())?;
+        built_in::chain(&settings.then(overruling))
+            .map_err(|error| self.chain.blame(error, overruling))
+    }
+
+    fn sheet(&self, overruling: &Settings) -> Result<Scene, BenchError> {
+        let folder = self.document.path.parent().unwrap_or(Path::new(""));
+        if self.meshes.is_empty() {
+            return Err(self.document.refuse_whole(
+                "there is no cloth: a scene needs [[mesh]] with a file or a generator",
+            ));
+        }
+        let (mesh, from_file) = mesh::joined(&self.meshes, folder)?;
+        let settings = self
+            .contact
+            .settings(self.cloth.settings(Settings::default())?)?;
+        let settings = settings.then(overruling);
+        let gravity = self.gravity()?;
+        let up = -gravity.try_normalize(0.0).unwrap_or(-Vec3::z());
+        let mut held = Vec::new();
+        for section in &self.pins {
+            held.push(pins::chosen(section, mesh.positions(), up)?);
+        }
+        // Files come in any vertex order; neighbours in space become neighbours in memory.
+        let order = from_file.then(|| Order::morton(mesh.positions()));
+        let mesh = match &order {
+            Some(order) => {
+                for vertex in held.iter_mut().flatten() {
+                    *vertex = order.new_of_old()[*vertex] as usize;
+                }
+                order.reorder_mesh(&mesh)
+            }
+            None => mesh,
+        };
+        let mut model = cloth::cut(&settings, &RIGIDITY, &mesh)
+            .map_err(|error| self.cloth.blame(error, overruling))?;
+        let mut ways = Pins::new();
+        for (section, vertices) in self.pins.iter().zip(&held) {
+            let particles = &mut model.particles;
+            pins::hold(section, vertices, mesh.positions(), particles, &mut ways)?;
+        }
+        let corners = mesh.positions().iter().copied();
+        let low = corners.clone().reduce(|a, b| a.inf(&b)).unwrap_or_default();
+        let high = corners.reduce(|a, b| a.sup(&b)).unwrap_or_default();
+        let size = (high - low).norm();
+        let bodies = self.obstacles.iter();
+        let bodies: Vec<_> = bodies
+            .map(|section| obstacles::obstacle(section, folder, size))
+            .collect::<Result<_, _>>()?;
+        let touch = Touch::new(&settings, &NO_SELF, bodies)
+            .map_err(|error| self.contact.blame(error, overruling))?;
+        let mut scene = Scene {
+            order,
+            touch: Some(touch),
+            pins: Some(Arc::new(ways)).filter(|ways| !ways.is_empty()),
+            ..built_in::of_mesh("", &mesh, model, gravity)
+        };
+        start::apply(&self.start, &mut scene)?;
+        Ok(scene)
+    }
+}

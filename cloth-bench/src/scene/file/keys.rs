@@ -1,0 +1,195 @@
+//! Every key of a scene file.
+
+use crate::scene::contact::NOT_TOUCHING;
+use crate::scene::{
+    BENDING, BENDING_STIFFNESS, DENSITY, LINK_LENGTH, LINK_MASS, LINKS, MEMBRANE, MODULUS, POISSON,
+    RIGIDITY, SHEAR, STIFFNESS, TIP_MASS, cloth,
+};
+use crate::settings::{Parameter, parameter};
+
+/// A table of the file.
+#[derive(Clone, Copy, Debug)]
+pub struct SectionInfo {
+    /// How its head is written; empty for what stands before all heads.
+    pub head: &'static str,
+    /// What it is.
+    pub about: &'static str,
+    /// What can stand in it.
+    pub keys: &'static [Parameter],
+}
+
+pub(super) const NAME: Parameter = parameter("name", "the file's", "of the scene");
+pub(super) const GRAVITY: Parameter = parameter(
+    "gravity",
+    "[0, 0, -9.81]",
+    "acceleration of free fall (m/s²); what is up for pins and pictures is its opposite",
+);
+pub(super) const DT: Parameter = parameter("dt", "1/60", "step size (s), above 0");
+pub(super) const STEPS: Parameter = parameter("steps", "300", "number of steps");
+
+pub(super) const FILE: Parameter = parameter(
+    "file",
+    "none",
+    "an OBJ or PLY file in m, its path relative to the scene file",
+);
+pub(super) const GENERATOR: Parameter = parameter(
+    "generator",
+    "none",
+    "a generated mesh such as \"grid:33x33:alternating\" (see meshes); give this or a file",
+);
+pub(super) const SCALE: Parameter = parameter(
+    "scale",
+    "1",
+    "factor above 0, or one for each axis such as [1, 0.25, 1]; first of all",
+);
+pub(super) const ROTATE: Parameter = parameter(
+    "rotate",
+    "[0, 0, 0]",
+    "rotation about the origin (rad): its direction is the axis, its length the angle",
+);
+pub(super) const TRANSLATE: Parameter =
+    parameter("translate", "[0, 0, 0]", "shift (m), last of all");
+
+pub(super) const SELECT: Parameter = parameter(
+    "select",
+    "none",
+    "\"corners\" (the two at one end of a sheet) or \"highest\"; give this, vertices or a box",
+);
+pub(super) const VERTICES: Parameter = parameter(
+    "vertices",
+    "none",
+    "numbers from 0, in the order of the file or the generator, mesh after mesh",
+);
+pub(super) const BOX: Parameter = parameter(
+    "box",
+    "none",
+    "two corners such as [[0, 0, 0], [1, 1, 1]] (m): all vertices in between",
+);
+pub(super) const MOVE: Parameter = parameter("move", "[0, 0, 0]", "shift (m) within the duration");
+pub(super) const TURN: Parameter = parameter(
+    "turn",
+    "[0, 0, 0]",
+    "rotation (rad) within the duration: its direction is the axis, its length the angle, any number of turns",
+);
+pub(super) const CENTRE: Parameter =
+    parameter("centre", "[0, 0, 0]", "a point (m) on the axis of the turn");
+pub(super) const DURATION: Parameter = parameter(
+    "duration",
+    "1",
+    "how long shift and turn take (s), above 0, at a constant rate; the pins rest after it",
+);
+
+pub(super) const SHAPE: Parameter = parameter(
+    "shape",
+    "needed",
+    "\"sphere\", \"box\", \"capsule\" (along its own z), \"plane\" (up along its own z) or \"mesh\" (closed)",
+);
+pub(super) const RADIUS: Parameter =
+    parameter("radius", "needed", "of a sphere or a capsule (m), above 0");
+pub(super) const EXTENT: Parameter =
+    parameter("size", "needed", "the three edges of a box (m), above 0");
+pub(super) const LENGTH: Parameter = parameter(
+    "length",
+    "needed",
+    "of the straight part of a capsule (m), at least 0",
+);
+pub(super) const POSITION: Parameter = parameter(
+    "position",
+    "[0, 0, 0]",
+    "of the middle, or of a point on a plane (m), at the start",
+);
+pub(super) const VELOCITY: Parameter = parameter("velocity", "[0, 0, 0]", "constant (m/s)");
+pub(super) const ANGULAR_VELOCITY: Parameter = parameter(
+    "angular_velocity",
+    "[0, 0, 0]",
+    "constant (rad/s), about the position",
+);
+
+pub(super) const START_VELOCITY: Parameter = parameter(
+    "velocity",
+    "[0, 0, 0]",
+    "of every vertex that is not held (m/s)",
+);
+pub(super) const WAVE: Parameter = parameter(
+    "wave",
+    "[0, 0, 0]",
+    "amplitude (m) of a shift a sin(2π k·x), so that a flat sheet knows where to buckle",
+);
+pub(super) const WAVE_NUMBER: Parameter =
+    parameter("wave_number", "[0, 0, 0]", "k of the wave (1/m)");
+
+/// Keys of `[cloth]`, which are those of `--set`.
+const CLOTH: &[Parameter] = &[
+    DENSITY,
+    STIFFNESS,
+    MODULUS,
+    MEMBRANE,
+    POISSON,
+    SHEAR,
+    cloth::COMPRESSION,
+    cloth::SLACK,
+    cloth::EDGES,
+    RIGIDITY,
+    BENDING,
+    BENDING_STIFFNESS,
+];
+
+/// Every table, in the order in which one would write them.
+pub const SECTIONS: [SectionInfo; 8] = [
+    SectionInfo {
+        head: "",
+        about: "before all tables",
+        keys: &[NAME, GRAVITY, DT, STEPS],
+    },
+    SectionInfo {
+        head: "[[mesh]]",
+        about: "the cloth at rest; several make one cloth of several pieces",
+        keys: &[FILE, GENERATOR, SCALE, ROTATE, TRANSLATE],
+    },
+    SectionInfo {
+        head: "[cloth]",
+        about: "the material",
+        keys: CLOTH,
+    },
+    SectionInfo {
+        head: "[[pins]]",
+        about: "held vertices, which may move",
+        keys: &[SELECT, VERTICES, BOX, MOVE, TURN, CENTRE, DURATION],
+    },
+    SectionInfo {
+        head: "[start]",
+        about: "where the cloth starts, unless at rest",
+        keys: &[START_VELOCITY, WAVE, WAVE_NUMBER],
+    },
+    SectionInfo {
+        head: "[[obstacle]]",
+        about: "a rigid body that the cloth can touch",
+        keys: &[
+            SHAPE,
+            RADIUS,
+            EXTENT,
+            LENGTH,
+            FILE,
+            POSITION,
+            ROTATE,
+            VELOCITY,
+            ANGULAR_VELOCITY,
+        ],
+    },
+    SectionInfo {
+        head: "[contact]",
+        about: "how the cloth touches obstacles and itself",
+        keys: NOT_TOUCHING,
+    },
+    SectionInfo {
+        head: "[chain]",
+        about: "a chain of links in the place of everything else but what stands before all tables",
+        keys: &[LINKS, LINK_LENGTH, LINK_MASS, TIP_MASS, STIFFNESS],
+    },
+];
+
+/// Keys that `--set` overrules.
+#[must_use]
+pub fn overrulable() -> [&'static [Parameter]; 2] {
+    [CLOTH, NOT_TOUCHING]
+}

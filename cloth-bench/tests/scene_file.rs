@@ -1,0 +1,369 @@
+//! Scene files: they say the same as the scenes of the program, and what is wrong with them is said with its line.
+
+use cloth_bench::error::BenchError;
+use cloth_bench::method::Method;
+use cloth_bench::run::run;
+use cloth_bench::scene::{self, Scene, file};
+use cloth_bench::settings::Settings;
+use cloth_core::math::Vec3;
+use cloth_core::particles::State;
+use std::path::{Path, PathBuf};
+
+fn sample(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("scenes")
+        .join(name)
+}
+
+/// A scene file of this text, in a folder of the tests' own.
+fn written(name: &str, text: &str) -> PathBuf {
+    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("scene-file");
+    std::fs::create_dir_all(&folder).unwrap();
+    let path = folder.join(format!("{name}.toml"));
+    std::fs::write(&path, text).unwrap();
+    path
+}
+
+fn read(name: &str, text: &str) -> Result<Scene, BenchError> {
+    file::build(&written(name, text), &Settings::default())
+}
+
+fn built_in(name: &str, settings: &[&str]) -> Scene {
+    scene::build(name, None, &Settings::parse(settings).unwrap()).unwrap()
+}
+
+/// Where a scene is after some steps with a method.
+fn after(scene: &Scene, method: &str, steps: u32) -> State {
+    let method = Method::find(method).unwrap();
+    let mut stepper = method.build(scene, &Settings::default(), scene.dt).unwrap();
+    let mut state = scene.start.clone();
+    run(
+        scene,
+        &mut *stepper,
+        &mut state,
+        scene.dt,
+        steps,
+        |_, _, _| Ok(()),
+    )
+    .unwrap();
+    state
+}
+
+fn bits(values: &[Vec3]) -> Vec<[u64; 3]> {
+    values
+        .iter()
+        .map(|v| [v.x, v.y, v.z].map(f64::to_bits))
+        .collect()
+}
+
+/// The same positions and velocities, bit for bit, after 20 steps with every one of a few methods.
+fn same_bits(one: &Scene, other: &Scene) {
+    assert_eq!(one.dt.to_bits(), other.dt.to_bits());
+    assert_eq!((one.steps, one.name), (other.steps, other.name));
+    for method in ["xpbd", "pd", "linear-implicit"] {
+        let [a, b] = [one, other].map(|scene| after(scene, method, 20));
+        assert_eq!(bits(&a.positions), bits(&b.positions), "{method}");
+        assert_eq!(bits(&a.velocities), bits(&b.velocities), "{method}");
+    }
+}
+
+#[test]
+fn hang_from_its_file_has_the_same_bits() {
+    let of_file = file::build(&sample("hang.toml"), &Settings::default()).unwrap();
+    same_bits(&of_file, &built_in("hang", &[]));
+}
+
+#[test]
+fn other_scenes_of_the_program_can_be_written_down() {
+    let fold = "steps = 180\n[[mesh]]\ngenerator = \"grid:5x17:alternating\"\nscale = 0.25\ntranslate = [-0.125, -0.5, 0]\n\
+                [[obstacle]]\nshape = \"plane\"\nposition = [0, 0, -0.504]\n[contact]\nself = true\n\
+                [start]\nwave = [0, 0.01, 0]\nwave_number = [0, 0, 1.5]\n";
+    let upright = fold.replace(
+        "translate",
+        "rotate = [1.5707963267948966, 0, 0]\ntranslate",
+    );
+    // The rotation is exact to rounding only, so the first steps are compared, with a tolerance.
+    let fold = read(
+        "fold",
+        &upright.replace("[-0.125, -0.5, 0]", "[-0.125, 0, -0.5]"),
+    )
+    .unwrap();
+    let own = built_in("fold", &["n=17"]);
+    let [a, b] = [&fold, &own].map(|scene| after(scene, "xpbd", 5));
+    for (a, b) in a.positions.iter().zip(&b.positions) {
+        assert!((a - b).norm() < 1e-9, "{a} {b}");
+    }
+    let drape = "name = \"drape-box\"\nsteps = 120\n[[mesh]]\ngenerator = \"grid:9x9:alternating\"\n[contact]\nself = \"yes\"\n\
+                 [[obstacle]]\nshape = \"box\"\nsize = [0.5, 0.5, 0.5]\nposition = [0.5, 0.5, -0.254]\nangular_velocity = [0, 0, 2]\n";
+    same_bits(
+        &read("drape", drape).unwrap(),
+        &built_in("drape-box", &["n=9"]),
+    );
+    let cantilever = "name = \"cantilever\"\n[[mesh]]\ngenerator = \"grid:41x9:alternating\"\n[cloth]\nrigidity = 0.1\n\
+                      [[pins]]\nbox = [[-1, -1, -1], [0.03, 1, 1]]\n";
+    let strip = read("cantilever", cantilever).unwrap();
+    let [a, b] =
+        [&strip, &built_in("cantilever", &[])].map(|scene| after(scene, "implicit-euler", 3));
+    for (a, b) in a.positions.iter().zip(&b.positions) {
+        assert!((a - b).norm() < 1e-9, "{a} {b}");
+    }
+    let chain = "name = \"chain\"\n[chain]\nn = 7\nlink = 0.1\ntip_mass = 0.5\n";
+    same_bits(
+        &read("chain", chain).unwrap(),
+        &built_in("chain", &["n=7", "link=0.1", "tip_mass=0.5"]),
+    );
+    let stack = "name = \"stack\"\nsteps = 120\n[[mesh]]\ngenerator = \"grid:5x5:alternating\"\nscale = 0.5\ntranslate = [-0.25, -0.25, 0]\n\
+                 [[mesh]]\ngenerator = \"grid:5x5:alternating\"\nscale = 0.5\ntranslate = [0, 0, 0.003]\n";
+    assert_eq!(read("stack", stack).unwrap().start.positions.len(), 50);
+}
+
+#[test]
+fn the_twist_of_the_sample_is_that_of_the_program() {
+    let of_file = file::build(&sample("twist.toml"), &Settings::default()).unwrap();
+    let own = built_in("twist", &[]);
+    assert_eq!(
+        of_file.model.particles.free_count(),
+        own.model.particles.free_count()
+    );
+    let [a, b] = [&of_file, &own].map(|scene| after(scene, "xpbd", 30));
+    let moved = (a.positions[0] - of_file.start.positions[0]).norm();
+    assert!(moved > 0.1, "{moved}");
+    for (a, b) in a.positions.iter().zip(&b.positions) {
+        assert!((a - b).norm() < 1e-6, "{a} {b}");
+    }
+}
+
+#[test]
+fn the_samples_run() {
+    let scene = file::build(&sample("curtain.toml"), &Settings::default()).unwrap();
+    assert_eq!((scene.name, scene.steps), ("curtain", 100));
+    assert_eq!(scene.obstacle_surfaces(0.0).len(), 2);
+    assert_eq!(
+        scene.model.particles.len() - scene.model.particles.free_count(),
+        25
+    );
+    let state = after(&scene, "xpbd", 40);
+    assert!(state.first_non_finite().is_none());
+    // Surfaces in pictures are those that the cloth touches.
+    for ((surface, _), obstacle) in scene
+        .obstacle_surfaces(state.time)
+        .iter()
+        .zip(scene.touch.as_ref().unwrap().obstacles())
+    {
+        for &x in surface {
+            let distance = obstacle.clearance(x, state.time).value;
+            assert!(distance.abs() < 1e-12, "{distance}");
+        }
+    }
+}
+
+#[test]
+fn a_mesh_file_stands_beside_the_scene() {
+    let mesh = cloth_core::mesh::generate::disk(4, 0.3).unwrap();
+    let path = written(
+        "beside",
+        "[[mesh]]\nfile = \"disk.ply\"\n[[pins]]\nvertices = [0, 5]\nmove = [0, 0, 1]\n",
+    );
+    let ply = path.with_file_name("disk.ply");
+    let encoding = cloth_core::mesh::ply::Encoding::Ascii;
+    cloth_core::mesh::ply::write(&ply, mesh.positions(), mesh.triangles(), encoding).unwrap();
+    let scene = file::build(&path, &Settings::default()).unwrap();
+    let state = after(&scene, "xpbd", 30);
+    let back = scene.order.as_ref().unwrap().restore(&state.positions);
+    for pin in [0, 5] {
+        let expected = mesh.positions()[pin] + Vec3::z() * 0.5;
+        assert!((back[pin] - expected).norm() < 1e-12, "{}", back[pin]);
+    }
+    let missing = written("missing", "\n[[mesh]]\nfile = \"no-such.obj\"\n");
+    let told = file::build(&missing, &Settings::default())
+        .unwrap_err()
+        .to_string();
+    assert!(
+        told.contains("missing.toml: line 3: ") && told.contains("no-such.obj"),
+        "{told}"
+    );
+}
+
+#[test]
+fn settings_overrule_the_file() {
+    let settings = Settings::parse(&["stiffness=2e3", "density=0.5"]).unwrap();
+    let overruled = file::build(&sample("hang.toml"), &settings).unwrap();
+    let own = built_in("hang", &["stiffness=2e3", "density=0.5"]);
+    same_bits(&overruled, &own);
+}
+
+#[test]
+fn every_mistake_names_its_line_and_key() {
+    const MESH: &str = "[[mesh]]\ngenerator = \"grid:5x5:one-way\"\n";
+    let cases = [
+        ("dt = 0.1.2\n", "line 1: "),
+        (
+            "stesp = 3\n",
+            "line 1: unknown key `stesp`: did you mean `steps`?",
+        ),
+        (
+            "[[msh]]\n",
+            "line 1: unknown key `msh`: did you mean `mesh`?",
+        ),
+        (
+            "[cloth]\nstifness = 3\n",
+            "line 2: unknown key of [cloth] `stifness`: did you mean `stiffness`?",
+        ),
+        (
+            "[mesh]\ngenerator = \"disk:3\"\n",
+            "line 1: this table can be there several times: write [[mesh]]",
+        ),
+        (
+            "cloth = 3\n",
+            "line 1: this has to be a table: write [cloth] above its keys",
+        ),
+        (
+            "[[cloth]]\n",
+            "line 1: this has to be a table: write [cloth] above its keys",
+        ),
+        ("steps = 3\n", "there is no cloth: a scene needs [[mesh]]"),
+        (
+            "dt = -1\n",
+            "line 1: dt is `-1`, a number, but it has to be a finite number above 0",
+        ),
+        (
+            "dt = \"fast\"\n",
+            "line 1: dt is `\"fast\"`, a text, but it has to be a finite number above 0",
+        ),
+        (
+            "\nsteps = 1.5\n",
+            "line 2: steps is `1.5`, a number, but it has to be a whole number",
+        ),
+        (
+            "gravity = [0, 1]\n",
+            "line 1: gravity is `[0, 1]`, a list, but it has to be three finite numbers",
+        ),
+        (
+            "gravity = 1979-05-27\n",
+            "line 1: gravity is `1979-05-27`, a date",
+        ),
+        (
+            "[[mesh]]\n",
+            "line 1: [[mesh]]: needs a file or a generator",
+        ),
+        (
+            "[[mesh]]\nfile = \"a.obj\"\ngenerator = \"disk:3\"\n",
+            "line 3: a file is given too",
+        ),
+        (
+            "[[mesh]]\ngenerator = \"dsk:3\"\n",
+            "line 2: unknown mesh generator `dsk`: did you mean `disk`?",
+        ),
+        (
+            "[[mesh]]\ngenerator = \"a.obj\"\n",
+            "line 2: `a.obj` is no generator; a file goes under the key `file`",
+        ),
+        (
+            "[[mesh]]\ngenerator = \"disk:3\"\nscale = [1, 0, 1]\n",
+            "line 3: scale is `[1, 0, 1]`, a list",
+        ),
+        ("+[cloth]\ndensity = -1\n", "line 4: "),
+        (
+            "+[cloth]\nmodulus = 1\nstiffness = 2\n",
+            "line 4: modulus and stiffness both",
+        ),
+        (
+            "+[cloth]\nmembrane = \"stvkk\"\n",
+            "line 4: unknown membrane `stvkk`: did you mean `stvk`?",
+        ),
+        (
+            "+[cloth]\nslack = [1, 2, 3]\n",
+            "line 4: slack is `1.0,2.0,3.0`",
+        ),
+        ("+[cloth]\ndensity = inf\n", "line 4: density is `inf`"),
+        ("+[contact]\nthickness = 0\n", "line 4: thickness is 0"),
+        ("+[contact]\nself = 3\n", "line 4: unknown self `3`"),
+        ("+[[pins]]\n", "line 3: [[pins]]: needs one of the keys"),
+        (
+            "+[[pins]]\nvertices = [25]\n",
+            "line 4: there is no vertex 25, only 25, counted from 0",
+        ),
+        ("+[[pins]]\nvertices = [-1]\n", "line 4: vertices is `[-1]`"),
+        (
+            "+[[pins]]\nselect = \"heighest\"\n",
+            "line 4: unknown selection `heighest`: did you mean `highest`?",
+        ),
+        (
+            "+[[pins]]\nbox = [[5, 5, 5], [6, 6, 6]]\n",
+            "line 4: there is no vertex in the box",
+        ),
+        ("+[[pins]]\nbox = [1, 2]\n", "line 4: box is `[1, 2]`"),
+        (
+            "+[[pins]]\nvertices = [0]\nduration = 3\n",
+            "line 5: duration has no meaning",
+        ),
+        (
+            "+[[pins]]\nvertices = [0]\nmove = [0, 0, 1]\nduration = 0\n",
+            "line 6: duration is `0`",
+        ),
+        (
+            "+[start]\nwave = [0, 0, 1]\n",
+            "line 3: [start]: wave and wave_number go together",
+        ),
+        ("+[[obstacle]]\n", "line 3: [[obstacle]]: needs a shape"),
+        (
+            "+[[obstacle]]\nshape = \"cube\"\n",
+            "line 4: unknown shape `cube`",
+        ),
+        (
+            "+[[obstacle]]\nshape = \"sphere\"\n",
+            "line 3: [[obstacle]]: this shape needs the key radius",
+        ),
+        (
+            "+[[obstacle]]\nshape = \"sphere\"\nradius = 1\nlength = 3\n",
+            "line 6: length has no meaning for this shape",
+        ),
+        (
+            "+[[obstacle]]\nshape = \"box\"\nsize = [1, -1, 1]\n",
+            "line 5: ",
+        ),
+        (
+            "+[chain]\nn = 3\n",
+            "line 1: [[mesh]]: has no meaning beside [chain]",
+        ),
+        ("[chain]\nstiffness = -1\n", "line 2: stiffness is -1"),
+    ];
+    let mut wrong = Vec::new();
+    for (number, (text, expected)) in cases.into_iter().enumerate() {
+        let text = match text.strip_prefix('+') {
+            Some(rest) => format!("{MESH}{rest}"),
+            None => text.to_owned(),
+        };
+        let name = format!("wrong-{number}");
+        let told = read(&name, &text).expect_err(&text).to_string();
+        if !told.contains(&format!("{name}.toml: {expected}")) {
+            wrong.push(format!("`{text}` says `{told}`, which lacks `{expected}`"));
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+    let missing = file::build(Path::new("no/such.toml"), &Settings::default()).unwrap_err();
+    assert!(
+        missing
+            .to_string()
+            .starts_with("no/such.toml: the scene file cannot be read: ")
+    );
+}
+
+/// The table of the documentation, from the keys themselves.
+#[test]
+fn every_key_is_documented() {
+    let readme = std::fs::read_to_string(sample("README.md")).unwrap();
+    let mut table = String::new();
+    for section in file::SECTIONS {
+        let head = if section.head.is_empty() { "" } else { "`" };
+        table += &format!("| {head}{}{head} | | | {} |\n", section.head, section.about);
+        for key in section.keys {
+            let about = key.about.replace('|', "\\|");
+            table += &format!("| | `{}` | {} | {about} |\n", key.name, key.default);
+        }
+    }
+    assert!(
+        readme.contains(&table),
+        "scenes/README.md should have this table:\n{table}"
+    );
+}
