@@ -3,7 +3,7 @@
 use super::{Cases, Findings, Scope, Study};
 use crate::error::BenchError;
 use crate::journal::Number;
-use crate::method::{METHODS, Method};
+use crate::method::{self, Method};
 use crate::report::plot::{Axis, Plot, Series, Style};
 use crate::report::table::{Cell, Table, significant};
 use crate::run;
@@ -62,7 +62,7 @@ fn settings(scope: Scope) -> &'static [Setting] {
 /// Every method at its published setting, and the midpoint rule solved to rounding: label, name, tolerance.
 fn methods() -> Vec<(String, &'static str, Option<Real>)> {
     let published = |method: &Method| (method.name.to_owned(), method.name, None);
-    let mut all: Vec<_> = METHODS.iter().map(published).collect();
+    let mut all: Vec<_> = method::all().map(published).collect();
     let exactly = "implicit-midpoint, solved to 1e-12";
     all.push((exactly.to_owned(), "implicit-midpoint", Some(1e-12)));
     all
