@@ -1,6 +1,5 @@
-//! Scenes with contact, by every kind of method: what it costs, and whether anything crosses (COL-9); and what it is made of: queries, candidates, resolved steps.
+//! Scenes with contact, by every kind of method: what it costs, and whether anything crosses (COL-9); and the continuous queries that it rests on.
 
-mod crumple;
 mod queries;
 
 use super::{Cases, Findings, Scope, Study};
@@ -22,9 +21,7 @@ pub(super) const STUDY: Study = Study {
         crossing pairs of triangles are counted by an exact test that shares no code with the response, and distances are measured: of parts of the cloth that share no vertex, and of vertices from \
         obstacles. Expect no crossing at all; where a step is refused, the remark says why. Expect soft methods to need more contact: their cloth stretches, so more of it lies on itself. \
         A distance of cloth from cloth below the thickness is allowed, one below zero of a vertex from an obstacle is not. Queries: single pairs in motion, whose answer is known exactly because it was chosen first; \
-        the conservative method must miss none and may report near ones. The times of a query are the shortest of several calls. Crumpled sheet: folded in both directions, layers two thicknesses apart, the \
-        same number of neighbours for a vertex at every size; the search is that for candidates within two thicknesses, the resolved step is a hundredth of its height pressed together, or a motion of all of it as one. \
-        Times are the shortest of five, on one thread.",
+        the conservative method must miss none and may report near ones. The times of a query are the shortest of several calls.",
     cases,
     run,
 };
@@ -41,8 +38,8 @@ fn size(scope: Scope, scene: &str) -> (u32, Option<u32>) {
     }
 }
 
-fn cases(scope: Scope) -> u64 {
-    (SCENES.len() * METHODS.len() + queries::CASES + crumple::cases(scope)) as u64
+fn cases(_: Scope) -> u64 {
+    (SCENES.len() * METHODS.len() + queries::CASES) as u64
 }
 
 fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
@@ -51,7 +48,6 @@ fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
     let scenes = cases.chapter("scenes", all, |own, now| run_scenes(scope, own, now))?;
     let [broken, asked] =
         cases.chapter("queries", all, |own, now| queries::run(scope, own, now))?;
-    let cost = cases.chapter("crumple", all, |own, now| crumple::run(scope, own, now))?;
     let promise = match broken {
         0 => format!(
             "Of {asked} queries the methods that promise to miss no contact missed none and were never late."
@@ -60,11 +56,7 @@ fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
             "Of {asked} queries the methods that promise to miss no contact missed {broken} or were late for them."
         ),
     };
-    let [xpbd, pd] = cost.in_steps;
-    findings.section.verdict = Some(format!(
-        "{scenes} {promise} A pressed pile of {} triangles takes as long as {xpbd:.1} steps of XPBD or {pd:.1} of PD, and {:.1} times as long per triangle at the largest size as at the smallest.",
-        cost.triangles, cost.growth
-    ));
+    findings.section.verdict = Some(format!("{scenes} {promise}"));
     Ok(findings)
 }
 
