@@ -1,6 +1,8 @@
-//! Scenes with contact, by every kind of method: what it costs, and whether anything crosses (COL-9).
+//! Scenes with contact, by every kind of method: what it costs, and whether anything crosses (COL-9); and the continuous queries that it rests on.
 
-use super::{Findings, Scope, Study};
+mod queries;
+
+use super::{Cases, Findings, Scope, Study};
 use crate::error::BenchError;
 use crate::method::{self, Method};
 use crate::report::html::Picture;
@@ -18,9 +20,10 @@ pub(super) const STUDY: Study = Study {
     about: "Five scenes with four methods at their default settings. Contact is resolved after each step by impulses and impact zones, in the same way for all methods. After every step \
         crossing pairs of triangles are counted by an exact test that shares no code with the response, and distances are measured: of parts of the cloth that share no vertex, and of vertices from \
         obstacles. Expect no crossing at all; where a step is refused, the remark says why. Expect soft methods to need more contact: their cloth stretches, so more of it lies on itself. \
-        A distance of cloth from cloth below the thickness is allowed, one below zero of a vertex from an obstacle is not.",
+        A distance of cloth from cloth below the thickness is allowed, one below zero of a vertex from an obstacle is not. Queries: single pairs in motion, whose answer is known exactly because it was chosen first; \
+        the conservative method must miss none and may report near ones. The times of a query are the shortest of several calls.",
     cases,
-    run: |scope, cases| cases.parts("all", |progress| run(scope, progress)),
+    run,
 };
 
 const SCENES: [&str; 5] = ["drape-sphere", "drape-box", "fold", "twist", "stack"];
@@ -39,11 +42,33 @@ fn size(scope: Scope, scene: &str) -> (u32, Option<u32>) {
 }
 
 fn cases(_: Scope) -> u64 {
-    (SCENES.len() * methods().len()) as u64
+    (SCENES.len() * methods().len() + queries::CASES + 2) as u64
 }
 
-fn run(scope: Scope, progress: &mut dyn FnMut(&str)) -> Result<Findings, BenchError> {
+fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
     let mut findings = Findings::default();
+    let all = &mut findings;
+    let scenes = cases.chapter("scenes", all, |own, now| run_scenes(scope, own, now))?;
+    let [broken, asked] =
+        cases.chapter("queries", all, |own, now| queries::run(scope, own, now))?;
+    let promise = match broken {
+        0 => format!(
+            "Of {asked} queries the methods that promise to miss no contact missed none and were never late."
+        ),
+        _ => format!(
+            "Of {asked} queries the methods that promise to miss no contact missed {broken} or were late for them."
+        ),
+    };
+    findings.section.verdict = Some(format!("{scenes} {promise}"));
+    Ok(findings)
+}
+
+/// Adds the table and the pictures; returns what they say in words.
+fn run_scenes(
+    scope: Scope,
+    findings: &mut Findings,
+    progress: &mut dyn FnMut(&str),
+) -> Result<String, BenchError> {
     let mut table = Table::new(&[
         "scene",
         "method",
@@ -112,12 +137,11 @@ fn run(scope: Scope, progress: &mut dyn FnMut(&str)) -> Result<Findings, BenchEr
         0 => "no run was refused".to_owned(),
         _ => format!("{refused} runs ended early (see the remarks)"),
     };
-    findings.section.verdict = Some(format!(
+    Ok(format!(
         "Of {cells} runs {crossed} had a step after which triangles cross, and {refusals}. Contact takes {:.0} % of a step in the median run, and at most {:.0} %.",
         100.0 * run::median(&mut shares),
         100.0 * most
-    ));
-    Ok(findings)
+    ))
 }
 
 /// The ends of a scene side by side.

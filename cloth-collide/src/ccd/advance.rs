@@ -85,5 +85,6 @@ fn reach_of<S: Number, const K: usize>(
     x: &[Triple<S>; K],
     end: &[Triple<S>; K],
 ) -> Real {
-    moving(feature, x, end).map_or(0.0, |direction| margin.moving_reach(&direction, x, end))
+    let direction = moving(feature, x, end, |start| margin.facing(start, x));
+    direction.map_or(0.0, |direction| margin.moving_reach(&direction, x, end))
 }

@@ -4,7 +4,7 @@
 //! A bad choice costs a step, never a miss.
 
 use super::difference::Feature;
-use super::number::{Number, Triple, cross, dot, minus, plus, power_for, times_power, value};
+use super::number::{Number, Triple, cross, minus, plus, power_for, times_power, value};
 use cloth_core::math::{Real, Vec3};
 
 /// A direction that changes with time as a polynomial of second degree: its three Bernstein coefficients over an
@@ -36,7 +36,7 @@ pub(super) fn steady<const K: usize>(feature: Feature, x: &[Vec3; K]) -> Option<
         Feature::Corner(k) => x[k],
     };
     let direction = filled(direction)?;
-    let sign = facing(&direction.into(), &x.map(Into::into));
+    let sign = facing(&direction, x);
     Some(direction * (sign / direction.norm()))
 }
 
@@ -45,31 +45,38 @@ pub(super) fn steady<const K: usize>(feature: Feature, x: &[Vec3; K]) -> Option<
 /// - The face: u × v, the product of two vectors that move linearly, is the normal at all times, exactly.
 /// - An edge e: e × q, where q is across e and the way to it, now. It stays across e at all times.
 /// - A corner: the way to it.
+///
+/// The sign is that of `facing`, which is asked about the direction at the start. Most are of no use there already, and what comes after it is left for later.
 pub(super) fn moving<S: Number, const K: usize>(
     feature: Feature,
     x: &[Triple<S>; K],
     end: &[Triple<S>; K],
+    facing: impl Fn(&Triple<S>) -> Option<Real>,
 ) -> Option<MovingDirection<S>> {
     let side = |k: usize, l: usize| both_filled(minus(&x[k], &x[l]), minus(&end[k], &end[l]));
     let linear = |a: Triple<S>, b: Triple<S>| [a, times_power(&plus(&a, &b), 0.5), b];
-    let direction = match feature {
+    let (direction, sign) = match feature {
         Feature::Face => {
             let ([u0, u1], [v0, v1]) = (side(0, 1)?, side(0, 2)?);
+            let start = cross(&u0, &v0);
+            let sign = facing(&start)?;
             let between = plus(&cross(&u0, &v1), &cross(&u1, &v0));
-            [cross(&u0, &v0), times_power(&between, 0.5), cross(&u1, &v1)]
+            let between = times_power(&between, 0.5);
+            ([start, between, cross(&u1, &v1)], sign)
         }
         Feature::Edge(k, l) => {
             let [e0, e1] = side(k, l)?;
             let [q, _] = both_filled(cross(&x[k], &e0), cross(&x[k], &e0))?;
-            linear(cross(&e0, &q), cross(&e1, &q))
+            let start = cross(&e0, &q);
+            let sign = facing(&start)?;
+            (linear(start, cross(&e1, &q)), sign)
         }
-        Feature::Corner(k) => linear(x[k], end[k]),
+        Feature::Corner(k) => (linear(x[k], end[k]), facing(&x[k])?),
     };
     let largest = direction
         .iter()
         .map(|n| value(n).amax())
         .fold(0.0, Real::max);
-    let sign = facing(&direction[0], x);
     (largest > 0.0).then(|| direction.map(|n| times_power(&n, power_for(largest) * sign)))
 }
 
@@ -79,9 +86,8 @@ fn across(v: Vec3, e: Vec3) -> Vec3 {
 }
 
 /// 1 or −1: the sign that makes `direction` point from the origin to the polygon `x`.
-fn facing<S: Number, const K: usize>(direction: &Triple<S>, x: &[Triple<S>; K]) -> Real {
-    let along = x.iter().map(|x| dot(direction, x));
-    let total = along.fold(S::new(0.0, 0.0), |sum, x| sum + x).value();
+fn facing<const K: usize>(direction: &Vec3, x: &[Vec3; K]) -> Real {
+    let total: Real = x.iter().map(|x| direction.dot(x)).sum();
     if total < 0.0 { -1.0 } else { 1.0 }
 }
 

@@ -21,6 +21,8 @@
 //! 4 u |N_i|, its product with d and its mean by 4 u more. The last two subtractions add 2 u (N S + N d). Together, this is less
 //! than 16 u N (S + d), also with the terms in u² and with the rounding of N and S themselves; and this is subtracted. What underflows does not
 //! matter, as N is of order one and S at least 2⁻⁵².
+//!
+//! Numbers of twice the digits are rounded to `f64` for a first look, which takes another 2 u N S; there twice the above is subtracted.
 
 use super::direction::MovingDirection;
 use super::number::{Number, Triple, dot, value};
@@ -76,6 +78,34 @@ impl Margin {
         (0..K).map(of_corner).fold(1.0, Real::min)
     }
 
+    /// The sign, 1 or −1, with which a moving direction that is `start` at first has the polygon `x` on its positive side there, nothing if it has not and so cannot certify anything: what is
+    /// allowed for rounding only grows with what it is later.
+    pub(super) fn facing<S: Number, const K: usize>(
+        self,
+        start: &Triple<S>,
+        x: &[Triple<S>; K],
+    ) -> Option<Real> {
+        let rounded = value(start);
+        let over = norm_1(&rounded) * (self.size + self.separation);
+        // Mostly `f64` can tell that there are corners on both sides.
+        let rough = x.map(|x| rounded.dot(&value(&x)));
+        let clearly = |side: Real| rough.iter().any(|p| side * p > Real::ROUNDING * over);
+        if clearly(1.0) && clearly(-1.0) {
+            return None;
+        }
+        let products = x.map(|x| dot(start, &x).value());
+        let sign = if products.iter().sum::<Real>() < 0.0 {
+            -1.0
+        } else {
+            1.0
+        };
+        let nearest = products
+            .iter()
+            .fold(Real::INFINITY, |least, p| least.min(sign * p));
+        let limit = self.separation * rounded.norm() + S::ROUNDING * over;
+        (nearest > limit).then_some(sign)
+    }
+
     /// The same with a `direction` that moves.
     pub(super) fn moving_reach<S: Number, const K: usize>(
         self,
@@ -89,12 +119,22 @@ impl Margin {
         let [m0, m1, m2] = rounded.map(|n| self.separation * n.norm());
         let limit = [m0, (m0 + 2.0 * m1) / 3.0, (2.0 * m1 + m2) / 3.0, m2];
         let rounding = S::ROUNDING * norm_1 * (self.size + self.separation);
-        // Most directions fail at the start already.
-        let at_start = |x0: &Triple<S>| dot(n0, x0).value() - limit[0] - rounding;
-        if from.iter().any(|x0| at_start(x0) <= 0.0) {
-            return 0.0;
-        }
+        let roughly = |x0: &Triple<S>, x1: &Triple<S>| {
+            let ([m0, m1, m2], [y0, y1]) = (rounded, [value(x0), value(x1)]);
+            let product = [
+                m0.dot(&y0),
+                (2.0 * m1.dot(&y0) + m0.dot(&y1)) / 3.0,
+                (m2.dot(&y0) + 2.0 * m1.dot(&y1)) / 3.0,
+                m2.dot(&y1),
+            ];
+            let rounding = Real::ROUNDING * norm_1 * (self.size + self.separation);
+            (0..4).all(|i| product[i] - limit[i] > 2.0 * rounding)
+        };
         let of_corner = |(x0, x1): (&Triple<S>, &Triple<S>)| {
+            // Where `f64` can tell that all of them are positive, there is nothing more to know.
+            if S::ROUNDING < Real::ROUNDING && roughly(x0, x1) {
+                return 1.0;
+            }
             let twice = |s: S| s.times_power(2.0);
             let product = [
                 dot(n0, x0).value(),
