@@ -325,7 +325,10 @@ fn free_sheets(
                 told.push(format!("{label} {}", significant(share, 3)));
             }
             worst[0] = worst[0].max(kept.linear.0);
-            let is_kept = kept.angular.0 < ROUNDING;
+            // A sheet that has gained energy moves faster, and rounds as much more.
+            let shares = (0..kept.energy.len()).map(|sample| kept.share(sample, 0.0));
+            let louder = shares.fold(1.0, Real::max).sqrt();
+            let is_kept = kept.angular.0 < ROUNDING * louder;
             match exactly.iter_mut().find(|(known, _)| *known == label) {
                 Some((_, every)) => *every &= is_kept,
                 None => exactly.push((label.clone(), is_kept)),
