@@ -81,18 +81,18 @@
 //! |---|---|---|---|---|
 //! | 32 | plain | 25 | 2582 | > 3000 |
 //! | | Chebyshev, ρ = 0.9995 | 12 | 107 | 807 |
-//! | | quasi-Newton | 10 | 106 | 452 |
-//! | | with a coarse grid | 3 | 68 | 345 |
+//! | | quasi-Newton | 7 | 199 | 1193 |
+//! | | with a coarse grid | 3 | 171 | 1380 |
 //! | 64 | plain | 13 | 2533 | > 3000 |
 //! | | Chebyshev | 9 | 107 | 659 |
-//! | | quasi-Newton | 7 | 105 | 377 |
-//! | | with a coarse grid | 3 | 58 | 750 |
+//! | | quasi-Newton | 7 | 105 | 355 |
+//! | | with a coarse grid | 3 | 56 | 533 |
 //! | 128 | plain | 11 | 2354 | > 3000 |
 //! | | Chebyshev | 9 | 104 | 585 |
-//! | | quasi-Newton | 7 | 107 | 348 |
-//! | | with a coarse grid | 5 | 27 | 596 |
+//! | | quasi-Newton | 6 | 105 | 336 |
+//! | | with a coarse grid, and bending in the matrix | 5 | 27 | 596 |
 //!
-//! So the convergence of the iterations without a coarse grid does not depend on the resolution, as is said of the method. It does depend on the stiffness: to 10⁻⁴ at 32 a side, 624 plain iterations at 10² N/m and more than 3000 at 10³.
+//! So the convergence of the iterations without a coarse grid does not become slower with the resolution, as is said of the method. It does depend on the stiffness: to 10⁻⁴ at 32 a side, 624 plain iterations at 10² N/m and more than 3000 at 10³.
 //!
 //! Cloth that changes between two steps ([`PdSolver::prescribe`], [`release`](PdSolver::release), [`attach`](PdSolver::attach), [`remove`](PdSolver::remove)) keeps the factor and corrects every solve for the k rows that differ,
 //! by the identity of Woodbury. To set that up takes k/3 solves, which cost as much as a factorisation at k = 15 to 35 for 32 to 256 vertices a side; and as it slows down every solve, it is given up for a factorisation when as much has been
@@ -101,7 +101,7 @@
 //! # Cost
 //! A solve reads the factor twice: with bending 1.29 million numbers at 128 vertices a side, so 20.6 MB, and no solve is faster than the memory gives them. On a busy machine one took 1.9 times as long as that at 512 a side
 //! (DRAM, 20 GB/s) and 3.8 times at 128 (L3, 75 GB/s), and a third to a half of what the linear-algebra library takes for the same (`cloth-bench study projective` has both ratios, by size). The local step reads 24 bytes a spring and reads or
-//! writes 72 a vertex, and is far from the limit that moving those sets (the same study): 32 springs are projected side by side, so it is not ruled by the square root and the division, but by collecting
+//! writes 72 a vertex, and takes 5 times as long as moving those where they come from the memory (512 a side), 7 to 10 times where they are in a cache (256 to 64; the same study): 32 springs are projected side by side, so it is not ruled by the square root and the division, but by collecting
 //! the ends of each spring and adding to them, one number at a time. With positions and forces padded to four numbers, an end is one load and one store, and the local step alone takes a fifth less, but the whole step does not: more bytes go through the memory.
 //!
 //! With quadratic bending and n vertices, f numbers in the factor, e springs and b entries in the matrix of the bending energy, an iteration moves `16 f` bytes for the solve, `24 e + 72 n` for the springs, `12 b + 64 n`
