@@ -5,7 +5,7 @@
 //! working on and no other. The report is made from the journal alone: taken up again, or put together from several machines, the same journal gives
 //! the same report.
 //!
-//! The first line is a [`Heading`]; every further one an [`Entry`]. A last line without an end was being written when the run died, and is dropped.
+//! The first line is a [`Heading`]; every further one a case: its study and name, the seconds that it took, and what it found or why it failed. A last line without an end was being written when the run died, and is dropped.
 
 use crate::error::BenchError;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
