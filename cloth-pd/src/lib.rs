@@ -79,20 +79,20 @@
 //!
 //! | vertices a side | | to 10⁻² | to 10⁻⁴ | to 10⁻⁶ |
 //! |---|---|---|---|---|
-//! | 32 | plain | 25 | 2582 | > 3000 |
-//! | | Chebyshev, ρ = 0.9995 | 12 | 107 | 807 |
+//! | 32 | plain | 11 | > 3000 | > 3000 |
+//! | | Chebyshev, ρ = 0.9995 | 9 | 231 | > 3000 |
 //! | | quasi-Newton | 7 | 199 | 1193 |
 //! | | with a coarse grid | 3 | 171 | 1380 |
-//! | 64 | plain | 13 | 2533 | > 3000 |
-//! | | Chebyshev | 9 | 107 | 659 |
+//! | 64 | plain | 12 | 2506 | > 3000 |
+//! | | Chebyshev | 9 | 106 | 605 |
 //! | | quasi-Newton | 7 | 105 | 355 |
 //! | | with a coarse grid | 3 | 56 | 533 |
-//! | 128 | plain | 11 | 2354 | > 3000 |
-//! | | Chebyshev | 9 | 104 | 585 |
+//! | 128 | plain | 11 | 2284 | > 3000 |
+//! | | Chebyshev | 9 | 102 | 535 |
 //! | | quasi-Newton | 6 | 105 | 336 |
-//! | | with a coarse grid, and bending in the matrix | 5 | 27 | 596 |
+//! | | with a coarse grid | 5 | 30 | 530 |
 //!
-//! So the convergence of the iterations without a coarse grid does not become slower with the resolution, as is said of the method. It does depend on the stiffness: to 10⁻⁴ at 32 a side, 624 plain iterations at 10² N/m and more than 3000 at 10³.
+//! So the convergence of the iterations without a coarse grid does not become slower with the resolution, as is said of the method. It does depend on the stiffness: to 10⁻⁴ at 32 a side, 624 plain iterations at 10² N/m and more than 3000 from 10³ on.
 //!
 //! Cloth that changes between two steps ([`PdSolver::prescribe`], [`release`](PdSolver::release), [`attach`](PdSolver::attach), [`remove`](PdSolver::remove)) keeps the factor and corrects every solve for the k rows that differ,
 //! by the identity of Woodbury. To set that up takes k/3 solves, which cost as much as a factorisation at k = 15 to 35 for 32 to 256 vertices a side; and as it slows down every solve, it is given up for a factorisation when as much has been
@@ -181,7 +181,7 @@
 //!   | 16, 24, 5 | −13 | −2 | −1 |
 //!   | 16, 36, 5 | −9 | −2 | −4 |
 //!
-//!   For seconds of motion take 16 cells, 16 iterations and 2 pairs. A step then takes about two and a half times as long as with the default, and fewer pairs do no harm. Nine such runs, with 1 to 3 pairs and 16 to 24 iterations, had a largest stretch that was on average 0 to 3 %
+//!   For seconds of motion take 16 cells, 16 iterations and 2 pairs. A step then takes one and a half to three times as long as with the default (at 128 a side, median of 300 steps and of the first 30), and fewer pairs do no harm. Nine such runs, with 1 to 3 pairs and 16 to 24 iterations, had a largest stretch that was on average 0 to 3 %
 //!   too small, and 1 to 8 % off at the last step, to either side; with 12 iterations it was 7 % to 23 % off.
 //!
 //!   The motion is not chaotic: implicit Euler from a start disturbed by 10⁻³ m ends with the same largest stretch to 1 % (32 a side). One instant still misleads, because a motion with too little energy is at another point of its swing: some settings with 6 iterations
