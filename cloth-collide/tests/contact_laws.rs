@@ -366,10 +366,17 @@ fn penalty_and_barrier_are_their_derivatives_integrals() {
                 [0.0; 3]
             );
         }
-        for gap in [-1.0, 0.0, 1e-300] {
-            let (slope, bend) = (law.slope(gap), law.curvature(gap));
-            assert!(slope < 0.0 && slope.is_finite() && bend > 0.0 && bend.is_finite());
-        }
+    }
+    for gap in [-1.0, 0.0, 1e-300] {
+        let quadratic = [laws[0].slope(gap), laws[0].curvature(gap)];
+        assert_eq!(quadratic, [300.0 * (gap - 0.02), 300.0]);
+        // A barrier that is passed pulls back as it does at f = 10⁻¹² of its range r: E′ = k r (2 (1 − f) ln f − (1 − f)²/f), E″ = k ((1 − f)²/f² + 4 (1 − f)/f − 2 ln f).
+        let f: Real = 1e-12;
+        let left = (1.0 - f) / f;
+        let slope = 300.0 * 0.02 * (2.0 * (1.0 - f) * f.ln() - (1.0 - f) * left);
+        let bend = 300.0 * (left * left + 4.0 * left - 2.0 * f.ln());
+        assert!((laws[1].slope(gap) / slope - 1.0).abs() < 1e-14);
+        assert!((laws[1].curvature(gap) / bend - 1.0).abs() < 1e-14);
     }
     assert_eq!(laws[1].energy(0.0), f64::INFINITY);
 }

@@ -110,6 +110,16 @@ fn collapsed_shapes_are_finite_everywhere() {
             let x: [Vec3; 4] = std::array::from_fn(|i| start[i] + noise(i + 9) * size);
             finite(&volume(), &x);
             finite(&area(), &[x[0], x[1], x[2]]);
+            // Nothing is left of the volume or area, so all of it is missing: E = ½ k V₀².
+            let [row] = volume().rows(&x);
+            let missing = 0.5 * row.stiffness * volume().rest_volume.powi(2);
+            assert!((volume().value(&x) / missing - 1.0).abs() < 1e-6);
+            let [row] = area().rows(&[x[0], x[1], x[2]]);
+            let missing = 0.5 * row.stiffness * area().rest_area.powi(2);
+            assert!(
+                start == doubled
+                    || (area().value(&[x[0], x[1], x[2]]) / missing - 1.0).abs() < 1e-6
+            );
         }
     }
 }

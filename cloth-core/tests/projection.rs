@@ -205,6 +205,11 @@ fn collapsed_elements_with_limits_are_finite() {
             assert!(p.iter().flatten().all(|p| p.is_finite()));
             let x = [x[0], x[1]];
             let element = limited_spring(limits);
+            if x[0] == x[1] {
+                // Pressed to a point, the spring is short of its lower limit by all of it: E = ½ k (l₀ s)².
+                let expected = 0.5 * element.stiffness * element.shortest * element.shortest;
+                assert!((element.value(&x) - expected).abs() <= 1e-15 * expected);
+            }
             assert!(element.gradient(&x).iter().flatten().all(|g| g.is_finite()));
             assert!(largest(&element.hessian(&x, Convexity::Exact)).is_finite());
             views_agree(&element, &x);
