@@ -99,8 +99,7 @@
 //! spent on it. A dragged pin or attachment changes no matrix.
 //!
 //! # Cost
-//! A solve reads the factor twice: with bending 1.29 million numbers at 128 vertices a side, so 20.6 MB, and no solve is faster than the memory gives them. On a busy machine one took 1.9 times as long as that at 512 a side
-//! (DRAM, 20 GB/s) and 3.8 times at 128 (L3, 75 GB/s), and a third to a half of what the linear-algebra library takes for the same (`cloth-bench study projective` has both ratios, by size). The local step reads 24 bytes a spring and reads or
+//! A solve reads the factor twice: with bending 1.29 million numbers at 128 vertices a side, so 20.6 MB, and no solve is faster than the memory gives them. `cloth-bench study projective` has the time of a solve beside that of reading the factor, and beside the linear-algebra library, by size. The local step reads 24 bytes a spring and reads or
 //! writes 72 a vertex, and takes 5 times as long as moving those where they come from the memory (512 a side), 7 to 10 times where they are in a cache (256 to 64; the same study): 32 springs are projected side by side, so it is not ruled by the square root and the division, but by collecting
 //! the ends of each spring and adding to them, one number at a time. With positions and forces padded to four numbers, an end is one load and one store, and the local step alone takes a fifth less, but the whole step does not: more bytes go through the memory.
 //!
@@ -174,15 +173,9 @@
 //!   | cells, iterations, pairs | kinetic energy (%) | largest stretch (%) | the same at the last step (%) |
 //!   |---|---|---|---|
 //!   | 8, 6, 5 (default) | −79 | −14 | −31 |
-//!   | 8, 12, 5 | −43 | −6 | −24 |
-//!   | 16, 12, 5 | −29 | −6 | −23 |
 //!   | 16, 16, 2 | −12 | 0 | +5 |
-//!   | 16, 18, 5 | −16 | −4 | −9 |
-//!   | 16, 24, 5 | −13 | −2 | −1 |
-//!   | 16, 36, 5 | −9 | −2 | −4 |
 //!
-//!   For seconds of motion take 16 cells, 16 iterations and 2 pairs. A step then takes one and a half to three times as long as with the default (at 128 a side, median of 300 steps and of the first 30), and fewer pairs do no harm. Nine such runs, with 1 to 3 pairs and 16 to 24 iterations, had a largest stretch that was on average 0 to 3 %
-//!   too small, and 1 to 8 % off at the last step, to either side; with 12 iterations it was 7 % to 23 % off.
+//!   For seconds of motion take 16 cells, 16 iterations and 2 pairs. A step then takes one and a half to three times as long as with the default (at 128 a side, median of 300 steps and of the first 30).
 //!
 //!   The motion is not chaotic: implicit Euler from a start disturbed by 10⁻³ m ends with the same largest stretch to 1 % (32 a side). One instant still misleads, because a motion with too little energy is at another point of its swing: some settings with 6 iterations
 //!   happen to be right at the last step and 36 % off on average, and rounding alone moves the last step by a few per cent. What is missing are folds. A fold moves vertices across the cloth, and others a little along it so that no spring is stretched. The matrix charges the motion across as if springs were stretched, and the hats of a
