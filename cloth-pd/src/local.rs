@@ -3,15 +3,13 @@
 use crate::coarse_family::CoarseFamily;
 use crate::global::Term;
 use crate::lattice::Lattice;
-use crate::pieces::{self, Pieces};
-use crate::pulls::{BLOCK, Pulls};
+use crate::pieces::Pieces;
 use cloth_core::block_matrix::{BlockMatrix, BlockPattern};
 use cloth_core::element::{Element, Projective};
 use cloth_core::family::check_vertices;
 use cloth_core::math::{Real, Vec3};
 use cloth_core::particles::Particles;
 use cloth_core::step::BuildError;
-use cloth_core::wide::wide;
 use std::fmt::Debug;
 
 /// Takes one entry of the matrix `Σ w GᵀG`: row, column, value (N/m).
@@ -99,43 +97,9 @@ impl<const N: usize, const K: usize, E: Projective<N, K>> Family<N, K, E> {
         })
     }
 
-    /// Adds `Σ w Gᵀ(G x − p)` to `out` and returns `½ Σ w ‖G x − p‖²`; on one thread or on several, with the same bits.
+    /// Adds `Σ w Gᵀ(G x − p)` to `out` and returns `½ Σ w ‖G x − p‖²`.
     fn sum(&mut self, x: &[Vec3], out: &mut [Vec3]) -> Real {
-        let are_spheres = self.are_spheres;
-        #[cfg(feature = "parallel")]
-        if pieces::pays(self.elements.len()) {
-            return self.pieces.sum(&self.elements, are_spheres, x, out);
-        }
-        let (elements, values) = (&self.elements[..], &mut self.pieces.values[..]);
-        values.fill(0.0);
-        wide(
-            #[inline(always)]
-            || {
-                let mut pulls = Pulls::default();
-                // The sum of a piece stays in a register as long as the piece is the same: memory would make every element wait for the one before.
-                let (mut piece, mut sum) = (0, 0.0);
-                for block in elements.chunks(BLOCK) {
-                    pulls.find(block.iter(), are_spheres, x);
-                    for (element, (pull, energy)) in block.iter().zip(pulls.each()) {
-                        let operator = element.operator();
-                        let vertices = element.vertices();
-                        for i in 0..N {
-                            out[vertices[i] as usize] += share(&operator, pull, i);
-                        }
-                        if pieces::of(vertices[0]) != piece {
-                            values[piece] = sum;
-                            piece = pieces::of(vertices[0]);
-                            sum = values[piece];
-                        }
-                        sum += energy;
-                    }
-                    if let Some(value) = values.get_mut(piece) {
-                        *value = sum;
-                    }
-                }
-            },
-        );
-        self.pieces.values.iter().sum()
+        self.pieces.sum(&self.elements, self.are_spheres, x, out)
     }
 }
 
@@ -215,12 +179,11 @@ impl<const N: usize, const K: usize, E: Projective<N, K>> Projections for Family
     }
 }
 
-/// Elements in the order of these numbers have their vertices near one another, but seldom the same vertex as the element before, whose sum they would have to wait for: all of one
-/// direction on a grid come together, first those that start at an even vertex.
-fn key<const N: usize, E: Element<N>>(element: &E) -> [u32; 4] {
+/// Elements in the order of these numbers have their vertices near one another; on a mesh that is numbered along rows all of one direction come together, their vertices one after another.
+fn key<const N: usize, E: Element<N>>(element: &E) -> [u32; 3] {
     let vertices = element.vertices();
     let (first, last) = (vertices[0], vertices[N - 1]);
-    [first / WINDOW, last.wrapping_sub(first), first % 2, first]
+    [first / WINDOW, last.wrapping_sub(first), first]
 }
 
 /// Vertices that elements stay with before they go on: few enough for positions and sums to stay in the nearest cache.

@@ -3,7 +3,7 @@
 //! A square root and a division take longer than all else that a spring needs; done for a block of springs side by side, they do not wait for
 //! one another, nor for the sums over vertices.
 
-use crate::local::apply;
+use crate::local::{apply, share};
 use cloth_core::element::Projective;
 use cloth_core::math::{Real, Vec3, gather};
 
@@ -17,6 +17,9 @@ pub(crate) struct Pulls<const K: usize> {
     pulls: [[Vec3; K]; BLOCK],
     /// `½ w ‖z − p‖²` (J).
     energies: [Real; BLOCK],
+    spheres: Spheres,
+    /// What z is multiplied by for the pull (N/m), on spheres.
+    shares: [Real; BLOCK],
 }
 
 impl<const K: usize> Default for Pulls<K> {
@@ -25,6 +28,8 @@ impl<const K: usize> Default for Pulls<K> {
         Self {
             pulls: [[Vec3::zeros(); K]; BLOCK],
             energies: [0.0; BLOCK],
+            spheres: Spheres::NONE,
+            shares: [0.0; BLOCK],
         }
     }
 }
@@ -69,35 +74,70 @@ impl<const K: usize> Pulls<K> {
         }
     }
 
-    /// The same for spheres, `z − p = (1 − r/‖z‖) z`. Returns `false` where some `‖z‖²` is no number to divide by.
+    /// The same for spheres. Returns `false` where some `‖z‖²` is no number to divide by.
     #[inline(always)]
     fn find_on_spheres<'a, const N: usize, E: Projective<N, K>>(
         &mut self,
         elements: impl Iterator<Item = &'a E>,
         x: &[Vec3],
     ) -> bool {
-        let Some(Spheres {
-            z,
-            radius,
-            weight,
-            squared,
-        }) = Spheres::at(elements, x)
-        else {
+        if !self.spheres.gather(elements, x) {
             return false;
-        };
-        let mut shares = [0.0; BLOCK];
-        for lane in 0..BLOCK {
-            let length = squared[lane].sqrt();
-            let stretch = length - radius[lane];
-            let force = weight[lane] * stretch;
-            self.energies[lane] = 0.5 * force * stretch;
-            shares[lane] = force / length;
         }
+        self.spheres.project(&mut self.shares, &mut self.energies);
         for lane in 0..BLOCK {
-            let pull = [z[0][lane], z[1][lane], z[2][lane]].map(|z| z * shares[lane]);
+            let pull = [0, 1, 2].map(|axis| self.spheres.z[axis][lane] * self.shares[lane]);
             self.pulls[lane][0] = Vec3::from(pull);
         }
         true
+    }
+
+    /// Projects a part of a run with a stride of S at x (m), all on spheres, and adds its pulls to `out`, which begins with vertex `start`: at the ends that are there.
+    #[inline(always)]
+    pub(crate) fn add_run<const S: usize, const N: usize, E: Projective<N, K>>(
+        &mut self,
+        elements: &[E],
+        x: &[Vec3],
+        (start, out): (usize, &mut [Vec3]),
+    ) {
+        let (vertices, operator) = (elements[0].vertices(), elements[0].operator());
+        let count = elements.len().min(BLOCK);
+        // Wraps to a large number for vertices before the first, and finds nothing.
+        let ends = vertices.map(|vertex| {
+            let first = (vertex as usize).wrapping_sub(start);
+            (first < out.len()).then(|| first..first + S * (count - 1) + 1)
+        });
+        if !self.spheres.follow::<S, N, K, E>(elements, x) {
+            self.find_one_by_one(elements.iter(), x);
+            self.energies[count..].fill(0.0);
+            for (i, end) in ends.into_iter().enumerate() {
+                let out = end.map_or(&mut [][..], |end| &mut out[end]);
+                for (out, pull) in out.iter_mut().step_by(S).zip(&self.pulls) {
+                    *out += share(&operator, pull, i);
+                }
+            }
+            return;
+        }
+        self.spheres.project(&mut self.shares, &mut self.energies);
+        let (z, shares) = (&self.spheres.z, &self.shares);
+        for (i, end) in ends.into_iter().enumerate() {
+            let Some(end) = end else { continue };
+            let out = &mut out[end];
+            for lane in 0..count {
+                let share = shares[lane] * operator[0][i];
+                for axis in 0..3 {
+                    out[S * lane][axis] += z[axis][lane] * share;
+                }
+            }
+        }
+    }
+
+    /// Adds the energy of each element (J) of a run to a sum of its own.
+    #[inline(always)]
+    pub(crate) fn add_energies(&self, sums: &mut [Real; BLOCK]) {
+        for lane in 0..BLOCK {
+            sums[lane] += self.energies[lane];
+        }
     }
 }
 
@@ -113,36 +153,87 @@ struct Spheres {
 }
 
 impl Spheres {
-    /// None where some `‖z‖²` is no number to divide by.
+    /// No element.
+    const NONE: Self = Self {
+        z: [[1.0; BLOCK]; 3],
+        radius: [1.0; BLOCK],
+        weight: [0.0; BLOCK],
+        squared: [3.0; BLOCK],
+    };
+
+    /// Takes elements from anywhere. Returns `false` where some `‖z‖²` is no number to divide by.
     #[inline(always)]
-    fn at<'a, const N: usize, const K: usize, E: Projective<N, K>>(
+    fn gather<'a, const N: usize, const K: usize, E: Projective<N, K>>(
+        &mut self,
         elements: impl Iterator<Item = &'a E>,
         x: &[Vec3],
-    ) -> Option<Self> {
-        let mut z = [[1.0; BLOCK]; 3];
-        let (mut radius, mut weight) = ([1.0; BLOCK], [0.0; BLOCK]);
+    ) -> bool {
+        let mut count = 0;
         for (lane, element) in elements.enumerate().take(BLOCK) {
             let own = apply(&element.operator(), &gather(x, element.vertices()))[0];
             for axis in 0..3 {
-                z[axis][lane] = own[axis];
+                self.z[axis][lane] = own[axis];
             }
-            radius[lane] = element.sphere().unwrap_or(0.0);
-            weight[lane] = element.weight();
+            self.radius[lane] = element.sphere().unwrap_or(0.0);
+            self.weight[lane] = element.weight();
+            count = lane + 1;
         }
-        let mut squared = [0.0; BLOCK];
-        let mut lost = 0u64;
+        self.measure(count)
+    }
+
+    /// Takes elements of a run with a stride of S, whose ends are read as streams. Returns as [`Spheres::gather`].
+    #[inline(always)]
+    fn follow<const S: usize, const N: usize, const K: usize, E: Projective<N, K>>(
+        &mut self,
+        elements: &[E],
+        x: &[Vec3],
+    ) -> bool {
+        let (vertices, operator) = (elements[0].vertices(), elements[0].operator());
+        let count = elements.len().min(BLOCK);
+        let reach = S * (count - 1) + 1;
+        for i in 0..N {
+            let x = &x[vertices[i] as usize..][..reach];
+            for lane in 0..count {
+                for axis in 0..3 {
+                    let part = x[S * lane][axis] * operator[0][i];
+                    let z = &mut self.z[axis][lane];
+                    *z = if i == 0 { part } else { *z + part };
+                }
+            }
+        }
+        for lane in 0..count {
+            self.radius[lane] = elements[lane].sphere().unwrap_or(0.0);
+            self.weight[lane] = elements[lane].weight();
+        }
+        self.measure(count)
+    }
+
+    #[inline(always)]
+    fn measure(&mut self, count: usize) -> bool {
+        for lane in count..BLOCK {
+            (self.z[0][lane], self.z[1][lane], self.z[2][lane]) = (1.0, 1.0, 1.0);
+            (self.radius[lane], self.weight[lane]) = (1.0, 0.0);
+        }
+        let (z, mut lost) = (&self.z, 0u64);
         for lane in 0..BLOCK {
-            squared[lane] =
+            let squared =
                 z[0][lane] * z[0][lane] + z[1][lane] * z[1][lane] + z[2][lane] * z[2][lane];
-            lost |=
-                u64::from(!(squared[lane] >= Real::MIN_POSITIVE && squared[lane] < Real::INFINITY));
+            lost |= u64::from(!(squared >= Real::MIN_POSITIVE && squared < Real::INFINITY));
+            self.squared[lane] = squared;
         }
-        (lost == 0).then_some(Self {
-            z,
-            radius,
-            weight,
-            squared,
-        })
+        lost == 0
+    }
+
+    /// `z − p = (1 − r/‖z‖) z`: fills in what z is multiplied by for the pull (N/m), and the energy (J).
+    #[inline(always)]
+    fn project(&self, shares: &mut [Real; BLOCK], energies: &mut [Real; BLOCK]) {
+        for lane in 0..BLOCK {
+            let length = self.squared[lane].sqrt();
+            let stretch = length - self.radius[lane];
+            let force = self.weight[lane] * stretch;
+            energies[lane] = 0.5 * force * stretch;
+            shares[lane] = force / length;
+        }
     }
 }
 
@@ -156,7 +247,10 @@ pub(crate) fn resistances_on_spheres<'a, const N: usize, const K: usize, E: Proj
     elements: impl Iterator<Item = &'a E>,
     x: &[Vec3],
 ) -> Option<[Packed; BLOCK]> {
-    let spheres = Spheres::at(elements, x)?;
+    let mut spheres = Spheres::NONE;
+    if !spheres.gather(elements, x) {
+        return None;
+    }
     let (mut across, mut along) = ([0.0; BLOCK], [0.0; BLOCK]);
     for lane in 0..BLOCK {
         let length = spheres.squared[lane].sqrt();
