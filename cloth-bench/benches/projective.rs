@@ -16,8 +16,7 @@ fn sheet(side: u32) -> Scene {
 }
 
 fn panels_of(cholesky: &Cholesky, count: usize) -> PanelFactor {
-    let places: Vec<u32> = (0..count as u32).collect();
-    PanelFactor::new(cholesky.factor(), &places)
+    PanelFactor::new(cholesky.factor())
 }
 
 /// Bytes that a solve has to read: every number of the factor twice.

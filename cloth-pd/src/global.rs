@@ -145,8 +145,7 @@ impl GlobalSystem {
         match &mut self.panels {
             Some(panels) => panels.refill(factor),
             None => {
-                let places: Vec<u32> = (0..self.mass.len() as u32).collect();
-                self.panels = Some(PanelFactor::new(factor, &places));
+                self.panels = Some(PanelFactor::new(factor));
             }
         }
         self.factored_for = Some(dt);

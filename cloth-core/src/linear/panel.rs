@@ -4,9 +4,12 @@
 //! iteration with the same factor, and then its layout decides how long an iteration takes: the solve reads every
 //! number of the factor twice and does little with it.
 
+mod parts;
+
 use super::cholesky::FactorView;
 use crate::math::{Real, Vec3};
 use crate::wide::wide;
+use parts::Division;
 
 /// Columns of a panel, at most: its right-hand sides then fit into the registers of any 64-bit processor.
 const WIDEST: usize = 4;
@@ -19,15 +22,31 @@ type Lanes = [Real; 4];
 /// A *panel* is up to four neighbouring columns with the same rows below them. It keeps its triangle, the diagonal inverted, then its rows
 /// from top to bottom; the forward pass reads the numbers from first to last, the backward pass from last to first, and
 /// both use an entry of the right-hand side four times when they have it.
+///
+/// Columns of which none is below another do not wait for each other. Large factors are cut into a few [`Part`]s of that kind and the columns above them all, the *top*, which several threads can
+/// share; the cut depends on the factor alone, so the bits of a solution do not depend on the number of threads.
 #[derive(Clone, Debug)]
 pub struct PanelFactor {
-    /// Place in the caller's vectors of each row, in the order of the factor.
-    places: Vec<u32>,
-    panels: Vec<Panel>,
-    /// Row lists; panels of one supernode share theirs.
+    /// Supernodes in the order in which `panels` has them: part by part, then the top.
+    supernodes: Vec<u32>,
+    parts: Vec<Part>,
+    top: Part,
+    /// Row lists, of entries of the part's stretch of `work`; panels of one supernode share theirs.
     rows: Vec<u32>,
     values: Vec<Real>,
     work: Vec<Lanes>,
+    /// Where each row of the matrix is in `work`.
+    places: Vec<u32>,
+}
+
+/// Columns that depend on no others below them, and their stretch of `work`: an entry for each of their rows, then one for each row of the top that they reach.
+#[derive(Clone, Debug)]
+struct Part {
+    panels: Vec<Panel>,
+    /// Row of the matrix of each of its own entries.
+    own: Vec<u32>,
+    /// Row of the top, counted there, of each other entry.
+    reached: Vec<u32>,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -41,43 +60,96 @@ struct Panel {
 }
 
 impl PanelFactor {
-    /// Copies a factor. Row `r` of the matrix belongs to entry `places[r]` of the vectors that [`PanelFactor::solve`] is given.
-    ///
-    /// # Panics
-    /// If there is not one place per row of the matrix.
+    /// Copies a factor.
     #[must_use]
-    pub fn new(factor: FactorView<'_>, places: &[u32]) -> Self {
+    pub fn new(factor: FactorView<'_>) -> Self {
+        let division = Division::of(factor);
         let order = factor.order();
-        assert_eq!(places.len(), order.len(), "one place per row");
         let mut this = Self {
-            places: order.iter().map(|&row| places[row as usize]).collect(),
-            panels: Vec::new(),
+            supernodes: Vec::new(),
+            parts: Vec::new(),
+            top: Part::of(&division.top, factor),
             rows: Vec::new(),
             values: Vec::new(),
-            work: vec![[0.0; 4]; order.len()],
+            work: Vec::new(),
+            places: vec![0; order.len()],
         };
-        let mut value_count = 0;
-        for index in 0..factor.supernode_count() {
-            let (start, pattern, block) = factor.supernode(index);
-            let columns = block.ncols();
-            let list = this.rows.len();
-            this.rows.extend(start as u32..(start + columns) as u32);
-            this.rows.extend_from_slice(pattern);
-            for column in (0..columns).step_by(WIDEST) {
-                let width = WIDEST.min(columns - column);
-                let below = list + column + width..this.rows.len();
-                this.panels.push(Panel {
-                    first_column: (start + column) as u32,
-                    width: width as u32,
-                    rows: [below.start as u32, below.end as u32],
-                    values: value_count,
-                });
-                value_count += (width + below.len()) * width;
-            }
+        // Where a row of the factor is in the part that is being laid out.
+        let mut local = vec![0; order.len()];
+        let mut is_top = vec![false; order.len()];
+        let mut in_top = vec![0; order.len()];
+        for (place, row) in (0..).zip(columns(&division.top, factor)) {
+            (is_top[row], in_top[row]) = (true, place);
         }
+        let mut value_count = 0;
+        for members in &division.parts {
+            let mut part = Part::of(members, factor);
+            let mut reached: Vec<usize> = Vec::new();
+            for &index in members {
+                let below = factor.supernode(index as usize).1.iter();
+                reached.extend(below.map(|&row| row as usize).filter(|&row| is_top[row]));
+            }
+            reached.sort_unstable();
+            reached.dedup();
+            let entries = columns(members, factor).chain(reached.iter().copied());
+            (0..)
+                .zip(entries)
+                .for_each(|(place, row)| local[row] = place);
+            part.reached = reached.iter().map(|&row| in_top[row]).collect();
+            this.lay_out(members, factor, &local, &mut part.panels, &mut value_count);
+            this.parts.push(part);
+        }
+        let mut panels = Vec::new();
+        this.lay_out(
+            &division.top,
+            factor,
+            &in_top,
+            &mut panels,
+            &mut value_count,
+        );
+        this.top.panels = panels;
+        let mut start = 0;
+        for part in this.parts.iter().chain([&this.top]) {
+            for (place, &row) in (start..).zip(&part.own) {
+                this.places[row as usize] = place;
+            }
+            start += part.entry_count() as u32;
+        }
+        this.work = vec![[0.0; 4]; start as usize];
         this.values = vec![0.0; value_count];
         this.refill(factor);
         this
+    }
+
+    /// Appends the panels and row lists of some supernodes, given the place of each row.
+    fn lay_out(
+        &mut self,
+        members: &[u32],
+        factor: FactorView<'_>,
+        places: &[u32],
+        panels: &mut Vec<Panel>,
+        value_count: &mut usize,
+    ) {
+        for &index in members {
+            let (start, pattern, block) = factor.supernode(index as usize);
+            let columns = block.ncols();
+            let list = self.rows.len();
+            self.rows.extend_from_slice(&places[start..start + columns]);
+            let below = pattern.iter().map(|&row| places[row as usize]);
+            self.rows.extend(below);
+            for column in (0..columns).step_by(WIDEST) {
+                let width = WIDEST.min(columns - column);
+                let below = list + column + width..self.rows.len();
+                panels.push(Panel {
+                    first_column: places[start + column],
+                    width: width as u32,
+                    rows: [below.start as u32, below.end as u32],
+                    values: *value_count,
+                });
+                *value_count += (width + below.len()) * width;
+            }
+        }
+        self.supernodes.extend_from_slice(members);
     }
 
     /// Copies the numbers of a later factorisation of a matrix with the same pattern, without allocating.
@@ -92,8 +164,8 @@ impl PanelFactor {
         );
         let mut values = self.values.iter_mut();
         let mut push = |value: Real| *values.next().expect("the same pattern") = value;
-        for index in 0..factor.supernode_count() {
-            let (_, _, block) = factor.supernode(index);
+        for &index in &self.supernodes {
+            let (_, _, block) = factor.supernode(index as usize);
             for first in (0..block.ncols()).step_by(WIDEST) {
                 let columns = first..block.ncols().min(first + WIDEST);
                 for row in first..block.nrows() {
@@ -110,21 +182,90 @@ impl PanelFactor {
         assert!(values.next().is_none(), "the same pattern");
     }
 
-    /// Solves `A x = b` for x, y and z alike. Entries that are no row's place are neither read nor written.
+    /// Solves `A x = b` for x, y and z alike.
     ///
     /// # Panics
-    /// If `b` or `x` has no entry at the place of a row.
+    /// If `b` or `x` has not one entry per row.
     pub fn solve(&mut self, b: &[Vec3], x: &mut [Vec3]) {
-        for (work, &place) in self.work.iter_mut().zip(&self.places) {
-            let b = &b[place as usize];
-            *work = [b.x, b.y, b.z, 0.0];
+        assert!(
+            b.len() == self.places.len() && x.len() == b.len(),
+            "one entry per row"
+        );
+        let (rows, values) = (&self.rows[..], &self.values[..]);
+        let (parts, top) = (&self.parts[..], &self.top);
+        let own_count: usize = parts.iter().map(Part::entry_count).sum();
+        let (work, top_work) = self.work.split_at_mut(own_count);
+        parts::for_each(parts, work, &|part, work| {
+            part.load(b, work);
+            part.forward(rows, values, work);
+        });
+        top.load(b, top_work);
+        let mut rest = &work[..];
+        for part in parts {
+            let (own, others) = rest.split_at(part.entry_count());
+            for (&row, spilt) in part.reached.iter().zip(&own[part.own.len()..]) {
+                let entry = &mut top_work[row as usize];
+                *entry = std::array::from_fn(|lane| entry[lane] + spilt[lane]);
+            }
+            rest = others;
         }
-        let (rows, values, work) = (&self.rows[..], &self.values[..], &mut self.work[..]);
-        let panels = &self.panels[..];
+        top.forward(rows, values, top_work);
+        top.backward(rows, values, top_work);
+        let top_work = &top_work[..];
+        parts::for_each(parts, work, &|part, work| {
+            for (&row, entry) in part.reached.iter().zip(&mut work[part.own.len()..]) {
+                *entry = top_work[row as usize];
+            }
+            part.backward(rows, values, work);
+        });
+        for (x, &place) in x.iter_mut().zip(&self.places) {
+            let [a, b, c, _] = self.work[place as usize];
+            *x = Vec3::new(a, b, c);
+        }
+    }
+}
+
+/// The columns of some supernodes, in their order.
+fn columns<'a>(members: &'a [u32], factor: FactorView<'a>) -> impl Iterator<Item = usize> + 'a {
+    members.iter().flat_map(move |&index| {
+        let (start, _, block) = factor.supernode(index as usize);
+        start..start + block.ncols()
+    })
+}
+
+impl Part {
+    /// Some supernodes, without panels yet.
+    fn of(members: &[u32], factor: FactorView<'_>) -> Self {
+        let order = factor.order();
+        Self {
+            panels: Vec::new(),
+            own: columns(members, factor)
+                .map(|column| order[column])
+                .collect(),
+            reached: Vec::new(),
+        }
+    }
+
+    /// Entries of its stretch.
+    fn entry_count(&self) -> usize {
+        self.own.len() + self.reached.len()
+    }
+
+    /// Takes its entries of `b`; the others begin at zero.
+    fn load(&self, b: &[Vec3], work: &mut [Lanes]) {
+        let (own, reached) = work.split_at_mut(self.own.len());
+        for (entry, &row) in own.iter_mut().zip(&self.own) {
+            let b = &b[row as usize];
+            *entry = [b.x, b.y, b.z, 0.0];
+        }
+        reached.fill([0.0; 4]);
+    }
+
+    fn forward(&self, rows: &[u32], values: &[Real], work: &mut [Lanes]) {
         wide(
             #[inline(always)]
             || {
-                for panel in panels {
+                for panel in &self.panels {
                     match panel.width {
                         1 => panel.forward::<1>(rows, values, work),
                         2 => panel.forward::<2>(rows, values, work),
@@ -132,7 +273,15 @@ impl PanelFactor {
                         _ => panel.forward::<4>(rows, values, work),
                     }
                 }
-                for panel in panels.iter().rev() {
+            },
+        );
+    }
+
+    fn backward(&self, rows: &[u32], values: &[Real], work: &mut [Lanes]) {
+        wide(
+            #[inline(always)]
+            || {
+                for panel in self.panels.iter().rev() {
                     match panel.width {
                         1 => panel.backward::<1>(rows, values, work),
                         2 => panel.backward::<2>(rows, values, work),
@@ -142,9 +291,6 @@ impl PanelFactor {
                 }
             },
         );
-        for (work, &place) in self.work.iter().zip(&self.places) {
-            x[place as usize] = Vec3::new(work[0], work[1], work[2]);
-        }
     }
 }
 
@@ -293,12 +439,11 @@ mod tests {
 
     #[test]
     fn panels_solve_as_faer_does() {
-        for n in [0, 1, 2, 3, 5, 17, 40] {
+        for n in [0, 1, 2, 3, 5, 17, 40, 100] {
             let mut cholesky = grid_matrix(n, 0.3);
             let b = right_hand_side(n * n);
-            let places: Vec<u32> = (0..(n * n) as u32).collect();
             let mut x = vec![Vec3::zeros(); n * n];
-            PanelFactor::new(cholesky.factor(), &places).solve(&b, &mut x);
+            PanelFactor::new(cholesky.factor()).solve(&b, &mut x);
             let error = relative_difference(&x, &reference(&mut cholesky, &b));
             assert!(error < 1e-13, "{n} a side: {error:e}");
         }
@@ -306,28 +451,31 @@ mod tests {
 
     #[test]
     fn refilled_panels_are_those_of_a_new_copy() {
-        let places: Vec<u32> = (0..81).collect();
         let b = right_hand_side(81);
-        let mut panels = PanelFactor::new(grid_matrix(9, 0.3).factor(), &places);
+        let mut panels = PanelFactor::new(grid_matrix(9, 0.3).factor());
         let other = grid_matrix(9, 4.0);
         panels.refill(other.factor());
         let (mut x, mut expected) = (b.clone(), b.clone());
         panels.solve(&b, &mut x);
-        PanelFactor::new(other.factor(), &places).solve(&b, &mut expected);
+        PanelFactor::new(other.factor()).solve(&b, &mut expected);
         assert_eq!(x, expected);
     }
 
     #[test]
-    fn entries_without_a_row_are_left_alone() {
-        let mut cholesky = grid_matrix(4, 1.0);
-        let places: Vec<u32> = (0..16).map(|row| 31 - 2 * row).collect();
-        let b = right_hand_side(16);
-        let mut spread = vec![Vec3::repeat(Real::NAN); 32];
-        (0..16).for_each(|row| spread[places[row] as usize] = b[row]);
-        let mut x = vec![Vec3::repeat(-7.0); 32];
-        PanelFactor::new(cholesky.factor(), &places).solve(&spread, &mut x);
-        let solution: Vec<Vec3> = places.iter().map(|&place| x[place as usize]).collect();
-        assert!(relative_difference(&solution, &reference(&mut cholesky, &b)) < 1e-13);
-        assert!((0..16).all(|i| x[2 * i] == Vec3::repeat(-7.0)));
+    #[cfg(feature = "parallel")]
+    fn large_factors_are_divided_and_threads_do_not_change_a_bit() {
+        let mut panels = PanelFactor::new(grid_matrix(100, 0.3).factor());
+        let sizes: Vec<usize> = panels.parts.iter().map(|part| part.panels.len()).collect();
+        assert!(sizes.len() >= 8 && panels.top.own.len() < 1000, "{sizes:?}");
+        let b = right_hand_side(10_000);
+        let mut solve = |threads| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+            let mut x = b.clone();
+            pool.unwrap().install(|| panels.solve(&b, &mut x));
+            x
+        };
+        let alone = solve(1);
+        assert_eq!(solve(2), alone);
+        assert_eq!(solve(5), alone);
     }
 }

@@ -95,8 +95,7 @@ pub(super) fn costs(
         let scene = scene::build("hang", None, &Settings::default().with("n", n))?;
         let b = &scene.start.positions;
         let mut cholesky = constant_matrix(&scene)?;
-        let places: Vec<u32> = (0..b.len() as u32).collect();
-        let mut panels = PanelFactor::new(cholesky.factor(), &places);
+        let mut panels = PanelFactor::new(cholesky.factor());
         let (mut solution, mut columns) = (b.clone(), vec![1.0; 3 * b.len()]);
         let numbers = vec![1.0; cholesky.factor_len()];
         let [mut factorise, mut solve, mut library, mut stream] = [Real::INFINITY; 4];
