@@ -3,11 +3,13 @@
 use crate::coarse::shorten;
 use crate::lattice::Lattice;
 use crate::local::apply;
+use crate::pieces::together;
 use crate::pulls::{BLOCK, Packed, resistances_on_spheres};
 use cloth_core::block_matrix::{BlockMatrix, BlockPattern};
 use cloth_core::element::Projective;
 use cloth_core::math::{Mat3, Real, Vec3, gather};
 use cloth_core::wide::wide;
+use std::ops::Range;
 
 /// Elements with the same nodes under them, one after another: their sum is formed in a small dense matrix and added to the large one once.
 #[derive(Debug, Default)]
@@ -20,7 +22,8 @@ pub(crate) struct CoarseFamily {
     nodes: Vec<u32>,
     /// Places in the matrix of the pairs of nodes of each group, the lower half row by row.
     slots: Vec<u32>,
-    sum: Vec<Mat3>,
+    /// A sum per slot, and room to form it in.
+    sums: Vec<Mat3>,
     packed: Vec<Packed>,
 }
 
@@ -117,14 +120,8 @@ impl CoarseFamily {
             }
             start = group.ends[2] as usize;
         }
-        let most = self.groups.iter().scan(0, |start, group| {
-            let count = group.ends[3] - *start;
-            *start = group.ends[3];
-            Some(count as usize)
-        });
-        let most = most.max().unwrap_or(0);
-        self.sum = vec![Mat3::zeros(); most];
-        self.packed = vec![[0.0; 8]; most];
+        self.sums = vec![Mat3::zeros(); self.slots.len()];
+        self.packed = vec![[0.0; 8]; self.slots.len()];
     }
 
     /// Adds `Pᵀ (Σ w Gᵀ (I − ∂p/∂z) G) P` at x (m) to `out` (N/m).
@@ -135,56 +132,93 @@ impl CoarseFamily {
         x: &[Vec3],
         out: &mut BlockMatrix,
     ) {
-        wide(
-            #[inline(always)]
-            || {
-                let mut starts = [0; 4];
-                for group in &self.groups {
-                    let ends = group.ends.map(|end| end as usize);
-                    let node_count = ends[2] - starts[2];
-                    let slots = &self.slots[starts[3]..ends[3]];
-                    if node_count == 0 {
-                        starts = ends; // prescribed vertices only
-                        continue;
-                    }
-                    let sum = &mut self.sum[..slots.len()];
-                    sum.fill(Mat3::zeros());
-                    let packed = &mut self.packed[..slots.len()];
-                    packed.fill([0.0; 8]);
-                    let mut coefficients =
-                        self.coefficients[starts[1]..ends[1]].chunks_exact(node_count * K);
-                    for block in self.order[starts[0]..ends[0]].chunks(BLOCK) {
-                        let block = block.iter().map(|&element| &elements[element as usize]);
-                        let on_spheres = if are_spheres {
-                            resistances_on_spheres(block.clone(), x)
-                        } else {
-                            None
-                        };
-                        if let Some(resistances) = on_spheres {
-                            let coefficients = coefficients.by_ref().take(block.len());
-                            for (resistance, coefficients) in resistances.iter().zip(coefficients) {
-                                add_symmetric_products(resistance, coefficients, packed);
-                            }
-                            continue;
-                        }
-                        for (element, coefficients) in block.zip(coefficients.by_ref()) {
-                            let z = apply(&element.operator(), &gather(x, element.vertices()));
-                            let weight = element.weight();
-                            let resistance = element.resistance(z);
-                            let resistance = resistance.map(|row| row.map(|block| block * weight));
-                            add_products(&resistance, coefficients, sum);
-                        }
-                    }
-                    for (sum, packed) in sum.iter_mut().zip(packed) {
-                        *sum += unpacked(packed);
-                    }
-                    for (slot, sum) in slots.iter().zip(sum.iter()) {
-                        out.blocks_mut()[*slot as usize] += sum;
-                    }
-                    starts = ends;
-                }
-            },
+        let mut sums = std::mem::take(&mut self.sums);
+        let mut packed = std::mem::take(&mut self.packed);
+        let add_up = |group, sums: &mut [Mat3], packed: &mut [Packed]| {
+            wide(
+                #[inline(always)]
+                || self.add_up(group, elements, are_spheres, x, sums, packed),
+            );
+        };
+        self.for_each(0..self.groups.len(), &mut sums, &mut packed, &add_up);
+        for (slot, sum) in self.slots.iter().zip(&sums) {
+            out.blocks_mut()[*slot as usize] += sum;
+        }
+        (self.sums, self.packed) = (sums, packed);
+    }
+
+    /// Hands each group its sums, on several threads where that pays.
+    fn for_each(
+        &self,
+        groups: Range<usize>,
+        sums: &mut [Mat3],
+        packed: &mut [Packed],
+        visit: &(impl Fn(usize, &mut [Mat3], &mut [Packed]) + Sync),
+    ) {
+        if groups.len() < 2 {
+            return groups.for_each(|group| visit(group, sums, packed));
+        }
+        let middle = (groups.start + groups.end) / 2;
+        let at = self.starts(middle)[3] - self.starts(groups.start)[3];
+        let (first_sums, second_sums) = sums.split_at_mut(at);
+        let (first_packed, second_packed) = packed.split_at_mut(at);
+        together(
+            self.order.len() * groups.len() / self.groups.len(),
+            || self.for_each(groups.start..middle, first_sums, first_packed, visit),
+            || self.for_each(middle..groups.end, second_sums, second_packed, visit),
         );
+    }
+
+    /// Where a group begins in `order`, `coefficients`, `nodes` and `slots`.
+    fn starts(&self, group: usize) -> [usize; 4] {
+        let before = group.checked_sub(1).map(|before| self.groups[before].ends);
+        before.unwrap_or_default().map(|end| end as usize)
+    }
+
+    /// Fills in the sums of one group; `packed` is room to work in.
+    #[inline(always)]
+    fn add_up<const N: usize, const K: usize, E: Projective<N, K>>(
+        &self,
+        group: usize,
+        elements: &[E],
+        are_spheres: bool,
+        x: &[Vec3],
+        sums: &mut [Mat3],
+        packed: &mut [Packed],
+    ) {
+        let (starts, ends) = (self.starts(group), self.starts(group + 1));
+        let node_count = ends[2] - starts[2];
+        if node_count == 0 {
+            return; // prescribed vertices only
+        }
+        sums.fill(Mat3::zeros());
+        packed.fill([0.0; 8]);
+        let mut coefficients = self.coefficients[starts[1]..ends[1]].chunks_exact(node_count * K);
+        for block in self.order[starts[0]..ends[0]].chunks(BLOCK) {
+            let block = block.iter().map(|&element| &elements[element as usize]);
+            let on_spheres = if are_spheres {
+                resistances_on_spheres(block.clone(), x)
+            } else {
+                None
+            };
+            if let Some(resistances) = on_spheres {
+                let coefficients = coefficients.by_ref().take(block.len());
+                for (resistance, coefficients) in resistances.iter().zip(coefficients) {
+                    add_symmetric_products(resistance, coefficients, packed);
+                }
+                continue;
+            }
+            for (element, coefficients) in block.zip(coefficients.by_ref()) {
+                let z = apply(&element.operator(), &gather(x, element.vertices()));
+                let weight = element.weight();
+                let resistance = element.resistance(z);
+                let resistance = resistance.map(|row| row.map(|block| block * weight));
+                add_products(&resistance, coefficients, sums);
+            }
+        }
+        for (sum, packed) in sums.iter_mut().zip(packed) {
+            *sum += unpacked(packed);
+        }
     }
 }
 

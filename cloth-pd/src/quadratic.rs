@@ -56,14 +56,24 @@ impl Quadratic {
     #[inline(always)]
     pub(crate) fn times(&self, row: usize, q: &[Padded]) -> Padded {
         let range = self.offsets[row] as usize..self.offsets[row + 1] as usize;
-        let entries = self.columns[range.clone()].iter().zip(&self.values[range]);
-        let mut sum = [0.0; 4];
-        for (&column, &value) in entries {
-            let q = q[column as usize];
-            for lane in 0..4 {
-                sum[lane] += q[lane] * value;
+        let (columns, last_column) = self.columns[range.clone()].as_chunks::<2>();
+        let (values, last_value) = self.values[range].as_chunks::<2>();
+        // Two sums, so that an addition does not wait for the one before.
+        let mut sums = [[0.0; 4]; 2];
+        for (columns, values) in columns.iter().zip(values) {
+            for (sum, (&column, value)) in sums.iter_mut().zip(columns.iter().zip(values)) {
+                let q = q[column as usize];
+                for lane in 0..4 {
+                    sum[lane] += q[lane] * value;
+                }
             }
         }
-        sum
+        for (&column, value) in last_column.iter().zip(last_value) {
+            let q = q[column as usize];
+            for lane in 0..4 {
+                sums[1][lane] += q[lane] * value;
+            }
+        }
+        std::array::from_fn(|lane| sums[0][lane] + sums[1][lane])
     }
 }
