@@ -81,7 +81,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     let strain = Strain::of(&model.springs, &state.positions);
     let lowest = state.positions.iter().map(|x| x.z).fold(0.0, Real::min);
-    println!("\nafter 5 s with 6 iterations a step:");
+    println!("\nafter 5 s with {} iterations a step:", PdConfig::default().iterations);
     println!("factorisations {factorizations}");
     println!("lowest point   {lowest:.3} m");
     println!("largest strain {:.2} %", 100.0 * strain.max);
@@ -105,7 +105,7 @@ fn build(model: &ClothModel, rest: &State, config: PdConfig) -> Result<PdSolver,
     PdSolver::builder(&model.particles)
         .energy(model.springs.clone())
         .energy(model.hinges.clone())
-        .coarse_grid(&rest.positions, 8)
+        .coarse_grid(&rest.positions, 10)
         .config(config)
         .build()
 }

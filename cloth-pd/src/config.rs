@@ -57,10 +57,10 @@ pub enum Acceleration {
 impl Default for PdConfig {
     fn default() -> Self {
         Self {
-            iterations: 6,
+            iterations: 10,
             tolerance: None,
             start: Start::Inertial,
-            acceleration: Acceleration::QuasiNewton { history: 5 },
+            acceleration: Acceleration::QuasiNewton { history: 2 },
         }
     }
 }

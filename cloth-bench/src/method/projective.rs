@@ -7,13 +7,13 @@ use cloth_pd::{Acceleration, PdConfig, Start};
 
 pub(super) const PD_COARSE: Parameter = parameter(
     "coarse",
-    "8",
+    "10",
     "cells a side of the coarse grid under quasi-newton; 0: none",
 );
 const PD_ITERATIONS: Parameter = parameter(
     "iterations",
     "auto",
-    "local–global iterations per step, at most; auto: 6, or 60 where the cloth can touch something",
+    "local–global iterations per step, at most; auto: 10, or 60 where the cloth can touch something",
 );
 /// After an impact a few iterations are not enough: they leave strains that the next impacts feed on.
 const TOUCHING: (u32, Real) = (60, 1e-2);
@@ -32,7 +32,7 @@ const PD_ACCELERATION: Parameter = parameter(
     "quasi-newton",
     "none, chebyshev or quasi-newton",
 );
-const PD_HISTORY: Parameter = parameter("history", "5", "pairs that quasi-newton remembers");
+const PD_HISTORY: Parameter = parameter("history", "2", "pairs that quasi-newton remembers");
 const PD_RADIUS: Parameter = parameter(
     "spectral_radius",
     "auto",
