@@ -15,7 +15,7 @@ fn sheet(side: u32) -> Scene {
     scene::build("hang", None, &Settings::default().with("n", side)).expect("a scene")
 }
 
-fn panels_of(cholesky: &Cholesky, count: usize) -> PanelFactor {
+fn panels_of(cholesky: &Cholesky) -> PanelFactor {
     PanelFactor::new(cholesky.factor())
 }
 
@@ -25,7 +25,7 @@ fn global_solve(criterion: &mut Criterion) {
         let scene = sheet(side);
         let count = scene.start.positions.len();
         let mut cholesky = constant_matrix(&scene).expect("a factor");
-        let mut panels = panels_of(&cholesky, count);
+        let mut panels = panels_of(&cholesky);
         let mut group = criterion.benchmark_group(format!("projective solve, {side} a side"));
         group.sample_size(20);
         group.throughput(Throughput::Bytes(16 * cholesky.factor_len() as u64));
@@ -47,7 +47,7 @@ fn changes(criterion: &mut Criterion) {
         let scene = sheet(side);
         let count = scene.start.positions.len();
         let mut cholesky = constant_matrix(&scene).expect("a factor");
-        let mut panels = panels_of(&cholesky, count);
+        let mut panels = panels_of(&cholesky);
         let mut group = criterion.benchmark_group(format!("projective change, {side} a side"));
         group.sample_size(10);
         group.throughput(Throughput::Elements(cholesky.factor_len() as u64));
@@ -104,7 +104,7 @@ fn steps(criterion: &mut Criterion) {
             PdSolver::builder(&scene.model.particles)
                 .energy(scene.model.springs.clone())
                 .energy(scene.model.hinges.clone())
-                .coarse_grid(&scene.start.positions, 8)
+                .coarse_grid(&scene.start.positions, 10)
                 .config(PdConfig {
                     acceleration,
                     ..PdConfig::default()
@@ -112,7 +112,7 @@ fn steps(criterion: &mut Criterion) {
                 .build()
                 .expect("a solver")
         };
-        let quasi_newton = Acceleration::QuasiNewton { history: 5 };
+        let quasi_newton = Acceleration::QuasiNewton { history: 2 };
         let mut solver = build(quasi_newton);
         let mut state = scene.start.clone();
         let input = || StepInput::new(scene.dt).gravity(scene.gravity);

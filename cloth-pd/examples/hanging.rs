@@ -81,7 +81,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     let strain = Strain::of(&model.springs, &state.positions);
     let lowest = state.positions.iter().map(|x| x.z).fold(0.0, Real::min);
-    println!("\nafter 5 s with {} iterations a step:", PdConfig::default().iterations);
+    println!(
+        "\nafter 5 s with {} iterations a step:",
+        PdConfig::default().iterations
+    );
     println!("factorisations {factorizations}");
     println!("lowest point   {lowest:.3} m");
     println!("largest strain {:.2} %", 100.0 * strain.max);
