@@ -36,28 +36,27 @@ pub(super) const STUDY: Study = Study {
     run,
 };
 
-/// Its parts, which report their progress themselves.
 fn cases(scope: Scope) -> u64 {
-    let parts = 7;
+    // The picture, and the three sheets in it.
+    let picture = 4;
     count::cases(scope)
         + sweeps::cases(scope)
         + remedies::cases(scope)
         + methods::cases(scope)
         + sphere::cases(scope)
-        + parts
-        + 3
+        + picture
 }
 
 fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
     let mut findings = Findings::default();
     let all = &mut findings;
-    let as_counted = cases.chapter("count", all, |own, now| count::run(scope, own, now))?;
+    let as_counted = count::run(scope, all, cases)?;
     cases.chapter("picture", all, |own, now| picture::draw(own, now))?;
-    let cones = cases.chapter("cones", all, |own, now| sweeps::cones(scope, own, now))?;
-    let folds = cases.chapter("folds", all, |own, now| sweeps::folds(scope, own, now))?;
-    cases.chapter("remedies", all, |own, now| remedies::run(scope, own, now))?;
-    cases.chapter("methods", all, |own, now| methods::run(scope, own, now))?;
-    let drapes = cases.chapter("drapes", all, |own, now| sphere::run(scope, own, now))?;
+    let cones = sweeps::cones(scope, all, cases)?;
+    let folds = sweeps::folds(scope, all, cases)?;
+    remedies::run(scope, all, cases)?;
+    methods::run(scope, all, cases)?;
+    let drapes = sphere::run(scope, all, cases)?;
     findings.section.verdict = Some(verdict(as_counted, &cones, &folds, &drapes));
     Ok(findings)
 }

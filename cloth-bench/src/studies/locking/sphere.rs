@@ -11,7 +11,7 @@ use crate::report::table::{Cell, Table};
 use crate::run;
 use crate::scene::{self, Scene};
 use crate::settings::Settings;
-use crate::studies::{Findings, Scope};
+use crate::studies::{Cases, Findings, Scope};
 use cloth_core::cloth::ClothModel;
 use cloth_core::dof::EdgeRank;
 use cloth_core::energy::Spring;
@@ -27,8 +27,6 @@ const RIGIDITY: Real = 1e-3;
 const MODULI: [Real; 2] = [1e3, 1e5];
 /// Everything this near (m) to the middle of the sheet is held, or a sheet that does not give slides off.
 const HELD: Real = 0.06;
-/// Cells a side.
-const CELLS: usize = 16;
 /// Contact stops vertices after the solver's step, which strains stiff edges: less so in short steps.
 const CONTACT_STEPS: u32 = 40;
 const DT: Real = 1.0 / 60.0;
@@ -55,10 +53,12 @@ struct Case {
     method: &'static str,
     /// 0: as published.
     iterations: u32,
+    /// Cells a side.
+    cells: usize,
 }
 
 /// What came of it.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 struct Drape {
     coordinates_left: i64,
     nullity: usize,
@@ -79,6 +79,7 @@ fn list(scope: Scope) -> Vec<Case> {
         modulus: MODULI[1],
         method: METHOD,
         iterations: 0,
+        cells: 16,
     };
     let mut cases = Vec::new();
     for &pattern in patterns(scope) {
@@ -115,6 +116,13 @@ fn list(scope: Scope) -> Vec<Case> {
             ..base
         });
     }
+    for cells in [32, 64, 128] {
+        cases.extend(MODULI.map(|modulus| Case {
+            modulus,
+            cells,
+            ..base
+        }));
+    }
     cases
 }
 
@@ -123,7 +131,7 @@ pub(super) fn cases(scope: Scope) -> u64 {
 }
 
 fn drape(case: &Case) -> Result<Drape, BenchError> {
-    let mesh = square(case.pattern, CELLS)?;
+    let mesh = square(case.pattern, case.cells)?;
     let mut sheet = Sheet::new(mesh, KINDS[case.kind].1, case.modulus, RIGIDITY)?;
     sheet.hold(|p| (p - Vec3::new(0.5, 0.5, 0.0)).norm() < HELD)?;
     let conditions = sheet.conditions()?;
@@ -193,10 +201,11 @@ pub(super) struct Drapes {
 pub(super) fn run(
     scope: Scope,
     findings: &mut Findings,
-    progress: &mut dyn FnMut(&str),
+    cases: &mut Cases<'_>,
 ) -> Result<Drapes, BenchError> {
     let mut table = Table::new(&[
         "pattern",
+        "cells",
         "membrane",
         "Y",
         "method",
@@ -215,6 +224,7 @@ pub(super) fn run(
             modulus,
             method,
             iterations,
+            cells,
             ..
         } = case;
         let membrane = KINDS[case.kind].0;
@@ -222,9 +232,10 @@ pub(super) fn run(
             0 => method.to_owned(),
             n => format!("{method}, {n} iterations"),
         };
-        let name = format!("locking: drape, {pattern}, {membrane}, Y = {modulus:e} N/m, {solver}");
-        progress(&name);
-        let Some(found) = findings.unless_failed(&name, drape(&case)) else {
+        let name =
+            format!("drape, {pattern}, {cells} cells, {membrane}, Y = {modulus:e} N/m, {solver}");
+        let found = cases.case(&name, || drape(&case));
+        let Some(found) = findings.unless_failed(&name, found) else {
             continue;
         };
         if case.kind == 0 && method == METHOD {
@@ -232,6 +243,7 @@ pub(super) fn run(
         }
         table.push([
             Cell::from(pattern),
+            Cell::from(cells),
             Cell::from(membrane),
             Cell::from(modulus),
             Cell::from(solver.as_str()),

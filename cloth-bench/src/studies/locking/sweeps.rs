@@ -1,13 +1,13 @@
 //! Locked or stiff: cone and fold against membrane modulus, resolution and pattern.
 
-use super::cone::{self, OnCone};
+use super::cone;
 use super::count::PATTERNS;
 use super::fold::{self, Axis};
 use super::sheet::Kind;
 use crate::error::BenchError;
 use crate::report::plot::{self, Plot, Series, Style};
 use crate::report::table::{Cell, Table};
-use crate::studies::{Findings, Scope};
+use crate::studies::{Cases, Findings, Scope};
 use cloth_core::math::Real;
 use serde::{Deserialize, Serialize};
 
@@ -34,6 +34,7 @@ fn fold_moduli(scope: Scope, cells: usize) -> &'static [Real] {
         Scope::Quick => &[1e4, 1e6],
         Scope::Full if cells <= 16 => &[1e3, 1e4, 1e5, 1e6, 1e7, 1e8],
         Scope::Full if cells <= 32 => &[1e3, 1e4, 1e5, 1e6, 1e7],
+        Scope::Full if cells <= 64 => &[1e4, 1e6, 1e8],
         Scope::Full => &[1e4, 1e6],
     }
 }
@@ -41,12 +42,16 @@ fn fold_moduli(scope: Scope, cells: usize) -> &'static [Real] {
 fn fold_sizes(scope: Scope) -> &'static [usize] {
     match scope {
         Scope::Quick => &[16],
-        Scope::Full => &[16, 32, 64],
+        Scope::Full => &[16, 32, 64, 128],
     }
 }
 
 pub(super) fn cases(scope: Scope) -> u64 {
-    ((sizes(scope).len() + 2 * fold_sizes(scope).len()) * PATTERNS.len()) as u64
+    let cones: usize = sizes(scope).iter().map(|&n| moduli(scope, n).len()).sum();
+    let folds = fold_sizes(scope)
+        .iter()
+        .map(|&n| fold_moduli(scope, n).len());
+    (PATTERNS.len() * (cones + 2 * folds.sum::<usize>())) as u64
 }
 
 /// `l* = (702 D R²/Y)^¼` (m): the edge length at which the membrane of a locked bend of radius `radius` (m) was estimated to cost as much as its bending.
@@ -76,7 +81,7 @@ fn widen(range: &mut [Real; 2], value: Real) {
 pub(super) fn cones(
     scope: Scope,
     findings: &mut Findings,
-    progress: &mut dyn FnMut(&str),
+    cases: &mut Cases<'_>,
 ) -> Result<OnCones, BenchError> {
     let mut table = Table::new(&[
         "pattern",
@@ -99,16 +104,15 @@ pub(super) fn cones(
     for pattern in PATTERNS {
         let mut curve = Vec::new();
         for &cells in sizes(scope) {
-            progress(&format!("locking: cone, {pattern}, {cells} cells"));
             for &modulus in moduli(scope, cells) {
                 let case = format!("cone, {pattern}, {cells} cells, Y = {modulus:e} N/m");
-                let found = cone::bend(pattern, cells, Kind::Springs, modulus, RIGIDITY);
+                let found = cases.case(&case, || {
+                    cone::bend(pattern, cells, Kind::Springs, modulus, RIGIDITY)
+                });
                 let Some(found) = findings.unless_failed(&case, found) else {
                     continue;
                 };
-                let OnCone {
-                    energy, membrane, ..
-                } = found;
+                let (energy, membrane) = (found.energy, found.membrane);
                 let ratio = found.edge_length / critical_length(cone::radius(), modulus, RIGIDITY);
                 curve.push((ratio, energy));
                 let constant = found.placed / ratio.powi(4);
@@ -169,7 +173,7 @@ pub(super) struct Folds {
 pub(super) fn folds(
     scope: Scope,
     findings: &mut Findings,
-    progress: &mut dyn FnMut(&str),
+    cases: &mut Cases<'_>,
 ) -> Result<Folds, BenchError> {
     let mut told = Folds {
         halved: [Real::MAX, 0.0],
@@ -196,17 +200,18 @@ pub(super) fn folds(
             let mut points = Vec::new();
             for &cells in fold_sizes(scope) {
                 let mut curve: Vec<(Real, Real)> = Vec::new();
-                progress(&format!("locking: fold, {pattern}, {name}, {cells} cells"));
                 for &modulus in fold_moduli(scope, cells) {
                     let case = format!("fold, {pattern}, {name}, {cells} cells, Y = {modulus:e}");
                     let stiffness = [modulus, RIGIDITY];
-                    let folded = fold::fold(axis, pattern, cells, Kind::Springs, stiffness);
+                    let folded = cases.case(&case, || {
+                        fold::fold(axis, pattern, cells, Kind::Springs, stiffness)?.figures()
+                    });
                     let Some(folded) = findings.unless_failed(&case, folded) else {
                         continue;
                     };
                     let critical =
                         critical_length(folded.radius, modulus, folded.factor * RIGIDITY);
-                    let ratio = folded.sheet.edge_length()? / critical;
+                    let ratio = folded.edge_length / critical;
                     curve.push((ratio, folded.bending));
                     table.push([
                         Cell::from(pattern),
@@ -216,11 +221,11 @@ pub(super) fn folds(
                         Cell::from(ratio),
                         Cell::from(folded.factor),
                         Cell::from(folded.angle),
-                        Cell::from(folded.exact.exact_angle()),
+                        Cell::from(folded.exact_angle),
                         Cell::from(folded.bending),
                         Cell::from(folded.membrane),
-                        Cell::from(folded.rest.iterations as usize),
-                        Cell::from(folded.rest.last_move),
+                        Cell::from(folded.iterations as usize),
+                        Cell::from(folded.last_move),
                     ]);
                 }
                 match halved_at(&curve) {
