@@ -37,21 +37,19 @@ pub(super) const STUDY: Study = Study {
 };
 
 fn cases(scope: Scope) -> u64 {
-    // The picture, and the three sheets in it.
-    let picture = 4;
     count::cases(scope)
+        + picture::cases(scope)
         + sweeps::cases(scope)
         + remedies::cases(scope)
         + methods::cases(scope)
         + sphere::cases(scope)
-        + picture
 }
 
 fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
     let mut findings = Findings::default();
     let all = &mut findings;
     let as_counted = count::run(scope, all, cases)?;
-    cases.chapter("picture", all, |own, now| picture::draw(own, now))?;
+    picture::run(scope, all, cases)?;
     let cones = sweeps::cones(scope, all, cases)?;
     let folds = sweeps::folds(scope, all, cases)?;
     remedies::run(scope, all, cases)?;

@@ -29,19 +29,20 @@ pub(super) fn sizes(scope: Scope) -> &'static [usize] {
     }
 }
 
+/// The modulus (N/m) whose folds are drawn against the edge length.
+const SHOWN: Real = 1e6;
+
 fn fold_moduli(scope: Scope, cells: usize) -> &'static [Real] {
     match scope {
-        Scope::Quick => &[1e4, 1e6],
-        Scope::Full if cells <= 16 => &[1e3, 1e4, 1e5, 1e6, 1e7, 1e8],
-        Scope::Full if cells <= 32 => &[1e3, 1e4, 1e5, 1e6, 1e7],
-        Scope::Full if cells <= 64 => &[1e4, 1e6, 1e8],
-        Scope::Full => &[1e4, 1e6],
+        Scope::Quick => &[1e4, SHOWN],
+        Scope::Full if cells <= 32 => &[1e3, 1e4, 1e5, 1e6, 1e7, 1e8],
+        Scope::Full => &[1e4, 1e6, 1e8],
     }
 }
 
 fn fold_sizes(scope: Scope) -> &'static [usize] {
     match scope {
-        Scope::Quick => &[16],
+        Scope::Quick => &[8, 16],
         Scope::Full => &[16, 32, 64, 128],
     }
 }
@@ -181,6 +182,7 @@ pub(super) fn folds(
         free: 0,
     };
     let mut series = Vec::new();
+    let mut by_length = Vec::new();
     let mut table = Table::new(&[
         "pattern",
         "held diagonal",
@@ -198,6 +200,7 @@ pub(super) fn folds(
     for (name, axis) in [("rising", Axis::Along), ("falling", Axis::Across)] {
         for pattern in PATTERNS {
             let mut points = Vec::new();
+            let (mut reached, mut critical_lengths) = (Vec::new(), Vec::new());
             for &cells in fold_sizes(scope) {
                 let mut curve: Vec<(Real, Real)> = Vec::new();
                 for &modulus in fold_moduli(scope, cells) {
@@ -213,6 +216,10 @@ pub(super) fn folds(
                         critical_length(folded.radius, modulus, folded.factor * RIGIDITY);
                     let ratio = folded.edge_length / critical;
                     curve.push((ratio, folded.bending));
+                    if modulus == SHOWN {
+                        reached.push((folded.edge_length, folded.bending));
+                        critical_lengths.push(critical);
+                    }
                     table.push([
                         Cell::from(pattern),
                         Cell::from(name),
@@ -240,6 +247,9 @@ pub(super) fn folds(
             points.sort_by(|a, b| a.0.total_cmp(&b.0));
             let label = format!("{pattern}, {name}");
             series.push(Series::new(&label, points).styled(Style::Points));
+            if axis == Axis::Across {
+                by_length.extend(against_length(pattern, reached, &critical_lengths));
+            }
         }
     }
     let predicted = (0..=40).map(|i| {
@@ -257,12 +267,46 @@ pub(super) fn folds(
             note: "The sheet hangs under its own weight, held along the named diagonal. The dashed curve is a guess from the estimate: a rigidity of D (1 + (l/l*)⁴) under the same load.".into(),
         },
     );
+    findings.plot(
+        "locking-length",
+        &Plot {
+            title: "Finer meshes fold".into(),
+            x: plot::Axis::log("edge length l (m)"),
+            y: plot::Axis::linear("bending energy reached, over the developable answer (dimensionless)"),
+            series: by_length,
+            note: format!(
+                "Y = {SHOWN:e} N/m, held along the falling diagonal; from right to left the same sheet with finer and finer meshes. Dashed, in the colour of the mesh: 1/(1 + (l/l*)⁴), which is one half at l = l* = (702 D R²/Y)^¼, with the rigidity D that the mesh has about this diagonal and the radius R of its fold. A sheet free to curve across is softer than the developable answer, so 1 can be exceeded."
+            ),
+        },
+    );
     findings.table(
         "locking-fold",
         "Diagonal folds of a sheet of springs",
         table,
     );
     Ok(told)
+}
+
+/// Bending reached at edge lengths (m), and the guess from l* (m), in the mean of those given.
+fn against_length(
+    pattern: &str,
+    mut reached: Vec<(Real, Real)>,
+    critical_lengths: &[Real],
+) -> [Series; 2] {
+    reached.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let critical = critical_lengths.iter().sum::<Real>() / critical_lengths.len().max(1) as Real;
+    let guess = (0..=40).map(|i| {
+        let length = 10.0_f64.powf(-2.0 + 0.03 * Real::from(i));
+        (length, 1.0 / (1.0 + (length / critical).powi(4)))
+    });
+    [
+        Series::new(pattern, reached),
+        Series::new(
+            &format!("{pattern}, by l* = {critical:.3} m"),
+            guess.collect(),
+        )
+        .styled(Style::ExactCurve),
+    ]
 }
 
 /// Where a curve `(l/l*, bending reached)` in ascending order first falls to half of its first value, if it does; between two points by logarithms.
