@@ -69,7 +69,7 @@ fn stretched_evenly_the_sheet_is_as_stiff_as_springs_and_pushed_it_keeps_the_sha
 #[test]
 fn obtuse_triangles_and_notches_take_little_of_the_stiffness() {
     for (mesh, least) in [
-        (equilateral(17, 17, 0.1).unwrap(), 0.85),
+        (equilateral(17, 17, 0.1).unwrap(), 0.82),
         (grid(17, 17, 1.0, 1.0, Diagonals::Crossed).unwrap(), 0.97),
         (irregular(17, 1.0, 1.0, 3).unwrap(), 0.97),
     ] {

@@ -27,14 +27,16 @@ const RIGIDITY: Real = 1e-3;
 const MODULI: [Real; 2] = [1e3, 1e5];
 /// Everything this near (m) to the middle of the sheet is held, or a sheet that does not give slides off.
 const HELD: Real = 0.06;
-/// Contact stops vertices after the solver's step, which strains stiff edges: less so in short steps. Many for the patterns, kinds and methods; few for the resolutions, where every part is dear.
+/// Contact stops vertices after the solver's step, which strains stiff edges: less so in short steps. Many for the patterns, kinds and methods; few for the resolutions, where every one is dear.
 const CONTACT_STEPS: [u32; 2] = [40, 10];
 const DT: Real = 1.0 / 60.0;
 const MOST_STEPS: u32 = 200;
 /// When nothing is faster than this (m/s), it is at rest.
 const STILL: Real = 2e-3;
-/// The method of the patterns, kinds of membrane and resolutions: one linear solve a step. What is at rest in it is at rest in every method that solves its steps.
+/// The method of the patterns and kinds of membrane: one linear solve a step. What is at rest in it is at rest in every method that solves its steps.
 const METHOD: &str = "linear-implicit";
+/// The method of the resolutions: its matrix is factorised once.
+const FINE_METHOD: &str = "pd";
 const PATTERN: &str = "alternating";
 
 fn patterns(scope: Scope) -> &'static [&'static str] {
@@ -123,6 +125,7 @@ fn list(scope: Scope) -> Vec<Case> {
         cases.extend(MODULI.map(|modulus| Case {
             modulus,
             cells,
+            method: FINE_METHOD,
             contact_steps: CONTACT_STEPS[1],
             ..base
         }));
@@ -200,6 +203,8 @@ fn fall_of_corners(rest: &[Vec3], positions: &[Vec3]) -> Real {
 pub(super) struct Drapes {
     /// Pattern and ratio: least and largest.
     pub(super) kept: Option<[(String, Real); 2]>,
+    /// Cells a side, and how far (m) the corners come down at either modulus: least and most cells.
+    pub(super) sizes: Option<[(usize, [Real; 2]); 2]>,
 }
 
 pub(super) fn run(
@@ -245,7 +250,7 @@ pub(super) fn run(
         let Some(found) = findings.unless_failed(&name, found) else {
             continue;
         };
-        if case.kind == 0 && method == METHOD {
+        if case.kind == 0 {
             fallen.push((case, found.corners));
         }
         table.push([
@@ -269,13 +274,35 @@ pub(super) fn run(
     findings.table("locking-sphere", "Sheets draped over a sphere", table);
     Ok(Drapes {
         kept: kept(&fallen).map(|both| both.map(|(pattern, share)| (pattern.to_owned(), share))),
+        sizes: sizes(&fallen),
     })
+}
+
+/// How deep (m) the corners are at both moduli with the fewest and the most cells a side.
+fn sizes(fallen: &[(Case, Real)]) -> Option<[(usize, [Real; 2]); 2]> {
+    let of_sizes = |case: &Case| case.contact_steps == CONTACT_STEPS[1];
+    let cells = fallen
+        .iter()
+        .filter(|(case, _)| of_sizes(case))
+        .map(|(case, _)| case.cells);
+    let at = |cells: usize| {
+        let depth = |modulus: Real| {
+            let wanted = |(case, _): &&(Case, Real)| {
+                of_sizes(case) && case.cells == cells && case.modulus == modulus
+            };
+            fallen.iter().find(wanted).map(|&(_, depth)| depth)
+        };
+        Some((cells, [depth(MODULI[0])?, depth(MODULI[1])?]))
+    };
+    Some([at(cells.clone().min()?)?, at(cells.max()?)?])
 }
 
 /// Least and largest share of the depth of the corners that is kept from the softer modulus to the stiffer, with their patterns.
 fn kept(fallen: &[(Case, Real)]) -> Option<[(&'static str, Real); 2]> {
     let at = |pattern: &str, modulus: Real| {
-        let wanted = |(case, _): &&(Case, Real)| case.pattern == pattern && case.modulus == modulus;
+        let wanted = |(case, _): &&(Case, Real)| {
+            case.pattern == pattern && case.modulus == modulus && case.method == METHOD
+        };
         fallen.iter().find(wanted).map(|&(_, depth)| depth)
     };
     let ratios = count::PATTERNS
@@ -315,5 +342,22 @@ mod tests {
         assert_eq!((least.0, most.0), ("crossed", "one-way"));
         assert!((least.1 - 0.25).abs() < 1e-15 && (most.1 - 0.8).abs() < 1e-15);
         assert_eq!(kept(&fallen[..1]), None);
+        assert_eq!(sizes(&fallen), None);
+        let of_size = |cells: usize, modulus: Real, depth: Real| {
+            let case = Case {
+                cells,
+                modulus,
+                contact_steps: CONTACT_STEPS[1],
+                ..list(Scope::Quick)[0]
+            };
+            (case, depth)
+        };
+        fallen.extend([
+            of_size(32, MODULI[0], 0.5),
+            of_size(32, MODULI[1], 0.3),
+            of_size(16, MODULI[0], 0.6),
+            of_size(16, MODULI[1], 0.2),
+        ]);
+        assert_eq!(sizes(&fallen), Some([(16, [0.6, 0.2]), (32, [0.5, 0.3])]));
     }
 }

@@ -36,7 +36,8 @@ fn fold_moduli(scope: Scope, cells: usize) -> &'static [Real] {
     match scope {
         Scope::Quick => &[1e4, SHOWN],
         Scope::Full if cells <= 32 => &[1e3, 1e4, 1e5, 1e6, 1e7, 1e8],
-        Scope::Full => &[1e4, 1e6, 1e8],
+        Scope::Full if cells <= 64 => &[1e4, 1e6, 1e8],
+        Scope::Full => &[1e4, 1e6],
     }
 }
 
