@@ -228,8 +228,21 @@ pub(super) fn fold(
     kind: Kind,
     stiffness: [Real; 2],
 ) -> Result<Folded, BenchError> {
-    let (sheet, exact, factor) = prepared(axis, pattern, cells, kind, stiffness)?;
+    let (sheet, exact, _) = prepared(axis, pattern, cells, kind, stiffness)?;
     let start = sheet.placed(|p| exact.place(p));
+    fold_from(start, axis, pattern, cells, kind, stiffness)
+}
+
+/// The same, starting with the points at `start` (m).
+pub(super) fn fold_from(
+    start: Vec<Vec3>,
+    axis: Axis,
+    pattern: &str,
+    cells: usize,
+    kind: Kind,
+    stiffness: [Real; 2],
+) -> Result<Folded, BenchError> {
+    let (sheet, exact, factor) = prepared(axis, pattern, cells, kind, stiffness)?;
     let rest = sheet.rest(start, Vec3::z() * -GRAVITY)?;
     Ok(Folded {
         bending: sheet.bending_energy(&rest.points)? / exact.bending_energy,

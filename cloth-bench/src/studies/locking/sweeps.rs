@@ -302,11 +302,8 @@ fn against_length(
     });
     [
         Series::new(pattern, reached),
-        Series::new(
-            &format!("{pattern}, by l* = {critical:.3} m"),
-            guess.collect(),
-        )
-        .styled(Style::ExactCurve),
+        Series::new(&format!("{pattern}, l* {critical:.3} m"), guess.collect())
+            .styled(Style::ExactCurve),
     ]
 }
 
