@@ -18,9 +18,10 @@ use crate::topology::{EdgeTable, coarse_levels};
 ///
 /// Links on the level `level` carry the part `1 − fine_share` of the modulus, the springs on the edges the rest: stretched evenly, the sheet stores what springs alone store, in the mean over all directions.
 ///
-/// What it breaks, besides taking more elements:
-/// - pushed together, the sheet keeps `fine_share` of its stiffness, and under shear, which pulls one way and pushes the other, about half;
-/// - stretch that changes from one coarse vertex to the next, over 2^(level/2) edges or more, meets `fine_share` of the stiffness only: the coarser the level, the larger the parts of the sheet that can be drawn out of place
+/// What it breaks, besides taking more elements (figures of level 2 with a share of 0.01 on sheets of 16 cells a side, `cloth-bench study locking`):
+/// - links lie more in some directions than in others: pulled along x, the sheet has 0.74 (alternating grid) to 1.07 (crossed) of the energy of springs;
+/// - pushed together, the sheet keeps `fine_share` of its stiffness, and under shear, which pulls one way and pushes the other, 0.40 to 0.62;
+/// - stretch that changes from one coarse vertex to the next, over 2^(level/2) edges or more, meets `fine_share` of the stiffness only, and waves of four edges 0.02 to 0.18: the coarser the level, the larger the parts of the sheet that can be drawn out of place
 ///   within their surroundings.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LevelOfDetail {
