@@ -30,11 +30,13 @@
 //! ```
 
 mod carriers;
+mod detail;
 mod elements;
 mod midpoints;
 mod relief;
 
 pub use carriers::{BendingCarrier, Carriers, MembraneCarrier};
+pub use detail::LevelOfDetail;
 pub use elements::Elements;
 pub use midpoints::MidpointCloth;
 pub use relief::{SpringEdges, SpringLaw};
@@ -211,6 +213,17 @@ pub enum ClothError {
     NoRectangles,
     /// Another law of springs, or springs on some edges only, were asked for where no springs stand on the edges alone.
     ReliefWithoutSprings,
+    /// A coarse level was asked for where the membrane is not made of linear springs on all edges alone.
+    DetailWithoutSprings,
+    /// The mesh has no such coarse level.
+    NoSuchLevel {
+        /// The one asked for, from 1.
+        level: u32,
+        /// How many there are, as far as they were asked for.
+        most: u32,
+    },
+    /// The share of the modulus that stays with the edges (dimensionless) is above 1.
+    FineShare(Real),
     /// The share of k under compression (dimensionless) is above 1.
     CompressionShare(Real),
     /// The range of lengths without resistance does not hold 1 (dimensionless).
@@ -245,6 +258,17 @@ impl fmt::Display for ClothError {
             ),
             Self::ReliefWithoutSprings => f.write_str(
                 "slack, weaker springs under compression and springs on some edges only are for a membrane of springs on edges, not for triangles, and not beside shear springs",
+            ),
+            Self::DetailWithoutSprings => f.write_str(
+                "a coarse level carries a cloth of linear springs on all edges, not one of triangles, and not beside shear springs or another remedy",
+            ),
+            Self::NoSuchLevel { level, most } => write!(
+                f,
+                "coarse level {level} is to carry the cloth, but the mesh has levels from 1 to {most}"
+            ),
+            Self::FineShare(share) => write!(
+                f,
+                "springs on the edges keep {share} of the modulus, but it has to be at most 1"
             ),
             Self::CompressionShare(share) => write!(
                 f,

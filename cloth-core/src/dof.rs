@@ -27,6 +27,7 @@
 //!
 //! | remedy | bending reached | what it breaks |
 //! |---|---|---|
+//! | coarse level 2 holds, k/100 on the edges, [`crate::cloth::LevelOfDetail`] | 1.22 | 0.01 of the energy when pushed, 0.62 when sheared, 0.02 when stretched in waves of four cells |
 //! | k/100 under compression, [`crate::cloth::SpringLaw::Compression`] | 1.09 | pushed, the sheet is a hundred times softer; pulled, it is the same |
 //! | soft springs, stiff beyond 1 %, `Slack` beside them | 1.19 | 0.18 of the energy when pulled |
 //! | slack ±0.5 %, [`crate::cloth::SpringLaw::Slack`] | 1.40 | 0.46 of the energy when pulled, and nothing within the range |
@@ -35,20 +36,20 @@
 //! | edge midpoints, [`crate::cloth::Cloth::on_midpoints`] | 1.11 | nothing of the membrane; three times as many coordinates, and gaps between triangles |
 //!
 //! So: on a grid take the crossed pattern first, which costs nothing but a vertex more in each cell. Where the mesh is given, weaker springs under compression are the cheapest cure; folds shorten edges, and cloth hardly resists being pushed
-//! in its plane anyway. Midpoints are for those who need the membrane as it is.
+//! in its plane anyway. A coarse level frees more, 775 of 867 coordinates where springs leave 67, and no bend costs its links anything; but what stretches over a few edges only hardly meets it. Midpoints are for those who need the membrane as it is.
 //!
-//! Finer meshes lock less: the last sheet reaches 0.93 with 32 cells a side where it reached 0.49 with 16, and no fold of 64 cells a side, at 10⁶ N/m, reaches less than 1.00 (without `--quick`).
+//! Finer meshes lock less: the last sheet reaches 0.93 with 32 cells a side where it reached 0.49 with 16, and no fold of 64 or 128 cells a side, at 10⁶ N/m, reaches less than 1.00 (without `--quick`).
 //! The cone says what the remedies do to an irregular mesh, the worst, with 32 cells a side and 10⁸ N/m: springs 1.78 times the energy of an inextensible sheet, StVK 2.58, ARAP 2.75; weaker springs under
 //! compression 1.03, a fifth of the coordinates free 1.04, quads 0.99, slack 0.86, midpoints 0.74. Midpoints stay below 1 on every mesh, because triangles that are joined at one point can bend where a sheet could not.
 //!
-//! Where nothing is developable, on a sphere of 0.3 m, a locked sheet stands off: the corners of an alternating sheet of 16 cells, held in the middle, come down 0.37 m at 10⁵ N/m and 0.53 m at 10³.
+//! Where nothing is developable, on a sphere of 0.3 m, a locked sheet stands off: the corners of an alternating sheet of 16 cells, held in the middle, come down 0.46 m at 10⁵ N/m and 0.53 m at 10³. With 64 cells a side it is 0.47 m and 0.50 m: there are many folds to end in, and stiff sheets of one cloth do not agree as soft ones do.
 //!
 //! The method does not matter to locking as long as it solves the cloth it is given: implicit Euler and PD reach the same fold to 0.2 %. PBD reaches another at any number of iterations from 5 to 1280 (6.5 to 5.4 times the
 //! bending), since its stiffness is not that of the cloth.
 //!
 //! The edge length `l* = (702 D R²/Y)^¼` at radius R is where springs with all vertices on the surface store as much as the hinges: confirmed there for equilateral triangles, on a cone with 16 to 128 cells a side and
-//! Y from 10³ to 10⁸ N/m, to 6 %. A sheet between clamps leaves the surface and gets rid of all but 2 % of that, so l* is where locking can begin and not where it has to: of 30 kinds of sheets that fold under their own
-//! weight, 6 lose half of their bending, at edge lengths between 0.9 and 2.8 l*. As a sharp number it is refuted.
+//! Y from 10³ to 10⁸ N/m, to 6 %. A sheet between clamps leaves the surface and gets rid of all but 2 % of that, so l* is where locking can begin and not where it has to: of 40 kinds of sheets that fold under their own
+//! weight, 8 lose half of their bending, at edge lengths between 0.9 and 2.8 l*. As a sharp number it is refuted.
 //!
 //! # How the rank is found
 //!

@@ -2,8 +2,6 @@
 //!
 //! M. Müller, "Hierarchical position based dynamics", VRIPHYS 2008, <https://doi.org/10.2312/PE/vriphys/vriphys08/001-010>.
 
-mod coarsen;
-mod geodesic;
 mod level;
 mod tether;
 
@@ -12,9 +10,7 @@ use cloth_core::mesh::{MeshError, TriMesh};
 use cloth_core::particles::Particles;
 use cloth_core::position_based::Sweep;
 use cloth_core::step::BuildError;
-use cloth_core::topology::EdgeTable;
-use coarsen::{Graph, coarsen};
-use geodesic::Geodesics;
+use cloth_core::topology::{EdgeTable, coarse_levels};
 use level::Level;
 use std::fmt;
 
@@ -55,11 +51,9 @@ impl Default for HierarchyConfig {
 /// A Gauss–Seidel sweep carries a correction from neighbour to neighbour; over a cloth of N vertices a side it takes of the order of N² sweeps to
 /// settle. A level with half of the vertices settles in half of the sweeps, each half as much work.
 ///
-/// - **Coarsening.** Vertices are left out one after another as long as every one left out keeps at least
-///   [`HierarchyConfig::parents`] neighbours on the coarse level, its parents, and lies among them. On a boundary, of the sheet or of a hole, its two neighbours there are needed and are the
-///   parents. Prescribed vertices are kept.
+/// - **Coarsening.** [`coarse_levels`], with [`HierarchyConfig::parents`]; prescribed vertices are kept.
 /// - **Links.** Two coarse vertices are linked where a fine link joins them, or vertices whose nearest parents they are. The length of a link is the
-///   shortest way over the cloth at rest, not through the air, so no folding, bending or unrolling without stretch makes one longer. And where no link is longer, none does anything. Hence what costs the cloth
+///   shortest way over the cloth at rest, so no folding, bending or unrolling without stretch makes one longer. And where no link is longer, none does anything. Hence what costs the cloth
 ///   nothing costs a coarse level nothing: it does not resist bending.
 /// - **Correction.** From the coarsest level to the finest, links that are too long are shortened by projections. What a link does not do is to become shorter than it was
 ///   by the correction of others: below its length at the start it pushes back. (Müller's links only pull. Pulling by turns they draw the cloth together
@@ -86,9 +80,6 @@ pub struct Link {
     pub length: Real,
 }
 
-/// Coarser levels than this gain nothing.
-const SMALLEST_LEVEL: usize = 4;
-
 impl Hierarchy {
     /// The levels of a cloth at rest, with the masses and prescribed vertices of `particles` as they are now.
     ///
@@ -110,41 +101,12 @@ impl Hierarchy {
             .into());
         }
         let edges = EdgeTable::build(mesh)?;
-        let mut geodesics = Geodesics::new(mesh);
-        let mut graph = Graph::of_mesh(mesh.positions(), &edges);
-        let mut original: Vec<u32> = (0..vertex_count as u32).collect();
+        let is_prescribed = |v: u32| particles.is_prescribed(v as usize);
+        let [parents, most] = [config.parents, config.levels].map(|n| n as usize);
         let mut mass = particles.mass().to_vec();
         let mut levels: Vec<Level> = Vec::new();
-        let is_prescribed = |v: u32| particles.is_prescribed(v as usize);
-        while levels.len() < config.levels as usize {
-            let hold = |v: u32| is_prescribed(original[v as usize]);
-            let place = |v: u32| mesh.positions()[original[v as usize] as usize];
-            let coarsening = coarsen(&graph, hold, place, config.parents as usize);
-            let count = coarsening.kept.len();
-            if count < SMALLEST_LEVEL || 10 * count > 8 * graph.len() {
-                break;
-            }
-            let of_mesh: Vec<u32> = coarsening
-                .kept
-                .iter()
-                .map(|&v| original[v as usize])
-                .collect();
-            let lengths = lengths(&mut geodesics, &coarsening.links, &of_mesh);
-            let links = coarsening
-                .links
-                .iter()
-                .copied()
-                .zip(lengths.iter().copied());
-            graph = Graph::new(count, links, coarsening.rim_links.iter().copied());
-            let level = Level::new(
-                coarsening,
-                &lengths,
-                &original,
-                &mass,
-                is_prescribed,
-                config.sweep,
-            )?;
-            original.clone_from(&level.original);
+        for coarse in coarse_levels(mesh, &edges, is_prescribed, parents, most) {
+            let level = Level::new(coarse, &mass, is_prescribed, config.sweep)?;
             mass.clone_from(&level.mass);
             levels.push(level);
         }
@@ -248,16 +210,6 @@ impl Hierarchy {
             None => sweep == 0,
         }
     }
-}
-
-/// Lengths (m) of links between coarse vertices that stand for the vertices `of_mesh`.
-fn lengths(geodesics: &mut Geodesics<'_>, links: &[[u32; 2]], of_mesh: &[u32]) -> Vec<Real> {
-    let mut lengths = Vec::with_capacity(links.len());
-    for from_one in links.chunk_by(|a, b| a[0] == b[0]) {
-        let targets: Vec<u32> = from_one.iter().map(|l| of_mesh[l[1] as usize]).collect();
-        lengths.extend(geodesics.from(of_mesh[from_one[0][0] as usize], &targets));
-    }
-    lengths
 }
 
 fn check(config: &HierarchyConfig) -> Result<(), BuildError> {

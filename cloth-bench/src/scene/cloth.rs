@@ -6,7 +6,8 @@ use super::{
 use crate::error::BenchError;
 use crate::settings::{Parameter, Settings, parameter};
 use cloth_core::cloth::{
-    BendingCarrier, Carriers, Cloth, ClothModel, Membrane, MembraneCarrier, SpringEdges, SpringLaw,
+    BendingCarrier, Carriers, Cloth, ClothModel, LevelOfDetail, Membrane, MembraneCarrier,
+    SpringEdges, SpringLaw,
 };
 use cloth_core::math::Real;
 use cloth_core::mesh::TriMesh;
@@ -26,6 +27,16 @@ pub(super) const EDGES: Parameter = parameter(
     "all",
     "edges that carry springs: all, quads (no diagonals), or the share of the coordinates that is to be free, such as 0.2",
 );
+pub(super) const LEVEL: Parameter = parameter(
+    "level",
+    "0",
+    "coarse level of the mesh that keeps the cloth from stretching, from 1; 0: the mesh itself does",
+);
+pub(super) const FINE_SHARE: Parameter = parameter(
+    "fine_share",
+    "0.01",
+    "part of the modulus that springs on edges keep beside a coarse level, from 0 to 1",
+);
 
 /// Cuts the cloth that settings describe to a mesh. `rigidity` is the parameter of the scene for D: scenes differ in its default.
 pub(super) fn cut(
@@ -44,6 +55,7 @@ pub(super) fn cut(
         bending: bending_carrier(settings)?,
         law: law(settings)?,
         edges: edges(settings)?,
+        detail: detail(settings)?,
     };
     cloth.carried_by(&carriers, mesh).map_err(BenchError::usage)
 }
@@ -110,6 +122,16 @@ fn edges(settings: &Settings) -> Result<SpringEdges, BenchError> {
         "quads" => SpringEdges::Quads,
         _ => SpringEdges::Freedom(settings.number(&EDGES)?),
     })
+}
+
+fn detail(settings: &Settings) -> Result<Option<LevelOfDetail>, BenchError> {
+    let level = settings.count(&LEVEL, 0)?;
+    if level == 0 {
+        needs(settings, &FINE_SHARE, "a level of 1 or more")?;
+        return Ok(None);
+    }
+    let fine_share = settings.number(&FINE_SHARE)?;
+    Ok(Some(LevelOfDetail { level, fine_share }))
 }
 
 fn bending_carrier(settings: &Settings) -> Result<BendingCarrier, BenchError> {

@@ -271,9 +271,9 @@ fn over_time(title: &str, series: Vec<Series>) -> Plot {
     Plot {
         title: title.into(),
         x: Axis::linear("time (s)"),
-        y: Axis::log("energy left (dimensionless)").within(1e-3, 3.0),
+        y: Axis::log("energy left (dimensionless)").within(1e-3, 1e3),
         series,
-        note: "1 is the energy at the start. The scene has no damping: what is lost, the method takes.".into(),
+        note: "1 is the energy at the start. The scene has no damping: what is lost, the method takes, and what is gained, it makes.".into(),
     }
 }
 
@@ -366,7 +366,7 @@ fn free_sheets(
             told.join(", ")
         ),
         format!(
-            "{linear}; angular momentum is kept to 1e-9 by {} alone, the others change it by up to {:.0e}.",
+            "{linear}; angular momentum is kept to 1e-9, of what the motion has grown to, by {} alone, the others change it by up to {:.0e}.",
             exactly
                 .iter()
                 .filter(|(_, every)| *every)

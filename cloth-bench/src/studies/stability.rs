@@ -23,6 +23,7 @@ pub(super) const STUDY: Study = Study {
     name: "stability",
     question: "At which steps, stiffnesses, ratios of mass and stiffness, and meshes does each method stop working?",
     about: "A sheet of 1 m × 1 m held at two corners falls from the horizontal, one setting per method: the published one, but explicit methods take the step in one part, so that their limit is seen. \
+        Every cell is run ten times (once with --quick), each with other velocities of up to 1 cm/s at the start, and shows the worst of them. \
         ok: finite, and elastic, kinetic and gravitational energy never above that of the start by more than a hundredth of the weight times 1 m; strained: above it, with the step after which it was first so, but only by elastic energy, which a solver that is cut short leaves in stiff springs; \
         grew: the kinetic and gravitational energy alone are above it, so the sheet moves faster than it can; \
         diverged: no longer finite, or the method said so; refused: not built, with the reason in the notes. Maps: step (s) × stiffness (N/m); mass of a free corner over that of an inner vertex × stiffness of one half of the sheet over that of the other, Δt = 1/60 s; \
@@ -64,6 +65,17 @@ enum Fate {
 }
 
 impl Fate {
+    /// From passing to failing at once.
+    fn severity(&self) -> u8 {
+        match self {
+            Self::Ok => 0,
+            Self::Strained(_) => 1,
+            Self::Grew(_) => 2,
+            Self::Diverged(_) => 3,
+            Self::Refused(_) => 4,
+        }
+    }
+
     fn word(&self) -> String {
         match self {
             Self::Ok => "ok".into(),
@@ -288,6 +300,20 @@ fn limit(stiffness: Real) -> Result<Limit, BenchError> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn one_run_of_ten_that_fails_fails_the_cell() {
+        let fates = |seed: u64| match seed {
+            3 => Fate::Strained(7),
+            8 => Fate::Diverged(2),
+            9 => panic!("nothing is run after a failure"),
+            _ => Fate::Ok,
+        };
+        let of = |runs| map::worst(runs, |seed| Ok(fates(seed))).unwrap();
+        assert_eq!(of(2), Fate::Ok);
+        assert_eq!(of(7), Fate::Strained(7));
+        assert_eq!(of(10), Fate::Diverged(2));
+    }
 
     #[test]
     fn symplectic_euler_explodes_beyond_its_limit() {

@@ -1,6 +1,6 @@
 //! Which elements carry a cloth: the choice, and how each kind gets its constants from the one description (CORE-5 to CORE-7).
 
-use super::{Cloth, ClothError, Elements, Membrane, SpringEdges, SpringLaw};
+use super::{Cloth, ClothError, Elements, LevelOfDetail, Membrane, SpringEdges, SpringLaw};
 use crate::energy::{
     ArapTriangle, CubicShell, CurvatureHinge, CurvedHinge, DihedralHinge, Spring, StvkTriangle,
 };
@@ -23,6 +23,8 @@ pub struct Carriers {
     pub law: SpringLaw,
     /// Which edges carry springs; springs only, and all of them beside shear springs.
     pub edges: SpringEdges,
+    /// A coarser level that keeps the cloth from stretching instead of the edges; linear springs on all edges only. None: the edges do.
+    pub detail: Option<LevelOfDetail>,
 }
 
 /// What resists stretching.
@@ -96,14 +98,21 @@ impl Carriers {
         cut: &mut Cut,
     ) -> Result<(), ClothError> {
         let is_plain = self.law == SpringLaw::Linear && self.edges == SpringEdges::All;
-        if !is_plain && (self.membrane != MembraneCarrier::Springs || self.shear.is_some()) {
+        let is_bare = self.membrane == MembraneCarrier::Springs && self.shear.is_none();
+        if !is_plain && !is_bare {
             return Err(ClothError::ReliefWithoutSprings);
+        }
+        if self.detail.is_some() && !(is_plain && is_bare) {
+            return Err(ClothError::DetailWithoutSprings);
         }
         match self.membrane {
             MembraneCarrier::Springs => {
                 let springs = membrane.springs(mesh, edges);
                 let springs = self.edges.chosen_from(springs, mesh, edges)?;
-                let (springs, limited) = self.law.applied_to(springs)?;
+                let (mut springs, mut limited) = self.law.applied_to(springs)?;
+                if let Some(detail) = self.detail {
+                    limited = detail.applied_to(&mut springs, membrane, mesh, edges)?;
+                }
                 cut.springs = springs;
                 if !limited.is_empty() {
                     cut.others.push(Elements::Limited(limited));

@@ -9,6 +9,8 @@
 //! | [`SpringLaw::Slack`] | lengths are free in a range | nothing holds a length within the range: cloth gives by that much before it holds |
 //! | [`SpringEdges::Freedom`], [`SpringEdges::Quads`] | 3V − E grows by 1 with every edge left out | stiffness against shear; with no diagonal left on a grid it is zero, and a wanted modulus is missed |
 //!
+//! | [`LevelOfDetail`](super::LevelOfDetail) | all lengths, but for those of a coarser level that grow | stretch over short distances is hardly resisted; pushed, the sheet is softer |
+//!
 //! All of them are made of [`Spring`] and [`StrainLimitSpring`], which have all three views, so every method takes them.
 
 use super::{ClothError, carriers};

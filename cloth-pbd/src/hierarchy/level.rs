@@ -1,10 +1,10 @@
 //! One coarse level: its links, and what it hands down.
 
-use super::coarsen::Coarsening;
 use super::tether::{Pull, Tether};
 use cloth_core::math::{Real, Vec3};
 use cloth_core::position_based::{Acceleration, Families, Sweep};
 use cloth_core::step::BuildError;
+use cloth_core::topology::CoarseLevel;
 
 #[derive(Debug)]
 pub(super) struct Level {
@@ -27,20 +27,21 @@ pub(super) struct Level {
 }
 
 impl Level {
-    /// `original` numbers, masses and pins are those of the next finer level.
+    /// `mass` (kg) is that of the next finer level.
     pub(super) fn new(
-        coarsening: Coarsening,
-        lengths: &[Real],
-        original: &[u32],
+        coarse: CoarseLevel,
         mass: &[Real],
         is_prescribed: impl Fn(u32) -> bool,
         sweep: Sweep,
     ) -> Result<Self, BuildError> {
-        let fine = coarsening.kept;
-        let original: Vec<u32> = fine.iter().map(|&v| original[v as usize]).collect();
+        let CoarseLevel {
+            vertices: original,
+            kept: fine,
+            ..
+        } = coarse;
         let mut own: Vec<Real> = fine.iter().map(|&v| mass[v as usize]).collect();
         let (mut children, mut starts, mut shares) = (Vec::new(), vec![0], Vec::new());
-        for (child, parents) in coarsening.parents {
+        for (child, parents) in coarse.parents {
             for &(parent, weight) in &parents {
                 own[parent as usize] += weight * mass[child as usize];
             }
@@ -51,7 +52,7 @@ impl Level {
         let inverse = |(&v, &mass): (&u32, &Real)| if is_prescribed(v) { 0.0 } else { 1.0 / mass };
         let inverse_mass = original.iter().zip(&own).map(inverse).collect();
         let link = |(&vertices, &length): (&[u32; 2], &Real)| Tether { vertices, length };
-        let links: Vec<Tether> = coarsening.links.iter().zip(lengths).map(link).collect();
+        let links: Vec<Tether> = coarse.links.iter().zip(&coarse.lengths).map(link).collect();
         let mut tethers = Families::new(fine.len(), sweep, Acceleration::default())?;
         tethers.add(&links)?;
         Ok(Self {

@@ -129,6 +129,8 @@ const CLOTH: &[Parameter] = &[
     cloth::COMPRESSION,
     cloth::SLACK,
     cloth::EDGES,
+    cloth::LEVEL,
+    cloth::FINE_SHARE,
     RIGIDITY,
     BENDING,
     BENDING_STIFFNESS,

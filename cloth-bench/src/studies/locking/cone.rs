@@ -9,12 +9,13 @@ use super::sheet::{Kind, Sheet, square};
 use crate::error::BenchError;
 use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::generate::without_triangles;
+use serde::{Deserialize, Serialize};
 
 const INNER: Real = 0.3;
 const SIN: Real = 0.5;
 
 /// What a sheet on the cone stores at rest.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub(super) struct OnCone {
     /// Energy of membrane and hinges over that of the hinges alone with every point on the cone (dimensionless): 1 for a sheet that follows it.
     pub(super) energy: Real,

@@ -1,6 +1,6 @@
 //! How many degrees of freedom rigid edges leave, counted and measured (BENCH-2; VALIDATION 6).
 
-use super::{Findings, Scope};
+use super::{Cases, Findings, Scope};
 use crate::error::BenchError;
 use crate::mesh_spec;
 use crate::report::plot::{Axis, Plot, Series, Style};
@@ -9,6 +9,7 @@ use cloth_core::dof::{EdgeRank, bent};
 use cloth_core::math::Real;
 use cloth_core::mesh::TriMesh;
 use cloth_core::topology::{EdgeTable, Topology};
+use serde::{Deserialize, Serialize};
 
 pub(super) const PATTERNS: [&str; 5] = [
     "one-way",
@@ -65,11 +66,43 @@ pub(super) fn mesh_of(pattern: &str, cells: usize) -> Result<TriMesh, BenchError
     })
 }
 
+/// What one mesh has.
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+struct Counted {
+    vertices: usize,
+    edges: usize,
+    /// 3V − E, and 3χ + E_b.
+    counts: [i64; 2],
+    /// Flat, and bent.
+    nullity: [usize; 2],
+    self_stresses: [usize; 2],
+    /// Of the bent one.
+    smallest_kept: Real,
+}
+
+impl Counted {
+    fn of(pattern: &str, cells: usize) -> Result<Self, BenchError> {
+        let Locking {
+            topology: t,
+            flat,
+            bent,
+        } = Locking::of(&mesh_of(pattern, cells)?)?;
+        Ok(Self {
+            vertices: t.vertices,
+            edges: t.edges,
+            counts: [t.count_3v_e, 3 * t.euler + t.boundary_edges as i64],
+            nullity: [flat, bent].map(|rank| rank.nullity),
+            self_stresses: [flat, bent].map(|rank| rank.self_stresses),
+            smallest_kept: bent.smallest_kept,
+        })
+    }
+}
+
 /// Counts and measures every pattern; whether the count was right everywhere.
 pub(super) fn run(
     scope: Scope,
     findings: &mut Findings,
-    progress: &mut dyn FnMut(&str),
+    cases: &mut Cases<'_>,
 ) -> Result<bool, BenchError> {
     let mut table = Table::new(&[
         "pattern",
@@ -91,26 +124,25 @@ pub(super) fn run(
         let mut shares = Vec::new();
         let mut kept = Vec::new();
         for &cells in sizes(scope) {
-            progress(&format!("locking: {pattern}, {cells} cells a side"));
-            let found = Locking::of(&mesh_of(pattern, cells)?)?;
-            let t = found.topology;
-            let coordinates = 3.0 * t.vertices as Real;
-            as_counted &=
-                found.bent.nullity as i64 == t.count_3v_e && found.flat.nullity == t.vertices + 3;
-            shares.push((cells as Real, found.bent.nullity as Real / coordinates));
-            kept.push((cells as Real, found.bent.smallest_kept));
+            let case = format!("count, {pattern}, {cells} cells");
+            let found = cases.case(&case, || Counted::of(pattern, cells))?;
+            let coordinates = 3.0 * found.vertices as Real;
+            let [flat, bent] = found.nullity;
+            as_counted &= bent as i64 == found.counts[0] && flat == found.vertices + 3;
+            shares.push((cells as Real, bent as Real / coordinates));
+            kept.push((cells as Real, found.smallest_kept));
             table.push([
                 Cell::from(pattern),
                 Cell::from(cells),
-                Cell::from(t.vertices),
-                Cell::from(t.edges),
-                Cell::from(t.count_3v_e),
-                Cell::from(3 * t.euler + t.boundary_edges as i64),
-                Cell::from(found.flat.nullity),
-                Cell::from(found.bent.nullity),
-                Cell::from(found.flat.self_stresses),
-                Cell::from(found.bent.self_stresses),
-                Cell::from(found.bent.smallest_kept),
+                Cell::from(found.vertices),
+                Cell::from(found.edges),
+                Cell::from(found.counts[0]),
+                Cell::from(found.counts[1]),
+                Cell::from(flat),
+                Cell::from(bent),
+                Cell::from(found.self_stresses[0]),
+                Cell::from(found.self_stresses[1]),
+                Cell::from(found.smallest_kept),
             ]);
         }
         share.push(Series::new(pattern, shares));

@@ -10,6 +10,7 @@
 use super::sheet::{Kind, Rest, Sheet, square};
 use crate::error::BenchError;
 use cloth_core::math::{Real, Vec3};
+use serde::{Deserialize, Serialize};
 
 /// Acceleration of free fall (m/s²).
 pub(super) const GRAVITY: Real = 9.81;
@@ -160,6 +161,39 @@ pub(super) struct Folded {
     pub(super) angle: Real,
 }
 
+/// What there is to tell of a [`Folded`].
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+pub(super) struct FoldFigures {
+    /// [`Sheet::edge_length`] (m).
+    pub(super) edge_length: Real,
+    /// As in [`Folded`].
+    pub(super) factor: Real,
+    pub(super) radius: Real,
+    pub(super) bending: Real,
+    pub(super) membrane: Real,
+    pub(super) angle: Real,
+    /// [`Fold::exact_angle`] (°).
+    pub(super) exact_angle: Real,
+    pub(super) iterations: u32,
+    pub(super) last_move: Real,
+}
+
+impl Folded {
+    pub(super) fn figures(&self) -> Result<FoldFigures, BenchError> {
+        Ok(FoldFigures {
+            edge_length: self.sheet.edge_length()?,
+            factor: self.factor,
+            radius: self.radius,
+            bending: self.bending,
+            membrane: self.membrane,
+            angle: self.angle,
+            exact_angle: self.exact.exact_angle(),
+            iterations: self.rest.iterations,
+            last_move: self.rest.last_move,
+        })
+    }
+}
+
 /// The clamp (m) of a mesh of `cells` cells a side: near 0.06 m, in the middle between two rows of a grid.
 fn clamp(cells: usize) -> Real {
     let row = std::f64::consts::FRAC_1_SQRT_2 / cells as Real;
@@ -194,8 +228,21 @@ pub(super) fn fold(
     kind: Kind,
     stiffness: [Real; 2],
 ) -> Result<Folded, BenchError> {
-    let (sheet, exact, factor) = prepared(axis, pattern, cells, kind, stiffness)?;
+    let (sheet, exact, _) = prepared(axis, pattern, cells, kind, stiffness)?;
     let start = sheet.placed(|p| exact.place(p));
+    fold_from(start, axis, pattern, cells, kind, stiffness)
+}
+
+/// The same, starting with the points at `start` (m).
+pub(super) fn fold_from(
+    start: Vec<Vec3>,
+    axis: Axis,
+    pattern: &str,
+    cells: usize,
+    kind: Kind,
+    stiffness: [Real; 2],
+) -> Result<Folded, BenchError> {
+    let (sheet, exact, factor) = prepared(axis, pattern, cells, kind, stiffness)?;
     let rest = sheet.rest(start, Vec3::z() * -GRAVITY)?;
     Ok(Folded {
         bending: sheet.bending_energy(&rest.points)? / exact.bending_energy,

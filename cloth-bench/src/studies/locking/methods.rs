@@ -9,22 +9,24 @@ use crate::report::table::{Cell, Table};
 use crate::run;
 use crate::scene::Scene;
 use crate::settings::Settings;
-use crate::studies::{Findings, Scope};
+use crate::studies::{Cases, Findings, Scope};
 use cloth_core::cloth::ClothModel;
 use cloth_core::energy::Spring;
 use cloth_core::math::{Real, Vec3};
 use cloth_core::measure::Strain;
 use cloth_core::particles::State;
 use cloth_core::topology::EdgeTable;
+use serde::{Deserialize, Serialize};
 
-const CELLS: usize = 16;
 const PATTERN: &str = "alternating";
 const MODULUS: Real = 1e6;
 const DT: Real = 1.0 / 60.0;
 const MOST_STEPS: u32 = 400;
+/// When nothing is faster than this (m/s), it is at rest.
+const STILL: Real = 1e-4;
 
-/// Methods and their iterations; 0: as published.
-fn methods(scope: Scope) -> Vec<(&'static str, u32)> {
+/// Methods, their iterations (0: as published), and cells a side.
+fn list(scope: Scope) -> Vec<(&'static str, u32, usize)> {
     let ours: &[(&str, u32)] = match scope {
         Scope::Quick => &[("implicit-euler", 0), ("pbd", 20), ("pbd", 80), ("pd", 0)],
         Scope::Full => &[
@@ -41,29 +43,41 @@ fn methods(scope: Scope) -> Vec<(&'static str, u32)> {
         ],
     };
     let own = method::with_own(&[]).into_iter().map(|name| (name, 0));
-    ours.iter().copied().chain(own).collect()
+    let all = ours.iter().copied().chain(own);
+    let mut list: Vec<_> = all.map(|(name, n)| (name, n, 16)).collect();
+    if scope == Scope::Full {
+        for cells in [32, 64, 128] {
+            list.extend(
+                [("implicit-euler", 0), ("pbd", 20), ("pd", 0)].map(|(name, n)| (name, n, cells)),
+            );
+        }
+        for cells in [32, 64] {
+            list.extend([("pbd", 320), ("xpbd", 0)].map(|(name, n)| (name, n, cells)));
+        }
+    }
+    list
 }
 
 pub(super) fn cases(scope: Scope) -> u64 {
-    (methods(scope).len()) as u64
+    list(scope).len() as u64
 }
 
-pub(super) fn run(
-    scope: Scope,
-    findings: &mut Findings,
-    progress: &mut dyn FnMut(&str),
-) -> Result<(), BenchError> {
-    let mut table = Table::new(&[
-        "method",
-        "iterations",
-        "steps to rest",
-        "fold angle over exact",
-        "bending reached",
-        "rms strain",
-        "largest strain",
-    ]);
+/// What a method made of the fold.
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+struct Made {
+    /// None: never at rest.
+    steps: Option<u32>,
+    /// Over the exact one.
+    angle: Real,
+    /// Bending energy over the exact one.
+    bending: Real,
+    rms_strain: Real,
+    max_strain: Real,
+}
+
+fn make(name: &str, iterations: u32, cells: usize) -> Result<Made, BenchError> {
     let stiffness = [MODULUS, RIGIDITY];
-    let (sheet, exact, _) = fold::prepared(Axis::Across, PATTERN, CELLS, Kind::Springs, stiffness)?;
+    let (sheet, exact, _) = fold::prepared(Axis::Across, PATTERN, cells, Kind::Springs, stiffness)?;
     let scene = Scene {
         name: "fold",
         model: ClothModel {
@@ -81,34 +95,59 @@ pub(super) fn run(
         touch: None,
         order: None,
     };
+    let settings = match iterations {
+        0 => Settings::default(),
+        n => Settings::default().with("iterations", n),
+    };
+    let mut stepper = Method::find(name)?.build(&scene, &settings, DT)?;
+    let mut state = scene.start.clone();
+    let steps = run::to_rest(&scene, stepper.as_mut(), &mut state, DT, MOST_STEPS, STILL)?;
     let edges = EdgeTable::build(&sheet.mesh).map_err(BenchError::failed)?;
     let gauges = Spring::along(sheet.mesh.positions(), edges.ends(), 0.0);
-    for (name, iterations) in methods(scope) {
-        progress(&format!("locking: fold by {name}, {iterations} iterations"));
-        let settings = match iterations {
-            0 => Settings::default(),
-            n => Settings::default().with("iterations", n),
-        };
-        let mut stepper = Method::find(name)?.build(&scene, &settings, DT)?;
-        let mut state = scene.start.clone();
-        let rest = run::to_rest(&scene, stepper.as_mut(), &mut state, DT, MOST_STEPS, 1e-4);
-        let Some(steps) = findings.unless_failed(&format!("fold by {name}"), rest) else {
+    let strain = Strain::of(&gauges, &state.positions);
+    Ok(Made {
+        steps,
+        angle: exact.angle(&sheet, &state.positions)? / exact.exact_angle(),
+        bending: sheet.bending_energy(&state.positions)? / exact.bending_energy,
+        rms_strain: strain.rms,
+        max_strain: strain.max,
+    })
+}
+
+pub(super) fn run(
+    scope: Scope,
+    findings: &mut Findings,
+    cases: &mut Cases<'_>,
+) -> Result<(), BenchError> {
+    let mut table = Table::new(&[
+        "method",
+        "iterations",
+        "cells",
+        "steps to rest",
+        "fold angle over exact",
+        "bending reached",
+        "rms strain",
+        "largest strain",
+    ]);
+    for (name, iterations, cells) in list(scope) {
+        let case = format!("fold by {name}, {iterations} iterations, {cells} cells");
+        let made = cases.case(&case, || make(name, iterations, cells));
+        let Some(made) = findings.unless_failed(&case, made) else {
             continue;
         };
-        let strain = Strain::of(&gauges, &state.positions);
-        let bending = sheet.bending_energy(&state.positions)? / exact.bending_energy;
         table.push([
             Cell::from(name),
-            if iterations == 0 {
-                Cell::from("as published")
-            } else {
-                Cell::from(iterations as usize)
+            match iterations {
+                0 => Cell::from("as published"),
+                n => Cell::from(n as usize),
             },
-            steps.map_or(Cell::Missing, |steps| Cell::from(steps as usize)),
-            Cell::from(exact.angle(&sheet, &state.positions)? / exact.exact_angle()),
-            Cell::from(bending),
-            Cell::from(strain.rms),
-            Cell::from(strain.max),
+            Cell::from(cells),
+            made.steps
+                .map_or(Cell::Missing, |steps| Cell::from(steps as usize)),
+            Cell::from(made.angle),
+            Cell::from(made.bending),
+            Cell::from(made.rms_strain),
+            Cell::from(made.max_strain),
         ]);
     }
     findings.table("locking-methods", "One fold by every method", table);

@@ -5,7 +5,7 @@ use super::sheet::{Kind, Sheet};
 use crate::error::BenchError;
 use crate::report::html::base64;
 use crate::report::render::{Surface, View, render_row};
-use crate::studies::Findings;
+use crate::studies::{Cases, Findings, Scope};
 use cloth_core::math::{Real, Vec3};
 use cloth_core::topology::EdgeTable;
 use std::fmt::Write;
@@ -14,11 +14,69 @@ const CELLS: usize = 16;
 /// Y (N/m) and D (N·m): a thin cloth that would hang down almost straight.
 const STIFFNESS: [Real; 2] = [1e6, 2e-4];
 
-const KINDS: [(&str, Axis, Kind); 3] = [
-    ("folded along the diagonals", Axis::Along, Kind::Springs),
-    ("folded across the diagonals", Axis::Across, Kind::Springs),
-    ("across, on edge midpoints", Axis::Across, Kind::Midpoints),
+/// A picture: its name, its title, and its columns.
+type Picture = (&'static str, &'static str, [(&'static str, Axis, Kind); 3]);
+
+const ONE_CLOTH: Picture = (
+    "locking-picture",
+    "One cloth, one weight, one stiffness: only the direction of the fold differs",
+    [
+        ("folded along the diagonals", Axis::Along, Kind::Springs),
+        ("folded across the diagonals", Axis::Across, Kind::Springs),
+        ("across, on edge midpoints", Axis::Across, Kind::Midpoints),
+    ],
+);
+
+/// The other kinds of membrane, with all sizes only.
+const OTHERS: [Picture; 3] = [
+    (
+        "locking-picture-triangles",
+        "Triangles lock like springs; fewer springs do not",
+        [
+            ("across, StVK triangles", Axis::Across, Kind::Stvk),
+            ("across, ARAP triangles", Axis::Across, Kind::Arap),
+            ("across, no diagonals", Axis::Across, Kind::Quads),
+        ],
+    ),
+    (
+        "locking-picture-laws",
+        "Across the diagonals, with springs that give way",
+        [
+            (
+                "a hundredth when pushed",
+                Axis::Across,
+                Kind::Compression(0.01),
+            ),
+            ("slack within ±0.5 %", Axis::Across, Kind::Slack(0.005)),
+            ("soft, stiff beyond 1 %", Axis::Across, Kind::Limited(0.01)),
+        ],
+    ),
+    (
+        "locking-picture-levels",
+        "Across the diagonals, with fewer conditions",
+        [
+            ("springs on all edges", Axis::Across, Kind::Springs),
+            (
+                "a fifth of all motions free",
+                Axis::Across,
+                Kind::Freedom(0.2),
+            ),
+            ("a coarse level holds", Axis::Across, Kind::Level(2)),
+        ],
+    ),
 ];
+
+fn pictures(scope: Scope) -> impl Iterator<Item = Picture> {
+    let others = match scope {
+        Scope::Quick => &[][..],
+        Scope::Full => &OTHERS,
+    };
+    std::iter::once(ONE_CLOTH).chain(others.iter().copied())
+}
+
+pub(super) fn cases(scope: Scope) -> u64 {
+    pictures(scope).count() as u64
+}
 
 /// A fold, turned so that all are seen along their axis.
 struct Shape {
@@ -29,14 +87,30 @@ struct Shape {
     angle: Real,
 }
 
-pub(super) fn draw(
+pub(super) fn run(
+    scope: Scope,
     findings: &mut Findings,
-    progress: &mut dyn FnMut(&str),
+    cases: &mut Cases<'_>,
 ) -> Result<(), BenchError> {
+    for picture in pictures(scope) {
+        let (name, ..) = picture;
+        let svg = cases.case(name, || draw(&picture));
+        if let Some(svg) = findings.unless_failed(name, svg) {
+            findings.section.plots.push(svg.clone());
+            findings.plots.push((name.into(), svg));
+        }
+    }
+    Ok(())
+}
+
+fn draw((_, title, columns): &Picture) -> Result<String, BenchError> {
     let mut shapes = Vec::new();
-    for (name, axis, kind) in KINDS {
-        progress(&format!("locking: picture, {name}"));
-        let folded = fold::fold(axis, "one-way", CELLS, kind, STIFFNESS)?;
+    for &(_, axis, kind) in columns {
+        // A stiff sheet let go on the exact fold, where it does not fit, springs anywhere. One that gets stiffer where it hangs does not.
+        let [modulus, rigidity] = STIFFNESS;
+        let soft = fold::fold(axis, "one-way", CELLS, kind, [0.01 * modulus, rigidity])?;
+        let start = soft.rest.points;
+        let folded = fold::fold_from(start, axis, "one-way", CELLS, kind, STIFFNESS)?;
         let away = axis.directions()[1];
         let along = Vec3::z().cross(&away); // the same hand for both
         let turn = |p: &Vec3| Vec3::new(p.dot(&away), p.dot(&along), p.z);
@@ -57,10 +131,7 @@ pub(super) fn draw(
             sheet: folded.sheet,
         });
     }
-    let svg = compose(&shapes)?;
-    findings.section.plots.push(svg.clone());
-    findings.plots.push(("locking-picture".into(), svg));
-    Ok(())
+    compose(title, columns, &shapes)
 }
 
 /// Width of a column, and where its rows begin (px).
@@ -68,7 +139,11 @@ const COLUMN: Real = 300.0;
 const FLAT: Real = 130.0;
 const ROWS: [Real; 5] = [34.0, 76.0, 92.0, 232.0, 518.0];
 
-fn compose(shapes: &[Shape]) -> Result<String, BenchError> {
+fn compose(
+    headline: &str,
+    columns: &[(&str, Axis, Kind)],
+    shapes: &[Shape],
+) -> Result<String, BenchError> {
     let surfaces: Vec<[Surface<'_>; 1]> = shapes
         .iter()
         .map(|shape| {
@@ -98,9 +173,9 @@ fn compose(shapes: &[Shape]) -> Result<String, BenchError> {
         20.0,
         title,
         "font-size=\"18\" font-weight=\"bold\"",
-        "One cloth, one weight, one stiffness: only the direction of the fold differs",
+        headline,
     );
-    for (column, (shape, (name, ..))) in shapes.iter().zip(KINDS).enumerate() {
+    for (column, (shape, (name, ..))) in shapes.iter().zip(columns).enumerate() {
         let middle = COLUMN * (column as Real + 0.5);
         let centred = "text-anchor=\"middle\" font-size=\"14\"";
         text(
@@ -110,9 +185,11 @@ fn compose(shapes: &[Shape]) -> Result<String, BenchError> {
             name,
         );
         let exact = shape.exact.exact_angle();
-        let is_free = shape.angle > 0.8 * exact;
-        let word = if is_free { "folds" } else { "locked" };
-        let colour = if is_free { "#1b7f3b" } else { "#b3261e" };
+        let (word, colour) = match shape.angle / exact {
+            share if share > 0.8 => ("folds", "#1b7f3b"),
+            share if share > 0.5 => ("bends", "#8a5a00"),
+            _ => ("locked", "#b3261e"),
+        };
         text(
             middle,
             told,
@@ -126,7 +203,7 @@ fn compose(shapes: &[Shape]) -> Result<String, BenchError> {
             &format!("a cloth that cannot stretch: {exact:.0}°"),
         );
     }
-    for (column, (shape, (_, axis, _))) in shapes.iter().zip(KINDS).enumerate() {
+    for (column, (shape, &(_, axis, _))) in shapes.iter().zip(columns).enumerate() {
         let left = COLUMN * (column as Real + 0.5) - 0.5 * FLAT;
         body += &flat_mesh(&shape.sheet, axis, [left, flat])?;
     }
@@ -138,7 +215,7 @@ fn compose(shapes: &[Shape]) -> Result<String, BenchError> {
     let height = told + 40.0;
     Ok(format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {width} {height}\" role=\"img\" \
-         aria-label=\"Folds along and across the diagonals of a mesh\" fill=\"#22262b\" font-family=\"system-ui, 'DejaVu Sans', sans-serif\">\
+         aria-label=\"{headline}\" fill=\"#22262b\" font-family=\"system-ui, 'DejaVu Sans', sans-serif\">\
          <rect width=\"{width}\" height=\"{height}\" fill=\"#fff\"/>{body}</svg>\n"
     ))
 }

@@ -1,18 +1,19 @@
 //! The same cone and the same fold with each remedy, and what it breaks.
 
 use super::fold::{self, Axis};
-use super::sheet::{KINDS, Kind, Rest, Sheet, square};
+use super::sheet::{KINDS, Kind, Sheet, square};
 use super::sweeps::RIGIDITY;
 use super::{cone, count};
 use crate::error::BenchError;
 use crate::method;
 use crate::report::table::{Cell, Table};
-use crate::studies::{Findings, Scope};
+use crate::studies::{Cases, Findings, Scope};
 use cloth_core::dof::{EdgeRank, bent};
 use cloth_core::math::{Real, Vec3};
 use cloth_core::particles::State;
 use cloth_core::step::{StepInput, Stepper};
 use cloth_massspring::ImplicitConfig;
+use serde::{Deserialize, Serialize};
 use std::time::Instant;
 
 /// Y (N/m): a cone of springs is locked by it.
@@ -20,128 +21,177 @@ const MODULUS: Real = 1e8;
 /// Y (N/m) of the fold, which needs less.
 const FOLD_MODULUS: Real = 1e6;
 
-fn patterns(scope: Scope) -> &'static [&'static str] {
-    match scope {
-        Scope::Quick => &["one-way"],
-        Scope::Full => &count::PATTERNS,
-    }
-}
+/// Cells a side of the largest sheet that is bent to a cone with every kind of membrane.
+const LARGEST_CONE: usize = 32;
 
-fn cells(scope: Scope) -> usize {
+/// Patterns with cells a side.
+fn sheets(scope: Scope) -> Vec<(&'static str, usize)> {
     match scope {
-        Scope::Quick => 16,
-        Scope::Full => 32,
+        Scope::Quick => vec![("one-way", 16)],
+        Scope::Full => {
+            let of_size = |n: usize| count::PATTERNS.map(|pattern| (pattern, n));
+            let mut all = [16, 32].map(of_size).concat();
+            // The most and the least regular of those that lock.
+            all.extend([("one-way", 64), ("irregular", 64), ("one-way", 128)]);
+            all
+        }
     }
 }
 
 pub(super) fn cases(scope: Scope) -> u64 {
-    (patterns(scope).len() * KINDS.len()) as u64
+    (sheets(scope).len() * KINDS.len()) as u64
 }
 
-/// What a kind of membrane resists, over what springs do: pulled along x, pushed, sheared, by 2 %.
-fn resistances(sheet: &Sheet) -> Result<[Real; 3], BenchError> {
+/// What a kind of membrane makes of a mesh.
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+struct Effect {
+    coordinates: usize,
+    conditions: usize,
+    nullity: usize,
+    /// Energy on the cone over the developable answer, at [`MODULUS`] and a hundredth of it; of sheets up to [`LARGEST_CONE`].
+    on_cone: Option<[Real; 2]>,
+    /// Bending energy of the fold over the exact one, at [`FOLD_MODULUS`] and a hundredth of it.
+    bending: [Real; 2],
+    /// Angle of the fold over the exact one, at [`FOLD_MODULUS`].
+    angle: Real,
+    /// Energy when pulled, pushed, sheared and stretched in waves, over that of springs.
+    resists: [Real; 4],
+    /// Time of a step over that of springs.
+    cost: Real,
+}
+
+/// What a kind of membrane resists: pulled along x, pushed, sheared, stretched in waves as long as four cells, all by 2 % (J).
+fn resistances(sheet: &Sheet, cells: usize) -> Result<[Real; 4], BenchError> {
     let strain = 0.02;
-    let energy = |a: Real, b: Real| {
-        sheet.membrane_energy(&sheet.placed(|p| p + Vec3::x() * (a * p.x + b * p.y)))
+    let wave = 0.5 * std::f64::consts::PI * cells as Real;
+    let energy = |shift: &dyn Fn(&Vec3) -> Real| {
+        sheet.membrane_energy(&sheet.placed(|p| p + Vec3::x() * shift(p)))
     };
     Ok([
-        energy(strain, 0.0)?,
-        energy(-strain, 0.0)?,
-        energy(0.0, strain)?,
+        energy(&|p| strain * p.x)?,
+        energy(&|p| -strain * p.x)?,
+        energy(&|p| strain * p.y)?,
+        energy(&|p| strain / wave * (wave * p.x).sin())?,
     ])
 }
 
-/// Shortest time (s) of a step of implicit Euler with one linear solve, from rest under gravity.
-fn seconds_a_step(sheet: &Sheet, rest: &Rest) -> Result<Real, BenchError> {
+/// Shortest time of a step of implicit Euler with one linear solve from the exact fold under gravity, over that of springs, measured by turns.
+fn cost(pattern: &str, cells: usize, kind: Kind) -> Result<Real, BenchError> {
     let config = ImplicitConfig::linearized();
-    let mut solver = method::implicit_euler(&sheet.particles, sheet.families(), config)?;
-    let mut shortest = Real::INFINITY;
+    let prepare = |kind| {
+        let stiffness = [FOLD_MODULUS, RIGIDITY];
+        let (sheet, exact, _) = fold::prepared(Axis::Across, pattern, cells, kind, stiffness)?;
+        let solver = method::implicit_euler(&sheet.particles, sheet.families(), config)?;
+        Ok::<_, BenchError>((solver, State::at_rest(sheet.placed(|p| exact.place(p)))))
+    };
+    let mut both = [prepare(kind)?, prepare(Kind::Springs)?];
+    let mut shortest = [Real::INFINITY; 2];
     for _ in 0..7 {
-        let mut state = State::at_rest(rest.points.clone());
-        let started = Instant::now();
-        let input = StepInput::new(1.0 / 60.0).gravity(Vec3::z() * -fold::GRAVITY);
-        solver.step(&mut state, input).map_err(BenchError::failed)?;
-        shortest = shortest.min(started.elapsed().as_secs_f64());
+        for ((solver, start), shortest) in both.iter_mut().zip(&mut shortest) {
+            let mut state = start.clone();
+            let started = Instant::now();
+            let input = StepInput::new(1.0 / 60.0).gravity(Vec3::z() * -fold::GRAVITY);
+            solver.step(&mut state, input).map_err(BenchError::failed)?;
+            *shortest = shortest.min(started.elapsed().as_secs_f64());
+        }
     }
-    Ok(shortest)
+    Ok(shortest[0] / shortest[1])
+}
+
+fn measure(pattern: &str, cells: usize, kind: Kind) -> Result<Effect, BenchError> {
+    let sheet = |kind| Sheet::new(square(pattern, cells)?, kind, MODULUS, RIGIDITY);
+    let [own, springs] = [sheet(kind)?, sheet(Kind::Springs)?];
+    let conditions = own.conditions()?;
+    let rank = EdgeRank::of_pairs(&bent(&own.points), &conditions).map_err(BenchError::failed)?;
+    let of_springs = resistances(&springs, cells)?;
+    let mut resists = resistances(&own, cells)?;
+    resists
+        .iter_mut()
+        .zip(of_springs)
+        .for_each(|(own, of_springs)| *own /= of_springs);
+    let cone =
+        |modulus| Ok::<_, BenchError>(cone::bend(pattern, cells, kind, modulus, RIGIDITY)?.energy);
+    let on_cone = match cells <= LARGEST_CONE {
+        true => Some([cone(MODULUS)?, cone(0.01 * MODULUS)?]),
+        false => None,
+    };
+    let fold = |modulus| fold::fold(Axis::Across, pattern, cells, kind, [modulus, RIGIDITY]);
+    let folded = fold(FOLD_MODULUS)?;
+    Ok(Effect {
+        coordinates: 3 * own.points.len(),
+        conditions: conditions.len(),
+        nullity: rank.nullity,
+        on_cone,
+        bending: [folded.bending, fold(0.01 * FOLD_MODULUS)?.bending],
+        angle: folded.angle / folded.exact.exact_angle(),
+        resists,
+        cost: cost(pattern, cells, kind)?,
+    })
 }
 
 /// Measures every kind on every pattern.
 pub(super) fn run(
     scope: Scope,
     findings: &mut Findings,
-    progress: &mut dyn FnMut(&str),
+    cases: &mut Cases<'_>,
 ) -> Result<(), BenchError> {
     let mut table = Table::new(&[
         "pattern",
+        "cells",
         "membrane",
         "coordinates",
         "coordinates − conditions",
         "nullity bent",
+        "bending reached",
+        "at Y/100",
+        "fold angle over exact",
+        "cost per step",
+    ]);
+    let mut breaks = Table::new(&[
+        "pattern",
+        "cells",
+        "membrane",
         "cone: energy over developable",
         "cone at Y/100",
-        "fold angle over exact",
-        "fold: bending reached",
         "pull",
         "push",
         "shear",
-        "cost per step",
+        "waves of 4 cells",
     ]);
-    let n = cells(scope);
-    for &pattern in patterns(scope) {
-        let mut springs: Option<([Real; 3], Real)> = None;
+    for (pattern, cells) in sheets(scope) {
         for (name, kind) in KINDS {
-            let case = format!("{name}, {pattern}");
-            progress(&format!("locking: {case}"));
-            let on_cone = cone::bend(pattern, n, kind, MODULUS, RIGIDITY);
-            let on_cone = findings.unless_failed(&format!("cone, {case}"), on_cone);
-            let softer = cone::bend(pattern, n, kind, 0.01 * MODULUS, RIGIDITY);
-            let softer = findings.unless_failed(&format!("cone, Y/100, {case}"), softer);
-            let sheet = Sheet::new(square(pattern, n)?, kind, MODULUS, RIGIDITY)?;
-            let conditions = sheet.conditions()?;
-            let rank = EdgeRank::of_pairs(&bent(&sheet.points), &conditions)
-                .map_err(BenchError::failed)?;
-            let resists = resistances(&sheet)?;
-            let stiffness = [FOLD_MODULUS, RIGIDITY];
-            let folded = fold::fold(Axis::Across, pattern, n, kind, stiffness);
-            let folded = findings.unless_failed(&format!("fold, {case}"), folded);
-            let seconds = match &folded {
-                Some(folded) => Some(seconds_a_step(&folded.sheet, &folded.rest)?),
-                None => None,
+            let case = format!("remedy, {name}, {pattern}, {cells} cells");
+            let found = cases.case(&case, || measure(pattern, cells, kind));
+            let Some(found) = findings.unless_failed(&case, found) else {
+                continue;
             };
-            if kind == Kind::Springs {
-                springs = seconds.map(|seconds| (resists, seconds));
-            }
-            let over = |k: usize| springs.map(|(of_springs, _)| resists[k] / of_springs[k]);
-            let cost = seconds
-                .zip(springs)
-                .map(|(s, (_, of_springs))| s / of_springs);
-            let coordinates = 3 * sheet.points.len();
-            table.push([
-                Cell::from(pattern),
-                Cell::from(name),
-                Cell::from(coordinates),
-                Cell::from(coordinates as i64 - conditions.len() as i64),
-                Cell::from(rank.nullity),
-                Cell::from(on_cone.map(|found| found.energy)),
-                Cell::from(softer.map(|found| found.energy)),
-                Cell::from(
-                    folded
-                        .as_ref()
-                        .map(|found| found.angle / found.exact.exact_angle()),
-                ),
-                Cell::from(folded.as_ref().map(|found| found.bending)),
-                Cell::from(over(0)),
-                Cell::from(over(1)),
-                Cell::from(over(2)),
-                Cell::from(cost),
+            let head = || [Cell::from(pattern), Cell::from(cells), Cell::from(name)];
+            let mut row = head().to_vec();
+            row.extend([
+                Cell::from(found.coordinates),
+                Cell::from(found.coordinates as i64 - found.conditions as i64),
+                Cell::from(found.nullity),
+                Cell::from(found.bending[0]),
+                Cell::from(found.bending[1]),
+                Cell::from(found.angle),
+                Cell::from(found.cost),
             ]);
+            table.rows.push(row);
+            let mut row = head().to_vec();
+            row.extend([0, 1].map(|k| Cell::from(found.on_cone.map(|energy| energy[k]))));
+            row.extend(found.resists.map(Cell::from));
+            breaks.rows.push(row);
         }
     }
     findings.table(
         "locking-remedies",
-        "Every kind of membrane on the cone and in the fold",
+        "Every kind of membrane in the fold: its freedom, what it makes of it, and what it costs",
         table,
+    );
+    findings.table(
+        "locking-breaks",
+        "Every kind of membrane on the cone, and what it breaks: energies over those of the springs",
+        breaks,
     );
     Ok(())
 }

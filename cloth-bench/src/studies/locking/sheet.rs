@@ -4,7 +4,7 @@ use super::count::mesh_of;
 use crate::error::BenchError;
 use crate::method;
 use cloth_core::cloth::{
-    Carriers, Cloth, Elements, Membrane, MembraneCarrier, SpringEdges, SpringLaw,
+    Carriers, Cloth, Elements, LevelOfDetail, Membrane, MembraneCarrier, SpringEdges, SpringLaw,
 };
 use cloth_core::element::Element;
 use cloth_core::family::Energies;
@@ -30,12 +30,14 @@ pub(super) enum Kind {
     Quads,
     /// Springs a hundred times softer, and limits at this strain as stiff as the springs would be.
     Limited(Real),
+    /// Links of this coarse level, and springs a hundred times softer on the edges.
+    Level(u32),
     /// Springs on the triangles of edge midpoints.
     Midpoints,
 }
 
 /// The kinds of the study, with their names.
-pub(super) const KINDS: [(&str, Kind); 9] = [
+pub(super) const KINDS: [(&str, Kind); 10] = [
     ("springs", Kind::Springs),
     ("StVK", Kind::Stvk),
     ("ARAP", Kind::Arap),
@@ -44,6 +46,7 @@ pub(super) const KINDS: [(&str, Kind); 9] = [
     ("a fifth free", Kind::Freedom(0.2)),
     ("quads", Kind::Quads),
     ("soft, limited at 1 %", Kind::Limited(0.01)),
+    ("coarse level 2, k/100 on edges", Kind::Level(2)),
     ("midpoints", Kind::Midpoints),
 ];
 
@@ -118,6 +121,13 @@ impl Sheet {
             Kind::Limited(strain) => law(SpringLaw::Slack([1.0 - strain, 1.0 + strain])),
             Kind::Freedom(share) => edges(SpringEdges::Freedom(share)),
             Kind::Quads => edges(SpringEdges::Quads),
+            Kind::Level(level) => Carriers {
+                detail: Some(LevelOfDetail {
+                    level,
+                    fine_share: 0.01,
+                }),
+                ..plain
+            },
         };
         let cut = |cloth: Cloth, carriers: &Carriers| {
             cloth.carried_by(carriers, &mesh).map_err(BenchError::usage)

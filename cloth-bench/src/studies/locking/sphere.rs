@@ -11,7 +11,7 @@ use crate::report::table::{Cell, Table};
 use crate::run;
 use crate::scene::{self, Scene};
 use crate::settings::Settings;
-use crate::studies::{Findings, Scope};
+use crate::studies::{Cases, Findings, Scope};
 use cloth_core::cloth::ClothModel;
 use cloth_core::dof::EdgeRank;
 use cloth_core::energy::Spring;
@@ -27,16 +27,14 @@ const RIGIDITY: Real = 1e-3;
 const MODULI: [Real; 2] = [1e3, 1e5];
 /// Everything this near (m) to the middle of the sheet is held, or a sheet that does not give slides off.
 const HELD: Real = 0.06;
-/// Cells a side.
-const CELLS: usize = 16;
-/// Contact stops vertices after the solver's step, which strains stiff edges: less so in short steps.
-const CONTACT_STEPS: u32 = 40;
+/// Contact stops vertices after the solver's step, which strains stiff edges: less so in short steps. Many for the patterns, kinds and methods; few for the resolutions, where every one is dear.
+const CONTACT_STEPS: [u32; 2] = [40, 10];
 const DT: Real = 1.0 / 60.0;
 const MOST_STEPS: u32 = 200;
 /// When nothing is faster than this (m/s), it is at rest.
 const STILL: Real = 2e-3;
-/// The method of the patterns and the kinds of membrane.
-const METHOD: &str = "implicit-euler";
+/// The method of the patterns, kinds of membrane and resolutions: one linear solve a step. What is at rest in it is at rest in every method that solves its steps.
+const METHOD: &str = "linear-implicit";
 const PATTERN: &str = "alternating";
 
 fn patterns(scope: Scope) -> &'static [&'static str] {
@@ -55,10 +53,14 @@ struct Case {
     method: &'static str,
     /// 0: as published.
     iterations: u32,
+    /// Cells a side.
+    cells: usize,
+    /// [`CONTACT_STEPS`].
+    contact_steps: u32,
 }
 
 /// What came of it.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 struct Drape {
     coordinates_left: i64,
     nullity: usize,
@@ -79,6 +81,8 @@ fn list(scope: Scope) -> Vec<Case> {
         modulus: MODULI[1],
         method: METHOD,
         iterations: 0,
+        cells: 16,
+        contact_steps: CONTACT_STEPS[0],
     };
     let mut cases = Vec::new();
     for &pattern in patterns(scope) {
@@ -101,7 +105,7 @@ fn list(scope: Scope) -> Vec<Case> {
         }));
     }
     for (method, iterations) in [
-        ("linear-implicit", 0),
+        ("implicit-euler", 0),
         ("pd", 0),
         ("xpbd", 0),
         ("pbd", 5),
@@ -115,6 +119,14 @@ fn list(scope: Scope) -> Vec<Case> {
             ..base
         });
     }
+    for cells in [16, 32, 64] {
+        cases.extend(MODULI.map(|modulus| Case {
+            modulus,
+            cells,
+            contact_steps: CONTACT_STEPS[1],
+            ..base
+        }));
+    }
     cases
 }
 
@@ -123,13 +135,13 @@ pub(super) fn cases(scope: Scope) -> u64 {
 }
 
 fn drape(case: &Case) -> Result<Drape, BenchError> {
-    let mesh = square(case.pattern, CELLS)?;
+    let mesh = square(case.pattern, case.cells)?;
     let mut sheet = Sheet::new(mesh, KINDS[case.kind].1, case.modulus, RIGIDITY)?;
     sheet.hold(|p| (p - Vec3::new(0.5, 0.5, 0.0)).norm() < HELD)?;
     let conditions = sheet.conditions()?;
     let settings = Settings::default();
     let contact = Settings::default()
-        .with("contact_steps", CONTACT_STEPS)
+        .with("contact_steps", case.contact_steps)
         .with("friction", 0);
     let scene = Scene {
         model: ClothModel {
@@ -188,18 +200,22 @@ fn fall_of_corners(rest: &[Vec3], positions: &[Vec3]) -> Real {
 pub(super) struct Drapes {
     /// Pattern and ratio: least and largest.
     pub(super) kept: Option<[(String, Real); 2]>,
+    /// Cells a side, and how far (m) the corners come down at either modulus: least and most cells.
+    pub(super) sizes: Option<[(usize, [Real; 2]); 2]>,
 }
 
 pub(super) fn run(
     scope: Scope,
     findings: &mut Findings,
-    progress: &mut dyn FnMut(&str),
+    cases: &mut Cases<'_>,
 ) -> Result<Drapes, BenchError> {
     let mut table = Table::new(&[
         "pattern",
+        "cells",
         "membrane",
         "Y",
         "method",
+        "contact steps",
         "coordinates − conditions",
         "nullity draped",
         "corners below the top",
@@ -215,6 +231,8 @@ pub(super) fn run(
             modulus,
             method,
             iterations,
+            cells,
+            contact_steps,
             ..
         } = case;
         let membrane = KINDS[case.kind].0;
@@ -222,19 +240,23 @@ pub(super) fn run(
             0 => method.to_owned(),
             n => format!("{method}, {n} iterations"),
         };
-        let name = format!("locking: drape, {pattern}, {membrane}, Y = {modulus:e} N/m, {solver}");
-        progress(&name);
-        let Some(found) = findings.unless_failed(&name, drape(&case)) else {
+        let name = format!(
+            "drape, {pattern}, {cells} cells, {membrane}, Y = {modulus:e} N/m, {solver}, contact {contact_steps} times a step"
+        );
+        let found = cases.case(&name, || drape(&case));
+        let Some(found) = findings.unless_failed(&name, found) else {
             continue;
         };
-        if case.kind == 0 && method == METHOD {
+        if case.kind == 0 {
             fallen.push((case, found.corners));
         }
         table.push([
             Cell::from(pattern),
+            Cell::from(cells),
             Cell::from(membrane),
             Cell::from(modulus),
             Cell::from(solver.as_str()),
+            Cell::from(contact_steps as usize),
             Cell::from(found.coordinates_left),
             Cell::from(found.nullity),
             Cell::from(found.corners),
@@ -249,13 +271,35 @@ pub(super) fn run(
     findings.table("locking-sphere", "Sheets draped over a sphere", table);
     Ok(Drapes {
         kept: kept(&fallen).map(|both| both.map(|(pattern, share)| (pattern.to_owned(), share))),
+        sizes: sizes(&fallen),
     })
+}
+
+/// How deep (m) the corners are at both moduli with the fewest and the most cells a side.
+fn sizes(fallen: &[(Case, Real)]) -> Option<[(usize, [Real; 2]); 2]> {
+    let of_sizes = |case: &Case| case.contact_steps == CONTACT_STEPS[1];
+    let cells = fallen
+        .iter()
+        .filter(|(case, _)| of_sizes(case))
+        .map(|(case, _)| case.cells);
+    let at = |cells: usize| {
+        let depth = |modulus: Real| {
+            let wanted = |(case, _): &&(Case, Real)| {
+                of_sizes(case) && case.cells == cells && case.modulus == modulus
+            };
+            fallen.iter().find(wanted).map(|&(_, depth)| depth)
+        };
+        Some((cells, [depth(MODULI[0])?, depth(MODULI[1])?]))
+    };
+    Some([at(cells.clone().min()?)?, at(cells.max()?)?])
 }
 
 /// Least and largest share of the depth of the corners that is kept from the softer modulus to the stiffer, with their patterns.
 fn kept(fallen: &[(Case, Real)]) -> Option<[(&'static str, Real); 2]> {
     let at = |pattern: &str, modulus: Real| {
-        let wanted = |(case, _): &&(Case, Real)| case.pattern == pattern && case.modulus == modulus;
+        let wanted = |(case, _): &&(Case, Real)| {
+            case.pattern == pattern && case.modulus == modulus && case.method == METHOD
+        };
         fallen.iter().find(wanted).map(|&(_, depth)| depth)
     };
     let ratios = count::PATTERNS
@@ -295,5 +339,22 @@ mod tests {
         assert_eq!((least.0, most.0), ("crossed", "one-way"));
         assert!((least.1 - 0.25).abs() < 1e-15 && (most.1 - 0.8).abs() < 1e-15);
         assert_eq!(kept(&fallen[..1]), None);
+        assert_eq!(sizes(&fallen), None);
+        let of_size = |cells: usize, modulus: Real, depth: Real| {
+            let case = Case {
+                cells,
+                modulus,
+                contact_steps: CONTACT_STEPS[1],
+                ..list(Scope::Quick)[0]
+            };
+            (case, depth)
+        };
+        fallen.extend([
+            of_size(32, MODULI[0], 0.5),
+            of_size(32, MODULI[1], 0.3),
+            of_size(16, MODULI[0], 0.6),
+            of_size(16, MODULI[1], 0.2),
+        ]);
+        assert_eq!(sizes(&fallen), Some([(16, [0.6, 0.2]), (32, [0.5, 0.3])]));
     }
 }

@@ -1,13 +1,13 @@
 //! Locked or stiff: cone and fold against membrane modulus, resolution and pattern.
 
-use super::cone::{self, OnCone};
+use super::cone;
 use super::count::PATTERNS;
 use super::fold::{self, Axis};
 use super::sheet::Kind;
 use crate::error::BenchError;
 use crate::report::plot::{self, Plot, Series, Style};
 use crate::report::table::{Cell, Table};
-use crate::studies::{Findings, Scope};
+use crate::studies::{Cases, Findings, Scope};
 use cloth_core::math::Real;
 use serde::{Deserialize, Serialize};
 
@@ -29,24 +29,31 @@ pub(super) fn sizes(scope: Scope) -> &'static [usize] {
     }
 }
 
+/// The modulus (N/m) whose folds are drawn against the edge length.
+const SHOWN: Real = 1e6;
+
 fn fold_moduli(scope: Scope, cells: usize) -> &'static [Real] {
     match scope {
-        Scope::Quick => &[1e4, 1e6],
-        Scope::Full if cells <= 16 => &[1e3, 1e4, 1e5, 1e6, 1e7, 1e8],
-        Scope::Full if cells <= 32 => &[1e3, 1e4, 1e5, 1e6, 1e7],
+        Scope::Quick => &[1e4, SHOWN],
+        Scope::Full if cells <= 32 => &[1e3, 1e4, 1e5, 1e6, 1e7, 1e8],
+        Scope::Full if cells <= 64 => &[1e4, 1e6, 1e8],
         Scope::Full => &[1e4, 1e6],
     }
 }
 
 fn fold_sizes(scope: Scope) -> &'static [usize] {
     match scope {
-        Scope::Quick => &[16],
-        Scope::Full => &[16, 32, 64],
+        Scope::Quick => &[8, 16],
+        Scope::Full => &[16, 32, 64, 128],
     }
 }
 
 pub(super) fn cases(scope: Scope) -> u64 {
-    ((sizes(scope).len() + 2 * fold_sizes(scope).len()) * PATTERNS.len()) as u64
+    let cones: usize = sizes(scope).iter().map(|&n| moduli(scope, n).len()).sum();
+    let folds = fold_sizes(scope)
+        .iter()
+        .map(|&n| fold_moduli(scope, n).len());
+    (PATTERNS.len() * (cones + 2 * folds.sum::<usize>())) as u64
 }
 
 /// `l* = (702 D R²/Y)^¼` (m): the edge length at which the membrane of a locked bend of radius `radius` (m) was estimated to cost as much as its bending.
@@ -76,7 +83,7 @@ fn widen(range: &mut [Real; 2], value: Real) {
 pub(super) fn cones(
     scope: Scope,
     findings: &mut Findings,
-    progress: &mut dyn FnMut(&str),
+    cases: &mut Cases<'_>,
 ) -> Result<OnCones, BenchError> {
     let mut table = Table::new(&[
         "pattern",
@@ -99,16 +106,15 @@ pub(super) fn cones(
     for pattern in PATTERNS {
         let mut curve = Vec::new();
         for &cells in sizes(scope) {
-            progress(&format!("locking: cone, {pattern}, {cells} cells"));
             for &modulus in moduli(scope, cells) {
                 let case = format!("cone, {pattern}, {cells} cells, Y = {modulus:e} N/m");
-                let found = cone::bend(pattern, cells, Kind::Springs, modulus, RIGIDITY);
+                let found = cases.case(&case, || {
+                    cone::bend(pattern, cells, Kind::Springs, modulus, RIGIDITY)
+                });
                 let Some(found) = findings.unless_failed(&case, found) else {
                     continue;
                 };
-                let OnCone {
-                    energy, membrane, ..
-                } = found;
+                let (energy, membrane) = (found.energy, found.membrane);
                 let ratio = found.edge_length / critical_length(cone::radius(), modulus, RIGIDITY);
                 curve.push((ratio, energy));
                 let constant = found.placed / ratio.powi(4);
@@ -169,7 +175,7 @@ pub(super) struct Folds {
 pub(super) fn folds(
     scope: Scope,
     findings: &mut Findings,
-    progress: &mut dyn FnMut(&str),
+    cases: &mut Cases<'_>,
 ) -> Result<Folds, BenchError> {
     let mut told = Folds {
         halved: [Real::MAX, 0.0],
@@ -177,6 +183,7 @@ pub(super) fn folds(
         free: 0,
     };
     let mut series = Vec::new();
+    let mut by_length = Vec::new();
     let mut table = Table::new(&[
         "pattern",
         "held diagonal",
@@ -194,20 +201,26 @@ pub(super) fn folds(
     for (name, axis) in [("rising", Axis::Along), ("falling", Axis::Across)] {
         for pattern in PATTERNS {
             let mut points = Vec::new();
+            let (mut reached, mut critical_lengths) = (Vec::new(), Vec::new());
             for &cells in fold_sizes(scope) {
                 let mut curve: Vec<(Real, Real)> = Vec::new();
-                progress(&format!("locking: fold, {pattern}, {name}, {cells} cells"));
                 for &modulus in fold_moduli(scope, cells) {
                     let case = format!("fold, {pattern}, {name}, {cells} cells, Y = {modulus:e}");
                     let stiffness = [modulus, RIGIDITY];
-                    let folded = fold::fold(axis, pattern, cells, Kind::Springs, stiffness);
+                    let folded = cases.case(&case, || {
+                        fold::fold(axis, pattern, cells, Kind::Springs, stiffness)?.figures()
+                    });
                     let Some(folded) = findings.unless_failed(&case, folded) else {
                         continue;
                     };
                     let critical =
                         critical_length(folded.radius, modulus, folded.factor * RIGIDITY);
-                    let ratio = folded.sheet.edge_length()? / critical;
+                    let ratio = folded.edge_length / critical;
                     curve.push((ratio, folded.bending));
+                    if modulus == SHOWN {
+                        reached.push((folded.edge_length, folded.bending));
+                        critical_lengths.push(critical);
+                    }
                     table.push([
                         Cell::from(pattern),
                         Cell::from(name),
@@ -216,11 +229,11 @@ pub(super) fn folds(
                         Cell::from(ratio),
                         Cell::from(folded.factor),
                         Cell::from(folded.angle),
-                        Cell::from(folded.exact.exact_angle()),
+                        Cell::from(folded.exact_angle),
                         Cell::from(folded.bending),
                         Cell::from(folded.membrane),
-                        Cell::from(folded.rest.iterations as usize),
-                        Cell::from(folded.rest.last_move),
+                        Cell::from(folded.iterations as usize),
+                        Cell::from(folded.last_move),
                     ]);
                 }
                 match halved_at(&curve) {
@@ -235,6 +248,9 @@ pub(super) fn folds(
             points.sort_by(|a, b| a.0.total_cmp(&b.0));
             let label = format!("{pattern}, {name}");
             series.push(Series::new(&label, points).styled(Style::Points));
+            if axis == Axis::Across {
+                by_length.extend(against_length(pattern, reached, &critical_lengths));
+            }
         }
     }
     let predicted = (0..=40).map(|i| {
@@ -252,12 +268,43 @@ pub(super) fn folds(
             note: "The sheet hangs under its own weight, held along the named diagonal. The dashed curve is a guess from the estimate: a rigidity of D (1 + (l/l*)⁴) under the same load.".into(),
         },
     );
+    findings.plot(
+        "locking-length",
+        &Plot {
+            title: "Finer meshes fold".into(),
+            x: plot::Axis::log("edge length l (m)"),
+            y: plot::Axis::linear("bending energy reached, over the developable answer (dimensionless)"),
+            series: by_length,
+            note: format!(
+                "Y = {SHOWN:e} N/m, held along the falling diagonal; from right to left the same sheet with finer and finer meshes. Dashed, in the colour of the mesh: 1/(1 + (l/l*)⁴), which is one half at l = l* = (702 D R²/Y)^¼, with the rigidity D that the mesh has about this diagonal and the radius R of its fold. A sheet free to curve across is softer than the developable answer, so 1 can be exceeded."
+            ),
+        },
+    );
     findings.table(
         "locking-fold",
         "Diagonal folds of a sheet of springs",
         table,
     );
     Ok(told)
+}
+
+/// Bending reached at edge lengths (m), and the guess from l* (m), in the mean of those given.
+fn against_length(
+    pattern: &str,
+    mut reached: Vec<(Real, Real)>,
+    critical_lengths: &[Real],
+) -> [Series; 2] {
+    reached.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let critical = critical_lengths.iter().sum::<Real>() / critical_lengths.len().max(1) as Real;
+    let guess = (0..=40).map(|i| {
+        let length = 10.0_f64.powf(-2.0 + 0.03 * Real::from(i));
+        (length, 1.0 / (1.0 + (length / critical).powi(4)))
+    });
+    [
+        Series::new(pattern, reached),
+        Series::new(&format!("{pattern}, l* {critical:.3} m"), guess.collect())
+            .styled(Style::ExactCurve),
+    ]
 }
 
 /// Where a curve `(l/l*, bending reached)` in ascending order first falls to half of its first value, if it does; between two points by logarithms.

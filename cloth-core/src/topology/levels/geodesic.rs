@@ -1,7 +1,7 @@
 //! Distances within the cloth at rest.
 
-use cloth_core::math::{Real, Vec3};
-use cloth_core::mesh::TriMesh;
+use crate::math::{Real, Vec3};
+use crate::mesh::TriMesh;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
@@ -149,7 +149,7 @@ impl<'a> Geodesics<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use cloth_core::mesh::generate::{Diagonals, grid, irregular, without_triangles};
+    use crate::mesh::generate::{Diagonals, grid, irregular, without_triangles};
 
     fn all(mesh: &TriMesh, source: u32) -> Vec<Real> {
         let targets: Vec<u32> = (0..mesh.vertex_count() as u32).collect();

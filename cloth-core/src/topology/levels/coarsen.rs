@@ -1,7 +1,7 @@
 //! Which vertices go on to the next coarser level, and on whom the others depend.
 
-use cloth_core::math::{Mat3, Real, Vec3};
-use cloth_core::topology::EdgeTable;
+use crate::math::{Mat3, Real, Vec3};
+use crate::topology::EdgeTable;
 
 /// Vertices of one level and what links them.
 #[derive(Debug)]
