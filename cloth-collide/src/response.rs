@@ -67,8 +67,9 @@ const KEPT: Real = 0.1;
 const NEAR: Real = 1.5;
 /// The share of what is missing to the thickness that one step makes up.
 const RECOVERY: Real = 0.5;
-/// The margin of the search for candidates, in thicknesses. What it has more than one lets the motion become another one without a new search.
-const MARGIN: Real = 4.0;
+/// The margin of the search for candidates, in thicknesses. What it has more than one lets the motion become another one without a new search: half of that for each vertex. More is fewer
+/// searches, of more candidates each; in close layers their number grows with the third power.
+const MARGIN: Real = 2.0;
 /// Contacts are satisfied to this share of the thickness.
 const TOLERANCE: Real = 1e-2;
 /// Rounds of impulses, at most, before zones take over.
