@@ -208,9 +208,10 @@ impl<B: BroadPhase> ClothCandidates<B> {
         let corners = self.triangles[b];
         for k in (0..3).filter(|&k| self.owned[a].vertices[k]) {
             let vertex = self.triangles[a][k];
-            if !corners.contains(&vertex)
+            let held = self.all_prescribed([vertex]) && self.all_prescribed(corners);
+            if !held
+                && !corners.contains(&vertex)
                 && self.vertex_boxes[vertex as usize].overlaps(&self.triangle_boxes[b])
-                && !(self.all_prescribed([vertex]) && self.all_prescribed(corners))
                 && !self.is_vertex_parted(vertex, corners)
             {
                 self.vertex_triangle.push([vertex, b as u32]);
@@ -230,9 +231,10 @@ impl<B: BroadPhase> ClothCandidates<B> {
             for j in (0..3).filter(|&j| self.owned[b].edges[j]) {
                 let f = self.triangle_edges[b][j];
                 let second = self.edges[f as usize];
-                if first_box.overlaps(&self.edge_boxes[f as usize])
+                let held = self.all_prescribed(first) && self.all_prescribed(second);
+                if !held
+                    && first_box.overlaps(&self.edge_boxes[f as usize])
                     && !first.iter().any(|vertex| second.contains(vertex))
-                    && !(self.all_prescribed(first) && self.all_prescribed(second))
                     && !self.are_edges_parted(first, second)
                 {
                     self.edge_edge.push([e.min(f), e.max(f)]);
