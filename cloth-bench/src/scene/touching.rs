@@ -156,8 +156,8 @@ pub(super) fn fold(name: &'static str, settings: &Settings) -> Result<Scene, Ben
 /// A narrow towel of 1 m by 0.1 m whose ends are turned against each other by an angle θ, and brought nearer as it becomes a rope.
 ///
 /// A strand that winds around the axis at a radius r, by θ in all, is a helix: as long as the hypotenuse of its axial length and r θ. So that it keeps its length L, the ends come to
-/// √(L² − r² θ²) of each other: for 4 turns at 2.5 cm, 0.63 m around the axis, from 1 m to 0.78 m. An edge of the towel that stayed 5 cm away from the axis would have to be 1.48 m long; so it
-/// has to roll up, and contact is all that keeps it from the axis.
+/// √(L² − r² θ²) of each other, at a constant rate: for 4 turns at 2.5 cm, 0.63 m around the axis, from 1 m to 0.78 m. On the way there they are nearer than
+/// a helix would have them. An edge of the towel that stayed 5 cm away from the axis would have to be 1.48 m long; so it has to roll up, and contact is all that keeps it from the axis.
 pub(super) fn twist(name: &'static str, settings: &Settings) -> Result<Scene, BenchError> {
     const SIZES: [Real; 2] = [1.0, 0.1];
     /// How long the turning takes (s).
@@ -167,13 +167,15 @@ pub(super) fn twist(name: &'static str, settings: &Settings) -> Result<Scene, Be
     let mut model = cloth::cut(settings, &RIGIDITY, &mesh)?;
     let turns = settings.number(&TURNS)?;
     let radius = settings.number(&ROPE)?;
-    let wound = radius * turns.abs() * TAU;
+    let wound = (radius * turns * TAU).abs();
     if wound >= SIZES[0] {
         return Err(BenchError::Usage(format!(
             "a towel of {} m cannot be turned {turns} times: around a rope of radius {radius} m alone that is a way of {wound:.2} m",
             SIZES[0]
         )));
     }
+    // How much nearer each end comes (m).
+    let nearer = 0.5 * (SIZES[0] - (SIZES[0].powi(2) - wound.powi(2)).sqrt());
     let mut pins = Pins::new();
     for (vertex, &x) in mesh.positions().iter().enumerate() {
         if x.x.abs() < SIZES[0] / 2.0 - 1e-9 {
@@ -184,8 +186,7 @@ pub(super) fn twist(name: &'static str, settings: &Settings) -> Result<Scene, Be
         let path = move |time: Real| {
             let part = (time / DURATION).clamp(0.0, 1.0);
             let turn = Rotation3::from_axis_angle(&Vec3::x_axis(), side * part * turns * TAU / 2.0);
-            let apart = (SIZES[0].powi(2) - (part * wound).powi(2)).sqrt();
-            turn * Vec3::new(0.5 * side * apart, x.y, x.z)
+            turn * x - Vec3::x() * (side * part * nearer)
         };
         pins.follow(&mut model.particles, vertex, path)
             .map_err(BenchError::failed)?;
