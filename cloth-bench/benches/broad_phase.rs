@@ -10,6 +10,9 @@ use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::TriMesh;
 use cloth_core::mesh::generate::{Diagonals, grid};
 use criterion::{Criterion, criterion_group, criterion_main};
+use parry3d_f64::bounding_volume::Aabb;
+use parry3d_f64::math::Vector;
+use parry3d_f64::partitioning::{Bvh, BvhBuildStrategy, BvhWorkspace};
 use std::hint::black_box;
 
 /// How near (m) pieces have to come to be of interest.
@@ -96,6 +99,50 @@ fn pairs_of_triangles(criterion: &mut Criterion) {
     group.finish();
 }
 
+fn vector(v: Vec3) -> Vector {
+    Vector::new(v.x, v.y, v.z)
+}
+
+/// The library's tree as it comes, over the same boxes.
+fn parry(criterion: &mut Criterion) {
+    let (mesh, positions) = crumpled(128);
+    let leaves: Vec<Aabb> = boxes(&mesh, &positions)
+        .iter()
+        .map(|b| Aabb::new(vector(b.lower), vector(b.upper)))
+        .collect();
+    let mut group = criterion.benchmark_group("parry's own tree, 32k crumpled");
+    group.sample_size(20);
+    let strategies = [
+        ("binned", BvhBuildStrategy::Binned),
+        ("ploc", BvhBuildStrategy::Ploc),
+    ];
+    for (name, strategy) in strategies {
+        group.bench_function(format!("{name}: build"), |bencher| {
+            bencher.iter(|| Bvh::from_leaves(strategy, black_box(&leaves)));
+        });
+        let mut tree = Bvh::from_leaves(strategy, &leaves);
+        let mut workspace = BvhWorkspace::default();
+        group.bench_function(format!("{name}: refit"), |bencher| {
+            bencher.iter(|| {
+                for (number, leaf) in (0..).zip(black_box(&leaves)) {
+                    tree.insert_or_update_partially(*leaf, number, 0.0);
+                }
+                tree.refit(&mut workspace);
+            });
+        });
+        let mut pairs = Vec::new();
+        group.bench_function(format!("{name}: query"), |bencher| {
+            bencher.iter(|| {
+                pairs.clear();
+                let mut visit = |a: u32, b: u32| pairs.push([a, b]);
+                tree.traverse_bvtt_single_tree::<false>(&mut workspace, &mut visit);
+                pairs.len()
+            });
+        });
+    }
+    group.finish();
+}
+
 fn candidates(criterion: &mut Criterion) {
     for side in [32, 128, 320] {
         let (mesh, positions) = crumpled(side);
@@ -116,5 +163,5 @@ fn candidates(criterion: &mut Criterion) {
     }
 }
 
-criterion_group!(benches, pairs_of_triangles, candidates);
+criterion_group!(benches, pairs_of_triangles, parry, candidates);
 criterion_main!(benches);

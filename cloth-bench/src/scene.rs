@@ -20,7 +20,7 @@ use cloth_core::mesh::TriMesh;
 use cloth_core::particles::State;
 use cloth_core::pin::Pins;
 use cloth_core::topology::EdgeTable;
-use contact::{NOT_TOUCHING, TOUCHING};
+use contact::{NOT_TOUCHING, PULLING, TOUCHING};
 use std::sync::Arc;
 
 /// What is simulated: the same masses, elements, pins and start for every method.
@@ -185,6 +185,11 @@ pub(crate) const FLOOR: Parameter = parameter(
 );
 pub(crate) const TURNS: Parameter =
     parameter("turns", "4", "full turns of one end against the other");
+pub(crate) const ROPE: Parameter = parameter(
+    "rope",
+    "0.025",
+    "radius (m) of the rope that the towel becomes: its ends come together by so much that a strand at this radius keeps its length",
+);
 pub(crate) const SHEETS: Parameter = parameter("sheets", "10", "number of sheets");
 
 /// What can be set of a sheet that the scene makes and places itself.
@@ -255,8 +260,8 @@ pub const SCENES: [SceneInfo; 9] = [
     },
     SceneInfo {
         name: "twist",
-        about: "a towel of 1 m × 0.3 m whose ends are turned against each other within 4 s",
-        groups: &[OWN_SHEET, TOUCHING, &[TURNS]],
+        about: "a narrow towel of 1 m × 0.1 m whose ends are turned against each other within 4 s, and come nearer as it becomes a rope",
+        groups: &[OWN_SHEET, PULLING, &[TURNS, ROPE]],
     },
     SceneInfo {
         name: "stack",

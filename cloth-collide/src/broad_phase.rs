@@ -14,13 +14,14 @@
 //!
 //! Only triangles are searched for. [`ClothCandidates`] makes vertex–triangle and edge–edge pairs from their pairs: each vertex and each edge belongs to one of its
 //! triangles, its *representative* (Curtis, Tamstorf and Manocha 2008), inside whose box its own lies. So each pair of primitives is met in one pair of triangles
-//! only, and one search serves both kinds.
+//! only, and one search serves both kinds. Planes then leave out what only the boxes have near each other.
 
 mod candidates;
 mod cells;
 mod hierarchy;
 mod morton_grid;
 mod order;
+mod parting;
 mod spatial_hash;
 mod triangle_pairs;
 

@@ -7,7 +7,9 @@
 //! restitution.
 //!
 //! **Cloth against cloth** is about pairs: a vertex and a triangle, or two edges. Looking at all of them would take n² tests, so a *broad phase* leaves the
-//! few whose boxes overlap ([`ClothCandidates`]).
+//! few whose boxes overlap, and of those the ones that no plane has apart ([`ClothCandidates`]). From there to the end of a step there are four more stages:
+//!
+#![doc = include_str!("../doc/stages.svg")]
 //!
 //! **Measuring** comes last. A cloth of triangles is free of contact as long as no triangle meets another one, apart from
 //! the vertices and edges that they share. [`SeparationProbe`] tells the number of pairs of triangles that meet, decided exactly, and the smallest distance.
@@ -25,6 +27,8 @@
 //! the other at the next, and no look at the two moments sees it pass. So the motion in between has to be looked at: all
 //! vertices move linearly, and the question is the first time at which a vertex and a triangle, or two edges, are at distance 0 (or d).
 //! Vertices and triangles alone are not enough: two edges can cross with all four of their ends in the clear.
+//!
+#![doc = include_str!("../doc/crossing-edges.svg")]
 //!
 //! Both are one question. The differences p − a, p − b, p − c of a vertex to the corners of a triangle are the corners of a
 //! moving triangle, those of the ends of two edges of a moving parallelogram, and contact is when it contains the origin.
@@ -57,7 +61,7 @@
 //! | signs of pqab, pqbc, pqca: a segment meets a triangle, exactly | [`segment_meets_triangle`] |
 //! | an edge of one meets the other: two triangles meet, exactly | [`triangles_meet`] |
 //! | φ(x) and its gradient, for shapes at rest and moving | [`obstacle`], with a table of its own |
-//! | boxes of all that moves overlap: vertex–triangle and edge–edge candidates | [`ClothCandidates`] |
+//! | boxes of all that moves overlap, and no plane is between them: vertex–triangle and edge–edge candidates | [`ClothCandidates`] |
 //! | overlapping boxes, from a tree, from hashed cells, from cells along a curve | [`Hierarchy`], [`SpatialHash`], [`MortonGrid`] |
 //! | boxes within a distance: pairs of triangles | [`TrianglePairs`] |
 //! | min ½‖x − x*‖²_M with n · Σ wᵢ xᵢ ≥ h and friction; impact zones | [`ClothContacts`] |
@@ -150,7 +154,7 @@
 //! | `broad_phase.rs` | what a broad phase is |
 //! | `broad_phase/hierarchy.rs` | the tree of boxes |
 //! | `broad_phase/cells.rs`, `spatial_hash.rs`, `morton_grid.rs` | the cells, and two ways to sort boxes into them |
-//! | `broad_phase/candidates.rs`, `order.rs` | from pairs of triangles to pairs of primitives, in order |
+//! | `broad_phase/candidates.rs`, `parting.rs`, `order.rs` | from pairs of triangles to pairs of primitives that no plane parts, in order |
 //! | `broad_phase/triangle_pairs.rs` | pairs of triangles within a distance |
 //! | `response.rs` | the response, stage by stage, and why there are stages |
 //! | `response/pair.rs`, `row.rs` | two pieces; a contact as an inequality |

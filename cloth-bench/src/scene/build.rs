@@ -1,6 +1,6 @@
 //! From a name and settings to a [`Scene`].
 
-use super::contact::{NO_SELF, SELF, Touch};
+use super::contact::{CONTACT_STEPS, NO_SELF, SELF, Touch};
 use super::touching::{self, Below};
 use super::{
     ASPECT, FLOOR, GRAVITY, LINK_LENGTH, LINK_MASS, LINKS, PATTERN, PINS, RIGIDITY, SCENES, SIZE,
@@ -118,7 +118,12 @@ fn sheet(name: &'static str, mesh: Option<&str>, settings: &Settings) -> Result<
         _ => (&NO_SELF, None),
     };
     let obstacles = below.map(|kind| touching::below(&kind, &mesh, up, settings));
-    let touch = Touch::new(settings, own, obstacles.transpose()?.into_iter().collect())?;
+    let touch = Touch::new(
+        settings,
+        &CONTACT_STEPS,
+        own,
+        obstacles.transpose()?.into_iter().collect(),
+    )?;
     let scene = of_mesh(name, &mesh, model, gravity);
     Ok(Scene {
         order,

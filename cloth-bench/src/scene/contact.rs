@@ -40,8 +40,17 @@ pub(crate) const CONTACT_STEPS: Parameter = parameter(
     "parts of a step, after each of which contact is resolved; substeps of a method are shared among them",
 );
 
+/// Where contact pulls at the cloth all the time.
+pub(crate) const TWIST_STEPS: Parameter = Parameter {
+    default: "40",
+    ..CONTACT_STEPS
+};
+
 /// What can be set of contact, in a scene that is about it.
 pub(crate) const TOUCHING: &[Parameter] = &[CONTACT, CONTACT_STEPS, SELF, THICKNESS, FRICTION];
+
+/// The same in a scene where contact pulls at the cloth.
+pub(crate) const PULLING: &[Parameter] = &[CONTACT, TWIST_STEPS, SELF, THICKNESS, FRICTION];
 
 /// The same in a scene that is about something else.
 pub(crate) const NOT_TOUCHING: &[Parameter] =
@@ -69,9 +78,10 @@ enum Response {
 }
 
 impl Touch {
-    /// As the settings say, with these obstacles and what they look like. `own` is the scene's parameter for cloth against itself.
+    /// As the settings say, with these obstacles and what they look like. `steps` and `own` are the scene's parameters for the parts of a step and for cloth against itself.
     pub(super) fn new(
         settings: &Settings,
+        steps: &Parameter,
         own: &Parameter,
         obstacles: Vec<(Obstacle, TriMesh)>,
     ) -> Result<Self, BenchError> {
@@ -94,7 +104,7 @@ impl Touch {
                     ("none", Response::None),
                 ],
             )?,
-            steps: settings.count(&CONTACT_STEPS, 1)?,
+            steps: settings.count(steps, 1)?,
             self_collision: settings.choice(own, &[("yes", true), ("no", false)])?,
             thickness,
             friction,
@@ -105,8 +115,9 @@ impl Touch {
 
     /// Into how many parts a step is cut, so that contact is resolved after each of them: 1 where there is nothing to touch.
     ///
-    /// A vertex that an obstacle stops within a step lets its neighbours go on until the end of the step, and no method knows of it before. What that does to stiff elements
-    /// decreases with the square of the step.
+    /// A vertex that something stops within a part lets its neighbours go on until the end of the part, and no method knows of it before: contact is resolved in the metric of the masses, as if
+    /// nothing held the cloth together, and the elements pull back in the next part. Both are in balance at a strain that grows with k Δt²/m, where Δt is a part. So cloth that is pulled around
+    /// something, or that lands hard, stretches under converged methods most of all, and the cure is not more iterations but more parts.
     #[must_use]
     pub fn parts(&self) -> u32 {
         if self.is_idle() { 1 } else { self.steps }

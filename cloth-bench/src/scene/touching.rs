@@ -1,7 +1,7 @@
 //! Scenes that are about contact (COL-9).
 
-use super::contact::{SELF, THICKNESS, Touch};
-use super::{GRAVITY, PATTERN, RIGIDITY, SHEETS, SIZE, Scene, TURNS, build, cloth};
+use super::contact::{CONTACT_STEPS, SELF, THICKNESS, TWIST_STEPS, Touch};
+use super::{GRAVITY, PATTERN, RIGIDITY, ROPE, SHEETS, SIZE, Scene, TURNS, build, cloth};
 use crate::error::BenchError;
 use crate::mesh_spec::PATTERNS;
 use crate::settings::Settings;
@@ -144,7 +144,7 @@ pub(super) fn fold(name: &'static str, settings: &Settings) -> Result<Scene, Ben
     let floor = below(&Below::Floor(0.0), &mesh, Vec3::z(), settings)?;
     let mut scene = Scene {
         steps: 180,
-        touch: Some(Touch::new(settings, &SELF, vec![floor])?),
+        touch: Some(Touch::new(settings, &CONTACT_STEPS, &SELF, vec![floor])?),
         ..build::of_mesh(name, &mesh, model, gravity(settings)?)
     };
     for x in &mut scene.start.positions {
@@ -153,17 +153,29 @@ pub(super) fn fold(name: &'static str, settings: &Settings) -> Result<Scene, Ben
     Ok(scene)
 }
 
-/// A towel of 1 m by 0.3 m whose ends are turned against each other, and brought nearer as it becomes shorter.
+/// A narrow towel of 1 m by 0.1 m whose ends are turned against each other by an angle θ, and brought nearer as it becomes a rope.
+///
+/// A strand that winds around the axis at a radius r, by θ in all, is a helix: as long as the hypotenuse of its axial length and r θ. So that it keeps its length L, the ends come to
+/// √(L² − r² θ²) of each other, at a constant rate: for 4 turns at 2.5 cm, 0.63 m around the axis, from 1 m to 0.78 m. On the way there they are nearer than
+/// a helix would have them. An edge of the towel that stayed 5 cm away from the axis would have to be 1.48 m long; so it has to roll up, and contact is all that keeps it from the axis.
 pub(super) fn twist(name: &'static str, settings: &Settings) -> Result<Scene, BenchError> {
-    const SIZES: [Real; 2] = [1.0, 0.3];
+    const SIZES: [Real; 2] = [1.0, 0.1];
     /// How long the turning takes (s).
     const DURATION: Real = 4.0;
-    /// How much nearer each end comes (m).
-    const NEARER: Real = 0.1;
     let n = settings.count(&SIZE, 2)? - 1;
-    let mesh = sheet(settings, [n, (n * 3).div_ceil(10)], SIZES)?;
+    let mesh = sheet(settings, [n, n.div_ceil(10)], SIZES)?;
     let mut model = cloth::cut(settings, &RIGIDITY, &mesh)?;
     let turns = settings.number(&TURNS)?;
+    let radius = settings.number(&ROPE)?;
+    let wound = (radius * turns * TAU).abs();
+    if wound >= SIZES[0] {
+        return Err(BenchError::Usage(format!(
+            "a towel of {} m cannot be turned {turns} times: around a rope of radius {radius} m alone that is a way of {wound:.2} m",
+            SIZES[0]
+        )));
+    }
+    // How much nearer each end comes (m).
+    let nearer = 0.5 * (SIZES[0] - (SIZES[0].powi(2) - wound.powi(2)).sqrt());
     let mut pins = Pins::new();
     for (vertex, &x) in mesh.positions().iter().enumerate() {
         if x.x.abs() < SIZES[0] / 2.0 - 1e-9 {
@@ -174,7 +186,7 @@ pub(super) fn twist(name: &'static str, settings: &Settings) -> Result<Scene, Be
         let path = move |time: Real| {
             let part = (time / DURATION).clamp(0.0, 1.0);
             let turn = Rotation3::from_axis_angle(&Vec3::x_axis(), side * part * turns * TAU / 2.0);
-            turn * x - Vec3::x() * (side * part * NEARER)
+            turn * x - Vec3::x() * (side * part * nearer)
         };
         pins.follow(&mut model.particles, vertex, path)
             .map_err(BenchError::failed)?;
@@ -182,7 +194,7 @@ pub(super) fn twist(name: &'static str, settings: &Settings) -> Result<Scene, Be
     Ok(Scene {
         steps: 240,
         pins: Some(Arc::new(pins)),
-        touch: Some(Touch::new(settings, &SELF, Vec::new())?),
+        touch: Some(Touch::new(settings, &TWIST_STEPS, &SELF, Vec::new())?),
         ..build::of_mesh(name, &mesh, model, gravity(settings)?)
     })
 }
@@ -205,7 +217,7 @@ pub(super) fn stack(name: &'static str, settings: &Settings) -> Result<Scene, Be
     let floor = below(&Below::Floor(0.0), &mesh, Vec3::z(), settings)?;
     Ok(Scene {
         steps: 120,
-        touch: Some(Touch::new(settings, &SELF, vec![floor])?),
+        touch: Some(Touch::new(settings, &CONTACT_STEPS, &SELF, vec![floor])?),
         ..build::of_mesh(name, &mesh, model, gravity(settings)?)
     })
 }

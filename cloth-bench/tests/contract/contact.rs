@@ -153,7 +153,7 @@ fn nothing_crosses_in_any_scene_with_any_kind_of_method() {
         ("drape-sphere", &["n=9"]),
         ("drape-box", &["n=9"]),
         ("fold", &["n=13"]),
-        ("twist", &["n=13", "turns=8"]),
+        ("twist", &["n=21", "turns=6"]),
         ("stack", &["n=4", "sheets=4"]),
     ];
     for (name, pairs) in scenes {

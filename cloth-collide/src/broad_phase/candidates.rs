@@ -2,17 +2,23 @@
 
 use super::BroadPhase;
 use super::order::PairSorter;
+use super::parting::Parting;
 use crate::bounds::Bounds;
+use crate::closest::{edge_edge, point_triangle};
 use crate::error::CollideError;
 use crate::incidence::{Owned, edge_numbers, owned};
-use cloth_core::math::{Real, Vec3, is_finite};
+use cloth_core::math::{Real, Vec3, gather, is_finite};
 use cloth_core::mesh::TriMesh;
 use cloth_core::particles::Particles;
 
 /// The pairs (vertex, triangle) and (edge, edge) of a cloth that can come within a margin of each other while it moves; of several cloths, if they are one mesh.
 ///
 /// A pair is a candidate if the boxes of its two parts overlap, each box around all positions of its vertices before and after the motion, moved outwards by half of the
-/// margin and by one rounding. So no pair is lost that comes as near as the margin while its vertices move on straight ways. Left out are
+/// margin and by one rounding, and if no plane is found between the boxes of the vertices of one part and those of the other. Three planes are tried: along each of the two triangles
+/// that the parts belong to, and across the line between their nearest points halfway. Boxes alone would be far too many: those of a tilted layer overlap with the layers above and below
+/// wherever it is, and those of neighbours in a flat sheet overlap all the time.
+///
+/// So no pair is lost that comes as near as the margin while its vertices move on straight ways. Left out are
 /// pairs with a common vertex, and pairs of which all vertices are prescribed.
 ///
 /// The candidates are the same for every [`BroadPhase`], in rising order, and depend on nothing but the mesh, the motion, the margin and who is
@@ -48,6 +54,11 @@ pub struct ClothCandidates<B> {
     vertex_boxes: Vec<Bounds>,
     edge_boxes: Vec<Bounds>,
     triangle_boxes: Vec<Bounds>,
+    /// The middle (m) of each vertex's box.
+    middles: Vec<Vec3>,
+    /// Across each triangle, halfway (m²).
+    normals: Vec<Vec3>,
+    parting: Parting,
     triangle_pairs: Vec<[u32; 2]>,
     vertex_triangle: Vec<[u32; 2]>,
     edge_edge: Vec<[u32; 2]>,
@@ -79,6 +90,9 @@ impl<B: BroadPhase> ClothCandidates<B> {
             prescribed: vec![false; mesh.vertex_count()],
             vertex_boxes: vec![nothing; mesh.vertex_count()],
             triangle_boxes: rest,
+            middles: vec![Vec3::zeros(); mesh.vertex_count()],
+            normals: vec![Vec3::zeros(); mesh.triangle_count()],
+            parting: Parting::default(),
             triangle_pairs,
             vertex_triangle: Vec::new(),
             edge_edge: Vec::new(),
@@ -129,6 +143,14 @@ impl<B: BroadPhase> ClothCandidates<B> {
             let [a, b, c] = triangle.map(|v| &self.vertex_boxes[v as usize]);
             *bounds = a.joined(b).joined(c);
         }
+        self.parting = Parting::among(&self.vertex_boxes);
+        for (middle, bounds) in self.middles.iter_mut().zip(&self.vertex_boxes) {
+            *middle = (bounds.lower + bounds.upper) * 0.5;
+        }
+        for (normal, &triangle) in self.normals.iter_mut().zip(&self.triangles) {
+            let [a, b, c] = gather(&self.middles, triangle);
+            *normal = (b - a).cross(&(c - a));
+        }
         self.broad_phase
             .overlapping(&self.triangle_boxes, &mut self.triangle_pairs);
         self.collect();
@@ -140,6 +162,7 @@ impl<B: BroadPhase> ClothCandidates<B> {
         let mut pairs = std::mem::take(&mut self.triangle_pairs);
         // What comes next reads the triangles of each pair; in this order most are still in the cache.
         self.sorter.sort(&mut pairs, self.triangles.len());
+        pairs.retain(|pair| !self.are_parted(pair.map(|t| t as usize)));
         self.vertex_triangle.clear();
         self.edge_edge.clear();
         for &[a, b] in &pairs {
@@ -153,14 +176,43 @@ impl<B: BroadPhase> ClothCandidates<B> {
         self.sorter.sort(&mut self.edge_edge, self.edges.len());
     }
 
+    /// Whether a plane along one of two triangles has them apart, and so all of their parts.
+    fn are_parted(&self, [a, b]: [usize; 2]) -> bool {
+        let corners = [a, b].map(|t| self.triangles[t].map(|v| &self.vertex_boxes[v as usize]));
+        let along = |t: usize| {
+            self.parting
+                .is_plane(&self.normals[t], &corners[0], &corners[1])
+        };
+        along(a) || along(b)
+    }
+
+    /// Whether the plane across the line between the nearest points, halfway, has a vertex and a triangle apart.
+    fn is_vertex_parted(&self, vertex: u32, corners: [u32; 3]) -> bool {
+        let middle = self.middles[vertex as usize];
+        let line = point_triangle(middle, gather(&self.middles, corners)).separation;
+        let boxes = corners.map(|v| &self.vertex_boxes[v as usize]);
+        self.parting
+            .is_plane(&line, &[&self.vertex_boxes[vertex as usize]], &boxes)
+    }
+
+    /// The same for two edges.
+    fn are_edges_parted(&self, first: [u32; 2], second: [u32; 2]) -> bool {
+        let [e, f] = [first, second].map(|edge| gather(&self.middles, edge));
+        let line = edge_edge(e, f).separation;
+        let [e, f] = [first, second].map(|edge| edge.map(|v| &self.vertex_boxes[v as usize]));
+        self.parting.is_plane(&line, &e, &f)
+    }
+
     /// Adds the vertices that triangle `a` speaks for, against triangle `b`.
     fn add_vertices(&mut self, a: usize, b: usize) {
         let corners = self.triangles[b];
         for k in (0..3).filter(|&k| self.owned[a].vertices[k]) {
             let vertex = self.triangles[a][k];
-            if !corners.contains(&vertex)
+            let held = self.all_prescribed([vertex]) && self.all_prescribed(corners);
+            if !held
+                && !corners.contains(&vertex)
                 && self.vertex_boxes[vertex as usize].overlaps(&self.triangle_boxes[b])
-                && !(self.all_prescribed([vertex]) && self.all_prescribed(corners))
+                && !self.is_vertex_parted(vertex, corners)
             {
                 self.vertex_triangle.push([vertex, b as u32]);
             }
@@ -179,9 +231,11 @@ impl<B: BroadPhase> ClothCandidates<B> {
             for j in (0..3).filter(|&j| self.owned[b].edges[j]) {
                 let f = self.triangle_edges[b][j];
                 let second = self.edges[f as usize];
-                if first_box.overlaps(&self.edge_boxes[f as usize])
+                let held = self.all_prescribed(first) && self.all_prescribed(second);
+                if !held
+                    && first_box.overlaps(&self.edge_boxes[f as usize])
                     && !first.iter().any(|vertex| second.contains(vertex))
-                    && !(self.all_prescribed(first) && self.all_prescribed(second))
+                    && !self.are_edges_parted(first, second)
                 {
                     self.edge_edge.push([e.min(f), e.max(f)]);
                 }
@@ -193,7 +247,7 @@ impl<B: BroadPhase> ClothCandidates<B> {
         vertices.iter().all(|&v| self.prescribed[v as usize])
     }
 
-    /// All pairs of triangles whose boxes overlap, neighbours and prescribed ones too, in rising order.
+    /// All pairs of triangles whose boxes overlap and that no plane along one of them parts, neighbours and prescribed ones too, in rising order.
     pub(crate) fn triangle_pairs(&self) -> &[[u32; 2]] {
         &self.triangle_pairs
     }

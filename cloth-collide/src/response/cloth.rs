@@ -22,6 +22,8 @@ pub(super) struct Cloth {
     /// What is known of each candidate.
     pub(super) known: Vec<Known>,
     pub(super) sleep: Sleep,
+    /// Where the motion ends (m), without what all vertices do together.
+    ends: Vec<Vec3>,
     /// The mean (m) of all positions when the candidates were found.
     middle: Vec3,
     /// Number of the step, from 1.
@@ -51,6 +53,7 @@ impl Cloth {
             vertices: Vec::new(),
             known: Vec::new(),
             sleep: Sleep::new(mesh.vertex_count()),
+            ends: Vec::new(),
             middle: Vec3::zeros(),
             step: 0,
             thickness,
@@ -58,15 +61,19 @@ impl Cloth {
         }
     }
 
-    /// Finds the candidates of the motion from `from` to `to` (m), all of them unseen.
+    /// Finds the candidates of the motion from `from` to `to` (m), all of them unseen. What all vertices do together is left out: it brings nothing nearer to anything.
     pub(super) fn search(
         &mut self,
         from: &[Vec3],
         to: &[Vec3],
         margin: Real,
     ) -> Result<(), CollideError> {
-        self.candidates.update(from, to, margin)?;
-        self.middle = mean(from);
+        let middle = mean(from);
+        let shift = mean(to) - middle;
+        self.ends.clear();
+        self.ends.extend(to.iter().map(|x| x - shift));
+        self.candidates.update(from, &self.ends, margin)?;
+        self.middle = middle;
         self.forget();
         Ok(())
     }

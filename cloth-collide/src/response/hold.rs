@@ -32,6 +32,11 @@ impl Hold {
         held.resize(step.from.len(), false);
         bounds.clear();
         bounds.resize(step.from.len(), Real::INFINITY);
+        self.learn(cloth, step);
+    }
+
+    /// Takes over what is known of candidates that may be new.
+    pub(super) fn learn(&mut self, cloth: Option<&Cloth>, step: &ContactStep<'_>) {
         let Some(cloth) = cloth else {
             return;
         };
@@ -39,14 +44,14 @@ impl Hold {
             let pair = cloth.pair(index);
             let distance = nearest(pair.kind, &gather(step.from, pair.vertices)).distance;
             for v in pair.vertices {
-                let bound = &mut bounds[v as usize];
+                let bound = &mut self.bounds[v as usize];
                 // Two such ways leave a little more than the share that has to be kept.
                 *bound = bound.min(0.49 * (1.0 - KEPT) * distance);
             }
         }
     }
 
-    /// Holds back the vertices of a pair. Returns how many were not held before.
+    /// Holds back the vertices of a pair. Returns how many were not held before, or not enough.
     pub(super) fn pair(
         &mut self,
         vertices: [u32; 4],
@@ -55,8 +60,11 @@ impl Hold {
     ) -> usize {
         let mut count = 0;
         for v in vertices.map(|v| v as usize) {
-            if step.inverse_mass[v] != 0.0 && !self.held[v] {
-                self.shorten(v, self.bounds[v], step, positions);
+            let bound = self.bounds[v];
+            // Rounding does not make a way too long.
+            let is_short = (positions[v] - step.from[v]).norm() <= bound * (1.0 + 1e-9);
+            if step.inverse_mass[v] != 0.0 && !(self.held[v] && is_short) {
+                self.shorten(v, bound, step, positions);
                 count += 1;
             }
         }

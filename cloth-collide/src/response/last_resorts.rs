@@ -90,7 +90,11 @@ impl ClothContacts {
             if newly_held == 0 {
                 return Err(ContactError::NoWay { vertex });
             }
+            let searches = self.report.searches;
             self.after_a_change(step, positions)?;
+            if self.report.searches > searches {
+                self.hold.learn(self.cloth.as_ref(), step);
+            }
             self.find(step, positions, None);
         }
         self.report.held = self.hold.count();

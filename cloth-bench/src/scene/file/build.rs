@@ -4,7 +4,7 @@ use super::document::{Document, Section};
 use super::keys::{DT, GRAVITY, NAME, SECTIONS, STEPS, overrulable};
 use super::{mesh, obstacles, pins, start};
 use crate::error::BenchError;
-use crate::scene::contact::{NO_SELF, Touch};
+use crate::scene::contact::{CONTACT_STEPS, NO_SELF, Touch};
 use crate::scene::{RIGIDITY, STIFFNESS, Scene, build as built_in, cloth};
 use crate::settings::Settings;
 use cloth_core::math::Vec3;
@@ -186,7 +186,7 @@ impl<'a> Sections<'a> {
         let bodies: Vec<_> = bodies
             .map(|section| obstacles::obstacle(section, folder, size))
             .collect::<Result<_, _>>()?;
-        let touch = Touch::new(&settings, &NO_SELF, bodies)
+        let touch = Touch::new(&settings, &CONTACT_STEPS, &NO_SELF, bodies)
             .map_err(|error| self.contact.blame(error, overruling))?;
         let mut scene = Scene {
             order,

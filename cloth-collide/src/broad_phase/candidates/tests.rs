@@ -1,9 +1,11 @@
 use super::*;
 use crate::broad_phase::{Hierarchy, MortonGrid, SpatialHash};
+use crate::ccd::{ContinuousTest, Query, QueryKind};
 use crate::closest::{edge_edge, point_triangle};
 use crate::random::Random;
 use crate::shapes::{deformed, sheet};
 use cloth_core::math::gather;
+use cloth_core::mesh::generate::{Diagonals, grid};
 use cloth_core::topology::EdgeTable;
 
 type Pairs = Vec<[u32; 2]>;
@@ -116,6 +118,63 @@ fn motions(mesh: &TriMesh) -> Vec<(String, Vec<Vec3>, Vec<Vec3>)> {
     motions
 }
 
+/// Whether `found` lists the pairs of `all`, in order, apart from some that stay further apart than the margin: the continuous test, which misses no contact, says so. `vertices` are those of a pair.
+fn leaves_out_what_is_apart(
+    found: &[[u32; 2]],
+    all: &[[u32; 2]],
+    kind: QueryKind,
+    vertices: impl Fn([u32; 2]) -> [u32; 4],
+    [from, to]: [&[Vec3]; 2],
+    margin: Real,
+) -> bool {
+    let test = ContinuousTest::new(margin, 0.0).unwrap();
+    let is_apart = |pair: [u32; 2]| {
+        let query = Query {
+            kind,
+            from: gather(from, vertices(pair)),
+            to: gather(to, vertices(pair)),
+        };
+        query.first_contact(&test).unwrap().is_none()
+    };
+    let mut left = found.iter().peekable();
+    all.iter()
+        .all(|pair| left.next_if_eq(&pair).is_some() || is_apart(*pair))
+        && left.next().is_none()
+}
+
+/// Whether the candidates are the pairs of boxes, apart from what is further apart than the margin.
+fn agree<B: BroadPhase>(
+    candidates: &ClothCandidates<B>,
+    vertex_triangle: &[[u32; 2]],
+    edge_edge: &[[u32; 2]],
+    ways: [&[Vec3]; 2],
+    margin: Real,
+) -> bool {
+    let of_vertex = |[v, t]: [u32; 2]| {
+        let [a, b, c] = candidates.triangles()[t as usize];
+        [v, a, b, c]
+    };
+    let of_edges = |pair: [u32; 2]| {
+        let [[a, b], [c, d]] = pair.map(|e| candidates.edges()[e as usize]);
+        [a, b, c, d]
+    };
+    leaves_out_what_is_apart(
+        candidates.vertex_triangle(),
+        vertex_triangle,
+        QueryKind::VertexTriangle,
+        of_vertex,
+        ways,
+        margin,
+    ) && leaves_out_what_is_apart(
+        candidates.edge_edge(),
+        edge_edge,
+        QueryKind::EdgeEdge,
+        of_edges,
+        ways,
+        margin,
+    )
+}
+
 #[test]
 fn all_three_find_what_brute_force_finds_in_order() {
     let mesh = sheet(7);
@@ -137,13 +196,8 @@ fn all_three_find_what_brute_force_finds_in_order() {
                 candidates.update(&from, &to, margin).unwrap();
                 let ways = [&from[..], &to[..]];
                 let (vt, ee) = brute_force(&mesh, edges.ends(), &prescribed, ways, margin);
-                let found = candidates.vertex_triangle();
-                assert_eq!(found, vt, "{kind}, {name}, margin {margin}");
-                assert_eq!(
-                    candidates.edge_edge(),
-                    ee,
-                    "{kind}, {name}, margin {margin}"
-                );
+                let agrees = agree(&candidates, &vt, &ee, ways, margin);
+                assert!(agrees, "{kind}, {name}, margin {margin}");
             }
         }
     }
@@ -254,12 +308,51 @@ fn three_triangles_at_an_edge_and_two_cloths_in_one_mesh_are_welcome() {
         let edges = candidates.edges().to_vec();
         let ways = [&positions[..]; 2];
         let (vt, ee) = brute_force(&mesh, &edges, &[false; 8], ways, 0.1);
-        assert_eq!(candidates.vertex_triangle(), vt, "{kind}");
-        assert_eq!(candidates.edge_edge(), ee, "{kind}");
-        assert!(vt.len() > 5 && ee.len() > 5);
+        let agrees = agree(&candidates, &vt, &ee, ways, 0.1);
+        assert!(agrees, "{kind}");
+        assert!(candidates.vertex_triangle().len() > 5 && candidates.edge_edge().len() > 9);
     }
 }
 
+/// An accordion of eight layers, twice the thickness apart on average, whose cells are four thicknesses wide. Boxes alone find twice as many pairs as come as near as
+/// the thickness.
+#[test]
+fn close_layers_have_few_candidates_that_are_not_near() {
+    const THICKNESS: Real = 0.002;
+    let mesh = grid(65, 17, 0.512, 0.128, Diagonals::Alternating).unwrap();
+    let fold = |x: &Vec3| {
+        let (layer, part) = ((x.x / 0.064).floor(), (x.x / 0.064).fract());
+        let along = if layer % 2.0 == 0.0 { part } else { 1.0 - part };
+        Vec3::new(0.064 * along, x.y, 2.0 * THICKNESS * (layer + part))
+    };
+    let mut random = Random::new(3);
+    let shaken = |x: &Vec3| fold(x) + random.point(0.02 * THICKNESS);
+    let from: Vec<Vec3> = mesh.positions().iter().map(shaken).collect();
+    let to: Vec<Vec3> = from
+        .iter()
+        .map(|x| Vec3::new(x.x, x.y, 0.99 * x.z))
+        .collect();
+    let mut candidates = ClothCandidates::new(&mesh, Hierarchy::new());
+    candidates.update(&from, &to, THICKNESS).unwrap();
+    let found = candidates.vertex_triangle().len() + candidates.edge_edge().len();
+    let ways = [&from[..], &to[..]];
+    let free = vec![false; mesh.vertex_count()];
+    let (vt, ee) = brute_force(&mesh, candidates.edges(), &free, ways, THICKNESS);
+    let at_end =
+        |vertices: &[u32]| -> Vec<Vec3> { vertices.iter().map(|&v| to[v as usize]).collect() };
+    let near_triangles = vt.iter().filter(|[v, t]| {
+        let x = at_end(&mesh.triangles()[*t as usize]);
+        point_triangle(to[*v as usize], [x[0], x[1], x[2]]).distance() <= THICKNESS
+    });
+    let near_edges = ee.iter().filter(|pair| {
+        let [e, f] = pair.map(|e| at_end(&candidates.edges()[e as usize]));
+        edge_edge([e[0], e[1]], [f[0], f[1]]).distance() <= THICKNESS
+    });
+    let near = near_triangles.count() + near_edges.count();
+    let boxes = vt.len() + ee.len();
+    assert!(near > 5000 && 5 * near > 4 * found, "{found} for {near}");
+    assert!(boxes > 2 * near, "{boxes} for {near}");
+}
 #[test]
 fn bad_input_is_refused_by_name_and_changes_nothing() {
     let mesh = sheet(4);

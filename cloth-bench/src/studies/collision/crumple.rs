@@ -1,0 +1,325 @@
+//! A crumpled sheet: what the search for candidates costs, and contact itself, as the sheet gets finer.
+
+use super::super::{Findings, Scope};
+use crate::error::BenchError;
+use crate::method::Method;
+use crate::report::table::{Cell, Table};
+use crate::scene;
+use crate::settings::Settings;
+use cloth_collide::{
+    Bounds, BroadPhase, ClothCandidates, ClothContacts, Hierarchy, MortonGrid, SpatialHash,
+};
+use cloth_core::contact::{ContactSource, ContactStep};
+use cloth_core::math::{Real, Vec3};
+use cloth_core::mesh::TriMesh;
+use cloth_core::mesh::generate::{Diagonals, grid};
+use cloth_core::step::StepInput;
+use std::time::Instant;
+
+const DT: Real = 1.0 / 600.0;
+/// Every time is the shortest of so many.
+const REPETITIONS: usize = 5;
+/// Layers are this far apart, in thicknesses.
+const GAP: Real = 2.0;
+
+fn sides(scope: Scope) -> &'static [usize] {
+    match scope {
+        Scope::Quick => &[33],
+        Scope::Full => &[33, 129, 321],
+    }
+}
+
+/// Number of progress reports.
+pub(super) fn cases(scope: Scope) -> usize {
+    sides(scope).len()
+}
+
+/// Back and forth over `width` (m), and up by `gap` (m) each time.
+fn folded(x: Real, width: Real, gap: Real) -> (Real, Real) {
+    let layer = (x / width).floor();
+    let part = x / width - layer;
+    let along = if layer % 2.0 == 0.0 { part } else { 1.0 - part };
+    (along * width, gap * (layer + part))
+}
+
+/// A sheet of 1 m × 1 m with `side` vertices a side, and its positions (m) folded as an accordion of sixteen layers, with noise. The distance of the layers shrinks
+/// with the triangles, so that a vertex has as many neighbours in a fine sheet as in a coarse one. Also gives the thickness (m) of such a cloth.
+fn crumpled(side: usize) -> Result<(TriMesh, Vec<Vec3>, Real), BenchError> {
+    let mesh = grid(side, side, 1.0, 1.0, Diagonals::Alternating).map_err(BenchError::failed)?;
+    let thickness = 0.256 / side as Real;
+    let gap = GAP * thickness;
+    let noise = |i: usize, k: Real| 0.02 * gap * (12.9898 * i as Real + 78.233 * k).sin();
+    let place = |(i, x): (usize, &Vec3)| {
+        let (along, up) = folded(x.x, 1.0 / 16.0, gap);
+        Vec3::new(along, x.y, up) + Vec3::new(noise(i, 1.0), noise(i, 2.0), noise(i, 3.0))
+    };
+    let positions = mesh.positions().iter().enumerate().map(place).collect();
+    Ok((mesh, positions, thickness))
+}
+
+/// The shortest time (ms) of some runs of `work`, which tells itself how long it took (s).
+fn shortest(mut work: impl FnMut() -> Result<Real, BenchError>) -> Result<Real, BenchError> {
+    let mut least = Real::INFINITY;
+    for _ in 0..REPETITIONS {
+        least = least.min(1e3 * work()?);
+    }
+    Ok(least)
+}
+
+/// The box of each triangle, moved outwards by half of the margin (m).
+fn boxes(mesh: &TriMesh, positions: &[Vec3], margin: Real) -> Vec<Bounds> {
+    let half = Vec3::repeat(0.5 * margin);
+    let around = |t: &[u32; 3]| {
+        let [a, b, c] = t.map(|v| positions[v as usize]);
+        Bounds {
+            lower: a.inf(&b).inf(&c) - half,
+            upper: a.sup(&b).sup(&c) + half,
+        }
+    };
+    mesh.triangles().iter().map(around).collect()
+}
+
+/// How long (s) `work` takes.
+fn timed<T>(work: impl FnOnce() -> T) -> Real {
+    let started = Instant::now();
+    std::hint::black_box(work());
+    started.elapsed().as_secs_f64()
+}
+
+/// The row of the tree: making it, letting it follow its boxes, and searching it.
+fn tree_alone(triangles: usize, boxes: &[Bounds]) -> Result<[Cell; 4], BenchError> {
+    let mut tree = Hierarchy::over(boxes);
+    let build = shortest(|| Ok(timed(|| Hierarchy::over(boxes))))?;
+    let refit = shortest(|| Ok(timed(|| tree.refit(boxes.iter().copied()))))?;
+    let mut pairs = Vec::new();
+    let query = shortest(|| {
+        pairs.clear();
+        Ok(timed(|| tree.visit_overlapping(|a, b| pairs.push([a, b]))))
+    })?;
+    Ok([
+        Cell::from(triangles),
+        Cell::from(build),
+        Cell::from(refit),
+        Cell::from(query),
+    ])
+}
+
+/// The row of a broad phase: its first search, memory and the shape of a tree included, a later one, and all from positions to sorted candidates.
+fn search<B: BroadPhase>(
+    name: &str,
+    new: impl Fn() -> B,
+    mesh: &TriMesh,
+    positions: &[Vec3],
+    boxes: &[Bounds],
+    margin: Real,
+) -> Result<[Cell; 8], BenchError> {
+    let mut pairs = Vec::new();
+    let first = shortest(|| {
+        let mut fresh = new();
+        Ok(timed(|| fresh.overlapping(boxes, &mut pairs)))
+    })?;
+    let mut warm = new();
+    let again = shortest(|| Ok(timed(|| warm.overlapping(boxes, &mut pairs))))?;
+    let mut candidates = ClothCandidates::new(mesh, new());
+    let all = shortest(|| {
+        let started = Instant::now();
+        let found = candidates.update(positions, positions, margin);
+        found.map_err(BenchError::failed)?;
+        Ok(started.elapsed().as_secs_f64())
+    })?;
+    let found = candidates.vertex_triangle().len() + candidates.edge_edge().len();
+    let triangles = mesh.triangle_count();
+    Ok([
+        Cell::from(triangles),
+        Cell::from(name),
+        Cell::from(first),
+        Cell::from(again),
+        Cell::from(pairs.len()),
+        Cell::from(all),
+        Cell::from(found),
+        Cell::from(1e6 * all / triangles as Real),
+    ])
+}
+
+/// A step in which nothing moves.
+fn stay(
+    contacts: &mut ClothContacts,
+    from: &[Vec3],
+    inverse_mass: &[Real],
+) -> Result<(), BenchError> {
+    let step = ContactStep {
+        from,
+        inverse_mass,
+        dt: DT,
+    };
+    let mut velocities = vec![Vec3::zeros(); from.len()];
+    let resolved = contacts.resolve(&step, &mut from.to_vec(), &mut velocities);
+    resolved.map_err(BenchError::failed)
+}
+
+/// Time (ms) of resolving a step from `from` to where `end` (m) takes each position.
+fn resolve(
+    contacts: &mut ClothContacts,
+    from: &[Vec3],
+    end: impl Fn(&Vec3) -> Vec3,
+) -> Result<Real, BenchError> {
+    let inverse_mass = vec![1e4; from.len()];
+    shortest(|| {
+        // Where the last step ended, the next one may start without a look at all pairs of triangles: so it is in a simulation.
+        stay(contacts, from, &inverse_mass)?;
+        let mut positions: Vec<_> = from.iter().map(&end).collect();
+        let mut velocities: Vec<_> = positions
+            .iter()
+            .zip(from)
+            .map(|(a, b)| (a - b) / DT)
+            .collect();
+        let step = ContactStep {
+            from,
+            inverse_mass: &inverse_mass,
+            dt: DT,
+        };
+        let started = Instant::now();
+        let resolved = contacts.resolve(&step, &mut positions, &mut velocities);
+        resolved.map_err(BenchError::failed)?;
+        Ok(started.elapsed().as_secs_f64())
+    })
+}
+
+/// Time (ms) of a step of a hanging sheet of the same size, without contact.
+fn step(method: &str, side: usize) -> Result<Real, BenchError> {
+    let scene = scene::build("hang", None, &Settings::default().with("n", side))?;
+    let mut stepper = Method::find(method)?.build(&scene, &Settings::default(), scene.dt)?;
+    let mut state = scene.start.clone();
+    shortest(|| {
+        let started = Instant::now();
+        let input = StepInput::new(scene.dt).gravity(scene.gravity);
+        stepper
+            .step(&mut state, input)
+            .map_err(BenchError::failed)?;
+        Ok(started.elapsed().as_secs_f64())
+    })
+}
+
+/// What contact costs at the finest size where it was compared with steps.
+#[derive(Clone, Copy, Debug, Default)]
+struct Cost {
+    triangles: usize,
+    /// Resolving a pressed pile, in steps of XPBD and of PD.
+    in_steps: [Real; 2],
+}
+
+/// Adds both tables, and says what contact costs.
+pub(super) fn run(
+    scope: Scope,
+    findings: &mut Findings,
+    progress: &mut dyn FnMut(&str),
+) -> Result<String, BenchError> {
+    let mut searches = Table::new(&[
+        "triangles",
+        "broad phase",
+        "first (ms)",
+        "again (ms)",
+        "pairs of triangles",
+        "candidates (ms)",
+        "candidates",
+        "candidates, ns a triangle",
+    ]);
+    let mut tree = Table::new(&["triangles", "build (ms)", "refit (ms)", "search (ms)"]);
+    let mut costs = Table::new(&[
+        "triangles",
+        "moves as one (ms)",
+        "pressed (ms)",
+        "candidates",
+        "contacts",
+        "pressed, µs a triangle",
+        "XPBD step (ms)",
+        "PD step (ms)",
+        "pressed / XPBD step",
+        "pressed / PD step",
+    ]);
+    let mut cost = Cost::default();
+    let mut each = Vec::new();
+    for &side in sides(scope) {
+        let (mesh, from, thickness) = crumpled(side)?;
+        let triangles = mesh.triangle_count();
+        progress(&format!(
+            "collision: crumpled sheet of {triangles} triangles"
+        ));
+        let margin = 2.0 * thickness;
+        let boxes = boxes(&mesh, &from, margin);
+        tree.push(tree_alone(triangles, &boxes)?);
+        searches.push(search(
+            "tree",
+            Hierarchy::new,
+            &mesh,
+            &from,
+            &boxes,
+            margin,
+        )?);
+        searches.push(search(
+            "hashed cells",
+            SpatialHash::new,
+            &mesh,
+            &from,
+            &boxes,
+            margin,
+        )?);
+        searches.push(search(
+            "cells along a curve",
+            MortonGrid::new,
+            &mesh,
+            &from,
+            &boxes,
+            margin,
+        )?);
+        let builder = ClothContacts::builder(&mesh)
+            .thickness(thickness)
+            .friction(0.3);
+        let mut contacts = builder.build().map_err(BenchError::failed)?;
+        let shift = Vec3::new(0.01, 0.0, 0.02);
+        let together = resolve(&mut contacts, &from, |x| x + shift)?;
+        let pressed = resolve(&mut contacts, &from, |x| Vec3::new(x.x, x.y, 0.99 * x.z))?;
+        // At the finest size the factor of PD alone takes longer than all the rest.
+        let steps = (side < 200)
+            .then(|| Ok::<_, BenchError>([step("xpbd", side)?, step("pd", side)?]))
+            .transpose()?;
+        if let Some(steps) = steps {
+            (cost.triangles, cost.in_steps) = (triangles, steps.map(|step| pressed / step));
+        }
+        let per_triangle = pressed / triangles as Real;
+        each.push(per_triangle);
+        costs.push([
+            Cell::from(triangles),
+            Cell::from(together),
+            Cell::from(pressed),
+            Cell::from(contacts.report().candidates),
+            Cell::from(contacts.report().contacts),
+            Cell::from(1e3 * per_triangle),
+            Cell::from(steps.map(|s| s[0])),
+            Cell::from(steps.map(|s| s[1])),
+            Cell::from(steps.map(|s| pressed / s[0])),
+            Cell::from(steps.map(|s| pressed / s[1])),
+        ]);
+    }
+    findings.table(
+        "collision-broad-phase",
+        "Candidates of a crumpled sheet, from three broad phases that find the same ones",
+        searches,
+    );
+    findings.table(
+        "collision-tree",
+        "The tree of boxes (parry's Bvh) alone, over the triangles of the same sheet",
+        tree,
+    );
+    findings.table(
+        "collision-cost",
+        "One resolved step of a crumpled sheet, beside a step of a method without contact",
+        costs,
+    );
+    let [xpbd, pd] = cost.in_steps;
+    let growth = each[each.len() - 1] / each[0];
+    Ok(format!(
+        "In a pile of sixteen layers, {} triangles in all, resolving a step costs {xpbd:.1} steps of XPBD or {pd:.1} of PD; per triangle the largest sheet takes {growth:.1} times as long as the smallest.",
+        cost.triangles
+    ))
+}
