@@ -109,9 +109,9 @@ pub(super) fn execute(arguments: &Arguments) -> Result<(), BenchError> {
             ))
         })?;
     }
-    if arguments.reference && (scene.pins.is_some() || scene.contacts()?.is_some()) {
+    if arguments.reference && !scene.is_plain() {
         return Err(BenchError::Usage(
-            "--reference compares with a step without contact and with pins at rest; this scene has other steps".into(),
+            "--reference compares with a step without contact and air and with pins at rest; this scene has other steps".into(),
         ));
     }
     if arguments.reference && !method.aims_at_implicit_euler() {

@@ -154,6 +154,7 @@ pub(super) fn of_mesh(
         steps: 300,
         pins: None,
         touch: None,
+        air: None,
         order: None,
     }
 }
@@ -198,6 +199,7 @@ pub(super) fn chain(settings: &Settings) -> Result<Scene, BenchError> {
         steps: 300,
         pins: None,
         touch: None,
+        air: None,
         order: None,
     })
 }

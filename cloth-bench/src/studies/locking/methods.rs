@@ -79,6 +79,7 @@ pub(super) fn run(
         steps: MOST_STEPS,
         pins: None,
         touch: None,
+        air: None,
         order: None,
     };
     let edges = EdgeTable::build(&sheet.mesh).map_err(BenchError::failed)?;
