@@ -232,7 +232,7 @@ fn an_unstable_run_says_its_step_and_the_stable_one() {
 /// Without a font or the feature, plots as PNG are refused before anything is run; with both they are there.
 #[test]
 fn plots_as_png_are_written_or_refused_at_once() {
-    let out = std::path::PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("png");
+    let out = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("png");
     let _ = std::fs::remove_dir_all(&out);
     let arguments = ["study", "xpbd-floor", "--quick", "--png", "--out"];
     let arguments = [&arguments[..], &[out.to_str().unwrap()]].concat();
