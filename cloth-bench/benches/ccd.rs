@@ -1,10 +1,13 @@
 //! Nanoseconds per continuous collision query: each method on generated queries of exactly known answer. The throughput that
 //! criterion prints is queries per second. How often a method is wrong stands in its name, because a fast wrong answer is no answer.
 
+#[path = "support/limit.rs"]
+mod limit;
+
 use cloth_bench::ccd::{METHODS, generate};
 use cloth_collide::exact_queries::{ExactQueries, Family, Truth};
 use cloth_collide::{Query, QueryKind};
-use criterion::{Criterion, Throughput, criterion_group, criterion_main};
+use criterion::{Criterion, Throughput};
 use std::hint::black_box;
 
 const COUNT: usize = 2_000;
@@ -31,13 +34,11 @@ fn run(criterion: &mut Criterion, group: &str, queries: &[(Query, bool)]) {
             wrong(true),
             wrong(false)
         );
-        group.bench_function(name, |bencher| {
-            bencher.iter(|| {
-                queries
-                    .iter()
-                    .filter(|(query, _)| found(black_box(query)))
-                    .count()
-            });
+        limit::bench(&mut group, name, size_of_val(queries), || {
+            queries
+                .iter()
+                .filter(|(query, _)| found(black_box(query)))
+                .count()
         });
     }
 }
@@ -70,5 +71,6 @@ fn misses(criterion: &mut Criterion) {
     }
 }
 
-criterion_group!(ccd, mixed, misses);
-criterion_main!(ccd);
+fn main() {
+    limit::main(&[mixed, misses]);
+}

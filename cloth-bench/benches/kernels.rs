@@ -1,107 +1,24 @@
-//! The inner loops, one by one: each line is a kernel on the hanging sheet of 128 × 128 vertices. The throughput
-//! that criterion prints is elements, blocks or nonzeros per second, so its inverse is the time of one.
+//! Linear algebra on the matrices of the hanging sheet, at three sizes: products, factorisations, solves, iterations.
+//!
+//! Elements have a bench of their own (`elements`), sweeps (`sweeps`), what projective dynamics does with its factor (`projective`).
 
-use cloth_bench::scene::{self, Scene};
-use cloth_bench::settings::Settings;
+#[path = "support/limit.rs"]
+mod limit;
+#[path = "support/sheet.rs"]
+mod sheet;
+
+use cloth_bench::scene::Scene;
 use cloth_core::block_matrix::BlockMatrix;
-use cloth_core::coloring::Colored;
 use cloth_core::element::{Convexity, Element};
 use cloth_core::energy::Spring;
-use cloth_core::family::Energies;
 use cloth_core::linear::{
-    BlockCholesky, Budget, Cholesky, LinearMethod, PanelFactor, UpperPattern,
+    BlockCholesky, Budget, Cholesky, LinearMethod, Minres, PanelFactor, UpperPattern,
 };
 use cloth_core::math::{Real, Vec3};
-use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use std::hint::black_box;
+use criterion::{Criterion, Throughput};
+use sheet::sheet;
 
-const SIDE: u32 = 128;
-
-fn sheet(side: u32) -> Scene {
-    scene::build("hang", None, &Settings::default().with("n", side)).expect("a scene")
-}
-
-/// Reading and writing memory: what every kernel is held against.
-fn bandwidth(criterion: &mut Criterion) {
-    let mut group = criterion.benchmark_group("bandwidth");
-    for (name, count) in [
-        ("triad in L2", 12_000),
-        ("triad in L3", 400_000),
-        ("triad in memory", 8_000_000),
-    ] {
-        let (b, c) = (vec![1.0; count], vec![2.0; count]);
-        let mut a: Vec<Real> = vec![0.0; count];
-        group.throughput(Throughput::Bytes(24 * count as u64));
-        group.bench_function(name, |bencher| {
-            bencher.iter(|| {
-                for ((a, b), c) in a.iter_mut().zip(&b).zip(&c) {
-                    *a = b + 3.0 * c;
-                }
-                black_box(&mut a);
-            });
-        });
-    }
-}
-
-/// One Gauss–Seidel sweep of distance projections, in vertex order and colour by colour.
-fn projections(criterion: &mut Criterion) {
-    let scene = sheet(SIDE);
-    let springs = &scene.model.springs;
-    let count = scene.start.positions.len();
-    let project = |spring: &Spring, (): &mut (), x: &mut [Vec3; 2]| {
-        let d = x[0] - x[1];
-        let length = d.norm();
-        let shift = d * (0.5 * (1.0 - spring.rest_length / length));
-        x[0] -= shift;
-        x[1] += shift;
-    };
-    let mut group = criterion.benchmark_group("distance projection");
-    group.throughput(Throughput::Elements(springs.len() as u64));
-    let mut none = vec![(); springs.len()];
-    for (name, order) in [
-        ("vertex order", Colored::in_input_order(springs, count)),
-        ("coloured", Colored::new(springs, count)),
-    ] {
-        let mut x = scene.start.positions.clone();
-        group.bench_function(name, |bencher| {
-            bencher.iter(|| order.sweep(&mut none, &mut x, project))
-        });
-    }
-}
-
-/// Energies, gradients and Hessians of springs and hinges.
-fn elements(criterion: &mut Criterion) {
-    let scene = sheet(SIDE);
-    let x = &scene.start.positions;
-    let families = [
-        (
-            "springs",
-            Energies::new(x.len()).with(scene.model.springs.clone()),
-            scene.model.springs.len(),
-        ),
-        (
-            "hinges",
-            Energies::new(x.len()).with(scene.model.hinges.clone()),
-            scene.model.hinges.len(),
-        ),
-    ];
-    for (name, energies, count) in families {
-        let mut energies = energies.expect("elements of the sheet");
-        let mut group = criterion.benchmark_group(name);
-        group.throughput(Throughput::Elements(count as u64));
-        group.bench_function("value", |bencher| {
-            bencher.iter(|| energies.value(black_box(x)))
-        });
-        let mut gradient = vec![Vec3::zeros(); x.len()];
-        group.bench_function("gradient", |bencher| {
-            bencher.iter(|| energies.add_gradient(black_box(x), &mut gradient))
-        });
-        let mut matrix = BlockMatrix::zeros(energies.bind_pattern());
-        group.bench_function("hessian into slots", |bencher| {
-            bencher.iter(|| energies.add_hessian(black_box(x), 1.0, Convexity::Clamp, &mut matrix));
-        });
-    }
-}
+const SIDES: [u32; 3] = [64, 128, 256];
 
 /// `M/Δt² + H` of a sheet at rest, Δt = 1/60 s.
 fn implicit_matrix(scene: &Scene) -> BlockMatrix {
@@ -112,41 +29,48 @@ fn implicit_matrix(scene: &Scene) -> BlockMatrix {
     matrix
 }
 
-/// The block matrix of a Newton iteration: product, factorisation, solve.
+/// The block matrix of a Newton iteration: product, factorisation, solve. A factorisation has to write the factor, a solve to read it twice.
 fn newton_matrix(criterion: &mut Criterion) {
-    let scene = sheet(SIDE);
-    let x = &scene.start.positions;
-    let matrix = implicit_matrix(&scene);
-    let mut y = vec![Vec3::zeros(); x.len()];
-    let mut group = criterion.benchmark_group("block matrix");
-    group.throughput(Throughput::Elements(matrix.pattern().block_count() as u64));
-    group.bench_function("product", |bencher| {
-        bencher.iter(|| matrix.multiply(black_box(x), &mut y))
-    });
-    let free = vec![true; x.len()];
-    let mut cholesky = BlockCholesky::analyze(matrix.pattern(), &free).expect("memory");
-    group.sample_size(10);
-    group.throughput(Throughput::Elements(cholesky.factor_len() as u64));
-    group.bench_function("factorise", |bencher| {
-        bencher.iter(|| cholesky.factorize(&matrix))
-    });
-    group.bench_function("solve", |bencher| {
-        bencher.iter(|| cholesky.solve(x, &mut y))
-    });
-}
-
-/// One iteration of each linear solver, or one factorisation and solve: the same matrix.
-fn linear_solvers(criterion: &mut Criterion) {
-    for side in [128, 256] {
+    for side in SIDES {
         let scene = sheet(side);
         let x = &scene.start.positions;
         let matrix = implicit_matrix(&scene);
+        let (of_matrix, vector) = (bytes_of(&matrix), size_of_val(&x[..]));
+        let mut y = vec![Vec3::zeros(); x.len()];
+        let mut group = criterion.benchmark_group(format!("block matrix, {side} a side"));
+        group.throughput(Throughput::Elements(matrix.pattern().block_count() as u64));
+        limit::bench(&mut group, "product", of_matrix + 2 * vector, || {
+            matrix.multiply(x, &mut y);
+        });
+        let free = vec![true; x.len()];
+        let mut cholesky = BlockCholesky::analyze(matrix.pattern(), &free).expect("memory");
+        let factor = cholesky.factor_len() * size_of::<Real>();
+        group.sample_size(10);
+        group.throughput(Throughput::Elements(cholesky.factor_len() as u64));
+        limit::bench(&mut group, "factorise", of_matrix + factor, || {
+            cholesky.factorize(&matrix)
+        });
+        limit::bench(&mut group, "solve", 2 * factor + 2 * vector, || {
+            cholesky.solve(x, &mut y);
+        });
+    }
+}
+
+/// Bytes of the blocks of a matrix and of their columns.
+fn bytes_of(matrix: &BlockMatrix) -> usize {
+    size_of_val(matrix.blocks()) + size_of_val(matrix.pattern().columns())
+}
+
+/// Ten iterations of each iterative solver on the same matrix. Each iteration has to read the matrix.
+fn linear_solvers(criterion: &mut Criterion) {
+    for side in SIDES {
+        let scene = sheet(side);
+        let x = &scene.start.positions;
+        let matrix = implicit_matrix(&scene);
+        let bytes = ITERATIONS as usize * (bytes_of(&matrix) + 2 * size_of_val(&x[..]));
         let mut y = vec![Vec3::zeros(); x.len()];
         let mut group = criterion.benchmark_group(format!("linear solver, {side} a side"));
         group.sample_size(10);
-        group.bench_function("product", |bencher| {
-            bencher.iter(|| matrix.multiply(black_box(x), &mut y))
-        });
         let budget = Budget {
             tolerance: 0.0,
             max_iterations: ITERATIONS,
@@ -161,9 +85,7 @@ fn linear_solvers(criterion: &mut Criterion) {
             let mut solver = method.build(matrix.pattern(), &free).expect("memory");
             solver.prepare(&matrix).expect("a positive definite matrix");
             let name = format!("{}, {ITERATIONS} iterations", solver.name());
-            group.bench_function(name, |bencher| {
-                bencher.iter(|| solver.solve(&matrix, black_box(x), &mut y))
-            });
+            limit::bench(&mut group, name, bytes, || solver.solve(&matrix, x, &mut y));
         }
     }
 }
@@ -171,25 +93,51 @@ fn linear_solvers(criterion: &mut Criterion) {
 /// Iterations of an iterative solver in one measurement.
 const ITERATIONS: u32 = 10;
 
-/// The V × V matrix of projective dynamics: x, y and z at once, by the library's solve and by panels.
-fn global_solve(criterion: &mut Criterion) {
-    for side in [64, 128, 256] {
+/// A V × V matrix of springs, three right-hand sides at once: the factorisation, the library's solve, and that by panels. A solve has to read the factor twice.
+fn scalar_factor(criterion: &mut Criterion) {
+    for side in SIDES {
         let scene = sheet(side);
-        let count = scene.start.positions.len();
+        let b = &scene.start.positions;
+        let count = b.len();
         let mut cholesky = laplacian(&scene);
         cholesky.factorize().expect("a positive definite matrix");
         let mut panels = PanelFactor::new(cholesky.factor());
-        let mut group = criterion.benchmark_group(format!("three right-hand sides, {side} a side"));
+        let mut group = criterion.benchmark_group(format!("scalar factor, {side} a side"));
         group.throughput(Throughput::Elements(cholesky.factor_len() as u64));
+        let factor = cholesky.factor_len() * size_of::<Real>();
+        limit::bench(&mut group, "factorise", factor, || cholesky.factorize());
+        let bytes = 2 * factor + 2 * size_of_val(&b[..]);
         let mut columns: Vec<Real> = (0..3 * count).map(|i| (i as Real).sin()).collect();
-        group.bench_function("library", |bencher| {
-            bencher.iter(|| cholesky.solve_in_place(&mut columns))
+        limit::bench(&mut group, "solve, library", bytes, || {
+            cholesky.solve_in_place(&mut columns);
         });
-        let b = scene.start.positions;
         let mut solution = vec![Vec3::zeros(); count];
-        group.bench_function("panels", |bencher| {
-            bencher.iter(|| panels.solve(black_box(&b), &mut solution))
+        limit::bench(&mut group, "solve, panels", bytes, || {
+            panels.solve(b, &mut solution);
         });
+        let mut minres = Minres::new(count);
+        let mut y = vec![0.0; count];
+        let right: Vec<Real> = b.iter().map(|x| x.x).collect();
+        let springs = &scene.model.springs;
+        let bytes = ITERATIONS as usize * (size_of_val(&springs[..]) + 5 * size_of_val(&y[..]));
+        let name = format!("MINRES, {ITERATIONS} iterations");
+        limit::bench(&mut group, name, bytes, || {
+            y.fill(0.0);
+            let plain = |p: &[Real], out: &mut [Real]| out.copy_from_slice(p);
+            let apply = |p: &[Real], out: &mut [Real]| spring_product(springs, p, out);
+            minres.solve(apply, plain, &right, &mut y, 0.0, ITERATIONS)
+        });
+    }
+}
+
+/// `(1 + 20 L) p` without a matrix.
+fn spring_product(springs: &[Spring], p: &[Real], out: &mut [Real]) {
+    out.copy_from_slice(p);
+    for spring in springs {
+        let [a, b] = spring.vertices().map(|v| v as usize);
+        let pull = 20.0 * (p[a] - p[b]);
+        out[a] += pull;
+        out[b] -= pull;
     }
 }
 
@@ -220,13 +168,6 @@ fn laplacian(scene: &Scene) -> Cholesky {
     cholesky
 }
 
-criterion_group!(
-    benches,
-    bandwidth,
-    projections,
-    elements,
-    newton_matrix,
-    linear_solvers,
-    global_solve
-);
-criterion_main!(benches);
+fn main() {
+    limit::main(&[newton_matrix, linear_solvers, scalar_factor]);
+}

@@ -1,12 +1,15 @@
 //! What a vertex costs against an obstacle: one signed distance, one swept search, for every shape.
 
+#[path = "support/limit.rs"]
+mod limit;
+
 use cloth_collide::obstacle::{
     Capsule, ClosedMesh, Cuboid, HalfSpace, Obstacle, RigidMotion, SampledDistance, Sphere,
     VertexPath, first_contact,
 };
 use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::generate;
-use criterion::{Criterion, Throughput, criterion_group, criterion_main};
+use criterion::{Criterion, Throughput};
 use std::hint::black_box;
 
 fn obstacles() -> Vec<(&'static str, Obstacle)> {
@@ -53,11 +56,9 @@ fn distances(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("signed distance of 1000 points");
     group.throughput(Throughput::Elements(points.len() as u64));
     for (name, obstacle) in obstacles() {
-        group.bench_function(name, |bencher| {
-            bencher.iter(|| {
-                let value = |&x: &Vec3| obstacle.clearance(x, 0.01).value;
-                black_box(&points).iter().map(value).sum::<Real>()
-            });
+        limit::bench(&mut group, name, size_of_val(&points[..]), || {
+            let value = |&x: &Vec3| obstacle.clearance(x, 0.01).value;
+            black_box(&points).iter().map(value).sum::<Real>()
         });
     }
     group.finish();
@@ -69,18 +70,17 @@ fn sweeps(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("first contact of 1000 vertices, 5 m/s");
     group.throughput(Throughput::Elements(points.len() as u64));
     for (name, obstacle) in obstacles() {
-        group.bench_function(name, |bencher| {
-            bencher.iter(|| {
-                let hit = |&x: &Vec3| {
-                    let path = VertexPath::straight(x, x - Vec3::z() * (5.0 * dt), dt);
-                    first_contact(&obstacle, &path, 0.0, dt, 0.001).is_some()
-                };
-                black_box(&points).iter().filter(|x| hit(x)).count()
-            });
+        limit::bench(&mut group, name, size_of_val(&points[..]), || {
+            let hit = |&x: &Vec3| {
+                let path = VertexPath::straight(x, x - Vec3::z() * (5.0 * dt), dt);
+                first_contact(&obstacle, &path, 0.0, dt, 0.001).is_some()
+            };
+            black_box(&points).iter().filter(|x| hit(x)).count()
         });
     }
     group.finish();
 }
 
-criterion_group!(benches, distances, sweeps);
-criterion_main!(benches);
+fn main() {
+    limit::main(&[distances, sweeps]);
+}

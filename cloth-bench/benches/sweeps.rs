@@ -1,73 +1,25 @@
 //! Gauss–Seidel sweeps over the hanging sheet: time per element, on one thread and on two, beside the loop that one would write first; by size, by order
 //! of the vertices, by method and precision.
 
+#[path = "support/limit.rs"]
+mod limit;
+#[path = "support/sheet.rs"]
+mod sheet;
+
 use cloth_bench::method::Method;
-use cloth_bench::scene::{self, Scene};
 use cloth_bench::settings::Settings;
 use cloth_core::element::{Constraint, Element};
 use cloth_core::energy::Spring;
 use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::generate::{Diagonals, grid, irregular};
 use cloth_core::ordering::Order;
-use cloth_core::position_based::{Acceleration, Families, RowAt, RowEquation, Rule, Sweep};
 use cloth_core::random::SplitMix64;
 use cloth_core::step::StepInput;
 use cloth_core::topology::EdgeTable;
 use criterion::measurement::WallTime;
-use criterion::{BenchmarkGroup, Criterion, Throughput, criterion_group, criterion_main};
+use criterion::{BenchmarkGroup, Criterion, Throughput};
 use rayon::ThreadPoolBuilder;
-
-/// XPBD's rule, with substeps of 1 ms.
-#[derive(Debug)]
-struct Compliant;
-
-/// λ and α̃.
-#[derive(Clone, Copy, Debug, Default)]
-struct Multiplier {
-    total: Real,
-    softness: Real,
-}
-
-impl Rule for Compliant {
-    type Memory = Multiplier;
-    const ROWS_TOGETHER: bool = true;
-
-    fn prepare(&self, row: RowAt, memory: &mut Multiplier) {
-        memory.softness = 1e6 / row.stiffness;
-    }
-
-    #[inline(always)]
-    fn equation(&self, row: RowAt, memory: &mut Multiplier) -> RowEquation {
-        RowEquation {
-            residual: row.value + memory.softness * memory.total,
-            softness: memory.softness,
-        }
-    }
-
-    #[inline(always)]
-    fn remember(&self, change: Real, memory: &mut Multiplier) {
-        memory.total += change;
-    }
-}
-
-fn sheet(side: u32) -> Scene {
-    scene::build("hang", None, &Settings::default().with("n", side)).expect("a scene")
-}
-
-/// A sheet that is not at rest, so that no correction is zero.
-fn shaken(rest: &[Vec3]) -> Vec<Vec3> {
-    let noise = |i: usize| Vec3::from_fn(|axis, _| (1e3 * (i + 7 * axis) as Real).sin());
-    let size = 0.1 / (rest.len() as Real).sqrt();
-    let shaken = rest.iter().enumerate();
-    shaken.map(|(i, x)| x + noise(i) * size).collect()
-}
-
-fn families<const N: usize, E: Constraint<N>>(count: usize, elements: &[E]) -> Families<Compliant> {
-    let mut families = Families::new(count, Sweep::Colored, Acceleration::default())
-        .expect("settings in their ranges");
-    families.add(elements).expect("elements of the sheet");
-    families
-}
+use sheet::{Compliant, coloured, shaken, sheet, sweep_bytes};
 
 /// Springs in the order of their vertices over arrays of three numbers: the loop of a first program.
 fn first_loop(springs: &[Spring], lambda: &mut [Real], w: &[Real], x: &mut [[Real; 3]]) {
@@ -96,13 +48,14 @@ fn visit<const N: usize, E: Constraint<N>>(
 ) {
     let pool = ThreadPoolBuilder::new().num_threads(threads).build();
     let pool = pool.expect("threads");
-    let mut families = families(w.len(), elements);
+    let mut families = coloured(w.len(), elements);
     let mut x = start.to_vec();
     families.prepare(&Compliant, w, &x);
     group.throughput(Throughput::Elements(elements.len() as u64));
-    group.bench_function(format!("{name}, {threads} threads"), |bencher| {
-        // Inside the pool: going in takes longer than a small sweep.
-        pool.install(|| bencher.iter(|| families.sweep(&Compliant, w, &mut x)));
+    let bytes = sweep_bytes(elements, w);
+    let name = format!("{name}, {threads} threads");
+    limit::bench_in(&pool, group, name, bytes, || {
+        families.sweep(&Compliant, w, &mut x);
     });
 }
 
@@ -120,8 +73,11 @@ fn grids(criterion: &mut Criterion) {
         let mut x: Vec<[Real; 3]> = start.iter().map(|&x| x.into()).collect();
         let mut lambda = vec![0.0; springs.len()];
         group.throughput(Throughput::Elements(springs.len() as u64));
-        group.bench_function("springs, in the order of their vertices", |bencher| {
-            bencher.iter(|| first_loop(&springs, &mut lambda, w, &mut x));
+        let numbers = size_of_val(&springs[..]) + 2 * size_of_val(&lambda[..]);
+        let bytes = numbers + 2 * size_of_val(&x[..]) + size_of_val(w);
+        let name = "springs, in the order of their vertices";
+        limit::bench(&mut group, name, bytes, || {
+            first_loop(&springs, &mut lambda, w, &mut x);
         });
         for threads in [1, 2] {
             visit(&mut group, "springs", threads, (w, &model.springs, &start));
@@ -205,17 +161,16 @@ fn methods(criterion: &mut Criterion) {
                 .expect("a solver");
             let mut state = scene.start.clone();
             let name = format!("{name} {}", settings.get("precision").unwrap_or("double"));
-            group.bench_function(name, |bencher| {
-                pool.install(|| {
-                    bencher.iter(|| {
-                        let input = StepInput::new(1.0 / 60.0).gravity(Vec3::new(0.0, 0.0, -9.81));
-                        solver.step(&mut state, input)
-                    });
-                });
+            let w = scene.model.particles.inverse_mass();
+            let bytes = SWEEPS as usize * sweep_bytes(&scene.model.springs, w);
+            limit::bench_in(&pool, &mut group, name, bytes, || {
+                let input = StepInput::new(1.0 / 60.0).gravity(Vec3::new(0.0, 0.0, -9.81));
+                solver.step(&mut state, input)
             });
         }
     }
 }
 
-criterion_group!(benches, grids, files, methods);
-criterion_main!(benches);
+fn main() {
+    limit::main(&[grids, files, methods]);
+}

@@ -18,6 +18,9 @@ use std::path::{Path, PathBuf};
 /// Name of the file in the folder of a report.
 pub const FILE_NAME: &str = "journal.jsonl";
 
+/// The fact that names the scene file.
+pub const SCENE: &str = "scene";
+
 /// Facts that may differ between the parts of a journal: they say which machine, not which code.
 const OF_THE_MACHINE: [&str; 5] = ["processor", "logical cores", "threads", "system", "shard"];
 
@@ -33,6 +36,13 @@ pub struct Heading {
 }
 
 impl Heading {
+    /// The scene file that the studies are asked of, if it is one of the user's own.
+    #[must_use]
+    pub fn scene(&self) -> Option<&str> {
+        let fact = self.facts.iter().find(|(name, _)| name == SCENE);
+        fact.map(|(_, path)| path.as_str())
+    }
+
     /// The first fact in which results of the other would not belong here, but for the date and those called `besides`.
     fn differs(&self, other: &Self, besides: &[&str]) -> Option<String> {
         if self.quick != other.quick {

@@ -6,6 +6,7 @@ pub mod error;
 pub mod export;
 pub mod journal;
 pub mod laws;
+pub mod memory;
 pub mod mesh_spec;
 pub mod method;
 pub mod names;

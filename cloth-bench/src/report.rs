@@ -1,6 +1,7 @@
 //! What a study leaves behind: plots, tables and pictures, collected in one page.
 //!
 //! - [`plot`]: curves over linear or logarithmic axes, as SVG
+//! - [`png`]: the same as PNG, if that was built in
 //! - [`table`]: numbers, as CSV for programs and HTML for people
 //! - [`arrow`]: all numbers of all tables in one Arrow file
 //! - [`render`]: triangle meshes, as PNG
@@ -18,6 +19,7 @@ mod layout;
 pub mod palette;
 pub mod player;
 pub mod plot;
+pub mod png;
 pub mod render;
 pub mod scale;
 pub mod table;

@@ -3,6 +3,7 @@
 use crate::error::BenchError;
 use crate::scene::{Scene, Touch};
 use cloth_collide::SeparationProbe;
+use cloth_core::air::Air;
 use cloth_core::contact::{ContactError, ContactSource, ContactStep};
 use cloth_core::math::{Real, Vec3};
 use cloth_core::measure;
@@ -119,6 +120,7 @@ fn min_clearance(scene: &Scene, state: &State) -> Option<Real> {
 struct Course<'a> {
     scene: &'a Scene,
     contacts: Option<Timed>,
+    air: Option<Air>,
 }
 
 /// Contact, and how long it took.
@@ -149,7 +151,12 @@ impl<'a> Course<'a> {
             seconds: 0.0,
         };
         let contacts = scene.contacts()?.map(timed);
-        Ok(Self { scene, contacts })
+        let air = scene.air.clone();
+        Ok(Self {
+            scene,
+            contacts,
+            air,
+        })
     }
 
     /// One step of `dt` (s), in as many parts as contact asks for. The report counts those of all parts, and ends as the last one did.
@@ -188,6 +195,9 @@ impl<'a> Course<'a> {
             pins.steer(state, dt);
         }
         let mut input = StepInput::new(dt).gravity(self.scene.gravity);
+        if let Some(air) = &mut self.air {
+            input = input.load(air.load(state, dt));
+        }
         if let Some(contacts) = &mut self.contacts {
             input = input.contacts(contacts);
         }

@@ -12,6 +12,7 @@ pub use contact::Touch;
 
 use crate::error::BenchError;
 use crate::settings::{Parameter, parameter};
+use cloth_core::air::Air;
 use cloth_core::cloth::ClothModel;
 use cloth_core::contact::ContactSource;
 use cloth_core::energy::Spring;
@@ -44,6 +45,8 @@ pub struct Scene {
     pub pins: Option<Arc<Pins>>,
     /// What the cloth can touch; nothing unless the scene says so.
     pub touch: Option<Touch>,
+    /// The air around it; without it no code for air runs.
+    pub air: Option<Air>,
     /// Which vertex of the caller's mesh each vertex is, where vertices were renumbered.
     pub order: Option<cloth_core::ordering::Order>,
 }
@@ -70,6 +73,12 @@ impl Scene {
     #[must_use]
     pub fn touches(&self) -> bool {
         self.touch.as_ref().is_some_and(|touch| !touch.is_idle())
+    }
+
+    /// Whether a step is nothing but the elastic one: nothing to touch, no air, pins at rest.
+    #[must_use]
+    pub fn is_plain(&self) -> bool {
+        self.pins.is_none() && self.air.is_none() && !self.touches()
     }
 
     /// Surfaces of the obstacles, for pictures: their vertices (m) at a time (s), and their triangles.

@@ -12,6 +12,8 @@ mod newton;
 mod projective;
 mod recovery;
 mod sag;
+mod scale;
+mod sheets;
 mod skip;
 mod stability;
 mod stiffness;
@@ -30,6 +32,7 @@ use crate::report::html::Section;
 use crate::report::plot::Plot;
 use crate::report::table::Table;
 use serde::{Deserialize, Serialize};
+use std::path::PathBuf;
 
 /// A question with the means to answer it.
 #[derive(Clone, Copy, Debug)]
@@ -46,6 +49,14 @@ pub struct Study {
 
 /// Measures case by case, and judges.
 type Run = fn(Scope, &mut Cases<'_>) -> Result<Findings, BenchError>;
+
+/// Whether a scene file serves for the studies that take one.
+///
+/// # Errors
+/// [`BenchError::Usage`] with what is wrong with it.
+pub fn check_scene(path: &std::path::Path) -> Result<(), BenchError> {
+    sheets::TestSheet::own(path).map(|_| ())
+}
 
 /// How much of a study to run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -122,7 +133,7 @@ impl Findings {
 }
 
 /// Every study.
-pub const STUDIES: [&Study; 17] = [
+pub const STUDIES: [&Study; 18] = [
     &convergence::STUDY,
     &work_precision::STUDY,
     &stiffness::STUDY,
@@ -139,6 +150,7 @@ pub const STUDIES: [&Study; 17] = [
     &recovery::STUDY,
     &independence::STUDY,
     &threads::STUDY,
+    &scale::STUDY,
     &skip::STUDY,
 ];
 
@@ -158,10 +170,21 @@ impl Study {
             })
     }
 
-    /// Number of its cases.
+    /// Number of its cases, with the scenes of the program or with one of one's own.
     #[must_use]
-    pub fn cases(&self, scope: Scope) -> u64 {
-        (self.cases)(scope)
+    pub fn cases(&self, scope: Scope, of_own_scene: bool) -> u64 {
+        match self.name {
+            name if of_own_scene && name == convergence::STUDY.name => {
+                convergence::cases_of_own(scope)
+            }
+            _ => (self.cases)(scope),
+        }
+    }
+
+    /// Whether it can be asked of a scene of one's own.
+    #[must_use]
+    pub fn takes_a_scene(&self) -> bool {
+        [convergence::STUDY.name, work_precision::STUDY.name].contains(&self.name)
     }
 
     /// Runs the cases that are not in the journal and that `share` leaves to this run, and draws the conclusions. `progress` is called before each case with its name.
@@ -176,7 +199,9 @@ impl Study {
         share: Share,
         progress: &mut dyn FnMut(&str),
     ) -> Result<(Findings, Vec<String>), BenchError> {
-        let mut cases = Cases::new(self.name, journal, share, progress);
+        let own = journal.heading().scene().map(str::to_owned);
+        let own = own.map(PathBuf::from);
+        let mut cases = Cases::new(self.name, journal, share, progress, own.clone());
         let outcome = (self.run)(scope, &mut cases);
         let missing = cases.left_out().to_vec();
         // A journal that cannot be written has made the cases fail.
@@ -194,8 +219,9 @@ impl Study {
             ""
         };
         section.command = format!(
-            "cargo run --release -p cloth-bench -- study {}{quick}",
-            self.name
+            "cargo run --release -p cloth-bench -- study {}{quick}{}",
+            self.name,
+            own.map_or(String::new(), |path| format!(" --scene {}", path.display()))
         );
         section.notes.push(self.about.to_owned());
         Ok((findings, missing))

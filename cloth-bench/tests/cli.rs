@@ -229,6 +229,32 @@ fn an_unstable_run_says_its_step_and_the_stable_one() {
     );
 }
 
+/// Without a font or the feature, plots as PNG are refused before anything is run; with both they are there.
+#[test]
+fn plots_as_png_are_written_or_refused_at_once() {
+    let out = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("png");
+    let _ = std::fs::remove_dir_all(&out);
+    let arguments = ["study", "xpbd-floor", "--quick", "--png", "--out"];
+    let arguments = [&arguments[..], &[out.to_str().unwrap()]].concat();
+    if cfg!(feature = "plots-as-png") {
+        assert!(program(&arguments).status.success());
+        let plots = std::fs::read_dir(out.join("plots")).unwrap();
+        let (mut svg, mut png) = (0, 0);
+        for plot in plots {
+            let path = plot.unwrap().path();
+            svg += u32::from(path.extension().is_some_and(|e| e == "svg"));
+            if path.extension().is_some_and(|e| e == "png") {
+                png += 1;
+                assert!(std::fs::read(path).unwrap().starts_with(b"\x89PNG\r\n"));
+            }
+        }
+        assert!(svg > 0 && svg == png, "{svg} {png}");
+    } else {
+        refused(&arguments, 2, &["--features plots-as-png"]);
+        assert!(!out.exists(), "something was run");
+    }
+}
+
 #[test]
 fn a_run_tells_in_json_what_it_did() {
     for method in ["symplectic-euler", "implicit-euler", "pbd", "xpbd", "pd"] {

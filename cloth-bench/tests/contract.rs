@@ -1,5 +1,7 @@
 //! Claims that hold for every method.
 
+#[path = "contract/air.rs"]
+mod air;
 #[path = "contract/carriers.rs"]
 mod carriers;
 #[path = "contract/common.rs"]

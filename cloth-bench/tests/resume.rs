@@ -62,7 +62,14 @@ fn a_killed_run_is_taken_up_where_it_was() {
         {
             std::thread::sleep(Duration::from_millis(2));
         }
-        child.kill().unwrap();
+        // Once as a scheduler does it, without a chance to react the other times.
+        if round == 2 {
+            let id = child.id().to_string();
+            let told = Command::new("kill").args(["-TERM", &id]).status();
+            assert!(told.unwrap().success());
+        } else {
+            child.kill().unwrap();
+        }
         child.wait().unwrap();
         let now = journal(&broken);
         assert!(now.len() > kept.len() && now.starts_with(&kept));
@@ -81,6 +88,99 @@ fn a_killed_run_is_taken_up_where_it_was() {
     let report = read(&broken, "report.html");
     run(&["study", STUDY, "--quick", "--resume"], &broken);
     assert_eq!(read(&broken, "report.html"), report);
+}
+
+/// What the program says on standard error, and its exit code.
+fn refused(mut command: Command) -> (String, Option<i32>) {
+    let output = command.stderr(Stdio::piped()).output().unwrap();
+    let told = String::from_utf8_lossy(&output.stderr).into_owned();
+    (told, output.status.code())
+}
+
+/// A file that must not grow any more stands for a disk that is full in the middle of the run, `/dev/full` for one that is full at its end.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_disk_is_said_and_what_is_finished_is_kept() {
+    let study = ["study", STUDY, "--quick"];
+    let resumed = ["study", STUDY, "--quick", "--resume"];
+    let (whole, out) = (folder("with-room"), folder("full"));
+    run(&study, &whole);
+    // Room for 2 kB, which is less than the journal takes; the signal that comes with the error is not for programs that handle it.
+    let mut command = Command::new("sh");
+    let limited = "trap '' XFSZ; ulimit -f 4; exec \"$@\"";
+    command.args(["-c", limited, "sh", env!("CARGO_BIN_EXE_cloth-bench")]);
+    command.args(study).arg("--out").arg(&out);
+    let (told, code) = refused(command);
+    assert_eq!(code, Some(1), "{told}");
+    assert!(told.contains("journal.jsonl: File too large"), "{told}");
+    let kept = journal(&out);
+    assert!(kept.len() > 2 && kept.len() < journal(&whole).len());
+    // Room again, but none for the report: every case is finished and stays so.
+    let report = out.join("report.html");
+    std::os::unix::fs::symlink("/dev/full", &report).unwrap();
+    let (told, code) = refused(program(&resumed, &out));
+    assert_eq!(code, Some(1), "{told}");
+    assert!(told.contains("report.html: No space left"), "{told}");
+    let all = journal(&out);
+    assert!(all.starts_with(&kept) && cases(&out) == cases(&whole));
+    std::fs::remove_file(&report).unwrap();
+    run(&resumed, &out);
+    assert_eq!(journal(&out), all, "a finished case was run again");
+    let table = "data/xpbd-floor.csv";
+    assert_eq!(read(&out, table), read(&whole, table));
+}
+
+#[test]
+fn studies_of_a_scene_of_ones_own() {
+    let out = folder("own-scene");
+    std::fs::create_dir_all(&out).unwrap();
+    let path = out.join("hammock.toml");
+    let text = "[[mesh]]\ngenerator = \"grid:7x9:alternating\"\n[cloth]\nstiffness = 3000\n[[pins]]\nselect = \"corners\"\n";
+    std::fs::write(&path, text).unwrap();
+    let scene = path.to_str().unwrap();
+    let study = ["study", "convergence", "--quick", "--scene", scene];
+    run(&study, &out);
+    let table = read(&out, "data/convergence-defaults.csv");
+    let sizes: Vec<&str> = table
+        .lines()
+        .skip(1)
+        .filter_map(|line| line.split(',').next())
+        .collect();
+    assert!(
+        sizes.len() > 5 && sizes.iter().all(|size| *size == "hammock"),
+        "{table}"
+    );
+    let newton = table
+        .lines()
+        .find(|line| line.starts_with("hammock,implicit-euler,"))
+        .unwrap();
+    let error: f64 = newton.split(',').nth(4).unwrap().parse().unwrap();
+    assert!(error.abs() < 1e-8, "{newton}");
+    assert!(read(&out, "report.html").contains("study convergence --quick --scene "));
+    assert!(
+        out.join("plots/convergence-objective-time-hammock.svg")
+            .exists()
+    );
+    // Another text is another scene: its cases do not belong to this run.
+    std::fs::write(&path, text.replace("3000", "4000")).unwrap();
+    let resumed = [&study[..], &["--resume"]].concat();
+    let (told, code) = refused(program(&resumed, &out));
+    assert!(
+        code == Some(1) && told.contains("contents of the scene"),
+        "{code:?} {told}"
+    );
+    // What cannot be compared is refused before anything is run.
+    std::fs::write(&path, format!("{text}[air]\n")).unwrap();
+    let (told, code) = refused(program(&study, &out));
+    assert!(
+        code == Some(2) && told.contains("contact, air or moving pins"),
+        "{code:?} {told}"
+    );
+    let (told, code) = refused(program(&["study", "sag", "--scene", scene], &out));
+    assert!(
+        code == Some(2) && told.contains("no meaning for study `sag`"),
+        "{code:?} {told}"
+    );
 }
 
 #[test]

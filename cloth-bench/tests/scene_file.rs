@@ -158,6 +158,23 @@ fn the_samples_run() {
 }
 
 #[test]
+fn the_flag_of_the_sample_blows_down_the_wind() {
+    let scene = file::build(&sample("flag.toml"), &Settings::default()).unwrap();
+    let state = after(&scene, "xpbd", 120);
+    let mesh = scene.mesh.as_ref().unwrap();
+    let farthest = |x: &[Vec3]| x.iter().map(|x| x.x).fold(0.0, f64::max);
+    let (before, now) = (farthest(mesh.positions()), farthest(&state.positions));
+    // It hangs without wind, and lies in it with.
+    assert!(before > 0.5 && now > 0.8 * before, "{before} {now}");
+    let calm = Scene {
+        air: None,
+        ..scene.clone()
+    };
+    let hanging = farthest(&after(&calm, "xpbd", 120).positions);
+    assert!(hanging < 0.8 * before, "{hanging}");
+}
+
+#[test]
 fn a_mesh_file_stands_beside_the_scene() {
     let mesh = cloth_core::mesh::generate::disk(4, 0.3).unwrap();
     let path = written(
@@ -321,6 +338,20 @@ fn every_mistake_names_its_line_and_key() {
         (
             "+[[obstacle]]\nshape = \"box\"\nsize = [1, -1, 1]\n",
             "line 5: ",
+        ),
+        (
+            "+[air]\ndensity = -1\n",
+            "line 4: the density of the air is -1, but it has to be a finite number, not below zero",
+        ),
+        ("+[air]\nlift = 1\ndrag = 0\n", "line 4: the lift is 1, but"),
+        ("+[air]\nwind = 3\n", "line 4: wind is `3`, a number"),
+        (
+            "+[air]\nwnd = 3\n",
+            "line 4: unknown key of [air] `wnd`: did you mean `wind`?",
+        ),
+        (
+            "[chain]\nn = 3\n[air]\n",
+            "line 3: [air]: has no meaning beside [chain]",
         ),
         (
             "+[chain]\nn = 3\n",

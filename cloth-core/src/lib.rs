@@ -29,6 +29,7 @@
 //! | `E = ½ k ‖x − p‖²`, S1 (29) | [`energy::Attachment`] |
 //! | `x̃`, S1 (9); `G`, `∇G`, S1 (10) | [`measure::predict`], [`measure::IncrementalPotential`] |
 //! | `M`, S1 (13) | [`particles::Particles`] |
+//! | drag and lift of the air, MS-5 | [`air::Air`] |
 //! | `E = ½ Σ k C²` from constraint rows, S1 (21), (22) | [`element::Constraint`] |
 //! | `E = ½ w ‖G x − p‖²`, S1 (27) | [`element::Projective`] |
 //! | `3V − E = 3χ + E_b`, S1 (19), (20) | [`topology::Topology`]; the rank: `dof::EdgeRank` |
@@ -106,6 +107,8 @@ pub mod dof;
 
 pub mod contact;
 pub mod step;
+
+pub mod air;
 
 pub mod position_based;
 

@@ -218,7 +218,7 @@ impl Spheres {
         for lane in 0..BLOCK {
             let squared =
                 z[0][lane] * z[0][lane] + z[1][lane] * z[1][lane] + z[2][lane] * z[2][lane];
-            lost |= u64::from(!(squared >= Real::MIN_POSITIVE && squared < Real::INFINITY));
+            lost |= u64::from(!(Real::MIN_POSITIVE..Real::INFINITY).contains(&squared));
             self.squared[lane] = squared;
         }
         lost == 0

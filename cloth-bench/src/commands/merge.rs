@@ -18,6 +18,7 @@ pub struct Arguments {
 }
 
 pub(super) fn execute(arguments: &Arguments) -> Result<(), BenchError> {
+    arguments.output.check()?;
     let journal = Journal::merge(&arguments.output.out, &arguments.parts)?;
     let names = journal.heading().studies.clone();
     let studies = names

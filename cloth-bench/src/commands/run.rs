@@ -3,6 +3,7 @@
 use super::{print_pairs, write_file};
 use crate::error::BenchError;
 use crate::export::{Export, Format};
+use crate::memory;
 use crate::method::Method;
 use crate::report::render::{Surface, View, render};
 use crate::run::{SeparationWatch, run};
@@ -15,6 +16,7 @@ use cloth_core::step::Stepper;
 use indicatif::ProgressBar;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
+use std::time::Instant;
 
 /// Arguments of `run`.
 #[derive(Debug, Args)]
@@ -109,9 +111,9 @@ pub(super) fn execute(arguments: &Arguments) -> Result<(), BenchError> {
             ))
         })?;
     }
-    if arguments.reference && (scene.pins.is_some() || scene.contacts()?.is_some()) {
+    if arguments.reference && !scene.is_plain() {
         return Err(BenchError::Usage(
-            "--reference compares with a step without contact and with pins at rest; this scene has other steps".into(),
+            "--reference compares with a step without contact and air and with pins at rest; this scene has other steps".into(),
         ));
     }
     if arguments.reference && !method.aims_at_implicit_euler() {
@@ -144,7 +146,10 @@ fn simulate(
     dt: Real,
     steps: u32,
 ) -> Result<(), BenchError> {
+    let begun = Instant::now();
     let mut stepper = method.build(scene, settings, dt)?;
+    let setup_ms = 1e3 * begun.elapsed().as_secs_f64();
+    let mut peak_memory = None;
     let mut export = match &arguments.export {
         Some(folder) => Some(Export::begin(
             scene,
@@ -165,6 +170,10 @@ fn simulate(
         steps,
         |step, state, _| {
             bar.inc(1);
+            if step == steps {
+                // Before what is only measured afterwards takes memory too.
+                peak_memory = memory::peak();
+            }
             if let Some(watch) = &mut watch {
                 watch.look(state)?;
             }
@@ -203,6 +212,8 @@ fn simulate(
         ("steps", json!(summary.steps)),
         ("dt", json!(dt)),
         ("threads", json!(rayon::current_num_threads())),
+        ("setup_ms", json!(setup_ms)),
+        ("peak_memory", json!(peak_memory)),
         ("ms_per_step_median", json!(summary.ms_per_step_median)),
         ("contact_ms_median", json!(summary.contact_ms_median)),
         ("iterations", json!(summary.iterations)),

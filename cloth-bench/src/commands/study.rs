@@ -2,8 +2,9 @@
 
 use super::{print, write_file};
 use crate::error::BenchError;
-use crate::journal::{Heading, Journal, Shard};
+use crate::journal::{self, Heading, Journal, Shard};
 use crate::report::html::{Answer, Report};
+use crate::report::png::Rasterizer;
 use crate::report::{arrow, facts};
 use crate::studies::{Findings, STUDIES, Scope, Share, Study};
 use clap::Args;
@@ -16,6 +17,9 @@ use std::path::{Path, PathBuf};
 pub struct Arguments {
     /// The studies (see list); all of them if none is named
     names: Vec<String>,
+    /// A scene file of your own in the place of the hanging sheet: for `convergence` and `work-precision`
+    #[arg(long, value_name = "FILE")]
+    scene: Option<PathBuf>,
     /// Small sizes only
     #[arg(long)]
     quick: bool,
@@ -35,12 +39,25 @@ pub(super) struct Output {
     /// Folder for report.html, data, plots, manifest.json and the journal of finished cases
     #[arg(long, default_value = "cloth-report", value_name = "DIR")]
     pub(super) out: PathBuf,
+    /// The plots also as PNG; needs the feature plots-as-png
+    #[arg(long)]
+    png: bool,
     /// The tables on standard output too, besides the verdicts
     #[arg(long, conflicts_with = "json")]
     tables: bool,
     /// One JSON object on standard output instead of text
     #[arg(long)]
     json: bool,
+}
+
+impl Output {
+    /// Refuses what cannot be written, before anything is run.
+    ///
+    /// # Errors
+    /// [`BenchError::Usage`] for plots as PNG without the feature, or without a font.
+    pub(super) fn check(&self) -> Result<(), BenchError> {
+        self.png.then(Rasterizer::new).transpose().map(|_| ())
+    }
 }
 
 pub(super) fn execute(arguments: &Arguments) -> Result<(), BenchError> {
@@ -57,6 +74,10 @@ pub(super) fn execute(arguments: &Arguments) -> Result<(), BenchError> {
     if let Some(shard) = arguments.shard {
         facts.push(("shard".into(), shard.to_string()));
     }
+    if let Some(path) = &arguments.scene {
+        facts.extend(own_scene(path, &studies)?);
+    }
+    arguments.output.check()?;
     let heading = Heading {
         studies: studies.iter().map(|study| study.name.to_owned()).collect(),
         quick: arguments.quick,
@@ -72,6 +93,32 @@ pub(super) fn execute(arguments: &Arguments) -> Result<(), BenchError> {
     conclude(&arguments.output, &studies, journal, share)
 }
 
+/// The facts of a run on a scene file: its path, and what tells whether it is still the same when the run is taken up again.
+fn own_scene(path: &Path, studies: &[&Study]) -> Result<[(String, String); 2], BenchError> {
+    if let Some(other) = studies.iter().find(|study| !study.takes_a_scene()) {
+        let known: Vec<&str> = STUDIES
+            .iter()
+            .filter(|s| s.takes_a_scene())
+            .map(|s| s.name)
+            .collect();
+        return Err(BenchError::Usage(format!(
+            "--scene has no meaning for study `{}`; name studies that take one: {}",
+            other.name,
+            known.join(", ")
+        )));
+    }
+    crate::studies::check_scene(path)?;
+    let text = std::fs::read(path)
+        .map_err(|error| BenchError::Usage(format!("{}: {error}", path.display())))?;
+    // Fowler, Noll and Vo's hash: the same on every machine.
+    let mix = |hash: u64, byte: &u8| (hash ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3);
+    let hash = text.iter().fold(0xcbf2_9ce4_8422_2325, mix);
+    Ok([
+        (journal::SCENE.to_owned(), path.display().to_string()),
+        ("contents of the scene".to_owned(), format!("{hash:016x}")),
+    ])
+}
+
 /// Runs what is not in the journal and falls to this run; writes the report, if this run is all of it.
 pub(super) fn conclude(
     output: &Output,
@@ -84,7 +131,8 @@ pub(super) fn conclude(
     } else {
         Scope::Full
     };
-    let bar = progress_bar(studies.iter().map(|study| study.cases(scope)).sum());
+    let is_own = journal.heading().scene().is_some();
+    let bar = progress_bar(studies.iter().map(|study| study.cases(scope, is_own)).sum());
     let mut first = true;
     let mut progress = |case: &str| {
         if !std::mem::take(&mut first) {
@@ -125,7 +173,7 @@ pub(super) fn conclude(
         }
         _ => {}
     }
-    write_report(&output.out, &journal, &done, &failed)?;
+    write_report(output, &journal, &done, &failed)?;
     let names: Vec<&str> = done.iter().map(|(study, _)| study.name).collect();
     let failures: Vec<&str> = failed.iter().map(|(name, _)| *name).collect();
     if output.json {
@@ -189,11 +237,13 @@ fn progress_bar(cases: u64) -> ProgressBar {
 
 /// Everything in it comes from the journal.
 fn write_report(
-    out: &Path,
+    output: &Output,
     journal: &Journal,
     done: &[(&Study, Findings)],
     failed: &[(&str, BenchError)],
 ) -> Result<(), BenchError> {
+    let out = &output.out;
+    let rasterizer = output.png.then(Rasterizer::new).transpose()?;
     let seconds = journal.seconds();
     let mut facts = journal.heading().facts.clone();
     let scope = if journal.heading().quick {
@@ -221,6 +271,9 @@ fn write_report(
         }
         for (name, svg) in &findings.plots {
             keep(format!("plots/{name}.svg"), svg.as_bytes())?;
+            if let Some(rasterizer) = &rasterizer {
+                keep(format!("plots/{name}.png"), &rasterizer.png(svg)?)?;
+            }
         }
         let answer = |(question, answer): &(String, String)| Answer {
             question: question.clone(),

@@ -159,6 +159,7 @@ pub(super) fn of_mesh(
         steps: 300,
         pins: None,
         touch: None,
+        air: None,
         order: None,
     }
 }
@@ -203,6 +204,7 @@ pub(super) fn chain(settings: &Settings) -> Result<Scene, BenchError> {
         steps: 300,
         pins: None,
         touch: None,
+        air: None,
         order: None,
     })
 }

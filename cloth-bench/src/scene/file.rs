@@ -4,6 +4,7 @@
 //! file is said with its line and key, and an unknown key is answered with the nearest known one. Keys of `[cloth]` and `[contact]` are those of `--set`, which
 //! overrules the file.
 
+mod air;
 mod build;
 mod document;
 mod keys;

@@ -19,7 +19,7 @@ pub(super) const STUDY: Study = Study {
         Its triangles are three times as high along the strip as wide across it: then the folds are the generators of a cylinder, no edge without a hinge lies across, and Poisson's ratio, \
         which the pattern decides and which is −1/3 for equilateral triangles, makes up 0.15 % at most. The factors are energies per area of vertices on a surface of constant \
         curvature, over ½ k κ² (sphere: ½ k (2κ)²); 3 on a cylinder is what D = 3k means. Settled: on the alternating grid vertices with four and with eight neighbours may stand at different heights, \
-        as they do in equilibrium.",
+        as they do in equilibrium. Expect hinge models of the same D to hang alike; what surprises is the sphere, on which the factor is a third of that on a cylinder.",
     cases,
     run,
 };

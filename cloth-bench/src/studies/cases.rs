@@ -9,6 +9,7 @@ use crate::journal::{Journal, Shard};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use std::collections::HashSet;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 /// Which of the unfinished cases are run.
@@ -31,6 +32,7 @@ pub struct Cases<'a> {
     progress: &'a mut dyn FnMut(&str),
     named: HashSet<String>,
     left_out: Vec<String>,
+    own_scene: Option<PathBuf>,
 }
 
 impl<'a> Cases<'a> {
@@ -39,6 +41,7 @@ impl<'a> Cases<'a> {
         journal: &'a mut Journal,
         share: Share,
         progress: &'a mut dyn FnMut(&str),
+        own_scene: Option<PathBuf>,
     ) -> Self {
         Self {
             study,
@@ -47,7 +50,13 @@ impl<'a> Cases<'a> {
             progress,
             named: HashSet::new(),
             left_out: Vec::new(),
+            own_scene,
         }
+    }
+
+    /// The scene file that the run was started with.
+    pub(super) fn own_scene(&self) -> Option<&Path> {
+        self.own_scene.as_deref()
     }
 
     /// The result of the case `name`: of `work`, now or when it was finished. A case that falls to another run has the default value.

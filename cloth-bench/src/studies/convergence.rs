@@ -1,6 +1,7 @@
 //! Error inside one implicit step, per iteration and per second, for every method (BENCH-1; VALIDATION 8.1).
 
 use super::cases::Late;
+use super::sheets::TestSheet;
 use super::{Cases, Findings, Scope, Study};
 use crate::error::BenchError;
 use crate::method::{self, Method};
@@ -9,7 +10,6 @@ use crate::report::plot::{Axis, Plot, Series};
 use crate::report::render::{Surface, View, render_row};
 use crate::report::table::{Cell, Table};
 use crate::run::{self, median};
-use crate::scene;
 use crate::settings::Settings;
 use crate::yardstick::{Sample, StepProblem};
 use cloth_core::math::{Real, Vec3};
@@ -24,7 +24,8 @@ pub(super) const STUDY: Study = Study {
         run each, measured after every iteration (the clock stands still while we measure). The second-order rules take another step and are compared over half a second only. A method that cuts the step into parts solves another problem, \
         whose solution is nearer to the motion in continuous time than implicit Euler's; its points are whole steps, one per number of parts. \
         XPBD with iterations stops at a floor: it is not a minimiser of G. PBD turns the spring constant into a projection that is right for one constraint \
-        alone: where springs share vertices it is far too soft, and more sweeps do not cure that; rigid projections take the edges to their rest lengths and never look at k.",
+        alone: where springs share vertices it is far too soft, and more sweeps do not cure that; rigid projections take the edges to their rest lengths and never look at k. \
+        With `--scene FILE` the same is asked of a scene of your own, without contact, air and moving pins.",
     cases,
     run,
 };
@@ -75,12 +76,21 @@ fn cut(scope: Scope) -> [(&'static str, Vec<u32>); 2] {
 }
 
 fn cases(scope: Scope) -> u64 {
+    count(scope, sizes(scope).len())
+}
+
+fn count(scope: Scope, sizes: usize) -> u64 {
     let compared = method::all()
         .filter(|method| method.aims_at_implicit_euler())
         .count();
     let parts: usize = cut(scope).iter().map(|(_, parts)| parts.len()).sum();
     let per_size = iterated(scope).len() + parts + compared;
-    (sizes(scope).len() * per_size + method::all().count()) as u64
+    (sizes * per_size + method::all().count()) as u64
+}
+
+/// The same with a scene of one's own in the place of all sizes.
+pub(super) fn cases_of_own(scope: Scope) -> u64 {
+    count(scope, 1)
 }
 
 fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
@@ -104,78 +114,88 @@ fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
         "remark",
     ]);
     let mut fastest = Vec::new();
-    for &n in sizes(scope) {
-        let scene = scene::build("hang", None, &Settings::default().with("n", n))?;
-        let mut problem = Late::new(|| StepProblem::after(&scene, 15, scene.dt));
+    let sheets = TestSheet::of_study(cases, sizes(scope))?;
+    for sheet in &sheets {
+        let TestSheet {
+            name, size, scene, ..
+        } = sheet;
+        let mut problem = Late::new(|| StepProblem::after(scene, 15, scene.dt));
         let mut curves = Curves::default();
         let mut reached: Vec<(String, Sample)> = Vec::new();
-        for (label, name, settings, most) in iterated(scope) {
-            let case = format!("{label} at {n} × {n}");
+        for (label, method, settings, most) in iterated(scope) {
+            let case = format!("{label} at {name}");
             let traced = cases.case(&case, || {
                 let problem = problem.get()?;
                 let settings = settings.with("iterations", most);
-                let mut solver = Method::find(name)?.build(&scene, &settings, scene.dt)?;
+                let mut solver = Method::find(method)?.build(scene, &settings, scene.dt)?;
                 // Once to warm up: memory, and what is factorised once.
                 problem.solve(&mut *solver)?;
                 Ok(thinned(problem.trace(&mut *solver)?))
             });
             let trace = findings.unless_failed(&case, traced).unwrap_or_default();
             for sample in &trace {
-                push_sample(&mut samples, n, label, "iterations", sample);
+                push_sample(&mut samples, size, label, "iterations", sample);
                 reached.push((label.to_owned(), *sample));
             }
             curves.add(label, &trace);
         }
-        for (name, parts) in cut(scope) {
+        for (method, parts) in cut(scope) {
             let mut trace = Vec::new();
             for substeps in parts {
-                let case = format!("{name} with {substeps} substeps at {n} × {n}");
+                let case = format!("{method} with {substeps} substeps at {name}");
                 let sample = cases.case(&case, || {
                     let settings = Settings::default()
                         .with("substeps", substeps)
                         .with("iterations", 1);
-                    let mut solver = Method::find(name)?.build(&scene, &settings, scene.dt)?;
+                    let mut solver = Method::find(method)?.build(scene, &settings, scene.dt)?;
                     repeated(problem.get()?, &mut *solver, 3)
                 });
                 trace.extend(findings.unless_failed(&case, sample));
             }
             for sample in &trace {
-                push_sample(&mut samples, n, name, "substeps", sample);
-                reached.push((format!("{name} by substeps"), *sample));
+                push_sample(&mut samples, size, method, "substeps", sample);
+                reached.push((format!("{method} by substeps"), *sample));
             }
-            curves.add(&format!("{name}, substeps"), &trace);
+            curves.add(&format!("{method}, substeps"), &trace);
         }
         for method in method::all().filter(|method| method.aims_at_implicit_euler()) {
-            let sample = cases.case(
-                &format!("{} at its default, {n} × {n}", method.name),
-                || {
-                    let mut solver = method.build(&scene, &Settings::default(), scene.dt)?;
-                    repeated(problem.get()?, &mut *solver, 5)
-                },
-            );
+            let case = format!("{} at its default, {name}", method.name);
+            let sample = cases.case(&case, || {
+                let mut solver = method.build(scene, &Settings::default(), scene.dt)?;
+                repeated(problem.get()?, &mut *solver, 5)
+            });
             if let Ok(sample) = &sample {
                 reached.push((method.name.to_owned(), *sample));
             }
-            defaults.push(default_row(n, method, sample));
+            defaults.push(default_row(size, method, sample));
         }
-        curves.draw(n, &mut findings);
-        fastest.push(format!("{n} × {n}: {}", fastest_to(&reached)));
+        curves.draw(sheet, &mut findings);
+        fastest.push(format!("{name}: {}", fastest_to(&reached)));
     }
     findings.answer(
         "Which method at which error and size?",
         format!(
-            "For one implicit Euler step of the hanging sheet, at {}.",
+            "For one implicit Euler step of {}, at {}.",
+            sheets[0].what(),
             fastest.join("; at ")
         ),
     );
-    findings.section.verdict = verdict(&defaults);
+    findings.section.verdict = sheets
+        .last()
+        .and_then(|largest| verdict(&defaults, largest));
     findings.table(
         "convergence-defaults",
-        "Every method at its default setting: one step of the hanging sheet",
+        &format!(
+            "Every method at its default setting: one step of {}",
+            sheets[0].what()
+        ),
         defaults,
     );
     findings.data("convergence", samples);
-    half_a_second(scope, &mut findings, cases)?;
+    let of_fall = sheets
+        .iter()
+        .rfind(|sheet| sheet.scene.start.positions.len() <= 64 * 64);
+    half_a_second(of_fall.unwrap_or(&sheets[0]), &mut findings, cases)?;
     Ok(findings)
 }
 
@@ -209,7 +229,7 @@ fn repeated(
     })
 }
 
-fn default_row(n: u32, method: &Method, outcome: Result<Sample, BenchError>) -> [Cell; 7] {
+fn default_row(size: &Cell, method: &Method, outcome: Result<Sample, BenchError>) -> [Cell; 7] {
     // A failure is counted, not dropped.
     let remark = outcome
         .as_ref()
@@ -217,7 +237,7 @@ fn default_row(n: u32, method: &Method, outcome: Result<Sample, BenchError>) -> 
         .map_or(String::new(), BenchError::to_string);
     let sample = outcome.ok();
     [
-        Cell::from(n as usize),
+        size.clone(),
         Cell::from(method.name),
         Cell::from(sample.map(|s| 1e3 * s.seconds)),
         Cell::from(sample.map(|s| s.iteration as usize)),
@@ -227,9 +247,9 @@ fn default_row(n: u32, method: &Method, outcome: Result<Sample, BenchError>) -> 
     ]
 }
 
-fn push_sample(table: &mut Table, n: u32, method: &str, setting: &str, sample: &Sample) {
+fn push_sample(table: &mut Table, size: &Cell, method: &str, setting: &str, sample: &Sample) {
     table.push([
-        Cell::from(n as usize),
+        size.clone(),
         Cell::from(method),
         Cell::from(setting),
         Cell::from(sample.iteration as usize),
@@ -272,7 +292,7 @@ impl Curves {
         self.0[3].push(Series::new(label, points(ms, |s| s.error.gradient)));
     }
 
-    fn draw(self, n: u32, findings: &mut Findings) {
+    fn draw(self, sheet: &TestSheet, findings: &mut Findings) {
         let kinds = [
             (
                 "objective-iterations",
@@ -301,9 +321,9 @@ impl Curves {
         ];
         for ((name, title, x, y), series) in kinds.into_iter().zip(self.0) {
             findings.plot(
-                &format!("convergence-{name}-{n}"),
+                &format!("convergence-{name}-{}", sheet.file),
                 &Plot {
-                    title: format!("{title}, {n} × {n} vertices"),
+                    title: format!("{title}, {}", sheet.which()),
                     x: Axis::log(x),
                     y: Axis::log(&format!("{y} (dimensionless)")),
                     series,
@@ -315,7 +335,7 @@ impl Curves {
 }
 
 /// What the table of defaults says in words, at the largest size.
-fn verdict(defaults: &Table) -> Option<String> {
+fn verdict(defaults: &Table, sheet: &TestSheet) -> Option<String> {
     let last = defaults.rows.last()?.first()?.clone();
     let mut parts = Vec::new();
     for row in defaults
@@ -338,12 +358,15 @@ fn verdict(defaults: &Table) -> Option<String> {
             _ => {}
         }
     }
-    let Cell::Int(n) = last else { return None };
     Some(format!(
-        "At the default settings one step of the {n} × {n} sheet takes {}.",
+        "At the default settings one step of {} takes {}.",
+        sheet.which(),
         parts.join("; ")
     ))
 }
+
+/// Steps that take half a second with those of the hanging sheet.
+const HALF_A_SECOND: u32 = 30;
 
 /// A sheet after its fall.
 #[derive(Default, Serialize, Deserialize)]
@@ -355,12 +378,12 @@ struct Fallen {
 
 /// Every method on the same sheet from the same start, looked at after half a second.
 fn half_a_second(
-    scope: Scope,
+    sheet: &TestSheet,
     findings: &mut Findings,
     cases: &mut Cases<'_>,
 ) -> Result<(), BenchError> {
-    let n = sizes(scope)[sizes(scope).len() - 1].min(64);
-    let scene = scene::build("hang", None, &Settings::default().with("n", n))?;
+    let scene = &sheet.scene;
+    let (which, duration) = (sheet.which(), Real::from(HALF_A_SECOND) * scene.dt);
     let mut table = Table::new(&[
         "method",
         "ms per step",
@@ -374,11 +397,16 @@ fn half_a_second(
     let mut falls: Vec<(&str, Real, Real, Real)> = Vec::new();
     for method in method::all() {
         let done = cases.case(&format!("{} for half a second", method.name), || {
-            let mut solver = method.build(&scene, &Settings::default(), scene.dt)?;
+            let mut solver = method.build(scene, &Settings::default(), scene.dt)?;
             let mut state = scene.start.clone();
-            let summary = run::run(&scene, &mut *solver, &mut state, scene.dt, 30, |_, _, _| {
-                Ok(())
-            })?;
+            let summary = run::run(
+                scene,
+                &mut *solver,
+                &mut state,
+                scene.dt,
+                HALF_A_SECOND,
+                |_, _, _| Ok(()),
+            )?;
             let positions = state.positions.into_iter().map(Into::into).collect();
             Ok(Fallen { summary, positions })
         });
@@ -426,12 +454,12 @@ fn half_a_second(
         findings.answer(
             "PBD or XPBD?",
             format!(
-                "Both at their default of 20 sweeps, the {n} × {n} sheet falls in half a second: {pbd}, {xpbd}; converged, {exact}. PBD's stiffness is not the one asked for (see the study of stiffness), XPBD's is as soon as the sweeps suffice."
+                "Both at their default of 20 sweeps, {which} falls in {duration:.2} s: {pbd}, {xpbd}; converged, {exact}. PBD's stiffness is not the one asked for (see the study of stiffness), XPBD's is as soon as the sweeps suffice."
             ),
         );
     }
     let caption = format!(
-        "The {n} × {n} sheet after 0.5 s (30 steps), starting horizontal: stretch alone misleads, so the fall stands beside it"
+        "After {duration:.2} s ({HALF_A_SECOND} steps) of {which}: stretch alone misleads, so the fall stands beside it"
     );
     findings.table("hang-half-a-second", &caption, table);
     if let Some(mesh) = &scene.mesh {
@@ -443,7 +471,12 @@ fn half_a_second(
             .unwrap_or_default();
         let high = everything.reduce(|a, b| a.sup(&b)).unwrap_or_default();
         for row in sheets.chunks(4) {
-            let picture = picture(row, mesh.triangles(), n, [low, high])?;
+            let picture = picture(
+                row,
+                mesh.triangles(),
+                &format!("{which} after {duration:.2} s"),
+                [low, high],
+            )?;
             findings.section.pictures.push(picture);
         }
     }
@@ -453,7 +486,7 @@ fn half_a_second(
 fn picture(
     sheets: &[(&str, Vec<Vec3>)],
     triangles: &[[u32; 3]],
-    n: u32,
+    when: &str,
     bounds: [Vec3; 2],
 ) -> Result<Picture, BenchError> {
     let surfaces: Vec<[Surface<'_>; 1]> = sheets
@@ -471,9 +504,6 @@ fn picture(
     let names: Vec<&str> = sheets.iter().map(|(name, _)| *name).collect();
     Ok(Picture {
         png: render_row(&tiles, &view).map_err(BenchError::failed)?,
-        caption: format!(
-            "The {n} × {n} sheet after 0.5 s, from left to right: {}.",
-            names.join(", ")
-        ),
+        caption: format!("From left to right, {when}: {}.", names.join(", ")),
     })
 }

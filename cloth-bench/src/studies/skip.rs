@@ -18,7 +18,7 @@ use std::time::Instant;
 pub(super) const STUDY: Study = Study {
     name: "skip",
     question: "What does a feature cost where a scene does not use it?",
-    about: "Time: a step of the hanging sheet without the feature, with the feature there but not used (a bending rigidity of 0, a contact hook with nothing to touch, an observer that does nothing), and with it in use. The shortest of many steps, all three in turn; a \
+    about: "Expect a ratio of 1 for whatever is there but unused. Time: a step of the hanging sheet without the feature, with the feature there but not used (a bending rigidity of 0, a contact hook with nothing to touch, an observer that does nothing), and with it in use. The shortest of many steps, all three in turn; a \
         difference of a few per cent is noise. Contact in use is self-collision of a sheet that does not touch itself, resolved once a step. That nothing is allocated is not measured here but tested. \
         Dependencies: other crates that a crate of this workspace brings in, with all of its features and with the fewest; seconds are those of building it alone from nothing, its dependencies included.",
     cases,

@@ -133,6 +133,7 @@ fn one_constraint(points: &[(Real, u32, Real)]) -> Result<Vec<Vec<Number>>, Benc
         steps: 1,
         pins: None,
         touch: None,
+        air: None,
         order: None,
     };
     let measure = |(_, name, settings, _): (String, &str, Settings, Option<Real>)| {

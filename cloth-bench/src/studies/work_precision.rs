@@ -1,6 +1,7 @@
 //! What an error in the motion costs: run time against the distance from the trajectory in continuous time (BENCH-4; VALIDATION 8.2, 8.3).
 
 use super::cases::Late;
+use super::sheets::TestSheet;
 use super::{Cases, Findings, Scope, Study};
 use crate::error::BenchError;
 use crate::method::{self, Method};
@@ -8,7 +9,7 @@ use crate::report::player::{Film, Playback, Track};
 use crate::report::plot::{Axis, Plot, Series};
 use crate::report::table::{Cell, Table};
 use crate::run::{self, median};
-use crate::scene::{self, Scene};
+use crate::scene::Scene;
 use crate::settings::Settings;
 use cloth_core::math::{Real, Vec3};
 use serde::{Deserialize, Serialize};
@@ -20,7 +21,7 @@ pub(super) const STUDY: Study = Study {
     about: "The hanging sheet for three tenths of a second from rest, with steps of 1/30 s and finer, every method at its default setting, and some accelerations. The reference is symplectic Euler with two very small steps, extrapolated; \
         the error is ‖x(T) − x_ref(T)‖_M/(√Σm · 1 m). Times are of the whole fall, the median of three runs where these are short. Work is iterations: Newton iterations, sweeps, \
         local and global steps, or explicit substeps. Order is that of the line above it to this one. Expect first order from implicit Euler, a floor from methods that stop iterating before they have converged, \
-        and an explicit method that is exact as soon as it is stable: its steps are short. The error against the minimiser of one step is in the study `convergence`.",
+        and an explicit method that is exact as soon as it is stable: its steps are short. The error against the minimiser of one step is in the study `convergence`. With `--scene FILE` the same is asked of a scene of your own, without contact, air and moving pins.",
     cases,
     run,
 };
@@ -96,9 +97,10 @@ struct Outcome {
 
 fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
     let mut findings = Findings::default();
-    let n = side(scope);
-    let scene = scene::build("hang", None, &Settings::default().with("n", n))?;
-    let mut reference = Late::new(|| Reference::of(&scene));
+    let sheets = TestSheet::of_study(cases, &[side(scope)])?;
+    let sheet = &sheets[0];
+    let scene = &sheet.scene;
+    let mut reference = Late::new(|| Reference::of(scene));
     let doubt = cases.case("reference", || Ok(reference.get()?.doubt))?;
     let mut table = Table::new(&[
         "method",
@@ -118,7 +120,7 @@ fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
             let case = format!("{label}, 1/{rate} s");
             let outcome = cases.case(&case, || {
                 let method = Method::find(name)?;
-                fall(&scene, method, &settings, rate, reference.get()?)
+                fall(scene, method, &settings, rate, reference.get()?)
             });
             let remark = outcome
                 .as_ref()
@@ -150,7 +152,7 @@ fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
     }
     let [by_time, by_step] = series;
     let plot = |title: &str, x: &str, series| Plot {
-        title: format!("{title}, {n} × {n} vertices"),
+        title: format!("{title}, {}", sheet.which()),
         x: Axis::log(x),
         y: Axis::log("error (dimensionless)").within(1e-5, 1.0),
         series,
@@ -165,19 +167,19 @@ fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
     );
     findings.table(
         "work-precision",
-        "Three tenths of a second of the hanging sheet",
+        &format!("Three tenths of a second of {}", sheet.what()),
         table,
     );
     findings.section.notes.push(format!(
         "The reference is known to {doubt:.1e}: the distance between its two extrapolations."
     ));
-    findings.section.verdict = Some(verdict(n, &all));
-    play(scope, &scene, &mut findings, cases);
+    findings.section.verdict = Some(verdict(sheet, &all));
+    play(scope, sheet, &mut findings, cases);
     Ok(findings)
 }
 
 /// The fastest to each error, in words.
-fn verdict(n: u32, all: &[(String, u32, Outcome)]) -> String {
+fn verdict(sheet: &TestSheet, all: &[(String, u32, Outcome)]) -> String {
     let parts = WANTED.map(|wanted| {
         let mut good: Vec<_> = all.iter().filter(|(.., o)| o.error <= wanted).collect();
         good.sort_by(|(.., a), (.., b)| a.seconds.total_cmp(&b.seconds));
@@ -200,7 +202,8 @@ fn verdict(n: u32, all: &[(String, u32, Outcome)]) -> String {
         }
     });
     format!(
-        "In the first 0.3 s of the {n} × {n} sheet {}.",
+        "In the first 0.3 s of {} {}.",
+        sheet.which(),
         parts.join("; ")
     )
 }
@@ -281,7 +284,8 @@ fn fall(
 }
 
 /// Every method at its default setting, on film.
-fn play(scope: Scope, scene: &Scene, findings: &mut Findings, cases: &mut Cases<'_>) {
+fn play(scope: Scope, sheet: &TestSheet, findings: &mut Findings, cases: &mut Cases<'_>) {
+    let scene = &sheet.scene;
     let Some(mesh) = &scene.mesh else {
         return;
     };
@@ -317,8 +321,10 @@ fn play(scope: Scope, scene: &Scene, findings: &mut Findings, cases: &mut Cases<
     }
     findings.section.playbacks.push(Playback {
         caption: format!(
-            "The hanging sheet for {} s, every method at its default setting with steps of 1/60 s.",
-            shown(scope)
+            "{} for {} s, every method at its default setting with steps of {:.4} s.",
+            sheet.which(),
+            shown(scope),
+            scene.dt
         ),
         seconds_per_frame: 2.0 * scene.dt,
         tracks,

@@ -2,7 +2,7 @@
 
 use super::document::{Document, Section};
 use super::keys::{DT, GRAVITY, NAME, SECTIONS, STEPS, overrulable};
-use super::{mesh, obstacles, pins, start};
+use super::{air, mesh, obstacles, pins, start};
 use crate::error::BenchError;
 use crate::scene::contact::{CONTACT_STEPS, NO_SELF, Touch};
 use crate::scene::{RIGIDITY, STIFFNESS, Scene, build as built_in, cloth};
@@ -43,6 +43,7 @@ struct Sections<'a> {
     cloth: Section<'a>,
     pins: Vec<Section<'a>>,
     start: Section<'a>,
+    air: Section<'a>,
     obstacles: Vec<Section<'a>>,
     contact: Section<'a>,
     chain: Section<'a>,
@@ -50,7 +51,17 @@ struct Sections<'a> {
 
 impl<'a> Sections<'a> {
     fn find(document: Document<'a>, root: &'a DeTable<'a>) -> Result<Self, BenchError> {
-        let [top, meshes, cloth, pins, start, obstacles, contact, chain] = &SECTIONS;
+        let [
+            top,
+            meshes,
+            cloth,
+            pins,
+            start,
+            air,
+            obstacles,
+            contact,
+            chain,
+        ] = &SECTIONS;
         let names: Vec<&str> = SECTIONS[1..]
             .iter()
             .map(|info| info.head.trim_matches(['[', ']']))
@@ -84,6 +95,7 @@ impl<'a> Sections<'a> {
             cloth: one(cloth)?,
             pins: all(pins)?,
             start: one(start)?,
+            air: one(air)?,
             obstacles: all(obstacles)?,
             contact: one(contact)?,
             chain: one(chain)?,
@@ -122,7 +134,7 @@ impl<'a> Sections<'a> {
     }
 
     fn chain(&self, overruling: &Settings) -> Result<Scene, BenchError> {
-        let others = [&self.cloth, &self.start, &self.contact];
+        let others = [&self.cloth, &self.start, &self.air, &self.contact];
         let mut others = others
             .into_iter()
             .chain(&self.meshes)
@@ -191,6 +203,7 @@ impl<'a> Sections<'a> {
         let mut scene = Scene {
             order,
             touch: Some(touch),
+            air: air::around(&self.air, &settings, &mesh)?,
             pins: Some(Arc::new(ways)).filter(|ways| !ways.is_empty()),
             ..built_in::of_mesh("", &mesh, model, gravity)
         };

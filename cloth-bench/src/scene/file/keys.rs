@@ -118,6 +118,23 @@ pub(super) const WAVE: Parameter = parameter(
 pub(super) const WAVE_NUMBER: Parameter =
     parameter("wave_number", "[0, 0, 0]", "k of the wave (1/m)");
 
+pub(super) const AIR_DENSITY: Parameter = parameter(
+    "density",
+    "1.2",
+    "of the air (kg/m³), at least 0; 1.2 at sea level",
+);
+pub(super) const DRAG: Parameter = parameter(
+    "drag",
+    "1.2",
+    "coefficient C_D of the force along the flow, at least 0; a plate has about 1.2",
+);
+pub(super) const LIFT: Parameter = parameter(
+    "lift",
+    "0",
+    "coefficient C_L of the force across the flow, at least 0, and 0 without drag",
+);
+pub(super) const WIND: Parameter = parameter("wind", "[0, 0, 0]", "velocity of the wind (m/s)");
+
 /// Keys of `[cloth]`, which are those of `--set`.
 const CLOTH: &[Parameter] = &[
     DENSITY,
@@ -137,7 +154,7 @@ const CLOTH: &[Parameter] = &[
 ];
 
 /// Every table, in the order in which one would write them.
-pub const SECTIONS: [SectionInfo; 8] = [
+pub const SECTIONS: [SectionInfo; 9] = [
     SectionInfo {
         head: "",
         about: "before all tables",
@@ -162,6 +179,11 @@ pub const SECTIONS: [SectionInfo; 8] = [
         head: "[start]",
         about: "where the cloth starts, unless at rest",
         keys: &[START_VELOCITY, WAVE, WAVE_NUMBER],
+    },
+    SectionInfo {
+        head: "[air]",
+        about: "the air that brakes and blows; without this table there is none",
+        keys: &[AIR_DENSITY, DRAG, LIFT, WIND],
     },
     SectionInfo {
         head: "[[obstacle]]",

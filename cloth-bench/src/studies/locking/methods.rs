@@ -93,6 +93,7 @@ fn make(name: &str, iterations: u32, cells: usize) -> Result<Made, BenchError> {
         steps: MOST_STEPS,
         pins: None,
         touch: None,
+        air: None,
         order: None,
     };
     let settings = match iterations {

@@ -1,0 +1,72 @@
+//! The sheet of the benches, and the rule by which its constraints are swept. Each bench uses a part of it.
+
+#![allow(dead_code)]
+
+use cloth_bench::scene::{self, Scene};
+use cloth_bench::settings::Settings;
+use cloth_core::element::{Constraint, RowArray};
+use cloth_core::math::{Real, Vec3};
+use cloth_core::position_based::{Acceleration, Families, RowAt, RowEquation, Rule, Sweep};
+
+/// The hanging sheet of `side` × `side` vertices.
+pub(crate) fn sheet(side: u32) -> Scene {
+    scene::build("hang", None, &Settings::default().with("n", side)).expect("a scene")
+}
+
+/// A sheet that is not at rest, so that no correction is zero.
+pub(crate) fn shaken(rest: &[Vec3]) -> Vec<Vec3> {
+    let noise = |i: usize| Vec3::from_fn(|axis, _| (1e3 * (i + 7 * axis) as Real).sin());
+    let size = 0.1 / (rest.len() as Real).sqrt();
+    let shaken = rest.iter().enumerate();
+    shaken.map(|(i, x)| x + noise(i) * size).collect()
+}
+
+/// XPBD's rule, with substeps of 1 ms.
+#[derive(Debug)]
+pub(crate) struct Compliant;
+
+/// λ and α̃.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Multiplier {
+    total: Real,
+    softness: Real,
+}
+
+impl Rule for Compliant {
+    type Memory = Multiplier;
+    const ROWS_TOGETHER: bool = true;
+
+    fn prepare(&self, row: RowAt, memory: &mut Multiplier) {
+        memory.softness = 1e6 / row.stiffness;
+    }
+
+    #[inline(always)]
+    fn equation(&self, row: RowAt, memory: &mut Multiplier) -> RowEquation {
+        RowEquation {
+            residual: row.value + memory.softness * memory.total,
+            softness: memory.softness,
+        }
+    }
+
+    #[inline(always)]
+    fn remember(&self, change: Real, memory: &mut Multiplier) {
+        memory.total += change;
+    }
+}
+
+/// One family of constraints, colour by colour.
+pub(crate) fn coloured<const N: usize, E: Constraint<N>>(
+    vertex_count: usize,
+    elements: &[E],
+) -> Families<Compliant> {
+    let mut families = Families::new(vertex_count, Sweep::Colored, Acceleration::default())
+        .expect("settings in their ranges");
+    families.add(elements).expect("elements of the sheet");
+    families
+}
+
+/// Bytes that a sweep has to read (elements, multipliers, positions, inverse masses `w`) and to write (multipliers, positions).
+pub(crate) fn sweep_bytes<const N: usize, E: Constraint<N>>(elements: &[E], w: &[Real]) -> usize {
+    let multipliers = elements.len() * E::Rows::LEN * size_of::<Multiplier>();
+    size_of_val(elements) + 2 * multipliers + size_of_val(w) + 2 * size_of::<Vec3>() * w.len()
+}

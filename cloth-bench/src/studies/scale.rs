@@ -1,0 +1,237 @@
+//! How large a cloth each method can simulate on this machine, and what a step of it costs.
+
+use super::{Cases, Findings, Scope, Study};
+use crate::error::BenchError;
+use crate::memory;
+use crate::method;
+use crate::report::plot::{Axis, Plot, Series, Style};
+use crate::report::table::{Cell, Table};
+use cloth_core::math::Real;
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+use std::io::Read;
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+pub(super) const STUDY: Study = Study {
+    name: "scale",
+    question: "How large a cloth does each method simulate on this machine, and what does a step of it cost in time and memory?",
+    about: "The hanging sheet at default settings, larger and larger, three steps from rest and the count of crossings at their end, each size in a process of its own: so the memory is that of this cloth alone, and one that is too large takes nothing else along. A method goes on to the next size until a run takes longer than its \
+        budget of time, or until four times the memory of the last size would not leave a fifth of what the machine has free. Time of a step is the median of the three, setup is everything before the first step that belongs to the method; memory is the peak of \
+        the process, program and mesh included. The line through the plot is a time proportional to the vertices. Expect sweeps and projections to follow it; factorisations grow faster in time and memory, and explicit steps grow with the power 1.5 because \
+        a finer sheet needs shorter ones. How good these steps are is another question: see `convergence` and `independence`.",
+    cases,
+    run,
+};
+
+/// Vertices a side.
+fn sides(scope: Scope) -> &'static [u32] {
+    match scope {
+        Scope::Quick => &[16, 48],
+        Scope::Full => &[64, 128, 256, 512, 1000],
+    }
+}
+
+/// Time that one size may take.
+fn budget(scope: Scope) -> Duration {
+    match scope {
+        Scope::Quick => Duration::from_secs(10),
+        Scope::Full => Duration::from_secs(90),
+    }
+}
+
+const STEPS: u32 = 3;
+/// No step of forward Euler is stable.
+const WITHOUT: &str = "explicit-euler";
+
+fn methods() -> impl Iterator<Item = &'static method::Method> {
+    method::all().filter(|method| method.name != WITHOUT)
+}
+
+fn cases(_: Scope) -> u64 {
+    methods().count() as u64
+}
+
+/// One size that a method got through.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+struct Size {
+    side: u32,
+    ms_per_step: Real,
+    setup_ms: Real,
+    /// Bytes; not every system tells.
+    memory: Option<u64>,
+}
+
+/// How far a method came, and why not further.
+#[derive(Debug, Default, Serialize, Deserialize)]
+struct Reach {
+    sizes: Vec<Size>,
+    end: String,
+}
+
+fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
+    let mut findings = Findings::default();
+    let mut table = Table::new(&[
+        "method",
+        "vertices a side",
+        "vertices",
+        "ms per step",
+        "µs per vertex and step",
+        "setup (ms)",
+        "memory (MB)",
+        "memory per vertex (kB)",
+        "what ended it",
+    ]);
+    let mut series = Vec::new();
+    let mut parts = Vec::new();
+    let (mut least, mut most) = (Real::INFINITY, 0.0);
+    for method in methods() {
+        let reach = cases.parts(method.name, |progress| reach(scope, method.name, progress));
+        let Some(reach) = findings.unless_failed(method.name, reach) else {
+            continue;
+        };
+        let mut curve = Vec::new();
+        for (number, size) in reach.sizes.iter().enumerate() {
+            let vertices = Real::from(size.side).powi(2);
+            let is_last = number + 1 == reach.sizes.len();
+            let bytes = size.memory.map(|bytes| bytes as Real);
+            table.push([
+                Cell::from(method.name),
+                Cell::from(size.side as usize),
+                Cell::from(vertices as usize),
+                Cell::from(size.ms_per_step),
+                Cell::from(1e3 * size.ms_per_step / vertices),
+                Cell::from(size.setup_ms),
+                Cell::from(bytes.map(|bytes| bytes / 1e6)),
+                Cell::from(bytes.map(|bytes| bytes / 1e3 / vertices)),
+                Cell::from(if is_last { reach.end.as_str() } else { "" }),
+            ]);
+            curve.push((vertices, size.ms_per_step));
+            least = least.min(size.ms_per_step / vertices);
+            most = Real::max(most, vertices);
+        }
+        parts.push(match reach.sizes.last() {
+            Some(last) => {
+                let memory = last.memory.map_or(String::new(), |bytes| {
+                    format!(" and {:.2} GB", bytes as Real / 1e9)
+                });
+                let (side, ms) = (last.side, last.ms_per_step);
+                format!(
+                    "{} {side} × {side} with {ms:.1} ms a step{memory}",
+                    method.name
+                )
+            }
+            None => format!("{} none ({})", method.name, reach.end),
+        });
+        series.push(Series::new(method.name, curve));
+    }
+    if most > 0.0 {
+        let first = Real::from(sides(scope)[0]).powi(2);
+        let line = [first, most].map(|vertices| (vertices, least * vertices));
+        series.push(Series::new("∝ vertices", line.to_vec()).styled(Style::ExactCurve));
+    }
+    findings.plot(
+        "scale",
+        &Plot {
+            title: "Time of a step against the size of the cloth".into(),
+            x: Axis::log("vertices"),
+            y: Axis::log("time of a step (ms)"),
+            series,
+            note: String::new(),
+        },
+    );
+    findings.table("scale", "The hanging sheet, larger and larger", table);
+    let verdict = format!(
+        "The largest of {} that each method gets through, {} s for a run: {}.",
+        sides(scope)
+            .iter()
+            .map(|n| format!("{n} × {n}"))
+            .collect::<Vec<_>>()
+            .join(", "),
+        budget(scope).as_secs(),
+        parts.join("; ")
+    );
+    findings.answer("How large a cloth?", verdict.clone());
+    findings.section.verdict = Some(verdict);
+    Ok(findings)
+}
+
+fn reach(scope: Scope, method: &str, progress: &mut dyn FnMut(&str)) -> Result<Reach, BenchError> {
+    let mut reach = Reach::default();
+    for &side in sides(scope) {
+        if let Some(needed) = too_much(reach.sizes.last()) {
+            reach.end = format!("{side} × {side} would need about {needed:.1} GB");
+            return Ok(reach);
+        }
+        progress(&format!("scale: {method} at {side} × {side}"));
+        match alone(method, side, budget(scope))? {
+            Ok(size) => reach.sizes.push(size),
+            Err(reason) => {
+                reach.end = format!("{side} × {side}: {reason}");
+                return Ok(reach);
+            }
+        }
+    }
+    reach.end = "the largest asked for".into();
+    Ok(reach)
+}
+
+/// Memory (GB) of a cloth four times as large as the last, if it would leave less than a fifth of what is free.
+fn too_much(last: Option<&Size>) -> Option<Real> {
+    let needed = 4.0 * last?.memory? as Real;
+    let free = memory::available()? as Real;
+    (needed > 0.8 * free).then_some(needed / 1e9)
+}
+
+/// A run in a process of its own, or why there is none.
+fn alone(method: &str, side: u32, budget: Duration) -> Result<Result<Size, String>, BenchError> {
+    let program = std::env::current_exe().map_err(BenchError::failed)?;
+    let (side_text, steps) = (side.to_string(), STEPS.to_string());
+    let child = Command::new(program)
+        .args(["run", "hang", "--method", method, "--n", &side_text])
+        .args(["--steps", &steps, "--json"])
+        .stdin(Stdio::null())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::null())
+        .spawn()
+        .map_err(BenchError::failed)?;
+    Ok(finished(child, budget)?.and_then(|told| {
+        let told: Value = serde_json::from_str(&told).map_err(|error| error.to_string())?;
+        if let Some(error) = told["error"].as_str() {
+            return Err(error.to_owned());
+        }
+        let number = |key: &str| told[key].as_f64().ok_or(format!("no {key}"));
+        Ok(Size {
+            side,
+            ms_per_step: number("ms_per_step_median")?,
+            setup_ms: number("setup_ms")?,
+            memory: told["peak_memory"].as_u64(),
+        })
+    }))
+}
+
+/// What a process prints, or why it did not come to an end.
+fn finished(mut child: Child, budget: Duration) -> Result<Result<String, String>, BenchError> {
+    let started = Instant::now();
+    loop {
+        if let Some(status) = child.try_wait().map_err(BenchError::failed)? {
+            let mut told = String::new();
+            if let Some(mut out) = child.stdout.take() {
+                out.read_to_string(&mut told).map_err(BenchError::failed)?;
+            }
+            let has_ended = status.code().is_some();
+            return Ok(if has_ended && !told.is_empty() {
+                Ok(told)
+            } else {
+                Err(format!("ended with {status}"))
+            });
+        }
+        if started.elapsed() > budget {
+            // It may have ended just now, which is as good.
+            let _ = child.kill();
+            let _ = child.wait();
+            return Ok(Err(format!("longer than {} s", budget.as_secs())));
+        }
+        std::thread::sleep(Duration::from_millis(10));
+    }
+}
