@@ -231,3 +231,40 @@ impl Objective {
         squares.sum::<Real>().sqrt()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::local::Family;
+    use crate::matrix::assemble;
+    use cloth_core::cloth::{Cloth, Membrane};
+    use cloth_core::mesh::generate::{Diagonals, grid};
+
+    /// A cut through all springs leaves the halves tied by hinges, which the matrix may lack.
+    #[test]
+    fn what_only_hinges_tie_to_a_pin_is_no_free_piece() {
+        let mesh = grid(6, 3, 5.0, 2.0, Diagonals::Alternating).unwrap();
+        let cloth = Cloth {
+            areal_density: 0.2,
+            membrane: Membrane::SpringStiffness(10.0),
+            bending_rigidity: 1e-3,
+        };
+        let mut model = cloth.on(&mesh).unwrap();
+        model.particles.prescribe(0).unwrap();
+        let is_left = |vertex: u32| mesh.positions()[vertex as usize].x < 2.5;
+        let mut springs = model.springs;
+        springs.retain(|spring| is_left(spring.vertices[0]) == is_left(spring.vertices[1]));
+        let springs: Box<dyn Projections> =
+            Box::new(Family::new(springs, &model.particles).unwrap());
+        let hinges: Box<dyn Projections> =
+            Box::new(Family::new(model.hinges, &model.particles).unwrap());
+        let matrix = assemble(18, [&springs].into_iter());
+
+        let cut = Objective::new(model.particles.clone(), vec![springs]);
+        assert!(!cut.free_pieces(&matrix).is_empty());
+        let Objective { mut families, .. } = cut;
+        families.push(hinges);
+        let tied = Objective::new(model.particles, families);
+        assert!(tied.free_pieces(&matrix).is_empty());
+    }
+}

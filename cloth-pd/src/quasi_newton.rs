@@ -205,3 +205,56 @@ impl QuasiNewton {
         rejected
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::local::{Family, Projections};
+    use cloth_core::cloth::{Cloth, Membrane};
+    use cloth_core::mesh::generate::{Diagonals, grid};
+    use cloth_core::particles::State;
+    use cloth_core::step::StepInput;
+
+    /// Stiff hinges, and a matrix that has none of them, so that a plain iteration overshoots; and a pair that makes the inverse Hessian indefinite, so that one is taken.
+    #[test]
+    fn where_the_matrix_lacks_a_family_that_counts_g_falls_all_the_same() {
+        let mesh = grid(5, 5, 1.0, 1.0, Diagonals::Alternating).unwrap();
+        let membrane = Membrane::SpringStiffness(1e-3);
+        let cloth = Cloth {
+            areal_density: 0.2,
+            membrane,
+            bending_rigidity: 1.0,
+        };
+        let model = cloth.on(&mesh).unwrap();
+        let families: Vec<Box<dyn Projections>> = vec![
+            Box::new(Family::new(model.springs, &model.particles).unwrap()),
+            Box::new(Family::new(model.hinges, &model.particles).unwrap()),
+        ];
+        let mut global = GlobalSystem::new(&model.particles, &families, vec![false, true]).unwrap();
+        global.prepare(1.0).unwrap();
+        let mut objective = Objective::new(model.particles, families);
+        let state = State::at_rest(mesh.positions().to_vec());
+        objective.begin(&state, &StepInput::new(1.0)).unwrap();
+        let mut point = Point::new(25);
+        for (vertex, q) in point.displacement.iter_mut().enumerate() {
+            q.z = 0.1 * (vertex as Real).sin();
+        }
+        objective.evaluate(&mut point);
+
+        let mut plain = Point::new(25);
+        let mut direction = vec![Vec3::zeros(); 25];
+        global.solve(&point.gradient, &mut direction);
+        plain.go(&point.displacement, &direction, -1.0);
+        objective.evaluate(&mut plain);
+        assert!(plain.value > 2.0 * point.value, "{}", plain.value);
+
+        let mut method = QuasiNewton::new(1, 25);
+        method.len = 1;
+        method.pairs[0].step.copy_from_slice(&point.gradient);
+        method.pairs[0].inverse_product = -1e9;
+        let before = point.value;
+        let (_, solves) = method.advance(&mut objective, &mut global, None, &mut point);
+        assert_eq!(solves, 2);
+        assert!(point.value < before, "{} {before}", point.value);
+    }
+}
