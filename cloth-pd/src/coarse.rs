@@ -175,11 +175,12 @@ impl CoarseGrid {
         if !self.is_factored {
             return;
         }
-        self.right_hand_side.fill(Vec3::zeros());
-        for (vertex, r) in r.iter().enumerate() {
-            for &(node, weight) in self.lattice.of(vertex) {
-                self.right_hand_side[node as usize] += r * weight;
-            }
+        for (node, sum) in self.right_hand_side.iter_mut().enumerate() {
+            let shares = self.lattice.under(node);
+            *sum = shares
+                .iter()
+                .map(|&(vertex, weight)| r[vertex as usize] * weight)
+                .sum();
         }
         self.cholesky
             .solve(&self.right_hand_side, &mut self.solution);
@@ -209,9 +210,11 @@ impl CoarseGrid {
             #[inline(always)]
             |start, out: &mut [Vec3]| {
                 for (vertex, out) in (start..).zip(out) {
+                    let mut sum = *out;
                     for &(node, weight) in lattice.of(vertex) {
-                        *out += solution[node as usize] * weight;
+                        sum += solution[node as usize] * weight;
                     }
+                    *out = sum;
                 }
                 []
             },

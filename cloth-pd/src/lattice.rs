@@ -9,7 +9,9 @@ pub(crate) struct Lattice {
     /// Nodes and weights of vertex v: `entries[offsets[v]..offsets[v + 1]]`, nodes ascending.
     offsets: Vec<u32>,
     entries: Vec<(u32, Real)>,
-    node_count: usize,
+    /// The same by nodes: vertices and weights under node n.
+    node_offsets: Vec<u32>,
+    node_entries: Vec<(u32, Real)>,
 }
 
 impl Lattice {
@@ -64,16 +66,31 @@ impl Lattice {
         for range in offsets.windows(2) {
             entries[range[0] as usize..range[1] as usize].sort_unstable_by_key(|entry| entry.0);
         }
+        let mut by_node: Vec<(u32, u32, Real)> = Vec::with_capacity(entries.len());
+        for (vertex, range) in (0..).zip(offsets.windows(2)) {
+            let own = &entries[range[0] as usize..range[1] as usize];
+            by_node.extend(own.iter().map(|&(node, weight)| (node, vertex, weight)));
+        }
+        by_node.sort_unstable_by_key(|entry| (entry.0, entry.1));
+        let before = |node: u32| by_node.partition_point(|entry| entry.0 < node) as u32;
         Self {
+            node_offsets: (0..=nodes.len() as u32).map(before).collect(),
+            node_entries: by_node.iter().map(|entry| (entry.1, entry.2)).collect(),
             offsets,
             entries,
-            node_count: nodes.len(),
         }
     }
 
     /// Number of nodes.
     pub(crate) fn node_count(&self) -> usize {
-        self.node_count
+        self.node_offsets.len() - 1
+    }
+
+    /// Vertices under a node, ascending, and their weights (dimensionless).
+    #[inline]
+    pub(crate) fn under(&self, node: usize) -> &[(u32, Real)] {
+        let [start, end] = [self.node_offsets[node], self.node_offsets[node + 1]];
+        &self.node_entries[start as usize..end as usize]
     }
 
     /// Nodes and weights (dimensionless) of a vertex.

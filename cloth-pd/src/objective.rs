@@ -199,15 +199,19 @@ impl Objective {
             &mut point.gradient[..],
             #[inline(always)]
             |start, gradient: &mut [Vec3]| {
-                let (mut inertia, mut bending) = (0.0, 0.0);
+                // Sums of whole registers; the fourth number of each is zero.
+                let (mut inertia, mut bending) = (0.0, [0.0; 4]);
                 for (vertex, gradient) in (start..).zip(gradient) {
                     let own = q[vertex];
                     let mut pull = constant[vertex];
                     if !quadratic.is_empty() {
-                        let [x, y, z, _] = quadratic.times(vertex, padded);
-                        let product = Vec3::new(x, y, z);
-                        bending += (product * 0.5 + pull).dot(&own);
-                        pull += product;
+                        let product = quadratic.times(vertex, padded);
+                        let share = [pull.x, pull.y, pull.z, 0.0];
+                        for lane in 0..4 {
+                            bending[lane] +=
+                                (0.5 * product[lane] + share[lane]) * padded[vertex][lane];
+                        }
+                        pull += Vec3::new(product[0], product[1], product[2]);
                     }
                     // Nothing moves a prescribed vertex.
                     if inverse_mass[vertex] == 0.0 {
@@ -219,7 +223,7 @@ impl Objective {
                     inertia += 0.5 * mass * own.dot(&(own - h * 2.0));
                     *gradient += (own - h) * mass + pull;
                 }
-                [inertia, bending]
+                [inertia, bending.iter().sum()]
             },
         )
     }

@@ -323,10 +323,11 @@ impl Panel {
             own[i] = y[i];
         }
         for (&row, l) in rows.iter().zip(below) {
-            let entry = &mut work[row as usize];
+            let mut entry = work[row as usize];
             for j in 0..W {
-                *entry = minus(*entry, l[j], y[j]);
+                entry = minus(entry, l[j], y[j]);
             }
+            work[row as usize] = entry;
         }
     }
 
