@@ -3,13 +3,16 @@
 //! What each number holds: `build` a first call, memory included; `refit` the tree following its boxes; `query` the tree's search alone; `again` a later call, which
 //! for the tree is refit and query, for the cells filling and query; `candidates` all from positions to sorted vertex–triangle and edge–edge pairs.
 
+#[path = "support/limit.rs"]
+mod limit;
+
 use cloth_collide::{
     Bounds, BroadPhase, ClothCandidates, Hierarchy, MortonGrid, SpatialHash, TrianglePairs,
 };
 use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::TriMesh;
 use cloth_core::mesh::generate::{Diagonals, grid};
-use criterion::{Criterion, criterion_group, criterion_main};
+use criterion::Criterion;
 use parry3d_f64::bounding_volume::Aabb;
 use parry3d_f64::math::Vector;
 use parry3d_f64::partitioning::{Bvh, BvhBuildStrategy, BvhWorkspace};
@@ -65,37 +68,37 @@ fn kinds() -> [(&'static str, New); 3] {
 fn pairs_of_triangles(criterion: &mut Criterion) {
     let (mesh, positions) = crumpled(128);
     let boxes = boxes(&mesh, &positions);
+    let bytes = size_of_val(&boxes[..]);
     let mut group = criterion.benchmark_group("pairs of triangles, 32k crumpled");
     group.sample_size(20);
     let mut out = Vec::new();
     for (name, new) in kinds() {
-        group.bench_function(format!("{name}: build"), |bencher| {
-            bencher.iter(|| {
-                let mut fresh = new();
-                fresh.overlapping(black_box(&boxes), &mut out);
-                fresh
-            });
+        limit::bench(&mut group, format!("{name}: build"), bytes, || {
+            let mut fresh = new();
+            fresh.overlapping(black_box(&boxes), &mut out);
+            fresh
         });
         let mut warm = new();
-        group.bench_function(format!("{name}: again"), |bencher| {
-            bencher.iter(|| warm.overlapping(black_box(&boxes), &mut out));
+        limit::bench(&mut group, format!("{name}: again"), bytes, || {
+            warm.overlapping(black_box(&boxes), &mut out)
         });
     }
     let mut tree = Hierarchy::over(&boxes);
-    group.bench_function("hierarchy: refit", |bencher| {
-        bencher.iter(|| tree.refit(black_box(&boxes).iter().copied()));
+    limit::bench(&mut group, "hierarchy: refit", bytes, || {
+        tree.refit(black_box(&boxes).iter().copied())
     });
-    group.bench_function("hierarchy: query", |bencher| {
-        bencher.iter(|| {
-            out.clear();
-            tree.visit_overlapping(|a, b| out.push([a, b]));
-        });
+    limit::bench(&mut group, "hierarchy: query", bytes, || {
+        out.clear();
+        tree.visit_overlapping(|a, b| out.push([a, b]));
     });
     let mut pairs = TrianglePairs::new(&mesh);
     pairs.move_to(&positions).expect("finite positions");
-    group.bench_function("triangle pairs within the margin", |bencher| {
-        bencher.iter(|| pairs.within(black_box(MARGIN)).len());
-    });
+    limit::bench(
+        &mut group,
+        "triangle pairs within the margin",
+        bytes,
+        || pairs.within(black_box(MARGIN)).len(),
+    );
     group.finish();
 }
 
@@ -110,6 +113,7 @@ fn parry(criterion: &mut Criterion) {
         .iter()
         .map(|b| Aabb::new(vector(b.lower), vector(b.upper)))
         .collect();
+    let bytes = size_of_val(&leaves[..]);
     let mut group = criterion.benchmark_group("parry's own tree, 32k crumpled");
     group.sample_size(20);
     let strategies = [
@@ -117,27 +121,23 @@ fn parry(criterion: &mut Criterion) {
         ("ploc", BvhBuildStrategy::Ploc),
     ];
     for (name, strategy) in strategies {
-        group.bench_function(format!("{name}: build"), |bencher| {
-            bencher.iter(|| Bvh::from_leaves(strategy, black_box(&leaves)));
+        limit::bench(&mut group, format!("{name}: build"), bytes, || {
+            Bvh::from_leaves(strategy, black_box(&leaves))
         });
         let mut tree = Bvh::from_leaves(strategy, &leaves);
         let mut workspace = BvhWorkspace::default();
-        group.bench_function(format!("{name}: refit"), |bencher| {
-            bencher.iter(|| {
-                for (number, leaf) in (0..).zip(black_box(&leaves)) {
-                    tree.insert_or_update_partially(*leaf, number, 0.0);
-                }
-                tree.refit(&mut workspace);
-            });
+        limit::bench(&mut group, format!("{name}: refit"), bytes, || {
+            for (number, leaf) in (0..).zip(black_box(&leaves)) {
+                tree.insert_or_update_partially(*leaf, number, 0.0);
+            }
+            tree.refit(&mut workspace);
         });
         let mut pairs = Vec::new();
-        group.bench_function(format!("{name}: query"), |bencher| {
-            bencher.iter(|| {
-                pairs.clear();
-                let mut visit = |a: u32, b: u32| pairs.push([a, b]);
-                tree.traverse_bvtt_single_tree::<false>(&mut workspace, &mut visit);
-                pairs.len()
-            });
+        limit::bench(&mut group, format!("{name}: query"), bytes, || {
+            pairs.clear();
+            let mut visit = |a: u32, b: u32| pairs.push([a, b]);
+            tree.traverse_bvtt_single_tree::<false>(&mut workspace, &mut visit);
+            pairs.len()
         });
     }
     group.finish();
@@ -147,21 +147,21 @@ fn candidates(criterion: &mut Criterion) {
     for side in [32, 128, 320] {
         let (mesh, positions) = crumpled(side);
         let count = mesh.triangle_count();
+        let bytes = size_of_val(mesh.triangles()) + size_of_val(&positions[..]);
         let mut group = criterion.benchmark_group(format!("candidates, {count} triangles"));
         group.sample_size(20);
         for (name, new) in kinds() {
             let mut candidates = ClothCandidates::new(&mesh, new());
-            group.bench_function(name, |bencher| {
-                bencher.iter(|| {
-                    let updated = candidates.update(black_box(&positions), &positions, MARGIN);
-                    updated.expect("finite positions");
-                    candidates.edge_edge().len()
-                });
+            limit::bench(&mut group, name, bytes, || {
+                let updated = candidates.update(black_box(&positions), &positions, MARGIN);
+                updated.expect("finite positions");
+                candidates.edge_edge().len()
             });
         }
         group.finish();
     }
 }
 
-criterion_group!(benches, pairs_of_triangles, parry, candidates);
-criterion_main!(benches);
+fn main() {
+    limit::main(&[pairs_of_triangles, parry, candidates]);
+}

@@ -1,6 +1,9 @@
 //! What a step of projective dynamics is made of, on the hanging sheet: the global solve against the library's, the factorisation, the correction for changed
 //! rows, the local step, whole steps.
 
+#[path = "support/limit.rs"]
+mod limit;
+
 use cloth_bench::scene::{self, Scene};
 use cloth_bench::settings::Settings;
 use cloth_bench::studies::{constant_matrix, local_bytes, move_bytes};
@@ -8,7 +11,7 @@ use cloth_core::linear::{Cholesky, LowRank, PanelFactor};
 use cloth_core::math::{Real, Vec3};
 use cloth_core::step::{StepInput, Stepper};
 use cloth_pd::{Acceleration, LocalStep, PdConfig, PdSolver};
-use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
+use criterion::{BenchmarkId, Criterion, Throughput};
 use std::hint::black_box;
 
 fn sheet(side: u32) -> Scene {
@@ -30,13 +33,14 @@ fn global_solve(criterion: &mut Criterion) {
         group.sample_size(20);
         group.throughput(Throughput::Bytes(16 * cholesky.factor_len() as u64));
         let mut columns: Vec<Real> = (0..3 * count).map(|i| (i as Real).sin()).collect();
-        group.bench_function("library", |bencher| {
-            bencher.iter(|| cholesky.solve_in_place(&mut columns))
+        let bytes = 16 * cholesky.factor_len();
+        limit::bench(&mut group, "library", bytes, || {
+            cholesky.solve_in_place(&mut columns);
         });
         let b = &scene.start.positions;
         let mut solution = vec![Vec3::zeros(); count];
-        group.bench_function("panels", |bencher| {
-            bencher.iter(|| panels.solve(black_box(b), &mut solution))
+        limit::bench(&mut group, "panels", bytes, || {
+            panels.solve(black_box(b), &mut solution);
         });
     }
 }
@@ -87,8 +91,8 @@ fn local_step(criterion: &mut Criterion) {
         let bytes = local_bytes(springs, x);
         group.throughput(Throughput::Bytes(bytes as u64));
         let mut local = LocalStep::new(&scene.model.particles, springs.clone()).expect("springs");
-        group.bench_function("project springs", |bencher| {
-            bencher.iter(|| black_box(local.add_gradient(black_box(x), &mut forces)));
+        limit::bench(&mut group, "project springs", bytes as usize, || {
+            local.add_gradient(black_box(x), &mut forces)
         });
         group.bench_function("read and write the same bytes", |bencher| {
             bencher.iter(|| move_bytes(black_box(springs), x, &mut forces));
@@ -140,5 +144,6 @@ fn steps(criterion: &mut Criterion) {
     }
 }
 
-criterion_group!(benches, global_solve, changes, local_step, steps);
-criterion_main!(benches);
+fn main() {
+    limit::main(&[global_solve, changes, local_step, steps]);
+}

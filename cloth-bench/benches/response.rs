@@ -4,6 +4,9 @@
 //! thickness of 2 mm; `floor` lets it fall on a floor without looking for contact of the cloth with itself. All start from the same positions each time, which are safe because a
 //! step that stays there comes before, outside of the time.
 
+#[path = "support/limit.rs"]
+mod limit;
+
 use cloth_collide::ClothContacts;
 use cloth_collide::obstacle::{
     HalfSpace, ImpactLaw, Obstacle, ObstacleContacts, Pose, RigidMotion,
@@ -12,7 +15,7 @@ use cloth_core::contact::{ContactSource, ContactStep};
 use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::TriMesh;
 use cloth_core::mesh::generate::{Diagonals, grid};
-use criterion::{Criterion, criterion_group, criterion_main};
+use criterion::Criterion;
 use std::hint::black_box;
 use std::time::{Duration, Instant};
 
@@ -83,13 +86,15 @@ fn response(criterion: &mut Criterion) {
             .friction(0.3)
             .build()
             .expect("settings in range");
-        group.bench_function("apart", |bencher| {
-            let shift = Vec3::new(0.01, 0.0, 0.02);
-            bencher.iter_custom(|count| repeat(&mut contacts, &from, |x| x + shift, count));
+        // Positions before and after, velocities, inverse masses, and the triangles.
+        let bytes = 3 * size_of_val(&from[..]) + 8 * from.len() + size_of_val(mesh.triangles());
+        let shift = Vec3::new(0.01, 0.0, 0.02);
+        limit::timed(&mut group, "apart", bytes, |count| {
+            repeat(&mut contacts, &from, |x| x + shift, count)
         });
-        group.bench_function("pressed", |bencher| {
-            let press = |x: &Vec3| Vec3::new(x.x, x.y, 0.99 * x.z);
-            bencher.iter_custom(|count| repeat(&mut contacts, &from, press, count));
+        let press = |x: &Vec3| Vec3::new(x.x, x.y, 0.99 * x.z);
+        limit::timed(&mut group, "pressed", bytes, |count| {
+            repeat(&mut contacts, &from, press, count)
         });
         println!("{:?}", contacts.report());
         let still = RigidMotion::still(Pose::at(Vec3::z() * -THICKNESS));
@@ -104,13 +109,14 @@ fn response(criterion: &mut Criterion) {
             .obstacles(floor)
             .build()
             .expect("settings in range");
-        group.bench_function("floor", |bencher| {
-            let fall = |x: &Vec3| x - Vec3::z() * 0.005;
-            bencher.iter_custom(|count| repeat(&mut contacts, &from, fall, count));
+        let fall = |x: &Vec3| x - Vec3::z() * 0.005;
+        limit::timed(&mut group, "floor", bytes, |count| {
+            repeat(&mut contacts, &from, fall, count)
         });
         group.finish();
     }
 }
 
-criterion_group!(benches, response);
-criterion_main!(benches);
+fn main() {
+    limit::main(&[response]);
+}

@@ -4,7 +4,7 @@
 //! anything. So every method can have contact, and one without a source in its [`StepInput`](crate::step::StepInput) runs no code for it.
 //! The crate `cloth-collide` has the sources.
 
-use crate::math::{Real, Vec3};
+use crate::math::{Real, Vec3, is_finite};
 use std::fmt;
 
 /// A step that a method has taken, seen from outside: where the cloth was, and what can be moved.
@@ -16,6 +16,43 @@ pub struct ContactStep<'a> {
     pub inverse_mass: &'a [Real],
     /// Step size Δt (s).
     pub dt: Real,
+}
+
+impl ContactStep<'_> {
+    /// Whether a source for `vertex_count` vertices can work with this step and its end.
+    ///
+    /// # Errors
+    /// If a list has another length, a number is not finite, an inverse mass is negative, or the step size is not positive.
+    pub fn check(
+        &self,
+        vertex_count: usize,
+        positions: &[Vec3],
+        velocities: &[Vec3],
+    ) -> Result<(), ContactError> {
+        let lists = [self.from, positions, velocities];
+        let lengths = lists.map(<[Vec3]>::len);
+        let lengths = lengths.into_iter().chain([self.inverse_mass.len()]);
+        if let Some(found) = lengths.into_iter().find(|&found| found != vertex_count) {
+            let expected = vertex_count;
+            return Err(ContactError::VertexCount { expected, found });
+        }
+        if !(self.dt > 0.0 && self.dt.is_finite()) {
+            return Err(ContactError::InvalidStep { dt: self.dt });
+        }
+        for vertex in 0..vertex_count {
+            if lists.iter().any(|list| !is_finite(&list[vertex])) {
+                return Err(ContactError::NonFinite { vertex });
+            }
+            let inverse_mass = self.inverse_mass[vertex];
+            if !(inverse_mass >= 0.0 && inverse_mass.is_finite()) {
+                return Err(ContactError::InvalidMass {
+                    vertex,
+                    inverse_mass,
+                });
+            }
+        }
+        Ok(())
+    }
 }
 
 /// Whatever the cloth can touch.
@@ -51,6 +88,18 @@ pub enum ContactError {
         /// The first such vertex.
         vertex: usize,
     },
+    /// The step size is not a positive finite number.
+    InvalidStep {
+        /// Δt (s).
+        dt: Real,
+    },
+    /// An inverse mass is neither zero nor a positive finite number.
+    InvalidMass {
+        /// The first such vertex.
+        vertex: usize,
+        /// 1/kg.
+        inverse_mass: Real,
+    },
     /// The step starts with parts that pass through each other, so there is nothing to keep.
     Tangled {
         /// Number of pairs of triangles that do.
@@ -76,6 +125,19 @@ impl fmt::Display for ContactError {
                     "contact was asked about vertex {vertex}, which is not finite"
                 )
             }
+            Self::InvalidStep { dt } => {
+                write!(
+                    f,
+                    "contact was asked about a step of {dt} s; a step is a positive finite time"
+                )
+            }
+            Self::InvalidMass {
+                vertex,
+                inverse_mass,
+            } => write!(
+                f,
+                "contact was told an inverse mass of {inverse_mass} 1/kg for vertex {vertex}; it is 0 or a positive finite number"
+            ),
             Self::Tangled { pairs } => write!(
                 f,
                 "{pairs} pairs of triangles pass through each other at the start of the step; untangle them first"
@@ -89,3 +151,46 @@ impl fmt::Display for ContactError {
 }
 
 impl std::error::Error for ContactError {}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_a_source_cannot_work_with_is_named() {
+        let good = [Vec3::zeros(), Vec3::x()];
+        let broken = [Vec3::zeros(), Vec3::new(0.0, Real::NAN, 0.0)];
+        let step = |from, inverse_mass, dt| ContactStep {
+            from,
+            inverse_mass,
+            dt,
+        };
+        let found = |step: ContactStep<'_>, x, v| step.check(2, x, v);
+        assert_eq!(found(step(&good, &[0.0, 3.0], 0.1), &good, &good), Ok(()));
+
+        let fine = step(&good, &[1.0, 1.0], 0.1);
+        let count = Err(ContactError::VertexCount {
+            expected: 2,
+            found: 1,
+        });
+        assert_eq!(found(fine, &good[..1], &good), count);
+        assert_eq!(found(step(&good, &[1.0], 0.1), &good, &good), count);
+        let not_finite = Err(ContactError::NonFinite { vertex: 1 });
+        assert_eq!(found(fine, &broken, &good), not_finite);
+        assert_eq!(found(fine, &good, &broken), not_finite);
+        for dt in [0.0, -1.0, Real::INFINITY] {
+            let error = Err(ContactError::InvalidStep { dt });
+            assert_eq!(found(step(&good, &[1.0, 1.0], dt), &good, &good), error);
+        }
+        let nan = found(step(&good, &[1.0, 1.0], Real::NAN), &good, &good);
+        assert!(matches!(nan, Err(ContactError::InvalidStep { .. })));
+        let negative = found(step(&good, &[1.0, -2.0], 0.1), &good, &good);
+        let expected = ContactError::InvalidMass {
+            vertex: 1,
+            inverse_mass: -2.0,
+        };
+        assert_eq!(negative, Err(expected));
+        let infinite = found(step(&good, &[Real::INFINITY, 1.0], 0.1), &good, &good);
+        assert!(infinite.unwrap_err().to_string().contains("vertex 0"));
+    }
+}

@@ -27,6 +27,7 @@ pub(crate) fn main(targets: &[fn(&mut Criterion)]) {
 }
 
 /// Times `work` as criterion does, and prints the shortest time beside the limit for its `bytes`. Nothing is printed for what a filter leaves out.
+#[allow(dead_code)] // few benches keep their own time
 pub(crate) fn bench<O>(
     group: &mut BenchmarkGroup<'_, WallTime>,
     name: impl Into<String>,
@@ -62,7 +63,8 @@ pub(crate) fn bench_in<O>(
     });
 }
 
-fn timed(
+/// The same where `time` does the work so many times and says how long it took.
+pub(crate) fn timed(
     group: &mut BenchmarkGroup<'_, WallTime>,
     name: &str,
     bytes: usize,

@@ -116,8 +116,8 @@ impl Touch {
     /// Into how many parts a step is cut, so that contact is resolved after each of them: 1 where there is nothing to touch.
     ///
     /// A vertex that something stops within a part lets its neighbours go on until the end of the part, and no method knows of it before: contact is resolved in the metric of the masses, as if
-    /// nothing held the cloth together, and the elements pull back in the next part. Both are in balance at a strain that grows with k Δt²/m, where Δt is a part. So cloth that is pulled around
-    /// something, or that lands hard, stretches under converged methods most of all, and the cure is not more iterations but more parts.
+    /// nothing held the cloth together, and the elements pull back in the next part. So cloth that is pulled around something, or that lands hard, is left with a strain; more parts make it
+    /// smaller, more iterations of the method do not.
     #[must_use]
     pub fn parts(&self) -> u32 {
         if self.is_idle() { 1 } else { self.steps }

@@ -92,22 +92,7 @@ impl BarrierContacts {
         positions: &[Vec3],
         velocities: &[Vec3],
     ) -> Result<(), ContactError> {
-        let expected = self.safe.len();
-        let lengths = [
-            step.from.len(),
-            step.inverse_mass.len(),
-            positions.len(),
-            velocities.len(),
-        ];
-        if let Some(&found) = lengths.iter().find(|&&found| found != expected) {
-            return Err(ContactError::VertexCount { expected, found });
-        }
-        for list in [step.from, positions, velocities] {
-            let broken = |x: &Vec3| !cloth_core::math::is_finite(x);
-            if let Some(vertex) = list.iter().position(broken) {
-                return Err(ContactError::NonFinite { vertex });
-            }
-        }
+        step.check(self.safe.len(), positions, velocities)?;
         if step.from == self.safe {
             return Ok(());
         }
