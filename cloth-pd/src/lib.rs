@@ -33,14 +33,14 @@
 //! As the matrix is only a first guess there, it does without the bending of thin cloth: where quadratic hinges add less than a fiftieth to every diagonal entry they are left to the iteration, because a hinge ties four vertices and the factor has less than
 //! half as many numbers without (at 128 vertices a side 0.5 million and not 1.3). The plain and the Chebyshev iteration have the whole matrix.
 //!
-//! A sheet of 1 m × 1 m, 0.2 kg/m², springs of 10⁴ N/m, 128 vertices a side, held at two corners and let go horizontally, falls 0.499 m (centre of mass) in half a second at Δt = 1/60 s and is stretched by 2.46 % at most, as
-//! converged Newton has it. In 6 iterations a step:
+//! A sheet of 1 m × 1 m, 0.2 kg/m², springs of 10⁴ N/m, 128 vertices a side, held at two corners and let go horizontally, falls 0.4989 m (centre of mass) in half a second at Δt = 1/60 s and is stretched by 2.46 % at most, as
+//! converged Newton has it. In 10 iterations a step:
 //!
 //! | | fall (m) | stretch (%) |
 //! |---|---|---|
-//! | plain, from `x[0] + Δt v[0]` | 0.123 | 6.7 |
-//! | quasi-Newton | 0.285 | 4.0 |
-//! | quasi-Newton with a coarse grid of 8 cells | 0.498 | 2.47 |
+//! | plain, from x̃ | 0.151 | 4.64 |
+//! | quasi-Newton | 0.440 | 2.59 |
+//! | quasi-Newton with a coarse grid of 10 cells | 0.4987 | 2.41 |
 //!
 //! When the smooth part is done the grid has done its work: the last digits take as many iterations with it as without, or more.
 //!
@@ -81,30 +81,30 @@
 //! |---|---|---|---|---|
 //! | 32 | plain | 11 | > 3000 | > 3000 |
 //! | | Chebyshev, ρ = 0.9995 | 9 | 231 | > 3000 |
-//! | | quasi-Newton | 7 | 199 | 1193 |
-//! | | with a coarse grid | 3 | 171 | 1380 |
+//! | | quasi-Newton | 7 | 312 | > 3000 |
+//! | | with a coarse grid | 2 | 180 | > 3000 |
 //! | 64 | plain | 12 | 2506 | > 3000 |
 //! | | Chebyshev | 9 | 106 | 605 |
-//! | | quasi-Newton | 7 | 105 | 355 |
-//! | | with a coarse grid | 3 | 56 | 533 |
+//! | | quasi-Newton | 7 | 132 | 767 |
+//! | | with a coarse grid | 3 | 70 | 525 |
 //! | 128 | plain | 11 | 2284 | > 3000 |
 //! | | Chebyshev | 9 | 102 | 535 |
-//! | | quasi-Newton | 6 | 105 | 336 |
-//! | | with a coarse grid | 5 | 30 | 530 |
+//! | | quasi-Newton | 6 | 148 | 636 |
+//! | | with a coarse grid | 4 | 44 | 452 |
 //!
 //! So the convergence of the iterations without a coarse grid does not become slower with the resolution, as is said of the method. It does depend on the stiffness: to 10⁻⁴ at 32 a side, 624 plain iterations at 10² N/m and more than 3000 from 10³ on.
 //!
 //! Cloth that changes between two steps ([`PdSolver::prescribe`], [`release`](PdSolver::release), [`attach`](PdSolver::attach), [`remove`](PdSolver::remove)) keeps the factor and corrects every solve for the k rows that differ,
-//! by the identity of Woodbury. To set that up takes k/3 solves, which cost as much as a factorisation at k = 15 to 35 for 32 to 256 vertices a side; and as it slows down every solve, it is given up for a factorisation when as much has been
+//! by the identity of Woodbury. To set that up takes k/3 solves, which cost as much as a factorisation at k = 36 to 51 for 32 to 512 vertices a side; and as it slows down every solve, it is given up for a factorisation when as much has been
 //! spent on it. A dragged pin or attachment changes no matrix.
 //!
 //! # Cost
 //! A solve reads the factor twice: with bending 1.29 million numbers at 128 vertices a side, so 20.6 MB, and no solve is faster than the memory gives them. `cloth-bench study projective` has the time of a solve beside that of reading the factor, and beside the linear-algebra library, by size. The local step reads 24 bytes a spring and reads or
-//! writes 72 a vertex, and takes 5 times as long as moving those where they come from the memory (512 a side), 7 to 10 times where they are in a cache (256 to 64; the same study): 32 springs are projected side by side, so it is not ruled by the square root and the division, but by collecting
-//! the ends of each spring and adding to them, one number at a time. With positions and forces padded to four numbers, an end is one load and one store, and the local step alone takes a fifth less, but the whole step does not: more bytes go through the memory.
+//! writes 72 a vertex, and takes 3 times as long as moving those where they come from the memory (512 a side), 5 to 9 times where they are in a cache (256 to 64; the same study). Springs are projected 32 side by side; where the vertices are numbered along rows, as on a grid, the ends of
+//! neighbouring springs are neighbours too, and both are read and added to as streams, without an index. What is left is the square root and the division of each spring, and taking x, y and z apart and together again. Cloth in another order takes the ends one by one.
 //!
 //! With quadratic bending and n vertices, f numbers in the factor, e springs and b entries in the matrix of the bending energy, an iteration moves `16 f` bytes for the solve, `24 e + 72 n` for the springs, `12 b + 64 n`
-//! for the bending, about `200 n` for the rest of the objective, and `96 n` for each pair that is remembered. At 128 a side, with the bending left out of the matrix, that is about 9 MB, 2 MB, 4 MB, 3 MB and, with five pairs, 8 MB. All loops are compiled for wide registers too ([`wide`](cloth_core::wide)), and give the same bits without.
+//! for the bending, about `200 n` for the rest of the objective, and `96 n` for each pair that is remembered. At 128 a side, with the bending left out of the matrix, that is about 9 MB, 2 MB, 4 MB, 3 MB and, with two pairs, 3 MB. A large factor is cut into subtrees of its elimination tree, which threads can share; the cut does not depend on how many there are. All loops are compiled for wide registers too ([`wide`](cloth_core::wide)), and give the same bits without.
 //!
 //! # Example
 //! A sheet of 0.2 kg/m² held at two corners:
@@ -123,7 +123,7 @@
 //! let mut solver = PdSolver::builder(&model.particles)
 //!     .energy(model.springs)
 //!     .energy(model.hinges)
-//!     .coarse_grid(mesh.positions(), 8)
+//!     .coarse_grid(mesh.positions(), 10)
 //!     .build()?;
 //!
 //! let mut state = State::at_rest(mesh.positions().to_vec());
@@ -167,27 +167,28 @@
 //! # Limits
 //! - The plain iteration converges linearly, and the more slowly the stiffer the cloth. An error of 10⁻² in `G` is soon reached and says little: plain, cut short there, the sheet above hangs in the air. Look at the
 //!   fall beside the stretch before choosing a number of iterations.
-//! - A fixed number of iterations is an approximation of implicit Euler whose error is not watched. Six a step follow the first half second of the hanging sheet closely; over five seconds its swinging dies away sooner than it should. Means over the
+//! - A fixed number of iterations is an approximation of implicit Euler whose error is not watched. The default follows the first half second of the hanging sheet closely; over five seconds its swinging dies away sooner than it should. Means over the
 //!   last 100 of 300 steps, relative to converged implicit Euler, at 128 a side (`cloth-bench study projective` has the same for 32 and 64):
 //!
 //!   | cells, iterations, pairs | kinetic energy (%) | largest stretch (%) | the same at the last step (%) |
 //!   |---|---|---|---|
-//!   | 8, 6, 5 (default) | −79 | −14 | −31 |
-//!   | 16, 16, 2 | −12 | 0 | +5 |
+//!   | 8, 6, 5 | −79 | −14 | −31 |
+//!   | 10, 10, 2 (default) | −28 | −0.5 | −0.2 |
+//!   | 16, 16, 2 | −13 | +0.2 | +1.1 |
 //!
-//!   For seconds of motion take 16 cells, 16 iterations and 2 pairs. A step then takes one and a half to three times as long as with the default (at 128 a side, median of 300 steps and of the first 30).
+//!   At 32 and 64 a side the default is less exact (mean stretch −20 % and −11 %, kinetic energy −63 % and −61 %). For seconds of motion that have to be right take 16 cells, 16 iterations and 2 pairs (−5 % and −2 %, −16 % and −19 %); a step then takes about twice as long.
 //!
-//!   The motion is not chaotic: implicit Euler from a start disturbed by 10⁻³ m ends with the same largest stretch to 1 % (32 a side). One instant still misleads, because a motion with too little energy is at another point of its swing: some settings with 6 iterations
-//!   happen to be right at the last step and 36 % off on average, and rounding alone moves the last step by a few per cent. What is missing are folds. A fold moves vertices across the cloth, and others a little along it so that no spring is stretched. The matrix charges the motion across as if springs were stretched, and the hats of a
+//!   The motion is not chaotic: implicit Euler from a start disturbed by 10⁻³ m ends with the same largest stretch to 1 % (32 a side). One instant still misleads, because a motion with too little energy is at another point of its swing: some settings
+//!   happen to be right at the last step and 36 % off on average, and rounding alone moves the last step by as much as a tenth. What is missing are folds. A fold moves vertices across the cloth, and others a little along it so that no spring is stretched. The matrix charges the motion across as if springs were stretched, and the hats of a
 //!   grid cannot follow the motion along: a grid of half the resolution of the cloth does no better, one as fine as the cloth is Newton's method, for which three iterations are enough. So folds go on with the velocity that they have, and what should have bent is
-//!   compressed (29 times the elastic energy with 6 iterations).
+//!   compressed (16 times the elastic energy with the default, at 128 a side).
 //!
 //!   None of these helps, at 32 or 64 a side: a start extrapolated with the last change of velocity; pairs kept from the step before, as they are (the steps then need line searches) or with their changes of gradient taken anew; hats that are
 //!   quadratic or cubic splines; stiffness summed up over whole cells; blocks of the Hessian's diagonal as a third part of the first guess, on the vertices and on finer grids, which moves vertices out of the cloth so far that the springs, which then
 //!   stretch, take the energy away. A valley of `G` along which the cloth bends is narrow and curved.
 //! - It is the same with a chain of 20 links, swinging: with 6 iterations its centre of mass is right to 0.1 % after half a second, but has fallen 3 % too little after five; with 8 iterations it is right to 0.2 % then.
 //! - No energy appears in a step from `x[0]`, nor in a quasi-Newton step from `x[0] + Δt v[0]`: one that ends above `G(x[0])` is taken again, which the hanging sheet never needs. Plain and Chebyshev iterations from there, and all from x̃, have no such guard; ended early they can feed a
-//!   tangle. With the default a cloth of 10³ N/m, damped, hangs in the end from any start (in a point, on a line, mirrored, random, blown up), forces balanced; of 10⁴ N/m (17 a side) three of the six starts hang after 30 s, and the others are still unfolding, stretched by less than 1 %.
+//!   tangle. With the default a cloth of 10³ N/m, damped, hangs in the end from any start (in a point, on a line, mirrored, random, blown up), forces balanced.
 //! - The coarse grid needs rest positions, and is good for cloth that bends smoothly at its scale. It changes how fast the iteration converges, never to what; and not always for the better: at 10⁵ N/m, from x̃, the
 //!   first 10⁻² takes 32 iterations with it and 7 without any acceleration.
 //! - Where it converges to is a stationary point of `G`, the solution of implicit Euler, with the numerical damping of that. Where `G` has several (compressed cloth), which of them depends on the path.
@@ -199,8 +200,8 @@
 //! - The residual compares with `‖∇G(x̃)‖`. Where that is rounding alone, as for a cloth in free fall, no tolerance is met and all iterations are spent, without harm.
 //!
 //! # When to use it
-//! For many steps with one mesh and one step size on a processor: an iteration costs two passes over a small factor, none can make matters worse, and no step size is too large. With the coarse grid and 6 iterations a step of the sheet above takes
-//! about a hundredth of the time of converged Newton, for a fall within 0.3 % and a stretch within 8 % after half a second, at 128 a side 0.1 % and 0.4 % (`cloth-bench study projective` times both in one process); what to take for longer motion is said above. Where the motion has to be right to the last digits, Newton's method gets there in a dozen iterations. Where the material is replaced
+//! For many steps with one mesh and one step size on a processor: an iteration costs two passes over a small factor, none can make matters worse, and no step size is too large. With the default a step of the sheet above takes, at 64 and 128 a side,
+//! about a hundredth of the time of converged Newton, for a fall within 0.05 % and a stretch within 2.5 % after half a second, at 32 a side a twentieth, for 0.13 % and 4.6 % (`cloth-bench study projective` times both in one process); what to take for longer motion is said above. Where the motion has to be right to the last digits, Newton's method gets there in a dozen iterations. Where the material is replaced
 //! altogether between steps, the position-based methods have no matrix to factorise. Quadratic energies (bending of a flat sheet, attachments) are solved exactly by one iteration.
 //!
 //! # References
