@@ -86,8 +86,7 @@ impl<const K: usize> Pulls<K> {
         }
         self.spheres.project(&mut self.shares, &mut self.energies);
         for lane in 0..BLOCK {
-            let pull = [0, 1, 2].map(|axis| self.spheres.z[axis][lane] * self.shares[lane]);
-            self.pulls[lane][0] = Vec3::from(pull);
+            self.pulls[lane][0] = self.spheres.z[lane] * self.shares[lane];
         }
         true
     }
@@ -119,15 +118,14 @@ impl<const K: usize> Pulls<K> {
             return;
         }
         self.spheres.project(&mut self.shares, &mut self.energies);
-        let (z, shares) = (&self.spheres.z, &self.shares);
+        for (z, share) in self.spheres.z.iter_mut().zip(&self.shares) {
+            *z *= *share;
+        }
         for (i, end) in ends.into_iter().enumerate() {
             let Some(end) = end else { continue };
-            let out = &mut out[end];
+            let (out, pulls) = (&mut out[end], &self.spheres.z[..count]);
             for lane in 0..count {
-                let share = shares[lane] * operator[0][i];
-                for axis in 0..3 {
-                    out[S * lane][axis] += z[axis][lane] * share;
-                }
+                out[S * lane] += pulls[lane] * operator[0][i];
             }
         }
     }
@@ -144,8 +142,8 @@ impl<const K: usize> Pulls<K> {
 /// Elements that project to spheres, side by side; what follows the last has no weight.
 #[derive(Debug)]
 struct Spheres {
-    /// `z = G x`, axis by axis.
-    z: [[Real; BLOCK]; 3],
+    /// `z = G x`.
+    z: [Vec3; BLOCK],
     radius: [Real; BLOCK],
     weight: [Real; BLOCK],
     /// `‖z‖²`.
@@ -155,7 +153,7 @@ struct Spheres {
 impl Spheres {
     /// No element.
     const NONE: Self = Self {
-        z: [[1.0; BLOCK]; 3],
+        z: [Vec3::new(1.0, 1.0, 1.0); BLOCK],
         radius: [1.0; BLOCK],
         weight: [0.0; BLOCK],
         squared: [3.0; BLOCK],
@@ -170,10 +168,7 @@ impl Spheres {
     ) -> bool {
         let mut count = 0;
         for (lane, element) in elements.enumerate().take(BLOCK) {
-            let own = apply(&element.operator(), &gather(x, element.vertices()))[0];
-            for axis in 0..3 {
-                self.z[axis][lane] = own[axis];
-            }
+            self.z[lane] = apply(&element.operator(), &gather(x, element.vertices()))[0];
             self.radius[lane] = element.sphere().unwrap_or(0.0);
             self.weight[lane] = element.weight();
             count = lane + 1;
@@ -193,12 +188,10 @@ impl Spheres {
         let reach = S * (count - 1) + 1;
         for i in 0..N {
             let x = &x[vertices[i] as usize..][..reach];
+            let z = &mut self.z[..count];
             for lane in 0..count {
-                for axis in 0..3 {
-                    let part = x[S * lane][axis] * operator[0][i];
-                    let z = &mut self.z[axis][lane];
-                    *z = if i == 0 { part } else { *z + part };
-                }
+                let part = x[S * lane] * operator[0][i];
+                z[lane] = if i == 0 { part } else { z[lane] + part };
             }
         }
         for lane in 0..count {
@@ -211,13 +204,12 @@ impl Spheres {
     #[inline(always)]
     fn measure(&mut self, count: usize) -> bool {
         for lane in count..BLOCK {
-            (self.z[0][lane], self.z[1][lane], self.z[2][lane]) = (1.0, 1.0, 1.0);
+            self.z[lane] = Vec3::repeat(1.0);
             (self.radius[lane], self.weight[lane]) = (1.0, 0.0);
         }
         let (z, mut lost) = (&self.z, 0u64);
         for lane in 0..BLOCK {
-            let squared =
-                z[0][lane] * z[0][lane] + z[1][lane] * z[1][lane] + z[2][lane] * z[2][lane];
+            let squared = z[lane].x * z[lane].x + z[lane].y * z[lane].y + z[lane].z * z[lane].z;
             lost |= u64::from(!(Real::MIN_POSITIVE..Real::INFINITY).contains(&squared));
             self.squared[lane] = squared;
         }
@@ -260,7 +252,7 @@ pub(crate) fn resistances_on_spheres<'a, const N: usize, const K: usize, E: Proj
     }
     let mut packed = [[0.0; 8]; BLOCK];
     for lane in 0..BLOCK {
-        let [x, y, z] = spheres.z.map(|axis| axis[lane]);
+        let [x, y, z] = spheres.z[lane].into();
         let (c, a) = (across[lane], along[lane]);
         packed[lane] = [
             c + a * x * x,
