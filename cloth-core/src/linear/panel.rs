@@ -23,7 +23,7 @@ type Lanes = [Real; 4];
 /// from top to bottom; the forward pass reads the numbers from first to last, the backward pass from last to first, and
 /// both use an entry of the right-hand side four times when they have it.
 ///
-/// Columns of which none is below another do not wait for each other. Large factors are cut into a few [`Part`]s of that kind and the columns above them all, the *top*, which several threads can
+/// Columns of which none is below another do not wait for each other. Large factors are cut into a few parts of that kind and the columns above them all, the *top*, which several threads can
 /// share; the cut depends on the factor alone, so the bits of a solution do not depend on the number of threads.
 #[derive(Clone, Debug)]
 pub struct PanelFactor {
