@@ -179,7 +179,7 @@
 //!   At 32 and 64 a side the default is less exact (mean stretch −20 % and −11 %, kinetic energy −63 % and −61 %). For seconds of motion that have to be right take 16 cells, 16 iterations and 2 pairs (−5 % and −2 %, −16 % and −19 %); a step then takes about twice as long.
 //!
 //!   The motion is not chaotic: implicit Euler from a start disturbed by 10⁻³ m ends with the same largest stretch to 1 % (32 a side). One instant still misleads, because a motion with too little energy is at another point of its swing: some settings
-//!   happen to be right at the last step and 36 % off on average, and rounding alone moves the last step by as much as a tenth. What is missing are folds. A fold moves vertices across the cloth, and others a little along it so that no spring is stretched. The matrix charges the motion across as if springs were stretched, and the hats of a
+//!   happen to be right at the last step and 36 % off on average, and rounding alone moves the last step by a tenth and more. What is missing are folds. A fold moves vertices across the cloth, and others a little along it so that no spring is stretched. The matrix charges the motion across as if springs were stretched, and the hats of a
 //!   grid cannot follow the motion along: a grid of half the resolution of the cloth does no better, one as fine as the cloth is Newton's method, for which three iterations are enough. So folds go on with the velocity that they have, and what should have bent is
 //!   compressed (16 times the elastic energy with the default, at 128 a side).
 //!
