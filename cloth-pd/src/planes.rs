@@ -177,13 +177,15 @@ impl Runs {
 #[inline(always)]
 fn take_apart(x: &[Vec3], planes: &mut Planes) {
     let (pairs, last) = x.as_chunks::<2>();
-    for c in 0..3 {
-        let (even, odd) = planes[c].split_at_mut(PIECE / 2);
-        for (i, pair) in pairs.iter().enumerate() {
-            (even[i], odd[i]) = (pair[0][c], pair[1][c]);
+    for (i, [even, odd]) in pairs.iter().enumerate().take(PIECE / 2) {
+        for c in 0..3 {
+            planes[c][i] = even[c];
+            planes[c][PIECE / 2 + i] = odd[c];
         }
-        if let [last] = last {
-            even[pairs.len()] = last[c];
+    }
+    if let [last] = last {
+        for c in 0..3 {
+            planes[c][pairs.len()] = last[c];
         }
     }
 }
@@ -192,14 +194,16 @@ fn take_apart(x: &[Vec3], planes: &mut Planes) {
 #[inline(always)]
 fn add_together(planes: &Planes, out: &mut [Vec3]) {
     let (pairs, last) = out.as_chunks_mut::<2>();
-    let [x, y, z] = planes;
-    let at = |place: usize| Vec3::new(x[place], y[place], z[place]);
     if let [last] = last {
-        *last += at(pairs.len());
+        for c in 0..3 {
+            last[c] += planes[c][pairs.len()];
+        }
     }
-    for (i, pair) in pairs.iter_mut().enumerate() {
-        pair[0] += at(i);
-        pair[1] += at(PIECE / 2 + i);
+    for (i, [even, odd]) in pairs.iter_mut().enumerate().take(PIECE / 2) {
+        for c in 0..3 {
+            even[c] += planes[c][i];
+            odd[c] += planes[c][PIECE / 2 + i];
+        }
     }
 }
 
