@@ -9,10 +9,11 @@ mod limit;
 mod sheet;
 
 use cloth_core::block_matrix::BlockMatrix;
+use cloth_core::cloth::{Cloth, Elements, Membrane, MembraneCarrier};
 use cloth_core::element::{Constraint, Convexity, Energy, Projective};
 use cloth_core::energy::{
     ArapTriangle, AreaTriangle, Attachment, CubicShell, CurvatureHinge, CurvedHinge, DihedralHinge,
-    Spring, StrainLimitSpring, StrainLimitTriangle, StvkTriangle, VolumeTetrahedron,
+    MidpointHinge, Spring, StrainLimitSpring, StrainLimitTriangle, StvkTriangle, VolumeTetrahedron,
 };
 use cloth_core::family::Energies;
 use cloth_core::math::{Mat3, Real, Vec3, gather};
@@ -33,7 +34,6 @@ const RIGIDITY: Real = 1e-5;
 
 /// A sheet with everything that elements are made from.
 struct Sheet {
-    side: usize,
     mesh: TriMesh,
     edges: EdgeTable,
     hinges: HingeTable,
@@ -46,7 +46,6 @@ impl Sheet {
         let mesh = grid(side, side, 1.0, 1.0, Diagonals::Alternating).expect("a sheet");
         let edges = EdgeTable::build(&mesh).expect("edges");
         Self {
-            side,
             hinges: HingeTable::build(&mesh, &edges),
             x: shaken(mesh.positions()),
             mesh,
@@ -106,6 +105,26 @@ impl Sheet {
             .collect()
     }
 
+    /// Bending between the middles of the edges, and where these are (m).
+    fn midpoint_hinges(&self) -> (Vec<MidpointHinge>, Vec<Vec3>) {
+        let cloth = Cloth {
+            areal_density: 0.2,
+            membrane: Membrane::SpringStiffness(STIFFNESS),
+            bending_rigidity: RIGIDITY,
+        };
+        let cut = cloth.on_midpoints(MembraneCarrier::Springs, &self.mesh);
+        let cut = cut.expect("a cloth on midpoints");
+        let hinges = cut
+            .model
+            .others
+            .into_iter()
+            .find_map(|family| match family {
+                Elements::Midpoint(hinges) => Some(hinges),
+                _ => None,
+            });
+        (hinges.expect("hinges"), cut.midpoints.between(&self.x))
+    }
+
     fn attachments(&self) -> Vec<Attachment> {
         let attach = |(vertex, &target): (usize, &Vec3)| Attachment {
             vertex: vertex as u32,
@@ -129,10 +148,10 @@ fn vectors(x: &[Vec3]) -> usize {
 fn energy<const N: usize, E: Energy<N>>(
     criterion: &mut Criterion,
     name: &str,
-    sheet: &Sheet,
+    (side, x): (usize, &[Vec3]),
     elements: Vec<E>,
 ) {
-    let (x, side, count) = (&sheet.x, sheet.side, elements.len());
+    let count = elements.len();
     let bytes = size_of_val(&elements[..]) + vectors(x);
     let energies = Energies::new(x.len()).with(elements);
     let mut energies = energies.expect("elements of the sheet");
@@ -146,7 +165,7 @@ fn energy<const N: usize, E: Energy<N>>(
     });
     let with_both = with_sum + vectors(x);
     limit::bench(&mut group, "Hessian times vector", with_both, || {
-        energies.add_hessian_product(x, &sheet.x, Convexity::Clamp, &mut out);
+        energies.add_hessian_product(x, x, Convexity::Clamp, &mut out);
     });
     let mut matrix = BlockMatrix::zeros(energies.bind_pattern());
     let slots = count * N * N * size_of::<u32>();
@@ -164,21 +183,24 @@ fn energy<const N: usize, E: Energy<N>>(
 fn energies(criterion: &mut Criterion) {
     for side in SIDES {
         let sheet = &Sheet::new(side);
-        energy(criterion, "springs", sheet, sheet.springs());
+        let at = (side, &sheet.x[..]);
+        energy(criterion, "springs", at, sheet.springs());
         let limited = sheet.limited_springs();
-        energy(criterion, "springs with slack", sheet, limited);
-        energy(criterion, "StVK triangles", sheet, sheet.stvk());
-        energy(criterion, "ARAP triangles", sheet, sheet.arap());
-        energy(criterion, "area triangles", sheet, sheet.areas());
+        energy(criterion, "springs with slack", at, limited);
+        energy(criterion, "StVK triangles", at, sheet.stvk());
+        energy(criterion, "ARAP triangles", at, sheet.arap());
+        energy(criterion, "area triangles", at, sheet.areas());
         let limited = sheet.limited_triangles();
-        energy(criterion, "triangles with slack", sheet, limited);
+        energy(criterion, "triangles with slack", at, limited);
         let hinges = sheet.quadratic_hinges();
-        energy(criterion, "quadratic hinges", sheet, hinges);
-        energy(criterion, "curved hinges", sheet, sheet.curved_hinges());
-        energy(criterion, "dihedral hinges", sheet, sheet.dihedral_hinges());
-        energy(criterion, "cubic shells", sheet, sheet.cubic_shells());
-        energy(criterion, "tetrahedra", sheet, sheet.tetrahedra());
-        energy(criterion, "attachments", sheet, sheet.attachments());
+        energy(criterion, "quadratic hinges", at, hinges);
+        energy(criterion, "curved hinges", at, sheet.curved_hinges());
+        energy(criterion, "dihedral hinges", at, sheet.dihedral_hinges());
+        energy(criterion, "cubic shells", at, sheet.cubic_shells());
+        energy(criterion, "tetrahedra", at, sheet.tetrahedra());
+        energy(criterion, "attachments", at, sheet.attachments());
+        let (hinges, middles) = sheet.midpoint_hinges();
+        energy(criterion, "midpoint hinges", (side, &middles), hinges);
     }
 }
 
@@ -186,12 +208,12 @@ fn energies(criterion: &mut Criterion) {
 fn constraint<const N: usize, E: Constraint<N>>(
     criterion: &mut Criterion,
     name: &str,
-    sheet: &Sheet,
+    (side, start): (usize, &[Vec3]),
     elements: &[E],
 ) {
-    let (side, count) = (sheet.side, sheet.x.len());
+    let count = start.len();
     let w = vec![5.0 * count as Real; count];
-    let mut x = sheet.x.clone();
+    let mut x = start.to_vec();
     let bytes = sweep_bytes(elements, &w);
     let pool = ThreadPoolBuilder::new().num_threads(1).build();
     let pool = pool.expect("a thread");
@@ -207,32 +229,34 @@ fn constraint<const N: usize, E: Constraint<N>>(
 fn constraints(criterion: &mut Criterion) {
     for side in SIDES {
         let sheet = &Sheet::new(side);
-        constraint(criterion, "springs", sheet, &sheet.springs());
+        let at = (side, &sheet.x[..]);
+        constraint(criterion, "springs", at, &sheet.springs());
         let limited = sheet.limited_springs();
-        constraint(criterion, "springs with slack", sheet, &limited);
-        constraint(criterion, "StVK triangles", sheet, &sheet.stvk());
-        constraint(criterion, "ARAP triangles", sheet, &sheet.arap());
-        constraint(criterion, "area triangles", sheet, &sheet.areas());
+        constraint(criterion, "springs with slack", at, &limited);
+        constraint(criterion, "StVK triangles", at, &sheet.stvk());
+        constraint(criterion, "ARAP triangles", at, &sheet.arap());
+        constraint(criterion, "area triangles", at, &sheet.areas());
         let limited = sheet.limited_triangles();
-        constraint(criterion, "triangles with slack", sheet, &limited);
+        constraint(criterion, "triangles with slack", at, &limited);
         let hinges = sheet.quadratic_hinges();
-        constraint(criterion, "quadratic hinges", sheet, &hinges);
+        constraint(criterion, "quadratic hinges", at, &hinges);
         let hinges = sheet.curved_hinges();
-        constraint(criterion, "curved hinges", sheet, &hinges);
+        constraint(criterion, "curved hinges", at, &hinges);
         let hinges = sheet.dihedral_hinges();
-        constraint(criterion, "dihedral hinges", sheet, &hinges);
-        constraint(criterion, "tetrahedra", sheet, &sheet.tetrahedra());
-        constraint(criterion, "attachments", sheet, &sheet.attachments());
+        constraint(criterion, "dihedral hinges", at, &hinges);
+        constraint(criterion, "tetrahedra", at, &sheet.tetrahedra());
+        constraint(criterion, "attachments", at, &sheet.attachments());
+        let (hinges, middles) = sheet.midpoint_hinges();
+        constraint(criterion, "midpoint hinges", (side, &middles), &hinges);
     }
 }
 
 fn projection<const N: usize, const K: usize, E: Projective<N, K>>(
     criterion: &mut Criterion,
     name: &str,
-    sheet: &Sheet,
+    (side, x): (usize, &[Vec3]),
     elements: Vec<E>,
 ) {
-    let (x, side) = (&sheet.x, sheet.side);
     let particles = Particles::new(vec![1.0; x.len()]).expect("masses");
     let bytes = size_of_val(&elements[..]) + 3 * vectors(x);
     let mut group = criterion.benchmark_group(format!("local step of {name}, {side} a side"));
@@ -247,14 +271,17 @@ fn projection<const N: usize, const K: usize, E: Projective<N, K>>(
 fn projections(criterion: &mut Criterion) {
     for side in SIDES {
         let sheet = &Sheet::new(side);
-        projection(criterion, "springs", sheet, sheet.springs());
+        let at = (side, &sheet.x[..]);
+        projection(criterion, "springs", at, sheet.springs());
         let limited = sheet.limited_springs();
-        projection(criterion, "springs with slack", sheet, limited);
-        projection(criterion, "ARAP triangles", sheet, sheet.arap());
+        projection(criterion, "springs with slack", at, limited);
+        projection(criterion, "ARAP triangles", at, sheet.arap());
         let limited = sheet.limited_triangles();
-        projection(criterion, "triangles with slack", sheet, limited);
+        projection(criterion, "triangles with slack", at, limited);
         let hinges = sheet.curved_hinges();
-        projection(criterion, "curved hinges", sheet, hinges);
+        projection(criterion, "curved hinges", at, hinges);
+        let (hinges, middles) = sheet.midpoint_hinges();
+        projection(criterion, "midpoint hinges", (side, &middles), hinges);
     }
 }
 

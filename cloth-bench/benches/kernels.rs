@@ -1,4 +1,4 @@
-//! Linear algebra on the matrices of the hanging sheet, at three sizes: products, factorisations, solves, iterations.
+//! Linear algebra on the matrices of the hanging sheet, at three sizes: products, factorisations, solves, iterations, eigenvalues.
 //!
 //! Elements have a bench of their own (`elements`), sweeps (`sweeps`), what projective dynamics does with its factor (`projective`).
 
@@ -12,10 +12,12 @@ use cloth_core::block_matrix::BlockMatrix;
 use cloth_core::element::{Convexity, Element};
 use cloth_core::energy::Spring;
 use cloth_core::linear::{
-    BlockCholesky, Budget, Cholesky, LinearMethod, Minres, PanelFactor, UpperPattern,
+    BlockCholesky, Budget, Cholesky, LinearMethod, Minres, PanelFactor, Preconditioner,
+    SignedCholesky, UpperPattern, spectrum,
 };
 use cloth_core::math::{Real, Vec3};
 use criterion::{Criterion, Throughput};
+use limit::Moved;
 use sheet::sheet;
 
 const SIDES: [u32; 3] = [64, 128, 256];
@@ -67,7 +69,7 @@ fn linear_solvers(criterion: &mut Criterion) {
         let scene = sheet(side);
         let x = &scene.start.positions;
         let matrix = implicit_matrix(&scene);
-        let bytes = ITERATIONS as usize * (bytes_of(&matrix) + 2 * size_of_val(&x[..]));
+        let moved = Moved::times(ITERATIONS, bytes_of(&matrix) + 2 * size_of_val(&x[..]));
         let mut y = vec![Vec3::zeros(); x.len()];
         let mut group = criterion.benchmark_group(format!("linear solver, {side} a side"));
         group.sample_size(10);
@@ -85,13 +87,94 @@ fn linear_solvers(criterion: &mut Criterion) {
             let mut solver = method.build(matrix.pattern(), &free).expect("memory");
             solver.prepare(&matrix).expect("a positive definite matrix");
             let name = format!("{}, {ITERATIONS} iterations", solver.name());
-            limit::bench(&mut group, name, bytes, || solver.solve(&matrix, x, &mut y));
+            limit::bench(&mut group, name, moved, || solver.solve(&matrix, x, &mut y));
         }
     }
 }
 
 /// Iterations of an iterative solver in one measurement.
 const ITERATIONS: u32 = 10;
+
+/// The outermost eigenvalues by so many steps of conjugate gradients, with and without preconditioner.
+fn eigenvalues(criterion: &mut Criterion) {
+    const STEPS: u32 = 100;
+    for side in SIDES {
+        let scene = sheet(side);
+        let matrix = implicit_matrix(&scene);
+        let free = vec![true; scene.start.positions.len()];
+        let vector = size_of_val(&scene.start.positions[..]);
+        let moved = Moved::times(STEPS, bytes_of(&matrix) + 2 * vector);
+        let mut group = criterion.benchmark_group(format!("spectrum, {side} a side"));
+        group.sample_size(10);
+        for (name, preconditioner) in [
+            ("of the matrix", Preconditioner::Identity),
+            ("with block Jacobi", Preconditioner::BlockJacobi),
+        ] {
+            let name = format!("{name}, {STEPS} steps");
+            limit::bench(&mut group, name, moved, || {
+                spectrum(&matrix, &free, preconditioner, STEPS)
+            });
+        }
+    }
+}
+
+/// The saddle-point matrix `[M/Δt² Jᵀ; J −1/k]` of the springs, of which XPBD's direct solver factorises one an iteration: the signed factorisation, and a solve.
+fn saddle_factor(criterion: &mut Criterion) {
+    for side in [32, 64, 128] {
+        let scene = sheet(side);
+        let (pattern, values) = saddle(&scene);
+        let positive = 3 * scene.start.positions.len();
+        let mut cholesky = SignedCholesky::analyze(pattern, positive).expect("memory");
+        cholesky.values_mut().copy_from_slice(&values);
+        let mut group = criterion.benchmark_group(format!("saddle-point factor, {side} a side"));
+        group.sample_size(10);
+        group.throughput(Throughput::Elements(cholesky.factor_len() as u64));
+        let factor = cholesky.factor_len() * size_of::<Real>();
+        let bytes = factor + size_of_val(&values[..]);
+        limit::bench(&mut group, "factorise", bytes, || cholesky.factorize());
+        cholesky.factorize().expect("a quasi-definite matrix");
+        let rows = positive + scene.model.springs.len();
+        let mut column: Vec<Real> = (0..rows).map(|i| (i as Real).sin()).collect();
+        let bytes = 2 * factor + 2 * size_of_val(&column[..]);
+        limit::bench(&mut group, "solve", bytes, || {
+            cholesky.solve_in_place(&mut column);
+        });
+    }
+}
+
+/// Columns of the upper half, and its numbers: Δt = 1/60 s.
+fn saddle(scene: &Scene) -> (UpperPattern, Vec<Real>) {
+    let x = &scene.start.positions;
+    let mut pattern = UpperPattern {
+        column_offsets: vec![0],
+        rows: Vec::new(),
+    };
+    let mut values = Vec::new();
+    let mut close = |column: &mut Vec<(u32, Real)>| {
+        column.sort_by_key(|entry| entry.0);
+        pattern.rows.extend(column.iter().map(|entry| entry.0));
+        values.extend(column.drain(..).map(|entry| entry.1));
+        pattern.column_offsets.push(values.len() as u32);
+    };
+    let mut column = Vec::new();
+    for (vertex, mass) in scene.model.particles.mass().iter().enumerate() {
+        for axis in 0..3 {
+            column.push((3 * vertex as u32 + axis, mass * 3600.0));
+            close(&mut column);
+        }
+    }
+    for (number, spring) in scene.model.springs.iter().enumerate() {
+        let [a, b] = spring.vertices();
+        let along = (x[b as usize] - x[a as usize]).normalize();
+        for axis in 0..3 {
+            column.push((3 * a + axis, -along[axis as usize]));
+            column.push((3 * b + axis, along[axis as usize]));
+        }
+        column.push(((3 * x.len() + number) as u32, -1.0 / spring.stiffness));
+        close(&mut column);
+    }
+    (pattern, values)
+}
 
 /// A V × V matrix of springs, three right-hand sides at once: the factorisation, the library's solve, and that by panels. A solve has to read the factor twice.
 fn scalar_factor(criterion: &mut Criterion) {
@@ -119,9 +202,12 @@ fn scalar_factor(criterion: &mut Criterion) {
         let mut y = vec![0.0; count];
         let right: Vec<Real> = b.iter().map(|x| x.x).collect();
         let springs = &scene.model.springs;
-        let bytes = ITERATIONS as usize * (size_of_val(&springs[..]) + 5 * size_of_val(&y[..]));
+        let moved = Moved::times(
+            ITERATIONS,
+            size_of_val(&springs[..]) + 5 * size_of_val(&y[..]),
+        );
         let name = format!("MINRES, {ITERATIONS} iterations");
-        limit::bench(&mut group, name, bytes, || {
+        limit::bench(&mut group, name, moved, || {
             y.fill(0.0);
             let plain = |p: &[Real], out: &mut [Real]| out.copy_from_slice(p);
             let apply = |p: &[Real], out: &mut [Real]| spring_product(springs, p, out);
@@ -169,5 +255,11 @@ fn laplacian(scene: &Scene) -> Cholesky {
 }
 
 fn main() {
-    limit::main(&[newton_matrix, linear_solvers, scalar_factor]);
+    limit::main(&[
+        newton_matrix,
+        linear_solvers,
+        eigenvalues,
+        scalar_factor,
+        saddle_factor,
+    ]);
 }

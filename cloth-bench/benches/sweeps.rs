@@ -18,6 +18,7 @@ use cloth_core::step::StepInput;
 use cloth_core::topology::EdgeTable;
 use criterion::measurement::WallTime;
 use criterion::{BenchmarkGroup, Criterion, Throughput};
+use limit::Moved;
 use rayon::ThreadPoolBuilder;
 use sheet::{Compliant, coloured, shaken, sheet, sweep_bytes};
 
@@ -162,8 +163,8 @@ fn methods(criterion: &mut Criterion) {
             let mut state = scene.start.clone();
             let name = format!("{name} {}", settings.get("precision").unwrap_or("double"));
             let w = scene.model.particles.inverse_mass();
-            let bytes = SWEEPS as usize * sweep_bytes(&scene.model.springs, w);
-            limit::bench_in(&pool, &mut group, name, bytes, || {
+            let moved = Moved::times(SWEEPS, sweep_bytes(&scene.model.springs, w));
+            limit::bench_in(&pool, &mut group, name, moved, || {
                 let input = StepInput::new(1.0 / 60.0).gravity(Vec3::new(0.0, 0.0, -9.81));
                 solver.step(&mut state, input)
             });

@@ -111,6 +111,24 @@ pub trait Energy<const N: usize>: Element<N> {
 
     /// `∂²E/∂xᵢ∂xⱼ` (N/m).
     fn hessian(&self, x: &[Vec3; N], convexity: Convexity) -> Blocks<N>;
+
+    /// `Σⱼ ∂²E/∂xᵢ∂xⱼ pⱼ` (N), for displacements `p` (m). An element that can do it without the blocks is several times faster.
+    #[inline]
+    fn hessian_product(&self, x: &[Vec3; N], p: &[Vec3; N], convexity: Convexity) -> [Vec3; N] {
+        multiply(&self.hessian(x, convexity), p)
+    }
+}
+
+/// Blocks times vectors.
+#[inline]
+fn multiply<const N: usize>(blocks: &Blocks<N>, p: &[Vec3; N]) -> [Vec3; N] {
+    std::array::from_fn(|i| {
+        let mut sum = Vec3::zeros();
+        for j in 0..N {
+            sum += blocks[i][j] * p[j];
+        }
+        sum
+    })
 }
 
 /// An energy `E = ½ Σᵣ kᵣ Cᵣ²`, given by its rows: what PBD and XPBD ask for.
@@ -167,6 +185,12 @@ pub trait Constraint<const N: usize>: Element<N> {
     fn curvature(&self, x: &[Vec3; N], convexity: Convexity) -> Blocks<N> {
         let _ = (x, convexity);
         [[Mat3::zeros(); N]; N]
+    }
+
+    /// [`Constraint::curvature`] times displacements `p` (m), in N. Called as that is, and never where [`Constraint::ROWS_ARE_LINEAR`].
+    #[inline]
+    fn curvature_product(&self, x: &[Vec3; N], p: &[Vec3; N], convexity: Convexity) -> [Vec3; N] {
+        multiply(&self.curvature(x, convexity), p)
     }
 }
 
@@ -257,6 +281,26 @@ impl<const N: usize, C: Constraint<N>> Energy<N> for C {
                 for j in 0..N {
                     sum[i][j] += scaled * row.gradient[j].transpose();
                 }
+            }
+        }
+        sum
+    }
+
+    /// `Σ k ∂C (∂C·p)`, and what the curvature adds: no blocks of 3 × 3 where the rows are linear.
+    #[inline]
+    fn hessian_product(&self, x: &[Vec3; N], p: &[Vec3; N], convexity: Convexity) -> [Vec3; N] {
+        let mut sum = match convexity {
+            _ if C::ROWS_ARE_LINEAR => [Vec3::zeros(); N],
+            Convexity::GaussNewton => [Vec3::zeros(); N],
+            _ => self.curvature_product(x, p, convexity),
+        };
+        for row in self.rows(x).as_ref() {
+            let mut change = 0.0;
+            for j in 0..N {
+                change += row.gradient[j].dot(&p[j]);
+            }
+            for i in 0..N {
+                sum[i] += row.gradient[i] * (row.stiffness * change);
             }
         }
         sum

@@ -45,12 +45,10 @@ impl<const N: usize, E: Energy<N>> EnergyFamily for Family<N, E> {
     fn add_hessian_product(&self, x: &[Vec3], p: &[Vec3], convexity: Convexity, out: &mut [Vec3]) {
         for element in &self.elements {
             let vertices = element.vertices();
-            let hessian = element.hessian(&gather(x, vertices), convexity);
-            let direction = gather(p, vertices);
+            let (x, p) = (gather(x, vertices), gather(p, vertices));
+            let product = element.hessian_product(&x, &p, convexity);
             for i in 0..N {
-                for j in 0..N {
-                    out[vertices[i] as usize] += hessian[i][j] * direction[j];
-                }
+                out[vertices[i] as usize] += product[i];
             }
         }
     }

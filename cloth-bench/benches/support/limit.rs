@@ -26,15 +26,38 @@ pub(crate) fn main(targets: &[fn(&mut Criterion)]) {
     println!("all in {:.0} s", started.elapsed().as_secs_f64());
 }
 
-/// Times `work` as criterion does, and prints the shortest time beside the limit for its `bytes`. Nothing is printed for what a filter leaves out.
+/// What a kernel moves.
+#[derive(Clone, Copy)]
+pub(crate) struct Moved {
+    /// Everything that one pass reads or writes.
+    bytes: usize,
+    passes: usize,
+}
+
+impl From<usize> for Moved {
+    fn from(bytes: usize) -> Self {
+        Self { bytes, passes: 1 }
+    }
+}
+
+impl Moved {
+    /// The same bytes again and again: as fast as so many come, however often.
+    #[allow(dead_code)] // few benches iterate
+    pub(crate) fn times(passes: u32, bytes: usize) -> Self {
+        let passes = passes as usize;
+        Self { bytes, passes }
+    }
+}
+
+/// Times `work` as criterion does, and prints the shortest time beside the limit for what it moves. Nothing is printed for what a filter leaves out.
 #[allow(dead_code)] // few benches keep their own time
 pub(crate) fn bench<O>(
     group: &mut BenchmarkGroup<'_, WallTime>,
     name: impl Into<String>,
-    bytes: usize,
+    moved: impl Into<Moved>,
     mut work: impl FnMut() -> O,
 ) {
-    timed(group, &name.into(), bytes, |repetitions| {
+    timed(group, &name.into(), moved, |repetitions| {
         let started = Instant::now();
         for _ in 0..repetitions {
             black_box(work());
@@ -49,10 +72,10 @@ pub(crate) fn bench_in<O>(
     pool: &ThreadPool,
     group: &mut BenchmarkGroup<'_, WallTime>,
     name: impl Into<String>,
-    bytes: usize,
+    moved: impl Into<Moved>,
     mut work: impl FnMut() -> O + Send,
 ) {
-    timed(group, &name.into(), bytes, |repetitions| {
+    timed(group, &name.into(), moved, |repetitions| {
         pool.install(|| {
             let started = Instant::now();
             for _ in 0..repetitions {
@@ -67,9 +90,10 @@ pub(crate) fn bench_in<O>(
 pub(crate) fn timed(
     group: &mut BenchmarkGroup<'_, WallTime>,
     name: &str,
-    bytes: usize,
+    moved: impl Into<Moved>,
     mut time: impl FnMut(u64) -> Duration,
 ) {
+    let Moved { bytes, passes } = moved.into();
     let mut shortest = f64::INFINITY;
     group.bench_function(name, |bencher| {
         bencher.iter_custom(|repetitions| {
@@ -79,9 +103,13 @@ pub(crate) fn timed(
         });
     });
     if shortest.is_finite() {
-        let limit = Triad::measured().seconds(bytes);
+        let limit = Triad::measured().seconds(bytes) * passes as f64;
+        let again = match passes {
+            1 => String::new(),
+            _ => format!(" {passes} times"),
+        };
         println!(
-            "    {name}: {} of data, limit {}, measured {}, ratio {:.1}\n",
+            "    {name}: {} of data{again}, limit {}, measured {}, ratio {:.1}\n",
             in_bytes(bytes),
             in_time(limit),
             in_time(shortest),

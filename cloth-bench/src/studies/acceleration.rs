@@ -1,5 +1,6 @@
 //! What Chebyshev extrapolation, over-relaxation and a hierarchy save, in sweeps and in time (BENCH-1; PBD-2, PBD-3, XPBD-4).
 
+mod chains;
 mod needed;
 
 use super::{Cases, Findings, Scope, Study};
@@ -21,7 +22,7 @@ pub(super) const STUDY: Study = Study {
         answer is the place at rest, and the error is the root mean square of the distances to it over g h². `falling`: the scene `hang`, springs of 1e4 N/m and bending, sixteenth step; the error is \
         (G − G*)/(G(x̃) − G*) against the implicit Euler step by Newton's method. Where the sweeps allowed do not suffice, the count goes on at the rate of the second half of them and is \
         marked `at least`: errors fall more slowly the longer it takes. With Chebyshev a Gauss–Seidel sweep goes there and back, counted as one. Times are the smallest of several repetitions, all methods in turn, one process; \
-        beyond 200 sweeps a further sweep costs what it does on the mean of 200. Expect coarse levels to bring the sheet that hangs by its edge there almost at once; what surprises is that they do nothing for the one that hangs \
+        beyond 200 sweeps a further sweep costs what it does on the mean of 200. The plot has chains, whose rates are known. Expect coarse levels to bring the sheet that hangs by its edge there almost at once; what surprises is that they do nothing for the one that hangs \
         by two corners, where Chebyshev helps most.",
     cases,
     run,
@@ -120,7 +121,7 @@ fn ways(problem: &str, n: u32) -> Vec<Way> {
 
 fn cases(scope: Scope) -> u64 {
     let per_size: usize = PROBLEMS.iter().map(|p| 1 + ways(p, 24).len()).sum();
-    (sides(scope).len() * per_size) as u64
+    1 + (sides(scope).len() * per_size) as u64
 }
 
 fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
@@ -144,6 +145,7 @@ fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
             add(problem, n, &counted, &mut table, &mut findings);
         }
     }
+    chains::run(scope, &mut findings, cases)?;
     findings.section.verdict = verdict(&table);
     findings.table(
         "acceleration",

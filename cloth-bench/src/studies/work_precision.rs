@@ -18,10 +18,10 @@ use std::time::Instant;
 pub(super) const STUDY: Study = Study {
     name: "work-precision",
     question: "What does an error in the motion cost with each method, and what does the motion look like?",
-    about: "The hanging sheet for three tenths of a second from rest, with steps of 1/30 s and finer, every method at its default setting, and some accelerations. The reference is symplectic Euler with two very small steps, extrapolated; \
+    about: "The hanging sheet for three tenths of a second from rest, with steps of 1/30 s and finer, every method at its default setting, and every acceleration, linear solver by iterations, precision and shortened solve that it has. The reference is symplectic Euler with two very small steps, extrapolated; \
         the error is ‖x(T) − x_ref(T)‖_M/(√Σm · 1 m). Times are of the whole fall, the median of three runs where these are short. Work is iterations: Newton iterations, sweeps, \
         local and global steps, or explicit substeps. Order is that of the line above it to this one. Expect first order from implicit Euler, a floor from methods that stop iterating before they have converged, \
-        and an explicit method that is exact as soon as it is stable: its steps are short. The error against the minimiser of one step is in the study `convergence`. With `--scene FILE` the same is asked of a scene of your own, without contact, air and moving pins.",
+        and an explicit method that is exact as soon as it is stable: its steps are short. The error against the minimiser of one step is in the studies `convergence` (every method, and the accelerations), `acceleration` (sweeps in detail), `projective` and `newton`. With `--scene FILE` the same is asked of a scene of your own, without contact, air and moving pins.",
     cases,
     run,
 };
@@ -30,6 +30,9 @@ pub(super) const STUDY: Study = Study {
 const HORIZON: Real = 0.3;
 /// Steps of the reference in 1/60 s, the coarser of two.
 const REFERENCE: u32 = 4096;
+/// What the plots have along.
+const TIME: &str = "time (ms)";
+const STEP: &str = "step size (s)";
 /// Errors that the verdict asks for (dimensionless).
 const WANTED: [Real; 2] = [1e-2, 1e-3];
 
@@ -61,23 +64,61 @@ fn ways() -> Vec<(String, &'static str, Settings)> {
     let default =
         method::all().map(|method| (method.name.to_owned(), method.name, Settings::default()));
     let set = |key: &str, value: &str| Settings::default().with(key, value);
+    let iterations = set("substeps", "1").with("iterations", "20");
     let accelerated = [
+        (
+            "implicit-euler, conjugate gradients",
+            "implicit-euler",
+            set("linear", "conjugate-gradients"),
+        ),
+        (
+            "linear-implicit, conjugate gradients",
+            "linear-implicit",
+            set("linear", "conjugate-gradients"),
+        ),
+        (
+            "bdf2, conjugate gradients",
+            "bdf2",
+            set("linear", "conjugate-gradients"),
+        ),
         ("pbd, Chebyshev", "pbd", set("chebyshev", "auto")),
+        ("pbd, SOR", "pbd", set("relaxation", "1.5")),
+        (
+            "pbd, Jacobi, Chebyshev",
+            "pbd",
+            set("sweep", "jacobi").with("chebyshev", "auto"),
+        ),
         ("pbd, rigid", "pbd", set("projection", "1")),
         (
-            "xpbd, 20 iterations",
+            "pbd, rigid, coarse levels",
+            "pbd",
+            set("projection", "1").with("hierarchy", "10"),
+        ),
+        ("xpbd, 20 iterations", "xpbd", iterations.clone()),
+        (
+            "xpbd, 20 iterations, SOR",
             "xpbd",
-            set("substeps", "1").with("iterations", "20"),
+            iterations.clone().with("relaxation", "1.5"),
         ),
         (
             "xpbd, 20 iterations, Chebyshev",
             "xpbd",
-            set("substeps", "1")
-                .with("iterations", "20")
-                .with("chebyshev", "auto"),
+            iterations.clone().with("chebyshev", "auto"),
+        ),
+        (
+            "xpbd, 20 iterations, Jacobi, Chebyshev",
+            "xpbd",
+            iterations.with("sweep", "jacobi").with("chebyshev", "auto"),
+        ),
+        ("xpbd, single precision", "xpbd", set("precision", "single")),
+        (
+            "xpbd-direct, one solve",
+            "xpbd-direct",
+            set("mode", "stable"),
         ),
         ("pd, plain", "pd", set("acceleration", "none")),
         ("pd, Chebyshev", "pd", set("acceleration", "chebyshev")),
+        ("pd, no coarse grid", "pd", set("coarse", "0")),
     ];
     let accelerated = accelerated.map(|(label, name, settings)| (label.to_owned(), name, settings));
     default.chain(accelerated).collect()
@@ -111,9 +152,11 @@ fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
         "order",
         "remark",
     ]);
-    let mut series = [Vec::new(), Vec::new()];
+    // By time and by step, of the methods at their defaults and of the other ways.
+    let mut series: [[Vec<Series>; 2]; 2] = Default::default();
     let mut all: Vec<(String, u32, Outcome)> = Vec::new();
-    for (label, name, settings) in ways() {
+    let defaults = method::all().count();
+    for (number, (label, name, settings)) in ways().into_iter().enumerate() {
         let mut curves = [Vec::new(), Vec::new()];
         let mut before: Option<(u32, Real)> = None;
         for &rate in rates(scope) {
@@ -146,11 +189,12 @@ fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
                 all.push((label.clone(), rate, outcome));
             }
         }
-        for (series, curve) in series.iter_mut().zip(curves) {
+        let is_default = number < defaults;
+        for (series, curve) in series[usize::from(!is_default)].iter_mut().zip(curves) {
             series.push(Series::new(&label, curve));
         }
     }
-    let [by_time, by_step] = series;
+    let [[by_time, by_step], [other_by_time, other_by_step]] = series;
     let plot = |title: &str, x: &str, series| Plot {
         title: format!("{title}, {}", sheet.which()),
         x: Axis::log(x),
@@ -158,13 +202,34 @@ fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
         series,
         note: String::new(),
     };
-    let title = "Error of the motion against run time";
-    findings.plot("work-precision-time", &plot(title, "time (ms)", by_time));
-    let title = "Error of the motion against the step";
-    findings.plot(
-        "work-precision-step",
-        &plot(title, "step size (s)", by_step),
-    );
+    for (name, title, x, series) in [
+        (
+            "time",
+            "Error of the motion against run time",
+            TIME,
+            by_time,
+        ),
+        (
+            "step",
+            "Error of the motion against the step",
+            STEP,
+            by_step,
+        ),
+        (
+            "ways-time",
+            "Accelerations, linear solvers, precision: error against run time",
+            TIME,
+            other_by_time,
+        ),
+        (
+            "ways-step",
+            "Accelerations, linear solvers, precision: error against the step",
+            STEP,
+            other_by_step,
+        ),
+    ] {
+        findings.plot(&format!("work-precision-{name}"), &plot(title, x, series));
+    }
     findings.table(
         "work-precision",
         &format!("Three tenths of a second of {}", sheet.what()),

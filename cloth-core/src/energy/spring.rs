@@ -53,6 +53,20 @@ impl Spring {
         let tips: Vec<_> = hinges.hinges().iter().map(|h| [h[2], h[3]]).collect();
         Self::along(rest_positions, &tips, stiffness)
     }
+
+    /// Its direction, and its stiffness (N/m) at right angles to that.
+    #[inline]
+    fn stiffness_across(&self, x: &[Vec3; 2], convexity: Convexity) -> (Vec3, Real) {
+        let (length, n) = length_and_direction(x[0] - x[1], self.vertices);
+        let strain = if length > 0.0 {
+            1.0 - self.rest_length / length
+        } else if self.rest_length == 0.0 {
+            1.0 // E = ½ k l² is smooth here
+        } else {
+            0.0 // no second derivative exists; the rank-one part k n nᵀ stands alone
+        };
+        (n, self.stiffness * convexity.applied_to(strain))
+    }
 }
 
 /// Below this (m²) the square of a length has lost digits.
@@ -133,17 +147,17 @@ impl Constraint<2> for Spring {
     /// under compression (S2).
     #[inline]
     fn curvature(&self, x: &[Vec3; 2], convexity: Convexity) -> Blocks<2> {
-        let (length, n) = length_and_direction(x[0] - x[1], self.vertices);
-        let strain = if length > 0.0 {
-            1.0 - self.rest_length / length
-        } else if self.rest_length == 0.0 {
-            1.0 // E = ½ k l² is smooth here
-        } else {
-            0.0 // no second derivative exists; the rank-one part k n nᵀ stands alone
-        };
-        let factor = convexity.applied_to(strain);
-        let block = (Mat3::identity() - n * n.transpose()) * (self.stiffness * factor);
+        let (n, across) = self.stiffness_across(x, convexity);
+        let block = (Mat3::identity() - n * n.transpose()) * across;
         [[block, -block], [-block, block]]
+    }
+
+    #[inline]
+    fn curvature_product(&self, x: &[Vec3; 2], p: &[Vec3; 2], convexity: Convexity) -> [Vec3; 2] {
+        let (n, across) = self.stiffness_across(x, convexity);
+        let d = p[0] - p[1];
+        let force = (d - n * n.dot(&d)) * across;
+        [force, -force]
     }
 }
 

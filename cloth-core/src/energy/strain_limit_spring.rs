@@ -56,6 +56,20 @@ impl StrainLimitSpring {
     fn nearest(&self, length: Real) -> Real {
         length.min(self.longest).max(self.shortest)
     }
+
+    /// Its direction, and its stiffness (N/m) at right angles to that.
+    #[inline]
+    fn stiffness_across(&self, x: &[Vec3; 2], convexity: Convexity) -> (Vec3, Real) {
+        let (length, n) = length_and_direction(x[0] - x[1], self.vertices);
+        let strain = if length > 0.0 {
+            1.0 - self.nearest(length) / length
+        } else if self.longest == 0.0 {
+            1.0 // E = ½ k l² is smooth here
+        } else {
+            0.0 // no second derivative exists; the rank-one part stands alone
+        };
+        (n, self.stiffness * convexity.applied_to(strain))
+    }
 }
 
 impl Element<2> for StrainLimitSpring {
@@ -85,17 +99,17 @@ impl Constraint<2> for StrainLimitSpring {
     /// `k (C/l)(I − n nᵀ)`: negative below the shortest length.
     #[inline]
     fn curvature(&self, x: &[Vec3; 2], convexity: Convexity) -> Blocks<2> {
-        let (length, n) = length_and_direction(x[0] - x[1], self.vertices);
-        let strain = if length > 0.0 {
-            1.0 - self.nearest(length) / length
-        } else if self.longest == 0.0 {
-            1.0 // E = ½ k l² is smooth here
-        } else {
-            0.0 // no second derivative exists; the rank-one part stands alone
-        };
-        let factor = convexity.applied_to(strain);
-        let block = (Mat3::identity() - n * n.transpose()) * (self.stiffness * factor);
+        let (n, across) = self.stiffness_across(x, convexity);
+        let block = (Mat3::identity() - n * n.transpose()) * across;
         [[block, -block], [-block, block]]
+    }
+
+    #[inline]
+    fn curvature_product(&self, x: &[Vec3; 2], p: &[Vec3; 2], convexity: Convexity) -> [Vec3; 2] {
+        let (n, across) = self.stiffness_across(x, convexity);
+        let d = p[0] - p[1];
+        let force = (d - n * n.dot(&d)) * across;
+        [force, -force]
     }
 }
 

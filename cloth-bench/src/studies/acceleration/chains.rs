@@ -1,0 +1,75 @@
+//! Sweeps over a straight chain of rigid links, whose rates have closed forms (VALIDATION 5).
+
+use crate::error::BenchError;
+use crate::laws::Law;
+use crate::report::plot::{Axis, Plot, Series, Style};
+use crate::settings::Settings;
+use crate::studies::{Cases, Findings, Scope};
+use cloth_core::math::Real;
+use serde::{Deserialize, Serialize};
+
+const SOLVERS: [&str; 4] = ["jacobi", "gauss-seidel", "sor", "chebyshev"];
+
+fn links(scope: Scope) -> &'static [u32] {
+    match scope {
+        Scope::Quick => &[5, 20, 80],
+        Scope::Full => &[5, 10, 20, 40, 80, 160],
+    }
+}
+
+/// The factor by which a sweep shrinks the slowest error.
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+struct Rate {
+    measured: Real,
+    expected: Real,
+}
+
+/// Sweeps that divide the slowest error by ten.
+fn per_decade(factor: Real) -> Real {
+    -1.0 / factor.log10()
+}
+
+/// Draws the measurements and the closed forms through them.
+pub(super) fn run(
+    scope: Scope,
+    findings: &mut Findings,
+    cases: &mut Cases<'_>,
+) -> Result<(), BenchError> {
+    let (mut measured, mut exact) = (Vec::new(), Vec::new());
+    let rates: Vec<Vec<Rate>> = cases.case("chains of rigid links", || {
+        let law = Law::find("chain-rate")?;
+        let rate = |solver: &str, &links: &u32| {
+            let settings = Settings::default().with("solver", solver);
+            let verdict = law.evaluate(&settings.with("links", links))?;
+            Ok::<_, BenchError>(Rate {
+                measured: verdict.measured,
+                expected: verdict.expected,
+            })
+        };
+        let of_solver = |solver| links(scope).iter().map(|n| rate(solver, n)).collect();
+        SOLVERS.into_iter().map(of_solver).collect()
+    })?;
+    for (solver, rates) in SOLVERS.iter().zip(&rates) {
+        let curve = |of: fn(&Rate) -> Real| {
+            let rates = links(scope).iter().zip(rates);
+            rates
+                .map(|(&links, rate)| (Real::from(links), per_decade(of(rate))))
+                .collect()
+        };
+        measured.push(Series::new(solver, curve(|rate| rate.measured)).styled(Style::Points));
+        let label = format!("{solver}, exact");
+        exact.push(Series::new(&label, curve(|rate| rate.expected)).styled(Style::ExactCurve));
+    }
+    measured.append(&mut exact);
+    findings.plot(
+        "acceleration-chains",
+        &Plot {
+            title: "Sweeps to a tenth of the slowest error of a chain of rigid links".into(),
+            x: Axis::log("links"),
+            y: Axis::log("sweeps (dimensionless)"),
+            series: measured,
+            note: "Dashed: from the spectral radii cos a, cos² a, (1 − sin a)/(1 + sin a) and cos a/(1 + sin a), a = π/2N.".into(),
+        },
+    );
+    Ok(())
+}
