@@ -63,7 +63,7 @@
 //! | equation | where |
 //! |---|---|
 //! | G, w, p (CORE-10; S1 (27)–(31)) | [`Projective`](cloth_core::element::Projective) of each element |
-//! | `Σ w Gᵀ(G x − p)`, the local step | [`LocalStep`], `pulls.rs`, on threads `pieces.rs`; where p is constant, `quadratic.rs` |
+//! | `Σ w Gᵀ(G x − p)`, the local step | [`LocalStep`], `pulls.rs`, as streams `planes.rs`, on threads `pieces.rs`; where p is constant, `quadratic.rs` |
 //! | `G`, `∇G` | `objective.rs` |
 //! | A, S1 (30), (32) | `matrix.rs` |
 //! | what quasi-Newton leaves out of it | `matrix.rs` |
@@ -100,8 +100,9 @@
 //!
 //! # Cost
 //! A solve reads the factor twice: with bending 1.29 million numbers at 128 vertices a side, so 20.6 MB, and no solve is faster than the memory gives them. `cloth-bench study projective` has the time of a solve beside that of reading the factor, and beside the linear-algebra library, by size. The local step reads 24 bytes a spring and reads or
-//! writes 72 a vertex, and takes 3 times as long as moving those where they come from the memory (512 a side), 5 to 9 times where they are in a cache (256 to 64; the same study). Springs are projected 32 side by side; where the vertices are numbered along rows, as on a grid, the ends of
-//! neighbouring springs are neighbours too, and both are read and added to as streams, without an index. What is left is the square root and the division of each spring, and taking x, y and z apart and together again. Cloth in another order takes the ends one by one.
+//! writes 72 a vertex; `cargo bench -p cloth-bench --bench projective -- "local step"` has its time beside what the memory needs for as many bytes: TIMES. Where the vertices are numbered along rows, as on a grid, the ends of
+//! neighbouring springs are neighbours too, and both are read and added to as streams, without an index: x, y and z apart, even vertices apart from odd ones, eight springs side by side. What is left is the square root and the division of each
+//! spring (0.7 ns), the sums, and taking x, y and z apart and together again. Cloth in another order takes the ends one by one.
 //!
 //! With quadratic bending and n vertices, f numbers in the factor, e springs and b entries in the matrix of the bending energy, an iteration moves `16 f` bytes for the solve, `24 e + 72 n` for the springs, `12 b + 64 n`
 //! for the bending, about `200 n` for the rest of the objective, and `96 n` for each pair that is remembered. At 128 a side, with the bending left out of the matrix, that is about 9 MB, 2 MB, 4 MB, 3 MB and, with two pairs, 3 MB. A large factor is cut into subtrees of its elimination tree, which threads can share; the cut does not depend on how many there are. All loops are compiled for wide registers too ([`wide`](cloth_core::wide)), and give the same bits without.
