@@ -177,7 +177,13 @@ impl ContactSource for ClothContacts {
         if !free {
             self.last_resorts(step, positions, velocities)?;
         }
+        // Impulses of heavy and light vertices, and ways over times, may be beyond all numbers.
+        step.check(self.vertex_count, positions, velocities)?;
         self.keep(step, positions)
+    }
+
+    fn held(&self) -> usize {
+        self.report.held
     }
 }
 

@@ -70,6 +70,12 @@ pub trait ContactSource {
         positions: &mut [Vec3],
         velocities: &mut [Vec3],
     ) -> Result<(), ContactError>;
+
+    /// Number of vertices that the last resolved step has held back: they are safe, but behind where contact should let them go, and have lost momentum for it. 0 for
+    /// a source that does not do that.
+    fn held(&self) -> usize {
+        0
+    }
 }
 
 /// Why contact could not be resolved.

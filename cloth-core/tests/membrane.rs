@@ -9,7 +9,9 @@ use cloth_core::energy::{ArapTriangle, StvkTriangle};
 use cloth_core::family::Energies;
 use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::{TriMesh, generate};
-use support::{convex_choices_are_convex, derivatives_agree, is_invariant, largest, noise, shape};
+use support::{
+    balanced, convex_choices_are_convex, derivatives_agree, is_invariant, largest, noise, shape,
+};
 
 const REST: [Vec3; 3] = [
     Vec3::new(0.1, 0.2, 0.3),
@@ -49,27 +51,14 @@ fn collapsed_triangles_are_finite_everywhere() {
     for start in [line, doubled, [noise(1); 3], [Vec3::zeros(); 3]] {
         for size in [0.0, 1e-300, 1e-100, 1e-12, 1e-8] {
             let x: [Vec3; 3] = std::array::from_fn(|i| start[i] + noise(i + 9) * size);
-            finite(&stvk(), &x);
-            finite(&arap(), &x);
+            balanced(&stvk(), &x);
+            balanced(&arap(), &x);
             convex_choices_are_convex(&arap(), &x);
         }
     }
     // Pressed to a point, ARAP costs its whole strain: E = ½ A k (1 + 1).
     let area = 0.5 * (REST[1] - REST[0]).cross(&(REST[2] - REST[0])).norm();
     assert!((arap().value(&[noise(1); 3]) / (area * 40.0) - 1.0).abs() < 1e-14);
-}
-
-fn finite<E: Energy<3>>(element: &E, x: &[Vec3; 3]) {
-    assert!(element.value(x).is_finite());
-    assert!(element.gradient(x).iter().flatten().all(|g| g.is_finite()));
-    for convexity in [
-        Convexity::Exact,
-        Convexity::Clamp,
-        Convexity::Abs,
-        Convexity::GaussNewton,
-    ] {
-        assert!(largest(&element.hessian(x, convexity)).is_finite(), "{x:?}");
-    }
 }
 
 #[test]

@@ -230,6 +230,7 @@ mod matrix;
 mod objective;
 mod passes;
 mod pieces;
+mod planes;
 mod pulls;
 mod quadratic;
 mod quasi_newton;

@@ -179,11 +179,12 @@ impl<const N: usize, const K: usize, E: Projective<N, K>> Projections for Family
     }
 }
 
-/// Elements in the order of these numbers have their vertices near one another; on a mesh that is numbered along rows all of one direction come together, their vertices one after another.
-fn key<const N: usize, E: Element<N>>(element: &E) -> [u32; 3] {
+/// Elements in the order of these numbers have their vertices near one another; on a mesh that is numbered along rows all of one direction
+/// come together, first those of the even vertices, then those of the odd ones.
+pub(crate) fn key<const N: usize, E: Element<N>>(element: &E) -> [u32; 4] {
     let vertices = element.vertices();
     let (first, last) = (vertices[0], vertices[N - 1]);
-    [first / WINDOW, last.wrapping_sub(first), first]
+    [first / WINDOW, last.wrapping_sub(first), first % 2, first]
 }
 
 /// Vertices that elements stay with before they go on: few enough for positions and sums to stay in the nearest cache.

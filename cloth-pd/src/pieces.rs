@@ -1,6 +1,7 @@
 //! The cloth cut into pieces of neighbouring vertices, so that sums over elements come out the same on any number of threads.
 
 use crate::local::share;
+use crate::planes::{Run, Runs};
 use crate::pulls::{BLOCK, Pulls};
 use cloth_core::element::Projective;
 use cloth_core::math::{Real, Vec3};
@@ -20,7 +21,7 @@ pub(crate) fn of(vertex: u32) -> usize {
 /// Each piece visits the elements that touch it and adds to its own vertices only; an element on the border of two pieces is visited by both. So no two threads write to the same place, and every
 /// vertex adds up the same numbers in the same order on any number of threads. A number per element is added up by the piece of its first vertex.
 ///
-/// Meshes are mostly numbered along rows, and then the edges of one direction have their ends one after another as well. Such [`Run`]s need no index per element: their ends are read, and added to, as streams.
+/// Meshes are mostly numbered along rows, and then the edges of one direction have their ends one after another as well. Such [`Runs`] need no index per element: their ends are read, and added to, as streams.
 #[derive(Debug, Default)]
 pub(crate) struct Pieces {
     /// One number per piece.
@@ -31,51 +32,10 @@ pub(crate) struct Pieces {
 
 /// What one piece visits.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Part {
-    pub(crate) runs: Vec<Run>,
+struct Part {
+    runs: Runs,
     /// The numbers of all elements without a run, ascending.
-    pub(crate) scattered: Vec<u32>,
-}
-
-/// Elements one after another with the same operator, each with vertices `stride` further than those of the one before. Vertices in the same place of each are in one piece.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Run {
-    pub(crate) first: u32,
-    pub(crate) len: u32,
-    /// 1 or 2.
-    pub(crate) stride: u32,
-}
-
-/// Fewer elements are not worth the calls.
-const SHORTEST_RUN: u32 = 8;
-
-impl Run {
-    /// The longest at the front of `elements`, of which the first has number `first`, of a piece.
-    fn at<const N: usize, const K: usize, E: Projective<N, K>>(
-        elements: &[E],
-        first: usize,
-    ) -> Self {
-        let rest = &elements[first..];
-        let (start, operator) = (rest[0].vertices(), rest[0].operator());
-        let stride = rest
-            .get(1)
-            .map_or(1, |second| second.vertices()[0].wrapping_sub(start[0]));
-        let continues = |(step, element): &(u32, &E)| {
-            let expected = start.map(|vertex| vertex.wrapping_add(step * stride));
-            element.vertices() == expected
-                && (0..N).all(|i| of(expected[i]) == of(start[i]))
-                && element.operator() == operator
-        };
-        let len = match stride {
-            1 | 2 => (0..).zip(rest).take_while(continues).count() as u32,
-            _ => 1,
-        };
-        Self {
-            first: first as u32,
-            len: len.max(1),
-            stride,
-        }
-    }
+    scattered: Vec<u32>,
 }
 
 impl Pieces {
@@ -100,25 +60,16 @@ impl Pieces {
         self.parts = vec![Part::default(); self.values.len()];
         let mut at = 0;
         while at < elements.len() {
-            let run = Run::at(elements, at);
-            at += run.len as usize;
-            if in_runs && run.len >= SHORTEST_RUN {
-                for vertex in elements[run.first as usize].vertices() {
-                    let list = &mut self.parts[of(vertex)].runs;
-                    if list.last() != Some(&run) {
-                        list.push(run);
-                    }
-                }
-                continue;
-            }
-            for index in run.first..run.first + run.len {
-                for vertex in elements[index as usize].vertices() {
-                    let list = &mut self.parts[of(vertex)].scattered;
-                    if list.last() != Some(&index) {
-                        list.push(index);
-                    }
+            let run = Run::at(elements, at).filter(|_| in_runs);
+            for vertex in elements[at].vertices() {
+                let part = &mut self.parts[of(vertex)];
+                if let Some(run) = run {
+                    part.runs.push(run, elements);
+                } else if part.scattered.last() != Some(&(at as u32)) {
+                    part.scattered.push(at as u32);
                 }
             }
+            at += run.map_or(1, |run| run.elements().len());
         }
     }
 
@@ -136,7 +87,7 @@ impl Pieces {
         let sum = |piece: usize, part: &Part, out: &mut [Vec3], total: &mut Real| {
             *total = wide(
                 #[inline(always)]
-                || sum_part(part, piece * PIECE, elements, are_spheres, x, out),
+                || sum_part(part, piece, elements, are_spheres, x, out),
             );
         };
         for_each_part(elements.len(), &self.parts, out, &mut self.values, sum);
@@ -144,45 +95,57 @@ impl Pieces {
     }
 }
 
-/// Adds what the elements of a part pull at the vertices of its piece, `out`, of which the first has the number `start`, and returns the energy of those that it counts.
+/// Adds what the elements of a part pull at the vertices of its piece to `out`, and returns the energy of those that it counts.
 #[inline(always)]
 fn sum_part<const N: usize, const K: usize, E: Projective<N, K>>(
     part: &Part,
-    start: usize,
+    piece: usize,
     elements: &[E],
     are_spheres: bool,
     x: &[Vec3],
     out: &mut [Vec3],
 ) -> Real {
     let mut pulls = Pulls::default();
-    let mut energies = [0.0; BLOCK];
-    for run in &part.runs {
-        let elements = &elements[run.first as usize..][..run.len as usize];
-        for block in elements.chunks(BLOCK) {
-            match run.stride {
-                1 => pulls.add_run::<1, N, E>(block, x, (start, out)),
-                _ => pulls.add_run::<2, N, E>(block, x, (start, out)),
-            }
-            if of(block[0].vertices()[0]) == start / PIECE {
-                pulls.add_energies(&mut energies);
-            }
+    let streamed = part.runs.sum(piece, elements, x, out);
+    let mut total = streamed.unwrap_or(0.0);
+    if streamed.is_none() {
+        for block in part
+            .runs
+            .each()
+            .flat_map(|run| elements[run.elements()].chunks(BLOCK))
+        {
+            total += sum_block(block.iter(), &mut pulls, are_spheres, x, (piece, out));
         }
     }
-    let mut total = energies.iter().sum();
     for block in part.scattered.chunks(BLOCK) {
         let block = block.iter().map(|&element| &elements[element as usize]);
-        pulls.find(block.clone(), are_spheres, x);
-        for (element, (pull, energy)) in block.zip(pulls.each()) {
-            let (vertices, operator) = (element.vertices(), element.operator());
-            for i in 0..N {
-                // Wraps to a large number for a vertex before the piece, and finds nothing.
-                if let Some(out) = out.get_mut((vertices[i] as usize).wrapping_sub(start)) {
-                    *out += share(&operator, pull, i);
-                }
+        total += sum_block(block, &mut pulls, are_spheres, x, (piece, out));
+    }
+    total
+}
+
+/// The same for at most [`BLOCK`] elements from anywhere.
+#[inline(always)]
+fn sum_block<'a, const N: usize, const K: usize, E: Projective<N, K>>(
+    block: impl Iterator<Item = &'a E> + Clone,
+    pulls: &mut Pulls<K>,
+    are_spheres: bool,
+    x: &[Vec3],
+    (piece, out): (usize, &mut [Vec3]),
+) -> Real {
+    let mut total = 0.0;
+    pulls.find(block.clone(), are_spheres, x);
+    for (element, (pull, energy)) in block.zip(pulls.each()) {
+        let (vertices, operator) = (element.vertices(), element.operator());
+        for i in 0..N {
+            // Wraps to a large number for a vertex before the piece, and finds nothing.
+            let place = (vertices[i] as usize).wrapping_sub(piece * PIECE);
+            if let Some(out) = out.get_mut(place) {
+                *out += share(&operator, pull, i);
             }
-            if of(vertices[0]) == start / PIECE {
-                total += energy;
-            }
+        }
+        if of(vertices[0]) == piece {
+            total += energy;
         }
     }
     total
@@ -270,10 +233,11 @@ mod threads {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::local::key;
     use cloth_core::cloth::{Cloth, Membrane};
     use cloth_core::mesh::generate::{Diagonals, grid};
 
-    /// One edge has no length, which no stream can project.
+    /// One edge has no length, which the streams of its piece cannot project.
     #[test]
     fn runs_pull_as_elements_one_by_one_do() {
         let mesh = grid(80, 60, 1.0, 1.0, Diagonals::Alternating).unwrap();
@@ -293,18 +257,28 @@ mod tests {
             let mut pieces = Pieces::new(x.len());
             pieces.list(springs, in_runs);
             let mut out = vec![Vec3::zeros(); x.len()];
+            for (piece, part) in pieces.parts.iter().enumerate() {
+                let len = PIECE.min(x.len() - piece * PIECE);
+                let energy = part.runs.sum(piece, springs, &x, &mut out[..len]);
+                assert_eq!(energy.is_none(), in_runs && piece == 0);
+            }
+            out.fill(Vec3::zeros());
             let energy = pieces.sum(springs, true, &x, &mut out);
-            let runs = pieces.parts.iter().flat_map(|part| &part.runs);
-            (out, energy, runs.map(|run| run.len).sum::<u32>())
+            let runs = pieces.parts.iter().flat_map(|part| part.runs.each());
+            (
+                out,
+                energy,
+                runs.map(|run| run.elements().len()).sum::<usize>(),
+            )
         };
         let mut springs = model.springs;
-        springs.sort_by_key(|s| (s.vertices[1] - s.vertices[0], s.vertices[0]));
+        springs.sort_by_key(key);
         for (i, spring) in springs.iter_mut().enumerate() {
             spring.stiffness += (i % 5) as Real;
             spring.rest_length *= 1.0 + 0.1 * (i % 7) as Real;
         }
         let (out, energy, in_runs) = pulled(&springs, true);
-        assert!(in_runs as usize > springs.len(), "{in_runs}");
+        assert!(in_runs > springs.len(), "{in_runs}");
         let (expected, expected_energy, in_runs) = pulled(&springs, false);
         assert_eq!(in_runs, 0);
         assert!((energy - expected_energy).abs() < 1e-13 * energy);

@@ -3,7 +3,7 @@
 //! A square root and a division take longer than all else that a spring needs; done for a block of springs side by side, they do not wait for
 //! one another, nor for the sums over vertices.
 
-use crate::local::{apply, share};
+use crate::local::apply;
 use cloth_core::element::Projective;
 use cloth_core::math::{Real, Vec3, gather};
 
@@ -90,53 +90,6 @@ impl<const K: usize> Pulls<K> {
         }
         true
     }
-
-    /// Projects a part of a run with a stride of S at x (m), all on spheres, and adds its pulls to `out`, which begins with vertex `start`: at the ends that are there.
-    #[inline(always)]
-    pub(crate) fn add_run<const S: usize, const N: usize, E: Projective<N, K>>(
-        &mut self,
-        elements: &[E],
-        x: &[Vec3],
-        (start, out): (usize, &mut [Vec3]),
-    ) {
-        let (vertices, operator) = (elements[0].vertices(), elements[0].operator());
-        let count = elements.len().min(BLOCK);
-        // Wraps to a large number for vertices before the first, and finds nothing.
-        let ends = vertices.map(|vertex| {
-            let first = (vertex as usize).wrapping_sub(start);
-            (first < out.len()).then(|| first..first + S * (count - 1) + 1)
-        });
-        if !self.spheres.follow::<S, N, K, E>(elements, x) {
-            self.find_one_by_one(elements.iter(), x);
-            self.energies[count..].fill(0.0);
-            for (i, end) in ends.into_iter().enumerate() {
-                let out = end.map_or(&mut [][..], |end| &mut out[end]);
-                for (out, pull) in out.iter_mut().step_by(S).zip(&self.pulls) {
-                    *out += share(&operator, pull, i);
-                }
-            }
-            return;
-        }
-        self.spheres.project(&mut self.shares, &mut self.energies);
-        for (z, share) in self.spheres.z.iter_mut().zip(&self.shares) {
-            *z *= *share;
-        }
-        for (i, end) in ends.into_iter().enumerate() {
-            let Some(end) = end else { continue };
-            let (out, pulls) = (&mut out[end], &self.spheres.z[..count]);
-            for lane in 0..count {
-                out[S * lane] += pulls[lane] * operator[0][i];
-            }
-        }
-    }
-
-    /// Adds the energy of each element (J) of a run to a sum of its own.
-    #[inline(always)]
-    pub(crate) fn add_energies(&self, sums: &mut [Real; BLOCK]) {
-        for lane in 0..BLOCK {
-            sums[lane] += self.energies[lane];
-        }
-    }
 }
 
 /// Elements that project to spheres, side by side; what follows the last has no weight.
@@ -172,31 +125,6 @@ impl Spheres {
             self.radius[lane] = element.sphere().unwrap_or(0.0);
             self.weight[lane] = element.weight();
             count = lane + 1;
-        }
-        self.measure(count)
-    }
-
-    /// Takes elements of a run with a stride of S, whose ends are read as streams. Returns as [`Spheres::gather`].
-    #[inline(always)]
-    fn follow<const S: usize, const N: usize, const K: usize, E: Projective<N, K>>(
-        &mut self,
-        elements: &[E],
-        x: &[Vec3],
-    ) -> bool {
-        let (vertices, operator) = (elements[0].vertices(), elements[0].operator());
-        let count = elements.len().min(BLOCK);
-        let reach = S * (count - 1) + 1;
-        for i in 0..N {
-            let x = &x[vertices[i] as usize..][..reach];
-            let z = &mut self.z[..count];
-            for lane in 0..count {
-                let part = x[S * lane] * operator[0][i];
-                z[lane] = if i == 0 { part } else { z[lane] + part };
-            }
-        }
-        for lane in 0..count {
-            self.radius[lane] = elements[lane].sphere().unwrap_or(0.0);
-            self.weight[lane] = elements[lane].weight();
         }
         self.measure(count)
     }

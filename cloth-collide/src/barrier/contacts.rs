@@ -138,25 +138,24 @@ impl ContactSource for BarrierContacts {
                 Stuck::NoWay(vertex) => ContactError::NoWay { vertex },
                 Stuck::Bad(error) => not_finite(&error, positions),
             })?;
+        let Minimiser {
+            x, weight, counts, ..
+        } = &self.minimiser;
+        let ends = positions.iter_mut().zip(&mut *velocities);
+        for ((position, velocity), (x, weight)) in ends.zip(x.iter().zip(weight)) {
+            if *weight > 0.0 {
+                *velocity += (x - *position) / step.dt;
+                *position = *x;
+            }
+        }
+        // A way over a time may be beyond all numbers.
+        step.check(self.safe.len(), positions, velocities)?;
         // A copy has already been there, so nothing goes wrong here.
         let obstacles = self.obstacles.iter_mut();
         for obstacle in obstacles.flat_map(ObstacleContacts::obstacles_mut) {
             obstacle
                 .advance(step.dt)
                 .map_err(|_| not_finite(&CollideError::TooFarApart, positions))?;
-        }
-        let Minimiser {
-            x, weight, counts, ..
-        } = &self.minimiser;
-        let ends = positions
-            .iter_mut()
-            .zip(velocities)
-            .zip(x.iter().zip(weight));
-        for ((position, velocity), (x, weight)) in ends {
-            if *weight > 0.0 {
-                *velocity += (x - *position) / step.dt;
-                *position = *x;
-            }
         }
         self.safe.copy_from_slice(positions);
         self.report = BarrierReport {
@@ -167,6 +166,14 @@ impl ContactSource for BarrierContacts {
             contacts: self.minimiser.contact_count(),
         };
         Ok(())
+    }
+
+    /// All vertices where the search for the minimum was cut short.
+    fn held(&self) -> usize {
+        match self.report.outcome {
+            Outcome::BudgetSpent => self.safe.len(),
+            _ => 0,
+        }
     }
 }
 

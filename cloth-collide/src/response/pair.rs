@@ -42,10 +42,11 @@ impl Motion {
         std::array::from_fn(|k| self.from[k] + (self.to[k] - self.from[k]) * time)
     }
 
-    /// Whether the four move as one, by a shift: what they do besides changes `distance` (m) by less than a part in 10⁵. Positions are rounded, so no shift is exact.
+    /// Whether the four move as one, by a shift: what they do besides changes `distance` (m) by less than a part in 10⁵. Positions are rounded, so no shift is exact; and where
+    /// they end so far away that their differences are lost, it is none.
     pub(super) fn is_shift(&self, distance: Real) -> bool {
-        let shift = self.to[0] - self.from[0];
-        let besides = |k: usize| (self.to[k] - self.from[k] - shift).norm();
+        let apart = |x: &[Vec3; 4], k: usize| x[k] - x[0];
+        let besides = |k: usize| (apart(&self.to, k) - apart(&self.from, k)).norm();
         (1..4).all(|k| besides(k) <= 1e-6 * distance)
     }
 }

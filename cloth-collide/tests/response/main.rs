@@ -1,5 +1,6 @@
 //! What cloth does where it touches itself or an obstacle.
 
+mod bad_input;
 mod flight;
 mod laws;
 #[path = "../support/random.rs"]

@@ -6,7 +6,7 @@ use cloth_collide::obstacle::{
     HalfSpace, ImpactLaw, Obstacle, ObstacleContacts, Pose, RigidMotion,
 };
 use cloth_collide::{ClothContacts, ContactStage};
-use cloth_core::contact::ContactError;
+use cloth_core::contact::{ContactError, ContactSource};
 use cloth_core::math::Vec3;
 use cloth_core::mesh::TriMesh;
 use cloth_core::mesh::generate::{Diagonals, grid};
@@ -215,4 +215,46 @@ fn crossing_start_is_refused_with_its_count() {
     let pairs = flight.crossings();
     assert!(pairs > 0);
     assert_eq!(flight.step(0.01), Err(ContactError::Tangled { pairs }));
+}
+
+/// Pieces so wild that they become rigid zones, which a floor below and a roof above do not let go where they would: then vertices are held back, and the report says how many and how much.
+#[test]
+fn zones_that_an_obstacle_stops_are_held_back_and_the_report_says_so() {
+    let law = ImpactLaw::new(0.3, 0.0).unwrap();
+    let wall = |height: f64, up: f64| {
+        let still = RigidMotion::still(Pose::at(Vec3::z() * height));
+        Obstacle::moving(HalfSpace::new(Vec3::z() * up).unwrap(), still).unwrap()
+    };
+    let mut held_steps = 0;
+    for seed in 0..6 {
+        let mut random = Random::new(seed);
+        let mesh = soup(&mut random, 4);
+        let room = ObstacleContacts::new(5e-3, 5e-3).unwrap();
+        let room = room.with(wall(-0.4, 1.0), law).with(wall(2.2, -1.0), law);
+        let builder = ClothContacts::builder(&mesh).thickness(5e-3).friction(0.3);
+        let mut flight = Flight::new(&mesh, builder.obstacles(room).build().unwrap());
+        for step in 0..10 {
+            for v in &mut flight.velocities {
+                *v = random.point(1e3);
+            }
+            let from = flight.positions.clone();
+            flight.step(0.03).unwrap();
+            let report = *flight.contacts.report();
+            let is_held = report.stage == ContactStage::Held;
+            assert_eq!(is_held, report.held > 0, "seed {seed}, {step}: {report:?}");
+            assert_eq!(flight.contacts.held(), report.held);
+            assert_eq!(is_held, report.smallest_share < 1.0, "{report:?}");
+            held_steps += u32::from(is_held);
+            let end = flight.positions.clone();
+            assert!(end.iter().all(|x| -0.4 < x.z && x.z < 2.2), "seed {seed}");
+            for tenths in [1, 3, 5, 7, 9, 10] {
+                let part = f64::from(tenths) / 10.0;
+                let between = from.iter().zip(&end).map(|(a, b)| a.lerp(b, part));
+                flight.positions = between.collect();
+                assert_eq!(flight.crossings(), 0, "seed {seed}, step {step}, {part}");
+            }
+            flight.positions = end;
+        }
+    }
+    assert!(held_steps > 5, "{held_steps}");
 }

@@ -1,0 +1,292 @@
+//! Streams of springs: x, y and z of neighbouring vertices in separate rows of numbers, so that whole registers are read, projected and added.
+//!
+//! Positions and sums of a piece are taken apart once, into [`Planes`], for all elements that touch it. An element needs a root and a division, and
+//! the rest of its work, done for one register of elements after the other, takes about as long: the processor does both at the same time.
+
+use crate::pieces::{PIECE, of};
+use cloth_core::element::Projective;
+use cloth_core::math::{Real, Vec3};
+use std::ops::Range;
+
+/// Elements that are projected side by side: two registers of four.
+const LANES: usize = 8;
+
+/// One number for each vertex of a piece, first of the even vertices, then of the odd ones; then the vertices of a run that are in another piece, and room for its last lanes
+/// to run over.
+///
+/// So neighbours along a row are far apart, and a sum over one does not wait for what was just written for the other; and edges at
+/// every second vertex, such as the diagonals of an alternating grid, are as good a stream as the others.
+type Plane = [Real; PIECE + LONGEST_RUN + LANES];
+
+/// x, y and z.
+type Planes = [Plane; 3];
+
+const ZERO: Planes = [[0.0; PIECE + LONGEST_RUN + LANES]; 3];
+
+/// The place in a plane of a vertex of a piece that starts with vertex `start`.
+fn place(vertex: u32, start: usize) -> usize {
+    let (pair, side) = ((vertex as usize - start) / 2, vertex as usize % 2);
+    pair + side * (PIECE / 2)
+}
+
+/// Elements one after another with the same operator, each with vertices two further than those of the one before. Vertices in the same
+/// place of each are in one piece.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Run {
+    first: u32,
+    len: u32,
+}
+
+/// Fewer elements are not worth a loop of their own.
+const SHORTEST_RUN: usize = LANES;
+
+const LONGEST_RUN: usize = 256;
+
+impl Run {
+    /// The longest at the front of `elements`, of which the first has number `first`. None where it is not worth it, or elements have more than two vertices:
+    /// there is room for one end outside a piece.
+    pub(crate) fn at<const N: usize, const K: usize, E: Projective<N, K>>(
+        elements: &[E],
+        first: usize,
+    ) -> Option<Self> {
+        let rest = &elements[first..elements.len().min(first + LONGEST_RUN)];
+        let (start, operator) = (rest[0].vertices(), rest[0].operator());
+        let continues = |(step, element): &(u32, &E)| {
+            let expected = start.map(|vertex| vertex.wrapping_add(2 * step));
+            element.vertices() == expected
+                && (0..N).all(|i| of(expected[i]) == of(start[i]))
+                && element.operator() == operator
+        };
+        let len = (0..).zip(rest).take_while(continues).count();
+        (N <= 2 && len >= SHORTEST_RUN).then_some(Self {
+            first: first as u32,
+            len: len as u32,
+        })
+    }
+
+    /// The numbers of its elements.
+    pub(crate) fn elements(self) -> Range<usize> {
+        self.first as usize..(self.first + self.len) as usize
+    }
+}
+
+/// What elements side by side project to.
+#[derive(Clone, Debug)]
+struct Spheres {
+    radius: [Real; LANES],
+    /// Zero after the last element.
+    weight: [Real; LANES],
+}
+
+/// The runs that touch a piece, all of elements that project to spheres.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Runs {
+    runs: Vec<Run>,
+    /// Of all elements in their order; each run starts a new one.
+    spheres: Vec<Spheres>,
+}
+
+impl Runs {
+    /// Adds a run, unless it is the last that was added.
+    pub(crate) fn push<const N: usize, const K: usize, E: Projective<N, K>>(
+        &mut self,
+        run: Run,
+        elements: &[E],
+    ) {
+        if self.runs.last() == Some(&run) {
+            return;
+        }
+        self.runs.push(run);
+        let elements = &elements[run.elements()];
+        for side_by_side in elements.chunks(LANES) {
+            let mut spheres = Spheres {
+                radius: [0.0; LANES],
+                weight: [0.0; LANES],
+            };
+            for (lane, element) in side_by_side.iter().enumerate() {
+                spheres.radius[lane] = element.sphere().unwrap_or(0.0);
+                spheres.weight[lane] = element.weight();
+            }
+            self.spheres.push(spheres);
+        }
+    }
+
+    pub(crate) fn each(&self) -> impl Iterator<Item = Run> {
+        self.runs.iter().copied()
+    }
+
+    /// Adds what the elements pull at the vertices of piece number `piece` to `out`, and returns the energy of those whose first vertex is there. None, and nothing
+    /// added, where some `‖z‖²` is no number to divide by.
+    #[inline(always)]
+    pub(crate) fn sum<const N: usize, const K: usize, E: Projective<N, K>>(
+        &self,
+        piece: usize,
+        elements: &[E],
+        x: &[Vec3],
+        out: &mut [Vec3],
+    ) -> Option<Real> {
+        if self.runs.is_empty() {
+            return Some(0.0);
+        }
+        let start = piece * PIECE;
+        let (mut positions, mut sums) = (ZERO, ZERO);
+        take_apart(&x[start..start + out.len()], &mut positions);
+        let (mut energies, mut of_others) = ([0.0; LANES], [0.0; LANES]);
+        let mut squares = Squares::NONE;
+        let mut spheres = self.spheres.iter();
+        for run in &self.runs {
+            let first = &elements[run.first as usize];
+            let (vertices, len) = (first.vertices(), run.len as usize);
+            let places = vertices.map(|vertex| {
+                if of(vertex) == piece {
+                    place(vertex, start)
+                } else {
+                    copy_run(&x[vertex as usize..], len, &mut positions);
+                    PIECE
+                }
+            });
+            let energies = if of(vertices[0]) == piece {
+                &mut energies
+            } else {
+                &mut of_others
+            };
+            for (at, spheres) in (0..len).step_by(LANES).zip(&mut spheres) {
+                let operator = first.operator()[0];
+                let places = places.map(|place| place + at);
+                let mut z = differences(&positions, places, operator);
+                project(&mut z, spheres, &mut squares, energies);
+                for i in 0..N {
+                    for (sums, pulls) in sums.iter_mut().zip(&z) {
+                        let sums = &mut sums[places[i]..][..LANES];
+                        for lane in 0..LANES {
+                            sums[lane] += pulls[lane] * operator[i];
+                        }
+                    }
+                }
+            }
+        }
+        if !squares.divide() {
+            return None;
+        }
+        add_together(&sums, out);
+        Some(0.5 * energies.iter().sum::<Real>())
+    }
+}
+
+/// Copies the positions of a piece into planes.
+#[inline(always)]
+fn take_apart(x: &[Vec3], planes: &mut Planes) {
+    let (pairs, last) = x.as_chunks::<2>();
+    for (i, [even, odd]) in pairs.iter().enumerate().take(PIECE / 2) {
+        for c in 0..3 {
+            planes[c][i] = even[c];
+            planes[c][PIECE / 2 + i] = odd[c];
+        }
+    }
+    if let [last] = last {
+        for c in 0..3 {
+            planes[c][pairs.len()] = last[c];
+        }
+    }
+}
+
+/// Adds sums in planes to those of a piece.
+#[inline(always)]
+fn add_together(planes: &Planes, out: &mut [Vec3]) {
+    let (pairs, last) = out.as_chunks_mut::<2>();
+    if let [last] = last {
+        for c in 0..3 {
+            last[c] += planes[c][pairs.len()];
+        }
+    }
+    for (i, [even, odd]) in pairs.iter_mut().enumerate().take(PIECE / 2) {
+        for c in 0..3 {
+            even[c] += planes[c][i];
+            odd[c] += planes[c][PIECE / 2 + i];
+        }
+    }
+}
+
+/// Copies the positions of `len` vertices, every second of `x`, to their place after those of a piece.
+#[inline(always)]
+fn copy_run(x: &[Vec3], len: usize, planes: &mut Planes) {
+    for (i, x) in x.iter().step_by(2).take(len).enumerate() {
+        for c in 0..3 {
+            planes[c][PIECE + i] = x[c];
+        }
+    }
+}
+
+/// `z = G x` of elements side by side.
+#[inline(always)]
+fn differences<const N: usize>(
+    x: &Planes,
+    places: [usize; N],
+    operator: [Real; N],
+) -> [[Real; LANES]; 3] {
+    let mut z = [[0.0; LANES]; 3];
+    for i in 0..N {
+        for (z, x) in z.iter_mut().zip(x) {
+            let x = &x[places[i]..][..LANES];
+            for lane in 0..LANES {
+                let part = x[lane] * operator[i];
+                z[lane] = if i == 0 { part } else { z[lane] + part };
+            }
+        }
+    }
+    z
+}
+
+/// From `z` (m) to the pull `w (z − p) = w (1 − r/‖z‖) z` (N); adds up the energies `½ w ‖z − p‖²` (J).
+#[inline(always)]
+fn project(
+    z: &mut [[Real; LANES]; 3],
+    spheres: &Spheres,
+    squares: &mut Squares,
+    energies: &mut [Real; LANES],
+) {
+    for lane in 0..LANES {
+        let squared = z[0][lane] * z[0][lane] + z[1][lane] * z[1][lane] + z[2][lane] * z[2][lane];
+        // What is after the last element pulls at nothing, wherever it is.
+        let squared = if spheres.weight[lane] == 0.0 {
+            1.0
+        } else {
+            squared
+        };
+        squares.see(lane, squared);
+        let length = squared.sqrt();
+        let stretch = length - spheres.radius[lane];
+        let force = spheres.weight[lane] * stretch;
+        energies[lane] += force * stretch;
+        let share = force / length;
+        for z in &mut *z {
+            z[lane] *= share;
+        }
+    }
+}
+
+/// The least and the largest `‖z‖²` of a piece.
+struct Squares {
+    least: [Real; LANES],
+    largest: [Real; LANES],
+}
+
+impl Squares {
+    const NONE: Self = Self {
+        least: [1.0; LANES],
+        largest: [1.0; LANES],
+    };
+
+    #[inline(always)]
+    fn see(&mut self, lane: usize, squared: Real) {
+        let (least, largest) = (self.least[lane], self.largest[lane]);
+        self.least[lane] = if squared < least { squared } else { least };
+        self.largest[lane] = if squared > largest { squared } else { largest };
+    }
+
+    /// Whether all of them are normal numbers, so that roots and divisions are exact to rounding.
+    fn divide(&self) -> bool {
+        let is_normal = |squared: &Real| (Real::MIN_POSITIVE..Real::INFINITY).contains(squared);
+        self.least.iter().chain(&self.largest).all(is_normal)
+    }
+}
