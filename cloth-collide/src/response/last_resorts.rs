@@ -124,7 +124,6 @@ mod tests {
             sheet.triangles().iter().map(of_layer)
         });
         let mesh = TriMesh::new(layers.collect(), triangles.collect()).unwrap();
-        let from = mesh.positions();
         let inverse_mass: Vec<_> = (0..48).map(|v| 1.0 + 0.1 * f64::from(v)).collect();
         let (mut looked_at, mut stages) = (0, Vec::new());
         for seed in 0..6 {

@@ -236,7 +236,10 @@ pub(super) fn run(
             (cost.triangles, cost.in_steps) = (triangles, steps.map(|step| pressed / step));
         }
         let per_triangle = pressed / triangles as Real;
-        each.push(per_triangle);
+        // In a coarse sheet nothing comes near enough to push.
+        if contacts.report().contacts > 0 {
+            each.push(per_triangle);
+        }
         costs.push([
             Cell::from(triangles),
             Cell::from(together),
@@ -266,9 +269,15 @@ pub(super) fn run(
         costs,
     );
     let [xpbd, pd] = cost.in_steps;
-    let growth = each[each.len() - 1] / each[0];
+    let growth = match each[..] {
+        [smallest, .., largest] => format!(
+            "; per triangle the largest sheet with contacts takes {:.1} times as long as the smallest",
+            largest / smallest
+        ),
+        _ => String::new(),
+    };
     Ok(format!(
-        "In a pile of sixteen layers, {} triangles in all, resolving a step costs {xpbd:.1} steps of XPBD or {pd:.1} of PD; per triangle the largest sheet takes {growth:.1} times as long as the smallest.",
+        "In a pile of sixteen layers, {} triangles in all, resolving a step costs {xpbd:.1} steps of XPBD or {pd:.1} of PD{growth}.",
         cost.triangles
     ))
 }
