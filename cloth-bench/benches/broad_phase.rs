@@ -1,4 +1,4 @@
-//! Broad phases on a crumpled sheet of 32k triangles: folded as an accordion in both directions, layers 4 mm apart, with noise.
+//! Broad phases on a crumpled sheet of 32k triangles: an accordion of sixteen layers, 4 mm apart, with noise.
 //!
 //! What each number holds: `build` a first call, memory included; `refit` the tree following its boxes; `query` the tree's search alone; `again` a later call, which
 //! for the tree is refit and query, for the cells filling and query; `candidates` all from positions to sorted vertex–triangle and edge–edge pairs.
@@ -6,12 +6,10 @@
 #[path = "support/limit.rs"]
 mod limit;
 
-use cloth_collide::{
-    Bounds, BroadPhase, ClothCandidates, Hierarchy, MortonGrid, SpatialHash, TrianglePairs,
-};
+use cloth_bench::crumpled::{BROAD_PHASES, accordion, boxes};
+use cloth_collide::{ClothCandidates, Hierarchy, TrianglePairs};
 use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::TriMesh;
-use cloth_core::mesh::generate::{Diagonals, grid};
 use criterion::Criterion;
 use parry3d_f64::bounding_volume::Aabb;
 use parry3d_f64::math::Vector;
@@ -21,58 +19,21 @@ use std::hint::black_box;
 /// How near (m) pieces have to come to be of interest.
 const MARGIN: Real = 0.002;
 
-/// Back and forth over `width` (m), and up by `gap` (m) each time.
-fn folded(x: Real, width: Real, gap: Real) -> (Real, Real) {
-    let layer = (x / width).floor();
-    let part = x / width - layer;
-    let along = if layer % 2.0 == 0.0 { part } else { 1.0 - part };
-    (along * width, gap * (layer + part))
-}
+/// The distance of the layers (m).
+const GAP: Real = 0.004;
 
-/// The sheet of 1 m × 1 m, and its positions (m) when it is crumpled.
 fn crumpled(side: usize) -> (TriMesh, Vec<Vec3>) {
-    let mesh = grid(side, side, 1.0, 1.0, Diagonals::Alternating).expect("a sheet");
-    let noise = |i: usize, k: Real| 0.001 * (12.9898 * i as Real + 78.233 * k).sin();
-    let place = |(i, x): (usize, &Vec3)| {
-        let (along, up) = folded(x.x, 0.125, 0.004);
-        let (across, above) = folded(x.y, 0.25, 0.04);
-        Vec3::new(along, across, up + above)
-            + Vec3::new(noise(i, 1.0), noise(i, 2.0), noise(i, 3.0))
-    };
-    let positions = mesh.positions().iter().enumerate().map(place).collect();
-    (mesh, positions)
-}
-
-fn boxes(mesh: &TriMesh, positions: &[Vec3]) -> Vec<Bounds> {
-    let half = Vec3::repeat(0.5 * MARGIN);
-    let around = |t: &[u32; 3]| {
-        let [a, b, c] = t.map(|v| positions[v as usize]);
-        Bounds {
-            lower: a.inf(&b).inf(&c) - half,
-            upper: a.sup(&b).sup(&c) + half,
-        }
-    };
-    mesh.triangles().iter().map(around).collect()
-}
-
-type New = fn() -> Box<dyn BroadPhase>;
-
-fn kinds() -> [(&'static str, New); 3] {
-    [
-        ("hierarchy", || Box::new(Hierarchy::new())),
-        ("spatial hash", || Box::new(SpatialHash::new())),
-        ("morton grid", || Box::new(MortonGrid::new())),
-    ]
+    accordion(side, GAP).expect("a sheet")
 }
 
 fn pairs_of_triangles(criterion: &mut Criterion) {
     let (mesh, positions) = crumpled(128);
-    let boxes = boxes(&mesh, &positions);
+    let boxes = boxes(&mesh, &positions, MARGIN);
     let bytes = size_of_val(&boxes[..]);
     let mut group = criterion.benchmark_group("pairs of triangles, 32k crumpled");
     group.sample_size(20);
     let mut out = Vec::new();
-    for (name, new) in kinds() {
+    for (name, new) in BROAD_PHASES {
         limit::bench(&mut group, format!("{name}: build"), bytes, || {
             let mut fresh = new();
             fresh.overlapping(black_box(&boxes), &mut out);
@@ -109,7 +70,7 @@ fn vector(v: Vec3) -> Vector {
 /// The library's tree as it comes, over the same boxes.
 fn parry(criterion: &mut Criterion) {
     let (mesh, positions) = crumpled(128);
-    let leaves: Vec<Aabb> = boxes(&mesh, &positions)
+    let leaves: Vec<Aabb> = boxes(&mesh, &positions, MARGIN)
         .iter()
         .map(|b| Aabb::new(vector(b.lower), vector(b.upper)))
         .collect();
@@ -150,7 +111,7 @@ fn candidates(criterion: &mut Criterion) {
         let bytes = size_of_val(mesh.triangles()) + size_of_val(&positions[..]);
         let mut group = criterion.benchmark_group(format!("candidates, {count} triangles"));
         group.sample_size(20);
-        for (name, new) in kinds() {
+        for (name, new) in BROAD_PHASES {
             let mut candidates = ClothCandidates::new(&mesh, new());
             limit::bench(&mut group, name, bytes, || {
                 let updated = candidates.update(black_box(&positions), &positions, MARGIN);

@@ -7,41 +7,19 @@
 #[path = "support/limit.rs"]
 mod limit;
 
+use cloth_bench::crumpled::accordion;
 use cloth_collide::ClothContacts;
 use cloth_collide::obstacle::{
     HalfSpace, ImpactLaw, Obstacle, ObstacleContacts, Pose, RigidMotion,
 };
 use cloth_core::contact::{ContactSource, ContactStep};
 use cloth_core::math::{Real, Vec3};
-use cloth_core::mesh::TriMesh;
-use cloth_core::mesh::generate::{Diagonals, grid};
 use criterion::Criterion;
 use std::hint::black_box;
 use std::time::{Duration, Instant};
 
 const THICKNESS: Real = 0.002;
 const DT: Real = 1.0 / 600.0;
-
-/// Back and forth over `width` (m), and up by `gap` (m) each time.
-fn folded(x: Real, width: Real, gap: Real) -> (Real, Real) {
-    let layer = (x / width).floor();
-    let part = x / width - layer;
-    let along = if layer % 2.0 == 0.0 { part } else { 1.0 - part };
-    (along * width, gap * (layer + part))
-}
-
-/// The sheet of 1 m × 1 m, and its positions (m) when it is folded.
-fn accordion(side: usize, gap: Real) -> (TriMesh, Vec<Vec3>) {
-    let mesh = grid(side, side, 1.0, 1.0, Diagonals::Alternating).expect("a sheet");
-    let noise = |i: usize, k: Real| 0.02 * gap * (12.9898 * i as Real + 78.233 * k).sin();
-    let place = |(i, x): (usize, &Vec3)| {
-        // Folded in one direction: pleats that are folded again pass through each other at the crease.
-        let (along, up) = folded(x.x, 1.0 / 16.0, gap);
-        Vec3::new(along, x.y, up) + Vec3::new(noise(i, 1.0), noise(i, 2.0), noise(i, 3.0))
-    };
-    let positions = mesh.positions().iter().enumerate().map(place).collect();
-    (mesh, positions)
-}
 
 /// One resolved step from `from` to where `end` (m) takes each position; returns how long it took.
 fn resolve(contacts: &mut ClothContacts, from: &[Vec3], end: impl Fn(&Vec3) -> Vec3) -> Duration {
@@ -76,7 +54,7 @@ fn repeat(
 
 fn response(criterion: &mut Criterion) {
     for (side, gap) in [(33, 0.012), (129, 0.012), (129, 0.004)] {
-        let (mesh, from) = accordion(side, gap);
+        let (mesh, from) = accordion(side, gap).expect("a sheet");
         let count = mesh.triangle_count();
         let name = format!("response, {count} triangles, layers {} mm apart", 1e3 * gap);
         let mut group = criterion.benchmark_group(name);

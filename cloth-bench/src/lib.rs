@@ -2,6 +2,7 @@
 
 pub mod ccd;
 pub mod commands;
+pub mod crumpled;
 pub mod error;
 pub mod export;
 pub mod journal;

@@ -21,6 +21,8 @@ pub struct Summary {
     pub ms_per_step_median: Real,
     /// Median time of contact in it (ms); 0 where there is nothing to touch.
     pub contact_ms_median: Real,
+    /// Parts of steps that ended with vertices held back, see [`ContactSource::held`].
+    pub held_parts: u32,
     /// Iterations, summed over the steps.
     pub iterations: u64,
     /// Iterations of the median step.
@@ -128,6 +130,8 @@ struct Timed {
     source: Box<dyn ContactSource>,
     /// Time of the last step (s).
     seconds: Real,
+    /// Parts of steps, of all so far, that ended with vertices held back.
+    held_parts: u32,
 }
 
 impl ContactSource for Timed {
@@ -140,7 +144,12 @@ impl ContactSource for Timed {
         let started = Instant::now();
         let resolved = self.source.resolve(step, positions, velocities);
         self.seconds += started.elapsed().as_secs_f64();
+        self.held_parts += u32::from(resolved.is_ok() && self.source.held() > 0);
         resolved
+    }
+
+    fn held(&self) -> usize {
+        self.source.held()
     }
 }
 
@@ -149,6 +158,7 @@ impl<'a> Course<'a> {
         let timed = |source| Timed {
             source,
             seconds: 0.0,
+            held_parts: 0,
         };
         let contacts = scene.contacts()?.map(timed);
         let air = scene.air.clone();
@@ -276,6 +286,7 @@ pub fn run(
         steps,
         ms_per_step_median: 1e3 * median(&mut seconds),
         contact_ms_median: 1e3 * median(&mut contact_seconds),
+        held_parts: course.contacts.as_ref().map_or(0, |c| c.held_parts),
         iterations: iterations.iter().map(|&n| u64::from(n)).sum(),
         iterations_per_step: median_count(&mut iterations),
         linear_iterations,

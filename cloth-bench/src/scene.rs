@@ -21,7 +21,7 @@ use cloth_core::mesh::TriMesh;
 use cloth_core::particles::State;
 use cloth_core::pin::Pins;
 use cloth_core::topology::EdgeTable;
-use contact::{NOT_TOUCHING, PULLING, TOUCHING};
+use contact::{FALLING, FALLING_ALONE, NOT_TOUCHING, PULLING, TOUCHING};
 use std::sync::Arc;
 
 /// What is simulated: the same masses, elements, pins and start for every method.
@@ -250,22 +250,22 @@ pub const SCENES: [SceneInfo; 9] = [
     SceneInfo {
         name: "drop",
         about: "the same sheet in free fall, held nowhere: it must not deform; or onto a floor",
-        groups: &[SHEET, NOT_TOUCHING, &[FLOOR]],
+        groups: &[SHEET, FALLING_ALONE, &[FLOOR]],
     },
     SceneInfo {
         name: "drape-sphere",
         about: "the same sheet, or with --mesh any, falls on a sphere of 0.3 m",
-        groups: &[SHEET, TOUCHING],
+        groups: &[SHEET, FALLING],
     },
     SceneInfo {
         name: "drape-box",
         about: "the same on a cube of 0.5 m that turns by 2 rad/s",
-        groups: &[SHEET, TOUCHING],
+        groups: &[SHEET, FALLING],
     },
     SceneInfo {
         name: "fold",
         about: "a ribbon of 1 m × 0.25 m, upright on a floor, falls down on itself",
-        groups: &[OWN_SHEET, TOUCHING],
+        groups: &[OWN_SHEET, FALLING],
     },
     SceneInfo {
         name: "twist",

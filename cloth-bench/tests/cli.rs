@@ -103,6 +103,19 @@ fn values_out_of_range_are_refused_by_name() {
         2,
         &["chain", "--mesh"],
     );
+    // 2 π 0.025 m × 7 turns are 1.10 m of a towel of 1 m, either way round.
+    let twist = |pairs: &[&'static str], words: &[&str]| {
+        let sets = pairs.iter().flat_map(|pair| ["--set", pair]);
+        let run = ["run", "twist", "--n", "5", "--method", "pbd"];
+        refused(&run.into_iter().chain(sets).collect::<Vec<_>>(), 2, words);
+    };
+    twist(&["turns=7"], &["cannot be turned 7 times", "1.10 m"]);
+    twist(&["turns=-7"], &["cannot be turned -7 times", "1.10 m"]);
+    twist(
+        &["rope=0.05"],
+        &["cannot be turned 4 times", "0.05 m", "1.26 m"],
+    );
+    twist(&["turns=nan"], &["turns"]);
 }
 
 #[test]

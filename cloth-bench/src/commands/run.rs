@@ -216,6 +216,7 @@ fn simulate(
         ("peak_memory", json!(peak_memory)),
         ("ms_per_step_median", json!(summary.ms_per_step_median)),
         ("contact_ms_median", json!(summary.contact_ms_median)),
+        ("held_parts", json!(summary.held_parts)),
         ("iterations", json!(summary.iterations)),
         ("iterations_per_step", json!(summary.iterations_per_step)),
         ("linear_iterations", json!(summary.linear_iterations)),

@@ -1,6 +1,6 @@
 //! From a name and settings to a [`Scene`].
 
-use super::contact::{CONTACT_STEPS, NO_SELF, SELF, Touch};
+use super::contact::{CONTACT_STEPS, NO_SELF, SELF, Touch, parts_of_fall};
 use super::touching::{self, Below};
 use super::{
     ASPECT, FLOOR, GRAVITY, LINK_LENGTH, LINK_MASS, LINKS, PATTERN, PINS, RIGIDITY, SCENES, SIZE,
@@ -117,14 +117,29 @@ fn sheet(name: &'static str, mesh: Option<&str>, settings: &Settings) -> Result<
         }
         _ => (&NO_SELF, None),
     };
-    let obstacles = below.map(|kind| touching::below(&kind, &mesh, up, settings));
+    let obstacles = below
+        .as_ref()
+        .map(|kind| touching::below(kind, &mesh, up, settings));
+    let scene = of_mesh(name, &mesh, model, gravity);
+    let corners = mesh.positions().iter().copied();
+    let low = corners.clone().reduce(|a, b| a.inf(&b)).unwrap_or_default();
+    let high = corners.reduce(|a, b| a.sup(&b)).unwrap_or_default();
+    let fall = match &below {
+        Some(Below::Floor(depth)) => Some(depth + (high - low).dot(&up)),
+        // What is on top of it stays, and the rim falls no further than it is away from there.
+        Some(Below::Sphere | Below::TurningBox) => Some(0.5 * (high - low).norm()),
+        None => (name == "drop").then_some(0.0),
+    };
+    let parts = match fall {
+        Some(fall) => parts_of_fall(settings, &mesh, gravity, fall, scene.dt)?,
+        None => settings.count(&CONTACT_STEPS, 1)?,
+    };
     let touch = Touch::new(
         settings,
-        &CONTACT_STEPS,
+        parts,
         own,
         obstacles.transpose()?.into_iter().collect(),
     )?;
-    let scene = of_mesh(name, &mesh, model, gravity);
     Ok(Scene {
         order,
         touch: Some(touch),

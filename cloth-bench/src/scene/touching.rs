@@ -1,6 +1,6 @@
 //! Scenes that are about contact (COL-9).
 
-use super::contact::{CONTACT_STEPS, SELF, THICKNESS, TWIST_STEPS, Touch};
+use super::contact::{CONTACT_STEPS, SELF, THICKNESS, TWIST_STEPS, Touch, parts_of_fall};
 use super::{GRAVITY, PATTERN, RIGIDITY, ROPE, SHEETS, SIZE, Scene, TURNS, build, cloth};
 use crate::error::BenchError;
 use crate::mesh_spec::PATTERNS;
@@ -137,15 +137,18 @@ fn sheet(settings: &Settings, cells: [u32; 2], size: [Real; 2]) -> Result<TriMes
 pub(super) fn fold(name: &'static str, settings: &Settings) -> Result<Scene, BenchError> {
     /// How far the upright ribbon is bent out of its plane (m), so that it knows where to fall.
     const WAVE: Real = 0.01;
+    const HEIGHT: Real = 1.0;
     let n = settings.count(&SIZE, 2)? - 1;
-    let flat = sheet(settings, [n.div_ceil(4), n], [0.25, 1.0])?;
+    let flat = sheet(settings, [n.div_ceil(4), n], [0.25, HEIGHT])?;
     let mesh = moved(&flat, |x| Vec3::new(x.x, 0.0, x.y))?;
     let model = cloth::cut(settings, &RIGIDITY, &mesh)?;
     let floor = below(&Below::Floor(0.0), &mesh, Vec3::z(), settings)?;
+    let scene = build::of_mesh(name, &mesh, model, gravity(settings)?);
+    let parts = parts_of_fall(settings, &mesh, scene.gravity, HEIGHT, scene.dt)?;
     let mut scene = Scene {
         steps: 180,
-        touch: Some(Touch::new(settings, &CONTACT_STEPS, &SELF, vec![floor])?),
-        ..build::of_mesh(name, &mesh, model, gravity(settings)?)
+        touch: Some(Touch::new(settings, parts, &SELF, vec![floor])?),
+        ..scene
     };
     for x in &mut scene.start.positions {
         x.y += WAVE * (1.5 * TAU * x.z).sin();
@@ -191,10 +194,11 @@ pub(super) fn twist(name: &'static str, settings: &Settings) -> Result<Scene, Be
         pins.follow(&mut model.particles, vertex, path)
             .map_err(BenchError::failed)?;
     }
+    let parts = settings.count(&TWIST_STEPS, 1)?;
     Ok(Scene {
         steps: 240,
         pins: Some(Arc::new(pins)),
-        touch: Some(Touch::new(settings, &TWIST_STEPS, &SELF, Vec::new())?),
+        touch: Some(Touch::new(settings, parts, &SELF, Vec::new())?),
         ..build::of_mesh(name, &mesh, model, gravity(settings)?)
     })
 }
@@ -215,9 +219,10 @@ pub(super) fn stack(name: &'static str, settings: &Settings) -> Result<Scene, Be
     let mesh = generate::join(&layers).map_err(BenchError::usage)?;
     let model = cloth::cut(settings, &RIGIDITY, &mesh)?;
     let floor = below(&Below::Floor(0.0), &mesh, Vec3::z(), settings)?;
+    let parts = settings.count(&CONTACT_STEPS, 1)?;
     Ok(Scene {
         steps: 120,
-        touch: Some(Touch::new(settings, &CONTACT_STEPS, &SELF, vec![floor])?),
+        touch: Some(Touch::new(settings, parts, &SELF, vec![floor])?),
         ..build::of_mesh(name, &mesh, model, gravity(settings)?)
     })
 }

@@ -129,6 +129,25 @@ fn what_cannot_be_touched_is_not_looked_for() {
     assert!(scene.contacts().unwrap().is_some());
 }
 
+/// Where cloth falls, a step is cut into so many parts that none takes it further than a twenty-fourth of an edge at the end of the fall, unless the settings say how many.
+#[test]
+fn fall_decides_how_often_contact_is_resolved() {
+    let parts = |name: &str, pairs: &[&str]| scene(name, pairs).parts();
+    // Cells of 1/32 m: two thirds of the sides are along them, a third is a diagonal.
+    let edge = (2.0 + Real::sqrt(2.0)) / 3.0 / 32.0;
+    let expected = |fall: Real| (24.0 * (2.0 * 9.81 * fall).sqrt() / 60.0 / edge).ceil() as u32;
+    assert_eq!(parts("fold", &["n=33"]), expected(1.0));
+    assert_eq!(parts("drop", &["n=33", "floor=0.7"]), expected(0.7));
+    assert_eq!(parts("drape-box", &["n=33"]), expected(0.5f64.sqrt()));
+    assert_eq!(parts("drop", &["n=33", "floor=0"]), 10);
+    assert_eq!(parts("drop", &["n=33", "self=yes"]), 10);
+    assert_eq!(parts("fold", &["n=33", "contact_steps=7"]), 7);
+    assert_eq!(
+        parts("fold", &["n=33", "contact_steps=auto"]),
+        expected(1.0)
+    );
+}
+
 #[test]
 fn contact_far_away_allocates_nothing_once_warm() {
     let scene = scene("hang", &["n=9", "self=yes"]);

@@ -61,8 +61,7 @@ impl Hold {
         let mut count = 0;
         for v in vertices.map(|v| v as usize) {
             let bound = self.bounds[v];
-            // Rounding does not make a way too long.
-            let is_short = (positions[v] - step.from[v]).norm() <= bound * (1.0 + 1e-9);
+            let is_short = (positions[v] - step.from[v]).norm() <= bound;
             if step.inverse_mass[v] != 0.0 && !(self.held[v] && is_short) {
                 self.shorten(v, bound, step, positions);
                 count += 1;
@@ -91,6 +90,10 @@ impl Hold {
         if length > bound {
             let share = bound / length;
             positions[v] = step.from[v] + way * share;
+            // Ways below the spacing of numbers are rounded up, for ever; none is not.
+            if (positions[v] - step.from[v]).norm() > bound {
+                positions[v] = step.from[v];
+            }
             self.smallest_share = self.smallest_share.min(share);
         }
         self.held[v] = true;
@@ -114,6 +117,33 @@ mod tests {
     use crate::random::Random;
     use cloth_core::mesh::TriMesh;
     use cloth_core::mesh::generate::{Diagonals, grid};
+
+    /// Pieces nearer to each other than the spacing of their coordinates: there is no way short enough but none, and that ends the search.
+    #[test]
+    fn what_all_but_touches_stays_where_it_is() {
+        let corners = [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)];
+        let at = |z: Real| corners.map(|(x, y)| Vec3::new(1.0 + x, 1.0 + y, z));
+        let from = [at(1.0), at(1.0 + Real::EPSILON)].concat();
+        let rest = [at(1.0), at(1.1)].concat();
+        let mesh = TriMesh::new(rest, vec![[0, 1, 2], [3, 4, 5]]).unwrap();
+        let mut to: Vec<_> = from.iter().map(|x| x + Vec3::new(0.3, 0.1, 0.2)).collect();
+        let mut cloth = Cloth::new(&mesh, 1e-3);
+        cloth.search(&from, &to, 0.0).unwrap();
+        let mut hold = Hold::default();
+        let step = ContactStep {
+            from: &from,
+            inverse_mass: &[1.0; 6],
+            dt: 1.0,
+        };
+        hold.start(Some(&cloth), &step);
+        let mut hold_all = || -> usize {
+            let pairs = (0..cloth.len()).map(|index| cloth.pair(index).vertices);
+            pairs.map(|pair| hold.pair(pair, &step, &mut to)).sum()
+        };
+        assert_eq!(hold_all(), 6);
+        assert_eq!(hold_all(), 0);
+        assert_eq!(to, from);
+    }
 
     /// A crumpled sheet whose vertices would all fly through each other.
     #[test]

@@ -102,3 +102,74 @@ impl ClothContacts {
         Ok(())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random::Random;
+    use cloth_core::contact::ContactSource;
+    use cloth_core::mesh::TriMesh;
+    use cloth_core::mesh::generate::{Diagonals, grid};
+
+    /// What has moved as one body goes on as one: no two of its vertices come nearer to each other or go apart.
+    #[test]
+    fn zones_end_with_the_velocities_of_rigid_bodies() {
+        let sheet = grid(4, 4, 0.3, 0.3, Diagonals::Alternating).unwrap();
+        let layers = (0..3).flat_map(|k| {
+            let up = Vec3::new(0.01, 0.02, 0.05) * f64::from(k);
+            sheet.positions().iter().map(move |x| x + up)
+        });
+        let triangles = (0..3u32).flat_map(|k| {
+            let of_layer = move |t: &[u32; 3]| t.map(|v| v + 16 * k);
+            sheet.triangles().iter().map(of_layer)
+        });
+        let mesh = TriMesh::new(layers.collect(), triangles.collect()).unwrap();
+        let inverse_mass: Vec<_> = (0..48).map(|v| 1.0 + 0.1 * f64::from(v)).collect();
+        let (mut looked_at, mut stages) = (0, Vec::new());
+        for seed in 0..6 {
+            let mut random = Random::new(seed);
+            let builder = ClothContacts::builder(&mesh).thickness(5e-3);
+            let mut contacts = builder.friction(0.3).build().unwrap();
+            let mut positions = mesh.positions().to_vec();
+            for _ in 0..10 {
+                let from = positions.clone();
+                let step = ContactStep {
+                    from: &from,
+                    inverse_mass: &inverse_mass,
+                    dt: 0.03,
+                };
+                // Drawn together, far beyond what impulses can settle.
+                let middle = from.iter().sum::<Vec3>() / 48.0;
+                let thrown = |x: &Vec3| random.point(3e3) + (middle - x) * 6e3;
+                let mut velocities: Vec<_> = from.iter().map(thrown).collect();
+                let ways = positions.iter_mut().zip(&velocities);
+                ways.for_each(|(x, v)| *x += v * step.dt);
+                contacts
+                    .resolve(&step, &mut positions, &mut velocities)
+                    .unwrap();
+                stages.push(contacts.report.stage);
+                if contacts.report.stage == ContactStage::Zones {
+                    looked_at += look_at(&contacts, &positions, &velocities);
+                }
+            }
+        }
+        assert!(looked_at > 100, "{looked_at}, {stages:?}");
+    }
+
+    /// How many pairs of vertices are in one zone; none of them changes its distance.
+    fn look_at(contacts: &ClothContacts, positions: &[Vec3], velocities: &[Vec3]) -> usize {
+        let mut pairs = 0;
+        for zone in contacts.zones.each() {
+            for [_, a] in zone {
+                for [_, b] in zone {
+                    let [a, b] = [*a as usize, *b as usize];
+                    let apart = positions[a] - positions[b];
+                    let rate = apart.dot(&(velocities[a] - velocities[b]));
+                    assert!(rate.abs() < 1e-8, "{rate:e} m²/s");
+                    pairs += 1;
+                }
+            }
+        }
+        pairs
+    }
+}

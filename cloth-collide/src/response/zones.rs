@@ -187,6 +187,23 @@ mod tests {
         }
     }
 
+    /// A way that is a small turn and a shift already is kept, up to the second power of its angle.
+    #[test]
+    fn zone_turns_the_way_that_its_vertices_do() {
+        let mut random = Random::new(9);
+        let from: Vec<_> = (0..7).map(|_| random.point(1.0)).collect();
+        let inverse_mass: Vec<_> = (1..8).map(Real::from).collect();
+        let (turn, shift) = (Vec3::new(2e-4, -3e-4, 1e-4), Vec3::new(0.1, 0.2, -0.3));
+        let rotation = Rotation3::new(turn);
+        let moved: Vec<_> = from.iter().map(|x| rotation * x + shift).collect();
+        let (mut to, mut ways) = (moved.clone(), from.clone());
+        let zone: Vec<_> = (0..7).map(|v| [0, v]).collect();
+        move_rigidly(&zone, &from, &mut to, &mut ways, &inverse_mass);
+        for (to, moved) in to.iter().zip(&moved) {
+            assert!((to - moved).norm() < 1e-6, "{to} {moved}");
+        }
+    }
+
     /// A prescribed vertex takes its zone along, and is not moved itself.
     #[test]
     fn zone_follows_its_prescribed_vertex() {

@@ -198,7 +198,9 @@ impl<'a> Sections<'a> {
         let bodies: Vec<_> = bodies
             .map(|section| obstacles::obstacle(section, folder, size))
             .collect::<Result<_, _>>()?;
-        let touch = Touch::new(&settings, &CONTACT_STEPS, &NO_SELF, bodies)
+        let parts = settings.count(&CONTACT_STEPS, 1);
+        let touch = parts
+            .and_then(|parts| Touch::new(&settings, parts, &NO_SELF, bodies))
             .map_err(|error| self.contact.blame(error, overruling))?;
         let mut scene = Scene {
             order,

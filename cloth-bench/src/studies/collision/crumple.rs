@@ -1,18 +1,16 @@
 //! A crumpled sheet: what the search for candidates costs, and contact itself, as the sheet gets finer.
 
 use super::super::{Findings, Scope};
+use crate::crumpled::{BROAD_PHASES, NewBroadPhase, accordion, boxes};
 use crate::error::BenchError;
 use crate::method::Method;
 use crate::report::table::{Cell, Table};
 use crate::scene;
 use crate::settings::Settings;
-use cloth_collide::{
-    Bounds, BroadPhase, ClothCandidates, ClothContacts, Hierarchy, MortonGrid, SpatialHash,
-};
+use cloth_collide::{Bounds, BroadPhase, ClothCandidates, ClothContacts, Hierarchy};
 use cloth_core::contact::{ContactSource, ContactStep};
 use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::TriMesh;
-use cloth_core::mesh::generate::{Diagonals, grid};
 use cloth_core::step::StepInput;
 use std::time::Instant;
 
@@ -34,26 +32,11 @@ pub(super) fn cases(scope: Scope) -> usize {
     sides(scope).len()
 }
 
-/// Back and forth over `width` (m), and up by `gap` (m) each time.
-fn folded(x: Real, width: Real, gap: Real) -> (Real, Real) {
-    let layer = (x / width).floor();
-    let part = x / width - layer;
-    let along = if layer % 2.0 == 0.0 { part } else { 1.0 - part };
-    (along * width, gap * (layer + part))
-}
-
-/// A sheet of 1 m × 1 m with `side` vertices a side, and its positions (m) folded as an accordion of sixteen layers, with noise. The distance of the layers shrinks
-/// with the triangles, so that a vertex has as many neighbours in a fine sheet as in a coarse one. Also gives the thickness (m) of such a cloth.
+/// The accordion with `side` vertices a side. The distance of the layers shrinks with the triangles, so that a vertex has as many neighbours in a fine sheet as in a coarse one. Also
+/// gives the thickness (m) of such a cloth.
 fn crumpled(side: usize) -> Result<(TriMesh, Vec<Vec3>, Real), BenchError> {
-    let mesh = grid(side, side, 1.0, 1.0, Diagonals::Alternating).map_err(BenchError::failed)?;
     let thickness = 0.256 / side as Real;
-    let gap = GAP * thickness;
-    let noise = |i: usize, k: Real| 0.02 * gap * (12.9898 * i as Real + 78.233 * k).sin();
-    let place = |(i, x): (usize, &Vec3)| {
-        let (along, up) = folded(x.x, 1.0 / 16.0, gap);
-        Vec3::new(along, x.y, up) + Vec3::new(noise(i, 1.0), noise(i, 2.0), noise(i, 3.0))
-    };
-    let positions = mesh.positions().iter().enumerate().map(place).collect();
+    let (mesh, positions) = accordion(side, GAP * thickness)?;
     Ok((mesh, positions, thickness))
 }
 
@@ -64,19 +47,6 @@ fn shortest(mut work: impl FnMut() -> Result<Real, BenchError>) -> Result<Real, 
         least = least.min(1e3 * work()?);
     }
     Ok(least)
-}
-
-/// The box of each triangle, moved outwards by half of the margin (m).
-fn boxes(mesh: &TriMesh, positions: &[Vec3], margin: Real) -> Vec<Bounds> {
-    let half = Vec3::repeat(0.5 * margin);
-    let around = |t: &[u32; 3]| {
-        let [a, b, c] = t.map(|v| positions[v as usize]);
-        Bounds {
-            lower: a.inf(&b).inf(&c) - half,
-            upper: a.sup(&b).sup(&c) + half,
-        }
-    };
-    mesh.triangles().iter().map(around).collect()
 }
 
 /// How long (s) `work` takes.
@@ -105,9 +75,9 @@ fn tree_alone(triangles: usize, boxes: &[Bounds]) -> Result<[Cell; 4], BenchErro
 }
 
 /// The row of a broad phase: its first search, memory and the shape of a tree included, a later one, and all from positions to sorted candidates.
-fn search<B: BroadPhase>(
+fn search(
     name: &str,
-    new: impl Fn() -> B,
+    new: NewBroadPhase,
     mesh: &TriMesh,
     positions: &[Vec3],
     boxes: &[Bounds],
@@ -248,30 +218,9 @@ pub(super) fn run(
         let margin = 2.0 * thickness;
         let boxes = boxes(&mesh, &from, margin);
         tree.push(tree_alone(triangles, &boxes)?);
-        searches.push(search(
-            "tree",
-            Hierarchy::new,
-            &mesh,
-            &from,
-            &boxes,
-            margin,
-        )?);
-        searches.push(search(
-            "hashed cells",
-            SpatialHash::new,
-            &mesh,
-            &from,
-            &boxes,
-            margin,
-        )?);
-        searches.push(search(
-            "cells along a curve",
-            MortonGrid::new,
-            &mesh,
-            &from,
-            &boxes,
-            margin,
-        )?);
+        for (name, new) in BROAD_PHASES {
+            searches.push(search(name, new, &mesh, &from, &boxes, margin)?);
+        }
         let builder = ClothContacts::builder(&mesh)
             .thickness(thickness)
             .friction(0.3);
@@ -287,7 +236,10 @@ pub(super) fn run(
             (cost.triangles, cost.in_steps) = (triangles, steps.map(|step| pressed / step));
         }
         let per_triangle = pressed / triangles as Real;
-        each.push(per_triangle);
+        // In a coarse sheet nothing comes near enough to push.
+        if contacts.report().contacts > 0 {
+            each.push(per_triangle);
+        }
         costs.push([
             Cell::from(triangles),
             Cell::from(together),
@@ -317,9 +269,15 @@ pub(super) fn run(
         costs,
     );
     let [xpbd, pd] = cost.in_steps;
-    let growth = each[each.len() - 1] / each[0];
+    let growth = match each[..] {
+        [smallest, .., largest] => format!(
+            "; per triangle the largest sheet with contacts takes {:.1} times as long as the smallest",
+            largest / smallest
+        ),
+        _ => String::new(),
+    };
     Ok(format!(
-        "In a pile of sixteen layers, {} triangles in all, resolving a step costs {xpbd:.1} steps of XPBD or {pd:.1} of PD; per triangle the largest sheet takes {growth:.1} times as long as the smallest.",
+        "In a pile of sixteen layers, {} triangles in all, resolving a step costs {xpbd:.1} steps of XPBD or {pd:.1} of PD{growth}.",
         cost.triangles
     ))
 }

@@ -34,17 +34,17 @@ pub(super) fn cases(scope: Scope) -> usize {
     chosen(scope).len()
 }
 
+fn settings() -> Settings {
+    Settings::default().with("floor", DEPTH).with("self", "yes")
+}
+
 fn falling(mesh: &str, parts: u32) -> Result<Scene, BenchError> {
-    let settings = Settings::default()
-        .with("floor", DEPTH)
-        .with("self", "yes")
-        .with("contact_steps", parts);
-    scene::build("drop", Some(mesh), &settings)
+    scene::build("drop", Some(mesh), &settings().with("contact_steps", parts))
 }
 
 /// The tube `mesh` above a floor, able to touch itself.
 pub(super) fn garment(mesh: &str) -> Result<Scene, BenchError> {
-    falling(mesh, 10)
+    scene::build("drop", Some(mesh), &settings())
 }
 
 /// Adds the table, and says what it shows.
