@@ -4,6 +4,7 @@ mod build;
 mod cloth;
 mod contact;
 pub mod file;
+mod midpoints;
 mod pins;
 mod touching;
 
@@ -245,7 +246,7 @@ pub const SCENES: [SceneInfo; 9] = [
     SceneInfo {
         name: "hang",
         about: "a sheet of 1 m × 1 m held at two corners, starting horizontal; with --mesh any OBJ or PLY file, held at its highest vertices",
-        groups: &[SHEET, NOT_TOUCHING],
+        groups: &[SHEET, &[midpoints::POINTS], NOT_TOUCHING],
     },
     SceneInfo {
         name: "drop",

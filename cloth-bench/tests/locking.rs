@@ -86,6 +86,8 @@ fn every_method_takes_every_remedy() {
         &["edges=quads"],
         &["level=1"],
         &["level=2", "fine_share=0.1"],
+        &["points=midpoints"],
+        &["strain_limit=0.05"],
     ] {
         for method in [
             "symplectic-euler",
@@ -111,14 +113,65 @@ fn every_method_takes_every_remedy() {
     }
 }
 
+/// E points instead of V, and the middles of the edges of a held vertex are held: that is half an edge more of the sheet, so the sheets fall alike as the edges get short.
 #[test]
-fn a_level_that_the_mesh_has_not_is_refused_with_the_number_it_has() {
+fn midpoints_are_an_option_of_the_hanging_sheet() {
+    let run = |method, n, settings: &[&'static str]| {
+        let mut all = vec!["run", "hang", "--steps", "30", "--method", method, "--n", n];
+        all.extend(["--set", "stiffness=1e3"]);
+        all.extend(settings.iter().flat_map(|setting| ["--set", *setting]));
+        told(&all)
+    };
+    let fall = |found: &Value| found["center_of_mass_drop"].as_f64().unwrap();
+    let both = ["9", "17", "33"].map(|n| {
+        ["points=vertices", "points=midpoints"].map(|points| run("implicit-euler", n, &[points]))
+    });
+    let [[plain, middles], ..] = &both;
+    assert_eq!(plain["vertices"], 81);
+    assert_eq!(middles["vertices"], 208);
+    // Three edges end in either corner.
+    assert_eq!(
+        (plain["pins"].as_u64(), middles["pins"].as_u64()),
+        (Some(2), Some(6))
+    );
+    let apart = both
+        .each_ref()
+        .map(|[a, b]| (fall(b) / fall(a) - 1.0).abs());
+    assert!(
+        apart[0] < 0.12 && apart[1] < 0.7 * apart[0] && apart[2] < 0.7 * apart[1],
+        "{apart:?}"
+    );
+    let pd = run("pd", "9", &["points=midpoints", "iterations=400"]);
+    assert!((fall(&pd) / fall(middles) - 1.0).abs() < 1e-3);
+    for membrane in ["membrane=stvk", "membrane=arap"] {
+        let found = run("implicit-euler", "9", &["points=midpoints", membrane]);
+        assert!(
+            (fall(&found) / fall(middles) - 1.0).abs() < 0.05,
+            "{membrane}"
+        );
+    }
+}
+
+#[test]
+fn a_remedy_that_cannot_be_is_refused_with_its_name() {
     for (settings, words) in [
         (&["level=30"][..], "levels from 1 to"),
         (&["fine_share=0.5"], "fine_share"),
         (&["level=1", "fine_share=2"], "at most 1"),
         (&["level=1", "membrane=arap"], "coarse level"),
         (&["level=1", "edges=quads"], "coarse level"),
+        (&["points=corners"], "midpoints"),
+        (&["points=midpoints", "level=1"], "level has no meaning"),
+        (&["points=midpoints", "slack=0.9,1"], "slack has no meaning"),
+        (
+            &["points=midpoints", "bending=cubic"],
+            "bending has no meaning",
+        ),
+        (&["points=midpoints", "self=yes"], "gaps"),
+        (&["edges=0.9"], "between 0 and"),
+        (&["compression=2"], "at most 1"),
+        (&["slack=1.1,1.2"], "has to hold 1"),
+        (&["remedy=yes"], "`remedy`"),
     ] {
         let mut command = Command::new(env!("CARGO_BIN_EXE_cloth-bench"));
         command.args(["run", "hang", "--method", "xpbd", "--n", "9"]);

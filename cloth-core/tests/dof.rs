@@ -182,6 +182,31 @@ fn a_barely_bent_sheet_keeps_its_weakest_conditions() {
     }
 }
 
+/// One singular value is just weak enough to be looked for itself, and many more are as weak but for a little: telling it from those takes all iterations there are.
+#[test]
+fn the_weakest_condition_is_told_from_others_nearly_as_weak() {
+    let mesh = generate::grid(9, 8, 1.0, 1.0, Diagonals::Alternating).unwrap();
+    let edges = EdgeTable::build(&mesh).unwrap();
+    let lifted = |height: Real| -> Vec<Vec3> {
+        let wave = |p: &Vec3| (3.0 * p.x).sin() + (2.0 * p.y + p.x).cos();
+        let positions = mesh.positions().iter();
+        positions
+            .map(|p| p + Vec3::z() * (height * wave(p)))
+            .collect()
+    };
+    // As long as the sheet is nearly flat they go with its height.
+    let (_, smallest) = dense(&lifted(1e-4), &edges);
+    for weakest in [0.9e-6, 0.5e-6, 0.2e-6] {
+        let x = lifted(1e-4 * weakest / smallest);
+        let (rank, smallest) = dense(&x, &edges);
+        assert!((smallest / weakest - 1.0).abs() < 1e-2, "{smallest:e}");
+        let sparse = EdgeRank::measure(&x, &edges).unwrap();
+        assert_eq!(sparse.rank, rank, "{weakest:e}");
+        let error = (sparse.smallest_kept / smallest - 1.0).abs();
+        assert!(error < 1e-6, "{weakest:e}: {error:e}");
+    }
+}
+
 /// Large and irregular enough that one condition is weaker than 1e-6.
 #[test]
 fn twenty_thousand_jittered_vertices_have_the_freedom_of_their_boundary() {

@@ -116,6 +116,72 @@ fn no_triangle_loses_two_edges_and_the_count_is_reached() {
     }
 }
 
+/// First the edges that come nearest to being the longest of both their triangles; the sheet that is to have a given freedom loses the first of them.
+#[test]
+fn edges_go_in_the_order_of_their_length_beside_their_triangles() {
+    for mesh in sheets() {
+        let edges = EdgeTable::build(&mesh).unwrap();
+        let x = mesh.positions();
+        let squared = |[a, b]: [u32; 2]| (x[a as usize] - x[b as usize]).norm_squared();
+        // The smaller of its two shares in the square of the longest side.
+        let share = |edge: u32| {
+            let of = |t: u32| {
+                let [a, b, c] = mesh.triangles()[t as usize];
+                [[a, b], [b, c], [c, a]]
+                    .map(squared)
+                    .into_iter()
+                    .fold(0.0, Real::max)
+            };
+            let [one, other] = edges.sides()[edge as usize].map(of);
+            squared(edges.ends()[edge as usize]) / one.max(other)
+        };
+        let order = droppable_edges(&mesh, &edges);
+        assert!(
+            order
+                .windows(2)
+                .all(|pair| share(pair[0]) > share(pair[1]) - 2e-9)
+        );
+        // What is passed over has, in one of its triangles, an edge that went before it.
+        for edge in (0..edges.len() as u32).filter(|&e| !edges.is_boundary(e as usize)) {
+            let rivals = order.iter().filter(|&&gone| {
+                let [a, b] = [edge, gone].map(|e| edges.sides()[e as usize]);
+                a.iter().any(|t| b.contains(t))
+            });
+            let longest = rivals.map(|&gone| share(gone)).fold(0.0, Real::max);
+            assert!(longest > share(edge) - 2e-9);
+        }
+        let coordinates = 3 * mesh.vertex_count();
+        let count = order.len() / 3;
+        let freedom = (coordinates - edges.len() + count) as Real / coordinates as Real;
+        let carriers = with(SpringLaw::Linear, SpringEdges::Freedom(freedom - 1e-9));
+        let model = STIFF.carried_by(&carriers, &mesh).unwrap();
+        let is_left = |&edge: &u32| {
+            let ends = edges.ends()[edge as usize];
+            model.springs.iter().any(|s| s.vertices == ends)
+        };
+        assert!(!order[..count].iter().any(is_left));
+        assert!(order[count..].iter().all(is_left));
+    }
+}
+
+/// Half of the diagonals of a grid: about half of them in every part of it, and no part is left as stiff as it was.
+#[test]
+fn a_part_of_the_edges_is_taken_from_the_whole_sheet() {
+    let mesh = grid(33, 33, 1.0, 1.0, Diagonals::OneWay).unwrap();
+    let edges = EdgeTable::build(&mesh).unwrap();
+    let order = droppable_edges(&mesh, &edges);
+    assert_eq!(order.len(), 1024);
+    let mut lost = [[0; 4]; 4];
+    for &edge in &order[..512] {
+        let [a, b] = edges.ends()[edge as usize].map(|v| mesh.positions()[v as usize]);
+        let middle = (a + b) * 2.0;
+        lost[middle.x as usize][middle.y as usize] += 1;
+    }
+    // Of 64 each; chance alone would spread them by 4.
+    let (least, most) = (lost.iter().flatten().min(), lost.iter().flatten().max());
+    assert!(least >= Some(&20) && most <= Some(&44), "{lost:?}");
+}
+
 /// The edges left on a grid are those of its cells; on a bent sheet they are independent.
 #[test]
 fn quads_have_a_third_of_the_coordinates_free() {

@@ -4,7 +4,7 @@ use super::contact::{CONTACT_STEPS, NO_SELF, SELF, Touch, parts_of_fall};
 use super::touching::{self, Below};
 use super::{
     ASPECT, FLOOR, GRAVITY, LINK_LENGTH, LINK_MASS, LINKS, PATTERN, PINS, RIGIDITY, SCENES, SIZE,
-    STIFFNESS, STRIP_RIGIDITY, STRIP_SIZE, Scene, SceneInfo, TIP_MASS, UP, cloth, pins,
+    STIFFNESS, STRIP_RIGIDITY, STRIP_SIZE, Scene, SceneInfo, TIP_MASS, UP, cloth, midpoints, pins,
 };
 use crate::error::BenchError;
 use crate::mesh_spec::{self, PATTERNS};
@@ -97,6 +97,17 @@ fn sheet(name: &'static str, mesh: Option<&str>, settings: &Settings) -> Result<
         (text, _) => text,
     };
     let mut held = pins::chosen(held, mesh.positions(), up)?;
+    if name == "hang" && midpoints::are_asked_for(settings)? {
+        let (small, model) = midpoints::cut(settings, &mesh, &held)?;
+        let gravity = up * -settings.number(&GRAVITY)?;
+        let touch = Touch::new(settings, &CONTACT_STEPS, &NO_SELF, Vec::new())?;
+        if !touch.is_idle() {
+            return Err(BenchError::Usage(
+                "self=yes cannot be with points=midpoints: there are gaps between the small triangles, which contact would go through".into(),
+            ));
+        }
+        return Ok(of_mesh(name, &small, model, gravity));
+    }
     let mesh = match &order {
         Some(order) => {
             for vertex in &mut held {

@@ -44,11 +44,7 @@ pub(super) fn cut(
     rigidity: &Parameter,
     mesh: &TriMesh,
 ) -> Result<ClothModel, BenchError> {
-    let cloth = Cloth {
-        areal_density: settings.number(&DENSITY)?,
-        membrane: membrane(settings)?,
-        bending_rigidity: settings.number(rigidity)?,
-    };
+    let cloth = described(settings, rigidity)?;
     let carriers = Carriers {
         membrane: membrane_carrier(settings)?,
         shear: optional(settings, &SHEAR)?,
@@ -58,6 +54,15 @@ pub(super) fn cut(
         detail: detail(settings)?,
     };
     cloth.carried_by(&carriers, mesh).map_err(BenchError::usage)
+}
+
+/// The numbers of the cloth, whatever carries it.
+pub(super) fn described(settings: &Settings, rigidity: &Parameter) -> Result<Cloth, BenchError> {
+    Ok(Cloth {
+        areal_density: settings.number(&DENSITY)?,
+        membrane: membrane(settings)?,
+        bending_rigidity: settings.number(rigidity)?,
+    })
 }
 
 fn membrane(settings: &Settings) -> Result<Membrane, BenchError> {
@@ -72,7 +77,7 @@ fn membrane(settings: &Settings) -> Result<Membrane, BenchError> {
     Ok(Membrane::Modulus(modulus))
 }
 
-fn membrane_carrier(settings: &Settings) -> Result<MembraneCarrier, BenchError> {
+pub(super) fn membrane_carrier(settings: &Settings) -> Result<MembraneCarrier, BenchError> {
     let kind = settings.choice(
         &MEMBRANE,
         &[("springs", "springs"), ("stvk", "stvk"), ("arap", "arap")],

@@ -8,8 +8,9 @@
 //! | [`SpringLaw::Compression`] with share r | edges may shorten | the sheet is r times as stiff when pushed as when pulled |
 //! | [`SpringLaw::Slack`] | lengths are free in a range | nothing holds a length within the range: cloth gives by that much before it holds |
 //! | [`SpringEdges::Freedom`], [`SpringEdges::Quads`] | 3V − E grows by 1 with every edge left out | stiffness against shear; with no diagonal left on a grid it is zero, and a wanted modulus is missed |
-//!
 //! | [`LevelOfDetail`](super::LevelOfDetail) | all lengths, but for those of a coarser level that grow | stretch over short distances is hardly resisted; pushed, the sheet is softer |
+//!
+//! How much each frees and breaks is measured: the table in [`crate::dof`]. With a fifth of the coordinates free, for instance, a grid keeps 0.58 of its energy when it is sheared, and with no diagonal left 2e-4.
 //!
 //! All of them are made of [`Spring`] and [`StrainLimitSpring`], which have all three views, so every method takes them.
 

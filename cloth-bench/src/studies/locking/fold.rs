@@ -122,16 +122,23 @@ impl Fold {
 
     /// The same of a sheet whose vertices are at `vertices` (m): the mean of both corners.
     pub(super) fn angle(&self, sheet: &Sheet, vertices: &[Vec3]) -> Result<Real, BenchError> {
+        let [one, other] = self.angles(sheet, vertices)?;
+        Ok(0.5 * (one + other))
+    }
+
+    /// The same (°) of each corner, the side of [`Axis::directions`] first.
+    pub(super) fn angles(&self, sheet: &Sheet, vertices: &[Vec3]) -> Result<[Real; 2], BenchError> {
         let away = self.axis.directions()[1];
         let corner = |side: Real| {
             let reach = |p: &Vec3| side * (p - CENTRE).dot(&away);
             let rest = sheet.mesh.positions().iter().zip(vertices);
             let (_, x) = rest.max_by(|(p, _), (q, _)| reach(p).total_cmp(&reach(q)))?;
             let d = x - CENTRE;
-            Some((-d.z).atan2(side * d.dot(&away) - self.clamp))
+            let angle = (-d.z).atan2(side * d.dot(&away) - self.clamp);
+            Some(angle.to_degrees())
         };
         let both = corner(1.0).zip(corner(-1.0));
-        both.map(|(a, b)| 0.5 * (a + b).to_degrees())
+        both.map(|(one, other)| [one, other])
             .ok_or_else(|| BenchError::Failed("a mesh without vertices".into()))
     }
 

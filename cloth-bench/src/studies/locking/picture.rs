@@ -1,4 +1,4 @@
-//! What locking looks like: one sheet, folded along the diagonals of its mesh and across them. Above each fold the flat mesh with the line it is folded about.
+//! What locking looks like: one sheet, folded along the diagonals of its mesh and across them. Above each fold the flat mesh with the lengths that are held and the line it is folded about.
 
 use super::fold::{self, Axis, Fold};
 use super::sheet::{Kind, Sheet};
@@ -83,8 +83,28 @@ struct Shape {
     vertices: Vec<Vec3>,
     sheet: Sheet,
     exact: Fold,
-    /// [`Fold::angle`] (°).
-    angle: Real,
+    /// [`Fold::angles`] (°).
+    angles: [Real; 2],
+    /// [`fold::Folded::bending`].
+    bending: Real,
+}
+
+/// What a fold is called and what is told of it, and its colour; `exact` is the angle (°) of the exact one. A sheet whose corners hang at unlike angles, or that stores twice the bending energy of the fold, has
+/// not folded about the line, however far down its corners are in the mean.
+fn judged(angles: [Real; 2], exact: Real, bending: Real) -> (String, &'static str) {
+    let [least, most] = [angles[0].min(angles[1]), angles[0].max(angles[1])];
+    let mean = 0.5 * (least + most);
+    if most - least > 0.25 * exact {
+        let told = format!("crumples: corners at {least:.0}° and {most:.0}°");
+        return (told, "#7a3b9d");
+    }
+    let (word, colour) = match mean / exact {
+        _ if bending > 2.0 => ("crumples", "#7a3b9d"),
+        share if share > 0.8 => ("folds", "#1b7f3b"),
+        share if share > 0.5 => ("bends", "#8a5a00"),
+        _ => ("locked", "#b3261e"),
+    };
+    (format!("{word}: its corners hang {mean:.0}° down"), colour)
 }
 
 pub(super) fn run(
@@ -126,7 +146,10 @@ fn draw((_, title, columns): &Picture) -> Result<String, BenchError> {
                 .iter()
                 .map(|p| Vec3::new(p.x - middle.x, p.y - middle.y, p.z))
                 .collect(),
-            angle: folded.angle,
+            angles: folded
+                .exact
+                .angles(&folded.sheet, &folded.sheet.vertices(&folded.rest.points))?,
+            bending: folded.bending,
             exact: folded.exact,
             sheet: folded.sheet,
         });
@@ -185,16 +208,12 @@ fn compose(
             name,
         );
         let exact = shape.exact.exact_angle();
-        let (word, colour) = match shape.angle / exact {
-            share if share > 0.8 => ("folds", "#1b7f3b"),
-            share if share > 0.5 => ("bends", "#8a5a00"),
-            _ => ("locked", "#b3261e"),
-        };
+        let (words, colour) = judged(shape.angles, exact, shape.bending);
         text(
             middle,
             told,
             &format!("{centred} font-weight=\"bold\" fill=\"{colour}\""),
-            &format!("{word}: its corners hang {:.0}° down", shape.angle),
+            &words,
         );
         text(
             middle,
@@ -202,6 +221,14 @@ fn compose(
             &format!("{centred} fill=\"#5a626b\""),
             &format!("a cloth that cannot stretch: {exact:.0}°"),
         );
+    }
+    let explained = [
+        "Above: the flat sheet with its triangles (thin), the lengths that its membrane keeps (thick) and the line along which it is held (dashed).",
+        "Below: the same sheet under its own weight, seen along that line.",
+    ];
+    for (line, words) in explained.into_iter().enumerate() {
+        let look = "font-size=\"12\" fill=\"#5a626b\"";
+        text(20.0, told + 52.0 + 17.0 * line as Real, look, words);
     }
     for (column, (shape, &(_, axis, _))) in shapes.iter().zip(columns).enumerate() {
         let left = COLUMN * (column as Real + 0.5) - 0.5 * FLAT;
@@ -212,7 +239,7 @@ fn compose(
         "<image x=\"0\" y=\"{folded}\" width=\"{width}\" height=\"{tall}\" href=\"data:image/png;base64,{}\"/>",
         base64(&png)
     );
-    let height = told + 40.0;
+    let height = told + 82.0;
     Ok(format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {width} {height}\" role=\"img\" \
          aria-label=\"{headline}\" fill=\"#22262b\" font-family=\"system-ui, 'DejaVu Sans', sans-serif\">\
@@ -220,21 +247,72 @@ fn compose(
     ))
 }
 
-/// The mesh at rest seen from above, with its lower left corner at the lower left of a square at `corner` (px), and the line of the fold.
+/// The mesh at rest seen from above, with its lower left corner at the lower left of a square at `corner` (px), the lengths that its membrane holds, and the line of the fold.
 fn flat_mesh(sheet: &Sheet, axis: Axis, corner: [Real; 2]) -> Result<String, BenchError> {
     let at = |p: &Vec3| [corner[0] + FLAT * p.x, corner[1] + FLAT * (1.0 - p.y)];
     let edges = EdgeTable::build(&sheet.mesh).map_err(BenchError::failed)?;
-    let rest = sheet.mesh.positions();
-    let mut path = String::new();
-    for &[a, b] in edges.ends() {
-        let ([x0, y0], [x1, y1]) = (at(&rest[a as usize]), at(&rest[b as usize]));
-        let _ = write!(path, "M{x0:.1} {y0:.1}L{x1:.1} {y1:.1}");
-    }
+    let lines = |pairs: &[[u32; 2]], points: &[Vec3]| {
+        let mut path = String::new();
+        for &[a, b] in pairs {
+            let ([x0, y0], [x1, y1]) = (at(&points[a as usize]), at(&points[b as usize]));
+            let _ = write!(path, "M{x0:.1} {y0:.1}L{x1:.1} {y1:.1}");
+        }
+        path
+    };
+    let thin = lines(edges.ends(), sheet.mesh.positions());
+    let thick = lines(&sheet.conditions()?, &sheet.points);
     let middle = Vec3::new(0.5, 0.5, 0.0);
     let reach = axis.directions()[0] * 0.8;
     let ([x0, y0], [x1, y1]) = (at(&(middle - reach)), at(&(middle + reach)));
     Ok(format!(
-        "<path d=\"{path}\" fill=\"none\" stroke=\"#7a8794\" stroke-width=\"0.7\"/>\
+        "<path d=\"{thin}\" fill=\"none\" stroke=\"#c3cad1\" stroke-width=\"0.5\"/>\
+         <path d=\"{thick}\" fill=\"none\" stroke=\"#3d4852\" stroke-width=\"0.9\"/>\
          <path d=\"M{x0:.1} {y0:.1}L{x1:.1} {y1:.1}\" fill=\"none\" stroke=\"#b3261e\" stroke-width=\"3\" stroke-dasharray=\"9 4\"/>"
     ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_sheet_is_judged_by_both_corners_and_by_what_it_bends_besides() {
+        let words = |angles, bending| judged(angles, 90.0, bending).0;
+        assert_eq!(words([91.0, 89.0], 1.2), "folds: its corners hang 90° down");
+        assert_eq!(words([60.0, 66.0], 0.8), "bends: its corners hang 63° down");
+        assert_eq!(
+            words([20.0, 30.0], 0.3),
+            "locked: its corners hang 25° down"
+        );
+        // One flap lies on top of the sheet: 111° in the mean say nothing.
+        assert_eq!(
+            words([170.0, 52.0], 1.1),
+            "crumples: corners at 52° and 170°"
+        );
+        assert_eq!(
+            words([85.0, 89.0], 9.0),
+            "crumples: its corners hang 87° down"
+        );
+    }
+
+    /// The flat sheet shows what holds it: no diagonals in a sheet of quads, fewer lines where a part is free, small triangles on midpoints.
+    #[test]
+    fn the_flat_sheet_shows_the_lengths_that_are_held() {
+        let held = |kind| {
+            let [modulus, rigidity] = STIFFNESS;
+            let mesh = super::super::sheet::square("one-way", 4).unwrap();
+            let sheet = Sheet::new(mesh, kind, modulus, rigidity).unwrap();
+            let svg = flat_mesh(&sheet, Axis::Across, [0.0, 0.0]).unwrap();
+            let paths: Vec<usize> = svg
+                .split("<path")
+                .map(|path| path.matches('M').count())
+                .collect();
+            paths[1..].to_vec()
+        };
+        // 40 sides of cells and 16 diagonals; one line for the fold.
+        assert_eq!(held(Kind::Springs), [56, 56, 1]);
+        assert_eq!(held(Kind::Quads), [56, 40, 1]);
+        assert_eq!(held(Kind::Stvk), [56, 56, 1]);
+        assert_eq!(held(Kind::Midpoints), [56, 96, 1]);
+    }
 }

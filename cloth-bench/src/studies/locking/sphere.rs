@@ -1,8 +1,10 @@
 //! The drape over a sphere: a square sheet, held in the middle, falls on a sphere of 0.3 m and lies there, as in the scene `drape-sphere`, without friction.
 //!
 //! No sheet lies on a sphere without stretching, so there is no developable answer: what cannot stretch touches along lines and stands off in folds. Folds need bending, and a locked
-//! sheet makes few. So what is compared is one and the same sheet as its edges get stiffer, which a sheet that is merely stiff does not notice.
+//! sheet makes few. So what is compared is one and the same sheet as its edges get stiffer, which a sheet that is merely stiff does not notice, and one and the same drape as its mesh gets
+//! finer: each mesh begins where the coarser one came to rest ([`super::finer`]), which also is what makes 128 cells a side affordable.
 
+use super::finer::refined;
 use super::sheet::{KINDS, Kind, Sheet, square};
 use super::{count, fold};
 use crate::error::BenchError;
@@ -29,6 +31,8 @@ const MODULI: [Real; 2] = [1e3, 1e5];
 const HELD: Real = 0.06;
 /// Contact stops vertices after the solver's step, which strains stiff edges: less so in short steps. Many for the patterns, kinds and methods; few for the resolutions, where every one is dear.
 const CONTACT_STEPS: [u32; 2] = [40, 10];
+/// Cells a side of one drape made finer and finer.
+const SIZES: [usize; 4] = [16, 32, 64, 128];
 const DT: Real = 1.0 / 60.0;
 const MOST_STEPS: u32 = 200;
 /// When nothing is faster than this (m/s), it is at rest.
@@ -57,6 +61,29 @@ struct Case {
     cells: usize,
     /// [`CONTACT_STEPS`].
     contact_steps: u32,
+}
+
+impl Case {
+    fn solver(&self) -> String {
+        match self.iterations {
+            0 => self.method.to_owned(),
+            n => format!("{}, {n} iterations", self.method),
+        }
+    }
+
+    fn name(&self) -> String {
+        let Self {
+            pattern,
+            cells,
+            modulus,
+            contact_steps,
+            ..
+        } = self;
+        let (membrane, solver) = (KINDS[self.kind].0, self.solver());
+        format!(
+            "drape, {pattern}, {cells} cells, {membrane}, Y = {modulus:e} N/m, {solver}, contact {contact_steps} times a step"
+        )
+    }
 }
 
 /// What came of it.
@@ -119,22 +146,37 @@ fn list(scope: Scope) -> Vec<Case> {
             ..base
         });
     }
-    for cells in [16, 32, 64] {
-        cases.extend(MODULI.map(|modulus| Case {
-            modulus,
-            cells,
-            contact_steps: CONTACT_STEPS[1],
-            ..base
-        }));
-    }
     cases
 }
 
-pub(super) fn cases(scope: Scope) -> u64 {
-    list(scope).len() as u64
+/// The drapes that are made finer and finer, each from the one before.
+fn chains(scope: Scope) -> Vec<Case> {
+    let chain = |method: &'static str, modulus: Real| Case {
+        pattern: PATTERN,
+        kind: 0,
+        modulus,
+        method,
+        iterations: 0,
+        cells: SIZES[0],
+        contact_steps: CONTACT_STEPS[1],
+    };
+    match scope {
+        Scope::Quick => Vec::new(),
+        // By another method where that is cheap: PD takes minutes for stiff edges.
+        Scope::Full => vec![
+            chain(METHOD, MODULI[0]),
+            chain(METHOD, MODULI[1]),
+            chain("pd", MODULI[0]),
+        ],
+    }
 }
 
-fn drape(case: &Case) -> Result<Drape, BenchError> {
+pub(super) fn cases(scope: Scope) -> u64 {
+    (list(scope).len() + chains(scope).len()) as u64
+}
+
+/// A sheet hung over the sphere from `start` (m), or from flat, until it is at rest; and its points (m) there.
+fn drape(case: &Case, start: Option<Vec<Vec3>>) -> Result<(Drape, Vec<Vec3>), BenchError> {
     let mesh = square(case.pattern, case.cells)?;
     let mut sheet = Sheet::new(mesh, KINDS[case.kind].1, case.modulus, RIGIDITY)?;
     sheet.hold(|p| (p - Vec3::new(0.5, 0.5, 0.0)).norm() < HELD)?;
@@ -150,7 +192,7 @@ fn drape(case: &Case) -> Result<Drape, BenchError> {
             hinges: Vec::new(),
             others: sheet.families(),
         },
-        start: State::at_rest(sheet.points.clone()),
+        start: State::at_rest(held_in_place(&sheet, start)),
         mesh: Some(sheet.mesh.clone()),
         gravity: Vec3::z() * -fold::GRAVITY,
         // The obstacle under any sheet of this size.
@@ -167,7 +209,7 @@ fn drape(case: &Case) -> Result<Drape, BenchError> {
     let gauges = Spring::along(sheet.mesh.positions(), edges.ends(), 0.0);
     let x = &state.positions;
     let rank = EdgeRank::of_pairs(x, &conditions).map_err(BenchError::failed)?;
-    Ok(Drape {
+    let found = Drape {
         coordinates_left: 3 * x.len() as i64 - conditions.len() as i64,
         nullity: rank.nullity,
         corners: fall_of_corners(sheet.mesh.positions(), x),
@@ -175,7 +217,31 @@ fn drape(case: &Case) -> Result<Drape, BenchError> {
         membrane: sheet.membrane_energy(x)?,
         rms_strain: Strain::of(&gauges, x).rms,
         steps,
-    })
+    };
+    Ok((found, state.positions))
+}
+
+/// The points (m) a drape begins with: those given, or flat; what is held is where it is at rest.
+fn held_in_place(sheet: &Sheet, start: Option<Vec<Vec3>>) -> Vec<Vec3> {
+    let mut points = start.unwrap_or_else(|| sheet.points.clone());
+    for (point, x) in points.iter_mut().enumerate() {
+        if sheet.particles.is_prescribed(point) {
+            *x = sheet.points[point];
+        }
+    }
+    points
+}
+
+/// The same drape with every number of cells of [`SIZES`]; the first begins flat, each other where the one before came to rest.
+fn chain(first: &Case) -> Result<Vec<Drape>, BenchError> {
+    let mut drapes = Vec::new();
+    let mut start = None;
+    for cells in SIZES {
+        let (found, at_rest) = drape(&Case { cells, ..*first }, start.take())?;
+        drapes.push(found);
+        start = Some(refined(&at_rest, cells)?);
+    }
+    Ok(drapes)
 }
 
 /// How far (m) the four corners of the unit square are below the highest vertex, in the mean.
@@ -215,6 +281,7 @@ pub(super) fn run(
         "membrane",
         "Y",
         "method",
+        "begins",
         "contact steps",
         "coordinates − conditions",
         "nullity draped",
@@ -226,72 +293,74 @@ pub(super) fn run(
     ]);
     let mut fallen: Vec<(Case, Real)> = Vec::new();
     for case in list(scope) {
-        let Case {
-            pattern,
-            modulus,
-            method,
-            iterations,
-            cells,
-            contact_steps,
-            ..
-        } = case;
-        let membrane = KINDS[case.kind].0;
-        let solver = match iterations {
-            0 => method.to_owned(),
-            n => format!("{method}, {n} iterations"),
-        };
-        let name = format!(
-            "drape, {pattern}, {cells} cells, {membrane}, Y = {modulus:e} N/m, {solver}, contact {contact_steps} times a step"
-        );
-        let found = cases.case(&name, || drape(&case));
+        let name = case.name();
+        let found = cases.case(&name, || Ok::<_, BenchError>(drape(&case, None)?.0));
         let Some(found) = findings.unless_failed(&name, found) else {
             continue;
         };
         if case.kind == 0 {
             fallen.push((case, found.corners));
         }
-        table.push([
-            Cell::from(pattern),
-            Cell::from(cells),
-            Cell::from(membrane),
-            Cell::from(modulus),
-            Cell::from(solver.as_str()),
-            Cell::from(contact_steps as usize),
-            Cell::from(found.coordinates_left),
-            Cell::from(found.nullity),
-            Cell::from(found.corners),
-            Cell::from(1e3 * found.bending),
-            Cell::from(found.membrane / found.bending),
-            Cell::from(found.rms_strain),
-            found
-                .steps
-                .map_or(Cell::Missing, |steps| Cell::from(steps as usize)),
-        ]);
+        table.rows.push(row(&case, "flat", &found));
+    }
+    let mut made_finer: Vec<(Case, Real)> = Vec::new();
+    for first in chains(scope) {
+        let name = format!("{}, made finer", first.name());
+        let found = cases.case(&name, || chain(&first));
+        let Some(drapes) = findings.unless_failed(&name, found) else {
+            continue;
+        };
+        for (cells, found) in SIZES.into_iter().zip(&drapes) {
+            let case = Case { cells, ..first };
+            made_finer.push((case, found.corners));
+            let begins = if cells == SIZES[0] {
+                "flat"
+            } else {
+                "from the coarser"
+            };
+            table.rows.push(row(&case, begins, found));
+        }
     }
     findings.table("locking-sphere", "Sheets draped over a sphere", table);
     Ok(Drapes {
         kept: kept(&fallen).map(|both| both.map(|(pattern, share)| (pattern.to_owned(), share))),
-        sizes: sizes(&fallen),
+        sizes: sizes(&made_finer),
     })
 }
 
-/// How deep (m) the corners are at both moduli with the fewest and the most cells a side.
-fn sizes(fallen: &[(Case, Real)]) -> Option<[(usize, [Real; 2]); 2]> {
-    let of_sizes = |case: &Case| case.contact_steps == CONTACT_STEPS[1];
-    let cells = fallen
-        .iter()
-        .filter(|(case, _)| of_sizes(case))
-        .map(|(case, _)| case.cells);
+fn row(case: &Case, begins: &str, found: &Drape) -> Vec<Cell> {
+    vec![
+        Cell::from(case.pattern),
+        Cell::from(case.cells),
+        Cell::from(KINDS[case.kind].0),
+        Cell::from(case.modulus),
+        Cell::from(case.solver().as_str()),
+        Cell::from(begins),
+        Cell::from(case.contact_steps as usize),
+        Cell::from(found.coordinates_left),
+        Cell::from(found.nullity),
+        Cell::from(found.corners),
+        Cell::from(1e3 * found.bending),
+        Cell::from(found.membrane / found.bending),
+        Cell::from(found.rms_strain),
+        found
+            .steps
+            .map_or(Cell::Missing, |steps| Cell::from(steps as usize)),
+    ]
+}
+
+/// How deep (m) the corners are at both moduli with the fewest and the most cells a side, by [`METHOD`].
+fn sizes(made_finer: &[(Case, Real)]) -> Option<[(usize, [Real; 2]); 2]> {
+    let ours = || made_finer.iter().filter(|(case, _)| case.method == METHOD);
+    let cells = || ours().map(|(case, _)| case.cells);
     let at = |cells: usize| {
         let depth = |modulus: Real| {
-            let wanted = |(case, _): &&(Case, Real)| {
-                of_sizes(case) && case.cells == cells && case.modulus == modulus
-            };
-            fallen.iter().find(wanted).map(|&(_, depth)| depth)
+            let wanted = |(case, _): &&(Case, Real)| case.cells == cells && case.modulus == modulus;
+            ours().find(wanted).map(|&(_, depth)| depth)
         };
         Some((cells, [depth(MODULI[0])?, depth(MODULI[1])?]))
     };
-    Some([at(cells.clone().min()?)?, at(cells.max()?)?])
+    Some([at(cells().min()?)?, at(cells().max()?)?])
 }
 
 /// Least and largest share of the depth of the corners that is kept from the softer modulus to the stiffer, with their patterns.
@@ -339,7 +408,7 @@ mod tests {
         assert_eq!((least.0, most.0), ("crossed", "one-way"));
         assert!((least.1 - 0.25).abs() < 1e-15 && (most.1 - 0.8).abs() < 1e-15);
         assert_eq!(kept(&fallen[..1]), None);
-        assert_eq!(sizes(&fallen), None);
+        assert_eq!(sizes(&[]), None);
         let of_size = |cells: usize, modulus: Real, depth: Real| {
             let case = Case {
                 cells,
@@ -349,12 +418,27 @@ mod tests {
             };
             (case, depth)
         };
-        fallen.extend([
+        let mut made_finer = vec![
             of_size(32, MODULI[0], 0.5),
             of_size(32, MODULI[1], 0.3),
             of_size(16, MODULI[0], 0.6),
             of_size(16, MODULI[1], 0.2),
-        ]);
-        assert_eq!(sizes(&fallen), Some([(16, [0.6, 0.2]), (32, [0.5, 0.3])]));
+        ];
+        // Another method's drapes are not mixed with them.
+        made_finer.insert(
+            0,
+            (
+                Case {
+                    method: "pd",
+                    cells: 8,
+                    ..made_finer[0].0
+                },
+                9.0,
+            ),
+        );
+        assert_eq!(
+            sizes(&made_finer),
+            Some([(16, [0.6, 0.2]), (32, [0.5, 0.3])])
+        );
     }
 }

@@ -102,7 +102,7 @@ pub(super) fn cones(
         left: 0.0,
         worst: (String::new(), 0, 0.0, 0.0),
     };
-    let mut series = Vec::new();
+    let (mut series, mut on_cone) = (Vec::new(), Vec::new());
     for pattern in PATTERNS {
         let mut curve = Vec::new();
         for &cells in sizes(scope) {
@@ -120,6 +120,7 @@ pub(super) fn cones(
                 let constant = found.placed / ratio.powi(4);
                 widen(&mut told.placed, constant);
                 if pattern == "equilateral" {
+                    on_cone.push((ratio, 1.0 + found.placed));
                     widen(&mut told.equilateral, constant);
                 }
                 if ratio > 1.0 {
@@ -144,6 +145,8 @@ pub(super) fn cones(
         curve.sort_by(|a, b| a.0.total_cmp(&b.0));
         series.push(Series::new(pattern, curve).styled(Style::Points));
     }
+    on_cone.sort_by(|a, b| a.0.total_cmp(&b.0));
+    series.push(Series::new("equilateral, held on it", on_cone).styled(Style::Points));
     let predicted = (0..=40).map(|i| {
         let ratio = 10.0_f64.powf(-1.0 + 0.045 * Real::from(i));
         (ratio, 1.0 + ratio.powi(4))
@@ -156,7 +159,7 @@ pub(super) fn cones(
             x: plot::Axis::log("edge length l over l* = (702 D R²/Y)^¼ (dimensionless)"),
             y: plot::Axis::log("elastic energy over the developable answer (dimensionless)"),
             series,
-            note: "1 is a sheet that follows the cone without stretching. A sheet is locked, and not only stiff, where the energy goes on rising with Y. The dashed curve is the estimate, which holds for vertices that stay on the cone.".into(),
+            note: "1 is a sheet that follows the cone without stretching. A sheet is locked, and not only stiff, where the energy goes on rising with Y. The dashed curve is the estimate, which holds for vertices that are held on the cone; let go, they leave it.".into(),
         },
     );
     findings.table("locking-cone", "Springs on a cone", table);
