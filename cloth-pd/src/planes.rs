@@ -16,12 +16,12 @@ const LANES: usize = 8;
 ///
 /// So neighbours along a row are far apart, and a sum over one does not wait for what was just written for the other; and edges at
 /// every second vertex, such as the diagonals of an alternating grid, are as good a stream as the others.
-type Plane = [Real; PIECE + LONGEST_RUN + LANES];
+type Plane = [Real; PLANE];
+
+const PLANE: usize = PIECE + LONGEST_RUN + LANES;
 
 /// x, y and z.
 type Planes = [Plane; 3];
-
-const ZERO: Planes = [[0.0; PIECE + LONGEST_RUN + LANES]; 3];
 
 /// The place in a plane of a vertex of a piece that starts with vertex `start`.
 fn place(vertex: u32, start: usize) -> usize {
@@ -129,7 +129,7 @@ impl Runs {
             return Some(0.0);
         }
         let start = piece * PIECE;
-        let (mut positions, mut sums) = (ZERO, ZERO);
+        let (mut positions, mut sums) = ([[0.0; PLANE]; 3], [[0.0; PLANE]; 3]);
         take_apart(&x[start..start + out.len()], &mut positions);
         let (mut energies, mut of_others) = ([0.0; LANES], [0.0; LANES]);
         let mut squares = Squares::NONE;

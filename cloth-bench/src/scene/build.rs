@@ -100,7 +100,8 @@ fn sheet(name: &'static str, mesh: Option<&str>, settings: &Settings) -> Result<
     if name == "hang" && midpoints::are_asked_for(settings)? {
         let (small, model) = midpoints::cut(settings, &mesh, &held)?;
         let gravity = up * -settings.number(&GRAVITY)?;
-        let touch = Touch::new(settings, &CONTACT_STEPS, &NO_SELF, Vec::new())?;
+        let parts = settings.count(&CONTACT_STEPS, 1)?;
+        let touch = Touch::new(settings, parts, &NO_SELF, Vec::new())?;
         if !touch.is_idle() {
             return Err(BenchError::Usage(
                 "self=yes cannot be with points=midpoints: there are gaps between the small triangles, which contact would go through".into(),
