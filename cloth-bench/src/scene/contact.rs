@@ -194,7 +194,7 @@ pub(super) fn parts_of_fall(
     dt: Real,
 ) -> Result<u32, BenchError> {
     /// A part of a step takes the cloth no further than the mean edge divided by this. Sheets of 33 vertices a side that are draped on a turning box keep
-    /// strains of up to 4 to 6 % then, by any kind of method; with half as many parts 5 to 14 %, with ten 16 to 39 %.
+    /// largest strains of 1 to 6 % then, by the kind of method; with half as many parts 5 to 14 %, with ten 16 to 39 %.
     const PARTS_OF_AN_EDGE: Real = 24.0;
     const FEWEST: Real = 10.0;
     /// More are a slip of the pen, in the height or in gravity.
