@@ -88,7 +88,7 @@ fn other_scenes_of_the_program_can_be_written_down() {
         &upright.replace("[-0.125, -0.5, 0]", "[-0.125, 0, -0.5]"),
     )
     .unwrap();
-    let own = built_in("fold", &["n=17"]);
+    let own = built_in("fold", &["n=17", "contact_steps=10"]);
     let [a, b] = [&fold, &own].map(|scene| after(scene, "xpbd", 5));
     for (a, b) in a.positions.iter().zip(&b.positions) {
         assert!((a - b).norm() < 1e-9, "{a} {b}");
@@ -97,7 +97,7 @@ fn other_scenes_of_the_program_can_be_written_down() {
                  [[obstacle]]\nshape = \"box\"\nsize = [0.5, 0.5, 0.5]\nposition = [0.5, 0.5, -0.254]\nangular_velocity = [0, 0, 2]\n";
     same_bits(
         &read("drape", drape).unwrap(),
-        &built_in("drape-box", &["n=9"]),
+        &built_in("drape-box", &["n=9", "contact_steps=10"]),
     );
     let cantilever = "name = \"cantilever\"\n[[mesh]]\ngenerator = \"grid:41x9:alternating\"\n[cloth]\nrigidity = 0.1\n\
                       [[pins]]\nbox = [[-1, -1, -1], [0.03, 1, 1]]\n";
