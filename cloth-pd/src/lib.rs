@@ -40,7 +40,7 @@
 //! |---|---|---|
 //! | plain, from x̃ | 0.151 | 4.64 |
 //! | quasi-Newton | 0.440 | 2.59 |
-//! | quasi-Newton with a coarse grid of 10 cells | 0.4987 | 2.41 |
+//! | quasi-Newton with a coarse grid of 10 cells | 0.4987 | 2.38 |
 //!
 //! When the smooth part is done the grid has done its work: the last digits take as many iterations with it as without, or more.
 //!
@@ -100,9 +100,10 @@
 //!
 //! # Cost
 //! A solve reads the factor twice: with bending 1.29 million numbers at 128 vertices a side, so 20.6 MB, and no solve is faster than the memory gives them. `cloth-bench study projective` has the time of a solve beside that of reading the factor, and beside the linear-algebra library, by size. The local step reads 24 bytes a spring and reads or
-//! writes 72 a vertex; `cargo bench -p cloth-bench --bench projective -- "local step"` has its time beside what the memory needs for as many bytes: TIMES. Where the vertices are numbered along rows, as on a grid, the ends of
+//! writes 72 a vertex; `cargo bench -p cloth-bench --bench projective -- "local step"` has its time beside that of a stream of as many bytes: 2.0 to 2.6 times as long with 128 vertices a side,
+//! where all is in a cache, 1.0 to 1.3 with 256 and 1.3 to 1.9 with 512. Where the vertices are numbered along rows, as on a grid, the ends of
 //! neighbouring springs are neighbours too, and both are read and added to as streams, without an index: x, y and z apart, even vertices apart from odd ones, eight springs side by side. What is left is the square root and the division of each
-//! spring (0.7 ns), the sums, and taking x, y and z apart and together again. Cloth in another order takes the ends one by one.
+//! spring (0.7 ns of 1.7 on one thread), the sums, and taking x, y and z apart and together again. Cloth in another order takes the ends one by one.
 //!
 //! With quadratic bending and n vertices, f numbers in the factor, e springs and b entries in the matrix of the bending energy, an iteration moves `16 f` bytes for the solve, `24 e + 72 n` for the springs, `12 b + 64 n`
 //! for the bending, about `200 n` for the rest of the objective, and `96 n` for each pair that is remembered. At 128 a side, with the bending left out of the matrix, that is about 9 MB, 2 MB, 4 MB, 3 MB and, with two pairs, 3 MB. A large factor is cut into subtrees of its elimination tree, which threads can share; the cut does not depend on how many there are. All loops are compiled for wide registers too ([`wide`](cloth_core::wide)), and give the same bits without.
@@ -174,13 +175,13 @@
 //!   | cells, iterations, pairs | kinetic energy (%) | largest stretch (%) | the same at the last step (%) |
 //!   |---|---|---|---|
 //!   | 8, 6, 5 | −79 | −14 | −31 |
-//!   | 10, 10, 2 (default) | −28 | −0.5 | −0.2 |
+//!   | 10, 10, 2 (default), every seventh step | −38 | −3 | −8 |
 //!   | 16, 16, 2 | −13 | +0.2 | +1.1 |
 //!
 //!   At 32 and 64 a side the default is less exact (mean stretch −20 % and −11 %, kinetic energy −63 % and −61 %). For seconds of motion that have to be right take 16 cells, 16 iterations and 2 pairs (−5 % and −2 %, −16 % and −19 %); a step then takes about twice as long.
 //!
 //!   The motion is not chaotic: implicit Euler from a start disturbed by 10⁻³ m ends with the same largest stretch to 1 % (32 a side). One instant still misleads, because a motion with too little energy is at another point of its swing: some settings
-//!   happen to be right at the last step and 36 % off on average, and rounding alone moves the last step by a tenth and more. What is missing are folds. A fold moves vertices across the cloth, and others a little along it so that no spring is stretched. The matrix charges the motion across as if springs were stretched, and the hats of a
+//!   happen to be right at the last step and 36 % off on average, and rounding alone moves the last step by a tenth and more: with the springs added up in another order the default had −28, −0.5 and −0.2 %. What is missing are folds. A fold moves vertices across the cloth, and others a little along it so that no spring is stretched. The matrix charges the motion across as if springs were stretched, and the hats of a
 //!   grid cannot follow the motion along: a grid of half the resolution of the cloth does no better, one as fine as the cloth is Newton's method, for which three iterations are enough. So folds go on with the velocity that they have, and what should have bent is
 //!   compressed (16 times the elastic energy with the default, at 128 a side).
 //!
