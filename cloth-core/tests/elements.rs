@@ -122,7 +122,15 @@ fn coincident_ends_are_finite_everywhere() {
                 Convexity::Abs,
                 Convexity::GaussNewton,
             ] {
-                assert!(check_size(&spring.hessian(&x, convexity)).is_finite());
+                // Equal and opposite, symmetric, and k along the force.
+                let [[own, other], rows] = spring.hessian(&x, convexity);
+                assert_eq!(other, -own);
+                assert!((own - own.transpose()).amax() < 1e-14);
+                if spring.rest_length > 0.0 {
+                    let n = gradient[0].normalize();
+                    assert!((n.dot(&(own * n)) - 40.0).abs() < 1e-13);
+                }
+                assert_eq!(rows, [other, own]);
             }
             is_convex(&spring, &x);
         }
