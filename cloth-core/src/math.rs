@@ -68,6 +68,21 @@ pub fn radial_resistance(length: Real, n: Vec3, rest: Real) -> Mat3 {
     along * (1.0 - across) + Mat3::from_diagonal_element(across)
 }
 
+/// The Hessian of two vertices that resist being moved apart across n only, by `stiffness` (N/m): `± stiffness (I − n nᵀ)`.
+#[inline]
+pub(crate) fn across_pair(n: Vec3, stiffness: Real) -> Blocks<2> {
+    let block = (Mat3::identity() - n * n.transpose()) * stiffness;
+    [[block, -block], [-block, block]]
+}
+
+/// [`across_pair`] times p.
+#[inline]
+pub(crate) fn across_pair_product(n: Vec3, stiffness: Real, p: &[Vec3; 2]) -> [Vec3; 2] {
+    let d = p[0] - p[1];
+    let force = (d - n * n.dot(&d)) * stiffness;
+    [force, -force]
+}
+
 /// A unit vector that depends on the two numbers only, spread evenly over the sphere.
 #[cold]
 fn arbitrary_direction(pair: [u32; 2]) -> Vec3 {

@@ -1,7 +1,9 @@
 //! The spring: two vertices that want to be a rest length apart (CORE-4).
 
 use crate::element::{Constraint, Convexity, Element, Projective, Row, UnitRow};
-use crate::math::{Blocks, Mat3, Real, Vec3, length_and_direction};
+use crate::math::{
+    Blocks, Mat3, Real, Vec3, across_pair, across_pair_product, length_and_direction,
+};
 
 /// A linear spring, S1 (1)–(4): `C = ‖x₀ − x₁‖ − L` (m), `E = ½ k C²` (J).
 ///
@@ -148,16 +150,13 @@ impl Constraint<2> for Spring {
     #[inline]
     fn curvature(&self, x: &[Vec3; 2], convexity: Convexity) -> Blocks<2> {
         let (n, across) = self.stiffness_across(x, convexity);
-        let block = (Mat3::identity() - n * n.transpose()) * across;
-        [[block, -block], [-block, block]]
+        across_pair(n, across)
     }
 
     #[inline]
     fn curvature_product(&self, x: &[Vec3; 2], p: &[Vec3; 2], convexity: Convexity) -> [Vec3; 2] {
         let (n, across) = self.stiffness_across(x, convexity);
-        let d = p[0] - p[1];
-        let force = (d - n * n.dot(&d)) * across;
-        [force, -force]
+        across_pair_product(n, across, p)
     }
 }
 

@@ -4,7 +4,9 @@
 //! "Projective dynamics", 2014, <https://doi.org/10.1145/2601097.2601116>, section 5.1.
 
 use crate::element::{Constraint, Convexity, Element, Projective, Row};
-use crate::math::{Blocks, Mat3, Real, Vec3, length_and_direction};
+use crate::math::{
+    Blocks, Mat3, Real, Vec3, across_pair, across_pair_product, length_and_direction,
+};
 
 /// Costs nothing while its length l is between `σ_min L` and `σ_max L`: `C = l − clamp(l)` (m), `E = ½ k C²` (J).
 ///
@@ -100,16 +102,13 @@ impl Constraint<2> for StrainLimitSpring {
     #[inline]
     fn curvature(&self, x: &[Vec3; 2], convexity: Convexity) -> Blocks<2> {
         let (n, across) = self.stiffness_across(x, convexity);
-        let block = (Mat3::identity() - n * n.transpose()) * across;
-        [[block, -block], [-block, block]]
+        across_pair(n, across)
     }
 
     #[inline]
     fn curvature_product(&self, x: &[Vec3; 2], p: &[Vec3; 2], convexity: Convexity) -> [Vec3; 2] {
         let (n, across) = self.stiffness_across(x, convexity);
-        let d = p[0] - p[1];
-        let force = (d - n * n.dot(&d)) * across;
-        [force, -force]
+        across_pair_product(n, across, p)
     }
 }
 
