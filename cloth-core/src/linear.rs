@@ -2,14 +2,14 @@
 //!
 //! | solver | file |
 //! |---|---|
-//! | sparse Cholesky by blocks, [`BlockCholesky`] | `block_cholesky`, over `cholesky` |
+//! | sparse Cholesky by blocks, `BlockCholesky` | `block_cholesky`, over `cholesky` |
 //! | conjugate gradients, [`ConjugateGradients`] | `conjugate_gradients` |
 //! | damped Jacobi, [`Jacobi`] | `jacobi` |
 //! | Jacobi with Chebyshev acceleration, [`ChebyshevJacobi`] | `chebyshev` |
 //! | Gauss–Seidel, [`GaussSeidel`] | `gauss_seidel` |
 //!
-//! [`LinearMethod`] names them; [`spectrum()`] estimates condition numbers. The factorisations need the feature `cholesky`: [`Cholesky`] for a
-//! scalar matrix, [`PanelFactor`] for its solves with three right-hand sides, [`Inertia`] to count eigenvalues.
+//! [`LinearMethod`] names them; [`spectrum()`] estimates condition numbers. The factorisations need the feature `cholesky`: `BlockCholesky`, `Cholesky` for a
+//! scalar matrix, `PanelFactor` for its solves with three right-hand sides, `Inertia` to count eigenvalues.
 
 #[cfg(feature = "cholesky")]
 mod block_cholesky;

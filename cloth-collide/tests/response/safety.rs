@@ -24,6 +24,18 @@ fn soup(random: &mut Random, count: usize) -> TriMesh {
     together(&sheets)
 }
 
+/// Nothing crosses at the end of a step that began at `from`, nor on the way there.
+fn assert_no_crossing_since(from: &[Vec3], flight: &mut Flight, seed: u64, step: u32) {
+    let end = flight.positions.clone();
+    for tenths in [1, 3, 5, 7, 9, 10] {
+        let part = f64::from(tenths) / 10.0;
+        let between = from.iter().zip(&end).map(|(a, b)| a.lerp(b, part));
+        flight.positions = between.collect();
+        assert_eq!(flight.crossings(), 0, "seed {seed}, step {step}, {part}");
+    }
+    flight.positions = end;
+}
+
 /// Steps of a soup whose vertices are kicked at random, by `kick` (m/s), and drawn together; nothing crosses at their ends nor on the way. Returns how often each stage was needed.
 fn stir(seeds: std::ops::Range<u64>, steps: u32, kick: f64) -> BTreeMap<ContactStage, u32> {
     let mut stages = BTreeMap::new();
@@ -46,14 +58,7 @@ fn stir(seeds: std::ops::Range<u64>, steps: u32, kick: f64) -> BTreeMap<ContactS
                 let change = flight.momentum() - before;
                 assert!(change.norm() < 1e-11 * kick.max(1.0), "{change}");
             }
-            let end = flight.positions.clone();
-            for tenths in [1, 3, 5, 7, 9, 10] {
-                let part = f64::from(tenths) / 10.0;
-                let between = from.iter().zip(&end).map(|(a, b)| a.lerp(b, part));
-                flight.positions = between.collect();
-                assert_eq!(flight.crossings(), 0, "seed {seed}, step {step}, {part}");
-            }
-            flight.positions = end;
+            assert_no_crossing_since(&from, &mut flight, seed, step);
         }
     }
     stages
@@ -245,15 +250,9 @@ fn zones_that_an_obstacle_stops_are_held_back_and_the_report_says_so() {
             assert_eq!(flight.contacts.held(), report.held);
             assert_eq!(is_held, report.smallest_share < 1.0, "{report:?}");
             held_steps += u32::from(is_held);
-            let end = flight.positions.clone();
-            assert!(end.iter().all(|x| -0.4 < x.z && x.z < 2.2), "seed {seed}");
-            for tenths in [1, 3, 5, 7, 9, 10] {
-                let part = f64::from(tenths) / 10.0;
-                let between = from.iter().zip(&end).map(|(a, b)| a.lerp(b, part));
-                flight.positions = between.collect();
-                assert_eq!(flight.crossings(), 0, "seed {seed}, step {step}, {part}");
-            }
-            flight.positions = end;
+            let mut heights = flight.positions.iter().map(|x| x.z);
+            assert!(heights.all(|z| -0.4 < z && z < 2.2), "seed {seed}");
+            assert_no_crossing_since(&from, &mut flight, seed, step);
         }
     }
     assert!(held_steps > 5, "{held_steps}");
