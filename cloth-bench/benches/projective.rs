@@ -11,7 +11,7 @@ use cloth_core::linear::{Cholesky, LowRank, PanelFactor};
 use cloth_core::math::{Real, Vec3};
 use cloth_core::step::{StepInput, Stepper};
 use cloth_pd::{Acceleration, LocalStep, PdConfig, PdSolver};
-use criterion::{BenchmarkId, Criterion, Throughput};
+use criterion::{Criterion, Throughput};
 use std::hint::black_box;
 
 fn sheet(side: u32) -> Scene {
@@ -46,36 +46,49 @@ fn global_solve(criterion: &mut Criterion) {
 }
 
 /// Refactoring against setting up a correction of rank k, and what the correction adds to every solve.
+///
+/// Factorising reads the matrix and writes the factor twice, as the library has it and as panels; a correction of rank k takes a solve for every three columns, and reads those
+/// columns whenever it is applied.
 fn changes(criterion: &mut Criterion) {
     for side in [32, 64, 128, 256] {
         let scene = sheet(side);
         let count = scene.start.positions.len();
         let mut cholesky = constant_matrix(&scene).expect("a factor");
         let mut panels = panels_of(&cholesky);
+        let (given, factor) = (cholesky.values_mut().len(), cholesky.factor_len());
         let mut group = criterion.benchmark_group(format!("projective change, {side} a side"));
         group.sample_size(10);
-        group.throughput(Throughput::Elements(cholesky.factor_len() as u64));
-        group.bench_function("factorise", |bencher| {
-            bencher.iter(|| {
-                cholesky.factorize().expect("positive definite");
-                panels.refill(cholesky.factor());
-            });
+        group.throughput(Throughput::Elements(factor as u64));
+        limit::bench(&mut group, "factorise", 8 * (given + 2 * factor), || {
+            cholesky.factorize().expect("positive definite");
+            panels.refill(cholesky.factor());
         });
+        let b = &scene.start.positions;
         let mut solution = vec![Vec3::zeros(); count];
-        group.bench_function("solve", |bencher| {
-            bencher.iter(|| panels.solve(black_box(&scene.start.positions), &mut solution))
+        limit::bench(&mut group, "solve", 16 * factor, || {
+            panels.solve(black_box(b), &mut solution);
         });
         for rank in [1, 3, 10, 30, 100] {
             let mut low_rank = LowRank::default();
             for column in 0..rank {
                 low_rank.push([((column * 7919 % count) as u32, 1.0)]);
             }
-            group.bench_function(BenchmarkId::new("set up a correction", rank), |bencher| {
-                bencher.iter(|| low_rank.prepare(count, |b, x| panels.solve(b, x)));
-            });
-            group.bench_function(BenchmarkId::new("correct a solve", rank), |bencher| {
-                bencher.iter(|| low_rank.correct(&mut solution));
-            });
+            let solves = limit::Moved::times(rank.div_ceil(3) as u32, 16 * factor);
+            limit::bench(
+                &mut group,
+                format!("set up a correction/{rank}"),
+                solves,
+                || low_rank.prepare(count, |b, x| panels.solve(b, x)),
+            );
+            let columns = (8 * rank + 48) * count;
+            limit::bench(
+                &mut group,
+                format!("correct a solve/{rank}"),
+                columns,
+                || {
+                    low_rank.correct(&mut solution);
+                },
+            );
         }
     }
 }
@@ -100,13 +113,14 @@ fn local_step(criterion: &mut Criterion) {
     }
 }
 
-/// One step at a quarter of a second into the fall, with each acceleration, and one of Newton's method.
+/// One step at a quarter of a second into the fall, with each acceleration. Every iteration reads the factor twice, and what the local step moves.
 fn steps(criterion: &mut Criterion) {
     for side in [64, 128] {
         let scene = sheet(side);
+        let springs = &scene.model.springs;
         let build = |acceleration| {
             PdSolver::builder(&scene.model.particles)
-                .energy(scene.model.springs.clone())
+                .energy(springs.clone())
                 .energy(scene.model.hinges.clone())
                 .coarse_grid(&scene.start.positions, 10)
                 .config(PdConfig {
@@ -123,6 +137,9 @@ fn steps(criterion: &mut Criterion) {
         for _ in 0..15 {
             solver.step(&mut state, input()).expect("a step");
         }
+        let factor = constant_matrix(&scene).expect("a factor").factor_len();
+        let bytes = 16 * factor + local_bytes(springs, &state.positions);
+        let moved = limit::Moved::times(PdConfig::default().iterations, bytes);
         let mut group = criterion.benchmark_group(format!("projective step, {side} a side"));
         group.sample_size(10);
         let chebyshev = Acceleration::Chebyshev {
@@ -134,11 +151,10 @@ fn steps(criterion: &mut Criterion) {
             ("quasi-newton", quasi_newton),
         ] {
             let mut solver = build(acceleration);
-            group.bench_function(name, |bencher| {
-                bencher.iter(|| {
-                    let mut state = state.clone();
-                    solver.step(&mut state, input())
-                });
+            let mut end = state.clone();
+            limit::bench(&mut group, name, moved, || {
+                end.clone_from(&state);
+                solver.step(&mut end, input())
             });
         }
     }

@@ -270,7 +270,7 @@ pub const SCENES: [SceneInfo; 9] = [
     },
     SceneInfo {
         name: "twist",
-        about: "a narrow towel of 1 m × 0.1 m whose ends are turned against each other within 4 s, and come nearer as it becomes a rope",
+        about: "a narrow towel of 1 m × 0.1 m whose ends are turned against each other within 4 s, and come nearer as it becomes a rope; with n = 33 its edges are as long as the rope is thick, and layers hook into each other; with 65 rarely",
         groups: &[OWN_SHEET, PULLING, &[TURNS, ROPE]],
     },
     SceneInfo {

@@ -42,7 +42,7 @@ pub(crate) const CONTACT_STEPS: Parameter = parameter(
 
 /// Where contact pulls at the cloth all the time.
 pub(crate) const TWIST_STEPS: Parameter = Parameter {
-    default: "80",
+    default: "160",
     ..CONTACT_STEPS
 };
 

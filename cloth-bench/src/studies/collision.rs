@@ -65,6 +65,8 @@ fn size(scope: Scope, scene: &str) -> (u32, Option<u32>) {
         (Scope::Quick, _) => (13, Some(20)),
         (Scope::Full, "stack") => (9, None),
         (Scope::Full, "drop") => (0, Some(60)),
+        // With half of that, five vertices across, layers hook into each other, and what the towel ends with is chance.
+        (Scope::Full, "twist") => (65, None),
         (Scope::Full, _) => (33, None),
     }
 }

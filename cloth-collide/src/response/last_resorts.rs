@@ -106,9 +106,7 @@ impl ClothContacts {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::obstacle::{
-        HalfSpace, ImpactLaw, Obstacle, ObstacleContacts, Pose, RigidMotion,
-    };
+    use crate::obstacle::{HalfSpace, ImpactLaw, Obstacle, ObstacleContacts, Pose, RigidMotion};
     use crate::random::Random;
     use cloth_core::contact::ContactSource;
     use cloth_core::mesh::TriMesh;
