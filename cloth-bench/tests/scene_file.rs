@@ -125,11 +125,12 @@ fn the_twist_of_the_sample_is_that_of_the_program() {
         of_file.model.particles.free_count(),
         own.model.particles.free_count()
     );
-    let [a, b] = [&of_file, &own].map(|scene| after(scene, "xpbd", 30));
+    // Its scale is exact to rounding only, and rounding decides to which side the flat towel gives way, so the first steps are compared.
+    let [a, b] = [&of_file, &own].map(|scene| after(scene, "xpbd", 8));
     let moved = (a.positions[0] - of_file.start.positions[0]).norm();
-    assert!(moved > 0.05, "{moved}");
+    assert!(moved > 0.02, "{moved}");
     for (a, b) in a.positions.iter().zip(&b.positions) {
-        assert!((a - b).norm() < 1e-6, "{a} {b}");
+        assert!((a - b).norm() < 1e-11, "{:e}, {a} {b}", (a - b).norm());
     }
 }
 
