@@ -170,20 +170,20 @@
 //! - The plain iteration converges linearly, and the more slowly the stiffer the cloth. An error of 10⁻² in `G` is soon reached and says little: plain, cut short there, the sheet above hangs in the air. Look at the
 //!   fall beside the stretch before choosing a number of iterations.
 //! - A fixed number of iterations is an approximation of implicit Euler whose error is not watched. The default follows the first half second of the hanging sheet closely; over five seconds its swinging dies away sooner than it should. Means over the
-//!   last 100 of 300 steps, relative to converged implicit Euler, at 128 a side (`cloth-bench study projective`, which has the same for 32 and 64):
+//!   last 100 of 300 steps, relative to converged implicit Euler, at 64 a side (`cloth-bench study projective`, which has the same for 32):
 //!
 //!   | cells, iterations, pairs | kinetic energy (%) | largest stretch (%) | the same at the last step (%) |
 //!   |---|---|---|---|
-//!   | 8, 6, 5 | −79 | −14 | −31 |
-//!   | 10, 10, 2 (default) | −37 | −3 | −8 |
-//!   | 16, 16, 2 | −19 | −3 | −2 |
+//!   | 8, 6, 5 | −71 | −7 | −23 |
+//!   | 10, 10, 2 (default) | −53 | −10 | −28 |
+//!   | 16, 16, 2 | −15 | −2 | +1 |
 //!
-//!   At 32 and 64 a side the default is less exact (mean stretch −12 % and −10 %, kinetic energy −59 % and −53 %). For seconds of motion that have to be right take 16 cells, 16 iterations and 2 pairs (−8 % and −2 %, −28 % and −15 %); a step then takes about twice as long.
+//!   At 32 a side the default is a little less exact (mean stretch −12 %, kinetic energy −59 %), at 128 it was more exact (−3 %, −37 %). For seconds of motion that have to be right take 16 cells, 16 iterations and 2 pairs; a step then takes about twice as long.
 //!
 //!   The motion is not chaotic: implicit Euler from a start disturbed by 10⁻³ m ends with the same largest stretch to 1 % (32 a side). One instant still misleads, because a motion with too little energy is at another point of its swing: some settings
 //!   happen to be right at the last step and 36 % off on average, and rounding alone moves the last step by a tenth and more: with the springs added up in another order the default had −28, −0.5 and −0.2 %. What is missing are folds. A fold moves vertices across the cloth, and others a little along it so that no spring is stretched. The matrix charges the motion across as if springs were stretched, and the hats of a
 //!   grid cannot follow the motion along: a grid of half the resolution of the cloth does no better, one as fine as the cloth is Newton's method, for which three iterations are enough. So folds go on with the velocity that they have, and what should have bent is
-//!   compressed (14 times the elastic energy with the default, at 128 a side).
+//!   compressed (9 times the elastic energy with the default, at 64 a side).
 //!
 //!   None of these helps, at 32 or 64 a side: a start extrapolated with the last change of velocity; pairs kept from the step before, as they are (the steps then need line searches) or with their changes of gradient taken anew; hats that are
 //!   quadratic or cubic splines; stiffness summed up over whole cells; blocks of the Hessian's diagonal as a third part of the first guess, on the vertices and on finer grids, which moves vertices out of the cloth so far that the springs, which then
