@@ -36,7 +36,7 @@ fn sides(scope: Scope) -> &'static [u32] {
 fn budget(scope: Scope) -> Duration {
     match scope {
         Scope::Quick => Duration::from_secs(10),
-        Scope::Full => Duration::from_secs(90),
+        Scope::Full => Duration::from_secs(60),
     }
 }
 
