@@ -358,18 +358,23 @@ fn verdict(
     ))
 }
 
-/// A count that changes by less than this factor from the smallest to the largest sheet does not depend on the resolution.
+/// Counts that differ by less than this factor from sheet to sheet do not depend on the resolution.
 const SAME: Real = 1.5;
 
 /// What the counts by size say of each variant.
 fn independence(by_size: &[(Real, [Option<u32>; 4])]) -> String {
     let judge = |index: usize| {
         let counts: Option<Vec<u32>> = by_size.iter().map(|row| row.1[index]).collect();
-        let ends = counts.and_then(|c| Some((*c.iter().min()?, *c.iter().max()?)));
-        match ends {
-            Some((least, most)) if Real::from(most) <= SAME * Real::from(least) => "yes",
-            Some(_) => "no",
-            None => "not seen within the budget",
+        let Some(counts) = counts else {
+            return "not seen within the budget";
+        };
+        let ratio = |a: Option<&u32>, b: Option<&u32>| Some(Real::from(*a?) / Real::from(*b?));
+        let spread = ratio(counts.iter().max(), counts.iter().min());
+        let growth = ratio(counts.last(), counts.first());
+        match (spread, growth) {
+            (Some(spread), _) if spread <= SAME => "yes",
+            (_, Some(growth)) if growth > 1.0 => "no, the finest sheet takes more",
+            _ => "no, the finest sheet takes fewer",
         }
     };
     let each = VARIANTS.iter().enumerate();
