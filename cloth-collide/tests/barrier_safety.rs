@@ -9,7 +9,7 @@ use cloth_collide::obstacle::{
     HalfSpace, ImpactLaw, Obstacle, ObstacleContacts, Pose, RigidMotion, Sphere,
 };
 use cloth_core::contact::{ContactError, ContactSource, ContactStep};
-use cloth_core::math::Vec3;
+use cloth_core::math::{Vec3, is_finite};
 use cloth_core::mesh::TriMesh;
 use cloth_core::mesh::generate::{Diagonals, grid, join};
 use cloth_core::step::BuildError;
@@ -338,4 +338,54 @@ fn settings_out_of_range_are_refused_by_name() {
     assert!(builder().distance(0.035).build().is_ok());
     let obstacles_only = builder().distance(0.036).self_collision(false);
     assert!(obstacles_only.build().is_ok());
+}
+
+/// Sizes of space, speed and time from 1e-300 to 1e300: every step is resolved or refused, and what is resolved is finite and free.
+#[test]
+fn extreme_sizes_are_resolved_or_refused() {
+    let mut random = Random::new(17);
+    let mut resolved = [0, 0];
+    for round in 0..160 {
+        let mut power = |most: f64| 10f64.powf(random.point(most).x);
+        let most: f64 = [3.0, 20.0, 150.0, 300.0][round % 4];
+        let (size, dt) = (power(most.min(70.0)), power(most));
+        // What rests inside the range of the barrier is pushed all the same.
+        let speed = if round % 8 < 4 { power(most) } else { 0.0 };
+        let distance = size * power(2.0);
+        let inverse_mass = vec![power(most.min(100.0)); 18];
+        let layer = |z: f64| sheet(3, 1.0, |x| x + Vec3::z() * z);
+        let layers = join(&[layer(0.0), layer(0.3)]).unwrap();
+        let scaled = layers.positions().iter().map(|x| x * size).collect();
+        let Ok(mesh) = TriMesh::new(scaled, layers.triangles().to_vec()) else {
+            continue;
+        };
+        let Ok(mut contacts) = BarrierContacts::builder(&mesh).distance(distance).build() else {
+            continue;
+        };
+        let from = mesh.positions();
+        let mut velocities: Vec<Vec3> = from.iter().map(|_| random.point(speed)).collect();
+        let mut positions: Vec<Vec3> = from
+            .iter()
+            .zip(&velocities)
+            .map(|(x, v)| x + v * dt)
+            .collect();
+        let step = ContactStep {
+            from,
+            inverse_mass: &inverse_mass,
+            dt,
+        };
+        match contacts.resolve(&step, &mut positions, &mut velocities) {
+            Ok(()) => {
+                let mut both = positions.iter().chain(&velocities);
+                assert!(both.all(is_finite), "round {round}");
+                // At coordinates of 1e100 m volumes overflow, and no test is exact any more.
+                if positions.iter().all(|x| x.amax() < 1e90) {
+                    assert_eq!(crossings(&mesh, &positions), 0, "round {round}");
+                }
+                resolved[0] += 1;
+            }
+            Err(_) => resolved[1] += 1,
+        }
+    }
+    assert!(resolved[0] > 10 && resolved[1] > 0, "{resolved:?}");
 }
