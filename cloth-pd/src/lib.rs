@@ -178,7 +178,7 @@
 //!   | 10, 10, 2 (default) | −53 | −10 | −28 |
 //!   | 16, 16, 2 | −15 | −2 | +1 |
 //!
-//!   At 32 a side the default is a little less exact (mean stretch −12 %, kinetic energy −59 %), at 128 it was more exact (−3 %, −37 %). For seconds of motion that have to be right take 16 cells, 16 iterations and 2 pairs; a step then takes about twice as long.
+//!   At 32 a side the default is a little less exact (mean stretch −12 %, kinetic energy −59 %). For seconds of motion that have to be right take 16 cells, 16 iterations and 2 pairs; a step then takes about twice as long.
 //!
 //!   The motion is not chaotic: implicit Euler from a start disturbed by 10⁻³ m ends with the same largest stretch to 1 % (32 a side). One instant still misleads, because a motion with too little energy is at another point of its swing: some settings
 //!   happen to be right at the last step and 36 % off on average, and rounding alone moves the last step by a tenth and more: with the springs added up in another order the default had −28, −0.5 and −0.2 %. What is missing are folds. A fold moves vertices across the cloth, and others a little along it so that no spring is stretched. The matrix charges the motion across as if springs were stretched, and the hats of a
