@@ -1,8 +1,8 @@
 //! The journal of a run of studies: one line per finished case, written when it finishes.
 //!
 //! A study is cut into cases that know nothing of each other ([`Cases`](crate::studies::Cases)). What a case found is appended to
-//! `journal.jsonl` and handed to the disk before the next case begins, so a run that is killed, or whose disk is full, loses the case that it was
-//! working on and no other. The report is made from the journal alone: taken up again, or put together from several machines, the same journal gives
+//! `journal.jsonl` and handed to the disk when it finishes, so a run that is killed, or whose disk is full, loses the cases that it was
+//! working on (one, or where no times are measured one per core) and no other. The report is made from the journal alone: taken up again, or put together from several machines, the same journal gives
 //! the same report.
 //!
 //! The first line is a [`Heading`]; every further one a case: its study and name, the seconds that it took, and what it found or why it failed. A last line without an end was being written when the run died, and is dropped.

@@ -252,7 +252,7 @@ fn write_report(
         "full"
     };
     facts.push(("scope".into(), scope.into()));
-    facts.push(("time".into(), format!("{seconds:.0} s")));
+    facts.push(("time of all cases".into(), format!("{seconds:.0} s")));
     let mut files = Vec::new();
     let mut keep = |name: String, content: &[u8]| {
         write_file(&out.join(&name), content)?;

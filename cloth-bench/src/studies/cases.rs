@@ -10,6 +10,8 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::mpsc;
 use std::time::Instant;
 
 /// Which of the unfinished cases are run.
@@ -77,37 +79,129 @@ impl<'a> Cases<'a> {
         name: &str,
         work: impl FnOnce(&mut dyn FnMut(&str)) -> Result<T, BenchError>,
     ) -> Result<T, BenchError> {
+        self.announce(name);
+        if let Some(known) = self.known(name)? {
+            return Ok(known);
+        }
+        let started = Instant::now();
+        let outcome = work(&mut *self.progress);
+        self.keep(name, started.elapsed().as_secs_f64(), outcome)
+    }
+
+    /// The results of one case per item, in their order. Those that are not finished are run side by side, as many as rayon has threads, each with one thread of its own.
+    /// For results that hold no times: cores that are all busy share their memory, and measure each other.
+    pub(crate) fn side_by_side<I, T>(
+        &mut self,
+        items: &[I],
+        name: impl Fn(&I) -> String,
+        work: impl Fn(&I) -> Result<T, BenchError> + Sync,
+    ) -> Vec<Result<T, BenchError>>
+    where
+        I: Sync,
+        T: Serialize + DeserializeOwned + Default + Send,
+    {
+        let names: Vec<String> = items.iter().map(name).collect();
+        let mut results: Vec<Option<Result<T, BenchError>>> = Vec::with_capacity(items.len());
+        for name in &names {
+            let known = self.known(name).transpose();
+            if known.is_some() {
+                self.announce(name);
+            }
+            results.push(known);
+        }
+        let open: Vec<usize> = (0..items.len()).filter(|&i| results[i].is_none()).collect();
+        let next = AtomicUsize::new(0);
+        let (tell, told) = mpsc::channel();
+        let run = |tell: mpsc::Sender<Told<T>>| {
+            let alone = rayon::ThreadPoolBuilder::new().num_threads(1).build();
+            while let Some(&index) = open.get(next.fetch_add(1, Ordering::Relaxed)) {
+                let started = Instant::now();
+                if tell.send(Told::Begun(index)).is_err() {
+                    return;
+                }
+                let outcome = match &alone {
+                    Ok(alone) => alone.install(|| work(&items[index])),
+                    Err(error) => Err(BenchError::failed(error)),
+                };
+                let seconds = started.elapsed().as_secs_f64();
+                // Nobody listens when the journal cannot be written any more.
+                if tell.send(Told::Ended(index, seconds, outcome)).is_err() {
+                    return;
+                }
+            }
+        };
+        std::thread::scope(|scope| {
+            for _ in 0..rayon::current_num_threads().min(open.len()) {
+                let tell = tell.clone();
+                scope.spawn(|| run(tell));
+            }
+            drop(tell);
+            for message in told {
+                match message {
+                    Told::Begun(index) => self.announce(&names[index]),
+                    Told::Ended(index, seconds, outcome) => {
+                        results[index] = Some(self.keep(&names[index], seconds, outcome));
+                    }
+                }
+                if self.journal.broken().is_some() {
+                    break;
+                }
+            }
+        });
+        let never_run = || Err(BenchError::Failed("the run was broken off".into()));
+        let results = results.into_iter();
+        results
+            .map(|result| result.unwrap_or_else(never_run))
+            .collect()
+    }
+
+    fn announce(&mut self, name: &str) {
+        (self.progress)(&format!("{}: {name}", self.study));
+    }
+
+    fn about(&self, name: &str, error: impl std::fmt::Display) -> BenchError {
+        BenchError::Failed(format!("case `{name}` of study `{}`: {error}", self.study))
+    }
+
+    /// The result of a case that is finished, or falls to another run; none if it is to be run now.
+    fn known<T: DeserializeOwned + Default>(
+        &mut self,
+        name: &str,
+    ) -> Result<Option<T>, BenchError> {
         if let Some(error) = self.journal.broken() {
             return Err(error.clone());
         }
-        (self.progress)(&format!("{}: {name}", self.study));
-        let study = self.study;
-        let about =
-            |error| BenchError::Failed(format!("case `{name}` of study `{study}`: {error}"));
         if !self.named.insert(name.to_owned()) {
-            return Err(about("there are two of that name".to_owned()));
+            return Err(self.about(name, "there are two of that name"));
         }
         if let Some(known) = self.journal.recall(self.study, name) {
-            return serde_json::from_value(known?).map_err(|error| about(error.to_string()));
+            let found = serde_json::from_value(known?);
+            return found.map(Some).map_err(|error| self.about(name, error));
         }
         let is_ours = match self.share {
             Share::All => true,
             Share::One(shard) => shard.includes(self.study, name),
             Share::Nothing => false,
         };
-        if !is_ours {
-            self.left_out.push(name.to_owned());
-            return Ok(T::default());
+        if is_ours {
+            return Ok(None);
         }
-        let started = Instant::now();
-        let outcome = work(&mut *self.progress);
-        let seconds = started.elapsed().as_secs_f64();
+        self.left_out.push(name.to_owned());
+        Ok(Some(T::default()))
+    }
+
+    /// Records what came of a case after so many seconds, and hands it on.
+    fn keep<T: Serialize + DeserializeOwned>(
+        &mut self,
+        name: &str,
+        seconds: f64,
+        outcome: Result<T, BenchError>,
+    ) -> Result<T, BenchError> {
         let recorded = match &outcome {
             Ok(found) => {
-                let value =
-                    serde_json::to_value(found).map_err(|error| about(error.to_string()))?;
+                let value = serde_json::to_value(found).map_err(|error| self.about(name, error))?;
                 // What cannot be read back, such as a number that is none, is found out now.
-                T::deserialize(&value).map_err(|error| about(error.to_string()))?;
+                T::deserialize(&value).map_err(|error| self.about(name, error))?;
                 Ok(value)
             }
             Err(error) => Err(error.to_string()),
@@ -115,6 +209,7 @@ impl<'a> Cases<'a> {
         self.journal.record(self.study, name, seconds, recorded)?;
         outcome
     }
+
     /// A case that fills findings of its own, which are added to those of the study, and draws a conclusion.
     pub(crate) fn chapter<T: Serialize + DeserializeOwned + Default>(
         &mut self,
@@ -135,6 +230,13 @@ impl<'a> Cases<'a> {
     pub(super) fn left_out(&self) -> &[String] {
         &self.left_out
     }
+}
+
+/// What a thread says of the case with this index.
+enum Told<T> {
+    Begun(usize),
+    /// After so many seconds, with this outcome.
+    Ended(usize, f64, Result<T, BenchError>),
 }
 
 /// A value that several cases need, found when it is asked for the first time.

@@ -59,8 +59,11 @@ fn settings(scope: Scope) -> &'static [Setting] {
     }
 }
 
-/// Every method at its published setting, and the midpoint rule solved to rounding: label, name, tolerance.
-fn methods() -> Vec<(String, &'static str, Option<Real>)> {
+/// Label, method, tolerance.
+type Solver = (String, &'static str, Option<Real>);
+
+/// Every method at its published setting, and the midpoint rule solved to rounding.
+fn methods() -> Vec<Solver> {
     let published = |method: &Method| (method.name.to_owned(), method.name, None);
     let mut all: Vec<_> = method::all().map(published).collect();
     let exactly = "implicit-midpoint, solved to 1e-12";
@@ -228,9 +231,14 @@ fn oscillators(findings: &mut Findings, cases: &mut Cases<'_>) -> Result<String,
     let mut table = Table::new(&["method", "substeps", "energy kept", "expected", "error"]);
     let (mut series, mut worst): (_, Real) = (Vec::new(), 0.0);
     let scene = oscillator()?;
-    for (label, name, tolerance) in methods() {
-        let case = format!("oscillator, {label}");
-        let kept = cases.case(&case, || follow(&scene, name, tolerance, RATE));
+    let methods = methods();
+    let case_of = |(label, ..): &Solver| format!("oscillator, {label}");
+    let every = cases.side_by_side(&methods, case_of, |&(_, name, tolerance)| {
+        follow(&scene, name, tolerance, RATE)
+    });
+    for (solver, kept) in methods.into_iter().zip(every) {
+        let case = case_of(&solver);
+        let (label, name, _) = solver;
         let Some(kept) = findings.unless_failed(&case, kept).filter(Kept::is_whole) else {
             continue;
         };
@@ -312,11 +320,14 @@ fn free_sheets(
     for &setting in settings(scope) {
         let scene = free(setting.n)?;
         let mut series = Vec::new();
-        for (label, name, tolerance) in methods() {
-            let case = format!("free, {}, {label}", name_of(setting));
-            let kept = cases.case(&case, || {
-                follow(&scene, name, tolerance, setting.steps_per_second)
-            });
+        let methods = methods();
+        let case_of = |(label, ..): &Solver| format!("free, {}, {label}", name_of(setting));
+        let every = cases.side_by_side(&methods, case_of, |&(_, name, tolerance)| {
+            follow(&scene, name, tolerance, setting.steps_per_second)
+        });
+        for (solver, kept) in methods.into_iter().zip(every) {
+            let case = case_of(&solver);
+            let (label, ..) = solver;
             let Some(kept) = findings.unless_failed(&case, kept).filter(Kept::is_whole) else {
                 continue;
             };
@@ -397,12 +408,15 @@ fn held_sheets(
     for &setting in settings(scope) {
         let scene = held(setting.n)?;
         let mut series = Vec::new();
-        for (label, name, tolerance) in methods() {
-            let case = format!("held, {}, {label}", name_of(setting));
-            let found = cases.case(&case, || {
-                let kept = follow(&scene, name, tolerance, setting.steps_per_second)?;
-                Ok((kept, at_rest(&scene)?))
-            });
+        let methods = methods();
+        let case_of = |(label, ..): &Solver| format!("held, {}, {label}", name_of(setting));
+        let every = cases.side_by_side(&methods, case_of, |&(_, name, tolerance)| {
+            let kept = follow(&scene, name, tolerance, setting.steps_per_second)?;
+            Ok((kept, at_rest(&scene)?))
+        });
+        for (solver, found) in methods.into_iter().zip(every) {
+            let case = case_of(&solver);
+            let (label, ..) = solver;
             let Some((kept, floor)) = findings
                 .unless_failed(&case, found)
                 .filter(|(kept, _)| kept.is_whole())

@@ -121,10 +121,12 @@ fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
     let mut told = Vec::new();
     for name in METHODS {
         let mut found = Vec::new();
-        for (n, rate) in grid(scope) {
-            let case = format!("{name}, {n} vertices a side, 1/{rate} s");
-            let fallen = cases.case(&case, || fall(name, n, rate));
-            let Some(fallen) = findings.unless_failed(&case, fallen) else {
+        let grid = grid(scope);
+        let case_of = |(n, rate): &(_, _)| format!("{name}, {n} vertices a side, 1/{rate} s");
+        let every = cases.side_by_side(&grid, case_of, |&(n, rate)| fall(name, n, rate));
+        for (point, fallen) in grid.into_iter().zip(every) {
+            let (n, rate) = point;
+            let Some(fallen) = findings.unless_failed(&case_of(&point), fallen) else {
                 continue;
             };
             table.push([

@@ -140,10 +140,11 @@ fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
     let (mut always, mut failed) = (Vec::new(), Vec::new());
     for method in METHODS {
         let mut lost = Vec::new();
-        for start in STARTS {
-            let case = format!("{start}, {}", method.name);
-            let found = cases.case(&case, || cell(n, steps, start, method.name));
-            let Some(found) = findings.unless_failed(&case, found) else {
+        let case_of = |start: &&str| format!("{start}, {}", method.name);
+        let every =
+            cases.side_by_side(&STARTS, case_of, |start| cell(n, steps, start, method.name));
+        for (start, found) in STARTS.into_iter().zip(every) {
+            let Some(found) = findings.unless_failed(&case_of(&start), found) else {
                 continue;
             };
             let is_passed = found.recovered == RUNS;
@@ -151,7 +152,7 @@ fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
                 lost.push(format!("{start} ({} of {RUNS})", found.recovered));
             }
             if let Some(reason) = &found.reason {
-                let note = format!("Failed: {case}: {reason}.");
+                let note = format!("Failed: {}: {reason}.", case_of(&start));
                 findings.section.notes.push(note);
             }
             table.push([

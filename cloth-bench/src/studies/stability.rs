@@ -149,9 +149,10 @@ fn draw(
     let mut table = Table::new(&names);
     let mut passed = Vec::new();
     let mut reasons: Vec<String> = Vec::new();
-    for name in methods() {
-        let case = format!("{}, {name}", map.name);
-        let fates = cases.case(&case, || map.all(scope, name));
+    let case_of = |name: &&str| format!("{}, {name}", map.name);
+    let every = cases.side_by_side(&methods(), case_of, |name| map.all(scope, name));
+    for (name, fates) in methods().into_iter().zip(every) {
+        let case = case_of(&name);
         let Some(fates) = findings
             .unless_failed(&case, fates)
             .filter(|fates| fates.len() == across.len() * down.len())

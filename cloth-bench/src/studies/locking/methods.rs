@@ -130,10 +130,16 @@ pub(super) fn run(
         "rms strain",
         "largest strain",
     ]);
-    for (name, iterations, cells) in list(scope) {
-        let case = format!("fold by {name}, {iterations} iterations, {cells} cells");
-        let made = cases.case(&case, || make(name, iterations, cells));
-        let Some(made) = findings.unless_failed(&case, made) else {
+    let list = list(scope);
+    let case_of = |(name, iterations, cells): &(_, _, _)| {
+        format!("fold by {name}, {iterations} iterations, {cells} cells")
+    };
+    let every = cases.side_by_side(&list, case_of, |&(name, iterations, cells)| {
+        make(name, iterations, cells)
+    });
+    for (solver, made) in list.into_iter().zip(every) {
+        let (name, iterations, cells) = solver;
+        let Some(made) = findings.unless_failed(&case_of(&solver), made) else {
             continue;
         };
         table.push([

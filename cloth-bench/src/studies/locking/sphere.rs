@@ -292,10 +292,10 @@ pub(super) fn run(
         "steps to rest",
     ]);
     let mut fallen: Vec<(Case, Real)> = Vec::new();
-    for case in list(scope) {
-        let name = case.name();
-        let found = cases.case(&name, || Ok::<_, BenchError>(drape(&case, None)?.0));
-        let Some(found) = findings.unless_failed(&name, found) else {
+    let flat = list(scope);
+    let every = cases.side_by_side(&flat, Case::name, |case| Ok(drape(case, None)?.0));
+    for (case, found) in flat.into_iter().zip(every) {
+        let Some(found) = findings.unless_failed(&case.name(), found) else {
             continue;
         };
         if case.kind == 0 {
@@ -304,10 +304,11 @@ pub(super) fn run(
         table.rows.push(row(&case, "flat", &found));
     }
     let mut made_finer: Vec<(Case, Real)> = Vec::new();
-    for first in chains(scope) {
-        let name = format!("{}, made finer", first.name());
-        let found = cases.case(&name, || chain(&first));
-        let Some(drapes) = findings.unless_failed(&name, found) else {
+    let chains = chains(scope);
+    let name_of = |first: &Case| format!("{}, made finer", first.name());
+    let every = cases.side_by_side(&chains, name_of, chain);
+    for (first, found) in chains.into_iter().zip(every) {
+        let Some(drapes) = findings.unless_failed(&name_of(&first), found) else {
             continue;
         };
         for (cells, found) in SIZES.into_iter().zip(&drapes) {

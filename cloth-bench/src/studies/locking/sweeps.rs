@@ -105,42 +105,45 @@ pub(super) fn cones(
     let (mut series, mut on_cone) = (Vec::new(), Vec::new());
     for pattern in PATTERNS {
         let mut curve = Vec::new();
-        for &cells in sizes(scope) {
-            for &modulus in moduli(scope, cells) {
-                let case = format!("cone, {pattern}, {cells} cells, Y = {modulus:e} N/m");
-                let found = cases.case(&case, || {
-                    cone::bend(pattern, cells, Kind::Springs, modulus, RIGIDITY)
-                });
-                let Some(found) = findings.unless_failed(&case, found) else {
-                    continue;
-                };
-                let (energy, membrane) = (found.energy, found.membrane);
-                let ratio = found.edge_length / critical_length(cone::radius(), modulus, RIGIDITY);
-                curve.push((ratio, energy));
-                let constant = found.placed / ratio.powi(4);
-                widen(&mut told.placed, constant);
-                if pattern == "equilateral" {
-                    on_cone.push((ratio, 1.0 + found.placed));
-                    widen(&mut told.equilateral, constant);
-                }
-                if ratio > 1.0 {
-                    told.left = told.left.max(membrane / found.placed);
-                }
-                if energy > told.worst.3 {
-                    told.worst = (pattern.to_owned(), cells, ratio, energy);
-                }
-                table.push([
-                    Cell::from(pattern),
-                    Cell::from(cells),
-                    Cell::from(modulus),
-                    Cell::from(ratio),
-                    Cell::from(energy),
-                    Cell::from(membrane),
-                    Cell::from(found.placed),
-                    Cell::from(found.iterations as usize),
-                    Cell::from(found.last_move),
-                ]);
+        let of_size = |&cells: &usize| moduli(scope, cells).iter().map(move |&y| (cells, y));
+        let sheets: Vec<(usize, Real)> = sizes(scope).iter().flat_map(of_size).collect();
+        let case_of = |(cells, modulus): &(usize, Real)| {
+            format!("cone, {pattern}, {cells} cells, Y = {modulus:e} N/m")
+        };
+        let every = cases.side_by_side(&sheets, case_of, |&(cells, modulus)| {
+            cone::bend(pattern, cells, Kind::Springs, modulus, RIGIDITY)
+        });
+        for (sheet, found) in sheets.into_iter().zip(every) {
+            let (cells, modulus) = sheet;
+            let Some(found) = findings.unless_failed(&case_of(&sheet), found) else {
+                continue;
+            };
+            let (energy, membrane) = (found.energy, found.membrane);
+            let ratio = found.edge_length / critical_length(cone::radius(), modulus, RIGIDITY);
+            curve.push((ratio, energy));
+            let constant = found.placed / ratio.powi(4);
+            widen(&mut told.placed, constant);
+            if pattern == "equilateral" {
+                on_cone.push((ratio, 1.0 + found.placed));
+                widen(&mut told.equilateral, constant);
             }
+            if ratio > 1.0 {
+                told.left = told.left.max(membrane / found.placed);
+            }
+            if energy > told.worst.3 {
+                told.worst = (pattern.to_owned(), cells, ratio, energy);
+            }
+            table.push([
+                Cell::from(pattern),
+                Cell::from(cells),
+                Cell::from(modulus),
+                Cell::from(ratio),
+                Cell::from(energy),
+                Cell::from(membrane),
+                Cell::from(found.placed),
+                Cell::from(found.iterations as usize),
+                Cell::from(found.last_move),
+            ]);
         }
         curve.sort_by(|a, b| a.0.total_cmp(&b.0));
         series.push(Series::new(pattern, curve).styled(Style::Points));
@@ -207,13 +210,16 @@ pub(super) fn folds(
             let (mut reached, mut critical_lengths) = (Vec::new(), Vec::new());
             for &cells in fold_sizes(scope) {
                 let mut curve: Vec<(Real, Real)> = Vec::new();
-                for &modulus in fold_moduli(scope, cells) {
-                    let case = format!("fold, {pattern}, {name}, {cells} cells, Y = {modulus:e}");
+                let moduli = fold_moduli(scope, cells);
+                let case_of = |modulus: &Real| {
+                    format!("fold, {pattern}, {name}, {cells} cells, Y = {modulus:e}")
+                };
+                let every = cases.side_by_side(moduli, case_of, |&modulus| {
                     let stiffness = [modulus, RIGIDITY];
-                    let folded = cases.case(&case, || {
-                        fold::fold(axis, pattern, cells, Kind::Springs, stiffness)?.figures()
-                    });
-                    let Some(folded) = findings.unless_failed(&case, folded) else {
+                    fold::fold(axis, pattern, cells, Kind::Springs, stiffness)?.figures()
+                });
+                for (&modulus, folded) in moduli.iter().zip(every) {
+                    let Some(folded) = findings.unless_failed(&case_of(&modulus), folded) else {
                         continue;
                     };
                     let critical =
