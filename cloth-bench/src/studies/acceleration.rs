@@ -12,6 +12,7 @@ use crate::yardstick::StepProblem;
 use cloth_core::math::{Real, Vec3};
 use cloth_core::particles::State;
 use needed::Target;
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::FRAC_PI_2;
 
@@ -120,8 +121,7 @@ fn ways(problem: &str, n: u32) -> Vec<Way> {
 }
 
 fn cases(scope: Scope) -> u64 {
-    let per_size: usize = PROBLEMS.iter().map(|p| 1 + ways(p, 24).len()).sum();
-    1 + (sides(scope).len() * per_size) as u64
+    1 + (sides(scope).len() * PROBLEMS.len()) as u64
 }
 
 fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
@@ -141,7 +141,7 @@ fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
     for &n in sides(scope) {
         for problem in PROBLEMS {
             let name = format!("{problem} at {n} × {n}");
-            let counted = cases.parts(&name, |progress| measure(scope, problem, n, progress))?;
+            let counted = cases.case(&name, || measure(scope, problem, n))?;
             add(problem, n, &counted, &mut table, &mut findings);
         }
     }
@@ -173,30 +173,14 @@ struct Effort {
     per_sweep: Real,
 }
 
-/// All ways through one problem: they are timed in turn.
-fn measure(
-    scope: Scope,
-    problem: &'static str,
-    n: u32,
-    progress: &mut dyn FnMut(&str),
-) -> Result<Vec<Counted>, BenchError> {
+/// All ways through one problem: their sweeps are counted side by side, and timed in turn.
+fn measure(scope: Scope, problem: &'static str, n: u32) -> Result<Vec<Counted>, BenchError> {
     let (scene, state, target) = target(problem, n)?;
     let ways = ways(problem, n);
-    let mut counted = Vec::new();
-    for Way {
-        name,
-        method,
-        settings,
-    } in &ways
-    {
-        progress(&format!(
-            "acceleration: {problem} at {n} × {n}, {method} {name}"
-        ));
-        let most = most_sweeps(scope);
-        counted.push(needed::sweeps(
-            &scene, &state, &target, method, settings, most,
-        ));
-    }
+    let most = most_sweeps(scope);
+    let count =
+        |way: &Way| needed::sweeps(&scene, &state, &target, way.method, &way.settings, most);
+    let counted: Vec<Result<needed::Needed, BenchError>> = ways.par_iter().map(count).collect();
     let reached = ways.iter().zip(&counted);
     let runs: Vec<(&str, &Settings, u32)> = reached
         .filter_map(|(way, needed)| {
