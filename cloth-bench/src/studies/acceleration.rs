@@ -3,12 +3,11 @@
 mod chains;
 mod needed;
 
-use super::{Cases, Findings, Scope, Study};
+use super::{Cases, Findings, Scope, Study, sheets};
 use crate::error::BenchError;
 use crate::report::table::{Cell, Table};
 use crate::scene::{self, Scene};
 use crate::settings::Settings;
-use crate::yardstick::StepProblem;
 use cloth_core::math::{Real, Vec3};
 use cloth_core::particles::State;
 use needed::Target;
@@ -247,15 +246,16 @@ fn add(problem: &str, n: u32, counted: &[Counted], table: &mut Table, findings: 
 
 /// The scene, the state that the step starts from, and how far from its end some positions are.
 fn target(problem: &str, n: u32) -> Result<(Scene, State, Target), BenchError> {
-    let settings = Settings::default().with("n", n);
     if problem == "falling" {
+        let settings = sheets::hanging(n, sheets::STIFFNESS);
         let scene = scene::build("hang", None, &settings)?;
-        let step = StepProblem::after(&scene, 15, scene.dt)?;
+        let step = sheets::sixteenth_step(&settings)?;
         let state = step.state().clone();
-        return Ok((scene, state, Target::ImplicitEuler(Box::new(step))));
+        return Ok((scene, state, Target::ImplicitEuler(step)));
     }
     let pins = if problem == "edge" { "none" } else { "corners" };
-    let settings = settings
+    let settings = Settings::default()
+        .with("n", n)
         .with("up", "y")
         .with("pins", pins)
         .with("bending", "none");

@@ -84,7 +84,7 @@ fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
         let TestSheet {
             name, size, scene, ..
         } = sheet;
-        let mut problem = Late::new(|| StepProblem::after(scene, 15, scene.dt));
+        let mut problem = Late::new(|| sheet.sixteenth_step());
         let mut curves = Curves::default();
         let mut reached: Vec<(String, Sample)> = Vec::new();
         for (label, method, settings, most) in iterated(scope) {

@@ -5,7 +5,7 @@ mod swing;
 
 pub use factor::{constant_matrix, local_bytes, move_bytes};
 
-use super::{Cases, Findings, Scope, Study};
+use super::{Cases, Findings, Scope, Study, sheets};
 use crate::error::BenchError;
 use crate::method::Method;
 use crate::report::plot::{Axis, Plot, Series};
@@ -152,20 +152,17 @@ fn steps(
         "ms to 1e-4",
         "ms to 1e-6",
     ]);
-    let at = |n, stiffness| {
-        Settings::default()
-            .with("n", n)
-            .with("stiffness", stiffness)
-    };
     let mut by_size = Vec::new();
     for &n in sizes(scope) {
-        let counts = one_step(scope, &at(n, 1e4), &mut table, findings, progress)?;
+        let settings = sheets::hanging(n, sheets::STIFFNESS);
+        let counts = one_step(scope, &settings, &mut table, findings, progress)?;
         by_size.push((Real::from(n), counts));
     }
     let mut by_stiffness = Vec::new();
     let n = sizes(scope)[0];
     for &k in stiffnesses(scope) {
-        let counts = one_step(scope, &at(n, k), &mut table, findings, progress)?;
+        let settings = sheets::hanging(n, k);
+        let counts = one_step(scope, &settings, &mut table, findings, progress)?;
         by_stiffness.push((k, counts));
     }
     findings.table(
@@ -218,7 +215,7 @@ fn one_step(
     progress: &mut dyn FnMut(&str),
 ) -> Result<[Option<u32>; 4], BenchError> {
     let scene = scene::build("hang", None, settings)?;
-    let problem = StepProblem::after(&scene, 15, scene.dt)?;
+    let problem = sheets::sixteenth_step(settings)?;
     let mut counts = [None; 4];
     let (n, k) = (settings.get("n"), settings.get("stiffness"));
     for (index, (label, pairs)) in VARIANTS.into_iter().enumerate() {
@@ -299,9 +296,10 @@ fn race(
         "times as long as projective dynamics",
     ]);
     for &n in race_sizes(scope) {
-        let scene = scene::build("hang", None, &Settings::default().with("n", n))?;
+        let settings = sheets::hanging(n, sheets::STIFFNESS);
+        let scene = scene::build("hang", None, &settings)?;
         progress(&format!("projective: reference for the race, {n} × {n}"));
-        let problem = StepProblem::after(&scene, 15, scene.dt)?;
+        let problem = sheets::sixteenth_step(&settings)?;
         let mut first = None;
         for (label, method, pairs) in RACERS {
             progress(&format!("projective: {label} races, {n} × {n}"));

@@ -17,7 +17,7 @@ pub(super) const STUDY: Study = Study {
     name: "scale",
     question: "How large a cloth does each method simulate on this machine, and what does a step of it cost in time and memory?",
     about: "The hanging sheet at default settings, larger and larger, three steps from rest and the count of crossings at their end, each size in a process of its own: so the memory is that of this cloth alone, and one that is too large takes nothing else along. A method goes on to the next size until a run takes longer than its \
-        budget of time, or until four times the memory of the last size would not leave a fifth of what the machine has free. Time of a step is the median of the three, setup is everything before the first step that belongs to the method; memory is the peak of \
+        budget of time, or would if it took as long a vertex as the last, or until four times the memory of the last size would not leave a fifth of what the machine has free. Time of a step is the median of the three, setup is everything before the first step that belongs to the method; memory is the peak of \
         the process, program and mesh included. The line through the plot is a time proportional to the vertices. Expect sweeps and projections to follow it; factorisations grow faster in time and memory, and explicit steps grow with the power 1.5 because \
         a finer sheet needs shorter ones. How good these steps are is another question: see `convergence` and `independence`.",
     cases,
@@ -158,14 +158,28 @@ fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
 
 fn reach(scope: Scope, method: &str, progress: &mut dyn FnMut(&str)) -> Result<Reach, BenchError> {
     let mut reach = Reach::default();
+    let mut last: Option<(u32, Duration)> = None;
     for &side in sides(scope) {
         if let Some(needed) = too_much(reach.sizes.last()) {
             reach.end = format!("{side} × {side} would need about {needed:.1} GB");
             return Ok(reach);
         }
+        // No method takes less time a vertex for more of them.
+        let expected = last.map(|(smaller, took)| {
+            let ratio = Real::from(side) / Real::from(smaller);
+            took.as_secs_f64() * ratio * ratio
+        });
+        if let Some(seconds) = expected.filter(|&seconds| seconds > budget(scope).as_secs_f64()) {
+            reach.end = format!("{side} × {side} would take {seconds:.0} s or more");
+            return Ok(reach);
+        }
         progress(&format!("scale: {method} at {side} × {side}"));
+        let started = Instant::now();
         match alone(method, side, budget(scope))? {
-            Ok(size) => reach.sizes.push(size),
+            Ok(size) => {
+                reach.sizes.push(size);
+                last = Some((side, started.elapsed()));
+            }
             Err(reason) => {
                 reach.end = format!("{side} × {side}: {reason}");
                 return Ok(reach);

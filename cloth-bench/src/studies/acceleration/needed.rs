@@ -8,6 +8,7 @@ use crate::yardstick::StepProblem;
 use cloth_core::math::{Real, Vec3};
 use cloth_core::particles::State;
 use cloth_core::step::{Observer, StepInput, Stepper};
+use std::sync::Arc;
 use std::time::Instant;
 
 /// The error that is asked for.
@@ -18,7 +19,7 @@ pub(super) enum Target {
     /// At these places (m); errors are relative to `fallen` (m).
     Places { places: Vec<Vec3>, fallen: Real },
     /// At the minimum of `G`.
-    ImplicitEuler(Box<StepProblem>),
+    ImplicitEuler(Arc<StepProblem>),
 }
 
 impl Target {
