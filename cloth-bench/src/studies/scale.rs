@@ -164,13 +164,13 @@ fn reach(scope: Scope, method: &str, progress: &mut dyn FnMut(&str)) -> Result<R
             reach.end = format!("{side} × {side} would need about {needed:.1} GB");
             return Ok(reach);
         }
-        // No method takes less time a vertex for more of them.
+        // A larger cloth takes at least as long a vertex, but for what other programs do to the machine.
         let expected = last.map(|(smaller, took)| {
             let ratio = Real::from(side) / Real::from(smaller);
             took.as_secs_f64() * ratio * ratio
         });
         if let Some(seconds) = expected.filter(|&seconds| seconds > budget(scope).as_secs_f64()) {
-            reach.end = format!("{side} × {side} would take {seconds:.0} s or more");
+            reach.end = format!("{side} × {side} would take {seconds:.0} s at this time a vertex");
             return Ok(reach);
         }
         progress(&format!("scale: {method} at {side} × {side}"));
