@@ -10,11 +10,11 @@ use crate::method::{self, Method};
 use crate::report::html::Picture;
 use crate::report::render::{Surface, View, render_row};
 use crate::report::table::{Cell, Table};
-use crate::run::{self, SeparationWatch};
-use crate::scene;
+use crate::run::{self, SeparationWatch, Watched};
+use crate::scene::{self, Scene};
 use crate::settings::Settings;
 use cloth_core::math::{Real, Vec3};
-use cloth_core::particles::State;
+use serde::{Deserialize, Serialize};
 
 pub(super) const STUDY: Study = Study {
     name: "collision",
@@ -42,7 +42,7 @@ const SCENES: [&str; 6] = [
 ];
 
 /// A scene of its size, and the number of its steps.
-fn scene_of(scope: Scope, name: &str) -> Result<(scene::Scene, u32), BenchError> {
+fn scene_of(scope: Scope, name: &str) -> Result<(Scene, u32), BenchError> {
     let (n, steps) = size(scope, name);
     let settings = Settings::default();
     let scene = match (name, scope) {
@@ -73,13 +73,13 @@ fn size(scope: Scope, scene: &str) -> (u32, Option<u32>) {
 
 fn cases(scope: Scope) -> u64 {
     let own = SCENES.len() * methods().len() + queries::CASES;
-    (own + crumple::cases(scope) + landing::cases(scope) + 4) as u64
+    (own + crumple::cases(scope) + landing::cases(scope) + 3) as u64
 }
 
 fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
     let mut findings = Findings::default();
     let all = &mut findings;
-    let scenes = cases.chapter("scenes", all, |own, now| run_scenes(scope, own, now))?;
+    let scenes = run_scenes(scope, all, cases)?;
     let [broken, asked] =
         cases.chapter("queries", all, |own, now| queries::run(scope, own, now))?;
     let promise = match broken {
@@ -98,11 +98,51 @@ fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
     Ok(findings)
 }
 
+/// What came of a scene with one method.
+#[derive(Default, Serialize, Deserialize)]
+struct Ran {
+    /// None of a run that ended early, for the reason in the remark.
+    summary: Option<run::Summary>,
+    remark: String,
+    seen: Watched,
+    /// Steps taken.
+    steps: usize,
+    /// Time (s) and positions (m) at the end.
+    time: Real,
+    positions: Vec<[Real; 3]>,
+}
+
+fn ran(scene: &Scene, steps: u32, method: &str) -> Result<Ran, BenchError> {
+    let mut stepper = Method::find(method)?.build(scene, &Settings::default(), scene.dt)?;
+    let mut watch = SeparationWatch::new(scene);
+    let mut state = scene.start.clone();
+    let outcome = run::run(
+        scene,
+        &mut *stepper,
+        &mut state,
+        scene.dt,
+        steps,
+        |_, state, _| watch.look(state),
+    );
+    let (summary, remark) = match outcome {
+        Ok(summary) => (Some(summary), String::new()),
+        Err(error) => (None, error.to_string()),
+    };
+    Ok(Ran {
+        summary,
+        remark,
+        seen: watch.seen(),
+        steps: (state.steps / u64::from(scene.parts())) as usize,
+        time: state.time,
+        positions: state.positions.into_iter().map(Into::into).collect(),
+    })
+}
+
 /// Adds the table and the pictures; returns what they say in words.
 fn run_scenes(
     scope: Scope,
     findings: &mut Findings,
-    progress: &mut dyn FnMut(&str),
+    cases: &mut Cases<'_>,
 ) -> Result<String, BenchError> {
     let mut table = Table::new(&[
         "scene",
@@ -126,48 +166,42 @@ fn run_scenes(
         let (scene, steps) = scene_of(scope, name)?;
         let mut ends = Vec::new();
         for method in methods() {
-            progress(&format!("collision: {name}, {method}"));
-            let settings = Settings::default();
-            let mut stepper = Method::find(method)?.build(&scene, &settings, scene.dt)?;
-            let mut watch = SeparationWatch::new(&scene);
-            let mut state = scene.start.clone();
-            let outcome = run::run(
-                &scene,
-                &mut *stepper,
-                &mut state,
-                scene.dt,
-                steps,
-                |_, state, _| watch.look(state),
-            );
-            let seen = watch.seen();
-            crossed += u32::from(seen.crossed_steps > 0);
-            let (done, remark) = match outcome {
-                Ok(summary) => (Some(summary), String::new()),
-                Err(error) => (None, error.to_string()),
+            let case = format!("{name}, {method}");
+            let done = cases.case(&case, || ran(&scene, steps, method));
+            let Some(ran) = findings.unless_failed(&case, done) else {
+                continue;
             };
-            refused += u32::from(done.is_none());
-            if let Some(summary) = &done {
+            if ran.positions.is_empty() {
+                continue;
+            }
+            let Ran { summary, seen, .. } = &ran;
+            crossed += u32::from(seen.crossed_steps > 0);
+            refused += u32::from(summary.is_none());
+            let of = |value: fn(&run::Summary) -> Real| summary.as_ref().map(value);
+            if let Some(summary) = summary {
                 shares.push(summary.contact_ms_median / summary.ms_per_step_median);
             }
             table.push([
                 Cell::from(name),
                 Cell::from(method),
-                Cell::from(state.positions.len()),
-                Cell::from((state.steps / u64::from(scene.parts())) as usize),
+                Cell::from(ran.positions.len()),
+                Cell::from(ran.steps),
                 Cell::from(scene.parts() as usize),
-                Cell::from(done.as_ref().map(|s| s.ms_per_step_median)),
-                Cell::from(done.as_ref().map(|s| s.contact_ms_median)),
-                Cell::from(done.as_ref().map(|s| s.held_parts as usize)),
+                Cell::from(of(|s| s.ms_per_step_median)),
+                Cell::from(of(|s| s.contact_ms_median)),
+                Cell::from(summary.as_ref().map(|s| s.held_parts as usize)),
                 Cell::from(seen.crossed_steps as usize),
                 Cell::from(seen.min_distance),
                 Cell::from(seen.min_clearance),
-                Cell::from(done.as_ref().map(|s| s.max_stretch)),
-                Cell::from(done.as_ref().map(|s| s.rms_strain)),
-                Cell::from(remark),
+                Cell::from(of(|s| s.max_stretch)),
+                Cell::from(of(|s| s.rms_strain)),
+                Cell::from(ran.remark.as_str()),
             ]);
-            ends.push((method, state));
+            ends.push((method, End::of(ran)));
         }
-        findings.section.pictures.push(picture(&scene, &ends)?);
+        if !ends.is_empty() {
+            findings.section.pictures.push(picture(&scene, &ends)?);
+        }
     }
     findings.table("collision", "Scenes with contact", table);
     let cells = SCENES.len() * methods().len();
@@ -183,19 +217,34 @@ fn run_scenes(
     ))
 }
 
+/// Where and when a run ended.
+struct End {
+    positions: Vec<Vec3>,
+    time: Real,
+}
+
+impl End {
+    fn of(ran: Ran) -> Self {
+        Self {
+            positions: ran.positions.into_iter().map(Vec3::from).collect(),
+            time: ran.time,
+        }
+    }
+}
+
 /// The ends of a scene side by side.
-fn picture(scene: &scene::Scene, ends: &[(&str, State)]) -> Result<Picture, BenchError> {
+fn picture(scene: &Scene, ends: &[(&str, End)]) -> Result<Picture, BenchError> {
     let mesh = scene.mesh.as_ref();
     let triangles = mesh.map_or(&[][..], |mesh| mesh.triangles());
     let obstacles: Vec<_> = ends
         .iter()
-        .map(|(_, state)| scene.obstacle_surfaces(state.time))
+        .map(|(_, end)| scene.obstacle_surfaces(end.time))
         .collect();
     let tiles: Vec<Vec<Surface<'_>>> = ends
         .iter()
         .zip(&obstacles)
-        .map(|((_, state), obstacles)| {
-            let cloth = Surface::cloth(&state.positions, triangles);
+        .map(|((_, end), obstacles)| {
+            let cloth = Surface::cloth(&end.positions, triangles);
             let obstacles = obstacles.iter().map(|(x, t)| Surface::obstacle(x, t));
             std::iter::once(cloth).chain(obstacles).collect()
         })

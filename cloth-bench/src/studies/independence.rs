@@ -3,7 +3,7 @@
 use super::{Cases, Findings, Scope, Study};
 use crate::error::BenchError;
 use crate::journal::Number;
-use crate::method::Method;
+use crate::method::{self, Method};
 use crate::report::plot::{Axis, Plot, Series, Style};
 use crate::report::table::{Cell, Table, significant};
 use crate::run;
@@ -23,17 +23,20 @@ pub(super) const STUDY: Study = Study {
 };
 
 const SECONDS: Real = 0.5;
-const METHODS: [&str; 7] = [
-    "implicit-euler",
-    "linear-implicit",
-    "implicit-midpoint",
-    "bdf2",
-    "pbd",
-    "xpbd",
-    "pd",
-];
 /// The frame rate at which resolutions are compared, and the mesh on which frame rates are.
 const RATE: u32 = 60;
+
+fn methods() -> Vec<&'static str> {
+    method::with_own(&[
+        "implicit-euler",
+        "linear-implicit",
+        "implicit-midpoint",
+        "bdf2",
+        "pbd",
+        "xpbd",
+        "pd",
+    ])
+}
 
 /// Vertices a side.
 fn sizes(scope: Scope) -> &'static [usize] {
@@ -73,7 +76,7 @@ fn grid(scope: Scope) -> Vec<(usize, u32)> {
 }
 
 fn cases(scope: Scope) -> u64 {
-    (1 + METHODS.len() * grid(scope).len()) as u64
+    (1 + methods().len() * grid(scope).len()) as u64
 }
 
 /// Where a sheet is after half a second.
@@ -119,7 +122,7 @@ fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
     ]);
     let (mut by_size, mut by_rate, mut strains) = (Vec::new(), Vec::new(), Vec::new());
     let mut told = Vec::new();
-    for name in METHODS {
+    for name in methods() {
         let mut found = Vec::new();
         let grid = grid(scope);
         let case_of = |(n, rate): &(_, _)| format!("{name}, {n} vertices a side, 1/{rate} s");

@@ -3,7 +3,7 @@
 use super::{Cases, Findings, Scope, Study};
 use crate::error::BenchError;
 use crate::journal::Number;
-use crate::method::{METHODS, Method};
+use crate::method::{self, Method};
 use crate::report::table::{Cell, Table};
 use crate::run;
 use crate::scene::{self, Scene};
@@ -41,7 +41,7 @@ fn size(scope: Scope) -> (usize, u32) {
 }
 
 fn cases(_: Scope) -> u64 {
-    (METHODS.len() * STARTS.len()) as u64
+    (method::all().count() * STARTS.len()) as u64
 }
 
 /// What came of the runs of a cell.
@@ -138,7 +138,7 @@ fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
         "cell",
     ]);
     let (mut always, mut failed) = (Vec::new(), Vec::new());
-    for method in METHODS {
+    for method in method::all() {
         let mut lost = Vec::new();
         let case_of = |start: &&str| format!("{start}, {}", method.name);
         let every =

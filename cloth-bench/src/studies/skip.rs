@@ -2,7 +2,7 @@
 
 use super::{Cases, Findings, Scope, Study};
 use crate::error::BenchError;
-use crate::method::Method;
+use crate::method::{self, Method};
 use crate::report::table::{Cell, Table};
 use crate::scene::{self, Scene};
 use crate::settings::Settings;
@@ -25,7 +25,6 @@ pub(super) const STUDY: Study = Study {
     run,
 };
 
-const METHODS: [&str; 4] = ["pbd", "xpbd", "pd", "linear-implicit"];
 const FEATURES: [&str; 3] = ["bending", "contact", "observer"];
 const CRATES: [(&str, &[&str]); 8] = [
     ("cloth-core", &["--no-default-features"]),
@@ -38,6 +37,10 @@ const CRATES: [(&str, &[&str]); 8] = [
     ("cloth-collide", &[]),
 ];
 
+fn methods() -> Vec<&'static str> {
+    method::with_own(&["pbd", "xpbd", "pd", "linear-implicit"])
+}
+
 fn side(scope: Scope) -> u32 {
     match scope {
         Scope::Quick => 33,
@@ -46,7 +49,7 @@ fn side(scope: Scope) -> u32 {
 }
 
 fn cases(_: Scope) -> u64 {
-    (FEATURES.len() * METHODS.len() + CRATES.len()) as u64
+    (FEATURES.len() * methods().len() + CRATES.len()) as u64
 }
 
 fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
@@ -62,7 +65,7 @@ fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
     ]);
     let mut most: Real = 0.0;
     for feature in FEATURES {
-        for method in METHODS {
+        for method in methods() {
             let case = format!("{feature}, {method}");
             let times = cases.case(&case, || times(scope, feature, method));
             let Some([without, unused, used]) = findings.unless_failed(&case, times) else {
@@ -270,6 +273,8 @@ fn weight(scope: Scope, name: &str, features: &str) -> Result<(usize, Option<Rea
         ])
         .arg(&target)
         .args(&features)
+        // As for those who depend on the crate; names for profilers are of this workspace.
+        .env("CARGO_PROFILE_RELEASE_DEBUG", "none")
         .output();
     let seconds = started.elapsed().as_secs_f64();
     // What is left behind there is of no use to anybody.

@@ -3,7 +3,7 @@
 use super::{Cases, Findings, Scope, Study};
 use crate::error::BenchError;
 use crate::journal::Number;
-use crate::method::{METHODS, Method};
+use crate::method::{self, Method};
 use crate::report::plot::{Axis, Plot, Series, Style};
 use crate::report::table::{Cell, Table};
 use crate::scene::{self, Scene};
@@ -33,23 +33,60 @@ pub(super) const STUDY: Study = Study {
     run,
 };
 
-fn cases(_: Scope) -> u64 {
-    (1 + MAPS.len() * methods().len()) as u64
+fn cases(scope: Scope) -> u64 {
+    1 + rows(scope).len() as u64
 }
 
-fn methods() -> [&'static str; METHODS.len()] {
-    METHODS.map(|method| method.name)
+fn methods() -> impl Iterator<Item = &'static str> {
+    method::all().map(|method| method.name)
 }
 
 fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
     let mut findings = Findings::default();
     let limit = limits(scope, &mut findings, cases)?;
+    let rows = rows(scope);
+    let fates = cases.side_by_side(&rows, Row::name, |row| {
+        row.map.row(scope, row.down, row.method)
+    });
     let mut told = vec![limit];
-    for map in MAPS {
-        told.push(draw(&map, scope, &mut findings, cases)?);
+    let mut every = rows.into_iter().zip(fates);
+    for map in &MAPS {
+        let (across, down) = map.values(scope);
+        let of_map = every
+            .by_ref()
+            .take(methods().count() * down.len())
+            .collect();
+        told.push(draw(map, &across, of_map, &mut findings));
     }
     findings.section.verdict = Some(told.join(" "));
     Ok(findings)
+}
+
+/// What is one case: a method on one row of a map.
+struct Row {
+    map: &'static Map,
+    /// The value of the second parameter.
+    down: Real,
+    method: &'static str,
+}
+
+impl Row {
+    fn name(&self) -> String {
+        let Self { map, down, method } = self;
+        format!("{}, {} {}, {method}", map.name, map.down, short(*down))
+    }
+}
+
+/// All rows, map by map, of each method one after the other.
+fn rows(scope: Scope) -> Vec<Row> {
+    let mut rows = Vec::new();
+    for map in &MAPS {
+        let (_, down) = map.values(scope);
+        for method in methods() {
+            rows.extend(down.iter().map(|&down| Row { map, down, method }));
+        }
+    }
+    rows
 }
 
 /// What came of one run.
@@ -134,11 +171,10 @@ fn follow(scene: &Scene, name: &str, dt: Real, steps: u32) -> Result<Fate, Bench
 /// One table for a map, with a row per method and value of the second parameter; what it says.
 fn draw(
     map: &Map,
-    scope: Scope,
+    across: &[Real],
+    rows: Vec<(Row, Result<Vec<Fate>, BenchError>)>,
     findings: &mut Findings,
-    cases: &mut Cases<'_>,
-) -> Result<String, BenchError> {
-    let (across, down) = map.values(scope);
+) -> String {
     let mut names = vec!["method".to_owned(), map.down.to_owned()];
     names.extend(
         across
@@ -147,49 +183,56 @@ fn draw(
     );
     let names: Vec<&str> = names.iter().map(String::as_str).collect();
     let mut table = Table::new(&names);
-    let mut passed = Vec::new();
     let mut reasons: Vec<String> = Vec::new();
-    let case_of = |name: &&str| format!("{}, {name}", map.name);
-    let every = cases.side_by_side(&methods(), case_of, |name| map.all(scope, name));
-    for (name, fates) in methods().into_iter().zip(every) {
-        let case = case_of(&name);
-        let Some(fates) = findings
-            .unless_failed(&case, fates)
-            .filter(|fates| fates.len() == across.len() * down.len())
+    let sheets = rows.len() / methods().count() * across.len();
+    let mut found: Vec<(&str, Vec<Fate>)> = Vec::new();
+    for (row, fates) in rows {
+        let Some(mut fates) = findings
+            .unless_failed(&row.name(), fates)
+            .filter(|fates| fates.len() == across.len())
         else {
             continue;
         };
-        for (row, value) in fates.chunks(across.len()).zip(&down) {
-            let mut cells = vec![Cell::from(name), Cell::from(*value)];
-            cells.extend(row.iter().map(|fate| Cell::from(fate.word())));
-            table.rows.push(cells);
-        }
+        let mut cells = vec![Cell::from(row.method), Cell::from(row.down)];
+        cells.extend(fates.iter().map(|fate| Cell::from(fate.word())));
+        table.rows.push(cells);
         for fate in &fates {
             if let Fate::Refused(reason) = fate {
-                let note = format!("Refused: {name}: {reason}.");
+                let note = format!("Refused: {}: {reason}.", row.method);
                 if !reasons.contains(&note) {
                     reasons.push(note);
                 }
             }
         }
-        let ok = fates.iter().filter(|fate| **fate == Fate::Ok).count();
-        let strained = fates
-            .iter()
-            .filter(|fate| matches!(fate, Fate::Strained(_)))
-            .count();
-        passed.push(match strained {
-            0 => format!("{name} {ok}"),
-            strained => format!("{name} {ok} and strained in {strained}"),
-        });
+        match found.last_mut() {
+            Some((method, all)) if *method == row.method => all.append(&mut fates),
+            _ => found.push((row.method, fates)),
+        }
     }
+    let passed: Vec<String> = found
+        .iter()
+        .map(|(name, fates)| passed(name, fates))
+        .collect();
     findings.section.notes.extend(reasons);
     findings.table(&format!("stability-{}", map.name), map.caption, table);
-    Ok(format!(
-        "{}, of {} sheets ok: {}.",
+    format!(
+        "{}, of {sheets} sheets ok: {}.",
         map.caption,
-        across.len() * down.len(),
         passed.join(", ")
-    ))
+    )
+}
+
+/// How many sheets a method got through, in words.
+fn passed(method: &str, fates: &[Fate]) -> String {
+    let ok = fates.iter().filter(|fate| **fate == Fate::Ok).count();
+    let strained = fates
+        .iter()
+        .filter(|fate| matches!(fate, Fate::Strained(_)))
+        .count();
+    match strained {
+        0 => format!("{method} {ok}"),
+        strained => format!("{method} {ok} and strained in {strained}"),
+    }
 }
 
 fn short(value: Real) -> String {

@@ -2,7 +2,7 @@
 
 use super::{Cases, Findings, Scope, Study};
 use crate::error::BenchError;
-use crate::method::Method;
+use crate::method::{self, Method};
 use crate::report::plot::{Axis, Plot, Series, Style};
 use crate::report::table::{Cell, Table};
 use crate::scene;
@@ -20,7 +20,9 @@ pub(super) const STUDY: Study = Study {
     run,
 };
 
-const METHODS: [&str; 5] = ["symplectic-euler", "pbd", "xpbd", "pd", "linear-implicit"];
+fn methods() -> Vec<&'static str> {
+    method::with_own(&["symplectic-euler", "pbd", "xpbd", "pd", "linear-implicit"])
+}
 
 fn sides(scope: Scope) -> &'static [u32] {
     match scope {
@@ -30,7 +32,7 @@ fn sides(scope: Scope) -> &'static [u32] {
 }
 
 fn cases(scope: Scope) -> u64 {
-    (METHODS.len() * sides(scope).len()) as u64
+    (methods().len() * sides(scope).len()) as u64
 }
 
 fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
@@ -44,7 +46,7 @@ fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
     ]);
     let mut series = Vec::new();
     let mut parts = Vec::new();
-    for name in METHODS {
+    for name in methods() {
         let mut curve = Vec::new();
         for &n in sides(scope) {
             let case = format!("{name} at {n} × {n}");

@@ -356,28 +356,29 @@ fn play(scope: Scope, sheet: &TestSheet, findings: &mut Findings, cases: &mut Ca
     };
     let steps = (shown(scope) / scene.dt).round() as u32;
     let mut tracks = Vec::new();
-    for method in method::all() {
-        let case = format!("{} on film", method.name);
-        let film = cases.case(&case, || {
-            let mut solver = method.build(scene, &Settings::default(), scene.dt)?;
-            let mut state = scene.start.clone();
-            let mut frames = vec![state.positions.clone()];
-            run::run(
-                scene,
-                &mut *solver,
-                &mut state,
-                scene.dt,
-                steps,
-                |step, state, _| {
-                    if step % 2 == 0 {
-                        frames.push(state.positions.clone());
-                    }
-                    Ok(())
-                },
-            )?;
-            Ok(Film::of_cloth(mesh.triangles(), &frames))
-        });
-        if let Some(film) = findings.unless_failed(&case, film) {
+    let methods: Vec<&Method> = method::all().collect();
+    let case_of = |method: &&Method| format!("{} on film", method.name);
+    let films = cases.side_by_side(&methods, case_of, |method| {
+        let mut solver = method.build(scene, &Settings::default(), scene.dt)?;
+        let mut state = scene.start.clone();
+        let mut frames = vec![state.positions.clone()];
+        run::run(
+            scene,
+            &mut *solver,
+            &mut state,
+            scene.dt,
+            steps,
+            |step, state, _| {
+                if step % 2 == 0 {
+                    frames.push(state.positions.clone());
+                }
+                Ok(())
+            },
+        )?;
+        Ok(Film::of_cloth(mesh.triangles(), &frames))
+    });
+    for (method, film) in methods.iter().zip(films) {
+        if let Some(film) = findings.unless_failed(&case_of(method), film) {
             tracks.push(Track {
                 name: method.name.to_owned(),
                 surfaces: vec![film],

@@ -156,35 +156,39 @@ pub(super) fn run(
         "shear",
         "waves of 4 cells",
     ]);
-    for (pattern, cells) in sheets(scope) {
-        let name_of = |(name, _): &(_, _)| format!("remedy, {name}, {pattern}, {cells} cells");
-        let every = cases.side_by_side(&KINDS, name_of, |&(_, kind)| measure(pattern, cells, kind));
-        for (of_kind, found) in KINDS.into_iter().zip(every) {
-            let (name, kind) = of_kind;
-            let case = name_of(&of_kind);
-            let Some(found) = findings.unless_failed(&case, found) else {
-                continue;
-            };
-            let case = format!("cost of {case}");
-            let cost = cases.case(&case, || cost(pattern, cells, kind));
-            let cost = findings.unless_failed(&case, cost);
-            let head = || [Cell::from(pattern), Cell::from(cells), Cell::from(name)];
-            let mut row = head().to_vec();
-            row.extend([
-                Cell::from(found.coordinates),
-                Cell::from(found.coordinates as i64 - found.conditions as i64),
-                Cell::from(found.nullity),
-                Cell::from(found.bending[0]),
-                Cell::from(found.bending[1]),
-                Cell::from(found.angle),
-                Cell::from(cost),
-            ]);
-            table.rows.push(row);
-            let mut row = head().to_vec();
-            row.extend([0, 1].map(|k| Cell::from(found.on_cone.map(|energy| energy[k]))));
-            row.extend(found.resists.map(Cell::from));
-            breaks.rows.push(row);
-        }
+    let of_sheet = |(pattern, cells)| KINDS.map(|(name, kind)| (pattern, cells, name, kind));
+    let all: Vec<_> = sheets(scope).into_iter().flat_map(of_sheet).collect();
+    let name_of = |&(pattern, cells, name, _): &(_, _, _, _)| {
+        format!("remedy, {name}, {pattern}, {cells} cells")
+    };
+    let every = cases.side_by_side(&all, name_of, |&(pattern, cells, _, kind)| {
+        measure(pattern, cells, kind)
+    });
+    for (remedy, found) in all.into_iter().zip(every) {
+        let (pattern, cells, name, kind) = remedy;
+        let case = name_of(&remedy);
+        let Some(found) = findings.unless_failed(&case, found) else {
+            continue;
+        };
+        let case = format!("cost of {case}");
+        let cost = cases.case(&case, || cost(pattern, cells, kind));
+        let cost = findings.unless_failed(&case, cost);
+        let head = || [Cell::from(pattern), Cell::from(cells), Cell::from(name)];
+        let mut row = head().to_vec();
+        row.extend([
+            Cell::from(found.coordinates),
+            Cell::from(found.coordinates as i64 - found.conditions as i64),
+            Cell::from(found.nullity),
+            Cell::from(found.bending[0]),
+            Cell::from(found.bending[1]),
+            Cell::from(found.angle),
+            Cell::from(cost),
+        ]);
+        table.rows.push(row);
+        let mut row = head().to_vec();
+        row.extend([0, 1].map(|k| Cell::from(found.on_cone.map(|energy| energy[k]))));
+        row.extend(found.resists.map(Cell::from));
+        breaks.rows.push(row);
     }
     findings.table(
         "locking-remedies",

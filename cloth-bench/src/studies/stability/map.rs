@@ -39,7 +39,7 @@ pub(super) struct Map {
 }
 
 /// Values are those of the quick scope, across and down, then of the full one.
-pub(super) const MAPS: [Map; 3] = [
+pub(super) static MAPS: [Map; 3] = [
     Map {
         name: "step",
         caption: "Step size and stiffness",
@@ -85,22 +85,22 @@ impl Map {
         (across.to_vec(), down.to_vec())
     }
 
-    /// What a method makes of every pair, row by row.
-    pub(super) fn all(&self, scope: Scope, method: &str) -> Result<Vec<Fate>, BenchError> {
+    /// What a method makes of every value across, with one down.
+    pub(super) fn row(
+        &self,
+        scope: Scope,
+        down: Real,
+        method: &str,
+    ) -> Result<Vec<Fate>, BenchError> {
         let steps = if scope == Scope::Quick { 20 } else { 100 };
-        let (across, down) = self.values(scope);
-        let mut fates = Vec::new();
-        for &second in &down {
-            for &first in &across {
-                fates.push(match (self.build)(first, second) {
-                    Ok((scene, dt)) => worst(runs(scope), |seed| {
-                        follow(&jittered(&scene, seed), method, dt, steps)
-                    })?,
-                    Err(error) => Fate::Refused(error.to_string()),
-                });
-            }
-        }
-        Ok(fates)
+        let (across, _) = self.values(scope);
+        let fate = |first: Real| match (self.build)(first, down) {
+            Ok((scene, dt)) => worst(runs(scope), |seed| {
+                follow(&jittered(&scene, seed), method, dt, steps)
+            }),
+            Err(error) => Ok(Fate::Refused(error.to_string())),
+        };
+        across.into_iter().map(fate).collect()
     }
 }
 
