@@ -1,5 +1,6 @@
 //! The cloth simulation methods of this workspace, measured side by side.
 
+mod bounds;
 pub mod ccd;
 pub mod commands;
 pub mod crumpled;

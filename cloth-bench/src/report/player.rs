@@ -4,6 +4,7 @@
 //! page needs WebGL 2 and nothing from outside.
 
 use super::html::{base64, escape};
+use crate::bounds::bounds;
 use cloth_core::math::Vec3;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
@@ -58,8 +59,7 @@ impl Film {
 
     fn new(is_cloth: bool, triangles: &[[u32; 3]], frames: &[Vec<Vec3>]) -> Self {
         let points = || frames.iter().flatten().copied();
-        let low = points().reduce(|a, b| a.inf(&b)).unwrap_or_default();
-        let high = points().reduce(|a, b| a.sup(&b)).unwrap_or_default();
+        let [low, high] = bounds(points());
         let size = high - low;
         let place = |x: f64, low: f64, size: f64| {
             let share = if size > 0.0 { (x - low) / size } else { 0.0 };

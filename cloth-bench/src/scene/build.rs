@@ -6,6 +6,7 @@ use super::{
     ASPECT, FLOOR, GRAVITY, LINK_LENGTH, LINK_MASS, LINKS, PATTERN, PINS, RIGIDITY, SCENES, SIZE,
     STIFFNESS, STRIP_RIGIDITY, STRIP_SIZE, Scene, SceneInfo, TIP_MASS, UP, cloth, midpoints, pins,
 };
+use crate::bounds::bounds;
 use crate::error::BenchError;
 use crate::mesh_spec::{self, PATTERNS};
 use crate::names;
@@ -133,9 +134,7 @@ fn sheet(name: &'static str, mesh: Option<&str>, settings: &Settings) -> Result<
         .as_ref()
         .map(|kind| touching::below(kind, &mesh, up, settings));
     let scene = of_mesh(name, &mesh, model, gravity);
-    let corners = mesh.positions().iter().copied();
-    let low = corners.clone().reduce(|a, b| a.inf(&b)).unwrap_or_default();
-    let high = corners.reduce(|a, b| a.sup(&b)).unwrap_or_default();
+    let [low, high] = bounds(mesh.positions().iter().copied());
     let fall = match &below {
         Some(Below::Floor(depth)) => Some(depth + (high - low).dot(&up)),
         // What is on top of it stays, and the rim falls no further than it is away from there.

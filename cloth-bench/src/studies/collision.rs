@@ -5,10 +5,11 @@ mod landing;
 mod queries;
 
 use super::{Cases, Findings, Scope, Study};
+use crate::bounds::bounds;
 use crate::error::BenchError;
 use crate::method::{self, Method};
 use crate::report::html::Picture;
-use crate::report::render::{Surface, View, render_row};
+use crate::report::render::{Projection, Surface, View, render_row};
 use crate::report::table::{Cell, Table};
 use crate::run::{self, SeparationWatch, Watched};
 use crate::scene::{self, Scene};
@@ -232,6 +233,13 @@ impl End {
     }
 }
 
+/// A box (m) around all cloths, with some room.
+fn around(ends: &[(&str, End)]) -> [Vec3; 2] {
+    let [low, high] = bounds(ends.iter().flat_map(|(_, end)| &end.positions).copied());
+    let room = Vec3::repeat(0.05 * (high - low).norm());
+    [low - room, high + room]
+}
+
 /// The ends of a scene side by side.
 fn picture(scene: &Scene, ends: &[(&str, End)]) -> Result<Picture, BenchError> {
     let mesh = scene.mesh.as_ref();
@@ -254,6 +262,9 @@ fn picture(scene: &Scene, ends: &[(&str, End)]) -> Result<Picture, BenchError> {
         width: 330,
         height: 330,
         direction: Vec3::new(-0.5, 0.8, -0.5),
+        // A floor is larger than what lies on it, and may reach behind an eye that is near.
+        projection: Projection::Orthographic,
+        bounds: Some(around(ends)),
         ..View::default()
     };
     let names: Vec<&str> = ends.iter().map(|(name, _)| *name).collect();

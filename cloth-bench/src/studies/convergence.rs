@@ -5,6 +5,7 @@ mod ways;
 use super::cases::Late;
 use super::sheets::TestSheet;
 use super::{Cases, Findings, Scope, Study};
+use crate::bounds::bounds;
 use crate::error::BenchError;
 use crate::method::{self, Method};
 use crate::report::html::Picture;
@@ -434,17 +435,12 @@ fn half_a_second(
     if let Some(mesh) = &scene.mesh {
         // Four to a row, all seen by one camera.
         let everything = sheets.iter().flat_map(|(_, positions)| positions).copied();
-        let low = everything
-            .clone()
-            .reduce(|a, b| a.inf(&b))
-            .unwrap_or_default();
-        let high = everything.reduce(|a, b| a.sup(&b)).unwrap_or_default();
         for row in sheets.chunks(4) {
             let picture = picture(
                 row,
                 mesh.triangles(),
                 &format!("{which} after {duration:.2} s"),
-                [low, high],
+                bounds(everything.clone()),
             )?;
             findings.section.pictures.push(picture);
         }

@@ -3,6 +3,7 @@
 use super::document::{Document, Section};
 use super::keys::{DT, GRAVITY, NAME, SECTIONS, STEPS, overrulable};
 use super::{air, mesh, obstacles, pins, start};
+use crate::bounds::bounds;
 use crate::error::BenchError;
 use crate::scene::contact::{CONTACT_STEPS, NO_SELF, Touch};
 use crate::scene::{RIGIDITY, STIFFNESS, Scene, build as built_in, cloth};
@@ -190,9 +191,7 @@ impl<'a> Sections<'a> {
             let particles = &mut model.particles;
             pins::hold(section, vertices, mesh.positions(), particles, &mut ways)?;
         }
-        let corners = mesh.positions().iter().copied();
-        let low = corners.clone().reduce(|a, b| a.inf(&b)).unwrap_or_default();
-        let high = corners.reduce(|a, b| a.sup(&b)).unwrap_or_default();
+        let [low, high] = bounds(mesh.positions().iter().copied());
         let size = (high - low).norm();
         let bodies = self.obstacles.iter();
         let bodies: Vec<_> = bodies
