@@ -1,7 +1,9 @@
 //! One simulation: a scene, a method, a number of steps.
 
 use crate::error::BenchError;
+use crate::method::Method;
 use crate::scene::{Scene, Touch};
+use crate::settings::Settings;
 use cloth_collide::SeparationProbe;
 use cloth_core::air::Air;
 use cloth_core::contact::{ContactError, ContactSource, ContactStep};
@@ -302,6 +304,24 @@ pub fn run(
         min_distance: separation.and_then(|s| s.min_distance),
         min_clearance: min_clearance(scene, state),
     })
+}
+
+/// A run of a method from the start of a scene, and where it ended; otherwise as [`run`].
+///
+/// # Errors
+/// Those of [`Method::build`] and of [`run`].
+pub fn from_start(
+    scene: &Scene,
+    method: &Method,
+    settings: &Settings,
+    dt: Real,
+    steps: u32,
+    after: impl FnMut(u32, &State, &StepReport) -> Result<(), BenchError>,
+) -> Result<(Summary, State), BenchError> {
+    let mut stepper = method.build(scene, settings, dt)?;
+    let mut state = scene.start.clone();
+    let summary = run(scene, &mut *stepper, &mut state, dt, steps, after)?;
+    Ok((summary, state))
 }
 
 fn separation(

@@ -367,17 +367,15 @@ fn half_a_second(
     let mut falls: Vec<(&str, Real, Real, Real)> = Vec::new();
     for method in method::all() {
         let done = cases.case(&format!("{} for half a second", method.name), || {
-            let mut solver = method.build(scene, &Settings::default(), scene.dt)?;
-            let mut state = scene.start.clone();
-            let summary = run::run(
+            let (summary, end) = run::from_start(
                 scene,
-                &mut *solver,
-                &mut state,
+                method,
+                &Settings::default(),
                 scene.dt,
                 HALF_A_SECOND,
                 |_, _, _| Ok(()),
             )?;
-            let positions = state.positions.into_iter().map(Into::into).collect();
+            let positions = end.positions.into_iter().map(Into::into).collect();
             Ok(Fallen { summary, positions })
         });
         let remark = done

@@ -91,12 +91,11 @@ fn fall(name: &str, n: usize, rate: u32) -> Result<Fallen, BenchError> {
     let scene = scene::build("hang", None, &settings)?;
     let dt = 1.0 / Real::from(rate);
     let steps = (SECONDS * Real::from(rate)).round() as u32;
-    let mut stepper = Method::find(name)?.build(&scene, &Settings::default(), dt)?;
-    let mut state = scene.start.clone();
-    let end = run::run(
+    let method = Method::find(name)?;
+    let (end, _) = run::from_start(
         &scene,
-        stepper.as_mut(),
-        &mut state,
+        method,
+        &Settings::default(),
         dt,
         steps,
         |_, _, _| Ok(()),

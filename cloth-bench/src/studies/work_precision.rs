@@ -286,17 +286,10 @@ impl Reference {
         let steps = (HORIZON / scene.dt).round() as u32;
         let at = |substeps: u32| {
             let settings = Settings::default().with("substeps", substeps);
-            let mut solver = Method::find("symplectic-euler")?.build(scene, &settings, scene.dt)?;
-            let mut state = scene.start.clone();
-            run::run(
-                scene,
-                &mut *solver,
-                &mut state,
-                scene.dt,
-                steps,
-                |_, _, _| Ok(()),
-            )?;
-            Ok::<_, BenchError>(state.positions)
+            let method = Method::find("symplectic-euler")?;
+            let (_, end) =
+                run::from_start(scene, method, &settings, scene.dt, steps, |_, _, _| Ok(()))?;
+            Ok::<_, BenchError>(end.positions)
         };
         let [coarse, middle, fine] = [at(REFERENCE)?, at(2 * REFERENCE)?, at(4 * REFERENCE)?];
         let extrapolated = |coarse: &[Vec3], fine: &[Vec3]| -> Vec<Vec3> {
@@ -359,13 +352,12 @@ fn play(scope: Scope, sheet: &TestSheet, findings: &mut Findings, cases: &mut Ca
     let methods: Vec<&Method> = method::all().collect();
     let case_of = |method: &&Method| format!("{} on film", method.name);
     let films = cases.side_by_side(&methods, case_of, |method| {
-        let mut solver = method.build(scene, &Settings::default(), scene.dt)?;
-        let mut state = scene.start.clone();
-        let mut frames = vec![state.positions.clone()];
-        run::run(
+        let settings = Settings::default();
+        let mut frames = vec![scene.start.positions.clone()];
+        run::from_start(
             scene,
-            &mut *solver,
-            &mut state,
+            method,
+            &settings,
             scene.dt,
             steps,
             |step, state, _| {
