@@ -7,7 +7,7 @@ use cloth_collide::barrier::{EdgeEdgeBarrier, Gap, Mollifier, VertexTriangleBarr
 use cloth_collide::obstacle::PenaltyLaw;
 use cloth_core::check::{gradient_error, hessian_error, smallest_eigenvalue};
 use cloth_core::element::{Convexity, Energy};
-use cloth_core::math::{Blocks, Vec3};
+use cloth_core::math::{Blocks, Mat3, Vec3};
 use nalgebra::SMatrix;
 use random::Random;
 
@@ -104,7 +104,7 @@ fn second_derivative_between_two_points_is_that_of_a_distance() {
     let gap = Gap::vertex_triangle(&x);
     assert_eq!(gap.weights, [1.0, -1.0, 0.0, 0.0]);
     let n = x[0].normalize();
-    let expected = (cloth_core::math::Mat3::identity() - n * n.transpose()) / x[0].norm();
+    let expected = (Mat3::identity() - n * n.transpose()) / x[0].norm();
     let found = gap.curvature(&x);
     assert!((found[0][0] - expected).amax() < 1e-15);
     assert!((found[0][1] + expected).amax() < 1e-15);
@@ -115,6 +115,26 @@ fn second_derivative_between_two_points_is_that_of_a_distance() {
 fn height_above_a_plane_has_no_second_derivative_in_the_vertex() {
     let x = above_triangle((0.4, 0.3), 0.3);
     assert_eq!(Gap::vertex_triangle(&x).curvature(&x)[0][0].amax(), 0.0);
+}
+
+/// Along n, with ∂c₀ = (−1, 0), only d (G⁻¹)₀₀ = d v²/|u × v|² is left of it, until that overflows.
+#[test]
+fn second_derivative_of_nearly_parallel_edges_is_zero_beyond_all_numbers() {
+    let crossed = |slope: f64| {
+        let (half, up) = (v(5.0, 5.0 * slope, 0.0), v(0.0, 0.0, 0.3));
+        let along = v(0.5, 0.0, 0.0);
+        let x = [up - along, up + along, -half, half];
+        Gap::edge_edge(&x).curvature(&x)
+    };
+    for slope in [1e-2, 1e-9, 1e-100] {
+        let expected = -0.3 * (1.0 + slope * slope) / (slope * slope);
+        let found = crossed(slope)[0][0][(2, 2)];
+        let error = (found / expected - 1.0).abs();
+        assert!(error < 1e-15, "{slope:e}: {error:e}");
+    }
+    for block in crossed(2e-155).iter().flatten() {
+        assert_eq!(*block, Mat3::zeros());
+    }
 }
 
 /// From one region into the next, distance and gradient go on; only the second derivative may jump.

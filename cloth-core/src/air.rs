@@ -14,7 +14,7 @@
 //! - The force is that at the start of a step. Its impulse is therefore bounded where a light cloth meets much air in a long step: never more than what leaves
 //!   the triangle with the smallest speed relative to the air. So no wind makes a step unstable, and where the bound does not act the force is the formula's.
 
-use crate::math::{Real, Vec3, gather, is_finite};
+use crate::math::{Real, Vec3, gather};
 use crate::mesh::TriMesh;
 use crate::particles::State;
 use std::fmt;
@@ -89,9 +89,8 @@ impl Air {
         if config.lift > 0.0 && config.drag == 0.0 {
             return Err(AirError::new("lift", config.lift, "zero without drag"));
         }
-        if !is_finite(&config.wind) {
-            let worst = config.wind.iter().copied().find(|w| !w.is_finite());
-            return Err(AirError::new("wind", worst.unwrap_or(Real::NAN), "finite"));
+        if let Some(&worst) = config.wind.iter().find(|w| !w.is_finite()) {
+            return Err(AirError::new("wind", worst, "finite"));
         }
         if !(areal_density > 0.0 && areal_density.is_finite()) {
             let (name, needed) = ("areal density", "a finite number above zero");

@@ -96,3 +96,24 @@ fn it_is_finite_where_an_element_has_collapsed() {
     let k = triangle.geometric_stiffness(&[Vec3::x(); 3], &[1.0; 3], Convexity::Clamp);
     assert!(k.iter().flatten().all(|block| *block == Mat3::zeros()));
 }
+
+/// It is made of numbers like λ/size²: exact in powers of two, until they overflow.
+#[test]
+fn it_grows_with_the_square_as_a_hinge_shrinks_and_is_zero_beyond_all_numbers() {
+    let rest = [[0.0, 0.0], [1.0, 0.0], [0.4, 0.8], [0.5, -0.9]];
+    let bent: [Vec3; 4] =
+        std::array::from_fn(|i| Vec3::new(rest[i][0], rest[i][1], 0.3 * i as Real));
+    let hinge = DihedralHinge::grinspun([0, 1, 2, 3], &bent, 2.0);
+    let two_to = |power: i32| Real::powi(2.0, power);
+    let shrunk = |power: i32, multiplier, convexity| {
+        let x = bent.map(|p| p * two_to(-power));
+        let blocks = hinge.geometric_stiffness(&x, &[multiplier], convexity);
+        dense(&blocks)
+    };
+    let whole = shrunk(0, 1.0, Convexity::Exact);
+    let small = shrunk(100, two_to(700), Convexity::Exact);
+    assert_eq!(small, whole * two_to(900));
+    for convexity in [Convexity::Exact, Convexity::Clamp, Convexity::Abs] {
+        assert_eq!(shrunk(100, two_to(900), convexity).amax(), 0.0);
+    }
+}

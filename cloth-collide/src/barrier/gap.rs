@@ -91,7 +91,7 @@ impl Gap {
         self.weights.map(|c| self.normal * c)
     }
 
-    /// ∂²d/∂x_k∂x_l (1/m) at the positions (m) that the gap was taken at. Between two regions, where it jumps, that of one of them; zero for primitives that touch.
+    /// ∂²d/∂x_k∂x_l (1/m) at the positions (m) that the gap was taken at. Between two regions, where it jumps, that of one of them; zero for primitives that touch, and where G⁻¹ is beyond all numbers.
     ///
     /// Eliminating the places s from the Hessian of ½ r² leaves, with J_a = Σ ∂c_k/∂s_a x_k, G = JᵀJ, and the projector T onto what is at right angles to n and all J,
     ///
@@ -183,7 +183,7 @@ impl Gap {
         [mix(cos, sin), mix(-sin, cos)]
     }
 
-    /// The inverse of G; nothing if it has none, as between parallel edges.
+    /// The inverse of G; nothing if it has none, or one beyond all numbers, as between edges that are parallel but for 1e-154.
     fn inverse_metric(&self, along: &[Vec3; 2]) -> Option<[[Real; 2]; 2]> {
         let [u, v] = along;
         let mut inverse = [[0.0; 2]; 2];
