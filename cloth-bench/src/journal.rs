@@ -247,6 +247,19 @@ impl Journal {
         seconds.iter().sum()
     }
 
+    /// Finished cases that failed: study, case and why, in the order of their names.
+    #[must_use]
+    pub fn failures(&self) -> Vec<[&str; 3]> {
+        let mut failures = Vec::new();
+        for entry in self.entries.values() {
+            if let Recorded::Failed(message) = &entry.outcome {
+                failures.push([&*entry.study, &*entry.case, &**message]);
+            }
+        }
+        failures.sort_unstable();
+        failures
+    }
+
     /// Why no more can be written, if that is so.
     #[must_use]
     pub fn broken(&self) -> Option<&BenchError> {

@@ -18,6 +18,7 @@ mod skip;
 mod stability;
 mod stiffness;
 mod threads;
+mod turns;
 mod work_precision;
 mod xpbd_floor;
 

@@ -179,7 +179,7 @@ pub(super) fn conclude(
     if output.json {
         print(&json!({"studies": names, "failed": failures, "out": output.out}).to_string())?;
     } else {
-        print_verdicts(output, &done)?;
+        print_verdicts(output, &done, journal.failures().len())?;
     }
     failed.first().map_or(Ok(()), failure)
 }
@@ -212,7 +212,11 @@ fn finish_shard(
     ))
 }
 
-fn print_verdicts(output: &Output, done: &[(&Study, Findings)]) -> Result<(), BenchError> {
+fn print_verdicts(
+    output: &Output,
+    done: &[(&Study, Findings)],
+    failures: usize,
+) -> Result<(), BenchError> {
     for (question, answer) in done.iter().flat_map(|(_, findings)| &findings.answers) {
         print(&format!("{question}\n  {answer}"))?;
     }
@@ -224,6 +228,11 @@ fn print_verdicts(output: &Output, done: &[(&Study, Findings)]) -> Result<(), Be
         }
         let verdict = section.verdict.as_deref().unwrap_or("see the report");
         print(&format!("{}: {verdict}", study.name))?;
+    }
+    if failures > 0 {
+        print(&format!(
+            "{failures} cases failed: manifest.json lists them, the remarks of their studies say why"
+        ))?;
     }
     let report = output.out.join("report.html");
     print(&format!("report: {}", report.display()))
@@ -299,7 +308,15 @@ fn write_report(
         .map(|(name, error)| json!({"study": name, "error": error.to_string()}))
         .collect();
     let names: Vec<&str> = done.iter().map(|(study, _)| study.name).collect();
-    let manifest = json!({"studies": names, "failed": failures, "facts": facts, "files": files, "seconds": seconds});
+    let cases: Vec<Value> = journal
+        .failures()
+        .iter()
+        .map(|[study, case, error]| json!({"study": study, "case": case, "error": error}))
+        .collect();
+    let manifest = json!({
+        "studies": names, "failed": failures, "failed_cases": cases,
+        "facts": facts, "files": files, "seconds": seconds,
+    });
     let text = serde_json::to_string_pretty(&manifest).map_err(BenchError::failed)?;
     write_file(&out.join("manifest.json"), text.as_bytes())
 }

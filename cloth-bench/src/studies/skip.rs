@@ -1,10 +1,10 @@
 //! What the features cost that a scene does not use: time, dependencies, build (BENCH-6).
 
+use super::turns::in_turns;
 use super::{Cases, Findings, Scope, Study};
 use crate::error::BenchError;
 use crate::method::{self, Method};
 use crate::report::table::{Cell, Table};
-use crate::run::median;
 use crate::scene::{self, Scene};
 use crate::settings::Settings;
 use cloth_collide::ClothContacts;
@@ -68,10 +68,9 @@ fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
         for method in methods() {
             let case = format!("{feature}, {method}");
             let times = cases.case(&case, || times(scope, feature, method));
-            let Some((without, ratios)) = findings.unless_failed(&case, times) else {
+            let Some([without, again, unused, used]) = findings.unless_failed(&case, times) else {
                 continue;
             };
-            let [again, unused, used] = ratios;
             most = most.max(unused);
             noise = noise.max((again - 1.0).abs());
             table.push([
@@ -120,11 +119,16 @@ fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
         ]);
     }
     findings.table("skip-crates", "Dependencies of each crate alone", table);
-    findings.section.verdict = Some(format!(
-        "A feature that is there but unused makes a step at most {most:.3} times as long; the same step measured twice differs by up to {:.1} %. With the fewest features the crates bring in so many others: {}.",
-        100.0 * noise,
-        fewest.join(", ")
-    ));
+    let mut verdict = format!(
+        "A feature that is there but unused makes a step at most {most:.3} times as long; the same step measured twice differs by up to {:.1} %.",
+        100.0 * noise
+    );
+    if !fewest.is_empty() {
+        let fewest = fewest.join(", ");
+        verdict +=
+            &format!(" With the fewest features the crates bring in so many others: {fewest}.");
+    }
+    findings.section.verdict = Some(verdict);
     Ok(findings)
 }
 
@@ -172,33 +176,23 @@ impl Way<'_> {
     }
 }
 
-/// Times (s) of one step each way, one right after the other.
-fn round(ways: &mut [Way<'_>; 4]) -> Result<[Real; 4], BenchError> {
-    let mut seconds = [0.0; 4];
-    for (seconds, way) in seconds.iter_mut().zip(ways) {
-        *seconds = way.step()?;
-    }
-    Ok(seconds)
-}
-
-/// Median time (s) of a step without a feature; and the medians over all rounds of its ratios: without again, there but unused, in use.
-fn times(scope: Scope, feature: &str, method: &str) -> Result<(Real, [Real; 3]), BenchError> {
+/// Median time (s) of a step without a feature; and the ratios to it: without again, there but unused, in use.
+fn times(scope: Scope, feature: &str, method: &str) -> Result<[Real; 4], BenchError> {
     let plain = Settings::default().with("n", side(scope));
-    let bare = plain.clone().with("bending", "none");
-    let mut ways = match feature {
+    let [without, unused, used] = match feature {
         "bending" => [
-            Way::new(method, &bare)?,
-            Way::new(method, &bare)?,
-            Way::new(method, &plain.clone().with("rigidity", 0))?,
-            Way::new(method, &plain)?,
+            plain.clone().with("bending", "none"),
+            plain.clone().with("rigidity", 0),
+            plain,
         ],
-        _ => [
-            Way::new(method, &plain)?,
-            Way::new(method, &plain)?,
-            Way::new(method, &plain)?,
-            Way::new(method, &plain)?,
-        ],
+        _ => [plain.clone(), plain.clone(), plain],
     };
+    let mut ways = [
+        Way::new(method, &without)?,
+        Way::new(method, &without)?,
+        Way::new(method, &unused)?,
+        Way::new(method, &used)?,
+    ];
     match feature {
         "contact" => {
             let Some(mesh) = ways[0].scene.mesh.clone() else {
@@ -215,22 +209,13 @@ fn times(scope: Scope, feature: &str, method: &str) -> Result<(Real, [Real; 3]),
         }
         _ => {}
     }
-    let enough = match scope {
+    let least = match scope {
         Scope::Quick => 1.0,
         Scope::Full => 4.0,
     };
-    // The first round warms up.
-    let mut rounds: Vec<[Real; 4]> = Vec::new();
-    round(&mut ways)?;
-    let started = Instant::now();
-    while rounds.len() < 15 || started.elapsed().as_secs_f64() < enough && rounds.len() < 200 {
-        rounds.push(round(&mut ways)?);
-    }
-    let over = |value: &dyn Fn(&[Real; 4]) -> Real| {
-        median(&mut rounds.iter().map(value).collect::<Vec<_>>())
-    };
-    let ratio = |way: usize| over(&|seconds| seconds[way] / seconds[0]);
-    Ok((over(&|seconds| seconds[0]), [ratio(1), ratio(2), ratio(3)]))
+    let turns = in_turns(least, |way| ways[way].step())?;
+    let [_, again, unused, used] = turns.ratios;
+    Ok([turns.seconds[0], again, unused, used])
 }
 
 /// Number of crates that a crate brings in, and the seconds that building all of it takes; no seconds for the small scope.
@@ -258,10 +243,8 @@ fn weight(scope: Scope, name: &str, features: &str) -> Result<(usize, Option<Rea
         .map_err(|error| BenchError::Failed(format!("cargo: {error}")))?;
     let refused = |output: &[u8]| {
         let text = String::from_utf8_lossy(output);
-        BenchError::Failed(format!(
-            "cargo: {}",
-            text.lines().last().unwrap_or_default()
-        ))
+        let told = text.lines().find(|line| line.starts_with("error"));
+        BenchError::Failed(format!("cargo: {}", told.unwrap_or(text.trim())))
     };
     if !tree.status.success() {
         return Err(refused(&tree.stderr));

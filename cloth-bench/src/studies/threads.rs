@@ -1,5 +1,6 @@
 //! When a second thread helps.
 
+use super::turns::in_turns;
 use super::{Cases, Findings, Scope, Study};
 use crate::error::BenchError;
 use crate::method::{self, Method};
@@ -14,7 +15,7 @@ use std::time::Instant;
 pub(super) const STUDY: Study = Study {
     name: "threads",
     question: "From which size on does a second thread make a step shorter?",
-    about: "A step of the hanging sheet at default settings, in a pool of one thread and in one of two: the shortest of several repetitions, both in turn. Gain is the time on one thread over that on two. Results are the same to the last \
+    about: "A step of the hanging sheet at default settings, in a pool of one thread and in one of two: one of each in turn, many times. Gain is the time on one thread over that on two, the median over the turns. Results are the same to the last \
         bit. Expect no gain and no loss on small sheets, where loops stay on one thread, and less than 2 on large ones: sweeps and solves wait for memory, and the triangular solves of projective dynamics and of Newton's method are serial.",
     cases,
     run,
@@ -51,7 +52,7 @@ fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
         for &n in sides(scope) {
             let case = format!("{name} at {n} × {n}");
             let times = cases.case(&case, || times(name, n));
-            let Some([one, two]) = findings.unless_failed(&case, times) else {
+            let Some([one, two, gain]) = findings.unless_failed(&case, times) else {
                 continue;
             };
             table.push([
@@ -59,11 +60,12 @@ fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
                 Cell::from(n as usize),
                 Cell::from(1e3 * one),
                 Cell::from(1e3 * two),
-                Cell::from(one / two),
+                Cell::from(gain),
             ]);
-            curve.push((Real::from(n), one / two));
+            curve.push((Real::from(n), gain));
         }
-        let pays = curve.iter().find(|(_, gain)| *gain > 1.1);
+        let no_more = curve.iter().rposition(|(_, gain)| *gain <= 1.1);
+        let pays = curve.get(no_more.map_or(0, |last| last + 1));
         let most = curve.iter().map(|(_, gain)| *gain).fold(0.0, Real::max);
         parts.push(match pays {
             Some((n, _)) => format!("{name} from {n} × {n} on, by up to {most:.2}"),
@@ -93,8 +95,8 @@ fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
     Ok(findings)
 }
 
-/// Shortest times (s) of a step on one thread and on two.
-fn times(name: &str, n: u32) -> Result<[Real; 2], BenchError> {
+/// Median times (s) of a step on one thread and on two, and what the second gains.
+fn times(name: &str, n: u32) -> Result<[Real; 3], BenchError> {
     let scene = scene::build("hang", None, &Settings::default().with("n", n))?;
     let pools = [1, 2].map(|count| rayon::ThreadPoolBuilder::new().num_threads(count).build());
     let [one, two] = pools;
@@ -108,32 +110,15 @@ fn times(name: &str, n: u32) -> Result<[Real; 2], BenchError> {
         method.build(&scene, &Settings::default(), scene.dt)?,
     ];
     let mut states = [scene.start.clone(), scene.start.clone()];
-    let mut best = [Real::INFINITY; 2];
-    let started = Instant::now();
-    // The first steps warm up: two, or one where steps take seconds.
-    for round in 0.. {
-        let takes_seconds = started.elapsed().as_secs_f64() > 10.0;
-        for ((pool, solver), (state, best)) in pools
-            .iter()
-            .zip(&mut solvers)
-            .zip(states.iter_mut().zip(&mut best))
-        {
-            let time = pool.install(|| {
-                let input = StepInput::new(scene.dt).gravity(scene.gravity);
-                let started = Instant::now();
-                solver
-                    .step(state, input)
-                    .map(|_| started.elapsed().as_secs_f64())
-            });
-            let time = time.map_err(BenchError::failed)?;
-            if round >= 2 || round == 1 && takes_seconds {
-                *best = best.min(time);
-            }
-        }
-        let enough = round >= 4 && started.elapsed().as_secs_f64() > 1.0 || round == 60;
-        if enough || round >= 1 && takes_seconds {
-            break;
-        }
-    }
-    Ok(best)
+    let turns = in_turns(1.0, |way| {
+        let (solver, state) = (&mut solvers[way], &mut states[way]);
+        pools[way].install(|| {
+            let input = StepInput::new(scene.dt).gravity(scene.gravity);
+            let started = Instant::now();
+            solver.step(state, input).map_err(BenchError::failed)?;
+            Ok(started.elapsed().as_secs_f64())
+        })
+    })?;
+    let [one, two] = turns.seconds;
+    Ok([one, two, 1.0 / turns.ratios[1]])
 }

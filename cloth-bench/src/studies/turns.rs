@@ -1,0 +1,94 @@
+//! Times of several ways to do the same work, measured so that they can be compared.
+
+use crate::error::BenchError;
+use crate::run::median;
+use cloth_core::math::Real;
+use std::time::Instant;
+
+/// Rounds that are enough once they have lasted long enough.
+const ENOUGH: usize = 15;
+const MOST: usize = 200;
+/// Time (s) after which one round is enough.
+const LONG: Real = 10.0;
+
+/// What [`in_turns`] measures.
+#[derive(Debug, PartialEq)]
+pub(super) struct Turns<const N: usize> {
+    /// Median time (s) of each way.
+    pub(super) seconds: [Real; N],
+    /// Medians of the times over that of the first way in the same round (dimensionless).
+    pub(super) ratios: [Real; N],
+}
+
+/// Compares `N` ways, of which `time` runs the one with that index and gives its time (s): in rounds of one run of each, for `least` seconds, after one that warms up.
+///
+/// What slows the machine for a while slows a whole round, and so leaves the ratios within it alone. Of shortest times, each may come from another while.
+///
+/// # Errors
+/// The first of `time`.
+pub(super) fn in_turns<const N: usize>(
+    least: Real,
+    mut time: impl FnMut(usize) -> Result<Real, BenchError>,
+) -> Result<Turns<N>, BenchError> {
+    let mut round = || {
+        let mut seconds = [0.0; N];
+        for (way, seconds) in seconds.iter_mut().enumerate() {
+            *seconds = time(way)?;
+        }
+        Ok(seconds)
+    };
+    let started = Instant::now();
+    round()?;
+    let mut rounds: Vec<[Real; N]> = Vec::new();
+    let is_enough = |rounds: usize| {
+        let seconds = started.elapsed().as_secs_f64();
+        let long_enough = seconds >= least && rounds >= ENOUGH;
+        long_enough || seconds > LONG || rounds >= MOST
+    };
+    while rounds.is_empty() || !is_enough(rounds.len()) {
+        rounds.push(round()?);
+    }
+    let each = |value: fn(&[Real; N], usize) -> Real| {
+        let over = |way| -> Vec<Real> { rounds.iter().map(|round| value(round, way)).collect() };
+        std::array::from_fn(|way| median(&mut over(way)))
+    };
+    Ok(Turns {
+        seconds: each(|round, way| round[way]),
+        ratios: each(|round, way| round[way] / round[0]),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A machine that is slower from round to round, and once hiccups in one way only.
+    #[test]
+    fn ratios_are_those_of_the_ways_on_a_machine_that_changes_its_speed() {
+        let mut runs: usize = 0;
+        let measured = in_turns::<3>(0.0, |way| {
+            let round = (runs / 3) as Real;
+            assert_eq!(way, runs % 3);
+            runs += 1;
+            let slower = [round, 1e6][usize::from(runs == 41)];
+            Ok([1.0, 2.0, 0.5][way] * slower)
+        });
+        // Round 0 warms up, 1 to 15 count: the median is that of round 8.
+        let expected = Turns {
+            seconds: [8.0, 16.0, 4.0],
+            ratios: [1.0, 2.0, 0.5],
+        };
+        assert_eq!(measured, Ok(expected));
+        assert_eq!(runs, 3 * (ENOUGH + 1));
+    }
+
+    #[test]
+    fn an_error_ends_it() {
+        let broken = BenchError::Failed("broken".into());
+        let measured = in_turns::<2>(0.0, |way| match way {
+            0 => Ok(1.0),
+            _ => Err(broken.clone()),
+        });
+        assert_eq!(measured, Err(broken));
+    }
+}
