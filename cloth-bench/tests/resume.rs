@@ -1,4 +1,4 @@
-//! A run of studies that is killed, taken up again, or shared among machines gives what an unbroken one gives.
+//! A run of studies that is killed, taken up again, or shared among machines gives what an unbroken one gives. What failed in it is said.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -104,6 +104,26 @@ fn a_killed_run_is_taken_up_where_it_was() {
     let report = read(&broken, "report.html");
     run(&["study", STUDY, "--quick", "--resume"], &broken);
     assert_eq!(read(&broken, "report.html"), report);
+}
+
+/// No step is stable for explicit Euler: its three cases fail, which is a finding.
+#[test]
+fn failed_cases_are_counted_and_listed() {
+    let out = folder("failed");
+    let mut command = program(&["study", "energy", "--quick"], &out);
+    let output = command.stdout(Stdio::piped()).output().unwrap();
+    assert!(output.status.success());
+    let told = String::from_utf8(output.stdout).unwrap();
+    assert!(told.contains("\n3 cases failed: "), "{told}");
+    let manifest: serde_json::Value = serde_json::from_str(&read(&out, "manifest.json")).unwrap();
+    assert_eq!(manifest["failed"].as_array().unwrap().len(), 0);
+    let cases = manifest["failed_cases"].as_array().unwrap();
+    assert_eq!(cases.len(), 3);
+    for case in cases {
+        assert_eq!(case["study"], "energy");
+        assert!(case["case"].as_str().unwrap().ends_with("explicit-euler"));
+        assert!(case["error"].as_str().unwrap().contains("is unstable"));
+    }
 }
 
 /// What the program says on standard error, and its exit code.
