@@ -147,13 +147,14 @@ impl Method {
     /// parts, with a part of the substeps.
     ///
     /// # Errors
-    /// [`BenchError::Usage`] for a setting out of range, or an element of the scene without the view that the method needs.
+    /// [`BenchError::Usage`] for a setting that the method does not know or that is out of range, or an element of the scene without the view that the method needs.
     pub fn build(
         &self,
         scene: &Scene,
         settings: &Settings,
         dt: Real,
     ) -> Result<Box<dyn Stepper>, BenchError> {
+        settings.check(&format!("method `{}`", self.name), &self.parameters())?;
         let parts = scene.parts();
         let solver = match self.substeps(scene, settings, dt)? {
             substeps if parts > 1 && substeps > 1 => {

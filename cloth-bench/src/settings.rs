@@ -97,6 +97,16 @@ impl Settings {
         }
     }
 
+    /// Those of the settings whose keys the tables know.
+    #[must_use]
+    pub fn among(&self, tables: &[&[Parameter]]) -> Self {
+        let is_known = |key: &str| tables.iter().flat_map(|t| t.iter()).any(|p| p.name == key);
+        let given = self.given.iter().filter(|(key, _)| is_known(key));
+        Self {
+            given: given.cloned().collect(),
+        }
+    }
+
     /// What was given for a key.
     #[must_use]
     pub fn get(&self, key: &str) -> Option<&str> {
@@ -210,6 +220,15 @@ mod tests {
         assert!(
             message.contains("`stifness`") && message.contains("`stiffness`"),
             "{message}"
+        );
+    }
+
+    #[test]
+    fn what_the_tables_do_not_know_stays_behind() {
+        let set = Settings::parse(&["stiffness=5", "other=1"]).unwrap();
+        assert_eq!(
+            set.among(&[&TABLE]),
+            Settings::parse(&["stiffness=5"]).unwrap()
         );
     }
 

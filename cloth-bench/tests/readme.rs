@@ -1,11 +1,20 @@
-//! The table of elements in the README says what the code can do.
+//! The README says what the code can do, and what comes out of it.
 
+use cloth_bench::laws::Law;
+use cloth_bench::method::Method;
+use cloth_bench::run::{Summary, from_start};
+use cloth_bench::scene;
+use cloth_bench::settings::Settings;
 use cloth_core::element::{Constraint, Energy, Projective, RowArray};
 use cloth_core::energy::{
     ArapTriangle, AreaTriangle, Attachment, CubicShell, CurvatureHinge, CurvedHinge, DihedralHinge,
     MidpointHinge, Spring, StrainLimitSpring, StrainLimitTriangle, StvkTriangle, VolumeTetrahedron,
 };
 use std::marker::PhantomData;
+use std::path::PathBuf;
+use std::process::{Command, Stdio};
+
+const README: &str = include_str!("../../README.md");
 
 /// Asks the compiler what an element of N vertices with K projected vectors has: its own constants come first, where the element has the view, and those of [`Lacking`] otherwise.
 struct View<E, const N: usize, const K: usize>(PhantomData<E>);
@@ -58,7 +67,6 @@ macro_rules! cells {
 
 #[test]
 fn the_table_of_elements_is_that_of_the_code() {
-    let readme = include_str!("../../README.md");
     let nothing = cells!(String, 1).1;
     assert_eq!(nothing, ["–"; 3], "what has no view is told apart");
     let elements = [
@@ -78,7 +86,7 @@ fn the_table_of_elements_is_that_of_the_code() {
     ];
     let mut wrong = Vec::new();
     for (name, cells) in &elements {
-        let line = readme
+        let line = README
             .lines()
             .find(|line| line.starts_with(&format!("| `{name}` ")));
         let written: Vec<&str> =
@@ -93,10 +101,142 @@ fn the_table_of_elements_is_that_of_the_code() {
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
     // And it has no others.
-    let rows = readme
+    let rows = README
         .lines()
         .skip_while(|line| !line.starts_with("| element |"))
         .skip(2);
     let rows = rows.take_while(|line| line.starts_with('|')).count();
     assert_eq!(rows, elements.len());
+}
+
+/// A table of a study: its lines, cut at the commas.
+fn table(study: &[&str], name: &str) -> Vec<Vec<String>> {
+    let out = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(format!("readme-{name}"));
+    let mut command = Command::new(env!("CARGO_BIN_EXE_cloth-bench"));
+    command.arg("study").args(study).arg("--out").arg(&out);
+    let command = command.stdout(Stdio::null()).stderr(Stdio::null());
+    assert!(command.status().unwrap().success());
+    let text = std::fs::read_to_string(out.join(format!("data/{name}.csv"))).unwrap();
+    let cells = |line: &str| line.split(',').map(str::to_owned).collect();
+    text.lines().map(cells).collect()
+}
+
+/// The number under `column` in the line that begins with `start`.
+fn number(table: &[Vec<String>], start: &[&str], column: &str) -> f64 {
+    let place = table[0].iter().position(|name| name == column).unwrap();
+    let line = table
+        .iter()
+        .find(|line| line.iter().zip(start).all(|(a, b)| a == b))
+        .unwrap();
+    line[place].parse().unwrap()
+}
+
+fn assert_says(text: &str, sentence: &str) {
+    assert!(text.contains(sentence), "nowhere: {sentence}");
+}
+
+#[test]
+fn the_floor_of_xpbd_is_the_one_that_the_study_finds() {
+    let floors = table(&["xpbd-floor"], "xpbd-floor");
+    let floor = |stiffness, rate| {
+        let error = number(&floors, &[stiffness, rate], "sweeps: objective error");
+        format!("{error:.1e}")
+    };
+    let powered = |number: String| {
+        let (digits, power) = number.split_once("e-").unwrap();
+        let high = ["⁰", "¹", "²", "³", "⁴", "⁵", "⁶", "⁷", "⁸", "⁹"];
+        let power = power.bytes().map(|digit| high[usize::from(digit - b'0')]);
+        format!("{digits}·10⁻{}", power.collect::<String>())
+    };
+    let [long, short] = ["30", "1920"].map(|rate| powered(floor("200.0", rate)));
+    assert_says(
+        README,
+        &format!(
+            "what is left of the objective is {long} with steps of 1/30 s and {short} with 1/1920 s (chain of 200 N/m)"
+        ),
+    );
+    for rate in ["60", "240", "960"] {
+        let [soft, stiff] = ["200.0", "10000.0"].map(|stiffness| floor(stiffness, rate));
+        assert_says(
+            include_str!("../../cloth-xpbd/src/lib.rs"),
+            &format!("//!   | 1/{rate} | {soft} | {stiff} |"),
+        );
+    }
+}
+
+#[test]
+fn substeps_and_iterations_leave_what_the_readme_says() {
+    let sag = |pairs: &[&str]| {
+        let settings = Settings::parse(&[&["links=20", "tip_mass=1"], pairs].concat()).unwrap();
+        Law::find("sag")
+            .unwrap()
+            .evaluate(&settings)
+            .unwrap()
+            .measured
+    };
+    let [substeps, iterations] = [
+        sag(&["substeps=16", "iterations=1"]),
+        sag(&["substeps=1", "iterations=16"]),
+    ];
+    assert_says(
+        README,
+        &format!(
+            "Substeps: 16 of them leave a chain of 20 rigid links of 1 m a sag of {substeps:.4} m, 16 iterations {iterations:.3} m"
+        ),
+    );
+    let sheets = table(&["sag", "--quick"], "sag-iterations");
+    let [iterations, substeps] = ["iterations", "substeps"]
+        .map(|kind| 100.0 * number(&sheets, &["edge", "colored", kind], "mean strain"));
+    assert_says(
+        README,
+        &format!(
+            "a rigid sheet of 24 edges, hung by its upper edge, is {iterations:.2} % too long after 24 iterations a step of 1/60 s, {substeps:.2} % after 24 substeps"
+        ),
+    );
+}
+
+/// The sheet of 64 × 64 vertices after half a second.
+fn fallen(method: &str, pairs: &[&str]) -> Summary {
+    let sheet = Settings::parse(&["n=64"]).unwrap();
+    let scene = scene::build("hang", None, &sheet).unwrap();
+    let method = Method::find(method).unwrap();
+    let settings = Settings::parse(pairs).unwrap();
+    let (summary, _) =
+        from_start(&scene, method, &settings, scene.dt, 30, |_, _, _| Ok(())).unwrap();
+    summary
+}
+
+/// Of the methods that take seconds at most.
+#[test]
+fn the_sheet_falls_as_far_as_the_readme_says() {
+    let [xpbd, pbd, linear, pd, newton] = [
+        fallen("xpbd", &[]),
+        fallen("pbd", &[]),
+        fallen("linear-implicit", &[]),
+        fallen("pd", &[]),
+        // Far enough for the digits of the README.
+        fallen("implicit-euler", &["tolerance=1e-3"]),
+    ];
+    let [x, p, n] = [&xpbd, &pbd, &newton].map(|summary| summary.center_of_mass_drop);
+    assert_says(
+        README,
+        &format!(
+            "has fallen {x:.3} m with XPBD and {p:.3} m with PBD; converged implicit Euler has {n:.3} m"
+        ),
+    );
+    for (method, summary, digits) in [
+        ("xpbd", xpbd, 0),
+        ("pbd", pbd, 0),
+        ("linear-implicit", linear, 1),
+        ("pd", pd, 1),
+        ("implicit-euler", newton, 1),
+    ] {
+        let line = README
+            .lines()
+            .find(|line| line.starts_with(&format!("| `{method}`")) && line.ends_with("% |"));
+        let written: Vec<&str> = line.unwrap().split(" | ").skip(2).collect();
+        let fall = format!("{:.3} m", summary.center_of_mass_drop);
+        let stretch = format!("{:.digits$} % |", 100.0 * summary.max_stretch);
+        assert_eq!(written, [fall, stretch], "{method}");
+    }
 }

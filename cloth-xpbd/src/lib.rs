@@ -144,14 +144,14 @@
 //!
 //! # Limits
 //! - **It is not the minimiser of implicit Euler**, even when the sweeps have converged. They make `C + α̃λ` zero, with the gradients of the
-//!   places where each correction was made; implicit Euler wants them at the end. The gap shrinks with h and not with n. On a swinging chain of ten links (0.1 m, 0.1 kg) converged sweeps leave
+//!   places where each correction was made; implicit Euler wants them at the end. The gap shrinks with h, in the end as h⁴, and not with n. On a swinging chain of ten links (0.1 m, 0.1 kg) converged sweeps leave
 //!   these parts of `G(x̃) − G*` (`cloth-bench study xpbd-floor`), the direct solver rounding:
 //!
 //!   | Δt (s) | k = 200 N/m | k = 10⁴ N/m |
 //!   |---|---|---|
-//!   | 1/60 | 7.0e-4 | 1.7e-4 |
-//!   | 1/240 | 2.0e-4 | 6.4e-5 |
-//!   | 1/960 | 4.7e-6 | 3.0e-6 |
+//!   | 1/60 | 9.8e-4 | 1.4e-4 |
+//!   | 1/240 | 2.7e-5 | 7.0e-6 |
+//!   | 1/960 | 1.4e-7 | 1.4e-7 |
 //!
 //! - For the same reason forces read from λ miss the balance at rest by an amount of order h² where links turn from x̃ to x within a substep, as those of a rope between two pins do; in a straight chain
 //!   they are exact.

@@ -85,8 +85,8 @@ pub(super) const DIRECT_STEP: Law = Law {
 fn swinging(settings: &Settings) -> Result<(scene::Scene, StepProblem), BenchError> {
     let chain = Settings::default()
         .with("n", settings.count(&SWINGING_LINKS, 1)?)
-        .with("link_length", 0.1)
-        .with("link_mass", 0.1)
+        .with("link", 0.1)
+        .with("mass", 0.1)
         .with("tip_mass", settings.positive(&SWINGING_TIP)?)
         .with("stiffness", settings.positive(&SWINGING_STIFFNESS)?);
     let scene = scene::build("chain", None, &chain)?;

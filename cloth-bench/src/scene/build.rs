@@ -38,9 +38,10 @@ impl SceneInfo {
 /// Builds the scene `name`. `mesh` replaces the sheet of `hang` and `drop` (a file, or a generator).
 ///
 /// # Errors
-/// [`BenchError::Usage`] for an unknown scene, a mesh that does not serve, or a value out of range.
+/// [`BenchError::Usage`] for an unknown scene, a mesh that does not serve, a key that the scene does not know, or a value out of range.
 pub fn build(name: &str, mesh: Option<&str>, settings: &Settings) -> Result<Scene, BenchError> {
     let info = SceneInfo::find(name)?;
+    settings.check(&format!("scene `{name}`"), info.groups())?;
     match (info.name, mesh) {
         ("chain", None) => chain(settings),
         ("cantilever", None) => cantilever(settings),

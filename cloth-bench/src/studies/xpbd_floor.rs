@@ -70,8 +70,8 @@ fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
     for stiffness in STIFFNESSES {
         let settings = Settings::default()
             .with("n", LINKS)
-            .with("link_length", 0.1)
-            .with("link_mass", 0.1)
+            .with("link", 0.1)
+            .with("mass", 0.1)
             .with("tip_mass", 0.1)
             .with("stiffness", stiffness);
         let scene = scene::build("chain", None, &settings)?;

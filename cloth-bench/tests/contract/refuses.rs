@@ -1,6 +1,8 @@
 //! Bad input is an error, and the state is as it was.
 
 use crate::common::{methods, scene, solver};
+use cloth_bench::scene::{SCENES, build, file};
+use cloth_bench::settings::Settings;
 use cloth_core::math::{Real, Vec3};
 use cloth_core::step::{StepError, StepInput};
 
@@ -60,5 +62,26 @@ fn input_that_is_not_finite_is_refused_by_name() {
         solver
             .step(&mut state, StepInput::new(scene.dt).gravity(scene.gravity))
             .unwrap();
+    }
+}
+
+/// A key that nothing reads would leave a default where the caller wanted another value.
+#[test]
+fn keys_that_are_not_known_are_refused_inside_the_program_too() {
+    let unknown = Settings::default().with("link_mass", 0.1);
+    for scene in SCENES {
+        let error = build(scene.name, None, &unknown).unwrap_err().to_string();
+        assert!(error.starts_with("unknown parameter of scene"), "{error}");
+    }
+    let curtain = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/curtain.toml");
+    let error = file::build(curtain.as_ref(), &unknown).unwrap_err();
+    assert!(error.to_string().contains("`link_mass`"), "{error}");
+    let scene = scene("hang", &["n=5"]);
+    for method in methods() {
+        let Err(error) = method.build(&scene, &unknown, scene.dt) else {
+            panic!("{} takes any key", method.name);
+        };
+        let told = format!("unknown parameter of method `{}` `link_mass`", method.name);
+        assert!(error.to_string().starts_with(&told), "{error}");
     }
 }

@@ -19,8 +19,9 @@ use toml::de::{DeTable, DeValue};
 /// The scene that a file describes. What `settings` give of its keys of cloth and contact overrules the file.
 ///
 /// # Errors
-/// [`BenchError::Usage`] with the path, and with the line where there is one.
+/// [`BenchError::Usage`] with the path, and with the line where there is one; or for a setting that overrules nothing.
 pub fn build(path: &Path, settings: &Settings) -> Result<Scene, BenchError> {
+    settings.check(&format!("scene `{}`", path.display()), &overrulable())?;
     let text = std::fs::read_to_string(path).map_err(|error| {
         BenchError::Usage(format!(
             "{}: the scene file cannot be read: {error}",
