@@ -19,9 +19,9 @@ mod greedy;
 mod stages;
 
 use crate::element::Element;
-use crate::parallel::{self, Parts};
+use crate::parallel::Stencils;
 pub use greedy::greedy_colors;
-use stages::{Place, Stage, stages};
+use stages::{Place, stages};
 
 /// A cloth of at least so many vertices is cut into blocks: its positions and masses alone are 16 MB. Measured, springs: at 512 × 512 vertices
 /// colours through the whole cloth are 10 % faster than blocks, at 1000 × 1000 blocks are 1.3 times as fast or more.
@@ -32,17 +32,14 @@ const BLOCK: u32 = 1 << 14;
 
 /// Elements of one type in the order in which a sweep visits them (CORE-13).
 ///
-/// Either sorted by block and colour ([`Colored::new`]) or in the order given ([`Colored::in_input_order`]). The fields are private, so
-/// that "no two parts of a stage share a vertex, and every vertex exists" is a property of the type; the parallel sweep rests on it.
+/// Either sorted by block and colour ([`Colored::new`]) or in the order given ([`Colored::in_input_order`]). Each element is asked for its vertices
+/// once; a sweep goes by that answer, whatever the element says later.
 #[derive(Clone, Debug)]
 pub struct Colored<const N: usize, E> {
     elements: Vec<E>,
-    /// Vertices of each element, as they were when the stages were made.
-    vertices: Vec<[u32; N]>,
-    stages: Vec<Stage>,
+    stencils: Stencils<N>,
     /// Position in the input of each element.
     input_index: Vec<u32>,
-    vertex_count: usize,
 }
 
 impl<const N: usize, E: Element<N>> Colored<N, E> {
@@ -58,16 +55,22 @@ impl<const N: usize, E: Element<N>> Colored<N, E> {
 
     /// With blocks of `size` vertices, or without.
     fn in_blocks(elements: &[E], vertex_count: usize, size: Option<u32>) -> Self {
-        let colors = greedy_colors(elements, vertex_count);
-        let places = elements.iter().zip(colors);
+        let vertices: Vec<[u32; N]> = elements.iter().map(Element::vertices).collect();
+        let colors = greedy_colors(&vertices, vertex_count);
+        let places = vertices.iter().zip(colors);
         let places: Vec<Place> = places
-            .map(|(element, color)| Place::new(&element.vertices(), color, size))
+            .map(|(vertices, color)| Place::new(vertices, color, size))
             .collect();
         let mut input_index: Vec<u32> = (0..elements.len() as u32).collect();
         input_index.sort_by_key(|&index| places[index as usize]);
         let places = input_index.iter().map(|&index| places[index as usize]);
         let stages = stages(&places.collect::<Vec<_>>());
-        Self::stored(elements, stages, input_index, vertex_count)
+        let in_order = input_index.iter().map(|&index| vertices[index as usize]);
+        Self {
+            stencils: Stencils::new(in_order.collect(), stages, vertex_count),
+            elements: input_index.iter().map(|&i| elements[i as usize]).collect(),
+            input_index,
+        }
     }
 
     /// Keeps the order given; sweeps run on one thread.
@@ -76,34 +79,12 @@ impl<const N: usize, E: Element<N>> Colored<N, E> {
     /// If an element names a vertex that is not smaller than `vertex_count`.
     #[must_use]
     pub fn in_input_order(elements: &[E], vertex_count: usize) -> Self {
-        let input_index = (0..elements.len() as u32).collect();
-        let stage = Stage {
-            bounds: vec![0, elements.len()],
-        };
-        Self::stored(elements, vec![stage], input_index, vertex_count)
-    }
-
-    fn stored(
-        elements: &[E],
-        stages: Vec<Stage>,
-        input_index: Vec<u32>,
-        vertex_count: usize,
-    ) -> Self {
-        let elements: Vec<E> = input_index.iter().map(|&i| elements[i as usize]).collect();
-        let vertices: Vec<[u32; N]> = elements.iter().map(Element::vertices).collect();
-        assert!(
-            vertices
-                .iter()
-                .flatten()
-                .all(|&v| (v as usize) < vertex_count),
-            "an element names a vertex that does not exist"
-        );
+        let vertices = elements.iter().map(Element::vertices).collect();
+        let stages = vec![vec![0, elements.len()]];
         Self {
-            elements,
-            vertices,
-            stages,
-            input_index,
-            vertex_count,
+            elements: elements.to_vec(),
+            stencils: Stencils::new(vertices, stages, vertex_count),
+            input_index: (0..elements.len() as u32).collect(),
         }
     }
 
@@ -132,10 +113,8 @@ impl<const N: usize, E: Element<N>> Colored<N, E> {
         x: &mut [P],
         visit: impl Fn(&E, &mut A, &mut [P; N]) + Sync,
     ) {
-        self.check(slots, x);
-        for stage in &self.stages {
-            parallel::visit::<false, N, _, _, _>(&self.parts(stage), slots, x, &visit);
-        }
+        self.stencils
+            .visit::<false, E, A, P>(&self.elements, slots, x, visit);
     }
 
     /// The same the other way round: every element after those that it came before.
@@ -148,19 +127,8 @@ impl<const N: usize, E: Element<N>> Colored<N, E> {
         x: &mut [P],
         visit: impl Fn(&E, &mut A, &mut [P; N]) + Sync,
     ) {
-        self.check(slots, x);
-        for stage in self.stages.iter().rev() {
-            parallel::visit::<true, N, _, _, _>(&self.parts(stage), slots, x, &visit);
-        }
-    }
-
-    fn check<A, P>(&self, slots: &[A], x: &[P]) {
-        assert_eq!(slots.len(), self.elements.len(), "one slot per element");
-        assert_eq!(x.len(), self.vertex_count, "one position per vertex");
-    }
-
-    fn parts<'a>(&'a self, stage: &'a Stage) -> Parts<'a, N, E> {
-        Parts::trust(&self.elements, &self.vertices, &stage.bounds)
+        self.stencils
+            .visit::<true, E, A, P>(&self.elements, slots, x, visit);
     }
 }
 
@@ -169,6 +137,7 @@ mod tests {
     use super::*;
     use crate::energy::Spring;
     use crate::math::Vec3;
+    use std::sync::atomic::{AtomicU32, AtomicUsize, Ordering};
 
     fn star(arms: u32) -> Vec<Spring> {
         (1..=arms)
@@ -192,11 +161,11 @@ mod tests {
 
     /// The stages as lists of parts, each a list of elements.
     fn parts(colored: &Colored<2, Spring>) -> Vec<Vec<&[Spring]>> {
-        let of = |stage: &Stage| -> Vec<&[Spring]> {
-            let bounds = stage.bounds.windows(2);
+        let of = |bounds: &Vec<usize>| -> Vec<&[Spring]> {
+            let bounds = bounds.windows(2);
             bounds.map(|b| &colored.elements[b[0]..b[1]]).collect()
         };
-        colored.stages.iter().map(of).collect()
+        colored.stencils.stages().iter().map(of).collect()
     }
 
     /// Asserts that no element is lost, and no vertex is in two parts of a stage.
@@ -207,8 +176,10 @@ mod tests {
         }
         assert!(seen.iter().all(|&n| n == 1));
         let mut count = 0;
+        let vertices = colored.elements.iter().flat_map(|spring| spring.vertices);
+        let vertex_count = vertices.max().map_or(0, |last| last as usize + 1);
         for parts in parts(colored) {
-            let mut user = vec![None; colored.vertex_count];
+            let mut user = vec![None; vertex_count];
             for (part, elements) in parts.iter().enumerate() {
                 assert!(!elements.is_empty());
                 count += elements.len();
@@ -265,6 +236,50 @@ mod tests {
         check(&Colored::in_blocks(&shuffled, 1000, Some(100)));
     }
 
+    /// Names the next two of its vertices every time it is asked.
+    #[derive(Clone, Copy, Debug)]
+    struct Fickle {
+        first: u32,
+        asked: &'static [AtomicU32],
+    }
+
+    impl Element<2> for Fickle {
+        fn vertices(&self) -> [u32; 2] {
+            let before = self.asked[self.first as usize].fetch_add(1, Ordering::Relaxed);
+            // First the ring, where every second spring shares no vertex; afterwards all at the same two vertices.
+            match before {
+                0 => [self.first, (self.first + 1) % self.asked.len() as u32],
+                _ => [0, 1],
+            }
+        }
+    }
+
+    #[test]
+    fn an_element_that_changes_its_answer_is_visited_at_its_first_one() {
+        let count = 20_000;
+        let fickle = || -> Vec<Fickle> {
+            let asked = (0..count).map(|_| AtomicU32::new(0)).collect::<Vec<_>>();
+            let asked: &[AtomicU32] = asked.leak();
+            (0..count).map(|first| Fickle { first, asked }).collect()
+        };
+        for colored in [
+            Colored::new(&fickle(), count as usize),
+            Colored::in_blocks(&fickle(), count as usize, Some(1000)),
+            Colored::in_input_order(&fickle(), count as usize),
+        ] {
+            // Every position is the number of its vertex, and every slot becomes what its element sees.
+            let mut x: Vec<u32> = (0..count).collect();
+            let mut seen = vec![[u32::MAX; 2]; count as usize];
+            let look = |_: &Fickle, seen: &mut [u32; 2], x: &mut [u32; 2]| *seen = *x;
+            colored.sweep(&mut seen, &mut x, look);
+            let asked = colored.elements()[0].asked.iter();
+            assert!(asked.map(|n| n.load(Ordering::Relaxed)).all(|n| n == 1));
+            for (seen, &index) in seen.iter().zip(colored.input_index()) {
+                assert_eq!(*seen, [index, (index + 1) % count]);
+            }
+        }
+    }
+
     #[test]
     fn input_order_is_kept_where_asked_for() {
         let springs = ring(7);
@@ -289,9 +304,9 @@ mod tests {
     fn a_coloured_sweep_goes_back_as_it_came() {
         let colored = Colored::new(&ring(9), 9);
         let mut order = vec![0_usize; 9];
-        let next = std::sync::atomic::AtomicUsize::new(1);
+        let next = AtomicUsize::new(1);
         let visit = |_: &Spring, slot: &mut usize, _: &mut [Vec3; 2]| {
-            *slot = next.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
+            *slot = next.fetch_add(1, Ordering::Relaxed);
         };
         let mut x = vec![Vec3::zeros(); 9];
         colored.sweep(&mut order, &mut x, visit);
@@ -309,7 +324,7 @@ mod tests {
     }
 
     fn check_threads(colored: &Colored<2, Spring>) {
-        let count = colored.vertex_count;
+        let count = colored.elements.len(); // a ring has as many vertices
         let visit = |s: &Spring, slot: &mut f64, x: &mut [Vec3; 2]| {
             let pull = (x[1] - x[0]) * 0.3 + Vec3::repeat(*slot);
             x[0] += pull;

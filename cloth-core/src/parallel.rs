@@ -9,44 +9,124 @@ use std::ops::Range;
 #[cfg(feature = "parallel")]
 const SMALLEST_PARALLEL_SET: usize = 4096;
 
-/// Elements in parts of which no two share a vertex.
-pub(crate) struct Parts<'a, const N: usize, E> {
+/// The vertices of elements in visiting order, and the stages in which they are visited: a vertex is in one part of a stage at most.
+///
+/// That is checked when the value is made and nothing can change it afterwards; sharing a stage between threads rests on it, and on
+/// nothing that an element says later.
+#[derive(Clone, Debug)]
+pub(crate) struct Stencils<const N: usize> {
+    vertices: Vec<[u32; N]>,
+    /// Part p of a stage is elements `bounds[p]..bounds[p + 1]`; at least one part.
+    stages: Vec<Vec<usize>>,
+    vertex_count: usize,
+}
+
+impl<const N: usize> Stencils<N> {
+    /// Checks the stages.
+    ///
+    /// # Panics
+    /// If a vertex is not smaller than `vertex_count`, bounds do not ascend or leave the elements, or two parts of a stage share a vertex.
+    pub(crate) fn new(
+        vertices: Vec<[u32; N]>,
+        stages: Vec<Vec<usize>>,
+        vertex_count: usize,
+    ) -> Self {
+        // The last part that each vertex was found in, counted through all stages from 1.
+        let mut last_part = vec![0_usize; vertex_count];
+        let mut part = 0;
+        for bounds in &stages {
+            assert!(bounds.len() > 1, "a stage has a part");
+            let parts_before = part;
+            for bounds in bounds.windows(2) {
+                part += 1;
+                for &vertex in vertices[bounds[0]..bounds[1]].iter().flatten() {
+                    let last_part = last_part
+                        .get_mut(vertex as usize)
+                        .expect("an element names a vertex that does not exist");
+                    assert!(
+                        *last_part <= parts_before || *last_part == part,
+                        "two parts of a stage share vertex {vertex}"
+                    );
+                    *last_part = part;
+                }
+            }
+        }
+        Self {
+            vertices,
+            stages,
+            vertex_count,
+        }
+    }
+
+    /// Visits every element once with its slot and a copy of its vertices, which is stored back: stage after stage, the parts of one on several
+    /// threads if that is worth it. In order, or from the last to the first if it goes `BACK`.
+    ///
+    /// # Panics
+    /// If there is not one element and one slot per stencil, or `x` is not as long as the vertices.
+    pub(crate) fn visit<const BACK: bool, E: Sync, A: Send, P: Copy + Send>(
+        &self,
+        elements: &[E],
+        slots: &mut [A],
+        x: &mut [P],
+        visit: impl Fn(&E, &mut A, &mut [P; N]) + Sync,
+    ) {
+        let count = self.vertices.len();
+        assert_eq!(elements.len(), count, "one stencil per element");
+        assert_eq!(slots.len(), count, "one slot per element");
+        assert_eq!(x.len(), self.vertex_count, "one position per vertex");
+        let stage_count = self.stages.len();
+        for done in 0..stage_count {
+            let stage = if BACK { stage_count - 1 - done } else { done };
+            let parts = Parts {
+                elements,
+                stencils: &self.vertices,
+                bounds: &self.stages[stage],
+            };
+            #[allow(unsafe_code)]
+            // SAFETY: `new` made sure that no two parts of a stage share a vertex.
+            unsafe {
+                visit_stage::<BACK, N, E, A, P>(&parts, slots, x, &visit);
+            }
+        }
+    }
+
+    /// Where the parts of each stage begin and end.
+    #[cfg(test)]
+    pub(crate) fn stages(&self) -> &[Vec<usize>] {
+        &self.stages
+    }
+}
+
+/// Elements of one stage.
+struct Parts<'a, const N: usize, E> {
     elements: &'a [E],
     stencils: &'a [[u32; N]],
     /// Part p is `bounds[p]..bounds[p + 1]`.
     bounds: &'a [usize],
 }
 
-impl<'a, const N: usize, E> Parts<'a, N, E> {
-    /// Takes the caller's word for it. Only [`crate::coloring::Colored`] calls this, with one of its stages:
-    /// it made the parts from these very vertices, and no one can write to them since.
-    pub(crate) fn trust(elements: &'a [E], stencils: &'a [[u32; N]], bounds: &'a [usize]) -> Self {
-        Self {
-            elements,
-            stencils,
-            bounds,
-        }
-    }
-
+impl<const N: usize, E> Parts<'_, N, E> {
     /// Where they stand among all elements.
     fn range(&self) -> Range<usize> {
         self.bounds[0]..self.bounds[self.bounds.len() - 1]
     }
 }
 
-/// Visits each element of `parts` once with its slot and a copy of its vertices, which is stored back; on several threads if that is worth
-/// it. In order, or from the last to the first if it goes `BACK`.
-pub(crate) fn visit<const BACK: bool, const N: usize, E: Sync, A: Send, P: Copy + Send>(
+/// Visits the elements of one stage.
+///
+/// # Safety
+/// No vertex is in two of the parts.
+#[allow(unsafe_code)] // the reason is in the section above
+unsafe fn visit_stage<const BACK: bool, const N: usize, E: Sync, A: Send, P: Copy + Send>(
     parts: &Parts<'_, N, E>,
     slots: &mut [A],
     x: &mut [P],
     visit: &(impl Fn(&E, &mut A, &mut [P; N]) + Sync),
 ) {
     let slots = &mut slots[parts.range()];
-    #[allow(unsafe_code)]
-    // SAFETY: `x` is borrowed mutably until this returns, so no one else touches it.
+    let x = &Positions::new(x);
+    // SAFETY: `x` is borrowed mutably until this returns, so no one else touches it; the parts share no vertex, as the caller says.
     unsafe {
-        let x = &Positions::new(x);
         #[cfg(feature = "parallel")]
         if slots.len() >= SMALLEST_PARALLEL_SET && rayon::current_num_threads() > 1 {
             let grain = slots.len() / (4 * rayon::current_num_threads());
@@ -60,7 +140,7 @@ pub(crate) fn visit<const BACK: bool, const N: usize, E: Sync, A: Send, P: Copy 
 /// Splits the parts between threads until about `grain` elements are left.
 ///
 /// # Safety
-/// While this runs, nobody else reads or writes the positions of the vertices of these parts.
+/// No vertex is in two of the parts, and while this runs, nobody else reads or writes the positions of their vertices.
 #[cfg(feature = "parallel")]
 #[allow(unsafe_code)] // the reason is in the section above
 unsafe fn visit_parts<const BACK: bool, const N: usize, E: Sync, A: Send, P: Copy + Send>(
@@ -240,4 +320,34 @@ fn fetch<T>(place: *const T) {
     }
     #[cfg(not(target_arch = "x86_64"))]
     let _ = place;
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Stencils;
+
+    #[test]
+    fn a_vertex_may_be_in_one_part_of_every_stage() {
+        let stages = vec![vec![0, 2, 3], vec![3, 4]];
+        let stencils = Stencils::new(vec![[0, 1], [1, 2], [3, 4], [2, 3]], stages, 5);
+        assert_eq!(stencils.stages().len(), 2);
+    }
+
+    #[test]
+    #[should_panic(expected = "two parts of a stage share vertex 1")]
+    fn parts_that_share_a_vertex_are_refused() {
+        let _ = Stencils::new(vec![[0, 1], [2, 3], [1, 4]], vec![vec![0, 1, 2, 3]], 5);
+    }
+
+    #[test]
+    #[should_panic(expected = "a vertex that does not exist")]
+    fn a_vertex_that_does_not_exist_is_refused() {
+        let _ = Stencils::new(vec![[0, 1], [2, 3]], vec![vec![0, 2]], 3);
+    }
+
+    #[test]
+    #[should_panic(expected = "slice index starts at 2 but ends at 1")]
+    fn bounds_that_do_not_ascend_are_refused() {
+        let _ = Stencils::new(vec![[0, 1], [2, 3]], vec![vec![0, 2, 1]], 4);
+    }
 }

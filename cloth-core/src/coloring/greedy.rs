@@ -1,22 +1,16 @@
 //! A colour for every element.
 
-use crate::element::Element;
-
-/// The smallest colour that no earlier element at a shared vertex has, for each element in turn.
+/// The smallest colour that no earlier element at a shared vertex has, for each element in turn. `stencils` are their vertices.
 ///
 /// # Panics
 /// If an element names a vertex that is not smaller than `vertex_count`, or names one twice.
 #[must_use]
-pub fn greedy_colors<const N: usize, E: Element<N>>(
-    elements: &[E],
-    vertex_count: usize,
-) -> Vec<u32> {
+pub fn greedy_colors<const N: usize>(stencils: &[[u32; N]], vertex_count: usize) -> Vec<u32> {
     // Colours in use at each vertex, 64 to a word; words are added where a vertex needs more.
     let mut words = 1;
     let mut used = vec![0u64; vertex_count];
-    let mut colors = Vec::with_capacity(elements.len());
-    for element in elements {
-        let vertices = element.vertices();
+    let mut colors = Vec::with_capacity(stencils.len());
+    for vertices in stencils {
         for (i, vertex) in vertices.iter().enumerate() {
             assert!(
                 !vertices[..i].contains(vertex),
@@ -41,7 +35,7 @@ pub fn greedy_colors<const N: usize, E: Element<N>>(
             words += 1;
             (words - 1) * 64
         });
-        for &v in &vertices {
+        for &v in vertices {
             used[v as usize * words + color / 64] |= 1 << (color % 64);
         }
         colors.push(color as u32);

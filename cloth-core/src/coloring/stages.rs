@@ -3,13 +3,6 @@
 /// Elements of one colour that make a part.
 const PIECE: usize = 1024;
 
-/// Elements of which one part and another share no vertex.
-#[derive(Clone, Debug)]
-pub(super) struct Stage {
-    /// Part p is `elements[bounds[p]..bounds[p + 1]]`.
-    pub(super) bounds: Vec<usize>,
-}
-
 /// Where an element is visited; in this order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Place {
@@ -59,16 +52,14 @@ impl Place {
     }
 }
 
-/// The stages of elements that are visited in places `sorted`.
-pub(super) fn stages(sorted: &[Place]) -> Vec<Stage> {
-    let mut stages: Vec<Stage> = Vec::new();
+/// The stages of elements that are visited in places `sorted`: part p of one is elements `bounds[p]..bounds[p + 1]`.
+pub(super) fn stages(sorted: &[Place]) -> Vec<Vec<usize>> {
+    let mut stages: Vec<Vec<usize>> = Vec::new();
     let mut part = 0; // where the part so far begins
     for (index, &place) in sorted.iter().enumerate() {
         let before = index.checked_sub(1).map(|before| sorted[before]);
         if before.is_none_or(|before| place.begins_stage(before)) {
-            stages.push(Stage {
-                bounds: vec![index],
-            });
+            stages.push(vec![index]);
             part = index;
         } else if before.is_some_and(|before| place.begins_part(before, index - part)) {
             part = index;
@@ -76,17 +67,17 @@ pub(super) fn stages(sorted: &[Place]) -> Vec<Stage> {
             continue;
         }
         // `part` ends what came before it, in this stage or in the one before.
-        let ended = if stages[stages.len() - 1].bounds[0] == part {
+        let ended = if stages[stages.len() - 1][0] == part {
             stages.len().checked_sub(2)
         } else {
             Some(stages.len() - 1)
         };
         if let Some(ended) = ended {
-            stages[ended].bounds.push(part);
+            stages[ended].push(part);
         }
     }
     if let Some(last) = stages.last_mut() {
-        last.bounds.push(sorted.len());
+        last.push(sorted.len());
     }
     stages
 }

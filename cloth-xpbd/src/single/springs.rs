@@ -63,7 +63,8 @@ impl Springs {
 
 /// The springs, colour by colour, in packs with their stiffnesses. Empty places have no stiffness and prescribed ends.
 fn packs(springs: &[Spring], vertex_count: usize) -> Vec<(Pack, [Real; 4])> {
-    let colors = greedy_colors(springs, vertex_count);
+    let stencils: Vec<[u32; 2]> = springs.iter().map(Element::vertices).collect();
+    let colors = greedy_colors(&stencils, vertex_count);
     let mut order: Vec<usize> = (0..springs.len()).collect();
     order.sort_by_key(|&i| colors[i]);
     let mut packs = Vec::with_capacity(springs.len().div_ceil(4));
