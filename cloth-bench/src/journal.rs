@@ -5,18 +5,36 @@
 //! working on (one, or where no times are measured one per core) and no other. The report is made from the journal alone: taken up again, or put together from several machines, the same journal gives
 //! the same report.
 //!
-//! The first line is a [`Heading`]; every further one a case: its study and name, the seconds that it took, and what it found or why it failed. A last line without an end was being written when the run died, and is dropped.
+//! The first line is a [`Heading`]; every further one a case: its study and name, the seconds that it took, and what it found or why it failed. Every line ends with a
+//! checksum. A line that is not as it was written is said with its number ([`Journal::damages`]), and its case is not finished: `--resume` sets the line aside
+//! and runs the case again. A last line without an end was being written when the run died, and is dropped.
+//!
+//! A journal is open in one process at a time: its folder is locked until it is dropped.
+
+mod kept;
+mod line;
+mod lock;
+mod number;
+mod shard;
+
+pub use number::Number;
+pub use shard::Shard;
 
 use crate::error::BenchError;
-use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use kept::Kept;
+use lock::Lock;
+use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::collections::HashMap;
 use std::fs::{File, OpenOptions};
-use std::io::{Seek, SeekFrom, Write};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
 /// Name of the file in the folder of a report.
 pub const FILE_NAME: &str = "journal.jsonl";
+
+/// Name of the file for lines that are not as they were written.
+const SET_ASIDE: &str = "journal.damaged.jsonl";
 
 /// The fact that names the scene file.
 pub const SCENE: &str = "scene";
@@ -89,73 +107,102 @@ pub struct Journal {
     file: File,
     heading: Heading,
     entries: HashMap<(String, String), Entry>,
+    /// Lines that were not as they had been written: which, and why.
+    damages: Vec<String>,
     /// Why nothing can be written any more.
     broken: Option<BenchError>,
+    _lock: Lock,
 }
 
 impl Journal {
     /// A new journal in `folder`. One that is there already gets the name `journal.old.jsonl`.
     ///
     /// # Errors
-    /// [`BenchError::Failed`] that names the file that cannot be written.
+    /// [`BenchError::Failed`] that names the file that cannot be written, or says that another process works in the folder.
     pub fn begin(folder: &Path, heading: Heading) -> Result<Self, BenchError> {
+        std::fs::create_dir_all(folder).map_err(|error| about(folder, &error))?;
+        Self::begin_locked(folder, heading, Lock::take(folder)?)
+    }
+
+    fn begin_locked(folder: &Path, heading: Heading, lock: Lock) -> Result<Self, BenchError> {
         let path = folder.join(FILE_NAME);
-        let failed = |error: std::io::Error| about(&path, &error);
-        std::fs::create_dir_all(folder).map_err(failed)?;
         if path.exists() {
-            std::fs::rename(&path, folder.join("journal.old.jsonl")).map_err(failed)?;
+            let moved = std::fs::rename(&path, folder.join("journal.old.jsonl"));
+            moved.map_err(|error| about(&path, &error))?;
         }
-        let file = File::create_new(&path).map_err(failed)?;
-        let mut journal = Self {
-            path,
-            file,
+        let line = line::write(&heading).map_err(BenchError::failed)?;
+        let kept = Kept {
             heading,
             entries: HashMap::new(),
-            broken: None,
+            damages: Vec::new(),
         };
-        let line = serde_json::to_string(&journal.heading).map_err(BenchError::failed)?;
-        journal.append(line)?;
+        let mut journal = Self::over(path, kept, lock)?;
+        journal.append(&line)?;
         Ok(journal)
     }
 
-    /// The journal that is in `folder`, to go on with; a new one if there is none.
+    /// The journal that is in `folder`, to go on with; a new one if there is none. Damaged lines are set aside in `journal.damaged.jsonl`.
     ///
     /// # Errors
-    /// [`BenchError::Failed`] if its results do not belong to `heading`: another commit, other sizes, another machine; or if it cannot be read, with the line.
+    /// [`BenchError::Failed`] if its results do not belong to `heading`: another commit, other sizes, another machine; if its heading cannot be read; or if
+    /// another process works in the folder.
     pub fn resume(folder: &Path, heading: Heading) -> Result<Self, BenchError> {
-        if !folder.join(FILE_NAME).exists() {
-            return Self::begin(folder, heading);
+        std::fs::create_dir_all(folder).map_err(|error| about(folder, &error))?;
+        let lock = Lock::take(folder)?;
+        let path = folder.join(FILE_NAME);
+        if !path.exists() {
+            return Self::begin_locked(folder, heading, lock);
         }
-        let mut journal = Self::open(folder)?;
-        if let Some(difference) = journal.heading.differs(&heading, &["shard"]) {
+        let text = std::fs::read(&path).map_err(|error| about(&path, &error))?;
+        let (mut kept, sorted) = Kept::read(&path, &text)?;
+        if let Some(difference) = kept.heading.differs(&heading, &["shard"]) {
             return Err(BenchError::Failed(format!(
                 "{}: made with {difference}; start anew without --resume",
-                journal.path.display()
+                path.display()
             )));
         }
-        journal.heading.studies = heading.studies;
-        Ok(journal)
+        kept.heading.studies = heading.studies;
+        sorted.mend(folder, &text)?;
+        Self::over(path, kept, lock)
+    }
+
+    /// With a file that takes more lines, made if there is none.
+    fn over(path: PathBuf, kept: Kept, lock: Lock) -> Result<Self, BenchError> {
+        let file = OpenOptions::new().append(true).create(true).open(&path);
+        let file = file.map_err(|error| about(&path, &error))?;
+        Ok(Self {
+            path,
+            file,
+            heading: kept.heading,
+            entries: kept.entries,
+            damages: kept.damages,
+            broken: None,
+            _lock: lock,
+        })
     }
 
     /// One journal in `folder` from those in other folders: the shards of one run.
     ///
     /// # Errors
-    /// [`BenchError::Failed`] if one of them cannot be read, or if they are not parts of the same run.
+    /// [`BenchError::Failed`] if one of them cannot be read, or if they are not parts of the same run; otherwise as [`Journal::begin`].
     pub fn merge(folder: &Path, parts: &[PathBuf]) -> Result<Self, BenchError> {
-        let parts: Vec<Self> = parts
-            .iter()
-            .map(|part| Self::open(part))
-            .collect::<Result<_, _>>()?;
-        let Some(first) = parts.first() else {
+        let read = |part: &PathBuf| {
+            let path = part.join(FILE_NAME);
+            let text = std::fs::read(&path).map_err(|error| about(&path, &error))?;
+            let (kept, _) = Kept::read(&path, &text)?;
+            Ok((path, kept))
+        };
+        let parts: Vec<(PathBuf, Kept)> = parts.iter().map(read).collect::<Result<_, _>>()?;
+        let Some((first_path, first)) = parts.first() else {
             return Err(BenchError::Usage("no folder to merge".into()));
         };
         let mut heading = first.heading.clone();
-        for part in &parts {
+        for (path, part) in &parts {
             if let Some(difference) = first.heading.differs(&part.heading, &OF_THE_MACHINE) {
                 return Err(BenchError::Failed(format!(
                     "{}: made with {difference} than {}",
-                    part.path.display(),
-                    first.path.display()
+                    path.display(),
+                    first_path.display()
                 )));
             }
             for (name, value) in &part.heading.facts {
@@ -177,7 +224,8 @@ impl Journal {
         }
         heading.facts.retain(|(name, _)| name != "shard");
         let mut journal = Self::begin(folder, heading)?;
-        for part in parts {
+        for (_, part) in parts {
+            journal.damages.extend(part.damages);
             let mut entries: Vec<Entry> = part.entries.into_values().collect();
             entries.sort_by(|a, b| (&a.study, &a.case).cmp(&(&b.study, &b.case)));
             for entry in entries {
@@ -187,43 +235,16 @@ impl Journal {
         Ok(journal)
     }
 
-    fn open(folder: &Path) -> Result<Self, BenchError> {
-        let path = folder.join(FILE_NAME);
-        let text = std::fs::read(&path).map_err(|error| about(&path, &error))?;
-        // What follows the last end of a line was being written when the run died.
-        let whole = text
-            .iter()
-            .rposition(|&byte| byte == b'\n')
-            .map_or(0, |end| end + 1);
-        let unreadable = |line: usize, error: &dyn std::fmt::Display| {
-            BenchError::Failed(format!("{}:{line}: {error}", path.display()))
-        };
-        let mut lines = text[..whole].split(|&byte| byte == b'\n').enumerate();
-        let (_, first) = lines.next().unwrap_or_default();
-        let heading = serde_json::from_slice(first).map_err(|error| unreadable(1, &error))?;
-        let mut entries = HashMap::new();
-        for (number, line) in lines.filter(|(_, line)| !line.is_empty()) {
-            let entry: Entry =
-                serde_json::from_slice(line).map_err(|error| unreadable(number + 1, &error))?;
-            entries.insert((entry.study.clone(), entry.case.clone()), entry);
-        }
-        let failed = |error: std::io::Error| about(&path, &error);
-        let mut file = OpenOptions::new().write(true).open(&path).map_err(failed)?;
-        file.set_len(whole as u64).map_err(failed)?;
-        file.seek(SeekFrom::End(0)).map_err(failed)?;
-        Ok(Self {
-            path,
-            file,
-            heading,
-            entries,
-            broken: None,
-        })
-    }
-
     /// What it is about.
     #[must_use]
     pub fn heading(&self) -> &Heading {
         &self.heading
+    }
+
+    /// Lines that were not as they had been written: file, number and why.
+    #[must_use]
+    pub fn damages(&self) -> &[String] {
+        &self.damages
     }
 
     /// Number of finished cases.
@@ -298,18 +319,18 @@ impl Journal {
     }
 
     fn keep(&mut self, entry: Entry) -> Result<(), BenchError> {
-        let line = serde_json::to_string(&entry).map_err(BenchError::failed)?;
-        self.append(line)?;
+        let line = line::write(&entry).map_err(BenchError::failed)?;
+        self.append(&line)?;
         self.entries
             .insert((entry.study.clone(), entry.case.clone()), entry);
         Ok(())
     }
 
-    fn append(&mut self, mut line: String) -> Result<(), BenchError> {
+    /// Hands a line to the disk, in one piece.
+    fn append(&mut self, line: &str) -> Result<(), BenchError> {
         if let Some(error) = &self.broken {
             return Err(error.clone());
         }
-        line.push('\n');
         let written = self.file.write_all(line.as_bytes());
         written
             .and_then(|()| self.file.sync_data())
@@ -323,80 +344,6 @@ impl Journal {
 
 fn about(path: &Path, error: &std::io::Error) -> BenchError {
     BenchError::Failed(format!("{}: {error}", path.display()))
-}
-
-/// A number of a result that may be infinite or none, which JSON does not know: those are kept as text.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Number(pub f64);
-
-impl Serialize for Number {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        if self.0.is_finite() {
-            self.0.serialize(serializer)
-        } else {
-            self.0.to_string().serialize(serializer)
-        }
-    }
-}
-
-impl<'de> Deserialize<'de> for Number {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        #[derive(Deserialize)]
-        #[serde(untagged)]
-        enum Either {
-            Number(f64),
-            Text(String),
-        }
-        match Either::deserialize(deserializer)? {
-            Either::Number(number) => Ok(Self(number)),
-            Either::Text(text) => text.parse().map(Self).map_err(serde::de::Error::custom),
-        }
-    }
-}
-
-/// One of several runs that share the cases of the studies.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Shard {
-    /// Which one, from 1.
-    number: u64,
-    /// Of how many.
-    count: u64,
-}
-
-impl Shard {
-    /// Whether a case falls to this one: by a hash of its names, the same on every machine and in every version.
-    #[must_use]
-    pub fn includes(&self, study: &str, case: &str) -> bool {
-        // FNV-1a, with a byte between the names that neither has.
-        let bytes = study.bytes().chain([0]).chain(case.bytes());
-        let hash = bytes.fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| {
-            (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
-        });
-        // The low bits of a product know little of its high ones.
-        (hash ^ hash >> 32) % self.count == self.number - 1
-    }
-}
-
-impl std::str::FromStr for Shard {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let numbers = text.split_once('/').and_then(|(number, count)| {
-            Some((number.parse::<u64>().ok()?, count.parse::<u64>().ok()?))
-        });
-        match numbers {
-            Some((number, count)) if 1 <= number && number <= count => Ok(Self { number, count }),
-            _ => Err(format!(
-                "`{text}` is not I/N with whole numbers 1 ≤ I ≤ N, such as 2/4"
-            )),
-        }
-    }
-}
-
-impl std::fmt::Display for Shard {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "{}/{}", self.number, self.count)
-    }
 }
 
 #[cfg(test)]
@@ -492,15 +439,82 @@ mod tests {
         std::fs::remove_dir_all(&place).unwrap();
     }
 
+    /// Still JSON or not: its line is named and set aside, its case is to be run again, and all others stay.
     #[test]
-    fn a_line_that_is_none_is_named() {
-        let place = folder("bad");
+    fn a_damaged_entry_is_named_and_set_aside() {
+        let place = folder("damaged");
         drop(filled(&place));
         let path = place.join(FILE_NAME);
         let text = std::fs::read_to_string(&path).unwrap();
-        std::fs::write(&path, text.replace("case 1\"", "case 1")).unwrap();
+        for (number, (sound, damaged)) in [
+            ("case 1\"", "case 1"),
+            ("case 1\"", "case 7\""),
+            ("\"found\":{\"error\":0.1}", "\"found\":{\"error\":0.9}"),
+            (
+                "\"seconds\":0.25,\"found\":{\"error\":0.1}",
+                "\"seconds\":0.25,\"fount\":{\"error\":0.1}",
+            ),
+        ]
+        .into_iter()
+        .enumerate()
+        {
+            assert!(text.contains(sound));
+            std::fs::write(&path, text.replace(sound, damaged)).unwrap();
+            let joined = place.join("joined");
+            let merged = Journal::merge(&joined, std::slice::from_ref(&place)).unwrap();
+            let resumed = Journal::resume(&place, heading("a")).unwrap();
+            for journal in [&merged, &resumed] {
+                let [damage] = journal.damages() else {
+                    panic!("{:?}", journal.damages());
+                };
+                assert!(
+                    damage.contains("journal.jsonl:3: a damaged entry"),
+                    "{damage}"
+                );
+                assert_eq!(journal.len(), 4);
+                assert!(journal.recall("one", "case 1").is_none());
+            }
+            drop(resumed);
+            let aside = std::fs::read_to_string(place.join(SET_ASIDE)).unwrap();
+            assert_eq!(aside.lines().count(), number + 1);
+            assert!(aside.lines().last().unwrap().contains(damaged), "{aside}");
+            // It is said once.
+            assert!(
+                Journal::resume(&place, heading("a"))
+                    .unwrap()
+                    .damages()
+                    .is_empty()
+            );
+        }
+        std::fs::write(&path, text.replacen("\"quick\":true", "\"quick\":false", 1)).unwrap();
         let error = Journal::resume(&place, heading("a")).unwrap_err();
-        assert!(error.to_string().contains("journal.jsonl:3:"), "{error}");
+        assert!(
+            error
+                .to_string()
+                .contains("journal.jsonl:1: the heading is damaged"),
+            "{error}"
+        );
+        std::fs::remove_dir_all(&place).unwrap();
+    }
+
+    #[test]
+    fn a_folder_belongs_to_one_at_a_time() {
+        let place = folder("locked");
+        let first = filled(&place);
+        for second in [
+            Journal::begin(&place, heading("a")),
+            Journal::resume(&place, heading("a")),
+            Journal::merge(&place, std::slice::from_ref(&place)),
+        ] {
+            let told = second.unwrap_err().to_string();
+            let process = format!("(process {})", std::process::id());
+            assert!(
+                told.contains("another run works in this folder") && told.contains(&process),
+                "{told}"
+            );
+        }
+        drop(first);
+        assert_eq!(Journal::resume(&place, heading("a")).unwrap().len(), 5);
         std::fs::remove_dir_all(&place).unwrap();
     }
 
@@ -530,53 +544,5 @@ mod tests {
         for place in &places {
             std::fs::remove_dir_all(place).unwrap();
         }
-    }
-
-    /// Every case falls to exactly one shard, and the shards are about as large.
-    #[test]
-    fn shards_cut_the_cases_evenly() {
-        let names: Vec<String> = (0..1000).map(|i| format!("case {i}")).collect();
-        for count in [1_u64, 2, 3, 8] {
-            let shards: Vec<Shard> = (1..=count).map(|number| Shard { number, count }).collect();
-            let sizes = shards.iter().map(|shard| {
-                names
-                    .iter()
-                    .filter(|name| shard.includes("study", name))
-                    .count()
-            });
-            let sizes: Vec<usize> = sizes.collect();
-            assert_eq!(sizes.iter().sum::<usize>(), 1000);
-            let mean = 1000 / count as usize;
-            assert!(sizes.iter().all(|&n| n.abs_diff(mean) < 70), "{sizes:?}");
-        }
-        assert_eq!(
-            "2/4".parse(),
-            Ok(Shard {
-                number: 2,
-                count: 4
-            })
-        );
-        for text in ["0/2", "3/2", "1", "a/b", "1/0", ""] {
-            assert!(text.parse::<Shard>().is_err(), "{text}");
-        }
-    }
-
-    #[test]
-    fn numbers_come_back_with_all_bits() {
-        for number in [
-            0.1,
-            -0.0,
-            5e-324,
-            f64::MAX,
-            1.0 / 3.0,
-            f64::INFINITY,
-            -f64::INFINITY,
-        ] {
-            let text = serde_json::to_string(&Number(number)).unwrap();
-            let back: Number = serde_json::from_str(&text).unwrap();
-            assert_eq!(back.0.to_bits(), number.to_bits());
-        }
-        let none: Number = serde_json::from_str("\"NaN\"").unwrap();
-        assert!(none.0.is_nan());
     }
 }

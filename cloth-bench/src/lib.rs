@@ -6,6 +6,8 @@ pub mod commands;
 pub mod crumpled;
 pub mod error;
 pub mod export;
+mod files;
+mod hash;
 pub mod journal;
 pub mod laws;
 pub mod memory;

@@ -1,5 +1,6 @@
 //! A run of studies that is killed, taken up again, or shared among machines gives what an unbroken one gives. What failed in it is said.
 
+use cloth_bench::journal::{Heading, Journal};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::Duration;
@@ -164,6 +165,69 @@ fn a_full_disk_is_said_and_what_is_finished_is_kept() {
     assert_eq!(journal(&out), all, "a finished case was run again");
     let table = "data/xpbd-floor.csv";
     assert_eq!(read(&out, table), read(&whole, table));
+}
+
+/// An entry that is still JSON, but not what was written.
+#[test]
+fn a_damaged_entry_is_said_and_its_case_run_again() {
+    let study = ["study", STUDY, "--quick"];
+    let resumed = ["study", STUDY, "--quick", "--resume"];
+    let (whole, out, joined) = (folder("sound"), folder("damaged"), folder("damaged-joined"));
+    run(&study, &whole);
+    let lines = journal(&whole);
+    let table = "data/xpbd-floor.csv";
+    for (number, sound, damaged) in [
+        (2, "\"residual\"", "\"residuak\""),
+        (4, "k = 200 N/m", "k = 300 N/m"),
+        (5, "\"found\"", "\"fount\""),
+        (9, "\"objective\":", "\"objective\":1"),
+    ] {
+        let mut changed = lines.clone();
+        changed[number - 1] = changed[number - 1].replace(sound, damaged);
+        assert_ne!(changed, lines);
+        std::fs::create_dir_all(&out).unwrap();
+        std::fs::write(out.join("journal.jsonl"), changed.join("\n") + "\n").unwrap();
+        // Joined, its case is missing.
+        let place = format!("journal.jsonl:{number}: a damaged entry");
+        let merge = ["merge", out.to_str().unwrap()];
+        let (told, code) = refused(program(&merge, &joined));
+        assert_eq!(code, Some(1), "{told}");
+        assert!(
+            told.contains(&place) && told.contains("1 cases are in none"),
+            "{told}"
+        );
+        let (told, code) = refused(program(&resumed, &out));
+        assert_eq!(code, Some(0), "{told}");
+        assert!(told.contains(&place), "{told}");
+        assert_eq!(cases(&out), cases(&whole));
+        assert_eq!(read(&out, table), read(&whole, table));
+    }
+}
+
+#[test]
+fn two_runs_do_not_share_a_folder() {
+    let out = folder("shared");
+    let heading = Heading {
+        studies: vec![STUDY.into()],
+        quick: true,
+        facts: Vec::new(),
+    };
+    let held = Journal::begin(&out, heading).unwrap();
+    for more in [&["--resume"][..], &[]] {
+        let (told, code) = refused(program(
+            &[&["study", STUDY, "--quick"], more].concat(),
+            &out,
+        ));
+        assert_eq!(code, Some(1), "{told}");
+        let process = format!(
+            "another run works in this folder (process {})",
+            std::process::id()
+        );
+        assert!(told.contains(&process) && told.contains("--out"), "{told}");
+    }
+    assert_eq!(journal(&out).len(), 1);
+    drop(held);
+    run(&["study", STUDY, "--quick"], &out);
 }
 
 #[test]

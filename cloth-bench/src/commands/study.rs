@@ -2,6 +2,7 @@
 
 use super::{print, write_file};
 use crate::error::BenchError;
+use crate::hash::fnv1a;
 use crate::journal::{self, Heading, Journal, Shard};
 use crate::report::html::{Answer, Report};
 use crate::report::png::Rasterizer;
@@ -110,12 +111,12 @@ fn own_scene(path: &Path, studies: &[&Study]) -> Result<[(String, String); 2], B
     crate::studies::check_scene(path)?;
     let text = std::fs::read(path)
         .map_err(|error| BenchError::Usage(format!("{}: {error}", path.display())))?;
-    // Fowler, Noll and Vo's hash: the same on every machine.
-    let mix = |hash: u64, byte: &u8| (hash ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3);
-    let hash = text.iter().fold(0xcbf2_9ce4_8422_2325, mix);
     Ok([
         (journal::SCENE.to_owned(), path.display().to_string()),
-        ("contents of the scene".to_owned(), format!("{hash:016x}")),
+        (
+            "contents of the scene".to_owned(),
+            format!("{:016x}", fnv1a(text)),
+        ),
     ])
 }
 
@@ -126,6 +127,9 @@ pub(super) fn conclude(
     mut journal: Journal,
     share: Share,
 ) -> Result<(), BenchError> {
+    for damage in journal.damages() {
+        eprintln!("warning: {damage}");
+    }
     let scope = if journal.heading().quick {
         Scope::Quick
     } else {

@@ -1,0 +1,30 @@
+//! Files that are there whole or not at all.
+
+use std::fs::{self, File};
+use std::io::{self, Write};
+use std::path::Path;
+
+/// Writes a file of several parts, replacing it: beside it first, then under its name, so that a full disk or a kill leaves no part of it
+/// and an earlier one as it was. What is no plain file, such as a pipe, is written to.
+///
+/// # Errors
+/// That of the system. The beginning that was written beside is removed.
+pub(crate) fn write(path: &Path, parts: &[&[u8]]) -> io::Result<()> {
+    let fill = |mut file: File| parts.iter().try_for_each(|part| file.write_all(part));
+    let path = match fs::metadata(path) {
+        Ok(known) if !known.is_file() => return File::create(path).and_then(fill),
+        // A link stays one.
+        Ok(_) => &fs::canonicalize(path)?,
+        Err(_) => path,
+    };
+    let mut name = path.file_name().unwrap_or_default().to_owned();
+    name.push(format!(".{}.part", std::process::id()));
+    let beside = path.with_file_name(name);
+    let written = File::create(&beside).and_then(fill);
+    let written = written.and_then(|()| fs::rename(&beside, path));
+    if written.is_err() {
+        // It may not even be there.
+        let _ = fs::remove_file(&beside);
+    }
+    written
+}
