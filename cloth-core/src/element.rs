@@ -15,7 +15,7 @@
 mod differences;
 mod sweep_forms;
 
-pub use sweep_forms::{UnitRow, VectorRow};
+pub use sweep_forms::{DeadZoneRow, UnitRow, VectorRow};
 
 use crate::math::{Blocks, Mat3, Real, Vec3};
 use std::fmt::Debug;
@@ -170,6 +170,17 @@ pub trait Constraint<const N: usize>: Element<N> {
     /// because it is twice as fast on it.
     #[inline(always)]
     fn unit_row(&self, x: &[Vec3; N]) -> Option<UnitRow<N>> {
+        let _ = x;
+        None
+    }
+
+    /// The rows at `x` (m) as they are without their dead zones, if they have such: see [`DeadZoneRow`]. [`Constraint::rows`] are then their [`DeadZoneRow::row`]. An
+    /// element whose rows vanish beyond one side, a limit or a contact, has to say so here, or a sweep with multipliers cannot let go of it.
+    #[inline(always)]
+    fn dead_zone_rows(
+        &self,
+        x: &[Vec3; N],
+    ) -> Option<<Self::Rows as RowArray<N>>::PerRow<DeadZoneRow<N>>> {
         let _ = x;
         None
     }

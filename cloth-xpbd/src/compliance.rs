@@ -143,6 +143,11 @@ impl Rule for Compliance {
         memory.total += change;
     }
 
+    #[inline(always)]
+    fn multiplier(memory: &Multiplier) -> Real {
+        memory.total
+    }
+
     #[inline]
     fn extrapolate(now: &mut Multiplier, before: &Multiplier, omega: Real) {
         now.total = before.total + omega * (now.total - before.total);

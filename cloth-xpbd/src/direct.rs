@@ -27,6 +27,9 @@
 //!
 //! An iterate is accepted if a merit function falls (`direct/merit.rs`), which is the elastic energy near rest and a linear penalty beyond, so that hard rows need no limit process.
 //!
+//! A limit acts, in an iteration, where its position is beyond the range; a hard one, which ends at the end of its range, where its multiplier says so
+//! ([`DeadZoneRow`](cloth_core::element::DeadZoneRow)): a primal–dual active set.
+//!
 //! ## Geometric stiffness
 //! `J(x)ᵀλ` turns with the cloth. An iteration without that term, H = M, applies the forces of the step in the directions that the links had before it, as an explicit method does: a light vertex of mass m between
 //! links of length l under a tension T swings sideways with up to `ω² = 4T/(m l)`, and beyond `hω = 2` one solve a step is unstable, however stiff the links and however exact the solve.

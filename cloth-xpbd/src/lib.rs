@@ -27,6 +27,9 @@
 //! strains of a triangle do not have to find each other by repetition. Rows without a coordinate in common, those of a quadratic hinge for instance, are solved one by one, which is the same. Where two hard
 //! rows of an element say the same, the later one is left out. Nothing is ever divided by α̃, so that α = 0 is exactly hard.
 //!
+//! A row that is free within a range, a limit or a contact, remembers what it has done too: it is solved for the λ with `C + α̃λ = 0` and takes back what is too much
+//! ([`DeadZoneRow`](cloth_core::element::DeadZoneRow)). If it forgot λ whenever it is free, its k would depend on n.
+//!
 //! ## Damping
 //! [`XpbdConfig::damping`] = β (s) adds `−β k Ċ` to the force `−k C` of every row, with `Ċ = (C − C⁰)/h` and C⁰ the value at the start of the substep: XPBD's constraint damping
 //! (Macklin et al. 2016, equation 26) in Rayleigh's form. One row then takes the implicit Euler step of a damped oscillator,

@@ -33,6 +33,59 @@ impl<const N: usize> UnitRow<N> {
     }
 }
 
+/// One row that is free within a range: `C = φ − clamp(φ)`, with φ and its gradient not cut off there.
+///
+/// [`Row`] has neither value nor gradient inside the range, so a method that remembers multipliers could not take one back there that an earlier visit made. The
+/// multiplier of such a row solves `C + α̃λ = 0`, with `C = φ − clamp(φ)`: for one row alone, φ going along with λ by w̃, that is `φ − clamp(φ − w̃λ) + α̃λ = 0`, where `φ − w̃λ` is what
+/// φ would be without the row. So λ pulls or is zero at the upper end, pushes or is zero at the lower one, and is zero between.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DeadZoneRow<const N: usize> {
+    /// `φ(x)`, in the unit that the element documents.
+    pub value: Real,
+    /// `∂φ/∂xᵢ`, one per vertex of the element (unit of φ per m).
+    pub gradient: [Vec3; N],
+    /// Least and greatest φ at which nothing acts; equal ends make it a row like any other. An end may be infinite.
+    pub range: [Real; 2],
+    /// `k` with the energy `½ k C²` (J).
+    pub stiffness: Real,
+}
+
+impl<const N: usize> DeadZoneRow<N> {
+    /// The row of the energy: C, with a gradient that vanishes where the row is free.
+    #[inline]
+    #[must_use]
+    pub fn row(&self) -> Row<N> {
+        let [low, high] = self.range;
+        let value = self.value - self.nearest(self.value);
+        let is_free = value == 0.0 && low < high;
+        Row {
+            value,
+            gradient: if is_free {
+                [Vec3::zeros(); N]
+            } else {
+                self.gradient
+            },
+            stiffness: self.stiffness,
+        }
+    }
+
+    /// `φ − clamp(φ − w̃λ)` (unit of φ), how far the row is from the end of its range at which it acts, for the generalised inverse mass w̃ (unit of φ² per kg m²) and
+    /// the multiplier λ (kg m² per unit of φ); `None` where it is free.
+    #[inline]
+    #[must_use]
+    pub fn acting_value(&self, weight: Real, multiplier: Real) -> Option<Real> {
+        let without = self.value - weight * multiplier;
+        let nearest = self.nearest(without);
+        let is_free = nearest == without && self.range[0] < self.range[1];
+        (!is_free).then_some(self.value - nearest)
+    }
+
+    #[inline]
+    fn nearest(&self, value: Real) -> Real {
+        value.min(self.range[1]).max(self.range[0])
+    }
+}
+
 /// Three rows that are the coordinates of one vector: `C = Σ qᵢ xᵢ − target`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct VectorRow<const N: usize> {

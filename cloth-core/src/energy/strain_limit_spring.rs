@@ -3,7 +3,8 @@
 //! X. Provot, "Deformation constraints in a mass-spring model to describe rigid cloth behavior", Graphics Interface 1995; as a projection, S. Bouaziz et al.,
 //! "Projective dynamics", 2014, <https://doi.org/10.1145/2601097.2601116>, section 5.1.
 
-use crate::element::{Constraint, Convexity, Element, Projective, Row};
+use super::Spring;
+use crate::element::{Constraint, Convexity, DeadZoneRow, Element, Projective, Row};
 use crate::math::{
     Blocks, Mat3, Real, Vec3, across_pair, across_pair_product, length_and_direction,
 };
@@ -53,6 +54,18 @@ impl StrainLimitSpring {
             .collect()
     }
 
+    /// φ is the length l (m).
+    #[inline]
+    fn dead_zone_row(&self, x: &[Vec3; 2]) -> DeadZoneRow<2> {
+        let (length, n) = length_and_direction(x[0] - x[1], self.vertices);
+        DeadZoneRow {
+            value: length,
+            gradient: [n, -n],
+            range: [self.shortest, self.longest],
+            stiffness: self.stiffness,
+        }
+    }
+
     /// The allowed length (m) nearest to `length` (m).
     #[inline]
     fn nearest(&self, length: Real) -> Real {
@@ -87,15 +100,27 @@ impl Constraint<2> for StrainLimitSpring {
     /// The gradient vanishes with C between the limits.
     #[inline]
     fn rows(&self, x: &[Vec3; 2]) -> [Row<2>; 1] {
-        let (length, n) = length_and_direction(x[0] - x[1], self.vertices);
-        let value = length - self.nearest(length);
-        let is_free = value == 0.0 && self.longest > 0.0;
-        let n = if is_free { Vec3::zeros() } else { n };
-        [Row {
-            value,
-            gradient: [n, -n],
+        [self.dead_zone_row(x).row()]
+    }
+
+    #[inline]
+    fn dead_zone_rows(&self, x: &[Vec3; 2]) -> Option<[DeadZoneRow<2>; 1]> {
+        Some([self.dead_zone_row(x)])
+    }
+
+    /// That of a [`Spring`]: where the limit does not act its multiplier is zero.
+    fn geometric_stiffness(
+        &self,
+        x: &[Vec3; 2],
+        multipliers: &[Real],
+        convexity: Convexity,
+    ) -> Blocks<2> {
+        let spring = Spring {
+            vertices: self.vertices,
+            rest_length: self.longest,
             stiffness: self.stiffness,
-        }]
+        };
+        spring.geometric_stiffness(x, multipliers, convexity)
     }
 
     /// `k (C/l)(I − n nᵀ)`: negative below the shortest length.
@@ -136,7 +161,7 @@ impl Projective<2, 1> for StrainLimitSpring {
     fn resistance(&self, [z]: [Vec3; 1]) -> [[Mat3; 1]; 1] {
         let (length, n) = length_and_direction(z, self.vertices);
         let nearest = self.nearest(length);
-        [[if nearest == length && self.longest > 0.0 {
+        [[if nearest == length && self.shortest < self.longest {
             Mat3::zeros()
         } else {
             crate::math::radial_resistance(length, n, nearest)

@@ -5,7 +5,7 @@
 
 use super::arap_triangle::Singular;
 use super::triangle_map::TriangleMap;
-use crate::element::{Constraint, Convexity, Element, Projective, Row};
+use crate::element::{Constraint, Convexity, DeadZoneRow, Element, Projective, Row};
 use crate::math::{Blocks, Mat3, Real, Vec3, gather};
 use crate::mesh::TriMesh;
 
@@ -55,6 +55,17 @@ impl StrainLimitTriangle {
         }
     }
 
+    /// φ is σ.
+    fn stretches(&self, x: &[Vec3; 3]) -> [DeadZoneRow<3>; 2] {
+        let singular = Singular::of(self.map.columns(x));
+        [[1.0, 0.0], [0.0, 1.0]].map(|choice| DeadZoneRow {
+            value: singular.values[0] * choice[0] + singular.values[1] * choice[1],
+            gradient: self.map.back(singular.combine(singular.left, choice)),
+            range: self.limits,
+            stiffness: self.stiffness,
+        })
+    }
+
     fn nearest(&self, stretch: Real) -> Real {
         stretch.min(self.limits[1]).max(self.limits[0])
     }
@@ -102,17 +113,12 @@ impl Constraint<3> for StrainLimitTriangle {
 
     /// The gradient of a row vanishes with its C between the limits.
     fn rows(&self, x: &[Vec3; 3]) -> [Row<3>; 2] {
-        let singular = Singular::of(self.map.columns(x));
-        [0, 1].map(|index| {
-            let value = singular.values[index] - self.nearest(singular.values[index]);
-            let mut choice = [0.0; 2];
-            choice[index] = if value == 0.0 { 0.0 } else { 1.0 };
-            Row {
-                value,
-                gradient: self.map.back(singular.combine(singular.left, choice)),
-                stiffness: self.stiffness,
-            }
-        })
+        self.stretches(x).map(|row| row.row())
+    }
+
+    /// Solved one after another they are solved together: at each vertex the gradients of the two are at right angles.
+    fn dead_zone_rows(&self, x: &[Vec3; 3]) -> Option<[DeadZoneRow<3>; 2]> {
+        Some(self.stretches(x))
     }
 
     fn curvature(&self, x: &[Vec3; 3], convexity: Convexity) -> Blocks<3> {
@@ -158,7 +164,7 @@ impl Projective<3, 2> for StrainLimitTriangle {
             let stretch = singular.values[index];
             let mut choice = [0.0; 2];
             choice[index] = 1.0;
-            let is_free = stretch == self.nearest(stretch);
+            let is_free = stretch == self.nearest(stretch) && self.limits[0] < self.limits[1];
             let value = if is_free { 0.0 } else { 1.0 };
             (value, singular.combine(singular.left, choice))
         });

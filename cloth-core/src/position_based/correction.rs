@@ -1,7 +1,7 @@
 //! What one element moves its vertices by.
 
 use super::rule::{RowAt, RowEquation, Rule};
-use crate::element::{Constraint, Row, RowArray, UnitRow, VectorRow};
+use crate::element::{Constraint, DeadZoneRow, Row, RowArray, UnitRow, VectorRow};
 use crate::math::{Real, Vec3};
 
 /// Moves the vertices of one element, at `x` (m), by `share` (dimensionless) of its correction.
@@ -35,6 +35,8 @@ pub(super) fn correction<const N: usize, E: Constraint<N>, R: Rule>(
         at_once(rule, &row, &w, share, memory, x)
     } else if let Some(row) = element.unit_row(x) {
         along(rule, &row, &w, share, memory)
+    } else if let Some(rows) = element.dead_zone_rows(x) {
+        held_in_range(rule, rows.as_ref(), &w, share, memory)
     } else if R::ROWS_TOGETHER && E::Rows::LEN > 1 {
         together(rule, &element.rows(x), &w, share, memory)
     } else {
@@ -142,6 +144,53 @@ fn in_turn<const N: usize, A: RowArray<N>, R: Rule>(
     moved.map(|moved| moved * share)
 }
 
+/// Row after row, as [`in_turn`], each with what it has done so far: a row that turns out to be free takes its multiplier back.
+///
+/// Never over-relaxed, because the multiplier must not change its sign.
+#[inline(always)]
+fn held_in_range<const N: usize, R: Rule>(
+    rule: &R,
+    rows: &[DeadZoneRow<N>],
+    w: &[Real; N],
+    share: Real,
+    memory: &mut [R::Memory],
+) -> [Vec3; N] {
+    let share = share.min(1.0);
+    let mut moved = [Vec3::zeros(); N];
+    for (row, memory) in rows.iter().zip(memory) {
+        let mut row = *row;
+        for i in 0..N {
+            row.value += row.gradient[i].dot(&moved[i]);
+        }
+        let seen = dead_zone_row_at::<N, R>(&row, w, memory);
+        let equation = rule.equation(seen, memory);
+        let change = change_over(1.0, equation, seen.weight);
+        rule.remember(share * change, memory);
+        for i in 0..N {
+            moved[i] += row.gradient[i] * (w[i] * change);
+        }
+    }
+    moved.map(|moved| moved * share)
+}
+
+/// What a method sees of a row with a dead zone.
+#[inline(always)]
+pub(super) fn dead_zone_row_at<const N: usize, R: Rule>(
+    row: &DeadZoneRow<N>,
+    w: &[Real; N],
+    memory: &R::Memory,
+) -> RowAt {
+    let weight = weight(&row.gradient, w);
+    let multiplier = R::multiplier(memory);
+    let value = row.acting_value(weight, multiplier);
+    RowAt {
+        // A free row goes back by what it has done.
+        value: value.unwrap_or(weight * multiplier),
+        stiffness: row.stiffness,
+        weight,
+    }
+}
+
 /// A pivot below this part of its diagonal is rounding: the row says nothing that the rows before it did not say.
 const REDUNDANT: Real = 1e-12;
 
@@ -211,15 +260,21 @@ fn together<const N: usize, A: RowArray<N>, R: Rule>(
 /// What a method sees of a row with the value `value`.
 #[inline(always)]
 pub(super) fn row_at<const N: usize>(row: &Row<N>, w: &[Real; N], value: Real) -> RowAt {
-    let mut weights = *w;
-    for i in 0..N {
-        weights[i] *= row.gradient[i].norm_squared();
-    }
     RowAt {
         value,
         stiffness: row.stiffness,
-        weight: sum(&weights),
+        weight: weight(&row.gradient, w),
     }
+}
+
+/// `w̃ = Σ wᵢ ‖∂C/∂xᵢ‖²` (unit of C² per kg m²).
+#[inline(always)]
+fn weight<const N: usize>(gradient: &[Vec3; N], w: &[Real; N]) -> Real {
+    let mut weights = *w;
+    for i in 0..N {
+        weights[i] *= gradient[i].norm_squared();
+    }
+    sum(&weights)
 }
 
 /// The sum of at least one number.

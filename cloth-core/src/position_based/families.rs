@@ -1,7 +1,7 @@
 //! The elements of each kind, and the sweep over them.
 
 use super::chebyshev::Recurrence;
-use super::correction::{correction, project, row_at};
+use super::correction::{correction, dead_zone_row_at, project, row_at};
 use super::jacobi::{self, Corrections};
 use super::rule::{RowAt, RowView, Rule};
 use super::{Acceleration, Sweep};
@@ -147,8 +147,14 @@ impl<const N: usize, E: Constraint<N>, R: Rule> AnyFamily<R> for Family<N, E, Sl
     fn each_row(&self, inverse_mass: &[Real], x: &[Vec3], see: &mut dyn FnMut(RowAt, &R::Memory)) {
         for (element, memory) in self.elements.elements().iter().zip(&self.memory) {
             let w = element.vertices().map(|v| inverse_mass[v as usize]);
-            let rows = element.rows(&gather(x, element.vertices()));
-            for (row, memory) in rows.as_ref().iter().zip(memory.as_ref()) {
+            let x = gather(x, element.vertices());
+            if let Some(rows) = element.dead_zone_rows(&x) {
+                for (row, memory) in rows.as_ref().iter().zip(memory.as_ref()) {
+                    see(dead_zone_row_at::<N, R>(row, &w, memory), memory);
+                }
+                continue;
+            }
+            for (row, memory) in element.rows(&x).as_ref().iter().zip(memory.as_ref()) {
                 see(row_at(row, &w, row.value), memory);
             }
         }
@@ -177,13 +183,16 @@ impl<const N: usize, E: Constraint<N>, R: Rule> AnyFamily<R> for Family<N, E, Sl
         for (element, (&place, memory)) in self.elements.elements().iter().zip(places) {
             let vertices = element.vertices();
             let w = vertices.map(|v| inverse_mass[v as usize]);
-            let rows = element.rows(&gather(x, vertices));
+            let x = gather(x, vertices);
+            let (rows, whole) = (element.rows(&x), element.dead_zone_rows(&x));
             for (i, (row, memory)) in rows.as_ref().iter().zip(memory.as_ref()).enumerate() {
+                // A hard row at the end of its range has a force and no value.
+                let whole = whole.as_ref().map(|rows| &rows.as_ref()[i].gradient);
                 see(RowView {
                     index: place as usize * E::Rows::LEN + i,
                     row: row_at(row, &w, row.value),
                     vertices: &vertices,
-                    gradient: &row.gradient,
+                    gradient: whole.unwrap_or(&row.gradient),
                     memory,
                 });
             }
@@ -356,7 +365,7 @@ impl<R: Rule> Families<R> {
         }
     }
 
-    /// Shows every row at `x` (m) with its memory, without moving anything.
+    /// Shows every row at `x` (m) with its memory, as a sweep would meet it, without moving anything.
     ///
     /// # Panics
     /// If the lengths are not those that the families were built for.

@@ -34,7 +34,7 @@ pub struct RowView<'a, M> {
     pub row: RowAt,
     /// The vertices of its element.
     pub vertices: &'a [u32],
-    /// `∂C/∂x` (unit of C per m), one per vertex of the element.
+    /// `∂C/∂x` (unit of C per m), one per vertex of the element; of a row with a dead zone ∂φ/∂x, also where it is free.
     pub gradient: &'a [Vec3],
     /// What is remembered of it.
     pub memory: &'a M,
@@ -71,6 +71,13 @@ pub trait Rule: Debug + Send + Sync + 'static {
     #[inline(always)]
     fn remember(&self, change: Real, memory: &mut Self::Memory) {
         let _ = (change, memory);
+    }
+
+    /// λ (kg m² per unit of C), if the method has one: what a row with a dead zone has done so far ([`DeadZoneRow`](crate::element::DeadZoneRow)). Zero, unless the method says so.
+    #[inline(always)]
+    fn multiplier(memory: &Self::Memory) -> Real {
+        let _ = memory;
+        0.0
     }
 
     /// What [`Chebyshev`](super::Chebyshev) does to the memory: `now ← before + ω (now − before)`. Only called if [`Rule::MEMORY_ITERATES`].

@@ -58,7 +58,7 @@ impl Merit {
             inertia += 0.5 * mass * (x - goal).norm_squared();
         }
         let mut elastic = 0.0;
-        for ((value, a), slope) in rows.value.iter().zip(scene.softness).zip(&self.slope) {
+        for ((value, a), slope) in rows.violation.iter().zip(scene.softness).zip(&self.slope) {
             if *a == Real::INFINITY {
                 continue;
             }
@@ -100,7 +100,7 @@ impl Merit {
                 .entries(row)
                 .map(|e| rows.gradient[e].dot(&direction[rows.vertices[e] as usize]))
                 .sum();
-            let (value, slope) = (rows.value[row], self.slope[row]);
+            let (value, slope) = (rows.violation[row], self.slope[row]);
             sum += if value == 0.0 {
                 // Both sides of the kink of a hard row rise.
                 if a == 0.0 { slope * change.abs() } else { 0.0 }

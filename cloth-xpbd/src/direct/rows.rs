@@ -16,8 +16,10 @@ pub(super) struct Rows {
     pub(super) vertices: Vec<u32>,
     /// `∂C/∂x` of each entry (unit of C per m).
     pub(super) gradient: Vec<Vec3>,
-    /// `C` of each row.
+    /// `C` of each row; of one that its multiplier keeps at an end of its range, how far it is from there, to either side.
     pub(super) value: Vec<Real>,
+    /// `C` of each row.
+    pub(super) violation: Vec<Real>,
     /// `k` of each row.
     pub(super) stiffness: Vec<Real>,
 }
@@ -43,6 +45,16 @@ pub(super) trait RowFamily: Debug + Send {
     fn row_count(&self) -> usize;
     /// Writes C, J and k at `x` (m) to the rows from number `first` on.
     fn evaluate(&self, x: &[Vec3], first: usize, rows: &mut Rows);
+    /// Decides for every row with a dead zone whether it acts: a soft one where it is beyond its range, a hard one, which ends at the end of its range, where its multiplier says so
+    /// ([`DeadZoneRow`](cloth_core::element::DeadZoneRow)). A free row has no gradient, and its multiplier becomes zero; gives whether one was not zero before.
+    fn activate(
+        &self,
+        x: &[Vec3],
+        vertex_scale: &[Real],
+        multipliers: &mut [Real],
+        first: usize,
+        rows: &mut Rows,
+    ) -> bool;
     /// Adds the blocks that its geometric stiffness may have.
     fn add_pattern(&self, pattern: &mut PatternBuilder);
     /// Looks up their places.
@@ -95,6 +107,7 @@ impl<const N: usize, E: Constraint<N>> RowFamily for Family<N, E> {
         }
         rows.gradient.resize(rows.vertices.len(), Vec3::zeros());
         rows.value.resize(rows.offsets.len() - 1, 0.0);
+        rows.violation.resize(rows.offsets.len() - 1, 0.0);
         rows.stiffness.resize(rows.offsets.len() - 1, 0.0);
     }
 
@@ -114,6 +127,48 @@ impl<const N: usize, E: Constraint<N>> RowFamily for Family<N, E> {
                 r += 1;
             }
         }
+    }
+
+    fn activate(
+        &self,
+        x: &[Vec3],
+        vertex_scale: &[Real],
+        multipliers: &mut [Real],
+        first: usize,
+        rows: &mut Rows,
+    ) -> bool {
+        let mut released = false;
+        for (number, element) in self.elements.iter().enumerate() {
+            let vertices = element.vertices();
+            let Some(dead_zones) = element.dead_zone_rows(&gather(x, vertices)) else {
+                continue;
+            };
+            let s = vertices.map(|v| vertex_scale[v as usize]);
+            for (i, row) in dead_zones.as_ref().iter().enumerate() {
+                let r = number * E::Rows::LEN + i;
+                let (start, end) = (
+                    rows.offsets[first + r] as usize,
+                    rows.entries(first + r).end,
+                );
+                let gradient = &mut rows.gradient[start..end];
+                if row.stiffness == Real::INFINITY {
+                    let pairs = row.gradient.iter().zip(s);
+                    let weight: Real = pairs.map(|(g, s)| (g * s).norm_squared()).sum();
+                    if let Some(value) = row.acting_value(weight, multipliers[r]) {
+                        gradient.copy_from_slice(&row.gradient);
+                        rows.value[first + r] = value;
+                        continue;
+                    }
+                    gradient.fill(Vec3::zeros());
+                    rows.value[first + r] = 0.0;
+                }
+                if gradient.iter().all(|g| *g == Vec3::zeros()) {
+                    released |= multipliers[r] != 0.0;
+                    multipliers[r] = 0.0;
+                }
+            }
+        }
+        released
     }
 
     fn add_pattern(&self, pattern: &mut PatternBuilder) {

@@ -135,7 +135,7 @@ impl DirectXpbd {
             if let Some(observer) = &mut input.observer {
                 observer.iteration(iteration, &self.positions);
             }
-            if done {
+            if done && !self.activate() {
                 report.outcome = Outcome::Converged;
                 break;
             }
@@ -193,6 +193,24 @@ impl DirectXpbd {
         for (value, start) in self.rows.value.iter_mut().zip(&self.start_value) {
             *value -= start;
         }
+        self.rows.violation.copy_from_slice(&self.rows.value);
+    }
+
+    /// Decides which rows with a dead zone act at the present positions and multipliers. Gives whether one let go.
+    fn activate(&mut self) -> bool {
+        let (mut first, mut released) = (0, false);
+        for family in &self.families {
+            let count = family.row_count();
+            released |= family.activate(
+                &self.positions,
+                &self.kkt.vertex_scale,
+                &mut self.multipliers[first..first + count],
+                first,
+                &mut self.rows,
+            );
+            first += count;
+        }
+        released
     }
 
     pub(super) fn evaluate_trial(&mut self) {
@@ -203,6 +221,7 @@ impl DirectXpbd {
 
     /// The matrix and the right-hand side at the present positions and multipliers.
     fn assemble(&mut self, compliance: Compliance) {
+        self.activate();
         self.set_rows(compliance);
         let families: &[_] = if self.config.geometric_stiffness {
             &self.families
@@ -281,6 +300,7 @@ impl DirectXpbd {
     /// What is left of the equations, and the counts.
     fn finish(&mut self, compliance: Compliance, report: &mut StepReport) {
         self.last = Some(compliance);
+        self.activate();
         self.set_rows(compliance);
         for row in 0..self.rows.len() {
             // A spring between two pins is no part of the system, but it has a force.

@@ -11,6 +11,7 @@ mod damping;
 mod forces;
 mod guide;
 mod input;
+mod limits;
 mod links;
 mod robustness;
 mod rows;

@@ -10,6 +10,7 @@ mod convergence;
 mod counting_allocator;
 mod degenerate;
 mod forces;
+mod limits;
 mod robustness;
 #[path = "../../../cloth-core/tests/support/sheet.rs"]
 mod sheet;
