@@ -101,6 +101,8 @@ pub struct LabelledQuery {
     pub contact: bool,
     /// A time (dimensionless, 0..=1) at which there is one, if that is known.
     pub contact_time: Option<Real>,
+    /// The line of its file where it begins, from 1; none if it is from no file.
+    pub line: Option<usize>,
 }
 
 /// `count` queries of exactly known answer, half of them contacts, half of them degenerate.
@@ -115,6 +117,7 @@ pub fn generate(kind: QueryKind, count: usize, seed: u64) -> Vec<LabelledQuery> 
             query: known.query,
             contact: contact_time.is_some(),
             contact_time,
+            line: None,
         }
     };
     ExactQueries::new(kind, seed)
@@ -148,23 +151,29 @@ pub struct Score {
 const PASSES: usize = 5;
 const CALLS: u32 = 4;
 
-/// Asks the `method` every query and compares.
+/// Asks the `method` every query and compares. `place` says where the query of a number comes from.
 ///
 /// # Errors
 /// [`BenchError::Usage`] for a query that the method cannot work with, [`BenchError::Failed`] for a time that is no number in 0..=1.
-pub fn score(method: &CcdMethod, queries: &[LabelledQuery]) -> Result<Score, BenchError> {
+pub fn score(
+    method: &CcdMethod,
+    queries: &[LabelledQuery],
+    place: impl Fn(usize) -> String,
+) -> Result<Score, BenchError> {
     let mut score = Score {
         queries: queries.len(),
         ..Default::default()
     };
     for (number, labelled) in queries.iter().enumerate() {
         let found = method.first_contact(&labelled.query);
-        let found = found.map_err(|error| BenchError::Usage(format!("query {number}: {error}")))?;
+        let found =
+            found.map_err(|error| BenchError::Usage(format!("{}: {error}", place(number))))?;
         if let Some(time) = found
             && !(0.0..=1.0).contains(&time)
         {
             return Err(BenchError::Failed(format!(
-                "query {number}: contact at time {time}"
+                "{}: contact at time {time}",
+                place(number)
             )));
         }
         score.positives += usize::from(labelled.contact);

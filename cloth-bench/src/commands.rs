@@ -9,6 +9,7 @@ mod run;
 mod study;
 
 use crate::error::BenchError;
+use crate::files;
 use clap::Subcommand;
 
 /// What the program is asked to do.
@@ -58,14 +59,10 @@ fn print(text: &str) -> Result<(), BenchError> {
     }
 }
 
-/// Creates the folders above `path` and writes the file.
+/// Creates the folders above `path` and writes the file, all of it or nothing.
 fn write_file(path: &std::path::Path, content: &[u8]) -> Result<(), BenchError> {
-    let written = match path.parent() {
-        Some(folder) => {
-            std::fs::create_dir_all(folder).and_then(|()| std::fs::write(path, content))
-        }
-        None => std::fs::write(path, content),
-    };
+    let folder = path.parent().map_or(Ok(()), std::fs::create_dir_all);
+    let written = folder.and_then(|()| files::write(path, &[content]));
     written.map_err(|error| BenchError::Failed(format!("{}: {error}", path.display())))
 }
 

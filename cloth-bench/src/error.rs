@@ -1,5 +1,6 @@
 //! What can go wrong in the program, and the exit code that says so.
 
+use std::borrow::Cow;
 use std::fmt;
 
 /// Why a command did not do its work.
@@ -35,9 +36,54 @@ impl BenchError {
 impl fmt::Display for BenchError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Usage(message) | Self::Failed(message) => f.write_str(message),
+            Self::Usage(message) | Self::Failed(message) => f.write_str(&bounded(message)),
         }
     }
 }
 
 impl std::error::Error for BenchError {}
+
+/// Longest text between backticks, and longest word elsewhere, such as a path, that a message repeats (characters).
+const LONGEST: [usize; 2] = [120, 240];
+
+/// The message with what is longer cut: it comes from a file or a command line and may be of any length.
+fn bounded(message: &str) -> String {
+    let [quoted, word] = LONGEST;
+    let pieces = message.split('`').enumerate().map(|(number, piece)| {
+        if number % 2 == 1 {
+            return cut(piece, quoted).into_owned();
+        }
+        let words = piece.split(' ').map(|piece| cut(piece, word));
+        words.collect::<Vec<_>>().join(" ")
+    });
+    pieces.collect::<Vec<_>>().join("`")
+}
+
+/// The text, without its middle if it has more than `most` characters.
+pub(crate) fn cut(text: &str, most: usize) -> Cow<'_, str> {
+    let count = text.chars().count();
+    if count <= most {
+        return text.into();
+    }
+    let tail = most / 3;
+    let head: String = text.chars().take(most - tail - 1).collect();
+    let tail: String = text.chars().skip(count - tail).collect();
+    format!("{head}…{tail}").into()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_a_message_repeats_has_a_bounded_length() {
+        let told = |message: &str| BenchError::usage(message).to_string();
+        let [words, word] = ["ä b ".repeat(300), "ä".repeat(300)];
+        let message = told(&format!("{word} is `{words}` (known: {words})"));
+        assert_eq!(message.chars().count(), 240 + 5 + 120 + 10 + 1200 + 1);
+        let short = "n is `x`, but it has to be a whole number";
+        assert_eq!(told(short), short);
+        assert_eq!(cut("abcdefghij", 7), "abcd…ij");
+        assert_eq!(cut("abcdefg", 7), "abcdefg");
+    }
+}

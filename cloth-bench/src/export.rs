@@ -10,19 +10,18 @@
 //! Frame 0 is the start. Lengths are in metres. Vertices are in the order of the caller's mesh. Obstacles are surfaces of their own: `obstacle1.obj`, or one file a
 //! frame (`obstacle1_00000.obj`) where they move. `obj`, `ply` and `vtk` keep the axes of the scene; `gltf` has y up, so its root node turns the scene.
 //!
-//! A run that fails leaves the frames before the failure, complete and playable.
+//! A run that fails leaves the frames before the failure, complete and playable; a full disk leaves no part of a file.
 
 mod gltf;
 mod sequence;
 mod vtk;
 
 use crate::error::BenchError;
+use crate::files;
 use crate::scene::Scene;
 use clap::ValueEnum;
 use cloth_core::math::{Real, Vec3};
 use cloth_core::particles::State;
-use std::fs::File;
-use std::io::Write;
 use std::path::{Path, PathBuf};
 
 /// Formats of exported states.
@@ -237,12 +236,10 @@ impl Folder {
         })
     }
 
-    /// Writes a file of several parts, replacing it.
+    /// Writes a file of several parts, replacing it; all of it or nothing.
     fn write(&mut self, name: &str, parts: &[&[u8]]) -> Result<(), BenchError> {
         let path = self.path.join(name);
-        let written = File::create(&path)
-            .and_then(|mut file| parts.iter().try_for_each(|part| file.write_all(part)));
-        written.map_err(|error| {
+        files::write(&path, parts).map_err(|error| {
             BenchError::Failed(format!(
                 "{}: the export cannot be written: {error}",
                 path.display()

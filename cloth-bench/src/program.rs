@@ -1,8 +1,10 @@
 //! The program as a function, so that it can be started with methods of your own.
 
 use crate::commands::{self, Command};
+use crate::error;
 use crate::method::{self, Method};
 use clap::Parser;
+use clap::error::{ContextKind, ContextValue};
 use std::process::ExitCode;
 
 /// Cloth simulation methods, side by side.
@@ -32,7 +34,7 @@ struct Arguments {
 /// ```
 #[must_use]
 pub fn main_with(own: &'static [Method]) -> ExitCode {
-    let arguments = Arguments::parse();
+    let arguments = Arguments::try_parse().unwrap_or_else(|error| shortened(error).exit());
     match method::register(own).and_then(|()| commands::execute(&arguments.command)) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
@@ -40,4 +42,22 @@ pub fn main_with(own: &'static [Method]) -> ExitCode {
             ExitCode::from(error.exit_code())
         }
     }
+}
+
+/// The error with what it repeats of the command line cut to a bounded length.
+fn shortened(mut error: clap::Error) -> clap::Error {
+    let cut = |(kind, value): (ContextKind, &ContextValue)| match value {
+        ContextValue::String(text) => Some((kind, error::cut(text, 120).into_owned())),
+        _ => None,
+    };
+    let repeated: Vec<(ContextKind, String)> = error.context().filter_map(cut).collect();
+    for (kind, text) in repeated {
+        error.insert(kind, ContextValue::String(text));
+    }
+    // How to pass an unknown argument as a value repeats it too.
+    let tips = error.get(ContextKind::Suggested);
+    if tips.is_some_and(|tips| tips.to_string().chars().count() > 240) {
+        error.remove(ContextKind::Suggested);
+    }
+    error
 }

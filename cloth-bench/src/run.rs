@@ -41,6 +41,8 @@ pub struct Summary {
     pub kinetic_energy: Real,
     /// Elastic energy at the end (J).
     pub elastic_energy: Real,
+    /// Gravitational energy at the end relative to the start (J).
+    pub gravity_energy: Real,
     /// Elastic energy plus gravitational energy relative to the start (J).
     pub potential_energy: Real,
     /// How far the centre of mass fell (m).
@@ -282,7 +284,8 @@ pub fn run(
     let particles = &scene.model.particles;
     let strain = measure::Strain::of(&scene.gauges()?, &state.positions);
     let elastic_energy = energies.value(&state.positions);
-    let fallen = |x: &[Vec3]| measure::gravitational_energy(particles, x, scene.gravity);
+    let height_energy = |x: &[Vec3]| measure::gravitational_energy(particles, x, scene.gravity);
+    let gravity_energy = height_energy(&state.positions) - height_energy(&scene.start.positions);
     let separation = separation(scene, state)?;
     Ok(Summary {
         steps,
@@ -297,8 +300,8 @@ pub fn run(
         rms_strain: strain.rms,
         kinetic_energy: measure::kinetic_energy(particles, &state.velocities),
         elastic_energy,
-        potential_energy: elastic_energy + fallen(&state.positions)
-            - fallen(&scene.start.positions),
+        gravity_energy,
+        potential_energy: elastic_energy + gravity_energy,
         center_of_mass_drop: start_height - height(scene, state),
         intersections: separation.map(|s| s.intersecting_pairs),
         min_distance: separation.and_then(|s| s.min_distance),

@@ -36,29 +36,32 @@ pub struct Settings {
 }
 
 impl Settings {
-    /// Reads `key=value` pairs. Of a key set twice the last value holds.
+    /// Reads `key=value` pairs.
     ///
     /// # Errors
-    /// [`BenchError::Usage`] for a pair without `=` or without a key.
+    /// [`BenchError::Usage`] for a pair without `=` or without a key, or for a key that is there twice.
     pub fn parse<S: AsRef<str>>(pairs: &[S]) -> Result<Self, BenchError> {
-        let mut given = Vec::new();
+        let mut settings = Self::default();
         for pair in pairs {
-            match pair.as_ref().split_once('=') {
-                Some((key, value)) if !key.trim().is_empty() => {
-                    given.push((key.trim().to_owned(), value.trim().to_owned()));
-                }
-                _ => {
-                    return Err(BenchError::Usage(format!(
-                        "`--set {}` is not of the form key=value",
-                        pair.as_ref()
-                    )));
-                }
+            let pair = pair.as_ref();
+            let split = pair.split_once('=').map(|(key, value)| (key.trim(), value));
+            let Some((key, value)) = split.filter(|(key, _)| !key.is_empty()) else {
+                return Err(BenchError::Usage(format!(
+                    "`--set {pair}` is not of the form key=value"
+                )));
+            };
+            if let Some(first) = settings.get(key) {
+                return Err(BenchError::Usage(format!(
+                    "`{key}` is set twice, to `{first}` and to `{}`: give one of them",
+                    value.trim()
+                )));
             }
+            settings = settings.with(key, value.trim());
         }
-        Ok(Self { given })
+        Ok(settings)
     }
 
-    /// The same settings and one more.
+    /// The same settings and one more, which holds if there is one of its key already.
     #[must_use]
     #[allow(clippy::needless_pass_by_value)] // callers hand in literals; a reference before each would only be noise
     pub fn with(mut self, key: &str, value: impl std::fmt::Display) -> Self {
@@ -205,7 +208,8 @@ mod tests {
 
     #[test]
     fn the_last_value_of_a_key_holds_and_defaults_fill_in() {
-        let set = Settings::parse(&["stiffness=5", "stiffness = 7"]).unwrap();
+        let set = Settings::parse(&["stiffness = 5"]).unwrap();
+        let set = set.with("stiffness", 7);
         assert_eq!(set.number(&TABLE[0]).unwrap(), 7.0);
         assert_eq!(set.count(&TABLE[1], 1).unwrap(), 10);
     }
@@ -253,5 +257,6 @@ mod tests {
         );
         assert!(Settings::parse(&["iterations"]).is_err());
         assert!(Settings::parse(&["=3"]).is_err());
+        assert!(Settings::parse(&["iterations=1", " iterations = 1"]).is_err());
     }
 }

@@ -235,3 +235,53 @@ fn capitalised(name: &str) -> String {
         first.to_uppercase().chain(letters).collect()
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::journal::Heading;
+
+    /// A study for whose cases nothing is run: those in `failed` have failed, all others have default values. Gives the findings and the names of the others.
+    fn ended(study: &Study, failed: &[String]) -> Result<(String, Vec<String>), BenchError> {
+        let folder = format!("cloth-studies-{}-{}", study.name, std::process::id());
+        let folder = std::env::temp_dir().join(folder);
+        let heading = Heading {
+            studies: vec![study.name.into()],
+            quick: true,
+            facts: Vec::new(),
+        };
+        let mut journal = Journal::begin(&folder, heading)?;
+        for case in failed {
+            journal.record(study.name, case, 0.0, Err(format!("{case} diverged")))?;
+        }
+        let found = study.run(Scope::Quick, &mut journal, Share::Nothing, &mut |_| {});
+        drop(journal);
+        std::fs::remove_dir_all(&folder).map_err(BenchError::failed)?;
+        let (findings, others) = found?;
+        let text = serde_json::to_string(&findings).map_err(BenchError::failed)?;
+        Ok((text, others))
+    }
+
+    /// Whether every second case fails, or the others do, or all: the study has a section that says so.
+    #[test]
+    fn a_failed_case_is_a_finding_of_its_study() {
+        let mut aborted = Vec::new();
+        for study in STUDIES {
+            let (_, cases) = ended(study, &[]).unwrap();
+            let every_second = |from| cases.iter().skip(from).step_by(2).cloned().collect();
+            for failed in [every_second(0), every_second(1), cases.clone()] {
+                let is_said = |text: &str| {
+                    failed
+                        .iter()
+                        .any(|case| text.contains(&format!("{case} diverged")))
+                };
+                match ended(study, &failed) {
+                    Ok((text, _)) if is_said(&text) => {}
+                    Ok(_) => aborted.push(format!("{}: no failure is said", study.name)),
+                    Err(error) => aborted.push(format!("{}: {error}", study.name)),
+                }
+            }
+        }
+        assert!(aborted.is_empty(), "{}", aborted.join("\n"));
+    }
+}

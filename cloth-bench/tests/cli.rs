@@ -1,26 +1,10 @@
 //! The program as a user meets it: exit codes, JSON on standard output, one sentence for what is wrong.
 
+#[path = "support/program.rs"]
+mod support;
+
 use std::path::PathBuf;
-use std::process::{Command, Output};
-
-fn program(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_cloth-bench"))
-        .args(arguments)
-        .output()
-        .expect("the program runs")
-}
-
-fn refused(arguments: &[&str], code: i32, words: &[&str]) {
-    let output = program(arguments);
-    let message = String::from_utf8_lossy(&output.stderr);
-    assert_eq!(output.status.code(), Some(code), "{arguments:?}: {message}");
-    for word in words {
-        assert!(
-            message.contains(word),
-            "{arguments:?} says `{message}`, which lacks `{word}`"
-        );
-    }
-}
+use support::{folder, program, refused};
 
 fn json(arguments: &[&str]) -> serde_json::Value {
     let output = program(arguments);
@@ -30,13 +14,6 @@ fn json(arguments: &[&str]) -> serde_json::Value {
         String::from_utf8_lossy(&output.stderr)
     );
     serde_json::from_slice(&output.stdout).expect("one JSON object")
-}
-
-/// A folder of this test's own.
-fn folder(name: &str) -> PathBuf {
-    let path = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(name);
-    std::fs::create_dir_all(&path).unwrap();
-    path
 }
 
 #[test]
@@ -291,6 +268,7 @@ fn a_run_tells_in_json_what_it_did() {
             "iterations",
             "max_stretch",
             "kinetic_energy",
+            "gravity_energy",
             "potential_energy",
             "center_of_mass_drop",
             "intersections",
@@ -306,6 +284,14 @@ fn a_run_tells_in_json_what_it_did() {
         }
         assert_eq!(told["vertices"], 81);
         assert_eq!(told["finite"], true);
+        let energy = |name: &str| told[name].as_f64().unwrap();
+        assert_eq!(
+            energy("potential_energy"),
+            energy("elastic_energy") + energy("gravity_energy"),
+        );
+        // 0.2 kg/m² on 1 m², all of one acceleration.
+        let fallen = -0.2 * 9.81 * energy("center_of_mass_drop");
+        assert!((energy("gravity_energy") - fallen).abs() < 1e-12);
         // All but the two corners fall freely at first: 5 steps, half g h² n(n + 1).
         let drop = told["center_of_mass_drop"].as_f64().unwrap();
         assert!((0.02..0.042).contains(&drop), "{method} fell {drop} m");

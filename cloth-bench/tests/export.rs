@@ -416,3 +416,32 @@ fn a_full_disk_is_named() {
         refused(&run, &to, 1, &[file, "cannot be written", "No space left"]);
     }
 }
+
+/// A limit on the size of files stands for a disk that is full in the middle of one: a file is there whole, or not at all.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_disk_leaves_no_part_of_a_file() {
+    // A frame takes more than the 2 kB that there are; run.pvd after 40 frames too, but none of those of 9 vertices.
+    for (format, n, frames) in [
+        ("obj", 9, 0),
+        ("ply", 9, 0),
+        ("vtk", 9, 0),
+        ("gltf", 9, 0),
+        ("vtk", 3, 41),
+    ] {
+        let to = folder(&format!("cut-off-{format}-{n}"));
+        let limited = "trap '' XFSZ; ulimit -f 4; exec \"$@\"";
+        let run = format!("run hang --method xpbd --n {n} --steps 40 --format {format} --export");
+        let output = Command::new("sh")
+            .args(["-c", limited, "sh", env!("CARGO_BIN_EXE_cloth-bench")])
+            .args(run.split(' '))
+            .arg(&to)
+            .output()
+            .unwrap();
+        let told = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(1), "{told}");
+        assert!(told.contains("cannot be written: File too large"), "{told}");
+        let files: Vec<_> = std::fs::read_dir(&to).unwrap().collect();
+        assert_eq!(files.len(), frames, "{format}: {files:?}");
+    }
+}

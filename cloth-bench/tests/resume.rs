@@ -230,6 +230,38 @@ fn two_runs_do_not_share_a_folder() {
     run(&["study", STUDY, "--quick"], &out);
 }
 
+/// The journal has room, the report has not: an earlier one stays as it was.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_disk_leaves_no_part_of_a_report() {
+    let study = ["study", STUDY, "--quick"];
+    let out = folder("cut-off");
+    let mut earlier = None;
+    for _ in 0..2 {
+        let mut command = Command::new("sh");
+        let limited = "trap '' XFSZ; ulimit -f 40; exec \"$@\"";
+        command.args(["-c", limited, "sh", env!("CARGO_BIN_EXE_cloth-bench")]);
+        command.args(study).arg("--out").arg(&out);
+        let (told, code) = refused(command);
+        assert_eq!(code, Some(1), "{told}");
+        assert!(told.contains("File too large"), "{told}");
+        assert_eq!(
+            std::fs::read_to_string(out.join("report.html")).ok(),
+            earlier
+        );
+        let parts = std::fs::read_dir(&out)
+            .unwrap()
+            .map(|file| file.unwrap().path());
+        assert!(
+            parts
+                .into_iter()
+                .all(|path| path.extension().is_none_or(|e| e != "part"))
+        );
+        run(&study, &out);
+        earlier = Some(read(&out, "report.html"));
+    }
+}
+
 #[test]
 fn studies_of_a_scene_of_ones_own() {
     let out = folder("own-scene");

@@ -117,8 +117,8 @@ fn check(positions: &[Vec3], triangles: &[[u32; 3]]) -> Result<(), MeshError> {
             .max((pc - pb).norm_squared())
             .max((pa - pc).norm_squared());
         let area = triangle_area(positions, corners);
-        // Written so that a comparison with NaN (overflowing coordinates) is an error too.
-        if !(area > ZERO_AREA * longest && longest.is_finite()) {
+        // Written so that a comparison with NaN, or with an infinite length, is an error too.
+        if !(area > ZERO_AREA * longest && area.is_finite()) {
             return Err(MeshError::ZeroArea { triangle, area });
         }
     }

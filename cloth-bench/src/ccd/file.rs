@@ -8,6 +8,7 @@ use super::LabelledQuery;
 use crate::error::BenchError;
 use cloth_collide::{Query, QueryKind};
 use cloth_core::math::{Real, Vec3};
+use std::fmt::Display;
 
 const ROWS: usize = 8;
 
@@ -17,12 +18,17 @@ const ROWS: usize = 8;
 /// # Errors
 /// [`BenchError::Usage`] that names the file and the line.
 pub fn read(path: &str, kind: QueryKind) -> Result<Vec<LabelledQuery>, BenchError> {
-    let text = std::fs::read_to_string(path)
-        .map_err(|error| BenchError::Usage(format!("{path}: {error}")))?;
-    parse(&text, kind).map_err(|message| BenchError::Usage(format!("{path}: {message}")))
+    let refuse = |message: &dyn Display| BenchError::Usage(format!("{path}: {message}"));
+    let bytes = std::fs::read(path).map_err(|error| refuse(&error))?;
+    parse(&bytes, kind).map_err(|message| refuse(&message))
 }
 
-fn parse(text: &str, kind: QueryKind) -> Result<Vec<LabelledQuery>, String> {
+fn parse(bytes: &[u8], kind: QueryKind) -> Result<Vec<LabelledQuery>, String> {
+    let text = str::from_utf8(bytes).map_err(|error| {
+        let before = &bytes[..error.valid_up_to()];
+        let line = 1 + before.iter().filter(|&&byte| byte == b'\n').count();
+        format!("line {line}: it is no text")
+    })?;
     let mut rows = Vec::new();
     for (number, line) in text.lines().enumerate() {
         if line.trim().is_empty() {
@@ -62,6 +68,7 @@ fn query(rows: &[(usize, Vec3, bool); ROWS], kind: QueryKind) -> Result<Labelled
         },
         contact,
         contact_time: None,
+        line: Some(rows[0].0),
     })
 }
 
@@ -104,15 +111,16 @@ mod tests {
 
     #[test]
     fn eight_rows_are_a_query() {
-        let found = parse(&ROW.repeat(16), QueryKind::EdgeEdge).unwrap();
+        let found = parse(ROW.repeat(16).as_bytes(), QueryKind::EdgeEdge).unwrap();
         assert_eq!(found.len(), 2);
         assert_eq!(found[1].query.to[3], Vec3::new(0.5, -0.75, 5.0));
         assert!(found[0].contact);
+        assert_eq!(found[1].line, Some(9));
     }
 
     #[test]
     fn what_is_wrong_is_told_with_its_line() {
-        let refused = |text: &str| parse(text, QueryKind::VertexTriangle).unwrap_err();
+        let refused = |text: &str| parse(text.as_bytes(), QueryKind::VertexTriangle).unwrap_err();
         let at_third = |row: &str| refused(&format!("{ROW}{ROW}{row}\n{}", ROW.repeat(5)));
         for (row, words) in [
             ("1,2,3,4,5,1", "line 3: 6 columns"),
@@ -126,5 +134,7 @@ mod tests {
         }
         assert!(refused(&ROW.repeat(9)).contains("line 9"));
         assert!(refused("").contains("no queries"));
+        let broken = parse(b"1,2,3\n\xff", QueryKind::EdgeEdge).unwrap_err();
+        assert!(broken.contains("line 2: it is no text"), "{broken}");
     }
 }

@@ -42,8 +42,11 @@ pub(super) fn execute(arguments: &Arguments) -> Result<(), BenchError> {
         Kind::Ee => (QueryKind::EdgeEdge, "ee"),
     };
     let mut queries = Vec::new();
+    // With each file the number of queries up to its end.
+    let mut files = Vec::new();
     for file in &arguments.files {
         queries.extend(ccd::read(file, kind)?);
+        files.push((file, queries.len()));
     }
     queries.extend(ccd::generate(kind, arguments.generate, arguments.seed));
     if queries.is_empty() {
@@ -51,7 +54,14 @@ pub(super) fn execute(arguments: &Arguments) -> Result<(), BenchError> {
             "no queries: name a file, or `--generate` some".to_owned(),
         ));
     }
-    let score = ccd::score(&method, &queries)?;
+    let place = |number: usize| {
+        let file = files.iter().find(|(_, end)| number < *end);
+        match (file, queries[number].line) {
+            (Some((file, _)), Some(line)) => format!("{file}: line {line}"),
+            _ => format!("generated query {number}"),
+        }
+    };
+    let score = ccd::score(&method, &queries, place)?;
     print_pairs(
         arguments.json,
         &[

@@ -18,8 +18,18 @@ use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
+/// What the numbers mean whose names do not say it.
+const NUMBERS: &str = "\
+Of the numbers that come out:
+  elastic_energy       of all elements at the end (J)
+  gravity_energy       at the end, relative to the start: −Σ m g·(x − x₀) (J)
+  potential_energy     elastic_energy + gravity_energy (J)
+  center_of_mass_drop  against gravity (m)
+  held_parts           parts of steps that ended with vertices held back by contact";
+
 /// Arguments of `run`.
 #[derive(Debug, Args)]
+#[command(after_help = NUMBERS)]
 pub struct Arguments {
     /// The scene (see list), or a file of your own, FILE.toml (see scene-files in list)
     scene: String,
@@ -73,6 +83,11 @@ const MOST_THREADS: usize = 1024;
 pub(super) fn execute(arguments: &Arguments) -> Result<(), BenchError> {
     let mut settings = Settings::parse(&arguments.settings)?;
     if let Some(n) = arguments.n {
+        if let Some(other) = settings.get("n") {
+            return Err(BenchError::Usage(format!(
+                "--n is {n} and --set n is `{other}`: give one of them"
+            )));
+        }
         settings = settings.with("n", n);
     }
     let method = Method::find(&arguments.method)?;
@@ -227,6 +242,7 @@ fn simulate(
         ("rms_strain", json!(summary.rms_strain)),
         ("kinetic_energy", json!(summary.kinetic_energy)),
         ("elastic_energy", json!(summary.elastic_energy)),
+        ("gravity_energy", json!(summary.gravity_energy)),
         ("potential_energy", json!(summary.potential_energy)),
         ("center_of_mass_drop", json!(summary.center_of_mass_drop)),
         ("intersections", json!(summary.intersections)),

@@ -31,9 +31,7 @@ impl std::str::FromStr for Shard {
         });
         match numbers {
             Some((number, count)) if 1 <= number && number <= count => Ok(Self { number, count }),
-            _ => Err(format!(
-                "`{text}` is not I/N with whole numbers 1 ≤ I ≤ N, such as 2/4"
-            )),
+            _ => Err("it is not I/N with whole numbers 1 ≤ I ≤ N, such as 2/4".into()),
         }
     }
 }

@@ -93,6 +93,17 @@ fn energy_by_hand(pattern: Pattern, settled: bool, [xx, yy, xy]: [Real; 3]) -> R
     }
 }
 
+/// The factor by hand.
+pub(crate) fn by_hand(case: &Case) -> Real {
+    let kappa = curvature(case.surface, case.angle);
+    case.model.factor() * energy_by_hand(case.pattern, case.settled, kappa) / scale(case.surface)
+}
+
+/// A sphere is compared by its mean curvature, κ1 + κ2 = 2.
+fn scale(surface: Surface) -> Real {
+    if surface == Surface::Sphere { 4.0 } else { 1.0 }
+}
+
 /// The factor by hand and the measured one.
 pub(crate) fn factor(case: Case) -> Result<[Real; 2], BenchError> {
     const CURVATURE: Real = 1e-6; // m⁻¹: models of the angle differ from the quadratic one by the square of the slope
@@ -124,13 +135,7 @@ pub(crate) fn factor(case: Case) -> Result<[Real; 2], BenchError> {
         .elements(mesh.positions(), &inside, 1.0)
         .add_to(Energies::new(mesh.vertex_count()))
         .map_err(BenchError::failed)?;
-    // A sphere is compared by its mean curvature, κ1 + κ2 = 2.
-    let scale = if case.surface == Surface::Sphere {
-        4.0
-    } else {
-        1.0
-    };
-    let unit = 0.5 * CURVATURE * CURVATURE * scale * size[0] * size[1];
+    let unit = 0.5 * CURVATURE * CURVATURE * scale(case.surface) * size[0] * size[1];
     let energy = |offset: Real| {
         let x: Vec<Vec3> = mesh.positions().iter().map(|p| place(p, offset)).collect();
         bending.value(&x) / unit
@@ -143,8 +148,7 @@ pub(crate) fn factor(case: Case) -> Result<[Real; 2], BenchError> {
     } else {
         0.0
     };
-    let by_hand = case.model.factor() * energy_by_hand(case.pattern, case.settled, kappa) / scale;
-    Ok([by_hand, middle - relief])
+    Ok([by_hand(&case), middle - relief])
 }
 
 fn bending_factor(settings: &Settings) -> Result<Verdict, BenchError> {

@@ -47,11 +47,13 @@ const MARKERS: [Marker; 6] = [
 ];
 
 /// Method names with their colour and marker.
-const METHODS: [(&str, Rgb, Marker); 9] = [
+const METHODS: [(&str, Rgb, Marker); 11] = [
     ("xpbd", [0x07, 0x66, 0xb9], Marker::Circle),
     ("pbd", [0xdd, 0x8a, 0x00], Marker::Square),
     ("pd", [0x00, 0x8f, 0x6a], Marker::Triangle),
     ("implicit-euler", [0xc4, 0x3e, 0x00], Marker::Diamond),
+    ("linear-implicit", [0x90, 0x84, 0x3c], Marker::Square),
+    ("xpbd-direct", [0x90, 0x48, 0x3c], Marker::Triangle),
     ("bdf2", [0x72, 0x12, 0x61], Marker::TriangleDown),
     ("implicit-midpoint", [0xc9, 0x6f, 0xa5], Marker::Cross),
     ("explicit-euler", [0x4a, 0xad, 0xeb], Marker::Plus),
@@ -287,6 +289,10 @@ mod tests {
         for (name, colour, marker) in METHODS {
             let look = looks(&[name])[0];
             assert_eq!((look.colour, look.marker), (colour, marker));
+        }
+        for known in crate::method::METHODS {
+            let found = method(known.name).map(|index| METHODS[index].0);
+            assert_eq!(found, Some(known.name));
         }
         assert_eq!(method("pdx"), None);
         assert_eq!(method("pd-like"), None);

@@ -210,20 +210,21 @@ impl<'a> Cases<'a> {
         outcome
     }
 
-    /// A case that fills findings of its own, which are added to those of the study, and draws a conclusion.
+    /// A case that fills findings of its own, which are added to those of the study, and draws a conclusion: none if it failed, which is a finding too.
     pub(crate) fn chapter<T: Serialize + DeserializeOwned + Default>(
         &mut self,
         name: &str,
         findings: &mut Findings,
         work: impl FnOnce(&mut Findings, &mut dyn FnMut(&str)) -> Result<T, BenchError>,
-    ) -> Result<T, BenchError> {
-        let (own, conclusion) = self.parts(name, |progress| {
+    ) -> Option<T> {
+        let outcome = self.parts(name, |progress| {
             let mut own = Findings::default();
             let conclusion = work(&mut own, progress)?;
             Ok((own, conclusion))
-        })?;
+        });
+        let (own, conclusion) = findings.unless_failed(name, outcome)?;
         findings.append(own);
-        Ok(conclusion)
+        Some(conclusion)
     }
 
     /// The cases that were neither finished nor run.

@@ -47,15 +47,17 @@ fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
     let mut solvers = solvers::Solvers::default();
     for &side in sides(scope) {
         let name = format!("{side} × {side}");
-        let (of_parts, of_solvers) = cases.parts(&name, |progress| {
+        let found = cases.parts(&name, |progress| {
             progress(&format!("newton: {side} × {side}, parts of an iteration"));
             let mut system = System::falling(side)?;
             let of_parts = parts::Parts::of(side, &mut system)?;
             progress(&format!("newton: {side} × {side}, linear solvers"));
             Ok((of_parts, solvers::Solvers::of(side, &system)?))
-        })?;
-        parts.append(of_parts);
-        solvers.append(of_solvers);
+        });
+        if let Some((of_parts, of_solvers)) = findings.unless_failed(&name, found) {
+            parts.append(of_parts);
+            solvers.append(of_solvers);
+        }
     }
     let first = parts.report(&mut findings);
     let second = solvers.report(&mut findings);

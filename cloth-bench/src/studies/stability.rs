@@ -43,7 +43,7 @@ fn methods() -> impl Iterator<Item = &'static str> {
 
 fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
     let mut findings = Findings::default();
-    let limit = limits(scope, &mut findings, cases)?;
+    let limit = limits(scope, &mut findings, cases);
     let rows = rows(scope);
     let fates = cases.side_by_side(&rows, Row::name, |row| {
         row.map.row(scope, row.down, row.method)
@@ -251,18 +251,17 @@ struct Limit {
     expected: Number,
 }
 
-fn limits(
-    scope: Scope,
-    findings: &mut Findings,
-    cases: &mut Cases<'_>,
-) -> Result<String, BenchError> {
+fn limits(scope: Scope, findings: &mut Findings, cases: &mut Cases<'_>) -> String {
     let stiffnesses: &[Real] = match scope {
         Scope::Quick => &[1e2, 1e6],
         Scope::Full => &[1.0, 1e2, 1e4, 1e6, 1e8],
     };
-    let found: Vec<Limit> = cases.case("limit of symplectic Euler", || {
-        stiffnesses.iter().map(|&k| limit(k)).collect()
-    })?;
+    let case = "limit of symplectic Euler";
+    let found: Result<Vec<Limit>, BenchError> =
+        cases.case(case, || stiffnesses.iter().map(|&k| limit(k)).collect());
+    let Some(found) = findings.unless_failed(case, found) else {
+        return "The limit of symplectic Euler was not found.".into();
+    };
     let mut table = Table::new(&["stiffness (N/m)", "largest step (s)", "closed form (s)"]);
     let mut worst: Real = 0.0;
     for limit in &found {
@@ -294,9 +293,7 @@ fn limits(
         },
     );
     findings.table("stability-limit", "The limit of symplectic Euler", table);
-    Ok(format!(
-        "Symplectic Euler explodes where the closed form says, to {worst:.0e}."
-    ))
+    format!("Symplectic Euler explodes where the closed form says, to {worst:.0e}.")
 }
 
 /// Longitudinal motion of a chain is linear, so the limit is that of its stiffest mode.

@@ -67,9 +67,9 @@ fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
         .iter()
         .map(|&n| (Real::from(n), n, dt))
         .collect();
-    let measured = cases.case("one constraint against iterations", || {
-        one_constraint(&by_iterations)
-    })?;
+    let case = "one constraint against iterations";
+    let measured = cases.case(case, || one_constraint(&by_iterations));
+    let measured = findings.unless_failed(case, measured).unwrap_or_default();
     let (series, first) = curves(&by_iterations, &measured, &mut table);
     findings.plot("stiffness-iterations", &Plot {
         title: "Stiffness of one constraint against iterations, Δt = 0.01 s".into(),
@@ -79,9 +79,9 @@ fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
         note: "Dashed: the closed forms. PBD with a fixed projection s has no stiffness of its own.".into(),
     });
     let by_step: Vec<(Real, u32, Real)> = STEP_SIZES.iter().map(|&dt| (dt, 4, dt)).collect();
-    let measured = cases.case("one constraint against step size", || {
-        one_constraint(&by_step)
-    })?;
+    let case = "one constraint against step size";
+    let measured = cases.case(case, || one_constraint(&by_step));
+    let measured = findings.unless_failed(case, measured).unwrap_or_default();
     let (series, second) = curves(&by_step, &measured, &mut table);
     findings.plot(
         "stiffness-dt",
@@ -234,10 +234,13 @@ fn chain(
                     .with("iterations", count),
             };
             let case = format!("chain, {name} with {count} {effort}");
-            let (stretch, steps) = cases.case(&case, || {
+            let rest = cases.case(&case, || {
                 let mut solver = Method::find(name)?.build(&scene, &settings, scene.dt)?;
                 at_rest(&scene, &mut *solver)
-            })?;
+            });
+            let Some((stretch, steps)) = findings.unless_failed(&case, rest) else {
+                continue;
+            };
             table.push([
                 Cell::from(name),
                 Cell::from(effort),

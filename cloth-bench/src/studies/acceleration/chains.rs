@@ -30,13 +30,10 @@ fn per_decade(factor: Real) -> Real {
 }
 
 /// Draws the measurements and the closed forms through them.
-pub(super) fn run(
-    scope: Scope,
-    findings: &mut Findings,
-    cases: &mut Cases<'_>,
-) -> Result<(), BenchError> {
+pub(super) fn run(scope: Scope, findings: &mut Findings, cases: &mut Cases<'_>) {
     let (mut measured, mut exact) = (Vec::new(), Vec::new());
-    let rates: Vec<Vec<Rate>> = cases.case("chains of rigid links", || {
+    let case = "chains of rigid links";
+    let rates: Result<Vec<Vec<Rate>>, BenchError> = cases.case(case, || {
         let law = Law::find("chain-rate")?;
         let rate = |solver: &str, &links: &u32| {
             let settings = Settings::default().with("solver", solver);
@@ -48,7 +45,10 @@ pub(super) fn run(
         };
         let of_solver = |solver| links(scope).iter().map(|n| rate(solver, n)).collect();
         SOLVERS.into_iter().map(of_solver).collect()
-    })?;
+    });
+    let Some(rates) = findings.unless_failed(case, rates) else {
+        return;
+    };
     for (solver, rates) in SOLVERS.iter().zip(&rates) {
         let curve = |of: fn(&Rate) -> Real| {
             let rates = links(scope).iter().zip(rates);
@@ -71,5 +71,4 @@ pub(super) fn run(
             note: "Dashed: from the spectral radii cos a, cos² a, (1 − sin a)/(1 + sin a) and cos a/(1 + sin a), a = π/2N.".into(),
         },
     );
-    Ok(())
 }

@@ -40,7 +40,7 @@ pub(super) fn run(
         let queries = generate(kind, count, 1);
         for method in METHODS {
             progress(&format!("collision: {name} queries, {}", method.name));
-            let score = score(&method, &queries)?;
+            let score = score(&method, &queries, |number| format!("query {number}"))?;
             if method.promises {
                 broken += score.false_negatives + score.late;
                 asked += score.queries;

@@ -125,7 +125,10 @@ pub(super) fn run(
         let mut kept = Vec::new();
         for &cells in sizes(scope) {
             let case = format!("count, {pattern}, {cells} cells");
-            let found = cases.case(&case, || Counted::of(pattern, cells))?;
+            let found = cases.case(&case, || Counted::of(pattern, cells));
+            let Some(found) = findings.unless_failed(&case, found) else {
+                continue;
+            };
             let coordinates = 3.0 * found.vertices as Real;
             let [flat, bent] = found.nullity;
             as_counted &= bent as i64 == found.counts[0] && flat == found.vertices + 3;
