@@ -128,7 +128,7 @@ impl<'a> StepInput<'a> {
     }
 
     /// What every method does last: gives the end of the step that it has found, `positions` (m) and `velocities` (m/s), to the contacts, if there are any. `from` is
-    /// the state before.
+    /// the state before. What a method remembers beside the state has to follow the change, see [`contact`](crate::contact).
     ///
     /// # Errors
     /// [`StepError::Contact`]; [`StepError::NonFinite`] if the contacts answer with that.

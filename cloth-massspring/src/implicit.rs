@@ -165,6 +165,8 @@ struct Implicit {
     base: Vec<Vec3>,
     /// `x̂` (m).
     predicted: Vec<Vec3>,
+    /// Positions (m) and velocities (m/s) at the end of the last step, before contact changed them.
+    found: [Vec<Vec3>; 2],
     damper: Option<Damper>,
     newton: Newton,
 }
@@ -218,10 +220,13 @@ impl Implicit {
         if let Some(vertex) = (0..self.particles.len()).find(overflow) {
             return Err(StepError::NonFinite { vertex, step });
         }
-        // The stage is done with, and its place free for the end.
         for vertex in 0..self.particles.len() {
-            [self.predicted[vertex], self.base[vertex]] = self.end(vertex, state, input.dt, span);
+            let [x, v] = self.end(vertex, state, input.dt, span);
+            (self.found[0][vertex], self.found[1][vertex]) = (x, v);
         }
+        // The stage is done with, and its place free for the end.
+        self.predicted.copy_from_slice(&self.found[0]);
+        self.base.copy_from_slice(&self.found[1]);
         let (w, x, v) = (
             self.particles.inverse_mass(),
             &mut self.predicted,

@@ -118,6 +118,48 @@ fn a_step_that_contact_refuses_has_not_happened() {
     }
 }
 
+/// Stops everything that gets below a height (m).
+struct Stop(Real);
+
+impl ContactSource for Stop {
+    fn resolve(
+        &mut self,
+        _step: &ContactStep<'_>,
+        positions: &mut [Vec3],
+        velocities: &mut [Vec3],
+    ) -> Result<(), ContactError> {
+        for (x, v) in positions.iter_mut().zip(velocities) {
+            if x.z < self.0 {
+                x.z = self.0;
+                *v = Vec3::zeros();
+            }
+        }
+        Ok(())
+    }
+}
+
+/// A sheet that arrives at 1 m/s, without gravity: no method takes the way to the contact for the way from it.
+#[test]
+fn what_contact_stops_stays_where_it_is() {
+    let scene = scene("drop", &["n=5", "contact=none"]);
+    for (method, settings) in variants() {
+        let mut solver = method.build(&scene, &settings, scene.dt).unwrap();
+        let mut state = scene.start.clone();
+        state.velocities.fill(-Vec3::z());
+        let height = state.positions[0].z - 2.5 * scene.dt;
+        for step in 1..=6 {
+            let mut stop = Stop(height);
+            let input = StepInput::new(scene.dt).contacts(&mut stop);
+            solver.step(&mut state, input).unwrap();
+            let expected = if step < 3 { -1.0 } else { 0.0 };
+            for v in &state.velocities {
+                let error = (v - Vec3::z() * expected).norm();
+                assert!(error < 1e-9, "{}: {error:e} m/s, step {step}", method.name);
+            }
+        }
+    }
+}
+
 #[test]
 fn what_cannot_be_touched_is_not_looked_for() {
     for pairs in [&["n=9"][..], &["n=9", "contact=none", "self=yes"]] {

@@ -7,6 +7,15 @@
 //!
 //! Solved for the new values that is a stage of `τ = 2Δt/3` from `x_b = (4x[0] − x[−1])/3`, `v_b = (4v[0] − v[−1])/3`.
 //!
+//! Contact moves the end of a step by `Δx`, `Δv`. That is no part of the parabola: extrapolated with the old `v[−1]`, a vertex
+//! that arrives at −1 m/s and is stopped would leave at +1/3 m/s. Now the equations are linear but for f, and a uniform motion
+//! solves them without force. So the memory gets the uniform motion that belongs to the change, and keeps what the forces did:
+//!
+//! ```text
+//! x[0]  ← x[0] + Δx            v[0]  ← v[0] + Δv
+//! x[−1] ← x[−1] + Δx − Δt Δv   v[−1] ← v[−1] + Δv
+//! ```
+//!
 //! C. F. Curtiss, J. O. Hirschfelder, "Integration of stiff equations", PNAS 38(3), 1952, <https://doi.org/10.1073/pnas.38.3.235>; for cloth,
 //! with one linear solve a step ([`Solve::Linearized`](crate::Solve::Linearized)): K.-J. Choi, H.-S. Ko, 2002,
 //! <https://doi.org/10.1145/566570.566624>.
@@ -26,7 +35,8 @@ use cloth_core::step::{StepError, StepInput, StepReport, Stepper};
 /// produced; when a step starts from another state, or with another Δt, it *starts again* with one step of implicit Euler. One step of first order
 /// leaves the whole of second order. So a change of the state between two steps is always right,
 /// but who changes it in every step gets implicit Euler. Velocities of prescribed vertices do not count: steering a
-/// pin is no restart. Jumps of load or gravity are none either; the order is then lost for one step.
+/// pin is no restart. Jumps of load or gravity are none either; the order is then lost for one step. Nor is contact: the memory of what it
+/// stopped or pushed away moves along, and the rest of the cloth keeps its second order.
 ///
 /// Damping: drag and stiffness act at the end of the step, both with second order.
 ///
@@ -34,7 +44,7 @@ use cloth_core::step::{StepError, StepInput, StepReport, Stepper};
 #[derive(Debug)]
 pub struct Bdf2 {
     implicit: Implicit,
-    /// Positions (m) and velocities (m/s) before the last step.
+    /// Positions (m) and velocities (m/s) before the last step, moved along with what contact changed at its end.
     before: [Vec<Vec3>; 2],
     /// Those after it.
     after: [Vec<Vec3>; 2],
@@ -73,6 +83,17 @@ impl Bdf2 {
         positions.copy_from_slice(&state.positions);
         velocities.copy_from_slice(&state.velocities);
     }
+
+    /// Adds to the memory the uniform motion that takes the end that was found to the one that contact left in `state`.
+    fn move_along(&mut self, state: &State, dt: Real) {
+        let (before, found) = (&mut self.before, &self.implicit.found);
+        for vertex in 0..state.positions.len() {
+            let shift = state.positions[vertex] - found[0][vertex];
+            let kick = state.velocities[vertex] - found[1][vertex];
+            before[0][vertex] += shift - kick * dt;
+            before[1][vertex] += kick;
+        }
+    }
 }
 
 impl Stepper for Bdf2 {
@@ -100,6 +121,7 @@ impl Stepper for Bdf2 {
         };
         std::mem::swap(&mut self.before, &mut self.after);
         self.remember(state);
+        self.move_along(state, dt);
         self.dt = Some(dt);
         Ok(report)
     }

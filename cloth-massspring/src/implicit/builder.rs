@@ -72,7 +72,8 @@ impl<S> ImplicitBuilder<S> {
         Ok((self.finish)(Implicit {
             newton: Newton::new(system, vertex_count),
             base: zeros.clone(),
-            predicted: zeros,
+            predicted: zeros.clone(),
+            found: [zeros.clone(), zeros],
             damper,
             particles: self.particles,
             energies: self.energies,
