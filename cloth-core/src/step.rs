@@ -356,6 +356,20 @@ pub enum BuildError {
         /// How many vertices there are.
         vertex_count: usize,
     },
+    /// An element names a vertex twice.
+    RepeatedVertex {
+        /// The element, counted in the order given.
+        element: usize,
+        /// The vertex.
+        vertex: u32,
+    },
+    /// A stiffness is negative, or not a number.
+    InvalidStiffness {
+        /// The element, counted in the order given.
+        element: usize,
+        /// The stiffness `k` of one of its rows, with the energy `½ k C²` (J).
+        stiffness: Real,
+    },
     /// A setting lies outside its range.
     InvalidSetting {
         /// Its name.
@@ -386,6 +400,13 @@ impl fmt::Display for BuildError {
             } => write!(
                 f,
                 "element {element} names vertex {vertex}, but there are only {vertex_count} vertices"
+            ),
+            Self::RepeatedVertex { element, vertex } => {
+                write!(f, "element {element} names vertex {vertex} twice")
+            }
+            Self::InvalidStiffness { element, stiffness } => write!(
+                f,
+                "the stiffness of element {element} is {stiffness}, but it has to be zero, positive or infinite"
             ),
             Self::InvalidSetting { name, value, range } => {
                 write!(f, "{name} is {value}, but it has to be {range}")

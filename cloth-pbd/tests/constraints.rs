@@ -202,3 +202,41 @@ fn degenerate_shapes_recover_or_stay() {
     step(volume, &masses(), &mut state, 50, rigid, 0.01);
     assert!(value(&volume, &state).abs() < 1e-14);
 }
+
+/// A stiffness that depends on x is forbidden; a debug build finds it.
+#[cfg(debug_assertions)]
+mod stiffening {
+    use super::*;
+    use cloth_core::element::{Element, Row};
+    #[derive(Clone, Copy, Debug)]
+    struct Stiffening;
+
+    impl Element<1> for Stiffening {
+        fn vertices(&self) -> [u32; 1] {
+            [0]
+        }
+    }
+
+    impl Constraint<1> for Stiffening {
+        type Rows = [Row<1>; 1];
+
+        fn rows(&self, x: &[Vec3; 1]) -> [Row<1>; 1] {
+            [Row {
+                value: x[0].z,
+                gradient: [Vec3::z()],
+                stiffness: 10.0 * (1.0 + x[0].z * x[0].z),
+            }]
+        }
+    }
+
+    #[test]
+    #[should_panic(expected = "the stiffness of a row depends on x")]
+    fn a_stiffness_that_depends_on_x_is_found_by_a_sweep_of_a_debug_build() {
+        let particles = Particles::new(vec![1.0]).unwrap();
+        let builder = PbdSolver::builder(&particles).energy(vec![Stiffening]);
+        let mut solver = builder.build().unwrap();
+        let mut state = State::at_rest(vec![Vec3::z()]);
+        state.velocities[0] = Vec3::z();
+        let _ = solver.step(&mut state, StepInput::new(0.1));
+    }
+}

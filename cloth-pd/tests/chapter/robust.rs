@@ -96,7 +96,10 @@ fn energy_does_not_appear_in_free_cloth_that_flies() {
     let energies = model.energies().unwrap();
     let own = |state: &State| {
         let v: Vec<Vec3> = state.velocities.iter().map(|v| v - wind).collect();
-        (energies.value(&state.positions), kinetic_energy(&model.particles, &v))
+        (
+            energies.value(&state.positions),
+            kinetic_energy(&model.particles, &v),
+        )
     };
     let quasi_newton = |history| PdConfig {
         acceleration: Acceleration::QuasiNewton { history },

@@ -150,3 +150,44 @@ fn a_triangle_alone_keeps_its_momentum_and_its_rows_vanish_in_a_few_visits() {
     let momentum = cloth_core::measure::linear_momentum(&particles, &state.velocities);
     assert!(momentum.norm() < 1e-14);
 }
+
+/// A row with a stiffness that depends on x, as `Row::stiffness` forbids.
+#[derive(Clone, Copy, Debug)]
+struct Stiffening;
+
+impl Element<1> for Stiffening {
+    fn vertices(&self) -> [u32; 1] {
+        [0]
+    }
+}
+
+impl Constraint<1> for Stiffening {
+    type Rows = [Row<1>; 1];
+
+    fn rows(&self, x: &[Vec3; 1]) -> [Row<1>; 1] {
+        [Row {
+            value: x[0].z,
+            gradient: [Vec3::z()],
+            stiffness: 10.0 * (1.0 + x[0].z * x[0].z),
+        }]
+    }
+}
+
+/// `E = 5 (1 + z²) z²` has the derivative `10 z + 20 z³`, at z = 1 30 N; with k held it is 20 N.
+#[test]
+fn a_stiffness_that_depends_on_x_is_found_by_the_check_of_the_gradient() {
+    let error = cloth_core::check::gradient_error(&Stiffening, &[Vec3::z()], 1.0);
+    assert!((error - 0.5).abs() < 1e-9, "{error}");
+}
+
+#[cfg(debug_assertions)]
+#[test]
+#[should_panic(expected = "the stiffness of a row depends on x")]
+fn a_stiffness_that_depends_on_x_is_found_by_a_sweep_of_a_debug_build() {
+    let particles = Particles::new(vec![1.0]).unwrap();
+    let builder = XpbdSolver::builder(&particles).energy(vec![Stiffening]);
+    let mut solver = builder.build().unwrap();
+    let mut state = State::at_rest(vec![Vec3::z()]);
+    state.velocities[0] = Vec3::z();
+    let _ = solver.step(&mut state, StepInput::new(0.1));
+}
