@@ -1,5 +1,9 @@
 //! One simulation: a scene, a method, a number of steps.
 
+mod energy;
+
+pub use energy::EnergyGain;
+
 use crate::error::BenchError;
 use crate::method::Method;
 use crate::scene::{Scene, Touch};
@@ -11,6 +15,7 @@ use cloth_core::math::{Real, Vec3};
 use cloth_core::measure;
 use cloth_core::particles::State;
 use cloth_core::step::{Outcome, StepInput, StepReport, Stepper};
+use energy::EnergyBalance;
 use serde::{Deserialize, Serialize};
 use std::time::Instant;
 
@@ -45,6 +50,12 @@ pub struct Summary {
     pub gravity_energy: Real,
     /// Elastic energy plus gravitational energy relative to the start (J).
     pub potential_energy: Real,
+    /// The most by which the cloth held more energy than it was given by its start, gravity, moving pins and bodies, and air (J); 0 if it never did but for rounding.
+    pub energy_excess: Real,
+    /// The most that it was given until any step (J).
+    pub energy_given: Real,
+    /// The first step after which the cloth moved with energy that it had never been given.
+    pub energy_gain: Option<EnergyGain>,
     /// How far the centre of mass fell (m).
     pub center_of_mass_drop: Real,
     /// Crossing pairs of triangles at the end; none measured where the scene has no triangles.
@@ -127,6 +138,8 @@ struct Course<'a> {
     scene: &'a Scene,
     contacts: Option<Timed>,
     air: Option<Air>,
+    /// Time that the last step took (s), without that of its energy balance.
+    seconds: Real,
 }
 
 /// Contact, and how long it took.
@@ -155,6 +168,27 @@ impl ContactSource for Timed {
     fn held(&self) -> usize {
         self.source.held()
     }
+
+    fn work(&self) -> Real {
+        self.source.work()
+    }
+
+    fn potential_energy(&self) -> Real {
+        self.source.potential_energy()
+    }
+}
+
+impl Summary {
+    /// A sentence about energy from nowhere, if there is so much of it that it is worth a warning.
+    #[must_use]
+    pub fn energy_warning(&self) -> Option<String> {
+        let (excess, given) = (self.energy_excess, self.energy_given);
+        (excess > energy::WORTH_A_WARNING * given).then(|| {
+            format!(
+                "energy from nowhere: the cloth held {excess:.3e} J more than it was given; its start, gravity, pins, bodies and air gave {given:.3e} J at most"
+            )
+        })
+    }
 }
 
 impl<'a> Course<'a> {
@@ -170,23 +204,28 @@ impl<'a> Course<'a> {
             scene,
             contacts,
             air,
+            seconds: 0.0,
         })
     }
 
-    /// One step of `dt` (s), in as many parts as contact asks for. The report counts those of all parts, and ends as the last one did.
+    /// One step of `dt` (s), in as many parts as contact asks for. The report counts those of all parts, and ends as the last one did. `balance` is told of the work
+    /// done, and of the step when all of it is taken.
     fn step(
         &mut self,
         stepper: &mut dyn Stepper,
         state: &mut State,
         dt: Real,
+        mut balance: Option<&mut EnergyBalance<'_>>,
     ) -> Result<StepReport, BenchError> {
         if let Some(contacts) = &mut self.contacts {
             contacts.seconds = 0.0;
         }
+        self.seconds = 0.0;
         let parts = self.scene.parts();
-        let mut sum = self.part(stepper, state, dt / Real::from(parts))?;
+        let part = dt / Real::from(parts);
+        let mut sum = self.part(stepper, state, part, balance.as_deref_mut())?;
         for _ in 1..parts {
-            let report = self.part(stepper, state, dt / Real::from(parts))?;
+            let report = self.part(stepper, state, part, balance.as_deref_mut())?;
             sum = StepReport {
                 iterations: sum.iterations + report.iterations,
                 factorizations: sum.factorizations + report.factorizations,
@@ -196,6 +235,11 @@ impl<'a> Course<'a> {
                 ..report
             };
         }
+        if let Some(balance) = balance {
+            let contacts = self.contacts.as_ref();
+            let stored = contacts.map_or(0.0, ContactSource::potential_energy);
+            balance.end_step(state, dt, stored);
+        }
         Ok(sum)
     }
 
@@ -204,18 +248,30 @@ impl<'a> Course<'a> {
         stepper: &mut dyn Stepper,
         state: &mut State,
         dt: Real,
+        mut balance: Option<&mut EnergyBalance<'_>>,
     ) -> Result<StepReport, BenchError> {
         if let Some(pins) = &self.scene.pins {
             pins.steer(state, dt);
         }
+        if let Some(balance) = &mut balance {
+            balance.begin_part(state);
+        }
+        let started = Instant::now();
+        let load = self.air.as_mut().map(|air| air.load(state, dt));
         let mut input = StepInput::new(dt).gravity(self.scene.gravity);
-        if let Some(air) = &mut self.air {
-            input = input.load(air.load(state, dt));
+        if let Some(load) = load {
+            input = input.load(load);
         }
         if let Some(contacts) = &mut self.contacts {
             input = input.contacts(contacts);
         }
-        stepper.step(state, input).map_err(BenchError::failed)
+        let report = stepper.step(state, input).map_err(BenchError::failed)?;
+        self.seconds += started.elapsed().as_secs_f64();
+        if let Some(balance) = balance {
+            let bodies = self.contacts.as_ref().map_or(0.0, ContactSource::work);
+            balance.end_part(state, load, report.pin_work, bodies);
+        }
+        Ok(report)
     }
 }
 
@@ -237,7 +293,7 @@ pub fn to_rest(
     let mut course = Course::new(scene)?;
     let mut before = 0.0;
     for step in 1..=most {
-        course.step(stepper, state, dt)?;
+        course.step(stepper, state, dt, None)?;
         if state.velocities.iter().all(|v| v.amax() < still) {
             return Ok(Some(step));
         }
@@ -265,15 +321,22 @@ pub fn run(
     mut after: impl FnMut(u32, &State, &StepReport) -> Result<(), BenchError>,
 ) -> Result<Summary, BenchError> {
     let mut course = Course::new(scene)?;
+    let mut balance = EnergyBalance::new(scene, state)?;
     let start_height = height(scene, state);
     let mut seconds = Vec::with_capacity(steps as usize);
     let mut contact_seconds = Vec::with_capacity(steps as usize);
     let mut iterations = Vec::with_capacity(steps as usize);
     let (mut converged_steps, mut linear_iterations) = (0, 0);
     for step in 1..=steps {
-        let started = Instant::now();
-        let report = course.step(stepper, state, dt)?;
-        seconds.push(started.elapsed().as_secs_f64());
+        let taken = course.step(stepper, state, dt, Some(&mut balance));
+        let report = taken.map_err(|error| match scene.parts() {
+            1 => error,
+            // The method counts the parts.
+            parts => BenchError::Failed(format!(
+                "step {step} (each is cut into {parts} parts by contact): {error}"
+            )),
+        })?;
+        seconds.push(course.seconds);
         contact_seconds.extend(course.contacts.as_ref().map(|contacts| contacts.seconds));
         iterations.push(report.iterations);
         linear_iterations += u64::from(report.linear_iterations);
@@ -302,6 +365,9 @@ pub fn run(
         elastic_energy,
         gravity_energy,
         potential_energy: elastic_energy + gravity_energy,
+        energy_excess: balance.excess(),
+        energy_given: balance.given(),
+        energy_gain: balance.gain(),
         center_of_mass_drop: start_height - height(scene, state),
         intersections: separation.map(|s| s.intersecting_pairs),
         min_distance: separation.and_then(|s| s.min_distance),

@@ -10,6 +10,8 @@ mod common;
 mod contact;
 #[path = "../../cloth-core/tests/support/counting_allocator.rs"]
 mod counting_allocator;
+#[path = "contract/energy.rs"]
+mod energy;
 #[path = "contract/momentum.rs"]
 mod momentum;
 #[path = "contract/no_alloc.rs"]

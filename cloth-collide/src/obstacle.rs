@@ -60,6 +60,7 @@ mod placed;
 mod sampled;
 mod sphere;
 mod sweep;
+mod work;
 
 pub use capsule::Capsule;
 pub use closed_mesh::ClosedMesh;
@@ -75,6 +76,7 @@ pub use placed::Obstacle;
 pub use sampled::SampledDistance;
 pub use sphere::Sphere;
 pub use sweep::{FirstContact, VertexPath, first_contact};
+pub(crate) use work::BodyWork;
 
 use crate::bounds::Bounds;
 use cloth_core::math::{Real, Vec3};

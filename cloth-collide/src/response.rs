@@ -51,7 +51,7 @@ mod zones;
 pub use builder::ContactsBuilder;
 pub use report::{ContactReport, ContactStage};
 
-use crate::obstacle::{Obstacle, ObstacleContacts};
+use crate::obstacle::{BodyWork, Obstacle, ObstacleContacts};
 use crate::separation::meet_unduly;
 use cloth::Cloth;
 use cloth_core::contact::{ContactError, ContactSource, ContactStep};
@@ -150,6 +150,7 @@ pub struct ClothContacts {
     ways: Vec<Vec3>,
     hold: Hold,
     memory: Memory,
+    work: BodyWork,
     report: ContactReport,
 }
 
@@ -165,6 +166,7 @@ impl ContactSource for ClothContacts {
             smallest_share: 1.0,
             ..ContactReport::default()
         };
+        self.work.begin(self.obstacles.as_ref(), velocities);
         if self.cloth.is_none() && self.obstacles.is_none() {
             return Ok(());
         }
@@ -179,7 +181,13 @@ impl ContactSource for ClothContacts {
         }
         // Impulses of heavy and light vertices, and ways over times, may be beyond all numbers.
         step.check(self.vertex_count, positions, velocities)?;
+        let bodies = self.obstacles.as_ref();
+        self.work.end(bodies, step, positions, velocities);
         self.keep(step, positions)
+    }
+
+    fn work(&self) -> Real {
+        self.work.work()
     }
 
     fn held(&self) -> usize {

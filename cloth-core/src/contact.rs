@@ -75,6 +75,16 @@ pub trait ContactSource {
         velocities: &mut [Vec3],
     ) -> Result<(), ContactError>;
 
+    /// Work (J) that moving bodies did on the cloth in the last resolved step; 0 for a source without any.
+    fn work(&self) -> Real {
+        0.0
+    }
+
+    /// Energy (J) that contact has stored at the end of the last resolved step and may give back; 0 for a source without a potential.
+    fn potential_energy(&self) -> Real {
+        0.0
+    }
+
     /// Number of vertices that the last resolved step has held back: they are safe, but behind where contact should let them go, and have lost momentum for it. 0 for
     /// a source that does not do that.
     fn held(&self) -> usize {

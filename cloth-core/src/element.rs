@@ -33,10 +33,7 @@ pub struct Row<const N: usize> {
     pub value: Real,
     /// `∂C/∂xᵢ`, one per vertex of the element (unit of `C` per m).
     pub gradient: [Vec3; N],
-    /// `k` with the energy `½ k C²` (J), not negative, may be infinite; the compliance of S1 (37) is `α = 1/k`.
-    ///
-    /// It belongs to the material and must be the same at every `x`: the energy is differentiated with k held, and sweeps read it once. A stiffness that changes with the shape goes into C.
-    /// [`check::gradient_error`](crate::check::gradient_error) finds an element that breaks this; so do debug builds of PBD and XPBD.
+    /// `k` with the energy `½ k C²` (J); the compliance of S1 (37) is `α = 1/k`.
     pub stiffness: Real,
 }
 

@@ -1,7 +1,7 @@
 //! A family: all elements of one kind, with the kind forgotten. One virtual call per family, none per element.
 
 use crate::block_matrix::{BlockMatrix, BlockPattern, PatternBuilder};
-use crate::element::{Constraint, Convexity, Element, Energy};
+use crate::element::{Convexity, Energy};
 use crate::math::{Mat3, Real, Vec3, gather};
 use crate::step::BuildError;
 use std::fmt::Debug;
@@ -162,7 +162,7 @@ impl Energies {
     /// Adds a family. An empty one is dropped.
     ///
     /// # Errors
-    /// [`BuildError::NoSuchVertex`], [`BuildError::RepeatedVertex`] if an element names a vertex that does not exist, or one twice.
+    /// [`BuildError::NoSuchVertex`] if an element names a vertex that does not exist.
     pub fn with<const N: usize, E: Energy<N>>(
         mut self,
         elements: Vec<E>,
@@ -247,52 +247,25 @@ impl Energies {
     }
 }
 
-/// Whether every element names vertices that exist, and none twice.
+/// Whether every element names vertices that exist.
 ///
 /// # Errors
-/// [`BuildError::NoSuchVertex`] or [`BuildError::RepeatedVertex`] for the first that does not.
-pub fn check_vertices<const N: usize, E: Element<N>>(
+/// [`BuildError::NoSuchVertex`] for the first that does not.
+pub fn check_vertices<const N: usize, E: crate::element::Element<N>>(
     elements: &[E],
     vertex_count: usize,
 ) -> Result<(), BuildError> {
     for (element, stencil) in elements.iter().enumerate() {
-        let vertices = stencil.vertices();
-        for (i, &vertex) in vertices.iter().enumerate() {
-            if vertex as usize >= vertex_count {
-                return Err(BuildError::NoSuchVertex {
-                    element,
-                    vertex,
-                    vertex_count,
-                });
-            }
-            if vertices[..i].contains(&vertex) {
-                return Err(BuildError::RepeatedVertex { element, vertex });
-            }
-        }
-    }
-    Ok(())
-}
-
-/// [`check_vertices`], and whether the stiffness of every row is a number that is not negative.
-///
-/// # Errors
-/// Those of [`check_vertices`]; [`BuildError::InvalidStiffness`].
-pub fn check_constraints<const N: usize, E: Constraint<N>>(
-    elements: &[E],
-    vertex_count: usize,
-) -> Result<(), BuildError> {
-    check_vertices(elements, vertex_count)?;
-    // The stiffness is the same at every x. These are places on no line and in no plane.
-    let anywhere = std::array::from_fn(|i| {
-        let t = 1.0 + i as Real;
-        Vec3::new(t, t * t, t * t * t)
-    });
-    for (element, constraint) in elements.iter().enumerate() {
-        for row in constraint.rows(&anywhere).as_ref() {
-            let stiffness = row.stiffness;
-            if stiffness.is_nan() || stiffness < 0.0 {
-                return Err(BuildError::InvalidStiffness { element, stiffness });
-            }
+        if let Some(vertex) = stencil
+            .vertices()
+            .into_iter()
+            .find(|&v| v as usize >= vertex_count)
+        {
+            return Err(BuildError::NoSuchVertex {
+                element,
+                vertex,
+                vertex_count,
+            });
         }
     }
     Ok(())

@@ -217,6 +217,8 @@ pub struct StepReport {
     pub backtracks: u32,
     /// What the method measures its convergence by, at the end, if it measures it; see the method.
     pub residual: Option<Real>,
+    /// Work (J) that prescribed vertices did on the others, if the method adds it up over its substeps.
+    pub pin_work: Option<Real>,
 }
 
 impl StepReport {
@@ -231,6 +233,7 @@ impl StepReport {
             linear_iterations: 0,
             backtracks: 0,
             residual: None,
+            pin_work: None,
         }
     }
 }
@@ -264,6 +267,15 @@ pub enum StepError {
         dt: Real,
         /// The largest stable one (s), estimated.
         stable_dt: Real,
+        /// The step, counted from 1.
+        step: u64,
+    },
+    /// The cloth moves with far more energy than it was ever given, at a step that is not too large.
+    EnergyGain {
+        /// Its kinetic energy (J).
+        kinetic: Real,
+        /// The most that it was given by its start, external forces, pins and moving bodies (J).
+        given: Real,
         /// The step, counted from 1.
         step: u64,
     },
@@ -324,6 +336,14 @@ impl fmt::Display for StepError {
                 f,
                 "step {step} is unstable: the time step is {dt:.4e} s, the largest stable one is {stable_dt:.4e} s"
             ),
+            Self::EnergyGain {
+                kinetic,
+                given,
+                step,
+            } => write!(
+                f,
+                "in step {step} the cloth moves with {kinetic:.3e} J, but was never given more than {given:.3e} J"
+            ),
             Self::NotPositiveDefinite { iteration, step } => write!(
                 f,
                 "the matrix of step {step}, iteration {iteration}, is not positive definite"
@@ -356,20 +376,6 @@ pub enum BuildError {
         /// How many vertices there are.
         vertex_count: usize,
     },
-    /// An element names a vertex twice.
-    RepeatedVertex {
-        /// The element, counted in the order given.
-        element: usize,
-        /// The vertex.
-        vertex: u32,
-    },
-    /// A stiffness is negative, or not a number.
-    InvalidStiffness {
-        /// The element, counted in the order given.
-        element: usize,
-        /// The stiffness `k` of one of its rows, with the energy `½ k C²` (J).
-        stiffness: Real,
-    },
     /// A setting lies outside its range.
     InvalidSetting {
         /// Its name.
@@ -400,13 +406,6 @@ impl fmt::Display for BuildError {
             } => write!(
                 f,
                 "element {element} names vertex {vertex}, but there are only {vertex_count} vertices"
-            ),
-            Self::RepeatedVertex { element, vertex } => {
-                write!(f, "element {element} names vertex {vertex} twice")
-            }
-            Self::InvalidStiffness { element, stiffness } => write!(
-                f,
-                "the stiffness of element {element} is {stiffness}, but it has to be zero, positive or infinite"
             ),
             Self::InvalidSetting { name, value, range } => {
                 write!(f, "{name} is {value}, but it has to be {range}")

@@ -56,7 +56,8 @@ pub struct ExplicitEuler(Explicit);
 /// With [`StabilityCheck::Watch`] a step (or substep) beyond [`crate::stable_time_step`] (shortened by damping) is refused with
 /// [`StepError::Unstable`]. The estimate is made before the first step and then made anew every 256 substeps or whenever the
 /// kinetic energy has grown fourfold, because springs that are stretched are stiffer across their axis. A
-/// run that has gained a hundred times the energy it started with and was given since ends with the same error.
+/// run whose kinetic energy is a hundred times what it started with and was given since (by gravity, load, pins and moving bodies) ends with the same error, or with
+/// [`StepError::EnergyGain`] where the step is not too large: contact has then stretched the cloth.
 #[derive(Debug)]
 pub struct SymplecticEuler(Explicit);
 
@@ -154,19 +155,20 @@ impl Explicit {
             watch.begin(&self.parts, &self.positions, &self.velocities);
         }
         let substeps = self.parts.config.substeps;
+        let mut pin_work = 0.0;
         for substep in 1..=substeps {
-            if let Err(trouble) = self.substep(&input) {
-                if let Some(watch) = &mut self.watch {
-                    watch.forget();
+            match self.substep(&input) {
+                Ok(tally) => pin_work += tally.pin_work,
+                Err(trouble) => {
+                    if let Some(watch) = &mut self.watch {
+                        watch.forget();
+                    }
+                    return Err(self.report(trouble, &input, state.steps + 1));
                 }
-                return Err(self.report(trouble, &input, state.steps + 1));
             }
             if let Some(observer) = input.observer.as_deref_mut() {
                 observer.iteration(substep, &self.positions);
             }
-        }
-        if let Some(watch) = &mut self.watch {
-            watch.end(&self.parts, &self.positions, &self.velocities);
         }
         let (w, x, v) = (
             self.parts.particles.inverse_mass(),
@@ -174,15 +176,22 @@ impl Explicit {
             &mut self.velocities,
         );
         input.resolve_contacts(state, w, x, v)?;
+        if let Some(watch) = &mut self.watch {
+            let touched = input.contacts.as_deref();
+            watch.end(&self.parts, &self.positions, &self.velocities, touched);
+        }
         std::mem::swap(&mut state.positions, &mut self.positions);
         std::mem::swap(&mut state.velocities, &mut self.velocities);
         state.time += input.dt;
         state.steps += 1;
-        Ok(StepReport::new(Outcome::Converged, substeps))
+        Ok(StepReport {
+            pin_work: Some(pin_work),
+            ..StepReport::new(Outcome::Converged, substeps)
+        })
     }
 
     /// One substep of S1 (6), and what the watch says to it.
-    fn substep(&mut self, input: &StepInput<'_>) -> Result<(), Trouble> {
+    fn substep(&mut self, input: &StepInput<'_>) -> Result<Tally, Trouble> {
         let dt = input.dt / Real::from(self.parts.config.substeps);
         if let Some(watch) = &mut self.watch {
             watch.admit(&self.parts, &self.positions, dt)?;
@@ -217,7 +226,7 @@ impl Explicit {
                 };
             if w == 0.0 {
                 // The pin moves against the elastic force.
-                tally.work += gradient.dot(&after) * dt;
+                tally.pin_work += gradient.dot(&after) * dt;
             } else {
                 tally.work += mass * external.dot(&after) * dt;
                 tally.kinetic += 0.5 * mass * after.norm_squared();
@@ -226,10 +235,10 @@ impl Explicit {
         if let Some(vertex) = self.first_non_finite() {
             return Err(Trouble::NonFinite { vertex });
         }
-        match &mut self.watch {
-            Some(watch) => watch.account(&tally),
-            None => Ok(()),
+        if let Some(watch) = &mut self.watch {
+            watch.account(&tally)?;
         }
+        Ok(tally)
     }
 
     fn first_non_finite(&self) -> Option<usize> {
@@ -254,7 +263,14 @@ impl Explicit {
         match (trouble, limit) {
             (Trouble::NonFinite { .. }, Some(limit)) if input.dt > limit => unstable(limit),
             (Trouble::NonFinite { vertex }, _) => StepError::NonFinite { vertex, step },
-            (Trouble::TooLarge | Trouble::Gain, limit) => unstable(limit.unwrap_or(Real::INFINITY)),
+            (Trouble::TooLarge, limit) => unstable(limit.unwrap_or(Real::INFINITY)),
+            (Trouble::Gain { .. }, _) if self.scheme == Scheme::Forward => unstable(0.0),
+            (Trouble::Gain { .. }, Some(limit)) if input.dt > limit => unstable(limit),
+            (Trouble::Gain { kinetic, given }, _) => StepError::EnergyGain {
+                kinetic,
+                given,
+                step,
+            },
         }
     }
 }
@@ -264,8 +280,10 @@ impl Explicit {
 struct Tally {
     /// Kinetic energy (J) at its end.
     kinetic: Real,
-    /// Work (J) done on the cloth by gravity, load and pins.
+    /// Work (J) done on the cloth by gravity and load.
     work: Real,
+    /// Work (J) done on it by pins.
+    pin_work: Real,
 }
 
 /// Why a substep cannot be taken.
@@ -274,7 +292,12 @@ enum Trouble {
     /// It is beyond the stable one.
     TooLarge,
     /// The cloth has gained energy from nowhere.
-    Gain,
+    Gain {
+        /// Kinetic energy (J).
+        kinetic: Real,
+        /// The most that it was given (J).
+        given: Real,
+    },
     /// The result is not finite.
     NonFinite {
         /// The first vertex where.

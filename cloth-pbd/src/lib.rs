@@ -104,7 +104,7 @@
 //!   the lever arms turn during the step. What is lost is of order h, as in implicit Euler. Energy is lost too, of order h.
 //! - A row whose gradient vanishes is left alone: a tetrahedron on a line, a triangle in a point. The two ends of a spring that coincide, and a triangle
 //!   flattened to a line, are driven apart in a direction that depends on their numbers only.
-//! - Stiffnesses are zero, positive or infinite, and the same at every x; a negative one is refused.
+//! - Stiffnesses are taken to be zero, positive or infinite; a negative one is not looked for.
 //!
 //! # How many substeps, how many iterations
 //! With rigid projections ([`StiffnessRule::Fixed`] of 1) a straight chain of N links of length l and equal masses, swept once per substep from its support, hangs with a mean strain of

@@ -200,13 +200,13 @@ impl PdSolver {
     /// where their momentum takes them.
     ///
     /// `G(x[1]) ≤ G(x[0])` says that no energy appears in a step. Every iteration lowers `G`, so a start at `x[0]` has that; one that goes on with the velocity can end
-    /// above it, where the cloth is so tangled that the iterations do not get far, and a tangle fed in every step never rests. Where nothing moves from x[0], no pin and no free piece, `G` there is an
-    /// elastic energy, at least 0, and what is below 0 need not be compared.
+    /// above it, where the cloth is so tangled that the iterations do not get far, and a tangle fed in every step never rests. `G(x[0])` is an elastic energy, at least 0, so what is below 0
+    /// need not be compared.
     fn has_gained_energy(&mut self) -> bool {
         let is_watched = matches!(self.method, Method::QuasiNewton(_))
             && self.config.start == Start::Inertial
             && self.point.is_evaluated;
-        if !is_watched {
+        if !is_watched || self.point.value <= 0.0 {
             return false;
         }
         let (particles, inertial) = (&self.objective.particles, &self.objective.inertial);
@@ -220,9 +220,6 @@ impl PdSolver {
             };
         }
         self.free_pieces.align(Some(inertial), q);
-        if self.point.value <= 0.0 && q.iter().all(|q| *q == Vec3::zeros()) {
-            return false;
-        }
         self.objective.evaluate(&mut self.fallback);
         let excess = self.point.value - self.fallback.value;
         let is_higher = excess.is_nan() || excess > ROUNDING * self.fallback.size;

@@ -132,11 +132,6 @@ impl Rule for Compliance {
     /// `C + α̃ν` and `α̃`.
     #[inline(always)]
     fn equation(&self, row: RowAt, memory: &mut Multiplier) -> RowEquation {
-        debug_assert_eq!(
-            memory.softness,
-            self.scaled(row.stiffness).min(SOFTEST),
-            "the stiffness of a row depends on x"
-        );
         RowEquation {
             residual: row.value + memory.softness * memory.total,
             softness: memory.softness,

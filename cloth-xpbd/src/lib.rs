@@ -164,7 +164,7 @@
 //! - Linear momentum is conserved to round-off in free flight; angular momentum and energy are lost, to order h, as in implicit Euler.
 //! - Without damping set, nothing damps but the step size; smaller substeps damp less. Damping does not act on hard rows, which do not move, nor on rigid motion.
 //! - A hard row that nothing can move (all its vertices prescribed, or a vanishing gradient) and a row without stiffness are left alone.
-//!   Stiffnesses are zero, positive or infinite, and the same at every x; a negative one is refused.
+//!   Stiffnesses are taken to be zero, positive or infinite; a negative one is not looked for.
 //!
 //! XPBD is reported to be covered by US patent 11,270,041. Whether that concerns you is for you to check.
 //!

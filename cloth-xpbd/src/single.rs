@@ -69,7 +69,6 @@ mod vector_rows;
 use crate::compliance::Compliance;
 use cloth_core::element::Constraint;
 use cloth_core::energy::Spring;
-use cloth_core::family::check_constraints;
 use cloth_core::math::Real;
 use cloth_core::particles::{Particles, State};
 use cloth_core::position_based::Motion;
@@ -184,12 +183,18 @@ pub struct SingleBuilder {
 
 impl SingleBuilder {
     /// Adds springs. A sweep visits families in the order in which they were added.
+    ///
+    /// # Panics
+    /// If a spring has the same vertex at both ends.
     #[must_use]
     pub fn springs(self, springs: &[Spring]) -> Self {
         self.add(springs, |count| Springs::new(springs, count).map(boxed))
     }
 
     /// Adds elements whose rows are a [`VectorRow`](cloth_core::element::VectorRow): quadratic hinges, attachments.
+    ///
+    /// # Panics
+    /// If an element names a vertex twice.
     #[must_use]
     pub fn vector_rows<const N: usize, E: Constraint<N>>(self, elements: &[E]) -> Self {
         self.add(elements, |count| {
@@ -204,7 +209,8 @@ impl SingleBuilder {
     ) -> Self {
         if self.error.is_none() {
             let count = self.solver.motion.vertex_count();
-            let family = check_constraints(elements, count).and_then(|()| family(count));
+            let family =
+                cloth_core::family::check_vertices(elements, count).and_then(|()| family(count));
             match family {
                 Ok(family) => self.solver.families.push(family),
                 Err(error) => self.error = Some(error),
@@ -223,7 +229,7 @@ impl SingleBuilder {
     /// The solver.
     ///
     /// # Errors
-    /// [`BuildError::InvalidSetting`]; [`BuildError::NoSuchVertex`], [`BuildError::RepeatedVertex`], [`BuildError::InvalidStiffness`] for an element; [`BuildError::SettingsConflict`] for elements that are not a vector row.
+    /// [`BuildError::InvalidSetting`]; [`BuildError::NoSuchVertex`]; [`BuildError::SettingsConflict`] for elements that are not a vector row.
     pub fn build(self) -> Result<SingleXpbd, BuildError> {
         if let Some(error) = self.error {
             return Err(error);

@@ -6,7 +6,6 @@ mod counting_allocator;
 mod sheet;
 
 use cloth_core::cloth::ClothModel;
-use cloth_core::element::{Constraint, Element, Row, VectorRow};
 use cloth_core::energy::{Attachment, Spring, StvkTriangle};
 use cloth_core::math::{Real, Vec3};
 use cloth_core::measure::{angular_momentum, linear_momentum};
@@ -169,32 +168,6 @@ fn an_attachment_pulls_to_its_place_wherever_that_is() {
     assert!(left < 1e-5, "{left:e}");
 }
 
-/// A vector row that names a vertex twice.
-#[derive(Clone, Copy, Debug)]
-struct Fold;
-
-impl Element<2> for Fold {
-    fn vertices(&self) -> [u32; 2] {
-        [1, 1]
-    }
-}
-
-impl Constraint<2> for Fold {
-    type Rows = [Row<2>; 3];
-
-    fn rows(&self, x: &[Vec3; 2]) -> [Row<2>; 3] {
-        self.vector_row().unwrap().rows(x)
-    }
-
-    fn vector_row(&self) -> Option<VectorRow<2>> {
-        Some(VectorRow {
-            coefficients: [1.0, -1.0],
-            target: Vec3::zeros(),
-            stiffness: 1.0,
-        })
-    }
-}
-
 #[test]
 fn what_it_cannot_take_is_refused_by_name() {
     let (mesh, model) = sheet::held_sheet(3, 1e4);
@@ -213,24 +186,6 @@ fn what_it_cannot_take_is_refused_by_name() {
     };
     let error = builder().springs(&[far]).build().unwrap_err();
     assert!(matches!(error, BuildError::NoSuchVertex { vertex: 9, .. }));
-    let folded = Spring {
-        vertices: [1, 1],
-        ..far
-    };
-    let twice = BuildError::RepeatedVertex {
-        element: 0,
-        vertex: 1,
-    };
-    assert_eq!(builder().springs(&[folded]).build().unwrap_err(), twice);
-    let error = builder().vector_rows(&[Fold]).build().unwrap_err();
-    assert_eq!(error, twice);
-    let negative = Spring {
-        vertices: [0, 1],
-        stiffness: -2.0,
-        ..far
-    };
-    let error = builder().springs(&[negative]).build().unwrap_err();
-    assert!(matches!(error, BuildError::InvalidStiffness { .. }));
     for (iterations, substeps) in [(0, 1), (1, 0)] {
         let config = SingleConfig {
             iterations,

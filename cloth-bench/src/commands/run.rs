@@ -213,7 +213,7 @@ fn simulate(
                     ("scene", json!(scene.name)),
                     ("method", json!(method.name)),
                     ("vertices", json!(vertices)),
-                    ("steps", json!(state.steps)),
+                    ("steps", json!(state.steps / u64::from(scene.parts()))),
                     ("finite", json!(state.first_non_finite().is_none())),
                     ("error", json!(error.to_string())),
                 ],
@@ -244,6 +244,8 @@ fn simulate(
         ("elastic_energy", json!(summary.elastic_energy)),
         ("gravity_energy", json!(summary.gravity_energy)),
         ("potential_energy", json!(summary.potential_energy)),
+        ("energy_excess", json!(summary.energy_excess)),
+        ("energy_given", json!(summary.energy_given)),
         ("center_of_mass_drop", json!(summary.center_of_mass_drop)),
         ("intersections", json!(summary.intersections)),
         ("min_distance", json!(summary.min_distance)),
@@ -278,7 +280,17 @@ fn simulate(
             &render(&surfaces, &view(scene)).map_err(BenchError::failed)?,
         )?;
     }
-    print_pairs(arguments.json, &pairs)
+    if let Some(warning) = summary.energy_warning() {
+        eprintln!("warning: {warning}");
+    }
+    let failure = summary.energy_gain.map(BenchError::failed);
+    pairs.extend(
+        failure
+            .iter()
+            .map(|error| ("error", json!(error.to_string()))),
+    );
+    print_pairs(arguments.json, &pairs)?;
+    failure.map_or(Ok(()), Err)
 }
 
 /// One step of the method beside the minimiser that implicit Euler aims at.

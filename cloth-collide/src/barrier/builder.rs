@@ -5,7 +5,7 @@ use super::minimise::Minimiser;
 use super::terms::Terms;
 use crate::closest::point_triangle;
 use crate::incidence::{edge_numbers, facing};
-use crate::obstacle::{ObstacleContacts, PenaltyLaw};
+use crate::obstacle::{BodyWork, ObstacleContacts, PenaltyLaw};
 use crate::separation::SeparationProbe;
 use cloth_core::math::{Real, Vec3, gather};
 use cloth_core::mesh::TriMesh;
@@ -121,6 +121,7 @@ impl<'a> BarrierBuilder<'a> {
             safe: vec![unknown; self.mesh.vertex_count()],
             accuracy: self.accuracy,
             most_iterations: self.most_iterations,
+            work: BodyWork::default(),
             report: BarrierReport {
                 outcome: Outcome::Converged,
                 newton_steps: 0,

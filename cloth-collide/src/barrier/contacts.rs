@@ -3,7 +3,7 @@
 use super::builder::BarrierBuilder;
 use super::minimise::{Minimiser, Stuck};
 use crate::error::CollideError;
-use crate::obstacle::ObstacleContacts;
+use crate::obstacle::{BodyWork, ObstacleContacts};
 use crate::separation::SeparationProbe;
 use cloth_core::contact::{ContactError, ContactSource, ContactStep};
 use cloth_core::math::{Real, Vec3};
@@ -43,6 +43,7 @@ pub struct BarrierContacts {
     pub(super) safe: Vec<Vec3>,
     pub(super) accuracy: Real,
     pub(super) most_iterations: u32,
+    pub(super) work: BodyWork,
     pub(super) report: BarrierReport,
 }
 
@@ -132,6 +133,7 @@ impl ContactSource for BarrierContacts {
         velocities: &mut [Vec3],
     ) -> Result<(), ContactError> {
         self.check(step, positions, velocities)?;
+        self.work.begin(self.obstacles.as_ref(), velocities);
         let outcome = self
             .minimise(step, positions)
             .map_err(|stuck| match stuck {
@@ -150,6 +152,8 @@ impl ContactSource for BarrierContacts {
         }
         // A way over a time may be beyond all numbers.
         step.check(self.safe.len(), positions, velocities)?;
+        let bodies = self.obstacles.as_ref();
+        self.work.end(bodies, step, positions, velocities);
         // A copy has already been there, so nothing goes wrong here.
         let obstacles = self.obstacles.iter_mut();
         for obstacle in obstacles.flat_map(ObstacleContacts::obstacles_mut) {
@@ -166,6 +170,14 @@ impl ContactSource for BarrierContacts {
             contacts: self.minimiser.contact_count(),
         };
         Ok(())
+    }
+
+    fn work(&self) -> Real {
+        self.work.work()
+    }
+
+    fn potential_energy(&self) -> Real {
+        self.minimiser.barriers(&self.safe)
     }
 
     /// All vertices where the search for the minimum was cut short.

@@ -107,6 +107,7 @@ impl ContactsBuilder<'_> {
             ways: vec![Vec3::zeros(); count],
             hold: super::Hold::default(),
             memory: super::Memory::default(),
+            work: crate::obstacle::BodyWork::default(),
             report: super::ContactReport::default(),
         })
     }

@@ -73,8 +73,10 @@ impl<S: Settings> Builder<S> {
     /// The solver.
     ///
     /// # Errors
-    /// [`BuildError::InvalidSetting`]; [`BuildError::NoSuchVertex`], [`BuildError::RepeatedVertex`] if an element names a vertex that the particles do not have, or one twice;
-    /// [`BuildError::InvalidStiffness`].
+    /// [`BuildError::InvalidSetting`]; [`BuildError::NoSuchVertex`] if an element names a vertex that the particles do not have.
+    ///
+    /// # Panics
+    /// If an element of a coloured sweep names a vertex twice.
     pub fn build(self) -> Result<S::Solver, BuildError> {
         let (iterations, substeps, sweep) = self.settings.pace();
         at_least_one("the number of iterations", iterations)?;

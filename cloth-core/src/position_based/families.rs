@@ -7,7 +7,7 @@ use super::rule::{RowAt, RowView, Rule};
 use super::{Acceleration, Sweep};
 use crate::coloring::Colored;
 use crate::element::{Constraint, RowArray};
-use crate::family::check_constraints;
+use crate::family::check_vertices;
 use crate::math::{Real, Vec3, gather};
 use crate::step::BuildError;
 use std::fmt::Debug;
@@ -239,12 +239,15 @@ impl<R: Rule> Families<R> {
     /// Adds a family to be visited after those that are there.
     ///
     /// # Errors
-    /// [`BuildError::NoSuchVertex`], [`BuildError::RepeatedVertex`] if an element names a vertex that does not exist, or one twice; [`BuildError::InvalidStiffness`].
+    /// [`BuildError::NoSuchVertex`] if an element names a vertex that does not exist.
+    ///
+    /// # Panics
+    /// If an element of a coloured sweep names a vertex twice.
     pub fn add<const N: usize, E: Constraint<N>>(
         &mut self,
         elements: &[E],
     ) -> Result<(), BuildError> {
-        check_constraints(elements, self.vertex_count)?;
+        check_vertices(elements, self.vertex_count)?;
         let memory = vec![E::Rows::per_row(R::Memory::default()); elements.len()];
         let elements = match self.sweep {
             Sweep::Colored => Colored::new(elements, self.vertex_count),

@@ -2,11 +2,15 @@
 //!
 //! Two signs. The step is beyond the stable one: known before any harm is done, but only as well as the estimate is fresh.
 //! The cloth has more kinetic energy than it can have: `K ≤ (K + E)₀ + W`, with `W` the work of gravity,
-//! load and pins; exact solutions obey, and a run that breaks it by a large factor has
+//! load, pins and moving bodies; exact solutions obey, and a run that breaks it by a large factor has
 //! blown up, whatever the reason.
+//!
+//! The account goes on where contact has changed the end of a step. Contact with what does not move takes energy or leaves it, so all that contact is credited with is the
+//! work of bodies ([`ContactSource::work`]): stretch that it leaves by moving vertices apart is energy from nowhere, and counts as such when it becomes motion.
 
 use super::{Parts, Tally, Trouble};
 use crate::stability::Spectrum;
+use cloth_core::contact::ContactSource;
 use cloth_core::math::{Real, Vec3};
 use cloth_core::measure::kinetic_energy;
 use cloth_core::particles::Particles;
@@ -71,7 +75,19 @@ impl Watch {
         self.most_given = self.given;
     }
 
-    pub(super) fn end(&mut self, parts: &Parts, positions: &[Vec3], velocities: &[Vec3]) {
+    /// Notes the state that a step leaves, after `contacts` have changed it.
+    pub(super) fn end(
+        &mut self,
+        parts: &Parts,
+        positions: &[Vec3],
+        velocities: &[Vec3],
+        contacts: Option<&dyn ContactSource>,
+    ) {
+        if let Some(contacts) = contacts {
+            self.given += contacts.work();
+            // Springs may have been stretched.
+            self.age = None;
+        }
         self.left = Some(fingerprint(&parts.particles, positions, velocities));
     }
 
@@ -108,7 +124,7 @@ impl Watch {
 
     /// Enters what a substep did into the account.
     pub(super) fn account(&mut self, tally: &Tally) -> Result<(), Trouble> {
-        self.given += tally.work;
+        self.given += tally.work + tally.pin_work;
         self.most_given = self.most_given.max(self.given);
         self.age = self.age.map(|age| age + 1);
         if tally.kinetic > GROWTH * self.kinetic {
@@ -116,7 +132,10 @@ impl Watch {
             self.age = None;
         }
         if tally.kinetic > GAIN * self.most_given {
-            return Err(Trouble::Gain);
+            return Err(Trouble::Gain {
+                kinetic: tally.kinetic,
+                given: self.most_given,
+            });
         }
         Ok(())
     }

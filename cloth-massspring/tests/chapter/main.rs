@@ -1,6 +1,7 @@
 //! The claims of the chapter, by topic.
 
 mod conservation;
+mod contact;
 mod damping;
 mod linear;
 mod newton;

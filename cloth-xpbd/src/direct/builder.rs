@@ -50,8 +50,7 @@ impl DirectBuilder {
     /// The solver: the pattern is made and analysed here, once.
     ///
     /// # Errors
-    /// [`BuildError::InvalidSetting`]; [`BuildError::NoSuchVertex`], [`BuildError::RepeatedVertex`] if an element names a vertex that the particles do not have, or one twice;
-    /// [`BuildError::InvalidStiffness`]; [`BuildError::MatrixTooLarge`].
+    /// [`BuildError::InvalidSetting`]; [`BuildError::NoSuchVertex`] if an element names a vertex that the particles do not have; [`BuildError::MatrixTooLarge`].
     pub fn build(self) -> Result<DirectXpbd, BuildError> {
         let config = self.config;
         check(

@@ -2,7 +2,7 @@
 
 use cloth_core::block_matrix::{BlockMatrix, BlockPattern, PatternBuilder};
 use cloth_core::element::{Constraint, Convexity, RowArray};
-use cloth_core::family::check_constraints;
+use cloth_core::family::check_vertices;
 use cloth_core::math::{Real, Vec3, gather};
 use cloth_core::step::BuildError;
 use std::fmt::Debug;
@@ -82,12 +82,12 @@ struct Family<const N: usize, E> {
 /// A family behind its door.
 ///
 /// # Errors
-/// [`BuildError::NoSuchVertex`], [`BuildError::RepeatedVertex`], [`BuildError::InvalidStiffness`].
+/// [`BuildError::NoSuchVertex`].
 pub(super) fn family<const N: usize, E: Constraint<N>>(
     elements: Vec<E>,
     vertex_count: usize,
 ) -> Result<Box<dyn RowFamily>, BuildError> {
-    check_constraints(&elements, vertex_count)?;
+    check_vertices(&elements, vertex_count)?;
     Ok(Box::new(Family {
         elements,
         slots: Vec::new(),

@@ -1,0 +1,82 @@
+//! What the program says of energy from nowhere.
+
+use serde_json::Value;
+use std::process::Command;
+
+/// Exit code, the JSON object and what is said on standard error.
+fn run(arguments: &str) -> (i32, Value, String) {
+    let output = Command::new(env!("CARGO_BIN_EXE_cloth-bench"))
+        .args(["run", "--json"].into_iter().chain(arguments.split(' ')))
+        .output()
+        .expect("the program runs");
+    let code = output.status.code().expect("an exit code");
+    let object = serde_json::from_slice(&output.stdout).expect("one JSON object");
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    (code, object, said)
+}
+
+#[test]
+fn explicit_methods_end_where_contact_gives_them_energy() {
+    for (arguments, step, words) in [
+        (
+            "drape-sphere --n 9 --method explicit-euler --dt 0.004166666666666667 --steps 10",
+            "step 8 ",
+            "unstable",
+        ),
+        (
+            "drape-sphere --n 9 --method symplectic-euler --set stiffness=1e8 --steps 10",
+            "step 5 ",
+            "was never given more than",
+        ),
+        (
+            "drape-sphere --n 9 --method symplectic-euler --dt 0.1 --steps 10",
+            "step 4 ",
+            "was never given more than",
+        ),
+    ] {
+        let (code, object, said) = run(arguments);
+        assert_eq!(code, 1, "{arguments}");
+        assert!(said.contains(step) && said.contains(words), "{said}");
+        assert!(said.contains(object["error"].as_str().unwrap()), "{object}");
+    }
+}
+
+#[test]
+fn motion_that_nothing_gave_fails_the_run_with_its_step() {
+    let (code, object, said) =
+        run("hang --n 17 --method linear-implicit --set stiffness=1e8 --dt 0.1 --steps 5");
+    assert_eq!(code, 1);
+    assert!(said.contains("after step 2 "), "{said}");
+    assert!(said.contains(object["error"].as_str().unwrap()), "{object}");
+    let [excess, given] = ["energy_excess", "energy_given"].map(|key| object[key].as_f64());
+    assert!(excess > Some(1e9) && given < Some(1.0), "{object}");
+    assert_eq!(object["steps"], 5, "the run goes on to its end");
+}
+
+#[test]
+fn stretch_that_is_left_is_a_warning_and_a_number() {
+    for arguments in [
+        "hang --n 9 --method xpbd-direct --set stiffness=1e8 --dt 1 --steps 5",
+        "hang --n 17 --method xpbd --dt 1 --steps 5",
+    ] {
+        let (code, object, said) = run(arguments);
+        assert_eq!(code, 0, "{said}");
+        let excess = object["energy_excess"].as_f64();
+        assert!(excess > Some(1e4), "{arguments}: {excess:?}");
+        assert!(said.contains("warning: energy from nowhere"), "{said}");
+    }
+}
+
+#[test]
+fn a_run_without_gain_says_nothing() {
+    for method in ["implicit-euler", "pd", "xpbd-direct"] {
+        let (code, object, said) = run(&format!("hang --n 9 --method {method} --steps 30"));
+        assert_eq!((code, &object["energy_excess"]), (0, &Value::from(0.0)));
+        assert!(!said.contains("warning"), "{said}");
+    }
+    // Symplectic Euler holds more and less in turns, within what is no gain.
+    let (code, object, said) = run("hang --n 9 --method symplectic-euler --steps 120");
+    assert!(code == 0 && !said.contains("warning"), "{said}");
+    let [excess, given] = ["energy_excess", "energy_given"].map(|key| object[key].as_f64());
+    assert!(excess.unwrap() < 0.005 * given.unwrap(), "{object}");
+}

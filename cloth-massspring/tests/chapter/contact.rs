@@ -1,0 +1,109 @@
+//! The guard of the explicit integrators where contact changes the end of a step.
+
+use cloth_core::contact::{ContactError, ContactSource, ContactStep};
+use cloth_core::energy::Spring;
+use cloth_core::math::{Real, Vec3};
+use cloth_core::particles::{Particles, State};
+use cloth_core::step::{StepError, StepInput, Stepper};
+use cloth_massspring::{ExplicitEuler, SymplecticEuler};
+
+/// Pulls vertex 1 away from vertex 0, for ever.
+struct Pull {
+    /// By so much a step (m).
+    way: Real,
+    /// And by so much faster (m/s).
+    push: Real,
+    /// Whether it is a body that does it, and says what work that is.
+    is_body: bool,
+    work: Real,
+}
+
+impl ContactSource for Pull {
+    fn resolve(
+        &mut self,
+        step: &ContactStep<'_>,
+        positions: &mut [Vec3],
+        velocities: &mut [Vec3],
+    ) -> Result<(), ContactError> {
+        let before = velocities[1].norm_squared();
+        positions[1].x += self.way;
+        velocities[1].x += self.push;
+        let gained = velocities[1].norm_squared() - before;
+        if self.is_body {
+            self.work = 0.5 * gained / step.inverse_mass[1];
+        }
+        Ok(())
+    }
+
+    fn work(&self) -> Real {
+        self.work
+    }
+}
+
+const PULL: Pull = Pull {
+    way: 0.0,
+    push: 0.0,
+    is_body: false,
+    work: 0.0,
+};
+
+/// How a run of 1000 steps at a twentieth of the stable one ends: with one mass of 1 kg on a spring of 100 N/m and 1 m.
+fn end(solver: &mut dyn Stepper, mut contact: Pull) -> Result<(), StepError> {
+    let mut state = State::at_rest(vec![Vec3::zeros(), Vec3::x()]);
+    for _ in 0..1000 {
+        solver.step(&mut state, StepInput::new(0.01).contacts(&mut contact))?;
+    }
+    Ok(())
+}
+
+fn solvers() -> (SymplecticEuler, ExplicitEuler) {
+    let mut particles = Particles::new(vec![1.0; 2]).unwrap();
+    particles.prescribe(0).unwrap();
+    let spring = || {
+        vec![Spring {
+            vertices: [0, 1],
+            rest_length: 1.0,
+            stiffness: 100.0,
+        }]
+    };
+    let symplectic = SymplecticEuler::builder(&particles);
+    let forward = ExplicitEuler::builder(&particles);
+    (
+        symplectic.energy(spring()).unwrap().build().unwrap(),
+        forward.energy(spring()).unwrap().build().unwrap(),
+    )
+}
+
+#[test]
+fn motion_out_of_stretch_that_contact_leaves_ends_the_run() {
+    let stretch = || Pull { way: 1e-3, ..PULL };
+    let (mut symplectic, mut forward) = solvers();
+    // Pulled by a on from step to step, the mass swings about a way of a/(Δt² ω²) = 0.1 m, with no more than ½ k (0.1 m)² = 0.5 J.
+    let error = end(&mut symplectic, stretch()).unwrap_err();
+    let StepError::EnergyGain { kinetic, given, .. } = error else {
+        panic!("{error}")
+    };
+    assert!(kinetic < 1.0 && kinetic > 99.0 * given, "{error}");
+    let error = end(&mut forward, stretch()).unwrap_err();
+    assert!(matches!(error, StepError::Unstable { .. }), "{error}");
+}
+
+#[test]
+fn motion_that_a_body_pays_for_goes_on() {
+    let push = |is_body| Pull {
+        push: 0.1,
+        is_body,
+        ..PULL
+    };
+    let (mut symplectic, _) = solvers();
+    end(&mut symplectic, push(true)).unwrap();
+    let (mut symplectic, _) = solvers();
+    let error = end(&mut symplectic, push(false)).unwrap_err();
+    assert!(matches!(error, StepError::EnergyGain { .. }), "{error}");
+}
+
+#[test]
+fn contact_that_does_nothing_changes_nothing() {
+    let (mut symplectic, _) = solvers();
+    end(&mut symplectic, PULL).unwrap();
+}
