@@ -11,6 +11,8 @@ mod study;
 use crate::error::BenchError;
 use crate::files;
 use clap::Subcommand;
+use std::sync::mpsc::{self, RecvTimeoutError};
+use std::time::{Duration, Instant};
 
 /// What the program is asked to do.
 #[derive(Debug, Subcommand)]
@@ -40,11 +42,36 @@ pub fn execute(command: &Command) -> Result<(), BenchError> {
         Command::Study(arguments) => study::execute(arguments),
         Command::Merge(arguments) => merge::execute(arguments),
         Command::Run(arguments) => run::execute(arguments),
-        Command::Locking(arguments) => locking::execute(arguments),
-        Command::Ccd(arguments) => ccd::execute(arguments),
-        Command::Law(arguments) => law::execute(arguments),
+        Command::Locking(arguments) => patiently(|| locking::execute(arguments)),
+        Command::Ccd(arguments) => patiently(|| ccd::execute(arguments)),
+        Command::Law(arguments) => patiently(|| law::execute(arguments)),
         Command::List(arguments) => list::execute(arguments),
     }
+}
+
+/// What takes longer than this says so on standard error, again and again.
+const PATIENCE: Duration = Duration::from_secs(10);
+
+/// Does `work` that has no progress to show, and says how long it has been at it.
+fn patiently<T>(work: impl FnOnce() -> T) -> T {
+    let started = Instant::now();
+    let say = || eprintln!("at work for {:.0} s", started.elapsed().as_secs_f64());
+    while_saying(PATIENCE, say, work)
+}
+
+/// Does `work`, and lets another thread `say` something after every `interval` that it takes.
+fn while_saying<T>(interval: Duration, say: impl Fn() + Send, work: impl FnOnce() -> T) -> T {
+    let (done, is_done) = mpsc::channel::<()>();
+    std::thread::scope(|scope| {
+        scope.spawn(move || {
+            while is_done.recv_timeout(interval) == Err(RecvTimeoutError::Timeout) {
+                say();
+            }
+        });
+        // Dropped when the work has ended, in a panic too.
+        let _done = done;
+        work()
+    })
 }
 
 /// Writes to standard output; a closed pipe is no error.
@@ -82,4 +109,25 @@ fn print_pairs(json: bool, pairs: &[(&str, serde_json::Value)]) -> Result<(), Be
         value => format!("{name:width$}  {value}"),
     };
     print(&pairs.iter().map(line).collect::<Vec<_>>().join("\n"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::atomic::{AtomicU32, Ordering};
+
+    #[test]
+    fn long_work_is_spoken_of_until_it_ends() {
+        let said = AtomicU32::new(0);
+        let say = || {
+            said.fetch_add(1, Ordering::Relaxed);
+        };
+        let result = while_saying(Duration::from_millis(1), say, || {
+            while said.load(Ordering::Relaxed) < 3 {
+                std::thread::yield_now();
+            }
+            7
+        });
+        assert_eq!(result, 7);
+    }
 }

@@ -76,6 +76,18 @@ impl Verdict {
     }
 }
 
+/// Refuses values with which a check would take minutes. `operations` are about those on numbers, by a formula of the law.
+fn within_reach(operations: Real) -> Result<(), BenchError> {
+    /// Some ten seconds of one core.
+    const MOST: Real = 2e10;
+    if operations <= MOST {
+        return Ok(());
+    }
+    Err(BenchError::Usage(format!(
+        "these values take some {operations:.0e} operations, but a law is checked with at most {MOST:.0e}: give smaller counts"
+    )))
+}
+
 /// Where rounding can do more than this (relative), a comparison says nothing.
 const MOST_ROUNDING: Real = 1e-3;
 

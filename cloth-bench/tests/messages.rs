@@ -159,6 +159,54 @@ fn a_key_set_twice_is_refused() {
     );
 }
 
+/// At their largest values the laws would take days.
+#[test]
+fn work_without_end_is_refused() {
+    for (law, pair) in [
+        ("xpbd-constraint", "iterations=4000000000"),
+        ("pbd-constraint", "iterations=4000000000"),
+        ("xpbd-damping", "iterations=4000000000"),
+        ("support-force", "links=10000"),
+        ("xpbd-compliance", "iterations=4000000000"),
+        ("direct-step", "links=10000000"),
+        ("sag", "links=10000"),
+        ("sag", "iterations=100000000"),
+        ("hanging-chain", "links=999999"),
+        ("catenary", "links=4000000000"),
+        ("pendulum", "steps=4000000000"),
+        ("chain-swing", "links=10000"),
+        ("chain-swing", "steps=4000000000"),
+        ("chain-rate", "links=4000000000"),
+        ("free-fall", "steps=1000000"),
+        ("free-fall", "n=500"),
+        ("same-minimum", "n=100"),
+        ("lateral-buckling", "across=33"),
+        ("incline", "steps=4000000000"),
+        ("bounce", "bounces=4000000000"),
+    ] {
+        refused(
+            &["law", law, "--set", pair],
+            2,
+            &["operations", "smaller counts"],
+        );
+    }
+    let run = [
+        "run",
+        "hang",
+        "--n",
+        "5",
+        "--method",
+        "xpbd",
+        "--time-limit",
+    ];
+    refused(
+        &[&run[..], &["1e-9"]].concat(),
+        1,
+        &["time limit", "after step 1 of 300"],
+    );
+    refused(&[&run[..], &["0"]].concat(), 2, &["--time-limit is 0 s"]);
+}
+
 #[test]
 fn the_help_says_what_the_energies_hold() {
     let help = program(&["run", "--help"]);

@@ -1,6 +1,6 @@
 //! `cloth-bench run SCENE --method M`
 
-use super::{print_pairs, write_file};
+use super::{PATIENCE, print_pairs, while_saying, write_file};
 use crate::error::BenchError;
 use crate::export::{Export, Format};
 use crate::memory;
@@ -12,11 +12,12 @@ use crate::settings::{Parameter, Settings};
 use crate::yardstick::StepProblem;
 use clap::Args;
 use cloth_core::math::{Real, Vec3};
-use cloth_core::step::Stepper;
-use indicatif::ProgressBar;
+use cloth_core::particles::State;
+use cloth_core::step::{StepReport, Stepper};
+use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 /// What the numbers mean whose names do not say it.
 const NUMBERS: &str = "\
@@ -48,6 +49,9 @@ pub struct Arguments {
     /// Step size (s)
     #[arg(long, allow_negative_numbers = true)]
     dt: Option<Real>,
+    /// Ends the run as failed once it has taken this long (s); asked after every step
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
+    time_limit: Option<Real>,
     /// Number of threads; all cores if not given
     #[arg(long)]
     threads: Option<usize>,
@@ -119,6 +123,13 @@ pub(super) fn execute(arguments: &Arguments) -> Result<(), BenchError> {
             "--dt is {dt} s, but it has to be a positive finite number"
         )));
     }
+    if let Some(limit) = arguments.time_limit
+        && (limit <= 0.0 || limit.is_nan())
+    {
+        return Err(BenchError::Usage(format!(
+            "--time-limit is {limit} s, but it has to be above zero"
+        )));
+    }
     let steps = arguments.steps.unwrap_or(scene.steps);
     if arguments.picture.is_some() || arguments.export.is_some() {
         scene.mesh.as_ref().ok_or_else(|| {
@@ -176,30 +187,39 @@ fn simulate(
         )?),
         None => None,
     };
-    let bar = ProgressBar::new(u64::from(steps));
+    let bar = progress_bar(steps);
     let mut state = scene.start.clone();
     let mut watch = arguments.watch.then(|| SeparationWatch::new(scene));
-    let finished = run(
-        scene,
-        &mut *stepper,
-        &mut state,
-        dt,
-        steps,
-        |step, state, _| {
-            bar.inc(1);
-            if step == steps {
-                // Before what is only measured afterwards takes memory too.
-                peak_memory = memory::peak();
-            }
-            if let Some(watch) = &mut watch {
-                watch.look(state)?;
-            }
-            match &mut export {
-                Some(export) => export.after(step, state),
-                None => Ok(()),
-            }
-        },
-    );
+    let after = |step: u32, state: &State, _: &StepReport| {
+        bar.inc(1);
+        if step == steps {
+            // Before what is only measured afterwards takes memory too.
+            peak_memory = memory::peak();
+        }
+        if let Some(watch) = &mut watch {
+            watch.look(state)?;
+        }
+        if let Some(export) = &mut export {
+            export.after(step, state)?;
+        }
+        let limit = arguments.time_limit.unwrap_or(Real::INFINITY);
+        if step < steps && begun.elapsed().as_secs_f64() > limit {
+            return Err(BenchError::Failed(format!(
+                "the time limit of {limit} s is over after step {step} of {steps}"
+            )));
+        }
+        Ok(())
+    };
+    let say = || {
+        // On a terminal the bar says it.
+        if bar.is_hidden() {
+            let [step, seconds] = [bar.position(), begun.elapsed().as_secs()];
+            eprintln!("{step} of {steps} steps in {seconds} s");
+        }
+    };
+    let finished = while_saying(PATIENCE, say, || {
+        run(scene, &mut *stepper, &mut state, dt, steps, after)
+    });
     bar.finish_and_clear();
     // Of a run that failed too: what came before the failure may show why.
     let exported = export.map(Export::finish).transpose();
@@ -291,6 +311,15 @@ fn simulate(
     );
     print_pairs(arguments.json, &pairs)?;
     failure.map_or(Ok(()), Err)
+}
+
+/// It ticks, so that a long step shows as one.
+fn progress_bar(steps: u32) -> ProgressBar {
+    let style = ProgressStyle::with_template("{bar:30} {pos}/{len} steps, {elapsed}, {eta} left");
+    let bar = ProgressBar::new(u64::from(steps))
+        .with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
+    bar.enable_steady_tick(Duration::from_secs(1));
+    bar
 }
 
 /// One step of the method beside the minimiser that implicit Euler aims at.

@@ -23,7 +23,7 @@
 
 use super::models::{MODEL, MODEL_NAMES, Model};
 use super::strip::{Shape, Strip};
-use super::{Law, Verdict};
+use super::{Law, Verdict, within_reach};
 use crate::error::BenchError;
 use crate::settings::{Parameter, Settings, parameter};
 use cloth_core::block_matrix::BlockMatrix;
@@ -186,7 +186,9 @@ fn critical(model: Model, shape: Shape) -> Result<Real, BenchError> {
 
 fn lateral_buckling(settings: &Settings) -> Result<Verdict, BenchError> {
     let model = settings.choice(&MODEL, &MODEL_NAMES)?;
-    let across = settings.count(&ACROSS, 5)? as usize;
+    let across = settings.count(&ACROSS, 5)?;
+    within_reach(1.5e6 * Real::from(across).powi(3))?;
+    let across = across as usize;
     let slenderness = settings.positive(&SLENDERNESS)?;
     if across.is_multiple_of(2) {
         return Err(BenchError::Usage(format!(

@@ -1,6 +1,6 @@
 //! The catenary of a chain of elastic links, which is exact for springs and masses (VALIDATION 2).
 
-use super::{Law, Verdict};
+use super::{Law, Verdict, within_reach};
 use crate::error::BenchError;
 use crate::settings::{Parameter, Settings, parameter};
 use cloth_core::energy::Spring;
@@ -121,8 +121,10 @@ impl Chain {
 
 fn catenary(settings: &Settings) -> Result<Verdict, BenchError> {
     let mass = settings.positive(&MASS)?;
+    let links = settings.count(&LINKS, 2)?;
+    within_reach(1e4 * Real::from(links))?;
     let chain = Chain {
-        links: settings.count(&LINKS, 2)? as usize,
+        links: links as usize,
         ends: Vector2::new(settings.positive(&SPAN)?, settings.number(&DROP)?),
         stiffness: settings.positive(&STIFFNESS)?,
         weight: mass * GRAVITY,

@@ -1,7 +1,7 @@
 //! How fast the sweeps over a straight chain of rigid links converge (VALIDATION 5).
 
 use super::chains::{LINKS, chain};
-use super::{Law, Verdict};
+use super::{Law, Verdict, within_reach};
 use crate::error::BenchError;
 use crate::settings::{Parameter, Settings, parameter};
 use cloth_core::math::{Real, Vec3};
@@ -129,6 +129,7 @@ impl Observer for Watch<'_> {
 
 fn chain_rate(settings: &Settings) -> Result<Verdict, BenchError> {
     let links = settings.count(&LINKS, 2)?;
+    within_reach(2e3 * Real::from(links))?;
     let (solver, by_pbd) = settings.choice(
         &SOLVER,
         &[

@@ -1,6 +1,6 @@
 //! Chains: how far a chain sags, how it hangs (VALIDATION 2, 5).
 
-use super::{Law, Verdict};
+use super::{Law, Verdict, within_reach};
 use crate::error::BenchError;
 use crate::settings::{Parameter, Settings, parameter};
 use cloth_core::energy::Spring;
@@ -64,9 +64,13 @@ pub(super) fn chain(
 const MOST_STEPS: u32 = 100_000;
 
 fn sag(settings: &Settings) -> Result<Verdict, BenchError> {
-    let links = settings.count(&LINKS, 1)? as usize;
+    let links = settings.count(&LINKS, 1)?;
     let substeps = settings.count(&SUBSTEPS, 1)?;
     let iterations = settings.count(&ITERATIONS, 1)?;
+    let [n, of_substeps, sweeps] = [links, substeps, iterations].map(Real::from);
+    // The matrix of the sweeps is made one sweep after the other.
+    within_reach(n.powi(3) * (sweeps + 10.0) + 30.0 * n * of_substeps * sweeps)?;
+    let links = links as usize;
     let tip = settings.positive(&TIP_MASS)?;
     let mut masses = vec![1.0; links + 1];
     masses[links] = tip;
@@ -199,7 +203,9 @@ impl SweepMatrix {
 }
 
 fn hanging_chain(settings: &Settings) -> Result<Verdict, BenchError> {
-    let links = settings.count(&LINKS, 1)? as usize;
+    let links = settings.count(&LINKS, 1)?;
+    within_reach(2e6 * Real::from(links))?;
+    let links = links as usize;
     let k = settings.positive(&STIFFNESS)?;
     let m = settings.positive(&MASS)?;
     let extra = settings.number(&EXTRA)?;

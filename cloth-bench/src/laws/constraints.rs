@@ -1,6 +1,6 @@
 //! How stiff one constraint is, as simulated (VALIDATION 5).
 
-use super::{Law, Verdict};
+use super::{Law, Verdict, within_reach};
 use crate::error::BenchError;
 use crate::settings::{Parameter, Settings, parameter};
 use cloth_core::energy::Spring;
@@ -82,10 +82,12 @@ impl Stretched {
 fn xpbd_constraint(settings: &Settings) -> Result<Verdict, BenchError> {
     let k = settings.positive(&STIFFNESS)?;
     let stretched = Stretched::new(k)?;
+    let iterations = settings.count(&ITERATIONS, 1)?;
+    within_reach(100.0 * Real::from(iterations))?;
     let mut solver = XpbdSolver::builder(&stretched.particles)
         .energy(vec![stretched.spring])
         .config(XpbdConfig {
-            iterations: settings.count(&ITERATIONS, 1)?,
+            iterations,
             substeps: 1,
             ..Default::default()
         })
@@ -109,6 +111,7 @@ fn pbd_constraint(settings: &Settings) -> Result<Verdict, BenchError> {
         )));
     }
     let iterations = settings.count(&ITERATIONS, 1)?;
+    within_reach(100.0 * Real::from(iterations))?;
     let dt = settings.positive(&DT)?;
     let stretched = Stretched::new(1.0)?;
     let mut solver = PbdSolver::builder(&stretched.particles)

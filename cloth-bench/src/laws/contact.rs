@@ -1,6 +1,6 @@
 //! One mass and one plane (VALIDATION 7).
 
-use super::{Law, Verdict};
+use super::{Law, Verdict, within_reach};
 use crate::error::BenchError;
 use crate::settings::{Parameter, Settings, parameter};
 use cloth_collide::obstacle::{
@@ -60,6 +60,7 @@ fn incline(settings: &Settings) -> Result<Verdict, BenchError> {
     let friction = settings.number(&FRICTION)?;
     let law = ImpactLaw::new(friction, 0.0).map_err(BenchError::usage)?;
     let steps = settings.count(&STEPS, 1)?;
+    within_reach(1e3 * Real::from(steps))?;
     let angle = degrees.to_radians();
     let plane = Obstacle::new(HalfSpace::inclined(angle).map_err(BenchError::usage)?);
     let dt = 1.0 / 60.0;
@@ -93,6 +94,7 @@ fn bounce(settings: &Settings) -> Result<Verdict, BenchError> {
     let law = ImpactLaw::new(0.0, restitution).map_err(BenchError::usage)?;
     let height = settings.positive(&HEIGHT)?;
     let bounces = settings.count(&BOUNCES, 1)?;
+    within_reach(1e5 * Real::from(bounces))?;
     let floor = Obstacle::new(HalfSpace::new(Vec3::z()).map_err(BenchError::usage)?);
     // The nth rise ends at t₀ (1 + 2e + … + 2eⁿ⁻¹ + eⁿ), with the time t₀ of the first fall.
     let fall = (2.0 * height / GRAVITY).sqrt();

@@ -1,6 +1,6 @@
 //! Time integration: one oscillator, and free fall (VALIDATION 1).
 
-use super::{Law, Verdict};
+use super::{Law, Verdict, within_reach};
 use crate::error::BenchError;
 use crate::method::Method;
 use crate::scene;
@@ -251,9 +251,9 @@ fn two_step_map(z: Real) -> Result<(Real, Real), BenchError> {
 fn free_fall(settings: &Settings) -> Result<Verdict, BenchError> {
     let method = Method::find(settings.text(&METHOD))?;
     let steps = settings.count(&STEPS, 1)?;
-    let sheet = Settings::default()
-        .with("n", settings.count(&SIZE, 2)?)
-        .with("pins", "none");
+    let side = settings.count(&SIZE, 2)?;
+    within_reach(5e3 * Real::from(side).powi(2) * Real::from(steps))?;
+    let sheet = Settings::default().with("n", side).with("pins", "none");
     let scene = scene::build("drop", None, &sheet)?;
     let mut solver = method.build(&scene, &Settings::default(), scene.dt)?;
     let mut state = scene.start.clone();

@@ -1,6 +1,6 @@
 //! Degrees of freedom, and two methods with one minimum.
 
-use super::{Law, Verdict};
+use super::{Law, Verdict, within_reach};
 use crate::error::BenchError;
 use crate::mesh_spec;
 use crate::scene;
@@ -78,8 +78,10 @@ fn null_space(settings: &Settings) -> Result<Verdict, BenchError> {
 }
 
 fn same_minimum(settings: &Settings) -> Result<Verdict, BenchError> {
+    let side = settings.count(&SIZE, 2)?;
+    within_reach(1e3 * Real::from(side).powi(4))?;
     let settings = Settings::default()
-        .with(SIZE.name, settings.count(&SIZE, 2)?)
+        .with(SIZE.name, side)
         .with(STIFFNESS.name, settings.positive(&STIFFNESS)?);
     let scene = scene::build("hang", None, &settings)?;
     let input = || StepInput::new(scene.dt).gravity(scene.gravity);

@@ -1,6 +1,6 @@
 //! Swings: the pendulum at any angle, and the small swings of a chain (VALIDATION 2).
 
-use super::{Law, Verdict};
+use super::{Law, Verdict, within_reach};
 use crate::error::BenchError;
 use crate::settings::{Parameter, Settings, parameter};
 use cloth_core::energy::Spring;
@@ -140,6 +140,7 @@ fn pendulum(settings: &Settings) -> Result<Verdict, BenchError> {
     }
     let scheme = settings.choice(&METHOD, &SCHEMES)?;
     let steps = settings.count(&STEPS, 8)?;
+    within_reach(4e3 * Real::from(steps))?;
     let angle = angle.to_radians();
     let mut particles = Particles::new(vec![1.0; 2]).map_err(BenchError::failed)?;
     particles.prescribe(0).map_err(BenchError::failed)?;
@@ -158,7 +159,11 @@ fn pendulum(settings: &Settings) -> Result<Verdict, BenchError> {
 }
 
 fn chain_swing(settings: &Settings) -> Result<Verdict, BenchError> {
-    let links = settings.count(&LINKS, 1)? as usize;
+    let links = settings.count(&LINKS, 1)?;
+    let steps = settings.count(&STEPS, 8)?;
+    let (n, of_steps) = (Real::from(links), Real::from(steps));
+    within_reach(10.0 * n.powi(3) + 2e3 * n * of_steps)?;
+    let links = links as usize;
     let mode = settings.count(&MODE, 1)? as usize;
     if mode > links {
         return Err(BenchError::Usage(format!(
@@ -166,7 +171,6 @@ fn chain_swing(settings: &Settings) -> Result<Verdict, BenchError> {
         )));
     }
     let scheme = settings.choice(&METHOD, &SCHEMES)?;
-    let steps = settings.count(&STEPS, 8)?;
     let (length, mass, stiffness) = (0.2, 0.1, 1e3);
     let zero = laguerre_zeros(links)[mode - 1];
     let expected = (GRAVITY * zero / length).sqrt();

@@ -1,7 +1,7 @@
 //! What the multipliers of XPBD obey (VALIDATION 5).
 
 use super::chains::{GRAVITY, chain};
-use super::{Law, Verdict};
+use super::{Law, Verdict, within_reach};
 use crate::error::BenchError;
 use crate::scene;
 use crate::settings::{Parameter, Settings, parameter};
@@ -31,6 +31,8 @@ const LINKS: Parameter = parameter("links", "8", "number of links N");
 const MASS: Parameter = parameter("mass", "0.05", "mass of every vertex (kg)");
 const TIP_MASS: Parameter = parameter("tip_mass", "0.05", "mass of the last vertex (kg)");
 const LINK_STIFFNESS: Parameter = parameter("stiffness", "2000", "stiffness k of every link (N/m)");
+/// Steps until the chain is at rest.
+const STEPS: u32 = 400;
 const SWEEPS: Parameter = parameter("iterations", "2000", "sweeps per step of 0.1 s");
 
 pub(super) const SUPPORT_FORCE: Law = Law {
@@ -83,24 +85,30 @@ pub(super) const DIRECT_STEP: Law = Law {
 
 /// The step of a chain, let go sideways, after 0.3 s of implicit Euler.
 fn swinging(settings: &Settings) -> Result<(scene::Scene, StepProblem), BenchError> {
+    let links = settings.count(&SWINGING_LINKS, 1)?;
+    let dt = settings.positive(&SWINGING_DT)?;
+    let steps = (0.3 / dt).ceil().min(1e5);
+    within_reach(5e3 * Real::from(links) * steps)?;
     let chain = Settings::default()
-        .with("n", settings.count(&SWINGING_LINKS, 1)?)
+        .with("n", links)
         .with("link", 0.1)
         .with("mass", 0.1)
         .with("tip_mass", settings.positive(&SWINGING_TIP)?)
         .with("stiffness", settings.positive(&SWINGING_STIFFNESS)?);
     let scene = scene::build("chain", None, &chain)?;
-    let dt = settings.positive(&SWINGING_DT)?;
-    let problem = StepProblem::after(&scene, (0.3 / dt).ceil().min(1e5) as u32, dt)?;
+    let problem = StepProblem::after(&scene, steps as u32, dt)?;
     Ok((scene, problem))
 }
 
 fn xpbd_compliance(settings: &Settings) -> Result<Verdict, BenchError> {
+    let iterations = settings.count(&CONVERGED, 1)?;
+    let links = settings.count(&SWINGING_LINKS, 1)?;
+    within_reach(30.0 * Real::from(links) * Real::from(iterations))?;
     let (scene, problem) = swinging(settings)?;
     let mut solver = XpbdSolver::builder(&scene.model.particles)
         .energy(scene.model.springs.clone())
         .config(XpbdConfig {
-            iterations: settings.count(&CONVERGED, 1)?,
+            iterations,
             substeps: 1,
             ..XpbdConfig::default()
         })
@@ -148,6 +156,8 @@ fn xpbd_damping(settings: &Settings) -> Result<Verdict, BenchError> {
     let beta = settings.number(&DAMPING)?;
     let h = settings.positive(&DT)?;
     let speed = settings.number(&SPEED)?;
+    let iterations = settings.count(&ITERATIONS, 1)?;
+    within_reach(100.0 * Real::from(iterations))?;
     let mut particles = Particles::new(vec![1.0; 2]).map_err(BenchError::failed)?;
     particles.prescribe(0).map_err(BenchError::failed)?;
     let spring = Spring {
@@ -158,7 +168,7 @@ fn xpbd_damping(settings: &Settings) -> Result<Verdict, BenchError> {
     let mut solver = XpbdSolver::builder(&particles)
         .energy(vec![spring])
         .config(XpbdConfig {
-            iterations: settings.count(&ITERATIONS, 1)?,
+            iterations,
             substeps: 1,
             damping: beta,
             ..XpbdConfig::default()
@@ -184,7 +194,10 @@ fn xpbd_damping(settings: &Settings) -> Result<Verdict, BenchError> {
 }
 
 fn support_force(settings: &Settings) -> Result<Verdict, BenchError> {
-    let links = settings.count(&LINKS, 1)? as usize;
+    let links = settings.count(&LINKS, 1)?;
+    let iterations = settings.count(&SWEEPS, 1)?;
+    within_reach(30.0 * Real::from(STEPS) * Real::from(links) * Real::from(iterations))?;
+    let links = links as usize;
     let mass = settings.positive(&MASS)?;
     let tip = settings.positive(&TIP_MASS)?;
     let mut masses = vec![mass; links + 1];
@@ -194,14 +207,14 @@ fn support_force(settings: &Settings) -> Result<Verdict, BenchError> {
     let mut solver = XpbdSolver::builder(&particles)
         .energy(springs)
         .config(XpbdConfig {
-            iterations: settings.count(&SWEEPS, 1)?,
+            iterations,
             substeps: 1,
             damping: 0.01,
             ..XpbdConfig::default()
         })
         .build()
         .map_err(BenchError::usage)?;
-    for _ in 0..400 {
+    for _ in 0..STEPS {
         let input = StepInput::new(0.1).gravity(Vec3::z() * -GRAVITY);
         solver.step(&mut state, input).map_err(BenchError::failed)?;
     }
