@@ -100,6 +100,20 @@ impl Settings {
         }
     }
 
+    /// Refuses a parameter that was given, because it does nothing without `what`.
+    ///
+    /// # Errors
+    /// [`BenchError::Usage`] that names both.
+    pub fn refuse_without(&self, parameter: &Parameter, what: &str) -> Result<(), BenchError> {
+        if self.get(parameter.name).is_none() {
+            return Ok(());
+        }
+        Err(BenchError::Usage(format!(
+            "{} has no meaning without {what}",
+            parameter.name
+        )))
+    }
+
     /// Those of the settings whose keys the tables know.
     #[must_use]
     pub fn among(&self, tables: &[&[Parameter]]) -> Self {

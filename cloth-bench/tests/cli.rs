@@ -47,6 +47,102 @@ fn unknown_names_are_answered_with_the_nearest_known_one() {
     refused(&["locking", "grd:3x3:one-way"], 2, &["`grd`", "`grid`"]);
 }
 
+/// Each key does something beside other settings, and nothing beside these.
+#[test]
+fn settings_without_effect_are_refused_by_name() {
+    for (scene, method, settings, words) in [
+        (
+            "hang",
+            "xpbd-direct",
+            "mode=stable iterations=3",
+            "iterations mode=converged",
+        ),
+        (
+            "hang",
+            "xpbd-direct",
+            "mode=plain tolerance=1e-3",
+            "tolerance mode=converged",
+        ),
+        (
+            "hang",
+            "pd",
+            "acceleration=none history=3",
+            "history quasi-newton",
+        ),
+        (
+            "hang",
+            "pd",
+            "acceleration=chebyshev coarse=4",
+            "coarse quasi-newton",
+        ),
+        (
+            "hang",
+            "pd",
+            "spectral_radius=0.9",
+            "spectral_radius chebyshev",
+        ),
+        (
+            "hang",
+            "pbd",
+            "chebyshev_delay=3",
+            "chebyshev_delay chebyshev",
+        ),
+        (
+            "hang",
+            "xpbd",
+            "chebyshev_delay=3",
+            "chebyshev_delay chebyshev",
+        ),
+        (
+            "hang",
+            "xpbd",
+            "chebyshev=auto",
+            "chebyshev chebyshev_delay iterations",
+        ),
+        (
+            "hang",
+            "pbd",
+            "chebyshev=0.9 iterations=4",
+            "chebyshev iterations",
+        ),
+        (
+            "hang",
+            "implicit-euler",
+            "linear=cholesky linear_tolerance=1e-3",
+            "linear_tolerance iterative",
+        ),
+        (
+            "hang",
+            "bdf2",
+            "linear=cholesky linear_iterations=9",
+            "linear_iterations iterative",
+        ),
+        (
+            "hang",
+            "pd",
+            "strain_limit_passes=9",
+            "strain_limit_passes strain_limit",
+        ),
+        (
+            "drape-sphere",
+            "pd",
+            "contact=barrier friction=0.2",
+            "friction contact=zones",
+        ),
+        ("hang", "pd", "contact=barrier", "contact self=yes"),
+        ("hang", "pd", "thickness=1e-3", "thickness self=yes"),
+        ("hang", "pd", "friction=0.5", "friction self=yes"),
+        ("hang", "pd", "contact_steps=3", "contact_steps self=yes"),
+    ] {
+        let mut arguments = vec!["run", scene, "--n", "5", "--steps", "1", "--method", method];
+        for pair in settings.split(' ') {
+            arguments.extend(["--set", pair]);
+        }
+        let words: Vec<&str> = words.split(' ').collect();
+        refused(&arguments, 2, &words);
+    }
+}
+
 #[test]
 fn values_out_of_range_are_refused_by_name() {
     let run = |more: &[&'static str], words: &[&str]| {

@@ -53,9 +53,15 @@ pub(super) fn direct(settings: &Settings) -> Result<DirectConfig, BenchError> {
         ("stable", one_solve),
         ("plain", plain),
     ];
+    let mode = settings.choice(&DIRECT_MODE, &modes)?;
+    if mode != converged {
+        for parameter in [&DIRECT_ITERATIONS, &DIRECT_TOLERANCE] {
+            settings.refuse_without(parameter, "mode=converged")?;
+        }
+    }
     Ok(DirectConfig {
         system: settings.choice(&DIRECT_SYSTEM, &systems)?,
         damping: settings.number(&XPBD_DAMPING)?,
-        ..settings.choice(&DIRECT_MODE, &modes)?
+        ..mode
     })
 }

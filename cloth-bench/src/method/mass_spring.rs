@@ -95,6 +95,11 @@ pub(super) fn linearized(settings: &Settings) -> Result<ImplicitConfig, BenchErr
 }
 
 fn linear(settings: &Settings) -> Result<LinearMethod, BenchError> {
+    if settings.text(&LINEAR) == "cholesky" {
+        for parameter in [&LINEAR_TOLERANCE, &LINEAR_ITERATIONS] {
+            settings.refuse_without(parameter, "an iterative linear solver")?;
+        }
+    }
     let budget = Budget {
         tolerance: settings.number(&LINEAR_TOLERANCE)?,
         max_iterations: settings.count(&LINEAR_ITERATIONS, 1)?,

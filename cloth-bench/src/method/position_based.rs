@@ -90,11 +90,12 @@ const SWEEPS: [(&str, Sweep); 4] = [
 ];
 
 pub(super) fn pbd(settings: &Settings) -> Result<PbdConfig, BenchError> {
+    let iterations = settings.count(&PBD_ITERATIONS, 1)?;
     Ok(PbdConfig {
-        iterations: settings.count(&PBD_ITERATIONS, 1)?,
+        iterations,
         substeps: settings.count(&PBD_SUBSTEPS, 1)?,
         sweep: settings.choice(&SWEEP, &SWEEPS)?,
-        acceleration: acceleration(settings)?,
+        acceleration: acceleration(settings, iterations)?,
         stiffness: match settings.text(&PBD_STIFFNESS) {
             "material" => StiffnessRule::Material,
             _ => StiffnessRule::Fixed(settings.number(&PBD_STIFFNESS)?),
@@ -103,11 +104,12 @@ pub(super) fn pbd(settings: &Settings) -> Result<PbdConfig, BenchError> {
 }
 
 pub(super) fn xpbd(settings: &Settings) -> Result<XpbdConfig, BenchError> {
+    let iterations = settings.count(&XPBD_ITERATIONS, 1)?;
     Ok(XpbdConfig {
-        iterations: settings.count(&XPBD_ITERATIONS, 1)?,
+        iterations,
         substeps: settings.count(&XPBD_SUBSTEPS, 1)?,
         sweep: settings.choice(&SWEEP, &SWEEPS)?,
-        acceleration: acceleration(settings)?,
+        acceleration: acceleration(settings, iterations)?,
         damping: settings.number(&XPBD_DAMPING)?,
     })
 }
@@ -175,15 +177,28 @@ pub(super) fn hierarchy(
         .map_err(BenchError::usage)
 }
 
-fn acceleration(settings: &Settings) -> Result<Acceleration, BenchError> {
+/// `iterations` are the sweeps of a substep.
+fn acceleration(settings: &Settings, iterations: u32) -> Result<Acceleration, BenchError> {
+    let relaxation = settings.number(&RELAXATION)?;
     let radius = match settings.text(&CHEBYSHEV) {
-        "none" => None,
-        "auto" => Some(Radius::Estimated),
-        _ => Some(Radius::Given(settings.number(&CHEBYSHEV)?)),
+        "none" => {
+            settings.refuse_without(&CHEBYSHEV_DELAY, "chebyshev")?;
+            return Ok(Acceleration {
+                relaxation,
+                chebyshev: None,
+            });
+        }
+        "auto" => Radius::Estimated,
+        _ => Radius::Given(settings.number(&CHEBYSHEV)?),
     };
     let delay = settings.count(&CHEBYSHEV_DELAY, 1)?;
+    if iterations <= delay {
+        return Err(BenchError::Usage(format!(
+            "chebyshev begins after the {delay} plain sweeps of chebyshev_delay, and iterations is {iterations}: it has to be more"
+        )));
+    }
     Ok(Acceleration {
-        relaxation: settings.number(&RELAXATION)?,
-        chebyshev: radius.map(|radius| Chebyshev { radius, delay }),
+        relaxation,
+        chebyshev: Some(Chebyshev { radius, delay }),
     })
 }

@@ -52,10 +52,19 @@ pub(super) const PD: &[Parameter] = &[
 
 /// `touching`: whether the cloth can touch anything.
 pub(super) fn projective(settings: &Settings, touching: bool) -> Result<PdConfig, BenchError> {
-    let acceleration = match settings.choice(
+    let kind = settings.choice(
         &PD_ACCELERATION,
         &[("none", 0), ("chebyshev", 1), ("quasi-newton", 2)],
-    )? {
+    )?;
+    if kind != 1 {
+        settings.refuse_without(&PD_RADIUS, "acceleration=chebyshev")?;
+    }
+    if kind != 2 {
+        for parameter in [&PD_HISTORY, &PD_COARSE] {
+            settings.refuse_without(parameter, "acceleration=quasi-newton")?;
+        }
+    }
+    let acceleration = match kind {
         0 => Acceleration::None,
         1 => Acceleration::Chebyshev {
             spectral_radius: match settings.text(&PD_RADIUS) {

@@ -27,6 +27,7 @@ pub(super) fn limited(
     settings: &Settings,
 ) -> Result<Box<dyn Stepper>, BenchError> {
     if settings.text(&STRAIN_LIMIT) == "none" {
+        settings.refuse_without(&STRAIN_LIMIT_PASSES, "strain_limit")?;
         return Ok(solver);
     }
     let range = StretchRange::stretch(settings.number(&STRAIN_LIMIT)?);

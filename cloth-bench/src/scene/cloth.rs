@@ -83,7 +83,7 @@ pub(super) fn membrane_carrier(settings: &Settings) -> Result<MembraneCarrier, B
         &[("springs", "springs"), ("stvk", "stvk"), ("arap", "arap")],
     )?;
     if kind != "stvk" {
-        needs(settings, &POISSON, "membrane=stvk")?;
+        settings.refuse_without(&POISSON, "membrane=stvk")?;
     }
     Ok(match kind {
         "stvk" => MembraneCarrier::Stvk {
@@ -132,7 +132,7 @@ fn edges(settings: &Settings) -> Result<SpringEdges, BenchError> {
 fn detail(settings: &Settings) -> Result<Option<LevelOfDetail>, BenchError> {
     let level = settings.count(&LEVEL, 0)?;
     if level == 0 {
-        needs(settings, &FINE_SHARE, "a level of 1 or more")?;
+        settings.refuse_without(&FINE_SHARE, "a level of 1 or more")?;
         return Ok(None);
     }
     let fine_share = settings.number(&FINE_SHARE)?;
@@ -153,23 +153,12 @@ fn bending_carrier(settings: &Settings) -> Result<BendingCarrier, BenchError> {
         ],
     )?;
     if carrier != springs {
-        needs(settings, &BENDING_STIFFNESS, "bending=spring")?;
+        settings.refuse_without(&BENDING_STIFFNESS, "bending=spring")?;
     }
     if carrier == springs || carrier == BendingCarrier::None {
-        needs(settings, &RIGIDITY, "bending hinges")?;
+        settings.refuse_without(&RIGIDITY, "bending hinges")?;
     }
     Ok(carrier)
-}
-
-/// Refuses a parameter that has been set although nothing uses it.
-fn needs(settings: &Settings, parameter: &Parameter, what: &str) -> Result<(), BenchError> {
-    if settings.get(parameter.name).is_none() {
-        return Ok(());
-    }
-    Err(BenchError::Usage(format!(
-        "{} has no meaning without {what}",
-        parameter.name
-    )))
 }
 
 /// The value as a number, or none where it says so.

@@ -108,17 +108,28 @@ impl Touch {
             contacts = contacts.with(obstacle, law);
             shapes.push(shape);
         }
+        let response = settings.choice(
+            &CONTACT,
+            &[
+                ("zones", Response::Zones),
+                ("barrier", Response::Barrier),
+                ("none", Response::None),
+            ],
+        )?;
+        let self_collision = settings.choice(own, &[("yes", true), ("no", false)])?;
+        // contact=none switches contact off, whatever else is said of it.
+        if response != Response::None && !self_collision && shapes.is_empty() {
+            for parameter in [&CONTACT, &CONTACT_STEPS, &THICKNESS, &FRICTION] {
+                settings.refuse_without(parameter, "anything to touch (self=yes)")?;
+            }
+        }
+        if response == Response::Barrier {
+            settings.refuse_without(&FRICTION, "contact=zones: the barrier knows none")?;
+        }
         Ok(Self {
-            response: settings.choice(
-                &CONTACT,
-                &[
-                    ("zones", Response::Zones),
-                    ("barrier", Response::Barrier),
-                    ("none", Response::None),
-                ],
-            )?,
+            response,
             steps,
-            self_collision: settings.choice(own, &[("yes", true), ("no", false)])?,
+            self_collision,
             thickness,
             friction,
             obstacles: contacts,
