@@ -5,6 +5,7 @@ mod random;
 
 use cloth_collide::obstacle::*;
 use cloth_core::check;
+use cloth_core::element::{Convexity, Energy};
 use cloth_core::math::{Real, Vec3};
 use random::Random;
 
@@ -381,29 +382,37 @@ fn penalty_and_barrier_are_their_derivatives_integrals() {
     assert_eq!(laws[1].energy(0.0), f64::INFINITY);
 }
 
-/// Where the weight and the force of the contact are equal, by bisection.
+/// The gap (m) at which a vertex comes to rest under a weight (N): the minimum of its energy, by Newton's method.
 fn resting_gap(law: PenaltyLaw, weight: Real) -> Real {
-    let (mut low, mut high) = (-1.0, law.range());
-    for _ in 0..200 {
-        let middle = 0.5 * (low + high);
-        if -law.slope(middle) > weight {
-            low = middle;
-        } else {
-            high = middle;
-        }
+    let floor = PlanePenalty {
+        vertex: 0,
+        normal: Vec3::z(),
+        offset: 0.0,
+        law,
+    };
+    let mut z = 0.9 * law.range();
+    for _ in 0..100 {
+        let x = [Vec3::z() * z];
+        let [[hessian]] = floor.hessian(&x, Convexity::Exact);
+        let step = (floor.gradient(&x)[0].z + weight) / hessian.m33;
+        z = if step < z { z - step } else { 0.5 * z };
     }
-    high
+    z
 }
 
+/// The barrier −k (d − h)² ln(d/h) presses at d = q h with k h (1 − q) (1/q − 1 − 2 ln q): at h/2 with k h (½ + ln 2), at h/e with k h (e − 1/e).
 #[test]
 fn a_mass_rests_where_the_closed_forms_say() {
-    let (weight, k, h) = (0.3 * 9.81, 700.0, 0.01);
-    let gap = resting_gap(PenaltyLaw::quadratic(k, h).unwrap(), weight);
-    assert!((h - gap - weight / k).abs() < 1e-15);
-    // κ b′(d) = −mg with b = −(d − h)² ln(d/h).
-    let d = resting_gap(PenaltyLaw::barrier(k, h).unwrap(), weight);
-    let slope = -2.0 * (d - h) * (d / h).ln() - (d - h).powi(2) / d;
-    assert!((k * slope + weight).abs() < 1e-10 * weight && d > 0.0 && d < h);
+    use std::f64::consts::{E, LN_2};
+    let (k, h) = (700.0, 0.01);
+    for weight in [0.3, 3.0, 6.9] {
+        let gap = resting_gap(PenaltyLaw::quadratic(k, h).unwrap(), weight);
+        assert!((h - gap - weight / k).abs() < 1e-17, "{gap}");
+    }
+    for (part, pressed) in [(0.5, 0.5 + LN_2), (1.0 / E, E - 1.0 / E)] {
+        let gap = resting_gap(PenaltyLaw::barrier(k, h).unwrap(), k * h * pressed);
+        assert!((gap / (part * h) - 1.0).abs() < 1e-15, "{part}: {gap}");
+    }
 }
 
 #[test]
@@ -453,7 +462,6 @@ fn contact_energies_have_the_right_gradients() {
                     offset: at.normal.dot(&x) - at.value,
                     law,
                 };
-                use cloth_core::element::Energy;
                 assert!((plane.value(&[x]) - energy(Vec3::zeros())).abs() < 1e-12);
                 let scaled = plane.gradient(&[x])[0] * at.slope;
                 assert!((scaled - gradient[0]).norm() < 1e-11 * (1.0 + scaled.norm()));

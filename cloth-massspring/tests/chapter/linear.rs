@@ -108,7 +108,7 @@ fn a_minimum_is_promised_only_by_a_solver_that_can_prove_it() {
 }
 
 #[test]
-fn conjugate_gradients_solve_the_linearised_step_too() {
+fn every_iterative_solver_solves_the_linearised_step_too() {
     let linearized = ImplicitConfig::linearized();
     let (expected, _) = step(linearized);
     for linear in iterative(1e-12) {
