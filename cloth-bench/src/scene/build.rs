@@ -202,6 +202,11 @@ pub(super) fn chain(settings: &Settings) -> Result<Scene, BenchError> {
         )));
     }
     let link = settings.positive(&LINK_LENGTH)?;
+    if !(n as Real * link).is_finite() {
+        return Err(BenchError::Usage(format!(
+            "{n} links of {link} m are longer than any number"
+        )));
+    }
     let mut mass = vec![settings.number(&LINK_MASS)?; n + 1];
     mass[n] = settings.number(&TIP_MASS)?;
     let mut particles = Particles::new(mass).map_err(BenchError::usage)?;
