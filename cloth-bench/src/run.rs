@@ -36,6 +36,12 @@ pub struct Summary {
     pub iterations_per_step: u32,
     /// Iterations of the linear solver, summed over the steps; a direct solve counts as one.
     pub linear_iterations: u64,
+    /// Substeps that gave up their Chebyshev extrapolation, summed over the steps.
+    pub chebyshev_fallbacks: u64,
+    /// Coarse grids that projective dynamics made anew in the course of the run.
+    pub coarse_builds: u64,
+    /// Iterations of steps that had to do without the coarse grid, summed over the steps.
+    pub coarse_fallbacks: u64,
     /// Steps that met their tolerance; methods without one meet it never.
     pub converged_steps: u32,
     /// Largest strain of a spring at the end (dimensionless).
@@ -232,6 +238,9 @@ impl<'a> Course<'a> {
                 linear_solves: sum.linear_solves + report.linear_solves,
                 linear_iterations: sum.linear_iterations + report.linear_iterations,
                 backtracks: sum.backtracks + report.backtracks,
+                chebyshev_fallbacks: sum.chebyshev_fallbacks + report.chebyshev_fallbacks,
+                coarse_builds: sum.coarse_builds + report.coarse_builds,
+                coarse_fallbacks: sum.coarse_fallbacks + report.coarse_fallbacks,
                 ..report
             };
         }
@@ -327,6 +336,7 @@ pub fn run(
     let mut contact_seconds = Vec::with_capacity(steps as usize);
     let mut iterations = Vec::with_capacity(steps as usize);
     let (mut converged_steps, mut linear_iterations) = (0, 0);
+    let (mut chebyshev_fallbacks, mut coarse_builds, mut coarse_fallbacks) = (0, 0, 0);
     for step in 1..=steps {
         let taken = course.step(stepper, state, dt, Some(&mut balance));
         let report = taken.map_err(|error| match scene.parts() {
@@ -340,6 +350,9 @@ pub fn run(
         contact_seconds.extend(course.contacts.as_ref().map(|contacts| contacts.seconds));
         iterations.push(report.iterations);
         linear_iterations += u64::from(report.linear_iterations);
+        chebyshev_fallbacks += u64::from(report.chebyshev_fallbacks);
+        coarse_builds += u64::from(report.coarse_builds);
+        coarse_fallbacks += u64::from(report.coarse_fallbacks);
         converged_steps += u32::from(report.outcome == Outcome::Converged);
         after(step, state, &report)?;
     }
@@ -358,6 +371,9 @@ pub fn run(
         iterations: iterations.iter().map(|&n| u64::from(n)).sum(),
         iterations_per_step: median_count(&mut iterations),
         linear_iterations,
+        chebyshev_fallbacks,
+        coarse_builds,
+        coarse_fallbacks,
         converged_steps,
         max_stretch: strain.max,
         rms_strain: strain.rms,

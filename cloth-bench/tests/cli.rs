@@ -144,6 +144,36 @@ fn settings_without_effect_are_refused_by_name() {
 }
 
 #[test]
+fn what_gave_up_in_a_run_is_told() {
+    let told = |more: &[&'static str]| {
+        let start = [
+            "run", "hang", "--n", "9", "--steps", "3", "--json", "--method",
+        ];
+        let arguments: Vec<&str> = start.into_iter().chain(more.iter().copied()).collect();
+        json(&arguments)["chebyshev_fallbacks"].as_u64()
+    };
+    // In every substep: Jacobi sweeps without averaging grow by themselves, which three of them do not show much of.
+    let growing = [
+        "sweep=plain-jacobi",
+        "chebyshev=0.9",
+        "chebyshev_delay=1",
+        "iterations=3",
+        "substeps=1",
+    ];
+    for method in ["pbd", "xpbd"] {
+        let mut arguments = vec![method];
+        arguments.extend(growing.iter().flat_map(|pair| ["--set", pair]));
+        assert_eq!(told(&arguments), Some(3), "{method}");
+    }
+    assert_eq!(told(&["pbd", "--set", "chebyshev=auto"]), Some(0));
+    let pd = json(&[
+        "run", "hang", "--n", "9", "--steps", "3", "--json", "--method", "pd",
+    ]);
+    assert_eq!(pd["coarse_fallbacks"], 0);
+    assert_eq!(pd["coarse_builds"], 0);
+}
+
+#[test]
 fn values_out_of_range_are_refused_by_name() {
     let run = |more: &[&'static str], words: &[&str]| {
         let arguments: Vec<&str> = ["run", "hang", "--n", "5", "--method", "pbd"]

@@ -215,6 +215,12 @@ pub struct StepReport {
     pub linear_iterations: u32,
     /// Step lengths that a line search tried and rejected.
     pub backtracks: u32,
+    /// Substeps that gave up their Chebyshev extrapolation, because it made the corrections grow, and went on with plain sweeps.
+    pub chebyshev_fallbacks: u32,
+    /// Coarse grids made, or made anew because pins or elements had changed.
+    pub coarse_builds: u32,
+    /// Iterations of a step, from its start to its end, that had to do without the coarse grid that the method was given, because it could not be made or factorised.
+    pub coarse_fallbacks: u32,
     /// What the method measures its convergence by, at the end, if it measures it; see the method.
     pub residual: Option<Real>,
     /// Work (J) that prescribed vertices did on the others, if the method adds it up over its substeps.
@@ -232,6 +238,9 @@ impl StepReport {
             linear_solves: 0,
             linear_iterations: 0,
             backtracks: 0,
+            chebyshev_fallbacks: 0,
+            coarse_builds: 0,
+            coarse_fallbacks: 0,
             residual: None,
             pin_work: None,
         }

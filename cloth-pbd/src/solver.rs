@@ -81,6 +81,7 @@ impl Stepper for PbdSolver {
         mut input: StepInput<'_>,
     ) -> Result<StepReport, StepError> {
         self.motion.begin(state, &input)?;
+        let given_up = self.families.surrendered();
         let h = input.dt / Real::from(self.config.substeps);
         let projection = self.projection(h);
         for _ in 0..self.config.substeps {
@@ -98,7 +99,11 @@ impl Stepper for PbdSolver {
             }
             self.motion.update_velocities(h); // S1 (26)
         }
-        self.motion.finish(state, &mut input)
+        let report = self.motion.finish(state, &mut input)?;
+        Ok(StepReport {
+            chebyshev_fallbacks: (self.families.surrendered() - given_up) as u32,
+            ..report
+        })
     }
 }
 

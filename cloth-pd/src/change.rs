@@ -13,6 +13,7 @@ pub struct AttachmentId(u32);
 /// Changes of the cloth between two steps.
 ///
 /// The next step takes notice of them all at once: by a correction of the factor in every solve as long as that is cheaper, else by a factorisation, which it reports. It may allocate.
+/// A coarse grid is made anew whatever the factor does, if a pin or an element has changed: it is reported too (`coarse_builds`), and takes no part in the choice between correction and factorisation.
 /// To move what is prescribed or attached already changes no matrix and costs nothing.
 impl PdSolver {
     /// Grabs a vertex: from now on it moves with its own velocity whatever the forces.

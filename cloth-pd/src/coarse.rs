@@ -153,6 +153,11 @@ impl CoarseGrid {
         self.is_factored = self.cholesky.factorize(&self.matrix).is_ok();
     }
 
+    /// Whether it could be factorised.
+    pub(crate) fn is_ready(&self) -> bool {
+        self.is_factored
+    }
+
     fn tie_neighbours(&mut self) {
         for node in 0..self.lattice.node_count() {
             let row = self.matrix.pattern().row(node);

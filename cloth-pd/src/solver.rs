@@ -60,13 +60,14 @@ impl Stepper for PdSolver {
     ) -> Result<StepReport, StepError> {
         input.check(state, self.point.positions.len())?;
         let step = state.steps + 1;
-        self.refresh();
+        let coarse_builds = self.refresh();
         let prepared = self.global.prepare(input.dt);
         let factorizations =
             prepared.map_err(|_| StepError::NotPositiveDefinite { iteration: 1, step })?;
         self.objective.begin(state, &input)?; // S1 (33)
         let mut report = StepReport {
             factorizations,
+            coarse_builds,
             ..StepReport::new(Outcome::Converged, 0)
         };
         let reference = self.reference();
@@ -93,8 +94,8 @@ impl PdSolver {
         &self.config
     }
 
-    /// Takes notice of what was changed since the last step.
-    fn refresh(&mut self) {
+    /// Takes notice of what was changed since the last step. Gives how many coarse grids that took: one wherever a pin or an element changed, since hats stand on what can move only.
+    fn refresh(&mut self) -> u32 {
         let are_ties_stale = std::mem::take(&mut self.are_ties_stale);
         let is_stale = std::mem::take(&mut self.is_stale);
         let objective = &mut self.objective;
@@ -108,17 +109,16 @@ impl PdSolver {
             if let (true, Some(coarse)) = (are_ties_stale, &mut self.coarse) {
                 coarse.set_free_pieces(&self.free_pieces);
             }
-            return;
+            return 0;
         }
-        if let (Some(coarse), Some((rest, cells))) = (&mut self.coarse, &self.lattice) {
-            let particles = &objective.particles;
-            // A grid that the memory does not hold is one that is not needed.
-            let (pieces, families) = (&self.free_pieces, &mut objective.families);
-            match CoarseGrid::new(rest, *cells, particles, pieces, families) {
-                Ok(grid) => *coarse = grid,
-                Err(_) => self.coarse = None,
-            }
-        }
+        let Some((rest, cells)) = &self.lattice else {
+            return 0;
+        };
+        let particles = &objective.particles;
+        let (pieces, families) = (&self.free_pieces, &mut objective.families);
+        // Without it the iteration is slower, and the report says so.
+        self.coarse = CoarseGrid::new(rest, *cells, particles, pieces, families).ok();
+        u32::from(self.coarse.is_some())
     }
 
     /// `‖∇G(x̃)‖` (N/√kg), with a tolerance only.
@@ -170,6 +170,8 @@ impl PdSolver {
             let (families, ties) = (&mut self.objective.families, &self.objective.attachments);
             coarse.prepare(families, ties, &self.point.positions, input.dt);
         }
+        let is_coarse_ready = self.coarse.as_ref().is_some_and(CoarseGrid::is_ready);
+        report.coarse_fallbacks += u32::from(self.lattice.is_some() && !is_coarse_ready);
         let last = report.iterations + self.config.iterations;
         loop {
             let is_last = report.iterations == last;
@@ -286,5 +288,48 @@ impl PdSolver {
         state.time += input.dt;
         state.steps = step;
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use cloth_core::cloth::{Cloth, Membrane};
+    use cloth_core::mesh::generate::{Diagonals, grid};
+
+    #[test]
+    fn a_coarse_grid_that_is_made_anew_or_missing_is_reported() {
+        let mesh = grid(9, 9, 1.0, 1.0, Diagonals::Alternating).unwrap();
+        let cloth = Cloth {
+            areal_density: 0.2,
+            membrane: Membrane::SpringStiffness(1e3),
+            bending_rigidity: 1e-5,
+        };
+        let mut model = cloth.on(&mesh).unwrap();
+        model.particles.prescribe(72).unwrap();
+        let mut solver = PdSolver::builder(&model.particles)
+            .energy(model.springs)
+            .coarse_grid(mesh.positions(), 4)
+            .build()
+            .unwrap();
+        let mut state = State::at_rest(mesh.positions().to_vec());
+        let mut step = |solver: &mut PdSolver| {
+            let input = StepInput::new(0.01).gravity(Vec3::z() * -9.81);
+            let report = solver.step(&mut state, input).unwrap();
+            (
+                report.factorizations,
+                report.coarse_builds,
+                report.coarse_fallbacks,
+            )
+        };
+        assert_eq!(step(&mut solver), (1, 0, 0));
+        solver.prescribe(80).unwrap();
+        assert_eq!(step(&mut solver), (0, 1, 0));
+        // As after a grid that could not be made.
+        solver.coarse = None;
+        assert_eq!(step(&mut solver), (0, 0, 1));
+        // The next change tries again.
+        solver.release(80).unwrap();
+        assert_eq!(step(&mut solver), (0, 1, 0));
     }
 }

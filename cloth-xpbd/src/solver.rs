@@ -32,6 +32,7 @@ impl Stepper for XpbdSolver {
         mut input: StepInput<'_>,
     ) -> Result<StepReport, StepError> {
         self.motion.begin(state, &input)?;
+        let given_up = self.families.surrendered();
         self.last = None;
         let h = input.dt / Real::from(self.config.substeps);
         let compliance = Compliance::new(h, self.config.damping);
@@ -48,7 +49,10 @@ impl Stepper for XpbdSolver {
         }
         let report = self.motion.finish(state, &mut input)?;
         self.last = Some(compliance);
-        Ok(report)
+        Ok(StepReport {
+            chebyshev_fallbacks: (self.families.surrendered() - given_up) as u32,
+            ..report
+        })
     }
 }
 

@@ -26,6 +26,9 @@ Of the numbers that come out:
   gravity_energy       at the end, relative to the start: −Σ m g·(x − x₀) (J)
   potential_energy     elastic_energy + gravity_energy (J)
   center_of_mass_drop  against gravity (m)
+  chebyshev_fallbacks  substeps of pbd and xpbd that gave up their extrapolation because it made the corrections grow
+  coarse_builds        coarse grids that pd made anew because pins had changed
+  coarse_fallbacks     iterations of pd's steps that went without the coarse grid, because it could not be made or factorised
   held_parts           parts of steps that ended with vertices held back by contact";
 
 /// Arguments of `run`.
@@ -257,6 +260,9 @@ fn simulate(
         ("iterations", json!(summary.iterations)),
         ("iterations_per_step", json!(summary.iterations_per_step)),
         ("linear_iterations", json!(summary.linear_iterations)),
+        ("chebyshev_fallbacks", json!(summary.chebyshev_fallbacks)),
+        ("coarse_builds", json!(summary.coarse_builds)),
+        ("coarse_fallbacks", json!(summary.coarse_fallbacks)),
         ("converged_steps", json!(summary.converged_steps)),
         ("max_stretch", json!(summary.max_stretch)),
         ("rms_strain", json!(summary.rms_strain)),
