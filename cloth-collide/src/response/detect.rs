@@ -37,11 +37,13 @@ impl Cloth {
             return false;
         }
         let thickness = self.thickness_of(index, &pair);
-        let cloth = |at: &Nearest, offset| look.make.cloth(pair.vertices, at, offset);
+        // Less than what is worked towards, or pieces that pass through each other would be good enough.
+        let tolerance = look.tolerance.min(0.5 * thickness);
+        let cloth = |at: &Nearest, offset| look.make.cloth(pair.vertices, at, offset, tolerance);
         let reach = if start.is_at_boundary() { 1.0 } else { NEAR };
         let is_near = start.distance <= reach * thickness;
         let has_row = self.known[index].row_step == self.step;
-        let enough = thickness - look.tolerance;
+        let enough = thickness - tolerance;
         // What pushes stays awake.
         let pushes = has_row || is_near && look.recalls(self.key(index));
         if !pushes && let Some(room) = room_along(pair.kind, &start.normal, &motion, enough) {
@@ -132,7 +134,7 @@ pub(super) struct Look<'a> {
     pub(super) make: RowMaker<'a>,
     /// Where the motion ends (m).
     pub(super) to: &'a [Vec3],
-    /// By how much (m) a contact may be violated.
+    /// By how much (m) a contact may be violated at most.
     pub(super) tolerance: Real,
     /// Contacts of the last step.
     pub(super) memory: &'a Memory,
@@ -169,7 +171,7 @@ impl Look<'_> {
             .memory
             .recall(&row, self.make.dt)
             .filter(|_| self.first);
-        if recalled.is_none() && row.excess(self.to) >= -self.tolerance {
+        if recalled.is_none() && row.excess(self.to) >= -row.tolerance {
             return Verdict::Satisfied;
         }
         if recalled.is_none() && row.is_at_boundary {
@@ -208,7 +210,9 @@ impl Look<'_> {
             return false;
         };
         let law = &obstacles.pairs()[number].1;
-        let mut row = self.make.obstacle(&contact, law.restitution());
+        let mut row = self
+            .make
+            .obstacle(&contact, law.restitution(), self.tolerance);
         if let Some(row) = &mut row {
             row.key = Some(2 << 62 | u64::from(vertex) << 31 | number as u64);
         }

@@ -67,8 +67,7 @@ impl ClothContacts {
             for row in &self.rows[before..] {
                 row.apply(row.multiplier, step.inverse_mass, positions);
             }
-            let tolerance = 0.1 * self.tolerance();
-            let sweeps = solve(&mut self.rows, step.inverse_mass, positions, tolerance);
+            let sweeps = solve(&mut self.rows, step.inverse_mass, positions);
             converged = sweeps < MOST_SWEEPS;
             self.report.sweeps += sweeps;
             self.after_a_change(step, positions)?;
@@ -197,8 +196,7 @@ impl ClothContacts {
         for row in &self.rows {
             row.apply(row.multiplier, step.inverse_mass, velocities);
         }
-        let tolerance = 0.1 * self.tolerance() / step.dt;
-        self.report.sweeps += solve(&mut self.rows, step.inverse_mass, velocities, tolerance);
+        self.report.sweeps += solve(&mut self.rows, step.inverse_mass, velocities);
         let from_obstacles = self.rows.iter().filter(|row| row.is_obstacle);
         self.report.obstacle_impulse = from_obstacles.map(|row| row.multiplier).sum();
     }

@@ -100,7 +100,7 @@ mod tests {
             friction: 0.0,
         };
         let at = nearest(QueryKind::VertexTriangle, &from);
-        let mut row = make.cloth([0, 1, 2, 3], &at, 1.0).unwrap();
+        let mut row = make.cloth([0, 1, 2, 3], &at, 1.0, 1e-3).unwrap();
         (row.key, row.multiplier) = (Some(7), Vec3::z() * 3.0);
         let mut memory = Memory::default();
         memory.replace(&[row], 0.1);

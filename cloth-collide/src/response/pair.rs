@@ -43,11 +43,14 @@ impl Motion {
     }
 
     /// Whether the four move as one, by a shift: what they do besides changes `distance` (m) by less than a part in 10⁵. Positions are rounded, so no shift is exact; and where
-    /// they end so far away that their differences are lost, it is none.
+    /// they end so far away that their differences are lost, or `distance` is lost in the rounding of these, it is none.
     pub(super) fn is_shift(&self, distance: Real) -> bool {
         let apart = |x: &[Vec3; 4], k: usize| x[k] - x[0];
-        let besides = |k: usize| (apart(&self.to, k) - apart(&self.from, k)).norm();
-        (1..4).all(|k| besides(k) <= 1e-6 * distance)
+        let besides = |k: usize| {
+            let [from, to] = [apart(&self.from, k), apart(&self.to, k)];
+            (to - from).norm() + 2.0 * Real::EPSILON * (from.norm() + to.norm())
+        };
+        self.from == self.to || (1..4).all(|k| besides(k) <= 1e-6 * distance)
     }
 }
 

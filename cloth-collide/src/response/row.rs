@@ -19,6 +19,8 @@ pub(super) struct Row {
     /// n, of unit length.
     pub(super) normal: Vec3,
     pub(super) offset: Real,
+    /// By how much n · p may miss the offset.
+    pub(super) tolerance: Real,
     pub(super) anchor: Vec3,
     /// How far the surface moves in the step (m); zero for cloth.
     pub(super) surface: Vec3,
@@ -79,14 +81,21 @@ impl RowMaker<'_> {
         row.mass.is_finite().then_some(row)
     }
 
-    /// Keeps the nearest points of two pieces of cloth `offset` (m) apart; nothing if no vertex can be moved.
-    pub(super) fn cloth(&self, vertices: [u32; 4], at: &Nearest, offset: Real) -> Option<Row> {
+    /// Keeps the nearest points of two pieces of cloth `offset` (m) apart, to `tolerance` (m); nothing if no vertex can be moved.
+    pub(super) fn cloth(
+        &self,
+        vertices: [u32; 4],
+        at: &Nearest,
+        offset: Real,
+        tolerance: Real,
+    ) -> Option<Row> {
         self.finish(Row {
             key: None,
             vertices,
             weights: at.weights,
             normal: at.normal,
             offset,
+            tolerance,
             anchor: Vec3::zeros(),
             surface: Vec3::zeros(),
             friction: self.friction,
@@ -100,14 +109,20 @@ impl RowMaker<'_> {
         })
     }
 
-    /// Keeps a vertex out of an obstacle; nothing if it is prescribed.
-    pub(super) fn obstacle(&self, contact: &ObstacleContact, restitution: Real) -> Option<Row> {
+    /// Keeps a vertex out of an obstacle, to `tolerance` (m); nothing if it is prescribed.
+    pub(super) fn obstacle(
+        &self,
+        contact: &ObstacleContact,
+        restitution: Real,
+        tolerance: Real,
+    ) -> Option<Row> {
         self.finish(Row {
             key: None,
             vertices: [contact.vertex; 4],
             weights: [1.0, 0.0, 0.0, 0.0],
             normal: contact.normal,
             offset: contact.offset,
+            tolerance,
             anchor: Vec3::zeros(),
             surface: contact.surface_velocity * self.dt,
             friction: contact.friction,
@@ -130,6 +145,7 @@ pub(super) fn into_velocity_rows(rows: &mut Vec<Row>, velocities: &[Vec3], dt: R
         let approach = row.normal.dot(&(row.point(velocities) - surface));
         row.offset = row.normal.dot(&surface) - row.restitution * approach.min(0.0);
         row.anchor = surface;
+        row.tolerance /= dt;
         // What has kept the positions apart is a good first guess.
         row.multiplier /= dt;
     }

@@ -2,12 +2,15 @@
 
 use cloth_core::math::{Real, Vec3};
 
+/// More than the rounding of a way, of a sum of four, and of the difference of two such sums, each relative to its size.
+const ROUNDING: Real = 16.0 * Real::EPSILON;
+
 /// How far the vertices have come, and how far those of each candidate have to come before it is looked at again.
 ///
 /// If a plane has two pieces apart by d at both ends of a motion, and their four vertices then go ways whose sum is s, the plane still has them apart by d − s. So a pair with room to spare
 /// sleeps until that sum, for its four vertices and both ends, has used up the room. Most candidates of a pile at rest sleep all the time.
 ///
-/// Sums are rounded; the response leaves more than that between the distance below which something has to be done and the one below which it promises something.
+/// Ways are rounded up and what is left of the room down, so that this holds however little room there is.
 #[derive(Debug, Default)]
 pub(super) struct Sleep {
     /// Length of the way (m) of each vertex since the candidates were found, without the shift of all of them, which brings nothing nearer to anything.
@@ -36,7 +39,8 @@ impl Sleep {
     pub(super) fn travelled(&mut self, from: &[Vec3], to: &[Vec3]) {
         let shift = mean(to) - mean(from);
         for (travel, (from, to)) in self.travel.iter_mut().zip(from.iter().zip(to)) {
-            *travel += (to - from - shift).norm();
+            let way = to - from;
+            *travel += (way - shift).norm() + ROUNDING * (way.norm() + shift.norm() + *travel);
         }
     }
 
@@ -53,7 +57,8 @@ impl Sleep {
 
     /// Lets candidate `index`, of these vertices, sleep until they have gone `room` (m).
     pub(super) fn send(&mut self, index: usize, vertices: [u32; 4], room: Real) {
-        self.wake[index] = self.sum(vertices) + room;
+        let sum = self.sum(vertices);
+        self.wake[index] = sum + (room - ROUNDING * (sum + room));
     }
 }
 

@@ -7,24 +7,19 @@ use cloth_core::math::{Real, Vec3};
 pub(super) const MOST_SWEEPS: u32 = 100;
 
 /// Changes `x` (positions in m or velocities in m/s) to the nearest values in the metric of the masses that satisfy all `rows`, with friction; goes on from
-/// the multipliers that the rows have, whose part of `x` is already in it. Ends when no row has to be corrected by more than `tolerance` (unit of `x`).
+/// the multipliers that the rows have, whose part of `x` is already in it. Ends when no row has to be corrected by more than a tenth of its tolerance.
 /// Returns the number of sweeps.
 ///
 /// One sweep takes the rows in turn. With one row it is exact. Through a pile of n layers it takes about n² sweeps, so between sweeps the multipliers go on in a conjugate
 /// direction (Silcowitz-Hansen, Niebe and Erleben 2010), the change by a sweep being taken for the gradient: about n.
-pub(super) fn solve(
-    rows: &mut [Row],
-    inverse_mass: &[Real],
-    x: &mut [Vec3],
-    tolerance: Real,
-) -> u32 {
+pub(super) fn solve(rows: &mut [Row], inverse_mass: &[Real], x: &mut [Vec3]) -> u32 {
     for row in &mut *rows {
         row.direction = Vec3::zeros();
     }
     let mut before = 0.0;
     for count in 1..=MOST_SWEEPS {
         let swept = sweep(rows, inverse_mass, x);
-        if swept.largest <= tolerance || count == MOST_SWEEPS {
+        if swept.largest <= 0.1 || count == MOST_SWEEPS {
             return count;
         }
         let share = swept.squared / before;
@@ -45,7 +40,7 @@ pub(super) fn solve(
 
 /// How much a sweep has changed.
 struct Swept {
-    /// The largest correction of a row (unit of x).
+    /// The largest correction of a row, in tolerances of that row.
     largest: Real,
     /// Σ ‖Δλ‖²/mass.
     squared: Real,
@@ -79,7 +74,8 @@ fn sweep(rows: &mut [Row], inverse_mass: &[Real], x: &mut [Vec3]) -> Swept {
         row.apply(row.change, inverse_mass, x);
         let squared = row.change.norm_squared() / row.mass;
         swept.squared += squared;
-        swept.largest = swept.largest.max(squared / row.mass);
+        let allowed = row.mass * row.tolerance.powi(2);
+        swept.largest = swept.largest.max(squared / allowed);
     }
     swept.largest = swept.largest.sqrt();
     swept
