@@ -405,8 +405,8 @@ fn every_key_is_documented() {
     );
 }
 
-/// A corner held by springs rests 5 µm above a triangle of its own piece, and its weight would take it a little further in the first steps.
-/// Contact is resolved once a step.
+/// A corner held by springs rests 5 µm above a triangle of its own piece, and its weight would take it a little
+/// further in the first steps. Contact is resolved once a step.
 #[test]
 fn corner_close_to_its_own_cloth_crosses_it_with_no_method() {
     let mesh = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 2 2 1\nv 0.2 0.2 5e-6\nv 0.3 0.2 0.5\nf 1 2 3\nf 2 4 3\nf 4 5 6\n";
@@ -419,11 +419,31 @@ fn corner_close_to_its_own_cloth_crosses_it_with_no_method() {
         let path = written("corner", &scene);
         std::fs::write(path.with_file_name("corner.obj"), mesh).unwrap();
         let path = path.to_str().unwrap();
-        for method in METHODS {
+        // Forward Euler refuses every step as unstable.
+        for method in METHODS.iter().filter(|m| m.name != "explicit-euler") {
             let ran = program(&["run", path, "--method", method.name, "--watch", "--json"]);
             assert!(ran.status.success(), "{}", method.name);
             let summary: serde_json::Value = serde_json::from_slice(&ran.stdout).unwrap();
             assert_eq!(summary["crossed_steps"], 0, "{}", method.name);
+        }
+    }
+}
+
+/// A sheet of 0.2 kg/m² that lies on a floor is a thickness of 2 mm above it with either response: with impact zones
+/// to the hundredth that they work to, on a barrier of κ = 10⁵ N/m³ where κ b′(d) = −ρ g.
+#[test]
+fn both_responses_keep_the_same_thickness() {
+    for (contact, expected, tolerance) in [("zones", 2e-3, 2e-5), ("barrier", 1.887_812e-3, 1e-6)] {
+        let text = format!(
+            "[[mesh]]\ngenerator = \"grid:5x5:alternating\"\n[[obstacle]]\nshape = \"plane\"\nposition = [0, 0, -0.002]\n\
+             [contact]\ncontact = \"{contact}\"\nthickness = 2e-3\n"
+        );
+        let scene = read(&format!("lying-{contact}"), &text).unwrap();
+        let rest = after(&scene, "implicit-euler", 60);
+        for x in &rest.positions {
+            let clearance = x.z + 2e-3;
+            let error = (clearance - expected).abs();
+            assert!(error < tolerance, "{contact}: {clearance:e} m");
         }
     }
 }

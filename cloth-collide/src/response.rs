@@ -71,8 +71,8 @@ const RECOVERY: Real = 0.5;
 /// The margin of the search for candidates, in thicknesses. What it has more than one lets the motion become another one without a new search: half of that for each vertex. More is fewer
 /// searches, of more candidates each; in close layers their number grows with the third power.
 const MARGIN: Real = 2.0;
-/// Contacts are satisfied to this share of the thickness, and to half of the distance that they work towards where pieces are nearer at rest
-/// than that.
+/// Contacts are satisfied to this share of the thickness, and to half of the distance that they work towards where
+/// pieces are nearer at rest than that.
 const TOLERANCE: Real = 1e-2;
 /// Rounds of impulses, at most, before zones take over.
 const MOST_ROUNDS: u32 = 10;

@@ -92,8 +92,8 @@ impl XpbdSolver {
     }
 
     /// `max |C + α̃λ|` (damped: `|C + α̃ν|`) over all rows (unit of C; m for springs and hinges) at `positions` (m), with the multipliers of the
-    /// last substep: what the sweeps of that substep bring to zero. With the positions that the step ended at
-    /// it tells how far they got.
+    /// last substep: what the sweeps of that substep bring to zero. With the positions that the step ended at, where contact moved
+    /// nothing, it tells how far they got.
     ///
     /// Rows that no multiplier can change (no stiffness; hard, with all vertices prescribed) are left out. Before the first step it is 0.
     ///

@@ -26,7 +26,7 @@ pub(crate) const NO_SELF: Parameter = Parameter {
 pub(crate) const THICKNESS: Parameter = parameter(
     "thickness",
     "2e-3",
-    "distance to keep (m), of cloth from cloth and from obstacles",
+    "distance to keep (m), of cloth from cloth and from obstacles; a barrier begins to push there, and keeps a little less",
 );
 pub(crate) const FRICTION: Parameter = parameter(
     "friction",
@@ -101,13 +101,6 @@ impl Touch {
         let thickness = settings.positive(&THICKNESS)?;
         let friction = settings.number(&FRICTION)?;
         let law = ImpactLaw::new(friction, 0.0).map_err(BenchError::usage)?;
-        let mut contacts =
-            ObstacleContacts::new(thickness, 0.5 * thickness).map_err(BenchError::usage)?;
-        let mut shapes = Vec::new();
-        for (obstacle, shape) in obstacles {
-            contacts = contacts.with(obstacle, law);
-            shapes.push(shape);
-        }
         let response = settings.choice(
             &CONTACT,
             &[
@@ -116,6 +109,19 @@ impl Touch {
                 ("none", Response::None),
             ],
         )?;
+        // A barrier begins at its distance from the surface, of cloth and of obstacles, and is infinite at the surface: its distance
+        // is the thickness, and one of the obstacles would come on top of that.
+        let kept = match response {
+            Response::Barrier => 0.0,
+            Response::Zones | Response::None => thickness,
+        };
+        let mut contacts =
+            ObstacleContacts::new(kept, 0.5 * thickness).map_err(BenchError::usage)?;
+        let mut shapes = Vec::new();
+        for (obstacle, shape) in obstacles {
+            contacts = contacts.with(obstacle, law);
+            shapes.push(shape);
+        }
         let self_collision = settings.choice(own, &[("yes", true), ("no", false)])?;
         // contact=none switches contact off, whatever else is said of it.
         if response != Response::None && !self_collision && shapes.is_empty() {

@@ -43,7 +43,8 @@ impl Motion {
     }
 
     /// Whether the four move as one, by a shift: what they do besides changes `distance` (m) by less than a part in 10⁵. Positions are rounded, so no shift is exact; and where
-    /// they end so far away that their differences are lost, or `distance` is lost in the rounding of these, it is none.
+    /// they end so far away that their differences are lost, or `distance` is lost in the rounding of these, it is
+    /// none.
     pub(super) fn is_shift(&self, distance: Real) -> bool {
         let apart = |x: &[Vec3; 4], k: usize| x[k] - x[0];
         let besides = |k: usize| {

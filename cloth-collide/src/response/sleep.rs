@@ -2,7 +2,8 @@
 
 use cloth_core::math::{Real, Vec3};
 
-/// More than the rounding of a way, of a sum of four, and of the difference of two such sums, each relative to its size.
+/// More than the rounding of a way, of a sum of four, and of the difference of two such sums, each relative to its
+/// size.
 const ROUNDING: Real = 16.0 * Real::EPSILON;
 
 /// How far the vertices have come, and how far those of each candidate have to come before it is looked at again.

@@ -1,4 +1,5 @@
-//! Pieces that are nearer to each other at rest than any tolerance: slivers, seams, pockets, layers that nearly coincide.
+//! Pieces that are nearer to each other at rest than any tolerance: slivers, seams, pockets, layers that nearly
+//! coincide.
 
 use super::flight::Flight;
 use super::random::Random;
@@ -47,7 +48,8 @@ fn corner_that_rests_on_its_own_cloth_does_not_go_through_it() {
     assert!(velocities[4].norm() < 1e-6, "{}", velocities[4]);
 }
 
-/// A strip folded into layers about `gap` (m) apart, its vertices displaced at random, somehow in space, `offset` (m) from the origin.
+/// A strip folded into layers about `gap` (m) apart, its vertices displaced at random, somehow in space, `offset` (m)
+/// from the origin.
 fn folded(random: &mut Random, gap: Real, offset: Real) -> TriMesh {
     let (columns, layers) = (3, 3);
     let strip = grid(columns * layers, 3, 1.0, 1.0, Diagonals::Alternating).unwrap();
@@ -71,8 +73,9 @@ fn folded(random: &mut Random, gap: Real, offset: Real) -> TriMesh {
     TriMesh::new(places.collect(), strip.triangles().to_vec()).unwrap()
 }
 
-/// Folded strips from a billionth of the thickness between their layers up, as far as 1000 km out; about a third of the vertices are held, and
-/// all others, every fourth time the held ones too, are kicked at random, from a tenth of that distance up to 1 m.
+/// Folded strips from a billionth of the thickness between their layers up, as far as 1000 km out. About a third of
+/// the vertices are held, and all others, every fourth time the held ones too, are kicked at random, from a tenth of
+/// that distance up to 1 m.
 #[test]
 fn nothing_crosses_that_is_closer_at_rest_than_any_tolerance() {
     let (mut resolved, mut refused, mut tangled) = ([0; 3], 0, 0);

@@ -17,7 +17,7 @@ pub struct Motion {
     positions: Vec<Vec3>,
     /// Velocities (m/s), one per vertex.
     velocities: Vec<Vec3>,
-    /// Positions (m) before the projection, one per vertex.
+    /// Positions (m) before the projection, one per vertex; in the end those that contact leaves.
     predicted: Vec<Vec3>,
     /// Iterations since `begin`.
     iterations: u32,
@@ -49,7 +49,7 @@ impl Motion {
         &self.inverse_mass
     }
 
-    /// Positions (m) as they are now, one per vertex.
+    /// Positions (m) as they are now, one per vertex; after a step where the last projection left them, before contact.
     #[must_use]
     pub fn positions(&self) -> &[Vec3] {
         &self.positions
@@ -113,13 +113,14 @@ impl Motion {
         if let Some(vertex) = first_non_finite(&self.positions, &self.velocities) {
             return Err(StepError::NonFinite { vertex, step });
         }
+        self.predicted.copy_from_slice(&self.positions);
         let (w, x, v) = (
             &self.inverse_mass,
-            &mut self.positions,
+            &mut self.predicted,
             &mut self.velocities,
         );
         input.resolve_contacts(state, w, x, v)?;
-        state.positions.copy_from_slice(&self.positions);
+        state.positions.copy_from_slice(&self.predicted);
         state.velocities.copy_from_slice(&self.velocities);
         state.time += input.dt;
         state.steps = step;
