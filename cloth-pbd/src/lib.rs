@@ -5,7 +5,7 @@
 //! alone, then goes through the constraints one after another and moves the few vertices of each, along the constraint's gradient and
 //! the lighter ones further, until it is satisfied or, for a soft one, partly so. The next constraint sees what
 //! the one before it wrote (Gauss–Seidel). What the positions did in the end is the velocity.
-//! No force is ever computed, no system solved, and no spring overshoots: it is never moved beyond its rest length.
+//! No force is ever computed, no system solved, and no spring overshoots: unless over-relaxed (ω > 1), a visit never moves it beyond its rest length.
 //!
 //! # Equations
 //! Per substep of size h = Δt/substeps, with `wᵢ = 1/mᵢ` and s the stiffness of a projection (PBD-1, PBD-2):
@@ -121,7 +121,7 @@
 //! | coloured Gauss–Seidel | ≥ 22 238 | 4840 | ≥ 180 884 | 39 800 |
 //! | SOR on it, ω best for a chain of 127 links | 799 | 171 | ≥ 47 869 | 11 300 |
 //! | Chebyshev on it, there and back, ρ estimated | 605 | 317 | 1572 | 875 |
-//! | the same, ρ = 1 − 2.5/128² | 303 | 163 | 3510 | 1800 |
+//! | the same, ρ = 1 − 2.5/128², nearly the cos²(π/2N) of a chain of N = 127 links | 303 | 163 | 3510 | 1800 |
 //! | averaged Jacobi | ≥ 313 267 | 55 800 | ≥ 2 388 586 | 425 000 |
 //! | Chebyshev on it, ρ estimated | 2488 | 539 | 5095 | 1080 |
 //! | hierarchy, one correction | 1 | 5 | ≥ 180 787 | 40 900 |
@@ -132,7 +132,7 @@
 //!
 //! # References
 //! - M. Müller, B. Heidelberger, M. Hennix, J. Ratcliff, "Position based dynamics", J. Vis. Commun. Image
-//!   Represent. 18(2), 2007, <https://doi.org/10.1016/j.jvcir.2007.01.005>. Its `1 − (1 − k)^(1/n)` makes s independent of n; the rule here adds h and w̃.
+//!   Represent. 18(2), 2007, <https://doi.org/10.1016/j.jvcir.2007.01.005>. Its `s = 1 − (1 − k)^(1/n)` leaves `1 − k` of a violation after n visits, whatever n; the rule here adds h and w̃.
 //! - T. Jakobsen, "Advanced character physics", Game Developers Conference 2001: the distance projection.
 //! - J. Bender, M. Müller, M. A. Otaduy, M. Teschner, M. Macklin, "A survey on position-based simulation methods in computer graphics",
 //!   Comput. Graph. Forum 33(6), 2014, <https://doi.org/10.1111/cgf.12346>.

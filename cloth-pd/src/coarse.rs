@@ -6,8 +6,8 @@
 //!
 //! `A⁻¹ + P (Pᵀ H P)⁻¹ Pᵀ`,  `H = M/Δt² + Σ w Gᵀ (I − ∂p/∂z) G`
 //!
-//! is the constant matrix for what is rough and Newton's method for what is smooth: an additive two-level preconditioner. Both parts are
-//! symmetric and positive definite, so the direction goes down. H is taken where the step's iteration starts, once a step; `PᵀHP` is small, and factorising it
+//! is the constant matrix for what is rough and Newton's method for what is smooth: an additive two-level preconditioner. The first part is
+//! symmetric and positive definite, the second symmetric and positive semi-definite (it vanishes on what the hats do not see), so the sum is positive definite and the direction goes down. H is taken where the step's iteration starts, once a step; `PᵀHP` is small, and factorising it
 //! costs next to nothing.
 
 use crate::free_pieces::FreePieces;

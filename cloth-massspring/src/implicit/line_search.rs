@@ -9,7 +9,7 @@ const SUFFICIENT: Real = 1e-4;
 /// `G` may rise by this part of itself where the slopes show that the minimum comes nearer: two values of `G` that differ by less cannot be
 /// told apart (see [`LineSearch::search`]).
 const ROUNDING: Real = 1e-10;
-/// Part of the first slope that the slope at the new point may have, with either sign, in that case.
+/// In that case the slope at the new point may be at most this part of the size of the first; how steeply `G` still falls there does not matter.
 const SLOPE: Real = 0.8;
 /// Step lengths tried before giving up. Each is at most half of the one before.
 const MOST_TRIALS: u32 = 50;

@@ -7,8 +7,8 @@
 //!      Ĵ  Δx̂ + α̂ Δλ̂  = −D^(−½) (C + α̃ λ)          α̂ = α̃/D
 //! ```
 //!
-//! α̂ is between 0 (hard) and 1 (so soft that nothing moves), whatever the units, the masses and the step. Prescribed vertices and rows that no multiplier could
-//! change have zeros in Ĵ, and nothing divides by a stiffness or by a compliance.
+//! α̂ is 0 for a hard row and nears 1 for one so soft that it hardly moves anything, whatever the units, the masses and the step. Prescribed vertices and rows that no multiplier could
+//! change have zeros in Ĵ. The only division by a stiffness is that in `α̃ = 1/(k h²)`, for k neither 0 nor ∞; nothing divides by a compliance.
 
 use super::rows::{RowFamily, Rows};
 use crate::compliance::Compliance;
