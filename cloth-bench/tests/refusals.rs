@@ -91,12 +91,6 @@ fn settings_without_effect_are_refused_by_name() {
         ),
         (
             "hang",
-            "pbd",
-            "chebyshev=0.9 iterations=4",
-            "chebyshev iterations",
-        ),
-        (
-            "hang",
             "implicit-euler",
             "linear=cholesky linear_tolerance=1e-3",
             "linear_tolerance iterative",
