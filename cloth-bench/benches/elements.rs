@@ -154,7 +154,7 @@ fn energy<const N: usize, E: Energy<N>>(
     let count = elements.len();
     let bytes = size_of_val(&elements[..]) + vectors(x);
     let energies = Energies::new(x.len()).with(elements);
-    let mut energies = energies.expect("elements of the sheet");
+    let energies = energies.expect("elements of the sheet");
     let mut group = criterion.benchmark_group(format!("energy of {name}, {side} a side"));
     group.throughput(Throughput::Elements(count as u64));
     limit::bench(&mut group, "value", bytes, || energies.value(x));
@@ -167,7 +167,8 @@ fn energy<const N: usize, E: Energy<N>>(
     limit::bench(&mut group, "Hessian times vector", with_both, || {
         energies.add_hessian_product(x, x, Convexity::Clamp, &mut out);
     });
-    let mut matrix = BlockMatrix::zeros(energies.bind_pattern());
+    let assembly = energies.assembly();
+    let mut matrix = BlockMatrix::zeros(assembly.pattern().clone());
     let slots = count * N * N * size_of::<u32>();
     let blocks = 2 * size_of::<Mat3>() * matrix.pattern().block_count();
     limit::bench(
@@ -175,7 +176,7 @@ fn energy<const N: usize, E: Energy<N>>(
         "Hessian into slots",
         bytes + slots + blocks,
         || {
-            energies.add_hessian(x, 1.0, Convexity::Clamp, &mut matrix);
+            energies.add_hessian(&assembly, x, 1.0, Convexity::Clamp, &mut matrix);
         },
     );
 }

@@ -24,9 +24,8 @@ const SIDES: [u32; 3] = [64, 128, 256];
 
 /// `M/Δt² + H` of a sheet at rest, Δt = 1/60 s.
 fn implicit_matrix(scene: &Scene) -> BlockMatrix {
-    let mut energies = scene.model.energies().expect("elements of the sheet");
-    let mut matrix = BlockMatrix::zeros(energies.bind_pattern());
-    energies.add_hessian(&scene.start.positions, 1.0, Convexity::Clamp, &mut matrix);
+    let energies = scene.model.energies().expect("elements of the sheet");
+    let mut matrix = energies.hessian(&scene.start.positions, Convexity::Clamp);
     matrix.add_diagonal(scene.model.particles.mass().iter().map(|m| m * 3600.0));
     matrix
 }
@@ -84,7 +83,9 @@ fn linear_solvers(criterion: &mut Criterion) {
             LinearMethod::GaussSeidel(budget),
         ] {
             let free = vec![true; x.len()];
-            let mut solver = method.build(matrix.pattern(), &free).expect("memory");
+            let mut solver = method
+                .build(matrix.pattern(), &free, Some(&scene.start.positions))
+                .expect("memory");
             solver.prepare(&matrix).expect("a positive definite matrix");
             let name = format!("{}, {ITERATIONS} iterations", solver.name());
             limit::bench(&mut group, name, moved, || solver.solve(&matrix, x, &mut y));

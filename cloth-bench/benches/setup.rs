@@ -82,10 +82,10 @@ fn orders(criterion: &mut Criterion) {
         });
         let mut energies = Energies::new(count).with(springs).expect("springs");
         energies = energies.with(bending).expect("hinges");
-        let pattern = energies.bind_pattern();
+        let pattern = energies.assembly().pattern().clone();
         let of_pattern = size_of_val(pattern.columns());
         limit::bench(&mut group, "pattern of the Hessian", of_pattern, || {
-            energies.bind_pattern()
+            energies.assembly()
         });
         let free = vec![true; count];
         limit::bench(&mut group, "analyse the factor", of_pattern, || {

@@ -42,6 +42,8 @@ pub struct Summary {
     pub coarse_builds: u64,
     /// Iterations of steps that had to do without the coarse grid, summed over the steps.
     pub coarse_fallbacks: u64,
+    /// Minimisations in which Newton's method took over from the quasi-Newton method, summed over the steps.
+    pub newton_fallbacks: u64,
     /// Steps that met their tolerance; methods without one meet it never.
     pub converged_steps: u32,
     /// Largest strain of a spring at the end (dimensionless).
@@ -241,6 +243,7 @@ impl<'a> Course<'a> {
                 chebyshev_fallbacks: sum.chebyshev_fallbacks + report.chebyshev_fallbacks,
                 coarse_builds: sum.coarse_builds + report.coarse_builds,
                 coarse_fallbacks: sum.coarse_fallbacks + report.coarse_fallbacks,
+                newton_fallbacks: sum.newton_fallbacks + report.newton_fallbacks,
                 ..report
             };
         }
@@ -337,6 +340,7 @@ pub fn run(
     let mut iterations = Vec::with_capacity(steps as usize);
     let (mut converged_steps, mut linear_iterations) = (0, 0);
     let (mut chebyshev_fallbacks, mut coarse_builds, mut coarse_fallbacks) = (0, 0, 0);
+    let mut newton_fallbacks = 0;
     for step in 1..=steps {
         let taken = course.step(stepper, state, dt, Some(&mut balance));
         let report = taken.map_err(|error| match scene.parts() {
@@ -353,6 +357,7 @@ pub fn run(
         chebyshev_fallbacks += u64::from(report.chebyshev_fallbacks);
         coarse_builds += u64::from(report.coarse_builds);
         coarse_fallbacks += u64::from(report.coarse_fallbacks);
+        newton_fallbacks += u64::from(report.newton_fallbacks);
         converged_steps += u32::from(report.outcome == Outcome::Converged);
         after(step, state, &report)?;
     }
@@ -374,6 +379,7 @@ pub fn run(
         chebyshev_fallbacks,
         coarse_builds,
         coarse_fallbacks,
+        newton_fallbacks,
         converged_steps,
         max_stretch: strain.max,
         rms_strain: strain.rms,

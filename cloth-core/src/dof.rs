@@ -145,12 +145,10 @@ impl EdgeRank {
 /// `JᵀJ`: the Gauss–Newton Hessian of springs with k = 1.
 fn normal_matrix(positions: &[Vec3], pairs: &[[u32; 2]]) -> BlockMatrix {
     let springs = Spring::along(positions, pairs, 1.0);
-    let mut energies = Energies::new(positions.len())
+    Energies::new(positions.len())
         .with(springs)
-        .expect("edges name vertices of their mesh");
-    let mut matrix = BlockMatrix::zeros(energies.bind_pattern());
-    energies.add_hessian(positions, 1.0, Convexity::GaussNewton, &mut matrix);
-    matrix
+        .expect("edges name vertices of their mesh")
+        .hessian(positions, Convexity::GaussNewton)
 }
 
 /// A bound on the largest singular value: each edge adds `g gᵀ` with ‖g‖² = 2 to two vertices, so no eigenvalue of `JᵀJ` exceeds twice the

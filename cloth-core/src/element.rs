@@ -109,8 +109,23 @@ pub trait Energy<const N: usize>: Element<N> {
     /// `∂E/∂xᵢ` (N), one per vertex; the force is its negative.
     fn gradient(&self, x: &[Vec3; N]) -> [Vec3; N];
 
+    /// [`Energy::value`] and [`Energy::gradient`]: what the two share is done once.
+    #[inline(always)]
+    fn value_and_gradient(&self, x: &[Vec3; N]) -> (Real, [Vec3; N]) {
+        (self.value(x), self.gradient(x))
+    }
+
     /// `∂²E/∂xᵢ∂xⱼ` (N/m).
     fn hessian(&self, x: &[Vec3; N], convexity: Convexity) -> Blocks<N>;
+
+    /// The clamped Hessian (N/m) at `x` (m) of an iteration that treats forces as unknowns of their own: what the gradients turn
+    /// with is not the force at `x`, but the one that the constraint linearised at `from` (m) has at `to` (m); see
+    /// [`Constraint::mixed_curvature`]. Without that, the clamped Hessian at `x`.
+    #[inline]
+    fn mixed_hessian(&self, x: &[Vec3; N], from: &[Vec3; N], to: &[Vec3; N]) -> Blocks<N> {
+        let _ = (from, to);
+        self.hessian(x, Convexity::Clamp)
+    }
 
     /// `Σⱼ ∂²E/∂xᵢ∂xⱼ pⱼ` (N), for displacements `p` (m). An element that can do it without the blocks is several times faster.
     #[inline]
@@ -198,6 +213,15 @@ pub trait Constraint<const N: usize>: Element<N> {
         [[Mat3::zeros(); N]; N]
     }
 
+    /// [`Constraint::curvature`], clamped, with the values `C(from) + ∂C(from)·(to − from)` in the place of `C(x)`. A stiff
+    /// spring that has turned in an iteration is stretched by far, and its force at `x` says nothing of the one it ends with;
+    /// the linear prediction does. An element without a form of its own takes the force at `x`.
+    #[inline]
+    fn mixed_curvature(&self, x: &[Vec3; N], from: &[Vec3; N], to: &[Vec3; N]) -> Blocks<N> {
+        let _ = (from, to);
+        self.curvature(x, Convexity::Clamp)
+    }
+
     /// [`Constraint::curvature`] times displacements `p` (m), in N. Called as that is, and never where [`Constraint::ROWS_ARE_LINEAR`].
     #[inline]
     fn curvature_product(&self, x: &[Vec3; N], p: &[Vec3; N], convexity: Convexity) -> [Vec3; N] {
@@ -253,6 +277,20 @@ pub trait Projective<const N: usize, const K: usize>: Element<N> {
     }
 }
 
+/// `sum + Σ k ∂C ∂Cᵀ`.
+#[inline(always)]
+fn add_gauss_newton<const N: usize>(mut sum: Blocks<N>, rows: &[Row<N>]) -> Blocks<N> {
+    for row in rows {
+        for i in 0..N {
+            let scaled = row.gradient[i] * row.stiffness;
+            for j in 0..N {
+                sum[i][j] += scaled * row.gradient[j].transpose();
+            }
+        }
+    }
+    sum
+}
+
 /// The line where a constraint becomes an energy: `E = ½ Σ k C²`, `∂E = Σ k C ∂C`,
 /// `∂²E = Σ k ∂C ∂Cᵀ + Σ k C ∂²C` (S1 (1)–(3) for a spring).
 impl<const N: usize, C: Constraint<N>> Energy<N> for C {
@@ -280,21 +318,46 @@ impl<const N: usize, C: Constraint<N>> Energy<N> for C {
         sum
     }
 
-    #[inline]
+    #[inline(always)]
+    fn value_and_gradient(&self, x: &[Vec3; N]) -> (Real, [Vec3; N]) {
+        if let Some(row) = self.unit_row(x) {
+            let force = row.stiffness * row.value;
+            let mut gradient = row.direction;
+            gradient.iter_mut().for_each(|g| *g *= force / row.length);
+            return (0.5 * force * row.value, gradient);
+        }
+        if let Some(row) = self.vector_row() {
+            let value = row.value(x);
+            let force = value * row.stiffness;
+            let mut gradient = [force; N];
+            for i in 0..N {
+                gradient[i] *= row.coefficients[i];
+            }
+            return (0.5 * force.dot(&value), gradient);
+        }
+        let (mut twice, mut sum) = (0.0, [Vec3::zeros(); N]);
+        for row in self.rows(x).as_ref() {
+            let force = row.stiffness * row.value;
+            twice += force * row.value;
+            for i in 0..N {
+                sum[i] += row.gradient[i] * force;
+            }
+        }
+        (0.5 * twice, sum)
+    }
+
+    #[inline(always)]
     fn hessian(&self, x: &[Vec3; N], convexity: Convexity) -> Blocks<N> {
-        let mut sum = match convexity {
+        let curvature = match convexity {
             Convexity::GaussNewton => [[Mat3::zeros(); N]; N],
             _ => self.curvature(x, convexity),
         };
-        for row in self.rows(x).as_ref() {
-            for i in 0..N {
-                let scaled = row.gradient[i] * row.stiffness;
-                for j in 0..N {
-                    sum[i][j] += scaled * row.gradient[j].transpose();
-                }
-            }
-        }
-        sum
+        add_gauss_newton(curvature, self.rows(x).as_ref())
+    }
+
+    #[inline(always)]
+    fn mixed_hessian(&self, x: &[Vec3; N], from: &[Vec3; N], to: &[Vec3; N]) -> Blocks<N> {
+        add_gauss_newton(self.mixed_curvature(x, from, to), self.rows(x).as_ref())
     }
 
     /// `Σ k ∂C (∂C·p)`, and what the curvature adds: no blocks of 3 × 3 where the rows are linear.

@@ -1,135 +1,167 @@
 //! A family: all elements of one kind, with the kind forgotten. One virtual call per family, none per element.
 
+mod assembly;
+
+pub use assembly::Assembly;
+
 use crate::block_matrix::{BlockMatrix, BlockPattern, PatternBuilder};
+use crate::chunked::{CHUNK, map_reduce};
 use crate::element::{Convexity, Energy};
-use crate::math::{Mat3, Real, Vec3, gather};
+use crate::math::{Real, Vec3, gather};
 use crate::step::BuildError;
+use assembly::{FamilySlots, Linearization};
 use std::fmt::Debug;
 use std::sync::Arc;
 
 /// Sums over all elements of one kind. Implemented by the families of [`Energies`] only.
 trait EnergyFamily: Debug + Send + Sync {
+    /// Vertices of an element.
+    fn stencil_size(&self) -> usize;
     fn value(&self, x: &[Vec3]) -> Real;
-    fn add_gradient(&self, x: &[Vec3], out: &mut [Vec3]);
+    fn add_gradient(&self, x: &[Vec3], out: &mut [Vec3]) -> Real;
     fn add_hessian_product(&self, x: &[Vec3], p: &[Vec3], convexity: Convexity, out: &mut [Vec3]);
-    fn add_pattern(&self, pattern: &mut PatternBuilder);
-    fn bind(&mut self, pattern: &BlockPattern);
-    fn add_hessian(&self, x: &[Vec3], scale: Real, convexity: Convexity, out: &mut BlockMatrix);
+    fn for_each_stencil(&self, visit: &mut dyn FnMut(&[u32]));
+    fn slots(&self, pattern: &Arc<BlockPattern>) -> FamilySlots;
+    fn add_hessian(
+        &self,
+        slots: &FamilySlots,
+        x: &[Vec3],
+        by: &Linearization<'_>,
+        out: &mut BlockMatrix,
+    );
 }
 
+/// The elements, and which of them touch which chunk of [`CHUNK`] vertices.
+///
+/// Each chunk visits the elements that touch it and adds to its own vertices only; an element on the border of two chunks
+/// is visited by both. So no two threads write to the same place, and every vertex adds up the same numbers in the same
+/// order on any number of threads. The energy of an element is counted by the chunk of its first vertex.
 #[derive(Clone, Debug)]
 struct Family<const N: usize, E> {
     elements: Vec<E>,
-    /// Place of each block of the lower half of each element's Hessian: `N (N + 1)/2` numbers an element, filled by `bind`.
-    slots: Vec<u32>,
-    /// The Hessian of the whole family, if it is constant: blocks and their places, filled by `bind`.
-    constant: Vec<(u32, Mat3)>,
+    /// The elements at each chunk, ascending; empty if there is one chunk only.
+    at_chunk: Vec<Vec<u32>>,
+}
+
+impl<const N: usize, E: Energy<N>> Family<N, E> {
+    fn new(elements: Vec<E>, vertex_count: usize) -> Self {
+        let chunks = vertex_count.div_ceil(CHUNK);
+        let mut at_chunk = Vec::new();
+        if chunks > 1 {
+            at_chunk = vec![Vec::new(); chunks];
+            for (element, stencil) in (0u32..).zip(&elements) {
+                for vertex in stencil.vertices() {
+                    let list = &mut at_chunk[vertex as usize / CHUNK];
+                    if list.last() != Some(&element) {
+                        list.push(element);
+                    }
+                }
+            }
+        }
+        Self { elements, at_chunk }
+    }
+
+    /// Visits the elements that touch the chunk that begins at a vertex.
+    #[inline(always)]
+    fn for_each_at(&self, start: usize, mut visit: impl FnMut(usize, &E)) {
+        match self.at_chunk.get(start / CHUNK) {
+            Some(list) => {
+                for &element in list {
+                    visit(element as usize, &self.elements[element as usize]);
+                }
+            }
+            None => {
+                for (number, element) in self.elements.iter().enumerate() {
+                    visit(number, element);
+                }
+            }
+        }
+    }
 }
 
 impl<const N: usize, E: Energy<N>> EnergyFamily for Family<N, E> {
+    fn stencil_size(&self) -> usize {
+        N
+    }
+
     fn value(&self, x: &[Vec3]) -> Real {
         let sum = |e: &E| e.value(&gather(x, e.vertices()));
         self.elements.iter().map(sum).sum()
     }
 
-    fn add_gradient(&self, x: &[Vec3], out: &mut [Vec3]) {
-        for element in &self.elements {
-            let vertices = element.vertices();
-            let gradient = element.gradient(&gather(x, vertices));
-            for i in 0..N {
-                out[vertices[i] as usize] += gradient[i];
-            }
-        }
+    fn add_gradient(&self, x: &[Vec3], out: &mut [Vec3]) -> Real {
+        let [total] = map_reduce(
+            out,
+            #[inline(always)]
+            |start, out: &mut [Vec3]| {
+                let mut total = 0.0;
+                self.for_each_at(
+                    start,
+                    #[inline(always)]
+                    |_, element| {
+                        let vertices = element.vertices();
+                        let (value, gradient) = element.value_and_gradient(&gather(x, vertices));
+                        if (vertices[0] as usize).wrapping_sub(start) < out.len() {
+                            total += value;
+                        }
+                        for i in 0..N {
+                            // Wraps to a large number for a vertex before the chunk, and finds nothing.
+                            let place = (vertices[i] as usize).wrapping_sub(start);
+                            if let Some(out) = out.get_mut(place) {
+                                *out += gradient[i];
+                            }
+                        }
+                    },
+                );
+                [total]
+            },
+        );
+        total
     }
 
     fn add_hessian_product(&self, x: &[Vec3], p: &[Vec3], convexity: Convexity, out: &mut [Vec3]) {
-        for element in &self.elements {
-            let vertices = element.vertices();
-            let (x, p) = (gather(x, vertices), gather(p, vertices));
-            let product = element.hessian_product(&x, &p, convexity);
-            for i in 0..N {
-                out[vertices[i] as usize] += product[i];
-            }
-        }
-    }
-
-    fn add_pattern(&self, pattern: &mut PatternBuilder) {
-        pattern.add(&self.elements);
-    }
-
-    fn bind(&mut self, pattern: &BlockPattern) {
-        self.slots.clear();
-        self.slots
-            .reserve_exact(self.elements.len() * N * (N + 1) / 2);
-        for element in &self.elements {
-            let vertices = element.vertices();
-            for i in 0..N {
-                for j in 0..=i {
-                    let slot = pattern.slot(vertices[i], vertices[j]);
-                    self.slots
-                        .push(slot.expect("the pattern was made from these elements"));
-                }
-            }
-        }
-        if E::HESSIAN_IS_CONSTANT {
-            let mut sum = vec![Mat3::zeros(); pattern.block_count()];
-            self.add_elements(|_| [Vec3::zeros(); N], 1.0, Convexity::Exact, &mut sum);
-            self.slots.sort_unstable();
-            self.slots.dedup();
-            let slots = self.slots.iter();
-            self.constant = slots.map(|&slot| (slot, sum[slot as usize])).collect();
-            self.slots = Vec::new();
-        }
-    }
-
-    fn add_hessian(&self, x: &[Vec3], scale: Real, convexity: Convexity, out: &mut BlockMatrix) {
-        if E::HESSIAN_IS_CONSTANT {
-            assert!(!self.constant.is_empty(), "{UNBOUND}");
-            for (slot, block) in &self.constant {
-                out.blocks_mut()[*slot as usize] += block * scale;
-            }
-        } else {
-            let local = |vertices| gather(x, vertices);
-            self.add_elements(local, scale, convexity, out.blocks_mut());
-        }
-    }
-}
-
-/// Why there is nothing to add.
-const UNBOUND: &str = "bind_pattern comes before add_hessian";
-
-impl<const N: usize, E: Energy<N>> Family<N, E> {
-    /// Adds the Hessian of every element to the blocks of a matrix; `local` gives the positions (m) of its vertices.
-    fn add_elements(
-        &self,
-        local: impl Fn([u32; N]) -> [Vec3; N],
-        scale: Real,
-        convexity: Convexity,
-        blocks: &mut [Mat3],
-    ) {
-        let per_element = N * (N + 1) / 2;
-        assert_eq!(
-            self.slots.len(),
-            per_element * self.elements.len(),
-            "{UNBOUND}"
+        map_reduce(
+            out,
+            #[inline(always)]
+            |start, out: &mut [Vec3]| {
+                self.for_each_at(
+                    start,
+                    #[inline(always)]
+                    |_, element| {
+                        let vertices = element.vertices();
+                        let (x, p) = (gather(x, vertices), gather(p, vertices));
+                        let product = element.hessian_product(&x, &p, convexity);
+                        for i in 0..N {
+                            let place = (vertices[i] as usize).wrapping_sub(start);
+                            if let Some(out) = out.get_mut(place) {
+                                *out += product[i];
+                            }
+                        }
+                    },
+                );
+                []
+            },
         );
-        let slots = self.slots.chunks_exact(per_element);
-        for (element, slots) in self.elements.iter().zip(slots) {
-            let vertices = element.vertices();
-            let hessian = element.hessian(&local(vertices), convexity);
-            let mut slot = slots.iter();
-            for i in 0..N {
-                for j in 0..=i {
-                    // The matrix keeps the block whose row is the larger vertex number.
-                    let block = if vertices[i] >= vertices[j] {
-                        &hessian[i][j]
-                    } else {
-                        &hessian[j][i]
-                    };
-                    blocks[*slot.next().expect("N (N + 1)/2 slots") as usize] += block * scale;
-                }
-            }
+    }
+
+    fn for_each_stencil(&self, visit: &mut dyn FnMut(&[u32])) {
+        for element in &self.elements {
+            visit(&element.vertices());
         }
+    }
+
+    fn slots(&self, pattern: &Arc<BlockPattern>) -> FamilySlots {
+        FamilySlots::of(self, pattern)
+    }
+
+    fn add_hessian(
+        &self,
+        slots: &FamilySlots,
+        x: &[Vec3],
+        by: &Linearization<'_>,
+        out: &mut BlockMatrix,
+    ) {
+        slots.add(self, x, by, out);
     }
 }
 
@@ -169,11 +201,8 @@ impl Energies {
     ) -> Result<Self, BuildError> {
         check_vertices(&elements, self.vertex_count)?;
         if !elements.is_empty() {
-            self.families.push(Box::new(Family {
-                elements,
-                slots: Vec::new(),
-                constant: Vec::new(),
-            }));
+            self.families
+                .push(Box::new(Family::new(elements, self.vertex_count)));
         }
         Ok(self)
     }
@@ -196,11 +225,13 @@ impl Energies {
         self.families.iter().map(|family| family.value(x)).sum()
     }
 
-    /// Adds `∂E/∂x` (N) to `out`.
-    pub fn add_gradient(&self, x: &[Vec3], out: &mut [Vec3]) {
+    /// Adds `∂E/∂x` (N) to `out`, and returns `E(x)` (J).
+    pub fn add_gradient(&self, x: &[Vec3], out: &mut [Vec3]) -> Real {
+        let mut total = 0.0;
         for family in &self.families {
-            family.add_gradient(x, out);
+            total += family.add_gradient(x, out);
         }
+        total
     }
 
     /// Adds `∂²E/∂x² p` (N, for a displacement `p` in m) to `out`, without a matrix.
@@ -216,33 +247,107 @@ impl Energies {
         }
     }
 
-    /// The pattern of the Hessian, and the places of all blocks in it looked up. Call it once, before [`Energies::add_hessian`].
-    #[must_use]
-    pub fn bind_pattern(&mut self) -> Arc<BlockPattern> {
-        let mut builder = PatternBuilder::new(self.vertex_count);
-        for family in &self.families {
-            family.add_pattern(&mut builder);
+    /// Visits the vertex of every element that has only one, and so ties it to a place.
+    pub fn for_each_anchor(&self, mut visit: impl FnMut(u32)) {
+        for family in self.families.iter().filter(|f| f.stencil_size() == 1) {
+            family.for_each_stencil(&mut |stencil| visit(stencil[0]));
         }
-        let pattern = builder.build();
-        for family in &mut self.families {
-            family.bind(&pattern);
-        }
-        pattern
     }
 
-    /// Adds `scale · ∂²E/∂x²` (N/m) to a matrix on the pattern that [`Energies::bind_pattern`] gave.
+    /// Where the blocks of the Hessian go, all of them.
+    #[must_use]
+    pub fn assembly(&self) -> Assembly {
+        let mut builder = PatternBuilder::new(self.vertex_count);
+        for family in &self.families {
+            family.for_each_stencil(&mut |stencil| builder.add_pairs(stencil, |_| true));
+        }
+        Assembly::new(self, builder.build())
+    }
+
+    /// The same for an approximation with fewer blocks, for preconditioners: pairs of vertices that only elements of more than
+    /// three vertices couple, the wing tips of hinges, are *lumped*. Their block is added to the diagonal blocks of both
+    /// vertices instead: `x₂ᵀB x₃` becomes `½ x₂ᵀB x₂ + ½ x₃ᵀB x₃`, which is the same for a translation and no less for
+    /// any other displacement if `B` is positive semi-definite. A vertex that has no other elements keeps its pairs.
+    #[must_use]
+    pub fn lumped_assembly(&self) -> Assembly {
+        let mut builder = PatternBuilder::new(self.vertex_count);
+        let mut is_covered = vec![false; self.vertex_count];
+        let (small, large): (Vec<_>, Vec<_>) = self
+            .families
+            .iter()
+            .partition(|family| family.stencil_size() <= 3);
+        for family in small {
+            family.for_each_stencil(&mut |stencil| {
+                builder.add_pairs(stencil, |_| true);
+                if stencil.len() > 1 {
+                    stencil.iter().for_each(|&v| is_covered[v as usize] = true);
+                }
+            });
+        }
+        for family in large {
+            family.for_each_stencil(&mut |stencil| {
+                builder.add_pairs(stencil, |pair| {
+                    !pair.map(|v| is_covered[v as usize]).contains(&true)
+                });
+            });
+        }
+        Assembly::new(self, builder.build())
+    }
+
+    /// Adds `scale · ∂²E/∂x²` (N/m) to a matrix on the pattern of the assembly.
     ///
     /// # Panics
-    /// If [`Energies::bind_pattern`] was not called since the last family was added.
+    /// If the assembly or the matrix is that of another energy.
     pub fn add_hessian(
         &self,
+        assembly: &Assembly,
         x: &[Vec3],
         scale: Real,
         convexity: Convexity,
         out: &mut BlockMatrix,
     ) {
-        for family in &self.families {
-            family.add_hessian(x, scale, convexity, out);
+        self.add_by(assembly, x, &Linearization::At { scale, convexity }, out);
+    }
+
+    /// `∂²E/∂x²` (N/m) as a matrix of its own.
+    #[must_use]
+    pub fn hessian(&self, x: &[Vec3], convexity: Convexity) -> BlockMatrix {
+        let assembly = self.assembly();
+        let mut matrix = BlockMatrix::zeros(Arc::clone(assembly.pattern()));
+        self.add_hessian(&assembly, x, 1.0, convexity, &mut matrix);
+        matrix
+    }
+
+    /// Adds the clamped Hessian of [`Energy::mixed_hessian`] (N/m), whose constraint values are those linearised at
+    /// `from` (m) and taken at `to` (m).
+    ///
+    /// # Panics
+    /// If the assembly or the matrix is that of another energy.
+    pub fn add_mixed_hessian(
+        &self,
+        assembly: &Assembly,
+        x: &[Vec3],
+        from: &[Vec3],
+        to: &[Vec3],
+        out: &mut BlockMatrix,
+    ) {
+        self.add_by(assembly, x, &Linearization::Mixed { from, to }, out);
+    }
+
+    fn add_by(
+        &self,
+        assembly: &Assembly,
+        x: &[Vec3],
+        by: &Linearization<'_>,
+        out: &mut BlockMatrix,
+    ) {
+        assert_eq!(
+            assembly.families().len(),
+            self.families.len(),
+            "assembly of another energy"
+        );
+        for (family, slots) in self.families.iter().zip(assembly.families()) {
+            family.add_hessian(slots, x, by, out);
         }
     }
 }

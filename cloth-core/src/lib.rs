@@ -69,11 +69,10 @@
 //! - A [`cloth::Cloth`] is cut to springs, whose modulus depends on the pattern of the mesh ([`cloth::Membrane`]), and to quadratic hinges,
 //!   which are flat at rest, unless [`cloth::Carriers`] choose other elements of [`energy`]. Hinges have a Poisson's ratio of their own, which the
 //!   pattern of the mesh decides: −1/3 on equilateral triangles.
-//! - One thread sums energies, gradients and Hessians; only sweeps over coloured elements use several.
 //!
 //! # Features
 //!
-//! `parallel` (default): sweeps on rayon's threads, with the same bits as without. `cholesky`: the factorisations of `linear`, and `dof`, over faer.
+//! `parallel` (default): sweeps, energies, matrices and multigrid on rayon's threads, with the same bits as without. `cholesky`: the factorisations of `linear`, and `dof`, over faer.
 //!
 //! # The files, in reading order
 
@@ -92,15 +91,15 @@ pub mod family;
 
 pub mod cloth;
 
+pub mod chunked;
 pub mod coloring;
 pub mod ordering;
-mod parallel;
-
-#[cfg(feature = "cholesky")]
-pub mod wide;
+pub mod parallel;
+pub mod vectors;
 
 pub mod block_matrix;
 pub mod linear;
+pub mod multigrid;
 
 #[cfg(feature = "cholesky")]
 pub mod dof;

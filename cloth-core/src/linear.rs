@@ -4,6 +4,7 @@
 //! |---|---|
 //! | sparse Cholesky by blocks, `BlockCholesky` | `block_cholesky`, over `cholesky` |
 //! | conjugate gradients, [`ConjugateGradients`] | `conjugate_gradients` |
+//! | the same, preconditioned by a multigrid cycle, [`MultigridGradients`] | `multigrid_gradients` |
 //! | damped Jacobi, [`Jacobi`] | `jacobi` |
 //! | Jacobi with Chebyshev acceleration, [`ChebyshevJacobi`] | `chebyshev` |
 //! | Gauss–Seidel, [`GaussSeidel`] | `gauss_seidel` |
@@ -27,6 +28,7 @@ mod jacobi;
 #[cfg(feature = "cholesky")]
 mod low_rank;
 mod minres;
+mod multigrid_gradients;
 #[cfg(feature = "cholesky")]
 mod panel;
 #[cfg(feature = "cholesky")]
@@ -49,6 +51,7 @@ pub use jacobi::Jacobi;
 #[cfg(feature = "cholesky")]
 pub use low_rank::LowRank;
 pub use minres::{KrylovEnd, Minres};
+pub use multigrid_gradients::MultigridGradients;
 #[cfg(feature = "cholesky")]
 pub use panel::PanelFactor;
 #[cfg(feature = "cholesky")]

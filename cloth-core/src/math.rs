@@ -29,10 +29,15 @@ pub fn is_finite(v: &Vec3) -> bool {
 ///
 /// # Panics
 /// If an index is not smaller than `x.len()`.
-#[inline]
+#[inline(always)]
 #[must_use]
 pub fn gather<const N: usize>(x: &[Vec3], vertices: [u32; N]) -> [Vec3; N] {
-    vertices.map(|vertex| x[vertex as usize])
+    // A loop, because `map` is a call where it is not inlined.
+    let mut local = [Vec3::zeros(); N];
+    for i in 0..N {
+        local[i] = x[vertices[i] as usize];
+    }
+    local
 }
 
 /// Length (m) and direction (dimensionless, unit length) of the difference `d` (m) of the two
@@ -42,7 +47,7 @@ pub fn gather<const N: usize>(x: &[Vec3], vertices: [u32; N]) -> [Vec3; N] {
 /// nearby gradients; we return one that depends on the vertex numbers only. It makes a collapsed cloth
 /// unfold in all directions instead of staying a point, gives opposite forces to the two
 /// vertices, and repeats from run to run.
-#[inline]
+#[inline(always)]
 #[must_use]
 pub fn length_and_direction(d: Vec3, pair: [u32; 2]) -> (Real, Vec3) {
     let squared = d.norm_squared();
@@ -69,7 +74,7 @@ pub fn radial_resistance(length: Real, n: Vec3, rest: Real) -> Mat3 {
 }
 
 /// The Hessian of two vertices that resist being moved apart across n only, by `stiffness` (N/m): `± stiffness (I − n nᵀ)`.
-#[inline]
+#[inline(always)]
 pub(crate) fn across_pair(n: Vec3, stiffness: Real) -> Blocks<2> {
     let block = (Mat3::identity() - n * n.transpose()) * stiffness;
     [[block, -block], [-block, block]]

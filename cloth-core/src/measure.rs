@@ -1,5 +1,6 @@
 //! Yardsticks that belong to no method: energies, momenta, strain, and the function that implicit Euler minimises (CORE-14).
 
+use crate::chunked::map_reduce;
 use crate::energy::Spring;
 use crate::family::Energies;
 use crate::math::{Real, Vec3, gather};
@@ -178,19 +179,33 @@ impl IncrementalPotential<'_> {
         0.5 * twice / (self.dt * self.dt)
     }
 
-    /// Writes `∂G/∂x` (N) to `out`: `M (x − x̃)/Δt² + ∂E/∂x`, zero at prescribed vertices.
-    pub fn gradient_into(&self, x: &[Vec3], out: &mut [Vec3]) {
+    /// Writes `∂G/∂x` (N) to `out`: `M (x − x̃)/Δt² + ∂E/∂x`, zero at prescribed vertices. Returns `G(x)` (J), as
+    /// [`IncrementalPotential::value`] but for rounding.
+    pub fn gradient_into(&self, x: &[Vec3], out: &mut [Vec3]) -> Real {
         out.fill(Vec3::zeros());
-        self.energies.add_gradient(x, out);
+        let elastic = self.energies.add_gradient(x, out);
         let scale = 1.0 / (self.dt * self.dt);
-        for (vertex, out) in out.iter_mut().enumerate() {
-            if self.particles.is_prescribed(vertex) {
-                *out = Vec3::zeros();
-            } else {
-                let pull = x[vertex] - self.predicted[vertex];
-                *out += pull * (self.particles.mass()[vertex] * scale);
-            }
-        }
+        let (mass, inverse_mass) = (self.particles.mass(), self.particles.inverse_mass());
+        let predicted = self.predicted;
+        let [twice] = map_reduce(
+            out,
+            #[inline(always)]
+            |start, out: &mut [Vec3]| {
+                let mut twice = 0.0;
+                for (vertex, out) in (start..).zip(out) {
+                    if inverse_mass[vertex] == 0.0 {
+                        *out = Vec3::zeros();
+                    } else {
+                        let away = x[vertex] - predicted[vertex];
+                        let pull = away * (mass[vertex] * scale);
+                        twice += pull.dot(&away);
+                        *out += pull;
+                    }
+                }
+                [twice]
+            },
+        );
+        elastic + 0.5 * twice
     }
 
     /// Norm of a gradient of `G` in the metric of `M⁻¹` (N/√kg), over the vertices that are not prescribed (VALIDATION 8.1).

@@ -9,6 +9,58 @@ use std::ops::Range;
 #[cfg(feature = "parallel")]
 const SMALLEST_PARALLEL_SET: usize = 4096;
 
+/// Passes over fewer vertices than this take less than it costs to wake a second thread a few times in an iteration.
+#[cfg(feature = "parallel")]
+const SMALLEST_PARALLEL_CLOTH: usize = 8_192;
+
+/// Does two things that have nothing to do with each other: at the same time if there are several threads and the cloth has
+/// enough vertices, else one after the other.
+#[cfg(feature = "parallel")]
+pub fn join<A: Send, B: Send>(
+    vertex_count: usize,
+    first: impl FnOnce() -> A + Send,
+    second: impl FnOnce() -> B + Send,
+) -> (A, B) {
+    if vertex_count >= SMALLEST_PARALLEL_CLOTH && rayon::current_num_threads() > 1 {
+        rayon::join(first, second)
+    } else {
+        (first(), second())
+    }
+}
+
+/// Does two things that have nothing to do with each other, one after the other.
+#[cfg(not(feature = "parallel"))]
+pub fn join<A, B>(_: usize, first: impl FnOnce() -> A, second: impl FnOnce() -> B) -> (A, B) {
+    (first(), second())
+}
+
+/// Runs `work`, compiled for registers of four numbers if the processor has them.
+///
+/// A program for any processor of its kind may use the registers that all of them have, which on x86-64 hold two numbers.
+/// What is run here is compiled a second time for registers of four, and the processor is asked which of the two it can
+/// execute. Both do the same operations in the same order (a product and a sum are never fused), so the results have the same
+/// bits. The second compilation reaches as far as inlining does: the closure and what its loops call have to be
+/// `#[inline(always)]`.
+#[inline(always)]
+pub fn wide<T>(work: impl FnOnce() -> T) -> T {
+    #[cfg(target_arch = "x86_64")]
+    if std::is_x86_feature_detected!("avx2") {
+        #[allow(unsafe_code)]
+        // SAFETY: the processor has the instructions.
+        return unsafe { with_avx2(work) };
+    }
+    work()
+}
+
+/// # Safety
+/// The processor has AVX2.
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2")]
+#[allow(unsafe_code)] // the reason is in the section above
+unsafe fn with_avx2<T>(work: impl FnOnce() -> T) -> T {
+    work()
+}
+
 /// The vertices of elements in visiting order, and the stages in which they are visited: a vertex is in one part of a stage at most.
 ///
 /// That is checked when the value is made and nothing can change it afterwards; sharing a stage between threads rests on it, and on

@@ -3,6 +3,7 @@
 use crate::math::{Real, Vec3};
 use crate::mesh::TriMesh;
 use std::fmt;
+use std::sync::Arc;
 
 /// Lumped masses (kg) and their inverses (1/kg), both of length `V` (CORE-3; the matrix `M` of S1 (13)).
 ///
@@ -13,6 +14,7 @@ use std::fmt;
 pub struct Particles {
     mass: Vec<Real>,
     inverse_mass: Vec<Real>,
+    rest_positions: Option<Arc<[Vec3]>>,
 }
 
 impl Particles {
@@ -31,7 +33,29 @@ impl Particles {
             });
         }
         let inverse_mass = mass.iter().map(|m| 1.0 / m).collect();
-        Ok(Self { mass, inverse_mass })
+        Ok(Self {
+            mass,
+            inverse_mass,
+            rest_positions: None,
+        })
+    }
+
+    /// The same particles with the positions (m) at which they are at rest. Methods with coarse levels lay them out by these;
+    /// without, by the positions of the first step.
+    ///
+    /// # Panics
+    /// If there is not one position per vertex.
+    #[must_use]
+    pub fn resting_at(mut self, positions: &[Vec3]) -> Self {
+        assert_eq!(positions.len(), self.len(), "one rest position per vertex");
+        self.rest_positions = Some(positions.into());
+        self
+    }
+
+    /// Positions at rest (m), if they are known; those of the mesh for particles made from one.
+    #[must_use]
+    pub fn rest_positions(&self) -> Option<&[Vec3]> {
+        self.rest_positions.as_deref()
     }
 
     /// A third of each triangle's mass to each of its corners; `density` in kg/m².
@@ -48,7 +72,7 @@ impl Particles {
                 mass[vertex as usize] += density * area / 3.0;
             }
         }
-        Self::new(mass)
+        Ok(Self::new(mass)?.resting_at(mesh.positions()))
     }
 
     /// Replaces the mass (kg) of one vertex. A prescribed vertex stays prescribed.

@@ -221,6 +221,8 @@ pub struct StepReport {
     pub coarse_builds: u32,
     /// Iterations of a step, from its start to its end, that had to do without the coarse grid that the method was given, because it could not be made or factorised.
     pub coarse_fallbacks: u32,
+    /// Minimisations that a quasi-Newton method did not bring to an end, so that Newton's method took over.
+    pub newton_fallbacks: u32,
     /// What the method measures its convergence by, at the end, if it measures it; see the method.
     pub residual: Option<Real>,
     /// Work (J) that prescribed vertices did on the others, if the method adds it up over its substeps.
@@ -241,6 +243,7 @@ impl StepReport {
             chebyshev_fallbacks: 0,
             coarse_builds: 0,
             coarse_fallbacks: 0,
+            newton_fallbacks: 0,
             residual: None,
             pin_work: None,
         }

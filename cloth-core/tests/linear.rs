@@ -36,11 +36,10 @@ fn springs() -> Vec<Spring> {
 
 /// The Hessian of the springs at a random shape plus `diagonal`, and the same as a dense matrix.
 fn matrices(seed: usize, diagonal: Real, convexity: Convexity) -> (BlockMatrix, DMatrix<Real>) {
-    let mut energies = Energies::new(COUNT).with(springs()).unwrap();
+    let energies = Energies::new(COUNT).with(springs()).unwrap();
     let x: Vec<Vec3> = (0..COUNT).map(|i| noise(100 * seed + i)).collect();
-    let mut sparse = BlockMatrix::zeros(energies.bind_pattern());
+    let mut sparse = energies.hessian(&x, convexity);
     sparse.add_diagonal(std::iter::repeat_n(diagonal, COUNT));
-    energies.add_hessian(&x, 1.0, convexity, &mut sparse);
     let mut dense = DMatrix::identity(3 * COUNT, 3 * COUNT) * diagonal;
     for spring in springs() {
         let [a, b] = spring.vertices().map(|v| v as usize);
@@ -99,14 +98,13 @@ fn constant_hessians_added_up_once_are_those_of_the_elements() {
             .and_then(|e| e.with(pins.to_vec()))
             .unwrap()
     };
-    let mut bound = energies(COUNT);
-    // Twice: what the first binding made must not stay.
-    let _ = bound.bind_pattern();
-    let mut sparse = BlockMatrix::zeros(bound.bind_pattern());
+    let energy = energies(COUNT);
+    let assembly = energy.assembly();
+    let mut sparse = BlockMatrix::zeros(assembly.pattern().clone());
     let x: Vec<Vec3> = (0..COUNT).map(|i| noise(40 + i)).collect();
     let p: Vec<Vec3> = (0..COUNT).map(|i| noise(i + 777)).collect();
-    bound.add_hessian(&x, 0.25, Convexity::Exact, &mut sparse);
-    bound.add_hessian(&x, 0.75, Convexity::Clamp, &mut sparse);
+    energy.add_hessian(&assembly, &x, 0.25, Convexity::Exact, &mut sparse);
+    energy.add_hessian(&assembly, &x, 0.75, Convexity::Clamp, &mut sparse);
     let (mut with, mut without) = (vec![Vec3::zeros(); COUNT], vec![Vec3::zeros(); COUNT]);
     sparse.multiply(&p, &mut with);
     energies(COUNT).add_hessian_product(&x, &p, Convexity::Exact, &mut without);
@@ -115,17 +113,17 @@ fn constant_hessians_added_up_once_are_those_of_the_elements() {
 }
 
 #[test]
-#[should_panic(expected = "bind_pattern comes before add_hessian")]
-fn constant_hessians_are_not_added_before_they_are_bound() {
+#[should_panic(expected = "assembly of another energy")]
+fn an_assembly_of_another_energy_is_refused() {
     let pins = vec![Attachment {
         vertex: 0,
         target: Vec3::x(),
         stiffness: 3.0,
     }];
-    let mut bound = Energies::new(1).with(pins.clone()).unwrap();
-    let mut sparse = BlockMatrix::zeros(bound.bind_pattern());
-    let unbound = Energies::new(1).with(pins).unwrap();
-    unbound.add_hessian(&[Vec3::zeros()], 1.0, Convexity::Exact, &mut sparse);
+    let assembly = Energies::new(1).with(pins).unwrap().assembly();
+    let mut sparse = BlockMatrix::zeros(assembly.pattern().clone());
+    let x = [Vec3::zeros()];
+    Energies::new(1).add_hessian(&assembly, &x, 1.0, Convexity::Exact, &mut sparse);
 }
 
 /// Solves with some vertices prescribed, sparse and dense, and compares.

@@ -205,12 +205,11 @@ fn sheet(convexity: Convexity, inertia: Real) -> (BlockMatrix, DMatrix<Real>, Ve
     let count = mesh.positions().len();
     let positions = mesh.positions().iter().enumerate();
     let x: Vec<Vec3> = positions.map(|(i, x)| x + noise(i) * 0.02).collect();
-    let mut energies = Energies::new(count)
+    let energies = Energies::new(count)
         .with(model.springs)
         .and_then(|e| e.with(model.hinges))
         .unwrap();
-    let mut matrix = BlockMatrix::zeros(energies.bind_pattern());
-    energies.add_hessian(&x, 1.0, convexity, &mut matrix);
+    let mut matrix = energies.hessian(&x, convexity);
     matrix.add_diagonal(model.particles.mass().iter().map(|m| m * inertia));
     let mut dense = DMatrix::zeros(3 * count, 3 * count);
     let (mut unit, mut column) = (vec![Vec3::zeros(); count], vec![Vec3::zeros(); count]);
@@ -238,6 +237,7 @@ fn methods(budget: Budget) -> Vec<LinearMethod> {
     vec![
         #[cfg(feature = "cholesky")]
         LinearMethod::Cholesky,
+        LinearMethod::Multigrid(budget),
         LinearMethod::ConjugateGradients(budget),
         LinearMethod::ChebyshevJacobi(budget),
         LinearMethod::Jacobi(budget),
@@ -258,7 +258,7 @@ fn every_solver_finds_what_a_dense_one_finds() {
     };
     let mut iterations = Vec::new();
     for method in methods(budget) {
-        let mut solver = method.build(matrix.pattern(), &is_free).unwrap();
+        let mut solver = method.build(matrix.pattern(), &is_free, None).unwrap();
         solver.prepare(&matrix).unwrap();
         let mut x = vec![Vec3::repeat(1e9); b.len()];
         let report = solver.solve(&matrix, &b, &mut x).unwrap();
@@ -279,7 +279,7 @@ fn every_solver_finds_what_a_dense_one_finds() {
         }
         iterations.push(report.iterations);
     }
-    // Cholesky or not, then CG, Chebyshev and Jacobi: each slower than the one before.
+    // Cholesky or not, then multigrid, CG, Chebyshev and Jacobi: each slower than the one before.
     assert!(
         iterations
             .windows(2)
@@ -382,7 +382,7 @@ fn an_indefinite_matrix_is_refused_by_those_that_can_tell() {
         tolerance: 1e-8,
         max_iterations: 100_000,
     }) {
-        let mut solver = method.build(matrix.pattern(), &is_free).unwrap();
+        let mut solver = method.build(matrix.pattern(), &is_free, None).unwrap();
         let refused = solver
             .prepare(&matrix)
             .and_then(|()| solver.solve(&matrix, &b, &mut vec![Vec3::zeros(); b.len()]));
@@ -400,7 +400,7 @@ fn an_indefinite_matrix_is_refused_by_those_that_can_tell() {
     assert!(diagonal < last);
     matrix.blocks_mut()[diagonal] = Mat3::from_diagonal(&Vec3::new(1.0, 1.0, -1.0));
     for method in methods(Budget::default()) {
-        let mut solver = method.build(matrix.pattern(), &is_free).unwrap();
+        let mut solver = method.build(matrix.pattern(), &is_free, None).unwrap();
         assert_eq!(
             solver.prepare(&matrix),
             Err(LinearError::NotPositiveDefinite)
@@ -413,7 +413,9 @@ fn nothing_to_solve_for_is_solved() {
     let matrix = chain();
     for method in methods(Budget::default()) {
         for free in [true, false] {
-            let mut solver = method.build(matrix.pattern(), &[free; LINKS]).unwrap();
+            let mut solver = method
+                .build(matrix.pattern(), &[free; LINKS], None)
+                .unwrap();
             solver.prepare(&matrix).unwrap();
             let b = [if free { Vec3::zeros() } else { Vec3::x() }; LINKS];
             let mut x = [Vec3::x(); LINKS];
@@ -430,7 +432,7 @@ fn a_spent_budget_is_told() {
         .into_iter()
         .filter(|m| !m.proves_definiteness())
     {
-        let mut solver = method.build(matrix.pattern(), &FREE).unwrap();
+        let mut solver = method.build(matrix.pattern(), &FREE, None).unwrap();
         solver.prepare(&matrix).unwrap();
         let b: Vec<Vec3> = (0..LINKS).map(noise).collect();
         let report = solver
@@ -440,7 +442,12 @@ fn a_spent_budget_is_told() {
             (report.outcome, report.iterations),
             (Outcome::BudgetSpent, 2)
         );
-        assert!(report.residual > 1e-3);
+        // A mesh this small is one level of multigrid, which single precision solves but for its rounding.
+        let least = match method {
+            LinearMethod::Multigrid(_) => 1e-16,
+            _ => 1e-3,
+        };
+        assert!(report.residual > least, "{method:?}: {report:?}");
     }
 }
 
@@ -459,7 +466,7 @@ fn settings_out_of_range_are_refused() {
             max_iterations: 5,
         }) {
             if !method.proves_definiteness() {
-                refused(method.build(matrix.pattern(), &FREE).map(|_| ()));
+                refused(method.build(matrix.pattern(), &FREE, None).map(|_| ()));
             }
         }
     }
@@ -482,7 +489,7 @@ fn solving_again_does_not_allocate() {
     let (matrix, _, is_free) = sheet(Convexity::Clamp, 1e4);
     let b: Vec<Vec3> = (0..is_free.len()).map(noise).collect();
     for method in methods(Budget::default()) {
-        let mut solver = method.build(matrix.pattern(), &is_free).unwrap();
+        let mut solver = method.build(matrix.pattern(), &is_free, None).unwrap();
         let mut x = b.clone();
         let count = counting_allocator::allocations_once_warm(|| {
             solver.prepare(&matrix).unwrap();

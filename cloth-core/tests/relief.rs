@@ -1,6 +1,5 @@
 //! Remedies against locking: what each gives and what it breaks, against closed forms (MS-6).
 
-use cloth_core::block_matrix::BlockMatrix;
 use cloth_core::cloth::{
     BendingCarrier, Carriers, Cloth, ClothError, ClothModel, Elements, Membrane, MembraneCarrier,
     SpringEdges, SpringLaw,
@@ -356,9 +355,8 @@ fn settled_factor(n: usize, angle: Real) -> Real {
     let mut x: Vec<Vec3> = flat.iter().map(raised).collect();
     let is_free: Vec<bool> = flat.iter().map(|p| is_inside(p, 2.5)).collect();
     // Quadratic: one Newton step is the minimum.
-    let mut energies = cut.model.energies().unwrap();
-    let mut hessian = BlockMatrix::zeros(energies.bind_pattern());
-    energies.add_hessian(&x, 1.0, Convexity::Exact, &mut hessian);
+    let energies = cut.model.energies().unwrap();
+    let hessian = energies.hessian(&x, Convexity::Exact);
     let mut gradient = vec![Vec3::zeros(); x.len()];
     energies.add_gradient(&x, &mut gradient);
     let mut cholesky = BlockCholesky::analyze(hessian.pattern(), &is_free).unwrap();

@@ -22,8 +22,12 @@
 mod bdf2;
 mod builder;
 mod damper;
+mod drift;
+mod history;
 mod line_search;
+mod minimizer;
 mod newton;
+mod quasi_newton;
 mod stage;
 mod system;
 
@@ -37,11 +41,11 @@ use cloth_core::measure::IncrementalPotential;
 use cloth_core::particles::{Particles, State};
 use cloth_core::step::{Outcome, StepError, StepInput, StepReport, Stepper};
 use damper::Damper;
-use newton::{Newton, Task};
+use minimizer::{Minimizer, Task};
 use stage::Stage;
 
-/// Implicit Euler, S1 (7)–(15): every step is a minimum of `G`, found by Newton's method with a line search and a sparse
-/// Cholesky factorisation.
+/// Implicit Euler: every step is a minimum of `G`, found by a quasi-Newton method around multigrid ([`Solve::QuasiNewton`]) or by Newton's
+/// method, with a line search.
 ///
 /// Stable for any step, of first order, and heavily damped: an oscillation ω shrinks by `1/√(1 + (Δt ω)²)` a step. Linear
 /// momentum is kept (to the tolerance), angular momentum is not.
@@ -56,8 +60,10 @@ use stage::Stage;
 /// unit in the last place of their coordinates, `½ ε |x|`, and a spring answers that with a force of `½ ε |x| k`.
 /// For a sheet of 1 m with springs of 10⁴ N/m and Δt = 1/60 s this floor lies between 10⁻¹¹ and 10⁻¹³ of `‖∇G(x̃)‖`.
 ///
-/// Most of the time goes to the factorisations. Coupling that is not there is not paid for, but prescribed vertices are
-/// those of the particles the solver was built for.
+/// Prescribed vertices are those of the particles the solver was built for. The levels of multigrid are laid out in the first step, by
+/// the rest positions of the particles if these are known
+/// ([`Particles::rest_positions`](cloth_core::particles::Particles::rest_positions)), else by the positions it starts from; the room that
+/// Newton's method needs is taken when it is first called.
 ///
 /// # Errors of a step
 /// [`StepError::LineSearchStalled`] where no lower point is found though the gradient is more than a hundred times what rounding
@@ -112,7 +118,7 @@ impl ImplicitMidpoint {
 impl Stepper for ImplicitEuler {
     fn name(&self) -> &'static str {
         match self.0.config.solve {
-            Solve::Newton => "implicit-euler",
+            Solve::QuasiNewton | Solve::Newton => "implicit-euler",
             Solve::Linearized => "linear-implicit",
         }
     }
@@ -168,7 +174,7 @@ struct Implicit {
     /// Positions (m) and velocities (m/s) at the end of the last step, before contact changed them.
     found: [Vec<Vec3>; 2],
     damper: Option<Damper>,
-    newton: Newton,
+    minimizer: Minimizer,
 }
 
 impl Implicit {
@@ -209,9 +215,10 @@ impl Implicit {
                     damper: self.damper.as_ref(),
                 },
                 config: &self.config,
+                before: &state.positions,
                 step,
             };
-            report = self.newton.minimize(&task, input.observer.take())?;
+            report = self.minimizer.minimize(&task, input.observer.take())?;
         }
         let overflow = |vertex: &usize| {
             let [x, v] = self.end(*vertex, state, input.dt, span);
@@ -250,7 +257,7 @@ impl Implicit {
         base: impl Fn(usize, Vec3, Vec3) -> [Vec3; 2],
     ) {
         let tau = span.tau;
-        let start = &mut self.newton.current.positions;
+        let start = &mut self.minimizer.current.positions;
         for (vertex, &w) in self.particles.inverse_mass().iter().enumerate() {
             let (x, v) = (state.positions[vertex], state.velocities[vertex]);
             if w == 0.0 {
@@ -288,7 +295,7 @@ impl Implicit {
         if self.particles.is_prescribed(vertex) {
             return [x + v * dt, v];
         }
-        let there = self.newton.current.positions[vertex];
+        let there = self.minimizer.current.positions[vertex];
         let speed = (there - self.base[vertex]) / span.tau;
         match span.place {
             Place::End => [there, speed],

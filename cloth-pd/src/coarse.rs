@@ -13,8 +13,8 @@
 use crate::free_pieces::FreePieces;
 use crate::lattice::Lattice;
 use crate::local::Projections;
-use crate::passes::visit;
 use cloth_core::block_matrix::{BlockMatrix, PatternBuilder};
+use cloth_core::chunked::map_reduce;
 use cloth_core::element::Element;
 use cloth_core::energy::Attachment;
 use cloth_core::linear::{BlockCholesky, CholeskyError};
@@ -203,14 +203,14 @@ impl CoarseGrid {
         correction.fill(Vec3::zeros());
         self.interpolate(&mut correction);
         self.free_pieces.align(None, &mut correction);
-        crate::vectors::add(out, 1.0, &correction);
+        cloth_core::vectors::add(out, 1.0, &correction);
         self.correction = correction;
     }
 
     /// Adds P times the solution to `out`.
     fn interpolate(&self, out: &mut [Vec3]) {
         let (lattice, solution) = (&self.lattice, &self.solution[..]);
-        visit(
+        map_reduce(
             out,
             #[inline(always)]
             |start, out: &mut [Vec3]| {

@@ -3,12 +3,12 @@
 use crate::coarse::shorten;
 use crate::lattice::Lattice;
 use crate::local::apply;
-use crate::pieces::together;
 use crate::pulls::{BLOCK, Packed, resistances_on_spheres};
 use cloth_core::block_matrix::{BlockMatrix, BlockPattern};
 use cloth_core::element::Projective;
 use cloth_core::math::{Mat3, Real, Vec3, gather};
-use cloth_core::wide::wide;
+use cloth_core::parallel::join;
+use cloth_core::parallel::wide;
 use std::ops::Range;
 
 /// Elements with the same nodes under them, one after another: their sum is formed in a small dense matrix and added to the large one once.
@@ -162,7 +162,7 @@ impl CoarseFamily {
         let at = self.starts(middle)[3] - self.starts(groups.start)[3];
         let (first_sums, second_sums) = sums.split_at_mut(at);
         let (first_packed, second_packed) = packed.split_at_mut(at);
-        together(
+        join(
             self.order.len() * groups.len() / self.groups.len(),
             || self.for_each(groups.start..middle, first_sums, first_packed, visit),
             || self.for_each(middle..groups.end, second_sums, second_packed, visit),

@@ -106,7 +106,7 @@
 //! spring (0.7 ns of 1.7 on one thread), the sums, and taking x, y and z apart and together again. Cloth in another order takes the ends one by one.
 //!
 //! With quadratic bending and n vertices, f numbers in the factor, e springs and b entries in the matrix of the bending energy, an iteration moves `16 f` bytes for the solve, `24 e + 72 n` for the springs, `12 b + 64 n`
-//! for the bending, about `200 n` for the rest of the objective, and `96 n` for each pair that is remembered. At 128 a side, with the bending left out of the matrix, that is about 9 MB, 2 MB, 4 MB, 3 MB and, with two pairs, 3 MB. A large factor is cut into subtrees of its elimination tree, which threads can share; the cut does not depend on how many there are. All loops are compiled for wide registers too ([`wide`](cloth_core::wide)), and give the same bits without.
+//! for the bending, about `200 n` for the rest of the objective, and `96 n` for each pair that is remembered. At 128 a side, with the bending left out of the matrix, that is about 9 MB, 2 MB, 4 MB, 3 MB and, with two pairs, 3 MB. A large factor is cut into subtrees of its elimination tree, which threads can share; the cut does not depend on how many there are. All loops are compiled for wide registers too ([`wide`](cloth_core::parallel::wide)), and give the same bits without.
 //!
 //! # Example
 //! A sheet of 0.2 kg/m² held at two corners:
@@ -218,14 +218,12 @@ mod lattice;
 mod local;
 mod matrix;
 mod objective;
-mod passes;
 mod pieces;
 mod planes;
 mod pulls;
 mod quadratic;
 mod quasi_newton;
 mod solver;
-mod vectors;
 
 pub use change::{AttachmentId, ChangeError};
 pub use config::{Acceleration, PdConfig, Start};

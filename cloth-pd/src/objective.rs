@@ -2,8 +2,8 @@
 
 use crate::free_pieces::FreePieces;
 use crate::local::Projections;
-use crate::passes::visit;
 use crate::quadratic::{Padded, Quadratic};
+use cloth_core::chunked::map_reduce;
 use cloth_core::energy::Attachment;
 use cloth_core::math::{Real, Vec3};
 use cloth_core::particles::{Particles, State};
@@ -66,7 +66,7 @@ impl Point {
 
     /// Moves to `from + length · direction`.
     pub(crate) fn go(&mut self, from: &[Vec3], direction: &[Vec3], length: Real) {
-        visit(
+        map_reduce(
             (&mut self.displacement[..], (from, direction)),
             #[inline(always)]
             |_, (q, (from, direction))| {
@@ -168,7 +168,7 @@ impl Objective {
     fn spread(&mut self, point: &mut Point) {
         let (from, q) = (&self.from[..], &point.displacement[..]);
         let moved = (&mut point.positions[..], &mut self.padded[..]);
-        visit(
+        map_reduce(
             (moved, &mut point.gradient[..]),
             #[inline(always)]
             |start, ((x, padded), gradient)| {
@@ -195,7 +195,7 @@ impl Objective {
         let (mass, inverse_mass) = (self.particles.mass(), self.particles.inverse_mass());
         let (quadratic, padded) = (&self.quadratic, &self.padded[..]);
         let per_dt_squared = 1.0 / self.dt / self.dt;
-        visit(
+        map_reduce(
             &mut point.gradient[..],
             #[inline(always)]
             |start, gradient: &mut [Vec3]| {

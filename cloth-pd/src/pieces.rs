@@ -3,17 +3,15 @@
 use crate::local::share;
 use crate::planes::{Run, Runs};
 use crate::pulls::{BLOCK, Pulls};
+use cloth_core::chunked::CHUNK;
 use cloth_core::element::Projective;
 use cloth_core::math::{Real, Vec3};
-use cloth_core::wide::wide;
-
-/// Vertices of a piece. Twice as many make half as many elements that are visited twice, and half as many pieces.
-pub(crate) const PIECE: usize = 2_048;
+use cloth_core::parallel::wide;
 
 /// The piece of a vertex.
 #[inline]
 pub(crate) fn of(vertex: u32) -> usize {
-    vertex as usize / PIECE
+    vertex as usize / CHUNK
 }
 
 /// The elements of a family, by pieces of the cloth: vertices with neighbouring numbers.
@@ -41,7 +39,7 @@ struct Part {
 impl Pieces {
     pub(crate) fn new(vertex_count: usize) -> Self {
         Self {
-            values: vec![0.0; vertex_count.div_ceil(PIECE)],
+            values: vec![0.0; vertex_count.div_ceil(CHUNK)],
             parts: Vec::new(),
         }
     }
@@ -139,7 +137,7 @@ fn sum_block<'a, const N: usize, const K: usize, E: Projective<N, K>>(
         let (vertices, operator) = (element.vertices(), element.operator());
         for i in 0..N {
             // Wraps to a large number for a vertex before the piece, and finds nothing.
-            let place = (vertices[i] as usize).wrapping_sub(piece * PIECE);
+            let place = (vertices[i] as usize).wrapping_sub(piece * CHUNK);
             if let Some(out) = out.get_mut(place) {
                 *out += share(&operator, pull, i);
             }
@@ -161,7 +159,7 @@ fn for_each_part(
 ) {
     for (piece, ((part, out), total)) in parts
         .iter()
-        .zip(out.chunks_mut(PIECE))
+        .zip(out.chunks_mut(CHUNK))
         .zip(values)
         .enumerate()
     {
@@ -172,43 +170,14 @@ fn for_each_part(
 #[cfg(feature = "parallel")]
 use threads::for_each_part;
 #[cfg(feature = "parallel")]
-pub(crate) use threads::together;
-
-/// Does two things that have nothing to do with each other, one after the other.
-#[cfg(not(feature = "parallel"))]
-pub(crate) fn together<A, B>(
-    _: usize,
-    first: impl FnOnce() -> A,
-    second: impl FnOnce() -> B,
-) -> (A, B) {
-    (first(), second())
-}
-
-#[cfg(feature = "parallel")]
 mod threads {
-    use super::{PIECE, Part};
+    use super::{CHUNK, Part};
     use cloth_core::math::{Real, Vec3};
     use rayon::prelude::*;
 
     /// Smaller families are visited on one thread: an element costs about five nanoseconds, so these take less than a sixth of
     /// a millisecond, and a second thread that has to be woken first saves nothing of it.
     const SMALLEST_PARALLEL_FAMILY: usize = 32_768;
-
-    /// Passes over fewer vertices than this take less than it costs to wake a second thread a few times in an iteration.
-    const SMALLEST_PARALLEL_CLOTH: usize = 8_192;
-
-    /// Does two things that have nothing to do with each other, at the same time if there are several threads and the cloth has enough vertices.
-    pub(crate) fn together<A: Send, B: Send>(
-        vertex_count: usize,
-        first: impl FnOnce() -> A + Send,
-        second: impl FnOnce() -> B + Send,
-    ) -> (A, B) {
-        if vertex_count >= SMALLEST_PARALLEL_CLOTH && rayon::current_num_threads() > 1 {
-            rayon::join(first, second)
-        } else {
-            (first(), second())
-        }
-    }
 
     /// Each part with its number, its vertices and its value.
     pub(crate) fn for_each_part(
@@ -219,11 +188,11 @@ mod threads {
         sum: impl Fn(usize, &Part, &mut [Vec3], &mut Real) + Send + Sync,
     ) {
         if element_count >= SMALLEST_PARALLEL_FAMILY && rayon::current_num_threads() > 1 {
-            let pieces = parts.par_iter().zip(out.par_chunks_mut(PIECE)).zip(values);
+            let pieces = parts.par_iter().zip(out.par_chunks_mut(CHUNK)).zip(values);
             let pieces = pieces.enumerate();
             pieces.for_each(|(piece, ((part, out), total))| sum(piece, part, out, total));
         } else {
-            let pieces = parts.iter().zip(out.chunks_mut(PIECE)).zip(values);
+            let pieces = parts.iter().zip(out.chunks_mut(CHUNK)).zip(values);
             let pieces = pieces.enumerate();
             pieces.for_each(|(piece, ((part, out), total))| sum(piece, part, out, total));
         }
@@ -258,7 +227,7 @@ mod tests {
             pieces.list(springs, in_runs);
             let mut out = vec![Vec3::zeros(); x.len()];
             for (piece, part) in pieces.parts.iter().enumerate() {
-                let len = PIECE.min(x.len() - piece * PIECE);
+                let len = CHUNK.min(x.len() - piece * CHUNK);
                 let energy = part.runs.sum(piece, springs, &x, &mut out[..len]);
                 assert_eq!(energy.is_none(), in_runs && piece == 0);
             }

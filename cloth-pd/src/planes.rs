@@ -3,7 +3,8 @@
 //! Positions and sums of a piece are taken apart once, into [`Planes`], for all elements that touch it. An element needs a root and a division, and
 //! the rest of its work, done for one register of elements after the other, takes about as long: the processor does both at the same time.
 
-use crate::pieces::{PIECE, of};
+use crate::pieces::of;
+use cloth_core::chunked::CHUNK;
 use cloth_core::element::Projective;
 use cloth_core::math::{Real, Vec3};
 use std::ops::Range;
@@ -18,7 +19,7 @@ const LANES: usize = 8;
 /// every second vertex, such as the diagonals of an alternating grid, are as good a stream as the others.
 type Plane = [Real; PLANE];
 
-const PLANE: usize = PIECE + LONGEST_RUN + LANES;
+const PLANE: usize = CHUNK + LONGEST_RUN + LANES;
 
 /// x, y and z.
 type Planes = [Plane; 3];
@@ -26,7 +27,7 @@ type Planes = [Plane; 3];
 /// The place in a plane of a vertex of a piece that starts with vertex `start`.
 fn place(vertex: u32, start: usize) -> usize {
     let (pair, side) = ((vertex as usize - start) / 2, vertex as usize % 2);
-    pair + side * (PIECE / 2)
+    pair + side * (CHUNK / 2)
 }
 
 /// Elements one after another with the same operator, each with vertices two further than those of the one before. Vertices in the same
@@ -128,7 +129,7 @@ impl Runs {
         if self.runs.is_empty() {
             return Some(0.0);
         }
-        let start = piece * PIECE;
+        let start = piece * CHUNK;
         let (mut positions, mut sums) = ([[0.0; PLANE]; 3], [[0.0; PLANE]; 3]);
         take_apart(&x[start..start + out.len()], &mut positions);
         let (mut energies, mut of_others) = ([0.0; LANES], [0.0; LANES]);
@@ -142,7 +143,7 @@ impl Runs {
                     place(vertex, start)
                 } else {
                     copy_run(&x[vertex as usize..], len, &mut positions);
-                    PIECE
+                    CHUNK
                 }
             });
             let energies = if of(vertices[0]) == piece {
@@ -177,10 +178,10 @@ impl Runs {
 #[inline(always)]
 fn take_apart(x: &[Vec3], planes: &mut Planes) {
     let (pairs, last) = x.as_chunks::<2>();
-    for (i, [even, odd]) in pairs.iter().enumerate().take(PIECE / 2) {
+    for (i, [even, odd]) in pairs.iter().enumerate().take(CHUNK / 2) {
         for c in 0..3 {
             planes[c][i] = even[c];
-            planes[c][PIECE / 2 + i] = odd[c];
+            planes[c][CHUNK / 2 + i] = odd[c];
         }
     }
     if let [last] = last {
@@ -199,10 +200,10 @@ fn add_together(planes: &Planes, out: &mut [Vec3]) {
             last[c] += planes[c][pairs.len()];
         }
     }
-    for (i, [even, odd]) in pairs.iter_mut().enumerate().take(PIECE / 2) {
+    for (i, [even, odd]) in pairs.iter_mut().enumerate().take(CHUNK / 2) {
         for c in 0..3 {
             even[c] += planes[c][i];
-            odd[c] += planes[c][PIECE / 2 + i];
+            odd[c] += planes[c][CHUNK / 2 + i];
         }
     }
 }
@@ -212,7 +213,7 @@ fn add_together(planes: &Planes, out: &mut [Vec3]) {
 fn copy_run(x: &[Vec3], len: usize, planes: &mut Planes) {
     for (i, x) in x.iter().step_by(2).take(len).enumerate() {
         for c in 0..3 {
-            planes[c][PIECE + i] = x[c];
+            planes[c][CHUNK + i] = x[c];
         }
     }
 }

@@ -4,10 +4,10 @@
 use crate::coarse::CoarseGrid;
 use crate::global::GlobalSystem;
 use crate::objective::{Objective, Point};
-use crate::passes::visit;
-use crate::pieces::together;
-use crate::vectors::{add, add_and_dot, dot, dot_of_part};
+use cloth_core::chunked::map_reduce;
 use cloth_core::math::{Real, Vec3};
+use cloth_core::parallel::join;
+use cloth_core::vectors::{add, add_and_dot, dot, dot_of_part};
 
 /// Part of the promised decrease that has to be kept (Armijo's constant).
 const SUFFICIENT: Real = 1e-4;
@@ -123,7 +123,7 @@ impl QuasiNewton {
         match coarse {
             Some(coarse) => {
                 let solve = || global.solve(work, direction);
-                together(work.len(), solve, || coarse.solve(work));
+                join(work.len(), solve, || coarse.solve(work));
                 coarse.add_correction(&mut self.direction);
             }
             None => global.solve(work, direction),
@@ -183,7 +183,7 @@ impl QuasiNewton {
         let slot = (self.newest + 1) % history;
         let (new, old) = (&*point, &self.next);
         let Pair { step, change, .. } = &mut self.pairs[slot];
-        let [product] = visit(
+        let [product] = map_reduce(
             (&mut step[..], &mut change[..]),
             #[inline(always)]
             |start, (step, change)| {

@@ -29,6 +29,7 @@ Of the numbers that come out:
   chebyshev_fallbacks  substeps of pbd and xpbd that gave up their extrapolation because it made the corrections grow
   coarse_builds        coarse grids that pd made anew because pins had changed
   coarse_fallbacks     iterations of pd's steps that went without the coarse grid, because it could not be made or factorised
+  newton_fallbacks     minimisations of implicit steps in which Newton's method took over from the quasi-Newton method
   held_parts           parts of steps that ended with vertices held back by contact";
 
 /// Arguments of `run`.
@@ -263,6 +264,7 @@ fn simulate(
         ("chebyshev_fallbacks", json!(summary.chebyshev_fallbacks)),
         ("coarse_builds", json!(summary.coarse_builds)),
         ("coarse_fallbacks", json!(summary.coarse_fallbacks)),
+        ("newton_fallbacks", json!(summary.newton_fallbacks)),
         ("converged_steps", json!(summary.converged_steps)),
         ("max_stretch", json!(summary.max_stretch)),
         ("rms_strain", json!(summary.rms_strain)),

@@ -6,6 +6,10 @@ use std::fs::{File, OpenOptions, TryLockError};
 use std::io::Write;
 use std::path::Path;
 
+/// Trials before a folder counts as taken, and the pause between two.
+const TRIALS: u32 = 20;
+const PAUSE: std::time::Duration = std::time::Duration::from_millis(25);
+
 /// Name of the file that is locked; it stays, with the number of the last process.
 const FILE_NAME: &str = "journal.lock";
 
@@ -26,7 +30,16 @@ impl Lock {
         let mut options = OpenOptions::new();
         let options = options.write(true).create(true).truncate(false);
         let mut file = options.open(&path).map_err(failed)?;
-        match file.try_lock() {
+        // A process that another thread is just starting holds on to all files for a moment.
+        let mut taken = file.try_lock();
+        for _ in 0..TRIALS {
+            if !matches!(taken, Err(TryLockError::WouldBlock)) {
+                break;
+            }
+            std::thread::sleep(PAUSE);
+            taken = file.try_lock();
+        }
+        match taken {
             Ok(()) => {}
             Err(TryLockError::WouldBlock) => {
                 let process = std::fs::read_to_string(&path).unwrap_or_default();

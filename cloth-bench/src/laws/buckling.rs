@@ -28,6 +28,7 @@ use crate::error::BenchError;
 use crate::settings::{Parameter, Settings, parameter};
 use cloth_core::block_matrix::BlockMatrix;
 use cloth_core::element::Convexity;
+use cloth_core::family::{Assembly, Energies};
 use cloth_core::linear::{Inertia, UpperPattern};
 use cloth_core::math::{Real, Vec3};
 use cloth_massspring::Accept;
@@ -82,6 +83,8 @@ fn prandtl() -> Real {
 /// A strip in the plane z = 0, with gravity along −y.
 struct EdgeOn {
     strip: Strip,
+    energies: Energies,
+    assembly: Assembly,
     matrix: BlockMatrix,
 }
 
@@ -90,8 +93,14 @@ impl EdgeOn {
         // In its plane the strip has to be stiff against what it is sideways, or it bends before it buckles.
         const STIFFER: Real = 1e4;
         let strip = Strip::new(shape, model, 12.0 * STIFFER / shape.width().powi(2))?;
-        let matrix = BlockMatrix::zeros(strip.energies()?.bind_pattern());
-        Ok(Self { strip, matrix })
+        let energies = strip.energies()?;
+        let assembly = energies.assembly();
+        Ok(Self {
+            matrix: BlockMatrix::zeros(assembly.pattern().clone()),
+            strip,
+            energies,
+            assembly,
+        })
     }
 
     /// How many ways there are down from the equilibrium in the plane, `gravity` (m/s²) being its load.
@@ -103,10 +112,10 @@ impl EdgeOn {
         if rest.positions.iter().any(|x| x.z.abs() > 1e-12) {
             return Err(BenchError::Failed("the strip left its plane".into()));
         }
-        let mut energies = self.strip.energies()?;
-        let _ = energies.bind_pattern();
         self.matrix.clear();
-        energies.add_hessian(&rest.positions, 1.0, Convexity::Exact, &mut self.matrix);
+        let (x, matrix) = (&rest.positions, &mut self.matrix);
+        self.energies
+            .add_hessian(&self.assembly, x, 1.0, Convexity::Exact, matrix);
         let mut sideways = self.sideways()?;
         let dimension = self.strip.particles.free_count();
         let stable = sideways.count_above(0.0).ok_or_else(|| {

@@ -3,14 +3,14 @@
 use crate::error::BenchError;
 use crate::settings::{Parameter, Settings, parameter};
 use cloth_core::linear::{Budget, LinearMethod};
-use cloth_massspring::{Damping, ImplicitConfig, StartGuess};
+use cloth_massspring::{Damping, ImplicitConfig, Solve, StartGuess};
 
 pub(super) const EXPLICIT_SUBSTEPS: Parameter = parameter(
     "substeps",
     "auto",
     "parts of a step; auto: as many as half the stable step of the start asks for",
 );
-const MAX_ITERATIONS: Parameter = parameter("iterations", "100", "most Newton iterations per step");
+const MAX_ITERATIONS: Parameter = parameter("iterations", "500", "most iterations per step");
 const TOLERANCE: Parameter = parameter(
     "tolerance",
     "1e-6",
@@ -29,8 +29,15 @@ const STIFFNESS_DAMPING: Parameter = parameter(
 );
 const LINEAR: Parameter = parameter(
     "linear",
+    "multigrid",
+    "multigrid: nothing is factorised, a step that iterates is a quasi-Newton method around it; cholesky, \
+     conjugate-gradients, chebyshev-jacobi, jacobi, gauss-seidel: Newton's method with that linear solver",
+);
+const LINEAR_ONCE: Parameter = parameter(
+    "linear",
     "cholesky",
-    "linear solver: cholesky, conjugate-gradients, chebyshev-jacobi, jacobi or gauss-seidel",
+    "linear solver: cholesky, multigrid (preconditioned conjugate gradients), conjugate-gradients, chebyshev-jacobi, \
+     jacobi or gauss-seidel",
 );
 const LINEAR_TOLERANCE: Parameter = parameter(
     "linear_tolerance",
@@ -60,7 +67,7 @@ pub(super) const NEWTON: &[Parameter] = &[
 
 /// Of the linearised step.
 pub(super) const LINEARIZED: &[Parameter] = &[
-    LINEAR,
+    LINEAR_ONCE,
     LINEAR_TOLERANCE,
     LINEAR_ITERATIONS,
     AIR_DRAG,
@@ -69,10 +76,17 @@ pub(super) const LINEARIZED: &[Parameter] = &[
 
 /// Settings of the methods that iterate with Newton's method.
 pub(super) fn newton(settings: &Settings) -> Result<ImplicitConfig, BenchError> {
+    let (solve, linear) = if settings.text(&LINEAR) == "multigrid" {
+        refuse_budget(settings)?;
+        (Solve::QuasiNewton, LinearMethod::Cholesky)
+    } else {
+        (Solve::Newton, linear(settings, &LINEAR)?)
+    };
     Ok(ImplicitConfig {
+        solve,
         max_iterations: settings.count(&MAX_ITERATIONS, 1)?,
         tolerance: settings.number(&TOLERANCE)?,
-        linear: linear(settings)?,
+        linear,
         start: settings.choice(
             &START,
             &[
@@ -88,25 +102,32 @@ pub(super) fn newton(settings: &Settings) -> Result<ImplicitConfig, BenchError> 
 
 pub(super) fn linearized(settings: &Settings) -> Result<ImplicitConfig, BenchError> {
     Ok(ImplicitConfig {
-        linear: linear(settings)?,
+        linear: linear(settings, &LINEAR_ONCE)?,
         damping: damping(settings)?,
         ..ImplicitConfig::linearized()
     })
 }
 
-fn linear(settings: &Settings) -> Result<LinearMethod, BenchError> {
-    if settings.text(&LINEAR) == "cholesky" {
-        for parameter in [&LINEAR_TOLERANCE, &LINEAR_ITERATIONS] {
-            settings.refuse_without(parameter, "an iterative linear solver")?;
-        }
+/// Refuses what only an iterative linear solver has.
+fn refuse_budget(settings: &Settings) -> Result<(), BenchError> {
+    for parameter in [&LINEAR_TOLERANCE, &LINEAR_ITERATIONS] {
+        settings.refuse_without(parameter, "an iterative linear solver")?;
+    }
+    Ok(())
+}
+
+fn linear(settings: &Settings, parameter: &Parameter) -> Result<LinearMethod, BenchError> {
+    if settings.text(parameter) == "cholesky" {
+        refuse_budget(settings)?;
     }
     let budget = Budget {
         tolerance: settings.number(&LINEAR_TOLERANCE)?,
         max_iterations: settings.count(&LINEAR_ITERATIONS, 1)?,
     };
     settings.choice(
-        &LINEAR,
+        parameter,
         &[
+            ("multigrid", LinearMethod::Multigrid(budget)),
             ("cholesky", LinearMethod::Cholesky),
             (
                 "conjugate-gradients",

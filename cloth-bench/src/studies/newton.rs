@@ -11,7 +11,7 @@ use crate::scene::{self, Scene};
 use crate::settings::Settings;
 use cloth_core::block_matrix::BlockMatrix;
 use cloth_core::element::Convexity;
-use cloth_core::family::Energies;
+use cloth_core::family::{Assembly, Energies};
 use cloth_core::math::{Real, Vec3};
 use cloth_core::measure::{IncrementalPotential, predict};
 use cloth_core::particles::State;
@@ -69,6 +69,7 @@ fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
 struct System {
     scene: Scene,
     energies: Energies,
+    assembly: Assembly,
     state: State,
     predicted: Vec<Vec3>,
     matrix: BlockMatrix,
@@ -89,13 +90,15 @@ impl System {
                 .step(&mut state, input())
                 .map_err(BenchError::failed)?;
         }
-        let mut energies = scene.model.energies().map_err(BenchError::failed)?;
+        let energies = scene.model.energies().map_err(BenchError::failed)?;
+        let assembly = energies.assembly();
         let count = state.positions.len();
         let mut predicted = vec![Vec3::zeros(); count];
         predict(&scene.model.particles, &state, &input(), &mut predicted);
         let particles = &scene.model.particles;
         let mut system = Self {
-            matrix: BlockMatrix::zeros(energies.bind_pattern()),
+            matrix: BlockMatrix::zeros(assembly.pattern().clone()),
+            assembly,
             is_free: (0..count).map(|v| !particles.is_prescribed(v)).collect(),
             gradient: vec![Vec3::zeros(); count],
             scene,
@@ -128,7 +131,7 @@ impl System {
         self.matrix.add_diagonal(masses.map(|m| m * inertia));
         let x = &self.state.positions;
         self.energies
-            .add_hessian(x, 1.0, Convexity::Clamp, &mut self.matrix);
+            .add_hessian(&self.assembly, x, 1.0, Convexity::Clamp, &mut self.matrix);
     }
 }
 

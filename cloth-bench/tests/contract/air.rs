@@ -1,6 +1,6 @@
 //! The air pushes with every method alike.
 
-use crate::common::{methods, solver};
+use crate::common::{converged, methods};
 use cloth_bench::run::run;
 use cloth_bench::scene::{self, file};
 use cloth_bench::settings::Settings;
@@ -20,7 +20,7 @@ fn a_falling_sheet_reaches_the_speed_at_which_the_air_carries_it() {
     let expected = Vec3::z() * (0.6 - through_air);
     for method in methods() {
         let mut state = scene.start.clone();
-        let mut stepper = solver(method, &scene);
+        let mut stepper = converged(method, &scene);
         run(
             &scene,
             &mut *stepper,

@@ -1,6 +1,6 @@
 //! The elements of a scene are a choice: a method takes those whose view it needs, and refuses the others by name.
 
-use crate::common::{advance, methods, scene as built, solver};
+use crate::common::{advance, converged, methods, scene as built, solver};
 use crate::counting_allocator::allocations_once_warm;
 use cloth_bench::error::BenchError;
 use cloth_bench::method::Method;
@@ -126,7 +126,9 @@ fn no_element_makes_a_step_allocate() {
         for method in methods().filter(|method| takes(method, choice)) {
             let mut solver = solver(method, &scene);
             let mut state = scene.start.clone();
-            let count = allocations_once_warm(|| advance(&mut *solver, &scene, &mut state, 1));
+            // Springs with slack let the quasi-Newton method down in the fifth step, and Newton's method takes room when it is
+            // first called.
+            let count = allocations_once_warm(|| advance(&mut *solver, &scene, &mut state, 8));
             assert_eq!(count, 0, "{} {choice}", method.name);
         }
     }
@@ -138,7 +140,7 @@ fn elements_change_what_hangs() {
     let elastic = |pairs: &[&str]| {
         let scene = built("hang", pairs);
         let method = Method::find("implicit-euler").unwrap();
-        let mut stepper = solver(method, &scene);
+        let mut stepper = converged(method, &scene);
         let mut state = scene.start.clone();
         let done = run(
             &scene,

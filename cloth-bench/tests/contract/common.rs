@@ -21,6 +21,18 @@ pub(crate) fn solver(method: &Method, scene: &Scene) -> Box<dyn Stepper> {
     method.build(scene, &Settings::default(), scene.dt).unwrap()
 }
 
+/// A method whose iteration goes on to rounding, if it has a tolerance.
+pub(crate) fn converged(method: &Method, scene: &Scene) -> Box<dyn Stepper> {
+    let is_iterated = matches!(method.name, "implicit-euler" | "bdf2" | "implicit-midpoint");
+    let pairs: &[&str] = if is_iterated {
+        &["tolerance=1e-12"]
+    } else {
+        &[]
+    };
+    let settings = Settings::parse(pairs).unwrap();
+    method.build(scene, &settings, scene.dt).unwrap()
+}
+
 pub(crate) fn advance(solver: &mut dyn Stepper, scene: &Scene, state: &mut State, steps: usize) {
     for _ in 0..steps {
         solver

@@ -7,7 +7,7 @@ use rayon::ThreadPoolBuilder;
 fn one_two_and_four_threads_give_the_same_bits() {
     // Large enough for the parallel paths: 240 × 240 vertices have some 20,000 springs in each of the large colours.
     let scene = scene("hang", &["n=240", "stiffness=100"]);
-    for method in methods().filter(|m| matches!(m.name, "pbd" | "xpbd" | "pd")) {
+    for method in methods().filter(|m| matches!(m.name, "pbd" | "xpbd" | "pd" | "implicit-euler")) {
         let run = |threads: usize| {
             let pool = ThreadPoolBuilder::new()
                 .num_threads(threads)

@@ -57,7 +57,7 @@ impl Spring {
     }
 
     /// Its direction, and its stiffness (N/m) at right angles to that.
-    #[inline]
+    #[inline(always)]
     fn stiffness_across(&self, x: &[Vec3; 2], convexity: Convexity) -> (Vec3, Real) {
         let (length, n) = length_and_direction(x[0] - x[1], self.vertices);
         let strain = if length > 0.0 {
@@ -82,7 +82,7 @@ fn lost(d: Vec3, vertices: [u32; 2]) -> (Real, Vec3) {
 }
 
 impl Element<2> for Spring {
-    #[inline]
+    #[inline(always)]
     fn vertices(&self) -> [u32; 2] {
         self.vertices
     }
@@ -91,7 +91,7 @@ impl Element<2> for Spring {
 impl Constraint<2> for Spring {
     type Rows = [Row<2>; 1];
 
-    #[inline]
+    #[inline(always)]
     fn rows(&self, x: &[Vec3; 2]) -> [Row<2>; 1] {
         let (length, n) = length_and_direction(x[0] - x[1], self.vertices);
         [Row {
@@ -147,10 +147,23 @@ impl Constraint<2> for Spring {
 
     /// `k (1 − L/l)(I − n nᵀ)`: positive across a stretched spring, negative across a compressed one, so `Clamp` drops it
     /// under compression (S2).
-    #[inline]
+    #[inline(always)]
     fn curvature(&self, x: &[Vec3; 2], convexity: Convexity) -> Blocks<2> {
         let (n, across) = self.stiffness_across(x, convexity);
         across_pair(n, across)
+    }
+
+    /// `k C/L (I − n nᵀ)` with the predicted C, if it pulls.
+    #[inline(always)]
+    fn mixed_curvature(&self, x: &[Vec3; 2], from: &[Vec3; 2], to: &[Vec3; 2]) -> Blocks<2> {
+        if self.rest_length == 0.0 {
+            return self.curvature(x, Convexity::Clamp);
+        }
+        let (_, n) = length_and_direction(x[0] - x[1], self.vertices);
+        let (length, along) = length_and_direction(from[0] - from[1], self.vertices);
+        let moved = along.dot(&(to[0] - to[1] - from[0] + from[1]));
+        let predicted = length + moved - self.rest_length;
+        across_pair(n, self.stiffness * (predicted / self.rest_length).max(0.0))
     }
 
     #[inline]

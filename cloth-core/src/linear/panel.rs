@@ -8,7 +8,7 @@ mod parts;
 
 use super::cholesky::FactorView;
 use crate::math::{Real, Vec3};
-use crate::wide::wide;
+use crate::parallel::wide;
 use parts::Division;
 
 /// Columns of a panel, at most: its right-hand sides then fit into the registers of any 64-bit processor.

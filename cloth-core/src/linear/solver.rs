@@ -6,6 +6,7 @@ use super::chebyshev::ChebyshevJacobi;
 use super::conjugate_gradients::{ConjugateGradients, Preconditioner};
 use super::gauss_seidel::GaussSeidel;
 use super::jacobi::Jacobi;
+use super::multigrid_gradients::MultigridGradients;
 use crate::block_matrix::{BlockMatrix, BlockPattern};
 use crate::math::{Real, Vec3};
 use crate::step::{BuildError, Outcome};
@@ -15,7 +16,7 @@ use std::fmt;
 ///
 /// A solver is made for one pattern and one set of free vertices. It allocates then, and not later.
 pub trait LinearSolver: fmt::Debug + Send {
-    /// Its name: `cholesky`, `conjugate-gradients`, `jacobi`, `chebyshev-jacobi` or `gauss-seidel`.
+    /// Its name: `cholesky`, `conjugate-gradients`, `multigrid`, `jacobi`, `chebyshev-jacobi` or `gauss-seidel`.
     fn name(&self) -> &'static str;
 
     /// Takes in the numbers of a matrix: factorises it, or inverts its diagonal blocks and estimates eigenvalues.
@@ -159,7 +160,8 @@ impl Budget {
 /// | solver | factor per iteration | for |
 /// |---|---|---|
 /// | Cholesky | solved at once | stiff systems, several right-hand sides, proof of definiteness |
-/// | conjugate gradients | at most `(√κ − 1)/(√κ + 1)`, and better | everything else |
+/// | conjugate gradients | at most `(√κ − 1)/(√κ + 1)`, and better | well-conditioned systems |
+/// | multigrid | hardly depends on κ and size | large and stiff systems |
 /// | Chebyshev–Jacobi | `(√κ − 1)/(√κ + 1)` | where inner products are dear |
 /// | Gauss–Seidel | about `((κ − 1)/(κ + 1))²` | smoothing, comparison |
 /// | Jacobi | `(κ − 1)/(κ + 1)` | comparison |
@@ -171,6 +173,8 @@ pub enum LinearMethod {
     Cholesky,
     /// Conjugate gradients, preconditioned by the diagonal blocks.
     ConjugateGradients(Budget),
+    /// Conjugate gradients, preconditioned by a multigrid cycle.
+    Multigrid(Budget),
     /// Damped Jacobi by blocks; the damping is estimated.
     Jacobi(Budget),
     /// Jacobi by blocks with Chebyshev acceleration; the interval is estimated.
@@ -179,8 +183,19 @@ pub enum LinearMethod {
     GaussSeidel(Budget),
 }
 
+impl Default for LinearMethod {
+    /// The factorisation, or multigrid where the feature `cholesky` is off.
+    fn default() -> Self {
+        #[cfg(feature = "cholesky")]
+        return Self::Cholesky;
+        #[cfg(not(feature = "cholesky"))]
+        Self::Multigrid(Budget::default())
+    }
+}
+
 impl LinearMethod {
-    /// A solver for matrices of that pattern; `is_free[v]` says whether vertex `v` takes part.
+    /// A solver for matrices of that pattern; `is_free[v]` says whether vertex `v` takes part, `rest` (m) where it is at rest. Only
+    /// multigrid asks for that, to weight its levels with; without, all weights are equal, and it converges more slowly.
     ///
     /// # Errors
     /// [`BuildError::MatrixTooLarge`], [`BuildError::InvalidSetting`].
@@ -191,6 +206,7 @@ impl LinearMethod {
         &self,
         pattern: &BlockPattern,
         is_free: &[bool],
+        rest: Option<&[Vec3]>,
     ) -> Result<Box<dyn LinearSolver>, BuildError> {
         assert_eq!(is_free.len(), pattern.row_count(), "one flag per row");
         Ok(match *self {
@@ -203,6 +219,7 @@ impl LinearMethod {
                 Preconditioner::BlockJacobi,
                 budget,
             )?),
+            Self::Multigrid(budget) => Box::new(MultigridGradients::new(is_free, rest, budget)?),
             Self::Jacobi(budget) => Box::new(Jacobi::new(is_free, None, budget)?),
             Self::ChebyshevJacobi(budget) => Box::new(ChebyshevJacobi::new(is_free, None, budget)?),
             Self::GaussSeidel(budget) => Box::new(GaussSeidel::new(is_free, budget)?),

@@ -2,16 +2,13 @@
 
 use super::Implicit;
 use super::damper::Damper;
-use super::newton::Newton;
-use super::system::NewtonSystem;
+use super::minimizer::Minimizer;
 use crate::config::ImplicitConfig;
-use cloth_core::block_matrix::BlockMatrix;
 use cloth_core::element::Energy;
 use cloth_core::family::Energies;
 use cloth_core::math::Vec3;
 use cloth_core::particles::Particles;
 use cloth_core::step::BuildError;
-use std::sync::Arc;
 
 /// Description of an [`ImplicitEuler`](crate::ImplicitEuler), an [`ImplicitMidpoint`](crate::ImplicitMidpoint) or a
 /// [`Bdf2`](crate::Bdf2).
@@ -52,25 +49,20 @@ impl<S> ImplicitBuilder<S> {
         self
     }
 
-    /// Builds the solver: looks up the pattern of the matrix and analyses it for the linear solver.
+    /// Builds the solver: looks up the pattern of the matrix, and analyses it for the linear solver if that is what the step
+    /// begins with.
     ///
     /// # Errors
     /// [`BuildError::InvalidSetting`], [`BuildError::SettingsConflict`], [`BuildError::MatrixTooLarge`].
-    pub fn build(mut self) -> Result<S, BuildError> {
+    pub fn build(self) -> Result<S, BuildError> {
         self.config.check()?;
         let vertex_count = self.particles.len();
-        let pattern = self.energies.bind_pattern();
-        let is_free: Vec<bool> = (0..vertex_count)
-            .map(|vertex| !self.particles.is_prescribed(vertex))
-            .collect();
-        let solver = self.config.linear.build(&pattern, &is_free)?;
         let beta = self.config.damping.stiffness;
-        let damper = (beta > 0.0).then(|| Damper::new(beta, Arc::clone(&pattern)));
-        let matrix = BlockMatrix::zeros(pattern);
-        let system = NewtonSystem::new(matrix, solver, self.config.hessian);
+        let damper = (beta > 0.0).then(|| Damper::new(beta, self.energies.assembly()));
+        let minimizer = Minimizer::new(&self.particles, &self.energies, &self.config)?;
         let zeros = vec![Vec3::zeros(); vertex_count];
         Ok((self.finish)(Implicit {
-            newton: Newton::new(system, vertex_count),
+            minimizer,
             base: zeros.clone(),
             predicted: zeros.clone(),
             found: [zeros.clone(), zeros],

@@ -9,9 +9,9 @@
 //! as long as `K` does not depend on `x`. It is therefore taken where the stage would end by inertia, which is
 //! away from the solution by the square of the step: an integrator of second order stays one.
 
-use cloth_core::block_matrix::{BlockMatrix, BlockPattern};
+use cloth_core::block_matrix::BlockMatrix;
 use cloth_core::element::Convexity;
-use cloth_core::family::Energies;
+use cloth_core::family::{Assembly, Energies};
 use cloth_core::math::{Mat3, Real, Vec3};
 use std::sync::Arc;
 
@@ -21,6 +21,7 @@ pub(super) struct Damper {
     coefficient: Real,
     /// K (N/m), the same during a stage.
     stiffness: BlockMatrix,
+    assembly: Assembly,
     /// x_b (m): from where the velocity is measured.
     from: Vec<Vec3>,
     /// β/τ (dimensionless).
@@ -29,13 +30,20 @@ pub(super) struct Damper {
 
 impl Damper {
     /// A damper for a coefficient β (s) above zero.
-    pub(super) fn new(coefficient: Real, pattern: Arc<BlockPattern>) -> Self {
+    pub(super) fn new(coefficient: Real, assembly: Assembly) -> Self {
+        let pattern = assembly.pattern();
         Self {
             coefficient,
             from: vec![Vec3::zeros(); pattern.row_count()],
-            stiffness: BlockMatrix::zeros(pattern),
+            stiffness: BlockMatrix::zeros(Arc::clone(pattern)),
+            assembly,
             scale: 0.0,
         }
+    }
+
+    /// β/τ (dimensionless): what K is multiplied by in the Hessian.
+    pub(super) fn scale(&self) -> Real {
+        self.scale
     }
 
     /// Gets ready for a stage of `tau` (s) that starts at `from` (m), with the stiffness at `x` (m).
@@ -43,7 +51,8 @@ impl Damper {
         self.from.copy_from_slice(from);
         self.scale = self.coefficient / tau;
         self.stiffness.clear();
-        energies.add_hessian(x, 1.0, Convexity::GaussNewton, &mut self.stiffness);
+        let by = Convexity::GaussNewton;
+        energies.add_hessian(&self.assembly, x, 1.0, by, &mut self.stiffness);
     }
 
     pub(super) fn value(&self, x: &[Vec3]) -> Real {

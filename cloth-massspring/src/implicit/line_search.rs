@@ -36,8 +36,7 @@ impl Point {
 
     /// Evaluates `G` and its gradient at the positions.
     pub(super) fn evaluate(&mut self, stage: &Stage<'_>) {
-        self.value = stage.value(&self.positions);
-        stage.gradient_into(&self.positions, &mut self.gradient);
+        self.value = stage.gradient_into(&self.positions, &mut self.gradient);
     }
 }
 
@@ -48,38 +47,46 @@ pub(super) struct Found {
     pub(super) backtracks: u32,
     /// Whether one was accepted.
     pub(super) accepted: bool,
+    /// The last one (dimensionless).
+    pub(super) length: Real,
 }
 
-/// Moves `to` to `from + α direction`, with `α = 1` or the first smaller one that is accepted, and evaluates it there.
+/// Moves `to` to `from + α direction`, `slope` (J) being that along the direction, with `α = 1` or the first smaller one that is accepted, and evaluates it there.
 ///
 /// Armijo's condition compares two values of `G`. Near the minimum they agree in all digits that are
 /// free of rounding, long before the gradient is as small as it can be. There the condition is put in terms of slopes,
 /// as Hager and Zhang do (SIAM J. Optim. 16, 2005, <https://doi.org/10.1137/030601880>): for a quadratic, the slope
 /// `φ'(α) ≤ (1 − 2c) |φ'(0)|` says the same as `φ(α) ≤ φ(0) + c α φ'(0)`, without cancellation.
-pub(super) fn search(stage: &Stage<'_>, from: &Point, direction: &[Vec3], to: &mut Point) -> Found {
-    let slope = dot(&from.gradient, direction);
+pub(super) fn search(
+    stage: &Stage<'_>,
+    from: &Point,
+    direction: &[Vec3],
+    slope: Real,
+    to: &mut Point,
+) -> Found {
     let mut length = 1.0;
     for backtracks in 0..MOST_TRIALS {
         for ((to, from), p) in to.positions.iter_mut().zip(&from.positions).zip(direction) {
             *to = from + p * length;
         }
-        to.value = stage.value(&to.positions);
+        to.evaluate(stage);
         let rise = to.value - from.value;
         let enough = rise <= SUFFICIENT * length * slope;
-        if enough || rise <= ROUNDING * from.value.abs() {
-            stage.gradient_into(&to.positions, &mut to.gradient);
-            if enough || dot(&to.gradient, direction) <= SLOPE * slope.abs() {
-                return Found {
-                    backtracks,
-                    accepted: true,
-                };
-            }
+        let is_told_apart = rise.is_nan() || rise > ROUNDING * from.value.abs();
+        let is_flatter = || dot(&to.gradient, direction) <= SLOPE * slope.abs();
+        if enough || (!is_told_apart && is_flatter()) {
+            return Found {
+                backtracks,
+                accepted: true,
+                length,
+            };
         }
         length = shorter(length, slope, rise);
     }
     Found {
         backtracks: MOST_TRIALS,
         accepted: false,
+        length,
     }
 }
 
@@ -99,9 +106,8 @@ pub(super) fn leave_saddle(
         for ((to, from), p) in to.positions.iter_mut().zip(&from.positions).zip(direction) {
             *to = from + p * length;
         }
-        to.value = stage.value(&to.positions);
+        to.evaluate(stage);
         if to.value - from.value <= 0.25 * curvature * length * length {
-            stage.gradient_into(&to.positions, &mut to.gradient);
             return true;
         }
         length *= 0.5;

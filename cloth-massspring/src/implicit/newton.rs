@@ -1,236 +1,185 @@
-//! Newton's method, S1 (11)–(15): the loop.
+//! Newton's method: the loop.
 
-use super::line_search::{self, Point};
-use super::stage::Stage;
+use super::line_search;
+use super::minimizer::{Minimizer, STALL, Task};
 use super::system::NewtonSystem;
-use crate::config::{Accept, ImplicitConfig, Solve};
-use cloth_core::math::{Real, Vec3};
+use crate::config::Accept;
+use cloth_core::math::Real;
 use cloth_core::step::{Observer, Outcome, StepError, StepReport};
+use cloth_core::vectors::dot;
 
-/// Where no lower point is found, the gradient counts as lost in rounding up to this multiple of the estimate of
-/// [`NewtonSystem::rounding`]; above, it is an error.
-const STALL: Real = 100.0;
-
-/// Newton's method with everything it needs between two calls.
-#[derive(Debug)]
-pub(super) struct Newton {
-    system: NewtonSystem,
-    direction: Vec<Vec3>,
-    pub(super) current: Point,
-    next: Point,
-    /// Norm of the gradient at the prediction (N/√kg).
-    reference: Real,
-}
-
-/// What stays the same during one minimisation.
-#[derive(Debug)]
-pub(super) struct Task<'a> {
-    pub(super) stage: Stage<'a>,
-    pub(super) config: &'a ImplicitConfig,
-    /// The step, counted from 1.
-    pub(super) step: u64,
-}
-
-impl Newton {
-    pub(super) fn new(system: NewtonSystem, vertex_count: usize) -> Self {
-        Self {
-            system,
-            direction: vec![Vec3::zeros(); vertex_count],
-            current: Point::new(vertex_count),
-            next: Point::new(vertex_count),
-            reference: 0.0,
-        }
-    }
-
-    /// Minimises the function of a stage, starting at `self.current.positions` and ending there; or takes one step of it only.
-    pub(super) fn minimize(
-        &mut self,
-        task: &Task<'_>,
-        observer: Option<&mut dyn Observer>,
-    ) -> Result<StepReport, StepError> {
-        self.system.reset();
-        match task.config.solve {
-            Solve::Newton => self.iterate(task, observer),
-            Solve::Linearized => self.solve_once(task, observer),
-        }
-    }
-
-    /// One full Newton step and nothing else.
-    fn solve_once(
-        &mut self,
-        task: &Task<'_>,
-        observer: Option<&mut dyn Observer>,
-    ) -> Result<StepReport, StepError> {
-        let mut report = StepReport::new(Outcome::Converged, 1);
+/// Newton's method to the tolerance, from the evaluated current point of `points`.
+pub(super) fn iterate(
+    points: &mut Minimizer,
+    task: &Task<'_>,
+    mut observer: Option<&mut dyn Observer>,
+    report: &mut StepReport,
+) -> Result<(), StepError> {
+    with_system(points, |points, system| {
         let stage = &task.stage;
-        stage.gradient_into(&self.current.positions, &mut self.current.gradient);
-        self.current.value = 0.0;
-        self.gradient_norm(task)?;
-        self.system.assemble(stage, &self.current.positions);
-        self.factorize(task, &mut report)?;
-        self.solve(task, &mut report)?;
-        for (x, p) in self.current.positions.iter_mut().zip(&self.direction) {
-            *x += p;
-        }
-        if let Some(observer) = observer {
-            observer.iteration(1, &self.current.positions);
-        }
-        Ok(report)
-    }
-
-    /// Newton's method to the tolerance.
-    fn iterate(
-        &mut self,
-        task: &Task<'_>,
-        mut observer: Option<&mut dyn Observer>,
-    ) -> Result<StepReport, StepError> {
-        let stage = &task.stage;
-        let mut report = StepReport::new(Outcome::Converged, 0);
         // Not known before a matrix has been assembled.
         let mut rounding = 0.0;
-        // The place of the gradient is free until the iteration starts.
-        stage.gradient_into(stage.potential.predicted, &mut self.current.gradient);
-        self.reference = stage.gradient_norm(&self.current.gradient);
-        self.current.evaluate(stage);
         loop {
-            let norm = self.gradient_norm(task)?;
-            report.residual = Some(self.residual(norm, rounding));
-            let small = norm <= self.small_enough(task, rounding);
-            if small && self.is_accepted(task, &mut report) {
-                return Ok(report);
+            let norm = points.gradient_norm(task)?;
+            report.residual = Some(points.residual(norm, rounding));
+            let small = norm <= points.small_enough(task, rounding);
+            if small && is_accepted(points, system, task, report) {
+                return Ok(());
             }
-            if report.iterations == task.config.max_iterations {
+            if report.iterations >= task.config.max_iterations {
                 report.outcome = Outcome::BudgetSpent;
-                return Ok(report);
+                return Ok(());
             }
-            self.system.assemble(stage, &self.current.positions);
-            rounding = self.system.rounding(stage, &self.current.positions);
-            report.residual = Some(self.residual(norm, rounding));
-            if !small && norm <= rounding && self.is_accepted(task, &mut report) {
-                return Ok(report);
+            system.assemble(stage, &points.current.positions);
+            rounding = stage.rounding(system.matrix(), &points.current.positions);
+            report.residual = Some(points.residual(norm, rounding));
+            if !small && norm <= rounding && is_accepted(points, system, task, report) {
+                return Ok(());
             }
             report.iterations += 1;
-            self.factorize(task, &mut report)?;
-            let moved = if norm <= self.small_enough(task, rounding) {
-                self.leave_saddle(task)
+            factorize(points, system, task, report)?;
+            let moved = if norm <= points.small_enough(task, rounding) {
+                leave_saddle(points, system, task)
             } else {
-                self.descend(task, &mut report)?
+                descend(points, system, task, report)?
             };
             if !moved {
                 if norm <= STALL * rounding {
-                    return Ok(report);
+                    return Ok(());
                 }
-                if self.system.fall_back() {
+                if system.fall_back() {
                     continue;
                 }
                 return Err(StepError::LineSearchStalled {
                     iteration: report.iterations,
-                    residual: self.residual(norm, rounding),
+                    residual: points.residual(norm, rounding),
                     step: task.step,
                 });
             }
-            std::mem::swap(&mut self.current, &mut self.next);
+            std::mem::swap(&mut points.current, &mut points.next);
             if let Some(observer) = observer.as_deref_mut() {
-                observer.iteration(report.iterations, &self.current.positions);
+                observer.iteration(report.iterations, &points.current.positions);
             }
         }
-    }
+    })
+}
 
-    fn gradient_norm(&self, task: &Task<'_>) -> Result<Real, StepError> {
-        let norm = task.stage.gradient_norm(&self.current.gradient);
-        if norm.is_finite() && self.current.value.is_finite() {
-            return Ok(norm);
+/// One full Newton step and nothing else.
+pub(super) fn solve_once(
+    points: &mut Minimizer,
+    task: &Task<'_>,
+    observer: Option<&mut dyn Observer>,
+    report: &mut StepReport,
+) -> Result<(), StepError> {
+    with_system(points, |points, system| {
+        let stage = &task.stage;
+        report.iterations = 1;
+        stage.gradient_into(&points.current.positions, &mut points.current.gradient);
+        points.current.value = 0.0;
+        points.gradient_norm(task)?;
+        system.assemble(stage, &points.current.positions);
+        factorize(points, system, task, report)?;
+        solve(points, system, task, report)?;
+        for (x, p) in points.current.positions.iter_mut().zip(&points.direction) {
+            *x += p;
         }
-        let bad = |v| !cloth_core::math::is_finite(v);
-        let vertex = self.current.gradient.iter().position(bad).unwrap_or(0);
-        Err(StepError::NonFinite {
-            vertex,
-            step: task.step,
-        })
-    }
-
-    fn factorize(&mut self, task: &Task<'_>, report: &mut StepReport) -> Result<(), StepError> {
-        let x = &self.current.positions;
-        match self.system.factorize(&task.stage, x) {
-            Ok(attempts) => {
-                report.factorizations += attempts;
-                Ok(())
-            }
-            Err(_) => Err(StepError::NotPositiveDefinite {
-                iteration: report.iterations,
-                step: task.step,
-            }),
+        if let Some(observer) = observer {
+            observer.iteration(1, &points.current.positions);
         }
-    }
+        Ok(())
+    })
+}
 
-    /// The Newton direction. An iterative solver may find the matrix indefinite only here.
-    fn solve(&mut self, task: &Task<'_>, report: &mut StepReport) -> Result<(), StepError> {
-        let indefinite = |report: &StepReport| StepError::NotPositiveDefinite {
+/// Lends the system out of the minimizer, which has one.
+fn with_system(
+    points: &mut Minimizer,
+    work: impl FnOnce(&mut Minimizer, &mut NewtonSystem) -> Result<(), StepError>,
+) -> Result<(), StepError> {
+    let mut system = points.newton.take().expect("built before it is used");
+    system.reset();
+    let result = work(points, &mut system);
+    points.newton = Some(system);
+    result
+}
+
+fn factorize(
+    points: &Minimizer,
+    system: &mut NewtonSystem,
+    task: &Task<'_>,
+    report: &mut StepReport,
+) -> Result<(), StepError> {
+    match system.factorize(&task.stage, &points.current.positions) {
+        Ok(attempts) => {
+            report.factorizations += attempts;
+            Ok(())
+        }
+        Err(_) => Err(StepError::NotPositiveDefinite {
             iteration: report.iterations,
             step: task.step,
-        };
-        loop {
-            report.linear_solves += 1;
-            let (gradient, x) = (&self.current.gradient, &self.current.positions);
-            if let Ok(done) = self.system.solve(gradient, &mut self.direction) {
-                report.linear_iterations += done.iterations;
-                return Ok(());
-            }
-            let attempts = self.system.retreat(&task.stage, x);
-            report.factorizations += attempts.map_err(|_| indefinite(report))?;
+        }),
+    }
+}
+
+/// The Newton direction. An iterative solver may find the matrix indefinite only here.
+fn solve(
+    points: &mut Minimizer,
+    system: &mut NewtonSystem,
+    task: &Task<'_>,
+    report: &mut StepReport,
+) -> Result<(), StepError> {
+    let indefinite = |report: &StepReport| StepError::NotPositiveDefinite {
+        iteration: report.iterations,
+        step: task.step,
+    };
+    loop {
+        report.linear_solves += 1;
+        let (gradient, x) = (&points.current.gradient, &points.current.positions);
+        if let Ok(done) = system.solve(gradient, &mut points.direction) {
+            report.linear_iterations += done.iterations;
+            return Ok(());
         }
+        let attempts = system.retreat(&task.stage, x);
+        report.factorizations += attempts.map_err(|_| indefinite(report))?;
     }
+}
 
-    /// One Newton step, S1 (14), into `next`. Returns whether it leads down.
-    fn descend(&mut self, task: &Task<'_>, report: &mut StepReport) -> Result<bool, StepError> {
-        self.solve(task, report)?;
-        let found =
-            line_search::search(&task.stage, &self.current, &self.direction, &mut self.next);
-        report.backtracks += found.backtracks;
-        Ok(found.accepted)
-    }
+/// One Newton step into `next`. Returns whether it leads down.
+fn descend(
+    points: &mut Minimizer,
+    system: &mut NewtonSystem,
+    task: &Task<'_>,
+    report: &mut StepReport,
+) -> Result<bool, StepError> {
+    solve(points, system, task, report)?;
+    let (from, to) = (&points.current, &mut points.next);
+    let slope = dot(&from.gradient, &points.direction);
+    let found = line_search::search(&task.stage, from, &points.direction, slope, to);
+    report.backtracks += found.backtracks;
+    Ok(found.accepted)
+}
 
-    /// Whether a point where the gradient is small is good enough to stop.
-    fn is_accepted(&mut self, task: &Task<'_>, report: &mut StepReport) -> bool {
-        // If the last factor was exact, the Newton step that led here was from the valley of a minimum.
-        if task.config.accept == Accept::Stationary || self.system.is_exact() {
-            return true;
-        }
-        report.factorizations += 1;
-        self.system
-            .factorize_exact(&task.stage, &self.current.positions)
+/// Whether a point where the gradient is small is good enough to stop.
+fn is_accepted(
+    points: &Minimizer,
+    system: &mut NewtonSystem,
+    task: &Task<'_>,
+    report: &mut StepReport,
+) -> bool {
+    // If the last factor was exact, the Newton step that led here was from the valley of a minimum.
+    if task.config.accept == Accept::Stationary || system.is_exact() {
+        return true;
     }
+    report.factorizations += 1;
+    system.factorize_exact(&task.stage, &points.current.positions)
+}
 
-    /// Goes down from a saddle point, into `next`, where a gradient shows no way. Returns whether there is one.
-    fn leave_saddle(&mut self, task: &Task<'_>) -> bool {
-        let (x, product) = (&self.current.positions, &mut self.next.gradient);
-        let direction = &mut self.direction;
-        match self
-            .system
-            .negative_curvature(&task.stage, x, direction, product)
-        {
-            Some(curvature) => line_search::leave_saddle(
-                &task.stage,
-                &self.current,
-                direction,
-                curvature,
-                &mut self.next,
-            ),
-            None => false,
-        }
-    }
-
-    /// Gradient norm (N/√kg) at which the iteration ends.
-    fn small_enough(&self, task: &Task<'_>, rounding: Real) -> Real {
-        (task.config.tolerance * self.reference).max(rounding)
-    }
-
-    /// Gradient norm relative to that at the prediction. In free fall the latter is zero and only rounding is left to compare with.
-    fn residual(&self, norm: Real, rounding: Real) -> Real {
-        if norm > 0.0 {
-            norm / self.reference.max(rounding)
-        } else {
-            0.0
-        }
-    }
+/// Goes down from a saddle point, into `next`, where a gradient shows no way. Returns whether there is one.
+fn leave_saddle(points: &mut Minimizer, system: &mut NewtonSystem, task: &Task<'_>) -> bool {
+    let (x, product) = (&points.current.positions, &mut points.next.gradient);
+    let direction = &mut points.direction;
+    let found: Option<Real> = system.negative_curvature(&task.stage, x, direction, product);
+    found.is_some_and(|curvature| {
+        let (from, to) = (&points.current, &mut points.next);
+        line_search::leave_saddle(&task.stage, from, direction, curvature, to)
+    })
 }

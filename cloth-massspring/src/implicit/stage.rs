@@ -3,6 +3,7 @@
 use super::damper::Damper;
 use cloth_core::block_matrix::BlockMatrix;
 use cloth_core::element::Convexity;
+use cloth_core::family::Assembly;
 use cloth_core::math::{Real, Vec3};
 use cloth_core::measure::IncrementalPotential;
 
@@ -17,22 +18,18 @@ pub(super) struct Stage<'a> {
 }
 
 impl Stage<'_> {
-    /// The function (J).
-    pub(super) fn value(&self, x: &[Vec3]) -> Real {
-        let damping = self.damper.map_or(0.0, |damper| damper.value(x));
-        self.potential.value(x) + damping
-    }
-
-    /// Writes its gradient (N) to `out`, zero at prescribed vertices.
-    pub(super) fn gradient_into(&self, x: &[Vec3], out: &mut [Vec3]) {
-        self.potential.gradient_into(x, out);
+    /// The function (J); writes its gradient (N) to `out`, zero at prescribed vertices.
+    pub(super) fn gradient_into(&self, x: &[Vec3], out: &mut [Vec3]) -> Real {
+        let mut value = self.potential.gradient_into(x, out);
         if let Some(damper) = self.damper {
             damper.add_gradient(x, out);
+            value += damper.value(x);
             let w = self.potential.particles.inverse_mass();
             for (out, _) in out.iter_mut().zip(w).filter(|(_, w)| **w == 0.0) {
                 *out = Vec3::zeros();
             }
         }
+        value
     }
 
     /// Norm of a gradient in the metric of `M⁻¹` (N/√kg).
@@ -43,20 +40,58 @@ impl Stage<'_> {
     /// Writes its second derivative (N/m) to `out`, the elastic part as a mixture of these shares.
     pub(super) fn hessian_into(
         &self,
+        assembly: &Assembly,
         x: &[Vec3],
         parts: &[(Real, Convexity)],
         out: &mut BlockMatrix,
     ) {
-        let g = &self.potential;
-        out.clear();
-        let inertia = 1.0 / (g.dt * g.dt);
-        out.add_diagonal(g.particles.mass().iter().map(|m| m * inertia));
+        self.inertia_into(out);
+        let energies = self.potential.energies;
         for &(share, convexity) in parts {
-            g.energies.add_hessian(x, share, convexity, out);
+            energies.add_hessian(assembly, x, share, convexity, out);
         }
         if let Some(damper) = self.damper {
             damper.add_hessian(out);
         }
+    }
+
+    /// Writes what the preconditioner of the quasi-Newton method is made of to `out` (N/m): clamped, lumped as `assembly` says, and
+    /// with the forces predicted from `mixed` (two positions, m) if there are such.
+    pub(super) fn lumped_hessian_into(
+        &self,
+        assembly: &Assembly,
+        x: &[Vec3],
+        mixed: Option<[&[Vec3]; 2]>,
+        out: &mut BlockMatrix,
+    ) {
+        self.inertia_into(out);
+        let energies = self.potential.energies;
+        match mixed {
+            Some([from, to]) => energies.add_mixed_hessian(assembly, x, from, to, out),
+            None => energies.add_hessian(assembly, x, 1.0, Convexity::Clamp, out),
+        }
+        if let Some(damper) = self.damper {
+            energies.add_hessian(assembly, x, damper.scale(), Convexity::GaussNewton, out);
+        }
+    }
+
+    fn inertia_into(&self, out: &mut BlockMatrix) {
+        let g = &self.potential;
+        out.set_diagonal(g.particles.mass(), 1.0 / (g.dt * g.dt));
+    }
+
+    /// Norm (N/√kg) of the gradient that rounding makes at `x`: positions are stored to half a unit in the last place
+    /// of their coordinates, and the gradient changes with them as the diagonal blocks of the matrix say.
+    pub(super) fn rounding(&self, matrix: &BlockMatrix, x: &[Vec3]) -> Real {
+        let pattern = matrix.pattern();
+        let mut sum = 0.0;
+        let mut largest: Real = 0.0;
+        for (vertex, w) in self.potential.particles.inverse_mass().iter().enumerate() {
+            let diagonal = &matrix.blocks()[pattern.row(vertex).end - 1];
+            sum += w * diagonal.norm_squared();
+            largest = largest.max(x[vertex].amax());
+        }
+        0.5 * Real::EPSILON * largest * sum.sqrt()
     }
 
     /// Writes the exact second derivative times `p` to `out`.

@@ -15,12 +15,15 @@
 //! the step along it is long, and the saddle is left within a few iterations.
 
 use super::stage::Stage;
-use crate::config::HessianPolicy;
+use crate::config::{HessianPolicy, ImplicitConfig};
 use crate::stability::{dot, noise};
 use cloth_core::block_matrix::BlockMatrix;
 use cloth_core::element::Convexity;
+use cloth_core::family::{Assembly, Energies};
 use cloth_core::linear::{LinearError, LinearReport, LinearSolver};
 use cloth_core::math::{Real, Vec3};
+use cloth_core::step::BuildError;
+use std::sync::Arc;
 
 /// Iterations without another attempt at `b = 1` after one has failed: a failed attempt costs as much as a good one.
 const PATIENCE: u32 = 5;
@@ -36,6 +39,7 @@ const INVERSE_ITERATIONS: u32 = 8;
 /// The matrix, its solver, and how much of the exact Hessian it could take last time.
 #[derive(Debug)]
 pub(super) struct NewtonSystem {
+    assembly: Assembly,
     matrix: BlockMatrix,
     solver: Box<dyn LinearSolver>,
     policy: HessianPolicy,
@@ -50,20 +54,27 @@ pub(super) struct NewtonSystem {
 }
 
 impl NewtonSystem {
-    pub(super) fn new(
-        matrix: BlockMatrix,
-        solver: Box<dyn LinearSolver>,
-        policy: HessianPolicy,
-    ) -> Self {
-        Self {
-            matrix,
-            solver,
-            policy,
+    /// For an energy, and the linear solver of the settings.
+    ///
+    /// # Errors
+    /// What the linear solver refuses.
+    pub(super) fn build(
+        energies: &Energies,
+        is_free: &[bool],
+        rest: Option<&[Vec3]>,
+        config: &ImplicitConfig,
+    ) -> Result<Self, BuildError> {
+        let assembly = energies.assembly();
+        Ok(Self {
+            matrix: BlockMatrix::zeros(Arc::clone(assembly.pattern())),
+            solver: config.linear.build(assembly.pattern(), is_free, rest)?,
+            policy: config.hessian,
+            assembly,
             blend: 1.0,
             ceiling: 1.0,
             wait: 0,
             exact: false,
-        }
+        })
     }
 
     /// Forgets what was learnt in another step.
@@ -74,6 +85,11 @@ impl NewtonSystem {
     /// Whether the last factorisation proved that the exact Hessian of `G` is positive definite.
     pub(super) fn is_exact(&self) -> bool {
         self.exact
+    }
+
+    /// The matrix (N/m) that was assembled last.
+    pub(super) fn matrix(&self) -> &BlockMatrix {
+        &self.matrix
     }
 
     /// Assembles the matrix to be tried first at `x` (m).
@@ -186,7 +202,7 @@ impl NewtonSystem {
     }
 
     fn fill(&mut self, g: &Stage<'_>, x: &[Vec3], parts: &[(Real, Convexity)]) {
-        g.hessian_into(x, parts, &mut self.matrix);
+        g.hessian_into(&self.assembly, x, parts, &mut self.matrix);
     }
 
     /// `out = −(matrix)⁻¹ gradient`.
@@ -201,20 +217,6 @@ impl NewtonSystem {
         let report = self.solver.solve(&self.matrix, gradient, out)?;
         out.iter_mut().for_each(|p| *p = -*p);
         Ok(report)
-    }
-
-    /// Norm (N/√kg) of the gradient that rounding makes at `x`: positions are stored to half a unit in the last place
-    /// of their coordinates, and the gradient changes with them as the diagonal blocks of the matrix say.
-    pub(super) fn rounding(&self, g: &Stage<'_>, x: &[Vec3]) -> Real {
-        let pattern = self.matrix.pattern();
-        let mut sum = 0.0;
-        let mut largest: Real = 0.0;
-        for (vertex, w) in g.potential.particles.inverse_mass().iter().enumerate() {
-            let diagonal = &self.matrix.blocks()[pattern.row(vertex).end - 1];
-            sum += w * diagonal.norm_squared();
-            largest = largest.max(x[vertex].amax());
-        }
-        0.5 * Real::EPSILON * largest * sum.sqrt()
     }
 
     /// Tries the exact Hessian at `x`.

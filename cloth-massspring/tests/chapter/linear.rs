@@ -7,7 +7,7 @@ use cloth_core::linear::{Budget, LinearMethod};
 use cloth_core::math::{Real, Vec3};
 use cloth_core::particles::State;
 use cloth_core::step::{BuildError, Outcome, StepInput, StepReport, Stepper};
-use cloth_massspring::{Accept, ImplicitConfig, ImplicitEuler};
+use cloth_massspring::{Accept, ImplicitConfig, ImplicitEuler, Solve};
 
 fn iterative(tolerance: Real) -> [LinearMethod; 4] {
     let budget = Budget {
@@ -44,6 +44,7 @@ fn every_linear_solver_leads_newton_to_the_same_minimum() {
     for linear in iterative(1e-3) {
         let (found, report) = step(ImplicitConfig {
             linear,
+            solve: Solve::Newton,
             tolerance: 1e-9,
             ..ImplicitConfig::default()
         });
@@ -71,6 +72,7 @@ fn each_newton_step_leaves_as_much_of_the_gradient_as_the_tolerance_says() {
         for linear in iterative(tolerance) {
             let config = ImplicitConfig {
                 linear,
+                solve: Solve::Newton,
                 max_iterations: 1,
                 tolerance: 0.0,
                 ..ImplicitConfig::default()

@@ -8,7 +8,7 @@ use cloth_core::math::{Real, Vec3};
 use cloth_core::measure::{IncrementalPotential, center_of_mass, predict};
 use cloth_core::particles::{Particles, State};
 use cloth_core::step::{Observer, Outcome, StepInput, Stepper};
-use cloth_massspring::{Accept, HessianPolicy, ImplicitConfig, ImplicitEuler, StartGuess};
+use cloth_massspring::{Accept, HessianPolicy, ImplicitConfig, ImplicitEuler, Solve, StartGuess};
 
 pub(crate) const DT: Real = 1.0 / 60.0;
 
@@ -171,6 +171,7 @@ fn dropping_the_indefinite_part_costs_the_quadratic_convergence() {
     let count = |hessian| {
         let config = ImplicitConfig {
             hessian,
+            solve: Solve::Newton,
             tolerance: 1e-9,
             ..ImplicitConfig::default()
         };
@@ -201,7 +202,11 @@ fn stretched_chain(start: StartGuess) -> (ImplicitEuler, State) {
         .iter_mut()
         .for_each(|x| *x = Vec3::new(-x.z * 1.3, 0.0, 0.0));
     particles.prescribe(10).unwrap();
-    let config = ImplicitConfig { start, ..sharp() };
+    let config = ImplicitConfig {
+        start,
+        solve: Solve::Newton,
+        ..sharp()
+    };
     let builder = ImplicitEuler::builder(&particles).energy(springs).unwrap();
     let mut state = State::at_rest(positions);
     for (i, v) in state.velocities.iter_mut().enumerate().take(10).skip(1) {

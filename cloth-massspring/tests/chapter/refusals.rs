@@ -7,7 +7,7 @@ use cloth_core::math::{Real, Vec3};
 use cloth_core::particles::{Particles, State};
 use cloth_core::step::{BuildError, StepError, StepInput, Stepper};
 use cloth_massspring::{
-    ExplicitConfig, HessianPolicy, ImplicitConfig, ImplicitEuler, SymplecticEuler,
+    ExplicitConfig, HessianPolicy, ImplicitConfig, ImplicitEuler, Solve, SymplecticEuler,
 };
 
 /// Steps from `state`, which must not change.
@@ -91,6 +91,7 @@ fn an_indefinite_matrix_where_nothing_may_be_dropped() {
     let (particles, springs, positions) = buckling();
     let config = ImplicitConfig {
         hessian: HessianPolicy::Always(Convexity::Exact),
+        solve: Solve::Newton,
         ..ImplicitConfig::default()
     };
     let builder = ImplicitEuler::builder(&particles).energy(springs).unwrap();

@@ -7,7 +7,7 @@
 
 use cloth_core::block_matrix::BlockMatrix;
 use cloth_core::element::Convexity;
-use cloth_core::family::Energies;
+use cloth_core::family::{Assembly, Energies};
 use cloth_core::math::{Mat3, Real, Vec3};
 use cloth_core::particles::{Particles, State};
 use cloth_core::step::{Outcome, StepError, StepInput, StepReport, Stepper};
@@ -22,6 +22,7 @@ pub struct Descent {
     mass: Vec<Real>,
     inverse_mass: Vec<Real>,
     energies: Energies,
+    assembly: Assembly,
     hessian: BlockMatrix,
     /// Place of the block on the diagonal of each row.
     diagonal: Vec<usize>,
@@ -37,9 +38,10 @@ pub struct Descent {
 
 impl Descent {
     /// For these masses and this energy, with so many iterations per step.
-    pub fn new(particles: &Particles, mut energies: Energies, iterations: u32) -> Self {
+    pub fn new(particles: &Particles, energies: Energies, iterations: u32) -> Self {
         let count = particles.len();
-        let hessian = BlockMatrix::zeros(energies.bind_pattern());
+        let assembly = energies.assembly();
+        let hessian = BlockMatrix::zeros(assembly.pattern().clone());
         let place = |vertex: u32| hessian.pattern().slot(vertex, vertex);
         let diagonal = (0..count as u32)
             .filter_map(place)
@@ -50,6 +52,7 @@ impl Descent {
             inverse_mass: particles.inverse_mass().to_vec(),
             diagonal: diagonal.collect(),
             energies,
+            assembly,
             hessian,
             iterations,
             free_flight: zeros.clone(),
@@ -86,7 +89,7 @@ impl Descent {
         self.hessian.clear();
         let x = &self.next.positions;
         self.energies
-            .add_hessian(x, 1.0, Convexity::Clamp, &mut self.hessian);
+            .add_hessian(&self.assembly, x, 1.0, Convexity::Clamp, &mut self.hessian);
         for (v, inverse) in self.preconditioner.iter_mut().enumerate() {
             let block = self.hessian.blocks()[self.diagonal[v]]
                 + Mat3::identity() * (self.mass[v] / (dt * dt));

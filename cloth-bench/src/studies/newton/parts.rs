@@ -234,10 +234,10 @@ fn named(ordering: FillOrdering) -> &'static str {
 /// Both orderings, with bending and without.
 fn eliminations(side: u32, system: &System) -> Result<Vec<Elimination>, BenchError> {
     let springs = system.scene.model.springs.clone();
-    let mut energies = cloth_core::family::Energies::new(system.is_free.len())
+    let energies = cloth_core::family::Energies::new(system.is_free.len())
         .with(springs)
         .map_err(BenchError::failed)?;
-    let mut without = BlockMatrix::zeros(energies.bind_pattern());
+    let mut without = BlockMatrix::zeros(energies.assembly().pattern().clone());
     without.add_diagonal(system.is_free.iter().map(|_| 1.0));
     let mut all = Vec::new();
     for (elements, matrix) in [("springs", &without), ("springs, bending", &system.matrix)] {

@@ -57,7 +57,11 @@ impl Solvers {
                 LinearMethod::GaussSeidel(budget),
                 LinearMethod::Jacobi(budget),
             ] {
-                let built = method.build(system.matrix.pattern(), &system.is_free);
+                let built = method.build(
+                    system.matrix.pattern(),
+                    &system.is_free,
+                    system.scene.model.particles.rest_positions(),
+                );
                 let mut solver = built.map_err(BenchError::failed)?;
                 solves.push(solve(side, tolerance, &mut *solver, system)?);
             }

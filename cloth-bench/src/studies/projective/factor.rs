@@ -9,7 +9,7 @@ use cloth_core::element::Projective;
 use cloth_core::energy::Spring;
 use cloth_core::linear::{Cholesky, LowRank, PanelFactor, UpperPattern};
 use cloth_core::math::{Real, Vec3};
-use cloth_core::wide::wide;
+use cloth_core::parallel::wide;
 use cloth_pd::LocalStep;
 use std::hint::black_box;
 use std::time::Instant;

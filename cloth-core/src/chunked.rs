@@ -1,14 +1,24 @@
-//! Passes over vectors that have an entry per vertex, a part of the cloth at a time, on several threads where that pays.
+//! Chunked map–reduce over vectors that have an entry per vertex, on several threads where that pays.
 //!
-//! The parts and the order in which their sums are added do not depend on the number of threads, so neither do the results.
+//! The chunks and the order in which their sums are added do not depend on the number of threads, so neither do the
+//! results.
 
-use crate::pieces::{PIECE, together};
-use cloth_core::math::Real;
-use cloth_core::wide::wide;
+use crate::math::Real;
+use crate::parallel::join;
+use crate::parallel::wide;
+
+/// Vertices of a chunk.
+pub const CHUNK: usize = 2_048;
 
 /// Vectors of one length that can be cut at the same place.
-pub(crate) trait Cut: Send + Sized {
+pub trait Cut: Send + Sized {
+    /// Entries.
     fn len(&self) -> usize;
+    /// Whether there is none.
+    fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+    /// The entries before `at`, and the others.
     fn cut(self, at: usize) -> (Self, Self);
 }
 
@@ -46,33 +56,34 @@ impl<A: Cut, B: Cut> Cut for (A, B) {
     }
 }
 
-/// Hands `vectors` to `work` part by part, with the number of the first vertex, and adds up what it returns.
+/// Hands `vectors` to `work` chunk by chunk, with the number of the first vertex, and adds up what it returns. The loops of
+/// `work` are compiled for wide registers too if they are inlined.
 #[inline]
-pub(crate) fn visit<V: Cut, const M: usize>(
+pub fn map_reduce<V: Cut, const M: usize>(
     vectors: V,
     work: impl Fn(usize, V) -> [Real; M] + Sync,
 ) -> [Real; M] {
-    visit_from(0, vectors, &work)
+    reduce_from(0, vectors, &work)
 }
 
-fn visit_from<V: Cut, const M: usize>(
+fn reduce_from<V: Cut, const M: usize>(
     start: usize,
     vectors: V,
     work: &(impl Fn(usize, V) -> [Real; M] + Sync),
 ) -> [Real; M] {
     let count = vectors.len();
-    if count <= PIECE {
+    if count <= CHUNK {
         return wide(
             #[inline(always)]
             || work(start, vectors),
         );
     }
-    let middle = (count / 2).next_multiple_of(PIECE);
+    let middle = (count / 2).next_multiple_of(CHUNK);
     let (first, second) = vectors.cut(middle);
-    let (a, b) = together(
+    let (a, b) = join(
         count,
-        || visit_from(start, first, work),
-        || visit_from(start + middle, second, work),
+        || reduce_from(start, first, work),
+        || reduce_from(start + middle, second, work),
     );
     std::array::from_fn(|i| a[i] + b[i])
 }

@@ -1,14 +1,15 @@
-//! Sums over whole vectors: a number per vertex and axis, four vertices at a time.
+//! Sums over whole vectors with three numbers per vertex, four vertices at a time.
 
-use crate::passes::visit;
-use cloth_core::math::{Real, Vec3};
+use crate::chunked::map_reduce;
+use crate::math::{Real, Vec3};
 
 /// Vertices that are added up beside each other, so that no addition waits for the one before.
 const ABREAST: usize = 4;
 
 /// `Σ aᵢ·bᵢ`.
-pub(crate) fn dot(a: &[Vec3], b: &[Vec3]) -> Real {
-    let sum = visit(
+#[must_use]
+pub fn dot(a: &[Vec3], b: &[Vec3]) -> Real {
+    let sum = map_reduce(
         (a, b),
         #[inline(always)]
         |_, (a, b)| [dot_of_part(a, b)],
@@ -17,8 +18,8 @@ pub(crate) fn dot(a: &[Vec3], b: &[Vec3]) -> Real {
 }
 
 /// `y += factor · x`.
-pub(crate) fn add(y: &mut [Vec3], factor: Real, x: &[Vec3]) {
-    visit(
+pub fn add(y: &mut [Vec3], factor: Real, x: &[Vec3]) {
+    map_reduce(
         (y, x),
         #[inline(always)]
         |_, (y, x): (&mut [Vec3], &[Vec3])| {
@@ -31,8 +32,8 @@ pub(crate) fn add(y: &mut [Vec3], factor: Real, x: &[Vec3]) {
 }
 
 /// `y += factor · x`, and then `y · next`, in one pass.
-pub(crate) fn add_and_dot(y: &mut [Vec3], factor: Real, x: &[Vec3], next: &[Vec3]) -> Real {
-    let sum = visit(
+pub fn add_and_dot(y: &mut [Vec3], factor: Real, x: &[Vec3], next: &[Vec3]) -> Real {
+    let sum = map_reduce(
         (y, (x, next)),
         #[inline(always)]
         |_, (y, (x, next)): (&mut [Vec3], (&[Vec3], &[Vec3]))| {
@@ -56,7 +57,8 @@ pub(crate) fn add_and_dot(y: &mut [Vec3], factor: Real, x: &[Vec3], next: &[Vec3
 
 /// `Σ aᵢ·bᵢ` of a part.
 #[inline(always)]
-pub(crate) fn dot_of_part(a: &[Vec3], b: &[Vec3]) -> Real {
+#[must_use]
+pub fn dot_of_part(a: &[Vec3], b: &[Vec3]) -> Real {
     let mut sums = [[0.0; 3]; ABREAST];
     let ((a, a_last), (b, b_last)) = (a.as_chunks(), b.as_chunks());
     for (a, b) in a.iter().zip(b) {

@@ -1,0 +1,79 @@
+//! The coarsest level: a dense Cholesky factorisation.
+
+use super::level::Level;
+use crate::math::Real;
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+
+/// The factor, and where the level's free vertices stand in it.
+#[derive(Debug)]
+pub(super) struct Coarsest {
+    factor: Option<Cholesky<Real, Dyn>>,
+    /// The memory of the matrix while there is no factor.
+    matrix: Option<DMatrix<Real>>,
+    right_hand_side: DVector<Real>,
+}
+
+impl Coarsest {
+    pub(super) fn new(vertex_count: usize) -> Self {
+        Self {
+            factor: None,
+            matrix: Some(DMatrix::zeros(3 * vertex_count, 3 * vertex_count)),
+            right_hand_side: DVector::zeros(3 * vertex_count),
+        }
+    }
+
+    /// Factorises the matrix of the level. Returns whether it is positive definite.
+    pub(super) fn factorize(&mut self, level: &Level) -> bool {
+        let kept = self.factor.take().map(Cholesky::unpack_dirty);
+        let Some(mut dense) = kept.or_else(|| self.matrix.take()) else {
+            return false;
+        };
+        dense.fill(0.0);
+        for row in 0..level.len() {
+            if !level.is_free()[row] {
+                dense
+                    .fixed_view_mut::<3, 3>(3 * row, 3 * row)
+                    .fill_with_identity();
+                continue;
+            }
+            for slot in level.pattern().row(row) {
+                let column = level.pattern().columns()[slot] as usize;
+                if level.is_free()[column] {
+                    let block = level.blocks[slot].to_double();
+                    dense
+                        .fixed_view_mut::<3, 3>(3 * row, 3 * column)
+                        .copy_from(&block);
+                }
+            }
+        }
+        self.factor = Cholesky::new(dense);
+        if self.factor.is_none() {
+            let size = self.right_hand_side.len();
+            self.matrix = Some(DMatrix::zeros(size, size));
+        }
+        self.factor.is_some()
+    }
+
+    /// Solves with the last factor, or gives no correction without one.
+    pub(super) fn solve(&mut self, level: &mut Level) {
+        let Some(factor) = &self.factor else {
+            return level.solution.fill([0.0; 4]);
+        };
+        for (vertex, r) in level.right_hand_side.iter().enumerate() {
+            for axis in 0..3 {
+                let entry = if level.is_free()[vertex] {
+                    r[axis]
+                } else {
+                    0.0
+                };
+                self.right_hand_side[3 * vertex + axis] = Real::from(entry);
+            }
+        }
+        factor.solve_mut(&mut self.right_hand_side);
+        for (vertex, x) in level.solution.iter_mut().enumerate() {
+            for axis in 0..3 {
+                x[axis] = self.right_hand_side[3 * vertex + axis] as f32;
+            }
+        }
+    }
+}

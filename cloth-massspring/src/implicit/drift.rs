@@ -1,0 +1,73 @@
+//! Momentum of cloth that nothing holds: what is left of it by an iteration cut short at its tolerance is put right.
+//!
+//! Energies that do not change when a component of the cloth is shifted as a whole leave `G` quadratic in that shift:
+//! `½ m t²/s² + t·Σ ∇G`, with m the mass of the component. Its minimum is known, and with it linear momentum is kept to
+//! rounding at any tolerance. The iteration starts there too: cloth that falls freely is solved before the first one.
+
+use super::line_search::Point;
+use super::stage::Stage;
+use cloth_core::block_matrix::BlockPattern;
+use cloth_core::math::Vec3;
+
+/// The connected components without a prescribed vertex, and without an element that ties one vertex to a place.
+#[derive(Debug)]
+pub(super) struct Unconstrained {
+    components: Vec<Vec<u32>>,
+}
+
+impl Unconstrained {
+    /// Those of the graph that the blocks of a matrix make; `is_loose[v]` says that nothing holds vertex `v`.
+    pub(super) fn of(pattern: &BlockPattern, is_loose: &[bool]) -> Self {
+        let count = pattern.row_count();
+        let mut root: Vec<u32> = (0..count as u32).collect();
+        for row in 0..count {
+            for &column in &pattern.columns()[pattern.row(row)] {
+                let (a, b) = (find(&mut root, row as u32), find(&mut root, column));
+                // The lowest number of a component is its root.
+                root[a.max(b) as usize] = a.min(b);
+            }
+        }
+        let mut components = vec![Vec::new(); count];
+        let mut is_held = vec![false; count];
+        for vertex in 0..count {
+            let root = find(&mut root, vertex as u32) as usize;
+            components[root].push(vertex as u32);
+            is_held[root] |= !is_loose[vertex];
+        }
+        let held = components.into_iter().zip(is_held);
+        let unheld = held.filter(|(vertices, is_held)| !is_held && !vertices.is_empty());
+        Self {
+            components: unheld.map(|(vertices, _)| vertices).collect(),
+        }
+    }
+
+    /// Shifts each component at an evaluated point to the minimum along its translations, and its gradient with it.
+    pub(super) fn settle(&self, stage: &Stage<'_>, point: &mut Point) {
+        let g = &stage.potential;
+        let per_time = 1.0 / (g.dt * g.dt);
+        for component in &self.components {
+            let (mut mass, mut moment) = (0.0, Vec3::zeros());
+            for &vertex in component {
+                let vertex = vertex as usize;
+                let own = g.particles.mass()[vertex];
+                mass += own;
+                moment += (point.positions[vertex] - g.predicted[vertex]) * own;
+            }
+            let shift = -moment / mass;
+            for &vertex in component {
+                let vertex = vertex as usize;
+                point.positions[vertex] += shift;
+                point.gradient[vertex] += shift * (g.particles.mass()[vertex] * per_time);
+            }
+        }
+    }
+}
+
+/// The root of a vertex, with the path to it halved.
+fn find(root: &mut [u32], mut vertex: u32) -> u32 {
+    while root[vertex as usize] != vertex {
+        root[vertex as usize] = root[root[vertex as usize] as usize];
+        vertex = root[vertex as usize];
+    }
+    vertex
+}

@@ -1,0 +1,227 @@
+//! The minimisation of one stage: which method begins, when it is done, and which takes over.
+
+use super::line_search::{self, Point};
+use super::newton;
+use super::quasi_newton::QuasiNewton;
+use super::stage::Stage;
+use super::system::NewtonSystem;
+use crate::config::{Accept, ImplicitConfig, Solve};
+use cloth_core::family::Energies;
+use cloth_core::math::{Real, Vec3};
+use cloth_core::particles::Particles;
+use cloth_core::step::{BuildError, Observer, Outcome, StepError, StepReport};
+
+/// Where no lower point is found, the gradient counts as lost in rounding up to this multiple of the estimate of
+/// [`Stage::rounding`]; above, it is an error.
+pub(super) const STALL: Real = 100.0;
+/// Relative gradient norm below which Newton's method finishes, where a tolerance asks for less: it converges quadratically
+/// there, down to rounding, the quasi-Newton method linearly.
+const FINISH: Real = 1e-7;
+/// The same as a multiple of the estimate of rounding: one Newton step from there ends well below it.
+const LEFT: Real = 1e4;
+/// Iterations of the quasi-Newton method in a step before Newton's method takes over.
+const PATIENCE: u32 = 300;
+
+/// The iterates, and what the methods keep between two calls.
+#[derive(Debug)]
+pub(super) struct Minimizer {
+    pub(super) current: Point,
+    pub(super) next: Point,
+    pub(super) direction: Vec<Vec3>,
+    /// Norm of the gradient at the prediction (N/√kg).
+    reference: Real,
+    quasi_newton: Option<QuasiNewton>,
+    /// Made when it is first needed.
+    pub(super) newton: Option<NewtonSystem>,
+    is_free: Vec<bool>,
+}
+
+/// What stays the same during one minimisation.
+#[derive(Debug)]
+pub(super) struct Task<'a> {
+    pub(super) stage: Stage<'a>,
+    pub(super) config: &'a ImplicitConfig,
+    /// Positions (m) before the step.
+    pub(super) before: &'a [Vec3],
+    /// The step, counted from 1.
+    pub(super) step: u64,
+}
+
+/// How the quasi-Newton iteration ended.
+enum End {
+    Done(Outcome),
+    /// It does not get further.
+    Stuck,
+}
+
+impl Minimizer {
+    pub(super) fn new(
+        particles: &Particles,
+        energies: &Energies,
+        config: &ImplicitConfig,
+    ) -> Result<Self, BuildError> {
+        let count = particles.len();
+        let is_free: Vec<bool> = (0..count).map(|v| !particles.is_prescribed(v)).collect();
+        let begins_with_newton = config.solve != Solve::QuasiNewton;
+        Ok(Self {
+            current: Point::new(count),
+            next: Point::new(count),
+            direction: vec![Vec3::zeros(); count],
+            reference: 0.0,
+            quasi_newton: (!begins_with_newton)
+                .then(|| QuasiNewton::new(energies, is_free.clone())),
+            newton: begins_with_newton
+                .then(|| {
+                    NewtonSystem::build(energies, &is_free, particles.rest_positions(), config)
+                })
+                .transpose()?,
+            is_free,
+        })
+    }
+
+    /// Minimises the function of a stage, starting at `self.current.positions` and ending there; or takes one Newton step only.
+    pub(super) fn minimize(
+        &mut self,
+        task: &Task<'_>,
+        mut observer: Option<&mut dyn Observer>,
+    ) -> Result<StepReport, StepError> {
+        let mut report = StepReport::new(Outcome::Converged, 0);
+        if task.config.solve == Solve::Linearized {
+            newton::solve_once(self, task, observer, &mut report)?;
+            return Ok(report);
+        }
+        let stage = &task.stage;
+        // The place of the gradient is free until the iteration starts.
+        stage.gradient_into(stage.potential.predicted, &mut self.current.gradient);
+        self.reference = stage.gradient_norm(&self.current.gradient);
+        if let Some(quasi_newton) = &self.quasi_newton {
+            quasi_newton.settle(stage, &mut self.current);
+        }
+        self.current.evaluate(stage);
+        if let Some(mut quasi_newton) = self.quasi_newton.take() {
+            let end = self.iterate(&mut quasi_newton, task, &mut observer, &mut report);
+            quasi_newton.settle(stage, &mut self.current);
+            self.quasi_newton = Some(quasi_newton);
+            match end? {
+                End::Done(Outcome::Converged)
+                    if task.config.accept == Accept::Minimum || task.config.tolerance < FINISH => {}
+                End::Done(outcome) => {
+                    report.outcome = outcome;
+                    return Ok(report);
+                }
+                End::Stuck => report.newton_fallbacks += 1,
+            }
+        }
+        if self.newton.is_none() {
+            let energies = stage.potential.energies;
+            let rest = stage.potential.particles.rest_positions();
+            match NewtonSystem::build(energies, &self.is_free, rest, task.config) {
+                Ok(system) => self.newton = Some(system),
+                Err(_) => {
+                    // The factor does not fit into the memory.
+                    report.outcome = Outcome::BudgetSpent;
+                    return Ok(report);
+                }
+            }
+        }
+        newton::iterate(self, task, observer, &mut report)?;
+        Ok(report)
+    }
+
+    /// The quasi-Newton iteration to the tolerance.
+    fn iterate(
+        &mut self,
+        method: &mut QuasiNewton,
+        task: &Task<'_>,
+        observer: &mut Option<&mut dyn Observer>,
+        report: &mut StepReport,
+    ) -> Result<End, StepError> {
+        let stage = &task.stage;
+        method.begin();
+        // Not known before a matrix has been assembled.
+        let mut rounding = 0.0;
+        loop {
+            let norm = self.gradient_norm(task)?;
+            report.residual = Some(self.residual(norm, rounding));
+            let enough = if task.config.tolerance < FINISH {
+                (FINISH * self.reference).max(LEFT * rounding)
+            } else {
+                self.small_enough(task, rounding)
+            };
+            if norm <= enough {
+                return Ok(End::Done(Outcome::Converged));
+            }
+            if report.iterations == task.config.max_iterations {
+                return Ok(End::Done(Outcome::BudgetSpent));
+            }
+            if report.iterations >= PATIENCE {
+                return Ok(End::Stuck);
+            }
+            let is_start = report.iterations == 0;
+            let before = if is_start {
+                task.before
+            } else {
+                &self.next.positions[..]
+            };
+            if method.refresh(stage, &self.current, before, is_start) {
+                report.factorizations += 1;
+                rounding = stage.rounding(method.matrix(), &self.current.positions);
+                report.residual = Some(self.residual(norm, rounding));
+                if norm <= rounding {
+                    return Ok(End::Done(Outcome::Converged));
+                }
+            }
+            report.iterations += 1;
+            report.linear_solves += 1;
+            report.linear_iterations += 1;
+            let slope = method.direction(&self.current.gradient, &mut self.direction);
+            let (from, to) = (&self.current, &mut self.next);
+            let found = line_search::search(stage, from, &self.direction, slope, to);
+            report.backtracks += found.backtracks;
+            if !found.accepted {
+                if norm <= STALL * rounding {
+                    return Ok(End::Done(Outcome::Converged));
+                }
+                if method.restart() {
+                    self.next.positions.copy_from_slice(&self.current.positions);
+                    continue;
+                }
+                return Ok(End::Stuck);
+            }
+            let (from, to) = (&self.current.gradient, &self.next.gradient);
+            method.remember(found.length, &self.direction, from, to);
+            std::mem::swap(&mut self.current, &mut self.next);
+            if let Some(observer) = observer.as_deref_mut() {
+                observer.iteration(report.iterations, &self.current.positions);
+            }
+        }
+    }
+
+    /// Norm (N/√kg) of the gradient of the current point, which is finite.
+    pub(super) fn gradient_norm(&self, task: &Task<'_>) -> Result<Real, StepError> {
+        let norm = task.stage.gradient_norm(&self.current.gradient);
+        if norm.is_finite() && self.current.value.is_finite() {
+            return Ok(norm);
+        }
+        let bad = |v| !cloth_core::math::is_finite(v);
+        let vertex = self.current.gradient.iter().position(bad).unwrap_or(0);
+        Err(StepError::NonFinite {
+            vertex,
+            step: task.step,
+        })
+    }
+
+    /// Gradient norm (N/√kg) at which the iteration ends.
+    pub(super) fn small_enough(&self, task: &Task<'_>, rounding: Real) -> Real {
+        (task.config.tolerance * self.reference).max(rounding)
+    }
+
+    /// Gradient norm relative to that at the prediction. In free fall the latter is zero and only rounding is left to compare with.
+    pub(super) fn residual(&self, norm: Real, rounding: Real) -> Real {
+        if norm > 0.0 {
+            norm / self.reference.max(rounding)
+        } else {
+            0.0
+        }
+    }
+}

@@ -1,0 +1,135 @@
+//! The quasi-Newton direction: L-BFGS around a multigrid cycle on the clamped Hessian.
+
+use super::drift::Unconstrained;
+use super::history::History;
+use super::line_search::Point;
+use super::stage::Stage;
+use cloth_core::block_matrix::BlockMatrix;
+use cloth_core::family::{Assembly, Energies};
+use cloth_core::math::{Real, Vec3};
+use cloth_core::multigrid::Multigrid;
+use std::sync::Arc;
+
+/// Iterations at the start of a step that take the matrix anew each, with predicted forces.
+const MIXED: u32 = 4;
+/// Iterations after which the matrix is taken anew.
+const REFRESH: u32 = 8;
+
+/// The first inverse Hessian, and the pairs.
+#[derive(Debug)]
+pub(super) struct QuasiNewton {
+    assembly: Assembly,
+    matrix: BlockMatrix,
+    is_free: Vec<bool>,
+    unconstrained: Unconstrained,
+    multigrid: Option<Multigrid>,
+    history: History,
+    work: Vec<Vec3>,
+    /// Iterations in this step, and since the matrix was taken.
+    iterations: u32,
+    age: u32,
+    /// Along the last direction (J).
+    slope: Real,
+}
+
+impl QuasiNewton {
+    pub(super) fn new(energies: &Energies, is_free: Vec<bool>) -> Self {
+        let assembly = energies.lumped_assembly();
+        let mut is_loose = is_free.clone();
+        energies.for_each_anchor(|vertex| is_loose[vertex as usize] = false);
+        Self {
+            matrix: BlockMatrix::zeros(Arc::clone(assembly.pattern())),
+            history: History::new(is_free.len()),
+            work: vec![Vec3::zeros(); is_free.len()],
+            multigrid: None,
+            unconstrained: Unconstrained::of(assembly.pattern(), &is_loose),
+            assembly,
+            is_free,
+            iterations: 0,
+            age: 0,
+            slope: 0.0,
+        }
+    }
+
+    pub(super) fn begin(&mut self) {
+        self.history.clear();
+        (self.iterations, self.age) = (0, 0);
+    }
+
+    /// Takes the matrix anew at `current` if it is time. `before` is the iterate before, or the start of the step (m). Returns
+    /// whether it did.
+    pub(super) fn refresh(
+        &mut self,
+        stage: &Stage<'_>,
+        current: &Point,
+        before: &[Vec3],
+        is_start: bool,
+    ) -> bool {
+        let x = &current.positions[..];
+        let is_mixed = self.iterations < MIXED;
+        if !is_mixed && self.age < REFRESH {
+            return false;
+        }
+        let to = if is_start { before } else { x };
+        let mixed = is_mixed.then_some([before, to]);
+        stage.lumped_hessian_into(&self.assembly, x, mixed, &mut self.matrix);
+        let multigrid = self.multigrid.get_or_insert_with(|| {
+            let rest = stage.potential.particles.rest_positions().unwrap_or(before);
+            Multigrid::new(&self.matrix, &self.is_free, rest)
+        });
+        // A matrix that the coarsest level refuses still makes a descent direction of the others.
+        let _ = multigrid.refresh(&self.matrix);
+        if is_mixed {
+            self.history.clear();
+        }
+        self.age = 0;
+        true
+    }
+
+    /// The matrix (N/m) that was taken last.
+    pub(super) fn matrix(&self) -> &BlockMatrix {
+        &self.matrix
+    }
+
+    /// Writes the direction (m) for a gradient (N) to `out`, and returns the slope along it (J).
+    pub(super) fn direction(&mut self, gradient: &[Vec3], out: &mut [Vec3]) -> Real {
+        self.iterations += 1;
+        self.age += 1;
+        let multigrid = &mut self.multigrid;
+        let slope = self
+            .history
+            .direction(gradient, &mut self.work, out, |r, z| {
+                if let Some(multigrid) = multigrid {
+                    multigrid.apply(r, z);
+                }
+            });
+        self.slope = slope;
+        slope
+    }
+
+    /// Remembers a step of `length` along the last direction (m) from one gradient (N) to another.
+    pub(super) fn remember(
+        &mut self,
+        length: Real,
+        direction: &[Vec3],
+        from: &[Vec3],
+        to: &[Vec3],
+    ) {
+        if self.iterations >= MIXED {
+            self.history.push(length, self.slope, direction, from, to);
+        }
+    }
+
+    /// Puts the momentum of unconstrained components right at an evaluated point.
+    pub(super) fn settle(&self, stage: &Stage<'_>, point: &mut Point) {
+        self.unconstrained.settle(stage, point);
+    }
+
+    /// Forgets the pairs, and takes the matrix anew in the next iteration. Returns whether that changes anything.
+    pub(super) fn restart(&mut self) -> bool {
+        let changes = !self.history.is_empty() || self.age > 1;
+        self.history.clear();
+        self.age = REFRESH;
+        changes
+    }
+}
