@@ -74,7 +74,9 @@ pub enum Convexity {
     /// Set them to zero.
     #[default]
     Clamp,
-    /// Take their absolute value.
+    /// Take their absolute value: a matrix that resists leaving the point in every direction in which the energy is curved (H. Chen
+    /// et al., "Stabler neo-Hookean simulation: absolute eigenvalue filtering for projected Newton", SIGGRAPH 2024,
+    /// <https://arxiv.org/abs/2406.05928>).
     Abs,
     /// Drop the second derivative of the constraint: `Σ k ∂C ∂Cᵀ` alone.
     GaussNewton,
@@ -118,13 +120,13 @@ pub trait Energy<const N: usize>: Element<N> {
     /// `∂²E/∂xᵢ∂xⱼ` (N/m).
     fn hessian(&self, x: &[Vec3; N], convexity: Convexity) -> Blocks<N>;
 
-    /// The clamped Hessian (N/m) at `x` (m) of an iteration that treats forces as unknowns of their own: what the gradients turn
+    /// The Hessian (N/m) at `x` (m), by [`Convexity::Abs`], of an iteration that treats forces as unknowns of their own: what the gradients turn
     /// with is not the force at `x`, but the one that the constraint linearised at `from` (m) has at `to` (m); see
-    /// [`Constraint::mixed_curvature`]. Without that, the clamped Hessian at `x`.
+    /// [`Constraint::mixed_curvature`]. Without that, the Hessian at `x`.
     #[inline]
     fn mixed_hessian(&self, x: &[Vec3; N], from: &[Vec3; N], to: &[Vec3; N]) -> Blocks<N> {
         let _ = (from, to);
-        self.hessian(x, Convexity::Clamp)
+        self.hessian(x, Convexity::Abs)
     }
 
     /// `Σⱼ ∂²E/∂xᵢ∂xⱼ pⱼ` (N), for displacements `p` (m). An element that can do it without the blocks is several times faster.
@@ -213,13 +215,13 @@ pub trait Constraint<const N: usize>: Element<N> {
         [[Mat3::zeros(); N]; N]
     }
 
-    /// [`Constraint::curvature`], clamped, with the values `C(from) + ∂C(from)·(to − from)` in the place of `C(x)`. A stiff
+    /// [`Constraint::curvature`] by [`Convexity::Abs`], with the values `C(from) + ∂C(from)·(to − from)` in the place of `C(x)`. A stiff
     /// spring that has turned in an iteration is stretched by far, and its force at `x` says nothing of the one it ends with;
     /// the linear prediction does. An element without a form of its own takes the force at `x`.
     #[inline]
     fn mixed_curvature(&self, x: &[Vec3; N], from: &[Vec3; N], to: &[Vec3; N]) -> Blocks<N> {
         let _ = (from, to);
-        self.curvature(x, Convexity::Clamp)
+        self.curvature(x, Convexity::Abs)
     }
 
     /// [`Constraint::curvature`] times displacements `p` (m), in N. Called as that is, and never where [`Constraint::ROWS_ARE_LINEAR`].

@@ -318,7 +318,7 @@ impl Energies {
         matrix
     }
 
-    /// Adds the clamped Hessian of [`Energy::mixed_hessian`] (N/m), whose constraint values are those linearised at
+    /// Adds the Hessian of [`Energy::mixed_hessian`] (N/m), whose constraint values are those linearised at
     /// `from` (m) and taken at `to` (m).
     ///
     /// # Panics

@@ -79,7 +79,7 @@ pub struct ImplicitConfig {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Solve {
-    /// A quasi-Newton method to the tolerance: limited-memory BFGS around a multigrid cycle on the clamped Hessian. It factorises
+    /// A quasi-Newton method to the tolerance: limited-memory BFGS around a multigrid cycle on a positive definite Hessian. It factorises
     /// nothing; its iterations are many times cheaper than those of Newton's method, which takes over where they do not get to
     /// the end ([`newton_fallbacks`](cloth_core::step::StepReport::newton_fallbacks)), and where [`Accept::Minimum`] asks for a proof.
     #[default]
@@ -139,7 +139,7 @@ pub enum StartGuess {
 impl Default for ImplicitConfig {
     fn default() -> Self {
         Self {
-            max_iterations: 500,
+            max_iterations: 4000,
             tolerance: 1e-6,
             hessian: HessianPolicy::ExactFirst,
             linear: LinearMethod::default(),

@@ -27,6 +27,7 @@ mod history;
 mod line_search;
 mod minimizer;
 mod newton;
+mod progress;
 mod quasi_newton;
 mod stage;
 mod system;

@@ -10,7 +10,7 @@ pub(super) const EXPLICIT_SUBSTEPS: Parameter = parameter(
     "auto",
     "parts of a step; auto: as many as half the stable step of the start asks for",
 );
-const MAX_ITERATIONS: Parameter = parameter("iterations", "500", "most iterations per step");
+const MAX_ITERATIONS: Parameter = parameter("iterations", "4000", "most iterations per step");
 const TOLERANCE: Parameter = parameter(
     "tolerance",
     "1e-6",

@@ -153,17 +153,17 @@ impl Constraint<2> for Spring {
         across_pair(n, across)
     }
 
-    /// `k C/L (I − n nᵀ)` with the predicted C, if it pulls.
+    /// `k |C|/L (I − n nᵀ)` with the predicted C.
     #[inline(always)]
     fn mixed_curvature(&self, x: &[Vec3; 2], from: &[Vec3; 2], to: &[Vec3; 2]) -> Blocks<2> {
         if self.rest_length == 0.0 {
-            return self.curvature(x, Convexity::Clamp);
+            return self.curvature(x, Convexity::Abs);
         }
         let (_, n) = length_and_direction(x[0] - x[1], self.vertices);
         let (length, along) = length_and_direction(from[0] - from[1], self.vertices);
         let moved = along.dot(&(to[0] - to[1] - from[0] + from[1]));
         let predicted = length + moved - self.rest_length;
-        across_pair(n, self.stiffness * (predicted / self.rest_length).max(0.0))
+        across_pair(n, self.stiffness * (predicted / self.rest_length).abs())
     }
 
     #[inline]

@@ -38,7 +38,7 @@ impl Assembly {
 pub(super) enum Linearization<'a> {
     /// At the positions.
     At { scale: Real, convexity: Convexity },
-    /// At the positions, but for the constraint values: these are linearised at `from` and taken at `to`. Clamped.
+    /// At the positions, but for the constraint values: these are linearised at `from` and taken at `to`. By [`Convexity::Abs`].
     Mixed { from: &'a [Vec3], to: &'a [Vec3] },
 }
 

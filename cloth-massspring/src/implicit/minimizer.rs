@@ -2,6 +2,7 @@
 
 use super::line_search::{self, Point};
 use super::newton;
+use super::progress::Progress;
 use super::quasi_newton::QuasiNewton;
 use super::stage::Stage;
 use super::system::NewtonSystem;
@@ -14,14 +15,13 @@ use cloth_core::step::{BuildError, Observer, Outcome, StepError, StepReport};
 /// Where no lower point is found, the gradient counts as lost in rounding up to this multiple of the estimate of
 /// [`Stage::rounding`]; above, it is an error.
 pub(super) const STALL: Real = 100.0;
+/// There a step that is shortened below this part of itself counts as none.
+pub(super) const LOST: Real = 1e-3;
 /// Relative gradient norm below which Newton's method finishes, where a tolerance asks for less: it converges quadratically
 /// there, down to rounding, the quasi-Newton method linearly.
 const FINISH: Real = 1e-7;
 /// The same as a multiple of the estimate of rounding: one Newton step from there ends well below it.
 const LEFT: Real = 1e4;
-/// Iterations of the quasi-Newton method in a step before Newton's method takes over.
-const PATIENCE: u32 = 300;
-
 /// The iterates, and what the methods keep between two calls.
 #[derive(Debug)]
 pub(super) struct Minimizer {
@@ -140,6 +140,7 @@ impl Minimizer {
         method.begin();
         // Not known before a matrix has been assembled.
         let mut rounding = 0.0;
+        let mut progress = Progress::new();
         loop {
             let norm = self.gradient_norm(task)?;
             report.residual = Some(self.residual(norm, rounding));
@@ -154,7 +155,7 @@ impl Minimizer {
             if report.iterations == task.config.max_iterations {
                 return Ok(End::Done(Outcome::BudgetSpent));
             }
-            if report.iterations >= PATIENCE {
+            if progress.is_too_slow(report.iterations, norm, enough) {
                 return Ok(End::Stuck);
             }
             let is_start = report.iterations == 0;
@@ -187,6 +188,9 @@ impl Minimizer {
                     continue;
                 }
                 return Ok(End::Stuck);
+            }
+            if found.length < LOST && norm <= STALL * rounding {
+                return Ok(End::Done(Outcome::Converged));
             }
             let (from, to) = (&self.current.gradient, &self.next.gradient);
             method.remember(found.length, &self.direction, from, to);

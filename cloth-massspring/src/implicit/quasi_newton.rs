@@ -1,4 +1,4 @@
-//! The quasi-Newton direction: L-BFGS around a multigrid cycle on the clamped Hessian.
+//! The quasi-Newton direction: L-BFGS around a multigrid cycle on a positive definite Hessian.
 
 use super::drift::Unconstrained;
 use super::history::History;

@@ -55,7 +55,7 @@ impl Stage<'_> {
         }
     }
 
-    /// Writes what the preconditioner of the quasi-Newton method is made of to `out` (N/m): clamped, lumped as `assembly` says, and
+    /// Writes what the preconditioner of the quasi-Newton method is made of to `out` (N/m): by [`Convexity::Abs`], lumped as `assembly` says, and
     /// with the forces predicted from `mixed` (two positions, m) if there are such.
     pub(super) fn lumped_hessian_into(
         &self,
@@ -68,7 +68,7 @@ impl Stage<'_> {
         let energies = self.potential.energies;
         match mixed {
             Some([from, to]) => energies.add_mixed_hessian(assembly, x, from, to, out),
-            None => energies.add_hessian(assembly, x, 1.0, Convexity::Clamp, out),
+            None => energies.add_hessian(assembly, x, 1.0, Convexity::Abs, out),
         }
         if let Some(damper) = self.damper {
             energies.add_hessian(assembly, x, damper.scale(), Convexity::GaussNewton, out);

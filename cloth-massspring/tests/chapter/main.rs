@@ -4,6 +4,7 @@ mod conservation;
 mod contact;
 mod damping;
 mod linear;
+mod materials;
 mod newton;
 mod order;
 mod oscillator;
