@@ -130,8 +130,11 @@ pub enum StartGuess {
     /// `x[0]`, the positions before the step.
     Previous,
     /// `x[0] + Δt v[0]`.
-    #[default]
     Inertial,
+    /// `x[0] + Δt (v[0] + ½ (v[0] − v[−1]))`: half of what the last step changed once more, which turns the velocity along with the
+    /// cloth. In a step that does not continue another of the same size, the same as `Inertial`.
+    #[default]
+    Extrapolated,
     /// `x̃ = x[0] + Δt v[0] + Δt² a`, with gravity and load.
     Predicted,
 }
@@ -143,7 +146,7 @@ impl Default for ImplicitConfig {
             tolerance: 1e-6,
             hessian: HessianPolicy::ExactFirst,
             linear: LinearMethod::default(),
-            start: StartGuess::Inertial,
+            start: StartGuess::Extrapolated,
             accept: Accept::Stationary,
             solve: Solve::QuasiNewton,
             damping: Damping::default(),

@@ -162,6 +162,9 @@ enum Place {
     Middle,
 }
 
+/// Part of the last change of velocity that the start guess expects once more: all of it overshoots where wrinkles tremble.
+const EXTRAPOLATED: Real = 0.5;
+
 /// What all implicit integrators are made of.
 #[derive(Debug)]
 struct Implicit {
@@ -172,6 +175,8 @@ struct Implicit {
     base: Vec<Vec3>,
     /// `x̂` (m).
     predicted: Vec<Vec3>,
+    /// `v_b` (m/s) and τ (s) of the last stage.
+    before: (Vec<Vec3>, Real),
     /// Positions (m) and velocities (m/s) at the end of the last step, before contact changed them.
     found: [Vec<Vec3>; 2],
     damper: Option<Damper>,
@@ -258,6 +263,8 @@ impl Implicit {
         base: impl Fn(usize, Vec3, Vec3) -> [Vec3; 2],
     ) {
         let tau = span.tau;
+        let follows = self.before.1 == tau && self.continues(state);
+        self.before.1 = tau;
         let start = &mut self.minimizer.current.positions;
         for (vertex, &w) in self.particles.inverse_mass().iter().enumerate() {
             let (x, v) = (state.positions[vertex], state.velocities[vertex]);
@@ -281,13 +288,26 @@ impl Implicit {
             damper.set(&self.energies, start, &self.base, tau);
         }
         for (vertex, start) in start.iter_mut().enumerate() {
+            let speed = (*start - self.base[vertex]) / tau;
+            let change = speed - std::mem::replace(&mut self.before.0[vertex], speed);
             match self.config.start {
-                StartGuess::Inertial => {}
                 _ if self.particles.is_prescribed(vertex) => {}
+                StartGuess::Extrapolated if follows => *start += change * (EXTRAPOLATED * tau),
+                StartGuess::Inertial | StartGuess::Extrapolated => {}
                 StartGuess::Previous => *start = state.positions[vertex],
                 StartGuess::Predicted => *start = self.predicted[vertex],
             }
         }
+    }
+
+    /// Whether the state is the one that the last step left.
+    fn continues(&self, state: &State) -> bool {
+        let is_kept = |vertex| {
+            state.positions[vertex] == self.predicted[vertex]
+                && (self.particles.is_prescribed(vertex)
+                    || state.velocities[vertex] == self.base[vertex])
+        };
+        (0..self.particles.len()).all(is_kept)
     }
 
     /// Position (m) and velocity (m/s) of a vertex at the end of the step, from the stage.

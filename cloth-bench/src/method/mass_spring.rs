@@ -18,8 +18,8 @@ const TOLERANCE: Parameter = parameter(
 );
 const START: Parameter = parameter(
     "start",
-    "inertial",
-    "first guess: previous, inertial or predicted",
+    "extrapolated",
+    "first guess: previous, inertial, extrapolated or predicted",
 );
 const AIR_DRAG: Parameter = parameter("air_drag", "0", "drag per mass α (1/s): a force −α m v");
 const STIFFNESS_DAMPING: Parameter = parameter(
@@ -92,6 +92,7 @@ pub(super) fn newton(settings: &Settings) -> Result<ImplicitConfig, BenchError> 
             &[
                 ("previous", StartGuess::Previous),
                 ("inertial", StartGuess::Inertial),
+                ("extrapolated", StartGuess::Extrapolated),
                 ("predicted", StartGuess::Predicted),
             ],
         )?,

@@ -65,6 +65,7 @@ impl<S> ImplicitBuilder<S> {
             minimizer,
             base: zeros.clone(),
             predicted: zeros.clone(),
+            before: (zeros.clone(), 0.0),
             found: [zeros.clone(), zeros],
             damper,
             particles: self.particles,

@@ -220,6 +220,7 @@ fn the_start_does_not_matter_where_springs_are_stretched() {
     let starts = [
         StartGuess::Previous,
         StartGuess::Inertial,
+        StartGuess::Extrapolated,
         StartGuess::Predicted,
     ];
     let solutions = starts.map(|start| {
