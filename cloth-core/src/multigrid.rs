@@ -1,4 +1,4 @@
-//! Multigrid: a V-cycle as a preconditioner for the matrices of implicit steps.
+//! Coarse levels, and multigrid on them: a V-cycle as a preconditioner for the matrices of implicit steps.
 //!
 //! Relaxation (Gauss–Seidel) takes away errors that are as rough as the mesh, and hardly touches smooth ones; on a mesh
 //! with a quarter of the vertices what was smooth is rough again. So each level is smoothed, its residual restricted to the
@@ -11,6 +11,12 @@
 //! | `A_coarse = Pᵀ A P` | the coarse operator (Galerkin) | `galerkin` |
 //! | `x ← (D + L)⁻¹ r`, `x ← x + (D + Lᵀ)⁻¹(r − A x)` | smoothing before and after | `level` |
 //! | `A x = r` | the coarsest level | `coarsest` |
+//! | `w = b (1 + β·(r − m))` | weights of P, exact for linear functions | `weights` |
+//! | lengths of ways over the cloth | links of the coarse vertices of a mesh | [`coarse_levels`] |
+//!
+//! Position-based dynamics has no matrix. Its levels are those of the mesh at rest ([`coarse_levels`]), interpolated by the same
+//! weights, with links over the cloth in place of the coarse operator. Links are projected and nothing is smoothed after them,
+//! so they ask more of a level: half of the vertices instead of a quarter, each among its parents, and no negative weight.
 //!
 //! The cycle is a symmetric positive definite operator, so conjugate gradients and quasi-Newton methods can build on it. It is
 //! computed in single precision: it only has to be near the inverse, what is iterated around it is not.
@@ -21,6 +27,8 @@
 //!   <https://doi.org/10.1090/S0025-5718-1977-0431719-X>.
 //! - W. L. Briggs, V. E. Henson, S. F. McCormick, *A Multigrid Tutorial*, 2nd ed., SIAM 2000,
 //!   <https://doi.org/10.1137/1.9780898719505>.
+//! - M. Müller, "Hierarchical position based dynamics", VRIPHYS 2008,
+//!   <https://doi.org/10.2312/PE/vriphys/vriphys08/001-010>.
 //! - R. Tamstorf, T. Jones, S. F. McCormick, "Smoothed aggregation multigrid for cloth simulation", ACM TOG 34(6), 2015,
 //!   <https://doi.org/10.1145/2816795.2818081>.
 
@@ -29,8 +37,11 @@ mod coarsening;
 mod coarsest;
 mod galerkin;
 mod level;
+mod mesh_levels;
 mod prolongation;
+mod weights;
 
+pub use mesh_levels::{CoarseLevel, coarse_levels};
 pub use prolongation::Prolongation;
 
 use crate::block_matrix::{BlockMatrix, BlockPattern};

@@ -31,7 +31,7 @@
 //! | vertices where separate fans touch | [`bow_tie_vertices`] |
 //! | the middles of edges, and the triangles between them | [`Midpoints::of`] |
 //! | edges that can be left out without a triangle losing two | [`droppable_edges`] |
-//! | coarser levels of a mesh | [`coarse_levels`] |
+//! | coarser levels of a mesh | [`crate::multigrid::coarse_levels`] |
 //!
 //! # Limits
 //!
@@ -42,7 +42,6 @@
 mod boundary;
 mod edges;
 mod hinges;
-mod levels;
 mod midpoints;
 mod pieces;
 mod thin;
@@ -50,7 +49,6 @@ mod thin;
 pub use boundary::boundary_loops;
 pub use edges::{EdgeTable, NONE, opposed_edges, triangle_edges};
 pub use hinges::HingeTable;
-pub use levels::{CoarseLevel, coarse_levels};
 pub use midpoints::Midpoints;
 pub use pieces::{bow_tie_vertices, components};
 pub use thin::droppable_edges;

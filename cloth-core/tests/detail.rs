@@ -8,8 +8,9 @@ use cloth_core::dof::{EdgeRank, bent};
 use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::TriMesh;
 use cloth_core::mesh::generate::{Diagonals, disk, equilateral, grid, irregular, tube};
+use cloth_core::multigrid::{CoarseLevel, coarse_levels};
 use cloth_core::random::SplitMix64;
-use cloth_core::topology::{CoarseLevel, EdgeTable, coarse_levels};
+use cloth_core::topology::EdgeTable;
 
 const STIFF: Cloth = Cloth {
     areal_density: 0.2,

@@ -1,16 +1,15 @@
-//! Coarser levels that carry corrections over long ways (PBD-3).
-//!
-//! M. Müller, "Hierarchical position based dynamics", VRIPHYS 2008, <https://doi.org/10.2312/PE/vriphys/vriphys08/001-010>.
+//! Coarser levels that carry corrections over long ways: those of [`cloth_core::multigrid`], with links that are projected.
 
 mod level;
 mod tether;
 
 use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::{MeshError, TriMesh};
+use cloth_core::multigrid::coarse_levels;
 use cloth_core::particles::Particles;
 use cloth_core::position_based::Sweep;
 use cloth_core::step::BuildError;
-use cloth_core::topology::{EdgeTable, coarse_levels};
+use cloth_core::topology::EdgeTable;
 use level::Level;
 use std::fmt;
 
@@ -58,8 +57,8 @@ impl Default for HierarchyConfig {
 /// - **Correction.** From the coarsest level to the finest, links that are too long are shortened by projections. What a link does not do is to become shorter than it was
 ///   by the correction of others: below its length at the start it pushes back. (Müller's links only pull. Pulling by turns they draw the cloth together
 ///   sideways, and nothing on their level draws it apart again: on a hanging sheet of 128 × 128 vertices by a fifth of what gravity moved it.) Then the finer
-///   level follows: `Δx = Σ wₚ Δxₚ`, the weights near `1/distance`, with sum 1 and, as far as none has to be negative, exact for linear fields. A vertex of a
-///   level weighs what it weighs itself and its share of its children, so `Σ m x` does not change.
+///   level follows: `Δx = Σ wₚ Δxₚ`, the prolongation P of [`coarse_levels`]. A coarse vertex weighs `Σ w m` over those that follow it, `Pᵀm`, so
+///   `Σ m x` does not change.
 ///
 /// Limits: links are as hard as [`HierarchyConfig::stiffness`] says, whatever the material; a soft cloth becomes stiffer. Angular momentum is not kept by `Δx = Σ wₚ Δxₚ`. Only
 /// stretching is corrected.

@@ -5,14 +5,15 @@
 //! push. A link is as long as the way over the cloth ([`coarse_levels`]); bending, folding and rolling make no such way longer, so the links cost no bend anything, at any curvature and
 //! on any mesh.
 //!
-//! M. Müller, "Hierarchical position based dynamics", VRIPHYS 2008, <https://doi.org/10.2312/PE/vriphys/vriphys08/001-010>, holds a cloth with such links, level by level from coarse to fine, as a way to
-//! carry corrections far. Here they are elements with a stiffness, so that every method takes them and all agree on what they mean.
+//! Hierarchical position-based dynamics holds a cloth with such links, level by level from coarse to fine, as a way to carry
+//! corrections far ([`crate::multigrid`]). Here they are elements with a stiffness, so that every method takes them and all agree on what they mean.
 
 use super::{ClothError, Membrane, carriers};
 use crate::energy::{Spring, StrainLimitSpring};
 use crate::math::Real;
 use crate::mesh::TriMesh;
-use crate::topology::{EdgeTable, coarse_levels};
+use crate::multigrid::coarse_levels;
+use crate::topology::EdgeTable;
 
 /// Which level of the mesh keeps the cloth from stretching.
 ///

@@ -2,12 +2,11 @@
 //!
 //! The coarse vertices are a maximal independent set of the graph of strong couplings (J. W. Ruge, K. Stüben, "Algebraic
 //! multigrid", in *Multigrid Methods*, SIAM 1987, <https://doi.org/10.1137/1.9781611971057.ch4>, section 4.6). The weights are not
-//! taken from the matrix, which changes all the time: they are the smallest change of inverse distances that makes them exact
-//! for linear functions of the rest positions, so that coarse levels represent translations, rotations of small angle and
-//! constant strain.
+//! taken from the matrix, which changes all the time, but from the rest positions.
 
 use super::prolongation::Prolongation;
-use crate::math::{Mat3, Real, Vec3};
+use super::weights::linear_weights;
+use crate::math::{Real, Vec3};
 
 /// Neighbours of each vertex and how strongly they are coupled to it (any unit), ascending.
 pub(super) type Graph = Vec<Vec<(u32, Real)>>;
@@ -21,6 +20,8 @@ const ASIDE: Real = 0.05;
 const CLOSE: Real = 1.45;
 /// Most parents of a vertex.
 const MOST_PARENTS: usize = 6;
+/// Least weight, relative to what it would be by distance alone.
+const LEAST: Real = -0.5;
 /// A smaller weight is left out.
 const SMALLEST_WEIGHT: Real = 0.04;
 
@@ -96,84 +97,36 @@ fn independent_set(strong: &Graph, is_free: &[bool], place: &[Vec3]) -> Vec<u32>
 /// neighbours.
 fn parents(vertex: usize, strong: &Graph, coarse: &[u32], place: &[Vec3]) -> Vec<(u32, Real)> {
     let is_coarse = |v: &u32| coarse[*v as usize] != NONE;
-    let mut around: Vec<u32> = strong[vertex]
-        .iter()
-        .map(|entry| entry.0)
-        .filter(is_coarse)
-        .collect();
-    let (mut weights, aside) = linear_weights(vertex, &around, place);
+    let squared = |v: u32| (place[v as usize] - place[vertex]).norm_squared();
+    let weigh = |around: Vec<u32>| {
+        let near = around.into_iter().map(|v| (v, squared(v).recip()));
+        let mut row: Vec<(u32, Real)> = near.collect();
+        let aside = linear_weights(vertex, &mut row, place, LEAST);
+        (row, aside)
+    };
+    let around = strong[vertex].iter().map(|entry| entry.0);
+    let around: Vec<u32> = around.filter(is_coarse).collect();
+    let (mut row, aside) = weigh(around.clone());
     if aside > ASIDE {
         let second = strong[vertex]
             .iter()
             .flat_map(|entry| &strong[entry.0 as usize]);
-        let mut wider = around.clone();
+        let mut wider = around;
         wider.extend(second.map(|entry| entry.0).filter(is_coarse));
         wider.sort_unstable();
         wider.dedup();
-        let distance = |v: &u32| (place[*v as usize] - place[vertex]).norm_squared();
-        wider.sort_by(|a, b| distance(a).total_cmp(&distance(b)));
+        wider.sort_by(|&a, &b| squared(a).total_cmp(&squared(b)));
         wider.truncate(MOST_PARENTS);
-        let (wider_weights, wider_aside) = linear_weights(vertex, &wider, place);
+        let (wider, wider_aside) = weigh(wider);
         if wider_aside < aside {
-            (around, weights) = (wider, wider_weights);
+            row = wider;
         }
     }
-    let mut row: Vec<(u32, Real)> = around
-        .iter()
-        .map(|&v| coarse[v as usize])
-        .zip(weights)
-        .collect();
+    row.iter_mut()
+        .for_each(|entry| entry.0 = coarse[entry.0 as usize]);
     row.retain(|entry| entry.1.abs() >= SMALLEST_WEIGHT);
     let sum: Real = row.iter().map(|entry| entry.1).sum();
     row.iter_mut().for_each(|entry| entry.1 /= sum);
     row.sort_unstable_by_key(|entry| entry.0);
     row
-}
-
-/// Weights (dimensionless, sum 1) of `others` for the place of a vertex, and how far from it their weighted mean is, relative
-/// to their mean distance: `w = b (1 + β·(r − m))` with b the normalised inverse squared distances, r the displacements to the
-/// others, m their mean weighted by b, and `cov β = −m` as far as the others spread. No weight is below `−½ b`.
-fn linear_weights(vertex: usize, others: &[u32], place: &[Vec3]) -> (Vec<Real>, Real) {
-    let away: Vec<Vec3> = others
-        .iter()
-        .map(|&v| place[v as usize] - place[vertex])
-        .collect();
-    let nearest = away.iter().map(Vec3::norm).fold(Real::INFINITY, Real::min);
-    if away.is_empty() || nearest == 0.0 || !nearest.is_finite() {
-        // Nothing to measure by: the places coincide.
-        let equal = 1.0 / others.len().max(1) as Real;
-        return (
-            vec![equal; others.len()],
-            if away.is_empty() { Real::INFINITY } else { 0.0 },
-        );
-    }
-    let distance = away.iter().map(Vec3::norm).sum::<Real>() / away.len() as Real;
-    let inverse: Vec<Real> = away.iter().map(|r| r.norm_squared().recip()).collect();
-    let total: Real = inverse.iter().sum();
-    let mut weights: Vec<Real> = inverse.iter().map(|b| b / total).collect();
-    let mean: Vec3 = away.iter().zip(&weights).map(|(r, b)| r * *b).sum();
-    let mut covariance = Mat3::zeros();
-    for (r, b) in away.iter().zip(&weights) {
-        covariance += (r - mean) * (r - mean).transpose() * *b;
-    }
-    let eigen = covariance.symmetric_eigen();
-    let mut beta = Vec3::zeros();
-    for axis in 0..3 {
-        if eigen.eigenvalues[axis] > 1e-3 * distance * distance {
-            let n: Vec3 = eigen.eigenvectors.column(axis).into();
-            beta -= n * (n.dot(&mean) / eigen.eigenvalues[axis]);
-        }
-    }
-    let slopes: Vec<Real> = away.iter().map(|r| beta.dot(&(r - mean))).collect();
-    let steepest = slopes.iter().copied().fold(0.0, Real::min);
-    let part = if steepest < -1.5 {
-        -1.5 / steepest
-    } else {
-        1.0
-    };
-    for (weight, slope) in weights.iter_mut().zip(&slopes) {
-        *weight *= 1.0 + part * slope;
-    }
-    let aside: Vec3 = away.iter().zip(&weights).map(|(r, w)| r * *w).sum();
-    (weights, aside.norm() / distance)
 }

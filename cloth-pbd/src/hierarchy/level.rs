@@ -2,9 +2,9 @@
 
 use super::tether::{Pull, Tether};
 use cloth_core::math::{Real, Vec3};
+use cloth_core::multigrid::{CoarseLevel, Prolongation};
 use cloth_core::position_based::{Acceleration, Families, Sweep};
 use cloth_core::step::BuildError;
-use cloth_core::topology::CoarseLevel;
 
 #[derive(Debug)]
 pub(super) struct Level {
@@ -12,11 +12,9 @@ pub(super) struct Level {
     fine: Vec<u32>,
     /// Number in the mesh of each vertex.
     pub(super) original: Vec<u32>,
-    /// What the next finer level gets from this one: fine vertex, then parents `shares[starts[i]..starts[i + 1]]` with weights.
-    children: Vec<u32>,
-    starts: Vec<u32>,
-    shares: Vec<(u32, Real)>,
-    /// Masses (kg), that of the children included, and inverse masses (1/kg), 0 for a prescribed vertex.
+    /// To the next finer level.
+    prolongation: Prolongation,
+    /// Masses (kg), restricted from the next finer level, and inverse masses (1/kg), 0 for a prescribed vertex.
     pub(super) mass: Vec<Real>,
     inverse_mass: Vec<Real>,
     pub(super) links: Vec<Tether>,
@@ -37,18 +35,16 @@ impl Level {
         let CoarseLevel {
             vertices: original,
             kept: fine,
+            prolongation,
             ..
         } = coarse;
-        let mut own: Vec<Real> = fine.iter().map(|&v| mass[v as usize]).collect();
-        let (mut children, mut starts, mut shares) = (Vec::new(), vec![0], Vec::new());
-        for (child, parents) in coarse.parents {
-            for &(parent, weight) in &parents {
-                own[parent as usize] += weight * mass[child as usize];
-            }
-            children.push(child);
-            shares.extend(parents);
-            starts.push(shares.len() as u32);
-        }
+        let restricted = |vertex| -> Real {
+            let followers = prolongation.of_coarse(vertex).iter();
+            followers
+                .map(|&(v, weight)| weight * mass[v as usize])
+                .sum()
+        };
+        let own: Vec<Real> = (0..fine.len()).map(restricted).collect();
         let inverse = |(&v, &mass): (&u32, &Real)| if is_prescribed(v) { 0.0 } else { 1.0 / mass };
         let inverse_mass = original.iter().zip(&own).map(inverse).collect();
         let link = |(&vertices, &length): (&[u32; 2], &Real)| Tether { vertices, length };
@@ -60,9 +56,7 @@ impl Level {
             before: vec![Vec3::zeros(); fine.len()],
             fine,
             original,
-            children,
-            starts,
-            shares,
+            prolongation,
             mass: own,
             inverse_mass,
             links,
@@ -70,11 +64,11 @@ impl Level {
         })
     }
 
-    /// Parents, by their numbers in this level, and weights of each vertex of the next finer level that is not in this one.
+    /// The vertices of the next finer level that are not in this one, with their parents, by their numbers in this level, and weights.
     pub(super) fn parents(&self) -> impl Iterator<Item = (u32, &[(u32, Real)])> {
-        let ranges = self.starts.windows(2);
-        let shares = ranges.map(|w| &self.shares[w[0] as usize..w[1] as usize]);
-        self.children.iter().copied().zip(shares)
+        let is_kept = |v: &u32| self.fine.binary_search(v).is_ok();
+        let left_out = (0..self.prolongation.fine_count() as u32).filter(move |v| !is_kept(v));
+        left_out.map(|v| (v, self.prolongation.of_fine(v as usize)))
     }
 
     pub(super) fn positions_mut(&mut self) -> &mut [Vec3] {
@@ -104,15 +98,12 @@ impl Level {
         }
     }
 
-    /// Moves the next finer level along: its vertices that are in this one too, and the others by the weighted mean of their parents.
+    /// Moves the next finer level along: `Δx = Σ wₚ Δxₚ`.
     pub(super) fn hand_down(&self, finer: &mut [Vec3]) {
-        for ((x, before), &v) in self.x.iter().zip(&self.before).zip(&self.fine) {
-            finer[v as usize] += x - before;
-        }
-        for (child, parents) in self.parents() {
-            for &(parent, weight) in parents {
+        for (vertex, finer) in finer.iter_mut().enumerate() {
+            for &(parent, weight) in self.prolongation.of_fine(vertex) {
                 let parent = parent as usize;
-                finer[child as usize] += (self.x[parent] - self.before[parent]) * weight;
+                *finer += (self.x[parent] - self.before[parent]) * weight;
             }
         }
     }

@@ -1,15 +1,14 @@
-//! Coarser levels of a mesh: some of its vertices, what links them over the cloth, and on whom the others depend.
-//!
-//! M. Müller, "Hierarchical position based dynamics", VRIPHYS 2008, <https://doi.org/10.2312/PE/vriphys/vriphys08/001-010>, section 4.
+//! Coarser levels of a mesh: some of its vertices, what links them over the cloth, and how the others follow (Müller 2008, section 4).
 
-mod coarsen;
 mod geodesic;
+mod selection;
 
-use super::edges::EdgeTable;
-use crate::math::Real;
+use super::prolongation::Prolongation;
+use crate::math::{Real, Vec3};
 use crate::mesh::TriMesh;
-use coarsen::{Coarsening, Graph, coarsen};
+use crate::topology::EdgeTable;
 use geodesic::Geodesics;
+use selection::{Coarsening, Graph, coarsen};
 
 /// A level made of a finer one: the mesh, or a level that has been made before.
 #[derive(Clone, Debug, PartialEq)]
@@ -18,9 +17,8 @@ pub struct CoarseLevel {
     pub vertices: Vec<u32>,
     /// Number in the next finer level of each vertex, ascending.
     pub kept: Vec<u32>,
-    /// Each vertex of the next finer level that was left out, by its number there and ascending, with its parents, by their numbers in this level, and
-    /// their weights (dimensionless, sum 1).
-    pub parents: Vec<(u32, Vec<(u32, Real)>)>,
+    /// To the next finer level: a vertex that was kept has the value of its own, every other one the weighted mean of its parents.
+    pub prolongation: Prolongation,
     /// Vertices, by their numbers in this level, that a finer link joins, themselves or by vertices whose nearest parents they are; ascending, the lower number first.
     pub links: Vec<[u32; 2]>,
     /// Length (m) of each link: the shortest way over the cloth at rest, not through the air. No folding, bending or unrolling without stretch makes one longer.
@@ -59,13 +57,14 @@ pub fn coarse_levels(
     let mut levels = Vec::new();
     while levels.len() < most {
         let of_mesh = |v: u32| vertices[v as usize];
-        let place = |v: u32| mesh.positions()[of_mesh(v) as usize];
+        let positions = vertices.iter().map(|&v| mesh.positions()[v as usize]);
+        let place: Vec<Vec3> = positions.collect();
         let Coarsening {
             kept,
-            parents,
+            prolongation,
             links,
             rim_links,
-        } = coarsen(&graph, |v| hold(of_mesh(v)), place, parent_count);
+        } = coarsen(&graph, |v| hold(of_mesh(v)), &place, parent_count);
         let count = kept.len();
         if count < SMALLEST || 10 * count > 8 * graph.len() {
             break;
@@ -77,7 +76,7 @@ pub fn coarse_levels(
         levels.push(CoarseLevel {
             vertices: vertices.clone(),
             kept,
-            parents,
+            prolongation,
             links,
             lengths,
         });

@@ -1,6 +1,8 @@
-//! Which vertices go on to the next coarser level, and on whom the others depend.
+//! Which vertices of a mesh go on to the next coarser level: one after another is left out, as long as it lies among its parents.
 
-use crate::math::{Mat3, Real, Vec3};
+use crate::math::{Real, Vec3};
+use crate::multigrid::prolongation::Prolongation;
+use crate::multigrid::weights::linear_weights;
 use crate::topology::EdgeTable;
 
 /// Vertices of one level and what links them.
@@ -59,110 +61,77 @@ impl Graph {
 pub(super) struct Coarsening {
     /// The fine number of each coarse vertex, ascending.
     pub(super) kept: Vec<u32>,
-    /// Each fine vertex that was left out, ascending, with its parents' coarse numbers and their weights (dimensionless, sum 1).
-    pub(super) parents: Vec<(u32, Vec<(u32, Real)>)>,
+    pub(super) prolongation: Prolongation,
     /// Coarse vertices that a fine link joins, themselves or by vertices whose nearest parents they are; ascending, the lower number first.
     pub(super) links: Vec<[u32; 2]>,
     /// The same along the boundary.
     pub(super) rim_links: Vec<[u32; 2]>,
 }
 
-/// Stands for a vertex that was left out.
-const NONE: u32 = u32::MAX;
-
 /// Leaves out as many vertices as it can in one go, so that each of them has at least `parent_count` parents among those kept, on the rim its two neighbours
-/// there, and lies among them: see [`weights`]. `hold` says which have to be kept: those that are prescribed. `place` gives the position at rest (m).
+/// there, and lies among them. `hold` says which have to be kept: those that are prescribed. `place` (m) is where vertices are at rest.
 pub(super) fn coarsen(
     graph: &Graph,
     hold: impl Fn(u32) -> bool,
-    place: impl Fn(u32) -> Vec3,
+    place: &[Vec3],
     parent_count: usize,
 ) -> Coarsening {
     let count = graph.len();
-    let mut kept = vec![true; count];
-    let mut parents = Vec::new();
-    let is_carried = |v: usize, kept: &[bool], parents: &mut Vec<(u32, Real)>| {
+    let mut is_kept = vec![true; count];
+    let is_carried = |v: usize, is_kept: &[bool]| {
         let on_rim = !graph.rim[v].is_empty();
         let needed = if on_rim { 2 } else { parent_count };
-        parents.clear();
-        parents.extend(graph.candidates(v).filter(|&(p, _)| kept[p as usize]));
-        parents.len() >= needed && (on_rim || weights(place(v as u32), parents, &place) < ASIDE)
+        let mut parents = parents(graph, v, is_kept);
+        parents.len() >= needed && (on_rim || linear_weights(v, &mut parents, place, LEAST) < ASIDE)
     };
     // The rim first: what it keeps decides what the inside can lean on.
     let rim = (0..count).filter(|&v| graph.rim[v].len() == 2);
     let inside = (0..count).filter(|&v| graph.rim[v].is_empty());
     for v in rim.chain(inside).filter(|&v| !hold(v as u32)) {
-        kept[v] = false;
+        is_kept[v] = false;
         let mut around = graph.neighbors[v].iter().map(|&(u, _)| u as usize);
-        kept[v] = !(is_carried(v, &kept, &mut parents)
-            && around.all(|u| kept[u] || is_carried(u, &kept, &mut parents)));
+        is_kept[v] =
+            !(is_carried(v, &is_kept) && around.all(|u| is_kept[u] || is_carried(u, &is_kept)));
     }
-    describe(graph, &kept, place)
+    describe(graph, &is_kept, place)
 }
 
+/// No weight is negative: a vertex that moves against a parent is not smoothed afterwards.
+const LEAST: Real = 0.0;
 /// How far a vertex may lie from the weighted mean of its parents, relative to their mean distance.
 const ASIDE: Real = 0.3;
 
-/// Turns the distances (m) in `parents` into weights (dimensionless, sum 1, none negative), and gives how far from the place the weighted mean of the parents is, relative
-/// to their mean distance.
-///
-/// Inverse distances are changed by as little as it takes to have the weighted mean in place, `w = b (1 + β·(r − m))` with r the ways to the parents,
-/// m their weighted mean and `cov β = −m`; as far as no weight becomes negative. Where it is in place, linear fields are handed down exactly.
-fn weights(place: Vec3, parents: &mut [(u32, Real)], of: impl Fn(u32) -> Vec3) -> Real {
-    let count = parents.len() as Real;
-    let distance = parents.iter().map(|(_, d)| d).sum::<Real>() / count;
-    let inverse: Real = parents.iter().map(|(_, d)| 1.0 / d).sum();
-    parents
-        .iter_mut()
-        .for_each(|(_, d)| *d = 1.0 / (*d * inverse));
-    let way = |p: u32| of(p) - place;
-    let mean: Vec3 = parents.iter().map(|&(p, b)| way(p) * b).sum();
-    let mut covariance = Mat3::zeros();
-    for &(p, b) in parents.iter() {
-        let r = way(p) - mean;
-        covariance += r * r.transpose() * b;
-    }
-    let eigen = covariance.symmetric_eigen();
-    let mut beta = Vec3::zeros();
-    for k in 0..3 {
-        if eigen.eigenvalues[k] > 1e-6 * distance * distance {
-            let axis: Vec3 = eigen.eigenvectors.column(k).into();
-            beta -= axis * (axis.dot(&mean) / eigen.eigenvalues[k]);
-        }
-    }
-    let slopes = parents.iter().map(|&(p, _)| beta.dot(&(way(p) - mean)));
-    let part = slopes.fold(
-        1.0,
-        |part: Real, s| if s < -1.0 { part.min(-1.0 / s) } else { part },
-    );
-    for (p, b) in parents.iter_mut() {
-        *b *= (1.0 + part * beta.dot(&(way(*p) - mean))).max(0.0);
-    }
-    let aside: Vec3 = parents.iter().map(|&(p, w)| way(p) * w).sum();
-    aside.norm() / distance
+/// The vertices on whom `v` depends when it is left out, and the inverse of the length of each link to them (1/m).
+fn parents(graph: &Graph, v: usize, is_kept: &[bool]) -> Vec<(u32, Real)> {
+    let all = graph.candidates(v);
+    let kept = all.filter(|&(p, _)| is_kept[p as usize]);
+    kept.map(|(p, length)| (p, 1.0 / length)).collect()
 }
 
-fn describe(graph: &Graph, kept: &[bool], place: impl Fn(u32) -> Vec3) -> Coarsening {
-    let mut coarse = vec![NONE; graph.len()];
-    let mut survivors = Vec::new();
-    for v in (0..graph.len()).filter(|&v| kept[v]) {
-        coarse[v] = survivors.len() as u32;
-        survivors.push(v as u32);
+fn describe(graph: &Graph, is_kept: &[bool], place: &[Vec3]) -> Coarsening {
+    let kept: Vec<u32> = (0u32..)
+        .zip(is_kept)
+        .filter_map(|(v, is_kept)| is_kept.then_some(v))
+        .collect();
+    let mut coarse = vec![0; graph.len()];
+    for (number, &v) in (0u32..).zip(&kept) {
+        coarse[v as usize] = number;
     }
-    let mut parents = Vec::new();
+    let mut rows = Vec::with_capacity(graph.len());
     let mut nearest = coarse.clone();
-    for v in (0..graph.len()).filter(|&v| !kept[v]) {
-        let of_kept = graph.candidates(v).filter(|&(p, _)| kept[p as usize]);
-        let mut own: Vec<(u32, Real)> = of_kept.collect();
+    for v in 0..graph.len() {
+        if is_kept[v] {
+            rows.push(vec![(coarse[v], 1.0)]);
+            continue;
+        }
+        let mut own = parents(graph, v, is_kept);
         let closest = own
             .iter()
-            .fold((NONE, Real::INFINITY), |best, &(p, length)| {
-                if length < best.1 { (p, length) } else { best }
-            });
-        nearest[v] = coarse[closest.0 as usize];
-        weights(place(v as u32), &mut own, &place);
+            .max_by(|a, b| a.1.total_cmp(&b.1).then(b.0.cmp(&a.0)));
+        nearest[v] = coarse[closest.expect("it has parents").0 as usize];
+        linear_weights(v, &mut own, place, LEAST);
         own.iter_mut().for_each(|(p, _)| *p = coarse[*p as usize]);
-        parents.push((v as u32, own));
+        rows.push(own);
     }
     let through = |pairs: &mut dyn Iterator<Item = [u32; 2]>| {
         let mut links: Vec<[u32; 2]> = pairs
@@ -179,8 +148,8 @@ fn describe(graph: &Graph, kept: &[bool], place: impl Fn(u32) -> Vec3) -> Coarse
     let rim = graph.rim.iter().zip(0..);
     let rim_links = through(&mut rim.flat_map(|(list, v)| list.iter().map(move |&u| [u, v])));
     Coarsening {
-        kept: survivors,
-        parents,
+        prolongation: Prolongation::new(rows.iter().map(Vec::as_slice), kept.len()),
+        kept,
         links,
         rim_links,
     }
