@@ -20,7 +20,7 @@ pub(super) const STUDY: Study = Study {
     question: "How many sweeps, and how many milliseconds, do the accelerations save on the way to an error of 1 %?",
     about: "Three steps of 1/60 s of a sheet of 1 m × 1 m. `edge` and `corners`: rigid springs, hanging at rest by the upper edge or the two upper corners; gravity takes every vertex down by g h², the exact \
         answer is the place at rest, and the error is the root mean square of the distances to it over g h². `falling`: the scene `hang`, springs of 1e4 N/m and bending, sixteenth step; the error is \
-        (G − G*)/(G(x̃) − G*) against the implicit Euler step by Newton's method. Where the sweeps allowed do not suffice, the count goes on at the rate of the second half of them and is \
+        (G − G*)/(G(x̃) − G*) against the implicit Euler step by Newton's method. Where the sweeps allowed do not suffice, or a quarter of them shows that four times as many would not, the count goes on at the rate of the second half of those made and is \
         marked `at least`: errors fall more slowly the longer it takes. With Chebyshev a Gauss–Seidel sweep goes there and back, counted as one. Times are the smallest of several repetitions, all methods in turn, one process; \
         beyond 200 sweeps a further sweep costs what it does on the mean of 200. The plot has chains, whose rates are known. Expect coarse levels to bring the sheet that hangs by its edge there almost at once; what surprises is that they do nothing for the one that hangs \
         by two corners, where Chebyshev helps most.",

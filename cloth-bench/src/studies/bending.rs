@@ -133,7 +133,7 @@ fn elastica(scope: Scope, findings: &mut Findings, cases: &mut Cases<'_>) -> Opt
         "span W/L",
         "drop H/L",
         "forces left over weight",
-        "Newton iterations",
+        "iterations",
     ]);
     let (mut heights, mut errors) = (Vec::new(), Vec::new());
     let mut worst = Some(0.0);

@@ -24,7 +24,7 @@ pub(super) const STUDY: Study = Study {
     name: "convergence",
     question: "How fast does each method approach the implicit Euler step, and what does it give at its default setting?",
     about: "The step is the sixteenth of the hanging sheet, a quarter of a second into its fall. The reference is Newton's \
-        method to rounding; the objective error is (G − G*)/(G(x̃) − G*), 1 at the inertial prediction, the gradient error ‖∇G‖/‖∇G(x̃)‖ in the norm of M⁻¹. Newton, PD and the sweeps of PBD and XPBD, with and without their \
+        method to rounding; the objective error is (G − G*)/(G(x̃) − G*), 1 at the inertial prediction, the gradient error ‖∇G‖/‖∇G(x̃)‖ in the norm of M⁻¹. Implicit Euler by the quasi-Newton method around multigrid and by Newton's method, PD and the sweeps of PBD and XPBD, with and without their \
         accelerations, are one run each, measured after every iteration (the clock stands still while we measure); the table of defaults has whole steps, the last one the sheet after half a second. The second-order rules take another step and are compared over half a second only. A method that cuts the step into parts solves another problem, \
         whose solution is nearer to the motion in continuous time than implicit Euler's; its points are whole steps, one per number of parts. \
         XPBD with iterations stops at a floor: it is not a minimiser of G. PBD turns the spring constant into a projection that is right for one constraint \

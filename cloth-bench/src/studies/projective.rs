@@ -13,9 +13,8 @@ use crate::report::table::{Cell, Table};
 use crate::run;
 use crate::scene;
 use crate::settings::Settings;
-use crate::yardstick::{Sample, StepProblem};
-use cloth_core::math::Real;
-use cloth_core::step::Stepper;
+use crate::yardstick::Sample;
+use cloth_core::math::{Real, Vec3};
 
 pub(super) const STUDY: Study = Study {
     name: "projective",
@@ -227,7 +226,7 @@ fn one_step(
             .with("start", "predicted")
             .with("tolerance", 1e-9);
         let mut solver = Method::find("pd")?.build(&scene, &settings, scene.dt)?;
-        let traced = trace_warm(&problem, &mut *solver);
+        let traced = sheets::trace_warm(&scene, Vec3::zeros(), &problem, &mut *solver);
         let trace = findings.unless_failed(&case, traced).unwrap_or_default();
         let first = |goal: Real| trace.iter().find(|sample| sample.error.objective <= goal);
         let reached: [Option<&Sample>; 3] = GOALS.map(first);
@@ -248,12 +247,6 @@ fn one_step(
     Ok(counts)
 }
 
-/// Traces the step after it has been taken unwatched, so that what is done once (the matrix of projective dynamics) has been done.
-fn trace_warm(problem: &StepProblem, solver: &mut dyn Stepper) -> Result<Vec<Sample>, BenchError> {
-    problem.solve(solver)?;
-    problem.trace(solver)
-}
-
 fn milliseconds(sample: Option<&Sample>) -> Cell {
     Cell::from(sample.map(|sample| 1e3 * sample.seconds))
 }
@@ -262,13 +255,22 @@ fn milliseconds(sample: Option<&Sample>) -> Cell {
 const RACE_GOAL: Real = 1e-3;
 
 /// Label, method and settings of those who race, each from where it starts by default.
-const RACERS: [(&str, &str, Pairs); 3] = [
+const RACERS: [(&str, &str, Pairs); 4] = [
     (
         "projective dynamics",
         "pd",
         &[("iterations", "2000"), ("tolerance", "1e-9")],
     ),
-    ("Newton", "implicit-euler", &[("tolerance", "1e-9")]),
+    (
+        "quasi-Newton, multigrid",
+        "implicit-euler",
+        &[("tolerance", "1e-9")],
+    ),
+    (
+        "Newton, Cholesky",
+        "implicit-euler",
+        &[("tolerance", "1e-9"), ("linear", "cholesky")],
+    ),
     (
         "XPBD, one step",
         "xpbd",
@@ -283,7 +285,7 @@ fn race_sizes(scope: Scope) -> &'static [u32] {
     }
 }
 
-/// Time to one error, beside Newton's method and XPBD.
+/// Time to one error, beside implicit Euler by minimisation and XPBD.
 fn race(
     scope: Scope,
     findings: &mut Findings,
@@ -305,7 +307,7 @@ fn race(
         for (label, method, pairs) in RACERS {
             progress(&format!("projective: {label} races, {n} × {n}"));
             let mut solver = Method::find(method)?.build(&scene, &with(pairs), scene.dt)?;
-            let traced = trace_warm(&problem, &mut *solver);
+            let traced = sheets::trace_warm(&scene, scene.gravity, &problem, &mut *solver);
             let trace = findings.unless_failed(label, traced).unwrap_or_default();
             let reached = trace.iter().find(|s| s.error.objective <= RACE_GOAL);
             let seconds = reached.map(|sample| sample.seconds);
@@ -395,7 +397,7 @@ fn falls(
         "largest stretch",
         "relative to implicit Euler",
         "ms per step",
-        "times faster than Newton",
+        "times faster than implicit Euler, converged",
     ]);
     for &n in sizes(scope) {
         let scene = scene::build("hang", None, &Settings::default().with("n", n))?;
@@ -409,21 +411,21 @@ fn falls(
         progress(&format!(
             "projective: implicit Euler for half a second, {n} × {n}"
         ));
-        let newton = simulate("implicit-euler", &Settings::default())?;
+        let converged = simulate("implicit-euler", &Settings::default())?;
         let mut push = |label: &str, summary: &run::Summary| {
             let fall = summary.center_of_mass_drop;
             table.push([
                 Cell::from(n as usize),
                 Cell::from(label),
                 Cell::from(fall),
-                Cell::from(fall / newton.center_of_mass_drop - 1.0),
+                Cell::from(fall / converged.center_of_mass_drop - 1.0),
                 Cell::from(summary.max_stretch),
-                Cell::from(summary.max_stretch / newton.max_stretch - 1.0),
+                Cell::from(summary.max_stretch / converged.max_stretch - 1.0),
                 Cell::from(summary.ms_per_step_median),
-                Cell::from(newton.ms_per_step_median / summary.ms_per_step_median),
+                Cell::from(converged.ms_per_step_median / summary.ms_per_step_median),
             ]);
         };
-        push("implicit Euler, converged", &newton);
+        push("implicit Euler, converged", &converged);
         for (label, pairs) in FALLS {
             progress(&format!("projective: {label} for half a second, {n} × {n}"));
             let outcome = simulate("pd", &with(pairs));

@@ -5,8 +5,9 @@ use crate::error::BenchError;
 use crate::report::table::Cell;
 use crate::scene::{self, Scene, file};
 use crate::settings::Settings;
-use crate::yardstick::StepProblem;
-use cloth_core::math::Real;
+use crate::yardstick::{Sample, StepProblem};
+use cloth_core::math::{Real, Vec3};
+use cloth_core::step::{StepInput, Stepper};
 use std::path::Path;
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -36,6 +37,24 @@ pub(super) fn sixteenth_step(settings: &Settings) -> Result<Arc<StepProblem>, Be
     let problem = Arc::new(StepProblem::after(&scene, 15, scene.dt)?);
     found().push((settings.clone(), Arc::clone(&problem)));
     Ok(problem)
+}
+
+/// Traces a step with a solver that has taken one, the first of the scene under `gravity` (m/s²): what is done once, such as the matrix of projective dynamics, an
+/// analysis or coarse levels, has been done. Without gravity a method that looks at its gradient has nothing else to do.
+///
+/// # Errors
+/// [`BenchError::Failed`] with the solver's own error.
+pub(super) fn trace_warm(
+    scene: &Scene,
+    gravity: Vec3,
+    problem: &StepProblem,
+    solver: &mut dyn Stepper,
+) -> Result<Vec<Sample>, BenchError> {
+    let input = StepInput::new(scene.dt).gravity(gravity);
+    solver
+        .step(&mut scene.start.clone(), input)
+        .map_err(BenchError::failed)?;
+    problem.trace(solver)
 }
 
 /// A cloth to compare methods on.

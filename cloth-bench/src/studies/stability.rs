@@ -23,7 +23,7 @@ pub(super) const STUDY: Study = Study {
     name: "stability",
     question: "At which steps, stiffnesses, ratios of mass and stiffness, and meshes does each method stop working?",
     about: "A sheet of 1 m × 1 m held at two corners falls from the horizontal, one setting per method: the published one, but explicit methods take the step in one part, so that their limit is seen. \
-        Every cell is run ten times (once with --quick), each with other velocities of up to 1 cm/s at the start, and shows the worst of them. \
+        Every cell is run ten times (three times with xpbd-direct, which is slow; once with --quick), each with other velocities of up to 1 cm/s at the start, and shows the worst of them. \
         ok: finite, and elastic, kinetic and gravitational energy never above that of the start by more than a hundredth of the weight times 1 m; strained: above it, with the step after which it was first so, but only by elastic energy, which a solver that is cut short leaves in stiff springs; \
         grew: the kinetic and gravitational energy alone are above it, so the sheet moves faster than it can; \
         diverged: no longer finite, or the method said so; refused: not built, or the matrix of the first step is of no use, with the reason in the notes. Maps: step (s) × stiffness (N/m); mass of a free corner over that of an inner vertex × stiffness of one half of the sheet over that of the other, Δt = 1/60 s; \

@@ -18,7 +18,7 @@ use std::time::Instant;
 pub(super) const STUDY: Study = Study {
     name: "work-precision",
     question: "What does an error in the motion cost with each method, and what does the motion look like?",
-    about: "The hanging sheet for three tenths of a second from rest, with steps of 1/30 s and finer, every method at its default setting, and every acceleration, linear solver by iterations, precision and shortened solve that it has. The reference is symplectic Euler with two very small steps, extrapolated; \
+    about: "The hanging sheet for three tenths of a second from rest, with steps of 1/30 s and finer, every method at its default setting, and every acceleration, linear solver by iterations, precision and shortened solve that it has; `to 1e-2` and `10 iterations` are implicit steps cut short, by the relative gradient or the number of quasi-Newton iterations. The reference is symplectic Euler with two very small steps, extrapolated; \
         the error is ‖x(T) − x_ref(T)‖_M/(√Σm · 1 m). Times are of the whole fall, the median of three runs where these are short. Work is iterations: Newton iterations, sweeps, \
         local and global steps, or explicit substeps. Order is that of the line above it to this one. Expect first order from implicit Euler, a floor from methods that stop iterating before they have converged, \
         and an explicit method that is exact as soon as it is stable: its steps are short. The error against the minimiser of one step is in the studies `convergence` (every method, and the accelerations), `acceleration` (sweeps in detail), `projective` and `newton`. With `--scene FILE` the same is asked of a scene of your own, without contact, air and moving pins.",
@@ -43,11 +43,12 @@ fn side(scope: Scope) -> u32 {
     }
 }
 
-/// Steps per second.
-fn rates(scope: Scope) -> &'static [u32] {
-    match scope {
-        Scope::Quick => &[60, 120, 240],
-        Scope::Full => &[30, 60, 120, 240, 480, 960],
+/// Steps per second. The direct solver of XPBD ends where implicit Euler does, at fifty times the price: coarse steps show it.
+fn rates(scope: Scope, label: &str) -> &'static [u32] {
+    match (scope, label) {
+        (Scope::Quick, _) => &[60, 120, 240],
+        (Scope::Full, "xpbd-direct") => &[30, 60, 120],
+        (Scope::Full, _) => &[30, 60, 120, 240, 480, 960],
     }
 }
 
@@ -66,6 +67,27 @@ fn ways() -> Vec<(String, &'static str, Settings)> {
     let set = |key: &str, value: &str| Settings::default().with(key, value);
     let iterations = set("substeps", "1").with("iterations", "20");
     let accelerated = [
+        (
+            "implicit-euler, to 1e-2",
+            "implicit-euler",
+            set("tolerance", "1e-2"),
+        ),
+        (
+            "implicit-euler, to 1e-4",
+            "implicit-euler",
+            set("tolerance", "1e-4"),
+        ),
+        (
+            "implicit-euler, 10 iterations",
+            "implicit-euler",
+            set("iterations", "10"),
+        ),
+        ("bdf2, to 1e-3", "bdf2", set("tolerance", "1e-3")),
+        (
+            "implicit-euler, Newton by Cholesky",
+            "implicit-euler",
+            set("linear", "cholesky"),
+        ),
         (
             "implicit-euler, conjugate gradients",
             "implicit-euler",
@@ -124,8 +146,28 @@ fn ways() -> Vec<(String, &'static str, Settings)> {
     default.chain(accelerated).collect()
 }
 
+/// Curves are drawn in groups: methods at their defaults; accelerations and precisions of the others; implicit steps.
+const GROUPS: usize = 3;
+
+/// The groups of a curve.
+fn groups(label: &str, is_default: bool) -> impl Iterator<Item = usize> {
+    let is_of = |name: &&str| label == *name || label.starts_with(&format!("{name},"));
+    let is_implicit = ["implicit-euler", "linear-implicit", "bdf2"]
+        .iter()
+        .any(is_of);
+    let is_beside = is_default && ["pd", "xpbd"].contains(&label);
+    let in_group = [
+        is_default,
+        !is_default && !is_implicit,
+        is_implicit || is_beside,
+    ];
+    (0..GROUPS).filter(move |&group| in_group[group])
+}
+
 fn cases(scope: Scope) -> u64 {
-    (1 + ways().len() * rates(scope).len() + method::all().count()) as u64
+    let ways = ways();
+    let falls = ways.iter().map(|(label, ..)| rates(scope, label).len());
+    (1 + falls.sum::<usize>() + method::all().count()) as u64
 }
 
 /// One run to the horizon.
@@ -156,14 +198,14 @@ fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
         "order",
         "remark",
     ]);
-    // By time and by step, of the methods at their defaults and of the other ways.
-    let mut series: [[Vec<Series>; 2]; 2] = Default::default();
+    // By time and by step, of each group.
+    let mut series: [[Vec<Series>; 2]; GROUPS] = Default::default();
     let mut all: Vec<(String, u32, Outcome)> = Vec::new();
     let defaults = method::all().count();
     for (number, (label, name, settings)) in ways().into_iter().enumerate() {
         let mut curves = [Vec::new(), Vec::new()];
         let mut before: Option<(u32, Real)> = None;
-        for &rate in rates(scope) {
+        for &rate in rates(scope, &label) {
             let case = format!("{label}, 1/{rate} s");
             let outcome = cases.case(&case, || {
                 let method = Method::find(name)?;
@@ -193,12 +235,17 @@ fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
                 all.push((label.clone(), rate, outcome));
             }
         }
-        let is_default = number < defaults;
-        for (series, curve) in series[usize::from(!is_default)].iter_mut().zip(curves) {
-            series.push(Series::new(&label, curve));
+        for group in groups(&label, number < defaults) {
+            for (series, curve) in series[group].iter_mut().zip(&curves) {
+                series.push(Series::new(&label, curve.clone()));
+            }
         }
     }
-    let [[by_time, by_step], [other_by_time, other_by_step]] = series;
+    let [
+        [by_time, by_step],
+        [other_by_time, other_by_step],
+        [implicit_by_time, implicit_by_step],
+    ] = series;
     let plot = |title: &str, x: &str, series| Plot {
         title: format!("{title}, {}", sheet.which()),
         x: Axis::log(x),
@@ -221,15 +268,27 @@ fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
         ),
         (
             "ways-time",
-            "Accelerations, linear solvers, precision: error against run time",
+            "Accelerations and precision: error against run time",
             TIME,
             other_by_time,
         ),
         (
             "ways-step",
-            "Accelerations, linear solvers, precision: error against the step",
+            "Accelerations and precision: error against the step",
             STEP,
             other_by_step,
+        ),
+        (
+            "implicit-time",
+            "Implicit steps converged and cut short, beside PD and XPBD: error against run time",
+            TIME,
+            implicit_by_time,
+        ),
+        (
+            "implicit-step",
+            "Implicit steps converged and cut short, beside PD and XPBD: error against the step",
+            STEP,
+            implicit_by_step,
         ),
     ] {
         findings.plot(&format!("work-precision-{name}"), &plot(title, x, series));

@@ -35,6 +35,9 @@ impl Target {
     }
 }
 
+/// An estimate of more than so many times the sweeps allowed is not improved.
+const HOPELESS: Real = 4.0;
+
 /// A number of sweeps.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Needed {
@@ -103,6 +106,13 @@ pub(super) fn sweeps(
         }
         if allowed == most {
             return extrapolated(&watch.seen);
+        }
+        // Errors fall more slowly the longer it takes: what is far away now is not within reach.
+        if 4 * allowed >= most
+            && let Ok(estimate) = extrapolated(&watch.seen)
+            && estimate.sweeps > HOPELESS * Real::from(most)
+        {
+            return Ok(estimate);
         }
         allowed = (4 * allowed).min(most);
     }

@@ -4,7 +4,7 @@ use crate::settings::Settings;
 use crate::studies::Scope;
 
 /// Methods that iterate on one step: label, method, setting, and the most iterations.
-pub(super) fn iterated(scope: Scope) -> [(&'static str, &'static str, Settings, u32); 12] {
+pub(super) fn iterated(scope: Scope) -> [(&'static str, &'static str, Settings, u32); 13] {
     let [sweeps, accelerated] = match scope {
         Scope::Quick => [500, 200],
         Scope::Full => [2000, 500],
@@ -17,6 +17,14 @@ pub(super) fn iterated(scope: Scope) -> [(&'static str, &'static str, Settings, 
             "implicit-euler",
             "implicit-euler",
             Settings::default().with("tolerance", 0),
+            accelerated,
+        ),
+        (
+            "implicit-euler, Newton",
+            "implicit-euler",
+            Settings::default()
+                .with("tolerance", 0)
+                .with("linear", "cholesky"),
             60,
         ),
         ("pd", "pd", Settings::default(), sweeps),

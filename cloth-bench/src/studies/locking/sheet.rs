@@ -67,7 +67,7 @@ pub(super) struct Sheet {
 pub(super) struct Rest {
     /// Positions (m) of all points.
     pub(super) points: Vec<Vec3>,
-    /// Newton iterations.
+    /// Iterations of all steps.
     pub(super) iterations: u32,
     /// How far (m) a point moved at most in the last step.
     pub(super) last_move: Real,
@@ -250,7 +250,7 @@ impl Sheet {
             tolerance,
             ..Default::default()
         };
-        let mut newton = method::implicit_euler(&self.particles, self.families(), config)?;
+        let mut solver = method::implicit_euler(&self.particles, self.families(), config)?;
         let mut found = Rest {
             points: start,
             iterations: 0,
@@ -258,7 +258,7 @@ impl Sheet {
         };
         for _ in 0..MOST_STEPS {
             let mut state = State::at_rest(found.points.clone());
-            let report = newton
+            let report = solver
                 .step(&mut state, StepInput::new(DT).gravity(gravity))
                 .map_err(BenchError::failed)?;
             let moved = state.positions.iter().zip(&found.points);

@@ -93,7 +93,7 @@ pub(super) fn cones(
         "energy over developable",
         "membrane over developable",
         "the same, vertices on the cone",
-        "Newton iterations",
+        "iterations",
         "last move",
     ]);
     let mut told = OnCones {
@@ -201,7 +201,7 @@ pub(super) fn folds(
         "exact angle",
         "bending reached",
         "membrane over bending",
-        "Newton iterations",
+        "iterations",
         "last move",
     ]);
     for (name, axis) in [("rising", Axis::Along), ("falling", Axis::Across)] {

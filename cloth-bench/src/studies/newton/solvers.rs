@@ -5,7 +5,7 @@ use crate::error::BenchError;
 use crate::report::plot::{Axis, Plot, Series};
 use crate::report::table::{Cell, Table};
 use crate::studies::Findings;
-use cloth_core::linear::{Budget, LinearMethod, LinearSolver, Preconditioner, spectrum};
+use cloth_core::linear::{Budget, LinearMethod, LinearSolver};
 use cloth_core::math::{Real, Vec3};
 use cloth_core::step::Outcome;
 use serde::{Deserialize, Serialize};
@@ -18,11 +18,9 @@ const MOST: u32 = 2000;
 #[derive(Default, Serialize, Deserialize)]
 pub(super) struct Solvers {
     solves: Vec<Solve>,
-    /// Vertices a side, condition numbers of the matrix without and with preconditioner.
-    conditions: Vec<(u32, [Real; 2])>,
 }
 
-#[derive(Serialize, Deserialize)]
+#[derive(Clone, Serialize, Deserialize)]
 struct Solve {
     side: u32,
     name: String,
@@ -38,13 +36,7 @@ struct Solve {
 impl Solvers {
     /// Those of one size.
     pub(super) fn of(side: u32, system: &System) -> Result<Self, BenchError> {
-        let mut solves = Vec::new();
-        let mut condition = [0.0; 2];
-        let kinds = [Preconditioner::Identity, Preconditioner::BlockJacobi];
-        for (kind, condition) in kinds.into_iter().zip(&mut condition) {
-            let found = spectrum(&system.matrix, &system.is_free, kind, MOST);
-            *condition = found.map_err(BenchError::failed)?.condition_number();
-        }
+        let mut solves: Vec<Solve> = Vec::new();
         for tolerance in TOLERANCES {
             let budget = Budget {
                 tolerance,
@@ -52,6 +44,7 @@ impl Solvers {
             };
             for method in [
                 LinearMethod::Cholesky,
+                LinearMethod::Multigrid(budget),
                 LinearMethod::ConjugateGradients(budget),
                 LinearMethod::ChebyshevJacobi(budget),
                 LinearMethod::GaussSeidel(budget),
@@ -63,19 +56,23 @@ impl Solvers {
                     system.scene.model.particles.rest_positions(),
                 );
                 let mut solver = built.map_err(BenchError::failed)?;
-                solves.push(solve(side, tolerance, &mut *solver, system)?);
+                let is_lost = |one: &&Solve| one.name == solver.name() && !one.converged;
+                solves.push(match solves.iter().find(is_lost) {
+                    // It would spend them again.
+                    Some(lost) => Solve {
+                        tolerance,
+                        ..lost.clone()
+                    },
+                    None => solve(side, tolerance, &mut *solver, system)?,
+                });
             }
         }
-        Ok(Self {
-            solves,
-            conditions: vec![(side, condition)],
-        })
+        Ok(Self { solves })
     }
 
     /// Adds those of another size.
     pub(super) fn append(&mut self, other: Self) {
         self.solves.extend(other.solves);
-        self.conditions.extend(other.conditions);
     }
 
     pub(super) fn report(&self, findings: &mut Findings) -> String {
@@ -110,25 +107,16 @@ impl Solvers {
             );
         }
         findings.table("newton-solvers", "Linear solvers", table);
-        let mut table = Table::new(&[
-            "vertices a side",
-            "condition number of A",
-            "condition number of D⁻¹A",
-        ]);
-        for &(side, [plain, preconditioned]) in &self.conditions {
-            table.push([
-                Cell::from(side as usize),
-                Cell::from(plain),
-                Cell::from(preconditioned),
-            ]);
-        }
-        findings.table("newton-conditions", "Condition numbers", table);
         self.verdict()
     }
 
     fn plot(&self, tolerance: Real) -> Plot {
-        let mut names: Vec<&str> = self.solves.iter().map(|s| s.name.as_str()).collect();
-        names.truncate(names.len().min(5));
+        let mut names: Vec<&str> = Vec::new();
+        for solve in &self.solves {
+            if !names.contains(&solve.name.as_str()) {
+                names.push(&solve.name);
+            }
+        }
         let series = names.into_iter().map(|name| {
             let solves = self
                 .solves
@@ -148,11 +136,12 @@ impl Solvers {
 
     /// Who wins, size by size.
     fn verdict(&self) -> String {
+        let mut sides: Vec<u32> = self.solves.iter().map(|solve| solve.side).collect();
+        sides.dedup();
         let sentences = TOLERANCES.map(|tolerance| {
-            let winners: Vec<(u32, &str)> = self
-                .conditions
+            let winners: Vec<(u32, &str)> = sides
                 .iter()
-                .filter_map(|&(side, _)| Some((side, self.fastest(side, tolerance)?)))
+                .filter_map(|&side| Some((side, self.fastest(side, tolerance)?)))
                 .collect();
             let who = match winners.first() {
                 Some((_, name)) if winners.iter().all(|(_, other)| other == name) => {

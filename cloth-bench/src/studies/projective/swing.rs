@@ -30,7 +30,7 @@ pub(super) const SETTINGS: [(&str, Pairs); 5] = [
 pub(super) fn sizes(scope: Scope) -> &'static [u32] {
     match scope {
         Scope::Quick => &[17],
-        // Implicit Euler alone would take ten minutes at 128.
+        // Implicit Euler alone would take a minute at 128.
         Scope::Full => &[32, 64],
     }
 }
@@ -82,27 +82,27 @@ pub(super) fn swings(
         };
         progress(&format!("projective: five seconds, {n} × {n}"));
         // Side by side, for nothing is timed.
-        let newton = || simulate("implicit-euler", &Settings::default());
+        let exact = || simulate("implicit-euler", &Settings::default());
         let ours = || {
             let every = SETTINGS.par_iter();
             let every = every.map(|(_, pairs)| simulate("pd", &with(pairs)));
             every.collect::<Vec<_>>()
         };
-        let (newton, ours) = rayon::join(newton, ours);
-        let newton = newton?;
+        let (exact, ours) = rayon::join(exact, ours);
+        let exact = exact?;
         let mut push = |label: &str, swing: &Swing| {
             table.push([
                 Cell::from(n as usize),
                 Cell::from(label),
                 Cell::from(swing.stretch),
-                Cell::from(swing.stretch / newton.stretch - 1.0),
-                Cell::from(swing.end.max_stretch / newton.end.max_stretch - 1.0),
+                Cell::from(swing.stretch / exact.stretch - 1.0),
+                Cell::from(swing.end.max_stretch / exact.end.max_stretch - 1.0),
                 Cell::from(swing.kinetic),
-                Cell::from(swing.kinetic / newton.kinetic - 1.0),
+                Cell::from(swing.kinetic / exact.kinetic - 1.0),
                 Cell::from(swing.end.elastic_energy),
             ]);
         };
-        push("implicit Euler, converged", &newton);
+        push("implicit Euler, converged", &exact);
         for ((label, _), outcome) in SETTINGS.into_iter().zip(ours) {
             if let Some(swing) = findings.unless_failed(label, outcome) {
                 push(label, &swing);
