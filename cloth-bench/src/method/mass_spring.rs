@@ -35,13 +35,18 @@ const LINEAR: Parameter = parameter(
 );
 const LINEAR_ONCE: Parameter = parameter(
     "linear",
-    "cholesky",
-    "linear solver: cholesky, multigrid (preconditioned conjugate gradients), conjugate-gradients, chebyshev-jacobi, \
+    "multigrid",
+    "linear solver: multigrid (preconditioned conjugate gradients), cholesky, conjugate-gradients, chebyshev-jacobi, \
      jacobi or gauss-seidel",
 );
 const LINEAR_TOLERANCE: Parameter = parameter(
     "linear_tolerance",
     "1e-3",
+    "relative residual at which an iterative linear solver is done",
+);
+const LINEAR_TOLERANCE_ONCE: Parameter = parameter(
+    "linear_tolerance",
+    "1e-8",
     "relative residual at which an iterative linear solver is done",
 );
 const LINEAR_ITERATIONS: Parameter = parameter(
@@ -68,7 +73,7 @@ pub(super) const NEWTON: &[Parameter] = &[
 /// Of the linearised step.
 pub(super) const LINEARIZED: &[Parameter] = &[
     LINEAR_ONCE,
-    LINEAR_TOLERANCE,
+    LINEAR_TOLERANCE_ONCE,
     LINEAR_ITERATIONS,
     AIR_DRAG,
     STIFFNESS_DAMPING,
@@ -80,7 +85,7 @@ pub(super) fn newton(settings: &Settings) -> Result<ImplicitConfig, BenchError> 
         refuse_budget(settings)?;
         (Solve::QuasiNewton, LinearMethod::Cholesky)
     } else {
-        (Solve::Newton, linear(settings, &LINEAR)?)
+        (Solve::Newton, linear(settings, &LINEAR, &LINEAR_TOLERANCE)?)
     };
     Ok(ImplicitConfig {
         solve,
@@ -103,7 +108,7 @@ pub(super) fn newton(settings: &Settings) -> Result<ImplicitConfig, BenchError> 
 
 pub(super) fn linearized(settings: &Settings) -> Result<ImplicitConfig, BenchError> {
     Ok(ImplicitConfig {
-        linear: linear(settings, &LINEAR_ONCE)?,
+        linear: linear(settings, &LINEAR_ONCE, &LINEAR_TOLERANCE_ONCE)?,
         damping: damping(settings)?,
         ..ImplicitConfig::linearized()
     })
@@ -117,12 +122,16 @@ fn refuse_budget(settings: &Settings) -> Result<(), BenchError> {
     Ok(())
 }
 
-fn linear(settings: &Settings, parameter: &Parameter) -> Result<LinearMethod, BenchError> {
+fn linear(
+    settings: &Settings,
+    parameter: &Parameter,
+    tolerance: &Parameter,
+) -> Result<LinearMethod, BenchError> {
     if settings.text(parameter) == "cholesky" {
         refuse_budget(settings)?;
     }
     let budget = Budget {
-        tolerance: settings.number(&LINEAR_TOLERANCE)?,
+        tolerance: settings.number(tolerance)?,
         max_iterations: settings.count(&LINEAR_ITERATIONS, 1)?,
     };
     settings.choice(

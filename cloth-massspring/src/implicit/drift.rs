@@ -7,6 +7,7 @@
 use super::line_search::Point;
 use super::stage::Stage;
 use cloth_core::block_matrix::BlockPattern;
+use cloth_core::family::Energies;
 use cloth_core::math::Vec3;
 
 /// The connected components without a prescribed vertex, and without an element that ties one vertex to a place.
@@ -17,7 +18,7 @@ pub(super) struct Unconstrained {
 
 impl Unconstrained {
     /// Those of the graph that the blocks of a matrix make; `is_loose[v]` says that nothing holds vertex `v`.
-    pub(super) fn of(pattern: &BlockPattern, is_loose: &[bool]) -> Self {
+    fn of(pattern: &BlockPattern, is_loose: &[bool]) -> Self {
         let count = pattern.row_count();
         let mut root: Vec<u32> = (0..count as u32).collect();
         for row in 0..count {
@@ -38,6 +39,41 @@ impl Unconstrained {
         let unheld = held.filter(|(vertices, is_held)| !is_held && !vertices.is_empty());
         Self {
             components: unheld.map(|(vertices, _)| vertices).collect(),
+        }
+    }
+
+    /// Those of an energy.
+    pub(super) fn of_energies(
+        energies: &Energies,
+        pattern: &BlockPattern,
+        is_free: &[bool],
+    ) -> Self {
+        let mut is_loose = is_free.to_vec();
+        energies.for_each_anchor(|vertex| is_loose[vertex as usize] = false);
+        Self::of(pattern, &is_loose)
+    }
+
+    /// Shifts each component of a displacement `p` (m) so that it solves a Newton system with the right-hand side `−∇G` (N) as far as
+    /// that says anything of translations: `Σ m p/s² = −Σ ∇G`.
+    pub(super) fn settle_displacement(
+        &self,
+        stage: &Stage<'_>,
+        gradient: &[Vec3],
+        displacement: &mut [Vec3],
+    ) {
+        let g = &stage.potential;
+        for component in &self.components {
+            let (mut mass, mut rest) = (0.0, Vec3::zeros());
+            for &vertex in component {
+                let vertex = vertex as usize;
+                let own = g.particles.mass()[vertex];
+                mass += own;
+                rest += gradient[vertex] * (g.dt * g.dt) + displacement[vertex] * own;
+            }
+            let shift = -rest / mass;
+            for &vertex in component {
+                displacement[vertex as usize] += shift;
+            }
         }
     }
 

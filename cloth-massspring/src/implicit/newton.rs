@@ -80,6 +80,7 @@ pub(super) fn solve_once(
         system.assemble(stage, &points.current.positions);
         factorize(points, system, task, report)?;
         solve(points, system, task, report)?;
+        system.settle_momentum(stage, &points.current.gradient, &mut points.direction);
         for (x, p) in points.current.positions.iter_mut().zip(&points.direction) {
             *x += p;
         }

@@ -35,14 +35,12 @@ pub(super) struct QuasiNewton {
 impl QuasiNewton {
     pub(super) fn new(energies: &Energies, is_free: Vec<bool>) -> Self {
         let assembly = energies.lumped_assembly();
-        let mut is_loose = is_free.clone();
-        energies.for_each_anchor(|vertex| is_loose[vertex as usize] = false);
         Self {
             matrix: BlockMatrix::zeros(Arc::clone(assembly.pattern())),
             history: History::new(is_free.len()),
             work: vec![Vec3::zeros(); is_free.len()],
             multigrid: None,
-            unconstrained: Unconstrained::of(assembly.pattern(), &is_loose),
+            unconstrained: Unconstrained::of_energies(energies, assembly.pattern(), &is_free),
             assembly,
             is_free,
             iterations: 0,

@@ -14,6 +14,7 @@
 //! and convergence is quadratic. Near a saddle the blended matrix is almost singular along the way down, so
 //! the step along it is long, and the saddle is left within a few iterations.
 
+use super::drift::Unconstrained;
 use super::stage::Stage;
 use crate::config::{HessianPolicy, ImplicitConfig};
 use crate::stability::{dot, noise};
@@ -42,6 +43,7 @@ pub(super) struct NewtonSystem {
     assembly: Assembly,
     matrix: BlockMatrix,
     solver: Box<dyn LinearSolver>,
+    unconstrained: Unconstrained,
     policy: HessianPolicy,
     /// What worked last.
     blend: Real,
@@ -69,6 +71,7 @@ impl NewtonSystem {
             matrix: BlockMatrix::zeros(Arc::clone(assembly.pattern())),
             solver: config.linear.build(assembly.pattern(), is_free, rest)?,
             policy: config.hessian,
+            unconstrained: Unconstrained::of_energies(energies, assembly.pattern(), is_free),
             assembly,
             blend: 1.0,
             ceiling: 1.0,
@@ -217,6 +220,11 @@ impl NewtonSystem {
         let report = self.solver.solve(&self.matrix, gradient, out)?;
         out.iter_mut().for_each(|p| *p = -*p);
         Ok(report)
+    }
+
+    /// Puts the momentum of unconstrained components right that an iterative solver leaves in the solution `p` (m) for a gradient (N).
+    pub(super) fn settle_momentum(&self, g: &Stage<'_>, gradient: &[Vec3], p: &mut [Vec3]) {
+        self.unconstrained.settle_displacement(g, gradient, p);
     }
 
     /// Tries the exact Hessian at `x`.
