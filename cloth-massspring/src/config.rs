@@ -132,7 +132,8 @@ pub enum StartGuess {
     /// `x[0] + Δt v[0]`.
     Inertial,
     /// `x[0] + Δt (v[0] + ½ (v[0] − v[−1]))`: half of what the last step changed once more, which turns the velocity along with the
-    /// cloth. In a step that does not continue another of the same size, the same as `Inertial`.
+    /// cloth. The same as `Inertial` in a step that does not continue another of the same size, and for the midpoint rule,
+    /// whose velocities may tremble.
     #[default]
     Extrapolated,
     /// `x̃ = x[0] + Δt v[0] + Δt² a`, with gravity and load.

@@ -263,7 +263,7 @@ impl Implicit {
         base: impl Fn(usize, Vec3, Vec3) -> [Vec3; 2],
     ) {
         let tau = span.tau;
-        let follows = self.before.1 == tau && self.continues(state);
+        let follows = span.place == Place::End && self.before.1 == tau && self.continues(state);
         self.before.1 = tau;
         let start = &mut self.minimizer.current.positions;
         for (vertex, &w) in self.particles.inverse_mass().iter().enumerate() {

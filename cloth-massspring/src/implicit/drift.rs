@@ -53,30 +53,6 @@ impl Unconstrained {
         Self::of(pattern, &is_loose)
     }
 
-    /// Shifts each component of a displacement `p` (m) so that it solves a Newton system with the right-hand side `−∇G` (N) as far as
-    /// that says anything of translations: `Σ m p/s² = −Σ ∇G`.
-    pub(super) fn settle_displacement(
-        &self,
-        stage: &Stage<'_>,
-        gradient: &[Vec3],
-        displacement: &mut [Vec3],
-    ) {
-        let g = &stage.potential;
-        for component in &self.components {
-            let (mut mass, mut rest) = (0.0, Vec3::zeros());
-            for &vertex in component {
-                let vertex = vertex as usize;
-                let own = g.particles.mass()[vertex];
-                mass += own;
-                rest += gradient[vertex] * (g.dt * g.dt) + displacement[vertex] * own;
-            }
-            let shift = -rest / mass;
-            for &vertex in component {
-                displacement[vertex as usize] += shift;
-            }
-        }
-    }
-
     /// Shifts each component at an evaluated point to the minimum along its translations, and its gradient with it.
     pub(super) fn settle(&self, stage: &Stage<'_>, point: &mut Point) {
         let g = &stage.potential;

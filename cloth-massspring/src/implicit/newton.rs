@@ -77,13 +77,15 @@ pub(super) fn solve_once(
         stage.gradient_into(&points.current.positions, &mut points.current.gradient);
         points.current.value = 0.0;
         points.gradient_norm(task)?;
+        system.settle_momentum(stage, &mut points.current);
         system.assemble(stage, &points.current.positions);
         factorize(points, system, task, report)?;
         solve(points, system, task, report)?;
-        system.settle_momentum(stage, &points.current.gradient, &mut points.direction);
         for (x, p) in points.current.positions.iter_mut().zip(&points.direction) {
             *x += p;
         }
+        // What an iterative solver left of it.
+        system.settle_momentum(stage, &mut points.current);
         if let Some(observer) = observer {
             observer.iteration(1, &points.current.positions);
         }

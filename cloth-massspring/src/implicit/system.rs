@@ -15,6 +15,7 @@
 //! the step along it is long, and the saddle is left within a few iterations.
 
 use super::drift::Unconstrained;
+use super::line_search::Point;
 use super::stage::Stage;
 use crate::config::{HessianPolicy, ImplicitConfig};
 use crate::stability::{dot, noise};
@@ -222,9 +223,9 @@ impl NewtonSystem {
         Ok(report)
     }
 
-    /// Puts the momentum of unconstrained components right that an iterative solver leaves in the solution `p` (m) for a gradient (N).
-    pub(super) fn settle_momentum(&self, g: &Stage<'_>, gradient: &[Vec3], p: &mut [Vec3]) {
-        self.unconstrained.settle_displacement(g, gradient, p);
+    /// Puts the momentum of unconstrained components right at a point with its gradient.
+    pub(super) fn settle_momentum(&self, g: &Stage<'_>, point: &mut Point) {
+        self.unconstrained.settle(g, point);
     }
 
     /// Tries the exact Hessian at `x`.
