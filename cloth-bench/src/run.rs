@@ -10,7 +10,7 @@ use crate::scene::{Scene, Touch};
 use crate::settings::Settings;
 use cloth_collide::SeparationProbe;
 use cloth_core::air::Air;
-use cloth_core::contact::{ContactError, ContactSource, ContactStep};
+use cloth_core::contact::{ContactError, ContactPotential, ContactSource, ContactStep};
 use cloth_core::math::{Real, Vec3};
 use cloth_core::measure;
 use cloth_core::particles::State;
@@ -175,6 +175,10 @@ impl ContactSource for Timed {
 
     fn held(&self) -> usize {
         self.source.held()
+    }
+
+    fn potential(&mut self) -> Option<&mut dyn ContactPotential> {
+        self.source.potential()
     }
 
     fn work(&self) -> Real {

@@ -36,7 +36,7 @@
 //! |---|---|
 //! | d, ∂d, ∂²d, the convex part of −∂²d | [`Gap`] |
 //! | m(‖u × v‖²) for two edges u, v | [`Mollifier`] |
-//! | A b(d), A m b(d) as elements, with both derivatives | [`VertexTriangleBarrier`], [`EdgeEdgeBarrier`] |
+//! | A b(d), A m b(d) as elements, with both derivatives | [`VertexTriangleContact`], [`EdgeEdgeContact`] |
 //! | which act; Σ A b and its derivatives | `terms` |
 //! | H p = −∂F | `newton` |
 //! | largest safe part of a step | `guard` |
@@ -59,19 +59,14 @@
 
 mod builder;
 mod contacts;
-mod gap;
 mod guard;
 mod minimise;
-mod mollifier;
 mod newton;
-mod pair;
 mod terms;
 
+pub use crate::potential::{EdgeEdgeContact, Gap, Mollifier, VertexTriangleContact};
 pub use builder::BarrierBuilder;
 pub use contacts::{BarrierContacts, BarrierReport};
-pub use gap::Gap;
-pub use mollifier::Mollifier;
-pub use pair::{EdgeEdgeBarrier, VertexTriangleBarrier};
 
 #[cfg(doc)]
 use crate::obstacle::PenaltyLaw;

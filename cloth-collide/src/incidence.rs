@@ -1,5 +1,6 @@
 //! Who has which vertex and which edge, and who faces whom across an edge.
 
+use crate::sets::Sets;
 use cloth_core::mesh::TriMesh;
 
 /// Which of its own corners and edges a triangle speaks for. Edge k goes from corner k to the next one.
@@ -95,4 +96,17 @@ fn sorted_sides(triangles: &[[u32; 3]]) -> Vec<Side> {
         .collect();
     sides.sort_unstable();
     sides
+}
+
+/// A number for each vertex, the same for those that are connected.
+pub(crate) fn pieces(mesh: &TriMesh) -> Vec<u32> {
+    let mut sets = Sets::default();
+    sets.reset(mesh.vertex_count());
+    for &[a, b, c] in mesh.triangles() {
+        sets.join(a, b);
+        sets.join(b, c);
+    }
+    (0..mesh.vertex_count() as u32)
+        .map(|v| sets.of(v))
+        .collect()
 }

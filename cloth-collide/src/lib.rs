@@ -199,8 +199,10 @@ pub mod exact_queries;
 mod incidence;
 mod intersect;
 pub mod obstacle;
+pub mod potential;
 mod response;
 mod separation;
+mod sets;
 pub mod untangle;
 
 #[cfg(test)]

@@ -43,7 +43,6 @@ mod memory;
 mod pair;
 mod report;
 mod row;
-mod sets;
 mod sleep;
 mod solve;
 mod zones;
@@ -212,6 +211,16 @@ impl ClothContacts {
     /// The same, to move them. After each resolved step they have moved on by its time themselves.
     pub fn obstacles_mut(&mut self) -> Option<&mut ObstacleContacts> {
         self.obstacles.as_mut()
+    }
+
+    /// Takes over where a step has ended (m) that another method has taken on from the one resolved last: it is free of crossings.
+    pub(crate) fn accept(&mut self, positions: &[Vec3]) {
+        if let Some(cloth) = &mut self.cloth {
+            cloth.travelled(&self.seen, positions);
+            self.safe.clear();
+            self.safe.extend_from_slice(positions);
+        }
+        self.seen.copy_from_slice(positions);
     }
 
     fn tolerance(&self) -> Real {

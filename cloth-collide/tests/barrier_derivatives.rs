@@ -3,7 +3,7 @@
 #[path = "support/random.rs"]
 mod random;
 
-use cloth_collide::barrier::{EdgeEdgeBarrier, Gap, Mollifier, VertexTriangleBarrier};
+use cloth_collide::barrier::{EdgeEdgeContact, Gap, Mollifier, VertexTriangleContact};
 use cloth_collide::obstacle::PenaltyLaw;
 use cloth_core::check::{gradient_error, hessian_error, smallest_eigenvalue};
 use cloth_core::element::{Convexity, Energy};
@@ -15,16 +15,16 @@ fn v(x: f64, y: f64, z: f64) -> Vec3 {
     Vec3::new(x, y, z)
 }
 
-fn vertex_triangle() -> VertexTriangleBarrier {
-    VertexTriangleBarrier {
+fn vertex_triangle() -> VertexTriangleContact {
+    VertexTriangleContact {
         vertices: [0, 1, 2, 3],
         area: 0.7,
         law: PenaltyLaw::barrier(3.0, 1.0).unwrap(),
     }
 }
 
-fn edge_edge(squared_lengths: [f64; 2]) -> EdgeEdgeBarrier {
-    EdgeEdgeBarrier {
+fn edge_edge(squared_lengths: [f64; 2]) -> EdgeEdgeContact {
+    EdgeEdgeContact {
         vertices: [0, 1, 2, 3],
         area: 0.7,
         law: PenaltyLaw::barrier(3.0, 1.0).unwrap(),

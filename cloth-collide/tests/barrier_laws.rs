@@ -2,7 +2,7 @@
 
 use cloth_collide::SeparationProbe;
 use cloth_collide::barrier::BarrierContacts;
-use cloth_collide::barrier::{EdgeEdgeBarrier, Mollifier, VertexTriangleBarrier};
+use cloth_collide::barrier::{EdgeEdgeContact, Mollifier, VertexTriangleContact};
 use cloth_collide::obstacle::{HalfSpace, ImpactLaw, Obstacle, ObstacleContacts, PenaltyLaw};
 use cloth_core::contact::{ContactSource, ContactStep};
 use cloth_core::element::Energy;
@@ -303,7 +303,7 @@ fn forces(mesh: &TriMesh, x: &[Vec3]) -> Vec<Vec3> {
     };
     for v in 0..x.len() as u32 {
         for &[a, b, c] in mesh.triangles().iter().filter(|t| !t.contains(&v)) {
-            let pair = VertexTriangleBarrier {
+            let pair = VertexTriangleContact {
                 vertices: [v, a, b, c],
                 area: vertex_area[v as usize],
                 law,
@@ -320,7 +320,7 @@ fn forces(mesh: &TriMesh, x: &[Vec3]) -> Vec<Vec3> {
             if [c, d].contains(&a) || [c, d].contains(&b) {
                 continue;
             }
-            let pair = EdgeEdgeBarrier {
+            let pair = EdgeEdgeContact {
                 vertices: [a, b, c, d],
                 area: edge_area[i].min(edge_area[j]),
                 law,

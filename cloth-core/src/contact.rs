@@ -75,6 +75,12 @@ pub trait ContactSource {
         velocities: &mut [Vec3],
     ) -> Result<(), ContactError>;
 
+    /// The same contact as an energy, for a method that takes it into its own solve and does not call [`ContactSource::resolve`] then; nothing if the source knows only
+    /// the other way.
+    fn potential(&mut self) -> Option<&mut dyn ContactPotential> {
+        None
+    }
+
     /// Work (J) that moving bodies did on the cloth in the last resolved step; 0 for a source without any.
     fn work(&self) -> Real {
         0.0
@@ -90,6 +96,48 @@ pub trait ContactSource {
     fn held(&self) -> usize {
         0
     }
+}
+
+/// Contact as an energy that a method feels while it solves: a term of the function it minimises.
+///
+/// A step goes like this: [`ContactPotential::begin`]; then for every way that is about to be taken [`ContactPotential::limit`], and no further than it says;
+/// [`ContactPotential::add_gradient`] at places on the last way; [`ContactPotential::end`]. So every place that is accepted, and every straight way between two
+/// of them, is free of crossings.
+pub trait ContactPotential: fmt::Debug + Send + Sync {
+    /// Begins a step. `start` (m) is where the method would begin to iterate, with prescribed vertices where they will end; free ones are taken back from there
+    /// towards `step.from` as far as has to be.
+    ///
+    /// # Errors
+    /// If the start of the step is not in order, or prescribed vertices or obstacles have no free way.
+    fn begin(&mut self, step: &ContactStep<'_>, start: &mut [Vec3]) -> Result<(), ContactError>;
+
+    /// The part of the straight way from `from` to `to` (m) that is safe (dimensionless, 0..=1), and gets ready for places on it.
+    ///
+    /// # Errors
+    /// [`ContactError::NonFinite`].
+    fn limit(&mut self, from: &[Vec3], to: &[Vec3]) -> Result<Real, ContactError>;
+
+    /// Adds the gradient (N) of the energy at `x` (m), a place on the last way, to `out`, and returns the energy (J); infinite where something touches.
+    fn add_gradient(&self, x: &[Vec3], out: &mut [Vec3]) -> Real;
+
+    /// Appends to `out` what the second derivative at `x` (m), a place on the last way, is made of, without what would make it indefinite.
+    fn linearize(&self, x: &[Vec3], out: &mut Vec<ContactRow>);
+
+    /// Ends the step, which the method has ended at `x` (m) with velocities `v` (m/s): obstacles move on.
+    fn end(&mut self, x: &[Vec3], v: &[Vec3]);
+}
+
+/// One part of the second derivative of a contact energy: `k J Jᵀ`, with J the derivative of a distance by up to four vertices, `J_i = w_i n`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ContactRow {
+    /// The vertices.
+    pub vertices: [u32; 4],
+    /// w (dimensionless): zero for a vertex that does not take part.
+    pub weights: [Real; 4],
+    /// n (unit length).
+    pub normal: Vec3,
+    /// k (N/m), not negative.
+    pub stiffness: Real,
 }
 
 /// Why contact could not be resolved.

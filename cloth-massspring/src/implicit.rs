@@ -36,6 +36,7 @@ pub use bdf2::Bdf2;
 pub use builder::ImplicitBuilder;
 
 use crate::config::{ImplicitConfig, Solve, StartGuess};
+use cloth_core::contact::ContactStep;
 use cloth_core::family::Energies;
 use cloth_core::math::{Real, Vec3};
 use cloth_core::measure::IncrementalPotential;
@@ -209,6 +210,23 @@ impl Implicit {
         let drag = 1.0 / (1.0 + self.config.damping.air_drag * span.tau);
         self.predict(state, &input, span, drag, base);
         let mut report = StepReport::new(Outcome::Converged, 0);
+        // At the middle of a step nothing is known of its end.
+        let is_felt = span.place == Place::End && self.config.solve == Solve::QuasiNewton;
+        let mut contact = match &mut input.contacts {
+            Some(contacts) if is_felt => contacts.potential(),
+            _ => None,
+        };
+        if let Some(contact) = &mut contact {
+            let taken = ContactStep {
+                from: &state.positions,
+                inverse_mass: self.particles.inverse_mass(),
+                dt: input.dt,
+            };
+            let start = &mut self.minimizer.current.positions;
+            let begun = contact.begin(&taken, start);
+            begun.map_err(|reason| StepError::Contact { reason, step })?;
+        }
+        let is_felt = contact.is_some();
         if self.particles.free_count() > 0 {
             let task = Task {
                 stage: Stage {
@@ -219,12 +237,14 @@ impl Implicit {
                         dt: span.tau * drag.sqrt(),
                     },
                     damper: self.damper.as_ref(),
+                    contact: None,
                 },
                 config: &self.config,
                 before: &state.positions,
                 step,
             };
-            report = self.minimizer.minimize(&task, input.observer.take())?;
+            let observer = input.observer.take();
+            report = self.minimizer.minimize(&task, observer, contact)?;
         }
         let overflow = |vertex: &usize| {
             let [x, v] = self.end(*vertex, state, input.dt, span);
@@ -245,7 +265,13 @@ impl Implicit {
             &mut self.predicted,
             &mut self.base,
         );
-        input.resolve_contacts(state, w, x, v)?;
+        match &mut input.contacts {
+            Some(contacts) if is_felt => {
+                let potential = contacts.potential().into_iter();
+                potential.for_each(|contact| contact.end(x, v));
+            }
+            _ => input.resolve_contacts(state, w, x, v)?,
+        }
         state.positions.copy_from_slice(&self.predicted);
         state.velocities.copy_from_slice(&self.base);
         state.time += input.dt;

@@ -5,6 +5,7 @@ use crate::settings::{Parameter, Settings, parameter};
 use cloth_collide::ClothContacts;
 use cloth_collide::barrier::BarrierContacts;
 use cloth_collide::obstacle::{ImpactLaw, Obstacle, ObstacleContacts};
+use cloth_collide::potential::PotentialContacts;
 use cloth_core::contact::ContactSource;
 use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::TriMesh;
@@ -87,6 +88,7 @@ pub struct Touch {
 enum Response {
     Zones,
     Barrier,
+    Potential,
     None,
 }
 
@@ -106,6 +108,7 @@ impl Touch {
             &[
                 ("zones", Response::Zones),
                 ("barrier", Response::Barrier),
+                ("potential", Response::Potential),
                 ("none", Response::None),
             ],
         )?;
@@ -113,7 +116,7 @@ impl Touch {
         // is the thickness, and one of the obstacles would come on top of that.
         let kept = match response {
             Response::Barrier => 0.0,
-            Response::Zones | Response::None => thickness,
+            Response::Zones | Response::Potential | Response::None => thickness,
         };
         let mut contacts =
             ObstacleContacts::new(kept, 0.5 * thickness).map_err(BenchError::usage)?;
@@ -150,7 +153,11 @@ impl Touch {
     /// smaller, more iterations of the method do not. Where cloth falls, the default follows from the height.
     #[must_use]
     pub fn parts(&self) -> u32 {
-        if self.is_idle() { 1 } else { self.steps }
+        if self.is_idle() || self.response == Response::Potential {
+            1
+        } else {
+            self.steps
+        }
     }
 
     /// Whether there is nothing to touch, or nothing to be done about it.
@@ -171,6 +178,14 @@ impl Touch {
         if self.response == Response::Barrier {
             let contacts = BarrierContacts::builder(mesh)
                 .distance(self.thickness)
+                .obstacles(obstacles)
+                .self_collision(self.self_collision);
+            return Ok(Some(Box::new(contacts.build().map_err(BenchError::usage)?)));
+        }
+        if self.response == Response::Potential {
+            let contacts = PotentialContacts::builder(mesh)
+                .thickness(self.thickness)
+                .friction(self.friction)
                 .obstacles(obstacles)
                 .self_collision(self.self_collision);
             return Ok(Some(Box::new(contacts.build().map_err(BenchError::usage)?)));

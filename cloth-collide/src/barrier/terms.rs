@@ -1,11 +1,11 @@
 //! All barriers that act on a cloth: which pairs have one, their energy, and its derivatives.
 
-use super::gap::Gap;
-use super::mollifier::Mollifier;
-use super::pair::{EdgeEdgeBarrier, VertexTriangleBarrier};
 use crate::broad_phase::{ClothCandidates, Hierarchy};
 use crate::incidence::edge_numbers;
 use crate::obstacle::{Obstacle, PenaltyLaw};
+use crate::potential::Gap;
+use crate::potential::Mollifier;
+use crate::potential::{EdgeEdgeContact, VertexTriangleContact};
 use cloth_core::element::{Convexity, Element, Energy};
 use cloth_core::math::{Blocks, Mat3, Real, Vec3, gather};
 use cloth_core::mesh::TriMesh;
@@ -41,8 +41,8 @@ pub(super) struct Terms {
     is_free: Vec<bool>,
     /// Squared rest length of each edge (m²).
     edge_squared: Vec<Real>,
-    vertex_triangle: Vec<VertexTriangleBarrier>,
-    edge_edge: Vec<EdgeEdgeBarrier>,
+    vertex_triangle: Vec<VertexTriangleContact>,
+    edge_edge: Vec<EdgeEdgeContact>,
     /// Hessians (N/m) of the pairs that act at the last [`Terms::linearise`].
     pub(super) pairs: Vec<([u32; 4], Blocks<4>)>,
     pub(super) touches: Vec<Touch>,
@@ -110,7 +110,7 @@ impl Terms {
             let [a, b, c] = candidates.triangles()[triangle as usize];
             let vertices = [vertex, a, b, c];
             if can_move(&vertices) {
-                self.vertex_triangle.push(VertexTriangleBarrier {
+                self.vertex_triangle.push(VertexTriangleContact {
                     vertices,
                     area: self.vertex_area[vertex as usize],
                     law: self.law,
@@ -122,7 +122,7 @@ impl Terms {
             let vertices = [a, b, c, d];
             if can_move(&vertices) {
                 let [first, second] = pair.map(|e| self.edge_area[e as usize]);
-                self.edge_edge.push(EdgeEdgeBarrier {
+                self.edge_edge.push(EdgeEdgeContact {
                     vertices,
                     area: first.min(second),
                     law: self.law,

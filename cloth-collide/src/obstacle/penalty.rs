@@ -1,4 +1,4 @@
-//! Contact as an energy: a quadratic penalty, or a barrier.
+//! Contact as an energy: a quadratic penalty, a barrier, or the one joined to the other.
 
 use super::{Obstacle, ObstacleError, positive};
 use cloth_core::element::{Convexity, Element, Energy};
@@ -10,8 +10,13 @@ use cloth_core::math::{Blocks, Real, Vec3};
 /// |---|---|---|
 /// | quadratic | ½ k (h − φ)² | yields: a mass m rests mg/k below h, and passes through if pushed hard enough |
 /// | barrier | −k (φ − h)² ln(φ/h), ∞ for φ ≤ 0 | never yields, if no step leads through it: needs a line search that [`super::first_contact`] caps |
+/// | two-stage | ½ k (h − φ)² down to t = h/2, then ½ k t² − k t² ln(φ/t) | a spring of known stiffness under a weight, a barrier under an impact |
 ///
-/// The barrier is that of Li et al. 2020, equation (6): twice continuously differentiable at h, and convex.
+/// The barrier is that of Li et al. 2020, equation (6): twice continuously differentiable at h, and convex. The two-stage law is that of Chen et al. 2025,
+/// section 3.3: twice continuously differentiable at h/2, once at h.
+///
+/// - M. Li et al., Incremental potential contact, *ACM Transactions on Graphics* 39(4), 2020. DOI 10.1145/3386569.3392425
+/// - A. H. Chen, J. Hsu, Z. Liu, M. Macklin, Y. Yang and C. Yuksel, Offset geometric contact, *ACM Transactions on Graphics* 44(4), 2025. DOI 10.1145/3731205
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PenaltyLaw {
     kind: Kind,
@@ -23,6 +28,7 @@ pub struct PenaltyLaw {
 enum Kind {
     Quadratic,
     Barrier,
+    TwoStage,
 }
 
 /// Fraction of the range below which the derivatives of the barrier are those at just this fraction, to stay finite numbers.
@@ -43,6 +49,20 @@ impl PenaltyLaw {
     /// [`ObstacleError::NotPositive`].
     pub fn barrier(stiffness: Real, range: Real) -> Result<Self, ObstacleError> {
         Self::new(Kind::Barrier, stiffness, range)
+    }
+
+    /// A spring of `stiffness` k (N/m) that starts to push at the distance `range` h (m), and becomes a barrier at h/2.
+    ///
+    /// # Errors
+    /// [`ObstacleError::NotPositive`].
+    pub fn two_stage(stiffness: Real, range: Real) -> Result<Self, ObstacleError> {
+        Self::new(Kind::TwoStage, stiffness, range)
+    }
+
+    /// The same law with another `range` (m), which is positive.
+    #[must_use]
+    pub(crate) fn with_range(self, range: Real) -> Self {
+        Self { range, ..self }
     }
 
     fn new(kind: Kind, stiffness: Real, range: Real) -> Result<Self, ObstacleError> {
@@ -66,7 +86,15 @@ impl PenaltyLaw {
         match self.kind {
             _ if depth <= 0.0 => 0.0,
             Kind::Quadratic => 0.5 * k * depth * depth,
-            Kind::Barrier if gap <= 0.0 => Real::INFINITY,
+            Kind::Barrier | Kind::TwoStage if gap <= 0.0 => Real::INFINITY,
+            Kind::TwoStage => {
+                let joint = 0.5 * self.range;
+                if gap >= joint {
+                    0.5 * k * depth * depth
+                } else {
+                    k * joint * joint * (0.5 - (gap / joint).ln())
+                }
+            }
             Kind::Barrier => -k * depth * depth * (gap / self.range).ln(),
         }
     }
@@ -83,6 +111,14 @@ impl PenaltyLaw {
                 let (gap, past) = self.floored(gap);
                 -k * past * (2.0 * (gap / self.range).ln() + past / gap)
             }
+            Kind::TwoStage => {
+                let (joint, (gap, past)) = (0.5 * self.range, self.floored(gap));
+                if gap >= joint {
+                    k * past
+                } else {
+                    -k * joint * joint / gap
+                }
+            }
         }
     }
 
@@ -97,6 +133,10 @@ impl PenaltyLaw {
                 let (gap, past) = self.floored(gap);
                 let ratio = past / gap;
                 k * (ratio * ratio - 4.0 * ratio - 2.0 * (gap / self.range).ln())
+            }
+            Kind::TwoStage => {
+                let part = 0.5 * self.range / self.floored(gap).0;
+                k * (part * part).max(1.0)
             }
         }
     }

@@ -74,6 +74,19 @@ impl Obstacle {
         })
     }
 
+    /// The same shape, standing still where it is at time 0.
+    #[must_use]
+    pub(crate) fn stopped(&self) -> Self {
+        let pose = self.motion.pose;
+        Self {
+            shape: Arc::clone(&self.shape),
+            motion: RigidMotion {
+                pose,
+                ..RigidMotion::default()
+            },
+        }
+    }
+
     /// How it moves.
     #[must_use]
     pub fn motion(&self) -> &RigidMotion {

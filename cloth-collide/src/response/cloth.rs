@@ -2,11 +2,11 @@
 
 use super::pair::{Pair, nearest};
 use super::row::Row;
-use super::sets::Sets;
 use super::sleep::{Sleep, mean};
 use crate::broad_phase::{ClothCandidates, Hierarchy};
 use crate::ccd::QueryKind;
 use crate::error::CollideError;
+use crate::incidence::pieces;
 use cloth_core::math::{Real, Vec3, gather};
 use cloth_core::mesh::TriMesh;
 
@@ -205,17 +205,4 @@ impl Cloth {
         };
         kind << 62 | u64::from(a) << 31 | u64::from(b)
     }
-}
-
-/// A number for each vertex, the same for those that are connected.
-fn pieces(mesh: &TriMesh) -> Vec<u32> {
-    let mut sets = Sets::default();
-    sets.reset(mesh.vertex_count());
-    for &[a, b, c] in mesh.triangles() {
-        sets.join(a, b);
-        sets.join(b, c);
-    }
-    (0..mesh.vertex_count() as u32)
-        .map(|v| sets.of(v))
-        .collect()
 }

@@ -1,6 +1,6 @@
 //! Impact zones: parts of the cloth that move as rigid bodies for one step.
 
-use super::sets::Sets;
+use crate::sets::Sets;
 use cloth_core::math::{Mat3, Real, Vec3};
 use nalgebra::Rotation3;
 

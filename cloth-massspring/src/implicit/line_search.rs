@@ -51,7 +51,7 @@ pub(super) struct Found {
     pub(super) length: Real,
 }
 
-/// Moves `to` to `from + α direction`, `slope` (J) being that along the direction, with `α = 1` or the first smaller one that is accepted, and evaluates it there.
+/// Moves `to` to `from + α direction`, `slope` (J) being that along the direction, with `α = most` or the first smaller one that is accepted, and evaluates it there.
 ///
 /// Armijo's condition compares two values of `G`. Near the minimum they agree in all digits that are
 /// free of rounding, long before the gradient is as small as it can be. There the condition is put in terms of slopes,
@@ -62,9 +62,10 @@ pub(super) fn search(
     from: &Point,
     direction: &[Vec3],
     slope: Real,
+    most: Real,
     to: &mut Point,
 ) -> Found {
-    let mut length = 1.0;
+    let mut length = most;
     for backtracks in 0..MOST_TRIALS {
         for ((to, from), p) in to.positions.iter_mut().zip(&from.positions).zip(direction) {
             *to = from + p * length;

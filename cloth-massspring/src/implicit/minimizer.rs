@@ -7,6 +7,7 @@ use super::quasi_newton::QuasiNewton;
 use super::stage::Stage;
 use super::system::NewtonSystem;
 use crate::config::{Accept, ImplicitConfig, Solve};
+use cloth_core::contact::ContactPotential;
 use cloth_core::family::Energies;
 use cloth_core::math::{Real, Vec3};
 use cloth_core::particles::Particles;
@@ -28,7 +29,9 @@ pub(super) struct Minimizer {
     pub(super) current: Point,
     pub(super) next: Point,
     pub(super) direction: Vec<Vec3>,
-    /// Norm of the gradient at the prediction (N/√kg).
+    /// Norm of the gradient at the prediction, without contact (N/√kg).
+    predicted: Real,
+    /// The same, or that of the contact forces if it is larger.
     reference: Real,
     quasi_newton: Option<QuasiNewton>,
     /// Made when it is first needed.
@@ -67,6 +70,7 @@ impl Minimizer {
             current: Point::new(count),
             next: Point::new(count),
             direction: vec![Vec3::zeros(); count],
+            predicted: 0.0,
             reference: 0.0,
             quasi_newton: (!begins_with_newton)
                 .then(|| QuasiNewton::new(energies, is_free.clone())),
@@ -79,11 +83,13 @@ impl Minimizer {
         })
     }
 
-    /// Minimises the function of a stage, starting at `self.current.positions` and ending there; or takes one Newton step only.
+    /// Minimises the function of a stage, starting at `self.current.positions` and ending there; or takes one Newton step only. Contact is
+    /// felt by the quasi-Newton method alone.
     pub(super) fn minimize(
         &mut self,
         task: &Task<'_>,
         mut observer: Option<&mut dyn Observer>,
+        mut contact: Contact<'_>,
     ) -> Result<StepReport, StepError> {
         let mut report = StepReport::new(Outcome::Converged, 0);
         if task.config.solve == Solve::Linearized {
@@ -93,16 +99,29 @@ impl Minimizer {
         let stage = &task.stage;
         // The place of the gradient is free until the iteration starts.
         stage.gradient_into(stage.potential.predicted, &mut self.current.gradient);
-        self.reference = stage.gradient_norm(&self.current.gradient);
-        if let Some(quasi_newton) = &self.quasi_newton {
+        self.predicted = stage.gradient_norm(&self.current.gradient);
+        self.reference = self.predicted;
+        // What touches something does not go where its momentum alone would take it.
+        let is_alone = contact.is_none();
+        if let Some(quasi_newton) = self.quasi_newton.as_ref().filter(|_| is_alone) {
             quasi_newton.settle(stage, &mut self.current);
         }
-        self.current.evaluate(stage);
+        self.current.evaluate(&with(task, &contact));
         if let Some(mut quasi_newton) = self.quasi_newton.take() {
-            let end = self.iterate(&mut quasi_newton, task, &mut observer, &mut report);
-            quasi_newton.settle(stage, &mut self.current);
+            let method = &mut quasi_newton;
+            let end = self.iterate(method, task, &mut contact, &mut observer, &mut report);
+            if is_alone {
+                quasi_newton.settle(stage, &mut self.current);
+            }
             self.quasi_newton = Some(quasi_newton);
             match end? {
+                end if !is_alone => {
+                    report.outcome = match end {
+                        End::Done(outcome) => outcome,
+                        End::Stuck => Outcome::BudgetSpent,
+                    };
+                    return Ok(report);
+                }
                 End::Done(Outcome::Converged)
                     if task.config.accept == Accept::Minimum || task.config.tolerance < FINISH => {}
                 End::Done(outcome) => {
@@ -133,10 +152,10 @@ impl Minimizer {
         &mut self,
         method: &mut QuasiNewton,
         task: &Task<'_>,
+        contact: &mut Contact<'_>,
         observer: &mut Option<&mut dyn Observer>,
         report: &mut StepReport,
     ) -> Result<End, StepError> {
-        let stage = &task.stage;
         method.begin();
         // Not known before a matrix has been assembled.
         let mut rounding = 0.0;
@@ -164,9 +183,11 @@ impl Minimizer {
             } else {
                 &self.next.positions[..]
             };
-            if method.refresh(stage, &self.current, before, is_start) {
+            let stage = with(task, contact);
+            if method.refresh(&stage, &self.current, before, is_start) {
                 report.factorizations += 1;
                 rounding = stage.rounding(method.matrix(), &self.current.positions);
+                self.weigh_contact(&stage);
                 report.residual = Some(self.residual(norm, rounding));
                 if norm <= rounding {
                     return Ok(End::Done(Outcome::Converged));
@@ -176,8 +197,10 @@ impl Minimizer {
             report.linear_solves += 1;
             report.linear_iterations += 1;
             let slope = method.direction(&self.current.gradient, &mut self.direction);
+            let most = self.longest_step(task, contact)?;
+            let stage = with(task, contact);
             let (from, to) = (&self.current, &mut self.next);
-            let found = line_search::search(stage, from, &self.direction, slope, to);
+            let found = line_search::search(&stage, from, &self.direction, slope, most, to);
             report.backtracks += found.backtracks;
             if !found.accepted {
                 if norm <= STALL * rounding {
@@ -199,6 +222,35 @@ impl Minimizer {
                 observer.iteration(report.iterations, &self.current.positions);
             }
         }
+    }
+
+    /// Takes the contact forces at the current point as the scale of the gradient, where they are larger than what the prediction violates: a
+    /// sheet that lands flat has no elastic force there.
+    fn weigh_contact(&mut self, stage: &Stage<'_>) {
+        if let Some(contact) = stage.contact {
+            let forces = &mut self.direction;
+            forces.fill(Vec3::zeros());
+            contact.add_gradient(&self.current.positions, forces);
+            self.reference = self.predicted.max(stage.gradient_norm(forces));
+        }
+    }
+
+    /// The part of the direction that is free of crossings.
+    fn longest_step(
+        &mut self,
+        task: &Task<'_>,
+        contact: &mut Contact<'_>,
+    ) -> Result<Real, StepError> {
+        let Some(contact) = contact else {
+            return Ok(1.0);
+        };
+        let (from, to) = (&self.current.positions, &mut self.next.positions);
+        for ((to, x), p) in to.iter_mut().zip(from).zip(&self.direction) {
+            *to = x + p;
+        }
+        let step = task.step;
+        let limited = contact.limit(from, to);
+        limited.map_err(|reason| StepError::Contact { reason, step })
     }
 
     /// Norm (N/√kg) of the gradient of the current point, which is finite.
@@ -227,5 +279,16 @@ impl Minimizer {
         } else {
             0.0
         }
+    }
+}
+
+/// What the cloth touches, if it can touch anything.
+pub(super) type Contact<'a> = Option<&'a mut dyn ContactPotential>;
+
+/// The function of a stage with contact as it is now.
+fn with<'a>(task: &Task<'a>, contact: &'a Contact<'_>) -> Stage<'a> {
+    Stage {
+        contact: contact.as_deref().map(|contact| contact as &dyn ContactPotential),
+        ..task.stage
     }
 }

@@ -156,7 +156,7 @@ fn descend(
     solve(points, system, task, report)?;
     let (from, to) = (&points.current, &mut points.next);
     let slope = dot(&from.gradient, &points.direction);
-    let found = line_search::search(&task.stage, from, &points.direction, slope, to);
+    let found = line_search::search(&task.stage, from, &points.direction, slope, 1.0, to);
     report.backtracks += found.backtracks;
     Ok(found.accepted)
 }

@@ -5,6 +5,7 @@ use super::history::History;
 use super::line_search::Point;
 use super::stage::Stage;
 use cloth_core::block_matrix::BlockMatrix;
+use cloth_core::contact::{ContactPotential, ContactRow};
 use cloth_core::family::{Assembly, Energies};
 use cloth_core::math::{Real, Vec3};
 use cloth_core::multigrid::Multigrid;
@@ -24,6 +25,7 @@ pub(super) struct QuasiNewton {
     unconstrained: Unconstrained,
     multigrid: Option<Multigrid>,
     history: History,
+    rows: Vec<ContactRow>,
     work: Vec<Vec3>,
     /// Iterations in this step, and since the matrix was taken.
     iterations: u32,
@@ -38,6 +40,7 @@ impl QuasiNewton {
         Self {
             matrix: BlockMatrix::zeros(Arc::clone(assembly.pattern())),
             history: History::new(is_free.len()),
+            rows: Vec::new(),
             work: vec![Vec3::zeros(); is_free.len()],
             multigrid: None,
             unconstrained: Unconstrained::of_energies(energies, assembly.pattern(), &is_free),
@@ -71,6 +74,9 @@ impl QuasiNewton {
         let to = if is_start { before } else { x };
         let mixed = is_mixed.then_some([before, to]);
         stage.lumped_hessian_into(&self.assembly, x, mixed, &mut self.matrix);
+        if let Some(contact) = stage.contact {
+            self.add_contact(contact, x);
+        }
         let multigrid = self.multigrid.get_or_insert_with(|| {
             let rest = stage.potential.particles.rest_positions().unwrap_or(before);
             Multigrid::new(&self.matrix, &self.is_free, rest)
@@ -82,6 +88,25 @@ impl QuasiNewton {
         }
         self.age = 0;
         true
+    }
+
+    /// Adds the second derivative of contact at `x` (m), lumped: what a contact couples is added to the diagonal, so that contacts come and
+    /// go without another pattern, and the matrix stays above the exact one.
+    fn add_contact(&mut self, contact: &dyn ContactPotential, x: &[Vec3]) {
+        self.rows.clear();
+        contact.linearize(x, &mut self.rows);
+        let pattern = Arc::clone(self.matrix.shared_pattern());
+        let blocks = self.matrix.blocks_mut();
+        for row in &self.rows {
+            let sum: Real = row.weights.iter().map(|w| w.abs()).sum();
+            let across = row.normal * row.normal.transpose() * (row.stiffness * sum);
+            for (&vertex, weight) in row.vertices.iter().zip(row.weights) {
+                if weight != 0.0 {
+                    let diagonal = pattern.row(vertex as usize).end - 1;
+                    blocks[diagonal] += across * weight.abs();
+                }
+            }
+        }
     }
 
     /// The matrix (N/m) that was taken last.

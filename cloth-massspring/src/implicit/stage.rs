@@ -2,12 +2,14 @@
 
 use super::damper::Damper;
 use cloth_core::block_matrix::BlockMatrix;
+use cloth_core::contact::ContactPotential;
 use cloth_core::element::Convexity;
 use cloth_core::family::Assembly;
 use cloth_core::math::{Real, Vec3};
 use cloth_core::measure::IncrementalPotential;
 
-/// `‖x − x̂‖²_M / (2s²) + E(x) + damping`: inertia towards `x̂`, elasticity, and the resistance to the rate of strain.
+/// `‖x − x̂‖²_M / (2s²) + E(x) + damping + contact`: inertia towards `x̂`, elasticity, the resistance to the rate of strain, and what the
+/// cloth touches.
 ///
 /// The first two are [`IncrementalPotential`] with a goal `x̂` and a time `s` that depend on the integrator.
 #[derive(Clone, Copy, Debug)]
@@ -15,6 +17,8 @@ pub(super) struct Stage<'a> {
     pub(super) potential: IncrementalPotential<'a>,
     /// `None` without stiffness-proportional damping.
     pub(super) damper: Option<&'a Damper>,
+    /// `None` where there is nothing to touch.
+    pub(super) contact: Option<&'a dyn ContactPotential>,
 }
 
 impl Stage<'_> {
@@ -24,6 +28,11 @@ impl Stage<'_> {
         if let Some(damper) = self.damper {
             damper.add_gradient(x, out);
             value += damper.value(x);
+        }
+        if let Some(contact) = self.contact {
+            value += contact.add_gradient(x, out);
+        }
+        if self.damper.is_some() || self.contact.is_some() {
             let w = self.potential.particles.inverse_mass();
             for (out, _) in out.iter_mut().zip(w).filter(|(_, w)| **w == 0.0) {
                 *out = Vec3::zeros();

@@ -2,19 +2,19 @@
 
 /// Which vertices belong together.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Sets {
+pub(crate) struct Sets {
     parent: Vec<u32>,
 }
 
 impl Sets {
     /// Every vertex on its own.
-    pub(super) fn reset(&mut self, count: usize) {
+    pub(crate) fn reset(&mut self, count: usize) {
         self.parent.clear();
         self.parent.extend(0..count as u32);
     }
 
     /// The lowest vertex of the set of `vertex`.
-    pub(super) fn of(&mut self, vertex: u32) -> u32 {
+    pub(crate) fn of(&mut self, vertex: u32) -> u32 {
         let mut root = vertex;
         while self.parent[root as usize] != root {
             // Halves the way for those who come after.
@@ -26,7 +26,7 @@ impl Sets {
     }
 
     /// Joins the sets of two vertices.
-    pub(super) fn join(&mut self, a: u32, b: u32) {
+    pub(crate) fn join(&mut self, a: u32, b: u32) {
         let (a, b) = (self.of(a), self.of(b));
         self.parent[a.max(b) as usize] = a.min(b);
     }

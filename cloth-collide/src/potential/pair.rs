@@ -11,7 +11,7 @@ use cloth_core::math::{Blocks, Real, Vec3, make_semidefinite};
 /// Convex in the direction of n only: where a vertex is led around a corner, the second derivative of d, which the barrier multiplies by its
 /// negative slope, pulls it off. [`Convexity::GaussNewton`] leaves this out.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct VertexTriangleBarrier {
+pub struct VertexTriangleContact {
     /// The vertex, then the corners of the triangle.
     pub vertices: [u32; 4],
     /// Area A that the contact stands for (m²).
@@ -20,13 +20,13 @@ pub struct VertexTriangleBarrier {
     pub law: PenaltyLaw,
 }
 
-impl Element<4> for VertexTriangleBarrier {
+impl Element<4> for VertexTriangleContact {
     fn vertices(&self) -> [u32; 4] {
         self.vertices
     }
 }
 
-impl Energy<4> for VertexTriangleBarrier {
+impl Energy<4> for VertexTriangleContact {
     fn value(&self, x: &[Vec3; 4]) -> Real {
         self.area * self.law.energy(Gap::vertex_triangle(x).distance)
     }
@@ -45,7 +45,7 @@ impl Energy<4> for VertexTriangleBarrier {
 
 /// E = A m b(d) (J) of two edges, d their distance, m the [`Mollifier`] for parallel ones.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct EdgeEdgeBarrier {
+pub struct EdgeEdgeContact {
     /// The ends of one edge, then those of the other.
     pub vertices: [u32; 4],
     /// Area A that the contact stands for (m²).
@@ -56,13 +56,13 @@ pub struct EdgeEdgeBarrier {
     pub mollifier: Mollifier,
 }
 
-impl Element<4> for EdgeEdgeBarrier {
+impl Element<4> for EdgeEdgeContact {
     fn vertices(&self) -> [u32; 4] {
         self.vertices
     }
 }
 
-impl Energy<4> for EdgeEdgeBarrier {
+impl Energy<4> for EdgeEdgeContact {
     fn value(&self, x: &[Vec3; 4]) -> Real {
         let barrier = self.law.energy(Gap::edge_edge(x).distance);
         if barrier == 0.0 {

@@ -1,0 +1,417 @@
+//! The contact of a cloth as a potential.
+
+use super::gap::Gap;
+use super::near::Near;
+use crate::ccd::{ContinuousTest, Impact};
+use crate::error::CollideError;
+use crate::obstacle::{Obstacle, ObstacleContacts, PenaltyLaw, VertexPath, first_contact};
+use crate::response::ClothContacts;
+use cloth_core::contact::{ContactError, ContactPotential, ContactRow, ContactSource, ContactStep};
+use cloth_core::element::{Element, Energy};
+use cloth_core::math::{Real, Vec3, gather};
+use cloth_core::mesh::TriMesh;
+use cloth_core::step::BuildError;
+
+/// What a way leaves of each distance, or of the thickness where that is less.
+const SLACK: Real = 0.2;
+/// Ways longer than this many thicknesses, apart from what all vertices do together, are looked at in part.
+const LONGEST: Real = 10.0;
+/// The continuous test may end when this part of what is above that is left.
+const EARLY: Real = 0.1;
+/// Distances below this part of the coordinates cannot be relied on: positions on the way are rounded.
+const ROUNDING: Real = 64.0 * Real::EPSILON;
+
+/// Settings of [`PotentialContacts`], to begin with [`PotentialContacts::builder`].
+#[derive(Clone, Debug)]
+pub struct PotentialBuilder<'a> {
+    mesh: &'a TriMesh,
+    thickness: Real,
+    stiffness: Real,
+    friction: Real,
+    obstacles: Option<ObstacleContacts>,
+    self_collision: bool,
+}
+
+impl<'a> PotentialBuilder<'a> {
+    /// Distance h (m) at which contact begins.
+    #[must_use]
+    pub fn thickness(mut self, thickness: Real) -> Self {
+        self.thickness = thickness;
+        self
+    }
+
+    /// Stiffness κ (Pa/m): pressure per m that is missing to the thickness.
+    #[must_use]
+    pub fn stiffness(mut self, stiffness: Real) -> Self {
+        self.stiffness = stiffness;
+        self
+    }
+
+    /// Coefficient of friction μ (dimensionless) of cloth on cloth.
+    #[must_use]
+    pub fn friction(mut self, friction: Real) -> Self {
+        self.friction = friction;
+        self
+    }
+
+    /// What is in the way; its thickness should be that of the contact.
+    #[must_use]
+    pub fn obstacles(mut self, obstacles: ObstacleContacts) -> Self {
+        self.obstacles = Some(obstacles);
+        self
+    }
+
+    /// Whether the cloth touches itself (it does unless told otherwise). If not, nothing is built for it.
+    #[must_use]
+    pub fn self_collision(mut self, self_collision: bool) -> Self {
+        self.self_collision = self_collision;
+        self
+    }
+
+    /// Builds the contact source.
+    ///
+    /// # Errors
+    /// [`BuildError::InvalidSetting`] for a thickness or stiffness that is not positive and finite, or a friction that is negative.
+    pub fn build(self) -> Result<PotentialContacts, BuildError> {
+        let law = PenaltyLaw::two_stage(self.stiffness, self.thickness).map_err(|_| {
+            let is_stiff = self.stiffness > 0.0 && self.stiffness.is_finite();
+            let (name, value) = match is_stiff {
+                true => ("thickness of contact (m)", self.thickness),
+                false => ("stiffness of contact (Pa/m)", self.stiffness),
+            };
+            BuildError::InvalidSetting {
+                name,
+                value,
+                range: "positive and finite",
+            }
+        })?;
+        let mut zones = ClothContacts::builder(self.mesh)
+            .thickness(self.thickness)
+            .friction(self.friction)
+            .self_collision(self.self_collision);
+        if let Some(obstacles) = self.obstacles {
+            zones = zones.obstacles(obstacles);
+        }
+        let count = self.mesh.vertex_count();
+        Ok(PotentialContacts {
+            near: Near::new(self.mesh, law, self.self_collision),
+            zones: zones.build()?,
+            still: Vec::new(),
+            before: None,
+            scratch: vec![Vec3::zeros(); count],
+            energy: 0.0,
+            report: PotentialReport::default(),
+        })
+    }
+}
+
+/// What the last step took.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct PotentialReport {
+    /// Searches of the broad phase.
+    pub searches: u32,
+    /// Times that near pairs were chosen among the candidates.
+    pub choices: u32,
+    /// Ways that were asked for.
+    pub ways: u32,
+    /// Ways that were not safe to their end.
+    pub capped: u32,
+    /// Pairs, and vertices before obstacles, that were near at the end.
+    pub near: usize,
+}
+
+/// Contact of a cloth with itself and with obstacles, as a potential that methods take into their own solve; see the [chapter](super).
+///
+/// A method that does not know potentials calls [`ContactSource::resolve`], and gets impulses and impact zones.
+#[derive(Debug)]
+pub struct PotentialContacts {
+    near: Near,
+    /// Finds a way to begin a step that is free.
+    zones: ClothContacts,
+    /// The obstacles at the end of the step.
+    still: Vec<Obstacle>,
+    /// The obstacles before the step, in case it fails.
+    before: Option<ObstacleContacts>,
+    scratch: Vec<Vec3>,
+    energy: Real,
+    report: PotentialReport,
+}
+
+impl PotentialContacts {
+    /// Contact of the cloth `mesh` with itself: from 1 mm on, with 1e6 Pa/m and without friction.
+    #[must_use]
+    pub fn builder(mesh: &TriMesh) -> PotentialBuilder<'_> {
+        PotentialBuilder {
+            mesh,
+            thickness: 1e-3,
+            stiffness: 1e6,
+            friction: 0.0,
+            obstacles: None,
+            self_collision: true,
+        }
+    }
+
+    /// What the last step took.
+    #[must_use]
+    pub fn report(&self) -> PotentialReport {
+        self.report
+    }
+}
+
+impl ContactSource for PotentialContacts {
+    fn resolve(
+        &mut self,
+        step: &ContactStep<'_>,
+        positions: &mut [Vec3],
+        velocities: &mut [Vec3],
+    ) -> Result<(), ContactError> {
+        self.energy = 0.0;
+        self.zones.resolve(step, positions, velocities)
+    }
+
+    fn potential(&mut self) -> Option<&mut dyn ContactPotential> {
+        Some(self)
+    }
+
+    fn work(&self) -> Real {
+        self.zones.work()
+    }
+
+    fn potential_energy(&self) -> Real {
+        self.energy
+    }
+
+    fn held(&self) -> usize {
+        self.zones.held()
+    }
+}
+
+impl ContactPotential for PotentialContacts {
+    fn begin(&mut self, step: &ContactStep<'_>, start: &mut [Vec3]) -> Result<(), ContactError> {
+        let mut velocities = std::mem::take(&mut self.scratch);
+        let ends = start.iter().zip(step.from).zip(&mut velocities);
+        ends.for_each(|((end, from), v)| *v = (end - from) / step.dt);
+        self.before = self.zones.obstacles().cloned();
+        let wanted = start.to_vec();
+        let resolved = self.zones.resolve(step, start, &mut velocities);
+        self.scratch = velocities;
+        resolved?;
+        let _ = &wanted;
+        self.still.clear();
+        let obstacles = self.zones.obstacles().into_iter();
+        let still = obstacles
+            .flat_map(ObstacleContacts::obstacles)
+            .map(Obstacle::stopped);
+        self.still.extend(still);
+        self.near.begin(step.inverse_mass);
+        (self.near.searches, self.near.choices) = (self.near.searches.min(1), 0);
+        self.report = PotentialReport::default();
+        let is_still = self.zones.obstacles().is_none_or(|all| {
+            all.obstacles().all(|o| o.motion().is_still())
+        });
+        let pins = step.inverse_mass.iter().zip(step.from.iter().zip(&wanted));
+        let mut pins = pins.filter(|(w, _)| **w == 0.0);
+        if is_still && pins.all(|(_, (a, b))| a == b) && std::env::var("ZONES").is_err() {
+            self.near.prepare(step.from, &wanted, &self.still).map_err(not_finite)?;
+            let cap = self.cap(step.from, &wanted).map_err(not_finite)?;
+            for ((x, from), to) in start.iter_mut().zip(step.from).zip(&wanted) {
+                *x = if cap < 1.0 { from + (to - from) * cap } else { *to };
+            }
+        }
+        self.near
+            .prepare(start, start, &self.still)
+            .map_err(not_finite)
+    }
+
+    fn limit(&mut self, from: &[Vec3], to: &[Vec3]) -> Result<Real, ContactError> {
+        self.report.ways += 1;
+        let shift = super::near::mean(to) - super::near::mean(from);
+        let ways = from.iter().zip(to).map(|(a, b)| (b - a - shift).norm());
+        let longest = ways.fold(0.0, Real::max);
+        let share = (LONGEST * self.near.law().range() / longest).min(1.0);
+        if share < 1.0 {
+            let mut near_end = std::mem::take(&mut self.scratch);
+            let ways = from.iter().zip(to).zip(&mut near_end);
+            ways.for_each(|((a, b), end)| *end = a + (b - a) * share);
+            let safe = self.limit_short(from, &near_end);
+            self.scratch = near_end;
+            return Ok(share * safe?);
+        }
+        self.limit_short(from, to)
+    }
+
+    fn add_gradient(&self, x: &[Vec3], out: &mut [Vec3]) -> Real {
+        let mut sum = 0.0;
+        for pair in &self.near.vertex_triangle {
+            sum += add_pair(pair, x, out);
+        }
+        for pair in &self.near.edge_edge {
+            sum += add_pair(pair, x, out);
+        }
+        for &[vertex, number] in &self.near.vertex_obstacle {
+            let v = vertex as usize;
+            let at = self.still[number as usize].clearance(x[v], 0.0);
+            let law = self.near.law();
+            if at.value < law.range() {
+                let area = self.near.vertex_area[v];
+                sum += area * law.energy(at.value);
+                out[v] += at.gradient() * (area * law.slope(at.value));
+            }
+        }
+        sum
+    }
+
+    fn linearize(&self, x: &[Vec3], out: &mut Vec<ContactRow>) {
+        let mut push = |vertices, gap: Gap, area: Real, law: PenaltyLaw| {
+            let stiffness = area * law.curvature(gap.distance);
+            if stiffness > 0.0 {
+                out.push(ContactRow {
+                    vertices,
+                    weights: gap.weights,
+                    normal: gap.normal,
+                    stiffness,
+                });
+            }
+        };
+        for pair in &self.near.vertex_triangle {
+            let gap = Gap::vertex_triangle(&gather(x, pair.vertices));
+            push(pair.vertices, gap, pair.area, pair.law);
+        }
+        for pair in &self.near.edge_edge {
+            let places = gather(x, pair.vertices);
+            let gap = Gap::edge_edge(&places);
+            if gap.distance < pair.law.range() {
+                let area = pair.area * pair.mollifier.at(&places).value;
+                push(pair.vertices, gap, area, pair.law);
+            }
+        }
+        let law = self.near.law();
+        for &[vertex, number] in &self.near.vertex_obstacle {
+            let v = vertex as usize;
+            let at = self.still[number as usize].clearance(x[v], 0.0);
+            let stiffness =
+                self.near.vertex_area[v] * law.curvature(at.value) * at.slope * at.slope;
+            if stiffness > 0.0 {
+                out.push(ContactRow {
+                    vertices: [vertex; 4],
+                    weights: [1.0, 0.0, 0.0, 0.0],
+                    normal: at.normal,
+                    stiffness,
+                });
+            }
+        }
+    }
+
+    fn end(&mut self, x: &[Vec3], _: &[Vec3]) {
+        let mut unused = std::mem::take(&mut self.scratch);
+        self.energy = self.add_gradient(x, &mut unused);
+        self.scratch = unused;
+        self.before = None;
+        self.zones.accept(x);
+        self.report.searches = self.near.searches;
+        self.report.choices = self.near.choices;
+        let pairs = self.near.vertex_triangle.len() + self.near.edge_edge.len();
+        self.report.near = pairs + self.near.vertex_obstacle.len();
+    }
+}
+
+impl PotentialContacts {
+    /// The same as [`ContactPotential::limit`] for a way that is not too long to be looked at as a whole.
+    fn limit_short(&mut self, from: &[Vec3], to: &[Vec3]) -> Result<Real, ContactError> {
+        self.near.prepare(from, to, &self.still).map_err(not_finite)?;
+        let cap = self.cap(from, to).map_err(not_finite)?;
+        self.report.capped += u32::from(cap < 1.0);
+        Ok(cap)
+    }
+
+    /// The part of a way (m) on which every near pair keeps [`SLACK`] of its distance.
+    fn cap(&self, from: &[Vec3], to: &[Vec3]) -> Result<Real, CollideError> {
+        let mut cap: Real = 1.0;
+        for pair in &self.near.vertex_triangle {
+            let (a, b) = (gather(from, pair.vertices), gather(to, pair.vertices));
+            let distance = Gap::vertex_triangle(&a).distance;
+            let test = |test: &ContinuousTest| {
+                let corners = [[a[1], a[2], a[3]], [b[1], b[2], b[3]]];
+                test.vertex_triangle([a[0], b[0]], corners)
+            };
+            let way = approach(&a, &b, 1);
+            cap = cap.min(time(distance, pair.law.range(), way, &a, &b, test)?);
+        }
+        for pair in &self.near.edge_edge {
+            let (a, b) = (gather(from, pair.vertices), gather(to, pair.vertices));
+            let distance = Gap::edge_edge(&a).distance;
+            let test = |test: &ContinuousTest| {
+                let first = [[a[0], a[1]], [b[0], b[1]]];
+                test.edge_edge(first, [[a[2], a[3]], [b[2], b[3]]])
+            };
+            let way = approach(&a, &b, 2);
+            cap = cap.min(time(distance, pair.law.range(), way, &a, &b, test)?);
+        }
+        for &[vertex, number] in &self.near.vertex_obstacle {
+            let (a, b) = (from[vertex as usize], to[vertex as usize]);
+            let obstacle = &self.still[number as usize];
+            let gap = obstacle.clearance(a, 0.0).value;
+            let keep = SLACK * gap.min(self.near.law().range());
+            if keep <= ROUNDING * a.amax().max(b.amax()) {
+                cap = if a == b { cap } else { 0.0 };
+            } else if (b - a).norm() * obstacle.shape().lipschitz() >= gap - keep {
+                let path = VertexPath::straight(a, b, 1.0);
+                let hit = first_contact(obstacle, &path, 0.0, 1.0, keep);
+                cap = cap.min(hit.map_or(1.0, |hit| hit.time));
+            }
+        }
+        Ok(cap)
+    }
+}
+
+/// The most by which two pieces of four vertices, the first of which has `split`, can have come nearer (m) between two moments.
+fn approach(a: &[Vec3; 4], b: &[Vec3; 4], split: usize) -> Real {
+    let ways: [Vec3; 4] = std::array::from_fn(|k| b[k] - a[k]);
+    let mean = ways.iter().sum::<Vec3>() * 0.25;
+    let sizes = ways.map(|way| (way - mean).norm());
+    let most = |sizes: &[Real]| sizes.iter().fold(0.0, |a: Real, b| a.max(*b));
+    most(&sizes[..split]) + most(&sizes[split..])
+}
+
+/// The time (dimensionless, 0..=1) at which a pair's distance is down to [`SLACK`] of the `distance` (m) that it has at the start, or of
+/// the thickness; 1 if that does not happen. `way` bounds how far the pieces approach each other.
+fn time(
+    distance: Real,
+    thickness: Real,
+    way: Real,
+    a: &[Vec3; 4],
+    b: &[Vec3; 4],
+    test: impl Fn(&ContinuousTest) -> Result<Option<Impact>, CollideError>,
+) -> Result<Real, CollideError> {
+    let keep = SLACK * distance.min(thickness);
+    if way < distance - keep {
+        return Ok(1.0);
+    }
+    let size = a.iter().chain(b).map(Vec3::amax).fold(0.0, Real::max);
+    if keep <= ROUNDING * size {
+        return Ok(0.0);
+    }
+    let hit = test(&ContinuousTest::new(keep, EARLY)?)?;
+    Ok(hit.map_or(1.0, |hit| hit.time))
+}
+
+/// The error for coordinates too large to work with.
+fn not_finite(error: CollideError) -> ContactError {
+    match error {
+        CollideError::NonFinitePosition { vertex } => ContactError::NonFinite { vertex },
+        _ => ContactError::NonFinite { vertex: 0 },
+    }
+}
+
+/// Adds the gradient (N) of a pair, and returns its energy (J).
+#[inline]
+fn add_pair<E: Energy<4> + Element<4>>(pair: &E, x: &[Vec3], out: &mut [Vec3]) -> Real {
+    let vertices = pair.vertices();
+    let (value, gradient) = pair.value_and_gradient(&gather(x, vertices));
+    if value != 0.0 {
+        for (vertex, g) in vertices.iter().zip(gradient) {
+            out[*vertex as usize] += g;
+        }
+    }
+    value
+}
