@@ -27,6 +27,7 @@
 //! | how far the way is safe | `limit` |
 //! | Σ A φ, Σ A ∂φ | [`PotentialContacts`] |
 
+mod friction;
 mod gap;
 mod mollifier;
 mod near;

@@ -156,7 +156,7 @@ impl Near {
         self.ends.clear();
         self.ends.extend(to.iter().map(|x| x - both));
         let room = self.room.iter().fold(0.0, |a: Real, r| a.max(r[0]));
-        let room = room.min(CANDIDATE_ROOM * h) + PAIR_ROOM * h;
+        let room = (room.min(h) + h) * CANDIDATE_ROOM;
         candidates.update(from, &self.ends, h + 2.0 * room)?;
         self.middle = mean(from);
         self.searches += 1;

@@ -1,7 +1,8 @@
 //! The contact of a cloth as a potential.
 
+use super::friction::{Sticking, Stretched};
 use super::gap::Gap;
-use super::near::Near;
+use super::near::{Near, mean};
 use crate::ccd::{ContinuousTest, Impact};
 use crate::error::CollideError;
 use crate::obstacle::{Obstacle, ObstacleContacts, PenaltyLaw, VertexPath, first_contact};
@@ -16,6 +17,8 @@ use cloth_core::step::BuildError;
 const SLACK: Real = 0.2;
 /// Ways longer than this many thicknesses, apart from what all vertices do together, are looked at in part.
 const LONGEST: Real = 10.0;
+/// Way (in thicknesses) below which friction is a spring.
+const STICKING: Real = 1e-2;
 /// The continuous test may end when this part of what is above that is left.
 const EARLY: Real = 0.1;
 /// Distances below this part of the coordinates cannot be relied on: positions on the way are rounded.
@@ -95,9 +98,15 @@ impl<'a> PotentialBuilder<'a> {
         let count = self.mesh.vertex_count();
         Ok(PotentialContacts {
             near: Near::new(self.mesh, law, self.self_collision),
+            friction: self.friction,
+            sticking: Vec::new(),
+            stretched: Stretched::default(),
+            work: 0.0,
             zones: zones.build()?,
             still: Vec::new(),
-            before: None,
+            before: Vec::new(),
+            is_open: false,
+            wanted: Vec::new(),
             scratch: vec![Vec3::zeros(); count],
             energy: 0.0,
             report: PotentialReport::default(),
@@ -126,12 +135,22 @@ pub struct PotentialReport {
 #[derive(Debug)]
 pub struct PotentialContacts {
     near: Near,
+    /// Coefficient μ of cloth on cloth (dimensionless).
+    friction: Real,
+    sticking: Vec<Sticking>,
+    stretched: Stretched,
+    /// Of moving bodies in the last step (J).
+    work: Real,
     /// Finds a way to begin a step that is free.
     zones: ClothContacts,
     /// The obstacles at the end of the step.
     still: Vec<Obstacle>,
-    /// The obstacles before the step, in case it fails.
-    before: Option<ObstacleContacts>,
+    /// The obstacles before the step.
+    before: Vec<Obstacle>,
+    /// Whether a step has begun and not ended.
+    is_open: bool,
+    /// Where the method would begin to iterate (m).
+    wanted: Vec<Vec3>,
     scratch: Vec<Vec3>,
     energy: Real,
     report: PotentialReport,
@@ -166,7 +185,9 @@ impl ContactSource for PotentialContacts {
         velocities: &mut [Vec3],
     ) -> Result<(), ContactError> {
         self.energy = 0.0;
-        self.zones.resolve(step, positions, velocities)
+        self.zones.resolve(step, positions, velocities)?;
+        self.work = self.zones.work();
+        Ok(())
     }
 
     fn potential(&mut self) -> Option<&mut dyn ContactPotential> {
@@ -174,7 +195,7 @@ impl ContactSource for PotentialContacts {
     }
 
     fn work(&self) -> Real {
-        self.zones.work()
+        self.work
     }
 
     fn potential_energy(&self) -> Real {
@@ -188,15 +209,18 @@ impl ContactSource for PotentialContacts {
 
 impl ContactPotential for PotentialContacts {
     fn begin(&mut self, step: &ContactStep<'_>, start: &mut [Vec3]) -> Result<(), ContactError> {
-        let mut velocities = std::mem::take(&mut self.scratch);
-        let ends = start.iter().zip(step.from).zip(&mut velocities);
+        self.undo();
+        let ends = start.iter().zip(step.from).zip(&mut self.scratch);
         ends.for_each(|((end, from), v)| *v = (end - from) / step.dt);
-        self.before = self.zones.obstacles().cloned();
-        let wanted = start.to_vec();
-        let resolved = self.zones.resolve(step, start, &mut velocities);
-        self.scratch = velocities;
-        resolved?;
-        let _ = &wanted;
+        let mut wanted = std::mem::take(&mut self.wanted);
+        wanted.clear();
+        wanted.extend_from_slice(start);
+        self.before.clear();
+        let bodies = self.zones.obstacles().into_iter();
+        let bodies = bodies.flat_map(ObstacleContacts::obstacles);
+        self.before.extend(bodies.cloned());
+        self.zones.resolve(step, start, &mut self.scratch)?;
+        self.is_open = true;
         self.still.clear();
         let obstacles = self.zones.obstacles().into_iter();
         let still = obstacles
@@ -206,18 +230,21 @@ impl ContactPotential for PotentialContacts {
         self.near.begin(step.inverse_mass);
         (self.near.searches, self.near.choices) = (self.near.searches.min(1), 0);
         self.report = PotentialReport::default();
-        let is_still = self.zones.obstacles().is_none_or(|all| {
-            all.obstacles().all(|o| o.motion().is_still())
-        });
-        let pins = step.inverse_mass.iter().zip(step.from.iter().zip(&wanted));
-        let mut pins = pins.filter(|(w, _)| **w == 0.0);
-        if is_still && pins.all(|(_, (a, b))| a == b) && std::env::var("ZONES").is_err() {
-            self.near.prepare(step.from, &wanted, &self.still).map_err(not_finite)?;
+        self.near
+            .prepare(step.from, &wanted, &self.still)
+            .map_err(not_finite)?;
+        self.stick(step);
+        if self.is_still(step, &wanted) {
             let cap = self.cap(step.from, &wanted).map_err(not_finite)?;
             for ((x, from), to) in start.iter_mut().zip(step.from).zip(&wanted) {
-                *x = if cap < 1.0 { from + (to - from) * cap } else { *to };
+                *x = if cap < 1.0 {
+                    from + (to - from) * cap
+                } else {
+                    *to
+                };
             }
         }
+        self.wanted = wanted;
         self.near
             .prepare(start, start, &self.still)
             .map_err(not_finite)
@@ -225,7 +252,7 @@ impl ContactPotential for PotentialContacts {
 
     fn limit(&mut self, from: &[Vec3], to: &[Vec3]) -> Result<Real, ContactError> {
         self.report.ways += 1;
-        let shift = super::near::mean(to) - super::near::mean(from);
+        let shift = mean(to) - mean(from);
         let ways = from.iter().zip(to).map(|(a, b)| (b - a - shift).norm());
         let longest = ways.fold(0.0, Real::max);
         let share = (LONGEST * self.near.law().range() / longest).min(1.0);
@@ -257,6 +284,10 @@ impl ContactPotential for PotentialContacts {
                 sum += area * law.energy(at.value);
                 out[v] += at.gradient() * (area * law.slope(at.value));
             }
+        }
+        let reach = self.reach();
+        for sticking in &self.sticking {
+            sum += sticking.add_gradient(reach, x, out);
         }
         sum
     }
@@ -300,13 +331,21 @@ impl ContactPotential for PotentialContacts {
                 });
             }
         }
+        let reach = self.reach();
+        let sticking = self.sticking.iter();
+        out.extend(sticking.flat_map(|sticking| sticking.rows(reach, x)));
     }
 
     fn end(&mut self, x: &[Vec3], _: &[Vec3]) {
+        self.is_open = false;
+        let reach = self.reach();
+        self.stretched.replace(&self.sticking, reach, x);
+        self.work = self.work_of_bodies(x);
+        // Friction stores nothing that it gives back.
+        self.sticking.clear();
         let mut unused = std::mem::take(&mut self.scratch);
         self.energy = self.add_gradient(x, &mut unused);
         self.scratch = unused;
-        self.before = None;
         self.zones.accept(x);
         self.report.searches = self.near.searches;
         self.report.choices = self.near.choices;
@@ -316,9 +355,127 @@ impl ContactPotential for PotentialContacts {
 }
 
 impl PotentialContacts {
+    /// ε (m): the way below which friction is a spring.
+    fn reach(&self) -> Real {
+        STICKING * self.near.law().range()
+    }
+
+    /// Takes bodies back to where they were before a step that has begun and not ended.
+    fn undo(&mut self) {
+        if std::mem::take(&mut self.is_open) {
+            let bodies = self.zones.obstacles_mut().into_iter();
+            let bodies = bodies.flat_map(ObstacleContacts::obstacles_mut);
+            bodies
+                .zip(&self.before)
+                .for_each(|(body, before)| *body = before.clone());
+        }
+    }
+
+    /// Whether nothing moves but what is free to: the way to begin needs no help then.
+    fn is_still(&self, step: &ContactStep<'_>, wanted: &[Vec3]) -> bool {
+        let ends = step.inverse_mass.iter().zip(step.from.iter().zip(wanted));
+        let mut pins = ends.filter(|(w, _)| **w == 0.0);
+        let mut bodies = self.before.iter();
+        bodies.all(|body| body.motion().is_still()) && pins.all(|(_, (a, b))| a == b)
+    }
+
+    /// Finds the contacts at the start of a step that have friction in it.
+    fn stick(&mut self, step: &ContactStep<'_>) {
+        let Self {
+            near,
+            sticking,
+            stretched,
+            ..
+        } = self;
+        let x = step.from;
+        sticking.clear();
+        let mut push = |vertices: [u32; 4], gap: Gap, most: Real| {
+            if most > 0.0 {
+                let ends = vertices.iter().zip(gap.weights);
+                let point: Vec3 = ends.map(|(v, w)| x[*v as usize] * w).sum();
+                sticking.push(Sticking {
+                    key: vertices,
+                    vertices,
+                    weights: gap.weights,
+                    normal: gap.normal,
+                    most,
+                    origin: point - stretched.of(vertices),
+                });
+            }
+        };
+        for pair in &near.vertex_triangle {
+            let gap = Gap::vertex_triangle(&gather(x, pair.vertices));
+            let force = -pair.area * pair.law.slope(gap.distance);
+            push(pair.vertices, gap, self.friction * force);
+        }
+        for pair in &near.edge_edge {
+            let places = gather(x, pair.vertices);
+            let gap = Gap::edge_edge(&places);
+            if gap.distance < pair.law.range() {
+                let area = pair.area * pair.mollifier.at(&places).value;
+                let force = -area * pair.law.slope(gap.distance);
+                push(pair.vertices, gap, self.friction * force);
+            }
+        }
+        let laws = self.zones.obstacles().into_iter();
+        let laws = laws.flat_map(ObstacleContacts::pairs).map(|(_, law)| law);
+        let bodies = (0u32..).zip(self.before.iter().zip(&self.still).zip(laws));
+        for (number, ((before, after), law)) in bodies {
+            for (vertex, place) in (0u32..).zip(x) {
+                let v = vertex as usize;
+                if step.inverse_mass[v] == 0.0 || law.friction() == 0.0 {
+                    continue;
+                }
+                let at = before.clearance(*place, 0.0);
+                let force = -near.vertex_area[v] * near.law().slope(at.value) * at.slope;
+                if force > 0.0 {
+                    let key = [vertex, vertex, vertex, number];
+                    let moved = after.motion().pose;
+                    let moved = moved.to_world(before.motion().pose.to_local(*place));
+                    sticking.push(Sticking {
+                        key,
+                        vertices: [vertex; 4],
+                        weights: [1.0, 0.0, 0.0, 0.0],
+                        normal: at.normal,
+                        most: law.friction() * force,
+                        origin: moved - stretched.of(key),
+                    });
+                }
+            }
+        }
+    }
+
+    /// Work (J) that bodies did on the cloth, which has come to `x` (m): the force on each vertex times the way of the body there.
+    fn work_of_bodies(&self, x: &[Vec3]) -> Real {
+        let reach = self.reach();
+        let mut sum = 0.0;
+        for &[vertex, number] in &self.near.vertex_obstacle {
+            let (before, after) = (&self.before[number as usize], &self.still[number as usize]);
+            if before.motion().is_still() {
+                continue;
+            }
+            let v = vertex as usize;
+            let at = after.clearance(x[v], 0.0);
+            let local = after.motion().pose.to_local(x[v]);
+            let way = x[v] - before.motion().pose.to_world(local);
+            let force =
+                at.gradient() * (self.near.vertex_area[v] * self.near.law().slope(at.value));
+            let mut whole = -force;
+            let own = self.sticking.iter();
+            for sticking in own.filter(|s| s.key == [vertex, vertex, vertex, number]) {
+                let u = sticking.way(x);
+                whole -= u * (sticking.most / u.norm().max(reach));
+            }
+            sum += whole.dot(&way);
+        }
+        sum
+    }
+
     /// The same as [`ContactPotential::limit`] for a way that is not too long to be looked at as a whole.
     fn limit_short(&mut self, from: &[Vec3], to: &[Vec3]) -> Result<Real, ContactError> {
-        self.near.prepare(from, to, &self.still).map_err(not_finite)?;
+        self.near
+            .prepare(from, to, &self.still)
+            .map_err(not_finite)?;
         let cap = self.cap(from, to).map_err(not_finite)?;
         self.report.capped += u32::from(cap < 1.0);
         Ok(cap)

@@ -174,7 +174,7 @@ impl Minimizer {
             if report.iterations == task.config.max_iterations {
                 return Ok(End::Done(Outcome::BudgetSpent));
             }
-            if progress.is_too_slow(report.iterations, norm, enough) {
+            if contact.is_none() && progress.is_too_slow(report.iterations, norm, enough) {
                 return Ok(End::Stuck);
             }
             let is_start = report.iterations == 0;
@@ -288,7 +288,9 @@ pub(super) type Contact<'a> = Option<&'a mut dyn ContactPotential>;
 /// The function of a stage with contact as it is now.
 fn with<'a>(task: &Task<'a>, contact: &'a Contact<'_>) -> Stage<'a> {
     Stage {
-        contact: contact.as_deref().map(|contact| contact as &dyn ContactPotential),
+        contact: contact
+            .as_deref()
+            .map(|contact| contact as &dyn ContactPotential),
         ..task.stage
     }
 }

@@ -1,0 +1,98 @@
+//! Coulomb friction as a potential, with normal forces and directions from the start of the step.
+//!
+//! Friction has no energy, but friction under a normal force λ and in a tangent plane T that do not change has one (lagged friction, Li et al. 2020,
+//! section 5.4): μ λ f(‖u‖), with u the way of the contact point in the plane. f is quadratic below a small length ε, so that sticking is a spring of the stiffness μ λ/ε,
+//! and ‖u‖ − ε/2 beyond, where the force is μ λ. What the spring is stretched by at the end of a step is where it starts in the next: a cloth that sticks
+//! does not creep, whatever the number of steps.
+
+use cloth_core::contact::ContactRow;
+use cloth_core::math::{Real, Vec3};
+
+/// Friction of one contact during one step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Sticking {
+    /// What the contact is known by from step to step.
+    pub(super) key: [u32; 4],
+    /// The vertices, and the weights (dimensionless) of the difference of the two contact points.
+    pub(super) vertices: [u32; 4],
+    pub(super) weights: [Real; 4],
+    /// Unit normal, at right angles to which friction acts.
+    pub(super) normal: Vec3,
+    /// μ λ (N).
+    pub(super) most: Real,
+    /// Σ w x (m) at the start, moved along with the body if there is one, and back by what the spring was stretched by.
+    pub(super) origin: Vec3,
+}
+
+impl Sticking {
+    /// u (m) at `x` (m).
+    #[inline]
+    pub(super) fn way(&self, x: &[Vec3]) -> Vec3 {
+        let ends = self.vertices.iter().zip(self.weights);
+        let point: Vec3 = ends.map(|(v, w)| x[*v as usize] * w).sum();
+        let way = point - self.origin;
+        way - self.normal * self.normal.dot(&way)
+    }
+
+    /// Adds the gradient (N) at `x` (m) to `out`, and returns the energy (J). `reach` is ε (m).
+    pub(super) fn add_gradient(&self, reach: Real, x: &[Vec3], out: &mut [Vec3]) -> Real {
+        let way = self.way(x);
+        let length = way.norm();
+        let force = way * (self.most / length.max(reach));
+        for (v, w) in self.vertices.iter().zip(self.weights) {
+            out[*v as usize] += force * w;
+        }
+        if length < reach {
+            0.5 * self.most * length * length / reach
+        } else {
+            self.most * (length - 0.5 * reach)
+        }
+    }
+
+    /// The second derivative at `x` (m), and a little more: what it is across u is also taken along it.
+    pub(super) fn rows(&self, reach: Real, x: &[Vec3]) -> [ContactRow; 2] {
+        let stiffness = self.most / self.way(x).norm().max(reach);
+        // Any direction that is not nearly the normal.
+        let across = self
+            .normal
+            .cross(&Vec3::ith(self.normal.iamin(), 1.0))
+            .normalize();
+        [across, self.normal.cross(&across)].map(|normal| ContactRow {
+            vertices: self.vertices,
+            weights: self.weights,
+            normal,
+            stiffness,
+        })
+    }
+}
+
+/// What the springs of sticking contacts were stretched by at the end of a step.
+#[derive(Debug, Default)]
+pub(super) struct Stretched {
+    /// By vertices and obstacle, in rising order (m).
+    ways: Vec<([u32; 4], Vec3)>,
+}
+
+impl Stretched {
+    /// The stretch (m) of a contact, zero of a new one.
+    pub(super) fn of(&self, key: [u32; 4]) -> Vec3 {
+        let place = self.ways.binary_search_by_key(&key, |entry| entry.0);
+        place.map_or_else(|_| Vec3::zeros(), |place| self.ways[place].1)
+    }
+
+    /// Replaces all by those at `x` (m); `reach` is ε (m).
+    pub(super) fn replace(&mut self, all: &[Sticking], reach: Real, x: &[Vec3]) {
+        self.ways.clear();
+        self.ways.extend(all.iter().map(|sticking| {
+            let way = sticking.way(x);
+            let length = way.norm();
+            let kept = if length > reach {
+                way * (reach / length)
+            } else {
+                way
+            };
+            (sticking.key, kept)
+        }));
+        self.ways.sort_unstable_by_key(|entry| entry.0);
+    }
+}
