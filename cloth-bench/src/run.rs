@@ -233,7 +233,7 @@ impl<'a> Course<'a> {
             contacts.seconds = 0.0;
         }
         self.seconds = 0.0;
-        let parts = self.scene.parts();
+        let parts = self.scene.parts_with(stepper);
         let part = dt / Real::from(parts);
         let mut sum = self.part(stepper, state, part, balance.as_deref_mut())?;
         for _ in 1..parts {
@@ -347,7 +347,7 @@ pub fn run(
     let mut newton_fallbacks = 0;
     for step in 1..=steps {
         let taken = course.step(stepper, state, dt, Some(&mut balance));
-        let report = taken.map_err(|error| match scene.parts() {
+        let report = taken.map_err(|error| match scene.parts_with(stepper) {
             1 => error,
             // The method counts the parts.
             parts => BenchError::Failed(format!(

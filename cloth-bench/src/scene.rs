@@ -21,6 +21,7 @@ use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::TriMesh;
 use cloth_core::particles::State;
 use cloth_core::pin::Pins;
+use cloth_core::step::Stepper;
 use cloth_core::topology::EdgeTable;
 use contact::{FALLING, FALLING_ALONE, NOT_TOUCHING, PULLING, TOUCHING};
 use std::sync::Arc;
@@ -68,6 +69,13 @@ impl Scene {
     #[must_use]
     pub fn parts(&self) -> u32 {
         self.touch.as_ref().map_or(1, Touch::parts)
+    }
+
+    /// The same for a method that may feel contact in its own solve; see [`Touch::parts_with`].
+    #[must_use]
+    pub fn parts_with(&self, stepper: &dyn Stepper) -> u32 {
+        let touch = self.touch.as_ref();
+        touch.map_or(1, |touch| touch.parts_with(stepper))
     }
 
     /// Whether the cloth can touch anything.

@@ -16,6 +16,8 @@ mod energy;
 mod momentum;
 #[path = "contract/no_alloc.rs"]
 mod no_alloc;
+#[path = "contract/potential.rs"]
+mod potential;
 #[path = "contract/refuses.rs"]
 mod refuses;
 #[path = "contract/rest_state.rs"]

@@ -10,6 +10,12 @@ pub trait Stepper: Send {
     /// Name of the method, as `cloth-bench list` shows it.
     fn name(&self) -> &'static str;
 
+    /// Whether it feels contact while it solves ([`ContactSource::potential`]); if not, contact acts after its step, and
+    /// short steps are better.
+    fn feels_contact(&self) -> bool {
+        false
+    }
+
     /// Advances `state` by `input.dt`.
     ///
     /// # Errors

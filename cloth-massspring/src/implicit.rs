@@ -125,6 +125,10 @@ impl Stepper for ImplicitEuler {
         }
     }
 
+    fn feels_contact(&self) -> bool {
+        self.0.feels_contact()
+    }
+
     fn step(&mut self, state: &mut State, input: StepInput<'_>) -> Result<StepReport, StepError> {
         input.check(state, self.0.particles.len())?;
         self.0.advance_euler(state, input)
@@ -185,6 +189,11 @@ struct Implicit {
 }
 
 impl Implicit {
+    /// Whether contact is part of the minimisation.
+    fn feels_contact(&self) -> bool {
+        self.config.solve == Solve::QuasiNewton
+    }
+
     /// A step of implicit Euler.
     fn advance_euler(
         &mut self,
@@ -211,7 +220,7 @@ impl Implicit {
         self.predict(state, &input, span, drag, base);
         let mut report = StepReport::new(Outcome::Converged, 0);
         // At the middle of a step nothing is known of its end.
-        let is_felt = span.place == Place::End && self.config.solve == Solve::QuasiNewton;
+        let is_felt = span.place == Place::End && self.feels_contact();
         let mut contact = match &mut input.contacts {
             Some(contacts) if is_felt => contacts.potential(),
             _ => None,

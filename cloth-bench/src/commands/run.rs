@@ -237,7 +237,10 @@ fn simulate(
                     ("scene", json!(scene.name)),
                     ("method", json!(method.name)),
                     ("vertices", json!(vertices)),
-                    ("steps", json!(state.steps / u64::from(scene.parts()))),
+                    (
+                        "steps",
+                        json!(state.steps / u64::from(scene.parts_with(&*stepper))),
+                    ),
                     ("finite", json!(state.first_non_finite().is_none())),
                     ("error", json!(error.to_string())),
                 ],

@@ -9,11 +9,12 @@ use cloth_collide::potential::PotentialContacts;
 use cloth_core::contact::ContactSource;
 use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::TriMesh;
+use cloth_core::step::Stepper;
 
 pub(crate) const CONTACT: Parameter = parameter(
     "contact",
-    "zones",
-    "how contact is resolved: zones (impulses, then impact zones), barrier (of the given thickness, without friction) or none",
+    "potential",
+    "how contact acts: potential (part of the solve of implicit-euler and bdf2; after the step of other methods, as zones), zones (impulses, then impact zones, after the step), barrier (of the given thickness, without friction, after the step) or none",
 );
 pub(crate) const SELF: Parameter = parameter(
     "self",
@@ -75,6 +76,8 @@ pub(crate) const NOT_TOUCHING: &[Parameter] =
 pub struct Touch {
     response: Response,
     steps: u32,
+    /// Whether the settings say how many.
+    has_steps: bool,
     self_collision: bool,
     thickness: Real,
     friction: Real,
@@ -86,9 +89,9 @@ pub struct Touch {
 /// How contact is resolved.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Response {
+    Potential,
     Zones,
     Barrier,
-    Potential,
     None,
 }
 
@@ -106,9 +109,9 @@ impl Touch {
         let response = settings.choice(
             &CONTACT,
             &[
+                ("potential", Response::Potential),
                 ("zones", Response::Zones),
                 ("barrier", Response::Barrier),
-                ("potential", Response::Potential),
                 ("none", Response::None),
             ],
         )?;
@@ -133,11 +136,13 @@ impl Touch {
             }
         }
         if response == Response::Barrier {
-            settings.refuse_without(&FRICTION, "contact=zones: the barrier knows none")?;
+            settings.refuse_without(&FRICTION, "another contact: the barrier knows none")?;
         }
+        let given = settings.get(CONTACT_STEPS.name);
         Ok(Self {
             response,
             steps,
+            has_steps: given.is_some_and(|steps| steps != FALL_STEPS.default),
             self_collision,
             thickness,
             friction,
@@ -153,10 +158,17 @@ impl Touch {
     /// smaller, more iterations of the method do not. Where cloth falls, the default follows from the height.
     #[must_use]
     pub fn parts(&self) -> u32 {
-        if self.is_idle() || self.response == Response::Potential {
+        if self.is_idle() { 1 } else { self.steps }
+    }
+
+    /// The same for a method that may feel contact in its own solve: it needs no parts, and has none unless the settings ask for them.
+    #[must_use]
+    pub fn parts_with(&self, stepper: &dyn Stepper) -> u32 {
+        let feels = self.response == Response::Potential && stepper.feels_contact();
+        if feels && !self.has_steps {
             1
         } else {
-            self.steps
+            self.parts()
         }
     }
 

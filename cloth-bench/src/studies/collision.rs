@@ -107,8 +107,9 @@ struct Ran {
     summary: Option<run::Summary>,
     remark: String,
     seen: Watched,
-    /// Steps taken.
+    /// Steps taken, and the parts of each.
     steps: usize,
+    parts: usize,
     /// Time (s) and positions (m) at the end.
     time: Real,
     positions: Vec<[Real; 3]>,
@@ -126,6 +127,7 @@ fn ran(scene: &Scene, steps: u32, method: &str) -> Result<Ran, BenchError> {
         steps,
         |_, state, _| watch.look(state),
     );
+    let parts = scene.parts_with(&*stepper);
     let (summary, remark) = match outcome {
         Ok(summary) => (Some(summary), String::new()),
         Err(error) => (None, error.to_string()),
@@ -134,7 +136,8 @@ fn ran(scene: &Scene, steps: u32, method: &str) -> Result<Ran, BenchError> {
         summary,
         remark,
         seen: watch.seen(),
-        steps: (state.steps / u64::from(scene.parts())) as usize,
+        steps: (state.steps / u64::from(parts)) as usize,
+        parts: parts as usize,
         time: state.time,
         positions: state.positions.into_iter().map(Into::into).collect(),
     })
@@ -188,7 +191,7 @@ fn run_scenes(
                 Cell::from(method),
                 Cell::from(ran.positions.len()),
                 Cell::from(ran.steps),
-                Cell::from(scene.parts() as usize),
+                Cell::from(ran.parts),
                 Cell::from(of(|s| s.ms_per_step_median)),
                 Cell::from(of(|s| s.contact_ms_median)),
                 Cell::from(summary.as_ref().map(|s| s.held_parts as usize)),

@@ -101,6 +101,10 @@ impl Stepper for Bdf2 {
         "bdf2"
     }
 
+    fn feels_contact(&self) -> bool {
+        self.implicit.feels_contact()
+    }
+
     fn step(&mut self, state: &mut State, input: StepInput<'_>) -> Result<StepReport, StepError> {
         input.check(state, self.implicit.particles.len())?;
         let dt = input.dt;

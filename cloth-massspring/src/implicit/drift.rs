@@ -55,23 +55,40 @@ impl Unconstrained {
 
     /// Shifts each component at an evaluated point to the minimum along its translations, and its gradient with it.
     pub(super) fn settle(&self, stage: &Stage<'_>, point: &mut Point) {
-        let g = &stage.potential;
-        let per_time = 1.0 / (g.dt * g.dt);
         for component in &self.components {
-            let (mut mass, mut moment) = (0.0, Vec3::zeros());
-            for &vertex in component {
-                let vertex = vertex as usize;
-                let own = g.particles.mass()[vertex];
-                mass += own;
-                moment += (point.positions[vertex] - g.predicted[vertex]) * own;
-            }
-            let shift = -moment / mass;
-            for &vertex in component {
-                let vertex = vertex as usize;
-                point.positions[vertex] += shift;
-                point.gradient[vertex] += shift * (g.particles.mass()[vertex] * per_time);
-            }
+            shift_to_minimum(component.iter().copied(), stage, point);
         }
+    }
+
+    /// The same for components that touch each other and nothing else: all of them are shifted as one. If something holds a
+    /// vertex nothing is done.
+    pub(super) fn settle_together(&self, stage: &Stage<'_>, point: &mut Point) {
+        let count: usize = self.components.iter().map(Vec::len).sum();
+        if count == point.positions.len() {
+            shift_to_minimum(0..count as u32, stage, point);
+        }
+    }
+}
+
+fn shift_to_minimum(
+    vertices: impl Iterator<Item = u32> + Clone,
+    stage: &Stage<'_>,
+    point: &mut Point,
+) {
+    let g = &stage.potential;
+    let per_time = 1.0 / (g.dt * g.dt);
+    let (mut mass, mut moment) = (0.0, Vec3::zeros());
+    for vertex in vertices.clone() {
+        let vertex = vertex as usize;
+        let own = g.particles.mass()[vertex];
+        mass += own;
+        moment += (point.positions[vertex] - g.predicted[vertex]) * own;
+    }
+    let shift = -moment / mass;
+    for vertex in vertices {
+        let vertex = vertex as usize;
+        point.positions[vertex] += shift;
+        point.gradient[vertex] += shift * (g.particles.mass()[vertex] * per_time);
     }
 }
 

@@ -112,6 +112,8 @@ impl Minimizer {
             let end = self.iterate(method, task, &mut contact, &mut observer, &mut report);
             if is_alone {
                 quasi_newton.settle(stage, &mut self.current);
+            } else {
+                quasi_newton.settle_together(stage, &mut self.current);
             }
             self.quasi_newton = Some(quasi_newton);
             match end? {

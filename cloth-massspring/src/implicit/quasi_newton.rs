@@ -55,6 +55,7 @@ impl QuasiNewton {
     pub(super) fn begin(&mut self) {
         self.history.clear();
         (self.iterations, self.age) = (0, 0);
+        self.rows.clear();
     }
 
     /// Takes the matrix anew at `current` if it is time. `before` is the iterate before, or the start of the step (m). Returns
@@ -146,6 +147,14 @@ impl QuasiNewton {
     /// Puts the momentum of unconstrained components right at an evaluated point.
     pub(super) fn settle(&self, stage: &Stage<'_>, point: &mut Point) {
         self.unconstrained.settle(stage, point);
+    }
+
+    /// The same where components may touch each other, but nothing else, as the contacts of the last matrix say.
+    pub(super) fn settle_together(&self, stage: &Stage<'_>, point: &mut Point) {
+        let is_internal = |row: &ContactRow| row.weights.iter().sum::<Real>().abs() < 0.5;
+        if self.rows.iter().all(is_internal) {
+            self.unconstrained.settle_together(stage, point);
+        }
     }
 
     /// Forgets the pairs, and takes the matrix anew in the next iteration. Returns whether that changes anything.

@@ -1,0 +1,277 @@
+//! The laws of contact, where a method feels it while it solves.
+
+use cloth_collide::SeparationProbe;
+use cloth_collide::obstacle::{HalfSpace, ImpactLaw, Obstacle, ObstacleContacts, Sphere};
+use cloth_collide::potential::PotentialContacts;
+use cloth_core::cloth::{Cloth, ClothModel, Membrane};
+use cloth_core::contact::ContactSource;
+use cloth_core::math::{Real, Vec3};
+use cloth_core::measure::{gravitational_energy, kinetic_energy};
+use cloth_core::mesh::TriMesh;
+use cloth_core::mesh::generate::{Diagonals, grid};
+use cloth_core::particles::State;
+use cloth_core::step::{Outcome, StepInput, Stepper};
+use cloth_massspring::{Bdf2, ImplicitConfig, ImplicitEuler};
+
+const DENSITY: Real = 0.2;
+const GRAVITY: Real = 9.81;
+const THICKNESS: Real = 2e-3;
+/// κ (Pa/m).
+const STIFFNESS: Real = 1e6;
+
+fn model(mesh: &TriMesh) -> ClothModel {
+    let cloth = Cloth {
+        areal_density: DENSITY,
+        membrane: Membrane::SpringStiffness(1e4),
+        bending_rigidity: 1e-5,
+    };
+    cloth.on(mesh).unwrap()
+}
+
+fn tight() -> ImplicitConfig {
+    ImplicitConfig {
+        tolerance: 1e-10,
+        ..ImplicitConfig::default()
+    }
+}
+
+fn implicit_euler(model: &ClothModel, config: ImplicitConfig) -> Box<dyn Stepper> {
+    let builder = ImplicitEuler::builder(&model.particles).config(config);
+    let builder = builder.energy(model.springs.clone()).unwrap();
+    let builder = builder.energy(model.hinges.clone()).unwrap();
+    Box::new(builder.build().unwrap())
+}
+
+fn bdf2(model: &ClothModel, config: ImplicitConfig) -> Box<dyn Stepper> {
+    let builder = Bdf2::builder(&model.particles).config(config);
+    let builder = builder.energy(model.springs.clone()).unwrap();
+    let builder = builder.energy(model.hinges.clone()).unwrap();
+    Box::new(builder.build().unwrap())
+}
+
+fn contacts(mesh: &TriMesh, obstacle: Option<Obstacle>, friction: Real) -> PotentialContacts {
+    let law = ImpactLaw::new(friction, 0.0).unwrap();
+    let mut bodies = ObstacleContacts::new(THICKNESS, 0.5 * THICKNESS).unwrap();
+    if let Some(obstacle) = obstacle {
+        bodies = bodies.with(obstacle, law);
+    }
+    let builder = PotentialContacts::builder(mesh)
+        .thickness(THICKNESS)
+        .stiffness(STIFFNESS)
+        .friction(friction)
+        .obstacles(bodies);
+    builder.build().unwrap()
+}
+
+/// Takes `steps` steps of 1/60 s.
+fn run(
+    stepper: &mut dyn Stepper,
+    contacts: &mut PotentialContacts,
+    state: &mut State,
+    steps: u32,
+    mut after: impl FnMut(&State, &PotentialContacts),
+) {
+    for _ in 0..steps {
+        let input = StepInput::new(1.0 / 60.0).gravity(Vec3::z() * -GRAVITY);
+        stepper.step(state, input.contacts(contacts)).unwrap();
+        after(state, contacts);
+    }
+}
+
+fn floor() -> Obstacle {
+    Obstacle::new(HalfSpace::new(Vec3::z()).unwrap())
+}
+
+/// A sheet at rest on a floor: the gap is h − ρ g/κ, whatever the pattern, the resolution and the integrator, and the potential holds ½ (ρ g)²/κ per area.
+#[test]
+fn sheet_rests_where_its_weight_says() {
+    let gap = THICKNESS - DENSITY * GRAVITY / STIFFNESS;
+    for (n, pattern) in [
+        (9, Diagonals::Alternating),
+        (17, Diagonals::OneWay),
+        (33, Diagonals::Alternating),
+    ] {
+        let mesh = grid(n, n, 0.5, 0.5, pattern).unwrap();
+        let model = model(&mesh);
+        for make in [implicit_euler, bdf2] {
+            let mut stepper = make(&model, tight());
+            let mut contacts = contacts(&mesh, Some(floor()), 0.0);
+            let lifted = mesh.positions().iter().map(|x| x + Vec3::z() * THICKNESS);
+            let mut state = State::at_rest(lifted.collect());
+            run(&mut *stepper, &mut contacts, &mut state, 60, |_, _| {});
+            let error = |x: &Vec3| (x.z - gap).abs();
+            let worst = state.positions.iter().map(error).fold(0.0, Real::max);
+            assert!(worst < 1e-11, "{n} vertices a side: {worst:e}");
+            let energy = 0.5 * (DENSITY * GRAVITY).powi(2) / STIFFNESS * 0.25;
+            let stored = contacts.potential_energy();
+            assert!((stored / energy - 1.0).abs() < 1e-4, "{stored:e} J");
+        }
+    }
+}
+
+/// A sheet on a slope of 30°: slides by a Δt² n (n + 1)/2 with a = g (sin α − μ cos α) if that is positive, and sticks otherwise, a hundredth of the thickness
+/// times tan α/μ below where it began, for ever.
+#[test]
+fn sheet_on_a_slope_slides_or_sticks() {
+    let angle = 30f64.to_radians();
+    let (sin, cos) = angle.sin_cos();
+    let mesh = grid(9, 9, 1.0, 1.0, Diagonals::Alternating).unwrap();
+    let model = model(&mesh);
+    let gap = THICKNESS - DENSITY * GRAVITY * cos / STIFFNESS;
+    let place = |x: &Vec3| Vec3::new(x.x * cos - gap * sin, x.y, x.x * sin + gap * cos);
+    let start: Vec<Vec3> = mesh.positions().iter().map(place).collect();
+    let way = |state: &State| {
+        let ways = state.positions.iter().zip(&start);
+        let sum: Real = ways
+            .map(|(x, from)| (from - x).dot(&Vec3::new(cos, 0.0, sin)))
+            .sum();
+        sum / start.len() as Real
+    };
+    for friction in [0.0, 0.3, 0.6] {
+        let mut stepper = implicit_euler(&model, tight());
+        let slope = Obstacle::new(HalfSpace::new(Vec3::new(-sin, 0.0, cos)).unwrap());
+        let mut contacts = contacts(&mesh, Some(slope), friction);
+        let mut state = State::at_rest(start.clone());
+        let steps = 20;
+        run(&mut *stepper, &mut contacts, &mut state, steps, |_, _| {});
+        let pull = GRAVITY * (sin - friction * cos);
+        let n = Real::from(steps);
+        let expected = if pull > 0.0 {
+            pull * n * (n + 1.0) / 7200.0
+        } else {
+            1e-2 * THICKNESS * sin / (friction * cos)
+        };
+        let found = way(&state);
+        assert!(
+            (found / expected - 1.0).abs() < 1e-6,
+            "μ = {friction}: {found:e} m for {expected:e} m"
+        );
+        if pull < 0.0 {
+            run(&mut *stepper, &mut contacts, &mut state, 100, |_, _| {});
+            assert!((way(&state) - found).abs() < 1e-12);
+        }
+    }
+}
+
+/// Three sheets above each other at rest: the gap below each carries the weight of those above it.
+#[test]
+fn stack_carries_its_weight() {
+    let one = grid(7, 7, 0.3, 0.3, Diagonals::Alternating).unwrap();
+    let (count, sheets) = (one.vertex_count(), 3);
+    let mut positions = Vec::new();
+    let mut triangles = Vec::new();
+    for sheet in 0..sheets {
+        let up = Vec3::z() * (THICKNESS * (sheet + 1) as Real);
+        positions.extend(one.positions().iter().map(|x| x + up));
+        let shift = (sheet * count) as u32;
+        triangles.extend(one.triangles().iter().map(|t| t.map(|v| v + shift)));
+    }
+    let mesh = TriMesh::new(positions, triangles).unwrap();
+    let model = model(&mesh);
+    let mut stepper = implicit_euler(&model, tight());
+    let mut contacts = contacts(&mesh, Some(floor()), 0.3);
+    let mut state = State::at_rest(mesh.positions().to_vec());
+    let mut probe = SeparationProbe::new(&mesh);
+    run(&mut *stepper, &mut contacts, &mut state, 120, |state, _| {
+        assert_eq!(
+            probe.measure(&state.positions).unwrap().intersecting_pairs,
+            0
+        );
+    });
+    let pressure = DENSITY * GRAVITY;
+    let lowest = &state.positions[..count];
+    // Three sheets press the lowest one down; vertices at its edges carry what is above them, like all others.
+    let mean = lowest.iter().map(|x| x.z).sum::<Real>() / count as Real;
+    let area: Real = model.particles.mass()[..count].iter().sum::<Real>() / DENSITY;
+    let force: Real = lowest
+        .iter()
+        .zip(model.particles.mass())
+        .map(|(x, m)| STIFFNESS * (THICKNESS - x.z) * m / DENSITY)
+        .sum();
+    assert!(
+        (force / (3.0 * pressure * area) - 1.0).abs() < 1e-6,
+        "{force} N"
+    );
+    assert!(
+        (mean - (THICKNESS - 3.0 * pressure / STIFFNESS)).abs() < 1e-6,
+        "{mean}"
+    );
+    let speed = state.velocities.iter().map(Vec3::norm).fold(0.0, Real::max);
+    assert!(speed < 1e-6, "{speed} m/s");
+}
+
+/// A sheet falls on a ball and wraps it, in steps of 1/60 s: converged, without a crossing, with all vertices outside, and without energy from nowhere.
+#[test]
+fn sheet_falls_on_a_ball() {
+    let mesh = grid(17, 17, 1.0, 1.0, Diagonals::Alternating).unwrap();
+    let lifted = |x: &Vec3| x + Vec3::new(-0.5, -0.5, 0.15);
+    let mesh = TriMesh::new(
+        mesh.positions().iter().map(lifted).collect(),
+        mesh.triangles().to_vec(),
+    )
+    .unwrap();
+    let model = model(&mesh);
+    let energies = model.energies().unwrap();
+    let gravity = Vec3::z() * -GRAVITY;
+    let total = |state: &State, stored: Real| {
+        kinetic_energy(&model.particles, &state.velocities)
+            + gravitational_energy(&model.particles, &state.positions, gravity)
+            + energies.value(&state.positions)
+            + stored
+    };
+    let ball = Obstacle::new(Sphere::new(0.1).unwrap());
+    let mut contacts = contacts(&mesh, Some(ball.clone()), 0.3);
+    let mut stepper = implicit_euler(&model, ImplicitConfig::default());
+    let mut state = State::at_rest(mesh.positions().to_vec());
+    let mut probe = SeparationProbe::new(&mesh);
+    let start = total(&state, 0.0);
+    for step in 1..=40 {
+        let input = StepInput::new(1.0 / 60.0).gravity(gravity);
+        let report = stepper
+            .step(&mut state, input.contacts(&mut contacts))
+            .unwrap();
+        assert_eq!(report.outcome, Outcome::Converged, "step {step}");
+        let seen = probe.measure(&state.positions).unwrap();
+        assert_eq!(seen.intersecting_pairs, 0, "step {step}");
+        let clearance = |x: &Vec3| ball.clearance(*x, 0.0).value;
+        let least = state.positions.iter().map(clearance).fold(1.0, Real::min);
+        assert!(least > 0.0, "step {step}: {least} m");
+        let now = total(&state, contacts.potential_energy());
+        assert!(now <= start + 1e-9, "step {step}: {} J", now - start);
+    }
+    let strain = cloth_core::measure::Strain::of(&model.springs, &state.positions);
+    assert!(strain.max < 0.02, "{}", strain.max);
+}
+
+/// Two sheets meet in free flight: linear momentum is kept, and they do not come apart faster than they met.
+#[test]
+fn sheets_that_meet_keep_their_momentum() {
+    let one = grid(9, 9, 0.4, 0.4, Diagonals::Alternating).unwrap();
+    let count = one.vertex_count();
+    let mut positions = one.positions().to_vec();
+    let over = |x: &Vec3| x + Vec3::new(0.013, 0.007, 0.02);
+    positions.extend(one.positions().iter().map(over));
+    let mut triangles = one.triangles().to_vec();
+    triangles.extend(one.triangles().iter().map(|t| t.map(|v| v + count as u32)));
+    let mesh = TriMesh::new(positions, triangles).unwrap();
+    let model = model(&mesh);
+    let mut stepper = implicit_euler(&model, tight());
+    let mut contacts = contacts(&mesh, None, 0.0);
+    let mut state = State::at_rest(mesh.positions().to_vec());
+    state.velocities[count..].fill(Vec3::new(0.0, 0.0, -1.0));
+    let momentum = |state: &State| -> Vec3 {
+        let both = state.velocities.iter().zip(model.particles.mass());
+        both.map(|(v, m)| v * *m).sum()
+    };
+    let before = momentum(&state);
+    for _ in 0..10 {
+        let input = StepInput::new(1.0 / 60.0).contacts(&mut contacts);
+        stepper.step(&mut state, input).unwrap();
+    }
+    let change = (momentum(&state) - before).norm() / before.norm();
+    assert!(change < 1e-14, "{change:e}");
+    let mean = |v: &[Vec3]| v.iter().map(|v| v.z).sum::<Real>() / v.len() as Real;
+    let apart = mean(&state.velocities[count..]) - mean(&state.velocities[..count]);
+    // They meet at 1 m/s; what is left of that is the bending of rims that hang over.
+    assert!(apart.abs() < 5e-3, "{apart} m/s");
+}

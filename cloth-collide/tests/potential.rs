@@ -1,0 +1,207 @@
+//! The contact potential of a whole cloth: its derivatives, which ways are safe, and that it begins anew after a step that failed.
+
+#[path = "support/random.rs"]
+mod random;
+
+use cloth_collide::SeparationProbe;
+use cloth_collide::obstacle::{
+    ImpactLaw, Obstacle, ObstacleContacts, PenaltyLaw, RigidMotion, Sphere,
+};
+use cloth_collide::potential::PotentialContacts;
+use cloth_core::contact::{ContactPotential, ContactStep};
+use cloth_core::math::{Real, Vec3};
+use cloth_core::mesh::TriMesh;
+use cloth_core::mesh::generate::{Diagonals, grid};
+use random::Random;
+
+const THICKNESS: Real = 0.05;
+
+/// Two waved sheets above each other, nearer than the thickness in places, and a ball below them that they touch.
+fn layers(random: &mut Random) -> TriMesh {
+    let one = grid(6, 6, 0.5, 0.5, Diagonals::Alternating).unwrap();
+    let count = one.vertex_count() as u32;
+    let mut positions = Vec::new();
+    let mut triangles = Vec::new();
+    for sheet in 0..2 {
+        let height = 0.035 * Real::from(sheet);
+        let mut place = |x: &Vec3| x + Vec3::new(0.02 * height, 0.013, height) + random.point(4e-3);
+        positions.extend(one.positions().iter().map(&mut place));
+        triangles.extend(one.triangles().iter().map(|t| t.map(|v| v + count * sheet)));
+    }
+    TriMesh::new(positions, triangles).unwrap()
+}
+
+fn contacts(mesh: &TriMesh, friction: Real, motion: RigidMotion) -> PotentialContacts {
+    let ball = Sphere::new(0.2).unwrap();
+    let law = ImpactLaw::new(friction, 0.0).unwrap();
+    let bodies = ObstacleContacts::new(THICKNESS, 0.0).unwrap();
+    let builder = PotentialContacts::builder(mesh)
+        .thickness(THICKNESS)
+        .stiffness(1e4)
+        .friction(friction)
+        .obstacles(bodies.with(Obstacle::moving(ball, motion).unwrap(), law));
+    builder.build().unwrap()
+}
+
+/// Below the middle of the sheets, 3 cm from the lower one.
+fn below() -> RigidMotion {
+    let mut motion = RigidMotion::default();
+    motion.pose.position = Vec3::new(0.25, 0.25, -0.23);
+    motion
+}
+
+fn begin(contacts: &mut PotentialContacts, x: &[Vec3]) {
+    let mut start = x.to_vec();
+    let inverse_mass = vec![1.0; x.len()];
+    let step = ContactStep {
+        from: x,
+        inverse_mass: &inverse_mass,
+        dt: 0.01,
+    };
+    contacts.begin(&step, &mut start).unwrap();
+    assert_eq!(contacts.limit(x, x).unwrap(), 1.0);
+}
+
+#[test]
+fn gradient_is_that_of_the_energy_and_rows_are_its_change() {
+    let mut random = Random::new(7);
+    let mesh = layers(&mut random);
+    for friction in [0.0, 0.4] {
+        let x = mesh.positions().to_vec();
+        let mut contacts = contacts(&mesh, friction, below());
+        begin(&mut contacts, &x);
+        // Friction has to have a way to resist.
+        let shift = |x: &Vec3, random: &mut Random| x + random.point(1e-3);
+        let at: Vec<Vec3> = x.iter().map(|x| shift(x, &mut random)).collect();
+        assert_eq!(contacts.limit(&x, &at).unwrap(), 1.0);
+        let value = |x: &[Vec3]| {
+            let mut unused = vec![Vec3::zeros(); x.len()];
+            contacts.add_gradient(x, &mut unused)
+        };
+        let mut gradient = vec![Vec3::zeros(); x.len()];
+        assert!(contacts.add_gradient(&at, &mut gradient) > 1e-3);
+        let size = gradient.iter().map(Vec3::amax).fold(0.0, Real::max);
+        // So short that it hardly meets a place where the second derivative jumps.
+        let step = 1e-8;
+        let mut touched = 0;
+        for vertex in 0..x.len() {
+            for axis in 0..3 {
+                let moved = |by: Real| {
+                    let mut x = at.clone();
+                    x[vertex][axis] += by;
+                    value(&x)
+                };
+                let difference = (moved(step) - moved(-step)) / (2.0 * step);
+                let found = gradient[vertex][axis];
+                touched += u32::from(found != 0.0);
+                assert!(
+                    (difference - found).abs() < 1e-6 * size,
+                    "{difference} {found}"
+                );
+            }
+        }
+        assert!(touched > 100, "{touched} entries");
+
+        // Rows leave out what would make the Hessian indefinite, and add to it across friction: they bound it from above.
+        let mut rows = Vec::new();
+        contacts.linearize(&at, &mut rows);
+        for _ in 0..20 {
+            let p: Vec<Vec3> = x.iter().map(|_| random.point(1.0)).collect();
+            let at_end =
+                |by: Real| -> Vec<Vec3> { at.iter().zip(&p).map(|(x, p)| x + p * by).collect() };
+            let slope = |by: Real| {
+                let x = at_end(by);
+                let mut gradient = vec![Vec3::zeros(); x.len()];
+                contacts.add_gradient(&x, &mut gradient);
+                gradient.iter().zip(&p).map(|(g, p)| g.dot(p)).sum::<Real>()
+            };
+            let curvature = (slope(1e-7) - slope(-1e-7)) / 2e-7;
+            let by_rows: Real = rows
+                .iter()
+                .map(|row| {
+                    let ends = row.vertices.iter().zip(row.weights);
+                    let along: Real = ends.map(|(v, w)| w * row.normal.dot(&p[*v as usize])).sum();
+                    row.stiffness * along * along
+                })
+                .sum();
+            assert!(
+                by_rows > 0.0 && by_rows >= curvature * (1.0 - 1e-4),
+                "{by_rows} {curvature}"
+            );
+        }
+    }
+}
+
+/// The quadratic range is a spring, the barrier goes on from it with the same slope and curvature, and the derivatives are those of the energy.
+#[test]
+fn two_stage_law_is_joined_twice_differentiably() {
+    let (stiffness, range) = (1e6, 2e-3);
+    let law = PenaltyLaw::two_stage(stiffness, range).unwrap();
+    assert_eq!(law.energy(range), 0.0);
+    assert_eq!(law.slope(0.8 * range), -stiffness * (range - 0.8 * range));
+    assert_eq!(law.energy(0.0), Real::INFINITY);
+    let joint = 0.5 * range;
+    let (above, below) = (joint * (1.0 + 1e-12), joint * (1.0 - 1e-12));
+    for of in [PenaltyLaw::energy, PenaltyLaw::slope, PenaltyLaw::curvature] {
+        let (a, b) = (of(&law, above), of(&law, below));
+        assert!((a / b - 1.0).abs() < 1e-11, "{a} {b}");
+    }
+    for part in [0.01, 0.1, 0.3, 0.49, 0.51, 0.9] {
+        let (d, step) = (part * range, 1e-6 * part * range);
+        let slope = (law.energy(d + step) - law.energy(d - step)) / (2.0 * step);
+        let curvature = (law.slope(d + step) - law.slope(d - step)) / (2.0 * step);
+        assert!((slope / law.slope(d) - 1.0).abs() < 1e-8);
+        assert!((curvature / law.curvature(d) - 1.0).abs() < 1e-8);
+    }
+}
+
+/// Random ways, short and long, are cut where the layers would cross or the ball would be entered, and not elsewhere.
+#[test]
+fn ways_are_cut_before_anything_crosses() {
+    let mut random = Random::new(11);
+    let mut cut = 0;
+    for _ in 0..60 {
+        let mesh = layers(&mut random);
+        let mut x = mesh.positions().to_vec();
+        let mut contacts = contacts(&mesh, 0.2, below());
+        begin(&mut contacts, &x);
+        let mut probe = SeparationProbe::new(&mesh);
+        for size in [1e-3, 0.1, 1e-2, 2.0, 0.05] {
+            let to: Vec<Vec3> = x.iter().map(|x| x + random.point(size)).collect();
+            let most = contacts.limit(&x, &to).unwrap();
+            assert!((0.0..=1.0).contains(&most));
+            cut += u32::from(most < 1.0);
+            for (x, to) in x.iter_mut().zip(&to) {
+                *x += (to - *x) * most;
+            }
+            let seen = probe.measure(&x).unwrap();
+            assert_eq!(seen.intersecting_pairs, 0);
+            let centre = Vec3::new(0.25, 0.25, -0.23);
+            assert!(x.iter().all(|x| (x - centre).norm() > 0.2));
+            let mut unused = vec![Vec3::zeros(); x.len()];
+            assert!(contacts.add_gradient(&x, &mut unused).is_finite());
+        }
+    }
+    assert!(cut > 100, "{cut} ways");
+}
+
+/// A step that has begun and did not end leaves no trace: a body that moves is where it was when the next one begins.
+#[test]
+fn step_that_failed_leaves_bodies_where_they_were() {
+    let mesh = layers(&mut Random::new(3));
+    let motion = RigidMotion {
+        velocity: Vec3::new(0.0, 0.0, -1.0),
+        ..below()
+    };
+    let x = mesh.positions().to_vec();
+    let energy = |begun: u32| {
+        let mut contacts = contacts(&mesh, 0.0, motion);
+        for _ in 0..begun {
+            begin(&mut contacts, &x);
+        }
+        let mut unused = vec![Vec3::zeros(); x.len()];
+        contacts.add_gradient(&x, &mut unused)
+    };
+    assert!(energy(1) > 0.0);
+    assert_eq!(energy(1), energy(5));
+}
