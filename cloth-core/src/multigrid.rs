@@ -39,6 +39,7 @@ mod galerkin;
 mod level;
 mod mesh_levels;
 mod prolongation;
+mod rank_one;
 mod weights;
 
 pub use mesh_levels::{CoarseLevel, coarse_levels};
@@ -46,6 +47,7 @@ pub use prolongation::Prolongation;
 
 use crate::block_matrix::{BlockMatrix, BlockPattern};
 use crate::chunked::map_reduce;
+use crate::contact::ContactRow;
 use crate::math::{Mat3, Real, Vec3};
 use blocks::Block;
 use coarsening::{Coarsening, Graph, coarsen};
@@ -122,6 +124,14 @@ impl Multigrid {
     /// # Panics
     /// If the matrix has another number of blocks.
     pub fn refresh(&mut self, matrix: &BlockMatrix) -> bool {
+        self.refresh_with(matrix, &[])
+    }
+
+    /// The same with additions of rank one, which need not be on the pattern.
+    ///
+    /// # Panics
+    /// If the matrix has another number of blocks, or a vertex does not exist.
+    pub fn refresh_with(&mut self, matrix: &BlockMatrix, added: &[ContactRow]) -> bool {
         let finest = &mut self.levels[0];
         assert_eq!(
             matrix.blocks().len(),
@@ -141,6 +151,15 @@ impl Multigrid {
         for (number, (_, galerkin)) in self.transfers.iter().enumerate() {
             let (fine, coarse) = self.levels.split_at_mut(number + 1);
             galerkin.apply(&fine[number].blocks, &mut coarse[0].blocks);
+        }
+        let finest = &mut self.levels[0];
+        let mut own = std::mem::take(&mut finest.rank_one);
+        own.set(added, finest.is_free());
+        finest.rank_one = own;
+        for (number, (prolongation, _)) in self.transfers.iter().enumerate() {
+            let (fine, coarse) = self.levels.split_at_mut(number + 1);
+            let coarse = &mut coarse[0].rank_one;
+            coarse.restrict(&fine[number].rank_one, prolongation);
         }
         self.levels.iter_mut().for_each(Level::prepare);
         if let (Some(coarsest), Some(level)) = (&mut self.coarsest, self.levels.last()) {

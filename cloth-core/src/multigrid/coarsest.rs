@@ -46,6 +46,10 @@ impl Coarsest {
                 }
             }
         }
+        level.rank_one.for_each_block(|row, column, block| {
+            let mut place = dense.fixed_view_mut::<3, 3>(3 * row, 3 * column);
+            place += block;
+        });
         self.factor = Cholesky::new(dense);
         if self.factor.is_none() {
             let size = self.right_hand_side.len();

@@ -8,6 +8,7 @@
 
 use super::blocks::{Block, Lanes, lanes, minus, plus, vector};
 use super::prolongation::Prolongation;
+use super::rank_one::RankOne;
 use crate::block_matrix::BlockPattern;
 use crate::chunked::map_reduce;
 use crate::math::{Mat3, Vec3};
@@ -29,6 +30,8 @@ pub(super) struct Level {
     between: Vec<(u32, u32)>,
     /// Whether all blocks are symmetric, as those of springs are.
     is_symmetric: bool,
+    /// What is added to the matrix beside its blocks.
+    pub(super) rank_one: RankOne,
     /// Right-hand side (N), solution (m) and residual (N).
     pub(super) right_hand_side: Vec<Lanes>,
     pub(super) solution: Vec<Lanes>,
@@ -54,6 +57,7 @@ impl Level {
             between,
             is_free,
             is_symmetric: false,
+            rank_one: RankOne::default(),
             pattern,
         }
     }
@@ -85,6 +89,7 @@ impl Level {
         );
         self.is_symmetric = asymmetric == 0.0;
         let (pattern, blocks, is_free) = (&self.pattern, &self.blocks, &self.is_free);
+        let added = (!self.rank_one.is_empty()).then_some(&self.rank_one);
         map_reduce(
             &mut self.inverse[..],
             #[inline(always)]
@@ -92,7 +97,10 @@ impl Level {
                 for (row, inverse) in (start..).zip(inverse) {
                     *inverse = Block::ZERO;
                     if is_free[row] {
-                        let block = blocks[pattern.row(row).end - 1].to_double();
+                        let mut block = blocks[pattern.row(row).end - 1].to_double();
+                        if let Some(added) = added {
+                            block += added.diagonal(row);
+                        }
                         *inverse = Block::from(&block.try_inverse().unwrap_or_else(Mat3::zeros));
                     }
                 }
@@ -134,6 +142,12 @@ impl Level {
         let mut solution = std::mem::take(&mut self.solution);
         let mut residual = std::mem::take(&mut self.residual);
         let (x, t) = (&mut solution[..], &mut residual[..]);
+        if !self.rank_one.is_empty() {
+            self.sweep_with_rank_one::<false>(x, t);
+            self.couple(&solution, &mut residual);
+            (self.solution, self.residual) = (solution, residual);
+            return;
+        }
         match self.is_symmetric {
             true => self.sweep::<false, true>(0, x, t),
             false => self.sweep::<false, false>(0, x, t),
@@ -150,6 +164,11 @@ impl Level {
         residual.copy_from_slice(&self.right_hand_side);
         self.couple(&solution, &mut residual);
         let (x, t) = (&mut solution[..], &mut residual[..]);
+        if !self.rank_one.is_empty() {
+            self.sweep_with_rank_one::<true>(x, t);
+            (self.solution, self.residual) = (solution, residual);
+            return;
+        }
         match self.is_symmetric {
             true => self.sweep::<true, true>(0, x, t),
             false => self.sweep::<true, false>(0, x, t),
@@ -184,7 +203,7 @@ impl Level {
                 || {
                     for step in 0..count {
                         let row = if BACK { count - 1 - step } else { step };
-                        self.relax::<BACK, SYMMETRIC>(start, row, x, t);
+                        self.relax::<BACK, SYMMETRIC>(start, row, x, t, None);
                     }
                 },
             );
@@ -198,6 +217,33 @@ impl Level {
         );
     }
 
+    /// The same with what is added to the matrix, one chunk after another.
+    fn sweep_with_rank_one<const BACK: bool>(&mut self, x: &mut [Lanes], t: &mut [Lanes]) {
+        let mut added = std::mem::take(&mut self.rank_one);
+        added.start(BACK.then_some(&*x));
+        let chunks = x.len().div_ceil(ROWS);
+        wide(
+            #[inline(always)]
+            || {
+                for step in 0..chunks {
+                    let start = ROWS * if BACK { chunks - 1 - step } else { step };
+                    let end = x.len().min(start + ROWS);
+                    let (x, t) = (&mut x[start..end], &mut t[start..end]);
+                    let count = end - start;
+                    for step in 0..count {
+                        let row = if BACK { count - 1 - step } else { step };
+                        self.relax::<BACK, false>(start, row, x, t, Some(&mut added));
+                    }
+                }
+            },
+        );
+        if !BACK {
+            // Each row has added what was known when it was its turn.
+            added.subtract(t);
+        }
+        self.rank_one = added;
+    }
+
     /// One row of a chunk that begins at row `start`. Forward, from zero: `x = D⁻¹(r − L x)`, `t = −Lᵀx`, the residual. Backward, with
     /// the residual of what is known in `t`: `x = D⁻¹(t − L x)`, `t ← t − Lᵀx`.
     #[inline(always)]
@@ -207,6 +253,7 @@ impl Level {
         row: usize,
         x: &mut [Lanes],
         t: &mut [Lanes],
+        mut added: Option<&mut RankOne>,
     ) {
         let mut rest = t[row];
         if !BACK {
@@ -227,8 +274,21 @@ impl Level {
                 rest = minus(rest, block.times(other));
             }
         }
+        if let Some(added) = &mut added {
+            if BACK {
+                added.moved(start + row, &x[row], -1.0);
+            }
+            rest = added.without(start + row, rest);
+        }
         let own = self.inverse[start + row].times(&rest);
         x[row] = own;
+        if let Some(added) = added {
+            added.moved(start + row, &own, 1.0);
+            if !BACK {
+                let known = added.without(start + row, [0.0; 4]);
+                t[row] = minus(t[row], known);
+            }
+        }
         for (&column, block) in columns.iter().zip(blocks) {
             if let Some(t) = t.get_mut((column as usize).wrapping_sub(start)) {
                 *t = minus(*t, block.transposed_times::<SYMMETRIC>(&own));

@@ -25,7 +25,9 @@ pub(super) struct QuasiNewton {
     unconstrained: Unconstrained,
     multigrid: Option<Multigrid>,
     history: History,
+    /// Contacts at the last matrix, and those of them between vertices.
     rows: Vec<ContactRow>,
+    pairs: Vec<ContactRow>,
     work: Vec<Vec3>,
     /// Iterations in this step, and since the matrix was taken.
     iterations: u32,
@@ -41,6 +43,7 @@ impl QuasiNewton {
             matrix: BlockMatrix::zeros(Arc::clone(assembly.pattern())),
             history: History::new(is_free.len()),
             rows: Vec::new(),
+            pairs: Vec::new(),
             work: vec![Vec3::zeros(); is_free.len()],
             multigrid: None,
             unconstrained: Unconstrained::of_energies(energies, assembly.pattern(), &is_free),
@@ -56,6 +59,7 @@ impl QuasiNewton {
         self.history.clear();
         (self.iterations, self.age) = (0, 0);
         self.rows.clear();
+        self.pairs.clear();
     }
 
     /// Takes the matrix anew at `current` if it is time. `before` is the iterate before, or the start of the step (m). Returns
@@ -83,7 +87,7 @@ impl QuasiNewton {
             Multigrid::new(&self.matrix, &self.is_free, rest)
         });
         // A matrix that the coarsest level refuses still makes a descent direction of the others.
-        let _ = multigrid.refresh(&self.matrix);
+        let _ = multigrid.refresh_with(&self.matrix, &self.pairs);
         if is_mixed {
             self.history.clear();
         }
@@ -91,21 +95,23 @@ impl QuasiNewton {
         true
     }
 
-    /// Adds the second derivative of contact at `x` (m), lumped: what a contact couples is added to the diagonal, so that contacts come and
-    /// go without another pattern, and the matrix stays above the exact one.
+    /// Takes the second derivative of contact at `x` (m): that of single vertices, held by bodies, into the matrix, that of pairs
+    /// beside it.
     fn add_contact(&mut self, contact: &dyn ContactPotential, x: &[Vec3]) {
         self.rows.clear();
         contact.linearize(x, &mut self.rows);
         let pattern = Arc::clone(self.matrix.shared_pattern());
         let blocks = self.matrix.blocks_mut();
+        self.pairs.clear();
         for row in &self.rows {
-            let sum: Real = row.weights.iter().map(|w| w.abs()).sum();
-            let across = row.normal * row.normal.transpose() * (row.stiffness * sum);
+            if is_internal(row) {
+                self.pairs.push(*row);
+                continue;
+            }
+            let across = row.normal * row.normal.transpose() * row.stiffness;
             for (&vertex, weight) in row.vertices.iter().zip(row.weights) {
-                if weight != 0.0 {
-                    let diagonal = pattern.row(vertex as usize).end - 1;
-                    blocks[diagonal] += across * weight.abs();
-                }
+                let diagonal = pattern.row(vertex as usize).end - 1;
+                blocks[diagonal] += across * (weight * weight);
             }
         }
     }
@@ -151,7 +157,6 @@ impl QuasiNewton {
 
     /// The same where components may touch each other, but nothing else, as the contacts of the last matrix say.
     pub(super) fn settle_together(&self, stage: &Stage<'_>, point: &mut Point) {
-        let is_internal = |row: &ContactRow| row.weights.iter().sum::<Real>().abs() < 0.5;
         if self.rows.iter().all(is_internal) {
             self.unconstrained.settle_together(stage, point);
         }
@@ -164,4 +169,9 @@ impl QuasiNewton {
         self.age = REFRESH;
         changes
     }
+}
+
+/// Whether a contact is between vertices: no force from outside.
+fn is_internal(row: &ContactRow) -> bool {
+    row.weights.iter().sum::<Real>().abs() < 0.5
 }
