@@ -65,6 +65,7 @@
 //! | overlapping boxes, from a tree, from hashed cells, from cells along a curve | [`Hierarchy`], [`SpatialHash`], [`MortonGrid`] |
 //! | boxes within a distance: pairs of triangles | [`TrianglePairs`] |
 //! | min ½‖x − x*‖²_M with n · Σ wᵢ xᵢ ≥ h and friction; impact zones | [`ClothContacts`] |
+//! | Σ A φ(d), felt by a method while it solves | [`potential`], a chapter of its own |
 //! | min ½ ‖x − y‖²_M/Δt² + Σ A b(d), by steps that stay in the safe set | [`barrier`], a chapter of its own |
 //! | δL = −Σ r·δx: the curve in which a cloth passes through itself, shortened | [`untangle`], a chapter of its own |
 //! | number of meeting pairs, min d over everything that shares no vertex | [`SeparationProbe`] |
@@ -149,7 +150,8 @@
 //! | `intersect.rs`, `intersect/apart.rs` | the exact test, and the quick one before it |
 //! | `bounds.rs`, `convert.rs` | boxes, ours and parry's |
 //! | `obstacle.rs`, `obstacle/` | a chapter of its own: `half_space`, `sphere`, `capsule`, `cuboid`, `closed_mesh`, `sampled`; `motion`, `placed`; `penalty`, `impact`; `sweep`, `contact`, `flight` |
-//! | `barrier.rs`, `barrier/` | a chapter of its own: `gap`, `mollifier`, `pair`; `terms`, `newton`, `guard`, `minimise`; `builder`, `contacts` |
+//! | `potential.rs`, `potential/` | a chapter of its own: `gap`, `mollifier`, `pair`, `friction`; `near`, `filter`; `source`, `builder` |
+//! | `barrier.rs`, `barrier/` | a chapter of its own: `terms`, `newton`, `guard`, `minimise`; `builder`, `contacts` |
 //! | `untangle.rs`, `untangle/` | a chapter of its own: `crossing`, `contour`, `pieces` |
 //! | `broad_phase.rs` | what a broad phase is |
 //! | `broad_phase/hierarchy.rs` | the tree of boxes |

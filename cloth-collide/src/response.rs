@@ -49,6 +49,7 @@ mod zones;
 
 pub use builder::ContactsBuilder;
 pub use report::{ContactReport, ContactStage};
+pub(crate) use sleep::mean;
 
 use crate::obstacle::{BodyWork, Obstacle, ObstacleContacts};
 use crate::separation::meet_unduly;

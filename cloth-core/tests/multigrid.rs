@@ -2,6 +2,7 @@
 
 use cloth_core::block_matrix::BlockMatrix;
 use cloth_core::cloth::{Cloth, ClothModel, Membrane};
+use cloth_core::contact::ContactRow;
 use cloth_core::element::Convexity;
 use cloth_core::linear::{Budget, LinearSolver, MultigridGradients};
 use cloth_core::math::{Real, Vec3};
@@ -203,4 +204,101 @@ fn pieces_that_do_not_hang_together_are_solved_together() {
     let count = iterations(&system);
     println!("two pieces: {count}");
     assert!(count <= MOST);
+}
+
+/// Contacts between vertices far from each other in the mesh.
+fn contacts(system: &System, stiffness: Real) -> Vec<ContactRow> {
+    let count = system.is_free.len() as u32;
+    let row = |k: u32| {
+        let vertex = |j: u32| (k * 37 + j * 211 + k * k * 7) % count;
+        ContactRow {
+            vertices: [vertex(0), vertex(1), vertex(2), vertex(3)],
+            weights: [1.0, -0.5, -0.25, -0.25],
+            normal: noise(900 + k as usize).normalize(),
+            stiffness,
+        }
+    };
+    let is_apart = |row: &ContactRow| (1..4).all(|k| !row.vertices[..k].contains(&row.vertices[k]));
+    (0..150).map(row).filter(is_apart).collect()
+}
+
+/// Adds `Σ k J Jᵀ p` to `out`, zero where nothing moves.
+fn add_product(system: &System, rows: &[ContactRow], p: &[Vec3], out: &mut [Vec3]) {
+    for row in rows {
+        let ends = || row.vertices.iter().zip(row.weights);
+        let along: Real = ends()
+            .map(|(v, w)| w * row.normal.dot(&p[*v as usize]))
+            .sum();
+        for (v, w) in ends().filter(|(v, _)| system.is_free[**v as usize]) {
+            out[*v as usize] += row.normal * (row.stiffness * along * w);
+        }
+    }
+}
+
+/// Conjugate gradients on the matrix with contacts, preconditioned with or without them: iterations to 10⁻⁸.
+fn iterations_with(system: &System, rows: &[ContactRow], known: &[ContactRow]) -> u32 {
+    let mut multigrid = Multigrid::new(&system.matrix, &system.is_free, system.mesh.positions());
+    assert!(multigrid.refresh_with(&system.matrix, known));
+    let mut r = free_noise(system, 5);
+    let end = 1e-16 * dot(&r, &r);
+    let (mut z, mut q) = (r.clone(), r.clone());
+    multigrid.apply(&r, &mut z);
+    let mut p = z.clone();
+    let mut slope = dot(&r, &z);
+    for iteration in 1..2000 {
+        system.matrix.multiply(&p, &mut q);
+        for (q, free) in q.iter_mut().zip(&system.is_free) {
+            *q *= Real::from(u8::from(*free));
+        }
+        add_product(system, rows, &p, &mut q);
+        let length = slope / dot(&p, &q);
+        r.iter_mut().zip(&q).for_each(|(r, q)| *r -= q * length);
+        if dot(&r, &r) < end {
+            return iteration;
+        }
+        multigrid.apply(&r, &mut z);
+        let next = dot(&r, &z);
+        p.iter_mut()
+            .zip(&z)
+            .for_each(|(p, z)| *p = z + *p * (next / slope));
+        slope = next;
+    }
+    2000
+}
+
+#[test]
+fn contacts_beside_the_pattern_are_part_of_the_cycle() {
+    // Two sizes: one chunk of the smoother, and several.
+    for n in [33, 100] {
+        let system = system(sheet(n), 1e-5, true);
+        let rows = contacts(&system, 1e5);
+        assert!(rows.len() > 100);
+        let mut multigrid =
+            Multigrid::new(&system.matrix, &system.is_free, system.mesh.positions());
+        assert!(multigrid.refresh_with(&system.matrix, &rows));
+        let [a, b] = [1, 7777].map(|seed| free_noise(&system, seed));
+        let (mut za, mut zb) = (a.clone(), b.clone());
+        multigrid.apply(&a, &mut za);
+        multigrid.apply(&b, &mut zb);
+        let size = (dot(&a, &za) * dot(&b, &zb)).sqrt();
+        assert!(dot(&a, &za) > 0.0);
+        assert!((dot(&a, &zb) - dot(&b, &za)).abs() < 1e-6 * size);
+
+        let alone = iterations_with(&system, &[], &[]);
+        let [known, unknown] = [&rows[..], &[]].map(|known| iterations_with(&system, &rows, known));
+        println!(
+            "{n} a side: {alone} alone, {known} with contacts, {unknown} if they are not told"
+        );
+        assert!(
+            known <= 2 * alone && unknown > 2 * known,
+            "{alone} {known} {unknown}"
+        );
+        // What has come can go.
+        assert!(multigrid.refresh(&system.matrix));
+        let mut fresh = Multigrid::new(&system.matrix, &system.is_free, system.mesh.positions());
+        assert!(fresh.refresh(&system.matrix));
+        multigrid.apply(&a, &mut za);
+        fresh.apply(&a, &mut zb);
+        assert_eq!(za, zb);
+    }
 }

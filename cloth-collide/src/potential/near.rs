@@ -11,6 +11,7 @@ use crate::broad_phase::{ClothCandidates, Hierarchy};
 use crate::error::CollideError;
 use crate::incidence::{edge_numbers, pieces};
 use crate::obstacle::{Obstacle, PenaltyLaw};
+use crate::response::mean;
 use cloth_core::math::{Real, Vec3, gather};
 use cloth_core::mesh::TriMesh;
 
@@ -258,9 +259,4 @@ fn are_farther(x: &[Vec3; 4], split: usize, reach: Real) -> bool {
     };
     let (a, b) = (around(&x[..split]), around(&x[split..]));
     (a.0 - b.1).max() > reach || (b.0 - a.1).max() > reach
-}
-
-/// The mean of some positions (m).
-pub(super) fn mean(positions: &[Vec3]) -> Vec3 {
-    positions.iter().sum::<Vec3>() / positions.len().max(1) as Real
 }

@@ -1,118 +1,21 @@
 //! The contact of a cloth as a potential.
 
+use super::builder::PotentialBuilder;
 use super::friction::{Sticking, Stretched};
 use super::gap::Gap;
-use super::near::{Near, mean};
-use crate::ccd::{ContinuousTest, Impact};
+use super::near::Near;
 use crate::error::CollideError;
-use crate::obstacle::{Obstacle, ObstacleContacts, PenaltyLaw, VertexPath, first_contact};
-use crate::response::ClothContacts;
+use crate::obstacle::{Obstacle, ObstacleContacts, PenaltyLaw};
+use crate::response::{ClothContacts, mean};
 use cloth_core::contact::{ContactError, ContactPotential, ContactRow, ContactSource, ContactStep};
 use cloth_core::element::{Element, Energy};
 use cloth_core::math::{Real, Vec3, gather};
 use cloth_core::mesh::TriMesh;
-use cloth_core::step::BuildError;
 
-/// What a way leaves of each distance, or of the thickness where that is less.
-const SLACK: Real = 0.2;
 /// Ways longer than this many thicknesses, apart from what all vertices do together, are looked at in part.
 const LONGEST: Real = 10.0;
 /// Way (in thicknesses) below which friction is a spring.
 const STICKING: Real = 1e-2;
-/// The continuous test may end when this part of what is above that is left.
-const EARLY: Real = 0.1;
-/// Distances below this part of the coordinates cannot be relied on: positions on the way are rounded.
-const ROUNDING: Real = 64.0 * Real::EPSILON;
-
-/// Settings of [`PotentialContacts`], to begin with [`PotentialContacts::builder`].
-#[derive(Clone, Debug)]
-pub struct PotentialBuilder<'a> {
-    mesh: &'a TriMesh,
-    thickness: Real,
-    stiffness: Real,
-    friction: Real,
-    obstacles: Option<ObstacleContacts>,
-    self_collision: bool,
-}
-
-impl<'a> PotentialBuilder<'a> {
-    /// Distance h (m) at which contact begins.
-    #[must_use]
-    pub fn thickness(mut self, thickness: Real) -> Self {
-        self.thickness = thickness;
-        self
-    }
-
-    /// Stiffness κ (Pa/m): pressure per m that is missing to the thickness.
-    #[must_use]
-    pub fn stiffness(mut self, stiffness: Real) -> Self {
-        self.stiffness = stiffness;
-        self
-    }
-
-    /// Coefficient of friction μ (dimensionless) of cloth on cloth.
-    #[must_use]
-    pub fn friction(mut self, friction: Real) -> Self {
-        self.friction = friction;
-        self
-    }
-
-    /// What is in the way; its thickness should be that of the contact.
-    #[must_use]
-    pub fn obstacles(mut self, obstacles: ObstacleContacts) -> Self {
-        self.obstacles = Some(obstacles);
-        self
-    }
-
-    /// Whether the cloth touches itself (it does unless told otherwise). If not, nothing is built for it.
-    #[must_use]
-    pub fn self_collision(mut self, self_collision: bool) -> Self {
-        self.self_collision = self_collision;
-        self
-    }
-
-    /// Builds the contact source.
-    ///
-    /// # Errors
-    /// [`BuildError::InvalidSetting`] for a thickness or stiffness that is not positive and finite, or a friction that is negative.
-    pub fn build(self) -> Result<PotentialContacts, BuildError> {
-        let law = PenaltyLaw::two_stage(self.stiffness, self.thickness).map_err(|_| {
-            let is_stiff = self.stiffness > 0.0 && self.stiffness.is_finite();
-            let (name, value) = match is_stiff {
-                true => ("thickness of contact (m)", self.thickness),
-                false => ("stiffness of contact (Pa/m)", self.stiffness),
-            };
-            BuildError::InvalidSetting {
-                name,
-                value,
-                range: "positive and finite",
-            }
-        })?;
-        let mut zones = ClothContacts::builder(self.mesh)
-            .thickness(self.thickness)
-            .friction(self.friction)
-            .self_collision(self.self_collision);
-        if let Some(obstacles) = self.obstacles {
-            zones = zones.obstacles(obstacles);
-        }
-        let count = self.mesh.vertex_count();
-        Ok(PotentialContacts {
-            near: Near::new(self.mesh, law, self.self_collision),
-            friction: self.friction,
-            sticking: Vec::new(),
-            stretched: Stretched::default(),
-            work: 0.0,
-            zones: zones.build()?,
-            still: Vec::new(),
-            before: Vec::new(),
-            is_open: false,
-            wanted: Vec::new(),
-            scratch: vec![Vec3::zeros(); count],
-            energy: 0.0,
-            report: PotentialReport::default(),
-        })
-    }
-}
 
 /// What the last step took.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -157,6 +60,25 @@ pub struct PotentialContacts {
 }
 
 impl PotentialContacts {
+    pub(super) fn new(near: Near, zones: ClothContacts, friction: Real) -> Self {
+        let count = near.vertex_area.len();
+        Self {
+            near,
+            friction,
+            sticking: Vec::new(),
+            stretched: Stretched::default(),
+            work: 0.0,
+            zones,
+            still: Vec::new(),
+            before: Vec::new(),
+            is_open: false,
+            wanted: Vec::new(),
+            scratch: vec![Vec3::zeros(); count],
+            energy: 0.0,
+            report: PotentialReport::default(),
+        }
+    }
+
     /// Contact of the cloth `mesh` with itself: from 1 mm on, with 1e6 Pa/m and without friction.
     #[must_use]
     pub fn builder(mesh: &TriMesh) -> PotentialBuilder<'_> {
@@ -232,10 +154,13 @@ impl ContactPotential for PotentialContacts {
         self.report = PotentialReport::default();
         self.near
             .prepare(step.from, &wanted, &self.still)
-            .map_err(not_finite)?;
+            .map_err(|error| not_finite(&error))?;
         self.stick(step);
         if self.is_still(step, &wanted) {
-            let cap = self.cap(step.from, &wanted).map_err(not_finite)?;
+            let cap = self
+                .near
+                .safe_part(step.from, &wanted, &self.still)
+                .map_err(|error| not_finite(&error))?;
             for ((x, from), to) in start.iter_mut().zip(step.from).zip(&wanted) {
                 *x = if cap < 1.0 {
                     from + (to - from) * cap
@@ -247,7 +172,7 @@ impl ContactPotential for PotentialContacts {
         self.wanted = wanted;
         self.near
             .prepare(start, start, &self.still)
-            .map_err(not_finite)
+            .map_err(|error| not_finite(&error))
     }
 
     fn limit(&mut self, from: &[Vec3], to: &[Vec3]) -> Result<Real, ContactError> {
@@ -475,87 +400,20 @@ impl PotentialContacts {
     fn limit_short(&mut self, from: &[Vec3], to: &[Vec3]) -> Result<Real, ContactError> {
         self.near
             .prepare(from, to, &self.still)
-            .map_err(not_finite)?;
-        let cap = self.cap(from, to).map_err(not_finite)?;
+            .map_err(|error| not_finite(&error))?;
+        let cap = self
+            .near
+            .safe_part(from, to, &self.still)
+            .map_err(|error| not_finite(&error))?;
         self.report.capped += u32::from(cap < 1.0);
         Ok(cap)
     }
-
-    /// The part of a way (m) on which every near pair keeps [`SLACK`] of its distance.
-    fn cap(&self, from: &[Vec3], to: &[Vec3]) -> Result<Real, CollideError> {
-        let mut cap: Real = 1.0;
-        for pair in &self.near.vertex_triangle {
-            let (a, b) = (gather(from, pair.vertices), gather(to, pair.vertices));
-            let distance = Gap::vertex_triangle(&a).distance;
-            let test = |test: &ContinuousTest| {
-                let corners = [[a[1], a[2], a[3]], [b[1], b[2], b[3]]];
-                test.vertex_triangle([a[0], b[0]], corners)
-            };
-            let way = approach(&a, &b, 1);
-            cap = cap.min(time(distance, pair.law.range(), way, &a, &b, test)?);
-        }
-        for pair in &self.near.edge_edge {
-            let (a, b) = (gather(from, pair.vertices), gather(to, pair.vertices));
-            let distance = Gap::edge_edge(&a).distance;
-            let test = |test: &ContinuousTest| {
-                let first = [[a[0], a[1]], [b[0], b[1]]];
-                test.edge_edge(first, [[a[2], a[3]], [b[2], b[3]]])
-            };
-            let way = approach(&a, &b, 2);
-            cap = cap.min(time(distance, pair.law.range(), way, &a, &b, test)?);
-        }
-        for &[vertex, number] in &self.near.vertex_obstacle {
-            let (a, b) = (from[vertex as usize], to[vertex as usize]);
-            let obstacle = &self.still[number as usize];
-            let gap = obstacle.clearance(a, 0.0).value;
-            let keep = SLACK * gap.min(self.near.law().range());
-            if keep <= ROUNDING * a.amax().max(b.amax()) {
-                cap = if a == b { cap } else { 0.0 };
-            } else if (b - a).norm() * obstacle.shape().lipschitz() >= gap - keep {
-                let path = VertexPath::straight(a, b, 1.0);
-                let hit = first_contact(obstacle, &path, 0.0, 1.0, keep);
-                cap = cap.min(hit.map_or(1.0, |hit| hit.time));
-            }
-        }
-        Ok(cap)
-    }
-}
-
-/// The most by which two pieces of four vertices, the first of which has `split`, can have come nearer (m) between two moments.
-fn approach(a: &[Vec3; 4], b: &[Vec3; 4], split: usize) -> Real {
-    let ways: [Vec3; 4] = std::array::from_fn(|k| b[k] - a[k]);
-    let mean = ways.iter().sum::<Vec3>() * 0.25;
-    let sizes = ways.map(|way| (way - mean).norm());
-    let most = |sizes: &[Real]| sizes.iter().fold(0.0, |a: Real, b| a.max(*b));
-    most(&sizes[..split]) + most(&sizes[split..])
-}
-
-/// The time (dimensionless, 0..=1) at which a pair's distance is down to [`SLACK`] of the `distance` (m) that it has at the start, or of
-/// the thickness; 1 if that does not happen. `way` bounds how far the pieces approach each other.
-fn time(
-    distance: Real,
-    thickness: Real,
-    way: Real,
-    a: &[Vec3; 4],
-    b: &[Vec3; 4],
-    test: impl Fn(&ContinuousTest) -> Result<Option<Impact>, CollideError>,
-) -> Result<Real, CollideError> {
-    let keep = SLACK * distance.min(thickness);
-    if way < distance - keep {
-        return Ok(1.0);
-    }
-    let size = a.iter().chain(b).map(Vec3::amax).fold(0.0, Real::max);
-    if keep <= ROUNDING * size {
-        return Ok(0.0);
-    }
-    let hit = test(&ContinuousTest::new(keep, EARLY)?)?;
-    Ok(hit.map_or(1.0, |hit| hit.time))
 }
 
 /// The error for coordinates too large to work with.
-fn not_finite(error: CollideError) -> ContactError {
+fn not_finite(error: &CollideError) -> ContactError {
     match error {
-        CollideError::NonFinitePosition { vertex } => ContactError::NonFinite { vertex },
+        CollideError::NonFinitePosition { vertex } => ContactError::NonFinite { vertex: *vertex },
         _ => ContactError::NonFinite { vertex: 0 },
     }
 }

@@ -64,7 +64,7 @@ impl Sleep {
 }
 
 /// The mean of some positions (m).
-pub(super) fn mean(positions: &[Vec3]) -> Vec3 {
+pub(crate) fn mean(positions: &[Vec3]) -> Vec3 {
     positions.iter().sum::<Vec3>() / positions.len().max(1) as Real
 }
 
