@@ -1,10 +1,12 @@
-//! The one hook for contact (COL-9): what a method asks of obstacles and of the cloth itself, without knowing of either.
+//! The one hook for contact: what a method asks of obstacles and of the cloth itself, without knowing of either.
 //!
-//! A method moves the cloth as if it were alone, and then shows where it would go. [`ContactSource::resolve`] changes that to a motion on which nothing passes through
-//! anything. So every method can have contact, and one without a source in its [`StepInput`](crate::step::StepInput) runs no code for it.
-//! The crate `cloth-collide` has the sources.
+//! A source of contact can be asked in two ways. A method that minimises takes contact into what it minimises: [`ContactSource::potential`] gives an energy with
+//! derivatives, and says how far a step is safe. That is the better way: the method knows all along where the cloth cannot go.
+//! Any other method moves the cloth as if it were alone, and then shows where it would go: [`ContactSource::resolve`] changes that to a motion on which nothing
+//! passes through anything. So every method can have contact, and one without a source in its [`StepInput`](crate::step::StepInput) runs no code for it. The crate
+//! `cloth-collide` has the sources.
 //!
-//! Contact acts between two steps: a shift of the positions and a kick to the velocities. A method has both at hand, what it has
+//! After the step contact is a shift of the positions and a kick to the velocities. A method has both at hand, what it has
 //! found and what contact made of that. If it goes on from more than the state, from an earlier one for instance, it has to take the
 //! difference into its memory. Otherwise it takes the kick for a part of the motion, and gives some of it back.
 

@@ -92,6 +92,18 @@
 //! Components of the cloth that nothing holds are shifted to where their momentum takes them at the start and at the end of the iteration, so that
 //! linear momentum is kept to rounding at any tolerance.
 //!
+//! # Contact
+//!
+//! What the cloth touches is one more energy in `G`, with a gradient and a positive semi-definite second derivative
+//! ([`ContactPotential`](cloth_core::contact::ContactPotential)), and a bound on every step: no iterate is accepted that has gone through anything. So a
+//! step of any size ends with contact forces, elastic forces and inertia in balance: a sheet rests `h − ρ g/κ` above a floor, and
+//! slides down a slope by `a Δt² n(n + 1)/2`, to nine digits. The quasi-Newton method of [`ImplicitEuler`] and [`Bdf2`] does this. Contacts between vertices
+//! far from each other in the mesh are additions of rank one to the matrix of the multigrid cycle: they come and go without a new pattern.
+//! The norm of the contact forces takes the place of that of `∇G(x̃)` in the tolerance where it is larger. Newton's method does not
+//! take over from a step with contact; one that has not converged within [`ImplicitConfig::max_iterations`] ends there, free of crossings.
+//!
+//! Where `Solve` is another, and for the midpoint rule, whose end is beyond what was minimised, contact acts after the step.
+//!
 //! # The linear solver of Newton's method
 //!
 //! The matrix of S1 (15) has a block of 3 × 3 numbers for each pair of neighbours. [`ImplicitConfig::linear`] says how its systems are
