@@ -136,7 +136,10 @@ impl Touch {
             }
         }
         if response == Response::Barrier {
-            settings.refuse_without(&FRICTION, "another contact: the barrier knows none")?;
+            settings.refuse_without(
+                &FRICTION,
+                "contact=potential or contact=zones: the barrier knows none",
+            )?;
         }
         let given = settings.get(CONTACT_STEPS.name);
         Ok(Self {
