@@ -2,8 +2,9 @@
 
 use crate::error::BenchError;
 use crate::settings::{Parameter, Settings, parameter};
+use cloth_core::element::Convexity;
 use cloth_core::linear::{Budget, LinearMethod};
-use cloth_massspring::{Damping, ImplicitConfig, Solve, StartGuess};
+use cloth_massspring::{Damping, HessianPolicy, ImplicitConfig, Solve, StartGuess};
 
 pub(super) const EXPLICIT_SUBSTEPS: Parameter = parameter(
     "substeps",
@@ -30,9 +31,12 @@ const STIFFNESS_DAMPING: Parameter = parameter(
 const LINEAR: Parameter = parameter(
     "linear",
     "multigrid",
-    "multigrid: nothing is factorised, a step that iterates is a quasi-Newton method around it; cholesky, \
+    "multigrid: nothing is factorised, a step that iterates is a quasi-Newton method around it; newton-multigrid: \
+     Newton's method with the clamped Hessian and conjugate gradients around multigrid; cholesky, \
      conjugate-gradients, chebyshev-jacobi, jacobi, gauss-seidel: Newton's method with that linear solver",
 );
+/// The linear solver of Newton's method around multigrid: `multigrid` alone is another method there.
+const NEWTON_MULTIGRID: &str = "newton-multigrid";
 const LINEAR_ONCE: Parameter = parameter(
     "linear",
     "multigrid",
@@ -81,14 +85,24 @@ pub(super) const LINEARIZED: &[Parameter] = &[
 
 /// Settings of the methods that iterate with Newton's method.
 pub(super) fn newton(settings: &Settings) -> Result<ImplicitConfig, BenchError> {
-    let (solve, linear) = if settings.text(&LINEAR) == "multigrid" {
+    let linear_name = settings.text(&LINEAR);
+    let (solve, linear) = if linear_name == "multigrid" {
         refuse_budget(settings)?;
         (Solve::QuasiNewton, LinearMethod::Cholesky)
     } else {
-        (Solve::Newton, linear(settings, &LINEAR, &LINEAR_TOLERANCE)?)
+        (
+            Solve::Newton,
+            linear(settings, &LINEAR, &LINEAR_TOLERANCE, NEWTON_MULTIGRID)?,
+        )
+    };
+    // Few conjugate gradients do not tell how far the exact Hessian is from positive definite.
+    let hessian = match linear_name {
+        NEWTON_MULTIGRID => HessianPolicy::Always(Convexity::Clamp),
+        _ => HessianPolicy::default(),
     };
     Ok(ImplicitConfig {
         solve,
+        hessian,
         max_iterations: settings.count(&MAX_ITERATIONS, 1)?,
         tolerance: settings.number(&TOLERANCE)?,
         linear,
@@ -108,7 +122,7 @@ pub(super) fn newton(settings: &Settings) -> Result<ImplicitConfig, BenchError> 
 
 pub(super) fn linearized(settings: &Settings) -> Result<ImplicitConfig, BenchError> {
     Ok(ImplicitConfig {
-        linear: linear(settings, &LINEAR_ONCE, &LINEAR_TOLERANCE_ONCE)?,
+        linear: linear(settings, &LINEAR_ONCE, &LINEAR_TOLERANCE_ONCE, "multigrid")?,
         damping: damping(settings)?,
         ..ImplicitConfig::linearized()
     })
@@ -122,10 +136,12 @@ fn refuse_budget(settings: &Settings) -> Result<(), BenchError> {
     Ok(())
 }
 
+/// `multigrid`: what conjugate gradients around multigrid are called there.
 fn linear(
     settings: &Settings,
     parameter: &Parameter,
     tolerance: &Parameter,
+    multigrid: &'static str,
 ) -> Result<LinearMethod, BenchError> {
     if settings.text(parameter) == "cholesky" {
         refuse_budget(settings)?;
@@ -137,7 +153,7 @@ fn linear(
     settings.choice(
         parameter,
         &[
-            ("multigrid", LinearMethod::Multigrid(budget)),
+            (multigrid, LinearMethod::Multigrid(budget)),
             ("cholesky", LinearMethod::Cholesky),
             (
                 "conjugate-gradients",
