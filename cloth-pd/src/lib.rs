@@ -191,8 +191,8 @@
 //!
 //! # When to use it
 //! For many steps with one mesh and one step size on a processor: an iteration costs two passes over a small factor, none can make matters worse, and no step size is too large. With the default
-//! a step of the sheet above takes, at 64 and 128 a side, a ninth to a seventh of the time of converged implicit Euler around
-//! multigrid (`cloth-bench study projective` has both), for a fall within 0.05 % and a stretch within 2.5 % after half a second;
+//! a step of the sheet above takes, at 64 a side, about a tenth of the time of converged implicit Euler around
+//! multigrid, for a fall within 0.05 % and a stretch within 2.5 % after half a second;
 //! what to take for longer motion is said above. Where the motion has to be right to the last digits, Newton's method gets there in a dozen iterations. Where the material is replaced
 //! altogether between steps, the position-based methods have no matrix to factorise. Quadratic energies (bending of a flat sheet, attachments) are solved exactly by one iteration.
 //!
@@ -200,8 +200,8 @@
 //! Where seconds of motion have to look right, take a step of implicit Euler that is cut short: three Newton
 //! iterations with the clamped Hessian, each of at most five conjugate gradients around a multigrid cycle, from `x[0]
 //! + Δt v[0]`. Five seconds of the sheet, relative to converged implicit Euler; means over the last 100 of 300 steps,
-//! `elastic` at the last, time of a step in milliseconds of one core (AMD EPYC, Zen 4) on which other programs ran
-//! too, so that only ratios count:
+//! `elastic` at the last, processor time of a run on one thread, setting up included, in milliseconds a step (AMD EPYC,
+//! Zen 4; commit d60b24e; other programs ran beside it, so that only ratios count):
 //!
 //! | n | | kinetic energy | largest stretch, mean | at the end | elastic | ms |
 //! |---|---|---|---|---|---|---|
@@ -215,9 +215,9 @@
 //!
 //! (`cloth-bench run hang --n 64 --steps 300 --json --method pd --set iterations=16 --set coarse=16`, and `--method
 //! implicit-euler --set linear=newton-multigrid --set iterations=3 --set linear_iterations=5 --set start=inertial`;
-//! `cloth-bench study projective` has the means.) At equal time projective dynamics is the better of the two: no
-//! setting of implicit Euler that was tried is as fast and keeps more of the swing. Its error does not become small,
-//! though, and for 1.3 times (64 a side) to twice (128) the time of its best setting the energy is right and the folds
+//! `cloth-bench study projective` has the means for 64.) At 128 a side projective dynamics is twice as fast as any
+//! setting of implicit Euler that was tried and keeps more of the swing; at 64 the two are near each other. Its error does not
+//! become small, though: for 1.3 times (64 a side) to twice (128) the time of its best setting the energy is right and the folds
 //! are bent rather than compressed.
 //!
 //! Not every way to cut a step short is good. The quasi-Newton iteration of `implicit-euler` loses 90 % of the kinetic

@@ -95,7 +95,7 @@ pub(super) fn newton(settings: &Settings) -> Result<ImplicitConfig, BenchError> 
             linear(settings, &LINEAR, &LINEAR_TOLERANCE, NEWTON_MULTIGRID)?,
         )
     };
-    // Few conjugate gradients do not tell how far the exact Hessian is from positive definite.
+    // With the exact Hessian first, steps of few conjugate gradients can fail.
     let hessian = match linear_name {
         NEWTON_MULTIGRID => HessianPolicy::Always(Convexity::Clamp),
         _ => HessianPolicy::default(),
