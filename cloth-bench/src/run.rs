@@ -10,7 +10,9 @@ use crate::scene::{Scene, Touch};
 use crate::settings::Settings;
 use cloth_collide::SeparationProbe;
 use cloth_core::air::Air;
-use cloth_core::contact::{ContactError, ContactPotential, ContactSource, ContactStep};
+use cloth_core::contact::{
+    ContactConstraints, ContactError, ContactPotential, ContactSource, ContactStep,
+};
 use cloth_core::math::{Real, Vec3};
 use cloth_core::measure;
 use cloth_core::particles::State;
@@ -181,12 +183,58 @@ impl ContactSource for Timed {
         self.source.potential()
     }
 
+    fn constraints(&mut self) -> Option<&mut dyn ContactConstraints> {
+        self.source.constraints().is_some().then_some(self)
+    }
+
     fn work(&self) -> Real {
         self.source.work()
     }
 
     fn potential_energy(&self) -> Real {
         self.source.potential_energy()
+    }
+}
+
+impl Timed {
+    /// Lets the constraints act, which there are, and adds the time.
+    fn act<T>(&mut self, act: impl FnOnce(&mut dyn ContactConstraints) -> T) -> Option<T> {
+        let started = Instant::now();
+        let acted = self.source.constraints().map(act);
+        self.seconds += started.elapsed().as_secs_f64();
+        acted
+    }
+}
+
+impl ContactConstraints for Timed {
+    fn begin_step(&mut self, step: &ContactStep<'_>) -> Result<(), ContactError> {
+        self.act(|c| c.begin_step(step)).unwrap_or(Ok(()))
+    }
+
+    fn begin_substep(
+        &mut self,
+        step: &ContactStep<'_>,
+        predicted: &[Vec3],
+    ) -> Result<(), ContactError> {
+        let begun = self.act(|c| c.begin_substep(step, predicted));
+        begun.unwrap_or(Ok(()))
+    }
+
+    fn sweep(&mut self, step: &ContactStep<'_>, x: &mut [Vec3]) {
+        self.act(|c| c.sweep(step, x));
+    }
+
+    fn end_substep(&mut self, step: &ContactStep<'_>, x: &mut [Vec3]) -> Result<(), ContactError> {
+        self.act(|c| c.end_substep(step, x)).unwrap_or(Ok(()))
+    }
+
+    fn change_velocities(&mut self, velocities: &mut [Vec3]) {
+        self.act(|c| c.change_velocities(velocities));
+    }
+
+    fn end_step(&mut self, x: &[Vec3]) {
+        self.act(|c| c.end_step(x));
+        self.held_parts += u32::from(self.source.held() > 0);
     }
 }
 

@@ -22,6 +22,8 @@ mod potential;
 mod refuses;
 #[path = "contract/rest_state.rs"]
 mod rest_state;
+#[path = "contract/rows.rs"]
+mod rows;
 #[path = "contract/same_minimum.rs"]
 mod same_minimum;
 #[path = "contract/skips.rs"]

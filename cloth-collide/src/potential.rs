@@ -21,6 +21,12 @@
 //! Friction has the normal forces and directions of the start of the step (`friction`): a cloth that lands has none in the step in which it
 //! does.
 //!
+//! # For methods that project positions
+//!
+//! XPBD and PBD get the same potential as constraints in each of their substeps: n·Σ wᵢ xᵢ ≥ h with the compliance 1/(A φ″), a multiplier λ ≥ 0, and friction
+//! within μ λ that remembers where it began to stick. They come last in each sweep. What can touch follows from bounds on the relative motion of patches of the cloth, and at the end of a substep every pair is
+//! tested; what has come too near is swept again, then shortened, then given to impact zones.
+//!
 //! # Equation → code
 //!
 //! | equation | code |
@@ -31,12 +37,14 @@
 //! | A φ(d), A m φ(d) as elements, with both derivatives | [`VertexTriangleContact`], [`EdgeEdgeContact`] |
 //! | μ λ f(‖u‖) | `friction` |
 //! | which pairs can be near on a way | `near` |
+//! | C = n·Σ wᵢ xᵢ − h, α = 1/(A φ″), λ ≥ 0 | `rows`, `bodies` |
+//! | what can touch in a substep | `patches` |
 //! | how far the way is safe | `filter` |
 //! | Σ A φ, Σ A ∂φ, Σ A φ″ ∂d ∂dᵀ | [`PotentialContacts`] |
 //!
 //! # Limits
 //!
-//! - Methods that do not know potentials get impulses and impact zones after their step.
+//! - Methods that know neither potentials nor constraints get impulses and impact zones after their step.
 //! - A sheet that falls on a ball of its own size buckles on impact in many ways at once, and the minimum of such a step takes five to ten times the
 //!   iterations of one without contact. Half of the time goes into looking for pairs.
 //! - Only vertices feel obstacles: a sharp corner can pierce a triangle between them.
@@ -49,6 +57,7 @@
 //! - A. H. Chen, J. Hsu, Z. Liu, M. Macklin, Y. Yang and C. Yuksel, Offset geometric contact, *ACM Transactions on Graphics* 44(4), 2025. DOI
 //!   10.1145/3731205: the two-stage law.
 
+mod bodies;
 mod builder;
 mod filter;
 mod friction;
@@ -56,12 +65,15 @@ mod gap;
 mod mollifier;
 mod near;
 mod pair;
+mod patches;
+mod rows;
 mod source;
 
 pub use builder::PotentialBuilder;
 pub use gap::Gap;
 pub use mollifier::Mollifier;
 pub use pair::{EdgeEdgeContact, VertexTriangleContact};
+pub use rows::ConstraintReport;
 pub use source::{PotentialContacts, PotentialReport};
 
 #[cfg(doc)]

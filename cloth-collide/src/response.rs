@@ -40,7 +40,7 @@ mod hold;
 mod impulses;
 mod last_resorts;
 mod memory;
-mod pair;
+pub(crate) mod pair;
 mod report;
 mod row;
 mod sleep;

@@ -1,7 +1,8 @@
 //! The one hook for contact: what a method asks of obstacles and of the cloth itself, without knowing of either.
 //!
-//! A source of contact can be asked in two ways. A method that minimises takes contact into what it minimises: [`ContactSource::potential`] gives an energy with
-//! derivatives, and says how far a step is safe. That is the better way: the method knows all along where the cloth cannot go.
+//! A source of contact can be asked in three ways. A method that minimises takes contact into what it minimises: [`ContactSource::potential`] gives an energy with
+//! derivatives, and says how far a step is safe. That is the better way: the method knows all along where the cloth cannot go. A method
+//! that projects positions feels contact as constraints in every substep: [`ContactSource::constraints`].
 //! Any other method moves the cloth as if it were alone, and then shows where it would go: [`ContactSource::resolve`] changes that to a motion on which nothing
 //! passes through anything. So every method can have contact, and one without a source in its [`StepInput`](crate::step::StepInput) runs no code for it. The crate
 //! `cloth-collide` has the sources.
@@ -83,6 +84,12 @@ pub trait ContactSource {
         None
     }
 
+    /// The same contact as constraints, for a method that projects positions and does not call [`ContactSource::resolve`] then; nothing if the source knows only the other
+    /// way.
+    fn constraints(&mut self) -> Option<&mut dyn ContactConstraints> {
+        None
+    }
+
     /// Work (J) that moving bodies did on the cloth in the last resolved step; 0 for a source without any.
     fn work(&self) -> Real {
         0.0
@@ -127,6 +134,45 @@ pub trait ContactPotential: fmt::Debug + Send + Sync {
 
     /// Ends the step, which the method has ended at `x` (m) with velocities `v` (m/s): obstacles move on.
     fn end(&mut self, x: &[Vec3], v: &[Vec3]);
+}
+
+/// Contact as unilateral constraints that a method feels in every sweep of every substep.
+///
+/// A step goes like this: [`ContactConstraints::begin_step`]; for each substep [`ContactConstraints::begin_substep`] after the free flight,
+/// [`ContactConstraints::sweep`] last in each sweep, [`ContactConstraints::end_substep`] before the velocities follow from the positions and
+/// [`ContactConstraints::change_velocities`] after it; [`ContactConstraints::end_step`]. A step that ends with an error before that has not been taken, and the
+/// next `begin_step` takes everything back but what friction has remembered.
+pub trait ContactConstraints {
+    /// Begins a step.
+    ///
+    /// # Errors
+    /// If the start of the step is not in order.
+    fn begin_step(&mut self, step: &ContactStep<'_>) -> Result<(), ContactError>;
+
+    /// Begins a substep of `step.dt`, in which vertices would fly from `step.from` to `predicted` (m): finds what can touch.
+    ///
+    /// # Errors
+    /// [`ContactError::NonFinite`].
+    fn begin_substep(
+        &mut self,
+        step: &ContactStep<'_>,
+        predicted: &[Vec3],
+    ) -> Result<(), ContactError>;
+
+    /// Projects the positions `x` (m) onto one constraint after another. Prescribed vertices stay.
+    fn sweep(&mut self, step: &ContactStep<'_>, x: &mut [Vec3]);
+
+    /// Makes sure that the straight ways from `step.from` to `x` (m) are free of crossings, and changes `x` where they are not.
+    ///
+    /// # Errors
+    /// [`ContactError::NonFinite`], [`ContactError::NoWay`].
+    fn end_substep(&mut self, step: &ContactStep<'_>, x: &mut [Vec3]) -> Result<(), ContactError>;
+
+    /// Changes the velocities (m/s) that follow from the positions, where those have been moved by what is not to become a velocity.
+    fn change_velocities(&mut self, velocities: &mut [Vec3]);
+
+    /// Ends the step, which has come to `x` (m).
+    fn end_step(&mut self, x: &[Vec3]);
 }
 
 /// One part of the second derivative of a contact energy: `k J Jᵀ`, with J the derivative of a distance by up to four vertices, `J_i = w_i n`.

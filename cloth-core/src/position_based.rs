@@ -15,6 +15,8 @@
 //! | [`Acceleration`] | relaxation, and Chebyshev extrapolation of the sweeps |
 //! | [`Builder`], [`Settings`] | how a solver is put together |
 //!
+//! Contact that comes as constraints ([`ContactConstraints`](crate::contact::ContactConstraints)) is a part of [`Motion`]: it comes last in each sweep, for every method alike.
+//!
 //! Because `Σᵢ ∂C/∂xᵢ = 0` for a constraint that a translation leaves alone, a correction does not change `Σ m x`,
 //! whatever Δλ is; and because a rotation leaves it alone too, `Σ m x × Δx = 0` (S1 (23)).
 

@@ -1,6 +1,6 @@
 //! The contract between a method and those who run it: one step, what goes in, what comes out.
 
-use crate::contact::{ContactError, ContactSource, ContactStep};
+use crate::contact::{ContactConstraints, ContactError, ContactSource, ContactStep};
 use crate::math::{Real, Vec3};
 use crate::particles::State;
 use std::fmt;
@@ -133,7 +133,12 @@ impl<'a> StepInput<'a> {
         }
     }
 
-    /// What every method does last: gives the end of the step that it has found, `positions` (m) and `velocities` (m/s), to the contacts, if there are any. `from` is
+    /// The contacts as constraints, if there are any and they can be had so.
+    pub fn contact_constraints(&mut self) -> Option<&mut dyn ContactConstraints> {
+        self.contacts.as_mut()?.constraints()
+    }
+
+    /// What every method does last that has not felt contact before: gives the end of the step that it has found, `positions` (m) and `velocities` (m/s), to the contacts, if there are any. `from` is
     /// the state before. What a method remembers beside the state has to follow the change, see [`contact`](crate::contact).
     ///
     /// # Errors

@@ -80,12 +80,12 @@ impl Stepper for PbdSolver {
         state: &mut State,
         mut input: StepInput<'_>,
     ) -> Result<StepReport, StepError> {
-        self.motion.begin(state, &input)?;
+        self.motion.begin(state, &mut input)?;
         let given_up = self.families.surrendered();
         let h = input.dt / Real::from(self.config.substeps);
         let projection = self.projection(h);
         for _ in 0..self.config.substeps {
-            self.motion.predict(&input, h); // S1 (24)
+            self.motion.predict(&mut input, h)?; // S1 (24)
             self.families.restart();
             for sweep in 0..self.config.iterations {
                 let due = self.hierarchy.as_mut().filter(|h| h.is_due(sweep));
@@ -97,7 +97,7 @@ impl Stepper for PbdSolver {
                     self.families.sweep(&projection, w, x); // S1 (25)
                 });
             }
-            self.motion.update_velocities(h); // S1 (26)
+            self.motion.update_velocities(&mut input)?; // S1 (26)
         }
         let report = self.motion.finish(state, &mut input)?;
         Ok(StepReport {

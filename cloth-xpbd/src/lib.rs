@@ -145,6 +145,20 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
+//! # Contact
+//! A source that offers contact as constraints ([`ContactConstraints`](cloth_core::contact::ContactConstraints)) is felt in every substep: rows with compliance and λ ≥ 0, last in each sweep, with
+//! friction. Any other source acts once, after the step. A sheet of 64 × 64 vertices (1 m, k = 10⁴ N/m) that falls by 5 cm onto a ball of 0.1 m holds this strain energy after 20 and after 60 steps
+//! of 1/60 s, and is stretched by this much at most:
+//!
+//! | substeps | J at 20 | J at 60 | most |
+//! |---|---|---|---|
+//! | 20 | 18 | 3.5 | 41 % |
+//! | 40 | 2.0 | 0.47 | 25 % |
+//! | 80 | 0.65 | 0.090 | 14 % |
+//! | 160 | 0.16 | 0.035 | 7 % |
+//!
+//! Gravity releases 0.7 J until then. What is too much is what the sweeps leave, as without contact.
+//!
 //! # Limits
 //! - **It is not the minimiser of implicit Euler**, even when the sweeps have converged. They make `C + α̃λ` zero, with the gradients of the
 //!   places where each correction was made; implicit Euler wants them at the end. The gap shrinks with h, in the end as h⁴, and not with n. On a swinging chain of ten links (0.1 m, 0.1 kg) converged sweeps leave

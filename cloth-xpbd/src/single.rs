@@ -143,14 +143,14 @@ impl Stepper for SingleXpbd {
         state: &mut State,
         mut input: StepInput<'_>,
     ) -> Result<StepReport, StepError> {
-        self.motion.begin(state, &input)?;
+        self.motion.begin(state, &mut input)?;
         let h = input.dt / Real::from(self.config.substeps);
         let origin = self.positions.center(self.motion.positions());
         for family in &mut self.families {
             family.prepare(Compliance::new(h, 0.0), &origin);
         }
         for _ in 0..self.config.substeps {
-            self.motion.predict(&input, h); // S1 (24)
+            self.motion.predict(&mut input, h)?; // S1 (24)
             self.positions
                 .round(self.motion.positions(), self.motion.inverse_mass());
             for family in &mut self.families {
@@ -167,7 +167,7 @@ impl Stepper for SingleXpbd {
                     }
                 });
             }
-            self.motion.update_velocities(h); // S1 (26)
+            self.motion.update_velocities(&mut input)?; // S1 (26)
         }
         self.motion.finish(state, &mut input)
     }

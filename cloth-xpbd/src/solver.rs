@@ -31,21 +31,21 @@ impl Stepper for XpbdSolver {
         state: &mut State,
         mut input: StepInput<'_>,
     ) -> Result<StepReport, StepError> {
-        self.motion.begin(state, &input)?;
+        self.motion.begin(state, &mut input)?;
         let given_up = self.families.surrendered();
         self.last = None;
         let h = input.dt / Real::from(self.config.substeps);
         let compliance = Compliance::new(h, self.config.damping);
         for _ in 0..self.config.substeps {
             self.forget(compliance); // λ = 0, here and not in each iteration
-            self.motion.predict(&input, h); // S1 (24)
+            self.motion.predict(&mut input, h)?; // S1 (24)
             self.families.restart();
             for _ in 0..self.config.iterations {
                 self.motion.iterate(&mut input, |w, x| {
                     self.families.sweep(&compliance, w, x); // S1 (36)
                 });
             }
-            self.motion.update_velocities(h); // S1 (26)
+            self.motion.update_velocities(&mut input)?; // S1 (26)
         }
         let report = self.motion.finish(state, &mut input)?;
         self.last = Some(compliance);

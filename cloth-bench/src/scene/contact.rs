@@ -14,7 +14,7 @@ use cloth_core::step::Stepper;
 pub(crate) const CONTACT: Parameter = parameter(
     "contact",
     "potential",
-    "how contact acts: potential (an energy of 1e6 Pa/m that implicit-euler and bdf2 minimise along; after the step of other methods, as zones), zones (impulses, then impact zones, after the step), barrier (of the given thickness, without friction, after the step) or none",
+    "how contact acts: potential (an energy of 1e6 Pa/m that implicit-euler and bdf2 minimise along, and constraints in every substep of xpbd and pbd; after the step of other methods, as zones), zones (impulses, then impact zones, after the step), barrier (of the given thickness, without friction, after the step) or none",
 );
 pub(crate) const SELF: Parameter = parameter(
     "self",

@@ -1,6 +1,7 @@
 //! Settings of the contact potential, checked.
 
 use super::near::Near;
+use super::patches::Patches;
 use super::source::PotentialContacts;
 use crate::obstacle::{ObstacleContacts, PenaltyLaw};
 use crate::response::ClothContacts;
@@ -80,6 +81,9 @@ impl<'a> PotentialBuilder<'a> {
             zones = zones.obstacles(obstacles);
         }
         let near = Near::new(self.mesh, law, self.self_collision);
-        Ok(PotentialContacts::new(near, zones.build()?, self.friction))
+        let patches = self.self_collision;
+        let patches = patches.then(|| Patches::new(self.mesh, &near.piece));
+        let zones = zones.build()?;
+        Ok(PotentialContacts::new(near, patches, zones, self.friction))
     }
 }

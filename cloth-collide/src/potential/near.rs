@@ -25,11 +25,11 @@ pub(super) struct Near {
     law: PenaltyLaw,
     /// A third of the rest area of the triangles around each vertex, and around each edge (m²).
     pub(super) vertex_area: Vec<Real>,
-    edge_area: Vec<Real>,
+    pub(super) edge_area: Vec<Real>,
     rest: Vec<Vec3>,
     /// The connected piece that each vertex belongs to.
-    piece: Vec<u32>,
-    is_free: Vec<bool>,
+    pub(super) piece: Vec<u32>,
+    pub(super) is_free: Vec<bool>,
     /// None if the cloth cannot touch itself.
     candidates: Option<ClothCandidates<Hierarchy>>,
     /// The mean (m) of all positions when the candidates were found.
@@ -216,9 +216,42 @@ impl Near {
         }
     }
 
+    /// m of two edges at `x` (m).
+    pub(super) fn mollified(&self, vertices: [u32; 4], x: &[Vec3; 4]) -> Real {
+        let [a, b, c, d] = gather(&self.rest, vertices);
+        let lengths = [(b - a).norm_squared(), (d - c).norm_squared()];
+        Mollifier::new(lengths).at(x).value
+    }
+
+    /// Finds all candidates of a cloth that rests at `x` (m).
+    pub(super) fn find_all(&mut self, x: &[Vec3]) -> Result<(), CollideError> {
+        let h = self.law.range();
+        self.searches = 0;
+        let candidates = self.candidates.as_mut();
+        candidates.map_or(Ok(()), |candidates| candidates.update(x, x, h))
+    }
+
+    /// How many pairs of near triangles `meet` at `x` (m), the place of the last search.
+    pub(super) fn crossing(
+        &self,
+        x: &[Vec3],
+        meet: impl Fn([[u32; 3]; 2], &[Vec3]) -> bool,
+    ) -> usize {
+        let crossing = self.candidates.iter().flat_map(|candidates| {
+            let triangles = candidates.triangles();
+            let pairs = candidates.triangle_pairs().iter();
+            pairs.filter(|pair| meet(pair.map(|t| triangles[t as usize]), x))
+        });
+        crossing.count()
+    }
+
     /// The law of a pair: for two parts of one piece it begins no farther than they are apart at rest, so that nothing is pushed away from its
     /// rest.
-    fn law_of(&self, vertices: [u32; 4], distance: impl Fn(&[Vec3; 4]) -> Real) -> PenaltyLaw {
+    pub(super) fn law_of(
+        &self,
+        vertices: [u32; 4],
+        distance: impl Fn(&[Vec3; 4]) -> Real,
+    ) -> PenaltyLaw {
         let [a, .., d] = vertices.map(|v| self.piece[v as usize]);
         if a != d {
             return self.law;

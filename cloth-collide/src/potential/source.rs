@@ -4,10 +4,14 @@ use super::builder::PotentialBuilder;
 use super::friction::{Sticking, Stretched};
 use super::gap::Gap;
 use super::near::Near;
+use super::patches::Patches;
+use super::rows::{ConstraintReport, Rows};
 use crate::error::CollideError;
 use crate::obstacle::{Obstacle, ObstacleContacts, PenaltyLaw};
 use crate::response::{ClothContacts, mean};
-use cloth_core::contact::{ContactError, ContactPotential, ContactRow, ContactSource, ContactStep};
+use cloth_core::contact::{
+    ContactConstraints, ContactError, ContactPotential, ContactRow, ContactSource, ContactStep,
+};
 use cloth_core::element::{Element, Energy};
 use cloth_core::math::{Real, Vec3, gather};
 use cloth_core::mesh::TriMesh;
@@ -37,32 +41,42 @@ pub struct PotentialReport {
 /// A method that does not know potentials calls [`ContactSource::resolve`], and gets impulses and impact zones.
 #[derive(Debug)]
 pub struct PotentialContacts {
-    near: Near,
+    /// For methods that project positions.
+    pub(super) rows: Rows,
+    pub(super) near: Near,
     /// Coefficient μ of cloth on cloth (dimensionless).
-    friction: Real,
+    pub(super) friction: Real,
     sticking: Vec<Sticking>,
     stretched: Stretched,
     /// Of moving bodies in the last step (J).
-    work: Real,
+    pub(super) work: Real,
     /// Finds a way to begin a step that is free.
-    zones: ClothContacts,
+    pub(super) zones: ClothContacts,
     /// The obstacles at the end of the step.
     still: Vec<Obstacle>,
     /// The obstacles before the step.
-    before: Vec<Obstacle>,
+    pub(super) before: Vec<Obstacle>,
     /// Whether a step has begun and not ended.
-    is_open: bool,
+    pub(super) is_open: bool,
     /// Where the method would begin to iterate (m).
     wanted: Vec<Vec3>,
     scratch: Vec<Vec3>,
-    energy: Real,
+    pub(super) energy: Real,
+    /// Vertices that the last step has held back.
+    pub(super) held: usize,
     report: PotentialReport,
 }
 
 impl PotentialContacts {
-    pub(super) fn new(near: Near, zones: ClothContacts, friction: Real) -> Self {
+    pub(super) fn new(
+        near: Near,
+        patches: Option<Patches>,
+        zones: ClothContacts,
+        friction: Real,
+    ) -> Self {
         let count = near.vertex_area.len();
         Self {
+            rows: Rows::new(patches),
             near,
             friction,
             sticking: Vec::new(),
@@ -75,6 +89,7 @@ impl PotentialContacts {
             wanted: Vec::new(),
             scratch: vec![Vec3::zeros(); count],
             energy: 0.0,
+            held: 0,
             report: PotentialReport::default(),
         }
     }
@@ -97,6 +112,12 @@ impl PotentialContacts {
     pub fn report(&self) -> PotentialReport {
         self.report
     }
+
+    /// What the last step took, of a method that projects positions.
+    #[must_use]
+    pub fn constraint_report(&self) -> ConstraintReport {
+        self.rows.report
+    }
 }
 
 impl ContactSource for PotentialContacts {
@@ -109,10 +130,15 @@ impl ContactSource for PotentialContacts {
         self.energy = 0.0;
         self.zones.resolve(step, positions, velocities)?;
         self.work = self.zones.work();
+        self.held = self.zones.held();
         Ok(())
     }
 
     fn potential(&mut self) -> Option<&mut dyn ContactPotential> {
+        Some(self)
+    }
+
+    fn constraints(&mut self) -> Option<&mut dyn ContactConstraints> {
         Some(self)
     }
 
@@ -125,7 +151,7 @@ impl ContactSource for PotentialContacts {
     }
 
     fn held(&self) -> usize {
-        self.zones.held()
+        self.held
     }
 }
 
@@ -281,12 +307,12 @@ impl ContactPotential for PotentialContacts {
 
 impl PotentialContacts {
     /// ε (m): the way below which friction is a spring.
-    fn reach(&self) -> Real {
+    pub(super) fn reach(&self) -> Real {
         STICKING * self.near.law().range()
     }
 
     /// Takes bodies back to where they were before a step that has begun and not ended.
-    fn undo(&mut self) {
+    pub(super) fn undo(&mut self) {
         if std::mem::take(&mut self.is_open) {
             let bodies = self.zones.obstacles_mut().into_iter();
             let bodies = bodies.flat_map(ObstacleContacts::obstacles_mut);

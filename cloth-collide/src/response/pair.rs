@@ -6,46 +6,46 @@ use cloth_core::math::{Real, Vec3};
 
 /// A vertex and a triangle, or two edges.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Pair {
-    pub(super) kind: QueryKind,
+pub(crate) struct Pair {
+    pub(crate) kind: QueryKind,
     /// Vertex and three corners, or the two ends of each edge.
-    pub(super) vertices: [u32; 4],
+    pub(crate) vertices: [u32; 4],
 }
 
 /// The nearest points of the two pieces: Σ wᵢ xᵢ = d n.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Nearest {
+pub(crate) struct Nearest {
     /// Weights wᵢ (dimensionless); those of the first piece sum to 1, those of the second to −1.
-    pub(super) weights: [Real; 4],
+    pub(crate) weights: [Real; 4],
     /// Unit vector n from the second to the first; zero if they touch.
-    pub(super) normal: Vec3,
+    pub(crate) normal: Vec3,
     /// Distance d (m).
-    pub(super) distance: Real,
+    pub(crate) distance: Real,
 }
 
 impl Nearest {
     /// Whether one of the two points is on the boundary of a triangle, or the end of an edge.
-    pub(super) fn is_at_boundary(&self) -> bool {
+    pub(crate) fn is_at_boundary(&self) -> bool {
         self.weights.contains(&0.0)
     }
 }
 
 /// The motion of the four vertices of a pair: positions (m) at both ends of the step.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Motion {
-    pub(super) from: [Vec3; 4],
-    pub(super) to: [Vec3; 4],
+pub(crate) struct Motion {
+    pub(crate) from: [Vec3; 4],
+    pub(crate) to: [Vec3; 4],
 }
 
 impl Motion {
-    pub(super) fn at(&self, time: Real) -> [Vec3; 4] {
+    pub(crate) fn at(&self, time: Real) -> [Vec3; 4] {
         std::array::from_fn(|k| self.from[k] + (self.to[k] - self.from[k]) * time)
     }
 
     /// Whether the four move as one, by a shift: what they do besides changes `distance` (m) by less than a part in 10⁵. Positions are rounded, so no shift is exact; and where
     /// they end so far away that their differences are lost, or `distance` is lost in the rounding of these, it is
     /// none.
-    pub(super) fn is_shift(&self, distance: Real) -> bool {
+    pub(crate) fn is_shift(&self, distance: Real) -> bool {
         let apart = |x: &[Vec3; 4], k: usize| x[k] - x[0];
         let besides = |k: usize| {
             let [from, to] = [apart(&self.from, k), apart(&self.to, k)];
@@ -56,7 +56,7 @@ impl Motion {
 }
 
 /// Nearest points of two pieces at positions `x` (m).
-pub(super) fn nearest(kind: QueryKind, x: &[Vec3; 4]) -> Nearest {
+pub(crate) fn nearest(kind: QueryKind, x: &[Vec3; 4]) -> Nearest {
     let (weights, separation) = match kind {
         QueryKind::VertexTriangle => {
             let found = point_triangle(x[0], [x[1], x[2], x[3]]);
@@ -83,7 +83,7 @@ pub(super) fn nearest(kind: QueryKind, x: &[Vec3; 4]) -> Nearest {
 }
 
 /// How far (m) the plane across `normal` has the two pieces apart at least, at positions `x` (m), rounding taken off.
-fn gap_along(kind: QueryKind, normal: &Vec3, x: &[Vec3; 4]) -> Real {
+pub(crate) fn gap_along(kind: QueryKind, normal: &Vec3, x: &[Vec3; 4]) -> Real {
     let ways = [x[1] - x[0], x[2] - x[0], x[3] - x[0]];
     let [a, b, c] = ways.map(|way| normal.dot(&way));
     let size = ways
@@ -99,7 +99,7 @@ fn gap_along(kind: QueryKind, normal: &Vec3, x: &[Vec3; 4]) -> Real {
 
 /// By how much more than `separation` (m) one steady plane has the pieces apart during the motion, nothing if it does not: it does if it does at both ends, because
 /// everything is linear in time.
-pub(super) fn room_along(
+pub(crate) fn room_along(
     kind: QueryKind,
     normal: &Vec3,
     motion: &Motion,
@@ -110,7 +110,7 @@ pub(super) fn room_along(
 }
 
 /// Whether it does.
-pub(super) fn apart_along(
+pub(crate) fn apart_along(
     kind: QueryKind,
     normal: &Vec3,
     motion: &Motion,
@@ -120,7 +120,7 @@ pub(super) fn apart_along(
 }
 
 /// The first time (0..=1) at which the distance is down to `separation` (m); nothing if there is none.
-pub(super) fn first_contact(kind: QueryKind, motion: &Motion, separation: Real) -> Option<Real> {
+pub(crate) fn first_contact(kind: QueryKind, motion: &Motion, separation: Real) -> Option<Real> {
     let Ok(test) = ContinuousTest::new(separation, 0.0) else {
         return Some(0.0);
     };

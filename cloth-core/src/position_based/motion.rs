@@ -1,5 +1,6 @@
 //! Everything before and after the projection.
 
+use crate::contact::{ContactConstraints, ContactError, ContactStep};
 use crate::math::{Real, Vec3};
 use crate::particles::{Particles, State, first_non_finite};
 use crate::step::{Outcome, StepError, StepInput, StepReport};
@@ -9,6 +10,8 @@ use crate::step::{Outcome, StepError, StepInput, StepReport};
 /// In the order of a step: [`begin`](Self::begin); for each substep [`predict`](Self::predict), any number of
 /// [`iterate`](Self::iterate), [`update_velocities`](Self::update_velocities); [`finish`](Self::finish). The caller's state is
 /// written in the last one only, so that an error leaves it as it was.
+///
+/// Contact that comes as constraints ([`ContactConstraints`]) is felt in all of them: last in each iteration. Other contact acts in `finish`.
 #[derive(Clone, Debug)]
 pub struct Motion {
     /// Inverse masses (1/kg), one per vertex.
@@ -19,8 +22,14 @@ pub struct Motion {
     velocities: Vec<Vec3>,
     /// Positions (m) before the projection, one per vertex; in the end those that contact leaves.
     predicted: Vec<Vec3>,
+    /// Positions (m) at the start of the substep, if there are contact constraints.
+    start: Vec<Vec3>,
+    /// The substep (s).
+    substep: Real,
     /// Iterations since `begin`.
     iterations: u32,
+    /// The step, counted from 1.
+    step: u64,
 }
 
 impl Motion {
@@ -33,7 +42,10 @@ impl Motion {
             positions: zeros(),
             velocities: zeros(),
             predicted: zeros(),
+            start: Vec::new(),
+            substep: 0.0,
             iterations: 0,
+            step: 0,
         }
     }
 
@@ -58,49 +70,113 @@ impl Motion {
     /// Checks the input and copies the state.
     ///
     /// # Errors
-    /// Those of [`StepInput::check`].
+    /// Those of [`StepInput::check`]; [`StepError::Contact`].
     ///
     /// # Panics
     /// If `state` or the load does not have V entries.
-    pub fn begin(&mut self, state: &State, input: &StepInput<'_>) -> Result<(), StepError> {
+    pub fn begin(&mut self, state: &State, input: &mut StepInput<'_>) -> Result<(), StepError> {
         input.check(state, self.vertex_count())?;
         self.positions.copy_from_slice(&state.positions);
         self.velocities.copy_from_slice(&state.velocities);
         self.iterations = 0;
+        self.step = state.steps + 1;
+        let step = ContactStep {
+            from: &state.positions,
+            inverse_mass: &self.inverse_mass,
+            dt: input.dt,
+        };
+        let begun = input.contact_constraints().map(|c| c.begin_step(&step));
+        begun.transpose().map_err(|reason| self.refused(reason))?;
         Ok(())
     }
 
     /// Free flight over `h` (s), S1 (24): `v ← v + h a`, `x ← x + h v`. A prescribed vertex keeps its v.
-    pub fn predict(&mut self, input: &StepInput<'_>, h: Real) {
+    ///
+    /// # Errors
+    /// [`StepError::Contact`], [`StepError::NonFinite`].
+    pub fn predict(&mut self, input: &mut StepInput<'_>, h: Real) -> Result<(), StepError> {
+        self.substep = h;
+        if input.contact_constraints().is_some() {
+            self.start.clone_from(&self.positions);
+        }
         for vertex in 0..self.vertex_count() {
             let a = input.external_acceleration(vertex, self.inverse_mass[vertex]);
             self.velocities[vertex] += a * h;
             self.positions[vertex] += self.velocities[vertex] * h;
         }
         self.predicted.copy_from_slice(&self.positions);
+        self.feel(input, |contacts, step, x| contacts.begin_substep(step, x))
     }
 
-    /// One iteration: `sweep` gets the inverse masses (1/kg) and the positions (m); then the observer looks.
+    /// One iteration: `sweep` gets the inverse masses (1/kg) and the positions (m), and contact comes after it; then the observer looks.
     pub fn iterate(&mut self, input: &mut StepInput<'_>, sweep: impl FnOnce(&[Real], &mut [Vec3])) {
         sweep(&self.inverse_mass, &mut self.positions);
+        if let Some(contacts) = input.contact_constraints() {
+            let (step, x) = self.split();
+            contacts.sweep(&step, x);
+        }
         self.iterations += 1;
         if let Some(observer) = &mut input.observer {
             observer.iteration(self.iterations, &self.positions);
         }
     }
 
-    /// `v ← v + (x − x̃)/h`, S1 (26) with x̃ the prediction.
+    /// `v ← v + (x − x̃)/h`, S1 (26) with x̃ the prediction and h the substep that it was made for; before it contact has the last word on x.
     ///
     /// Since `x̃ = x₀ + h v` this is the other published form `(x − x₀)/h`. We take this one because a vertex that no constraint moved
     /// then keeps its velocity to the last bit, a prescribed one in particular; the other one divides the rounding of `x₀ + h v` by h.
-    pub fn update_velocities(&mut self, h: Real) {
+    ///
+    /// # Errors
+    /// [`StepError::Contact`], [`StepError::NonFinite`].
+    pub fn update_velocities(&mut self, input: &mut StepInput<'_>) -> Result<(), StepError> {
+        self.feel(input, |contacts, step, x| contacts.end_substep(step, x))?;
+        let h = self.substep;
         let moved = self.positions.iter().zip(&self.predicted);
         for (v, (x, predicted)) in self.velocities.iter_mut().zip(moved) {
             *v += (x - predicted) / h;
         }
+        if let Some(contacts) = input.contact_constraints() {
+            contacts.change_velocities(&mut self.velocities);
+        }
+        Ok(())
     }
 
-    /// Resolves contact, hands the result over and moves the clock by Δt.
+    /// What contact constraints, if there are any, do to the positions of the substep.
+    fn feel(
+        &mut self,
+        input: &mut StepInput<'_>,
+        act: impl FnOnce(
+            &mut dyn ContactConstraints,
+            &ContactStep<'_>,
+            &mut [Vec3],
+        ) -> Result<(), ContactError>,
+    ) -> Result<(), StepError> {
+        let Some(contacts) = input.contact_constraints() else {
+            return Ok(());
+        };
+        let (step, x) = self.split();
+        act(contacts, &step, x).map_err(|reason| self.refused(reason))
+    }
+
+    /// The substep, and the positions (m) in it.
+    fn split(&mut self) -> (ContactStep<'_>, &mut [Vec3]) {
+        let step = ContactStep {
+            from: &self.start,
+            inverse_mass: &self.inverse_mass,
+            dt: self.substep,
+        };
+        (step, &mut self.positions)
+    }
+
+    fn refused(&self, reason: ContactError) -> StepError {
+        let step = self.step;
+        match reason {
+            ContactError::NonFinite { vertex } => StepError::NonFinite { vertex, step },
+            reason => StepError::Contact { reason, step },
+        }
+    }
+
+    /// Resolves contact that has not been felt yet, hands the result over and moves the clock by Δt.
     ///
     /// # Errors
     /// [`StepError::NonFinite`], [`StepError::Contact`]; `state` is then as it was.
@@ -109,7 +185,7 @@ impl Motion {
         state: &mut State,
         input: &mut StepInput<'_>,
     ) -> Result<StepReport, StepError> {
-        let step = state.steps + 1;
+        let step = self.step;
         if let Some(vertex) = first_non_finite(&self.positions, &self.velocities) {
             return Err(StepError::NonFinite { vertex, step });
         }
@@ -119,7 +195,10 @@ impl Motion {
             &mut self.predicted,
             &mut self.velocities,
         );
-        input.resolve_contacts(state, w, x, v)?;
+        match input.contact_constraints() {
+            Some(contacts) => contacts.end_step(x),
+            None => input.resolve_contacts(state, w, x, v)?,
+        }
         state.positions.copy_from_slice(&self.predicted);
         state.velocities.copy_from_slice(&self.velocities);
         state.time += input.dt;

@@ -1,0 +1,392 @@
+//! The laws of contact, where a method projects positions and feels it in every substep.
+
+use crate::counting_allocator::allocations_once_warm;
+use cloth_collide::SeparationProbe;
+use cloth_collide::obstacle::{
+    HalfSpace, ImpactLaw, Obstacle, ObstacleContacts, Pose, RigidMotion, Sphere,
+};
+use cloth_collide::potential::PotentialContacts;
+use cloth_core::cloth::{Cloth, ClothModel, Membrane};
+use cloth_core::contact::{ContactError, ContactSource};
+use cloth_core::math::{Real, Vec3};
+use cloth_core::measure::{gravitational_energy, kinetic_energy};
+use cloth_core::mesh::TriMesh;
+use cloth_core::mesh::generate::{Diagonals, grid};
+use cloth_core::particles::State;
+use cloth_core::step::{StepError, StepInput, Stepper};
+use cloth_pbd::{PbdConfig, PbdSolver};
+use cloth_xpbd::{XpbdConfig, XpbdSolver};
+
+const DENSITY: Real = 0.2;
+const GRAVITY: Real = 9.81;
+const THICKNESS: Real = 2e-3;
+/// κ (Pa/m).
+const STIFFNESS: Real = 1e6;
+const DT: Real = 1.0 / 60.0;
+
+fn model(mesh: &TriMesh) -> ClothModel {
+    let cloth = Cloth {
+        areal_density: DENSITY,
+        membrane: Membrane::SpringStiffness(1e4),
+        bending_rigidity: 1e-5,
+    };
+    cloth.on(mesh).unwrap()
+}
+
+fn xpbd(model: &ClothModel, substeps: u32) -> Box<dyn Stepper> {
+    let builder = XpbdSolver::builder(&model.particles).config(XpbdConfig {
+        substeps,
+        ..XpbdConfig::default()
+    });
+    let builder = builder.energy(model.springs.clone());
+    Box::new(builder.energy(model.hinges.clone()).build().unwrap())
+}
+
+fn pbd(model: &ClothModel, substeps: u32) -> Box<dyn Stepper> {
+    let builder = PbdSolver::builder(&model.particles).config(PbdConfig {
+        substeps,
+        ..PbdConfig::default()
+    });
+    let builder = builder.energy(model.springs.clone());
+    Box::new(builder.energy(model.hinges.clone()).build().unwrap())
+}
+
+fn contacts_of(
+    mesh: &TriMesh,
+    obstacle: Option<Obstacle>,
+    friction: Real,
+    thickness: Real,
+) -> PotentialContacts {
+    let law = ImpactLaw::new(friction, 0.0).unwrap();
+    let mut bodies = ObstacleContacts::new(thickness, 0.5 * thickness).unwrap();
+    if let Some(obstacle) = obstacle {
+        bodies = bodies.with(obstacle, law);
+    }
+    let builder = PotentialContacts::builder(mesh)
+        .thickness(thickness)
+        .stiffness(STIFFNESS)
+        .friction(friction)
+        .obstacles(bodies);
+    builder.build().unwrap()
+}
+
+fn contacts(mesh: &TriMesh, obstacle: Option<Obstacle>, friction: Real) -> PotentialContacts {
+    contacts_of(mesh, obstacle, friction, THICKNESS)
+}
+
+fn step(
+    stepper: &mut dyn Stepper,
+    contacts: &mut PotentialContacts,
+    state: &mut State,
+    gravity: Real,
+) {
+    let input = StepInput::new(DT).gravity(Vec3::z() * -gravity);
+    stepper.step(state, input.contacts(contacts)).unwrap();
+}
+
+fn floor() -> Obstacle {
+    Obstacle::new(HalfSpace::new(Vec3::z()).unwrap())
+}
+
+fn lifted(mesh: &TriMesh, by: Real) -> State {
+    State::at_rest(
+        mesh.positions()
+            .iter()
+            .map(|x| x + Vec3::z() * by)
+            .collect(),
+    )
+}
+
+fn sheets(one: &TriMesh, shifts: &[Vec3]) -> TriMesh {
+    let mut positions = Vec::new();
+    let mut triangles = Vec::new();
+    for shift in shifts {
+        let first = positions.len() as u32;
+        positions.extend(one.positions().iter().map(|x| x + shift));
+        triangles.extend(one.triangles().iter().map(|t| t.map(|v| v + first)));
+    }
+    TriMesh::new(positions, triangles).unwrap()
+}
+
+/// The gap of a sheet at rest is h − ρ g/κ, whatever the pattern, the resolution, the method and the substeps, and the potential holds ½ (ρ g)²/κ per area.
+#[test]
+fn sheet_rests_where_its_weight_says() {
+    let gap = THICKNESS - DENSITY * GRAVITY / STIFFNESS;
+    for (n, pattern, substeps) in [
+        (9, Diagonals::Alternating, 20),
+        (17, Diagonals::OneWay, 5),
+        (33, Diagonals::Alternating, 60),
+    ] {
+        let mesh = grid(n, n, 0.5, 0.5, pattern).unwrap();
+        let model = model(&mesh);
+        for make in [xpbd, pbd] {
+            let mut stepper = make(&model, substeps);
+            let mut contacts = contacts(&mesh, Some(floor()), 0.0);
+            let mut state = lifted(&mesh, THICKNESS);
+            for _ in 0..60 {
+                step(&mut *stepper, &mut contacts, &mut state, GRAVITY);
+            }
+            let error = |x: &Vec3| (x.z - gap).abs();
+            let worst = state.positions.iter().map(error).fold(0.0, Real::max);
+            assert!(worst < 1e-14, "{n} vertices a side: {worst:e}");
+            let energy = 0.5 * (DENSITY * GRAVITY).powi(2) / STIFFNESS * 0.25;
+            let stored = contacts.potential_energy();
+            assert!((stored / energy - 1.0).abs() < 1e-9, "{stored:e} J");
+        }
+    }
+}
+
+/// A sheet on a slope of 30° slides by a h² n (n + 1)/2 in n substeps of h with a = g (sin α − μ cos α) if that is positive, and does not move at all otherwise.
+#[test]
+fn sheet_on_a_slope_slides_or_sticks() {
+    let angle = 30f64.to_radians();
+    let (sin, cos) = angle.sin_cos();
+    let mesh = grid(9, 9, 1.0, 1.0, Diagonals::Alternating).unwrap();
+    let model = model(&mesh);
+    let gap = THICKNESS - DENSITY * GRAVITY * cos / STIFFNESS;
+    let place = |x: &Vec3| Vec3::new(x.x * cos - gap * sin, x.y, x.x * sin + gap * cos);
+    let start: Vec<Vec3> = mesh.positions().iter().map(place).collect();
+    let way = |state: &State| {
+        let ways = state.positions.iter().zip(&start);
+        let sum: Real = ways
+            .map(|(x, from)| (from - x).dot(&Vec3::new(cos, 0.0, sin)))
+            .sum();
+        sum / start.len() as Real
+    };
+    for friction in [0.0, 0.3, 0.58] {
+        for substeps in [7, 20] {
+            let mut stepper = xpbd(&model, substeps);
+            let slope = Obstacle::new(HalfSpace::new(Vec3::new(-sin, 0.0, cos)).unwrap());
+            let mut contacts = contacts(&mesh, Some(slope), friction);
+            let mut state = State::at_rest(start.clone());
+            let (steps, pull) = (30, GRAVITY * (sin - friction * cos));
+            for _ in 0..steps {
+                step(&mut *stepper, &mut contacts, &mut state, GRAVITY);
+            }
+            let (n, h) = (Real::from(steps * substeps), DT / Real::from(substeps));
+            let expected = (pull * h * h * n * (n + 1.0) / 2.0).max(0.0);
+            let found = way(&state);
+            assert!(
+                (found - expected).abs() < 1e-10,
+                "μ = {friction}: {found:e} m for {expected:e} m"
+            );
+        }
+    }
+}
+
+/// Cloth that sticks to cloth does not creep: the upper of two sheets on a slope of 15° with μ = 0.3 stays where it is.
+#[test]
+fn sheet_sticks_to_a_sheet() {
+    let one = grid(9, 9, 0.4, 0.4, Diagonals::Alternating).unwrap();
+    let shift = Vec3::new(0.013, 0.007, THICKNESS);
+    let mesh = sheets(&one, &[Vec3::zeros(), shift]);
+    let model = model(&mesh);
+    let mut stepper = xpbd(&model, 20);
+    let mut contacts = contacts(&mesh, Some(floor()), 0.3);
+    let mut state = lifted(&mesh, THICKNESS);
+    let (sin, cos) = 15f64.to_radians().sin_cos();
+    let gravity = Vec3::new(-sin, 0.0, -cos) * GRAVITY;
+    let mut ways = Vec::new();
+    for _ in 0..8 {
+        for _ in 0..30 {
+            let input = StepInput::new(DT).gravity(gravity);
+            stepper
+                .step(&mut state, input.contacts(&mut contacts))
+                .unwrap();
+        }
+        let moved = state.positions.iter().zip(mesh.positions());
+        ways.push(moved.map(|(x, from)| x.x - from.x).fold(0.0, Real::min));
+    }
+    assert!(ways[0] > -1e-5, "{ways:?}");
+    assert!((ways[7] - ways[0]).abs() < 1e-12, "{ways:?}");
+}
+
+/// Three sheets above each other come to rest, the floor carries all of them, and nothing crosses.
+#[test]
+fn stack_carries_its_weight() {
+    let one = grid(7, 7, 0.3, 0.3, Diagonals::Alternating).unwrap();
+    let count = one.vertex_count();
+    let ups = [1.0, 2.0, 3.0].map(|up| Vec3::z() * (THICKNESS * up));
+    let mesh = sheets(&one, &ups);
+    let model = model(&mesh);
+    let mut stepper = xpbd(&model, 20);
+    let mut contacts = contacts(&mesh, Some(floor()), 0.3);
+    let mut state = State::at_rest(mesh.positions().to_vec());
+    let mut probe = SeparationProbe::new(&mesh);
+    for _ in 0..240 {
+        step(&mut *stepper, &mut contacts, &mut state, GRAVITY);
+        let seen = probe.measure(&state.positions).unwrap();
+        assert_eq!(seen.intersecting_pairs, 0);
+    }
+    let lowest = state.positions[..count].iter().zip(model.particles.mass());
+    let force: Real = lowest
+        .map(|(x, m)| STIFFNESS * (THICKNESS - x.z) * m / DENSITY)
+        .sum();
+    let weight = model.particles.mass().iter().sum::<Real>() * GRAVITY;
+    let speed = state.velocities.iter().map(Vec3::norm).fold(0.0, Real::max);
+    // Vertices above vertices: which edges are nearest to each other changes from substep to substep.
+    assert!((force / weight - 1.0).abs() < 5e-5, "{force} N");
+    assert!(speed < 3e-4, "{speed} m/s");
+}
+
+/// A sheet falls on a ball and wraps it: without a crossing and with all vertices outside after every step, and, with enough substeps, without energy from nowhere.
+#[test]
+fn sheet_falls_on_a_ball() {
+    let mesh = grid(17, 17, 1.0, 1.0, Diagonals::Alternating).unwrap();
+    let mesh = sheets(&mesh, &[Vec3::new(-0.5, -0.5, 0.15)]);
+    let model = model(&mesh);
+    let energies = model.energies().unwrap();
+    let gravity = Vec3::z() * -GRAVITY;
+    let total = |state: &State, stored: Real| {
+        kinetic_energy(&model.particles, &state.velocities)
+            + gravitational_energy(&model.particles, &state.positions, gravity)
+            + energies.value(&state.positions)
+            + stored
+    };
+    let ball = Obstacle::new(Sphere::new(0.1).unwrap());
+    type Make = fn(&ClothModel, u32) -> Box<dyn Stepper>;
+    let cases: [(&str, Make, u32); 4] = [
+        ("pbd", pbd, 1),
+        ("pbd", pbd, 10),
+        ("xpbd", xpbd, 20),
+        ("xpbd", xpbd, 240),
+    ];
+    for (name, make, substeps) in cases {
+        let mut stepper = make(&model, substeps);
+        let mut contacts = contacts(&mesh, Some(ball.clone()), 0.3);
+        let mut state = State::at_rest(mesh.positions().to_vec());
+        let mut probe = SeparationProbe::new(&mesh);
+        let start = total(&state, 0.0);
+        let mut most = Real::NEG_INFINITY;
+        for step_number in 1..=45 {
+            step(&mut *stepper, &mut contacts, &mut state, GRAVITY);
+            let at = format!("{name}, {substeps} substeps, step {step_number}");
+            let seen = probe.measure(&state.positions).unwrap();
+            assert_eq!(seen.intersecting_pairs, 0, "{at}");
+            let clearance = |x: &Vec3| ball.clearance(*x, 0.0).value;
+            let least = state.positions.iter().map(clearance).fold(1.0, Real::min);
+            assert!(least > 0.0, "{at}: {least} m");
+            let now = total(&state, contacts.potential_energy()) - start;
+            most = most.max(now);
+        }
+        if substeps == 240 {
+            assert!(most < 0.0, "{most} J");
+        }
+    }
+}
+
+/// Two sheets meet in free flight: linear momentum is kept, and they do not come apart faster than they met.
+#[test]
+fn sheets_that_meet_keep_their_momentum() {
+    let one = grid(9, 9, 0.4, 0.4, Diagonals::Alternating).unwrap();
+    let count = one.vertex_count();
+    let mesh = sheets(&one, &[Vec3::zeros(), Vec3::new(0.013, 0.007, 0.02)]);
+    let model = model(&mesh);
+    for (speed, substeps) in [(1.0, 20), (60.0, 20), (60.0, 1)] {
+        let mut stepper = xpbd(&model, substeps);
+        let mut contacts = contacts(&mesh, None, 0.2);
+        let mut state = State::at_rest(mesh.positions().to_vec());
+        state.velocities[count..].fill(Vec3::z() * -speed);
+        let momentum = |state: &State| -> Vec3 {
+            let both = state.velocities.iter().zip(model.particles.mass());
+            both.map(|(v, m)| v * *m).sum()
+        };
+        let before = momentum(&state);
+        let kinetic = |state: &State| kinetic_energy(&model.particles, &state.velocities);
+        let start = kinetic(&state);
+        let mut probe = SeparationProbe::new(&mesh);
+        let mut whole = true;
+        for _ in 0..10 {
+            step(&mut *stepper, &mut contacts, &mut state, 0.0);
+            let seen = probe.measure(&state.positions).unwrap();
+            assert_eq!(seen.intersecting_pairs, 0, "{speed} m/s");
+            whole &= contacts.held() == 0;
+        }
+        let change = (momentum(&state) - before).norm() / before.norm();
+        assert!(!whole || change < 1e-12, "{speed} m/s: {change:e}");
+        assert!(kinetic(&state) <= start);
+    }
+}
+
+/// A floor that moves sideways takes a sheet along, and works what becomes of its motion and of friction; a floor that rises carries it.
+#[test]
+fn moving_floor_takes_a_sheet_along() {
+    let mesh = grid(9, 9, 0.4, 0.4, Diagonals::Alternating).unwrap();
+    let model = model(&mesh);
+    let gap = THICKNESS - DENSITY * GRAVITY / STIFFNESS;
+    for velocity in [Vec3::new(0.05, 0.0, 0.0), Vec3::new(0.0, 0.0, 0.02)] {
+        let motion = RigidMotion {
+            velocity,
+            ..RigidMotion::still(Pose::default())
+        };
+        let floor = Obstacle::moving(HalfSpace::new(Vec3::z()).unwrap(), motion).unwrap();
+        let mut contacts = contacts(&mesh, Some(floor), 0.3);
+        let mut stepper = xpbd(&model, 20);
+        let mut state = lifted(&mesh, gap);
+        let (steps, mut work) = (60, 0.0);
+        for _ in 0..steps {
+            step(&mut *stepper, &mut contacts, &mut state, GRAVITY);
+            work += contacts.work();
+        }
+        let mass: Real = model.particles.mass().iter().sum();
+        let off = state.velocities.iter().map(|v| (v - velocity).norm());
+        let off = off.fold(0.0, Real::max);
+        let speed = velocity.norm();
+        let lift = velocity.z * DT * Real::from(steps);
+        let expected = mass * (speed * speed + GRAVITY * lift);
+        assert!(off < 1e-9 * speed, "{off:e} m/s");
+        assert!(
+            (work / expected - 1.0).abs() < 0.01,
+            "{work:e} J for {expected:e} J"
+        );
+    }
+}
+
+/// A thickness larger than the edges pushes nothing away from its rest.
+#[test]
+fn thick_sheet_at_rest_stays() {
+    let mesh = grid(17, 17, 0.4, 0.4, Diagonals::Alternating).unwrap();
+    let model = model(&mesh);
+    let mut contacts = contacts_of(&mesh, None, 0.3, 0.04);
+    let mut stepper = xpbd(&model, 5);
+    let mut state = State::at_rest(mesh.positions().to_vec());
+    for _ in 0..5 {
+        step(&mut *stepper, &mut contacts, &mut state, 0.0);
+    }
+    let moved = state.positions.iter().zip(mesh.positions());
+    let most = moved
+        .map(|(x, from)| (x - from).norm())
+        .fold(0.0, Real::max);
+    assert!(most < 1e-15, "{most:e} m");
+}
+
+/// A start that passes through itself is refused, and leaves no trace; nothing is allocated once warm.
+#[test]
+fn tangled_starts_are_refused_and_nothing_is_allocated() {
+    let one = grid(5, 5, 0.2, 0.2, Diagonals::Alternating).unwrap();
+    let mesh = sheets(
+        &one,
+        &[Vec3::z() * THICKNESS, Vec3::z() * (2.0 * THICKNESS)],
+    );
+    let model = model(&mesh);
+    let mut contacts = contacts(&mesh, Some(floor()), 0.3);
+    let mut stepper = xpbd(&model, 10);
+    let mut state = State::at_rest(mesh.positions().to_vec());
+    for _ in 0..3 {
+        step(&mut *stepper, &mut contacts, &mut state, GRAVITY);
+    }
+    let mut crossed = state.clone();
+    crossed.positions[12].z += 2.0 * THICKNESS;
+    let input = StepInput::new(DT).contacts(&mut contacts);
+    let refused = stepper.step(&mut crossed, input).unwrap_err();
+    let tangled = matches!(
+        refused,
+        StepError::Contact {
+            reason: ContactError::Tangled { .. },
+            ..
+        }
+    );
+    assert!(tangled, "{refused}");
+    let count = allocations_once_warm(|| step(&mut *stepper, &mut contacts, &mut state, GRAVITY));
+    assert_eq!(count, 0);
+}

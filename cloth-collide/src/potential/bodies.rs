@@ -1,0 +1,297 @@
+//! Vertices before bodies, as constraints whose distance is evaluated in every sweep.
+
+use super::rows::{KEPT, LEAST, SLACK, Tangent, hold, stretch};
+use crate::obstacle::{Obstacle, ObstacleContacts, PenaltyLaw, VertexPath, first_contact};
+use cloth_core::contact::ContactStep;
+use cloth_core::math::{Real, Vec3};
+
+/// A vertex that can touch a body in this substep.
+#[derive(Clone, Copy, Debug)]
+struct Row {
+    vertex: u32,
+    body: u32,
+    /// At the start of the substep (m).
+    distance: Real,
+    /// d̂ (m), and α̃ (1/kg).
+    range: Real,
+    compliance: Real,
+    is_violated: bool,
+    /// λ (kg m) along the normal of the last visit, and the same of friction.
+    lambda: Real,
+    normal: Vec3,
+    friction: Vec3,
+    /// Where it sticks at the end of the substep (m).
+    origin: Vec3,
+}
+
+/// All vertices and bodies.
+#[derive(Debug, Default)]
+pub(super) struct Bodies {
+    rows: Vec<Row>,
+    /// A lower bound of the distance (m) of each vertex from each body, at the start of the substep.
+    rooms: Vec<Real>,
+    /// By how much friction has been stretched there (m).
+    stretches: Vec<Vec3>,
+    /// Whether a vertex has a row for a body.
+    has_row: Vec<bool>,
+}
+
+/// How far a body can go at `x` (m) in `dt` (s).
+fn way_of(body: &Obstacle, x: Vec3, dt: Real) -> Real {
+    let motion = body.motion();
+    if motion.is_still() {
+        return 0.0;
+    }
+    let arm = (x - motion.pose.position).norm() + motion.velocity.norm() * dt;
+    dt * (motion.velocity.norm() + motion.angular_velocity.norm() * arm)
+}
+
+impl Bodies {
+    pub(super) fn len(&self) -> usize {
+        self.rows.len()
+    }
+
+    /// Forgets all that is known of distances and friction.
+    pub(super) fn forget(&mut self, vertices: usize, bodies: usize) {
+        self.rows.clear();
+        let count = vertices * bodies;
+        self.rooms.clear();
+        self.rooms.resize(count, Real::NEG_INFINITY);
+        self.stretches.clear();
+        self.stretches.resize(count, Vec3::zeros());
+        self.has_row.clear();
+        self.has_row.resize(count, false);
+    }
+
+    /// Begins a substep: rows for the vertices that can touch a body on their way to `to` (m).
+    pub(super) fn begin(
+        &mut self,
+        bodies: Option<&ObstacleContacts>,
+        law: PenaltyLaw,
+        area: &[Real],
+        step: &ContactStep<'_>,
+        to: &[Vec3],
+    ) {
+        self.rows.clear();
+        self.has_row.fill(false);
+        let Some(bodies) = bodies else {
+            return;
+        };
+        let reach = law.range() * (1.0 + SLACK);
+        self.each_near(bodies, step, to, reach, |list, index, row| {
+            row.set_law(law, area[row.vertex as usize], step.dt);
+            row.origin -= list.stretches[index];
+            list.has_row[index] = true;
+            list.rows.push(*row);
+        });
+    }
+
+    /// Hands `visit` each vertex without a row that can come as near as `reach` (m) to a body, with its index.
+    fn each_near(
+        &mut self,
+        bodies: &ObstacleContacts,
+        step: &ContactStep<'_>,
+        to: &[Vec3],
+        reach: Real,
+        mut visit: impl FnMut(&mut Self, usize, &mut Row),
+    ) {
+        let count = bodies.pairs().len();
+        for (vertex, (from, to)) in step.from.iter().zip(to).enumerate() {
+            if step.inverse_mass[vertex] == 0.0 {
+                continue;
+            }
+            for (number, body) in bodies.obstacles().enumerate() {
+                let index = vertex * count + number;
+                let way = (to - from).norm() + way_of(body, *from, step.dt);
+                let way = way * body.shape().lipschitz();
+                if self.has_row[index] || self.rooms[index] - way >= reach {
+                    continue;
+                }
+                let at = body.clearance(*from, 0.0);
+                self.rooms[index] = at.value;
+                if at.value - way >= reach {
+                    self.stretches[index] = Vec3::zeros();
+                    continue;
+                }
+                let motion = body.motion();
+                let local = motion.pose.to_local(*from);
+                let mut row = Row {
+                    vertex: vertex as u32,
+                    body: number as u32,
+                    distance: at.value,
+                    range: 0.0,
+                    compliance: 0.0,
+                    is_violated: false,
+                    lambda: 0.0,
+                    normal: at.normal,
+                    friction: Vec3::zeros(),
+                    origin: motion.pose_at(step.dt).to_world(local),
+                };
+                visit(self, index, &mut row);
+            }
+        }
+    }
+
+    /// Projects each vertex out of the bodies, where they are at the end of the substep.
+    pub(super) fn sweep(
+        &mut self,
+        bodies: Option<&ObstacleContacts>,
+        step: &ContactStep<'_>,
+        x: &mut [Vec3],
+    ) {
+        let Some(bodies) = bodies else {
+            return;
+        };
+        for row in &mut self.rows {
+            let (body, law) = &bodies.pairs()[row.body as usize];
+            let v = row.vertex as usize;
+            let at = body.clearance(x[v], step.dt);
+            let value = at.value - row.range;
+            if value >= 0.0 && row.lambda == 0.0 {
+                continue;
+            }
+            let ease = step.inverse_mass[v];
+            let change = -(value + row.compliance * row.lambda)
+                / (ease * at.slope * at.slope + row.compliance);
+            let lambda = (row.lambda + change).max(0.0);
+            let mut push = at.gradient() * (lambda - row.lambda);
+            (row.lambda, row.normal) = (lambda, at.normal);
+            if law.friction() > 0.0 {
+                let slip = x[v] - row.origin;
+                let slip = slip - at.normal * at.normal.dot(&slip);
+                let most = law.friction() * lambda * at.slope;
+                let held = hold(row.friction - slip / ease, most);
+                push += held - row.friction;
+                row.friction = held;
+            }
+            x[v] += push * ease;
+        }
+    }
+
+    /// How many vertices come too near on their way to `x` (m); those get rows.
+    pub(super) fn violations(
+        &mut self,
+        bodies: Option<&ObstacleContacts>,
+        law: PenaltyLaw,
+        area: &[Real],
+        step: &ContactStep<'_>,
+        x: &[Vec3],
+    ) -> u32 {
+        let Some(bodies) = bodies else {
+            return 0;
+        };
+        let h = law.range();
+        self.each_near(bodies, step, x, KEPT * h, |list, index, row| {
+            let (body, _) = &bodies.pairs()[row.body as usize];
+            if !row.is_safe(body, h, step, x) {
+                row.set_law(law, area[row.vertex as usize], step.dt);
+                list.has_row[index] = true;
+                list.rows.push(*row);
+            }
+        });
+        let mut count = 0;
+        for row in &mut self.rows {
+            let (body, _) = &bodies.pairs()[row.body as usize];
+            row.is_violated = !row.is_safe(body, h, step, x);
+            count += u32::from(row.is_violated);
+        }
+        count
+    }
+
+    /// The vertices that have come too near.
+    pub(super) fn violated(&self) -> impl Iterator<Item = u32> + '_ {
+        let rows = self.rows.iter().filter(|row| row.is_violated);
+        rows.map(|row| row.vertex)
+    }
+
+    /// Rows of those give in no more.
+    pub(super) fn harden(&mut self, h: Real) {
+        for row in self.rows.iter_mut().filter(|row| row.is_violated) {
+            row.compliance = 0.0;
+            row.range = row.range.min(row.distance.max(LEAST * h));
+        }
+    }
+
+    /// The substep ends at `x` (m), the bodies still being where they are at its start. Friction gives in by `reach` (m). Returns the work (J) that they did.
+    pub(super) fn end(
+        &mut self,
+        bodies: Option<&ObstacleContacts>,
+        reach: Real,
+        step: &ContactStep<'_>,
+        x: &[Vec3],
+    ) -> Real {
+        let Some(bodies) = bodies else {
+            return 0.0;
+        };
+        let count = bodies.pairs().len();
+        for (vertex, (from, to)) in step.from.iter().zip(x).enumerate() {
+            for (number, body) in bodies.obstacles().enumerate() {
+                let way = (to - from).norm() + way_of(body, *from, step.dt);
+                self.rooms[vertex * count + number] -= way * body.shape().lipschitz();
+            }
+        }
+        let mut work = 0.0;
+        for row in &self.rows {
+            let v = row.vertex as usize;
+            let (body, _) = &bodies.pairs()[row.body as usize];
+            let way = x[v] - row.origin;
+            let way = way - row.normal * row.normal.dot(&way);
+            let index = v * count + row.body as usize;
+            self.stretches[index] = stretch(way, row.lambda, reach);
+            let impulse = (row.normal * row.lambda + row.friction) / step.dt;
+            work += impulse.dot(&body.velocity_at(x[v], step.dt));
+        }
+        work
+    }
+
+    /// Energy (J) that is stored at `x` (m).
+    pub(super) fn energy(
+        &self,
+        bodies: Option<&ObstacleContacts>,
+        law: PenaltyLaw,
+        area: &[Real],
+        x: &[Vec3],
+    ) -> Real {
+        let Some(bodies) = bodies else {
+            return 0.0;
+        };
+        let pushing = self.rows.iter().filter(|row| row.lambda > 0.0);
+        pushing
+            .map(|row| {
+                let v = row.vertex as usize;
+                let (body, _) = &bodies.pairs()[row.body as usize];
+                area[v] * law.energy(body.clearance(x[v], 0.0).value)
+            })
+            .sum()
+    }
+}
+
+impl Row {
+    fn set_law(&mut self, law: PenaltyLaw, area: Real, dt: Real) {
+        let tangent = Tangent::of(law, area, self.distance);
+        self.range = tangent.range;
+        self.compliance = tangent.compliance(dt);
+    }
+
+    /// Distance (m) to keep: none of one that is not there.
+    fn kept(&self, h: Real) -> Real {
+        KEPT * self.distance.clamp(0.0, h)
+    }
+
+    /// Whether the vertex does not come too near on its way to `x` (m).
+    fn is_safe(&self, body: &Obstacle, h: Real, step: &ContactStep<'_>, x: &[Vec3]) -> bool {
+        let v = self.vertex as usize;
+        let (from, to) = (step.from[v], x[v]);
+        if self.distance <= 0.0 {
+            // It has been inside before, and must not get deeper.
+            return body.clearance(to, step.dt).value >= self.distance - 1e-2 * h;
+        }
+        let kept = self.kept(h);
+        let way = (to - from).norm() + way_of(body, from, step.dt);
+        if self.distance - way * body.shape().lipschitz() > kept {
+            return true;
+        }
+        let path = VertexPath::straight(from, to, step.dt);
+        first_contact(body, &path, 0.0, step.dt, kept).is_none()
+    }
+}

@@ -1,0 +1,594 @@
+//! Contact as unilateral constraints: the view for methods that project positions.
+//!
+//! A substep of h goes from x₀. Each pair of pieces that can touch in it is a row n·Σ wᵢ xᵢ ≥ d̂, with the nearest points frozen at x₀, and what pushes is the law of the
+//! potential there: with stiffness k = A φ″ and a range d̂ = d + A φ′/−k where the tangent of the force ends, so that λ/h² is the force k (d̂ − d). XPBD's projection with the compliance
+//! α̃ = 1/(k h²) and λ ≥ 0 is
+//!
+//! Δλ = max(−λ, −(C + α̃ λ)/(Σ wᵢ²/mᵢ + α̃)), C = n·Σ wᵢ xᵢ − d̂.
+//!
+//! Friction holds the point where it was, with ‖f‖ ≤ μ λ; a point that sticks goes back to where it began to stick, however many substeps ago. For a body the
+//! distance is evaluated anew in each sweep ([`bodies`](super::bodies)).
+//!
+//! At the end of the substep every pair is tested: a plane across the frozen normal, or the continuous test. What has not kept a part of its distance gets
+//! sweeps without compliance; then its vertices go back on their way; and what is left even then is for impact zones.
+
+use super::bodies::Bodies;
+use super::patches::{NearPair, Patches, Place, TooFar};
+use super::source::PotentialContacts;
+use crate::ccd::QueryKind;
+use crate::obstacle::{ObstacleContacts, PenaltyLaw};
+use crate::response::pair::{Motion, apart_along, first_contact, gap_along, nearest};
+use crate::separation::meet_unduly;
+use cloth_core::contact::{ContactConstraints, ContactError, ContactSource, ContactStep};
+use cloth_core::math::{Real, Vec3, gather, is_finite};
+
+/// What is looked at beyond the motion (in thicknesses).
+pub(super) const SLACK: Real = 0.05;
+/// The part of its distance, or of its range where that is less, that a pair keeps in a substep.
+pub(super) const KEPT: Real = 0.1;
+/// Distances (in ranges) below which the law is that of this distance; and what a pair that is nearer comes back to when it has to.
+pub(super) const LEAST: Real = 0.05;
+/// Rounds of sweeps without compliance, and sweeps in each.
+const REPAIRS: u32 = 3;
+const REPAIR_SWEEPS: u32 = 5;
+/// Rounds in which ways are halved, and rounds in all before zones take over.
+const HALVINGS: u32 = 3;
+const ROUNDS: u32 = 12;
+
+/// What the last step took.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct ConstraintReport {
+    /// Searches for pairs of patches, and for pairs of primitives between two patches.
+    pub searches: u32,
+    /// See `searches`.
+    pub detections: u32,
+    /// Pairs that were looked at, over all substeps.
+    pub looked: u32,
+    /// Rows, over all substeps, of cloth and of bodies.
+    pub rows: u32,
+    /// Pairs that had not kept their distance at the end of a substep.
+    pub violated: u32,
+    /// Vertices whose way was shortened.
+    pub shortened: u32,
+    /// Substeps that impact zones ended.
+    pub zones: u32,
+}
+
+/// The tangent of a contact law at a distance: the force (N) is `stiffness` (N/m) times what is missing to `range` (m).
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Tangent {
+    pub(super) range: Real,
+    pub(super) stiffness: Real,
+}
+
+impl Tangent {
+    /// At the distance `d` (m), for the area `area` (m²); never further than a little beyond where the law begins to be a spring.
+    pub(super) fn of(law: PenaltyLaw, area: Real, d: Real) -> Self {
+        let h = law.range();
+        let at = d.clamp(LEAST * h, 0.75 * h);
+        let curvature = law.curvature(at);
+        let beyond = -law.slope(at) / curvature;
+        Self {
+            range: (if d < at { d } else { at }) + beyond,
+            stiffness: area * curvature,
+        }
+    }
+
+    /// α̃ (1/kg) in a substep of `dt` (s).
+    pub(super) fn compliance(&self, dt: Real) -> Real {
+        1.0 / (self.stiffness * dt * dt)
+    }
+}
+
+/// A pair that can touch in this substep.
+#[derive(Clone, Copy, Debug)]
+struct Row {
+    place: Place,
+    kind: QueryKind,
+    vertices: [u32; 4],
+    weights: [Real; 4],
+    normal: Vec3,
+    /// At the start of the substep (m).
+    distance: Real,
+    /// d̂ (m), and α̃ (1/kg).
+    range: Real,
+    compliance: Real,
+    /// Σ wᵢ²/mᵢ (1/kg).
+    ease: Real,
+    /// Distance (m) to keep, and to come back to.
+    kept: Real,
+    least: Real,
+    /// Whether it pushes, or is only tested.
+    pushes: bool,
+    is_violated: bool,
+    /// λ (kg m), and the same of friction.
+    lambda: Real,
+    friction: Vec3,
+    /// Σ wᵢ xᵢ (m) where it sticks.
+    origin: Vec3,
+}
+
+/// A pair that a plane keeps apart in the predicted motion.
+#[derive(Clone, Copy, Debug)]
+struct Parted {
+    place: Place,
+    kind: QueryKind,
+    vertices: [u32; 4],
+    normal: Vec3,
+    /// Distance (m) to keep.
+    kept: Real,
+}
+
+/// What the constraints know.
+#[derive(Debug)]
+pub(super) struct Rows {
+    patches: Option<Patches>,
+    pub(super) bodies: Bodies,
+    rows: Vec<Row>,
+    parted: Vec<Parted>,
+    /// Where the last step ended (m): free of crossings.
+    safe: Vec<Vec3>,
+    /// Where the sweeps have ended (m), and the part of the way there that each vertex goes.
+    proposed: Vec<Vec3>,
+    shares: Vec<Real>,
+    /// Velocities (m/s) of the substep, if zones have ended it.
+    velocities: Vec<Vec3>,
+    by_zones: bool,
+    work: Real,
+    pub(super) report: ConstraintReport,
+}
+
+impl Rows {
+    pub(super) fn new(patches: Option<Patches>) -> Self {
+        Self {
+            patches,
+            bodies: Bodies::default(),
+            rows: Vec::new(),
+            parted: Vec::new(),
+            safe: Vec::new(),
+            proposed: Vec::new(),
+            shares: Vec::new(),
+            velocities: Vec::new(),
+            by_zones: false,
+            work: 0.0,
+            report: ConstraintReport::default(),
+        }
+    }
+
+    fn sweep(&mut self, friction: Real, w: &[Real], x: &mut [Vec3]) {
+        for row in &mut self.rows {
+            if row.pushes {
+                row.project(friction, w, x);
+            }
+        }
+    }
+}
+
+impl Row {
+    /// Of a pair at `x` (m), in a substep of `dt` (s) in which it would go to `to` (m).
+    fn new(
+        place: Place,
+        pair: &mut NearPair,
+        law: PenaltyLaw,
+        step: &ContactStep<'_>,
+        to: &[Vec3],
+        mollified: impl Fn(&NearPair, &[Vec3; 4]) -> Real,
+    ) -> Self {
+        let x = gather(step.from, pair.vertices);
+        let near = nearest(pair.kind, &x);
+        let to = gather(to, pair.vertices);
+        let sum = |x: &[Vec3; 4]| -> Vec3 { (0..4).map(|k| x[k] * near.weights[k]).sum() };
+        let approach = near.distance - near.normal.dot(&sum(&to));
+        let w = pair.vertices.map(|v| step.inverse_mass[v as usize]);
+        let ease: Real = (0..4)
+            .map(|k| near.weights[k] * near.weights[k] * w[k])
+            .sum();
+        let comes = near.distance - approach.max(0.0) < pair.range + SLACK * law.range();
+        let faces = near.distance < pair.range || !near.is_at_boundary();
+        let mut pushes = comes && faces && ease > 0.0;
+        let mut tangent = Tangent {
+            range: pair.range,
+            stiffness: 0.0,
+        };
+        if pushes {
+            let area = match pair.kind {
+                QueryKind::VertexTriangle => pair.area,
+                QueryKind::EdgeEdge => pair.area * mollified(pair, &x),
+            };
+            tangent = Tangent::of(law.with_range(pair.range), area, near.distance);
+            pushes = tangent.stiffness > 0.0;
+        } else {
+            pair.stretch = Vec3::zeros();
+        }
+        Self {
+            place,
+            kind: pair.kind,
+            vertices: pair.vertices,
+            weights: near.weights,
+            normal: near.normal,
+            distance: near.distance,
+            range: tangent.range,
+            compliance: if pushes {
+                tangent.compliance(step.dt)
+            } else {
+                0.0
+            },
+            ease,
+            kept: KEPT * near.distance.min(pair.range),
+            least: LEAST * pair.range,
+            pushes,
+            is_violated: false,
+            lambda: 0.0,
+            friction: Vec3::zeros(),
+            origin: sum(&x) - pair.stretch,
+        }
+    }
+
+    fn point(&self, x: &[Vec3]) -> Vec3 {
+        let ends = self.vertices.iter().zip(self.weights);
+        ends.map(|(v, w)| x[*v as usize] * w).sum()
+    }
+
+    #[inline]
+    fn project(&mut self, friction: Real, w: &[Real], x: &mut [Vec3]) {
+        let point = self.point(x);
+        let value = self.normal.dot(&point) - self.range;
+        if value >= 0.0 && self.lambda == 0.0 {
+            return;
+        }
+        let change = -(value + self.compliance * self.lambda) / (self.ease + self.compliance);
+        let lambda = (self.lambda + change).max(0.0);
+        let mut push = self.normal * (lambda - self.lambda);
+        self.lambda = lambda;
+        if friction > 0.0 {
+            let slip = point - self.origin;
+            let slip = slip - self.normal * self.normal.dot(&slip);
+            let held = hold(self.friction - slip / self.ease, friction * lambda);
+            push += held - self.friction;
+            self.friction = held;
+        }
+        for (v, weight) in self.vertices.iter().zip(self.weights) {
+            let v = *v as usize;
+            x[v] += push * (weight * w[v]);
+        }
+    }
+
+    /// Gives in no more: for a pair that has come too near.
+    fn harden(&mut self) {
+        self.pushes = self.ease > 0.0;
+        self.compliance = 0.0;
+        let least = self.distance.max(self.least);
+        self.range = self.range.min(least);
+    }
+
+    fn is_safe(&self, from: &[Vec3], to: &[Vec3]) -> bool {
+        let motion = Motion {
+            from: gather(from, self.vertices),
+            to: gather(to, self.vertices),
+        };
+        apart_along(self.kind, &self.normal, &motion, self.kept)
+            || motion.is_shift(self.distance)
+            || first_contact(self.kind, &motion, self.kept).is_none()
+    }
+}
+
+/// A force of friction that is not larger than `most`.
+pub(super) fn hold(wanted: Vec3, most: Real) -> Vec3 {
+    let size = wanted.norm();
+    if size > most {
+        wanted * (most / size)
+    } else {
+        wanted
+    }
+}
+
+/// What friction is stretched by (m) after a `way` (m) from where it sticks: it gives in elastically by `reach` (m), and what is more is slip. Nothing without a force λ.
+pub(super) fn stretch(way: Vec3, lambda: Real, reach: Real) -> Vec3 {
+    if lambda > 0.0 {
+        hold(way, reach)
+    } else {
+        Vec3::zeros()
+    }
+}
+
+impl ContactConstraints for PotentialContacts {
+    fn begin_step(&mut self, step: &ContactStep<'_>) -> Result<(), ContactError> {
+        let count = self.near.vertex_area.len();
+        step.check(count, step.from, step.from)?;
+        let was_open = self.is_open;
+        self.undo();
+        self.before.clear();
+        let bodies = self.zones.obstacles().into_iter();
+        self.before
+            .extend(bodies.flat_map(ObstacleContacts::obstacles).cloned());
+        self.is_open = true;
+        self.near.begin(step.inverse_mass);
+        let rows = &mut self.rows;
+        rows.report = ConstraintReport::default();
+        rows.work = 0.0;
+        rows.by_zones = false;
+        if was_open || rows.safe != step.from {
+            rows.bodies.forget(count, self.before.len());
+            if let Some(patches) = &mut rows.patches {
+                patches.forget(step.from);
+            }
+            self.near
+                .find_all(step.from)
+                .map_err(|_| ContactError::NonFinite { vertex: 0 })?;
+            let crossing = self.near.crossing(step.from, meet_unduly);
+            if crossing > 0 {
+                return Err(ContactError::Tangled { pairs: crossing });
+            }
+        }
+        Ok(())
+    }
+
+    fn begin_substep(
+        &mut self,
+        step: &ContactStep<'_>,
+        predicted: &[Vec3],
+    ) -> Result<(), ContactError> {
+        if let Some(vertex) = predicted.iter().position(|x| !is_finite(x)) {
+            return Err(ContactError::NonFinite { vertex });
+        }
+        self.rows.rows.clear();
+        self.rows.parted.clear();
+        self.rows.by_zones = false;
+        self.find(step, predicted, true);
+        let law = self.near.law();
+        let area = &self.near.vertex_area;
+        let bodies = self.zones.obstacles();
+        self.rows.bodies.begin(bodies, law, area, step, predicted);
+        let pushing = self.rows.rows.iter().filter(|row| row.pushes).count();
+        self.rows.report.looked += (self.rows.rows.len() + self.rows.parted.len()) as u32;
+        self.rows.report.rows += (pushing + self.rows.bodies.len()) as u32;
+        Ok(())
+    }
+
+    fn sweep(&mut self, step: &ContactStep<'_>, x: &mut [Vec3]) {
+        self.rows.sweep(self.friction, step.inverse_mass, x);
+        let bodies = self.zones.obstacles();
+        self.rows.bodies.sweep(bodies, step, x);
+    }
+
+    fn end_substep(&mut self, step: &ContactStep<'_>, x: &mut [Vec3]) -> Result<(), ContactError> {
+        if let Some(vertex) = x.iter().position(|x| !is_finite(x)) {
+            return Err(ContactError::NonFinite { vertex });
+        }
+        let mut round = 0;
+        while let Some(violated) = self.violations(step, x) {
+            if violated == 0 {
+                break;
+            }
+            self.rows.report.violated += violated;
+            if round < REPAIRS {
+                for row in &mut self.rows.rows {
+                    if row.is_violated {
+                        row.harden();
+                    }
+                }
+                self.rows.bodies.harden(self.near.law().range());
+                for _ in 0..REPAIR_SWEEPS {
+                    ContactConstraints::sweep(self, step, x);
+                }
+            } else if round < ROUNDS {
+                self.shorten(step, x, round == REPAIRS, round < REPAIRS + HALVINGS);
+            } else {
+                break;
+            }
+            round += 1;
+        }
+        if self.violations(step, x) != Some(0) {
+            self.end_by_zones(step, x)?;
+        } else {
+            self.end_by_rows(step, x);
+        }
+        Ok(())
+    }
+
+    fn change_velocities(&mut self, velocities: &mut [Vec3]) {
+        if self.rows.by_zones {
+            velocities.copy_from_slice(&self.rows.velocities);
+        }
+    }
+
+    fn end_step(&mut self, x: &[Vec3]) {
+        self.is_open = false;
+        self.work = self.rows.work;
+        self.held = self.rows.report.shortened as usize;
+        let law = self.near.law();
+        let mut energy = 0.0;
+        for row in self.rows.rows.iter().filter(|row| row.lambda > 0.0) {
+            energy += row.energy(law, x, &self.near, self.rows.patches.as_mut());
+        }
+        let still = self.zones.obstacles();
+        let area = &self.near.vertex_area;
+        self.energy = energy + self.rows.bodies.energy(still, law, area, x);
+        self.rows.safe.clear();
+        self.rows.safe.extend_from_slice(x);
+        if let Some(patches) = &mut self.rows.patches {
+            self.rows.report.searches = std::mem::take(&mut patches.searches);
+            self.rows.report.detections = std::mem::take(&mut patches.detections);
+        }
+    }
+}
+
+impl Row {
+    /// Energy (J) at `x` (m).
+    fn energy(
+        &self,
+        law: PenaltyLaw,
+        x: &[Vec3],
+        near: &super::near::Near,
+        patches: Option<&mut Patches>,
+    ) -> Real {
+        let pair = patches.and_then(|patches| patches.pair_mut(self.place, self.vertices));
+        pair.map_or(0.0, |pair| {
+            let x = gather(x, self.vertices);
+            let area = match pair.kind {
+                QueryKind::VertexTriangle => pair.area,
+                QueryKind::EdgeEdge => pair.area * near.mollified(pair.vertices, &x),
+            };
+            let distance = nearest(pair.kind, &x).distance;
+            area * law.with_range(pair.range).energy(distance)
+        })
+    }
+}
+
+impl PotentialContacts {
+    /// Rows for the pairs that a way to `to` (m) can bring into contact, if it is not too long for that. Returns whether it was not.
+    fn find(&mut self, step: &ContactStep<'_>, to: &[Vec3], begins: bool) -> bool {
+        let Self { near, rows, .. } = self;
+        let Some(patches) = &mut rows.patches else {
+            return true;
+        };
+        let law = near.law();
+        let (list, parted) = (&mut rows.rows, &mut rows.parted);
+        let far = SLACK * law.range();
+        let mollified = |pair: &NearPair, x: &[Vec3; 4]| near.mollified(pair.vertices, x);
+        let visit = |place, pair: &mut NearPair| {
+            let (kind, vertices) = (pair.kind, pair.vertices);
+            let now = gap_along(kind, &pair.normal, &gather(step.from, vertices));
+            let least = pair.range + far;
+            if now > least && gap_along(kind, &pair.normal, &gather(to, vertices)) > least {
+                parted.push(Parted {
+                    place,
+                    kind,
+                    vertices,
+                    normal: pair.normal,
+                    kept: KEPT * pair.range,
+                });
+                pair.stretch = Vec3::zeros();
+                return now - pair.range;
+            }
+            let row = Row::new(place, pair, law, step, to, mollified);
+            list.push(row);
+            pair.normal = row.normal;
+            row.distance - pair.range
+        };
+        let found = if begins {
+            patches.begin(near, step.from, to, visit)
+        } else {
+            patches.extend(near, step.from, to, visit)
+        };
+        found != Err(TooFar)
+    }
+
+    /// How many pairs do not keep their distances on the way to `x` (m); nothing if the way is too long to say.
+    fn violations(&mut self, step: &ContactStep<'_>, x: &[Vec3]) -> Option<u32> {
+        if !self.find(step, x, false) {
+            return None;
+        }
+        self.doubt(step, x);
+        let mut count = 0;
+        for row in &mut self.rows.rows {
+            row.is_violated = !row.is_safe(step.from, x);
+            count += u32::from(row.is_violated);
+        }
+        let law = self.near.law();
+        let area = &self.near.vertex_area;
+        let bodies = self.zones.obstacles();
+        Some(count + self.rows.bodies.violations(bodies, law, area, step, x))
+    }
+
+    /// Makes rows of pairs that their planes do not keep apart on the way to `x` (m).
+    fn doubt(&mut self, step: &ContactStep<'_>, x: &[Vec3]) {
+        let Self { near, rows, .. } = self;
+        let law = near.law();
+        let Rows {
+            patches,
+            rows: list,
+            parted,
+            ..
+        } = rows;
+        let Some(patches) = patches else {
+            return;
+        };
+        parted.retain(|parted| {
+            let keeps =
+                gap_along(parted.kind, &parted.normal, &gather(x, parted.vertices)) > parted.kept;
+            // One that is not known any more is too far away.
+            let pair = (!keeps).then(|| patches.pair_mut(parted.place, parted.vertices));
+            let Some(pair) = pair.flatten() else {
+                return true;
+            };
+            let mollified = |pair: &NearPair, x: &[Vec3; 4]| near.mollified(pair.vertices, x);
+            list.push(Row::new(parted.place, pair, law, step, x, mollified));
+            false
+        });
+    }
+
+    /// Shortens the ways of vertices of violated pairs.
+    fn shorten(&mut self, step: &ContactStep<'_>, x: &mut [Vec3], begins: bool, halves: bool) {
+        let rows = &mut self.rows;
+        if begins {
+            rows.proposed.clear();
+            rows.proposed.extend_from_slice(x);
+            rows.shares.clear();
+            rows.shares.resize(x.len(), 1.0);
+        }
+        let pairs = rows.rows.iter().filter(|row| row.is_violated);
+        let vertices = pairs.flat_map(|row| row.vertices);
+        let shares = &mut rows.shares;
+        let mut shorten = |v: u32| {
+            let v = v as usize;
+            if step.inverse_mass[v] > 0.0 && shares[v] > 0.0 {
+                shares[v] = if halves { -0.5 * shares[v] } else { -0.0 };
+            }
+        };
+        vertices.for_each(&mut shorten);
+        rows.bodies.violated().for_each(&mut shorten);
+        for (v, share) in shares.iter_mut().enumerate() {
+            // Negative until here, so that a vertex of several pairs is shortened once.
+            if share.is_sign_negative() {
+                rows.report.shortened += 1;
+                *share = -*share;
+                let from = step.from[v];
+                x[v] = from + (rows.proposed[v] - from) * *share;
+            }
+        }
+    }
+
+    /// The substep ends at `x` (m), and what it has done is remembered.
+    fn end_by_rows(&mut self, step: &ContactStep<'_>, x: &[Vec3]) {
+        let reach = self.reach();
+        let Self { rows, zones, .. } = self;
+        if let Some(patches) = &mut rows.patches {
+            patches.accept();
+            for row in rows.rows.iter().filter(|row| row.pushes) {
+                if let Some(pair) = patches.pair_mut(row.place, row.vertices) {
+                    let way = row.point(x) - row.origin;
+                    let way = way - row.normal * row.normal.dot(&way);
+                    pair.stretch = stretch(way, row.lambda, reach);
+                }
+            }
+        }
+        rows.work += rows.bodies.end(zones.obstacles(), reach, step, x);
+        let bodies = zones.obstacles_mut().into_iter();
+        for body in bodies.flat_map(ObstacleContacts::obstacles_mut) {
+            if !body.motion().is_still() {
+                let moved = body.advance(step.dt);
+                debug_assert!(moved.is_ok(), "a finite motion");
+            }
+        }
+    }
+
+    /// The substep is taken out of the hands of the rows: impact zones bring it to an end.
+    fn end_by_zones(&mut self, step: &ContactStep<'_>, x: &mut [Vec3]) -> Result<(), ContactError> {
+        let rows = &mut self.rows;
+        rows.report.zones += 1;
+        rows.velocities.clear();
+        let ways = step.from.iter().zip(&*x);
+        rows.velocities
+            .extend(ways.map(|(from, x)| (x - from) / step.dt));
+        self.zones.resolve(step, x, &mut rows.velocities)?;
+        rows.work += self.zones.work();
+        rows.by_zones = true;
+        rows.rows.clear();
+        rows.bodies.forget(x.len(), self.before.len());
+        if let Some(patches) = &mut rows.patches {
+            patches.forget(x);
+        }
+        Ok(())
+    }
+}
