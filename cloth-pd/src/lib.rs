@@ -198,8 +198,8 @@
 //!
 //! # When not to use it
 //! Where seconds of motion have to look right, take a step of implicit Euler that is cut short: three Newton
-//! iterations with the clamped Hessian, each of at most five conjugate gradients around a multigrid cycle, from `x[0]
-//! + Δt v[0]`. Five seconds of the sheet, relative to converged implicit Euler; means over the last 100 of 300 steps,
+//! iterations with the clamped Hessian, each of at most five conjugate gradients around a multigrid cycle, from
+//! `x[0] + Δt v[0]`. Five seconds of the sheet, relative to converged implicit Euler; means over the last 100 of 300 steps,
 //! `elastic` at the last, processor time of a run on one thread, setting up included, in milliseconds a step (AMD EPYC,
 //! Zen 4; commit d60b24e; other programs ran beside it, so that only ratios count):
 //!
