@@ -110,10 +110,10 @@ fn settings_without_effect_are_refused_by_name() {
         (
             "drape-sphere",
             "pd",
-            "contact=barrier friction=0.2",
-            "friction contact=zones",
+            "contact=zones contact_stiffness=1e5",
+            "contact_stiffness contact=potential",
         ),
-        ("hang", "pd", "contact=barrier", "contact self=yes"),
+        ("hang", "pd", "contact=zones", "contact self=yes"),
         ("hang", "pd", "thickness=1e-3", "thickness self=yes"),
         ("hang", "pd", "friction=0.5", "friction self=yes"),
         ("hang", "pd", "contact_steps=3", "contact_steps self=yes"),

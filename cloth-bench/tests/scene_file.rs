@@ -430,10 +430,12 @@ fn corner_close_to_its_own_cloth_crosses_it_with_no_method() {
 }
 
 /// A sheet of 0.2 kg/m² that lies on a floor is a thickness of 2 mm above it with either response: with impact zones
-/// to the hundredth that they work to, on a barrier of κ = 10⁵ N/m³ where κ b′(d) = −ρ g.
+/// to the hundredth that they work to, with the potential of κ = 10⁶ Pa/m at h − ρ g/κ.
 #[test]
 fn both_responses_keep_the_same_thickness() {
-    for (contact, expected, tolerance) in [("zones", 2e-3, 2e-5), ("barrier", 1.887_812e-3, 1e-6)] {
+    for (contact, expected, tolerance) in
+        [("zones", 2e-3, 2e-5), ("potential", 1.998_038e-3, 1e-11)]
+    {
         let text = format!(
             "[[mesh]]\ngenerator = \"grid:5x5:alternating\"\n[[obstacle]]\nshape = \"plane\"\nposition = [0, 0, -0.002]\n\
              [contact]\ncontact = \"{contact}\"\nthickness = 2e-3\n"

@@ -66,7 +66,6 @@
 //! | boxes within a distance: pairs of triangles | [`TrianglePairs`] |
 //! | min ½‖x − x*‖²_M with n · Σ wᵢ xᵢ ≥ h and friction; impact zones | [`ClothContacts`] |
 //! | Σ A φ(d), felt by a method while it solves | [`potential`], a chapter of its own |
-//! | min ½ ‖x − y‖²_M/Δt² + Σ A b(d), by steps that stay in the safe set | [`barrier`], a chapter of its own |
 //! | δL = −Σ r·δx: the curve in which a cloth passes through itself, shortened | [`untangle`], a chapter of its own |
 //! | number of meeting pairs, min d over everything that shares no vertex | [`SeparationProbe`] |
 //!
@@ -151,7 +150,6 @@
 //! | `bounds.rs`, `convert.rs` | boxes, ours and parry's |
 //! | `obstacle.rs`, `obstacle/` | a chapter of its own: `half_space`, `sphere`, `capsule`, `cuboid`, `closed_mesh`, `sampled`; `motion`, `placed`; `penalty`, `impact`; `sweep`, `contact`, `flight` |
 //! | `potential.rs`, `potential/` | a chapter of its own: `gap`, `mollifier`, `pair`, `friction`; `near`, `filter`; `source`, `builder` |
-//! | `barrier.rs`, `barrier/` | a chapter of its own: `terms`, `newton`, `guard`, `minimise`; `builder`, `contacts` |
 //! | `untangle.rs`, `untangle/` | a chapter of its own: `crossing`, `contour`, `pieces` |
 //! | `broad_phase.rs` | what a broad phase is |
 //! | `broad_phase/hierarchy.rs` | the tree of boxes |
@@ -190,7 +188,6 @@
 //!   deformable objects, VMV 2003.
 #![forbid(unsafe_code)]
 
-pub mod barrier;
 mod bounds;
 mod broad_phase;
 mod ccd;

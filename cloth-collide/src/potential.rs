@@ -15,7 +15,7 @@
 //! moves the cloth it asks how far the way is safe ([`ContinuousTest`](crate::ContinuousTest)). So what it accepts is free of crossings, and nothing is
 //! left to be repaired afterwards.
 //!
-//! A step begins where the method would begin by itself, as far as the way there is safe; where pins or bodies move, where impulses and impact zones
+//! A step begins where the method would begin by itself, as far as the way there is safe; where pins or bodies move, or cloth begins inside a body, where impulses and impact zones
 //! ([`ClothContacts`](crate::ClothContacts)) lead. The end of the step does not depend on that, but for which of several minima is found.
 //!
 //! Friction has the normal forces and directions of the start of the step (`friction`): a cloth that lands has none in the step in which it

@@ -5,11 +5,11 @@ mod random;
 
 use cloth_collide::SeparationProbe;
 use cloth_collide::obstacle::{
-    ImpactLaw, Obstacle, ObstacleContacts, PenaltyLaw, RigidMotion, Sphere,
+    HalfSpace, ImpactLaw, Obstacle, ObstacleContacts, PenaltyLaw, RigidMotion, Sphere,
 };
 use cloth_collide::potential::PotentialContacts;
-use cloth_core::contact::{ContactPotential, ContactStep};
-use cloth_core::math::{Real, Vec3};
+use cloth_core::contact::{ContactError, ContactPotential, ContactStep};
+use cloth_core::math::{Real, Vec3, is_finite};
 use cloth_core::mesh::TriMesh;
 use cloth_core::mesh::generate::{Diagonals, grid};
 use random::Random;
@@ -204,4 +204,128 @@ fn step_that_failed_leaves_bodies_where_they_were() {
     };
     assert!(energy(1) > 0.0);
     assert_eq!(energy(1), energy(5));
+}
+
+/// Two triangles that lie above each other at z = 0 and `height` (m).
+fn two_triangles(height: Real) -> TriMesh {
+    let at = |z: Real| [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)].map(|(x, y)| Vec3::new(x, y, z));
+    TriMesh::new([at(0.0), at(height)].concat(), vec![[0, 1, 2], [3, 4, 5]]).unwrap()
+}
+
+/// Prescribed vertices that would pass through each other are refused, and the step that goes on without that finds everything as it was.
+#[test]
+fn pins_that_cross_are_refused() {
+    let mesh = two_triangles(0.5);
+    let from = mesh.positions();
+    let motion = RigidMotion {
+        velocity: Vec3::new(1.0, 0.0, 0.0),
+        ..below()
+    };
+    let mut contacts = contacts(&mesh, 0.0, motion);
+    let step = ContactStep {
+        from,
+        inverse_mass: &[0.0; 6],
+        dt: 0.01,
+    };
+    let mut crossed = two_triangles(-0.5).positions().to_vec();
+    let refused = contacts.begin(&step, &mut crossed);
+    assert!(
+        matches!(refused, Err(ContactError::NoWay { .. })),
+        "{refused:?}"
+    );
+    let mut still = from.to_vec();
+    contacts.begin(&step, &mut still).unwrap();
+    assert_eq!(still, from);
+}
+
+/// A start that passes through itself is refused with what is wrong with it, and so is one of another cloth; one inside a body is led out of it.
+#[test]
+fn start_that_is_not_free_is_refused_or_led_out() {
+    let flat = [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)].map(|(x, y)| Vec3::new(x, y, 0.0));
+    let standing = flat.map(|x| Vec3::new(0.2 + x.x * 0.1, 0.2, x.y - 0.5));
+    let crossed = [flat, standing].concat();
+    let mesh = TriMesh::new(crossed.clone(), vec![[0, 1, 2], [3, 4, 5]]).unwrap();
+    let begin = |contacts: &mut PotentialContacts, x: &[Vec3]| {
+        let step = ContactStep {
+            from: x,
+            inverse_mass: &vec![1.0; x.len()],
+            dt: 0.01,
+        };
+        contacts.begin(&step, &mut x.to_vec())
+    };
+    let mut contacts = PotentialContacts::builder(&mesh).build().unwrap();
+    let found = begin(&mut contacts, &crossed);
+    assert_eq!(found, Err(ContactError::Tangled { pairs: 1 }));
+
+    let mesh = TriMesh::new(flat.to_vec(), vec![[0, 1, 2]]).unwrap();
+    let plane = Obstacle::new(HalfSpace::new(Vec3::z()).unwrap());
+    let law = ImpactLaw::new(0.0, 0.0).unwrap();
+    let bodies = ObstacleContacts::new(1e-3, 0.0).unwrap().with(plane, law);
+    let builder = PotentialContacts::builder(&mesh).obstacles(bodies);
+    let mut contacts = builder.build().unwrap();
+    let inside = flat.map(|x| x - Vec3::z() * 1e-3);
+    let step = ContactStep {
+        from: &inside,
+        inverse_mass: &[1.0; 3],
+        dt: 0.01,
+    };
+    let mut start = inside.to_vec();
+    contacts.begin(&step, &mut start).unwrap();
+    assert!(start.iter().all(|x| x.z > 0.0), "{start:?}");
+    let short = begin(&mut contacts, &flat[..2]);
+    let (expected, found) = (3, 2);
+    assert_eq!(short, Err(ContactError::VertexCount { expected, found }));
+}
+
+/// Sizes of space, speed and time from 1e-300 to 1e300: every way is cut or refused, and what is left of it is finite and free.
+#[test]
+fn extreme_sizes_are_cut_or_refused() {
+    let mut random = Random::new(17);
+    let (mut cut, mut refused) = (0, 0);
+    for round in 0..48 {
+        let mut power = |most: Real| (10.0 as Real).powf(random.point(most).x);
+        let most: Real = [3.0, 20.0, 150.0, 300.0][round % 4];
+        let (size, dt) = (power(most.min(70.0)), power(most));
+        let way = size * power(3.0);
+        let thickness = size * power(2.0);
+        let x: Vec<Vec3> = layers(&mut Random::new(round as u64)).positions().to_vec();
+        let scaled = x.iter().map(|x| x * size).collect();
+        let triangles = layers(&mut Random::new(0)).triangles().to_vec();
+        let Ok(mesh) = TriMesh::new(scaled, triangles) else {
+            continue;
+        };
+        let Ok(mut contacts) = PotentialContacts::builder(&mesh)
+            .thickness(thickness)
+            .build()
+        else {
+            continue;
+        };
+        let from = mesh.positions();
+        let step = ContactStep {
+            from,
+            inverse_mass: &vec![power(most.min(100.0)); from.len()],
+            dt,
+        };
+        let to: Vec<Vec3> = from.iter().map(|x| x + random.point(way)).collect();
+        let mut start = to.clone();
+        let begun = contacts.begin(&step, &mut start);
+        let Ok(share) = begun.and_then(|()| contacts.limit(&start, &to)) else {
+            refused += 1;
+            continue;
+        };
+        assert!((0.0..=1.0).contains(&share), "round {round}: {share}");
+        let end: Vec<Vec3> = start
+            .iter()
+            .zip(&to)
+            .map(|(a, b)| a + (b - a) * share)
+            .collect();
+        assert!(end.iter().all(is_finite), "round {round}");
+        let mut probe = SeparationProbe::new(&mesh);
+        for x in [&start, &end] {
+            let seen = probe.measure(x).unwrap();
+            assert_eq!(seen.intersecting_pairs, 0, "round {round}");
+        }
+        cut += u32::from(share < 1.0);
+    }
+    assert!(cut > 10, "{cut} cut, {refused} refused");
 }

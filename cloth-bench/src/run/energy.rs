@@ -3,7 +3,7 @@
 //! The cloth is its free vertices and all its elements. It holds
 //!
 //! ```text
-//! K + E + B                      kinetic and elastic energy, and that of a contact with a potential (a barrier)
+//! K + E + B                      kinetic and elastic energy, and that of a contact with a potential
 //! ```
 //!
 //! and was given
@@ -141,11 +141,11 @@ impl<'a> EnergyBalance<'a> {
         }
     }
 
-    /// Balances the account after a step of `dt` (s); contact has stored `barrier` (J).
-    pub(super) fn end_step(&mut self, state: &State, dt: Real, barrier: Real) {
+    /// Balances the account after a step of `dt` (s); contact has stored `stored` (J).
+    pub(super) fn end_step(&mut self, state: &State, dt: Real, stored: Real) {
         self.steps += 1;
         let (kinetic, fallen) = (kinetic(self.scene, state), gravitational(self.scene, state));
-        let held = kinetic + self.energies.value(&state.positions) + barrier;
+        let held = kinetic + self.energies.value(&state.positions) + stored;
         let given = self.start - fallen + self.work;
         self.most_given = self.most_given.max(given);
         let size = state.positions.iter().map(Vec3::amax).fold(0.0, Real::max);

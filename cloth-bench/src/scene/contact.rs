@@ -3,7 +3,6 @@
 use crate::error::BenchError;
 use crate::settings::{Parameter, Settings, parameter};
 use cloth_collide::ClothContacts;
-use cloth_collide::barrier::BarrierContacts;
 use cloth_collide::obstacle::{ImpactLaw, Obstacle, ObstacleContacts};
 use cloth_collide::potential::PotentialContacts;
 use cloth_core::contact::ContactSource;
@@ -14,7 +13,7 @@ use cloth_core::step::Stepper;
 pub(crate) const CONTACT: Parameter = parameter(
     "contact",
     "potential",
-    "how contact acts: potential (an energy of 1e6 Pa/m that implicit-euler and bdf2 minimise along, and constraints in every substep of xpbd and pbd; after the step of other methods, as zones), zones (impulses, then impact zones, after the step), barrier (of the given thickness, without friction, after the step) or none",
+    "how contact acts: potential (an energy that implicit-euler and bdf2 minimise along, and constraints in every substep of xpbd and pbd; after the step of other methods, as zones), zones (impulses, then impact zones, after the step) or none",
 );
 pub(crate) const SELF: Parameter = parameter(
     "self",
@@ -28,7 +27,12 @@ pub(crate) const NO_SELF: Parameter = Parameter {
 pub(crate) const THICKNESS: Parameter = parameter(
     "thickness",
     "2e-3",
-    "distance to keep (m), of cloth from cloth and from obstacles; a barrier begins to push there, and keeps a little less",
+    "distance to keep (m), of cloth from cloth and from obstacles: where contact begins to push",
+);
+pub(crate) const STIFFNESS: Parameter = parameter(
+    "contact_stiffness",
+    "1e6",
+    "stiffness of contact=potential (Pa/m): pressure per m that is missing to the thickness",
 );
 pub(crate) const FRICTION: Parameter = parameter(
     "friction",
@@ -56,20 +60,30 @@ pub(crate) const FALL_STEPS: Parameter = parameter(
 );
 
 /// What can be set of contact, in a scene that is about it.
-pub(crate) const TOUCHING: &[Parameter] = &[CONTACT, CONTACT_STEPS, SELF, THICKNESS, FRICTION];
+pub(crate) const TOUCHING: &[Parameter] =
+    &[CONTACT, CONTACT_STEPS, SELF, THICKNESS, STIFFNESS, FRICTION];
 
 /// The same in a scene where contact pulls at the cloth.
-pub(crate) const PULLING: &[Parameter] = &[CONTACT, TWIST_STEPS, SELF, THICKNESS, FRICTION];
+pub(crate) const PULLING: &[Parameter] =
+    &[CONTACT, TWIST_STEPS, SELF, THICKNESS, STIFFNESS, FRICTION];
 
 /// The same in a scene where cloth falls down.
-pub(crate) const FALLING: &[Parameter] = &[CONTACT, FALL_STEPS, SELF, THICKNESS, FRICTION];
+pub(crate) const FALLING: &[Parameter] =
+    &[CONTACT, FALL_STEPS, SELF, THICKNESS, STIFFNESS, FRICTION];
 
 /// The same where it cannot touch itself unless that is asked for.
-pub(crate) const FALLING_ALONE: &[Parameter] = &[CONTACT, FALL_STEPS, NO_SELF, THICKNESS, FRICTION];
+pub(crate) const FALLING_ALONE: &[Parameter] =
+    &[CONTACT, FALL_STEPS, NO_SELF, THICKNESS, STIFFNESS, FRICTION];
 
 /// The same in a scene that is about something else.
-pub(crate) const NOT_TOUCHING: &[Parameter] =
-    &[CONTACT, CONTACT_STEPS, NO_SELF, THICKNESS, FRICTION];
+pub(crate) const NOT_TOUCHING: &[Parameter] = &[
+    CONTACT,
+    CONTACT_STEPS,
+    NO_SELF,
+    THICKNESS,
+    STIFFNESS,
+    FRICTION,
+];
 
 /// Everything that a cloth can touch.
 #[derive(Clone, Debug)]
@@ -80,6 +94,7 @@ pub struct Touch {
     has_steps: bool,
     self_collision: bool,
     thickness: Real,
+    stiffness: Real,
     friction: Real,
     obstacles: ObstacleContacts,
     /// The same obstacles as surfaces around their own origins, for pictures.
@@ -91,7 +106,6 @@ pub struct Touch {
 enum Response {
     Potential,
     Zones,
-    Barrier,
     None,
 }
 
@@ -104,6 +118,7 @@ impl Touch {
         obstacles: Vec<(Obstacle, TriMesh)>,
     ) -> Result<Self, BenchError> {
         let thickness = settings.positive(&THICKNESS)?;
+        let stiffness = settings.positive(&STIFFNESS)?;
         let friction = settings.number(&FRICTION)?;
         let law = ImpactLaw::new(friction, 0.0).map_err(BenchError::usage)?;
         let response = settings.choice(
@@ -111,18 +126,11 @@ impl Touch {
             &[
                 ("potential", Response::Potential),
                 ("zones", Response::Zones),
-                ("barrier", Response::Barrier),
                 ("none", Response::None),
             ],
         )?;
-        // A barrier begins at its distance from the surface, of cloth and of obstacles, and is infinite at the surface: its distance
-        // is the thickness, and one of the obstacles would come on top of that.
-        let kept = match response {
-            Response::Barrier => 0.0,
-            Response::Zones | Response::Potential | Response::None => thickness,
-        };
         let mut contacts =
-            ObstacleContacts::new(kept, 0.5 * thickness).map_err(BenchError::usage)?;
+            ObstacleContacts::new(thickness, 0.5 * thickness).map_err(BenchError::usage)?;
         let mut shapes = Vec::new();
         for (obstacle, shape) in obstacles {
             contacts = contacts.with(obstacle, law);
@@ -131,15 +139,12 @@ impl Touch {
         let self_collision = settings.choice(own, &[("yes", true), ("no", false)])?;
         // contact=none switches contact off, whatever else is said of it.
         if response != Response::None && !self_collision && shapes.is_empty() {
-            for parameter in [&CONTACT, &CONTACT_STEPS, &THICKNESS, &FRICTION] {
+            for parameter in [&CONTACT, &CONTACT_STEPS, &THICKNESS, &STIFFNESS, &FRICTION] {
                 settings.refuse_without(parameter, "anything to touch (self=yes)")?;
             }
         }
-        if response == Response::Barrier {
-            settings.refuse_without(
-                &FRICTION,
-                "contact=potential or contact=zones: the barrier knows none",
-            )?;
+        if response == Response::Zones {
+            settings.refuse_without(&STIFFNESS, "contact=potential")?;
         }
         let given = settings.get(CONTACT_STEPS.name);
         Ok(Self {
@@ -148,6 +153,7 @@ impl Touch {
             has_steps: given.is_some_and(|steps| steps != FALL_STEPS.default),
             self_collision,
             thickness,
+            stiffness,
             friction,
             obstacles: contacts,
             shapes,
@@ -190,16 +196,10 @@ impl Touch {
             return Ok(None);
         }
         let obstacles = self.obstacles.clone();
-        if self.response == Response::Barrier {
-            let contacts = BarrierContacts::builder(mesh)
-                .distance(self.thickness)
-                .obstacles(obstacles)
-                .self_collision(self.self_collision);
-            return Ok(Some(Box::new(contacts.build().map_err(BenchError::usage)?)));
-        }
         if self.response == Response::Potential {
             let contacts = PotentialContacts::builder(mesh)
                 .thickness(self.thickness)
+                .stiffness(self.stiffness)
                 .friction(self.friction)
                 .obstacles(obstacles)
                 .self_collision(self.self_collision);

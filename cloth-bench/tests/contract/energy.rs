@@ -87,8 +87,8 @@ fn a_floor_that_catches_a_sheet_works_twice_what_becomes_motion() {
         );
         assert_eq!(end.energy_excess, 0.0, "{}", method.name);
     }
-    // A barrier has no law of impact: it catches over some distance and may give back what it has stored, but it makes nothing either.
-    let caught = scene("caught-by-a-barrier", &text("barrier"));
+    // The potential has no law of impact: it catches over some distance and may give back what it has stored, but it makes nothing either.
+    let caught = scene("caught-by-a-potential", &text("potential"));
     for method in methods() {
         let end = summary(&caught, method, &[], 1.0 / 60.0, 3);
         assert!(end.kinetic_energy > 0.3, "{}", method.name);

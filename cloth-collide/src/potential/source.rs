@@ -322,12 +322,18 @@ impl PotentialContacts {
         }
     }
 
-    /// Whether nothing moves but what is free to: the way to begin needs no help then.
+    /// Whether nothing moves but what is free to, and that is outside of all bodies: the way to begin needs no help then.
     fn is_still(&self, step: &ContactStep<'_>, wanted: &[Vec3]) -> bool {
         let ends = step.inverse_mass.iter().zip(step.from.iter().zip(wanted));
         let mut pins = ends.filter(|(w, _)| **w == 0.0);
         let mut bodies = self.before.iter();
-        bodies.all(|body| body.motion().is_still()) && pins.all(|(_, (a, b))| a == b)
+        let mut touched = self.near.vertex_obstacle.iter();
+        bodies.all(|body| body.motion().is_still())
+            && pins.all(|(_, (a, b))| a == b)
+            && touched.all(|&[vertex, number]| {
+                let at = step.from[vertex as usize];
+                self.still[number as usize].clearance(at, 0.0).value > 0.0
+            })
     }
 
     /// Finds the contacts at the start of a step that have friction in it.

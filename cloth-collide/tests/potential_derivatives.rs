@@ -3,8 +3,8 @@
 #[path = "support/random.rs"]
 mod random;
 
-use cloth_collide::barrier::{EdgeEdgeContact, Gap, Mollifier, VertexTriangleContact};
 use cloth_collide::obstacle::PenaltyLaw;
+use cloth_collide::potential::{EdgeEdgeContact, Gap, Mollifier, VertexTriangleContact};
 use cloth_core::check::{gradient_error, hessian_error, smallest_eigenvalue};
 use cloth_core::element::{Convexity, Energy};
 use cloth_core::math::{Blocks, Mat3, Vec3};
