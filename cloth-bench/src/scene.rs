@@ -78,6 +78,18 @@ impl Scene {
         touch.map_or(1, |touch| touch.parts_with(stepper))
     }
 
+    /// How far the cloth can fall before it lands (m): its distance from the obstacle that is farthest away; 0 where there is none.
+    #[must_use]
+    pub fn fall(&self) -> Real {
+        let touch = self.touch.iter().filter(|touch| !touch.is_idle());
+        let farthest = touch.flat_map(Touch::obstacles).map(|obstacle| {
+            let clearance = |&x: &Vec3| obstacle.clearance(x, 0.0).value;
+            let places = self.start.positions.iter();
+            places.map(clearance).fold(Real::INFINITY, Real::min)
+        });
+        farthest.fold(0.0, Real::max)
+    }
+
     /// Whether the cloth can touch anything.
     #[must_use]
     pub fn touches(&self) -> bool {

@@ -47,6 +47,25 @@ fn what_gave_up_in_a_run_is_told() {
 }
 
 #[test]
+fn run_chooses_the_substeps_of_xpbd_for_the_mesh() {
+    let run = |n: &'static str, more: &[&'static str]| {
+        let start = ["run", "hang", "--method", "xpbd", "--steps", "90", "--json"];
+        let more = more.iter().flat_map(|pair| ["--set", pair]);
+        let arguments: Vec<&str> = start.into_iter().chain(["--n", n]).chain(more).collect();
+        let said = json(&arguments);
+        let stretch = said["max_stretch"].as_f64().unwrap();
+        (said["iterations_per_step"].as_u64().unwrap(), stretch)
+    };
+    let (coarse, fine) = (run("17", &[]), run("33", &[]));
+    assert_eq!([coarse.0, fine.0], [33, 75]);
+    assert!(coarse.1 < 0.1 && fine.1 < 0.1, "{coarse:?}, {fine:?}");
+    assert_eq!(run("17", &["substeps=auto", "strain=0.1"]), coarse);
+    let (substeps, stretch) = run("33", &["substeps=published"]);
+    assert!(substeps == 20 && stretch > 0.1, "{stretch}");
+    assert!(run("17", &["strain=0.03"]).0 > 2 * coarse.0 - 8);
+}
+
+#[test]
 fn broken_meshes_are_refused_with_their_line() {
     let folder = folder("broken-meshes");
     let square = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";

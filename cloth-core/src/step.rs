@@ -10,7 +10,7 @@ pub trait Stepper: Send {
     /// Name of the method, as `cloth-bench list` shows it.
     fn name(&self) -> &'static str;
 
-    /// Whether it feels contact while it solves ([`ContactSource::potential`]); if not, contact acts after its step, and
+    /// Whether it feels contact while it solves ([`ContactSource::potential`], [`ContactSource::constraints`]); if not, contact acts after its step, and
     /// short steps are better.
     fn feels_contact(&self) -> bool {
         false

@@ -64,6 +64,7 @@
 //! | `max abs(C + α̃λ)` | [`XpbdSolver::compliance_residual`] |
 //! | λ; `Jᵀλ/h²` | [`XpbdSolver::multipliers_into`]; [`XpbdSolver::each_force`], [`XpbdSolver::vertex_forces_into`] |
 //! | the loop around them | [`XpbdSolver`] |
+//! | how many substeps | [`SubstepRule`] |
 //! | rigid links, ball joints, limits of angles (XPBD-5) | [`mod@links`] |
 //! | S1 (44) as one system (XPBD-2), geometric stiffness (XPBD-3) | `direct`, with the feature of that name |
 //!
@@ -97,6 +98,19 @@
 //!
 //! By two corners the weight of the whole sheet goes through a few edges, as with a heavy tip. Ask there for a third of the mean strain that you want, and never for more than 0.3 %: beyond,
 //! the edges at the corners give way. For the strain of the worst edge ask for a quarter of it (an edge), or for a tenth to a fortieth (corners).
+//!
+//! [`SubstepRule`] turns that into a number for any cloth, from its edges, masses, held vertices and fall: what swings is jerked too, and a jerk of speed v strains by some 2 v h/l, since no
+//! wave goes further than an edge or so in a substep. Its largest strains, measured (1 m, 10⁴ N/m, falling from the horizontal with steps of 1/60 s, 10 % wanted):
+//!
+//! | sheet | held by | substeps | largest strain |
+//! |---|---|---|---|
+//! | 17 × 17 | two corners | 33 | 4.6 % |
+//! | 33 × 33 | two corners | 75 | 7.5 % |
+//! | 33 × 33, irregular | two corners | 148 | 5.5 % |
+//! | 33 × 33 | an edge | 50 | 8.5 % |
+//! | 64 × 64 | two corners | 177 | 9.2 % |
+//!
+//! Twenty substeps leave 54 % at 33 × 33 and 272 % at 64 × 64 by two corners.
 //!
 //! So spend sweeps on substeps, unless the constraints are few, or the step has to be that of implicit Euler.
 //!
@@ -199,6 +213,8 @@ mod compliance;
 
 mod solver;
 
+mod substeps;
+
 mod forces;
 
 pub mod links;
@@ -212,3 +228,4 @@ pub mod single;
 pub use config::XpbdConfig;
 pub use forces::RowForce;
 pub use solver::{XpbdBuilder, XpbdSolver};
+pub use substeps::SubstepRule;

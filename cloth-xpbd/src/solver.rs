@@ -26,6 +26,10 @@ impl Stepper for XpbdSolver {
         "xpbd"
     }
 
+    fn feels_contact(&self) -> bool {
+        true
+    }
+
     fn step(
         &mut self,
         state: &mut State,

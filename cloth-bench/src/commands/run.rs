@@ -115,7 +115,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<(), BenchError> {
     let what = format!("scene `{}` with method `{}`", arguments.scene, method.name);
     settings.check(&what, &[groups, &method.parameters()[..]].concat())?;
     let of_scene = settings.among(groups);
-    let settings = settings.among(&method.parameters());
+    let settings = method.by_default(settings.among(&method.parameters()));
     let scene = if scene::file::is_file(&arguments.scene) {
         scene::file::build(Path::new(&arguments.scene), &of_scene)?
     } else {

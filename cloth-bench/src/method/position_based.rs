@@ -5,14 +5,33 @@ use crate::error::BenchError;
 use crate::scene::Scene;
 use crate::settings::{Parameter, Settings, parameter};
 use cloth_core::cloth::Elements;
+use cloth_core::math::Real;
 use cloth_core::particles::Particles;
 use cloth_core::position_based::{Acceleration, Chebyshev, Radius, Sweep};
 use cloth_pbd::{Hierarchy, HierarchyConfig, PbdConfig, StiffnessRule};
-use cloth_xpbd::XpbdConfig;
 use cloth_xpbd::single::{SingleConfig, SingleXpbd};
+use cloth_xpbd::{SubstepRule, XpbdConfig};
 
-pub(super) const PBD_SUBSTEPS: Parameter = parameter("substeps", "1", "parts of a step");
-pub(super) const XPBD_SUBSTEPS: Parameter = parameter("substeps", "20", "parts of a step");
+const PBD_SUBSTEPS: Parameter = parameter(
+    "substeps",
+    "1",
+    "parts of a step, or auto: as many as xpbd takes for its strain, fewer by the root of the iterations",
+);
+/// The published setting has a name, so that a study can ask for it; [`run`](crate::commands) takes `auto` unless it is told otherwise.
+pub(super) const XPBD_SUBSTEPS: Parameter = parameter(
+    "substeps",
+    PUBLISHED,
+    "parts of a step: a number, published (20), or auto (what run takes): as many as leave no more than the given strain on this mesh, with this step and fall",
+);
+const PUBLISHED: &str = "published";
+const PUBLISHED_SUBSTEPS: u32 = 20;
+/// As many substeps as the strain asks for.
+pub(crate) const AUTO: &str = "auto";
+const STRAIN: Parameter = parameter(
+    "strain",
+    "0.1",
+    "largest strain that the sweeps may leave, with substeps=auto",
+);
 const PBD_ITERATIONS: Parameter = parameter("iterations", "20", "sweeps per substep");
 const PBD_STIFFNESS: Parameter = parameter(
     "projection",
@@ -62,6 +81,7 @@ const PRECISION: Parameter = parameter(
 pub(super) const PBD: &[Parameter] = &[
     PBD_ITERATIONS,
     PBD_SUBSTEPS,
+    STRAIN,
     PBD_STIFFNESS,
     HIERARCHY,
     SWEEP,
@@ -74,6 +94,7 @@ pub(super) const PBD: &[Parameter] = &[
 pub(super) const XPBD: &[Parameter] = &[
     XPBD_ITERATIONS,
     XPBD_SUBSTEPS,
+    STRAIN,
     SWEEP,
     RELAXATION,
     CHEBYSHEV,
@@ -88,6 +109,52 @@ const SWEEPS: [(&str, Sweep); 4] = [
     ("jacobi", Sweep::Jacobi),
     ("plain-jacobi", Sweep::PlainJacobi),
 ];
+
+/// The number of substeps of position-based dynamics on a scene, for a step of `dt` (s).
+pub(super) fn pbd_substeps(
+    scene: &Scene,
+    settings: &Settings,
+    dt: Real,
+) -> Result<u32, BenchError> {
+    substeps(scene, settings, dt, [&PBD_SUBSTEPS, &PBD_ITERATIONS])
+}
+
+/// The same of its extended form.
+pub(super) fn xpbd_substeps(
+    scene: &Scene,
+    settings: &Settings,
+    dt: Real,
+) -> Result<u32, BenchError> {
+    substeps(scene, settings, dt, [&XPBD_SUBSTEPS, &XPBD_ITERATIONS])
+}
+
+fn substeps(
+    scene: &Scene,
+    settings: &Settings,
+    dt: Real,
+    [count, iterations]: [&Parameter; 2],
+) -> Result<u32, BenchError> {
+    if settings.text(count) != AUTO {
+        settings.refuse_without(&STRAIN, "substeps=auto")?;
+        return match settings.text(count) {
+            PUBLISHED => Ok(PUBLISHED_SUBSTEPS),
+            _ => settings.count(count, 1),
+        };
+    }
+    let rule = SubstepRule {
+        strain: settings.positive(&STRAIN)?,
+        gravity: scene.gravity,
+        fall: scene.fall(),
+        iterations: settings.count(iterations, 1)?,
+    };
+    let particles = &scene.model.particles;
+    Ok(rule.substeps(particles, &scene.gauges()?, &scene.start.positions, dt))
+}
+
+/// Settings with the number of substeps that has been found.
+pub(super) fn with_substeps(settings: &Settings, count: u32) -> Settings {
+    settings.clone().with(XPBD_SUBSTEPS.name, count)
+}
 
 pub(super) fn pbd(settings: &Settings) -> Result<PbdConfig, BenchError> {
     let iterations = settings.count(&PBD_ITERATIONS, 1)?;

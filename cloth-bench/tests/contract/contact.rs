@@ -190,6 +190,24 @@ fn fall_decides_how_often_contact_is_resolved() {
     );
 }
 
+/// Who feels contact in its own solve takes the step whole; who limits strain afterwards does not feel it.
+#[test]
+fn methods_that_feel_contact_take_whole_steps() {
+    let scene = scene("drape-sphere", &["n=9"]);
+    assert!(scene.parts() > 1);
+    let parts = |name: &str, pairs: &[&str]| {
+        let settings = Settings::parse(pairs).unwrap();
+        let method = Method::find(name).unwrap();
+        let solver = method.build(&scene, &settings, scene.dt).unwrap();
+        scene.parts_with(&*solver)
+    };
+    assert_eq!(parts("xpbd", &[]), 1);
+    assert_eq!(parts("xpbd", &["precision=single"]), 1);
+    assert_eq!(parts("pbd", &[]), 1);
+    assert_eq!(parts("xpbd", &["strain_limit=0.1"]), scene.parts());
+    assert_eq!(parts("symplectic-euler", &[]), scene.parts());
+}
+
 #[test]
 fn contact_far_away_allocates_nothing_once_warm() {
     let scene = scene("hang", &["n=9", "self=yes"]);

@@ -1,0 +1,190 @@
+//! The number of substeps that the rule chooses leaves no more strain than wanted, and not far less.
+
+use cloth_core::cloth::{Cloth, Membrane};
+use cloth_core::math::{Real, Vec3};
+use cloth_core::measure::Strain;
+use cloth_core::mesh::TriMesh;
+use cloth_core::mesh::generate::{Diagonals, grid, irregular};
+use cloth_core::particles::State;
+use cloth_core::step::{StepInput, Stepper};
+use cloth_xpbd::{SubstepRule, XpbdConfig, XpbdSolver};
+
+/// What holds the sheet.
+#[derive(Clone, Copy, Debug)]
+enum Held {
+    TwoCorners,
+    Edge,
+}
+
+/// A sheet that hangs, and is let go where it is flat.
+#[derive(Debug)]
+struct Hanging {
+    mesh: TriMesh,
+    held: Held,
+    /// N/m.
+    stiffness: Real,
+    dt: Real,
+    /// Acceleration of free fall (m/s²): across the sheet or along it.
+    gravity: Vec3,
+    /// What is simulated (s).
+    time: Real,
+    wanted: Real,
+}
+
+const ACROSS: Vec3 = Vec3::new(0.0, 0.0, -9.81);
+const ALONG: Vec3 = Vec3::new(0.0, 9.81, 0.0);
+
+/// Until the sheet has swung through, and turned back.
+const SWING: Real = 1.6;
+
+fn hanging(mesh: TriMesh) -> Hanging {
+    Hanging {
+        mesh,
+        held: Held::TwoCorners,
+        stiffness: 1e4,
+        dt: 1.0 / 60.0,
+        gravity: ACROSS,
+        time: SWING,
+        wanted: 0.1,
+    }
+}
+
+fn square(n: usize, side: Real) -> TriMesh {
+    grid(n, n, side, side, Diagonals::Alternating).unwrap()
+}
+
+impl Hanging {
+    /// The number of substeps that the rule chooses, and the largest strain of any step with `substeps` of them, or with that number.
+    fn swing(&self, substeps: Option<u32>) -> (u32, Real) {
+        let cloth = Cloth {
+            areal_density: 0.2,
+            membrane: Membrane::SpringStiffness(self.stiffness),
+            bending_rigidity: 1e-5,
+        };
+        let mut model = cloth.on(&self.mesh).unwrap();
+        let side = self
+            .mesh
+            .positions()
+            .iter()
+            .fold(0.0, |m: Real, x| m.max(x.x));
+        for (vertex, x) in (0..).zip(self.mesh.positions()) {
+            let is_corner = x.x == 0.0 || x.x == side;
+            if x.y == 0.0 && (is_corner || matches!(self.held, Held::Edge)) {
+                model.particles.prescribe(vertex).unwrap();
+            }
+        }
+        let rule = SubstepRule {
+            strain: self.wanted,
+            gravity: self.gravity,
+            fall: 0.0,
+            iterations: 1,
+        };
+        let x = self.mesh.positions();
+        let chosen = rule.substeps(&model.particles, &model.springs, x, self.dt);
+        let config = XpbdConfig {
+            substeps: substeps.unwrap_or(chosen),
+            ..XpbdConfig::default()
+        };
+        let builder = XpbdSolver::builder(&model.particles).config(config);
+        let builder = builder.energy(model.springs.clone());
+        let mut solver = builder.energy(model.hinges.clone()).build().unwrap();
+        let mut state = State::at_rest(x.to_vec());
+        let mut most: Real = 0.0;
+        while state.time < self.time {
+            let input = StepInput::new(self.dt).gravity(self.gravity);
+            solver.step(&mut state, input).unwrap();
+            most = most.max(Strain::of(&model.springs, &state.positions).max);
+        }
+        (chosen, most)
+    }
+}
+
+/// Checks that the chosen number leaves at most the wanted strain, and at least a part of it: that it is not far more than has to be.
+fn check(name: &str, hanging: &Hanging, part: Real) {
+    let (chosen, strain) = hanging.swing(None);
+    println!(
+        "{name}: {chosen} substeps leave {strain:.4} of {}",
+        hanging.wanted
+    );
+    assert!(strain <= hanging.wanted, "{name}: {strain} with {chosen}");
+    assert!(
+        strain >= part * hanging.wanted,
+        "{name}: {strain} with {chosen}"
+    );
+}
+
+#[test]
+fn chosen_substeps_leave_the_wanted_strain_on_every_mesh() {
+    check("17 a side", &hanging(square(17, 1.0)), 0.2);
+    check("33 a side", &hanging(square(33, 1.0)), 0.2);
+    check("33 a side, 0.3 m", &hanging(square(33, 0.3)), 0.2);
+    check(
+        "irregular",
+        &hanging(irregular(33, 1.0, 1.0, 7).unwrap()),
+        0.2,
+    );
+    let edge = Hanging {
+        held: Held::Edge,
+        ..hanging(square(33, 1.0))
+    };
+    check("33 a side, an edge", &edge, 0.2);
+}
+
+#[test]
+fn chosen_substeps_leave_the_wanted_strain_on_fine_meshes() {
+    // Down along the sheet the weight is there at once.
+    for (n, time) in [(64, 0.25), (128, 0.06)] {
+        let pulled = Hanging {
+            gravity: ALONG,
+            time,
+            ..hanging(square(n, 1.0))
+        };
+        check(&format!("{n} a side"), &pulled, 0.1);
+    }
+}
+
+#[test]
+fn chosen_substeps_follow_step_and_wanted_strain_and_not_the_stiffness() {
+    let sheet = || hanging(square(33, 1.0));
+    for (dt, wanted) in [
+        (1.0 / 30.0, 0.1),
+        (1.0 / 240.0, 0.1),
+        (1.0 / 60.0, 0.03),
+        (1.0 / 60.0, 0.3),
+    ] {
+        let other = Hanging {
+            dt,
+            wanted,
+            ..sheet()
+        };
+        check(&format!("steps of {dt:.4} s"), &other, 0.15);
+    }
+    let stiff = Hanging {
+        stiffness: 1e6,
+        ..sheet()
+    };
+    check("1e6 N/m", &stiff, 0.15);
+    // A soft cloth stretches by itself: substeps end where sweeps give in less than it does.
+    let soft = Hanging {
+        stiffness: 500.0,
+        time: 0.0,
+        ..sheet()
+    };
+    let softer = Hanging {
+        stiffness: 250.0,
+        time: 0.0,
+        ..sheet()
+    };
+    let [stiff, soft, softer] =
+        [sheet(), soft, softer].map(|sheet| Real::from(sheet.swing(None).0));
+    assert!(
+        soft < 0.7 * stiff && (softer / soft - 0.5f64.sqrt()).abs() < 0.03,
+        "{stiff}, {soft}, {softer}"
+    );
+}
+
+#[test]
+fn published_substeps_leave_more_than_wanted() {
+    let (chosen, strain) = hanging(square(33, 1.0)).swing(Some(20));
+    assert!(chosen > 60 && strain > 0.5, "{chosen}, {strain}");
+}
