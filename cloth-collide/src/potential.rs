@@ -36,9 +36,9 @@
 //! | m(‖u × v‖²) for two edges u, v | [`Mollifier`] |
 //! | A φ(d), A m φ(d) as elements, with both derivatives | [`VertexTriangleContact`], [`EdgeEdgeContact`] |
 //! | μ λ f(‖u‖) | `friction` |
-//! | which pairs can be near on a way | `near` |
+//! | which pairs can be near on a way | `near_pairs` |
 //! | C = n·Σ wᵢ xᵢ − h, α = 1/(A φ″), λ ≥ 0 | `rows`, `bodies` |
-//! | what can touch in a substep | `patches` |
+//! | what can touch in a substep or on a way | `patches` |
 //! | how far the way is safe | `filter` |
 //! | Σ A φ, Σ A ∂φ, Σ A φ″ ∂d ∂dᵀ | [`PotentialContacts`] |
 //!
@@ -64,6 +64,7 @@ mod friction;
 mod gap;
 mod mollifier;
 mod near;
+mod near_pairs;
 mod pair;
 mod patches;
 mod rows;

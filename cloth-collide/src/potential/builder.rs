@@ -82,7 +82,8 @@ impl<'a> PotentialBuilder<'a> {
         }
         let near = Near::new(self.mesh, law, self.self_collision);
         let patches = self.self_collision;
-        let patches = patches.then(|| Patches::new(self.mesh, &near.piece));
+        let patches = || patches.then(|| Patches::new(self.mesh, &near.piece));
+        let patches = [patches(), patches()];
         let zones = zones.build()?;
         Ok(PotentialContacts::new(near, patches, zones, self.friction))
     }

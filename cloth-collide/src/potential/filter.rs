@@ -1,7 +1,7 @@
 //! How far a way is safe.
 
 use super::gap::Gap;
-use super::near::Near;
+use super::near_pairs::NearPairs;
 use crate::ccd::{ContinuousTest, Impact};
 use crate::error::CollideError;
 use crate::obstacle::{Obstacle, VertexPath, first_contact};
@@ -14,10 +14,11 @@ const EARLY: Real = 0.1;
 /// Distances below this part of the coordinates cannot be relied on: positions on the way are rounded.
 const ROUNDING: Real = 64.0 * Real::EPSILON;
 
-impl Near {
+impl NearPairs {
     /// The part of a way (m) on which every near pair keeps [`SLACK`] of its distance.
     pub(super) fn safe_part(
         &self,
+        thickness: Real,
         from: &[Vec3],
         to: &[Vec3],
         obstacles: &[Obstacle],
@@ -47,7 +48,7 @@ impl Near {
             let (a, b) = (from[vertex as usize], to[vertex as usize]);
             let obstacle = &obstacles[number as usize];
             let gap = obstacle.clearance(a, 0.0).value;
-            let keep = SLACK * gap.min(self.law().range());
+            let keep = SLACK * gap.min(thickness);
             if keep <= ROUNDING * a.amax().max(b.amax()) {
                 cap = if a == b { cap } else { 0.0 };
             } else if (b - a).norm() * obstacle.shape().lipschitz() >= gap - keep {

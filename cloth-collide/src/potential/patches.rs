@@ -1,7 +1,8 @@
 //! Which pairs can touch in a substep, from bounds on the relative motion of patches of the cloth.
 //!
-//! A patch is some tens of neighbouring triangles. It is known by its centre c, the mean of its vertices, and by its spread s: how far its vertices have
-//! gone at most besides the centre, summed over the substeps. Since a moment 0, two points of patches p and q have moved relative to each other by no more than
+//! A patch is some tens of neighbouring triangles. It is known by its centre c, the mean of its vertices, and by its spread s: how far a vertex has
+//! gone at most besides the centre since the patch was last looked at, and before that from one look to the next. Since a moment 0, two points of patches p and q
+//! have moved relative to each other by no more than
 //!
 //! ‖(c_p − c_q) − (c_p − c_q)₀‖ + (s_p − s_p₀) + (s_q − s_q₀).
 //!
@@ -61,6 +62,8 @@ struct PatchPair {
     budget: Real,
     /// In the order of what they lack to contact.
     pairs: Vec<NearPair>,
+    /// The travel (m) until which each pair lacks something to contact, where ways are looked at.
+    wakes: Vec<Real>,
     /// Sum of the relative motions (m) of all substeps, at the start of this one.
     travel: Real,
     /// Relative motion and travel (m) that were looked at in this substep.
@@ -89,9 +92,18 @@ pub(super) struct Patches {
     edge: Real,
     /// Way (m) that a patch may go besides what all do together, until pairs of patches are searched anew.
     reach: Real,
+    /// Positions (m) of the vertices of each patch from which its spread is counted, their centre, and the spread there.
+    reference: Vec<Vec<Vec3>>,
+    reference_centres: Vec<Vec3>,
+    reference_spreads: Vec<Real>,
     /// At the start of the substep, and at the end that is looked at.
     now: Motions,
     then: Motions,
+    /// How far a vertex goes besides its centre in between (m).
+    ways: Vec<Real>,
+    /// What was allowed for when pairs were chosen: relative motion of two patches, and of a patch and all (m).
+    allowed: Vec<Real>,
+    stray_allowed: Vec<Real>,
     /// When pairs of patches were searched.
     searched: Motions,
     boxes: Vec<Bounds>,
@@ -120,6 +132,21 @@ struct Motions {
 }
 
 impl Motions {
+    fn clear(&mut self) {
+        self.centres.clear();
+        self.spreads.clear();
+    }
+
+    fn push(&mut self, centre: Vec3, spread: Real) {
+        self.centres.push(centre);
+        self.spreads.push(spread);
+    }
+
+    /// All patches have been told.
+    fn finish(&mut self) {
+        self.mean = self.centres.iter().sum::<Vec3>() / self.centres.len().max(1) as Real;
+    }
+
     fn copy(&mut self, other: &Self) {
         self.centres.clone_from(&other.centres);
         self.spreads.clone_from(&other.spreads);
@@ -161,9 +188,18 @@ impl Patches {
             edges,
             triangle_edges,
             owned: owned(mesh),
-            members,
             edge,
             reach: 0.0,
+            reference: members
+                .iter()
+                .map(|(_, vertices)| vec![Vec3::zeros(); vertices.len()])
+                .collect(),
+            reference_centres: vec![Vec3::zeros(); members.len()],
+            reference_spreads: vec![0.0; members.len()],
+            ways: vec![0.0; members.len()],
+            allowed: Vec::new(),
+            stray_allowed: Vec::new(),
+            members,
             now: Motions::default(),
             then: Motions::default(),
             searched: Motions::default(),
@@ -184,15 +220,13 @@ impl Patches {
 
     /// Forgets the motion so far, for a cloth that is at `x` (m) now and was elsewhere before.
     pub(super) fn forget(&mut self, x: &[Vec3]) {
-        self.now.centres.clear();
-        let middle = |vertices: &[u32]| -> Vec3 {
-            vertices.iter().map(|&v| x[v as usize]).sum::<Vec3>() / vertices.len() as Real
-        };
-        let centres = self.members.iter().map(|(_, vertices)| middle(vertices));
-        self.now.centres.extend(centres);
-        self.now.spreads.clear();
-        self.now.spreads.resize(self.members.len(), 0.0);
-        self.now.mean = self.now.centres.iter().sum::<Vec3>() / self.members.len().max(1) as Real;
+        for (p, (_, vertices)) in self.members.iter().enumerate() {
+            let places = self.reference[p].iter_mut().zip(vertices);
+            places.for_each(|(place, &v)| *place = x[v as usize]);
+            self.reference_centres[p] = middle(vertices, x);
+        }
+        self.reference_spreads.fill(0.0);
+        self.place(x);
         self.is_known = false;
     }
 
@@ -204,9 +238,7 @@ impl Patches {
         to: &[Vec3],
         mut visit: impl FnMut(Place, &mut NearPair) -> Real,
     ) -> Result<(), TooFar> {
-        for (bounds, (_, vertices)) in self.boxes.iter_mut().zip(&self.members) {
-            *bounds = around(vertices, x);
-        }
+        self.bound(x);
         self.measure(x, to);
         for pair in &mut self.pairs {
             pair.looked = [-1.0; 2];
@@ -227,14 +259,81 @@ impl Patches {
         self.look(near, x, &mut visit)
     }
 
+    /// Looks at the way from `x` to `to` (m), and at everything within `room` (m) of it: makes sure that the pairs are complete, and hands `visit` those that may
+    /// touch there, with how much nearer they can come to each other than they are at `x` (m); it returns what they lack to contact there (m), at most. `place` is the `x` of the choice before.
+    ///
+    /// [`Patches::holds`] tells for which other places the choice is good.
+    pub(super) fn choose(
+        &mut self,
+        near: &Near,
+        place: &[Vec3],
+        [x, to]: [&[Vec3]; 2],
+        room: Real,
+        mut visit: impl FnMut(&NearPair, Real) -> Real,
+    ) {
+        self.bound(x);
+        if self.is_known {
+            // From where pairs were chosen last.
+            self.measure(place, x);
+            self.accept();
+        }
+        self.place(x);
+        self.measure(x, to);
+        let strayed = self.strayed().max(Self::stray(&self.searched, &self.now));
+        if !self.is_known || strayed + room > self.reach {
+            let way = Self::stray(&self.now, &self.then) + room;
+            self.reach = (2.0 * way).max(REACH * self.edge);
+            self.search(near, x);
+        }
+        self.allowed.clear();
+        for k in 0..self.pairs.len() {
+            let nearer = self.once(&self.pairs[k]) + 2.0 * room;
+            let mut moved = self.now.bound(&self.pairs[k]) + nearer;
+            if moved > self.pairs[k].budget {
+                self.detect(near, x, k, nearer);
+                moved = nearer;
+            }
+            self.allowed.push(nearer);
+            let pair = &mut self.pairs[k];
+            let first = pair.pairs.partition_point(|pair| pair.room < moved);
+            let until = pair.travel + nearer;
+            let wakes = pair.wakes[..first].iter_mut().zip(&pair.pairs);
+            for (wake, one) in wakes {
+                if *wake < until {
+                    *wake = pair.travel + visit(one, nearer);
+                }
+            }
+        }
+        self.stray_allowed.clear();
+        let (from, to) = (&self.now, &self.then);
+        let shift = to.mean - from.mean;
+        let ways = from.centres.iter().zip(&to.centres).zip(&self.ways);
+        self.stray_allowed
+            .extend(ways.map(|((a, b), besides)| (b - a - shift).norm() + besides + room));
+    }
+
+    /// Whether what was chosen last holds at `x` (m), which was chosen for ways from `place` (m) on.
+    pub(super) fn holds(&mut self, place: &[Vec3], x: &[Vec3]) -> bool {
+        self.measure(place, x);
+        let (from, to) = (&self.now, &self.then);
+        let shift = to.mean - from.mean;
+        let ways = from.centres.iter().zip(&to.centres).zip(&self.ways);
+        let mut ways = ways.zip(&self.stray_allowed);
+        ways.all(|(((a, b), besides), allowed)| (b - a - shift).norm() + besides <= *allowed)
+            && self
+                .pairs
+                .iter()
+                .zip(&self.allowed)
+                .all(|(pair, allowed)| self.once(pair) <= *allowed)
+    }
+
     /// The most that two patches move relative to each other in the substep (m).
     #[inline]
     fn once(&self, pair: &PatchPair) -> Real {
         let [p, q] = pair.patches.map(|p| p as usize);
         let (now, then) = (&self.now, &self.then);
         let way = then.centres[p] - now.centres[p] - (then.centres[q] - now.centres[q]);
-        let spread = |p: usize| then.spreads[p] - now.spreads[p];
-        way.norm() + spread(p) + spread(q)
+        way.norm() + self.ways[p] + self.ways[q]
     }
 
     /// The substep ends where it was looked at last.
@@ -261,20 +360,57 @@ impl Patches {
         pairs.iter_mut().find(|pair| pair.vertices == vertices)
     }
 
-    fn measure(&mut self, x: &[Vec3], to: &[Vec3]) {
-        self.then.centres.clear();
-        self.then.spreads.clear();
-        for (p, (_, vertices)) in self.members.iter().enumerate() {
-            let middle = vertices.iter().map(|&v| to[v as usize]).sum::<Vec3>();
-            let middle = middle / vertices.len() as Real;
-            let way = middle - self.now.centres[p];
-            let besides = |&v: &u32| (to[v as usize] - x[v as usize] - way).norm_squared();
-            let most = vertices.iter().map(besides).fold(0.0, Real::max).sqrt();
-            self.then.centres.push(middle);
-            self.then.spreads.push(self.now.spreads[p] + most);
+    /// Boxes around the patches at `x` (m).
+    fn bound(&mut self, x: &[Vec3]) {
+        for (bounds, (_, vertices)) in self.boxes.iter_mut().zip(&self.members) {
+            *bounds = around(vertices, x);
         }
-        let count = self.members.len().max(1) as Real;
-        self.then.mean = self.then.centres.iter().sum::<Vec3>() / count;
+    }
+
+    /// Takes `x` (m) for the start of the substep.
+    pub(super) fn place(&mut self, x: &[Vec3]) {
+        let mut now = std::mem::take(&mut self.now);
+        now.clear();
+        for (p, (_, vertices)) in self.members.iter().enumerate() {
+            let centre = middle(vertices, x);
+            let way = centre - self.reference_centres[p];
+            let places = vertices.iter().zip(&self.reference[p]);
+            let besides = places.map(|(&v, from)| (x[v as usize] - from - way).norm_squared());
+            let most = besides.fold(0.0, Real::max).sqrt();
+            now.push(centre, self.reference_spreads[p] + most);
+        }
+        now.finish();
+        self.now = now;
+    }
+
+    /// Looks at the motion from the start of the substep, `x`, to `to` (m).
+    fn measure(&mut self, x: &[Vec3], to: &[Vec3]) {
+        let mut then = std::mem::take(&mut self.then);
+        then.clear();
+        for (p, (_, vertices)) in self.members.iter().enumerate() {
+            let centre = middle(vertices, to);
+            let since = centre - self.reference_centres[p];
+            let way = centre - self.now.centres[p];
+            let (mut spread, mut besides): (Real, Real) = (0.0, 0.0);
+            for (&v, from) in vertices.iter().zip(&self.reference[p]) {
+                let to = to[v as usize];
+                spread = spread.max((to - from - since).norm_squared());
+                besides = besides.max((to - x[v as usize] - way).norm_squared());
+            }
+            then.push(centre, self.reference_spreads[p] + spread.sqrt());
+            self.ways[p] = besides.sqrt();
+        }
+        then.finish();
+        self.then = then;
+    }
+
+    /// Counts the spread of patch `p` from `x` (m) on, the start of the substep.
+    fn refer(&mut self, p: usize, x: &[Vec3]) {
+        let places = self.reference[p].iter_mut().zip(&self.members[p].1);
+        places.for_each(|(place, &v)| *place = x[v as usize]);
+        self.reference_centres[p] = self.now.centres[p];
+        self.reference_spreads[p] = self.now.spreads[p];
+        self.then.spreads[p] = self.now.spreads[p] + self.ways[p];
     }
 
     fn look(
@@ -290,7 +426,7 @@ impl Patches {
                 return Err(TooFar);
             }
             self.reach = (2.0 * way).max(REACH * self.edge);
-            self.search(near);
+            self.search(near, x);
         }
         let slack = super::rows::SLACK * near.law().range();
         for k in 0..self.pairs.len() {
@@ -338,8 +474,9 @@ impl Patches {
     }
 
     /// Finds the pairs of patches that are near each other now.
-    fn search(&mut self, near: &Near) {
+    fn search(&mut self, near: &Near, x: &[Vec3]) {
         self.searches += 1;
+        (0..self.members.len()).for_each(|p| self.refer(p, x));
         let reach = self.reach + 0.5 * near.law().range();
         for (inflated, bounds) in self.inflated.iter_mut().zip(&self.boxes) {
             *inflated = bounds.inflated(reach);
@@ -368,6 +505,7 @@ impl Patches {
                 spread: 0.0,
                 budget: -1.0,
                 pairs,
+                wakes: Vec::new(),
                 travel: 0.0,
                 looked: [-1.0; 2],
             });
@@ -380,6 +518,8 @@ impl Patches {
     fn detect(&mut self, near: &Near, x: &[Vec3], k: usize, once: Real) {
         let h = near.law().range();
         let [p, q] = self.pairs[k].patches.map(|p| p as usize);
+        self.refer(p, x);
+        self.refer(q, x);
         let pair = &mut self.pairs[k];
         pair.apart = self.now.centres[p] - self.now.centres[q];
         pair.spread = self.now.spreads[p] + self.now.spreads[q];
@@ -412,6 +552,8 @@ impl Patches {
             }
         }
         let pair = &mut self.pairs[k];
+        pair.wakes.clear();
+        pair.wakes.extend(pairs.iter().map(|pair| pair.room));
         pair.pairs = pairs;
         pair.budget = budget;
     }
@@ -552,6 +694,11 @@ fn push(
             normal: Vec3::zeros(),
         });
     }
+}
+
+/// The mean (m) of some vertices.
+fn middle(vertices: &[u32], x: &[Vec3]) -> Vec3 {
+    vertices.iter().map(|&v| x[v as usize]).sum::<Vec3>() / vertices.len() as Real
 }
 
 fn around(vertices: &[u32], x: &[Vec3]) -> Bounds {

@@ -18,7 +18,6 @@ use super::source::PotentialContacts;
 use crate::ccd::QueryKind;
 use crate::obstacle::{ObstacleContacts, PenaltyLaw};
 use crate::response::pair::{Motion, apart_along, first_contact, gap_along, nearest};
-use crate::separation::meet_unduly;
 use cloth_core::contact::{ContactConstraints, ContactError, ContactSource, ContactStep};
 use cloth_core::math::{Real, Vec3, gather, is_finite};
 
@@ -293,31 +292,21 @@ pub(super) fn stretch(way: Vec3, lambda: Real, reach: Real) -> Vec3 {
 
 impl ContactConstraints for PotentialContacts {
     fn begin_step(&mut self, step: &ContactStep<'_>) -> Result<(), ContactError> {
+        let goes_on = self.check_start(step)?;
         let count = self.near.vertex_area.len();
-        step.check(count, step.from, step.from)?;
-        let was_open = self.is_open;
-        self.undo();
         self.before.clear();
         let bodies = self.zones.obstacles().into_iter();
         self.before
             .extend(bodies.flat_map(ObstacleContacts::obstacles).cloned());
         self.is_open = true;
-        self.near.begin(step.inverse_mass);
         let rows = &mut self.rows;
         rows.report = ConstraintReport::default();
         rows.work = 0.0;
         rows.by_zones = false;
-        if was_open || rows.safe != step.from {
+        if !goes_on || rows.safe != step.from {
             rows.bodies.forget(count, self.before.len());
             if let Some(patches) = &mut rows.patches {
                 patches.forget(step.from);
-            }
-            self.near
-                .find_all(step.from)
-                .map_err(|_| ContactError::NonFinite { vertex: 0 })?;
-            let crossing = self.near.crossing(step.from, meet_unduly);
-            if crossing > 0 {
-                return Err(ContactError::Tangled { pairs: crossing });
             }
         }
         Ok(())
@@ -406,6 +395,8 @@ impl ContactConstraints for PotentialContacts {
         self.energy = energy + self.rows.bodies.energy(still, law, area, x);
         self.rows.safe.clear();
         self.rows.safe.extend_from_slice(x);
+        self.safe.clear();
+        self.safe.extend_from_slice(x);
         if let Some(patches) = &mut self.rows.patches {
             self.rows.report.searches = std::mem::take(&mut patches.searches);
             self.rows.report.detections = std::mem::take(&mut patches.detections);

@@ -4,11 +4,13 @@ use super::builder::PotentialBuilder;
 use super::friction::{Sticking, Stretched};
 use super::gap::Gap;
 use super::near::Near;
+use super::near_pairs::NearPairs;
 use super::patches::Patches;
 use super::rows::{ConstraintReport, Rows};
 use crate::error::CollideError;
 use crate::obstacle::{Obstacle, ObstacleContacts, PenaltyLaw};
 use crate::response::{ClothContacts, mean};
+use crate::separation::meet_unduly;
 use cloth_core::contact::{
     ContactConstraints, ContactError, ContactPotential, ContactRow, ContactSource, ContactStep,
 };
@@ -18,14 +20,18 @@ use cloth_core::mesh::TriMesh;
 
 /// Ways longer than this many thicknesses, apart from what all vertices do together, are looked at in part.
 const LONGEST: Real = 10.0;
+/// Coordinates (m) from which on squares are beyond all numbers.
+const LARGEST: Real = 1e150;
 /// Way (in thicknesses) below which friction is a spring.
 const STICKING: Real = 1e-2;
 
 /// What the last step took.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct PotentialReport {
-    /// Searches of the broad phase.
+    /// Searches for pairs of patches of the cloth.
     pub searches: u32,
+    /// Searches between two patches.
+    pub detections: u32,
     /// Times that near pairs were chosen among the candidates.
     pub choices: u32,
     /// Ways that were asked for.
@@ -44,6 +50,9 @@ pub struct PotentialContacts {
     /// For methods that project positions.
     pub(super) rows: Rows,
     pub(super) near: Near,
+    pairs: NearPairs,
+    /// Where the last step has ended (m), free of crossings.
+    pub(super) safe: Vec<Vec3>,
     /// Coefficient μ of cloth on cloth (dimensionless).
     pub(super) friction: Real,
     sticking: Vec<Sticking>,
@@ -70,14 +79,16 @@ pub struct PotentialContacts {
 impl PotentialContacts {
     pub(super) fn new(
         near: Near,
-        patches: Option<Patches>,
+        [for_rows, for_ways]: [Option<Patches>; 2],
         zones: ClothContacts,
         friction: Real,
     ) -> Self {
         let count = near.vertex_area.len();
         Self {
-            rows: Rows::new(patches),
+            rows: Rows::new(for_rows),
             near,
+            pairs: NearPairs::new(for_ways),
+            safe: Vec::new(),
             friction,
             sticking: Vec::new(),
             stretched: Stretched::default(),
@@ -157,17 +168,21 @@ impl ContactSource for PotentialContacts {
 
 impl ContactPotential for PotentialContacts {
     fn begin(&mut self, step: &ContactStep<'_>, start: &mut [Vec3]) -> Result<(), ContactError> {
-        self.undo();
-        let ends = start.iter().zip(step.from).zip(&mut self.scratch);
-        ends.for_each(|((end, from), v)| *v = (end - from) / step.dt);
-        let mut wanted = std::mem::take(&mut self.wanted);
-        wanted.clear();
-        wanted.extend_from_slice(start);
+        let goes_on = self.check_start(step)?;
         self.before.clear();
         let bodies = self.zones.obstacles().into_iter();
         let bodies = bodies.flat_map(ObstacleContacts::obstacles);
         self.before.extend(bodies.cloned());
-        self.zones.resolve(step, start, &mut self.scratch)?;
+        let mut wanted = std::mem::take(&mut self.wanted);
+        wanted.clear();
+        wanted.extend_from_slice(start);
+        let is_still = self.is_still(step, &wanted);
+        if !is_still {
+            let ends = start.iter().zip(step.from).zip(&mut self.scratch);
+            ends.for_each(|((end, from), v)| *v = (end - from) / step.dt);
+            let led = self.zones.resolve(step, start, &mut self.scratch);
+            led.inspect_err(|_| self.wanted.clear())?;
+        }
         self.is_open = true;
         self.still.clear();
         let obstacles = self.zones.obstacles().into_iter();
@@ -175,18 +190,12 @@ impl ContactPotential for PotentialContacts {
             .flat_map(ObstacleContacts::obstacles)
             .map(Obstacle::stopped);
         self.still.extend(still);
-        self.near.begin(step.inverse_mass);
-        (self.near.searches, self.near.choices) = (self.near.searches.min(1), 0);
         self.report = PotentialReport::default();
-        self.near
-            .prepare(step.from, &wanted, &self.still)
-            .map_err(|error| not_finite(&error))?;
+        self.pairs.begin(step.from, goes_on);
+        self.prepare(step.from, &wanted)?;
         self.stick(step);
-        if self.is_still(step, &wanted) {
-            let cap = self
-                .near
-                .safe_part(step.from, &wanted, &self.still)
-                .map_err(|error| not_finite(&error))?;
+        if is_still {
+            let cap = self.safe_part(step.from, &wanted)?;
             for ((x, from), to) in start.iter_mut().zip(step.from).zip(&wanted) {
                 *x = if cap < 1.0 {
                     from + (to - from) * cap
@@ -196,9 +205,7 @@ impl ContactPotential for PotentialContacts {
             }
         }
         self.wanted = wanted;
-        self.near
-            .prepare(start, start, &self.still)
-            .map_err(|error| not_finite(&error))
+        self.prepare(start, start)
     }
 
     fn limit(&mut self, from: &[Vec3], to: &[Vec3]) -> Result<Real, ContactError> {
@@ -220,13 +227,13 @@ impl ContactPotential for PotentialContacts {
 
     fn add_gradient(&self, x: &[Vec3], out: &mut [Vec3]) -> Real {
         let mut sum = 0.0;
-        for pair in &self.near.vertex_triangle {
+        for pair in &self.pairs.vertex_triangle {
             sum += add_pair(pair, x, out);
         }
-        for pair in &self.near.edge_edge {
+        for pair in &self.pairs.edge_edge {
             sum += add_pair(pair, x, out);
         }
-        for &[vertex, number] in &self.near.vertex_obstacle {
+        for &[vertex, number] in &self.pairs.vertex_obstacle {
             let v = vertex as usize;
             let at = self.still[number as usize].clearance(x[v], 0.0);
             let law = self.near.law();
@@ -255,11 +262,11 @@ impl ContactPotential for PotentialContacts {
                 });
             }
         };
-        for pair in &self.near.vertex_triangle {
+        for pair in &self.pairs.vertex_triangle {
             let gap = Gap::vertex_triangle(&gather(x, pair.vertices));
             push(pair.vertices, gap, pair.area, pair.law);
         }
-        for pair in &self.near.edge_edge {
+        for pair in &self.pairs.edge_edge {
             let places = gather(x, pair.vertices);
             let gap = Gap::edge_edge(&places);
             if gap.distance < pair.law.range() {
@@ -268,7 +275,7 @@ impl ContactPotential for PotentialContacts {
             }
         }
         let law = self.near.law();
-        for &[vertex, number] in &self.near.vertex_obstacle {
+        for &[vertex, number] in &self.pairs.vertex_obstacle {
             let v = vertex as usize;
             let at = self.still[number as usize].clearance(x[v], 0.0);
             let stiffness =
@@ -298,10 +305,12 @@ impl ContactPotential for PotentialContacts {
         self.energy = self.add_gradient(x, &mut unused);
         self.scratch = unused;
         self.zones.accept(x);
-        self.report.searches = self.near.searches;
-        self.report.choices = self.near.choices;
-        let pairs = self.near.vertex_triangle.len() + self.near.edge_edge.len();
-        self.report.near = pairs + self.near.vertex_obstacle.len();
+        self.safe.clear();
+        self.safe.extend_from_slice(x);
+        [self.report.searches, self.report.detections] = self.pairs.searches();
+        self.report.choices = self.pairs.choices;
+        let pairs = self.pairs.vertex_triangle.len() + self.pairs.edge_edge.len();
+        self.report.near = pairs + self.pairs.vertex_obstacle.len();
     }
 }
 
@@ -327,19 +336,21 @@ impl PotentialContacts {
         let ends = step.inverse_mass.iter().zip(step.from.iter().zip(wanted));
         let mut pins = ends.filter(|(w, _)| **w == 0.0);
         let mut bodies = self.before.iter();
-        let mut touched = self.near.vertex_obstacle.iter();
+        let is_outside = |v: usize| {
+            let mut bodies = self.before.iter();
+            step.inverse_mass[v] == 0.0
+                || bodies.all(|body| body.clearance(step.from[v], 0.0).value > 0.0)
+        };
         bodies.all(|body| body.motion().is_still())
             && pins.all(|(_, (a, b))| a == b)
-            && touched.all(|&[vertex, number]| {
-                let at = step.from[vertex as usize];
-                self.still[number as usize].clearance(at, 0.0).value > 0.0
-            })
+            && (0..step.from.len()).all(is_outside)
     }
 
     /// Finds the contacts at the start of a step that have friction in it.
     fn stick(&mut self, step: &ContactStep<'_>) {
         let Self {
             near,
+            pairs,
             sticking,
             stretched,
             ..
@@ -360,12 +371,12 @@ impl PotentialContacts {
                 });
             }
         };
-        for pair in &near.vertex_triangle {
+        for pair in &pairs.vertex_triangle {
             let gap = Gap::vertex_triangle(&gather(x, pair.vertices));
             let force = -pair.area * pair.law.slope(gap.distance);
             push(pair.vertices, gap, self.friction * force);
         }
-        for pair in &near.edge_edge {
+        for pair in &pairs.edge_edge {
             let places = gather(x, pair.vertices);
             let gap = Gap::edge_edge(&places);
             if gap.distance < pair.law.range() {
@@ -406,7 +417,7 @@ impl PotentialContacts {
     fn work_of_bodies(&self, x: &[Vec3]) -> Real {
         let reach = self.reach();
         let mut sum = 0.0;
-        for &[vertex, number] in &self.near.vertex_obstacle {
+        for &[vertex, number] in &self.pairs.vertex_obstacle {
             let (before, after) = (&self.before[number as usize], &self.still[number as usize]);
             if before.motion().is_still() {
                 continue;
@@ -430,15 +441,44 @@ impl PotentialContacts {
 
     /// The same as [`ContactPotential::limit`] for a way that is not too long to be looked at as a whole.
     fn limit_short(&mut self, from: &[Vec3], to: &[Vec3]) -> Result<Real, ContactError> {
-        self.near
-            .prepare(from, to, &self.still)
-            .map_err(|error| not_finite(&error))?;
-        let cap = self
-            .near
-            .safe_part(from, to, &self.still)
-            .map_err(|error| not_finite(&error))?;
+        self.prepare(from, to)?;
+        let cap = self.safe_part(from, to)?;
         self.report.capped += u32::from(cap < 1.0);
         Ok(cap)
+    }
+
+    fn prepare(&mut self, from: &[Vec3], to: &[Vec3]) -> Result<(), ContactError> {
+        let bad = |x: &Vec3| !(x.amax() < LARGEST);
+        if let Some(vertex) = (0..from.len()).find(|&v| bad(&from[v]) || bad(&to[v])) {
+            return Err(ContactError::NonFinite { vertex });
+        }
+        self.pairs.prepare(&self.near, [from, to], &self.still);
+        Ok(())
+    }
+
+    fn safe_part(&self, from: &[Vec3], to: &[Vec3]) -> Result<Real, ContactError> {
+        let thickness = self.near.law().range();
+        let part = self.pairs.safe_part(thickness, from, to, &self.still);
+        part.map_err(|error| not_finite(&error))
+    }
+
+    /// Begins a step, after one that may not have ended: whether its start is in order, and whether it is where the last one has ended.
+    pub(super) fn check_start(&mut self, step: &ContactStep<'_>) -> Result<bool, ContactError> {
+        step.check(self.near.vertex_area.len(), step.from, step.from)?;
+        let was_open = self.is_open;
+        self.undo();
+        let is_same = !self.near.begin(step.inverse_mass);
+        if !was_open && is_same && self.safe == step.from {
+            return Ok(true);
+        }
+        self.safe.clear();
+        self.near
+            .find_all(step.from)
+            .map_err(|_| ContactError::NonFinite { vertex: 0 })?;
+        match self.near.crossing(step.from, meet_unduly) {
+            0 => Ok(false),
+            pairs => Err(ContactError::Tangled { pairs }),
+        }
     }
 }
 

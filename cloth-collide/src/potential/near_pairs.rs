@@ -1,0 +1,180 @@
+//! Which pairs can be near each other on a way that a method is about to take, chosen again only when it has gone elsewhere.
+//!
+//! Patches of the cloth know what can touch between two of them, until they have moved too far relative to each other. Of those pairs the ones are evaluated
+//! that can come as near as the thickness on the way that is being looked at, and a little beyond it.
+
+use super::gap::Gap;
+use super::near::Near;
+use super::pair::{EdgeEdgeContact, VertexTriangleContact};
+use super::patches::Patches;
+use crate::ccd::QueryKind;
+use crate::obstacle::Obstacle;
+use crate::response::mean;
+use cloth_core::math::{Real, Vec3, gather};
+
+/// Way (in thicknesses) that a vertex may go beyond the ways looked at, before pairs are chosen anew.
+const ROOM: Real = 0.5;
+
+/// Pairs that can be near.
+#[derive(Debug, Default)]
+pub(super) struct NearPairs {
+    /// None if the cloth cannot touch itself.
+    patches: Option<Patches>,
+    /// Where the pairs were chosen (m), and how far each vertex may go from there (m).
+    place: Vec<Vec3>,
+    /// Whether they were chosen for where obstacles are now.
+    is_chosen: bool,
+    reach: Vec<Real>,
+    pub(super) vertex_triangle: Vec<VertexTriangleContact>,
+    pub(super) edge_edge: Vec<EdgeEdgeContact>,
+    /// Vertex and obstacle.
+    pub(super) vertex_obstacle: Vec<[u32; 2]>,
+    /// Choices of pairs in this step.
+    pub(super) choices: u32,
+}
+
+impl NearPairs {
+    pub(super) fn new(patches: Option<Patches>) -> Self {
+        Self {
+            patches,
+            ..Self::default()
+        }
+    }
+
+    /// Begins a step at `x` (m): obstacles may have moved, and the cloth if it does not `go_on` from where it was.
+    pub(super) fn begin(&mut self, x: &[Vec3], goes_on: bool) {
+        self.is_chosen = false;
+        self.choices = 0;
+        if let Some(patches) = &mut self.patches {
+            (patches.searches, patches.detections) = (0, 0);
+            if !goes_on {
+                patches.forget(x);
+            }
+        }
+    }
+
+    /// Searches among patches, and between two of them, in this step.
+    pub(super) fn searches(&self) -> [u32; 2] {
+        let patches = self.patches.as_ref();
+        patches.map_or([0; 2], |patches| [patches.searches, patches.detections])
+    }
+
+    /// Makes sure that the pairs are those of the straight way between two positions (m).
+    pub(super) fn prepare(&mut self, near: &Near, way: [&[Vec3]; 2], obstacles: &[Obstacle]) {
+        let room = ROOM * near.law().range();
+        if way.iter().all(|x| self.holds(x, room)) {
+            return;
+        }
+        let [from, to] = way;
+        self.choose(near, way, room);
+        self.place.clear();
+        self.place.extend_from_slice(from);
+        self.is_chosen = true;
+        self.reach.clear();
+        let ways = from.iter().zip(to).map(|(a, b)| (b - a).norm() + room);
+        self.reach.extend(ways);
+        self.choose_obstacles(near, obstacles);
+        self.choices += 1;
+    }
+
+    /// Whether the pairs hold at a place (m).
+    fn holds(&mut self, x: &[Vec3], room: Real) -> bool {
+        if !self.is_chosen {
+            return false;
+        }
+        let ways = || x.iter().zip(&self.place);
+        if !self.vertex_obstacle_holds(x) {
+            return false;
+        }
+        // Mostly this is enough: any two parts may come nearer by two rooms, wherever they are.
+        let shift = mean(x) - mean(&self.place);
+        let most = ways().map(|(x, place)| (x - place - shift).norm_squared());
+        if most.fold(0.0, Real::max) <= room * room {
+            return true;
+        }
+        let patches = self.patches.as_mut();
+        patches.is_none_or(|patches| patches.holds(&self.place, x))
+    }
+
+    fn vertex_obstacle_holds(&self, x: &[Vec3]) -> bool {
+        let ways = x.iter().zip(&self.place).zip(&self.reach);
+        let mut ways = ways.map(|((x, place), reach)| (x - place).norm_squared() <= reach * reach);
+        ways.all(|holds| holds)
+    }
+
+    /// Keeps the pairs that can be nearer than their thickness.
+    fn choose(&mut self, near: &Near, way: [&[Vec3]; 2], room: Real) {
+        self.vertex_triangle.clear();
+        self.edge_edge.clear();
+        let Some(patches) = &mut self.patches else {
+            return;
+        };
+        let x = way[0];
+        patches.choose(near, &self.place, way, room, |pair, nearer| {
+            let vertices = pair.vertices;
+            let places = gather(x, vertices);
+            let reach = pair.range + nearer;
+            let area = pair.area;
+            let split = match pair.kind {
+                QueryKind::VertexTriangle => 1,
+                QueryKind::EdgeEdge => 2,
+            };
+            let apart = boxes_gap(&places, split);
+            if apart > reach {
+                return apart - pair.range;
+            }
+            let law = || near.law().with_range(pair.range);
+            let distance = match pair.kind {
+                QueryKind::VertexTriangle => Gap::vertex_triangle(&places).distance,
+                QueryKind::EdgeEdge => Gap::edge_edge(&places).distance,
+            };
+            if distance < reach {
+                match pair.kind {
+                    QueryKind::VertexTriangle => {
+                        self.vertex_triangle.push(VertexTriangleContact {
+                            vertices,
+                            area,
+                            law: law(),
+                        });
+                    }
+                    QueryKind::EdgeEdge => self.edge_edge.push(EdgeEdgeContact {
+                        vertices,
+                        area,
+                        law: law(),
+                        mollifier: near.mollifier(vertices),
+                    }),
+                }
+            }
+            distance - pair.range
+        });
+    }
+
+    fn choose_obstacles(&mut self, near: &Near, obstacles: &[Obstacle]) {
+        self.vertex_obstacle.clear();
+        let h = near.law().range();
+        for (vertex, (x, reach)) in (0u32..).zip(self.place.iter().zip(&self.reach)) {
+            if !near.is_free[vertex as usize] {
+                continue;
+            }
+            for (number, obstacle) in (0u32..).zip(obstacles) {
+                let reach = h + reach * obstacle.shape().lipschitz();
+                if obstacle.clearance(*x, 0.0).value < reach {
+                    self.vertex_obstacle.push([vertex, number]);
+                }
+            }
+        }
+    }
+}
+
+/// The distance (m) along an axis, the farthest, between the boxes around the first `split` of four points and around the others; not positive if they overlap.
+#[inline(always)]
+fn boxes_gap(x: &[Vec3; 4], split: usize) -> Real {
+    let around = |points: &[Vec3]| {
+        let first = (points[0], points[0]);
+        points[1..]
+            .iter()
+            .fold(first, |(low, high), x| (low.inf(x), high.sup(x)))
+    };
+    let (a, b) = (around(&x[..split]), around(&x[split..]));
+    (a.0 - b.1).max().max((b.0 - a.1).max())
+}
