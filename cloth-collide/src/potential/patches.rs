@@ -367,6 +367,12 @@ impl Patches {
         }
     }
 
+    /// Number of pairs of patches that are near enough to be looked at.
+    #[cfg(test)]
+    pub(super) fn count(&self) -> usize {
+        self.pairs.len()
+    }
+
     /// Takes `x` (m) for the start of the substep.
     pub(super) fn place(&mut self, x: &[Vec3]) {
         let mut now = std::mem::take(&mut self.now);
