@@ -15,7 +15,7 @@ use cloth_core::contact::{
     ContactConstraints, ContactError, ContactPotential, ContactRow, ContactSource, ContactStep,
 };
 use cloth_core::element::{Element, Energy};
-use cloth_core::math::{Real, Vec3, gather};
+use cloth_core::math::{Real, Vec3, gather, is_finite};
 use cloth_core::mesh::TriMesh;
 
 /// Ways longer than this many thicknesses, apart from what all vertices do together, are looked at in part.
@@ -448,7 +448,7 @@ impl PotentialContacts {
     }
 
     fn prepare(&mut self, from: &[Vec3], to: &[Vec3]) -> Result<(), ContactError> {
-        let bad = |x: &Vec3| !(x.amax() < LARGEST);
+        let bad = |x: &Vec3| x.amax() >= LARGEST || !is_finite(x);
         if let Some(vertex) = (0..from.len()).find(|&v| bad(&from[v]) || bad(&to[v])) {
             return Err(ContactError::NonFinite { vertex });
         }
