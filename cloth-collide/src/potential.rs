@@ -37,8 +37,8 @@
 //! | A φ(d), A m φ(d) as elements, with both derivatives | [`VertexTriangleContact`], [`EdgeEdgeContact`] |
 //! | μ λ f(‖u‖) | `friction` |
 //! | which pairs can be near on a way | `near_pairs` |
-//! | C = n·Σ wᵢ xᵢ − h, α = 1/(A φ″), λ ≥ 0 | `rows`, `bodies` |
-//! | what can touch in a substep or on a way | `patches` |
+//! | C = n·Σ wᵢ xᵢ − h, α = 1/(A φ″), λ ≥ 0 | `rows`, `bodies`, `tangent` |
+//! | what can touch in a substep or on a way | `patches`; whether anything can, `quiet` |
 //! | how far the way is safe | `filter` |
 //! | Σ A φ, Σ A ∂φ, Σ A φ″ ∂d ∂dᵀ | [`PotentialContacts`] |
 //!
@@ -67,8 +67,10 @@ mod near;
 mod near_pairs;
 mod pair;
 mod patches;
+mod quiet;
 mod rows;
 mod source;
+mod tangent;
 
 pub use builder::PotentialBuilder;
 pub use gap::Gap;

@@ -1,6 +1,7 @@
 //! Vertices before bodies, as constraints whose distance is evaluated in every sweep.
 
-use super::rows::{KEPT, LEAST, SLACK, Tangent, hold, stretch};
+use super::rows::{KEPT, LEAST, SLACK};
+use super::tangent::{Tangent, hold, stretch};
 use crate::obstacle::{Obstacle, ObstacleContacts, PenaltyLaw, VertexPath, first_contact};
 use cloth_core::contact::ContactStep;
 use cloth_core::math::{Real, Vec3};
@@ -28,8 +29,9 @@ struct Row {
 #[derive(Debug, Default)]
 pub(super) struct Bodies {
     rows: Vec<Row>,
-    /// A lower bound of the distance (m) of each vertex from each body, at the start of the substep.
+    /// Of each body and each vertex: a lower bound of its distance (m) where it was at `places` (m), with the body where it is at the start of the substep.
     rooms: Vec<Real>,
+    places: Vec<Vec3>,
     /// By how much friction has been stretched there (m).
     stretches: Vec<Vec3>,
     /// Whether a vertex has a row for a body.
@@ -57,6 +59,8 @@ impl Bodies {
         let count = vertices * bodies;
         self.rooms.clear();
         self.rooms.resize(count, Real::NEG_INFINITY);
+        self.places.clear();
+        self.places.resize(count, Vec3::zeros());
         self.stretches.clear();
         self.stretches.resize(count, Vec3::zeros());
         self.has_row.clear();
@@ -95,21 +99,28 @@ impl Bodies {
         reach: Real,
         mut visit: impl FnMut(&mut Self, usize, &mut Row),
     ) {
-        let count = bodies.pairs().len();
-        for (vertex, (from, to)) in step.from.iter().zip(to).enumerate() {
-            if step.inverse_mass[vertex] == 0.0 {
-                continue;
-            }
-            for (number, body) in bodies.obstacles().enumerate() {
-                let index = vertex * count + number;
-                let way = (to - from).norm() + way_of(body, *from, step.dt);
-                let way = way * body.shape().lipschitz();
-                if self.has_row[index] || self.rooms[index] - way >= reach {
+        for (number, body) in bodies.obstacles().enumerate() {
+            let (stretch, is_still) = (body.shape().lipschitz(), body.motion().is_still());
+            let first = number * step.from.len();
+            for (vertex, (from, to)) in step.from.iter().zip(to).enumerate() {
+                let index = first + vertex;
+                let of_body = if is_still {
+                    0.0
+                } else {
+                    way_of(body, *from, step.dt)
+                };
+                let place = self.places[index];
+                let way = (from - place)
+                    .norm_squared()
+                    .max((to - place).norm_squared());
+                let left = (self.rooms[index] - reach) / stretch - of_body;
+                let is_far = left >= 0.0 && way <= left * left;
+                if is_far || self.has_row[index] || step.inverse_mass[vertex] == 0.0 {
                     continue;
                 }
                 let at = body.clearance(*from, 0.0);
-                self.rooms[index] = at.value;
-                if at.value - way >= reach {
+                (self.rooms[index], self.places[index]) = (at.value, *from);
+                if at.value - stretch * ((to - from).norm() + of_body) >= reach {
                     self.stretches[index] = Vec3::zeros();
                     continue;
                 }
@@ -130,6 +141,32 @@ impl Bodies {
                 visit(self, index, &mut row);
             }
         }
+    }
+
+    /// How far (m) every vertex may go from `x` (m) while none comes near a body; nothing if bodies move.
+    pub(super) fn margin(
+        &self,
+        bodies: Option<&ObstacleContacts>,
+        law: PenaltyLaw,
+        step: &ContactStep<'_>,
+        x: &[Vec3],
+    ) -> Option<Real> {
+        let mut least = Real::INFINITY;
+        let bodies = bodies.into_iter().flat_map(ObstacleContacts::obstacles);
+        for (number, body) in bodies.enumerate() {
+            if !body.motion().is_still() {
+                return None;
+            }
+            let first = number * x.len();
+            for (vertex, x) in x.iter().enumerate() {
+                if step.inverse_mass[vertex] > 0.0 {
+                    let room = self.rooms[first + vertex] - law.range() * (1.0 + SLACK);
+                    let way = (x - self.places[first + vertex]).norm();
+                    least = least.min(room / body.shape().lipschitz() - way);
+                }
+            }
+        }
+        Some(least)
     }
 
     /// Projects each vertex out of the bodies, where they are at the end of the substep.
@@ -223,11 +260,12 @@ impl Bodies {
         let Some(bodies) = bodies else {
             return 0.0;
         };
-        let count = bodies.pairs().len();
-        for (vertex, (from, to)) in step.from.iter().zip(x).enumerate() {
-            for (number, body) in bodies.obstacles().enumerate() {
-                let way = (to - from).norm() + way_of(body, *from, step.dt);
-                self.rooms[vertex * count + number] -= way * body.shape().lipschitz();
+        for (number, body) in bodies.obstacles().enumerate() {
+            if !body.motion().is_still() {
+                let first = number * x.len();
+                for (room, from) in self.rooms[first..].iter_mut().zip(step.from) {
+                    *room -= way_of(body, *from, step.dt) * body.shape().lipschitz();
+                }
             }
         }
         let mut work = 0.0;
@@ -236,7 +274,7 @@ impl Bodies {
             let (body, _) = &bodies.pairs()[row.body as usize];
             let way = x[v] - row.origin;
             let way = way - row.normal * row.normal.dot(&way);
-            let index = v * count + row.body as usize;
+            let index = row.body as usize * x.len() + v;
             self.stretches[index] = stretch(way, row.lambda, reach);
             let impulse = (row.normal * row.lambda + row.friction) / step.dt;
             work += impulse.dot(&body.velocity_at(x[v], step.dt));

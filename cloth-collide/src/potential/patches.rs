@@ -9,12 +9,13 @@
 //! So pairs of primitives, found once with some room and sorted by what they lack to contact, need no look as long as this is less than the room, and of those
 //! that are known only the first ones do. Patches that fly together cost nothing, whatever their common motion.
 
-use super::gap::Gap;
+mod detect;
+mod ways;
+
 use super::near::Near;
 use crate::bounds::Bounds;
 use crate::broad_phase::{BroadPhase, Hierarchy};
 use crate::ccd::QueryKind;
-use crate::closest::{edge_edge, point_triangle};
 use crate::incidence::{Owned, edge_numbers, owned};
 use cloth_core::math::{Real, Vec3, gather};
 use cloth_core::mesh::TriMesh;
@@ -24,7 +25,7 @@ const PATCH: usize = 32;
 /// Room (in thicknesses) of a search for pairs, at least.
 const LEAST_ROOM: Real = 0.5;
 /// Room of a search, in ways of the substep that needs it.
-const HOLD: Real = 20.0;
+const HOLD: Real = 60.0;
 /// Room (in mean edges) of a search, at most, unless one substep needs more.
 const MOST_ROOM: Real = 0.5;
 /// Way (in mean edges) that a patch may go until pairs of patches are searched anew, at least; and in one substep, at most.
@@ -64,10 +65,14 @@ struct PatchPair {
     pairs: Vec<NearPair>,
     /// The travel (m) until which each pair lacks something to contact, where ways are looked at.
     wakes: Vec<Real>,
-    /// Sum of the relative motions (m) of all substeps, at the start of this one.
+    /// Bound on the relative motion (m), added up until the start of the substep that it was last brought up to; difference of the centres and sum of the paths (m)
+    /// there.
     travel: Real,
-    /// Relative motion and travel (m) that were looked at in this substep.
+    last_apart: Vec3,
+    last_path: Real,
+    /// Relative motion and travel (m) that were looked at, and in which substep.
     looked: [Real; 2],
+    looked_in: u32,
 }
 
 /// The motion needs more room than patches have: a way in one substep is longer than some edges.
@@ -111,6 +116,9 @@ pub(super) struct Patches {
     hierarchy: Hierarchy,
     found: Vec<[u32; 2]>,
     pairs: Vec<PatchPair>,
+    /// The two patches of each of them, and the sum of their clocks until which nothing can happen between them.
+    ids: Vec<[u32; 2]>,
+    quiet: Vec<Real>,
     before: Vec<PatchPair>,
     /// Lists to be used again.
     spare: Vec<Vec<NearPair>>,
@@ -118,16 +126,23 @@ pub(super) struct Patches {
     is_known: bool,
     /// Number of the substep.
     substep: u32,
+    /// Pairs of patches that were looked into in this substep.
+    awake: u32,
     /// Searches among pairs of patches so far, and among their triangles.
     pub(super) searches: u32,
     pub(super) detections: u32,
 }
 
-/// Centre (m) and spread (m) of each patch, and the mean of the centres.
+/// Of each patch, at one moment.
 #[derive(Clone, Debug, Default)]
 struct Motions {
+    /// Centre (m) and spread (m).
     centres: Vec<Vec3>,
     spreads: Vec<Real>,
+    /// How far (m) vertices have gone at most besides the centre, substep by substep; and besides what all patches do together.
+    paths: Vec<Real>,
+    clocks: Vec<Real>,
+    /// Mean of the centres (m).
     mean: Vec3,
 }
 
@@ -147,10 +162,24 @@ impl Motions {
         self.mean = self.centres.iter().sum::<Vec3>() / self.centres.len().max(1) as Real;
     }
 
+    /// Takes over where another is.
     fn copy(&mut self, other: &Self) {
         self.centres.clone_from(&other.centres);
         self.spreads.clone_from(&other.spreads);
         self.mean = other.mean;
+    }
+
+    /// Difference of the centres (m), and sum of the paths (m).
+    #[inline]
+    fn of(&self, patches: [u32; 2]) -> (Vec3, Real) {
+        let [p, q] = patches.map(|p| p as usize);
+        let apart = self.centres[p] - self.centres[q];
+        (apart, self.paths[p] + self.paths[q])
+    }
+
+    #[inline]
+    fn clock(&self, [p, q]: [u32; 2]) -> Real {
+        self.clocks[p as usize] + self.clocks[q as usize]
     }
 
     /// The bound on what two patches have moved relative to each other (m).
@@ -208,11 +237,14 @@ impl Patches {
             hierarchy: Hierarchy::new(),
             found: Vec::new(),
             pairs: Vec::new(),
+            ids: Vec::new(),
+            quiet: Vec::new(),
             before: Vec::new(),
             spare: Vec::new(),
             memory: Vec::new(),
             is_known: false,
             substep: 0,
+            awake: 0,
             searches: 0,
             detections: 0,
         }
@@ -226,6 +258,10 @@ impl Patches {
             self.reference_centres[p] = middle(vertices, x);
         }
         self.reference_spreads.fill(0.0);
+        for zeros in [&mut self.now.paths, &mut self.now.clocks] {
+            zeros.clear();
+            zeros.resize(self.members.len(), 0.0);
+        }
         self.place(x);
         self.is_known = false;
     }
@@ -238,12 +274,9 @@ impl Patches {
         to: &[Vec3],
         mut visit: impl FnMut(Place, &mut NearPair) -> Real,
     ) -> Result<(), TooFar> {
-        self.bound(x);
-        self.measure(x, to);
-        for pair in &mut self.pairs {
-            pair.looked = [-1.0; 2];
-        }
         self.substep += 1;
+        self.awake = 0;
+        self.measure(x, to);
         self.look(near, x, &mut visit)
     }
 
@@ -259,74 +292,6 @@ impl Patches {
         self.look(near, x, &mut visit)
     }
 
-    /// Looks at the way from `x` to `to` (m), and at everything within `room` (m) of it: makes sure that the pairs are complete, and hands `visit` those that may
-    /// touch there, with how much nearer they can come to each other than they are at `x` (m); it returns what they lack to contact there (m), at most. `place` is the `x` of the choice before.
-    ///
-    /// [`Patches::holds`] tells for which other places the choice is good.
-    pub(super) fn choose(
-        &mut self,
-        near: &Near,
-        place: &[Vec3],
-        [x, to]: [&[Vec3]; 2],
-        room: Real,
-        mut visit: impl FnMut(&NearPair, Real) -> Real,
-    ) {
-        self.bound(x);
-        if self.is_known {
-            // From where pairs were chosen last.
-            self.measure(place, x);
-            self.accept();
-        }
-        self.place(x);
-        self.measure(x, to);
-        let strayed = self.strayed().max(Self::stray(&self.searched, &self.now));
-        if !self.is_known || strayed + room > self.reach {
-            let way = Self::stray(&self.now, &self.then) + room;
-            self.reach = (2.0 * way).max(REACH * self.edge);
-            self.search(near, x);
-        }
-        self.allowed.clear();
-        for k in 0..self.pairs.len() {
-            let nearer = self.once(&self.pairs[k]) + 2.0 * room;
-            let mut moved = self.now.bound(&self.pairs[k]) + nearer;
-            if moved > self.pairs[k].budget {
-                self.detect(near, x, k, nearer);
-                moved = nearer;
-            }
-            self.allowed.push(nearer);
-            let pair = &mut self.pairs[k];
-            let first = pair.pairs.partition_point(|pair| pair.room < moved);
-            let until = pair.travel + nearer;
-            let wakes = pair.wakes[..first].iter_mut().zip(&pair.pairs);
-            for (wake, one) in wakes {
-                if *wake < until {
-                    *wake = pair.travel + visit(one, nearer);
-                }
-            }
-        }
-        self.stray_allowed.clear();
-        let (from, to) = (&self.now, &self.then);
-        let shift = to.mean - from.mean;
-        let ways = from.centres.iter().zip(&to.centres).zip(&self.ways);
-        self.stray_allowed
-            .extend(ways.map(|((a, b), besides)| (b - a - shift).norm() + besides + room));
-    }
-
-    /// Whether what was chosen last holds at `x` (m), which was chosen for ways from `place` (m) on.
-    pub(super) fn holds(&mut self, place: &[Vec3], x: &[Vec3]) -> bool {
-        self.measure(place, x);
-        let (from, to) = (&self.now, &self.then);
-        let shift = to.mean - from.mean;
-        let ways = from.centres.iter().zip(&to.centres).zip(&self.ways);
-        let mut ways = ways.zip(&self.stray_allowed);
-        ways.all(|(((a, b), besides), allowed)| (b - a - shift).norm() + besides <= *allowed)
-            && self
-                .pairs
-                .iter()
-                .zip(&self.allowed)
-                .all(|(pair, allowed)| self.once(pair) <= *allowed)
-    }
-
     /// The most that two patches move relative to each other in the substep (m).
     #[inline]
     fn once(&self, pair: &PatchPair) -> Real {
@@ -338,10 +303,32 @@ impl Patches {
 
     /// The substep ends where it was looked at last.
     pub(super) fn accept(&mut self) {
-        for k in 0..self.pairs.len() {
-            self.pairs[k].travel += self.once(&self.pairs[k]);
-        }
         std::mem::swap(&mut self.now, &mut self.then);
+    }
+
+    /// Brings what is known from `from` to `to` (m), in substeps that could be left out.
+    pub(super) fn skip(&mut self, from: &[Vec3], to: &[Vec3]) {
+        self.measure(from, to);
+        self.accept();
+    }
+
+    /// Brings the travel of two patches up to the start of the substep.
+    fn bring_up(&mut self, k: usize) {
+        let pair = &mut self.pairs[k];
+        let (apart, path) = self.now.of(pair.patches);
+        pair.travel += (apart - pair.last_apart).norm() + path - pair.last_path;
+        (pair.last_apart, pair.last_path) = (apart, path);
+    }
+
+    /// How far (m) every vertex may go from where it is now, besides what all do together, while nothing comes near; nothing if something has just been looked into.
+    pub(super) fn margin(&self) -> Option<Real> {
+        if self.awake > 0 || !self.is_known {
+            return None;
+        }
+        let pairs = self.ids.iter().zip(&self.quiet);
+        let left = pairs.map(|(&patches, quiet)| quiet - self.now.clock(patches));
+        let known = self.reach - Self::stray(&self.searched, &self.now);
+        Some(0.5 * left.fold(known, Real::min))
     }
 
     /// The pair at a place, or where it has gone since.
@@ -407,6 +394,18 @@ impl Patches {
             self.ways[p] = besides.sqrt();
         }
         then.finish();
+        let (now, ways) = (&self.now, &self.ways);
+        let shift = then.mean - now.mean;
+        then.paths.clear();
+        then.paths
+            .extend(now.paths.iter().zip(ways).map(|(path, way)| path + way));
+        then.clocks.clear();
+        let ways = then.centres.iter().zip(&now.centres).zip(ways);
+        let clocks = now.clocks.iter().zip(ways);
+        then.clocks
+            .extend(clocks.map(|(clock, ((to, from), besides))| {
+                clock + (to - from - shift).norm() + besides
+            }));
         self.then = then;
     }
 
@@ -434,36 +433,55 @@ impl Patches {
             self.reach = (2.0 * way).max(REACH * self.edge);
             self.search(near, x);
         }
-        let slack = super::rows::SLACK * near.law().range();
         for k in 0..self.pairs.len() {
-            let pair = &self.pairs[k];
-            let once = self.once(pair);
-            let mut moved = self.now.bound(pair).max(self.then.bound(pair));
-            if moved <= pair.looked[0] && pair.travel + once <= pair.looked[1] {
-                continue;
-            }
-            if moved + slack > pair.budget {
-                self.detect(near, x, k, once);
-                moved = once;
-            }
-            let pair = &mut self.pairs[k];
-            let travel = pair.travel + once + slack;
-            pair.looked = [moved + slack, travel];
-            for (index, one) in (0..).zip(&mut pair.pairs) {
-                if one.room >= moved + slack {
-                    break;
-                }
-                if one.wake < travel && one.seen != self.substep {
-                    one.seen = self.substep;
-                    let place = Place {
-                        patches: pair.patches,
-                        index,
-                    };
-                    one.wake = pair.travel + visit(place, one);
-                }
+            if self.then.clock(self.ids[k]) > self.quiet[k] {
+                self.awake += 1;
+                self.quiet[k] = self.look_into(k, near, x, visit);
             }
         }
         Ok(())
+    }
+
+    /// Hands `visit` the pairs between two patches that the substep can bring into contact. Returns the sum of their clocks until which nothing more can happen.
+    fn look_into(
+        &mut self,
+        k: usize,
+        near: &Near,
+        x: &[Vec3],
+        visit: &mut impl FnMut(Place, &mut NearPair) -> Real,
+    ) -> Real {
+        let slack = super::rows::SLACK * near.law().range();
+        self.bring_up(k);
+        let pair = &self.pairs[k];
+        let once = self.once(pair);
+        let mut now = self.now.bound(pair);
+        let mut moved = now.max(self.then.bound(pair));
+        let again = pair.looked_in == self.substep;
+        if again && moved <= pair.looked[0] && pair.travel + once <= pair.looked[1] {
+            return self.quiet[k];
+        }
+        if moved + slack > pair.budget {
+            self.detect(near, x, k, once);
+            (now, moved) = (0.0, once);
+        }
+        let pair = &mut self.pairs[k];
+        let patches = pair.patches;
+        let travel = pair.travel + once + slack;
+        pair.looked = [moved + slack, travel];
+        pair.looked_in = self.substep;
+        let mut left = pair.budget - now;
+        for (index, one) in (0..).zip(&mut pair.pairs) {
+            if one.room >= moved + slack {
+                left = left.min(one.room - now);
+                break;
+            }
+            if one.wake < travel && one.seen != self.substep {
+                one.seen = self.substep;
+                one.wake = pair.travel + visit(Place { patches, index }, one);
+            }
+            left = left.min(one.wake - pair.travel);
+        }
+        self.now.clock(patches) + left - slack
     }
 
     /// How far a patch has gone from where it was searched, besides what all do together (m).
@@ -482,6 +500,7 @@ impl Patches {
     /// Finds the pairs of patches that are near each other now.
     fn search(&mut self, near: &Near, x: &[Vec3]) {
         self.searches += 1;
+        self.bound(x);
         (0..self.members.len()).for_each(|p| self.refer(p, x));
         let reach = self.reach + 0.5 * near.law().range();
         for (inflated, bounds) in self.inflated.iter_mut().zip(&self.boxes) {
@@ -513,192 +532,17 @@ impl Patches {
                 pairs,
                 wakes: Vec::new(),
                 travel: 0.0,
+                last_apart: Vec3::zeros(),
+                last_path: 0.0,
                 looked: [-1.0; 2],
+                looked_in: 0,
             });
         }
+        self.ids.clone_from(&self.found);
+        self.quiet.clear();
+        self.quiet.resize(self.found.len(), Real::NEG_INFINITY);
         self.spare.extend(known.map(|old| old.pairs));
         self.is_known = true;
-    }
-
-    /// Finds the pairs between two patches anew, with room for the present motion and more.
-    fn detect(&mut self, near: &Near, x: &[Vec3], k: usize, once: Real) {
-        let h = near.law().range();
-        let [p, q] = self.pairs[k].patches.map(|p| p as usize);
-        self.refer(p, x);
-        self.refer(q, x);
-        let pair = &mut self.pairs[k];
-        pair.apart = self.now.centres[p] - self.now.centres[q];
-        pair.spread = self.now.spreads[p] + self.now.spreads[q];
-        pair.travel = 0.0;
-        let once = once + 2.0 * super::rows::SLACK * h;
-        let room = (HOLD * once).clamp(LEAST_ROOM * h, (MOST_ROOM * self.edge).max(h));
-        let room = room.max(1.5 * once);
-        let mut pairs = std::mem::take(&mut pair.pairs);
-        self.memory.clear();
-        let stretched = pairs.iter().filter(|pair| pair.stretch != Vec3::zeros());
-        self.memory.extend(stretched);
-        pairs.clear();
-        let gap = self.boxes[p].squared_gap(&self.boxes[q]).sqrt();
-        let mut budget = room;
-        if gap > h + room {
-            budget = gap - h;
-        } else {
-            self.detections += 1;
-            self.collect(near, x, [p, q], h + room, &mut pairs);
-            pairs.sort_unstable_by(|a, b| {
-                let of = |pair: &NearPair| (pair.kind == QueryKind::EdgeEdge, pair.vertices);
-                a.room.total_cmp(&b.room).then_with(|| of(a).cmp(&of(b)))
-            });
-            for old in &self.memory {
-                let same =
-                    |pair: &&mut NearPair| pair.vertices == old.vertices && pair.kind == old.kind;
-                if let Some(pair) = pairs.iter_mut().find(same) {
-                    pair.stretch = old.stretch;
-                }
-            }
-        }
-        let pair = &mut self.pairs[k];
-        pair.wakes.clear();
-        pair.wakes.extend(pairs.iter().map(|pair| pair.room));
-        pair.pairs = pairs;
-        pair.budget = budget;
-    }
-
-    /// Appends the pairs of primitives of two patches that are nearer than `reach` (m) at `x` (m).
-    fn collect(
-        &self,
-        near: &Near,
-        x: &[Vec3],
-        [p, q]: [usize; 2],
-        reach: Real,
-        out: &mut Vec<NearPair>,
-    ) {
-        let big = [p, q].map(|p| self.boxes[p].loosened(reach));
-        let at = |v: u32| x[v as usize];
-        let bounds = |t: u32| Bounds::around(self.triangles[t as usize].map(at));
-        let mut others: [(u32, Bounds); PATCH] = [(0, big[0]); PATCH];
-        let mut count = 0;
-        for &u in &self.members[q].0 {
-            let bounds = bounds(u);
-            if bounds.overlaps(&big[0]) {
-                others[count] = (u, bounds);
-                count += 1;
-            }
-        }
-        for &t in &self.members[p].0 {
-            let own = bounds(t);
-            let wide = own.loosened(reach);
-            if !wide.overlaps(&self.boxes[q]) {
-                continue;
-            }
-            for (u, other) in &others[..count] {
-                if (p == q && *u <= t) || !wide.overlaps(other) {
-                    continue;
-                }
-                self.add_vertices(near, x, [t, *u], other, reach, out);
-                self.add_vertices(near, x, [*u, t], &own, reach, out);
-                self.add_edges(near, x, [t, *u], other, reach, out);
-            }
-        }
-    }
-
-    fn add_vertices(
-        &self,
-        near: &Near,
-        x: &[Vec3],
-        [t, u]: [u32; 2],
-        bounds: &Bounds,
-        reach: Real,
-        out: &mut Vec<NearPair>,
-    ) {
-        let corners = self.triangles[u as usize];
-        for k in (0..3).filter(|&k| self.owned[t as usize].vertices[k]) {
-            let vertex = self.triangles[t as usize][k];
-            let place = Bounds::around([x[vertex as usize]]);
-            if corners.contains(&vertex) || place.squared_gap(bounds) > reach * reach {
-                continue;
-            }
-            let distance = point_triangle(x[vertex as usize], gather(x, corners)).distance();
-            if distance < reach {
-                let vertices = [vertex, corners[0], corners[1], corners[2]];
-                let rest = |x: &[Vec3; 4]| Gap::vertex_triangle(x).distance;
-                let range = near.law_of(vertices, rest).range();
-                let area = near.vertex_area[vertex as usize];
-                push(
-                    near,
-                    QueryKind::VertexTriangle,
-                    vertices,
-                    [range, area, distance],
-                    out,
-                );
-            }
-        }
-    }
-
-    fn add_edges(
-        &self,
-        near: &Near,
-        x: &[Vec3],
-        [t, u]: [u32; 2],
-        bounds: &Bounds,
-        reach: Real,
-        out: &mut Vec<NearPair>,
-    ) {
-        for i in (0..3).filter(|&i| self.owned[t as usize].edges[i]) {
-            let e = self.triangle_edges[t as usize][i] as usize;
-            let first = self.edges[e];
-            let own = Bounds::around(gather(x, first));
-            if own.squared_gap(bounds) > reach * reach {
-                continue;
-            }
-            for j in (0..3).filter(|&j| self.owned[u as usize].edges[j]) {
-                let f = self.triangle_edges[u as usize][j] as usize;
-                let second = self.edges[f];
-                if first.iter().any(|v| second.contains(v)) {
-                    continue;
-                }
-                let other = gather(x, second);
-                if own.squared_gap(&Bounds::around(other)) > reach * reach {
-                    continue;
-                }
-                let distance = edge_edge(gather(x, first), other).distance();
-                if distance < reach {
-                    let vertices = [first[0], first[1], second[0], second[1]];
-                    let rest = |x: &[Vec3; 4]| Gap::edge_edge(x).distance;
-                    let range = near.law_of(vertices, rest).range();
-                    let area = near.edge_area[e].min(near.edge_area[f]);
-                    push(
-                        near,
-                        QueryKind::EdgeEdge,
-                        vertices,
-                        [range, area, distance],
-                        out,
-                    );
-                }
-            }
-        }
-    }
-}
-
-fn push(
-    near: &Near,
-    kind: QueryKind,
-    vertices: [u32; 4],
-    [range, area, distance]: [Real; 3],
-    out: &mut Vec<NearPair>,
-) {
-    if vertices.iter().any(|&v| near.is_free[v as usize]) {
-        out.push(NearPair {
-            kind,
-            vertices,
-            range,
-            area,
-            room: distance - range,
-            wake: distance - range,
-            seen: 0,
-            stretch: Vec3::zeros(),
-            normal: Vec3::zeros(),
-        });
     }
 }
 

@@ -14,7 +14,9 @@
 
 use super::bodies::Bodies;
 use super::patches::{NearPair, Patches, Place, TooFar};
+use super::quiet::Quiet;
 use super::source::PotentialContacts;
+use super::tangent::{Tangent, hold, stretch};
 use crate::ccd::QueryKind;
 use crate::obstacle::{ObstacleContacts, PenaltyLaw};
 use crate::response::pair::{Motion, apart_along, first_contact, gap_along, nearest};
@@ -51,32 +53,8 @@ pub struct ConstraintReport {
     pub shortened: u32,
     /// Substeps that impact zones ended.
     pub zones: u32,
-}
-
-/// The tangent of a contact law at a distance: the force (N) is `stiffness` (N/m) times what is missing to `range` (m).
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Tangent {
-    pub(super) range: Real,
-    pub(super) stiffness: Real,
-}
-
-impl Tangent {
-    /// At the distance `d` (m), for the area `area` (m²); never further than a little beyond where the law begins to be a spring.
-    pub(super) fn of(law: PenaltyLaw, area: Real, d: Real) -> Self {
-        let h = law.range();
-        let at = d.clamp(LEAST * h, 0.75 * h);
-        let curvature = law.curvature(at);
-        let beyond = -law.slope(at) / curvature;
-        Self {
-            range: (if d < at { d } else { at }) + beyond,
-            stiffness: area * curvature,
-        }
-    }
-
-    /// α̃ (1/kg) in a substep of `dt` (s).
-    pub(super) fn compliance(&self, dt: Real) -> Real {
-        1.0 / (self.stiffness * dt * dt)
-    }
+    /// Substeps in which nothing could come near, so that nothing was looked at.
+    pub quiet: u32,
 }
 
 /// A pair that can touch in this substep.
@@ -125,6 +103,7 @@ pub(super) struct Rows {
     pub(super) bodies: Bodies,
     rows: Vec<Row>,
     parted: Vec<Parted>,
+    quiet: Quiet,
     /// Where the last step ended (m): free of crossings.
     safe: Vec<Vec3>,
     /// Where the sweeps have ended (m), and the part of the way there that each vertex goes.
@@ -144,6 +123,7 @@ impl Rows {
             bodies: Bodies::default(),
             rows: Vec::new(),
             parted: Vec::new(),
+            quiet: Quiet::default(),
             safe: Vec::new(),
             proposed: Vec::new(),
             shares: Vec::new(),
@@ -271,25 +251,6 @@ impl Row {
     }
 }
 
-/// A force of friction that is not larger than `most`.
-pub(super) fn hold(wanted: Vec3, most: Real) -> Vec3 {
-    let size = wanted.norm();
-    if size > most {
-        wanted * (most / size)
-    } else {
-        wanted
-    }
-}
-
-/// What friction is stretched by (m) after a `way` (m) from where it sticks: it gives in elastically by `reach` (m), and what is more is slip. Nothing without a force λ.
-pub(super) fn stretch(way: Vec3, lambda: Real, reach: Real) -> Vec3 {
-    if lambda > 0.0 {
-        hold(way, reach)
-    } else {
-        Vec3::zeros()
-    }
-}
-
 impl ContactConstraints for PotentialContacts {
     fn begin_step(&mut self, step: &ContactStep<'_>) -> Result<(), ContactError> {
         let goes_on = self.check_start(step)?;
@@ -304,6 +265,7 @@ impl ContactConstraints for PotentialContacts {
         rows.work = 0.0;
         rows.by_zones = false;
         if !goes_on || rows.safe != step.from {
+            rows.quiet.end(|_| ());
             rows.bodies.forget(count, self.before.len());
             if let Some(patches) = &mut rows.patches {
                 patches.forget(step.from);
@@ -317,12 +279,23 @@ impl ContactConstraints for PotentialContacts {
         step: &ContactStep<'_>,
         predicted: &[Vec3],
     ) -> Result<(), ContactError> {
+        if self.rows.quiet.holds(predicted) {
+            self.rows.quiet.is_on = true;
+            return Ok(());
+        }
         if let Some(vertex) = predicted.iter().position(|x| !is_finite(x)) {
             return Err(ContactError::NonFinite { vertex });
         }
-        self.rows.rows.clear();
-        self.rows.parted.clear();
-        self.rows.by_zones = false;
+        let rows = &mut self.rows;
+        let patches = &mut rows.patches;
+        rows.quiet.end(|place| {
+            patches
+                .iter_mut()
+                .for_each(|patches| patches.skip(place, step.from));
+        });
+        rows.rows.clear();
+        rows.parted.clear();
+        rows.by_zones = false;
         self.find(step, predicted, true);
         let law = self.near.law();
         let area = &self.near.vertex_area;
@@ -335,21 +308,36 @@ impl ContactConstraints for PotentialContacts {
     }
 
     fn sweep(&mut self, step: &ContactStep<'_>, x: &mut [Vec3]) {
+        if self.rows.quiet.is_on {
+            return;
+        }
         self.rows.sweep(self.friction, step.inverse_mass, x);
         let bodies = self.zones.obstacles();
         self.rows.bodies.sweep(bodies, step, x);
     }
 
     fn end_substep(&mut self, step: &ContactStep<'_>, x: &mut [Vec3]) -> Result<(), ContactError> {
+        if self.rows.quiet.is_on {
+            if self.rows.quiet.holds(x) {
+                self.rows.report.quiet += 1;
+                return Ok(());
+            }
+            self.begin_substep(step, x)?;
+            ContactConstraints::sweep(self, step, x);
+        }
         if let Some(vertex) = x.iter().position(|x| !is_finite(x)) {
             return Err(ContactError::NonFinite { vertex });
         }
         let mut round = 0;
-        while let Some(violated) = self.violations(step, x) {
-            if violated == 0 {
-                break;
+        loop {
+            match self.violations(step, x) {
+                Some(0) => {
+                    self.end_by_rows(step, x);
+                    return Ok(());
+                }
+                Some(violated) if round < ROUNDS => self.rows.report.violated += violated,
+                _ => return self.end_by_zones(step, x),
             }
-            self.rows.report.violated += violated;
             if round < REPAIRS {
                 for row in &mut self.rows.rows {
                     if row.is_violated {
@@ -360,19 +348,11 @@ impl ContactConstraints for PotentialContacts {
                 for _ in 0..REPAIR_SWEEPS {
                     ContactConstraints::sweep(self, step, x);
                 }
-            } else if round < ROUNDS {
-                self.shorten(step, x, round == REPAIRS, round < REPAIRS + HALVINGS);
             } else {
-                break;
+                self.shorten(step, x, round == REPAIRS, round < REPAIRS + HALVINGS);
             }
             round += 1;
         }
-        if self.violations(step, x) != Some(0) {
-            self.end_by_zones(step, x)?;
-        } else {
-            self.end_by_rows(step, x);
-        }
-        Ok(())
     }
 
     fn change_velocities(&mut self, velocities: &mut [Vec3]) {
@@ -555,6 +535,18 @@ impl PotentialContacts {
             }
         }
         rows.work += rows.bodies.end(zones.obstacles(), reach, step, x);
+        if rows.rows.is_empty() && rows.bodies.len() == 0 {
+            let relative = rows
+                .patches
+                .as_ref()
+                .map_or(Some(Real::INFINITY), Patches::margin);
+            let whole = rows
+                .bodies
+                .margin(zones.obstacles(), self.near.law(), step, x);
+            if let (Some(relative), Some(whole)) = (relative, whole) {
+                rows.quiet.begin(x, relative, whole);
+            }
+        }
         let bodies = zones.obstacles_mut().into_iter();
         for body in bodies.flat_map(ObstacleContacts::obstacles_mut) {
             if !body.motion().is_still() {

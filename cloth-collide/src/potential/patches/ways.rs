@@ -1,0 +1,75 @@
+//! Pairs for ways that a minimisation may take, with room around them.
+
+use super::{NearPair, Patches, REACH};
+use crate::potential::near::Near;
+use cloth_core::math::{Real, Vec3};
+
+impl Patches {
+    /// Looks at the way from `x` to `to` (m), and at everything within `room` (m) of it: makes sure that the pairs are complete, and hands `visit` those that may
+    /// touch there, with how much nearer they can come to each other than they are at `x` (m); it returns what they lack to contact there (m), at most. `place` is the `x` of the choice before.
+    ///
+    /// [`Patches::holds`] tells for which other places the choice is good.
+    pub(in crate::potential) fn choose(
+        &mut self,
+        near: &Near,
+        place: &[Vec3],
+        [x, to]: [&[Vec3]; 2],
+        room: Real,
+        mut visit: impl FnMut(&NearPair, Real) -> Real,
+    ) {
+        if self.is_known {
+            // From where pairs were chosen last.
+            self.measure(place, x);
+            self.accept();
+        }
+        self.place(x);
+        self.measure(x, to);
+        let strayed = self.strayed().max(Self::stray(&self.searched, &self.now));
+        if !self.is_known || strayed + room > self.reach {
+            let way = Self::stray(&self.now, &self.then) + room;
+            self.reach = (2.0 * way).max(REACH * self.edge);
+            self.search(near, x);
+        }
+        self.allowed.clear();
+        for k in 0..self.pairs.len() {
+            let nearer = self.once(&self.pairs[k]) + 2.0 * room;
+            let mut moved = self.now.bound(&self.pairs[k]) + nearer;
+            if moved > self.pairs[k].budget {
+                self.detect(near, x, k, nearer);
+                moved = nearer;
+            }
+            self.allowed.push(nearer);
+            self.bring_up(k);
+            let pair = &mut self.pairs[k];
+            let first = pair.pairs.partition_point(|pair| pair.room < moved);
+            let until = pair.travel + nearer;
+            let wakes = pair.wakes[..first].iter_mut().zip(&pair.pairs);
+            for (wake, one) in wakes {
+                if *wake < until {
+                    *wake = pair.travel + visit(one, nearer);
+                }
+            }
+        }
+        self.stray_allowed.clear();
+        let (from, to) = (&self.now, &self.then);
+        let shift = to.mean - from.mean;
+        let ways = from.centres.iter().zip(&to.centres).zip(&self.ways);
+        self.stray_allowed
+            .extend(ways.map(|((a, b), besides)| (b - a - shift).norm() + besides + room));
+    }
+
+    /// Whether what was chosen last holds at `x` (m), which was chosen for ways from `place` (m) on.
+    pub(in crate::potential) fn holds(&mut self, place: &[Vec3], x: &[Vec3]) -> bool {
+        self.measure(place, x);
+        let (from, to) = (&self.now, &self.then);
+        let shift = to.mean - from.mean;
+        let ways = from.centres.iter().zip(&to.centres).zip(&self.ways);
+        let mut ways = ways.zip(&self.stray_allowed);
+        ways.all(|(((a, b), besides), allowed)| (b - a - shift).norm() + besides <= *allowed)
+            && self
+                .pairs
+                .iter()
+                .zip(&self.allowed)
+                .all(|(pair, allowed)| self.once(pair) <= *allowed)
+    }
+}

@@ -1,0 +1,71 @@
+//! Substeps in which nothing can come near: one pass over the positions tells, and nothing else is done.
+
+use cloth_core::math::{Real, Vec3};
+use cloth_core::parallel::wide;
+
+/// Vertices that say what all do together.
+const SAMPLES: usize = 16;
+
+/// Where the cloth was when it was known that nothing is near, and how far it may go.
+#[derive(Debug, Default)]
+pub(super) struct Quiet {
+    /// Positions (m); none while something may be near.
+    place: Vec<Vec3>,
+    /// How far (m) a vertex may go besides what all do together, and how far at all.
+    relative: Real,
+    whole: Real,
+    /// Whether the present substep began with nothing near.
+    pub(super) is_on: bool,
+}
+
+impl Quiet {
+    /// Nothing is near the cloth at `x` (m) as long as no vertex goes further than that (m).
+    pub(super) fn begin(&mut self, x: &[Vec3], relative: Real, whole: Real) {
+        self.place.clear();
+        self.place.extend_from_slice(x);
+        (self.relative, self.whole) = (relative, whole);
+    }
+
+    /// From now on nothing is known. Hands over where the cloth was when something was, if there is such a place.
+    pub(super) fn end(&mut self, known: impl FnOnce(&[Vec3])) {
+        self.is_on = false;
+        if !self.place.is_empty() {
+            known(&self.place);
+            self.place.clear();
+        }
+    }
+
+    /// Whether nothing is near at `x` (m). If so, all its numbers are finite.
+    pub(super) fn holds(&self, x: &[Vec3]) -> bool {
+        let place = &self.place[..];
+        if place.is_empty() {
+            return false;
+        }
+        let every = place.len().div_ceil(SAMPLES);
+        let samples = x.iter().zip(place).step_by(every);
+        let shift = samples.map(|(x, place)| x - place).sum::<Vec3>();
+        let shift = shift / place.len().div_ceil(every) as Real;
+        let most = self.relative.min(self.whole - shift.norm());
+        let most = (most / Real::sqrt(3.0)).min(Real::MAX);
+        wide(|| all_within(x, place, shift, most))
+    }
+}
+
+/// Whether no coordinate of `x − place − shift` is larger than `most` (m).
+#[inline(always)]
+fn all_within(x: &[Vec3], place: &[Vec3], shift: Vec3, most: Real) -> bool {
+    const LANES: usize = 4;
+    let far = |(x, place): (&Vec3, &Vec3)| {
+        let way = x - place - shift;
+        // Not the other comparison: a number that is none is not within.
+        let within = (way.x.abs() <= most) & (way.y.abs() <= most) & (way.z.abs() <= most);
+        !within
+    };
+    let (xs, places) = (x.chunks_exact(LANES), place.chunks_exact(LANES));
+    let rest = xs.remainder().iter().zip(places.remainder());
+    let mut any = rest.fold(false, |any, pair| any | far(pair));
+    for (x, place) in xs.zip(places) {
+        any |= x.iter().zip(place).fold(false, |any, pair| any | far(pair));
+    }
+    !any
+}
