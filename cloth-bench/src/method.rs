@@ -232,8 +232,7 @@ impl Method {
             }
             Kind::Pd => {
                 let builder = add_projections!(PdSolver::builder(particles), families, self.name);
-                let mut builder =
-                    builder.config(projective::projective(settings, scene.touches())?);
+                let mut builder = builder.config(projective::projective(settings, scene)?);
                 let cells = settings.count(&projective::PD_COARSE, 0)?;
                 if cells > 0 {
                     builder = builder.coarse_grid(&scene.start.positions, cells);

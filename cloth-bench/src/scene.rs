@@ -96,6 +96,11 @@ impl Scene {
         self.touch.as_ref().is_some_and(|touch| !touch.is_idle())
     }
 
+    /// Whether methods can feel what the cloth touches while they solve.
+    pub(crate) fn has_potential(&self) -> bool {
+        self.touch.as_ref().is_some_and(Touch::has_potential)
+    }
+
     /// Whether a step is nothing but the elastic one: nothing to touch, no air, pins at rest.
     #[must_use]
     pub fn is_plain(&self) -> bool {

@@ -185,6 +185,48 @@ fn ways_are_cut_before_anything_crosses() {
     assert!(cut > 100, "{cut} ways");
 }
 
+/// The same where each vertex has its own bound: nothing crosses, what is cut goes as far as it may, and what is far from it goes all the way.
+#[test]
+fn ways_are_cut_vertex_by_vertex() {
+    let mut random = Random::new(13);
+    let (mut cut, mut alone) = (0, 0);
+    for _ in 0..60 {
+        let mesh = layers(&mut random);
+        let mut x = mesh.positions().to_vec();
+        let mut contacts = contacts(&mesh, 0.2, below());
+        begin(&mut contacts, &x);
+        let mut probe = SeparationProbe::new(&mesh);
+        let mut parts = vec![0.0; x.len()];
+        for size in [1e-3, 0.1, 1e-2, 0.05] {
+            let wanted: Vec<Vec3> = x.iter().map(|x| x + random.point(size)).collect();
+            let mut to = wanted.clone();
+            let together = contacts.limit(&x, &to).unwrap();
+            contacts.limit_each(&x, &mut to, &mut parts).unwrap();
+            let least = parts.iter().copied().fold(1.0, Real::min);
+            assert!((0.0..=1.0).contains(&least));
+            for (vertex, part) in parts.iter().enumerate() {
+                let end = x[vertex] + (wanted[vertex] - x[vertex]) * *part;
+                assert!((to[vertex] - end).norm() < 1e-15);
+            }
+            assert_eq!(least < 1.0, together < 1.0);
+            cut += u32::from(least < 1.0);
+            alone += u32::from(least < 1.0 && parts.contains(&1.0));
+            for time in [0.5, 1.0] {
+                let places = x.iter().zip(&to).map(|(x, to)| x + (to - x) * time);
+                let places: Vec<Vec3> = places.collect();
+                let seen = probe.measure(&places).unwrap();
+                assert_eq!(seen.intersecting_pairs, 0);
+                let centre = Vec3::new(0.25, 0.25, -0.23);
+                assert!(places.iter().all(|x| (x - centre).norm() > 0.2));
+                let mut unused = vec![Vec3::zeros(); x.len()];
+                assert!(contacts.add_gradient(&places, &mut unused).is_finite());
+            }
+            x = to;
+        }
+    }
+    assert!(cut > 100 && alone > 100, "{cut} ways, {alone} in part");
+}
+
 /// A step that has begun and did not end leaves no trace: a body that moves is where it was when the next one begins.
 #[test]
 fn step_that_failed_leaves_bodies_where_they_were() {

@@ -109,7 +109,8 @@ pub trait ContactSource {
 
 /// Contact as an energy that a method feels while it solves: a term of the function it minimises.
 ///
-/// A step goes like this: [`ContactPotential::begin`]; then for every way that is about to be taken [`ContactPotential::limit`], and no further than it says;
+/// A step goes like this: [`ContactPotential::begin`]; then for every way that is about to be taken
+/// [`ContactPotential::limit`] or [`ContactPotential::limit_each`], and no further than they say;
 /// [`ContactPotential::add_gradient`] at places on the last way; [`ContactPotential::end`]. So every place that is accepted, and every straight way between two
 /// of them, is free of crossings.
 pub trait ContactPotential: fmt::Debug + Send + Sync {
@@ -125,6 +126,19 @@ pub trait ContactPotential: fmt::Debug + Send + Sync {
     /// # Errors
     /// [`ContactError::NonFinite`].
     fn limit(&mut self, from: &[Vec3], to: &[Vec3]) -> Result<Real, ContactError>;
+
+    /// The same for each vertex by itself, so that one contact does not hold back what is far from it: takes vertices back
+    /// on their straight ways from `from` to `to` (m) until all ways together are safe, and gets ready for places on them.
+    /// `parts` becomes what is left of each way (dimensionless, 0..=1).
+    ///
+    /// # Errors
+    /// [`ContactError::NonFinite`].
+    fn limit_each(
+        &mut self,
+        from: &[Vec3],
+        to: &mut [Vec3],
+        parts: &mut [Real],
+    ) -> Result<(), ContactError>;
 
     /// Adds the gradient (N) of the energy at `x` (m), a place on the last way, to `out`, and returns the energy (J); infinite where something touches.
     fn add_gradient(&self, x: &[Vec3], out: &mut [Vec3]) -> Real;

@@ -88,7 +88,7 @@ impl Chebyshev {
             let plain = now - self.increment[vertex];
             self.next.displacement[vertex] = old + (plain - old) * self.weight;
         }
-        objective.evaluate(&mut self.next);
+        objective.evaluate(&mut self.next, &None);
         self.before.copy_from_slice(&point.displacement);
         // Not so if the value is not a number.
         if self.next.value <= point.value {

@@ -9,6 +9,9 @@ pub struct PdConfig {
     /// Iterations in a step: exactly as many without a tolerance, at most as many with one; at least 1. A step of [`Acceleration::QuasiNewton`] from [`Start::Inertial`] that would
     /// gain energy is taken again from `x[0]`, with as many.
     pub iterations: u32,
+    /// The same for a step in which the cloth is pushed by what it touches, if that is more, and [`Acceleration::QuasiNewton`]: an impact moves what the iterations before it have not
+    /// seen coming.
+    pub contact_iterations: u32,
     /// With `Some(τ)` the iteration ends as soon as `‖∇G(x)‖ ≤ τ ‖∇G(x̃)‖` in the norm of M⁻¹ (τ dimensionless), and the
     /// report has that ratio as its residual. `None`: nothing is computed for it.
     pub tolerance: Option<Real>,
@@ -58,6 +61,7 @@ impl Default for PdConfig {
     fn default() -> Self {
         Self {
             iterations: 10,
+            contact_iterations: 30,
             tolerance: None,
             start: Start::Inertial,
             acceleration: Acceleration::QuasiNewton { history: 2 },
@@ -71,6 +75,7 @@ impl PdConfig {
     pub fn plain() -> Self {
         Self {
             iterations: 10,
+            contact_iterations: 30,
             tolerance: None,
             start: Start::Predicted,
             acceleration: Acceleration::None,

@@ -84,6 +84,29 @@ impl FreePieces {
             }
         }
     }
+
+    /// Whether a vertex belongs to one.
+    pub(crate) fn contains(&self, vertex: u32) -> bool {
+        self.piece[vertex as usize] != HELD
+    }
+
+    /// The shift (m) of all free pieces together that displaces their common centre of mass as `goal` does; both are displacements (m).
+    pub(crate) fn shift_together(&self, goal: &[Vec3], q: &[Vec3]) -> Vec3 {
+        let mut shift = Vec3::zeros();
+        for (vertex, &piece) in self.piece.iter().enumerate() {
+            if piece != HELD {
+                shift += (goal[vertex] - q[vertex]) * self.vertex_mass[vertex];
+            }
+        }
+        shift / self.mass.iter().sum::<Real>()
+    }
+
+    /// Adds a shift (m) to all vertices of free pieces.
+    pub(crate) fn add(&self, shift: Vec3, q: &mut [Vec3]) {
+        let both = self.piece.iter().zip(q);
+        both.filter(|(piece, _)| **piece != HELD)
+            .for_each(|(_, q)| *q += shift);
+    }
 }
 
 /// The representative of the piece of a vertex; shortens the path to it.

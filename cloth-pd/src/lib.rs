@@ -44,6 +44,23 @@
 //!
 //! When the smooth part is done the grid has done its work: the last digits take as many iterations with it as without, or more.
 //!
+//! # Contact
+//! What the cloth touches is a potential C(x) ([`ContactPotential`](cloth_core::contact::ContactPotential)) that the quasi-Newton iteration has in `G`: its value and gradient are those of `G + C`, and
+//! the other iterations leave contact to what comes after their step. Three things are particular.
+//!
+//! - **The matrix knows who touches.** A is stiff where springs are and soft for smooth motions of the whole sheet (0.2 N/m a vertex against 250 N/m of a contact, with 64 vertices a side),
+//!   so a direction that comes from A alone goes through what it touches, is cut off there, and the sheet creeps. The first guess therefore
+//!   is `(A + Σ k J Jᵀ)⁻¹` with the contacts of the iterate: conjugate gradients around the factor of A, of which three or four are enough, without a matrix of its own. From the
+//!   fourteenth step of the sheet below on, `G` has fallen by 0.27 J after 30 iterations with contact in the guess, by 0.17 J without.
+//! - **Each vertex has its own bound.** A way may be cut short because of one contact, and under one length for all vertices that contact holds the whole sheet in
+//!   the air. Ways end, vertex by vertex, where something is in the way ([`limit_each`](cloth_core::contact::ContactPotential::limit_each)); where that leads up, one length for all is taken after all. The start `x[0] + Δt v[0]` is cut in the same way.
+//! - **An impact takes more iterations**, because what comes into contact was not seen before: [`PdConfig::contact_iterations`] instead of [`PdConfig::iterations`] in a step in which anything pushes, and eight
+//!   pairs instead of two. If the end is above `G` at the start of the step all the same, it is taken again from there.
+//!
+//! So every place that is accepted, and every straight way between two of them, is free of crossings. A sheet with 64 vertices a side (0.2 kg/m², 10⁴ N/m) that falls 5 cm onto a ball of 0.1 m is stretched by
+//! 2.1 % at most in 20 steps of 1/60 s, 2.2 % with converged implicit Euler, and no energy appears. Which way the sheet buckles is chance: a hundredth more bending rigidity changes the fall of implicit Euler's by 2 %, and projective
+//! dynamics differs from it by 3 %.
+//!
 //! # Equations
 //! ```text
 //! h ← Δt v + Δt² M⁻¹ f_ext,   x̃ = x[0] + h                         S1 (33)
@@ -71,6 +88,7 @@
 //! | the solve of S1 (34) | [`PanelFactor::solve`](cloth_core::linear::PanelFactor::solve) |
 //! | Chebyshev weights (Wang 2015, algorithm 1) | `chebyshev.rs` |
 //! | two-loop recursion (Liu et al. 2017, algorithm 2), line search | `quasi_newton.rs` |
+//! | `A + Σ k J Jᵀ` with the contacts | `contact.rs` |
 //! | `P (PᵀHP)⁻¹ Pᵀ` | `lattice.rs`, `coarse.rs`, `coarse_family.rs` |
 //! | S1 (33), (35) and the loop | [`PdSolver`] |
 //!
@@ -237,6 +255,8 @@
 //! - T. Liu, S. Bouaziz, L. Kavan, "Quasi-Newton methods for real-time simulation of hyperelastic materials", ACM Trans. Graph. 36(3), 23, 2017,
 //!   <https://doi.org/10.1145/2990496>.
 //! - J. H. Bramble, J. E. Pasciak, J. Xu, "Parallel multilevel preconditioners", Math. Comp. 55, 1990, <https://doi.org/10.1090/S0025-5718-1990-1023042-6>: sums of corrections on several grids.
+//! - L. Wu, B. Wu, Y. Yang, H. Wang, "A safe and fast repulsion method for GPU-based cloth self collisions", ACM Trans. Graph. 40(1), 2020, <https://doi.org/10.1145/3430025>: bounds of their own for vertices.
+//! - A. H. Chen, J. Hsu, Z. Liu, M. Macklin, Y. Yang, C. Yuksel, "Offset geometric contact", ACM Trans. Graph. 44(4), 2025, <https://doi.org/10.1145/3731205>: the same, in a solver.
 //! - W. W. Hager, "Updating the inverse of a matrix", SIAM Review 31, 1989, <https://doi.org/10.1137/1031049>.
 #![forbid(unsafe_code)]
 
@@ -245,6 +265,7 @@ mod chebyshev;
 mod coarse;
 mod coarse_family;
 mod config;
+mod contact;
 mod free_pieces;
 mod global;
 mod lattice;

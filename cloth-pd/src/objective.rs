@@ -1,5 +1,6 @@
 //! The function that a step minimises, and a point with its value and gradient.
 
+use crate::contact::Contact;
 use crate::free_pieces::FreePieces;
 use crate::local::Projections;
 use crate::quadratic::{Padded, Quadratic};
@@ -10,7 +11,7 @@ use cloth_core::particles::{Particles, State};
 use cloth_core::step::{StepError, StepInput};
 use sprs::CsMat;
 
-/// `G(x) = ‖x − x̃‖²_M/(2Δt²) + E(x)` of one step, in terms of the displacement `q = x − x[0]`.
+/// `G(x) = ‖x − x̃‖²_M/(2Δt²) + E(x)` of one step, E with contact where that is felt, in terms of the displacement `q = x − x[0]`.
 ///
 /// With `h = x̃ − x[0] = Δt v + Δt² a` the inertia is `m q·(q − 2h)/(2Δt²)` and a constant, and its gradient `m (q − h)/Δt²`. Neither
 /// subtracts positions: free fall loses no digits, and neither does a step so long that x̃ is out of all proportion.
@@ -143,7 +144,7 @@ impl Objective {
     }
 
     /// Fills in everything that belongs to the displacement of `point`.
-    pub(crate) fn evaluate(&mut self, point: &mut Point) {
+    pub(crate) fn evaluate(&mut self, point: &mut Point, contact: &Contact<'_>) {
         self.spread(point);
         let Point {
             positions,
@@ -157,6 +158,9 @@ impl Objective {
             let pull = positions[vertex] - attachment.target;
             gradient[vertex] += pull * attachment.stiffness;
             elastic += 0.5 * attachment.stiffness * pull.norm_squared();
+        }
+        if let Some(contact) = contact {
+            elastic += contact.add_gradient(positions, gradient);
         }
         let [inertia, bending] = self.collect(point);
         point.value = inertia + bending + elastic;

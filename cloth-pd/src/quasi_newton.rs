@@ -2,9 +2,11 @@
 //! materials", 2017, algorithm 2), and its line search.
 
 use crate::coarse::CoarseGrid;
+use crate::contact::{Contact, Touching};
 use crate::global::GlobalSystem;
 use crate::objective::{Objective, Point};
 use cloth_core::chunked::map_reduce;
+use cloth_core::contact::ContactError;
 use cloth_core::math::{Real, Vec3};
 use cloth_core::parallel::join;
 use cloth_core::vectors::{add, add_and_dot, dot, dot_of_part};
@@ -17,6 +19,8 @@ pub(crate) const ROUNDING: Real = 1e-12;
 const SLOPE: Real = 0.9;
 /// Step lengths tried along one direction; each is at most half of the one before.
 const MOST_TRIALS: u32 = 12;
+/// Pairs that are remembered at least where the cloth can touch something: what touches is stiff, and comes and goes.
+const TOUCHING: usize = 8;
 
 /// One difference of iterates and of their gradients.
 #[derive(Clone, Debug)]
@@ -32,7 +36,10 @@ struct Pair {
 /// The remembered pairs, and room to work in.
 #[derive(Debug)]
 pub(crate) struct QuasiNewton {
-    /// A ring: the newest is `pairs[newest]`, `len` of them count.
+    /// Pairs that were asked for, and that are remembered in this step.
+    asked: usize,
+    history: usize,
+    /// A ring of `history`: the newest is `pairs[newest]`, `len` of them count.
     pairs: Vec<Pair>,
     newest: usize,
     len: usize,
@@ -41,58 +48,143 @@ pub(crate) struct QuasiNewton {
     work: Vec<Vec3>,
     direction: Vec<Vec3>,
     next: Point,
+    /// Made when the cloth can touch something for the first time; and the part of its way that each vertex may go (dimensionless).
+    touching: Option<Touching>,
+    parts: Vec<Real>,
 }
 
 impl QuasiNewton {
     pub(crate) fn new(history: usize, vertex_count: usize) -> Self {
         let zeros = vec![Vec3::zeros(); vertex_count];
-        let pair = Pair {
-            step: zeros.clone(),
-            change: zeros.clone(),
-            inverse_product: 0.0,
-        };
-        Self {
-            pairs: vec![pair; history],
+        let mut this = Self {
+            asked: history,
+            history,
+            pairs: Vec::new(),
             newest: 0,
             len: 0,
-            shares: vec![0.0; history],
+            shares: Vec::new(),
             work: zeros.clone(),
             direction: zeros,
             next: Point::new(vertex_count),
+            touching: None,
+            parts: Vec::new(),
+        };
+        this.begin(false);
+        this
+    }
+
+    /// Forgets all pairs; from now on there are more of them if the cloth can touch something.
+    pub(crate) fn begin(&mut self, can_touch: bool) {
+        self.len = 0;
+        self.history = match (self.asked, can_touch) {
+            (asked, true) => asked.max(TOUCHING),
+            (asked, false) => asked,
+        };
+        if self.pairs.len() < self.history {
+            let zeros = vec![Vec3::zeros(); self.work.len()];
+            let pair = Pair {
+                step: zeros.clone(),
+                change: zeros,
+                inverse_product: 0.0,
+            };
+            self.pairs.resize(self.history, pair);
+            self.shares.resize(self.history, 0.0);
         }
     }
 
-    /// Forgets all pairs.
-    pub(crate) fn begin(&mut self) {
-        self.len = 0;
-    }
-
-    /// Moves the evaluated `point` to a lower one, evaluated too. Returns the number of step lengths tried in vain, and of global solves.
+    /// Moves the evaluated `point` to a lower one, evaluated too.
     pub(crate) fn advance(
         &mut self,
         objective: &mut Objective,
         global: &mut GlobalSystem,
         coarse: Option<&mut CoarseGrid>,
         point: &mut Point,
-    ) -> (u32, u32) {
-        self.find_direction(global, coarse, point);
-        let mut rejected = match self.search(objective, point) {
-            Ok(backtracks) => return (self.accept(point, backtracks), 1),
-            Err(backtracks) => backtracks,
+        contact: &mut Contact<'_>,
+    ) -> Result<Advance, ContactError> {
+        self.touch(objective, point, contact);
+        let mut done = Advance {
+            solves: self.find_direction(global, coarse, point),
+            ..Advance::default()
         };
-        // What is remembered, or the coarse grid, misleads here. A plain iteration needs no search: it minimises a bound of G, as long as the matrix has all families; where it lacks
+        self.limit_each(point, contact)?;
+        if self.search(objective, point, 1.0, contact, &mut done) {
+            self.accept(point);
+            return Ok(done);
+        }
+        // What is remembered, or the coarse grid, misleads here, or ways are shortened so unequally that they lead up. A plain iteration needs no search: it minimises a bound of G, as long as the matrix has all families; where it lacks
         // one that has come to count, because springs beside it are gone, the length that is found is taken, or the last that was tried, which is next to nothing.
         self.len = 0;
-        global.solve(&point.gradient, &mut self.direction);
+        done.solves += self.solve(global, &point.gradient);
+        let most = self.limit(point, contact)?;
+        if contact.is_some() {
+            done.is_stuck = !self.search(objective, point, most, contact, &mut done);
+            if !done.is_stuck {
+                self.accept(point);
+            }
+            return Ok(done);
+        }
         self.next.go(&point.displacement, &self.direction, -1.0);
-        objective.evaluate(&mut self.next);
+        objective.evaluate(&mut self.next, contact);
         let rise = self.next.value - point.value;
         let is_higher = rise.is_nan() || rise > ROUNDING * point.size.max(self.next.size);
         if is_higher && !global.is_whole() {
-            rejected += self.search(objective, point).unwrap_or_else(|tried| tried);
+            self.search(objective, point, 1.0, contact, &mut done);
         }
-        rejected = self.accept(point, rejected);
-        (rejected, 2)
+        self.accept(point);
+        Ok(done)
+    }
+
+    /// Takes up what is touched at the point.
+    pub(crate) fn touch(&mut self, objective: &Objective, point: &Point, contact: &Contact<'_>) {
+        let count = point.positions.len();
+        if contact.is_some() && self.touching.is_none() {
+            self.touching = Some(Touching::new(count));
+        }
+        if let Some(touching) = &mut self.touching {
+            touching.find(contact, &point.positions, &objective.particles);
+        }
+    }
+
+    /// What was touched at the last point, if anything can be.
+    pub(crate) fn touching(&self) -> Option<&Touching> {
+        self.touching.as_ref()
+    }
+
+    /// One solve without pairs and without the coarse grid: `direction = (A + contacts)⁻¹ g`. Returns the number of global solves.
+    fn solve(&mut self, global: &mut GlobalSystem, g: &[Vec3]) -> u32 {
+        solve(&mut self.touching, global, g, &mut self.direction)
+    }
+
+    /// Shortens the direction vertex by vertex, so that the way along it is free of crossings.
+    fn limit_each(&mut self, point: &Point, contact: &mut Contact<'_>) -> Result<(), ContactError> {
+        let Some(contact) = contact else {
+            return Ok(());
+        };
+        self.place(point);
+        self.parts.resize(point.positions.len(), 1.0);
+        contact.limit_each(&point.positions, &mut self.next.positions, &mut self.parts)?;
+        for (p, part) in self.direction.iter_mut().zip(&self.parts) {
+            if *part < 1.0 {
+                *p *= *part;
+            }
+        }
+        Ok(())
+    }
+
+    /// The part of the direction that is free of crossings.
+    fn limit(&mut self, point: &Point, contact: &mut Contact<'_>) -> Result<Real, ContactError> {
+        let Some(contact) = contact else {
+            return Ok(1.0);
+        };
+        self.place(point);
+        contact.limit(&point.positions, &self.next.positions)
+    }
+
+    /// Fills in the positions (m) at the end of the direction.
+    fn place(&mut self, point: &Point) {
+        let ways = point.positions.iter().zip(&self.direction);
+        let ends = self.next.positions.iter_mut().zip(ways);
+        ends.for_each(|(to, (x, p))| *to = x - p);
     }
 
     /// The two-loop recursion: `direction = H g` with `H` the inverse Hessian that the pairs make of the first one. Each subtraction is done in one pass with the product that comes next.
@@ -101,8 +193,8 @@ impl QuasiNewton {
         global: &mut GlobalSystem,
         coarse: Option<&mut CoarseGrid>,
         point: &Point,
-    ) {
-        let history = self.pairs.len();
+    ) -> u32 {
+        let history = self.history;
         let (pairs, newest, len) = (&self.pairs, self.newest, self.len);
         // The pair of some age, 0 the newest.
         let pair = |age: usize| (age < len).then(|| (newest + history - age) % history);
@@ -120,13 +212,14 @@ impl QuasiNewton {
             }
         }
         let (work, direction) = (&self.work[..], &mut self.direction[..]);
+        let mut solves = 0;
+        let mut solve = || solves = solve(&mut self.touching, global, work, direction);
         match coarse {
             Some(coarse) => {
-                let solve = || global.solve(work, direction);
                 join(work.len(), solve, || coarse.solve(work));
                 coarse.add_correction(&mut self.direction);
             }
-            None => global.solve(work, direction),
+            None => solve(),
         }
         let oldest = len.checked_sub(1).and_then(pair);
         product = oldest.map_or(0.0, |at| dot(&pairs[at].change, &self.direction));
@@ -141,44 +234,52 @@ impl QuasiNewton {
                 None => add(direction, share, step),
             }
         }
+        solves
     }
 
-    /// Moves `next` against the direction until `G` has fallen enough. Returns the lengths tried in vain, as an error if none was
-    /// good.
+    /// Moves `next` against the direction, `most` times it at first, until `G` has fallen enough. Returns whether it has.
     ///
     /// Armijo's condition compares two values of `G`, which near the minimum agree in all digits that are free of rounding. There the
     /// slope decides, as Hager and Zhang have it (SIAM J. Optim. 16, 2005).
-    fn search(&mut self, objective: &mut Objective, point: &Point) -> Result<u32, u32> {
+    fn search(
+        &mut self,
+        objective: &mut Objective,
+        point: &Point,
+        most: Real,
+        contact: &Contact<'_>,
+        done: &mut Advance,
+    ) -> bool {
         let slope = -dot(&point.gradient, &self.direction);
         if slope.is_nan() || slope >= 0.0 {
-            return Err(0);
+            return false;
         }
-        let mut length = 1.0;
-        for backtracks in 0..MOST_TRIALS {
+        let mut length = most;
+        for _ in 0..MOST_TRIALS {
             self.next.go(&point.displacement, &self.direction, -length);
-            objective.evaluate(&mut self.next);
+            objective.evaluate(&mut self.next, contact);
             let rise = self.next.value - point.value;
             let is_lower = rise <= SUFFICIENT * length * slope;
             let is_level = rise.abs() <= ROUNDING * point.size.max(self.next.size);
             if is_lower && !is_level
                 || is_level && dot(&self.next.gradient, &self.direction).abs() <= SLOPE * -slope
             {
-                return Ok(backtracks);
+                return true;
             }
+            done.backtracks += 1;
             // The minimum of the parabola through what is known, between a tenth and a half; a rise that is not a number
             // comes out as a tenth.
             let minimum = -0.5 * slope * length * length / (rise - slope * length);
             length = minimum.min(0.5 * length).max(0.1 * length);
         }
-        Err(MOST_TRIALS)
+        false
     }
 
     /// Makes `next` the point and remembers the difference.
-    fn accept(&mut self, point: &mut Point, rejected: u32) -> u32 {
+    fn accept(&mut self, point: &mut Point) {
         std::mem::swap(point, &mut self.next);
-        let history = self.pairs.len();
+        let history = self.history;
         if history == 0 {
-            return rejected;
+            return;
         }
         let slot = (self.newest + 1) % history;
         let (new, old) = (&*point, &self.next);
@@ -202,8 +303,32 @@ impl QuasiNewton {
             self.newest = slot;
             self.len = (self.len + 1).min(history);
         }
-        rejected
     }
+}
+
+/// What one iteration took.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Advance {
+    /// Step lengths tried in vain.
+    pub(crate) backtracks: u32,
+    /// Global solves.
+    pub(crate) solves: u32,
+    /// Whether no lower point was found: the point is where it was.
+    pub(crate) is_stuck: bool,
+}
+
+/// Solves with the constant matrix and what is touched, for `out` (m). Returns the number of global solves.
+fn solve(
+    touching: &mut Option<Touching>,
+    global: &mut GlobalSystem,
+    g: &[Vec3],
+    out: &mut [Vec3],
+) -> u32 {
+    if let Some(touching) = touching {
+        return touching.solve(global, g, out);
+    }
+    global.solve(g, out);
+    1
 }
 
 #[cfg(test)]
@@ -239,13 +364,13 @@ mod tests {
         for (vertex, q) in point.displacement.iter_mut().enumerate() {
             q.z = 0.1 * (vertex as Real).sin();
         }
-        objective.evaluate(&mut point);
+        objective.evaluate(&mut point, &None);
 
         let mut plain = Point::new(25);
         let mut direction = vec![Vec3::zeros(); 25];
         global.solve(&point.gradient, &mut direction);
         plain.go(&point.displacement, &direction, -1.0);
-        objective.evaluate(&mut plain);
+        objective.evaluate(&mut plain, &None);
         assert!(plain.value > 2.0 * point.value, "{}", plain.value);
 
         let mut method = QuasiNewton::new(1, 25);
@@ -253,8 +378,8 @@ mod tests {
         method.pairs[0].step.copy_from_slice(&point.gradient);
         method.pairs[0].inverse_product = -1e9;
         let before = point.value;
-        let (_, solves) = method.advance(&mut objective, &mut global, None, &mut point);
-        assert_eq!(solves, 2);
+        let done = method.advance(&mut objective, &mut global, None, &mut point, &mut None);
+        assert_eq!(done.unwrap().solves, 2);
         assert!(point.value < before, "{} {before}", point.value);
     }
 }

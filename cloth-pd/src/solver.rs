@@ -7,10 +7,12 @@ pub use builder::PdBuilder;
 use crate::chebyshev::Chebyshev;
 use crate::coarse::CoarseGrid;
 use crate::config::{PdConfig, Start};
+use crate::contact::Contact;
 use crate::free_pieces::FreePieces;
 use crate::global::GlobalSystem;
 use crate::objective::{Objective, Point};
 use crate::quasi_newton::{QuasiNewton, ROUNDING};
+use cloth_core::contact::{ContactError, ContactPotential, ContactStep};
 use cloth_core::math::{Real, Vec3, is_finite};
 use cloth_core::particles::{Particles, State};
 use cloth_core::step::{Outcome, StepError, StepInput, StepReport, Stepper};
@@ -36,6 +38,9 @@ pub struct PdSolver {
     point: Point,
     /// `x[0]`, for where the iteration ends above it.
     fallback: Point,
+    /// With contact: a place (m) that is free of crossings, and the part of the way from there to the start that each vertex goes.
+    safe: Vec<Vec3>,
+    parts: Vec<Real>,
     /// What is left to do with the positions.
     velocities: Vec<Vec3>,
 }
@@ -51,6 +56,11 @@ enum Method {
 impl Stepper for PdSolver {
     fn name(&self) -> &'static str {
         "pd"
+    }
+
+    /// The quasi-Newton method does.
+    fn feels_contact(&self) -> bool {
+        matches!(self.method, Method::QuasiNewton(_))
     }
 
     fn step(
@@ -72,11 +82,26 @@ impl Stepper for PdSolver {
         };
         let reference = self.reference();
         self.start(state);
-        report.outcome = self.iterate(reference, &mut report, &mut input);
-        if self.has_gained_energy() {
-            report.outcome = self.iterate(reference, &mut report, &mut input);
+        let mut source = input.contacts.take();
+        let mut contact = match &mut source {
+            Some(source) if self.feels_contact() => source.potential(),
+            _ => None,
+        };
+        let solved = self.solve(state, reference, &mut report, &mut input, &mut contact);
+        solved.map_err(|reason| StepError::Contact { reason, step })?;
+        self.find_velocities(state, input.dt)?; // S1 (35)
+        if let Some(contact) = contact {
+            contact.end(&self.point.positions, &self.velocities);
+        } else {
+            input.contacts = source;
+            let w = self.objective.particles.inverse_mass();
+            let x = &mut self.point.positions;
+            input.resolve_contacts(state, w, x, &mut self.velocities)?;
         }
-        self.finish(state, &mut input)?; // S1 (35)
+        state.positions.copy_from_slice(&self.point.positions);
+        state.velocities.copy_from_slice(&self.velocities);
+        state.time += input.dt;
+        state.steps = step;
         Ok(report)
     }
 }
@@ -128,8 +153,91 @@ impl PdSolver {
         }
         let q = &mut self.point.displacement;
         q.copy_from_slice(&self.objective.inertial);
-        self.objective.evaluate(&mut self.point);
+        self.objective.evaluate(&mut self.point, &None);
         self.objective.norm(&self.point.gradient)
+    }
+
+    /// Minimises, from where it was said to start.
+    fn solve(
+        &mut self,
+        state: &State,
+        reference: Real,
+        report: &mut StepReport,
+        input: &mut StepInput<'_>,
+        contact: &mut Contact<'_>,
+    ) -> Result<(), ContactError> {
+        if let Some(contact) = contact {
+            self.begin_contact(state, input.dt, &mut **contact)?;
+        }
+        report.outcome = self.iterate(reference, report, input, contact)?;
+        if self.has_gained_energy(state, contact)? {
+            report.outcome = self.iterate(reference, report, input, contact)?;
+        }
+        self.settle(contact)
+    }
+
+    /// Begins contact, and takes the start back where it is not free of crossings, each vertex by itself.
+    fn begin_contact(
+        &mut self,
+        state: &State,
+        dt: Real,
+        contact: &mut dyn ContactPotential,
+    ) -> Result<(), ContactError> {
+        let particles = &self.objective.particles;
+        let q = &mut self.point.displacement;
+        self.safe.copy_from_slice(&state.positions);
+        self.parts.resize(q.len(), 1.0);
+        for (vertex, x) in self.safe.iter_mut().enumerate() {
+            if particles.is_prescribed(vertex) {
+                *x += q[vertex];
+            }
+        }
+        let taken = ContactStep {
+            from: &state.positions,
+            inverse_mass: particles.inverse_mass(),
+            dt,
+        };
+        contact.begin(&taken, &mut self.safe)?;
+        let to = &mut self.point.positions;
+        for ((to, x), q) in to.iter_mut().zip(&state.positions).zip(&*q) {
+            *to = x + q;
+        }
+        contact.limit_each(&self.safe, to, &mut self.parts)?;
+        for (vertex, q) in q.iter_mut().enumerate() {
+            // A way that is not shortened keeps all digits.
+            if self.parts[vertex] < 1.0 {
+                *q = to[vertex] - state.positions[vertex];
+            }
+        }
+        Ok(())
+    }
+
+    /// Cloth that nothing touches but itself has the momentum that inertia gives it; ways that are shortened one by one do not keep that.
+    fn settle(&mut self, contact: &mut Contact<'_>) -> Result<(), ContactError> {
+        let Method::QuasiNewton(method) = &mut self.method else {
+            return Ok(());
+        };
+        if contact.is_none() || self.free_pieces.is_empty() {
+            return Ok(());
+        }
+        self.objective.place(&mut self.point);
+        method.touch(&self.objective, &self.point, contact);
+        let pieces = &self.free_pieces;
+        let is_free = method.touching().is_some_and(|touching| {
+            let mut vertices = touching.rows.iter().flat_map(|row| row.vertices);
+            touching.is_internal() && vertices.all(|vertex| pieces.contains(vertex))
+        });
+        let Some(contact) = contact.as_mut().filter(|_| is_free) else {
+            return Ok(());
+        };
+        let q = &mut self.point.displacement;
+        let shift = pieces.shift_together(&self.objective.inertial, q);
+        self.safe.copy_from_slice(&self.point.positions);
+        pieces.add(shift, &mut self.safe);
+        let part = contact.limit(&self.point.positions, &self.safe)?;
+        pieces.add(shift * part, q);
+        self.point.is_evaluated = false;
+        Ok(())
     }
 
     /// Goes to `x⁽⁰⁾`.
@@ -156,14 +264,15 @@ impl PdSolver {
         reference: Real,
         report: &mut StepReport,
         input: &mut StepInput<'_>,
-    ) -> Outcome {
+        contact: &mut Contact<'_>,
+    ) -> Result<Outcome, ContactError> {
         if self.global.is_empty() {
-            return Outcome::Converged;
+            return Ok(Outcome::Converged);
         }
         match &mut self.method {
             Method::Plain { .. } => {}
             Method::Chebyshev(method) => method.begin(),
-            Method::QuasiNewton(method) => method.begin(),
+            Method::QuasiNewton(method) => method.begin(contact.is_some()),
         }
         if let Some(coarse) = &mut self.coarse {
             self.objective.place(&mut self.point);
@@ -172,23 +281,30 @@ impl PdSolver {
         }
         let is_coarse_ready = self.coarse.as_ref().is_some_and(CoarseGrid::is_ready);
         report.coarse_fallbacks += u32::from(self.lattice.is_some() && !is_coarse_ready);
-        let last = report.iterations + self.config.iterations;
+        let first = report.iterations;
+        let mut last = first + self.config.iterations;
         loop {
             let is_last = report.iterations == last;
             if is_last && self.config.tolerance.is_none() {
-                return Outcome::BudgetSpent;
+                return Ok(Outcome::BudgetSpent);
             }
             if !self.point.is_evaluated {
-                self.objective.evaluate(&mut self.point); // S1 (28)–(31)
+                self.objective.evaluate(&mut self.point, contact); // S1 (28)–(31)
             }
-            if self.is_converged(reference, report) {
-                return Outcome::Converged;
+            if self.is_converged(reference, report, contact) {
+                return Ok(Outcome::Converged);
             }
             if is_last {
-                return Outcome::BudgetSpent;
+                return Ok(Outcome::BudgetSpent);
             }
-            self.advance(report); // S1 (34)
+            let is_stuck = self.advance(report, contact)?; // S1 (34)
             report.iterations += 1;
+            if is_stuck {
+                return Ok(Outcome::BudgetSpent);
+            }
+            if self.is_pushed() {
+                last = last.max(first + self.config.contact_iterations);
+            }
             if let Some(observer) = &mut input.observer {
                 if !self.point.is_evaluated {
                     self.objective.place(&mut self.point);
@@ -204,46 +320,84 @@ impl PdSolver {
     /// `G(x[1]) ≤ G(x[0])` says that no energy appears in a step. Every iteration lowers `G`, so a start at `x[0]` has that; one that goes on with the velocity can end
     /// above it, where the cloth is so tangled that the iterations do not get far, and a tangle fed in every step never rests. `G(x[0])` is an elastic energy, at least 0, so what is below 0
     /// need not be compared.
-    fn has_gained_energy(&mut self) -> bool {
+    fn has_gained_energy(
+        &mut self,
+        state: &State,
+        contact: &mut Contact<'_>,
+    ) -> Result<bool, ContactError> {
         let is_watched = matches!(self.method, Method::QuasiNewton(_))
             && self.config.start == Start::Inertial
             && self.point.is_evaluated;
         if !is_watched || self.point.value <= 0.0 {
-            return false;
+            return Ok(false);
         }
         let (particles, inertial) = (&self.objective.particles, &self.objective.inertial);
         let q = &mut self.fallback.displacement;
         for (vertex, q) in q.iter_mut().enumerate() {
-            let is_prescribed = particles.is_prescribed(vertex);
-            *q = if is_prescribed {
+            *q = if particles.is_prescribed(vertex) {
                 inertial[vertex]
+            } else if contact.is_some() {
+                self.safe[vertex] - state.positions[vertex]
             } else {
                 Vec3::zeros()
             };
         }
-        self.free_pieces.align(Some(inertial), q);
-        self.objective.evaluate(&mut self.fallback);
+        if let Some(contact) = contact {
+            // Moves nothing, but gets ready for the place.
+            contact.limit(&self.safe, &self.safe)?;
+        } else {
+            self.free_pieces.align(Some(inertial), q);
+        }
+        self.objective.evaluate(&mut self.fallback, contact);
         let excess = self.point.value - self.fallback.value;
         let is_higher = excess.is_nan() || excess > ROUNDING * self.fallback.size;
         if is_higher {
             std::mem::swap(&mut self.point, &mut self.fallback);
         }
-        is_higher
+        Ok(is_higher)
     }
 
     /// Whether the tolerance is met at the point.
-    fn is_converged(&self, reference: Real, report: &mut StepReport) -> bool {
+    fn is_converged(
+        &mut self,
+        reference: Real,
+        report: &mut StepReport,
+        contact: &Contact<'_>,
+    ) -> bool {
         let Some(tolerance) = self.config.tolerance else {
             return false;
         };
+        let mut reference = reference;
+        if let Some(contact) = contact {
+            // What lands flat is not stretched at x̃.
+            let forces = &mut self.velocities;
+            forces.fill(Vec3::zeros());
+            contact.add_gradient(&self.point.positions, forces);
+            reference = reference.max(self.objective.norm(forces));
+        }
         let norm = self.objective.norm(&self.point.gradient);
         let residual = if norm > 0.0 { norm / reference } else { 0.0 };
         report.residual = Some(residual);
         residual <= tolerance
     }
 
-    /// One iteration.
-    fn advance(&mut self, report: &mut StepReport) {
+    /// Whether contact pushed where the last iteration began.
+    fn is_pushed(&self) -> bool {
+        match &self.method {
+            Method::QuasiNewton(method) => {
+                let touching = method.touching();
+                touching.is_some_and(|touching| !touching.rows.is_empty())
+            }
+            _ => false,
+        }
+    }
+
+    /// One iteration. Returns whether it found no way on.
+    fn advance(
+        &mut self,
+        report: &mut StepReport,
+        contact: &mut Contact<'_>,
+    ) -> Result<bool, ContactError> {
         let (objective, global, point) = (&mut self.objective, &mut self.global, &mut self.point);
         report.linear_solves += 1;
         match &mut self.method {
@@ -258,16 +412,18 @@ impl PdSolver {
                 report.backtracks += u32::from(method.advance(objective, global, point));
             }
             Method::QuasiNewton(method) => {
-                let (backtracks, solves) =
-                    method.advance(objective, global, self.coarse.as_mut(), point);
-                report.backtracks += backtracks;
-                report.linear_solves += solves - 1;
+                let coarse = self.coarse.as_mut();
+                let done = method.advance(objective, global, coarse, point, contact)?;
+                report.backtracks += done.backtracks;
+                report.linear_solves += done.solves - 1;
+                return Ok(done.is_stuck);
             }
         }
+        Ok(false)
     }
 
     /// S1 (35): `x[1] = x`, `v[1] = (x − x[0])/Δt`.
-    fn finish(&mut self, state: &mut State, input: &mut StepInput<'_>) -> Result<(), StepError> {
+    fn find_velocities(&mut self, state: &State, dt: Real) -> Result<(), StepError> {
         let step = state.steps + 1;
         self.objective.place(&mut self.point);
         let particles = &self.objective.particles;
@@ -275,18 +431,12 @@ impl PdSolver {
             *v = if particles.is_prescribed(vertex) {
                 state.velocities[vertex]
             } else {
-                self.point.displacement[vertex] / input.dt
+                self.point.displacement[vertex] / dt
             };
             if !is_finite(&self.point.positions[vertex]) || !is_finite(v) {
                 return Err(StepError::NonFinite { vertex, step });
             }
         }
-        let (w, x) = (particles.inverse_mass(), &mut self.point.positions);
-        input.resolve_contacts(state, w, x, &mut self.velocities)?;
-        state.positions.copy_from_slice(&self.point.positions);
-        state.velocities.copy_from_slice(&self.velocities);
-        state.time += input.dt;
-        state.steps = step;
         Ok(())
     }
 }

@@ -58,6 +58,7 @@ fn allocations(
         tolerance,
         start: Start::Inertial,
         acceleration,
+        ..PdConfig::default()
     };
     let builder = PdSolver::builder(&model.particles)
         .energy(model.springs)

@@ -1,6 +1,7 @@
 //! Settings of projective dynamics.
 
 use crate::error::BenchError;
+use crate::scene::Scene;
 use crate::settings::{Parameter, Settings, parameter};
 use cloth_core::math::Real;
 use cloth_pd::{Acceleration, PdConfig, Start};
@@ -13,14 +14,19 @@ pub(super) const PD_COARSE: Parameter = parameter(
 const PD_ITERATIONS: Parameter = parameter(
     "iterations",
     "auto",
-    "local–global iterations per step, at most; auto: 10, or 60 where the cloth can touch something",
+    "local–global iterations per step, at most; auto: 10, or 60 where contact acts after the step",
 );
-/// After an impact a few iterations are not enough: they leave strains that the next impacts feed on.
+/// After an impact that the method has not felt, a few iterations are not enough: they leave strains that the next impacts feed on.
 const TOUCHING: (u32, Real) = (60, 1e-2);
+const PD_CONTACT_ITERATIONS: Parameter = parameter(
+    "contact_iterations",
+    "30",
+    "the same for a step in which contact pushes and quasi-newton feels it, if that is more",
+);
 const PD_TOLERANCE: Parameter = parameter(
     "tolerance",
     "auto",
-    "relative gradient norm at which a step is done, or none; auto: none, or 1e-2 where the cloth can touch something",
+    "relative gradient norm at which a step is done, or none; auto: none, or 1e-2 where contact acts after the step",
 );
 const PD_START: Parameter = parameter(
     "start",
@@ -42,6 +48,7 @@ const PD_RADIUS: Parameter = parameter(
 /// Of projective dynamics.
 pub(super) const PD: &[Parameter] = &[
     PD_ITERATIONS,
+    PD_CONTACT_ITERATIONS,
     PD_TOLERANCE,
     PD_START,
     PD_ACCELERATION,
@@ -50,8 +57,8 @@ pub(super) const PD: &[Parameter] = &[
     PD_RADIUS,
 ];
 
-/// `touching`: whether the cloth can touch anything.
-pub(super) fn projective(settings: &Settings, touching: bool) -> Result<PdConfig, BenchError> {
+/// Of a solver for `scene`.
+pub(super) fn projective(settings: &Settings, scene: &Scene) -> Result<PdConfig, BenchError> {
     let kind = settings.choice(
         &PD_ACCELERATION,
         &[("none", 0), ("chebyshev", 1), ("quasi-newton", 2)],
@@ -60,10 +67,11 @@ pub(super) fn projective(settings: &Settings, touching: bool) -> Result<PdConfig
         settings.refuse_without(&PD_RADIUS, "acceleration=chebyshev")?;
     }
     if kind != 2 {
-        for parameter in [&PD_HISTORY, &PD_COARSE] {
+        for parameter in [&PD_HISTORY, &PD_COARSE, &PD_CONTACT_ITERATIONS] {
             settings.refuse_without(parameter, "acceleration=quasi-newton")?;
         }
     }
+    let touching = scene.touches() && !(kind == 2 && scene.has_potential());
     let acceleration = match kind {
         0 => Acceleration::None,
         1 => Acceleration::Chebyshev {
@@ -82,6 +90,7 @@ pub(super) fn projective(settings: &Settings, touching: bool) -> Result<PdConfig
             "auto" => PdConfig::default().iterations,
             _ => settings.count(&PD_ITERATIONS, 1)?,
         },
+        contact_iterations: settings.count(&PD_CONTACT_ITERATIONS, 1)?,
         tolerance: match settings.text(&PD_TOLERANCE) {
             "auto" if touching => Some(TOUCHING.1),
             "auto" | "none" => None,

@@ -173,12 +173,17 @@ impl Touch {
     /// The same for a method that may feel contact in its own solve: it needs no parts, and has none unless the settings ask for them.
     #[must_use]
     pub fn parts_with(&self, stepper: &dyn Stepper) -> u32 {
-        let feels = self.response == Response::Potential && stepper.feels_contact();
+        let feels = self.has_potential() && stepper.feels_contact();
         if feels && !self.has_steps {
             1
         } else {
             self.parts()
         }
+    }
+
+    /// Whether methods can feel what there is to touch while they solve.
+    pub(super) fn has_potential(&self) -> bool {
+        self.response == Response::Potential && !self.is_idle()
     }
 
     /// Whether there is nothing to touch, or nothing to be done about it.

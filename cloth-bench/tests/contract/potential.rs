@@ -12,6 +12,7 @@ use cloth_core::mesh::generate::{Diagonals, grid};
 use cloth_core::particles::State;
 use cloth_core::step::{Outcome, StepInput, Stepper};
 use cloth_massspring::{Bdf2, ImplicitConfig, ImplicitEuler};
+use cloth_pd::PdSolver;
 
 const DENSITY: Real = 0.2;
 const GRAVITY: Real = 9.81;
@@ -48,6 +49,16 @@ fn bdf2(model: &ClothModel, config: ImplicitConfig) -> Box<dyn Stepper> {
     let builder = builder.energy(model.hinges.clone()).unwrap();
     Box::new(builder.build().unwrap())
 }
+
+/// Projective dynamics at its default: cut short, without a tolerance.
+fn pd(model: &ClothModel) -> Box<dyn Stepper> {
+    let builder = PdSolver::builder(&model.particles).energy(model.springs.clone());
+    Box::new(builder.energy(model.hinges.clone()).build().unwrap())
+}
+
+/// Methods that feel contact while they solve.
+const METHODS: [fn(&ClothModel) -> Box<dyn Stepper>; 2] =
+    [|model| implicit_euler(model, tight()), pd];
 
 fn contacts(mesh: &TriMesh, obstacle: Option<Obstacle>, friction: Real) -> PotentialContacts {
     let law = ImpactLaw::new(friction, 0.0).unwrap();
@@ -93,15 +104,16 @@ fn sheet_rests_where_its_weight_says() {
     ] {
         let mesh = grid(n, n, 0.5, 0.5, pattern).unwrap();
         let model = model(&mesh);
-        for make in [implicit_euler, bdf2] {
-            let mut stepper = make(&model, tight());
+        let [euler, pd] = METHODS.map(|make| make(&model));
+        for mut stepper in [euler, bdf2(&model, tight()), pd] {
+            let name = stepper.name();
             let mut contacts = contacts(&mesh, Some(floor()), 0.0);
             let lifted = mesh.positions().iter().map(|x| x + Vec3::z() * THICKNESS);
             let mut state = State::at_rest(lifted.collect());
             run(&mut *stepper, &mut contacts, &mut state, 60, |_, _| {});
             let error = |x: &Vec3| (x.z - gap).abs();
             let worst = state.positions.iter().map(error).fold(0.0, Real::max);
-            assert!(worst < 1e-11, "{n} vertices a side: {worst:e}");
+            assert!(worst < 1e-11, "{name}, {n} vertices a side: {worst:e}");
             let energy = 0.5 * (DENSITY * GRAVITY).powi(2) / STIFFNESS * 0.25;
             let stored = contacts.potential_energy();
             assert!((stored / energy - 1.0).abs() < 1e-4, "{stored:e} J");
@@ -127,8 +139,9 @@ fn sheet_on_a_slope_slides_or_sticks() {
             .sum();
         sum / start.len() as Real
     };
-    for friction in [0.0, 0.3, 0.6] {
-        let mut stepper = implicit_euler(&model, tight());
+    let cases = METHODS.map(|make| [0.0, 0.3, 0.6].map(|friction| (make(&model), friction)));
+    for (mut stepper, friction) in cases.into_iter().flatten() {
+        let name = stepper.name();
         let slope = Obstacle::new(HalfSpace::new(Vec3::new(-sin, 0.0, cos)).unwrap());
         let mut contacts = contacts(&mesh, Some(slope), friction);
         let mut state = State::at_rest(start.clone());
@@ -144,7 +157,7 @@ fn sheet_on_a_slope_slides_or_sticks() {
         let found = way(&state);
         assert!(
             (found / expected - 1.0).abs() < 1e-6,
-            "μ = {friction}: {found:e} m for {expected:e} m"
+            "{name}, μ = {friction}: {found:e} m for {expected:e} m"
         );
         if pull < 0.0 {
             run(&mut *stepper, &mut contacts, &mut state, 100, |_, _| {});
@@ -168,36 +181,39 @@ fn stack_carries_its_weight() {
     }
     let mesh = TriMesh::new(positions, triangles).unwrap();
     let model = model(&mesh);
-    let mut stepper = implicit_euler(&model, tight());
-    let mut contacts = contacts(&mesh, Some(floor()), 0.3);
-    let mut state = State::at_rest(mesh.positions().to_vec());
-    let mut probe = SeparationProbe::new(&mesh);
-    run(&mut *stepper, &mut contacts, &mut state, 120, |state, _| {
-        assert_eq!(
-            probe.measure(&state.positions).unwrap().intersecting_pairs,
-            0
+    for make in METHODS {
+        let mut stepper = make(&model);
+        let name = stepper.name();
+        let mut contacts = contacts(&mesh, Some(floor()), 0.3);
+        let mut state = State::at_rest(mesh.positions().to_vec());
+        let mut probe = SeparationProbe::new(&mesh);
+        run(&mut *stepper, &mut contacts, &mut state, 120, |state, _| {
+            assert_eq!(
+                probe.measure(&state.positions).unwrap().intersecting_pairs,
+                0
+            );
+        });
+        let pressure = DENSITY * GRAVITY;
+        let lowest = &state.positions[..count];
+        // Three sheets press the lowest one down; vertices at its edges carry what is above them, like all others.
+        let mean = lowest.iter().map(|x| x.z).sum::<Real>() / count as Real;
+        let area: Real = model.particles.mass()[..count].iter().sum::<Real>() / DENSITY;
+        let force: Real = lowest
+            .iter()
+            .zip(model.particles.mass())
+            .map(|(x, m)| STIFFNESS * (THICKNESS - x.z) * m / DENSITY)
+            .sum();
+        assert!(
+            (force / (3.0 * pressure * area) - 1.0).abs() < 1e-6,
+            "{name}: {force} N"
         );
-    });
-    let pressure = DENSITY * GRAVITY;
-    let lowest = &state.positions[..count];
-    // Three sheets press the lowest one down; vertices at its edges carry what is above them, like all others.
-    let mean = lowest.iter().map(|x| x.z).sum::<Real>() / count as Real;
-    let area: Real = model.particles.mass()[..count].iter().sum::<Real>() / DENSITY;
-    let force: Real = lowest
-        .iter()
-        .zip(model.particles.mass())
-        .map(|(x, m)| STIFFNESS * (THICKNESS - x.z) * m / DENSITY)
-        .sum();
-    assert!(
-        (force / (3.0 * pressure * area) - 1.0).abs() < 1e-6,
-        "{force} N"
-    );
-    assert!(
-        (mean - (THICKNESS - 3.0 * pressure / STIFFNESS)).abs() < 1e-6,
-        "{mean}"
-    );
-    let speed = state.velocities.iter().map(Vec3::norm).fold(0.0, Real::max);
-    assert!(speed < 1e-6, "{speed} m/s");
+        assert!(
+            (mean - (THICKNESS - 3.0 * pressure / STIFFNESS)).abs() < 1e-6,
+            "{name}: {mean}"
+        );
+        let speed = state.velocities.iter().map(Vec3::norm).fold(0.0, Real::max);
+        assert!(speed < 1e-6, "{name}: {speed} m/s");
+    }
 }
 
 /// A sheet falls on a ball and wraps it, in steps of 1/60 s: converged, without a crossing, with all vertices outside, and without energy from nowhere.
@@ -220,27 +236,38 @@ fn sheet_falls_on_a_ball() {
             + stored
     };
     let ball = Obstacle::new(Sphere::new(0.1).unwrap());
-    let mut contacts = contacts(&mesh, Some(ball.clone()), 0.3);
-    let mut stepper = implicit_euler(&model, ImplicitConfig::default());
-    let mut state = State::at_rest(mesh.positions().to_vec());
-    let mut probe = SeparationProbe::new(&mesh);
-    let start = total(&state, 0.0);
-    for step in 1..=40 {
-        let input = StepInput::new(1.0 / 60.0).gravity(gravity);
-        let report = stepper
-            .step(&mut state, input.contacts(&mut contacts))
-            .unwrap();
-        assert_eq!(report.outcome, Outcome::Converged, "step {step}");
-        let seen = probe.measure(&state.positions).unwrap();
-        assert_eq!(seen.intersecting_pairs, 0, "step {step}");
-        let clearance = |x: &Vec3| ball.clearance(*x, 0.0).value;
-        let least = state.positions.iter().map(clearance).fold(1.0, Real::min);
-        assert!(least > 0.0, "step {step}: {least} m");
-        let now = total(&state, contacts.potential_energy());
-        assert!(now <= start + 1e-9, "step {step}: {} J", now - start);
+    for mut stepper in [
+        implicit_euler(&model, ImplicitConfig::default()),
+        pd(&model),
+    ] {
+        let name = stepper.name();
+        let mut contacts = contacts(&mesh, Some(ball.clone()), 0.3);
+        let mut state = State::at_rest(mesh.positions().to_vec());
+        let mut probe = SeparationProbe::new(&mesh);
+        let start = total(&state, 0.0);
+        for step in 1..=40 {
+            let input = StepInput::new(1.0 / 60.0).gravity(gravity);
+            let report = stepper
+                .step(&mut state, input.contacts(&mut contacts))
+                .unwrap();
+            if name == "implicit-euler" {
+                assert_eq!(report.outcome, Outcome::Converged, "step {step}");
+            }
+            let seen = probe.measure(&state.positions).unwrap();
+            assert_eq!(seen.intersecting_pairs, 0, "step {step}");
+            let clearance = |x: &Vec3| ball.clearance(*x, 0.0).value;
+            let least = state.positions.iter().map(clearance).fold(1.0, Real::min);
+            assert!(least > 0.0, "{name}, step {step}: {least} m");
+            let now = total(&state, contacts.potential_energy());
+            assert!(
+                now <= start + 1e-9,
+                "{name}, step {step}: {} J",
+                now - start
+            );
+        }
+        let strain = cloth_core::measure::Strain::of(&model.springs, &state.positions);
+        assert!(strain.max < 0.02, "{name}: {}", strain.max);
     }
-    let strain = cloth_core::measure::Strain::of(&model.springs, &state.positions);
-    assert!(strain.max < 0.02, "{}", strain.max);
 }
 
 /// Two sheets meet in free flight: linear momentum is kept, and they do not come apart faster than they met.
@@ -255,23 +282,26 @@ fn sheets_that_meet_keep_their_momentum() {
     triangles.extend(one.triangles().iter().map(|t| t.map(|v| v + count as u32)));
     let mesh = TriMesh::new(positions, triangles).unwrap();
     let model = model(&mesh);
-    let mut stepper = implicit_euler(&model, tight());
-    let mut contacts = contacts(&mesh, None, 0.0);
-    let mut state = State::at_rest(mesh.positions().to_vec());
-    state.velocities[count..].fill(Vec3::new(0.0, 0.0, -1.0));
-    let momentum = |state: &State| -> Vec3 {
-        let both = state.velocities.iter().zip(model.particles.mass());
-        both.map(|(v, m)| v * *m).sum()
-    };
-    let before = momentum(&state);
-    for _ in 0..10 {
-        let input = StepInput::new(1.0 / 60.0).contacts(&mut contacts);
-        stepper.step(&mut state, input).unwrap();
+    for make in METHODS {
+        let mut stepper = make(&model);
+        let name = stepper.name();
+        let mut contacts = contacts(&mesh, None, 0.0);
+        let mut state = State::at_rest(mesh.positions().to_vec());
+        state.velocities[count..].fill(Vec3::new(0.0, 0.0, -1.0));
+        let momentum = |state: &State| -> Vec3 {
+            let both = state.velocities.iter().zip(model.particles.mass());
+            both.map(|(v, m)| v * *m).sum()
+        };
+        let before = momentum(&state);
+        for _ in 0..10 {
+            let input = StepInput::new(1.0 / 60.0).contacts(&mut contacts);
+            stepper.step(&mut state, input).unwrap();
+        }
+        let change = (momentum(&state) - before).norm() / before.norm();
+        assert!(change < 1e-14, "{name}: {change:e}");
+        let mean = |v: &[Vec3]| v.iter().map(|v| v.z).sum::<Real>() / v.len() as Real;
+        let apart = mean(&state.velocities[count..]) - mean(&state.velocities[..count]);
+        // They meet at 1 m/s; what is left of that is the bending of rims that hang over.
+        assert!(apart.abs() < 5e-3, "{name}: {apart} m/s");
     }
-    let change = (momentum(&state) - before).norm() / before.norm();
-    assert!(change < 1e-14, "{change:e}");
-    let mean = |v: &[Vec3]| v.iter().map(|v| v.z).sum::<Real>() / v.len() as Real;
-    let apart = mean(&state.velocities[count..]) - mean(&state.velocities[..count]);
-    // They meet at 1 m/s; what is left of that is the bending of rims that hang over.
-    assert!(apart.abs() < 5e-3, "{apart} m/s");
 }

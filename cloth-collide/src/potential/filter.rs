@@ -2,6 +2,7 @@
 
 use super::gap::Gap;
 use super::near_pairs::NearPairs;
+use super::pair::{EdgeEdgeContact, VertexTriangleContact};
 use crate::ccd::{ContinuousTest, Impact};
 use crate::error::CollideError;
 use crate::obstacle::{Obstacle, VertexPath, first_contact};
@@ -13,6 +14,8 @@ const SLACK: Real = 0.2;
 const EARLY: Real = 0.1;
 /// Distances below this part of the coordinates cannot be relied on: positions on the way are rounded.
 const ROUNDING: Real = 64.0 * Real::EPSILON;
+/// Times that ways are shortened one by one, each because of what was shortened beside it, before all are together.
+const ROUNDS: u32 = 20;
 
 impl NearPairs {
     /// The part of a way (m) on which every near pair keeps [`SLACK`] of its distance.
@@ -25,40 +28,138 @@ impl NearPairs {
     ) -> Result<Real, CollideError> {
         let mut cap: Real = 1.0;
         for pair in &self.vertex_triangle {
-            let (a, b) = (gather(from, pair.vertices), gather(to, pair.vertices));
-            let distance = Gap::vertex_triangle(&a).distance;
-            let test = |test: &ContinuousTest| {
-                let corners = [[a[1], a[2], a[3]], [b[1], b[2], b[3]]];
-                test.vertex_triangle([a[0], b[0]], corners)
-            };
-            let way = approach(&a, &b, 1);
-            cap = cap.min(time(distance, pair.law.range(), way, &a, &b, test)?);
+            cap = cap.min(time_of_vertex(pair, from, to)?);
         }
         for pair in &self.edge_edge {
-            let (a, b) = (gather(from, pair.vertices), gather(to, pair.vertices));
-            let distance = Gap::edge_edge(&a).distance;
-            let test = |test: &ContinuousTest| {
-                let first = [[a[0], a[1]], [b[0], b[1]]];
-                test.edge_edge(first, [[a[2], a[3]], [b[2], b[3]]])
-            };
-            let way = approach(&a, &b, 2);
-            cap = cap.min(time(distance, pair.law.range(), way, &a, &b, test)?);
+            cap = cap.min(time_of_edges(pair, from, to)?);
         }
         for &[vertex, number] in &self.vertex_obstacle {
             let (a, b) = (from[vertex as usize], to[vertex as usize]);
-            let obstacle = &obstacles[number as usize];
-            let gap = obstacle.clearance(a, 0.0).value;
-            let keep = SLACK * gap.min(thickness);
-            if keep <= ROUNDING * a.amax().max(b.amax()) {
-                cap = if a == b { cap } else { 0.0 };
-            } else if (b - a).norm() * obstacle.shape().lipschitz() >= gap - keep {
-                let path = VertexPath::straight(a, b, 1.0);
-                let hit = first_contact(obstacle, &path, 0.0, 1.0, keep);
-                cap = cap.min(hit.map_or(1.0, |hit| hit.time));
-            }
+            cap = cap.min(time_of_obstacle(
+                &obstacles[number as usize],
+                thickness,
+                a,
+                b,
+            ));
         }
         Ok(cap)
     }
+
+    /// Takes vertices back on their ways (m) until every near pair keeps [`SLACK`] of its distance: all of a pair that does not
+    /// alike, and again where that brings others too near. `parts` is what is left of each way. Returns whether that changed anything.
+    pub(super) fn shorten(
+        &mut self,
+        thickness: Real,
+        way: (&[Vec3], &mut [Vec3]),
+        parts: &mut [Real],
+        obstacles: &[Obstacle],
+    ) -> Result<bool, CollideError> {
+        let (from, to) = way;
+        let mut is_cut = false;
+        for &[vertex, number] in &self.vertex_obstacle {
+            let v = vertex as usize;
+            let part = time_of_obstacle(&obstacles[number as usize], thickness, from[v], to[v]);
+            is_cut |= part < 1.0;
+            shorten_one(from, to, parts, v, part);
+        }
+        let [mut before, mut now] = std::mem::take(&mut self.shares);
+        before.clear();
+        before.resize(from.len(), 0.0);
+        let mut rounds = 0;
+        let is_done = loop {
+            now.clear();
+            now.resize(from.len(), 1.0);
+            let was_cut = |v: &[u32; 4]| v.iter().any(|&v| before[v as usize] < 1.0);
+            let mut is_short = false;
+            let mut take = |vertices: [u32; 4], part: Real| {
+                is_short |= part < 1.0;
+                for vertex in vertices {
+                    let share = &mut now[vertex as usize];
+                    *share = share.min(part);
+                }
+            };
+            for pair in self
+                .vertex_triangle
+                .iter()
+                .filter(|pair| was_cut(&pair.vertices))
+            {
+                take(pair.vertices, time_of_vertex(pair, from, to)?);
+            }
+            for pair in self.edge_edge.iter().filter(|pair| was_cut(&pair.vertices)) {
+                take(pair.vertices, time_of_edges(pair, from, to)?);
+            }
+            if !is_short || rounds == ROUNDS {
+                break !is_short;
+            }
+            is_cut = true;
+            rounds += 1;
+            for (vertex, part) in now.iter().enumerate() {
+                shorten_one(from, to, parts, vertex, *part);
+            }
+            std::mem::swap(&mut before, &mut now);
+        };
+        self.shares = [before, now];
+        if !is_done {
+            let cap = self.safe_part(thickness, from, to, obstacles)?;
+            shorten_all(from, to, parts, cap);
+        }
+        Ok(is_cut)
+    }
+}
+
+/// As [`time`], of a vertex on its way from `a` to `b` (m) before an obstacle.
+fn time_of_obstacle(obstacle: &Obstacle, thickness: Real, a: Vec3, b: Vec3) -> Real {
+    let gap = obstacle.clearance(a, 0.0).value;
+    let keep = SLACK * gap.min(thickness);
+    if keep <= ROUNDING * a.amax().max(b.amax()) {
+        return if a == b { 1.0 } else { 0.0 };
+    }
+    if (b - a).norm() * obstacle.shape().lipschitz() < gap - keep {
+        return 1.0;
+    }
+    let path = VertexPath::straight(a, b, 1.0);
+    first_contact(obstacle, &path, 0.0, 1.0, keep).map_or(1.0, |hit| hit.time)
+}
+
+/// Shortens the way of one vertex to a part of itself.
+fn shorten_one(from: &[Vec3], to: &mut [Vec3], parts: &mut [Real], vertex: usize, part: Real) {
+    if part < 1.0 {
+        parts[vertex] *= part;
+        to[vertex] = from[vertex] + (to[vertex] - from[vertex]) * part;
+    }
+}
+
+/// Shortens all ways to the same part of themselves.
+pub(super) fn shorten_all(from: &[Vec3], to: &mut [Vec3], parts: &mut [Real], part: Real) {
+    for vertex in 0..from.len() {
+        shorten_one(from, to, parts, vertex, part);
+    }
+}
+
+fn time_of_vertex(
+    pair: &VertexTriangleContact,
+    from: &[Vec3],
+    to: &[Vec3],
+) -> Result<Real, CollideError> {
+    let (a, b) = (gather(from, pair.vertices), gather(to, pair.vertices));
+    let distance = Gap::vertex_triangle(&a).distance;
+    let test = |test: &ContinuousTest| {
+        let corners = [[a[1], a[2], a[3]], [b[1], b[2], b[3]]];
+        test.vertex_triangle([a[0], b[0]], corners)
+    };
+    let way = approach(&a, &b, 1);
+    time(distance, pair.law.range(), way, &a, &b, test)
+}
+
+fn time_of_edges(pair: &EdgeEdgeContact, from: &[Vec3], to: &[Vec3]) -> Result<Real, CollideError> {
+    let (a, b) = (gather(from, pair.vertices), gather(to, pair.vertices));
+    let distance = Gap::edge_edge(&a).distance;
+    let test = |test: &ContinuousTest| {
+        let first = [[a[0], a[1]], [b[0], b[1]]];
+        test.edge_edge(first, [[a[2], a[3]], [b[2], b[3]]])
+    };
+    let way = approach(&a, &b, 2);
+    time(distance, pair.law.range(), way, &a, &b, test)
 }
 
 /// The most by which two pieces of four vertices, the first of which has `split`, can have come nearer (m) between two moments.

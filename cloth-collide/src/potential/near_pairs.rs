@@ -29,6 +29,8 @@ pub(super) struct NearPairs {
     pub(super) edge_edge: Vec<EdgeEdgeContact>,
     /// Vertex and obstacle.
     pub(super) vertex_obstacle: Vec<[u32; 2]>,
+    /// Room to work in: the parts of ways (dimensionless) that the last two rounds of [`NearPairs::shorten`] left.
+    pub(super) shares: [Vec<Real>; 2],
     /// Choices of pairs in this step.
     pub(super) choices: u32,
 }

@@ -1,6 +1,7 @@
 //! The contact of a cloth as a potential.
 
 use super::builder::PotentialBuilder;
+use super::filter::shorten_all;
 use super::friction::{Sticking, Stretched};
 use super::gap::Gap;
 use super::near::Near;
@@ -210,10 +211,7 @@ impl ContactPotential for PotentialContacts {
 
     fn limit(&mut self, from: &[Vec3], to: &[Vec3]) -> Result<Real, ContactError> {
         self.report.ways += 1;
-        let shift = mean(to) - mean(from);
-        let ways = from.iter().zip(to).map(|(a, b)| (b - a - shift).norm());
-        let longest = ways.fold(0.0, Real::max);
-        let share = (LONGEST * self.near.law().range() / longest).min(1.0);
+        let share = self.share(from, to);
         if share < 1.0 {
             let mut near_end = std::mem::take(&mut self.scratch);
             let ways = from.iter().zip(to).zip(&mut near_end);
@@ -223,6 +221,24 @@ impl ContactPotential for PotentialContacts {
             return Ok(share * safe?);
         }
         self.limit_short(from, to)
+    }
+
+    fn limit_each(
+        &mut self,
+        from: &[Vec3],
+        to: &mut [Vec3],
+        parts: &mut [Real],
+    ) -> Result<(), ContactError> {
+        self.report.ways += 1;
+        parts.fill(1.0);
+        shorten_all(from, to, parts, self.share(from, to));
+        self.prepare(from, to)?;
+        let thickness = self.near.law().range();
+        let cut = self
+            .pairs
+            .shorten(thickness, (from, to), parts, &self.still);
+        self.report.capped += u32::from(cut.map_err(|error| not_finite(&error))?);
+        Ok(())
     }
 
     fn add_gradient(&self, x: &[Vec3], out: &mut [Vec3]) -> Real {
@@ -315,6 +331,14 @@ impl ContactPotential for PotentialContacts {
 }
 
 impl PotentialContacts {
+    /// The part of ways (m) that is looked at: they are too long beyond.
+    fn share(&self, from: &[Vec3], to: &[Vec3]) -> Real {
+        let shift = mean(to) - mean(from);
+        let ways = from.iter().zip(to).map(|(a, b)| (b - a - shift).norm());
+        let longest = ways.fold(0.0, Real::max);
+        (LONGEST * self.near.law().range() / longest).min(1.0)
+    }
+
     /// ε (m): the way below which friction is a spring.
     pub(super) fn reach(&self) -> Real {
         STICKING * self.near.law().range()

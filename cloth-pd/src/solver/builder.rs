@@ -115,6 +115,8 @@ impl PdBuilder {
             method,
             point: Point::new(vertex_count),
             fallback: Point::new(vertex_count),
+            safe: zeros.clone(),
+            parts: Vec::new(),
             velocities: zeros,
         })
     }

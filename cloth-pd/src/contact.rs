@@ -1,0 +1,124 @@
+//! Contact in the quasi-Newton iteration: what it adds to the constant matrix.
+
+use crate::global::GlobalSystem;
+use cloth_core::contact::{ContactPotential, ContactRow};
+use cloth_core::math::{Real, Vec3};
+use cloth_core::particles::Particles;
+use cloth_core::vectors::{add, dot};
+
+/// What the cloth touches, if it can touch anything and the method feels that.
+pub(crate) type Contact<'a> = Option<&'a mut dyn ContactPotential>;
+
+/// Part of the residual, in the norm of A⁻¹, at which conjugate gradients end: the direction is a guess anyway.
+const ENOUGH: Real = 0.1;
+/// Conjugate gradients that are taken at most.
+const MOST: u32 = 10;
+
+/// `A + Σ k J Jᵀ` with the contacts of one place, for which no matrix is factorised: conjugate gradients around the factor of A. As the
+/// contacts are few, or soft beside the cloth, three to six are enough.
+#[derive(Debug)]
+pub(crate) struct Touching {
+    pub(crate) rows: Vec<ContactRow>,
+    residual: Vec<Vec3>,
+    /// A⁻¹ r (m).
+    solved: Vec<Vec3>,
+    /// d (m), A d and (A + Σ k J Jᵀ) d (N).
+    direction: Vec<Vec3>,
+    by_matrix: Vec<Vec3>,
+    product: Vec<Vec3>,
+}
+
+impl Touching {
+    pub(crate) fn new(vertex_count: usize) -> Self {
+        let zeros = vec![Vec3::zeros(); vertex_count];
+        Self {
+            rows: Vec::new(),
+            residual: zeros.clone(),
+            solved: zeros.clone(),
+            direction: zeros.clone(),
+            by_matrix: zeros.clone(),
+            product: zeros,
+        }
+    }
+
+    /// Takes up the contacts at `x` (m), a place on the last way.
+    pub(crate) fn find(&mut self, contact: &Contact<'_>, x: &[Vec3], particles: &Particles) {
+        self.rows.clear();
+        let Some(contact) = contact else {
+            return;
+        };
+        contact.linearize(x, &mut self.rows);
+        // Nothing moves a prescribed vertex.
+        for row in &mut self.rows {
+            for (weight, vertex) in row.weights.iter_mut().zip(row.vertices) {
+                if particles.is_prescribed(vertex as usize) {
+                    *weight = 0.0;
+                }
+            }
+        }
+    }
+
+    /// Solves `(A + Σ k J Jᵀ) p = g` (N) for p (m), nearly. Returns the number of global solves.
+    pub(crate) fn solve(&mut self, global: &mut GlobalSystem, g: &[Vec3], p: &mut [Vec3]) -> u32 {
+        if self.rows.is_empty() {
+            global.solve(g, p);
+            return 1;
+        }
+        self.residual.copy_from_slice(g);
+        global.solve(&self.residual, &mut self.solved);
+        self.direction.copy_from_slice(&self.solved);
+        self.by_matrix.copy_from_slice(&self.residual);
+        p.fill(Vec3::zeros());
+        let mut size = dot(&self.residual, &self.solved);
+        let enough = ENOUGH * ENOUGH * size;
+        for solves in 1..=MOST {
+            self.multiply();
+            let length = size / dot(&self.direction, &self.product);
+            // A gradient of zero.
+            if !length.is_finite() {
+                return solves;
+            }
+            add(p, length, &self.direction);
+            add(&mut self.residual, -length, &self.product);
+            if solves == MOST {
+                break;
+            }
+            global.solve(&self.residual, &mut self.solved);
+            let next = dot(&self.residual, &self.solved);
+            if next <= enough {
+                return solves + 1;
+            }
+            let share = next / size;
+            size = next;
+            // A d follows from A A⁻¹ r = r: no product with A is needed.
+            for (kept, new) in [
+                (&mut self.direction, &self.solved),
+                (&mut self.by_matrix, &self.residual),
+            ] {
+                for (kept, new) in kept.iter_mut().zip(new) {
+                    *kept = new + *kept * share;
+                }
+            }
+        }
+        MOST
+    }
+
+    /// `product = (A + Σ k J Jᵀ) d`.
+    fn multiply(&mut self) {
+        self.product.copy_from_slice(&self.by_matrix);
+        for row in &self.rows {
+            let ends = || row.vertices.iter().zip(row.weights);
+            let along: Real = ends()
+                .map(|(v, w)| w * row.normal.dot(&self.direction[*v as usize]))
+                .sum();
+            let force = row.normal * (row.stiffness * along);
+            ends().for_each(|(v, w)| self.product[*v as usize] += force * w);
+        }
+    }
+
+    /// Whether nothing touches but vertices each other: no force comes from outside.
+    pub(crate) fn is_internal(&self) -> bool {
+        let sum = |row: &ContactRow| row.weights.iter().sum::<Real>();
+        self.rows.iter().all(|row| sum(row).abs() < 0.5)
+    }
+}
