@@ -208,6 +208,19 @@ impl IncrementalPotential<'_> {
         elastic + 0.5 * twice
     }
 
+    /// Norm of `M (x − x̃)/Δt²`, the forces that it takes to end at x, in the metric of `M⁻¹` (N/√kg). At a minimum of `G` these are the
+    /// elastic ones.
+    ///
+    /// Where E is convex the Hessian of G is at least `M/Δt²`. So `‖∇G(x)‖ ≤ δ ‖M (x − x̃)/Δt²‖` says that x is no farther from the minimum than the
+    /// part δ of what it is from x̃, both in the metric of M, and that G is above its minimum by at most `δ²` times `‖x − x̃‖²_M/(2Δt²)`.
+    ///
+    /// # Panics
+    /// If `x` or the prediction does not have one entry per vertex.
+    #[must_use]
+    pub fn inertial_norm(&self, x: &[Vec3]) -> Real {
+        (2.0 * self.inertia(x)).sqrt() / self.dt
+    }
+
     /// Norm of a gradient of `G` in the metric of `M⁻¹` (N/√kg), over the vertices that are not prescribed (VALIDATION 8.1).
     #[must_use]
     pub fn gradient_norm(&self, gradient: &[Vec3]) -> Real {

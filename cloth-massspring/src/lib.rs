@@ -85,7 +85,7 @@
 //! - *A start that turns.* Half of what the last step changed in the velocities is expected once more
 //!   ([`StartGuess::Extrapolated`]): a tenth fewer evaluations at 64 vertices a side.
 //! - *A way out.* Where more than 1000 further iterations would be needed at the rate of the last 200, the line search finds nothing lower,
-//!   or a tolerance below 10⁻⁷ or the proof of a minimum ([`Accept::Minimum`]) is asked for, Newton's method goes on from there;
+//!   or a tolerance below 10⁻⁵ or the proof of a minimum ([`Accept::Minimum`]) is asked for, Newton's method goes on from there;
 //!   [`newton_fallbacks`](cloth_core::step::StepReport::newton_fallbacks) counts the first two. What needs it are springs with slack and
 //!   very stiff springs on thin cloth (10⁶ N/m and more below 10⁻⁵ N·m); the example `materials` prints a table.
 //!
@@ -99,8 +99,7 @@
 //! step of any size ends with contact forces, elastic forces and inertia in balance: a sheet rests `h − ρ g/κ` above a floor, and
 //! slides down a slope by `a Δt² n(n + 1)/2`, to nine digits. The quasi-Newton method of [`ImplicitEuler`] and [`Bdf2`] does this. Contacts between vertices
 //! far from each other in the mesh are additions of rank one to the matrix of the multigrid cycle: they come and go without a new pattern.
-//! The norm of the contact forces takes the place of that of `∇G(x̃)` in the tolerance where it is larger. Newton's method does not
-//! take over from a step with contact; one that has not converged within [`ImplicitConfig::max_iterations`] ends there, free of crossings.
+//! Newton's method does not take over from a step with contact; one that has not converged within [`ImplicitConfig::max_iterations`] ends there, free of crossings.
 //!
 //! Where `Solve` is another, and for the midpoint rule, whose end is beyond what was minimised, contact acts after the step.
 //!

@@ -14,8 +14,8 @@ pub(super) const EXPLICIT_SUBSTEPS: Parameter = parameter(
 const MAX_ITERATIONS: Parameter = parameter("iterations", "4000", "most iterations per step");
 const TOLERANCE: Parameter = parameter(
     "tolerance",
-    "1e-6",
-    "relative gradient norm at which a step is done",
+    "4e-3",
+    "force left unbalanced at which a step is done, relative to the forces",
 );
 const START: Parameter = parameter(
     "start",

@@ -35,12 +35,15 @@ unsafe impl GlobalAlloc for Counting {
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
 
-/// How often twenty calls of `step` ask for memory, after a first one that may, on this thread.
+/// How often `work` asks for memory, on this thread.
+pub(crate) fn allocations(work: impl FnOnce()) -> usize {
+    let before = COUNT.get();
+    work();
+    COUNT.get() - before
+}
+
+/// How often twenty calls of `step` do, after a first one that may.
 pub(crate) fn allocations_once_warm(mut step: impl FnMut()) -> usize {
     step();
-    let before = COUNT.get();
-    for _ in 0..20 {
-        step();
-    }
-    COUNT.get() - before
+    allocations(|| (0..20).for_each(|_| step()))
 }

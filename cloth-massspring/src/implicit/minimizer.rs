@@ -20,7 +20,7 @@ pub(super) const STALL: Real = 100.0;
 pub(super) const LOST: Real = 1e-3;
 /// Relative gradient norm below which Newton's method finishes, where a tolerance asks for less: it converges quadratically
 /// there, down to rounding, the quasi-Newton method linearly.
-const FINISH: Real = 1e-7;
+const FINISH: Real = 1e-5;
 /// The same as a multiple of the estimate of rounding: one Newton step from there ends well below it.
 const LEFT: Real = 1e4;
 /// The iterates, and what the methods keep between two calls.
@@ -29,10 +29,9 @@ pub(super) struct Minimizer {
     pub(super) current: Point,
     pub(super) next: Point,
     pub(super) direction: Vec<Vec3>,
-    /// Norm of the gradient at the prediction, without contact (N/√kg).
-    predicted: Real,
-    /// The same, or that of the contact forces if it is larger.
-    reference: Real,
+    /// Norm of the forces that the current point asks for (N/√kg), as the potential's `inertial_norm` says: what the gradient
+    /// is compared with.
+    forces: Real,
     quasi_newton: Option<QuasiNewton>,
     /// Made when it is first needed.
     pub(super) newton: Option<NewtonSystem>,
@@ -70,8 +69,7 @@ impl Minimizer {
             current: Point::new(count),
             next: Point::new(count),
             direction: vec![Vec3::zeros(); count],
-            predicted: 0.0,
-            reference: 0.0,
+            forces: 0.0,
             quasi_newton: (!begins_with_newton)
                 .then(|| QuasiNewton::new(energies, is_free.clone())),
             newton: begins_with_newton
@@ -97,10 +95,6 @@ impl Minimizer {
             return Ok(report);
         }
         let stage = &task.stage;
-        // The place of the gradient is free until the iteration starts.
-        stage.gradient_into(stage.potential.predicted, &mut self.current.gradient);
-        self.predicted = stage.gradient_norm(&self.current.gradient);
-        self.reference = self.predicted;
         // What touches something does not go where its momentum alone would take it.
         let is_alone = contact.is_none();
         if let Some(quasi_newton) = self.quasi_newton.as_ref().filter(|_| is_alone) {
@@ -110,10 +104,11 @@ impl Minimizer {
         if let Some(mut quasi_newton) = self.quasi_newton.take() {
             let method = &mut quasi_newton;
             let end = self.iterate(method, task, &mut contact, &mut observer, &mut report);
-            if is_alone {
-                quasi_newton.settle(stage, &mut self.current);
-            } else {
-                quasi_newton.settle_together(stage, &mut self.current);
+            match contact.as_deref() {
+                None => quasi_newton.settle(stage, &mut self.current),
+                Some(contact) => {
+                    quasi_newton.settle_together(stage, contact, &mut self.current);
+                }
             }
             self.quasi_newton = Some(quasi_newton);
             match end? {
@@ -165,8 +160,8 @@ impl Minimizer {
         loop {
             let norm = self.gradient_norm(task)?;
             report.residual = Some(self.residual(norm, rounding));
-            let enough = if task.config.tolerance < FINISH {
-                (FINISH * self.reference).max(LEFT * rounding)
+            let enough = if task.config.tolerance < FINISH && contact.is_none() {
+                (FINISH * self.forces).max(LEFT * rounding)
             } else {
                 self.small_enough(task, rounding)
             };
@@ -189,7 +184,6 @@ impl Minimizer {
             if method.refresh(&stage, &self.current, before, is_start) {
                 report.factorizations += 1;
                 rounding = stage.rounding(method.matrix(), &self.current.positions);
-                self.weigh_contact(&stage);
                 report.residual = Some(self.residual(norm, rounding));
                 if norm <= rounding {
                     return Ok(End::Done(Outcome::Converged));
@@ -226,17 +220,6 @@ impl Minimizer {
         }
     }
 
-    /// Takes the contact forces at the current point as the scale of the gradient, where they are larger than what the prediction violates: a
-    /// sheet that lands flat has no elastic force there.
-    fn weigh_contact(&mut self, stage: &Stage<'_>) {
-        if let Some(contact) = stage.contact {
-            let forces = &mut self.direction;
-            forces.fill(Vec3::zeros());
-            contact.add_gradient(&self.current.positions, forces);
-            self.reference = self.predicted.max(stage.gradient_norm(forces));
-        }
-    }
-
     /// The part of the direction that is free of crossings.
     fn longest_step(
         &mut self,
@@ -255,9 +238,10 @@ impl Minimizer {
         limited.map_err(|reason| StepError::Contact { reason, step })
     }
 
-    /// Norm (N/√kg) of the gradient of the current point, which is finite.
-    pub(super) fn gradient_norm(&self, task: &Task<'_>) -> Result<Real, StepError> {
+    /// Norm (N/√kg) of the gradient of the current point, which is finite; and takes notice of what to compare it with.
+    pub(super) fn gradient_norm(&mut self, task: &Task<'_>) -> Result<Real, StepError> {
         let norm = task.stage.gradient_norm(&self.current.gradient);
+        self.forces = task.stage.potential.inertial_norm(&self.current.positions);
         if norm.is_finite() && self.current.value.is_finite() {
             return Ok(norm);
         }
@@ -271,13 +255,13 @@ impl Minimizer {
 
     /// Gradient norm (N/√kg) at which the iteration ends.
     pub(super) fn small_enough(&self, task: &Task<'_>, rounding: Real) -> Real {
-        (task.config.tolerance * self.reference).max(rounding)
+        (task.config.tolerance * self.forces).max(rounding)
     }
 
-    /// Gradient norm relative to that at the prediction. In free fall the latter is zero and only rounding is left to compare with.
+    /// Gradient norm relative to that of the forces. In free fall these are zero and only rounding is left to compare with.
     pub(super) fn residual(&self, norm: Real, rounding: Real) -> Real {
         if norm > 0.0 {
-            norm / self.reference.max(rounding)
+            norm / self.forces.max(rounding)
         } else {
             0.0
         }

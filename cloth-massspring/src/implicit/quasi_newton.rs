@@ -25,7 +25,7 @@ pub(super) struct QuasiNewton {
     unconstrained: Unconstrained,
     multigrid: Option<Multigrid>,
     history: History,
-    /// Contacts at the last matrix, and those of them between vertices.
+    /// Contacts, and those at the last matrix between vertices.
     rows: Vec<ContactRow>,
     pairs: Vec<ContactRow>,
     work: Vec<Vec3>,
@@ -58,7 +58,6 @@ impl QuasiNewton {
     pub(super) fn begin(&mut self) {
         self.history.clear();
         (self.iterations, self.age) = (0, 0);
-        self.rows.clear();
         self.pairs.clear();
     }
 
@@ -155,8 +154,15 @@ impl QuasiNewton {
         self.unconstrained.settle(stage, point);
     }
 
-    /// The same where components may touch each other, but nothing else, as the contacts of the last matrix say.
-    pub(super) fn settle_together(&self, stage: &Stage<'_>, point: &mut Point) {
+    /// The same where components touch each other, but nothing else.
+    pub(super) fn settle_together(
+        &mut self,
+        stage: &Stage<'_>,
+        contact: &dyn ContactPotential,
+        point: &mut Point,
+    ) {
+        self.rows.clear();
+        contact.linearize(&point.positions, &mut self.rows);
         if self.rows.iter().all(is_internal) {
             self.unconstrained.settle_together(stage, point);
         }

@@ -37,9 +37,9 @@ pub(super) const SETTINGS: [(&str, &str, Pairs); 9] = [
         &[("iterations", "20"), ("start", "inertial")],
     ),
     (
-        "implicit Euler, to 1e-3",
+        "implicit Euler, to 1e-1",
         EULER,
-        &[("tolerance", "1e-3"), ("start", "inertial")],
+        &[("tolerance", "1e-1"), ("start", "inertial")],
     ),
     (
         "implicit Euler, 3 Newton iterations of 5 conjugate gradients",
