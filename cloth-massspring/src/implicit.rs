@@ -57,8 +57,8 @@ use stage::Stage;
 /// Damping: drag acts with the velocity at the end of the step, without approximation. Stiffness damping acts with that velocity too, and with
 /// the stiffness at `x[0] + Δt v[0]`. An oscillation then shrinks by `1/√(1 + Δt γ + (Δt ω)²)`, `γ = α + β ω²`, a step.
 ///
-/// The residual in the report is `‖∇G(x)‖/‖M (x − x̃)/Δt²‖` at the end, in the norm of M⁻¹: how far the forces are from balance, relative to
-/// the forces ([`ImplicitConfig::tolerance`] says what follows for positions). A step has converged when it
+/// The residual in the report is what [`ImplicitConfig::tolerance`] bounds: the Newton decrement relative to the change of velocity that the forces have made, or
+/// `‖∇G(x)‖/‖M (x − x̃)/Δt²‖` in the norm of M⁻¹, which is never less, where that is small enough already. A step has converged when it
 /// is below the tolerance, or when the gradient is as small as rounding lets it be: positions are stored to half a
 /// unit in the last place of their coordinates, `½ ε |x|`, and a spring answers that with a force of `½ ε |x| k`.
 /// For a sheet of 1 m with springs of 10⁴ N/m and Δt = 1/60 s this floor lies between 10⁻⁸ and 10⁻¹⁰ of the forces. In free

@@ -14,8 +14,8 @@ pub(super) const EXPLICIT_SUBSTEPS: Parameter = parameter(
 const MAX_ITERATIONS: Parameter = parameter("iterations", "4000", "most iterations per step");
 const TOLERANCE: Parameter = parameter(
     "tolerance",
-    "4e-3",
-    "force left unbalanced at which a step is done, relative to the forces",
+    "1e-3",
+    "error of the velocity change at which a step is done, relative to it (estimated by the Newton decrement)",
 );
 const START: Parameter = parameter(
     "start",

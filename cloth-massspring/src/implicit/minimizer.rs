@@ -23,6 +23,9 @@ pub(super) const LOST: Real = 1e-3;
 const FINISH: Real = 1e-5;
 /// The same as a multiple of the estimate of rounding: one Newton step from there ends well below it.
 const LEFT: Real = 1e4;
+/// A start that gives off much energy, cloth crushed to a point for instance, is compared with this part of the velocity that it would make.
+const VIOLENT: Real = 1e-3;
+
 /// The iterates, and what the methods keep between two calls.
 #[derive(Debug)]
 pub(super) struct Minimizer {
@@ -32,6 +35,8 @@ pub(super) struct Minimizer {
     /// Norm of the forces that the current point asks for (N/√kg), as the potential's `inertial_norm` says: what the gradient
     /// is compared with.
     forces: Real,
+    /// `G` (J) where the iteration has started.
+    first: Real,
     quasi_newton: Option<QuasiNewton>,
     /// Made when it is first needed.
     pub(super) newton: Option<NewtonSystem>,
@@ -70,6 +75,7 @@ impl Minimizer {
             next: Point::new(count),
             direction: vec![Vec3::zeros(); count],
             forces: 0.0,
+            first: 0.0,
             quasi_newton: (!begins_with_newton)
                 .then(|| QuasiNewton::new(energies, is_free.clone())),
             newton: begins_with_newton
@@ -101,6 +107,11 @@ impl Minimizer {
             quasi_newton.settle(stage, &mut self.current);
         }
         self.current.evaluate(&with(task, &contact));
+        self.first = self.current.value;
+        if let Some(quasi_newton) = self.quasi_newton.take() {
+            self.fall_together(&quasi_newton, task, &mut contact)?;
+            self.quasi_newton = Some(quasi_newton);
+        }
         if let Some(mut quasi_newton) = self.quasi_newton.take() {
             let method = &mut quasi_newton;
             let end = self.iterate(method, task, &mut contact, &mut observer, &mut report);
@@ -160,19 +171,17 @@ impl Minimizer {
         loop {
             let norm = self.gradient_norm(task)?;
             report.residual = Some(self.residual(norm, rounding));
-            let enough = if task.config.tolerance < FINISH && contact.is_none() {
-                (FINISH * self.forces).max(LEFT * rounding)
+            let is_finishing = task.config.tolerance < FINISH && contact.is_none();
+            let (tolerance, least) = if is_finishing {
+                (FINISH, LEFT * rounding)
             } else {
-                self.small_enough(task, rounding)
+                (task.config.tolerance, rounding)
             };
-            if norm <= enough {
+            if norm <= (tolerance * self.forces).max(least) {
                 return Ok(End::Done(Outcome::Converged));
             }
             if report.iterations == task.config.max_iterations {
                 return Ok(End::Done(Outcome::BudgetSpent));
-            }
-            if contact.is_none() && progress.is_too_slow(report.iterations, norm, enough) {
-                return Ok(End::Stuck);
             }
             let is_start = report.iterations == 0;
             let before = if is_start {
@@ -193,6 +202,15 @@ impl Minimizer {
             report.linear_solves += 1;
             report.linear_iterations += 1;
             let slope = method.direction(&self.current.gradient, &mut self.direction);
+            let decrement = (-slope).max(0.0).sqrt();
+            let enough = self.close_enough(task, tolerance);
+            report.residual = Some(self.relative(task, decrement));
+            if decrement <= enough {
+                return Ok(End::Done(Outcome::Converged));
+            }
+            if contact.is_none() && progress.is_too_slow(report.iterations, decrement, enough) {
+                return Ok(End::Stuck);
+            }
             let most = self.longest_step(task, contact)?;
             let stage = with(task, contact);
             let (from, to) = (&self.current, &mut self.next);
@@ -218,6 +236,33 @@ impl Minimizer {
                 observer.iteration(report.iterations, &self.current.positions);
             }
         }
+    }
+
+    /// Shifts cloth that nothing holds to where gravity takes it, if that is a free way and leads down: cloth that falls without touching anything is
+    /// there then.
+    fn fall_together(
+        &mut self,
+        method: &QuasiNewton,
+        task: &Task<'_>,
+        contact: &mut Contact<'_>,
+    ) -> Result<(), StepError> {
+        let Some(source) = contact else {
+            return Ok(());
+        };
+        let (from, to) = (&self.current, &mut self.next);
+        to.positions.copy_from_slice(&from.positions);
+        to.gradient.copy_from_slice(&from.gradient);
+        method.settle_together(&task.stage, &mut self.next);
+        let step = task.step;
+        let limited = source.limit(&self.current.positions, &self.next.positions);
+        if limited.map_err(|reason| StepError::Contact { reason, step })? < 1.0 {
+            return Ok(());
+        }
+        self.next.evaluate(&with(task, contact));
+        if self.next.value < self.current.value {
+            std::mem::swap(&mut self.current, &mut self.next);
+        }
+        Ok(())
     }
 
     /// The part of the direction that is free of crossings.
@@ -256,6 +301,18 @@ impl Minimizer {
     /// Gradient norm (N/√kg) at which the iteration ends.
     pub(super) fn small_enough(&self, task: &Task<'_>, rounding: Real) -> Real {
         (task.config.tolerance * self.forces).max(rounding)
+    }
+
+    /// The change of velocity that the forces make, `‖x − x̂‖_M/s` (√J), times the tolerance: Newton decrement at which the iteration ends.
+    pub(super) fn close_enough(&self, task: &Task<'_>, tolerance: Real) -> Real {
+        let given_off = 2.0 * (self.first - self.current.value).max(0.0);
+        let change = self.forces * task.stage.potential.dt;
+        tolerance * change.max(VIOLENT * given_off.sqrt())
+    }
+
+    /// A Newton decrement (√J) relative to the change of velocity that the forces make.
+    pub(super) fn relative(&self, task: &Task<'_>, decrement: Real) -> Real {
+        decrement / self.close_enough(task, 1.0).max(Real::MIN_POSITIVE)
     }
 
     /// Gradient norm relative to that of the forces. In free fall these are zero and only rounding is left to compare with.

@@ -38,13 +38,17 @@ pub(super) fn iterate(
             }
             report.iterations += 1;
             factorize(points, system, task, report)?;
-            let moved = if norm <= points.small_enough(task, rounding) {
-                leave_saddle(points, system, task)
+            let (moved, decrement) = if norm <= points.small_enough(task, rounding) {
+                (leave_saddle(points, system, task), Real::INFINITY)
             } else {
                 descend(points, system, task, report)?
             };
+            let is_close = decrement <= points.close_enough(task, task.config.tolerance);
+            if is_close {
+                report.residual = Some(points.relative(task, decrement));
+            }
             if !moved {
-                if norm <= STALL * rounding {
+                if norm <= STALL * rounding || is_close {
                     return Ok(());
                 }
                 if system.fall_back() {
@@ -59,6 +63,9 @@ pub(super) fn iterate(
             std::mem::swap(&mut points.current, &mut points.next);
             if let Some(observer) = observer.as_deref_mut() {
                 observer.iteration(report.iterations, &points.current.positions);
+            }
+            if is_close && task.config.accept == Accept::Stationary {
+                return Ok(());
             }
         }
     })
@@ -146,19 +153,19 @@ fn solve(
     }
 }
 
-/// One Newton step into `next`. Returns whether it leads down.
+/// One Newton step into `next`. Returns whether it leads down, and the Newton decrement (√J) before it.
 fn descend(
     points: &mut Minimizer,
     system: &mut NewtonSystem,
     task: &Task<'_>,
     report: &mut StepReport,
-) -> Result<bool, StepError> {
+) -> Result<(bool, Real), StepError> {
     solve(points, system, task, report)?;
     let (from, to) = (&points.current, &mut points.next);
     let slope = dot(&from.gradient, &points.direction);
     let found = line_search::search(&task.stage, from, &points.direction, slope, 1.0, to);
     report.backtracks += found.backtracks;
-    Ok(found.accepted)
+    Ok((found.accepted, (-slope).max(0.0).sqrt()))
 }
 
 /// Whether a point where the gradient is small is good enough to stop.

@@ -2,8 +2,7 @@
 //!
 //! A cell is one kind of start at one size of step, stiffness ratio and mass ratio; ten jittered runs each. A run passes if the step converges
 //! to a finite state whose incremental potential is not above that of its start, or fails with a `StepError` and leaves the
-//! state untouched. The second kind is counted apart. Where the forces in balance are tiny beside those of the start, at stiffness ratios of 10⁸
-//! above all, balance is beyond two thousand iterations; such a run passes if the gradient was a millionth of that at the prediction on the way.
+//! state untouched. The second kind is counted apart.
 
 use crate::{DOWN, noise, solver};
 use cloth_core::energy::Spring;
@@ -12,7 +11,7 @@ use cloth_core::measure::{IncrementalPotential, predict};
 use cloth_core::mesh::TriMesh;
 use cloth_core::mesh::generate::{Diagonals, grid};
 use cloth_core::particles::{Particles, State};
-use cloth_core::step::{Observer, Outcome, StepInput, Stepper};
+use cloth_core::step::{Outcome, StepInput, Stepper};
 use cloth_core::topology::EdgeTable;
 use cloth_massspring::{Bdf2, ImplicitConfig, ImplicitEuler, ImplicitMidpoint};
 
@@ -68,44 +67,18 @@ fn start(kind: Start, mesh: &TriMesh, particles: &Particles, run: usize) -> Stat
     State::at_rest(positions)
 }
 
-/// Part of the gradient at the prediction that has to be reached where forces are not in balance within the budget.
-const LEFT: Real = 1e-6;
-
-/// Watches for the least gradient norm (N/√kg).
-struct Least<'a> {
-    potential: IncrementalPotential<'a>,
-    gradient: Vec<Vec3>,
-    norm: Real,
-}
-
-impl Least<'_> {
-    fn norm_at(&mut self, x: &[Vec3]) -> Real {
-        self.potential.gradient_into(x, &mut self.gradient);
-        self.potential.gradient_norm(&self.gradient)
-    }
-}
-
-impl Observer for Least<'_> {
-    fn iteration(&mut self, _: u32, positions: &[Vec3]) {
-        self.norm = self.norm.min(self.norm_at(positions));
-    }
-}
-
-/// Runs that converged, that spent their iterations with and without [`LEFT`] reached, and were refused with the state untouched; and most
-/// iterations of one.
+/// Runs that converged, spent their iterations, and were refused with the state untouched; and most iterations of one.
 #[derive(Debug, Default)]
 struct Cell {
     converged: usize,
-    fell: usize,
     spent: usize,
     refused: Vec<String>,
     iterations: u32,
 }
 
-/// `part` of the step lies before the place where the forces are taken.
 fn cell(
     make: impl Fn(&Particles, &[Spring]) -> Box<dyn Stepper>,
-    part: Real,
+    euler: bool,
     kind: Start,
     dt: Real,
     stiffness: Real,
@@ -122,36 +95,29 @@ fn cell(
     for run in 0..RUNS {
         let before = start(kind, &mesh, &particles, run);
         let mut state = before.clone();
-        let input = |dt| StepInput::new(dt).gravity(DOWN);
-        predict(&particles, &state, &input(part * dt), &mut predicted);
-        let potential = IncrementalPotential {
-            particles: &particles,
-            energies: &energies,
-            predicted: &predicted,
-            dt: part * dt,
-        };
-        let mut least = Least {
-            potential,
-            gradient: predicted.clone(),
-            norm: Real::INFINITY,
-        };
-        match solver.step(&mut state, input(dt).observer(&mut least)) {
+        let input = || StepInput::new(dt).gravity(DOWN);
+        predict(&particles, &state, &input(), &mut predicted);
+        match solver.step(&mut state, input()) {
             Ok(report) => {
-                assert_eq!(state.first_non_finite(), None, "{kind:?} {dt} {run}");
-                let ways = before.positions.iter().zip(&state.positions);
-                let there: Vec<Vec3> = ways.map(|(a, b)| a + (b - a) * part).collect();
-                let [from, to] = [&before.positions, &there].map(|x| potential.value(x));
-                assert!(
-                    to <= from * (1.0 + 1e-9),
-                    "{kind:?} {dt} {run}: {from} to {to} J"
-                );
-                let enough = LEFT * least.norm_at(&predicted);
                 match report.outcome {
                     Outcome::Converged => cell.converged += 1,
-                    Outcome::BudgetSpent if least.norm <= enough => cell.fell += 1,
                     Outcome::BudgetSpent => cell.spent += 1,
                 }
                 cell.iterations = cell.iterations.max(report.iterations);
+                assert_eq!(state.first_non_finite(), None, "{kind:?} {dt} {run}");
+                if euler {
+                    let potential = IncrementalPotential {
+                        particles: &particles,
+                        energies: &energies,
+                        predicted: &predicted,
+                        dt,
+                    };
+                    let [from, to] = [&before, &state].map(|s| potential.value(&s.positions));
+                    assert!(
+                        to <= from * (1.0 + 1e-9),
+                        "{kind:?} {dt} {run}: {from} to {to} J"
+                    );
+                }
             }
             Err(error) => {
                 assert!(state == before, "{kind:?}: {error} changed the state");
@@ -165,7 +131,7 @@ fn cell(
 #[test]
 fn newton_converges_from_anywhere() {
     let config = ImplicitConfig {
-        max_iterations: 2000,
+        max_iterations: 4000,
         ..ImplicitConfig::default()
     };
     let mut bad = Vec::new();
@@ -176,12 +142,12 @@ fn newton_converges_from_anywhere() {
                     let make = |p: &Particles, s: &[Spring]| {
                         Box::new(solver!(ImplicitEuler, p, s.to_vec(), config)) as Box<dyn Stepper>
                     };
-                    let cell = cell(make, 1.0, kind, dt, stiffness, mass);
+                    let cell = cell(make, true, kind, dt, stiffness, mass);
                     println!(
-                        "stiffness 1:{stiffness:e}, mass 1:{mass:e}, dt {dt:.4}, {kind:?}: {} of {RUNS}, and {} fell, {} iterations at most",
-                        cell.converged, cell.fell, cell.iterations
+                        "stiffness 1:{stiffness:e}, mass 1:{mass:e}, dt {dt:.4}, {kind:?}: {} of {RUNS}, {} iterations at most",
+                        cell.converged, cell.iterations
                     );
-                    if cell.converged + cell.fell < RUNS || (stiffness < 1e8 && cell.fell > 1) {
+                    if cell.converged < RUNS {
                         bad.push(format!("{stiffness:e} {mass:e} {dt} {kind:?}: {cell:?}"));
                     }
                 }
@@ -194,7 +160,7 @@ fn newton_converges_from_anywhere() {
 #[test]
 fn midpoint_and_bdf2_converge_from_anywhere_too() {
     let config = ImplicitConfig {
-        max_iterations: 2000,
+        max_iterations: 4000,
         ..ImplicitConfig::default()
     };
     for kind in STARTS {
@@ -207,12 +173,11 @@ fn midpoint_and_bdf2_converge_from_anywhere_too() {
                     Box::new(solver!(Bdf2, p, s.to_vec(), config)) as Box<dyn Stepper>
                 };
                 for cell in [
-                    cell(midpoint, 0.5, kind, dt, stiffness, 1e6),
-                    cell(bdf2, 1.0, kind, dt, stiffness, 1e6),
+                    cell(midpoint, false, kind, dt, stiffness, 1e6),
+                    cell(bdf2, false, kind, dt, stiffness, 1e6),
                 ] {
                     assert_eq!(
-                        cell.converged + cell.fell,
-                        RUNS,
+                        cell.converged, RUNS,
                         "{kind:?} {dt} {stiffness:e}: {cell:?}"
                     );
                 }
