@@ -108,8 +108,8 @@ impl Minimizer {
         }
         self.current.evaluate(&with(task, &contact));
         self.first = self.current.value;
-        if let Some(quasi_newton) = self.quasi_newton.take() {
-            self.fall_together(&quasi_newton, task, &mut contact)?;
+        if let Some(mut quasi_newton) = self.quasi_newton.take() {
+            self.fall_together(&mut quasi_newton, task, &mut contact)?;
             self.quasi_newton = Some(quasi_newton);
         }
         if let Some(mut quasi_newton) = self.quasi_newton.take() {
@@ -242,7 +242,7 @@ impl Minimizer {
     /// there then.
     fn fall_together(
         &mut self,
-        method: &QuasiNewton,
+        method: &mut QuasiNewton,
         task: &Task<'_>,
         contact: &mut Contact<'_>,
     ) -> Result<(), StepError> {
@@ -252,7 +252,7 @@ impl Minimizer {
         let (from, to) = (&self.current, &mut self.next);
         to.positions.copy_from_slice(&from.positions);
         to.gradient.copy_from_slice(&from.gradient);
-        method.settle_together(&task.stage, &mut self.next);
+        method.settle_together(&task.stage, &**source, &mut self.next);
         let step = task.step;
         let limited = source.limit(&self.current.positions, &self.next.positions);
         if limited.map_err(|reason| StepError::Contact { reason, step })? < 1.0 {

@@ -41,8 +41,6 @@ impl Observer for Recorder {
 pub(crate) struct Norms {
     /// `‖∇G(x)‖`.
     pub(crate) gradient: Real,
-    /// `‖M (x − x̃)/Δt²‖`.
-    pub(crate) forces: Real,
     /// `‖∇G(x̃)‖`.
     predicted: Real,
 }
@@ -75,7 +73,6 @@ pub(crate) fn norms(
     };
     Norms {
         gradient: norm(x),
-        forces: potential.inertial_norm(x),
         predicted: norm(&predicted),
     }
 }
