@@ -1,4 +1,4 @@
-//! One step of the hanging sheet, by every method at its published setting, at three sizes.
+//! One step of the hanging sheet, by every method at its published setting, at three sizes; and of a sheet in flight, with and without contact to look for.
 //!
 //! The limit is that of reading the state and the elements once and writing the state: what no method can do without, however few iterations it needs.
 
@@ -7,7 +7,8 @@ mod limit;
 #[path = "support/sheet.rs"]
 mod sheet;
 
-use cloth_bench::method::METHODS;
+use cloth_bench::method::{METHODS, Method};
+use cloth_bench::scene;
 use cloth_bench::settings::Settings;
 use cloth_bench::yardstick::StepProblem;
 use cloth_core::step::StepInput;
@@ -42,6 +43,33 @@ fn steps(criterion: &mut Criterion) {
     }
 }
 
+/// What it costs a sheet in flight that it could touch itself.
+fn flight(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("step of a sheet in flight");
+    group.sample_size(10);
+    for n in [64, 128] {
+        for (name, own) in [("alone", "self=no"), ("with self-contact", "self=yes")] {
+            let settings = Settings::parse(&[own]).expect("a setting").with("n", n);
+            let scene = scene::build("drop", None, &settings).expect("a scene");
+            let mut contacts = scene.contacts().expect("contact");
+            let method = Method::find("xpbd").expect("a method");
+            let solver = method.build(&scene, &Settings::default(), scene.dt);
+            let mut solver = solver.expect("a solver");
+            // Not too fast for coordinates that stay small.
+            let mut state = scene.start.clone();
+            state.velocities.fill(scene.gravity * 1e-3);
+            let bytes = size_of_val(&state.positions[..]) * 4;
+            limit::bench(&mut group, format!("{name}/{n}"), bytes, || {
+                let mut input = StepInput::new(scene.dt);
+                if let Some(contacts) = &mut contacts {
+                    input = input.contacts(&mut **contacts);
+                }
+                solver.step(&mut state, input)
+            });
+        }
+    }
+}
+
 fn main() {
-    limit::main(&[steps]);
+    limit::main(&[steps, flight]);
 }
