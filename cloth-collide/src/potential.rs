@@ -68,6 +68,7 @@ mod near_pairs;
 mod pair;
 mod patches;
 mod quiet;
+mod report;
 mod rows;
 mod source;
 mod tangent;
@@ -76,7 +77,7 @@ pub use builder::PotentialBuilder;
 pub use gap::Gap;
 pub use mollifier::Mollifier;
 pub use pair::{EdgeEdgeContact, VertexTriangleContact};
-pub use rows::ConstraintReport;
+pub use report::ConstraintReport;
 pub use source::{PotentialContacts, PotentialReport};
 
 #[cfg(doc)]

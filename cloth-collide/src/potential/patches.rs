@@ -10,6 +10,7 @@
 //! that are known only the first ones do. Patches that fly together cost nothing, whatever their common motion.
 
 mod detect;
+mod partition;
 mod ways;
 
 use super::near::Near;
@@ -19,6 +20,7 @@ use crate::ccd::QueryKind;
 use crate::incidence::{Owned, edge_numbers, owned};
 use cloth_core::math::{Real, Vec3, gather};
 use cloth_core::mesh::TriMesh;
+use partition::halve;
 
 /// Triangles in a patch, at most.
 const PATCH: usize = 32;
@@ -50,6 +52,19 @@ pub(super) struct NearPair {
     pub(super) stretch: Vec3,
     /// Across a plane that has had the two apart.
     pub(super) normal: Vec3,
+    /// Where they were nearest when that was last found.
+    pub(super) known: Option<Known>,
+}
+
+/// Nearest points of two primitives, which stay while their patches hardly move against each other.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Known {
+    pub(super) weights: [Real; 4],
+    pub(super) normal: Vec3,
+    /// Area (m²) that they stand for.
+    pub(super) area: Real,
+    /// Travel of the patches (m).
+    pub(super) travel: Real,
 }
 
 /// Two patches, or one with itself, and what can touch between them.
@@ -79,10 +94,11 @@ struct PatchPair {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct TooFar;
 
-/// Where a pair is: its patches, and its number there.
+/// Where a pair is: its patches, the number that they had then, and its number there.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Place {
     patches: [u32; 2],
+    number: u32,
     index: u32,
 }
 
@@ -272,7 +288,7 @@ impl Patches {
         near: &Near,
         x: &[Vec3],
         to: &[Vec3],
-        mut visit: impl FnMut(Place, &mut NearPair) -> Real,
+        mut visit: impl FnMut(Place, &mut NearPair, Real) -> Real,
     ) -> Result<(), TooFar> {
         self.substep += 1;
         self.awake = 0;
@@ -286,7 +302,7 @@ impl Patches {
         near: &Near,
         x: &[Vec3],
         to: &[Vec3],
-        mut visit: impl FnMut(Place, &mut NearPair) -> Real,
+        mut visit: impl FnMut(Place, &mut NearPair, Real) -> Real,
     ) -> Result<(), TooFar> {
         self.measure(x, to);
         self.look(near, x, &mut visit)
@@ -333,10 +349,12 @@ impl Patches {
 
     /// The pair at a place, or where it has gone since.
     pub(super) fn pair_mut(&mut self, place: Place, vertices: [u32; 4]) -> Option<&mut NearPair> {
-        let found = self
-            .pairs
-            .binary_search_by_key(&place.patches, |pair| pair.patches);
-        let pairs = &mut self.pairs[found.ok()?].pairs;
+        let number = place.number as usize;
+        let number = match self.ids.get(number) {
+            Some(ids) if *ids == place.patches => number,
+            _ => self.ids.binary_search(&place.patches).ok()?,
+        };
+        let pairs = &mut self.pairs[number].pairs;
         let index = place.index as usize;
         if pairs
             .get(index)
@@ -422,7 +440,7 @@ impl Patches {
         &mut self,
         near: &Near,
         x: &[Vec3],
-        visit: &mut impl FnMut(Place, &mut NearPair) -> Real,
+        visit: &mut impl FnMut(Place, &mut NearPair, Real) -> Real,
     ) -> Result<(), TooFar> {
         if !self.is_known || self.strayed() > self.reach {
             let way = Self::stray(&self.now, &self.then);
@@ -448,7 +466,7 @@ impl Patches {
         k: usize,
         near: &Near,
         x: &[Vec3],
-        visit: &mut impl FnMut(Place, &mut NearPair) -> Real,
+        visit: &mut impl FnMut(Place, &mut NearPair, Real) -> Real,
     ) -> Real {
         let slack = super::rows::SLACK * near.law().range();
         self.bring_up(k);
@@ -477,7 +495,16 @@ impl Patches {
             }
             if one.wake < travel && one.seen != self.substep {
                 one.seen = self.substep;
-                one.wake = pair.travel + visit(Place { patches, index }, one);
+                one.wake = pair.travel
+                    + visit(
+                        Place {
+                            patches,
+                            number: k as u32,
+                            index,
+                        },
+                        one,
+                        pair.travel,
+                    );
             }
             left = left.min(one.wake - pair.travel);
         }
@@ -558,21 +585,4 @@ fn around(vertices: &[u32], x: &[Vec3]) -> Bounds {
         bounds.upper = bounds.upper.sup(&x[v as usize]);
     }
     bounds
-}
-
-/// Cuts a set of triangles across its longest side, until the parts are small enough.
-fn halve(triangles: &mut [u32], middle: &impl Fn(u32) -> Vec3, done: &mut impl FnMut(&[u32])) {
-    if triangles.len() <= PATCH {
-        done(triangles);
-        return;
-    }
-    let first = middle(triangles[0]);
-    let (lower, upper) = triangles.iter().fold((first, first), |(low, high), &t| {
-        (low.inf(&middle(t)), high.sup(&middle(t)))
-    });
-    let axis = (upper - lower).imax();
-    triangles.sort_by(|&a, &b| middle(a)[axis].total_cmp(&middle(b)[axis]));
-    let (a, b) = triangles.split_at_mut(triangles.len() / 2);
-    halve(a, middle, done);
-    halve(b, middle, done);
 }

@@ -1,6 +1,7 @@
 //! Contact as unilateral constraints: the view for methods that project positions.
 //!
-//! A substep of h goes from x₀. Each pair of pieces that can touch in it is a row n·Σ wᵢ xᵢ ≥ d̂, with the nearest points frozen at x₀, and what pushes is the law of the
+//! A substep of h goes from x₀. Each pair of pieces that can touch in it is a row n·Σ wᵢ xᵢ ≥ d̂, with the nearest points frozen at x₀ (or at an earlier substep, while the
+//! patches have hardly moved against each other: then cloth at rest has the same rows in each), and what pushes is the law of the
 //! potential there: with stiffness k = A φ″ and a range d̂ = d + A φ′/−k where the tangent of the force ends, so that λ/h² is the force k (d̂ − d). XPBD's projection with the compliance
 //! α̃ = 1/(k h²) and λ ≥ 0 is
 //!
@@ -13,13 +14,14 @@
 //! sweeps without compliance; then its vertices go back on their way; and what is left even then is for impact zones.
 
 use super::bodies::Bodies;
-use super::patches::{NearPair, Patches, Place, TooFar};
+use super::patches::{Known, NearPair, Patches, Place, TooFar};
 use super::quiet::Quiet;
+use super::report::ConstraintReport;
 use super::source::PotentialContacts;
 use super::tangent::{Tangent, hold, stretch};
 use crate::ccd::QueryKind;
 use crate::obstacle::{ObstacleContacts, PenaltyLaw};
-use crate::response::pair::{Motion, apart_along, first_contact, gap_along, nearest};
+use crate::response::pair::{Motion, Nearest, apart_along, first_contact, gap_along, nearest};
 use cloth_core::contact::{ContactConstraints, ContactError, ContactSource, ContactStep};
 use cloth_core::math::{Real, Vec3, gather, is_finite};
 
@@ -29,33 +31,14 @@ pub(super) const SLACK: Real = 0.05;
 pub(super) const KEPT: Real = 0.1;
 /// Distances (in ranges) below which the law is that of this distance; and what a pair that is nearer comes back to when it has to.
 pub(super) const LEAST: Real = 0.05;
+/// Travel of patches (in thicknesses) during which the nearest points of two pieces stay what they are.
+const PERSISTENT: Real = 0.02;
 /// Rounds of sweeps without compliance, and sweeps in each.
 const REPAIRS: u32 = 3;
 const REPAIR_SWEEPS: u32 = 5;
 /// Rounds in which ways are halved, and rounds in all before zones take over.
 const HALVINGS: u32 = 3;
 const ROUNDS: u32 = 12;
-
-/// What the last step took.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct ConstraintReport {
-    /// Searches for pairs of patches, and for pairs of primitives between two patches.
-    pub searches: u32,
-    /// See `searches`.
-    pub detections: u32,
-    /// Pairs that were looked at, over all substeps.
-    pub looked: u32,
-    /// Rows, over all substeps, of cloth and of bodies.
-    pub rows: u32,
-    /// Pairs that had not kept their distance at the end of a substep.
-    pub violated: u32,
-    /// Vertices whose way was shortened.
-    pub shortened: u32,
-    /// Substeps that impact zones ended.
-    pub zones: u32,
-    /// Substeps in which nothing could come near, so that nothing was looked at.
-    pub quiet: u32,
-}
 
 /// A pair that can touch in this substep.
 #[derive(Clone, Copy, Debug)]
@@ -151,10 +134,27 @@ impl Row {
         law: PenaltyLaw,
         step: &ContactStep<'_>,
         to: &[Vec3],
+        travel: Option<Real>,
         mollified: impl Fn(&NearPair, &[Vec3; 4]) -> Real,
     ) -> Self {
         let x = gather(step.from, pair.vertices);
-        let near = nearest(pair.kind, &x);
+        let fresh =
+            |known: &Known| travel.is_some_and(|t| t - known.travel <= PERSISTENT * law.range());
+        let known = pair.known.filter(fresh);
+        let near = match known {
+            Some(Known {
+                weights, normal, ..
+            }) => {
+                let sum: Vec3 = (0..4).map(|k| x[k] * weights[k]).sum();
+                let distance = normal.dot(&sum);
+                Nearest {
+                    weights,
+                    normal,
+                    distance,
+                }
+            }
+            None => nearest(pair.kind, &x),
+        };
         let to = gather(to, pair.vertices);
         let sum = |x: &[Vec3; 4]| -> Vec3 { (0..4).map(|k| x[k] * near.weights[k]).sum() };
         let approach = near.distance - near.normal.dot(&sum(&to));
@@ -170,10 +170,20 @@ impl Row {
             stiffness: 0.0,
         };
         if pushes {
-            let area = match pair.kind {
-                QueryKind::VertexTriangle => pair.area,
-                QueryKind::EdgeEdge => pair.area * mollified(pair, &x),
+            let area = match (known, pair.kind) {
+                (Some(known), _) => known.area,
+                (None, QueryKind::VertexTriangle) => pair.area,
+                (None, QueryKind::EdgeEdge) => pair.area * mollified(pair, &x),
             };
+            if known.is_none() {
+                let (weights, normal) = (near.weights, near.normal);
+                pair.known = travel.map(|travel| Known {
+                    weights,
+                    normal,
+                    area,
+                    travel,
+                });
+            }
             tangent = Tangent::of(law.with_range(pair.range), area, near.distance);
             pushes = tangent.stiffness > 0.0;
         } else {
@@ -417,7 +427,7 @@ impl PotentialContacts {
         let (list, parted) = (&mut rows.rows, &mut rows.parted);
         let far = SLACK * law.range();
         let mollified = |pair: &NearPair, x: &[Vec3; 4]| near.mollified(pair.vertices, x);
-        let visit = |place, pair: &mut NearPair| {
+        let visit = |place, pair: &mut NearPair, travel| {
             let (kind, vertices) = (pair.kind, pair.vertices);
             let now = gap_along(kind, &pair.normal, &gather(step.from, vertices));
             let least = pair.range + far;
@@ -432,7 +442,7 @@ impl PotentialContacts {
                 pair.stretch = Vec3::zeros();
                 return now - pair.range;
             }
-            let row = Row::new(place, pair, law, step, to, mollified);
+            let row = Row::new(place, pair, law, step, to, Some(travel), mollified);
             list.push(row);
             pair.normal = row.normal;
             row.distance - pair.range
@@ -484,7 +494,7 @@ impl PotentialContacts {
                 return true;
             };
             let mollified = |pair: &NearPair, x: &[Vec3; 4]| near.mollified(pair.vertices, x);
-            list.push(Row::new(parted.place, pair, law, step, x, mollified));
+            list.push(Row::new(parted.place, pair, law, step, x, None, mollified));
             false
         });
     }

@@ -223,6 +223,7 @@ fn push(
             seen: 0,
             stretch: Vec3::zeros(),
             normal: Vec3::zeros(),
+            known: None,
         });
     }
 }
