@@ -151,8 +151,17 @@ impl Minimizer {
                 }
             }
         }
-        newton::iterate(self, task, observer, &mut report)?;
-        Ok(report)
+        match newton::iterate(self, task, observer, &mut report) {
+            Ok(()) => Ok(report),
+            // An iterative linear solver may lose a nearly singular matrix to rounding; the point so far is a step all the same.
+            Err(StepError::NotPositiveDefinite { .. })
+                if report.newton_fallbacks > 0 && !task.config.linear.proves_definiteness() =>
+            {
+                report.outcome = Outcome::BudgetSpent;
+                Ok(report)
+            }
+            Err(error) => Err(error),
+        }
     }
 
     /// The quasi-Newton iteration to the tolerance.
