@@ -56,9 +56,10 @@ fn pd(model: &ClothModel) -> Box<dyn Stepper> {
     Box::new(builder.energy(model.hinges.clone()).build().unwrap())
 }
 
+type Make = fn(&ClothModel) -> Box<dyn Stepper>;
+
 /// Methods that feel contact while they solve.
-const METHODS: [fn(&ClothModel) -> Box<dyn Stepper>; 2] =
-    [|model| implicit_euler(model, tight()), pd];
+const METHODS: [Make; 2] = [|model| implicit_euler(model, tight()), pd];
 
 fn contacts(mesh: &TriMesh, obstacle: Option<Obstacle>, friction: Real) -> PotentialContacts {
     let law = ImpactLaw::new(friction, 0.0).unwrap();
