@@ -371,3 +371,51 @@ fn extreme_sizes_are_cut_or_refused() {
     }
     assert!(cut > 10, "{cut} cut, {refused} refused");
 }
+
+/// Two sheets fly side by side, a centimetre apart, far towards a floor: the lower one is stopped, so the upper one must not go on through it, though nothing
+/// brings them nearer on their own ways.
+#[test]
+fn what_flies_along_is_cut_too() {
+    let one = grid(9, 9, 0.4, 0.4, Diagonals::Alternating).unwrap();
+    let count = one.vertex_count() as u32;
+    let at = |z: Real| {
+        one.positions()
+            .iter()
+            .map(move |x| x + Vec3::new(0.011, 0.007, 1.0) * z)
+    };
+    let positions: Vec<Vec3> = at(0.003).chain(at(0.013)).chain(at(0.023)).collect();
+    let shifted = |k: u32| {
+        one.triangles()
+            .iter()
+            .map(move |t| t.map(|v| v + k * count))
+    };
+    let triangles = shifted(0).chain(shifted(1)).chain(shifted(2)).collect();
+    let mesh = TriMesh::new(positions, triangles).unwrap();
+    let law = ImpactLaw::new(0.0, 0.0).unwrap();
+    let plane = Obstacle::new(HalfSpace::new(Vec3::z()).unwrap());
+    let bodies = ObstacleContacts::new(2e-3, 1e-3).unwrap().with(plane, law);
+    let builder = PotentialContacts::builder(&mesh)
+        .thickness(2e-3)
+        .obstacles(bodies);
+    let mut contacts = builder.build().unwrap();
+    let mut x = mesh.positions().to_vec();
+    begin(&mut contacts, &x);
+    let mut probe = SeparationProbe::new(&mesh);
+    let mut parts = vec![0.0; x.len()];
+    for _ in 0..5 {
+        let mut to: Vec<Vec3> = x.iter().map(|x| x - Vec3::z() * 0.019).collect();
+        contacts.limit_each(&x, &mut to, &mut parts).unwrap();
+        let seen = probe.measure(&to).unwrap();
+        assert_eq!(seen.intersecting_pairs, 0);
+        assert!(seen.min_distance.unwrap() > 0.0);
+        let layers = [0, 1, 2].map(|k| {
+            let own = &to[k * count as usize..(k + 1) * count as usize];
+            own.iter().map(|x| x.z).fold(Real::INFINITY, Real::min)
+        });
+        assert!(
+            0.0 < layers[0] && layers[0] < layers[1] && layers[1] < layers[2],
+            "{layers:?}"
+        );
+        x = to;
+    }
+}

@@ -22,6 +22,8 @@ use cloth_core::mesh::TriMesh;
 
 /// Ways longer than this many thicknesses, apart from what all vertices do together, are looked at in part.
 const LONGEST: Real = 10.0;
+/// Times that pairs are chosen anew because vertices were cut, before all are cut alike.
+const MOST_ROUNDS: u32 = 10;
 /// Coordinates (m) from which on squares are beyond all numbers.
 const LARGEST: Real = 1e150;
 /// Way (in thicknesses) below which friction is a spring.
@@ -233,12 +235,29 @@ impl ContactPotential for PotentialContacts {
         self.report.ways += 1;
         parts.fill(1.0);
         shorten_all(from, to, parts, self.share(from, to));
-        self.prepare(from, to)?;
         let thickness = self.near.law().range();
-        let cut = self
-            .pairs
-            .shorten(thickness, (from, to), parts, &self.still);
-        self.report.capped += u32::from(cut.map_err(|error| not_finite(&error))?);
+        let mut is_cut = false;
+        for round in 0..MOST_ROUNDS {
+            // What is cut stays behind what flew along with it, and other pairs may be near on what is left of the ways.
+            let known = self.pairs.choices;
+            self.prepare(from, to)?;
+            if round > 0 && self.pairs.choices == known {
+                self.report.capped += 1;
+                return Ok(());
+            }
+            let cut = self
+                .pairs
+                .shorten(thickness, (from, to), parts, &self.still);
+            if !cut.map_err(|error| not_finite(&error))? {
+                self.report.capped += u32::from(is_cut);
+                return Ok(());
+            }
+            is_cut = true;
+        }
+        self.report.capped += 1;
+        self.prepare(from, to)?;
+        let cap = self.safe_part(from, to)?;
+        shorten_all(from, to, parts, cap);
         Ok(())
     }
 
