@@ -76,6 +76,11 @@ impl Compliance {
         multiplier / self.substep / self.substep
     }
 
+    /// `λ/h`, the generalised impulse (N s for a spring), from λ.
+    pub(crate) fn impulse(self, multiplier: Real) -> Real {
+        multiplier / self.substep
+    }
+
     /// `C + α̃ν` (unit of C), what the sweeps bring to zero; `None` where no multiplier could change it: it has no stiffness, or it is hard and nothing of it
     /// can move.
     pub(crate) fn violation(self, row: RowAt, total: Real) -> Option<Real> {

@@ -1,6 +1,6 @@
 //! Forces, read out of the multipliers (XPBD-4).
 
-use crate::compliance::Multiplier;
+use crate::compliance::{Compliance, Multiplier};
 use crate::solver::XpbdSolver;
 use cloth_core::math::{Real, Vec3};
 
@@ -96,5 +96,32 @@ impl XpbdSolver {
                 }
             });
         }
+    }
+
+    /// Enters the work that prescribed vertices have done in the substep of `compliance`, whose sweeps have ended: each moved by `h v` against the force `Jᵀλ/h²` on it. Such vertices push
+    /// the cloth with λ, whatever is left of the residual, so this is what they gave it.
+    pub(crate) fn count_pin_work(&mut self, compliance: Compliance) {
+        let (w, x) = (self.motion.inverse_mass(), self.motion.positions());
+        let Some(v) = self.motion.moving_pins() else {
+            return;
+        };
+        self.held_offsets.clear();
+        if !self.start.is_empty() {
+            self.families.inspect_held(w, &self.start, |seen| {
+                let offset = compliance.offset(seen.row.stiffness, seen.row.value);
+                self.held_offsets.push(offset);
+            });
+        }
+        let mut offsets = self.held_offsets.iter();
+        let mut work = 0.0;
+        self.families.inspect_held(w, x, |seen| {
+            let multiplier = seen.memory.total() + offsets.next().unwrap_or(&0.0);
+            for (&vertex, gradient) in seen.vertices.iter().zip(seen.gradient) {
+                if w[vertex as usize] == 0.0 {
+                    work -= gradient.dot(&v[vertex as usize]) * compliance.impulse(multiplier);
+                }
+            }
+        });
+        self.motion.add_pin_work(work);
     }
 }

@@ -69,7 +69,7 @@ mod vector_rows;
 use crate::compliance::Compliance;
 use cloth_core::element::Constraint;
 use cloth_core::energy::Spring;
-use cloth_core::math::Real;
+use cloth_core::math::{Real, Vec3};
 use cloth_core::particles::{Particles, State};
 use cloth_core::position_based::Motion;
 use cloth_core::step::{BuildError, StepError, StepInput, StepReport, Stepper};
@@ -110,11 +110,18 @@ pub struct SingleXpbd {
 /// Elements of one kind with their multipliers.
 trait Family: Debug + Send {
     /// Learns the compliances, and where the origin lies (m).
-    fn prepare(&mut self, compliance: Compliance, origin: &cloth_core::math::Vec3);
+    fn prepare(&mut self, compliance: Compliance, origin: &Vec3);
     /// λ = 0.
     fn forget(&mut self);
     /// One sweep over positions (m, relative to the origin) with the inverse mass (1/kg) as the fourth number.
     fn sweep(&mut self, x: &mut [f32x4]);
+    /// `Σ Jᵀλ·v` (kg m²/s² per s) over the prescribed vertices, which have the velocities `v` (m/s).
+    fn power(&self, x: &[f32x4], v: &[Vec3]) -> Real;
+}
+
+/// Whether the fourth number, the inverse mass, is that of a prescribed vertex.
+fn is_prescribed(x: &f32x4) -> bool {
+    x.to_array()[3] == 0.0
 }
 
 impl SingleXpbd {
@@ -171,9 +178,19 @@ impl Stepper for SingleXpbd {
                     }
                 });
             }
+            if let Some(v) = self.motion.moving_pins() {
+                // As in double precision: each moved by h v against Jᵀλ/h².
+                let x = self.positions.as_slice();
+                let power: Real = self.families.iter().map(|f| f.power(x, v)).sum();
+                self.motion.add_pin_work(-power / h);
+            }
             self.motion.update_velocities(&mut input)?; // S1 (26)
         }
-        self.motion.finish(state, &mut input)
+        let report = self.motion.finish(state, &mut input)?;
+        Ok(StepReport {
+            pin_work: Some(self.motion.pin_work()),
+            ..report
+        })
     }
 }
 

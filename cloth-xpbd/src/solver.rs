@@ -19,6 +19,8 @@ pub struct XpbdSolver {
     prepared: Option<Compliance>,
     /// Positions (m) at the start of the last substep, one per vertex; empty if nothing is damped.
     pub(crate) start: Vec<Vec3>,
+    /// `λ − ν` of the rows that hold on to a prescribed vertex, in the order of [`Families::inspect_held`], if such a vertex moves and there is damping.
+    pub(crate) held_offsets: Vec<Real>,
 }
 
 impl Stepper for XpbdSolver {
@@ -49,11 +51,13 @@ impl Stepper for XpbdSolver {
                     self.families.sweep(&compliance, w, x); // S1 (36)
                 });
             }
+            self.count_pin_work(compliance);
             self.motion.update_velocities(&mut input)?; // S1 (26)
         }
         let report = self.motion.finish(state, &mut input)?;
         self.last = Some(compliance);
         Ok(StepReport {
+            pin_work: Some(self.motion.pin_work()),
             chebyshev_fallbacks: (self.families.surrendered() - given_up) as u32,
             ..report
         })
@@ -157,6 +161,7 @@ impl Settings for XpbdConfig {
         };
         XpbdSolver {
             start: vec![Vec3::zeros(); damped],
+            held_offsets: Vec::new(),
             motion,
             families,
             config: self,

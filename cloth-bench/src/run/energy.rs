@@ -16,7 +16,7 @@
 //!
 //! | of | W |
 //! |---|---|
-//! | prescribed vertices | ½ (∂E/∂x before + after)·Δx, exact for a quadratic energy and a straight way; or what a method with substeps has added up |
+//! | prescribed vertices | ½ (∂E/∂x before + after)·Δx, exact for a quadratic energy and a straight way; or what a method has added up over its substeps: explicit ones with ∂E/∂x, XPBD with its multipliers, the forces that it has used |
 //! | the air | F·Δx, with the load F of the step |
 //! | obstacles | [`ContactSource::work`](cloth_core::contact::ContactSource::work) |
 //!
@@ -30,6 +30,7 @@
 //!   what it keeps. At its default substeps the scenes `hang`, `chain` and `cantilever` show 0.4 % of it at most.
 //! - The run has failed where motion shows what was never given: K larger by more than all that was given at any time before. The elastic energy is left out of this. Sweeps that
 //!   end early leave stretch, at their published settings too, which in the stiffness of the material may be thousands of times what was given; they correct it later without giving it back.
+//!   Twisted cloth shows it too: pins give what the multipliers say, and the elastic energy of the stretch that sweeps leave may be several times that.
 //!
 //! # Limits
 //! What a prescribed vertex does by contact is not in W.

@@ -38,10 +38,19 @@ trait AnyFamily<R: Rule>: Debug + Send + Sync {
     fn prepare(&mut self, rule: &R, inverse_mass: &[Real], x: &[Vec3]);
     fn inspect(
         &self,
+        which: Which,
         inverse_mass: &[Real],
         x: &[Vec3],
         see: &mut dyn FnMut(RowView<'_, R::Memory>),
     );
+}
+
+/// Which elements are looked at.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Which {
+    All,
+    /// Those with a prescribed vertex.
+    Held,
 }
 
 /// Elements of one kind with their memory, one array of rows per element, in visiting order.
@@ -175,6 +184,7 @@ impl<const N: usize, E: Constraint<N>, R: Rule> AnyFamily<R> for Family<N, E, Sl
 
     fn inspect(
         &self,
+        which: Which,
         inverse_mass: &[Real],
         x: &[Vec3],
         see: &mut dyn FnMut(RowView<'_, R::Memory>),
@@ -183,6 +193,9 @@ impl<const N: usize, E: Constraint<N>, R: Rule> AnyFamily<R> for Family<N, E, Sl
         for (element, (&place, memory)) in self.elements.elements().iter().zip(places) {
             let vertices = element.vertices();
             let w = vertices.map(|v| inverse_mass[v as usize]);
+            if which == Which::Held && !w.contains(&0.0) {
+                continue;
+            }
             let x = gather(x, vertices);
             let (rows, whole) = (element.rows(&x), element.dead_zone_rows(&x));
             for (i, (row, memory)) in rows.as_ref().iter().zip(memory.as_ref()).enumerate() {
@@ -413,7 +426,22 @@ impl<R: Rule> Families<R> {
         x: &[Vec3],
         mut see: impl FnMut(RowView<'_, R::Memory>),
     ) {
-        self.families[family].inspect(inverse_mass, x, &mut see);
+        self.families[family].inspect(Which::All, inverse_mass, x, &mut see);
+    }
+
+    /// Shows every row at `x` (m) of an element with a prescribed vertex, family after family.
+    ///
+    /// # Panics
+    /// If the lengths are not those that the families were built for.
+    pub fn inspect_held(
+        &self,
+        inverse_mass: &[Real],
+        x: &[Vec3],
+        mut see: impl FnMut(RowView<'_, R::Memory>),
+    ) {
+        for family in &self.families {
+            family.inspect(Which::Held, inverse_mass, x, &mut see);
+        }
     }
 
     /// Writes what `read` takes from the memory of the rows of one family to `out`: element after element in the order in which they were given, row after row.

@@ -26,6 +26,10 @@ pub struct Motion {
     start: Vec<Vec3>,
     /// The substep (s).
     substep: Real,
+    /// Whether a prescribed vertex moves in this step.
+    pins_move: bool,
+    /// Work (J) of prescribed vertices since `begin`.
+    pin_work: Real,
     /// Iterations since `begin`.
     iterations: u32,
     /// The step, counted from 1.
@@ -44,6 +48,8 @@ impl Motion {
             predicted: zeros(),
             start: Vec::new(),
             substep: 0.0,
+            pins_move: false,
+            pin_work: 0.0,
             iterations: 0,
             step: 0,
         }
@@ -78,6 +84,9 @@ impl Motion {
         input.check(state, self.vertex_count())?;
         self.positions.copy_from_slice(&state.positions);
         self.velocities.copy_from_slice(&state.velocities);
+        let mut moving = self.inverse_mass.iter().zip(&self.velocities);
+        self.pins_move = moving.any(|(w, v)| *w == 0.0 && *v != Vec3::zeros());
+        self.pin_work = 0.0;
         self.iterations = 0;
         self.step = state.steps + 1;
         let step = ContactStep {
@@ -119,6 +128,23 @@ impl Motion {
         if let Some(observer) = &mut input.observer {
             observer.iteration(self.iterations, &self.positions);
         }
+    }
+
+    /// The velocities (m/s) of the prescribed vertices in this step, if one of them moves: at their places in the list of all vertices.
+    #[must_use]
+    pub fn moving_pins(&self) -> Option<&[Vec3]> {
+        self.pins_move.then_some(&self.velocities)
+    }
+
+    /// Work (J) that prescribed vertices have done in this step, as far as it was entered.
+    #[must_use]
+    pub fn pin_work(&self) -> Real {
+        self.pin_work
+    }
+
+    /// Enters work (J) that prescribed vertices have done, for the report.
+    pub fn add_pin_work(&mut self, work: Real) {
+        self.pin_work += work;
     }
 
     /// `v ← v + (x − x̃)/h`, S1 (26) with x̃ the prediction and h the substep that it was made for; before it contact has the last word on x.

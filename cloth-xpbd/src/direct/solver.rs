@@ -60,8 +60,9 @@ impl Stepper for DirectXpbd {
         input.check(state, self.particles.len())?;
         let stepped = self.iterate(state, &mut input);
         let written = stepped.and_then(|report| {
+            let pin_work = Some(self.pin_work(state));
             self.write(state, &mut input)?;
-            Ok(report)
+            Ok(StepReport { pin_work, ..report })
         });
         if written.is_err() {
             // What a failed step leaves must not start the next one.
@@ -327,6 +328,24 @@ impl DirectXpbd {
         report.factorizations = self.solver.factorizations;
         report.linear_solves = self.solver.solves;
         report.residual = Some(self.residuals.compliance);
+    }
+
+    /// Work (J) of the prescribed vertices in the step from `state`: each moved by Δt v against the force `Jᵀλ/Δt²` on it.
+    fn pin_work(&self, state: &State) -> Real {
+        let Some(compliance) = self.last else {
+            return 0.0;
+        };
+        let mut work = 0.0;
+        for (row, &multiplier) in self.multipliers.iter().enumerate() {
+            for e in self.rows.entries(row) {
+                let vertex = self.rows.vertices[e] as usize;
+                if self.particles.is_prescribed(vertex) {
+                    let velocity = &state.velocities[vertex];
+                    work -= self.rows.gradient[e].dot(velocity) * compliance.impulse(multiplier);
+                }
+            }
+        }
+        work
     }
 
     /// Hands the result over, with `v ← v + h a + (x − x̃)/h`, S1 (26).

@@ -48,6 +48,10 @@ impl Positions {
         self.before.copy_from_slice(&self.now);
     }
 
+    pub(super) fn as_slice(&self) -> &[f32x4] {
+        &self.now
+    }
+
     pub(super) fn as_mut_slice(&mut self) -> &mut [f32x4] {
         &mut self.now
     }

@@ -1,7 +1,7 @@
 //! Four springs at a time.
 
 use super::positions::EMPTY;
-use super::{Family, SMALLEST, softness};
+use super::{Family, SMALLEST, is_prescribed, softness};
 use crate::compliance::Compliance;
 use cloth_core::coloring::{Colored, greedy_colors};
 use cloth_core::element::Element;
@@ -109,6 +109,30 @@ impl Family for Springs {
 
     fn sweep(&mut self, x: &mut [f32x4]) {
         self.packs.sweep(&mut self.memory, x, project);
+    }
+
+    fn power(&self, x: &[f32x4], v: &[Vec3]) -> Real {
+        let mut power = 0.0;
+        for (pack, memory) in self.packs.elements().iter().zip(&self.memory) {
+            let totals = memory.total.to_array();
+            for (i, total) in totals.into_iter().enumerate() {
+                let ends = [pack.vertices[i], pack.vertices[i + 4]];
+                let [a, b] = ends.map(|end| &x[end as usize]);
+                // The empty places have no velocity.
+                if total == 0.0 || !(is_prescribed(a) || is_prescribed(b)) {
+                    continue;
+                }
+                let d = (*a - *b).to_array();
+                let d = Vec3::from_fn(|axis, _| Real::from(d[axis]));
+                let direction = length_and_direction(d, ends).1;
+                for (end, sign) in ends.into_iter().zip([1.0, -1.0]) {
+                    if is_prescribed(&x[end as usize]) {
+                        power += sign * Real::from(total) * direction.dot(&v[end as usize]);
+                    }
+                }
+            }
+        }
+        power
     }
 }
 

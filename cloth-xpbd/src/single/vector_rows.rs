@@ -1,7 +1,7 @@
 //! Three rows that are the coordinates of one vector.
 
 use super::positions::EMPTY;
-use super::{Family, SMALLEST, softness};
+use super::{Family, SMALLEST, is_prescribed, softness};
 use crate::compliance::Compliance;
 use cloth_core::coloring::Colored;
 use cloth_core::element::{Constraint, Element, VectorRow};
@@ -99,6 +99,20 @@ impl<const N: usize> Family for VectorRows<N> {
 
     fn sweep(&mut self, x: &mut [f32x4]) {
         self.rows.sweep(&mut self.memory, x, project);
+    }
+
+    fn power(&self, x: &[f32x4], v: &[Vec3]) -> Real {
+        let mut power = 0.0;
+        for (row, memory) in self.rows.elements().iter().zip(&self.memory) {
+            for (&vertex, &q) in row.vertices.iter().zip(&row.coefficients) {
+                if is_prescribed(&x[vertex as usize]) {
+                    let total = memory.total.to_array();
+                    let total = Vec3::from_fn(|axis, _| Real::from(total[axis]));
+                    power += Real::from(q) * total.dot(&v[vertex as usize]);
+                }
+            }
+        }
+        power
     }
 }
 
