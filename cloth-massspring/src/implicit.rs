@@ -17,7 +17,7 @@
 //! Without the velocity, a stage says that `x` is a stationary point of `‖x − x̂‖²_M/(2s²) + E(x)` with
 //! `s² = τ²/(1 + ατ)` and `x̂ = x_b + τ v_b/(1 + ατ) + s² g`: the drag α only changes two numbers. The
 //! rooms below go down to it: the function in `stage` and `damper`, the loop in `newton`, the matrix in
-//! `system`, the step length in `line_search`.
+//! `system`, the step length in `line_search` and, where there is contact, `trust`.
 
 mod bdf2;
 mod builder;
@@ -31,6 +31,7 @@ mod progress;
 mod quasi_newton;
 mod stage;
 mod system;
+mod trust;
 
 pub use bdf2::Bdf2;
 pub use builder::ImplicitBuilder;

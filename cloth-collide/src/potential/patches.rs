@@ -122,8 +122,9 @@ pub(super) struct Patches {
     then: Motions,
     /// How far a vertex goes besides its centre in between (m).
     ways: Vec<Real>,
-    /// What was allowed for when pairs were chosen: relative motion of two patches, and of a patch and all (m).
-    allowed: Vec<Real>,
+    /// What was allowed for when pairs were chosen: relative motion (m) of two patches between which something can touch, by their number, and of a patch
+    /// and all.
+    allowed: Vec<(u32, Real)>,
     stray_allowed: Vec<Real>,
     /// When pairs of patches were searched.
     searched: Motions,

@@ -6,6 +6,7 @@ use super::progress::Progress;
 use super::quasi_newton::QuasiNewton;
 use super::stage::Stage;
 use super::system::NewtonSystem;
+use super::trust::TrustRadius;
 use crate::config::{Accept, ImplicitConfig, Solve};
 use cloth_core::contact::ContactPotential;
 use cloth_core::family::Energies;
@@ -177,6 +178,7 @@ impl Minimizer {
         // Not known before a matrix has been assembled.
         let mut rounding = 0.0;
         let mut progress = Progress::new();
+        let mut radius = TrustRadius::unlimited();
         loop {
             let norm = self.gradient_norm(task)?;
             report.residual = Some(self.residual(norm, rounding));
@@ -220,11 +222,16 @@ impl Minimizer {
             if contact.is_none() && progress.is_too_slow(report.iterations, decrement, enough) {
                 return Ok(End::Stuck);
             }
-            let most = self.longest_step(task, contact)?;
+            let trusted = contact.is_some().then(|| radius.trust(&self.direction));
+            let part = trusted.map_or(1.0, |trusted| trusted.part);
+            let most = self.longest_step(task, contact, part)?;
             let stage = with(task, contact);
             let (from, to) = (&self.current, &mut self.next);
             let found = line_search::search(&stage, from, &self.direction, slope, most, to);
             report.backtracks += found.backtracks;
+            if let Some(trusted) = trusted {
+                radius.learn(trusted, found);
+            }
             if !found.accepted {
                 if norm <= STALL * rounding {
                     return Ok(End::Done(Outcome::Converged));
@@ -274,22 +281,24 @@ impl Minimizer {
         Ok(())
     }
 
-    /// The part of the direction that is free of crossings.
+    /// The part of the direction, `most` of it at most, that is free of crossings.
     fn longest_step(
         &mut self,
         task: &Task<'_>,
         contact: &mut Contact<'_>,
+        most: Real,
     ) -> Result<Real, StepError> {
         let Some(contact) = contact else {
-            return Ok(1.0);
+            return Ok(most);
         };
         let (from, to) = (&self.current.positions, &mut self.next.positions);
         for ((to, x), p) in to.iter_mut().zip(from).zip(&self.direction) {
-            *to = x + p;
+            *to = x + p * most;
         }
         let step = task.step;
         let limited = contact.limit(from, to);
-        limited.map_err(|reason| StepError::Contact { reason, step })
+        let safe = limited.map_err(|reason| StepError::Contact { reason, step })?;
+        Ok(most * safe)
     }
 
     /// Norm (N/√kg) of the gradient of the current point, which is finite; and takes notice of what to compare it with.

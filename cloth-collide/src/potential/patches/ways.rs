@@ -32,22 +32,8 @@ impl Patches {
         }
         self.allowed.clear();
         for k in 0..self.pairs.len() {
-            let nearer = self.once(&self.pairs[k]) + 2.0 * room;
-            let mut moved = self.now.bound(&self.pairs[k]) + nearer;
-            if moved > self.pairs[k].budget {
-                self.detect(near, x, k, nearer);
-                moved = nearer;
-            }
-            self.allowed.push(nearer);
-            self.bring_up(k);
-            let pair = &mut self.pairs[k];
-            let first = pair.pairs.partition_point(|pair| pair.room < moved);
-            let until = pair.travel + nearer;
-            let wakes = pair.wakes[..first].iter_mut().zip(&pair.pairs);
-            for (wake, one) in wakes {
-                if *wake < until {
-                    *wake = pair.travel + visit(one, nearer);
-                }
+            if self.then.clock(self.ids[k]) + 2.0 * room > self.quiet[k] {
+                self.quiet[k] = self.choose_between(k, near, x, room, &mut visit);
             }
         }
         self.stray_allowed.clear();
@@ -56,6 +42,39 @@ impl Patches {
         let ways = from.centres.iter().zip(&to.centres).zip(&self.ways);
         self.stray_allowed
             .extend(ways.map(|((a, b), besides)| (b - a - shift).norm() + besides + room));
+    }
+
+    /// The same for two patches. Returns the sum of their clocks until which nothing can touch between them.
+    fn choose_between(
+        &mut self,
+        k: usize,
+        near: &Near,
+        x: &[Vec3],
+        room: Real,
+        visit: &mut impl FnMut(&NearPair, Real) -> Real,
+    ) -> Real {
+        let nearer = self.once(&self.pairs[k]) + 2.0 * room;
+        let mut now = self.now.bound(&self.pairs[k]);
+        if now + nearer > self.pairs[k].budget {
+            self.detect(near, x, k, nearer);
+            now = 0.0;
+        }
+        self.allowed.push((k as u32, nearer));
+        self.bring_up(k);
+        let pair = &mut self.pairs[k];
+        let first = pair.pairs.partition_point(|pair| pair.room < now + nearer);
+        let until = pair.travel + nearer;
+        // What is not reached with the present motion is as far as its room says.
+        let next = pair.pairs.get(first).map_or(pair.budget, |pair| pair.room);
+        let mut left = next.min(pair.budget) - now;
+        let wakes = pair.wakes[..first].iter_mut().zip(&pair.pairs);
+        for (wake, one) in wakes {
+            if *wake < until {
+                *wake = pair.travel + visit(one, nearer);
+            }
+            left = left.min(*wake - pair.travel);
+        }
+        self.now.clock(self.ids[k]) + left
     }
 
     /// Whether what was chosen last holds at `x` (m), which was chosen for ways from `place` (m) on.
@@ -67,9 +86,8 @@ impl Patches {
         let mut ways = ways.zip(&self.stray_allowed);
         ways.all(|(((a, b), besides), allowed)| (b - a - shift).norm() + besides <= *allowed)
             && self
-                .pairs
+                .allowed
                 .iter()
-                .zip(&self.allowed)
-                .all(|(pair, allowed)| self.once(pair) <= *allowed)
+                .all(|&(k, allowed)| self.once(&self.pairs[k as usize]) <= allowed)
     }
 }
