@@ -78,8 +78,8 @@ struct PatchPair {
     budget: Real,
     /// In the order of what they lack to contact.
     pairs: Vec<NearPair>,
-    /// The travel (m) until which each pair lacks something to contact, where ways are looked at.
-    wakes: Vec<Real>,
+    /// What each pair lacked to contact when it was found, and the travel until which it lacks something (m), where ways are looked at.
+    wakes: Vec<[Real; 2]>,
     /// Bound on the relative motion (m), added up until the start of the substep that it was last brought up to; difference of the centres and sum of the paths (m)
     /// there.
     travel: Real,

@@ -50,7 +50,7 @@ impl Patches {
         }
         let pair = &mut self.pairs[k];
         pair.wakes.clear();
-        pair.wakes.extend(pairs.iter().map(|pair| pair.room));
+        pair.wakes.extend(pairs.iter().map(|pair| [pair.room; 2]));
         pair.pairs = pairs;
         pair.budget = budget;
     }

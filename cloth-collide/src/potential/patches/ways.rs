@@ -62,13 +62,14 @@ impl Patches {
         self.allowed.push((k as u32, nearer));
         self.bring_up(k);
         let pair = &mut self.pairs[k];
-        let first = pair.pairs.partition_point(|pair| pair.room < now + nearer);
         let until = pair.travel + nearer;
-        // What is not reached with the present motion is as far as its room says.
-        let next = pair.pairs.get(first).map_or(pair.budget, |pair| pair.room);
-        let mut left = next.min(pair.budget) - now;
-        let wakes = pair.wakes[..first].iter_mut().zip(&pair.pairs);
-        for (wake, one) in wakes {
+        let mut left = pair.budget - now;
+        for ([room, wake], one) in pair.wakes.iter_mut().zip(&pair.pairs) {
+            if *room >= now + nearer {
+                // As far as from here on all are.
+                left = left.min(*room - now);
+                break;
+            }
             if *wake < until {
                 *wake = pair.travel + visit(one, nearer);
             }
