@@ -9,7 +9,9 @@
 //! So pairs of primitives, found once with some room and sorted by what they lack to contact, need no look as long as this is less than the room, and of those
 //! that are known only the first ones do. Patches that fly together cost nothing, whatever their common motion.
 
+mod between;
 mod detect;
+mod motions;
 mod partition;
 mod ways;
 
@@ -18,8 +20,11 @@ use crate::bounds::Bounds;
 use crate::broad_phase::{BroadPhase, Hierarchy};
 use crate::ccd::QueryKind;
 use crate::incidence::{Owned, edge_numbers, owned};
+use between::PatchPair;
 use cloth_core::math::{Real, Vec3, gather};
 use cloth_core::mesh::TriMesh;
+use detect::Close;
+use motions::Motions;
 use partition::halve;
 
 /// Triangles in a patch, at most.
@@ -29,7 +34,7 @@ const LEAST_ROOM: Real = 0.5;
 /// Room of a search, in ways of the substep that needs it.
 const HOLD: Real = 60.0;
 /// Room (in mean edges) of a search, at most, unless one substep needs more.
-const MOST_ROOM: Real = 0.5;
+const MOST_ROOM: Real = 0.25;
 /// Way (in mean edges) that a patch may go until pairs of patches are searched anew, at least; and in one substep, at most.
 const REACH: Real = 1.0;
 const FARTHEST: Real = 30.0;
@@ -43,10 +48,7 @@ pub(super) struct NearPair {
     pub(super) range: Real,
     /// Area (m²) that they stand for.
     pub(super) area: Real,
-    /// What they lacked to contact when they were found (m).
-    room: Real,
-    /// The travel (m) of their patches until which they lack something, and the substep that they were looked at in.
-    wake: Real,
+    /// The substep that they were looked at in.
     seen: u32,
     /// By how much friction has been stretched (m).
     pub(super) stretch: Vec3,
@@ -65,29 +67,6 @@ pub(super) struct Known {
     pub(super) area: Real,
     /// Travel of the patches (m).
     pub(super) travel: Real,
-}
-
-/// Two patches, or one with itself, and what can touch between them.
-#[derive(Debug)]
-struct PatchPair {
-    patches: [u32; 2],
-    /// Difference of the centres (m), and sum of the spreads (m), when the pairs were found.
-    apart: Vec3,
-    spread: Real,
-    /// Relative motion (m) for which the pairs are complete.
-    budget: Real,
-    /// In the order of what they lack to contact.
-    pairs: Vec<NearPair>,
-    /// What each pair lacked to contact when it was found, and the travel until which it lacks something (m), where ways are looked at.
-    wakes: Vec<[Real; 2]>,
-    /// Bound on the relative motion (m), added up until the start of the substep that it was last brought up to; difference of the centres and sum of the paths (m)
-    /// there.
-    travel: Real,
-    last_apart: Vec3,
-    last_path: Real,
-    /// Relative motion and travel (m) that were looked at, and in which substep.
-    looked: [Real; 2],
-    looked_in: u32,
 }
 
 /// The motion needs more room than patches have: a way in one substep is longer than some edges.
@@ -122,6 +101,11 @@ pub(super) struct Patches {
     then: Motions,
     /// How far a vertex goes besides its centre in between (m).
     ways: Vec<Real>,
+    /// Where a substep was to end when pairs were looked into first, and how far it ends from there (m) by another look; of each pair of patches, the substep at whose beginning it was looked into.
+    aim: Motions,
+    aim_ways: Vec<Real>,
+    drift: Vec<Real>,
+    awake_in: Vec<u32>,
     /// What was allowed for when pairs were chosen: relative motion (m) of two patches between which something can touch, by their number, and of a patch
     /// and all.
     allowed: Vec<(u32, Real)>,
@@ -138,8 +122,10 @@ pub(super) struct Patches {
     quiet: Vec<Real>,
     before: Vec<PatchPair>,
     /// Lists to be used again.
-    spare: Vec<Vec<NearPair>>,
+    spare: Vec<PatchPair>,
     memory: Vec<NearPair>,
+    /// Found in the search at hand.
+    close: Vec<Close>,
     is_known: bool,
     /// Number of the substep.
     substep: u32,
@@ -148,64 +134,6 @@ pub(super) struct Patches {
     /// Searches among pairs of patches so far, and among their triangles.
     pub(super) searches: u32,
     pub(super) detections: u32,
-}
-
-/// Of each patch, at one moment.
-#[derive(Clone, Debug, Default)]
-struct Motions {
-    /// Centre (m) and spread (m).
-    centres: Vec<Vec3>,
-    spreads: Vec<Real>,
-    /// How far (m) vertices have gone at most besides the centre, substep by substep; and besides what all patches do together.
-    paths: Vec<Real>,
-    clocks: Vec<Real>,
-    /// Mean of the centres (m).
-    mean: Vec3,
-}
-
-impl Motions {
-    fn clear(&mut self) {
-        self.centres.clear();
-        self.spreads.clear();
-    }
-
-    fn push(&mut self, centre: Vec3, spread: Real) {
-        self.centres.push(centre);
-        self.spreads.push(spread);
-    }
-
-    /// All patches have been told.
-    fn finish(&mut self) {
-        self.mean = self.centres.iter().sum::<Vec3>() / self.centres.len().max(1) as Real;
-    }
-
-    /// Takes over where another is.
-    fn copy(&mut self, other: &Self) {
-        self.centres.clone_from(&other.centres);
-        self.spreads.clone_from(&other.spreads);
-        self.mean = other.mean;
-    }
-
-    /// Difference of the centres (m), and sum of the paths (m).
-    #[inline]
-    fn of(&self, patches: [u32; 2]) -> (Vec3, Real) {
-        let [p, q] = patches.map(|p| p as usize);
-        let apart = self.centres[p] - self.centres[q];
-        (apart, self.paths[p] + self.paths[q])
-    }
-
-    #[inline]
-    fn clock(&self, [p, q]: [u32; 2]) -> Real {
-        self.clocks[p as usize] + self.clocks[q as usize]
-    }
-
-    /// The bound on what two patches have moved relative to each other (m).
-    #[inline]
-    fn bound(&self, pair: &PatchPair) -> Real {
-        let [p, q] = pair.patches.map(|p| p as usize);
-        let apart = self.centres[p] - self.centres[q] - pair.apart;
-        apart.norm() + self.spreads[p] + self.spreads[q] - pair.spread
-    }
 }
 
 impl Patches {
@@ -243,6 +171,10 @@ impl Patches {
             reference_centres: vec![Vec3::zeros(); members.len()],
             reference_spreads: vec![0.0; members.len()],
             ways: vec![0.0; members.len()],
+            aim: Motions::default(),
+            aim_ways: Vec::new(),
+            drift: Vec::new(),
+            awake_in: Vec::new(),
             allowed: Vec::new(),
             stray_allowed: Vec::new(),
             members,
@@ -259,6 +191,7 @@ impl Patches {
             before: Vec::new(),
             spare: Vec::new(),
             memory: Vec::new(),
+            close: Vec::new(),
             is_known: false,
             substep: 0,
             awake: 0,
@@ -294,7 +227,11 @@ impl Patches {
         self.substep += 1;
         self.awake = 0;
         self.measure(x, to);
-        self.look(near, x, &mut visit)
+        self.aim.copy(&self.then);
+        self.aim_ways.clone_from(&self.ways);
+        self.drift.clear();
+        self.drift.resize(self.members.len(), 0.0);
+        self.look(near, x, true, &mut visit)
     }
 
     /// The same for a motion that has become another one: hands `visit` only what has not been seen.
@@ -306,7 +243,12 @@ impl Patches {
         mut visit: impl FnMut(Place, &mut NearPair, Real) -> Real,
     ) -> Result<(), TooFar> {
         self.measure(x, to);
-        self.look(near, x, &mut visit)
+        let (aim, then) = (&self.aim, &self.then);
+        for (p, drift) in self.drift.iter_mut().enumerate() {
+            let further = (self.ways[p] - self.aim_ways[p]).max(then.spreads[p] - aim.spreads[p]);
+            *drift = (then.centres[p] - aim.centres[p]).norm() + further.max(0.0);
+        }
+        self.look(near, x, false, &mut visit)
     }
 
     /// The most that two patches move relative to each other in the substep (m).
@@ -441,6 +383,7 @@ impl Patches {
         &mut self,
         near: &Near,
         x: &[Vec3],
+        begins: bool,
         visit: &mut impl FnMut(Place, &mut NearPair, Real) -> Real,
     ) -> Result<(), TooFar> {
         if !self.is_known || self.strayed() > self.reach {
@@ -452,8 +395,18 @@ impl Patches {
             self.reach = (2.0 * way).max(REACH * self.edge);
             self.search(near, x);
         }
+        let slack = super::rows::SLACK * near.law().range();
         for k in 0..self.pairs.len() {
             if self.then.clock(self.ids[k]) > self.quiet[k] {
+                // What was looked into with the slack needs no other look for less.
+                let [p, q] = self.ids[k].map(|p| p as usize);
+                let seen = self.awake_in[k] == self.substep;
+                if seen && self.drift[p] + self.drift[q] <= slack {
+                    continue;
+                }
+                if begins {
+                    self.awake_in[k] = self.substep;
+                }
                 self.awake += 1;
                 self.quiet[k] = self.look_into(k, near, x, visit);
             }
@@ -488,27 +441,18 @@ impl Patches {
         let travel = pair.travel + once + slack;
         pair.looked = [moved + slack, travel];
         pair.looked_in = self.substep;
-        let mut left = pair.budget - now;
-        for (index, one) in (0..).zip(&mut pair.pairs) {
-            if one.room >= moved + slack {
-                left = left.min(one.room - now);
-                break;
-            }
-            if one.wake < travel && one.seen != self.substep {
-                one.seen = self.substep;
-                one.wake = pair.travel
-                    + visit(
-                        Place {
-                            patches,
-                            number: k as u32,
-                            index,
-                        },
-                        one,
-                        pair.travel,
-                    );
-            }
-            left = left.min(one.wake - pair.travel);
-        }
+        let (begun, substep) = (pair.travel, self.substep);
+        let left = pair.wake([now, moved + slack, travel], |index, one| {
+            // Once in a substep.
+            (std::mem::replace(&mut one.seen, substep) != substep).then(|| {
+                let place = Place {
+                    patches,
+                    number: k as u32,
+                    index,
+                };
+                visit(place, one, begun)
+            })
+        });
         self.now.clock(patches) + left - slack
     }
 
@@ -543,33 +487,22 @@ impl Patches {
         let mut known = self.before.drain(..).peekable();
         for &patches in &self.found {
             while let Some(old) = known.next_if(|old| old.patches < patches) {
-                self.spare.push(old.pairs);
+                self.spare.push(old);
             }
             let same = |old: &PatchPair| self.is_known && old.patches == patches;
             if let Some(old) = known.next_if(same) {
                 self.pairs.push(old);
                 continue;
             }
-            let mut pairs = self.spare.pop().unwrap_or_default();
-            pairs.clear();
-            self.pairs.push(PatchPair {
-                patches,
-                apart: Vec3::zeros(),
-                spread: 0.0,
-                budget: -1.0,
-                pairs,
-                wakes: Vec::new(),
-                travel: 0.0,
-                last_apart: Vec3::zeros(),
-                last_path: 0.0,
-                looked: [-1.0; 2],
-                looked_in: 0,
-            });
+            let spare = self.spare.pop().unwrap_or_default();
+            self.pairs.push(spare.of(patches));
         }
         self.ids.clone_from(&self.found);
         self.quiet.clear();
         self.quiet.resize(self.found.len(), Real::NEG_INFINITY);
-        self.spare.extend(known.map(|old| old.pairs));
+        self.awake_in.clear();
+        self.awake_in.resize(self.found.len(), 0);
+        self.spare.extend(known);
         self.is_known = true;
     }
 }

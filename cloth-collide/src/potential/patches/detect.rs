@@ -10,6 +10,33 @@ use crate::potential::rows::SLACK;
 use cloth_core::math::{Real, Vec3, gather};
 use cloth_core::parallel::wide;
 
+/// Two primitives that are near each other.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Close {
+    /// What they lack to contact (m).
+    room: Real,
+    kind: QueryKind,
+    vertices: [u32; 4],
+    /// As in [`NearPair`].
+    range: Real,
+    area: Real,
+}
+
+impl NearPair {
+    fn new(close: &Close) -> Self {
+        Self {
+            kind: close.kind,
+            vertices: close.vertices,
+            range: close.range,
+            area: close.area,
+            seen: 0,
+            stretch: Vec3::zeros(),
+            normal: Vec3::zeros(),
+            known: None,
+        }
+    }
+}
+
 impl Patches {
     /// Finds the pairs between two patches anew, with room for the present motion and more.
     pub(super) fn detect(&mut self, near: &Near, x: &[Vec3], k: usize, once: Real) {
@@ -24,35 +51,39 @@ impl Patches {
         pair.apart = pair.last_apart;
         pair.spread = self.now.spreads[p] + self.now.spreads[q];
         pair.travel = 0.0;
-        let mut pairs = std::mem::take(&mut pair.pairs);
         self.memory.clear();
-        let stretched = pairs.iter().filter(|pair| pair.stretch != Vec3::zeros());
+        let stretched = pair.pairs.iter().filter(|p| p.stretch != Vec3::zeros());
         self.memory.extend(stretched);
-        pairs.clear();
+        let mut close = std::mem::take(&mut self.close);
+        close.clear();
         let gap = boxes[0].squared_gap(&boxes[1]).sqrt();
         let mut budget = room;
         if gap > h + room {
             budget = gap - h;
         } else {
             self.detections += 1;
-            self.collect(near, x, ([p, q], boxes), h + room, &mut pairs);
-            pairs.sort_unstable_by(|a, b| {
-                let of = |pair: &NearPair| (pair.kind == QueryKind::EdgeEdge, pair.vertices);
+            self.collect(near, x, ([p, q], boxes), h + room, &mut close);
+            close.sort_unstable_by(|a, b| {
+                let of = |pair: &Close| (pair.kind == QueryKind::EdgeEdge, pair.vertices);
                 a.room.total_cmp(&b.room).then_with(|| of(a).cmp(&of(b)))
             });
-            for old in &self.memory {
-                let same =
-                    |pair: &&mut NearPair| pair.vertices == old.vertices && pair.kind == old.kind;
-                if let Some(pair) = pairs.iter_mut().find(same) {
-                    pair.stretch = old.stretch;
-                }
-            }
         }
         let pair = &mut self.pairs[k];
-        pair.wakes.clear();
-        pair.wakes.extend(pairs.iter().map(|pair| [pair.room; 2]));
-        pair.pairs = pairs;
         pair.budget = budget;
+        pair.pairs.clear();
+        pair.pairs.extend(close.iter().map(NearPair::new));
+        pair.rooms.clear();
+        pair.rooms.extend(close.iter().map(|close| close.room));
+        pair.wakes.clone_from(&pair.rooms);
+        (pair.first, pair.next) = (0, Real::NEG_INFINITY);
+        for old in &self.memory {
+            let same =
+                |pair: &&mut NearPair| pair.vertices == old.vertices && pair.kind == old.kind;
+            if let Some(pair) = pair.pairs.iter_mut().find(same) {
+                pair.stretch = old.stretch;
+            }
+        }
+        self.close = close;
     }
 
     /// The room (m) of a search, where patches move by `once` (m) in the substep.
@@ -70,7 +101,7 @@ impl Patches {
         x: &[Vec3],
         ([p, q], boxes): ([usize; 2], [Bounds; 2]),
         reach: Real,
-        out: &mut Vec<NearPair>,
+        out: &mut Vec<Close>,
     ) {
         let big = boxes[0].loosened(reach);
         let at = |v: u32| x[v as usize];
@@ -116,7 +147,7 @@ impl Patches {
         [t, u]: [u32; 2],
         bounds: &Bounds,
         reach: Real,
-        out: &mut Vec<NearPair>,
+        out: &mut Vec<Close>,
     ) {
         let corners = self.triangles[u as usize];
         for k in (0..3).filter(|&k| self.owned[t as usize].vertices[k]) {
@@ -149,7 +180,7 @@ impl Patches {
         [t, u]: [u32; 2],
         bounds: &Bounds,
         reach: Real,
-        out: &mut Vec<NearPair>,
+        out: &mut Vec<Close>,
     ) {
         for i in (0..3).filter(|&i| self.owned[t as usize].edges[i]) {
             let e = self.triangle_edges[t as usize][i] as usize;
@@ -210,20 +241,15 @@ fn push(
     kind: QueryKind,
     vertices: [u32; 4],
     [range, area, distance]: [Real; 3],
-    out: &mut Vec<NearPair>,
+    out: &mut Vec<Close>,
 ) {
     if vertices.iter().any(|&v| near.is_free[v as usize]) {
-        out.push(NearPair {
+        out.push(Close {
+            room: distance - range,
             kind,
             vertices,
             range,
             area,
-            room: distance - range,
-            wake: distance - range,
-            seen: 0,
-            stretch: Vec3::zeros(),
-            normal: Vec3::zeros(),
-            known: None,
         });
     }
 }

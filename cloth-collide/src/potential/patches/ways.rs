@@ -63,18 +63,9 @@ impl Patches {
         self.bring_up(k);
         let pair = &mut self.pairs[k];
         let until = pair.travel + nearer;
-        let mut left = pair.budget - now;
-        for ([room, wake], one) in pair.wakes.iter_mut().zip(&pair.pairs) {
-            if *room >= now + nearer {
-                // As far as from here on all are.
-                left = left.min(*room - now);
-                break;
-            }
-            if *wake < until {
-                *wake = pair.travel + visit(one, nearer);
-            }
-            left = left.min(*wake - pair.travel);
-        }
+        let left = pair.wake([now, now + nearer, until], |_, one| {
+            Some(visit(one, nearer))
+        });
         self.now.clock(self.ids[k]) + left
     }
 

@@ -1,0 +1,62 @@
+//! Where patches are, and how far they have come.
+
+use super::PatchPair;
+use cloth_core::math::{Real, Vec3};
+
+/// Of each patch, at one moment.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Motions {
+    /// Centre (m) and spread (m).
+    pub(super) centres: Vec<Vec3>,
+    pub(super) spreads: Vec<Real>,
+    /// How far (m) vertices have gone at most besides the centre, substep by substep; and besides what all patches do together.
+    pub(super) paths: Vec<Real>,
+    pub(super) clocks: Vec<Real>,
+    /// Mean of the centres (m).
+    pub(super) mean: Vec3,
+}
+
+impl Motions {
+    pub(super) fn clear(&mut self) {
+        self.centres.clear();
+        self.spreads.clear();
+    }
+
+    pub(super) fn push(&mut self, centre: Vec3, spread: Real) {
+        self.centres.push(centre);
+        self.spreads.push(spread);
+    }
+
+    /// All patches have been told.
+    pub(super) fn finish(&mut self) {
+        self.mean = self.centres.iter().sum::<Vec3>() / self.centres.len().max(1) as Real;
+    }
+
+    /// Takes over where another is.
+    pub(super) fn copy(&mut self, other: &Self) {
+        self.centres.clone_from(&other.centres);
+        self.spreads.clone_from(&other.spreads);
+        self.mean = other.mean;
+    }
+
+    /// Difference of the centres (m), and sum of the paths (m).
+    #[inline]
+    pub(super) fn of(&self, patches: [u32; 2]) -> (Vec3, Real) {
+        let [p, q] = patches.map(|p| p as usize);
+        let apart = self.centres[p] - self.centres[q];
+        (apart, self.paths[p] + self.paths[q])
+    }
+
+    #[inline]
+    pub(super) fn clock(&self, [p, q]: [u32; 2]) -> Real {
+        self.clocks[p as usize] + self.clocks[q as usize]
+    }
+
+    /// The bound on what two patches have moved relative to each other (m).
+    #[inline]
+    pub(super) fn bound(&self, pair: &PatchPair) -> Real {
+        let [p, q] = pair.patches.map(|p| p as usize);
+        let apart = self.centres[p] - self.centres[q] - pair.apart;
+        apart.norm() + self.spreads[p] + self.spreads[q] - pair.spread
+    }
+}
