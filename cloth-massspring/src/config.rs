@@ -93,7 +93,8 @@ pub enum Solve {
     /// Newton's method with line search, to the tolerance.
     Newton,
     /// One Newton step of full length from the start guess: the forces linearised there, and one linear system (MS-3).
-    /// Neither the tolerance nor the most iterations nor [`Accept`] matter, and no residual is computed.
+    /// Neither the tolerance nor the most iterations nor [`Accept`] matter, and no residual is computed, unless there is contact: that is not linearised, and
+    /// takes iterations to the tolerance.
     ///
     /// The cheapest implicit step there is. Linear forces it integrates like the full solution. Otherwise its
     /// error is of the order of the integrator's own, the second order of midpoint and BDF2 only where the Hessian is exact or no spring is compressed; but nothing guarantees that the energy goes down: a

@@ -19,12 +19,14 @@
 //! rooms below go down to it: the function in `stage` and `damper`, the loop in `newton`, the matrix in
 //! `system`, the step length in `line_search` and, where there is contact, `trust`.
 
+mod at_end;
 mod bdf2;
 mod builder;
 mod damper;
 mod drift;
 mod history;
 mod line_search;
+mod linearized;
 mod minimizer;
 mod newton;
 mod progress;
@@ -37,7 +39,8 @@ pub use bdf2::Bdf2;
 pub use builder::ImplicitBuilder;
 
 use crate::config::{ImplicitConfig, Solve, StartGuess};
-use cloth_core::contact::ContactStep;
+use at_end::{AtEnd, Room};
+use cloth_core::contact::{ContactPotential, ContactStep};
 use cloth_core::family::Energies;
 use cloth_core::math::{Real, Vec3};
 use cloth_core::measure::IncrementalPotential;
@@ -53,7 +56,8 @@ use stage::Stage;
 /// Stable for any step, of first order, and heavily damped: an oscillation ω shrinks by `1/√(1 + (Δt ω)²)` a step. Linear
 /// momentum is kept (to the tolerance), angular momentum is not.
 ///
-/// With [`Solve::Linearized`] it is the step of Baraff and Witkin, and calls itself `linear-implicit`.
+/// With [`Solve::Linearized`] it is the step of Baraff and Witkin, and calls itself `linear-implicit`. Where it can touch something, the cloth is linearised once all the same,
+/// and what that and contact make together is minimised to the tolerance: a linearised contact would not know of what the cloth only comes to in the step.
 ///
 /// Damping: drag acts with the velocity at the end of the step, without approximation. Stiffness damping acts with that velocity too, and with
 /// the stiffness at `x[0] + Δt v[0]`. An oscillation then shrinks by `1/√(1 + Δt γ + (Δt ω)²)`, `γ = α + β ω²`, a step.
@@ -91,6 +95,8 @@ pub struct ImplicitEuler(Implicit);
 ///
 /// Half a step of implicit Euler, and what happened in it once more. Damping: drag and stiffness act with the velocity in the middle, both with
 /// second order. Prescribed vertices pass the middle at `x[0] + ½ Δt v[0]`.
+///
+/// Contact acts at the end of the step, and takes up motion as in implicit Euler: what it stops does not bounce.
 ///
 /// Errors and residual are those of [`ImplicitEuler`], for the stage in the middle. An observer is shown positions in the middle too.
 ///
@@ -143,6 +149,10 @@ impl Stepper for ImplicitMidpoint {
         "implicit-midpoint"
     }
 
+    fn feels_contact(&self) -> bool {
+        self.0.feels_contact()
+    }
+
     fn step(&mut self, state: &mut State, input: StepInput<'_>) -> Result<StepReport, StepError> {
         input.check(state, self.0.particles.len())?;
         let span = Span {
@@ -189,12 +199,14 @@ struct Implicit {
     found: [Vec<Vec3>; 2],
     damper: Option<Damper>,
     minimizer: Minimizer,
+    /// For contact at the end of a step that is solved for its middle.
+    room: Room,
 }
 
 impl Implicit {
     /// Whether contact is part of the minimisation.
     fn feels_contact(&self) -> bool {
-        self.config.solve == Solve::QuasiNewton
+        self.config.solve != Solve::Newton
     }
 
     /// A step of implicit Euler.
@@ -220,13 +232,31 @@ impl Implicit {
     ) -> Result<StepReport, StepError> {
         let step = state.steps + 1;
         let drag = 1.0 / (1.0 + self.config.damping.air_drag * span.tau);
+        let is_middle = span.place == Place::Middle;
+        let from_elsewhere = is_middle && !self.continues(state);
         self.predict(state, &input, span, drag, base);
         let mut report = StepReport::new(Outcome::Converged, 0);
-        // At the middle of a step nothing is known of its end.
-        let is_felt = span.place == Place::End && self.feels_contact();
-        let mut contact = match &mut input.contacts {
+        let is_felt = self.feels_contact();
+        let contact = match &mut input.contacts {
             Some(contacts) if is_felt => contacts.potential(),
             _ => None,
+        };
+        if is_middle && contact.is_some() {
+            let (w, s) = (self.particles.inverse_mass(), span.tau * drag.sqrt());
+            let goal = &mut self.predicted;
+            self.room.go_on(from_elsewhere, w, s, goal);
+        }
+        let mut at_end;
+        let mut contact = match (contact, span.place) {
+            (Some(contact), Place::Middle) => {
+                at_end = AtEnd {
+                    contact,
+                    start: &state.positions,
+                    room: &mut self.room,
+                };
+                Some(&mut at_end as &mut dyn ContactPotential)
+            }
+            (contact, _) => contact,
         };
         if let Some(contact) = &mut contact {
             let taken = ContactStep {
@@ -249,6 +279,7 @@ impl Implicit {
                         dt: span.tau * drag.sqrt(),
                     },
                     damper: self.damper.as_ref(),
+                    linearized: None,
                     contact: None,
                 },
                 config: &self.config,
@@ -279,8 +310,12 @@ impl Implicit {
         );
         match &mut input.contacts {
             Some(contacts) if is_felt => {
-                let potential = contacts.potential().into_iter();
-                potential.for_each(|contact| contact.end(x, v));
+                if let Some(contact) = contacts.potential() {
+                    if is_middle {
+                        self.room.take_half(contact, x, w, input.dt, v);
+                    }
+                    contact.end(x, v);
+                }
             }
             _ => input.resolve_contacts(state, w, x, v)?,
         }

@@ -101,7 +101,8 @@
 //! far from each other in the mesh are additions of rank one to the matrix of the multigrid cycle: they come and go without a new pattern.
 //! Newton's method does not take over from a step with contact; one that has not converged within [`ImplicitConfig::max_iterations`] ends there, free of crossings.
 //!
-//! Where `Solve` is another, and for the midpoint rule, whose end is beyond what was minimised, contact acts after the step.
+//! A linearised step linearises the cloth alone ([`Solve::Linearized`]), the midpoint rule takes contact at its end ([`ImplicitMidpoint`]). With [`Solve::Newton`], and in explicit
+//! methods, contact acts after the step.
 //!
 //! # The linear solver of Newton's method
 //!

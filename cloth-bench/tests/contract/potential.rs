@@ -11,7 +11,7 @@ use cloth_core::mesh::TriMesh;
 use cloth_core::mesh::generate::{Diagonals, grid};
 use cloth_core::particles::State;
 use cloth_core::step::{Outcome, StepInput, Stepper};
-use cloth_massspring::{Bdf2, ImplicitConfig, ImplicitEuler};
+use cloth_massspring::{Bdf2, ImplicitConfig, ImplicitEuler, ImplicitMidpoint};
 use cloth_pd::PdSolver;
 
 const DENSITY: Real = 0.2;
@@ -36,18 +36,35 @@ fn tight() -> ImplicitConfig {
     }
 }
 
-fn implicit_euler(model: &ClothModel, config: ImplicitConfig) -> Box<dyn Stepper> {
-    let builder = ImplicitEuler::builder(&model.particles).config(config);
-    let builder = builder.energy(model.springs.clone()).unwrap();
-    let builder = builder.energy(model.hinges.clone()).unwrap();
-    Box::new(builder.build().unwrap())
+/// A solver of the model's springs and hinges.
+macro_rules! implicit {
+    ($kind:ty, $model:expr, $config:expr) => {{
+        let builder = <$kind>::builder(&$model.particles).config($config);
+        let builder = builder.energy($model.springs.clone()).unwrap();
+        let builder = builder.energy($model.hinges.clone()).unwrap();
+        Box::new(builder.build().unwrap()) as Box<dyn Stepper>
+    }};
 }
 
-fn bdf2(model: &ClothModel, config: ImplicitConfig) -> Box<dyn Stepper> {
-    let builder = Bdf2::builder(&model.particles).config(config);
-    let builder = builder.energy(model.springs.clone()).unwrap();
-    let builder = builder.energy(model.hinges.clone()).unwrap();
-    Box::new(builder.build().unwrap())
+fn implicit_euler(model: &ClothModel, config: ImplicitConfig) -> Box<dyn Stepper> {
+    implicit!(ImplicitEuler, model, config)
+}
+
+fn bdf2(model: &ClothModel) -> Box<dyn Stepper> {
+    implicit!(Bdf2, model, tight())
+}
+
+fn midpoint(model: &ClothModel) -> Box<dyn Stepper> {
+    implicit!(ImplicitMidpoint, model, tight())
+}
+
+/// One linearisation a step.
+fn linearized(model: &ClothModel) -> Box<dyn Stepper> {
+    let config = ImplicitConfig {
+        tolerance: 1e-10,
+        ..ImplicitConfig::linearized()
+    };
+    implicit_euler(model, config)
 }
 
 /// Projective dynamics at its default: cut short, without a tolerance.
@@ -59,7 +76,7 @@ fn pd(model: &ClothModel) -> Box<dyn Stepper> {
 type Make = fn(&ClothModel) -> Box<dyn Stepper>;
 
 /// Methods that feel contact while they solve.
-const METHODS: [Make; 2] = [|model| implicit_euler(model, tight()), pd];
+const METHODS: [Make; 3] = [|model| implicit_euler(model, tight()), linearized, pd];
 
 fn contacts(mesh: &TriMesh, obstacle: Option<Obstacle>, friction: Real) -> PotentialContacts {
     let law = ImpactLaw::new(friction, 0.0).unwrap();
@@ -105,8 +122,8 @@ fn sheet_rests_where_its_weight_says() {
     ] {
         let mesh = grid(n, n, 0.5, 0.5, pattern).unwrap();
         let model = model(&mesh);
-        let [euler, pd] = METHODS.map(|make| make(&model));
-        for mut stepper in [euler, bdf2(&model, tight()), pd] {
+        for make in METHODS.into_iter().chain([bdf2 as Make, midpoint]) {
+            let mut stepper = make(&model);
             let name = stepper.name();
             let mut contacts = contacts(&mesh, Some(floor()), 0.0);
             let lifted = mesh.positions().iter().map(|x| x + Vec3::z() * THICKNESS);
@@ -123,7 +140,8 @@ fn sheet_rests_where_its_weight_says() {
 }
 
 /// A sheet on a slope of 30°: slides by a Δt² n (n + 1)/2 with a = g (sin α − μ cos α) if that is positive, and sticks otherwise, a hundredth of the thickness
-/// times tan α/μ below where it began, for ever.
+/// times tan α/μ below where it began, for ever. The midpoint rule
+/// takes some steps to find out that contact lasts, and has the same acceleration then.
 #[test]
 fn sheet_on_a_slope_slides_or_sticks() {
     let angle = 30f64.to_radians();
@@ -140,11 +158,11 @@ fn sheet_on_a_slope_slides_or_sticks() {
             .sum();
         sum / start.len() as Real
     };
+    let slope = || Obstacle::new(HalfSpace::new(Vec3::new(-sin, 0.0, cos)).unwrap());
     let cases = METHODS.map(|make| [0.0, 0.3, 0.6].map(|friction| (make(&model), friction)));
     for (mut stepper, friction) in cases.into_iter().flatten() {
         let name = stepper.name();
-        let slope = Obstacle::new(HalfSpace::new(Vec3::new(-sin, 0.0, cos)).unwrap());
-        let mut contacts = contacts(&mesh, Some(slope), friction);
+        let mut contacts = contacts(&mesh, Some(slope()), friction);
         let mut state = State::at_rest(start.clone());
         let steps = 20;
         run(&mut *stepper, &mut contacts, &mut state, steps, |_, _| {});
@@ -165,6 +183,14 @@ fn sheet_on_a_slope_slides_or_sticks() {
             assert!((way(&state) - found).abs() < 1e-12);
         }
     }
+    let mut contacts = contacts(&mesh, Some(slope()), 0.3);
+    let mut state = State::at_rest(start.clone());
+    let mut ways = Vec::new();
+    let note = |state: &State, _: &PotentialContacts| ways.push(way(state));
+    run(&mut *midpoint(&model), &mut contacts, &mut state, 60, note);
+    let found = (ways[59] - 2.0 * ways[49] + ways[39]) * 36.0;
+    let expected = GRAVITY * (sin - 0.3 * cos);
+    assert!((found / expected - 1.0).abs() < 1e-6, "{found} m/s²");
 }
 
 /// Three sheets above each other at rest: the gap below each carries the weight of those above it.
@@ -283,7 +309,7 @@ fn sheets_that_meet_keep_their_momentum() {
     triangles.extend(one.triangles().iter().map(|t| t.map(|v| v + count as u32)));
     let mesh = TriMesh::new(positions, triangles).unwrap();
     let model = model(&mesh);
-    for make in METHODS {
+    for make in METHODS.into_iter().chain([midpoint as Make]) {
         let mut stepper = make(&model);
         let name = stepper.name();
         let mut contacts = contacts(&mesh, None, 0.0);
@@ -302,7 +328,12 @@ fn sheets_that_meet_keep_their_momentum() {
         assert!(change < 1e-14, "{name}: {change:e}");
         let mean = |v: &[Vec3]| v.iter().map(|v| v.z).sum::<Real>() / v.len() as Real;
         let apart = mean(&state.velocities[count..]) - mean(&state.velocities[..count]);
-        // They meet at 1 m/s; what is left of that is the bending of rims that hang over.
-        assert!(apart.abs() < 5e-3, "{name}: {apart} m/s");
+        // They meet at 1 m/s; what is left of that is the bending of rims that hang over, which the midpoint rule does not damp.
+        let most = if name == "implicit-midpoint" {
+            5e-2
+        } else {
+            5e-3
+        };
+        assert!(apart.abs() < most, "{name}: {apart} m/s");
     }
 }

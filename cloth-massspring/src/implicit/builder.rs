@@ -1,6 +1,7 @@
 //! From a description to a solver.
 
 use super::Implicit;
+use super::at_end::Room;
 use super::damper::Damper;
 use super::minimizer::Minimizer;
 use crate::config::ImplicitConfig;
@@ -68,6 +69,7 @@ impl<S> ImplicitBuilder<S> {
             before: (zeros.clone(), 0.0),
             found: [zeros.clone(), zeros],
             damper,
+            room: Room::default(),
             particles: self.particles,
             energies: self.energies,
             config: self.config,

@@ -15,7 +15,7 @@ const SLOPE: Real = 0.8;
 const MOST_TRIALS: u32 = 50;
 
 /// A point on the way, and what is known there.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Point {
     /// Positions (m).
     pub(super) positions: Vec<Vec3>,

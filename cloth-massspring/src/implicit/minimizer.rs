@@ -1,6 +1,7 @@
 //! The minimisation of one stage: which method begins, when it is done, and which takes over.
 
 use super::line_search::{self, Point};
+use super::linearized::Linearized;
 use super::newton;
 use super::progress::Progress;
 use super::quasi_newton::QuasiNewton;
@@ -41,6 +42,8 @@ pub(super) struct Minimizer {
     quasi_newton: Option<QuasiNewton>,
     /// Made when it is first needed.
     pub(super) newton: Option<NewtonSystem>,
+    /// Where the cloth is linearised, and room for a way from there (m), where it is and contact is felt.
+    linearized: Option<(Point, Vec<Vec3>)>,
     is_free: Vec<bool>,
 }
 
@@ -60,6 +63,16 @@ enum End {
     Done(Outcome),
     /// It does not get further.
     Stuck,
+}
+
+impl End {
+    /// Where no other method takes over.
+    fn outcome(self) -> Outcome {
+        match self {
+            Self::Done(outcome) => outcome,
+            Self::Stuck => Outcome::BudgetSpent,
+        }
+    }
 }
 
 impl Minimizer {
@@ -84,6 +97,7 @@ impl Minimizer {
                     NewtonSystem::build(energies, &is_free, particles.rest_positions(), config)
                 })
                 .transpose()?,
+            linearized: None,
             is_free,
         })
     }
@@ -97,38 +111,20 @@ impl Minimizer {
         mut contact: Contact<'_>,
     ) -> Result<StepReport, StepError> {
         let mut report = StepReport::new(Outcome::Converged, 0);
+        let is_alone = contact.is_none();
         if task.config.solve == Solve::Linearized {
-            newton::solve_once(self, task, observer, &mut report)?;
+            if is_alone {
+                newton::solve_once(self, task, observer, &mut report)?;
+            } else {
+                self.minimize_linearized(task, &mut observer, &mut contact, &mut report)?;
+            }
             return Ok(report);
         }
         let stage = &task.stage;
-        // What touches something does not go where its momentum alone would take it.
-        let is_alone = contact.is_none();
-        if let Some(quasi_newton) = self.quasi_newton.as_ref().filter(|_| is_alone) {
-            quasi_newton.settle(stage, &mut self.current);
-        }
-        self.current.evaluate(&with(task, &contact));
-        self.first = self.current.value;
-        if let Some(mut quasi_newton) = self.quasi_newton.take() {
-            self.fall_together(&mut quasi_newton, task, &mut contact)?;
-            self.quasi_newton = Some(quasi_newton);
-        }
-        if let Some(mut quasi_newton) = self.quasi_newton.take() {
-            let method = &mut quasi_newton;
-            let end = self.iterate(method, task, &mut contact, &mut observer, &mut report);
-            match contact.as_deref() {
-                None => quasi_newton.settle(stage, &mut self.current),
-                Some(contact) => {
-                    quasi_newton.settle_together(stage, contact, &mut self.current);
-                }
-            }
-            self.quasi_newton = Some(quasi_newton);
-            match end? {
+        if self.quasi_newton.is_some() {
+            match self.descend(task, &mut contact, &mut observer, &mut report)? {
                 end if !is_alone => {
-                    report.outcome = match end {
-                        End::Done(outcome) => outcome,
-                        End::Stuck => Outcome::BudgetSpent,
-                    };
+                    report.outcome = end.outcome();
                     return Ok(report);
                 }
                 End::Done(Outcome::Converged)
@@ -139,6 +135,9 @@ impl Minimizer {
                 }
                 End::Stuck => report.newton_fallbacks += 1,
             }
+        } else {
+            self.current.evaluate(stage);
+            self.first = self.current.value;
         }
         if self.newton.is_none() {
             let energies = stage.potential.energies;
@@ -163,6 +162,71 @@ impl Minimizer {
             }
             Err(error) => Err(error),
         }
+    }
+
+    /// Minimises what the cloth linearised at the start and contact make together.
+    fn minimize_linearized(
+        &mut self,
+        task: &Task<'_>,
+        observer: &mut Option<&mut dyn Observer>,
+        contact: &mut Contact<'_>,
+        report: &mut StepReport,
+    ) -> Result<(), StepError> {
+        self.current.evaluate(&task.stage);
+        self.gradient_norm(task)?;
+        let mut system = self.newton.take().expect("built with the solver");
+        let prepared = newton::prepare(self, &mut system, task, report);
+        let (mut at, mut way) = self.linearized.take().unwrap_or_default();
+        at.positions.clone_from(&self.current.positions);
+        at.gradient.clone_from(&self.current.gradient);
+        way.resize(self.is_free.len(), Vec3::zeros());
+        let linearized = Linearized::new(&at, system.matrix(), way);
+        let linear = Task {
+            stage: Stage {
+                linearized: Some(&linearized),
+                ..task.stage
+            },
+            ..*task
+        };
+        let end = prepared.and_then(|()| {
+            if self.quasi_newton.is_none() {
+                let energies = task.stage.potential.energies;
+                self.quasi_newton = Some(QuasiNewton::new(energies, self.is_free.clone()));
+            }
+            self.descend(&linear, contact, observer, report)
+        });
+        let way = linearized.into_room();
+        self.linearized = Some((at, way));
+        self.newton = Some(system);
+        report.outcome = end?.outcome();
+        Ok(())
+    }
+
+    /// The quasi-Newton method from the current positions on: evaluates them, iterates, and puts momentum right.
+    fn descend(
+        &mut self,
+        task: &Task<'_>,
+        contact: &mut Contact<'_>,
+        observer: &mut Option<&mut dyn Observer>,
+        report: &mut StepReport,
+    ) -> Result<End, StepError> {
+        let mut method = self.quasi_newton.take().expect("there is one");
+        let stage = &task.stage;
+        // What touches something does not go where its momentum alone would take it.
+        if contact.is_none() {
+            method.settle(stage, &mut self.current);
+        }
+        self.current.evaluate(&with(task, contact));
+        self.first = self.current.value;
+        let end = self
+            .fall_together(&mut method, task, contact)
+            .and_then(|()| self.iterate(&mut method, task, contact, observer, report));
+        match contact.as_deref() {
+            None => method.settle(stage, &mut self.current),
+            Some(contact) => method.settle_together(stage, contact, &mut self.current),
+        }
+        self.quasi_newton = Some(method);
+        end
     }
 
     /// The quasi-Newton iteration to the tolerance.

@@ -100,6 +100,18 @@ pub(super) fn solve_once(
     })
 }
 
+/// Makes the matrix of the current point.
+pub(super) fn prepare(
+    points: &Minimizer,
+    system: &mut NewtonSystem,
+    task: &Task<'_>,
+    report: &mut StepReport,
+) -> Result<(), StepError> {
+    system.reset();
+    system.assemble(&task.stage, &points.current.positions);
+    factorize(points, system, task, report)
+}
+
 /// Lends the system out of the minimizer, which has one.
 fn with_system(
     points: &mut Minimizer,

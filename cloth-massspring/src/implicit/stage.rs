@@ -1,6 +1,7 @@
 //! One minimisation: what all implicit integrators have in common.
 
 use super::damper::Damper;
+use super::linearized::Linearized;
 use cloth_core::block_matrix::BlockMatrix;
 use cloth_core::contact::ContactPotential;
 use cloth_core::element::Convexity;
@@ -17,6 +18,8 @@ pub(super) struct Stage<'a> {
     pub(super) potential: IncrementalPotential<'a>,
     /// `None` without stiffness-proportional damping.
     pub(super) damper: Option<&'a Damper>,
+    /// In place of all but contact, if that is linearised.
+    pub(super) linearized: Option<&'a Linearized<'a>>,
     /// `None` where there is nothing to touch.
     pub(super) contact: Option<&'a dyn ContactPotential>,
 }
@@ -24,19 +27,28 @@ pub(super) struct Stage<'a> {
 impl Stage<'_> {
     /// The function (J); writes its gradient (N) to `out`, zero at prescribed vertices.
     pub(super) fn gradient_into(&self, x: &[Vec3], out: &mut [Vec3]) -> Real {
-        let mut value = self.potential.gradient_into(x, out);
-        if let Some(damper) = self.damper {
-            damper.add_gradient(x, out);
-            value += damper.value(x);
-        }
+        let mut value = match self.linearized {
+            Some(linearized) => linearized.gradient_into(x, out),
+            None => self.smooth_gradient_into(x, out),
+        };
         if let Some(contact) = self.contact {
             value += contact.add_gradient(x, out);
         }
-        if self.damper.is_some() || self.contact.is_some() {
+        if self.damper.is_some() || self.linearized.is_some() || self.contact.is_some() {
             let w = self.potential.particles.inverse_mass();
             for (out, _) in out.iter_mut().zip(w).filter(|(_, w)| **w == 0.0) {
                 *out = Vec3::zeros();
             }
+        }
+        value
+    }
+
+    /// The same of all but contact, whatever is at prescribed vertices.
+    fn smooth_gradient_into(&self, x: &[Vec3], out: &mut [Vec3]) -> Real {
+        let mut value = self.potential.gradient_into(x, out);
+        if let Some(damper) = self.damper {
+            damper.add_gradient(x, out);
+            value += damper.value(x);
         }
         value
     }
@@ -75,6 +87,10 @@ impl Stage<'_> {
     ) {
         self.inertia_into(out);
         let energies = self.potential.energies;
+        let (x, mixed) = match self.linearized {
+            Some(linearized) => (linearized.place(), None),
+            None => (x, mixed),
+        };
         match mixed {
             Some([from, to]) => energies.add_mixed_hessian(assembly, x, from, to, out),
             None => energies.add_hessian(assembly, x, 1.0, Convexity::Abs, out),

@@ -1,0 +1,166 @@
+//! Contact at the end of a step whose stage is solved for its middle.
+//!
+//! What touches has to be known where the cloth will be, `x[1] = 2x − x[0]`, not in the middle. And contact is to take up motion: a force in the middle would throw
+//! back what it stops, as the midpoint rule keeps all energy. So what is new of the force f of contact acts over the whole step, as in implicit Euler, and only what has been there
+//! at the end of the last step, f[0], as all other forces do, so that what rests stays at rest:
+//!
+//! ```text
+//! v[1] = v[0] + Δt M⁻¹ (f_other((x[0] + x[1])/2) + f(x[1]))
+//! x[1] = x[0] + ½ Δt (v[0] + v[1]) + ½ Δt² M⁻¹ (f(x[1]) − f[0])
+//! ```
+//!
+//! That is the stationary point in x of the midpoint's objective, `E_contact(2x − x[0])` and `f[0]·x` together.
+
+use cloth_core::contact::{ContactError, ContactPotential, ContactRow, ContactStep};
+use cloth_core::math::{Real, Vec3};
+use std::sync::{Mutex, PoisonError};
+
+/// The contact of the end of a step as that of its middle: its energy is `E(2x − x[0])`.
+#[derive(Debug)]
+pub(super) struct AtEnd<'a> {
+    pub(super) contact: &'a mut dyn ContactPotential,
+    /// x[0] (m).
+    pub(super) start: &'a [Vec3],
+    pub(super) room: &'a mut Room,
+}
+
+/// What contact at the end of a step leaves to the next, and room.
+#[derive(Debug, Default)]
+pub(super) struct Room {
+    /// Gradients (N) of contact at the ends of the last two steps, and what of them lasts.
+    last: [Vec<Vec3>; 2],
+    lasting: Vec<Vec3>,
+    /// For the ends of a way (m), and for a gradient (N).
+    ends: [Vec<Vec3>; 2],
+    shared: Mutex<[Vec<Vec3>; 2]>,
+}
+
+/// What two forces (N) have in common.
+fn lasting(now: Vec3, before: Vec3) -> Vec3 {
+    let common = now.dot(&before);
+    if common <= 0.0 {
+        return Vec3::zeros();
+    }
+    now * (common / now.norm_squared()).min(1.0)
+}
+
+impl Room {
+    /// Takes the force of the last step's contact, of which there is none if the cloth has come from elsewhere, into the goal (m) of a stage that spans s (s).
+    pub(super) fn go_on(
+        &mut self,
+        from_elsewhere: bool,
+        inverse_mass: &[Real],
+        span: Real,
+        goal: &mut [Vec3],
+    ) {
+        if from_elsewhere {
+            self.last.iter_mut().for_each(Vec::clear);
+        }
+        self.last
+            .iter_mut()
+            .for_each(|g| g.resize(goal.len(), Vec3::zeros()));
+        self.lasting.clear();
+        let both = self.last[0].iter().zip(&self.last[1]);
+        self.lasting.extend(both.map(|(a, b)| lasting(*a, *b)));
+        for ((goal, g), w) in goal.iter_mut().zip(&self.lasting).zip(inverse_mass) {
+            *goal += *g * (*w * span * span);
+        }
+    }
+
+    /// Takes the new force of contact at the end `x` (m) of a step of `dt` (s) out of the velocities (m/s) once: it counts twice in those that follow from the middle.
+    pub(super) fn take_half(
+        &mut self,
+        contact: &dyn ContactPotential,
+        x: &[Vec3],
+        inverse_mass: &[Real],
+        dt: Real,
+        velocities: &mut [Vec3],
+    ) {
+        let mut now = std::mem::take(&mut self.ends[0]);
+        now.clear();
+        now.resize(x.len(), Vec3::zeros());
+        contact.add_gradient(x, &mut now);
+        let changes = now.iter().zip(&self.lasting).zip(inverse_mass);
+        for (v, ((now, before), w)) in velocities.iter_mut().zip(changes) {
+            *v += (now - before) * (*w * dt);
+        }
+        let [last, older] = &mut self.last;
+        std::mem::swap(last, older);
+        self.ends[0] = std::mem::replace(last, now);
+    }
+}
+
+impl AtEnd<'_> {
+    fn ends<'e>(&self, x: &[Vec3], ends: &'e mut Vec<Vec3>) -> &'e mut [Vec3] {
+        ends.clear();
+        ends.extend(x.iter().zip(self.start).map(|(x, start)| x * 2.0 - start));
+        ends
+    }
+
+    fn middles(&self, ends: &[Vec3], x: &mut [Vec3]) {
+        for ((x, end), start) in x.iter_mut().zip(ends).zip(self.start) {
+            *x = (end + start) * 0.5;
+        }
+    }
+}
+
+impl ContactPotential for AtEnd<'_> {
+    fn begin(&mut self, step: &ContactStep<'_>, start: &mut [Vec3]) -> Result<(), ContactError> {
+        let mut ends = std::mem::take(&mut self.room.ends[0]);
+        let wanted = self.ends(start, &mut ends);
+        let begun = self.contact.begin(step, wanted);
+        self.middles(wanted, start);
+        self.room.ends[0] = ends;
+        begun
+    }
+
+    fn limit(&mut self, from: &[Vec3], to: &[Vec3]) -> Result<Real, ContactError> {
+        let [mut a, mut b] = std::mem::take(&mut self.room.ends);
+        let part = self
+            .contact
+            .limit(self.ends(from, &mut a), self.ends(to, &mut b));
+        self.room.ends = [a, b];
+        part
+    }
+
+    fn limit_each(
+        &mut self,
+        from: &[Vec3],
+        to: &mut [Vec3],
+        parts: &mut [Real],
+    ) -> Result<(), ContactError> {
+        let [mut a, mut b] = std::mem::take(&mut self.room.ends);
+        self.ends(from, &mut a);
+        let ends = self.ends(to, &mut b);
+        let limited = self.contact.limit_each(&a, ends, parts);
+        self.middles(ends, to);
+        self.room.ends = [a, b];
+        limited
+    }
+
+    fn add_gradient(&self, x: &[Vec3], out: &mut [Vec3]) -> Real {
+        let shared = self.room.shared.lock();
+        let [ends, gradient] = &mut *shared.unwrap_or_else(PoisonError::into_inner);
+        gradient.clear();
+        gradient.resize(x.len(), Vec3::zeros());
+        let value = self.contact.add_gradient(self.ends(x, ends), gradient);
+        for (out, gradient) in out.iter_mut().zip(gradient) {
+            *out += *gradient * 2.0;
+        }
+        value
+    }
+
+    fn linearize(&self, x: &[Vec3], out: &mut Vec<ContactRow>) {
+        let first = out.len();
+        let shared = self.room.shared.lock();
+        let [ends, _] = &mut *shared.unwrap_or_else(PoisonError::into_inner);
+        self.contact.linearize(self.ends(x, ends), out);
+        out[first..].iter_mut().for_each(|row| row.stiffness *= 4.0);
+    }
+
+    fn end(&mut self, x: &[Vec3], v: &[Vec3]) {
+        let mut ends = std::mem::take(&mut self.room.ends[0]);
+        self.contact.end(self.ends(x, &mut ends), v);
+        self.room.ends[0] = ends;
+    }
+}

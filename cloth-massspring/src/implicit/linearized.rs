@@ -1,0 +1,57 @@
+//! The function of a stage with its elastic part linearised at one place, for a step that does so once and still has to feel contact.
+//!
+//! The cloth takes part as the quadratic function `gᵀp + ½ pᵀH p` of its way p; contact, which it may not know of where it starts, as it is.
+
+use super::line_search::Point;
+use cloth_core::block_matrix::BlockMatrix;
+use cloth_core::math::{Real, Vec3};
+use cloth_core::vectors::dot;
+use std::sync::{Mutex, PoisonError};
+
+/// `g`, `H` and the place that they were taken at.
+#[derive(Debug)]
+pub(super) struct Linearized<'a> {
+    /// Positions (m) and gradient (N).
+    at: &'a Point,
+    /// H (N/m).
+    matrix: &'a BlockMatrix,
+    /// Room for p (m).
+    way: Mutex<Vec<Vec3>>,
+}
+
+impl<'a> Linearized<'a> {
+    /// At an evaluated point, with the matrix (N/m) there. `way` is room for one vector per vertex.
+    pub(super) fn new(at: &'a Point, matrix: &'a BlockMatrix, way: Vec<Vec3>) -> Self {
+        Self {
+            at,
+            matrix,
+            way: Mutex::new(way),
+        }
+    }
+
+    /// Gives the room back.
+    pub(super) fn into_room(self) -> Vec<Vec3> {
+        self.way
+            .into_inner()
+            .unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Positions (m) where the cloth is linearised.
+    pub(super) fn place(&self) -> &[Vec3] {
+        &self.at.positions
+    }
+
+    /// The function (J), zero at the place; writes its gradient (N) to `out`.
+    pub(super) fn gradient_into(&self, x: &[Vec3], out: &mut [Vec3]) -> Real {
+        let mut way = self.way.lock().unwrap_or_else(PoisonError::into_inner);
+        for ((way, x), at) in way.iter_mut().zip(x).zip(&self.at.positions) {
+            *way = x - at;
+        }
+        self.matrix.multiply(&way, out);
+        let bent = 0.5 * dot(&way, out);
+        for (out, gradient) in out.iter_mut().zip(&self.at.gradient) {
+            *out += gradient;
+        }
+        bent + dot(&way, &self.at.gradient)
+    }
+}
