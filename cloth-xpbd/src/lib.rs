@@ -171,7 +171,16 @@
 //! | 80 | 0.65 | 0.090 | 14 % |
 //! | 160 | 0.16 | 0.035 | 7 % |
 //!
-//! Gravity releases 0.7 J until then. What is too much is what the sweeps leave, as without contact.
+//! Gravity releases 0.7 J until then. What is too much is what the sweeps leave, as without contact. The number that [`SubstepRule`] gives for a strain, and what the cloth
+//! held at most beyond all that it was given in 60 steps:
+//!
+//! | strain asked for | substeps | J too much |
+//! |---|---|---|
+//! | 10 % | 100 | 0.47 |
+//! | 7 % | 141 | 0.09 |
+//! | 5 % | 196 | 0.05 |
+//!
+//! So where cloth can touch something, ask for 7 %.
 //!
 //! # Limits
 //! - **It is not the minimiser of implicit Euler**, even when the sweeps have converged. They make `C + α̃λ` zero, with the gradients of the

@@ -29,9 +29,12 @@ const PUBLISHED_SUBSTEPS: u32 = 20;
 pub(crate) const AUTO: &str = "auto";
 const STRAIN: Parameter = parameter(
     "strain",
-    "0.1",
-    "largest strain that the sweeps may leave, with substeps=auto",
+    AUTO,
+    "largest strain that the sweeps may leave, with substeps=auto; auto: 0.1, or 0.07 where there is something to touch",
 );
+/// Largest strain to be left in cloth that swings freely, and in cloth that can touch something: what stops it suddenly leaves more energy.
+const SWINGING: Real = 0.1;
+const TOUCHING: Real = 0.07;
 const PBD_ITERATIONS: Parameter = parameter("iterations", "20", "sweeps per substep");
 const PBD_STIFFNESS: Parameter = parameter(
     "projection",
@@ -142,7 +145,11 @@ fn substeps(
         };
     }
     let rule = SubstepRule {
-        strain: settings.positive(&STRAIN)?,
+        strain: match settings.text(&STRAIN) {
+            AUTO if scene.can_touch() => TOUCHING,
+            AUTO => SWINGING,
+            _ => settings.positive(&STRAIN)?,
+        },
         gravity: scene.gravity,
         fall: scene.fall(),
         iterations: settings.count(iterations, 1)?,
