@@ -174,7 +174,7 @@ impl Method {
         };
         if !matches!(
             self.kind,
-            Kind::Pbd | Kind::Xpbd | Kind::Explicit | Kind::Symplectic
+            Kind::Pbd | Kind::Xpbd | Kind::XpbdDirect | Kind::Explicit | Kind::Symplectic
         ) {
             return make(settings, dt / Real::from(scene.parts()));
         }
@@ -272,10 +272,10 @@ impl Method {
             | Kind::Midpoint
             | Kind::Bdf2
             | Kind::Pd
-            | Kind::XpbdDirect
             | Kind::Own(_) => Ok(1),
             Kind::Pbd => position_based::pbd_substeps(scene, settings, dt),
             Kind::Xpbd => position_based::xpbd_substeps(scene, settings, dt),
+            Kind::XpbdDirect => direct::substeps(scene, settings, dt),
             Kind::Explicit | Kind::Symplectic
                 if settings.text(&mass_spring::EXPLICIT_SUBSTEPS) != "auto" =>
             {

@@ -65,6 +65,12 @@ impl Scene {
         }
     }
 
+    /// Whether there is anything that the cloth can touch.
+    #[must_use]
+    pub fn can_touch(&self) -> bool {
+        self.touch.as_ref().is_some_and(|touch| !touch.is_idle())
+    }
+
     /// Into how many parts a step is cut because of contact; see [`Touch::parts`].
     #[must_use]
     pub fn parts(&self) -> u32 {

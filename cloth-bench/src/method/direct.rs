@@ -1,11 +1,18 @@
 //! Settings of XPBD solved as one system.
 
-use super::position_based::XPBD_DAMPING;
+use super::position_based::{self, AUTO, XPBD_DAMPING, XPBD_SUBSTEPS};
 use crate::error::BenchError;
+use crate::scene::Scene;
 use crate::settings::{Parameter, Settings, parameter};
+use cloth_core::math::Real;
 use cloth_xpbd::direct::{DirectConfig, System};
 
 const DIRECT_ITERATIONS: Parameter = parameter("iterations", "20", "most iterations per step");
+const DIRECT_SUBSTEPS: Parameter = parameter(
+    "substeps",
+    AUTO,
+    "parts of a step, with contact at the end of each: a number, or auto: 1 where nothing can be touched, otherwise what auto is to xpbd",
+);
 const DIRECT_TOLERANCE: Parameter = parameter(
     "tolerance",
     "1e-6",
@@ -25,11 +32,24 @@ const DIRECT_MODE: Parameter = parameter(
 /// Of the direct solver.
 pub(super) const DIRECT: &[Parameter] = &[
     DIRECT_ITERATIONS,
+    DIRECT_SUBSTEPS,
     DIRECT_TOLERANCE,
     DIRECT_SYSTEM,
     DIRECT_MODE,
     XPBD_DAMPING,
 ];
+
+/// The number of substeps on a scene, for a step of `dt` (s).
+pub(super) fn substeps(scene: &Scene, settings: &Settings, dt: Real) -> Result<u32, BenchError> {
+    if settings.text(&DIRECT_SUBSTEPS) != AUTO {
+        return settings.count(&DIRECT_SUBSTEPS, 1);
+    }
+    if !scene.can_touch() {
+        return Ok(1);
+    }
+    let as_swept = Settings::default().with(XPBD_SUBSTEPS.name, AUTO);
+    position_based::xpbd_substeps(scene, &as_swept, dt)
+}
 
 pub(super) fn direct(settings: &Settings) -> Result<DirectConfig, BenchError> {
     let systems = [
@@ -60,6 +80,7 @@ pub(super) fn direct(settings: &Settings) -> Result<DirectConfig, BenchError> {
         }
     }
     Ok(DirectConfig {
+        substeps: settings.count(&DIRECT_SUBSTEPS, 1)?,
         system: settings.choice(&DIRECT_SYSTEM, &systems)?,
         damping: settings.number(&XPBD_DAMPING)?,
         ..mode

@@ -203,6 +203,7 @@ fn methods_that_feel_contact_take_whole_steps() {
     };
     assert_eq!(parts("xpbd", &[]), 1);
     assert_eq!(parts("xpbd", &["precision=single"]), 1);
+    assert_eq!(parts("xpbd-direct", &[]), 1);
     assert_eq!(parts("pbd", &[]), 1);
     assert_eq!(parts("pd", &[]), 1);
     assert_eq!(parts("pd", &["acceleration=none"]), scene.parts());
@@ -240,7 +241,7 @@ fn nothing_crosses_in_any_scene_with_any_kind_of_method() {
     for (name, pairs) in scenes {
         let scene = scene(name, pairs);
         for method in METHODS {
-            if !["implicit-euler", "pbd", "xpbd", "pd"].contains(&method.name) {
+            if !["implicit-euler", "pbd", "xpbd", "xpbd-direct", "pd"].contains(&method.name) {
                 continue;
             }
             let settings = Settings::default();

@@ -9,7 +9,7 @@ use super::solver::DirectXpbd;
 use cloth_core::block_matrix::{BlockMatrix, PatternBuilder};
 use cloth_core::element::Constraint;
 use cloth_core::math::{Real, Vec3};
-use cloth_core::particles::Particles;
+use cloth_core::particles::{Particles, State};
 use cloth_core::step::BuildError;
 
 /// Collects what a [`DirectXpbd`] is built of.
@@ -57,6 +57,12 @@ impl DirectBuilder {
             "the number of iterations",
             Real::from(config.max_iterations),
             config.max_iterations > 0,
+            "at least 1",
+        )?;
+        check(
+            "the number of substeps",
+            Real::from(config.substeps),
+            config.substeps > 0,
             "at least 1",
         )?;
         let finite = |value: Real| value >= 0.0 && value.is_finite();
@@ -115,6 +121,7 @@ impl DirectBuilder {
             positions: zeros(),
             direction: zeros(),
             trial: zeros(),
+            current: State::at_rest(zeros()),
             last: None,
             residuals: Default::default(),
             solver,

@@ -37,6 +37,8 @@ pub enum DirectStart {
 /// Settings of [`DirectXpbd`](super::DirectXpbd).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DirectConfig {
+    /// Parts into which a step is divided, at least 1; each is a step of its own, with contact at its end.
+    pub substeps: u32,
     /// The linear system and its solver.
     pub system: System,
     /// Whether `−Σ λ ∂²C`, the change of the forces where the gradients turn, is added to the mass, its negative part dropped (Tournier et al. 2015).
@@ -63,6 +65,7 @@ impl Default for DirectConfig {
     /// To convergence, from x̃, on the primal–dual matrix.
     fn default() -> Self {
         Self {
+            substeps: 1,
             system: System::default(),
             geometric_stiffness: true,
             start: DirectStart::default(),

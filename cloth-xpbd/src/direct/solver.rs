@@ -2,6 +2,7 @@
 
 use super::builder::DirectBuilder;
 use super::config::{DirectConfig, DirectStart};
+use super::contact;
 use super::kkt::{Kkt, Pair};
 use super::linear::Solver;
 use super::merit::Merit;
@@ -42,6 +43,8 @@ pub struct DirectXpbd {
     pub(super) positions: Vec<Vec3>,
     pub(super) direction: Vec<Vec3>,
     pub(super) trial: Vec<Vec3>,
+    /// Where the substep begins.
+    pub(super) current: State,
     /// With the size of the last step, if it succeeded.
     pub(super) last: Option<Compliance>,
     pub(super) residuals: Residuals,
@@ -52,18 +55,17 @@ impl Stepper for DirectXpbd {
         "xpbd-direct"
     }
 
+    fn feels_contact(&self) -> bool {
+        true
+    }
+
     fn step(
         &mut self,
         state: &mut State,
         mut input: StepInput<'_>,
     ) -> Result<StepReport, StepError> {
         input.check(state, self.particles.len())?;
-        let stepped = self.iterate(state, &mut input);
-        let written = stepped.and_then(|report| {
-            let pin_work = Some(self.pin_work(state));
-            self.write(state, &mut input)?;
-            Ok(StepReport { pin_work, ..report })
-        });
+        let written = self.substeps(state, &mut input);
         if written.is_err() {
             // What a failed step leaves must not start the next one.
             self.last = None;
@@ -86,10 +88,91 @@ impl DirectXpbd {
         &self.config
     }
 
+    /// The whole step; `state` is written when all of it is taken.
+    fn substeps(
+        &mut self,
+        state: &mut State,
+        input: &mut StepInput<'_>,
+    ) -> Result<StepReport, StepError> {
+        let (dt, step) = (input.dt, state.steps + 1);
+        contact::begin_step(input, self.particles.inverse_mass(), state)?;
+        let mut current = std::mem::take(&mut self.current);
+        current.positions.copy_from_slice(&state.positions);
+        current.velocities.copy_from_slice(&state.velocities);
+        current.steps = state.steps;
+        let mut sum = StepReport {
+            pin_work: Some(0.0),
+            ..StepReport::new(Outcome::Converged, 0)
+        };
+        input.dt = dt / Real::from(self.config.substeps);
+        let taken =
+            (0..self.config.substeps).try_for_each(|_| self.substep(&mut current, input, &mut sum));
+        input.dt = dt;
+        let ended = taken.and_then(|()| {
+            let (w, x, v) = (
+                self.particles.inverse_mass(),
+                &mut current.positions,
+                &mut current.velocities,
+            );
+            match input.contact_constraints() {
+                Some(contacts) => contacts.end_step(x),
+                None => input.resolve_contacts(state, w, x, v)?,
+            }
+            state.positions.copy_from_slice(x);
+            state.velocities.copy_from_slice(v);
+            state.time += dt;
+            state.steps = step;
+            Ok(sum)
+        });
+        self.current = current;
+        ended
+    }
+
+    /// One substep: the system, then contact, then the velocities.
+    fn substep(
+        &mut self,
+        current: &mut State,
+        input: &mut StepInput<'_>,
+        sum: &mut StepReport,
+    ) -> Result<(), StepError> {
+        let report = self.iterate(current, input, sum.iterations)?;
+        let work = sum.pin_work.unwrap_or(0.0) + self.pin_work(current);
+        let converged = sum.outcome == Outcome::Converged;
+        *sum = StepReport {
+            outcome: if converged {
+                report.outcome
+            } else {
+                sum.outcome
+            },
+            iterations: sum.iterations + report.iterations,
+            factorizations: sum.factorizations + report.factorizations,
+            linear_solves: sum.linear_solves + report.linear_solves,
+            linear_iterations: sum.linear_iterations + report.linear_iterations,
+            backtracks: sum.backtracks + report.backtracks,
+            pin_work: Some(work),
+            ..report
+        };
+        let w = self.particles.inverse_mass();
+        contact::project(input, w, current, &mut self.positions)?;
+        // v ← v + h a + (x − x̃)/h, S1 (26)
+        for (v, velocity) in current.velocities.iter_mut().enumerate() {
+            let a = input.external_acceleration(v, w[v]);
+            let change = (self.positions[v] - self.predicted[v]) / input.dt;
+            *velocity = *velocity + a * input.dt + change;
+        }
+        if let Some(contacts) = input.contact_constraints() {
+            contacts.change_velocities(&mut current.velocities);
+        }
+        current.positions.copy_from_slice(&self.positions);
+        Ok(())
+    }
+
+    /// Solves the system of one substep, after so many iterations of those before it.
     fn iterate(
         &mut self,
         state: &State,
         input: &mut StepInput<'_>,
+        before: u32,
     ) -> Result<StepReport, StepError> {
         let step = state.steps + 1;
         let compliance = Compliance::new(input.dt, self.config.damping);
@@ -134,7 +217,7 @@ impl DirectXpbd {
                     })?;
             }
             if let Some(observer) = &mut input.observer {
-                observer.iteration(iteration, &self.positions);
+                observer.iteration(before + iteration, &self.positions);
             }
             if done && !self.activate() {
                 report.outcome = Outcome::Converged;
@@ -346,23 +429,6 @@ impl DirectXpbd {
             }
         }
         work
-    }
-
-    /// Hands the result over, with `v ← v + h a + (x − x̃)/h`, S1 (26).
-    fn write(&mut self, state: &mut State, input: &mut StepInput<'_>) -> Result<(), StepError> {
-        let inverse_mass = self.particles.inverse_mass();
-        let velocities = &mut self.trial;
-        for (v, velocity) in velocities.iter_mut().enumerate() {
-            let a = input.external_acceleration(v, inverse_mass[v]);
-            let change = (self.positions[v] - self.predicted[v]) / input.dt;
-            *velocity = state.velocities[v] + a * input.dt + change;
-        }
-        input.resolve_contacts(state, inverse_mass, &mut self.positions, velocities)?;
-        state.positions.copy_from_slice(&self.positions);
-        state.velocities.copy_from_slice(velocities);
-        state.time += input.dt;
-        state.steps += 1;
-        Ok(())
     }
 }
 
