@@ -122,7 +122,7 @@ fn steps(criterion: &mut Criterion) {
             PdSolver::builder(&scene.model.particles)
                 .energy(springs.clone())
                 .energy(scene.model.hinges.clone())
-                .coarse_grid(&scene.start.positions, 10)
+                .coarse_grid(&scene.start.positions, 12)
                 .config(PdConfig {
                     acceleration,
                     ..PdConfig::default()

@@ -68,6 +68,8 @@ pub struct Multigrid {
     /// From level k + 1 to level k.
     transfers: Vec<(Prolongation, Galerkin)>,
     coarsest: Option<Coarsest>,
+    /// The level at which a cycle begins.
+    first: usize,
 }
 
 impl Multigrid {
@@ -81,36 +83,71 @@ impl Multigrid {
         let pattern = matrix.shared_pattern();
         assert_eq!(is_free.len(), pattern.row_count(), "one flag per row");
         assert_eq!(rest.len(), pattern.row_count(), "one rest position per row");
-        let mut strengths: Vec<Real> = matrix.blocks().iter().map(Mat3::norm).collect();
-        let mut levels = vec![Level::new(Arc::clone(pattern), is_free.to_vec())];
-        let mut transfers = Vec::new();
-        let mut place = rest.to_vec();
-        let mut free = is_free.to_vec();
+        let finest = Level::new(Arc::clone(pattern), is_free.to_vec());
+        let mut this = Self {
+            levels: vec![finest],
+            transfers: Vec::new(),
+            coarsest: None,
+            first: 0,
+        };
+        this.coarsen(strengths(matrix), rest.to_vec());
+        this
+    }
+
+    /// Levels below a coarse space of one's own: `prolongation` leads from it to the vertices, and `place` (m) has its nodes. Cycles begin there, so
+    /// [`apply`](Self::apply) is `P V Pᵀ` with V the cycle on its levels: the smooth part of an inverse, to be added to what knows the rough one
+    /// (J. H. Bramble, J. E. Pasciak, J. Xu, "Parallel multilevel preconditioners", Math. Comp. 55, 1990,
+    /// <https://doi.org/10.1090/S0025-5718-1990-1023042-6>).
+    ///
+    /// # Panics
+    /// If the prolongation does not have one row per row of the matrix, and one column per place.
+    #[must_use]
+    pub fn below(prolongation: Prolongation, matrix: &BlockMatrix, place: Vec<Vec3>) -> Self {
+        let pattern = matrix.shared_pattern();
+        assert_eq!(prolongation.fine_count(), pattern.row_count(), "rows of P");
+        assert_eq!(prolongation.coarse_count(), place.len(), "columns of P");
+        let is_free = (0..pattern.row_count()).map(|v| !prolongation.of_fine(v).is_empty());
+        let mut this = Self {
+            levels: vec![Level::new(Arc::clone(pattern), is_free.collect())],
+            transfers: Vec::new(),
+            coarsest: None,
+            first: 1,
+        };
+        let strengths = this.add(prolongation, &strengths(matrix));
+        this.coarsen(strengths, place);
+        this
+    }
+
+    /// Adds a level below the last; gives the couplings of its vertices from those of the finer ones.
+    fn add(&mut self, prolongation: Prolongation, strengths: &[Real]) -> Vec<Real> {
+        let finer = self.levels[self.levels.len() - 1].pattern();
+        let (pattern, galerkin) = Galerkin::new(finer, &prolongation);
+        let strengths = coarse_strengths(finer, strengths, &prolongation, &pattern);
+        let free = vec![true; prolongation.coarse_count()];
+        self.levels.push(Level::new(pattern, free));
+        self.transfers.push((prolongation, galerkin));
+        strengths
+    }
+
+    /// Adds levels until one is small enough, or one more would gain nothing.
+    fn coarsen(&mut self, mut strengths: Vec<Real>, mut place: Vec<Vec3>) {
         loop {
-            let finer = levels[levels.len() - 1].pattern();
-            let free_count = free.iter().filter(|free| **free).count();
+            let last = &self.levels[self.levels.len() - 1];
+            let free_count = last.is_free().iter().filter(|free| **free).count();
             if free_count <= COARSEST {
                 break;
             }
-            let graph = graph(finer, &strengths);
-            let Coarsening { prolongation, kept } = coarsen(&graph, &free, &place);
+            let graph = graph(last.pattern(), &strengths);
+            let Coarsening { prolongation, kept } = coarsen(&graph, last.is_free(), &place);
             if kept.len() as Real > WORTHWHILE * free_count as Real {
                 break;
             }
-            let (pattern, galerkin) = Galerkin::new(finer, &prolongation);
-            strengths = coarse_strengths(finer, &strengths, &prolongation, &pattern);
             place = kept.iter().map(|&vertex| place[vertex as usize]).collect();
-            free = vec![true; kept.len()];
-            levels.push(Level::new(pattern, free.clone()));
-            transfers.push((prolongation, galerkin));
+            strengths = self.add(prolongation, &strengths);
         }
-        let last = &levels[levels.len() - 1];
+        let last = &self.levels[self.levels.len() - 1];
         let is_small = last.len() <= COARSEST;
-        Self {
-            coarsest: is_small.then(|| Coarsest::new(last.len())),
-            levels,
-            transfers,
-        }
+        self.coarsest = is_small.then(|| Coarsest::new(last.len()));
     }
 
     /// Vertices of each level, from fine to coarse.
@@ -161,14 +198,15 @@ impl Multigrid {
             let coarse = &mut coarse[0].rank_one;
             coarse.restrict(&fine[number].rank_one, prolongation);
         }
-        self.levels.iter_mut().for_each(Level::prepare);
+        let smoothed = self.levels[self.first..].iter_mut();
+        smoothed.for_each(Level::prepare);
         if let (Some(coarsest), Some(level)) = (&mut self.coarsest, self.levels.last()) {
             return coarsest.factorize(level);
         }
         true
     }
 
-    /// One V-cycle from zero: `z` (m) is near `A⁻¹ r` for a right-hand side `r` (N), and zero where nothing moves.
+    /// One V-cycle from zero: `z` (m) is near `A⁻¹ r` for a right-hand side `r` (N), or near its part in the coarse space, and zero where nothing moves.
     ///
     /// # Panics
     /// If `r` or `z` does not have one entry per row.
@@ -176,7 +214,18 @@ impl Multigrid {
         assert_eq!(r.len(), self.levels[0].len(), "length of r");
         assert_eq!(z.len(), self.levels[0].len(), "length of z");
         self.levels[0].take(r);
-        self.cycle(0);
+        if self.first == 0 {
+            self.cycle(0);
+        } else {
+            let (prolongation, _) = &self.transfers[0];
+            let (fine, coarse) = self.levels.split_at_mut(1);
+            fine[0].hand_down(prolongation, &mut coarse[0].right_hand_side);
+            self.cycle(1);
+            let (prolongation, _) = &self.transfers[0];
+            let (fine, coarse) = self.levels.split_at_mut(1);
+            fine[0].solution.fill([0.0; 4]);
+            fine[0].correct(prolongation, &coarse[0].solution);
+        }
         self.levels[0].give(z);
     }
 
@@ -207,6 +256,11 @@ impl Multigrid {
             }
         }
     }
+}
+
+/// How strongly each block couples its vertices (N/m).
+fn strengths(matrix: &BlockMatrix) -> Vec<Real> {
+    matrix.blocks().iter().map(Mat3::norm).collect()
 }
 
 /// Both halves of a pattern as lists of neighbours.

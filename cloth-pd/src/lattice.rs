@@ -1,17 +1,15 @@
 //! Hat functions on a coarse lattice of cubes laid over the cloth at rest.
 
 use cloth_core::math::{Real, Vec3};
+use cloth_core::multigrid::Prolongation;
 
 /// For every vertex the lattice nodes around it and their weights, which are trilinear and add up to 1: what moves linearly over the rest shape is
 /// represented exactly, rotations of the whole among it.
 #[derive(Debug)]
 pub(crate) struct Lattice {
-    /// Nodes and weights of vertex v: `entries[offsets[v]..offsets[v + 1]]`, nodes ascending.
-    offsets: Vec<u32>,
-    entries: Vec<(u32, Real)>,
-    /// The same by nodes: vertices and weights under node n.
-    node_offsets: Vec<u32>,
-    node_entries: Vec<(u32, Real)>,
+    pub(crate) prolongation: Prolongation,
+    /// The nodes (m).
+    pub(crate) place: Vec<Vec3>,
 }
 
 impl Lattice {
@@ -66,37 +64,14 @@ impl Lattice {
         for range in offsets.windows(2) {
             entries[range[0] as usize..range[1] as usize].sort_unstable_by_key(|entry| entry.0);
         }
-        let mut by_node: Vec<(u32, u32, Real)> = Vec::with_capacity(entries.len());
-        for (vertex, range) in (0..).zip(offsets.windows(2)) {
-            let own = &entries[range[0] as usize..range[1] as usize];
-            by_node.extend(own.iter().map(|&(node, weight)| (node, vertex, weight)));
-        }
-        by_node.sort_unstable_by_key(|entry| (entry.0, entry.1));
-        let before = |node: u32| by_node.partition_point(|entry| entry.0 < node) as u32;
+        let rows = offsets.windows(2);
+        let rows = rows.map(|range| &entries[range[0] as usize..range[1] as usize]);
+        let along = |key: u64, axis: u64| (key >> (21 * (2 - axis)) & ((1 << 21) - 1)) as Real;
+        let node = |key: &u64| Vec3::new(along(*key, 0), along(*key, 1), along(*key, 2));
         Self {
-            node_offsets: (0..=nodes.len() as u32).map(before).collect(),
-            node_entries: by_node.iter().map(|entry| (entry.1, entry.2)).collect(),
-            offsets,
-            entries,
+            prolongation: Prolongation::new(rows, nodes.len()),
+            place: nodes.iter().map(|key| low + node(key) * side).collect(),
         }
-    }
-
-    /// Number of nodes.
-    pub(crate) fn node_count(&self) -> usize {
-        self.node_offsets.len() - 1
-    }
-
-    /// Vertices under a node, ascending, and their weights (dimensionless).
-    #[inline]
-    pub(crate) fn under(&self, node: usize) -> &[(u32, Real)] {
-        let [start, end] = [self.node_offsets[node], self.node_offsets[node + 1]];
-        &self.node_entries[start as usize..end as usize]
-    }
-
-    /// Nodes and weights (dimensionless) of a vertex.
-    #[inline]
-    pub(crate) fn of(&self, vertex: usize) -> &[(u32, Real)] {
-        &self.entries[self.offsets[vertex] as usize..self.offsets[vertex + 1] as usize]
     }
 }
 

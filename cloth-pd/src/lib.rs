@@ -28,7 +28,7 @@
 //! - **Quasi-Newton** (Liu et al. 2017): `A⁻¹` is the first guess at the inverse Hessian of `G`, the last few differences of iterates and gradients improve it (L-BFGS), a line search
 //!   with Armijo's condition makes sure of the descent. If a direction fails, a plain iteration is taken, which needs no search.
 //! - **A coarse grid** under the quasi-Newton iteration: the slow motions are smooth, so a few hundred unknowns on a lattice of hat functions P describe them, and there Newton's method costs next to
-//!   nothing. The first guess becomes `A⁻¹ + P (PᵀHP)⁻¹ Pᵀ` with the Hessian H (its negative eigenvalues set to zero) at the start of the step's iteration: an additive two-level preconditioner. The matrix is for what is rough, the grid for what is smooth.
+//!   nothing. The first guess becomes `A⁻¹ + P V Pᵀ`, V a cycle of [`Multigrid`](cloth_core::multigrid::Multigrid) for `PᵀHP` with the Hessian H (its negative eigenvalues set to zero) at the start of the step's iteration: an additive two-level preconditioner. The matrix is for what is rough, the grid for what is smooth.
 //!
 //! As the matrix is only a first guess there, it does without the bending of thin cloth: where quadratic hinges add less than a fiftieth to every diagonal entry they are left to the iteration, because a hinge ties four vertices and the factor has less than
 //! half as many numbers without (at 128 vertices a side 0.5 million and not 1.3). The plain and the Chebyshev iteration have the whole matrix.
@@ -40,7 +40,7 @@
 //! |---|---|---|
 //! | plain, from x̃ | 0.151 | 4.64 |
 //! | quasi-Newton | 0.440 | 2.59 |
-//! | quasi-Newton with a coarse grid of 10 cells | 0.4987 | 2.38 |
+//! | quasi-Newton with a coarse grid of 12 cells | 0.4993 | 2.45 |
 //!
 //! When the smooth part is done the grid has done its work: the last digits take as many iterations with it as without, or more.
 //!
@@ -58,8 +58,8 @@
 //!   pairs instead of two. If the end is above `G` at the start of the step all the same, it is taken again from there.
 //!
 //! So every place that is accepted, and every straight way between two of them, is free of crossings. A sheet with 64 vertices a side (0.2 kg/m², 10⁴ N/m) that falls 5 cm onto a ball of 0.1 m is stretched by
-//! 2.1 % at most in 20 steps of 1/60 s, 2.2 % with converged implicit Euler, and no energy appears. Which way the sheet buckles is chance: a hundredth more bending rigidity changes the fall of implicit Euler's by 2 %, and projective
-//! dynamics differs from it by 3 %.
+//! 2.4 % at most after 20 steps of 1/60 s, 2.5 % with converged implicit Euler, and no energy appears. Which way the sheet buckles is chance: a hundredth more bending rigidity changes the fall of implicit Euler's by 2 %, and projective
+//! dynamics differs from it by 1 %.
 //!
 //! # Equations
 //! ```text
@@ -89,7 +89,7 @@
 //! | Chebyshev weights (Wang 2015, algorithm 1) | `chebyshev.rs` |
 //! | two-loop recursion (Liu et al. 2017, algorithm 2), line search | `quasi_newton.rs` |
 //! | `A + Σ k J Jᵀ` with the contacts | `contact.rs` |
-//! | `P (PᵀHP)⁻¹ Pᵀ` | `lattice.rs`, `coarse.rs`, `coarse_family.rs` |
+//! | `P V Pᵀ`; H | `lattice.rs`, `coarse.rs`; `local.rs` |
 //! | S1 (33), (35) and the loop | [`PdSolver`] |
 //!
 //! # Iterations
@@ -143,7 +143,7 @@
 //! let mut solver = PdSolver::builder(&model.particles)
 //!     .energy(model.springs)
 //!     .energy(model.hinges)
-//!     .coarse_grid(mesh.positions(), 10)
+//!     .coarse_grid(mesh.positions(), 12)
 //!     .build()?;
 //!
 //! let mut state = State::at_rest(mesh.positions().to_vec());
@@ -175,21 +175,21 @@
 //! # Limits
 //! - The plain iteration converges linearly, and the more slowly the stiffer the cloth. An error of 10⁻² in `G` is soon reached and says little: plain, cut short there, the sheet above hangs in the air. Look at the
 //!   fall beside the stretch before choosing a number of iterations.
-//! - A fixed number of iterations is an approximation of implicit Euler whose error is not watched. The default (here and below [`PdConfig::default`] with a coarse grid of 10 cells, as `cloth-bench` takes it; the builder lays none by itself) follows the first half second of the hanging sheet closely; over five seconds its swinging dies away sooner than it should. Means over the
+//! - A fixed number of iterations is an approximation of implicit Euler whose error is not watched. The default (here and below [`PdConfig::default`] with a coarse grid of 12 cells, as `cloth-bench` takes it; the builder lays none by itself) follows the first half second of the hanging sheet closely; over five seconds its swinging dies away sooner than it should. Means over the
 //!   last 100 of 300 steps, relative to converged implicit Euler, at 64 a side (`cloth-bench study projective`, which has the same for 32):
 //!
 //!   | cells, iterations, pairs | kinetic energy (%) | largest stretch (%) | the same at the last step (%) |
 //!   |---|---|---|---|
-//!   | 8, 6, 5 | −71 | −7 | −23 |
-//!   | 10, 10, 2 (default) | −53 | −10 | −28 |
-//!   | 16, 16, 2 | −15 | −2 | +1 |
+//!   | 8, 6, 5 | −87 | −10 | −22 |
+//!   | 12, 10, 2 (default) | −45 | 0 | −24 |
+//!   | 16, 18, 2 | −13 | −2 | +4 |
 //!
-//!   At 32 a side the default is a little less exact (mean stretch −12 %, kinetic energy −59 %). For seconds of motion that have to be right take 16 cells, 16 iterations and 2 pairs; a step then takes about twice as long.
+//!   At 32 a side the default has a mean stretch of +10 % and a kinetic energy of −48 %. For seconds of motion that have to be right take 16 cells, 18 iterations and 2 pairs; a step then takes about 1.6 times as long.
 //!
 //!   The motion is not chaotic: implicit Euler from a start disturbed by 10⁻³ m ends with the same largest stretch to 1 % (32 a side). One instant still misleads, because a motion with too little energy is at another point of its swing: some settings
-//!   happen to be right at the last step and 36 % off on average, and rounding alone moves the last step by a tenth and more: with the springs added up in another order the default had −28, −0.5 and −0.2 %. What is missing are folds. A fold moves vertices across the cloth, and others a little along it so that no spring is stretched. The matrix charges the motion across as if springs were stretched, and the hats of a
+//!   happen to be right at the last step and 36 % off on average, and rounding alone moves the last step by a tenth and more: with 10 cells and the springs added up in another order it had −28, −0.5 and −0.2 %. What is missing are folds. A fold moves vertices across the cloth, and others a little along it so that no spring is stretched. The matrix charges the motion across as if springs were stretched, and the hats of a
 //!   grid cannot follow the motion along: a grid of half the resolution of the cloth does no better, one as fine as the cloth is Newton's method, for which three iterations are enough. So folds go on with the velocity that they have, and what should have bent is
-//!   compressed (9 times the elastic energy with the default, at 64 a side).
+//!   compressed (11 times the elastic energy with the default, at 64 a side).
 //!
 //!   None of these helps, at 32 or 64 a side: a start extrapolated with the last change of velocity; pairs kept from the step before, as they are (the steps then need line searches) or with their changes of gradient taken anew; hats that are
 //!   quadratic or cubic splines; stiffness summed up over whole cells; blocks of the Hessian's diagonal as a third part of the first guess, on the vertices and on finer grids, which moves vertices out of the cloth so far that the springs, which then
@@ -210,7 +210,7 @@
 //! # When to use it
 //! For many steps with one mesh and one step size on a processor: an iteration costs two passes over a small factor, none can make matters worse, and no step size is too large. With the default
 //! a step of the sheet above takes, at 64 a side, about a tenth of the time of converged implicit Euler around
-//! multigrid, for a fall within 0.05 % and a stretch within 2.5 % after half a second;
+//! multigrid, for a fall within 0.05 % and a stretch within 0.5 % after half a second;
 //! what to take for longer motion is said above. Where the motion has to be right to the last digits, Newton's method gets there in a dozen iterations. Where the material is replaced
 //! altogether between steps, the position-based methods have no matrix to factorise. Quadratic energies (bending of a flat sheet, attachments) are solved exactly by one iteration.
 //!
@@ -219,22 +219,22 @@
 //! iterations with the clamped Hessian, each of at most five conjugate gradients around a multigrid cycle, from
 //! `x[0] + Δt v[0]`. Five seconds of the sheet, relative to converged implicit Euler; means over the last 100 of 300 steps,
 //! `elastic` at the last, processor time of a run on one thread, setting up included, in milliseconds a step (AMD EPYC,
-//! Zen 4; commit d60b24e; other programs ran beside it, so that only ratios count):
+//! Zen 4; other programs ran beside it, so that only ratios count):
 //!
 //! | n | | kinetic energy | largest stretch, mean | at the end | elastic | ms |
 //! |---|---|---|---|---|---|---|
-//! | 64 | default | −53 % | −10 % | −29 % | × 9.0 | 4.4 |
-//! | | 16 iterations, 16 cells | −15 % | −1.9 % | −0.3 % | × 4.0 | 7.7 |
-//! | | three Newton iterations of 5 | −3.4 % | +0.6 % | −3.9 % | × 0.93 | 10.2 |
-//! | 128 | default | −37 % | −3.5 % | −9 % | × 14 | 24 |
-//! | | 16 iterations, 16 cells | −19 % | −3.2 % | −1.9 % | × 9.7 | 30 |
+//! | 64 | default | −45 % | 0 % | −24 % | × 11 | 4.1 |
+//! | | 18 iterations, 16 cells | −13 % | −2 % | +4 % | × 2.9 | 6.1 |
+//! | | three Newton iterations of 5 | −3.4 % | +0.6 % | −3.9 % | × 0.93 | 9.6 |
+//! | 128 | default | −51 % | −5 % | −26 % | × 16 | 26 |
+//! | | 18 iterations, 16 cells | −6 % | −0.6 % | +7 % | × 5.5 | 35 |
 //! | | three Newton iterations of 5 | −3.0 % | +1.3 % | −11 % | × 0.83 | 62 |
 //!
-//! (`cloth-bench run hang --n 64 --steps 300 --json --method pd --set iterations=16 --set coarse=16`, and `--method
+//! (`cloth-bench run hang --n 64 --steps 300 --json --method pd --set iterations=18 --set coarse=16`, and `--method
 //! implicit-euler --set linear=newton-multigrid --set iterations=3 --set linear_iterations=5 --set start=inertial`;
-//! `cloth-bench study projective` has the means for 64.) At 128 a side projective dynamics is twice as fast as any
-//! setting of implicit Euler that was tried and keeps more of the swing; at 64 the two are near each other. Its error does not
-//! become small, though: for 1.3 times (64 a side) to twice (128) the time of its best setting the energy is right and the folds
+//! `cloth-bench study projective` has the means for 64.) At both sizes projective dynamics is 1.6 times as fast or more than any
+//! setting of implicit Euler that was tried and keeps most of the swing. Its error does not
+//! become small, though: for 1.6 (64 a side) to 1.8 times (128) the time of its best setting the energy is right and the folds
 //! are bent rather than compressed.
 //!
 //! Not every way to cut a step short is good. The quasi-Newton iteration of `implicit-euler` loses 90 % of the kinetic
@@ -260,7 +260,6 @@
 mod change;
 mod chebyshev;
 mod coarse;
-mod coarse_family;
 mod config;
 mod contact;
 mod free_pieces;

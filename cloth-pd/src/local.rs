@@ -1,13 +1,13 @@
 //! The local step: every element on its own projects `z = G x` to the nearest point `p` of its set, and pulls its vertices there.
 
-use crate::coarse_family::CoarseFamily;
 use crate::global::Term;
-use crate::lattice::Lattice;
 use crate::pieces::Pieces;
+use crate::pulls::{BLOCK, resistances_on_spheres, unpacked};
 use cloth_core::block_matrix::{BlockMatrix, BlockPattern};
 use cloth_core::element::{Element, Projective};
 use cloth_core::family::check_vertices;
-use cloth_core::math::{Real, Vec3};
+use cloth_core::math::{Mat3, Real, Vec3, gather};
+use cloth_core::parallel::wide;
 use cloth_core::particles::Particles;
 use cloth_core::step::BuildError;
 use std::fmt::Debug;
@@ -34,14 +34,11 @@ pub(crate) trait Projections: Debug + Send + Sync {
     /// Returns whether it was there.
     fn remove(&mut self, element: usize, terms: &mut Vec<Term>) -> Option<()>;
 
-    /// Prepares the sums over a coarse grid, and adds the pairs of nodes that the elements tie together.
-    fn lay_over(&mut self, lattice: &Lattice, pairs: &mut Vec<[u32; 2]>);
+    /// Looks up the places of the pairs of vertices that the elements tie together; where some have none, the family adds no stiffness.
+    fn bind(&mut self, pattern: &BlockPattern);
 
-    /// Looks up the places of those pairs.
-    fn bind_nodes(&mut self, pattern: &BlockPattern);
-
-    /// Adds the stiffness at x (m), seen through the hats of the coarse grid, to `out` (N/m).
-    fn add_coarse_stiffness(&mut self, x: &[Vec3], out: &mut BlockMatrix);
+    /// Adds `Σ w Gᵀ (I − ∂p/∂z) G` at x (m) to a matrix on that pattern (N/m).
+    fn add_stiffness(&mut self, x: &[Vec3], out: &mut BlockMatrix);
 }
 
 /// Where an element that was given is now.
@@ -62,8 +59,8 @@ pub(crate) struct Family<const N: usize, const K: usize, E> {
     /// Whether all of them project to a sphere.
     are_spheres: bool,
     pieces: Pieces,
-    /// Nothing without a coarse grid.
-    coarse: CoarseFamily,
+    /// Places of the blocks of each element's pairs of vertices, the lower half row by row; nothing without coarse levels.
+    slots: Vec<u32>,
 }
 
 impl<const N: usize, const K: usize, E: Projective<N, K>> Family<N, K, E> {
@@ -93,7 +90,7 @@ impl<const N: usize, const K: usize, E: Projective<N, K>> Family<N, K, E> {
             elements,
             places,
             pieces: Pieces::new(particles.len()),
-            coarse: CoarseFamily::default(),
+            slots: Vec::new(),
         })
     }
 
@@ -164,18 +161,22 @@ impl<const N: usize, const K: usize, E: Projective<N, K>> Projections for Family
         Some(())
     }
 
-    fn lay_over(&mut self, lattice: &Lattice, pairs: &mut Vec<[u32; 2]>) {
-        self.coarse = CoarseFamily::new(&self.elements, lattice, pairs);
+    fn bind(&mut self, pattern: &BlockPattern) {
+        let pairs = self.elements.iter().flat_map(|element| {
+            let vertices = element.vertices();
+            (0..N).flat_map(move |i| (0..=i).map(move |j| [vertices[i], vertices[j]]))
+        });
+        let slots: Option<Vec<u32>> = pairs.map(|[a, b]| pattern.slot(a, b)).collect();
+        self.slots = slots.unwrap_or_default();
     }
 
-    fn bind_nodes(&mut self, pattern: &BlockPattern) {
-        self.coarse.bind(pattern);
-    }
-
-    fn add_coarse_stiffness(&mut self, x: &[Vec3], out: &mut BlockMatrix) {
-        let are_spheres = self.are_spheres;
-        self.coarse
-            .add_stiffness(&self.elements, are_spheres, x, out);
+    fn add_stiffness(&mut self, x: &[Vec3], out: &mut BlockMatrix) {
+        let (elements, are_spheres) = (&self.elements, self.are_spheres);
+        let slots = &self.slots;
+        wide(
+            #[inline(always)]
+            || add_stiffness(elements, slots, are_spheres, x, out.blocks_mut()),
+        );
     }
 }
 
@@ -189,6 +190,58 @@ pub(crate) fn key<const N: usize, E: Element<N>>(element: &E) -> [u32; 4] {
 
 /// Vertices that elements stay with before they go on: few enough for positions and sums to stay in the nearest cache.
 const WINDOW: u32 = 512;
+
+/// Adds `w Gᵀ (I − ∂p/∂z) G` of elements whose blocks have the places `slots`.
+#[inline(always)]
+fn add_stiffness<const N: usize, const K: usize, E: Projective<N, K>>(
+    elements: &[E],
+    slots: &[u32],
+    are_spheres: bool,
+    x: &[Vec3],
+    blocks: &mut [Mat3],
+) {
+    let pair_count = N * (N + 1) / 2;
+    let groups = elements.chunks(BLOCK).zip(slots.chunks(BLOCK * pair_count));
+    for (elements, slots) in groups {
+        let on_spheres = if are_spheres {
+            resistances_on_spheres(elements.iter(), x)
+        } else {
+            None
+        };
+        for (lane, (element, slots)) in elements
+            .iter()
+            .zip(slots.chunks_exact(pair_count))
+            .enumerate()
+        {
+            let (operator, weight) = (element.operator(), element.weight());
+            let resistance = match &on_spheres {
+                Some(packed) => [[unpacked(&packed[lane]); K]; K],
+                None => {
+                    let z = apply(&operator, &gather(x, element.vertices()));
+                    element
+                        .resistance(z)
+                        .map(|row| row.map(|block| block * weight))
+                }
+            };
+            let vertices = element.vertices();
+            let mut slots = slots.iter();
+            for i in 0..N {
+                for j in 0..=i {
+                    let Some(&slot) = slots.next() else { return };
+                    let mut block = Mat3::zeros();
+                    for k in 0..K {
+                        for l in 0..K {
+                            block += resistance[k][l] * (operator[k][i] * operator[l][j]);
+                        }
+                    }
+                    // Stored is the lower half.
+                    let is_turned = vertices[i] < vertices[j];
+                    blocks[slot as usize] += if is_turned { block.transpose() } else { block };
+                }
+            }
+        }
+    }
+}
 
 /// The local step of one family alone, for those who want to time it or look at it.
 #[derive(Debug)]
@@ -244,4 +297,63 @@ pub(crate) fn share<const N: usize, const K: usize>(
         sum += pull[k] * operator[k][i];
     }
     sum
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use cloth_core::block_matrix::PatternBuilder;
+    use cloth_core::cloth::{Cloth, Membrane};
+    use cloth_core::mesh::generate::{Diagonals, grid};
+
+    /// Where nothing is compressed, `Σ w Gᵀ (I − ∂p/∂z) G` is the derivative of the gradient. The second family is stored with its ends turned.
+    #[test]
+    fn the_stiffness_of_taut_springs_is_the_derivative_of_their_gradient() {
+        let mesh = grid(6, 5, 1.0, 1.0, Diagonals::Alternating).unwrap();
+        let cloth = Cloth {
+            areal_density: 0.2,
+            membrane: Membrane::SpringStiffness(1e3),
+            bending_rigidity: 1e-3,
+        };
+        let model = cloth.on(&mesh).unwrap();
+        let count = mesh.vertex_count();
+        let mut turned = model.springs.clone();
+        turned
+            .iter_mut()
+            .for_each(|spring| spring.vertices.reverse());
+        let mut pattern = PatternBuilder::new(count);
+        pattern.add(&model.springs);
+        let pattern = pattern.build();
+        let wave = |scale: Real| {
+            let wave = move |v: usize, axis: usize| scale * ((v * (axis + 2)) as Real).sin();
+            (0..count).map(move |v| Vec3::from_fn(|axis, _| wave(v, axis)))
+        };
+        let x: Vec<Vec3> = mesh
+            .positions()
+            .iter()
+            .zip(wave(0.01))
+            .map(|(x, d)| x * 1.3 + d)
+            .collect();
+        let along: Vec<Vec3> = wave(1.0).collect();
+        let step = 1e-5;
+        let ends = [step, -step]
+            .map(|step| -> Vec<Vec3> { x.iter().zip(&along).map(|(x, d)| x + d * step).collect() });
+        for springs in [model.springs, turned] {
+            let mut family = Family::new(springs, &model.particles).unwrap();
+            family.bind(&pattern);
+            let mut matrix = BlockMatrix::zeros(pattern.clone());
+            family.add_stiffness(&x, &mut matrix);
+            let mut product = vec![Vec3::zeros(); count];
+            matrix.multiply(&along, &mut product);
+            let mut gradients = [vec![Vec3::zeros(); count], vec![Vec3::zeros(); count]];
+            for (x, out) in ends.iter().zip(&mut gradients) {
+                family.add_gradient(x, out);
+            }
+            for v in 0..count {
+                let expected = (gradients[0][v] - gradients[1][v]) / (2.0 * step);
+                let error = (product[v] - expected).norm();
+                assert!(error < 1e-4, "{v}: {error:e} N/m");
+            }
+        }
+    }
 }

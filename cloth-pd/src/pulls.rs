@@ -5,7 +5,7 @@
 
 use crate::local::apply;
 use cloth_core::element::Projective;
-use cloth_core::math::{Real, Vec3, gather};
+use cloth_core::math::{Mat3, Real, Vec3, gather};
 
 /// Elements of a block, at most.
 pub(crate) const BLOCK: usize = 32;
@@ -194,4 +194,9 @@ pub(crate) fn resistances_on_spheres<'a, const N: usize, const K: usize, E: Proj
         ];
     }
     Some(packed)
+}
+
+#[inline(always)]
+pub(crate) fn unpacked(&[xx, yx, zx, yy, zy, zz, ..]: &Packed) -> Mat3 {
+    Mat3::new(xx, yx, zx, yx, yy, zy, zx, zy, zz)
 }

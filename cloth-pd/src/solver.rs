@@ -139,11 +139,15 @@ impl PdSolver {
         let Some((rest, cells)) = &self.lattice else {
             return 0;
         };
-        let particles = &objective.particles;
-        let (pieces, families) = (&self.free_pieces, &mut objective.families);
-        // Without it the iteration is slower, and the report says so.
-        self.coarse = CoarseGrid::new(rest, *cells, particles, pieces, families).ok();
-        u32::from(self.coarse.is_some())
+        self.coarse = Some(CoarseGrid::new(
+            rest,
+            *cells,
+            &objective.particles,
+            self.global.stiffness(),
+            &self.free_pieces,
+            &mut objective.families,
+        ));
+        1
     }
 
     /// `‖∇G(x̃)‖` (N/√kg), with a tolerance only.

@@ -8,7 +8,7 @@ use cloth_pd::{Acceleration, PdConfig, Start};
 
 pub(super) const PD_COARSE: Parameter = parameter(
     "coarse",
-    "10",
+    "12",
     "cells a side of the coarse grid under quasi-newton; 0: none",
 );
 const PD_ITERATIONS: Parameter = parameter(

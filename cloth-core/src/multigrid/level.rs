@@ -298,21 +298,12 @@ impl Level {
 
     /// Restricts the residual: `coarse = Pᵀ t`.
     pub(super) fn restrict(&self, prolongation: &Prolongation, coarse: &mut [Lanes]) {
-        let residual = &self.residual[..];
-        map_reduce(
-            coarse,
-            #[inline(always)]
-            |start, coarse: &mut [Lanes]| {
-                for (vertex, out) in (start..).zip(coarse) {
-                    let mut sum = [0.0; 4];
-                    for &(fine, weight) in prolongation.of_coarse(vertex) {
-                        sum = plus(sum, weight as f32, &residual[fine as usize]);
-                    }
-                    *out = sum;
-                }
-                []
-            },
-        );
+        restrict(&self.residual, prolongation, coarse);
+    }
+
+    /// Restricts the right-hand side of a level that is not smoothed.
+    pub(super) fn hand_down(&self, prolongation: &Prolongation, coarse: &mut [Lanes]) {
+        restrict(&self.right_hand_side, prolongation, coarse);
     }
 
     /// Adds the coarse correction: `x += P coarse`.
@@ -330,4 +321,22 @@ impl Level {
             },
         );
     }
+}
+
+/// `coarse = Pᵀ fine`.
+fn restrict(fine: &[Lanes], prolongation: &Prolongation, coarse: &mut [Lanes]) {
+    map_reduce(
+        coarse,
+        #[inline(always)]
+        |start, coarse: &mut [Lanes]| {
+            for (vertex, out) in (start..).zip(coarse) {
+                let mut sum = [0.0; 4];
+                for &(from, weight) in prolongation.of_coarse(vertex) {
+                    sum = plus(sum, weight as f32, &fine[from as usize]);
+                }
+                *out = sum;
+            }
+            []
+        },
+    );
 }

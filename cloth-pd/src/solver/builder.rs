@@ -98,8 +98,15 @@ impl PdBuilder {
         let coarse = match (&method, &self.coarse) {
             (Method::QuasiNewton(_), Some((rest, cells))) => {
                 check_coarse(rest, *cells, vertex_count)?;
-                let grid = CoarseGrid::new(rest, *cells, particles, &free_pieces, families);
-                Some(grid.map_err(too_large)?)
+                let stiffness = global.stiffness();
+                Some(CoarseGrid::new(
+                    rest,
+                    *cells,
+                    particles,
+                    stiffness,
+                    &free_pieces,
+                    families,
+                ))
             }
             _ => None,
         };
