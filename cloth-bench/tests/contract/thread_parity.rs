@@ -1,6 +1,7 @@
 //! The number of threads changes no bit.
 
 use crate::common::{advance, methods, scene, solver};
+use cloth_bench::run::run;
 use rayon::ThreadPoolBuilder;
 
 #[test]
@@ -24,6 +25,39 @@ fn one_two_and_four_threads_give_the_same_bits() {
         for threads in [2, 4] {
             assert!(
                 one == run(threads),
+                "{} with {threads} threads",
+                method.name
+            );
+        }
+    }
+}
+
+/// The same where cloth falls on a ball and could touch itself.
+#[test]
+fn contact_gives_the_same_bits_on_any_number_of_threads() {
+    let scene = scene("drape-sphere", &["n=32", "self=yes"]);
+    for method in methods().filter(|m| {
+        matches!(
+            m.name,
+            "pbd" | "xpbd" | "pd" | "implicit-euler" | "linear-implicit"
+        )
+    }) {
+        let end = |threads: usize| {
+            let pool = ThreadPoolBuilder::new().num_threads(threads).build();
+            pool.unwrap().install(|| {
+                let mut solver = solver(method, &scene);
+                let mut state = scene.start.clone();
+                run(&scene, &mut *solver, &mut state, scene.dt, 12, |_, _, _| {
+                    Ok(())
+                })
+                .unwrap();
+                state
+            })
+        };
+        let one = end(1);
+        for threads in [2, 4] {
+            assert!(
+                one == end(threads),
                 "{} with {threads} threads",
                 method.name
             );
