@@ -17,6 +17,7 @@ mod watch;
 pub use builder::ExplicitBuilder;
 
 use crate::config::{ExplicitConfig, StabilityCheck};
+use cloth_core::contact::{ContactError, ContactStep};
 use cloth_core::element::Convexity;
 use cloth_core::family::Energies;
 use cloth_core::math::{Real, Vec3};
@@ -86,6 +87,10 @@ impl Stepper for ExplicitEuler {
         "explicit-euler"
     }
 
+    fn feels_contact(&self) -> bool {
+        true
+    }
+
     fn step(&mut self, state: &mut State, input: StepInput<'_>) -> Result<StepReport, StepError> {
         self.0.step(state, input)
     }
@@ -94,6 +99,10 @@ impl Stepper for ExplicitEuler {
 impl Stepper for SymplecticEuler {
     fn name(&self) -> &'static str {
         "symplectic-euler"
+    }
+
+    fn feels_contact(&self) -> bool {
+        true
     }
 
     fn step(&mut self, state: &mut State, input: StepInput<'_>) -> Result<StepReport, StepError> {
@@ -121,6 +130,8 @@ struct Explicit {
     gradient: Vec<Vec3>,
     /// `β v` (m); empty without stiffness-proportional damping.
     rate: Vec<Vec3>,
+    /// Positions (m) before a substep, and after it but for contact; empty while none is felt.
+    way: [Vec<Vec3>; 2],
     watch: Option<Watch>,
 }
 
@@ -139,6 +150,7 @@ impl Explicit {
             positions: zeros.clone(),
             velocities: zeros.clone(),
             gradient: zeros,
+            way: [Vec::new(), Vec::new()],
             watch,
         }
     }
@@ -154,17 +166,22 @@ impl Explicit {
         if let Some(watch) = &mut self.watch {
             watch.begin(&self.parts, &self.positions, &self.velocities);
         }
+        let (step, dt) = (state.steps + 1, input.dt);
+        if let Some(contacts) = input.contact_constraints() {
+            let taken = ContactStep {
+                from: &state.positions,
+                inverse_mass: self.parts.particles.inverse_mass(),
+                dt,
+            };
+            let begun = contacts.begin_step(&taken);
+            begun.map_err(|reason| StepError::Contact { reason, step })?;
+        }
         let substeps = self.parts.config.substeps;
         let mut pin_work = 0.0;
         for substep in 1..=substeps {
-            match self.substep(&input) {
+            match self.substep(&mut input) {
                 Ok(tally) => pin_work += tally.pin_work,
-                Err(trouble) => {
-                    if let Some(watch) = &mut self.watch {
-                        watch.forget();
-                    }
-                    return Err(self.report(trouble, &input, state.steps + 1));
-                }
+                Err(trouble) => return Err(self.report(trouble, &input, step)),
             }
             if let Some(observer) = input.observer.as_deref_mut() {
                 observer.iteration(substep, &self.positions);
@@ -175,10 +192,14 @@ impl Explicit {
             &mut self.positions,
             &mut self.velocities,
         );
-        input.resolve_contacts(state, w, x, v)?;
+        match input.contact_constraints() {
+            Some(contacts) => contacts.end_step(x),
+            None => input.resolve_contacts(state, w, x, v)?,
+        }
         if let Some(watch) = &mut self.watch {
             let touched = input.contacts.as_deref();
-            watch.end(&self.parts, &self.positions, &self.velocities, touched);
+            let ended = watch.end(&self.parts, &self.positions, &self.velocities, touched);
+            ended.map_err(|trouble| self.report(trouble, &input, step))?;
         }
         std::mem::swap(&mut state.positions, &mut self.positions);
         std::mem::swap(&mut state.velocities, &mut self.velocities);
@@ -191,7 +212,11 @@ impl Explicit {
     }
 
     /// One substep of S1 (6), and what the watch says to it.
-    fn substep(&mut self, input: &StepInput<'_>) -> Result<Tally, Trouble> {
+    fn substep(&mut self, input: &mut StepInput<'_>) -> Result<Tally, Trouble> {
+        let feels_contact = input.contact_constraints().is_some();
+        if feels_contact {
+            self.way[0].clone_from(&self.positions);
+        }
         let dt = input.dt / Real::from(self.parts.config.substeps);
         if let Some(watch) = &mut self.watch {
             watch.admit(&self.parts, &self.positions, dt)?;
@@ -235,10 +260,36 @@ impl Explicit {
         if let Some(vertex) = self.first_non_finite() {
             return Err(Trouble::NonFinite { vertex });
         }
+        if feels_contact {
+            self.touch(input, dt)?;
+        }
         if let Some(watch) = &mut self.watch {
-            watch.account(&tally)?;
+            // Before the end of the step nobody knows what moving bodies have done.
+            watch.account(&tally, !feels_contact)?;
         }
         Ok(tally)
+    }
+
+    /// Contact in a substep of `dt` (s), whose free end has been found: as constraints on the positions, and what they change as velocity.
+    fn touch(&mut self, input: &mut StepInput<'_>, dt: Real) -> Result<(), Trouble> {
+        let Some(contacts) = input.contact_constraints() else {
+            return Ok(());
+        };
+        let (x, [start, free]) = (&mut self.positions, &mut self.way);
+        free.clone_from(x);
+        let step = ContactStep {
+            from: start,
+            inverse_mass: self.parts.particles.inverse_mass(),
+            dt,
+        };
+        contacts.begin_substep(&step, x)?;
+        contacts.sweep(&step, x);
+        contacts.end_substep(&step, x)?;
+        for (v, (x, free)) in self.velocities.iter_mut().zip(x.iter().zip(free)) {
+            *v += (*x - *free) / dt;
+        }
+        contacts.change_velocities(&mut self.velocities);
+        Ok(())
     }
 
     fn first_non_finite(&self) -> Option<usize> {
@@ -249,7 +300,10 @@ impl Explicit {
     }
 
     /// Names the trouble in terms of the whole step.
-    fn report(&self, trouble: Trouble, input: &StepInput<'_>, step: u64) -> StepError {
+    fn report(&mut self, trouble: Trouble, input: &StepInput<'_>, step: u64) -> StepError {
+        if let Some(watch) = &mut self.watch {
+            watch.forget();
+        }
         let limit = self.watch.as_ref().and_then(Watch::limit);
         let limit = limit.map(|dt| dt * Real::from(self.parts.config.substeps));
         let unstable = |stable_dt| StepError::Unstable {
@@ -261,6 +315,7 @@ impl Explicit {
             step,
         };
         match (trouble, limit) {
+            (Trouble::Contact { reason }, _) => StepError::Contact { reason, step },
             (Trouble::NonFinite { .. }, Some(limit)) if input.dt > limit => unstable(limit),
             (Trouble::NonFinite { vertex }, _) => StepError::NonFinite { vertex, step },
             (Trouble::TooLarge, limit) => unstable(limit.unwrap_or(Real::INFINITY)),
@@ -286,8 +341,17 @@ struct Tally {
     pin_work: Real,
 }
 
+impl From<ContactError> for Trouble {
+    fn from(reason: ContactError) -> Self {
+        match reason {
+            ContactError::NonFinite { vertex } => Self::NonFinite { vertex },
+            reason => Self::Contact { reason },
+        }
+    }
+}
+
 /// Why a substep cannot be taken.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 enum Trouble {
     /// It is beyond the stable one.
     TooLarge,
@@ -297,6 +361,11 @@ enum Trouble {
         kinetic: Real,
         /// The most that it was given (J).
         given: Real,
+    },
+    /// Contact cannot be resolved.
+    Contact {
+        /// Why.
+        reason: ContactError,
     },
     /// The result is not finite.
     NonFinite {

@@ -75,20 +75,23 @@ impl Watch {
         self.most_given = self.given;
     }
 
-    /// Notes the state that a step leaves, after `contacts` have changed it.
+    /// Notes the state that a step leaves, and what moving bodies among the `contacts` have done in it.
     pub(super) fn end(
         &mut self,
         parts: &Parts,
         positions: &[Vec3],
         velocities: &[Vec3],
         contacts: Option<&dyn ContactSource>,
-    ) {
+    ) -> Result<(), Trouble> {
         if let Some(contacts) = contacts {
             self.given += contacts.work();
+            self.most_given = self.most_given.max(self.given);
             // Springs may have been stretched.
             self.age = None;
+            self.check(kinetic_energy(&parts.particles, velocities))?;
         }
         self.left = Some(fingerprint(&parts.particles, positions, velocities));
+        Ok(())
     }
 
     /// A step has failed: what comes next is another story.
@@ -122,8 +125,8 @@ impl Watch {
         }
     }
 
-    /// Enters what a substep did into the account.
-    pub(super) fn account(&mut self, tally: &Tally) -> Result<(), Trouble> {
+    /// Enters what a substep did into the account, and checks it if it `is_complete`.
+    pub(super) fn account(&mut self, tally: &Tally, is_complete: bool) -> Result<(), Trouble> {
         self.given += tally.work + tally.pin_work;
         self.most_given = self.most_given.max(self.given);
         self.age = self.age.map(|age| age + 1);
@@ -131,9 +134,17 @@ impl Watch {
             self.kinetic = tally.kinetic;
             self.age = None;
         }
-        if tally.kinetic > GAIN * self.most_given {
+        if is_complete {
+            self.check(tally.kinetic)?;
+        }
+        Ok(())
+    }
+
+    /// Whether a kinetic energy (J) can come from what was given.
+    fn check(&self, kinetic: Real) -> Result<(), Trouble> {
+        if kinetic > GAIN * self.most_given {
             return Err(Trouble::Gain {
-                kinetic: tally.kinetic,
+                kinetic,
                 given: self.most_given,
             });
         }
