@@ -101,8 +101,11 @@
 //! far from each other in the mesh are additions of rank one to the matrix of the multigrid cycle: they come and go without a new pattern.
 //! Newton's method does not take over from a step with contact; one that has not converged within [`ImplicitConfig::max_iterations`] ends there, free of crossings.
 //!
-//! A linearised step linearises the cloth alone ([`Solve::Linearized`]), the midpoint rule takes contact at its end ([`ImplicitMidpoint`]). With [`Solve::Newton`], and in explicit
-//! methods, contact acts after the step.
+//! A linearised step linearises the cloth alone ([`Solve::Linearized`]), the midpoint rule takes contact at its end ([`ImplicitMidpoint`]). With [`Solve::Newton`]
+//! contact acts after the step.
+//!
+//! In explicit methods contact acts at the end of every substep, as constraints with the compliance of the potential
+//! ([`ContactConstraints`](cloth_core::contact::ContactConstraints)): as stiff as it may be, it does not shorten the stable step, and what the constraints move becomes velocity.
 //!
 //! # The linear solver of Newton's method
 //!
