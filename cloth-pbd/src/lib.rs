@@ -114,7 +114,7 @@
 //! # What acceleration saves
 //! A sheet of 128 × 128 vertices, rigid springs, hangs at rest by its upper edge or its two upper corners, h = 1/60 s. Gravity takes every vertex down by g h²; how many sweeps until a
 //! hundredth of that is left, and how long they take on one thread of a 2-core AMD EPYC (the smallest of some repetitions:
-//! `cargo run --release -p cloth-bench -- study acceleration --tables`). "≥": extrapolated at the rate of the second half of 16 000 sweeps; where that could be checked, by an edge, it was one sweep in 22 239 off.
+//! `cargo run --release -p cloth-bench -- study acceleration --tables`). "≥": extrapolated at the rate of the second half of the sweeps made, 4 000 or 16 000; where that could be checked, by an edge, it was one sweep in 22 239 off.
 //!
 //! | | sweeps, edge | ms | sweeps, corners | ms |
 //! |---|---|---|---|---|

@@ -13,7 +13,7 @@ use cloth_core::step::Stepper;
 pub(crate) const CONTACT: Parameter = parameter(
     "contact",
     "potential",
-    "how contact acts: potential (an energy that implicit methods and pd minimise along, and constraints in every substep of xpbd and pbd; after the step of other methods, as zones), zones (impulses, then impact zones, after the step) or none",
+    "how contact acts: potential (an energy that implicit methods and pd minimise along, and constraints in every substep of explicit methods, xpbd and pbd; with limits of strain, Newton's method and what else knows neither: after the step, as zones), zones (impulses, then impact zones, after the step) or none",
 );
 pub(crate) const SELF: Parameter = parameter(
     "self",
