@@ -226,7 +226,7 @@ pub struct StepReport {
     pub linear_iterations: u32,
     /// Step lengths that a line search tried and rejected.
     pub backtracks: u32,
-    /// Substeps that gave up their Chebyshev extrapolation, because it made the corrections grow, and went on with plain sweeps.
+    /// Substeps that gave up their Chebyshev extrapolation, because it made the corrections grow or something can be touched, and went on with plain sweeps.
     pub chebyshev_fallbacks: u32,
     /// Coarse grids made, or made anew because pins or elements had changed.
     pub coarse_builds: u32,

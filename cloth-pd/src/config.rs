@@ -9,7 +9,7 @@ pub struct PdConfig {
     /// Iterations in a step: exactly as many without a tolerance, at most as many with one; at least 1. A step of [`Acceleration::QuasiNewton`] from [`Start::Inertial`] that would
     /// gain energy is taken again from `x[0]`, with as many.
     pub iterations: u32,
-    /// The same for a step in which the cloth is pushed by what it touches, if that is more, and [`Acceleration::QuasiNewton`]: an impact moves what the iterations before it have not
+    /// The same for a step in which the cloth is pushed by what it touches, if that is more: an impact moves what the iterations before it have not
     /// seen coming.
     pub contact_iterations: u32,
     /// With `Some(τ)` the iteration ends as soon as `‖∇G(x)‖ ≤ τ ‖∇G(x̃)‖` in the norm of M⁻¹ (τ dimensionless), and the
@@ -40,10 +40,12 @@ pub enum Start {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Acceleration {
-    /// Local and global step take turns as printed. `G` falls in every iteration without being looked at.
+    /// Local and global step take turns as printed. `G` falls in every iteration without being looked at. Where there is contact, the way of every iteration is bounded and `G` is looked at:
+    /// these are quasi-Newton iterations without pairs.
     None,
     /// The Chebyshev semi-iterative method (Wang 2015) over the plain iteration: each iterate is extrapolated from the one before the last.
-    /// Where `G` would not fall, the plain iterate is taken and the method begins anew.
+    /// Where `G` would not fall, the plain iterate is taken and the method begins anew. Extrapolated iterates have no bound that keeps them apart from contact: a step that can touch something
+    /// is one of plain iterations, and counts among [`chebyshev_fallbacks`](cloth_core::step::StepReport::chebyshev_fallbacks).
     Chebyshev {
         /// Largest factor ρ (dimensionless, at least 0, below 1) by which the plain iteration keeps an error. `None`: read off the
         /// plain iterations that every step then starts with.
@@ -52,7 +54,7 @@ pub enum Acceleration {
     /// Quasi-Newton (Liu, Bouaziz, Kavan 2017): L-BFGS with the inverse of the constant matrix (without the bending of thin cloth, which would be most of
     /// the factor; and with the coarse grid, if the solver was given one) as the first inverse Hessian, and a line search on `G`.
     QuasiNewton {
-        /// Pairs of differences that are remembered (m in the paper); with 0 each direction is that of one global solve.
+        /// Pairs of differences that are remembered (m in the paper); with 0 each direction is that of one global solve, else there are at least eight where there is contact.
         history: u32,
     },
 }

@@ -73,10 +73,11 @@ impl QuasiNewton {
         this
     }
 
-    /// Forgets all pairs; from now on there are more of them if the cloth can touch something.
+    /// Forgets all pairs; from now on there are more of them, if any, where the cloth can touch something.
     pub(crate) fn begin(&mut self, can_touch: bool) {
         self.len = 0;
         self.history = match (self.asked, can_touch) {
+            (0, _) => 0,
             (asked, true) => asked.max(TOUCHING),
             (asked, false) => asked,
         };

@@ -29,6 +29,8 @@ pub struct PdSolver {
     /// Rest positions (m) and cells of the coarse grid.
     lattice: Option<(Vec<Vec3>, u32)>,
     method: Method,
+    /// What takes the place of another method where there is contact; made when that is first so.
+    touching: Option<Box<QuasiNewton>>,
     free_pieces: FreePieces,
     /// Whether pins or elements were changed since the last step, and whether attachments were.
     pub(crate) is_stale: bool,
@@ -58,9 +60,8 @@ impl Stepper for PdSolver {
         "pd"
     }
 
-    /// The quasi-Newton method does.
     fn feels_contact(&self) -> bool {
-        matches!(self.method, Method::QuasiNewton(_))
+        true
     }
 
     fn step(
@@ -84,8 +85,8 @@ impl Stepper for PdSolver {
         self.start(state);
         let mut source = input.contacts.take();
         let mut contact = match &mut source {
-            Some(source) if self.feels_contact() => source.potential(),
-            _ => None,
+            Some(source) => source.potential(),
+            None => None,
         };
         let solved = self.solve(state, reference, &mut report, &mut input, &mut contact);
         solved.map_err(|reason| StepError::Contact { reason, step })?;
@@ -163,6 +164,30 @@ impl PdSolver {
 
     /// Minimises, from where it was said to start.
     fn solve(
+        &mut self,
+        state: &State,
+        reference: Real,
+        report: &mut StepReport,
+        input: &mut StepInput<'_>,
+        contact: &mut Contact<'_>,
+    ) -> Result<(), ContactError> {
+        if contact.is_none() || matches!(self.method, Method::QuasiNewton(_)) {
+            return self.minimize(state, reference, report, input, contact);
+        }
+        // Without a bound on every way cloth goes through what it touches: plain iterations with one, and no extrapolation.
+        report.chebyshev_fallbacks += u32::from(matches!(self.method, Method::Chebyshev(_)));
+        let new = || Box::new(QuasiNewton::new(0, state.positions.len()));
+        let bounded = Method::QuasiNewton(self.touching.take().unwrap_or_else(new));
+        let unbounded = std::mem::replace(&mut self.method, bounded);
+        let result = self.minimize(state, reference, report, input, contact);
+        if let Method::QuasiNewton(bounded) = std::mem::replace(&mut self.method, unbounded) {
+            self.touching = Some(bounded);
+        }
+        result
+    }
+
+    /// The same by the method as it is now.
+    fn minimize(
         &mut self,
         state: &State,
         reference: Real,

@@ -21,7 +21,7 @@ const TOUCHING: (u32, Real) = (60, 1e-2);
 const PD_CONTACT_ITERATIONS: Parameter = parameter(
     "contact_iterations",
     "30",
-    "the same for a step in which contact pushes and quasi-newton feels it, if that is more",
+    "the same for a step in which contact pushes and the method feels it, if that is more",
 );
 const PD_TOLERANCE: Parameter = parameter(
     "tolerance",
@@ -67,11 +67,11 @@ pub(super) fn projective(settings: &Settings, scene: &Scene) -> Result<PdConfig,
         settings.refuse_without(&PD_RADIUS, "acceleration=chebyshev")?;
     }
     if kind != 2 {
-        for parameter in [&PD_HISTORY, &PD_COARSE, &PD_CONTACT_ITERATIONS] {
+        for parameter in [&PD_HISTORY, &PD_COARSE] {
             settings.refuse_without(parameter, "acceleration=quasi-newton")?;
         }
     }
-    let touching = scene.touches() && !(kind == 2 && scene.has_potential());
+    let touching = scene.touches() && !scene.has_potential();
     let acceleration = match kind {
         0 => Acceleration::None,
         1 => Acceleration::Chebyshev {

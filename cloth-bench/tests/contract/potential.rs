@@ -14,7 +14,7 @@ use cloth_core::mesh::generate::{Diagonals, grid};
 use cloth_core::particles::State;
 use cloth_core::step::{Outcome, StepInput, Stepper};
 use cloth_massspring::{Bdf2, ImplicitConfig, ImplicitEuler, ImplicitMidpoint};
-use cloth_pd::PdSolver;
+use cloth_pd::{Acceleration, PdConfig, PdSolver};
 
 const DENSITY: Real = 0.2;
 const GRAVITY: Real = 9.81;
@@ -71,7 +71,28 @@ fn linearized(model: &ClothModel) -> Box<dyn Stepper> {
 
 /// Projective dynamics at its default: cut short, without a tolerance.
 fn pd(model: &ClothModel) -> Box<dyn Stepper> {
-    let builder = PdSolver::builder(&model.particles).energy(model.springs.clone());
+    pd_with(model, PdConfig::default())
+}
+
+/// As printed in the paper, and with Chebyshev's extrapolation where nothing can be touched.
+fn plain_pd(model: &ClothModel) -> Box<dyn Stepper> {
+    pd_with(model, PdConfig::plain())
+}
+
+fn chebyshev_pd(model: &ClothModel) -> Box<dyn Stepper> {
+    let acceleration = Acceleration::Chebyshev {
+        spectral_radius: None,
+    };
+    let config = PdConfig {
+        acceleration,
+        ..PdConfig::plain()
+    };
+    pd_with(model, config)
+}
+
+fn pd_with(model: &ClothModel, config: PdConfig) -> Box<dyn Stepper> {
+    let builder = PdSolver::builder(&model.particles).config(config);
+    let builder = builder.energy(model.springs.clone());
     Box::new(builder.energy(model.hinges.clone()).build().unwrap())
 }
 
@@ -124,7 +145,8 @@ fn sheet_rests_where_its_weight_says() {
     ] {
         let mesh = grid(n, n, 0.5, 0.5, pattern).unwrap();
         let model = model(&mesh);
-        for make in METHODS.into_iter().chain([bdf2 as Make, midpoint]) {
+        let others = [bdf2 as Make, midpoint, plain_pd, chebyshev_pd];
+        for make in METHODS.into_iter().chain(others) {
             let mut stepper = make(&model);
             let name = stepper.name();
             let mut contacts = contacts(&mesh, Some(floor()), 0.0);
@@ -311,7 +333,7 @@ fn sheets_that_meet_keep_their_momentum() {
     triangles.extend(one.triangles().iter().map(|t| t.map(|v| v + count as u32)));
     let mesh = TriMesh::new(positions, triangles).unwrap();
     let model = model(&mesh);
-    for make in METHODS.into_iter().chain([midpoint as Make]) {
+    for make in METHODS.into_iter().chain([midpoint as Make, plain_pd]) {
         let mut stepper = make(&model);
         let name = stepper.name();
         let mut contacts = contacts(&mesh, None, 0.0);

@@ -120,6 +120,7 @@ impl PdBuilder {
             is_stale: false,
             are_ties_stale: false,
             method,
+            touching: None,
             point: Point::new(vertex_count),
             fallback: Point::new(vertex_count),
             safe: zeros.clone(),
