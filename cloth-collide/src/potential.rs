@@ -23,9 +23,22 @@
 //!
 //! # For methods that project positions
 //!
-//! XPBD and PBD get the same potential as constraints in each of their substeps: n·Σ wᵢ xᵢ ≥ h with the compliance 1/(A φ″), a multiplier λ ≥ 0, and friction
+//! XPBD, PBD and explicit methods get the same potential as constraints in each of their substeps: n·Σ wᵢ xᵢ ≥ h with the compliance 1/(A φ″), a multiplier λ ≥ 0, and friction
 //! within μ λ that remembers where it began to stick. They come last in each sweep. What can touch follows from bounds on the relative motion of patches of the cloth, and at the end of a substep every pair is
 //! tested; what has come too near is swept again, then shortened, then given to impact zones.
+//!
+//! # Who feels it how
+//!
+//! | method | contact is |
+//! |---|---|
+//! | implicit Euler, BDF2 | an energy in what a step minimises, with its Hessian in the multigrid cycle |
+//! | linearised implicit Euler | the same, beside a cloth that is linearised once |
+//! | implicit midpoint | the same, of the positions at the end of the step |
+//! | projective dynamics | an energy in the quasi-Newton iteration, with a bound for each vertex |
+//! | XPBD, PBD | constraints in every substep, last in each sweep |
+//! | XPBD solved directly | constraints after the solve of every substep |
+//! | symplectic and forward Euler | constraints at the end of every substep |
+//! | Newton's method with a factor, limits of strain after a step | neither: impulses and impact zones after the step |
 //!
 //! # Equation → code
 //!
@@ -44,7 +57,6 @@
 //!
 //! # Limits
 //!
-//! - Methods that know neither potentials nor constraints get impulses and impact zones after their step.
 //! - A sheet that falls on a ball of its own size buckles on impact in many ways at once, and the minimum of such a step takes five to ten times the
 //!   iterations of one without contact. Half of the time goes into looking for pairs.
 //! - Only vertices feel obstacles: a sharp corner can pierce a triangle between them.
