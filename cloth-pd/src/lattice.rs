@@ -13,8 +13,20 @@ pub(crate) struct Lattice {
 }
 
 impl Lattice {
-    /// Lays `cells` cubes along the longest side of the box around `rest` (m). Vertices that are not free get no weights, nodes near no free vertex no number.
-    pub(crate) fn over(rest: &[Vec3], is_free: impl Fn(usize) -> bool, cells: u32) -> Self {
+    /// Lays `cells` cubes along the longest side of the box around `rest` (m), or so many fewer that there are two vertices to a node. Vertices that are not free get no weights, nodes near no
+    /// free vertex no number.
+    pub(crate) fn over(rest: &[Vec3], is_free: impl Fn(usize) -> bool, mut cells: u32) -> Self {
+        loop {
+            let lattice = Self::of(rest, &is_free, cells);
+            // More nodes than that and few vertices between them: their motions depend on each other.
+            if cells == 1 || 2 * lattice.place.len() <= rest.len() {
+                return lattice;
+            }
+            cells -= 1;
+        }
+    }
+
+    fn of(rest: &[Vec3], is_free: impl Fn(usize) -> bool, cells: u32) -> Self {
         let low = rest
             .iter()
             .copied()

@@ -49,7 +49,7 @@ impl PdBuilder {
     }
 
     /// Lays a coarse grid over the cloth, of `cells` cubes along the longest side of the box around its rest positions (m). [`Acceleration::QuasiNewton`] takes a Newton step on
-    /// it in every iteration, the other methods have no use for it. A few cells are enough, 8 for instance, whatever the resolution of the cloth.
+    /// it in every iteration, the other methods have no use for it. A few cells are enough, 12 for instance, whatever the resolution of the cloth; there are fewer where a node would have less than two vertices.
     #[must_use]
     pub fn coarse_grid(mut self, rest_positions: &[Vec3], cells: u32) -> Self {
         self.coarse = Some((rest_positions.to_vec(), cells));
