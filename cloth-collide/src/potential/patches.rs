@@ -23,7 +23,7 @@ use crate::incidence::{Owned, edge_numbers, owned};
 use between::PatchPair;
 use cloth_core::math::{Real, Vec3, gather};
 use cloth_core::mesh::TriMesh;
-use detect::Close;
+use detect::Look;
 use motions::Motions;
 use partition::halve;
 
@@ -42,14 +42,25 @@ const FARTHEST: Real = 30.0;
 /// Two primitives that can touch.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct NearPair {
-    pub(super) kind: QueryKind,
-    pub(super) vertices: [u32; 4],
+    /// What they lacked to contact (m) when they were found.
+    room: Real,
     /// Distance (m) at which they begin to touch.
     pub(super) range: Real,
     /// Area (m²) that they stand for.
     pub(super) area: Real,
+    pub(super) kind: QueryKind,
+    pub(super) vertices: [u32; 4],
     /// The substep that they were looked at in.
     seen: u32,
+    /// The number of what is remembered of them, if anything is.
+    memory: u32,
+}
+
+/// What is remembered of two primitives that have been looked at.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Memory {
+    kind: QueryKind,
+    vertices: [u32; 4],
     /// By how much friction has been stretched (m).
     pub(super) stretch: Vec3,
     /// Across a plane that has had the two apart.
@@ -123,9 +134,8 @@ pub(super) struct Patches {
     before: Vec<PatchPair>,
     /// Lists to be used again.
     spare: Vec<PatchPair>,
-    memory: Vec<NearPair>,
-    /// Found in the search at hand.
-    close: Vec<Close>,
+    /// Pairs of patches that the motion at hand asks for.
+    looks: Vec<Look>,
     is_known: bool,
     /// Number of the substep.
     substep: u32,
@@ -190,8 +200,7 @@ impl Patches {
             quiet: Vec::new(),
             before: Vec::new(),
             spare: Vec::new(),
-            memory: Vec::new(),
-            close: Vec::new(),
+            looks: Vec::new(),
             is_known: false,
             substep: 0,
             awake: 0,
@@ -222,7 +231,7 @@ impl Patches {
         near: &Near,
         x: &[Vec3],
         to: &[Vec3],
-        mut visit: impl FnMut(Place, &mut NearPair, Real) -> Real,
+        mut visit: impl FnMut(Place, &NearPair, &mut Memory, Real) -> Real,
     ) -> Result<(), TooFar> {
         self.substep += 1;
         self.awake = 0;
@@ -240,7 +249,7 @@ impl Patches {
         near: &Near,
         x: &[Vec3],
         to: &[Vec3],
-        mut visit: impl FnMut(Place, &mut NearPair, Real) -> Real,
+        mut visit: impl FnMut(Place, &NearPair, &mut Memory, Real) -> Real,
     ) -> Result<(), TooFar> {
         self.measure(x, to);
         let (aim, then) = (&self.aim, &self.then);
@@ -290,22 +299,28 @@ impl Patches {
         Some(0.5 * left.fold(known, Real::min))
     }
 
-    /// The pair at a place, or where it has gone since.
-    pub(super) fn pair_mut(&mut self, place: Place, vertices: [u32; 4]) -> Option<&mut NearPair> {
+    /// The pair at a place, or where it has gone since, and what is remembered of it.
+    pub(super) fn pair_mut(
+        &mut self,
+        place: Place,
+        vertices: [u32; 4],
+    ) -> Option<(&NearPair, &mut Memory)> {
         let number = place.number as usize;
         let number = match self.ids.get(number) {
             Some(ids) if *ids == place.patches => number,
             _ => self.ids.binary_search(&place.patches).ok()?,
         };
-        let pairs = &mut self.pairs[number].pairs;
-        let index = place.index as usize;
-        if pairs
-            .get(index)
-            .is_some_and(|pair| pair.vertices == vertices)
-        {
-            return pairs.get_mut(index);
-        }
-        pairs.iter_mut().find(|pair| pair.vertices == vertices)
+        let PatchPair {
+            pairs, memories, ..
+        } = &mut self.pairs[number];
+        let is_it = |pair: &NearPair| pair.vertices == vertices;
+        let index = match place.index as usize {
+            index if pairs.get(index).is_some_and(is_it) => index,
+            _ => pairs.iter().position(is_it)?,
+        };
+        let pair = &mut pairs[index];
+        let memory = pair.remember(memories);
+        Some((pair, memory))
     }
 
     /// Boxes around the patches at `x` (m).
@@ -384,7 +399,7 @@ impl Patches {
         near: &Near,
         x: &[Vec3],
         begins: bool,
-        visit: &mut impl FnMut(Place, &mut NearPair, Real) -> Real,
+        visit: &mut impl FnMut(Place, &NearPair, &mut Memory, Real) -> Real,
     ) -> Result<(), TooFar> {
         if !self.is_known || self.strayed() > self.reach {
             let way = Self::stray(&self.now, &self.then);
@@ -396,6 +411,8 @@ impl Patches {
             self.search(near, x);
         }
         let slack = super::rows::SLACK * near.law().range();
+        let mut looks = std::mem::take(&mut self.looks);
+        looks.clear();
         for k in 0..self.pairs.len() {
             if self.then.clock(self.ids[k]) > self.quiet[k] {
                 // What was looked into with the slack needs no other look for less.
@@ -408,52 +425,40 @@ impl Patches {
                     self.awake_in[k] = self.substep;
                 }
                 self.awake += 1;
-                self.quiet[k] = self.look_into(k, near, x, visit);
+                self.bring_up(k);
+                let pair = &self.pairs[k];
+                let (now, once) = (self.now.bound(pair), self.once(pair) + slack);
+                let moved = now.max(self.then.bound(pair)) + slack;
+                let again = pair.looked_in == self.substep;
+                if !again || moved > pair.looked[0] || pair.travel + once > pair.looked[1] {
+                    looks.push(Look::new(k, [now, moved, once]));
+                }
             }
         }
+        self.find(near, x, &mut looks);
+        let substep = self.substep;
+        for look in &looks {
+            let k = look.number as usize;
+            let pair = &mut self.pairs[k];
+            let (patches, begun) = (pair.patches, pair.travel);
+            pair.looked = [look.moved, begun + look.once];
+            pair.looked_in = substep;
+            let left = pair.wake(look, |index, one, memories| {
+                // Once in a substep.
+                (std::mem::replace(&mut one.seen, substep) != substep).then(|| {
+                    let place = Place {
+                        patches,
+                        number: look.number,
+                        index,
+                    };
+                    let memory = one.remember(memories);
+                    visit(place, one, memory, begun)
+                })
+            });
+            self.quiet[k] = self.now.clock(patches) + left - slack;
+        }
+        self.looks = looks;
         Ok(())
-    }
-
-    /// Hands `visit` the pairs between two patches that the substep can bring into contact. Returns the sum of their clocks until which nothing more can happen.
-    fn look_into(
-        &mut self,
-        k: usize,
-        near: &Near,
-        x: &[Vec3],
-        visit: &mut impl FnMut(Place, &mut NearPair, Real) -> Real,
-    ) -> Real {
-        let slack = super::rows::SLACK * near.law().range();
-        self.bring_up(k);
-        let pair = &self.pairs[k];
-        let once = self.once(pair);
-        let mut now = self.now.bound(pair);
-        let mut moved = now.max(self.then.bound(pair));
-        let again = pair.looked_in == self.substep;
-        if again && moved <= pair.looked[0] && pair.travel + once <= pair.looked[1] {
-            return self.quiet[k];
-        }
-        if moved + slack > pair.budget {
-            self.detect(near, x, k, once);
-            (now, moved) = (0.0, once);
-        }
-        let pair = &mut self.pairs[k];
-        let patches = pair.patches;
-        let travel = pair.travel + once + slack;
-        pair.looked = [moved + slack, travel];
-        pair.looked_in = self.substep;
-        let (begun, substep) = (pair.travel, self.substep);
-        let left = pair.wake([now, moved + slack, travel], |index, one| {
-            // Once in a substep.
-            (std::mem::replace(&mut one.seen, substep) != substep).then(|| {
-                let place = Place {
-                    patches,
-                    number: k as u32,
-                    index,
-                };
-                visit(place, one, begun)
-            })
-        });
-        self.now.clock(patches) + left - slack
     }
 
     /// How far a patch has gone from where it was searched, besides what all do together (m).

@@ -14,7 +14,7 @@
 //! sweeps without compliance; then its vertices go back on their way; and what is left even then is for impact zones.
 
 use super::bodies::Bodies;
-use super::patches::{Known, NearPair, Patches, Place, TooFar};
+use super::patches::{Known, Memory, NearPair, Patches, Place, TooFar};
 use super::quiet::Quiet;
 use super::report::ConstraintReport;
 use super::source::PotentialContacts;
@@ -130,7 +130,7 @@ impl Row {
     /// Of a pair at `x` (m), in a substep of `dt` (s) in which it would go to `to` (m).
     fn new(
         place: Place,
-        pair: &mut NearPair,
+        (pair, memory): (&NearPair, &mut Memory),
         law: PenaltyLaw,
         step: &ContactStep<'_>,
         to: &[Vec3],
@@ -140,7 +140,7 @@ impl Row {
         let x = gather(step.from, pair.vertices);
         let fresh =
             |known: &Known| travel.is_some_and(|t| t - known.travel <= PERSISTENT * law.range());
-        let known = pair.known.filter(fresh);
+        let known = memory.known.filter(fresh);
         let near = match known {
             Some(Known {
                 weights, normal, ..
@@ -177,7 +177,7 @@ impl Row {
             };
             if known.is_none() {
                 let (weights, normal) = (near.weights, near.normal);
-                pair.known = travel.map(|travel| Known {
+                memory.known = travel.map(|travel| Known {
                     weights,
                     normal,
                     area,
@@ -187,7 +187,7 @@ impl Row {
             tangent = Tangent::of(law.with_range(pair.range), area, near.distance);
             pushes = tangent.stiffness > 0.0;
         } else {
-            pair.stretch = Vec3::zeros();
+            memory.stretch = Vec3::zeros();
         }
         Self {
             place,
@@ -209,7 +209,7 @@ impl Row {
             is_violated: false,
             lambda: 0.0,
             friction: Vec3::zeros(),
-            origin: sum(&x) - pair.stretch,
+            origin: sum(&x) - memory.stretch,
         }
     }
 
@@ -404,7 +404,7 @@ impl Row {
         patches: Option<&mut Patches>,
     ) -> Real {
         let pair = patches.and_then(|patches| patches.pair_mut(self.place, self.vertices));
-        pair.map_or(0.0, |pair| {
+        pair.map_or(0.0, |(pair, _)| {
             let x = gather(x, self.vertices);
             let area = match pair.kind {
                 QueryKind::VertexTriangle => pair.area,
@@ -427,24 +427,32 @@ impl PotentialContacts {
         let (list, parted) = (&mut rows.rows, &mut rows.parted);
         let far = SLACK * law.range();
         let mollified = |pair: &NearPair, x: &[Vec3; 4]| near.mollified(pair.vertices, x);
-        let visit = |place, pair: &mut NearPair, travel| {
+        let visit = |place, pair: &NearPair, memory: &mut Memory, travel| {
             let (kind, vertices) = (pair.kind, pair.vertices);
-            let now = gap_along(kind, &pair.normal, &gather(step.from, vertices));
+            let now = gap_along(kind, &memory.normal, &gather(step.from, vertices));
             let least = pair.range + far;
-            if now > least && gap_along(kind, &pair.normal, &gather(to, vertices)) > least {
+            if now > least && gap_along(kind, &memory.normal, &gather(to, vertices)) > least {
                 parted.push(Parted {
                     place,
                     kind,
                     vertices,
-                    normal: pair.normal,
+                    normal: memory.normal,
                     kept: KEPT * pair.range,
                 });
-                pair.stretch = Vec3::zeros();
+                memory.stretch = Vec3::zeros();
                 return now - pair.range;
             }
-            let row = Row::new(place, pair, law, step, to, Some(travel), mollified);
+            let row = Row::new(
+                place,
+                (pair, &mut *memory),
+                law,
+                step,
+                to,
+                Some(travel),
+                mollified,
+            );
             list.push(row);
-            pair.normal = row.normal;
+            memory.normal = row.normal;
             row.distance - pair.range
         };
         let found = if begins {
@@ -537,10 +545,10 @@ impl PotentialContacts {
         if let Some(patches) = &mut rows.patches {
             patches.accept();
             for row in rows.rows.iter().filter(|row| row.pushes) {
-                if let Some(pair) = patches.pair_mut(row.place, row.vertices) {
+                if let Some((_, memory)) = patches.pair_mut(row.place, row.vertices) {
                     let way = row.point(x) - row.origin;
                     let way = way - row.normal * row.normal.dot(&way);
-                    pair.stretch = stretch(way, row.lambda, reach);
+                    memory.stretch = stretch(way, row.lambda, reach);
                 }
             }
         }

@@ -1,6 +1,7 @@
 //! What can touch between two patches.
 
-use super::NearPair;
+use super::detect::Look;
+use super::{Memory, NearPair};
 use cloth_core::math::{Real, Vec3};
 use cloth_core::parallel::wide;
 
@@ -15,9 +16,10 @@ pub(super) struct PatchPair {
     pub(super) budget: Real,
     /// In the order of what they lacked to contact.
     pub(super) pairs: Vec<NearPair>,
-    /// What that was (m), and the travel (m) until which each lacks something: apart from the pairs, because most of them are only asked for these.
-    pub(super) rooms: Vec<Real>,
+    /// The travel (m) until which each lacks something: apart from the pairs, because most of them are only asked for this.
     pub(super) wakes: Vec<Real>,
+    /// What is remembered of the few that have been looked at.
+    pub(super) memories: Vec<Memory>,
     /// How many of them lacked less than `next` (m).
     pub(super) first: usize,
     pub(super) next: Real,
@@ -33,7 +35,8 @@ pub(super) struct PatchPair {
 
 impl PatchPair {
     /// The same lists for two other patches, of which nothing is known.
-    pub(super) fn of(self, patches: [u32; 2]) -> Self {
+    pub(super) fn of(mut self, patches: [u32; 2]) -> Self {
+        self.memories.clear();
         Self {
             patches,
             budget: -1.0,
@@ -43,28 +46,30 @@ impl PatchPair {
         }
     }
 
-    /// Asks `lack` what (m) the pairs lack to contact, with their numbers, that may touch where the two have moved by `moved` against each other, and until their travel is
-    /// `until`. Returns how far the two can move, having moved by `now`, until another pair may touch (all in m).
+    /// Asks `lack` what (m) the pairs lack to contact, with their numbers, that may touch in the motion that is looked at. Returns how far the two can move until
+    /// another pair may touch (m).
     pub(super) fn wake(
         &mut self,
-        [now, moved, until]: [Real; 3],
-        mut lack: impl FnMut(u32, &mut NearPair) -> Option<Real>,
+        look: &Look,
+        mut lack: impl FnMut(u32, &mut NearPair, &mut Vec<Memory>) -> Option<Real>,
     ) -> Real {
-        if moved > self.next {
-            let more = self.rooms[self.first..].iter();
-            self.first += more.take_while(|room| **room < moved).count();
-            self.next = *self.rooms.get(self.first).unwrap_or(&self.budget);
+        let until = self.travel + look.once;
+        if look.moved > self.next {
+            let more = self.pairs[self.first..].iter();
+            self.first += more.take_while(|pair| pair.room < look.moved).count();
+            let next = self.pairs.get(self.first);
+            self.next = next.map_or(self.budget, |pair| pair.room);
         }
         let wakes = &mut self.wakes[..self.first];
         for (index, wake) in wakes.iter_mut().enumerate() {
             if *wake < until
-                && let Some(lack) = lack(index as u32, &mut self.pairs[index])
+                && let Some(lack) = lack(index as u32, &mut self.pairs[index], &mut self.memories)
             {
                 *wake = self.travel + lack;
             }
         }
         let wake = wide(|| smallest(wakes)) - self.travel;
-        wake.min(self.next.min(self.budget) - now)
+        wake.min(self.next.min(self.budget) - look.now)
     }
 }
 

@@ -1,6 +1,7 @@
 //! The pairs of primitives between two patches.
 
-use super::{HOLD, LEAST_ROOM, MOST_ROOM, NearPair, PATCH, Patches, around};
+use super::between::PatchPair;
+use super::{HOLD, LEAST_ROOM, MOST_ROOM, Memory, NearPair, PATCH, Patches, around};
 use crate::bounds::Bounds;
 use crate::ccd::QueryKind;
 use crate::closest::{edge_edge, point_triangle};
@@ -8,88 +9,151 @@ use crate::potential::gap::Gap;
 use crate::potential::near::Near;
 use crate::potential::rows::SLACK;
 use cloth_core::math::{Real, Vec3, gather};
-use cloth_core::parallel::wide;
+use cloth_core::parallel::{join, wide};
 
-/// Two primitives that are near each other.
+/// Looks at pairs of patches that one thread takes at least.
+const BATCH: usize = 8;
+/// Of a pair that nothing is remembered of.
+const NOTHING: u32 = u32::MAX;
+
+/// A look at the motion of two patches.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Close {
-    /// What they lack to contact (m).
-    room: Real,
-    kind: QueryKind,
-    vertices: [u32; 4],
-    /// As in [`NearPair`].
-    range: Real,
-    area: Real,
+pub(super) struct Look {
+    /// The number of the pair of patches.
+    pub(super) number: u32,
+    /// By how much (m) the two have moved against each other since their pairs were found: now, and at most in the motion; and in the motion alone.
+    pub(super) now: Real,
+    pub(super) moved: Real,
+    pub(super) once: Real,
+}
+
+impl Look {
+    pub(super) fn new(number: usize, [now, moved, once]: [Real; 3]) -> Self {
+        Self {
+            number: number as u32,
+            now,
+            moved,
+            once,
+        }
+    }
 }
 
 impl NearPair {
-    fn new(close: &Close) -> Self {
-        Self {
-            kind: close.kind,
-            vertices: close.vertices,
-            range: close.range,
-            area: close.area,
-            seen: 0,
-            stretch: Vec3::zeros(),
-            normal: Vec3::zeros(),
-            known: None,
+    fn key(&self) -> (bool, [u32; 4]) {
+        (self.kind == QueryKind::EdgeEdge, self.vertices)
+    }
+
+    /// What is remembered, from now on.
+    pub(super) fn remember<'a>(&mut self, memories: &'a mut Vec<Memory>) -> &'a mut Memory {
+        if self.memory == NOTHING {
+            self.memory = memories.len() as u32;
+            memories.push(Memory {
+                kind: self.kind,
+                vertices: self.vertices,
+                stretch: Vec3::zeros(),
+                normal: Vec3::zeros(),
+                known: None,
+            });
         }
+        &mut memories[self.memory as usize]
+    }
+}
+
+impl Memory {
+    fn key(&self) -> (bool, [u32; 4]) {
+        (self.kind == QueryKind::EdgeEdge, self.vertices)
     }
 }
 
 impl Patches {
-    /// Finds the pairs between two patches anew, with room for the present motion and more.
-    pub(super) fn detect(&mut self, near: &Near, x: &[Vec3], k: usize, once: Real) {
+    /// Makes sure that the pairs of primitives are complete for what is looked at.
+    pub(super) fn find(&mut self, near: &Near, x: &[Vec3], looks: &mut [Look]) {
+        for look in &*looks {
+            let pair = &self.pairs[look.number as usize];
+            if look.moved > pair.budget {
+                let [p, q] = pair.patches.map(|p| p as usize);
+                self.refer(p, x);
+                self.refer(q, x);
+            }
+        }
+        let mut pairs = std::mem::take(&mut self.pairs);
+        self.detections += self.detect_all(near, x, &mut pairs, 0, looks);
+        self.pairs = pairs;
+    }
+
+    /// Finds the pairs of primitives anew where they do not reach, on several threads. The first of the pairs of patches has the number `first`. Returns how many
+    /// were searched.
+    fn detect_all(
+        &self,
+        near: &Near,
+        x: &[Vec3],
+        pairs: &mut [PatchPair],
+        first: usize,
+        looks: &mut [Look],
+    ) -> u32 {
+        if looks.len() > BATCH {
+            let (one, other) = looks.split_at_mut(looks.len() / 2);
+            let middle = other[0].number as usize;
+            let (before, after) = pairs.split_at_mut(middle - first);
+            let (a, b) = join(
+                x.len(),
+                || self.detect_all(near, x, before, first, one),
+                || self.detect_all(near, x, after, middle, other),
+            );
+            return a + b;
+        }
+        let mut count = 0;
+        for look in looks {
+            let pair = &mut pairs[look.number as usize - first];
+            if look.moved > pair.budget {
+                count += u32::from(self.detect(near, x, pair, look.once));
+                (look.now, look.moved) = (0.0, look.once);
+            }
+        }
+        count
+    }
+
+    /// Finds the pairs between two patches anew, with room for the present motion, of `once` (m), and more. Returns whether they are near at all.
+    fn detect(&self, near: &Near, x: &[Vec3], pair: &mut PatchPair, once: Real) -> bool {
         let h = near.law().range();
-        let [p, q] = self.pairs[k].patches.map(|p| p as usize);
+        let [p, q] = pair.patches.map(|p| p as usize);
         let boxes = [p, q].map(|p| around(&self.members[p].1, x));
         let room = self.room_for(near, once);
-        self.refer(p, x);
-        self.refer(q, x);
-        let pair = &mut self.pairs[k];
         (pair.last_apart, pair.last_path) = self.now.of(pair.patches);
         pair.apart = pair.last_apart;
         pair.spread = self.now.spreads[p] + self.now.spreads[q];
         pair.travel = 0.0;
-        self.memory.clear();
-        let stretched = pair.pairs.iter().filter(|p| p.stretch != Vec3::zeros());
-        self.memory.extend(stretched);
-        let mut close = std::mem::take(&mut self.close);
-        close.clear();
-        let gap = boxes[0].squared_gap(&boxes[1]).sqrt();
-        let mut budget = room;
-        if gap > h + room {
-            budget = gap - h;
-        } else {
-            self.detections += 1;
-            self.collect(near, x, ([p, q], boxes), h + room, &mut close);
-            close.sort_unstable_by(|a, b| {
-                let of = |pair: &Close| (pair.kind == QueryKind::EdgeEdge, pair.vertices);
-                a.room.total_cmp(&b.room).then_with(|| of(a).cmp(&of(b)))
-            });
-        }
-        let pair = &mut self.pairs[k];
-        pair.budget = budget;
-        pair.pairs.clear();
-        pair.pairs.extend(close.iter().map(NearPair::new));
-        pair.rooms.clear();
-        pair.rooms.extend(close.iter().map(|close| close.room));
-        pair.wakes.clone_from(&pair.rooms);
         (pair.first, pair.next) = (0, Real::NEG_INFINITY);
-        for old in &self.memory {
-            let same =
-                |pair: &&mut NearPair| pair.vertices == old.vertices && pair.kind == old.kind;
-            if let Some(pair) = pair.pairs.iter_mut().find(same) {
-                pair.stretch = old.stretch;
-            }
+        pair.pairs.clear();
+        pair.wakes.clear();
+        let memories = &mut pair.memories;
+        memories.retain(|memory| memory.stretch != Vec3::zeros());
+        let gap = boxes[0].squared_gap(&boxes[1]).sqrt();
+        if gap > h + room {
+            pair.budget = gap - h;
+            return false;
         }
-        self.close = close;
+        pair.budget = room;
+        self.collect(near, x, ([p, q], boxes), h + room, &mut pair.pairs);
+        let order = |a: &NearPair, b: &NearPair| {
+            let rooms = a.room.total_cmp(&b.room);
+            rooms.then_with(|| a.key().cmp(&b.key()))
+        };
+        pair.pairs.sort_unstable_by(order);
+        pair.wakes.extend(pair.pairs.iter().map(|pair| pair.room));
+        memories.iter_mut().for_each(|memory| memory.known = None);
+        memories.sort_unstable_by_key(Memory::key);
+        for pair in &mut pair.pairs {
+            let memory = memories.binary_search_by_key(&pair.key(), Memory::key);
+            pair.memory = memory.map_or(NOTHING, |memory| memory as u32);
+        }
+        true
     }
 
-    /// The room (m) of a search, where patches move by `once` (m) in the substep.
+    /// The room (m) of a search, where patches move by `once` (m) in the motion.
     fn room_for(&self, near: &Near, once: Real) -> Real {
         let h = near.law().range();
-        let once = once + 2.0 * SLACK * h;
+        let once = once + SLACK * h;
         let room = (HOLD * once).clamp(LEAST_ROOM * h, (MOST_ROOM * self.edge).max(h));
         room.max(1.5 * once)
     }
@@ -101,7 +165,7 @@ impl Patches {
         x: &[Vec3],
         ([p, q], boxes): ([usize; 2], [Bounds; 2]),
         reach: Real,
-        out: &mut Vec<Close>,
+        out: &mut Vec<NearPair>,
     ) {
         let big = boxes[0].loosened(reach);
         let at = |v: u32| x[v as usize];
@@ -147,7 +211,7 @@ impl Patches {
         [t, u]: [u32; 2],
         bounds: &Bounds,
         reach: Real,
-        out: &mut Vec<Close>,
+        out: &mut Vec<NearPair>,
     ) {
         let corners = self.triangles[u as usize];
         for k in (0..3).filter(|&k| self.owned[t as usize].vertices[k]) {
@@ -180,7 +244,7 @@ impl Patches {
         [t, u]: [u32; 2],
         bounds: &Bounds,
         reach: Real,
-        out: &mut Vec<Close>,
+        out: &mut Vec<NearPair>,
     ) {
         for i in (0..3).filter(|&i| self.owned[t as usize].edges[i]) {
             let e = self.triangle_edges[t as usize][i] as usize;
@@ -241,15 +305,17 @@ fn push(
     kind: QueryKind,
     vertices: [u32; 4],
     [range, area, distance]: [Real; 3],
-    out: &mut Vec<Close>,
+    out: &mut Vec<NearPair>,
 ) {
     if vertices.iter().any(|&v| near.is_free[v as usize]) {
-        out.push(Close {
+        out.push(NearPair {
             room: distance - range,
-            kind,
-            vertices,
             range,
             area,
+            kind,
+            vertices,
+            seen: 0,
+            memory: NOTHING,
         });
     }
 }

@@ -1,5 +1,6 @@
 //! Pairs for ways that a minimisation may take, with room around them.
 
+use super::detect::Look;
 use super::{NearPair, Patches, REACH};
 use crate::potential::near::Near;
 use cloth_core::math::{Real, Vec3};
@@ -31,42 +32,30 @@ impl Patches {
             self.search(near, x);
         }
         self.allowed.clear();
+        let mut looks = std::mem::take(&mut self.looks);
+        looks.clear();
         for k in 0..self.pairs.len() {
             if self.then.clock(self.ids[k]) + 2.0 * room > self.quiet[k] {
-                self.quiet[k] = self.choose_between(k, near, x, room, &mut visit);
+                self.bring_up(k);
+                let pair = &self.pairs[k];
+                let (now, nearer) = (self.now.bound(pair), self.once(pair) + 2.0 * room);
+                self.allowed.push((k as u32, nearer));
+                looks.push(Look::new(k, [now, now + nearer, nearer]));
             }
         }
+        self.find(near, x, &mut looks);
+        for look in &looks {
+            let k = look.number as usize;
+            let left = self.pairs[k].wake(look, |_, one, _| Some(visit(one, look.once)));
+            self.quiet[k] = self.now.clock(self.ids[k]) + left;
+        }
+        self.looks = looks;
         self.stray_allowed.clear();
         let (from, to) = (&self.now, &self.then);
         let shift = to.mean - from.mean;
         let ways = from.centres.iter().zip(&to.centres).zip(&self.ways);
         self.stray_allowed
             .extend(ways.map(|((a, b), besides)| (b - a - shift).norm() + besides + room));
-    }
-
-    /// The same for two patches. Returns the sum of their clocks until which nothing can touch between them.
-    fn choose_between(
-        &mut self,
-        k: usize,
-        near: &Near,
-        x: &[Vec3],
-        room: Real,
-        visit: &mut impl FnMut(&NearPair, Real) -> Real,
-    ) -> Real {
-        let nearer = self.once(&self.pairs[k]) + 2.0 * room;
-        let mut now = self.now.bound(&self.pairs[k]);
-        if now + nearer > self.pairs[k].budget {
-            self.detect(near, x, k, nearer);
-            now = 0.0;
-        }
-        self.allowed.push((k as u32, nearer));
-        self.bring_up(k);
-        let pair = &mut self.pairs[k];
-        let until = pair.travel + nearer;
-        let left = pair.wake([now, now + nearer, until], |_, one| {
-            Some(visit(one, nearer))
-        });
-        self.now.clock(self.ids[k]) + left
     }
 
     /// Whether what was chosen last holds at `x` (m), which was chosen for ways from `place` (m) on.
