@@ -19,7 +19,7 @@ use cloth_core::topology::EdgeTable;
 const GRAVITY: Vec3 = Vec3::new(0.0, 0.0, -9.81);
 
 /// `Δλ = −C/w̃`, and a count of the visits.
-#[derive(Debug)]
+#[derive(Clone, Copy, Debug)]
 struct Rigid;
 
 impl Rule for Rigid {

@@ -12,13 +12,11 @@ use cloth_core::topology::{EdgeTable, HingeTable};
 use std::f64::consts::PI;
 
 /// `Δλ = −C/w̃`, with the sum of what was really made of it.
-#[derive(Debug)]
+#[derive(Clone, Copy, Debug)]
 struct Rigid;
 
 impl Rule for Rigid {
     type Memory = Real;
-    const MEMORY_ITERATES: bool = true;
-
     fn equation(&self, row: RowAt, _: &mut Real) -> RowEquation {
         RowEquation {
             residual: row.value,

@@ -53,6 +53,7 @@
 //! | C, ∂C/∂x, k (CORE-9; S1 (21), (22)) | [`Constraint::rows`](cloth_core::element::Constraint::rows) of each element of [`energy`](cloth_core::energy) |
 //! | `((1 − s)^(−n) − 1)/(h² w̃)` | [`effective_stiffness`] |
 //! | `1 − (1 + k h² w̃)^(−1/n)` | [`projection_stiffness`] |
+//! | work of prescribed vertices, `−Σ ∂C/∂xᵢ·vᵢ ΣΔλ/h` | [`Motion::count_pin_work`](cloth_core::position_based::Motion::count_pin_work) |
 //! | the loop around them | [`PbdSolver`] |
 //! | coarse levels: `Δx = Σ wₚ Δxₚ`, PBD-3 | [`Hierarchy`], [`PbdSolver::with_hierarchy`] |
 //! | `σ_min ≤ σ ≤ σ_max`, PBD-4 | [`StrainLimiter`], [`Limited`] |
@@ -102,6 +103,8 @@
 //! - It is not the minimiser of implicit Euler, at any number of iterations: the iteration with a fixed s > 0 tends to C = 0, whatever k.
 //! - Linear momentum is conserved to round-off in free flight. Angular momentum is not: each correction has no moment about the positions that it meets, but
 //!   the lever arms turn during the step. What is lost is of order h, as in implicit Euler. Energy is lost too, of order h.
+//! - Its forces are not those of the material. A row pushes with `ΣΔλ/h²`, summed over its visits in a substep, and so do prescribed vertices that move: their work is that of these forces. The
+//!   elastic energy of the stretch that sweeps leave, in the stiffness of the material, may be thousands of times what they gave; it is never given back as motion.
 //! - A row whose gradient vanishes is left alone: a tetrahedron on a line, a triangle in a point. The two ends of a spring that coincide, and a triangle
 //!   flattened to a line, are driven apart in a direction that depends on their numbers only.
 //! - Stiffnesses are taken to be zero, positive or infinite; a negative one is not looked for.

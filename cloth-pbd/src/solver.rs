@@ -58,15 +58,18 @@ impl PbdSolver {
 
     /// The rule for substeps of `h` (s).
     fn projection(&mut self, h: Real) -> Projection {
-        if self.substep != Some(h) {
-            self.families.forget();
-            self.substep = Some(h);
-        }
-        Projection {
+        let projection = Projection {
             stiffness: self.config.stiffness,
             substep: h,
             iterations: self.config.iterations,
+            is_counted: self.motion.moving_pins().is_some(),
+        };
+        if self.substep != Some(h) {
+            let (w, x) = (self.motion.inverse_mass(), self.motion.positions());
+            self.families.prepare(&projection, w, x);
+            self.substep = Some(h);
         }
+        projection
     }
 }
 
@@ -89,6 +92,9 @@ impl Stepper for PbdSolver {
         let h = input.dt / Real::from(self.config.substeps);
         let projection = self.projection(h);
         for _ in 0..self.config.substeps {
+            if projection.is_counted {
+                self.families.forget();
+            }
             self.motion.predict(&mut input, h)?; // S1 (24)
             self.families.restart();
             for sweep in 0..self.config.iterations {
@@ -101,10 +107,13 @@ impl Stepper for PbdSolver {
                     self.families.sweep(&projection, w, x); // S1 (25)
                 });
             }
+            let motion = &mut self.motion;
+            motion.count_pin_work(&self.families, |seen| seen.memory.moved);
             self.motion.update_velocities(&mut input)?; // S1 (26)
         }
         let report = self.motion.finish(state, &mut input)?;
         Ok(StepReport {
+            pin_work: Some(self.motion.pin_work()),
             chebyshev_fallbacks: (self.families.surrendered() - given_up) as u32,
             ..report
         })

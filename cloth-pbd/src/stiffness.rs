@@ -69,30 +69,48 @@ pub struct Projection {
     pub(crate) substep: Real,
     /// n.
     pub(crate) iterations: u32,
+    /// Whether it is remembered how far the rows have gone.
+    pub(crate) is_counted: bool,
 }
 
-/// The s of a row and the w̃ that it belongs to: a power costs more than the rest of the visit, and w̃ seldom changes.
+/// The s of a row and the w̃ that it belongs to: a power costs more than the rest of the visit, and w̃ seldom changes. And what its visits have done.
 ///
 /// The default is no special value: a row with w̃ = 0 has s = 0.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Known {
     weight: Real,
     s: Real,
+    /// Σ Δλ (kg m² per unit of C; kg m for a spring) since it was last set to zero. No visit asks for it; it tells what a row has given.
+    pub(crate) moved: Real,
 }
 
 impl Projection {
     /// s for a w̃. Out of the way of the sweep: seldom needed, and with a power in it the loop would keep nothing in registers.
     #[cold]
     #[inline(never)]
-    fn learn(&self, weight: Real, stiffness: Real) -> Known {
+    fn learn(&self, weight: Real, stiffness: Real) -> Real {
         let z = stiffness * self.substep * self.substep * weight;
-        let s = projection_stiffness(z, self.iterations);
-        Known { weight, s }
+        projection_stiffness(z, self.iterations)
     }
 }
 
 impl Rule for Projection {
     type Memory = Known;
+
+    #[inline]
+    fn remembers(&self) -> bool {
+        self.is_counted
+    }
+
+    /// Forgets s, which belongs to h.
+    fn prepare(&self, _: RowAt, known: &mut Known) {
+        *known = Known::default();
+    }
+
+    #[inline]
+    fn forget(known: &mut Known) {
+        known.moved = 0.0;
+    }
 
     #[inline(always)]
     fn equation(&self, row: RowAt, known: &mut Known) -> RowEquation {
@@ -101,7 +119,7 @@ impl Rule for Projection {
             StiffnessRule::Material => {
                 let weight = rounded(row.weight);
                 if weight != known.weight {
-                    *known = self.learn(weight, row.stiffness);
+                    (known.weight, known.s) = (weight, self.learn(weight, row.stiffness));
                 }
                 known.s
             }
@@ -110,6 +128,16 @@ impl Rule for Projection {
             residual: s * row.value,
             softness: 0.0,
         }
+    }
+
+    #[inline(always)]
+    fn remember(&self, change: Real, known: &mut Known) {
+        known.moved += change;
+    }
+
+    #[inline]
+    fn extrapolate(now: &mut Known, before: &Known, omega: Real) {
+        now.moved = before.moved + omega * (now.moved - before.moved);
     }
 }
 

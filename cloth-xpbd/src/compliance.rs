@@ -116,9 +116,6 @@ impl Multiplier {
 impl Rule for Compliance {
     type Memory = Multiplier;
 
-    /// `x = x̃ + M⁻¹ ∂Cᵀλ` is affine, and so is the extrapolation: done to both, it keeps them together.
-    const MEMORY_ITERATES: bool = true;
-
     const ROWS_TOGETHER: bool = true;
 
     /// ν starts from `−k h β C⁰`.
@@ -153,6 +150,7 @@ impl Rule for Compliance {
         memory.total
     }
 
+    /// `x = x̃ + M⁻¹ ∂Cᵀλ` is affine, and so is the extrapolation: done to both, it keeps them together.
     #[inline]
     fn extrapolate(now: &mut Multiplier, before: &Multiplier, omega: Real) {
         now.total = before.total + omega * (now.total - before.total);

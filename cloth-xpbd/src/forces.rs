@@ -98,30 +98,22 @@ impl XpbdSolver {
         }
     }
 
-    /// Enters the work that prescribed vertices have done in the substep of `compliance`, whose sweeps have ended: each moved by `h v` against the force `Jᵀλ/h²` on it. Such vertices push
-    /// the cloth with λ, whatever is left of the residual, so this is what they gave it.
+    /// Enters the work that prescribed vertices have done in the substep of `compliance`, whose sweeps have ended.
     pub(crate) fn count_pin_work(&mut self, compliance: Compliance) {
-        let (w, x) = (self.motion.inverse_mass(), self.motion.positions());
-        let Some(v) = self.motion.moving_pins() else {
+        if self.motion.moving_pins().is_none() {
             return;
-        };
+        }
         self.held_offsets.clear();
         if !self.start.is_empty() {
+            let w = self.motion.inverse_mass();
             self.families.inspect_held(w, &self.start, |seen| {
                 let offset = compliance.offset(seen.row.stiffness, seen.row.value);
                 self.held_offsets.push(offset);
             });
         }
         let mut offsets = self.held_offsets.iter();
-        let mut work = 0.0;
-        self.families.inspect_held(w, x, |seen| {
-            let multiplier = seen.memory.total() + offsets.next().unwrap_or(&0.0);
-            for (&vertex, gradient) in seen.vertices.iter().zip(seen.gradient) {
-                if w[vertex as usize] == 0.0 {
-                    work -= gradient.dot(&v[vertex as usize]) * compliance.impulse(multiplier);
-                }
-            }
+        self.motion.count_pin_work(&self.families, |seen| {
+            seen.memory.total() + offsets.next().unwrap_or(&0.0)
         });
-        self.motion.add_pin_work(work);
     }
 }

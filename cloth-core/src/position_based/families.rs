@@ -3,7 +3,7 @@
 use super::chebyshev::Recurrence;
 use super::correction::{correction, dead_zone_row_at, project, row_at};
 use super::jacobi::{self, Corrections};
-use super::rule::{RowAt, RowView, Rule};
+use super::rule::{RowAt, RowView, Rule, Silent};
 use super::{Acceleration, Sweep};
 use crate::coloring::Colored;
 use crate::element::{Constraint, RowArray};
@@ -27,8 +27,8 @@ trait AnyFamily<R: Rule>: Debug + Send + Sync {
     fn set_shares(&mut self, share: &dyn Fn(&[u32]) -> Real);
     fn forget(&mut self);
     /// Keeps the memory from which the next sweep starts.
-    fn remember(&mut self);
-    fn extrapolate(&mut self, omega: Real);
+    fn remember(&mut self, rule: &R);
+    fn extrapolate(&mut self, rule: &R, omega: Real);
     fn each_row(&self, inverse_mass: &[Real], x: &[Vec3], see: &mut dyn FnMut(RowAt, &R::Memory));
     /// Shows the memory of every row with the row's number in the input.
     fn remembered(&self, see: &mut dyn FnMut(usize, &R::Memory));
@@ -60,7 +60,7 @@ struct Family<const N: usize, E, A> {
     memory: Vec<A>,
     /// One per element, for Jacobi sweeps; else none.
     shares: Vec<Real>,
-    /// The memory before the last sweep, and before the one before it; none unless it is extrapolated.
+    /// The memory before the last sweep, and before the one before it; none until it is extrapolated.
     now: Vec<A>,
     before: Vec<A>,
 }
@@ -68,27 +68,51 @@ struct Family<const N: usize, E, A> {
 type Slot<const N: usize, E, R> =
     <<E as Constraint<N>>::Rows as RowArray<N>>::PerRow<<R as Rule>::Memory>;
 
-impl<const N: usize, E: Constraint<N>, R: Rule> AnyFamily<R> for Family<N, E, Slot<N, E, R>> {
-    fn sweep(&mut self, rule: &R, relaxation: Real, inverse_mass: &[Real], x: &mut [Vec3]) {
-        self.elements.sweep(
-            &mut self.memory,
+/// Moves the vertices of every element, one after another, forth or back.
+fn visit<const BACK: bool, const N: usize, E: Constraint<N>, R: Rule>(
+    elements: &Colored<N, E>,
+    memory: &mut [Slot<N, E, R>],
+    rule: &R,
+    relaxation: Real,
+    w: &[Real],
+    x: &mut [Vec3],
+) {
+    if BACK {
+        elements.sweep_back(
+            memory,
             x,
             #[inline(always)]
-            |element, memory, x| {
-                project(rule, element, inverse_mass, relaxation, memory.as_mut(), x);
-            },
+            |element, memory, x| project(rule, element, w, relaxation, memory.as_mut(), x),
         );
+    } else {
+        elements.sweep(
+            memory,
+            x,
+            #[inline(always)]
+            |element, memory, x| project(rule, element, w, relaxation, memory.as_mut(), x),
+        );
+    }
+}
+
+impl<const N: usize, E: Constraint<N>, R: Rule> AnyFamily<R> for Family<N, E, Slot<N, E, R>> {
+    fn sweep(&mut self, rule: &R, relaxation: Real, inverse_mass: &[Real], x: &mut [Vec3]) {
+        let (elements, memory) = (&self.elements, &mut self.memory[..]);
+        if rule.remembers() {
+            visit::<false, N, E, R>(elements, memory, rule, relaxation, inverse_mass, x);
+        } else {
+            let rule = &Silent(*rule);
+            visit::<false, N, E, Silent<R>>(elements, memory, rule, relaxation, inverse_mass, x);
+        }
     }
 
     fn sweep_back(&mut self, rule: &R, relaxation: Real, inverse_mass: &[Real], x: &mut [Vec3]) {
-        self.elements.sweep_back(
-            &mut self.memory,
-            x,
-            #[inline(always)]
-            |element, memory, x| {
-                project(rule, element, inverse_mass, relaxation, memory.as_mut(), x);
-            },
-        );
+        let (elements, memory) = (&self.elements, &mut self.memory[..]);
+        if rule.remembers() {
+            visit::<true, N, E, R>(elements, memory, rule, relaxation, inverse_mass, x);
+        } else {
+            let rule = &Silent(*rule);
+            visit::<true, N, E, Silent<R>>(elements, memory, rule, relaxation, inverse_mass, x);
+        }
     }
 
     fn correct(&mut self, rule: &R, inverse_mass: &[Real], x: &[Vec3], moves: &mut [Vec3]) {
@@ -120,15 +144,15 @@ impl<const N: usize, E: Constraint<N>, R: Rule> AnyFamily<R> for Family<N, E, Sl
         self.shares = elements.map(|e| share(&e.vertices())).collect();
     }
 
-    fn remember(&mut self) {
-        if R::MEMORY_ITERATES {
+    fn remember(&mut self, rule: &R) {
+        if rule.remembers() {
             std::mem::swap(&mut self.before, &mut self.now);
             self.now.clone_from(&self.memory);
         }
     }
 
-    fn extrapolate(&mut self, omega: Real) {
-        if R::MEMORY_ITERATES {
+    fn extrapolate(&mut self, rule: &R, omega: Real) {
+        if rule.remembers() {
             for (now, before) in self.memory.iter_mut().zip(&self.before) {
                 for (now, before) in now.as_mut().iter_mut().zip(before.as_ref()) {
                     R::extrapolate(now, before, omega);
@@ -268,18 +292,11 @@ impl<R: Rule> Families<R> {
                 Colored::in_input_order(elements, self.vertex_count)
             }
         };
-        let extrapolated = || {
-            if R::MEMORY_ITERATES && self.recurrence.is_some() {
-                memory.clone()
-            } else {
-                Vec::new()
-            }
-        };
         self.families.push(Box::new(Family {
             elements,
             shares: Vec::new(),
-            now: extrapolated(),
-            before: extrapolated(),
+            now: Vec::new(),
+            before: Vec::new(),
             memory,
         }));
         self.corrections = None;
@@ -301,7 +318,7 @@ impl<R: Rule> Families<R> {
         if let Some(recurrence) = &mut self.recurrence {
             recurrence.remember(x);
             for family in &mut self.families {
-                family.remember();
+                family.remember(rule);
             }
         }
         match self.sweep {
@@ -322,7 +339,7 @@ impl<R: Rule> Families<R> {
             let already = recurrence.has_given_up();
             if let Some(omega) = recurrence.extrapolate(inverse_mass, x) {
                 for family in &mut self.families {
-                    family.extrapolate(omega);
+                    family.extrapolate(rule, omega);
                 }
             }
             self.surrendered += u64::from(!already && recurrence.has_given_up());

@@ -1,5 +1,6 @@
 //! Everything before and after the projection.
 
+use super::{Families, RowView, Rule};
 use crate::contact::{ContactConstraints, ContactError, ContactStep};
 use crate::math::{Real, Vec3};
 use crate::particles::{Particles, State, first_non_finite};
@@ -140,6 +141,32 @@ impl Motion {
     #[must_use]
     pub fn pin_work(&self) -> Real {
         self.pin_work
+    }
+
+    /// Enters the work of prescribed vertices in the substep whose sweeps have ended, for the report: each moved by `h v` against the force `Jᵀλ/h²` on it, with
+    /// the λ of each row (kg m² per unit of C) from `multiplier` and J where the sweeps have ended. Nothing is done where no such vertex moves.
+    ///
+    /// λ is what the row has moved the others by, `wᵢ ∂C/∂xᵢ λ`, so this is what they were given, whatever is left of the residual. A row that turns during the sweeps of a
+    /// substep has given it along other directions too, about which nothing is known; the error becomes small with the angle.
+    pub fn count_pin_work<R: Rule>(
+        &mut self,
+        families: &Families<R>,
+        mut multiplier: impl FnMut(&RowView<'_, R::Memory>) -> Real,
+    ) {
+        let Some(v) = self.moving_pins() else {
+            return;
+        };
+        let (w, h) = (&self.inverse_mass, self.substep);
+        let mut work = 0.0;
+        families.inspect_held(w, &self.positions, |seen| {
+            let impulse = multiplier(&seen) / h;
+            for (&vertex, gradient) in seen.vertices.iter().zip(seen.gradient) {
+                if w[vertex as usize] == 0.0 {
+                    work -= gradient.dot(&v[vertex as usize]) * impulse;
+                }
+            }
+        });
+        self.add_pin_work(work);
     }
 
     /// Enters work (J) that prescribed vertices have done, for the report.

@@ -41,16 +41,19 @@ pub struct RowView<'a, M> {
 }
 
 /// How far a method goes along the rows of an element.
-pub trait Rule: Debug + Send + Sync + 'static {
+pub trait Rule: Copy + Debug + Send + Sync + 'static {
     /// What is remembered of a row from one visit to the next. It starts as the default.
     type Memory: Copy + Debug + Default + Send + Sync + 'static;
 
-    /// Whether the memory is a part of the iterate, as a multiplier is that goes with the positions. It is then extrapolated with them
-    /// ([`Rule::extrapolate`]).
-    const MEMORY_ITERATES: bool = false;
-
     /// Whether the rows of one element are solved together, with the products of their gradients, or one after another.
     const ROWS_TOGETHER: bool = false;
+
+    /// Whether what the rows do is remembered ([`Rule::remember`]), as a multiplier is that goes with the positions, and extrapolated with them
+    /// ([`Rule::extrapolate`]). Asked once a sweep: one that is not is spared it in every row.
+    #[inline]
+    fn remembers(&self) -> bool {
+        true
+    }
 
     /// The equation of a row. It stands in the innermost loop, and should be `#[inline(always)]`, like [`Rule::remember`]. A row that nothing could change, because `w̃ + softness` is zero, stays as it is whatever its residual.
     fn equation(&self, row: RowAt, memory: &mut Self::Memory) -> RowEquation;
@@ -80,8 +83,28 @@ pub trait Rule: Debug + Send + Sync + 'static {
         0.0
     }
 
-    /// What [`Chebyshev`](super::Chebyshev) does to the memory: `now ← before + ω (now − before)`. Only called if [`Rule::MEMORY_ITERATES`].
+    /// What [`Chebyshev`](super::Chebyshev) does to the memory: `now ← before + ω (now − before)`. Only called if it [`remembers`](Rule::remembers).
     fn extrapolate(now: &mut Self::Memory, before: &Self::Memory, omega: Real) {
         let _ = (now, before, omega);
+    }
+}
+
+/// The same rule, whose rows remember nothing of what they do.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Silent<R>(pub(super) R);
+
+impl<R: Rule> Rule for Silent<R> {
+    type Memory = R::Memory;
+
+    const ROWS_TOGETHER: bool = R::ROWS_TOGETHER;
+
+    #[inline(always)]
+    fn equation(&self, row: RowAt, memory: &mut R::Memory) -> RowEquation {
+        self.0.equation(row, memory)
+    }
+
+    #[inline(always)]
+    fn multiplier(memory: &R::Memory) -> Real {
+        R::multiplier(memory)
     }
 }
