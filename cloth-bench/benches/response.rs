@@ -8,21 +8,28 @@
 mod limit;
 
 use cloth_bench::crumpled::accordion;
-use cloth_collide::ClothContacts;
+
 use cloth_collide::obstacle::{
     HalfSpace, ImpactLaw, Obstacle, ObstacleContacts, Pose, RigidMotion,
 };
-use cloth_core::contact::{ContactSource, ContactStep};
+use cloth_collide::potential::PotentialContacts;
+use cloth_core::contact::{ContactStep, Projection};
 use cloth_core::math::{Real, Vec3};
 use criterion::Criterion;
 use std::hint::black_box;
 use std::time::{Duration, Instant};
 
 const THICKNESS: Real = 0.002;
+/// Sweeps over the contacts of a step.
+const SWEEPS: u32 = 4;
 const DT: Real = 1.0 / 600.0;
 
 /// One resolved step from `from` to where `end` (m) takes each position; returns how long it took.
-fn resolve(contacts: &mut ClothContacts, from: &[Vec3], end: impl Fn(&Vec3) -> Vec3) -> Duration {
+fn resolve(
+    contacts: &mut PotentialContacts,
+    from: &[Vec3],
+    end: impl Fn(&Vec3) -> Vec3,
+) -> Duration {
     let mut positions: Vec<_> = from.iter().map(end).collect();
     let ways = positions.iter().zip(from);
     let mut velocities: Vec<_> = ways.map(|(to, x)| (to - x) / DT).collect();
@@ -32,15 +39,17 @@ fn resolve(contacts: &mut ClothContacts, from: &[Vec3], end: impl Fn(&Vec3) -> V
         inverse_mass: &inverse_mass,
         dt: DT,
     };
+    let mut projection = Projection::default();
+    let (x, v) = (&mut positions, &mut velocities);
     let started = Instant::now();
-    let resolved = contacts.resolve(&step, &mut positions, &mut velocities);
+    let resolved = projection.step(contacts, &step, SWEEPS, x, v);
     resolved.expect("a way");
     started.elapsed()
 }
 
 /// The same many times over, each from a start that is known to be safe.
 fn repeat(
-    contacts: &mut ClothContacts,
+    contacts: &mut PotentialContacts,
     from: &[Vec3],
     end: impl Fn(&Vec3) -> Vec3,
     count: u64,
@@ -59,7 +68,7 @@ fn response(criterion: &mut Criterion) {
         let name = format!("response, {count} triangles, layers {} mm apart", 1e3 * gap);
         let mut group = criterion.benchmark_group(name);
         group.sample_size(10);
-        let mut contacts = ClothContacts::builder(&mesh)
+        let mut contacts = PotentialContacts::builder(&mesh)
             .thickness(THICKNESS)
             .friction(0.3)
             .build()
@@ -74,7 +83,7 @@ fn response(criterion: &mut Criterion) {
         limit::timed(&mut group, "pressed", bytes, |count| {
             repeat(&mut contacts, &from, press, count)
         });
-        println!("{:?}", contacts.report());
+        println!("{:?}", contacts.constraint_report());
         let still = RigidMotion::still(Pose::at(Vec3::z() * -THICKNESS));
         let floor = HalfSpace::new(Vec3::z()).expect("a normal");
         let floor = Obstacle::moving(floor, still).expect("a motion");
@@ -82,7 +91,7 @@ fn response(criterion: &mut Criterion) {
         let floor = ObstacleContacts::new(THICKNESS, THICKNESS)
             .expect("a thickness")
             .with(floor, law);
-        let mut contacts = ClothContacts::builder(&mesh)
+        let mut contacts = PotentialContacts::builder(&mesh)
             .self_collision(false)
             .obstacles(floor)
             .build()

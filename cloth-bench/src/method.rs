@@ -155,8 +155,7 @@ impl Method {
         }
     }
 
-    /// A solver for a scene and a step size `dt` (s), with strain limiting if the settings ask for it. Where the scene cuts steps into parts because of contact, it is one for the
-    /// parts, with a part of the substeps.
+    /// A solver for a scene and a step size `dt` (s), with strain limiting if the settings ask for it.
     ///
     /// # Errors
     /// [`BenchError::Usage`] for a setting that the method does not know or that is out of range, or an element of the scene without the view that the method needs.
@@ -168,22 +167,14 @@ impl Method {
     ) -> Result<Box<dyn Stepper>, BenchError> {
         settings.check(&format!("method `{}`", self.name), &self.parameters())?;
         let substeps = self.substeps(scene, settings, dt)?;
-        let make = |settings: &Settings, dt| {
-            let solver = self.solver(scene, settings, dt)?;
-            strain_limit::limited(solver, scene, settings)
+        let told = match self.kind {
+            Kind::Pbd | Kind::Xpbd | Kind::XpbdDirect | Kind::Explicit | Kind::Symplectic => {
+                position_based::with_substeps(settings, substeps)
+            }
+            _ => settings.clone(),
         };
-        if !matches!(
-            self.kind,
-            Kind::Pbd | Kind::Xpbd | Kind::XpbdDirect | Kind::Explicit | Kind::Symplectic
-        ) {
-            return make(settings, dt / Real::from(scene.parts()));
-        }
-        let told = |count| position_based::with_substeps(settings, count);
-        let whole = make(&told(substeps), dt)?;
-        match scene.parts_with(&*whole) {
-            1 => Ok(whole),
-            parts => make(&told(substeps.div_ceil(parts)), dt / Real::from(parts)),
-        }
+        let solver = self.solver(scene, &told, dt)?;
+        strain_limit::limited(solver, scene, &told)
     }
 
     fn solver(
@@ -204,10 +195,10 @@ impl Method {
         Ok(match self.kind {
             Kind::Explicit => mass_spring!(ExplicitEuler, self.explicit(scene, settings, dt)?),
             Kind::Symplectic => mass_spring!(SymplecticEuler, self.explicit(scene, settings, dt)?),
-            Kind::Implicit => mass_spring!(ImplicitEuler, mass_spring::newton(settings)?),
+            Kind::Implicit => mass_spring!(ImplicitEuler, mass_spring::newton(scene, settings)?),
             Kind::LinearImplicit => mass_spring!(ImplicitEuler, mass_spring::linearized(settings)?),
-            Kind::Midpoint => mass_spring!(ImplicitMidpoint, mass_spring::newton(settings)?),
-            Kind::Bdf2 => mass_spring!(Bdf2, mass_spring::newton(settings)?),
+            Kind::Midpoint => mass_spring!(ImplicitMidpoint, mass_spring::newton(scene, settings)?),
+            Kind::Bdf2 => mass_spring!(Bdf2, mass_spring::newton(scene, settings)?),
             Kind::Pbd => {
                 let config = position_based::pbd(settings)?;
                 let builder = add_constraints!(PbdSolver::builder(particles), families, self.name);
@@ -232,7 +223,7 @@ impl Method {
             }
             Kind::Pd => {
                 let builder = add_projections!(PdSolver::builder(particles), families, self.name);
-                let mut builder = builder.config(projective::projective(settings, scene)?);
+                let mut builder = builder.config(projective::projective(settings)?);
                 let cells = settings.count(&projective::PD_COARSE, 0)?;
                 if cells > 0 {
                     builder = builder.coarse_grid(&scene.start.positions, cells);

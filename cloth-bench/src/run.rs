@@ -31,7 +31,7 @@ pub struct Summary {
     /// Median time of contact in it (ms); 0 where there is nothing to touch.
     pub contact_ms_median: Real,
     /// Parts of steps that ended with vertices held back, see [`ContactSource::held`].
-    pub held_parts: u32,
+    pub held_steps: u32,
     /// Iterations, summed over the steps.
     pub iterations: u64,
     /// Iterations of the median step.
@@ -157,34 +157,21 @@ struct Timed {
     source: Box<dyn ContactSource>,
     /// Time of the last step (s).
     seconds: Real,
-    /// Parts of steps, of all so far, that ended with vertices held back.
-    held_parts: u32,
+    /// Steps, of all so far, that ended with vertices held back.
+    held_steps: u32,
 }
 
 impl ContactSource for Timed {
-    fn resolve(
-        &mut self,
-        step: &ContactStep<'_>,
-        positions: &mut [Vec3],
-        velocities: &mut [Vec3],
-    ) -> Result<(), ContactError> {
-        let started = Instant::now();
-        let resolved = self.source.resolve(step, positions, velocities);
-        self.seconds += started.elapsed().as_secs_f64();
-        self.held_parts += u32::from(resolved.is_ok() && self.source.held() > 0);
-        resolved
-    }
-
     fn held(&self) -> usize {
         self.source.held()
     }
 
-    fn potential(&mut self) -> Option<&mut dyn ContactPotential> {
+    fn potential(&mut self) -> &mut dyn ContactPotential {
         self.source.potential()
     }
 
-    fn constraints(&mut self) -> Option<&mut dyn ContactConstraints> {
-        self.source.constraints().is_some().then_some(self)
+    fn constraints(&mut self) -> &mut dyn ContactConstraints {
+        self
     }
 
     fn work(&self) -> Real {
@@ -197,10 +184,10 @@ impl ContactSource for Timed {
 }
 
 impl Timed {
-    /// Lets the constraints act, which there are, and adds the time.
-    fn act<T>(&mut self, act: impl FnOnce(&mut dyn ContactConstraints) -> T) -> Option<T> {
+    /// Lets the constraints act, and adds the time.
+    fn act<T>(&mut self, act: impl FnOnce(&mut dyn ContactConstraints) -> T) -> T {
         let started = Instant::now();
-        let acted = self.source.constraints().map(act);
+        let acted = act(self.source.constraints());
         self.seconds += started.elapsed().as_secs_f64();
         acted
     }
@@ -208,7 +195,7 @@ impl Timed {
 
 impl ContactConstraints for Timed {
     fn begin_step(&mut self, step: &ContactStep<'_>) -> Result<(), ContactError> {
-        self.act(|c| c.begin_step(step)).unwrap_or(Ok(()))
+        self.act(|c| c.begin_step(step))
     }
 
     fn begin_substep(
@@ -216,8 +203,7 @@ impl ContactConstraints for Timed {
         step: &ContactStep<'_>,
         predicted: &[Vec3],
     ) -> Result<(), ContactError> {
-        let begun = self.act(|c| c.begin_substep(step, predicted));
-        begun.unwrap_or(Ok(()))
+        self.act(|c| c.begin_substep(step, predicted))
     }
 
     fn sweep(&mut self, step: &ContactStep<'_>, x: &mut [Vec3]) {
@@ -225,7 +211,7 @@ impl ContactConstraints for Timed {
     }
 
     fn end_substep(&mut self, step: &ContactStep<'_>, x: &mut [Vec3]) -> Result<(), ContactError> {
-        self.act(|c| c.end_substep(step, x)).unwrap_or(Ok(()))
+        self.act(|c| c.end_substep(step, x))
     }
 
     fn change_velocities(&mut self, velocities: &mut [Vec3]) {
@@ -234,7 +220,6 @@ impl ContactConstraints for Timed {
 
     fn end_step(&mut self, x: &[Vec3]) {
         self.act(|c| c.end_step(x));
-        self.held_parts += u32::from(self.source.held() > 0);
     }
 }
 
@@ -256,7 +241,7 @@ impl<'a> Course<'a> {
         let timed = |source| Timed {
             source,
             seconds: 0.0,
-            held_parts: 0,
+            held_steps: 0,
         };
         let contacts = scene.contacts()?.map(timed);
         let air = scene.air.clone();
@@ -268,8 +253,7 @@ impl<'a> Course<'a> {
         })
     }
 
-    /// One step of `dt` (s), in as many parts as contact asks for. The report counts those of all parts, and ends as the last one did. `balance` is told of the work
-    /// done, and of the step when all of it is taken.
+    /// One step of `dt` (s). `balance` is told of the work done.
     fn step(
         &mut self,
         stepper: &mut dyn Stepper,
@@ -280,45 +264,11 @@ impl<'a> Course<'a> {
         if let Some(contacts) = &mut self.contacts {
             contacts.seconds = 0.0;
         }
-        self.seconds = 0.0;
-        let parts = self.scene.parts_with(stepper);
-        let part = dt / Real::from(parts);
-        let mut sum = self.part(stepper, state, part, balance.as_deref_mut())?;
-        for _ in 1..parts {
-            let report = self.part(stepper, state, part, balance.as_deref_mut())?;
-            sum = StepReport {
-                iterations: sum.iterations + report.iterations,
-                factorizations: sum.factorizations + report.factorizations,
-                linear_solves: sum.linear_solves + report.linear_solves,
-                linear_iterations: sum.linear_iterations + report.linear_iterations,
-                backtracks: sum.backtracks + report.backtracks,
-                chebyshev_fallbacks: sum.chebyshev_fallbacks + report.chebyshev_fallbacks,
-                coarse_builds: sum.coarse_builds + report.coarse_builds,
-                coarse_fallbacks: sum.coarse_fallbacks + report.coarse_fallbacks,
-                newton_fallbacks: sum.newton_fallbacks + report.newton_fallbacks,
-                ..report
-            };
-        }
-        if let Some(balance) = balance {
-            let contacts = self.contacts.as_ref();
-            let stored = contacts.map_or(0.0, ContactSource::potential_energy);
-            balance.end_step(state, dt, stored);
-        }
-        Ok(sum)
-    }
-
-    fn part(
-        &mut self,
-        stepper: &mut dyn Stepper,
-        state: &mut State,
-        dt: Real,
-        mut balance: Option<&mut EnergyBalance<'_>>,
-    ) -> Result<StepReport, BenchError> {
         if let Some(pins) = &self.scene.pins {
             pins.steer(state, dt);
         }
         if let Some(balance) = &mut balance {
-            balance.begin_part(state);
+            balance.begin_step(state);
         }
         let started = Instant::now();
         let load = self.air.as_mut().map(|air| air.load(state, dt));
@@ -330,10 +280,16 @@ impl<'a> Course<'a> {
             input = input.contacts(contacts);
         }
         let report = stepper.step(state, input).map_err(BenchError::failed)?;
-        self.seconds += started.elapsed().as_secs_f64();
+        self.seconds = started.elapsed().as_secs_f64();
+        if let Some(contacts) = &mut self.contacts {
+            contacts.held_steps += u32::from(contacts.source.held() > 0);
+        }
         if let Some(balance) = balance {
-            let bodies = self.contacts.as_ref().map_or(0.0, ContactSource::work);
-            balance.end_part(state, load, report.pin_work, bodies);
+            let contacts = self.contacts.as_ref();
+            let bodies = contacts.map_or(0.0, ContactSource::work);
+            let stored = contacts.map_or(0.0, ContactSource::potential_energy);
+            balance.add_work(state, load, report.pin_work, bodies);
+            balance.end_step(state, dt, stored);
         }
         Ok(report)
     }
@@ -394,14 +350,7 @@ pub fn run(
     let (mut chebyshev_fallbacks, mut coarse_builds, mut coarse_fallbacks) = (0, 0, 0);
     let mut newton_fallbacks = 0;
     for step in 1..=steps {
-        let taken = course.step(stepper, state, dt, Some(&mut balance));
-        let report = taken.map_err(|error| match scene.parts_with(stepper) {
-            1 => error,
-            // The method counts the parts.
-            parts => BenchError::Failed(format!(
-                "step {step} (each is cut into {parts} parts by contact): {error}"
-            )),
-        })?;
+        let report = course.step(stepper, state, dt, Some(&mut balance))?;
         seconds.push(course.seconds);
         contact_seconds.extend(course.contacts.as_ref().map(|contacts| contacts.seconds));
         iterations.push(report.iterations);
@@ -424,7 +373,7 @@ pub fn run(
         steps,
         ms_per_step_median: 1e3 * median(&mut seconds),
         contact_ms_median: 1e3 * median(&mut contact_seconds),
-        held_parts: course.contacts.as_ref().map_or(0, |c| c.held_parts),
+        held_steps: course.contacts.as_ref().map_or(0, |c| c.held_steps),
         iterations: iterations.iter().map(|&n| u64::from(n)).sum(),
         iterations_per_step: median_count(&mut iterations),
         linear_iterations,

@@ -21,9 +21,8 @@ use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::TriMesh;
 use cloth_core::particles::State;
 use cloth_core::pin::Pins;
-use cloth_core::step::Stepper;
 use cloth_core::topology::EdgeTable;
-use contact::{FALLING, FALLING_ALONE, NOT_TOUCHING, PULLING, TOUCHING};
+use contact::{TOUCHING, TOUCHING_ALONE};
 use std::sync::Arc;
 
 /// What is simulated: the same masses, elements, pins and start for every method.
@@ -71,19 +70,6 @@ impl Scene {
         self.touch.as_ref().is_some_and(|touch| !touch.is_idle())
     }
 
-    /// Into how many parts a step is cut because of contact; see [`Touch::parts`].
-    #[must_use]
-    pub fn parts(&self) -> u32 {
-        self.touch.as_ref().map_or(1, Touch::parts)
-    }
-
-    /// The same for a method that may feel contact in its own solve; see [`Touch::parts_with`].
-    #[must_use]
-    pub fn parts_with(&self, stepper: &dyn Stepper) -> u32 {
-        let touch = self.touch.as_ref();
-        touch.map_or(1, |touch| touch.parts_with(stepper))
-    }
-
     /// How far the cloth can fall before it lands (m): its distance from the obstacle that is farthest away; 0 where there is none.
     #[must_use]
     pub fn fall(&self) -> Real {
@@ -100,11 +86,6 @@ impl Scene {
     #[must_use]
     pub fn touches(&self) -> bool {
         self.touch.as_ref().is_some_and(|touch| !touch.is_idle())
-    }
-
-    /// Whether methods can feel what the cloth touches while they solve.
-    pub(crate) fn has_potential(&self) -> bool {
-        self.touch.as_ref().is_some_and(Touch::has_potential)
     }
 
     /// Whether a step is nothing but the elastic one: nothing to touch, no air, pins at rest.
@@ -277,32 +258,32 @@ pub const SCENES: [SceneInfo; 9] = [
     SceneInfo {
         name: "hang",
         about: "a sheet of 1 m × 1 m held at two corners, starting horizontal; with --mesh any OBJ or PLY file, held at its highest vertices",
-        groups: &[SHEET, &[midpoints::POINTS], NOT_TOUCHING],
+        groups: &[SHEET, &[midpoints::POINTS], TOUCHING_ALONE],
     },
     SceneInfo {
         name: "drop",
         about: "the same sheet in free fall, held nowhere: it must not deform; or onto a floor",
-        groups: &[SHEET, FALLING_ALONE, &[FLOOR]],
+        groups: &[SHEET, TOUCHING_ALONE, &[FLOOR]],
     },
     SceneInfo {
         name: "drape-sphere",
         about: "the same sheet, or with --mesh any, falls on a sphere of 0.3 m",
-        groups: &[SHEET, FALLING],
+        groups: &[SHEET, TOUCHING],
     },
     SceneInfo {
         name: "drape-box",
         about: "the same on a cube of 0.5 m that turns by 2 rad/s",
-        groups: &[SHEET, FALLING],
+        groups: &[SHEET, TOUCHING],
     },
     SceneInfo {
         name: "fold",
         about: "a ribbon of 1 m × 0.25 m, upright on a floor, falls down on itself",
-        groups: &[OWN_SHEET, FALLING],
+        groups: &[OWN_SHEET, TOUCHING],
     },
     SceneInfo {
         name: "twist",
         about: "a narrow towel of 1 m × 0.1 m whose ends are turned against each other within 4 s, and come nearer as it becomes a rope; with n = 33 its edges are as long as the rope is thick, and layers hook into each other; with 65 rarely",
-        groups: &[OWN_SHEET, PULLING, &[TURNS, ROPE]],
+        groups: &[OWN_SHEET, TOUCHING, &[TURNS, ROPE]],
     },
     SceneInfo {
         name: "stack",

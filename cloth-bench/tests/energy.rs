@@ -15,33 +15,7 @@ fn run(arguments: &str) -> (i32, Value, String) {
     (code, object, said)
 }
 
-#[test]
-fn explicit_methods_end_where_impact_zones_give_them_energy() {
-    for (arguments, step, words) in [
-        (
-            "drape-sphere --n 9 --set contact=zones --method explicit-euler --dt 0.004166666666666667 --steps 10",
-            "step 8 ",
-            "unstable",
-        ),
-        (
-            "drape-sphere --n 9 --set contact=zones --method symplectic-euler --set stiffness=1e8 --steps 10",
-            "step 5 ",
-            "was never given more than",
-        ),
-        (
-            "drape-sphere --n 9 --set contact=zones --method symplectic-euler --dt 0.1 --steps 10",
-            "step 4 ",
-            "was never given more than",
-        ),
-    ] {
-        let (code, object, said) = run(arguments);
-        assert_eq!(code, 1, "{arguments}");
-        assert!(said.contains(step) && said.contains(words), "{said}");
-        assert!(said.contains(object["error"].as_str().unwrap()), "{object}");
-    }
-}
-
-/// The same scenes with contact in every substep: the methods go on, and hold no more than they were given.
+/// Stiff cloth, long steps: the methods go on, and hold no more than they were given.
 #[test]
 fn explicit_methods_that_feel_contact_get_no_energy_from_it() {
     for setting in ["--set stiffness=1e8", "--dt 0.1"] {

@@ -78,3 +78,8 @@ impl Bounds {
         })
     }
 }
+
+/// The mean of some positions (m).
+pub(crate) fn mean(positions: &[Vec3]) -> Vec3 {
+    positions.iter().sum::<Vec3>() / positions.len().max(1) as Real
+}

@@ -74,6 +74,8 @@ mod builder;
 mod filter;
 mod friction;
 mod gap;
+mod hold;
+mod last_resort;
 mod mollifier;
 mod near;
 mod near_pairs;
@@ -84,6 +86,7 @@ mod report;
 mod rows;
 mod source;
 mod tangent;
+mod zones;
 
 pub use builder::PotentialBuilder;
 pub use gap::Gap;

@@ -1,7 +1,8 @@
 //! Why a vertex and a triangle are not enough: what the first picture of the chapter shows, in numbers.
 
-use cloth_collide::{ClothContacts, ContactStage, ContinuousTest, SeparationProbe};
-use cloth_core::contact::{ContactSource, ContactStep};
+use cloth_collide::potential::PotentialContacts;
+use cloth_collide::{ContinuousTest, SeparationProbe};
+use cloth_core::contact::{ContactStep, Projection};
 use cloth_core::math::Vec3;
 use cloth_core::mesh::TriMesh;
 
@@ -44,7 +45,7 @@ fn edges_cross_with_all_vertices_in_the_clear_and_the_response_sees_it() {
     let impact = exact.edge_edge(edge(0, 1), edge(3, 4)).unwrap().unwrap();
     assert!(impact.time <= 0.5 && impact.time > 0.5 - 1e-12);
 
-    let builder = ClothContacts::builder(&mesh).thickness(0.02);
+    let builder = PotentialContacts::builder(&mesh).thickness(0.02);
     let mut contacts = builder.build().unwrap();
     let (mut kept, mut velocities) = (through, vec![Vec3::zeros(); 6]);
     let step = ContactStep {
@@ -52,8 +53,9 @@ fn edges_cross_with_all_vertices_in_the_clear_and_the_response_sees_it() {
         inverse_mass: &[0.0, 0.0, 0.0, 1.0, 1.0, 1.0],
         dt: 0.1,
     };
-    contacts.resolve(&step, &mut kept, &mut velocities).unwrap();
-    assert_eq!(contacts.report().stage, ContactStage::Impulses);
+    Projection::default()
+        .step(&mut contacts, &step, 4, &mut kept, &mut velocities)
+        .unwrap();
     assert_eq!(probe.measure(&kept).unwrap().intersecting_pairs, 0);
     let gap = probe.measure(&kept).unwrap().min_distance.unwrap();
     assert!((gap - 0.02).abs() < 1e-3, "{gap}");

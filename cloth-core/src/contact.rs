@@ -1,15 +1,9 @@
 //! The one hook for contact: what a method asks of obstacles and of the cloth itself, without knowing of either.
 //!
-//! A source of contact can be asked in three ways. A method that minimises takes contact into what it minimises: [`ContactSource::potential`] gives an energy with
-//! derivatives, and says how far a step is safe. That is the better way: the method knows all along where the cloth cannot go. A method
-//! that projects positions feels contact as constraints in every substep: [`ContactSource::constraints`].
-//! Any other method moves the cloth as if it were alone, and then shows where it would go: [`ContactSource::resolve`] changes that to a motion on which nothing
-//! passes through anything. So every method can have contact, and one without a source in its [`StepInput`](crate::step::StepInput) runs no code for it. The crate
-//! `cloth-collide` has the sources.
-//!
-//! After the step contact is a shift of the positions and a kick to the velocities. A method has both at hand, what it has
-//! found and what contact made of that. If it goes on from more than the state, from an earlier one for instance, it has to take the
-//! difference into its memory. Otherwise it takes the kick for a part of the motion, and gives some of it back.
+//! Contact is part of the solve, in one of two views. A method that minimises takes it into what it minimises: [`ContactSource::potential`]
+//! gives an energy with derivatives, and says how far a step is safe. A method that moves positions feels it as unilateral constraints in every
+//! substep: [`ContactSource::constraints`]; one without sweeps of its own lets [`Projection`] do all of that at the end of its (sub)step.
+//! A method without a source in its [`StepInput`](crate::step::StepInput) runs no code for contact. The crate `cloth-collide` has the source.
 
 use crate::math::{Real, Vec3, is_finite};
 use std::fmt;
@@ -62,45 +56,25 @@ impl ContactStep<'_> {
     }
 }
 
-/// Whatever the cloth can touch.
+/// Whatever the cloth can touch, in the two views that methods have of it. A method takes one of them, and keeps to it within a step.
 pub trait ContactSource {
-    /// Changes the end of a step so that it keeps what the source promises. Vertices move linearly from `step.from` to `positions` (m), which the method has found
-    /// with the velocities `velocities` (m/s) there; both have one entry per vertex. Those of prescribed vertices must be left alone.
-    ///
-    /// Called once in a step, with finite positions and velocities. What was there before, if it is to be used again, the source has to keep.
-    ///
-    /// # Errors
-    /// If the promise cannot be kept. The method then refuses the step, with its state as it was, and the source has to be as it was too.
-    fn resolve(
-        &mut self,
-        step: &ContactStep<'_>,
-        positions: &mut [Vec3],
-        velocities: &mut [Vec3],
-    ) -> Result<(), ContactError>;
+    /// Contact as an energy, for a method that takes it into its own solve.
+    fn potential(&mut self) -> &mut dyn ContactPotential;
 
-    /// The same contact as an energy, for a method that takes it into its own solve and does not call [`ContactSource::resolve`] then; nothing if the source knows only
-    /// the other way.
-    fn potential(&mut self) -> Option<&mut dyn ContactPotential> {
-        None
-    }
+    /// Contact as constraints, for a method that projects positions.
+    fn constraints(&mut self) -> &mut dyn ContactConstraints;
 
-    /// The same contact as constraints, for a method that projects positions and does not call [`ContactSource::resolve`] then; nothing if the source knows only the other
-    /// way.
-    fn constraints(&mut self) -> Option<&mut dyn ContactConstraints> {
-        None
-    }
-
-    /// Work (J) that moving bodies did on the cloth in the last resolved step; 0 for a source without any.
+    /// Work (J) that moving bodies did on the cloth in the last step; 0 for a source without any.
     fn work(&self) -> Real {
         0.0
     }
 
-    /// Energy (J) that contact has stored at the end of the last resolved step and may give back; 0 for a source without a potential.
+    /// Energy (J) that contact has stored at the end of the last step and may give back; 0 for a source without a potential.
     fn potential_energy(&self) -> Real {
         0.0
     }
 
-    /// Number of vertices that the last resolved step has held back: they are safe, but behind where contact should let them go, and have lost momentum for it. 0 for
+    /// Number of vertices that the last step has held back: they are safe, but behind where contact should let them go, and have lost momentum for it. 0 for
     /// a source that does not do that.
     fn held(&self) -> usize {
         0
@@ -187,6 +161,60 @@ pub trait ContactConstraints {
 
     /// Ends the step, which has come to `x` (m).
     fn end_step(&mut self, x: &[Vec3]);
+}
+
+/// Contact constraints at the end of the (sub)steps of a method that has no sweeps of its own for them to be part of.
+#[derive(Clone, Debug, Default)]
+pub struct Projection {
+    /// Where the method has moved the cloth as if it were alone (m).
+    free: Vec<Vec3>,
+}
+
+impl Projection {
+    /// One substep between [`ContactConstraints::begin_step`] and [`ContactConstraints::end_step`]: projects `x` (m), which the method has found with
+    /// the velocities `v` (m/s) there, by `sweeps` sweeps, and lets the velocities follow, `v ← v + Δx/Δt`.
+    ///
+    /// # Errors
+    /// Those of the constraints; `x` and `v` are of no use then.
+    pub fn substep(
+        &mut self,
+        contacts: &mut dyn ContactConstraints,
+        step: &ContactStep<'_>,
+        sweeps: u32,
+        x: &mut [Vec3],
+        v: &mut [Vec3],
+    ) -> Result<(), ContactError> {
+        self.free.clear();
+        self.free.extend_from_slice(x);
+        contacts.begin_substep(step, x)?;
+        for _ in 0..sweeps {
+            contacts.sweep(step, x);
+        }
+        contacts.end_substep(step, x)?;
+        for (v, (x, free)) in v.iter_mut().zip(x.iter().zip(&self.free)) {
+            *v += (x - free) / step.dt;
+        }
+        contacts.change_velocities(v);
+        Ok(())
+    }
+
+    /// A whole step of one substep.
+    ///
+    /// # Errors
+    /// As [`Projection::substep`].
+    pub fn step(
+        &mut self,
+        contacts: &mut dyn ContactConstraints,
+        step: &ContactStep<'_>,
+        sweeps: u32,
+        x: &mut [Vec3],
+        v: &mut [Vec3],
+    ) -> Result<(), ContactError> {
+        contacts.begin_step(step)?;
+        self.substep(contacts, step, sweeps, x, v)?;
+        contacts.end_step(x);
+        Ok(())
+    }
 }
 
 /// One part of the second derivative of a contact energy: `k J Jᵀ`, with J the derivative of a distance by up to four vertices, `J_i = w_i n`.

@@ -1,6 +1,6 @@
 //! The contract between a method and those who run it: one step, what goes in, what comes out.
 
-use crate::contact::{ContactConstraints, ContactError, ContactSource, ContactStep};
+use crate::contact::{ContactConstraints, ContactError, ContactPotential, ContactSource};
 use crate::math::{Real, Vec3};
 use crate::particles::State;
 use std::fmt;
@@ -9,12 +9,6 @@ use std::fmt;
 pub trait Stepper: Send {
     /// Name of the method, as `cloth-bench list` shows it.
     fn name(&self) -> &'static str;
-
-    /// Whether it feels contact while it solves ([`ContactSource::potential`], [`ContactSource::constraints`]); if not, contact acts after its step, and
-    /// short steps are better.
-    fn feels_contact(&self) -> bool {
-        false
-    }
 
     /// Advances `state` by `input.dt`.
     ///
@@ -133,39 +127,14 @@ impl<'a> StepInput<'a> {
         }
     }
 
-    /// The contacts as constraints, if there are any and they can be had so.
+    /// The contacts as constraints, if there are any.
     pub fn contact_constraints(&mut self) -> Option<&mut dyn ContactConstraints> {
-        self.contacts.as_mut()?.constraints()
+        Some(self.contacts.as_mut()?.constraints())
     }
 
-    /// What every method does last that has not felt contact before: gives the end of the step that it has found, `positions` (m) and `velocities` (m/s), to the contacts, if there are any. `from` is
-    /// the state before. What a method remembers beside the state has to follow the change, see [`contact`](crate::contact).
-    ///
-    /// # Errors
-    /// [`StepError::Contact`]; [`StepError::NonFinite`] if the contacts answer with that.
-    pub fn resolve_contacts(
-        &mut self,
-        from: &State,
-        inverse_mass: &[Real],
-        positions: &mut [Vec3],
-        velocities: &mut [Vec3],
-    ) -> Result<(), StepError> {
-        let Some(contacts) = &mut self.contacts else {
-            return Ok(());
-        };
-        let step = from.steps + 1;
-        let taken = ContactStep {
-            from: &from.positions,
-            inverse_mass,
-            dt: self.dt,
-        };
-        contacts
-            .resolve(&taken, positions, velocities)
-            .map_err(|reason| StepError::Contact { reason, step })?;
-        match crate::particles::first_non_finite(positions, velocities) {
-            Some(vertex) => Err(StepError::NonFinite { vertex, step }),
-            None => Ok(()),
-        }
+    /// The contacts as an energy, if there are any.
+    pub fn contact_potential(&mut self) -> Option<&mut dyn ContactPotential> {
+        Some(self.contacts.as_mut()?.potential())
     }
 
     /// The step without contacts, and a step with nothing else: for a method that does more to the cloth after another method, and leaves contact to the end.
@@ -316,6 +285,11 @@ pub enum StepError {
         /// The step, counted from 1.
         step: u64,
     },
+    /// The method, as it is set, has no way to feel contact, and there is some.
+    ContactNotFelt {
+        /// What to set instead.
+        remedy: &'static str,
+    },
     /// A line search found no lower point although the gradient is not small.
     LineSearchStalled {
         /// The iteration, counted from 1.
@@ -372,6 +346,9 @@ impl fmt::Display for StepError {
                 "the matrix of step {step}, iteration {iteration}, is not positive definite"
             ),
             Self::Contact { reason, step } => write!(f, "step {step}: {reason}"),
+            Self::ContactNotFelt { remedy } => {
+                write!(f, "the method does not feel contact as it is set: {remedy}")
+            }
             Self::LineSearchStalled {
                 iteration,
                 residual,

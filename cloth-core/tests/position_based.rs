@@ -1,7 +1,9 @@
 //! What all position-based methods get from their common ground, seen through the simplest of them: every row is made
 //! zero, every time.
 
-use cloth_core::contact::{ContactConstraints, ContactError, ContactSource, ContactStep};
+use cloth_core::contact::{
+    ContactConstraints, ContactError, ContactPotential, ContactSource, ContactStep,
+};
 use cloth_core::element::{Constraint, Element, Row};
 use cloth_core::energy::{Attachment, Spring};
 use cloth_core::math::{Real, Vec3};
@@ -470,17 +472,12 @@ struct Noted {
 }
 
 impl ContactSource for Noted {
-    fn resolve(
-        &mut self,
-        _: &ContactStep<'_>,
-        _: &mut [Vec3],
-        _: &mut [Vec3],
-    ) -> Result<(), ContactError> {
-        panic!("contact has been felt already");
+    fn potential(&mut self) -> &mut dyn ContactPotential {
+        panic!("a method that projects positions wants constraints");
     }
 
-    fn constraints(&mut self) -> Option<&mut dyn ContactConstraints> {
-        Some(self)
+    fn constraints(&mut self) -> &mut dyn ContactConstraints {
+        self
     }
 }
 

@@ -17,7 +17,7 @@ mod watch;
 pub use builder::ExplicitBuilder;
 
 use crate::config::{ExplicitConfig, StabilityCheck};
-use cloth_core::contact::{ContactError, ContactStep};
+use cloth_core::contact::{ContactError, ContactStep, Projection};
 use cloth_core::element::Convexity;
 use cloth_core::family::Energies;
 use cloth_core::math::{Real, Vec3};
@@ -87,10 +87,6 @@ impl Stepper for ExplicitEuler {
         "explicit-euler"
     }
 
-    fn feels_contact(&self) -> bool {
-        true
-    }
-
     fn step(&mut self, state: &mut State, input: StepInput<'_>) -> Result<StepReport, StepError> {
         self.0.step(state, input)
     }
@@ -99,10 +95,6 @@ impl Stepper for ExplicitEuler {
 impl Stepper for SymplecticEuler {
     fn name(&self) -> &'static str {
         "symplectic-euler"
-    }
-
-    fn feels_contact(&self) -> bool {
-        true
     }
 
     fn step(&mut self, state: &mut State, input: StepInput<'_>) -> Result<StepReport, StepError> {
@@ -130,8 +122,9 @@ struct Explicit {
     gradient: Vec<Vec3>,
     /// `β v` (m); empty without stiffness-proportional damping.
     rate: Vec<Vec3>,
-    /// Positions (m) before a substep, and after it but for contact; empty while none is felt.
-    way: [Vec<Vec3>; 2],
+    /// Positions (m) before a substep; empty while no contact is felt.
+    start: Vec<Vec3>,
+    projection: Projection,
     watch: Option<Watch>,
 }
 
@@ -150,7 +143,8 @@ impl Explicit {
             positions: zeros.clone(),
             velocities: zeros.clone(),
             gradient: zeros,
-            way: [Vec::new(), Vec::new()],
+            start: Vec::new(),
+            projection: Projection::default(),
             watch,
         }
     }
@@ -187,14 +181,8 @@ impl Explicit {
                 observer.iteration(substep, &self.positions);
             }
         }
-        let (w, x, v) = (
-            self.parts.particles.inverse_mass(),
-            &mut self.positions,
-            &mut self.velocities,
-        );
-        match input.contact_constraints() {
-            Some(contacts) => contacts.end_step(x),
-            None => input.resolve_contacts(state, w, x, v)?,
+        if let Some(contacts) = input.contact_constraints() {
+            contacts.end_step(&self.positions);
         }
         if let Some(watch) = &mut self.watch {
             let touched = input.contacts.as_deref();
@@ -215,7 +203,7 @@ impl Explicit {
     fn substep(&mut self, input: &mut StepInput<'_>) -> Result<Tally, Trouble> {
         let feels_contact = input.contact_constraints().is_some();
         if feels_contact {
-            self.way[0].clone_from(&self.positions);
+            self.start.clone_from(&self.positions);
         }
         let dt = input.dt / Real::from(self.parts.config.substeps);
         if let Some(watch) = &mut self.watch {
@@ -275,20 +263,13 @@ impl Explicit {
         let Some(contacts) = input.contact_constraints() else {
             return Ok(());
         };
-        let (x, [start, free]) = (&mut self.positions, &mut self.way);
-        free.clone_from(x);
         let step = ContactStep {
-            from: start,
+            from: &self.start,
             inverse_mass: self.parts.particles.inverse_mass(),
             dt,
         };
-        contacts.begin_substep(&step, x)?;
-        contacts.sweep(&step, x);
-        contacts.end_substep(&step, x)?;
-        for (v, (x, free)) in self.velocities.iter_mut().zip(x.iter().zip(free)) {
-            *v += (*x - *free) / dt;
-        }
-        contacts.change_velocities(&mut self.velocities);
+        let (x, v) = (&mut self.positions, &mut self.velocities);
+        self.projection.substep(contacts, &step, 1, x, v)?;
         Ok(())
     }
 

@@ -134,10 +134,6 @@ impl Stepper for ImplicitEuler {
         }
     }
 
-    fn feels_contact(&self) -> bool {
-        self.0.feels_contact()
-    }
-
     fn step(&mut self, state: &mut State, input: StepInput<'_>) -> Result<StepReport, StepError> {
         input.check(state, self.0.particles.len())?;
         self.0.advance_euler(state, input)
@@ -147,10 +143,6 @@ impl Stepper for ImplicitEuler {
 impl Stepper for ImplicitMidpoint {
     fn name(&self) -> &'static str {
         "implicit-midpoint"
-    }
-
-    fn feels_contact(&self) -> bool {
-        self.0.feels_contact()
     }
 
     fn step(&mut self, state: &mut State, input: StepInput<'_>) -> Result<StepReport, StepError> {
@@ -183,6 +175,9 @@ enum Place {
 /// Part of the last change of velocity that the start guess expects once more: all of it overshoots where wrinkles tremble.
 const EXTRAPOLATED: Real = 0.5;
 
+/// What is said where Newton's method meets contact.
+const NOT_NEWTON: &str = "Newton's linear systems have no place for contact, the quasi-Newton method has (`Solve::QuasiNewton`)";
+
 /// What all implicit integrators are made of.
 #[derive(Debug)]
 struct Implicit {
@@ -195,8 +190,6 @@ struct Implicit {
     predicted: Vec<Vec3>,
     /// `v_b` (m/s) and τ (s) of the last stage.
     before: (Vec<Vec3>, Real),
-    /// Positions (m) and velocities (m/s) at the end of the last step, before contact changed them.
-    found: [Vec<Vec3>; 2],
     damper: Option<Damper>,
     minimizer: Minimizer,
     /// For contact at the end of a step that is solved for its middle.
@@ -204,11 +197,6 @@ struct Implicit {
 }
 
 impl Implicit {
-    /// Whether contact is part of the minimisation.
-    fn feels_contact(&self) -> bool {
-        self.config.solve != Solve::Newton
-    }
-
     /// A step of implicit Euler.
     fn advance_euler(
         &mut self,
@@ -230,17 +218,17 @@ impl Implicit {
         span: Span,
         base: impl Fn(usize, Vec3, Vec3) -> [Vec3; 2],
     ) -> Result<StepReport, StepError> {
+        if self.config.solve == Solve::Newton && input.contacts.is_some() {
+            return Err(StepError::ContactNotFelt { remedy: NOT_NEWTON });
+        }
         let step = state.steps + 1;
         let drag = 1.0 / (1.0 + self.config.damping.air_drag * span.tau);
         let is_middle = span.place == Place::Middle;
         let from_elsewhere = is_middle && !self.continues(state);
         self.predict(state, &input, span, drag, base);
         let mut report = StepReport::new(Outcome::Converged, 0);
-        let is_felt = self.feels_contact();
-        let contact = match &mut input.contacts {
-            Some(contacts) if is_felt => contacts.potential(),
-            _ => None,
-        };
+        let mut source = input.contacts.take();
+        let contact = source.as_mut().map(|source| source.potential());
         if is_middle && contact.is_some() {
             let (w, s) = (self.particles.inverse_mass(), span.tau * drag.sqrt());
             let goal = &mut self.predicted;
@@ -268,7 +256,6 @@ impl Implicit {
             let begun = contact.begin(&taken, start);
             begun.map_err(|reason| StepError::Contact { reason, step })?;
         }
-        let is_felt = contact.is_some();
         if self.particles.free_count() > 0 {
             let task = Task {
                 stage: Stage {
@@ -298,26 +285,16 @@ impl Implicit {
         }
         for vertex in 0..self.particles.len() {
             let [x, v] = self.end(vertex, state, input.dt, span);
-            (self.found[0][vertex], self.found[1][vertex]) = (x, v);
+            // The stage is done with, and its place free for the end.
+            (self.predicted[vertex], self.base[vertex]) = (x, v);
         }
-        // The stage is done with, and its place free for the end.
-        self.predicted.copy_from_slice(&self.found[0]);
-        self.base.copy_from_slice(&self.found[1]);
-        let (w, x, v) = (
-            self.particles.inverse_mass(),
-            &mut self.predicted,
-            &mut self.base,
-        );
-        match &mut input.contacts {
-            Some(contacts) if is_felt => {
-                if let Some(contact) = contacts.potential() {
-                    if is_middle {
-                        self.room.take_half(contact, x, w, input.dt, v);
-                    }
-                    contact.end(x, v);
-                }
+        if let Some(contact) = source.map(|source| source.potential()) {
+            let (x, v) = (&mut self.predicted, &mut self.base);
+            if is_middle {
+                let w = self.particles.inverse_mass();
+                self.room.take_half(contact, x, w, input.dt, v);
             }
-            _ => input.resolve_contacts(state, w, x, v)?,
+            contact.end(x, v);
         }
         state.positions.copy_from_slice(&self.predicted);
         state.velocities.copy_from_slice(&self.base);

@@ -78,10 +78,6 @@ impl Stepper for PbdSolver {
         "pbd"
     }
 
-    fn feels_contact(&self) -> bool {
-        true
-    }
-
     fn step(
         &mut self,
         state: &mut State,

@@ -60,10 +60,6 @@ impl Stepper for PdSolver {
         "pd"
     }
 
-    fn feels_contact(&self) -> bool {
-        true
-    }
-
     fn step(
         &mut self,
         state: &mut State,
@@ -84,20 +80,12 @@ impl Stepper for PdSolver {
         let reference = self.reference();
         self.start(state);
         let mut source = input.contacts.take();
-        let mut contact = match &mut source {
-            Some(source) => source.potential(),
-            None => None,
-        };
+        let mut contact = source.as_mut().map(|source| source.potential());
         let solved = self.solve(state, reference, &mut report, &mut input, &mut contact);
         solved.map_err(|reason| StepError::Contact { reason, step })?;
         self.find_velocities(state, input.dt)?; // S1 (35)
         if let Some(contact) = contact {
             contact.end(&self.point.positions, &self.velocities);
-        } else {
-            input.contacts = source;
-            let w = self.objective.particles.inverse_mass();
-            let x = &mut self.point.positions;
-            input.resolve_contacts(state, w, x, &mut self.velocities)?;
         }
         state.positions.copy_from_slice(&self.point.positions);
         state.velocities.copy_from_slice(&self.velocities);

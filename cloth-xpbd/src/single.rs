@@ -145,10 +145,6 @@ impl Stepper for SingleXpbd {
         "xpbd-single"
     }
 
-    fn feels_contact(&self) -> bool {
-        true
-    }
-
     fn step(
         &mut self,
         state: &mut State,

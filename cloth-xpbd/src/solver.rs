@@ -28,10 +28,6 @@ impl Stepper for XpbdSolver {
         "xpbd"
     }
 
-    fn feels_contact(&self) -> bool {
-        true
-    }
-
     fn step(
         &mut self,
         state: &mut State,

@@ -1,6 +1,7 @@
 //! Settings of the mass-spring integrators.
 
 use crate::error::BenchError;
+use crate::scene::Scene;
 use crate::settings::{Parameter, Settings, parameter};
 use cloth_core::element::Convexity;
 use cloth_core::linear::{Budget, LinearMethod};
@@ -84,8 +85,13 @@ pub(super) const LINEARIZED: &[Parameter] = &[
 ];
 
 /// Settings of the methods that iterate with Newton's method.
-pub(super) fn newton(settings: &Settings) -> Result<ImplicitConfig, BenchError> {
+pub(super) fn newton(scene: &Scene, settings: &Settings) -> Result<ImplicitConfig, BenchError> {
     let linear_name = settings.text(&LINEAR);
+    if linear_name != "multigrid" && scene.touches() {
+        return Err(BenchError::Usage(format!(
+            "linear={linear_name}: Newton's linear systems have no place for contact; linear=multigrid has, and contact=none does without"
+        )));
+    }
     let (solve, linear) = if linear_name == "multigrid" {
         refuse_budget(settings)?;
         (Solve::QuasiNewton, LinearMethod::Cholesky)

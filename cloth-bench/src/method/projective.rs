@@ -1,9 +1,7 @@
 //! Settings of projective dynamics.
 
 use crate::error::BenchError;
-use crate::scene::Scene;
 use crate::settings::{Parameter, Settings, parameter};
-use cloth_core::math::Real;
 use cloth_pd::{Acceleration, PdConfig, Start};
 
 pub(super) const PD_COARSE: Parameter = parameter(
@@ -13,20 +11,18 @@ pub(super) const PD_COARSE: Parameter = parameter(
 );
 const PD_ITERATIONS: Parameter = parameter(
     "iterations",
-    "auto",
-    "local–global iterations per step, at most; auto: 10, or 60 where contact acts after the step",
+    "10",
+    "local–global iterations per step, at most",
 );
-/// After an impact that the method has not felt, a few iterations are not enough: they leave strains that the next impacts feed on.
-const TOUCHING: (u32, Real) = (60, 1e-2);
 const PD_CONTACT_ITERATIONS: Parameter = parameter(
     "contact_iterations",
     "30",
-    "the same for a step in which contact pushes and the method feels it, if that is more",
+    "the same for a step in which contact pushes, if that is more",
 );
 const PD_TOLERANCE: Parameter = parameter(
     "tolerance",
-    "auto",
-    "relative gradient norm at which a step is done, or none; auto: none, or 1e-2 where contact acts after the step",
+    "none",
+    "relative gradient norm at which a step is done, or none",
 );
 const PD_START: Parameter = parameter(
     "start",
@@ -57,8 +53,8 @@ pub(super) const PD: &[Parameter] = &[
     PD_RADIUS,
 ];
 
-/// Of a solver for `scene`.
-pub(super) fn projective(settings: &Settings, scene: &Scene) -> Result<PdConfig, BenchError> {
+/// Of a solver.
+pub(super) fn projective(settings: &Settings) -> Result<PdConfig, BenchError> {
     let kind = settings.choice(
         &PD_ACCELERATION,
         &[("none", 0), ("chebyshev", 1), ("quasi-newton", 2)],
@@ -71,7 +67,6 @@ pub(super) fn projective(settings: &Settings, scene: &Scene) -> Result<PdConfig,
             settings.refuse_without(parameter, "acceleration=quasi-newton")?;
         }
     }
-    let touching = scene.touches() && !scene.has_potential();
     let acceleration = match kind {
         0 => Acceleration::None,
         1 => Acceleration::Chebyshev {
@@ -85,15 +80,10 @@ pub(super) fn projective(settings: &Settings, scene: &Scene) -> Result<PdConfig,
         },
     };
     Ok(PdConfig {
-        iterations: match settings.text(&PD_ITERATIONS) {
-            "auto" if touching => TOUCHING.0,
-            "auto" => PdConfig::default().iterations,
-            _ => settings.count(&PD_ITERATIONS, 1)?,
-        },
+        iterations: settings.count(&PD_ITERATIONS, 1)?,
         contact_iterations: settings.count(&PD_CONTACT_ITERATIONS, 1)?,
         tolerance: match settings.text(&PD_TOLERANCE) {
-            "auto" if touching => Some(TOUCHING.1),
-            "auto" | "none" => None,
+            "none" => None,
             _ => Some(settings.number(&PD_TOLERANCE)?),
         },
         start: settings.choice(

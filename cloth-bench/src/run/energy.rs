@@ -12,7 +12,7 @@
 //! K₀ + E₀ + (U₀ − U) + W         what it held at the start, what gravity has released (U = −Σ m g·x), and work
 //! ```
 //!
-//! where W is the work of all that moves by itself, summed over the steps (over their parts where contact cuts them):
+//! where W is the work of all that moves by itself, summed over the steps:
 //!
 //! | of | W |
 //! |---|---|
@@ -87,7 +87,7 @@ pub(super) struct EnergyBalance<'a> {
     most_given: Real,
     excess: Real,
     gain: Option<EnergyGain>,
-    /// Positions (m) where the part of a step begins.
+    /// Positions (m) where the step begins.
     before: Vec<Vec3>,
     /// `∂E/∂x` (N) there and at its end, where prescribed vertices move.
     gradients: [Vec<Vec3>; 2],
@@ -112,16 +112,16 @@ impl<'a> EnergyBalance<'a> {
         })
     }
 
-    /// Notes where a part of a step begins. Moving pins have their velocities by then.
-    pub(super) fn begin_part(&mut self, state: &State) {
+    /// Notes where a step begins. Moving pins have their velocities by then.
+    pub(super) fn begin_step(&mut self, state: &State) {
         self.before.copy_from_slice(&state.positions);
         if self.pins_move(state) {
             self.differentiate(0, state);
         }
     }
 
-    /// Enters the work of a part that ended in `state`, with the load of the air (N), the work of pins (J) if the method knows it, and that of bodies (J).
-    pub(super) fn end_part(
+    /// Enters the work of a step that ended in `state`, with the load of the air (N), the work of pins (J) if the method knows it, and that of bodies (J).
+    pub(super) fn add_work(
         &mut self,
         state: &State,
         load: Option<&[Vec3]>,

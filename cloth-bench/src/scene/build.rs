@@ -1,12 +1,11 @@
 //! From a name and settings to a [`Scene`].
 
-use super::contact::{CONTACT_STEPS, NO_SELF, SELF, Touch, parts_of_fall};
+use super::contact::{NO_SELF, SELF, Touch};
 use super::touching::{self, Below};
 use super::{
     ASPECT, FLOOR, GRAVITY, LINK_LENGTH, LINK_MASS, LINKS, PATTERN, PINS, RIGIDITY, SCENES, SIZE,
     STIFFNESS, STRIP_RIGIDITY, STRIP_SIZE, Scene, SceneInfo, TIP_MASS, UP, cloth, midpoints, pins,
 };
-use crate::bounds::bounds;
 use crate::error::BenchError;
 use crate::mesh_spec::{self, PATTERNS};
 use crate::names;
@@ -102,8 +101,7 @@ fn sheet(name: &'static str, mesh: Option<&str>, settings: &Settings) -> Result<
     if name == "hang" && midpoints::are_asked_for(settings)? {
         let (small, model) = midpoints::cut(settings, &mesh, &held)?;
         let gravity = up * -settings.number(&GRAVITY)?;
-        let parts = settings.count(&CONTACT_STEPS, 1)?;
-        let touch = Touch::new(settings, parts, &NO_SELF, Vec::new())?;
+        let touch = Touch::new(settings, &NO_SELF, Vec::new())?;
         if !touch.is_idle() {
             return Err(BenchError::Usage(
                 "self=yes cannot be with points=midpoints: there are gaps between the small triangles, which contact would go through".into(),
@@ -135,23 +133,7 @@ fn sheet(name: &'static str, mesh: Option<&str>, settings: &Settings) -> Result<
         .as_ref()
         .map(|kind| touching::below(kind, &mesh, up, settings));
     let scene = of_mesh(name, &mesh, model, gravity);
-    let [low, high] = bounds(mesh.positions().iter().copied());
-    let fall = match &below {
-        Some(Below::Floor(depth)) => Some(depth + (high - low).dot(&up)),
-        // What is on top of it stays, and the rim falls no further than it is away from there.
-        Some(Below::Sphere | Below::TurningBox) => Some(0.5 * (high - low).norm()),
-        None => (name == "drop").then_some(0.0),
-    };
-    let parts = match fall {
-        Some(fall) => parts_of_fall(settings, &mesh, gravity, fall, scene.dt)?,
-        None => settings.count(&CONTACT_STEPS, 1)?,
-    };
-    let touch = Touch::new(
-        settings,
-        parts,
-        own,
-        obstacles.transpose()?.into_iter().collect(),
-    )?;
+    let touch = Touch::new(settings, own, obstacles.transpose()?.into_iter().collect())?;
     Ok(Scene {
         order,
         touch: Some(touch),

@@ -1,6 +1,6 @@
 //! Scenes that are about contact (COL-9).
 
-use super::contact::{CONTACT_STEPS, SELF, THICKNESS, TWIST_STEPS, Touch, parts_of_fall};
+use super::contact::{SELF, THICKNESS, Touch};
 use super::{GRAVITY, PATTERN, RIGIDITY, ROPE, SHEETS, SIZE, Scene, TURNS, build, cloth};
 use crate::error::BenchError;
 use crate::mesh_spec::PATTERNS;
@@ -143,12 +143,10 @@ pub(super) fn fold(name: &'static str, settings: &Settings) -> Result<Scene, Ben
     let mesh = moved(&flat, |x| Vec3::new(x.x, 0.0, x.y))?;
     let model = cloth::cut(settings, &RIGIDITY, &mesh)?;
     let floor = below(&Below::Floor(0.0), &mesh, Vec3::z(), settings)?;
-    let scene = build::of_mesh(name, &mesh, model, gravity(settings)?);
-    let parts = parts_of_fall(settings, &mesh, scene.gravity, HEIGHT, scene.dt)?;
     let mut scene = Scene {
         steps: 180,
-        touch: Some(Touch::new(settings, parts, &SELF, vec![floor])?),
-        ..scene
+        touch: Some(Touch::new(settings, &SELF, vec![floor])?),
+        ..build::of_mesh(name, &mesh, model, gravity(settings)?)
     };
     for x in &mut scene.start.positions {
         x.y += WAVE * (1.5 * TAU * x.z).sin();
@@ -198,11 +196,10 @@ pub(super) fn twist(name: &'static str, settings: &Settings) -> Result<Scene, Be
         pins.follow(&mut model.particles, vertex, path)
             .map_err(BenchError::failed)?;
     }
-    let parts = settings.count(&TWIST_STEPS, 1)?;
     Ok(Scene {
         steps: 240,
         pins: Some(Arc::new(pins)),
-        touch: Some(Touch::new(settings, parts, &SELF, Vec::new())?),
+        touch: Some(Touch::new(settings, &SELF, Vec::new())?),
         ..build::of_mesh(name, &mesh, model, gravity(settings)?)
     })
 }
@@ -223,10 +220,9 @@ pub(super) fn stack(name: &'static str, settings: &Settings) -> Result<Scene, Be
     let mesh = generate::join(&layers).map_err(BenchError::usage)?;
     let model = cloth::cut(settings, &RIGIDITY, &mesh)?;
     let floor = below(&Below::Floor(0.0), &mesh, Vec3::z(), settings)?;
-    let parts = settings.count(&CONTACT_STEPS, 1)?;
     Ok(Scene {
         steps: 120,
-        touch: Some(Touch::new(settings, parts, &SELF, vec![floor])?),
+        touch: Some(Touch::new(settings, &SELF, vec![floor])?),
         ..build::of_mesh(name, &mesh, model, gravity(settings)?)
     })
 }

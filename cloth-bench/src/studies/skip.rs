@@ -7,7 +7,7 @@ use crate::method::{self, Method};
 use crate::report::table::{Cell, Table};
 use crate::scene::{self, Scene};
 use crate::settings::Settings;
-use cloth_collide::ClothContacts;
+use cloth_collide::potential::PotentialContacts;
 use cloth_core::contact::ContactSource;
 use cloth_core::math::{Real, Vec3};
 use cloth_core::step::{Observer, StepInput, Stepper};
@@ -199,7 +199,7 @@ fn times(scope: Scope, feature: &str, method: &str) -> Result<[Real; 4], BenchEr
                 return Err(BenchError::Failed("the sheet has no mesh".into()));
             };
             for (way, itself) in ways[2..].iter_mut().zip([false, true]) {
-                let builder = ClothContacts::builder(&mesh).self_collision(itself);
+                let builder = PotentialContacts::builder(&mesh).self_collision(itself);
                 way.contacts = Some(Box::new(builder.build().map_err(BenchError::failed)?));
             }
         }

@@ -68,27 +68,12 @@ fn the_work_of_the_wind_is_all_that_a_blown_sheet_holds() {
     );
 }
 
-/// A plate of mass m at rest that a floor of speed u catches gets the impulse m u, so the floor works m u², of which half is motion and half is lost.
+/// A plate at rest that a floor of speed u catches: the potential has no law of impact, it catches over some distance and may give back what it has stored, but it makes
+/// nothing either.
 #[test]
-fn a_floor_that_catches_a_sheet_works_twice_what_becomes_motion() {
-    let text = |contact: &str| {
-        format!(
-            "gravity = [0, 0, 0]\n[[mesh]]\ngenerator = \"grid:5x5:alternating\"\n[[obstacle]]\nshape = \"plane\"\nposition = [0, 0, -0.02]\nvelocity = [0, 0, 2]\n[contact]\ncontact = \"{contact}\"\n"
-        )
-    };
-    let caught = scene("caught", &text("zones"));
-    for method in methods() {
-        let end = summary(&caught, method, &[], 1.0 / 60.0, 3);
-        let (work, motion) = (end.energy_given / 0.8 - 1.0, end.kinetic_energy / 0.4 - 1.0);
-        assert!(
-            work.abs() < 1e-9 && motion.abs() < 1e-9,
-            "{}: {work:e}, {motion:e}",
-            method.name
-        );
-        assert_eq!(end.energy_excess, 0.0, "{}", method.name);
-    }
-    // The potential has no law of impact: it catches over some distance and may give back what it has stored, but it makes nothing either.
-    let caught = scene("caught-by-a-potential", &text("potential"));
+fn a_floor_that_catches_a_sheet_makes_no_energy() {
+    let text = "gravity = [0, 0, 0]\n[[mesh]]\ngenerator = \"grid:5x5:alternating\"\n[[obstacle]]\nshape = \"plane\"\nposition = [0, 0, -0.02]\nvelocity = [0, 0, 2]\n";
+    let caught = scene("caught", text);
     for method in methods() {
         let end = summary(&caught, method, &[], 1.0 / 60.0, 3);
         assert!(end.kinetic_energy > 0.3, "{}", method.name);

@@ -81,7 +81,6 @@ radius = 0.25
 position = [0, 0, -1]
 velocity = [0, 0, 0.1]
 [contact]
-contact_steps = 2
 self = true
 thickness = 1e-3
 "#;

@@ -92,7 +92,7 @@ fn value(random: &mut Random, parameter: &Parameter) -> String {
 
 /// Up to three settings of `groups`, but sizes and contact.
 fn settings(random: &mut Random, groups: &[&[Parameter]]) -> Settings {
-    let large = ["n", "self", "floor", "contact_steps", "pattern"];
+    let large = ["n", "self", "floor", "pattern"];
     let all: Vec<&Parameter> = groups
         .iter()
         .flat_map(|group| group.iter())

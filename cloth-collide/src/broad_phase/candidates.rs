@@ -252,11 +252,6 @@ impl<B: BroadPhase> ClothCandidates<B> {
         &self.triangle_pairs
     }
 
-    /// The box of each vertex, around its motion and half of the margin.
-    pub(crate) fn vertex_boxes(&self) -> &[Bounds] {
-        &self.vertex_boxes
-    }
-
     /// Pairs `[vertex, triangle]` in rising order.
     #[must_use]
     pub fn vertex_triangle(&self) -> &[[u32; 2]] {

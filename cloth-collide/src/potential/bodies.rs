@@ -249,6 +249,13 @@ impl Bodies {
         }
     }
 
+    /// What is inside comes out in this substep, not in as many as its law would take.
+    pub(super) fn lead_out(&mut self, h: Real) {
+        for row in self.rows.iter_mut().filter(|row| row.distance <= 0.0) {
+            (row.compliance, row.range) = (0.0, LEAST * h);
+        }
+    }
+
     /// The substep ends at `x` (m), the bodies still being where they are at its start. Friction gives in by `reach` (m). Returns the work (J) that they did.
     pub(super) fn end(
         &mut self,

@@ -1,10 +1,10 @@
 //! Settings of the contact potential, checked.
 
+use super::last_resort::LastResort;
 use super::near::Near;
 use super::patches::Patches;
 use super::source::PotentialContacts;
 use crate::obstacle::{ObstacleContacts, PenaltyLaw};
-use crate::response::ClothContacts;
 use cloth_core::math::Real;
 use cloth_core::mesh::TriMesh;
 use cloth_core::step::BuildError;
@@ -73,18 +73,25 @@ impl<'a> PotentialBuilder<'a> {
                 range: "positive and finite",
             }
         })?;
-        let mut zones = ClothContacts::builder(self.mesh)
-            .thickness(self.thickness)
-            .friction(self.friction)
-            .self_collision(self.self_collision);
-        if let Some(obstacles) = self.obstacles {
-            zones = zones.obstacles(obstacles);
+        // Friction is no part of the law of pressure, and checked apart.
+        if !(self.friction >= 0.0 && self.friction.is_finite()) {
+            return Err(BuildError::InvalidSetting {
+                name: "friction of contact",
+                value: self.friction,
+                range: "finite and not negative",
+            });
         }
         let near = Near::new(self.mesh, law, self.self_collision);
         let patches = self.self_collision;
         let patches = || patches.then(|| Patches::new(self.mesh, &near.piece));
         let patches = [patches(), patches()];
-        let zones = zones.build()?;
-        Ok(PotentialContacts::new(near, patches, zones, self.friction))
+        let last_resort = LastResort::new(self.mesh, self.thickness, self.self_collision);
+        Ok(PotentialContacts::new(
+            near,
+            patches,
+            self.obstacles,
+            last_resort,
+            self.friction,
+        ))
     }
 }

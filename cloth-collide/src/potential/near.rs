@@ -19,6 +19,9 @@ pub(super) struct Near {
     /// The connected piece that each vertex belongs to.
     pub(super) piece: Vec<u32>,
     pub(super) is_free: Vec<bool>,
+    /// Prescribed vertices that have not been seen to move: nothing is looked for between them.
+    resting: Vec<u32>,
+    pub(super) is_resting: Vec<bool>,
     /// None if the cloth cannot touch itself.
     candidates: Option<ClothCandidates<Hierarchy>>,
 }
@@ -42,6 +45,8 @@ impl Near {
             rest: mesh.positions().to_vec(),
             piece: pieces(mesh),
             is_free: vec![true; mesh.vertex_count()],
+            resting: Vec::new(),
+            is_resting: vec![false; mesh.vertex_count()],
             candidates: self_collision.then(|| ClothCandidates::new(mesh, Hierarchy::new())),
         }
     }
@@ -52,7 +57,26 @@ impl Near {
         for (free, w) in self.is_free.iter_mut().zip(inverse_mass) {
             changed |= std::mem::replace(free, *w > 0.0) != *free;
         }
+        if changed {
+            let held = (0u32..).zip(&self.is_free).filter(|(_, free)| !**free);
+            self.resting.clear();
+            self.resting.extend(held.map(|(vertex, _)| vertex));
+            let held = self.is_resting.iter_mut().zip(&self.is_free);
+            held.for_each(|(resting, free)| *resting = !free);
+        }
         changed
+    }
+
+    /// Takes notice of prescribed vertices that begin to move, from `from` to `to` (m). Returns whether there are any: what was found without them is not all.
+    pub(super) fn sets_out(&mut self, from: &[Vec3], to: &[Vec3]) -> bool {
+        let count = self.resting.len();
+        let is_resting = &mut self.is_resting;
+        self.resting.retain(|&vertex| {
+            let v = vertex as usize;
+            is_resting[v] = from[v] == to[v];
+            is_resting[v]
+        });
+        self.resting.len() < count
     }
 
     pub(super) fn law(&self) -> PenaltyLaw {

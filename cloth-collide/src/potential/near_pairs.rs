@@ -7,9 +7,9 @@ use super::gap::Gap;
 use super::near::Near;
 use super::pair::{EdgeEdgeContact, VertexTriangleContact};
 use super::patches::Patches;
+use crate::bounds::mean;
 use crate::ccd::QueryKind;
 use crate::obstacle::Obstacle;
-use crate::response::mean;
 use cloth_core::math::{Real, Vec3, gather};
 
 /// Way (in thicknesses) that a vertex may go beyond the ways looked at, before pairs are chosen anew.

@@ -494,9 +494,10 @@ impl Patches {
             while let Some(old) = known.next_if(|old| old.patches < patches) {
                 self.spare.push(old);
             }
-            let same = |old: &PatchPair| self.is_known && old.patches == patches;
-            if let Some(old) = known.next_if(same) {
-                self.pairs.push(old);
+            if let Some(old) = known.next_if(|old| old.patches == patches) {
+                // What is not known any more leaves lists of the right size.
+                let keeps = self.is_known;
+                self.pairs.push(if keeps { old } else { old.of(patches) });
                 continue;
             }
             let spare = self.spare.pop().unwrap_or_default();

@@ -21,8 +21,8 @@ use super::source::PotentialContacts;
 use super::tangent::{Tangent, hold, stretch};
 use crate::ccd::QueryKind;
 use crate::obstacle::{ObstacleContacts, PenaltyLaw};
-use crate::response::pair::{Motion, Nearest, apart_along, first_contact, gap_along, nearest};
-use cloth_core::contact::{ContactConstraints, ContactError, ContactSource, ContactStep};
+use crate::pair::{Motion, Nearest, apart_along, first_contact, gap_along, nearest};
+use cloth_core::contact::{ContactConstraints, ContactError, ContactStep};
 use cloth_core::math::{Real, Vec3, gather, is_finite};
 
 /// What is looked at beyond the motion (in thicknesses).
@@ -39,6 +39,9 @@ const REPAIR_SWEEPS: u32 = 5;
 /// Rounds in which ways are halved, and rounds in all before zones take over.
 const HALVINGS: u32 = 3;
 const ROUNDS: u32 = 12;
+
+/// Sweeps that lead the start of a minimisation.
+const LEADING_SWEEPS: u32 = 10;
 
 /// A pair that can touch in this substep.
 #[derive(Clone, Copy, Debug)]
@@ -60,7 +63,8 @@ struct Row {
     least: Real,
     /// Whether it pushes, or is only tested.
     pushes: bool,
-    is_violated: bool,
+    /// When (0..=1) it comes too near.
+    violated_at: Option<Real>,
     /// λ (kg m), and the same of friction.
     lambda: Real,
     friction: Vec3,
@@ -89,6 +93,8 @@ pub(super) struct Rows {
     quiet: Quiet,
     /// Where the last step ended (m): free of crossings.
     safe: Vec<Vec3>,
+    /// Where the start of the last minimisation was led (m); none if that was not the last that was done.
+    led: Vec<Vec3>,
     /// Where the sweeps have ended (m), and the part of the way there that each vertex goes.
     proposed: Vec<Vec3>,
     shares: Vec<Real>,
@@ -108,12 +114,22 @@ impl Rows {
             parted: Vec::new(),
             quiet: Quiet::default(),
             safe: Vec::new(),
+            led: Vec::new(),
             proposed: Vec::new(),
             shares: Vec::new(),
             velocities: Vec::new(),
             by_zones: false,
             work: 0.0,
             report: ConstraintReport::default(),
+        }
+    }
+
+    /// Forgets everything about earlier steps: the cloth starts at `from` (m), before so many bodies.
+    fn start_anew(&mut self, from: &[Vec3], bodies: usize) {
+        self.quiet.end(|_| ());
+        self.bodies.forget(from.len(), bodies);
+        if let Some(patches) = &mut self.patches {
+            patches.forget(from);
         }
     }
 
@@ -124,6 +140,11 @@ impl Rows {
             }
         }
     }
+}
+
+/// Σ wᵢ²/mᵢ (1/kg).
+fn ease(weights: &[Real; 4], w: [Real; 4]) -> Real {
+    (0..4).map(|k| weights[k] * weights[k] * w[k]).sum()
 }
 
 impl Row {
@@ -159,9 +180,7 @@ impl Row {
         let sum = |x: &[Vec3; 4]| -> Vec3 { (0..4).map(|k| x[k] * near.weights[k]).sum() };
         let approach = near.distance - near.normal.dot(&sum(&to));
         let w = pair.vertices.map(|v| step.inverse_mass[v as usize]);
-        let ease: Real = (0..4)
-            .map(|k| near.weights[k] * near.weights[k] * w[k])
-            .sum();
+        let ease = ease(&near.weights, w);
         let comes = near.distance - approach.max(0.0) < pair.range + SLACK * law.range();
         let faces = near.distance < pair.range || !near.is_at_boundary();
         let mut pushes = comes && faces && ease > 0.0;
@@ -206,7 +225,7 @@ impl Row {
             kept: KEPT * near.distance.min(pair.range),
             least: LEAST * pair.range,
             pushes,
-            is_violated: false,
+            violated_at: None,
             lambda: 0.0,
             friction: Vec3::zeros(),
             origin: sum(&x) - memory.stretch,
@@ -242,31 +261,43 @@ impl Row {
         }
     }
 
-    /// Gives in no more: for a pair that has come too near.
-    fn harden(&mut self) {
+    /// Gives in no more: for a pair that has come too near on its way to `to` (m). It pushes along the line between the nearest points where that happens.
+    fn harden(&mut self, step: &ContactStep<'_>, to: &[Vec3]) {
+        let Some(time) = self.violated_at else {
+            return;
+        };
+        let [from, to] = [step.from, to].map(|x| gather(x, self.vertices));
+        let near = nearest(self.kind, &Motion { from, to }.at(time));
+        if near.distance > 0.0 && true {
+            (self.weights, self.normal) = (near.weights, near.normal);
+            let w = self.vertices.map(|v| step.inverse_mass[v as usize]);
+            self.ease = ease(&self.weights, w);
+            (self.lambda, self.friction) = (0.0, Vec3::zeros());
+            self.origin = self.point(step.from);
+        }
         self.pushes = self.ease > 0.0;
         self.compliance = 0.0;
         let least = self.distance.max(self.least);
         self.range = self.range.min(least);
     }
 
-    fn is_safe(&self, from: &[Vec3], to: &[Vec3]) -> bool {
+    /// When (0..=1) the pair comes too near on its way to `to` (m).
+    fn violation(&self, from: &[Vec3], to: &[Vec3]) -> Option<Real> {
         let motion = Motion {
             from: gather(from, self.vertices),
             to: gather(to, self.vertices),
         };
-        apart_along(self.kind, &self.normal, &motion, self.kept)
-            || motion.is_shift(self.distance)
-            || first_contact(self.kind, &motion, self.kept).is_none()
+        let is_safe = apart_along(self.kind, &self.normal, &motion, self.kept)
+            || motion.is_shift(self.distance);
+        (!is_safe).then(|| first_contact(self.kind, &motion, self.kept))?
     }
 }
 
 impl ContactConstraints for PotentialContacts {
     fn begin_step(&mut self, step: &ContactStep<'_>) -> Result<(), ContactError> {
         let goes_on = self.check_start(step)?;
-        let count = self.near.vertex_area.len();
         self.before.clear();
-        let bodies = self.zones.obstacles().into_iter();
+        let bodies = self.obstacles.iter();
         self.before
             .extend(bodies.flat_map(ObstacleContacts::obstacles).cloned());
         self.is_open = true;
@@ -274,12 +305,9 @@ impl ContactConstraints for PotentialContacts {
         rows.report = ConstraintReport::default();
         rows.work = 0.0;
         rows.by_zones = false;
+        rows.led.clear();
         if !goes_on || rows.safe != step.from {
-            rows.quiet.end(|_| ());
-            rows.bodies.forget(count, self.before.len());
-            if let Some(patches) = &mut rows.patches {
-                patches.forget(step.from);
-            }
+            rows.start_anew(step.from, self.before.len());
         }
         Ok(())
     }
@@ -289,6 +317,9 @@ impl ContactConstraints for PotentialContacts {
         step: &ContactStep<'_>,
         predicted: &[Vec3],
     ) -> Result<(), ContactError> {
+        if self.near.sets_out(step.from, predicted) {
+            self.rows.start_anew(step.from, self.before.len());
+        }
         if self.rows.quiet.holds(predicted) {
             self.rows.quiet.is_on = true;
             return Ok(());
@@ -309,7 +340,7 @@ impl ContactConstraints for PotentialContacts {
         self.find(step, predicted, true);
         let law = self.near.law();
         let area = &self.near.vertex_area;
-        let bodies = self.zones.obstacles();
+        let bodies = self.obstacles.as_ref();
         self.rows.bodies.begin(bodies, law, area, step, predicted);
         let pushing = self.rows.rows.iter().filter(|row| row.pushes).count();
         self.rows.report.looked += (self.rows.rows.len() + self.rows.parted.len()) as u32;
@@ -322,7 +353,7 @@ impl ContactConstraints for PotentialContacts {
             return;
         }
         self.rows.sweep(self.friction, step.inverse_mass, x);
-        let bodies = self.zones.obstacles();
+        let bodies = self.obstacles.as_ref();
         self.rows.bodies.sweep(bodies, step, x);
     }
 
@@ -350,9 +381,7 @@ impl ContactConstraints for PotentialContacts {
             }
             if round < REPAIRS {
                 for row in &mut self.rows.rows {
-                    if row.is_violated {
-                        row.harden();
-                    }
+                    row.harden(step, x);
                 }
                 self.rows.bodies.harden(self.near.law().range());
                 for _ in 0..REPAIR_SWEEPS {
@@ -380,7 +409,7 @@ impl ContactConstraints for PotentialContacts {
         for row in self.rows.rows.iter().filter(|row| row.lambda > 0.0) {
             energy += row.energy(law, x, &self.near, self.rows.patches.as_mut());
         }
-        let still = self.zones.obstacles();
+        let still = self.obstacles.as_ref();
         let area = &self.near.vertex_area;
         self.energy = energy + self.rows.bodies.energy(still, law, area, x);
         self.rows.safe.clear();
@@ -471,12 +500,12 @@ impl PotentialContacts {
         self.doubt(step, x);
         let mut count = 0;
         for row in &mut self.rows.rows {
-            row.is_violated = !row.is_safe(step.from, x);
-            count += u32::from(row.is_violated);
+            row.violated_at = row.violation(step.from, x);
+            count += u32::from(row.violated_at.is_some());
         }
         let law = self.near.law();
         let area = &self.near.vertex_area;
-        let bodies = self.zones.obstacles();
+        let bodies = self.obstacles.as_ref();
         Some(count + self.rows.bodies.violations(bodies, law, area, step, x))
     }
 
@@ -516,7 +545,7 @@ impl PotentialContacts {
             rows.shares.clear();
             rows.shares.resize(x.len(), 1.0);
         }
-        let pairs = rows.rows.iter().filter(|row| row.is_violated);
+        let pairs = rows.rows.iter().filter(|row| row.violated_at.is_some());
         let vertices = pairs.flat_map(|row| row.vertices);
         let shares = &mut rows.shares;
         let mut shorten = |v: u32| {
@@ -541,7 +570,9 @@ impl PotentialContacts {
     /// The substep ends at `x` (m), and what it has done is remembered.
     fn end_by_rows(&mut self, step: &ContactStep<'_>, x: &[Vec3]) {
         let reach = self.reach();
-        let Self { rows, zones, .. } = self;
+        let Self {
+            rows, obstacles, ..
+        } = self;
         if let Some(patches) = &mut rows.patches {
             patches.accept();
             for row in rows.rows.iter().filter(|row| row.pushes) {
@@ -552,7 +583,7 @@ impl PotentialContacts {
                 }
             }
         }
-        rows.work += rows.bodies.end(zones.obstacles(), reach, step, x);
+        rows.work += rows.bodies.end(obstacles.as_ref(), reach, step, x);
         if rows.rows.is_empty() && rows.bodies.len() == 0 {
             let relative = rows
                 .patches
@@ -560,18 +591,49 @@ impl PotentialContacts {
                 .map_or(Some(Real::INFINITY), Patches::margin);
             let whole = rows
                 .bodies
-                .margin(zones.obstacles(), self.near.law(), step, x);
+                .margin(obstacles.as_ref(), self.near.law(), step, x);
             if let (Some(relative), Some(whole)) = (relative, whole) {
                 rows.quiet.begin(x, relative, whole);
             }
         }
-        let bodies = zones.obstacles_mut().into_iter();
+        self.advance_bodies(step.dt);
+    }
+
+    /// Moves the bodies on by `dt` (s).
+    fn advance_bodies(&mut self, dt: Real) {
+        let bodies = self.obstacles.iter_mut();
         for body in bodies.flat_map(ObstacleContacts::obstacles_mut) {
             if !body.motion().is_still() {
-                let moved = body.advance(step.dt);
+                let moved = body.advance(dt);
                 debug_assert!(moved.is_ok(), "a finite motion");
             }
         }
+    }
+
+    /// Leads the start `x` (m) of an iteration around what prescribed vertices and bodies do in the step: a substep of the constraints.
+    pub(super) fn lead(
+        &mut self,
+        step: &ContactStep<'_>,
+        goes_on: bool,
+        x: &mut [Vec3],
+    ) -> Result<(), ContactError> {
+        let rows = &mut self.rows;
+        rows.safe.clear();
+        let led = std::mem::take(&mut rows.led);
+        match &mut rows.patches {
+            Some(patches) if goes_on && !led.is_empty() => patches.skip(&led, step.from),
+            _ => rows.start_anew(step.from, self.before.len()),
+        }
+        self.begin_substep(step, x)?;
+        self.rows.bodies.lead_out(self.near.law().range());
+        for _ in 0..LEADING_SWEEPS {
+            ContactConstraints::sweep(self, step, x);
+        }
+        self.end_substep(step, x)?;
+        self.rows.led = led;
+        self.rows.led.clear();
+        self.rows.led.extend_from_slice(x);
+        Ok(())
     }
 
     /// The substep is taken out of the hands of the rows: impact zones bring it to an end.
@@ -582,14 +644,16 @@ impl PotentialContacts {
         let ways = step.from.iter().zip(&*x);
         rows.velocities
             .extend(ways.map(|(from, x)| (x - from) / step.dt));
-        self.zones.resolve(step, x, &mut rows.velocities)?;
-        rows.work += self.zones.work();
+        let bodies = self.obstacles.as_ref();
+        let held = self
+            .last_resort
+            .resolve(bodies, step, x, &mut rows.velocities)?;
+        rows.report.shortened += held as u32;
+        rows.work += self.last_resort.work();
         rows.by_zones = true;
         rows.rows.clear();
-        rows.bodies.forget(x.len(), self.before.len());
-        if let Some(patches) = &mut rows.patches {
-            patches.forget(x);
-        }
+        rows.start_anew(x, self.before.len());
+        self.advance_bodies(step.dt);
         Ok(())
     }
 }

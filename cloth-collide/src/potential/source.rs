@@ -4,14 +4,15 @@ use super::builder::PotentialBuilder;
 use super::filter::shorten_all;
 use super::friction::{Sticking, Stretched};
 use super::gap::Gap;
+use super::last_resort::LastResort;
 use super::near::Near;
 use super::near_pairs::NearPairs;
 use super::patches::Patches;
 use super::report::ConstraintReport;
 use super::rows::Rows;
+use crate::bounds::mean;
 use crate::error::CollideError;
 use crate::obstacle::{Obstacle, ObstacleContacts, PenaltyLaw};
-use crate::response::{ClothContacts, mean};
 use crate::separation::meet_unduly;
 use cloth_core::contact::{
     ContactConstraints, ContactError, ContactPotential, ContactRow, ContactSource, ContactStep,
@@ -48,7 +49,13 @@ pub struct PotentialReport {
 
 /// Contact of a cloth with itself and with obstacles, as a potential that methods take into their own solve; see the [chapter](super).
 ///
-/// A method that does not know potentials calls [`ContactSource::resolve`], and gets impulses and impact zones.
+/// # What is promised
+///
+/// After a step, no two triangles of the cloth meet, at its end and at no time on the ways there: every pair that could come near has passed the
+/// conservative [`ContinuousTest`](crate::ContinuousTest), or a plane that keeps it apart at both ends. No free vertex gets into an obstacle, or deeper
+/// into one. What prescribed vertices or moving obstacles make impossible is [`ContactError::NoWay`]. The start of a step must be free of crossings; it is if the
+/// last step ended there, and if anything else has moved the cloth since, all near pairs of triangles are tested exactly, and crossing ones are
+/// [`ContactError::Tangled`].
 #[derive(Debug)]
 pub struct PotentialContacts {
     /// For methods that project positions.
@@ -63,8 +70,8 @@ pub struct PotentialContacts {
     stretched: Stretched,
     /// Of moving bodies in the last step (J).
     pub(super) work: Real,
-    /// Finds a way to begin a step that is free.
-    pub(super) zones: ClothContacts,
+    pub(super) obstacles: Option<ObstacleContacts>,
+    pub(super) last_resort: LastResort,
     /// The obstacles at the end of the step.
     still: Vec<Obstacle>,
     /// The obstacles before the step.
@@ -84,7 +91,8 @@ impl PotentialContacts {
     pub(super) fn new(
         near: Near,
         [for_rows, for_ways]: [Option<Patches>; 2],
-        zones: ClothContacts,
+        obstacles: Option<ObstacleContacts>,
+        last_resort: LastResort,
         friction: Real,
     ) -> Self {
         let count = near.vertex_area.len();
@@ -97,7 +105,8 @@ impl PotentialContacts {
             sticking: Vec::new(),
             stretched: Stretched::default(),
             work: 0.0,
-            zones,
+            obstacles,
+            last_resort,
             still: Vec::new(),
             before: Vec::new(),
             is_open: false,
@@ -136,25 +145,12 @@ impl PotentialContacts {
 }
 
 impl ContactSource for PotentialContacts {
-    fn resolve(
-        &mut self,
-        step: &ContactStep<'_>,
-        positions: &mut [Vec3],
-        velocities: &mut [Vec3],
-    ) -> Result<(), ContactError> {
-        self.energy = 0.0;
-        self.zones.resolve(step, positions, velocities)?;
-        self.work = self.zones.work();
-        self.held = self.zones.held();
-        Ok(())
+    fn potential(&mut self) -> &mut dyn ContactPotential {
+        self
     }
 
-    fn potential(&mut self) -> Option<&mut dyn ContactPotential> {
-        Some(self)
-    }
-
-    fn constraints(&mut self) -> Option<&mut dyn ContactConstraints> {
-        Some(self)
+    fn constraints(&mut self) -> &mut dyn ContactConstraints {
+        self
     }
 
     fn work(&self) -> Real {
@@ -172,24 +168,21 @@ impl ContactSource for PotentialContacts {
 
 impl ContactPotential for PotentialContacts {
     fn begin(&mut self, step: &ContactStep<'_>, start: &mut [Vec3]) -> Result<(), ContactError> {
-        let goes_on = self.check_start(step)?;
+        let goes_on = self.check_start(step)? && !self.near.sets_out(step.from, start);
         self.before.clear();
-        let bodies = self.zones.obstacles().into_iter();
+        let bodies = self.obstacles.iter();
         let bodies = bodies.flat_map(ObstacleContacts::obstacles);
         self.before.extend(bodies.cloned());
         let mut wanted = std::mem::take(&mut self.wanted);
         wanted.clear();
         wanted.extend_from_slice(start);
         let is_still = self.is_still(step, &wanted);
-        if !is_still {
-            let ends = start.iter().zip(step.from).zip(&mut self.scratch);
-            ends.for_each(|((end, from), v)| *v = (end - from) / step.dt);
-            let led = self.zones.resolve(step, start, &mut self.scratch);
-            led.inspect_err(|_| self.wanted.clear())?;
-        }
         self.is_open = true;
+        if !is_still {
+            self.lead(step, goes_on, start)?;
+        }
         self.still.clear();
-        let obstacles = self.zones.obstacles().into_iter();
+        let obstacles = self.obstacles.iter();
         let still = obstacles
             .flat_map(ObstacleContacts::obstacles)
             .map(Obstacle::stopped);
@@ -340,7 +333,6 @@ impl ContactPotential for PotentialContacts {
         let mut unused = std::mem::take(&mut self.scratch);
         self.energy = self.add_gradient(x, &mut unused);
         self.scratch = unused;
-        self.zones.accept(x);
         self.safe.clear();
         self.safe.extend_from_slice(x);
         [self.report.searches, self.report.detections] = self.pairs.searches();
@@ -367,7 +359,7 @@ impl PotentialContacts {
     /// Takes bodies back to where they were before a step that has begun and not ended.
     pub(super) fn undo(&mut self) {
         if std::mem::take(&mut self.is_open) {
-            let bodies = self.zones.obstacles_mut().into_iter();
+            let bodies = self.obstacles.iter_mut();
             let bodies = bodies.flat_map(ObstacleContacts::obstacles_mut);
             bodies
                 .zip(&self.before)
@@ -429,7 +421,7 @@ impl PotentialContacts {
                 push(pair.vertices, gap, self.friction * force);
             }
         }
-        let laws = self.zones.obstacles().into_iter();
+        let laws = self.obstacles.iter();
         let laws = laws.flat_map(ObstacleContacts::pairs).map(|(_, law)| law);
         let bodies = (0u32..).zip(self.before.iter().zip(&self.still).zip(laws));
         for (number, ((before, after), law)) in bodies {

@@ -3,8 +3,9 @@
 
 use super::flight::Flight;
 use super::random::Random;
-use cloth_collide::{ClothContacts, SeparationProbe};
-use cloth_core::contact::{ContactError, ContactSource, ContactStep};
+use cloth_collide::SeparationProbe;
+use cloth_collide::potential::PotentialContacts;
+use cloth_core::contact::{ContactError, ContactStep, Projection};
 use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::TriMesh;
 use cloth_core::mesh::generate::{Diagonals, grid};
@@ -25,7 +26,7 @@ fn corner_that_rests_on_its_own_cloth_does_not_go_through_it() {
     ]
     .map(|(x, y, z)| Vec3::new(x, y, z));
     let mesh = TriMesh::new(from.to_vec(), vec![[0, 1, 2], [1, 3, 2], [3, 4, 5]]).unwrap();
-    let builder = ClothContacts::builder(&mesh).thickness(THICKNESS);
+    let builder = PotentialContacts::builder(&mesh).thickness(THICKNESS);
     let mut contacts = builder.build().unwrap();
     let mut inverse_mass = [0.0; 6];
     inverse_mass[4] = 1.0;
@@ -38,14 +39,19 @@ fn corner_that_rests_on_its_own_cloth_does_not_go_through_it() {
     positions[4].z -= 8e-6;
     let mut velocities = [Vec3::zeros(); 6];
     velocities[4].z = -8e-4;
-    contacts
-        .resolve(&step, &mut positions, &mut velocities)
+    Projection::default()
+        .step(&mut contacts, &step, 10, &mut positions, &mut velocities)
         .unwrap();
     let found = SeparationProbe::new(&mesh).measure(&positions).unwrap();
     assert_eq!(found.intersecting_pairs, 0, "at {:e} m", positions[4].z);
-    // A step makes up nothing where nothing is missing: it rests where it was, to a hundredth.
-    assert!((positions[4].z - 5e-6).abs() < 5e-8, "{:e}", positions[4].z);
-    assert!(velocities[4].norm() < 1e-6, "{}", velocities[4]);
+    // It gives in by the law of contact, and the velocity is that of its way.
+    let way = positions[4].z - 5e-6;
+    assert!((-1e-6..0.0).contains(&way), "{way:e}");
+    assert!(
+        (velocities[4].z - way / 0.01).abs() < 1e-12,
+        "{}",
+        velocities[4]
+    );
 }
 
 /// A strip folded into layers about `gap` (m) apart, its vertices displaced at random, somehow in space, `offset` (m)
@@ -91,7 +97,7 @@ fn nothing_crosses_that_is_closer_at_rest_than_any_tolerance() {
             exponent(&mut random, 0.0, 6.0)
         };
         let mesh = folded(&mut random, gap, offset);
-        let builder = ClothContacts::builder(&mesh).thickness(THICKNESS);
+        let builder = PotentialContacts::builder(&mesh).thickness(THICKNESS);
         let mut flight = Flight::new(&mesh, builder.friction(0.3).build().unwrap());
         if flight.crossings() > 0 {
             // Layers nearer to each other than the spacing of coordinates so far out.
@@ -115,14 +121,14 @@ fn nothing_crosses_that_is_closer_at_rest_than_any_tolerance() {
             }
             match flight.step(1.0) {
                 Ok(()) => resolved[(gap / THICKNESS).log10().abs() as usize / 3] += 1,
-                Err(ContactError::NoWay { .. }) => refused += 1,
+                Err(ContactError::NoWay { .. }) if seed % 4 == 0 => refused += 1,
                 Err(error) => panic!("seed {seed}, step {step}: {error}"),
             }
             assert_eq!(
                 flight.crossings(),
                 0,
                 "seed {seed}, step {step}: layers {gap:e} m apart, kicks of {kick:e} m, {offset:e} m out, {:?}",
-                flight.contacts.report()
+                flight.contacts.constraint_report()
             );
         }
     }

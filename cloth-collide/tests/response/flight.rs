@@ -1,12 +1,15 @@
 //! Cloth as simple as can be: vertices in free flight, edges of constant length if wanted, and contact.
 
-use cloth_collide::{ClothContacts, SeparationProbe};
-use cloth_core::contact::{ContactError, ContactSource, ContactStep};
+use cloth_collide::SeparationProbe;
+use cloth_collide::potential::PotentialContacts;
+use cloth_core::contact::{ContactError, ContactStep, Projection};
 use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::TriMesh;
 
 /// Sweeps over the edges in a step.
 const SWEEPS: usize = 20;
+/// Sweeps over the contacts.
+const CONTACT_SWEEPS: u32 = 10;
 
 /// Vertices in free flight, with contact.
 pub(crate) struct Flight {
@@ -16,13 +19,14 @@ pub(crate) struct Flight {
     pub(crate) gravity: Vec3,
     /// Edges that keep their length (m), a few sweeps a step.
     pub(crate) edges: Vec<([usize; 2], Real)>,
-    pub(crate) contacts: ClothContacts,
+    pub(crate) contacts: PotentialContacts,
+    projection: Projection,
     pub(crate) probe: SeparationProbe,
 }
 
 impl Flight {
     /// `mesh` at rest, 1 kg a vertex.
-    pub(crate) fn new(mesh: &TriMesh, contacts: ClothContacts) -> Self {
+    pub(crate) fn new(mesh: &TriMesh, contacts: PotentialContacts) -> Self {
         Self {
             positions: mesh.positions().to_vec(),
             velocities: vec![Vec3::zeros(); mesh.vertex_count()],
@@ -30,6 +34,7 @@ impl Flight {
             gravity: Vec3::zeros(),
             edges: Vec::new(),
             contacts,
+            projection: Projection::default(),
             probe: SeparationProbe::new(mesh),
         }
     }
@@ -56,8 +61,9 @@ impl Flight {
             inverse_mass: &self.inverse_mass,
             dt,
         };
-        self.contacts
-            .resolve(&step, &mut positions, &mut velocities)?;
+        let (x, v) = (&mut positions, &mut velocities);
+        self.projection
+            .step(&mut self.contacts, &step, CONTACT_SWEEPS, x, v)?;
         (self.positions, self.velocities) = (positions, velocities);
         Ok(())
     }

@@ -1,10 +1,8 @@
-//! What cloth does where it touches itself or an obstacle.
+//! Contact constraints at the end of steps of free flight: what is promised holds, whatever the motion.
 
 mod bad_input;
 mod close_at_rest;
 mod flight;
-mod laws;
 #[path = "../support/random.rs"]
 mod random;
 mod safety;
-mod stack;

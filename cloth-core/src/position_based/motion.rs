@@ -229,7 +229,7 @@ impl Motion {
         }
     }
 
-    /// Resolves contact that has not been felt yet, hands the result over and moves the clock by Δt.
+    /// Hands the result over and moves the clock by Δt.
     ///
     /// # Errors
     /// [`StepError::NonFinite`], [`StepError::Contact`]; `state` is then as it was.
@@ -242,17 +242,10 @@ impl Motion {
         if let Some(vertex) = first_non_finite(&self.positions, &self.velocities) {
             return Err(StepError::NonFinite { vertex, step });
         }
-        self.predicted.copy_from_slice(&self.positions);
-        let (w, x, v) = (
-            &self.inverse_mass,
-            &mut self.predicted,
-            &mut self.velocities,
-        );
-        match input.contact_constraints() {
-            Some(contacts) => contacts.end_step(x),
-            None => input.resolve_contacts(state, w, x, v)?,
+        if let Some(contacts) = input.contact_constraints() {
+            contacts.end_step(&self.positions);
         }
-        state.positions.copy_from_slice(&self.predicted);
+        state.positions.copy_from_slice(&self.positions);
         state.velocities.copy_from_slice(&self.velocities);
         state.time += input.dt;
         state.steps = step;

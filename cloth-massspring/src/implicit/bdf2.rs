@@ -83,26 +83,11 @@ impl Bdf2 {
         positions.copy_from_slice(&state.positions);
         velocities.copy_from_slice(&state.velocities);
     }
-
-    /// Adds to the memory the uniform motion that takes the end that was found to the one that contact left in `state`.
-    fn move_along(&mut self, state: &State, dt: Real) {
-        let (before, found) = (&mut self.before, &self.implicit.found);
-        for vertex in 0..state.positions.len() {
-            let shift = state.positions[vertex] - found[0][vertex];
-            let kick = state.velocities[vertex] - found[1][vertex];
-            before[0][vertex] += shift - kick * dt;
-            before[1][vertex] += kick;
-        }
-    }
 }
 
 impl Stepper for Bdf2 {
     fn name(&self) -> &'static str {
         "bdf2"
-    }
-
-    fn feels_contact(&self) -> bool {
-        self.implicit.feels_contact()
     }
 
     fn step(&mut self, state: &mut State, input: StepInput<'_>) -> Result<StepReport, StepError> {
@@ -125,7 +110,6 @@ impl Stepper for Bdf2 {
         };
         std::mem::swap(&mut self.before, &mut self.after);
         self.remember(state);
-        self.move_along(state, dt);
         self.dt = Some(dt);
         Ok(report)
     }

@@ -67,7 +67,6 @@ impl<S> ImplicitBuilder<S> {
             base: zeros.clone(),
             predicted: zeros.clone(),
             before: (zeros.clone(), 0.0),
-            found: [zeros.clone(), zeros],
             damper,
             room: Room::default(),
             particles: self.particles,

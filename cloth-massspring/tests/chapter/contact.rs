@@ -1,6 +1,8 @@
 //! The guard of the explicit integrators where contact changes the end of a step.
 
-use cloth_core::contact::{ContactError, ContactSource, ContactStep};
+use cloth_core::contact::{
+    ContactConstraints, ContactError, ContactPotential, ContactSource, ContactStep,
+};
 use cloth_core::energy::Spring;
 use cloth_core::math::{Real, Vec3};
 use cloth_core::particles::{Particles, State};
@@ -19,26 +21,52 @@ struct Pull {
 }
 
 impl ContactSource for Pull {
-    fn resolve(
-        &mut self,
-        step: &ContactStep<'_>,
-        positions: &mut [Vec3],
-        velocities: &mut [Vec3],
-    ) -> Result<(), ContactError> {
-        let before = velocities[1].norm_squared();
-        positions[1].x += self.way;
-        velocities[1].x += self.push;
-        let gained = velocities[1].norm_squared() - before;
-        if self.is_body {
-            self.work = 0.5 * gained / step.inverse_mass[1];
-        }
-        Ok(())
+    fn potential(&mut self) -> &mut dyn ContactPotential {
+        unreachable!("explicit methods want constraints")
+    }
+
+    fn constraints(&mut self) -> &mut dyn ContactConstraints {
+        self
     }
 
     fn work(&self) -> Real {
         self.work
     }
 }
+
+impl ContactConstraints for Pull {
+    fn begin_step(&mut self, _: &ContactStep<'_>) -> Result<(), ContactError> {
+        self.work = 0.0;
+        Ok(())
+    }
+
+    fn begin_substep(&mut self, _: &ContactStep<'_>, _: &[Vec3]) -> Result<(), ContactError> {
+        Ok(())
+    }
+
+    fn sweep(&mut self, _: &ContactStep<'_>, _: &mut [Vec3]) {}
+
+    fn end_substep(&mut self, _: &ContactStep<'_>, x: &mut [Vec3]) -> Result<(), ContactError> {
+        x[1].x += self.way;
+        Ok(())
+    }
+
+    fn change_velocities(&mut self, v: &mut [Vec3]) {
+        // The way is not to become a velocity.
+        v[1].x -= self.way / DT;
+        let before = v[1].norm_squared();
+        v[1].x += self.push;
+        if self.is_body {
+            // Of 1 kg.
+            self.work += 0.5 * (v[1].norm_squared() - before);
+        }
+    }
+
+    fn end_step(&mut self, _: &[Vec3]) {}
+}
+
+/// Size of a step (s).
+const DT: Real = 0.01;
 
 const PULL: Pull = Pull {
     way: 0.0,
@@ -51,7 +79,7 @@ const PULL: Pull = Pull {
 fn end(solver: &mut dyn Stepper, mut contact: Pull) -> Result<(), StepError> {
     let mut state = State::at_rest(vec![Vec3::zeros(), Vec3::x()]);
     for _ in 0..1000 {
-        solver.step(&mut state, StepInput::new(0.01).contacts(&mut contact))?;
+        solver.step(&mut state, StepInput::new(DT).contacts(&mut contact))?;
     }
     Ok(())
 }

@@ -14,7 +14,6 @@ mod second_order;
 mod special;
 mod stability;
 mod statics;
-mod stopped;
 
 use cloth_core::cloth::{Cloth, ClothModel, Membrane};
 use cloth_core::energy::{Attachment, Spring};

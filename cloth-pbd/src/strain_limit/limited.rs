@@ -1,17 +1,23 @@
 //! A method whose every step is followed by strain limiting.
 
 use super::{LimitReport, StrainLimiter};
+use cloth_core::contact::{ContactConstraints, ContactStep};
+use cloth_core::math::{Real, Vec3};
 use cloth_core::particles::State;
 use cloth_core::step::{Outcome, StepError, StepInput, StepReport, Stepper};
 
 /// Any method and a limiter, as one method.
 ///
 /// The limiter changes positions and velocities behind the method's back. A method that remembers earlier states sees a new start.
+///
+/// Contact comes with the limits, not with the method: it has the last word in every pass over them, as in every sweep of position based dynamics.
 pub struct Limited {
     method: Box<dyn Stepper>,
     limiter: StrainLimiter,
     /// The state before the step, to go back to.
     before: State,
+    /// Where the method and the limits alone would take the cloth (m).
+    alone: Vec<Vec3>,
     report: Option<LimitReport>,
 }
 
@@ -23,6 +29,7 @@ impl Limited {
             method,
             limiter,
             before: State::default(),
+            alone: Vec::new(),
             report: None,
         }
     }
@@ -55,15 +62,13 @@ impl Stepper for Limited {
         let dt = input.dt;
         let (alone, mut contact) = input.apart();
         let mut report = self.method.step(state, alone)?;
-        let limited = self.limiter.apply(state, dt).and_then(|limited| {
-            let (w, x, v) = (
-                &self.limiter.inverse_mass,
-                &mut state.positions,
-                &mut state.velocities,
-            );
-            contact.resolve_contacts(&self.before, w, x, v)?;
-            Ok(limited)
-        });
+        let limited =
+            self.limiter
+                .apply(state, dt)
+                .and_then(|limited| match contact.contact_constraints() {
+                    Some(contacts) => self.touch(contacts, state, dt, limited),
+                    None => Ok(limited),
+                });
         match limited {
             Ok(limited) => {
                 if limited.outcome == Outcome::BudgetSpent {
@@ -77,6 +82,58 @@ impl Stepper for Limited {
                 Err(error)
             }
         }
+    }
+}
+
+impl Limited {
+    /// Contact in the step of `dt` (s) that has led to `state` without it, with the limits in turns until both hold.
+    fn touch(
+        &mut self,
+        contacts: &mut dyn ContactConstraints,
+        state: &mut State,
+        dt: Real,
+        mut report: LimitReport,
+    ) -> Result<LimitReport, StepError> {
+        let refused = |reason| StepError::Contact {
+            reason,
+            step: self.before.steps + 1,
+        };
+        let limiter = &mut self.limiter;
+        self.alone.clone_from(&state.positions);
+        let x = &mut limiter.x;
+        x.copy_from_slice(&state.positions);
+        let step = ContactStep {
+            from: &self.before.positions,
+            inverse_mass: &limiter.inverse_mass,
+            dt,
+        };
+        contacts.begin_step(&step).map_err(refused)?;
+        contacts.begin_substep(&step, x).map_err(refused)?;
+        contacts.sweep(&step, x);
+        if *x != self.alone {
+            report.outcome = Outcome::BudgetSpent;
+            while report.passes < limiter.max_passes && report.outcome == Outcome::BudgetSpent {
+                report.passes += 1;
+                report.violation = 0.0;
+                for limits in &mut limiter.limits {
+                    let violation = limits.pass(&limiter.inverse_mass, limiter.tolerance, x);
+                    report.violation = report.violation.max(violation);
+                }
+                if report.violation <= limiter.tolerance {
+                    report.outcome = Outcome::Converged;
+                }
+                contacts.sweep(&step, x);
+            }
+        }
+        contacts.end_substep(&step, x).map_err(refused)?;
+        let ways = limiter.x.iter().zip(&self.alone);
+        for (v, (x, alone)) in state.velocities.iter_mut().zip(ways) {
+            *v += (x - alone) / dt;
+        }
+        contacts.change_velocities(&mut state.velocities);
+        state.positions.copy_from_slice(&limiter.x);
+        contacts.end_step(&state.positions);
+        Ok(report)
     }
 }
 

@@ -3,7 +3,9 @@
 use crate::cloth::{
     DT, GRAVITY, coarse_solver, falling, hanging, iterations, shake, sheet, solver,
 };
-use cloth_core::contact::{ContactError, ContactSource, ContactStep};
+use cloth_core::contact::{
+    ContactConstraints, ContactError, ContactPotential, ContactRow, ContactSource, ContactStep,
+};
 use cloth_core::energy::Spring;
 use cloth_core::math::{Real, Vec3};
 use cloth_core::particles::{Particles, State};
@@ -42,24 +44,64 @@ fn a_step_has_the_bits_that_a_new_solver_gives() {
     }
 }
 
-/// Pushes everything below a height (m) up to it, with the velocity that takes.
+/// Pushes everything below a height (m) up by the springs of a foundation.
+#[derive(Debug)]
 struct Floor(Real);
 
+impl Floor {
+    /// k of the spring of a vertex (N/m).
+    const STIFFNESS: Real = 10.0;
+}
+
 impl ContactSource for Floor {
-    fn resolve(
-        &mut self,
-        step: &ContactStep<'_>,
-        positions: &mut [Vec3],
-        velocities: &mut [Vec3],
-    ) -> Result<(), ContactError> {
-        for (vertex, x) in positions.iter_mut().enumerate() {
-            if x.z < self.0 && step.inverse_mass[vertex] > 0.0 {
-                velocities[vertex].z += (self.0 - x.z) / step.dt;
-                x.z = self.0;
-            }
-        }
+    fn potential(&mut self) -> &mut dyn ContactPotential {
+        self
+    }
+
+    fn constraints(&mut self) -> &mut dyn ContactConstraints {
+        unreachable!("projective dynamics wants an energy")
+    }
+}
+
+impl ContactPotential for Floor {
+    fn begin(&mut self, _: &ContactStep<'_>, _: &mut [Vec3]) -> Result<(), ContactError> {
         Ok(())
     }
+
+    fn limit(&mut self, _: &[Vec3], _: &[Vec3]) -> Result<Real, ContactError> {
+        Ok(1.0)
+    }
+
+    fn limit_each(
+        &mut self,
+        _: &[Vec3],
+        _: &mut [Vec3],
+        parts: &mut [Real],
+    ) -> Result<(), ContactError> {
+        parts.fill(1.0);
+        Ok(())
+    }
+
+    fn add_gradient(&self, x: &[Vec3], out: &mut [Vec3]) -> Real {
+        let deep = |x: &Vec3| (self.0 - x.z).max(0.0);
+        for (out, x) in out.iter_mut().zip(x) {
+            out.z -= Self::STIFFNESS * deep(x);
+        }
+        let squares = x.iter().map(|x| deep(x).powi(2));
+        0.5 * Self::STIFFNESS * squares.sum::<Real>()
+    }
+
+    fn linearize(&self, x: &[Vec3], out: &mut Vec<ContactRow>) {
+        let below = (0u32..).zip(x).filter(|(_, x)| x.z < self.0);
+        out.extend(below.map(|(vertex, _)| ContactRow {
+            vertices: [vertex; 4],
+            weights: [1.0, 0.0, 0.0, 0.0],
+            normal: Vec3::z(),
+            stiffness: Self::STIFFNESS,
+        }));
+    }
+
+    fn end(&mut self, _: &[Vec3], _: &[Vec3]) {}
 }
 
 #[test]
@@ -75,11 +117,10 @@ fn nothing_is_remembered_that_contact_has_made_wrong() {
         for (solver, state) in &mut steps {
             let input = falling().contacts(&mut floor);
             solver.step(state, input).unwrap();
-            assert!(state.positions.iter().all(|x| x.z >= -0.2));
         }
         assert_eq!(state, by_new);
     }
-    assert!(state.positions.iter().any(|x| x.z == -0.2));
+    assert!(state.positions.iter().any(|x| x.z < -0.2));
 }
 
 #[test]

@@ -55,10 +55,6 @@ impl Stepper for DirectXpbd {
         "xpbd-direct"
     }
 
-    fn feels_contact(&self) -> bool {
-        true
-    }
-
     fn step(
         &mut self,
         state: &mut State,
@@ -109,17 +105,11 @@ impl DirectXpbd {
             (0..self.config.substeps).try_for_each(|_| self.substep(&mut current, input, &mut sum));
         input.dt = dt;
         let ended = taken.and_then(|()| {
-            let (w, x, v) = (
-                self.particles.inverse_mass(),
-                &mut current.positions,
-                &mut current.velocities,
-            );
-            match input.contact_constraints() {
-                Some(contacts) => contacts.end_step(x),
-                None => input.resolve_contacts(state, w, x, v)?,
+            if let Some(contacts) = input.contact_constraints() {
+                contacts.end_step(&current.positions);
             }
-            state.positions.copy_from_slice(x);
-            state.velocities.copy_from_slice(v);
+            state.positions.copy_from_slice(&current.positions);
+            state.velocities.copy_from_slice(&current.velocities);
             state.time += dt;
             state.steps = step;
             Ok(sum)

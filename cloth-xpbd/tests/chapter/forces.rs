@@ -2,7 +2,9 @@
 
 use crate::chain::Chain;
 use crate::{GRAVITY, iterations, solver};
-use cloth_core::contact::{ContactError, ContactSource, ContactStep};
+use cloth_core::contact::{
+    ContactConstraints, ContactError, ContactPotential, ContactSource, ContactStep,
+};
 use cloth_core::energy::{Attachment, Spring};
 use cloth_core::math::{Real, Vec3};
 use cloth_core::particles::{Particles, State};
@@ -148,17 +150,36 @@ fn there_is_no_force_before_the_first_step_and_after_one_that_failed() {
 struct Turn;
 
 impl ContactSource for Turn {
-    fn resolve(
-        &mut self,
-        _step: &ContactStep<'_>,
-        positions: &mut [Vec3],
-        _velocities: &mut [Vec3],
-    ) -> Result<(), ContactError> {
-        for x in positions {
+    fn potential(&mut self) -> &mut dyn ContactPotential {
+        unreachable!("XPBD wants constraints")
+    }
+
+    fn constraints(&mut self) -> &mut dyn ContactConstraints {
+        self
+    }
+}
+
+impl ContactConstraints for Turn {
+    fn begin_step(&mut self, _: &ContactStep<'_>) -> Result<(), ContactError> {
+        Ok(())
+    }
+
+    fn begin_substep(&mut self, _: &ContactStep<'_>, _: &[Vec3]) -> Result<(), ContactError> {
+        Ok(())
+    }
+
+    fn sweep(&mut self, _: &ContactStep<'_>, _: &mut [Vec3]) {}
+
+    fn end_substep(&mut self, _: &ContactStep<'_>, x: &mut [Vec3]) -> Result<(), ContactError> {
+        for x in x {
             *x = Vec3::new(x.x, -x.z, x.y);
         }
         Ok(())
     }
+
+    fn change_velocities(&mut self, _: &mut [Vec3]) {}
+
+    fn end_step(&mut self, _: &[Vec3]) {}
 }
 
 /// One substep gives `f = M (x − x̃)/h²` at a free vertex of one spring, along the spring as the sweep left it,

@@ -6,6 +6,7 @@
 //! Neighbours hear of each other one edge an iteration, so stiff or large cloth needs many: that is what the comparison shows.
 
 use cloth_core::block_matrix::BlockMatrix;
+use cloth_core::contact::{ContactStep, Projection};
 use cloth_core::element::Convexity;
 use cloth_core::family::{Assembly, Energies};
 use cloth_core::math::{Mat3, Real, Vec3};
@@ -16,6 +17,8 @@ use cloth_core::step::{Outcome, StepError, StepInput, StepReport, Stepper};
 const ENOUGH: Real = 1e-4;
 /// Halvings of a length before the search ends.
 const HALVINGS: u32 = 30;
+/// Sweeps over the contacts of a step.
+const CONTACT_SWEEPS: u32 = 10;
 
 /// The method.
 pub struct Descent {
@@ -34,6 +37,7 @@ pub struct Descent {
     trial: Vec<Vec3>,
     /// The end of the step.
     next: State,
+    projection: Projection,
 }
 
 impl Descent {
@@ -61,6 +65,7 @@ impl Descent {
             preconditioner: vec![Mat3::zeros(); count],
             trial: zeros.clone(),
             next: State::at_rest(zeros),
+            projection: Projection::default(),
         }
     }
 
@@ -165,8 +170,16 @@ impl Stepper for Descent {
             velocities,
             ..
         } = &mut self.next;
-        input.resolve_contacts(state, &self.inverse_mass, positions, velocities)?;
         let step = state.steps + 1;
+        if let Some(contacts) = input.contact_constraints() {
+            let taken = ContactStep {
+                from: &state.positions,
+                inverse_mass: &self.inverse_mass,
+                dt,
+            };
+            let touched = self.projection.step(contacts, &taken, CONTACT_SWEEPS, positions, velocities);
+            touched.map_err(|reason| StepError::Contact { reason, step })?;
+        }
         if let Some(vertex) = self.next.first_non_finite() {
             return Err(StepError::NonFinite { vertex, step });
         }

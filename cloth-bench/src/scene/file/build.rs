@@ -5,7 +5,7 @@ use super::keys::{DT, GRAVITY, NAME, SECTIONS, STEPS, overrulable};
 use super::{air, mesh, obstacles, pins, start};
 use crate::bounds::bounds;
 use crate::error::BenchError;
-use crate::scene::contact::{CONTACT_STEPS, NO_SELF, Touch};
+use crate::scene::contact::{NO_SELF, Touch};
 use crate::scene::{RIGIDITY, STIFFNESS, Scene, build as built_in, cloth};
 use crate::settings::Settings;
 use cloth_core::math::Vec3;
@@ -198,9 +198,7 @@ impl<'a> Sections<'a> {
         let bodies: Vec<_> = bodies
             .map(|section| obstacles::obstacle(section, folder, size))
             .collect::<Result<_, _>>()?;
-        let parts = settings.count(&CONTACT_STEPS, 1);
-        let touch = parts
-            .and_then(|parts| Touch::new(&settings, parts, &NO_SELF, bodies))
+        let touch = Touch::new(&settings, &NO_SELF, bodies)
             .map_err(|error| self.contact.blame(error, overruling))?;
         let mut scene = Scene {
             order,

@@ -1,6 +1,6 @@
 //! Every key of a scene file.
 
-use crate::scene::contact::NOT_TOUCHING;
+use crate::scene::contact::TOUCHING_ALONE;
 use crate::scene::{
     BENDING, BENDING_STIFFNESS, DENSITY, LINK_LENGTH, LINK_MASS, LINKS, MEMBRANE, MODULUS, POISSON,
     RIGIDITY, SHEAR, STIFFNESS, TIP_MASS, cloth,
@@ -203,7 +203,7 @@ pub const SECTIONS: [SectionInfo; 9] = [
     SectionInfo {
         head: "[contact]",
         about: "how the cloth touches obstacles and itself",
-        keys: NOT_TOUCHING,
+        keys: TOUCHING_ALONE,
     },
     SectionInfo {
         head: "[chain]",
@@ -215,5 +215,5 @@ pub const SECTIONS: [SectionInfo; 9] = [
 /// Keys that `--set` overrules.
 #[must_use]
 pub fn overrulable() -> [&'static [Parameter]; 2] {
-    [CLOTH, NOT_TOUCHING]
+    [CLOTH, TOUCHING_ALONE]
 }

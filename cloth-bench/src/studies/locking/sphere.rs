@@ -29,8 +29,6 @@ const RIGIDITY: Real = 1e-3;
 const MODULI: [Real; 2] = [1e3, 1e5];
 /// Everything this near (m) to the middle of the sheet is held, or a sheet that does not give slides off.
 const HELD: Real = 0.06;
-/// Contact stops vertices after the solver's step, which strains stiff edges: less so in short steps. Many for the patterns, kinds and methods; few for the resolutions, where every one is dear.
-const CONTACT_STEPS: [u32; 2] = [40, 10];
 /// Cells a side of one drape made finer and finer.
 const SIZES: [usize; 4] = [16, 32, 64, 128];
 const DT: Real = 1.0 / 60.0;
@@ -59,8 +57,6 @@ struct Case {
     iterations: u32,
     /// Cells a side.
     cells: usize,
-    /// [`CONTACT_STEPS`].
-    contact_steps: u32,
 }
 
 impl Case {
@@ -76,13 +72,10 @@ impl Case {
             pattern,
             cells,
             modulus,
-            contact_steps,
             ..
         } = self;
         let (membrane, solver) = (KINDS[self.kind].0, self.solver());
-        format!(
-            "drape, {pattern}, {cells} cells, {membrane}, Y = {modulus:e} N/m, {solver}, contact {contact_steps} times a step"
-        )
+        format!("drape, {pattern}, {cells} cells, {membrane}, Y = {modulus:e} N/m, {solver}")
     }
 }
 
@@ -109,7 +102,6 @@ fn list(scope: Scope) -> Vec<Case> {
         method: METHOD,
         iterations: 0,
         cells: 16,
-        contact_steps: CONTACT_STEPS[0],
     };
     let mut cases = Vec::new();
     for &pattern in patterns(scope) {
@@ -158,7 +150,6 @@ fn chains(scope: Scope) -> Vec<Case> {
         method,
         iterations: 0,
         cells: SIZES[0],
-        contact_steps: CONTACT_STEPS[1],
     };
     match scope {
         Scope::Quick => Vec::new(),
@@ -182,9 +173,7 @@ fn drape(case: &Case, start: Option<Vec<Vec3>>) -> Result<(Drape, Vec<Vec3>), Be
     sheet.hold(|p| (p - Vec3::new(0.5, 0.5, 0.0)).norm() < HELD)?;
     let conditions = sheet.conditions()?;
     let settings = Settings::default();
-    let contact = Settings::default()
-        .with("contact_steps", case.contact_steps)
-        .with("friction", 0);
+    let contact = Settings::default().with("friction", 0);
     let scene = Scene {
         model: ClothModel {
             particles: sheet.particles.clone(),
@@ -282,7 +271,6 @@ pub(super) fn run(
         "Y",
         "method",
         "begins",
-        "contact steps",
         "coordinates − conditions",
         "nullity draped",
         "corners below the top",
@@ -337,7 +325,6 @@ fn row(case: &Case, begins: &str, found: &Drape) -> Vec<Cell> {
         Cell::from(case.modulus),
         Cell::from(case.solver().as_str()),
         Cell::from(begins),
-        Cell::from(case.contact_steps as usize),
         Cell::from(found.coordinates_left),
         Cell::from(found.nullity),
         Cell::from(found.corners),
@@ -414,7 +401,6 @@ mod tests {
             let case = Case {
                 cells,
                 modulus,
-                contact_steps: CONTACT_STEPS[1],
                 ..list(Scope::Quick)[0]
             };
             (case, depth)

@@ -39,7 +39,7 @@ impl PatchPair {
         self.memories.clear();
         Self {
             patches,
-            budget: -1.0,
+            budget: Real::NEG_INFINITY,
             looked: [-1.0; 2],
             looked_in: 0,
             ..self

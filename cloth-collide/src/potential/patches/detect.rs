@@ -307,7 +307,7 @@ fn push(
     [range, area, distance]: [Real; 3],
     out: &mut Vec<NearPair>,
 ) {
-    if vertices.iter().any(|&v| near.is_free[v as usize]) {
+    if !vertices.iter().all(|&v| near.is_resting[v as usize]) {
         out.push(NearPair {
             room: distance - range,
             range,

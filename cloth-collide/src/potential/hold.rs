@@ -1,8 +1,7 @@
-//! The last resort: ways so short that nothing is in reach.
+//! Ways so short that nothing is in reach.
 
-use super::KEPT;
-use super::cloth::Cloth;
-use super::pair::nearest;
+use super::rows::KEPT;
+use crate::pair::{Pair, nearest};
 use cloth_core::contact::ContactStep;
 use cloth_core::math::{Real, Vec3, gather};
 
@@ -16,32 +15,20 @@ pub(super) struct Hold {
     /// How far each vertex may go (m).
     bounds: Vec<Real>,
     held: Vec<bool>,
-    smallest_share: Real,
 }
 
 impl Hold {
-    /// Finds out how far each vertex may go.
-    pub(super) fn start(&mut self, cloth: Option<&Cloth>, step: &ContactStep<'_>) {
-        let Self {
-            bounds,
-            held,
-            smallest_share,
-        } = self;
-        *smallest_share = 1.0;
-        held.clear();
-        held.resize(step.from.len(), false);
-        bounds.clear();
-        bounds.resize(step.from.len(), Real::INFINITY);
-        self.learn(cloth, step);
+    /// Begins a step in which nobody is held back.
+    pub(super) fn start(&mut self, step: &ContactStep<'_>) {
+        self.held.clear();
+        self.held.resize(step.from.len(), false);
+        self.bounds.clear();
+        self.bounds.resize(step.from.len(), Real::INFINITY);
     }
 
-    /// Takes over what is known of candidates that may be new.
-    pub(super) fn learn(&mut self, cloth: Option<&Cloth>, step: &ContactStep<'_>) {
-        let Some(cloth) = cloth else {
-            return;
-        };
-        for index in 0..cloth.len() {
-            let pair = cloth.pair(index);
+    /// Finds out how far the vertices of these pairs may go.
+    pub(super) fn learn(&mut self, pairs: impl Iterator<Item = Pair>, step: &ContactStep<'_>) {
+        for pair in pairs {
             let distance = nearest(pair.kind, &gather(step.from, pair.vertices)).distance;
             for v in pair.vertices {
                 let bound = &mut self.bounds[v as usize];
@@ -94,7 +81,6 @@ impl Hold {
             if (positions[v] - step.from[v]).norm() > bound {
                 positions[v] = step.from[v];
             }
-            self.smallest_share = self.smallest_share.min(share);
         }
         self.held[v] = true;
     }
@@ -103,17 +89,14 @@ impl Hold {
     pub(super) fn count(&self) -> usize {
         self.held.iter().filter(|&&held| held).count()
     }
-
-    /// The smallest share of its way (dimensionless) that one of them has gone; 1 if there is none.
-    pub(super) fn smallest_share(&self) -> Real {
-        self.smallest_share
-    }
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::last_resort::pairs;
     use super::*;
     use crate::SeparationProbe;
+    use crate::broad_phase::{ClothCandidates, Hierarchy};
     use crate::random::Random;
     use cloth_core::mesh::TriMesh;
     use cloth_core::mesh::generate::{Diagonals, grid};
@@ -127,18 +110,19 @@ mod tests {
         let rest = [at(1.0), at(1.1)].concat();
         let mesh = TriMesh::new(rest, vec![[0, 1, 2], [3, 4, 5]]).unwrap();
         let mut to: Vec<_> = from.iter().map(|x| x + Vec3::new(0.3, 0.1, 0.2)).collect();
-        let mut cloth = Cloth::new(&mesh, 1e-3);
-        cloth.search(&from, &to, 0.0).unwrap();
+        let mut cloth = ClothCandidates::new(&mesh, Hierarchy::new());
+        cloth.update(&from, &to, 0.0).unwrap();
         let mut hold = Hold::default();
         let step = ContactStep {
             from: &from,
             inverse_mass: &[1.0; 6],
             dt: 1.0,
         };
-        hold.start(Some(&cloth), &step);
+        hold.start(&step);
+        hold.learn(pairs(Some(&cloth)), &step);
         let mut hold_all = || -> usize {
-            let pairs = (0..cloth.len()).map(|index| cloth.pair(index).vertices);
-            pairs.map(|pair| hold.pair(pair, &step, &mut to)).sum()
+            let all = pairs(Some(&cloth)).map(|pair| pair.vertices);
+            all.map(|pair| hold.pair(pair, &step, &mut to)).sum()
         };
         assert_eq!(hold_all(), 6);
         assert_eq!(hold_all(), 0);
@@ -163,8 +147,8 @@ mod tests {
             let mut probe = SeparationProbe::new(&mesh);
             assert_eq!(probe.measure(&from).unwrap().intersecting_pairs, 0);
             let mut to: Vec<_> = from.iter().map(|x| x + random.point(1.0)).collect();
-            let mut cloth = Cloth::new(&mesh, 1e-3);
-            cloth.search(&from, &to, 0.0).unwrap();
+            let mut cloth = ClothCandidates::new(&mesh, Hierarchy::new());
+            cloth.update(&from, &to, 0.0).unwrap();
             let mut hold = Hold::default();
             let inverse_mass = vec![1.0; from.len()];
             let step = ContactStep {
@@ -172,12 +156,12 @@ mod tests {
                 inverse_mass: &inverse_mass,
                 dt: 1.0,
             };
-            hold.start(Some(&cloth), &step);
-            for index in 0..cloth.len() {
-                hold.pair(cloth.pair(index).vertices, &step, &mut to);
+            hold.start(&step);
+            hold.learn(pairs(Some(&cloth)), &step);
+            for pair in pairs(Some(&cloth)) {
+                hold.pair(pair.vertices, &step, &mut to);
             }
             assert_eq!(hold.count(), from.len());
-            assert!(hold.smallest_share() > 0.0);
             for tenths in 1..=10 {
                 let part = f64::from(tenths) / 10.0;
                 let between = from.iter().zip(&to).map(|(a, b)| a.lerp(b, part));

@@ -38,6 +38,7 @@ pub(crate) struct Motion {
 }
 
 impl Motion {
+    /// The places (m) at a time (0..=1).
     pub(crate) fn at(&self, time: Real) -> [Vec3; 4] {
         std::array::from_fn(|k| self.from[k] + (self.to[k] - self.from[k]) * time)
     }

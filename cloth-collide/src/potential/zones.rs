@@ -60,9 +60,17 @@ impl Zones {
 /// alone, for unit masses.
 #[derive(Clone, Copy, Debug)]
 struct Rigid {
+    /// A place in the zone (m), and the centre seen from there: far from the origin of space their sum would be rounded, and a fast turn would give that momentum.
+    place: Vec3,
     centre: Vec3,
     shift: Vec3,
     turn: Vec3,
+}
+
+impl Rigid {
+    fn arm(&self, x: Vec3) -> Vec3 {
+        x - self.place - self.centre
+    }
 }
 
 /// Fits a rigid motion to the `way` (m or m/s) of the vertices at `places` (m).
@@ -77,24 +85,27 @@ fn rigid(zone: &[[u32; 2]], places: &[Vec3], way: &[Vec3], inverse_mass: &[Real]
             }
         })
     };
-    let mean = |of: &[Vec3]| {
+    let mean = |of: &dyn Fn(usize) -> Vec3| {
         let (sum, mass) = weighted().fold((Vec3::zeros(), 0.0), |(sum, mass), (v, m)| {
-            (sum + of[v] * m, mass + m)
+            (sum + of(v) * m, mass + m)
         });
         sum / mass
     };
-    let (centre, shift) = (mean(places), mean(way));
+    let place = places[zone[0][1] as usize];
+    let mut motion = Rigid {
+        place,
+        centre: mean(&|v| places[v] - place),
+        shift: mean(&|v| way[v]),
+        turn: Vec3::zeros(),
+    };
     let (mut momentum, mut inertia) = (Vec3::zeros(), Mat3::zeros());
     for (v, m) in weighted() {
-        let arm = places[v] - centre;
-        momentum += arm.cross(&(way[v] - shift)) * m;
+        let arm = motion.arm(places[v]);
+        momentum += arm.cross(&(way[v] - motion.shift)) * m;
         inertia += (Mat3::from_diagonal_element(arm.norm_squared()) - arm * arm.transpose()) * m;
     }
-    Rigid {
-        centre,
-        shift,
-        turn: divided(momentum, inertia),
-    }
+    motion.turn = divided(momentum, inertia);
+    motion
 }
 
 /// I⁻¹ L, without turns about an axis that has no inertia.
@@ -127,7 +138,8 @@ pub(super) fn move_rigidly(
     for &[_, v] in zone {
         let v = v as usize;
         if inverse_mass[v] != 0.0 {
-            positions[v] = motion.centre + motion.shift + rotation * (from[v] - motion.centre);
+            positions[v] =
+                motion.place + (motion.centre + motion.shift) + rotation * motion.arm(from[v]);
         }
     }
 }
@@ -143,7 +155,7 @@ pub(super) fn make_velocities_rigid(
     for &[_, v] in zone {
         let v = v as usize;
         if inverse_mass[v] != 0.0 {
-            velocities[v] = motion.shift + motion.turn.cross(&(positions[v] - motion.centre));
+            velocities[v] = motion.shift + motion.turn.cross(&motion.arm(positions[v]));
         }
     }
 }
