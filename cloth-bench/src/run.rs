@@ -162,6 +162,15 @@ struct Timed {
 }
 
 impl ContactSource for Timed {
+    fn keep_free(
+        &mut self,
+        from: &[Vec3],
+        inverse_mass: &[Real],
+        x: &mut [Vec3],
+    ) -> Result<(), ContactError> {
+        self.source.keep_free(from, inverse_mass, x)
+    }
+
     fn held(&self) -> usize {
         self.source.held()
     }

@@ -43,11 +43,12 @@
 //! is in one plane all the time. [`exact_queries`] makes queries for which the answer is known, to see which method errs how often
 //! (`cloth-bench ccd`).
 //!
-//! # Response
+//! # Contact in the solve
 //!
-//! [`ClothContacts`] joins all of this behind the one hook that every method calls at the end of its step. Candidates come from the tree; nearest points make contacts; impulses with friction
-//! are found for all of them at once; and the continuous test has the last word. Where impulses do not agree, parts of the cloth move as rigid bodies (impact zones), and where those are
-//! impossible vertices are held back to ways that cannot reach anything. So a step is either free of crossings or refused.
+//! [`PotentialContacts`](potential::PotentialContacts) joins all of this behind the one hook of all methods: contact as an energy for those that
+//! minimise, as unilateral constraints for those that project positions. Both views test every way before it is accepted. What does not come to an end in which
+//! nothing crosses goes to the last resort: pairs are pushed apart one by one, then parts of the cloth move as rigid bodies (impact zones), then vertices are held back to ways that
+//! cannot reach anything. So a step is either free of crossings or refused. [`potential`] is a chapter of its own.
 //!
 //! # Equation → function
 //!
@@ -64,7 +65,6 @@
 //! | boxes of all that moves overlap, and no plane is between them: vertex–triangle and edge–edge candidates | [`ClothCandidates`] |
 //! | overlapping boxes, from a tree, from hashed cells, from cells along a curve | [`Hierarchy`], [`SpatialHash`], [`MortonGrid`] |
 //! | boxes within a distance: pairs of triangles | [`TrianglePairs`] |
-//! | min ½‖x − x*‖²_M with n · Σ wᵢ xᵢ ≥ h and friction; impact zones | [`ClothContacts`] |
 //! | Σ A φ(d), felt by a method while it solves | [`potential`], a chapter of its own |
 //! | δL = −Σ r·δx: the curve in which a cloth passes through itself, shortened | [`untangle`], a chapter of its own |
 //! | number of meeting pairs, min d over everything that shares no vertex | [`SeparationProbe`] |
@@ -149,19 +149,14 @@
 //! | `intersect.rs`, `intersect/apart.rs` | the exact test, and the quick one before it |
 //! | `bounds.rs`, `convert.rs` | boxes, ours and parry's |
 //! | `obstacle.rs`, `obstacle/` | a chapter of its own: `half_space`, `sphere`, `capsule`, `cuboid`, `closed_mesh`, `sampled`; `motion`, `placed`; `penalty`, `impact`; `sweep`, `contact`, `flight` |
-//! | `potential.rs`, `potential/` | a chapter of its own: `gap`, `mollifier`, `pair`, `friction`; `near`, `filter`; `source`, `builder` |
+//! | `potential.rs`, `potential/` | a chapter of its own: `gap`, `mollifier`, `pair`, `friction`; `near`, `patches`, `filter`; `rows`, `bodies`; `last_resort`, `zones`, `hold`; `source`, `builder` |
 //! | `untangle.rs`, `untangle/` | a chapter of its own: `crossing`, `contour`, `pieces` |
 //! | `broad_phase.rs` | what a broad phase is |
 //! | `broad_phase/hierarchy.rs` | the tree of boxes |
 //! | `broad_phase/cells.rs`, `spatial_hash.rs`, `morton_grid.rs` | the cells, and two ways to sort boxes into them |
 //! | `broad_phase/candidates.rs`, `parting.rs`, `order.rs` | from pairs of triangles to pairs of primitives that no plane parts, in order |
 //! | `broad_phase/triangle_pairs.rs` | pairs of triangles within a distance |
-//! | `response.rs` | the response, stage by stage, and why there are stages |
-//! | `response/pair.rs`, `row.rs` | two pieces; a contact as an inequality |
-//! | `response/cloth.rs`, `sleep.rs`, `detect.rs` | the candidates and what is known of them; which of them need no look; which contacts a motion makes |
-//! | `response/impulses.rs`, `solve.rs`, `memory.rs` | impulses for all contacts, with those of the last step as a first guess |
-//! | `response/last_resorts.rs`, `zones.rs`, `sets.rs`, `hold.rs` | rigid zones, and vertices held back |
-//! | `response/builder.rs`, `report.rs` | setting up, and what was done |
+//! | `pair.rs` | two pieces of cloth: where they are nearest, and whether they stay apart on their way |
 //! | `incidence.rs` | which triangle speaks for which vertex and edge |
 //! | `separation.rs` | the measurement |
 //! | `error.rs` | what can be wrong with positions and margins |

@@ -15,8 +15,8 @@
 //! moves the cloth it asks how far the way is safe ([`ContinuousTest`](crate::ContinuousTest)). So what it accepts is free of crossings, and nothing is
 //! left to be repaired afterwards.
 //!
-//! A step begins where the method would begin by itself, as far as the way there is safe; where pins or bodies move, or cloth begins inside a body, where impulses and impact zones
-//! ([`ClothContacts`](crate::ClothContacts)) lead. The end of the step does not depend on that, but for which of several minima is found.
+//! A step begins where the method would begin by itself, as far as the way there is safe; where pins or bodies move, or cloth begins inside a body, where a substep
+//! of the constraints leads. The end of the step does not depend on that, but for which of several minima is found.
 //!
 //! Friction has the normal forces and directions of the start of the step (`friction`): a cloth that lands has none in the step in which it
 //! does.
@@ -25,7 +25,8 @@
 //!
 //! XPBD, PBD and explicit methods get the same potential as constraints in each of their substeps: n·Σ wᵢ xᵢ ≥ h with the compliance 1/(A φ″), a multiplier λ ≥ 0, and friction
 //! within μ λ that remembers where it began to stick. They come last in each sweep. What can touch follows from bounds on the relative motion of patches of the cloth, and at the end of a substep every pair is
-//! tested; what has come too near is swept again, then shortened, then given to impact zones.
+//! tested; what has come too near is swept again, then shortened, then given to the last resort (`last_resort`: pairs pushed apart one by one, impact zones, vertices held
+//! back).
 //!
 //! # Who feels it how
 //!
@@ -38,7 +39,8 @@
 //! | XPBD, PBD | constraints in every substep, last in each sweep |
 //! | XPBD solved directly | constraints after the solve of every substep |
 //! | symplectic and forward Euler | constraints at the end of every substep |
-//! | Newton's method with a factor, limits of strain after a step | neither: impulses and impact zones after the step |
+//! | limits of strain after a step | the method before them feels it; what they change is kept from going through anything |
+//! | Newton's method with a linear solver | not at all: a step with contact is refused, and the quasi-Newton method named |
 //!
 //! # Equation → code
 //!

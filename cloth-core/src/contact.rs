@@ -64,6 +64,18 @@ pub trait ContactSource {
     /// Contact as constraints, for a method that projects positions.
     fn constraints(&mut self) -> &mut dyn ContactConstraints;
 
+    /// Changes `x` (m), to which something else has moved the cloth after a step that ended at `from` (m), so that the straight ways there
+    /// are free of crossings. No time passes: bodies stay, and nothing but what would cross is moved. `inverse_mass` (1/kg) is as in [`ContactStep`].
+    ///
+    /// # Errors
+    /// [`ContactError::NoWay`], [`ContactError::NonFinite`].
+    fn keep_free(
+        &mut self,
+        from: &[Vec3],
+        inverse_mass: &[Real],
+        x: &mut [Vec3],
+    ) -> Result<(), ContactError>;
+
     /// Work (J) that moving bodies did on the cloth in the last step; 0 for a source without any.
     fn work(&self) -> Real {
         0.0

@@ -137,18 +137,19 @@ impl<'a> StepInput<'a> {
         Some(self.contacts.as_mut()?.potential())
     }
 
-    /// The step without contacts, and a step with nothing else: for a method that does more to the cloth after another method, and leaves contact to the end.
+    /// The same step with these contacts lent to it: for a method around another one that goes on with them afterwards.
     #[must_use]
-    pub fn apart(self) -> (Self, Self) {
-        let contact = Self {
-            contacts: self.contacts,
-            ..Self::new(self.dt)
-        };
-        let alone = Self {
-            contacts: None,
-            ..self
-        };
-        (alone, contact)
+    pub fn lend<'b>(self, contacts: Option<&'b mut (dyn ContactSource + 'a)>) -> StepInput<'b>
+    where
+        'a: 'b,
+    {
+        StepInput {
+            dt: self.dt,
+            gravity: self.gravity,
+            load: self.load,
+            contacts: contacts.map(|contacts| contacts as &mut dyn ContactSource),
+            observer: self.observer.map(|observer| observer as &mut dyn Observer),
+        }
     }
 
     /// Acceleration (m/s²) of a vertex of inverse mass `w` (1/kg) by gravity and load; zero for a prescribed vertex.

@@ -472,6 +472,10 @@ struct Noted {
 }
 
 impl ContactSource for Noted {
+    fn keep_free(&mut self, _: &[Vec3], _: &[Real], _: &mut [Vec3]) -> Result<(), ContactError> {
+        Ok(())
+    }
+
     fn potential(&mut self) -> &mut dyn ContactPotential {
         panic!("a method that projects positions wants constraints");
     }

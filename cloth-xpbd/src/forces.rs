@@ -11,7 +11,7 @@ pub struct RowForce<'a> {
     pub index: usize,
     /// The vertices of its element.
     pub vertices: &'a [u32],
-    /// `∂C/∂x` (unit of C per m) at the end of the substep, before contact; one per vertex of the element.
+    /// `∂C/∂x` (unit of C per m) at the end of the substep; one per vertex of the element.
     pub gradient: &'a [Vec3],
     /// `λ/h²` (J per unit of C; N for springs and hinges), positive where it pushes C up: the tension of a spring is its negative.
     pub magnitude: Real,
@@ -30,7 +30,7 @@ impl RowForce<'_> {
 
 /// What the last substep of the last step did, as forces. All are zero before the first step and after one that failed.
 ///
-/// Contact comes after them and is no part of them: they belong to where the sweeps ended, not to where contact left the cloth.
+/// Contact comes last in each sweep and is no part of them.
 ///
 /// They are the mean over the substep, damping included, and as far from the solution as the sweeps left them: with one sweep per substep, λ of a row
 /// is what its one visit made of it.

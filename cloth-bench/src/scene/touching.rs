@@ -160,9 +160,8 @@ pub(super) fn fold(name: &'static str, settings: &Settings) -> Result<Scene, Ben
 /// √(L² − r² θ²) of each other, at a constant rate: for 4 turns at 2.5 cm, 0.63 m around the axis, from 1 m to 0.78 m. On the way there they are nearer than
 /// a helix would have them. An edge of the towel that stayed 5 cm away from the axis would have to be 1.48 m long; so it has to roll up, and contact is all that keeps it from the axis.
 ///
-/// The rope is made of few triangles, so a corner of one layer may catch in another, and there the towel is stretched. That is in the shape, not in a method: it happens with impact zones and with a barrier without friction.
-/// With 33 vertices along (edges as long as the radius of the rope) what a run ends with is chance, strains from 0.2 to 24 % by the number of parts of a step; with 65, and 120 parts or more, one of
-/// six runs with projective dynamics and implicit Euler ended with 3 %, the others below 1.4 %.
+/// The rope is made of few triangles, so a corner of one layer may catch in another, and there the towel is stretched. That is in the shape, not in a method. With 33 vertices
+/// along, edges are as long as the radius of the rope.
 pub(super) fn twist(name: &'static str, settings: &Settings) -> Result<Scene, BenchError> {
     const SIZES: [Real; 2] = [1.0, 0.1];
     /// How long the turning takes (s).

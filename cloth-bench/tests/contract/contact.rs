@@ -30,6 +30,10 @@ impl Refusal {
 }
 
 impl ContactSource for Refusal {
+    fn keep_free(&mut self, _: &[Vec3], _: &[Real], _: &mut [Vec3]) -> Result<(), ContactError> {
+        Ok(())
+    }
+
     fn potential(&mut self) -> &mut dyn ContactPotential {
         self
     }
@@ -115,7 +119,8 @@ fn a_step_that_contact_refuses_has_not_happened() {
         for at_end in [false, true] {
             let reason = reason.clone();
             let mut refusal = Refusal { reason, at_end };
-            let touched = StepInput::new(scene.dt).contacts(&mut refusal);
+            let touched = StepInput::new(scene.dt).gravity(scene.gravity);
+            let touched = touched.contacts(&mut refusal);
             let refused = solver.step(&mut state, touched);
             assert_eq!(refused, Err(expected.clone()), "{}", method.name);
             assert!(state == scene.start, "{}", method.name);

@@ -63,8 +63,7 @@ struct Row {
     least: Real,
     /// Whether it pushes, or is only tested.
     pushes: bool,
-    /// When (0..=1) it comes too near.
-    violated_at: Option<Real>,
+    is_violated: bool,
     /// λ (kg m), and the same of friction.
     lambda: Real,
     friction: Vec3,
@@ -225,7 +224,7 @@ impl Row {
             kept: KEPT * near.distance.min(pair.range),
             least: LEAST * pair.range,
             pushes,
-            violated_at: None,
+            is_violated: false,
             lambda: 0.0,
             friction: Vec3::zeros(),
             origin: sum(&x) - memory.stretch,
@@ -261,35 +260,22 @@ impl Row {
         }
     }
 
-    /// Gives in no more: for a pair that has come too near on its way to `to` (m). It pushes along the line between the nearest points where that happens.
-    fn harden(&mut self, step: &ContactStep<'_>, to: &[Vec3]) {
-        let Some(time) = self.violated_at else {
-            return;
-        };
-        let [from, to] = [step.from, to].map(|x| gather(x, self.vertices));
-        let near = nearest(self.kind, &Motion { from, to }.at(time));
-        if near.distance > 0.0 && true {
-            (self.weights, self.normal) = (near.weights, near.normal);
-            let w = self.vertices.map(|v| step.inverse_mass[v as usize]);
-            self.ease = ease(&self.weights, w);
-            (self.lambda, self.friction) = (0.0, Vec3::zeros());
-            self.origin = self.point(step.from);
-        }
+    /// Gives in no more: for a pair that has come too near.
+    fn harden(&mut self) {
         self.pushes = self.ease > 0.0;
         self.compliance = 0.0;
         let least = self.distance.max(self.least);
         self.range = self.range.min(least);
     }
 
-    /// When (0..=1) the pair comes too near on its way to `to` (m).
-    fn violation(&self, from: &[Vec3], to: &[Vec3]) -> Option<Real> {
+    fn is_safe(&self, from: &[Vec3], to: &[Vec3]) -> bool {
         let motion = Motion {
             from: gather(from, self.vertices),
             to: gather(to, self.vertices),
         };
-        let is_safe = apart_along(self.kind, &self.normal, &motion, self.kept)
-            || motion.is_shift(self.distance);
-        (!is_safe).then(|| first_contact(self.kind, &motion, self.kept))?
+        apart_along(self.kind, &self.normal, &motion, self.kept)
+            || motion.is_shift(self.distance)
+            || first_contact(self.kind, &motion, self.kept).is_none()
     }
 }
 
@@ -381,7 +367,9 @@ impl ContactConstraints for PotentialContacts {
             }
             if round < REPAIRS {
                 for row in &mut self.rows.rows {
-                    row.harden(step, x);
+                    if row.is_violated {
+                        row.harden();
+                    }
                 }
                 self.rows.bodies.harden(self.near.law().range());
                 for _ in 0..REPAIR_SWEEPS {
@@ -500,8 +488,8 @@ impl PotentialContacts {
         self.doubt(step, x);
         let mut count = 0;
         for row in &mut self.rows.rows {
-            row.violated_at = row.violation(step.from, x);
-            count += u32::from(row.violated_at.is_some());
+            row.is_violated = !row.is_safe(step.from, x);
+            count += u32::from(row.is_violated);
         }
         let law = self.near.law();
         let area = &self.near.vertex_area;
@@ -545,7 +533,7 @@ impl PotentialContacts {
             rows.shares.clear();
             rows.shares.resize(x.len(), 1.0);
         }
-        let pairs = rows.rows.iter().filter(|row| row.violated_at.is_some());
+        let pairs = rows.rows.iter().filter(|row| row.is_violated);
         let vertices = pairs.flat_map(|row| row.vertices);
         let shares = &mut rows.shares;
         let mut shorten = |v: u32| {

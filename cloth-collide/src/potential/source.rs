@@ -27,6 +27,8 @@ const LONGEST: Real = 10.0;
 const MOST_ROUNDS: u32 = 10;
 /// Coordinates (m) from which on squares are beyond all numbers.
 const LARGEST: Real = 1e150;
+/// Size (s) of a step in which no body comes far, and no law of contact is stiff.
+const NO_TIME: Real = 1e-12;
 /// Way (in thicknesses) below which friction is a spring.
 const STICKING: Real = 1e-2;
 
@@ -151,6 +153,30 @@ impl ContactSource for PotentialContacts {
 
     fn constraints(&mut self) -> &mut dyn ContactConstraints {
         self
+    }
+
+    fn keep_free(
+        &mut self,
+        from: &[Vec3],
+        inverse_mass: &[Real],
+        x: &mut [Vec3],
+    ) -> Result<(), ContactError> {
+        let step = ContactStep {
+            from,
+            inverse_mass,
+            dt: NO_TIME,
+        };
+        // What the step has done stays what it has done, and bodies are where it has left them.
+        let (work, energy, held) = (self.work, self.energy, self.held);
+        self.begin_step(&step)?;
+        self.begin_substep(&step, x)?;
+        self.end_substep(&step, x)?;
+        let moved = std::mem::take(&mut self.rows.report.shortened) as usize;
+        self.end_step(x);
+        self.is_open = true;
+        self.undo();
+        (self.work, self.energy, self.held) = (work, energy, held + moved);
+        Ok(())
     }
 
     fn work(&self) -> Real {

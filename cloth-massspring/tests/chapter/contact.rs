@@ -21,6 +21,10 @@ struct Pull {
 }
 
 impl ContactSource for Pull {
+    fn keep_free(&mut self, _: &[Vec3], _: &[Real], _: &mut [Vec3]) -> Result<(), ContactError> {
+        Ok(())
+    }
+
     fn potential(&mut self) -> &mut dyn ContactPotential {
         unreachable!("explicit methods want constraints")
     }

@@ -1,7 +1,7 @@
 //! A method whose every step is followed by strain limiting.
 
 use super::{LimitReport, StrainLimiter};
-use cloth_core::contact::{ContactConstraints, ContactStep};
+use cloth_core::contact::ContactSource;
 use cloth_core::math::{Real, Vec3};
 use cloth_core::particles::State;
 use cloth_core::step::{Outcome, StepError, StepInput, StepReport, Stepper};
@@ -10,14 +10,16 @@ use cloth_core::step::{Outcome, StepError, StepInput, StepReport, Stepper};
 ///
 /// The limiter changes positions and velocities behind the method's back. A method that remembers earlier states sees a new start.
 ///
-/// Contact comes with the limits, not with the method: it has the last word in every pass over them, as in every sweep of position based dynamics.
+/// The method feels contact; what the limits change after it is only kept from going through anything. Where that holds vertices back, the report says that the limits were not met.
 pub struct Limited {
     method: Box<dyn Stepper>,
     limiter: StrainLimiter,
     /// The state before the step, to go back to.
     before: State,
-    /// Where the method and the limits alone would take the cloth (m).
-    alone: Vec<Vec3>,
+    /// Where the method has taken the cloth (m).
+    stepped: Vec<Vec3>,
+    /// Where the limits would (m).
+    limited: Vec<Vec3>,
     report: Option<LimitReport>,
 }
 
@@ -29,7 +31,8 @@ impl Limited {
             method,
             limiter,
             before: State::default(),
-            alone: Vec::new(),
+            stepped: Vec::new(),
+            limited: Vec::new(),
             report: None,
         }
     }
@@ -57,18 +60,25 @@ impl Stepper for Limited {
     }
 
     /// The method's report, converged only if the limiter is too.
-    fn step(&mut self, state: &mut State, input: StepInput<'_>) -> Result<StepReport, StepError> {
+    fn step(
+        &mut self,
+        state: &mut State,
+        mut input: StepInput<'_>,
+    ) -> Result<StepReport, StepError> {
         copy(state, &mut self.before);
         let dt = input.dt;
-        let (alone, mut contact) = input.apart();
-        let mut report = self.method.step(state, alone)?;
-        let limited =
-            self.limiter
-                .apply(state, dt)
-                .and_then(|limited| match contact.contact_constraints() {
-                    Some(contacts) => self.touch(contacts, state, dt, limited),
-                    None => Ok(limited),
-                });
+        let mut contacts = input.contacts.take();
+        let mut report = self
+            .method
+            .step(state, input.lend(contacts.as_deref_mut()))?;
+        self.stepped.clone_from(&state.positions);
+        let limited = self
+            .limiter
+            .apply(state, dt)
+            .and_then(|limited| match contacts {
+                Some(contacts) => self.keep_free(contacts, state, dt, limited),
+                None => Ok(limited),
+            });
         match limited {
             Ok(limited) => {
                 if limited.outcome == Outcome::BudgetSpent {
@@ -86,54 +96,37 @@ impl Stepper for Limited {
 }
 
 impl Limited {
-    /// Contact in the step of `dt` (s) that has led to `state` without it, with the limits in turns until both hold.
-    fn touch(
+    /// Keeps what the limits have moved, to `state`, from going through anything.
+    fn keep_free(
         &mut self,
-        contacts: &mut dyn ContactConstraints,
+        contacts: &mut dyn ContactSource,
         state: &mut State,
         dt: Real,
-        mut report: LimitReport,
+        report: LimitReport,
     ) -> Result<LimitReport, StepError> {
-        let refused = |reason| StepError::Contact {
+        if state.positions == self.stepped {
+            return Ok(report);
+        }
+        self.limited.clone_from(&state.positions);
+        let w = &self.limiter.inverse_mass;
+        let kept = contacts.keep_free(&self.stepped, w, &mut state.positions);
+        kept.map_err(|reason| StepError::Contact {
             reason,
             step: self.before.steps + 1,
-        };
-        let limiter = &mut self.limiter;
-        self.alone.clone_from(&state.positions);
-        let x = &mut limiter.x;
-        x.copy_from_slice(&state.positions);
-        let step = ContactStep {
-            from: &self.before.positions,
-            inverse_mass: &limiter.inverse_mass,
-            dt,
-        };
-        contacts.begin_step(&step).map_err(refused)?;
-        contacts.begin_substep(&step, x).map_err(refused)?;
-        contacts.sweep(&step, x);
-        if *x != self.alone {
-            report.outcome = Outcome::BudgetSpent;
-            while report.passes < limiter.max_passes && report.outcome == Outcome::BudgetSpent {
-                report.passes += 1;
-                report.violation = 0.0;
-                for limits in &mut limiter.limits {
-                    let violation = limits.pass(&limiter.inverse_mass, limiter.tolerance, x);
-                    report.violation = report.violation.max(violation);
-                }
-                if report.violation <= limiter.tolerance {
-                    report.outcome = Outcome::Converged;
-                }
-                contacts.sweep(&step, x);
-            }
+        })?;
+        let ways = state.positions.iter().zip(&self.limited);
+        let mut is_limited = true;
+        for (v, (x, limited)) in state.velocities.iter_mut().zip(ways) {
+            is_limited &= x == limited;
+            *v += (x - limited) / dt;
         }
-        contacts.end_substep(&step, x).map_err(refused)?;
-        let ways = limiter.x.iter().zip(&self.alone);
-        for (v, (x, alone)) in state.velocities.iter_mut().zip(ways) {
-            *v += (x - alone) / dt;
-        }
-        contacts.change_velocities(&mut state.velocities);
-        state.positions.copy_from_slice(&limiter.x);
-        contacts.end_step(&state.positions);
-        Ok(report)
+        Ok(LimitReport {
+            outcome: match is_limited {
+                true => report.outcome,
+                false => Outcome::BudgetSpent,
+            },
+            ..report
+        })
     }
 }
 

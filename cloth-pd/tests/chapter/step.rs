@@ -54,6 +54,10 @@ impl Floor {
 }
 
 impl ContactSource for Floor {
+    fn keep_free(&mut self, _: &[Vec3], _: &[Real], _: &mut [Vec3]) -> Result<(), ContactError> {
+        Ok(())
+    }
+
     fn potential(&mut self) -> &mut dyn ContactPotential {
         self
     }

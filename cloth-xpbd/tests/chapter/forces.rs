@@ -2,9 +2,6 @@
 
 use crate::chain::Chain;
 use crate::{GRAVITY, iterations, solver};
-use cloth_core::contact::{
-    ContactConstraints, ContactError, ContactPotential, ContactSource, ContactStep,
-};
 use cloth_core::energy::{Attachment, Spring};
 use cloth_core::math::{Real, Vec3};
 use cloth_core::particles::{Particles, State};
@@ -144,69 +141,4 @@ fn there_is_no_force_before_the_first_step_and_after_one_that_failed() {
     assert_eq!(multipliers, [0.0; 2]);
     solver.vertex_forces_into(&mut forces);
     assert_eq!(forces, [Vec3::zeros(); 3]);
-}
-
-/// Turns the cloth by a quarter about the x axis.
-struct Turn;
-
-impl ContactSource for Turn {
-    fn potential(&mut self) -> &mut dyn ContactPotential {
-        unreachable!("XPBD wants constraints")
-    }
-
-    fn constraints(&mut self) -> &mut dyn ContactConstraints {
-        self
-    }
-}
-
-impl ContactConstraints for Turn {
-    fn begin_step(&mut self, _: &ContactStep<'_>) -> Result<(), ContactError> {
-        Ok(())
-    }
-
-    fn begin_substep(&mut self, _: &ContactStep<'_>, _: &[Vec3]) -> Result<(), ContactError> {
-        Ok(())
-    }
-
-    fn sweep(&mut self, _: &ContactStep<'_>, _: &mut [Vec3]) {}
-
-    fn end_substep(&mut self, _: &ContactStep<'_>, x: &mut [Vec3]) -> Result<(), ContactError> {
-        for x in x {
-            *x = Vec3::new(x.x, -x.z, x.y);
-        }
-        Ok(())
-    }
-
-    fn change_velocities(&mut self, _: &mut [Vec3]) {}
-
-    fn end_step(&mut self, _: &[Vec3]) {}
-}
-
-/// One substep gives `f = M (x − x̃)/h²` at a free vertex of one spring, along the spring as the sweep left it,
-/// whatever contact makes of it.
-#[test]
-fn forces_are_those_of_the_sweeps_and_not_of_where_contact_put_the_cloth() {
-    let h = 0.1;
-    let mut particles = Particles::new(vec![0.05; 2]).unwrap();
-    particles.prescribe(0).unwrap();
-    let spring = Spring {
-        vertices: [0, 1],
-        rest_length: 1.0,
-        stiffness: 80.0,
-    };
-    let builder = XpbdSolver::builder(&particles).energy(vec![spring]);
-    let mut solver = builder.config(iterations(1)).build().unwrap();
-    let mut state = State::at_rest(vec![Vec3::zeros(), -Vec3::z()]);
-    let mut turn = Turn;
-    let input = StepInput::new(h).gravity(GRAVITY).contacts(&mut turn);
-    solver.step(&mut state, input).unwrap();
-    assert_eq!(state.positions[1].z, 0.0);
-    // C = g h² before the sweep, and the tension is C/(1/k + h²/m).
-    let tension = G * h * h / (1.0 / 80.0 + h * h / 0.05);
-    let mut forces = [Vec3::zeros(); 2];
-    solver.vertex_forces_into(&mut forces);
-    for (force, sign) in forces.iter().zip([-1.0, 1.0]) {
-        let error = (force - Vec3::z() * (sign * tension)).norm();
-        assert!(error < 1e-13, "{force}");
-    }
 }
