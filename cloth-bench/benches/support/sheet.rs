@@ -22,7 +22,7 @@ pub(crate) fn shaken(rest: &[Vec3]) -> Vec<Vec3> {
 }
 
 /// XPBD's rule, with substeps of 1 ms.
-#[derive(Debug)]
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct Compliant;
 
 /// λ and α̃.
