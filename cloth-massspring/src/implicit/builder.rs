@@ -66,7 +66,7 @@ impl<S> ImplicitBuilder<S> {
             minimizer,
             base: zeros.clone(),
             predicted: zeros.clone(),
-            before: (zeros.clone(), 0.0),
+            before: (zeros, 0.0),
             damper,
             room: Room::default(),
             particles: self.particles,

@@ -104,7 +104,7 @@ impl DirectXpbd {
         let taken =
             (0..self.config.substeps).try_for_each(|_| self.substep(&mut current, input, &mut sum));
         input.dt = dt;
-        let ended = taken.and_then(|()| {
+        let ended = taken.map(|()| {
             if let Some(contacts) = input.contact_constraints() {
                 contacts.end_step(&current.positions);
             }
@@ -112,7 +112,7 @@ impl DirectXpbd {
             state.velocities.copy_from_slice(&current.velocities);
             state.time += dt;
             state.steps = step;
-            Ok(sum)
+            sum
         });
         self.current = current;
         ended
