@@ -177,7 +177,9 @@ impl Stepper for Descent {
                 inverse_mass: &self.inverse_mass,
                 dt,
             };
-            let touched = self.projection.step(contacts, &taken, CONTACT_SWEEPS, positions, velocities);
+            let touched =
+                self.projection
+                    .step(contacts, &taken, CONTACT_SWEEPS, positions, velocities);
             touched.map_err(|reason| StepError::Contact { reason, step })?;
         }
         if let Some(vertex) = self.next.first_non_finite() {
