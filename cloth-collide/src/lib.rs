@@ -213,4 +213,4 @@ pub use ccd::{ContinuousTest, CoplanarityTest, Impact, Query, QueryKind, Stop};
 pub use closest::{EdgeEdge, PointTriangle, edge_edge, point_triangle};
 pub use error::CollideError;
 pub use intersect::{segment_meets_triangle, triangles_meet};
-pub use separation::{Separation, SeparationProbe};
+pub use separation::{BodyProbe, Separation, SeparationProbe};

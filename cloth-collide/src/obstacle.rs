@@ -46,6 +46,7 @@
 //! - M. Li et al., Incremental potential contact, SIGGRAPH 2020. DOI 10.1145/3386569.3392425. The barrier, its equation (6).
 //! - B. V. Mirtich, *Impulse-based dynamic simulation of rigid body systems*, thesis, Berkeley 1996. Conservative advancement.
 
+mod animated;
 mod capsule;
 mod closed_mesh;
 mod contact;
@@ -62,6 +63,7 @@ mod sphere;
 mod sweep;
 mod work;
 
+pub use animated::AnimatedMesh;
 pub use capsule::Capsule;
 pub use closed_mesh::ClosedMesh;
 pub use contact::{ObstacleContact, ObstacleContacts};

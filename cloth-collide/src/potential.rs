@@ -85,8 +85,10 @@ mod pair;
 mod patches;
 mod quiet;
 mod report;
+mod row;
 mod rows;
 mod source;
+mod surfaces;
 mod tangent;
 mod zones;
 
@@ -95,7 +97,8 @@ pub use gap::Gap;
 pub use mollifier::Mollifier;
 pub use pair::{EdgeEdgeContact, VertexTriangleContact};
 pub use report::ConstraintReport;
-pub use source::{PotentialContacts, PotentialReport};
+pub use source::PotentialReport;
+pub use surfaces::PotentialContacts;
 
 #[cfg(doc)]
 use crate::obstacle::PenaltyLaw;

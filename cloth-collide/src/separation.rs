@@ -1,5 +1,9 @@
 //! How far is the cloth from touching itself, and where it does, how often?
 
+mod bodies;
+
+pub use bodies::BodyProbe;
+
 use crate::bounds::Bounds;
 use crate::broad_phase::TrianglePairs;
 use crate::closest::{edge_edge, point_triangle};

@@ -68,6 +68,17 @@ pub enum ObstacleError {
         /// The signed volume (m³).
         volume: Real,
     },
+    /// An animated surface has no shape to begin with.
+    NoShape,
+    /// The shapes of an animated surface have different numbers of vertices.
+    ShapeSize {
+        /// The first that has another number than shape 0, counted from 0.
+        shape: usize,
+        /// How many it has.
+        found: usize,
+        /// How many shape 0 has.
+        expected: usize,
+    },
     /// A shape without end cannot be sampled on a grid.
     Unbounded,
     /// The grid would have more samples than is allowed.
@@ -119,6 +130,15 @@ impl fmt::Display for ObstacleError {
             Self::InsideOut { volume } => write!(
                 f,
                 "the enclosed volume is {volume} m³: the triangles have to be counter-clockwise seen from outside"
+            ),
+            Self::NoShape => write!(f, "an animated surface needs at least one shape"),
+            Self::ShapeSize {
+                shape,
+                found,
+                expected,
+            } => write!(
+                f,
+                "shape {shape} of an animated surface has {found} vertices, but the first has {expected}"
             ),
             Self::Unbounded => write!(f, "a shape without end cannot be sampled on a grid"),
             Self::TooManySamples { count, limit } => write!(

@@ -1,26 +1,41 @@
 //! Settings of the contact potential, checked.
 
 use super::last_resort::LastResort;
-use super::near::Near;
+use super::near::{Near, Side};
 use super::patches::Patches;
-use super::source::PotentialContacts;
-use crate::obstacle::{ObstacleContacts, PenaltyLaw};
+use super::source::Contacts;
+use super::surfaces::{Motion, PotentialContacts, Surface, Surfaces};
+use crate::obstacle::{AnimatedMesh, ObstacleContacts, PenaltyLaw};
 use cloth_core::math::Real;
 use cloth_core::mesh::TriMesh;
+use cloth_core::mesh::generate::join;
 use cloth_core::step::BuildError;
 
 /// Settings of [`PotentialContacts`], to begin with [`PotentialContacts::builder`].
 #[derive(Clone, Debug)]
 pub struct PotentialBuilder<'a> {
-    pub(super) mesh: &'a TriMesh,
-    pub(super) thickness: Real,
-    pub(super) stiffness: Real,
-    pub(super) friction: Real,
-    pub(super) obstacles: Option<ObstacleContacts>,
-    pub(super) self_collision: bool,
+    mesh: &'a TriMesh,
+    thickness: Real,
+    stiffness: Real,
+    friction: Real,
+    obstacles: Option<ObstacleContacts>,
+    surfaces: Vec<Surface>,
+    self_collision: bool,
 }
 
 impl<'a> PotentialBuilder<'a> {
+    pub(super) fn new(mesh: &'a TriMesh) -> Self {
+        Self {
+            mesh,
+            thickness: 1e-3,
+            stiffness: 1e6,
+            friction: 0.0,
+            obstacles: None,
+            surfaces: Vec::new(),
+            self_collision: true,
+        }
+    }
+
     /// Distance h (m) at which contact begins.
     #[must_use]
     pub fn thickness(mut self, thickness: Real) -> Self {
@@ -49,6 +64,24 @@ impl<'a> PotentialBuilder<'a> {
         self
     }
 
+    /// What obstacle `number` (as [`obstacles`](Self::obstacles) has them, from 0) looks like in its own frame (m): no triangle of the cloth cuts those of `mesh`,
+    /// which may be open and pass through itself. It should lie on the surface of the shape or inside, since the signed distance keeps vertices on its own.
+    #[must_use]
+    pub fn surface(mut self, number: usize, mesh: TriMesh) -> Self {
+        let motion = Motion::Obstacle(number);
+        self.surfaces.push(Surface::new(mesh, motion));
+        self
+    }
+
+    /// A body that has triangles alone, those of `mesh` where `animation` moves its vertices; with a coefficient of `friction` μ (dimensionless). Its time begins
+    /// with the first step.
+    #[must_use]
+    pub fn animated(mut self, mesh: TriMesh, animation: AnimatedMesh, friction: Real) -> Self {
+        let motion = Motion::Own(animation, friction);
+        self.surfaces.push(Surface::new(mesh, motion));
+        self
+    }
+
     /// Whether the cloth touches itself (it does unless told otherwise). If not, nothing is built for it.
     #[must_use]
     pub fn self_collision(mut self, self_collision: bool) -> Self {
@@ -59,7 +92,8 @@ impl<'a> PotentialBuilder<'a> {
     /// Builds the contact source.
     ///
     /// # Errors
-    /// [`BuildError::InvalidSetting`] for a thickness or stiffness that is not positive and finite, or a friction that is negative.
+    /// [`BuildError::InvalidSetting`] for a thickness or stiffness that is not positive and finite, a friction that is negative, the surface of an obstacle that there
+    /// is not, or an animation of another number of vertices than its mesh.
     pub fn build(self) -> Result<PotentialContacts, BuildError> {
         let law = PenaltyLaw::two_stage(self.stiffness, self.thickness).map_err(|_| {
             let is_stiff = self.stiffness > 0.0 && self.stiffness.is_finite();
@@ -74,24 +108,78 @@ impl<'a> PotentialBuilder<'a> {
             }
         })?;
         // Friction is no part of the law of pressure, and checked apart.
-        if !(self.friction >= 0.0 && self.friction.is_finite()) {
-            return Err(BuildError::InvalidSetting {
-                name: "friction of contact",
-                value: self.friction,
-                range: "finite and not negative",
-            });
-        }
-        let near = Near::new(self.mesh, law, self.self_collision);
-        let patches = self.self_collision;
-        let patches = || patches.then(|| Patches::new(self.mesh, &near.piece));
+        checked_friction("friction of contact", self.friction)?;
+        let sides = self.sides()?;
+        let joined = match &self.surfaces[..] {
+            [] => None,
+            surfaces => {
+                let surfaces = surfaces.iter().map(|surface| surface.mesh.clone());
+                let all: Vec<TriMesh> =
+                    std::iter::once(self.mesh.clone()).chain(surfaces).collect();
+                let joined = join(&all).map_err(|_| BuildError::InvalidSetting {
+                    name: "number of vertices of the cloth and the surfaces of bodies",
+                    value: all.iter().map(|mesh| mesh.vertex_count() as Real).sum(),
+                    range: "below 2³²",
+                })?;
+                Some(joined)
+            }
+        };
+        let has_pairs = self.self_collision || joined.is_some();
+        let mesh = joined.as_ref().unwrap_or(self.mesh);
+        let near = Near::new(mesh, law, sides, self.self_collision, self.friction);
+        let patches = || has_pairs.then(|| Patches::new(mesh, &near));
         let patches = [patches(), patches()];
-        let last_resort = LastResort::new(self.mesh, self.thickness, self.self_collision);
-        Ok(PotentialContacts::new(
-            near,
-            patches,
-            self.obstacles,
-            last_resort,
-            self.friction,
-        ))
+        let last_resort = LastResort::new(mesh, self.thickness, has_pairs);
+        let contacts = Contacts::new(near, patches, self.obstacles, last_resort);
+        let surfaces =
+            (joined.is_some()).then(|| Surfaces::new(self.mesh.vertex_count(), self.surfaces));
+        Ok(PotentialContacts { contacts, surfaces })
     }
+
+    /// What each vertex of the surfaces knows of its body.
+    fn sides(&self) -> Result<Vec<Side>, BuildError> {
+        let mut sides = Vec::new();
+        let obstacles = self
+            .obstacles
+            .as_ref()
+            .map_or(&[][..], ObstacleContacts::pairs);
+        for Surface { mesh, motion, .. } in &self.surfaces {
+            let (has_distance, friction) = match motion {
+                Motion::Obstacle(number) => {
+                    let body = obstacles.get(*number);
+                    let (_, law) = body.ok_or(BuildError::InvalidSetting {
+                        name: "number of the obstacle with a surface",
+                        value: *number as Real,
+                        range: "below the number of obstacles",
+                    })?;
+                    (true, law.friction())
+                }
+                Motion::Own(animation, friction) => {
+                    if animation.vertex_count() != mesh.vertex_count() {
+                        return Err(BuildError::InvalidSetting {
+                            name: "number of vertices of an animation",
+                            value: animation.vertex_count() as Real,
+                            range: "that of its mesh",
+                        });
+                    }
+                    (false, checked_friction("friction of a body", *friction)?)
+                }
+            };
+            let side = Side {
+                has_distance,
+                friction,
+            };
+            sides.extend(std::iter::repeat_n(side, mesh.vertex_count()));
+        }
+        Ok(sides)
+    }
+}
+
+/// A coefficient of friction, or why it is none.
+fn checked_friction(name: &'static str, value: Real) -> Result<Real, BuildError> {
+    if value >= 0.0 && value.is_finite() {
+        return Ok(value);
+    }
+    let range = "finite and not negative";
+    Err(BuildError::InvalidSetting { name, value, range })
 }

@@ -13,6 +13,7 @@
 //!   2020: ways bounded by half of the distance.
 
 use super::hold::Hold;
+use super::near::Near;
 use super::rows::KEPT;
 use super::zones::{Zones, make_velocities_rigid, move_rigidly};
 use crate::bounds::mean;
@@ -33,7 +34,7 @@ const MOST_ROUNDS: u32 = 20;
 #[derive(Debug)]
 pub(super) struct LastResort {
     thickness: Real,
-    /// None if the cloth cannot touch itself.
+    /// None if there are no pairs that can touch.
     mesh: Option<TriMesh>,
     /// Made when first needed.
     candidates: Option<ClothCandidates<Hierarchy>>,
@@ -81,10 +82,10 @@ impl Hit {
 }
 
 impl LastResort {
-    pub(super) fn new(mesh: &TriMesh, thickness: Real, self_collision: bool) -> Self {
+    pub(super) fn new(mesh: &TriMesh, thickness: Real, has_pairs: bool) -> Self {
         Self {
             thickness,
-            mesh: self_collision.then(|| mesh.clone()),
+            mesh: has_pairs.then(|| mesh.clone()),
             candidates: None,
             zones: Zones::default(),
             hold: Hold::default(),
@@ -103,6 +104,7 @@ impl LastResort {
     /// [`ContactError::NoWay`], [`ContactError::NonFinite`]; `x` and `v` are of no use then.
     pub(super) fn resolve(
         &mut self,
+        near: &Near,
         bodies: Option<&ObstacleContacts>,
         step: &ContactStep<'_>,
         x: &mut [Vec3],
@@ -111,7 +113,7 @@ impl LastResort {
         self.work.begin(bodies, v);
         self.ways.resize(x.len(), Vec3::zeros());
         for _ in 0..PUSHES {
-            self.look(bodies, step, x)?;
+            self.look(near, bodies, step, x)?;
             if self.is_free() {
                 break;
             }
@@ -121,7 +123,7 @@ impl LastResort {
         self.free.clear();
         self.free.extend_from_slice(x);
         for _ in 0..MOST_ROUNDS {
-            self.look(bodies, step, x)?;
+            self.look(near, bodies, step, x)?;
             let zones = &mut self.zones;
             let joined = self
                 .hits
@@ -152,11 +154,11 @@ impl LastResort {
         for zone in self.zones.each() {
             make_velocities_rigid(zone, x, v, step.inverse_mass);
         }
-        self.look(bodies, step, x)?;
+        self.look(near, bodies, step, x)?;
         let held = if self.is_free() {
             0
         } else {
-            self.hold_back(bodies, step, x, v)?
+            self.hold_back(near, bodies, step, x, v)?
         };
         let numbers = x.iter().zip(v.iter());
         let mut finite =
@@ -180,6 +182,7 @@ impl LastResort {
     /// Holds vertices back until nothing passes through anything. Returns how many.
     fn hold_back(
         &mut self,
+        near: &Near,
         bodies: Option<&ObstacleContacts>,
         step: &ContactStep<'_>,
         x: &mut [Vec3],
@@ -188,11 +191,14 @@ impl LastResort {
         self.free.copy_from_slice(x);
         self.hold.start(step);
         while !self.is_free() {
-            self.hold.learn(pairs(self.candidates.as_ref()), step);
+            let all = pairs(self.candidates.as_ref());
+            self.hold
+                .learn(all.filter(|pair| near.meets(pair.vertices)), step);
             let mut vertex = 0;
             let mut newly_held = 0;
             for hit in &self.hits {
-                vertex = hit.pair.vertices[0];
+                // The vertices of bodies have the last numbers.
+                vertex = hit.pair.vertices.into_iter().min().unwrap_or_default();
                 newly_held += self.hold.pair(hit.pair.vertices, step, x);
             }
             for &(entering, _) in &self.entering {
@@ -202,7 +208,7 @@ impl LastResort {
             if newly_held == 0 {
                 return Err(ContactError::NoWay { vertex });
             }
-            self.look(bodies, step, x)?;
+            self.look(near, bodies, step, x)?;
         }
         for ((v, x), free) in v.iter_mut().zip(x).zip(&self.free) {
             *v += (*x - free) / step.dt;
@@ -213,6 +219,7 @@ impl LastResort {
     /// Finds what is not free on the way to `x` (m).
     fn look(
         &mut self,
+        near: &Near,
         bodies: Option<&ObstacleContacts>,
         step: &ContactStep<'_>,
         x: &[Vec3],
@@ -231,6 +238,7 @@ impl LastResort {
             found.map_err(|_| ContactError::NonFinite { vertex: 0 })?;
             let thickness = self.thickness;
             let all = pairs(self.candidates.as_ref());
+            let all = all.filter(|pair| near.meets(pair.vertices));
             self.hits
                 .extend(all.filter_map(|pair| hit(pair, thickness, step, x)));
         }
@@ -239,14 +247,15 @@ impl LastResort {
             return Ok(());
         };
         for (vertex, (&from, &to)) in (0u32..).zip(step.from.iter().zip(x)) {
+            if step.inverse_mass[vertex as usize] == 0.0 {
+                continue;
+            }
             for number in 0..bodies.pairs().len() {
                 // Only where it can come near at all.
                 let Some(contact) = bodies.contact_of(number, vertex, [from, to], step.dt) else {
                     continue;
                 };
-                if step.inverse_mass[vertex as usize] > 0.0
-                    && self.enters(bodies, number, [from, to], step.dt)
-                {
+                if self.enters(bodies, number, [from, to], step.dt) {
                     let missing = contact.offset - contact.normal.dot(&to);
                     self.entering
                         .push((vertex, contact.normal * missing.max(0.0)));

@@ -5,13 +5,29 @@ use crate::broad_phase::{ClothCandidates, Hierarchy};
 use crate::error::CollideError;
 use crate::incidence::{edge_numbers, pieces};
 use crate::obstacle::PenaltyLaw;
+use cloth_core::contact::ContactStep;
 use cloth_core::math::{Real, Vec3, gather};
 use cloth_core::mesh::TriMesh;
 
-/// Areas, laws and freedom of the parts of a cloth.
+/// What a vertex of a body's surface knows of its body.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Side {
+    /// Whether a signed distance keeps the vertices of the cloth out as well.
+    pub(super) has_distance: bool,
+    /// Coefficient of friction μ (dimensionless).
+    pub(super) friction: Real,
+}
+
+/// Areas, laws and freedom of the parts of a cloth, and of the surfaces of bodies behind it.
 #[derive(Debug)]
 pub(super) struct Near {
     law: PenaltyLaw,
+    /// Number of vertices of the cloth; what follows are those of surfaces of bodies.
+    pub(super) cloth: usize,
+    surfaces: Vec<Side>,
+    self_collision: bool,
+    /// Coefficient μ of cloth on cloth (dimensionless).
+    friction: Real,
     /// A third of the rest area of the triangles around each vertex, and around each edge (m²).
     pub(super) vertex_area: Vec<Real>,
     pub(super) edge_area: Vec<Real>,
@@ -27,7 +43,14 @@ pub(super) struct Near {
 }
 
 impl Near {
-    pub(super) fn new(mesh: &TriMesh, law: PenaltyLaw, self_collision: bool) -> Self {
+    /// Of a mesh that ends with the vertices of `surfaces`.
+    pub(super) fn new(
+        mesh: &TriMesh,
+        law: PenaltyLaw,
+        surfaces: Vec<Side>,
+        self_collision: bool,
+        friction: Real,
+    ) -> Self {
         let (edges, triangle_edges) = edge_numbers(mesh.triangles());
         let mut vertex_area = vec![0.0; mesh.vertex_count()];
         let mut edge_area = vec![0.0; edges.len()];
@@ -38,8 +61,14 @@ impl Near {
                 edge_area[*edge as usize] += area / 3.0;
             }
         }
+        let cloth = mesh.vertex_count() - surfaces.len();
+        let any = self_collision || !surfaces.is_empty();
         Self {
             law,
+            cloth,
+            surfaces,
+            self_collision,
+            friction,
             vertex_area,
             edge_area,
             rest: mesh.positions().to_vec(),
@@ -47,7 +76,7 @@ impl Near {
             is_free: vec![true; mesh.vertex_count()],
             resting: Vec::new(),
             is_resting: vec![false; mesh.vertex_count()],
-            candidates: self_collision.then(|| ClothCandidates::new(mesh, Hierarchy::new())),
+            candidates: any.then(|| ClothCandidates::new(mesh, Hierarchy::new())),
         }
     }
 
@@ -77,6 +106,20 @@ impl Near {
             is_resting[v]
         });
         self.resting.len() < count
+    }
+
+    /// What there is of the cloth alone.
+    pub(super) fn own<'a>(&self, of_all: &'a [Vec3]) -> &'a [Vec3] {
+        &of_all[..self.cloth]
+    }
+
+    /// The same of a step.
+    pub(super) fn own_step<'a>(&self, step: &ContactStep<'a>) -> ContactStep<'a> {
+        ContactStep {
+            from: &step.from[..self.cloth],
+            inverse_mass: &step.inverse_mass[..self.cloth],
+            dt: step.dt,
+        }
     }
 
     pub(super) fn law(&self) -> PenaltyLaw {
@@ -110,20 +153,81 @@ impl Near {
         let crossing = self.candidates.iter().flat_map(|candidates| {
             let triangles = candidates.triangles();
             let pairs = candidates.triangle_pairs().iter();
+            let corners = |t: u32| triangles[t as usize];
+            let pairs = pairs.filter(move |pair| {
+                let [a, b] = pair.map(corners);
+                let is_free = a.iter().chain(&b).any(|&v| self.is_free[v as usize]);
+                self.patches_meet([a[0], b[0]])
+                    && (is_free || self.is_own(a[0]) && self.is_own(b[0]))
+            });
             pairs.filter(|pair| meet(pair.map(|t| triangles[t as usize]), x))
         });
         crossing.count()
     }
 
+    fn is_own(&self, vertex: u32) -> bool {
+        (vertex as usize) < self.cloth
+    }
+
+    /// The surface that a vertex is of, if it is not of the cloth.
+    fn side(&self, vertex: u32) -> Option<Side> {
+        self.surfaces
+            .get((vertex as usize).wrapping_sub(self.cloth))
+            .copied()
+    }
+
+    /// Whether pieces of the mesh with these vertices can touch: bodies do not touch each other.
+    pub(super) fn patches_meet(&self, vertices: [u32; 2]) -> bool {
+        match vertices.map(|v| self.is_own(v)) {
+            [true, true] => self.self_collision,
+            [false, false] => false,
+            _ => true,
+        }
+    }
+
+    /// Whether a pair is looked at: not if nothing in it moves, and no prescribed vertices before bodies, which can be where they please.
+    pub(super) fn meets(&self, vertices: [u32; 4]) -> bool {
+        if self.surfaces.is_empty() || vertices.iter().all(|&v| self.is_own(v)) {
+            let rests = vertices.iter().all(|&v| self.is_resting[v as usize]);
+            return self.self_collision && !rests;
+        }
+        vertices.iter().any(|&v| self.is_free[v as usize])
+    }
+
+    /// Coefficient of friction μ (dimensionless) of a pair.
+    pub(super) fn friction(&self, vertices: [u32; 4]) -> Real {
+        let sides = [vertices[0], vertices[3]].map(|v| self.side(v));
+        let side = sides.into_iter().flatten().next();
+        side.map_or(self.friction, |side| side.friction)
+    }
+
+    /// The area (m²) that a vertex stands for before a triangle: that of a body has no more than the vertices of the cloth there.
+    pub(super) fn area_before(&self, vertex: u32, corners: [u32; 3]) -> Real {
+        let area = |v: u32| self.vertex_area[v as usize];
+        if self.is_own(vertex) {
+            return area(vertex);
+        }
+        area(vertex).min(corners.map(area).iter().sum::<Real>() / 3.0)
+    }
+
     /// The law of a pair: for two parts of one piece it begins no farther than they are apart at rest, so that nothing is pushed away from its
     /// rest.
+    ///
+    /// Cloth before a body is pressed by its own vertices, which know the area that they stand for. What else there is of the two, edges and the vertices of the
+    /// body, pushes from half of the thickness on: nothing as long as the vertices do what is needed.
     pub(super) fn law_of(
         &self,
         vertices: [u32; 4],
+        is_vertex: bool,
         distance: impl Fn(&[Vec3; 4]) -> Real,
     ) -> PenaltyLaw {
-        let [a, .., d] = vertices.map(|v| self.piece[v as usize]);
-        if a != d {
+        let [a, .., d] = vertices;
+        match (self.side(a), self.side(d)) {
+            (None, None) => {}
+            (None, Some(side)) if is_vertex && !side.has_distance => return self.law,
+            _ => return self.law.with_range(0.5 * self.law.range()),
+        }
+        if self.piece[a as usize] != self.piece[d as usize] {
             return self.law;
         }
         let rest = distance(&gather(&self.rest, vertices));

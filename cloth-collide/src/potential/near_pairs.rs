@@ -44,13 +44,13 @@ impl NearPairs {
     }
 
     /// Begins a step at `x` (m): obstacles may have moved, and the cloth if it does not `go_on` from where it was.
-    pub(super) fn begin(&mut self, x: &[Vec3], goes_on: bool) {
+    pub(super) fn begin(&mut self, x: &[Vec3], is_resting: &[bool], goes_on: bool) {
         self.is_chosen = false;
         self.choices = 0;
         if let Some(patches) = &mut self.patches {
             (patches.searches, patches.detections) = (0, 0);
             if !goes_on {
-                patches.forget(x);
+                patches.forget(x, is_resting);
             }
         }
     }
@@ -154,7 +154,7 @@ impl NearPairs {
     fn choose_obstacles(&mut self, near: &Near, obstacles: &[Obstacle]) {
         self.vertex_obstacle.clear();
         let h = near.law().range();
-        for (vertex, (x, reach)) in (0u32..).zip(self.place.iter().zip(&self.reach)) {
+        for (vertex, (x, reach)) in (0u32..).zip(self.place[..near.cloth].iter().zip(&self.reach)) {
             if !near.is_free[vertex as usize] {
                 continue;
             }
@@ -196,12 +196,13 @@ mod tests {
     fn no_near_pair_is_missed_on_any_way() {
         let mesh = sheet(9);
         let (edges, _) = edge_numbers(mesh.triangles());
-        let near = Near::new(&mesh, PenaltyLaw::two_stage(1e6, 0.02).unwrap(), true);
+        let law = PenaltyLaw::two_stage(1e6, 0.02).unwrap();
+        let near = Near::new(&mesh, law, Vec::new(), true, 0.0);
         let mut random = Random::new(5);
         let mut touching = 0;
         for (_, start) in deformed(&mesh).into_iter().take(5) {
-            let mut pairs = NearPairs::new(Some(Patches::new(&mesh, &near.piece)));
-            pairs.begin(&start, false);
+            let mut pairs = NearPairs::new(Some(Patches::new(&mesh, &near)));
+            pairs.begin(&start, &near.is_resting, false);
             let mut from = start.clone();
             let mut last = vec![Vec3::zeros(); start.len()];
             for round in 0..80 {
@@ -237,7 +238,7 @@ mod tests {
                         for vertex in (0..x.len() as u32).filter(|v| ![a, b, c].contains(v)) {
                             let vertices = [vertex, a, b, c];
                             let of = |x: &[Vec3; 4]| Gap::vertex_triangle(x).distance;
-                            let range = near.law_of(vertices, of).range();
+                            let range = near.law_of(vertices, true, of).range();
                             if of(&gather(&x, vertices)) < range {
                                 touching += 1;
                                 assert!(kept.contains(&vertices), "round {round}: {vertices:?}");
@@ -251,7 +252,7 @@ mod tests {
                             }
                             let vertices = [a, b, c, d];
                             let of = |x: &[Vec3; 4]| Gap::edge_edge(x).distance;
-                            let range = near.law_of(vertices, of).range();
+                            let range = near.law_of(vertices, false, of).range();
                             if of(&gather(&x, vertices)) < range {
                                 let other = [c, d, a, b];
                                 let known =
@@ -282,10 +283,11 @@ mod tests {
     #[test]
     fn cloth_that_flies_is_looked_at_once() {
         let mesh = sheet(33);
-        let near = Near::new(&mesh, PenaltyLaw::two_stage(1e6, 2e-3).unwrap(), true);
-        let mut pairs = NearPairs::new(Some(Patches::new(&mesh, &near.piece)));
+        let law = PenaltyLaw::two_stage(1e6, 2e-3).unwrap();
+        let near = Near::new(&mesh, law, Vec::new(), true, 0.0);
+        let mut pairs = NearPairs::new(Some(Patches::new(&mesh, &near)));
         let mut x = mesh.positions().to_vec();
-        pairs.begin(&x, false);
+        pairs.begin(&x, &near.is_resting, false);
         let mut searches = [0; 2];
         for step in 0..100 {
             let fall = Vec3::z() * (-9.81 / 3600.0 * Real::from(step));
@@ -294,7 +296,7 @@ mod tests {
             let [among, between] = pairs.searches();
             searches = [searches[0] + among, searches[1] + between];
             x = to;
-            pairs.begin(&x, true);
+            pairs.begin(&x, &near.is_resting, true);
         }
         assert_eq!(searches[0], 1);
         let patches = pairs.patches.as_ref().unwrap();

@@ -94,6 +94,10 @@ pub(super) struct Place {
 
 #[derive(Debug)]
 pub(super) struct Patches {
+    /// Patches of the cloth; the others are those of bodies.
+    cloth: usize,
+    /// Patches of prescribed vertices that have not moved.
+    rests: Vec<bool>,
     triangles: Vec<[u32; 3]>,
     edges: Vec<[u32; 2]>,
     triangle_edges: Vec<[u32; 3]>,
@@ -137,6 +141,8 @@ pub(super) struct Patches {
     /// Pairs of patches that the motion at hand asks for.
     looks: Vec<Look>,
     is_known: bool,
+    /// Whether patches have been where they rest now.
+    is_placed: bool,
     /// Number of the substep.
     substep: u32,
     /// Pairs of patches that were looked into in this substep.
@@ -147,11 +153,13 @@ pub(super) struct Patches {
 }
 
 impl Patches {
-    pub(super) fn new(mesh: &TriMesh, piece: &[u32]) -> Self {
+    pub(super) fn new(mesh: &TriMesh, near: &Near) -> Self {
+        let piece = &near.piece[..];
         let (edges, triangle_edges) = edge_numbers(mesh.triangles());
         let x = mesh.positions();
         let length = |[a, b]: &[u32; 2]| (x[*a as usize] - x[*b as usize]).norm();
-        let edge = edges.iter().map(length).sum::<Real>() / edges.len().max(1) as Real;
+        let own = || edges.iter().filter(|ends| (ends[0] as usize) < near.cloth);
+        let edge = own().map(length).sum::<Real>() / own().count().max(1) as Real;
         let middle = |t: u32| gather(x, mesh.triangles()[t as usize]).iter().sum::<Vec3>() / 3.0;
         let mut all: Vec<u32> = (0..mesh.triangle_count() as u32).collect();
         all.sort_by_key(|&t| piece[mesh.triangles()[t as usize][0] as usize]);
@@ -166,8 +174,11 @@ impl Patches {
                 members.push((triangles.to_vec(), vertices));
             });
         }
+        let is_own = |(_, vertices): &&(Vec<u32>, Vec<u32>)| (vertices[0] as usize) < near.cloth;
         let nothing = vec![Bounds::around([Vec3::zeros()]); members.len()];
         Self {
+            cloth: members.iter().take_while(is_own).count(),
+            rests: vec![false; members.len()],
             triangles: mesh.triangles().to_vec(),
             edges,
             triangle_edges,
@@ -202,6 +213,7 @@ impl Patches {
             spare: Vec::new(),
             looks: Vec::new(),
             is_known: false,
+            is_placed: false,
             substep: 0,
             awake: 0,
             searches: 0,
@@ -210,7 +222,10 @@ impl Patches {
     }
 
     /// Forgets the motion so far, for a cloth that is at `x` (m) now and was elsewhere before.
-    pub(super) fn forget(&mut self, x: &[Vec3]) {
+    pub(super) fn forget(&mut self, x: &[Vec3], is_resting: &[bool]) {
+        for (rests, (_, vertices)) in self.rests.iter_mut().zip(&self.members) {
+            *rests = vertices.iter().all(|&v| is_resting[v as usize]);
+        }
         for (p, (_, vertices)) in self.members.iter().enumerate() {
             let places = self.reference[p].iter_mut().zip(vertices);
             places.for_each(|(place, &v)| *place = x[v as usize]);
@@ -221,6 +236,7 @@ impl Patches {
             zeros.clear();
             zeros.resize(self.members.len(), 0.0);
         }
+        self.is_placed = false;
         self.place(x);
         self.is_known = false;
     }
@@ -339,24 +355,35 @@ impl Patches {
     /// Takes `x` (m) for the start of the substep.
     pub(super) fn place(&mut self, x: &[Vec3]) {
         let mut now = std::mem::take(&mut self.now);
-        now.clear();
+        now.resize(self.members.len());
         for (p, (_, vertices)) in self.members.iter().enumerate() {
+            if self.rests[p] && self.is_placed {
+                continue;
+            }
             let centre = middle(vertices, x);
             let way = centre - self.reference_centres[p];
             let places = vertices.iter().zip(&self.reference[p]);
             let besides = places.map(|(&v, from)| (x[v as usize] - from - way).norm_squared());
             let most = besides.fold(0.0, Real::max).sqrt();
-            now.push(centre, self.reference_spreads[p] + most);
+            now.centres[p] = centre;
+            now.spreads[p] = self.reference_spreads[p] + most;
         }
-        now.finish();
+        now.finish(self.cloth);
+        self.is_placed = true;
         self.now = now;
     }
 
     /// Looks at the motion from the start of the substep, `x`, to `to` (m).
     fn measure(&mut self, x: &[Vec3], to: &[Vec3]) {
         let mut then = std::mem::take(&mut self.then);
-        then.clear();
+        then.resize(self.members.len());
         for (p, (_, vertices)) in self.members.iter().enumerate() {
+            if self.rests[p] {
+                then.centres[p] = self.now.centres[p];
+                then.spreads[p] = self.now.spreads[p];
+                self.ways[p] = 0.0;
+                continue;
+            }
             let centre = middle(vertices, to);
             let since = centre - self.reference_centres[p];
             let way = centre - self.now.centres[p];
@@ -366,10 +393,11 @@ impl Patches {
                 spread = spread.max((to - from - since).norm_squared());
                 besides = besides.max((to - x[v as usize] - way).norm_squared());
             }
-            then.push(centre, self.reference_spreads[p] + spread.sqrt());
+            then.centres[p] = centre;
+            then.spreads[p] = self.reference_spreads[p] + spread.sqrt();
             self.ways[p] = besides.sqrt();
         }
-        then.finish();
+        then.finish(self.cloth);
         let (now, ways) = (&self.now, &self.ways);
         let shift = then.mean - now.mean;
         then.paths.clear();
@@ -486,6 +514,9 @@ impl Patches {
         self.hierarchy.overlapping(&self.inflated, &mut self.found);
         let own = (0..self.members.len() as u32).map(|p| [p, p]);
         self.found.extend(own);
+        let members = &self.members;
+        let meet = |pair: &[u32; 2]| near.patches_meet(pair.map(|p| members[p as usize].1[0]));
+        self.found.retain(meet);
         self.found.sort_unstable();
         self.searched.copy(&self.now);
         std::mem::swap(&mut self.pairs, &mut self.before);

@@ -14,14 +14,15 @@
 //! sweeps without compliance; then its vertices go back on their way; and what is left even then is for impact zones.
 
 use super::bodies::Bodies;
-use super::patches::{Known, Memory, NearPair, Patches, Place, TooFar};
+use super::near::Near;
+use super::patches::{Memory, NearPair, Patches, TooFar};
 use super::quiet::Quiet;
 use super::report::ConstraintReport;
-use super::source::PotentialContacts;
-use super::tangent::{Tangent, hold, stretch};
-use crate::ccd::QueryKind;
-use crate::obstacle::{ObstacleContacts, PenaltyLaw};
-use crate::pair::{Motion, Nearest, apart_along, first_contact, gap_along, nearest};
+use super::row::{Parted, Row};
+use super::source::Contacts;
+use super::tangent::stretch;
+use crate::obstacle::ObstacleContacts;
+use crate::pair::gap_along;
 use cloth_core::contact::{ContactConstraints, ContactError, ContactStep};
 use cloth_core::math::{Real, Vec3, gather, is_finite};
 
@@ -31,8 +32,6 @@ pub(super) const SLACK: Real = 0.05;
 pub(super) const KEPT: Real = 0.1;
 /// Distances (in ranges) below which the law is that of this distance; and what a pair that is nearer comes back to when it has to.
 pub(super) const LEAST: Real = 0.05;
-/// Travel of patches (in thicknesses) during which the nearest points of two pieces stay what they are.
-const PERSISTENT: Real = 0.02;
 /// Rounds of sweeps without compliance, and sweeps in each.
 const REPAIRS: u32 = 3;
 const REPAIR_SWEEPS: u32 = 5;
@@ -42,45 +41,6 @@ const ROUNDS: u32 = 12;
 
 /// Sweeps that lead the start of a minimisation.
 const LEADING_SWEEPS: u32 = 10;
-
-/// A pair that can touch in this substep.
-#[derive(Clone, Copy, Debug)]
-struct Row {
-    place: Place,
-    kind: QueryKind,
-    vertices: [u32; 4],
-    weights: [Real; 4],
-    normal: Vec3,
-    /// At the start of the substep (m).
-    distance: Real,
-    /// d̂ (m), and α̃ (1/kg).
-    range: Real,
-    compliance: Real,
-    /// Σ wᵢ²/mᵢ (1/kg).
-    ease: Real,
-    /// Distance (m) to keep, and to come back to.
-    kept: Real,
-    least: Real,
-    /// Whether it pushes, or is only tested.
-    pushes: bool,
-    is_violated: bool,
-    /// λ (kg m), and the same of friction.
-    lambda: Real,
-    friction: Vec3,
-    /// Σ wᵢ xᵢ (m) where it sticks.
-    origin: Vec3,
-}
-
-/// A pair that a plane keeps apart in the predicted motion.
-#[derive(Clone, Copy, Debug)]
-struct Parted {
-    place: Place,
-    kind: QueryKind,
-    vertices: [u32; 4],
-    normal: Vec3,
-    /// Distance (m) to keep.
-    kept: Real,
-}
 
 /// What the constraints know.
 #[derive(Debug)]
@@ -124,162 +84,39 @@ impl Rows {
     }
 
     /// Forgets everything about earlier steps: the cloth starts at `from` (m), before so many bodies.
-    fn start_anew(&mut self, from: &[Vec3], bodies: usize) {
+    fn start_anew(&mut self, near: &Near, from: &[Vec3], bodies: usize) {
         self.quiet.end(|_| ());
-        self.bodies.forget(from.len(), bodies);
+        self.bodies.forget(near.cloth, bodies);
         if let Some(patches) = &mut self.patches {
-            patches.forget(from);
+            patches.forget(from, &near.is_resting);
         }
     }
 
-    fn sweep(&mut self, friction: Real, w: &[Real], x: &mut [Vec3]) {
-        for row in &mut self.rows {
-            if row.pushes {
-                row.project(friction, w, x);
-            }
-        }
-    }
-}
-
-/// Σ wᵢ²/mᵢ (1/kg).
-fn ease(weights: &[Real; 4], w: [Real; 4]) -> Real {
-    (0..4).map(|k| weights[k] * weights[k] * w[k]).sum()
-}
-
-impl Row {
-    /// Of a pair at `x` (m), in a substep of `dt` (s) in which it would go to `to` (m).
-    fn new(
-        place: Place,
-        (pair, memory): (&NearPair, &mut Memory),
-        law: PenaltyLaw,
-        step: &ContactStep<'_>,
-        to: &[Vec3],
-        travel: Option<Real>,
-        mollified: impl Fn(&NearPair, &[Vec3; 4]) -> Real,
-    ) -> Self {
-        let x = gather(step.from, pair.vertices);
-        let fresh =
-            |known: &Known| travel.is_some_and(|t| t - known.travel <= PERSISTENT * law.range());
-        let known = memory.known.filter(fresh);
-        let near = match known {
-            Some(Known {
-                weights, normal, ..
-            }) => {
-                let sum: Vec3 = (0..4).map(|k| x[k] * weights[k]).sum();
-                let distance = normal.dot(&sum);
-                Nearest {
-                    weights,
-                    normal,
-                    distance,
+    /// Work (J) of what is prescribed, on its way to `x` (m), against the forces λ n wᵢ/h² of the rows.
+    fn work_of_prescribed(&self, step: &ContactStep<'_>, x: &[Vec3]) -> Real {
+        let mut sum = 0.0;
+        for row in self.rows.iter().filter(|row| row.lambda > 0.0) {
+            let push = row.normal * row.lambda + row.friction;
+            for (v, weight) in row.vertices.iter().zip(row.weights) {
+                let v = *v as usize;
+                if step.inverse_mass[v] == 0.0 {
+                    sum -= push.dot(&(x[v] - step.from[v])) * weight;
                 }
             }
-            None => nearest(pair.kind, &x),
-        };
-        let to = gather(to, pair.vertices);
-        let sum = |x: &[Vec3; 4]| -> Vec3 { (0..4).map(|k| x[k] * near.weights[k]).sum() };
-        let approach = near.distance - near.normal.dot(&sum(&to));
-        let w = pair.vertices.map(|v| step.inverse_mass[v as usize]);
-        let ease = ease(&near.weights, w);
-        let comes = near.distance - approach.max(0.0) < pair.range + SLACK * law.range();
-        let faces = near.distance < pair.range || !near.is_at_boundary();
-        let mut pushes = comes && faces && ease > 0.0;
-        let mut tangent = Tangent {
-            range: pair.range,
-            stiffness: 0.0,
-        };
-        if pushes {
-            let area = match (known, pair.kind) {
-                (Some(known), _) => known.area,
-                (None, QueryKind::VertexTriangle) => pair.area,
-                (None, QueryKind::EdgeEdge) => pair.area * mollified(pair, &x),
-            };
-            if known.is_none() {
-                let (weights, normal) = (near.weights, near.normal);
-                memory.known = travel.map(|travel| Known {
-                    weights,
-                    normal,
-                    area,
-                    travel,
-                });
+        }
+        sum / (step.dt * step.dt)
+    }
+
+    fn sweep(&mut self, w: &[Real], x: &mut [Vec3]) {
+        for row in &mut self.rows {
+            if row.pushes {
+                row.project(w, x);
             }
-            tangent = Tangent::of(law.with_range(pair.range), area, near.distance);
-            pushes = tangent.stiffness > 0.0;
-        } else {
-            memory.stretch = Vec3::zeros();
         }
-        Self {
-            place,
-            kind: pair.kind,
-            vertices: pair.vertices,
-            weights: near.weights,
-            normal: near.normal,
-            distance: near.distance,
-            range: tangent.range,
-            compliance: if pushes {
-                tangent.compliance(step.dt)
-            } else {
-                0.0
-            },
-            ease,
-            kept: KEPT * near.distance.min(pair.range),
-            least: LEAST * pair.range,
-            pushes,
-            is_violated: false,
-            lambda: 0.0,
-            friction: Vec3::zeros(),
-            origin: sum(&x) - memory.stretch,
-        }
-    }
-
-    fn point(&self, x: &[Vec3]) -> Vec3 {
-        let ends = self.vertices.iter().zip(self.weights);
-        ends.map(|(v, w)| x[*v as usize] * w).sum()
-    }
-
-    #[inline]
-    fn project(&mut self, friction: Real, w: &[Real], x: &mut [Vec3]) {
-        let point = self.point(x);
-        let value = self.normal.dot(&point) - self.range;
-        if value >= 0.0 && self.lambda == 0.0 {
-            return;
-        }
-        let change = -(value + self.compliance * self.lambda) / (self.ease + self.compliance);
-        let lambda = (self.lambda + change).max(0.0);
-        let mut push = self.normal * (lambda - self.lambda);
-        self.lambda = lambda;
-        if friction > 0.0 {
-            let slip = point - self.origin;
-            let slip = slip - self.normal * self.normal.dot(&slip);
-            let held = hold(self.friction - slip / self.ease, friction * lambda);
-            push += held - self.friction;
-            self.friction = held;
-        }
-        for (v, weight) in self.vertices.iter().zip(self.weights) {
-            let v = *v as usize;
-            x[v] += push * (weight * w[v]);
-        }
-    }
-
-    /// Gives in no more: for a pair that has come too near.
-    fn harden(&mut self) {
-        self.pushes = self.ease > 0.0;
-        self.compliance = 0.0;
-        let least = self.distance.max(self.least);
-        self.range = self.range.min(least);
-    }
-
-    fn is_safe(&self, from: &[Vec3], to: &[Vec3]) -> bool {
-        let motion = Motion {
-            from: gather(from, self.vertices),
-            to: gather(to, self.vertices),
-        };
-        apart_along(self.kind, &self.normal, &motion, self.kept)
-            || motion.is_shift(self.distance)
-            || first_contact(self.kind, &motion, self.kept).is_none()
     }
 }
 
-impl ContactConstraints for PotentialContacts {
+impl ContactConstraints for Contacts {
     fn begin_step(&mut self, step: &ContactStep<'_>) -> Result<(), ContactError> {
         let goes_on = self.check_start(step)?;
         self.before.clear();
@@ -293,7 +130,7 @@ impl ContactConstraints for PotentialContacts {
         rows.by_zones = false;
         rows.led.clear();
         if !goes_on || rows.safe != step.from {
-            rows.start_anew(step.from, self.before.len());
+            rows.start_anew(&self.near, step.from, self.before.len());
         }
         Ok(())
     }
@@ -304,7 +141,8 @@ impl ContactConstraints for PotentialContacts {
         predicted: &[Vec3],
     ) -> Result<(), ContactError> {
         if self.near.sets_out(step.from, predicted) {
-            self.rows.start_anew(step.from, self.before.len());
+            self.rows
+                .start_anew(&self.near, step.from, self.before.len());
         }
         if self.rows.quiet.holds(predicted) {
             self.rows.quiet.is_on = true;
@@ -327,7 +165,9 @@ impl ContactConstraints for PotentialContacts {
         let law = self.near.law();
         let area = &self.near.vertex_area;
         let bodies = self.obstacles.as_ref();
-        self.rows.bodies.begin(bodies, law, area, step, predicted);
+        let own = self.near.own(predicted);
+        let part = self.near.own_step(step);
+        self.rows.bodies.begin(bodies, law, area, &part, own);
         let pushing = self.rows.rows.iter().filter(|row| row.pushes).count();
         self.rows.report.looked += (self.rows.rows.len() + self.rows.parted.len()) as u32;
         self.rows.report.rows += (pushing + self.rows.bodies.len()) as u32;
@@ -338,9 +178,12 @@ impl ContactConstraints for PotentialContacts {
         if self.rows.quiet.is_on {
             return;
         }
-        self.rows.sweep(self.friction, step.inverse_mass, x);
+        self.rows.sweep(step.inverse_mass, x);
         let bodies = self.obstacles.as_ref();
-        self.rows.bodies.sweep(bodies, step, x);
+        let part = self.near.own_step(step);
+        self.rows
+            .bodies
+            .sweep(bodies, &part, &mut x[..self.near.cloth]);
     }
 
     fn end_substep(&mut self, step: &ContactStep<'_>, x: &mut [Vec3]) -> Result<(), ContactError> {
@@ -384,7 +227,8 @@ impl ContactConstraints for PotentialContacts {
 
     fn change_velocities(&mut self, velocities: &mut [Vec3]) {
         if self.rows.by_zones {
-            velocities.copy_from_slice(&self.rows.velocities);
+            let own = velocities.len();
+            velocities.copy_from_slice(&self.rows.velocities[..own]);
         }
     }
 
@@ -411,29 +255,7 @@ impl ContactConstraints for PotentialContacts {
     }
 }
 
-impl Row {
-    /// Energy (J) at `x` (m).
-    fn energy(
-        &self,
-        law: PenaltyLaw,
-        x: &[Vec3],
-        near: &super::near::Near,
-        patches: Option<&mut Patches>,
-    ) -> Real {
-        let pair = patches.and_then(|patches| patches.pair_mut(self.place, self.vertices));
-        pair.map_or(0.0, |(pair, _)| {
-            let x = gather(x, self.vertices);
-            let area = match pair.kind {
-                QueryKind::VertexTriangle => pair.area,
-                QueryKind::EdgeEdge => pair.area * near.mollified(pair.vertices, &x),
-            };
-            let distance = nearest(pair.kind, &x).distance;
-            area * law.with_range(pair.range).energy(distance)
-        })
-    }
-}
-
-impl PotentialContacts {
+impl Contacts {
     /// Rows for the pairs that a way to `to` (m) can bring into contact, if it is not too long for that. Returns whether it was not.
     fn find(&mut self, step: &ContactStep<'_>, to: &[Vec3], begins: bool) -> bool {
         let Self { near, rows, .. } = self;
@@ -462,7 +284,7 @@ impl PotentialContacts {
             let row = Row::new(
                 place,
                 (pair, &mut *memory),
-                law,
+                (law, near.friction(vertices)),
                 step,
                 to,
                 Some(travel),
@@ -494,7 +316,9 @@ impl PotentialContacts {
         let law = self.near.law();
         let area = &self.near.vertex_area;
         let bodies = self.obstacles.as_ref();
-        Some(count + self.rows.bodies.violations(bodies, law, area, step, x))
+        let (part, own) = (self.near.own_step(step), self.near.own(x));
+        let bodies = self.rows.bodies.violations(bodies, law, area, &part, own);
+        Some(count + bodies)
     }
 
     /// Makes rows of pairs that their planes do not keep apart on the way to `x` (m).
@@ -519,6 +343,7 @@ impl PotentialContacts {
                 return true;
             };
             let mollified = |pair: &NearPair, x: &[Vec3; 4]| near.mollified(pair.vertices, x);
+            let law = (law, near.friction(parted.vertices));
             list.push(Row::new(parted.place, pair, law, step, x, None, mollified));
             false
         });
@@ -559,7 +384,10 @@ impl PotentialContacts {
     fn end_by_rows(&mut self, step: &ContactStep<'_>, x: &[Vec3]) {
         let reach = self.reach();
         let Self {
-            rows, obstacles, ..
+            rows,
+            obstacles,
+            near,
+            ..
         } = self;
         if let Some(patches) = &mut rows.patches {
             patches.accept();
@@ -571,7 +399,9 @@ impl PotentialContacts {
                 }
             }
         }
-        rows.work += rows.bodies.end(obstacles.as_ref(), reach, step, x);
+        let (part, own) = (near.own_step(step), near.own(x));
+        rows.work += rows.bodies.end(obstacles.as_ref(), reach, &part, own);
+        rows.work += rows.work_of_prescribed(step, x);
         if rows.rows.is_empty() && rows.bodies.len() == 0 {
             let relative = rows
                 .patches
@@ -579,7 +409,7 @@ impl PotentialContacts {
                 .map_or(Some(Real::INFINITY), Patches::margin);
             let whole = rows
                 .bodies
-                .margin(obstacles.as_ref(), self.near.law(), step, x);
+                .margin(obstacles.as_ref(), near.law(), &part, own);
             if let (Some(relative), Some(whole)) = (relative, whole) {
                 rows.quiet.begin(x, relative, whole);
             }
@@ -610,7 +440,7 @@ impl PotentialContacts {
         let led = std::mem::take(&mut rows.led);
         match &mut rows.patches {
             Some(patches) if goes_on && !led.is_empty() => patches.skip(&led, step.from),
-            _ => rows.start_anew(step.from, self.before.len()),
+            _ => rows.start_anew(&self.near, step.from, self.before.len()),
         }
         self.begin_substep(step, x)?;
         self.rows.bodies.lead_out(self.near.law().range());
@@ -635,12 +465,12 @@ impl PotentialContacts {
         let bodies = self.obstacles.as_ref();
         let held = self
             .last_resort
-            .resolve(bodies, step, x, &mut rows.velocities)?;
+            .resolve(&self.near, bodies, step, x, &mut rows.velocities)?;
         rows.report.shortened += held as u32;
         rows.work += self.last_resort.work();
         rows.by_zones = true;
         rows.rows.clear();
-        rows.start_anew(x, self.before.len());
+        rows.start_anew(&self.near, x, self.before.len());
         self.advance_bodies(step.dt);
         Ok(())
     }

@@ -1,6 +1,5 @@
 //! The contact of a cloth as a potential.
 
-use super::builder::PotentialBuilder;
 use super::filter::shorten_all;
 use super::friction::{Sticking, Stretched};
 use super::gap::Gap;
@@ -8,18 +7,16 @@ use super::last_resort::LastResort;
 use super::near::Near;
 use super::near_pairs::NearPairs;
 use super::patches::Patches;
-use super::report::ConstraintReport;
 use super::rows::Rows;
 use crate::bounds::mean;
 use crate::error::CollideError;
-use crate::obstacle::{Obstacle, ObstacleContacts, PenaltyLaw};
+use crate::obstacle::{ImpactLaw, Obstacle, ObstacleContacts, PenaltyLaw};
 use crate::separation::meet_unduly;
 use cloth_core::contact::{
-    ContactConstraints, ContactError, ContactPotential, ContactRow, ContactSource, ContactStep,
+    ContactConstraints, ContactError, ContactPotential, ContactRow, ContactStep,
 };
 use cloth_core::element::{Element, Energy};
 use cloth_core::math::{Real, Vec3, gather, is_finite};
-use cloth_core::mesh::TriMesh;
 
 /// Ways longer than this many thicknesses, apart from what all vertices do together, are looked at in part.
 const LONGEST: Real = 10.0;
@@ -49,25 +46,15 @@ pub struct PotentialReport {
     pub near: usize,
 }
 
-/// Contact of a cloth with itself and with obstacles, as a potential that methods take into their own solve; see the [chapter](super).
-///
-/// # What is promised
-///
-/// After a step, no two triangles of the cloth meet, at its end and at no time on the ways there: every pair that could come near has passed the
-/// conservative [`ContinuousTest`](crate::ContinuousTest), or a plane that keeps it apart at both ends. No free vertex gets into an obstacle, or deeper
-/// into one. What prescribed vertices or moving obstacles make impossible is [`ContactError::NoWay`]. The start of a step must be free of crossings; it is if the
-/// last step ended there, and if anything else has moved the cloth since, all near pairs of triangles are tested exactly, and crossing ones are
-/// [`ContactError::Tangled`].
+/// Contact among the vertices of a cloth, and of surfaces of bodies that follow them as prescribed ones, and with obstacles.
 #[derive(Debug)]
-pub struct PotentialContacts {
+pub(super) struct Contacts {
     /// For methods that project positions.
     pub(super) rows: Rows,
     pub(super) near: Near,
     pairs: NearPairs,
     /// Where the last step has ended (m), free of crossings.
     pub(super) safe: Vec<Vec3>,
-    /// Coefficient μ of cloth on cloth (dimensionless).
-    pub(super) friction: Real,
     sticking: Vec<Sticking>,
     stretched: Stretched,
     /// Of moving bodies in the last step (J).
@@ -80,6 +67,10 @@ pub struct PotentialContacts {
     pub(super) before: Vec<Obstacle>,
     /// Whether a step has begun and not ended.
     pub(super) is_open: bool,
+    /// Whether a step that had not ended was taken back, so that nothing is known of the next one.
+    is_anew: bool,
+    /// Prescribed vertices that move, and their ways (m) in the step.
+    moved: Vec<(u32, Vec3)>,
     /// Where the method would begin to iterate (m).
     wanted: Vec<Vec3>,
     scratch: Vec<Vec3>,
@@ -89,13 +80,12 @@ pub struct PotentialContacts {
     report: PotentialReport,
 }
 
-impl PotentialContacts {
+impl Contacts {
     pub(super) fn new(
         near: Near,
         [for_rows, for_ways]: [Option<Patches>; 2],
         obstacles: Option<ObstacleContacts>,
         last_resort: LastResort,
-        friction: Real,
     ) -> Self {
         let count = near.vertex_area.len();
         Self {
@@ -103,7 +93,6 @@ impl PotentialContacts {
             near,
             pairs: NearPairs::new(for_ways),
             safe: Vec::new(),
-            friction,
             sticking: Vec::new(),
             stretched: Stretched::default(),
             work: 0.0,
@@ -112,6 +101,8 @@ impl PotentialContacts {
             still: Vec::new(),
             before: Vec::new(),
             is_open: false,
+            is_anew: false,
+            moved: Vec::new(),
             wanted: Vec::new(),
             scratch: vec![Vec3::zeros(); count],
             energy: 0.0,
@@ -120,42 +111,13 @@ impl PotentialContacts {
         }
     }
 
-    /// Contact of the cloth `mesh` with itself: from 1 mm on, with 1e6 Pa/m and without friction.
-    #[must_use]
-    pub fn builder(mesh: &TriMesh) -> PotentialBuilder<'_> {
-        PotentialBuilder {
-            mesh,
-            thickness: 1e-3,
-            stiffness: 1e6,
-            friction: 0.0,
-            obstacles: None,
-            self_collision: true,
-        }
-    }
-
     /// What the last step took.
-    #[must_use]
-    pub fn report(&self) -> PotentialReport {
+    pub(super) fn report(&self) -> PotentialReport {
         self.report
     }
 
-    /// What the last step took, of a method that projects positions.
-    #[must_use]
-    pub fn constraint_report(&self) -> ConstraintReport {
-        self.rows.report
-    }
-}
-
-impl ContactSource for PotentialContacts {
-    fn potential(&mut self) -> &mut dyn ContactPotential {
-        self
-    }
-
-    fn constraints(&mut self) -> &mut dyn ContactConstraints {
-        self
-    }
-
-    fn keep_free(
+    /// See [`ContactSource::keep_free`](cloth_core::contact::ContactSource::keep_free).
+    pub(super) fn keep_free(
         &mut self,
         from: &[Vec3],
         inverse_mass: &[Real],
@@ -178,21 +140,9 @@ impl ContactSource for PotentialContacts {
         (self.work, self.energy, self.held) = (work, energy, held + moved);
         Ok(())
     }
-
-    fn work(&self) -> Real {
-        self.work
-    }
-
-    fn potential_energy(&self) -> Real {
-        self.energy
-    }
-
-    fn held(&self) -> usize {
-        self.held
-    }
 }
 
-impl ContactPotential for PotentialContacts {
+impl ContactPotential for Contacts {
     fn begin(&mut self, step: &ContactStep<'_>, start: &mut [Vec3]) -> Result<(), ContactError> {
         let goes_on = self.check_start(step)? && !self.near.sets_out(step.from, start);
         self.before.clear();
@@ -203,6 +153,11 @@ impl ContactPotential for PotentialContacts {
         wanted.clear();
         wanted.extend_from_slice(start);
         let is_still = self.is_still(step, &wanted);
+        self.moved.clear();
+        let prescribed = (0..wanted.len()).filter(|&v| step.inverse_mass[v] == 0.0);
+        let ways = prescribed.map(|v| (v as u32, wanted[v] - step.from[v]));
+        let moved = ways.filter(|(_, way)| *way != Vec3::zeros());
+        self.moved.extend(moved);
         self.is_open = true;
         if !is_still {
             self.lead(step, goes_on, start)?;
@@ -214,7 +169,7 @@ impl ContactPotential for PotentialContacts {
             .map(Obstacle::stopped);
         self.still.extend(still);
         self.report = PotentialReport::default();
-        self.pairs.begin(step.from, goes_on);
+        self.pairs.begin(step.from, &self.near.is_resting, goes_on);
         self.prepare(step.from, &wanted)?;
         self.stick(step);
         if is_still {
@@ -353,7 +308,7 @@ impl ContactPotential for PotentialContacts {
         self.is_open = false;
         let reach = self.reach();
         self.stretched.replace(&self.sticking, reach, x);
-        self.work = self.work_of_bodies(x);
+        self.work = self.work_of_bodies(x) + self.work_of_prescribed(x);
         // Friction stores nothing that it gives back.
         self.sticking.clear();
         let mut unused = std::mem::take(&mut self.scratch);
@@ -368,9 +323,10 @@ impl ContactPotential for PotentialContacts {
     }
 }
 
-impl PotentialContacts {
+impl Contacts {
     /// The part of ways (m) that is looked at: they are too long beyond.
     fn share(&self, from: &[Vec3], to: &[Vec3]) -> Real {
+        let (from, to) = (self.near.own(from), self.near.own(to));
         let shift = mean(to) - mean(from);
         let ways = from.iter().zip(to).map(|(a, b)| (b - a - shift).norm());
         let longest = ways.fold(0.0, Real::max);
@@ -380,6 +336,20 @@ impl PotentialContacts {
     /// ε (m): the way below which friction is a spring.
     pub(super) fn reach(&self) -> Real {
         STICKING * self.near.law().range()
+    }
+
+    /// The bodies that have a signed distance.
+    pub(super) fn bodies(&self) -> &[(Obstacle, ImpactLaw)] {
+        let obstacles = self.obstacles.as_ref();
+        obstacles.map_or(&[], ObstacleContacts::pairs)
+    }
+
+    /// Takes a step back that has begun and not ended, if there is one. Returns whether there was.
+    pub(super) fn take_back(&mut self) -> bool {
+        let was_open = self.is_open;
+        self.undo();
+        self.is_anew |= was_open;
+        was_open
     }
 
     /// Takes bodies back to where they were before a step that has begun and not ended.
@@ -436,7 +406,7 @@ impl PotentialContacts {
         for pair in &pairs.vertex_triangle {
             let gap = Gap::vertex_triangle(&gather(x, pair.vertices));
             let force = -pair.area * pair.law.slope(gap.distance);
-            push(pair.vertices, gap, self.friction * force);
+            push(pair.vertices, gap, near.friction(pair.vertices) * force);
         }
         for pair in &pairs.edge_edge {
             let places = gather(x, pair.vertices);
@@ -444,14 +414,14 @@ impl PotentialContacts {
             if gap.distance < pair.law.range() {
                 let area = pair.area * pair.mollifier.at(&places).value;
                 let force = -area * pair.law.slope(gap.distance);
-                push(pair.vertices, gap, self.friction * force);
+                push(pair.vertices, gap, near.friction(pair.vertices) * force);
             }
         }
         let laws = self.obstacles.iter();
         let laws = laws.flat_map(ObstacleContacts::pairs).map(|(_, law)| law);
         let bodies = (0u32..).zip(self.before.iter().zip(&self.still).zip(laws));
         for (number, ((before, after), law)) in bodies {
-            for (vertex, place) in (0u32..).zip(x) {
+            for (vertex, place) in (0u32..).zip(near.own(x)) {
                 let v = vertex as usize;
                 if step.inverse_mass[v] == 0.0 || law.friction() == 0.0 {
                     continue;
@@ -473,6 +443,23 @@ impl PotentialContacts {
                 }
             }
         }
+    }
+
+    /// Work (J) of what is prescribed against the forces of pairs at `x` (m), where the step ends.
+    fn work_of_prescribed(&mut self, x: &[Vec3]) -> Real {
+        if self.moved.is_empty() {
+            return 0.0;
+        }
+        let mut gradient = std::mem::take(&mut self.scratch);
+        gradient.fill(Vec3::zeros());
+        self.add_gradient(x, &mut gradient);
+        let works = self
+            .moved
+            .iter()
+            .map(|(v, way)| gradient[*v as usize].dot(way));
+        let work = works.sum();
+        self.scratch = gradient;
+        work
     }
 
     /// Work (J) that bodies did on the cloth, which has come to `x` (m): the force on each vertex times the way of the body there.
@@ -527,8 +514,8 @@ impl PotentialContacts {
     /// Begins a step, after one that may not have ended: whether its start is in order, and whether it is where the last one has ended.
     pub(super) fn check_start(&mut self, step: &ContactStep<'_>) -> Result<bool, ContactError> {
         step.check(self.near.vertex_area.len(), step.from, step.from)?;
-        let was_open = self.is_open;
-        self.undo();
+        self.take_back();
+        let was_open = std::mem::take(&mut self.is_anew);
         let is_same = !self.near.begin(step.inverse_mass);
         if !was_open && is_same && self.safe == step.from {
             return Ok(true);

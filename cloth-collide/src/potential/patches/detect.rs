@@ -224,8 +224,8 @@ impl Patches {
             if distance < reach {
                 let vertices = [vertex, corners[0], corners[1], corners[2]];
                 let rest = |x: &[Vec3; 4]| Gap::vertex_triangle(x).distance;
-                let range = near.law_of(vertices, rest).range();
-                let area = near.vertex_area[vertex as usize];
+                let range = near.law_of(vertices, true, rest).range();
+                let area = near.area_before(vertex, corners);
                 push(
                     near,
                     QueryKind::VertexTriangle,
@@ -267,7 +267,7 @@ impl Patches {
                 if distance < reach {
                     let vertices = [first[0], first[1], second[0], second[1]];
                     let rest = |x: &[Vec3; 4]| Gap::edge_edge(x).distance;
-                    let range = near.law_of(vertices, rest).range();
+                    let range = near.law_of(vertices, false, rest).range();
                     let area = near.edge_area[e].min(near.edge_area[f]);
                     push(
                         near,
@@ -307,7 +307,7 @@ fn push(
     [range, area, distance]: [Real; 3],
     out: &mut Vec<NearPair>,
 ) {
-    if !vertices.iter().all(|&v| near.is_resting[v as usize]) {
+    if near.meets(vertices) {
         out.push(NearPair {
             room: distance - range,
             range,

@@ -12,24 +12,20 @@ pub(super) struct Motions {
     /// How far (m) vertices have gone at most besides the centre, substep by substep; and besides what all patches do together.
     pub(super) paths: Vec<Real>,
     pub(super) clocks: Vec<Real>,
-    /// Mean of the centres (m).
+    /// Mean of the centres of the cloth (m).
     pub(super) mean: Vec3,
 }
 
 impl Motions {
-    pub(super) fn clear(&mut self) {
-        self.centres.clear();
-        self.spreads.clear();
+    /// Makes room for so many patches.
+    pub(super) fn resize(&mut self, count: usize) {
+        self.centres.resize(count, Vec3::zeros());
+        self.spreads.resize(count, 0.0);
     }
 
-    pub(super) fn push(&mut self, centre: Vec3, spread: Real) {
-        self.centres.push(centre);
-        self.spreads.push(spread);
-    }
-
-    /// All patches have been told.
-    pub(super) fn finish(&mut self) {
-        self.mean = self.centres.iter().sum::<Vec3>() / self.centres.len().max(1) as Real;
+    /// All patches have been told, of which the first `cloth` are the cloth's.
+    pub(super) fn finish(&mut self, cloth: usize) {
+        self.mean = self.centres[..cloth].iter().sum::<Vec3>() / cloth.max(1) as Real;
     }
 
     /// Takes over where another is.

@@ -1,0 +1,214 @@
+//! One unilateral constraint between two pieces: what it is made from, and how positions are projected onto it.
+
+use super::near::Near;
+use super::patches::{Known, Memory, NearPair, Patches, Place};
+use super::rows::{KEPT, LEAST, SLACK};
+use super::tangent::{Tangent, hold};
+use crate::ccd::QueryKind;
+use crate::obstacle::PenaltyLaw;
+use crate::pair::{Motion, Nearest, apart_along, first_contact, nearest};
+use cloth_core::contact::ContactStep;
+use cloth_core::math::{Real, Vec3, gather};
+
+/// Travel of patches (in thicknesses) during which the nearest points of two pieces stay what they are.
+const PERSISTENT: Real = 0.02;
+
+/// A pair that can touch in this substep.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Row {
+    pub(super) place: Place,
+    pub(super) kind: QueryKind,
+    pub(super) vertices: [u32; 4],
+    pub(super) weights: [Real; 4],
+    pub(super) normal: Vec3,
+    /// At the start of the substep (m).
+    pub(super) distance: Real,
+    /// d̂ (m), and α̃ (1/kg).
+    pub(super) range: Real,
+    pub(super) compliance: Real,
+    /// Σ wᵢ²/mᵢ (1/kg).
+    pub(super) ease: Real,
+    /// Distance (m) to keep, and to come back to.
+    pub(super) kept: Real,
+    pub(super) least: Real,
+    /// Whether it pushes, or is only tested.
+    pub(super) pushes: bool,
+    pub(super) is_violated: bool,
+    /// μ (dimensionless).
+    pub(super) coefficient: Real,
+    /// λ (kg m), and the same of friction.
+    pub(super) lambda: Real,
+    pub(super) friction: Vec3,
+    /// Σ wᵢ xᵢ (m) where it sticks.
+    pub(super) origin: Vec3,
+}
+
+/// A pair that a plane keeps apart in the predicted motion.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Parted {
+    pub(super) place: Place,
+    pub(super) kind: QueryKind,
+    pub(super) vertices: [u32; 4],
+    pub(super) normal: Vec3,
+    /// Distance (m) to keep.
+    pub(super) kept: Real,
+}
+
+/// Σ wᵢ²/mᵢ (1/kg).
+fn ease(weights: &[Real; 4], w: [Real; 4]) -> Real {
+    (0..4).map(|k| weights[k] * weights[k] * w[k]).sum()
+}
+
+impl Row {
+    /// Of a pair at `x` (m), in a substep of `dt` (s) in which it would go to `to` (m).
+    pub(super) fn new(
+        place: Place,
+        (pair, memory): (&NearPair, &mut Memory),
+        (law, coefficient): (PenaltyLaw, Real),
+        step: &ContactStep<'_>,
+        to: &[Vec3],
+        travel: Option<Real>,
+        mollified: impl Fn(&NearPair, &[Vec3; 4]) -> Real,
+    ) -> Self {
+        let x = gather(step.from, pair.vertices);
+        let fresh =
+            |known: &Known| travel.is_some_and(|t| t - known.travel <= PERSISTENT * law.range());
+        let known = memory.known.filter(fresh);
+        let near = match known {
+            Some(Known {
+                weights, normal, ..
+            }) => {
+                let sum: Vec3 = (0..4).map(|k| x[k] * weights[k]).sum();
+                let distance = normal.dot(&sum);
+                Nearest {
+                    weights,
+                    normal,
+                    distance,
+                }
+            }
+            None => nearest(pair.kind, &x),
+        };
+        let to = gather(to, pair.vertices);
+        let sum = |x: &[Vec3; 4]| -> Vec3 { (0..4).map(|k| x[k] * near.weights[k]).sum() };
+        let approach = near.distance - near.normal.dot(&sum(&to));
+        let w = pair.vertices.map(|v| step.inverse_mass[v as usize]);
+        let ease = ease(&near.weights, w);
+        let comes = near.distance - approach.max(0.0) < pair.range + SLACK * law.range();
+        let faces = near.distance < pair.range || !near.is_at_boundary();
+        let mut pushes = comes && faces && ease > 0.0;
+        let mut tangent = Tangent {
+            range: pair.range,
+            stiffness: 0.0,
+        };
+        if pushes {
+            let area = match (known, pair.kind) {
+                (Some(known), _) => known.area,
+                (None, QueryKind::VertexTriangle) => pair.area,
+                (None, QueryKind::EdgeEdge) => pair.area * mollified(pair, &x),
+            };
+            if known.is_none() {
+                let (weights, normal) = (near.weights, near.normal);
+                memory.known = travel.map(|travel| Known {
+                    weights,
+                    normal,
+                    area,
+                    travel,
+                });
+            }
+            tangent = Tangent::of(law.with_range(pair.range), area, near.distance);
+            pushes = tangent.stiffness > 0.0;
+        } else {
+            memory.stretch = Vec3::zeros();
+        }
+        Self {
+            place,
+            kind: pair.kind,
+            vertices: pair.vertices,
+            weights: near.weights,
+            normal: near.normal,
+            distance: near.distance,
+            range: tangent.range,
+            compliance: if pushes {
+                tangent.compliance(step.dt)
+            } else {
+                0.0
+            },
+            ease,
+            kept: KEPT * near.distance.min(pair.range),
+            least: LEAST * pair.range,
+            pushes,
+            is_violated: false,
+            coefficient,
+            lambda: 0.0,
+            friction: Vec3::zeros(),
+            origin: sum(&x) - memory.stretch,
+        }
+    }
+
+    pub(super) fn point(&self, x: &[Vec3]) -> Vec3 {
+        let ends = self.vertices.iter().zip(self.weights);
+        ends.map(|(v, w)| x[*v as usize] * w).sum()
+    }
+
+    #[inline]
+    pub(super) fn project(&mut self, w: &[Real], x: &mut [Vec3]) {
+        let point = self.point(x);
+        let value = self.normal.dot(&point) - self.range;
+        if value >= 0.0 && self.lambda == 0.0 {
+            return;
+        }
+        let change = -(value + self.compliance * self.lambda) / (self.ease + self.compliance);
+        let lambda = (self.lambda + change).max(0.0);
+        let mut push = self.normal * (lambda - self.lambda);
+        self.lambda = lambda;
+        if self.coefficient > 0.0 {
+            let slip = point - self.origin;
+            let slip = slip - self.normal * self.normal.dot(&slip);
+            let held = hold(self.friction - slip / self.ease, self.coefficient * lambda);
+            push += held - self.friction;
+            self.friction = held;
+        }
+        for (v, weight) in self.vertices.iter().zip(self.weights) {
+            let v = *v as usize;
+            x[v] += push * (weight * w[v]);
+        }
+    }
+
+    /// Gives in no more: for a pair that has come too near.
+    pub(super) fn harden(&mut self) {
+        self.pushes = self.ease > 0.0;
+        self.compliance = 0.0;
+        let least = self.distance.max(self.least);
+        self.range = self.range.min(least);
+    }
+
+    pub(super) fn is_safe(&self, from: &[Vec3], to: &[Vec3]) -> bool {
+        let motion = Motion {
+            from: gather(from, self.vertices),
+            to: gather(to, self.vertices),
+        };
+        apart_along(self.kind, &self.normal, &motion, self.kept)
+            || motion.is_shift(self.distance)
+            || first_contact(self.kind, &motion, self.kept).is_none()
+    }
+
+    /// Energy (J) at `x` (m).
+    pub(super) fn energy(
+        &self,
+        law: PenaltyLaw,
+        x: &[Vec3],
+        near: &Near,
+        patches: Option<&mut Patches>,
+    ) -> Real {
+        let pair = patches.and_then(|patches| patches.pair_mut(self.place, self.vertices));
+        pair.map_or(0.0, |(pair, _)| {
+            let x = gather(x, self.vertices);
+            let area = match pair.kind {
+                QueryKind::VertexTriangle => pair.area,
+                QueryKind::EdgeEdge => pair.area * near.mollified(pair.vertices, &x),
+            };
+            let distance = nearest(pair.kind, &x).distance;
+            area * law.with_range(pair.range).energy(distance)
+        })
+    }
+}

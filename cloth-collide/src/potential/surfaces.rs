@@ -1,0 +1,404 @@
+//! The contact of a cloth with itself, and with bodies whose surfaces are triangles.
+//!
+//! A signed distance keeps vertices out of a body, and knows nothing of what is between them: the corner of a box can pierce a triangle, and a ball smaller than one
+//! passes through it. So a body also takes part as the triangles of its surface: prescribed vertices behind those of the cloth, in the same machinery. Pairs of two
+//! bodies, or of what stands still, are never looked at. A body that changes its shape, or that has no inside, has nothing but its triangles.
+
+use super::builder::PotentialBuilder;
+
+use super::report::ConstraintReport;
+use super::source::{Contacts, PotentialReport};
+use crate::obstacle::{AnimatedMesh, ImpactLaw, Obstacle, Pose};
+use cloth_core::contact::{
+    ContactConstraints, ContactError, ContactPotential, ContactRow, ContactSource, ContactStep,
+};
+use cloth_core::math::{Real, Vec3};
+use cloth_core::mesh::TriMesh;
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+/// Contact of a cloth with itself and with obstacles, as a potential that methods take into their own solve; see the [chapter](super).
+///
+/// # What is promised
+///
+/// After a step, no two triangles of the cloth meet, at its end and at no time on the ways there, nor do triangles of the cloth and of the
+/// [surfaces](PotentialBuilder::surface) of bodies: every pair that could come near has passed the conservative [`ContinuousTest`](crate::ContinuousTest), or a plane
+/// that keeps it apart at both ends. No free vertex gets into an obstacle, or deeper into one. What prescribed vertices or moving obstacles make impossible is
+/// [`ContactError::NoWay`]; prescribed vertices of the cloth may be inside of bodies. The start of a step must be free of crossings; it is if the last step ended there,
+/// and if anything else has moved the cloth since, all near pairs of triangles are tested exactly, and crossing ones are [`ContactError::Tangled`].
+#[derive(Debug)]
+pub struct PotentialContacts {
+    pub(super) contacts: Contacts,
+    /// None if bodies have no triangles.
+    pub(super) surfaces: Option<Surfaces>,
+}
+
+/// The surface of a body.
+#[derive(Clone, Debug)]
+pub(super) struct Surface {
+    pub(super) mesh: TriMesh,
+    pub(super) motion: Motion,
+    /// Where it is at both ends, if it is that of an obstacle and has been put there.
+    pub(super) placed: Option<[Pose; 2]>,
+}
+
+/// What moves it.
+#[derive(Clone, Debug)]
+pub(super) enum Motion {
+    /// The obstacle of this number.
+    Obstacle(usize),
+    /// Its own shapes, with a coefficient of friction.
+    Own(AnimatedMesh, Real),
+}
+
+/// The surfaces, and room for the vertices of everything.
+#[derive(Debug)]
+pub(super) struct Surfaces {
+    /// Number of vertices of the cloth.
+    cloth: usize,
+    list: Vec<Surface>,
+    /// Of what moves by itself (s): now, and at the start of the step.
+    time: Real,
+    begun: Real,
+    /// 0 for all vertices of bodies (1/kg).
+    inverse_mass: Vec<Real>,
+    /// Places (m) at the start and at the end of what is looked at.
+    from: Vec<Vec3>,
+    to: Vec<Vec3>,
+    parts: Vec<Real>,
+    /// The same place with its gradient (N), for who may only look.
+    shared: Mutex<[Vec<Vec3>; 2]>,
+}
+
+impl Surface {
+    pub(super) fn new(mesh: TriMesh, motion: Motion) -> Self {
+        Self {
+            mesh,
+            motion,
+            placed: None,
+        }
+    }
+}
+
+impl Surfaces {
+    pub(super) fn new(cloth: usize, list: Vec<Surface>) -> Self {
+        let count = cloth + list.iter().map(|s| s.mesh.vertex_count()).sum::<usize>();
+        let room = || vec![Vec3::zeros(); count];
+        Self {
+            cloth,
+            list,
+            time: 0.0,
+            begun: 0.0,
+            inverse_mass: vec![0.0; count],
+            from: room(),
+            to: room(),
+            parts: vec![1.0; count],
+            shared: Mutex::new([room(), room()]),
+        }
+    }
+
+    /// Puts bodies at both ends (m) of a (sub)step of `dt` (s), which obstacles begin as `bodies` are.
+    fn place(&mut self, bodies: &[(Obstacle, ImpactLaw)], dt: Real) {
+        let (mut from, mut to) = (&mut self.from[self.cloth..], &mut self.to[self.cloth..]);
+        for Surface {
+            mesh,
+            motion,
+            placed,
+        } in &mut self.list
+        {
+            let count = mesh.vertex_count();
+            let (own_from, rest_from) = from.split_at_mut(count);
+            let (own_to, rest_to) = to.split_at_mut(count);
+            (from, to) = (rest_from, rest_to);
+            match motion {
+                Motion::Obstacle(number) => {
+                    let motion = bodies[*number].0.motion();
+                    let poses = [0.0, dt].map(|time| motion.pose_at(time));
+                    // What stands still is there already.
+                    if *placed == Some(poses) && poses[0] == poses[1] {
+                        continue;
+                    }
+                    *placed = Some(poses);
+                    for (out, pose) in [own_from, own_to].into_iter().zip(poses) {
+                        let places = out.iter_mut().zip(mesh.positions());
+                        places.for_each(|(x, local)| *x = pose.to_world(*local));
+                    }
+                }
+                Motion::Own(animation, _) => {
+                    animation.place(self.time, own_from);
+                    animation.place(self.time + dt, own_to);
+                }
+            }
+        }
+    }
+
+    /// The cloth begins a (sub)step from `step.from` to `to` (m).
+    fn put(&mut self, step: &ContactStep<'_>, to: &[Vec3]) {
+        self.inverse_mass[..self.cloth].copy_from_slice(step.inverse_mass);
+        self.from[..self.cloth].copy_from_slice(step.from);
+        self.to[..self.cloth].copy_from_slice(to);
+    }
+
+    /// From now on bodies are where they end.
+    fn stay(&mut self) {
+        let bodies = self.cloth..;
+        self.from[bodies.clone()].copy_from_slice(&self.to[bodies.clone()]);
+        let shared = self.shared.get_mut();
+        let [place, _] = shared.unwrap_or_else(PoisonError::into_inner);
+        place[bodies.clone()].copy_from_slice(&self.to[bodies]);
+    }
+
+    /// The step (from, 1/kg, Δt) of everything, and its end.
+    fn all(&mut self, dt: Real) -> (ContactStep<'_>, &mut Vec<Vec3>) {
+        let step = ContactStep {
+            from: &self.from,
+            inverse_mass: &self.inverse_mass,
+            dt,
+        };
+        (step, &mut self.to)
+    }
+
+    fn shared(&self) -> MutexGuard<'_, [Vec<Vec3>; 2]> {
+        self.shared.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl PotentialContacts {
+    /// Contact of the cloth `mesh` with itself: from 1 mm on, with 1e6 Pa/m and without friction.
+    #[must_use]
+    pub fn builder(mesh: &TriMesh) -> PotentialBuilder<'_> {
+        PotentialBuilder::new(mesh)
+    }
+
+    /// What the last step took.
+    #[must_use]
+    pub fn report(&self) -> PotentialReport {
+        self.contacts.report()
+    }
+
+    /// What the last step took, of a method that projects positions.
+    #[must_use]
+    pub fn constraint_report(&self) -> ConstraintReport {
+        self.contacts.rows.report
+    }
+
+    /// Puts everything at the ends of a (sub)step in which the cloth goes to `to` (m).
+    fn place(
+        &mut self,
+        step: &ContactStep<'_>,
+        to: &[Vec3],
+        begins: bool,
+    ) -> Result<(), ContactError> {
+        let Some(surfaces) = &mut self.surfaces else {
+            return Ok(());
+        };
+        step.check(surfaces.cloth, to, to)?;
+        // A step that has not ended is taken back.
+        if begins && self.contacts.take_back() {
+            surfaces.time = surfaces.begun;
+        } else if begins {
+            surfaces.begun = surfaces.time;
+        }
+        surfaces.place(self.contacts.bodies(), step.dt);
+        surfaces.put(step, to);
+        Ok(())
+    }
+}
+
+impl ContactSource for PotentialContacts {
+    fn potential(&mut self) -> &mut dyn ContactPotential {
+        match self.surfaces {
+            None => &mut self.contacts,
+            Some(_) => self,
+        }
+    }
+
+    fn constraints(&mut self) -> &mut dyn ContactConstraints {
+        match self.surfaces {
+            None => &mut self.contacts,
+            Some(_) => self,
+        }
+    }
+
+    fn keep_free(
+        &mut self,
+        from: &[Vec3],
+        inverse_mass: &[Real],
+        x: &mut [Vec3],
+    ) -> Result<(), ContactError> {
+        let Some(surfaces) = &mut self.surfaces else {
+            return self.contacts.keep_free(from, inverse_mass, x);
+        };
+        let count = surfaces.cloth;
+        // Of a step of no time, in which bodies stay.
+        let step = ContactStep {
+            from,
+            inverse_mass,
+            dt: 1.0,
+        };
+        step.check(count, x, x)?;
+        surfaces.place(self.contacts.bodies(), 0.0);
+        surfaces.put(&step, x);
+        let (all, to) = surfaces.all(step.dt);
+        self.contacts.keep_free(all.from, all.inverse_mass, to)?;
+        x.copy_from_slice(&to[..count]);
+        Ok(())
+    }
+
+    fn work(&self) -> Real {
+        self.contacts.work
+    }
+
+    fn potential_energy(&self) -> Real {
+        self.contacts.energy
+    }
+
+    fn held(&self) -> usize {
+        self.contacts.held
+    }
+}
+
+impl ContactPotential for PotentialContacts {
+    fn begin(&mut self, step: &ContactStep<'_>, start: &mut [Vec3]) -> Result<(), ContactError> {
+        self.place(step, start, true)?;
+        let Some(surfaces) = &mut self.surfaces else {
+            return self.contacts.begin(step, start);
+        };
+        let (all, to) = surfaces.all(step.dt);
+        self.contacts.begin(&all, to)?;
+        start.copy_from_slice(&to[..start.len()]);
+        surfaces.time += step.dt;
+        surfaces.stay();
+        Ok(())
+    }
+
+    fn limit(&mut self, from: &[Vec3], to: &[Vec3]) -> Result<Real, ContactError> {
+        let Some(surfaces) = &mut self.surfaces else {
+            return self.contacts.limit(from, to);
+        };
+        surfaces.from[..from.len()].copy_from_slice(from);
+        surfaces.to[..to.len()].copy_from_slice(to);
+        self.contacts.limit(&surfaces.from, &surfaces.to)
+    }
+
+    fn limit_each(
+        &mut self,
+        from: &[Vec3],
+        to: &mut [Vec3],
+        parts: &mut [Real],
+    ) -> Result<(), ContactError> {
+        let Some(surfaces) = &mut self.surfaces else {
+            return self.contacts.limit_each(from, to, parts);
+        };
+        let Surfaces {
+            from: all_from,
+            to: all_to,
+            parts: all_parts,
+            ..
+        } = surfaces;
+        all_from[..from.len()].copy_from_slice(from);
+        all_to[..to.len()].copy_from_slice(to);
+        self.contacts.limit_each(all_from, all_to, all_parts)?;
+        to.copy_from_slice(&all_to[..to.len()]);
+        parts.copy_from_slice(&all_parts[..parts.len()]);
+        Ok(())
+    }
+
+    fn add_gradient(&self, x: &[Vec3], out: &mut [Vec3]) -> Real {
+        let Some(surfaces) = &self.surfaces else {
+            return self.contacts.add_gradient(x, out);
+        };
+        let mut shared = surfaces.shared();
+        let [place, gradient] = &mut *shared;
+        place[..x.len()].copy_from_slice(x);
+        gradient.fill(Vec3::zeros());
+        gradient[..x.len()].copy_from_slice(out);
+        let energy = self.contacts.add_gradient(place, gradient);
+        out.copy_from_slice(&gradient[..x.len()]);
+        energy
+    }
+
+    fn linearize(&self, x: &[Vec3], out: &mut Vec<ContactRow>) {
+        let Some(surfaces) = &self.surfaces else {
+            return self.contacts.linearize(x, out);
+        };
+        let first = out.len();
+        let mut shared = surfaces.shared();
+        shared[0][..x.len()].copy_from_slice(x);
+        self.contacts.linearize(&shared[0], out);
+        // Vertices of bodies do not move, and have no part.
+        for row in &mut out[first..] {
+            let own = row.vertices.into_iter().min().unwrap_or_default();
+            for (vertex, weight) in row.vertices.iter_mut().zip(&mut row.weights) {
+                if *vertex as usize >= x.len() {
+                    (*vertex, *weight) = (own, 0.0);
+                }
+            }
+        }
+    }
+
+    fn end(&mut self, x: &[Vec3], v: &[Vec3]) {
+        let Some(surfaces) = &mut self.surfaces else {
+            return self.contacts.end(x, v);
+        };
+        surfaces.to[..x.len()].copy_from_slice(x);
+        self.contacts.end(&surfaces.to, v);
+    }
+}
+
+impl ContactConstraints for PotentialContacts {
+    fn begin_step(&mut self, step: &ContactStep<'_>) -> Result<(), ContactError> {
+        self.place(step, step.from, true)?;
+        let Some(surfaces) = &mut self.surfaces else {
+            return self.contacts.begin_step(step);
+        };
+        let (all, _) = surfaces.all(step.dt);
+        self.contacts.begin_step(&all)
+    }
+
+    fn begin_substep(
+        &mut self,
+        step: &ContactStep<'_>,
+        predicted: &[Vec3],
+    ) -> Result<(), ContactError> {
+        self.place(step, predicted, false)?;
+        let Some(surfaces) = &mut self.surfaces else {
+            return self.contacts.begin_substep(step, predicted);
+        };
+        let (all, to) = surfaces.all(step.dt);
+        self.contacts.begin_substep(&all, to)
+    }
+
+    fn sweep(&mut self, step: &ContactStep<'_>, x: &mut [Vec3]) {
+        let Some(surfaces) = &mut self.surfaces else {
+            return self.contacts.sweep(step, x);
+        };
+        let (all, to) = surfaces.all(step.dt);
+        to[..x.len()].copy_from_slice(x);
+        self.contacts.sweep(&all, to);
+        x.copy_from_slice(&to[..x.len()]);
+    }
+
+    fn end_substep(&mut self, step: &ContactStep<'_>, x: &mut [Vec3]) -> Result<(), ContactError> {
+        let Some(surfaces) = &mut self.surfaces else {
+            return self.contacts.end_substep(step, x);
+        };
+        let (all, to) = surfaces.all(step.dt);
+        to[..x.len()].copy_from_slice(x);
+        self.contacts.end_substep(&all, to)?;
+        x.copy_from_slice(&to[..x.len()]);
+        surfaces.time += step.dt;
+        Ok(())
+    }
+
+    fn change_velocities(&mut self, velocities: &mut [Vec3]) {
+        self.contacts.change_velocities(velocities);
+    }
+
+    fn end_step(&mut self, x: &[Vec3]) {
+        let Some(surfaces) = &mut self.surfaces else {
+            return self.contacts.end_step(x);
+        };
+        surfaces.to[..x.len()].copy_from_slice(x);
+        self.contacts.end_step(&surfaces.to);
+    }
+}
