@@ -8,7 +8,7 @@ use crate::error::BenchError;
 use crate::method::Method;
 use crate::scene::{Scene, Touch};
 use crate::settings::Settings;
-use cloth_collide::SeparationProbe;
+use cloth_collide::{BodyProbe, SeparationProbe};
 use cloth_core::air::Air;
 use cloth_core::contact::{
     ContactConstraints, ContactError, ContactPotential, ContactSource, ContactStep,
@@ -70,6 +70,8 @@ pub struct Summary {
     pub center_of_mass_drop: Real,
     /// Crossing pairs of triangles at the end; none measured where the scene has no triangles.
     pub intersections: Option<usize>,
+    /// Pairs of a triangle of the cloth and one of a body that cross at the end; none measured where no body has edges.
+    pub obstacle_intersections: Option<usize>,
     /// Smallest distance (m) at the end between parts that share no vertex.
     pub min_distance: Option<Real>,
     /// Smallest distance (m) at the end of a vertex from an obstacle, negative inside; none where there are no obstacles.
@@ -83,6 +85,8 @@ pub struct Watched {
     pub crossed_steps: u32,
     /// Largest number of crossing pairs of triangles after a step.
     pub most_intersections: usize,
+    /// Largest number of pairs of a triangle of the cloth and one of a body that cross after a step.
+    pub most_obstacle_intersections: usize,
     /// Smallest distance (m) after a step between parts that share no vertex.
     pub min_distance: Option<Real>,
     /// Smallest distance (m) after a step of a vertex from an obstacle, negative inside.
@@ -94,18 +98,22 @@ pub struct Watched {
 pub struct SeparationWatch<'a> {
     scene: &'a Scene,
     probe: Option<SeparationProbe>,
+    bodies: Option<BodyProbe>,
     seen: Watched,
 }
 
 impl<'a> SeparationWatch<'a> {
     /// For a run of this scene.
-    #[must_use]
-    pub fn new(scene: &'a Scene) -> Self {
-        Self {
+    ///
+    /// # Errors
+    /// [`BenchError::Failed`] for more triangles, with those of bodies, than fit.
+    pub fn new(scene: &'a Scene) -> Result<Self, BenchError> {
+        Ok(Self {
             scene,
             probe: scene.mesh.as_ref().map(SeparationProbe::new),
+            bodies: body_probe(scene)?,
             seen: Watched::default(),
-        }
+        })
     }
 
     /// Looks at a state.
@@ -115,6 +123,10 @@ impl<'a> SeparationWatch<'a> {
     pub fn look(&mut self, state: &State) -> Result<(), BenchError> {
         let least = |a: Option<Real>, b: Option<Real>| a.into_iter().chain(b).reduce(Real::min);
         self.seen.min_clearance = least(self.seen.min_clearance, min_clearance(self.scene, state));
+        if let Some(now) = crossed_bodies(self.scene, &mut self.bodies, state)? {
+            let most = &mut self.seen.most_obstacle_intersections;
+            *most = now.max(*most);
+        }
         if let Some(probe) = &mut self.probe {
             let now = probe
                 .measure(&state.positions)
@@ -130,6 +142,26 @@ impl<'a> SeparationWatch<'a> {
     #[must_use]
     pub fn seen(&self) -> Watched {
         self.seen
+    }
+}
+
+/// What counts triangles that go through bodies, where that can be.
+fn body_probe(scene: &Scene) -> Result<Option<BodyProbe>, BenchError> {
+    match (&scene.touch, &scene.mesh) {
+        (Some(touch), Some(mesh)) => touch.probe(mesh),
+        _ => Ok(None),
+    }
+}
+
+/// How many it finds.
+fn crossed_bodies(
+    scene: &Scene,
+    probe: &mut Option<BodyProbe>,
+    state: &State,
+) -> Result<Option<usize>, BenchError> {
+    match (probe, &scene.touch) {
+        (Some(probe), Some(touch)) => touch.count(probe, &state.positions, state.time).map(Some),
+        _ => Ok(None),
     }
 }
 
@@ -402,6 +434,7 @@ pub fn run(
         energy_gain: balance.gain(),
         center_of_mass_drop: start_height - height(scene, state),
         intersections: separation.map(|s| s.intersecting_pairs),
+        obstacle_intersections: crossed_bodies(scene, &mut body_probe(scene)?, state)?,
         min_distance: separation.and_then(|s| s.min_distance),
         min_clearance: min_clearance(scene, state),
     })

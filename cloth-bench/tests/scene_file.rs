@@ -446,3 +446,89 @@ fn sheet_lies_at_the_thickness_less_its_pressure() {
         assert!((clearance - 1.998_038e-3).abs() < 1e-11, "{clearance:e} m");
     }
 }
+
+/// What a run tells of triangles that go through bodies, in a scene of `text` with any method that feels contact.
+fn bodies_are_felt(name: &str, text: &str, methods: &[&str]) {
+    let path = written(name, text);
+    let path = path.to_str().unwrap();
+    for method in methods {
+        let ran = program(&["run", path, "--method", method, "--watch", "--json"]);
+        let told = String::from_utf8_lossy(&ran.stderr);
+        assert!(ran.status.success(), "{name}, {method}: {told}");
+        let summary: serde_json::Value = serde_json::from_slice(&ran.stdout).unwrap();
+        assert_eq!(
+            summary["most_obstacle_intersections"], 0,
+            "{name}, {method}"
+        );
+        if text.contains("self = true") {
+            assert_eq!(summary["crossed_steps"], 0, "{name}, {method}");
+        }
+    }
+}
+
+const FELT: [&str; 5] = ["implicit-euler", "linear-implicit", "pd", "xpbd", "pbd"];
+
+/// A ball of 2 cm rises through a sheet whose cells are 12 cm, and a sheet falls on the corner of a box: no vertex is near either.
+#[test]
+fn bodies_smaller_than_a_triangle_and_corners_pierce_nothing() {
+    let ball = "steps = 30\n[[mesh]]\ngenerator = \"grid:9x9:alternating\"\ntranslate = [-0.5, -0.5, 0]\n\
+         [[pins]]\nselect = \"corners\"\n[[pins]]\nbox = [[-0.51, 0.49, -1], [0.51, 0.51, 1]]\n\
+         [contact]\nself = SELF\n\
+         [[obstacle]]\nshape = \"sphere\"\nradius = 0.02\nposition = [0.05, 0.03, -0.05]\nvelocity = [0, 0, 0.4]\n";
+    bodies_are_felt(
+        "ball-alone",
+        &ball.replace("SELF", "false"),
+        &["implicit-euler", "xpbd"],
+    );
+    bodies_are_felt("ball", &ball.replace("SELF", "true"), &FELT);
+    let corner = "steps = 40\n[[mesh]]\ngenerator = \"grid:13x13:alternating\"\ntranslate = [-0.5, -0.5, 0]\n\
+         [contact]\nself = true\n\
+         [[obstacle]]\nshape = \"box\"\nsize = [0.3, 0.3, 0.3]\nrotate = [0.6755, -0.6755, 0]\nposition = [0.02, 0.01, -0.27]\n";
+    bodies_are_felt("corner", corner, &FELT);
+}
+
+/// An open surface that its files lift carries a sheet up, and nothing goes through it.
+#[test]
+fn an_animation_carries_cloth() {
+    let text = "steps = 40\ngravity = [0, 0, -9.81]\n[[mesh]]\ngenerator = \"grid:9x9:alternating\"\nscale = 0.4\ntranslate = [-0.2, -0.2, 0]\n\
+         [contact]\nself = true\n\
+         [[obstacle]]\nshape = \"animation\"\nfolder = \"lift\"\ninterval = 0.1\nposition = [0, 0, -0.01]\n";
+    let path = written("animation", text);
+    let folder = path.with_file_name("lift");
+    // What an earlier run has left.
+    let _ = std::fs::remove_dir_all(&folder);
+    std::fs::create_dir_all(&folder).unwrap();
+    for shape in 0..7 {
+        // A bowl of four triangles that rises by 2 cm from file to file, and gets deeper.
+        let (height, deep) = (0.02 * f64::from(shape), 0.01 * f64::from(shape));
+        let obj = format!(
+            "v -0.5 -0.5 {height}\nv 0.5 -0.5 {height}\nv 0.5 0.5 {height}\nv -0.5 0.5 {height}\nv 0.01 0.02 {}\n\
+             f 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n",
+            height - deep
+        );
+        std::fs::write(folder.join(format!("shape-{shape}.obj")), obj).unwrap();
+    }
+    bodies_are_felt("animation", text, &FELT);
+    let ran = program(&[
+        "run",
+        path.to_str().unwrap(),
+        "--method",
+        "implicit-euler",
+        "--json",
+    ]);
+    let summary: serde_json::Value = serde_json::from_slice(&ran.stdout).unwrap();
+    // Lifted: 12 cm at the rim, 6 cm in the middle, 1 cm below the start.
+    let drop = summary["center_of_mass_drop"].as_f64().unwrap();
+    assert!((-0.11..-0.05).contains(&drop), "{drop}");
+    std::fs::write(
+        folder.join("shape-9.obj"),
+        "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n",
+    )
+    .unwrap();
+    let ran = program(&["run", path.to_str().unwrap(), "--method", "pd"]);
+    let told = String::from_utf8_lossy(&ran.stderr);
+    assert!(
+        !ran.status.success() && told.contains("shape-9.obj has other triangles"),
+        "{told}"
+    );
+}

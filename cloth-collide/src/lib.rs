@@ -121,7 +121,6 @@
 //!
 //! # Limits
 //!
-//! - Only vertices are kept away from obstacles: a sharp corner can pierce a triangle between them.
 //! - Obstacles are rigid, and move with constant velocities over a step.
 //! - The uniform cells of two of the broad phases suit triangles of similar size, the tree suits all.
 //! - [`SeparationProbe`] looks at the positions of one moment. A cloth that has passed through another between two

@@ -1,4 +1,4 @@
-//! Rigid obstacles as signed distance, and what they do to the vertices of a cloth (COL-2, COL-3, COL-4).
+//! Obstacles as signed distance, and what they do to the vertices of a cloth.
 //!
 //! # The idea
 //!
@@ -7,8 +7,8 @@
 //!
 //! φ(x) ≥ h, with the thickness h of the cloth,
 //!
-//! whatever the shape. Only vertices are kept out: an edge may cut through a sharp corner of an obstacle between two of them, so a mesh has to be
-//! finer than what it falls on.
+//! whatever the shape. Only vertices are kept out by it; what is between them feels the triangles of a body's surface, which
+//! [`potential`](crate::potential) takes beside it.
 //!
 //! A shape is described at rest around its own origin ([`SignedDistance`]), and placed by a rigid motion ([`Obstacle`]). The point is taken
 //! into the frame of the shape, the normal back out of it, so nothing of a shape is ever computed again because it moved.
@@ -23,6 +23,7 @@
 //! | φ = ‖x − s‖ − r, s the nearest point of a segment | [`Capsule`] |
 //! | φ = ±min over triangles, the sign from angle-weighted normals | [`ClosedMesh`] |
 //! | φ = Σ wᵢ φᵢ over the eight corners of a cell | [`SampledDistance`] |
+//! | x = (1 − s) xₖ + s xₖ₊₁ between two shapes | [`AnimatedMesh`] |
 //! | x = p + R y, v(x) = v + ω × (x − p) | [`RigidMotion`] |
 //! | E = ½ k (h − φ)², E = −k (φ − h)² ln(φ/h) | [`PenaltyLaw`], [`ObstaclePenalty`] |
 //! | Δvₙ = −(1 + e) vₙ, ‖Δvₜ‖ ≤ μ Δvₙ | [`ImpactLaw`] |
@@ -31,7 +32,6 @@
 //!
 //! # Limits
 //!
-//! - Only vertices touch obstacles.
 //! - φ of a shape is the distance to its surface, so from deep inside a thin one the nearest way out may be the far side. What keeps vertices on their
 //!   side is [`first_contact`], or [`ObstacleContacts::detect`] with it, not the discrete response.
 //! - Meshes and samples are not taken to be convex: a way that grazes them may end early, and says so.

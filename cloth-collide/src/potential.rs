@@ -28,6 +28,16 @@
 //! tested; what has come too near is swept again, then shortened, then given to the last resort (`last_resort`: pairs pushed apart one by one, impact zones, vertices held
 //! back).
 //!
+//! # Bodies
+//!
+//! A body that knows its signed distance keeps the vertices of the cloth out by it: their pressure is exact, whatever the triangles of both. What is between
+//! the vertices it does not see. So a body also has a surface of triangles ([`PotentialBuilder::surface`]), whose vertices stand behind those of the cloth as prescribed
+//! ones: pairs (edge, edge) and (vertex of the body, triangle of the cloth) are looked at as in the cloth itself, and push from h/2 on, which is nothing as long as the
+//! vertices of the cloth do what is needed. A body that changes its shape, open or closed, has its triangles alone ([`PotentialBuilder::animated`]).
+//!
+//! Pairs of bodies, and pairs without a free vertex, are let go: a body may pass through itself and others, and prescribed cloth may be inside of one. Cloth that two
+//! bodies leave no room for is an error, [`ContactError::NoWay`](cloth_core::contact::ContactError::NoWay).
+//!
 //! # Who feels it how
 //!
 //! | method | contact is |
@@ -51,8 +61,9 @@
 //! | m(‖u × v‖²) for two edges u, v | [`Mollifier`] |
 //! | A φ(d), A m φ(d) as elements, with both derivatives | [`VertexTriangleContact`], [`EdgeEdgeContact`] |
 //! | μ λ f(‖u‖) | `friction` |
-//! | which pairs can be near on a way | `near_pairs` |
-//! | C = n·Σ wᵢ xᵢ − h, α = 1/(A φ″), λ ≥ 0 | `rows`, `bodies`, `tangent` |
+//! | which pairs can be near on a way | `near_pairs`, `ranked` |
+//! | bodies behind the cloth | `surfaces` |
+//! | C = n·Σ wᵢ xᵢ − h, α = 1/(A φ″), λ ≥ 0 | `row`, `rows`, `bodies`, `tangent` |
 //! | what can touch in a substep or on a way | `patches`; whether anything can, `quiet` |
 //! | how far the way is safe | `filter` |
 //! | Σ A φ, Σ A ∂φ, Σ A φ″ ∂d ∂dᵀ | [`PotentialContacts`] |
@@ -61,7 +72,7 @@
 //!
 //! - A sheet that falls on a ball of its own size buckles on impact in many ways at once, and the minimum of such a step takes five to ten times the
 //!   iterations of one without contact. Half of the time goes into looking for pairs.
-//! - Only vertices feel obstacles: a sharp corner can pierce a triangle between them.
+//! - A vertex above an edge of an animated surface is pressed by both triangles there, and is nearer to the thickness for it.
 //! - There is no restitution: what bounces is elastic.
 //!
 //! # References
@@ -84,6 +95,7 @@ mod near_pairs;
 mod pair;
 mod patches;
 mod quiet;
+mod ranked;
 mod report;
 mod row;
 mod rows;

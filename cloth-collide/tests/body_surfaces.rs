@@ -228,10 +228,7 @@ fn flat_contact_is_that_of_the_signed_distance() {
         (energy, gradient, rows.len())
     };
     let alone = force(builder().build().unwrap());
-    assert_eq!(
-        alone,
-        force(builder().surface(0, fine.clone()).build().unwrap())
-    );
+    assert_eq!(alone, force(builder().surface(0, fine).build().unwrap()));
     // κ (h − d) per area, all in all.
     let sum: Real = alone.1.iter().map(|g| -g.z).sum();
     let expected = 1e6 * 0.3 * THICKNESS * 0.12 * 0.12;
@@ -296,7 +293,7 @@ fn an_open_surface_that_changes_its_shape_lifts_cloth() {
 #[test]
 fn bodies_do_not_touch_each_other() {
     let cloth = sheet(3, 0.05);
-    let [one, other] = [0.05, 0.04].map(|half| cube(half));
+    let [one, other] = [0.05, 0.04].map(cube);
     let crossed = generate::join(&[one.clone(), other]).unwrap();
     let body = Obstacle::moving(
         Cuboid::new(Vec3::repeat(0.05)).unwrap(),

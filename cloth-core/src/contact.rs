@@ -76,7 +76,7 @@ pub trait ContactSource {
         x: &mut [Vec3],
     ) -> Result<(), ContactError>;
 
-    /// Work (J) that moving bodies did on the cloth in the last step; 0 for a source without any.
+    /// Work (J) that moving bodies, and prescribed vertices by contact, did on the cloth in the last step; 0 for a source without any.
     fn work(&self) -> Real {
         0.0
     }

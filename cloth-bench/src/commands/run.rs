@@ -193,7 +193,10 @@ fn simulate(
     };
     let bar = progress_bar(steps);
     let mut state = scene.start.clone();
-    let mut watch = arguments.watch.then(|| SeparationWatch::new(scene));
+    let mut watch = arguments
+        .watch
+        .then(|| SeparationWatch::new(scene))
+        .transpose()?;
     let after = |step: u32, state: &State, _: &StepReport| {
         bar.inc(1);
         if step == steps {
@@ -276,6 +279,10 @@ fn simulate(
         ("energy_given", json!(summary.energy_given)),
         ("center_of_mass_drop", json!(summary.center_of_mass_drop)),
         ("intersections", json!(summary.intersections)),
+        (
+            "obstacle_intersections",
+            json!(summary.obstacle_intersections),
+        ),
         ("min_distance", json!(summary.min_distance)),
         ("min_clearance", json!(summary.min_clearance)),
         ("finite", json!(state.first_non_finite().is_none())),
@@ -291,6 +298,10 @@ fn simulate(
         pairs.extend([
             ("crossed_steps", json!(seen.crossed_steps)),
             ("most_intersections", json!(seen.most_intersections)),
+            (
+                "most_obstacle_intersections",
+                json!(seen.most_obstacle_intersections),
+            ),
             ("min_distance_of_all", json!(seen.min_distance)),
             ("min_clearance_of_all", json!(seen.min_clearance)),
         ]);

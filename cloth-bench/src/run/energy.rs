@@ -18,7 +18,7 @@
 //! |---|---|
 //! | prescribed vertices | ½ (∂E/∂x before + after)·Δx, exact for a quadratic energy and a straight way; or what a method has added up over its substeps: explicit ones with ∂E/∂x, XPBD with its multipliers, PBD with the sum of what its visits have moved each row by: the forces that they have used |
 //! | the air | F·Δx, with the load F of the step |
-//! | obstacles | [`ContactSource::work`](cloth_core::contact::ContactSource::work) |
+//! | obstacles, and prescribed vertices by contact | [`ContactSource::work`](cloth_core::contact::ContactSource::work) |
 //!
 //! Nothing holds more than it was given. What a method holds beyond it is the *excess*, energy from nowhere, whatever has made it: the method, or contact that moves the
 //! cloth without regard to what holds it together. Losses can hide it: it is above zero only where it outweighs them.
@@ -33,7 +33,7 @@
 //!   Twisted cloth shows it too: pins give what the multipliers say, and the elastic energy of the stretch that sweeps leave may be several times that.
 //!
 //! # Limits
-//! What a prescribed vertex does by contact is not in W, nor what it does by the coarse links of PBD's hierarchy.
+//! What a prescribed vertex does by the coarse links of PBD's hierarchy is not in W.
 
 use crate::error::BenchError;
 use crate::scene::Scene;

@@ -2,7 +2,8 @@
 
 use crate::error::BenchError;
 use crate::settings::{Parameter, Settings, parameter};
-use cloth_collide::obstacle::{ImpactLaw, Obstacle, ObstacleContacts};
+use cloth_collide::BodyProbe;
+use cloth_collide::obstacle::{AnimatedMesh, ImpactLaw, Obstacle, ObstacleContacts};
 use cloth_collide::potential::PotentialContacts;
 use cloth_core::contact::ContactSource;
 use cloth_core::math::{Real, Vec3};
@@ -44,6 +45,28 @@ pub(crate) const TOUCHING: &[Parameter] = &[CONTACT, SELF, THICKNESS, STIFFNESS,
 /// The same where the cloth cannot touch itself unless that is asked for.
 pub(crate) const TOUCHING_ALONE: &[Parameter] = &[CONTACT, NO_SELF, THICKNESS, STIFFNESS, FRICTION];
 
+/// Something that a cloth can touch.
+pub(super) enum Body {
+    /// A rigid one, with its surface in its own frame.
+    Rigid {
+        obstacle: Obstacle,
+        surface: TriMesh,
+        /// Whether its signed distance at the vertices of the cloth is all there is to it.
+        is_flat: bool,
+    },
+    /// A surface that changes its shape.
+    Animated(TriMesh, AnimatedMesh),
+}
+
+/// Splits of an icosahedron's edges so fine that its sphere (m) comes out of no triangle by more than a quarter of the thickness (m).
+///
+/// Edges are 1.3 R/n at most, and the sphere is e²/6R above the middle of a triangle.
+pub(super) fn splits(radius: Real, thickness: Real) -> usize {
+    const LEAST: Real = 5.0;
+    const MOST: Real = 60.0;
+    (1.13 * radius / thickness).sqrt().ceil().clamp(LEAST, MOST) as usize
+}
+
 /// Everything that a cloth can touch.
 #[derive(Clone, Debug)]
 pub struct Touch {
@@ -54,16 +77,17 @@ pub struct Touch {
     stiffness: Real,
     friction: Real,
     obstacles: ObstacleContacts,
-    /// The same obstacles as surfaces around their own origins, for pictures.
-    shapes: Vec<TriMesh>,
+    /// The same obstacles as surfaces around their own origins, and whether these are needed for more than pictures.
+    shapes: Vec<(TriMesh, bool)>,
+    animated: Vec<(TriMesh, AnimatedMesh)>,
 }
 
 impl Touch {
-    /// As the settings say, with these obstacles and what they look like. `own` is the scene's parameter for cloth against itself.
+    /// As the settings say, with these bodies. `own` is the scene's parameter for cloth against itself.
     pub(super) fn new(
         settings: &Settings,
         own: &Parameter,
-        obstacles: Vec<(Obstacle, TriMesh)>,
+        bodies: Vec<Body>,
     ) -> Result<Self, BenchError> {
         let thickness = settings.positive(&THICKNESS)?;
         let stiffness = settings.positive(&STIFFNESS)?;
@@ -72,14 +96,23 @@ impl Touch {
         let is_on = settings.choice(&CONTACT, &[("potential", true), ("none", false)])?;
         let mut contacts =
             ObstacleContacts::new(thickness, 0.5 * thickness).map_err(BenchError::usage)?;
-        let mut shapes = Vec::new();
-        for (obstacle, shape) in obstacles {
-            contacts = contacts.with(obstacle, law);
-            shapes.push(shape);
+        let (mut shapes, mut animated) = (Vec::new(), Vec::new());
+        for body in bodies {
+            match body {
+                Body::Rigid {
+                    obstacle,
+                    surface,
+                    is_flat,
+                } => {
+                    contacts = contacts.with(obstacle, law);
+                    shapes.push((surface, !is_flat));
+                }
+                Body::Animated(mesh, animation) => animated.push((mesh, animation)),
+            }
         }
         let self_collision = settings.choice(own, &[("yes", true), ("no", false)])?;
         // contact=none switches contact off, whatever else is said of it.
-        if is_on && !self_collision && shapes.is_empty() {
+        if is_on && !self_collision && shapes.is_empty() && animated.is_empty() {
             for parameter in [&CONTACT, &THICKNESS, &STIFFNESS, &FRICTION] {
                 settings.refuse_without(parameter, "anything to touch (self=yes)")?;
             }
@@ -92,12 +125,14 @@ impl Touch {
             friction,
             obstacles: contacts,
             shapes,
+            animated,
         })
     }
 
     /// Whether there is nothing to touch, or nothing to be done about it.
     pub(super) fn is_idle(&self) -> bool {
-        let alone = !self.self_collision && self.obstacles.obstacles().next().is_none();
+        let has_bodies = !self.shapes.is_empty() || !self.animated.is_empty();
+        let alone = !self.self_collision && !has_bodies;
         alone || !self.is_on
     }
 
@@ -109,12 +144,18 @@ impl Touch {
         if self.is_idle() {
             return Ok(None);
         }
-        let contacts = PotentialContacts::builder(mesh)
+        let mut contacts = PotentialContacts::builder(mesh)
             .thickness(self.thickness)
             .stiffness(self.stiffness)
             .friction(self.friction)
             .obstacles(self.obstacles.clone())
             .self_collision(self.self_collision);
+        for (number, (surface, _)) in self.shapes.iter().enumerate().filter(|(_, s)| s.1) {
+            contacts = contacts.surface(number, surface.clone());
+        }
+        for (surface, animation) in &self.animated {
+            contacts = contacts.animated(surface.clone(), animation.clone(), self.friction);
+        }
         Ok(Some(Box::new(contacts.build().map_err(BenchError::usage)?)))
     }
 
@@ -123,16 +164,57 @@ impl Touch {
         self.obstacles.obstacles()
     }
 
-    /// Surfaces of the obstacles, for pictures: their vertices (m) at a time (s), and their triangles.
+    /// Surfaces of the bodies, for pictures: their vertices (m) at a time (s), and their triangles.
     pub(super) fn surfaces(
         &self,
         time: Real,
     ) -> impl Iterator<Item = (Vec<Vec3>, &[[u32; 3]])> + '_ {
         let both = self.obstacles().zip(&self.shapes);
-        both.map(move |(obstacle, shape)| {
+        let rigid = both.map(move |(obstacle, (shape, _))| {
             let pose = obstacle.motion().pose_at(time);
             let positions = shape.positions().iter().map(|&x| pose.to_world(x));
             (positions.collect(), shape.triangles())
-        })
+        });
+        let animated = self.animated.iter().map(move |(shape, animation)| {
+            let mut positions = shape.positions().to_vec();
+            animation.place(time, &mut positions);
+            (positions, shape.triangles())
+        });
+        rigid.chain(animated)
+    }
+
+    /// What counts the triangles of the cloth `mesh` that go through bodies; nothing where no body has an edge.
+    ///
+    /// # Errors
+    /// [`BenchError::Failed`] for more triangles than fit.
+    pub fn probe(&self, mesh: &TriMesh) -> Result<Option<BodyProbe>, BenchError> {
+        let rigid = self.shapes.iter().filter(|shape| shape.1).map(|s| &s.0);
+        let bodies: Vec<&TriMesh> = rigid.chain(self.animated.iter().map(|a| &a.0)).collect();
+        if bodies.is_empty() {
+            return Ok(None);
+        }
+        let probe = BodyProbe::new(mesh, &bodies).map_err(BenchError::failed)?;
+        Ok(Some(probe))
+    }
+
+    /// Counts them where the cloth is at `x` (m) at `time` (s).
+    ///
+    /// # Errors
+    /// [`BenchError::Failed`] for positions that are not finite.
+    pub fn count(
+        &self,
+        probe: &mut BodyProbe,
+        x: &[Vec3],
+        time: Real,
+    ) -> Result<usize, BenchError> {
+        let needed = self.shapes.iter().map(|s| s.1);
+        let needed = needed.chain(std::iter::repeat(true));
+        let places = self
+            .surfaces(time)
+            .zip(needed)
+            .filter(|(_, needed)| *needed);
+        let places: Vec<Vec<Vec3>> = places.map(|((x, _), _)| x).collect();
+        let bodies = places.iter().map(Vec::as_slice);
+        probe.count(x, bodies).map_err(BenchError::failed)
     }
 }

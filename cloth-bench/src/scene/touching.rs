@@ -1,6 +1,6 @@
 //! Scenes that are about contact (COL-9).
 
-use super::contact::{SELF, THICKNESS, Touch};
+use super::contact::{Body, SELF, THICKNESS, Touch, splits};
 use super::{GRAVITY, PATTERN, RIGIDITY, ROPE, SHEETS, SIZE, Scene, TURNS, build, cloth};
 use crate::error::BenchError;
 use crate::mesh_spec::PATTERNS;
@@ -34,17 +34,15 @@ pub(super) fn below(
     mesh: &TriMesh,
     up: Vec3,
     settings: &Settings,
-) -> Result<(Obstacle, TriMesh), BenchError> {
+) -> Result<Body, BenchError> {
     let low = mesh.positions().iter().copied().reduce(|a, b| a.inf(&b));
     let high = mesh.positions().iter().copied().reduce(|a, b| a.sup(&b));
     let (low, high) = (low.unwrap_or_default(), high.unwrap_or_default());
     let lowest = low.dot(&up).min(high.dot(&up));
     let middle = (low + high) / 2.0;
+    let thickness = settings.positive(&THICKNESS)?;
     // Two thicknesses below the lowest vertex.
-    let at = |depth: Real| {
-        let clear = depth + 2.0 * settings.number(&THICKNESS)?;
-        Ok::<_, BenchError>(middle + up * (lowest - clear - middle.dot(&up)))
-    };
+    let at = |depth: Real| middle + up * (lowest - depth - 2.0 * thickness - middle.dot(&up));
     let turned = UnitQuaternion::rotation_between(&Vec3::z(), &up)
         .unwrap_or_else(|| UnitQuaternion::from_axis_angle(&Vec3::x_axis(), 2.0 * FRAC_PI_2));
     let still = |position: Vec3| {
@@ -56,14 +54,15 @@ pub(super) fn below(
     let (obstacle, shape) = match kind {
         Below::Sphere => {
             let sphere = Sphere::new(RADIUS).map_err(BenchError::failed)?;
-            let shape = generate::sphere(5, RADIUS).map_err(BenchError::failed)?;
-            (Obstacle::moving(sphere, still(at(RADIUS)?)), shape)
+            let shape =
+                generate::sphere(splits(RADIUS, thickness), RADIUS).map_err(BenchError::failed)?;
+            (Obstacle::moving(sphere, still(at(RADIUS))), shape)
         }
         Below::TurningBox => {
             let cuboid = Cuboid::new(HALF_EDGES.into()).map_err(BenchError::failed)?;
             let motion = RigidMotion {
                 angular_velocity: up * SPIN,
-                ..still(at(HALF_EDGES[2])?)
+                ..still(at(HALF_EDGES[2]))
             };
             (Obstacle::moving(cuboid, motion), block(HALF_EDGES)?)
         }
@@ -71,12 +70,16 @@ pub(super) fn below(
             let size = 1.5 * (high - low).norm();
             let plane = HalfSpace::new(Vec3::z()).map_err(BenchError::failed)?;
             (
-                Obstacle::moving(plane, still(at(*depth)?)),
+                Obstacle::moving(plane, still(at(*depth))),
                 centred([1, 1], [size; 2], Diagonals::OneWay)?,
             )
         }
     };
-    Ok((obstacle.map_err(BenchError::usage)?, shape))
+    Ok(Body::Rigid {
+        obstacle: obstacle.map_err(BenchError::usage)?,
+        surface: shape,
+        is_flat: matches!(kind, Below::Floor(_)),
+    })
 }
 
 /// The surface of a box.

@@ -118,7 +118,7 @@ struct Ran {
 
 fn ran(scene: &Scene, steps: u32, method: &str) -> Result<Ran, BenchError> {
     let mut stepper = Method::find(method)?.build(scene, &Settings::default(), scene.dt)?;
-    let mut watch = SeparationWatch::new(scene);
+    let mut watch = SeparationWatch::new(scene)?;
     let mut state = scene.start.clone();
     let outcome = run::run(
         scene,

@@ -200,12 +200,17 @@ fn nothing_crosses_in_any_scene_with_any_kind_of_method() {
             let settings = Settings::default();
             let mut solver = method.build(&scene, &settings, scene.dt).unwrap();
             let mut state = scene.start.clone();
-            let mut watch = SeparationWatch::new(&scene);
+            let mut watch = SeparationWatch::new(&scene).unwrap();
             let look = |_, state: &_, _: &_| watch.look(state);
             run(&scene, &mut *solver, &mut state, scene.dt, 40, look)
                 .unwrap_or_else(|error| panic!("{name}, {}: {error}", method.name));
             let seen = watch.seen();
             assert_eq!(seen.crossed_steps, 0, "{name}, {}", method.name);
+            assert_eq!(
+                seen.most_obstacle_intersections, 0,
+                "{name}, {}",
+                method.name
+            );
             if let Some(clearance) = seen.min_clearance {
                 assert!(clearance > 0.0, "{name}, {}: {clearance}", method.name);
             }

@@ -27,10 +27,10 @@ impl NearPairs {
         obstacles: &[Obstacle],
     ) -> Result<Real, CollideError> {
         let mut cap: Real = 1.0;
-        for pair in &self.vertex_triangle {
+        for pair in self.vertex_triangle.iter() {
             cap = cap.min(time_of_vertex(pair, from, to)?);
         }
-        for pair in &self.edge_edge {
+        for pair in self.edge_edge.iter() {
             cap = cap.min(time_of_edges(pair, from, to)?);
         }
         for &[vertex, number] in &self.vertex_obstacle {

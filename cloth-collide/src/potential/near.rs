@@ -194,6 +194,11 @@ impl Near {
         vertices.iter().any(|&v| self.is_free[v as usize])
     }
 
+    /// Whether a vertex before a triangle is kept out of its body by a signed distance, so that the two need no look.
+    pub(super) fn is_kept_out(&self, vertex: u32, corners: [u32; 3]) -> bool {
+        self.is_own(vertex) && self.side(corners[0]).is_some_and(|side| side.has_distance)
+    }
+
     /// Coefficient of friction μ (dimensionless) of a pair.
     pub(super) fn friction(&self, vertices: [u32; 4]) -> Real {
         let sides = [vertices[0], vertices[3]].map(|v| self.side(v));
@@ -224,7 +229,7 @@ impl Near {
         let [a, .., d] = vertices;
         match (self.side(a), self.side(d)) {
             (None, None) => {}
-            (None, Some(side)) if is_vertex && !side.has_distance => return self.law,
+            (None, Some(_)) if is_vertex => return self.law,
             _ => return self.law.with_range(0.5 * self.law.range()),
         }
         if self.piece[a as usize] != self.piece[d as usize] {

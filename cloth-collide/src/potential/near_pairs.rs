@@ -7,6 +7,7 @@ use super::gap::Gap;
 use super::near::Near;
 use super::pair::{EdgeEdgeContact, VertexTriangleContact};
 use super::patches::Patches;
+use super::ranked::Ranked;
 use crate::bounds::mean;
 use crate::ccd::QueryKind;
 use crate::obstacle::Obstacle;
@@ -25,8 +26,8 @@ pub(super) struct NearPairs {
     /// Whether they were chosen for where obstacles are now.
     is_chosen: bool,
     reach: Vec<Real>,
-    pub(super) vertex_triangle: Vec<VertexTriangleContact>,
-    pub(super) edge_edge: Vec<EdgeEdgeContact>,
+    pub(super) vertex_triangle: Ranked<VertexTriangleContact>,
+    pub(super) edge_edge: Ranked<EdgeEdgeContact>,
     /// Vertex and obstacle.
     pub(super) vertex_obstacle: Vec<[u32; 2]>,
     /// Room to work in: the parts of ways (dimensionless) that the last two rounds of [`NearPairs::shorten`] left.
@@ -65,6 +66,7 @@ impl NearPairs {
     pub(super) fn prepare(&mut self, near: &Near, way: [&[Vec3]; 2], obstacles: &[Obstacle]) {
         let room = ROOM * near.law().range();
         if way.iter().all(|x| self.holds(x, room)) {
+            self.wake(way);
             return;
         }
         let [from, to] = way;
@@ -77,6 +79,22 @@ impl NearPairs {
         self.reach.extend(ways);
         self.choose_obstacles(near, obstacles);
         self.choices += 1;
+        self.wake(way);
+    }
+
+    /// Looks after the pairs that the way can bring into contact.
+    fn wake(&mut self, way: [&[Vec3]; 2]) {
+        let nearer = 2.0 * self.moved(way[0]).max(self.moved(way[1]));
+        self.vertex_triangle.wake(nearer);
+        self.edge_edge.wake(nearer);
+    }
+
+    /// How far (m) a vertex is from where it was when pairs were chosen, at most, besides what all have done together.
+    fn moved(&self, x: &[Vec3]) -> Real {
+        let shift = mean(x) - mean(&self.place);
+        let ways = x.iter().zip(&self.place);
+        let most = ways.map(|(x, place)| (x - place - shift).norm_squared());
+        most.fold(0.0, Real::max).sqrt()
     }
 
     /// Whether the pairs hold at a place (m).
@@ -84,14 +102,11 @@ impl NearPairs {
         if !self.is_chosen {
             return false;
         }
-        let ways = || x.iter().zip(&self.place);
         if !self.vertex_obstacle_holds(x) {
             return false;
         }
         // Mostly this is enough: any two parts may come nearer by two rooms, wherever they are.
-        let shift = mean(x) - mean(&self.place);
-        let most = ways().map(|(x, place)| (x - place - shift).norm_squared());
-        if most.fold(0.0, Real::max) <= room * room {
+        if self.moved(x) <= room {
             return true;
         }
         let patches = self.patches.as_mut();
@@ -131,24 +146,32 @@ impl NearPairs {
                 QueryKind::EdgeEdge => Gap::edge_edge(&places).distance,
             };
             if distance < reach {
+                let lack = distance - pair.range;
                 match pair.kind {
                     QueryKind::VertexTriangle => {
-                        self.vertex_triangle.push(VertexTriangleContact {
+                        let law = law();
+                        let pair = VertexTriangleContact {
+                            vertices,
+                            area,
+                            law,
+                        };
+                        self.vertex_triangle.push(lack, pair);
+                    }
+                    QueryKind::EdgeEdge => {
+                        let pair = EdgeEdgeContact {
                             vertices,
                             area,
                             law: law(),
-                        });
+                            mollifier: near.mollifier(vertices),
+                        };
+                        self.edge_edge.push(lack, pair);
                     }
-                    QueryKind::EdgeEdge => self.edge_edge.push(EdgeEdgeContact {
-                        vertices,
-                        area,
-                        law: law(),
-                        mollifier: near.mollifier(vertices),
-                    }),
                 }
             }
             distance - pair.range
         });
+        self.vertex_triangle.sort();
+        self.edge_edge.sort();
     }
 
     fn choose_obstacles(&mut self, near: &Near, obstacles: &[Obstacle]) {

@@ -237,10 +237,10 @@ impl ContactPotential for Contacts {
 
     fn add_gradient(&self, x: &[Vec3], out: &mut [Vec3]) -> Real {
         let mut sum = 0.0;
-        for pair in &self.pairs.vertex_triangle {
+        for pair in self.pairs.vertex_triangle.iter() {
             sum += add_pair(pair, x, out);
         }
-        for pair in &self.pairs.edge_edge {
+        for pair in self.pairs.edge_edge.iter() {
             sum += add_pair(pair, x, out);
         }
         for &[vertex, number] in &self.pairs.vertex_obstacle {
@@ -272,11 +272,11 @@ impl ContactPotential for Contacts {
                 });
             }
         };
-        for pair in &self.pairs.vertex_triangle {
+        for pair in self.pairs.vertex_triangle.iter() {
             let gap = Gap::vertex_triangle(&gather(x, pair.vertices));
             push(pair.vertices, gap, pair.area, pair.law);
         }
-        for pair in &self.pairs.edge_edge {
+        for pair in self.pairs.edge_edge.iter() {
             let places = gather(x, pair.vertices);
             let gap = Gap::edge_edge(&places);
             if gap.distance < pair.law.range() {
@@ -403,12 +403,12 @@ impl Contacts {
                 });
             }
         };
-        for pair in &pairs.vertex_triangle {
+        for pair in pairs.vertex_triangle.iter() {
             let gap = Gap::vertex_triangle(&gather(x, pair.vertices));
             let force = -pair.area * pair.law.slope(gap.distance);
             push(pair.vertices, gap, near.friction(pair.vertices) * force);
         }
-        for pair in &pairs.edge_edge {
+        for pair in pairs.edge_edge.iter() {
             let places = gather(x, pair.vertices);
             let gap = Gap::edge_edge(&places);
             if gap.distance < pair.law.range() {

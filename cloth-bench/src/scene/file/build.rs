@@ -5,7 +5,7 @@ use super::keys::{DT, GRAVITY, NAME, SECTIONS, STEPS, overrulable};
 use super::{air, mesh, obstacles, pins, start};
 use crate::bounds::bounds;
 use crate::error::BenchError;
-use crate::scene::contact::{NO_SELF, Touch};
+use crate::scene::contact::{NO_SELF, THICKNESS, Touch};
 use crate::scene::{RIGIDITY, STIFFNESS, Scene, build as built_in, cloth};
 use crate::settings::Settings;
 use cloth_core::math::Vec3;
@@ -194,9 +194,12 @@ impl<'a> Sections<'a> {
         }
         let [low, high] = bounds(mesh.positions().iter().copied());
         let size = (high - low).norm();
+        let thickness = settings
+            .positive(&THICKNESS)
+            .map_err(|error| self.contact.blame(error, overruling))?;
         let bodies = self.obstacles.iter();
         let bodies: Vec<_> = bodies
-            .map(|section| obstacles::obstacle(section, folder, size))
+            .map(|section| obstacles::body(section, folder, [size, thickness]))
             .collect::<Result<_, _>>()?;
         let touch = Touch::new(&settings, &NO_SELF, bodies)
             .map_err(|error| self.contact.blame(error, overruling))?;

@@ -82,7 +82,17 @@ pub(super) const DURATION: Parameter = parameter(
 pub(super) const SHAPE: Parameter = parameter(
     "shape",
     "needed",
-    "\"sphere\", \"box\", \"capsule\" (along its own z), \"plane\" (up along its own z) or \"mesh\" (closed)",
+    "\"sphere\", \"box\", \"capsule\" (along its own z), \"plane\" (up along its own z), \"mesh\" (closed) or \"animation\" (open or closed, moved by its files)",
+);
+pub(super) const FOLDER: Parameter = parameter(
+    "folder",
+    "needed",
+    "of an animation: OBJ or PLY files in m with the same triangles, one shape each, in the order of their names",
+);
+pub(super) const INTERVAL: Parameter = parameter(
+    "interval",
+    "1/60",
+    "time between two shapes of an animation (s), above 0; vertices go straight in between",
 );
 pub(super) const RADIUS: Parameter =
     parameter("radius", "needed", "of a sphere or a capsule (m), above 0");
@@ -187,13 +197,15 @@ pub const SECTIONS: [SectionInfo; 9] = [
     },
     SectionInfo {
         head: "[[obstacle]]",
-        about: "a rigid body that the cloth can touch",
+        about: "a body that the cloth can touch",
         keys: &[
             SHAPE,
             RADIUS,
             EXTENT,
             LENGTH,
             FILE,
+            FOLDER,
+            INTERVAL,
             POSITION,
             ROTATE,
             VELOCITY,

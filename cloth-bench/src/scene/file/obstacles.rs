@@ -2,28 +2,92 @@
 
 use super::document::Section;
 use super::keys::{
-    ANGULAR_VELOCITY, EXTENT, FILE, LENGTH, POSITION, RADIUS, ROTATE, SHAPE, VELOCITY,
+    ANGULAR_VELOCITY, EXTENT, FILE, FOLDER, INTERVAL, LENGTH, POSITION, RADIUS, ROTATE, SHAPE,
+    VELOCITY,
 };
 use crate::error::BenchError;
 use crate::names;
+use crate::scene::contact::{Body, splits};
 use crate::scene::touching;
 use crate::settings::Parameter;
 use cloth_collide::obstacle::{
-    Capsule, ClosedMesh, Cuboid, HalfSpace, Obstacle, ObstacleError, Pose, RigidMotion, Sphere,
+    AnimatedMesh, Capsule, ClosedMesh, Cuboid, HalfSpace, Obstacle, ObstacleError, Pose,
+    RigidMotion, Sphere,
 };
 use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::generate::{Diagonals, sphere};
 use cloth_core::mesh::{TriMesh, io};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-/// Splits of the edges of the icosahedron that stands for a sphere in pictures.
-const ROUND: usize = 5;
-
-/// The body that a table describes. `size` (m) is that of the scene, for planes in pictures.
-pub(super) fn obstacle(
+/// The body that a table describes. The size (m) of the scene is for planes in pictures, the thickness (m) of contact says how fine round surfaces are.
+pub(super) fn body(
     section: &Section<'_>,
     folder: &Path,
-    size: Real,
+    [size, thickness]: [Real; 2],
+) -> Result<Body, BenchError> {
+    if section.text(&SHAPE)? == Some("animation") {
+        return animated(section, folder);
+    }
+    let (obstacle, surface) = rigid(section, folder, [size, thickness])?;
+    Ok(Body::Rigid {
+        obstacle,
+        surface,
+        is_flat: section.text(&SHAPE)? == Some("plane"),
+    })
+}
+
+/// A surface whose shapes are the files of a folder.
+fn animated(section: &Section<'_>, folder: &Path) -> Result<Body, BenchError> {
+    only(section, &[&FOLDER, &INTERVAL])?;
+    if let Some(key) = [&VELOCITY, &ANGULAR_VELOCITY]
+        .into_iter()
+        .find(|key| section.value(key).is_some())
+    {
+        let message = format!(
+            "{} has no meaning for this shape: its files say how it moves",
+            key.name
+        );
+        return Err(section.refuse(key, message));
+    }
+    let name = needed(section, &FOLDER, section.text(&FOLDER)?)?;
+    let wrong = |error: &dyn std::fmt::Display| section.refuse(&FOLDER, error.to_string());
+    let entries = std::fs::read_dir(folder.join(name)).map_err(|error| wrong(&error))?;
+    let mut files: Vec<PathBuf> = Vec::new();
+    for entry in entries {
+        let path = entry.map_err(|error| wrong(&error))?.path();
+        let kind = path.extension().and_then(|kind| kind.to_str());
+        if matches!(kind, Some("obj" | "ply")) {
+            files.push(path);
+        }
+    }
+    files.sort();
+    let pose = motion(section)?.pose;
+    let mut first: Option<TriMesh> = None;
+    let mut shapes = Vec::new();
+    for file in &files {
+        let mesh = io::read(file).map_err(|error| wrong(&error))?;
+        let shape = mesh.positions().iter().map(|&x| pose.to_world(x));
+        shapes.push(shape.collect());
+        let first = first.get_or_insert_with(|| mesh.clone());
+        if first.triangles() != mesh.triangles() {
+            let shown = file.display();
+            return Err(wrong(&format!(
+                "{shown} has other triangles than the first file"
+            )));
+        }
+    }
+    let Some(mesh) = first else {
+        return Err(wrong(&"has no OBJ or PLY file"));
+    };
+    let interval = section.positive(&INTERVAL)?.unwrap_or(1.0 / 60.0);
+    let animation = AnimatedMesh::new(shapes, interval).map_err(|error| wrong(&error))?;
+    Ok(Body::Animated(mesh, animation))
+}
+
+fn rigid(
+    section: &Section<'_>,
+    folder: &Path,
+    [size, thickness]: [Real; 2],
 ) -> Result<(Obstacle, TriMesh), BenchError> {
     let refused = |error: ObstacleError| section.refuse_table(error);
     let motion = motion(section)?;
@@ -35,7 +99,7 @@ pub(super) fn obstacle(
             let ball = Sphere::new(radius).map_err(refused)?;
             Ok((
                 placed(Obstacle::moving(ball, motion))?,
-                drawn(section, sphere(ROUND, radius))?,
+                drawn(section, sphere(splits(radius, thickness), radius))?,
             ))
         }
         Some("box") => {
@@ -54,7 +118,7 @@ pub(super) fn obstacle(
             let half = needed(section, &LENGTH, section.number(&LENGTH)?)? / 2.0;
             let body =
                 Capsule::new(half, radius).map_err(|error| section.refuse(&LENGTH, error))?;
-            let ball = drawn(section, sphere(ROUND, radius))?;
+            let ball = drawn(section, sphere(splits(radius, thickness), radius))?;
             // Both halves of the ball, moved apart.
             let stretch = |x: &Vec3| x + Vec3::z() * if x.z < 0.0 { -half } else { half };
             let long = ball.positions().iter().map(stretch).collect();
@@ -79,7 +143,7 @@ pub(super) fn obstacle(
             Ok((placed(Obstacle::moving(body, motion))?, surface))
         }
         Some(other) => {
-            let known = ["sphere", "box", "capsule", "plane", "mesh"];
+            let known = ["sphere", "box", "capsule", "plane", "mesh", "animation"];
             Err(section.refuse(&SHAPE, names::unknown("shape", other, &known)))
         }
         None => Err(section.refuse_table("needs a shape")),
@@ -101,7 +165,7 @@ fn needed<T>(section: &Section<'_>, key: &Parameter, value: Option<T>) -> Result
 
 /// Refuses measures that the shape does not have.
 fn only(section: &Section<'_>, used: &[&Parameter]) -> Result<(), BenchError> {
-    let unused = [&RADIUS, &EXTENT, &LENGTH, &FILE];
+    let unused = [&RADIUS, &EXTENT, &LENGTH, &FILE, &FOLDER, &INTERVAL];
     let mut unused = unused.into_iter().filter(|key| !used.contains(key));
     match unused.find(|key| section.value(key).is_some()) {
         None => Ok(()),

@@ -217,7 +217,8 @@ impl Patches {
         for k in (0..3).filter(|&k| self.owned[t as usize].vertices[k]) {
             let vertex = self.triangles[t as usize][k];
             let place = Bounds::around([x[vertex as usize]]);
-            if corners.contains(&vertex) || place.squared_gap(bounds) > reach * reach {
+            let is_looked_at = !corners.contains(&vertex) && !near.is_kept_out(vertex, corners);
+            if !is_looked_at || place.squared_gap(bounds) > reach * reach {
                 continue;
             }
             let distance = point_triangle(x[vertex as usize], gather(x, corners)).distance();

@@ -1,0 +1,68 @@
+//! Pairs in the order of what they lack to contact, so that those which lack more than the motion since then are left alone.
+
+use cloth_core::math::Real;
+
+/// Pairs that were found where each lacked some distance (m) to contact.
+#[derive(Debug)]
+pub(super) struct Ranked<P> {
+    all: Vec<(Real, P)>,
+    /// How many of them the motion may have brought into contact.
+    awake: usize,
+}
+
+impl<P> Default for Ranked<P> {
+    fn default() -> Self {
+        let (all, awake) = (Vec::new(), 0);
+        Self { all, awake }
+    }
+}
+
+impl<P> Ranked<P> {
+    pub(super) fn clear(&mut self) {
+        self.all.clear();
+        self.awake = 0;
+    }
+
+    /// Adds a pair that lacks so much (m); none of them is awake until [`Ranked::wake`].
+    pub(super) fn push(&mut self, lack: Real, pair: P) {
+        self.all.push((lack, pair));
+    }
+
+    /// All have been added. Those that lack the same stay in their order.
+    pub(super) fn sort(&mut self) {
+        self.all.sort_by(|a, b| a.0.total_cmp(&b.0));
+    }
+
+    /// Any two pieces have come nearer by at most `nearer` (m) since they were found.
+    pub(super) fn wake(&mut self, nearer: Real) {
+        self.awake = self.all.partition_point(|(lack, _)| *lack <= nearer);
+    }
+
+    /// Those that can be in contact.
+    pub(super) fn iter(&self) -> impl Iterator<Item = &P> {
+        self.all[..self.awake].iter().map(|(_, pair)| pair)
+    }
+
+    pub(super) fn len(&self) -> usize {
+        self.awake
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_lacks_more_than_the_motion_sleeps() {
+        let mut pairs = Ranked::default();
+        for (lack, pair) in [(0.3, 'c'), (-0.1, 'a'), (0.2, 'b'), (0.3, 'd')] {
+            pairs.push(lack, pair);
+        }
+        pairs.sort();
+        for (nearer, expected) in [(0.0, "a"), (0.2, "ab"), (0.25, "ab"), (1.0, "abcd")] {
+            pairs.wake(nearer);
+            assert_eq!(pairs.iter().collect::<String>(), expected, "{nearer}");
+            assert_eq!(pairs.len(), expected.len());
+        }
+    }
+}
