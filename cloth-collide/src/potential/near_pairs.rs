@@ -28,6 +28,8 @@ pub(super) struct NearPairs {
     reach: Vec<Real>,
     pub(super) vertex_triangle: Ranked<VertexTriangleContact>,
     pub(super) edge_edge: Ranked<EdgeEdgeContact>,
+    /// Of each obstacle and each vertex: where it was asked for the distance, in the frame of the obstacle (m), and that distance (m). It changes by no more than the way from there.
+    rooms: Vec<(Vec3, Real)>,
     /// Vertex and obstacle.
     pub(super) vertex_obstacle: Vec<[u32; 2]>,
     /// Room to work in: the parts of ways (dimensionless) that the last two rounds of [`NearPairs::shorten`] left.
@@ -176,14 +178,27 @@ impl NearPairs {
 
     fn choose_obstacles(&mut self, near: &Near, obstacles: &[Obstacle]) {
         self.vertex_obstacle.clear();
+        let nowhere = (Vec3::repeat(Real::INFINITY), 0.0);
+        self.rooms.resize(near.cloth * obstacles.len(), nowhere);
         let h = near.law().range();
-        for (vertex, (x, reach)) in (0u32..).zip(self.place[..near.cloth].iter().zip(&self.reach)) {
-            if !near.is_free[vertex as usize] {
-                continue;
-            }
-            for (number, obstacle) in (0u32..).zip(obstacles) {
-                let reach = h + reach * obstacle.shape().lipschitz();
-                if obstacle.clearance(*x, 0.0).value < reach {
+        let vertices = self.place[..near.cloth].iter().zip(&self.reach);
+        let mut rooms = self.rooms.iter_mut();
+        for (vertex, (x, reach)) in (0u32..).zip(vertices) {
+            for ((number, obstacle), room) in (0u32..).zip(obstacles).zip(&mut rooms) {
+                if !near.is_free[vertex as usize] {
+                    continue;
+                }
+                let stretch = obstacle.shape().lipschitz();
+                let reach = h + reach * stretch;
+                let local = obstacle.motion().pose.to_local(*x);
+                let way = (local - room.0).norm();
+                let is_far = room.1 - way * stretch >= reach;
+                if is_far {
+                    continue;
+                }
+                let distance = obstacle.shape().clearance(local).value;
+                *room = (local, distance);
+                if distance < reach {
                     self.vertex_obstacle.push([vertex, number]);
                 }
             }
