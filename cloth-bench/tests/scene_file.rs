@@ -184,6 +184,30 @@ fn the_flag_of_the_sample_blows_down_the_wind() {
     assert!(hanging < 0.8 * before, "{hanging}");
 }
 
+/// Friction holds the cloth on the ball: once it turns with it, the vertices on top go round as fast.
+#[test]
+fn the_ball_of_the_sample_takes_the_cloth_along() {
+    let text = std::fs::read_to_string(sample("turning-sphere.toml")).unwrap();
+    let scene = read("turning", &text.replace("41x41", "21x21")).unwrap();
+    for method in ["xpbd", "pd"] {
+        let [before, later] = [100, 130].map(|steps| after(&scene, method, steps).positions);
+        let on_top = (0..before.len()).filter(|&v| before[v].z > 0.25);
+        let turned: Vec<f64> = on_top
+            .filter(|&v| before[v].xy().norm() > 0.05)
+            .map(|v| {
+                let [a, b] = [before[v], later[v]].map(|x| x.xy());
+                (a.x * b.y - a.y * b.x).atan2(a.dot(&b))
+            })
+            .collect();
+        assert!(turned.len() > 8, "{method}: {}", turned.len());
+        // Half a second of π rad/s.
+        let expected = std::f64::consts::FRAC_PI_2;
+        for angle in turned {
+            assert!((angle - expected).abs() < 0.02, "{method}: {angle} rad");
+        }
+    }
+}
+
 #[test]
 fn a_mesh_file_stands_beside_the_scene() {
     let mesh = cloth_core::mesh::generate::disk(4, 0.3).unwrap();
