@@ -68,8 +68,6 @@ pub struct Multigrid {
     /// From level k + 1 to level k.
     transfers: Vec<(Prolongation, Galerkin)>,
     coarsest: Option<Coarsest>,
-    /// The level at which a cycle begins.
-    first: usize,
 }
 
 impl Multigrid {
@@ -88,33 +86,8 @@ impl Multigrid {
             levels: vec![finest],
             transfers: Vec::new(),
             coarsest: None,
-            first: 0,
         };
         this.coarsen(strengths(matrix), rest.to_vec());
-        this
-    }
-
-    /// Levels below a coarse space of one's own: `prolongation` leads from it to the vertices, and `place` (m) has its nodes. Cycles begin there, so
-    /// [`apply`](Self::apply) is `P V Pᵀ` with V the cycle on its levels: the smooth part of an inverse, to be added to what knows the rough one
-    /// (J. H. Bramble, J. E. Pasciak, J. Xu, "Parallel multilevel preconditioners", Math. Comp. 55, 1990,
-    /// <https://doi.org/10.1090/S0025-5718-1990-1023042-6>).
-    ///
-    /// # Panics
-    /// If the prolongation does not have one row per row of the matrix, and one column per place.
-    #[must_use]
-    pub fn below(prolongation: Prolongation, matrix: &BlockMatrix, place: Vec<Vec3>) -> Self {
-        let pattern = matrix.shared_pattern();
-        assert_eq!(prolongation.fine_count(), pattern.row_count(), "rows of P");
-        assert_eq!(prolongation.coarse_count(), place.len(), "columns of P");
-        let is_free = (0..pattern.row_count()).map(|v| !prolongation.of_fine(v).is_empty());
-        let mut this = Self {
-            levels: vec![Level::new(Arc::clone(pattern), is_free.collect())],
-            transfers: Vec::new(),
-            coarsest: None,
-            first: 1,
-        };
-        let strengths = this.add(prolongation, &strengths(matrix));
-        this.coarsen(strengths, place);
         this
     }
 
@@ -198,15 +171,14 @@ impl Multigrid {
             let coarse = &mut coarse[0].rank_one;
             coarse.restrict(&fine[number].rank_one, prolongation);
         }
-        let smoothed = self.levels[self.first..].iter_mut();
-        smoothed.for_each(Level::prepare);
+        self.levels.iter_mut().for_each(Level::prepare);
         if let (Some(coarsest), Some(level)) = (&mut self.coarsest, self.levels.last()) {
             return coarsest.factorize(level);
         }
         true
     }
 
-    /// One V-cycle from zero: `z` (m) is near `A⁻¹ r` for a right-hand side `r` (N), or near its part in the coarse space, and zero where nothing moves.
+    /// One V-cycle from zero: `z` (m) is near `A⁻¹ r` for a right-hand side `r` (N), and zero where nothing moves.
     ///
     /// # Panics
     /// If `r` or `z` does not have one entry per row.
@@ -214,18 +186,7 @@ impl Multigrid {
         assert_eq!(r.len(), self.levels[0].len(), "length of r");
         assert_eq!(z.len(), self.levels[0].len(), "length of z");
         self.levels[0].take(r);
-        if self.first == 0 {
-            self.cycle(0);
-        } else {
-            let (prolongation, _) = &self.transfers[0];
-            let (fine, coarse) = self.levels.split_at_mut(1);
-            fine[0].hand_down(prolongation, &mut coarse[0].right_hand_side);
-            self.cycle(1);
-            let (prolongation, _) = &self.transfers[0];
-            let (fine, coarse) = self.levels.split_at_mut(1);
-            fine[0].solution.fill([0.0; 4]);
-            fine[0].correct(prolongation, &coarse[0].solution);
-        }
+        self.cycle(0);
         self.levels[0].give(z);
     }
 

@@ -8,7 +8,7 @@ use cloth_core::linear::{Budget, LinearSolver, MultigridGradients};
 use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::TriMesh;
 use cloth_core::mesh::generate::{Diagonals, grid, irregular};
-use cloth_core::multigrid::{Multigrid, Prolongation};
+use cloth_core::multigrid::Multigrid;
 use cloth_core::vectors::dot;
 use std::sync::Arc;
 
@@ -300,45 +300,5 @@ fn contacts_beside_the_pattern_are_part_of_the_cycle() {
         multigrid.apply(&a, &mut za);
         fresh.apply(&a, &mut zb);
         assert_eq!(za, zb);
-    }
-}
-
-/// Below a space of few nodes, which is solved directly, the correction z is the best there is in it: `Pᵀ(r − A z) = 0`.
-#[test]
-fn the_correction_from_a_coarse_space_leaves_no_residual_there() {
-    let System {
-        mesh,
-        matrix,
-        is_free,
-        ..
-    } = system(
-        grid(17, 17, 1.0, 1.0, Diagonals::Alternating).unwrap(),
-        1e-5,
-        true,
-    );
-    // Hats on 5 × 5 nodes.
-    let hat = |x: Real, node: usize| (1.0 - (4.0 * x - node as Real).abs()).max(0.0);
-    let rows: Vec<Vec<(u32, Real)>> = (mesh.positions().iter().zip(&is_free))
-        .map(|(x, is_free)| {
-            let nodes = (0..25).map(|n| (n as u32, hat(x.x, n % 5) * hat(x.y, n / 5)));
-            nodes.filter(|entry| *is_free && entry.1 > 0.0).collect()
-        })
-        .collect();
-    let prolongation = Prolongation::new(rows.iter().map(Vec::as_slice), 25);
-    let node = |n: usize| Vec3::new((n % 5) as Real, (n / 5) as Real, 0.0) * 0.25;
-    let mut multigrid =
-        Multigrid::below(prolongation.clone(), &matrix, (0..25).map(node).collect());
-    assert!(multigrid.refresh(&matrix));
-    assert_eq!(multigrid.sizes().collect::<Vec<_>>(), [289, 25]);
-    let r: Vec<Vec3> = (0..289).map(noise).collect();
-    let (mut z, mut product) = (vec![Vec3::zeros(); 289], vec![Vec3::zeros(); 289]);
-    multigrid.apply(&r, &mut z);
-    matrix.multiply(&z, &mut product);
-    for n in 0..25 {
-        let under = prolongation.of_coarse(n);
-        let sum: Vec3 = (under.iter())
-            .map(|&(v, w)| (r[v as usize] - product[v as usize]) * w)
-            .sum();
-        assert!(sum.norm() < 1e-3, "{n}: {:e} N", sum.norm());
     }
 }

@@ -15,23 +15,32 @@
 //! whether the level is solved exactly or by a cycle: nothing smooths after the correction.
 
 use crate::free_pieces::FreePieces;
-use crate::lattice::Lattice;
+use crate::global::GlobalSystem;
+use crate::lattice::{Lanes, Lattice};
 use crate::local::Projections;
-use cloth_core::block_matrix::{BlockMatrix, PatternBuilder};
+use cloth_core::block_matrix::{BlockMatrix, BlockPattern, PatternBuilder};
+use cloth_core::chunked::map_reduce;
 use cloth_core::energy::Attachment;
 use cloth_core::math::{Mat3, Real, Vec3};
-use cloth_core::multigrid::Multigrid;
+use cloth_core::multigrid::{Multigrid, Prolongation};
 use cloth_core::particles::Particles;
 use cloth_core::vectors::add;
-use sprs::CsMat;
+use std::sync::Arc;
 
-/// H, and the levels below the lattice.
+/// `Pᵀ H P`, and the levels below the lattice.
 #[derive(Debug)]
 pub(crate) struct CoarseGrid {
     multigrid: Multigrid,
+    prolongation: Prolongation,
+    /// `Pᵀ H P` (N/m).
     matrix: BlockMatrix,
-    /// Mass (kg) of each vertex.
+    /// `Pᵀ M P` (kg), block by block.
     mass: Vec<Real>,
+    /// The part of it that elements add (N/m).
+    stiffness: Vec<Lanes>,
+    /// Over the nodes: `Pᵀ r` (N), and how they move (m).
+    right_hand_side: Vec<Vec3>,
+    solution: Vec<Vec3>,
     is_ready: bool,
     /// A correction has no momentum, but for rounding; what nothing holds must not be pushed.
     free_pieces: FreePieces,
@@ -40,38 +49,60 @@ pub(crate) struct CoarseGrid {
 }
 
 impl CoarseGrid {
-    /// Lays a lattice of `cells` over the cloth at rest (m), and prepares all families to be summed on `stiffness`, the lower half of `Σ w GᵀG` (N/m).
+    /// Lays a lattice of `cells` over the cloth at rest (m), and prepares the families that `global` has to be summed on it.
     pub(crate) fn new(
         rest: &[Vec3],
         cells: u32,
         particles: &Particles,
-        stiffness: &CsMat<Real>,
+        global: &GlobalSystem,
         free_pieces: &FreePieces,
         families: &mut [Box<dyn Projections>],
     ) -> Self {
-        let mut pattern = PatternBuilder::new(particles.len());
-        for (_, (row, column)) in stiffness {
-            if row != column {
-                pattern.add_pairs(&[row as u32, column as u32], |_| true);
-            }
-        }
-        let mut matrix = BlockMatrix::zeros(pattern.build());
-        let values: Vec<Real> = stiffness.iter().map(|entry| *entry.0).collect();
-        for (block, value) in matrix.blocks_mut().iter_mut().zip(values) {
-            *block = Mat3::from_diagonal_element(value);
-        }
-        for family in families.iter_mut() {
-            family.bind(matrix.pattern());
-        }
         let is_free = |vertex: usize| !particles.is_prescribed(vertex);
         let Lattice {
             prolongation,
             place,
         } = Lattice::over(rest, is_free, cells);
+        let nodes = |vertex: usize| prolongation.of_fine(vertex).iter();
+        let mut pattern = PatternBuilder::new(place.len());
+        let mut around: Vec<u32> = Vec::new();
+        for (_, (row, column)) in global.stiffness() {
+            around.clear();
+            around.extend(nodes(row).chain(nodes(column)).map(|entry| entry.0));
+            pattern.add_pairs(&around, |_| true);
+        }
+        let pattern = pattern.build();
+        // Couplings as a Laplacian has them, which say what coarser levels keep.
+        let mut matrix = BlockMatrix::zeros(Arc::clone(&pattern));
+        for (&value, (row, column)) in global.stiffness() {
+            for &(a, in_row) in nodes(row) {
+                for &(b, in_column) in nodes(column).filter(|entry| entry.0 != a && row != column) {
+                    let slot = pattern.slot(a, b).expect("a pair of the pattern");
+                    let coupling = value.abs() * in_row * in_column;
+                    matrix.blocks_mut()[slot as usize] += Mat3::from_diagonal_element(coupling);
+                }
+            }
+        }
+        let is_free = vec![true; place.len()];
+        let multigrid = Multigrid::new(&matrix, &is_free, &place);
+        let mut mass = vec![0.0; pattern.block_count()];
+        for (vertex, own) in particles.mass().iter().enumerate() {
+            for_each_pair(&prolongation, &pattern, vertex, |slot, share| {
+                mass[slot] += own * share;
+            });
+        }
+        let kept = families.iter_mut().enumerate();
+        for (_, family) in kept.filter(|(index, _)| global.has(*index)) {
+            family.bind(&prolongation, &pattern);
+        }
         Self {
-            multigrid: Multigrid::below(prolongation, &matrix, place),
-            mass: particles.mass().to_vec(),
+            multigrid,
+            right_hand_side: vec![Vec3::zeros(); place.len()],
+            solution: vec![Vec3::zeros(); place.len()],
+            prolongation,
+            stiffness: vec![Lanes::default(); pattern.block_count()],
             matrix,
+            mass,
             is_ready: false,
             free_pieces: free_pieces.clone(),
             correction: vec![Vec3::zeros(); particles.len()],
@@ -86,19 +117,26 @@ impl CoarseGrid {
     /// Takes H at x (m) for a step of `dt` (s).
     pub(crate) fn prepare(
         &mut self,
-        families: &mut [Box<dyn Projections>],
+        families: &[Box<dyn Projections>],
         attachments: &[Attachment],
         x: &[Vec3],
         dt: Real,
     ) {
-        self.matrix.set_diagonal(&self.mass, 1.0 / dt / dt);
-        for family in families.iter_mut() {
-            family.add_stiffness(x, &mut self.matrix);
+        self.stiffness.fill(Lanes::default());
+        for family in families {
+            family.add_stiffness(x, &mut self.stiffness);
         }
+        let sums = self.mass.iter().zip(&self.stiffness);
+        for (block, (mass, stiffness)) in self.matrix.blocks_mut().iter_mut().zip(sums) {
+            *block = stiffness.block() + Mat3::from_diagonal_element(mass / dt / dt);
+        }
+        let pattern = Arc::clone(self.matrix.shared_pattern());
         for attachment in attachments {
+            let blocks = self.matrix.blocks_mut();
             let vertex = attachment.vertex as usize;
-            let own = self.matrix.pattern().row(vertex).end - 1;
-            self.matrix.blocks_mut()[own] += Mat3::from_diagonal_element(attachment.stiffness);
+            for_each_pair(&self.prolongation, &pattern, vertex, |slot, share| {
+                blocks[slot] += Mat3::from_diagonal_element(attachment.stiffness * share);
+            });
         }
         self.is_ready = self.multigrid.refresh(&self.matrix);
     }
@@ -110,7 +148,36 @@ impl CoarseGrid {
 
     /// Finds `P V Pᵀ r` (m) for a right-hand side r (N).
     pub(crate) fn solve(&mut self, r: &[Vec3]) {
-        self.multigrid.apply(r, &mut self.correction);
+        let prolongation = &self.prolongation;
+        map_reduce(
+            &mut self.right_hand_side[..],
+            #[inline(always)]
+            |start, own: &mut [Vec3]| {
+                for (node, own) in (start..).zip(own) {
+                    let parts = prolongation.of_coarse(node).iter();
+                    *own = parts
+                        .map(|&(vertex, weight)| r[vertex as usize] * weight)
+                        .sum();
+                }
+                []
+            },
+        );
+        self.multigrid
+            .apply(&self.right_hand_side, &mut self.solution);
+        let solution = &self.solution;
+        map_reduce(
+            &mut self.correction[..],
+            #[inline(always)]
+            |start, own: &mut [Vec3]| {
+                for (vertex, own) in (start..).zip(own) {
+                    let parts = prolongation.of_fine(vertex).iter();
+                    *own = parts
+                        .map(|&(node, weight)| solution[node as usize] * weight)
+                        .sum();
+                }
+                []
+            },
+        );
         if !self.free_pieces.is_empty() {
             self.free_pieces.align(None, &mut self.correction);
         }
@@ -119,5 +186,94 @@ impl CoarseGrid {
     /// Adds what was found last (m) to `out`.
     pub(crate) fn add_correction(&self, out: &mut [Vec3]) {
         add(out, 1.0, &self.correction);
+    }
+}
+
+/// The block of every pair of nodes around a vertex, and the product of their weights.
+fn for_each_pair(
+    prolongation: &Prolongation,
+    pattern: &BlockPattern,
+    vertex: usize,
+    mut visit: impl FnMut(usize, Real),
+) {
+    let nodes = prolongation.of_fine(vertex);
+    for (i, &(row, a)) in nodes.iter().enumerate() {
+        for &(column, b) in &nodes[..=i] {
+            let slot = pattern.slot(row, column).expect("nodes of one vertex");
+            visit(slot as usize, a * b);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::local::Family;
+    use cloth_core::cloth::{Cloth, Membrane};
+    use cloth_core::mesh::generate::{Diagonals, grid};
+
+    /// On few nodes, which are solved directly, the correction z is the best there is in their space: `Pᵀ(r − H z) = 0`, with H summed over the mesh instead of the lattice.
+    #[test]
+    fn the_correction_leaves_no_residual_on_the_lattice() {
+        let mesh = grid(17, 17, 1.0, 1.0, Diagonals::Alternating).unwrap();
+        let cloth = Cloth {
+            areal_density: 0.2,
+            membrane: Membrane::SpringStiffness(1e3),
+            bending_rigidity: 1e-5,
+        };
+        let mut model = cloth.on(&mesh).unwrap();
+        model.particles.prescribe(0).unwrap();
+        let particles = &model.particles;
+        let families = |springs| -> Vec<Box<dyn Projections>> {
+            vec![Box::new(Family::new(springs, particles).unwrap())]
+        };
+        let mut on_lattice = families(model.springs.clone());
+        let global = GlobalSystem::new(particles, &on_lattice, vec![false]).unwrap();
+        let entries = global.stiffness().iter().map(|(&k, (i, j))| (i, j, k));
+        let none = FreePieces::of(&entries.collect::<Vec<_>>(), particles);
+        let rest = mesh.positions();
+        let mut coarse = CoarseGrid::new(rest, 4, particles, &global, &none, &mut on_lattice);
+        let x: Vec<Vec3> = (rest.iter().enumerate())
+            .map(|(v, x)| x * 1.1 + Vec3::z() * 0.01 * (v as Real).sin())
+            .collect();
+        let attachments = [Attachment {
+            vertex: 100,
+            target: x[100],
+            stiffness: 50.0,
+        }];
+        let dt = 1.0 / 60.0;
+        coarse.prepare(&on_lattice, &attachments, &x, dt);
+        assert!(coarse.is_ready());
+        let r: Vec<Vec3> = (0..289)
+            .map(|v| Vec3::from_fn(|axis, _| ((3 * v + axis) as Real * 1.7).sin()))
+            .collect();
+        coarse.solve(&r);
+
+        let own: Vec<[(u32, Real); 1]> = (0..289).map(|v| [(v, 1.0)]).collect();
+        let every_vertex = Prolongation::new(own.iter().map(|row| &row[..]), 289);
+        let mut pattern = PatternBuilder::new(289);
+        pattern.add(&model.springs);
+        let pattern = pattern.build();
+        let mut on_mesh = families(model.springs.clone());
+        on_mesh[0].bind(&every_vertex, &pattern);
+        let mut stiffness = vec![Lanes::default(); pattern.block_count()];
+        on_mesh[0].add_stiffness(&x, &mut stiffness);
+        let mut matrix = BlockMatrix::zeros(pattern);
+        matrix.set_diagonal(particles.mass(), 1.0 / dt / dt);
+        for (block, sum) in matrix.blocks_mut().iter_mut().zip(&stiffness) {
+            *block += sum.block();
+        }
+        let z = &coarse.correction;
+        let mut product = vec![Vec3::zeros(); 289];
+        matrix.multiply(z, &mut product);
+        product[100] += z[100] * attachments[0].stiffness;
+        assert_eq!(z[0], Vec3::zeros());
+        assert_eq!(coarse.right_hand_side.len(), 25);
+        for node in 0..25 {
+            let under = coarse.prolongation.of_coarse(node).iter();
+            let rest = under.map(|&(v, w)| (r[v as usize] - product[v as usize]) * w);
+            let rest = rest.sum::<Vec3>().norm();
+            assert!(rest < 1e-4, "{node}: {rest:e} N");
+        }
     }
 }

@@ -105,9 +105,14 @@ impl GlobalSystem {
         !self.is_left_out.contains(&true)
     }
 
+    /// Whether a family is in the matrix.
+    pub(crate) fn has(&self, family: usize) -> bool {
+        !self.is_left_out[family]
+    }
+
     /// Takes an element of a family away, given what it leaves of `Σ w GᵀG`.
     pub(crate) fn remove(&mut self, family: usize, terms: Vec<Term>) {
-        if !self.is_left_out[family] {
+        if self.has(family) {
             terms.into_iter().for_each(|term| self.add(term));
         }
     }

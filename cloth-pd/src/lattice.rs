@@ -1,7 +1,10 @@
 //! Hat functions on a coarse lattice of cubes laid over the cloth at rest.
 
-use cloth_core::math::{Real, Vec3};
+use cloth_core::block_matrix::BlockPattern;
+use cloth_core::element::Projective;
+use cloth_core::math::{Mat3, Real, Vec3};
 use cloth_core::multigrid::Prolongation;
+use std::collections::BTreeMap;
 
 /// For every vertex the lattice nodes around it and their weights, which are trilinear and add up to 1: what moves linearly over the rest shape is
 /// represented exactly, rotations of the whole among it.
@@ -84,6 +87,101 @@ impl Lattice {
             prolongation: Prolongation::new(rows, nodes.len()),
             place: nodes.iter().map(|key| low + node(key) * side).collect(),
         }
+    }
+}
+
+/// A 3 × 3 block column by column, each with a fourth number, so that sums are of whole registers.
+#[derive(Clone, Copy, Debug, Default)]
+#[repr(align(32))]
+pub(crate) struct Lanes([Real; 12]);
+
+impl Lanes {
+    #[inline(always)]
+    pub(crate) fn from(block: &Mat3) -> Self {
+        let [[a, b, c], [d, e, f], [g, h, i]] = block.data.0;
+        Self([a, b, c, 0.0, d, e, f, 0.0, g, h, i, 0.0])
+    }
+
+    /// `self += factor · other`.
+    #[inline(always)]
+    pub(crate) fn add(&mut self, other: &Self, factor: Real) {
+        for lane in 0..12 {
+            self.0[lane] += other.0[lane] * factor;
+        }
+    }
+
+    pub(crate) fn block(&self) -> Mat3 {
+        Mat3::from_fn(|row, column| self.0[4 * column + row])
+    }
+}
+
+/// `G P` of all elements of a family: how much of each node (dimensionless if G is) goes into `z = G x`.
+///
+/// Elements near one another have the same nodes around them and add to the same blocks of a matrix on the lattice, so those are listed once for all of them.
+#[derive(Debug, Default)]
+pub(crate) struct Shares {
+    /// The list of each element.
+    pub(crate) of_element: Vec<u32>,
+    /// Places of the blocks of some nodes, the lower half row by row, and how many nodes those are.
+    lists: Vec<(Vec<u32>, u32)>,
+    /// For each element, for each row of its operator, a number per node.
+    columns: Vec<Real>,
+}
+
+impl Shares {
+    pub(crate) fn of<const N: usize, const K: usize, E: Projective<N, K>>(
+        elements: &[E],
+        prolongation: &Prolongation,
+        pattern: &BlockPattern,
+    ) -> Self {
+        let mut this = Self::default();
+        let mut known: BTreeMap<Vec<u32>, u32> = BTreeMap::new();
+        for element in elements {
+            let vertices = element.vertices();
+            let of_corner = |vertex: u32| prolongation.of_fine(vertex as usize).iter();
+            let mut nodes: Vec<u32> = vertices
+                .into_iter()
+                .flat_map(of_corner)
+                .map(|n| n.0)
+                .collect();
+            nodes.sort_unstable();
+            nodes.dedup();
+            for row in element.operator() {
+                let start = this.columns.len();
+                this.columns.resize(start + nodes.len(), 0.0);
+                for (vertex, g) in vertices.into_iter().zip(row) {
+                    for &(node, weight) in of_corner(vertex) {
+                        let at = nodes.binary_search(&node).unwrap_or_default();
+                        this.columns[start + at] += g * weight;
+                    }
+                }
+            }
+            let next = known.len() as u32;
+            let list = *known.entry(nodes).or_insert_with_key(|nodes| {
+                let slot = |a: u32, b: u32| pattern.slot(a, b).expect("nodes of one element");
+                let pairs = nodes.iter().enumerate();
+                let slots = pairs.flat_map(|(i, &a)| nodes[..=i].iter().map(move |&b| slot(a, b)));
+                this.lists.push((slots.collect(), nodes.len() as u32));
+                next
+            });
+            this.of_element.push(list);
+        }
+        this
+    }
+
+    /// For each element in their order, the places of the blocks of its nodes, the lower half row by row, and for each of the K rows of its operator a number per node.
+    #[inline(always)]
+    pub(crate) fn each<const K: usize>(&self) -> impl Iterator<Item = (&[u32], [&[Real]; K])> {
+        let mut rest = &self.columns[..];
+        self.of_element.iter().map(move |&list| {
+            let (slots, count) = &self.lists[list as usize];
+            let columns = [(); K].map(|()| {
+                let (own, others) = rest.split_at(*count as usize);
+                rest = others;
+                own
+            });
+            (&slots[..], columns)
+        })
     }
 }
 

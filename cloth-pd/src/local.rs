@@ -1,12 +1,14 @@
 //! The local step: every element on its own projects `z = G x` to the nearest point `p` of its set, and pulls its vertices there.
 
 use crate::global::Term;
+use crate::lattice::{Lanes, Shares};
 use crate::pieces::Pieces;
 use crate::pulls::{BLOCK, resistances_on_spheres, unpacked};
-use cloth_core::block_matrix::{BlockMatrix, BlockPattern};
+use cloth_core::block_matrix::BlockPattern;
 use cloth_core::element::{Element, Projective};
 use cloth_core::family::check_vertices;
-use cloth_core::math::{Mat3, Real, Vec3, gather};
+use cloth_core::math::{Real, Vec3, gather};
+use cloth_core::multigrid::Prolongation;
 use cloth_core::parallel::wide;
 use cloth_core::particles::Particles;
 use cloth_core::step::BuildError;
@@ -34,11 +36,11 @@ pub(crate) trait Projections: Debug + Send + Sync {
     /// Returns whether it was there.
     fn remove(&mut self, element: usize, terms: &mut Vec<Term>) -> Option<()>;
 
-    /// Looks up the places of the pairs of vertices that the elements tie together; where some have none, the family adds no stiffness.
-    fn bind(&mut self, pattern: &BlockPattern);
+    /// Gets ready to add stiffness on a coarse space, whose matrices have `pattern`: P leads from there to the vertices.
+    fn bind(&mut self, prolongation: &Prolongation, pattern: &BlockPattern);
 
-    /// Adds `Σ w Gᵀ (I − ∂p/∂z) G` at x (m) to a matrix on that pattern (N/m).
-    fn add_stiffness(&mut self, x: &[Vec3], out: &mut BlockMatrix);
+    /// Adds `Pᵀ (Σ w Gᵀ (I − ∂p/∂z) G) P` at x (m) to a matrix on that pattern (N/m), or nothing if it was never bound.
+    fn add_stiffness(&self, x: &[Vec3], out: &mut [Lanes]);
 }
 
 /// Where an element that was given is now.
@@ -59,8 +61,8 @@ pub(crate) struct Family<const N: usize, const K: usize, E> {
     /// Whether all of them project to a sphere.
     are_spheres: bool,
     pieces: Pieces,
-    /// Places of the blocks of each element's pairs of vertices, the lower half row by row; nothing without coarse levels.
-    slots: Vec<u32>,
+    /// What each element adds to the coarse matrix; nothing without a coarse grid.
+    shares: Shares,
 }
 
 impl<const N: usize, const K: usize, E: Projective<N, K>> Family<N, K, E> {
@@ -90,7 +92,7 @@ impl<const N: usize, const K: usize, E: Projective<N, K>> Family<N, K, E> {
             elements,
             places,
             pieces: Pieces::new(particles.len()),
-            slots: Vec::new(),
+            shares: Shares::default(),
         })
     }
 
@@ -161,21 +163,18 @@ impl<const N: usize, const K: usize, E: Projective<N, K>> Projections for Family
         Some(())
     }
 
-    fn bind(&mut self, pattern: &BlockPattern) {
-        let pairs = self.elements.iter().flat_map(|element| {
-            let vertices = element.vertices();
-            (0..N).flat_map(move |i| (0..=i).map(move |j| [vertices[i], vertices[j]]))
-        });
-        let slots: Option<Vec<u32>> = pairs.map(|[a, b]| pattern.slot(a, b)).collect();
-        self.slots = slots.unwrap_or_default();
+    fn bind(&mut self, prolongation: &Prolongation, pattern: &BlockPattern) {
+        self.shares = Shares::of(&self.elements, prolongation, pattern);
     }
 
-    fn add_stiffness(&mut self, x: &[Vec3], out: &mut BlockMatrix) {
-        let (elements, are_spheres) = (&self.elements, self.are_spheres);
-        let slots = &self.slots;
+    fn add_stiffness(&self, x: &[Vec3], out: &mut [Lanes]) {
+        if self.shares.of_element.is_empty() {
+            return;
+        }
+        let (elements, shares, are_spheres) = (&self.elements, &self.shares, self.are_spheres);
         wide(
             #[inline(always)]
-            || add_stiffness(elements, slots, are_spheres, x, out.blocks_mut()),
+            || add_stiffness(elements, shares, are_spheres, x, out),
         );
     }
 }
@@ -191,52 +190,45 @@ pub(crate) fn key<const N: usize, E: Element<N>>(element: &E) -> [u32; 4] {
 /// Vertices that elements stay with before they go on: few enough for positions and sums to stay in the nearest cache.
 const WINDOW: u32 = 512;
 
-/// Adds `w Gᵀ (I − ∂p/∂z) G` of elements whose blocks have the places `slots`.
+/// Adds `Pᵀ w Gᵀ (I − ∂p/∂z) G P` of elements with these shares.
 #[inline(always)]
 fn add_stiffness<const N: usize, const K: usize, E: Projective<N, K>>(
     elements: &[E],
-    slots: &[u32],
+    shares: &Shares,
     are_spheres: bool,
     x: &[Vec3],
-    blocks: &mut [Mat3],
+    blocks: &mut [Lanes],
 ) {
-    let pair_count = N * (N + 1) / 2;
-    let groups = elements.chunks(BLOCK).zip(slots.chunks(BLOCK * pair_count));
-    for (elements, slots) in groups {
+    let mut shares = shares.each::<K>();
+    for elements in elements.chunks(BLOCK) {
         let on_spheres = if are_spheres {
             resistances_on_spheres(elements.iter(), x)
         } else {
             None
         };
-        for (lane, (element, slots)) in elements
-            .iter()
-            .zip(slots.chunks_exact(pair_count))
-            .enumerate()
-        {
-            let (operator, weight) = (element.operator(), element.weight());
+        for (lane, element) in elements.iter().enumerate() {
             let resistance = match &on_spheres {
                 Some(packed) => [[unpacked(&packed[lane]); K]; K],
                 None => {
-                    let z = apply(&operator, &gather(x, element.vertices()));
+                    let z = apply(&element.operator(), &gather(x, element.vertices()));
+                    let weight = element.weight();
                     element
                         .resistance(z)
                         .map(|row| row.map(|block| block * weight))
                 }
             };
-            let vertices = element.vertices();
-            let mut slots = slots.iter();
-            for i in 0..N {
-                for j in 0..=i {
-                    let Some(&slot) = slots.next() else { return };
-                    let mut block = Mat3::zeros();
-                    for k in 0..K {
-                        for l in 0..K {
-                            block += resistance[k][l] * (operator[k][i] * operator[l][j]);
+            let Some((slots, columns)) = shares.next() else {
+                return;
+            };
+            for k in 0..K {
+                for l in 0..K {
+                    let own = Lanes::from(&resistance[k][l]);
+                    let mut slots = slots.iter();
+                    for (i, a) in columns[k].iter().enumerate() {
+                        for (b, &slot) in columns[l][..=i].iter().zip(&mut slots) {
+                            blocks[slot as usize].add(&own, a * b);
                         }
                     }
-                    // Stored is the lower half.
-                    let is_turned = vertices[i] < vertices[j];
-                    blocks[slot as usize] += if is_turned { block.transpose() } else { block };
                 }
             }
         }
@@ -302,7 +294,7 @@ pub(crate) fn share<const N: usize, const K: usize>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use cloth_core::block_matrix::PatternBuilder;
+    use cloth_core::block_matrix::{BlockMatrix, PatternBuilder};
     use cloth_core::cloth::{Cloth, Membrane};
     use cloth_core::mesh::generate::{Diagonals, grid};
 
@@ -324,6 +316,8 @@ mod tests {
         let mut pattern = PatternBuilder::new(count);
         pattern.add(&model.springs);
         let pattern = pattern.build();
+        let own: Vec<[(u32, Real); 1]> = (0..count).map(|v| [(v as u32, 1.0)]).collect();
+        let every_vertex = Prolongation::new(own.iter().map(|row| &row[..]), count);
         let wave = |scale: Real| {
             let wave = move |v: usize, axis: usize| scale * ((v * (axis + 2)) as Real).sin();
             (0..count).map(move |v| Vec3::from_fn(|axis, _| wave(v, axis)))
@@ -340,9 +334,13 @@ mod tests {
             .map(|step| -> Vec<Vec3> { x.iter().zip(&along).map(|(x, d)| x + d * step).collect() });
         for springs in [model.springs, turned] {
             let mut family = Family::new(springs, &model.particles).unwrap();
-            family.bind(&pattern);
+            family.bind(&every_vertex, &pattern);
+            let mut blocks = vec![Lanes::default(); pattern.block_count()];
+            family.add_stiffness(&x, &mut blocks);
             let mut matrix = BlockMatrix::zeros(pattern.clone());
-            family.add_stiffness(&x, &mut matrix);
+            for (block, sum) in matrix.blocks_mut().iter_mut().zip(&blocks) {
+                *block = sum.block();
+            }
             let mut product = vec![Vec3::zeros(); count];
             matrix.multiply(&along, &mut product);
             let mut gradients = [vec![Vec3::zeros(); count], vec![Vec3::zeros(); count]];

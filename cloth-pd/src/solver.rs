@@ -132,7 +132,7 @@ impl PdSolver {
             rest,
             *cells,
             &objective.particles,
-            self.global.stiffness(),
+            &self.global,
             &self.free_pieces,
             &mut objective.families,
         ));
@@ -293,7 +293,7 @@ impl PdSolver {
         }
         if let Some(coarse) = &mut self.coarse {
             self.objective.place(&mut self.point);
-            let (families, ties) = (&mut self.objective.families, &self.objective.attachments);
+            let (families, ties) = (&self.objective.families, &self.objective.attachments);
             coarse.prepare(families, ties, &self.point.positions, input.dt);
         }
         let is_coarse_ready = self.coarse.as_ref().is_some_and(CoarseGrid::is_ready);

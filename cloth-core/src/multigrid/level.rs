@@ -298,12 +298,21 @@ impl Level {
 
     /// Restricts the residual: `coarse = Pᵀ t`.
     pub(super) fn restrict(&self, prolongation: &Prolongation, coarse: &mut [Lanes]) {
-        restrict(&self.residual, prolongation, coarse);
-    }
-
-    /// Restricts the right-hand side of a level that is not smoothed.
-    pub(super) fn hand_down(&self, prolongation: &Prolongation, coarse: &mut [Lanes]) {
-        restrict(&self.right_hand_side, prolongation, coarse);
+        let fine = &self.residual;
+        map_reduce(
+            coarse,
+            #[inline(always)]
+            |start, coarse: &mut [Lanes]| {
+                for (vertex, out) in (start..).zip(coarse) {
+                    let mut sum = [0.0; 4];
+                    for &(from, weight) in prolongation.of_coarse(vertex) {
+                        sum = plus(sum, weight as f32, &fine[from as usize]);
+                    }
+                    *out = sum;
+                }
+                []
+            },
+        );
     }
 
     /// Adds the coarse correction: `x += P coarse`.
@@ -321,22 +330,4 @@ impl Level {
             },
         );
     }
-}
-
-/// `coarse = Pᵀ fine`.
-fn restrict(fine: &[Lanes], prolongation: &Prolongation, coarse: &mut [Lanes]) {
-    map_reduce(
-        coarse,
-        #[inline(always)]
-        |start, coarse: &mut [Lanes]| {
-            for (vertex, out) in (start..).zip(coarse) {
-                let mut sum = [0.0; 4];
-                for &(from, weight) in prolongation.of_coarse(vertex) {
-                    sum = plus(sum, weight as f32, &fine[from as usize]);
-                }
-                *out = sum;
-            }
-            []
-        },
-    );
 }

@@ -98,12 +98,11 @@ impl PdBuilder {
         let coarse = match (&method, &self.coarse) {
             (Method::QuasiNewton(_), Some((rest, cells))) => {
                 check_coarse(rest, *cells, vertex_count)?;
-                let stiffness = global.stiffness();
                 Some(CoarseGrid::new(
                     rest,
                     *cells,
                     particles,
-                    stiffness,
+                    &global,
                     &free_pieces,
                     families,
                 ))
