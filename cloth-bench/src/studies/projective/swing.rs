@@ -227,8 +227,8 @@ mod tests {
         };
         let (pd, newton) = (relative(0), relative(8));
         for (found, known) in [
-            (pd.kinetic, -0.607),
-            (pd.stretch, -0.112),
+            (pd.kinetic, -0.467),
+            (pd.stretch, -0.088),
             (newton.kinetic, -0.084),
             (newton.stretch, -0.009),
         ] {
