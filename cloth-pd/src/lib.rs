@@ -40,7 +40,7 @@
 //! |---|---|---|
 //! | plain, from x̃ | 0.151 | 4.64 |
 //! | quasi-Newton | 0.440 | 2.59 |
-//! | quasi-Newton with a coarse grid of 12 cells | 0.4993 | 2.45 |
+//! | quasi-Newton with a coarse grid of 12 cells | 0.4986 | 2.40 |
 //!
 //! When the smooth part is done the grid has done its work: the last digits take as many iterations with it as without, or more.
 //!
@@ -58,8 +58,8 @@
 //!   pairs instead of two. If the end is above `G` at the start of the step all the same, it is taken again from there.
 //!
 //! So every place that is accepted, and every straight way between two of them, is free of crossings. A sheet with 64 vertices a side (0.2 kg/m², 10⁴ N/m) that falls 5 cm onto a ball of 0.1 m is stretched by
-//! 2.4 % at most after 20 steps of 1/60 s, 2.5 % with converged implicit Euler, and no energy appears. Which way the sheet buckles is chance: a hundredth more bending rigidity changes the fall of implicit Euler's by 2 %, and projective
-//! dynamics differs from it by 1 %.
+//! 2.3 % at most after 20 steps of 1/60 s, 1.6 % with converged implicit Euler, and no energy appears. Which way the sheet buckles is chance: a hundredth more bending rigidity changes the fall of implicit Euler's by 0.6 % and its
+//! stretch to 2.5 %, the fall of projective dynamics by 1.5 %, which differs from implicit Euler's by 2 % (`cloth-bench run` with a scene file: `generator = "grid:64x64:alternating"`, an obstacle `shape = "sphere"`, `radius = 0.1`).
 //!
 //! # Equations
 //! ```text
@@ -97,20 +97,21 @@
 //!
 //! | vertices a side | | to 10⁻² | to 10⁻⁴ | to 10⁻⁶ |
 //! |---|---|---|---|---|
-//! | 32 | plain | 11 | > 3000 | > 3000 |
-//! | | Chebyshev, ρ = 0.9995 | 9 | 231 | > 3000 |
-//! | | quasi-Newton | 7 | 312 | > 3000 |
-//! | | with a coarse grid | 2 | 180 | > 3000 |
-//! | 64 | plain | 12 | 2506 | > 3000 |
-//! | | Chebyshev | 9 | 106 | 605 |
-//! | | quasi-Newton | 7 | 132 | 767 |
-//! | | with a coarse grid | 3 | 70 | 588 |
-//! | 128 | plain | 11 | 2284 | > 3000 |
-//! | | Chebyshev | 9 | 102 | 535 |
-//! | | quasi-Newton | 6 | 148 | 636 |
-//! | | with a coarse grid | 4 | 44 | 506 |
+//! | 32 | plain | 21 | 2625 | > 3000 |
+//! | | Chebyshev, ρ = 0.9995 | 11 | 107 | 1328 |
+//! | | quasi-Newton | 10 | 148 | 1366 |
+//! | | with a coarse grid | 3 | 105 | 824 |
+//! | 64 | plain | 11 | 2416 | > 3000 |
+//! | | Chebyshev | 9 | 104 | 629 |
+//! | | quasi-Newton | 6 | 121 | 838 |
+//! | | with a coarse grid | 2 | 40 | 513 |
+//! | 128 | plain | 11 | 2294 | > 3000 |
+//! | | Chebyshev | 9 | 102 | 584 |
+//! | | quasi-Newton | 6 | 148 | 633 |
+//! | | with a coarse grid | 3 | 35 | 494 |
 //!
-//! So the convergence of the iterations without a coarse grid does not become slower with the resolution, as is said of the method. It does depend on the stiffness: to 10⁻⁴ at 32 a side, 624 plain iterations at 10² N/m and more than 3000 from 10³ on.
+//! So the convergence of the iterations without a coarse grid does not become slower with the resolution, as is said of the method. It does depend on the stiffness: to 10⁻⁴ at 32 a side, 698 plain iterations at 10² N/m
+//! and more than 3000 at 10³ and at 10⁵.
 //!
 //! Cloth that changes between two steps ([`PdSolver::prescribe`], [`release`](PdSolver::release), [`attach`](PdSolver::attach), [`remove`](PdSolver::remove)) keeps the factor and corrects every solve for the k rows that differ,
 //! by the identity of Woodbury. To set that up takes k/3 solves, which cost as much as a factorisation at k = 36 to 51 for 32 to 512 vertices a side; and as it slows down every solve, it is given up for a factorisation when as much has been
@@ -125,6 +126,11 @@
 //!
 //! With quadratic bending and n vertices, f numbers in the factor, e springs and b entries in the matrix of the bending energy, an iteration moves `16 f` bytes for the solve, `24 e + 72 n` for the springs, `12 b + 64 n`
 //! for the bending, about `200 n` for the rest of the objective, and `96 n` for each pair that is remembered. At 128 a side, with the bending left out of the matrix, that is about 9 MB, 2 MB, 4 MB, 3 MB and, with two pairs, 3 MB. A large factor is cut into subtrees of its elimination tree, which threads can share; the cut does not depend on how many there are. All loops are compiled for wide registers too ([`wide`](cloth_core::parallel::wide)), and give the same bits without.
+//!
+//! The coarse matrix is summed once a step, element by element: `Pᵀ H P` is never a matrix of the whole cloth first, which would take 0.65 ms of a step of 3.5 ms at 64 a side, and takes 0.36 so.
+//! What does not make an iteration faster (AMD EPYC, Zen 4, one thread): the factor in single precision, by which the iteration converges as well; a number has to be widened before it is used, and a solve takes 83 µs instead of 63 at 64 a side,
+//! 480 instead of 360 at 128, 3.3 ms instead of 3.0 at 256. Several sums side by side in the products with the bending matrix and with P: additions do not wait for each other as it is. The coarse matrix is needed afresh in every step: kept for two, the kinetic energy
+//! of the swing (below) is −74 % instead of −45; taken several times in a step, no better than once.
 //!
 //! # Example
 //! A sheet of 0.2 kg/m² held at two corners:
@@ -180,11 +186,12 @@
 //!
 //!   | cells, iterations, pairs | kinetic energy (%) | largest stretch (%) | the same at the last step (%) |
 //!   |---|---|---|---|
-//!   | 8, 6, 5 | −87 | −10 | −22 |
-//!   | 12, 10, 2 (default) | −45 | 0 | −24 |
-//!   | 16, 18, 2 | −13 | −2 | +4 |
+//!   | 8, 6, 5 | −86 | −17 | −32 |
+//!   | 12, 10, 2 (default) | −44 | +1 | −22 |
+//!   | 16, 18, 2 | −17 | −4 | +1 |
 //!
-//!   At 32 a side the default has a mean stretch of +10 % and a kinetic energy of −48 %. For seconds of motion that have to be right take 16 cells, 18 iterations and 2 pairs; a step then takes about 1.6 times as long.
+//!   At 32 a side the default has a mean stretch of +8 % and a kinetic energy of −51 %. Rounding alone moves the kinetic energy: with sums in another order, or with the factor in single precision, it is −44 to −52 % for the default at 64 a side
+//!   and −12 to −17 % for 16 cells and 18 iterations. For seconds of motion that have to be right take 16 cells, 18 iterations and 2 pairs; a step then takes about 1.7 times as long.
 //!
 //!   The motion is not chaotic: implicit Euler from a start disturbed by 10⁻³ m ends with the same largest stretch to 1 % (32 a side). One instant still misleads, because a motion with too little energy is at another point of its swing: some settings
 //!   happen to be right at the last step and 36 % off on average, and rounding alone moves the last step by a tenth and more: with 10 cells and the springs added up in another order it had −28, −0.5 and −0.2 %. What is missing are folds. A fold moves vertices across the cloth, and others a little along it so that no spring is stretched. The matrix charges the motion across as if springs were stretched, and the hats of a
@@ -209,8 +216,8 @@
 //!
 //! # When to use it
 //! For many steps with one mesh and one step size on a processor: an iteration costs two passes over a small factor, none can make matters worse, and no step size is too large. With the default
-//! a step of the sheet above takes, at 64 a side, about a tenth of the time of converged implicit Euler around
-//! multigrid, for a fall within 0.05 % and a stretch within 0.5 % after half a second;
+//! a step of the sheet above takes, at 64 a side, about a seventh of the time of converged implicit Euler around
+//! multigrid, for a fall within 0.1 % and a stretch within 3 % after half a second;
 //! what to take for longer motion is said above. Where the motion has to be right to the last digits, Newton's method gets there in a dozen iterations. Where the material is replaced
 //! altogether between steps, the position-based methods have no matrix to factorise. Quadratic energies (bending of a flat sheet, attachments) are solved exactly by one iteration.
 //!
@@ -223,18 +230,18 @@
 //!
 //! | n | | kinetic energy | largest stretch, mean | at the end | elastic | ms |
 //! |---|---|---|---|---|---|---|
-//! | 64 | default | −45 % | 0 % | −24 % | × 11 | 4.1 |
-//! | | 18 iterations, 16 cells | −13 % | −2 % | +4 % | × 2.9 | 6.1 |
-//! | | three Newton iterations of 5 | −3.4 % | +0.6 % | −3.9 % | × 0.93 | 9.6 |
-//! | 128 | default | −51 % | −5 % | −26 % | × 16 | 26 |
-//! | | 18 iterations, 16 cells | −6 % | −0.6 % | +7 % | × 5.5 | 35 |
-//! | | three Newton iterations of 5 | −3.0 % | +1.3 % | −11 % | × 0.83 | 62 |
+//! | 64 | default | −44 % | +1 % | −22 % | × 10 | 3.7 |
+//! | | 18 iterations, 16 cells | −17 % | −4 % | +1 % | × 3.9 | 5.9 |
+//! | | three Newton iterations of 5 | −3.4 % | +0.6 % | −3.3 % | × 0.94 | 10 |
+//! | 128 | default | −43 % | −2 % | −14 % | × 15 | 25 |
+//! | | 18 iterations, 16 cells | −8 % | −1.2 % | +10 % | × 4.9 | 42 |
+//! | | three Newton iterations of 5 | −3.0 % | +1.3 % | −11 % | × 0.83 | 72 |
 //!
 //! (`cloth-bench run hang --n 64 --steps 300 --json --method pd --set iterations=18 --set coarse=16`, and `--method
 //! implicit-euler --set linear=newton-multigrid --set iterations=3 --set linear_iterations=5 --set start=inertial`;
 //! `cloth-bench study projective` has the means for 64.) At both sizes projective dynamics is 1.6 times as fast or more than any
 //! setting of implicit Euler that was tried and keeps most of the swing. Its error does not
-//! become small, though: for 1.6 (64 a side) to 1.8 times (128) the time of its best setting the energy is right and the folds
+//! become small, though: for 1.7 times the time of its best setting the energy is right and the folds
 //! are bent rather than compressed.
 //!
 //! Not every way to cut a step short is good. The quasi-Newton iteration of `implicit-euler` loses 90 % of the kinetic
