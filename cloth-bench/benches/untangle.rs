@@ -48,7 +48,7 @@ fn untangle(criterion: &mut Criterion) {
         });
         let mut relax = |most| {
             x.copy_from_slice(start);
-            let report = untangler.relax(&mut x, &inverse_mass, most);
+            let report = untangler.relax(&mut x, &inverse_mass, most, |_| ());
             report.expect("positions that are finite")
         };
         let whole = relax(10_000);

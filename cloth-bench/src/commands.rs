@@ -7,6 +7,7 @@ mod locking;
 mod merge;
 mod run;
 mod study;
+mod untangle;
 
 use crate::error::BenchError;
 use crate::files;
@@ -25,6 +26,8 @@ pub enum Command {
     Run(run::Arguments),
     /// Counts and measures the degrees of freedom that the edges of a mesh leave
     Locking(locking::Arguments),
+    /// Pulls a mesh that passes through itself apart, and writes it
+    Untangle(untangle::Arguments),
     /// Asks continuous collision queries of known answer, and counts errors and time
     Ccd(ccd::Arguments),
     /// Puts one closed form beside what the code does
@@ -43,6 +46,7 @@ pub fn execute(command: &Command) -> Result<(), BenchError> {
         Command::Merge(arguments) => merge::execute(arguments),
         Command::Run(arguments) => run::execute(arguments),
         Command::Locking(arguments) => patiently(|| locking::execute(arguments)),
+        Command::Untangle(arguments) => patiently(|| untangle::execute(arguments)),
         Command::Ccd(arguments) => patiently(|| ccd::execute(arguments)),
         Command::Law(arguments) => patiently(|| law::execute(arguments)),
         Command::List(arguments) => list::execute(arguments),

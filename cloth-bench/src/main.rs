@@ -1,4 +1,4 @@
-//! The program: `cloth-bench study | run | merge | locking | ccd | law | list`.
+//! The program: `cloth-bench study | run | merge | locking | untangle | ccd | law | list`.
 
 fn main() -> std::process::ExitCode {
     cloth_bench::main_with(&[])

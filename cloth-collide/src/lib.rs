@@ -149,7 +149,7 @@
 //! | `bounds.rs`, `convert.rs` | boxes, ours and parry's |
 //! | `obstacle.rs`, `obstacle/` | a chapter of its own: `half_space`, `sphere`, `capsule`, `cuboid`, `closed_mesh`, `sampled`; `motion`, `placed`; `penalty`, `impact`; `sweep`, `contact`, `flight` |
 //! | `potential.rs`, `potential/` | a chapter of its own: `gap`, `mollifier`, `pair`, `friction`; `near`, `patches`, `filter`; `rows`, `bodies`; `last_resort`, `zones`, `hold`; `source`, `builder` |
-//! | `untangle.rs`, `untangle/` | a chapter of its own: `crossing`, `contour`, `pieces` |
+//! | `untangle.rs`, `untangle/` | a chapter of its own: `crossing`, `contour`, `pieces`, `smooth`; `back` |
 //! | `broad_phase.rs` | what a broad phase is |
 //! | `broad_phase/hierarchy.rs` | the tree of boxes |
 //! | `broad_phase/cells.rs`, `spatial_hash.rs`, `morton_grid.rs` | the cells, and two ways to sort boxes into them |

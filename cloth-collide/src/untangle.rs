@@ -1,28 +1,37 @@
-//! A cloth that passes through itself, pulled apart (COL-8).
+//! A cloth that passes through itself, pulled apart.
 //!
 //! # The idea
 //!
-//! Contact keeps apart what is apart. It cannot help a cloth that starts tangled, because a cloth has no inside that would say which side is wrong. But where it passes through itself
-//! there is a curve, the *contour*, and without tangles there is none. So Volino and Magnenat-Thalmann (2006) **shorten the contour**: its length
-//! L, a sum over pairs of triangles of the segments in which they meet, has a gradient by the vertices, and cloth that goes down the gradient
-//! slips apart the short way, without anybody having decided on sides.
+//! Contact keeps apart what is apart. It cannot help a cloth that starts tangled, because a cloth has no inside that
+//! would say which side is wrong. But where it passes through itself there is a curve, the *contour*, and without
+//! tangles there is none. So Volino and Magnenat-Thalmann (2006) **shorten the contour**: its length L, a sum over
+//! pairs of triangles of the segments in which they meet, has a gradient by the vertices, and cloth that goes down the
+//! gradient slips apart the short way, without anybody having decided on sides.
 //!
-//! The ends of segments are points x at which an edge E passes through a triangle with the normal N. With displacements u of the edge and w of the triangle at x,
+//! The ends of segments are points x at which an edge E passes through a triangle with the normal N. With displacements
+//! u of the edge and w of the triangle at x,
 //!
 //! δx = u + E (N·(w − u))/(N·E),  δL = −Σ r·δx,
 //!
-//! r being the unit vector from x into its segment. An edge within a cloth has two segments at x, with opposite r where the contour is straight; so the
-//! gradient is large where the contour bends or ends, and when the two surfaces are nearly parallel, N·E small, it leads straight away from the surface.
+//! r being the unit vector from x into its segment. An edge within a cloth has two segments at x, with opposite r where
+//! the contour is straight; so the gradient is large where the contour bends or ends, and when the two surfaces are
+//! nearly parallel, N·E small, it leads straight away from the surface.
 //!
-//! An iteration moves each vertex against the gradient, times its inverse mass, by at most a quarter of an edge, and by less where the contour would become
-//! longer. Positions alone are moved; there is no elastic energy in this, and a solver has to smooth what it leaves.
+//! An iteration moves each vertex against the gradient, times its inverse mass, by at most a quarter of an edge, and by
+//! less where the contour would become longer. The gradient lives on the triangles that meet, and going down it alone
+//! would crease the cloth there. So displacements are averaged over the edges first, many times, which moves a fold as
+//! a whole. What stalls like that is tried again from the start with less of it, and at last without.
+//!
+//! Positions alone are moved; there is no elastic energy in this. An untangled cloth has mostly gone farther than it
+//! had to: [`bring_back`] takes it back towards where it was as far as contact with a thickness lets it.
 //!
 //! # Where shortening stalls
 //!
-//! A contour that goes straight across a cloth, from rim to rim, is as long wherever it is: the gradient only pinches its ends. When an iteration
-//! gains less than a twentieth of the length, and the contour cuts something off, we fall back on the global view of Baraff et al. (2003): without the edges that pass through
-//! triangles the cloth falls into parts, the largest part is taken to be right, and each of the others is pushed as a whole through the triangles
-//! that cut it off.
+//! A contour that goes straight across a cloth, from rim to rim, is as long wherever it is: the gradient only pinches
+//! its ends. When an iteration gains less than a twentieth of the length, and the contour cuts something off, we fall
+//! back on the global view of Baraff et al. (2003): without the edges that pass through triangles the cloth falls into
+//! parts, the largest part is taken to be right, and each of the others is pushed as a whole through the triangles that
+//! cut it off.
 //!
 //! # Equation → code
 //!
@@ -31,34 +40,61 @@
 //! | x = E ∩ triangle, and how it moves | `crossing` |
 //! | L, ∂L/∂x | `contour`, [`Untangler::contour_length`] |
 //! | parts that are cut off, and the way back | `pieces` |
+//! | displacements averaged over edges | `smooth` |
 //! | until no triangles meet | [`Untangler::relax`] |
+//! | min ‖x − x₀‖ with layers h apart | [`bring_back`] |
+//!
+//! # Measured
+//!
+//! Garments of the tests, inverse masses all alike, h = 1 mm; how far has to be known from how they were made:
+//!
+//! | garment | vertices | pairs | iterations | has to go | goes |
+//! |---|---|---|---|---|---|
+//! | layers, the middle of one pushed through the other | 1250 | 212 | 1 | 11 mm, halved between the two | 6.6 mm |
+//! | the same, deeper | 1250 | 214 | 3 | 31 mm, halved | 25 mm |
+//! | sleeve through the wall of a torso | 2511 | 108 | 13 | 31 mm, shared | 23 mm |
+//! | lining turned out of its sleeve | 1851 | 208 | 12 | 9.7 mm, shared | 5.3 mm |
+//! | pocket on a sheet, borders on it vertex on vertex | 1130 | 508 | 6 | 7 mm, shared | 3.6 mm |
+//! | panel rolled up, its borders on each other | 297 | 64 | 1 | 1 mm, halved | 0.5 mm |
+//!
+//! Before displacements were averaged, the pocket stalled with 11 pairs in creases that the iterations had made, and
+//! the layers ended 20 and 33 mm away.
 //!
 //! # Limits
 //!
-//! - Held vertices can make it impossible, and neither method sees far: [`UntangleOutcome::Stalled`] is an answer. The positions are then finite, and
+//! - Held vertices can make it impossible, and neither method sees far: [`UntangleOutcome::Stalled`] is an answer. Two
+//!   tubes or garments through each
+//!   other from rim to rim stall: either side of each could be the inside. The positions are then finite, and
 //!   no more tangled than the report says.
 //! - Which part is right is a guess by size, and may be the wrong one.
 //! - Pushes can make the contour longer for a while.
-//! - Untangled means that no triangles meet, exactly; the distance may be tiny.
+//! - Untangled means that no triangles meet, exactly; the distance may be tiny until [`bring_back`] has opened it.
 //! - Edges in the plane of a triangle have no crossing point, and do not pull.
 //!
 //! # References
 //!
-//! - P. Volino and N. Magnenat-Thalmann, Resolving surface collisions through intersection contour minimization, *ACM Transactions on Graphics* 25(3),
+//! - P. Volino and N. Magnenat-Thalmann, Resolving surface collisions through intersection contour minimization, *ACM
+//!   Transactions on Graphics* 25(3),
 //!   2006. DOI 10.1145/1141911.1142007
-//! - D. Baraff, A. Witkin and M. Kass, Untangling cloth, *ACM Transactions on Graphics* 22(3), 2003. DOI 10.1145/882262.882357
+//! - D. Baraff, A. Witkin and M. Kass, Untangling cloth, *ACM Transactions on Graphics* 22(3), 2003. DOI
+//!   10.1145/882262.882357
 
+mod back;
 mod contour;
 mod crossing;
 mod pieces;
+mod smooth;
+
+pub use back::{ReturnError, bring_back};
 
 use crate::error::CollideError;
 use cloth_core::math::{Real, Vec3, gather};
 use cloth_core::mesh::TriMesh;
 use contour::Contour;
 use pieces::Pieces;
+use smooth::Smoother;
 
-/// Moves a tangled cloth apart by shortening the curves in which it passes through itself (COL-8).
+/// Moves a tangled cloth apart by shortening the curves in which it passes through itself.
 ///
 /// ```
 /// use cloth_collide::untangle::{UntangleOutcome, Untangler};
@@ -70,7 +106,7 @@ use pieces::Pieces;
 /// let other = [(0.3, 0.3, -0.05), (0.5, 0.3, 0.4), (0.3, 0.5, 0.4)];
 /// let mut x: Vec<_> = floor.iter().chain(&other).map(|&(x, y, z)| Vec3::new(x, y, z)).collect();
 /// let mesh = TriMesh::new(x.clone(), vec![[0, 1, 2], [3, 4, 5]])?;
-/// let report = Untangler::new(&mesh).relax(&mut x, &[1.0; 6], 20)?;
+/// let report = Untangler::new(&mesh).relax(&mut x, &[1.0; 6], 20, |_| ())?;
 /// assert_eq!((report.outcome, report.pairs_after), (UntangleOutcome::Untangled, 0));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -78,11 +114,11 @@ use pieces::Pieces;
 pub struct Untangler {
     contour: Contour,
     pieces: Pieces,
+    smoother: Smoother,
     /// A quarter of the mean length of the sides of the rest shape (m): no vertex moves by more in an iteration.
     longest_step: Real,
     gradient: Vec<Vec3>,
     trial: Vec<Vec3>,
-    lengths: Vec<Real>,
 }
 
 /// How an attempt to untangle ended.
@@ -90,7 +126,8 @@ pub struct Untangler {
 pub enum UntangleOutcome {
     /// No two triangles meet.
     Untangled,
-    /// Nothing more can be done: no small motion makes the contour shorter, and nothing is cut off that can be pushed back with success.
+    /// Nothing more can be done: no small motion makes the contour shorter, and nothing is cut off that can be pushed
+    /// back with success.
     Stalled,
     /// The iterations were spent before one of these.
     BudgetSpent,
@@ -113,11 +150,24 @@ pub struct UntangleReport {
     pub outcome: UntangleOutcome,
 }
 
+/// Where an attempt to untangle is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct UntangleProgress {
+    /// Iterations so far.
+    pub iterations: u32,
+    /// Pairs of triangles that meet now.
+    pub pairs: usize,
+    /// Length of the contour now (m).
+    pub length: Real,
+}
+
 /// Gradients above this (dimensionless) are shortened to about 1.
 const SOFT: Real = 0.1;
+/// Rounds of averaging, of one attempt after the other.
+const SMOOTHINGS: [u32; 3] = [8, 2, 0];
 /// A step that leaves more than this part of the length is not worth while,
 const WORTHWHILE: Real = 0.95;
-/// and pushes are given up after so many iterations without fewer pairs.
+/// and an attempt is given up after so many iterations without fewer pairs or a length worth while.
 const PATIENCE: u32 = 30;
 /// Shortest step, as a part of the longest.
 const SHORTEST: Real = 1e-4;
@@ -135,10 +185,10 @@ impl Untangler {
         Self {
             contour: Contour::new(mesh),
             pieces: Pieces::new(mesh),
+            smoother: Smoother::new(mesh),
             longest_step: 0.25 * sum / mesh.triangle_count() as Real,
             gradient: zeros.clone(),
             trial: zeros,
-            lengths: Vec::new(),
         }
     }
 
@@ -160,14 +210,16 @@ impl Untangler {
         Ok(self.contour.length())
     }
 
-    /// Length of the contour (m) before the last [`Untangler::relax`] and after each of its iterations.
+    /// The pairs of triangles that met when positions were last looked at: those that an attempt has left.
     #[must_use]
-    pub fn lengths(&self) -> &[Real] {
-        &self.lengths
+    pub fn pairs(&self) -> &[[u32; 2]] {
+        &self.contour.meeting
     }
 
-    /// Moves `positions` (m) until no two triangles meet, for at most `most_iterations`. Vertices with an `inverse_mass` (1/kg) of 0 stay; of the others, heavy
-    /// ones move less. Equal inputs give equal results, to the bit.
+    /// Moves `positions` (m) until no two triangles meet, for at most `most_iterations`, and tells `after` about the
+    /// start of each attempt and about every iteration. Vertices with an `inverse_mass` (1/kg) of 0 stay; of the
+    /// others, heavy ones move less. Where no attempt succeeds, the positions are those with the fewest pairs that one
+    /// of them has ended with. Equal inputs give equal results, to the bit.
     ///
     /// # Errors
     /// [`CollideError::NonFinitePosition`]; the positions are as they were.
@@ -179,29 +231,86 @@ impl Untangler {
         positions: &mut [Vec3],
         inverse_mass: &[Real],
         most_iterations: u32,
+        mut after: impl FnMut(UntangleProgress),
     ) -> Result<UntangleReport, CollideError> {
         assert_eq!(positions.len(), self.trial.len(), "one position a vertex");
         assert_eq!(inverse_mass.len(), self.trial.len(), "one mass a vertex");
         self.contour.find(positions)?;
-        self.lengths.clear();
-        let length_before = self.contour.length();
-        let pairs_before = self.contour.pair_count;
+        let mut report = UntangleReport {
+            pairs_before: self.contour.pair_count(),
+            pairs_after: self.contour.pair_count(),
+            length_before: self.contour.length(),
+            length_after: self.contour.length(),
+            iterations: 0,
+            outcome: UntangleOutcome::Stalled,
+        };
+        let start = positions.to_vec();
+        let mut x = start.clone();
+        for rounds in SMOOTHINGS {
+            x.copy_from_slice(&start);
+            let left = most_iterations - report.iterations;
+            let before = report.iterations;
+            let mut tell = |progress: UntangleProgress| {
+                report.iterations = before + progress.iterations;
+                after(UntangleProgress {
+                    iterations: report.iterations,
+                    ..progress
+                });
+            };
+            let outcome = self.attempt(&mut x, inverse_mass, rounds, left, &mut tell)?;
+            report.outcome = outcome;
+            let is_better = self.contour.pair_count() < report.pairs_after;
+            if is_better {
+                positions.copy_from_slice(&x);
+                report.pairs_after = self.contour.pair_count();
+                report.length_after = self.contour.length();
+            }
+            if outcome != UntangleOutcome::Stalled {
+                break;
+            }
+        }
+        self.contour.find(positions)?;
+        Ok(report)
+    }
+
+    /// One attempt, with so many `rounds` of averaging.
+    fn attempt(
+        &mut self,
+        positions: &mut [Vec3],
+        inverse_mass: &[Real],
+        rounds: u32,
+        most_iterations: u32,
+        tell: &mut dyn FnMut(UntangleProgress),
+    ) -> Result<UntangleOutcome, CollideError> {
+        self.contour.find(positions)?;
         let mut step = self.longest_step;
         let mut iterations = 0;
-        // The fewest pairs so far, and when.
-        let mut best = (pairs_before, 0);
-        let outcome = loop {
-            self.lengths.push(self.contour.length());
-            if self.contour.pair_count == 0 {
-                break UntangleOutcome::Untangled;
+        // The fewest pairs and the shortest length so far, and when.
+        let mut best = (self.contour.pair_count(), self.contour.length(), 0);
+        loop {
+            let (pairs, before) = (self.contour.pair_count(), self.contour.length());
+            tell(UntangleProgress {
+                iterations,
+                pairs,
+                length: before,
+            });
+            if pairs == 0 {
+                return Ok(UntangleOutcome::Untangled);
             }
             if iterations == most_iterations {
-                break UntangleOutcome::BudgetSpent;
+                return Ok(UntangleOutcome::BudgetSpent);
+            }
+            if pairs < best.0 || before < WORTHWHILE * best.1 {
+                best = (pairs.min(best.0), before.min(best.1), iterations);
+            }
+            if iterations - best.2 >= PATIENCE {
+                return Ok(UntangleOutcome::Stalled);
             }
             iterations += 1;
-            let before = self.contour.length();
             self.contour.gradient(&mut self.gradient);
             self.scale(inverse_mass);
+            self.smoother
+                .smooth(&mut self.gradient, inverse_mass, rounds);
             let taken = self.shorten(positions, step)?;
             step = taken.map_or(self.longest_step, |taken| {
                 (1.5 * taken).min(self.longest_step)
@@ -210,23 +319,10 @@ impl Untangler {
                 continue;
             }
             self.contour.find(positions)?;
-            if self.contour.pair_count < best.0 {
-                best = (self.contour.pair_count, iterations);
+            if !self.push(positions, inverse_mass)? && taken.is_none() {
+                return Ok(UntangleOutcome::Stalled);
             }
-            let pushed = iterations - best.1 < PATIENCE && self.push(positions, inverse_mass)?;
-            if !pushed && taken.is_none() {
-                self.lengths.push(self.contour.length());
-                break UntangleOutcome::Stalled;
-            }
-        };
-        Ok(UntangleReport {
-            pairs_before,
-            pairs_after: self.contour.pair_count,
-            length_before,
-            length_after: self.contour.length(),
-            iterations,
-            outcome,
-        })
+        }
     }
 
     /// Makes displacements of the gradient: by mass, and none much above 1.
@@ -263,7 +359,8 @@ impl Untangler {
         Ok(true)
     }
 
-    /// Goes down the gradient by `step` (m) or less, so that the contour becomes shorter, or goes away. How far it went.
+    /// Goes down the gradient by `step` (m) or less, so that the contour becomes shorter, or goes away. How far it
+    /// went.
     fn shorten(
         &mut self,
         positions: &mut [Vec3],
@@ -278,7 +375,7 @@ impl Untangler {
             }
             self.contour.find(&self.trial)?;
             let after = self.contour.length();
-            if after < before || self.contour.pair_count == 0 {
+            if after < before || self.contour.pair_count() == 0 {
                 positions.copy_from_slice(&self.trial);
                 return Ok(Some(step));
             }

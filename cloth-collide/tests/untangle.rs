@@ -124,11 +124,16 @@ fn is_undone(mesh: &TriMesh, most: u32, farthest: f64) {
     assert!(crossings(mesh, &x) > 5);
     let mut untangler = Untangler::new(mesh);
     let inverse_mass = vec![10.0; x.len()];
-    let report = untangler.relax(&mut x, &inverse_mass, most).unwrap();
+    let mut told = Vec::new();
+    let report = untangler
+        .relax(&mut x, &inverse_mass, most, |at| told.push(at))
+        .unwrap();
     assert_eq!(report.outcome, UntangleOutcome::Untangled, "{report:?}");
     assert_eq!(report.pairs_before, crossings(mesh, mesh.positions()));
     assert_eq!((report.pairs_after, crossings(mesh, &x)), (0, 0));
-    assert_eq!(untangler.lengths().len() as u32, report.iterations + 1);
+    let last = told.last().unwrap();
+    assert_eq!((last.iterations, last.pairs), (report.iterations, 0));
+    assert!(untangler.pairs().is_empty());
     assert!(largest_motion(mesh, &x) < farthest);
 }
 
@@ -158,7 +163,7 @@ fn held_vertices_stay() {
         .map(|v| if v < 441 { 0.0 } else { 1.0 })
         .collect();
     let report = Untangler::new(&mesh)
-        .relax(&mut x, &inverse_mass, 100)
+        .relax(&mut x, &inverse_mass, 100, |_| ())
         .unwrap();
     assert_eq!(report.outcome, UntangleOutcome::Untangled);
     assert_eq!(x[..441], mesh.positions()[..441]);
@@ -171,7 +176,9 @@ fn what_cannot_be_undone_is_said() {
     let mesh = bump();
     let mut x = mesh.positions().to_vec();
     let held = vec![0.0; x.len()];
-    let report = Untangler::new(&mesh).relax(&mut x, &held, 100).unwrap();
+    let report = Untangler::new(&mesh)
+        .relax(&mut x, &held, 100, |_| ())
+        .unwrap();
     assert_eq!(report.outcome, UntangleOutcome::Stalled);
     assert_eq!(
         (report.pairs_after, report.length_after),
@@ -192,7 +199,9 @@ fn what_cannot_be_undone_is_said() {
         }
     };
     let w: Vec<f64> = (0..x.len()).map(|v| f64::from(u8::from(free(v)))).collect();
-    let report = Untangler::new(&mesh).relax(&mut x, &w, 1000).unwrap();
+    let report = Untangler::new(&mesh)
+        .relax(&mut x, &w, 1000, |_| ())
+        .unwrap();
     assert_eq!(report.outcome, UntangleOutcome::Stalled);
     assert_eq!(report.pairs_after, crossings(&mesh, &x));
     assert!(report.pairs_after > 0);
@@ -202,7 +211,7 @@ fn what_cannot_be_undone_is_said() {
     let mesh = floor();
     let mut x = mesh.positions().to_vec();
     let report = Untangler::new(&mesh)
-        .relax(&mut x, &[1.0; 121], 10)
+        .relax(&mut x, &[1.0; 121], 10, |_| ())
         .unwrap();
     assert_eq!(
         (report.outcome, report.iterations),
@@ -211,7 +220,7 @@ fn what_cannot_be_undone_is_said() {
     x[7].y = f64::NAN;
     assert!(
         Untangler::new(&mesh)
-            .relax(&mut x, &[1.0; 121], 10)
+            .relax(&mut x, &[1.0; 121], 10, |_| ())
             .is_err()
     );
 }
@@ -229,7 +238,8 @@ fn result_is_the_same_in_every_run() {
     let run = || {
         let mesh = through(0.1);
         let mut x = mesh.positions().to_vec();
-        let report = Untangler::new(&mesh).relax(&mut x, &vec![1.0; mesh.vertex_count()], 50);
+        let report =
+            Untangler::new(&mesh).relax(&mut x, &vec![1.0; mesh.vertex_count()], 50, |_| ());
         (x, report)
     };
     assert_eq!(run(), run());

@@ -8,12 +8,14 @@ use crate::separation::meet_unduly;
 use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::TriMesh;
 
-/// Segments in which pairs of triangles meet, and the number of pairs, which may be larger: a pair that only touches has no segment.
+/// Segments in which pairs of triangles meet, and the pairs, which may be more: a pair that only touches has no
+/// segment.
 #[derive(Debug)]
 pub(super) struct Contour {
     pairs: TrianglePairs,
     segments: Vec<[End; 2]>,
-    pub(super) pair_count: usize,
+    /// Pairs of triangles that meet.
+    pub(super) meeting: Vec<[u32; 2]>,
 }
 
 impl Contour {
@@ -21,7 +23,7 @@ impl Contour {
         Self {
             pairs: TrianglePairs::new(mesh),
             segments: Vec::new(),
-            pair_count: 0,
+            meeting: Vec::new(),
         }
     }
 
@@ -30,16 +32,21 @@ impl Contour {
         self.pairs.move_to(positions)?;
         self.pairs.within(0.0);
         self.segments.clear();
-        self.pair_count = 0;
+        self.meeting.clear();
         let triangles = self.pairs.triangles();
         for &pair in self.pairs.found() {
-            let pair = pair.map(|t| triangles[t as usize]);
-            if meet_unduly(pair, positions) {
-                self.pair_count += 1;
-                self.segments.extend(segment(pair, positions));
+            let corners = pair.map(|t| triangles[t as usize]);
+            if meet_unduly(corners, positions) {
+                self.meeting.push(pair);
+                self.segments.extend(segment(corners, positions));
             }
         }
         Ok(())
+    }
+
+    /// How many pairs of triangles meet.
+    pub(super) fn pair_count(&self) -> usize {
+        self.meeting.len()
     }
 
     /// Where edges pass through triangles: once for each triangle of the edge.
@@ -71,7 +78,8 @@ impl Contour {
     }
 }
 
-/// The segment in which two triangles meet: between the two crossings, or the crossing and the common vertex, that are farthest apart.
+/// The segment in which two triangles meet: between the two crossings, or the crossing and the common vertex, that are
+/// farthest apart.
 fn segment(pair: [[u32; 3]; 2], positions: &[Vec3]) -> Option<[End; 2]> {
     let mut found: [Option<End>; 7] = [None; 7];
     let mut count = 0;

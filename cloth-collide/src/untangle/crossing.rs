@@ -28,7 +28,8 @@ pub(super) struct Crossing {
 }
 
 impl Crossing {
-    /// If there is one. Whether is decided exactly, where is not. Nothing also for an edge in the plane of the triangle.
+    /// If there is one. Whether is decided exactly, where is not. Nothing also for an edge in the plane of the
+    /// triangle.
     pub(super) fn find(edge: [u32; 2], triangle: [u32; 3], positions: &[Vec3]) -> Option<Self> {
         let (ends, corners) = (gather(positions, edge), gather(positions, triangle));
         if !segment_meets_triangle(ends, corners) {
@@ -70,8 +71,8 @@ impl End {
         }
     }
 
-    /// Adds to `gradient` what a gradient `f` by this point is by the vertices: with the displacements u of the edge and w of the triangle at the point, it moves by
-    /// u + E (N·(w − u))/(N·E).
+    /// Adds to `gradient` what a gradient `f` by this point is by the vertices: with the displacements u of the edge
+    /// and w of the triangle at the point, it moves by u + E (N·(w − u))/(N·E).
     pub(super) fn pull_back(&self, f: Vec3, gradient: &mut [Vec3]) {
         match self {
             Self::Vertex { vertex, .. } => gradient[*vertex as usize] += f,

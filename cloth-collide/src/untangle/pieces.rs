@@ -7,8 +7,9 @@ use cloth_core::mesh::TriMesh;
 
 /// Connected parts of the mesh, when the edges that pass through a triangle are taken away.
 ///
-/// Each connected mesh has a largest part, taken to be right, and the others are to go back through the surface that cut them off. This is the global analysis of
-/// Baraff et al. (2003), with the number of vertices for the size of a part.
+/// Each connected mesh has a largest part, taken to be right, and the others are to go back through the surface that
+/// cut them off. This is the global analysis of Baraff et al. (2003), with the number of vertices for the size of a
+/// part.
 #[derive(Debug)]
 pub(super) struct Pieces {
     edges: Vec<[u32; 2]>,
@@ -99,8 +100,8 @@ impl Pieces {
         root != self.largest[self.mesh_of[vertex as usize] as usize]
     }
 
-    /// Replaces `out` by the way away from where the parts should go (dimensionless), so that going against it, as against a gradient, pushes them back through
-    /// the triangles that cut them off, and these the other way.
+    /// Replaces `out` by the way away from where the parts should go (dimensionless), so that going against it, as
+    /// against a gradient, pushes them back through the triangles that cut them off, and these the other way.
     pub(super) fn push(&mut self, positions: &[Vec3], out: &mut [Vec3]) {
         out.fill(Vec3::zeros());
         self.back.fill(Vec3::zeros());
@@ -118,7 +119,8 @@ impl Pieces {
         }
     }
 
-    /// The end of a crossing edge that is on the wrong side, and the unit normal of the triangle that leads to the other.
+    /// The end of a crossing edge that is on the wrong side, and the unit normal of the triangle that leads to the
+    /// other.
     fn way_back(&self, crossing: &Crossing, positions: &[Vec3]) -> Option<(u32, Vec3)> {
         let [a, b] = crossing.edge;
         let (inside, outside) = match (self.is_cut_off(a), self.is_cut_off(b)) {

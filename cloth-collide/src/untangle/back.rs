@@ -1,0 +1,93 @@
+//! The way back: no vertex stays farther from where it was than contact asks for.
+
+use crate::potential::PotentialContacts;
+use cloth_core::contact::{ContactError, ContactSource, ContactStep, Projection};
+use cloth_core::math::{Real, Vec3};
+use cloth_core::mesh::TriMesh;
+use cloth_core::step::BuildError;
+use std::fmt;
+
+/// Substeps back, at most, and sweeps in each.
+const MOST_RETURNS: u32 = 100;
+const SWEEPS: u32 = 30;
+/// The longest way (in thicknesses) of a substep. All ways are shortened alike, so that what meets halfway goes
+/// halfway.
+const LONGEST: Real = 5.0;
+/// The last substep moves nothing by more than this fraction of the thickness.
+const AT_REST: Real = 1e-3;
+/// Size (s) of a substep so long that contact does not give way.
+const LONG: Real = 1e3;
+
+/// Why the way back could not be gone.
+#[derive(Clone, Debug, PartialEq)]
+pub enum ReturnError {
+    /// The thickness makes no sense.
+    Build(BuildError),
+    /// Contact could not be kept.
+    Contact(ContactError),
+}
+
+impl fmt::Display for ReturnError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Build(error) => error.fmt(f),
+            Self::Contact(error) => error.fmt(f),
+        }
+    }
+}
+
+impl std::error::Error for ReturnError {}
+
+/// Moves the `positions` (m) of an untangled cloth as near to its tangled `start` (m) as it can come without passing
+/// through itself again, its layers
+/// `thickness` (m) apart: those of one piece no farther apart than the positions of `mesh` have them, unless they touch
+/// there.
+///
+/// Each substep wants all vertices back at the start, and projects that onto the contact constraints (the nearest place
+/// in the metric of the masses), until nothing moves any more. Every straight way in between is free of crossings.
+/// Vertices with an `inverse_mass` (1/kg) of 0 stay.
+///
+/// # Errors
+/// [`ReturnError`]: a thickness that is not positive, or positions that are tangled or not finite.
+///
+/// # Panics
+/// If there is not one start, one inverse mass and one position per vertex.
+pub fn bring_back(
+    mesh: &TriMesh,
+    thickness: Real,
+    inverse_mass: &[Real],
+    start: &[Vec3],
+    positions: &mut [Vec3],
+) -> Result<(), ReturnError> {
+    let count = mesh.vertex_count();
+    assert_eq!(start.len(), count, "one start a vertex");
+    assert_eq!(inverse_mass.len(), count, "one mass a vertex");
+    assert_eq!(positions.len(), count, "one position a vertex");
+    let contacts = PotentialContacts::builder(mesh).thickness(thickness);
+    let mut contacts = contacts.build().map_err(ReturnError::Build)?;
+    let mut projection = Projection::default();
+    let (mut from, mut velocities) = (positions.to_vec(), vec![Vec3::zeros(); count]);
+    for _ in 0..MOST_RETURNS {
+        from.copy_from_slice(positions);
+        let ways = start.iter().zip(&from).map(|(a, b)| (b - a).norm());
+        let part = (LONGEST * thickness / ways.fold(0.0, Real::max)).min(1.0);
+        for ((x, start), w) in positions.iter_mut().zip(start).zip(inverse_mass) {
+            if *w > 0.0 {
+                *x += (start - *x) * part;
+            }
+        }
+        let step = ContactStep {
+            from: &from,
+            inverse_mass,
+            dt: LONG,
+        };
+        let constraints = contacts.constraints();
+        let taken = projection.step(constraints, &step, SWEEPS, positions, &mut velocities);
+        taken.map_err(ReturnError::Contact)?;
+        let ways = from.iter().zip(&*positions).map(|(a, b)| (b - a).norm());
+        if ways.fold(0.0, Real::max) < AT_REST * thickness {
+            break;
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,51 @@
+//! Displacements that take neighbours along.
+
+use crate::incidence::edge_numbers;
+use cloth_core::math::{Real, Vec3};
+use cloth_core::mesh::TriMesh;
+
+/// Averages displacements over the edges of a mesh, so that a fold is moved as a whole and not torn out of its
+/// surroundings vertex by vertex.
+#[derive(Debug)]
+pub(super) struct Smoother {
+    edges: Vec<[u32; 2]>,
+    valence: Vec<Real>,
+    sums: Vec<Vec3>,
+}
+
+impl Smoother {
+    pub(super) fn new(mesh: &TriMesh) -> Self {
+        let (edges, _) = edge_numbers(mesh.triangles());
+        let mut valence = vec![0.0; mesh.vertex_count()];
+        for vertex in edges.iter().flatten() {
+            valence[*vertex as usize] += 1.0;
+        }
+        Self {
+            edges,
+            valence,
+            sums: vec![Vec3::zeros(); mesh.vertex_count()],
+        }
+    }
+
+    /// Lets every vertex with an inverse mass, so many times, go half with the mean `displacements` of its neighbours.
+    pub(super) fn smooth(
+        &mut self,
+        displacements: &mut [Vec3],
+        inverse_mass: &[Real],
+        rounds: u32,
+    ) {
+        for _ in 0..rounds {
+            self.sums.fill(Vec3::zeros());
+            for [a, b] in self.edges.iter().map(|e| e.map(|v| v as usize)) {
+                self.sums[a] += displacements[b];
+                self.sums[b] += displacements[a];
+            }
+            let means = self.sums.iter().zip(&self.valence).map(|(s, n)| s / *n);
+            for ((d, mean), w) in displacements.iter_mut().zip(means).zip(inverse_mass) {
+                if *w > 0.0 {
+                    *d = (*d + mean) * 0.5;
+                }
+            }
+        }
+    }
+}
