@@ -276,6 +276,7 @@ mod local;
 mod matrix;
 mod objective;
 mod pieces;
+mod pin_work;
 mod planes;
 mod pulls;
 mod quadratic;

@@ -232,6 +232,20 @@ impl Objective {
         )
     }
 
+    /// Writes `∂E/∂x` (N) without contact to `out`, at all vertices, prescribed ones too. `point` has to be the one that was evaluated last.
+    pub(crate) fn write_forces(&mut self, point: &Point, out: &mut [Vec3]) {
+        for (vertex, out) in out.iter_mut().enumerate() {
+            *out = self.constant_gradient[vertex];
+            if !self.quadratic.is_empty() {
+                let [x, y, z, _] = self.quadratic.times(vertex, &self.padded);
+                *out += Vec3::new(x, y, z);
+            }
+        }
+        for family in &mut self.families {
+            family.add_gradient(&point.positions, out);
+        }
+    }
+
     /// Norm of a gradient in the metric of M⁻¹ (N/√kg); prescribed vertices do not count.
     pub(crate) fn norm(&self, gradient: &[Vec3]) -> Real {
         let squares = self.particles.inverse_mass().iter().zip(gradient);

@@ -37,9 +37,9 @@ pub struct PdSolver {
     pub(crate) are_ties_stale: bool,
     config: PdConfig,
     /// The iterate.
-    point: Point,
+    pub(crate) point: Point,
     /// `x[0]`, for where the iteration ends above it.
-    fallback: Point,
+    pub(crate) fallback: Point,
     /// With contact: a place (m) that is free of crossings, and the part of the way from there to the start that each vertex goes.
     safe: Vec<Vec3>,
     parts: Vec<Real>,
@@ -83,6 +83,7 @@ impl Stepper for PdSolver {
         let mut contact = source.as_mut().map(|source| source.potential());
         let solved = self.solve(state, reference, &mut report, &mut input, &mut contact);
         solved.map_err(|reason| StepError::Contact { reason, step })?;
+        report.pin_work = self.pin_work(&contact);
         self.find_velocities(state, input.dt)?; // S1 (35)
         if let Some(contact) = contact {
             contact.end(&self.point.positions, &self.velocities);

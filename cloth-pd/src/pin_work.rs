@@ -1,0 +1,45 @@
+//! The work of prescribed vertices in a step that has not converged.
+//!
+//! The elastic force −∂E/∂x at the end of such a step is not the one that has moved the cloth: a stiff edge whose stretch is a little wrong pulls much too hard, or not
+//! at all. The force that a plain iteration from there would use is that of its constant matrix, with the projections p of the iterate,
+//!
+//! f = Σ w Gᵀ(G x⁺ − p) = ∂E/∂x + Σ w GᵀG (x⁺ − x),
+//!
+//! and it is in balance with the momentum of x⁺ whatever p is: M (x⁺ − x̃)/Δt² = −f at free vertices, and the sum of f over all vertices is zero. At prescribed ones
+//! it is what moves the cloth. x⁺ itself is near x long before the forces are, since the matrix knows how stiff the edges are.
+
+use crate::contact::Contact;
+use crate::solver::PdSolver;
+use cloth_core::math::{Real, Vec3};
+
+impl PdSolver {
+    /// f·Δx over the prescribed vertices that move in the step which ends at the point (J); nothing where none does.
+    pub(crate) fn pin_work(&mut self, contact: &Contact<'_>) -> Option<Real> {
+        let inverse_mass = self.objective.particles.inverse_mass();
+        let moves = |(q, w): (&Vec3, &Real)| *w == 0.0 && *q != Vec3::zeros();
+        let is_moved = self.point.displacement.iter().zip(inverse_mass).any(moves);
+        if !is_moved || self.global.is_empty() {
+            return None;
+        }
+        if !self.point.is_evaluated {
+            self.objective.evaluate(&mut self.point, contact);
+        }
+        let (forces, back) = (&mut self.fallback.gradient, &mut self.fallback.displacement);
+        self.objective.write_forces(&self.point, forces);
+        self.global.solve(&self.point.gradient, back);
+        let inverse_mass = self.objective.particles.inverse_mass();
+        let is_held = |v: usize| inverse_mass[v] == 0.0;
+        for (&value, (i, j)) in self.global.stiffness().iter() {
+            match [i, j].map(is_held) {
+                [true, false] => forces[i] -= back[j] * value,
+                [false, true] => forces[j] -= back[i] * value,
+                _ => {}
+            }
+        }
+        let held = (0..forces.len()).filter(|&v| is_held(v));
+        Some(
+            held.map(|v| forces[v].dot(&self.point.displacement[v]))
+                .sum(),
+        )
+    }
+}
