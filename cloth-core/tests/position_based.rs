@@ -13,7 +13,7 @@ use cloth_core::mesh::generate::{Diagonals, grid};
 use cloth_core::particles::{Particles, State};
 use cloth_core::pin::Pins;
 use cloth_core::position_based::{
-    Builder, Families, Motion, RowAt, RowEquation, Rule, Settings, Sweep,
+    Builder, ConstraintUpdate, Families, Motion, RowEquation, RowState, Settings, Sweep,
 };
 use cloth_core::step::{BuildError, Observer, StepError, StepInput, StepReport};
 use cloth_core::topology::EdgeTable;
@@ -24,26 +24,26 @@ const GRAVITY: Vec3 = Vec3::new(0.0, 0.0, -9.81);
 #[derive(Clone, Copy, Debug)]
 struct Rigid;
 
-impl Rule for Rigid {
+impl ConstraintUpdate for Rigid {
     type Memory = u32;
 
-    fn equation(&self, row: RowAt, visits: &mut u32) -> RowEquation {
+    fn equation(&self, row: RowState, visits: &mut u32) -> RowEquation {
         *visits += 1;
         RowEquation {
             residual: row.value,
-            softness: 0.0,
+            scaled_compliance: 0.0,
         }
     }
 }
 
 #[derive(Clone, Copy, Debug)]
-struct Pace {
+struct TestSettings {
     iterations: u32,
     substeps: u32,
     sweep: Sweep,
 }
 
-impl Default for Pace {
+impl Default for TestSettings {
     fn default() -> Self {
         Self {
             iterations: 4,
@@ -55,22 +55,22 @@ impl Default for Pace {
 
 #[derive(Debug)]
 struct Solver {
-    pace: Pace,
+    settings: TestSettings,
     motion: Motion,
     families: Families<Rigid>,
 }
 
-impl Settings for Pace {
-    type Rule = Rigid;
+impl Settings for TestSettings {
+    type Update = Rigid;
     type Solver = Solver;
 
-    fn pace(&self) -> (u32, u32, Sweep) {
+    fn sweep_settings(&self) -> (u32, u32, Sweep) {
         (self.iterations, self.substeps, self.sweep)
     }
 
     fn assemble(self, motion: Motion, families: Families<Rigid>) -> Solver {
         Solver {
-            pace: self,
+            settings: self,
             motion,
             families,
         }
@@ -84,10 +84,10 @@ impl Solver {
         mut input: StepInput<'_>,
     ) -> Result<StepReport, StepError> {
         self.motion.begin(state, &mut input)?;
-        let h = input.dt / Real::from(self.pace.substeps);
-        for _ in 0..self.pace.substeps {
+        let h = input.dt / Real::from(self.settings.substeps);
+        for _ in 0..self.settings.substeps {
             self.motion.predict(&mut input, h)?;
-            for _ in 0..self.pace.iterations {
+            for _ in 0..self.settings.iterations {
                 self.motion
                     .iterate(&mut input, |w, x| self.families.sweep(&Rigid, w, x));
             }
@@ -139,14 +139,14 @@ fn a_falling_sheet_keeps_its_shape_and_falls_as_far_as_the_discrete_law_says() {
     let mesh = sheet(20);
     let springs = springs(&mesh);
     for (substeps, steps) in [(1_u32, 60_u32), (5, 60)] {
-        let pace = Pace {
+        let settings = TestSettings {
             substeps,
-            ..Pace::default()
+            ..TestSettings::default()
         };
         let builder = Builder::new(&uneven_masses(mesh.vertex_count()));
         let mut solver = builder
             .energy(springs.clone())
-            .config(pace)
+            .config(settings)
             .build()
             .unwrap();
         let mut state = State::at_rest(mesh.positions().to_vec());
@@ -175,7 +175,7 @@ fn a_falling_sheet_keeps_its_shape_and_falls_as_far_as_the_discrete_law_says() {
 fn linear_momentum_is_conserved_to_round_off() {
     let mesh = sheet(12);
     let particles = uneven_masses(mesh.vertex_count());
-    let builder = Builder::<Pace>::new(&particles).energy(springs(&mesh));
+    let builder = Builder::<TestSettings>::new(&particles).energy(springs(&mesh));
     let mut solver = builder.build().unwrap();
     let mut state = shaken(&mesh);
     let before = linear_momentum(&particles, &state.velocities);
@@ -191,7 +191,7 @@ fn linear_momentum_is_conserved_to_round_off() {
 #[test]
 fn a_spring_released_from_rest_does_not_start_to_spin() {
     let particles = Particles::new(vec![0.3, 1.7]).unwrap();
-    let builder = Builder::<Pace>::new(&particles).energy(vec![link(0, 1)]);
+    let builder = Builder::<TestSettings>::new(&particles).energy(vec![link(0, 1)]);
     let mut solver = builder.build().unwrap();
     let mut state = State::at_rest(vec![Vec3::new(3.0, 1.0, 2.0), Vec3::new(4.0, 3.0, 0.5)]);
     solver.step(&mut state, StepInput::new(0.01)).unwrap();
@@ -204,7 +204,7 @@ fn a_spring_released_from_rest_does_not_start_to_spin() {
 fn the_angular_momentum_that_is_lost_is_of_the_order_of_the_step() {
     let particles = Particles::new(vec![1.0, 1.0]).unwrap();
     let lost = |steps: u32| {
-        let builder = Builder::<Pace>::new(&particles).energy(vec![link(0, 1)]);
+        let builder = Builder::<TestSettings>::new(&particles).energy(vec![link(0, 1)]);
         let mut solver = builder.build().unwrap();
         let mut state = State::at_rest(vec![Vec3::new(0.5, 0.0, 0.0), Vec3::new(-0.5, 0.0, 0.0)]);
         state.velocities = vec![Vec3::new(0.0, 0.5, 0.0), Vec3::new(0.0, -0.5, 0.0)];
@@ -229,11 +229,13 @@ fn pins_hold_to_the_last_bit_and_moving_ones_follow_their_path() {
     let mut pins = Pins::new();
     let path = |t: Real| Vec3::new(1.0 - 0.2 * t, 0.1 * t * t, (3.0 * t).sin() * 0.1);
     pins.follow(&mut particles, 8, path).unwrap();
-    let pace = Pace {
+    let settings = TestSettings {
         substeps: 3,
-        ..Pace::default()
+        ..TestSettings::default()
     };
-    let builder = Builder::new(&particles).energy(springs(&mesh)).config(pace);
+    let builder = Builder::new(&particles)
+        .energy(springs(&mesh))
+        .config(settings);
     let mut solver = builder.build().unwrap();
     let mut state = shaken(&mesh);
     state.velocities[0] = Vec3::zeros();
@@ -256,7 +258,7 @@ fn pins_hold_to_the_last_bit_and_moving_ones_follow_their_path() {
 fn a_force_accelerates_by_its_mass_and_not_the_prescribed() {
     let mut particles = Particles::new(vec![2.0, 4.0, 1.0]).unwrap();
     particles.prescribe(2).unwrap();
-    let mut solver = Builder::<Pace>::new(&particles).build().unwrap();
+    let mut solver = Builder::<TestSettings>::new(&particles).build().unwrap();
     let mut state = State::at_rest(vec![Vec3::zeros(); 3]);
     let load = [Vec3::new(1.0, 0.0, 0.0); 3];
     solver
@@ -275,7 +277,7 @@ fn a_force_accelerates_by_its_mass_and_not_the_prescribed() {
 #[test]
 fn bad_input_is_refused_and_the_state_left_alone() {
     let particles = uneven_masses(2);
-    let mut solver = Builder::<Pace>::new(&particles)
+    let mut solver = Builder::<TestSettings>::new(&particles)
         .energy(vec![link(0, 1)])
         .build()
         .unwrap();
@@ -308,12 +310,12 @@ fn bad_input_is_refused_and_the_state_left_alone() {
 fn elements_of_vertices_that_do_not_exist_and_no_iterations_are_refused() {
     let particles = uneven_masses(2);
     for sweep in [Sweep::Sequential, Sweep::Colored] {
-        let pace = Pace {
+        let settings = TestSettings {
             sweep,
-            ..Pace::default()
+            ..TestSettings::default()
         };
         let builder = Builder::new(&particles).energy(vec![link(0, 1), link(1, 2)]);
-        let error = builder.config(pace).build().unwrap_err();
+        let error = builder.config(settings).build().unwrap_err();
         let no_such_vertex = BuildError::NoSuchVertex {
             element: 1,
             vertex: 2,
@@ -322,12 +324,15 @@ fn elements_of_vertices_that_do_not_exist_and_no_iterations_are_refused() {
         assert_eq!(error, no_such_vertex);
     }
     for (iterations, substeps) in [(0, 1), (1, 0)] {
-        let pace = Pace {
+        let settings = TestSettings {
             iterations,
             substeps,
             sweep: Sweep::Colored,
         };
-        let error = Builder::new(&particles).config(pace).build().unwrap_err();
+        let error = Builder::new(&particles)
+            .config(settings)
+            .build()
+            .unwrap_err();
         assert!(matches!(
             error,
             BuildError::InvalidSetting { value: 0.0, .. }
@@ -361,12 +366,12 @@ impl Constraint<1> for Corner {
 #[test]
 fn a_later_row_of_an_element_sees_what_the_earlier_ones_moved() {
     let particles = uneven_masses(1);
-    let pace = Pace {
+    let settings = TestSettings {
         iterations: 1,
-        ..Pace::default()
+        ..TestSettings::default()
     };
     let builder = Builder::new(&particles).energy(vec![Corner(0)]);
-    let mut solver = builder.config(pace).build().unwrap();
+    let mut solver = builder.config(settings).build().unwrap();
     let mut state = State::at_rest(vec![Vec3::new(1.0, 3.0, 0.0)]);
     solver.step(&mut state, StepInput::new(1.0)).unwrap();
     // To x = 0, then at right angles to x + y = 0.
@@ -386,12 +391,12 @@ impl Observer for Log {
 #[test]
 fn the_observer_sees_every_iteration_of_every_substep() {
     let particles = uneven_masses(1);
-    let pace = Pace {
+    let settings = TestSettings {
         iterations: 2,
         substeps: 3,
         sweep: Sweep::Sequential,
     };
-    let mut solver = Builder::new(&particles).config(pace).build().unwrap();
+    let mut solver = Builder::new(&particles).config(settings).build().unwrap();
     let mut state = State::at_rest(vec![Vec3::zeros()]);
     state.velocities[0].x = 1.0;
     let mut log = Log::default();
@@ -415,19 +420,25 @@ fn memory_comes_back_in_input_order_and_is_forgotten_on_request() {
         target: Vec3::zeros(),
         stiffness: 1.0,
     });
-    let builder = Builder::<Pace>::new(&particles)
+    let builder = Builder::<TestSettings>::new(&particles)
         .energy(vec![link(0, 1), link(1, 2), link(0, 1)])
         .energy(attachments.to_vec());
     let mut solver = builder.build().unwrap();
     let mut state = State::at_rest(vec![Vec3::zeros(); 4]);
     solver.step(&mut state, StepInput::new(1.0)).unwrap();
     let mut visits = Vec::new();
-    solver.families.remembered(0, &mut visits, |memory| *memory);
+    solver
+        .families
+        .read_memory(0, &mut visits, |memory| *memory);
     assert_eq!(visits, [4; 3]);
-    solver.families.remembered(1, &mut visits, |memory| *memory);
+    solver
+        .families
+        .read_memory(1, &mut visits, |memory| *memory);
     assert_eq!(visits, [4; 12]);
-    solver.families.forget();
-    solver.families.remembered(1, &mut visits, |memory| *memory);
+    solver.families.reset();
+    solver
+        .families
+        .read_memory(1, &mut visits, |memory| *memory);
     assert_eq!(visits, [0; 12]);
     let mut values = Vec::new();
     let x: Vec<Vec3> = (0..4).map(|i| Vec3::new(0.0, Real::from(i), 0.0)).collect();
@@ -445,7 +456,7 @@ fn a_coloured_sweep_gives_the_same_bits_on_any_number_of_threads() {
     let mesh = sheet(160);
     let particles = uneven_masses(mesh.vertex_count());
     let run = || {
-        let builder = Builder::<Pace>::new(&particles).energy(springs(&mesh));
+        let builder = Builder::<TestSettings>::new(&particles).energy(springs(&mesh));
         let mut solver = builder.build().unwrap();
         let mut state = shaken(&mesh);
         for _ in 0..3 {
@@ -533,12 +544,12 @@ impl ContactConstraints for Noted {
 #[test]
 fn contact_constraints_come_last_in_each_sweep_and_are_asked_in_order() {
     let particles = Particles::new(vec![1.0; 4]).unwrap();
-    let pace = Pace {
+    let settings = TestSettings {
         iterations: 2,
         substeps: 2,
         sweep: Sweep::Colored,
     };
-    let mut solver = Builder::new(&particles).config(pace).build().unwrap();
+    let mut solver = Builder::new(&particles).config(settings).build().unwrap();
     let mut state = State::at_rest(vec![Vec3::zeros(); 4]);
     let mut noted = Noted {
         refused: Some(2),

@@ -5,7 +5,7 @@ use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::TriMesh;
 use cloth_core::mesh::generate::{Diagonals, grid, irregular};
 use cloth_core::position_based::{
-    Acceleration, Chebyshev, Families, Radius, RowAt, RowEquation, Rule, Sweep,
+    Acceleration, Chebyshev, ConstraintUpdate, Families, Radius, RowEquation, RowState, Sweep,
 };
 use cloth_core::step::BuildError;
 use cloth_core::topology::{EdgeTable, HingeTable};
@@ -15,16 +15,16 @@ use std::f64::consts::PI;
 #[derive(Clone, Copy, Debug)]
 struct Rigid;
 
-impl Rule for Rigid {
+impl ConstraintUpdate for Rigid {
     type Memory = Real;
-    fn equation(&self, row: RowAt, _: &mut Real) -> RowEquation {
+    fn equation(&self, row: RowState, _: &mut Real) -> RowEquation {
         RowEquation {
             residual: row.value,
-            softness: 0.0,
+            scaled_compliance: 0.0,
         }
     }
 
-    fn remember(&self, change: Real, total: &mut Real) {
+    fn accumulate(&self, change: Real, total: &mut Real) {
         *total += change;
     }
 
@@ -195,7 +195,7 @@ fn chebyshev_leaves_what_the_polynomial_says() {
                     "{sweep:?} {links} {k}: {error:e}"
                 );
             }
-            assert_eq!(chain.families.surrendered(), 0);
+            assert_eq!(chain.families.chebyshev_fallbacks(), 0);
         }
         // Plain Jacobi's, as VALIDATION 5 writes it.
         let (sin, decay) = ((1.0 - cos * cos).sqrt(), (1.0 / cos).acosh());
@@ -401,7 +401,7 @@ fn multipliers_and_positions_stay_together() {
                 families.sweep(&Rigid, &sheet.w, &mut x);
             }
             let mut lambda = Vec::new();
-            families.remembered(0, &mut lambda, |memory| *memory);
+            families.read_memory(0, &mut lambda, |memory| *memory);
             let mut expected = sheet.x.clone();
             for (hinge, lambda) in sheet.hinges.iter().zip(lambda.chunks(3)) {
                 for (&v, q) in hinge.vertices.iter().zip(hinge.coefficients) {
@@ -440,7 +440,7 @@ fn growth_is_noticed_and_the_sweeps_go_on_without_extrapolation() {
             let left = sheet.strain(&x);
             println!(
                 "{sweep:?} {radius:?}: strain {left:e}, given up {}",
-                families.surrendered()
+                families.chebyshev_fallbacks()
             );
             assert!(left < 0.3, "{sweep:?} {radius:?}: {left}");
         }
@@ -450,7 +450,7 @@ fn growth_is_noticed_and_the_sweeps_go_on_without_extrapolation() {
     for _ in 0..20 {
         families.sweep(&Rigid, &sheet.w, &mut x);
     }
-    assert_eq!(families.surrendered(), 1);
+    assert_eq!(families.chebyshev_fallbacks(), 1);
 }
 
 #[test]
@@ -499,7 +499,7 @@ fn the_bits_do_not_depend_on_the_number_of_threads() {
                     families.sweep(&Rigid, &sheet.w, &mut x);
                 }
                 let mut lambda = Vec::new();
-                families.remembered(1, &mut lambda, |memory| *memory);
+                families.read_memory(1, &mut lambda, |memory| *memory);
                 (x, lambda)
             };
             let pool = |threads| rayon::ThreadPoolBuilder::new().num_threads(threads).build();

@@ -12,7 +12,7 @@ use cloth_core::position_based::{Acceleration, Chebyshev, Radius, Sweep};
 use cloth_core::step::StepInput;
 use cloth_core::step::Stepper;
 use cloth_pbd::{
-    Hierarchy, HierarchyConfig, Limited, PbdConfig, PbdSolver, StrainLimiter, StretchRange,
+    Hierarchy, HierarchyConfig, PbdConfig, PbdSolver, StrainLimiter, StretchRange, WithStrainLimit,
 };
 use std::error::Error;
 
@@ -67,7 +67,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             .stretches(&ArapTriangle::on(&mesh, 1.0), StretchRange::stretch(0.01))
             .max_passes(5)
             .build()?;
-        let mut solver = Limited::new(Box::new(solver), limiter);
+        let mut solver = WithStrainLimit::new(Box::new(solver), limiter);
         let mut state = State::at_rest(mesh.positions().to_vec());
         for _ in 0..3 {
             let input = StepInput::new(1.0 / 60.0).gravity(Vec3::z() * -9.81);

@@ -186,18 +186,18 @@ impl Hierarchy {
         for level in 0..self.levels.len() {
             let (finer, coarser) = self.levels.split_at_mut(level);
             match finer.last() {
-                Some(finer) => coarser[0].take(finer.positions()),
-                None => coarser[0].take(positions),
+                Some(finer) => coarser[0].restrict(finer.positions()),
+                None => coarser[0].restrict(positions),
             }
         }
         for level in (0..self.levels.len()).rev() {
             let (finer, coarser) = self.levels.split_at_mut(level);
             // Twice as many sweeps where there are half as many vertices.
             let sweeps = self.config.sweeps.saturating_mul(1 << level.min(20));
-            coarser[0].pull(sweeps, self.config.stiffness);
+            coarser[0].relax(sweeps, self.config.stiffness);
             match finer.last_mut() {
-                Some(finer) => coarser[0].hand_down(finer.positions_mut()),
-                None => coarser[0].hand_down(positions),
+                Some(finer) => coarser[0].prolongate(finer.positions_mut()),
+                None => coarser[0].prolongate(positions),
             }
         }
     }

@@ -56,7 +56,7 @@
 //! | work of prescribed vertices, `−Σ ∂C/∂xᵢ·vᵢ ΣΔλ/h` | [`Motion::count_pin_work`](cloth_core::position_based::Motion::count_pin_work) |
 //! | the loop around them | [`PbdSolver`] |
 //! | coarse levels: `Δx = Σ wₚ Δxₚ`, PBD-3 | [`Hierarchy`], [`PbdSolver::with_hierarchy`] |
-//! | `σ_min ≤ σ ≤ σ_max`, PBD-4 | [`StrainLimiter`], [`Limited`] |
+//! | `σ_min ≤ σ ≤ σ_max`, PBD-4 | [`StrainLimiter`], [`WithStrainLimit`] |
 //!
 //! # Example
 //! ```
@@ -162,4 +162,6 @@ pub use config::PbdConfig;
 pub use hierarchy::{Hierarchy, HierarchyConfig, HierarchyError, Link};
 pub use solver::{PbdBuilder, PbdSolver};
 pub use stiffness::{StiffnessRule, effective_stiffness, projection_stiffness};
-pub use strain_limit::{LimitReport, Limited, StrainLimiter, StrainLimiterBuilder, StretchRange};
+pub use strain_limit::{
+    LimitReport, StrainLimiter, StrainLimiterBuilder, StretchRange, WithStrainLimit,
+};

@@ -52,8 +52,8 @@ impl PbdSolver {
     /// How many substeps, since the solver was built, gave up their extrapolation because it made the corrections grow; see
     /// [`Chebyshev`](cloth_core::position_based::Chebyshev).
     #[must_use]
-    pub fn surrendered(&self) -> u64 {
-        self.families.surrendered()
+    pub fn chebyshev_fallbacks(&self) -> u64 {
+        self.families.chebyshev_fallbacks()
     }
 
     /// The rule for substeps of `h` (s).
@@ -62,7 +62,7 @@ impl PbdSolver {
             stiffness: self.config.stiffness,
             substep: h,
             iterations: self.config.iterations,
-            is_counted: self.motion.moving_pins().is_some(),
+            accumulates: self.motion.moving_pins().is_some(),
         };
         if self.substep != Some(h) {
             let (w, x) = (self.motion.inverse_mass(), self.motion.positions());
@@ -84,12 +84,12 @@ impl Stepper for PbdSolver {
         mut input: StepInput<'_>,
     ) -> Result<StepReport, StepError> {
         self.motion.begin(state, &mut input)?;
-        let given_up = self.families.surrendered();
+        let fallbacks_before = self.families.chebyshev_fallbacks();
         let h = input.dt / Real::from(self.config.substeps);
         let projection = self.projection(h);
         for _ in 0..self.config.substeps {
-            if projection.is_counted {
-                self.families.forget();
+            if projection.accumulates {
+                self.families.reset();
             }
             self.motion.predict(&mut input, h)?; // S1 (24)
             self.families.restart();
@@ -104,13 +104,13 @@ impl Stepper for PbdSolver {
                 });
             }
             let motion = &mut self.motion;
-            motion.count_pin_work(&self.families, |seen| seen.memory.moved);
+            motion.count_pin_work(&self.families, |seen| seen.memory.lambda);
             self.motion.update_velocities(&mut input)?; // S1 (26)
         }
         let report = self.motion.finish(state, &mut input)?;
         Ok(StepReport {
             pin_work: Some(self.motion.pin_work()),
-            chebyshev_fallbacks: (self.families.surrendered() - given_up) as u32,
+            chebyshev_fallbacks: (self.families.chebyshev_fallbacks() - fallbacks_before) as u32,
             ..report
         })
     }
@@ -120,10 +120,10 @@ impl Stepper for PbdSolver {
 pub type PbdBuilder = Builder<PbdConfig>;
 
 impl Settings for PbdConfig {
-    type Rule = Projection;
+    type Update = Projection;
     type Solver = PbdSolver;
 
-    fn pace(&self) -> (u32, u32, Sweep) {
+    fn sweep_settings(&self) -> (u32, u32, Sweep) {
         (self.iterations, self.substeps, self.sweep)
     }
 

@@ -1,7 +1,7 @@
 //! From the stiffness k of a material to the stiffness s of a projection.
 
 use cloth_core::math::Real;
-use cloth_core::position_based::{RowAt, RowEquation, Rule};
+use cloth_core::position_based::{ConstraintUpdate, RowEquation, RowState};
 use cloth_core::step::BuildError;
 
 /// Which part s (dimensionless, 0 to 1) of its violation a constraint removes in one visit.
@@ -70,74 +70,74 @@ pub struct Projection {
     /// n.
     pub(crate) iterations: u32,
     /// Whether it is remembered how far the rows have gone.
-    pub(crate) is_counted: bool,
+    pub(crate) accumulates: bool,
 }
 
 /// The s of a row and the w̃ that it belongs to: a power costs more than the rest of the visit, and w̃ seldom changes. And what its visits have done.
 ///
 /// The default is no special value: a row with w̃ = 0 has s = 0.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Known {
+pub struct CachedScale {
     weight: Real,
     s: Real,
     /// Σ Δλ (kg m² per unit of C; kg m for a spring) since it was last set to zero. No visit asks for it; it tells what a row has given.
-    pub(crate) moved: Real,
+    pub(crate) lambda: Real,
 }
 
 impl Projection {
     /// s for a w̃. Out of the way of the sweep: seldom needed, and with a power in it the loop would keep nothing in registers.
     #[cold]
     #[inline(never)]
-    fn learn(&self, weight: Real, stiffness: Real) -> Real {
+    fn compute(&self, weight: Real, stiffness: Real) -> Real {
         let z = stiffness * self.substep * self.substep * weight;
         projection_stiffness(z, self.iterations)
     }
 }
 
-impl Rule for Projection {
-    type Memory = Known;
+impl ConstraintUpdate for Projection {
+    type Memory = CachedScale;
 
     #[inline]
-    fn remembers(&self) -> bool {
-        self.is_counted
+    fn accumulates(&self) -> bool {
+        self.accumulates
     }
 
     /// Forgets s, which belongs to h.
-    fn prepare(&self, _: RowAt, known: &mut Known) {
-        *known = Known::default();
+    fn prepare(&self, _: RowState, cached: &mut CachedScale) {
+        *cached = CachedScale::default();
     }
 
     #[inline]
-    fn forget(known: &mut Known) {
-        known.moved = 0.0;
+    fn reset(cached: &mut CachedScale) {
+        cached.lambda = 0.0;
     }
 
     #[inline(always)]
-    fn equation(&self, row: RowAt, known: &mut Known) -> RowEquation {
+    fn equation(&self, row: RowState, cached: &mut CachedScale) -> RowEquation {
         let s = match self.stiffness {
             StiffnessRule::Fixed(s) => s,
             StiffnessRule::Material => {
                 let weight = rounded(row.weight);
-                if weight != known.weight {
-                    (known.weight, known.s) = (weight, self.learn(weight, row.stiffness));
+                if weight != cached.weight {
+                    (cached.weight, cached.s) = (weight, self.compute(weight, row.stiffness));
                 }
-                known.s
+                cached.s
             }
         };
         RowEquation {
             residual: s * row.value,
-            softness: 0.0,
+            scaled_compliance: 0.0,
         }
     }
 
     #[inline(always)]
-    fn remember(&self, change: Real, known: &mut Known) {
-        known.moved += change;
+    fn accumulate(&self, change: Real, cached: &mut CachedScale) {
+        cached.lambda += change;
     }
 
     #[inline]
-    fn extrapolate(now: &mut Known, before: &Known, omega: Real) {
-        now.moved = before.moved + omega * (now.moved - before.moved);
+    fn extrapolate(now: &mut CachedScale, before: &CachedScale, omega: Real) {
+        now.lambda = before.lambda + omega * (now.lambda - before.lambda);
     }
 }
 

@@ -4,11 +4,11 @@
 //! R. Ramamoorthi, "Multi-resolution isotropic strain limiting", ACM Trans. Graph. 29(6), 2010, <https://doi.org/10.1145/1882261.1866182>, for
 //! principal stretches.
 
+mod components;
 mod limit;
-mod limited;
-mod spin;
+mod with_strain_limit;
 
-pub use limited::Limited;
+pub use with_strain_limit::WithStrainLimit;
 
 use cloth_core::element::{Constraint, Element};
 use cloth_core::energy::{ArapTriangle, AreaTriangle, Spring};
@@ -16,8 +16,8 @@ use cloth_core::family::check_vertices;
 use cloth_core::math::{Real, Vec3, is_finite};
 use cloth_core::particles::{Particles, State};
 use cloth_core::step::{BuildError, Outcome, StepError};
+use components::Components;
 use limit::{AnyLimits, Limit, Limits};
-use spin::Pieces;
 
 /// What a ratio of present to rest size (dimensionless) may be: of lengths, of areas or of principal stretches.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -87,7 +87,7 @@ pub struct StrainLimiter {
     x: Vec<Vec3>,
     v: Vec<Vec3>,
     limits: Vec<Box<dyn AnyLimits>>,
-    pieces: Pieces,
+    components: Components,
     tolerance: Real,
     max_passes: u32,
 }
@@ -113,7 +113,7 @@ impl StrainLimiter {
                 x: vec![Vec3::zeros(); particles.len()],
                 v: vec![Vec3::zeros(); particles.len()],
                 limits: Vec::new(),
-                pieces: Pieces::default(),
+                components: Components::default(),
                 tolerance: 1e-4,
                 max_passes: 100,
             },
@@ -151,7 +151,7 @@ impl StrainLimiter {
         }
         // A first pass that found nothing changed nothing.
         if report.passes > 1 || report.outcome == Outcome::BudgetSpent {
-            self.follow(state, dt);
+            self.update_velocities(state, dt);
             self.finish(state)?;
         }
         Ok(report)
@@ -175,13 +175,13 @@ impl StrainLimiter {
     }
 
     /// The velocities after the positions.
-    fn follow(&mut self, state: &State, dt: Real) {
+    fn update_velocities(&mut self, state: &State, dt: Real) {
         let before = state.positions.iter().zip(&state.velocities);
         for ((v, x), (x_before, v_before)) in self.v.iter_mut().zip(&self.x).zip(before) {
             *v = v_before + (x - x_before) / dt;
         }
         let before = [&state.positions[..], &state.velocities[..]];
-        self.pieces
+        self.components
             .keep_angular_momentum(&self.inverse_mass, before, &self.x, &mut self.v);
     }
 
@@ -263,7 +263,7 @@ impl StrainLimiterBuilder {
         if limiter.max_passes == 0 {
             return refuse("the number of passes", 0.0, "at least 1");
         }
-        limiter.pieces = Pieces::new(&self.pairs, limiter.inverse_mass.len());
+        limiter.components = Components::new(&self.pairs, limiter.inverse_mass.len());
         Ok(limiter)
     }
 

@@ -1,4 +1,4 @@
-//! Every kind of constraint (CORE-9) under PBD: the law of one constraint where a row is linear in what can move, and convergence to
+//! Every kind of constraint under PBD: the law of one constraint where a row is linear in what can move, and convergence to
 //! `C = 0` where it is not.
 
 use cloth_core::element::{Constraint, RowArray};

@@ -1,4 +1,4 @@
-//! PBD from starts that make no sense, at ratios that are too large (VALIDATION 8.5).
+//! PBD from starts that make no sense, at ratios that are too large.
 //!
 //! A cell is one kind of start at one size of step, stiffness and mass ratio, with one way to go through the constraints; ten jittered runs
 //! each. A step passes if it ends in a finite state, or with an error and the state as it was; the second is counted.

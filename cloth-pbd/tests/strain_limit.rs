@@ -13,7 +13,7 @@ use cloth_core::mesh::generate::{Diagonals, grid, irregular};
 use cloth_core::particles::{Particles, State};
 use cloth_core::step::{BuildError, Outcome, StepError, StepInput, Stepper};
 use cloth_core::topology::EdgeTable;
-use cloth_pbd::{Limited, PbdSolver, StrainLimiter, StrainLimiterBuilder, StretchRange};
+use cloth_pbd::{PbdSolver, StrainLimiter, StrainLimiterBuilder, StretchRange, WithStrainLimit};
 
 fn wave(v: usize, a: Real) -> Real {
     (a * v as Real + 1.0).sin()
@@ -318,9 +318,9 @@ fn any_method_can_be_limited_and_on_an_error_the_state_is_as_it_was() {
         Strain::of(&model.springs, &state.positions).max
     };
     assert!(stretch(&mut *solver()) > 0.5);
-    let mut limited = Limited::new(solver(), limiter(0.05));
+    let mut limited = WithStrainLimit::new(solver(), limiter(0.05));
     assert!(stretch(&mut limited) < 0.0511);
-    assert_eq!(limited.limited().unwrap().outcome, Outcome::Converged);
+    assert_eq!(limited.last_report().unwrap().outcome, Outcome::Converged);
     assert_eq!(limited.name(), "pbd");
     // Nothing is allocated once it runs.
     let mut state = State::at_rest(mesh.positions().to_vec());

@@ -1,4 +1,5 @@
-//! A banner that hangs by two chains of rigid links, with an arm of two links and a heavy hand at its lower corner: hard constraints, joints and cloth in one scene, swept and solved directly.
+//! A banner that hangs by two chains of rigid links, with an arm of two links and a heavy hand at its lower
+//! corner: hard constraints, joints and cloth in one scene, swept and solved directly.
 //!
 //! `cargo run --release -p cloth-xpbd --features direct --example rigid_links`
 

@@ -1,4 +1,4 @@
-//! What can be chosen.
+//! Settings of the solver.
 
 use cloth_core::math::Real;
 use cloth_core::position_based::{Acceleration, Sweep};
@@ -8,22 +8,24 @@ use cloth_core::position_based::{Acceleration, Sweep};
 pub struct XpbdConfig {
     /// Sweeps over all constraints per substep, at least 1.
     pub iterations: u32,
-    /// Parts into which a step is divided, at least 1; each is a step of its own of size Δt/substeps, with
-    /// multipliers that start at zero.
+    /// Substeps per step, at least 1; each is a step of its own of size Δt/substeps, with multipliers that
+    /// start at zero.
     pub substeps: u32,
     /// Order of the sweep.
     pub sweep: Sweep,
     /// Relaxation of the corrections and extrapolation of the sweeps, positions and multipliers together.
     pub acceleration: Acceleration,
-    /// β (s): a force `−β k Ċ` along every row beside the elastic `−k C` (Rayleigh's form of XPBD's constraint damping). Zero, the default, costs nothing.
-    ///
-    /// A hard row cannot move and is not damped.
+    /// β (s): a force `−β k Ċ` along every row beside the elastic `−k C` (Rayleigh's form of XPBD's constraint
+    /// damping). Zero, the default, costs nothing. A hard row cannot move and is not damped.
     pub damping: Real,
 }
 
 impl Default for XpbdConfig {
-    /// Twenty substeps of one coloured sweep: for the same number of sweeps, small steps are nearer to the solution than
-    /// many iterations (Macklin et al. 2019). No damping.
+    /// Twenty substeps of one coloured sweep, as published (Macklin et al. 2019): for the same number of
+    /// sweeps, small steps are nearer to the solution than many iterations. No damping.
+    ///
+    /// Twenty is no answer for fine meshes: [`SubstepRule`](crate::SubstepRule) chooses the number for a wanted
+    /// strain.
     fn default() -> Self {
         Self {
             iterations: 1,

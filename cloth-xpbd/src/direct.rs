@@ -1,61 +1,9 @@
-//! The step of XPBD as one system, solved directly (XPBD-2), with geometric stiffness (XPBD-3). Behind the feature `direct`.
-//!
-//! # Idea
-//! A sweep looks at one element at a time, and word of a pull travels one element per visit. Here all rows are linearised together, and one
-//! linear system answers for all of them; a light chain with a heavy end takes as many iterations as any other.
-//!
-//! # Equations
-//! Implicit Euler with the multipliers kept, λ being h² times those of the source (and the signs corrected, `f = Jᵀλ/h²`):
-//!
-//! ```text
-//! M (x − x̃) − J(x)ᵀ λ = 0,   C(x) + α̃ λ = 0                                S1 (42)–(44)
-//! ```
-//!
-//! Newton's method on both, with `H = M − Σ λ ∂²C` made positive definite:
-//!
-//! ```text
-//! [ H  −Jᵀ ] [ Δx ]     [ M (x − x̃) − Jᵀλ ]
-//! [ J   α̃  ] [ Δλ ]  = −[ C + α̃ λ          ]
-//! ```
-//!
-//! With `H = M` alone, and once from `x⁰`, this is S1 (44) as printed. The published XPBD drops the first right-hand side and keeps `H = M`; we keep it, so that
-//! the iteration ends at the implicit Euler step and not near it, and so that elastic energies and hard constraints can stand in one system. Where no gradient turns the two end at the same place.
-//!
-//! The system is solved in one of four ways ([`System`]). *Primal–dual*: as it stands, symmetric after a change of sign, by `L D Lᵀ` or by MINRES. *Dual*: with Δx eliminated,
-//! `(J H⁻¹ Jᵀ + α̃) Δλ = …`, by Cholesky or by conjugate gradients. The dual matrix needs an H whose inverse is as sparse, so the geometric stiffness is then replaced by a block-diagonal upper bound. GMRES
-//! is not offered: on a symmetric matrix it makes the iterates of MINRES, and keeps all directions to do so.
-//!
-//! An iterate is accepted if a merit function falls (`direct/merit.rs`), which is the elastic energy near rest and a linear penalty beyond, so that hard rows need no limit process.
-//!
-//! A limit acts, in an iteration, where its position is beyond the range; a hard one, which ends at the end of its range, where its multiplier says so
-//! ([`DeadZoneRow`](cloth_core::element::DeadZoneRow)): a primal–dual active set.
-//!
-//! ## Geometric stiffness
-//! `J(x)ᵀλ` turns with the cloth. An iteration without that term, H = M, applies the forces of the step in the directions that the links had before it, as an explicit method does: a light vertex of mass m between
-//! links of length l under a tension T swings sideways with up to `ω² = 4T/(m l)`, and beyond `hω = 2` one solve a step is unstable, however stiff the links and however exact the solve.
-//! With `−Σ λ ∂²C` in H, made positive semi-definite, it is stable (Tournier et al. 2015). Ours is the full matrix, not the stiffness of each vertex alone. The first step has no λ of a step before; it makes one solve more, without moving.
-//!
-//! ## Contact
-//! Contact that comes as constraints ([`ContactConstraints`](cloth_core::contact::ContactConstraints)) is no part of the system: it comes last in each of [`DirectConfig::substeps`], in a few
-//! sweeps over rows with compliance and λ ≥ 0, and the next substep feels what it has moved. So what touches wants substeps, as with [`XpbdSolver`](crate::XpbdSolver): a twisted band of 17 vertices along
-//! (`cloth-bench run twist --n 17 --method xpbd-direct`, 4 turns) ends stretched by 12, 2.1 and 2.1 % with 31, 62 and 160 of them.
-//!
-//! | equation | where |
-//! |---|---|
-//! | the system, scaled | `direct/kkt.rs` |
-//! | `[H Jᵀ; J −α̃]`: `L D Lᵀ`, MINRES | `direct/saddle.rs`, [`SignedCholesky`](cloth_core::linear::SignedCholesky), [`Minres`](cloth_core::linear::Minres) |
-//! | `(J H⁻¹ Jᵀ + α̃) Δλ = …`: Cholesky, conjugate gradients | `direct/schur.rs`, [`Cholesky`](cloth_core::linear::Cholesky) |
-//! | `−Σ λ ∂²C ⪰ 0` | [`Constraint::geometric_stiffness`](cloth_core::element::Constraint::geometric_stiffness) |
-//! | dependent rows, refinement | `direct/linear.rs` |
-//! | which of two iterates is better | `direct/merit.rs` |
-//! | contact | `direct/contact.rs` |
-//! | the loop around them | [`DirectXpbd`] |
+//! The step of XPBD as one linear system, solved directly and repeated to convergence. Behind the feature `direct`.
 //!
 //! # Example
 //! ```
-//! use cloth_core::{energy::Spring, math::Vec3, particles::{Particles, State}};
-//! use cloth_core::step::{StepInput, Stepper};
 //! use cloth_xpbd::direct::DirectXpbd;
+//! use cloth_xpbd::{Particles, Spring, State, StepInput, Stepper, Vec3};
 //!
 //! // Twenty rigid links of 10 g each, and a ton at their end.
 //! let mut mass = vec![0.01; 21];
@@ -75,16 +23,110 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
+//! # Idea
+//! A sweep solves one element at a time, and a correction travels one element per visit. Here all rows are linearised
+//! together, and one linear system gives the answer for all of them; a light chain with a heavy end takes as many
+//! iterations as any other.
+//!
+//! # Equations
+//! Backward Euler with the multipliers kept, λ being h² times the generalised force
+//! ([derivation](crate#from-backward-euler-to-the-update); Macklin et al. 2016, equations 8 and 9):
+//!
+//! ```text
+//! M (x − x̃) − J(x)ᵀ λ = 0,   C(x) + α̃ λ = 0
+//! ```
+//!
+//! Newton's method on both, with `H = M − Σ λ ∂²C` made positive definite:
+//!
+//! ```text
+//! [ H  −Jᵀ ] [ Δx ]     [ M (x − x̃) − Jᵀλ ]
+//! [ J   α̃  ] [ Δλ ]  = −[ C + α̃ λ          ]
+//! ```
+//!
+//! With `H = M` alone, and once from `x⁰`, this is the compliant system of Servin et al. 2006. The published
+//! XPBD drops the first right-hand side and keeps `H = M`; we keep the residual, so that the iteration ends at
+//! the implicit Euler step and not near it, and so that elastic energies and hard constraints can stand in one
+//! system. Where no gradient turns the two end at the same place.
+//!
+//! An iterate is accepted if a merit function falls (`direct/merit.rs`), which is the elastic energy near rest
+//! and a linear penalty beyond, so that hard rows need no limit process.
+//!
+//! A limit is active, in an iteration, where its position is beyond the range; a hard one, which ends at the
+//! end of its range, by the sign of its multiplier ([`DeadZoneRow`](cloth_core::element::DeadZoneRow)): a
+//! primal–dual active set.
+//!
+//! # Which system when
+//! The system is solved in one of four ways ([`System`]). *Primal–dual*: as it stands, symmetric after a change
+//! of sign, by `L D Lᵀ` or by MINRES. *Dual*: with Δx eliminated, `(J H⁻¹ Jᵀ + α̃) Δλ = …`, by Cholesky or by
+//! conjugate gradients. The dual matrix needs an H whose inverse is sparse, so the geometric stiffness is then
+//! replaced by a block-diagonal upper bound. GMRES is not offered: on a symmetric matrix it makes the iterates
+//! of MINRES, and keeps all directions to do so.
+//!
+//! Numbers in the factor, iterations, and solves with it or Krylov iterations, of one step of 1/60 s to 1e-6 of
+//! the size: a chain of 100 rigid links of 1 m and 10 g a vertex with a tip of 10 kg, hanging; the same turning
+//! at 3 rad/s; without the tip; a sheet of 17 × 17 vertices held by two corners (0.2 kg/m², 10⁴ N/m, 10⁻⁵ N m),
+//! with springs and hinges:
+//!
+//! | system | hanging chain | turning, heavy tip | turning, equal masses | sheet |
+//! |---|---|---|---|---|
+//! | primal–dual, `L D Lᵀ` | 7429: 2, 7 | 7429: 9, 45 | 7429: 6, 16 | 94 973: 5, 15 |
+//! | primal–dual, MINRES | 2, 421 | 9, 10 145 | 6, 3178 | 5, 7093 |
+//! | dual, Cholesky | 1642: 2, 7 | 1642: 14, 53 | 1642: 49, 99 | 684 155: 10, 30 |
+//! | dual, conjugate gradients | 2, 204 | 14, 1752 | 49, 4900 | 10, 6714 |
+//!
+//! - **Primal–dual by `L D Lᵀ`**, the default: the fewest iterations wherever rows turn, and on cloth the
+//!   smaller factor, since a sheet has some 12 rows for the 3 coordinates of a vertex.
+//! - **Dual by Cholesky** where rows hardly turn in a step and are fewer than coordinates: chains near rest.
+//!   Its factor is then a quarter.
+//! - **Krylov methods** where no factor fits into memory. Heavy ends cost them thousands of iterations.
+//!
+//! # Geometric stiffness
+//! `J(x)ᵀλ` turns with the cloth. An iteration without that term, H = M, applies the forces of the step in the
+//! directions that the links had before it, as an explicit method does: a light vertex of mass m between links
+//! of length l under a tension T swings sideways with up to `ω² = 4T/(m l)`, and beyond `hω = 2` one solve a
+//! step is unstable, however stiff the links and however exact the solve. With `−Σ λ ∂²C` in H, made positive
+//! semi-definite, it is stable (Tournier et al. 2015). Ours is the full matrix, not the stiffness of each
+//! vertex alone. The first step, which has no λ to start from, makes one solve more, without moving.
+//!
+//! # Contact
+//! Contact constraints ([`ContactConstraints`](cloth_core::contact::ContactConstraints)) are no part of the
+//! system: they are swept after it in each of [`DirectConfig::substeps`], with compliance and λ ≥ 0, and the
+//! next substep starts from what they have moved. So cloth that touches something needs substeps, as with
+//! [`XpbdSolver`](crate::XpbdSolver): a twisted band of 17 vertices along
+//! (`cloth-bench run twist --n 17 --method xpbd-direct`, 4 turns) ends stretched by 12, 2.1 and 2.1 % with 31,
+//! 62 and 160 of them.
+//!
+//! | equation | where |
+//! |---|---|
+//! | the system, scaled | `direct/kkt.rs` |
+//! | `[H Jᵀ; J −α̃]`: `L D Lᵀ`, MINRES | `direct/saddle.rs`, [`SignedCholesky`], [`Minres`] |
+//! | `(J H⁻¹ Jᵀ + α̃) Δλ = …`: Cholesky, conjugate gradients | `direct/schur.rs`, [`Cholesky`] |
+//! | `−Σ λ ∂²C ⪰ 0` | [`Constraint::geometric_stiffness`] |
+//! | dependent rows, refinement | `direct/linear.rs` |
+//! | merit function, line search | `direct/merit.rs`, `direct/line_search.rs` |
+//! | contact | `direct/contact.rs` |
+//! | the loop around them | [`DirectXpbd`] |
+//!
+//! [`SignedCholesky`]: cloth_core::linear::SignedCholesky
+//! [`Minres`]: cloth_core::linear::Minres
+//! [`Cholesky`]: cloth_core::linear::Cholesky
+//! [`Constraint::geometric_stiffness`]: cloth_core::element::Constraint::geometric_stiffness
+//!
 //! # Limits
-//! - A sheet has three rows per hinge and one per edge, some 12 V beside its 3 V positions. For cloth without hard constraints Newton's method on the positions alone is the smaller system;
-//!   this solver is for chains, bodies of links, and hard constraints in cloth.
-//! - The negative part of the geometric stiffness is dropped, as it has to be for a direction that goes down. Where much of the cloth is compressed the iteration is then not Newton's, and takes tens of iterations or spends its budget
-//!   ([`Outcome::BudgetSpent`](cloth_core::step::Outcome::BudgetSpent); [`DirectXpbd::residuals`] says what is left).
-//! - The dual form with its upper bound is slow where links turn far in a step under a high tension: `h² T/(m l)` much above 1. Without geometric stiffness it is exact, and may be
-//!   unable to converge there.
-//! - Hard rows that depend on one another are solved with a small number added to the diagonal ([`DirectXpbd::regularization`]), which refinement takes out again. If they can be met together, they are; λ is then one of many. If they contradict one
-//!   another the step ends between them, and its residual says so. A *flat* sheet of hard edges is at the border: no λ bends it, its lengths come to some 1e-7 m and the step does not converge. The Krylov methods have no such
-//!   protection; they may be refused by the line search.
+//! - For cloth without hard constraints Newton's method on the positions alone is the smaller system; this
+//!   solver is for chains, bodies of links, and hard constraints in cloth.
+//! - The negative part of the geometric stiffness is dropped, as it has to be for a direction of descent. Where
+//!   much of the cloth is compressed the iteration is then not Newton's, and takes tens of iterations or spends
+//!   its budget ([`Outcome::BudgetSpent`](cloth_core::step::Outcome::BudgetSpent); [`DirectXpbd::residuals`]
+//!   says what is left).
+//! - The dual form with its upper bound is slow where links turn far in a step under a high tension:
+//!   `h² T/(m l)` much above
+//!   1. Without geometric stiffness it is exact, and may be unable to converge there.
+//! - Dependent hard rows are solved with a small number added to the diagonal ([`DirectXpbd::regularization`]),
+//!   which refinement takes out again. If they are compatible they are met; λ is then one of many. If they
+//!   contradict one another the step ends between them, and its residual says so. A *flat* sheet of hard edges
+//!   is a border case: no λ bends it, its lengths come to some 1e-7 m and the step does not converge. The
+//!   Krylov methods have no such protection; the line search may refuse their directions.
 //! - With [`DirectConfig::warm_start`] a step depends on the one before it.
 
 mod config;
@@ -98,8 +140,8 @@ mod schur;
 
 mod linear;
 
+mod line_search;
 mod merit;
-mod search;
 
 mod contact;
 

@@ -1,10 +1,10 @@
-//! Forces, read out of the multipliers (XPBD-4).
+//! Constraint forces, read from the multipliers: `f = Jᵀλ/h²`.
 
-use crate::compliance::{Compliance, Multiplier};
 use crate::solver::XpbdSolver;
+use crate::update::{Multiplier, XpbdUpdate};
 use cloth_core::math::{Real, Vec3};
 
-/// The force of one row over the last substep.
+/// The force of one row, averaged over the last substep.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RowForce<'a> {
     /// Number of the row in its family: element after element in the order in which they were given, row after row.
@@ -13,7 +13,8 @@ pub struct RowForce<'a> {
     pub vertices: &'a [u32],
     /// `∂C/∂x` (unit of C per m) at the end of the substep; one per vertex of the element.
     pub gradient: &'a [Vec3],
-    /// `λ/h²` (J per unit of C; N for springs and hinges), positive where it pushes C up: the tension of a spring is its negative.
+    /// `λ/h²` (J per unit of C; N for springs and hinges), positive where it pushes C up: the tension of a
+    /// spring is its negative.
     pub magnitude: Real,
 }
 
@@ -28,42 +29,42 @@ impl RowForce<'_> {
     }
 }
 
-/// What the last substep of the last step did, as forces. All are zero before the first step and after one that failed.
+/// Forces of the last substep of the last step. All are zero before the first step and after one that failed.
 ///
-/// Contact comes last in each sweep and is no part of them.
-///
-/// They are the mean over the substep, damping included, and as far from the solution as the sweeps left them: with one sweep per substep, λ of a row
-/// is what its one visit made of it.
+/// They are means over the substep, damping included, contact not, and only as converged as the sweeps: with
+/// one sweep per substep, λ of a row is the Δλ of its one visit.
 impl XpbdSolver {
-    /// Writes the multipliers λ (kg m² per unit of C; kg m for springs and hinges) of the last substep to `out`: those of the family that
-    /// was added as number `family` (from 0), element after element in the order given, row after row.
+    /// Writes the multipliers λ (kg m² per unit of C; kg m for springs and hinges) of the last substep to
+    /// `out`: those of the family that was added as number `family` (from 0), element after element in the
+    /// order given, row after row.
     ///
     /// `λ/h²` is the generalised force of the row: the tension of a spring is `−λ/h²` (N).
     ///
     /// # Panics
     /// If there is no such family.
     pub fn multipliers_into(&self, family: usize, out: &mut Vec<Real>) {
-        self.families.remembered(family, out, Multiplier::total);
-        let Some(compliance) = self.last else {
+        self.families.read_memory(family, out, Multiplier::lambda);
+        let Some(update) = self.last else {
             out.fill(0.0);
             return;
         };
         if !self.start.is_empty() {
             let w = self.motion.inverse_mass();
             self.families.inspect(family, w, &self.start, |seen| {
-                out[seen.index] += compliance.offset(seen.row.stiffness, seen.row.value);
+                out[seen.index] += update.offset(seen.row.stiffness, seen.row.value);
             });
         }
     }
 
-    /// Shows the force `f = Jᵀλ/h²` of every row of the family that was added as number `family` (from 0), in no particular order.
+    /// Shows the force `f = Jᵀλ/h²` of every row of the family that was added as number `family` (from 0), in
+    /// no particular order.
     ///
     /// # Panics
     /// If there is no such family.
     pub fn each_force(&self, family: usize, mut see: impl FnMut(RowForce<'_>)) {
         let mut multipliers = Vec::new();
         self.multipliers_into(family, &mut multipliers);
-        let Some(compliance) = self.last else {
+        let Some(update) = self.last else {
             return;
         };
         let (w, x) = (self.motion.inverse_mass(), self.motion.positions());
@@ -72,13 +73,13 @@ impl XpbdSolver {
                 index: seen.index,
                 vertices: seen.vertices,
                 gradient: seen.gradient,
-                magnitude: compliance.force(multipliers[seen.index]),
+                magnitude: update.force(multipliers[seen.index]),
             });
         });
     }
 
-    /// Writes `Σ Jᵀλ/h²` (N) over all constraints to `out`, one per vertex. At a prescribed vertex it is what the cloth pulls with,
-    /// the negative of what a support there has to bear.
+    /// Writes `Σ Jᵀλ/h²` (N) over all constraints to `out`, one per vertex. At a prescribed vertex it is what
+    /// the cloth pulls with, the negative of what a support there has to bear.
     ///
     /// # Panics
     /// If `out` does not have one entry per vertex.
@@ -98,22 +99,22 @@ impl XpbdSolver {
         }
     }
 
-    /// Enters the work that prescribed vertices have done in the substep of `compliance`, whose sweeps have ended.
-    pub(crate) fn count_pin_work(&mut self, compliance: Compliance) {
+    /// Adds the work of prescribed vertices in the substep of `update`, after its sweeps.
+    pub(crate) fn count_pin_work(&mut self, update: XpbdUpdate) {
         if self.motion.moving_pins().is_none() {
             return;
         }
-        self.held_offsets.clear();
+        self.prescribed_offsets.clear();
         if !self.start.is_empty() {
             let w = self.motion.inverse_mass();
-            self.families.inspect_held(w, &self.start, |seen| {
-                let offset = compliance.offset(seen.row.stiffness, seen.row.value);
-                self.held_offsets.push(offset);
+            self.families.inspect_prescribed(w, &self.start, |seen| {
+                let offset = update.offset(seen.row.stiffness, seen.row.value);
+                self.prescribed_offsets.push(offset);
             });
         }
-        let mut offsets = self.held_offsets.iter();
+        let mut offsets = self.prescribed_offsets.iter();
         self.motion.count_pin_work(&self.families, |seen| {
-            seen.memory.total() + offsets.next().unwrap_or(&0.0)
+            seen.memory.lambda() + offsets.next().unwrap_or(&0.0)
         });
     }
 }

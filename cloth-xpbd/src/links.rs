@@ -1,13 +1,14 @@
-//! Rigid links and joints, in the same scene as cloth.
+//! Rigid links and joints: hard constraints beside cloth in one scene.
 //!
-//! A rigid link is a [`Spring`] of infinite stiffness: with α = 0 its row is a hard constraint, and λ/h² is the force that holds it. Links that share a vertex are hinged there.
-//! A body is a truss of links. What is missing for chains and ragdolls is here: a joint between two vertices that are not one, and a limit to an angle.
+//! A rigid link is a [`Spring`] of infinite stiffness: with α = 0 its row is a hard constraint, and λ/h² is the
+//! constraint force. Links that share a vertex are hinged there; a rigid body is a truss of links. This module
+//! adds what chains and ragdolls need beside: a joint between two vertices, and a limit of an angle.
 
 use cloth_core::element::{Constraint, Element, Row, VectorRow};
 use cloth_core::energy::{Spring, StrainLimitSpring};
 use cloth_core::math::{Real, Vec3};
 
-/// Rigid links between pairs of vertices, each as long as the pair is apart at `rest_positions` (m).
+/// Rigid links between pairs of vertices, each as long as the distance of the pair at `rest_positions` (m).
 ///
 /// # Panics
 /// If an end is not smaller than the number of rest positions.
@@ -18,8 +19,8 @@ pub fn rigid_links(rest_positions: &[Vec3], ends: &[[u32; 2]]) -> Vec<Spring> {
 
 /// Ties two vertices together: the three rows are the coordinates of `x₀ − x₁` (m).
 ///
-/// They are linear and without a preferred direction, which a [`Spring`] of rest length zero is not. With infinite stiffness it is a ball joint: it attaches a corner of the cloth to the
-/// end of a chain without renumbering anything.
+/// They are linear and isotropic, which a [`Spring`] of rest length zero is not. With infinite stiffness it is a ball
+/// joint: it attaches a corner of the cloth to the end of a chain without renumbering vertices.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Joint {
     /// The two vertices.
@@ -62,7 +63,9 @@ impl Joint {
     }
 }
 
-/// Keeps the distance of two vertices between a shortest and a longest one: the spring that is slack between them, here under the name of its use.
+/// Keeps the distance of two vertices between a shortest and a longest one: the spring with a dead zone, under
+/// the name of its use here.
 ///
-/// Between the far ends of two links that meet it limits their angle: with links of lengths a and b, `l² = a² + b² − 2ab cos φ`.
+/// Between the far ends of two links that meet it limits their angle: with links of lengths a and b,
+/// `l² = a² + b² − 2ab cos φ`.
 pub type DistanceLimit = StrainLimitSpring;

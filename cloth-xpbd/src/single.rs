@@ -1,24 +1,29 @@
-//! The sweeps in single precision, four springs at a time. Behind the feature `single`.
+//! XPBD in single precision: sweeps over springs and vector rows with four SIMD lanes. Behind the feature `single`.
 //!
 //! # Idea
-//! A sweep in double precision spends its time on a root, a division, and the moving of numbers of eight bytes. In single precision a position and its inverse mass fit
-//! one register, and a root of four springs takes as long as that of one. What it costs is digits, and so only the sweeps are done this way: positions and
-//! velocities stay in double precision, and of a substep's sweeps only the *change* is added to them.
+//! A sweep in double precision spends its time on a root, a division, and the moving of numbers of eight bytes.
+//! In single precision a position and its inverse mass fit one register, and a root of four springs takes as
+//! long as that of one. The price is digits, and so only the sweeps are done this way: positions and velocities
+//! stay in double precision, and of a substep's sweeps only the *change* is added to them.
 //!
 //! ```text
 //! v ← v + h g,  x̃ ← x + h v                    double
-//! y ← x̃ − o, rounded; y₀ ← y                   o: the middle of the cloth
+//! y ← x̃ − o, rounded; y₀ ← y                   o: the centre of the cloth
 //! n sweeps on y, λ                             single; the same equations as XpbdSolver
 //! x ← x̃ + (y − y₀),  v ← v + (x − x̃)/h         double
 //! ```
 //!
-//! What is lost is then no drift but a roughness: the sweeps see positions rounded to 6e-8 of the size of the cloth, which for a spring of length l in a cloth of size s is a
-//! strain of about `6e-8 s/l`. A sheet of 33 × 33 vertices and 1 m, falling for 20 steps of 20 substeps, differs from that in double precision by 3.2e-6 in the strain of its springs (rms, of
-//! 8.8e-3) and by at most 4.3e-5 m in its positions (`cargo test --release -p cloth-xpbd --features single --test single -- --nocapture`). In return a sweep over springs takes half the
-//! time (`cargo bench -p cloth-bench --bench sweeps`).
+//! Rounding then causes no drift, but a roughness: the sweeps see positions rounded to 6e-8 of the size of the
+//! cloth, which for a spring of length l in a cloth of size s is a strain of about `6e-8 s/l`. A sheet of 33 ×
+//! 33 vertices and 1 m, falling for 20 steps of 20 substeps, differs from that in double precision by 3.2e-6 in
+//! the strain of its springs (rms, of 8.8e-3) and by at most 4.3e-5 m in its positions (`cargo
+//! test --release -p cloth-xpbd --features single --test single -- --nocapture`). In return a sweep over
+//! springs takes half the time (`cargo bench -p cloth-bench --bench sweeps`).
 //!
-//! Springs go in packs of four of one colour, so that no two share a vertex. A pack is an element of eight vertices, and is coloured and shared by threads like any other. The rows of a
-//! [`VectorRow`](cloth_core::element::VectorRow), those of a quadratic hinge or an attachment, are the three coordinates of one register.
+//! Springs go in packs of four of one colour, so that no two share a vertex. A pack is an element of eight
+//! vertices, and is coloured and shared by threads like any other. The rows of a
+//! [`VectorRow`](cloth_core::element::VectorRow), those of a quadratic hinge or an attachment, are the three
+//! coordinates of one register.
 //!
 //! | what | where |
 //! |---|---|
@@ -58,15 +63,17 @@
 //! ```
 //!
 //! # Limits
-//! - Springs and vector rows only, coloured sweeps only, no damping, no extrapolation, no forces read out: for all that there is [`XpbdSolver`](crate::XpbdSolver).
+//! - Springs and vector rows only, coloured sweeps only, no damping, no extrapolation, no forces read out: for
+//!   all that there is [`XpbdSolver`](crate::XpbdSolver).
 //! - A stiffness is infinite from `1/(k h²) < 1e-38` on, and zero from `1/(k h²) > 1e30`.
-//! - Springs visited in another order than [`XpbdSolver`](crate::XpbdSolver) does where a colour's last pack is not full; converged results agree, iterates nearly.
+//! - Where a colour's last pack is not full, springs are visited in another order than by
+//!   [`XpbdSolver`](crate::XpbdSolver): converged results agree, iterates nearly.
 
 mod positions;
 mod springs;
 mod vector_rows;
 
-use crate::compliance::Compliance;
+use crate::update::XpbdUpdate;
 use cloth_core::element::Constraint;
 use cloth_core::energy::Spring;
 use cloth_core::math::{Real, Vec3};
@@ -84,7 +91,7 @@ use wide::f32x4;
 pub struct SingleConfig {
     /// Sweeps over all constraints per substep, at least 1.
     pub iterations: u32,
-    /// Parts into which a step is divided, at least 1.
+    /// Substeps per step, at least 1.
     pub substeps: u32,
 }
 
@@ -109,10 +116,10 @@ pub struct SingleXpbd {
 
 /// Elements of one kind with their multipliers.
 trait Family: Debug + Send {
-    /// Learns the compliances, and where the origin lies (m).
-    fn prepare(&mut self, compliance: Compliance, origin: &Vec3);
+    /// Computes the compliances for `update` and an origin (m).
+    fn prepare(&mut self, update: XpbdUpdate, origin: &Vec3);
     /// λ = 0.
-    fn forget(&mut self);
+    fn reset(&mut self);
     /// One sweep over positions (m, relative to the origin) with the inverse mass (1/kg) as the fourth number.
     fn sweep(&mut self, x: &mut [f32x4]);
     /// `Σ Jᵀλ·v` (kg m²/s² per s) over the prescribed vertices, which have the velocities `v` (m/s).
@@ -154,20 +161,20 @@ impl Stepper for SingleXpbd {
         let h = input.dt / Real::from(self.config.substeps);
         let origin = self.positions.center(self.motion.positions());
         for family in &mut self.families {
-            family.prepare(Compliance::new(h, 0.0), &origin);
+            family.prepare(XpbdUpdate::new(h, 0.0), &origin);
         }
         for _ in 0..self.config.substeps {
-            self.motion.predict(&mut input, h)?; // S1 (24)
+            self.motion.predict(&mut input, h)?; // v ← v + h g, x̃ ← x + h v
             self.positions
                 .round(self.motion.positions(), self.motion.inverse_mass());
             for family in &mut self.families {
-                family.forget();
+                family.reset();
             }
             for iteration in 1..=self.config.iterations {
                 let shown = iteration == self.config.iterations || input.observer.is_some();
                 self.motion.iterate(&mut input, |_, x| {
                     for family in &mut self.families {
-                        family.sweep(self.positions.as_mut_slice()); // S1 (36)
+                        family.sweep(self.positions.as_mut_slice()); // Δλ of every row, y moved along
                     }
                     if shown {
                         self.positions.add_change(x);
@@ -180,7 +187,7 @@ impl Stepper for SingleXpbd {
                 let power: Real = self.families.iter().map(|f| f.power(x, v)).sum();
                 self.motion.add_pin_work(-power / h);
             }
-            self.motion.update_velocities(&mut input)?; // S1 (26)
+            self.motion.update_velocities(&mut input)?; // v ← v + (x − x̃)/h
         }
         let report = self.motion.finish(state, &mut input)?;
         Ok(StepReport {
@@ -190,11 +197,11 @@ impl Stepper for SingleXpbd {
     }
 }
 
-/// Collects what a [`SingleXpbd`] is built of.
+/// Collects particles, elements and settings of a [`SingleXpbd`].
 #[derive(Debug)]
 pub struct SingleBuilder {
     solver: SingleXpbd,
-    /// The first that was found.
+    /// The first error found.
     error: Option<BuildError>,
 }
 
@@ -246,7 +253,8 @@ impl SingleBuilder {
     /// The solver.
     ///
     /// # Errors
-    /// [`BuildError::InvalidSetting`]; [`BuildError::NoSuchVertex`]; [`BuildError::SettingsConflict`] for elements that are not a vector row.
+    /// [`BuildError::InvalidSetting`]; [`BuildError::NoSuchVertex`]; [`BuildError::SettingsConflict`] for
+    /// elements that are not a vector row.
     pub fn build(self) -> Result<SingleXpbd, BuildError> {
         if let Some(error) = self.error {
             return Err(error);
@@ -276,12 +284,12 @@ fn boxed<F: Family + 'static>(family: F) -> Box<dyn Family> {
 }
 
 /// `α̃` in single precision.
-fn softness(compliance: Compliance, stiffness: Real) -> f32 {
-    (compliance.scaled(stiffness) as f32).min(SOFTEST)
+fn scaled_compliance(update: XpbdUpdate, stiffness: Real) -> f32 {
+    (update.scaled_compliance(stiffness) as f32).min(MAX_SCALED_COMPLIANCE)
 }
 
-/// A row without stiffness has `α̃ = ∞`, and `α̃λ` no value.
-const SOFTEST: f32 = 1e30;
+/// Stands for `α̃ = ∞` of a row without stiffness, so that `α̃λ` has a value.
+const MAX_SCALED_COMPLIANCE: f32 = 1e30;
 
 /// Nothing can change a row whose `w̃ + α̃` is not above this.
 const SMALLEST: f32 = 1e-30;

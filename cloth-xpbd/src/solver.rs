@@ -1,7 +1,7 @@
-//! The algorithm.
+//! The solver: the loop over substeps and sweeps.
 
-use crate::compliance::Compliance;
 use crate::config::XpbdConfig;
+use crate::update::XpbdUpdate;
 use cloth_core::math::{Real, Vec3};
 use cloth_core::particles::{Particles, State};
 use cloth_core::position_based::{Acceleration, Builder, Families, Motion, Settings, Sweep};
@@ -11,16 +11,17 @@ use cloth_core::step::{BuildError, StepError, StepInput, StepReport, Stepper};
 #[derive(Debug)]
 pub struct XpbdSolver {
     pub(crate) motion: Motion,
-    pub(crate) families: Families<Compliance>,
+    pub(crate) families: Families<XpbdUpdate>,
     config: XpbdConfig,
     /// With the substep of the last step, once one was taken.
-    pub(crate) last: Option<Compliance>,
-    /// For which the families know their α̃.
-    prepared: Option<Compliance>,
+    pub(crate) last: Option<XpbdUpdate>,
+    /// The update whose α̃ the families hold.
+    prepared: Option<XpbdUpdate>,
     /// Positions (m) at the start of the last substep, one per vertex; empty if nothing is damped.
     pub(crate) start: Vec<Vec3>,
-    /// `λ − ν` of the rows that hold on to a prescribed vertex, in the order of [`Families::inspect_held`], if such a vertex moves and there is damping.
-    pub(crate) held_offsets: Vec<Real>,
+    /// `λ − ν` of the rows with a prescribed vertex, in the order of [`Families::inspect_prescribed`]; empty
+    /// unless such a vertex moves and there is damping.
+    pub(crate) prescribed_offsets: Vec<Real>,
 }
 
 impl Stepper for XpbdSolver {
@@ -34,27 +35,27 @@ impl Stepper for XpbdSolver {
         mut input: StepInput<'_>,
     ) -> Result<StepReport, StepError> {
         self.motion.begin(state, &mut input)?;
-        let given_up = self.families.surrendered();
+        let fallbacks_before = self.families.chebyshev_fallbacks();
         self.last = None;
         let h = input.dt / Real::from(self.config.substeps);
-        let compliance = Compliance::new(h, self.config.damping);
+        let update = XpbdUpdate::new(h, self.config.damping);
         for _ in 0..self.config.substeps {
-            self.forget(compliance); // λ = 0, here and not in each iteration
-            self.motion.predict(&mut input, h)?; // S1 (24)
+            self.begin_substep(update); // λ = 0, here and not in each iteration
+            self.motion.predict(&mut input, h)?; // v ← v + h a, x̃ ← x + h v
             self.families.restart();
             for _ in 0..self.config.iterations {
                 self.motion.iterate(&mut input, |w, x| {
-                    self.families.sweep(&compliance, w, x); // S1 (36)
+                    self.families.sweep(&update, w, x); // Δλ of every row, x moved along
                 });
             }
-            self.count_pin_work(compliance);
-            self.motion.update_velocities(&mut input)?; // S1 (26)
+            self.count_pin_work(update);
+            self.motion.update_velocities(&mut input)?; // v ← v + (x − x̃)/h
         }
         let report = self.motion.finish(state, &mut input)?;
-        self.last = Some(compliance);
+        self.last = Some(update);
         Ok(StepReport {
             pin_work: Some(self.motion.pin_work()),
-            chebyshev_fallbacks: (self.families.surrendered() - given_up) as u32,
+            chebyshev_fallbacks: (self.families.chebyshev_fallbacks() - fallbacks_before) as u32,
             ..report
         })
     }
@@ -67,39 +68,40 @@ impl XpbdSolver {
         XpbdBuilder::new(particles)
     }
 
-    /// Sets λ to zero, at the start of a substep.
-    fn forget(&mut self, compliance: Compliance) {
+    /// Sets λ of every row to zero (damped: ν to `−k h β C⁰`), once per substep.
+    fn begin_substep(&mut self, update: XpbdUpdate) {
         let damped = !self.start.is_empty();
-        if !damped && self.prepared == Some(compliance) {
-            self.families.forget();
+        if !damped && self.prepared == Some(update) {
+            self.families.reset();
             return;
         }
         let (w, x) = (self.motion.inverse_mass(), self.motion.positions());
         if damped {
             self.start.copy_from_slice(x);
         }
-        self.families.prepare(&compliance, w, x);
-        self.prepared = Some(compliance);
+        self.families.prepare(&update, w, x);
+        self.prepared = Some(update);
     }
 
-    /// What it was built with.
+    /// The settings.
     #[must_use]
     pub fn config(&self) -> &XpbdConfig {
         &self.config
     }
 
-    /// How many substeps, since the solver was built, gave up their extrapolation because it made the corrections grow; see
-    /// [`Chebyshev`](cloth_core::position_based::Chebyshev).
+    /// How many substeps, since the solver was built, disabled Chebyshev extrapolation because it made the
+    /// corrections grow; see [`Chebyshev`](cloth_core::position_based::Chebyshev).
     #[must_use]
-    pub fn surrendered(&self) -> u64 {
-        self.families.surrendered()
+    pub fn chebyshev_fallbacks(&self) -> u64 {
+        self.families.chebyshev_fallbacks()
     }
 
-    /// `max |C + α̃λ|` (damped: `|C + α̃ν|`) over all rows (unit of C; m for springs and hinges) at `positions` (m), with the multipliers of the
-    /// last substep: what the sweeps of that substep bring to zero. With the positions that the step ended at, where contact moved
-    /// nothing, it tells how far they got.
+    /// `max |C + α̃λ|` (damped: `|C + α̃ν|`) over all rows (unit of C; m for springs and hinges) at `positions`
+    /// (m), with the multipliers of the last substep: what the sweeps of that substep bring to zero. At the
+    /// positions that the step ended at, and where contact moved nothing, it is the residual of the sweeps.
     ///
-    /// Rows that no multiplier can change (no stiffness; hard, with all vertices prescribed) are left out. Before the first step it is 0.
+    /// Rows that no multiplier can change (no stiffness; hard, with all vertices prescribed) are left out.
+    /// Before the first step it is 0.
     ///
     /// # Panics
     /// If there is not one position per vertex.
@@ -111,10 +113,10 @@ impl XpbdSolver {
             "number of positions"
         );
         let mut largest: Real = 0.0;
-        if let Some(compliance) = self.last {
+        if let Some(update) = self.last {
             self.families
                 .each_row(self.motion.inverse_mass(), positions, |row, memory| {
-                    if let Some(violation) = compliance.violation(row, memory.total()) {
+                    if let Some(violation) = update.violation(row, memory.lambda()) {
                         largest = largest.max(violation.abs());
                     }
                 });
@@ -123,14 +125,14 @@ impl XpbdSolver {
     }
 }
 
-/// Collects what an [`XpbdSolver`] is built of.
+/// Collects particles, elements and settings of an [`XpbdSolver`].
 pub type XpbdBuilder = Builder<XpbdConfig>;
 
 impl Settings for XpbdConfig {
-    type Rule = Compliance;
+    type Update = XpbdUpdate;
     type Solver = XpbdSolver;
 
-    fn pace(&self) -> (u32, u32, Sweep) {
+    fn sweep_settings(&self) -> (u32, u32, Sweep) {
         (self.iterations, self.substeps, self.sweep)
     }
 
@@ -149,7 +151,7 @@ impl Settings for XpbdConfig {
         })
     }
 
-    fn assemble(self, motion: Motion, families: Families<Compliance>) -> XpbdSolver {
+    fn assemble(self, motion: Motion, families: Families<XpbdUpdate>) -> XpbdSolver {
         let damped = if self.damping > 0.0 {
             motion.vertex_count()
         } else {
@@ -157,7 +159,7 @@ impl Settings for XpbdConfig {
         };
         XpbdSolver {
             start: vec![Vec3::zeros(); damped],
-            held_offsets: Vec::new(),
+            prescribed_offsets: Vec::new(),
             motion,
             families,
             config: self,

@@ -1,11 +1,14 @@
-//! How many substeps a cloth needs for a wanted strain.
+//! [`SubstepRule`]: the number of substeps that a cloth needs for a wanted strain.
 //!
-//! One sweep in a substep of h leaves a spring longer than its stiffness says: its end has been moved on by the next spring, by `w λ` with λ/h² the tension. So a sweep acts like a spring of
-//! the stiffness `m/(c h²)` in series with the one that is there, and no wave goes faster than about an edge in a substep, l/h. Two loads follow.
+//! One sweep in a substep of h leaves a spring longer than its stiffness says: its end has been moved on by the
+//! next spring, by `w λ` with λ/h² the tension. So a sweep acts like a spring of the stiffness `m/(c h²)` in
+//! series with the material's, and no wave goes faster than about an edge in a substep, l/h. Two loads follow.
 //!
-//! - **A jerk**: cloth that is stopped, or bent round, at a speed v is strained by v over the speed of waves, `v h/l`. The speed is that of a fall through the length of the cloth and
-//!   whatever there is to fall, `v = √(2 g H)`.
-//! - **A weight**: P held vertices carry V vertices, each V/P, which strains the edges there by `g h² V/(P l)`. Cloth that is held nowhere comes to lie on a fold or a rim of some √V vertices.
+//! - **An impact**: cloth that is stopped, or bent round, at a speed v is strained by v over the wave speed,
+//!   `v h/l`. The speed is that of a fall through the length of the cloth and the height below it,
+//!   `v = √(2 g H)`.
+//! - **The weight**: P prescribed vertices carry V vertices, each V/P, which strains the edges there by
+//!   `g h² V/(P l)`. Cloth without prescribed vertices comes to lie on a fold or a rim of some √V vertices.
 //!
 //! The largest strain of the worst edge, over a whole swing and whatever the mesh, is about
 //!
@@ -13,39 +16,44 @@
 //! ε = 2 v h/l + 3.6 g h² V/(P l)
 //! ```
 //!
-//! with the two numbers measured: sheets of 0.3 and 1 m, 17 to 128 vertices a side, regular and irregular, held at two corners, at an edge or at one corner, swinging for two seconds with steps of
-//! 1/30 to 1/240 s and stiffnesses from 10⁴ N/m on, were strained by 0.3 to 1.4 times that. On an irregular mesh l is the length below which one edge in a hundred is.
+//! with both coefficients measured: sheets of 0.3 and 1 m, 17 to 128 vertices a side, regular and irregular,
+//! held at two corners, at an edge or at one corner, swinging for two seconds with steps of 1/30 to 1/240 s and
+//! stiffnesses from 10⁴ N/m on, were strained by 0.3 to 1.4 times that. On an irregular mesh l is the first
+//! percentile of edge lengths.
 //!
-//! There is no use in substeps beyond those in which a sweep gives in less than the springs do, `k h² (w₁ + w₂) < 1`: a soft cloth is then as long as it should be.
-//! Nor is a substep ever longer than 1/1200 s, the published setting: it has to follow what moves by itself.
+//! Substeps shorter than those with `k h² (w₁ + w₂) < 1`, in which the springs give more than the sweep does,
+//! are never chosen: a soft cloth then has its own length. Nor is a substep ever longer than 1/1200 s, the
+//! published setting.
 
 use cloth_core::energy::Spring;
 use cloth_core::math::{Real, Vec3};
 use cloth_core::particles::Particles;
 
-/// The two numbers of the law, measured (dimensionless).
-const OF_A_JERK: Real = 2.0;
-const OF_A_WEIGHT: Real = 3.6;
+/// Coefficients of the law, measured (dimensionless).
+const IMPACT_COEFFICIENT: Real = 2.0;
+const WEIGHT_COEFFICIENT: Real = 3.6;
 /// The longest substep (s).
 const LONGEST: Real = 1.0 / 1200.0;
 /// One edge in so many may be shorter than the l of the law.
 const SHORT_EDGES: usize = 100;
 
-/// Chooses a number of substeps; see the [table](crate#how-many-substeps-how-many-iterations) in the crate documentation.
+/// Chooses a number of substeps; see the [table](crate#how-many-substeps-how-many-iterations) in the crate
+/// documentation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SubstepRule {
     /// The largest strain (dimensionless) that the sweeps may leave in an edge, above 0.
     pub strain: Real,
     /// Acceleration of free fall (m/s²).
     pub gravity: Vec3,
-    /// How far the cloth can fall before it lands (m), besides its own length.
+    /// Height of free fall (m) below the cloth, besides its own length.
     pub fall: Real,
     /// Sweeps in each substep. They divide the strain by their number, n times as many substeps by n².
     pub iterations: u32,
 }
 
 impl SubstepRule {
-    /// The number of substeps for a step of `dt` (s). `springs` lie along the edges; where they have no stiffness, it is not looked at.
+    /// The number of substeps for a step of `dt` (s). `springs` lie along the edges; their stiffness bounds the
+    /// number from above, unless all are zero.
     ///
     /// # Panics
     /// If the wanted strain or the number of sweeps is not above 0, or there is not one position (m) per vertex.
@@ -66,7 +74,8 @@ impl SubstepRule {
         count.clamp(1.0, Real::from(u32::MAX)) as u32
     }
 
-    /// The longest substep (s) that leaves no more than the wanted strain, or no more than the stretch of the springs.
+    /// The longest substep (s) that leaves no more than the wanted strain, or than the elastic stretch of the
+    /// springs.
     fn longest(&self, particles: &Particles, springs: &[Spring], positions: &[Vec3]) -> Real {
         let free = particles.inverse_mass().iter().filter(|&&w| w > 0.0);
         let (count, ease) = free.fold((0_u32, 0.0), |(count, sum), w| (count + 1, sum + w));
@@ -96,8 +105,8 @@ impl SubstepRule {
         let gravity = self.gravity.norm();
         let speed = (2.0 * gravity * ((high - low).amax() + self.fall.max(0.0))).sqrt();
         // b h + a h² = ε
-        let b = OF_A_JERK * speed / edge;
-        let a = OF_A_WEIGHT * gravity * weight / (held * edge);
+        let b = IMPACT_COEFFICIENT * speed / edge;
+        let a = WEIGHT_COEFFICIENT * gravity * weight / (held * edge);
         let strain = self.strain * Real::from(self.iterations);
         let wanted = 2.0 * strain / (b + (b * b + 4.0 * a * strain).sqrt());
         let stiffness = springs.iter().map(|spring| spring.stiffness);

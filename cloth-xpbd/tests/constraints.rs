@@ -1,4 +1,5 @@
-//! Area and volume under XPBD: where its sweeps converge, `C + α̃λ = 0`, and one that is linear in what can move ends where implicit Euler does.
+//! Area and volume under XPBD: where its sweeps converge, `C + α̃λ = 0`, and one that is linear in what can
+//! move ends where implicit Euler does.
 
 use cloth_core::element::Constraint;
 use cloth_core::energy::{AreaTriangle, VolumeTetrahedron};

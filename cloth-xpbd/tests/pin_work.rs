@@ -11,7 +11,8 @@ use cloth_xpbd::{XpbdConfig, XpbdSolver};
 
 const VELOCITY: Vec3 = Vec3::new(0.7, 0.0, 1.9);
 const MASS: Real = 0.03;
-/// In single precision positions are rounded to 6e-8 of the size of the cloth, which a substep turns into some 5e-5 m/s; relative to what the first step gives.
+/// In single precision positions are rounded to 6e-8 of the size of the cloth, which a substep turns into some
+/// 5e-5 m/s; relative to what the first step gives.
 const SINGLE: Real = 6e-4;
 
 /// Vertex 0 is prescribed and moves with [`VELOCITY`], all others are at rest.
@@ -35,7 +36,8 @@ fn chain(stiffness: Real) -> (Particles, State, Vec<Spring>) {
     (particles, state, (0..7).map(spring).collect())
 }
 
-/// Forces that act between vertices give no momentum but that of the pin, and the pin does the work `V·p` in giving it: the largest error over 30 steps, relative to that.
+/// Forces that act between vertices give no momentum but that of the pin, and the pin does the work `V·p` in
+/// giving it: the largest error over 30 steps, relative to that.
 fn error(solver: &mut dyn Stepper, mut state: State) -> Real {
     let (mut work, mut error) = (0.0, 0.0);
     for _ in 0..30 {

@@ -141,7 +141,8 @@ fn springs_and_hinges_keep_momentum_to_single_precision() {
         single.step(&mut state, StepInput::new(1.0 / 60.0)).unwrap();
     }
     let (q, m) = measured(&state);
-    // A rounding of 3e-8 m is 4e-5 m/s in a substep; 200 of them at random are 14 times that for a vertex, and 289 vertices a seventeenth of that for their mean.
+    // A rounding of 3e-8 m is 4e-5 m/s in a substep; 200 of them at random are 14 times that for a vertex, and
+    // 289 vertices a seventeenth of that for their mean.
     assert!((q - p).norm() < 6e-6, "{:e}", (q - p).norm());
     assert!(
         (m - l).norm() < 1e-4 * l.norm().max(1.0),

@@ -54,7 +54,8 @@ fn square(n: usize, side: Real) -> TriMesh {
 }
 
 impl Hanging {
-    /// The number of substeps that the rule chooses, and the largest strain of any step with `substeps` of them, or with that number.
+    /// The number of substeps that the rule chooses, and the largest strain of any step with `substeps` of
+    /// them, or with that number.
     fn swing(&self, substeps: Option<u32>) -> (u32, Real) {
         let cloth = Cloth {
             areal_density: 0.2,
@@ -99,7 +100,8 @@ impl Hanging {
     }
 }
 
-/// Checks that the chosen number leaves at most the wanted strain, and at least a part of it: that it is not far more than has to be.
+/// Checks that the chosen number leaves at most the wanted strain, and at least a part of it: that it is not
+/// far more than has to be.
 fn check(name: &str, hanging: &Hanging, part: Real) {
     let (chosen, strain) = hanging.swing(None);
     println!(

@@ -6,7 +6,9 @@ use cloth_bench::scene::{self, Scene};
 use cloth_bench::settings::Settings;
 use cloth_core::element::{Constraint, RowArray};
 use cloth_core::math::{Real, Vec3};
-use cloth_core::position_based::{Acceleration, Families, RowAt, RowEquation, Rule, Sweep};
+use cloth_core::position_based::{
+    Acceleration, ConstraintUpdate, Families, RowEquation, RowState, Sweep,
+};
 
 /// The hanging sheet of `side` × `side` vertices.
 pub(crate) fn sheet(side: u32) -> Scene {
@@ -29,27 +31,27 @@ pub(crate) struct Compliant;
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Multiplier {
     total: Real,
-    softness: Real,
+    scaled_compliance: Real,
 }
 
-impl Rule for Compliant {
+impl ConstraintUpdate for Compliant {
     type Memory = Multiplier;
     const ROWS_TOGETHER: bool = true;
 
-    fn prepare(&self, row: RowAt, memory: &mut Multiplier) {
-        memory.softness = 1e6 / row.stiffness;
+    fn prepare(&self, row: RowState, memory: &mut Multiplier) {
+        memory.scaled_compliance = 1e6 / row.stiffness;
     }
 
     #[inline(always)]
-    fn equation(&self, row: RowAt, memory: &mut Multiplier) -> RowEquation {
+    fn equation(&self, row: RowState, memory: &mut Multiplier) -> RowEquation {
         RowEquation {
-            residual: row.value + memory.softness * memory.total,
-            softness: memory.softness,
+            residual: row.value + memory.scaled_compliance * memory.total,
+            scaled_compliance: memory.scaled_compliance,
         }
     }
 
     #[inline(always)]
-    fn remember(&self, change: Real, memory: &mut Multiplier) {
+    fn accumulate(&self, change: Real, memory: &mut Multiplier) {
         memory.total += change;
     }
 }

@@ -4,7 +4,7 @@ use crate::error::BenchError;
 use crate::scene::Scene;
 use crate::settings::{Parameter, Settings, parameter};
 use cloth_core::step::Stepper;
-use cloth_pbd::{Limited, StrainLimiter, StretchRange};
+use cloth_pbd::{StrainLimiter, StretchRange, WithStrainLimit};
 
 const STRAIN_LIMIT: Parameter = parameter(
     "strain_limit",
@@ -37,5 +37,5 @@ pub(super) fn limited(
         .max_passes(settings.count(&STRAIN_LIMIT_PASSES, 1)?)
         .build()
         .map_err(BenchError::usage)?;
-    Ok(Box::new(Limited::new(solver, limiter)))
+    Ok(Box::new(WithStrainLimit::new(solver, limiter)))
 }

@@ -1,6 +1,6 @@
 //! How a position-based solver is put together.
 
-use super::{Acceleration, Families, Motion, Rule, Sweep};
+use super::{Acceleration, ConstraintUpdate, Families, Motion, Sweep};
 use crate::element::Constraint;
 use crate::math::Real;
 use crate::particles::Particles;
@@ -10,19 +10,19 @@ use std::fmt;
 /// The settings of a position-based method, and the solver that they make of masses and constraints.
 pub trait Settings: fmt::Debug + Default + Sized {
     /// How the method goes along a row.
-    type Rule: Rule;
+    type Update: ConstraintUpdate;
     /// The method.
     type Solver;
 
     /// Sweeps per substep, parts of a step, and the order of a sweep.
-    fn pace(&self) -> (u32, u32, Sweep);
+    fn sweep_settings(&self) -> (u32, u32, Sweep);
 
     /// What is made of a sequence of sweeps; nothing, unless the method says so.
     fn acceleration(&self) -> Acceleration {
         Acceleration::default()
     }
 
-    /// Checks what the method adds to its [`Settings::pace`] and [`Settings::acceleration`].
+    /// Checks what the method adds to its [`Settings::sweep_settings`] and [`Settings::acceleration`].
     ///
     /// # Errors
     /// [`BuildError::InvalidSetting`].
@@ -31,16 +31,16 @@ pub trait Settings: fmt::Debug + Default + Sized {
     }
 
     /// The solver.
-    fn assemble(self, motion: Motion, families: Families<Self::Rule>) -> Self::Solver;
+    fn assemble(self, motion: Motion, families: Families<Self::Update>) -> Self::Solver;
 }
 
 /// What is left to do for one family once the order of the sweep is known.
-type Plan<R> = Box<dyn FnOnce(&mut Families<R>) -> Result<(), BuildError>>;
+type Plan<U> = Box<dyn FnOnce(&mut Families<U>) -> Result<(), BuildError>>;
 
 /// Collects what a position-based solver is built of.
 pub struct Builder<S: Settings> {
     motion: Motion,
-    plans: Vec<Plan<S::Rule>>,
+    plans: Vec<Plan<S::Update>>,
     settings: S,
 }
 
@@ -78,7 +78,7 @@ impl<S: Settings> Builder<S> {
     /// # Panics
     /// If an element of a coloured sweep names a vertex twice.
     pub fn build(self) -> Result<S::Solver, BuildError> {
-        let (iterations, substeps, sweep) = self.settings.pace();
+        let (iterations, substeps, sweep) = self.settings.sweep_settings();
         at_least_one("the number of iterations", iterations)?;
         at_least_one("the number of substeps", substeps)?;
         self.settings.check()?;

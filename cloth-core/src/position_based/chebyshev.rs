@@ -13,7 +13,7 @@ use crate::math::{Real, Vec3};
 /// polynomial), which is `ρ/(1 + √(1 − ρ²))` per sweep in the end instead of ρ: with Jacobi in the straight chain of N rigid links
 /// `cos(π/2N)/(1 + sin(π/2N))`.
 ///
-/// What it does to the memory of a row is the method's [`Rule`](super::Rule): XPBD's λ is a part of the iterate, and extrapolated with x, so that
+/// What it does to the memory of a row is the method's [`ConstraintUpdate`](super::ConstraintUpdate): XPBD's λ is a part of the iterate, and extrapolated with x, so that
 /// `M(x − x̃) = Σ ∂Cᵀλ` stays as true as the sweeps make it.
 ///
 /// Jacobi sweeps have real eigenvalues, and so have Gauss–Seidel sweeps that go there and back (both are symmetric in the metric of M). One-way sweeps have not:
@@ -23,7 +23,7 @@ use crate::math::{Real, Vec3};
 /// Limits: sweeps over a cloth are not linear, so nothing is proved there. Therefore the size of the corrections, `‖S(x) − x‖` in the metric of M, is
 /// watched. Where it exceeds the largest of the plain sweeps, or a hundred times its smallest value so
 /// far in the substep, the extrapolation is thrown away, and the rest of the substep goes on with plain
-/// sweeps ([`Families::surrendered`](super::Families::surrendered) tells).
+/// sweeps ([`Families::chebyshev_fallbacks`](super::Families::chebyshev_fallbacks) tells).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Chebyshev {
     /// The spectral radius ρ of the sweep.
@@ -80,7 +80,7 @@ pub(super) struct Recurrence {
     largest: Real,
     /// Sweeps after which ρ is estimated again.
     cycle: u32,
-    given_up: bool,
+    disabled: bool,
 }
 
 impl Recurrence {
@@ -99,7 +99,7 @@ impl Recurrence {
             smallest: Real::INFINITY,
             largest: 0.0,
             cycle: 8,
-            given_up: false,
+            disabled: false,
         }
     }
 
@@ -114,22 +114,22 @@ impl Recurrence {
         self.smallest = Real::INFINITY;
         self.largest = 0.0;
         self.cycle = 8;
-        self.given_up = false;
+        self.disabled = false;
     }
 
-    pub(super) fn has_given_up(&self) -> bool {
-        self.given_up
+    pub(super) fn is_disabled(&self) -> bool {
+        self.disabled
     }
 
     /// Keeps the iterate from which the next sweep starts.
-    pub(super) fn remember(&mut self, x: &[Vec3]) {
+    pub(super) fn store_iterate(&mut self, x: &[Vec3]) {
         std::mem::swap(&mut self.before, &mut self.now);
         self.now.copy_from_slice(x);
     }
 
     /// Extrapolates what the sweep made, `x`. Gives ω where it is not 1, for the memory of the rows.
     pub(super) fn extrapolate(&mut self, inverse_mass: &[Real], x: &mut [Vec3]) -> Option<Real> {
-        if self.given_up {
+        if self.disabled {
             return None;
         }
         let size = self.correction(inverse_mass, x);
@@ -139,7 +139,7 @@ impl Recurrence {
         // Written so that a size that is not a number counts as growth.
         let calm = size <= self.largest && size <= REBOUND * self.smallest;
         if !(calm || size <= ROUNDING * self.largest) {
-            self.given_up = true;
+            self.disabled = true;
             return None;
         }
         self.smallest = self.smallest.min(size);

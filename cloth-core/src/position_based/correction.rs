@@ -1,58 +1,58 @@
 //! What one element moves its vertices by.
 
-use super::rule::{RowAt, RowEquation, Rule};
+use super::constraint_update::{ConstraintUpdate, RowEquation, RowState};
 use crate::element::{Constraint, DeadZoneRow, Row, RowArray, UnitRow, VectorRow};
 use crate::math::{Real, Vec3};
 
-/// Moves the vertices of one element, at `x` (m), by `share` (dimensionless) of its correction.
+/// Moves the vertices of one element, at `x` (m), by `fraction` (dimensionless) of its correction.
 #[inline(always)]
-pub(super) fn project<const N: usize, E: Constraint<N>, R: Rule>(
-    rule: &R,
+pub(super) fn project<const N: usize, E: Constraint<N>, U: ConstraintUpdate>(
+    update: &U,
     element: &E,
     inverse_mass: &[Real],
-    share: Real,
-    memory: &mut [R::Memory],
+    fraction: Real,
+    memory: &mut [U::Memory],
     x: &mut [Vec3; N],
 ) {
-    let moved = correction(rule, element, inverse_mass, share, memory, x);
+    let moved = correction(update, element, inverse_mass, fraction, memory, x);
     for i in 0..N {
         x[i] += moved[i];
     }
 }
 
-/// What one element moves its vertices by (m): `share` of what its rows ask for. All gradients are those at the start.
+/// What one element moves its vertices by (m): `fraction` of what its rows ask for. All gradients are those at the start.
 #[inline(always)]
-pub(super) fn correction<const N: usize, E: Constraint<N>, R: Rule>(
-    rule: &R,
+pub(super) fn correction<const N: usize, E: Constraint<N>, U: ConstraintUpdate>(
+    update: &U,
     element: &E,
     inverse_mass: &[Real],
-    share: Real,
-    memory: &mut [R::Memory],
+    fraction: Real,
+    memory: &mut [U::Memory],
     x: &[Vec3; N],
 ) -> [Vec3; N] {
     let w = element.vertices().map(|v| inverse_mass[v as usize]);
     if let Some(row) = element.vector_row() {
-        at_once(rule, &row, &w, share, memory, x)
+        vector_row_correction(update, &row, &w, fraction, memory, x)
     } else if let Some(row) = element.unit_row(x) {
-        along(rule, &row, &w, share, memory)
+        unit_row_correction(update, &row, &w, fraction, memory)
     } else if let Some(rows) = element.dead_zone_rows(x) {
-        held_in_range(rule, rows.as_ref(), &w, share, memory)
-    } else if R::ROWS_TOGETHER && E::Rows::LEN > 1 {
-        together(rule, &element.rows(x), &w, share, memory)
+        dead_zone_correction(update, rows.as_ref(), &w, fraction, memory)
+    } else if U::ROWS_TOGETHER && E::Rows::LEN > 1 {
+        coupled_correction(update, &element.rows(x), &w, fraction, memory)
     } else {
-        in_turn(rule, &element.rows(x), &w, share, memory)
+        row_by_row_correction(update, &element.rows(x), &w, fraction, memory)
     }
 }
 
-/// Nothing can change a row whose `w̃ + softness` is not above this.
+/// Nothing can change a row whose `w̃ + scaled_compliance` is not above this.
 const SMALLEST: Real = 1e-300;
 
 /// `Δλ` of a row over `length`; 0 where nothing could change the row.
 #[inline(always)]
 fn change_over(length: Real, equation: RowEquation, weight: Real) -> Real {
-    let whole = (weight + equation.softness) * length;
-    if whole > SMALLEST {
-        -equation.residual / whole
+    let denominator = (weight + equation.scaled_compliance) * length;
+    if denominator > SMALLEST {
+        -equation.residual / denominator
     } else {
         0.0
     }
@@ -60,21 +60,21 @@ fn change_over(length: Real, equation: RowEquation, weight: Real) -> Real {
 
 /// One row with a gradient of unit vectors.
 #[inline(always)]
-fn along<const N: usize, R: Rule>(
-    rule: &R,
+fn unit_row_correction<const N: usize, U: ConstraintUpdate>(
+    update: &U,
     row: &UnitRow<N>,
     w: &[Real; N],
-    share: Real,
-    memory: &mut [R::Memory],
+    fraction: Real,
+    memory: &mut [U::Memory],
 ) -> [Vec3; N] {
-    let seen = RowAt {
+    let seen = RowState {
         value: row.value,
         stiffness: row.stiffness,
         weight: sum(w),
     };
-    let equation = rule.equation(seen, &mut memory[0]);
-    let change = share * change_over(row.length, equation, seen.weight);
-    rule.remember(change * row.length, &mut memory[0]);
+    let equation = update.equation(seen, &mut memory[0]);
+    let change = fraction * change_over(row.length, equation, seen.weight);
+    update.accumulate(change * row.length, &mut memory[0]);
     let mut moved = row.direction;
     for i in 0..N {
         moved[i] *= w[i] * change;
@@ -84,12 +84,12 @@ fn along<const N: usize, R: Rule>(
 
 /// Three rows at right angles to each other, with the same weight.
 #[inline(always)]
-fn at_once<const N: usize, R: Rule>(
-    rule: &R,
+fn vector_row_correction<const N: usize, U: ConstraintUpdate>(
+    update: &U,
     row: &VectorRow<N>,
     w: &[Real; N],
-    share: Real,
-    memory: &mut [R::Memory],
+    fraction: Real,
+    memory: &mut [U::Memory],
     x: &[Vec3; N],
 ) -> [Vec3; N] {
     let value = row.value(x);
@@ -100,14 +100,14 @@ fn at_once<const N: usize, R: Rule>(
     let weight = sum(&weights);
     let mut change = Vec3::zeros();
     for axis in 0..3 {
-        let seen = RowAt {
+        let seen = RowState {
             value: value[axis],
             stiffness: row.stiffness,
             weight,
         };
-        let equation = rule.equation(seen, &mut memory[axis]);
-        change[axis] = share * change_over(1.0, equation, weight);
-        rule.remember(change[axis], &mut memory[axis]);
+        let equation = update.equation(seen, &mut memory[axis]);
+        change[axis] = fraction * change_over(1.0, equation, weight);
+        update.accumulate(change[axis], &mut memory[axis]);
     }
     let mut moved = [Vec3::zeros(); N];
     for i in 0..N {
@@ -118,12 +118,12 @@ fn at_once<const N: usize, R: Rule>(
 
 /// Row after row. The value of a later row is updated to first order for what the earlier ones moved, which is exact for linear rows.
 #[inline(always)]
-fn in_turn<const N: usize, A: RowArray<N>, R: Rule>(
-    rule: &R,
+fn row_by_row_correction<const N: usize, A: RowArray<N>, U: ConstraintUpdate>(
+    update: &U,
     rows: &A,
     w: &[Real; N],
-    share: Real,
-    memory: &mut [R::Memory],
+    fraction: Real,
+    memory: &mut [U::Memory],
 ) -> [Vec3; N] {
     let mut moved = [Vec3::zeros(); N];
     for (r, row) in rows.as_ref().iter().enumerate() {
@@ -133,57 +133,57 @@ fn in_turn<const N: usize, A: RowArray<N>, R: Rule>(
                 value += row.gradient[i].dot(&moved[i]);
             }
         }
-        let seen = row_at(row, w, value);
-        let equation = rule.equation(seen, &mut memory[r]);
+        let seen = row_state(row, w, value);
+        let equation = update.equation(seen, &mut memory[r]);
         let change = change_over(1.0, equation, seen.weight);
-        rule.remember(share * change, &mut memory[r]);
+        update.accumulate(fraction * change, &mut memory[r]);
         for i in 0..N {
             moved[i] += row.gradient[i] * (w[i] * change);
         }
     }
-    moved.map(|moved| moved * share)
+    moved.map(|moved| moved * fraction)
 }
 
-/// Row after row, as [`in_turn`], each with what it has done so far: a row that turns out to be free takes its multiplier back.
+/// Row after row, as [`row_by_row_correction`], each with what it has done so far: a row that turns out to be free takes its multiplier back.
 ///
 /// Never over-relaxed, because the multiplier must not change its sign.
 #[inline(always)]
-fn held_in_range<const N: usize, R: Rule>(
-    rule: &R,
+fn dead_zone_correction<const N: usize, U: ConstraintUpdate>(
+    update: &U,
     rows: &[DeadZoneRow<N>],
     w: &[Real; N],
-    share: Real,
-    memory: &mut [R::Memory],
+    fraction: Real,
+    memory: &mut [U::Memory],
 ) -> [Vec3; N] {
-    let share = share.min(1.0);
+    let fraction = fraction.min(1.0);
     let mut moved = [Vec3::zeros(); N];
     for (row, memory) in rows.iter().zip(memory) {
         let mut row = *row;
         for i in 0..N {
             row.value += row.gradient[i].dot(&moved[i]);
         }
-        let seen = dead_zone_row_at::<N, R>(&row, w, memory);
-        let equation = rule.equation(seen, memory);
+        let seen = dead_zone_row_state::<N, U>(&row, w, memory);
+        let equation = update.equation(seen, memory);
         let change = change_over(1.0, equation, seen.weight);
-        rule.remember(share * change, memory);
+        update.accumulate(fraction * change, memory);
         for i in 0..N {
             moved[i] += row.gradient[i] * (w[i] * change);
         }
     }
-    moved.map(|moved| moved * share)
+    moved.map(|moved| moved * fraction)
 }
 
 /// What a method sees of a row with a dead zone.
 #[inline(always)]
-pub(super) fn dead_zone_row_at<const N: usize, R: Rule>(
+pub(super) fn dead_zone_row_state<const N: usize, U: ConstraintUpdate>(
     row: &DeadZoneRow<N>,
     w: &[Real; N],
-    memory: &R::Memory,
-) -> RowAt {
+    memory: &U::Memory,
+) -> RowState {
     let weight = weight(&row.gradient, w);
-    let multiplier = R::multiplier(memory);
+    let multiplier = U::multiplier(memory);
     let value = row.acting_value(weight, multiplier);
-    RowAt {
+    RowState {
         // A free row goes back by what it has done.
         value: value.unwrap_or(weight * multiplier),
         stiffness: row.stiffness,
@@ -194,26 +194,26 @@ pub(super) fn dead_zone_row_at<const N: usize, R: Rule>(
 /// A pivot below this part of its diagonal is rounding: the row says nothing that the rows before it did not say.
 const REDUNDANT: Real = 1e-12;
 
-/// Solves `(J M⁻¹ Jᵀ + softness) Δλ = −residual` for the rows of one element by `L D Lᵀ`. A row that nothing could change is left out.
+/// Solves `(J M⁻¹ Jᵀ + scaled_compliance) Δλ = −residual` for the rows of one element by `L D Lᵀ`. A row that nothing could change is left out.
 #[inline(always)]
-fn together<const N: usize, A: RowArray<N>, R: Rule>(
-    rule: &R,
+fn coupled_correction<const N: usize, A: RowArray<N>, U: ConstraintUpdate>(
+    update: &U,
     rows: &A,
     w: &[Real; N],
-    share: Real,
-    memory: &mut [R::Memory],
+    fraction: Real,
+    memory: &mut [U::Memory],
 ) -> [Vec3; N] {
     // L below the diagonal, D on it; a pivot of 0 leaves its row out.
     let (mut lower, mut change) = (A::per_row(A::per_row(0.0)), A::per_row(0.0));
     let (lower, change, rows) = (lower.as_mut(), change.as_mut(), rows.as_ref());
     for r in 0..rows.len() {
-        let seen = row_at(&rows[r], w, rows[r].value);
-        let equation = rule.equation(seen, &mut memory[r]);
-        let whole = seen.weight + equation.softness;
-        if whole <= SMALLEST {
+        let seen = row_state(&rows[r], w, rows[r].value);
+        let equation = update.equation(seen, &mut memory[r]);
+        let denominator = seen.weight + equation.scaled_compliance;
+        if denominator <= SMALLEST {
             continue;
         }
-        let (mut pivot, mut value) = (whole, -equation.residual);
+        let (mut pivot, mut value) = (denominator, -equation.residual);
         let mut scaled = A::per_row(0.0); // L D
         let scaled = scaled.as_mut();
         for s in 0..r {
@@ -232,7 +232,7 @@ fn together<const N: usize, A: RowArray<N>, R: Rule>(
             value -= l * change[s];
             lower[r].as_mut()[s] = l;
         }
-        if pivot > REDUNDANT * whole {
+        if pivot > REDUNDANT * denominator {
             lower[r].as_mut()[r] = pivot;
             change[r] = value;
         } else {
@@ -249,18 +249,18 @@ fn together<const N: usize, A: RowArray<N>, R: Rule>(
         for q in r + 1..rows.len() {
             change[r] -= lower[q].as_ref()[r] * change[q];
         }
-        rule.remember(share * change[r], &mut memory[r]);
+        update.accumulate(fraction * change[r], &mut memory[r]);
         for i in 0..N {
             moved[i] += rows[r].gradient[i] * (w[i] * change[r]);
         }
     }
-    moved.map(|moved| moved * share)
+    moved.map(|moved| moved * fraction)
 }
 
 /// What a method sees of a row with the value `value`.
 #[inline(always)]
-pub(super) fn row_at<const N: usize>(row: &Row<N>, w: &[Real; N], value: Real) -> RowAt {
-    RowAt {
+pub(super) fn row_state<const N: usize>(row: &Row<N>, w: &[Real; N], value: Real) -> RowState {
+    RowState {
         value,
         stiffness: row.stiffness,
         weight: weight(&row.gradient, w),

@@ -1,9 +1,9 @@
 //! The elements of each kind, and the sweep over them.
 
 use super::chebyshev::Recurrence;
-use super::correction::{correction, dead_zone_row_at, project, row_at};
+use super::constraint_update::{ConstraintUpdate, RowState, RowView, WithoutAccumulation};
+use super::correction::{correction, dead_zone_row_state, project, row_state};
 use super::jacobi::{self, Corrections};
-use super::rule::{RowAt, RowView, Rule, Silent};
 use super::{Acceleration, Sweep};
 use crate::coloring::Colored;
 use crate::element::{Constraint, RowArray};
@@ -13,35 +13,40 @@ use crate::step::BuildError;
 use std::fmt::Debug;
 
 /// The door of a family: one virtual call a sweep, none per element.
-trait AnyFamily<R: Rule>: Debug + Send + Sync {
-    fn sweep(&mut self, rule: &R, relaxation: Real, inverse_mass: &[Real], x: &mut [Vec3]);
+trait AnyFamily<U: ConstraintUpdate>: Debug + Send + Sync {
+    fn sweep(&mut self, update: &U, relaxation: Real, inverse_mass: &[Real], x: &mut [Vec3]);
     /// The same in the opposite order.
-    fn sweep_back(&mut self, rule: &R, relaxation: Real, inverse_mass: &[Real], x: &mut [Vec3]);
+    fn sweep_back(&mut self, update: &U, relaxation: Real, inverse_mass: &[Real], x: &mut [Vec3]);
     /// Writes the corrections to `moves`, N per element, without making them.
-    fn correct(&mut self, rule: &R, inverse_mass: &[Real], x: &[Vec3], moves: &mut [Vec3]);
+    fn correct(&mut self, update: &U, inverse_mass: &[Real], x: &[Vec3], moves: &mut [Vec3]);
     /// Number of elements times N.
     fn corner_count(&self) -> usize;
     /// Appends the vertices of all elements.
     fn corners(&self, out: &mut Vec<u32>);
     /// What part of its correction each element makes when all are made at once.
-    fn set_shares(&mut self, share: &dyn Fn(&[u32]) -> Real);
-    fn forget(&mut self);
+    fn set_fractions(&mut self, fraction: &dyn Fn(&[u32]) -> Real);
+    fn reset(&mut self);
     /// Keeps the memory from which the next sweep starts.
-    fn remember(&mut self, rule: &R);
-    fn extrapolate(&mut self, rule: &R, omega: Real);
-    fn each_row(&self, inverse_mass: &[Real], x: &[Vec3], see: &mut dyn FnMut(RowAt, &R::Memory));
+    fn store_memory(&mut self, update: &U);
+    fn extrapolate(&mut self, update: &U, omega: Real);
+    fn each_row(
+        &self,
+        inverse_mass: &[Real],
+        x: &[Vec3],
+        see: &mut dyn FnMut(RowState, &U::Memory),
+    );
     /// Shows the memory of every row with the row's number in the input.
-    fn remembered(&self, see: &mut dyn FnMut(usize, &R::Memory));
+    fn read_memory(&self, see: &mut dyn FnMut(usize, &U::Memory));
     /// Number of rows.
     fn row_count(&self) -> usize;
     /// Lets the rule learn what it can of every row.
-    fn prepare(&mut self, rule: &R, inverse_mass: &[Real], x: &[Vec3]);
+    fn prepare(&mut self, update: &U, inverse_mass: &[Real], x: &[Vec3]);
     fn inspect(
         &self,
         which: Which,
         inverse_mass: &[Real],
         x: &[Vec3],
-        see: &mut dyn FnMut(RowView<'_, R::Memory>),
+        see: &mut dyn FnMut(RowView<'_, U::Memory>),
     );
 }
 
@@ -50,7 +55,7 @@ trait AnyFamily<R: Rule>: Debug + Send + Sync {
 enum Which {
     All,
     /// Those with a prescribed vertex.
-    Held,
+    WithPrescribed,
 }
 
 /// Elements of one kind with their memory, one array of rows per element, in visiting order.
@@ -59,72 +64,88 @@ struct Family<const N: usize, E, A> {
     elements: Colored<N, E>,
     memory: Vec<A>,
     /// One per element, for Jacobi sweeps; else none.
-    shares: Vec<Real>,
+    fractions: Vec<Real>,
     /// The memory before the last sweep, and before the one before it; none until it is extrapolated.
     now: Vec<A>,
     before: Vec<A>,
 }
 
-type Slot<const N: usize, E, R> =
-    <<E as Constraint<N>>::Rows as RowArray<N>>::PerRow<<R as Rule>::Memory>;
+type Slot<const N: usize, E, U> =
+    <<E as Constraint<N>>::Rows as RowArray<N>>::PerRow<<U as ConstraintUpdate>::Memory>;
 
 /// Moves the vertices of every element, one after another, forth or back.
-fn visit<const BACK: bool, const N: usize, E: Constraint<N>, R: Rule>(
+fn sweep_elements<const REVERSED: bool, const N: usize, E: Constraint<N>, U: ConstraintUpdate>(
     elements: &Colored<N, E>,
-    memory: &mut [Slot<N, E, R>],
-    rule: &R,
+    memory: &mut [Slot<N, E, U>],
+    update: &U,
     relaxation: Real,
     w: &[Real],
     x: &mut [Vec3],
 ) {
-    if BACK {
+    if REVERSED {
         elements.sweep_back(
             memory,
             x,
             #[inline(always)]
-            |element, memory, x| project(rule, element, w, relaxation, memory.as_mut(), x),
+            |element, memory, x| project(update, element, w, relaxation, memory.as_mut(), x),
         );
     } else {
         elements.sweep(
             memory,
             x,
             #[inline(always)]
-            |element, memory, x| project(rule, element, w, relaxation, memory.as_mut(), x),
+            |element, memory, x| project(update, element, w, relaxation, memory.as_mut(), x),
         );
     }
 }
 
-impl<const N: usize, E: Constraint<N>, R: Rule> AnyFamily<R> for Family<N, E, Slot<N, E, R>> {
-    fn sweep(&mut self, rule: &R, relaxation: Real, inverse_mass: &[Real], x: &mut [Vec3]) {
+impl<const N: usize, E: Constraint<N>, U: ConstraintUpdate> AnyFamily<U>
+    for Family<N, E, Slot<N, E, U>>
+{
+    fn sweep(&mut self, update: &U, relaxation: Real, inverse_mass: &[Real], x: &mut [Vec3]) {
         let (elements, memory) = (&self.elements, &mut self.memory[..]);
-        if rule.remembers() {
-            visit::<false, N, E, R>(elements, memory, rule, relaxation, inverse_mass, x);
+        if update.accumulates() {
+            sweep_elements::<false, N, E, U>(elements, memory, update, relaxation, inverse_mass, x);
         } else {
-            let rule = &Silent(*rule);
-            visit::<false, N, E, Silent<R>>(elements, memory, rule, relaxation, inverse_mass, x);
+            let update = &WithoutAccumulation(*update);
+            sweep_elements::<false, N, E, WithoutAccumulation<U>>(
+                elements,
+                memory,
+                update,
+                relaxation,
+                inverse_mass,
+                x,
+            );
         }
     }
 
-    fn sweep_back(&mut self, rule: &R, relaxation: Real, inverse_mass: &[Real], x: &mut [Vec3]) {
+    fn sweep_back(&mut self, update: &U, relaxation: Real, inverse_mass: &[Real], x: &mut [Vec3]) {
         let (elements, memory) = (&self.elements, &mut self.memory[..]);
-        if rule.remembers() {
-            visit::<true, N, E, R>(elements, memory, rule, relaxation, inverse_mass, x);
+        if update.accumulates() {
+            sweep_elements::<true, N, E, U>(elements, memory, update, relaxation, inverse_mass, x);
         } else {
-            let rule = &Silent(*rule);
-            visit::<true, N, E, Silent<R>>(elements, memory, rule, relaxation, inverse_mass, x);
+            let update = &WithoutAccumulation(*update);
+            sweep_elements::<true, N, E, WithoutAccumulation<U>>(
+                elements,
+                memory,
+                update,
+                relaxation,
+                inverse_mass,
+                x,
+            );
         }
     }
 
-    fn correct(&mut self, rule: &R, inverse_mass: &[Real], x: &[Vec3], moves: &mut [Vec3]) {
-        let correct = |element: &E, &share: &Real, memory: &mut Slot<N, E, R>| -> [Vec3; N] {
+    fn correct(&mut self, update: &U, inverse_mass: &[Real], x: &[Vec3], moves: &mut [Vec3]) {
+        let correct = |element: &E, &fraction: &Real, memory: &mut Slot<N, E, U>| -> [Vec3; N] {
             let vertices = element.vertices();
             let x = gather(x, vertices);
-            correction(rule, element, inverse_mass, share, memory.as_mut(), &x)
+            correction(update, element, inverse_mass, fraction, memory.as_mut(), &x)
         };
         let (moves, _) = moves.as_chunks_mut::<N>();
         jacobi::each_element(
             self.elements.elements(),
-            &self.shares,
+            &self.fractions,
             &mut self.memory,
             moves,
             correct,
@@ -139,61 +160,66 @@ impl<const N: usize, E: Constraint<N>, R: Rule> AnyFamily<R> for Family<N, E, Sl
         out.extend(self.elements.elements().iter().flat_map(E::vertices));
     }
 
-    fn set_shares(&mut self, share: &dyn Fn(&[u32]) -> Real) {
+    fn set_fractions(&mut self, fraction: &dyn Fn(&[u32]) -> Real) {
         let elements = self.elements.elements().iter();
-        self.shares = elements.map(|e| share(&e.vertices())).collect();
+        self.fractions = elements.map(|e| fraction(&e.vertices())).collect();
     }
 
-    fn remember(&mut self, rule: &R) {
-        if rule.remembers() {
+    fn store_memory(&mut self, update: &U) {
+        if update.accumulates() {
             std::mem::swap(&mut self.before, &mut self.now);
             self.now.clone_from(&self.memory);
         }
     }
 
-    fn extrapolate(&mut self, rule: &R, omega: Real) {
-        if rule.remembers() {
+    fn extrapolate(&mut self, update: &U, omega: Real) {
+        if update.accumulates() {
             for (now, before) in self.memory.iter_mut().zip(&self.before) {
                 for (now, before) in now.as_mut().iter_mut().zip(before.as_ref()) {
-                    R::extrapolate(now, before, omega);
+                    U::extrapolate(now, before, omega);
                 }
             }
         }
     }
 
-    fn forget(&mut self) {
+    fn reset(&mut self) {
         for memory in &mut self.memory {
-            memory.as_mut().iter_mut().for_each(R::forget);
+            memory.as_mut().iter_mut().for_each(U::reset);
         }
     }
 
-    fn prepare(&mut self, rule: &R, inverse_mass: &[Real], x: &[Vec3]) {
+    fn prepare(&mut self, update: &U, inverse_mass: &[Real], x: &[Vec3]) {
         for (element, memory) in self.elements.elements().iter().zip(&mut self.memory) {
             let w = element.vertices().map(|v| inverse_mass[v as usize]);
             let rows = element.rows(&gather(x, element.vertices()));
             for (row, memory) in rows.as_ref().iter().zip(memory.as_mut()) {
-                rule.prepare(row_at(row, &w, row.value), memory);
+                update.prepare(row_state(row, &w, row.value), memory);
             }
         }
     }
 
-    fn each_row(&self, inverse_mass: &[Real], x: &[Vec3], see: &mut dyn FnMut(RowAt, &R::Memory)) {
+    fn each_row(
+        &self,
+        inverse_mass: &[Real],
+        x: &[Vec3],
+        see: &mut dyn FnMut(RowState, &U::Memory),
+    ) {
         for (element, memory) in self.elements.elements().iter().zip(&self.memory) {
             let w = element.vertices().map(|v| inverse_mass[v as usize]);
             let x = gather(x, element.vertices());
             if let Some(rows) = element.dead_zone_rows(&x) {
                 for (row, memory) in rows.as_ref().iter().zip(memory.as_ref()) {
-                    see(dead_zone_row_at::<N, R>(row, &w, memory), memory);
+                    see(dead_zone_row_state::<N, U>(row, &w, memory), memory);
                 }
                 continue;
             }
             for (row, memory) in element.rows(&x).as_ref().iter().zip(memory.as_ref()) {
-                see(row_at(row, &w, row.value), memory);
+                see(row_state(row, &w, row.value), memory);
             }
         }
     }
 
-    fn remembered(&self, see: &mut dyn FnMut(usize, &R::Memory)) {
+    fn read_memory(&self, see: &mut dyn FnMut(usize, &U::Memory)) {
         for (&place, memory) in self.elements.input_index().iter().zip(&self.memory) {
             let first = place as usize * E::Rows::LEN;
             for (r, memory) in memory.as_ref().iter().enumerate() {
@@ -211,13 +237,13 @@ impl<const N: usize, E: Constraint<N>, R: Rule> AnyFamily<R> for Family<N, E, Sl
         which: Which,
         inverse_mass: &[Real],
         x: &[Vec3],
-        see: &mut dyn FnMut(RowView<'_, R::Memory>),
+        see: &mut dyn FnMut(RowView<'_, U::Memory>),
     ) {
         let places = self.elements.input_index().iter().zip(&self.memory);
         for (element, (&place, memory)) in self.elements.elements().iter().zip(places) {
             let vertices = element.vertices();
             let w = vertices.map(|v| inverse_mass[v as usize]);
-            if which == Which::Held && !w.contains(&0.0) {
+            if which == Which::WithPrescribed && !w.contains(&0.0) {
                 continue;
             }
             let x = gather(x, vertices);
@@ -227,7 +253,7 @@ impl<const N: usize, E: Constraint<N>, R: Rule> AnyFamily<R> for Family<N, E, Sl
                 let whole = whole.as_ref().map(|rows| &rows.as_ref()[i].gradient);
                 see(RowView {
                     index: place as usize * E::Rows::LEN + i,
-                    row: row_at(row, &w, row.value),
+                    row: row_state(row, &w, row.value),
                     vertices: &vertices,
                     gradient: whole.unwrap_or(&row.gradient),
                     memory,
@@ -239,18 +265,18 @@ impl<const N: usize, E: Constraint<N>, R: Rule> AnyFamily<R> for Family<N, E, Sl
 
 /// All constraints of a solver: families of elements with a memory per row.
 #[derive(Debug)]
-pub struct Families<R: Rule> {
-    families: Vec<Box<dyn AnyFamily<R>>>,
+pub struct Families<U: ConstraintUpdate> {
+    families: Vec<Box<dyn AnyFamily<U>>>,
     vertex_count: usize,
     sweep: Sweep,
     relaxation: Real,
     /// For Jacobi sweeps; made when the first one begins, so that it knows all families.
     corrections: Option<Corrections>,
     recurrence: Option<Recurrence>,
-    surrendered: u64,
+    chebyshev_fallbacks: u64,
 }
 
-impl<R: Rule> Families<R> {
+impl<U: ConstraintUpdate> Families<U> {
     /// No family yet, on `vertex_count` vertices.
     ///
     /// # Errors
@@ -269,7 +295,7 @@ impl<R: Rule> Families<R> {
             relaxation: acceleration.relaxation,
             corrections: None,
             recurrence: acceleration.chebyshev.map(recurrence),
-            surrendered: 0,
+            chebyshev_fallbacks: 0,
         })
     }
 
@@ -285,7 +311,7 @@ impl<R: Rule> Families<R> {
         elements: &[E],
     ) -> Result<(), BuildError> {
         check_vertices(elements, self.vertex_count)?;
-        let memory = vec![E::Rows::per_row(R::Memory::default()); elements.len()];
+        let memory = vec![E::Rows::per_row(U::Memory::default()); elements.len()];
         let elements = match self.sweep {
             Sweep::Colored => Colored::new(elements, self.vertex_count),
             Sweep::Sequential | Sweep::Jacobi | Sweep::PlainJacobi => {
@@ -294,7 +320,7 @@ impl<R: Rule> Families<R> {
         };
         self.families.push(Box::new(Family {
             elements,
-            shares: Vec::new(),
+            fractions: Vec::new(),
             now: Vec::new(),
             before: Vec::new(),
             memory,
@@ -303,7 +329,7 @@ impl<R: Rule> Families<R> {
         Ok(())
     }
 
-    /// Tells that the next sweep is the first of a substep: extrapolation starts anew. The memory is kept; see [`Families::forget`].
+    /// Tells that the next sweep is the first of a substep: extrapolation starts anew. The memory is kept; see [`Families::reset`].
     pub fn restart(&mut self) {
         if let Some(recurrence) = &mut self.recurrence {
             recurrence.restart();
@@ -314,40 +340,40 @@ impl<R: Rule> Families<R> {
     ///
     /// # Panics
     /// If the lengths are not those that the families were built for.
-    pub fn sweep(&mut self, rule: &R, inverse_mass: &[Real], x: &mut [Vec3]) {
+    pub fn sweep(&mut self, update: &U, inverse_mass: &[Real], x: &mut [Vec3]) {
         if let Some(recurrence) = &mut self.recurrence {
-            recurrence.remember(x);
+            recurrence.store_iterate(x);
             for family in &mut self.families {
-                family.remember(rule);
+                family.store_memory(update);
             }
         }
         match self.sweep {
             Sweep::Sequential | Sweep::Colored => {
                 for family in &mut self.families {
-                    family.sweep(rule, self.relaxation, inverse_mass, x);
+                    family.sweep(update, self.relaxation, inverse_mass, x);
                 }
                 // One way only, the iterates cannot be extrapolated; there and back they can.
                 if self.recurrence.is_some() {
                     for family in self.families.iter_mut().rev() {
-                        family.sweep_back(rule, self.relaxation, inverse_mass, x);
+                        family.sweep_back(update, self.relaxation, inverse_mass, x);
                     }
                 }
             }
-            Sweep::Jacobi | Sweep::PlainJacobi => self.sweep_at_once(rule, inverse_mass, x),
+            Sweep::Jacobi | Sweep::PlainJacobi => self.jacobi_sweep(update, inverse_mass, x),
         }
         if let Some(recurrence) = &mut self.recurrence {
-            let already = recurrence.has_given_up();
+            let already = recurrence.is_disabled();
             if let Some(omega) = recurrence.extrapolate(inverse_mass, x) {
                 for family in &mut self.families {
-                    family.extrapolate(rule, omega);
+                    family.extrapolate(update, omega);
                 }
             }
-            self.surrendered += u64::from(!already && recurrence.has_given_up());
+            self.chebyshev_fallbacks += u64::from(!already && recurrence.is_disabled());
         }
     }
 
     /// A Jacobi sweep.
-    fn sweep_at_once(&mut self, rule: &R, inverse_mass: &[Real], x: &mut [Vec3]) {
+    fn jacobi_sweep(&mut self, update: &U, inverse_mass: &[Real], x: &mut [Vec3]) {
         let mut corrections = match self.corrections.take() {
             Some(corrections) => corrections,
             None => self.incidence(inverse_mass),
@@ -355,14 +381,14 @@ impl<R: Rule> Families<R> {
         let mut moves = corrections.moves_mut();
         for family in &mut self.families {
             let (own, others) = moves.split_at_mut(family.corner_count());
-            family.correct(rule, inverse_mass, x, own);
+            family.correct(update, inverse_mass, x, own);
             moves = others;
         }
         corrections.apply(x);
         self.corrections = Some(corrections);
     }
 
-    /// Which elements meet at each vertex, and by it their shares.
+    /// Which elements meet at each vertex, and by it their fractions.
     fn incidence(&mut self, inverse_mass: &[Real]) -> Corrections {
         let mut corners = Vec::new();
         for family in &self.families {
@@ -370,10 +396,10 @@ impl<R: Rule> Families<R> {
         }
         let corrections = Corrections::new(&corners, self.vertex_count);
         for family in &mut self.families {
-            family.set_shares(&|vertices| {
+            family.set_fractions(&|vertices| {
                 self.relaxation
                     * match self.sweep {
-                        Sweep::Jacobi => jacobi::share(vertices, inverse_mass, &corrections),
+                        Sweep::Jacobi => jacobi::fraction(vertices, inverse_mass, &corrections),
                         _ => 1.0,
                     }
             });
@@ -384,14 +410,14 @@ impl<R: Rule> Families<R> {
     /// How many times, since it was built, a substep ended with plain sweeps because [`Chebyshev`](super::Chebyshev) extrapolation made the
     /// corrections grow.
     #[must_use]
-    pub fn surrendered(&self) -> u64 {
-        self.surrendered
+    pub fn chebyshev_fallbacks(&self) -> u64 {
+        self.chebyshev_fallbacks
     }
 
     /// Makes all memory that of rows not visited yet, at the start of a substep.
-    pub fn forget(&mut self) {
+    pub fn reset(&mut self) {
         for family in &mut self.families {
-            family.forget();
+            family.reset();
         }
     }
 
@@ -403,20 +429,20 @@ impl<R: Rule> Families<R> {
         &self,
         inverse_mass: &[Real],
         x: &[Vec3],
-        mut see: impl FnMut(RowAt, &R::Memory),
+        mut see: impl FnMut(RowState, &U::Memory),
     ) {
         for family in &self.families {
             family.each_row(inverse_mass, x, &mut see);
         }
     }
 
-    /// Lets the rule learn what it can of every row at `x` (m), and forget what it knew ([`Rule::prepare`]).
+    /// Lets the rule learn what it can of every row at `x` (m), and forget what it knew ([`ConstraintUpdate::prepare`]).
     ///
     /// # Panics
     /// If the lengths are not those that the families were built for.
-    pub fn prepare(&mut self, rule: &R, inverse_mass: &[Real], x: &[Vec3]) {
+    pub fn prepare(&mut self, update: &U, inverse_mass: &[Real], x: &[Vec3]) {
         for family in &mut self.families {
-            family.prepare(rule, inverse_mass, x);
+            family.prepare(update, inverse_mass, x);
         }
     }
 
@@ -441,7 +467,7 @@ impl<R: Rule> Families<R> {
         family: usize,
         inverse_mass: &[Real],
         x: &[Vec3],
-        mut see: impl FnMut(RowView<'_, R::Memory>),
+        mut see: impl FnMut(RowView<'_, U::Memory>),
     ) {
         self.families[family].inspect(Which::All, inverse_mass, x, &mut see);
     }
@@ -450,14 +476,14 @@ impl<R: Rule> Families<R> {
     ///
     /// # Panics
     /// If the lengths are not those that the families were built for.
-    pub fn inspect_held(
+    pub fn inspect_prescribed(
         &self,
         inverse_mass: &[Real],
         x: &[Vec3],
-        mut see: impl FnMut(RowView<'_, R::Memory>),
+        mut see: impl FnMut(RowView<'_, U::Memory>),
     ) {
         for family in &self.families {
-            family.inspect(Which::Held, inverse_mass, x, &mut see);
+            family.inspect(Which::WithPrescribed, inverse_mass, x, &mut see);
         }
     }
 
@@ -465,15 +491,15 @@ impl<R: Rule> Families<R> {
     ///
     /// # Panics
     /// If there is no such family.
-    pub fn remembered<T: Clone + Default>(
+    pub fn read_memory<T: Clone + Default>(
         &self,
         family: usize,
         out: &mut Vec<T>,
-        read: impl Fn(&R::Memory) -> T,
+        read: impl Fn(&U::Memory) -> T,
     ) {
         let family = &self.families[family];
         out.clear();
         out.resize(family.row_count(), T::default());
-        family.remembered(&mut |place, memory| out[place] = read(memory));
+        family.read_memory(&mut |place, memory| out[place] = read(memory));
     }
 }

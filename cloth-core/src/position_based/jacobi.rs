@@ -44,7 +44,7 @@ impl Corrections {
     }
 
     /// How many elements meet at a vertex.
-    pub(super) fn meeting_at(&self, vertex: u32) -> u32 {
+    pub(super) fn valence(&self, vertex: u32) -> u32 {
         let vertex = vertex as usize;
         self.starts[vertex + 1] - self.starts[vertex]
     }
@@ -79,30 +79,30 @@ impl Corrections {
     }
 }
 
-/// The share of its correction that an element of these vertices makes: `1/n`, n the largest number of elements at one vertex that can move.
-pub(super) fn share(vertices: &[u32], inverse_mass: &[Real], corrections: &Corrections) -> Real {
+/// The fraction of its correction that an element of these vertices makes: `1/n`, n the largest number of elements at one vertex that can move.
+pub(super) fn fraction(vertices: &[u32], inverse_mass: &[Real], corrections: &Corrections) -> Real {
     let meeting = vertices
         .iter()
         .filter(|&&v| inverse_mass[v as usize] > 0.0)
-        .map(|&v| corrections.meeting_at(v));
+        .map(|&v| corrections.valence(v));
     1.0 / Real::from(meeting.max().unwrap_or(1))
 }
 
-/// Computes the corrections of every element, each with its share and its memory.
+/// Computes the corrections of every element, each with its fraction and its memory.
 pub(super) fn each_element<const N: usize, E: Sync, A: Send>(
     elements: &[E],
-    shares: &[Real],
+    fractions: &[Real],
     memory: &mut [A],
     moves: &mut [[Vec3; N]],
     correct: impl Fn(&E, &Real, &mut A) -> [Vec3; N] + Sync,
 ) {
-    assert_eq!(shares.len(), elements.len(), "one share per element");
+    assert_eq!(fractions.len(), elements.len(), "one fraction per element");
     assert_eq!(moves.len(), elements.len(), "N corrections per element");
     // The one place that calls `correct`, so that it is inlined.
-    let each = |elements: &[E], shares: &[Real], memory: &mut [A], moves: &mut [[Vec3; N]]| {
-        let of_element = elements.iter().zip(shares).zip(memory).zip(moves);
-        for (((element, share), memory), moves) in of_element {
-            *moves = correct(element, share, memory);
+    let each = |elements: &[E], fractions: &[Real], memory: &mut [A], moves: &mut [[Vec3; N]]| {
+        let of_element = elements.iter().zip(fractions).zip(memory).zip(moves);
+        for (((element, fraction), memory), moves) in of_element {
+            *moves = correct(element, fraction, memory);
         }
     };
     #[cfg(feature = "parallel")]
@@ -111,13 +111,13 @@ pub(super) fn each_element<const N: usize, E: Sync, A: Send>(
         const CHUNK: usize = SMALLEST_PARALLEL_SET / 8;
         elements
             .par_chunks(CHUNK)
-            .zip(shares.par_chunks(CHUNK))
+            .zip(fractions.par_chunks(CHUNK))
             .zip(memory.par_chunks_mut(CHUNK))
             .zip(moves.par_chunks_mut(CHUNK))
-            .for_each(|(((elements, shares), memory), moves)| {
-                each(elements, shares, memory, moves);
+            .for_each(|(((elements, fractions), memory), moves)| {
+                each(elements, fractions, memory, moves);
             });
         return;
     }
-    each(elements, shares, memory, moves);
+    each(elements, fractions, memory, moves);
 }

@@ -1,6 +1,6 @@
 //! Everything before and after the projection.
 
-use super::{Families, RowView, Rule};
+use super::{ConstraintUpdate, Families, RowView};
 use crate::contact::{ContactConstraints, ContactError, ContactStep};
 use crate::math::{Real, Vec3};
 use crate::particles::{Particles, State, first_non_finite};
@@ -96,7 +96,9 @@ impl Motion {
             dt: input.dt,
         };
         let begun = input.contact_constraints().map(|c| c.begin_step(&step));
-        begun.transpose().map_err(|reason| self.refused(reason))?;
+        begun
+            .transpose()
+            .map_err(|reason| self.contact_error(reason))?;
         Ok(())
     }
 
@@ -115,7 +117,7 @@ impl Motion {
             self.positions[vertex] += self.velocities[vertex] * h;
         }
         self.predicted.copy_from_slice(&self.positions);
-        self.feel(input, |contacts, step, x| contacts.begin_substep(step, x))
+        self.with_contacts(input, |contacts, step, x| contacts.begin_substep(step, x))
     }
 
     /// One iteration: `sweep` gets the inverse masses (1/kg) and the positions (m), and contact comes after it; then the observer looks.
@@ -148,7 +150,7 @@ impl Motion {
     ///
     /// λ is what the row has moved the others by, `wᵢ ∂C/∂xᵢ λ`, so this is what they were given, whatever is left of the residual. A row that turns during the sweeps of a
     /// substep has given it along other directions too, about which nothing is known; the error becomes small with the angle.
-    pub fn count_pin_work<R: Rule>(
+    pub fn count_pin_work<R: ConstraintUpdate>(
         &mut self,
         families: &Families<R>,
         mut multiplier: impl FnMut(&RowView<'_, R::Memory>) -> Real,
@@ -158,7 +160,7 @@ impl Motion {
         };
         let (w, h) = (&self.inverse_mass, self.substep);
         let mut work = 0.0;
-        families.inspect_held(w, &self.positions, |seen| {
+        families.inspect_prescribed(w, &self.positions, |seen| {
             let impulse = multiplier(&seen) / h;
             for (&vertex, gradient) in seen.vertices.iter().zip(seen.gradient) {
                 if w[vertex as usize] == 0.0 {
@@ -182,7 +184,7 @@ impl Motion {
     /// # Errors
     /// [`StepError::Contact`], [`StepError::NonFinite`].
     pub fn update_velocities(&mut self, input: &mut StepInput<'_>) -> Result<(), StepError> {
-        self.feel(input, |contacts, step, x| contacts.end_substep(step, x))?;
+        self.with_contacts(input, |contacts, step, x| contacts.end_substep(step, x))?;
         let h = self.substep;
         let moved = self.positions.iter().zip(&self.predicted);
         for (v, (x, predicted)) in self.velocities.iter_mut().zip(moved) {
@@ -195,7 +197,7 @@ impl Motion {
     }
 
     /// What contact constraints, if there are any, do to the positions of the substep.
-    fn feel(
+    fn with_contacts(
         &mut self,
         input: &mut StepInput<'_>,
         act: impl FnOnce(
@@ -208,7 +210,7 @@ impl Motion {
             return Ok(());
         };
         let (step, x) = self.split();
-        act(contacts, &step, x).map_err(|reason| self.refused(reason))
+        act(contacts, &step, x).map_err(|reason| self.contact_error(reason))
     }
 
     /// The substep, and the positions (m) in it.
@@ -221,7 +223,7 @@ impl Motion {
         (step, &mut self.positions)
     }
 
-    fn refused(&self, reason: ContactError) -> StepError {
+    fn contact_error(&self, reason: ContactError) -> StepError {
         let step = self.step;
         match reason {
             ContactError::NonFinite { vertex } => StepError::NonFinite { vertex, step },

@@ -1,6 +1,6 @@
 //! One coarse level: its links, and what it hands down.
 
-use super::tether::{Pull, Tether};
+use super::tether::{Tether, TetherUpdate};
 use cloth_core::math::{Real, Vec3};
 use cloth_core::multigrid::{CoarseLevel, Prolongation};
 use cloth_core::position_based::{Acceleration, Families, Sweep};
@@ -18,7 +18,7 @@ pub(super) struct Level {
     pub(super) mass: Vec<Real>,
     inverse_mass: Vec<Real>,
     pub(super) links: Vec<Tether>,
-    tethers: Families<Pull>,
+    tethers: Families<TetherUpdate>,
     /// Positions (m) now and before anything moved.
     x: Vec<Vec3>,
     before: Vec<Vec3>,
@@ -80,7 +80,7 @@ impl Level {
     }
 
     /// Takes the positions of the next finer level.
-    pub(super) fn take(&mut self, finer: &[Vec3]) {
+    pub(super) fn restrict(&mut self, finer: &[Vec3]) {
         for (x, &v) in self.x.iter_mut().zip(&self.fine) {
             *x = finer[v as usize];
         }
@@ -88,18 +88,18 @@ impl Level {
     }
 
     /// Sweeps over the links, each of which goes the part `stiffness` of its way.
-    pub(super) fn pull(&mut self, sweeps: u32, stiffness: Real) {
-        self.tethers.forget();
+    pub(super) fn relax(&mut self, sweeps: u32, stiffness: Real) {
+        self.tethers.reset();
         self.tethers
-            .sweep(&Pull::Begin, &self.inverse_mass, &mut self.x);
-        let rule = Pull::Go(stiffness);
+            .sweep(&TetherUpdate::Begin, &self.inverse_mass, &mut self.x);
+        let rule = TetherUpdate::Project(stiffness);
         for _ in 0..sweeps {
             self.tethers.sweep(&rule, &self.inverse_mass, &mut self.x);
         }
     }
 
     /// Moves the next finer level along: `Δx = Σ wₚ Δxₚ`.
-    pub(super) fn hand_down(&self, finer: &mut [Vec3]) {
+    pub(super) fn prolongate(&self, finer: &mut [Vec3]) {
         for (vertex, finer) in finer.iter_mut().enumerate() {
             for &(parent, weight) in self.prolongation.of_fine(vertex) {
                 let parent = parent as usize;

@@ -2,9 +2,9 @@
 
 use cloth_core::element::{Constraint, Element, Row};
 use cloth_core::math::{Real, Vec3, length_and_direction};
-use cloth_core::position_based::{RowAt, RowEquation, Rule};
+use cloth_core::position_based::{ConstraintUpdate, RowEquation, RowState};
 
-/// A link of a coarse level: `C = ‖x₀ − x₁‖ − L` (m), to be solved by [`Pull`].
+/// A link of a coarse level: `C = ‖x₀ − x₁‖ − L` (m), to be solved by [`TetherUpdate`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Tether {
     pub(super) vertices: [u32; 2],
@@ -39,11 +39,11 @@ impl Constraint<2> for Tether {
 /// So cloth that folds between two coarse vertices is none of its business: a link that is short may stay short. But the correction itself does not make links
 /// shorter. Links that only pull, by turns, would draw the cloth together sideways, and nothing on their level would draw it apart again.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Pull {
+pub(super) enum TetherUpdate {
     /// Looks how long the links are.
     Begin,
     /// Goes this part (dimensionless) of the way in a visit.
-    Go(Real),
+    Project(Real),
 }
 
 /// What a link remembers during a correction.
@@ -52,22 +52,22 @@ pub(super) struct Memory {
     /// C (m) at the start, or 0 if that was above.
     shortest: Real,
     /// λ (kg m): negative for a pull.
-    total: Real,
+    lambda: Real,
 }
 
-impl Rule for Pull {
+impl ConstraintUpdate for TetherUpdate {
     type Memory = Memory;
 
     #[inline(always)]
-    fn equation(&self, row: RowAt, memory: &mut Memory) -> RowEquation {
+    fn equation(&self, row: RowState, memory: &mut Memory) -> RowEquation {
         let residual = match *self {
             Self::Begin => {
                 memory.shortest = row.value.min(0.0);
                 0.0
             }
-            Self::Go(part) => {
+            Self::Project(part) => {
                 // The multipliers times w̃, which saves two divisions.
-                let total = memory.total * row.weight;
+                let total = memory.lambda * row.weight;
                 let pull = total - part * row.value;
                 let push = total - part * (row.value - memory.shortest);
                 total - if pull < 0.0 { pull } else { push.max(0.0) }
@@ -75,12 +75,12 @@ impl Rule for Pull {
         };
         RowEquation {
             residual,
-            softness: 0.0,
+            scaled_compliance: 0.0,
         }
     }
 
     #[inline(always)]
-    fn remember(&self, change: Real, memory: &mut Memory) {
-        memory.total += change;
+    fn accumulate(&self, change: Real, memory: &mut Memory) {
+        memory.lambda += change;
     }
 }

@@ -1,7 +1,7 @@
-//! How a solver is put together.
+//! The builder of the direct solver.
 
 use super::config::DirectConfig;
-use super::kkt::{Kkt, Pair};
+use super::kkt::{Kkt, KktVector};
 use super::linear::Solver;
 use super::merit::Merit;
 use super::rows::{RowFamily, Rows, family};
@@ -12,7 +12,7 @@ use cloth_core::math::{Real, Vec3};
 use cloth_core::particles::{Particles, State};
 use cloth_core::step::BuildError;
 
-/// Collects what a [`DirectXpbd`] is built of.
+/// Collects particles, elements and settings of a [`DirectXpbd`].
 #[derive(Debug)]
 pub struct DirectBuilder {
     particles: Particles,
@@ -47,10 +47,11 @@ impl DirectBuilder {
         self
     }
 
-    /// The solver: the pattern is made and analysed here, once.
+    /// The solver; the sparsity pattern is built and analysed here, once.
     ///
     /// # Errors
-    /// [`BuildError::InvalidSetting`]; [`BuildError::NoSuchVertex`] if an element names a vertex that the particles do not have; [`BuildError::MatrixTooLarge`].
+    /// [`BuildError::InvalidSetting`]; [`BuildError::NoSuchVertex`] if an element names a vertex that the
+    /// particles do not have; [`BuildError::MatrixTooLarge`].
     pub fn build(self) -> Result<DirectXpbd, BuildError> {
         let config = self.config;
         check(
@@ -102,7 +103,7 @@ impl DirectBuilder {
         let solver = Solver::new(&kkt, &config).map_err(|_| BuildError::MatrixTooLarge)?;
         let masses = self.particles.mass().iter().zip(w);
         let mass = masses.map(|(m, w)| if *w == 0.0 { 0.0 } else { *m });
-        let pair = || Pair::zeros(vertex_count, rows.len());
+        let pair = || KktVector::zeros(vertex_count, rows.len());
         let zeros = || vec![Vec3::zeros(); vertex_count];
         Ok(DirectXpbd {
             mass: mass.collect(),
@@ -113,7 +114,7 @@ impl DirectBuilder {
             start_value: vec![0.0; rows.len()],
             multipliers: vec![0.0; rows.len()],
             trial_multipliers: vec![0.0; rows.len()],
-            softness: vec![0.0; rows.len()],
+            scaled_compliance: vec![0.0; rows.len()],
             right: pair(),
             change: pair(),
             correction: pair(),

@@ -1,4 +1,4 @@
-//! What can be chosen.
+//! Settings of the direct solver.
 
 use cloth_core::math::Real;
 
@@ -10,8 +10,8 @@ pub enum System {
     SaddleLdlt,
     /// The same matrix by MINRES, preconditioned by its diagonal blocks.
     SaddleMinres,
-    /// Dual: the multipliers alone, `J H⁻¹ Jᵀ + α̃`, by sparse Cholesky. H is made block-diagonal by an upper bound, which is exact without geometric
-    /// stiffness and takes more iterations with it.
+    /// Dual: the multipliers alone, `J H⁻¹ Jᵀ + α̃`, by sparse Cholesky. H is made block-diagonal by an upper
+    /// bound, which is exact without geometric stiffness and takes more iterations with it.
     SchurCholesky,
     /// The same matrix by conjugate gradients.
     SchurConjugateGradients,
@@ -37,19 +37,22 @@ pub enum DirectStart {
 /// Settings of [`DirectXpbd`](super::DirectXpbd).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DirectConfig {
-    /// Parts into which a step is divided, at least 1; each is a step of its own, with contact at its end.
+    /// Substeps per step, at least 1; each is a step of its own, with contact at its end.
     pub substeps: u32,
     /// The linear system and its solver.
     pub system: System,
-    /// Whether `−Σ λ ∂²C`, the change of the forces where the gradients turn, is added to the mass, its negative part dropped (Tournier et al. 2015).
+    /// Whether `−Σ λ ∂²C`, the change of the forces where the gradients turn, is added to the mass, its
+    /// negative part dropped (Tournier et al. 2015).
     pub geometric_stiffness: bool,
     /// Where the iteration starts.
     pub start: DirectStart,
-    /// Whether λ, and with it the first geometric stiffness, starts from the end of the last step. If not, λ starts at zero, and a step depends on the state alone.
+    /// Whether λ, and with it the first geometric stiffness, starts from the end of the last step. If not, λ
+    /// starts at zero, and a step depends on the state alone.
     pub warm_start: bool,
     /// Most iterations per step, at least 1.
     pub max_iterations: u32,
-    /// A step is done when an iteration, taken whole, moves no vertex by more than this part of the size of the cloth (dimensionless).
+    /// A step is done when an iteration, taken whole, moves no vertex by more than this part of the size of the
+    /// cloth (dimensionless).
     pub tolerance: Real,
     /// Whether an iteration may be shortened. Without, every one is taken whole.
     pub line_search: bool,
@@ -81,8 +84,9 @@ impl Default for DirectConfig {
 }
 
 impl DirectConfig {
-    /// One linear solve a step, from the positions before it and the multipliers of the last step: stable constrained dynamics (Tournier et al. 2015).
-    /// Without `geometric_stiffness` it is the plain linearised form, S1 (44) as printed.
+    /// One linear solve a step, from the positions before it and the multipliers of the last step: stable
+    /// constrained dynamics (Tournier et al. 2015). Without `geometric_stiffness` it is the plain linearised
+    /// form, the compliant system of Servin et al. 2006.
     #[must_use]
     pub fn linearized() -> Self {
         Self {

@@ -1,11 +1,11 @@
-//! Contact in the substeps of the direct solver: last, on what the system has found.
+//! Contact constraints in the substeps of the direct solver, swept after its linear system.
 
 use cloth_core::contact::{ContactError, ContactStep};
 use cloth_core::math::{Real, Vec3};
 use cloth_core::particles::State;
 use cloth_core::step::{StepError, StepInput};
 
-/// Sweeps over the contacts of a substep. Nothing of the cloth comes between them.
+/// Sweeps over the contact constraints of a substep.
 const SWEEPS: u32 = 4;
 
 /// Begins a step at `state`, if there are contact constraints.
@@ -20,11 +20,13 @@ pub(super) fn begin_step(
         dt: input.dt,
     };
     let begun = input.contact_constraints().map(|c| c.begin_step(&step));
-    begun.transpose().map_err(|reason| refused(reason, state))?;
+    begun
+        .transpose()
+        .map_err(|reason| contact_error(reason, state))?;
     Ok(())
 }
 
-/// Projects `x` (m), to which the cloth would go in a substep from `state`, onto the contact constraints.
+/// Projects the positions `x` (m) at the end of a substep from `state` onto the contact constraints.
 pub(super) fn project(
     input: &mut StepInput<'_>,
     inverse_mass: &[Real],
@@ -39,16 +41,16 @@ pub(super) fn project(
     let Some(contacts) = input.contact_constraints() else {
         return Ok(());
     };
-    let refused = |reason| refused(reason, state);
-    contacts.begin_substep(&step, x).map_err(refused)?;
+    let error = |reason| contact_error(reason, state);
+    contacts.begin_substep(&step, x).map_err(error)?;
     for _ in 0..SWEEPS {
         contacts.sweep(&step, x);
     }
-    contacts.end_substep(&step, x).map_err(refused)
+    contacts.end_substep(&step, x).map_err(error)
 }
 
-/// `state` is where the step, or a substep of it, begins.
-fn refused(reason: ContactError, state: &State) -> StepError {
+/// The error of a step that begins, as a whole or in a substep, at `state`.
+fn contact_error(reason: ContactError, state: &State) -> StepError {
     let step = state.steps + 1;
     match reason {
         ContactError::NonFinite { vertex } => StepError::NonFinite { vertex, step },

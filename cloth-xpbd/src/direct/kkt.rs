@@ -1,4 +1,4 @@
-//! The linear system of one iteration, S1 (44) with the velocities eliminated, scaled so that its diagonal is of the order of 1.
+//! The linear system (KKT matrix) of one iteration, scaled so that its diagonal is of the order of 1.
 //!
 //! With `Δx̂ = √m Δx`, `Δλ̂ = √D Δλ` and `D = w̃ + α̃` of each row, it reads
 //!
@@ -7,24 +7,25 @@
 //!      Ĵ  Δx̂ + α̂ Δλ̂  = −D^(−½) (C + α̃ λ)          α̂ = α̃/D
 //! ```
 //!
-//! α̂ is 0 for a hard row and nears 1 for one so soft that it hardly moves anything, whatever the units, the masses and the step. Prescribed vertices and rows that no multiplier could
-//! change have zeros in Ĵ. The only division by a stiffness is that in `α̃ = 1/(k h²)`, for k neither 0 nor ∞; nothing divides by a compliance.
+//! α̂ is 0 for a hard row and tends to 1 for a soft one, whatever the units, the masses and the step. Prescribed
+//! vertices and rows that no multiplier could change have zeros in Ĵ. The only division by a stiffness is that in
+//! `α̃ = 1/(k h²)`, for k neither 0 nor ∞; nothing divides by a compliance.
 
 use super::rows::{RowFamily, Rows};
-use crate::compliance::Compliance;
+use crate::update::XpbdUpdate;
 use cloth_core::block_matrix::BlockMatrix;
 use cloth_core::math::{Real, Vec3};
 
-/// Positions and multipliers, or what stands in their equations.
+/// A vector of the KKT system: unknowns or right-hand side, one block for positions and one for multipliers.
 #[derive(Clone, Debug)]
-pub(super) struct Pair {
+pub(super) struct KktVector {
     /// One per vertex, zero at prescribed ones.
     pub(super) x: Vec<Vec3>,
     /// One per row.
     pub(super) l: Vec<Real>,
 }
 
-impl Pair {
+impl KktVector {
     pub(super) fn zeros(vertices: usize, rows: usize) -> Self {
         Self {
             x: vec![Vec3::zeros(); vertices],
@@ -58,7 +59,7 @@ pub(super) struct Kkt {
     /// Ĵ.
     pub(super) jacobian: Vec<Vec3>,
     /// α̂ of each row.
-    pub(super) softness: Vec<Real>,
+    pub(super) normalized_compliance: Vec<Real>,
     /// `I + K̂`.
     pub(super) hessian: BlockMatrix,
     /// `D^(−½)` of each row; 0 for a row that no multiplier could change.
@@ -73,7 +74,7 @@ impl Kkt {
             offsets: rows.offsets.clone(),
             vertices: rows.vertices.clone(),
             jacobian: vec![Vec3::zeros(); rows.vertices.len()],
-            softness: vec![1.0; rows.len()],
+            normalized_compliance: vec![1.0; rows.len()],
             row_scale: vec![0.0; rows.len()],
             hessian,
             vertex_scale: inverse_mass.iter().map(|w| w.sqrt()).collect(),
@@ -82,7 +83,7 @@ impl Kkt {
 
     /// Number of rows.
     pub(super) fn row_count(&self) -> usize {
-        self.softness.len()
+        self.normalized_compliance.len()
     }
 
     /// Entries of a row.
@@ -92,7 +93,7 @@ impl Kkt {
     }
 
     /// Fills Ĵ, α̂ and the scales from the rows as they are.
-    pub(super) fn set_rows(&mut self, rows: &Rows, compliance: Compliance) {
+    pub(super) fn set_rows(&mut self, rows: &Rows, update: XpbdUpdate) {
         for r in 0..rows.len() {
             let entries = rows.entries(r);
             let mut weight = 0.0;
@@ -100,15 +101,15 @@ impl Kkt {
                 let s = self.vertex_scale[self.vertices[e] as usize];
                 weight += (s * rows.gradient[e]).norm_squared();
             }
-            let softness = compliance.scaled(rows.stiffness[r]);
-            let diagonal = weight + softness;
-            let (scale, softness) = if weight > 0.0 && diagonal < Real::INFINITY {
-                (1.0 / diagonal.sqrt(), softness / diagonal)
+            let scaled_compliance = update.scaled_compliance(rows.stiffness[r]);
+            let diagonal = weight + scaled_compliance;
+            let (scale, normalized) = if weight > 0.0 && diagonal < Real::INFINITY {
+                (1.0 / diagonal.sqrt(), scaled_compliance / diagonal)
             } else {
                 (0.0, 1.0)
             };
             self.row_scale[r] = scale;
-            self.softness[r] = softness;
+            self.normalized_compliance[r] = normalized;
             for e in entries {
                 let s = self.vertex_scale[self.vertices[e] as usize];
                 self.jacobian[e] = rows.gradient[e] * (s * scale);
@@ -154,7 +155,7 @@ impl Kkt {
     }
 
     /// `out = right − A z`.
-    pub(super) fn residual(&self, right: &Pair, z: &Pair, out: &mut Pair) {
+    pub(super) fn residual(&self, right: &KktVector, z: &KktVector, out: &mut KktVector) {
         self.hessian.multiply(&z.x, &mut out.x);
         self.add_forces(&z.l, -1.0, &mut out.x);
         for (v, (out, right)) in out.x.iter_mut().zip(&right.x).enumerate() {
@@ -165,7 +166,7 @@ impl Kkt {
             };
         }
         for row in 0..self.row_count() {
-            let product = self.row_product(row, &z.x) + self.softness[row] * z.l[row];
+            let product = self.row_product(row, &z.x) + self.normalized_compliance[row] * z.l[row];
             out.l[row] = right.l[row] - product;
         }
     }

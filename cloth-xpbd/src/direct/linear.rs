@@ -1,9 +1,10 @@
-//! The linear solve of an iteration, by any of the four ways, and what is done where rows depend on one another.
+//! The linear solve of an iteration by any of the four backends, with regularisation and refinement for
+//! dependent rows.
 
 use super::config::{DirectConfig, System};
-use super::kkt::{Kkt, Pair};
+use super::kkt::{Kkt, KktVector};
 use super::saddle::{SaddleFactor, SaddleMinres};
-use super::schur::{SchurFactor, SchurGradients};
+use super::schur::{SchurCg, SchurFactor};
 use cloth_core::linear::CholeskyError;
 use cloth_core::math::{Real, Vec3};
 
@@ -12,7 +13,7 @@ enum Backend {
     Saddle(SaddleFactor),
     Minres(SaddleMinres),
     Schur(SchurFactor),
-    Gradients(SchurGradients),
+    SchurCg(SchurCg),
 }
 
 /// A solver of [`Kkt`] systems.
@@ -22,23 +23,23 @@ pub(super) struct Solver {
     krylov: (Real, u32),
     /// Number of the shift added to every α̂ in the matrix that is factorised.
     shift: usize,
-    correction: Pair,
-    residual: Pair,
+    correction: KktVector,
+    residual: KktVector,
     /// Since the start of the step.
     pub(super) factorizations: u32,
     /// Solves with a factor, or products of a Krylov method.
     pub(super) solves: u32,
 }
 
-/// Shifts, tried in turn until the matrix can be factorised. Rows that say the same, all of them hard, make the unshifted one singular.
+/// Shifts, tried in turn until the matrix can be factorised. Redundant hard rows make the unshifted one singular.
 const SHIFTS: [Real; 4] = [1e-10, 1e-8, 1e-6, 1e-4];
-/// Most corrections with one factor.
-const CORRECTIONS: u32 = 4;
-/// A correction goes on while it leaves less than this part of the residual before.
-const USEFUL: Real = 0.3;
-/// More than this part of the right-hand side left after all corrections is a contradiction.
+/// Most steps of iterative refinement with one factor.
+const MAX_CORRECTIONS: u32 = 4;
+/// Refinement goes on while a step leaves less than this fraction of the residual before.
+const MIN_REDUCTION: Real = 0.3;
+/// A larger fraction of the right-hand side left after refinement means contradictory rows.
 const CONTRADICTION: Real = 1e-6;
-/// Relative residual at which rounding rules.
+/// Relative residual at the level of rounding.
 const ROUNDING: Real = 1e-15;
 
 impl Solver {
@@ -47,9 +48,9 @@ impl Solver {
             System::SaddleLdlt => Backend::Saddle(SaddleFactor::analyze(kkt)?),
             System::SaddleMinres => Backend::Minres(SaddleMinres::new(kkt)),
             System::SchurCholesky => Backend::Schur(SchurFactor::analyze(kkt)?),
-            System::SchurConjugateGradients => Backend::Gradients(SchurGradients::new(kkt)),
+            System::SchurConjugateGradients => Backend::SchurCg(SchurCg::new(kkt)),
         };
-        let pair = || Pair::zeros(kkt.vertex_scale.len(), kkt.row_count());
+        let pair = || KktVector::zeros(kkt.vertex_scale.len(), kkt.row_count());
         Ok(Self {
             backend,
             krylov: (config.krylov_tolerance, config.max_krylov),
@@ -66,7 +67,7 @@ impl Solver {
         match &self.backend {
             Backend::Saddle(factor) => factor.factor_len(),
             Backend::Schur(factor) => factor.factor_len(),
-            Backend::Minres(_) | Backend::Gradients(_) => 0,
+            Backend::Minres(_) | Backend::SchurCg(_) => 0,
         }
     }
 
@@ -78,7 +79,7 @@ impl Solver {
         }
     }
 
-    /// Takes in the present numbers.
+    /// Takes the present numbers and factorises.
     pub(super) fn prepare(&mut self, kkt: &Kkt) -> Result<(), CholeskyError> {
         self.factorize_from(0, kkt)
     }
@@ -90,7 +91,7 @@ impl Solver {
             last = match &mut self.backend {
                 Backend::Saddle(factor) => factor.factorize(kkt, shift),
                 Backend::Schur(factor) => factor.factorize(kkt, shift),
-                Backend::Minres(_) | Backend::Gradients(_) => return Ok(()),
+                Backend::Minres(_) | Backend::SchurCg(_) => return Ok(()),
             };
             self.shift = index;
             self.factorizations += 1;
@@ -101,14 +102,15 @@ impl Solver {
         last
     }
 
-    /// Solves `A out = right`. With a factor the shift is taken out again by corrections: each multiplies the error of a combination of rows of stiffness σ (between 0 and 1) by
-    /// `shift/(σ + shift)`. What is left after them no multiplier can do: rows that contradict one another to first order. Whether there are any is returned; the
-    /// answer then holds their contradiction divided by the shift, and [`Solver::undetermined`] finds it.
-    pub(super) fn solve(&mut self, kkt: &Kkt, right: &Pair, out: &mut Pair) -> bool {
+    /// Solves `A out = right`. With a factor, iterative refinement removes the shift: each step multiplies the
+    /// error of an eigenvector of eigenvalue σ by `shift/(σ + shift)`. What remains no multiplier can do: rows
+    /// that contradict one another to first order. Returns whether there are any; the answer then holds their
+    /// contradiction divided by the shift, which [`Solver::undetermined`] computes.
+    pub(super) fn solve(&mut self, kkt: &Kkt, right: &KktVector, out: &mut KktVector) -> bool {
         let (tolerance, most) = self.krylov;
         let end = match &mut self.backend {
             Backend::Minres(minres) => minres.solve(kkt, right, out, tolerance, most),
-            Backend::Gradients(gradients) => gradients.solve(kkt, right, out, tolerance, most),
+            Backend::SchurCg(cg) => cg.solve(kkt, right, out, tolerance, most),
             Backend::Saddle(_) | Backend::Schur(_) => {
                 return self.solve_with_factor(kkt, right, out);
             }
@@ -117,9 +119,9 @@ impl Solver {
         false
     }
 
-    /// Writes to `out.l` the part of the multipliers `l` that no equation determines: `shift (S + shift)⁻¹ l` is the projection on the null space of S, if
-    /// everything else in S is large against the shift.
-    pub(super) fn undetermined(&mut self, kkt: &Kkt, l: &[Real], out: &mut Pair) {
+    /// Writes to `out.l` the part of the multipliers `l` that no equation determines: `shift (S + shift)⁻¹ l`, the
+    /// projection on the null space of S where its other eigenvalues are large against the shift.
+    pub(super) fn undetermined(&mut self, kkt: &Kkt, l: &[Real], out: &mut KktVector) {
         let shift = self.shift();
         self.residual.x.fill(Vec3::zeros());
         for (residual, l) in self.residual.l.iter_mut().zip(l) {
@@ -129,8 +131,8 @@ impl Solver {
         self.backend.solve_once(kkt, &self.residual, out);
     }
 
-    /// Whether the corrections left more than a small part of the right-hand side.
-    fn solve_with_factor(&mut self, kkt: &Kkt, right: &Pair, out: &mut Pair) -> bool {
+    /// Solve and refinement; whether they left more than a small fraction of the right-hand side.
+    fn solve_with_factor(&mut self, kkt: &Kkt, right: &KktVector, out: &mut KktVector) -> bool {
         let Self {
             backend,
             residual,
@@ -142,10 +144,10 @@ impl Solver {
         backend.solve_once(kkt, right, out);
         let whole = right.norm();
         let mut before = whole;
-        for _ in 0..=CORRECTIONS {
+        for _ in 0..=MAX_CORRECTIONS {
             kkt.residual(right, out, residual);
             let left = residual.norm();
-            if left >= USEFUL * before || left <= ROUNDING * whole || left.is_nan() {
+            if left >= MIN_REDUCTION * before || left <= ROUNDING * whole || left.is_nan() {
                 before = left;
                 break;
             }
@@ -160,11 +162,11 @@ impl Solver {
 
 impl Backend {
     /// One solve with the factor; nothing for a Krylov method.
-    fn solve_once(&mut self, kkt: &Kkt, right: &Pair, out: &mut Pair) {
+    fn solve_once(&mut self, kkt: &Kkt, right: &KktVector, out: &mut KktVector) {
         match self {
             Self::Saddle(factor) => factor.solve(right, out),
             Self::Schur(factor) => factor.solve(kkt, right, out),
-            Self::Minres(_) | Self::Gradients(_) => {}
+            Self::Minres(_) | Self::SchurCg(_) => {}
         }
     }
 }

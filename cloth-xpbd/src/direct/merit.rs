@@ -1,12 +1,15 @@
-//! Whether an iterate is better than another.
+//! The merit function of the line search.
 //!
-//! The step is the minimum of `½‖x − x̃‖²_M` plus the energies of the soft rows, subject to the hard ones. For both kinds of row at once we take
+//! The step is the minimum of `½‖x − x̃‖²_M` plus the energies of the soft rows, subject to the hard ones. For
+//! both kinds of row at once we take
 //!
-//! `φ(x) = ½‖x − x̃‖²_M + Σ ψ(C)`,  `ψ(C) = ½ C²/α̃` where `abs(C) ≤ α̃ μ`, `μ abs(C) − ½ α̃ μ²` beyond,
+//! `φ(x) = ½‖x − x̃‖²_M + Σ ψ(C)`, `ψ(C) = ½ C²/α̃` where `|C| ≤ α̃ μ`, `μ |C| − ½ α̃ μ²` beyond,
 //!
-//! Huber's function: the elastic energy near its zero, a slope μ beyond. For a hard row it is the exact penalty `μ abs(C)`. Stiff rows far from rest do not make a
-//! narrow valley of it, and nothing is divided by a compliance of zero. With every μ above the multipliers that the linear system asks for, its solution is a
-//! direction in which φ falls: the slope is at most `−Δxᵀ H Δx`, which one sees by putting the two equations of the system into the slope of φ.
+//! Huber's function: the elastic energy near its zero, a slope μ beyond. For a hard row it is the exact penalty
+//! `μ |C|` (Nocedal & Wright, *Numerical Optimization*, 2006, section 15.4). Stiff rows far from rest do not
+//! make a narrow valley of it, and nothing is divided by a compliance of zero. With every μ above the
+//! multipliers of the linear system, its solution is a direction of descent: put the two equations of the
+//! system into the directional derivative of φ, and it is at most `−Δxᵀ H Δx`.
 
 use super::rows::Rows;
 use cloth_core::math::{Real, Vec3};
@@ -21,7 +24,7 @@ pub(super) struct Merit {
     slope: Vec<Real>,
 }
 
-/// What the merit needs to know of the step.
+/// The data of the step that the merit needs.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Scene<'a> {
     /// Masses (kg), 0 for prescribed vertices, which do not count.
@@ -29,7 +32,7 @@ pub(super) struct Scene<'a> {
     /// x̃ (m).
     pub(super) predicted: &'a [Vec3],
     /// α̃ of each row; infinite for rows that do not count.
-    pub(super) softness: &'a [Real],
+    pub(super) scaled_compliance: &'a [Real],
 }
 
 impl Merit {
@@ -39,7 +42,7 @@ impl Merit {
         }
     }
 
-    /// Forgets the step before.
+    /// Starts a new step: every μ is 0.
     pub(super) fn reset(&mut self) {
         self.slope.fill(0.0);
     }
@@ -51,14 +54,19 @@ impl Merit {
         }
     }
 
-    /// φ (kg m²) at `x` (m), where the rows have been evaluated. It is a sum of positive parts.
+    /// φ (kg m²) at `x` (m), where the rows have been evaluated. All terms are positive.
     pub(super) fn value(&self, scene: Scene<'_>, x: &[Vec3], rows: &Rows) -> Real {
         let mut inertia = 0.0;
         for ((mass, x), goal) in scene.mass.iter().zip(x).zip(scene.predicted) {
             inertia += 0.5 * mass * (x - goal).norm_squared();
         }
         let mut elastic = 0.0;
-        for ((value, a), slope) in rows.violation.iter().zip(scene.softness).zip(&self.slope) {
+        for ((value, a), slope) in rows
+            .violation
+            .iter()
+            .zip(scene.scaled_compliance)
+            .zip(&self.slope)
+        {
             if *a == Real::INFINITY {
                 continue;
             }
@@ -72,8 +80,8 @@ impl Merit {
         inertia + elastic
     }
 
-    /// What rounding may do to a value `φ` (kg m²) on a cloth of `size` (m): each row is known to some ε of the size of the cloth, and is multiplied by at
-    /// most its μ. Two values that differ by less cannot be told apart.
+    /// Rounding error (kg m²) of a `value` of φ on a cloth of `size` (m): each row is known to some ε of the
+    /// size of the cloth, and is multiplied by at most its μ.
     pub(super) fn rounding(&self, value: Real, size: Real) -> Real {
         let slopes: Real = self.slope.iter().sum();
         8.0 * Real::EPSILON * (value + size * slopes)
@@ -92,7 +100,7 @@ impl Merit {
             sum += mass * (x[v] - scene.predicted[v]).dot(&direction[v]);
         }
         for row in 0..rows.len() {
-            let a = scene.softness[row];
+            let a = scene.scaled_compliance[row];
             if a == Real::INFINITY {
                 continue;
             }

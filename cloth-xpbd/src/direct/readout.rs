@@ -1,9 +1,9 @@
-//! What can be read from a solver after a step.
+//! Residuals, multipliers and forces of the last step.
 
 use super::solver::DirectXpbd;
 use cloth_core::math::{Real, Vec3};
 
-/// What the last step left of the two equations.
+/// Residuals of the two equations after the last step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Residuals {
     /// Largest `|C + α̃λ|` of a row (unit of C; m for springs and hinges).
@@ -19,21 +19,23 @@ impl DirectXpbd {
         self.solver.factor_len()
     }
 
-    /// What was added to the diagonal of every row in the factor of the last iteration (dimensionless: the diagonal is 1), so that hard rows that depend on one another
-    /// do not make the matrix singular. It changes how fast a step converges, not what it converges to.
+    /// The shift (dimensionless: the diagonal is 1) added to the diagonal of every row in the factor of the
+    /// last iteration, so that dependent hard rows do not make the matrix singular. It changes how fast a step
+    /// converges, not its limit.
     #[must_use]
     pub fn regularization(&self) -> Real {
         self.solver.shift()
     }
 
-    /// What the last step left of the two equations; zero before the first.
+    /// The residuals of the last step; zero before the first.
     #[must_use]
     pub fn residuals(&self) -> Residuals {
         self.residuals
     }
 
-    /// Writes the multipliers λ (kg m² per unit of C; kg m for springs and hinges) of the last step to `out`: those of the family that
-    /// was added as number `family` (from 0), element after element in the order given, row after row. Zero before the first step and after one that failed.
+    /// Writes the multipliers λ (kg m² per unit of C; kg m for springs and hinges) of the last step to `out`:
+    /// those of the family that was added as number `family` (from 0), element after element in the order
+    /// given, row after row. Zero before the first step and after one that failed.
     ///
     /// # Panics
     /// If there is no such family.
@@ -52,12 +54,12 @@ impl DirectXpbd {
     pub fn vertex_forces_into(&self, out: &mut [Vec3]) {
         assert_eq!(out.len(), self.mass.len(), "one force per vertex");
         out.fill(Vec3::zeros());
-        let Some(compliance) = self.last else {
+        let Some(update) = self.last else {
             return;
         };
         for (row, &multiplier) in self.multipliers.iter().enumerate() {
             for e in self.rows.entries(row) {
-                let force = self.rows.gradient[e] * compliance.force(multiplier);
+                let force = self.rows.gradient[e] * update.force(multiplier);
                 out[self.rows.vertices[e] as usize] += force;
             }
         }

@@ -1,4 +1,4 @@
-//! All rows of all families in flat arrays: structure once, numbers whenever the positions have moved.
+//! All rows of all families in flat arrays: structure at build, numbers at every evaluation.
 
 use cloth_core::block_matrix::{BlockMatrix, BlockPattern, PatternBuilder};
 use cloth_core::element::{Constraint, Convexity, RowArray};
@@ -16,7 +16,8 @@ pub(super) struct Rows {
     pub(super) vertices: Vec<u32>,
     /// `∂C/∂x` of each entry (unit of C per m).
     pub(super) gradient: Vec<Vec3>,
-    /// `C` of each row; of one that its multiplier keeps at an end of its range, how far it is from there, to either side.
+    /// `C` of each row; of one that its multiplier keeps at an end of its range, how far it is from there, to
+    /// either side.
     pub(super) value: Vec<Real>,
     /// `C` of each row.
     pub(super) violation: Vec<Real>,
@@ -37,7 +38,7 @@ impl Rows {
     }
 }
 
-/// Elements of one kind, with the kind forgotten.
+/// Elements of one type, type-erased.
 pub(super) trait RowFamily: Debug + Send {
     /// Appends the structure of its rows.
     fn append(&self, rows: &mut Rows);
@@ -45,8 +46,10 @@ pub(super) trait RowFamily: Debug + Send {
     fn row_count(&self) -> usize;
     /// Writes C, J and k at `x` (m) to the rows from number `first` on.
     fn evaluate(&self, x: &[Vec3], first: usize, rows: &mut Rows);
-    /// Decides for every row with a dead zone whether it acts: a soft one where it is beyond its range, a hard one, which ends at the end of its range, where its multiplier says so
-    /// ([`DeadZoneRow`](cloth_core::element::DeadZoneRow)). A free row has no gradient, and its multiplier becomes zero; gives whether one was not zero before.
+    /// Decides for every row with a dead zone whether it is active: a soft one beyond its range; a hard one,
+    /// which ends at the end of its range, by its multiplier
+    /// ([`DeadZoneRow`](cloth_core::element::DeadZoneRow)). An inactive row has no gradient, and its multiplier
+    /// becomes zero; returns whether one was not zero before.
     fn activate(
         &self,
         x: &[Vec3],
@@ -57,11 +60,13 @@ pub(super) trait RowFamily: Debug + Send {
     ) -> bool;
     /// Adds the blocks that its geometric stiffness may have.
     fn add_pattern(&self, pattern: &mut PatternBuilder);
-    /// Looks up their places.
+    /// Looks up their slots in the pattern.
     fn bind(&mut self, pattern: &BlockPattern);
-    /// Adds `−Σ λ ∂²C`, made positive semi-definite, scaled by `scale[i] scale[j]`; `multipliers` are those of its rows.
+    /// Adds `−Σ λ ∂²C`, made positive semi-definite, scaled by `scale[i] scale[j]`; `multipliers` are those of
+    /// its rows.
     ///
-    /// For a matrix that has a diagonal only, an upper bound: a positive semi-definite matrix of N × N blocks is at most N times its diagonal blocks.
+    /// For a matrix that has a diagonal only, an upper bound: a positive semi-definite matrix of N × N blocks
+    /// is at most N times its diagonal blocks.
     fn add_stiffness(
         &self,
         x: &[Vec3],
@@ -79,7 +84,7 @@ struct Family<const N: usize, E> {
     slots: Vec<u32>,
 }
 
-/// A family behind its door.
+/// A boxed family of elements.
 ///
 /// # Errors
 /// [`BuildError::NoSuchVertex`].

@@ -1,6 +1,7 @@
-//! Primal–dual: positions and multipliers together. With `y = −Δλ̂` the matrix is symmetric, `[I + K̂  Ĵᵀ; Ĵ  −α̂]`.
+//! Solvers of the primal–dual system, positions and multipliers together. With `y = −Δλ̂` the matrix is
+//! symmetric, `[I + K̂  Ĵᵀ; Ĵ  −α̂]`.
 
-use super::kkt::{Kkt, Pair};
+use super::kkt::{Kkt, KktVector};
 use cloth_core::linear::{CholeskyError, KrylovEnd, Minres, SignedCholesky, UpperPattern};
 use cloth_core::math::{Mat3, Real, Vec3};
 
@@ -30,7 +31,7 @@ impl Numbering {
     }
 
     /// A right-hand side: the equations of the positions first, then those of the rows.
-    fn pack(&self, from: &Pair, to: &mut [Real]) {
+    fn pack(&self, from: &KktVector, to: &mut [Real]) {
         for (&first, x) in self.first.iter().zip(&from.x) {
             if first != PRESCRIBED {
                 to[first as usize..first as usize + 3].copy_from_slice(x.as_slice());
@@ -40,7 +41,7 @@ impl Numbering {
     }
 
     /// A solution: the sign of the multipliers is changed back.
-    fn unpack(&self, from: &[Real], to: &mut Pair) {
+    fn unpack(&self, from: &[Real], to: &mut KktVector) {
         for (&first, x) in self.first.iter().zip(&mut to.x) {
             *x = if first == PRESCRIBED {
                 Vec3::zeros()
@@ -146,12 +147,12 @@ impl SaddleFactor {
                     kkt.jacobian[e as usize].iter().for_each(|&j| push(j));
                 }
             }
-            push(-(kkt.softness[row] + shift));
+            push(-(kkt.normalized_compliance[row] + shift));
         }
         self.factor.factorize()
     }
 
-    pub(super) fn solve(&mut self, right: &Pair, out: &mut Pair) {
+    pub(super) fn solve(&mut self, right: &KktVector, out: &mut KktVector) {
         self.numbering.pack(right, &mut self.vector);
         self.factor.solve_in_place(&mut self.vector);
         self.numbering.unpack(&self.vector, out);
@@ -168,7 +169,7 @@ pub(super) struct SaddleMinres {
     diagonal: Vec<Real>,
     right: Vec<Real>,
     solution: Vec<Real>,
-    work: [Pair; 2],
+    work: [KktVector; 2],
 }
 
 impl SaddleMinres {
@@ -182,7 +183,10 @@ impl SaddleMinres {
             diagonal: vec![1.0; rows],
             right: vec![0.0; n],
             solution: vec![0.0; n],
-            work: [Pair::zeros(vertices, rows), Pair::zeros(vertices, rows)],
+            work: [
+                KktVector::zeros(vertices, rows),
+                KktVector::zeros(vertices, rows),
+            ],
             numbering,
         }
     }
@@ -190,8 +194,8 @@ impl SaddleMinres {
     pub(super) fn solve(
         &mut self,
         kkt: &Kkt,
-        right: &Pair,
-        out: &mut Pair,
+        right: &KktVector,
+        out: &mut KktVector,
         tolerance: Real,
         most: u32,
     ) -> KrylovEnd {
@@ -209,7 +213,8 @@ impl SaddleMinres {
                 kkt.hessian.multiply(&a.x, &mut b.x);
                 kkt.add_forces(&a.l, -1.0, &mut b.x);
                 for row in 0..kkt.row_count() {
-                    b.l[row] = kkt.row_product(row, &a.x) + kkt.softness[row] * a.l[row];
+                    b.l[row] =
+                        kkt.row_product(row, &a.x) + kkt.normalized_compliance[row] * a.l[row];
                 }
                 numbering.pack(b, y);
             },
@@ -246,7 +251,7 @@ pub(super) fn inverse_blocks(kkt: &Kkt, out: &mut [Mat3]) {
 
 /// Diagonal entry of `Ĵ B Ĵᵀ + α̂` for block-diagonal B.
 pub(super) fn dual_diagonal(kkt: &Kkt, blocks: &[Mat3], row: usize) -> Real {
-    let mut sum = kkt.softness[row];
+    let mut sum = kkt.normalized_compliance[row];
     for e in kkt.entries(row) {
         let j = kkt.jacobian[e];
         sum += j.dot(&(blocks[kkt.vertices[e] as usize] * j));

@@ -1,12 +1,12 @@
-//! Dual: the multipliers alone, with the positions eliminated: `S Δλ̂ = r_λ − Ĵ B r_x`, `S = Ĵ B Ĵᵀ + α̂`, `Δx̂ = B (r_x + Ĵᵀ Δλ̂)`, where B is the
-//! inverse of a block-diagonal `I + K̂`.
+//! Solvers of the dual system, the Schur complement in the multipliers: `S Δλ̂ = r_λ − Ĵ B r_x`,
+//! `S = Ĵ B Ĵᵀ + α̂`, `Δx̂ = B (r_x + Ĵᵀ Δλ̂)`, where B is the inverse of a block-diagonal `I + K̂`.
 
-use super::kkt::{Kkt, Pair};
+use super::kkt::{Kkt, KktVector};
 use super::saddle::{dual_diagonal, inverse_blocks};
 use cloth_core::linear::{Cholesky, CholeskyError, KrylovEnd, UpperPattern};
 use cloth_core::math::{Mat3, Real, Vec3};
 
-/// What both solvers of the dual system share.
+/// Reduction to the dual system and back, for both of its solvers.
 #[derive(Debug)]
 struct Dual {
     /// B.
@@ -24,7 +24,7 @@ impl Dual {
     }
 
     /// `r_λ − Ĵ B r_x`.
-    fn reduce(&mut self, kkt: &Kkt, right: &Pair, out: &mut [Real]) {
+    fn reduce(&mut self, kkt: &Kkt, right: &KktVector, out: &mut [Real]) {
         for (force, (block, x)) in self.forces.iter_mut().zip(self.blocks.iter().zip(&right.x)) {
             *force = block * x;
         }
@@ -34,7 +34,7 @@ impl Dual {
     }
 
     /// `Δx̂ = B (r_x + Ĵᵀ Δλ̂)` from `out.l`.
-    fn expand(&self, kkt: &Kkt, right: &Pair, out: &mut Pair) {
+    fn expand(&self, kkt: &Kkt, right: &KktVector, out: &mut KktVector) {
         out.x.copy_from_slice(&right.x);
         kkt.add_forces(&out.l, 1.0, &mut out.x);
         for (v, x) in out.x.iter_mut().enumerate() {
@@ -54,7 +54,7 @@ impl Dual {
             *force = block * *force;
         }
         for (row, y) in y.iter_mut().enumerate() {
-            *y = kkt.row_product(row, &self.forces) + kkt.softness[row] * l[row];
+            *y = kkt.row_product(row, &self.forces) + kkt.normalized_compliance[row] * l[row];
         }
     }
 }
@@ -152,7 +152,7 @@ impl SchurFactor {
                     self.column[other_row] += kkt.jacobian[other as usize].dot(&moved);
                 }
             }
-            self.column[row] += kkt.softness[row] + shift;
+            self.column[row] += kkt.normalized_compliance[row] + shift;
             let pattern = self.cholesky.pattern();
             let range =
                 pattern.column_offsets[row] as usize..pattern.column_offsets[row + 1] as usize;
@@ -166,7 +166,7 @@ impl SchurFactor {
         self.cholesky.factorize()
     }
 
-    pub(super) fn solve(&mut self, kkt: &Kkt, right: &Pair, out: &mut Pair) {
+    pub(super) fn solve(&mut self, kkt: &Kkt, right: &KktVector, out: &mut KktVector) {
         self.dual.reduce(kkt, right, &mut out.l);
         if !out.l.is_empty() {
             self.cholesky.solve_in_place(&mut out.l);
@@ -177,7 +177,7 @@ impl SchurFactor {
 
 /// S by conjugate gradients, preconditioned by its diagonal.
 #[derive(Debug)]
-pub(super) struct SchurGradients {
+pub(super) struct SchurCg {
     dual: Dual,
     right: Vec<Real>,
     direction: Vec<Real>,
@@ -186,7 +186,7 @@ pub(super) struct SchurGradients {
     diagonal: Vec<Real>,
 }
 
-impl SchurGradients {
+impl SchurCg {
     pub(super) fn new(kkt: &Kkt) -> Self {
         let zeros = || vec![0.0; kkt.row_count()];
         Self {
@@ -201,8 +201,8 @@ impl SchurGradients {
     pub(super) fn solve(
         &mut self,
         kkt: &Kkt,
-        right: &Pair,
-        out: &mut Pair,
+        right: &KktVector,
+        out: &mut KktVector,
         tolerance: Real,
         most: u32,
     ) -> KrylovEnd {

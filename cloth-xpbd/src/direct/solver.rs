@@ -1,14 +1,14 @@
-//! The algorithm.
+//! The solver: iterations of the linear system, substeps around them.
 
 use super::builder::DirectBuilder;
 use super::config::{DirectConfig, DirectStart};
 use super::contact;
-use super::kkt::{Kkt, Pair};
+use super::kkt::{Kkt, KktVector};
 use super::linear::Solver;
 use super::merit::Merit;
 use super::readout::Residuals;
 use super::rows::{RowFamily, Rows};
-use crate::compliance::Compliance;
+use crate::update::XpbdUpdate;
 use cloth_core::linear::CholeskyError;
 use cloth_core::math::{Real, Vec3, is_finite};
 use cloth_core::measure::predict;
@@ -28,16 +28,16 @@ pub struct DirectXpbd {
     pub(super) kkt: Kkt,
     pub(super) solver: Solver,
     pub(super) merit: Merit,
-    /// What is taken off the value of each row (unit of C), for damping.
+    /// `β/(h + β) C⁰` of each row (unit of C), subtracted from its value: damping.
     pub(super) start_value: Vec<Real>,
     /// λ of each row (kg m² per unit of C).
     pub(super) multipliers: Vec<Real>,
     pub(super) trial_multipliers: Vec<Real>,
     /// α̃ of each row; infinite where no multiplier could change it.
-    pub(super) softness: Vec<Real>,
-    pub(super) right: Pair,
-    pub(super) change: Pair,
-    pub(super) correction: Pair,
+    pub(super) scaled_compliance: Vec<Real>,
+    pub(super) right: KktVector,
+    pub(super) change: KktVector,
+    pub(super) correction: KktVector,
     /// x̃, x, Δx, and a place to try (m), one per vertex.
     pub(super) predicted: Vec<Vec3>,
     pub(super) positions: Vec<Vec3>,
@@ -46,7 +46,7 @@ pub struct DirectXpbd {
     /// Where the substep begins.
     pub(super) current: State,
     /// With the size of the last step, if it succeeded.
-    pub(super) last: Option<Compliance>,
+    pub(super) last: Option<XpbdUpdate>,
     pub(super) residuals: Residuals,
 }
 
@@ -63,7 +63,7 @@ impl Stepper for DirectXpbd {
         input.check(state, self.particles.len())?;
         let written = self.substeps(state, &mut input);
         if written.is_err() {
-            // What a failed step leaves must not start the next one.
+            // A failed step must not warm-start the next one.
             self.last = None;
             self.multipliers.fill(0.0);
         }
@@ -78,7 +78,7 @@ impl DirectXpbd {
         DirectBuilder::new(particles)
     }
 
-    /// What it was built with.
+    /// The settings.
     #[must_use]
     pub fn config(&self) -> &DirectConfig {
         &self.config
@@ -144,7 +144,7 @@ impl DirectXpbd {
         };
         let w = self.particles.inverse_mass();
         contact::project(input, w, current, &mut self.positions)?;
-        // v ← v + h a + (x − x̃)/h, S1 (26)
+        // v ← v + h a + (x − x̃)/h
         for (v, velocity) in current.velocities.iter_mut().enumerate() {
             let a = input.external_acceleration(v, w[v]);
             let change = (self.positions[v] - self.predicted[v]) / input.dt;
@@ -157,7 +157,7 @@ impl DirectXpbd {
         Ok(())
     }
 
-    /// Solves the system of one substep, after so many iterations of those before it.
+    /// Solves one substep; `before` iterations were made in the substeps before it.
     fn iterate(
         &mut self,
         state: &State,
@@ -165,25 +165,25 @@ impl DirectXpbd {
         before: u32,
     ) -> Result<StepReport, StepError> {
         let step = state.steps + 1;
-        let compliance = Compliance::new(input.dt, self.config.damping);
+        let update = XpbdUpdate::new(input.dt, self.config.damping);
         let unknown =
             self.config.warm_start && self.config.geometric_stiffness && self.last.is_none();
-        self.begin(state, input, compliance);
+        self.begin(state, input, update);
         let size = extent(&state.positions);
         let mut report = StepReport::new(Outcome::BudgetSpent, 0);
         for iteration in 1..=self.config.max_iterations {
             report.iterations = iteration;
-            self.assemble(compliance);
+            self.assemble(update);
             if iteration == 1 && unknown {
-                self.guess_multipliers()
+                self.initial_multipliers()
                     .map_err(|_| StepError::NotPositiveDefinite { iteration, step })?;
-                self.assemble(compliance);
+                self.assemble(update);
             }
             self.solver
                 .prepare(&self.kkt)
                 .map_err(|_| StepError::NotPositiveDefinite { iteration, step })?;
             if self.solver.solve(&self.kkt, &self.right, &mut self.change) {
-                self.forget_undetermined();
+                self.remove_undetermined();
             }
             let scaled = self.change.x.iter().zip(&self.kkt.vertex_scale);
             for (direction, (x, scale)) in self.direction.iter_mut().zip(scaled) {
@@ -199,7 +199,7 @@ impl DirectXpbd {
                 self.try_length(1.0);
                 self.accept();
             } else {
-                self.search(size, &mut report)
+                self.line_search(size, &mut report)
                     .ok_or(StepError::LineSearchStalled {
                         iteration,
                         residual: moved / size,
@@ -221,19 +221,19 @@ impl DirectXpbd {
         {
             return Err(StepError::NonFinite { vertex, step });
         }
-        self.finish(compliance, &mut report);
+        self.finish(update, &mut report);
         Ok(report)
     }
 
     /// x̃, where to start, and λ to start from.
-    fn begin(&mut self, state: &State, input: &StepInput<'_>, compliance: Compliance) {
+    fn begin(&mut self, state: &State, input: &StepInput<'_>, update: XpbdUpdate) {
         predict(&self.particles, state, input, &mut self.predicted);
         self.start_value.fill(0.0);
         if self.config.damping > 0.0 {
             self.evaluate_at(&state.positions);
             let rows = self.rows.value.iter().zip(&self.rows.stiffness);
             for (start, (value, &k)) in self.start_value.iter_mut().zip(rows) {
-                *start = compliance.kept(k) * value;
+                *start = update.damped_fraction(k) * value;
             }
         }
         for (v, x) in self.positions.iter_mut().enumerate() {
@@ -244,7 +244,7 @@ impl DirectXpbd {
             };
         }
         let ratio = match self.last {
-            Some(last) if self.config.warm_start => compliance.substep() / last.substep(),
+            Some(last) if self.config.warm_start => update.substep() / last.substep(),
             _ => 0.0,
         };
         self.multipliers
@@ -294,9 +294,9 @@ impl DirectXpbd {
     }
 
     /// The matrix and the right-hand side at the present positions and multipliers.
-    fn assemble(&mut self, compliance: Compliance) {
+    fn assemble(&mut self, update: XpbdUpdate) {
         self.activate();
-        self.set_rows(compliance);
+        self.set_rows(update);
         let families: &[_] = if self.config.geometric_stiffness {
             &self.families
         } else {
@@ -308,11 +308,11 @@ impl DirectXpbd {
         self.set_right();
     }
 
-    fn set_rows(&mut self, compliance: Compliance) {
-        self.kkt.set_rows(&self.rows, compliance);
+    fn set_rows(&mut self, update: XpbdUpdate) {
+        self.kkt.set_rows(&self.rows, update);
         for row in 0..self.rows.len() {
-            self.softness[row] = if self.kkt.row_scale[row] > 0.0 {
-                compliance.scaled(self.rows.stiffness[row])
+            self.scaled_compliance[row] = if self.kkt.row_scale[row] > 0.0 {
+                update.scaled_compliance(self.rows.stiffness[row])
             } else {
                 Real::INFINITY
             };
@@ -335,16 +335,16 @@ impl DirectXpbd {
         }
         self.kkt.add_forces(&self.change.l, 1.0, &mut self.right.x);
         for row in 0..self.rows.len() {
-            let hat = self.kkt.softness[row] * self.change.l[row];
-            self.right.l[row] = -(self.kkt.row_scale[row] * self.rows.value[row] + hat);
+            let compliant = self.kkt.normalized_compliance[row] * self.change.l[row];
+            self.right.l[row] = -(self.kkt.row_scale[row] * self.rows.value[row] + compliant);
         }
     }
 
-    /// Takes the multipliers of one solve without geometric stiffness, and moves nothing: what a first step has in place of those of a step before.
-    fn guess_multipliers(&mut self) -> Result<(), CholeskyError> {
+    /// The multipliers of one solve without geometric stiffness, positions unmoved: the warm start of a first step.
+    fn initial_multipliers(&mut self) -> Result<(), CholeskyError> {
         self.solver.prepare(&self.kkt)?;
         if self.solver.solve(&self.kkt, &self.right, &mut self.change) {
-            self.forget_undetermined();
+            self.remove_undetermined();
         }
         for row in 0..self.rows.len() {
             self.multipliers[row] += self.kkt.row_scale[row] * self.change.l[row];
@@ -352,9 +352,9 @@ impl DirectXpbd {
         Ok(())
     }
 
-    /// Takes from the new multipliers what rows that depend on one another leave open, and their contradiction has made large. It moves nothing, but the geometric stiffness
-    /// would see it.
-    fn forget_undetermined(&mut self) {
+    /// Removes from the new multipliers their part in the null space of dependent rows, which contradictory
+    /// rows have made large. It moves nothing, but the geometric stiffness would see it.
+    fn remove_undetermined(&mut self) {
         for _ in 0..2 {
             for row in 0..self.rows.len() {
                 let scale = self.kkt.row_scale[row];
@@ -372,21 +372,22 @@ impl DirectXpbd {
     }
 
     /// What is left of the equations, and the counts.
-    fn finish(&mut self, compliance: Compliance, report: &mut StepReport) {
-        self.last = Some(compliance);
+    fn finish(&mut self, update: XpbdUpdate, report: &mut StepReport) {
+        self.last = Some(update);
         self.activate();
-        self.set_rows(compliance);
+        self.set_rows(update);
         for row in 0..self.rows.len() {
-            // A spring between two pins is no part of the system, but it has a force.
+            // A spring between two prescribed vertices is not in the system, but has a force.
             if self.kkt.row_scale[row] == 0.0 {
-                let force = -self.rows.value[row] / compliance.scaled(self.rows.stiffness[row]);
+                let force =
+                    -self.rows.value[row] / update.scaled_compliance(self.rows.stiffness[row]);
                 self.multipliers[row] = if force.is_finite() { force } else { 0.0 };
             }
         }
         self.set_right();
         let rows = self.right.l.iter().zip(&self.kkt.row_scale);
         let left = rows.filter(|(_, scale)| **scale > 0.0);
-        let h = compliance.substep();
+        let h = update.substep();
         self.residuals = Residuals {
             compliance: left.map(|(l, scale)| l.abs() / scale).fold(0.0, Real::max),
             momentum: self
@@ -403,9 +404,10 @@ impl DirectXpbd {
         report.residual = Some(self.residuals.compliance);
     }
 
-    /// Work (J) of the prescribed vertices in the step from `state`: each moved by Δt v against the force `Jᵀλ/Δt²` on it.
+    /// Work (J) of the prescribed vertices in the step from `state`: each moved by Δt v against the force
+    /// `Jᵀλ/Δt²` on it.
     fn pin_work(&self, state: &State) -> Real {
-        let Some(compliance) = self.last else {
+        let Some(update) = self.last else {
             return 0.0;
         };
         let mut work = 0.0;
@@ -414,7 +416,7 @@ impl DirectXpbd {
                 let vertex = self.rows.vertices[e] as usize;
                 if self.particles.is_prescribed(vertex) {
                     let velocity = &state.velocities[vertex];
-                    work -= self.rows.gradient[e].dot(velocity) * compliance.impulse(multiplier);
+                    work -= self.rows.gradient[e].dot(velocity) * update.impulse(multiplier);
                 }
             }
         }

@@ -1,15 +1,15 @@
-//! Positions in single precision, and the way back.
+//! Positions in single precision relative to an origin, and their changes added back in double precision.
 
 use cloth_core::math::{Real, Vec3};
 use wide::f32x4;
 
-/// Vertices that do not exist, at which the empty places of a pack of springs end: those of three springs.
-pub(super) const EMPTY: usize = 6;
+/// Padding vertices: the ends of the springs that fill up a pack, at most three.
+pub(super) const PADDING: usize = 6;
 
-/// Relative positions and inverse masses, and what they were when they last agreed with those in double precision.
+/// Relative positions and inverse masses, and their values when they were last synchronised with double precision.
 #[derive(Debug)]
 pub(super) struct Positions {
-    /// (y, w): m and 1/kg, one per vertex, then those of the empty places.
+    /// (y, w): m and 1/kg, one per vertex, then the padding.
     now: Vec<f32x4>,
     before: Vec<f32x4>,
     origin: Vec3,
@@ -20,7 +20,7 @@ impl Positions {
         // Apart from one another, and prescribed.
         let empty = |i| f32x4::new([i as f32, 0.0, 0.0, 0.0]);
         let mut now = vec![f32x4::splat(0.0); vertex_count];
-        now.extend((0..EMPTY).map(empty));
+        now.extend((0..PADDING).map(empty));
         Self {
             before: now.clone(),
             now,
@@ -28,7 +28,7 @@ impl Positions {
         }
     }
 
-    /// Takes the middle of the box around `x` (m) for the origin, and returns it.
+    /// Sets the origin to the centre of the bounding box of `x` (m), and returns it.
     pub(super) fn center(&mut self, x: &[Vec3]) -> Vec3 {
         if let Some(&first) = x.first() {
             let (low, high) = x
@@ -56,7 +56,7 @@ impl Positions {
         &mut self.now
     }
 
-    /// Adds to `x` (m) what has changed since it was last in agreement.
+    /// Adds to `x` (m) the change since the last synchronisation.
     pub(super) fn add_change(&mut self, x: &mut [Vec3]) {
         let pairs = self.now.iter().zip(&mut self.before);
         for ((now, before), x) in pairs.zip(x) {

@@ -1,8 +1,8 @@
-//! Four springs at a time.
+//! Springs in packs of four: one SIMD lane each.
 
-use super::positions::EMPTY;
-use super::{Family, SMALLEST, is_prescribed, softness};
-use crate::compliance::Compliance;
+use super::positions::PADDING;
+use super::{Family, SMALLEST, is_prescribed, scaled_compliance};
+use crate::update::XpbdUpdate;
 use cloth_core::coloring::{Colored, greedy_colors};
 use cloth_core::element::Element;
 use cloth_core::energy::Spring;
@@ -25,13 +25,13 @@ impl Element<8> for Pack {
     }
 }
 
-/// What is remembered of a pack.
+/// Multipliers and compliances of a pack.
 #[derive(Clone, Copy, Debug, Default)]
 struct Multipliers {
     /// λ (kg m).
-    total: f32x4,
+    lambda: f32x4,
     /// α̃ (1/kg).
-    softness: f32x4,
+    scaled_compliance: f32x4,
 }
 
 /// All springs of a family in packs.
@@ -44,12 +44,12 @@ pub(super) struct Springs {
 }
 
 impl Springs {
-    /// For `vertex_count` vertices, to which the empty places come.
+    /// For `vertex_count` vertices; the padding comes after them.
     pub(super) fn new(springs: &[Spring], vertex_count: usize) -> Result<Self, BuildError> {
         let packs = packs(springs, vertex_count);
         let colored = Colored::new(
             &packs.iter().map(|(pack, _)| *pack).collect::<Vec<_>>(),
-            vertex_count + EMPTY,
+            vertex_count + PADDING,
         );
         let order = colored.input_index().iter();
         let stiffness = order.map(|&i| packs[i as usize].1).collect();
@@ -61,7 +61,7 @@ impl Springs {
     }
 }
 
-/// The springs, colour by colour, in packs with their stiffnesses. Empty places have no stiffness and prescribed ends.
+/// The springs, colour by colour, in packs with their stiffnesses. Padding has no stiffness and prescribed ends.
 fn packs(springs: &[Spring], vertex_count: usize) -> Vec<(Pack, [Real; 4])> {
     let stencils: Vec<[u32; 2]> = springs.iter().map(Element::vertices).collect();
     let colors = greedy_colors(&stencils, vertex_count);
@@ -95,15 +95,15 @@ fn packs(springs: &[Spring], vertex_count: usize) -> Vec<(Pack, [Real; 4])> {
 }
 
 impl Family for Springs {
-    fn prepare(&mut self, compliance: Compliance, _: &Vec3) {
+    fn prepare(&mut self, update: XpbdUpdate, _: &Vec3) {
         for (memory, stiffness) in self.memory.iter_mut().zip(&self.stiffness) {
-            memory.softness = f32x4::new(stiffness.map(|k| softness(compliance, k)));
+            memory.scaled_compliance = f32x4::new(stiffness.map(|k| scaled_compliance(update, k)));
         }
     }
 
-    fn forget(&mut self) {
+    fn reset(&mut self) {
         for memory in &mut self.memory {
-            memory.total = f32x4::splat(0.0);
+            memory.lambda = f32x4::splat(0.0);
         }
     }
 
@@ -114,12 +114,12 @@ impl Family for Springs {
     fn power(&self, x: &[f32x4], v: &[Vec3]) -> Real {
         let mut power = 0.0;
         for (pack, memory) in self.packs.elements().iter().zip(&self.memory) {
-            let totals = memory.total.to_array();
-            for (i, total) in totals.into_iter().enumerate() {
+            let lambdas = memory.lambda.to_array();
+            for (i, lambda) in lambdas.into_iter().enumerate() {
                 let ends = [pack.vertices[i], pack.vertices[i + 4]];
                 let [a, b] = ends.map(|end| &x[end as usize]);
-                // The empty places have no velocity.
-                if total == 0.0 || !(is_prescribed(a) || is_prescribed(b)) {
+                // Padding has no velocity.
+                if lambda == 0.0 || !(is_prescribed(a) || is_prescribed(b)) {
                     continue;
                 }
                 let d = (*a - *b).to_array();
@@ -127,7 +127,7 @@ impl Family for Springs {
                 let direction = length_and_direction(d, ends).1;
                 for (end, sign) in ends.into_iter().zip([1.0, -1.0]) {
                     if is_prescribed(&x[end as usize]) {
-                        power += sign * Real::from(total) * direction.dot(&v[end as usize]);
+                        power += sign * Real::from(lambda) * direction.dot(&v[end as usize]);
                     }
                 }
             }
@@ -150,12 +150,13 @@ fn project(pack: &Pack, memory: &mut Multipliers, x: &mut [f32x4; 8]) {
     let mut divisor = squared.sqrt();
     let mut length = divisor;
     if squared.simd_lt(f32x4::splat(SHORTEST_SQUARED)).any() {
-        (length, divisor, d) = lost(&pack.vertices, d);
+        (length, divisor, d) = degenerate(&pack.vertices, d);
     }
     let value = length - pack.rest_length;
-    let whole = (aw + bw + memory.softness) * divisor;
-    let change = -(value + memory.softness * memory.total) / whole.fast_max(f32x4::splat(SMALLEST));
-    memory.total += change * divisor;
+    let denominator = (aw + bw + memory.scaled_compliance) * divisor;
+    let change = -(value + memory.scaled_compliance * memory.lambda)
+        / denominator.fast_max(f32x4::splat(SMALLEST));
+    memory.lambda += change * divisor;
     let (a, b) = (aw * change, bw * change);
     let first = [ax + a * d[0], ay + a * d[1], az + a * d[2], aw];
     let second = [bx - b * d[0], by - b * d[1], bz - b * d[2], bw];
@@ -164,10 +165,11 @@ fn project(pack: &Pack, memory: &mut Multipliers, x: &mut [f32x4; 8]) {
     *x = [x0, x1, x2, x3, x4, x5, x6, x7];
 }
 
-/// Lengths and divisors again, with a direction of its own where a spring has none: see [`length_and_direction`].
+/// Lengths and divisors again, with a substitute direction where a spring has no length: see
+/// [`length_and_direction`].
 #[cold]
 #[inline(never)]
-fn lost(vertices: &[u32; 8], d: [f32x4; 3]) -> (f32x4, f32x4, [f32x4; 3]) {
+fn degenerate(vertices: &[u32; 8], d: [f32x4; 3]) -> (f32x4, f32x4, [f32x4; 3]) {
     let mut coordinates = d.map(|d| d.to_array());
     let (mut lengths, mut divisors) = ([0.0; 4], [0.0; 4]);
     for i in 0..4 {

@@ -1,8 +1,8 @@
-//! Three rows that are the coordinates of one vector.
+//! Elements whose three rows are the coordinates of one vector: one SIMD register.
 
-use super::positions::EMPTY;
-use super::{Family, SMALLEST, is_prescribed, softness};
-use crate::compliance::Compliance;
+use super::positions::PADDING;
+use super::{Family, SMALLEST, is_prescribed, scaled_compliance};
+use crate::update::XpbdUpdate;
 use cloth_core::coloring::Colored;
 use cloth_core::element::{Constraint, Element, VectorRow};
 use cloth_core::math::{Real, Vec3};
@@ -26,15 +26,15 @@ impl<const N: usize> Element<N> for Rows<N> {
     }
 }
 
-/// What is remembered of an element.
+/// Multipliers and compliance of an element.
 #[derive(Clone, Copy, Debug, Default)]
 struct Multipliers {
-    /// λ (kg m² per unit of C), and a number that is not used.
-    total: f32x4,
+    /// λ (kg m² per unit of C) in three lanes; the fourth is unused.
+    lambda: f32x4,
     /// `target − (Σ qᵢ) o` (unit of C), with the origin o.
     target: f32x4,
     /// α̃ (unit of C² per kg m²).
-    softness: f32,
+    scaled_compliance: f32,
 }
 
 /// All elements of a family.
@@ -71,7 +71,7 @@ impl<const N: usize> VectorRows<N> {
                 sum: sum(row) as f32,
             })
             .collect();
-        let rows = Colored::new(&rows, vertex_count + EMPTY);
+        let rows = Colored::new(&rows, vertex_count + PADDING);
         let order = rows.input_index().iter();
         Ok(Self {
             exact: order.map(|&i| exact[i as usize]).collect(),
@@ -82,18 +82,18 @@ impl<const N: usize> VectorRows<N> {
 }
 
 impl<const N: usize> Family for VectorRows<N> {
-    fn prepare(&mut self, compliance: Compliance, origin: &Vec3) {
+    fn prepare(&mut self, update: XpbdUpdate, origin: &Vec3) {
         for (memory, row) in self.memory.iter_mut().zip(&self.exact) {
             let target = row.target - origin * sum(row);
             let [x, y, z]: [f32; 3] = std::array::from_fn(|axis| target[axis] as f32);
             memory.target = f32x4::new([x, y, z, 0.0]);
-            memory.softness = softness(compliance, row.stiffness);
+            memory.scaled_compliance = scaled_compliance(update, row.stiffness);
         }
     }
 
-    fn forget(&mut self) {
+    fn reset(&mut self) {
         for memory in &mut self.memory {
-            memory.total = f32x4::splat(0.0);
+            memory.lambda = f32x4::splat(0.0);
         }
     }
 
@@ -106,9 +106,9 @@ impl<const N: usize> Family for VectorRows<N> {
         for (row, memory) in self.rows.elements().iter().zip(&self.memory) {
             for (&vertex, &q) in row.vertices.iter().zip(&row.coefficients) {
                 if is_prescribed(&x[vertex as usize]) {
-                    let total = memory.total.to_array();
-                    let total = Vec3::from_fn(|axis, _| Real::from(total[axis]));
-                    power += Real::from(q) * total.dot(&v[vertex as usize]);
+                    let lambda = memory.lambda.to_array();
+                    let lambda = Vec3::from_fn(|axis, _| Real::from(lambda[axis]));
+                    power += Real::from(q) * lambda.dot(&v[vertex as usize]);
                 }
             }
         }
@@ -126,16 +126,16 @@ fn project<const N: usize>(rows: &Rows<N>, memory: &mut Multipliers, x: &mut [f3
         value += (x[i] - x[0]) * f32x4::splat(q[i]);
     }
     let w: [f32; N] = std::array::from_fn(|i| x[i].to_array()[3]);
-    let mut whole = memory.softness;
+    let mut denominator = memory.scaled_compliance;
     for i in 0..N {
-        whole += w[i] * (q[i] * q[i]);
+        denominator += w[i] * (q[i] * q[i]);
     }
     // The inverse mass is not a coordinate.
     let coordinates = f32x4::new([1.0, 1.0, 1.0, 0.0]);
-    let factor = -1.0 / whole.max(SMALLEST);
-    let residual = value + memory.total * f32x4::splat(memory.softness);
+    let factor = -1.0 / denominator.max(SMALLEST);
+    let residual = value + memory.lambda * f32x4::splat(memory.scaled_compliance);
     let change = residual * coordinates * f32x4::splat(factor);
-    memory.total += change;
+    memory.lambda += change;
     for i in 0..N {
         x[i] += change * f32x4::splat(w[i] * q[i]);
     }

@@ -66,8 +66,9 @@ fn one_damped_constraint_is_implicit_eulers_damped_oscillator() {
     }
 }
 
-/// A free pair keeps its momentum and is pulled along its own line only, so that its angular momentum shrinks as its length
-/// from x̃ to the end of the step: implicit Euler's loss, that of a rigid link where β is large, and no more.
+/// A free pair keeps its momentum and is pulled along its own line only, so that its angular momentum shrinks
+/// as its length from x̃ to the end of the step: implicit Euler's loss, that of a rigid link where β is large,
+/// and no more.
 #[test]
 fn rigid_motion_is_not_damped() {
     let h = 0.01;

@@ -46,8 +46,8 @@ fn the_support_of_a_hanging_chain_bears_its_weight() {
     }
 }
 
-/// A rope between two pins, held up in the middle by a soft attachment too, at rest under substeps of `h` (s): the largest missing force (N)
-/// at a free vertex, and at the supports together.
+/// A rope between two pins, held up in the middle by a soft attachment too, at rest under substeps of `h` (s):
+/// the largest missing force (N) at a free vertex, and at the supports together.
 fn missing(h: Real) -> [Real; 2] {
     let (links, mass, k) = (8_u32, 0.05, 400.0);
     let mut particles = Particles::new(vec![mass; links as usize + 1]).unwrap();
@@ -106,8 +106,9 @@ fn missing(h: Real) -> [Real; 2] {
     ]
 }
 
-/// λ belongs to the gradients of the places where the corrections were made, the force is read with those of the end. Where the
-/// links turn within a substep, also at rest, from x̃ to x, that is another force, by an amount of order h².
+/// λ belongs to the gradients of the places where the corrections were made, the force is read with those of
+/// the end. Where the links turn within a substep, also at rest, from x̃ to x, that is another force, by an
+/// amount of order h².
 #[test]
 fn two_supports_and_an_attachment_share_the_weight() {
     let [coarse, fine] = [missing(0.01), missing(0.005)];

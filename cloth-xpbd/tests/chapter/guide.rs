@@ -89,7 +89,8 @@ fn as_many_iterations_as_links_leave_twelve_times_the_sag_of_as_many_substeps() 
     assert!(((PI / (2.0 * n)).cos().powf(2.0 * n) - 0.90).abs() < 0.005);
 }
 
-/// Rigid springs, coloured sweeps, one per substep: mean strain, the fall of the lowest vertex over 1 m, and the largest strain of an edge.
+/// Rigid springs, coloured sweeps, one per substep: mean strain, the fall of the lowest vertex over 1 m, and
+/// the largest strain of an edge.
 fn sheet_at_rest(substeps: u32, by_edge: bool) -> (Real, Real) {
     let side = LINKS as usize + 1;
     let (mesh, mut model) = sheet::held_sheet(side, 1.0);

@@ -1,4 +1,5 @@
-//! Constraints that act beyond a range only: as stiff as their k, with the force that this makes, after any number of sweeps.
+//! Constraints that act beyond a range only: as stiff as their k, with the force that this makes, after any
+//! number of sweeps.
 
 use crate::iterations;
 use cloth_core::element::Constraint;
@@ -14,7 +15,8 @@ use cloth_xpbd::{XpbdConfig, XpbdSolver};
 const MASS: Real = 0.1;
 const H: Real = 0.01;
 
-/// Vertices 0 at the origin and 1 on the x axis are prescribed. Vertex 2 at (0, y, 0) is to stay below `y = LONGEST` (m) and above `SHORTEST` (m).
+/// Vertices 0 at the origin and 1 on the x axis are prescribed. Vertex 2 at (0, y, 0) is to stay below
+/// `y = LONGEST` (m) and above `SHORTEST` (m).
 const SHORTEST: Real = 0.8;
 const LONGEST: Real = 1.2;
 
@@ -27,13 +29,15 @@ fn spring(stiffness: Real) -> DistanceLimit {
     }
 }
 
-/// Its area is ½ m², and one of its stretches is the y of the vertex. The other one is free, and on the same side of it all the time: of stretches that cross, each would go on with the multiplier of the other.
+/// Its area is ½ m², and one of its stretches is the y of the vertex. The other one is free, and on the same
+/// side of it all the time: of stretches that cross, each would go on with the multiplier of the other.
 fn triangle(stiffness: Real) -> StrainLimitTriangle {
     let rest = [Vec3::zeros(), Vec3::x(), Vec3::y()];
     StrainLimitTriangle::new([0, 1, 2], &rest, [SHORTEST, LONGEST], 2.0 * stiffness)
 }
 
-/// The y (m) that a step ends at, the force (N) of the limit on the vertex along y, and the residual (m): from rest at `predicted`, with a soft pin of `pull` (N/m) at y = 1.
+/// The y (m) that a step ends at, the force (N) of the limit on the vertex along y, and the residual (m): from
+/// rest at `predicted`, with a soft pin of `pull` (N/m) at y = 1.
 fn step<const N: usize, E: Constraint<N>>(
     limit: E,
     pull: Real,

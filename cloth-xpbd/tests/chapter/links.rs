@@ -16,7 +16,8 @@ use cloth_xpbd::{XpbdConfig, XpbdSolver};
 const SIDE: usize = 5;
 const LINKS: u32 = 4;
 
-/// A cloth of 5 × 5 vertices, a chain of four rigid links at each of two corners, with heavy ends, tied to the cloth by ball joints.
+/// A cloth of 5 × 5 vertices, a chain of four rigid links at each of two corners, with heavy ends, tied to the
+/// cloth by ball joints.
 struct Scene {
     particles: Particles,
     springs: Vec<Spring>,

@@ -50,7 +50,8 @@ fn largest_distance(a: &[Vec3], b: &[Vec3]) -> Real {
         .fold(0.0, Real::max)
 }
 
-/// What a step of `h` (s) leaves of a stretch of 2 m of a spring of 1 m between masses of 0.3 and 0.7 kg, as a fraction.
+/// What a step of `h` (s) leaves of a stretch of 2 m of a spring of 1 m between masses of 0.3 and 0.7 kg, as a
+/// fraction.
 fn fraction_left(k: Real, h: Real, n: u32) -> Real {
     let particles = Particles::new(vec![0.3, 0.7]).unwrap();
     let vertices = [0, 1];
@@ -113,7 +114,8 @@ fn the_rows_of_a_hinge_follow_the_same_law() {
     assert!(error < 1e-13, "{error:e}");
 }
 
-/// With one end fixed and the other free. The error factor is cos²(π/(N + 1)) with both ends free, and cos²(π/(N − 1)) with both fixed.
+/// With one end fixed and the other free. The error factor is cos²(π/(N + 1)) with both ends free, and
+/// cos²(π/(N − 1)) with both fixed.
 #[test]
 fn a_sweep_leaves_cos_squared_of_the_error_of_a_rigid_chain() {
     for links in [5, 20] {

@@ -1,7 +1,8 @@
-//! Starts that make no sense, at ratios that are too large (VALIDATION 8.5).
+//! Starts that make no sense, at ratios that are too large.
 //!
-//! A cell is one kind of start at one size of step, stiffness and mass ratio; ten jittered runs each. A run passes if every step ends finite or is refused with the state
-//! untouched, and where it is asked to recover, if the edges come back to their lengths.
+//! A cell is one kind of start at one size of step, stiffness and mass ratio; ten jittered runs each. A run
+//! passes if every step ends finite or is refused with the state untouched, and where it is asked to recover,
+//! if the edges come back to their lengths.
 
 use crate::bad_starts::{STARTS, Sheet, sheet};
 use cloth_core::energy::Spring;
@@ -114,7 +115,9 @@ fn ways() -> Vec<XpbdConfig> {
     ways
 }
 
-/// Gravity and damping take every start back to a sheet that hangs: its strain ends where that of a sheet ends that was let go straight down, its energy there too or a fold above it. None ends with more energy than it started with.
+/// Gravity and damping take every start back to a sheet that hangs: its strain ends where that of a sheet ends
+/// that was let go straight down, its energy there too or a fold above it. None ends with more energy than it
+/// started with.
 #[test]
 fn every_start_recovers_to_a_hanging_sheet() {
     let sheet = sheet(1e4, 1.0, 1.0);
@@ -147,7 +150,8 @@ fn every_start_recovers_to_a_hanging_sheet() {
         let back = |energy: Real, strain: Real| {
             (energy - rest).abs() < 0.01 && strain < rest_strain + 0.001
         };
-        // A fold may be left that only a push would undo, by a few hundredths of what it is from upright to hanging (3.5 J).
+        // A fold may be left that only a push would undo, by a few hundredths of what it is from upright to
+        // hanging (3.5 J).
         let folded = |energy: Real, strain: Real| {
             (energy - rest).abs() < 0.15 && strain < rest_strain + 0.001
         };
@@ -216,7 +220,8 @@ fn edges_of_no_length_and_coordinates_far_away_are_taken() {
                     assert_eq!(state.first_non_finite(), None);
                 }
                 if stiffness == Real::INFINITY && rest_length > 0.0 {
-                    // One sweep a substep does not meet three rows at once, but nearly so at the end of a long fall's worth of substeps.
+                    // One sweep a substep does not meet three rows at once, but nearly so at the end of a long
+                    // fall's worth of substeps.
                     let length = (state.positions[1] - state.positions[2]).norm();
                     assert!((length - rest_length).abs() < 0.1, "{length}");
                 }

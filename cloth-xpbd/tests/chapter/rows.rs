@@ -61,7 +61,8 @@ fn step(element: Slanted, h: Real, n: u32) -> (Vec<Vec3>, Real) {
     (state.positions, residual)
 }
 
-/// The same from `(M/h² + Σ k ∂C ∂Cᵀ) Δx = −Σ k C ∂C`, or with multipliers where k is infinite, by a dense solve.
+/// The same from `(M/h² + Σ k ∂C ∂Cᵀ) Δx = −Σ k C ∂C`, or with multipliers where k is infinite, by a dense
+/// solve.
 fn dense(element: Slanted, h: Real) -> DVector<Real> {
     let x = [Vec3::new(1.0, 2.0, 3.0), Vec3::new(-1.0, 0.5, 0.2)];
     let rows = element.rows(&x);

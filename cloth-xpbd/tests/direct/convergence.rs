@@ -14,8 +14,8 @@ use cloth_core::step::{BuildError, Outcome, StepInput, Stepper};
 use cloth_xpbd::direct::{DirectConfig, DirectStart, DirectXpbd, System};
 use cloth_xpbd::{XpbdConfig, XpbdSolver};
 
-/// Takes a step and checks that `‖∇G‖` at its end, in the norm of M⁻¹, is `part` of that at the prediction, or rounding: positions of the order of 1 m are known
-/// to ε, and the inertia of 1 kg is divided by h².
+/// Takes a step and checks that `‖∇G‖` at its end, in the norm of M⁻¹, is `part` of that at the prediction, or
+/// rounding: positions of the order of 1 m are known to ε, and the inertia of 1 kg is divided by h².
 fn takes_the_minimum(
     particles: &Particles,
     energies: &Energies,
@@ -101,7 +101,8 @@ fn many_sweeps(n: u32, damping: Real) -> XpbdConfig {
     }
 }
 
-/// Along a straight chain no link turns, and the rows of quadratic hinges are linear: Gauss–Seidel and the direct solver then have one solution.
+/// Along a straight chain no link turns, and the rows of quadratic hinges are linear: Gauss–Seidel and the
+/// direct solver then have one solution.
 #[test]
 fn sweeps_and_the_direct_solver_agree_where_they_converge() {
     let mut chain = Chain::of(12, 0.1, 0.1, 3e4);

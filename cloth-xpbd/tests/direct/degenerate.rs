@@ -44,7 +44,8 @@ fn a_rigid_plate_with_a_redundant_link_moves_as_one_without() {
     }
 }
 
-/// Two hard links of different lengths between the same vertices: there is no solution. The step ends between them, finite, and says that it has not converged.
+/// Two hard links of different lengths between the same vertices: there is no solution. The step ends between
+/// them, finite, and says that it has not converged.
 #[test]
 fn links_that_contradict_each_other_are_reported_and_stay_finite() {
     let particles = Particles::new(vec![0.3, 0.7]).unwrap();
@@ -64,7 +65,8 @@ fn links_that_contradict_each_other_are_reported_and_stay_finite() {
     }
 }
 
-/// A sheet that cannot stretch, flat: its rows have self-stresses, and no multiplier bends it. The lengths are met all the same.
+/// A sheet that cannot stretch, flat: its rows have self-stresses, and no multiplier bends it. The lengths are
+/// met all the same.
 #[test]
 fn a_flat_sheet_without_stretch_falls_into_folds() {
     let (mesh, mut model) = sheet::held_sheet(6, 1e3);

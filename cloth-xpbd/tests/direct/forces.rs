@@ -7,7 +7,8 @@ use cloth_core::particles::{Particles, State};
 use cloth_core::step::{StepInput, Stepper};
 use cloth_xpbd::direct::{DirectConfig, DirectXpbd};
 
-/// A rope between two pins, held up in the middle by a soft attachment, half of its links hard. Its links turn from x̃ to x in every step, also at rest.
+/// A rope between two pins, held up in the middle by a soft attachment, half of its links hard. Its links turn
+/// from x̃ to x in every step, also at rest.
 #[test]
 fn two_supports_and_an_attachment_share_the_weight_at_any_step_size() {
     let (links, mass) = (8_u32, 0.05);

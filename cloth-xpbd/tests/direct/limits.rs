@@ -12,7 +12,8 @@ const MASS: Real = 0.1;
 const H: Real = 0.01;
 const RANGE: [Real; 2] = [0.8, 1.2];
 
-/// One vertex along y between a limit of its distance to the origin and a soft pin at y = 1: where a step from rest ends (m) and the force of the limit (N), beside the minimum of
+/// One vertex along y between a limit of its distance to the origin and a soft pin at y = 1: where a step from
+/// rest ends (m) and the force of the limit (N), beside the minimum of
 /// `m/(2h²) (y − ỹ)² + ½ p (y − 1)² + ½ k (y − clamp y)²`.
 #[test]
 fn a_limit_acts_with_its_stiffness_where_it_does_and_not_at_all_elsewhere() {

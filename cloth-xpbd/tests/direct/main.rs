@@ -15,6 +15,7 @@ mod robustness;
 #[path = "../../../cloth-core/tests/support/sheet.rs"]
 mod sheet;
 mod stable;
+mod systems;
 
 use chain::Chain;
 use cloth_core::math::{Real, Vec3};
@@ -41,7 +42,8 @@ fn solver(chain: &Chain, config: DirectConfig) -> DirectXpbd {
     builder.config(config).build().unwrap()
 }
 
-/// A chain of ten links of 0.1 m and 0.1 kg, stretched out sideways; the links turn during a step, and with them the gradients.
+/// A chain of ten links of 0.1 m and 0.1 kg, stretched out sideways; the links turn during a step, and with
+/// them the gradients.
 fn swinging(stiffness: Real) -> (Chain, State) {
     let chain = Chain::of(10, 0.1, 0.1, stiffness);
     let mut state = chain.at_rest();

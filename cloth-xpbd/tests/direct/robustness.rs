@@ -1,4 +1,5 @@
-//! Starts that make no sense, at ratios that are too large (VALIDATION 8.5). A run passes if a step ends finite, or is refused with the state untouched.
+//! Starts that make no sense, at ratios that are too large. A run passes if a step ends finite, or is refused
+//! with the state untouched.
 
 use crate::bad_starts::{STARTS, sheet};
 use cloth_core::math::{Real, Vec3};
@@ -73,7 +74,8 @@ fn a_step_is_finite_or_refused_from_any_start_at_any_ratio() {
     );
 }
 
-/// Steps cut short at fifteen iterations still take every start back to a sheet whose edges are as near to their lengths as those of one that hangs at rest, though it may still swing.
+/// Steps cut short at fifteen iterations still take every start back to a sheet whose edges are as near to
+/// their lengths as those of one that hangs at rest, though it may still swing.
 #[test]
 fn every_start_recovers_to_a_hanging_sheet() {
     let sheet = sheet(1e4, 1.0, 1.0);

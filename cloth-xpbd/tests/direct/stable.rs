@@ -1,4 +1,4 @@
-//! Geometric stiffness (XPBD-3): one linear solve a step, with it and without.
+//! Geometric stiffness (Tournier et al. 2015): one linear solve a step, with it and without.
 
 use crate::chain::Chain;
 use crate::{GRAVITY, largest_distance, solver, with};
@@ -8,7 +8,8 @@ use cloth_core::particles::State;
 use cloth_core::step::{Outcome, StepInput, Stepper};
 use cloth_xpbd::direct::{DirectConfig, System};
 
-/// A light chain of ten links of 0.1 m and 10 g with a heavy end, hanging, its vertices moved sideways by some 0.1 mm.
+/// A light chain of ten links of 0.1 m and 10 g with a heavy end, hanging, its vertices moved sideways by some
+/// 0.1 mm.
 fn hanging(tip: Real, stiffness: Real) -> (Chain, State) {
     let mut chain = Chain::of(10, 0.01, 0.1, stiffness);
     chain.particles.set_mass(10, tip).unwrap();
@@ -19,7 +20,8 @@ fn hanging(tip: Real, stiffness: Real) -> (Chain, State) {
     (chain, state)
 }
 
-/// Largest distance (m) from the vertical in two seconds of steps of 1/60 s, largest gain of energy (J) over the start, and the positions at the end.
+/// Largest distance (m) from the vertical in two seconds of steps of 1/60 s, largest gain of energy (J) over
+/// the start, and the positions at the end.
 fn two_seconds(chain: &Chain, start: &State, config: DirectConfig) -> (Real, Real, Vec<Vec3>) {
     let energy = |state: &State| {
         kinetic_energy(&chain.particles, &state.velocities)
@@ -38,8 +40,10 @@ fn two_seconds(chain: &Chain, start: &State, config: DirectConfig) -> (Real, Rea
     (sideways, gain, state.positions)
 }
 
-/// The tension T makes the light vertices swing sideways with `ω² = 4T/(m l)` and less. In the plain form the direction of the tension is that of the start of the step, as in an
-/// explicit method, and `hω > 2` is unstable: here it is 3.3 for a tip of 1 kg, and 33 for 100 kg. No stiffness of the links changes that, nor how exactly the system is solved.
+/// The tension T makes the light vertices swing sideways with `ω² = 4T/(m l)` and less. In the plain form the
+/// direction of the tension is that of the start of the step, as in an explicit method, and `hω > 2` is
+/// unstable: here it is 3.3 for a tip of 1 kg, and 33 for 100 kg. No stiffness of the links changes that, nor
+/// how exactly the system is solved.
 #[test]
 fn one_solve_a_step_is_stable_with_geometric_stiffness_and_not_without() {
     for tip in [1.0, 10.0, 100.0] {

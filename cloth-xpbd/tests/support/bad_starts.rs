@@ -39,7 +39,8 @@ pub(crate) struct Sheet {
     pub(crate) hinges: Vec<CurvatureHinge>,
 }
 
-/// 1 m × 1 m with two corners held; every second spring is `ratio` times as stiff, and every third vertex `mass` times as heavy.
+/// 1 m × 1 m with two corners held; every second spring is `ratio` times as stiff, and every third vertex
+/// `mass` times as heavy.
 pub(crate) fn sheet(stiffness: Real, ratio: Real, mass: Real) -> Sheet {
     let mesh = grid(SIDE, SIDE, 1.0, 1.0, Diagonals::Alternating).unwrap();
     let masses = (0..mesh.vertex_count()).map(|v| if v % 3 == 0 { 0.01 * mass } else { 0.01 });

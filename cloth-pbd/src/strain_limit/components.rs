@@ -4,17 +4,17 @@ use cloth_core::math::{Mat3, Real, Vec3};
 
 /// The parts of a cloth between which no limit acts.
 #[derive(Debug, Default)]
-pub(super) struct Pieces {
-    /// Vertices, piece after piece, in ascending order within each.
+pub(super) struct Components {
+    /// Vertices, component after component, in ascending order within each.
     vertices: Vec<u32>,
     /// Piece p is `vertices[starts[p]..starts[p + 1]]`.
     starts: Vec<usize>,
 }
 
-impl Pieces {
+impl Components {
     /// From pairs of vertices that hang together. Vertices in no pair are left out.
     pub(super) fn new(pairs: &[[u32; 2]], vertex_count: usize) -> Self {
-        // Each vertex points to a smaller one of its piece, the smallest to itself.
+        // Each vertex points to a smaller one of its component, the smallest to itself.
         let mut below: Vec<u32> = (0..vertex_count as u32).collect();
         let mut linked = vec![false; vertex_count];
         let root = |below: &mut [u32], mut v: u32| {
@@ -35,8 +35,8 @@ impl Pieces {
             .collect();
         members.sort_unstable();
         let mut starts = vec![0];
-        for piece in members.chunk_by(|a, b| a.0 == b.0) {
-            starts.push(starts[starts.len() - 1] + piece.len());
+        for component in members.chunk_by(|a, b| a.0 == b.0) {
+            starts.push(starts[starts.len() - 1] + component.len());
         }
         Self {
             vertices: members.into_iter().map(|(_, v)| v).collect(),
@@ -48,7 +48,7 @@ impl Pieces {
         self.starts.windows(2).map(|w| &self.vertices[w[0]..w[1]])
     }
 
-    /// Turns every piece of the body `after` so that its angular momentum is that of the body `before`, with the smallest change of the velocities
+    /// Turns every component of the body `after` so that its angular momentum is that of the body `before`, with the smallest change of the velocities
     /// `after.v` in the metric of M: a rigid rotation.
     pub(super) fn keep_angular_momentum(
         &self,
@@ -57,9 +57,9 @@ impl Pieces {
         x: &[Vec3],
         v: &mut [Vec3],
     ) {
-        for piece in self.iter() {
+        for component in self.iter() {
             let from = Body {
-                piece,
+                component,
                 w: inverse_mass,
                 x: x_before,
                 v: v_before,
@@ -70,8 +70,8 @@ impl Pieces {
             };
             let (wanted, _) = from.spin(pivot_before);
             let (present, inertia) = to.spin(pivot);
-            let omega = turn(&inertia, wanted - present);
-            for i in piece.iter().map(|&i| i as usize) {
+            let omega = angular_velocity(&inertia, wanted - present);
+            for i in component.iter().map(|&i| i as usize) {
                 if inverse_mass[i] > 0.0 {
                     v[i] += omega.cross(&(x[i] - pivot.0));
                 }
@@ -83,7 +83,7 @@ impl Pieces {
 /// Some vertices of a cloth: inverse masses (1/kg), positions (m) and velocities (m/s) of all.
 #[derive(Clone, Copy)]
 struct Body<'a> {
-    piece: &'a [u32],
+    component: &'a [u32],
     w: &'a [Real],
     x: &'a [Vec3],
     v: &'a [Vec3],
@@ -91,7 +91,7 @@ struct Body<'a> {
 
 impl Body<'_> {
     fn vertices(&self) -> impl Iterator<Item = usize> {
-        self.piece.iter().map(|&i| i as usize)
+        self.component.iter().map(|&i| i as usize)
     }
 
     /// Position and velocity of what it turns about: its one prescribed vertex, or its centre of mass; `None` if two or more are prescribed.
@@ -124,7 +124,7 @@ impl Body<'_> {
 }
 
 /// The smallest ω (rad/s) with `I ω = L`. Vertices on a line cannot turn about it, and have no L along it.
-fn turn(inertia: &Mat3, momentum: Vec3) -> Vec3 {
+fn angular_velocity(inertia: &Mat3, momentum: Vec3) -> Vec3 {
     let size = inertia.trace();
     if size <= 0.0 || !size.is_finite() {
         return Vec3::zeros();

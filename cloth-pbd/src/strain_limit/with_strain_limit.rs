@@ -11,7 +11,7 @@ use cloth_core::step::{Outcome, StepError, StepInput, StepReport, Stepper};
 /// The limiter changes positions and velocities behind the method's back. A method that remembers earlier states sees a new start.
 ///
 /// The method feels contact; what the limits change after it is only kept from going through anything. Where that holds vertices back, the report says that the limits were not met.
-pub struct Limited {
+pub struct WithStrainLimit {
     method: Box<dyn Stepper>,
     limiter: StrainLimiter,
     /// The state before the step, to go back to.
@@ -23,7 +23,7 @@ pub struct Limited {
     report: Option<LimitReport>,
 }
 
-impl Limited {
+impl WithStrainLimit {
     /// `method`, whose state is brought into the ranges of `limiter` after each step.
     #[must_use]
     pub fn new(method: Box<dyn Stepper>, limiter: StrainLimiter) -> Self {
@@ -39,14 +39,14 @@ impl Limited {
 
     /// What the limiter did in the last step, once there was one.
     #[must_use]
-    pub fn limited(&self) -> Option<LimitReport> {
+    pub fn last_report(&self) -> Option<LimitReport> {
         self.report
     }
 }
 
-impl std::fmt::Debug for Limited {
+impl std::fmt::Debug for WithStrainLimit {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Limited")
+        f.debug_struct("WithStrainLimit")
             .field("method", &self.method.name())
             .field("limiter", &self.limiter)
             .field("report", &self.report)
@@ -54,7 +54,7 @@ impl std::fmt::Debug for Limited {
     }
 }
 
-impl Stepper for Limited {
+impl Stepper for WithStrainLimit {
     fn name(&self) -> &'static str {
         self.method.name()
     }
@@ -95,7 +95,7 @@ impl Stepper for Limited {
     }
 }
 
-impl Limited {
+impl WithStrainLimit {
     /// Keeps what the limits have moved, to `state`, from going through anything.
     fn keep_free(
         &mut self,
