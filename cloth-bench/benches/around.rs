@@ -123,7 +123,7 @@ fn frames(criterion: &mut Criterion) {
         ] {
             let export = Export::begin(&scene, &folder, format, 1);
             let mut export = export.expect("a folder for temporary files");
-            limit::bench(&mut group, name, bytes, || export.after(1, &state));
+            limit::bench(&mut group, name, bytes, || export.after(1, &scene, &state));
             // What was written is of no use to anybody.
             drop(export);
             let _ = std::fs::remove_dir_all(&folder);
@@ -131,7 +131,7 @@ fn frames(criterion: &mut Criterion) {
         limit::bench(&mut group, "glTF, two frames", bytes, || {
             let export = Export::begin(&scene, &folder, Format::Gltf, 1);
             let mut export = export.expect("a folder for temporary files");
-            export.after(1, &state).expect("a frame");
+            export.after(1, &scene, &state).expect("a frame");
             export.finish()
         });
         let _ = std::fs::remove_dir_all(&folder);

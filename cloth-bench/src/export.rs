@@ -18,9 +18,10 @@ mod vtk;
 
 use crate::error::BenchError;
 use crate::files;
-use crate::scene::Scene;
+use crate::scene::{ChangeKind, Scene};
 use clap::ValueEnum;
 use cloth_core::math::{Real, Vec3};
+use cloth_core::mesh::TriMesh;
 use cloth_core::particles::State;
 use std::path::{Path, PathBuf};
 
@@ -38,8 +39,7 @@ pub enum Format {
 }
 
 /// Writes states of a scene to a folder.
-pub struct Export<'a> {
-    scene: &'a Scene,
+pub struct Export {
     folder: Folder,
     every: u32,
     frames: u32,
@@ -48,7 +48,7 @@ pub struct Export<'a> {
     writer: Box<dyn Writer>,
 }
 
-impl std::fmt::Debug for Export<'_> {
+impl std::fmt::Debug for Export {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("Export")
             .field("folder", &self.folder)
@@ -98,6 +98,17 @@ struct Body<'a> {
     pose: cloth_collide::obstacle::Pose,
 }
 
+/// The triangles of a scene's mesh in the caller's vertex numbers.
+fn triangles(scene: &Scene, mesh: &TriMesh) -> Vec<[u32; 3]> {
+    match &scene.order {
+        Some(order) => {
+            let back = |t: &[u32; 3]| t.map(|v| order.old_of_new()[v as usize]);
+            mesh.triangles().iter().map(back).collect()
+        }
+        None => mesh.triangles().to_vec(),
+    }
+}
+
 /// One format.
 trait Writer {
     /// Takes a frame.
@@ -107,13 +118,13 @@ trait Writer {
     fn finish(&mut self, folder: &mut Folder) -> Result<(), BenchError>;
 }
 
-impl<'a> Export<'a> {
+impl Export {
     /// Creates the folder, and writes the start of the scene. Every `every`-th step is to follow.
     ///
     /// # Errors
     /// [`BenchError::Usage`] for a scene without triangles or for `every` 0, [`BenchError::Failed`] with the path if it cannot be written.
     pub fn begin(
-        scene: &'a Scene,
+        scene: &Scene,
         folder: &Path,
         format: Format,
         every: u32,
@@ -129,13 +140,13 @@ impl<'a> Export<'a> {
                 "--export-every is 0, but it has to be at least 1".into(),
             ));
         }
-        let triangles = match &scene.order {
-            Some(order) => {
-                let back = |t: &[u32; 3]| t.map(|v| order.old_of_new()[v as usize]);
-                mesh.triangles().iter().map(back).collect()
-            }
-            None => mesh.triangles().to_vec(),
-        };
+        let tears = scene.changes.iter();
+        let mut tears = tears.filter(|change| matches!(change.kind, ChangeKind::Tear { .. }));
+        if format == Format::Gltf && tears.next().is_some() {
+            return Err(BenchError::Usage(
+                "a glTF animation has the same triangles in all frames, and this scene tears some out: use obj, ply or vtk".into(),
+            ));
+        }
         let writer: Box<dyn Writer> = match format {
             Format::Obj => Box::new(sequence::Sequence::Obj),
             Format::Ply => Box::new(sequence::Sequence::Ply),
@@ -143,36 +154,40 @@ impl<'a> Export<'a> {
             Format::Gltf => Box::new(gltf::Gltf::new(scene.name, scene.gravity)),
         };
         let mut export = Self {
-            scene,
             folder: Folder::create(folder)?,
             every,
             frames: 0,
-            triangles,
+            triangles: triangles(scene, mesh),
             writer,
         };
-        export.take(0, &scene.start)?;
+        export.take(0, scene, &scene.start)?;
         Ok(export)
     }
 
-    /// Writes the state after a step (numbered from 1), if it is one of those to be written.
+    /// Writes the state of a scene after a step (numbered from 1), if it is one of those to be written.
     ///
     /// # Errors
     /// [`BenchError::Failed`] with the path if it cannot be written.
-    pub fn after(&mut self, step: u32, state: &State) -> Result<(), BenchError> {
+    pub fn after(&mut self, step: u32, scene: &Scene, state: &State) -> Result<(), BenchError> {
         if step.is_multiple_of(self.every) {
-            self.take(step, state)
+            self.take(step, scene, state)
         } else {
             Ok(())
         }
     }
 
-    fn take(&mut self, step: u32, state: &State) -> Result<(), BenchError> {
-        let back = |values: &[Vec3]| match &self.scene.order {
+    fn take(&mut self, step: u32, scene: &Scene, state: &State) -> Result<(), BenchError> {
+        if let Some(mesh) = &scene.mesh
+            && mesh.triangles().len() != self.triangles.len()
+        {
+            self.triangles = triangles(scene, mesh);
+        }
+        let back = |values: &[Vec3]| match &scene.order {
             Some(order) => order.restore(values),
             None => values.to_vec(),
         };
-        let obstacles = self.scene.touch.iter().flat_map(|touch| touch.obstacles());
-        let surfaces = self.scene.obstacle_surfaces(state.time);
+        let obstacles = scene.touch.iter().flat_map(|touch| touch.obstacles());
+        let surfaces = scene.obstacle_surfaces(state.time);
         let body = |(number, (obstacle, (positions, triangles)))| {
             let motion: &cloth_collide::obstacle::RigidMotion =
                 cloth_collide::obstacle::Obstacle::motion(obstacle);

@@ -1,25 +1,34 @@
 //! One simulation: a scene, a method, a number of steps.
 
 mod energy;
+mod solver;
+mod timed;
+mod watch;
 
 pub use energy::EnergyGain;
+pub use solver::Solver;
+pub use watch::{SeparationWatch, Watched};
 
 use crate::error::BenchError;
 use crate::method::Method;
-use crate::scene::{Scene, Touch};
+use crate::scene::{ChangeKind, Scene};
 use crate::settings::Settings;
-use cloth_collide::{BodyProbe, SeparationProbe};
+use cloth_collide::SeparationProbe;
 use cloth_core::air::Air;
-use cloth_core::contact::{
-    ContactConstraints, ContactError, ContactPotential, ContactSource, ContactStep,
-};
+use cloth_core::contact::ContactSource;
 use cloth_core::math::{Real, Vec3};
 use cloth_core::measure;
 use cloth_core::particles::State;
 use cloth_core::step::{Outcome, StepInput, StepReport, Stepper};
 use energy::EnergyBalance;
 use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
 use std::time::Instant;
+use timed::Timed;
+use watch::{body_probe, crossed_bodies, min_clearance};
+
+/// Part of a step by which a change may come early: rounding of the time.
+const ROUNDING: Real = 1e-6;
 
 /// What a run did and where it ended.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -46,6 +55,8 @@ pub struct Summary {
     pub coarse_fallbacks: u64,
     /// Minimisations in which Newton's method took over from the quasi-Newton method, summed over the steps.
     pub newton_fallbacks: u64,
+    /// Changes of the cloth on the way for which the method had to be built anew.
+    pub rebuilds: u32,
     /// Steps that met their tolerance; methods without one meet it never.
     pub converged_steps: u32,
     /// Largest strain of a spring at the end (dimensionless).
@@ -78,190 +89,16 @@ pub struct Summary {
     pub min_clearance: Option<Real>,
 }
 
-/// What [`SeparationWatch`] has seen.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Watched {
-    /// Steps after which triangles crossed.
-    pub crossed_steps: u32,
-    /// Largest number of crossing pairs of triangles after a step.
-    pub most_intersections: usize,
-    /// Largest number of pairs of a triangle of the cloth and one of a body that cross after a step.
-    pub most_obstacle_intersections: usize,
-    /// Smallest distance (m) after a step between parts that share no vertex.
-    pub min_distance: Option<Real>,
-    /// Smallest distance (m) after a step of a vertex from an obstacle, negative inside.
-    pub min_clearance: Option<Real>,
-}
-
-/// Looks at the cloth after every step: a crossing that comes and goes leaves no trace at the end.
-#[derive(Debug)]
-pub struct SeparationWatch<'a> {
-    scene: &'a Scene,
-    probe: Option<SeparationProbe>,
-    bodies: Option<BodyProbe>,
-    seen: Watched,
-}
-
-impl<'a> SeparationWatch<'a> {
-    /// For a run of this scene.
-    ///
-    /// # Errors
-    /// [`BenchError::Failed`] for more triangles, with those of bodies, than fit.
-    pub fn new(scene: &'a Scene) -> Result<Self, BenchError> {
-        Ok(Self {
-            scene,
-            probe: scene.mesh.as_ref().map(SeparationProbe::new),
-            bodies: body_probe(scene)?,
-            seen: Watched::default(),
-        })
-    }
-
-    /// Looks at a state.
-    ///
-    /// # Errors
-    /// [`BenchError::Failed`] for positions that are not finite.
-    pub fn look(&mut self, state: &State) -> Result<(), BenchError> {
-        let least = |a: Option<Real>, b: Option<Real>| a.into_iter().chain(b).reduce(Real::min);
-        self.seen.min_clearance = least(self.seen.min_clearance, min_clearance(self.scene, state));
-        if let Some(now) = crossed_bodies(self.scene, &mut self.bodies, state)? {
-            let most = &mut self.seen.most_obstacle_intersections;
-            *most = now.max(*most);
-        }
-        if let Some(probe) = &mut self.probe {
-            let now = probe
-                .measure(&state.positions)
-                .map_err(BenchError::failed)?;
-            self.seen.crossed_steps += u32::from(now.intersecting_pairs > 0);
-            self.seen.most_intersections = self.seen.most_intersections.max(now.intersecting_pairs);
-            self.seen.min_distance = least(self.seen.min_distance, now.min_distance);
-        }
-        Ok(())
-    }
-
-    /// What was seen so far.
-    #[must_use]
-    pub fn seen(&self) -> Watched {
-        self.seen
-    }
-}
-
-/// What counts triangles that go through bodies, where that can be.
-fn body_probe(scene: &Scene) -> Result<Option<BodyProbe>, BenchError> {
-    match (&scene.touch, &scene.mesh) {
-        (Some(touch), Some(mesh)) => touch.probe(mesh),
-        _ => Ok(None),
-    }
-}
-
-/// How many it finds.
-fn crossed_bodies(
-    scene: &Scene,
-    probe: &mut Option<BodyProbe>,
-    state: &State,
-) -> Result<Option<usize>, BenchError> {
-    match (probe, &scene.touch) {
-        (Some(probe), Some(touch)) => touch.count(probe, &state.positions, state.time).map(Some),
-        _ => Ok(None),
-    }
-}
-
-/// Smallest distance (m) of a vertex from an obstacle, where the obstacles are at the time of the state.
-fn min_clearance(scene: &Scene, state: &State) -> Option<Real> {
-    let obstacles = scene.touch.iter().flat_map(Touch::obstacles);
-    let clearances = obstacles.flat_map(|obstacle| {
-        let clearance = |&x: &Vec3| obstacle.clearance(x, state.time).value;
-        state.positions.iter().map(clearance)
-    });
-    clearances.reduce(Real::min)
-}
-
 /// A scene on its way: the caller's method takes the steps, and this adds all that is not the method's.
 struct Course<'a> {
-    scene: &'a Scene,
+    scene: Cow<'a, Scene>,
+    /// How many changes of the scene have been made, and after how many of them the method was built anew.
+    changes: usize,
+    rebuilds: u32,
     contacts: Option<Timed>,
     air: Option<Air>,
     /// Time that the last step took (s), without that of its energy balance.
     seconds: Real,
-}
-
-/// Contact, and how long it took.
-struct Timed {
-    source: Box<dyn ContactSource>,
-    /// Time of the last step (s).
-    seconds: Real,
-    /// Steps, of all so far, that ended with vertices held back.
-    held_steps: u32,
-}
-
-impl ContactSource for Timed {
-    fn keep_free(
-        &mut self,
-        from: &[Vec3],
-        inverse_mass: &[Real],
-        x: &mut [Vec3],
-    ) -> Result<(), ContactError> {
-        self.source.keep_free(from, inverse_mass, x)
-    }
-
-    fn held(&self) -> usize {
-        self.source.held()
-    }
-
-    fn potential(&mut self) -> &mut dyn ContactPotential {
-        self.source.potential()
-    }
-
-    fn constraints(&mut self) -> &mut dyn ContactConstraints {
-        self
-    }
-
-    fn work(&self) -> Real {
-        self.source.work()
-    }
-
-    fn potential_energy(&self) -> Real {
-        self.source.potential_energy()
-    }
-}
-
-impl Timed {
-    /// Lets the constraints act, and adds the time.
-    fn act<T>(&mut self, act: impl FnOnce(&mut dyn ContactConstraints) -> T) -> T {
-        let started = Instant::now();
-        let acted = act(self.source.constraints());
-        self.seconds += started.elapsed().as_secs_f64();
-        acted
-    }
-}
-
-impl ContactConstraints for Timed {
-    fn begin_step(&mut self, step: &ContactStep<'_>) -> Result<(), ContactError> {
-        self.act(|c| c.begin_step(step))
-    }
-
-    fn begin_substep(
-        &mut self,
-        step: &ContactStep<'_>,
-        predicted: &[Vec3],
-    ) -> Result<(), ContactError> {
-        self.act(|c| c.begin_substep(step, predicted))
-    }
-
-    fn sweep(&mut self, step: &ContactStep<'_>, x: &mut [Vec3]) {
-        self.act(|c| c.sweep(step, x));
-    }
-
-    fn end_substep(&mut self, step: &ContactStep<'_>, x: &mut [Vec3]) -> Result<(), ContactError> {
-        self.act(|c| c.end_substep(step, x))
-    }
-
-    fn change_velocities(&mut self, velocities: &mut [Vec3]) {
-        self.act(|c| c.change_velocities(velocities));
-    }
-
-    fn end_step(&mut self, x: &[Vec3]) {
-        self.act(|c| c.end_step(x));
-    }
 }
 
 impl Summary {
@@ -287,11 +124,43 @@ impl<'a> Course<'a> {
         let contacts = scene.contacts()?.map(timed);
         let air = scene.air.clone();
         Ok(Self {
-            scene,
+            scene: Cow::Borrowed(scene),
+            changes: 0,
+            rebuilds: 0,
             contacts,
             air,
             seconds: 0.0,
         })
+    }
+
+    /// Makes the changes that are due before a step of `dt` (s).
+    fn change(
+        &mut self,
+        solver: &mut Solver<'_>,
+        state: &mut State,
+        dt: Real,
+        balance: &mut EnergyBalance,
+    ) -> Result<(), BenchError> {
+        while let Some(change) = self.scene.changes.get(self.changes) {
+            if change.time > state.time + ROUNDING * dt {
+                break;
+            }
+            let before = state.clone();
+            let scene = self.scene.after(change, state)?;
+            balance.change(&scene, &before, state)?;
+            if !solver.takes(change) {
+                solver.build(&scene, dt)?;
+                self.rebuilds += 1;
+            }
+            if let (ChangeKind::Tear { .. }, Some(timed)) = (&change.kind, &mut self.contacts)
+                && let Some(source) = scene.contacts()?
+            {
+                timed.source = source;
+            }
+            self.changes += 1;
+            self.scene = Cow::Owned(scene);
+        }
+        Ok(())
     }
 
     /// One step of `dt` (s). `balance` is told of the work done.
@@ -300,7 +169,7 @@ impl<'a> Course<'a> {
         stepper: &mut dyn Stepper,
         state: &mut State,
         dt: Real,
-        mut balance: Option<&mut EnergyBalance<'_>>,
+        mut balance: Option<&mut EnergyBalance>,
     ) -> Result<StepReport, BenchError> {
         if let Some(contacts) = &mut self.contacts {
             contacts.seconds = 0.0;
@@ -372,7 +241,8 @@ pub fn to_rest(
 /// Runs `steps` steps of `dt` (s). `after` is called with every state, the step's number from 1 and its report.
 ///
 /// # Errors
-/// [`BenchError::Failed`] with the method's own error. `state` is then the last good one.
+/// [`BenchError::Failed`] with the method's own error. `state` is then the last good one. [`BenchError::Usage`] where the scene changes in a way that the stepper
+/// cannot take: see [`run_changing`].
 pub fn run(
     scene: &Scene,
     stepper: &mut dyn Stepper,
@@ -381,6 +251,37 @@ pub fn run(
     steps: u32,
     mut after: impl FnMut(u32, &State, &StepReport) -> Result<(), BenchError>,
 ) -> Result<Summary, BenchError> {
+    let mut solver = Solver::lent(stepper);
+    let after = |moment: &Moment<'_>| after(moment.step, moment.state, moment.report);
+    let (summary, _) = run_changing(scene, &mut solver, state, dt, steps, after)?;
+    Ok(summary)
+}
+
+/// A step that has been taken.
+#[derive(Clone, Copy, Debug)]
+pub struct Moment<'a> {
+    /// Its number, from 1.
+    pub step: u32,
+    /// The scene as it is by then.
+    pub scene: &'a Scene,
+    /// The state after it.
+    pub state: &'a State,
+    /// What the method says of it.
+    pub report: &'a StepReport,
+}
+
+/// The same of a scene whose cloth may change on the way; also gives the scene at the end.
+///
+/// # Errors
+/// [`BenchError::Failed`] with the method's own error. `state` is then the last good one.
+pub fn run_changing(
+    scene: &Scene,
+    solver: &mut Solver<'_>,
+    state: &mut State,
+    dt: Real,
+    steps: u32,
+    mut after: impl FnMut(&Moment<'_>) -> Result<(), BenchError>,
+) -> Result<(Summary, Scene), BenchError> {
     let mut course = Course::new(scene)?;
     let mut balance = EnergyBalance::new(scene, state)?;
     let start_height = height(scene, state);
@@ -391,7 +292,8 @@ pub fn run(
     let (mut chebyshev_fallbacks, mut coarse_builds, mut coarse_fallbacks) = (0, 0, 0);
     let mut newton_fallbacks = 0;
     for step in 1..=steps {
-        let report = course.step(stepper, state, dt, Some(&mut balance))?;
+        course.change(solver, state, dt, &mut balance)?;
+        let report = course.step(solver.stepper(), state, dt, Some(&mut balance))?;
         seconds.push(course.seconds);
         contact_seconds.extend(course.contacts.as_ref().map(|contacts| contacts.seconds));
         iterations.push(report.iterations);
@@ -401,16 +303,22 @@ pub fn run(
         coarse_fallbacks += u64::from(report.coarse_fallbacks);
         newton_fallbacks += u64::from(report.newton_fallbacks);
         converged_steps += u32::from(report.outcome == Outcome::Converged);
-        after(step, state, &report)?;
+        after(&Moment {
+            step,
+            scene: &course.scene,
+            state,
+            report: &report,
+        })?;
     }
+    let scene = course.scene.into_owned();
     let energies = scene.model.energies().map_err(BenchError::failed)?;
     let particles = &scene.model.particles;
     let strain = measure::Strain::of(&scene.gauges()?, &state.positions);
     let elastic_energy = energies.value(&state.positions);
     let height_energy = |x: &[Vec3]| measure::gravitational_energy(particles, x, scene.gravity);
     let gravity_energy = height_energy(&state.positions) - height_energy(&scene.start.positions);
-    let separation = separation(scene, state)?;
-    Ok(Summary {
+    let separation = separation(&scene, state)?;
+    let summary = Summary {
         steps,
         ms_per_step_median: 1e3 * median(&mut seconds),
         contact_ms_median: 1e3 * median(&mut contact_seconds),
@@ -422,6 +330,7 @@ pub fn run(
         coarse_builds,
         coarse_fallbacks,
         newton_fallbacks,
+        rebuilds: course.rebuilds,
         converged_steps,
         max_stretch: strain.max,
         rms_strain: strain.rms,
@@ -432,12 +341,13 @@ pub fn run(
         energy_excess: balance.excess(),
         energy_given: balance.given(),
         energy_gain: balance.gain(),
-        center_of_mass_drop: start_height - height(scene, state),
+        center_of_mass_drop: start_height - height(&scene, state),
         intersections: separation.map(|s| s.intersecting_pairs),
-        obstacle_intersections: crossed_bodies(scene, &mut body_probe(scene)?, state)?,
+        obstacle_intersections: crossed_bodies(&scene, &mut body_probe(&scene)?, state)?,
         min_distance: separation.and_then(|s| s.min_distance),
-        min_clearance: min_clearance(scene, state),
-    })
+        min_clearance: min_clearance(&scene, state),
+    };
+    Ok((summary, scene))
 }
 
 /// A run of a method from the start of a scene, and where it ended; otherwise as [`run`].
@@ -450,11 +360,12 @@ pub fn from_start(
     settings: &Settings,
     dt: Real,
     steps: u32,
-    after: impl FnMut(u32, &State, &StepReport) -> Result<(), BenchError>,
+    mut after: impl FnMut(u32, &State, &StepReport) -> Result<(), BenchError>,
 ) -> Result<(Summary, State), BenchError> {
-    let mut stepper = method.build(scene, settings, dt)?;
+    let mut solver = Solver::new(method, settings, scene, dt)?;
     let mut state = scene.start.clone();
-    let summary = run(scene, &mut *stepper, &mut state, dt, steps, after)?;
+    let after = |moment: &Moment<'_>| after(moment.step, moment.state, moment.report);
+    let (summary, _) = run_changing(scene, &mut solver, &mut state, dt, steps, after)?;
     Ok((summary, state))
 }
 

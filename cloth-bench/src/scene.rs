@@ -1,6 +1,7 @@
 //! The physical scenes, stated once in SI units. Every method simulates the same one.
 
 mod build;
+mod change;
 mod cloth;
 mod contact;
 pub mod file;
@@ -9,6 +10,7 @@ mod pins;
 mod touching;
 
 pub use build::build;
+pub use change::{Change, ChangeKind, Motion};
 pub use contact::Touch;
 
 use crate::error::BenchError;
@@ -44,6 +46,8 @@ pub struct Scene {
     pub steps: u32,
     /// How held vertices move; those of which it does not know stay where they are.
     pub pins: Option<Arc<Pins>>,
+    /// What happens to the cloth on the way, in the order of time.
+    pub changes: Vec<Change>,
     /// What the cloth can touch; nothing unless the scene says so.
     pub touch: Option<Touch>,
     /// The air around it; without it no code for air runs.
@@ -88,10 +92,10 @@ impl Scene {
         self.touch.as_ref().is_some_and(|touch| !touch.is_idle())
     }
 
-    /// Whether a step is nothing but the elastic one: nothing to touch, no air, pins at rest.
+    /// Whether a step is nothing but the elastic one: nothing to touch, no air, pins at rest, nothing that changes.
     #[must_use]
     pub fn is_plain(&self) -> bool {
-        self.pins.is_none() && self.air.is_none() && !self.touches()
+        self.pins.is_none() && self.air.is_none() && self.changes.is_empty() && !self.touches()
     }
 
     /// Surfaces of the obstacles, for pictures: their vertices (m) at a time (s), and their triangles.

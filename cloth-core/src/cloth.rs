@@ -33,12 +33,14 @@ mod carriers;
 mod detail;
 mod elements;
 mod midpoints;
+mod pieces;
 mod relief;
 
 pub use carriers::{BendingCarrier, Carriers, MembraneCarrier};
 pub use detail::LevelOfDetail;
 pub use elements::Elements;
 pub use midpoints::MidpointCloth;
+pub use pieces::Piece;
 pub use relief::{SpringEdges, SpringLaw};
 
 use crate::energy::{CurvatureHinge, Spring};
@@ -228,6 +230,12 @@ pub enum ClothError {
     CompressionShare(Real),
     /// The range of lengths without resistance does not hold 1 (dimensionless).
     SlackRange([Real; 2]),
+    /// A piece names a triangle that the mesh does not have.
+    NoSuchTriangle(u32),
+    /// Two pieces name the same triangle.
+    InTwoPieces(u32),
+    /// A coarse level was asked for a piece that is not the whole mesh.
+    DetailOfPiece,
     /// Edges cannot be left out as asked for.
     Freedom {
         /// The share of all coordinates that was to be free.
@@ -277,6 +285,15 @@ impl fmt::Display for ClothError {
             Self::SlackRange([shortest, longest]) => write!(
                 f,
                 "springs are slack from {shortest} to {longest} of their length, but the range has to hold 1 and begin at 0 or above"
+            ),
+            Self::NoSuchTriangle(triangle) => {
+                write!(f, "a piece has triangle {triangle}, which the mesh does not have")
+            }
+            Self::InTwoPieces(triangle) => {
+                write!(f, "triangle {triangle} is named twice, but it can be in one piece only")
+            }
+            Self::DetailOfPiece => f.write_str(
+                "a coarse level carries a whole mesh, not one piece of several",
             ),
             Self::Freedom { share, most } => write!(
                 f,

@@ -33,6 +33,14 @@ impl TriMesh {
         })
     }
 
+    /// All vertices with some of the triangles, so that vertices may be in none: for elements of one piece only.
+    pub(crate) fn with_triangles(&self, triangles: Vec<[u32; 3]>) -> Self {
+        Self {
+            positions: self.positions.clone(),
+            triangles,
+        }
+    }
+
     /// Rest positions (m), one per vertex.
     #[must_use]
     pub fn positions(&self) -> &[Vec3] {

@@ -63,9 +63,7 @@ impl Particles {
     /// # Errors
     /// [`ParticleError::InvalidDensity`] if the density is not a positive finite number, [`ParticleError::InvalidMass`] if it makes a mass too small to be inverted.
     pub fn from_areal_density(mesh: &TriMesh, density: Real) -> Result<Self, ParticleError> {
-        if !(density > 0.0 && density.is_finite()) {
-            return Err(ParticleError::InvalidDensity { density });
-        }
+        Self::check_density(density)?;
         let mut mass = vec![0.0; mesh.vertex_count()];
         for (triangle, area) in mesh.triangles().iter().zip(mesh.areas()) {
             for &vertex in triangle {
@@ -73,6 +71,14 @@ impl Particles {
             }
         }
         Ok(Self::new(mass)?.resting_at(mesh.positions()))
+    }
+
+    pub(crate) fn check_density(density: Real) -> Result<(), ParticleError> {
+        if density > 0.0 && density.is_finite() {
+            Ok(())
+        } else {
+            Err(ParticleError::InvalidDensity { density })
+        }
     }
 
     /// Replaces the mass (kg) of one vertex. A prescribed vertex stays prescribed.

@@ -3,15 +3,16 @@
 use crate::math::{Real, Vec3};
 use crate::particles::{ParticleError, Particles, State};
 use std::fmt;
+use std::sync::Arc;
 
 /// Position (m) of a pin as a function of time (s).
-type Path = Box<dyn Fn(Real) -> Vec3 + Send + Sync>;
+type Path = Arc<dyn Fn(Real) -> Vec3 + Send + Sync>;
 
 /// Prescribed vertices and the paths they follow.
 ///
 /// A prescribed vertex travels with its own velocity. Before each step [`Pins::steer`] sets the velocity that takes it to where its path is at
 /// the end of the step, so that every method sees the same motion without knowing of paths.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub struct Pins {
     paths: Vec<(usize, Path)>,
 }
@@ -47,7 +48,21 @@ impl Pins {
         path: impl Fn(Real) -> Vec3 + Send + Sync + 'static,
     ) -> Result<(), ParticleError> {
         particles.prescribe(vertex)?;
-        self.paths.push((vertex, Box::new(path)));
+        self.paths.push((vertex, Arc::new(path)));
+        Ok(())
+    }
+
+    /// Lets `vertex` go in `particles`; it follows no path any more.
+    ///
+    /// # Errors
+    /// [`ParticleError::NoSuchVertex`].
+    pub fn release(
+        &mut self,
+        particles: &mut Particles,
+        vertex: usize,
+    ) -> Result<(), ParticleError> {
+        particles.release(vertex)?;
+        self.paths.retain(|(held, _)| *held != vertex);
         Ok(())
     }
 

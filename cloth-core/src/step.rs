@@ -18,6 +18,16 @@ pub trait Stepper: Send {
     /// # Panics
     /// If `state` or `input.load` does not have the number of vertices that the solver was built for.
     fn step(&mut self, state: &mut State, input: StepInput<'_>) -> Result<StepReport, StepError>;
+
+    /// From the next step on these vertices are prescribed (`true`), or free again. Returns whether the method can take
+    /// notice of that as it is; if not, nothing has changed, and it has to be built anew.
+    ///
+    /// # Panics
+    /// If there is no such vertex.
+    fn set_prescribed(&mut self, vertices: &[usize], are_prescribed: bool) -> bool {
+        let _ = (vertices, are_prescribed);
+        false
+    }
 }
 
 /// Everything outside the cloth that acts during one step.

@@ -94,6 +94,17 @@ impl Stepper for PdSolver {
         state.steps = step;
         Ok(report)
     }
+
+    fn set_prescribed(&mut self, vertices: &[usize], are_prescribed: bool) -> bool {
+        for &vertex in vertices {
+            let changed = match are_prescribed {
+                true => self.prescribe(vertex),
+                false => self.release(vertex),
+            };
+            assert!(changed.is_ok(), "there is no vertex {vertex}");
+        }
+        true
+    }
 }
 
 impl PdSolver {

@@ -6,14 +6,13 @@ use crate::export::{Export, Format};
 use crate::memory;
 use crate::method::Method;
 use crate::report::render::{Surface, View, render};
-use crate::run::{SeparationWatch, run};
+use crate::run::{Moment, SeparationWatch, Solver, run_changing};
 use crate::scene::{self, Scene, SceneInfo};
 use crate::settings::{Parameter, Settings};
 use crate::yardstick::StepProblem;
 use clap::Args;
 use cloth_core::math::{Real, Vec3};
-use cloth_core::particles::State;
-use cloth_core::step::{StepReport, Stepper};
+use cloth_core::step::Stepper;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
@@ -30,6 +29,7 @@ Of the numbers that come out:
   coarse_builds        coarse grids that pd made anew because pins had changed
   coarse_fallbacks     iterations of pd's steps that went without the coarse grid, because it could not be made or factorised
   newton_fallbacks     minimisations of implicit steps in which Newton's method took over from the quasi-Newton method
+  rebuilds             changes of the cloth on the way (pins, tears) for which the method was built anew
   held_steps           steps that ended with vertices held back by contact";
 
 /// Arguments of `run`.
@@ -179,7 +179,7 @@ fn simulate(
     steps: u32,
 ) -> Result<(), BenchError> {
     let begun = Instant::now();
-    let mut stepper = method.build(scene, settings, dt)?;
+    let mut solver = Solver::new(method, settings, scene, dt)?;
     let setup_ms = 1e3 * begun.elapsed().as_secs_f64();
     let mut peak_memory = None;
     let mut export = match &arguments.export {
@@ -197,17 +197,18 @@ fn simulate(
         .watch
         .then(|| SeparationWatch::new(scene))
         .transpose()?;
-    let after = |step: u32, state: &State, _: &StepReport| {
+    let after = |moment: &Moment<'_>| {
+        let (step, state) = (moment.step, moment.state);
         bar.inc(1);
         if step == steps {
             // Before what is only measured afterwards takes memory too.
             peak_memory = memory::peak();
         }
         if let Some(watch) = &mut watch {
-            watch.look(state)?;
+            watch.look(moment.scene, state)?;
         }
         if let Some(export) = &mut export {
-            export.after(step, state)?;
+            export.after(step, moment.scene, state)?;
         }
         let limit = arguments.time_limit.unwrap_or(Real::INFINITY);
         if step < steps && begun.elapsed().as_secs_f64() > limit {
@@ -225,14 +226,14 @@ fn simulate(
         }
     };
     let finished = while_saying(PATIENCE, say, || {
-        run(scene, &mut *stepper, &mut state, dt, steps, after)
+        run_changing(scene, &mut solver, &mut state, dt, steps, after)
     });
     bar.finish_and_clear();
     // Of a run that failed too: what came before the failure may show why.
     let exported = export.map(Export::finish).transpose();
     let vertices = state.positions.len();
-    let summary = match finished {
-        Ok(summary) => summary,
+    let (summary, scene) = match finished {
+        Ok((summary, end)) => (summary, end),
         Err(error) => {
             print_pairs(
                 arguments.json,
@@ -268,6 +269,7 @@ fn simulate(
         ("coarse_builds", json!(summary.coarse_builds)),
         ("coarse_fallbacks", json!(summary.coarse_fallbacks)),
         ("newton_fallbacks", json!(summary.newton_fallbacks)),
+        ("rebuilds", json!(summary.rebuilds)),
         ("converged_steps", json!(summary.converged_steps)),
         ("max_stretch", json!(summary.max_stretch)),
         ("rms_strain", json!(summary.rms_strain)),
@@ -307,7 +309,7 @@ fn simulate(
         ]);
     }
     if arguments.reference {
-        pairs.extend(compared(scene, &mut *stepper, steps, dt)?);
+        pairs.extend(compared(&scene, solver.stepper(), steps, dt)?);
     }
     if let (Some(file), Some(mesh)) = (&arguments.picture, &scene.mesh) {
         let obstacles = scene.obstacle_surfaces(state.time);
@@ -316,7 +318,7 @@ fn simulate(
         surfaces.extend(obstacles.iter().map(|(x, t)| seen((&x[..], *t))));
         write_file(
             file,
-            &render(&surfaces, &view(scene)).map_err(BenchError::failed)?,
+            &render(&surfaces, &view(&scene)).map_err(BenchError::failed)?,
         )?;
     }
     if let Some(warning) = summary.energy_warning() {

@@ -169,6 +169,7 @@ pub(super) fn of_mesh(
         pins: None,
         touch: None,
         air: None,
+        changes: Vec::new(),
         order: None,
     }
 }
@@ -219,6 +220,7 @@ pub(super) fn chain(settings: &Settings) -> Result<Scene, BenchError> {
         pins: None,
         touch: None,
         air: None,
+        changes: Vec::new(),
         order: None,
     })
 }

@@ -45,15 +45,20 @@ pub(super) fn cut(
     mesh: &TriMesh,
 ) -> Result<ClothModel, BenchError> {
     let cloth = described(settings, rigidity)?;
-    let carriers = Carriers {
+    let carriers = carriers(settings)?;
+    cloth.carried_by(&carriers, mesh).map_err(BenchError::usage)
+}
+
+/// The elements that carry it.
+pub(super) fn carriers(settings: &Settings) -> Result<Carriers, BenchError> {
+    Ok(Carriers {
         membrane: membrane_carrier(settings)?,
         shear: optional(settings, &SHEAR)?,
         bending: bending_carrier(settings)?,
         law: law(settings)?,
         edges: edges(settings)?,
         detail: detail(settings)?,
-    };
-    cloth.carried_by(&carriers, mesh).map_err(BenchError::usage)
+    })
 }
 
 /// The numbers of the cloth, whatever carries it.

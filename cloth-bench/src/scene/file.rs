@@ -8,10 +8,12 @@ mod air;
 mod build;
 mod document;
 mod keys;
+mod material;
 mod mesh;
 mod obstacles;
 mod pins;
 mod start;
+mod tear;
 
 pub use build::build;
 pub use keys::{SECTIONS, SectionInfo, overrulable};

@@ -126,7 +126,7 @@ fn ran(scene: &Scene, steps: u32, method: &str) -> Result<Ran, BenchError> {
         &mut state,
         scene.dt,
         steps,
-        |_, state, _| watch.look(state),
+        |_, state, _| watch.look(scene, state),
     );
     let (summary, remark) = match outcome {
         Ok(summary) => (Some(summary), String::new()),

@@ -134,6 +134,7 @@ fn one_constraint(points: &[(Real, u32, Real)]) -> Result<Vec<Vec<Number>>, Benc
         pins: None,
         touch: None,
         air: None,
+        changes: Vec::new(),
         order: None,
     };
     let measure = |(_, name, settings, _): (String, &str, Settings, Option<Real>)| {

@@ -201,7 +201,7 @@ fn nothing_crosses_in_any_scene_with_any_kind_of_method() {
             let mut solver = method.build(&scene, &settings, scene.dt).unwrap();
             let mut state = scene.start.clone();
             let mut watch = SeparationWatch::new(&scene).unwrap();
-            let look = |_, state: &_, _: &_| watch.look(state);
+            let look = |_, state: &_, _: &_| watch.look(&scene, state);
             run(&scene, &mut *solver, &mut state, scene.dt, 40, look)
                 .unwrap_or_else(|error| panic!("{name}, {}: {error}", method.name));
             let seen = watch.seen();

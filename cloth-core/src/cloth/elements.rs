@@ -72,6 +72,25 @@ impl Elements {
         self.len() == 0
     }
 
+    /// Adds a family to a list, to the one of its kind if there is one.
+    pub(super) fn merge(families: &mut Vec<Self>, mut family: Self) {
+        for own in families.iter_mut() {
+            match (own, &mut family) {
+                (Self::Springs(own), Self::Springs(more)) => return own.append(more),
+                (Self::Limited(own), Self::Limited(more)) => return own.append(more),
+                (Self::Stvk(own), Self::Stvk(more)) => return own.append(more),
+                (Self::Arap(own), Self::Arap(more)) => return own.append(more),
+                (Self::Quadratic(own), Self::Quadratic(more)) => return own.append(more),
+                (Self::Curved(own), Self::Curved(more)) => return own.append(more),
+                (Self::Dihedral(own), Self::Dihedral(more)) => return own.append(more),
+                (Self::Cubic(own), Self::Cubic(more)) => return own.append(more),
+                (Self::Midpoint(own), Self::Midpoint(more)) => return own.append(more),
+                _ => {}
+            }
+        }
+        families.push(family);
+    }
+
     /// Adds them to a sum of energies: every kind has that view.
     ///
     /// # Errors

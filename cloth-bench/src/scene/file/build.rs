@@ -1,12 +1,13 @@
 //! From the text of a file to a [`Scene`].
 
 use super::document::{Document, Section};
-use super::keys::{DT, GRAVITY, NAME, SECTIONS, STEPS, overrulable};
-use super::{air, mesh, obstacles, pins, start};
+use super::keys::{DT, GRAVITY, MESH_CLOTH, NAME, SECTIONS, STEPS, overrulable};
+use super::material::Material;
+use super::{air, mesh, obstacles, pins, start, tear};
 use crate::bounds::bounds;
 use crate::error::BenchError;
 use crate::scene::contact::{NO_SELF, THICKNESS, Touch};
-use crate::scene::{RIGIDITY, STIFFNESS, Scene, build as built_in, cloth};
+use crate::scene::{STIFFNESS, Scene, build as built_in};
 use crate::settings::Settings;
 use cloth_core::math::Vec3;
 use cloth_core::ordering::Order;
@@ -42,8 +43,11 @@ struct Sections<'a> {
     document: Document<'a>,
     top: Section<'a>,
     meshes: Vec<Section<'a>>,
+    /// What each of them says of its own material.
+    materials: Vec<Option<Section<'a>>>,
     cloth: Section<'a>,
     pins: Vec<Section<'a>>,
+    tears: Vec<Section<'a>>,
     start: Section<'a>,
     air: Section<'a>,
     obstacles: Vec<Section<'a>>,
@@ -56,8 +60,10 @@ impl<'a> Sections<'a> {
         let [
             top,
             meshes,
+            _,
             cloth,
             pins,
+            tears,
             start,
             air,
             obstacles,
@@ -66,6 +72,7 @@ impl<'a> Sections<'a> {
         ] = &SECTIONS;
         let names: Vec<&str> = SECTIONS[1..]
             .iter()
+            .filter(|info| !info.head.contains('.'))
             .map(|info| info.head.trim_matches(['[', ']']))
             .collect();
         let named = |info: &super::SectionInfo| root.get(info.head.trim_matches(['[', ']']));
@@ -74,7 +81,11 @@ impl<'a> Sections<'a> {
                 let message = format!("this has to be a table: write {} above its keys", info.head);
                 return Err(document.refuse(value.span(), message));
             };
-            Section::new(document, info, Some(value), Some(entries), &[])
+            let below: &[&str] = match info.head {
+                "[[mesh]]" => &["cloth"],
+                _ => &[],
+            };
+            Section::new(document, info, Some(value), Some(entries), below)
         };
         let one = |info: &'static super::SectionInfo| match named(info) {
             Some(value) => table(value, info),
@@ -90,12 +101,17 @@ impl<'a> Sections<'a> {
                 Err(document.refuse(value.span(), message))
             }
         };
+        let meshes = all(meshes)?;
+        let materials = meshes.iter().map(|mesh| mesh.below("cloth", &MESH_CLOTH));
+        let materials = materials.collect::<Result<_, _>>()?;
         Ok(Self {
             document,
             top: Section::new(document, top, None, Some(root), &names)?,
-            meshes: all(meshes)?,
+            meshes,
+            materials,
             cloth: one(cloth)?,
             pins: all(pins)?,
+            tears: all(tears)?,
             start: one(start)?,
             air: one(air)?,
             obstacles: all(obstacles)?,
@@ -141,6 +157,7 @@ impl<'a> Sections<'a> {
             .into_iter()
             .chain(&self.meshes)
             .chain(&self.pins)
+            .chain(&self.tears)
             .chain(&self.obstacles);
         if let Some(other) = others.find(|section| section.is_given()) {
             return Err(other.refuse_table("has no meaning beside [chain]"));
@@ -163,11 +180,12 @@ impl<'a> Sections<'a> {
                 "there is no cloth: a scene needs [[mesh]] with a file or a generator",
             ));
         }
-        let (mesh, from_file) = mesh::joined(&self.meshes, folder)?;
+        let (mesh, counts, from_file) = mesh::joined(&self.meshes, folder)?;
         let settings = self
             .contact
             .settings(self.cloth.settings(Settings::default())?)?;
         let settings = settings.then(overruling);
+        let mut material = Material::new(&settings, &self.materials, &counts)?;
         let gravity = self.gravity()?;
         let up = -gravity.try_normalize(0.0).unwrap_or(-Vec3::z());
         let mut held = Vec::new();
@@ -181,17 +199,24 @@ impl<'a> Sections<'a> {
                 for vertex in held.iter_mut().flatten() {
                     *vertex = order.new_of_old()[*vertex] as usize;
                 }
+                material.reorder(order);
                 order.reorder_mesh(&mesh)
             }
             None => mesh,
         };
-        let mut model = cloth::cut(&settings, &RIGIDITY, &mesh)
-            .map_err(|error| self.cloth.blame(error, overruling))?;
+        let blame = |error| self.blame_material(error, overruling);
+        let mut model = material.cut(&mesh, |_| true).map_err(blame)?;
+        let mut changes = tear::tears(&self.tears, &material, &mesh)?;
         let mut ways = Pins::new();
-        for (section, vertices) in self.pins.iter().zip(&held) {
-            let particles = &mut model.particles;
-            pins::hold(section, vertices, mesh.positions(), particles, &mut ways)?;
+        let holds = self.pins.iter().zip(held);
+        let holds = holds.map(|(section, vertices)| pins::hold(section, vertices));
+        let holds: Vec<pins::Hold> = holds.collect::<Result<_, _>>()?;
+        pins::refuse_overlap(&self.pins, &holds)?;
+        for (section, hold) in self.pins.iter().zip(holds) {
+            let (x, particles) = (mesh.positions(), &mut model.particles);
+            hold.apply(section, x, particles, &mut ways, &mut changes)?;
         }
+        changes.sort_by(|a, b| a.time.total_cmp(&b.time));
         let [low, high] = bounds(mesh.positions().iter().copied());
         let size = (high - low).norm();
         let thickness = settings
@@ -208,9 +233,20 @@ impl<'a> Sections<'a> {
             touch: Some(touch),
             air: air::around(&self.air, &settings, &mesh)?,
             pins: Some(Arc::new(ways)).filter(|ways| !ways.is_empty()),
+            changes,
             ..built_in::of_mesh("", &mesh, model, gravity)
         };
         start::apply(&self.start, &mut scene)?;
         Ok(scene)
+    }
+
+    /// Says in which line the value stands that an error of the material names: of a piece, or of all.
+    fn blame_material(&self, error: BenchError, overruling: &Settings) -> BenchError {
+        let own = self.materials.iter().flatten();
+        let mut own = own.filter(|section| section.is_named_in(&error));
+        match own.next() {
+            Some(section) => section.blame(error, &Settings::default()),
+            None => self.cloth.blame(error, overruling),
+        }
     }
 }

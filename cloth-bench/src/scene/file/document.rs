@@ -119,6 +119,22 @@ impl<'a> Section<'a> {
         }
     }
 
+    /// A table below this one, such as the `[mesh.cloth]` of a `[[mesh]]`.
+    pub(super) fn below(
+        &self,
+        name: &str,
+        info: &'static SectionInfo,
+    ) -> Result<Option<Self>, BenchError> {
+        let Some(value) = self.entries.and_then(|entries| entries.get(name)) else {
+            return Ok(None);
+        };
+        let DeValue::Table(entries) = value.get_ref() else {
+            let message = format!("this has to be a table: write {} above its keys", info.head);
+            return Err(self.document.refuse(value.span(), message));
+        };
+        Self::new(self.document, info, Some(value), Some(entries), &[]).map(Some)
+    }
+
     /// The value of a key.
     pub(super) fn value(&self, key: &Parameter) -> Option<Value<'a>> {
         self.entries?.get(key.name)
@@ -176,6 +192,11 @@ impl<'a> Section<'a> {
     pub(super) fn positive(&self, key: &Parameter) -> Result<Option<Real>, BenchError> {
         let above = |value: &DeValue<'_>| real(value).filter(|&number| number > 0.0);
         self.read(key, "a finite number above 0", above)
+    }
+
+    pub(super) fn not_negative(&self, key: &Parameter) -> Result<Option<Real>, BenchError> {
+        let above = |value: &DeValue<'_>| real(value).filter(|&number| number >= 0.0);
+        self.read(key, "a finite number of at least 0", above)
     }
 
     pub(super) fn count(&self, key: &Parameter) -> Result<Option<u32>, BenchError> {
@@ -249,18 +270,26 @@ impl<'a> Section<'a> {
         Ok(settings)
     }
 
+    /// The first key in a message that stands in this table.
+    fn named_in(&self, message: &str) -> Option<&'static Parameter> {
+        let mut words = message.split(|c: char| !(c.is_alphanumeric() || c == '_'));
+        words.find_map(|word| {
+            let mut keys = self.info.keys.iter();
+            keys.find(|key| key.name == word && self.value(key).is_some())
+        })
+    }
+
+    /// Whether an error names a key that stands in this table.
+    pub(super) fn is_named_in(&self, error: &BenchError) -> bool {
+        matches!(error, BenchError::Usage(message) if self.named_in(message).is_some())
+    }
+
     /// Says in which line the value stands that an error names, if it stands in this table and nothing else has `overruled` it.
     pub(super) fn blame(&self, error: BenchError, overruled: &Settings) -> BenchError {
         let BenchError::Usage(message) = error else {
             return error;
         };
-        let mut words = message.split(|c: char| !(c.is_alphanumeric() || c == '_'));
-        let key_of = |word: &str| {
-            let mut keys = self.info.keys.iter();
-            keys.find(|key| key.name == word && self.value(key).is_some())
-        };
-        let given = words.find_map(key_of);
-        match given {
+        match self.named_in(&message) {
             Some(key) if overruled.get(key.name).is_some() => BenchError::Usage(message),
             Some(key) => self.refuse(key, message),
             None => self.refuse_table(message),

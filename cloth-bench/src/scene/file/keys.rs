@@ -79,6 +79,24 @@ pub(super) const DURATION: Parameter = parameter(
     "how long shift and turn take (s), above 0, at a constant rate; the pins rest after it",
 );
 
+pub(super) const FROM: Parameter = parameter(
+    "from",
+    "0",
+    "time (s) at which the vertices are grabbed, wherever they are then, at least 0; move and turn begin with it",
+);
+pub(super) const UNTIL: Parameter = parameter(
+    "until",
+    "none",
+    "time (s) at which they are released with the velocity they have, after from; none: never",
+);
+
+pub(super) const TEAR_TIME: Parameter = parameter("time", "needed", "of the tear (s), at least 0");
+pub(super) const TEAR_BOX: Parameter = parameter(
+    "box",
+    "needed",
+    "two corners such as [[0, 0, 0], [1, 1, 1]] (m): triangles whose middle, at rest, is in between vanish",
+);
+
 pub(super) const SHAPE: Parameter = parameter(
     "shape",
     "needed",
@@ -163,8 +181,15 @@ const CLOTH: &[Parameter] = &[
     BENDING_STIFFNESS,
 ];
 
+/// Below a `[[mesh]]`.
+pub(super) const MESH_CLOTH: SectionInfo = SectionInfo {
+    head: "[mesh.cloth]",
+    about: "below a [[mesh]]: what is different of the material of this piece, which --set leaves as it is",
+    keys: CLOTH,
+};
+
 /// Every table, in the order in which one would write them.
-pub const SECTIONS: [SectionInfo; 9] = [
+pub const SECTIONS: [SectionInfo; 11] = [
     SectionInfo {
         head: "",
         about: "before all tables",
@@ -175,6 +200,7 @@ pub const SECTIONS: [SectionInfo; 9] = [
         about: "the cloth at rest; several make one cloth of several pieces",
         keys: &[FILE, GENERATOR, SCALE, ROTATE, TRANSLATE],
     },
+    MESH_CLOTH,
     SectionInfo {
         head: "[cloth]",
         about: "the material",
@@ -182,8 +208,15 @@ pub const SECTIONS: [SectionInfo; 9] = [
     },
     SectionInfo {
         head: "[[pins]]",
-        about: "held vertices, which may move",
-        keys: &[SELECT, VERTICES, BOX, MOVE, TURN, CENTRE, DURATION],
+        about: "held vertices, which may move, for some time or for ever",
+        keys: &[
+            SELECT, VERTICES, BOX, MOVE, TURN, CENTRE, DURATION, FROM, UNTIL,
+        ],
+    },
+    SectionInfo {
+        head: "[[tear]]",
+        about: "triangles that are torn out; their mass stays with their corners",
+        keys: &[TEAR_TIME, TEAR_BOX],
     },
     SectionInfo {
         head: "[start]",

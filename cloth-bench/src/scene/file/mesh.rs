@@ -9,23 +9,24 @@ use cloth_core::mesh::{TriMesh, generate, io};
 use nalgebra::Rotation3;
 use std::path::Path;
 
-/// All pieces as one mesh, and whether any of them came from a file.
+/// All pieces as one mesh, the number of vertices of each, and whether any of them came from a file.
 pub(super) fn joined(
     sections: &[Section<'_>],
     folder: &Path,
-) -> Result<(TriMesh, bool), BenchError> {
+) -> Result<(TriMesh, Vec<usize>, bool), BenchError> {
     let mut pieces = Vec::new();
     let mut from_file = false;
     for section in sections {
         from_file |= section.value(&FILE).is_some();
         pieces.push(piece(section, folder)?);
     }
+    let counts = pieces.iter().map(TriMesh::vertex_count).collect();
     match (pieces.pop(), pieces.is_empty()) {
-        (Some(only), true) => Ok((only, from_file)),
+        (Some(only), true) => Ok((only, counts, from_file)),
         (last, _) => {
             pieces.extend(last);
             let joined = generate::join(&pieces).map_err(BenchError::usage)?;
-            Ok((joined, from_file))
+            Ok((joined, counts, from_file))
         }
     }
 }

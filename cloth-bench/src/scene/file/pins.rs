@@ -1,14 +1,13 @@
 //! `[[pins]]`: held vertices and their ways.
 
 use super::document::Section;
-use super::keys::{BOX, CENTRE, DURATION, MOVE, SELECT, TURN, VERTICES};
+use super::keys::{BOX, CENTRE, DURATION, FROM, MOVE, SELECT, TURN, UNTIL, VERTICES};
 use crate::error::BenchError;
 use crate::names;
-use crate::scene::pins;
+use crate::scene::{Change, ChangeKind, Motion, pins};
 use cloth_core::math::{Real, Vec3};
 use cloth_core::particles::Particles;
 use cloth_core::pin::Pins;
-use nalgebra::{Rotation3, Unit};
 
 /// The vertices that a table holds, in the caller's numbers.
 pub(super) fn chosen(
@@ -54,14 +53,16 @@ pub(super) fn chosen(
     }
 }
 
-/// Holds vertices, and adds their ways if they have any.
-pub(super) fn hold(
-    section: &Section<'_>,
-    vertices: &[usize],
-    positions: &[Vec3],
-    particles: &mut Particles,
-    pins: &mut Pins,
-) -> Result<(), BenchError> {
+/// Vertices that are held for some time.
+pub(super) struct Hold {
+    pub(super) vertices: Vec<usize>,
+    motion: Option<Motion>,
+    from: Real,
+    until: Option<Real>,
+}
+
+/// What a table says of these vertices.
+pub(super) fn hold(section: &Section<'_>, vertices: Vec<usize>) -> Result<Hold, BenchError> {
     let duration = section.positive(&DURATION)?.unwrap_or(1.0);
     let shift = section.vector(&MOVE)?;
     let turn = section.vector(&TURN)?;
@@ -73,25 +74,79 @@ pub(super) fn hold(
             return Err(section.refuse(key, message));
         }
     }
-    let shift_by = shift.unwrap_or_default();
-    let axis = Unit::try_new_and_get(turn.unwrap_or_default(), 0.0);
-    for &vertex in vertices {
-        let held = particles.prescribe(vertex);
-        held.map_err(|error| section.refuse_table(error))?;
-        if turn.is_none() && shift.is_none() {
-            continue;
+    let from = section.not_negative(&FROM)?.unwrap_or(0.0);
+    let until = section.not_negative(&UNTIL)?;
+    if until.is_some_and(|until| until <= from) {
+        let message = format!("until has to be later than from, which is {from} s");
+        return Err(section.refuse(&UNTIL, message));
+    }
+    let motion = (turn.is_some() || shift.is_some()).then(|| Motion {
+        shift: shift.unwrap_or_default(),
+        turn: turn.unwrap_or_default(),
+        centre,
+        duration,
+    });
+    Ok(Hold {
+        vertices,
+        motion,
+        from,
+        until,
+    })
+}
+
+/// Refuses vertices that two tables hold at the same time, if one of them does not do so for ever.
+pub(super) fn refuse_overlap(sections: &[Section<'_>], holds: &[Hold]) -> Result<(), BenchError> {
+    for (later, (section, hold)) in sections.iter().zip(holds).enumerate() {
+        let end = |hold: &Hold| hold.until.unwrap_or(Real::INFINITY);
+        let is_timed = |hold: &Hold| hold.from > 0.0 || hold.until.is_some();
+        for other in &holds[..later] {
+            let meet = hold.from < end(other) && other.from < end(hold);
+            if !meet || !(is_timed(hold) || is_timed(other)) {
+                continue;
+            }
+            let both = hold.vertices.iter().find(|v| other.vertices.contains(v));
+            if let Some(vertex) = both {
+                let message = format!("vertex {vertex} is held by other [[pins]] at the same time");
+                return Err(section.refuse_table(message));
+            }
         }
-        let from_centre = positions[vertex] - centre;
-        let path = move |time: Real| {
-            let part = (time / duration).clamp(0.0, 1.0);
-            let turned = match &axis {
-                Some((axis, angle)) => Rotation3::from_axis_angle(axis, part * angle) * from_centre,
-                None => from_centre,
-            };
-            centre + turned + shift_by * part
-        };
-        pins.follow(particles, vertex, path)
-            .map_err(|error| section.refuse_table(error))?;
     }
     Ok(())
+}
+
+impl Hold {
+    /// Holds the vertices from the start on, or later; and releases them, if they are not held for ever.
+    pub(super) fn apply(
+        self,
+        section: &Section<'_>,
+        positions: &[Vec3],
+        particles: &mut Particles,
+        pins: &mut Pins,
+        changes: &mut Vec<Change>,
+    ) -> Result<(), BenchError> {
+        if self.from == 0.0 {
+            for &vertex in &self.vertices {
+                let held = match self.motion {
+                    Some(motion) => {
+                        pins.follow(particles, vertex, motion.path(positions[vertex], 0.0))
+                    }
+                    None => particles.prescribe(vertex),
+                };
+                held.map_err(|error| section.refuse_table(error))?;
+            }
+        } else {
+            let kind = ChangeKind::Hold {
+                vertices: self.vertices.clone(),
+                motion: self.motion.unwrap_or(Motion::NONE),
+            };
+            let time = self.from;
+            changes.push(Change { time, kind });
+        }
+        if let Some(time) = self.until {
+            let vertices = self.vertices;
+            let kind = ChangeKind::Release { vertices };
+            changes.push(Change { time, kind });
+        }
+        Ok(())
+    }
 }

@@ -1,0 +1,71 @@
+//! `[cloth]` and `[mesh.cloth]`: what the pieces of a cloth are made of.
+
+use super::document::Section;
+use crate::error::BenchError;
+use crate::scene::{RIGIDITY, cloth};
+use crate::settings::Settings;
+use cloth_core::cloth::{ClothModel, Piece};
+use cloth_core::mesh::TriMesh;
+use cloth_core::ordering::Order;
+
+/// The material of each vertex; pieces share none.
+pub(super) struct Material {
+    /// Of every piece that has one of its own, after that of all others.
+    settings: Vec<Settings>,
+    /// Which of them each vertex has.
+    of_vertex: Vec<usize>,
+}
+
+impl Material {
+    /// `common` is that of `[cloth]`, overruled; `own` are the tables of the pieces, and `counts` the numbers of their vertices.
+    pub(super) fn new(
+        common: &Settings,
+        own: &[Option<Section<'_>>],
+        counts: &[usize],
+    ) -> Result<Self, BenchError> {
+        let mut settings = vec![common.clone()];
+        let mut of_vertex = Vec::new();
+        for (section, count) in own.iter().zip(counts) {
+            let mut place = 0;
+            if let Some(section) = section {
+                place = settings.len();
+                settings.push(section.settings(common.clone())?);
+            }
+            of_vertex.extend(std::iter::repeat_n(place, *count));
+        }
+        Ok(Self {
+            settings,
+            of_vertex,
+        })
+    }
+
+    /// The same for vertices in another order.
+    pub(super) fn reorder(&mut self, order: &Order) {
+        let old = order.old_of_new().iter();
+        self.of_vertex = old.map(|&old| self.of_vertex[old as usize]).collect();
+    }
+
+    /// The cloth cut to the triangles of a mesh that are wanted, by their numbers.
+    pub(super) fn cut(
+        &self,
+        mesh: &TriMesh,
+        is_wanted: impl Fn(usize) -> bool,
+    ) -> Result<ClothModel, BenchError> {
+        let mut pieces = Vec::new();
+        for (place, settings) in self.settings.iter().enumerate() {
+            let numbered = (0u32..).zip(mesh.triangles());
+            let own = numbered.filter(|(triangle, corners)| {
+                self.of_vertex[corners[0] as usize] == place && is_wanted(*triangle as usize)
+            });
+            let triangles: Vec<u32> = own.map(|(triangle, _)| triangle).collect();
+            if !triangles.is_empty() {
+                pieces.push(Piece {
+                    cloth: cloth::described(settings, &RIGIDITY)?,
+                    carriers: cloth::carriers(settings)?,
+                    triangles,
+                });
+            }
+        }
+        ClothModel::of_pieces(mesh, &pieces).map_err(BenchError::usage)
+    }
+}

@@ -1,0 +1,72 @@
+//! A cloth of several materials on one mesh.
+
+use super::{Carriers, Cloth, ClothError, ClothModel, Elements};
+use crate::math::Real;
+use crate::mesh::TriMesh;
+use crate::particles::Particles;
+use crate::topology::EdgeTable;
+
+/// Some triangles of a mesh, and what they are made of.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Piece {
+    /// The material.
+    pub cloth: Cloth,
+    /// Which elements carry it.
+    pub carriers: Carriers,
+    /// Numbers of its triangles.
+    pub triangles: Vec<u32>,
+}
+
+impl ClothModel {
+    /// Masses and elements of pieces of one mesh, each as [`Cloth::carried_by`] cuts it to its own triangles: no hinge goes
+    /// across the border of two pieces, and pieces that share an edge both have a spring on it, as two cloths would that are
+    /// sewn together there. Triangles in no piece carry nothing.
+    ///
+    /// # Errors
+    /// [`ClothError`] for a number out of range, a triangle that does not exist or is in two pieces, a vertex in no piece
+    /// (its mass would be zero), or a coarse level for a piece that is not the whole mesh.
+    pub fn of_pieces(mesh: &TriMesh, pieces: &[Piece]) -> Result<Self, ClothError> {
+        let mut mass = vec![0.0; mesh.vertex_count()];
+        let areas: Vec<Real> = mesh.areas().collect();
+        let mut is_taken = vec![false; areas.len()];
+        let (mut springs, mut hinges, mut others) = (Vec::new(), Vec::new(), Vec::new());
+        for piece in pieces {
+            let density = piece.cloth.areal_density;
+            Particles::check_density(density)?;
+            let mut triangles = Vec::with_capacity(piece.triangles.len());
+            for &triangle in &piece.triangles {
+                let place = triangle as usize;
+                match is_taken.get(place) {
+                    None => return Err(ClothError::NoSuchTriangle(triangle)),
+                    Some(true) => return Err(ClothError::InTwoPieces(triangle)),
+                    Some(false) => is_taken[place] = true,
+                }
+                let corners = mesh.triangles()[place];
+                for vertex in corners {
+                    mass[vertex as usize] += density * areas[place] / 3.0;
+                }
+                triangles.push(corners);
+            }
+            if triangles.is_empty() {
+                continue;
+            }
+            if piece.carriers.detail.is_some() && triangles.len() < areas.len() {
+                return Err(ClothError::DetailOfPiece);
+            }
+            let part = mesh.with_triangles(triangles);
+            let edges = EdgeTable::build(&part)?;
+            let cut = piece.carriers.cut(&piece.cloth, &part, &edges)?;
+            springs.extend(cut.springs);
+            hinges.extend(cut.hinges);
+            for family in cut.others {
+                Elements::merge(&mut others, family);
+            }
+        }
+        Ok(Self {
+            particles: Particles::new(mass)?.resting_at(mesh.positions()),
+            springs,
+            hinges,
+            others,
+        })
+    }
+}
