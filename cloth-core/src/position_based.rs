@@ -1,24 +1,31 @@
-//! What position-based methods have in common: everything around one line.
+//! The common part of position-based methods: free flight, sweeps over constraint rows, velocities from positions.
 //!
-//! Such a method lets every vertex fly freely, S1 (24), then moves the positions until the constraints agree, S1 (25),
-//! and reads the velocities off the positions, S1 (26). The middle is a sweep: every row gets a
-//! multiplier Δλ (kg m² per unit of C), and the vertices of the row move by `Δxᵢ = wᵢ ∂C/∂xᵢ Δλ`. How large Δλ is tells one method
-//! from another, and it is all that a [`ConstraintUpdate`] says. In which order the rows are visited, and whether a row sees what the one before it
-//! did, is the same choice for all methods: [`Sweep`]. So is what is made of a sequence of sweeps: [`Acceleration`].
+//! Such a method predicts positions by free flight, `v ← v + h a`, `x ← x + h v`, then moves them until the
+//! constraints agree, and takes the velocities from the positions, `v ← v + (x − x̃)/h` (Müller et al. 2007,
+//! Algorithm 1). The middle is a sweep: every row gets a multiplier Δλ (kg m² per unit of C), and the vertices
+//! of the row move by `Δxᵢ = wᵢ ∂C/∂xᵢ Δλ`. The formula for Δλ is what distinguishes the methods:
+//! [`ConstraintUpdate`]. In which order the rows are visited, and whether a row sees what the one before it
+//! moved, is the same choice for all methods: [`Sweep`]. So is the extrapolation of a sequence of sweeps:
+//! [`Acceleration`].
 //!
 //! | part | what |
 //! |---|---|
-//! | [`Motion`] | the flight and the velocities, S1 (24) and (26) |
+//! | [`Motion`] | the flight and the velocities |
 //! | [`Families`] | the elements of each kind, and the sweep over them |
 //! | [`ConstraintUpdate`] | Δλ of one row |
-//! | [`Sweep`] | one after another, colour by colour, or all at once |
+//! | [`Sweep`] | sequential or coloured Gauss–Seidel, or Jacobi |
 //! | [`Acceleration`] | relaxation, and Chebyshev extrapolation of the sweeps |
-//! | [`Builder`], [`Settings`] | how a solver is put together |
+//! | [`Builder`], [`Settings`] | the builder of such a solver |
 //!
-//! Contact that comes as constraints ([`ContactConstraints`](crate::contact::ContactConstraints)) is a part of [`Motion`]: it comes last in each sweep, for every method alike.
+//! Contact constraints ([`ContactConstraints`](crate::contact::ContactConstraints)) are a part of [`Motion`]:
+//! they come last in each sweep, for every method alike.
 //!
-//! Because `Σᵢ ∂C/∂xᵢ = 0` for a constraint that a translation leaves alone, a correction does not change `Σ m x`,
-//! whatever Δλ is; and because a rotation leaves it alone too, `Σ m x × Δx = 0` (S1 (23)).
+//! Because `Σᵢ ∂C/∂xᵢ = 0` for a constraint that is invariant under translation, a correction does not change
+//! `Σ m x`, whatever Δλ is; and if it is invariant under rotation too, `Σ m x × Δx = 0` (Müller et al. 2007,
+//! section 3.3).
+//!
+//! M. Müller, B. Heidelberger, M. Hennix, J. Ratcliff, "Position based dynamics", J. Vis. Commun. Image
+//! Represent. 18(2), 2007, <https://doi.org/10.1016/j.jvcir.2007.01.005>.
 
 mod builder;
 mod chebyshev;

@@ -186,8 +186,8 @@ fn linear_momentum_is_conserved_to_round_off() {
     assert!(change < 1e-13, "{change:e} kg m/s");
 }
 
-/// The moment of each correction about the positions that it meets is zero, so from rest nothing starts to spin as long as
-/// the direction of a spring does not change: one spring.
+/// The moment of each correction about the positions that it meets is zero, so from rest nothing starts to spin
+/// as long as the direction of a spring does not change: one spring.
 #[test]
 fn a_spring_released_from_rest_does_not_start_to_spin() {
     let particles = Particles::new(vec![0.3, 1.7]).unwrap();
@@ -452,7 +452,8 @@ fn memory_comes_back_in_input_order_and_is_forgotten_on_request() {
 #[cfg(feature = "parallel")]
 #[test]
 fn a_coloured_sweep_gives_the_same_bits_on_any_number_of_threads() {
-    // 160 × 160 vertices: 76 000 springs, eight colours, several of them larger than the smallest set worth splitting.
+    // 160 × 160 vertices: 76 000 springs, eight colours, several of them larger than the smallest set worth
+    // splitting.
     let mesh = sheet(160);
     let particles = uneven_masses(mesh.vertex_count());
     let run = || {

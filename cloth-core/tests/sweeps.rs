@@ -1,4 +1,5 @@
-//! Sweeps of every kind and their acceleration, against the closed forms of the straight chain (VALIDATION 5) and on sheets.
+//! Sweeps of every kind and their acceleration, against the closed forms of the straight chain
+//! and on sheets.
 
 use cloth_core::energy::{CurvatureHinge, Spring};
 use cloth_core::math::{Real, Vec3};
@@ -85,8 +86,8 @@ impl Chain {
         }
     }
 
-    /// The positions that are off by `size · Jᵀe` with `eⱼ = rʲ cos((j − 1)π/2N)`: the slowest mode of Jacobi for r = 1, of Gauss–Seidel for
-    /// `r = cos(π/2N)`, of SOR with factor λ for `r = √λ`.
+    /// The positions that are off by `size · Jᵀe` with `eⱼ = rʲ cos((j − 1)π/2N)`: the slowest mode of Jacobi
+    /// for r = 1, of Gauss–Seidel for `r = cos(π/2N)`, of SOR with factor λ for `r = √λ`.
     fn off_by_mode(&self, r: Real) -> Vec<Vec3> {
         let angle = PI / (2.0 * Real::from(self.links));
         let e = |link: u32| {
@@ -175,7 +176,8 @@ fn coloured_sweeps_converge_at_the_rate_of_gauss_seidel() {
     assert!((factor - law).abs() < 1e-10, "{factor} {law}");
 }
 
-/// k accelerated sweeps leave `1/T_k(1/ρ)` of the slowest mode, whatever kind of sweep has that ρ; per sweep `ρ/(1 + √(1 − ρ²))` in the end.
+/// k accelerated sweeps leave `1/T_k(1/ρ)` of the slowest mode, whatever kind of sweep has that ρ; per sweep
+/// `ρ/(1 + √(1 − ρ²))` in the end.
 #[test]
 fn chebyshev_leaves_what_the_polynomial_says() {
     for links in [2, 5, 20] {
@@ -197,7 +199,7 @@ fn chebyshev_leaves_what_the_polynomial_says() {
             }
             assert_eq!(chain.families.chebyshev_fallbacks(), 0);
         }
-        // Plain Jacobi's, as VALIDATION 5 writes it.
+        // Plain Jacobi's, in its closed form.
         let (sin, decay) = ((1.0 - cos * cos).sqrt(), (1.0 / cos).acosh());
         assert!(((-decay).exp() - cos / (1.0 + sin)).abs() < 1e-14);
     }
@@ -422,7 +424,8 @@ fn multipliers_and_positions_stay_together() {
     }
 }
 
-/// A radius that lets everything grow: sweeps that diverge by themselves, and a Gauss–Seidel sweep on a crumpled sheet.
+/// A radius that lets everything grow: sweeps that diverge by themselves, and a Gauss–Seidel sweep on a
+/// crumpled sheet.
 #[test]
 fn growth_is_noticed_and_the_sweeps_go_on_without_extrapolation() {
     let sheet = Sheet::of(&grid(10, 10, 1.0, 1.0, Diagonals::Alternating).unwrap());

@@ -1,4 +1,5 @@
-//! A number for every bit of a falling sheet after some steps, one for each way to sweep. It is the same on any number of threads, and without the feature `parallel`:
+//! A number for every bit of a falling sheet after some steps, one for each kind of sweep. It is the same on any
+//! number of threads, and without the feature `parallel`:
 //!
 //! `cargo run --release -p cloth-pbd --example fingerprint_pbd`
 //! `cargo run --release -p cloth-pbd --example fingerprint_pbd --no-default-features`

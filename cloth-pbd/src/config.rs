@@ -1,4 +1,4 @@
-//! What can be chosen.
+//! Settings of the solver.
 
 use crate::stiffness::StiffnessRule;
 use cloth_core::position_based::{Acceleration, Sweep};
@@ -8,18 +8,19 @@ use cloth_core::position_based::{Acceleration, Sweep};
 pub struct PbdConfig {
     /// Sweeps over all constraints per substep, at least 1.
     pub iterations: u32,
-    /// Parts into which a step is divided, at least 1; each is a step of its own of size Δt/substeps.
+    /// Substeps per step, at least 1; each is a step of its own of size Δt/substeps.
     pub substeps: u32,
     /// Order of the sweep.
     pub sweep: Sweep,
-    /// Relaxation of the corrections and extrapolation of the sweeps. A constraint alone shows its stiffness only without both.
+    /// Relaxation of the corrections and extrapolation of the sweeps. A constraint alone has its stiffness only
+    /// without both.
     pub acceleration: Acceleration,
-    /// What the stiffness of a material means for a projection.
+    /// How the stiffness of a projection follows from that of the material.
     pub stiffness: StiffnessRule,
 }
 
 impl Default for PbdConfig {
-    /// One substep of 20 coloured sweeps as they are, stiffness from the material.
+    /// One substep of 20 coloured sweeps, neither relaxed nor extrapolated, stiffness from the material.
     fn default() -> Self {
         Self {
             iterations: 20,

@@ -1,4 +1,4 @@
-//! Coarser levels that carry corrections over long ways: those of [`cloth_core::multigrid`], with links that are projected.
+//! Hierarchical PBD (Müller 2008): projected distance constraints on the coarse levels of [`cloth_core::multigrid`].
 
 mod level;
 mod tether;
@@ -20,19 +20,20 @@ pub struct HierarchyConfig {
     pub levels: u32,
     /// Parents that a vertex inside the cloth has at least on the next coarser level, at least 1.
     pub parents: u32,
-    /// Sweeps over the links of the first coarse level in one correction, at least 1. Each further level has about half as many vertices, and gets twice as many
-    /// sweeps.
+    /// Sweeps over the links of the first coarse level in one correction, at least 1. Each further level has
+    /// about half as many vertices, and gets twice as many sweeps.
     pub sweeps: u32,
-    /// Part (dimensionless, above 0 and at most 1) of its excess length that a link loses in a visit.
+    /// Fraction (dimensionless, above 0 and at most 1) of its excess length that a link loses in a visit.
     pub stiffness: Real,
-    /// Corrections in a substep: one before the first sweep, and if this is a number, one after every so many further sweeps.
+    /// Sweeps between coarse corrections in a substep; `None` for one correction, before the first sweep.
     pub every: Option<u32>,
     /// Order of the sweeps over the links.
     pub sweep: Sweep,
 }
 
 impl Default for HierarchyConfig {
-    /// As many levels as there are, two parents, two coloured sweeps of the first level at full stiffness, one correction a substep.
+    /// As many levels as there are, two parents, two coloured sweeps of the first level at full stiffness, one
+    /// correction a substep.
     fn default() -> Self {
         Self {
             levels: 16,
@@ -47,21 +48,24 @@ impl Default for HierarchyConfig {
 
 /// Coarse levels of a cloth, for [`PbdSolver::with_hierarchy`](crate::PbdSolver::with_hierarchy).
 ///
-/// A Gauss–Seidel sweep carries a correction from neighbour to neighbour; over a cloth of N vertices a side it takes of the order of N² sweeps to
-/// settle. A level with half of the vertices settles in half of the sweeps, each half as much work.
+/// A Gauss–Seidel sweep propagates a correction from neighbour to neighbour; a cloth of N vertices a side takes
+/// of the order of N² sweeps to converge. A level with half of the vertices takes half of the sweeps, each half
+/// as much work.
 ///
 /// - **Coarsening.** [`coarse_levels`], with [`HierarchyConfig::parents`]; prescribed vertices are kept.
-/// - **Links.** Two coarse vertices are linked where a fine link joins them, or vertices whose nearest parents they are. The length of a link is the
-///   shortest way over the cloth at rest, so no folding, bending or unrolling without stretch makes one longer. And where no link is longer, none does anything. Hence what costs the cloth
-///   nothing costs a coarse level nothing: it does not resist bending.
-/// - **Correction.** From the coarsest level to the finest, links that are too long are shortened by projections. What a link does not do is to become shorter than it was
-///   by the correction of others: below its length at the start it pushes back. (Müller's links only pull. Pulling by turns they draw the cloth together
-///   sideways, and nothing on their level draws it apart again: on a hanging sheet of 128 × 128 vertices by a fifth of what gravity moved it.) Then the finer
-///   level follows: `Δx = Σ wₚ Δxₚ`, the prolongation P of [`coarse_levels`]. A coarse vertex weighs `Σ w m` over those that follow it, `Pᵀm`, so
-///   `Σ m x` does not change.
+/// - **Links.** Two coarse vertices are linked where a fine link joins them, or vertices whose nearest parents
+///   they are. The length of a link is the geodesic distance over the cloth at rest, so no folding, bending or
+///   unrolling without stretch makes one longer. A link that is not too long does nothing, so zero-energy
+///   configurations of the cloth are those of every level: a coarse level does not resist bending.
+/// - **Correction.** From the coarsest level to the finest, links that are too long are shortened by
+///   projections. A link does not become shorter by the corrections of others: below its length at the start it
+///   pushes back. (Müller's links only pull. Pulling by turns they draw the cloth together sideways, and
+///   nothing on their level draws it apart again: on a hanging sheet of 128 × 128 vertices by a fifth of what
+///   gravity moved it.) Then the finer level follows: `Δx = Σ wₚ Δxₚ`, the prolongation P of [`coarse_levels`].
+///   The mass of a coarse vertex is `Σ w m` over its dependants, `Pᵀm`, so `Σ m x` does not change.
 ///
-/// Limits: links are as hard as [`HierarchyConfig::stiffness`] says, whatever the material; a soft cloth becomes stiffer. Angular momentum is not kept by `Δx = Σ wₚ Δxₚ`. Only
-/// stretching is corrected.
+/// Limits: links are as hard as [`HierarchyConfig::stiffness`] says, whatever the material; a soft cloth
+/// becomes stiffer. Angular momentum is not conserved by `Δx = Σ wₚ Δxₚ`. Only stretching is corrected.
 #[derive(Debug)]
 pub struct Hierarchy {
     vertex_count: usize,
@@ -75,7 +79,7 @@ pub struct Hierarchy {
 pub struct Link {
     /// The two vertices, numbered as in the mesh.
     pub vertices: [u32; 2],
-    /// Length at rest (m), down to which it pulls.
+    /// Length at rest (m), above which it pulls.
     pub length: Real,
 }
 
@@ -116,7 +120,7 @@ impl Hierarchy {
         })
     }
 
-    /// What it was built with.
+    /// The settings.
     #[must_use]
     pub fn config(&self) -> &HierarchyConfig {
         &self.config
@@ -158,8 +162,8 @@ impl Hierarchy {
         level.links.iter().map(link).collect()
     }
 
-    /// The vertices of the level before coarse level `level` (from 1) that are not in it, each with its parents and their weights (dimensionless, sum 1), all numbered as in the
-    /// mesh.
+    /// The vertices of the level before coarse level `level` (from 1) that are not in it, each with its parents
+    /// and their weights (dimensionless, sum 1), all numbered as in the mesh.
     ///
     /// # Panics
     /// If there is no such coarse level.
@@ -237,11 +241,11 @@ fn check(config: &HierarchyConfig) -> Result<(), BuildError> {
     })
 }
 
-/// Why no hierarchy could be built.
+/// Why a hierarchy could not be built.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum HierarchyError {
-    /// The mesh does not serve.
+    /// The mesh is refused for its topology.
     Mesh(MeshError),
     /// A setting lies outside its range.
     Build(BuildError),

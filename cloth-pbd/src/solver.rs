@@ -1,4 +1,4 @@
-//! The algorithm.
+//! The solver: the loop over substeps and sweeps.
 
 use crate::config::PbdConfig;
 use crate::hierarchy::Hierarchy;
@@ -13,10 +13,10 @@ use cloth_core::step::{BuildError, StepError, StepInput, StepReport, Stepper};
 pub struct PbdSolver {
     motion: Motion,
     families: Families<Projection>,
-    /// Coarse levels; without them nothing is done for them.
+    /// Coarse levels, if any.
     hierarchy: Option<Hierarchy>,
     config: PbdConfig,
-    /// The substep (s) that the remembered stiffnesses belong to, once there is one.
+    /// The substep (s) that the cached stiffnesses belong to, once there is one.
     substep: Option<Real>,
 }
 
@@ -27,7 +27,8 @@ impl PbdSolver {
         PbdBuilder::new(particles)
     }
 
-    /// The same solver with coarse levels, which correct the positions before the first sweep of each substep, or more often.
+    /// The same solver with coarse levels, which correct the positions before the first sweep of each substep,
+    /// or more often.
     ///
     /// # Errors
     /// [`BuildError::InvalidSetting`] for a hierarchy of a mesh with another number of vertices.
@@ -43,20 +44,20 @@ impl PbdSolver {
         Ok(self)
     }
 
-    /// What it was built with.
+    /// The settings.
     #[must_use]
     pub fn config(&self) -> &PbdConfig {
         &self.config
     }
 
-    /// How many substeps, since the solver was built, gave up their extrapolation because it made the corrections grow; see
-    /// [`Chebyshev`](cloth_core::position_based::Chebyshev).
+    /// How many substeps, since the solver was built, disabled Chebyshev extrapolation because it made the
+    /// corrections grow; see [`Chebyshev`](cloth_core::position_based::Chebyshev).
     #[must_use]
     pub fn chebyshev_fallbacks(&self) -> u64 {
         self.families.chebyshev_fallbacks()
     }
 
-    /// The rule for substeps of `h` (s).
+    /// The update for substeps of `h` (s).
     fn projection(&mut self, h: Real) -> Projection {
         let projection = Projection {
             stiffness: self.config.stiffness,
@@ -91,7 +92,7 @@ impl Stepper for PbdSolver {
             if projection.accumulates {
                 self.families.reset();
             }
-            self.motion.predict(&mut input, h)?; // S1 (24)
+            self.motion.predict(&mut input, h)?; // v ← v + h a, x̃ ← x + h v
             self.families.restart();
             for sweep in 0..self.config.iterations {
                 let due = self.hierarchy.as_mut().filter(|h| h.is_due(sweep));
@@ -100,12 +101,12 @@ impl Stepper for PbdSolver {
                         hierarchy.correct(x);
                         self.families.restart();
                     }
-                    self.families.sweep(&projection, w, x); // S1 (25)
+                    self.families.sweep(&projection, w, x); // x ← x − s w ∂C C/w̃, row by row
                 });
             }
             let motion = &mut self.motion;
             motion.count_pin_work(&self.families, |seen| seen.memory.lambda);
-            self.motion.update_velocities(&mut input)?; // S1 (26)
+            self.motion.update_velocities(&mut input)?; // v ← v + (x − x̃)/h
         }
         let report = self.motion.finish(state, &mut input)?;
         Ok(StepReport {
@@ -116,7 +117,7 @@ impl Stepper for PbdSolver {
     }
 }
 
-/// Collects what a [`PbdSolver`] is built of.
+/// Collects particles, elements and settings of a [`PbdSolver`].
 pub type PbdBuilder = Builder<PbdConfig>;
 
 impl Settings for PbdConfig {

@@ -1,14 +1,14 @@
-//! From the stiffness k of a material to the stiffness s of a projection.
+//! The formula of a row, `Δλ = −s C/w̃`, and its s from the stiffness k of the material.
 
 use cloth_core::math::Real;
 use cloth_core::position_based::{ConstraintUpdate, RowEquation, RowState};
 use cloth_core::step::BuildError;
 
-/// Which part s (dimensionless, 0 to 1) of its violation a constraint removes in one visit.
+/// The fraction s (dimensionless, 0 to 1) of its violation that a constraint removes in one visit.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum StiffnessRule {
-    /// `s = 1 − (1 + k h² w̃)^(−1/n)` from the stiffness k of each row, the number of iterations n, the substep h (s) and the
-    /// generalised inverse mass w̃ of the row.
+    /// `s = 1 − (1 + k h² w̃)^(−1/n)` from the stiffness k of each row, the number of iterations n, the substep
+    /// h (s) and the generalised inverse mass w̃ of the row.
     ///
     /// One constraint alone then ends a substep where implicit Euler would put it, whatever n and h.
     /// Constraints that share vertices do not: see the limits in the [crate documentation](crate).
@@ -42,8 +42,8 @@ pub fn projection_stiffness(stiffness_times_h2_w: Real, iterations: u32) -> Real
     -(-stiffness_times_h2_w.ln_1p() / Real::from(iterations)).exp_m1()
 }
 
-/// The stiffness k (N/m for a spring) that `iterations` projections with stiffness `s` (dimensionless) in a substep of
-/// `h` (s) amount to for one constraint of generalised inverse mass `weight` (1/kg for a spring):
+/// The stiffness k (N/m for a spring) that `iterations` projections with stiffness `s` (dimensionless) in a
+/// substep of `h` (s) amount to for one constraint of generalised inverse mass `weight` (1/kg for a spring):
 /// `((1 − s)^(−n) − 1)/(h²w̃)`. For s from 0 to 1, n ≥ 1 and h, w̃ > 0.
 ///
 /// ```
@@ -61,7 +61,7 @@ pub fn effective_stiffness(s: Real, iterations: u32, h: Real, weight: Real) -> R
     growth.exp_m1() / (h * h * weight)
 }
 
-/// How far PBD goes along a row: `Δλ = −s C/w̃`.
+/// PBD's update of a row: `Δλ = −s C/w̃` (Müller et al. 2007, section 3.3).
 #[derive(Clone, Copy, Debug)]
 pub struct Projection {
     pub(crate) stiffness: StiffnessRule,
@@ -69,23 +69,24 @@ pub struct Projection {
     pub(crate) substep: Real,
     /// n.
     pub(crate) iterations: u32,
-    /// Whether it is remembered how far the rows have gone.
+    /// Whether Δλ is accumulated, for the work of prescribed vertices.
     pub(crate) accumulates: bool,
 }
 
-/// The s of a row and the w̃ that it belongs to: a power costs more than the rest of the visit, and w̃ seldom changes. And what its visits have done.
+/// The s of a row and the w̃ that it belongs to, since a power costs more than the rest of the visit and w̃
+/// seldom changes; and its accumulated multiplier.
 ///
 /// The default is no special value: a row with w̃ = 0 has s = 0.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct CachedScale {
     weight: Real,
     s: Real,
-    /// Σ Δλ (kg m² per unit of C; kg m for a spring) since it was last set to zero. No visit asks for it; it tells what a row has given.
+    /// Σ Δλ (kg m² per unit of C; kg m for a spring) since the last reset. For read-out; no visit uses it.
     pub(crate) lambda: Real,
 }
 
 impl Projection {
-    /// s for a w̃. Out of the way of the sweep: seldom needed, and with a power in it the loop would keep nothing in registers.
+    /// s for a w̃. Not inlined: seldom needed, and a power in the loop would spill its registers.
     #[cold]
     #[inline(never)]
     fn compute(&self, weight: Real, stiffness: Real) -> Real {
@@ -102,7 +103,7 @@ impl ConstraintUpdate for Projection {
         self.accumulates
     }
 
-    /// Forgets s, which belongs to h.
+    /// Clears s, which belongs to h.
     fn prepare(&self, _: RowState, cached: &mut CachedScale) {
         *cached = CachedScale::default();
     }
@@ -143,9 +144,9 @@ impl ConstraintUpdate for Projection {
 
 /// The nearest number with 40 binary digits behind the point instead of 52.
 ///
-/// The w̃ of a spring is constant but for rounding, and should not be new each time. Rounding, rather than a tolerance around
-/// the number remembered, keeps s a function of the configuration alone, so that a run taken up again
-/// in the middle gives the same bits. It changes s by less than 5e-13 of itself.
+/// The w̃ of a spring is constant but for rounding, and should not cost a power each time. Rounding, rather
+/// than a tolerance around the cached number, keeps s a function of the configuration alone, so that a
+/// restarted run gives the same bits. It changes s by less than 5e-13 of itself.
 #[inline]
 fn rounded(weight: Real) -> Real {
     const DROPPED: u64 = 12;

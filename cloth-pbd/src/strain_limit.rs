@@ -1,8 +1,8 @@
-//! Strain limiting: after a step of any method, no element may be stretched or compressed beyond a range (PBD-4).
+//! Strain limiting: after a step of any method, no element may be stretched or compressed beyond a range.
 //!
-//! X. Provot, "Deformation constraints in a mass-spring model to describe rigid cloth behavior", Graphics Interface 1995; H. Wang, J. O'Brien,
-//! R. Ramamoorthi, "Multi-resolution isotropic strain limiting", ACM Trans. Graph. 29(6), 2010, <https://doi.org/10.1145/1882261.1866182>, for
-//! principal stretches.
+//! X. Provot, "Deformation constraints in a mass-spring model to describe rigid cloth behavior", Graphics
+//! Interface 1995; H. Wang, J. O'Brien, R. Ramamoorthi, "Multi-resolution isotropic strain limiting", ACM
+//! Trans. Graph. 29(6), 2010, <https://doi.org/10.1145/1882261.1866182>, for principal stretches.
 
 mod components;
 mod limit;
@@ -19,7 +19,7 @@ use cloth_core::step::{BuildError, Outcome, StepError};
 use components::Components;
 use limit::{AnyLimits, Limit, Limits};
 
-/// What a ratio of present to rest size (dimensionless) may be: of lengths, of areas or of principal stretches.
+/// The range of a ratio of present to rest size (dimensionless): of lengths, of areas or of principal stretches.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StretchRange {
     /// Smallest ratio σ_min, at least 0.
@@ -29,7 +29,7 @@ pub struct StretchRange {
 }
 
 impl StretchRange {
-    /// Stretched by no more than `strain` (dimensionless), compressed as far as it likes, as cloth that buckles.
+    /// Stretched by no more than `strain` (dimensionless), compressed without limit, as cloth that buckles.
     #[must_use]
     pub fn stretch(strain: Real) -> Self {
         Self {
@@ -68,22 +68,27 @@ impl StretchRange {
 
 /// Moves the vertices of a state, after whatever step led to it, until all ratios are in their ranges.
 ///
-/// Passes of projections go over the elements, colour by colour. An element within its range is left alone; one beyond it by more than the tolerance is brought
-/// to the end of the range along its gradient, `Δxᵢ = −wᵢ ∂C/∂xᵢ (C − C_end)/w̃`, as in PBD. Then the velocities follow, so that momentum is kept to round-off:
+/// Passes of projections go over the elements, colour by colour. An element within its range is left alone; one
+/// beyond it by more than the tolerance is moved to the end of the range along its gradient,
+/// `Δxᵢ = −wᵢ ∂C/∂xᵢ (C − C_end)/w̃`, as in PBD. Then the velocities follow, so that momentum is conserved to
+/// round-off:
 ///
-/// - `v ← v + Δx/Δt`, as S1 (26), Δx over all passes. Since `Σ m Δx = 0`, linear momentum is kept.
-/// - The vertices are now elsewhere, so their angular momentum `Σ m x × v` has changed. Each piece of cloth that hangs together by limits is given the spin ω that
-///   brings it back, `v ← v + ω × (x − c)`, c its centre of mass: what is pulled in turns faster, as a skater does. Of all changes of the velocities that do it, this is the smallest in
-///   the metric of M. (To do it projection by projection looks more local, but pumps energy in with every pass: it blew a hanging sheet up in thirteen steps.)
+/// - `v ← v + Δx/Δt`, Δx over all passes. Since `Σ m Δx = 0`, linear momentum is conserved.
+/// - The vertices have moved, so their angular momentum `Σ m x × v` has changed. Each connected component of
+///   the limits is given the spin ω that restores it, `v ← v + ω × (x − c)`, c its centre of mass: what is
+///   pulled in turns faster, as a skater does. Of all changes of the velocities that do it, this is the
+///   smallest in the metric of M. (To do it projection by projection looks more local, but pumps energy in with
+///   every pass: it blew a hanging sheet up in thirteen steps.)
 ///
-/// A piece with one prescribed vertex keeps the angular momentum about this vertex; with two, none.
+/// A component with one prescribed vertex conserves the angular momentum about this vertex; with two, none.
 ///
-/// Limits: Gauss–Seidel, so a tight limit on a large cloth takes many passes. Where the ranges contradict each other or the prescribed vertices, there is
-/// no solution; the report then says [`Outcome::BudgetSpent`] and by how much a range is still exceeded. Kinetic energy is not kept.
+/// Limits: Gauss–Seidel, so a tight limit on a large cloth takes many passes. Where the ranges contradict each
+/// other or the prescribed vertices, there is no solution; the report then says [`Outcome::BudgetSpent`] and
+/// the remaining violation. Kinetic energy is not conserved.
 #[derive(Debug)]
 pub struct StrainLimiter {
     inverse_mass: Vec<Real>,
-    /// What becomes of the positions (m) and velocities (m/s).
+    /// The new positions (m) and velocities (m/s).
     x: Vec<Vec3>,
     v: Vec<Vec3>,
     limits: Vec<Box<dyn AnyLimits>>,
@@ -92,14 +97,14 @@ pub struct StrainLimiter {
     max_passes: u32,
 }
 
-/// What a limiter did.
+/// The outcome of one application of a limiter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LimitReport {
     /// Converged if the last pass found nothing beyond its range by more than the tolerance.
     pub outcome: Outcome,
     /// Passes over all elements, the last one included.
     pub passes: u32,
-    /// By how much a ratio was beyond its range in the last pass, at most (dimensionless).
+    /// Largest excess of a ratio over its range in the last pass (dimensionless).
     pub violation: Real,
 }
 
@@ -125,8 +130,8 @@ impl StrainLimiter {
     /// Brings `state`, the end of a step of `dt` (s), into the ranges. If it is there already, no bit of it changes.
     ///
     /// # Errors
-    /// [`StepError::InvalidTimeStep`]; [`StepError::NonFiniteInput`] for a state that is not finite, [`StepError::NonFinite`] for a result that is
-    /// not. The state is then as it was.
+    /// [`StepError::InvalidTimeStep`]; [`StepError::NonFiniteInput`] for a state that is not finite,
+    /// [`StepError::NonFinite`] for a result that is not. The state is then as it was.
     ///
     /// # Panics
     /// If the state does not have as many vertices as the particles.
@@ -149,7 +154,7 @@ impl StrainLimiter {
                 break;
             }
         }
-        // A first pass that found nothing changed nothing.
+        // A first pass without violations changes nothing.
         if report.passes > 1 || report.outcome == Outcome::BudgetSpent {
             self.update_velocities(state, dt);
             self.finish(state)?;
@@ -174,7 +179,7 @@ impl StrainLimiter {
         Ok(())
     }
 
-    /// The velocities after the positions.
+    /// `v ← v + Δx/Δt`, then a rigid spin per component that restores the angular momentum.
     fn update_velocities(&mut self, state: &State, dt: Real) {
         let before = state.positions.iter().zip(&state.velocities);
         for ((v, x), (x_before, v_before)) in self.v.iter_mut().zip(&self.x).zip(before) {
@@ -197,17 +202,18 @@ impl StrainLimiter {
     }
 }
 
-/// Collects what a [`StrainLimiter`] is built of.
+/// Collects particles, limits and settings of a [`StrainLimiter`].
 #[derive(Debug)]
 pub struct StrainLimiterBuilder {
     limiter: StrainLimiter,
-    /// Vertices that hang together.
+    /// Pairs of vertices in a common limit.
     pairs: Vec<[u32; 2]>,
     error: Option<BuildError>,
 }
 
 impl StrainLimiterBuilder {
-    /// Keeps `length/rest length` of every spring in `range`. Springs without rest length have no such ratio and are left out.
+    /// Keeps `length/rest length` of every spring in `range`. Springs without rest length have no such ratio
+    /// and are left out.
     #[must_use]
     pub fn springs(self, springs: &[Spring], range: StretchRange) -> Self {
         let sized = springs.iter().filter(|s| s.rest_length > 0.0);
@@ -217,7 +223,8 @@ impl StrainLimiterBuilder {
         self.limits(springs, limits, range)
     }
 
-    /// Keeps `area/rest area` of every triangle in `range`. Shear is not limited. Triangles without rest area are left out.
+    /// Keeps `area/rest area` of every triangle in `range`. Shear is not limited. Triangles without rest area
+    /// are left out.
     #[must_use]
     pub fn areas(self, triangles: &[AreaTriangle], range: StretchRange) -> Self {
         let sized = triangles.iter().filter(|t| t.rest_area > 0.0);
@@ -225,7 +232,8 @@ impl StrainLimiterBuilder {
         self.limits(triangles, sized.map(limit).collect(), range)
     }
 
-    /// Keeps both principal stretches of every triangle in `range`: the same in all directions, shear included, whatever the mesh.
+    /// Keeps both principal stretches of every triangle in `range`: the same in all directions, shear included,
+    /// whatever the mesh.
     #[must_use]
     pub fn stretches(self, triangles: &[ArapTriangle], range: StretchRange) -> Self {
         let limit = |&t: &ArapTriangle| Limit::new(t, 1.0, range);
@@ -249,7 +257,8 @@ impl StrainLimiterBuilder {
     /// The limiter.
     ///
     /// # Errors
-    /// [`BuildError::NoSuchVertex`]; [`BuildError::InvalidSetting`] for a range, a tolerance or a number of passes out of its own range.
+    /// [`BuildError::NoSuchVertex`]; [`BuildError::InvalidSetting`] for a range, a tolerance or a number of
+    /// passes out of its own range.
     pub fn build(self) -> Result<StrainLimiter, BuildError> {
         if let Some(error) = self.error {
             return Err(error);

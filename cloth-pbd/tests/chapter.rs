@@ -28,8 +28,8 @@ fn config(iterations: u32, stiffness: StiffnessRule) -> PbdConfig {
     }
 }
 
-/// What one step of `h` (s) leaves of the stretch (m) of one spring of 1 m and `k` (N/m) between masses of 0.3 and 0.7 kg that
-/// starts with a stretch of 2 m, as a fraction.
+/// What one step of `h` (s) leaves of the stretch (m) of one spring of 1 m and `k` (N/m) between masses of 0.3
+/// and 0.7 kg that starts with a stretch of 2 m, as a fraction.
 fn fraction_left(k: Real, h: Real, config: PbdConfig) -> Real {
     let particles = Particles::new(vec![0.3, 0.7]).unwrap();
     let spring = Spring {
@@ -139,7 +139,8 @@ fn an_infinite_stiffness_is_met_at_once() {
     }
 }
 
-/// With one end fixed and the other free. The error factor is cos²(π/(N + 1)) with both ends free, and cos²(π/(N − 1)) with both fixed.
+/// With one end fixed and the other free. The error factor is cos²(π/(N + 1)) with both ends free, and
+/// cos²(π/(N − 1)) with both fixed.
 #[test]
 fn a_sweep_leaves_cos_squared_of_the_error_of_a_rigid_chain() {
     for links in [5, 20] {
@@ -155,8 +156,8 @@ fn a_sweep_leaves_cos_squared_of_the_error_of_a_rigid_chain() {
     }
 }
 
-/// At rest a step gives back what gravity took: each free mass predicted g h² below its place. From below, link N ends without
-/// stretch, and each link above with g h² more than the one below it.
+/// At rest a step gives back what gravity took: each free mass predicted g h² below its place. From below, link
+/// N ends without stretch, and each link above with g h² more than the one below it.
 #[test]
 fn a_rigid_chain_swept_once_per_substep_sags_by_its_law() {
     let (links, dt) = (20, 1.0 / 60.0);
@@ -186,9 +187,10 @@ fn one_spring_sags_by_its_weight_over_its_stiffness() {
     }
 }
 
-/// The limit that the chapter states: springs that share a vertex do not get their k, and more iterations do not help.
+/// The limit that the chapter states: springs that share a vertex do not get their k, and more iterations do
+/// not help.
 #[test]
-fn springs_in_a_row_are_softer_than_their_material_however_many_iterations() {
+fn springs_in_a_row_are_softer_than_their_material_at_any_iterations() {
     let chain = Chain::of(2, 0.01, 0.05, 100.0);
     let exact = 3.0 * 0.01 * 9.81 / 100.0;
     for (n, ratio) in [(1, 1.926), (20, 1.900), (1000, 1.919)] {
@@ -216,7 +218,7 @@ fn a_fixed_stiffness_gets_stiffer_with_every_iteration_and_smaller_step() {
 }
 
 #[test]
-fn coloured_and_sequential_sweeps_agree_where_they_converge_and_not_before() {
+fn coloured_and_sequential_sweeps_agree_only_where_they_converge() {
     let chain = Chain::new(12, 1.0);
     let run = |iterations, sweep| {
         let builder = PbdSolver::builder(&chain.particles).energy(chain.springs.clone());
@@ -240,7 +242,7 @@ fn coloured_and_sequential_sweeps_agree_where_they_converge_and_not_before() {
 }
 
 #[test]
-fn a_cloth_gives_the_same_bits_on_any_number_of_threads_and_when_taken_up_again() {
+fn a_cloth_gives_the_same_bits_on_any_threads_and_when_restarted() {
     let (mesh, model) = sheet::held_sheet(150, 1e4);
     let solver = || {
         let builder = PbdSolver::builder(&model.particles);
@@ -261,7 +263,7 @@ fn a_cloth_gives_the_same_bits_on_any_number_of_threads_and_when_taken_up_again(
             "{threads} threads"
         );
     }
-    // A fresh solver for each step: what is remembered must not matter.
+    // A fresh solver for each step: its internal state must not matter.
     let mut state = start.clone();
     for _ in 0..4 {
         sheet::fall(&mut solver(), &mut state, 1);

@@ -1,5 +1,5 @@
-//! Every kind of constraint under PBD: the law of one constraint where a row is linear in what can move, and convergence to
-//! `C = 0` where it is not.
+//! Every kind of constraint under PBD: the law of one constraint where a row is linear in what can move, and
+//! convergence to `C = 0` where it is not.
 
 use cloth_core::element::{Constraint, RowArray};
 use cloth_core::energy::{
@@ -48,7 +48,8 @@ fn value<const N: usize, E: Constraint<N>>(element: &E, state: &State) -> Real {
     element.rows(&x).as_ref()[0].value
 }
 
-/// All vertices held but the last, which starts `off` (m) its place; then `C' = (1 − s)ⁿ C̃`, and `C̃/(1 + k h² w̃)` for the material.
+/// All vertices held but the last, which starts `off` (m) its place; then `C' = (1 − s)ⁿ C̃`, and
+/// `C̃/(1 + k h² w̃)` for the material.
 fn follows_the_law<const N: usize, E: Constraint<N>>(element: E, off: Vec3) {
     let mut particles = masses();
     (0..4)
@@ -105,7 +106,8 @@ fn one_constraint_has_the_stiffness_of_the_law() {
     );
 }
 
-/// Every vertex free and pulled out of place: with s = 1 all rows go to zero, and neither momentum nor the centre of mass notices.
+/// Every vertex free and pulled out of place: with s = 1 all rows go to zero, and neither momentum nor the
+/// centre of mass notices.
 fn is_met<const N: usize, E: Constraint<N>>(element: E) {
     let particles = masses();
     let mut state = State::at_rest(REST.to_vec());
@@ -167,7 +169,8 @@ fn a_soft_pin_is_met() {
     assert!((state.positions[2] - target).norm() < 1e-15);
 }
 
-/// Zero area and zero volume: flattened shapes open again, shapes without a gradient stay as they are, and nothing is ever not a number.
+/// Zero area and zero volume: flattened shapes open again, shapes without a gradient stay as they are, and
+/// nothing is ever not a number.
 #[test]
 fn degenerate_shapes_recover_or_stay() {
     let rigid = StiffnessRule::Fixed(1.0);

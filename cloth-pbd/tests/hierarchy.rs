@@ -1,4 +1,4 @@
-//! Coarse levels: who is on them, what they hand down, what they leave alone, and what they save.
+//! Coarse levels: who is on them, what they prolongate, what they leave alone, and what they save.
 
 #[path = "../../cloth-core/tests/support/counting_allocator.rs"]
 mod counting_allocator;
@@ -97,7 +97,7 @@ fn every_vertex_is_on_the_next_level_or_has_parents_there() {
 }
 
 #[test]
-fn weights_hand_down_translations_exactly_and_linear_fields_nearly() {
+fn weights_prolongate_translations_exactly_and_linear_fields_nearly() {
     for mesh in meshes() {
         let hierarchy = build(&mesh, &uneven(&mesh), HierarchyConfig::default());
         let at = |v: u32| mesh.positions()[v as usize];
@@ -112,7 +112,8 @@ fn weights_hand_down_translations_exactly_and_linear_fields_nearly() {
                 let aside = (mean - at(child)).norm() / reach.fold(0.0, Real::max);
                 all += 1;
                 exact += usize::from(aside < 1e-12);
-                // At a corner, two neighbours on the rim are all there is, and their mean is off by up to their distance.
+                // At a corner, two neighbours on the rim are all there is, and their mean is off by up to their
+                // distance.
                 assert!(aside < 1.0, "{child}: {aside}");
             }
         }
@@ -189,7 +190,8 @@ fn what_does_not_stretch_the_cloth_is_left_alone() {
             assert!((a - b).norm() < 1e-14);
         }
     }
-    // A tube at rest, cut open and unrolled, is as long as it was around: links run over the cloth, not through the air.
+    // A tube at rest, cut open and unrolled, is as long as it was around: links run over the cloth, not through
+    // the air.
     let around = 24;
     let rolled = tube(around, 8, 0.3, 1.0).unwrap();
     let hierarchy = build(&rolled, &uneven(&rolled), HierarchyConfig::default());
@@ -205,7 +207,8 @@ fn what_does_not_stretch_the_cloth_is_left_alone() {
     assert!(longer > 20, "{longer}");
 }
 
-/// The same on irregular sheets, with a boundary and a hole: whatever brings no two vertices further apart than they are at rest.
+/// The same on irregular sheets, with a boundary and a hole: whatever brings no two vertices further apart than
+/// they are at rest.
 #[test]
 fn folds_of_irregular_and_holed_sheets_are_left_alone() {
     let along = Vec3::new(0.8, 0.6, 0.0);

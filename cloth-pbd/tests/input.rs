@@ -1,4 +1,5 @@
-//! Input that makes no sense: an error that names the thing and a state left alone, or a step that is finite. Never a panic, never a number that is none.
+//! Input that makes no sense: an error that names the thing and a state left alone, or a step that is finite.
+//! Never a panic, never a number that is none.
 
 use cloth_core::energy::Spring;
 use cloth_core::math::{Real, Vec3};

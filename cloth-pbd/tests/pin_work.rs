@@ -33,7 +33,8 @@ fn chain(direction: Vec3) -> (Particles, State, Vec<Spring>) {
     (particles, state, (0..7).map(spring).collect())
 }
 
-/// Projections between vertices give no momentum but that of the pin, and the pin does the work `V·p` in giving it: the largest error over 30 steps, relative to that.
+/// Projections between vertices give no momentum but that of the pin, and the pin does the work `V·p` in giving
+/// it: the largest error over 30 steps, relative to that.
 fn error<const N: usize, E: Constraint<N>>(
     (particles, mut state, elements): (Particles, State, Vec<E>),
     config: PbdConfig,
@@ -86,7 +87,8 @@ fn what_a_pin_gives_a_chain_is_the_work_it_does() {
     }
 }
 
-/// Of a chain that is dragged sideways springs turn while they are swept, and J is taken where they end: an error that a substep of half the size divides by four.
+/// Of a chain that is dragged sideways springs turn while they are swept, and J is taken where they end: an
+/// error that a substep of half the size divides by four.
 #[test]
 fn work_on_a_chain_that_turns_is_right_to_second_order() {
     let sideways = Vec3::new(1.9, 0.3, -0.7);

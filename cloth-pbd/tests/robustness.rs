@@ -1,7 +1,8 @@
 //! PBD from starts that make no sense, at ratios that are too large.
 //!
-//! A cell is one kind of start at one size of step, stiffness and mass ratio, with one way to go through the constraints; ten jittered runs
-//! each. A step passes if it ends in a finite state, or with an error and the state as it was; the second is counted.
+//! A cell is one kind of start at one size of step, stiffness and mass ratio, with one variant of the sweep over the
+//! constraints; ten jittered runs each. A step passes if it ends in a finite state, or with an error and the
+//! state as it was; the second is counted.
 
 use cloth_core::energy::{AreaTriangle, CurvatureHinge, Spring};
 use cloth_core::math::{Real, Vec3};
@@ -50,7 +51,8 @@ fn start(kind: Start, sheet: &Sheet, run: usize) -> State {
         if !sheet.particles.is_prescribed(vertex) {
             *x = match kind {
                 Start::Random => jitter,
-                // Into the line through the held corners, almost: nothing could say in which direction to leave a plane that it fills.
+                // Into the line through the held corners, almost: nothing could say in which direction to leave
+                // a plane that it fills.
                 Start::Flattened => Vec3::new(x.x, 0.0, 0.0) + jitter * 1e-3,
                 // Onto one point, exactly; the point differs.
                 Start::Collapsed => noise(run),
@@ -62,7 +64,8 @@ fn start(kind: Start, sheet: &Sheet, run: usize) -> State {
     State::at_rest(positions)
 }
 
-/// A sheet of 1 m × 1 m with two corners held, springs of stiffness k on all edges, bending, area, and vertices of 0.01 kg, every third of `mass` times that.
+/// A sheet of 1 m × 1 m with two corners held, springs of stiffness k on all edges, bending, area, and vertices
+/// of 0.01 kg, every third of `mass` times that.
 struct Sheet {
     mesh: TriMesh,
     particles: Particles,
@@ -89,14 +92,16 @@ impl Sheet {
         }
     }
 
-    fn solver(&self, way: Way, stiffness: StiffnessRule, iterations: u32) -> PbdSolver {
+    fn solver(&self, variant: Variant, stiffness: StiffnessRule, iterations: u32) -> PbdSolver {
         let acceleration = Acceleration {
-            chebyshev: way.chebyshev.map(|radius| Chebyshev { radius, delay: 3 }),
+            chebyshev: variant
+                .chebyshev
+                .map(|radius| Chebyshev { radius, delay: 3 }),
             ..Acceleration::default()
         };
         let config = PbdConfig {
             iterations,
-            sweep: way.sweep,
+            sweep: variant.sweep,
             acceleration,
             stiffness,
             ..PbdConfig::default()
@@ -106,7 +111,7 @@ impl Sheet {
             .energy(self.hinges.clone())
             .energy(self.areas.clone());
         let solver = builder.config(config).build().unwrap();
-        if !way.hierarchy {
+        if !variant.hierarchy {
             return solver;
         }
         let config = HierarchyConfig {
@@ -121,18 +126,18 @@ impl Sheet {
 
 /// How to go through the constraints.
 #[derive(Clone, Copy, Debug)]
-struct Way {
+struct Variant {
     sweep: Sweep,
     chebyshev: Option<Radius>,
     hierarchy: bool,
 }
 
-fn ways() -> Vec<Way> {
-    let mut ways = Vec::new();
+fn variants() -> Vec<Variant> {
+    let mut variants = Vec::new();
     for sweep in [Sweep::Sequential, Sweep::Colored, Sweep::Jacobi] {
         for chebyshev in [None, Some(Radius::Estimated), Some(Radius::Given(0.99))] {
             for hierarchy in [false, true] {
-                ways.push(Way {
+                variants.push(Variant {
                     sweep,
                     chebyshev,
                     hierarchy,
@@ -140,7 +145,7 @@ fn ways() -> Vec<Way> {
             }
         }
     }
-    ways
+    variants
 }
 
 /// A fixed stiffness does not look at k; once is enough.
@@ -157,9 +162,9 @@ fn every_step_ends_in_a_finite_state_or_leaves_it_as_it_was() {
     for stiffness in [0.0, 1e-6, 1e2, 1e10, Real::INFINITY] {
         for mass in [1.0, 1e6] {
             let sheet = Sheet::new(stiffness, mass);
-            for way in ways() {
+            for variant in variants() {
                 for rule in rules(stiffness) {
-                    let mut solver = sheet.solver(way, rule, 10);
+                    let mut solver = sheet.solver(variant, rule, 10);
                     for dt in [1e-3, 1.0 / 60.0, 1.0] {
                         for (kind, run) in STARTS
                             .into_iter()
@@ -170,11 +175,15 @@ fn every_step_ends_in_a_finite_state_or_leaves_it_as_it_was() {
                             match solver.step(&mut state, StepInput::new(dt).gravity(DOWN)) {
                                 Ok(_) => {
                                     taken += 1;
-                                    assert_eq!(state.first_non_finite(), None, "{way:?} {kind:?}");
+                                    assert_eq!(
+                                        state.first_non_finite(),
+                                        None,
+                                        "{variant:?} {kind:?}"
+                                    );
                                 }
                                 Err(error) => {
                                     refused += 1;
-                                    assert!(state == before, "{way:?} {kind:?}: {error}");
+                                    assert!(state == before, "{variant:?} {kind:?}: {error}");
                                 }
                             }
                         }
@@ -187,9 +196,11 @@ fn every_step_ends_in_a_finite_state_or_leaves_it_as_it_was() {
     assert_eq!(refused, 0);
 }
 
-/// Lets the sheet come to rest for up to `steps` steps of 1/60 s, or until `done`: root mean square strain of the springs, height of the centre of mass (m), and the steps taken.
+/// Lets the sheet come to rest for up to `steps` steps of 1/60 s, or until `done`: root mean square strain of
+/// the springs, height of the centre of mass (m), and the steps taken.
 ///
-/// It comes to rest by kinetic damping: the velocities are taken away whenever the kinetic energy has passed a maximum.
+/// It comes to rest by kinetic damping: the velocities are taken away whenever the kinetic energy has passed a
+/// maximum.
 fn settle(
     sheet: &Sheet,
     solver: &mut PbdSolver,
@@ -221,14 +232,19 @@ fn settle(
     now
 }
 
-/// Hard springs, from anywhere, with gravity: within four seconds the sheet hangs with its edges as long as those of one that was let go flat, and as low.
+/// Hard springs, from anywhere, with gravity: within four seconds the sheet hangs with its edges as long as
+/// those of one that was let go flat, and as low.
 #[test]
 fn the_sheet_recovers_from_any_start() {
     let sheet = Sheet::new(Real::INFINITY, 1.0);
-    let cell = |(way, kind): (Way, Start)| {
+    let cell = |(variant, kind): (Variant, Start)| {
         // Averaged Jacobi sweeps move little each.
-        let iterations = if way.sweep == Sweep::Jacobi { 100 } else { 30 };
-        let mut solver = sheet.solver(way, StiffnessRule::Material, iterations);
+        let iterations = if variant.sweep == Sweep::Jacobi {
+            100
+        } else {
+            30
+        };
+        let mut solver = sheet.solver(variant, StiffnessRule::Material, iterations);
         let flat = State::at_rest(sheet.mesh.positions().to_vec());
         let (rest_strain, rest_height, _) = settle(&sheet, &mut solver, flat, 100, |_, _| false);
         let recovered = |strain: Real, height: Real| {
@@ -241,16 +257,16 @@ fn the_sheet_recovers_from_any_start() {
             most = most.max(steps);
             if !recovered(strain, height) {
                 return Some(format!(
-                    "{way:?} {kind:?} {run}: strain {strain:.1e}, {height:.3} m instead of {rest_strain:.1e}, {rest_height:.3} m"
+                    "{variant:?} {kind:?} {run}: strain {strain:.1e}, {height:.3} m instead of {rest_strain:.1e}, {rest_height:.3} m"
                 ));
             }
         }
-        println!("{way:?} {kind:?}: back after at most {most} steps");
+        println!("{variant:?} {kind:?}: back after at most {most} steps");
         None
     };
-    let cells: Vec<(Way, Start)> = ways()
+    let cells: Vec<(Variant, Start)> = variants()
         .into_iter()
-        .flat_map(|way| STARTS.map(|kind| (way, kind)))
+        .flat_map(|variant| STARTS.map(|kind| (variant, kind)))
         .collect();
     let bad: Vec<String> = cells.into_par_iter().filter_map(cell).collect();
     assert!(bad.is_empty(), "{} cells:\n{}", bad.len(), bad.join("\n"));
@@ -261,11 +277,11 @@ fn the_sheet_recovers_from_any_start() {
 fn coordinates_may_be_large() {
     let sheet = Sheet::new(1e4, 1.0);
     let shift = Vec3::repeat(1e4);
-    for way in ways() {
+    for variant in variants() {
         let run = |shift: Vec3| {
             let mut state =
                 State::at_rest(sheet.mesh.positions().iter().map(|x| x + shift).collect());
-            let mut solver = sheet.solver(way, StiffnessRule::Material, 15);
+            let mut solver = sheet.solver(variant, StiffnessRule::Material, 15);
             for _ in 0..10 {
                 solver
                     .step(&mut state, StepInput::new(0.01).gravity(DOWN))
@@ -275,7 +291,7 @@ fn coordinates_may_be_large() {
         };
         let (near, far) = (run(Vec3::zeros()), run(shift));
         for (a, b) in near.positions.iter().zip(&far.positions) {
-            assert!((b - shift - a).norm() < 1e-6, "{way:?}");
+            assert!((b - shift - a).norm() < 1e-6, "{variant:?}");
         }
     }
 }

@@ -134,7 +134,8 @@ fn the_ranges_are_those_of_lengths_areas_and_stretches() {
             area / rest
         );
     }
-    // No direction is stretched beyond the range: not the edges, nor the line from a corner to the middle of its opposite edge.
+    // No direction is stretched beyond the range: not the edges, nor the line from a corner to the middle of
+    // its opposite edge.
     let x = tight(KINDS[2].1, range);
     for t in mesh.triangles() {
         let of = |x: &[Vec3], k: usize| {
@@ -153,7 +154,8 @@ fn the_ranges_are_those_of_lengths_areas_and_stretches() {
     }
 }
 
-/// Two vertices, 1 m apart at rest, turning about their centre of mass 2 m apart: pulled in, they turn faster, `r² ω` as before.
+/// Two vertices, 1 m apart at rest, turning about their centre of mass 2 m apart: pulled in, they turn faster,
+/// `r² ω` as before.
 #[test]
 fn what_is_pulled_in_turns_faster() {
     let particles = Particles::new(vec![1.0, 3.0]).unwrap();

@@ -1,4 +1,4 @@
-//! How a position-based solver is put together.
+//! The builder of a position-based solver.
 
 use super::{Acceleration, ConstraintUpdate, Families, Motion, Sweep};
 use crate::element::Constraint;
@@ -9,15 +9,15 @@ use std::fmt;
 
 /// The settings of a position-based method, and the solver that they make of masses and constraints.
 pub trait Settings: fmt::Debug + Default + Sized {
-    /// How the method goes along a row.
+    /// The method's formula for Δλ.
     type Update: ConstraintUpdate;
     /// The method.
     type Solver;
 
-    /// Sweeps per substep, parts of a step, and the order of a sweep.
+    /// Sweeps per substep, substeps per step, and the order of a sweep.
     fn sweep_settings(&self) -> (u32, u32, Sweep);
 
-    /// What is made of a sequence of sweeps; nothing, unless the method says so.
+    /// Relaxation and extrapolation of the sweeps; none, unless the method says so.
     fn acceleration(&self) -> Acceleration {
         Acceleration::default()
     }
@@ -34,10 +34,10 @@ pub trait Settings: fmt::Debug + Default + Sized {
     fn assemble(self, motion: Motion, families: Families<Self::Update>) -> Self::Solver;
 }
 
-/// What is left to do for one family once the order of the sweep is known.
+/// Adds one family once the order of the sweep is known.
 type Plan<U> = Box<dyn FnOnce(&mut Families<U>) -> Result<(), BuildError>>;
 
-/// Collects what a position-based solver is built of.
+/// Collects particles, elements and settings of a position-based solver.
 pub struct Builder<S: Settings> {
     motion: Motion,
     plans: Vec<Plan<S::Update>>,
@@ -45,7 +45,8 @@ pub struct Builder<S: Settings> {
 }
 
 impl<S: Settings> Builder<S> {
-    /// Starts with the masses and prescribed vertices of `particles` as they are now, without constraints and with the default settings.
+    /// Starts with the masses and prescribed vertices of `particles` as they are now, without constraints and
+    /// with the default settings.
     #[must_use]
     pub fn new(particles: &Particles) -> Self {
         Self {
@@ -73,7 +74,8 @@ impl<S: Settings> Builder<S> {
     /// The solver.
     ///
     /// # Errors
-    /// [`BuildError::InvalidSetting`]; [`BuildError::NoSuchVertex`] if an element names a vertex that the particles do not have.
+    /// [`BuildError::InvalidSetting`]; [`BuildError::NoSuchVertex`] if an element names a vertex that the
+    /// particles do not have.
     ///
     /// # Panics
     /// If an element of a coloured sweep names a vertex twice.

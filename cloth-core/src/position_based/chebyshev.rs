@@ -1,34 +1,40 @@
-//! Chebyshev acceleration of a sequence of sweeps (PBD-3).
+//! Chebyshev acceleration of a sequence of sweeps .
 //!
-//! H. Wang, "A Chebyshev semi-iterative approach for accelerating projective and position-based dynamics", ACM Trans. Graph. 34(6), 2015,
-//! <https://doi.org/10.1145/2816795.2818063>; the theory: G. H. Golub, R. S. Varga, Numer. Math. 3, 1961,
-//! <https://doi.org/10.1007/BF01386013>; the estimate of the radius: L. A. Hageman, D. M. Young, "Applied iterative methods", 1981.
+//! H. Wang, "A Chebyshev semi-iterative approach for accelerating projective and position-based dynamics", ACM
+//! Trans. Graph. 34(6), 2015, <https://doi.org/10.1145/2816795.2818063>; the theory: G. H. Golub, R. S. Varga,
+//! Numer. Math. 3, 1961, <https://doi.org/10.1007/BF01386013>; the estimate of the radius: L. A. Hageman, D. M.
+//! Young, "Applied iterative methods", 1981.
 
 use crate::math::{Real, Vec3};
 
-/// Extrapolates the sweeps of a substep: `x⁺ = ω (S(x) − x⁻) + x⁻`, where `S(x)` is what a sweep makes of x, and x⁻ the iterate before x.
+/// Extrapolates the sweeps of a substep: `x⁺ = ω (S(x) − x⁻) + x⁻`, where `S(x)` is what a sweep makes of x,
+/// and x⁻ the iterate before x.
 ///
-/// With ρ the spectral radius of the sweep, `ω = 1` for the first sweeps, then `2/(2 − ρ²)`, then `4/(4 − ρ²ω)` again and again. If the
-/// error goes through a linear S with real eigenvalues in [−ρ, ρ], k such sweeps leave `1/T_k(1/ρ)` of it (T_k the Chebyshev
-/// polynomial), which is `ρ/(1 + √(1 − ρ²))` per sweep in the end instead of ρ: with Jacobi in the straight chain of N rigid links
-/// `cos(π/2N)/(1 + sin(π/2N))`.
+/// With ρ the spectral radius of the sweep, `ω = 1` for the first sweeps, then `2/(2 − ρ²)`, then `4/(4 − ρ²ω)`
+/// again and again. If the error goes through a linear S with real eigenvalues in [−ρ, ρ], k such sweeps leave
+/// `1/T_k(1/ρ)` of it (T_k the Chebyshev polynomial), which is `ρ/(1 + √(1 − ρ²))` per sweep in the end instead
+/// of ρ: with Jacobi in the straight chain of N rigid links `cos(π/2N)/(1 + sin(π/2N))`.
 ///
-/// What it does to the memory of a row is the method's [`ConstraintUpdate`](super::ConstraintUpdate): XPBD's λ is a part of the iterate, and extrapolated with x, so that
-/// `M(x − x̃) = Σ ∂Cᵀλ` stays as true as the sweeps make it.
+/// What it does to the multiplier of a row is the method's [`ConstraintUpdate`](super::ConstraintUpdate):
+/// XPBD's λ is a part of the iterate, and extrapolated with x, so that `M(x − x̃) = Σ ∂Cᵀλ` stays as true as
+/// the sweeps make it.
 ///
-/// Jacobi sweeps have real eigenvalues, and so have Gauss–Seidel sweeps that go there and back (both are symmetric in the metric of M). One-way sweeps have not:
-/// extrapolated, the error of a chain of 30 links swept from its end grows by 10¹¹ before it falls, and that of a sheet swept colour by
-/// colour grows without end. That is why Gauss–Seidel sweeps that are accelerated go back again, twice the work.
+/// Jacobi sweeps have real eigenvalues, and so has symmetric Gauss–Seidel (both are symmetric in the metric of
+/// M). One-way Gauss–Seidel has not: extrapolated, the error of a chain of 30 links swept from its end grows by
+/// 10¹¹ before it falls, and that of a sheet swept colour by colour grows without end. That is why accelerated
+/// Gauss–Seidel sweeps are symmetric, forward and backward, at twice the work.
 ///
-/// Limits: sweeps over a cloth are not linear, so nothing is proved there. Therefore the size of the corrections, `‖S(x) − x‖` in the metric of M, is
-/// watched. Where it exceeds the largest of the plain sweeps, or a hundred times its smallest value so
-/// far in the substep, the extrapolation is thrown away, and the rest of the substep goes on with plain
-/// sweeps ([`Families::chebyshev_fallbacks`](super::Families::chebyshev_fallbacks) tells).
+/// Limits: sweeps over a cloth are not linear, so nothing is proved there. Therefore the size of the
+/// corrections, `‖S(x) − x‖` in the metric of M, is watched. Where it exceeds the largest of the plain sweeps,
+/// or a hundred times its smallest value so far in the substep, the extrapolation is thrown away, and the rest
+/// of the substep goes on with plain sweeps
+/// ([`Families::chebyshev_fallbacks`](super::Families::chebyshev_fallbacks) tells).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Chebyshev {
     /// The spectral radius ρ of the sweep.
     pub radius: Radius,
-    /// Plain sweeps at the start of each substep, at least 1 (2 where the radius is estimated). They calm what is not linear.
+    /// Plain sweeps at the start of each substep, at least 1 (2 where the radius is estimated): the first
+    /// sweeps are the least linear ones.
     pub delay: u32,
 }
 
@@ -37,27 +43,29 @@ pub struct Chebyshev {
 pub enum Radius {
     /// From the user: at least 0, below 1. Too large is better than too small.
     Given(Real),
-    /// From the sweeps of the same substep: at first by how much the correction of the last plain sweep is smaller than that of the one before.
-    /// That is too small. After 8, 16, 32, … further sweeps, the ρ' that explains the corrections since, `T_m(ρ'/ρ)/T_m(1/ρ) = ‖Δx_m‖/‖Δx₀‖`,
-    /// replaces ρ if it is larger, and the extrapolation starts anew.
+    /// From the sweeps of the same substep: at first by how much the correction of the last plain sweep is
+    /// smaller than that of the one before. That is too small. After 8, 16, 32, … further sweeps, the ρ' that
+    /// explains the corrections since, `T_m(ρ'/ρ)/T_m(1/ρ) = ‖Δx_m‖/‖Δx₀‖`, replaces ρ if it is larger, and the
+    /// extrapolation starts anew.
     Estimated,
 }
 
 /// ρ is estimated no larger than this.
 const LARGEST_RADIUS: Real = 1.0 - 1e-7;
 
-/// Squared growth of the corrections over their smallest at which extrapolation is given up. They do not fall evenly where one part of the error
-/// prevails for a while.
+/// Squared growth of the corrections over their smallest at which extrapolation is disabled. They do not fall
+/// monotonically.
 const REBOUND: Real = 100.0 * 100.0;
 
-/// Squared size of the corrections, relative to the largest of the plain sweeps, below which their growth is rounding.
+/// Squared size of the corrections, relative to the largest of the plain sweeps, below which their growth is
+/// rounding.
 const ROUNDING: Real = 1e-20;
 
-/// Fewer vertices than this are gone through on one thread.
+/// Fewer vertices than this stay on one thread.
 #[cfg(feature = "parallel")]
 const SMALLEST_PARALLEL_SET: usize = 8192;
 
-/// Vertices per partial sum. It does not depend on the threads, nor do the sums.
+/// Vertices per partial sum; independent of the threads, and so are the sums.
 const CHUNK: usize = 2048;
 
 /// The recurrence and the iterates that it needs.
@@ -73,7 +81,8 @@ pub(super) struct Recurrence {
     plain: u32,
     omega: Real,
     radius: Real,
-    /// Squared sizes of corrections: when the recurrence last started, of the last sweep, the smallest of the substep, the largest of plain sweeps.
+    /// Squared sizes of corrections: when the recurrence last started, of the last sweep, the smallest of the
+    /// substep, the largest of plain sweeps.
     at_start: Real,
     last: Real,
     smallest: Real,
@@ -163,7 +172,8 @@ impl Recurrence {
         Some(self.omega)
     }
 
-    /// A new ρ where the sweeps so far tell one, from the size of the correction that the next sweep would be number `self.sweep + 1` for.
+    /// A new ρ where the sweeps so far tell one, from the size of the correction that the next sweep would be
+    /// number `self.sweep + 1` for.
     fn estimate(&mut self, size: Real) {
         if self.sweep < self.plain {
             if self.sweep + 1 == self.plain {

@@ -1,95 +1,102 @@
-//! What tells one position-based method from another.
+//! The update of one constraint row: the formula for Δλ that distinguishes position-based methods.
 
 use crate::math::{Real, Vec3};
 use std::fmt::Debug;
 
-/// One row where a sweep meets it.
+/// The state of one row at the visit of a sweep.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RowState {
     /// `C`, in the unit that the element documents.
     pub value: Real,
     /// `k` with the energy `½ k C²` (J).
     pub stiffness: Real,
-    /// `w̃ = Σᵢ wᵢ ‖∂C/∂xᵢ‖²` (unit of C² per kg m²): how easily the row moves. Zero if all its vertices are prescribed, or its gradient vanishes.
+    /// `w̃ = Σᵢ wᵢ ‖∂C/∂xᵢ‖²` (unit of C² per kg m²): the generalised inverse mass. Zero if
+    /// all its vertices are prescribed, or its gradient vanishes.
     pub weight: Real,
 }
 
-/// What a method makes of a row: `(w̃ + scaled_compliance) Δλ = −residual`.
+/// The linear equation of a row: `(w̃ + scaled_compliance) Δλ = −residual`.
 ///
-/// Δλ (kg m² per unit of C) is how far to go: the vertices of the row move by `wᵢ ∂C/∂xᵢ Δλ`.
+/// Δλ (kg m² per unit of C) is the change of the multiplier: the vertices of the row move by `wᵢ ∂C/∂xᵢ Δλ`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RowEquation {
-    /// What Δλ is to bring to zero (unit of C).
+    /// The residual (unit of C) that Δλ is to bring to zero.
     pub residual: Real,
-    /// What stands beside w̃ (unit of C² per kg m²), not negative, finite.
+    /// α̃, added to w̃ (unit of C² per kg m²): not negative, finite; 0 for a hard row.
     pub scaled_compliance: Real,
 }
 
-/// One row as it is read out: where it stands, whom it acts on.
+/// One row for read-out: its state, vertices and gradient.
 #[derive(Clone, Copy, Debug)]
 pub struct RowView<'a, M> {
     /// Number of the row in its family: element after element in the order in which they were given, row after row.
     pub index: usize,
-    /// Its numbers.
+    /// Its state.
     pub row: RowState,
     /// The vertices of its element.
     pub vertices: &'a [u32],
-    /// `∂C/∂x` (unit of C per m), one per vertex of the element; of a row with a dead zone ∂φ/∂x, also where it is free.
+    /// `∂C/∂x` (unit of C per m), one per vertex of the element; of a row with a dead zone ∂φ/∂x, also where it
+    /// is inactive.
     pub gradient: &'a [Vec3],
-    /// What is remembered of it.
+    /// Its memory.
     pub memory: &'a M,
 }
 
-/// How far a method goes along the rows of an element.
+/// The formula of a method for Δλ of a row, and the numbers that it keeps of each row.
 pub trait ConstraintUpdate: Copy + Debug + Send + Sync + 'static {
-    /// What is remembered of a row from one visit to the next. It starts as the default.
+    /// The numbers kept of a row from one visit to the next, a multiplier for instance. They start as the default.
     type Memory: Copy + Debug + Default + Send + Sync + 'static;
 
-    /// Whether the rows of one element are solved together, with the products of their gradients, or one after another.
+    /// Whether the rows of one element are solved together, with the products of their gradients, or one after
+    /// another.
     const ROWS_TOGETHER: bool = false;
 
-    /// Whether what the rows do is remembered ([`ConstraintUpdate::accumulate`]), as a multiplier is that goes with the positions, and extrapolated with them
-    /// ([`ConstraintUpdate::extrapolate`]). Asked once a sweep: one that is not is spared it in every row.
+    /// Whether Δλ is accumulated ([`ConstraintUpdate::accumulate`]), and extrapolated with the positions
+    /// ([`ConstraintUpdate::extrapolate`]). Asked once a sweep.
     #[inline]
     fn accumulates(&self) -> bool {
         true
     }
 
-    /// The equation of a row. It stands in the innermost loop, and should be `#[inline(always)]`, like [`ConstraintUpdate::accumulate`]. A row that nothing could change, because `w̃ + scaled_compliance` is zero, stays as it is whatever its residual.
+    /// The equation of a row. It is called in the innermost loop, and should be `#[inline(always)]`, like
+    /// [`ConstraintUpdate::accumulate`]. A row with `w̃ + scaled_compliance` of zero stays as it is, whatever
+    /// its residual.
     fn equation(&self, row: RowState, memory: &mut Self::Memory) -> RowEquation;
 
-    /// Learns what it can of a row before the sweeps of a step begin, and again whenever the rule is another one.
+    /// Sets the memory of a row before the sweeps of a step, and whenever the update has changed.
     #[inline]
     fn prepare(&self, row: RowState, memory: &mut Self::Memory) {
         let _ = (row, memory);
     }
 
-    /// Makes the memory that of a row not visited yet, at the start of a substep.
+    /// Resets the memory, at the start of a substep.
     #[inline]
     fn reset(memory: &mut Self::Memory) {
         *memory = Self::Memory::default();
     }
 
-    /// Remembers that a row went along by `change` (kg m² per unit of C): Δλ, or the part of it that a relaxed or an averaging sweep takes.
+    /// Adds `change` (kg m² per unit of C) to λ: Δλ, or its fraction in a relaxed or averaging sweep.
     #[inline(always)]
     fn accumulate(&self, change: Real, memory: &mut Self::Memory) {
         let _ = (change, memory);
     }
 
-    /// λ (kg m² per unit of C), if the method has one: what a row with a dead zone has done so far ([`DeadZoneRow`](crate::element::DeadZoneRow)). Zero, unless the method says so.
+    /// λ (kg m² per unit of C), if the method has one; a row with a dead zone needs it
+    /// ([`DeadZoneRow`](crate::element::DeadZoneRow)). Zero, unless the method says so.
     #[inline(always)]
     fn multiplier(memory: &Self::Memory) -> Real {
         let _ = memory;
         0.0
     }
 
-    /// What [`Chebyshev`](super::Chebyshev) does to the memory: `now ← before + ω (now − before)`. Only called if it [`accumulates`](ConstraintUpdate::accumulates).
+    /// What [`Chebyshev`](super::Chebyshev) does to the memory: `now ← before + ω (now − before)`. Only called
+    /// if it [`accumulates`](ConstraintUpdate::accumulates).
     fn extrapolate(now: &mut Self::Memory, before: &Self::Memory, omega: Real) {
         let _ = (now, before, omega);
     }
 }
 
-/// The same update, whose rows remember nothing of what they do.
+/// The same update without accumulation.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct WithoutAccumulation<U>(pub(super) U);
 

@@ -1,10 +1,12 @@
-//! What one element moves its vertices by.
+//! The correction of one element: `Δxᵢ = wᵢ ∂C/∂xᵢ Δλ` over its rows, in the forms that make the loop fast.
+//!
+//! The plain form is [`row_by_row_correction`]; the others are the same formula for rows of a special shape.
 
 use super::constraint_update::{ConstraintUpdate, RowEquation, RowState};
 use crate::element::{Constraint, DeadZoneRow, Row, RowArray, UnitRow, VectorRow};
 use crate::math::{Real, Vec3};
 
-/// Moves the vertices of one element, at `x` (m), by `fraction` (dimensionless) of its correction.
+/// Moves the vertices of one element, at `x` (m), by the `fraction` (dimensionless) of its correction.
 #[inline(always)]
 pub(super) fn project<const N: usize, E: Constraint<N>, U: ConstraintUpdate>(
     update: &U,
@@ -20,7 +22,7 @@ pub(super) fn project<const N: usize, E: Constraint<N>, U: ConstraintUpdate>(
     }
 }
 
-/// What one element moves its vertices by (m): `fraction` of what its rows ask for. All gradients are those at the start.
+/// The correction (m) of one element at `x` (m), times `fraction`. All gradients are those at `x`.
 #[inline(always)]
 pub(super) fn correction<const N: usize, E: Constraint<N>, U: ConstraintUpdate>(
     update: &U,
@@ -44,10 +46,10 @@ pub(super) fn correction<const N: usize, E: Constraint<N>, U: ConstraintUpdate>(
     }
 }
 
-/// Nothing can change a row whose `w̃ + scaled_compliance` is not above this.
+/// No Δλ changes a row whose `w̃ + scaled_compliance` is not above this.
 const SMALLEST: Real = 1e-300;
 
-/// `Δλ` of a row over `length`; 0 where nothing could change the row.
+/// `Δλ` of a row over `length`; 0 where no Δλ changes the row.
 #[inline(always)]
 fn change_over(length: Real, equation: RowEquation, weight: Real) -> Real {
     let denominator = (weight + equation.scaled_compliance) * length;
@@ -58,7 +60,7 @@ fn change_over(length: Real, equation: RowEquation, weight: Real) -> Real {
     }
 }
 
-/// One row with a gradient of unit vectors.
+/// One row whose gradients are unit vectors, given as direction times length: one division instead of a root and two.
 #[inline(always)]
 fn unit_row_correction<const N: usize, U: ConstraintUpdate>(
     update: &U,
@@ -116,7 +118,8 @@ fn vector_row_correction<const N: usize, U: ConstraintUpdate>(
     moved
 }
 
-/// Row after row. The value of a later row is updated to first order for what the earlier ones moved, which is exact for linear rows.
+/// Row after row. The value of a later row is updated to first order for the corrections of the earlier ones,
+/// which is exact for linear rows.
 #[inline(always)]
 fn row_by_row_correction<const N: usize, A: RowArray<N>, U: ConstraintUpdate>(
     update: &U,
@@ -144,7 +147,8 @@ fn row_by_row_correction<const N: usize, A: RowArray<N>, U: ConstraintUpdate>(
     moved.map(|moved| moved * fraction)
 }
 
-/// Row after row, as [`row_by_row_correction`], each with what it has done so far: a row that turns out to be free takes its multiplier back.
+/// Row after row, as [`row_by_row_correction`], each with its accumulated multiplier: a row that turns out to
+/// be inactive takes it back.
 ///
 /// Never over-relaxed, because the multiplier must not change its sign.
 #[inline(always)]
@@ -173,7 +177,7 @@ fn dead_zone_correction<const N: usize, U: ConstraintUpdate>(
     moved.map(|moved| moved * fraction)
 }
 
-/// What a method sees of a row with a dead zone.
+/// The state of a row with a dead zone.
 #[inline(always)]
 pub(super) fn dead_zone_row_state<const N: usize, U: ConstraintUpdate>(
     row: &DeadZoneRow<N>,
@@ -184,17 +188,18 @@ pub(super) fn dead_zone_row_state<const N: usize, U: ConstraintUpdate>(
     let multiplier = U::multiplier(memory);
     let value = row.acting_value(weight, multiplier);
     RowState {
-        // A free row goes back by what it has done.
+        // An inactive row takes its multiplier back.
         value: value.unwrap_or(weight * multiplier),
         stiffness: row.stiffness,
         weight,
     }
 }
 
-/// A pivot below this part of its diagonal is rounding: the row says nothing that the rows before it did not say.
+/// A pivot below this fraction of its diagonal is rounding: the row is redundant.
 const REDUNDANT: Real = 1e-12;
 
-/// Solves `(J M⁻¹ Jᵀ + scaled_compliance) Δλ = −residual` for the rows of one element by `L D Lᵀ`. A row that nothing could change is left out.
+/// Solves `(J M⁻¹ Jᵀ + scaled_compliance) Δλ = −residual` for the rows of one element by `L D Lᵀ`. A row that
+/// no Δλ changes is left out.
 #[inline(always)]
 fn coupled_correction<const N: usize, A: RowArray<N>, U: ConstraintUpdate>(
     update: &U,
@@ -257,7 +262,7 @@ fn coupled_correction<const N: usize, A: RowArray<N>, U: ConstraintUpdate>(
     moved.map(|moved| moved * fraction)
 }
 
-/// What a method sees of a row with the value `value`.
+/// The state of a row with the value `value`.
 #[inline(always)]
 pub(super) fn row_state<const N: usize>(row: &Row<N>, w: &[Real; N], value: Real) -> RowState {
     RowState {

@@ -1,4 +1,4 @@
-//! The elements of each kind, and the sweep over them.
+//! Families of elements, each of one type, and the sweep over them.
 
 use super::chebyshev::Recurrence;
 use super::constraint_update::{ConstraintUpdate, RowState, RowView, WithoutAccumulation};
@@ -12,7 +12,7 @@ use crate::math::{Real, Vec3, gather};
 use crate::step::BuildError;
 use std::fmt::Debug;
 
-/// The door of a family: one virtual call a sweep, none per element.
+/// A type-erased family: one virtual call a sweep, none per element.
 trait AnyFamily<U: ConstraintUpdate>: Debug + Send + Sync {
     fn sweep(&mut self, update: &U, relaxation: Real, inverse_mass: &[Real], x: &mut [Vec3]);
     /// The same in the opposite order.
@@ -23,10 +23,10 @@ trait AnyFamily<U: ConstraintUpdate>: Debug + Send + Sync {
     fn corner_count(&self) -> usize;
     /// Appends the vertices of all elements.
     fn corners(&self, out: &mut Vec<u32>);
-    /// What part of its correction each element makes when all are made at once.
+    /// Sets the fraction of its correction that each element makes in a Jacobi sweep.
     fn set_fractions(&mut self, fraction: &dyn Fn(&[u32]) -> Real);
     fn reset(&mut self);
-    /// Keeps the memory from which the next sweep starts.
+    /// Stores the memory from which the next sweep starts.
     fn store_memory(&mut self, update: &U);
     fn extrapolate(&mut self, update: &U, omega: Real);
     fn each_row(
@@ -35,11 +35,11 @@ trait AnyFamily<U: ConstraintUpdate>: Debug + Send + Sync {
         x: &[Vec3],
         see: &mut dyn FnMut(RowState, &U::Memory),
     );
-    /// Shows the memory of every row with the row's number in the input.
+    /// Passes the memory of every row with the row's number in the input.
     fn read_memory(&self, see: &mut dyn FnMut(usize, &U::Memory));
     /// Number of rows.
     fn row_count(&self) -> usize;
-    /// Lets the rule learn what it can of every row.
+    /// Prepares the memory of every row.
     fn prepare(&mut self, update: &U, inverse_mass: &[Real], x: &[Vec3]);
     fn inspect(
         &self,
@@ -50,7 +50,7 @@ trait AnyFamily<U: ConstraintUpdate>: Debug + Send + Sync {
     );
 }
 
-/// Which elements are looked at.
+/// Which elements to inspect.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Which {
     All,
@@ -73,7 +73,7 @@ struct Family<const N: usize, E, A> {
 type Slot<const N: usize, E, U> =
     <<E as Constraint<N>>::Rows as RowArray<N>>::PerRow<<U as ConstraintUpdate>::Memory>;
 
-/// Moves the vertices of every element, one after another, forth or back.
+/// Corrects every element, one after another, forward or backward.
 fn sweep_elements<const REVERSED: bool, const N: usize, E: Constraint<N>, U: ConstraintUpdate>(
     elements: &Colored<N, E>,
     memory: &mut [Slot<N, E, U>],
@@ -249,7 +249,7 @@ impl<const N: usize, E: Constraint<N>, U: ConstraintUpdate> AnyFamily<U>
             let x = gather(x, vertices);
             let (rows, whole) = (element.rows(&x), element.dead_zone_rows(&x));
             for (i, (row, memory)) in rows.as_ref().iter().zip(memory.as_ref()).enumerate() {
-                // A hard row at the end of its range has a force and no value.
+                // A hard row at the end of its range has a force but no value.
                 let whole = whole.as_ref().map(|rows| &rows.as_ref()[i].gradient);
                 see(RowView {
                     index: place as usize * E::Rows::LEN + i,
@@ -270,7 +270,7 @@ pub struct Families<U: ConstraintUpdate> {
     vertex_count: usize,
     sweep: Sweep,
     relaxation: Real,
-    /// For Jacobi sweeps; made when the first one begins, so that it knows all families.
+    /// For Jacobi sweeps; built at the first one, when all families are there.
     corrections: Option<Corrections>,
     recurrence: Option<Recurrence>,
     chebyshev_fallbacks: u64,
@@ -329,7 +329,7 @@ impl<U: ConstraintUpdate> Families<U> {
         Ok(())
     }
 
-    /// Tells that the next sweep is the first of a substep: extrapolation starts anew. The memory is kept; see [`Families::reset`].
+    /// Restarts the extrapolation, before the first sweep of a substep. The memory is kept; see [`Families::reset`].
     pub fn restart(&mut self) {
         if let Some(recurrence) = &mut self.recurrence {
             recurrence.restart();
@@ -352,7 +352,7 @@ impl<U: ConstraintUpdate> Families<U> {
                 for family in &mut self.families {
                     family.sweep(update, self.relaxation, inverse_mass, x);
                 }
-                // One way only, the iterates cannot be extrapolated; there and back they can.
+                // Only symmetric Gauss–Seidel can be extrapolated.
                 if self.recurrence.is_some() {
                     for family in self.families.iter_mut().rev() {
                         family.sweep_back(update, self.relaxation, inverse_mass, x);
@@ -388,7 +388,7 @@ impl<U: ConstraintUpdate> Families<U> {
         self.corrections = Some(corrections);
     }
 
-    /// Which elements meet at each vertex, and by it their fractions.
+    /// The incidence of elements at vertices, and from it the averaging fractions.
     fn incidence(&mut self, inverse_mass: &[Real]) -> Corrections {
         let mut corners = Vec::new();
         for family in &self.families {
@@ -407,21 +407,21 @@ impl<U: ConstraintUpdate> Families<U> {
         corrections
     }
 
-    /// How many times, since it was built, a substep ended with plain sweeps because [`Chebyshev`](super::Chebyshev) extrapolation made the
-    /// corrections grow.
+    /// How many substeps, since it was built, disabled [`Chebyshev`](super::Chebyshev) extrapolation because it
+    /// made the corrections grow, and ended with plain sweeps.
     #[must_use]
     pub fn chebyshev_fallbacks(&self) -> u64 {
         self.chebyshev_fallbacks
     }
 
-    /// Makes all memory that of rows not visited yet, at the start of a substep.
+    /// Resets the memory of all rows, at the start of a substep.
     pub fn reset(&mut self) {
         for family in &mut self.families {
             family.reset();
         }
     }
 
-    /// Shows every row at `x` (m) with its memory, as a sweep would meet it, without moving anything.
+    /// Passes the state of every row at `x` (m), as a sweep would see it, with its memory to `see`; nothing is moved.
     ///
     /// # Panics
     /// If the lengths are not those that the families were built for.
@@ -436,7 +436,7 @@ impl<U: ConstraintUpdate> Families<U> {
         }
     }
 
-    /// Lets the rule learn what it can of every row at `x` (m), and forget what it knew ([`ConstraintUpdate::prepare`]).
+    /// Prepares the memory of every row at `x` (m) for `update` ([`ConstraintUpdate::prepare`]).
     ///
     /// # Panics
     /// If the lengths are not those that the families were built for.
@@ -458,7 +458,7 @@ impl<U: ConstraintUpdate> Families<U> {
         self.families.is_empty()
     }
 
-    /// Shows every row of one family at `x` (m) with its gradient, in visiting order.
+    /// Passes every row of one family at `x` (m), with its gradient, in visiting order to `see`.
     ///
     /// # Panics
     /// If there is no such family, or the lengths are not those that it was built for.
@@ -472,7 +472,7 @@ impl<U: ConstraintUpdate> Families<U> {
         self.families[family].inspect(Which::All, inverse_mass, x, &mut see);
     }
 
-    /// Shows every row at `x` (m) of an element with a prescribed vertex, family after family.
+    /// Passes every row at `x` (m) of an element with a prescribed vertex to `see`, family after family.
     ///
     /// # Panics
     /// If the lengths are not those that the families were built for.
@@ -487,7 +487,8 @@ impl<U: ConstraintUpdate> Families<U> {
         }
     }
 
-    /// Writes what `read` takes from the memory of the rows of one family to `out`: element after element in the order in which they were given, row after row.
+    /// Writes `read` of the memory of each row of one family to `out`: element after element in the order
+    /// given, row after row.
     ///
     /// # Panics
     /// If there is no such family.

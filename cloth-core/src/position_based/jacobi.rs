@@ -1,15 +1,15 @@
-//! Jacobi sweeps: all corrections first, then every vertex adds up its own.
+//! Jacobi sweeps: corrections of all elements first, then their sum at every vertex.
 
 use crate::math::{Real, Vec3};
 
-/// Fewer elements or vertices than this are gone through on one thread.
+/// Fewer elements or vertices than this stay on one thread.
 #[cfg(feature = "parallel")]
 const SMALLEST_PARALLEL_SET: usize = 8192;
 
-/// The corrections of all elements of all families, and for each vertex where its own stand.
+/// The corrections of all elements of all families, and for each vertex the places of its own.
 ///
-/// No two threads ever write to the same place: elements write their corrections side by side, then vertices read. A vertex adds them up in a fixed
-/// order, so the bits do not depend on the number of threads.
+/// No two threads ever write to the same place: elements write their corrections side by side, then vertices
+/// read. A vertex adds them up in a fixed order, so the bits do not depend on the number of threads.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Corrections {
     /// Δx (m), N per element, family after family.
@@ -43,7 +43,7 @@ impl Corrections {
         }
     }
 
-    /// How many elements meet at a vertex.
+    /// Number of elements at a vertex.
     pub(super) fn valence(&self, vertex: u32) -> u32 {
         let vertex = vertex as usize;
         self.starts[vertex + 1] - self.starts[vertex]
@@ -54,7 +54,7 @@ impl Corrections {
         &mut self.moves
     }
 
-    /// Adds to every vertex what its elements want.
+    /// Adds the corrections to the vertices.
     pub(super) fn apply(&self, x: &mut [Vec3]) {
         assert_eq!(x.len() + 1, self.starts.len(), "one position per vertex");
         #[cfg(feature = "parallel")]
@@ -79,7 +79,8 @@ impl Corrections {
     }
 }
 
-/// The fraction of its correction that an element of these vertices makes: `1/n`, n the largest number of elements at one vertex that can move.
+/// The averaging fraction of an element with these vertices: `1/n`, n the largest number of elements at one of
+/// its free vertices.
 pub(super) fn fraction(vertices: &[u32], inverse_mass: &[Real], corrections: &Corrections) -> Real {
     let meeting = vertices
         .iter()

@@ -1,4 +1,4 @@
-//! Everything before and after the projection.
+//! Free flight before the sweeps, velocities after them, contact and the work of prescribed vertices.
 
 use super::{ConstraintUpdate, Families, RowView};
 use crate::contact::{ContactConstraints, ContactError, ContactStep};
@@ -6,22 +6,22 @@ use crate::math::{Real, Vec3};
 use crate::particles::{Particles, State, first_non_finite};
 use crate::step::{Outcome, StepError, StepInput, StepReport};
 
-/// A working copy of what moves, and the four things that happen to it in a step.
+/// A working copy of the state, and the four stages of a step.
 ///
 /// In the order of a step: [`begin`](Self::begin); for each substep [`predict`](Self::predict), any number of
-/// [`iterate`](Self::iterate), [`update_velocities`](Self::update_velocities); [`finish`](Self::finish). The caller's state is
-/// written in the last one only, so that an error leaves it as it was.
+/// [`iterate`](Self::iterate), [`update_velocities`](Self::update_velocities); [`finish`](Self::finish). The
+/// caller's state is written in the last one only, so that an error leaves it as it was.
 ///
-/// Contact that comes as constraints ([`ContactConstraints`]) is felt in all of them: last in each iteration. Other contact acts in `finish`.
+/// Contact constraints ([`ContactConstraints`]) take part in all of them, last in each iteration.
 #[derive(Clone, Debug)]
 pub struct Motion {
     /// Inverse masses (1/kg), one per vertex.
     inverse_mass: Vec<Real>,
-    /// Positions (m), one per vertex: what the projection moves.
+    /// Positions (m), one per vertex: moved by the sweeps.
     positions: Vec<Vec3>,
     /// Velocities (m/s), one per vertex.
     velocities: Vec<Vec3>,
-    /// Positions (m) before the projection, one per vertex; in the end those that contact leaves.
+    /// Positions (m) before the sweeps, one per vertex.
     predicted: Vec<Vec3>,
     /// Positions (m) at the start of the substep, if there are contact constraints.
     start: Vec<Vec3>,
@@ -38,7 +38,7 @@ pub struct Motion {
 }
 
 impl Motion {
-    /// For these masses, as they are now.
+    /// With the masses and prescribed vertices of `particles` as they are now.
     #[must_use]
     pub fn new(particles: &Particles) -> Self {
         let zeros = || vec![Vec3::zeros(); particles.len()];
@@ -68,7 +68,7 @@ impl Motion {
         &self.inverse_mass
     }
 
-    /// Positions (m) as they are now, one per vertex; after a step where the last projection left them, before contact.
+    /// Positions (m) as they are now, one per vertex.
     #[must_use]
     pub fn positions(&self) -> &[Vec3] {
         &self.positions
@@ -102,7 +102,7 @@ impl Motion {
         Ok(())
     }
 
-    /// Free flight over `h` (s), S1 (24): `v ← v + h a`, `x ← x + h v`. A prescribed vertex keeps its v.
+    /// Free flight over `h` (s): `v ← v + h a`, `x ← x + h v`. A prescribed vertex keeps its v.
     ///
     /// # Errors
     /// [`StepError::Contact`], [`StepError::NonFinite`].
@@ -120,7 +120,8 @@ impl Motion {
         self.with_contacts(input, |contacts, step, x| contacts.begin_substep(step, x))
     }
 
-    /// One iteration: `sweep` gets the inverse masses (1/kg) and the positions (m), and contact comes after it; then the observer looks.
+    /// One iteration: `sweep` gets the inverse masses (1/kg) and the positions (m), and contact comes after it;
+    /// then the observer is called.
     pub fn iterate(&mut self, input: &mut StepInput<'_>, sweep: impl FnOnce(&[Real], &mut [Vec3])) {
         sweep(&self.inverse_mass, &mut self.positions);
         if let Some(contacts) = input.contact_constraints() {
@@ -133,23 +134,25 @@ impl Motion {
         }
     }
 
-    /// The velocities (m/s) of the prescribed vertices in this step, if one of them moves: at their places in the list of all vertices.
+    /// Velocities (m/s) of all vertices, if a prescribed one moves in this step; those of prescribed vertices
+    /// are constant in it.
     #[must_use]
     pub fn moving_pins(&self) -> Option<&[Vec3]> {
         self.pins_move.then_some(&self.velocities)
     }
 
-    /// Work (J) that prescribed vertices have done in this step, as far as it was entered.
+    /// Work (J) of prescribed vertices in this step, as far as it was added.
     #[must_use]
     pub fn pin_work(&self) -> Real {
         self.pin_work
     }
 
-    /// Enters the work of prescribed vertices in the substep whose sweeps have ended, for the report: each moved by `h v` against the force `Jᵀλ/h²` on it, with
-    /// the λ of each row (kg m² per unit of C) from `multiplier` and J where the sweeps have ended. Nothing is done where no such vertex moves.
+    /// Adds the work of prescribed vertices in the substep whose sweeps have ended: each moved by `h v` against
+    /// the force `Jᵀλ/h²` on it, with the λ of each row (kg m² per unit of C) from `multiplier` and J at the
+    /// end of the sweeps. Nothing is done where no such vertex moves.
     ///
-    /// λ is what the row has moved the others by, `wᵢ ∂C/∂xᵢ λ`, so this is what they were given, whatever is left of the residual. A row that turns during the sweeps of a
-    /// substep has given it along other directions too, about which nothing is known; the error becomes small with the angle.
+    /// The row has moved the others by `wᵢ ∂C/∂xᵢ λ`, so this is the work done on them, whatever the residual.
+    /// The error is that of J where a row turns during the sweeps, and falls with the angle.
     pub fn count_pin_work<R: ConstraintUpdate>(
         &mut self,
         families: &Families<R>,
@@ -171,15 +174,16 @@ impl Motion {
         self.add_pin_work(work);
     }
 
-    /// Enters work (J) that prescribed vertices have done, for the report.
+    /// Adds work (J) of prescribed vertices.
     pub fn add_pin_work(&mut self, work: Real) {
         self.pin_work += work;
     }
 
-    /// `v ← v + (x − x̃)/h`, S1 (26) with x̃ the prediction and h the substep that it was made for; before it contact has the last word on x.
+    /// `v ← v + (x − x̃)/h`, with x̃ the prediction and h its substep; contact changes x before it, and v after it.
     ///
-    /// Since `x̃ = x₀ + h v` this is the other published form `(x − x₀)/h`. We take this one because a vertex that no constraint moved
-    /// then keeps its velocity to the last bit, a prescribed one in particular; the other one divides the rounding of `x₀ + h v` by h.
+    /// Since `x̃ = x₀ + h v` this is the published `(x − x₀)/h` (Müller et al. 2007). In this form a vertex that no
+    /// constraint moved keeps its velocity to the last bit, a prescribed one in particular; the other one divides the
+    /// rounding of `x₀ + h v` by h.
     ///
     /// # Errors
     /// [`StepError::Contact`], [`StepError::NonFinite`].
@@ -196,7 +200,7 @@ impl Motion {
         Ok(())
     }
 
-    /// What contact constraints, if there are any, do to the positions of the substep.
+    /// Applies contact constraints, if there are any, to the positions of the substep.
     fn with_contacts(
         &mut self,
         input: &mut StepInput<'_>,
@@ -231,7 +235,7 @@ impl Motion {
         }
     }
 
-    /// Hands the result over and moves the clock by Δt.
+    /// Writes the result to `state`, and advances its time by Δt.
     ///
     /// # Errors
     /// [`StepError::NonFinite`], [`StepError::Contact`]; `state` is then as it was.

@@ -1,41 +1,47 @@
-//! In which order a sweep visits the elements, and what is made of a sequence of sweeps.
+//! The order in which a sweep visits the elements, and the acceleration of a sequence of sweeps.
 
 use super::{Chebyshev, Radius};
 use crate::math::Real;
 use crate::step::BuildError;
 
-/// How a sweep goes through the elements (PBD-2).
+/// The order of a sweep.
 ///
-/// The iterates depend on it; where the sweeps converge, all kinds agree. In the straight chain of N equal rigid links, held at one end, one
-/// sweep leaves the factor given of the slowest part of the error (VALIDATION 5).
+/// The iterates depend on it; where the sweeps converge, all kinds agree. In the straight chain of N equal
+/// rigid links, held at one end, one sweep leaves the factor given of the slowest part of the error.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Sweep {
-    /// Gauss–Seidel in the order given, on one thread: an element sees what the one before it moved. Chain: `cos²(π/2N)`.
+    /// Gauss–Seidel in the order given, on one thread: an element sees what the one before it moved. Chain:
+    /// `cos²(π/2N)`.
     ///
-    /// With [`Chebyshev`], Gauss–Seidel sweeps of both kinds go there and back, twice the work.
+    /// With [`Chebyshev`], Gauss–Seidel sweeps of both kinds are symmetric, forward and backward, at twice the work.
     Sequential,
-    /// Gauss–Seidel colour by colour (CORE-13), on rayon's threads where a colour is large enough and the feature `parallel` is on. The
-    /// bits do not depend on the number of threads. Chain: `cos²(π/2N)`.
+    /// Gauss–Seidel colour by colour, on rayon's threads where a colour is large enough and the feature
+    /// `parallel` is on. The bits do not depend on the number of threads. Chain: `cos²(π/2N)`.
     #[default]
     Colored,
-    /// Jacobi with averaging: all elements are solved at the same positions, and each makes the share `1/n` of its correction, with n the
-    /// largest number of elements that meet in one of its vertices (prescribed ones not counted). Chain: `cos²(π/4N)`.
+    /// Jacobi with averaging: all elements are solved at the same positions, and each makes the fraction `1/n`
+    /// of its correction, with n the largest number of elements that meet in one of its vertices (prescribed
+    /// ones not counted). Chain: `cos²(π/4N)`.
     ///
-    /// The common variant divides by the number of elements vertex by vertex instead. Then the two ends of a spring move by different shares:
-    /// momentum is not kept, and a multiplier does not know how much of it was used. With one share per element `Σ m x` is kept, XPBD's λ and x go
-    /// together, and linear rows converge from anywhere: the sweep is `1 − Σ sⱼPⱼ` with projectors P (in the metric of M) and `Σ sⱼ ≤ 1` at every vertex.
+    /// The common variant divides by the number of elements vertex by vertex instead. Then the two ends of a
+    /// spring move by different fractions: momentum is not kept, and the multiplier does not match the motion.
+    /// With one fraction per element `Σ m x` is kept, XPBD's λ and x go together, and linear rows converge from
+    /// anywhere: the sweep is `1 − Σ sⱼPⱼ` with projectors P (in the metric of M) and `Σ sⱼ ≤ 1` at every
+    /// vertex.
     Jacobi,
     /// Jacobi without averaging: all corrections are made in full, at once. Chain: `cos(π/2N)`.
     ///
-    /// It diverges where more than two stiff elements meet, hence in every cloth, unless the relaxation is below 2 over that number.
+    /// It diverges where more than two stiff elements meet, hence in every cloth, unless the relaxation is
+    /// below 2 over that number.
     PlainJacobi,
 }
 
-/// What is made of a sequence of sweeps (PBD-2, PBD-3).
+/// Relaxation and extrapolation of a sequence of sweeps.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Acceleration {
-    /// Part ω (dimensionless) of its correction that a visit makes, above 0 and below 2. Below 1 is under-relaxation; above 1, with a
-    /// Gauss–Seidel sweep, it is SOR, whose best ω for the straight chain is `2/(1 + sin(π/2N))`, with the factor `ω − 1` per sweep.
+    /// The relaxation factor ω (dimensionless) of every correction, above 0 and below 2. Below 1 is
+    /// under-relaxation; above 1, with a Gauss–Seidel sweep, it is SOR, whose best ω for the straight chain is
+    /// `2/(1 + sin(π/2N))`, with the factor `ω − 1` per sweep.
     pub relaxation: Real,
     /// Extrapolation over the sweeps of a substep; none by default.
     pub chebyshev: Option<Chebyshev>,

@@ -1,4 +1,4 @@
-//! One coarse level: its links, and what it hands down.
+//! One coarse level: restriction, relaxation of its links, prolongation.
 
 use super::tether::{Tether, TetherUpdate};
 use cloth_core::math::{Real, Vec3};
@@ -64,7 +64,8 @@ impl Level {
         })
     }
 
-    /// The vertices of the next finer level that are not in this one, with their parents, by their numbers in this level, and weights.
+    /// The vertices of the next finer level that are not in this one, with their parents, by their numbers in
+    /// this level, and weights.
     pub(super) fn parents(&self) -> impl Iterator<Item = (u32, &[(u32, Real)])> {
         let is_kept = |v: &u32| self.fine.binary_search(v).is_ok();
         let left_out = (0..self.prolongation.fine_count() as u32).filter(move |v| !is_kept(v));
@@ -79,7 +80,7 @@ impl Level {
         &self.x
     }
 
-    /// Takes the positions of the next finer level.
+    /// Restricts (injects) the positions of the next finer level.
     pub(super) fn restrict(&mut self, finer: &[Vec3]) {
         for (x, &v) in self.x.iter_mut().zip(&self.fine) {
             *x = finer[v as usize];
@@ -87,18 +88,18 @@ impl Level {
         self.before.copy_from_slice(&self.x);
     }
 
-    /// Sweeps over the links, each of which goes the part `stiffness` of its way.
+    /// Relaxes the links by `sweeps`, each projection times `stiffness`.
     pub(super) fn relax(&mut self, sweeps: u32, stiffness: Real) {
         self.tethers.reset();
         self.tethers
             .sweep(&TetherUpdate::Begin, &self.inverse_mass, &mut self.x);
-        let rule = TetherUpdate::Project(stiffness);
+        let update = TetherUpdate::Project(stiffness);
         for _ in 0..sweeps {
-            self.tethers.sweep(&rule, &self.inverse_mass, &mut self.x);
+            self.tethers.sweep(&update, &self.inverse_mass, &mut self.x);
         }
     }
 
-    /// Moves the next finer level along: `Δx = Σ wₚ Δxₚ`.
+    /// Adds the prolongated correction to the next finer level: `Δx = Σ wₚ Δxₚ`.
     pub(super) fn prolongate(&self, finer: &mut [Vec3]) {
         for (vertex, finer) in finer.iter_mut().enumerate() {
             for &(parent, weight) in self.prolongation.of_fine(vertex) {

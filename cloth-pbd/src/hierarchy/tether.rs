@@ -1,4 +1,4 @@
-//! The link of a coarse level.
+//! The row of a coarse link, and its unilateral update.
 
 use cloth_core::element::{Constraint, Element, Row};
 use cloth_core::math::{Real, Vec3, length_and_direction};
@@ -33,20 +33,21 @@ impl Constraint<2> for Tether {
     }
 }
 
-/// Keeps a link between its length at the start of the correction, if that was below L, and L: by a multiplier that pulls as long as the link would be longer, pushes
-/// as long as it would be shorter, and is zero between.
+/// Keeps the length of a link between its length at the start of the correction, if that was below L, and L: by a
+/// multiplier that pulls where the link would be longer, pushes where it would be shorter, and is zero between.
 ///
-/// So cloth that folds between two coarse vertices is none of its business: a link that is short may stay short. But the correction itself does not make links
-/// shorter. Links that only pull, by turns, would draw the cloth together sideways, and nothing on their level would draw it apart again.
+/// A link that is short, as where cloth folds between two coarse vertices, may stay short; but the correction
+/// itself does not make links shorter. Links that only pull, by turns, would draw the cloth together sideways,
+/// and nothing on their level would draw it apart again.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum TetherUpdate {
-    /// Looks how long the links are.
+    /// Stores the lengths of the links.
     Begin,
-    /// Goes this part (dimensionless) of the way in a visit.
+    /// Makes this fraction (dimensionless) of the correction in a visit.
     Project(Real),
 }
 
-/// What a link remembers during a correction.
+/// Bound and multiplier of a link during a correction.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Memory {
     /// C (m) at the start, or 0 if that was above.
@@ -65,12 +66,12 @@ impl ConstraintUpdate for TetherUpdate {
                 memory.shortest = row.value.min(0.0);
                 0.0
             }
-            Self::Project(part) => {
-                // The multipliers times w̃, which saves two divisions.
-                let total = memory.lambda * row.weight;
-                let pull = total - part * row.value;
-                let push = total - part * (row.value - memory.shortest);
-                total - if pull < 0.0 { pull } else { push.max(0.0) }
+            Self::Project(fraction) => {
+                // Multipliers times w̃: two divisions less.
+                let multiplier = memory.lambda * row.weight;
+                let pull = multiplier - fraction * row.value;
+                let push = multiplier - fraction * (row.value - memory.shortest);
+                multiplier - if pull < 0.0 { pull } else { push.max(0.0) }
             }
         };
         RowEquation {

@@ -1,18 +1,18 @@
-//! The angular momentum of what hangs together.
+//! Connected components of the limits, and the rigid spin that restores their angular momentum.
 
 use cloth_core::math::{Mat3, Real, Vec3};
 
-/// The parts of a cloth between which no limit acts.
+/// The connected components of a cloth: no limit acts between them.
 #[derive(Debug, Default)]
 pub(super) struct Components {
-    /// Vertices, component after component, in ascending order within each.
+    /// Vertices, component by component, in ascending order within each.
     vertices: Vec<u32>,
-    /// Piece p is `vertices[starts[p]..starts[p + 1]]`.
+    /// Component p is `vertices[starts[p]..starts[p + 1]]`.
     starts: Vec<usize>,
 }
 
 impl Components {
-    /// From pairs of vertices that hang together. Vertices in no pair are left out.
+    /// From pairs of connected vertices. Vertices in no pair are left out.
     pub(super) fn new(pairs: &[[u32; 2]], vertex_count: usize) -> Self {
         // Each vertex points to a smaller one of its component, the smallest to itself.
         let mut below: Vec<u32> = (0..vertex_count as u32).collect();
@@ -48,8 +48,8 @@ impl Components {
         self.starts.windows(2).map(|w| &self.vertices[w[0]..w[1]])
     }
 
-    /// Turns every component of the body `after` so that its angular momentum is that of the body `before`, with the smallest change of the velocities
-    /// `after.v` in the metric of M: a rigid rotation.
+    /// Turns every component of the body `after` so that its angular momentum is that of the body `before`,
+    /// with the smallest change of the velocities `after.v` in the metric of M: a rigid rotation.
     pub(super) fn keep_angular_momentum(
         &self,
         inverse_mass: &[Real],
@@ -94,7 +94,8 @@ impl Body<'_> {
         self.component.iter().map(|&i| i as usize)
     }
 
-    /// Position and velocity of what it turns about: its one prescribed vertex, or its centre of mass; `None` if two or more are prescribed.
+    /// Position and velocity of its pivot: its one prescribed vertex, or its centre of mass; `None` if two or
+    /// more are prescribed.
     fn pivot(&self) -> Option<(Vec3, Vec3)> {
         let mut held = self.vertices().filter(|&i| self.w[i] == 0.0);
         match (held.next(), held.next()) {
@@ -123,7 +124,7 @@ impl Body<'_> {
     }
 }
 
-/// The smallest ω (rad/s) with `I ω = L`. Vertices on a line cannot turn about it, and have no L along it.
+/// The smallest ω (rad/s) with `I ω = L`; I is singular for vertices on a line, and L has no component along it.
 fn angular_velocity(inertia: &Mat3, momentum: Vec3) -> Vec3 {
     let size = inertia.trace();
     if size <= 0.0 || !size.is_finite() {

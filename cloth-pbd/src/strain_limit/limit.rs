@@ -6,13 +6,13 @@ use cloth_core::element::{Constraint, Element};
 use cloth_core::math::{Real, Vec3};
 use std::fmt::Debug;
 
-/// All limits of one kind. One virtual call a pass.
+/// All limits on elements of one type; one virtual call a pass.
 pub(super) trait AnyLimits: Debug + Send + Sync {
     /// One projection of each element. Gives the largest violation met (dimensionless).
     fn pass(&mut self, inverse_mass: &[Real], tolerance: Real, x: &mut [Vec3]) -> Real;
 }
 
-/// Elements with what each met in the last pass.
+/// Elements with their violations in the last pass.
 #[derive(Debug)]
 pub(super) struct Limits<const N: usize, E> {
     limits: Colored<N, Limit<E>>,
@@ -63,7 +63,8 @@ impl<E> Limit<E> {
         value - value.max(self.low).min(self.high)
     }
 
-    /// Brings the rows that are beyond their interval by more than the tolerance to its end. Gives the largest violation (dimensionless).
+    /// Brings the rows that are beyond their interval by more than the tolerance to its end. Gives the largest
+    /// violation (dimensionless).
     fn project<const N: usize>(&self, w: &[Real; N], tolerance: Real, x: &mut [Vec3; N]) -> Real
     where
         E: Constraint<N>,
@@ -75,7 +76,7 @@ impl<E> Limit<E> {
             violation = violation.max(beyond);
             let weight: Real = (0..N).map(|i| w[i] * row.gradient[i].norm_squared()).sum();
             if beyond > tolerance && weight > 0.0 {
-                // What the rows before this one changed, to first order.
+                // The change by the rows before this one, to first order.
                 let change: Real = (0..N).map(|i| row.gradient[i].dot(&moved[i])).sum();
                 let multiplier = -self.excess(row.value + change) / weight;
                 for i in 0..N {

@@ -1,4 +1,4 @@
-//! A method whose every step is followed by strain limiting.
+//! Strain limiting after every step of a method.
 
 use super::{LimitReport, StrainLimiter};
 use cloth_core::contact::ContactSource;
@@ -6,19 +6,21 @@ use cloth_core::math::{Real, Vec3};
 use cloth_core::particles::State;
 use cloth_core::step::{Outcome, StepError, StepInput, StepReport, Stepper};
 
-/// Any method and a limiter, as one method.
+/// A method and a limiter, as one method.
 ///
-/// The limiter changes positions and velocities behind the method's back. A method that remembers earlier states sees a new start.
+/// The limiter changes positions and velocities between the steps. A method that keeps earlier states sees a
+/// new start.
 ///
-/// The method feels contact; what the limits change after it is only kept from going through anything. Where that holds vertices back, the report says that the limits were not met.
+/// Contact takes part in the method's step; the displacements by the limits after it are truncated so that they cross
+/// nothing. Where that truncates one, the report says that the limits were not met.
 pub struct WithStrainLimit {
     method: Box<dyn Stepper>,
     limiter: StrainLimiter,
-    /// The state before the step, to go back to.
+    /// The state before the step, restored on an error.
     before: State,
-    /// Where the method has taken the cloth (m).
+    /// Positions (m) after the method's step.
     stepped: Vec<Vec3>,
-    /// Where the limits would (m).
+    /// Positions (m) after the limits, before contact truncates them.
     limited: Vec<Vec3>,
     report: Option<LimitReport>,
 }
@@ -37,7 +39,7 @@ impl WithStrainLimit {
         }
     }
 
-    /// What the limiter did in the last step, once there was one.
+    /// The limiter's report of the last step, once there was one.
     #[must_use]
     pub fn last_report(&self) -> Option<LimitReport> {
         self.report
@@ -96,7 +98,7 @@ impl Stepper for WithStrainLimit {
 }
 
 impl WithStrainLimit {
-    /// Keeps what the limits have moved, to `state`, from going through anything.
+    /// Truncates the displacements by the limits, to `state`, so that they cross nothing.
     fn keep_free(
         &mut self,
         contacts: &mut dyn ContactSource,
@@ -114,9 +116,9 @@ impl WithStrainLimit {
             reason,
             step: self.before.steps + 1,
         })?;
-        let ways = state.positions.iter().zip(&self.limited);
+        let displaced = state.positions.iter().zip(&self.limited);
         let mut is_limited = true;
-        for (v, (x, limited)) in state.velocities.iter_mut().zip(ways) {
+        for (v, (x, limited)) in state.velocities.iter_mut().zip(displaced) {
             is_limited &= x == limited;
             *v += (x - limited) / dt;
         }
@@ -130,7 +132,7 @@ impl WithStrainLimit {
     }
 }
 
-/// Into the memory that is there.
+/// Copies without allocating.
 fn copy(from: &State, to: &mut State) {
     to.positions.clone_from(&from.positions);
     to.velocities.clone_from(&from.velocities);

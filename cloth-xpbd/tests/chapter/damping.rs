@@ -142,7 +142,7 @@ fn the_rows_of_a_hinge_are_damped_by_the_same_law() {
 }
 
 #[test]
-fn damping_is_taken_up_again_by_a_fresh_solver_and_negative_damping_is_refused() {
+fn damping_survives_a_restart_and_negative_damping_is_refused() {
     let run = |solvers: usize, steps: usize| {
         let mut state = State::at_rest(vec![Vec3::zeros(), Vec3::new(0.0, 1.4, 0.1)]);
         for _ in 0..solvers {

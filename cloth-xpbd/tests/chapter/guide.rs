@@ -71,7 +71,7 @@ fn the_substeps_of_the_guide_leave_the_strain_of_the_guide_in_a_chain() {
 }
 
 #[test]
-fn as_many_iterations_as_links_leave_twelve_times_the_sag_of_as_many_substeps() {
+fn iterations_leave_twelve_times_the_sag_of_as_many_substeps() {
     let chain = Chain::of(LINKS, 0.01, LENGTH, Real::INFINITY);
     let sag = |config| chain.sag_at_rest(&mut solver(&chain, config), DT, 6000);
     let [iterated, cut] = [sag(iterations(LINKS)), sag(once(LINKS))];
@@ -127,7 +127,7 @@ fn sheet_at_rest(substeps: u32, by_edge: bool) -> (Real, Real) {
 }
 
 #[test]
-fn on_a_sheet_the_guide_is_on_the_safe_side_by_an_edge_and_a_third_of_it_by_two_corners() {
+fn the_guide_is_safe_by_an_edge_and_at_a_third_by_two_corners() {
     for (by_edge, wanted, [least, most], largest) in [
         (true, 0.01, [0.77, 0.80], 4.4),
         (true, 1e-3, [0.77, 0.80], 4.4),

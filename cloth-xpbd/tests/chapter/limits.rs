@@ -84,14 +84,14 @@ fn implicit_euler(stiffness: Real, pull: Real, predicted: Real) -> [Real; 2] {
 
 fn follows_the_law<const N: usize, E: Constraint<N>>(
     limit: impl Fn(Real) -> E,
-    ways: &[(Sweep, Acceleration)],
+    variants: &[(Sweep, Acceleration)],
 ) {
     // Far beyond the range and barely; where the pin takes it back inside; below it; and inside all the time.
     for predicted in [3.0, 1.3, 1.21, 0.5, 1.1] {
         for stiffness in [50.0, 2e3, 1e5, Real::INFINITY] {
             for pull in [100.0, 2e3, 5e3] {
                 let [y, force] = implicit_euler(stiffness, pull, predicted);
-                for &(sweep, acceleration) in ways {
+                for &(sweep, acceleration) in variants {
                     for sweeps in [800, 801, 1600] {
                         let config = XpbdConfig {
                             sweep,
@@ -128,13 +128,13 @@ fn a_distance_limit_is_as_stiff_as_its_k_after_any_number_of_iterations() {
         }),
         ..plain
     };
-    let ways = [
+    let variants = [
         (Sweep::Sequential, plain),
         (Sweep::Sequential, over_relaxed),
         (Sweep::Sequential, chebyshev),
         (Sweep::Jacobi, plain),
     ];
-    follows_the_law(spring, &ways);
+    follows_the_law(spring, &variants);
 }
 
 #[test]

@@ -87,8 +87,8 @@ fn energy(sheet: &Sheet, state: &State) -> Real {
 }
 
 /// How to go through the constraints: order, extrapolation, iterations and substeps.
-fn ways() -> Vec<XpbdConfig> {
-    let mut ways = Vec::new();
+fn variants() -> Vec<XpbdConfig> {
+    let mut variants = Vec::new();
     for (sweep, iterations, substeps) in [
         (Sweep::Sequential, 1, 20),
         (Sweep::Colored, 1, 20),
@@ -100,7 +100,7 @@ fn ways() -> Vec<XpbdConfig> {
                 continue; // nothing to extrapolate
             }
             let chebyshev = radius.map(|radius| Chebyshev { radius, delay: 3 });
-            ways.push(XpbdConfig {
+            variants.push(XpbdConfig {
                 iterations,
                 substeps,
                 sweep,
@@ -112,7 +112,7 @@ fn ways() -> Vec<XpbdConfig> {
             });
         }
     }
-    ways
+    variants
 }
 
 /// Gravity and damping take every start back to a sheet that hangs: its strain ends where that of a sheet ends
@@ -171,7 +171,7 @@ fn every_start_recovers_to_a_hanging_sheet() {
         }
         println!("{config:?}: back at {rest} J, rms strain {rest_strain:e}");
     };
-    ways().into_par_iter().for_each(cell);
+    variants().into_par_iter().for_each(cell);
 }
 
 /// One step by every kind of sweep, extrapolated and not, at ratios that are too large.
@@ -180,7 +180,7 @@ fn every_kind_of_sweep_stays_finite() {
     for (stiffness, ratio) in [(1e2, 1e8), (Real::INFINITY, 1.0)] {
         for mass in [1.0, 1e6] {
             let sheet = sheet(stiffness, ratio, mass);
-            for config in ways() {
+            for config in variants() {
                 let mut solver = solver(&sheet, config);
                 for dt in [1e-3, 1.0] {
                     for kind in STARTS {

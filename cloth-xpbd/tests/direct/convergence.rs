@@ -178,7 +178,7 @@ fn sweeps_and_the_direct_solver_agree_on_the_bending_of_a_sheet() {
 
 /// Where links turn, converged sweeps end beside the implicit Euler step, by an amount that falls with h.
 #[test]
-fn where_links_turn_sweeps_come_nearer_to_the_direct_solver_with_smaller_steps() {
+fn where_links_turn_sweeps_near_the_direct_solver_with_smaller_steps() {
     let apart = |h: Real| {
         let (chain, start) = swinging(200.0);
         let input = || StepInput::new(h).gravity(GRAVITY);
