@@ -72,6 +72,10 @@
 //! It is Algorithm 1 of Müller et al. 2007; `v + (x − x̃)/h` is their `(x − x⁰)/h`, rounded better.
 //! `examples/first_program.rs` is this box as plain loops over arrays, and compares itself with [`PbdSolver`].
 //!
+//! A prescribed vertex, w = 0, moves with its velocity in the state, whatever pulls at it; the work that this
+//! takes is [`StepReport::pin_work`]. Nothing is carried from step to step but the state: a fresh solver
+//! continues a run with the same bits.
+//!
 //! **Constraints** are whatever shows rows `C(x)`, `∂C/∂x`, `k`: distance, bending (flat, curved, by angle),
 //! area, volume, soft pin, the strains of a triangle. A hard pin is a prescribed vertex, `w = 0`.
 //!
@@ -89,6 +93,10 @@
 //! | the loop around them | [`PbdSolver`]: `solver.rs` |
 //! | coarse levels: `Δx = Σ wₚ Δxₚ` | [`Hierarchy`], [`PbdSolver::with_hierarchy`] |
 //! | `σ_min ≤ σ ≤ σ_max` | [`StrainLimiter`], [`WithStrainLimit`] |
+//!
+//! **Where the formula lives.** The plain form is `row_by_row_correction` in `correction.rs`; the other
+//! functions there are the same formula for rows of a special shape. For a spring, `unit_row_correction` leaves
+//! the gradient `d/l` undivided and computes `Δλ/l = −s C/(w̃ l)`, so that one division does for two.
 //!
 //! [`Motion::predict`]: cloth_core::position_based::Motion::predict
 //! [`Motion::update_velocities`]: cloth_core::position_based::Motion::update_velocities

@@ -98,7 +98,7 @@
 //!
 //! **One spring** shows what λ is for. With C̃ its stretch at x̃, the first visit makes `λ = −C̃/(w̃ + α̃)` and
 //! leaves `C = C̃ α̃/(w̃ + α̃) = C̃/(1 + k h² w̃)`: backward Euler's answer. Now `C + α̃λ = 0`, so a second
-//! visit does nothing. A rule that forgets λ would shrink C again, to `C̃/(1 + k h² w̃)ⁿ` in n visits, and k
+//! visit does nothing. An update without λ would shrink C again, to `C̃/(1 + k h² w̃)ⁿ` in n visits, and k
 //! would depend on n, as in PBD.
 //!
 //! **What λ accumulates** is the sum of its row's Δλ in this substep: h² times the generalised force averaged
@@ -122,7 +122,11 @@
 //!
 //! It is Algorithm 1 of Macklin et al. 2016 in substeps (Macklin et al. 2019); `v + (x − x̃)/h` is their
 //! `(x − x⁰)/h`, rounded better. `examples/first_program.rs` is this box as plain loops over arrays, and
-//! compares itself with [`XpbdSolver`]: after 30 steps the two are 6e-14 m apart.
+//! compares itself with [`XpbdSolver`]: after 30 steps the two are less than 3e-13 m apart.
+//!
+//! A prescribed vertex, w = 0, moves with its velocity in the state, whatever pulls at it; the work that this
+//! takes is [`StepReport::pin_work`]. Nothing is carried from step to step but the state: a fresh solver
+//! continues a run with the same bits.
 //!
 //! The rows of one element are solved together, `(J M⁻¹ Jᵀ + α̃) Δλ = −(C + α̃λ)` with its few rows: the three
 //! strains of a triangle need no repetition to agree. Rows without a common coordinate, those of a quadratic
@@ -153,6 +157,11 @@
 //! [`Constraint::rows`]: cloth_core::element::Constraint::rows
 //! [`Families::sweep`]: cloth_core::position_based::Families::sweep
 //!
+//! **Where the formula lives.** The plain form is `row_by_row_correction` in `correction.rs`; the other
+//! functions there are the same formula for rows of a special shape. For a spring, `unit_row_correction` leaves
+//! the gradient `d/l` undivided and computes `Δλ/l = −(C + α̃λ)/((w̃ + α̃) l)`, so that one division does for
+//! two.
+//!
 //! # Units
 //! | element | C | k | α = 1/k | λ |
 //! |---|---|---|---|---|
@@ -180,8 +189,8 @@
 //! variable, `ν = λ − k h β C⁰`, the sweep is the undamped one with `α̃ = 1/(k h (h + β))` and another start of
 //! the multiplier, so damping costs nothing in it.
 //!
-//! Without it, backward Euler's own damping remains: the energy of an oscillation of ω falls by a fraction of
-//! `(hω)²` per substep, so smaller substeps damp less.
+//! Without it, backward Euler's own damping remains: a substep divides the energy of an oscillation of ω by
+//! `1 + (hω)²`, so smaller substeps damp less.
 //!
 //! # Forces
 //! `f = Jᵀλ/h²`: [`XpbdSolver::each_force`] row by row, [`XpbdSolver::vertex_forces_into`] summed at the vertices,
@@ -245,17 +254,19 @@
 //!
 //! # Order of the constraints, colours and threads
 //! A sweep visits the families in the order in which they were added, and the elements of a family in the order
-//! of [`Sweep`]. Gauss–Seidel is fast along the order of the visits and slow against it: swept from its
-//! support, a chain passes its weight on within one sweep, which is why the closed forms above say so.
-//! Converged sweeps agree whatever the order; iterates do not.
+//! of [`Sweep`]. Gauss–Seidel carries a correction along the order of the visits through a whole chain in one
+//! sweep, and against it by one element a sweep. Converged sweeps agree whatever the order; iterates do not.
 //!
 //! [`Sweep::Colored`], the default, colours the elements greedily, so that no two of a colour share a vertex.
 //! Elements of a colour then do not see each other's writes: they can be visited in parallel, without locks,
 //! and give the same bits as in turn, on any number of threads. A second thread takes part in colours of at
 //! least 4096 elements (feature `parallel`); a processor gains on one thread too, since it need not wait for
 //! the element before. [`Sweep::Sequential`] keeps the order given and one thread. [`Sweep::Jacobi`] solves all
-//! elements at the same positions and scales the corrections down; it needs Chebyshev extrapolation to be of
-//! use. [`XpbdConfig::acceleration`] extrapolates λ and x together.
+//! elements at the same positions and scales the corrections down; without extrapolation it is slow.
+//!
+//! [`XpbdConfig::acceleration`] extrapolates λ and x over the sweeps of a substep ([`Chebyshev`]), for those
+//! who need many: on a chain of 20 rigid links the iterations to 1e-7 m become a tenth with ρ given, a sixth
+//! with ρ estimated.
 //!
 //! Order families from the one that must hold least to the one that must hold best: the last one visited is met
 //! best. So contact comes last.

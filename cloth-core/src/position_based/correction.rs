@@ -60,7 +60,8 @@ fn change_over(length: Real, equation: RowEquation, weight: Real) -> Real {
     }
 }
 
-/// One row whose gradients are unit vectors, given as direction times length: one division instead of a root and two.
+/// One row whose gradients are unit vectors, given as direction times length: `Δλ/l = −residual/((w̃ + α̃) l)`
+/// does for the division of the gradient by l and for that of Δλ.
 #[inline(always)]
 fn unit_row_correction<const N: usize, U: ConstraintUpdate>(
     update: &U,

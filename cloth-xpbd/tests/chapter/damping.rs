@@ -162,3 +162,23 @@ fn damping_survives_a_restart_and_negative_damping_is_refused() {
         assert!(matches!(built, Err(BuildError::InvalidSetting { .. })));
     }
 }
+
+/// Implicit Euler of `C″ = −ω² C` divides `½ μ (Ċ² + ω² C²)` by `1 + (hω)²`, μ the reduced mass.
+#[test]
+fn undamped_a_substep_divides_the_energy_by_one_plus_h_omega_squared() {
+    for (k, h) in [(3.0, 0.01), (700.0, 0.01), (700.0, 0.1), (2e4, 0.02)] {
+        let (_, mut solver) = pair(k, iterations(1));
+        let mut state = State::at_rest(vec![Vec3::zeros(), Vec3::x() * 1.1]);
+        state.velocities[1].x = 0.5;
+        let energy = |state: &State| {
+            let c = state.positions[1].x - state.positions[0].x - 1.0;
+            let rate = state.velocities[1].x - state.velocities[0].x;
+            0.5 * (rate * rate / WEIGHT + k * c * c)
+        };
+        let before = energy(&state);
+        solver.step(&mut state, StepInput::new(h)).unwrap();
+        let law = 1.0 / (1.0 + h * h * k * WEIGHT);
+        let error = (energy(&state) / before / law - 1.0).abs();
+        assert!(error < 1e-11, "{k}, {h}: {error:e}");
+    }
+}

@@ -2,7 +2,7 @@
 
 use crate::iterations;
 use cloth_core::element::{Constraint, Element, Row};
-use cloth_core::energy::StvkTriangle;
+use cloth_core::energy::{Spring, StvkTriangle};
 use cloth_core::math::{Real, Vec3};
 use cloth_core::particles::{Particles, State};
 use cloth_core::step::{StepInput, Stepper};
@@ -150,4 +150,32 @@ fn a_triangle_alone_keeps_its_momentum_and_its_rows_vanish() {
     assert!(residual < 1e-13, "{residual:e}");
     let momentum = cloth_core::measure::linear_momentum(&particles, &state.velocities);
     assert!(momentum.norm() < 1e-14);
+}
+
+#[test]
+fn the_family_added_last_is_met_best() {
+    let particles = Particles::new(vec![0.1; 3]).unwrap();
+    let link = |vertices| {
+        vec![Spring {
+            vertices,
+            rest_length: 1.0,
+            stiffness: Real::INFINITY,
+        }]
+    };
+    let positions = [Vec3::zeros(), Vec3::x() * 1.2, Vec3::x() * 2.4];
+    let ends = [[0, 1], [1, 2]];
+    for order in [[0, 1], [1, 0]] {
+        let builder = XpbdSolver::builder(&particles).energy(link(ends[order[0]]));
+        let builder = builder.energy(link(ends[order[1]]));
+        let mut solver = builder.config(iterations(1)).build().unwrap();
+        let mut state = State::at_rest(positions.to_vec());
+        solver.step(&mut state, StepInput::new(0.01)).unwrap();
+        let stretch = order.map(|family| {
+            let [a, b] = ends[family].map(|v: u32| state.positions[v as usize]);
+            (a - b).norm() - 1.0
+        });
+        // The second takes half of its 0.3 m from the vertex that they share.
+        assert!((stretch[0] - 0.15).abs() < 1e-15, "{stretch:?}");
+        assert!(stretch[1].abs() < 1e-15, "{stretch:?}");
+    }
 }
