@@ -8,6 +8,7 @@ mod sheet;
 use cloth_bench::export::{Export, Format};
 use cloth_bench::report::player::Film;
 use cloth_bench::report::render::{Surface, View, render};
+use cloth_bench::run::Moment;
 use cloth_collide::SeparationProbe;
 use cloth_core::air::{Air, AirConfig};
 use cloth_core::math::{Real, Vec3};
@@ -110,6 +111,14 @@ fn frames(criterion: &mut Criterion) {
         let scene = sheet::sheet(side);
         let mesh = scene.mesh.as_ref().expect("a sheet");
         let state = moving(mesh);
+        let report = StepReport::new(Outcome::Converged, 1);
+        let moment = Moment {
+            step: 1,
+            scene: &scene,
+            state: &state,
+            report: &report,
+            forces: None,
+        };
         let x = &state.positions;
         let bytes = size_of_val(&x[..]) + size_of_val(mesh.triangles());
         let mut group = criterion.benchmark_group(format!("frames, {side} a side"));
@@ -123,7 +132,7 @@ fn frames(criterion: &mut Criterion) {
         ] {
             let export = Export::begin(&scene, &folder, format, 1);
             let mut export = export.expect("a folder for temporary files");
-            limit::bench(&mut group, name, bytes, || export.after(1, &scene, &state));
+            limit::bench(&mut group, name, bytes, || export.after(&moment));
             // What was written is of no use to anybody.
             drop(export);
             let _ = std::fs::remove_dir_all(&folder);
@@ -131,7 +140,7 @@ fn frames(criterion: &mut Criterion) {
         limit::bench(&mut group, "glTF, two frames", bytes, || {
             let export = Export::begin(&scene, &folder, Format::Gltf, 1);
             let mut export = export.expect("a folder for temporary files");
-            export.after(1, &scene, &state).expect("a frame");
+            export.after(&moment).expect("a frame");
             export.finish()
         });
         let _ = std::fs::remove_dir_all(&folder);

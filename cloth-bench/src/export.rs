@@ -4,7 +4,7 @@
 //! |---|---|---|---|
 //! | `obj` | `00000.obj`, `00001.obj`, … | text, every bit | every modelling program; `--mesh` |
 //! | `ply` | `00000.ply`, `00001.ply`, … | binary, double precision | MeshLab, Blender, Open3D; `--mesh` |
-//! | `vtk` | `run.pvd`, `cloth_00000.vtp`, … | binary, double precision, with velocities (m/s) and times (s) | ParaView: open `run.pvd` |
+//! | `vtk` | `run.pvd`, `cloth_00000.vtp`, … | binary, double precision, with velocities (m/s), times (s) and, where they are recorded, forces of contact (N) | ParaView: open `run.pvd` |
 //! | `gltf` | `run.glb` | single precision, played between the frames | Blender and the web |
 //!
 //! Frame 0 is the start. Lengths are in metres. Vertices are in the order of the caller's mesh. Obstacles are surfaces of their own: `obstacle1.obj`, or one file a
@@ -18,8 +18,10 @@ mod vtk;
 
 use crate::error::BenchError;
 use crate::files;
+use crate::run::Moment;
 use crate::scene::{ChangeKind, Scene};
 use clap::ValueEnum;
+use cloth_collide::potential::ContactForces;
 use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::TriMesh;
 use cloth_core::particles::State;
@@ -81,6 +83,8 @@ struct Frame<'a> {
     positions: Vec<Vec3>,
     /// Velocities (m/s), in the caller's order.
     velocities: Vec<Vec3>,
+    /// Pressure and friction (N), where they are recorded.
+    forces: Option<[Vec<Vec3>; 2]>,
     triangles: &'a [[u32; 3]],
     obstacles: Vec<Body<'a>>,
 }
@@ -160,23 +164,29 @@ impl Export {
             triangles: triangles(scene, mesh),
             writer,
         };
-        export.take(0, scene, &scene.start)?;
+        export.take(0, scene, &scene.start, None)?;
         Ok(export)
     }
 
-    /// Writes the state of a scene after a step (numbered from 1), if it is one of those to be written.
+    /// Writes what is there after a step, if it is one of those to be written; in `vtk` with the forces of contact, where they are recorded.
     ///
     /// # Errors
     /// [`BenchError::Failed`] with the path if it cannot be written.
-    pub fn after(&mut self, step: u32, scene: &Scene, state: &State) -> Result<(), BenchError> {
-        if step.is_multiple_of(self.every) {
-            self.take(step, scene, state)
+    pub fn after(&mut self, moment: &Moment<'_>) -> Result<(), BenchError> {
+        if moment.step.is_multiple_of(self.every) {
+            self.take(moment.step, moment.scene, moment.state, moment.forces)
         } else {
             Ok(())
         }
     }
 
-    fn take(&mut self, step: u32, scene: &Scene, state: &State) -> Result<(), BenchError> {
+    fn take(
+        &mut self,
+        step: u32,
+        scene: &Scene,
+        state: &State,
+        forces: Option<&ContactForces>,
+    ) -> Result<(), BenchError> {
         if let Some(mesh) = &scene.mesh
             && mesh.triangles().len() != self.triangles.len()
         {
@@ -206,6 +216,7 @@ impl Export {
             time: state.time,
             positions: back(&state.positions),
             velocities: back(&state.velocities),
+            forces: forces.map(|f| [back(&f.normal), back(&f.friction)]),
             triangles: &self.triangles,
             obstacles: obstacles.zip(surfaces).enumerate().map(body).collect(),
         };

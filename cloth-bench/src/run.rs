@@ -14,8 +14,9 @@ use crate::method::Method;
 use crate::scene::{ChangeKind, Scene};
 use crate::settings::Settings;
 use cloth_collide::SeparationProbe;
+use cloth_collide::potential::ContactForces;
 use cloth_core::air::Air;
-use cloth_core::contact::ContactSource;
+use cloth_core::contact::{ContactSource, ContactStep};
 use cloth_core::math::{Real, Vec3};
 use cloth_core::measure;
 use cloth_core::particles::State;
@@ -29,6 +30,9 @@ use watch::{body_probe, crossed_bodies, min_clearance};
 
 /// Part of a step by which a change may come early: rounding of the time.
 const ROUNDING: Real = 1e-6;
+
+/// A time (s) in which nothing moves.
+const NO_TIME: Real = 1e-12;
 
 /// What a run did and where it ended.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -95,6 +99,8 @@ struct Course<'a> {
     /// How many changes of the scene have been made, and after how many of them the method was built anew.
     changes: usize,
     rebuilds: u32,
+    /// Whether forces of contact are recorded.
+    forces: bool,
     contacts: Option<Timed>,
     air: Option<Air>,
     /// Time that the last step took (s), without that of its energy balance.
@@ -127,10 +133,36 @@ impl<'a> Course<'a> {
             scene: Cow::Borrowed(scene),
             changes: 0,
             rebuilds: 0,
+            forces: false,
             contacts,
             air,
             seconds: 0.0,
         })
+    }
+
+    /// Has the forces of contact recorded, if they are wanted.
+    fn record_forces(&mut self, are_wanted: bool) {
+        self.forces = are_wanted;
+        let contacts = self.contacts.iter_mut();
+        contacts.for_each(|timed| timed.source.record_forces(are_wanted));
+    }
+
+    /// The energy (J) of contact where the cloth starts: it may begin nearer to something than the thickness. Of a start that is refused, 0.
+    fn stored(&mut self, state: &State) -> Real {
+        let Some(timed) = &mut self.contacts else {
+            return 0.0;
+        };
+        let step = ContactStep {
+            from: &state.positions,
+            inverse_mass: self.scene.model.particles.inverse_mass(),
+            dt: NO_TIME,
+        };
+        let (mut start, mut unused) = (state.positions.clone(), state.positions.clone());
+        let potential = timed.source.potential();
+        match potential.begin(&step, &mut start) {
+            Ok(()) => potential.add_gradient(&state.positions, &mut unused),
+            Err(_) => 0.0,
+        }
     }
 
     /// Makes the changes that are due before a step of `dt` (s).
@@ -156,6 +188,7 @@ impl<'a> Course<'a> {
                 && let Some(source) = scene.contacts()?
             {
                 timed.source = source;
+                timed.source.record_forces(self.forces);
             }
             self.changes += 1;
             self.scene = Cow::Owned(scene);
@@ -253,7 +286,7 @@ pub fn run(
 ) -> Result<Summary, BenchError> {
     let mut solver = Solver::lent(stepper);
     let after = |moment: &Moment<'_>| after(moment.step, moment.state, moment.report);
-    let (summary, _) = run_changing(scene, &mut solver, state, dt, steps, after)?;
+    let (summary, _) = run_changing(scene, &mut solver, state, Plan::new(dt, steps), after)?;
     Ok(summary)
 }
 
@@ -268,6 +301,31 @@ pub struct Moment<'a> {
     pub state: &'a State,
     /// What the method says of it.
     pub report: &'a StepReport,
+    /// The forces of contact in it, if the plan wants them and there is something to touch.
+    pub forces: Option<&'a ContactForces>,
+}
+
+/// How a run goes.
+#[derive(Clone, Copy, Debug)]
+pub struct Plan {
+    /// Step size (s).
+    pub dt: Real,
+    /// Number of steps.
+    pub steps: u32,
+    /// Whether the forces of contact are recorded.
+    pub forces: bool,
+}
+
+impl Plan {
+    /// So many steps of `dt` (s), without forces.
+    #[must_use]
+    pub fn new(dt: Real, steps: u32) -> Self {
+        Self {
+            dt,
+            steps,
+            forces: false,
+        }
+    }
 }
 
 /// The same of a scene whose cloth may change on the way; also gives the scene at the end.
@@ -278,12 +336,13 @@ pub fn run_changing(
     scene: &Scene,
     solver: &mut Solver<'_>,
     state: &mut State,
-    dt: Real,
-    steps: u32,
+    Plan { dt, steps, forces }: Plan,
     mut after: impl FnMut(&Moment<'_>) -> Result<(), BenchError>,
 ) -> Result<(Summary, Scene), BenchError> {
     let mut course = Course::new(scene)?;
-    let mut balance = EnergyBalance::new(scene, state)?;
+    course.record_forces(forces);
+    let stored = course.stored(state);
+    let mut balance = EnergyBalance::new(scene, state, stored)?;
     let start_height = height(scene, state);
     let mut seconds = Vec::with_capacity(steps as usize);
     let mut contact_seconds = Vec::with_capacity(steps as usize);
@@ -308,6 +367,7 @@ pub fn run_changing(
             scene: &course.scene,
             state,
             report: &report,
+            forces: course.contacts.as_ref().and_then(|c| c.source.forces()),
         })?;
     }
     let scene = course.scene.into_owned();
@@ -365,7 +425,7 @@ pub fn from_start(
     let mut solver = Solver::new(method, settings, scene, dt)?;
     let mut state = scene.start.clone();
     let after = |moment: &Moment<'_>| after(moment.step, moment.state, moment.report);
-    let (summary, _) = run_changing(scene, &mut solver, &mut state, dt, steps, after)?;
+    let (summary, _) = run_changing(scene, &mut solver, &mut state, Plan::new(dt, steps), after)?;
     Ok((summary, state))
 }
 

@@ -15,9 +15,9 @@ pub use contact::Touch;
 
 use crate::error::BenchError;
 use crate::settings::{Parameter, parameter};
+use cloth_collide::potential::PotentialContacts;
 use cloth_core::air::Air;
 use cloth_core::cloth::ClothModel;
-use cloth_core::contact::ContactSource;
 use cloth_core::energy::Spring;
 use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::TriMesh;
@@ -61,7 +61,7 @@ impl Scene {
     ///
     /// # Errors
     /// [`BenchError::Usage`] for a mesh that does not serve.
-    pub fn contacts(&self) -> Result<Option<Box<dyn ContactSource>>, BenchError> {
+    pub fn contacts(&self) -> Result<Option<PotentialContacts>, BenchError> {
         match (&self.touch, &self.mesh) {
             (Some(touch), Some(mesh)) => touch.source(mesh),
             _ => Ok(None),

@@ -1,7 +1,7 @@
 //! Cloth that changes on the way: vertices are grabbed and released, triangles torn out. Every method goes on with the cloth as it is by then.
 
 use cloth_bench::method::{METHODS, Method};
-use cloth_bench::run::{Solver, Summary, from_start, run_changing};
+use cloth_bench::run::{Plan, Solver, Summary, from_start, run_changing};
 use cloth_bench::scene::{Scene, file};
 use cloth_bench::settings::Settings;
 use cloth_core::math::Vec3;
@@ -32,7 +32,9 @@ fn ran(scene: &Scene, method: &Method, steps: u32) -> (Summary, State, Scene) {
     let settings = Settings::default();
     let mut solver = Solver::new(method, &settings, scene, DT).unwrap();
     let mut state = scene.start.clone();
-    let ran = run_changing(scene, &mut solver, &mut state, DT, steps, |_| Ok(()));
+    let ran = run_changing(scene, &mut solver, &mut state, Plan::new(DT, steps), |_| {
+        Ok(())
+    });
     let (summary, end) = ran.unwrap();
     (summary, state, end)
 }

@@ -85,6 +85,7 @@
 mod bodies;
 mod builder;
 mod filter;
+mod forces;
 mod friction;
 mod gap;
 mod hold;
@@ -105,6 +106,7 @@ mod tangent;
 mod zones;
 
 pub use builder::PotentialBuilder;
+pub use forces::{BodyForce, ContactForces};
 pub use gap::Gap;
 pub use mollifier::Mollifier;
 pub use pair::{EdgeEdgeContact, VertexTriangleContact};

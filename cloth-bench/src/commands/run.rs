@@ -6,15 +6,17 @@ use crate::export::{Export, Format};
 use crate::memory;
 use crate::method::Method;
 use crate::report::render::{Surface, View, render};
-use crate::run::{Moment, SeparationWatch, Solver, run_changing};
+use crate::run::{Moment, Plan, SeparationWatch, Solver, run_changing};
 use crate::scene::{self, Scene, SceneInfo};
 use crate::settings::{Parameter, Settings};
 use crate::yardstick::StepProblem;
 use clap::Args;
+use cloth_collide::potential::ContactForces;
 use cloth_core::math::{Real, Vec3};
 use cloth_core::step::Stepper;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::{Value, json};
+use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -77,6 +79,9 @@ pub struct Arguments {
     /// Exports every K-th step only
     #[arg(long, value_name = "K", default_value_t = 1, requires = "export")]
     export_every: u32,
+    /// CSV file for the force and the torque on every body in every step; exports in vtk get the forces of contact on every vertex
+    #[arg(long, value_name = "FILE")]
+    forces: Option<PathBuf>,
     /// PNG file for a picture of the end
     #[arg(long, value_name = "FILE")]
     picture: Option<PathBuf>,
@@ -143,6 +148,12 @@ pub(super) fn execute(arguments: &Arguments) -> Result<(), BenchError> {
             ))
         })?;
     }
+    if arguments.forces.is_some() && !scene.can_touch() {
+        return Err(BenchError::Usage(format!(
+            "--forces is for the forces of contact, and scene `{}` has nothing to touch",
+            scene.name
+        )));
+    }
     if arguments.reference && !scene.is_plain() {
         return Err(BenchError::Usage(
             "--reference compares with a step without contact and air and with pins at rest; this scene has other steps".into(),
@@ -191,6 +202,7 @@ fn simulate(
         )?),
         None => None,
     };
+    let mut table = arguments.forces.is_some().then(|| FORCES.to_owned());
     let bar = progress_bar(steps);
     let mut state = scene.start.clone();
     let mut watch = arguments
@@ -208,7 +220,10 @@ fn simulate(
             watch.look(moment.scene, state)?;
         }
         if let Some(export) = &mut export {
-            export.after(step, moment.scene, state)?;
+            export.after(moment)?;
+        }
+        if let (Some(table), Some(forces)) = (&mut table, moment.forces) {
+            add_forces(table, state.time, step, forces);
         }
         let limit = arguments.time_limit.unwrap_or(Real::INFINITY);
         if step < steps && begun.elapsed().as_secs_f64() > limit {
@@ -226,11 +241,19 @@ fn simulate(
         }
     };
     let finished = while_saying(PATIENCE, say, || {
-        run_changing(scene, &mut solver, &mut state, dt, steps, after)
+        let plan = Plan {
+            dt,
+            steps,
+            forces: arguments.forces.is_some(),
+        };
+        run_changing(scene, &mut solver, &mut state, plan, after)
     });
     bar.finish_and_clear();
     // Of a run that failed too: what came before the failure may show why.
     let exported = export.map(Export::finish).transpose();
+    if let (Some(file), Some(table)) = (&arguments.forces, &table) {
+        write_file(file, table.as_bytes())?;
+    }
     let vertices = state.positions.len();
     let (summary, scene) = match finished {
         Ok((summary, end)) => (summary, end),
@@ -332,6 +355,28 @@ fn simulate(
     );
     print_pairs(arguments.json, &pairs)?;
     failure.map_or(Ok(()), Err)
+}
+
+/// Head of the table of forces.
+const FORCES: &str = "step,time (s),body,force x (N),force y (N),force z (N),torque x (N m),torque y (N m),torque z (N m)\n";
+
+/// Adds the rows of a step.
+fn add_forces(table: &mut String, time: Real, step: u32, forces: &ContactForces) {
+    for (number, body) in forces.bodies.iter().enumerate() {
+        let [f, t] = [body.force, body.torque];
+        // Writing to a string cannot fail.
+        let _ = writeln!(
+            table,
+            "{step},{time:?},{},{:?},{:?},{:?},{:?},{:?},{:?}",
+            number + 1,
+            f.x,
+            f.y,
+            f.z,
+            t.x,
+            t.y,
+            t.z
+        );
+    }
 }
 
 /// It ticks, so that a long step shows as one.

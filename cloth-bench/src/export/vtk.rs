@@ -17,7 +17,10 @@ impl Writer for Vtk {
     fn frame(&mut self, frame: &Frame<'_>, folder: &mut Folder) -> Result<(), BenchError> {
         let (step, time) = (frame.step, frame.time);
         let name = format!("cloth_{step:05}.vtp");
-        let arrays = [("velocity", &frame.velocities[..])];
+        let mut arrays = vec![("velocity", &frame.velocities[..])];
+        if let Some([normal, friction]) = &frame.forces {
+            arrays.extend([("pressure", &normal[..]), ("friction", &friction[..])]);
+        }
         let cloth = polygons(time, &frame.positions, frame.triangles, &arrays);
         folder.write(&name, &[&cloth])?;
         self.enter(time, 0, "cloth", &name);
@@ -65,12 +68,12 @@ fn polygons(
 ) -> Vec<u8> {
     let mut data = Appended::default();
     let mut point_data = String::new();
-    for (name, values) in vectors {
-        let tag = data.vectors(name, values);
-        let _ = writeln!(
-            point_data,
-            "      <PointData Vectors=\"{name}\">{tag}</PointData>"
-        );
+    if let Some((first, _)) = vectors.first() {
+        let tags = vectors
+            .iter()
+            .map(|(name, values)| data.vectors(name, values));
+        let tags: String = tags.collect();
+        point_data = format!("      <PointData Vectors=\"{first}\">{tags}</PointData>\n");
     }
     let points = data.vectors("position", positions);
     let corners = triangles.as_flattened().iter().map(|&v| i64::from(v));

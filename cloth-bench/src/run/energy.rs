@@ -99,7 +99,8 @@ pub(super) struct EnergyBalance {
 }
 
 impl EnergyBalance {
-    pub(super) fn new(scene: &Scene, state: &State) -> Result<Self, BenchError> {
+    /// Of a cloth in this state, whose contact stores so much (J).
+    pub(super) fn new(scene: &Scene, state: &State, stored: Real) -> Result<Self, BenchError> {
         let energies = scene.model.energies().map_err(BenchError::failed)?;
         let zeros = vec![Vec3::zeros(); state.positions.len()];
         let mut balance = Self {
@@ -116,7 +117,7 @@ impl EnergyBalance {
             before: zeros.clone(),
             gradients: [zeros.clone(), zeros],
         };
-        balance.most_given = balance.held(state);
+        balance.most_given = balance.held(state) + stored;
         balance.start = balance.most_given + balance.gravitational(state);
         Ok(balance)
     }

@@ -1,5 +1,6 @@
 //! Contact with a clock.
 
+use cloth_collide::potential::PotentialContacts;
 use cloth_core::contact::{
     ContactConstraints, ContactError, ContactPotential, ContactSource, ContactStep,
 };
@@ -8,7 +9,7 @@ use std::time::Instant;
 
 /// Contact, and how long it took.
 pub(super) struct Timed {
-    pub(super) source: Box<dyn ContactSource>,
+    pub(super) source: PotentialContacts,
     /// Time of the last step (s).
     pub(super) seconds: Real,
     /// Steps, of all so far, that ended with vertices held back.

@@ -5,7 +5,6 @@ use crate::settings::{Parameter, Settings, parameter};
 use cloth_collide::BodyProbe;
 use cloth_collide::obstacle::{AnimatedMesh, ImpactLaw, Obstacle, ObstacleContacts};
 use cloth_collide::potential::PotentialContacts;
-use cloth_core::contact::ContactSource;
 use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::TriMesh;
 
@@ -140,7 +139,7 @@ impl Touch {
     ///
     /// # Errors
     /// [`BenchError::Usage`] for a mesh or a setting that does not serve.
-    pub fn source(&self, mesh: &TriMesh) -> Result<Option<Box<dyn ContactSource>>, BenchError> {
+    pub fn source(&self, mesh: &TriMesh) -> Result<Option<PotentialContacts>, BenchError> {
         if self.is_idle() {
             return Ok(None);
         }
@@ -156,7 +155,7 @@ impl Touch {
         for (surface, animation) in &self.animated {
             contacts = contacts.animated(surface.clone(), animation.clone(), self.friction);
         }
-        Ok(Some(Box::new(contacts.build().map_err(BenchError::usage)?)))
+        contacts.build().map(Some).map_err(BenchError::usage)
     }
 
     /// The obstacles where they start.

@@ -1,5 +1,6 @@
 //! Vertices before bodies, as constraints whose distance is evaluated in every sweep.
 
+use super::forces::Ledger;
 use super::rows::{KEPT, LEAST, SLACK};
 use super::tangent::{Tangent, hold, stretch};
 use crate::obstacle::{Obstacle, ObstacleContacts, PenaltyLaw, VertexPath, first_contact};
@@ -20,6 +21,8 @@ struct Row {
     /// λ (kg m) along the normal of the last visit, and the same of friction.
     lambda: Real,
     normal: Vec3,
+    /// The same of the pressure of all visits.
+    pressure: Vec3,
     friction: Vec3,
     /// Where it sticks at the end of the substep (m).
     origin: Vec3,
@@ -135,6 +138,7 @@ impl Bodies {
                     is_violated: false,
                     lambda: 0.0,
                     normal: at.normal,
+                    pressure: Vec3::zeros(),
                     friction: Vec3::zeros(),
                     origin: motion.pose_at(step.dt).to_world(local),
                 };
@@ -193,6 +197,7 @@ impl Bodies {
             let lambda = (row.lambda + change).max(0.0);
             let mut push = at.gradient() * (lambda - row.lambda);
             (row.lambda, row.normal) = (lambda, at.normal);
+            row.pressure += push;
             if law.friction() > 0.0 {
                 let slip = x[v] - row.origin;
                 let slip = slip - at.normal * at.normal.dot(&slip);
@@ -289,6 +294,25 @@ impl Bodies {
         work
     }
 
+    /// Enters the impulses of a substep that ends at `x` (m), the bodies still being where they are at its start.
+    pub(super) fn record(
+        &self,
+        bodies: Option<&ObstacleContacts>,
+        step: &ContactStep<'_>,
+        x: &[Vec3],
+        ledger: &mut Ledger,
+    ) {
+        let Some(bodies) = bodies else {
+            return;
+        };
+        for row in &self.rows {
+            let (v, number) = (row.vertex as usize, row.body as usize);
+            let motion = bodies.pairs()[number].0.motion();
+            let arm = x[v] - motion.pose_at(step.dt).position;
+            ledger.add_obstacle([v, number], row.impulses(step.dt), arm);
+        }
+    }
+
     /// Energy (J) that is stored at `x` (m).
     pub(super) fn energy(
         &self,
@@ -312,6 +336,11 @@ impl Bodies {
 }
 
 impl Row {
+    /// Of pressure and of friction, in a substep of `dt` (s) (N·s).
+    fn impulses(&self, dt: Real) -> [Vec3; 2] {
+        [self.pressure, self.friction].map(|push| push / dt)
+    }
+
     fn set_law(&mut self, law: PenaltyLaw, area: Real, dt: Real) {
         let tangent = Tangent::of(law, area, self.distance);
         self.range = tangent.range;

@@ -143,8 +143,9 @@ impl<'a> PotentialBuilder<'a> {
             .obstacles
             .as_ref()
             .map_or(&[][..], ObstacleContacts::pairs);
+        let mut animated = obstacles.len();
         for Surface { mesh, motion, .. } in &self.surfaces {
-            let (has_distance, friction) = match motion {
+            let (has_distance, friction, body) = match motion {
                 Motion::Obstacle(number) => {
                     let body = obstacles.get(*number);
                     let (_, law) = body.ok_or(BuildError::InvalidSetting {
@@ -152,7 +153,7 @@ impl<'a> PotentialBuilder<'a> {
                         value: *number as Real,
                         range: "below the number of obstacles",
                     })?;
-                    (true, law.friction())
+                    (true, law.friction(), *number)
                 }
                 Motion::Own(animation, friction) => {
                     if animation.vertex_count() != mesh.vertex_count() {
@@ -162,12 +163,15 @@ impl<'a> PotentialBuilder<'a> {
                             range: "that of its mesh",
                         });
                     }
-                    (false, checked_friction("friction of a body", *friction)?)
+                    animated += 1;
+                    let friction = checked_friction("friction of a body", *friction)?;
+                    (false, friction, animated - 1)
                 }
             };
             let side = Side {
                 has_distance,
                 friction,
+                body,
             };
             sides.extend(std::iter::repeat_n(side, mesh.vertex_count()));
         }

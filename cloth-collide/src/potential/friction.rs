@@ -36,9 +36,7 @@ impl Sticking {
 
     /// Adds the gradient (N) at `x` (m) to `out`, and returns the energy (J). `reach` is ε (m).
     pub(super) fn add_gradient(&self, reach: Real, x: &[Vec3], out: &mut [Vec3]) -> Real {
-        let way = self.way(x);
-        let length = way.norm();
-        let force = way * (self.most / length.max(reach));
+        let (force, length) = self.force(reach, x);
         for (v, w) in self.vertices.iter().zip(self.weights) {
             out[*v as usize] += force * w;
         }
@@ -47,6 +45,14 @@ impl Sticking {
         } else {
             self.most * (length - 0.5 * reach)
         }
+    }
+
+    /// The gradient (N) by the point, and the length of u (m), at `x` (m).
+    #[inline]
+    pub(super) fn force(&self, reach: Real, x: &[Vec3]) -> (Vec3, Real) {
+        let way = self.way(x);
+        let length = way.norm();
+        (way * (self.most / length.max(reach)), length)
     }
 
     /// The second derivative at `x` (m), and a little more: what it is across u is also taken along it.

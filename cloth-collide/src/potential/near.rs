@@ -16,6 +16,8 @@ pub(super) struct Side {
     pub(super) has_distance: bool,
     /// Coefficient of friction μ (dimensionless).
     pub(super) friction: Real,
+    /// Its number: obstacles first, then animated surfaces.
+    pub(super) body: usize,
 }
 
 /// Areas, laws and freedom of the parts of a cloth, and of the surfaces of bodies behind it.
@@ -174,6 +176,11 @@ impl Near {
         self.surfaces
             .get((vertex as usize).wrapping_sub(self.cloth))
             .copied()
+    }
+
+    /// The body of each vertex behind those of the cloth.
+    pub(super) fn bodies(&self) -> impl Iterator<Item = usize> + '_ {
+        self.surfaces.iter().map(|side| side.body)
     }
 
     /// Whether pieces of the mesh with these vertices can touch: bodies do not touch each other.

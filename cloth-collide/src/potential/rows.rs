@@ -14,6 +14,7 @@
 //! sweeps without compliance; then its vertices go back on their way; and what is left even then is for impact zones.
 
 use super::bodies::Bodies;
+use super::forces::Ledger;
 use super::near::Near;
 use super::patches::{Memory, NearPair, Patches, TooFar};
 use super::quiet::Quiet;
@@ -124,6 +125,7 @@ impl ContactConstraints for Contacts {
         self.before
             .extend(bodies.flat_map(ObstacleContacts::obstacles).cloned());
         self.is_open = true;
+        self.ledger.iter_mut().for_each(Ledger::begin);
         let rows = &mut self.rows;
         rows.report = ConstraintReport::default();
         rows.work = 0.0;
@@ -190,6 +192,9 @@ impl ContactConstraints for Contacts {
         if self.rows.quiet.is_on {
             if self.rows.quiet.holds(x) {
                 self.rows.report.quiet += 1;
+                self.ledger
+                    .iter_mut()
+                    .for_each(|ledger| ledger.pass(step.dt));
                 return Ok(());
             }
             self.begin_substep(step, x)?;
@@ -244,6 +249,10 @@ impl ContactConstraints for Contacts {
         let still = self.obstacles.as_ref();
         let area = &self.near.vertex_area;
         self.energy = energy + self.rows.bodies.energy(still, law, area, x);
+        if let Some(ledger) = &mut self.ledger {
+            let bodies = still.map_or(&[][..], ObstacleContacts::pairs);
+            ledger.end(&self.near, bodies, x);
+        }
         self.rows.safe.clear();
         self.rows.safe.extend_from_slice(x);
         self.safe.clear();
@@ -380,8 +389,25 @@ impl Contacts {
         }
     }
 
+    /// Enters the impulses of the rows in a substep that ends at `x` (m).
+    fn record_impulses(&mut self, step: &ContactStep<'_>, x: &[Vec3]) {
+        let Some(ledger) = &mut self.ledger else {
+            return;
+        };
+        ledger.pass(step.dt);
+        let rows = &self.rows;
+        for row in rows.rows.iter().filter(|row| row.lambda > 0.0) {
+            let impulses = [row.normal * row.lambda, row.friction].map(|push| push / step.dt);
+            ledger.add_pair(row.vertices, row.weights, impulses);
+        }
+        let bodies = self.obstacles.as_ref();
+        let (part, own) = (self.near.own_step(step), self.near.own(x));
+        rows.bodies.record(bodies, &part, own, ledger);
+    }
+
     /// The substep ends at `x` (m), and what it has done is remembered.
     fn end_by_rows(&mut self, step: &ContactStep<'_>, x: &[Vec3]) {
+        self.record_impulses(step, x);
         let reach = self.reach();
         let Self {
             rows,
@@ -456,18 +482,27 @@ impl Contacts {
 
     /// The substep is taken out of the hands of the rows: impact zones bring it to an end.
     fn end_by_zones(&mut self, step: &ContactStep<'_>, x: &mut [Vec3]) -> Result<(), ContactError> {
+        self.record_impulses(step, x);
         let rows = &mut self.rows;
         rows.report.zones += 1;
         rows.velocities.clear();
         let ways = step.from.iter().zip(&*x);
         rows.velocities
             .extend(ways.map(|(from, x)| (x - from) / step.dt));
+        let velocities = self.ledger.as_ref().map(|_| rows.velocities.clone());
         let bodies = self.obstacles.as_ref();
         let held = self
             .last_resort
             .resolve(&self.near, bodies, step, x, &mut rows.velocities)?;
         rows.report.shortened += held as u32;
         rows.work += self.last_resort.work();
+        if let (Some(ledger), Some(before)) = (&mut self.ledger, velocities) {
+            let changes = before.iter().zip(&rows.velocities);
+            let free = changes.zip(step.inverse_mass).enumerate();
+            for (v, ((before, after), w)) in free.filter(|(_, (_, w))| **w > 0.0) {
+                ledger.add(v, (after - before) / *w);
+            }
+        }
         rows.by_zones = true;
         rows.rows.clear();
         rows.start_anew(&self.near, x, self.before.len());

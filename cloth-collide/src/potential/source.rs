@@ -1,6 +1,7 @@
 //! The contact of a cloth as a potential.
 
 use super::filter::shorten_all;
+use super::forces::Ledger;
 use super::friction::{Sticking, Stretched};
 use super::gap::Gap;
 use super::last_resort::LastResort;
@@ -61,6 +62,8 @@ pub(super) struct Contacts {
     pub(super) work: Real,
     pub(super) obstacles: Option<ObstacleContacts>,
     pub(super) last_resort: LastResort,
+    /// None unless forces are wanted.
+    pub(super) ledger: Option<Ledger>,
     /// The obstacles at the end of the step.
     still: Vec<Obstacle>,
     /// The obstacles before the step.
@@ -98,6 +101,7 @@ impl Contacts {
             work: 0.0,
             obstacles,
             last_resort,
+            ledger: None,
             still: Vec::new(),
             before: Vec::new(),
             is_open: false,
@@ -130,15 +134,64 @@ impl Contacts {
         };
         // What the step has done stays what it has done, and bodies are where it has left them.
         let (work, energy, held) = (self.work, self.energy, self.held);
-        self.begin_step(&step)?;
-        self.begin_substep(&step, x)?;
-        self.end_substep(&step, x)?;
+        let ledger = self.ledger.take();
+        let kept = self.substep_of_no_time(&step, x);
+        self.ledger = ledger;
+        kept?;
         let moved = std::mem::take(&mut self.rows.report.shortened) as usize;
         self.end_step(x);
         self.is_open = true;
         self.undo();
         (self.work, self.energy, self.held) = (work, energy, held + moved);
         Ok(())
+    }
+
+    fn substep_of_no_time(
+        &mut self,
+        step: &ContactStep<'_>,
+        x: &mut [Vec3],
+    ) -> Result<(), ContactError> {
+        self.begin_step(step)?;
+        self.begin_substep(step, x)?;
+        self.end_substep(step, x)
+    }
+
+    /// Enters the forces of the potential at `x` (m), where the step ends, with its friction.
+    fn record_forces(&mut self, x: &[Vec3]) {
+        let Some(mut ledger) = self.ledger.take() else {
+            return;
+        };
+        ledger.begin();
+        // A force for a time of 1 s.
+        ledger.pass(1.0);
+        for pair in self.pairs.vertex_triangle.iter() {
+            record_pair(pair, x, &mut ledger);
+        }
+        for pair in self.pairs.edge_edge.iter() {
+            record_pair(pair, x, &mut ledger);
+        }
+        let bodies = self.bodies();
+        let arm = |v: usize, number: usize| x[v] - bodies[number].0.motion().pose.position;
+        for &[vertex, number] in &self.pairs.vertex_obstacle {
+            let (v, number) = (vertex as usize, number as usize);
+            let at = self.still[number].clearance(x[v], 0.0);
+            let slope = self.near.vertex_area[v] * self.near.law().slope(at.value);
+            let normal = at.gradient() * -slope;
+            ledger.add_obstacle([v, number], [normal, Vec3::zeros()], arm(v, number));
+        }
+        let reach = self.reach();
+        for sticking in &self.sticking {
+            let friction = -sticking.force(reach, x).0;
+            let [v, .., number] = sticking.key.map(|n| n as usize);
+            if sticking.vertices == [sticking.vertices[0]; 4] {
+                ledger.add_obstacle([v, number], [Vec3::zeros(), friction], arm(v, number));
+            } else {
+                let forces = [Vec3::zeros(), friction];
+                ledger.add_pair(sticking.vertices, sticking.weights, forces);
+            }
+        }
+        ledger.end(&self.near, bodies, x);
+        self.ledger = Some(ledger);
     }
 }
 
@@ -309,6 +362,7 @@ impl ContactPotential for Contacts {
         let reach = self.reach();
         self.stretched.replace(&self.sticking, reach, x);
         self.work = self.work_of_bodies(x) + self.work_of_prescribed(x);
+        self.record_forces(x);
         // Friction stores nothing that it gives back.
         self.sticking.clear();
         let mut unused = std::mem::take(&mut self.scratch);
@@ -550,4 +604,15 @@ fn add_pair<E: Energy<4> + Element<4>>(pair: &E, x: &[Vec3], out: &mut [Vec3]) -
         }
     }
     value
+}
+
+/// Enters the force (N) of a pair.
+fn record_pair<E: Energy<4> + Element<4>>(pair: &E, x: &[Vec3], ledger: &mut Ledger) {
+    let vertices = pair.vertices();
+    let (value, gradient) = pair.value_and_gradient(&gather(x, vertices));
+    if value != 0.0 {
+        for (vertex, g) in vertices.iter().zip(gradient) {
+            ledger.add(*vertex as usize, -g);
+        }
+    }
 }

@@ -5,6 +5,7 @@
 //! bodies, or of what stands still, are never looked at. A body that changes its shape, or that has no inside, has nothing but its triangles.
 
 use super::builder::PotentialBuilder;
+use super::forces::{ContactForces, Ledger};
 
 use super::report::ConstraintReport;
 use super::source::{Contacts, PotentialReport};
@@ -179,6 +180,24 @@ impl PotentialContacts {
     #[must_use]
     pub fn constraint_report(&self) -> ConstraintReport {
         self.contacts.rows.report
+    }
+
+    /// Whether forces are recorded from the next step on; nothing is spent on them otherwise.
+    pub fn record_forces(&mut self, are_wanted: bool) {
+        let contacts = &mut self.contacts;
+        let all = contacts.near.vertex_area.len();
+        let obstacles = contacts.bodies().len();
+        let bodies = contacts.near.bodies().map(|body| body + 1);
+        let bodies = bodies.fold(obstacles, usize::max);
+        let cloth = contacts.near.cloth;
+        contacts.ledger = are_wanted.then(|| Ledger::new(all, cloth, bodies));
+    }
+
+    /// The forces of the last step, if they are recorded.
+    #[must_use]
+    pub fn forces(&self) -> Option<&ContactForces> {
+        let ledger = self.contacts.ledger.as_ref();
+        ledger.map(|ledger| &ledger.forces)
     }
 
     /// Puts everything at the ends of a (sub)step in which the cloth goes to `to` (m).

@@ -1,0 +1,134 @@
+//! Forces of contact, on every vertex and on every body.
+
+use super::near::Near;
+use crate::obstacle::{ImpactLaw, Obstacle};
+use cloth_core::math::{Real, Vec3};
+
+/// Forces of contact in a step, averaged over it where a method takes several substeps; of a method that minimises, those of
+/// the potential where the step ends.
+///
+/// What the last resort does (vertices that go back on their way) is no force, and not in them; impacts that it resolves count
+/// as pressure, for the vertices alone.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ContactForces {
+    /// Pressure (N) on each vertex of the cloth, by the cloth itself and by bodies.
+    pub normal: Vec<Vec3>,
+    /// Friction (N), the same.
+    pub friction: Vec<Vec3>,
+    /// On each body: obstacles first, in their order, then animated surfaces.
+    pub bodies: Vec<BodyForce>,
+}
+
+/// What the cloth does to a body.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct BodyForce {
+    /// Force (N).
+    pub force: Vec3,
+    /// Torque (N·m) about the position of an obstacle, or the origin for an animated surface.
+    pub torque: Vec3,
+}
+
+/// What adds them up.
+#[derive(Debug)]
+pub(super) struct Ledger {
+    /// Impulses (N·s) on all vertices, those of surfaces too.
+    normal: Vec<Vec3>,
+    friction: Vec<Vec3>,
+    bodies: Vec<BodyForce>,
+    /// Over which time (s).
+    time: Real,
+    pub(super) forces: ContactForces,
+}
+
+impl Ledger {
+    pub(super) fn new(vertices: usize, cloth: usize, bodies: usize) -> Self {
+        let zeros = |count| vec![Vec3::zeros(); count];
+        Self {
+            normal: zeros(vertices),
+            friction: zeros(vertices),
+            bodies: vec![BodyForce::default(); bodies],
+            time: 0.0,
+            forces: ContactForces {
+                normal: zeros(cloth),
+                friction: zeros(cloth),
+                bodies: vec![BodyForce::default(); bodies],
+            },
+        }
+    }
+
+    /// A step begins.
+    pub(super) fn begin(&mut self) {
+        self.normal.fill(Vec3::zeros());
+        self.friction.fill(Vec3::zeros());
+        self.bodies.fill(BodyForce::default());
+        self.time = 0.0;
+    }
+
+    /// A substep of `dt` (s) is over.
+    pub(super) fn pass(&mut self, dt: Real) {
+        self.time += dt;
+    }
+
+    /// Pressure and friction (N·s) that act on the vertices of a pair with these weights.
+    pub(super) fn add_pair(
+        &mut self,
+        vertices: [u32; 4],
+        weights: [Real; 4],
+        [normal, friction]: [Vec3; 2],
+    ) {
+        for (v, weight) in vertices.into_iter().zip(weights) {
+            self.normal[v as usize] += normal * weight;
+            self.friction[v as usize] += friction * weight;
+        }
+    }
+
+    /// Pressure (N·s) on one vertex.
+    pub(super) fn add(&mut self, vertex: usize, normal: Vec3) {
+        self.normal[vertex] += normal;
+    }
+
+    /// Pressure and friction (N·s) of an obstacle on a vertex that is that far (m) from its position.
+    pub(super) fn add_obstacle(
+        &mut self,
+        [vertex, number]: [usize; 2],
+        [normal, friction]: [Vec3; 2],
+        arm: Vec3,
+    ) {
+        self.normal[vertex] += normal;
+        self.friction[vertex] += friction;
+        self.bodies[number].add(-(normal + friction), arm);
+    }
+
+    /// The step is over, with all vertices at `x` (m).
+    pub(super) fn end(&mut self, near: &Near, obstacles: &[(Obstacle, ImpactLaw)], x: &[Vec3]) {
+        for (v, body) in (near.cloth..).zip(near.bodies()) {
+            let position = obstacles
+                .get(body)
+                .map_or(Vec3::zeros(), |(body, _)| body.motion().pose.position);
+            let impulse = self.normal[v] + self.friction[v];
+            if impulse != Vec3::zeros() {
+                self.bodies[body].add(impulse, x[v] - position);
+            }
+        }
+        let per_time = 1.0 / self.time;
+        let average = |out: &mut [Vec3], all: &[Vec3]| {
+            let all = all.iter().map(|impulse| impulse * per_time);
+            out.iter_mut()
+                .zip(all)
+                .for_each(|(out, force)| *out = force);
+        };
+        average(&mut self.forces.normal, &self.normal);
+        average(&mut self.forces.friction, &self.friction);
+        for (out, body) in self.forces.bodies.iter_mut().zip(&self.bodies) {
+            out.force = body.force * per_time;
+            out.torque = body.torque * per_time;
+        }
+    }
+}
+
+impl BodyForce {
+    fn add(&mut self, force: Vec3, arm: Vec3) {
+        self.force += force;
+        self.torque += arm.cross(&force);
+    }
+}
