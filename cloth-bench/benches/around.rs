@@ -16,6 +16,7 @@ use cloth_core::measure::{self, Strain};
 use cloth_core::mesh::TriMesh;
 use cloth_core::particles::{Particles, State};
 use cloth_core::step::StepInput;
+use cloth_core::step::{Outcome, StepReport};
 use cloth_pbd::{Hierarchy, HierarchyConfig, StrainLimiter, StretchRange};
 use criterion::{Criterion, Throughput};
 use sheet::shaken;
