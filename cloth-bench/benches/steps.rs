@@ -62,7 +62,7 @@ fn flight(criterion: &mut Criterion) {
             limit::bench(&mut group, format!("{name}/{n}"), bytes, || {
                 let mut input = StepInput::new(scene.dt);
                 if let Some(contacts) = &mut contacts {
-                    input = input.contacts(&mut **contacts);
+                    input = input.contacts(contacts);
                 }
                 solver.step(&mut state, input)
             });
