@@ -137,6 +137,59 @@ fn slope_carries_the_weight_and_friction_holds_it() {
     }
 }
 
+/// On a slope of 0.2 rad, with tan 0.2 = 0.203, a piece of no friction slides as fast as it can, one of 0.3 stays, and each keeps its own thickness, less what its
+/// weight presses.
+#[test]
+fn pieces_have_their_own_thickness_and_friction() {
+    let angle: f64 = 0.2;
+    let piece = |x: f64, h: f64, own: &str| {
+        let z = h - 0.2 * 9.81 * angle.cos() / 1e6;
+        format!("{SHEET}translate = [{x}, 0, {z:?}]\n[mesh.contact]\n{own}")
+    };
+    let text = format!(
+        "dt = 0.01\ngravity = [{}, 0, {}]\n{}{}[contact]\nfriction = 0.3\n[[obstacle]]\nshape = \"plane\"\n",
+        9.81 * angle.sin(),
+        -9.81 * angle.cos(),
+        piece(0.0, 5e-3, "thickness = 5e-3\nfriction = 0\n"),
+        piece(2.0, 2e-3, "friction = 0.3\n"),
+    );
+    let scene = scene("pieces", &text);
+    let steps = 30;
+    for (method, setting) in [
+        ("implicit-euler", "tolerance=1e-9"),
+        ("xpbd", "substeps=10"),
+        ("pd", ""),
+    ] {
+        let mut ends = Vec::new();
+        watch(&scene, method, setting, steps, |moment| {
+            let moved = moment.state.positions.iter().zip(&scene.start.positions);
+            let moved: Vec<Vec3> = moved.map(|(x, start)| x - start).collect();
+            let mean = |all: &[Vec3]| all.iter().sum::<Vec3>() / all.len() as f64;
+            ends.push([mean(&moved[..169]), mean(&moved[169..])]);
+        });
+        let [slid, stuck] = ends[steps as usize - 1];
+        // Free fall along the slope by (sub)steps.
+        let parts = if method == "xpbd" { 10 } else { 1 };
+        let (n, h) = (f64::from(steps * parts), 0.01 / f64::from(parts));
+        let way = 0.5 * 9.81 * angle.sin() * h * h * n * (n + 1.0);
+        let off = (slid.x - way).abs();
+        assert!(off < 1e-3 * way, "{method}: slides {} of {way}", slid.x);
+        // What sticks is a spring that a hundredth of the (largest) thickness stretches to the whole of friction.
+        let stretch = 0.01 * 5e-3 * angle.tan() / 0.3;
+        assert!(
+            stuck.x.abs() < 1.001 * stretch,
+            "{method}: creeps {}",
+            stuck.x
+        );
+        for (piece, z) in [("thick", slid.z), ("thin", stuck.z)] {
+            assert!(
+                z.abs() < 1e-7,
+                "{method}: {piece} piece {z} m from its rest"
+            );
+        }
+    }
+}
+
 /// The command writes what acts on every body in every step.
 #[test]
 fn program_writes_the_forces_on_bodies() {

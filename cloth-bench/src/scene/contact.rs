@@ -66,6 +66,15 @@ pub(super) fn splits(radius: Real, thickness: Real) -> usize {
     (1.13 * radius / thickness).sqrt().ceil().clamp(LEAST, MOST) as usize
 }
 
+/// Contact of each vertex, where pieces differ.
+#[derive(Clone, Debug)]
+pub(super) struct PieceContact {
+    /// Thickness (m).
+    pub(super) thickness: Vec<Real>,
+    /// Coefficient of friction (dimensionless).
+    pub(super) friction: Vec<Real>,
+}
+
 /// Everything that a cloth can touch.
 #[derive(Clone, Debug)]
 pub struct Touch {
@@ -79,6 +88,7 @@ pub struct Touch {
     /// The same obstacles as surfaces around their own origins, and whether these are needed for more than pictures.
     shapes: Vec<(TriMesh, bool)>,
     animated: Vec<(TriMesh, AnimatedMesh)>,
+    pub(super) pieces: Option<PieceContact>,
 }
 
 impl Touch {
@@ -125,6 +135,7 @@ impl Touch {
             obstacles: contacts,
             shapes,
             animated,
+            pieces: None,
         })
     }
 
@@ -149,6 +160,11 @@ impl Touch {
             .friction(self.friction)
             .obstacles(self.obstacles.clone())
             .self_collision(self.self_collision);
+        if let Some(pieces) = &self.pieces {
+            contacts = contacts
+                .thickness_of_vertices(pieces.thickness.clone())
+                .friction_of_vertices(pieces.friction.clone());
+        }
         for (number, (surface, _)) in self.shapes.iter().enumerate().filter(|(_, s)| s.1) {
             contacts = contacts.surface(number, surface.clone());
         }

@@ -12,6 +12,7 @@ mod material;
 mod mesh;
 mod obstacles;
 mod pins;
+mod roughness;
 mod start;
 mod tear;
 

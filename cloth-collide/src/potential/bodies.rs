@@ -1,9 +1,10 @@
 //! Vertices before bodies, as constraints whose distance is evaluated in every sweep.
 
 use super::forces::Ledger;
+use super::near::Near;
 use super::rows::{KEPT, LEAST, SLACK};
 use super::tangent::{Tangent, hold, stretch};
-use crate::obstacle::{Obstacle, ObstacleContacts, PenaltyLaw, VertexPath, first_contact};
+use crate::obstacle::{Obstacle, ObstacleContacts, VertexPath, first_contact};
 use cloth_core::contact::ContactStep;
 use cloth_core::math::{Real, Vec3};
 
@@ -14,9 +15,12 @@ struct Row {
     body: u32,
     /// At the start of the substep (m).
     distance: Real,
-    /// d̂ (m), and α̃ (1/kg).
+    /// h (m), d̂ (m), and α̃ (1/kg).
+    thickness: Real,
     range: Real,
     compliance: Real,
+    /// μ (dimensionless).
+    coefficient: Real,
     is_violated: bool,
     /// λ (kg m) along the normal of the last visit, and the same of friction.
     lambda: Real,
@@ -74,8 +78,7 @@ impl Bodies {
     pub(super) fn begin(
         &mut self,
         bodies: Option<&ObstacleContacts>,
-        law: PenaltyLaw,
-        area: &[Real],
+        near: &Near,
         step: &ContactStep<'_>,
         to: &[Vec3],
     ) {
@@ -84,9 +87,9 @@ impl Bodies {
         let Some(bodies) = bodies else {
             return;
         };
-        let reach = law.range() * (1.0 + SLACK);
+        let reach = near.law().range() * (1.0 + SLACK);
         self.each_near(bodies, step, to, reach, |list, index, row| {
-            row.set_law(law, area[row.vertex as usize], step.dt);
+            row.set_law(near, bodies, step.dt);
             row.origin -= list.stretches[index];
             list.has_row[index] = true;
             list.rows.push(*row);
@@ -133,8 +136,10 @@ impl Bodies {
                     vertex: vertex as u32,
                     body: number as u32,
                     distance: at.value,
+                    thickness: 0.0,
                     range: 0.0,
                     compliance: 0.0,
+                    coefficient: 0.0,
                     is_violated: false,
                     lambda: 0.0,
                     normal: at.normal,
@@ -147,11 +152,11 @@ impl Bodies {
         }
     }
 
-    /// How far (m) every vertex may go from `x` (m) while none comes near a body; nothing if bodies move.
+    /// How far (m) every vertex may go from `x` (m) while none comes within the thickness `h` (m) of a body; nothing if bodies move.
     pub(super) fn margin(
         &self,
         bodies: Option<&ObstacleContacts>,
-        law: PenaltyLaw,
+        h: Real,
         step: &ContactStep<'_>,
         x: &[Vec3],
     ) -> Option<Real> {
@@ -164,7 +169,7 @@ impl Bodies {
             let first = number * x.len();
             for (vertex, x) in x.iter().enumerate() {
                 if step.inverse_mass[vertex] > 0.0 {
-                    let room = self.rooms[first + vertex] - law.range() * (1.0 + SLACK);
+                    let room = self.rooms[first + vertex] - h * (1.0 + SLACK);
                     let way = (x - self.places[first + vertex]).norm();
                     least = least.min(room / body.shape().lipschitz() - way);
                 }
@@ -184,7 +189,7 @@ impl Bodies {
             return;
         };
         for row in &mut self.rows {
-            let (body, law) = &bodies.pairs()[row.body as usize];
+            let (body, _) = &bodies.pairs()[row.body as usize];
             let v = row.vertex as usize;
             let at = body.clearance(x[v], step.dt);
             let value = at.value - row.range;
@@ -198,10 +203,10 @@ impl Bodies {
             let mut push = at.gradient() * (lambda - row.lambda);
             (row.lambda, row.normal) = (lambda, at.normal);
             row.pressure += push;
-            if law.friction() > 0.0 {
+            if row.coefficient > 0.0 {
                 let slip = x[v] - row.origin;
                 let slip = slip - at.normal * at.normal.dot(&slip);
-                let most = law.friction() * lambda * at.slope;
+                let most = row.coefficient * lambda * at.slope;
                 let held = hold(row.friction - slip / ease, most);
                 push += held - row.friction;
                 row.friction = held;
@@ -214,19 +219,18 @@ impl Bodies {
     pub(super) fn violations(
         &mut self,
         bodies: Option<&ObstacleContacts>,
-        law: PenaltyLaw,
-        area: &[Real],
+        near: &Near,
         step: &ContactStep<'_>,
         x: &[Vec3],
     ) -> u32 {
         let Some(bodies) = bodies else {
             return 0;
         };
-        let h = law.range();
+        let h = near.law().range();
         self.each_near(bodies, step, x, KEPT * h, |list, index, row| {
             let (body, _) = &bodies.pairs()[row.body as usize];
             if !row.is_safe(body, h, step, x) {
-                row.set_law(law, area[row.vertex as usize], step.dt);
+                row.set_law(near, bodies, step.dt);
                 list.has_row[index] = true;
                 list.rows.push(*row);
             }
@@ -247,17 +251,17 @@ impl Bodies {
     }
 
     /// Rows of those give in no more.
-    pub(super) fn harden(&mut self, h: Real) {
+    pub(super) fn harden(&mut self) {
         for row in self.rows.iter_mut().filter(|row| row.is_violated) {
             row.compliance = 0.0;
-            row.range = row.range.min(row.distance.max(LEAST * h));
+            row.range = row.range.min(row.distance.max(LEAST * row.thickness));
         }
     }
 
     /// What is inside comes out in this substep, not in as many as its law would take.
-    pub(super) fn lead_out(&mut self, h: Real) {
+    pub(super) fn lead_out(&mut self) {
         for row in self.rows.iter_mut().filter(|row| row.distance <= 0.0) {
-            (row.compliance, row.range) = (0.0, LEAST * h);
+            (row.compliance, row.range) = (0.0, LEAST * row.thickness);
         }
     }
 
@@ -317,8 +321,7 @@ impl Bodies {
     pub(super) fn energy(
         &self,
         bodies: Option<&ObstacleContacts>,
-        law: PenaltyLaw,
-        area: &[Real],
+        near: &Near,
         x: &[Vec3],
     ) -> Real {
         let Some(bodies) = bodies else {
@@ -329,7 +332,7 @@ impl Bodies {
             .map(|row| {
                 let v = row.vertex as usize;
                 let (body, _) = &bodies.pairs()[row.body as usize];
-                area[v] * law.energy(body.clearance(x[v], 0.0).value)
+                near.vertex_area[v] * near.law_at(v).energy(body.clearance(x[v], 0.0).value)
             })
             .sum()
     }
@@ -341,8 +344,12 @@ impl Row {
         [self.pressure, self.friction].map(|push| push / dt)
     }
 
-    fn set_law(&mut self, law: PenaltyLaw, area: Real, dt: Real) {
-        let tangent = Tangent::of(law, area, self.distance);
+    fn set_law(&mut self, near: &Near, bodies: &ObstacleContacts, dt: Real) {
+        let (v, (_, of_body)) = (self.vertex as usize, &bodies.pairs()[self.body as usize]);
+        let law = near.law_at(v);
+        self.thickness = law.range();
+        self.coefficient = near.friction_on(v, of_body.friction());
+        let tangent = Tangent::of(law, near.vertex_area[v], self.distance);
         self.range = tangent.range;
         self.compliance = tangent.compliance(dt);
     }

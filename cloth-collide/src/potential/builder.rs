@@ -1,7 +1,7 @@
 //! Settings of the contact potential, checked.
 
 use super::last_resort::LastResort;
-use super::near::{Near, Side};
+use super::near::{Near, Own, Side};
 use super::patches::Patches;
 use super::source::Contacts;
 use super::surfaces::{Motion, PotentialContacts, Surface, Surfaces};
@@ -21,6 +21,7 @@ pub struct PotentialBuilder<'a> {
     obstacles: Option<ObstacleContacts>,
     surfaces: Vec<Surface>,
     self_collision: bool,
+    own: Own,
 }
 
 impl<'a> PotentialBuilder<'a> {
@@ -33,6 +34,7 @@ impl<'a> PotentialBuilder<'a> {
             obstacles: None,
             surfaces: Vec::new(),
             self_collision: true,
+            own: Own::default(),
         }
     }
 
@@ -40,6 +42,22 @@ impl<'a> PotentialBuilder<'a> {
     #[must_use]
     pub fn thickness(mut self, thickness: Real) -> Self {
         self.thickness = thickness;
+        self
+    }
+
+    /// The same for each vertex of the cloth apart (m), where pieces are not equally thick: it keeps this distance from bodies, and two pieces keep half the
+    /// sum of theirs. Replaces [`thickness`](Self::thickness).
+    #[must_use]
+    pub fn thickness_of_vertices(mut self, thickness: Vec<Real>) -> Self {
+        self.own.thickness = thickness;
+        self
+    }
+
+    /// Coefficients of friction μ (dimensionless) of each vertex of the cloth apart, where pieces are not equally rough. Two that touch have the geometric
+    /// mean of their coefficients, a vertex and a body too. Replaces [`friction`](Self::friction).
+    #[must_use]
+    pub fn friction_of_vertices(mut self, friction: Vec<Real>) -> Self {
+        self.own.friction = friction;
         self
     }
 
@@ -95,7 +113,10 @@ impl<'a> PotentialBuilder<'a> {
     /// [`BuildError::InvalidSetting`] for a thickness or stiffness that is not positive and finite, a friction that is negative, the surface of an obstacle that there
     /// is not, or an animation of another number of vertices than its mesh.
     pub fn build(self) -> Result<PotentialContacts, BuildError> {
-        let law = PenaltyLaw::two_stage(self.stiffness, self.thickness).map_err(|_| {
+        self.check_own()?;
+        let most = self.own.thickness.iter().copied().reduce(Real::max);
+        let thickness = most.unwrap_or(self.thickness);
+        let law = PenaltyLaw::two_stage(self.stiffness, thickness).map_err(|_| {
             let is_stiff = self.stiffness > 0.0 && self.stiffness.is_finite();
             let (name, value) = match is_stiff {
                 true => ("thickness of contact (m)", self.thickness),
@@ -126,14 +147,54 @@ impl<'a> PotentialBuilder<'a> {
         };
         let has_pairs = self.self_collision || joined.is_some();
         let mesh = joined.as_ref().unwrap_or(self.mesh);
-        let near = Near::new(mesh, law, sides, self.self_collision, self.friction);
+        let near = Near::new(
+            mesh,
+            law,
+            sides,
+            self.self_collision,
+            self.friction,
+            self.own,
+        );
         let patches = || has_pairs.then(|| Patches::new(mesh, &near));
         let patches = [patches(), patches()];
-        let last_resort = LastResort::new(mesh, self.thickness, has_pairs);
+        let last_resort = LastResort::new(mesh, thickness, has_pairs);
         let contacts = Contacts::new(near, patches, self.obstacles, last_resort);
         let surfaces =
             (joined.is_some()).then(|| Surfaces::new(self.mesh.vertex_count(), self.surfaces));
         Ok(PotentialContacts { contacts, surfaces })
+    }
+
+    /// Checks what vertices have of their own.
+    fn check_own(&self) -> Result<(), BuildError> {
+        let Own {
+            thickness,
+            friction,
+        } = &self.own;
+        let count = self.mesh.vertex_count();
+        for (name, list) in [
+            ("number of thicknesses of vertices", thickness),
+            ("number of coefficients of friction of vertices", friction),
+        ] {
+            if !list.is_empty() && list.len() != count {
+                return Err(BuildError::InvalidSetting {
+                    name,
+                    value: list.len() as Real,
+                    range: "the number of vertices",
+                });
+            }
+        }
+        let is_wrong = |value: &&Real| !(**value > 0.0 && value.is_finite());
+        if let Some(&value) = thickness.iter().find(is_wrong) {
+            return Err(BuildError::InvalidSetting {
+                name: "thickness of a vertex (m)",
+                value,
+                range: "positive and finite",
+            });
+        }
+        let checked = |&value: &Real| checked_friction("friction of a vertex", value);
+        friction
+            .iter()
+            .try_for_each(|value| checked(value).map(drop))
     }
 
     /// What each vertex of the surfaces knows of its body.

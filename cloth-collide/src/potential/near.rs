@@ -20,6 +20,15 @@ pub(super) struct Side {
     pub(super) body: usize,
 }
 
+/// What the vertices of the cloth have of their own: lists as long as the cloth, or empty where all are alike.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Own {
+    /// Thickness (m).
+    pub(super) thickness: Vec<Real>,
+    /// Coefficient of friction μ (dimensionless).
+    pub(super) friction: Vec<Real>,
+}
+
 /// Areas, laws and freedom of the parts of a cloth, and of the surfaces of bodies behind it.
 #[derive(Debug)]
 pub(super) struct Near {
@@ -30,6 +39,8 @@ pub(super) struct Near {
     self_collision: bool,
     /// Coefficient μ of cloth on cloth (dimensionless).
     friction: Real,
+    /// Of each vertex of the cloth, where pieces differ; empty otherwise.
+    own: Own,
     /// A third of the rest area of the triangles around each vertex, and around each edge (m²).
     pub(super) vertex_area: Vec<Real>,
     pub(super) edge_area: Vec<Real>,
@@ -52,6 +63,7 @@ impl Near {
         surfaces: Vec<Side>,
         self_collision: bool,
         friction: Real,
+        own: Own,
     ) -> Self {
         let (edges, triangle_edges) = edge_numbers(mesh.triangles());
         let mut vertex_area = vec![0.0; mesh.vertex_count()];
@@ -71,6 +83,7 @@ impl Near {
             surfaces,
             self_collision,
             friction,
+            own,
             vertex_area,
             edge_area,
             rest: mesh.positions().to_vec(),
@@ -124,6 +137,7 @@ impl Near {
         }
     }
 
+    /// That with the largest range: what is farther apart than it does not touch.
     pub(super) fn law(&self) -> PenaltyLaw {
         self.law
     }
@@ -208,9 +222,36 @@ impl Near {
 
     /// Coefficient of friction μ (dimensionless) of a pair.
     pub(super) fn friction(&self, vertices: [u32; 4]) -> Real {
-        let sides = [vertices[0], vertices[3]].map(|v| self.side(v));
-        let side = sides.into_iter().flatten().next();
-        side.map_or(self.friction, |side| side.friction)
+        let [a, .., d] = vertices;
+        let side = [a, d].map(|v| self.side(v)).into_iter().flatten().next();
+        if self.own.friction.is_empty() {
+            return side.map_or(self.friction, |side| side.friction);
+        }
+        let of = |v: u32| {
+            let side = self.side(v).map(|side| side.friction);
+            side.unwrap_or_else(|| self.own.friction[v as usize])
+        };
+        (of(a) * of(d)).sqrt()
+    }
+
+    /// The same of a vertex of the cloth before a body of coefficient `friction`.
+    pub(super) fn friction_on(&self, vertex: usize, friction: Real) -> Real {
+        let own = self.own.friction.get(vertex);
+        own.map_or(friction, |own| (own * friction).sqrt())
+    }
+
+    /// The distance (m) from which on a vertex of the cloth is pushed away from a body.
+    fn thickness(&self, vertex: u32) -> Real {
+        let own = self.own.thickness.get(vertex as usize);
+        own.copied().unwrap_or(self.law.range())
+    }
+
+    /// The law of a vertex of the cloth before a body.
+    pub(super) fn law_at(&self, vertex: usize) -> PenaltyLaw {
+        match self.own.thickness.get(vertex) {
+            Some(&range) => self.law.with_range(range),
+            None => self.law,
+        }
     }
 
     /// The area (m²) that a vertex stands for before a triangle: that of a body has no more than the vertices of the cloth there.
@@ -234,19 +275,21 @@ impl Near {
         distance: impl Fn(&[Vec3; 4]) -> Real,
     ) -> PenaltyLaw {
         let [a, .., d] = vertices;
-        match (self.side(a), self.side(d)) {
-            (None, None) => {}
-            (None, Some(_)) if is_vertex => return self.law,
-            _ => return self.law.with_range(0.5 * self.law.range()),
-        }
+        let law = |range| self.law.with_range(range);
+        let thickness = match (self.side(a), self.side(d)) {
+            (None, None) => 0.5 * (self.thickness(a) + self.thickness(d)),
+            (None, Some(_)) if is_vertex => return law(self.thickness(a)),
+            (None, _) => return law(0.5 * self.thickness(a)),
+            _ => return law(0.5 * self.thickness(d)),
+        };
         if self.piece[a as usize] != self.piece[d as usize] {
-            return self.law;
+            return law(thickness);
         }
         let rest = distance(&gather(&self.rest, vertices));
-        if rest >= self.law.range() || rest <= 0.0 {
-            self.law
+        if rest >= thickness || rest <= 0.0 {
+            law(thickness)
         } else {
-            self.law.with_range(rest)
+            law(rest)
         }
     }
 }

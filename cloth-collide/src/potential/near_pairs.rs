@@ -221,6 +221,7 @@ fn boxes_gap(x: &[Vec3; 4], split: usize) -> Real {
 
 #[cfg(test)]
 mod tests {
+    use super::super::near::Own;
     use super::*;
     use crate::incidence::edge_numbers;
     use crate::obstacle::PenaltyLaw;
@@ -235,7 +236,7 @@ mod tests {
         let mesh = sheet(9);
         let (edges, _) = edge_numbers(mesh.triangles());
         let law = PenaltyLaw::two_stage(1e6, 0.02).unwrap();
-        let near = Near::new(&mesh, law, Vec::new(), true, 0.0);
+        let near = Near::new(&mesh, law, Vec::new(), true, 0.0, Own::default());
         let mut random = Random::new(5);
         let mut touching = 0;
         for (_, start) in deformed(&mesh).into_iter().take(5) {
@@ -322,7 +323,7 @@ mod tests {
     fn cloth_that_flies_is_looked_at_once() {
         let mesh = sheet(33);
         let law = PenaltyLaw::two_stage(1e6, 2e-3).unwrap();
-        let near = Near::new(&mesh, law, Vec::new(), true, 0.0);
+        let near = Near::new(&mesh, law, Vec::new(), true, 0.0, Own::default());
         let mut pairs = NearPairs::new(Some(Patches::new(&mesh, &near)));
         let mut x = mesh.positions().to_vec();
         pairs.begin(&x, &near.is_resting, false);

@@ -164,12 +164,10 @@ impl ContactConstraints for Contacts {
         rows.parted.clear();
         rows.by_zones = false;
         self.find(step, predicted, true);
-        let law = self.near.law();
-        let area = &self.near.vertex_area;
         let bodies = self.obstacles.as_ref();
         let own = self.near.own(predicted);
         let part = self.near.own_step(step);
-        self.rows.bodies.begin(bodies, law, area, &part, own);
+        self.rows.bodies.begin(bodies, &self.near, &part, own);
         let pushing = self.rows.rows.iter().filter(|row| row.pushes).count();
         self.rows.report.looked += (self.rows.rows.len() + self.rows.parted.len()) as u32;
         self.rows.report.rows += (pushing + self.rows.bodies.len()) as u32;
@@ -219,7 +217,7 @@ impl ContactConstraints for Contacts {
                         row.harden();
                     }
                 }
-                self.rows.bodies.harden(self.near.law().range());
+                self.rows.bodies.harden();
                 for _ in 0..REPAIR_SWEEPS {
                     ContactConstraints::sweep(self, step, x);
                 }
@@ -247,8 +245,7 @@ impl ContactConstraints for Contacts {
             energy += row.energy(law, x, &self.near, self.rows.patches.as_mut());
         }
         let still = self.obstacles.as_ref();
-        let area = &self.near.vertex_area;
-        self.energy = energy + self.rows.bodies.energy(still, law, area, x);
+        self.energy = energy + self.rows.bodies.energy(still, &self.near, x);
         if let Some(ledger) = &mut self.ledger {
             let bodies = still.map_or(&[][..], ObstacleContacts::pairs);
             ledger.end(&self.near, bodies, x);
@@ -322,11 +319,9 @@ impl Contacts {
             row.is_violated = !row.is_safe(step.from, x);
             count += u32::from(row.is_violated);
         }
-        let law = self.near.law();
-        let area = &self.near.vertex_area;
         let bodies = self.obstacles.as_ref();
         let (part, own) = (self.near.own_step(step), self.near.own(x));
-        let bodies = self.rows.bodies.violations(bodies, law, area, &part, own);
+        let bodies = self.rows.bodies.violations(bodies, &self.near, &part, own);
         Some(count + bodies)
     }
 
@@ -435,7 +430,7 @@ impl Contacts {
                 .map_or(Some(Real::INFINITY), Patches::margin);
             let whole = rows
                 .bodies
-                .margin(obstacles.as_ref(), near.law(), &part, own);
+                .margin(obstacles.as_ref(), near.law().range(), &part, own);
             if let (Some(relative), Some(whole)) = (relative, whole) {
                 rows.quiet.begin(x, relative, whole);
             }
@@ -469,7 +464,7 @@ impl Contacts {
             _ => rows.start_anew(&self.near, step.from, self.before.len()),
         }
         self.begin_substep(step, x)?;
-        self.rows.bodies.lead_out(self.near.law().range());
+        self.rows.bodies.lead_out();
         for _ in 0..LEADING_SWEEPS {
             ContactConstraints::sweep(self, step, x);
         }

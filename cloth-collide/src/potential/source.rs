@@ -175,7 +175,7 @@ impl Contacts {
         for &[vertex, number] in &self.pairs.vertex_obstacle {
             let (v, number) = (vertex as usize, number as usize);
             let at = self.still[number].clearance(x[v], 0.0);
-            let slope = self.near.vertex_area[v] * self.near.law().slope(at.value);
+            let slope = self.near.vertex_area[v] * self.near.law_at(v).slope(at.value);
             let normal = at.gradient() * -slope;
             ledger.add_obstacle([v, number], [normal, Vec3::zeros()], arm(v, number));
         }
@@ -299,7 +299,7 @@ impl ContactPotential for Contacts {
         for &[vertex, number] in &self.pairs.vertex_obstacle {
             let v = vertex as usize;
             let at = self.still[number as usize].clearance(x[v], 0.0);
-            let law = self.near.law();
+            let law = self.near.law_at(v);
             if at.value < law.range() {
                 let area = self.near.vertex_area[v];
                 sum += area * law.energy(at.value);
@@ -337,9 +337,9 @@ impl ContactPotential for Contacts {
                 push(pair.vertices, gap, area, pair.law);
             }
         }
-        let law = self.near.law();
         for &[vertex, number] in &self.pairs.vertex_obstacle {
             let v = vertex as usize;
+            let law = self.near.law_at(v);
             let at = self.still[number as usize].clearance(x[v], 0.0);
             let stiffness =
                 self.near.vertex_area[v] * law.curvature(at.value) * at.slope * at.slope;
@@ -481,7 +481,7 @@ impl Contacts {
                     continue;
                 }
                 let at = before.clearance(*place, 0.0);
-                let force = -near.vertex_area[v] * near.law().slope(at.value) * at.slope;
+                let force = -near.vertex_area[v] * near.law_at(v).slope(at.value) * at.slope;
                 if force > 0.0 {
                     let key = [vertex, vertex, vertex, number];
                     let moved = after.motion().pose;
@@ -491,7 +491,7 @@ impl Contacts {
                         vertices: [vertex; 4],
                         weights: [1.0, 0.0, 0.0, 0.0],
                         normal: at.normal,
-                        most: law.friction() * force,
+                        most: near.friction_on(v, law.friction()) * force,
                         origin: moved - stretched.of(key),
                     });
                 }
@@ -530,7 +530,7 @@ impl Contacts {
             let local = after.motion().pose.to_local(x[v]);
             let way = x[v] - before.motion().pose.to_world(local);
             let force =
-                at.gradient() * (self.near.vertex_area[v] * self.near.law().slope(at.value));
+                at.gradient() * (self.near.vertex_area[v] * self.near.law_at(v).slope(at.value));
             let mut whole = -force;
             let own = self.sticking.iter();
             for sticking in own.filter(|s| s.key == [vertex, vertex, vertex, number]) {

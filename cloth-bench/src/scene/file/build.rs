@@ -1,9 +1,9 @@
 //! From the text of a file to a [`Scene`].
 
 use super::document::{Document, Section};
-use super::keys::{DT, GRAVITY, MESH_CLOTH, NAME, SECTIONS, STEPS, overrulable};
+use super::keys::{DT, GRAVITY, MESH_CLOTH, MESH_CONTACT, NAME, SECTIONS, STEPS, overrulable};
 use super::material::Material;
-use super::{air, mesh, obstacles, pins, start, tear};
+use super::{air, mesh, obstacles, pins, roughness, start, tear};
 use crate::bounds::bounds;
 use crate::error::BenchError;
 use crate::scene::contact::{NO_SELF, THICKNESS, Touch};
@@ -45,6 +45,8 @@ struct Sections<'a> {
     meshes: Vec<Section<'a>>,
     /// What each of them says of its own material.
     materials: Vec<Option<Section<'a>>>,
+    /// And of its own contact.
+    roughness: Vec<Option<Section<'a>>>,
     cloth: Section<'a>,
     pins: Vec<Section<'a>>,
     tears: Vec<Section<'a>>,
@@ -60,6 +62,7 @@ impl<'a> Sections<'a> {
         let [
             top,
             meshes,
+            _,
             _,
             cloth,
             pins,
@@ -82,7 +85,7 @@ impl<'a> Sections<'a> {
                 return Err(document.refuse(value.span(), message));
             };
             let below: &[&str] = match info.head {
-                "[[mesh]]" => &["cloth"],
+                "[[mesh]]" => &["cloth", "contact"],
                 _ => &[],
             };
             Section::new(document, info, Some(value), Some(entries), below)
@@ -104,11 +107,16 @@ impl<'a> Sections<'a> {
         let meshes = all(meshes)?;
         let materials = meshes.iter().map(|mesh| mesh.below("cloth", &MESH_CLOTH));
         let materials = materials.collect::<Result<_, _>>()?;
+        let own = meshes
+            .iter()
+            .map(|mesh| mesh.below("contact", &MESH_CONTACT));
+        let roughness = own.collect::<Result<_, _>>()?;
         Ok(Self {
             document,
             top: Section::new(document, top, None, Some(root), &names)?,
             meshes,
             materials,
+            roughness,
             cloth: one(cloth)?,
             pins: all(pins)?,
             tears: all(tears)?,
@@ -226,8 +234,13 @@ impl<'a> Sections<'a> {
         let bodies: Vec<_> = bodies
             .map(|section| obstacles::body(section, folder, [size, thickness]))
             .collect::<Result<_, _>>()?;
-        let touch = Touch::new(&settings, &NO_SELF, bodies)
+        let mut touch = Touch::new(&settings, &NO_SELF, bodies)
             .map_err(|error| self.contact.blame(error, overruling))?;
+        touch.pieces = roughness::of_pieces(&settings, &self.roughness, &counts, order.as_ref())?;
+        if let (true, Some(section)) = (touch.is_idle(), self.roughness.iter().flatten().next()) {
+            let message = "has no meaning without anything to touch";
+            return Err(section.refuse_table(message));
+        }
         let mut scene = Scene {
             order,
             touch: Some(touch),

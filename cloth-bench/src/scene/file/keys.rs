@@ -1,6 +1,6 @@
 //! Every key of a scene file.
 
-use crate::scene::contact::TOUCHING_ALONE;
+use crate::scene::contact::{FRICTION, THICKNESS, TOUCHING_ALONE};
 use crate::scene::{
     BENDING, BENDING_STIFFNESS, DENSITY, LINK_LENGTH, LINK_MASS, LINKS, MEMBRANE, MODULUS, POISSON,
     RIGIDITY, SHEAR, STIFFNESS, TIP_MASS, cloth,
@@ -188,8 +188,16 @@ pub(super) const MESH_CLOTH: SectionInfo = SectionInfo {
     keys: CLOTH,
 };
 
+/// Below a `[[mesh]]`.
+pub(super) const MESH_CONTACT: SectionInfo = SectionInfo {
+    head: "[mesh.contact]",
+    about: "below a [[mesh]]: what is different of the contact of this piece, which --set leaves as it is; two pieces keep half the sum \
+            of their thicknesses, and have the geometric mean of their coefficients of friction, a piece and an obstacle too",
+    keys: &[THICKNESS, FRICTION],
+};
+
 /// Every table, in the order in which one would write them.
-pub const SECTIONS: [SectionInfo; 11] = [
+pub const SECTIONS: [SectionInfo; 12] = [
     SectionInfo {
         head: "",
         about: "before all tables",
@@ -201,6 +209,7 @@ pub const SECTIONS: [SectionInfo; 11] = [
         keys: &[FILE, GENERATOR, SCALE, ROTATE, TRANSLATE],
     },
     MESH_CLOTH,
+    MESH_CONTACT,
     SectionInfo {
         head: "[cloth]",
         about: "the material",
