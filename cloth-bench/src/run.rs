@@ -20,6 +20,7 @@ use cloth_core::contact::{ContactSource, ContactStep};
 use cloth_core::math::{Real, Vec3};
 use cloth_core::measure;
 use cloth_core::particles::State;
+use cloth_core::pressure::Pressure;
 use cloth_core::step::{Outcome, StepInput, StepReport, Stepper};
 use energy::EnergyBalance;
 use serde::{Deserialize, Serialize};
@@ -75,7 +76,7 @@ pub struct Summary {
     pub gravity_energy: Real,
     /// Elastic energy plus gravitational energy relative to the start (J).
     pub potential_energy: Real,
-    /// The most by which the cloth held more energy than it was given by its start, gravity, moving pins and bodies, and air (J); 0 if it never did but for rounding.
+    /// The most by which the cloth held more energy than it was given by its start, gravity, moving pins and bodies, air and gas (J); 0 if it never did but for rounding.
     pub energy_excess: Real,
     /// The most that it was given until any step (J).
     pub energy_given: Real,
@@ -103,6 +104,8 @@ struct Course<'a> {
     forces: bool,
     contacts: Option<Timed>,
     air: Option<Air>,
+    /// Forces (N) of air and gas, where there is gas.
+    load: Vec<Vec3>,
     /// Time that the last step took (s), without that of its energy balance.
     seconds: Real,
 }
@@ -136,6 +139,7 @@ impl<'a> Course<'a> {
             forces: false,
             contacts,
             air,
+            load: Vec::new(),
             seconds: 0.0,
         })
     }
@@ -214,7 +218,12 @@ impl<'a> Course<'a> {
             balance.begin_step(state);
         }
         let started = Instant::now();
-        let load = self.air.as_mut().map(|air| air.load(state, dt));
+        let load = load(
+            &mut self.air,
+            (&self.scene.gases, &mut self.load),
+            state,
+            dt,
+        );
         let mut input = StepInput::new(dt).gravity(self.scene.gravity);
         if let Some(load) = load {
             input = input.load(load);
@@ -236,6 +245,28 @@ impl<'a> Course<'a> {
         }
         Ok(report)
     }
+}
+
+/// The forces (N) of air and gas in a step of `dt` (s) from `state`, if there are any. `all` is room for their sum.
+fn load<'a>(
+    air: &'a mut Option<Air>,
+    (gases, all): (&[Pressure], &'a mut Vec<Vec3>),
+    state: &State,
+    dt: Real,
+) -> Option<&'a [Vec3]> {
+    let of_air = air.as_mut().map(|air| air.load(state, dt));
+    if gases.is_empty() {
+        return of_air;
+    }
+    all.clear();
+    match of_air {
+        Some(load) => all.extend_from_slice(load),
+        None => all.resize(state.positions.len(), Vec3::zeros()),
+    }
+    for gas in gases {
+        gas.add_load(&state.positions, all);
+    }
+    Some(all)
 }
 
 /// Takes steps of `dt` (s) until no velocity is `still` (m/s) or more, at most `most`; gives the number of steps, `None` if something still moves after the last.

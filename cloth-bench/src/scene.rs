@@ -23,6 +23,7 @@ use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::TriMesh;
 use cloth_core::particles::State;
 use cloth_core::pin::Pins;
+use cloth_core::pressure::Pressure;
 use cloth_core::topology::EdgeTable;
 use contact::{TOUCHING, TOUCHING_ALONE};
 use std::sync::Arc;
@@ -50,6 +51,8 @@ pub struct Scene {
     pub changes: Vec<Change>,
     /// What the cloth can touch; nothing unless the scene says so.
     pub touch: Option<Touch>,
+    /// Gas inside closed pieces of it.
+    pub gases: Vec<Pressure>,
     /// The air around it; without it no code for air runs.
     pub air: Option<Air>,
     /// Which vertex of the caller's mesh each vertex is, where vertices were renumbered.
@@ -92,10 +95,14 @@ impl Scene {
         self.touch.as_ref().is_some_and(|touch| !touch.is_idle())
     }
 
-    /// Whether a step is nothing but the elastic one: nothing to touch, no air, pins at rest, nothing that changes.
+    /// Whether a step is nothing but the elastic one: nothing to touch, no air or gas, pins at rest, nothing that changes.
     #[must_use]
     pub fn is_plain(&self) -> bool {
-        self.pins.is_none() && self.air.is_none() && self.changes.is_empty() && !self.touches()
+        self.pins.is_none()
+            && self.air.is_none()
+            && self.gases.is_empty()
+            && self.changes.is_empty()
+            && !self.touches()
     }
 
     /// Surfaces of the obstacles, for pictures: their vertices (m) at a time (s), and their triangles.

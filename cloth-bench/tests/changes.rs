@@ -1,7 +1,7 @@
 //! Cloth that changes on the way: vertices are grabbed and released, triangles torn out. Every method goes on with the cloth as it is by then.
 
 use cloth_bench::method::{METHODS, Method};
-use cloth_bench::run::{Plan, Solver, Summary, from_start, run_changing};
+use cloth_bench::run::{Plan, Solver, Summary, from_start, run_changing, to_rest};
 use cloth_bench::scene::{Scene, file};
 use cloth_bench::settings::Settings;
 use cloth_core::math::Vec3;
@@ -201,4 +201,57 @@ fn what_is_wrong_with_a_change_is_said_with_its_line() {
         message.contains("line 6") && message.contains("[mesh.cloth]"),
         "{message}"
     );
+}
+
+/// A balloon grows until its membrane carries the pressure: p dV = dE, with every method that comes to rest.
+#[test]
+fn a_balloon_grows_as_far_as_its_membrane_lets_it() {
+    let pressure = 400.0;
+    let text = format!(
+        "gravity = [0, 0, 0]\n[[mesh]]\ngenerator = \"sphere:6\"\nscale = 0.4\npressure = {pressure}\n\
+         [cloth]\nmodulus = 2000\nbending = \"none\"\n"
+    );
+    let scene = scene("balloon", &text);
+    let rest = scene.start.positions.clone();
+    let energies = scene.model.energies().unwrap();
+    let gas = &scene.gases[0];
+    // Scaled by s: E(s) − p V(s) is least where its derivative is zero; the sphere stays one up to the order of its triangles.
+    let potential = |s: f64| {
+        let x: Vec<Vec3> = rest.iter().map(|x| x * s).collect();
+        energies.value(&x) - pressure * gas.volume(&x)
+    };
+    let slope = |s: f64| (potential(s + 1e-5) - potential(s - 1e-5)) / 2e-5;
+    let (mut low, mut high) = (1.0, 1.2);
+    for _ in 0..40 {
+        let middle = 0.5 * (low + high);
+        if slope(middle) < 0.0 {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    let expected = low.powi(3) * gas.volume(&rest);
+    assert!((1.01..1.05).contains(&low), "{low}");
+    // Sweeps that end early leave some stretch.
+    for (name, bound) in [("implicit-euler", 2e-3), ("pd", 2e-3), ("xpbd", 0.015)] {
+        let method = Method::find(name).unwrap();
+        let mut stepper = method.build(&scene, &Settings::default(), DT).unwrap();
+        let mut state = scene.start.clone();
+        to_rest(&scene, &mut *stepper, &mut state, DT, 4000, 1e-5).unwrap();
+        let volume = gas.volume(&state.positions);
+        let error = (volume / expected - 1.0).abs();
+        assert!(error < bound, "{name}: {volume} m³, {expected} expected");
+    }
+}
+
+#[test]
+fn gas_needs_an_inside() {
+    let message = refused("open", &format!("{STRIP}pressure = 10\n"));
+    assert!(
+        message.contains("line 5") && message.contains("border"),
+        "{message}"
+    );
+    let ball = "[[mesh]]\ngenerator = \"sphere:3\"\npressure = 10\n[[tear]]\ntime = 1\nbox = [[0, 0, 0], [1, 1, 1]]\n";
+    let message = refused("torn-ball", ball);
+    assert!(message.contains("cannot be torn"), "{message}");
 }

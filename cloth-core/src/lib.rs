@@ -30,6 +30,7 @@
 //! | `x̃`, S1 (9); `G`, `∇G`, S1 (10) | [`measure::predict`], [`measure::IncrementalPotential`] |
 //! | `M`, S1 (13) | [`particles::Particles`] |
 //! | drag and lift of the air, MS-5 | [`air::Air`] |
+//! | gas inside a closed mesh | [`pressure::Pressure`] |
 //! | `E = ½ Σ k C²` from constraint rows, S1 (21), (22) | [`element::Constraint`] |
 //! | `E = ½ w ‖G x − p‖²`, S1 (27) | [`element::Projective`] |
 //! | `3V − E = 3χ + E_b`, S1 (19), (20) | [`topology::Topology`]; the rank: `dof::EdgeRank` |
@@ -108,6 +109,7 @@ pub mod contact;
 pub mod step;
 
 pub mod air;
+pub mod pressure;
 
 pub mod position_based;
 

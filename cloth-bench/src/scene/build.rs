@@ -169,6 +169,7 @@ pub(super) fn of_mesh(
         pins: None,
         touch: None,
         air: None,
+        gases: Vec::new(),
         changes: Vec::new(),
         order: None,
     }
@@ -220,6 +221,7 @@ pub(super) fn chain(settings: &Settings) -> Result<Scene, BenchError> {
         pins: None,
         touch: None,
         air: None,
+        gases: Vec::new(),
         changes: Vec::new(),
         order: None,
     })

@@ -7,6 +7,7 @@
 mod air;
 mod build;
 mod document;
+mod gas;
 mod keys;
 mod material;
 mod mesh;

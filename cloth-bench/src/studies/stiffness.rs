@@ -134,6 +134,7 @@ fn one_constraint(points: &[(Real, u32, Real)]) -> Result<Vec<Vec<Number>>, Benc
         pins: None,
         touch: None,
         air: None,
+        gases: Vec::new(),
         changes: Vec::new(),
         order: None,
     };

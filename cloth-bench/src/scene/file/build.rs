@@ -3,7 +3,7 @@
 use super::document::{Document, Section};
 use super::keys::{DT, GRAVITY, MESH_CLOTH, MESH_CONTACT, NAME, SECTIONS, STEPS, overrulable};
 use super::material::Material;
-use super::{air, mesh, obstacles, pins, roughness, start, tear};
+use super::{air, gas, mesh, obstacles, pins, roughness, start, tear};
 use crate::bounds::bounds;
 use crate::error::BenchError;
 use crate::scene::contact::{NO_SELF, THICKNESS, Touch};
@@ -198,7 +198,7 @@ impl<'a> Sections<'a> {
         let up = -gravity.try_normalize(0.0).unwrap_or(-Vec3::z());
         let mut held = Vec::new();
         for section in &self.pins {
-            held.push(pins::chosen(section, mesh.positions(), up)?);
+            held.push(pins::chosen(section, &mesh, up)?);
         }
         // Files come in any vertex order; neighbours in space become neighbours in memory.
         let order = from_file.then(|| Order::morton(mesh.positions()));
@@ -214,6 +214,10 @@ impl<'a> Sections<'a> {
         };
         let blame = |error| self.blame_material(error, overruling);
         let mut model = material.cut(&mesh, |_| true).map_err(blame)?;
+        let gases = gas::inside(&self.meshes, &counts, &mesh, order.as_ref())?;
+        if let (false, Some(tear)) = (gases.is_empty(), self.tears.first()) {
+            return Err(tear.refuse_table("cloth with gas inside cannot be torn"));
+        }
         let mut changes = tear::tears(&self.tears, &material, &mesh)?;
         let mut ways = Pins::new();
         let holds = self.pins.iter().zip(held);
@@ -247,6 +251,7 @@ impl<'a> Sections<'a> {
             air: air::around(&self.air, &settings, &mesh)?,
             pins: Some(Arc::new(ways)).filter(|ways| !ways.is_empty()),
             changes,
+            gases,
             ..built_in::of_mesh("", &mesh, model, gravity)
         };
         start::apply(&self.start, &mut scene)?;

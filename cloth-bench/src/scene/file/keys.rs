@@ -50,10 +50,16 @@ pub(super) const ROTATE: Parameter = parameter(
 pub(super) const TRANSLATE: Parameter =
     parameter("translate", "[0, 0, 0]", "shift (m), last of all");
 
+pub(super) const PRESSURE: Parameter = parameter(
+    "pressure",
+    "none",
+    "gauge pressure (Pa) of the gas inside a closed piece, which does not depend on its volume; none: no gas",
+);
+
 pub(super) const SELECT: Parameter = parameter(
     "select",
     "none",
-    "\"corners\" (the two at one end of a sheet) or \"highest\"; give this, vertices or a box",
+    "\"corners\" (the two at one end of a sheet), \"highest\" or \"border\" (all on an edge of one triangle); give this, vertices or a box",
 );
 pub(super) const VERTICES: Parameter = parameter(
     "vertices",
@@ -206,7 +212,7 @@ pub const SECTIONS: [SectionInfo; 12] = [
     SectionInfo {
         head: "[[mesh]]",
         about: "the cloth at rest; several make one cloth of several pieces",
-        keys: &[FILE, GENERATOR, SCALE, ROTATE, TRANSLATE],
+        keys: &[FILE, GENERATOR, SCALE, ROTATE, TRANSLATE, PRESSURE],
     },
     MESH_CLOTH,
     MESH_CONTACT,

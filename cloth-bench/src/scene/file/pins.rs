@@ -6,21 +6,27 @@ use crate::error::BenchError;
 use crate::names;
 use crate::scene::{Change, ChangeKind, Motion, pins};
 use cloth_core::math::{Real, Vec3};
+use cloth_core::mesh::TriMesh;
 use cloth_core::particles::Particles;
 use cloth_core::pin::Pins;
+use cloth_core::topology::EdgeTable;
 
 /// The vertices that a table holds, in the caller's numbers.
 pub(super) fn chosen(
     section: &Section<'_>,
-    positions: &[Vec3],
+    mesh: &TriMesh,
     up: Vec3,
 ) -> Result<Vec<usize>, BenchError> {
+    let positions = mesh.positions();
     let select = section.text(&SELECT)?;
     let numbers = section.counts(&VERTICES)?;
     let corners = section.corners(&BOX)?;
     match (select, numbers, corners) {
         (Some(name), None, None) => {
-            let known = ["corners", "highest"];
+            let known = ["corners", "highest", "border"];
+            if name == "border" {
+                return border(section, mesh);
+            }
             if known.contains(&name) {
                 return pins::chosen(name, positions, up);
             }
@@ -51,6 +57,22 @@ pub(super) fn chosen(
         }
         _ => Err(section.refuse_table("needs one of the keys select, vertices and box")),
     }
+}
+
+/// All vertices on edges of one triangle alone.
+fn border(section: &Section<'_>, mesh: &TriMesh) -> Result<Vec<usize>, BenchError> {
+    let edges = EdgeTable::build(mesh).map_err(|error| section.refuse(&SELECT, error))?;
+    let numbered = edges.ends().iter().enumerate();
+    let border = numbered.filter(|(edge, _)| edges.is_boundary(*edge));
+    let mut vertices: Vec<usize> = border
+        .flat_map(|(_, ends)| ends.map(|v| v as usize))
+        .collect();
+    vertices.sort_unstable();
+    vertices.dedup();
+    if vertices.is_empty() {
+        return Err(section.refuse(&SELECT, "a closed mesh has no border"));
+    }
+    Ok(vertices)
 }
 
 /// Vertices that are held for some time.

@@ -94,6 +94,7 @@ fn make(name: &str, iterations: u32, cells: usize) -> Result<Made, BenchError> {
         pins: None,
         touch: None,
         air: None,
+        gases: Vec::new(),
         changes: Vec::new(),
         order: None,
     };
