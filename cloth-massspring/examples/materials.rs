@@ -1,7 +1,8 @@
-//! One sheet of cloth in sixteen materials at three sizes of step: does every implicit step converge, by which method, and in
-//! what time?
+//! One sheet of cloth in sixteen materials at three sizes of step: does every implicit step converge, by which method,
+//! and in what time?
 //!
-//! `cargo run --release -p cloth-massspring --example materials [-- SIDE STEPS]`. It panics if a step does not converge.
+//! `cargo run --release -p cloth-massspring --example materials [-- SIDE STEPS]`. It panics if a step does not
+//! converge.
 
 use cloth_core::cloth::{Carriers, Cloth, Elements, Membrane, SpringLaw};
 use cloth_core::math::{Real, Vec3};

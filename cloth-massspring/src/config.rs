@@ -57,19 +57,23 @@ impl ExplicitConfig {
 pub struct ImplicitConfig {
     /// Most iterations in a step. Spending them all is no error; the report says so.
     pub max_iterations: u32,
-    /// How far the change of velocity that the forces make may be from that of the minimum, relative to itself (dimensionless): the iteration ends
-    /// when the Newton decrement is small enough, `√(∇Gᵀ H⁻¹ ∇G) ≤ tolerance · ‖x − x̂‖_M/s`, or when rounding allows no more; 0 asks for as much as
-    /// rounding allows. The decrement bounds the error from above in the norm of the Hessian H, and so in that of M/s², where it is exact (Boyd and
-    /// Vandenberghe, *Convex Optimization*, 2004, section 9.5.1); `G` is then above its minimum by no more than `tolerance²` of the kinetic energy of that change. The quasi-Newton
-    /// method has an H that is too stiff where elements are compressed: its true error was up to four times the estimate in tests.
+    /// How far the change of velocity that the forces make may be from that of the minimum, relative to itself
+    /// (dimensionless): the iteration ends when the Newton decrement is small enough,
+    /// `√(∇Gᵀ H⁻¹ ∇G) ≤ tolerance · ‖x − x̂‖_M/s`, or when rounding allows no more; 0 asks for as much as rounding
+    /// allows. The decrement bounds the error from above in the norm of the Hessian H, and so in that of M/s², where it
+    /// is exact (Boyd and Vandenberghe, *Convex Optimization*, 2004, section 9.5.1); `G` is then above its minimum by
+    /// no more than `tolerance²` of the kinetic energy of that change. The quasi-Newton method has an H that is too
+    /// stiff where elements are compressed: its true error was up to four times the estimate in tests.
     ///
-    /// A norm of the gradient itself would weigh stiff directions by their stiffness; and compared with that at `x̂`, which stretches stiff cloth far, any place would pass at
-    /// 10⁶ N/m and 0.1 s. If the start of the iteration gives off very much energy, a thousandth of the velocity that it would make counts.
+    /// A norm of the gradient itself would weigh stiff directions by their stiffness; and compared with that at `x̂`,
+    /// which stretches stiff cloth far, any place would pass at 10⁶ N/m and 0.1 s. If the start of the iteration gives
+    /// off very much energy, a thousandth of the velocity that it would make counts.
     pub tolerance: Real,
     /// Which second derivative Newton's method uses.
     pub hessian: HessianPolicy,
-    /// How the linear systems of Newton's method are solved. An iterative solver needs no factor, which is the larger part of time and memory on
-    /// large sheets; its tolerance is also how much of the gradient a Newton step leaves behind.
+    /// How the linear systems of Newton's method are solved. An iterative solver needs no factor, which is the larger
+    /// part of time and memory on large sheets; its tolerance is also how much of the gradient a Newton step leaves
+    /// behind.
     pub linear: LinearMethod,
     /// Where Newton's method starts.
     pub start: StartGuess,
@@ -85,20 +89,22 @@ pub struct ImplicitConfig {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Solve {
-    /// A quasi-Newton method to the tolerance: limited-memory BFGS around a multigrid cycle on a positive definite Hessian. It factorises
-    /// nothing; its iterations are many times cheaper than those of Newton's method, which takes over where they do not get to
-    /// the end ([`newton_fallbacks`](cloth_core::step::StepReport::newton_fallbacks)), and where [`Accept::Minimum`] asks for a proof.
+    /// A quasi-Newton method to the tolerance: limited-memory BFGS around a multigrid cycle on a positive definite
+    /// Hessian. It factorises nothing; its iterations are many times cheaper than those of Newton's method, which takes
+    /// over where they do not get to the end ([`newton_fallbacks`](cloth_core::step::StepReport::newton_fallbacks)),
+    /// and where [`Accept::Minimum`] asks for a proof.
     #[default]
     QuasiNewton,
     /// Newton's method with line search, to the tolerance.
     Newton,
     /// One Newton step of full length from the start guess: the forces linearised there, and one linear system (MS-3).
-    /// Neither the tolerance nor the most iterations nor [`Accept`] matter, and no residual is computed, unless there is contact: that is not linearised, and
-    /// takes iterations to the tolerance.
+    /// Neither the tolerance nor the most iterations nor [`Accept`] matter, and no residual is computed, unless there
+    /// is contact: that is not linearised, and takes iterations to the tolerance.
     ///
-    /// The cheapest implicit step there is. Linear forces it integrates like the full solution. Otherwise its
-    /// error is of the order of the integrator's own, the second order of midpoint and BDF2 only where the Hessian is exact or no spring is compressed; but nothing guarantees that the energy goes down: a
-    /// step that turns a stiff spring by a large angle stretches it, and the next one starts from there.
+    /// The cheapest implicit step there is. Linear forces it integrates like the full solution. Otherwise its error is
+    /// of the order of the integrator's own, the second order of midpoint and BDF2 only where the Hessian is exact or
+    /// no spring is compressed; but nothing guarantees that the energy goes down: a step that turns a stiff spring by a
+    /// large angle stretches it, and the next one starts from there.
     Linearized,
 }
 
@@ -120,13 +126,13 @@ pub enum HessianPolicy {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Accept {
-    /// All of them, a saddle point too: a solution of S1 (9), which is all that implicit Euler asks for. A compressed sheet may
-    /// then buckle some steps later than it could.
+    /// All of them, a saddle point too: a solution of S1 (9), which is all that implicit Euler asks for. A compressed
+    /// sheet may then buckle some steps later than it could.
     #[default]
     Stationary,
     /// Minima only, S1 (10). Costs at most one factorisation more where the point is a minimum. A saddle point is left
-    /// along a direction of negative curvature; which side the cloth then falls to is decided by a fixed pseudo-random vector.
-    /// Needs a linear solver that proves definiteness: [`LinearMethod::Cholesky`].
+    /// along a direction of negative curvature; which side the cloth then falls to is decided by a fixed pseudo-random
+    /// vector. Needs a linear solver that proves definiteness: [`LinearMethod::Cholesky`].
     Minimum,
 }
 
@@ -138,9 +144,9 @@ pub enum StartGuess {
     Previous,
     /// `x[0] + Δt v[0]`.
     Inertial,
-    /// `x[0] + Δt (v[0] + ½ (v[0] − v[−1]))`: half of what the last step changed once more, which turns the velocity along with the
-    /// cloth. The same as `Inertial` in a step that does not continue another of the same size, and for the midpoint rule,
-    /// whose velocities may tremble.
+    /// `x[0] + Δt (v[0] + ½ (v[0] − v[−1]))`: half of what the last step changed once more, which turns the velocity
+    /// along with the cloth. The same as `Inertial` in a step that does not continue another of the same size, and for
+    /// the midpoint rule, whose velocities may tremble.
     #[default]
     Extrapolated,
     /// `x̃ = x[0] + Δt v[0] + Δt² a`, with gravity and load.
@@ -163,9 +169,9 @@ impl Default for ImplicitConfig {
 }
 
 impl ImplicitConfig {
-    /// Settings for a step that costs one linear solve, as D. Baraff and A. Witkin take it
-    /// (SIGGRAPH 1998, <https://doi.org/10.1145/280814.280821>): linearised at `x[0]`, the indefinite part of compressed springs dropped, and
-    /// solved by multigrid-preconditioned conjugate gradients to 10⁻⁸.
+    /// Settings for a step that costs one linear solve, as D. Baraff and A. Witkin take it (SIGGRAPH 1998,
+    /// <https://doi.org/10.1145/280814.280821>): linearised at `x[0]`, the indefinite part of compressed springs
+    /// dropped, and solved by multigrid-preconditioned conjugate gradients to 10⁻⁸.
     #[must_use]
     pub fn linearized() -> Self {
         Self {
@@ -180,8 +186,8 @@ impl ImplicitConfig {
         }
     }
 
-    /// Settings for a reference solution (VALIDATION 8.1): a minimum, not a saddle point, to the last digit that rounding
-    /// allows or 1e-12, whichever comes first.
+    /// Settings for a reference solution (VALIDATION 8.1): a minimum, not a saddle point, to the last digit that
+    /// rounding allows or 1e-12, whichever comes first.
     #[must_use]
     pub fn reference() -> Self {
         Self {

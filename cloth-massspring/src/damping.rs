@@ -6,17 +6,18 @@ use cloth_core::step::BuildError;
 /// Forces against the motion, `f = −α M v − β K v` (Rayleigh damping). An oscillation ω loses energy at the rate
 /// `2γ = α + β ω²`: the air takes from slow motions as much as from fast ones, the material from fast ones most.
 ///
-/// `K` is the material part of the stiffness, `Σ k ∂C ∂Cᵀ` ([`GaussNewton`](cloth_core::element::Convexity::GaussNewton)): it resists
-/// the *rate of strain*. What a tense spring feels across its axis is not in it, so that a cloth that
-/// turns like a rigid body is not held back. For springs of rest length 0 and for bending it is all there is.
+/// `K` is the material part of the stiffness, `Σ k ∂C ∂Cᵀ`
+/// ([`GaussNewton`](cloth_core::element::Convexity::GaussNewton)): it resists the *rate of strain*. What a tense spring
+/// feels across its axis is not in it, so that a cloth that turns like a rigid body is not held back. For springs of
+/// rest length 0 and for bending it is all there is.
 ///
 /// Zero means none: neither is then computed. How exactly each integrator takes them is said there.
 ///
 /// J. W. Strutt (Lord Rayleigh), *The Theory of Sound*, 1877, § 81.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Damping {
-    /// α (1/s): the air holds every vertex back by `α m v`. A drag of `c` N per m/s and m² of cloth is `α = c/ρ`, with ρ the
-    /// areal density (kg/m²).
+    /// α (1/s): the air holds every vertex back by `α m v`. A drag of `c` N per m/s and m² of cloth is `α = c/ρ`, with
+    /// ρ the areal density (kg/m²).
     pub air_drag: Real,
     /// β (s): every element resists its rate of strain with `β` times its stiffness.
     pub stiffness: Real,
@@ -41,8 +42,8 @@ impl Damping {
         Ok(())
     }
 
-    /// The largest stable step (s) of symplectic Euler whose damping force is that of the start of the step, from the one without
-    /// damping, `2/ω`: the step with `(Δt ω)² + 2 Δt (α + β ω²) = 4`, which is the shorter the larger ω.
+    /// The largest stable step (s) of symplectic Euler whose damping force is that of the start of the step, from the
+    /// one without damping, `2/ω`: the step with `(Δt ω)² + 2 Δt (α + β ω²) = 4`, which is the shorter the larger ω.
     pub(crate) fn stable_step(&self, undamped: Option<Real>) -> Option<Real> {
         if *self == Self::default() {
             return undamped;

@@ -8,8 +8,8 @@
 //! x[1] = x[0] + Δt v[0]          forward (explicit) Euler
 //! ```
 //!
-//! One index apart, and worlds: forward Euler lets every oscillation grow by `√(1 + z²)` a step (`z = Δt ω`), symplectic
-//! Euler keeps it for ever as long as `z < 2`.
+//! One index apart, and worlds: forward Euler lets every oscillation grow by `√(1 + z²)` a step (`z = Δt ω`),
+//! symplectic Euler keeps it for ever as long as `z < 2`.
 
 mod builder;
 mod watch;
@@ -41,8 +41,8 @@ enum Scheme {
 /// has gained energy from nowhere; both end with [`StepError::Unstable`], whose `stable_dt` is 0 because no step is
 /// stable.
 ///
-/// Damping acts as it does in [`SymplecticEuler`]. A damped oscillation is stable for `Δt ω² < α + β ω²`; that limit is not computed, and
-/// `stable_dt` stays 0.
+/// Damping acts as it does in [`SymplecticEuler`]. A damped oscillation is stable for `Δt ω² < α + β ω²`; that limit is
+/// not computed, and `stable_dt` stays 0.
 #[derive(Debug)]
 pub struct ExplicitEuler(Explicit);
 
@@ -51,14 +51,16 @@ pub struct ExplicitEuler(Explicit);
 /// First order, stable for `Δt ω < 2` in every oscillation ω of the cloth. The energy stays within a band around its
 /// true value, wide where `Δt ω` is near 2; linear and angular momentum are kept to rounding.
 ///
-/// Damping acts with the velocities (and the stiffness) at the start of the step, of first order like the rest. It shortens the stable step to that with
-/// `(Δt ω)² + 2 Δt (α + β ω²) = 4`: stiffness damping in an explicit step costs more than it saves.
+/// Damping acts with the velocities (and the stiffness) at the start of the step, of first order like the rest. It
+/// shortens the stable step to that with `(Δt ω)² + 2 Δt (α + β ω²) = 4`: stiffness damping in an explicit step costs
+/// more than it saves.
 ///
-/// With [`StabilityCheck::Watch`] a step (or substep) beyond [`crate::stable_time_step`] (shortened by damping) is refused with
-/// [`StepError::Unstable`]. The estimate is made before the first step and then made anew every 256 substeps or whenever the
-/// kinetic energy has grown fourfold, because springs that are stretched are stiffer across their axis. A
-/// run whose kinetic energy is a hundred times what it started with and was given since (by gravity, load, pins and moving bodies) ends with the same error, or with
-/// [`StepError::EnergyGain`] where the step is not too large: contact has then stretched the cloth.
+/// With [`StabilityCheck::Watch`] a step (or substep) beyond [`crate::stable_time_step`] (shortened by damping) is
+/// refused with [`StepError::Unstable`]. The estimate is made before the first step and then made anew every 256
+/// substeps or whenever the kinetic energy has grown fourfold, because springs that are stretched are stiffer across
+/// their axis. A run whose kinetic energy is a hundred times what it started with and was given since (by gravity,
+/// load, pins and moving bodies) ends with the same error, or with [`StepError::EnergyGain`] where the step is not too
+/// large: contact has then stretched the cloth.
 #[derive(Debug)]
 pub struct SymplecticEuler(Explicit);
 
@@ -258,7 +260,8 @@ impl Explicit {
         Ok(tally)
     }
 
-    /// Contact in a substep of `dt` (s), whose free end has been found: as constraints on the positions, and what they change as velocity.
+    /// Contact in a substep of `dt` (s), whose free end has been found: as constraints on the positions, and what they
+    /// change as velocity.
     fn touch(&mut self, input: &mut StepInput<'_>, dt: Real) -> Result<(), Trouble> {
         let Some(contacts) = input.contact_constraints() else {
             return Ok(());

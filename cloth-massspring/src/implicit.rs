@@ -1,7 +1,7 @@
 //! Implicit integrators as minimisations (MS-2, MS-3, MS-4).
 //!
-//! The forces are taken where they are not known yet. Implicit Euler, S1 (7)–(10), implicit midpoint and BDF2 all do it by one *stage*:
-//! from a base `x_b`, `v_b` over a time `τ`,
+//! The forces are taken where they are not known yet. Implicit Euler, S1 (7)–(10), implicit midpoint and BDF2 all do it
+//! by one *stage*: from a base `x_b`, `v_b` over a time `τ`,
 //!
 //! ```text
 //! v = v_b + τ (M⁻¹ f(x) + g − α v)
@@ -50,34 +50,36 @@ use damper::Damper;
 use minimizer::{Minimizer, Task};
 use stage::Stage;
 
-/// Implicit Euler: every step is a minimum of `G`, found by a quasi-Newton method around multigrid ([`Solve::QuasiNewton`]) or by Newton's
-/// method, with a line search.
+/// Implicit Euler: every step is a minimum of `G`, found by a quasi-Newton method around multigrid
+/// ([`Solve::QuasiNewton`]) or by Newton's method, with a line search.
 ///
-/// Stable for any step, of first order, and heavily damped: an oscillation ω shrinks by `1/√(1 + (Δt ω)²)` a step. Linear
-/// momentum is kept (to the tolerance), angular momentum is not.
+/// Stable for any step, of first order, and heavily damped: an oscillation ω shrinks by `1/√(1 + (Δt ω)²)` a step.
+/// Linear momentum is kept (to the tolerance), angular momentum is not.
 ///
-/// With [`Solve::Linearized`] it is the step of Baraff and Witkin, and calls itself `linear-implicit`. Where it can touch something, the cloth is linearised once all the same,
-/// and what that and contact make together is minimised to the tolerance: a linearised contact would not know of what the cloth only comes to in the step.
+/// With [`Solve::Linearized`] it is the step of Baraff and Witkin, and calls itself `linear-implicit`. Where it can
+/// touch something, the cloth is linearised once all the same, and what that and contact make together is minimised to
+/// the tolerance: a linearised contact would not know of what the cloth only comes to in the step.
 ///
-/// Damping: drag acts with the velocity at the end of the step, without approximation. Stiffness damping acts with that velocity too, and with
-/// the stiffness at `x[0] + Δt v[0]`. An oscillation then shrinks by `1/√(1 + Δt γ + (Δt ω)²)`, `γ = α + β ω²`, a step.
+/// Damping: drag acts with the velocity at the end of the step, without approximation. Stiffness damping acts with that
+/// velocity too, and with the stiffness at `x[0] + Δt v[0]`. An oscillation then shrinks by `1/√(1 + Δt γ + (Δt ω)²)`,
+/// `γ = α + β ω²`, a step.
 ///
-/// The residual in the report is what [`ImplicitConfig::tolerance`] bounds: the Newton decrement relative to the change of velocity that the forces have made, or
-/// `‖∇G(x)‖/‖M (x − x̃)/Δt²‖` in the norm of M⁻¹, which is never less, where that is small enough already. A step has converged when it
-/// is below the tolerance, or when the gradient is as small as rounding lets it be: positions are stored to half a
-/// unit in the last place of their coordinates, `½ ε |x|`, and a spring answers that with a force of `½ ε |x| k`.
-/// For a sheet of 1 m with springs of 10⁴ N/m and Δt = 1/60 s this floor lies between 10⁻⁸ and 10⁻¹⁰ of the forces. In free
-/// fall there are no forces, and the floor decides alone.
+/// The residual in the report is what [`ImplicitConfig::tolerance`] bounds: the Newton decrement relative to the change
+/// of velocity that the forces have made, or `‖∇G(x)‖/‖M (x − x̃)/Δt²‖` in the norm of M⁻¹, which is never less, where
+/// that is small enough already. A step has converged when it is below the tolerance, or when the gradient is as small
+/// as rounding lets it be: positions are stored to half a unit in the last place of their coordinates, `½ ε |x|`, and a
+/// spring answers that with a force of `½ ε |x| k`. For a sheet of 1 m with springs of 10⁴ N/m and Δt = 1/60 s this
+/// floor lies between 10⁻⁸ and 10⁻¹⁰ of the forces. In free fall there are no forces, and the floor decides alone.
 ///
-/// Prescribed vertices are those of the particles the solver was built for. The levels of multigrid are laid out in the first step, by
-/// the rest positions of the particles if these are known
-/// ([`Particles::rest_positions`](cloth_core::particles::Particles::rest_positions)), else by the positions it starts from; the room that
-/// Newton's method needs is taken when it is first called.
+/// Prescribed vertices are those of the particles the solver was built for. The levels of multigrid are laid out in the
+/// first step, by the rest positions of the particles if these are known
+/// ([`Particles::rest_positions`](cloth_core::particles::Particles::rest_positions)), else by the positions it starts
+/// from; the room that Newton's method needs is taken when it is first called.
 ///
 /// # Errors of a step
-/// [`StepError::LineSearchStalled`] where no lower point is found though the gradient is more than a hundred times what rounding
-/// explains; [`StepError::NotPositiveDefinite`] under [`HessianPolicy::Always`](crate::HessianPolicy::Always) of a Hessian that
-/// may be indefinite, or with an energy of the caller's whose clamped Hessian is;
+/// [`StepError::LineSearchStalled`] where no lower point is found though the gradient is more than a hundred times what
+/// rounding explains; [`StepError::NotPositiveDefinite`] under [`HessianPolicy::Always`](crate::HessianPolicy::Always)
+/// of a Hessian that may be indefinite, or with an energy of the caller's whose clamped Hessian is;
 /// [`StepError::NonFinite`] where numbers overflow.
 #[derive(Debug)]
 pub struct ImplicitEuler(Implicit);
@@ -87,20 +89,23 @@ pub struct ImplicitEuler(Implicit);
 /// Second order, time-reversible and symplectic. An oscillation ω keeps its amplitude whatever the step, and turns by
 /// `2 atan(Δt ω/2)`: the energy of linear springs is kept to rounding, linear and angular momentum to the tolerance.
 ///
-/// The other side of it: nothing dies out, and that holds for modes the step does not resolve. With `Δt ω ≫ 2` they turn by almost half a circle and
-/// appear as a vertex-to-vertex tremble that goes on for ever. Nor is the energy of *nonlinear* springs kept:
-/// where they are stiff and the step is long, it grows without bound, though every stage has its minimum. A sheet of 8 × 8 vertices on springs of 10⁴ N/m
-/// reaches 10⁶ J within 300 steps of 1/60 s (a test says so). Use it where the step resolves the fastest oscillation, `Δt ω < 2` or
-/// so; for cloth at large steps take [`Bdf2`].
+/// The other side of it: nothing dies out, and that holds for modes the step does not resolve. With `Δt ω ≫ 2` they
+/// turn by almost half a circle and appear as a vertex-to-vertex tremble that goes on for ever. Nor is the energy of
+/// *nonlinear* springs kept: where they are stiff and the step is long, it grows without bound, though every stage has
+/// its minimum. A sheet of 8 × 8 vertices on springs of 10⁴ N/m reaches 10⁶ J within 300 steps of 1/60 s (a test says
+/// so). Use it where the step resolves the fastest oscillation, `Δt ω < 2` or so; for cloth at large steps take
+/// [`Bdf2`].
 ///
-/// Half a step of implicit Euler, and what happened in it once more. Damping: drag and stiffness act with the velocity in the middle, both with
-/// second order. Prescribed vertices pass the middle at `x[0] + ½ Δt v[0]`.
+/// Half a step of implicit Euler, and what happened in it once more. Damping: drag and stiffness act with the velocity
+/// in the middle, both with second order. Prescribed vertices pass the middle at `x[0] + ½ Δt v[0]`.
 ///
 /// Contact acts at the end of the step, and takes up motion as in implicit Euler: what it stops does not bounce.
 ///
-/// Errors and residual are those of [`ImplicitEuler`], for the stage in the middle. An observer is shown positions in the middle too.
+/// Errors and residual are those of [`ImplicitEuler`], for the stage in the middle. An observer is shown positions in
+/// the middle too.
 ///
-/// E. Hairer, C. Lubich, G. Wanner, *Geometric Numerical Integration*, 2006, II.1.1, <https://doi.org/10.1007/3-540-30666-8>.
+/// E. Hairer, C. Lubich, G. Wanner, *Geometric Numerical Integration*, 2006, II.1.1,
+/// <https://doi.org/10.1007/3-540-30666-8>.
 #[derive(Debug)]
 pub struct ImplicitMidpoint(Implicit);
 
@@ -172,7 +177,8 @@ enum Place {
     Middle,
 }
 
-/// Part of the last change of velocity that the start guess expects once more: all of it overshoots where wrinkles tremble.
+/// Part of the last change of velocity that the start guess expects once more: all of it overshoots where wrinkles
+/// tremble.
 const EXTRAPOLATED: Real = 0.5;
 
 /// What is said where Newton's method meets contact.

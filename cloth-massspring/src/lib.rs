@@ -14,8 +14,8 @@
 //!
 //! But a force that is right at the start can carry a vertex beyond the far side of its spring before it is asked
 //! again. The next force is then larger, and so on: *overshoot*. A step must be shorter than `2/ω`, with ω the fastest
-//! oscillation of the cloth, and ω grows with stiffness and with fineness. (S2 says that instability comes with a small Δt; it
-//! comes with a large one.)
+//! oscillation of the cloth, and ω grows with stiffness and with fineness. (S2 says that instability comes with a small
+//! Δt; it comes with a large one.)
 //!
 //! At the *end* of the step, S1 (7)–(9), the forces are those at positions not yet known:
 //!
@@ -32,9 +32,9 @@
 //! and a minimum can be looked for with a guarantee that equations do not give: every Newton step S1 (11)–(15),
 //! shortened by a line search, leads down. No step size is too large for it.
 //!
-//! The same minimisation, with another goal and another time in the place of `x̃` and Δt, gives two integrators of *second*
-//! order: the implicit midpoint rule (half a step of implicit Euler, and what happened in it once more) and BDF2 (the
-//! velocity from a parabola through three points in time).
+//! The same minimisation, with another goal and another time in the place of `x̃` and Δt, gives two integrators of
+//! *second* order: the implicit midpoint rule (half a step of implicit Euler, and what happened in it once more) and
+//! BDF2 (the velocity from a parabola through three points in time).
 //!
 //! ```text
 //!                     base x_b, v_b                          τ        then
@@ -45,9 +45,9 @@
 //! x minimises ‖x − x̂‖²_M/(2s²) + E(x),   x̂ = x_b + τ v_b/(1 + ατ) + s² g,   s² = τ²/(1 + ατ),   v = (x − x_b)/τ
 //! ```
 //!
-//! Here α is the drag of the air, which costs nothing. Damping that grows with the stiffness adds a third term, `β/(2τ) (x − x_b)ᵀ K (x − x_b)`.
-//! And the minimisation can be cut short: one Newton step from `x[0]` without a line search is the implicit step of
-//! Baraff and Witkin.
+//! Here α is the drag of the air, which costs nothing. Damping that grows with the stiffness adds a third term,
+//! `β/(2τ) (x − x_b)ᵀ K (x − x_b)`. And the minimisation can be cut short: one Newton step from `x[0]` without a line
+//! search is the implicit step of Baraff and Witkin.
 //!
 //! # From equation to function
 //!
@@ -56,8 +56,8 @@
 //! | S1 (1)–(4) | energy and force of springs | [`cloth_core::energy::Spring`] |
 //! | S1 (5), (6) | explicit steps | [`SymplecticEuler`], [`ExplicitEuler`] |
 //! | `Δt < 2/ω_max` | stability | [`stable_time_step`] |
-//! | S1 (7)–(10) | implicit Euler, as a minimisation | [`ImplicitEuler`], [`cloth_core::measure::IncrementalPotential`] |
-//! | `p = −B⁻¹∇G`, B from pairs `s`, `y` around a multigrid cycle | quasi-Newton method (L-BFGS) | [`Solve::QuasiNewton`], [`cloth_core::multigrid`] |
+//! | S1 (7)–(10) | implicit Euler, a minimisation | [`ImplicitEuler`], [`IncrementalPotential`] |
+//! | `p = −B⁻¹∇G`, B from pairs `s`, `y` around a multigrid cycle | quasi-Newton (L-BFGS) | [`Solve::QuasiNewton`] |
 //! | S1 (11)–(14) | Newton's method, start guess | [`Solve::Newton`], [`StartGuess`] |
 //! | `τ = Δt/2` | the implicit midpoint rule | [`ImplicitMidpoint`] |
 //! | `τ = 2Δt/3` | BDF2, and when it starts again | [`Bdf2`] |
@@ -66,51 +66,59 @@
 //! | S1 (15) | the linear system, kept positive definite | [`HessianPolicy`], [`Accept`] |
 //! | `A p = −∇G` | its solution | [`ImplicitConfig::linear`], [`cloth_core::linear`] |
 //!
+//! [`IncrementalPotential`]: cloth_core::measure::IncrementalPotential
+//!
 //! # The minimisation
 //!
-//! Newton's method takes some ten iterations a step, each a factorisation of 3V unknowns: most of its time, and more than
-//! proportional to V. The default factorises nothing. Its direction is `−B⁻¹∇G` with `B⁻¹` one V-cycle of
-//! [multigrid](cloth_core::multigrid) on a positive definite Hessian, improved by the last five pairs `s = Δx`, `y = Δ∇G` (L-BFGS):
-//! five to ten times as many iterations as Newton's method, each thirty to sixty times cheaper. Four things make it work:
+//! Newton's method takes some ten iterations a step, each a factorisation of 3V unknowns: most of its time, and more
+//! than proportional to V. The default factorises nothing. Its direction is `−B⁻¹∇G` with `B⁻¹` one V-cycle of
+//! [multigrid](cloth_core::multigrid) on a positive definite Hessian, improved by the last five pairs `s = Δx`,
+//! `y = Δ∇G` (L-BFGS): five to ten times as many iterations as Newton's method, each thirty to sixty times cheaper.
+//! Four things make it work:
 //!
-//! - *Absolute and lumped.* With the absolute values of what compressed springs take away ([`Convexity::Abs`](cloth_core::element::Convexity::Abs)) the matrix is
-//!   positive definite, so every direction leads down; dropping them ([`Convexity::Clamp`](cloth_core::element::Convexity::Clamp)) would do, too, but lets thin cloth move too far:
-//!   at 64 vertices a side and 10⁻⁸ N·m a step takes 1.4 times as long. Alone such a matrix would converge linearly, and slowly near
-//!   a saddle point, where a compressed sheet has not buckled yet:
-//!   it is stiff in just the direction that is soft. The pairs bring that curvature back. The couplings of wing
-//!   tips are lumped ([`lumped_assembly`](cloth_core::family::Energies::lumped_assembly)), which leaves the pattern of the edges.
-//! - *Predicted forces.* A stiff spring that turns in an iteration is stretched by far, and the Hessian then says that the cloth is
-//!   taut. In the first four iterations the part of the Hessian that depends on the force takes the force that the *linearised*
-//!   spring has predicted ([`mixed_hessian`](cloth_core::element::Energy::mixed_hessian)).
+//! - *Absolute and lumped.* With the absolute values of what compressed springs take away
+//!   ([`Convexity::Abs`](cloth_core::element::Convexity::Abs)) the matrix is positive definite, so every direction
+//!   leads down; dropping them ([`Convexity::Clamp`](cloth_core::element::Convexity::Clamp)) would do, too, but lets
+//!   thin cloth move too far: at 64 vertices a side and 10⁻⁸ N·m a step takes 1.4 times as long. Alone such a matrix
+//!   would converge linearly, and slowly near a saddle point, where a compressed sheet has not buckled yet: it is stiff
+//!   in just the direction that is soft. The pairs bring that curvature back. The couplings of wing tips are lumped
+//!   ([`lumped_assembly`](cloth_core::family::Energies::lumped_assembly)), which leaves the pattern of the edges.
+//! - *Predicted forces.* A stiff spring that turns in an iteration is stretched by far, and the Hessian then says that
+//!   the cloth is taut. In the first four iterations the part of the Hessian that depends on the force takes the force
+//!   that the *linearised* spring has predicted ([`mixed_hessian`](cloth_core::element::Energy::mixed_hessian)).
 //! - *A start that turns.* Half of what the last step changed in the velocities is expected once more
 //!   ([`StartGuess::Extrapolated`]): a tenth fewer evaluations at 64 vertices a side.
-//! - *A way out.* Where more than 1000 further iterations would be needed at the rate of the last 200, the line search finds nothing lower,
-//!   or a tolerance below 10⁻⁵ or the proof of a minimum ([`Accept::Minimum`]) is asked for, Newton's method goes on from there;
-//!   [`newton_fallbacks`](cloth_core::step::StepReport::newton_fallbacks) counts the first two. What needs it are springs with slack and
-//!   very stiff springs on thin cloth (10⁶ N/m and more below 10⁻⁵ N·m); the example `materials` prints a table.
+//! - *A way out.* Where more than 1000 further iterations would be needed at the rate of the last 200, the line search
+//!   finds nothing lower, or a tolerance below 10⁻⁵ or the proof of a minimum ([`Accept::Minimum`]) is asked for,
+//!   Newton's method goes on from there; [`newton_fallbacks`](cloth_core::step::StepReport::newton_fallbacks) counts
+//!   the first two. What needs it are springs with slack and very stiff springs on thin cloth (10⁶ N/m and more below
+//!   10⁻⁵ N·m); the example `materials` prints a table.
 //!
-//! Components of the cloth that nothing holds are shifted to where their momentum takes them at the start and at the end of the iteration, so that
-//! linear momentum is kept to rounding at any tolerance.
+//! Components of the cloth that nothing holds are shifted to where their momentum takes them at the start and at the
+//! end of the iteration, so that linear momentum is kept to rounding at any tolerance.
 //!
 //! # Contact
 //!
 //! What the cloth touches is one more energy in `G`, with a gradient and a positive semi-definite second derivative
-//! ([`ContactPotential`](cloth_core::contact::ContactPotential)), and a bound on every step: no iterate is accepted that has gone through anything. So a
-//! step of any size ends with contact forces, elastic forces and inertia in balance: a sheet rests `h − ρ g/κ` above a floor, and
-//! slides down a slope by `a Δt² n(n + 1)/2`, to nine digits. The quasi-Newton method of [`ImplicitEuler`] and [`Bdf2`] does this. Contacts between vertices
-//! far from each other in the mesh are additions of rank one to the matrix of the multigrid cycle: they come and go without a new pattern.
-//! Newton's method does not take over from a step with contact; one that has not converged within [`ImplicitConfig::max_iterations`] ends there, free of crossings.
+//! ([`ContactPotential`](cloth_core::contact::ContactPotential)), and a bound on every step: no iterate is accepted
+//! that has gone through anything. So a step of any size ends with contact forces, elastic forces and inertia in
+//! balance: a sheet rests `h − ρ g/κ` above a floor, and slides down a slope by `a Δt² n(n + 1)/2`, to nine digits. The
+//! quasi-Newton method of [`ImplicitEuler`] and [`Bdf2`] does this. Contacts between vertices far from each other in
+//! the mesh are additions of rank one to the matrix of the multigrid cycle: they come and go without a new pattern.
+//! Newton's method does not take over from a step with contact; one that has not converged within
+//! [`ImplicitConfig::max_iterations`] ends there, free of crossings.
 //!
-//! A linearised step linearises the cloth alone ([`Solve::Linearized`]), the midpoint rule takes contact at its end ([`ImplicitMidpoint`]). With [`Solve::Newton`]
-//! contact acts after the step.
+//! A linearised step linearises the cloth alone ([`Solve::Linearized`]), the midpoint rule takes contact at its end
+//! ([`ImplicitMidpoint`]). With [`Solve::Newton`] contact acts after the step.
 //!
 //! In explicit methods contact acts at the end of every substep, as constraints with the compliance of the potential
-//! ([`ContactConstraints`](cloth_core::contact::ContactConstraints)): as stiff as it may be, it does not shorten the stable step, and what the constraints move becomes velocity.
+//! ([`ContactConstraints`](cloth_core::contact::ContactConstraints)): as stiff as it may be, it does not shorten the
+//! stable step, and what the constraints move becomes velocity.
 //!
 //! # The linear solver of Newton's method
 //!
-//! The matrix of S1 (15) has a block of 3 × 3 numbers for each pair of neighbours. [`ImplicitConfig::linear`] says how its systems are
-//! solved; every choice leads to the same minimum.
+//! The matrix of S1 (15) has a block of 3 × 3 numbers for each pair of neighbours. [`ImplicitConfig::linear`] says how
+//! its systems are solved; every choice leads to the same minimum.
 //!
 //! | solver | cost of an iteration | factor per iteration, κ the condition number of `D⁻¹A` |
 //! |---|---|---|
@@ -121,12 +129,13 @@
 //! | Gauss–Seidel | as much as a product | the square of Jacobi's, or so |
 //! | Jacobi | a product and one pass | `(κ − 1)/(κ + 1)` |
 //!
-//! κ grows with stiffness, with Δt² and with resolution: 4·10⁴, 2·10⁵ and 10⁶ for the hanging sheet of 10⁴ N/m with 32, 64 and 128 vertices a side at
-//! Δt = 1/60 s, where conjugate gradients take 295, 589 and 1385 iterations to a residual of 10⁻³ and the factorisation is faster at every size up to 256
-//! a side. (`cloth-bench study newton` measures all of it.) Where κ is smaller the choice turns round: a linearised step of 128 × 128 vertices
-//! by conjugate gradients (to 10⁻³) against Cholesky takes 266 ms against 165 ms at 10⁴ N/m and 1/60 s, but 106 against 176 at 10² N/m, and 14 against 168 at 10⁴ N/m
-//! and 1 ms. The linearised step takes multigrid to 10⁻⁸, where it follows that by Cholesky to a micrometre in 20 steps (10⁻³: 6 mm),
-//! and shifts components that nothing holds to the momentum of the exact solution:
+//! κ grows with stiffness, with Δt² and with resolution: 4·10⁴, 2·10⁵ and 10⁶ for the hanging sheet of 10⁴ N/m with 32,
+//! 64 and 128 vertices a side at Δt = 1/60 s, where conjugate gradients take 295, 589 and 1385 iterations to a residual
+//! of 10⁻³ and the factorisation is faster at every size up to 256 a side. (`cloth-bench study newton` measures all of
+//! it.) Where κ is smaller the choice turns round: a linearised step of 128 × 128 vertices by conjugate gradients (to
+//! 10⁻³) against Cholesky takes 266 ms against 165 ms at 10⁴ N/m and 1/60 s, but 106 against 176 at 10² N/m, and 14
+//! against 168 at 10⁴ N/m and 1 ms. The linearised step takes multigrid to 10⁻⁸, where it follows that by Cholesky to a
+//! micrometre in 20 steps (10⁻³: 6 mm), and shifts components that nothing holds to the momentum of the exact solution:
 //!
 //! | vertices a side, ms (Zen 4, one thread, least of the steps) | Cholesky | multigrid to 10⁻³ | 10⁻⁶ | 10⁻⁸ |
 //! |---|---|---|---|---|
@@ -134,8 +143,8 @@
 //! | 128 | 166 | 22 | 40 | 58 |
 //! | 256 | 1941 | 218 | 332 | 620 |
 //!
-//! Only the factorisation *proves* that the matrix is positive definite; conjugate gradients notice negative curvature that
-//! they meet, the others diverge on it, and all of them then get less of the indefinite part.
+//! Only the factorisation *proves* that the matrix is positive definite; conjugate gradients notice negative curvature
+//! that they meet, the others diverge on it, and all of them then get less of the indefinite part.
 //!
 //! # What a step does to one oscillation
 //!
@@ -149,7 +158,8 @@
 //! | [`ImplicitMidpoint`] | 2 | 1 | `2 atan(z/2)` | always |
 //! | [`Bdf2`] | 2 | modulus of `λ = 1/(2 − √(1 + 2iz))`, `1 − z⁴/4` for small z | argument of λ | always |
 //!
-//! The orders are measured, too: on a chain of five links that swings for 0.4 s the error (root mean square over the mass, of a chain of 1 m) goes with Δt as
+//! The orders are measured, too: on a chain of five links that swings for 0.4 s the error (root mean square over the
+//! mass, of a chain of 1 m) goes with Δt as
 //!
 //! | method | error at Δt = 2 ms | 1 ms | 0.5 ms | order |
 //! |---|---|---|---|---|
@@ -162,32 +172,35 @@
 //!
 //! # Limits
 //!
-//! - Second order is a promise for steps that resolve the motion. Where stiff springs oscillate faster than the step, BDF2 lets them die out within a few
-//!   steps; the midpoint rule keeps them trembling, and as springs are nonlinear their energy grows until the run is nonsense: stable for one oscillation is
-//!   not stable for cloth. Midpoint is for steps that resolve the fastest oscillation.
-//! - The linearised step has no line search and goes down to no minimum: nothing guarantees that its energy stays bounded where springs turn far in a step.
-//! - Damping keeps its order of accuracy: `K` is taken where inertia leads, `v` where the forces are. It is that of the material only,
-//!   the tension of a spring does not damp its turning.
-//! - Newton's method converges from cloth that is random, flattened, collapsed into a point or turned inside out, with stiffnesses and masses that
-//!   differ by 10⁸ and 10⁶, at steps from 1 ms to 1 s: ten runs of ten in each of 108 cases. But it can take hundreds of
-//!   iterations (800 at worst) where a stiff net unfolds.
-//! - Implicit Euler is *heavily damped*: an oscillation of period 10 Δt loses 15 % of its amplitude in every step. Cloth that swings and
-//!   wrinkles less with it than it should is the price of the large step, not a property of the cloth. It keeps
-//!   linear momentum, not angular momentum.
-//! - Symplectic Euler keeps both momenta, and its energy stays within a band; at `z` near 2 the band is wide. A sheet of 64 × 64 vertices, 0.2 kg/m² and
-//!   10⁴ N/m, needs 370 steps for what implicit Euler does in one of 1/60 s.
-//! - A compressed sheet has many minima, one for each way to buckle, and saddle points between them. Which minimum Newton's method finds depends on
-//!   the start; by default a saddle point will do as well, see [`Accept`].
-//! - Springs with slack change their stiffness from nothing to all at the end of it; the quasi-Newton method then often gets stuck, and
-//!   Newton's method takes over: at 32 cells a side a step takes forty to sixty times as long.
-//! - Gradients cannot be made smaller than rounding: positions of 1 m are stored to 10⁻¹⁶ m, and stiff springs feel it. At
-//!   10⁴ N/m and 1/60 s the floor is about 10⁻¹¹ to 10⁻¹³ of `‖∇G(x̃)‖`. The iteration knows it and stops there.
+//! - Second order is a promise for steps that resolve the motion. Where stiff springs oscillate faster than the step,
+//!   BDF2 lets them die out within a few steps; the midpoint rule keeps them trembling, and as springs are nonlinear
+//!   their energy grows until the run is nonsense: stable for one oscillation is not stable for cloth. Midpoint is for
+//!   steps that resolve the fastest oscillation.
+//! - The linearised step has no line search and goes down to no minimum: nothing guarantees that its energy stays
+//!   bounded where springs turn far in a step.
+//! - Damping keeps its order of accuracy: `K` is taken where inertia leads, `v` where the forces are. It is that of the
+//!   material only, the tension of a spring does not damp its turning.
+//! - Newton's method converges from cloth that is random, flattened, collapsed into a point or turned inside out, with
+//!   stiffnesses and masses that differ by 10⁸ and 10⁶, at steps from 1 ms to 1 s: ten runs of ten in each of 108
+//!   cases. But it can take hundreds of iterations (800 at worst) where a stiff net unfolds.
+//! - Implicit Euler is *heavily damped*: an oscillation of period 10 Δt loses 15 % of its amplitude in every step.
+//!   Cloth that swings and wrinkles less with it than it should is the price of the large step, not a property of the
+//!   cloth. It keeps linear momentum, not angular momentum.
+//! - Symplectic Euler keeps both momenta, and its energy stays within a band; at `z` near 2 the band is wide. A sheet
+//!   of 64 × 64 vertices, 0.2 kg/m² and 10⁴ N/m, needs 370 steps for what implicit Euler does in one of 1/60 s.
+//! - A compressed sheet has many minima, one for each way to buckle, and saddle points between them. Which minimum
+//!   Newton's method finds depends on the start; by default a saddle point will do as well, see [`Accept`].
+//! - Springs with slack change their stiffness from nothing to all at the end of it; the quasi-Newton method then often
+//!   gets stuck, and Newton's method takes over: at 32 cells a side a step takes forty to sixty times as long.
+//! - Gradients cannot be made smaller than rounding: positions of 1 m are stored to 10⁻¹⁶ m, and stiff springs feel it.
+//!   At 10⁴ N/m and 1/60 s the floor is about 10⁻¹¹ to 10⁻¹³ of `‖∇G(x̃)‖`. The iteration knows it and stops there.
 //! - Springs on every edge lock bending across the diagonals (S1 (19), (20)), whatever the integrator.
 //!
 //! # Features
 //!
-//! `parallel` (default): energies, matrices and multigrid on rayon's threads, with the same bits as without. `cholesky`: the sparse
-//! factorisation, for Newton's method by it and for proofs of a minimum; without, Newton's method takes multigrid.
+//! `parallel` (default): energies, matrices and multigrid on rayon's threads, with the same bits as without.
+//! `cholesky`: the sparse factorisation, for Newton's method by it and for proofs of a minimum; without, Newton's
+//! method takes multigrid.
 //!
 //! # Example
 //!
@@ -224,12 +237,14 @@
 //!
 //! # References
 //!
-//! - D. Baraff, A. Witkin, "Large steps in cloth simulation", SIGGRAPH 1998, <https://doi.org/10.1145/280814.280821>: implicit steps for cloth.
+//! - D. Baraff, A. Witkin, "Large steps in cloth simulation", SIGGRAPH 1998, <https://doi.org/10.1145/280814.280821>:
+//!   implicit steps for cloth.
 //! - S. Martin, B. Thomaszewski, E. Grinspun, M. Gross, "Example-based elastic materials", ACM TOG 30(4), 2011,
 //!   <https://doi.org/10.1145/2010324.1964967>: implicit Euler as a minimisation.
-//! - K.-J. Choi, H.-S. Ko, "Stable but responsive cloth", SIGGRAPH 2002, <https://doi.org/10.1145/566570.566624>: why a compressed spring makes the matrix
-//!   indefinite, and what it means.
-//! - C. F. Curtiss, J. O. Hirschfelder, "Integration of stiff equations", PNAS 38(3), 1952, <https://doi.org/10.1073/pnas.38.3.235>: BDF.
+//! - K.-J. Choi, H.-S. Ko, "Stable but responsive cloth", SIGGRAPH 2002, <https://doi.org/10.1145/566570.566624>: why a
+//!   compressed spring makes the matrix indefinite, and what it means.
+//! - C. F. Curtiss, J. O. Hirschfelder, "Integration of stiff equations", PNAS 38(3), 1952,
+//!   <https://doi.org/10.1073/pnas.38.3.235>: BDF.
 //! - J. Nocedal, S. J. Wright, *Numerical Optimization*, 2nd ed., Springer 2006,
 //!   <https://doi.org/10.1007/978-0-387-40065-5>: chapter 3, line search and modified Newton methods.
 //! - E. Hairer, C. Lubich, G. Wanner, *Geometric Numerical Integration*, 2nd ed., Springer 2006,
@@ -250,3 +265,12 @@ pub use damping::Damping;
 pub use explicit::{ExplicitBuilder, ExplicitEuler, SymplecticEuler};
 pub use implicit::{Bdf2, ImplicitBuilder, ImplicitEuler, ImplicitMidpoint};
 pub use stability::stable_time_step;
+
+pub use cloth_core;
+#[doc(no_inline)]
+pub use cloth_core::{
+    energy::Spring,
+    math::Vec3,
+    particles::{Particles, State},
+    step::{BuildError, StepError, StepInput, StepReport, Stepper},
+};

@@ -4,11 +4,11 @@
 //! largest eigenvalue `ω²` of `M⁻¹ K`, with `K` the Hessian of the energy. Lanczos' method finds it from
 //! products alone, in the symmetric form `A = M^{-½} K M^{-½}` over the free vertices.
 //!
-//! Of `K` the negative eigenvalues of each element are dropped ([`Convexity::Clamp`]). They belong to springs that give way
-//! sideways under compression: no oscillation and no overshoot, but buckling, which ends when the spring is
-//! straight again, and which no step size prevents. Dropping them can only raise the largest eigenvalue,
-//! so the step that comes out is on the safe side. Stretched springs are stiff across their axis too, by
-//! `k (1 − L/l)`, and that counts.
+//! Of `K` the negative eigenvalues of each element are dropped ([`Convexity::Clamp`]). They belong to springs that give
+//! way sideways under compression: no oscillation and no overshoot, but buckling, which ends when the spring is
+//! straight again, and which no step size prevents. Dropping them can only raise the largest eigenvalue, so the step
+//! that comes out is on the safe side. Stretched springs are stiff across their axis too, by `k (1 − L/l)`, and that
+//! counts.
 //!
 //! B. N. Parlett, *The Symmetric Eigenvalue Problem*, SIAM 1998, chapter 13, <https://doi.org/10.1137/1.9781611971163>.
 
@@ -20,13 +20,14 @@ use nalgebra::SMatrix;
 
 /// Relative bound on the error of ω² at which the iteration ends.
 const ACCURACY: Real = 1e-3;
-/// Vectors of the Krylov basis that are kept. When they are spent, the iteration starts again with the best vector in their span.
+/// Vectors of the Krylov basis that are kept. When they are spent, the iteration starts again with the best vector in
+/// their span.
 const BASIS: usize = 16;
 /// Starts at most; one is enough when the start vector is the answer to almost the same question.
 const MOST_STARTS: usize = 20;
 
-/// Largest stable step `2/ω_max` (s) of symplectic Euler at these positions (m), a little on the safe side: relative to the
-/// truth it is at most 0.1 % too small (0.05 % in practice), unless a cloth is so large that the iteration ends
+/// Largest stable step `2/ω_max` (s) of symplectic Euler at these positions (m), a little on the safe side: relative to
+/// the truth it is at most 0.1 % too small (0.05 % in practice), unless a cloth is so large that the iteration ends
 /// before it gets there.
 ///
 /// `None` where there is no stiffness, so that every step is stable.
@@ -60,7 +61,8 @@ pub(crate) struct Spectrum {
     scratch: Vec<Vec3>,
 }
 
-/// An approximate eigenvalue of `A` (1/s²), its vector in terms of the basis, and a bound of its distance from a true one.
+/// An approximate eigenvalue of `A` (1/s²), its vector in terms of the basis, and a bound of its distance from a true
+/// one.
 struct Ritz {
     value: Real,
     vector: [Real; BASIS],
@@ -135,7 +137,8 @@ impl Spectrum {
         }
     }
 
-    /// Takes away what the product has in common with the basis, and scales the rest to length 1; returns the length it had.
+    /// Takes away what the product has in common with the basis, and scales the rest to length 1; returns the length it
+    /// had.
     fn orthogonalize(&mut self, step: usize) -> Real {
         // The recurrence needs the last two vectors only; all of them hold off rounding, at little cost for so few.
         for q in &self.basis[..=step] {
@@ -163,8 +166,8 @@ impl Spectrum {
     }
 }
 
-/// The largest eigenvalue of a tridiagonal matrix of which `step + 1` rows are known and the rest is zero; `beta` couples
-/// it to what is not known.
+/// The largest eigenvalue of a tridiagonal matrix of which `step + 1` rows are known and the rest is zero; `beta`
+/// couples it to what is not known.
 fn largest(tridiagonal: &SMatrix<Real, BASIS, BASIS>, beta: Real, step: usize) -> Ritz {
     let eigen = tridiagonal.symmetric_eigen();
     let (at, value) = eigen.eigenvalues.argmax();

@@ -42,7 +42,8 @@ fn every_step_converges_without_a_factorisation() {
     }
 }
 
-/// Where all springs are stretched there is one minimum, and the change of velocity is as near to that of it as the tolerance says.
+/// Where all springs are stretched there is one minimum, and the change of velocity is as near to that of it as the
+/// tolerance says.
 #[test]
 fn the_tolerance_bounds_the_error() {
     let (mesh, model) = sheet();
@@ -82,7 +83,8 @@ fn solver(model: &ClothModel, config: ImplicitConfig) -> ImplicitEuler {
     builder.build().unwrap()
 }
 
-/// Springs of 10⁶ N/m in steps of 0.1 s: where Newton's method by multigrid fails as a fallback, too, the step ends unconverged.
+/// Springs of 10⁶ N/m in steps of 0.1 s: where Newton's method by multigrid fails as a fallback, too, the step ends
+/// unconverged.
 #[test]
 fn a_fallback_that_fails_is_no_error() {
     let mesh = grid(24, 24, 1.0, 1.0, Diagonals::Alternating).unwrap();
@@ -111,8 +113,8 @@ fn a_fallback_that_fails_is_no_error() {
     }
 }
 
-/// Newton's method by multigrid, and the quasi-Newton method, end in the same minimum where there is one only: all springs
-/// stretched.
+/// Newton's method by multigrid, and the quasi-Newton method, end in the same minimum where there is one only: all
+/// springs stretched.
 #[test]
 fn newton_by_multigrid_finds_the_same_minimum() {
     let (mesh, model) = sheet();

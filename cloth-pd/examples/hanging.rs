@@ -1,4 +1,5 @@
-//! A sheet held at two corners: how far an iteration budget gets in one step, against the minimum of `G`, by the plain iteration and by the default.
+//! A sheet held at two corners: how far an iteration budget gets in one step, against the minimum of `G`, by the plain
+//! iteration and by the default.
 
 use cloth_core::cloth::{Cloth, ClothModel, Membrane};
 use cloth_core::math::{Real, Vec3};

@@ -12,9 +12,11 @@ pub struct AttachmentId(u32);
 
 /// Changes of the cloth between two steps.
 ///
-/// The next step takes notice of them all at once: by a correction of the factor in every solve as long as that is cheaper, else by a factorisation, which it reports. It may allocate.
-/// A coarse grid is made anew whatever the factor does, if a pin or an element has changed: it is reported too (`coarse_builds`), and takes no part in the choice between correction and factorisation.
-/// To move what is prescribed or attached already changes no matrix and costs nothing.
+/// The next step takes notice of them all at once: by a correction of the factor in every solve as long as that is
+/// cheaper, else by a factorisation, which it reports. It may allocate. A coarse grid is made anew whatever the factor
+/// does, if a pin or an element has changed: it is reported too (`coarse_builds`), and takes no part in the choice
+/// between correction and factorisation. To move what is prescribed or attached already changes no matrix and costs
+/// nothing.
 impl PdSolver {
     /// Grabs a vertex: from now on it moves with its own velocity whatever the forces.
     ///
@@ -53,7 +55,8 @@ impl PdSolver {
     /// Ties a vertex to a point by a spring without length: a hand, a hook, a contact.
     ///
     /// # Errors
-    /// [`ChangeError::NoSuchVertex`]; [`ChangeError::InvalidAttachment`] for a stiffness that is not positive and finite, or a target that is not finite.
+    /// [`ChangeError::NoSuchVertex`]; [`ChangeError::InvalidAttachment`] for a stiffness that is not positive and
+    /// finite, or a target that is not finite.
     pub fn attach(&mut self, attachment: Attachment) -> Result<AttachmentId, ChangeError> {
         self.require(attachment.vertex as usize)?;
         let stiffness = attachment.stiffness;
@@ -101,7 +104,8 @@ impl PdSolver {
         Ok(())
     }
 
-    /// Takes an element away: a thread that tears. `family` counts the calls of [`PdBuilder::energy`](crate::PdBuilder::energy), `element` the elements that were given there, both from 0.
+    /// Takes an element away: a thread that tears. `family` counts the calls of
+    /// [`PdBuilder::energy`](crate::PdBuilder::energy), `element` the elements that were given there, both from 0.
     ///
     /// # Errors
     /// [`ChangeError::NoSuchElement`], also if it has been taken away before.
@@ -139,7 +143,7 @@ impl PdSolver {
             column: vec![(vertex, 1.0)],
             weight,
         });
-        self.are_ties_stale = true;
+        self.are_attachments_stale = true;
     }
 }
 

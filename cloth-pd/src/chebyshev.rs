@@ -1,5 +1,5 @@
-//! The Chebyshev semi-iterative method over the plain iteration (H. Wang, "A Chebyshev semi-iterative approach for accelerating projective
-//! and position-based dynamics", 2015, algorithm 1), with a guard.
+//! The Chebyshev semi-iterative method over the plain iteration (H. Wang, "A Chebyshev semi-iterative approach for
+//! accelerating projective and position-based dynamics", 2015, algorithm 1), with a guard.
 
 use crate::global::GlobalSystem;
 use crate::objective::{Objective, Point};
@@ -75,7 +75,7 @@ impl Chebyshev {
         if self.count <= DELAY {
             self.before.copy_from_slice(&point.displacement);
             let from = &self.before;
-            point.go(from, &self.increment, -1.0);
+            point.move_to(from, &self.increment, -1.0);
             return false;
         }
         let squared = self.radius * self.radius;
@@ -95,7 +95,7 @@ impl Chebyshev {
             std::mem::swap(point, &mut self.next);
             return false;
         }
-        point.go(&self.before, &self.increment, -1.0);
+        point.move_to(&self.before, &self.increment, -1.0);
         self.restart();
         true
     }

@@ -1,22 +1,27 @@
-//! A coarse grid under the quasi-Newton iteration: a few hundred unknowns that know which way the springs point.
+//! The coarse grid: an additive two-level preconditioner with the Galerkin operator `PᵀHP` of the projected Hessian on
+//! a few hundred unknowns.
 //!
-//! The constant matrix is as stiff across a spring as along it, so of the motions that turn springs without stretching them, a global solve
-//! takes only a small part; and those are smooth motions of the whole sheet, such as falling and swinging. Let P (a column per
-//! node of a coarse [`Lattice`] and axis) interpolate smooth displacements. Then
+//! The constant matrix is as stiff across a spring as along it, so of the motions that turn springs without stretching
+//! them, a global solve removes only a small fraction; and those are smooth motions of the whole sheet, such as falling
+//! and swinging. Let P (a column per node of a coarse [`Lattice`] and axis) interpolate smooth displacements. Then
 //!
 //! `A⁻¹ + P V Pᵀ`,  V near `(Pᵀ H P)⁻¹`,  `H = M/Δt² + Σ w Gᵀ (I − ∂p/∂z) G`
 //!
-//! is the constant matrix for what is rough and Newton's method for what is smooth: an additive two-level preconditioner. V is a cycle of [`Multigrid`] on the
-//! lattice and the levels below it. The first part is symmetric and positive definite, the second symmetric and positive semi-definite (it vanishes on what the hats do not see), so the sum is
-//! positive definite and the direction goes down. H is taken where the step's iteration starts, once a step, over the elements that the constant matrix has.
+//! is the constant matrix for what is rough and Newton's method for what is smooth. V is a cycle of [`Multigrid`] on
+//! the lattice and the levels below it. The first part is symmetric and positive definite, the second symmetric and
+//! positive semi-definite (it vanishes on what the hats do not see), so the sum is positive definite and the direction
+//! goes down. H is taken where the step's iteration starts, once a step, over the elements that the constant matrix
+//! has.
 //!
-//! The lattice is not one of the coarse levels of the mesh. Those are as good where they nest: with 65 vertices a side (a level of 289, 16 iterations) a sheet that swings for five seconds keeps 4 % more kinetic
-//! energy with the level than with 16 cells, and its largest stretch differs by 2 %. With 64, where the last cells of a row are of another size, the largest stretch is half as large again as it should be, or twice as large (with 128 too),
-//! whether the level is solved exactly or by a cycle: nothing smooths after the correction.
+//! The lattice is not one of the coarse levels of the mesh. Those are as good where they nest: with 65 vertices a side
+//! (a level of 289, 16 iterations) a sheet that swings for five seconds keeps 4 % more kinetic energy with the level
+//! than with 16 cells, and its largest stretch differs by 2 %. With 64, where the last cells of a row are of another
+//! size, the largest stretch is half as large again as it should be, or twice as large (with 128 too), whether the
+//! level is solved exactly or by a cycle: nothing smooths after the correction.
 
-use crate::free_pieces::FreePieces;
+use crate::components::FreeComponents;
 use crate::global::GlobalSystem;
-use crate::lattice::{Lanes, Lattice};
+use crate::lattice::{Lattice, PaddedBlock};
 use crate::local::Projections;
 use cloth_core::block_matrix::{BlockMatrix, BlockPattern, PatternBuilder};
 use cloth_core::chunked::map_reduce;
@@ -37,25 +42,26 @@ pub(crate) struct CoarseGrid {
     /// `Pᵀ M P` (kg), block by block.
     mass: Vec<Real>,
     /// The part of it that elements add (N/m).
-    stiffness: Vec<Lanes>,
+    stiffness: Vec<PaddedBlock>,
     /// Over the nodes: `Pᵀ r` (N), and how they move (m).
     right_hand_side: Vec<Vec3>,
     solution: Vec<Vec3>,
     is_ready: bool,
     /// A correction has no momentum, but for rounding; what nothing holds must not be pushed.
-    free_pieces: FreePieces,
+    free_components: FreeComponents,
     /// The last correction (m), over the vertices.
     correction: Vec<Vec3>,
 }
 
 impl CoarseGrid {
-    /// Lays a lattice of `cells` over the cloth at rest (m), and prepares the families that `global` has to be summed on it.
+    /// Lays a lattice of `cells` over the cloth at rest (m), and prepares the families that `global` has to be summed
+    /// on it.
     pub(crate) fn new(
         rest: &[Vec3],
         cells: u32,
         particles: &Particles,
         global: &GlobalSystem,
-        free_pieces: &FreePieces,
+        free_components: &FreeComponents,
         families: &mut [Box<dyn Projections>],
     ) -> Self {
         let is_free = |vertex: usize| !particles.is_prescribed(vertex);
@@ -87,12 +93,12 @@ impl CoarseGrid {
         let multigrid = Multigrid::new(&matrix, &is_free, &place);
         let mut mass = vec![0.0; pattern.block_count()];
         for (vertex, own) in particles.mass().iter().enumerate() {
-            for_each_pair(&prolongation, &pattern, vertex, |slot, share| {
-                mass[slot] += own * share;
+            for_each_pair(&prolongation, &pattern, vertex, |slot, weight| {
+                mass[slot] += own * weight;
             });
         }
         let kept = families.iter_mut().enumerate();
-        for (_, family) in kept.filter(|(index, _)| global.has(*index)) {
+        for (_, family) in kept.filter(|(index, _)| global.includes(*index)) {
             family.bind(&prolongation, &pattern);
         }
         Self {
@@ -100,18 +106,18 @@ impl CoarseGrid {
             right_hand_side: vec![Vec3::zeros(); place.len()],
             solution: vec![Vec3::zeros(); place.len()],
             prolongation,
-            stiffness: vec![Lanes::default(); pattern.block_count()],
+            stiffness: vec![PaddedBlock::default(); pattern.block_count()],
             matrix,
             mass,
             is_ready: false,
-            free_pieces: free_pieces.clone(),
+            free_components: free_components.clone(),
             correction: vec![Vec3::zeros(); particles.len()],
         }
     }
 
-    /// Takes notice of which pieces of the cloth nothing holds any more, or again.
-    pub(crate) fn set_free_pieces(&mut self, free_pieces: &FreePieces) {
-        self.free_pieces.clone_from(free_pieces);
+    /// Replaces the unconstrained components, which attachments have changed.
+    pub(crate) fn set_free_components(&mut self, free_components: &FreeComponents) {
+        self.free_components.clone_from(free_components);
     }
 
     /// Takes H at x (m) for a step of `dt` (s).
@@ -122,7 +128,7 @@ impl CoarseGrid {
         x: &[Vec3],
         dt: Real,
     ) {
-        self.stiffness.fill(Lanes::default());
+        self.stiffness.fill(PaddedBlock::default());
         for family in families {
             family.add_stiffness(x, &mut self.stiffness);
         }
@@ -134,8 +140,8 @@ impl CoarseGrid {
         for attachment in attachments {
             let blocks = self.matrix.blocks_mut();
             let vertex = attachment.vertex as usize;
-            for_each_pair(&self.prolongation, &pattern, vertex, |slot, share| {
-                blocks[slot] += Mat3::from_diagonal_element(attachment.stiffness * share);
+            for_each_pair(&self.prolongation, &pattern, vertex, |slot, weight| {
+                blocks[slot] += Mat3::from_diagonal_element(attachment.stiffness * weight);
             });
         }
         self.is_ready = self.multigrid.refresh(&self.matrix);
@@ -154,8 +160,8 @@ impl CoarseGrid {
             #[inline(always)]
             |start, own: &mut [Vec3]| {
                 for (node, own) in (start..).zip(own) {
-                    let parts = prolongation.of_coarse(node).iter();
-                    *own = parts
+                    let entries = prolongation.of_coarse(node).iter();
+                    *own = entries
                         .map(|&(vertex, weight)| r[vertex as usize] * weight)
                         .sum();
                 }
@@ -170,16 +176,16 @@ impl CoarseGrid {
             #[inline(always)]
             |start, own: &mut [Vec3]| {
                 for (vertex, own) in (start..).zip(own) {
-                    let parts = prolongation.of_fine(vertex).iter();
-                    *own = parts
+                    let entries = prolongation.of_fine(vertex).iter();
+                    *own = entries
                         .map(|&(node, weight)| solution[node as usize] * weight)
                         .sum();
                 }
                 []
             },
         );
-        if !self.free_pieces.is_empty() {
-            self.free_pieces.align(None, &mut self.correction);
+        if !self.free_components.is_empty() {
+            self.free_components.align(None, &mut self.correction);
         }
     }
 
@@ -212,7 +218,8 @@ mod tests {
     use cloth_core::cloth::{Cloth, Membrane};
     use cloth_core::mesh::generate::{Diagonals, grid};
 
-    /// On few nodes, which are solved directly, the correction z is the best there is in their space: `Pᵀ(r − H z) = 0`, with H summed over the mesh instead of the lattice.
+    /// On few nodes, which are solved directly, the correction z is the best there is in their space:
+    /// `Pᵀ(r − H z) = 0`, with H summed over the mesh instead of the lattice.
     #[test]
     fn the_correction_leaves_no_residual_on_the_lattice() {
         let mesh = grid(17, 17, 1.0, 1.0, Diagonals::Alternating).unwrap();
@@ -230,7 +237,7 @@ mod tests {
         let mut on_lattice = families(model.springs.clone());
         let global = GlobalSystem::new(particles, &on_lattice, vec![false]).unwrap();
         let entries = global.stiffness().iter().map(|(&k, (i, j))| (i, j, k));
-        let none = FreePieces::of(&entries.collect::<Vec<_>>(), particles);
+        let none = FreeComponents::of(&entries.collect::<Vec<_>>(), particles);
         let rest = mesh.positions();
         let mut coarse = CoarseGrid::new(rest, 4, particles, &global, &none, &mut on_lattice);
         let x: Vec<Vec3> = (rest.iter().enumerate())
@@ -256,7 +263,7 @@ mod tests {
         let pattern = pattern.build();
         let mut on_mesh = families(model.springs.clone());
         on_mesh[0].bind(&every_vertex, &pattern);
-        let mut stiffness = vec![Lanes::default(); pattern.block_count()];
+        let mut stiffness = vec![PaddedBlock::default(); pattern.block_count()];
         on_mesh[0].add_stiffness(&x, &mut stiffness);
         let mut matrix = BlockMatrix::zeros(pattern);
         matrix.set_diagonal(particles.mass(), 1.0 / dt / dt);
@@ -270,8 +277,8 @@ mod tests {
         assert_eq!(z[0], Vec3::zeros());
         assert_eq!(coarse.right_hand_side.len(), 25);
         for node in 0..25 {
-            let under = coarse.prolongation.of_coarse(node).iter();
-            let rest = under.map(|&(v, w)| (r[v as usize] - product[v as usize]) * w);
+            let fine = coarse.prolongation.of_coarse(node).iter();
+            let rest = fine.map(|&(v, w)| (r[v as usize] - product[v as usize]) * w);
             let rest = rest.sum::<Vec3>().norm();
             assert!(rest < 1e-4, "{node}: {rest:e} N");
         }

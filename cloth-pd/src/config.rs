@@ -1,4 +1,4 @@
-//! Settings.
+//! Settings of the solver: iterations, start, acceleration.
 
 use cloth_core::math::Real;
 use cloth_core::step::BuildError;
@@ -6,17 +6,17 @@ use cloth_core::step::BuildError;
 /// Settings of [`PdSolver`](crate::PdSolver).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PdConfig {
-    /// Iterations in a step: exactly as many without a tolerance, at most as many with one; at least 1. A step of [`Acceleration::QuasiNewton`] from [`Start::Inertial`] that would
-    /// gain energy is taken again from `x[0]`, with as many.
+    /// Iterations in a step: exactly as many without a tolerance, at most as many with one; at least 1. A step of
+    /// [`Acceleration::QuasiNewton`] from [`StartGuess::Inertial`] that would gain energy is taken again from `x[0]`,
+    /// with as many.
     pub iterations: u32,
-    /// The same for a step in which the cloth is pushed by what it touches, if that is more: an impact moves what the iterations before it have not
-    /// seen coming.
+    /// The same for a step with active contacts, if that is more: an impact changes the problem during the iteration.
     pub contact_iterations: u32,
-    /// With `Some(τ)` the iteration ends as soon as `‖∇G(x)‖ ≤ τ ‖∇G(x̃)‖` in the norm of M⁻¹ (τ dimensionless), and the
-    /// report has that ratio as its residual. `None`: nothing is computed for it.
+    /// With `Some(τ)` the iteration ends as soon as `‖∇G(x)‖ ≤ τ ‖∇G(x̃)‖` in the norm of M⁻¹ (τ dimensionless), and
+    /// the report has that ratio as its residual. `None`: nothing is computed for it.
     pub tolerance: Option<Real>,
     /// Where the iteration starts.
-    pub start: Start,
+    pub start: StartGuess,
     /// What is made of a local–global pair.
     pub acceleration: Acceleration,
 }
@@ -24,12 +24,14 @@ pub struct PdConfig {
 /// Where the iteration starts, S1 (34). A prescribed vertex is where it will be at the end of the step, in any case.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
-pub enum Start {
+pub enum StartGuess {
     /// `x[0]`, the positions before the step.
     Previous,
-    /// `x[0] + Δt v[0]`: the motion goes on as it was. What gravity adds in a step is mostly taken back by a cloth that is held, so this is nearer to the
-    /// end of the step than x̃. Where few iterations end above `G(x[0])`, energy appears in the step, and a tangle may feed on that; [`Acceleration::QuasiNewton`] then
-    /// takes the step again, from `x[0]`. A piece of cloth that nothing holds falls as a whole besides, so that its momentum is right from the start.
+    /// `x[0] + Δt v[0]`: the motion goes on as it was. What gravity adds in a step is mostly taken back by a cloth that
+    /// is held, so this is nearer to the end of the step than x̃. Where few iterations end above `G(x[0])`, energy
+    /// appears in the step, and a tangle may feed on that; [`Acceleration::QuasiNewton`] then takes the step again,
+    /// from `x[0]`. A component of the cloth that nothing holds is shifted as a whole besides, so that its momentum is
+    /// right from the start.
     #[default]
     Inertial,
     /// `x̃`, called `s` in S1 (33): where the vertices would go without elasticity.
@@ -40,21 +42,25 @@ pub enum Start {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Acceleration {
-    /// Local and global step take turns as printed. `G` falls in every iteration without being looked at. Where there is contact, the way of every iteration is bounded and `G` is looked at:
-    /// these are quasi-Newton iterations without pairs.
+    /// Local and global step take turns as printed. `G` falls in every iteration without being looked at. With contact,
+    /// every displacement is bounded and `G` evaluated: these are quasi-Newton iterations without pairs.
     None,
-    /// The Chebyshev semi-iterative method (Wang 2015) over the plain iteration: each iterate is extrapolated from the one before the last.
-    /// Where `G` would not fall, the plain iterate is taken and the method begins anew. Extrapolated iterates have no bound that keeps them apart from contact: a step that can touch something
-    /// is one of plain iterations, and counts among [`chebyshev_fallbacks`](cloth_core::step::StepReport::chebyshev_fallbacks).
+    /// The Chebyshev semi-iterative method (Wang 2015) over the plain iteration: each iterate is extrapolated from the
+    /// one before the last. Where `G` would not fall, the plain iterate is taken and the method begins anew.
+    /// Extrapolated iterates cannot be bounded by contact: a step with contact is one
+    /// of plain iterations, and counts among
+    /// [`chebyshev_fallbacks`](cloth_core::step::StepReport::chebyshev_fallbacks).
     Chebyshev {
-        /// Largest factor ρ (dimensionless, at least 0, below 1) by which the plain iteration keeps an error. `None`: read off the
-        /// plain iterations that every step then starts with.
+        /// Largest factor ρ (dimensionless, at least 0, below 1) by which the plain iteration keeps an error. `None`:
+        /// read off the plain iterations that every step then starts with.
         spectral_radius: Option<Real>,
     },
-    /// Quasi-Newton (Liu, Bouaziz, Kavan 2017): L-BFGS with the inverse of the constant matrix (without the bending of thin cloth, which would be most of
-    /// the factor; and with the coarse grid, if the solver was given one) as the first inverse Hessian, and a line search on `G`.
+    /// Quasi-Newton (Liu, Bouaziz, Kavan 2017): L-BFGS with the inverse of the constant matrix (without the bending of
+    /// thin cloth, which would be most of the factor; and with the coarse grid, if the solver was given one) as the
+    /// initial inverse Hessian, and a line search on `G`.
     QuasiNewton {
-        /// Pairs of differences that are remembered (m in the paper); with 0 each direction is that of one global solve, else there are at least eight where there is contact.
+        /// Pairs of differences that are remembered (m in the paper); with 0 each direction is that of one global
+        /// solve, else there are at least eight where there is contact.
         history: u32,
     },
 }
@@ -65,7 +71,7 @@ impl Default for PdConfig {
             iterations: 10,
             contact_iterations: 30,
             tolerance: None,
-            start: Start::Inertial,
+            start: StartGuess::Inertial,
             acceleration: Acceleration::QuasiNewton { history: 2 },
         }
     }
@@ -79,7 +85,7 @@ impl PdConfig {
             iterations: 10,
             contact_iterations: 30,
             tolerance: None,
-            start: Start::Predicted,
+            start: StartGuess::Predicted,
             acceleration: Acceleration::None,
         }
     }
@@ -101,7 +107,7 @@ impl PdConfig {
             } if !(0.0..1.0).contains(&radius) => {
                 refuse("spectral_radius", radius, "at least 0 and below 1")
             }
-            Acceleration::QuasiNewton { history } if history > MOST_HISTORY => refuse(
+            Acceleration::QuasiNewton { history } if history > MAX_HISTORY => refuse(
                 "history",
                 Real::from(history),
                 "at most 1000: more remembers nothing that helps",
@@ -111,5 +117,5 @@ impl PdConfig {
     }
 }
 
-/// A longer history is a slip of the pen; its memory is set aside when the solver is built.
-const MOST_HISTORY: u32 = 1000;
+/// Sanity limit: the memory of a history is allocated when the solver is built.
+const MAX_HISTORY: u32 = 1000;

@@ -6,29 +6,30 @@ use cloth_core::math::{Real, Vec3};
 use cloth_core::particles::Particles;
 use cloth_core::vectors::{add, dot};
 
-/// What the cloth touches, if it can touch anything and the method feels that.
+/// The contact potential of the step, if there is contact and the method takes it into account.
 pub(crate) type Contact<'a> = Option<&'a mut dyn ContactPotential>;
 
-/// Part of the residual, in the norm of A⁻¹, at which conjugate gradients end: the direction is a guess anyway.
-const ENOUGH: Real = 0.1;
-/// Conjugate gradients that are taken at most.
-const MOST: u32 = 10;
+/// Residual, in the norm of A⁻¹ and relative to the first, at which conjugate gradients end: a search direction needs
+/// no more.
+const RELATIVE_TOLERANCE: Real = 0.1;
+/// Most iterations of conjugate gradients.
+const MAX_ITERATIONS: u32 = 10;
 
-/// `A + Σ k J Jᵀ` with the contacts of one place, for which no matrix is factorised: conjugate gradients around the factor of A. As the
-/// contacts are few, or soft beside the cloth, three to six are enough.
+/// `A + Σ k J Jᵀ` with the contacts of one place, for which no matrix is factorised: conjugate gradients around the
+/// factor of A. As the contacts are few, or soft beside the cloth, three to six are enough.
 #[derive(Debug)]
-pub(crate) struct Touching {
+pub(crate) struct ContactSystem {
     pub(crate) rows: Vec<ContactRow>,
     residual: Vec<Vec3>,
     /// A⁻¹ r (m).
     solved: Vec<Vec3>,
     /// d (m), A d and (A + Σ k J Jᵀ) d (N).
     direction: Vec<Vec3>,
-    by_matrix: Vec<Vec3>,
+    times_matrix: Vec<Vec3>,
     product: Vec<Vec3>,
 }
 
-impl Touching {
+impl ContactSystem {
     pub(crate) fn new(vertex_count: usize) -> Self {
         let zeros = vec![Vec3::zeros(); vertex_count];
         Self {
@@ -36,12 +37,12 @@ impl Touching {
             residual: zeros.clone(),
             solved: zeros.clone(),
             direction: zeros.clone(),
-            by_matrix: zeros.clone(),
+            times_matrix: zeros.clone(),
             product: zeros,
         }
     }
 
-    /// Takes up the contacts at `x` (m), a place on the last way.
+    /// Linearises the contacts at `x` (m), which lies on the last displacement.
     pub(crate) fn find(&mut self, contact: &Contact<'_>, x: &[Vec3], particles: &Particles) {
         self.rows.clear();
         let Some(contact) = contact else {
@@ -67,11 +68,11 @@ impl Touching {
         self.residual.copy_from_slice(g);
         global.solve(&self.residual, &mut self.solved);
         self.direction.copy_from_slice(&self.solved);
-        self.by_matrix.copy_from_slice(&self.residual);
+        self.times_matrix.copy_from_slice(&self.residual);
         p.fill(Vec3::zeros());
         let mut size = dot(&self.residual, &self.solved);
-        let enough = ENOUGH * ENOUGH * size;
-        for solves in 1..=MOST {
+        let enough = RELATIVE_TOLERANCE * RELATIVE_TOLERANCE * size;
+        for solves in 1..=MAX_ITERATIONS {
             self.multiply();
             let length = size / dot(&self.direction, &self.product);
             // A gradient of zero.
@@ -80,7 +81,7 @@ impl Touching {
             }
             add(p, length, &self.direction);
             add(&mut self.residual, -length, &self.product);
-            if solves == MOST {
+            if solves == MAX_ITERATIONS {
                 break;
             }
             global.solve(&self.residual, &mut self.solved);
@@ -88,24 +89,24 @@ impl Touching {
             if next <= enough {
                 return solves + 1;
             }
-            let share = next / size;
+            let ratio = next / size;
             size = next;
             // A d follows from A A⁻¹ r = r: no product with A is needed.
             for (kept, new) in [
                 (&mut self.direction, &self.solved),
-                (&mut self.by_matrix, &self.residual),
+                (&mut self.times_matrix, &self.residual),
             ] {
                 for (kept, new) in kept.iter_mut().zip(new) {
-                    *kept = new + *kept * share;
+                    *kept = new + *kept * ratio;
                 }
             }
         }
-        MOST
+        MAX_ITERATIONS
     }
 
     /// `product = (A + Σ k J Jᵀ) d`.
     fn multiply(&mut self) {
-        self.product.copy_from_slice(&self.by_matrix);
+        self.product.copy_from_slice(&self.times_matrix);
         for row in &self.rows {
             let ends = || row.vertices.iter().zip(row.weights);
             let along: Real = ends()
@@ -116,7 +117,7 @@ impl Touching {
         }
     }
 
-    /// Whether nothing touches but vertices each other: no force comes from outside.
+    /// Whether all contacts are self-contacts: no force comes from outside.
     pub(crate) fn is_internal(&self) -> bool {
         let sum = |row: &ContactRow| row.weights.iter().sum::<Real>();
         self.rows.iter().all(|row| sum(row).abs() < 0.5)

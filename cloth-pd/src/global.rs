@@ -1,8 +1,9 @@
 //! The global step: one matrix for x, y and z alike, the same in every iteration, factorised once per step size.
 //!
-//! What changes a few rows of it (a vertex grabbed or released, an element gone, an attachment come) is made good for in every solve, by
-//! [`LowRank`], as long as that is cheaper than factorising again. How long a change will stay is not known; so each correction is paid for like a rent, and when as much
-//! has been paid as the new factor costs, it is bought. That never costs more than twice what the better choice would have cost.
+//! What changes a few rows of it (a vertex grabbed or released, an element gone, an attachment come) is made good for
+//! in every solve, by [`LowRank`], as long as that is cheaper than factorising again. How long a change will stay is
+//! not known (the ski-rental problem): once the corrections have cost as much as a factorisation, the matrix is
+//! factorised. That never costs more than twice the better choice.
 
 use crate::local::Projections;
 use crate::matrix::{SMALLEST_PIVOT, assemble, fill, smallest_pivot, upper_pattern};
@@ -12,7 +13,8 @@ use cloth_core::particles::Particles;
 use sprs::CsMat;
 use std::fmt;
 
-/// `A = M/Δt² + Σ w GᵀG` over the vertices that are not prescribed, S1 (34), and its factor. The row of a prescribed vertex is that of the identity.
+/// `A = M/Δt² + Σ w GᵀG` over the vertices that are not prescribed, S1 (34), and its factor. The row of a prescribed
+/// vertex is that of the identity.
 pub(crate) struct GlobalSystem {
     /// Lumped mass (kg) of each vertex; none where it is prescribed.
     mass: Vec<Option<Real>>,
@@ -34,7 +36,7 @@ pub(crate) struct GlobalSystem {
     /// Whether something has changed that `low_rank` does not know.
     is_changed: bool,
     /// Work (ns) spent on corrections since the factor was made.
-    rent: Real,
+    correction_cost: Real,
 }
 
 /// `weight · u uᵀ` (N/m), u given by its entries: a row of an element's operator.
@@ -44,9 +46,10 @@ pub(crate) struct Term {
     pub(crate) weight: Real,
 }
 
-/// Estimates of work (ns), from measurements on one core: per number of the factor, once for a solve with three right-hand sides; per number of the factor and per
-/// multiplication for a factorisation; per row and rank for a correction. They decide which way is taken, not what comes out.
-mod work {
+/// Estimates of work (ns), from measurements on one core: per number of the factor, once for a solve with three
+/// right-hand sides; per number of the factor and per multiplication for a factorisation; per row and rank for a
+/// correction. They decide how a system is solved, not its solution.
+mod cost {
     pub(super) const SOLVE: f64 = 0.85;
     pub(super) const FACTOR_ENTRY: f64 = 3.0;
     pub(super) const FACTOR_PRODUCT: f64 = 0.13;
@@ -90,7 +93,7 @@ impl GlobalSystem {
             terms: Vec::new(),
             low_rank: LowRank::default(),
             is_changed: false,
-            rent: 0.0,
+            correction_cost: 0.0,
         })
     }
 
@@ -106,18 +109,19 @@ impl GlobalSystem {
     }
 
     /// Whether a family is in the matrix.
-    pub(crate) fn has(&self, family: usize) -> bool {
+    pub(crate) fn includes(&self, family: usize) -> bool {
         !self.is_left_out[family]
     }
 
     /// Takes an element of a family away, given what it leaves of `Σ w GᵀG`.
     pub(crate) fn remove(&mut self, family: usize, terms: Vec<Term>) {
-        if self.has(family) {
+        if self.includes(family) {
             terms.into_iter().for_each(|term| self.add(term));
         }
     }
 
-    /// Adds a term to `Σ w GᵀG`. Its entries have to be in the pattern: on the diagonal, or of an element that is or was there.
+    /// Adds a term to `Σ w GᵀG`. Its entries have to be in the pattern: on the diagonal, or of an element that is or
+    /// was there.
     pub(crate) fn add(&mut self, term: Term) {
         for &(i, u) in &term.column {
             for &(j, v) in term.column.iter().filter(|(j, _)| *j <= i) {
@@ -129,14 +133,17 @@ impl GlobalSystem {
         self.is_changed = true;
     }
 
-    /// Makes the factor, or the factor and its correction, that of step size `dt` (s); returns the number of factorisations that took.
+    /// Makes the factor, or the factor and its correction, that of step size `dt` (s); returns the number of
+    /// factorisations that took.
     pub(crate) fn prepare(&mut self, dt: Real) -> Result<u32, CholeskyError> {
         if self.is_empty() {
             return Ok(0);
         }
         if self.factored_for == Some(dt) {
-            let price = self.price();
-            if !self.is_changed && self.rent <= price || self.is_changed && self.update(dt, price) {
+            let limit = self.factorization_cost();
+            if !self.is_changed && self.correction_cost <= limit
+                || self.is_changed && self.update(dt, limit)
+            {
                 return Ok(0);
             }
         }
@@ -157,29 +164,30 @@ impl GlobalSystem {
         self.factored_mass.copy_from_slice(&self.mass);
         self.terms.clear();
         self.low_rank.clear();
-        (self.is_changed, self.rent) = (false, 0.0);
+        (self.is_changed, self.correction_cost) = (false, 0.0);
         Ok(1)
     }
 
     /// Estimated work (ns) of a factorisation.
-    fn price(&self) -> Real {
+    fn factorization_cost(&self) -> Real {
         let entries = self.cholesky.factor_len() as Real;
         // Of a sheet ordered by minimum degree a column has some tens of rows; their mean stands for all.
         let rows = entries / self.mass.len() as Real;
-        entries * (work::FACTOR_ENTRY + work::FACTOR_PRODUCT * rows)
+        entries * (cost::FACTOR_ENTRY + cost::FACTOR_PRODUCT * rows)
     }
 
-    /// Makes the correction for all that has changed since the factor was made. Returns `false` where factorising is better.
-    fn update(&mut self, dt: Real, price: Real) -> bool {
+    /// Makes the correction for all that has changed since the factor was made. Returns `false` where factorising is
+    /// better.
+    fn update(&mut self, dt: Real, limit: Real) -> bool {
         let changed = |vertex: &usize| self.factored_mass[*vertex] != self.mass[*vertex];
         let changed: Vec<usize> = (0..self.mass.len()).filter(changed).collect();
         let released = |vertex: &usize| self.factored_mass[*vertex].is_none();
         let rank =
             changed.len() + changed.iter().filter(|v| released(v)).count() + self.terms.len();
         let rank = rank as Real;
-        let solve = work::SOLVE * self.cholesky.factor_len() as Real;
+        let solve = cost::SOLVE * self.cholesky.factor_len() as Real;
         let setup = (rank / 3.0).ceil() * solve + rank * rank * rank;
-        if self.rent + setup > price {
+        if self.correction_cost + setup > limit {
             return false;
         }
         self.low_rank.clear();
@@ -191,7 +199,8 @@ impl GlobalSystem {
                 .push(term.column.iter().filter(known).copied());
             self.low_rank.set_inverse(column, column, 1.0 / term.weight);
         }
-        // A released vertex has the row of the identity. C = [[a − 1, 1], [1, 0]] on U = [e, the row beside its diagonal entry a] puts in its own.
+        // A released vertex has the row of the identity. C = [[a − 1, 1], [1, 0]] on U = [e, the row beside its
+        // diagonal entry a] puts in its own.
         let mut is_known: Vec<bool> = self.factored_mass.iter().map(Option::is_some).collect();
         for &vertex in changed.iter().filter(|v| released(v)) {
             let Some(mass) = self.mass[vertex] else {
@@ -217,7 +226,7 @@ impl GlobalSystem {
         let dimension = self.mass.len();
         let is_prepared = self.low_rank.prepare(dimension, |b, x| panels.solve(b, x));
         self.is_changed = !is_prepared;
-        self.rent += setup;
+        self.correction_cost += setup;
         is_prepared
     }
 
@@ -252,7 +261,7 @@ impl GlobalSystem {
         let rank = self.low_rank.rank();
         if rank > 0 {
             self.low_rank.correct(d);
-            self.rent += work::CORRECT * (rank * d.len()) as Real;
+            self.correction_cost += cost::CORRECT * (rank * d.len()) as Real;
             for (d, mass) in d.iter_mut().zip(&self.mass) {
                 if mass.is_none() {
                     *d = Vec3::zeros(); // but for rounding it is

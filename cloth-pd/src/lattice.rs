@@ -1,4 +1,4 @@
-//! Hat functions on a coarse lattice of cubes laid over the cloth at rest.
+//! The prolongation P: trilinear hat functions on a coarse lattice of cubes laid over the cloth at rest.
 
 use cloth_core::block_matrix::BlockPattern;
 use cloth_core::element::Projective;
@@ -6,8 +6,8 @@ use cloth_core::math::{Mat3, Real, Vec3};
 use cloth_core::multigrid::Prolongation;
 use std::collections::BTreeMap;
 
-/// For every vertex the lattice nodes around it and their weights, which are trilinear and add up to 1: what moves linearly over the rest shape is
-/// represented exactly, rotations of the whole among it.
+/// For every vertex the lattice nodes around it and their weights, which are trilinear and add up to 1: what moves
+/// linearly over the rest shape is represented exactly, rotations of the whole among it.
 #[derive(Debug)]
 pub(crate) struct Lattice {
     pub(crate) prolongation: Prolongation,
@@ -16,8 +16,8 @@ pub(crate) struct Lattice {
 }
 
 impl Lattice {
-    /// Lays `cells` cubes along the longest side of the box around `rest` (m), or so many fewer that there are two vertices to a node. Vertices that are not free get no weights, nodes near no
-    /// free vertex no number.
+    /// Lays `cells` cubes along the longest side of the box around `rest` (m), or so many fewer that there are two
+    /// vertices to a node. Vertices that are not free get no weights, nodes near no free vertex no number.
     pub(crate) fn over(rest: &[Vec3], is_free: impl Fn(usize) -> bool, mut cells: u32) -> Self {
         loop {
             let lattice = Self::of(rest, &is_free, cells);
@@ -93,9 +93,9 @@ impl Lattice {
 /// A 3 × 3 block column by column, each with a fourth number, so that sums are of whole registers.
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(align(32))]
-pub(crate) struct Lanes([Real; 12]);
+pub(crate) struct PaddedBlock([Real; 12]);
 
-impl Lanes {
+impl PaddedBlock {
     #[inline(always)]
     pub(crate) fn from(block: &Mat3) -> Self {
         let [[a, b, c], [d, e, f], [g, h, i]] = block.data.0;
@@ -117,9 +117,10 @@ impl Lanes {
 
 /// `G P` of all elements of a family: how much of each node (dimensionless if G is) goes into `z = G x`.
 ///
-/// Elements near one another have the same nodes around them and add to the same blocks of a matrix on the lattice, so those are listed once for all of them.
+/// Elements near one another have the same nodes around them and add to the same blocks of a matrix on the lattice, so
+/// those are listed once for all of them.
 #[derive(Debug, Default)]
-pub(crate) struct Shares {
+pub(crate) struct ElementProlongation {
     /// The list of each element.
     pub(crate) of_element: Vec<u32>,
     /// Places of the blocks of some nodes, the lower half row by row, and how many nodes those are.
@@ -128,7 +129,7 @@ pub(crate) struct Shares {
     columns: Vec<Real>,
 }
 
-impl Shares {
+impl ElementProlongation {
     pub(crate) fn of<const N: usize, const K: usize, E: Projective<N, K>>(
         elements: &[E],
         prolongation: &Prolongation,
@@ -169,7 +170,8 @@ impl Shares {
         this
     }
 
-    /// For each element in their order, the places of the blocks of its nodes, the lower half row by row, and for each of the K rows of its operator a number per node.
+    /// For each element in their order, the places of the blocks of its nodes, the lower half row by row, and for each
+    /// of the K rows of its operator a number per node.
     #[inline(always)]
     pub(crate) fn each<const K: usize>(&self) -> impl Iterator<Item = (&[u32], [&[Real]; K])> {
         let mut rest = &self.columns[..];

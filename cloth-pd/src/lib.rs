@@ -1,145 +1,10 @@
-//! Projective dynamics: every element says where it would like its vertices, one constant matrix reconciles them.
-//!
-//! # Idea
-//! Implicit Euler minimises `G(x) = ‖x − x̃‖²_M/(2Δt²) + E(x)` in every step. Newton's method needs a new matrix in
-//! every iteration for that, because the Hessian of a spring turns with the spring. Write the energy of an element as a squared distance instead,
-//! from `z = G x` to a set of shapes that cost nothing,
-//!
-//! `E(x) = min over p in the set of ½ w ‖G x − p‖²`,
-//!
-//! and all that is not linear sits in `p`. Two steps take turns. The *local* step holds x: each element alone finds its nearest `p`, a
-//! spring for instance the vector of its rest length in its present direction. The *global* step holds all p:
-//! what is left is quadratic in x with the matrix
-//!
-//! `A = M/Δt² + Σ w GᵀG`,
-//!
-//! in which no position occurs. A depends on the mesh, the weights, the masses, the prescribed vertices and Δt. It acts on x, y and z alike, so it has a row per vertex
-//! and not three; it is factorised once, and an iteration costs the projections and one solve with the factor.
-//!
-//! Each of the two steps minimises, so `G` falls in every iteration, from any start, without a line search (the frozen p bound the energy from
-//! above and touch it at x: the method majorises and minimises).
-//!
-//! # What the constant matrix loses, and how it is won back
-//! A is as stiff across a spring as along it, but a spring resists only along. Motions that turn springs without stretching them, as falling and folding
-//! do, keep a share `κ/(m/Δt² + κ)` of their error in every iteration, κ their stiffness in `Σ w GᵀG`; of stiff cloth that is nearly all. Cut short, such a cloth hangs in the air. Three remedies stand on the same matrix:
-//!
-//! - **Chebyshev** (Wang 2015): extrapolation from the iterate before the last, with weights that follow from the largest share ρ. We keep `G` in view: where it would not fall, the
-//!   plain iterate is taken and the weights begin anew.
-//! - **Quasi-Newton** (Liu et al. 2017): `A⁻¹` is the first guess at the inverse Hessian of `G`, the last few differences of iterates and gradients improve it (L-BFGS), a line search
-//!   with Armijo's condition makes sure of the descent. If a direction fails, a plain iteration is taken, which needs no search.
-//! - **A coarse grid** under the quasi-Newton iteration: the slow motions are smooth, so a few hundred unknowns on a lattice of hat functions P describe them, and there Newton's method costs next to
-//!   nothing. The first guess becomes `A⁻¹ + P V Pᵀ`, V a cycle of [`Multigrid`](cloth_core::multigrid::Multigrid) for `PᵀHP` with the Hessian H (its negative eigenvalues set to zero) at the start of the step's iteration: an additive two-level preconditioner. The matrix is for what is rough, the grid for what is smooth.
-//!
-//! As the matrix is only a first guess there, it does without the bending of thin cloth: where quadratic hinges add less than a fiftieth to every diagonal entry they are left to the iteration, because a hinge ties four vertices and the factor has less than
-//! half as many numbers without (at 128 vertices a side 0.5 million and not 1.3). The plain and the Chebyshev iteration have the whole matrix.
-//!
-//! A sheet of 1 m × 1 m, 0.2 kg/m², springs of 10⁴ N/m, 128 vertices a side, held at two corners and let go horizontally, falls 0.4989 m (centre of mass) in half a second at Δt = 1/60 s and is stretched by 2.46 % at most, as
-//! converged Newton has it. In 10 iterations a step:
-//!
-//! | | fall (m) | stretch (%) |
-//! |---|---|---|
-//! | plain, from x̃ | 0.151 | 4.64 |
-//! | quasi-Newton | 0.440 | 2.59 |
-//! | quasi-Newton with a coarse grid of 12 cells | 0.4986 | 2.40 |
-//!
-//! When the smooth part is done the grid has done its work: the last digits take as many iterations with it as without, or more.
-//!
-//! # Contact
-//! What the cloth touches is a potential C(x) ([`ContactPotential`](cloth_core::contact::ContactPotential)) that the quasi-Newton iteration has in `G`: its value and gradient are those of `G + C`.
-//! Plain iterations become quasi-Newton iterations without pairs there, and Chebyshev's are left out, as extrapolation knows no bounds. Three things are particular.
-//!
-//! - **The matrix knows who touches.** A is stiff where springs are and soft for smooth motions of the whole sheet (0.2 N/m a vertex against 250 N/m of a contact, with 64 vertices a side),
-//!   so a direction that comes from A alone goes through what it touches, is cut off there, and the sheet creeps. The first guess therefore
-//!   is `(A + Σ k J Jᵀ)⁻¹` with the contacts of the iterate: conjugate gradients around the factor of A, of which three to six are enough, without a matrix of its own. From the
-//!   fourteenth step of the sheet below on, `G` has fallen by 0.28 J after 30 iterations with contact in the guess, by 0.11 J without.
-//! - **Each vertex has its own bound.** A way may be cut short because of one contact, and under one length for all vertices that contact holds the whole sheet in
-//!   the air. Ways end, vertex by vertex, where something is in the way ([`limit_each`](cloth_core::contact::ContactPotential::limit_each)); where that leads up, one length for all is taken after all. The start `x[0] + Δt v[0]` is cut in the same way.
-//! - **An impact takes more iterations**, because what comes into contact was not seen before: [`PdConfig::contact_iterations`] instead of [`PdConfig::iterations`] in a step in which anything pushes, and eight
-//!   pairs instead of two. If the end is above `G` at the start of the step all the same, it is taken again from there.
-//!
-//! So every place that is accepted, and every straight way between two of them, is free of crossings. A sheet with 64 vertices a side (0.2 kg/m², 10⁴ N/m) that falls 5 cm onto a ball of 0.1 m is stretched by
-//! 2.3 % at most after 20 steps of 1/60 s, 1.6 % with converged implicit Euler, and no energy appears. Which way the sheet buckles is chance: a hundredth more bending rigidity changes the fall of implicit Euler's by 0.6 % and its
-//! stretch to 2.5 %, the fall of projective dynamics by 1.5 %, which differs from implicit Euler's by 2 % (`cloth-bench run` with a scene file: `generator = "grid:64x64:alternating"`, an obstacle `shape = "sphere"`, `radius = 0.1`).
-//!
-//! # Equations
-//! ```text
-//! h ← Δt v + Δt² M⁻¹ f_ext,   x̃ = x[0] + h                         S1 (33)
-//! q ← 0, Δt v or h; K times:                                       x = x[0] + q
-//!     p ← project(G x), every element for itself                   S1 (28)–(31)
-//!     g ← M (q − h)/Δt² + Σ w Gᵀ(G x − p)                          ∇G
-//!     solve (M/Δt² + Σ w GᵀG) d = g,   q ← q − d                   S1 (32), (34)
-//!     (or what an acceleration makes of d)
-//! x[1] ← x[0] + q,   v[1] ← q/Δt                                   S1 (35)
-//! ```
-//!
-//! (34) is printed for the increment Δx; with `H = Σ w GᵀG` it is the same equation. Neither positions nor predictions are subtracted, so free fall loses no digits, and a step so long
-//! that `M/Δt²` is rounded away ends where the held cloth is at rest. Rows and columns of prescribed vertices drop out.
-//!
-//! S1 calls the matrix symmetric but not necessarily semi-definite; `Σ w GᵀG` is semi-definite for weights ≥ 0, and M makes A positive definite.
-//!
-//! | equation | where |
-//! |---|---|
-//! | G, w, p (CORE-10; S1 (27)–(31)) | [`Projective`](cloth_core::element::Projective) of each element |
-//! | `Σ w Gᵀ(G x − p)`, the local step | [`LocalStep`], `pulls.rs`, as streams `planes.rs`, on threads `pieces.rs`; where p is constant, `quadratic.rs` |
-//! | `G`, `∇G` | `objective.rs` |
-//! | A, S1 (30), (32) | `matrix.rs` |
-//! | what quasi-Newton leaves out of it | `matrix.rs` |
-//! | its factor, and what changes it | `global.rs`, [`LowRank`](cloth_core::linear::LowRank) |
-//! | the solve of S1 (34) | [`PanelFactor::solve`](cloth_core::linear::PanelFactor::solve) |
-//! | Chebyshev weights (Wang 2015, algorithm 1) | `chebyshev.rs` |
-//! | two-loop recursion (Liu et al. 2017, algorithm 2), line search | `quasi_newton.rs` |
-//! | `A + Σ k J Jᵀ` with the contacts | `contact.rs` |
-//! | `P V Pᵀ`; H | `lattice.rs`, `coarse.rs`; `local.rs` |
-//! | S1 (33), (35) and the loop | [`PdSolver`] |
-//!
-//! # Iterations
-//! The sixteenth step of that sheet, from x̃, until `(G − G*)/(G(x̃) − G*)` is below an error (`cloth-bench study projective`):
-//!
-//! | vertices a side | | to 10⁻² | to 10⁻⁴ | to 10⁻⁶ |
-//! |---|---|---|---|---|
-//! | 32 | plain | 21 | 2625 | > 3000 |
-//! | | Chebyshev, ρ = 0.9995 | 11 | 107 | 1328 |
-//! | | quasi-Newton | 10 | 148 | 1366 |
-//! | | with a coarse grid | 3 | 105 | 824 |
-//! | 64 | plain | 11 | 2416 | > 3000 |
-//! | | Chebyshev | 9 | 104 | 629 |
-//! | | quasi-Newton | 6 | 121 | 838 |
-//! | | with a coarse grid | 2 | 40 | 513 |
-//! | 128 | plain | 11 | 2294 | > 3000 |
-//! | | Chebyshev | 9 | 102 | 584 |
-//! | | quasi-Newton | 6 | 148 | 633 |
-//! | | with a coarse grid | 3 | 35 | 494 |
-//!
-//! So the convergence of the iterations without a coarse grid does not become slower with the resolution, as is said of the method. It does depend on the stiffness: to 10⁻⁴ at 32 a side, 698 plain iterations at 10² N/m
-//! and more than 3000 at 10³ and at 10⁵.
-//!
-//! Cloth that changes between two steps ([`PdSolver::prescribe`], [`release`](PdSolver::release), [`attach`](PdSolver::attach), [`remove`](PdSolver::remove)) keeps the factor and corrects every solve for the k rows that differ,
-//! by the identity of Woodbury. To set that up takes k/3 solves, which cost as much as a factorisation at k = 36 to 51 for 32 to 512 vertices a side; and as it slows down every solve, it is given up for a factorisation when as much has been
-//! spent on it. A dragged pin or attachment changes no matrix.
-//!
-//! # Cost
-//! A solve reads the factor twice: with bending 1.29 million numbers at 128 vertices a side, so 20.6 MB, and no solve is faster than the memory gives them. `cloth-bench study projective` has the time of a solve beside that of reading the factor, and beside the linear-algebra library, by size. The local step reads 24 bytes a spring and reads or
-//! writes 72 a vertex; `cargo bench -p cloth-bench --bench projective -- "local step"` has its time beside that of a stream of as many bytes: 2.0 to 2.6 times as long with 128 vertices a side,
-//! where all is in a cache, 1.0 to 1.3 with 256 and 1.3 to 1.9 with 512. Where the vertices are numbered along rows, as on a grid, the ends of
-//! neighbouring springs are neighbours too, and both are read and added to as streams, without an index: x, y and z apart, even vertices apart from odd ones, eight springs side by side. What is left is the square root and the division of each
-//! spring (0.7 ns of 1.7 on one thread), the sums, and taking x, y and z apart and together again. Cloth in another order takes the ends one by one.
-//!
-//! With quadratic bending and n vertices, f numbers in the factor, e springs and b entries in the matrix of the bending energy, an iteration moves `16 f` bytes for the solve, `24 e + 72 n` for the springs, `12 b + 64 n`
-//! for the bending, about `200 n` for the rest of the objective, and `96 n` for each pair that is remembered. At 128 a side, with the bending left out of the matrix, that is about 9 MB, 2 MB, 4 MB, 3 MB and, with two pairs, 3 MB. A large factor is cut into subtrees of its elimination tree, which threads can share; the cut does not depend on how many there are. All loops are compiled for wide registers too ([`wide`](cloth_core::parallel::wide)), and give the same bits without.
-//!
-//! The coarse matrix is summed once a step, element by element: `Pᵀ H P` is never a matrix of the whole cloth first, which would take 0.65 ms of a step of 3.5 ms at 64 a side, and takes 0.36 so.
-//! What does not make an iteration faster (AMD EPYC, Zen 4, one thread): the factor in single precision, by which the iteration converges as well; a number has to be widened before it is used, and a solve takes 83 µs instead of 63 at 64 a side,
-//! 480 instead of 360 at 128, 3.3 ms instead of 3.0 at 256. Several sums side by side in the products with the bending matrix and with P: additions do not wait for each other as it is. The coarse matrix is needed afresh in every step: kept for two, the kinetic energy
-//! of the swing (below) is −74 % instead of −45; taken several times in a step, no better than once.
+//! Projective dynamics: implicit Euler by alternating local projections and one global solve with a constant matrix.
 //!
 //! # Example
 //! A sheet of 0.2 kg/m² held at two corners:
 //! ```
-//! use cloth_core::cloth::{Cloth, Membrane};
-//! use cloth_core::math::Vec3;
-//! use cloth_core::mesh::generate::{Diagonals, grid};
-//! use cloth_core::{particles::State, step::{StepInput, Stepper}};
-//! use cloth_pd::PdSolver;
+//! use cloth_pd::cloth_core::{cloth::{Cloth, Membrane}, mesh::generate::{Diagonals, grid}};
+//! use cloth_pd::{PdSolver, State, StepInput, Stepper, Vec3};
 //!
 //! let mesh = grid(17, 17, 1.0, 1.0, Diagonals::Alternating)?;
 //! let membrane = Membrane::SpringStiffness(1e4);
@@ -168,7 +33,279 @@
 //! assert_eq!(solver.step(&mut state, input)?.factorizations, 0);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
-//! An element that is no squared distance to a set under a constant linear map is refused when compiling. An area is a product of edges, so no such map gives it:
+//!
+//! Meshes, materials and measures are in [`cloth_core`], re-exported here.
+//!
+//! # Idea
+//! Implicit Euler, `M (x[1] − x̃)/Δt² = −∇E(x[1])` with `x̃ = x[0] + Δt v[0] + Δt² M⁻¹ f_ext`, is the condition
+//! `∇G = 0` of a minimisation:
+//!
+//! `G(x) = ‖x − x̃‖²_M/(2Δt²) + E(x)`.
+//!
+//! Newton's method needs a new matrix in every iteration for that, because the Hessian of a spring turns with the
+//! spring. Projective dynamics writes the energy of an element as the squared distance from `z = G x` to a set of
+//! zero-energy configurations instead (G is here the element's constant linear map, for a spring the difference of its
+//! ends),
+//!
+//! `E(x) = min over p in the set of ½ w ‖G x − p‖²`,
+//!
+//! and all that is not linear sits in p. So a step is a minimisation over x *and* all p, done in turns (block
+//! coordinate descent). The *local* step holds x: each element alone projects z to its nearest p, a spring to the
+//! vector of its rest length in its present direction. The *global* step holds all p: what is left is quadratic in x,
+//! and its minimum solves
+//!
+//! `A x = M x̃/Δt² + Σ w Gᵀ p`,  `A = M/Δt² + Σ w GᵀG`.
+//!
+//! No position occurs in A. It depends on the mesh, the weights, the masses, the prescribed vertices and Δt. It acts on
+//! x, y and z alike, so it has a row per vertex and not three; it is factorised once, and an iteration costs the
+//! projections and one solve with the factor.
+//!
+//! The weight w is the stiffness of the material and no parameter of the method: k (N/m) for a spring, area times
+//! modulus for a triangle. It says what the step converges to, the same minimum that Newton's method finds; the number
+//! of iterations only says how near.
+//!
+//! Both steps minimise, so `G` falls in every iteration, from any start, without a line search: the frozen p bound the
+//! energy from above and touch it at x (majorise and minimise).
+//!
+//! # What the constant matrix loses, and how it is won back
+//! A is as stiff across a spring as along it, but a spring resists only along. In motions that turn springs without
+//! stretching them, as falling and folding do, each iteration contracts the error by `κ/(m/Δt² + κ)`, κ their stiffness
+//! in `Σ w GᵀG`: linear convergence, with a factor close to 1 for stiff cloth. Truncated early, the sheet floats. Three
+//! accelerations use the same matrix:
+//!
+//! - **Chebyshev** (Wang 2015): extrapolation from the iterate before the last, with weights that follow from the
+//!   spectral radius ρ of the plain iteration. We keep `G` in view: where it would not fall, the plain iterate is taken
+//!   and the weights begin anew.
+//! - **Quasi-Newton** (Liu et al. 2017): `A⁻¹` is the initial inverse Hessian of `G`, the last few differences of
+//!   iterates and gradients improve it (L-BFGS), a line search with Armijo's condition enforces descent. If a direction
+//!   fails, a plain iteration is taken, which needs no search.
+//! - **A coarse grid**, a two-level Galerkin preconditioner (Bramble, Pasciak, Xu 1990): the slow motions are smooth,
+//!   so a few hundred unknowns on a lattice of trilinear hat functions describe them (P is the prolongation, Pᵀ the
+//!   restriction, `PᵀHP` the Galerkin coarse operator), where a Newton step is cheap. The initial inverse Hessian
+//!   becomes `A⁻¹ + P V Pᵀ`, V a cycle of [`Multigrid`](cloth_core::multigrid::Multigrid) for `PᵀHP` with the Hessian H
+//!   (its negative eigenvalues set to zero) at the start of the step's iteration: an additive correction. A reduces the
+//!   rough part of the error, the grid the smooth part.
+//!
+//! As the matrix only preconditions there, the bending of thin cloth is left out of it: where quadratic hinges add
+//! less than a fiftieth to every diagonal entry they are left to the iteration, because a hinge ties four vertices and
+//! the factor has less than half as many numbers without (at 128 vertices a side 0.5 million and not 1.3). The plain
+//! and the Chebyshev iteration have the whole matrix.
+//!
+//! A sheet of 1 m × 1 m, 0.2 kg/m², springs of 10⁴ N/m, 128 vertices a side, held at two corners and let go
+//! horizontally, falls 0.4989 m (centre of mass) in half a second at Δt = 1/60 s and is stretched by 2.46 % at most, as
+//! converged Newton has it. In 10 iterations a step:
+//!
+//! | | fall (m) | stretch (%) |
+//! |---|---|---|
+//! | plain, from x̃ | 0.151 | 4.64 |
+//! | quasi-Newton | 0.440 | 2.59 |
+//! | quasi-Newton with a coarse grid of 12 cells | 0.4986 | 2.40 |
+//!
+//! When the smooth part is done the grid has done its work: the last digits take as many iterations with it as without,
+//! or more.
+//!
+//! # Equations
+//! ```text
+//! h ← Δt v + Δt² M⁻¹ f_ext,   x̃ = x[0] + h                         S1 (33)
+//! q ← 0, Δt v or h; K times:                                       x = x[0] + q
+//!     p ← project(G x), every element for itself                   S1 (28)–(31)
+//!     g ← M (q − h)/Δt² + Σ w Gᵀ(G x − p)                          ∇G
+//!     solve (M/Δt² + Σ w GᵀG) d = g,   q ← q − d                   S1 (32), (34)
+//!     (or the accelerated direction)
+//! x[1] ← x[0] + q,   v[1] ← q/Δt                                   S1 (35)
+//! ```
+//!
+//! (34) is printed for the increment Δx; with `H = Σ w GᵀG` it is the same equation. Neither positions nor predictions
+//! are subtracted, so free fall loses no digits, and a step so long that `M/Δt²` is rounded away ends where the held
+//! cloth is at rest. Rows and columns of prescribed vertices drop out.
+//!
+//! S1 calls the matrix symmetric but not necessarily semi-definite; `Σ w GᵀG` is semi-definite for weights ≥ 0, and M
+//! makes A positive definite.
+//!
+//! | equation | where |
+//! |---|---|
+//! | G, w, p, S1 (27)–(31) | [`Projective`](cloth_core::element::Projective) of each element |
+//! | the local step of one family | [`LocalStep`], `local.rs` |
+//! | the same on threads, batched, as streams | `vertex_blocks.rs`, `batch.rs`, `deinterleaved.rs` |
+//! | the same where p is constant: a matrix | `quadratic.rs` |
+//! | `G`, `∇G` | `objective.rs` |
+//! | A, S1 (30), (32) | `matrix.rs` |
+//! | what quasi-Newton leaves out of it | `matrix.rs` |
+//! | its factor, and what changes it | `global.rs`, [`LowRank`](cloth_core::linear::LowRank) |
+//! | the solve of S1 (34) | [`PanelFactor::solve`](cloth_core::linear::PanelFactor::solve) |
+//! | Chebyshev weights (Wang 2015, algorithm 1) | `chebyshev.rs` |
+//! | two-loop recursion (Liu et al. 2017, algorithm 2), line search | `quasi_newton.rs` |
+//! | `A + Σ k J Jᵀ` with the contacts | `contact.rs` |
+//! | `P V Pᵀ`; H | `lattice.rs`, `coarse.rs`; `local.rs` |
+//! | S1 (33), (35) and the loop | [`PdSolver`] |
+//!
+//! `examples/first_program.rs` is this box as plain loops over arrays with a dense matrix, and compares itself with
+//! [`PdSolver`]. In the crate the local step is spread over several files: the formula of one element stands in
+//! `batch.rs`, at `ProjectionBatch::find_one_by_one` (z, p, force `w (z − p)`, energy `½ w ‖z − p‖²`), and everything
+//! else computes the same numbers for many elements at once.
+//!
+//! # Iterations
+//! The sixteenth step of that sheet, from x̃, until `(G − G*)/(G(x̃) − G*)` is below an error
+//! (`cloth-bench study projective`):
+//!
+//! | vertices a side | | to 10⁻² | to 10⁻⁴ | to 10⁻⁶ |
+//! |---|---|---|---|---|
+//! | 32 | plain | 21 | 2625 | > 3000 |
+//! | | Chebyshev, ρ = 0.9995 | 11 | 107 | 1328 |
+//! | | quasi-Newton | 10 | 148 | 1366 |
+//! | | with a coarse grid | 3 | 105 | 824 |
+//! | 64 | plain | 11 | 2416 | > 3000 |
+//! | | Chebyshev | 9 | 104 | 629 |
+//! | | quasi-Newton | 6 | 121 | 838 |
+//! | | with a coarse grid | 2 | 40 | 513 |
+//! | 128 | plain | 11 | 2294 | > 3000 |
+//! | | Chebyshev | 9 | 102 | 584 |
+//! | | quasi-Newton | 6 | 148 | 633 |
+//! | | with a coarse grid | 3 | 35 | 494 |
+//!
+//! So the convergence of the iterations without a coarse grid does not become slower with the resolution, as is said of
+//! the method. It does depend on the stiffness: to 10⁻⁴ at 32 a side, 698 plain iterations at 10² N/m and more than
+//! 3000 at 10³ and at 10⁵.
+//!
+//! Cloth that changes between two steps ([`PdSolver::prescribe`], [`release`](PdSolver::release),
+//! [`attach`](PdSolver::attach), [`remove`](PdSolver::remove)) keeps the factor and corrects every solve for the k rows
+//! that differ, by the identity of Woodbury. To set that up takes k/3 solves, which cost as much as a factorisation at
+//! k = 36 to 51 for 32 to 512 vertices a side; and as it slows down every solve, it is given up for a factorisation
+//! when as much has been spent on it. A dragged pin or attachment changes no matrix.
+//!
+//! # Cost
+//! A solve reads the factor twice: with bending 1.29 million numbers at 128 vertices a side, so 20.6 MB, and no solve
+//! is faster than the memory gives them. `cloth-bench study projective` has the time of a solve beside that of reading
+//! the factor, and beside the linear-algebra library, by size. The local step reads 24 bytes a spring and reads or
+//! writes 72 a vertex; `cargo bench -p cloth-bench --bench projective -- "local step"` has its time beside that of a
+//! stream of as many bytes: 2.0 to 2.6 times as long with 128 vertices a side, where all is in a cache, 1.0 to 1.3 with
+//! 256 and 1.3 to 1.9 with 512. Where the vertices are numbered along rows, as on a grid, the ends of neighbouring
+//! springs are neighbours too, and both are read and added to as streams, without an index: x, y and z apart, even
+//! vertices apart from odd ones, eight springs side by side. What is left is the square root and the division of each
+//! spring (0.7 ns of 1.7 on one thread), the sums, and taking x, y and z apart and together again. Cloth in another
+//! order takes the ends one by one.
+//!
+//! With quadratic bending and n vertices, f numbers in the factor, e springs and b entries in the matrix of the bending
+//! energy, an iteration moves `16 f` bytes for the solve, `24 e + 72 n` for the springs, `12 b + 64 n` for the bending,
+//! about `200 n` for the rest of the objective, and `96 n` for each pair that is remembered. At 128 a side, with the
+//! bending left out of the matrix, that is about 9 MB, 2 MB, 4 MB, 3 MB and, with two pairs, 3 MB. A large factor is
+//! cut into subtrees of its elimination tree, which threads can share; the cut does not depend on how many there are.
+//! All loops are compiled for wide registers too ([`wide`](cloth_core::parallel::wide)), and give the same bits
+//! without.
+//!
+//! The coarse matrix is summed once a step, element by element: `Pᵀ H P` is never a matrix of the whole cloth first,
+//! which would take 0.65 ms of a step of 3.5 ms at 64 a side, and takes 0.36 so. What does not make an iteration faster
+//! (AMD EPYC, Zen 4, one thread): the factor in single precision, by which the iteration converges as well; a number
+//! has to be widened before it is used, and a solve takes 83 µs instead of 63 at 64 a side, 480 instead of 360 at 128,
+//! 3.3 ms instead of 3.0 at 256. Several sums side by side in the products with the bending matrix and with P:
+//! additions do not wait for each other as it is. The coarse matrix is needed afresh in every step: kept for two, the
+//! kinetic energy of the swing (below) is −74 % instead of −45; taken several times in a step, no better than once.
+//!
+//! Why a solve of our own and not the library's: a triangular solve does two operations per number of the factor that
+//! it reads, so memory decides. [`PanelFactor`](cloth_core::linear::PanelFactor) lays the factor out in the order in
+//! which it is read, in panels of up to four columns with the diagonal inverted, and carries x, y and z in one vector
+//! register: the factor is read twice for all three and not twice for each, and a panel's right-hand sides stay in
+//! registers.
+//!
+//! # Contact
+//! What the cloth touches is a potential C(x) ([`ContactPotential`](cloth_core::contact::ContactPotential)) that the
+//! quasi-Newton iteration has in `G`: its value and gradient are those of `G + C`. Plain iterations become quasi-Newton
+//! iterations without pairs there, and Chebyshev's are left out, as extrapolation knows no bounds. Three things are
+//! particular.
+//!
+//! - **Contact stiffness is in the solve.** A is stiff where springs are and soft for smooth motions of the whole sheet
+//!   (0.2 N/m a vertex against 250 N/m of a contact, with 64 vertices a side), so a direction from A alone goes through
+//!   the obstacle, is truncated there, and the sheet creeps. The initial inverse Hessian therefore is
+//!   `(A + Σ k J Jᵀ)⁻¹` with the contacts of the iterate: conjugate gradients around the factor of A, of which three to
+//!   six are enough, without a matrix of its own. From the fourteenth step of the sheet below on, `G` has fallen by
+//!   0.28 J after 30 iterations with contact in it, by 0.11 J without.
+//! - **Each vertex has its own displacement bound.** With one step length for all vertices a single contact would stop
+//!   the whole sheet. Displacements are truncated vertex by vertex
+//!   ([`limit_each`](cloth_core::contact::ContactPotential::limit_each)); where that does not descend, one length for
+//!   all is taken. The start `x[0] + Δt v[0]` is cut in the same way.
+//! - **An impact takes more iterations**, because new contacts appear during the step:
+//!   [`PdConfig::contact_iterations`] instead of [`PdConfig::iterations`] in a step in which anything pushes, and eight
+//!   pairs instead of two. If the end is above `G` at the start of the step all the same, it is taken again from there.
+//!
+//! So every accepted iterate, and every straight path between two of them, is free of intersections. A sheet with 64
+//! vertices a side (0.2 kg/m², 10⁴ N/m) that falls 5 cm onto a ball of 0.1 m is stretched by 2.3 % at most after 20
+//! steps of 1/60 s, 1.6 % with converged implicit Euler, and no energy appears. The buckling mode is sensitive:
+//! a hundredth more bending rigidity changes the fall of implicit Euler's by 0.6 % and its stretch to 2.5 %, the fall
+//! of projective dynamics by 1.5 %, which differs from implicit Euler's by 2 % (`cloth-bench run` with a scene file:
+//! `generator = "grid:64x64:alternating"`, an obstacle `shape = "sphere"`, `radius = 0.1`).
+//!
+//! # Strain limits
+//! [`StrainLimitSpring`](cloth_core::energy::StrainLimitSpring) and
+//! [`StrainLimitTriangle`](cloth_core::energy::StrainLimitTriangle) are elements like others: their set is the shell
+//! between the least and the largest length (or singular value), and the projection clamps. They are soft limits, a
+//! load f stretches a spring by f/k beyond its limit, and their weight enters A even while they are inactive, so high
+//! weights slow the plain iteration down. Hard limits are a projection after the step, of any method, as
+//! `WithStrainLimit` of the crate `cloth-pbd` does it.
+//!
+//! # Errors and bad input
+//! - **Building** is refused with a [`BuildError`]: a setting outside its range (no iterations, a spectral radius
+//!   outside [0, 1), a weight that is negative or not finite, rest positions of the coarse grid that do not match), a
+//!   vertex that does not exist, a matrix too large for its indices. `energy` never fails; its error is kept for
+//!   `build`.
+//! - **A step** is refused with a [`StepError`] if Δt is not positive and finite, if an input or the result is not
+//!   finite (the vertex is named), if A is not positive definite to working precision, or if contact cannot be
+//!   resolved. The state is then what it was before the step.
+//! - **A change** between two steps is refused with a [`ChangeError`], and nothing has changed.
+//! - **A state of the wrong length** is a bug of the caller and panics.
+//! - **Degenerate elements are no error.** A spring whose ends coincide projects to a fixed direction, so a cloth
+//!   collapsed to a point unfolds.
+//! - **No convergence is no error.** Without a tolerance a step makes its iterations and reports
+//!   [`Outcome::BudgetSpent`](cloth_core::step::Outcome); with [`PdConfig::tolerance`] it reports the residual.
+//!
+//! # Threads
+//! With the feature `parallel` (default) the vertices are cut into blocks of consecutive numbers. Each block visits the
+//! elements that touch it and adds to its own vertices only (owner computes), so no two threads write to the same place
+//! and no colouring is needed; an element on a border is computed twice. Families below 32 768 elements stay on one
+//! thread. The solve runs over independent subtrees of the elimination tree. Blocks and subtrees depend on the mesh
+//! alone, so results have the same bits on any number of threads, and without the feature.
+//!
+//! # Add an element
+//! One struct and two traits of [`cloth_core::element`]: `Element<N>` names the vertices, `Projective<N, K>` gives G, w
+//! and the projection. The matrix, threads, accelerations and the removal of elements follow.
+//!
+//! ```
+//! use cloth_pd::cloth_core::element::{Element, Projective};
+//! use cloth_pd::{Particles, PdSolver, State, StepInput, Stepper, Vec3};
+//!
+//! /// Pulls a vertex to a plane through the origin: `E = ½ w (n·x)²` (J).
+//! #[derive(Clone, Copy, Debug)]
+//! struct NearPlane { vertex: u32, normal: Vec3, stiffness: f64 }
+//!
+//! impl Element<1> for NearPlane {
+//!     fn vertices(&self) -> [u32; 1] {
+//!         [self.vertex]
+//!     }
+//! }
+//!
+//! impl Projective<1, 1> for NearPlane {
+//!     fn operator(&self) -> [[f64; 1]; 1] {
+//!         [[1.0]] // z = x
+//!     }
+//!     fn weight(&self) -> f64 {
+//!         self.stiffness
+//!     }
+//!     fn project(&self, [z]: [Vec3; 1]) -> [Vec3; 1] {
+//!         [z - self.normal * self.normal.dot(&z)]
+//!     }
+//! }
+//!
+//! let plane = NearPlane { vertex: 0, normal: Vec3::y(), stiffness: 50.0 };
+//! let particles = Particles::new(vec![0.5])?;
+//! let mut solver = PdSolver::builder(&particles).energy(vec![plane]).build()?;
+//! let mut state = State::at_rest(vec![Vec3::new(0.3, 0.2, 0.0)]);
+//! solver.step(&mut state, StepInput::new(0.1))?;
+//! // Implicit Euler in closed form: y/(1 + w Δt²/m).
+//! assert!((state.positions[0] - Vec3::new(0.3, 0.1, 0.0)).norm() < 1e-15);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! An element that is no squared distance to a set under a constant linear map is refused when compiling. An area is a
+//! product of edges, so no such map gives it:
 //! ```compile_fail,E0277
 //! use cloth_core::{energy::AreaTriangle, math::Vec3, particles::Particles};
 //!
@@ -179,10 +316,14 @@
 //! ```
 //!
 //! # Limits
-//! - The plain iteration converges linearly, and the more slowly the stiffer the cloth. An error of 10⁻² in `G` is soon reached and says little: plain, cut short there, the sheet above hangs in the air. Look at the
-//!   fall beside the stretch before choosing a number of iterations.
-//! - A fixed number of iterations is an approximation of implicit Euler whose error is not watched. The default (here and below [`PdConfig::default`] with a coarse grid of 12 cells, as `cloth-bench` takes it; the builder lays none by itself) follows the first half second of the hanging sheet closely; over five seconds its swinging dies away sooner than it should. Means over the
-//!   last 100 of 300 steps, relative to converged implicit Euler, at 64 a side (`cloth-bench study projective`, which has the same for 32):
+//! - The plain iteration converges linearly, and the more slowly the stiffer the cloth. An error of 10⁻² in `G` is soon
+//!   reached and says little: plain, truncated there, the sheet above floats. Check the fall beside the stretch before
+//!   choosing a number of iterations.
+//! - A fixed number of iterations is an approximation of implicit Euler whose error is not watched. The default (here
+//!   and below [`PdConfig::default`] with a coarse grid of 12 cells, as `cloth-bench` takes it; the builder lays none
+//!   by itself) follows the first half second of the hanging sheet closely; over five seconds its swinging dies away
+//!   sooner than it should. Means over the last 100 of 300 steps, relative to converged implicit Euler, at 64 a side
+//!   (`cloth-bench study projective`, which has the same for 32):
 //!
 //!   | cells, iterations, pairs | kinetic energy (%) | largest stretch (%) | the same at the last step (%) |
 //!   |---|---|---|---|
@@ -190,43 +331,64 @@
 //!   | 12, 10, 2 (default) | −44 | +1 | −22 |
 //!   | 16, 18, 2 | −17 | −4 | +1 |
 //!
-//!   At 32 a side the default has a mean stretch of +8 % and a kinetic energy of −51 %. Rounding alone moves the kinetic energy: with sums in another order, or with the factor in single precision, it is −44 to −52 % for the default at 64 a side
-//!   and −12 to −17 % for 16 cells and 18 iterations. For seconds of motion that have to be right take 16 cells, 18 iterations and 2 pairs; a step then takes about 1.7 times as long.
+//!   At 32 a side the default has a mean stretch of +8 % and a kinetic energy of −51 %. Rounding alone moves the
+//!   kinetic energy: with sums in another order, or with the factor in single precision, it is −44 to −52 % for the
+//!   default at 64 a side and −12 to −17 % for 16 cells and 18 iterations. For seconds of motion that have to be right
+//!   take 16 cells, 18 iterations and 2 pairs; a step then takes about 1.7 times as long.
 //!
-//!   The motion is not chaotic: implicit Euler from a start disturbed by 10⁻³ m ends with the same largest stretch to 1 % (32 a side). One instant still misleads, because a motion with too little energy is at another point of its swing: some settings
-//!   happen to be right at the last step and 36 % off on average, and rounding alone moves the last step by a tenth and more: with 10 cells and the springs added up in another order it had −28, −0.5 and −0.2 %. What is missing are folds. A fold moves vertices across the cloth, and others a little along it so that no spring is stretched. The matrix charges the motion across as if springs were stretched, and the hats of a
-//!   grid cannot follow the motion along: a grid of half the resolution of the cloth does no better, one as fine as the cloth is Newton's method, for which three iterations are enough. So folds go on with the velocity that they have, and what should have bent is
-//!   compressed (11 times the elastic energy with the default, at 64 a side).
+//!   The motion is not chaotic: implicit Euler from a start disturbed by 10⁻³ m ends with the same largest stretch to 1
+//!   % (32 a side). One instant still misleads, because a motion with too little energy is at another point of its
+//!   swing: some settings happen to be right at the last step and 36 % off on average, and rounding alone moves the
+//!   last step by a tenth and more: with 10 cells and the springs added up in another order it had −28, −0.5 and −0.2
+//!   %. What is missing are folds. A fold moves vertices across the cloth, and others a little along it so that no
+//!   spring is stretched. The matrix charges the motion across as if springs were stretched, and the hats of a grid
+//!   cannot follow the motion along: a grid of half the resolution of the cloth does no better, one as fine as the
+//!   cloth is Newton's method, for which three iterations are enough. So folds go on with the velocity that they have,
+//!   and what should have bent is compressed (11 times the elastic energy with the default, at 64 a side).
 //!
-//!   None of these helps, at 32 or 64 a side: a start extrapolated with the last change of velocity; pairs kept from the step before, as they are (the steps then need line searches) or with their changes of gradient taken anew; hats that are
-//!   quadratic or cubic splines; stiffness summed up over whole cells; blocks of the Hessian's diagonal as a third part of the first guess, on the vertices and on finer grids, which moves vertices out of the cloth so far that the springs, which then
-//!   stretch, take the energy away. A valley of `G` along which the cloth bends is narrow and curved.
-//! - It is the same with a chain of 20 links, swinging: with 6 iterations its centre of mass is right to 0.1 % after half a second, but has fallen 3 % too little after five; with 8 iterations it is right to 0.2 % then.
-//! - No energy appears in a step from `x[0]`, nor in a quasi-Newton step from `x[0] + Δt v[0]`: one that ends above `G(x[0])` is taken again, which the hanging sheet never needs. Plain and Chebyshev iterations from there, and all from x̃, have no such guard; ended early they can feed a
-//!   tangle. With the default a cloth of 10³ N/m, damped, hangs in the end from any start (in a point, on a line, mirrored, random, blown up), forces balanced.
-//! - The coarse grid needs rest positions, and is good for cloth that bends smoothly at its scale. It changes how fast the iteration converges, never to what; and not always for the better: at 10⁵ N/m, from x̃, the
-//!   first 10⁻² takes 32 iterations with it and 7 without any acceleration.
-//! - Where it converges to is a stationary point of `G`, the solution of implicit Euler, with the numerical damping of that. Where `G` has several (compressed cloth), which of them depends on the path.
-//! - Linear momentum of a free cloth is conserved in every iteration, to rounding, with each acceleration: what nothing holds starts with the right momentum, and every direction keeps it. The start at `x[0]` gains it with the first full step. Angular momentum is not: implicit Euler does not conserve it, and an iteration cut short less so.
-//! - Only energies of the form above. Springs, hinges flat or curved at rest, as-rigid-as-possible triangles, strain limits and attachments have it; an energy with a varying stiffness does not.
+//!   None of these helps, at 32 or 64 a side: a start extrapolated with the last change of velocity; pairs kept from
+//!   the step before, as they are (the steps then need line searches) or with their changes of gradient taken anew;
+//!   hats that are quadratic or cubic splines; stiffness summed up over whole cells; blocks of the Hessian's diagonal
+//!   as a third term of the initial inverse Hessian, on the vertices and on finer grids, which moves vertices out of
+//!   the cloth so far that the springs, which then stretch, take the energy away. A valley of `G` along which the cloth
+//!   bends is narrow and curved.
+//! - It is the same with a chain of 20 links, swinging: with 6 iterations its centre of mass is right to 0.1 % after
+//!   half a second, but has fallen 3 % too little after five; with 8 iterations it is right to 0.2 % then.
+//! - No energy appears in a step from `x[0]`, nor in a quasi-Newton step from `x[0] + Δt v[0]`: one that ends above
+//!   `G(x[0])` is taken again, which the hanging sheet never needs. Plain and Chebyshev iterations from there, and all
+//!   from x̃, have no such guard; ended early they can feed a tangle. With the default a cloth of 10³ N/m, damped,
+//!   hangs in the end from any start (in a point, on a line, mirrored, random, blown up), forces balanced.
+//! - The coarse grid needs rest positions, and is good for cloth that bends smoothly at its scale. It changes how fast
+//!   the iteration converges, never to what; and not always for the better: at 10⁵ N/m, from x̃, the first 10⁻² takes
+//!   32 iterations with it and 7 without any acceleration.
+//! - Where it converges to is a stationary point of `G`, the solution of implicit Euler, with the numerical damping of
+//!   that. Where `G` has several (compressed cloth), which of them depends on the path.
+//! - Linear momentum of a free cloth is conserved in every iteration, to rounding, with each acceleration: what nothing
+//!   holds starts with the right momentum, and every direction keeps it. The start at `x[0]` gains it with the first
+//!   full step. Angular momentum is not: implicit Euler does not conserve it, and an iteration cut short less so.
+//! - Only energies of the form above. Springs, hinges flat or curved at rest, as-rigid-as-possible triangles, strain
+//!   limits and attachments have it; an energy with a varying stiffness does not.
 //! - Another Δt costs a factorisation, which the report counts; other masses or new elements need another solver.
-//! - A matrix that has lost all but a few digits of a pivot (a cloth that nothing holds, with `k Δt²/m` above some 10¹²) is reported as
-//!   [`NotPositiveDefinite`](cloth_core::step::StepError::NotPositiveDefinite), and not used.
-//! - The residual compares with `‖∇G(x̃)‖`. Where that is rounding alone, as for a cloth in free fall, no tolerance is met and all iterations are spent, without harm.
+//! - A matrix that has lost all but a few digits of a pivot (a cloth that nothing holds, with `k Δt²/m` above some
+//!   10¹²) is reported as [`NotPositiveDefinite`](cloth_core::step::StepError::NotPositiveDefinite), and not used.
+//! - The residual compares with `‖∇G(x̃)‖`. Where that is rounding alone, as for a cloth in free fall, no tolerance is
+//!   met and all iterations are spent, without harm.
 //!
 //! # When to use it
-//! For many steps with one mesh and one step size on a processor: an iteration costs two passes over a small factor, none can make matters worse, and no step size is too large. With the default
-//! a step of the sheet above takes, at 64 a side, about a seventh of the time of converged implicit Euler around
-//! multigrid, for a fall within 0.1 % and a stretch within 3 % after half a second;
-//! what to take for longer motion is said above. Where the motion has to be right to the last digits, Newton's method gets there in a dozen iterations. Where the material is replaced
-//! altogether between steps, the position-based methods have no matrix to factorise. Quadratic energies (bending of a flat sheet, attachments) are solved exactly by one iteration.
+//! For many steps with one mesh and one step size on a processor: an iteration costs two passes over a small factor,
+//! none can make matters worse, and no step size is too large. With the default a step of the sheet above takes, at 64
+//! a side, about a seventh of the time of converged implicit Euler around multigrid, for a fall within 0.1 % and a
+//! stretch within 3 % after half a second; what to take for longer motion is said above. Where the motion has to be
+//! right to the last digits, Newton's method gets there in a dozen iterations. Where the material is replaced
+//! altogether between steps, the position-based methods have no matrix to factorise. Quadratic energies (bending of a
+//! flat sheet, attachments) are solved exactly by one iteration.
 //!
-//! # When not to use it
-//! Where seconds of motion have to look right, take a step of implicit Euler that is cut short: three Newton
-//! iterations with the clamped Hessian, each of at most five conjugate gradients around a multigrid cycle, from
-//! `x[0] + Δt v[0]`. Five seconds of the sheet, relative to converged implicit Euler; means over the last 100 of 300 steps,
-//! `elastic` at the last, processor time of a run on one thread, setting up included, in milliseconds a step (AMD EPYC,
-//! Zen 4; other programs ran beside it, so that only ratios count):
+//! # When not to use this method
+//! Where seconds of motion have to look right, take a step of implicit Euler that is cut short: three Newton iterations
+//! with the clamped Hessian, each of at most five conjugate gradients around a multigrid cycle, from `x[0] + Δt v[0]`.
+//! Five seconds of the sheet, relative to converged implicit Euler; means over the last 100 of 300 steps, `elastic` at
+//! the last, processor time of a run on one thread, setting up included, in milliseconds a step (AMD EPYC, Zen 4; other
+//! programs ran beside it, so that only ratios count):
 //!
 //! | n | | kinetic energy | largest stretch, mean | at the end | elastic | ms |
 //! |---|---|---|---|---|---|---|
@@ -237,53 +399,76 @@
 //! | | 18 iterations, 16 cells | −8 % | −1.2 % | +10 % | × 4.9 | 42 |
 //! | | three Newton iterations of 5 | −3.0 % | +1.3 % | −11 % | × 0.83 | 72 |
 //!
-//! (`cloth-bench run hang --n 64 --steps 300 --json --method pd --set iterations=18 --set coarse=16`, and `--method
-//! implicit-euler --set linear=newton-multigrid --set iterations=3 --set linear_iterations=5 --set start=inertial`;
-//! `cloth-bench study projective` has the means for 64.) At both sizes projective dynamics is 1.6 times as fast or more than any
-//! setting of implicit Euler that was tried and keeps most of the swing. Its error does not
-//! become small, though: for 1.7 times the time of its best setting the energy is right and the folds
-//! are bent rather than compressed.
+//! (`cloth-bench run hang --n 64 --steps 300 --json`, with `--method pd --set iterations=18 --set coarse=16`, or with
+//! `--method implicit-euler --set linear=newton-multigrid --set iterations=3 --set linear_iterations=5` and
+//! `--set start=inertial`; `cloth-bench study projective` has the means for 64.) At both sizes projective dynamics is
+//! 1.6 times as fast or more than any setting of implicit Euler that was tried and keeps most of the swing. Its error
+//! does not become small, though: for 1.7 times the time of its best setting the energy is right and the folds are bent
+//! rather than compressed.
 //!
-//! Not every way to cut a step short is good. The quasi-Newton iteration of `implicit-euler` loses 90 % of the kinetic
+//! Truncation does not suit every method. The quasi-Newton iteration of `implicit-euler` loses 90 % of the kinetic
 //! energy with five iterations a step at 64 a side, 72 % with ten, and 0.2 % with twenty. A start with an extrapolated
 //! velocity suits iterations that converge: cut short, it loses 20 % with three Newton iterations of five, and five
 //! quasi-Newton iterations blow up.
 //!
+//! # Files in reading order
+//! 1. `examples/first_program.rs`: the naive method. `examples/hanging.rs`: iterations against the minimum of `G`.
+//! 2. `solver.rs`: the step; `config.rs`: its settings; `objective.rs`: `G` and its gradient.
+//! 3. `local.rs`: a family of elements; `batch.rs`: the formula of one. For speed: `vertex_blocks.rs`,
+//!    `deinterleaved.rs`, `quadratic.rs`.
+//! 4. `matrix.rs`: A; `global.rs`: its factor; `change.rs`: pins, attachments and elements that come and go.
+//! 5. `chebyshev.rs`, `quasi_newton.rs`, `coarse.rs` with `lattice.rs`: the accelerations.
+//! 6. `contact.rs`; `components.rs`: momentum of what nothing holds; `pin_work.rs`.
+//!
+//! The tests in `tests/chapter` are the claims of this page, one by one.
+//!
 //! # References
-//! - S. Bouaziz, S. Martin, T. Liu, L. Kavan, M. Pauly, "Projective dynamics: fusing constraint projections for fast simulation",
-//!   ACM Trans. Graph. 33(4), 154, 2014, <https://doi.org/10.1145/2601097.2601116>.
-//! - T. Liu, A. W. Bargteil, J. F. O'Brien, L. Kavan, "Fast simulation of mass-spring systems", ACM Trans. Graph. 32(6), 214, 2013,
-//!   <https://doi.org/10.1145/2508363.2508406>.
-//! - H. Wang, "A Chebyshev semi-iterative approach for accelerating projective and position-based dynamics", ACM Trans. Graph. 34(6), 246, 2015,
-//!   <https://doi.org/10.1145/2816795.2818063>.
-//! - T. Liu, S. Bouaziz, L. Kavan, "Quasi-Newton methods for real-time simulation of hyperelastic materials", ACM Trans. Graph. 36(3), 23, 2017,
-//!   <https://doi.org/10.1145/2990496>.
-//! - J. H. Bramble, J. E. Pasciak, J. Xu, "Parallel multilevel preconditioners", Math. Comp. 55, 1990, <https://doi.org/10.1090/S0025-5718-1990-1023042-6>: sums of corrections on several grids.
-//! - L. Wu, B. Wu, Y. Yang, H. Wang, "A safe and fast repulsion method for GPU-based cloth self collisions", ACM Trans. Graph. 40(1), 2020, <https://doi.org/10.1145/3430025>: bounds of their own for vertices.
-//! - A. H. Chen, J. Hsu, Z. Liu, M. Macklin, Y. Yang, C. Yuksel, "Offset geometric contact", ACM Trans. Graph. 44(4), 2025, <https://doi.org/10.1145/3731205>: the same, in a solver.
+//! - S. Bouaziz, S. Martin, T. Liu, L. Kavan, M. Pauly, "Projective dynamics: fusing constraint projections for fast
+//!   simulation", ACM Trans. Graph. 33(4), 154, 2014, <https://doi.org/10.1145/2601097.2601116>.
+//! - T. Liu, A. W. Bargteil, J. F. O'Brien, L. Kavan, "Fast simulation of mass-spring systems", ACM Trans. Graph.
+//!   32(6), 214, 2013, <https://doi.org/10.1145/2508363.2508406>.
+//! - H. Wang, "A Chebyshev semi-iterative approach for accelerating projective and position-based dynamics", ACM Trans.
+//!   Graph. 34(6), 246, 2015, <https://doi.org/10.1145/2816795.2818063>.
+//! - T. Liu, S. Bouaziz, L. Kavan, "Quasi-Newton methods for real-time simulation of hyperelastic materials", ACM
+//!   Trans. Graph. 36(3), 23, 2017, <https://doi.org/10.1145/2990496>.
+//! - J. H. Bramble, J. E. Pasciak, J. Xu, "Parallel multilevel preconditioners", Math. Comp. 55, 1990,
+//!   <https://doi.org/10.1090/S0025-5718-1990-1023042-6>: sums of corrections on several grids.
+//! - L. Wu, B. Wu, Y. Yang, H. Wang, "A safe and fast repulsion method for GPU-based cloth self collisions", ACM Trans.
+//!   Graph. 40(1), 2020, <https://doi.org/10.1145/3430025>: bounds of their own for vertices.
+//! - A. H. Chen, J. Hsu, Z. Liu, M. Macklin, Y. Yang, C. Yuksel, "Offset geometric contact", ACM Trans. Graph. 44(4),
+//!   2025, <https://doi.org/10.1145/3731205>: the same, in a solver.
 //! - W. W. Hager, "Updating the inverse of a matrix", SIAM Review 31, 1989, <https://doi.org/10.1137/1031049>.
 #![forbid(unsafe_code)]
 
+mod batch;
 mod change;
 mod chebyshev;
 mod coarse;
+mod components;
 mod config;
 mod contact;
-mod free_pieces;
+mod deinterleaved;
 mod global;
 mod lattice;
 mod local;
 mod matrix;
 mod objective;
-mod pieces;
 mod pin_work;
-mod planes;
-mod pulls;
 mod quadratic;
 mod quasi_newton;
 mod solver;
+mod vertex_blocks;
 
 pub use change::{AttachmentId, ChangeError};
-pub use config::{Acceleration, PdConfig, Start};
+pub use config::{Acceleration, PdConfig, StartGuess};
 pub use local::LocalStep;
 pub use solver::{PdBuilder, PdSolver};
+
+pub use cloth_core;
+#[doc(no_inline)]
+pub use cloth_core::{
+    energy::Spring,
+    math::Vec3,
+    particles::{Particles, State},
+    step::{BuildError, StepError, StepInput, StepReport, Stepper},
+};

@@ -1,9 +1,10 @@
-//! The local step: every element on its own projects `z = G x` to the nearest point `p` of its set, and pulls its vertices there.
+//! The local step: every element on its own projects `z = G x` to the nearest point `p` of its set, which gives the
+//! forces on its vertices.
 
+use crate::batch::{BATCH_SIZE, projected_hessians_on_spheres, unpacked};
 use crate::global::Term;
-use crate::lattice::{Lanes, Shares};
-use crate::pieces::Pieces;
-use crate::pulls::{BLOCK, resistances_on_spheres, unpacked};
+use crate::lattice::{ElementProlongation, PaddedBlock};
+use crate::vertex_blocks::VertexBlocks;
 use cloth_core::block_matrix::BlockPattern;
 use cloth_core::element::{Element, Projective};
 use cloth_core::family::check_vertices;
@@ -28,19 +29,20 @@ pub(crate) trait Projections: Debug + Send + Sync {
     /// Adds the gradient `Σ w Gᵀ(G x − p)` at x (m) to `out` (N) if the projections are constant, else nothing.
     fn add_constant_gradient(&mut self, x: &[Vec3], out: &mut [Vec3]);
 
-    /// Adds the gradient `Σ w Gᵀ(G x − p)` at x (m) to `out` (N) and returns the energy `½ Σ w ‖G x − p‖²` (J), unless the
-    /// projections are constant.
+    /// Adds the gradient `Σ w Gᵀ(G x − p)` at x (m) to `out` (N) and returns the energy `½ Σ w ‖G x − p‖²` (J), unless
+    /// the projections are constant.
     fn add_gradient(&mut self, x: &[Vec3], out: &mut [Vec3]) -> Real;
 
-    /// Takes away the element that was given as number `element`, and hands over what it leaves of `Σ w GᵀG`: the rows of its operator, negative.
-    /// Returns whether it was there.
+    /// Takes away the element that was given as number `element`, and hands over what it leaves of `Σ w GᵀG`: the rows
+    /// of its operator, negative. Returns whether it was there.
     fn remove(&mut self, element: usize, terms: &mut Vec<Term>) -> Option<()>;
 
-    /// Gets ready to add stiffness on a coarse space, whose matrices have `pattern`: P leads from there to the vertices.
-    fn bind(&mut self, prolongation: &Prolongation, pattern: &BlockPattern);
+    /// Gets ready to add stiffness on a coarse space, whose matrices have `pattern`: P leads from there to the
+    /// vertices.
+    fn bind(&mut self, to_vertices: &Prolongation, pattern: &BlockPattern);
 
     /// Adds `Pᵀ (Σ w Gᵀ (I − ∂p/∂z) G) P` at x (m) to a matrix on that pattern (N/m), or nothing if it was never bound.
-    fn add_stiffness(&self, x: &[Vec3], out: &mut [Lanes]);
+    fn add_stiffness(&self, x: &[Vec3], out: &mut [PaddedBlock]);
 }
 
 /// Where an element that was given is now.
@@ -60,9 +62,9 @@ pub(crate) struct Family<const N: usize, const K: usize, E> {
     places: Vec<Place>,
     /// Whether all of them project to a sphere.
     are_spheres: bool,
-    pieces: Pieces,
+    blocks: VertexBlocks,
     /// What each element adds to the coarse matrix; nothing without a coarse grid.
-    shares: Shares,
+    prolongation: ElementProlongation,
 }
 
 impl<const N: usize, const K: usize, E: Projective<N, K>> Family<N, K, E> {
@@ -91,14 +93,14 @@ impl<const N: usize, const K: usize, E: Projective<N, K>> Family<N, K, E> {
             are_spheres: K == 1 && elements.iter().all(|element| element.sphere().is_some()),
             elements,
             places,
-            pieces: Pieces::new(particles.len()),
-            shares: Shares::default(),
+            blocks: VertexBlocks::new(particles.len()),
+            prolongation: ElementProlongation::default(),
         })
     }
 
     /// Adds `Σ w Gᵀ(G x − p)` to `out` and returns `½ Σ w ‖G x − p‖²`.
     fn sum(&mut self, x: &[Vec3], out: &mut [Vec3]) -> Real {
-        self.pieces.sum(&self.elements, self.are_spheres, x, out)
+        self.blocks.sum(&self.elements, self.are_spheres, x, out)
     }
 }
 
@@ -155,7 +157,7 @@ impl<const N: usize, const K: usize, E: Projective<N, K>> Projections for Family
                 *after -= 1;
             }
         }
-        self.pieces.forget();
+        self.blocks.clear();
         terms.extend(gone.operator().map(|row| Term {
             column: gone.vertices().into_iter().zip(row).collect(),
             weight: -gone.weight(),
@@ -163,24 +165,25 @@ impl<const N: usize, const K: usize, E: Projective<N, K>> Projections for Family
         Some(())
     }
 
-    fn bind(&mut self, prolongation: &Prolongation, pattern: &BlockPattern) {
-        self.shares = Shares::of(&self.elements, prolongation, pattern);
+    fn bind(&mut self, to_vertices: &Prolongation, pattern: &BlockPattern) {
+        self.prolongation = ElementProlongation::of(&self.elements, to_vertices, pattern);
     }
 
-    fn add_stiffness(&self, x: &[Vec3], out: &mut [Lanes]) {
-        if self.shares.of_element.is_empty() {
+    fn add_stiffness(&self, x: &[Vec3], out: &mut [PaddedBlock]) {
+        if self.prolongation.of_element.is_empty() {
             return;
         }
-        let (elements, shares, are_spheres) = (&self.elements, &self.shares, self.are_spheres);
+        let (elements, prolongation, are_spheres) =
+            (&self.elements, &self.prolongation, self.are_spheres);
         wide(
             #[inline(always)]
-            || add_stiffness(elements, shares, are_spheres, x, out),
+            || add_stiffness(elements, prolongation, are_spheres, x, out),
         );
     }
 }
 
-/// Elements in the order of these numbers have their vertices near one another; on a mesh that is numbered along rows all of one direction
-/// come together, first those of the even vertices, then those of the odd ones.
+/// Elements in the order of these numbers have their vertices near one another; on a mesh that is numbered along rows
+/// all of one direction come together, first those of the even vertices, then those of the odd ones.
 pub(crate) fn key<const N: usize, E: Element<N>>(element: &E) -> [u32; 4] {
     let vertices = element.vertices();
     let (first, last) = (vertices[0], vertices[N - 1]);
@@ -190,24 +193,24 @@ pub(crate) fn key<const N: usize, E: Element<N>>(element: &E) -> [u32; 4] {
 /// Vertices that elements stay with before they go on: few enough for positions and sums to stay in the nearest cache.
 const WINDOW: u32 = 512;
 
-/// Adds `Pᵀ w Gᵀ (I − ∂p/∂z) G P` of elements with these shares.
+/// Adds `Pᵀ w Gᵀ (I − ∂p/∂z) G P` of elements with these prolongation.
 #[inline(always)]
 fn add_stiffness<const N: usize, const K: usize, E: Projective<N, K>>(
     elements: &[E],
-    shares: &Shares,
+    prolongation: &ElementProlongation,
     are_spheres: bool,
     x: &[Vec3],
-    blocks: &mut [Lanes],
+    blocks: &mut [PaddedBlock],
 ) {
-    let mut shares = shares.each::<K>();
-    for elements in elements.chunks(BLOCK) {
+    let mut prolongation = prolongation.each::<K>();
+    for elements in elements.chunks(BATCH_SIZE) {
         let on_spheres = if are_spheres {
-            resistances_on_spheres(elements.iter(), x)
+            projected_hessians_on_spheres(elements.iter(), x)
         } else {
             None
         };
         for (lane, element) in elements.iter().enumerate() {
-            let resistance = match &on_spheres {
+            let hessian = match &on_spheres {
                 Some(packed) => [[unpacked(&packed[lane]); K]; K],
                 None => {
                     let z = apply(&element.operator(), &gather(x, element.vertices()));
@@ -217,12 +220,12 @@ fn add_stiffness<const N: usize, const K: usize, E: Projective<N, K>>(
                         .map(|row| row.map(|block| block * weight))
                 }
             };
-            let Some((slots, columns)) = shares.next() else {
+            let Some((slots, columns)) = prolongation.next() else {
                 return;
             };
             for k in 0..K {
                 for l in 0..K {
-                    let own = Lanes::from(&resistance[k][l]);
+                    let own = PaddedBlock::from(&hessian[k][l]);
                     let mut slots = slots.iter();
                     for (i, a) in columns[k].iter().enumerate() {
                         for (b, &slot) in columns[l][..=i].iter().zip(&mut slots) {
@@ -251,8 +254,8 @@ impl LocalStep {
         Ok(Self(Box::new(Family::new(elements, particles)?)))
     }
 
-    /// Adds the gradient `Σ w Gᵀ(G x − p)` at the positions x (m) to `out` (N), one of each per particle, and returns the energy `½ Σ w ‖G x − p‖²` (J). Elements
-    /// whose projection is constant add nothing: their part is a matrix.
+    /// Adds the gradient `Σ w Gᵀ(G x − p)` at the positions x (m) to `out` (N), one of each per particle, and returns
+    /// the energy `½ Σ w ‖G x − p‖²` (J). Elements whose projection is constant add nothing: their part is a matrix.
     ///
     /// # Panics
     /// If a vertex of an element has no position or no place in `out`.
@@ -277,16 +280,16 @@ pub(crate) fn apply<const N: usize, const K: usize>(
     z
 }
 
-/// Vertex `i`'s part of `Gᵀ pull`.
+/// The entry of vertex `i` in `Gᵀ force`.
 #[inline(always)]
-pub(crate) fn share<const N: usize, const K: usize>(
+pub(crate) fn force_on<const N: usize, const K: usize>(
     operator: &[[Real; N]; K],
-    pull: &[Vec3; K],
+    force: &[Vec3; K],
     i: usize,
 ) -> Vec3 {
-    let mut sum = pull[0] * operator[0][i];
+    let mut sum = force[0] * operator[0][i];
     for k in 1..K {
-        sum += pull[k] * operator[k][i];
+        sum += force[k] * operator[k][i];
     }
     sum
 }
@@ -298,7 +301,8 @@ mod tests {
     use cloth_core::cloth::{Cloth, Membrane};
     use cloth_core::mesh::generate::{Diagonals, grid};
 
-    /// Where nothing is compressed, `Σ w Gᵀ (I − ∂p/∂z) G` is the derivative of the gradient. The second family is stored with its ends turned.
+    /// Where nothing is compressed, `Σ w Gᵀ (I − ∂p/∂z) G` is the derivative of the gradient. The second family is
+    /// stored with its ends turned.
     #[test]
     fn the_stiffness_of_taut_springs_is_the_derivative_of_their_gradient() {
         let mesh = grid(6, 5, 1.0, 1.0, Diagonals::Alternating).unwrap();
@@ -335,7 +339,7 @@ mod tests {
         for springs in [model.springs, turned] {
             let mut family = Family::new(springs, &model.particles).unwrap();
             family.bind(&every_vertex, &pattern);
-            let mut blocks = vec![Lanes::default(); pattern.block_count()];
+            let mut blocks = vec![PaddedBlock::default(); pattern.block_count()];
             family.add_stiffness(&x, &mut blocks);
             let mut matrix = BlockMatrix::zeros(pattern.clone());
             for (block, sum) in matrix.blocks_mut().iter_mut().zip(&blocks) {

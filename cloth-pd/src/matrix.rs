@@ -23,7 +23,8 @@ pub(crate) fn fill(stiffness: &CsMat<Real>, mass: &[Option<Real>], dt: Real, val
     }
 }
 
-/// The smallest square of a diagonal entry of the factor, relative to the diagonal entry of the matrix that it comes from: what elimination has left of it.
+/// The smallest square of a diagonal entry of the factor, relative to the diagonal entry of the matrix that it comes
+/// from: what elimination has left of it.
 pub(crate) fn smallest_pivot(
     factor: FactorView<'_>,
     stiffness: &CsMat<Real>,
@@ -63,37 +64,42 @@ pub(crate) fn assemble<'a>(
     entries.to_csr()
 }
 
-/// Which families are of constant projection, tie vertices together and are, at every vertex, so much less stiff than all others that they hardly count: the bending of thin cloth.
-/// A hinge ties four vertices, so the matrix has less than half as many numbers in its factor without them.
-pub(crate) fn light(vertex_count: usize, families: &[Box<dyn Projections>]) -> Vec<bool> {
-    let mut heavy = vec![0.0; vertex_count];
+/// Which families are of constant projection, tie vertices together and are, at every vertex, so much less stiff than
+/// all others that they hardly count: the bending of thin cloth. A hinge ties four vertices, so the matrix has less
+/// than half as many numbers in its factor without them.
+pub(crate) fn negligible(vertex_count: usize, families: &[Box<dyn Projections>]) -> Vec<bool> {
+    let mut others = vec![0.0; vertex_count];
     for family in families.iter().filter(|family| !family.is_constant()) {
-        add_diagonal(family.as_ref(), &mut heavy);
+        add_diagonal(family.as_ref(), &mut others);
     }
-    let is_light = |family: &dyn Projections| {
+    let is_negligible = |family: &dyn Projections| {
         let mut own = vec![0.0; vertex_count];
-        let ties_vertices = add_diagonal(family, &mut own);
-        let is_small = own.iter().zip(&heavy).all(|(own, all)| *own <= LIGHT * all);
-        family.is_constant() && ties_vertices && is_small
+        let couples_vertices = add_diagonal(family, &mut own);
+        let is_small = own
+            .iter()
+            .zip(&others)
+            .all(|(own, all)| *own <= NEGLIGIBLE * all);
+        family.is_constant() && couples_vertices && is_small
     };
     families
         .iter()
-        .map(|family| is_light(family.as_ref()))
+        .map(|family| is_negligible(family.as_ref()))
         .collect()
 }
 
 /// Adds the diagonal of `Σ w GᵀG` (N/m) of a family, and returns whether there is anything beside the diagonal.
 fn add_diagonal(family: &dyn Projections, diagonal: &mut [Real]) -> bool {
-    let mut ties_vertices = false;
+    let mut couples_vertices = false;
     family.add_matrix(&mut |i, j, value| match i == j {
         true => diagonal[i as usize] += value,
-        false => ties_vertices = true,
+        false => couples_vertices = true,
     });
-    ties_vertices
+    couples_vertices
 }
 
-/// A family is light below this part of the diagonal entries of the others. Its eigenvalues are then well below theirs: what it bends most is what they stretch most.
-const LIGHT: Real = 0.02;
+/// A family is negligible below this fraction of the diagonal entries of the others. Its eigenvalues are then well
+/// below theirs: what it bends most is what they stretch most.
+const NEGLIGIBLE: Real = 0.02;
 
 /// Row i of the lower half, read across, is column i of the upper half, read down.
 pub(crate) fn upper_pattern(lower: &CsMat<Real>) -> Result<UpperPattern, CholeskyError> {

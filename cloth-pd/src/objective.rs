@@ -1,7 +1,7 @@
 //! The function that a step minimises, and a point with its value and gradient.
 
+use crate::components::FreeComponents;
 use crate::contact::Contact;
-use crate::free_pieces::FreePieces;
 use crate::local::Projections;
 use crate::quadratic::{Padded, Quadratic};
 use cloth_core::chunked::map_reduce;
@@ -11,10 +11,12 @@ use cloth_core::particles::{Particles, State};
 use cloth_core::step::{StepError, StepInput};
 use sprs::CsMat;
 
-/// `G(x) = ‖x − x̃‖²_M/(2Δt²) + E(x)` of one step, E with contact where that is felt, in terms of the displacement `q = x − x[0]`.
+/// `G(x) = ‖x − x̃‖²_M/(2Δt²) + E(x)` of one step, E with contact where that is felt, in terms of the displacement
+/// `q = x − x[0]`.
 ///
-/// With `h = x̃ − x[0] = Δt v + Δt² a` the inertia is `m q·(q − 2h)/(2Δt²)` and a constant, and its gradient `m (q − h)/Δt²`. Neither
-/// subtracts positions: free fall loses no digits, and neither does a step so long that x̃ is out of all proportion.
+/// With `h = x̃ − x[0] = Δt v + Δt² a` the inertia is `m q·(q − 2h)/(2Δt²)` and a constant, and its gradient
+/// `m (q − h)/Δt²`. Neither subtracts positions: free fall loses no digits, and neither does a step so long that x̃ is
+/// out of all proportion.
 #[derive(Debug)]
 pub(crate) struct Objective {
     pub(crate) particles: Particles,
@@ -66,7 +68,7 @@ impl Point {
     }
 
     /// Moves to `from + length · direction`.
-    pub(crate) fn go(&mut self, from: &[Vec3], direction: &[Vec3], length: Real) {
+    pub(crate) fn move_to(&mut self, from: &[Vec3], direction: &[Vec3], length: Real) {
         map_reduce(
             (&mut self.displacement[..], (from, direction)),
             #[inline(always)]
@@ -104,11 +106,12 @@ impl Objective {
         self.quadratic = Quadratic::of(self.particles.len(), &self.families);
     }
 
-    /// The pieces of the cloth that nothing holds; `stiffness` is the lower half of `Σ w GᵀG` (N/m), with or without the families of constant projection.
-    pub(crate) fn free_pieces(&self, stiffness: &CsMat<Real>) -> FreePieces {
+    /// The unconstrained components of the cloth; `stiffness` is the lower half of `Σ w GᵀG` (N/m), with or without
+    /// the families of constant projection.
+    pub(crate) fn free_components(&self, stiffness: &CsMat<Real>) -> FreeComponents {
         let kept = stiffness.iter().map(|(&value, (i, j))| (i, j, value));
         let entries: Vec<_> = kept.chain(self.quadratic.lower_half()).collect();
-        FreePieces::of(&entries, &self.particles)
+        FreeComponents::of(&entries, &self.particles)
     }
 
     /// Takes up the step that begins at `state`.
@@ -155,9 +158,9 @@ impl Objective {
         let mut elastic: Real = self.families.iter_mut().map(own).sum();
         for attachment in &self.attachments {
             let vertex = attachment.vertex as usize;
-            let pull = positions[vertex] - attachment.target;
-            gradient[vertex] += pull * attachment.stiffness;
-            elastic += 0.5 * attachment.stiffness * pull.norm_squared();
+            let offset = positions[vertex] - attachment.target;
+            gradient[vertex] += offset * attachment.stiffness;
+            elastic += 0.5 * attachment.stiffness * offset.norm_squared();
         }
         if let Some(contact) = contact {
             elastic += contact.add_gradient(positions, gradient);
@@ -179,11 +182,15 @@ impl Objective {
                 let x: &mut [Vec3] = x;
                 let padded: &mut [Padded] = padded;
                 let gradient: &mut [Vec3] = gradient;
-                let part = start..start + x.len();
-                for ((x, from), q) in x.iter_mut().zip(&from[part.clone()]).zip(&q[part.clone()]) {
+                let range = start..start + x.len();
+                for ((x, from), q) in x
+                    .iter_mut()
+                    .zip(&from[range.clone()])
+                    .zip(&q[range.clone()])
+                {
                     *x = from + q;
                 }
-                for (padded, q) in padded.iter_mut().zip(&q[part]) {
+                for (padded, q) in padded.iter_mut().zip(&q[range]) {
                     *padded = [q.x, q.y, q.z, 0.0];
                 }
                 gradient.fill(Vec3::zeros());
@@ -192,7 +199,8 @@ impl Objective {
         );
     }
 
-    /// Adds inertia and the quadratic energies to the gradient of the other elements. Returns the energies of the two (J).
+    /// Adds inertia and the quadratic energies to the gradient of the other elements. Returns the energies of the two
+    /// (J).
     fn collect(&self, point: &mut Point) -> [Real; 2] {
         let q = &point.displacement[..];
         let (constant, inertial) = (&self.constant_gradient[..], &self.inertial[..]);
@@ -207,15 +215,15 @@ impl Objective {
                 let (mut inertia, mut bending) = (0.0, [0.0; 4]);
                 for (vertex, gradient) in (start..).zip(gradient) {
                     let own = q[vertex];
-                    let mut pull = constant[vertex];
+                    let mut force = constant[vertex];
                     if !quadratic.is_empty() {
                         let product = quadratic.times(vertex, padded);
-                        let share = [pull.x, pull.y, pull.z, 0.0];
+                        let constant = [force.x, force.y, force.z, 0.0];
                         for lane in 0..4 {
                             bending[lane] +=
-                                (0.5 * product[lane] + share[lane]) * padded[vertex][lane];
+                                (0.5 * product[lane] + constant[lane]) * padded[vertex][lane];
                         }
-                        pull += Vec3::new(product[0], product[1], product[2]);
+                        force += Vec3::new(product[0], product[1], product[2]);
                     }
                     // Nothing moves a prescribed vertex.
                     if inverse_mass[vertex] == 0.0 {
@@ -225,14 +233,15 @@ impl Objective {
                     let mass = mass[vertex] * per_dt_squared;
                     let h = inertial[vertex];
                     inertia += 0.5 * mass * own.dot(&(own - h * 2.0));
-                    *gradient += (own - h) * mass + pull;
+                    *gradient += (own - h) * mass + force;
                 }
                 [inertia, bending.iter().sum()]
             },
         )
     }
 
-    /// Writes `∂E/∂x` (N) without contact to `out`, at all vertices, prescribed ones too. `point` has to be the one that was evaluated last.
+    /// Writes `∂E/∂x` (N) without contact to `out`, at all vertices, prescribed ones too. `point` has to be the one
+    /// that was evaluated last.
     pub(crate) fn write_forces(&mut self, point: &Point, out: &mut [Vec3]) {
         for (vertex, out) in out.iter_mut().enumerate() {
             *out = self.constant_gradient[vertex];
@@ -264,7 +273,7 @@ mod tests {
 
     /// A cut through all springs leaves the halves tied by hinges, which the matrix may lack.
     #[test]
-    fn what_only_hinges_tie_to_a_pin_is_no_free_piece() {
+    fn hinges_alone_connect_a_component_to_its_pin() {
         let mesh = grid(6, 3, 5.0, 2.0, Diagonals::Alternating).unwrap();
         let cloth = Cloth {
             areal_density: 0.2,
@@ -283,10 +292,10 @@ mod tests {
         let matrix = assemble(18, [&springs].into_iter());
 
         let cut = Objective::new(model.particles.clone(), vec![springs]);
-        assert!(!cut.free_pieces(&matrix).is_empty());
+        assert!(!cut.free_components(&matrix).is_empty());
         let Objective { mut families, .. } = cut;
         families.push(hinges);
         let tied = Objective::new(model.particles, families);
-        assert!(tied.free_pieces(&matrix).is_empty());
+        assert!(tied.free_components(&matrix).is_empty());
     }
 }

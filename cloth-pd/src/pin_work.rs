@@ -1,12 +1,14 @@
 //! The work of prescribed vertices in a step that has not converged.
 //!
-//! The elastic force −∂E/∂x at the end of such a step is not the one that has moved the cloth: a stiff edge whose stretch is a little wrong pulls much too hard, or not
-//! at all. The force that a plain iteration from there would use is that of its constant matrix, with the projections p of the iterate,
+//! The elastic force −∂E/∂x at the end of such a step is not the one that has moved the cloth: a stiff edge whose
+//! stretch is a little wrong pulls much too hard, or not at all. The force that a plain iteration from there would use
+//! is that of its constant matrix, with the projections p of the iterate,
 //!
 //! f = Σ w Gᵀ(G x⁺ − p) = ∂E/∂x + Σ w GᵀG (x⁺ − x),
 //!
-//! and it is in balance with the momentum of x⁺ whatever p is: M (x⁺ − x̃)/Δt² = −f at free vertices, and the sum of f over all vertices is zero. At prescribed ones
-//! it is what moves the cloth. x⁺ itself is near x long before the forces are, since the matrix knows how stiff the edges are.
+//! and it is in balance with the momentum of x⁺ whatever p is: M (x⁺ − x̃)/Δt² = −f at free vertices, and the sum of f
+//! over all vertices is zero. At prescribed ones it is what moves the cloth. x⁺ itself is near x long before the forces
+//! are, since the matrix knows how stiff the edges are.
 
 use crate::contact::Contact;
 use crate::solver::PdSolver;
@@ -28,15 +30,15 @@ impl PdSolver {
         self.objective.write_forces(&self.point, forces);
         self.global.solve(&self.point.gradient, back);
         let inverse_mass = self.objective.particles.inverse_mass();
-        let is_held = |v: usize| inverse_mass[v] == 0.0;
+        let is_prescribed = |v: usize| inverse_mass[v] == 0.0;
         for (&value, (i, j)) in self.global.stiffness().iter() {
-            match [i, j].map(is_held) {
+            match [i, j].map(is_prescribed) {
                 [true, false] => forces[i] -= back[j] * value,
                 [false, true] => forces[j] -= back[i] * value,
                 _ => {}
             }
         }
-        let held = (0..forces.len()).filter(|&v| is_held(v));
+        let held = (0..forces.len()).filter(|&v| is_prescribed(v));
         Some(
             held.map(|v| forces[v].dot(&self.point.displacement[v]))
                 .sum(),

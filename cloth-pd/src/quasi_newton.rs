@@ -1,8 +1,8 @@
-//! L-BFGS that starts from the constant matrix (T. Liu, S. Bouaziz, L. Kavan, "Quasi-Newton methods for real-time simulation of hyperelastic
-//! materials", 2017, algorithm 2), and its line search.
+//! L-BFGS that starts from the constant matrix (T. Liu, S. Bouaziz, L. Kavan, "Quasi-Newton methods for real-time
+//! simulation of hyperelastic materials", 2017, algorithm 2), and its line search.
 
 use crate::coarse::CoarseGrid;
-use crate::contact::{Contact, Touching};
+use crate::contact::{Contact, ContactSystem};
 use crate::global::GlobalSystem;
 use crate::objective::{Objective, Point};
 use cloth_core::chunked::map_reduce;
@@ -12,15 +12,16 @@ use cloth_core::parallel::join;
 use cloth_core::vectors::{add, add_and_dot, dot, dot_of_part};
 
 /// Part of the promised decrease that has to be kept (Armijo's constant).
-const SUFFICIENT: Real = 1e-4;
+const ARMIJO: Real = 1e-4;
 /// Two values of `G` that differ by less than this part of their size cannot be told apart.
 pub(crate) const ROUNDING: Real = 1e-12;
-/// Part of the first slope that the slope at the new point may have, with either sign, where values cannot be told apart.
-const SLOPE: Real = 0.9;
+/// Part of the first slope that the slope at the new point may have, with either sign, where values cannot be told
+/// apart.
+const APPROXIMATE_WOLFE: Real = 0.9;
 /// Step lengths tried along one direction; each is at most half of the one before.
-const MOST_TRIALS: u32 = 12;
-/// Pairs that are remembered at least where the cloth can touch something: what touches is stiff, and comes and goes.
-const TOUCHING: usize = 8;
+const MAX_TRIALS: u32 = 12;
+/// Least number of pairs in a step with contact, which is stiff, and comes and goes.
+const CONTACT_HISTORY: usize = 8;
 
 /// One difference of iterates and of their gradients.
 #[derive(Clone, Debug)]
@@ -33,53 +34,54 @@ struct Pair {
     inverse_product: Real,
 }
 
-/// The remembered pairs, and room to work in.
+/// The remembered pairs and the working memory.
 #[derive(Debug)]
 pub(crate) struct QuasiNewton {
-    /// Pairs that were asked for, and that are remembered in this step.
-    asked: usize,
+    /// Pairs that were requested for, and that are remembered in this step.
+    requested: usize,
     history: usize,
     /// A ring of `history`: the newest is `pairs[newest]`, `len` of them count.
     pairs: Vec<Pair>,
     newest: usize,
     len: usize,
     /// α of the first loop.
-    shares: Vec<Real>,
+    alphas: Vec<Real>,
     work: Vec<Vec3>,
     direction: Vec<Vec3>,
     next: Point,
-    /// Made when the cloth can touch something for the first time; and the part of its way that each vertex may go (dimensionless).
-    touching: Option<Touching>,
-    parts: Vec<Real>,
+    /// Made in the first step with contact; and the fraction of its displacement that each vertex may take
+    /// (dimensionless).
+    contact_system: Option<ContactSystem>,
+    fractions: Vec<Real>,
 }
 
 impl QuasiNewton {
     pub(crate) fn new(history: usize, vertex_count: usize) -> Self {
         let zeros = vec![Vec3::zeros(); vertex_count];
         let mut this = Self {
-            asked: history,
+            requested: history,
             history,
             pairs: Vec::new(),
             newest: 0,
             len: 0,
-            shares: Vec::new(),
+            alphas: Vec::new(),
             work: zeros.clone(),
             direction: zeros,
             next: Point::new(vertex_count),
-            touching: None,
-            parts: Vec::new(),
+            contact_system: None,
+            fractions: Vec::new(),
         };
         this.begin(false);
         this
     }
 
-    /// Forgets all pairs; from now on there are more of them, if any, where the cloth can touch something.
-    pub(crate) fn begin(&mut self, can_touch: bool) {
+    /// Clears all pairs; in a step with contact there are more of them, if any.
+    pub(crate) fn begin(&mut self, has_contact: bool) {
         self.len = 0;
-        self.history = match (self.asked, can_touch) {
+        self.history = match (self.requested, has_contact) {
             (0, _) => 0,
-            (asked, true) => asked.max(TOUCHING),
-            (asked, false) => asked,
+            (requested, true) => requested.max(CONTACT_HISTORY),
+            (requested, false) => requested,
         };
         if self.pairs.len() < self.history {
             let zeros = vec![Vec3::zeros(); self.work.len()];
@@ -89,7 +91,7 @@ impl QuasiNewton {
                 inverse_product: 0.0,
             };
             self.pairs.resize(self.history, pair);
-            self.shares.resize(self.history, 0.0);
+            self.alphas.resize(self.history, 0.0);
         }
     }
 
@@ -102,7 +104,7 @@ impl QuasiNewton {
         point: &mut Point,
         contact: &mut Contact<'_>,
     ) -> Result<Advance, ContactError> {
-        self.touch(objective, point, contact);
+        self.linearize_contacts(objective, point, contact);
         let mut done = Advance {
             solves: self.find_direction(global, coarse, point),
             ..Advance::default()
@@ -112,19 +114,22 @@ impl QuasiNewton {
             self.accept(point);
             return Ok(done);
         }
-        // What is remembered, or the coarse grid, misleads here, or ways are shortened so unequally that they lead up. A plain iteration needs no search: it minimises a bound of G, as long as the matrix has all families; where it lacks
-        // one that has come to count, because springs beside it are gone, the length that is found is taken, or the last that was tried, which is next to nothing.
+        // The pairs or the coarse grid mislead here, or displacements are truncated so unequally that they ascend.
+        // A plain iteration needs no search: it minimises a bound of G, as long as the matrix has all families; where
+        // it lacks one that has come to count, because springs beside it are gone, the length that is found is taken,
+        // or the last that was tried, which is next to nothing.
         self.len = 0;
         done.solves += self.solve(global, &point.gradient);
-        let most = self.limit(point, contact)?;
+        let longest = self.limit(point, contact)?;
         if contact.is_some() {
-            done.is_stuck = !self.search(objective, point, most, contact, &mut done);
+            done.is_stuck = !self.search(objective, point, longest, contact, &mut done);
             if !done.is_stuck {
                 self.accept(point);
             }
             return Ok(done);
         }
-        self.next.go(&point.displacement, &self.direction, -1.0);
+        self.next
+            .move_to(&point.displacement, &self.direction, -1.0);
         objective.evaluate(&mut self.next, contact);
         let rise = self.next.value - point.value;
         let is_higher = rise.is_nan() || rise > ROUNDING * point.size.max(self.next.size);
@@ -135,44 +140,54 @@ impl QuasiNewton {
         Ok(done)
     }
 
-    /// Takes up what is touched at the point.
-    pub(crate) fn touch(&mut self, objective: &Objective, point: &Point, contact: &Contact<'_>) {
+    /// Linearises the contacts at the point.
+    pub(crate) fn linearize_contacts(
+        &mut self,
+        objective: &Objective,
+        point: &Point,
+        contact: &Contact<'_>,
+    ) {
         let count = point.positions.len();
-        if contact.is_some() && self.touching.is_none() {
-            self.touching = Some(Touching::new(count));
+        if contact.is_some() && self.contact_system.is_none() {
+            self.contact_system = Some(ContactSystem::new(count));
         }
-        if let Some(touching) = &mut self.touching {
-            touching.find(contact, &point.positions, &objective.particles);
+        if let Some(contact_system) = &mut self.contact_system {
+            contact_system.find(contact, &point.positions, &objective.particles);
         }
     }
 
-    /// What was touched at the last point, if anything can be.
-    pub(crate) fn touching(&self) -> Option<&Touching> {
-        self.touching.as_ref()
+    /// The contacts of the last point, if there can be any.
+    pub(crate) fn contact_system(&self) -> Option<&ContactSystem> {
+        self.contact_system.as_ref()
     }
 
-    /// One solve without pairs and without the coarse grid: `direction = (A + contacts)⁻¹ g`. Returns the number of global solves.
+    /// One solve without pairs and without the coarse grid: `direction = (A + contacts)⁻¹ g`. Returns the number of
+    /// global solves.
     fn solve(&mut self, global: &mut GlobalSystem, g: &[Vec3]) -> u32 {
-        solve(&mut self.touching, global, g, &mut self.direction)
+        solve(&mut self.contact_system, global, g, &mut self.direction)
     }
 
-    /// Shortens the direction vertex by vertex, so that the way along it is free of crossings.
+    /// Truncates the direction vertex by vertex, so that the path along it is free of intersections.
     fn limit_each(&mut self, point: &Point, contact: &mut Contact<'_>) -> Result<(), ContactError> {
         let Some(contact) = contact else {
             return Ok(());
         };
         self.place(point);
-        self.parts.resize(point.positions.len(), 1.0);
-        contact.limit_each(&point.positions, &mut self.next.positions, &mut self.parts)?;
-        for (p, part) in self.direction.iter_mut().zip(&self.parts) {
-            if *part < 1.0 {
-                *p *= *part;
+        self.fractions.resize(point.positions.len(), 1.0);
+        contact.limit_each(
+            &point.positions,
+            &mut self.next.positions,
+            &mut self.fractions,
+        )?;
+        for (p, fraction) in self.direction.iter_mut().zip(&self.fractions) {
+            if *fraction < 1.0 {
+                *p *= *fraction;
             }
         }
         Ok(())
     }
 
-    /// The part of the direction that is free of crossings.
+    /// The fraction of the direction that is free of intersections.
     fn limit(&mut self, point: &Point, contact: &mut Contact<'_>) -> Result<Real, ContactError> {
         let Some(contact) = contact else {
             return Ok(1.0);
@@ -183,12 +198,13 @@ impl QuasiNewton {
 
     /// Fills in the positions (m) at the end of the direction.
     fn place(&mut self, point: &Point) {
-        let ways = point.positions.iter().zip(&self.direction);
-        let ends = self.next.positions.iter_mut().zip(ways);
+        let moves = point.positions.iter().zip(&self.direction);
+        let ends = self.next.positions.iter_mut().zip(moves);
         ends.for_each(|(to, (x, p))| *to = x - p);
     }
 
-    /// The two-loop recursion: `direction = H g` with `H` the inverse Hessian that the pairs make of the first one. Each subtraction is done in one pass with the product that comes next.
+    /// The two-loop recursion: `direction = H g` with `H` the inverse Hessian that the pairs make of the first one.
+    /// Each subtraction is done in one pass with the product that comes next.
     fn find_direction(
         &mut self,
         global: &mut GlobalSystem,
@@ -203,18 +219,18 @@ impl QuasiNewton {
         let mut product = pair(0).map_or(0.0, |at| dot(&pairs[at].step, &self.work));
         for age in 0..len {
             let Some(at) = pair(age) else { break };
-            let share = pairs[at].inverse_product * product;
-            self.shares[at] = share;
+            let alpha = pairs[at].inverse_product * product;
+            self.alphas[at] = alpha;
             let next = pair(age + 1).map(|at| &pairs[at].step[..]);
             let (work, change) = (&mut self.work, &pairs[at].change);
             match next {
-                Some(next) => product = add_and_dot(work, -share, change, next),
-                None => add(work, -share, change),
+                Some(next) => product = add_and_dot(work, -alpha, change, next),
+                None => add(work, -alpha, change),
             }
         }
         let (work, direction) = (&self.work[..], &mut self.direction[..]);
         let mut solves = 0;
-        let mut solve = || solves = solve(&mut self.touching, global, work, direction);
+        let mut solve = || solves = solve(&mut self.contact_system, global, work, direction);
         match coarse {
             Some(coarse) => {
                 join(work.len(), solve, || coarse.solve(work));
@@ -226,27 +242,28 @@ impl QuasiNewton {
         product = oldest.map_or(0.0, |at| dot(&pairs[at].change, &self.direction));
         for age in (0..len).rev() {
             let Some(at) = pair(age) else { break };
-            let share = self.shares[at] - pairs[at].inverse_product * product;
+            let factor = self.alphas[at] - pairs[at].inverse_product * product;
             let next = age.checked_sub(1).and_then(pair);
             let next = next.map(|at| &pairs[at].change[..]);
             let (direction, step) = (&mut self.direction, &pairs[at].step);
             match next {
-                Some(next) => product = add_and_dot(direction, share, step, next),
-                None => add(direction, share, step),
+                Some(next) => product = add_and_dot(direction, factor, step, next),
+                None => add(direction, factor, step),
             }
         }
         solves
     }
 
-    /// Moves `next` against the direction, `most` times it at first, until `G` has fallen enough. Returns whether it has.
+    /// Moves `next` against the direction, `most` times it at first, until `G` has fallen enough. Returns whether it
+    /// has.
     ///
-    /// Armijo's condition compares two values of `G`, which near the minimum agree in all digits that are free of rounding. There the
-    /// slope decides, as Hager and Zhang have it (SIAM J. Optim. 16, 2005).
+    /// Armijo's condition compares two values of `G`, which near the minimum agree in all digits that are free of
+    /// rounding. There the approximate Wolfe condition decides (Hager and Zhang, SIAM J. Optim. 16, 2005).
     fn search(
         &mut self,
         objective: &mut Objective,
         point: &Point,
-        most: Real,
+        longest: Real,
         contact: &Contact<'_>,
         done: &mut Advance,
     ) -> bool {
@@ -254,21 +271,23 @@ impl QuasiNewton {
         if slope.is_nan() || slope >= 0.0 {
             return false;
         }
-        let mut length = most;
-        for _ in 0..MOST_TRIALS {
-            self.next.go(&point.displacement, &self.direction, -length);
+        let mut length = longest;
+        for _ in 0..MAX_TRIALS {
+            self.next
+                .move_to(&point.displacement, &self.direction, -length);
             objective.evaluate(&mut self.next, contact);
             let rise = self.next.value - point.value;
-            let is_lower = rise <= SUFFICIENT * length * slope;
+            let is_lower = rise <= ARMIJO * length * slope;
             let is_level = rise.abs() <= ROUNDING * point.size.max(self.next.size);
             if is_lower && !is_level
-                || is_level && dot(&self.next.gradient, &self.direction).abs() <= SLOPE * -slope
+                || is_level
+                    && dot(&self.next.gradient, &self.direction).abs() <= APPROXIMATE_WOLFE * -slope
             {
                 return true;
             }
             done.backtracks += 1;
-            // The minimum of the parabola through what is known, between a tenth and a half; a rise that is not a number
-            // comes out as a tenth.
+            // The minimum of the parabola through what is known, between a tenth and a half; a rise that is not a
+            // number comes out as a tenth.
             let minimum = -0.5 * slope * length * length / (rise - slope * length);
             length = minimum.min(0.5 * length).max(0.1 * length);
         }
@@ -318,15 +337,15 @@ pub(crate) struct Advance {
     pub(crate) is_stuck: bool,
 }
 
-/// Solves with the constant matrix and what is touched, for `out` (m). Returns the number of global solves.
+/// Solves with the constant matrix and the contacts, for `out` (m). Returns the number of global solves.
 fn solve(
-    touching: &mut Option<Touching>,
+    contact_system: &mut Option<ContactSystem>,
     global: &mut GlobalSystem,
     g: &[Vec3],
     out: &mut [Vec3],
 ) -> u32 {
-    if let Some(touching) = touching {
-        return touching.solve(global, g, out);
+    if let Some(contact_system) = contact_system {
+        return contact_system.solve(global, g, out);
     }
     global.solve(g, out);
     1
@@ -341,9 +360,10 @@ mod tests {
     use cloth_core::particles::State;
     use cloth_core::step::StepInput;
 
-    /// Stiff hinges, and a matrix that has none of them, so that a plain iteration overshoots; and a pair that makes the inverse Hessian indefinite, so that one is taken.
+    /// Stiff hinges, and a matrix that has none of them, so that a plain iteration overshoots; and a pair that makes
+    /// the inverse Hessian indefinite, so that one is taken.
     #[test]
-    fn where_the_matrix_lacks_a_family_that_counts_g_falls_all_the_same() {
+    fn g_falls_where_the_matrix_lacks_a_stiff_family() {
         let mesh = grid(5, 5, 1.0, 1.0, Diagonals::Alternating).unwrap();
         let membrane = Membrane::SpringStiffness(1e-3);
         let cloth = Cloth {
@@ -370,7 +390,7 @@ mod tests {
         let mut plain = Point::new(25);
         let mut direction = vec![Vec3::zeros(); 25];
         global.solve(&point.gradient, &mut direction);
-        plain.go(&point.displacement, &direction, -1.0);
+        plain.move_to(&point.displacement, &direction, -1.0);
         objective.evaluate(&mut plain, &None);
         assert!(plain.value > 2.0 * point.value, "{}", plain.value);
 

@@ -1,4 +1,4 @@
-//! The algorithm.
+//! The solver: one step, from the prediction to the new velocities.
 
 mod builder;
 
@@ -6,9 +6,9 @@ pub use builder::PdBuilder;
 
 use crate::chebyshev::Chebyshev;
 use crate::coarse::CoarseGrid;
-use crate::config::{PdConfig, Start};
+use crate::components::FreeComponents;
+use crate::config::{PdConfig, StartGuess};
 use crate::contact::Contact;
-use crate::free_pieces::FreePieces;
 use crate::global::GlobalSystem;
 use crate::objective::{Objective, Point};
 use crate::quasi_newton::{QuasiNewton, ROUNDING};
@@ -19,8 +19,8 @@ use cloth_core::step::{Outcome, StepError, StepInput, StepReport, Stepper};
 
 /// Projective dynamics; see the [crate documentation](crate).
 ///
-/// A step reports as factorisations those of the constant matrix: 1 in the first step and whenever Δt has changed, else 0. Its residual is
-/// `‖∇G(x)‖/‖∇G(x̃)‖`, with a tolerance only.
+/// A step reports as factorisations those of the constant matrix: 1 in the first step and whenever Δt has changed, else
+/// 0. Its residual is `‖∇G(x)‖/‖∇G(x̃)‖`, with a tolerance only.
 #[derive(Debug)]
 pub struct PdSolver {
     pub(crate) objective: Objective,
@@ -29,20 +29,21 @@ pub struct PdSolver {
     /// Rest positions (m) and cells of the coarse grid.
     lattice: Option<(Vec<Vec3>, u32)>,
     method: Method,
-    /// What takes the place of another method where there is contact; made when that is first so.
-    touching: Option<Box<QuasiNewton>>,
-    free_pieces: FreePieces,
+    /// The bounded method that replaces plain and Chebyshev iterations in steps with contact; made at the first.
+    contact_method: Option<Box<QuasiNewton>>,
+    free_components: FreeComponents,
     /// Whether pins or elements were changed since the last step, and whether attachments were.
     pub(crate) is_stale: bool,
-    pub(crate) are_ties_stale: bool,
+    pub(crate) are_attachments_stale: bool,
     config: PdConfig,
     /// The iterate.
     pub(crate) point: Point,
     /// `x[0]`, for where the iteration ends above it.
     pub(crate) fallback: Point,
-    /// With contact: a place (m) that is free of crossings, and the part of the way from there to the start that each vertex goes.
-    safe: Vec<Vec3>,
-    parts: Vec<Real>,
+    /// With contact: positions (m) free of intersections, and the fraction of the displacement from there to the start
+    /// that each vertex may take.
+    feasible: Vec<Vec3>,
+    fractions: Vec<Real>,
     /// What is left to do with the positions.
     velocities: Vec<Vec3>,
 }
@@ -114,26 +115,27 @@ impl PdSolver {
         PdBuilder::new(particles)
     }
 
-    /// What it was built with.
+    /// The settings that it was built with.
     #[must_use]
     pub fn config(&self) -> &PdConfig {
         &self.config
     }
 
-    /// Takes notice of what was changed since the last step. Gives how many coarse grids that took: one wherever a pin or an element changed, since hats stand on what can move only.
+    /// Takes notice of what was changed since the last step. Gives how many coarse grids that took: one wherever a pin
+    /// or an element changed, since hats stand on what can move only.
     fn refresh(&mut self) -> u32 {
-        let are_ties_stale = std::mem::take(&mut self.are_ties_stale);
+        let are_attachments_stale = std::mem::take(&mut self.are_attachments_stale);
         let is_stale = std::mem::take(&mut self.is_stale);
         let objective = &mut self.objective;
         if is_stale {
             objective.refresh();
         }
-        if are_ties_stale || is_stale {
-            self.free_pieces = objective.free_pieces(self.global.stiffness());
+        if are_attachments_stale || is_stale {
+            self.free_components = objective.free_components(self.global.stiffness());
         }
         if !is_stale {
-            if let (true, Some(coarse)) = (are_ties_stale, &mut self.coarse) {
-                coarse.set_free_pieces(&self.free_pieces);
+            if let (true, Some(coarse)) = (are_attachments_stale, &mut self.coarse) {
+                coarse.set_free_components(&self.free_components);
             }
             return 0;
         }
@@ -145,7 +147,7 @@ impl PdSolver {
             *cells,
             &objective.particles,
             &self.global,
-            &self.free_pieces,
+            &self.free_components,
             &mut objective.families,
         ));
         1
@@ -174,14 +176,14 @@ impl PdSolver {
         if contact.is_none() || matches!(self.method, Method::QuasiNewton(_)) {
             return self.minimize(state, reference, report, input, contact);
         }
-        // Without a bound on every way cloth goes through what it touches: plain iterations with one, and no extrapolation.
+        // Unbounded displacements pass through obstacles: plain iterations with a bound, and no extrapolation.
         report.chebyshev_fallbacks += u32::from(matches!(self.method, Method::Chebyshev(_)));
         let new = || Box::new(QuasiNewton::new(0, state.positions.len()));
-        let bounded = Method::QuasiNewton(self.touching.take().unwrap_or_else(new));
+        let bounded = Method::QuasiNewton(self.contact_method.take().unwrap_or_else(new));
         let unbounded = std::mem::replace(&mut self.method, bounded);
         let result = self.minimize(state, reference, report, input, contact);
         if let Method::QuasiNewton(bounded) = std::mem::replace(&mut self.method, unbounded) {
-            self.touching = Some(bounded);
+            self.contact_method = Some(bounded);
         }
         result
     }
@@ -202,7 +204,7 @@ impl PdSolver {
         if self.has_gained_energy(state, contact)? {
             report.outcome = self.iterate(reference, report, input, contact)?;
         }
-        self.settle(contact)
+        self.restore_momentum(contact)
     }
 
     /// Begins contact, and takes the start back where it is not free of crossings, each vertex by itself.
@@ -214,9 +216,9 @@ impl PdSolver {
     ) -> Result<(), ContactError> {
         let particles = &self.objective.particles;
         let q = &mut self.point.displacement;
-        self.safe.copy_from_slice(&state.positions);
-        self.parts.resize(q.len(), 1.0);
-        for (vertex, x) in self.safe.iter_mut().enumerate() {
+        self.feasible.copy_from_slice(&state.positions);
+        self.fractions.resize(q.len(), 1.0);
+        for (vertex, x) in self.feasible.iter_mut().enumerate() {
             if particles.is_prescribed(vertex) {
                 *x += q[vertex];
             }
@@ -226,45 +228,46 @@ impl PdSolver {
             inverse_mass: particles.inverse_mass(),
             dt,
         };
-        contact.begin(&taken, &mut self.safe)?;
+        contact.begin(&taken, &mut self.feasible)?;
         let to = &mut self.point.positions;
         for ((to, x), q) in to.iter_mut().zip(&state.positions).zip(&*q) {
             *to = x + q;
         }
-        contact.limit_each(&self.safe, to, &mut self.parts)?;
+        contact.limit_each(&self.feasible, to, &mut self.fractions)?;
         for (vertex, q) in q.iter_mut().enumerate() {
-            // A way that is not shortened keeps all digits.
-            if self.parts[vertex] < 1.0 {
+            // A displacement that is not truncated keeps all digits.
+            if self.fractions[vertex] < 1.0 {
                 *q = to[vertex] - state.positions[vertex];
             }
         }
         Ok(())
     }
 
-    /// Cloth that nothing touches but itself has the momentum that inertia gives it; ways that are shortened one by one do not keep that.
-    fn settle(&mut self, contact: &mut Contact<'_>) -> Result<(), ContactError> {
+    /// Restores the momentum of cloth in contact with nothing but itself, which inertia gives; truncation vertex by
+    /// vertex does not keep it.
+    fn restore_momentum(&mut self, contact: &mut Contact<'_>) -> Result<(), ContactError> {
         let Method::QuasiNewton(method) = &mut self.method else {
             return Ok(());
         };
-        if contact.is_none() || self.free_pieces.is_empty() {
+        if contact.is_none() || self.free_components.is_empty() {
             return Ok(());
         }
         self.objective.place(&mut self.point);
-        method.touch(&self.objective, &self.point, contact);
-        let pieces = &self.free_pieces;
-        let is_free = method.touching().is_some_and(|touching| {
-            let mut vertices = touching.rows.iter().flat_map(|row| row.vertices);
-            touching.is_internal() && vertices.all(|vertex| pieces.contains(vertex))
+        method.linearize_contacts(&self.objective, &self.point, contact);
+        let components = &self.free_components;
+        let is_free = method.contact_system().is_some_and(|system| {
+            let mut vertices = system.rows.iter().flat_map(|row| row.vertices);
+            system.is_internal() && vertices.all(|vertex| components.contains(vertex))
         });
         let Some(contact) = contact.as_mut().filter(|_| is_free) else {
             return Ok(());
         };
         let q = &mut self.point.displacement;
-        let shift = pieces.shift_together(&self.objective.inertial, q);
-        self.safe.copy_from_slice(&self.point.positions);
-        pieces.add(shift, &mut self.safe);
-        let part = contact.limit(&self.point.positions, &self.safe)?;
-        pieces.add(shift * part, q);
+        let shift = components.shift_together(&self.objective.inertial, q);
+        self.feasible.copy_from_slice(&self.point.positions);
+        components.add(shift, &mut self.feasible);
+        let fraction = contact.limit(&self.point.positions, &self.feasible)?;
+        components.add(shift * fraction, q);
         self.point.is_evaluated = false;
         Ok(())
     }
@@ -276,13 +279,13 @@ impl PdSolver {
         for (vertex, q) in q.iter_mut().enumerate() {
             *q = match self.config.start {
                 _ if particles.is_prescribed(vertex) => inertial[vertex],
-                Start::Previous => Vec3::zeros(),
-                Start::Inertial => state.velocities[vertex] * self.objective.dt(),
-                Start::Predicted => inertial[vertex],
+                StartGuess::Previous => Vec3::zeros(),
+                StartGuess::Inertial => state.velocities[vertex] * self.objective.dt(),
+                StartGuess::Predicted => inertial[vertex],
             };
         }
-        if self.config.start == Start::Inertial {
-            self.free_pieces.align(Some(inertial), q);
+        if self.config.start == StartGuess::Inertial {
+            self.free_components.align(Some(inertial), q);
         }
         self.point.is_evaluated = false;
     }
@@ -331,7 +334,7 @@ impl PdSolver {
             if is_stuck {
                 return Ok(Outcome::BudgetSpent);
             }
-            if self.is_pushed() {
+            if self.has_contact() {
                 last = last.max(first + self.config.contact_iterations);
             }
             if let Some(observer) = &mut input.observer {
@@ -343,19 +346,20 @@ impl PdSolver {
         }
     }
 
-    /// Whether `G` is higher at the point, where the quasi-Newton method has gone from [`Start::Inertial`], than at `x[0]`; the point is then that, with free pieces
-    /// where their momentum takes them.
+    /// Whether `G` is higher at the point, where the quasi-Newton method has gone from [`StartGuess::Inertial`], than
+    /// at `x[0]`; the point is then that, with free components where their momentum takes them.
     ///
-    /// `G(x[1]) ≤ G(x[0])` says that no energy appears in a step. Every iteration lowers `G`, so a start at `x[0]` has that; one that goes on with the velocity can end
-    /// above it, where the cloth is so tangled that the iterations do not get far, and a tangle fed in every step never rests. `G(x[0])` is an elastic energy, at least 0, so what is below 0
-    /// need not be compared.
+    /// `G(x[1]) ≤ G(x[0])` says that no energy appears in a step. Every iteration lowers `G`, so a start at `x[0]` has
+    /// that; one that goes on with the velocity can end above it, where the cloth is so tangled that the iterations do
+    /// not get far, and a tangle fed in every step never rests. `G(x[0])` is an elastic energy, at least 0, so what is
+    /// below 0 need not be compared.
     fn has_gained_energy(
         &mut self,
         state: &State,
         contact: &mut Contact<'_>,
     ) -> Result<bool, ContactError> {
         let is_watched = matches!(self.method, Method::QuasiNewton(_))
-            && self.config.start == Start::Inertial
+            && self.config.start == StartGuess::Inertial
             && self.point.is_evaluated;
         if !is_watched || self.point.value <= 0.0 {
             return Ok(false);
@@ -366,16 +370,16 @@ impl PdSolver {
             *q = if particles.is_prescribed(vertex) {
                 inertial[vertex]
             } else if contact.is_some() {
-                self.safe[vertex] - state.positions[vertex]
+                self.feasible[vertex] - state.positions[vertex]
             } else {
                 Vec3::zeros()
             };
         }
         if let Some(contact) = contact {
             // Moves nothing, but gets ready for the place.
-            contact.limit(&self.safe, &self.safe)?;
+            contact.limit(&self.feasible, &self.feasible)?;
         } else {
-            self.free_pieces.align(Some(inertial), q);
+            self.free_components.align(Some(inertial), q);
         }
         self.objective.evaluate(&mut self.fallback, contact);
         let excess = self.point.value - self.fallback.value;
@@ -410,18 +414,18 @@ impl PdSolver {
         residual <= tolerance
     }
 
-    /// Whether contact pushed where the last iteration began.
-    fn is_pushed(&self) -> bool {
+    /// Whether a contact was active where the last iteration began.
+    fn has_contact(&self) -> bool {
         match &self.method {
             Method::QuasiNewton(method) => {
-                let touching = method.touching();
-                touching.is_some_and(|touching| !touching.rows.is_empty())
+                let system = method.contact_system();
+                system.is_some_and(|system| !system.rows.is_empty())
             }
             _ => false,
         }
     }
 
-    /// One iteration. Returns whether it found no way on.
+    /// One iteration. Returns whether it found no lower point.
     fn advance(
         &mut self,
         report: &mut StepReport,

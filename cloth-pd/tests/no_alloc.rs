@@ -6,7 +6,7 @@ use cloth_core::math::Vec3;
 use cloth_core::mesh::generate::{Diagonals, grid};
 use cloth_core::particles::State;
 use cloth_core::step::{StepInput, Stepper};
-use cloth_pd::{Acceleration, PdConfig, PdSolver, Start};
+use cloth_pd::{Acceleration, PdConfig, PdSolver, StartGuess};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -56,7 +56,7 @@ fn allocations(
     let config = PdConfig {
         iterations: 8,
         tolerance,
-        start: Start::Inertial,
+        start: StartGuess::Inertial,
         acceleration,
         ..PdConfig::default()
     };

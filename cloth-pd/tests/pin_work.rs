@@ -7,9 +7,9 @@ use cloth_core::particles::State;
 use cloth_core::step::{StepInput, Stepper};
 use cloth_pd::{PdConfig, PdSolver};
 
-/// A sheet that is dragged along by one side: its pins move with the constant velocity u. What they do in a step is u times the momentum that the
-/// cloth gets, after 3 iterations as after 300, in and across its plane. With the forces of the last
-/// iterate it would be off by 120 % after 3.
+/// A sheet that is dragged along by one side: its pins move with the constant velocity u. What they do in a step is u
+/// times the momentum that the cloth gets, after 3 iterations as after 300, in and across its plane. With the forces of
+/// the last iterate it would be off by 120 % after 3.
 #[test]
 fn work_of_pins_is_their_velocity_times_the_momentum_they_give() {
     let mesh = grid(17, 17, 1.0, 1.0, Diagonals::Alternating).unwrap();

@@ -2,7 +2,7 @@
 
 use crate::error::BenchError;
 use crate::settings::{Parameter, Settings, parameter};
-use cloth_pd::{Acceleration, PdConfig, Start};
+use cloth_pd::{Acceleration, PdConfig, StartGuess};
 
 pub(super) const PD_COARSE: Parameter = parameter(
     "coarse",
@@ -89,9 +89,9 @@ pub(super) fn projective(settings: &Settings) -> Result<PdConfig, BenchError> {
         start: settings.choice(
             &PD_START,
             &[
-                ("previous", Start::Previous),
-                ("inertial", Start::Inertial),
-                ("predicted", Start::Predicted),
+                ("previous", StartGuess::Previous),
+                ("inertial", StartGuess::Inertial),
+                ("predicted", StartGuess::Predicted),
             ],
         )?,
         acceleration,

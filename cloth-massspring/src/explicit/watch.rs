@@ -1,12 +1,13 @@
 //! Notices that a run is unstable before its numbers are nonsense.
 //!
-//! Two signs. The step is beyond the stable one: known before any harm is done, but only as well as the estimate is fresh.
-//! The cloth has more kinetic energy than it can have: `K ≤ (K + E)₀ + W`, with `W` the work of gravity,
-//! load, pins and moving bodies; exact solutions obey, and a run that breaks it by a large factor has
-//! blown up, whatever the reason.
+//! Two signs. The step is beyond the stable one: known before any harm is done, but only as well as the estimate is
+//! fresh. The cloth has more kinetic energy than it can have: `K ≤ (K + E)₀ + W`, with `W` the work of gravity, load,
+//! pins and moving bodies; exact solutions obey, and a run that breaks it by a large factor has blown up, whatever the
+//! reason.
 //!
-//! The account goes on where contact has changed the end of a step. Contact with what does not move takes energy or leaves it, so all that contact is credited with is the
-//! work of bodies ([`ContactSource::work`]): stretch that it leaves by moving vertices apart is energy from nowhere, and counts as such when it becomes motion.
+//! The account goes on where contact has changed the end of a step. Contact with what does not move takes energy or
+//! leaves it, so all that contact is credited with is the work of bodies ([`ContactSource::work`]): stretch that it
+//! leaves by moving vertices apart is energy from nowhere, and counts as such when it becomes motion.
 
 use super::{Parts, Tally, Trouble};
 use crate::stability::Spectrum;
@@ -21,8 +22,8 @@ const FRESH_FOR: u32 = 256;
 const GROWTH: Real = 4.0;
 /// Kinetic energy over what the cloth started with and was given, from which on a run counts as blown up.
 ///
-/// In a stable run of symplectic Euler an oscillation can show `(2 + z)/(2 − z)` times its least energy: 100 is reached at
-/// `z` = 1.96.
+/// In a stable run of symplectic Euler an oscillation can show `(2 + z)/(2 − z)` times its least energy: 100 is reached
+/// at `z` = 1.96.
 const GAIN: Real = 100.0;
 /// Motion in one substep, relative to the size of the coordinates, that rounding may have made.
 const ROUNDING: Real = 1e-10;

@@ -1,8 +1,9 @@
 //! Contact at the end of a step whose stage is solved for its middle.
 //!
-//! What touches has to be known where the cloth will be, `x[1] = 2x − x[0]`, not in the middle. And contact is to take up motion: a force in the middle would throw
-//! back what it stops, as the midpoint rule keeps all energy. So what is new of the force f of contact acts over the whole step, as in implicit Euler, and only what has been there
-//! at the end of the last step, f[0], as all other forces do, so that what rests stays at rest:
+//! What touches has to be known where the cloth will be, `x[1] = 2x − x[0]`, not in the middle. And contact is to take
+//! up motion: a force in the middle would throw back what it stops, as the midpoint rule keeps all energy. So what is
+//! new of the force f of contact acts over the whole step, as in implicit Euler, and only what has been there at the
+//! end of the last step, f[0], as all other forces do, so that what rests stays at rest:
 //!
 //! ```text
 //! v[1] = v[0] + Δt M⁻¹ (f_other((x[0] + x[1])/2) + f(x[1]))
@@ -45,7 +46,8 @@ fn lasting(now: Vec3, before: Vec3) -> Vec3 {
 }
 
 impl Room {
-    /// Takes the force of the last step's contact, of which there is none if the cloth has come from elsewhere, into the goal (m) of a stage that spans s (s).
+    /// Takes the force of the last step's contact, of which there is none if the cloth has come from elsewhere, into
+    /// the goal (m) of a stage that spans s (s).
     pub(super) fn go_on(
         &mut self,
         from_elsewhere: bool,
@@ -67,7 +69,8 @@ impl Room {
         }
     }
 
-    /// Takes the new force of contact at the end `x` (m) of a step of `dt` (s) out of the velocities (m/s) once: it counts twice in those that follow from the middle.
+    /// Takes the new force of contact at the end `x` (m) of a step of `dt` (s) out of the velocities (m/s) once: it
+    /// counts twice in those that follow from the middle.
     pub(super) fn take_half(
         &mut self,
         contact: &dyn ContactPotential,

@@ -50,8 +50,8 @@ impl<S> ImplicitBuilder<S> {
         self
     }
 
-    /// Builds the solver: looks up the pattern of the matrix, and analyses it for the linear solver if that is what the step
-    /// begins with.
+    /// Builds the solver: looks up the pattern of the matrix, and analyses it for the linear solver if that is what the
+    /// step begins with.
     ///
     /// # Errors
     /// [`BuildError::InvalidSetting`], [`BuildError::SettingsConflict`], [`BuildError::MatrixTooLarge`].

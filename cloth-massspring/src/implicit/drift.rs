@@ -60,8 +60,8 @@ impl Unconstrained {
         }
     }
 
-    /// The same for components that touch each other and nothing else: all of them are shifted as one. If something holds a
-    /// vertex nothing is done.
+    /// The same for components that touch each other and nothing else: all of them are shifted as one. If something
+    /// holds a vertex nothing is done.
     pub(super) fn settle_together(&self, stage: &Stage<'_>, point: &mut Point) {
         let count: usize = self.components.iter().map(Vec::len).sum();
         if count == point.positions.len() {

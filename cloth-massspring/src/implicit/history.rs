@@ -1,10 +1,10 @@
 //! Limited memory: what the last iterations say of the Hessian (L-BFGS).
 //!
 //! J. Nocedal, "Updating quasi-Newton matrices with limited storage", Math. Comp. 35, 1980,
-//! <https://doi.org/10.1090/S0025-5718-1980-0572855-7>. The two loops of inner products are taken through the products `sᵢ·yⱼ`
-//! of the pairs among themselves, so that all products with one vector take one pass over the memory (R. H. Byrd,
-//! J. Nocedal, R. B. Schnabel, "Representations of quasi-Newton matrices and their use in limited memory methods", Math. Prog. 63,
-//! 1994, <https://doi.org/10.1007/BF01582063>).
+//! <https://doi.org/10.1090/S0025-5718-1980-0572855-7>. The two loops of inner products are taken through the products
+//! `sᵢ·yⱼ` of the pairs among themselves, so that all products with one vector take one pass over the memory (R. H.
+//! Byrd, J. Nocedal, R. B. Schnabel, "Representations of quasi-Newton matrices and their use in limited memory
+//! methods", Math. Prog. 63, 1994, <https://doi.org/10.1007/BF01582063>).
 
 use cloth_core::chunked::map_reduce;
 use cloth_core::math::{Real, Vec3};
@@ -15,8 +15,8 @@ const PAIRS: usize = 5;
 /// Smallest cosine between s and y: below, rounding decides its sign.
 const CURVED: Real = 1e-12;
 
-/// A vector in single precision: half the memory to wait for, and what is lost is not in the sums, which all take the same
-/// rounded numbers.
+/// A vector in single precision: half the memory to wait for, and what is lost is not in the sums, which all take the
+/// same rounded numbers.
 type Single = nalgebra::Vector3<f32>;
 
 /// Differences of iterates, s (m), and of their gradients, y (N).
@@ -60,8 +60,8 @@ impl History {
         (0..self.len).map(move |k| (first + k) % PAIRS)
     }
 
-    /// Adds the pair `s = length · direction`, `y = to − from` (gradients, N), in the place of the oldest if there are many,
-    /// unless the curvature along it is not positive. `slope` is `from · direction` (J).
+    /// Adds the pair `s = length · direction`, `y = to − from` (gradients, N), in the place of the oldest if there are
+    /// many, unless the curvature along it is not positive. `slope` is `from · direction` (J).
     pub(super) fn push(
         &mut self,
         length: Real,
@@ -111,8 +111,8 @@ impl History {
         }
     }
 
-    /// Writes `−H g` (m) to `out`, with H the inverse Hessian that the pairs make of the first one, which `inverse` applies;
-    /// returns its product with g (J). `work` is room for a vector (N).
+    /// Writes `−H g` (m) to `out`, with H the inverse Hessian that the pairs make of the first one, which `inverse`
+    /// applies; returns its product with g (J). `work` is room for a vector (N).
     pub(super) fn direction(
         &self,
         gradient: &[Vec3],

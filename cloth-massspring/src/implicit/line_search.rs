@@ -6,10 +6,11 @@ use cloth_core::math::{Real, Vec3};
 
 /// Part of the promised decrease that has to be kept (Armijo's constant).
 const SUFFICIENT: Real = 1e-4;
-/// `G` may rise by this part of itself where the slopes show that the minimum comes nearer: two values of `G` that differ by less cannot be
-/// told apart (see [`LineSearch::search`]).
+/// `G` may rise by this part of itself where the slopes show that the minimum comes nearer: two values of `G` that
+/// differ by less cannot be told apart (see [`LineSearch::search`]).
 const ROUNDING: Real = 1e-10;
-/// In that case the slope at the new point may be at most this part of the size of the first; how steeply `G` still falls there does not matter.
+/// In that case the slope at the new point may be at most this part of the size of the first; how steeply `G` still
+/// falls there does not matter.
 const SLOPE: Real = 0.8;
 /// Step lengths tried before giving up. Each is at most half of the one before.
 const MOST_TRIALS: u32 = 50;
@@ -51,7 +52,8 @@ pub(super) struct Found {
     pub(super) length: Real,
 }
 
-/// Moves `to` to `from + α direction`, `slope` (J) being that along the direction, with `α = most` or the first smaller one that is accepted, and evaluates it there.
+/// Moves `to` to `from + α direction`, `slope` (J) being that along the direction, with `α = most` or the first smaller
+/// one that is accepted, and evaluates it there.
 ///
 /// Armijo's condition compares two values of `G`. Near the minimum they agree in all digits that are
 /// free of rounding, long before the gradient is as small as it can be. There the condition is put in terms of slopes,
@@ -91,8 +93,8 @@ pub(super) fn search(
     }
 }
 
-/// Moves `to` along a direction of negative `curvature` (N/m) from a stationary point, as far as `G` falls like the parabola that the
-/// curvature promises, and evaluates it there. Returns whether `G` falls at all.
+/// Moves `to` along a direction of negative `curvature` (N/m) from a stationary point, as far as `G` falls like the
+/// parabola that the curvature promises, and evaluates it there. Returns whether `G` falls at all.
 pub(super) fn leave_saddle(
     stage: &Stage<'_>,
     from: &Point,
@@ -100,7 +102,8 @@ pub(super) fn leave_saddle(
     curvature: Real,
     to: &mut Point,
 ) -> bool {
-    // Any length will do that is neither lost in rounding nor beyond the hollow that the direction leads to: from the largest coordinate down.
+    // Any length will do that is neither lost in rounding nor beyond the hollow that the direction leads to: from the
+    // largest coordinate down.
     let size = |v: &[Vec3]| v.iter().map(Vec3::amax).fold(0.0, Real::max);
     let mut length = size(&from.positions) / size(direction);
     for _ in 0..MOST_TRIALS {

@@ -1,6 +1,8 @@
-//! The function of a stage with its elastic part linearised at one place, for a step that does so once and still has to feel contact.
+//! The function of a stage with its elastic part linearised at one place, for a step that does so once and still has to
+//! feel contact.
 //!
-//! The cloth takes part as the quadratic function `gᵀp + ½ pᵀH p` of its way p; contact, which it may not know of where it starts, as it is.
+//! The cloth takes part as the quadratic function `gᵀp + ½ pᵀH p` of its way p; contact, which it may not know of where
+//! it starts, as it is.
 
 use super::line_search::Point;
 use cloth_core::block_matrix::BlockMatrix;

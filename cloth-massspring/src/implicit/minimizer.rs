@@ -20,12 +20,13 @@ use cloth_core::step::{BuildError, Observer, Outcome, StepError, StepReport};
 pub(super) const STALL: Real = 100.0;
 /// There a step that is shortened below this part of itself counts as none.
 pub(super) const LOST: Real = 1e-3;
-/// Relative gradient norm below which Newton's method finishes, where a tolerance asks for less: it converges quadratically
-/// there, down to rounding, the quasi-Newton method linearly.
+/// Relative gradient norm below which Newton's method finishes, where a tolerance asks for less: it converges
+/// quadratically there, down to rounding, the quasi-Newton method linearly.
 const FINISH: Real = 1e-5;
 /// The same as a multiple of the estimate of rounding: one Newton step from there ends well below it.
 const LEFT: Real = 1e4;
-/// A start that gives off much energy, cloth crushed to a point for instance, is compared with this part of the velocity that it would make.
+/// A start that gives off much energy, cloth crushed to a point for instance, is compared with this part of the
+/// velocity that it would make.
 const VIOLENT: Real = 1e-3;
 
 /// The iterates, and what the methods keep between two calls.
@@ -34,8 +35,8 @@ pub(super) struct Minimizer {
     pub(super) current: Point,
     pub(super) next: Point,
     pub(super) direction: Vec<Vec3>,
-    /// Norm of the forces that the current point asks for (N/√kg), as the potential's `inertial_norm` says: what the gradient
-    /// is compared with.
+    /// Norm of the forces that the current point asks for (N/√kg), as the potential's `inertial_norm` says: what the
+    /// gradient is compared with.
     forces: Real,
     /// `G` (J) where the iteration has started.
     first: Real,
@@ -102,8 +103,8 @@ impl Minimizer {
         })
     }
 
-    /// Minimises the function of a stage, starting at `self.current.positions` and ending there; or takes one Newton step only. Contact is
-    /// felt by the quasi-Newton method alone.
+    /// Minimises the function of a stage, starting at `self.current.positions` and ending there; or takes one Newton
+    /// step only. Contact is felt by the quasi-Newton method alone.
     pub(super) fn minimize(
         &mut self,
         task: &Task<'_>,
@@ -153,7 +154,8 @@ impl Minimizer {
         }
         match newton::iterate(self, task, observer, &mut report) {
             Ok(()) => Ok(report),
-            // An iterative linear solver may lose a nearly singular matrix to rounding; the point so far is a step all the same.
+            // An iterative linear solver may lose a nearly singular matrix to rounding; the point so far is a step all
+            // the same.
             Err(StepError::NotPositiveDefinite { .. })
                 if report.newton_fallbacks > 0 && !task.config.linear.proves_definiteness() =>
             {
@@ -318,8 +320,8 @@ impl Minimizer {
         }
     }
 
-    /// Shifts cloth that nothing holds to where gravity takes it, if that is a free way and leads down: cloth that falls without touching anything is
-    /// there then.
+    /// Shifts cloth that nothing holds to where gravity takes it, if that is a free way and leads down: cloth that
+    /// falls without touching anything is there then.
     fn fall_together(
         &mut self,
         method: &mut QuasiNewton,
@@ -385,7 +387,8 @@ impl Minimizer {
         (task.config.tolerance * self.forces).max(rounding)
     }
 
-    /// The change of velocity that the forces make, `‖x − x̂‖_M/s` (√J), times the tolerance: Newton decrement at which the iteration ends.
+    /// The change of velocity that the forces make, `‖x − x̂‖_M/s` (√J), times the tolerance: Newton decrement at which
+    /// the iteration ends.
     pub(super) fn close_enough(&self, task: &Task<'_>, tolerance: Real) -> Real {
         let given_off = 2.0 * (self.first - self.current.value).max(0.0);
         let change = self.forces * task.stage.potential.dt;
@@ -397,7 +400,8 @@ impl Minimizer {
         decrement / self.close_enough(task, 1.0).max(Real::MIN_POSITIVE)
     }
 
-    /// Gradient norm relative to that of the forces. In free fall these are zero and only rounding is left to compare with.
+    /// Gradient norm relative to that of the forces. In free fall these are zero and only rounding is left to compare
+    /// with.
     pub(super) fn residual(&self, norm: Real, rounding: Real) -> Real {
         if norm > 0.0 {
             norm / self.forces.max(rounding)

@@ -61,8 +61,8 @@ impl QuasiNewton {
         self.pairs.clear();
     }
 
-    /// Takes the matrix anew at `current` if it is time. `before` is the iterate before, or the start of the step (m). Returns
-    /// whether it did.
+    /// Takes the matrix anew at `current` if it is time. `before` is the iterate before, or the start of the step (m).
+    /// Returns whether it did.
     pub(super) fn refresh(
         &mut self,
         stage: &Stage<'_>,
@@ -94,8 +94,8 @@ impl QuasiNewton {
         true
     }
 
-    /// Takes the second derivative of contact at `x` (m): that of single vertices, held by bodies, into the matrix, that of pairs
-    /// beside it.
+    /// Takes the second derivative of contact at `x` (m): that of single vertices, held by bodies, into the matrix,
+    /// that of pairs beside it.
     fn add_contact(&mut self, contact: &dyn ContactPotential, x: &[Vec3]) {
         self.rows.clear();
         contact.linearize(x, &mut self.rows);

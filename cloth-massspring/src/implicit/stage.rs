@@ -9,8 +9,8 @@ use cloth_core::family::Assembly;
 use cloth_core::math::{Real, Vec3};
 use cloth_core::measure::IncrementalPotential;
 
-/// `‖x − x̂‖²_M / (2s²) + E(x) + damping + contact`: inertia towards `x̂`, elasticity, the resistance to the rate of strain, and what the
-/// cloth touches.
+/// `‖x − x̂‖²_M / (2s²) + E(x) + damping + contact`: inertia towards `x̂`, elasticity, the resistance to the rate of
+/// strain, and what the cloth touches.
 ///
 /// The first two are [`IncrementalPotential`] with a goal `x̂` and a time `s` that depend on the integrator.
 #[derive(Clone, Copy, Debug)]
@@ -76,8 +76,8 @@ impl Stage<'_> {
         }
     }
 
-    /// Writes what the preconditioner of the quasi-Newton method is made of to `out` (N/m): by [`Convexity::Abs`], lumped as `assembly` says, and
-    /// with the forces predicted from `mixed` (two positions, m) if there are such.
+    /// Writes what the preconditioner of the quasi-Newton method is made of to `out` (N/m): by [`Convexity::Abs`],
+    /// lumped as `assembly` says, and with the forces predicted from `mixed` (two positions, m) if there are such.
     pub(super) fn lumped_hessian_into(
         &self,
         assembly: &Assembly,

@@ -1,18 +1,18 @@
 //! The linear system of S1 (15), `(M/Δt² + H) Δx = −∇G`, kept positive definite.
 //!
-//! Where springs are compressed the exact `H` can make the matrix indefinite, and a Newton step may lead uphill. The usual cure, dropping the
-//! indefinite part of every element ([`Convexity::Clamp`], S2), always works and is always paid for: convergence
-//! becomes linear, and near a saddle point (a compressed sheet that has not buckled yet) Newton's method
-//! converges *to the saddle*. We therefore drop no more than necessary: the matrix is
+//! Where springs are compressed the exact `H` can make the matrix indefinite, and a Newton step may lead uphill. The
+//! usual cure, dropping the indefinite part of every element ([`Convexity::Clamp`], S2), always works and is always
+//! paid for: convergence becomes linear, and near a saddle point (a compressed sheet that has not buckled yet) Newton's
+//! method converges *to the saddle*. We therefore drop no more than necessary: the matrix is
 //!
 //! ```text
 //! M/Δt² + b H_exact + (1 − b) H_clamped,    0 ≤ b ≤ 1
 //! ```
 //!
-//! with the blend `b` as near to 1 as positive definiteness allows, which the Cholesky factorisation tells, and conjugate
-//! gradients where they come across it. Near a minimum `b = 1`
-//! and convergence is quadratic. Near a saddle the blended matrix is almost singular along the way down, so
-//! the step along it is long, and the saddle is left within a few iterations.
+//! with the blend `b` as near to 1 as positive definiteness allows, which the Cholesky factorisation tells, and
+//! conjugate gradients where they come across it. Near a minimum `b = 1` and convergence is quadratic. Near a saddle
+//! the blended matrix is almost singular along the way down, so the step along it is long, and the saddle is left
+//! within a few iterations.
 
 use super::drift::Unconstrained;
 use super::line_search::Point;
@@ -235,9 +235,9 @@ impl NewtonSystem {
         self.exact
     }
 
-    /// Writes a direction of negative curvature of `G` to `out` and returns that curvature (N/m, per squared length of `out`), or `None` if
-    /// it finds none. Call it after [`NewtonSystem::factorize`] at the same `x`: inverse iteration with that
-    /// factor tends to what it is most nearly singular for.
+    /// Writes a direction of negative curvature of `G` to `out` and returns that curvature (N/m, per squared length of
+    /// `out`), or `None` if it finds none. Call it after [`NewtonSystem::factorize`] at the same `x`: inverse iteration
+    /// with that factor tends to what it is most nearly singular for.
     pub(super) fn negative_curvature(
         &mut self,
         g: &Stage<'_>,

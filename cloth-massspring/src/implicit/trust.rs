@@ -1,8 +1,10 @@
-//! How far a direction is followed before anything is evaluated there: a trust radius, from how far the last steps have come.
+//! How far a direction is followed before anything is evaluated there: a trust radius, from how far the last steps have
+//! come.
 //!
-//! A quadratic model knows nothing of contacts that a step would only make. Where one step has had to be shortened because of them, the next one mostly has to
-//! be as well, and what is evaluated in vain is dearest there: the farther cloth may go, the more of it can touch on the way.
-//! The radius follows what the steps did, as in trust-region methods (Nocedal and Wright, *Numerical Optimization*, 2nd ed., 2006, algorithm 4.1).
+//! A quadratic model knows nothing of contacts that a step would only make. Where one step has had to be shortened
+//! because of them, the next one mostly has to be as well, and what is evaluated in vain is dearest there: the farther
+//! cloth may go, the more of it can touch on the way. The radius follows what the steps did, as in trust-region methods
+//! (Nocedal and Wright, *Numerical Optimization*, 2nd ed., 2006, algorithm 4.1).
 
 use super::line_search::Found;
 use cloth_core::math::{Real, Vec3};

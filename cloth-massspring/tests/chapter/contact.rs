@@ -110,7 +110,8 @@ fn solvers() -> (SymplecticEuler, ExplicitEuler) {
 fn motion_out_of_stretch_that_contact_leaves_ends_the_run() {
     let stretch = || Pull { way: 1e-3, ..PULL };
     let (mut symplectic, mut forward) = solvers();
-    // Pulled by a on from step to step, the mass swings about a way of a/(Δt² ω²) = 0.1 m, with no more than ½ k (0.1 m)² = 0.5 J.
+    // Pulled by a on from step to step, the mass swings about a way of a/(Δt² ω²) = 0.1 m, with no more than ½ k (0.1
+    // m)² = 0.5 J.
     let error = end(&mut symplectic, stretch()).unwrap_err();
     let StepError::EnergyGain { kinetic, given, .. } = error else {
         panic!("{error}")

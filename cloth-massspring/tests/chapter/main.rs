@@ -57,7 +57,8 @@ macro_rules! solver {
 }
 pub(crate) use solver;
 
-/// Every integrator for the same springs, the explicit ones unwatched: forward, symplectic, implicit and linearised implicit Euler, midpoint, BDF2.
+/// Every integrator for the same springs, the explicit ones unwatched: forward, symplectic, implicit and linearised
+/// implicit Euler, midpoint, BDF2.
 fn all(particles: &Particles, springs: &[Spring]) -> [Box<dyn Stepper>; 6] {
     let springs = || springs.to_vec();
     let linearized = ImplicitConfig::linearized();
@@ -81,7 +82,8 @@ fn oscillator(omega: Real) -> (Particles, Vec<Attachment>) {
     (Particles::new(vec![1.0]).unwrap(), vec![spring])
 }
 
-/// `count` masses of 1 kg and springs of length 1 m between them, hanging down from a prescribed vertex 0 at the origin.
+/// `count` masses of 1 kg and springs of length 1 m between them, hanging down from a prescribed vertex 0 at the
+/// origin.
 fn chain(count: usize, stiffness: Real) -> (Particles, Vec<Spring>, Vec<Vec3>) {
     let positions: Vec<Vec3> = (0..=count)
         .map(|i| Vec3::new(0.0, 0.0, -(i as Real)))

@@ -67,8 +67,8 @@ fn where_only_rounding_is_left_the_iteration_ends() {
     }
 }
 
-/// A step of 0.1 s takes a vertex 0.1 m beyond what springs of 10⁶ N/m allow: forces there are no measure for those that balance. Compared
-/// with steps to the last digit.
+/// A step of 0.1 s takes a vertex 0.1 m beyond what springs of 10⁶ N/m allow: forces there are no measure for those
+/// that balance. Compared with steps to the last digit.
 #[test]
 fn stiff_cloth_falls_by_long_steps_however_loose_the_tolerance() {
     let mesh = grid(9, 9, 1.0, 1.0, Diagonals::Alternating).unwrap();

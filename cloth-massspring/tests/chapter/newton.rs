@@ -77,8 +77,9 @@ pub(crate) fn norms(
     }
 }
 
-/// However far the iteration goes: it ends no farther from the minimum, in the metric of the masses, than a small multiple of the tolerance of what the forces have moved the
-/// cloth. The minimum is found by steps to the last digit from the same state.
+/// However far the iteration goes: it ends no farther from the minimum, in the metric of the masses, than a small
+/// multiple of the tolerance of what the forces have moved the cloth. The minimum is found by steps to the last digit
+/// from the same state.
 #[test]
 fn the_change_of_velocity_is_right_to_the_tolerance() {
     let (_, model) = hang(12);

@@ -1,8 +1,8 @@
 //! Newton's method from starts that make no sense, at ratios that are too large (VALIDATION 8.5).
 //!
-//! A cell is one kind of start at one size of step, stiffness ratio and mass ratio; ten jittered runs each. A run passes if the step converges
-//! to a finite state whose incremental potential is not above that of its start, or fails with a `StepError` and leaves the
-//! state untouched. The second kind is counted apart.
+//! A cell is one kind of start at one size of step, stiffness ratio and mass ratio; ten jittered runs each. A run
+//! passes if the step converges to a finite state whose incremental potential is not above that of its start, or fails
+//! with a `StepError` and leaves the state untouched. The second kind is counted apart.
 
 use crate::{DOWN, noise, solver};
 use cloth_core::energy::Spring;
@@ -33,7 +33,8 @@ const STARTS: [Start; 4] = [
     Start::Mirrored,
 ];
 
-/// A sheet of 1 m × 1 m with two corners held, springs of 10² N/m and `stiffness` times that, vertices of 0.01 kg and `mass` times that.
+/// A sheet of 1 m × 1 m with two corners held, springs of 10² N/m and `stiffness` times that, vertices of 0.01 kg and
+/// `mass` times that.
 fn sheet(mesh: &TriMesh, stiffness: Real, mass: Real) -> (Particles, Vec<Spring>) {
     let masses = (0..mesh.vertex_count()).map(|v| if v % 3 == 0 { 0.01 * mass } else { 0.01 });
     let mut particles = Particles::new(masses.collect()).unwrap();

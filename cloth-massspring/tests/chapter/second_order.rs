@@ -222,7 +222,8 @@ fn a_linearised_step_costs_one_solve_and_is_exact_for_linear_forces() {
     assert!(largest_difference(&a.positions, &b.positions) < 1e-14);
 }
 
-/// Kinetic, elastic and gravitational energy (J) of the scene `hang` over 300 steps of 1/60 s: at the start, and the largest later on.
+/// Kinetic, elastic and gravitational energy (J) of the scene `hang` over 300 steps of 1/60 s: at the start, and the
+/// largest later on.
 fn energies(make: impl Fn(&Particles, Vec<Spring>) -> Box<dyn Stepper>) -> [Real; 2] {
     let (mesh, model) = hang(8);
     let energies = Energies::new(model.particles.len())

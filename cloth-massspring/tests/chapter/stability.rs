@@ -125,7 +125,8 @@ fn a_stable_run_is_never_stopped() {
 
 #[test]
 fn a_spring_that_stiffens_beyond_the_limit_ends_the_run_before_it_is_nonsense() {
-    // At rest a cross of four springs resists with 2k along either axis; pulled out to thrice its length it resists with 2k + 2k·⅔.
+    // At rest a cross of four springs resists with 2k along either axis; pulled out to thrice its length it resists
+    // with 2k + 2k·⅔.
     let centre = Vec3::zeros();
     let tips = [Vec3::x(), -Vec3::x(), Vec3::y(), -Vec3::y()];
     let springs: Vec<Spring> = (1..5)

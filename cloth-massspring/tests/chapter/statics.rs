@@ -50,8 +50,9 @@ fn free_fall_does_not_deform_and_follows_the_sum_of_its_steps() {
     }
     let (dt, steps) = (1e-4, 50);
     let n = steps as Real;
-    // Forward Euler moves with the velocity before the step, symplectic and both implicit Eulers with the one after it, midpoint with their mean. BDF2 is exact but for what its
-    // first step, of implicit Euler, leaves: a third of it is left after each further one.
+    // Forward Euler moves with the velocity before the step, symplectic and both implicit Eulers with the one after it,
+    // midpoint with their mean. BDF2 is exact but for what its first step, of implicit Euler, leaves: a third of it is
+    // left after each further one.
     let after = n * (n + 1.0) / 2.0;
     let sums = [
         n * (n - 1.0) / 2.0,

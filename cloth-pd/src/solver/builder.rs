@@ -1,4 +1,4 @@
-//! From a description to a solver.
+//! The builder of the solver: elements, coarse grid and settings, checked and assembled.
 
 use super::{Method, PdSolver};
 use crate::chebyshev::Chebyshev;
@@ -6,7 +6,7 @@ use crate::coarse::CoarseGrid;
 use crate::config::{Acceleration, PdConfig};
 use crate::global::GlobalSystem;
 use crate::local::{Family, Projections};
-use crate::matrix::light;
+use crate::matrix::negligible;
 use crate::objective::{Objective, Point};
 use crate::quasi_newton::QuasiNewton;
 use cloth_core::element::Projective;
@@ -48,8 +48,10 @@ impl PdBuilder {
         self
     }
 
-    /// Lays a coarse grid over the cloth, of `cells` cubes along the longest side of the box around its rest positions (m). [`Acceleration::QuasiNewton`] takes a Newton step on
-    /// it in every iteration, the other methods have no use for it. A few cells are enough, 12 for instance, whatever the resolution of the cloth; there are fewer where a node would have less than two vertices.
+    /// Lays a coarse grid over the cloth, of `cells` cubes along the longest side of the box around its rest positions
+    /// (m). [`Acceleration::QuasiNewton`] takes a Newton step on it in every iteration, the other methods have no use
+    /// for it. A few cells are enough, 12 for instance, whatever the resolution of the cloth; there are fewer where a
+    /// node would have less than two vertices.
     #[must_use]
     pub fn coarse_grid(mut self, rest_positions: &[Vec3], cells: u32) -> Self {
         self.coarse = Some((rest_positions.to_vec(), cells));
@@ -66,16 +68,17 @@ impl PdBuilder {
     /// The solver: assembles the matrix and analyses it. It is factorised in the first step, which tells the step size.
     ///
     /// # Errors
-    /// [`BuildError::InvalidSetting`], also for a weight that is negative or not finite, and for a coarse grid of no or too many cells or of positions that are not one finite position per
-    /// vertex; [`BuildError::NoSuchVertex`] if an element names a vertex that the particles do not have; [`BuildError::MatrixTooLarge`].
+    /// [`BuildError::InvalidSetting`], also for a weight that is negative or not finite, and for a coarse grid of no or
+    /// too many cells or of positions that are not one finite position per vertex; [`BuildError::NoSuchVertex`] if an
+    /// element names a vertex that the particles do not have; [`BuildError::MatrixTooLarge`].
     pub fn build(self) -> Result<PdSolver, BuildError> {
         self.config.check()?;
         let families = self.families?;
         let too_large = |_| BuildError::MatrixTooLarge;
         let vertex_count = self.particles.len();
         let is_left_out = match self.config.acceleration {
-            // Its matrix is a first guess, which the iteration improves.
-            Acceleration::QuasiNewton { .. } => light(vertex_count, &families),
+            // Its matrix is only the initial inverse Hessian.
+            Acceleration::QuasiNewton { .. } => negligible(vertex_count, &families),
             _ => vec![false; families.len()],
         };
         let global = GlobalSystem::new(&self.particles, &families, is_left_out);
@@ -93,7 +96,7 @@ impl PdBuilder {
             }
         };
         let mut objective = Objective::new(self.particles, families);
-        let free_pieces = objective.free_pieces(global.stiffness());
+        let free_components = objective.free_components(global.stiffness());
         let (particles, families) = (&objective.particles, &mut objective.families);
         let coarse = match (&method, &self.coarse) {
             (Method::QuasiNewton(_), Some((rest, cells))) => {
@@ -103,38 +106,38 @@ impl PdBuilder {
                     *cells,
                     particles,
                     &global,
-                    &free_pieces,
+                    &free_components,
                     families,
                 ))
             }
             _ => None,
         };
         Ok(PdSolver {
-            free_pieces,
+            free_components,
             config: self.config,
             objective,
             global,
             lattice: coarse.as_ref().and(self.coarse),
             coarse,
             is_stale: false,
-            are_ties_stale: false,
+            are_attachments_stale: false,
             method,
-            touching: None,
+            contact_method: None,
             point: Point::new(vertex_count),
             fallback: Point::new(vertex_count),
-            safe: zeros.clone(),
-            parts: Vec::new(),
+            feasible: zeros.clone(),
+            fractions: Vec::new(),
             velocities: zeros,
         })
     }
 }
 
 /// Finer grids than this cost more to factorise than they save.
-const MOST_CELLS: u32 = 1000;
+const MAX_CELLS: u32 = 1000;
 
 fn check_coarse(rest: &[Vec3], cells: u32, vertex_count: usize) -> Result<(), BuildError> {
     let refuse = |name, value, range| Err(BuildError::InvalidSetting { name, value, range });
-    if !(1..=MOST_CELLS).contains(&cells) {
+    if !(1..=MAX_CELLS).contains(&cells) {
         return refuse("coarse cells", Real::from(cells), "between 1 and 1000");
     }
     if rest.len() != vertex_count {

@@ -9,7 +9,7 @@ use cloth_core::math::{Real, Vec3};
 use cloth_core::measure::{Strain, center_of_mass, linear_momentum};
 use cloth_core::particles::State;
 use cloth_core::step::{BuildError, Observer, Outcome, StepInput, Stepper};
-use cloth_pd::{Acceleration, PdConfig, PdSolver, Start};
+use cloth_pd::{Acceleration, PdConfig, PdSolver, StartGuess};
 
 #[test]
 fn every_acceleration_ends_at_the_same_minimum() {
@@ -141,7 +141,7 @@ fn a_free_cloth_keeps_its_momentum_with_every_acceleration() {
     start.velocities = noise(start.positions.len());
     let before = linear_momentum(&model.particles, &start.velocities);
     let mass: Real = model.particles.mass().iter().sum();
-    for at in [Start::Inertial, Start::Predicted] {
+    for at in [StartGuess::Inertial, StartGuess::Predicted] {
         for config in accelerated(iterations(3)) {
             let config = PdConfig {
                 start: at,
@@ -251,7 +251,7 @@ fn gravity_over_a_very_long_step_leads_to_the_state_of_rest() {
     let expected = -1.0 - 0.3 * 9.81 / 50.0;
     for dt in [1e5, 1e9, 1e12] {
         for config in accelerated(PdConfig {
-            start: Start::Inertial,
+            start: StartGuess::Inertial,
             ..iterations(20)
         }) {
             let mut solver = PdSolver::builder(&particles)

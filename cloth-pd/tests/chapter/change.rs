@@ -213,7 +213,8 @@ fn a_dragged_pin_or_attachment_never_factorises() {
     }
 }
 
-/// The bending of thin cloth is no part of the matrix of the old solver; where it is all that holds a vertex, it is part of that of a new one.
+/// The bending of thin cloth is no part of the matrix of the old solver; where it is all that holds a vertex, it is
+/// part of that of a new one.
 #[test]
 fn what_hangs_on_hinges_alone_ends_where_it_does_with_the_whole_matrix() {
     let mut cloth = Changing::new(PdConfig {

@@ -16,7 +16,8 @@ pub(crate) fn falling<'a>() -> StepInput<'a> {
     StepInput::new(DT).gravity(GRAVITY)
 }
 
-/// A square sheet of 1 m and 0.2 kg/m², `n` vertices a side, with springs of stiffness `k` (N/m) and a little bending; free, at rest.
+/// A square sheet of 1 m and 0.2 kg/m², `n` vertices a side, with springs of stiffness `k` (N/m) and a little bending;
+/// free, at rest.
 pub(crate) fn sheet(n: usize, k: Real) -> (ClothModel, State) {
     let mesh = grid(n, n, 1.0, 1.0, Diagonals::Alternating).unwrap();
     let cloth = Cloth {
@@ -110,8 +111,8 @@ pub(crate) fn shake(model: &ClothModel, state: &mut State, size: Real) {
     }
 }
 
-/// `G` (J) at `x` and the norm of its gradient relative to that at x̃, for a step that starts at `before`; from the energies, without
-/// the solver.
+/// `G` (J) at `x` and the norm of its gradient relative to that at x̃, for a step that starts at `before`; from the
+/// energies, without the solver.
 pub(crate) fn potential(
     model: &ClothModel,
     before: &State,

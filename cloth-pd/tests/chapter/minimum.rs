@@ -8,7 +8,7 @@ use cloth_core::energy::{Attachment, Spring};
 use cloth_core::math::{Real, Vec3};
 use cloth_core::particles::{Particles, State};
 use cloth_core::step::{Observer, Outcome, StepInput, Stepper};
-use cloth_pd::{PdConfig, PdSolver, Start};
+use cloth_pd::{PdConfig, PdSolver, StartGuess};
 
 #[test]
 fn a_converged_step_is_a_stationary_point_of_the_incremental_potential() {
@@ -26,9 +26,9 @@ fn a_converged_step_is_a_stationary_point_of_the_incremental_potential() {
 #[test]
 fn the_reported_residual_is_the_relative_gradient_of_the_incremental_potential() {
     for (start, count) in [
-        (Start::Predicted, 1),
-        (Start::Predicted, 7),
-        (Start::Previous, 3),
+        (StartGuess::Predicted, 1),
+        (StartGuess::Predicted, 7),
+        (StartGuess::Previous, 3),
     ] {
         let (model, mut state) = hanging(8, 1e4);
         shake(&model, &mut state, 0.02);
@@ -105,7 +105,7 @@ fn one_spring_ends_at_implicit_euler_in_closed_form() {
     let length = (mass * predicted.norm() + dt * dt * stiffness * rest_length)
         / (mass + dt * dt * stiffness);
     let expected = predicted.normalize() * length;
-    for start in [Start::Previous, Start::Predicted] {
+    for start in [StartGuess::Previous, StartGuess::Predicted] {
         let config = PdConfig {
             iterations: 200,
             start,
@@ -138,7 +138,7 @@ fn two_starts_end_at_the_same_minimum() {
         solver(&model, config).step(&mut state, falling()).unwrap();
         state.positions
     };
-    let apart = distance(&run(Start::Previous), &run(Start::Predicted));
+    let apart = distance(&run(StartGuess::Previous), &run(StartGuess::Predicted));
     assert!(apart < 1e-14, "{apart:e}");
 }
 

@@ -9,7 +9,7 @@ use cloth_core::measure::linear_momentum;
 use cloth_core::particles::{Particles, State};
 use cloth_core::pin::Pins;
 use cloth_core::step::{StepInput, Stepper};
-use cloth_pd::{PdConfig, PdSolver, Start};
+use cloth_pd::{PdConfig, PdSolver, StartGuess};
 
 #[test]
 fn free_fall_does_not_deform() {
@@ -145,7 +145,7 @@ fn the_first_projection_sees_pins_where_they_will_be() {
     let mut state = State::at_rest(vec![Vec3::zeros(), Vec3::x()]);
     state.velocities[0] = Vec3::y() / DT;
     let config = PdConfig {
-        start: Start::Previous,
+        start: StartGuess::Previous,
         ..iterations(1)
     };
     let builder = PdSolver::builder(&particles).energy(vec![spring]);

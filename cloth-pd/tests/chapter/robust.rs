@@ -9,11 +9,12 @@ use cloth_core::math::{Real, Vec3};
 use cloth_core::measure::kinetic_energy;
 use cloth_core::particles::State;
 use cloth_core::step::{StepError, StepInput, Stepper};
-use cloth_pd::{Acceleration, PdConfig, Start};
+use cloth_pd::{Acceleration, PdConfig, StartGuess};
 
 type Deform = fn(&Vec3) -> Vec3;
 
-/// Starts at rest far from any rest shape: all in a point, on a line, in a plane that halves it, mirrored, and blown up a hundredfold.
+/// Starts at rest far from any rest shape: all in a point, on a line, in a plane that halves it, mirrored, and blown up
+/// a hundredfold.
 const STARTS: [(&str, Deform); 5] = [
     ("collapsed to a point", |_| Vec3::zeros()),
     ("on a line", |x| Vec3::new(x.x, 0.0, 0.0)),
@@ -28,8 +29,9 @@ fn potential_energy(model: &ClothModel, x: &[Vec3]) -> Real {
     model.energies().unwrap().value(x) + gravity
 }
 
-/// With two iterations a step. `G(x[1]) ≤ G(x[0])`, which every start at x[0] gives and the quasi-Newton method sees to after others, says in terms of energies: the potential energy after the step and the
-/// kinetic energy of the change of velocity are together at most the whole energy before it.
+/// With two iterations a step. `G(x[1]) ≤ G(x[0])`, which every start at x[0] gives and the quasi-Newton method sees to
+/// after others, says in terms of energies: the potential energy after the step and the kinetic energy of the change of
+/// velocity are together at most the whole energy before it.
 fn recovers(what: &str, model: &ClothModel, rest: &[Vec3], start: &State, config: PdConfig) {
     let moving = |v: &[Vec3]| kinetic_energy(&model.particles, v);
     for mut solver in [solver(model, config), coarse_solver(model, rest, config)] {
@@ -68,11 +70,11 @@ fn energy_does_not_appear_from_any_start() {
     let watched =
         |config: &PdConfig| matches!(config.acceleration, Acceleration::QuasiNewton { .. });
     let previous = accelerated(iterations(2)).map(|config| PdConfig {
-        start: Start::Previous,
+        start: StartGuess::Previous,
         ..config
     });
     let inertial = previous.into_iter().filter(watched).map(|config| PdConfig {
-        start: Start::Inertial,
+        start: StartGuess::Inertial,
         ..config
     });
     for config in previous.into_iter().chain(inertial) {
@@ -87,7 +89,9 @@ fn energy_does_not_appear_from_any_start() {
     }
 }
 
-/// Steps, with damping, until the cloth hangs and its forces, as a part of the weight, balance. Where it is without a fold it is stretched by 0.42 %; a fold that has come to rest, of a cloth that may pass through itself, doubles a part of it.
+/// Steps, with damping, until the cloth hangs and its forces, as a part of the weight, balance. Where it is without a
+/// fold it is stretched by 0.42 %; a fold that has come to rest, of a cloth that may pass through itself, doubles a
+/// part of it.
 fn hangs_in_the_end(config: PdConfig, steps: u32, largest_force: Real) {
     let (model, flat) = hanging(9, 1e3);
     let rest = &flat.positions;
@@ -136,7 +140,7 @@ fn springs_may_differ_in_stiffness_by_eight_powers_of_ten() {
     }
     let rest = state.positions.clone();
     for config in accelerated(PdConfig {
-        start: Start::Previous,
+        start: StartGuess::Previous,
         ..iterations(10)
     }) {
         let before = state.clone();
@@ -171,7 +175,7 @@ fn a_free_cloth_whose_mass_is_rounded_away_is_refused_and_a_held_one_is_not() {
             );
             let (held, mut state) = hanging(9, 1e4);
             let config = PdConfig {
-                start: Start::Inertial,
+                start: StartGuess::Inertial,
                 ..config
             };
             solver(&held, config).step(&mut state, input()).unwrap();

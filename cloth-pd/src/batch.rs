@@ -1,47 +1,47 @@
-//! The projections of a few elements at once.
+//! The local step of a batch of elements: the formula of one element, and of many that project to spheres side by side.
 //!
-//! A square root and a division take longer than all else that a spring needs; done for a block of springs side by side, they do not wait for
-//! one another, nor for the sums over vertices.
+//! A square root and a division take longer than all else that a spring needs; done for a block of springs side by
+//! side, they do not wait for one another, nor for the sums over vertices.
 
 use crate::local::apply;
 use cloth_core::element::Projective;
 use cloth_core::math::{Mat3, Real, Vec3, gather};
 
-/// Elements of a block, at most.
-pub(crate) const BLOCK: usize = 32;
+/// Most elements in a batch.
+pub(crate) const BATCH_SIZE: usize = 32;
 
-/// What the elements of a block add to the gradient and the energy.
+/// Forces and energies of a batch of elements.
 #[derive(Debug)]
-pub(crate) struct Pulls<const K: usize> {
+pub(crate) struct ProjectionBatch<const K: usize> {
     /// `w (z − p)` (N for an operator without dimension).
-    pulls: [[Vec3; K]; BLOCK],
+    forces: [[Vec3; K]; BATCH_SIZE],
     /// `½ w ‖z − p‖²` (J).
-    energies: [Real; BLOCK],
+    energies: [Real; BATCH_SIZE],
     spheres: Spheres,
-    /// What z is multiplied by for the pull (N/m), on spheres.
-    shares: [Real; BLOCK],
+    /// Force over z (N/m), on spheres.
+    factors: [Real; BATCH_SIZE],
 }
 
-impl<const K: usize> Default for Pulls<K> {
+impl<const K: usize> Default for ProjectionBatch<K> {
     #[inline(always)]
     fn default() -> Self {
         Self {
-            pulls: [[Vec3::zeros(); K]; BLOCK],
-            energies: [0.0; BLOCK],
+            forces: [[Vec3::zeros(); K]; BATCH_SIZE],
+            energies: [0.0; BATCH_SIZE],
             spheres: Spheres::NONE,
-            shares: [0.0; BLOCK],
+            factors: [0.0; BATCH_SIZE],
         }
     }
 }
 
-impl<const K: usize> Pulls<K> {
-    /// Pull and energy of each element, in their order; what follows the last element has no meaning.
+impl<const K: usize> ProjectionBatch<K> {
+    /// Force and energy of each element, in their order; what follows the last element has no meaning.
     #[inline(always)]
     pub(crate) fn each(&self) -> impl Iterator<Item = (&[Vec3; K], Real)> {
-        self.pulls.iter().zip(self.energies.iter().copied())
+        self.forces.iter().zip(self.energies.iter().copied())
     }
 
-    /// Projects at most [`BLOCK`] elements at x (m).
+    /// Projects at most [`BATCH_SIZE`] elements at x (m).
     #[inline(always)]
     pub(crate) fn find<'a, const N: usize, E: Projective<N, K>>(
         &mut self,
@@ -60,15 +60,15 @@ impl<const K: usize> Pulls<K> {
         elements: impl Iterator<Item = &'a E>,
         x: &[Vec3],
     ) {
-        let places = self.pulls.iter_mut().zip(&mut self.energies);
-        for (element, (pull, energy)) in elements.zip(places) {
+        let places = self.forces.iter_mut().zip(&mut self.energies);
+        for (element, (force, energy)) in elements.zip(places) {
             let z = apply(&element.operator(), &gather(x, element.vertices()));
             let (p, weight) = (element.project(z), element.weight());
             let mut squared = 0.0;
             for k in 0..K {
                 let difference = z[k] - p[k];
                 squared += difference.norm_squared();
-                pull[k] = difference * weight;
+                force[k] = difference * weight;
             }
             *energy = 0.5 * weight * squared;
         }
@@ -84,9 +84,9 @@ impl<const K: usize> Pulls<K> {
         if !self.spheres.gather(elements, x) {
             return false;
         }
-        self.spheres.project(&mut self.shares, &mut self.energies);
-        for lane in 0..BLOCK {
-            self.pulls[lane][0] = self.spheres.z[lane] * self.shares[lane];
+        self.spheres.project(&mut self.factors, &mut self.energies);
+        for lane in 0..BATCH_SIZE {
+            self.forces[lane][0] = self.spheres.z[lane] * self.factors[lane];
         }
         true
     }
@@ -96,20 +96,20 @@ impl<const K: usize> Pulls<K> {
 #[derive(Debug)]
 struct Spheres {
     /// `z = G x`.
-    z: [Vec3; BLOCK],
-    radius: [Real; BLOCK],
-    weight: [Real; BLOCK],
+    z: [Vec3; BATCH_SIZE],
+    radius: [Real; BATCH_SIZE],
+    weight: [Real; BATCH_SIZE],
     /// `‖z‖²`.
-    squared: [Real; BLOCK],
+    squared: [Real; BATCH_SIZE],
 }
 
 impl Spheres {
     /// No element.
     const NONE: Self = Self {
-        z: [Vec3::new(1.0, 1.0, 1.0); BLOCK],
-        radius: [1.0; BLOCK],
-        weight: [0.0; BLOCK],
-        squared: [3.0; BLOCK],
+        z: [Vec3::new(1.0, 1.0, 1.0); BATCH_SIZE],
+        radius: [1.0; BATCH_SIZE],
+        weight: [0.0; BATCH_SIZE],
+        squared: [3.0; BATCH_SIZE],
     };
 
     /// Takes elements from anywhere. Returns `false` where some `‖z‖²` is no number to divide by.
@@ -120,7 +120,7 @@ impl Spheres {
         x: &[Vec3],
     ) -> bool {
         let mut count = 0;
-        for (lane, element) in elements.enumerate().take(BLOCK) {
+        for (lane, element) in elements.enumerate().take(BATCH_SIZE) {
             self.z[lane] = apply(&element.operator(), &gather(x, element.vertices()))[0];
             self.radius[lane] = element.sphere().unwrap_or(0.0);
             self.weight[lane] = element.weight();
@@ -131,28 +131,28 @@ impl Spheres {
 
     #[inline(always)]
     fn measure(&mut self, count: usize) -> bool {
-        for lane in count..BLOCK {
+        for lane in count..BATCH_SIZE {
             self.z[lane] = Vec3::repeat(1.0);
             (self.radius[lane], self.weight[lane]) = (1.0, 0.0);
         }
-        let (z, mut lost) = (&self.z, 0u64);
-        for lane in 0..BLOCK {
+        let (z, mut abnormal) = (&self.z, 0u64);
+        for lane in 0..BATCH_SIZE {
             let squared = z[lane].x * z[lane].x + z[lane].y * z[lane].y + z[lane].z * z[lane].z;
-            lost |= u64::from(!(Real::MIN_POSITIVE..Real::INFINITY).contains(&squared));
+            abnormal |= u64::from(!(Real::MIN_POSITIVE..Real::INFINITY).contains(&squared));
             self.squared[lane] = squared;
         }
-        lost == 0
+        abnormal == 0
     }
 
-    /// `z − p = (1 − r/‖z‖) z`: fills in what z is multiplied by for the pull (N/m), and the energy (J).
+    /// `z − p = (1 − r/‖z‖) z`: fills in what z is multiplied by for the force (N/m), and the energy (J).
     #[inline(always)]
-    fn project(&self, shares: &mut [Real; BLOCK], energies: &mut [Real; BLOCK]) {
-        for lane in 0..BLOCK {
+    fn project(&self, factors: &mut [Real; BATCH_SIZE], energies: &mut [Real; BATCH_SIZE]) {
+        for lane in 0..BATCH_SIZE {
             let length = self.squared[lane].sqrt();
             let stretch = length - self.radius[lane];
             let force = self.weight[lane] * stretch;
             energies[lane] = 0.5 * force * stretch;
-            shares[lane] = force / length;
+            factors[lane] = force / length;
         }
     }
 }
@@ -160,26 +160,31 @@ impl Spheres {
 /// The lower half of a symmetric 3 × 3 matrix column by column, and padding to whole registers.
 pub(crate) type Packed = [Real; 8];
 
-/// `w (I − ∂p/∂z)` (N/m) of at most [`BLOCK`] elements that project to spheres: `w (c I + (1 − c) z zᵀ/‖z‖²)` with `c = 1 − r/‖z‖`, or 0
-/// where that is negative. None where some `‖z‖²` is no number to divide by.
+/// `w (I − ∂p/∂z)` (N/m) of at most [`BATCH_SIZE`] elements that project to spheres: `w (c I + (1 − c) z zᵀ/‖z‖²)` with
+/// `c = 1 − r/‖z‖`, or 0 where that is negative. None where some `‖z‖²` is no number to divide by.
 #[inline(always)]
-pub(crate) fn resistances_on_spheres<'a, const N: usize, const K: usize, E: Projective<N, K>>(
+pub(crate) fn projected_hessians_on_spheres<
+    'a,
+    const N: usize,
+    const K: usize,
+    E: Projective<N, K>,
+>(
     elements: impl Iterator<Item = &'a E>,
     x: &[Vec3],
-) -> Option<[Packed; BLOCK]> {
+) -> Option<[Packed; BATCH_SIZE]> {
     let mut spheres = Spheres::NONE;
     if !spheres.gather(elements, x) {
         return None;
     }
-    let (mut across, mut along) = ([0.0; BLOCK], [0.0; BLOCK]);
-    for lane in 0..BLOCK {
+    let (mut across, mut along) = ([0.0; BATCH_SIZE], [0.0; BATCH_SIZE]);
+    for lane in 0..BATCH_SIZE {
         let length = spheres.squared[lane].sqrt();
-        let share = (1.0 - spheres.radius[lane] / length).max(0.0);
-        across[lane] = spheres.weight[lane] * share;
-        along[lane] = spheres.weight[lane] * (1.0 - share) / spheres.squared[lane];
+        let c = (1.0 - spheres.radius[lane] / length).max(0.0);
+        across[lane] = spheres.weight[lane] * c;
+        along[lane] = spheres.weight[lane] * (1.0 - c) / spheres.squared[lane];
     }
-    let mut packed = [[0.0; 8]; BLOCK];
-    for lane in 0..BLOCK {
+    let mut packed = [[0.0; 8]; BATCH_SIZE];
+    for lane in 0..BATCH_SIZE {
         let [x, y, z] = spheres.z[lane].into();
         let (c, a) = (across[lane], along[lane]);
         packed[lane] = [

@@ -1,9 +1,11 @@
-//! Streams of springs: x, y and z of neighbouring vertices in separate rows of numbers, so that whole registers are read, projected and added.
+//! Springs as streams: structure-of-arrays buffers of x, y and z, so that whole registers are read, projected and
+//! added.
 //!
-//! Positions and sums of a piece are taken apart once, into [`Planes`], for all elements that touch it. An element needs a root and a division, and
-//! the rest of its work, done for one register of elements after the other, takes about as long: the processor does both at the same time.
+//! Positions and sums of a block are deinterleaved once, into [`Buffers`], for all elements that touch it. An element
+//! needs a root and a division, and the rest of its work, done for one register of elements after the other, takes
+//! about as long: the processor does both at the same time.
 
-use crate::pieces::of;
+use crate::vertex_blocks::of;
 use cloth_core::chunked::CHUNK;
 use cloth_core::element::Projective;
 use cloth_core::math::{Real, Vec3};
@@ -12,26 +14,26 @@ use std::ops::Range;
 /// Elements that are projected side by side: two registers of four.
 const LANES: usize = 8;
 
-/// One number for each vertex of a piece, first of the even vertices, then of the odd ones; then the vertices of a run that are in another piece, and room for its last lanes
-/// to run over.
+/// One number for each vertex of a block, first of the even vertices, then of the odd ones; then the vertices of a run
+/// that are in another block, and padding for its last lanes.
 ///
-/// So neighbours along a row are far apart, and a sum over one does not wait for what was just written for the other; and edges at
-/// every second vertex, such as the diagonals of an alternating grid, are as good a stream as the others.
-type Plane = [Real; PLANE];
+/// So neighbours along a row are far apart, and a sum over one does not wait for what was just written for the other;
+/// and edges at every second vertex, such as the diagonals of an alternating grid, are as good a stream as the others.
+type Buffer = [Real; BUFFER_LEN];
 
-const PLANE: usize = CHUNK + LONGEST_RUN + LANES;
+const BUFFER_LEN: usize = CHUNK + LONGEST_RUN + LANES;
 
 /// x, y and z.
-type Planes = [Plane; 3];
+type Buffers = [Buffer; 3];
 
-/// The place in a plane of a vertex of a piece that starts with vertex `start`.
+/// The place in a plane of a vertex of a block that starts with vertex `start`.
 fn place(vertex: u32, start: usize) -> usize {
     let (pair, side) = ((vertex as usize - start) / 2, vertex as usize % 2);
     pair + side * (CHUNK / 2)
 }
 
-/// Elements one after another with the same operator, each with vertices two further than those of the one before. Vertices in the same
-/// place of each are in one piece.
+/// Elements one after another with the same operator, each with vertices two further than those of the one before.
+/// Vertices in the same place of each are in one block.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Run {
     first: u32,
@@ -44,8 +46,8 @@ const SHORTEST_RUN: usize = LANES;
 const LONGEST_RUN: usize = 256;
 
 impl Run {
-    /// The longest at the front of `elements`, of which the first has number `first`. None where it is not worth it, or elements have more than two vertices:
-    /// there is room for one end outside a piece.
+    /// The longest at the front of `elements`, of which the first has number `first`. None where it is not worth it, or
+    /// elements have more than two vertices: there is room for one end outside a block.
     pub(crate) fn at<const N: usize, const K: usize, E: Projective<N, K>>(
         elements: &[E],
         first: usize,
@@ -79,7 +81,7 @@ struct Spheres {
     weight: [Real; LANES],
 }
 
-/// The runs that touch a piece, all of elements that project to spheres.
+/// The runs that touch a block, all of elements that project to spheres.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Runs {
     runs: Vec<Run>,
@@ -99,12 +101,12 @@ impl Runs {
         }
         self.runs.push(run);
         let elements = &elements[run.elements()];
-        for side_by_side in elements.chunks(LANES) {
+        for lanes in elements.chunks(LANES) {
             let mut spheres = Spheres {
                 radius: [0.0; LANES],
                 weight: [0.0; LANES],
             };
-            for (lane, element) in side_by_side.iter().enumerate() {
+            for (lane, element) in lanes.iter().enumerate() {
                 spheres.radius[lane] = element.sphere().unwrap_or(0.0);
                 spheres.weight[lane] = element.weight();
             }
@@ -116,12 +118,12 @@ impl Runs {
         self.runs.iter().copied()
     }
 
-    /// Adds what the elements pull at the vertices of piece number `piece` to `out`, and returns the energy of those whose first vertex is there. None, and nothing
-    /// added, where some `‖z‖²` is no number to divide by.
+    /// Adds the forces of the elements at the vertices of block number `block` to `out`, and returns the energy of
+    /// those whose first vertex is there. None, and nothing added, where some `‖z‖²` is no number to divide by.
     #[inline(always)]
     pub(crate) fn sum<const N: usize, const K: usize, E: Projective<N, K>>(
         &self,
-        piece: usize,
+        block: usize,
         elements: &[E],
         x: &[Vec3],
         out: &mut [Vec3],
@@ -129,27 +131,27 @@ impl Runs {
         if self.runs.is_empty() {
             return Some(0.0);
         }
-        let start = piece * CHUNK;
-        let (mut positions, mut sums) = ([[0.0; PLANE]; 3], [[0.0; PLANE]; 3]);
-        take_apart(&x[start..start + out.len()], &mut positions);
-        let (mut energies, mut of_others) = ([0.0; LANES], [0.0; LANES]);
+        let start = block * CHUNK;
+        let (mut positions, mut sums) = ([[0.0; BUFFER_LEN]; 3], [[0.0; BUFFER_LEN]; 3]);
+        deinterleave(&x[start..start + out.len()], &mut positions);
+        let (mut energies, mut not_counted) = ([0.0; LANES], [0.0; LANES]);
         let mut squares = Squares::NONE;
         let mut spheres = self.spheres.iter();
         for run in &self.runs {
             let first = &elements[run.first as usize];
             let (vertices, len) = (first.vertices(), run.len as usize);
             let places = vertices.map(|vertex| {
-                if of(vertex) == piece {
+                if of(vertex) == block {
                     place(vertex, start)
                 } else {
                     copy_run(&x[vertex as usize..], len, &mut positions);
                     CHUNK
                 }
             });
-            let energies = if of(vertices[0]) == piece {
+            let energies = if of(vertices[0]) == block {
                 &mut energies
             } else {
-                &mut of_others
+                &mut not_counted
             };
             for (at, spheres) in (0..len).step_by(LANES).zip(&mut spheres) {
                 let operator = first.operator()[0];
@@ -157,63 +159,63 @@ impl Runs {
                 let mut z = differences(&positions, places, operator);
                 project(&mut z, spheres, &mut squares, energies);
                 for i in 0..N {
-                    for (sums, pulls) in sums.iter_mut().zip(&z) {
+                    for (sums, forces) in sums.iter_mut().zip(&z) {
                         let sums = &mut sums[places[i]..][..LANES];
                         for lane in 0..LANES {
-                            sums[lane] += pulls[lane] * operator[i];
+                            sums[lane] += forces[lane] * operator[i];
                         }
                     }
                 }
             }
         }
-        if !squares.divide() {
+        if !squares.are_normal() {
             return None;
         }
-        add_together(&sums, out);
+        add_interleaved(&sums, out);
         Some(0.5 * energies.iter().sum::<Real>())
     }
 }
 
-/// Copies the positions of a piece into planes.
+/// Copies the positions of a block into buffers.
 #[inline(always)]
-fn take_apart(x: &[Vec3], planes: &mut Planes) {
+fn deinterleave(x: &[Vec3], buffers: &mut Buffers) {
     let (pairs, last) = x.as_chunks::<2>();
     for (i, [even, odd]) in pairs.iter().enumerate().take(CHUNK / 2) {
         for c in 0..3 {
-            planes[c][i] = even[c];
-            planes[c][CHUNK / 2 + i] = odd[c];
+            buffers[c][i] = even[c];
+            buffers[c][CHUNK / 2 + i] = odd[c];
         }
     }
     if let [last] = last {
         for c in 0..3 {
-            planes[c][pairs.len()] = last[c];
+            buffers[c][pairs.len()] = last[c];
         }
     }
 }
 
-/// Adds sums in planes to those of a piece.
+/// Adds sums in buffers to those of a block.
 #[inline(always)]
-fn add_together(planes: &Planes, out: &mut [Vec3]) {
+fn add_interleaved(buffers: &Buffers, out: &mut [Vec3]) {
     let (pairs, last) = out.as_chunks_mut::<2>();
     if let [last] = last {
         for c in 0..3 {
-            last[c] += planes[c][pairs.len()];
+            last[c] += buffers[c][pairs.len()];
         }
     }
     for (i, [even, odd]) in pairs.iter_mut().enumerate().take(CHUNK / 2) {
         for c in 0..3 {
-            even[c] += planes[c][i];
-            odd[c] += planes[c][CHUNK / 2 + i];
+            even[c] += buffers[c][i];
+            odd[c] += buffers[c][CHUNK / 2 + i];
         }
     }
 }
 
-/// Copies the positions of `len` vertices, every second of `x`, to their place after those of a piece.
+/// Copies the positions of `len` vertices, every second of `x`, to their place after those of a block.
 #[inline(always)]
-fn copy_run(x: &[Vec3], len: usize, planes: &mut Planes) {
+fn copy_run(x: &[Vec3], len: usize, buffers: &mut Buffers) {
     for (i, x) in x.iter().step_by(2).take(len).enumerate() {
         for c in 0..3 {
-            planes[c][CHUNK + i] = x[c];
+            buffers[c][CHUNK + i] = x[c];
         }
     }
 }
@@ -221,7 +223,7 @@ fn copy_run(x: &[Vec3], len: usize, planes: &mut Planes) {
 /// `z = G x` of elements side by side.
 #[inline(always)]
 fn differences<const N: usize>(
-    x: &Planes,
+    x: &Buffers,
     places: [usize; N],
     operator: [Real; N],
 ) -> [[Real; LANES]; 3] {
@@ -230,15 +232,15 @@ fn differences<const N: usize>(
         for (z, x) in z.iter_mut().zip(x) {
             let x = &x[places[i]..][..LANES];
             for lane in 0..LANES {
-                let part = x[lane] * operator[i];
-                z[lane] = if i == 0 { part } else { z[lane] + part };
+                let term = x[lane] * operator[i];
+                z[lane] = if i == 0 { term } else { z[lane] + term };
             }
         }
     }
     z
 }
 
-/// From `z` (m) to the pull `w (z − p) = w (1 − r/‖z‖) z` (N); adds up the energies `½ w ‖z − p‖²` (J).
+/// From `z` (m) to the force `w (z − p) = w (1 − r/‖z‖) z` (N); adds up the energies `½ w ‖z − p‖²` (J).
 #[inline(always)]
 fn project(
     z: &mut [[Real; LANES]; 3],
@@ -248,25 +250,25 @@ fn project(
 ) {
     for lane in 0..LANES {
         let squared = z[0][lane] * z[0][lane] + z[1][lane] * z[1][lane] + z[2][lane] * z[2][lane];
-        // What is after the last element pulls at nothing, wherever it is.
+        // What is after the last element has no force.
         let squared = if spheres.weight[lane] == 0.0 {
             1.0
         } else {
             squared
         };
-        squares.see(lane, squared);
+        squares.include(lane, squared);
         let length = squared.sqrt();
         let stretch = length - spheres.radius[lane];
         let force = spheres.weight[lane] * stretch;
         energies[lane] += force * stretch;
-        let share = force / length;
+        let factor = force / length;
         for z in &mut *z {
-            z[lane] *= share;
+            z[lane] *= factor;
         }
     }
 }
 
-/// The least and the largest `‖z‖²` of a piece.
+/// The least and the largest `‖z‖²` of a block.
 struct Squares {
     least: [Real; LANES],
     largest: [Real; LANES],
@@ -279,14 +281,14 @@ impl Squares {
     };
 
     #[inline(always)]
-    fn see(&mut self, lane: usize, squared: Real) {
+    fn include(&mut self, lane: usize, squared: Real) {
         let (least, largest) = (self.least[lane], self.largest[lane]);
         self.least[lane] = if squared < least { squared } else { least };
         self.largest[lane] = if squared > largest { squared } else { largest };
     }
 
     /// Whether all of them are normal numbers, so that roots and divisions are exact to rounding.
-    fn divide(&self) -> bool {
+    fn are_normal(&self) -> bool {
         let is_normal = |squared: &Real| (Real::MIN_POSITIVE..Real::INFINITY).contains(squared);
         self.least.iter().chain(&self.largest).all(is_normal)
     }

@@ -1,27 +1,28 @@
-//! Pieces of the cloth that nothing holds.
+//! Connected components of the cloth that nothing constrains.
 
 use cloth_core::math::{Real, Vec3};
 use cloth_core::particles::Particles;
 
-/// Connected pieces of the cloth without a prescribed vertex and without an element that resists a translation. The momentum of such a piece
-/// after the step is known beforehand: elasticity does not change it.
+/// Connected components of the cloth without a prescribed vertex and without an element that resists a translation. The
+/// momentum of such a component after the step is known beforehand: elasticity does not change it.
 #[derive(Clone, Debug)]
-pub(crate) struct FreePieces {
-    /// Number of the piece of each vertex, `HELD` for vertices of pieces that are not free.
-    piece: Vec<u32>,
-    /// Mass (kg) of each vertex, and of each piece.
+pub(crate) struct FreeComponents {
+    /// Number of the component of each vertex, `CONSTRAINED` for vertices of components that are not free.
+    component: Vec<u32>,
+    /// Mass (kg) of each vertex, and of each component.
     vertex_mass: Vec<Real>,
     mass: Vec<Real>,
     shift: Vec<Vec3>,
 }
 
-const HELD: u32 = u32::MAX;
-/// A row of `Σ w GᵀG` whose entries add up to more than this part of the largest diagonal entry resists a translation; an entry that is smaller ties nothing.
-/// Elements that have been taken away leave so much.
+const CONSTRAINED: u32 = u32::MAX;
+/// A row of `Σ w GᵀG` whose entries add up to more than this part of the largest diagonal entry resists a translation;
+/// an entry that is smaller ties nothing. Elements that have been taken away leave so much.
 const ROUNDING: Real = 1e-13;
 
-impl FreePieces {
-    /// Finds the pieces in the entries of the lower half of `Σ w GᵀG` (N/m): row, column, value. It makes no difference if some families count twice.
+impl FreeComponents {
+    /// Finds the components in the entries of the lower half of `Σ w GᵀG` (N/m): row, column, value. It makes no
+    /// difference if some families count twice.
     pub(crate) fn of(entries: &[(usize, usize, Real)], particles: &Particles) -> Self {
         let count = particles.len();
         let mut parent: Vec<u32> = (0..count as u32).collect();
@@ -37,21 +38,21 @@ impl FreePieces {
                 }
             }
         }
-        let mut is_held = vec![false; count];
+        let mut is_constrained = vec![false; count];
         for vertex in 0..count {
             if particles.is_prescribed(vertex) || sums[vertex].abs() > ROUNDING * largest {
-                is_held[root(&mut parent, vertex)] = true;
+                is_constrained[root(&mut parent, vertex)] = true;
             }
         }
-        let mut number = vec![HELD; count];
-        let (mut piece, mut mass) = (Vec::with_capacity(count), Vec::new());
+        let mut number = vec![CONSTRAINED; count];
+        let (mut component, mut mass) = (Vec::with_capacity(count), Vec::new());
         for vertex in 0..count {
             let root = root(&mut parent, vertex);
-            if !is_held[root] && number[root] == HELD {
+            if !is_constrained[root] && number[root] == CONSTRAINED {
                 number[root] = mass.len() as u32;
                 mass.push(0.0);
             }
-            piece.push(number[root]);
+            component.push(number[root]);
             if let Some(mass) = mass.get_mut(number[root] as usize) {
                 *mass += particles.mass()[vertex];
             }
@@ -59,7 +60,7 @@ impl FreePieces {
         Self {
             shift: vec![Vec3::zeros(); mass.len()],
             vertex_mass: particles.mass().to_vec(),
-            piece,
+            component,
             mass,
         }
     }
@@ -69,47 +70,49 @@ impl FreePieces {
         self.mass.is_empty()
     }
 
-    /// Moves every free piece as a whole, so that its centre of mass is displaced as that of `goal`, or not at all without one; both are displacements (m).
+    /// Moves every free component as a whole, so that its centre of mass is displaced as that of `goal`, or not at all
+    /// without one; both are displacements (m).
     pub(crate) fn align(&mut self, goal: Option<&[Vec3]>, q: &mut [Vec3]) {
         self.shift.fill(Vec3::zeros());
-        for (vertex, &piece) in self.piece.iter().enumerate() {
-            if let Some(shift) = self.shift.get_mut(piece as usize) {
+        for (vertex, &component) in self.component.iter().enumerate() {
+            if let Some(shift) = self.shift.get_mut(component as usize) {
                 let goal = goal.map_or_else(Vec3::zeros, |goal| goal[vertex]);
                 *shift += (goal - q[vertex]) * self.vertex_mass[vertex];
             }
         }
-        for (&piece, q) in self.piece.iter().zip(q) {
-            if let Some(shift) = self.shift.get(piece as usize) {
-                *q += shift / self.mass[piece as usize];
+        for (&component, q) in self.component.iter().zip(q) {
+            if let Some(shift) = self.shift.get(component as usize) {
+                *q += shift / self.mass[component as usize];
             }
         }
     }
 
     /// Whether a vertex belongs to one.
     pub(crate) fn contains(&self, vertex: u32) -> bool {
-        self.piece[vertex as usize] != HELD
+        self.component[vertex as usize] != CONSTRAINED
     }
 
-    /// The shift (m) of all free pieces together that displaces their common centre of mass as `goal` does; both are displacements (m).
+    /// The shift (m) of all free components together that displaces their common centre of mass as `goal` does; both
+    /// are displacements (m).
     pub(crate) fn shift_together(&self, goal: &[Vec3], q: &[Vec3]) -> Vec3 {
         let mut shift = Vec3::zeros();
-        for (vertex, &piece) in self.piece.iter().enumerate() {
-            if piece != HELD {
+        for (vertex, &component) in self.component.iter().enumerate() {
+            if component != CONSTRAINED {
                 shift += (goal[vertex] - q[vertex]) * self.vertex_mass[vertex];
             }
         }
         shift / self.mass.iter().sum::<Real>()
     }
 
-    /// Adds a shift (m) to all vertices of free pieces.
+    /// Adds a shift (m) to all vertices of free components.
     pub(crate) fn add(&self, shift: Vec3, q: &mut [Vec3]) {
-        let both = self.piece.iter().zip(q);
-        both.filter(|(piece, _)| **piece != HELD)
+        let both = self.component.iter().zip(q);
+        both.filter(|(component, _)| **component != CONSTRAINED)
             .for_each(|(_, q)| *q += shift);
     }
 }
 
-/// The representative of the piece of a vertex; shortens the path to it.
+/// The representative of the component of a vertex; shortens the path to it.
 fn root(parent: &mut [u32], mut vertex: usize) -> usize {
     while parent[vertex] as usize != vertex {
         parent[vertex] = parent[parent[vertex] as usize];
