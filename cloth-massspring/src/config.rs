@@ -97,7 +97,7 @@ pub enum Solve {
     QuasiNewton,
     /// Newton's method with line search, to the tolerance.
     Newton,
-    /// One Newton step of full length from the start guess: the forces linearised there, and one linear system (MS-3).
+    /// One Newton step of full length from the start guess: the forces linearised there, and one linear system.
     /// Neither the tolerance nor the most iterations nor [`Accept`] matter, and no residual is computed, unless there
     /// is contact: that is not linearised, and takes iterations to the tolerance.
     ///
@@ -108,7 +108,7 @@ pub enum Solve {
     Linearized,
 }
 
-/// Which second derivative of the elastic energy Newton's method uses (CORE-8).
+/// Which second derivative of the elastic energy Newton's method  uses.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum HessianPolicy {
@@ -132,7 +132,7 @@ pub enum Accept {
     Stationary,
     /// Minima only, S1 (10). Costs at most one factorisation more where the point is a minimum. A saddle point is left
     /// along a direction of negative curvature; which side the cloth then falls to is decided by a fixed pseudo-random
-    /// vector. Needs a linear solver that proves definiteness: [`LinearMethod::Cholesky`].
+    /// vector. Needs a linear solver that proves definiteness: `LinearMethod::Cholesky` (feature `cholesky`).
     Minimum,
 }
 
@@ -146,7 +146,7 @@ pub enum StartGuess {
     Inertial,
     /// `x[0] + Δt (v[0] + ½ (v[0] − v[−1]))`: half of what the last step changed once more, which turns the velocity
     /// along with the cloth. The same as `Inertial` in a step that does not continue another of the same size, and for
-    /// the midpoint rule, whose velocities may tremble.
+    /// the midpoint rule, whose velocities may ring.
     #[default]
     Extrapolated,
     /// `x̃ = x[0] + Δt v[0] + Δt² a`, with gravity and load.
@@ -186,7 +186,7 @@ impl ImplicitConfig {
         }
     }
 
-    /// Settings for a reference solution (VALIDATION 8.1): a minimum, not a saddle point, to the last digit that
+    /// Settings for a reference solution in studies: a minimum, not a saddle point, to the last digit that
     /// rounding allows or 1e-12, whichever comes first.
     #[must_use]
     pub fn reference() -> Self {

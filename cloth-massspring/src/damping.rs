@@ -1,4 +1,4 @@
-//! Damping (MS-5): drag of the air, and a resistance to deformation that grows with the stiffness.
+//! Damping: drag of the air, and a resistance to deformation that grows with the stiffness.
 
 use cloth_core::math::Real;
 use cloth_core::step::BuildError;

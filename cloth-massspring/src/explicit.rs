@@ -1,4 +1,4 @@
-//! Forward Euler and symplectic Euler: two ways to end the same step (MS-1).
+//! Forward Euler and symplectic Euler.
 //!
 //! Forces at the start of the step, S1 (5); then S1 (6):
 //!
@@ -12,7 +12,7 @@
 //! symplectic Euler keeps it for ever as long as `z < 2`.
 
 mod builder;
-mod watch;
+mod monitor;
 
 pub use builder::ExplicitBuilder;
 
@@ -23,7 +23,7 @@ use cloth_core::family::Energies;
 use cloth_core::math::{Real, Vec3};
 use cloth_core::particles::{Particles, State};
 use cloth_core::step::{Outcome, StepError, StepInput, StepReport, Stepper};
-use watch::Watch;
+use monitor::StabilityMonitor;
 
 /// Which velocity moves the positions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -68,8 +68,8 @@ impl ExplicitEuler {
     /// Starts the description of a solver for these particles.
     #[must_use]
     pub fn builder(particles: &Particles) -> ExplicitBuilder<Self> {
-        ExplicitBuilder::new(particles, |parts| {
-            Self(Explicit::new(Scheme::Forward, parts))
+        ExplicitBuilder::new(particles, |model| {
+            Self(Explicit::new(Scheme::Forward, model))
         })
     }
 }
@@ -78,8 +78,8 @@ impl SymplecticEuler {
     /// Starts the description of a solver for these particles.
     #[must_use]
     pub fn builder(particles: &Particles) -> ExplicitBuilder<Self> {
-        ExplicitBuilder::new(particles, |parts| {
-            Self(Explicit::new(Scheme::Symplectic, parts))
+        ExplicitBuilder::new(particles, |model| {
+            Self(Explicit::new(Scheme::Symplectic, model))
         })
     }
 }
@@ -106,7 +106,7 @@ impl Stepper for SymplecticEuler {
 
 /// What both are made of.
 #[derive(Debug)]
-struct Parts {
+struct Model {
     particles: Particles,
     energies: Energies,
     config: ExplicitConfig,
@@ -116,7 +116,7 @@ struct Parts {
 #[derive(Debug)]
 struct Explicit {
     scheme: Scheme,
-    parts: Parts,
+    model: Model,
     /// Positions (m) and velocities (m/s) during the step; the caller's change when it has succeeded.
     positions: Vec<Vec3>,
     velocities: Vec<Vec3>,
@@ -127,27 +127,27 @@ struct Explicit {
     /// Positions (m) before a substep; empty while no contact is felt.
     start: Vec<Vec3>,
     projection: Projection,
-    watch: Option<Watch>,
+    monitor: Option<StabilityMonitor>,
 }
 
 impl Explicit {
-    fn new(scheme: Scheme, parts: Parts) -> Self {
-        let zeros = vec![Vec3::zeros(); parts.particles.len()];
-        let watch = match parts.config.stability {
-            StabilityCheck::Watch => Some(Watch::new(&parts.particles)),
+    fn new(scheme: Scheme, model: Model) -> Self {
+        let zeros = vec![Vec3::zeros(); model.particles.len()];
+        let monitor = match model.config.stability {
+            StabilityCheck::Watch => Some(StabilityMonitor::new(&model.particles)),
             StabilityCheck::Off => None,
         };
-        let damped = parts.config.damping.stiffness > 0.0;
+        let damped = model.config.damping.stiffness > 0.0;
         Self {
             scheme,
             rate: if damped { zeros.clone() } else { Vec::new() },
-            parts,
+            model,
             positions: zeros.clone(),
             velocities: zeros.clone(),
             gradient: zeros,
             start: Vec::new(),
             projection: Projection::default(),
-            watch,
+            monitor,
         }
     }
 
@@ -156,28 +156,28 @@ impl Explicit {
         state: &mut State,
         mut input: StepInput<'_>,
     ) -> Result<StepReport, StepError> {
-        input.check(state, self.parts.particles.len())?;
+        input.check(state, self.model.particles.len())?;
         self.positions.copy_from_slice(&state.positions);
         self.velocities.copy_from_slice(&state.velocities);
-        if let Some(watch) = &mut self.watch {
-            watch.begin(&self.parts, &self.positions, &self.velocities);
+        if let Some(monitor) = &mut self.monitor {
+            monitor.begin(&self.model, &self.positions, &self.velocities);
         }
         let (step, dt) = (state.steps + 1, input.dt);
         if let Some(contacts) = input.contact_constraints() {
             let taken = ContactStep {
                 from: &state.positions,
-                inverse_mass: self.parts.particles.inverse_mass(),
+                inverse_mass: self.model.particles.inverse_mass(),
                 dt,
             };
             let begun = contacts.begin_step(&taken);
             begun.map_err(|reason| StepError::Contact { reason, step })?;
         }
-        let substeps = self.parts.config.substeps;
+        let substeps = self.model.config.substeps;
         let mut pin_work = 0.0;
         for substep in 1..=substeps {
             match self.substep(&mut input) {
-                Ok(tally) => pin_work += tally.pin_work,
-                Err(trouble) => return Err(self.report(trouble, &input, step)),
+                Ok(balance) => pin_work += balance.pin_work,
+                Err(failure) => return Err(self.report(failure, &input, step)),
             }
             if let Some(observer) = input.observer.as_deref_mut() {
                 observer.iteration(substep, &self.positions);
@@ -186,10 +186,10 @@ impl Explicit {
         if let Some(contacts) = input.contact_constraints() {
             contacts.end_step(&self.positions);
         }
-        if let Some(watch) = &mut self.watch {
+        if let Some(monitor) = &mut self.monitor {
             let touched = input.contacts.as_deref();
-            let ended = watch.end(&self.parts, &self.positions, &self.velocities, touched);
-            ended.map_err(|trouble| self.report(trouble, &input, step))?;
+            let ended = monitor.end(&self.model, &self.positions, &self.velocities, touched);
+            ended.map_err(|failure| self.report(failure, &input, step))?;
         }
         std::mem::swap(&mut state.positions, &mut self.positions);
         std::mem::swap(&mut state.velocities, &mut self.velocities);
@@ -201,20 +201,20 @@ impl Explicit {
         })
     }
 
-    /// One substep of S1 (6), and what the watch says to it.
-    fn substep(&mut self, input: &mut StepInput<'_>) -> Result<Tally, Trouble> {
+    /// One substep of S1 (6), and what the monitor says to it.
+    fn substep(&mut self, input: &mut StepInput<'_>) -> Result<EnergyBalance, Failure> {
         let feels_contact = input.contact_constraints().is_some();
         if feels_contact {
             self.start.clone_from(&self.positions);
         }
-        let dt = input.dt / Real::from(self.parts.config.substeps);
-        if let Some(watch) = &mut self.watch {
-            watch.admit(&self.parts, &self.positions, dt)?;
+        let dt = input.dt / Real::from(self.model.config.substeps);
+        if let Some(monitor) = &mut self.monitor {
+            monitor.admit(&self.model, &self.positions, dt)?;
         }
         self.gradient.fill(Vec3::zeros());
-        let energies = &self.parts.energies;
+        let energies = &self.model.energies;
         energies.add_gradient(&self.positions, &mut self.gradient);
-        let damping = self.parts.config.damping;
+        let damping = self.model.config.damping;
         if damping.stiffness > 0.0 {
             for (rate, v) in self.rate.iter_mut().zip(&self.velocities) {
                 *rate = v * damping.stiffness;
@@ -222,8 +222,8 @@ impl Explicit {
             let (x, rate) = (&self.positions, &self.rate);
             energies.add_hessian_product(x, rate, Convexity::GaussNewton, &mut self.gradient);
         }
-        let mut tally = Tally::default();
-        let particles = &self.parts.particles;
+        let mut balance = EnergyBalance::default();
+        let particles = &self.model.particles;
         let masses = particles.mass().iter().zip(particles.inverse_mass());
         for (vertex, (&mass, &w)) in masses.enumerate() {
             let gradient = self.gradient[vertex];
@@ -241,34 +241,34 @@ impl Explicit {
                 };
             if w == 0.0 {
                 // The pin moves against the elastic force.
-                tally.pin_work += gradient.dot(&after) * dt;
+                balance.pin_work += gradient.dot(&after) * dt;
             } else {
-                tally.work += mass * external.dot(&after) * dt;
-                tally.kinetic += 0.5 * mass * after.norm_squared();
+                balance.work += mass * external.dot(&after) * dt;
+                balance.kinetic += 0.5 * mass * after.norm_squared();
             }
         }
         if let Some(vertex) = self.first_non_finite() {
-            return Err(Trouble::NonFinite { vertex });
+            return Err(Failure::NonFinite { vertex });
         }
         if feels_contact {
             self.touch(input, dt)?;
         }
-        if let Some(watch) = &mut self.watch {
+        if let Some(monitor) = &mut self.monitor {
             // Before the end of the step nobody knows what moving bodies have done.
-            watch.account(&tally, !feels_contact)?;
+            monitor.account(&balance, !feels_contact)?;
         }
-        Ok(tally)
+        Ok(balance)
     }
 
     /// Contact in a substep of `dt` (s), whose free end has been found: as constraints on the positions, and what they
     /// change as velocity.
-    fn touch(&mut self, input: &mut StepInput<'_>, dt: Real) -> Result<(), Trouble> {
+    fn touch(&mut self, input: &mut StepInput<'_>, dt: Real) -> Result<(), Failure> {
         let Some(contacts) = input.contact_constraints() else {
             return Ok(());
         };
         let step = ContactStep {
             from: &self.start,
-            inverse_mass: self.parts.particles.inverse_mass(),
+            inverse_mass: self.model.particles.inverse_mass(),
             dt,
         };
         let (x, v) = (&mut self.positions, &mut self.velocities);
@@ -283,13 +283,13 @@ impl Explicit {
             .find_map(|(vertex, (x, v))| (bad(x) || bad(v)).then_some(vertex))
     }
 
-    /// Names the trouble in terms of the whole step.
-    fn report(&mut self, trouble: Trouble, input: &StepInput<'_>, step: u64) -> StepError {
-        if let Some(watch) = &mut self.watch {
-            watch.forget();
+    /// Names the failure in terms of the whole step.
+    fn report(&mut self, failure: Failure, input: &StepInput<'_>, step: u64) -> StepError {
+        if let Some(monitor) = &mut self.monitor {
+            monitor.reset();
         }
-        let limit = self.watch.as_ref().and_then(Watch::limit);
-        let limit = limit.map(|dt| dt * Real::from(self.parts.config.substeps));
+        let limit = self.monitor.as_ref().and_then(StabilityMonitor::limit);
+        let limit = limit.map(|dt| dt * Real::from(self.model.config.substeps));
         let unstable = |stable_dt| StepError::Unstable {
             dt: input.dt,
             stable_dt: match self.scheme {
@@ -298,14 +298,14 @@ impl Explicit {
             },
             step,
         };
-        match (trouble, limit) {
-            (Trouble::Contact { reason }, _) => StepError::Contact { reason, step },
-            (Trouble::NonFinite { .. }, Some(limit)) if input.dt > limit => unstable(limit),
-            (Trouble::NonFinite { vertex }, _) => StepError::NonFinite { vertex, step },
-            (Trouble::TooLarge, limit) => unstable(limit.unwrap_or(Real::INFINITY)),
-            (Trouble::Gain { .. }, _) if self.scheme == Scheme::Forward => unstable(0.0),
-            (Trouble::Gain { .. }, Some(limit)) if input.dt > limit => unstable(limit),
-            (Trouble::Gain { kinetic, given }, _) => StepError::EnergyGain {
+        match (failure, limit) {
+            (Failure::Contact { reason }, _) => StepError::Contact { reason, step },
+            (Failure::NonFinite { .. }, Some(limit)) if input.dt > limit => unstable(limit),
+            (Failure::NonFinite { vertex }, _) => StepError::NonFinite { vertex, step },
+            (Failure::TooLarge, limit) => unstable(limit.unwrap_or(Real::INFINITY)),
+            (Failure::Gain { .. }, _) if self.scheme == Scheme::Forward => unstable(0.0),
+            (Failure::Gain { .. }, Some(limit)) if input.dt > limit => unstable(limit),
+            (Failure::Gain { kinetic, given }, _) => StepError::EnergyGain {
                 kinetic,
                 given,
                 step,
@@ -316,7 +316,7 @@ impl Explicit {
 
 /// Sums over the free vertices of one substep.
 #[derive(Clone, Copy, Debug, Default)]
-struct Tally {
+struct EnergyBalance {
     /// Kinetic energy (J) at its end.
     kinetic: Real,
     /// Work (J) done on the cloth by gravity and load.
@@ -325,7 +325,7 @@ struct Tally {
     pin_work: Real,
 }
 
-impl From<ContactError> for Trouble {
+impl From<ContactError> for Failure {
     fn from(reason: ContactError) -> Self {
         match reason {
             ContactError::NonFinite { vertex } => Self::NonFinite { vertex },
@@ -336,7 +336,7 @@ impl From<ContactError> for Trouble {
 
 /// Why a substep cannot be taken.
 #[derive(Clone, Debug)]
-enum Trouble {
+enum Failure {
     /// It is beyond the stable one.
     TooLarge,
     /// The cloth has gained energy from nowhere.

@@ -1,4 +1,4 @@
-//! Implicit integrators as minimisations (MS-2, MS-3, MS-4).
+//! Implicit integrators as minimisations of an incremental potential.
 //!
 //! The forces are taken where they are not known yet. Implicit Euler, S1 (7)–(10), implicit midpoint and BDF2 all do it
 //! by one *stage*: from a base `x_b`, `v_b` over a time `τ`,
@@ -15,9 +15,9 @@
 //! | BDF2 | `(4x[0] − x[−1])/3`, `(4v[0] − v[−1])/3` | 2Δt/3 | that is the end |
 //!
 //! Without the velocity, a stage says that `x` is a stationary point of `‖x − x̂‖²_M/(2s²) + E(x)` with
-//! `s² = τ²/(1 + ατ)` and `x̂ = x_b + τ v_b/(1 + ατ) + s² g`: the drag α only changes two numbers. The
-//! rooms below go down to it: the function in `stage` and `damper`, the loop in `newton`, the matrix in
-//! `system`, the step length in `line_search` and, where there is contact, `trust`.
+//! `s² = τ²/(1 + ατ)` and `x̂ = x_b + τ v_b/(1 + ατ) + s² g`: the drag α only changes two numbers. The modules below:
+//! the function in `stage` and `damper`, the loop in `newton`, the matrix in `system`, the step length in `line_search`
+//! and, where there is contact, `trust`.
 
 mod at_end;
 mod bdf2;
@@ -84,13 +84,13 @@ use stage::Stage;
 #[derive(Debug)]
 pub struct ImplicitEuler(Implicit);
 
-/// The implicit midpoint rule (MS-4): the forces in the middle of the step, at `(x[0] + x[1])/2`.
+/// The implicit midpoint rule: the forces in the middle of the step, at `(x[0] + x[1])/2`.
 ///
 /// Second order, time-reversible and symplectic. An oscillation ω keeps its amplitude whatever the step, and turns by
 /// `2 atan(Δt ω/2)`: the energy of linear springs is kept to rounding, linear and angular momentum to the tolerance.
 ///
 /// The other side of it: nothing dies out, and that holds for modes the step does not resolve. With `Δt ω ≫ 2` they
-/// turn by almost half a circle and appear as a vertex-to-vertex tremble that goes on for ever. Nor is the energy of
+/// turn by almost half a circle and appear as a vertex-to-vertex ringing that goes on for ever. Nor is the energy of
 /// *nonlinear* springs kept: where they are stiff and the step is long, it grows without bound, though every stage has
 /// its minimum. A sheet of 8 × 8 vertices on springs of 10⁴ N/m reaches 10⁶ J within 300 steps of 1/60 s (a test says
 /// so). Use it where the step resolves the fastest oscillation, `Δt ω < 2` or so; for cloth at large steps take
@@ -178,7 +178,7 @@ enum Place {
 }
 
 /// Part of the last change of velocity that the start guess expects once more: all of it overshoots where wrinkles
-/// tremble.
+/// oscillate.
 const EXTRAPOLATED: Real = 0.5;
 
 /// What is said where Newton's method meets contact.

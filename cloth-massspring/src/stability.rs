@@ -1,4 +1,4 @@
-//! The largest stable step of symplectic Euler, from the fastest oscillation of the cloth (MS-1).
+//! The largest stable step of symplectic Euler, from the fastest oscillation of the cloth.
 //!
 //! In a small oscillation of angular frequency ω symplectic Euler is stable for `Δt ω < 2`, so what is asked for is the
 //! largest eigenvalue `ω²` of `M⁻¹ K`, with `K` the Hessian of the energy. Lanczos' method finds it from

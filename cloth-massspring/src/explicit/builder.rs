@@ -1,6 +1,6 @@
 //! From a description to a solver.
 
-use super::Parts;
+use super::Model;
 use crate::config::ExplicitConfig;
 use cloth_core::element::Energy;
 use cloth_core::family::Energies;
@@ -10,14 +10,14 @@ use cloth_core::step::BuildError;
 /// Description of an [`ExplicitEuler`](crate::ExplicitEuler) or a [`SymplecticEuler`](crate::SymplecticEuler).
 #[derive(Debug)]
 pub struct ExplicitBuilder<S> {
-    parts: Parts,
-    finish: fn(Parts) -> S,
+    model: Model,
+    finish: fn(Model) -> S,
 }
 
 impl<S> ExplicitBuilder<S> {
-    pub(super) fn new(particles: &Particles, finish: fn(Parts) -> S) -> Self {
+    pub(super) fn new(particles: &Particles, finish: fn(Model) -> S) -> Self {
         Self {
-            parts: Parts {
+            model: Model {
                 particles: particles.clone(),
                 energies: Energies::new(particles.len()),
                 config: ExplicitConfig::default(),
@@ -34,14 +34,14 @@ impl<S> ExplicitBuilder<S> {
         mut self,
         elements: Vec<E>,
     ) -> Result<Self, BuildError> {
-        self.parts.energies = self.parts.energies.with(elements)?;
+        self.model.energies = self.model.energies.with(elements)?;
         Ok(self)
     }
 
     /// Replaces the settings.
     #[must_use]
     pub fn config(mut self, config: ExplicitConfig) -> Self {
-        self.parts.config = config;
+        self.model.config = config;
         self
     }
 
@@ -50,7 +50,7 @@ impl<S> ExplicitBuilder<S> {
     /// # Errors
     /// [`BuildError::InvalidSetting`].
     pub fn build(self) -> Result<S, BuildError> {
-        self.parts.config.check()?;
-        Ok((self.finish)(self.parts))
+        self.model.config.check()?;
+        Ok((self.finish)(self.model))
     }
 }

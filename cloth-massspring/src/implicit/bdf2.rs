@@ -1,4 +1,4 @@
-//! BDF2: the derivative at the end of the step from a parabola through three points in time (MS-4).
+//! BDF2: the derivative at the end of the step from a parabola through three points in time.
 //!
 //! ```text
 //! (3 x[1] − 4 x[0] + x[−1]) / (2Δt) = v[1]

@@ -5,7 +5,7 @@ use crate::stability::dot;
 use cloth_core::math::{Real, Vec3};
 
 /// Part of the promised decrease that has to be kept (Armijo's constant).
-const SUFFICIENT: Real = 1e-4;
+const ARMIJO: Real = 1e-4;
 /// `G` may rise by this part of itself where the slopes show that the minimum comes nearer: two values of `G` that
 /// differ by less cannot be told apart (see [`LineSearch::search`]).
 const ROUNDING: Real = 1e-10;
@@ -74,7 +74,7 @@ pub(super) fn search(
         }
         to.evaluate(stage);
         let rise = to.value - from.value;
-        let enough = rise <= SUFFICIENT * length * slope;
+        let enough = rise <= ARMIJO * length * slope;
         let is_told_apart = rise.is_nan() || rise > ROUNDING * from.value.abs();
         let is_flatter = || dot(&to.gradient, direction) <= SLOPE * slope.abs();
         if enough || (!is_told_apart && is_flatter()) {

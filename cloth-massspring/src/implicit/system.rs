@@ -28,13 +28,13 @@ use cloth_core::step::BuildError;
 use std::sync::Arc;
 
 /// Iterations without another attempt at `b = 1` after one has failed: a failed attempt costs as much as a good one.
-const PATIENCE: u32 = 5;
+const RETRY_INTERVAL: u32 = 5;
 /// Difference between the blend that worked and the one that failed at which the search between them ends.
-const NEAR: Real = 0.03;
+const BLEND_RESOLUTION: Real = 0.03;
 /// Factor on `b` after an attempt with what worked last has failed.
-const FALL: Real = 0.5;
+const BLEND_REDUCTION: Real = 0.5;
 /// Blends below this are rounded down to 0.
-const LEAST: Real = 0.025;
+const SMALLEST_BLEND: Real = 0.025;
 /// Inverse iterations for a direction of negative curvature.
 const INVERSE_ITERATIONS: u32 = 8;
 
@@ -166,7 +166,7 @@ impl NewtonSystem {
     fn first_blend(&self) -> Real {
         if self.wait == 0 {
             1.0
-        } else if self.ceiling - self.blend > NEAR {
+        } else if self.ceiling - self.blend > BLEND_RESOLUTION {
             0.5 * (self.blend + self.ceiling)
         } else {
             self.blend
@@ -177,15 +177,15 @@ impl NewtonSystem {
     fn lower(&mut self, failed: Real) -> Real {
         self.ceiling = failed;
         if failed == 1.0 {
-            self.wait = PATIENCE;
+            self.wait = RETRY_INTERVAL;
         }
         if failed > self.blend {
             return self.blend;
         }
-        self.blend = if failed * FALL < LEAST {
+        self.blend = if failed * BLEND_REDUCTION < SMALLEST_BLEND {
             0.0
         } else {
-            failed * FALL
+            failed * BLEND_REDUCTION
         };
         self.blend
     }
@@ -193,7 +193,7 @@ impl NewtonSystem {
     /// Drops the whole indefinite part in the next iteration. Returns whether that changes anything.
     pub(super) fn fall_back(&mut self) -> bool {
         let changes = self.policy == HessianPolicy::ExactFirst && self.first_blend() > 0.0;
-        (self.blend, self.wait) = (0.0, PATIENCE);
+        (self.blend, self.wait) = (0.0, RETRY_INTERVAL);
         changes
     }
 

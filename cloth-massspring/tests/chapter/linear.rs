@@ -1,4 +1,4 @@
-//! The linear solver is a choice, and changes the way but not the goal (CORE-12, MS-2).
+//! Every linear solver of Newton's method leads to the same minimum.
 
 use crate::newton::{DT, norms};
 use crate::{DOWN, chain, hang, largest_difference, noise, sharp, solver};

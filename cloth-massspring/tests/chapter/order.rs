@@ -1,4 +1,4 @@
-//! Order of accuracy on a swinging chain and a swinging sheet, against a converged trajectory (VALIDATION 8.2).
+//! Order of accuracy on a swinging chain and a swinging sheet, against a converged trajectory.
 
 use crate::{DOWN, sharp, solver, unwatched};
 use cloth_core::cloth::{Cloth, Membrane};

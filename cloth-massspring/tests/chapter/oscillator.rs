@@ -1,4 +1,4 @@
-//! One oscillator against the closed forms (VALIDATION 1).
+//! One oscillator against the closed forms.
 
 use crate::{oscillator, sharp, unwatched};
 use cloth_core::math::{Real, Vec3};

@@ -1,4 +1,4 @@
-//! Newton's method from starts that make no sense, at ratios that are too large (VALIDATION 8.5).
+//! Newton's method from starts that make no sense, at ratios that are too large.
 //!
 //! A cell is one kind of start at one size of step, stiffness ratio and mass ratio; ten jittered runs each. A run
 //! passes if the step converges to a finite state whose incremental potential is not above that of its start, or fails

@@ -1,4 +1,4 @@
-//! Hanging chains at rest, and free fall (VALIDATION 2).
+//! Hanging chains at rest, and free fall.
 
 use crate::{DOWN, all, chain, hang, largest_difference, sharp};
 use cloth_core::math::{Real, Vec3};

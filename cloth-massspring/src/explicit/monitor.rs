@@ -9,7 +9,7 @@
 //! leaves it, so all that contact is credited with is the work of bodies ([`ContactSource::work`]): stretch that it
 //! leaves by moving vertices apart is energy from nowhere, and counts as such when it becomes motion.
 
-use super::{Parts, Tally, Trouble};
+use super::{EnergyBalance, Failure, Model};
 use crate::stability::Spectrum;
 use cloth_core::contact::ContactSource;
 use cloth_core::math::{Real, Vec3};
@@ -30,9 +30,9 @@ const ROUNDING: Real = 1e-10;
 /// Margin of the comparison with the limit, for a step that was computed to be equal to it.
 const EQUAL: Real = 1.0 + 1e-12;
 
-/// The memory of the watch.
+/// The memory of the monitor.
 #[derive(Debug)]
-pub(super) struct Watch {
+pub(super) struct StabilityMonitor {
     spectrum: Spectrum,
     /// The last estimate (s), if one was made and there is stiffness.
     limit: Option<Real>,
@@ -47,7 +47,7 @@ pub(super) struct Watch {
     left: Option<[Real; 2]>,
 }
 
-impl Watch {
+impl StabilityMonitor {
     pub(super) fn new(particles: &Particles) -> Self {
         Self {
             spectrum: Spectrum::new(particles),
@@ -66,53 +66,53 @@ impl Watch {
     }
 
     /// Starts the account of energy anew if this is not the state that the last step left.
-    pub(super) fn begin(&mut self, parts: &Parts, positions: &[Vec3], velocities: &[Vec3]) {
-        if self.left == Some(fingerprint(&parts.particles, positions, velocities)) {
+    pub(super) fn begin(&mut self, model: &Model, positions: &[Vec3], velocities: &[Vec3]) {
+        if self.left == Some(fingerprint(&model.particles, positions, velocities)) {
             return;
         }
         self.age = None;
-        self.kinetic = kinetic_energy(&parts.particles, velocities);
-        self.given = self.kinetic + parts.energies.value(positions);
+        self.kinetic = kinetic_energy(&model.particles, velocities);
+        self.given = self.kinetic + model.energies.value(positions);
         self.most_given = self.given;
     }
 
     /// Notes the state that a step leaves, and what moving bodies among the `contacts` have done in it.
     pub(super) fn end(
         &mut self,
-        parts: &Parts,
+        model: &Model,
         positions: &[Vec3],
         velocities: &[Vec3],
         contacts: Option<&dyn ContactSource>,
-    ) -> Result<(), Trouble> {
+    ) -> Result<(), Failure> {
         if let Some(contacts) = contacts {
             self.given += contacts.work();
             self.most_given = self.most_given.max(self.given);
             // Springs may have been stretched.
             self.age = None;
-            self.check(kinetic_energy(&parts.particles, velocities))?;
+            self.check(kinetic_energy(&model.particles, velocities))?;
         }
-        self.left = Some(fingerprint(&parts.particles, positions, velocities));
+        self.left = Some(fingerprint(&model.particles, positions, velocities));
         Ok(())
     }
 
     /// A step has failed: what comes next is another story.
-    pub(super) fn forget(&mut self) {
+    pub(super) fn reset(&mut self) {
         self.left = None;
     }
 
     /// Lets a substep of `dt` (s) pass, or not.
     pub(super) fn admit(
         &mut self,
-        parts: &Parts,
+        model: &Model,
         positions: &[Vec3],
         dt: Real,
-    ) -> Result<(), Trouble> {
+    ) -> Result<(), Failure> {
         if self.age.is_none_or(|age| age >= FRESH_FOR) {
-            let (energies, particles) = (&parts.energies, &parts.particles);
+            let (energies, particles) = (&model.energies, &model.particles);
             let undamped = self
                 .spectrum
                 .stable_time_step(energies, particles, positions);
-            self.limit = parts.config.damping.stable_step(undamped);
+            self.limit = model.config.damping.stable_step(undamped);
             self.age = Some(0);
             // Energy that rounding can put in, so that a cloth at rest does not raise the alarm.
             let size = positions.iter().map(Vec3::amax).fold(0.0, Real::max);
@@ -121,30 +121,34 @@ impl Watch {
             self.most_given = self.most_given.max(noise);
         }
         match self.limit {
-            Some(limit) if dt > limit * EQUAL => Err(Trouble::TooLarge),
+            Some(limit) if dt > limit * EQUAL => Err(Failure::TooLarge),
             _ => Ok(()),
         }
     }
 
     /// Enters what a substep did into the account, and checks it if it `is_complete`.
-    pub(super) fn account(&mut self, tally: &Tally, is_complete: bool) -> Result<(), Trouble> {
-        self.given += tally.work + tally.pin_work;
+    pub(super) fn account(
+        &mut self,
+        balance: &EnergyBalance,
+        is_complete: bool,
+    ) -> Result<(), Failure> {
+        self.given += balance.work + balance.pin_work;
         self.most_given = self.most_given.max(self.given);
         self.age = self.age.map(|age| age + 1);
-        if tally.kinetic > GROWTH * self.kinetic {
-            self.kinetic = tally.kinetic;
+        if balance.kinetic > GROWTH * self.kinetic {
+            self.kinetic = balance.kinetic;
             self.age = None;
         }
         if is_complete {
-            self.check(tally.kinetic)?;
+            self.check(balance.kinetic)?;
         }
         Ok(())
     }
 
     /// Whether a kinetic energy (J) can come from what was given.
-    fn check(&self, kinetic: Real) -> Result<(), Trouble> {
+    fn check(&self, kinetic: Real) -> Result<(), Failure> {
         if kinetic > GAIN * self.most_given {
-            return Err(Trouble::Gain {
+            return Err(Failure::Gain {
                 kinetic,
                 given: self.most_given,
             });
