@@ -252,6 +252,8 @@ pub const SECTIONS: [SectionInfo; 12] = [
             EXTENT,
             LENGTH,
             FILE,
+            GENERATOR,
+            SCALE,
             FOLDER,
             INTERVAL,
             POSITION,

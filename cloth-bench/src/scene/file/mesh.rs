@@ -31,7 +31,8 @@ pub(super) fn joined(
     }
 }
 
-fn piece(section: &Section<'_>, folder: &Path) -> Result<TriMesh, BenchError> {
+/// The file or the generated mesh of a table, with its scale.
+pub(super) fn scaled(section: &Section<'_>, folder: &Path) -> Result<TriMesh, BenchError> {
     let mesh = match (section.text(&FILE)?, section.text(&GENERATOR)?) {
         (Some(file), None) => {
             io::read(&folder.join(file)).map_err(|error| section.refuse(&FILE, error))?
@@ -49,12 +50,17 @@ fn piece(section: &Section<'_>, folder: &Path) -> Result<TriMesh, BenchError> {
         }
     };
     // What is not given changes no bit.
+    let Some(factors) = section.factors(&SCALE)? else {
+        return Ok(mesh);
+    };
+    let scaled = mesh.positions().iter().map(|x| x.component_mul(&factors));
+    let scaled = TriMesh::new(scaled.collect(), mesh.triangles().to_vec());
+    scaled.map_err(|error| section.refuse_table(error))
+}
+
+fn piece(section: &Section<'_>, folder: &Path) -> Result<TriMesh, BenchError> {
+    let mesh = scaled(section, folder)?;
     let mut positions = mesh.positions().to_vec();
-    if let Some(factors) = section.factors(&SCALE)? {
-        positions
-            .iter_mut()
-            .for_each(|x| *x = x.component_mul(&factors));
-    }
     if let Some(rotation) = section.vector(&ROTATE)? {
         let rotation = Rotation3::new(rotation);
         positions.iter_mut().for_each(|x| *x = rotation * *x);

@@ -2,9 +2,10 @@
 
 use super::document::Section;
 use super::keys::{
-    ANGULAR_VELOCITY, EXTENT, FILE, FOLDER, INTERVAL, LENGTH, POSITION, RADIUS, ROTATE, SHAPE,
-    VELOCITY,
+    ANGULAR_VELOCITY, EXTENT, FILE, FOLDER, GENERATOR, INTERVAL, LENGTH, POSITION, RADIUS, ROTATE,
+    SCALE, SHAPE, VELOCITY,
 };
+use super::mesh;
 use crate::error::BenchError;
 use crate::names;
 use crate::scene::contact::{Body, splits};
@@ -135,11 +136,12 @@ fn rigid(
             Ok((placed(Obstacle::moving(plane, motion))?, surface))
         }
         Some("mesh") => {
-            only(section, &[&FILE])?;
-            let file = needed(section, &FILE, section.text(&FILE)?)?;
-            let surface =
-                io::read(&folder.join(file)).map_err(|error| section.refuse(&FILE, error))?;
-            let body = ClosedMesh::new(&surface).map_err(|error| section.refuse(&FILE, error))?;
+            only(section, &[&FILE, &GENERATOR, &SCALE])?;
+            let surface = mesh::scaled(section, folder)?;
+            let body = ClosedMesh::new(&surface).map_err(|error| match section.value(&FILE) {
+                Some(_) => section.refuse(&FILE, error),
+                None => section.refuse(&GENERATOR, error),
+            })?;
             Ok((placed(Obstacle::moving(body, motion))?, surface))
         }
         Some(other) => {
@@ -165,7 +167,9 @@ fn needed<T>(section: &Section<'_>, key: &Parameter, value: Option<T>) -> Result
 
 /// Refuses measures that the shape does not have.
 fn only(section: &Section<'_>, used: &[&Parameter]) -> Result<(), BenchError> {
-    let unused = [&RADIUS, &EXTENT, &LENGTH, &FILE, &FOLDER, &INTERVAL];
+    let unused = [
+        &RADIUS, &EXTENT, &LENGTH, &FILE, &GENERATOR, &SCALE, &FOLDER, &INTERVAL,
+    ];
     let mut unused = unused.into_iter().filter(|key| !used.contains(key));
     match unused.find(|key| section.value(key).is_some()) {
         None => Ok(()),
