@@ -20,6 +20,7 @@ pub mod run;
 pub mod scene;
 pub mod settings;
 pub mod studies;
+mod tangle;
 pub mod yardstick;
 
 pub use program::main_with;

@@ -13,8 +13,10 @@ use crate::error::BenchError;
 use crate::method::Method;
 use crate::scene::{ChangeKind, Scene};
 use crate::settings::Settings;
+use crate::tangle;
 use cloth_collide::SeparationProbe;
 use cloth_collide::potential::ContactForces;
+use cloth_collide::untangle::StepUntangler;
 use cloth_core::air::Air;
 use cloth_core::contact::{ContactSource, ContactStep};
 use cloth_core::math::{Real, Vec3};
@@ -88,6 +90,10 @@ pub struct Summary {
     pub intersections: Option<usize>,
     /// Pairs of a triangle of the cloth and one of a body that cross at the end; none measured where no body has edges.
     pub obstacle_intersections: Option<usize>,
+    /// Crossing pairs of triangles before each step, of a scene that untangles, until there were none.
+    pub tangled_pairs: Vec<usize>,
+    /// What is left of them at the end, and where; none if nothing is.
+    pub tangled: Option<String>,
     /// Smallest distance (m) at the end between parts that share no vertex.
     pub min_distance: Option<Real>,
     /// Smallest distance (m) at the end of a vertex from an obstacle, negative inside; none where there are no obstacles.
@@ -103,6 +109,9 @@ struct Course<'a> {
     /// Whether forces of contact are recorded.
     forces: bool,
     contacts: Option<Timed>,
+    untangler: Option<StepUntangler>,
+    /// Crossing pairs before each step, while there were any.
+    tangled_pairs: Vec<usize>,
     air: Option<Air>,
     /// Forces (N) of air and gas, where there is gas.
     load: Vec<Vec3>,
@@ -138,6 +147,8 @@ impl<'a> Course<'a> {
             rebuilds: 0,
             forces: false,
             contacts,
+            untangler: scene.untangler(),
+            tangled_pairs: Vec::new(),
             air,
             load: Vec::new(),
             seconds: 0.0,
@@ -193,11 +204,40 @@ impl<'a> Course<'a> {
             {
                 timed.source = source;
                 timed.source.record_forces(self.forces);
+                let unfinished = self.untangler.take().filter(|u| !u.is_done());
+                self.untangler = unfinished.and_then(|_| scene.untangler());
             }
             self.changes += 1;
             self.scene = Cow::Owned(scene);
         }
         Ok(())
+    }
+
+    /// Before a step: pulls the cloth apart, if the scene wants that and until it is done. Returns whether it has to be
+    /// looked after in this step.
+    fn untangle(&mut self, state: &mut State) -> Result<bool, BenchError> {
+        let (Some(untangler), Some(contacts)) = (&mut self.untangler, &mut self.contacts) else {
+            return Ok(false);
+        };
+        if untangler.is_done() {
+            return Ok(false);
+        }
+        let w = self.scene.model.particles.inverse_mass();
+        let crossing = untangler.begin_step(&mut contacts.source, w, &mut state.positions);
+        let crossing = crossing.map_err(BenchError::failed)?;
+        self.tangled_pairs.push(crossing);
+        Ok(true)
+    }
+
+    /// What still passes through itself in a cloth that has come to `x` (m), although it should be untangled by now.
+    fn tangled(&self, x: &[Vec3]) -> Option<String> {
+        let (untangler, mesh) = (self.untangler.as_ref()?, self.scene.mesh.as_ref()?);
+        let since = untangler.unimproved_since()?;
+        let left = tangle::describe(mesh, x, untangler.pairs());
+        Some(format!(
+            "untangling has not come to its end, and has been no nearer to it since step {}: {left}",
+            since + 1
+        ))
     }
 
     /// One step of `dt` (s). `balance` is told of the work done.
@@ -211,6 +251,9 @@ impl<'a> Course<'a> {
         if let Some(contacts) = &mut self.contacts {
             contacts.seconds = 0.0;
         }
+        let started = Instant::now();
+        let is_tangled = self.untangle(state)?;
+        self.seconds = started.elapsed().as_secs_f64();
         if let Some(pins) = &self.scene.pins {
             pins.steer(state, dt);
         }
@@ -232,7 +275,7 @@ impl<'a> Course<'a> {
             input = input.contacts(contacts);
         }
         let report = stepper.step(state, input).map_err(BenchError::failed)?;
-        self.seconds = started.elapsed().as_secs_f64();
+        self.seconds += started.elapsed().as_secs_f64();
         if let Some(contacts) = &mut self.contacts {
             contacts.held_steps += u32::from(contacts.source.held() > 0);
         }
@@ -241,6 +284,9 @@ impl<'a> Course<'a> {
             let bodies = contacts.map_or(0.0, ContactSource::work);
             let stored = contacts.map_or(0.0, ContactSource::potential_energy);
             balance.add_work(state, load, report.pin_work, bodies);
+            if is_tangled {
+                balance.accept(state, stored);
+            }
             balance.end_step(state, dt, stored);
         }
         Ok(report)
@@ -401,6 +447,8 @@ pub fn run_changing(
             forces: course.contacts.as_ref().and_then(|c| c.source.forces()),
         })?;
     }
+    let tangled = course.tangled(&state.positions);
+    let tangled_pairs = std::mem::take(&mut course.tangled_pairs);
     let scene = course.scene.into_owned();
     let energies = scene.model.energies().map_err(BenchError::failed)?;
     let particles = &scene.model.particles;
@@ -409,6 +457,7 @@ pub fn run_changing(
     let height_energy = |x: &[Vec3]| measure::gravitational_energy(particles, x, scene.gravity);
     let gravity_energy = height_energy(&state.positions) - height_energy(&scene.start.positions);
     let separation = separation(&scene, state)?;
+    let is_crossing = separation.is_some_and(|s| s.intersecting_pairs > 0);
     let summary = Summary {
         steps,
         ms_per_step_median: 1e3 * median(&mut seconds),
@@ -435,6 +484,8 @@ pub fn run_changing(
         center_of_mass_drop: start_height - height(&scene, state),
         intersections: separation.map(|s| s.intersecting_pairs),
         obstacle_intersections: crossed_bodies(&scene, &mut body_probe(&scene)?, state)?,
+        tangled: tangled.filter(|_| is_crossing),
+        tangled_pairs,
         min_distance: separation.and_then(|s| s.min_distance),
         min_clearance: min_clearance(&scene, state),
     };

@@ -16,6 +16,7 @@ pub use contact::Touch;
 use crate::error::BenchError;
 use crate::settings::{Parameter, parameter};
 use cloth_collide::potential::PotentialContacts;
+use cloth_collide::untangle::StepUntangler;
 use cloth_core::air::Air;
 use cloth_core::cloth::ClothModel;
 use cloth_core::energy::Spring;
@@ -69,6 +70,13 @@ impl Scene {
             (Some(touch), Some(mesh)) => touch.source(mesh),
             _ => Ok(None),
         }
+    }
+
+    /// What pulls the cloth apart during a run, if the scene wants that.
+    #[must_use]
+    pub fn untangler(&self) -> Option<StepUntangler> {
+        let touch = self.touch.as_ref().zip(self.mesh.as_ref());
+        touch.and_then(|(touch, mesh)| touch.untangler(mesh))
     }
 
     /// Whether there is anything that the cloth can touch.

@@ -1,5 +1,6 @@
 //! What can be wrong with positions, and with what is asked of them.
 
+use cloth_core::contact::ContactError;
 use cloth_core::math::Real;
 use std::fmt;
 
@@ -34,6 +35,16 @@ pub enum CollideError {
         /// What was given (dimensionless).
         slack: Real,
     },
+}
+
+impl CollideError {
+    /// The same for a step with contact: coordinates are not finite, or too large to work with.
+    pub(crate) fn not_finite(&self) -> ContactError {
+        match self {
+            Self::NonFinitePosition { vertex } => ContactError::NonFinite { vertex: *vertex },
+            _ => ContactError::NonFinite { vertex: 0 },
+        }
+    }
 }
 
 impl fmt::Display for CollideError {

@@ -25,6 +25,9 @@
 //! Positions alone are moved; there is no elastic energy in this. An untangled cloth has mostly gone farther than it
 //! had to: [`bring_back`] takes it back towards where it was as far as contact with a thickness lets it.
 //!
+//! A simulation need not wait for that. [`StepUntangler`] takes a few iterations before each step, and lets contact leave out the pairs that still cross,
+//! while all others keep their promise.
+//!
 //! # Where shortening stalls
 //!
 //! A contour that goes straight across a cloth, from rim to rim, is as long wherever it is: the gradient only pinches
@@ -43,6 +46,7 @@
 //! | displacements averaged over edges | `smooth` |
 //! | until no triangles meet | [`Untangler::relax`] |
 //! | min ‖x − x₀‖ with layers h apart | [`bring_back`] |
+//! | iterations before each step of a simulation | [`StepUntangler`] |
 //!
 //! # Measured
 //!
@@ -82,10 +86,12 @@
 mod back;
 mod contour;
 mod crossing;
+mod during;
 mod pieces;
 mod smooth;
 
 pub use back::{ReturnError, bring_back};
+pub use during::StepUntangler;
 
 use crate::error::CollideError;
 use cloth_core::math::{Real, Vec3, gather};

@@ -32,6 +32,7 @@ Of the numbers that come out:
   coarse_fallbacks     iterations of pd's steps that went without the coarse grid, because it could not be made or factorised
   newton_fallbacks     minimisations of implicit steps in which Newton's method took over from the quasi-Newton method
   rebuilds             changes of the cloth on the way (pins, tears) for which the method was built anew
+  tangled_pairs        pairs of triangles that passed through each other before each step, of a scene with untangle=yes, until there were none
   held_steps           steps that ended with vertices held back by contact";
 
 /// Arguments of `run`.
@@ -331,6 +332,9 @@ fn simulate(
             ("min_clearance_of_all", json!(seen.min_clearance)),
         ]);
     }
+    if !summary.tangled_pairs.is_empty() {
+        pairs.push(("tangled_pairs", json!(summary.tangled_pairs)));
+    }
     if arguments.reference {
         pairs.extend(compared(&scene, solver.stepper(), steps, dt)?);
     }
@@ -347,7 +351,8 @@ fn simulate(
     if let Some(warning) = summary.energy_warning() {
         eprintln!("warning: {warning}");
     }
-    let failure = summary.energy_gain.map(BenchError::failed);
+    let gain = summary.energy_gain.map(BenchError::failed);
+    let failure = gain.or(summary.tangled.map(BenchError::Failed));
     pairs.extend(
         failure
             .iter()

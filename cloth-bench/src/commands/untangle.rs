@@ -1,14 +1,14 @@
 //! `cloth-bench untangle MESH`
 
 use super::{print_pairs, write_file};
-use crate::bounds::bounds;
 use crate::error::BenchError;
 use crate::mesh_spec;
+use crate::tangle;
 use clap::Args;
 use cloth_collide::SeparationProbe;
 use cloth_collide::untangle::{UntangleOutcome, UntangleProgress, Untangler, bring_back};
 use cloth_core::math::{Real, Vec3};
-use cloth_core::mesh::{TriMesh, obj, ply};
+use cloth_core::mesh::{obj, ply};
 use serde_json::json;
 use std::path::{Path, PathBuf};
 
@@ -119,11 +119,8 @@ pub(super) fn execute(arguments: &Arguments) -> Result<(), BenchError> {
             UntangleOutcome::BudgetSpent => "not done",
             _ => "stalled",
         };
-        let where_left = left(&mesh, &x, untangler.pairs());
-        format!(
-            "{ended} after {} iterations: {where_left}",
-            report.iterations
-        )
+        let left = tangle::describe(&mesh, &x, untangler.pairs());
+        format!("{ended} after {} iterations: {left}", report.iterations)
     });
     let mut told = vec![
         ("mesh", json!(arguments.mesh)),
@@ -149,19 +146,4 @@ pub(super) fn execute(arguments: &Arguments) -> Result<(), BenchError> {
     }
     print_pairs(arguments.json, &told)?;
     failure.map_or(Ok(()), |text| Err(BenchError::Failed(text)))
-}
-
-/// Where what is left passes through itself.
-fn left(mesh: &TriMesh, x: &[Vec3], pairs: &[[u32; 2]]) -> String {
-    let corners = |t: u32| mesh.triangles()[t as usize];
-    let places = pairs.iter().flatten().flat_map(|&t| corners(t));
-    let [low, high] = bounds(places.map(|v| x[v as usize]));
-    let point = |p: Vec3| format!("({:.4}, {:.4}, {:.4})", p.x, p.y, p.z);
-    let (count, [a, b]) = (pairs.len(), pairs.first().copied().unwrap_or_default());
-    format!(
-        "{count} pairs of triangles still pass through each other, all between {} and {} m; \
-         the first are triangles {a} and {b} (from 0)",
-        point(low),
-        point(high)
-    )
 }

@@ -19,6 +19,7 @@
 //! | prescribed vertices | ½ (∂E/∂x before + after)·Δx, exact for a quadratic energy and a straight way; or what a method has added up over its substeps: explicit ones with ∂E/∂x, XPBD with its multipliers, PBD with the sum of what its visits have moved each row by, projective dynamics with its constant matrix and the projections of its last iterate: the forces that they have used |
 //! | the air, and gas inside | F·Δx, with the load F of the step |
 //! | vertices that are held from some time on, or released | the kinetic energy and that of gravity which they take along or bring |
+//! | untangling | what is held beyond what was given, after steps that began with crossing pairs and the first without |
 //! | obstacles, and prescribed vertices by contact | [`ContactSource::work`](cloth_core::contact::ContactSource::work) |
 //!
 //! Nothing holds more than it was given. What a method holds beyond it is the *excess*, energy from nowhere, whatever has made it: the method, or contact that moves the
@@ -168,12 +169,18 @@ impl EnergyBalance {
         }
     }
 
+    /// Takes what the cloth holds in `state` beyond what it was given, contact with its `stored` energy (J), for given:
+    /// what untangles moves the cloth by itself.
+    pub(super) fn accept(&mut self, state: &State, stored: Real) {
+        let excess = self.held(state) + stored - self.given_until(state);
+        self.work += excess.max(0.0);
+    }
+
     /// Balances the account after a step of `dt` (s); contact has stored `stored` (J).
     pub(super) fn end_step(&mut self, state: &State, dt: Real, stored: Real) {
         self.steps += 1;
         let (kinetic, fallen) = (self.kinetic(state), self.gravitational(state));
-        let held = kinetic + self.energies.value(&state.positions) + stored;
-        let given = self.start - fallen + self.work;
+        let (held, given) = (self.held(state) + stored, self.given_until(state));
         self.most_given = self.most_given.max(given);
         let size = state.positions.iter().map(Vec3::amax).fold(0.0, Real::max);
         let mass: Real = self.particles.mass().iter().sum();
@@ -229,6 +236,11 @@ impl EnergyBalance {
             .filter(|&v| particles.is_prescribed(v) == prescribed)
             .map(|v| force(v).dot(&moved(v)))
             .sum()
+    }
+
+    /// What it was given until it has come to `state` (J).
+    fn given_until(&self, state: &State) -> Real {
+        self.start - self.gravitational(state) + self.work
     }
 
     /// Kinetic and elastic energy (J).

@@ -5,6 +5,7 @@ use crate::settings::{Parameter, Settings, parameter};
 use cloth_collide::BodyProbe;
 use cloth_collide::obstacle::{AnimatedMesh, ImpactLaw, Obstacle, ObstacleContacts};
 use cloth_collide::potential::PotentialContacts;
+use cloth_collide::untangle::StepUntangler;
 use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::TriMesh;
 
@@ -38,11 +39,19 @@ pub(crate) const FRICTION: Parameter = parameter(
     "coefficient of friction, of cloth with cloth and with obstacles",
 );
 
+pub(crate) const UNTANGLE: Parameter = parameter(
+    "untangle",
+    "no",
+    "whether the cloth may pass through itself at the start: yes (those pairs are let go, and pulled apart during the run) or no (that is refused)",
+);
+
 /// What can be set of contact, in a scene that is about it.
-pub(crate) const TOUCHING: &[Parameter] = &[CONTACT, SELF, THICKNESS, STIFFNESS, FRICTION];
+pub(crate) const TOUCHING: &[Parameter] =
+    &[CONTACT, SELF, THICKNESS, STIFFNESS, FRICTION, UNTANGLE];
 
 /// The same where the cloth cannot touch itself unless that is asked for.
-pub(crate) const TOUCHING_ALONE: &[Parameter] = &[CONTACT, NO_SELF, THICKNESS, STIFFNESS, FRICTION];
+pub(crate) const TOUCHING_ALONE: &[Parameter] =
+    &[CONTACT, NO_SELF, THICKNESS, STIFFNESS, FRICTION, UNTANGLE];
 
 /// Something that a cloth can touch.
 pub(super) enum Body {
@@ -84,6 +93,7 @@ pub struct Touch {
     thickness: Real,
     stiffness: Real,
     friction: Real,
+    untangles: bool,
     obstacles: ObstacleContacts,
     /// The same obstacles as surfaces around their own origins, and whether these are needed for more than pictures.
     shapes: Vec<(TriMesh, bool)>,
@@ -120,6 +130,10 @@ impl Touch {
             }
         }
         let self_collision = settings.choice(own, &[("yes", true), ("no", false)])?;
+        if !self_collision {
+            settings.refuse_without(&UNTANGLE, "a cloth that can touch itself (self=yes)")?;
+        }
+        let untangles = settings.choice(&UNTANGLE, &[("yes", true), ("no", false)])?;
         // contact=none switches contact off, whatever else is said of it.
         if is_on && !self_collision && shapes.is_empty() && animated.is_empty() {
             for parameter in [&CONTACT, &THICKNESS, &STIFFNESS, &FRICTION] {
@@ -132,6 +146,7 @@ impl Touch {
             thickness,
             stiffness,
             friction,
+            untangles,
             obstacles: contacts,
             shapes,
             animated,
@@ -172,6 +187,12 @@ impl Touch {
             contacts = contacts.animated(surface.clone(), animation.clone(), self.friction);
         }
         contacts.build().map(Some).map_err(BenchError::usage)
+    }
+
+    /// What pulls the cloth `mesh` apart during a run, if that is wanted.
+    #[must_use]
+    pub fn untangler(&self, mesh: &TriMesh) -> Option<StepUntangler> {
+        (self.untangles && !self.is_idle()).then(|| StepUntangler::new(mesh))
     }
 
     /// The obstacles where they start.

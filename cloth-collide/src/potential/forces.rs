@@ -1,8 +1,10 @@
 //! Forces of contact, on every vertex and on every body.
 
 use super::near::Near;
+use super::source::Contacts;
 use crate::obstacle::{ImpactLaw, Obstacle};
-use cloth_core::math::{Real, Vec3};
+use cloth_core::element::{Element, Energy};
+use cloth_core::math::{Real, Vec3, gather};
 
 /// Forces of contact in a step, averaged over it where a method takes several substeps; of a method that minimises, those of
 /// the potential where the step ends.
@@ -130,5 +132,56 @@ impl BodyForce {
     fn add(&mut self, force: Vec3, arm: Vec3) {
         self.force += force;
         self.torque += arm.cross(&force);
+    }
+}
+
+impl Contacts {
+    /// Enters the forces of the potential at `x` (m), where the step ends, with its friction.
+    pub(super) fn record_forces(&mut self, x: &[Vec3]) {
+        let Some(mut ledger) = self.ledger.take() else {
+            return;
+        };
+        ledger.begin();
+        // A force for a time of 1 s.
+        ledger.pass(1.0);
+        for pair in self.pairs.vertex_triangle.iter() {
+            record_pair(pair, x, &mut ledger);
+        }
+        for pair in self.pairs.edge_edge.iter() {
+            record_pair(pair, x, &mut ledger);
+        }
+        let bodies = self.bodies();
+        let arm = |v: usize, number: usize| x[v] - bodies[number].0.motion().pose.position;
+        for &[vertex, number] in &self.pairs.vertex_obstacle {
+            let (v, number) = (vertex as usize, number as usize);
+            let at = self.still[number].clearance(x[v], 0.0);
+            let slope = self.near.vertex_area[v] * self.near.law_at(v).slope(at.value);
+            let normal = at.gradient() * -slope;
+            ledger.add_obstacle([v, number], [normal, Vec3::zeros()], arm(v, number));
+        }
+        let reach = self.reach();
+        for sticking in &self.sticking {
+            let friction = -sticking.force(reach, x).0;
+            let [v, .., number] = sticking.key.map(|n| n as usize);
+            if sticking.vertices == [sticking.vertices[0]; 4] {
+                ledger.add_obstacle([v, number], [Vec3::zeros(), friction], arm(v, number));
+            } else {
+                let forces = [Vec3::zeros(), friction];
+                ledger.add_pair(sticking.vertices, sticking.weights, forces);
+            }
+        }
+        ledger.end(&self.near, bodies, x);
+        self.ledger = Some(ledger);
+    }
+}
+
+/// Enters the force (N) of a pair.
+fn record_pair<E: Energy<4> + Element<4>>(pair: &E, x: &[Vec3], ledger: &mut Ledger) {
+    let vertices = pair.vertices();
+    let (value, gradient) = pair.value_and_gradient(&gather(x, vertices));
+    if value != 0.0 {
+        for (vertex, g) in vertices.iter().zip(gradient) {
+            ledger.add(*vertex as usize, -g);
+        }
     }
 }

@@ -1,5 +1,6 @@
 //! What the parts of a cloth stand for in contact: areas, laws, and who is free.
 
+use super::let_go::LetGo;
 use super::mollifier::Mollifier;
 use crate::broad_phase::{ClothCandidates, Hierarchy};
 use crate::error::CollideError;
@@ -51,6 +52,7 @@ pub(super) struct Near {
     /// Prescribed vertices that have not been seen to move: nothing is looked for between them.
     resting: Vec<u32>,
     pub(super) is_resting: Vec<bool>,
+    pub(super) let_go: LetGo,
     /// None if the cloth cannot touch itself.
     candidates: Option<ClothCandidates<Hierarchy>>,
 }
@@ -91,6 +93,7 @@ impl Near {
             is_free: vec![true; mesh.vertex_count()],
             resting: Vec::new(),
             is_resting: vec![false; mesh.vertex_count()],
+            let_go: LetGo::default(),
             candidates: any.then(|| ClothCandidates::new(mesh, Hierarchy::new())),
         }
     }
@@ -174,6 +177,7 @@ impl Near {
                 let [a, b] = pair.map(corners);
                 let is_free = a.iter().chain(&b).any(|&v| self.is_free[v as usize]);
                 self.patches_meet([a[0], b[0]])
+                    && !self.let_go.has(&[a[0], a[1], a[2], b[0], b[1], b[2]])
                     && (is_free || self.is_own(a[0]) && self.is_own(b[0]))
             });
             pairs.filter(|pair| meet(pair.map(|t| triangles[t as usize]), x))
@@ -206,11 +210,11 @@ impl Near {
         }
     }
 
-    /// Whether a pair is looked at: not if nothing in it moves, and no prescribed vertices before bodies, which can be where they please.
+    /// Whether a pair is looked at: not if it is let go, or nothing in it moves, and no prescribed vertices before bodies, which can be where they please.
     pub(super) fn meets(&self, vertices: [u32; 4]) -> bool {
         if self.surfaces.is_empty() || vertices.iter().all(|&v| self.is_own(v)) {
             let rests = vertices.iter().all(|&v| self.is_resting[v as usize]);
-            return self.self_collision && !rests;
+            return self.self_collision && !rests && !self.let_go.has(&vertices);
         }
         vertices.iter().any(|&v| self.is_free[v as usize])
     }

@@ -52,7 +52,8 @@ impl NearPairs {
         self.choices = 0;
         if let Some(patches) = &mut self.patches {
             (patches.searches, patches.detections) = (0, 0);
-            if !goes_on {
+            // Other steps may have been taken, without these pairs.
+            if !goes_on || self.place.is_empty() {
                 patches.forget(x, is_resting);
             }
         }

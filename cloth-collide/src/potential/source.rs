@@ -10,7 +10,6 @@ use super::near_pairs::NearPairs;
 use super::patches::Patches;
 use super::rows::Rows;
 use crate::bounds::mean;
-use crate::error::CollideError;
 use crate::obstacle::{ImpactLaw, Obstacle, ObstacleContacts, PenaltyLaw};
 use crate::separation::meet_unduly;
 use cloth_core::contact::{
@@ -53,10 +52,10 @@ pub(super) struct Contacts {
     /// For methods that project positions.
     pub(super) rows: Rows,
     pub(super) near: Near,
-    pairs: NearPairs,
+    pub(super) pairs: NearPairs,
     /// Where the last step has ended (m), free of crossings.
     pub(super) safe: Vec<Vec3>,
-    sticking: Vec<Sticking>,
+    pub(super) sticking: Vec<Sticking>,
     stretched: Stretched,
     /// Of moving bodies in the last step (J).
     pub(super) work: Real,
@@ -65,12 +64,12 @@ pub(super) struct Contacts {
     /// None unless forces are wanted.
     pub(super) ledger: Option<Ledger>,
     /// The obstacles at the end of the step.
-    still: Vec<Obstacle>,
+    pub(super) still: Vec<Obstacle>,
     /// The obstacles before the step.
     pub(super) before: Vec<Obstacle>,
     /// Whether a step has begun and not ended.
     pub(super) is_open: bool,
-    /// Whether a step that had not ended was taken back, so that nothing is known of the next one.
+    /// Whether a step that had not ended was taken back, or other pairs were let go, so that nothing is known of the next one.
     is_anew: bool,
     /// Prescribed vertices that move, and their ways (m) in the step.
     moved: Vec<(u32, Vec3)>,
@@ -155,44 +154,6 @@ impl Contacts {
         self.begin_substep(step, x)?;
         self.end_substep(step, x)
     }
-
-    /// Enters the forces of the potential at `x` (m), where the step ends, with its friction.
-    fn record_forces(&mut self, x: &[Vec3]) {
-        let Some(mut ledger) = self.ledger.take() else {
-            return;
-        };
-        ledger.begin();
-        // A force for a time of 1 s.
-        ledger.pass(1.0);
-        for pair in self.pairs.vertex_triangle.iter() {
-            record_pair(pair, x, &mut ledger);
-        }
-        for pair in self.pairs.edge_edge.iter() {
-            record_pair(pair, x, &mut ledger);
-        }
-        let bodies = self.bodies();
-        let arm = |v: usize, number: usize| x[v] - bodies[number].0.motion().pose.position;
-        for &[vertex, number] in &self.pairs.vertex_obstacle {
-            let (v, number) = (vertex as usize, number as usize);
-            let at = self.still[number].clearance(x[v], 0.0);
-            let slope = self.near.vertex_area[v] * self.near.law_at(v).slope(at.value);
-            let normal = at.gradient() * -slope;
-            ledger.add_obstacle([v, number], [normal, Vec3::zeros()], arm(v, number));
-        }
-        let reach = self.reach();
-        for sticking in &self.sticking {
-            let friction = -sticking.force(reach, x).0;
-            let [v, .., number] = sticking.key.map(|n| n as usize);
-            if sticking.vertices == [sticking.vertices[0]; 4] {
-                ledger.add_obstacle([v, number], [Vec3::zeros(), friction], arm(v, number));
-            } else {
-                let forces = [Vec3::zeros(), friction];
-                ledger.add_pair(sticking.vertices, sticking.weights, forces);
-            }
-        }
-        ledger.end(&self.near, bodies, x);
-        self.ledger = Some(ledger);
-    }
 }
 
 impl ContactPotential for Contacts {
@@ -275,7 +236,7 @@ impl ContactPotential for Contacts {
             let cut = self
                 .pairs
                 .shorten(thickness, (from, to), parts, &self.still);
-            if !cut.map_err(|error| not_finite(&error))? {
+            if !cut.map_err(|error| error.not_finite())? {
                 self.report.capped += u32::from(is_cut);
                 return Ok(());
             }
@@ -390,6 +351,11 @@ impl Contacts {
     /// ε (m): the way below which friction is a spring.
     pub(super) fn reach(&self) -> Real {
         STICKING * self.near.law().range()
+    }
+
+    /// Lets pairs of regions go; see [`LetGo`](super::let_go::LetGo).
+    pub(super) fn let_go(&mut self, region: &[u32], pairs: &[[u32; 2]]) {
+        self.is_anew |= self.near.let_go.replace(region, pairs);
     }
 
     /// The bodies that have a signed distance.
@@ -562,7 +528,7 @@ impl Contacts {
     fn safe_part(&self, from: &[Vec3], to: &[Vec3]) -> Result<Real, ContactError> {
         let thickness = self.near.law().range();
         let part = self.pairs.safe_part(thickness, from, to, &self.still);
-        part.map_err(|error| not_finite(&error))
+        part.map_err(|error| error.not_finite())
     }
 
     /// Begins a step, after one that may not have ended: whether its start is in order, and whether it is where the last one has ended.
@@ -585,14 +551,6 @@ impl Contacts {
     }
 }
 
-/// The error for coordinates too large to work with.
-fn not_finite(error: &CollideError) -> ContactError {
-    match error {
-        CollideError::NonFinitePosition { vertex } => ContactError::NonFinite { vertex: *vertex },
-        _ => ContactError::NonFinite { vertex: 0 },
-    }
-}
-
 /// Adds the gradient (N) of a pair, and returns its energy (J).
 #[inline]
 fn add_pair<E: Energy<4> + Element<4>>(pair: &E, x: &[Vec3], out: &mut [Vec3]) -> Real {
@@ -604,15 +562,4 @@ fn add_pair<E: Energy<4> + Element<4>>(pair: &E, x: &[Vec3], out: &mut [Vec3]) -
         }
     }
     value
-}
-
-/// Enters the force (N) of a pair.
-fn record_pair<E: Energy<4> + Element<4>>(pair: &E, x: &[Vec3], ledger: &mut Ledger) {
-    let vertices = pair.vertices();
-    let (value, gradient) = pair.value_and_gradient(&gather(x, vertices));
-    if value != 0.0 {
-        for (vertex, g) in vertices.iter().zip(gradient) {
-            ledger.add(*vertex as usize, -g);
-        }
-    }
 }

@@ -200,6 +200,12 @@ impl PotentialContacts {
         ledger.map(|ledger| &ledger.forces)
     }
 
+    /// From the next step on leaves out all pairs of pieces in two regions of a pair, and no others. `region` numbers the
+    /// regions of vertices from 1; 0 for none.
+    pub(crate) fn let_go(&mut self, region: &[u32], pairs: &[[u32; 2]]) {
+        self.contacts.let_go(region, pairs);
+    }
+
     /// Puts everything at the ends of a (sub)step in which the cloth goes to `to` (m).
     fn place(
         &mut self,

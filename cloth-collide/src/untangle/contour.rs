@@ -44,6 +44,11 @@ impl Contour {
         Ok(())
     }
 
+    /// The triangles of the mesh.
+    pub(super) fn triangles(&self) -> &[[u32; 3]] {
+        self.pairs.triangles()
+    }
+
     /// How many pairs of triangles meet.
     pub(super) fn pair_count(&self) -> usize {
         self.meeting.len()

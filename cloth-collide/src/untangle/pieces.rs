@@ -95,7 +95,8 @@ impl Pieces {
         cut_off
     }
 
-    fn is_cut_off(&self, vertex: u32) -> bool {
+    /// Whether a vertex is in a part that was cut off.
+    pub(super) fn is_cut_off(&self, vertex: u32) -> bool {
         let root = self.parent[vertex as usize];
         root != self.largest[self.mesh_of[vertex as usize] as usize]
     }

@@ -1,4 +1,4 @@
-//! Displacements that take neighbours along.
+//! Neighbours: displacements take them along.
 
 use crate::incidence::edge_numbers;
 use cloth_core::math::{Real, Vec3};
@@ -11,6 +11,7 @@ pub(super) struct Smoother {
     edges: Vec<[u32; 2]>,
     valence: Vec<Real>,
     sums: Vec<Vec3>,
+    ring: Vec<u32>,
 }
 
 impl Smoother {
@@ -24,6 +25,25 @@ impl Smoother {
             edges,
             valence,
             sums: vec![Vec3::zeros(); mesh.vertex_count()],
+            ring: Vec::new(),
+        }
+    }
+
+    pub(super) fn edges(&self) -> &[[u32; 2]] {
+        &self.edges
+    }
+
+    /// Adds the neighbours of what is inside.
+    pub(super) fn grow(&mut self, is_inside: &mut [bool]) {
+        let added = |[a, b]: [u32; 2]| {
+            let ends = [is_inside[a as usize], is_inside[b as usize]];
+            (ends[0] != ends[1]).then_some(if ends[0] { b } else { a })
+        };
+        self.ring.clear();
+        self.ring
+            .extend(self.edges.iter().filter_map(|&edge| added(edge)));
+        for vertex in &self.ring {
+            is_inside[*vertex as usize] = true;
         }
     }
 

@@ -1,0 +1,37 @@
+//! Pairs that are let go: they pass through each other already, and are pulled apart by something else.
+
+/// Regions of the cloth, and which of them may pass through each other.
+#[derive(Debug, Default)]
+pub(super) struct LetGo {
+    /// The region of each vertex of the cloth, from 1; 0 for none. Empty if there are none at all.
+    region: Vec<u32>,
+    /// In rising order, the smaller number first.
+    pairs: Vec<[u32; 2]>,
+}
+
+impl LetGo {
+    /// Takes over other regions and pairs of them. Returns whether they are others.
+    pub(super) fn replace(&mut self, region: &[u32], pairs: &[[u32; 2]]) -> bool {
+        let region = if pairs.is_empty() { &[] } else { region };
+        let is_same = self.region == region && self.pairs == pairs;
+        self.region.clear();
+        self.region.extend_from_slice(region);
+        self.pairs.clear();
+        self.pairs.extend_from_slice(pairs);
+        !is_same
+    }
+
+    /// Whether a pair is let go whose first vertex is in one of its pieces, and whose last is in the other.
+    pub(super) fn has(&self, vertices: &[u32]) -> bool {
+        let (Some(first), Some(last)) = (vertices.first(), vertices.last()) else {
+            return false;
+        };
+        if self.pairs.is_empty() {
+            return false;
+        }
+        let of = |v: u32| self.region.get(v as usize).copied().unwrap_or(0);
+        let (a, b) = (of(*first), of(*last));
+        let known = self.pairs.binary_search(&[a.min(b), a.max(b)]).is_ok();
+        known && vertices.iter().all(|&v| of(v) == a || of(v) == b)
+    }
+}
