@@ -10,9 +10,9 @@ use cloth_core::mesh::TriMesh;
 
 /// Rings of neighbours around what crosses that belong to a region: where the contour may go in a step.
 const RINGS: u32 = 3;
-/// Iterations before each step. One is not enough where contact and elasticity push the other way: two crossing sheets that fall onto a ball become
-/// free after 9 to 11 steps with four (implicit Euler, projective dynamics, XPBD), 13 to 18 with three, 22 to 92 with two, and with one in 68 (XPBD)
-/// or never.
+/// Iterations before each step. One is not enough where contact and elasticity push the other way: two crossing sheets that
+/// fall onto a ball become free after 9 to 11 steps with four (implicit Euler, projective dynamics, XPBD), 13 to 18 with
+/// three, 22 to 92 with two, and with one in 68 (XPBD) or never.
 const ITERATIONS: u32 = 4;
 
 /// Pulls a tangled cloth apart step by step while a method simulates it, and lets contact keep everything else apart.
