@@ -20,7 +20,7 @@ mod stages;
 
 use crate::element::Element;
 use crate::parallel::Stencils;
-pub use greedy::greedy_colors;
+pub use greedy::{greedy_colors, greedy_vertex_colors};
 use stages::{Place, stages};
 
 /// A cloth of at least so many vertices is cut into blocks: its positions and masses alone are 16 MB. Measured, springs: at 512 × 512 vertices

@@ -129,6 +129,15 @@ pub trait Energy<const N: usize>: Element<N> {
         self.hessian(x, Convexity::Abs)
     }
 
+    /// `∂E/∂xᵢ` (N) and `∂²E/∂xᵢ²` (N/m) of the vertex at `corner` alone, for methods that move one vertex at a time.
+    #[inline(always)]
+    fn at_corner(&self, x: &[Vec3; N], corner: usize, convexity: Convexity) -> (Vec3, Mat3) {
+        (
+            self.gradient(x)[corner],
+            self.hessian(x, convexity)[corner][corner],
+        )
+    }
+
     /// `Σⱼ ∂²E/∂xᵢ∂xⱼ pⱼ` (N), for displacements `p` (m). An element that can do it without the blocks is several times faster.
     #[inline]
     fn hessian_product(&self, x: &[Vec3; N], p: &[Vec3; N], convexity: Convexity) -> [Vec3; N] {
@@ -213,6 +222,12 @@ pub trait Constraint<const N: usize>: Element<N> {
     fn curvature(&self, x: &[Vec3; N], convexity: Convexity) -> Blocks<N> {
         let _ = (x, convexity);
         [[Mat3::zeros(); N]; N]
+    }
+
+    /// The diagonal block (N/m) of [`Constraint::curvature`] of the vertex at `corner`.
+    #[inline(always)]
+    fn curvature_at(&self, x: &[Vec3; N], corner: usize, convexity: Convexity) -> Mat3 {
+        self.curvature(x, convexity)[corner][corner]
     }
 
     /// [`Constraint::curvature`] by [`Convexity::Abs`], with the values `C(from) + ∂C(from)·(to − from)` in the place of `C(x)`. A stiff
@@ -360,6 +375,27 @@ impl<const N: usize, C: Constraint<N>> Energy<N> for C {
     #[inline(always)]
     fn mixed_hessian(&self, x: &[Vec3; N], from: &[Vec3; N], to: &[Vec3; N]) -> Blocks<N> {
         add_gauss_newton(self.mixed_curvature(x, from, to), self.rows(x).as_ref())
+    }
+
+    #[inline(always)]
+    fn at_corner(&self, x: &[Vec3; N], corner: usize, convexity: Convexity) -> (Vec3, Mat3) {
+        if let Some(row) = self.vector_row() {
+            let scaled = row.stiffness * row.coefficients[corner];
+            let hessian = Mat3::from_diagonal_element(scaled * row.coefficients[corner]);
+            return (row.value(x) * scaled, hessian);
+        }
+        let curvature = match convexity {
+            _ if C::ROWS_ARE_LINEAR => Mat3::zeros(),
+            Convexity::GaussNewton => Mat3::zeros(),
+            _ => self.curvature_at(x, corner, convexity),
+        };
+        let (mut gradient, mut hessian) = (Vec3::zeros(), curvature);
+        for row in self.rows(x).as_ref() {
+            let scaled = row.gradient[corner] * row.stiffness;
+            gradient += scaled * row.value;
+            hessian += scaled * row.gradient[corner].transpose();
+        }
+        (gradient, hessian)
     }
 
     /// `Σ k ∂C (∂C·p)`, and what the curvature adds: no blocks of 3 × 3 where the rows are linear.

@@ -1,15 +1,19 @@
 //! A family: all elements of one kind, with the kind forgotten. One virtual call per family, none per element.
 
 mod assembly;
+mod incidence;
 
 pub use assembly::Assembly;
+pub use incidence::Incidence;
 
 use crate::block_matrix::{BlockMatrix, BlockPattern, PatternBuilder};
 use crate::chunked::{CHUNK, map_reduce};
+use crate::coloring::greedy_vertex_colors;
 use crate::element::{Convexity, Energy};
-use crate::math::{Real, Vec3, gather};
+use crate::math::{Mat3, Real, Vec3, gather};
 use crate::step::BuildError;
 use assembly::{FamilySlots, Linearization};
+use incidence::{FamilyIncidence, VertexTerms};
 use std::fmt::Debug;
 use std::sync::Arc;
 
@@ -21,6 +25,14 @@ trait EnergyFamily: Debug + Send + Sync {
     fn add_gradient(&self, x: &[Vec3], out: &mut [Vec3]) -> Real;
     fn add_hessian_product(&self, x: &[Vec3], p: &[Vec3], convexity: Convexity, out: &mut [Vec3]);
     fn for_each_stencil(&self, visit: &mut dyn FnMut(&[u32]));
+    fn incidence(&self, vertex_count: usize) -> FamilyIncidence;
+    fn add_at_vertices(
+        &self,
+        incidence: &FamilyIncidence,
+        x: &[Vec3],
+        convexity: Convexity,
+        out: VertexTerms<'_>,
+    );
     fn slots(&self, pattern: &Arc<BlockPattern>) -> FamilySlots;
     fn add_hessian(
         &self,
@@ -150,6 +162,20 @@ impl<const N: usize, E: Energy<N>> EnergyFamily for Family<N, E> {
         }
     }
 
+    fn incidence(&self, vertex_count: usize) -> FamilyIncidence {
+        FamilyIncidence::of(&self.elements, vertex_count)
+    }
+
+    fn add_at_vertices(
+        &self,
+        incidence: &FamilyIncidence,
+        x: &[Vec3],
+        convexity: Convexity,
+        out: VertexTerms<'_>,
+    ) {
+        incidence.add(&self.elements, x, convexity, out);
+    }
+
     fn slots(&self, pattern: &Arc<BlockPattern>) -> FamilySlots {
         FamilySlots::of(self, pattern)
     }
@@ -251,6 +277,60 @@ impl Energies {
     pub fn for_each_anchor(&self, mut visit: impl FnMut(u32)) {
         for family in self.families.iter().filter(|f| f.stencil_size() == 1) {
             family.for_each_stencil(&mut |stencil| visit(stencil[0]));
+        }
+    }
+
+    /// Which elements each vertex belongs to, for [`Energies::add_at_vertices`].
+    #[must_use]
+    pub fn incidence(&self) -> Incidence {
+        let families = self.families.iter();
+        Incidence::new(families.map(|family| family.incidence(self.vertex_count)))
+    }
+
+    /// Vertices in sets of which no two belong to one element, so that moving one changes nothing that another of its
+    /// set sees: greedily coloured, ascending in each set.
+    #[must_use]
+    pub fn vertex_colors(&self) -> Vec<Vec<u32>> {
+        let mut builder = PatternBuilder::new(self.vertex_count);
+        for family in &self.families {
+            family.for_each_stencil(&mut |stencil| builder.add_pairs(stencil, |_| true));
+        }
+        greedy_vertex_colors(&builder.build())
+    }
+
+    /// Adds `∂E/∂x_v` (N) and the diagonal block `∂²E/∂x_v²` (N/m) of each of the `vertices` to its place in
+    /// `gradient` and `hessian`: what methods need that move one vertex, or one set of [`Energies::vertex_colors`], at
+    /// a time. The same bits at any number of threads.
+    ///
+    /// # Panics
+    /// If the incidence is that of another energy, a vertex does not exist, or the lists differ in length.
+    pub fn add_at_vertices(
+        &self,
+        incidence: &Incidence,
+        vertices: &[u32],
+        x: &[Vec3],
+        convexity: Convexity,
+        gradient: &mut [Vec3],
+        hessian: &mut [Mat3],
+    ) {
+        let lengths = [gradient.len(), hessian.len(), vertices.len()];
+        assert!(
+            lengths.windows(2).all(|two| two[0] == two[1]),
+            "one place per vertex"
+        );
+        let incidences = incidence.families();
+        assert_eq!(
+            incidences.len(),
+            self.families.len(),
+            "incidence of another energy"
+        );
+        for (family, incidence) in self.families.iter().zip(incidences) {
+            let out = VertexTerms {
+                vertices,
+                gradient,
+                hessian,
+            };
+            family.add_at_vertices(incidence, x, convexity, out);
         }
     }
 

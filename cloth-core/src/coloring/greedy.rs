@@ -1,4 +1,6 @@
-//! A colour for every element.
+//! A colour for every element, and for every vertex.
+
+use crate::block_matrix::BlockPattern;
 
 /// The smallest colour that no earlier element at a shared vertex has, for each element in turn. `stencils` are their vertices.
 ///
@@ -39,6 +41,32 @@ pub fn greedy_colors<const N: usize>(stencils: &[[u32; N]], vertex_count: usize)
             used[v as usize * words + color / 64] |= 1 << (color % 64);
         }
         colors.push(color as u32);
+    }
+    colors
+}
+
+/// Vertices by colour: each has the smallest colour that none of its neighbours before it has. Its neighbours are
+/// those that it has a block with.
+#[must_use]
+pub fn greedy_vertex_colors(pattern: &BlockPattern) -> Vec<Vec<u32>> {
+    let mut colors: Vec<Vec<u32>> = Vec::new();
+    let mut color_of: Vec<usize> = Vec::with_capacity(pattern.row_count());
+    // The last vertex that found each colour taken.
+    let mut taken_for = Vec::new();
+    for vertex in 0..pattern.row_count() {
+        for &neighbor in &pattern.columns()[pattern.row(vertex)] {
+            if let Some(&color) = color_of.get(neighbor as usize) {
+                taken_for[color] = vertex;
+            }
+        }
+        let free = taken_for.iter().position(|&by| by != vertex);
+        let color = free.unwrap_or(colors.len());
+        if color == colors.len() {
+            colors.push(Vec::new());
+            taken_for.push(usize::MAX);
+        }
+        colors[color].push(vertex as u32);
+        color_of.push(color);
     }
     colors
 }

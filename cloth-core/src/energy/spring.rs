@@ -153,6 +153,13 @@ impl Constraint<2> for Spring {
         across_pair(n, across)
     }
 
+    /// The same at both ends.
+    #[inline(always)]
+    fn curvature_at(&self, x: &[Vec3; 2], _: usize, convexity: Convexity) -> Mat3 {
+        let (n, across) = self.stiffness_across(x, convexity);
+        (Mat3::identity() - n * n.transpose()) * across
+    }
+
     /// `k |C|/L (I − n nᵀ)` with the predicted C.
     #[inline(always)]
     fn mixed_curvature(&self, x: &[Vec3; 2], from: &[Vec3; 2], to: &[Vec3; 2]) -> Blocks<2> {

@@ -1,40 +1,51 @@
-//! The whole program of the comparison, with one method more.
+//! The whole program of the comparison, with one method more: vertex block descent.
 //!
 //! ```sh
 //! cd cloth-bench/examples/own-method
 //! cargo run --release -- list
-//! cargo run --release -- run hang --method descent --set iterations=50
+//! cargo run --release -- run hang --method vbd --set iterations=50
+//! cargo run --release -- run drape-sphere --method vbd --dt 0.002
 //! cargo run --release -- study convergence collision --quick
 //! ```
 
-mod descent;
+mod contact;
+mod vbd;
 
 use cloth_bench::error::BenchError;
 use cloth_bench::method::{Method, OwnMethod};
 use cloth_bench::settings::{Parameter, parameter};
-use descent::Descent;
 use std::process::ExitCode;
+use vbd::VertexBlockDescent;
 
-const ITERATIONS: Parameter = parameter("iterations", "30", "steps of the descent per time step");
+const ITERATIONS: Parameter = parameter("iterations", "100", "sweeps over all vertices a step");
+const RADIUS: Parameter = parameter(
+    "rho",
+    "0",
+    "spectral radius of the Chebyshev acceleration, from 0 (none) to below 1",
+);
 
-const DESCENT: Method = Method::own(OwnMethod {
-    name: "descent",
-    about: "implicit Euler by preconditioned gradient descent with a line search",
-    parameters: &[ITERATIONS],
+const VBD: Method = Method::own(OwnMethod {
+    name: "vbd",
+    about: "vertex block descent: implicit Euler by Gauss–Seidel over vertices",
+    parameters: &[ITERATIONS, RADIUS],
     build: |scene, settings, _| {
         let energies = scene.model.energies().map_err(BenchError::usage)?;
         let iterations = settings.count(&ITERATIONS, 1)?;
-        Ok(Box::new(Descent::new(
-            &scene.model.particles,
-            energies,
-            iterations,
-        )))
+        let radius = settings.number(&RADIUS)?;
+        if !(0.0..1.0).contains(&radius) {
+            return Err(BenchError::Usage(format!(
+                "rho = {radius} is not from 0 to below 1"
+            )));
+        }
+        let particles = &scene.model.particles;
+        let solver = VertexBlockDescent::new(particles, energies, iterations, radius);
+        Ok(Box::new(solver))
     },
     aims_at_implicit_euler: true,
 });
 
 fn main() -> ExitCode {
-    cloth_bench::main_with(&[DESCENT]) // the one line
+    cloth_bench::main_with(&[VBD]) // the one line
 }
 
 #[cfg(test)]
