@@ -8,17 +8,17 @@ mod limit;
 #[path = "support/sheet.rs"]
 mod sheet;
 
-use cloth_core::block_matrix::BlockMatrix;
 use cloth_core::cloth::{Cloth, Elements, Membrane, MembraneCarrier};
 use cloth_core::element::{Constraint, Convexity, Energy, Projective};
 use cloth_core::energy::{
     ArapTriangle, AreaTriangle, Attachment, CubicShell, CurvatureHinge, CurvedHinge, DihedralHinge,
     MidpointHinge, Spring, StrainLimitSpring, StrainLimitTriangle, StvkTriangle, VolumeTetrahedron,
 };
-use cloth_core::family::Energies;
 use cloth_core::math::{Mat3, Real, Vec3, gather};
 use cloth_core::mesh::TriMesh;
 use cloth_core::mesh::generate::{Diagonals, grid};
+use cloth_core::method::block_matrix::BlockMatrix;
+use cloth_core::method::family::Energies;
 use cloth_core::particles::Particles;
 use cloth_core::topology::{EdgeTable, HingeTable};
 use cloth_pd::LocalStep;

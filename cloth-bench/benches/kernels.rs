@@ -8,14 +8,14 @@ mod limit;
 mod sheet;
 
 use cloth_bench::scene::Scene;
-use cloth_core::block_matrix::BlockMatrix;
 use cloth_core::element::{Convexity, Element};
 use cloth_core::energy::Spring;
-use cloth_core::linear::{
+use cloth_core::math::{Real, Vec3};
+use cloth_core::method::block_matrix::BlockMatrix;
+use cloth_core::method::linear::{
     BlockCholesky, Budget, Cholesky, LinearMethod, Minres, PanelFactor, Preconditioner,
     SignedCholesky, UpperPattern, spectrum,
 };
-use cloth_core::math::{Real, Vec3};
 use criterion::{Criterion, Throughput};
 use limit::Moved;
 use sheet::sheet;

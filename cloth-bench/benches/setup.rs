@@ -3,15 +3,15 @@
 #[path = "support/limit.rs"]
 mod limit;
 
-use cloth_core::coloring::Colored;
 use cloth_core::dof::EdgeRank;
 use cloth_core::energy::{CurvatureHinge, Spring};
-use cloth_core::family::Energies;
-use cloth_core::linear::BlockCholesky;
 use cloth_core::math::Vec3;
 use cloth_core::mesh::generate::{Diagonals, grid, irregular};
 use cloth_core::mesh::{TriMesh, obj, ply};
-use cloth_core::ordering::Order;
+use cloth_core::method::coloring::Colored;
+use cloth_core::method::family::Energies;
+use cloth_core::method::linear::BlockCholesky;
+use cloth_core::method::ordering::Order;
 use cloth_core::particles::Particles;
 use cloth_core::topology::{EdgeTable, HingeTable, Topology};
 use cloth_pbd::{Hierarchy, HierarchyConfig};

@@ -12,7 +12,7 @@ use cloth_core::element::{Constraint, Element};
 use cloth_core::energy::Spring;
 use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::generate::{Diagonals, grid, irregular};
-use cloth_core::ordering::Order;
+use cloth_core::method::ordering::Order;
 use cloth_core::random::SplitMix64;
 use cloth_core::step::StepInput;
 use cloth_core::topology::EdgeTable;

@@ -19,8 +19,8 @@ use crate::scene::Scene;
 use crate::settings::{Parameter, Settings};
 use cloth_core::cloth::Elements;
 use cloth_core::energy::{Spring, StrainLimitSpring};
-use cloth_core::family::Energies;
 use cloth_core::math::Real;
+use cloth_core::method::family::Energies;
 use cloth_core::step::Stepper;
 use cloth_massspring::{
     Bdf2, ExplicitConfig, ExplicitEuler, ImplicitEuler, ImplicitMidpoint, SymplecticEuler,

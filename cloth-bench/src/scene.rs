@@ -57,7 +57,7 @@ pub struct Scene {
     /// The air around it; without it no code for air runs.
     pub air: Option<Air>,
     /// Which vertex of the caller's mesh each vertex is, where vertices were renumbered.
-    pub order: Option<cloth_core::ordering::Order>,
+    pub order: Option<cloth_core::method::ordering::Order>,
 }
 
 impl Scene {

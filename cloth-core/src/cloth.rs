@@ -44,9 +44,9 @@ pub use pieces::Piece;
 pub use relief::{SpringEdges, SpringLaw};
 
 use crate::energy::{CurvatureHinge, Spring};
-use crate::family::Energies;
 use crate::math::Real;
 use crate::mesh::{MeshError, TriMesh};
+use crate::method::family::Energies;
 use crate::particles::{ParticleError, Particles};
 use crate::step::BuildError;
 use crate::topology::EdgeTable;

@@ -61,12 +61,12 @@
 
 mod weakest;
 
-use crate::block_matrix::BlockMatrix;
 use crate::element::Convexity;
 use crate::energy::Spring;
-use crate::family::Energies;
-use crate::linear::{CholeskyError, Inertia};
 use crate::math::{Real, Vec3};
+use crate::method::block_matrix::BlockMatrix;
+use crate::method::family::Energies;
+use crate::method::linear::{CholeskyError, Inertia};
 use crate::topology::EdgeTable;
 use std::fmt;
 

@@ -1,49 +1,9 @@
 //! The cloth, and what it costs to deform it: the common ground of all method crates.
 //!
-//! # The idea
-//!
-//! A cloth is a set of vertices with masses and a sum of small elastic energies, each on a few vertices: a spring on two, a hinge on four.
-//! Methods differ in what they do with an energy. One needs its gradient, another its Hessian, a third the constraint behind
-//! it, a fourth the nearest undeformed shape. So an element is written once, as a small struct, and shows each method the view it asks
-//! for ([`element`]). What an element cannot show does not compile.
-//!
-//! With state `x`, `v` (m, m/s), lumped masses `M` (kg) and step `Δt` (s), every method advances
-//!
-//! `M v̇ = −∂E/∂x + f`, `ẋ = v`,
-//!
-//! and what implicit Euler makes of one step, the minimum of `G(x) = ‖x − x̃‖²_M/(2Δt²) + E(x)` with
-//! `x̃ = x + Δt v + Δt² M⁻¹f`, is the yardstick that all of them are held against ([`measure::IncrementalPotential`]).
-//!
-//! # Equation → code
-//!
-//! | equation | code |
-//! |---|---|
-//! | `E = ½ k (‖x₀ − x₁‖ − L)²` and its derivatives, S1 (1)–(4) | [`energy::Spring`] |
-//! | `E = ½ K ‖q x‖²`, S1 (16) | [`energy::CurvatureHinge`] |
-//! | `E = ½ K (‖q x‖ − r)²`, curved at rest | [`energy::CurvedHinge`] |
-//! | `E = ½ K (θ − θ₀)²`, with `K = D e²/(A₀ + A₁)` | [`energy::DihedralHinge`] |
-//! | `E = K (1 − cos(θ − θ₀))` as a cubic polynomial | [`energy::CubicShell`] |
-//! | `E = ½ A G:C:G`, `G = ½(FᵀF − I)` | [`energy::StvkTriangle`] |
-//! | `E = ½ A k ‖F − R‖²` | [`energy::ArapTriangle`] |
-//! | `E = ½ k (A − A₀)²`, `E = ½ k (V − V₀)²` | [`energy::AreaTriangle`], [`energy::VolumeTetrahedron`] |
-//! | `E = ½ k ‖x − p‖²`, S1 (29) | [`energy::Attachment`] |
-//! | `x̃`, S1 (9); `G`, `∇G`, S1 (10) | [`measure::predict`], [`measure::IncrementalPotential`] |
-//! | `M`, S1 (13) | [`particles::Particles`] |
-//! | drag and lift of the air, MS-5 | [`air::Air`] |
-//! | gas inside a closed mesh | [`pressure::Pressure`] |
-//! | `E = ½ Σ k C²` from constraint rows, S1 (21), (22) | [`element::Constraint`] |
-//! | `E = ½ w ‖G x − p‖²`, S1 (27) | [`element::Projective`] |
-//! | `3V − E = 3χ + E_b`, S1 (19), (20) | [`topology::Topology`]; the rank: `dof::EdgeRank` |
-//!
-//! "S1" is a slide deck on cloth dynamics; its equations stand, corrected where they need it, in the files named.
-//!
 //! # An example
 //!
 //! ```
-//! use cloth_core::cloth::{Cloth, Membrane};
-//! use cloth_core::math::Vec3;
-//! use cloth_core::measure;
-//! use cloth_core::mesh::generate::{Diagonals, grid};
+//! use cloth_core::{Cloth, Diagonals, Membrane, Vec3, grid, measure};
 //!
 //! let mesh = grid(9, 9, 1.0, 1.0, Diagonals::Alternating)?;
 //! let cotton = Cloth {
@@ -64,16 +24,63 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
+//! A simulation needs this and a method: `use cloth_core::{…}` and `use cloth_xpbd::{XpbdSolver, …}`, or another crate.
+//! What it takes from here stands at the root of this crate; [`method`] is for those who write methods.
+//!
+//! # The idea
+//!
+//! A cloth is a set of vertices with masses and a sum of small elastic energies, each on a few vertices: a spring on
+//! two, a hinge on four. Methods differ in what they do with an energy. One needs its gradient, another its Hessian, a
+//! third the constraint behind it, a fourth the nearest undeformed shape. So an element is written once, as a small
+//! struct, and shows each method the view it asks for ([`element`]). What an element cannot show does not compile.
+//!
+//! With state `x`, `v` (m, m/s), lumped masses `M` (kg) and step `Δt` (s), every method advances
+//!
+//! `M v̇ = −∂E/∂x + f`, `ẋ = v`,
+//!
+//! and what implicit Euler makes of one step, the minimum of the incremental potential
+//! `G(x) = ‖x − x̃‖²_M/(2Δt²) + E(x)` with `x̃ = x + Δt v + Δt² M⁻¹f`, is the reference that all of them are held
+//! against ([`measure::IncrementalPotential`]).
+//!
+//! # Equation → code
+//!
+//! | equation | code |
+//! |---|---|
+//! | `E = ½ k (‖x₀ − x₁‖ − L)²` and its derivatives | [`energy::Spring`] |
+//! | `E = ½ K ‖q x‖²` | [`energy::CurvatureHinge`] |
+//! | `E = ½ K (‖q x‖ − r)²`, curved at rest | [`energy::CurvedHinge`] |
+//! | `E = ½ K (θ − θ₀)²`, with `K = D e²/(A₀ + A₁)` | [`energy::DihedralHinge`] |
+//! | `E = K (1 − cos(θ − θ₀))` as a cubic polynomial | [`energy::CubicShell`] |
+//! | `E = ½ A G:C:G`, `G = ½(FᵀF − I)` | [`energy::StvkTriangle`] |
+//! | `E = ½ A k ‖F − R‖²` | [`energy::ArapTriangle`] |
+//! | `E = ½ k (A − A₀)²`, `E = ½ k (V − V₀)²` | [`energy::AreaTriangle`], [`energy::VolumeTetrahedron`] |
+//! | `E = ½ k ‖x − p‖²` | [`energy::Attachment`] |
+//! | `x̃`, `G`, `∇G` | [`measure::predict`], [`measure::IncrementalPotential`] |
+//! | `M` | [`particles::Particles`] |
+//! | drag and lift of the air | [`air::Air`] |
+//! | gas inside a closed mesh | [`pressure::Pressure`] |
+//! | `E = ½ Σ k C²` from constraint rows | [`element::Constraint`] |
+//! | `E = ½ w ‖G x − p‖²` | [`element::Projective`] |
+//! | `3V − E = 3χ + E_b` | [`topology::Topology`]; the rank: `dof::EdgeRank` |
+//!
+//! Each file names the paper that its equations come from.
+//!
 //! # Limits
 //!
 //! - Double precision throughout; the scalar is chosen in [`math`] and nowhere else.
-//! - A [`cloth::Cloth`] is cut to springs, whose modulus depends on the pattern of the mesh ([`cloth::Membrane`]), and to quadratic hinges,
-//!   which are flat at rest, unless [`cloth::Carriers`] choose other elements of [`energy`]. Hinges have a Poisson's ratio of their own, which the
-//!   pattern of the mesh decides: −1/3 on equilateral triangles.
+//! - A [`cloth::Cloth`] is cut to springs, whose modulus depends on the pattern of the mesh ([`cloth::Membrane`]), and
+//!   to quadratic hinges, which are flat at rest, unless [`cloth::Carriers`] choose other elements of [`energy`]. Hinges
+//!   have a Poisson's ratio of their own, which the pattern of the mesh decides: −1/3 on equilateral triangles.
+//!
+//! # Errors
+//!
+//! What depends on data returns an error that names the vertex, face, line or number: [`MeshError`], [`BuildError`],
+//! [`StepError`]. Lists of the wrong length are mistakes of a program and panic.
 //!
 //! # Features
 //!
-//! `parallel` (default): sweeps, energies, matrices and multigrid on rayon's threads, with the same bits as without. `cholesky`: the factorisations of `linear`, and `dof`, over faer.
+//! `parallel` (default): sweeps, energies, matrices and multigrid on rayon's threads, with the same bits as without.
+//! `cholesky`: the factorisations of [`method::linear`], and `dof`, over faer.
 //!
 //! # The files, in reading order
 
@@ -88,19 +95,8 @@ pub mod pin;
 
 pub mod element;
 pub mod energy;
-pub mod family;
 
 pub mod cloth;
-
-pub mod chunked;
-pub mod coloring;
-pub mod ordering;
-pub mod parallel;
-pub mod vectors;
-
-pub mod block_matrix;
-pub mod linear;
-pub mod multigrid;
 
 #[cfg(feature = "cholesky")]
 pub mod dof;
@@ -111,8 +107,17 @@ pub mod step;
 pub mod air;
 pub mod pressure;
 
-pub mod position_based;
-
 pub mod measure;
 
 pub mod check;
+
+pub mod method;
+
+pub use cloth::{Cloth, ClothModel, Membrane};
+pub use contact::ContactSource;
+pub use math::{Real, Vec3};
+pub use mesh::generate::{Diagonals, grid};
+pub use mesh::{MeshError, TriMesh};
+pub use particles::{Particles, State};
+pub use pin::Pins;
+pub use step::{BuildError, StepError, StepInput, StepReport, Stepper};

@@ -1,9 +1,9 @@
 //! Yardsticks that belong to no method: energies, momenta, strain, and the function that implicit Euler minimises (CORE-14).
 
-use crate::chunked::map_reduce;
 use crate::energy::Spring;
-use crate::family::Energies;
 use crate::math::{Real, Vec3, gather};
+use crate::method::chunked::map_reduce;
+use crate::method::family::Energies;
 use crate::particles::{Particles, State};
 use crate::step::StepInput;
 

@@ -31,7 +31,7 @@
 //! | vertices where separate fans touch | [`bow_tie_vertices`] |
 //! | the middles of edges, and the triangles between them | [`Midpoints::of`] |
 //! | edges that can be left out without a triangle losing two | [`droppable_edges`] |
-//! | coarser levels of a mesh | [`crate::multigrid::coarse_levels`] |
+//! | coarser levels of a mesh | [`crate::method::multigrid::coarse_levels`] |
 //!
 //! # Limits
 //!

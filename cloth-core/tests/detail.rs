@@ -8,7 +8,7 @@ use cloth_core::dof::{EdgeRank, bent};
 use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::TriMesh;
 use cloth_core::mesh::generate::{Diagonals, disk, equilateral, grid, irregular, tube};
-use cloth_core::multigrid::{CoarseLevel, coarse_levels};
+use cloth_core::method::multigrid::{CoarseLevel, coarse_levels};
 use cloth_core::random::SplitMix64;
 use cloth_core::topology::EdgeTable;
 

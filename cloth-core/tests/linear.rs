@@ -1,11 +1,11 @@
 //! Block matrices and their factorisation against dense ones.
 
-use cloth_core::block_matrix::{BlockMatrix, PatternBuilder};
 use cloth_core::element::{Convexity, Element};
 use cloth_core::energy::{Attachment, CurvatureHinge, Spring};
-use cloth_core::family::Energies;
-use cloth_core::linear::{BlockCholesky, CholeskyError, FillOrdering};
 use cloth_core::math::{Real, Vec3};
+use cloth_core::method::block_matrix::{BlockMatrix, PatternBuilder};
+use cloth_core::method::family::Energies;
+use cloth_core::method::linear::{BlockCholesky, CholeskyError, FillOrdering};
 use nalgebra::{DMatrix, DVector};
 #[path = "support/counting_allocator.rs"]
 mod counting_allocator;

@@ -1,16 +1,16 @@
 //! The linear solvers against closed forms of their convergence, and against dense matrices (CORE-12).
 
-use cloth_core::block_matrix::{BlockMatrix, PatternBuilder};
 use cloth_core::cloth::{Cloth, Membrane};
 use cloth_core::element::Convexity;
 use cloth_core::energy::Spring;
-use cloth_core::family::Energies;
-use cloth_core::linear::{
+use cloth_core::math::{Mat3, Real, Vec3};
+use cloth_core::mesh::generate::{Diagonals, grid};
+use cloth_core::method::block_matrix::{BlockMatrix, PatternBuilder};
+use cloth_core::method::family::Energies;
+use cloth_core::method::linear::{
     Budget, ChebyshevJacobi, ConjugateGradients, GaussSeidel, Jacobi, LinearError, LinearMethod,
     LinearReport, LinearSolver, Preconditioner, spectrum,
 };
-use cloth_core::math::{Mat3, Real, Vec3};
-use cloth_core::mesh::generate::{Diagonals, grid};
 use cloth_core::step::{BuildError, Outcome};
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::PI;

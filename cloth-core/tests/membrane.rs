@@ -6,9 +6,9 @@ mod support;
 use cloth_core::check;
 use cloth_core::element::{Convexity, Energy};
 use cloth_core::energy::{ArapTriangle, StvkTriangle};
-use cloth_core::family::Energies;
 use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::{TriMesh, generate};
+use cloth_core::method::family::Energies;
 use support::{
     balanced, convex_choices_are_convex, derivatives_agree, is_invariant, largest, noise, shape,
 };

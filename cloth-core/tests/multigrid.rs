@@ -1,15 +1,15 @@
 //! Multigrid: a symmetric positive definite cycle whose contraction does not depend on the size of the mesh.
 
-use cloth_core::block_matrix::BlockMatrix;
 use cloth_core::cloth::{Cloth, ClothModel, Membrane};
 use cloth_core::contact::ContactRow;
 use cloth_core::element::Convexity;
-use cloth_core::linear::{Budget, LinearSolver, MultigridGradients};
 use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::TriMesh;
 use cloth_core::mesh::generate::{Diagonals, grid, irregular};
-use cloth_core::multigrid::Multigrid;
-use cloth_core::vectors::dot;
+use cloth_core::method::block_matrix::BlockMatrix;
+use cloth_core::method::linear::{Budget, LinearSolver, MultigridGradients};
+use cloth_core::method::multigrid::Multigrid;
+use cloth_core::method::vectors::dot;
 use std::sync::Arc;
 
 fn noise(i: usize) -> Vec3 {

@@ -3,7 +3,7 @@
 use cloth_core::math::Vec3;
 use cloth_core::mesh::TriMesh;
 use cloth_core::mesh::generate::{Diagonals, disk, grid, irregular, join, sphere};
-use cloth_core::ordering::Order;
+use cloth_core::method::ordering::Order;
 use cloth_core::topology::{EdgeTable, Topology};
 use proptest::prelude::*;
 

@@ -10,11 +10,11 @@ use cloth_core::math::{Real, Vec3};
 use cloth_core::measure::{angular_momentum, linear_momentum};
 use cloth_core::mesh::TriMesh;
 use cloth_core::mesh::generate::{Diagonals, grid};
-use cloth_core::particles::{Particles, State};
-use cloth_core::pin::Pins;
-use cloth_core::position_based::{
+use cloth_core::method::position_based::{
     Builder, ConstraintUpdate, Families, Motion, RowEquation, RowState, Settings, Sweep,
 };
+use cloth_core::particles::{Particles, State};
+use cloth_core::pin::Pins;
 use cloth_core::step::{BuildError, Observer, StepError, StepInput, StepReport};
 use cloth_core::topology::EdgeTable;
 

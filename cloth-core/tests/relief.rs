@@ -7,10 +7,10 @@ use cloth_core::cloth::{
 use cloth_core::dof::{EdgeRank, bent};
 use cloth_core::element::{Convexity, Energy};
 use cloth_core::energy::CurvatureHinge;
-use cloth_core::linear::{BlockCholesky, LinearSolver};
 use cloth_core::math::{Real, Vec3, gather};
 use cloth_core::mesh::TriMesh;
 use cloth_core::mesh::generate::{self, Diagonals, equilateral, grid, irregular};
+use cloth_core::method::linear::{BlockCholesky, LinearSolver};
 use cloth_core::topology::{EdgeTable, HingeTable, Midpoints, Topology, droppable_edges};
 
 const STIFF: Cloth = Cloth {
@@ -299,7 +299,7 @@ fn midpoints_of_vertices_store_the_energy_of_the_vertices() {
         let halves = bending
             .on_midpoints(MembraneCarrier::Springs, &mesh)
             .unwrap();
-        let mut of_vertices = cloth_core::family::Energies::new(mesh.vertex_count());
+        let mut of_vertices = cloth_core::method::family::Energies::new(mesh.vertex_count());
         let hinges = CurvatureHinge::across(&mesh, &HingeTable::build(&mesh, &edges), 3.0);
         of_vertices = of_vertices.with(hinges).unwrap();
         let y = halves.midpoints.between(&x);

@@ -1,7 +1,7 @@
 //! Saddle-point systems against dense ones.
 
-use cloth_core::linear::{Minres, SignedCholesky, UpperPattern};
 use cloth_core::math::Real;
+use cloth_core::method::linear::{Minres, SignedCholesky, UpperPattern};
 use nalgebra::{DMatrix, DVector};
 
 const POSITIVE: usize = 20;

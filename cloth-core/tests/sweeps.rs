@@ -5,7 +5,7 @@ use cloth_core::energy::{CurvatureHinge, Spring};
 use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::TriMesh;
 use cloth_core::mesh::generate::{Diagonals, grid, irregular};
-use cloth_core::position_based::{
+use cloth_core::method::position_based::{
     Acceleration, Chebyshev, ConstraintUpdate, Families, Radius, RowEquation, RowState, Sweep,
 };
 use cloth_core::step::BuildError;

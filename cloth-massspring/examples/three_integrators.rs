@@ -4,10 +4,10 @@
 //! motion and stretch, or it is lost by the method. Forward Euler ends when it has gained too much.
 
 use cloth_core::cloth::{Cloth, ClothModel, Membrane};
-use cloth_core::family::Energies;
 use cloth_core::math::{Real, Vec3};
 use cloth_core::measure::{gravitational_energy, kinetic_energy};
 use cloth_core::mesh::generate::{Diagonals, grid};
+use cloth_core::method::family::Energies;
 use cloth_core::particles::State;
 use cloth_core::step::{StepError, StepInput, Stepper};
 use cloth_massspring::{ExplicitEuler, ImplicitEuler, SymplecticEuler, stable_time_step};

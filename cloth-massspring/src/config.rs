@@ -2,8 +2,8 @@
 
 use crate::damping::Damping;
 use cloth_core::element::Convexity;
-use cloth_core::linear::{Budget, LinearMethod};
 use cloth_core::math::Real;
+use cloth_core::method::linear::{Budget, LinearMethod};
 use cloth_core::step::BuildError;
 
 /// Settings of [`crate::ExplicitEuler`] and [`crate::SymplecticEuler`].

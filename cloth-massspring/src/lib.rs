@@ -95,7 +95,7 @@
 //! | one Newton step | linearised implicit Euler | [`Solve::Linearized`], [`ImplicitConfig::linearized`] |
 //! | `−α M v − β K v` | drag, stiffness-proportional damping | [`Damping`] |
 //! | S1 (15) | the linear system, kept positive definite | [`HessianPolicy`], [`Accept`] |
-//! | `A p = −∇G` | its solution | [`ImplicitConfig::linear`], [`cloth_core::linear`] |
+//! | `A p = −∇G` | its solution | [`ImplicitConfig::linear`], [`cloth_core::method::linear`] |
 //!
 //! [`IncrementalPotential`]: cloth_core::measure::IncrementalPotential
 //!
@@ -107,7 +107,7 @@
 //!
 //! Newton's method takes some ten iterations a step, each a factorisation of 3V unknowns: most of its time, and more
 //! than proportional to V. The default factorises nothing. Its direction is `−B⁻¹∇G` with `B⁻¹` one V-cycle of
-//! [multigrid](cloth_core::multigrid) on a positive definite Hessian, improved by the last five pairs `s = Δx`,
+//! [multigrid](cloth_core::method::multigrid) on a positive definite Hessian, improved by the last five pairs `s = Δx`,
 //! `y = Δ∇G` (L-BFGS): five to ten times as many iterations as Newton's method, each thirty to sixty times cheaper.
 //! Four things make it work:
 //!
@@ -117,7 +117,7 @@
 //!   thin cloth move too far: at 64 vertices a side and 10⁻⁸ N·m a step takes 1.4 times as long. Alone such a matrix
 //!   would converge linearly, and slowly near a saddle point, where a compressed sheet has not buckled yet: it is stiff
 //!   in just the direction that is soft. The pairs bring that curvature back. The couplings of wing tips are lumped
-//!   ([`lumped_assembly`](cloth_core::family::Energies::lumped_assembly)), which leaves the pattern of the edges.
+//!   ([`lumped_assembly`](cloth_core::method::family::Energies::lumped_assembly)), which leaves the pattern of the edges.
 //! - *Predicted forces.* A stiff spring that turns in an iteration is stretched by far, and the Hessian then says that
 //!   the cloth is taut. In the first four iterations the part of the Hessian that depends on the force takes the force
 //!   that the *linearised* spring has predicted ([`mixed_hessian`](cloth_core::element::Energy::mixed_hessian)).

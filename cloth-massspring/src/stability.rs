@@ -13,8 +13,8 @@
 //! B. N. Parlett, *The Symmetric Eigenvalue Problem*, SIAM 1998, chapter 13, <https://doi.org/10.1137/1.9781611971163>.
 
 use cloth_core::element::Convexity;
-use cloth_core::family::Energies;
 use cloth_core::math::{Real, Vec3};
+use cloth_core::method::family::Energies;
 use cloth_core::particles::Particles;
 use nalgebra::SMatrix;
 

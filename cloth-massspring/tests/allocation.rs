@@ -1,9 +1,9 @@
 //! No step after the first allocates.
 
 use cloth_core::energy::Spring;
-use cloth_core::linear::{Budget, LinearMethod};
 use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::generate::{Diagonals, grid};
+use cloth_core::method::linear::{Budget, LinearMethod};
 use cloth_core::particles::{Particles, State};
 use cloth_core::step::{StepInput, Stepper};
 use cloth_core::topology::EdgeTable;

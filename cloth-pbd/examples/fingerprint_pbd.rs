@@ -8,8 +8,8 @@ use cloth_core::cloth::{Cloth, Membrane};
 use cloth_core::energy::ArapTriangle;
 use cloth_core::math::Vec3;
 use cloth_core::mesh::generate::{Diagonals, grid};
+use cloth_core::method::position_based::{Acceleration, Chebyshev, Radius, Sweep};
 use cloth_core::particles::State;
-use cloth_core::position_based::{Acceleration, Chebyshev, Radius, Sweep};
 use cloth_core::step::StepInput;
 use cloth_core::step::Stepper;
 use cloth_pbd::{

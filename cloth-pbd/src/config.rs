@@ -1,7 +1,7 @@
 //! Settings of the solver.
 
 use crate::stiffness::StiffnessRule;
-use cloth_core::position_based::{Acceleration, Sweep};
+use cloth_core::method::position_based::{Acceleration, Sweep};
 
 /// Settings of [`PbdSolver`](crate::PbdSolver).
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,13 +1,13 @@
-//! Hierarchical PBD (Müller 2008): projected distance constraints on the coarse levels of [`cloth_core::multigrid`].
+//! Hierarchical PBD (Müller 2008): projected distance constraints on the coarse levels of [`cloth_core::method::multigrid`].
 
 mod level;
 mod tether;
 
 use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::{MeshError, TriMesh};
-use cloth_core::multigrid::coarse_levels;
+use cloth_core::method::multigrid::coarse_levels;
+use cloth_core::method::position_based::Sweep;
 use cloth_core::particles::Particles;
-use cloth_core::position_based::Sweep;
 use cloth_core::step::BuildError;
 use cloth_core::topology::EdgeTable;
 use level::Level;

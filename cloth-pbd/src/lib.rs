@@ -84,7 +84,7 @@
 //! | free flight; velocities from positions | [`Motion::predict`], [`Motion::update_velocities`] |
 //! | C, ∂C/∂x, k | [`Constraint::rows`] of each element of [`energy`](cloth_core::energy) |
 //! | `−s C`: the formula of a row | `stiffness.rs`: `Projection::equation` |
-//! | `wᵢ ∂C/∂xᵢ Δλ` of one element | `cloth-core/src/position_based/correction.rs` |
+//! | `wᵢ ∂C/∂xᵢ Δλ` of one element | `cloth-core/src/method/position_based/correction.rs` |
 //! | the loop over rows | [`Families::sweep`], in the order of [`Sweep`] |
 //! | ω, ρ | [`Acceleration`], [`Chebyshev`] |
 //! | `((1 − s)^(−n) − 1)/(h² w̃)` | [`effective_stiffness`] |
@@ -98,11 +98,11 @@
 //! functions there are the same formula for rows of a special shape. For a spring, `unit_row_correction` leaves
 //! the gradient `d/l` undivided and computes `Δλ/l = −s C/(w̃ l)`, so that one division does for two.
 //!
-//! [`Motion::predict`]: cloth_core::position_based::Motion::predict
-//! [`Motion::update_velocities`]: cloth_core::position_based::Motion::update_velocities
-//! [`Motion::count_pin_work`]: cloth_core::position_based::Motion::count_pin_work
+//! [`Motion::predict`]: cloth_core::method::position_based::Motion::predict
+//! [`Motion::update_velocities`]: cloth_core::method::position_based::Motion::update_velocities
+//! [`Motion::count_pin_work`]: cloth_core::method::position_based::Motion::count_pin_work
 //! [`Constraint::rows`]: cloth_core::element::Constraint::rows
-//! [`Families::sweep`]: cloth_core::position_based::Families::sweep
+//! [`Families::sweep`]: cloth_core::method::position_based::Families::sweep
 //!
 //! # Order of the constraints, colours and threads
 //! A sweep visits the families in the order in which they were added, and the elements of a family in the order
@@ -279,7 +279,7 @@
 //! # Files in reading order
 //! 1. `examples/first_program.rs`: the naive method. `examples/springs_in_a_row.rs`: what its k is worth.
 //! 2. `solver.rs`: the loop; `config.rs`: its settings.
-//! 3. `stiffness.rs`: the formula of a row. In `cloth-core/src/position_based`: `correction.rs` (one element),
+//! 3. `stiffness.rs`: the formula of a row. In `cloth-core/src/method/position_based`: `correction.rs` (one element),
 //!    `families.rs` (the sweep), `motion.rs` (flight, velocities, contact), `chebyshev.rs`.
 //! 4. `hierarchy.rs`, with `tether.rs` (the row of a coarse link) and `level.rs`.
 //! 5. `strain_limit.rs`, with `limit.rs` (one element), `components.rs` (angular momentum), `with_strain_limit.rs`.
@@ -327,7 +327,7 @@ pub use cloth_core;
 pub use cloth_core::{
     energy::Spring,
     math::Vec3,
+    method::position_based::{Acceleration, Chebyshev, Radius, Sweep},
     particles::{Particles, State},
-    position_based::{Acceleration, Chebyshev, Radius, Sweep},
     step::{BuildError, StepError, StepInput, StepReport, Stepper},
 };

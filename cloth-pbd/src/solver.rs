@@ -4,8 +4,10 @@ use crate::config::PbdConfig;
 use crate::hierarchy::Hierarchy;
 use crate::stiffness::Projection;
 use cloth_core::math::Real;
+use cloth_core::method::position_based::{
+    Acceleration, Builder, Families, Motion, Settings, Sweep,
+};
 use cloth_core::particles::{Particles, State};
-use cloth_core::position_based::{Acceleration, Builder, Families, Motion, Settings, Sweep};
 use cloth_core::step::{BuildError, StepError, StepInput, StepReport, Stepper};
 
 /// Position-based dynamics; see the [crate documentation](crate).
@@ -51,7 +53,7 @@ impl PbdSolver {
     }
 
     /// How many substeps, since the solver was built, disabled Chebyshev extrapolation because it made the
-    /// corrections grow; see [`Chebyshev`](cloth_core::position_based::Chebyshev).
+    /// corrections grow; see [`Chebyshev`](cloth_core::method::position_based::Chebyshev).
     #[must_use]
     pub fn chebyshev_fallbacks(&self) -> u64 {
         self.families.chebyshev_fallbacks()

@@ -1,7 +1,7 @@
 //! The formula of a row, `Δλ = −s C/w̃`, and its s from the stiffness k of the material.
 
 use cloth_core::math::Real;
-use cloth_core::position_based::{ConstraintUpdate, RowEquation, RowState};
+use cloth_core::method::position_based::{ConstraintUpdate, RowEquation, RowState};
 use cloth_core::step::BuildError;
 
 /// The fraction s (dimensionless, 0 to 1) of its violation that a constraint removes in one visit.

@@ -12,8 +12,8 @@ pub use with_strain_limit::WithStrainLimit;
 
 use cloth_core::element::{Constraint, Element};
 use cloth_core::energy::{ArapTriangle, AreaTriangle, Spring};
-use cloth_core::family::check_vertices;
 use cloth_core::math::{Real, Vec3, is_finite};
+use cloth_core::method::family::check_vertices;
 use cloth_core::particles::{Particles, State};
 use cloth_core::step::{BuildError, Outcome, StepError};
 use components::Components;

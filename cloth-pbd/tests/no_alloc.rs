@@ -5,8 +5,8 @@ mod counting_allocator;
 #[path = "../../cloth-core/tests/support/sheet.rs"]
 mod sheet;
 
+use cloth_core::method::position_based::{Acceleration, Chebyshev, Radius, Sweep};
 use cloth_core::particles::State;
-use cloth_core::position_based::{Acceleration, Chebyshev, Radius, Sweep};
 use cloth_pbd::{PbdConfig, PbdSolver};
 
 #[test]

@@ -3,8 +3,8 @@
 use cloth_core::element::Constraint;
 use cloth_core::energy::{CurvatureHinge, Spring};
 use cloth_core::math::{Real, Vec3};
+use cloth_core::method::position_based::{Acceleration, Chebyshev, Radius, Sweep};
 use cloth_core::particles::{Particles, State};
-use cloth_core::position_based::{Acceleration, Chebyshev, Radius, Sweep};
 use cloth_core::step::{StepInput, Stepper};
 use cloth_pbd::{PbdConfig, PbdSolver, StiffnessRule};
 

@@ -64,7 +64,7 @@ impl Chebyshev {
         self.count += 1;
         if self.given.is_none() && self.count <= DELAY {
             // ‖A⁻¹g‖ in the norm of A, in which the plain iteration contracts by its largest eigenvalue.
-            let size = cloth_core::vectors::dot(&point.gradient, &self.increment)
+            let size = cloth_core::method::vectors::dot(&point.gradient, &self.increment)
                 .max(0.0)
                 .sqrt();
             if self.last_size > 0.0 && size.is_finite() {

@@ -23,13 +23,13 @@ use crate::components::FreeComponents;
 use crate::global::GlobalSystem;
 use crate::lattice::{Lattice, PaddedBlock};
 use crate::local::Projections;
-use cloth_core::block_matrix::{BlockMatrix, BlockPattern, PatternBuilder};
-use cloth_core::chunked::map_reduce;
 use cloth_core::energy::Attachment;
 use cloth_core::math::{Mat3, Real, Vec3};
-use cloth_core::multigrid::{Multigrid, Prolongation};
+use cloth_core::method::block_matrix::{BlockMatrix, BlockPattern, PatternBuilder};
+use cloth_core::method::chunked::map_reduce;
+use cloth_core::method::multigrid::{Multigrid, Prolongation};
+use cloth_core::method::vectors::add;
 use cloth_core::particles::Particles;
-use cloth_core::vectors::add;
 use std::sync::Arc;
 
 /// `Pᵀ H P`, and the levels below the lattice.

@@ -3,8 +3,8 @@
 use crate::global::GlobalSystem;
 use cloth_core::contact::{ContactPotential, ContactRow};
 use cloth_core::math::{Real, Vec3};
+use cloth_core::method::vectors::{add, dot};
 use cloth_core::particles::Particles;
-use cloth_core::vectors::{add, dot};
 
 /// The contact potential of the step, if there is contact and the method takes it into account.
 pub(crate) type Contact<'a> = Option<&'a mut dyn ContactPotential>;

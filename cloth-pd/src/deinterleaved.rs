@@ -6,9 +6,9 @@
 //! about as long: the processor does both at the same time.
 
 use crate::vertex_blocks::of;
-use cloth_core::chunked::CHUNK;
 use cloth_core::element::Projective;
 use cloth_core::math::{Real, Vec3};
+use cloth_core::method::chunked::CHUNK;
 use std::ops::Range;
 
 /// Elements that are projected side by side: two registers of four.

@@ -7,8 +7,8 @@
 
 use crate::local::Projections;
 use crate::matrix::{SMALLEST_PIVOT, assemble, fill, smallest_pivot, upper_pattern};
-use cloth_core::linear::{Cholesky, CholeskyError, LowRank, PanelFactor};
 use cloth_core::math::{Real, Vec3};
+use cloth_core::method::linear::{Cholesky, CholeskyError, LowRank, PanelFactor};
 use cloth_core::particles::Particles;
 use sprs::CsMat;
 use std::fmt;

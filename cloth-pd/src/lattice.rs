@@ -1,9 +1,9 @@
 //! The prolongation P: trilinear hat functions on a coarse lattice of cubes laid over the cloth at rest.
 
-use cloth_core::block_matrix::BlockPattern;
 use cloth_core::element::Projective;
 use cloth_core::math::{Mat3, Real, Vec3};
-use cloth_core::multigrid::Prolongation;
+use cloth_core::method::block_matrix::BlockPattern;
+use cloth_core::method::multigrid::Prolongation;
 use std::collections::BTreeMap;
 
 /// For every vertex the lattice nodes around it and their weights, which are trilinear and add up to 1: what moves

@@ -82,7 +82,7 @@
 //! - **A coarse grid**, a two-level Galerkin preconditioner (Bramble, Pasciak, Xu 1990): the slow motions are smooth,
 //!   so a few hundred unknowns on a lattice of trilinear hat functions describe them (P is the prolongation, Pᵀ the
 //!   restriction, `PᵀHP` the Galerkin coarse operator), where a Newton step is cheap. The initial inverse Hessian
-//!   becomes `A⁻¹ + P V Pᵀ`, V a cycle of [`Multigrid`](cloth_core::multigrid::Multigrid) for `PᵀHP` with the Hessian H
+//!   becomes `A⁻¹ + P V Pᵀ`, V a cycle of [`Multigrid`](cloth_core::method::multigrid::Multigrid) for `PᵀHP` with the Hessian H
 //!   (its negative eigenvalues set to zero) at the start of the step's iteration: an additive correction. A reduces the
 //!   rough part of the error, the grid the smooth part.
 //!
@@ -131,8 +131,8 @@
 //! | `G`, `∇G` | `objective.rs` |
 //! | A, S1 (30), (32) | `matrix.rs` |
 //! | what quasi-Newton leaves out of it | `matrix.rs` |
-//! | its factor, and what changes it | `global.rs`, [`LowRank`](cloth_core::linear::LowRank) |
-//! | the solve of S1 (34) | [`PanelFactor::solve`](cloth_core::linear::PanelFactor::solve) |
+//! | its factor, and what changes it | `global.rs`, [`LowRank`](cloth_core::method::linear::LowRank) |
+//! | the solve of S1 (34) | [`PanelFactor::solve`](cloth_core::method::linear::PanelFactor::solve) |
 //! | Chebyshev weights (Wang 2015, algorithm 1) | `chebyshev.rs` |
 //! | two-loop recursion (Liu et al. 2017, algorithm 2), line search | `quasi_newton.rs` |
 //! | `A + Σ k J Jᵀ` with the contacts | `contact.rs` |
@@ -190,7 +190,7 @@
 //! about `200 n` for the rest of the objective, and `96 n` for each pair that is remembered. At 128 a side, with the
 //! bending left out of the matrix, that is about 9 MB, 2 MB, 4 MB, 3 MB and, with two pairs, 3 MB. A large factor is
 //! cut into subtrees of its elimination tree, which threads can share; the cut does not depend on how many there are.
-//! All loops are compiled for wide registers too ([`wide`](cloth_core::parallel::wide)), and give the same bits
+//! All loops are compiled for wide registers too ([`wide`](cloth_core::method::parallel::wide)), and give the same bits
 //! without.
 //!
 //! The coarse matrix is summed once a step, element by element: `Pᵀ H P` is never a matrix of the whole cloth first,
@@ -202,7 +202,7 @@
 //! kinetic energy of the swing (below) is −74 % instead of −45; taken several times in a step, no better than once.
 //!
 //! Why a solve of our own and not the library's: a triangular solve does two operations per number of the factor that
-//! it reads, so memory decides. [`PanelFactor`](cloth_core::linear::PanelFactor) lays the factor out in the order in
+//! it reads, so memory decides. [`PanelFactor`](cloth_core::method::linear::PanelFactor) lays the factor out in the order in
 //! which it is read, in panels of up to four columns with the diagonal inverted, and carries x, y and z in one vector
 //! register: the factor is read twice for all three and not twice for each, and a panel's right-hand sides stay in
 //! registers.

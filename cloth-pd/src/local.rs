@@ -5,12 +5,12 @@ use crate::batch::{BATCH_SIZE, projected_hessians_on_spheres, unpacked};
 use crate::global::Term;
 use crate::lattice::{ElementProlongation, PaddedBlock};
 use crate::vertex_blocks::VertexBlocks;
-use cloth_core::block_matrix::BlockPattern;
 use cloth_core::element::{Element, Projective};
-use cloth_core::family::check_vertices;
 use cloth_core::math::{Real, Vec3, gather};
-use cloth_core::multigrid::Prolongation;
-use cloth_core::parallel::wide;
+use cloth_core::method::block_matrix::BlockPattern;
+use cloth_core::method::family::check_vertices;
+use cloth_core::method::multigrid::Prolongation;
+use cloth_core::method::parallel::wide;
 use cloth_core::particles::Particles;
 use cloth_core::step::BuildError;
 use std::fmt::Debug;
@@ -297,9 +297,9 @@ pub(crate) fn force_on<const N: usize, const K: usize>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use cloth_core::block_matrix::{BlockMatrix, PatternBuilder};
     use cloth_core::cloth::{Cloth, Membrane};
     use cloth_core::mesh::generate::{Diagonals, grid};
+    use cloth_core::method::block_matrix::{BlockMatrix, PatternBuilder};
 
     /// Where nothing is compressed, `Σ w Gᵀ (I − ∂p/∂z) G` is the derivative of the gradient. The second family is
     /// stored with its ends turned.

@@ -1,8 +1,8 @@
 //! The matrix `A = M/Δt² + Σ w GᵀG` itself: its pattern, its numbers, and what elimination has left of them.
 
 use crate::local::Projections;
-use cloth_core::linear::{CholeskyError, FactorView, UpperPattern};
 use cloth_core::math::Real;
+use cloth_core::method::linear::{CholeskyError, FactorView, UpperPattern};
 use sprs::{CsMat, TriMat};
 
 /// A pivot below this part of its diagonal entry has lost all but a few of its digits.

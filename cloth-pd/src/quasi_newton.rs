@@ -5,11 +5,11 @@ use crate::coarse::CoarseGrid;
 use crate::contact::{Contact, ContactSystem};
 use crate::global::GlobalSystem;
 use crate::objective::{Objective, Point};
-use cloth_core::chunked::map_reduce;
 use cloth_core::contact::ContactError;
 use cloth_core::math::{Real, Vec3};
-use cloth_core::parallel::join;
-use cloth_core::vectors::{add, add_and_dot, dot, dot_of_part};
+use cloth_core::method::chunked::map_reduce;
+use cloth_core::method::parallel::join;
+use cloth_core::method::vectors::{add, add_and_dot, dot, dot_of_part};
 
 /// Part of the promised decrease that has to be kept (Armijo's constant).
 const ARMIJO: Real = 1e-4;

@@ -4,10 +4,10 @@
 use crate::batch::{BATCH_SIZE, ProjectionBatch};
 use crate::deinterleaved::{Run, Runs};
 use crate::local::force_on;
-use cloth_core::chunked::CHUNK;
 use cloth_core::element::Projective;
 use cloth_core::math::{Real, Vec3};
-use cloth_core::parallel::wide;
+use cloth_core::method::chunked::CHUNK;
+use cloth_core::method::parallel::wide;
 
 /// The block of a vertex.
 #[inline]

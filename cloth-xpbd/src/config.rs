@@ -1,7 +1,7 @@
 //! Settings of the solver.
 
 use cloth_core::math::Real;
-use cloth_core::position_based::{Acceleration, Sweep};
+use cloth_core::method::position_based::{Acceleration, Sweep};
 
 /// Settings of [`XpbdSolver`](crate::XpbdSolver).
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -107,9 +107,9 @@
 //! | contact | `direct/contact.rs` |
 //! | the loop around them | [`DirectXpbd`] |
 //!
-//! [`SignedCholesky`]: cloth_core::linear::SignedCholesky
-//! [`Minres`]: cloth_core::linear::Minres
-//! [`Cholesky`]: cloth_core::linear::Cholesky
+//! [`SignedCholesky`]: cloth_core::method::linear::SignedCholesky
+//! [`Minres`]: cloth_core::method::linear::Minres
+//! [`Cholesky`]: cloth_core::method::linear::Cholesky
 //! [`Constraint::geometric_stiffness`]: cloth_core::element::Constraint::geometric_stiffness
 //!
 //! # Limits

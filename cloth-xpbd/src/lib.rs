@@ -142,7 +142,7 @@
 //! | free flight; velocities from positions | [`Motion::predict`], [`Motion::update_velocities`] |
 //! | C, ∂C/∂x, k | [`Constraint::rows`] of each element |
 //! | `−(C + α̃λ)` and α̃, damping | `update.rs`: `XpbdUpdate::equation` |
-//! | Δλ and `wᵢ ∂C/∂xᵢ Δλ` of one element | `cloth-core/src/position_based/correction.rs` |
+//! | Δλ and `wᵢ ∂C/∂xᵢ Δλ` of one element | `cloth-core/src/method/position_based/correction.rs` |
 //! | the loop over rows | [`Families::sweep`], in the order of [`Sweep`] |
 //! | extrapolated sweeps, λ together with x | [`Chebyshev`] |
 //! | the loop over substeps and sweeps | [`XpbdSolver`]: `solver.rs` |
@@ -152,10 +152,10 @@
 //! | rigid links, ball joints, limits of angles | [`mod@links`] |
 //! | (a) and (b) as one system, geometric stiffness | `direct`, with the feature of that name |
 //!
-//! [`Motion::predict`]: cloth_core::position_based::Motion::predict
-//! [`Motion::update_velocities`]: cloth_core::position_based::Motion::update_velocities
+//! [`Motion::predict`]: cloth_core::method::position_based::Motion::predict
+//! [`Motion::update_velocities`]: cloth_core::method::position_based::Motion::update_velocities
 //! [`Constraint::rows`]: cloth_core::element::Constraint::rows
-//! [`Families::sweep`]: cloth_core::position_based::Families::sweep
+//! [`Families::sweep`]: cloth_core::method::position_based::Families::sweep
 //!
 //! **Where the formula lives.** The plain form is `row_by_row_correction` in `correction.rs`; the other
 //! functions there are the same formula for rows of a special shape. For a spring, `unit_row_correction` leaves
@@ -390,7 +390,7 @@
 //! The naive loop visits springs in the order of their vertices, each waiting for the one before it. A spring
 //! moves some 170 bytes, 2.3 ns at the 75 GB/s of the third-level cache. An irregular sheet of 66 000 vertices
 //! takes 5.6. Vertices numbered at random take 7.5 there and 29 on 1000 × 1000; sorted along a curve
-//! ([`Order::morton`](cloth_core::ordering::Order::morton)) they take 5.9 and 7.0.
+//! ([`Order::morton`](cloth_core::method::ordering::Order::morton)) they take 5.9 and 7.0.
 //!
 //! With a second thread springs take 4.1 instead of 5.2 at 128 a side, from 181 a side (33 000 vertices) on
 //! half the time of one thread; smaller sheets stay on one.
@@ -443,7 +443,7 @@
 //! # Files in reading order
 //! 1. `examples/first_program.rs`: the naive method.
 //! 2. `solver.rs`: the loop; `config.rs`: its settings.
-//! 3. `update.rs`: Δλ and damping. In `cloth-core/src/position_based`: `correction.rs` (one element),
+//! 3. `update.rs`: Δλ and damping. In `cloth-core/src/method/position_based`: `correction.rs` (one element),
 //!    `families.rs` (the sweep), `motion.rs` (flight, velocities, contact), `chebyshev.rs`.
 //! 4. `substeps.rs`, `forces.rs`, `links.rs`.
 //! 5. `direct.rs` and its folder: `kkt.rs` (the system), `saddle.rs` and `schur.rs` (its solvers), `linear.rs`,
@@ -498,7 +498,7 @@ pub use cloth_core;
 pub use cloth_core::{
     energy::Spring,
     math::Vec3,
+    method::position_based::{Acceleration, Chebyshev, Radius, Sweep},
     particles::{Particles, State},
-    position_based::{Acceleration, Chebyshev, Radius, Sweep},
     step::{BuildError, StepError, StepInput, StepReport, Stepper},
 };

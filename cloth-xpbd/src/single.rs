@@ -77,8 +77,8 @@ use crate::update::XpbdUpdate;
 use cloth_core::element::Constraint;
 use cloth_core::energy::Spring;
 use cloth_core::math::{Real, Vec3};
+use cloth_core::method::position_based::Motion;
 use cloth_core::particles::{Particles, State};
-use cloth_core::position_based::Motion;
 use cloth_core::step::{BuildError, StepError, StepInput, StepReport, Stepper};
 use positions::Positions;
 use springs::Springs;
@@ -233,8 +233,8 @@ impl SingleBuilder {
     ) -> Self {
         if self.error.is_none() {
             let count = self.solver.motion.vertex_count();
-            let family =
-                cloth_core::family::check_vertices(elements, count).and_then(|()| family(count));
+            let family = cloth_core::method::family::check_vertices(elements, count)
+                .and_then(|()| family(count));
             match family {
                 Ok(family) => self.solver.families.push(family),
                 Err(error) => self.error = Some(error),

@@ -3,8 +3,10 @@
 use crate::config::XpbdConfig;
 use crate::update::XpbdUpdate;
 use cloth_core::math::{Real, Vec3};
+use cloth_core::method::position_based::{
+    Acceleration, Builder, Families, Motion, Settings, Sweep,
+};
 use cloth_core::particles::{Particles, State};
-use cloth_core::position_based::{Acceleration, Builder, Families, Motion, Settings, Sweep};
 use cloth_core::step::{BuildError, StepError, StepInput, StepReport, Stepper};
 
 /// Extended position-based dynamics; see the [crate documentation](crate).
@@ -90,7 +92,7 @@ impl XpbdSolver {
     }
 
     /// How many substeps, since the solver was built, disabled Chebyshev extrapolation because it made the
-    /// corrections grow; see [`Chebyshev`](cloth_core::position_based::Chebyshev).
+    /// corrections grow; see [`Chebyshev`](cloth_core::method::position_based::Chebyshev).
     #[must_use]
     pub fn chebyshev_fallbacks(&self) -> u64 {
         self.families.chebyshev_fallbacks()

@@ -1,7 +1,7 @@
 //! The update of one row, Δλ from its value and its scaled compliance: the formula of XPBD, with and without damping.
 
 use cloth_core::math::Real;
-use cloth_core::position_based::{ConstraintUpdate, RowEquation, RowState};
+use cloth_core::method::position_based::{ConstraintUpdate, RowEquation, RowState};
 
 /// `Δλ = −(C + α̃λ)/(w̃ + α̃)` with `α̃ = 1/(k h²)` (Macklin et al. 2016, equation 18), and the same with
 /// damping.

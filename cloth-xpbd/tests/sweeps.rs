@@ -9,8 +9,8 @@ mod sheet;
 
 use chain::Chain;
 use cloth_core::math::Real;
+use cloth_core::method::position_based::{Acceleration, Chebyshev, Radius, Sweep};
 use cloth_core::particles::State;
-use cloth_core::position_based::{Acceleration, Chebyshev, Radius, Sweep};
 use cloth_xpbd::{XpbdConfig, XpbdSolver};
 
 const SWEEPS: [Sweep; 4] = [

@@ -6,7 +6,7 @@ use cloth_bench::scene::{self, Scene};
 use cloth_bench::settings::Settings;
 use cloth_core::element::{Constraint, RowArray};
 use cloth_core::math::{Real, Vec3};
-use cloth_core::position_based::{
+use cloth_core::method::position_based::{
     Acceleration, ConstraintUpdate, Families, RowEquation, RowState, Sweep,
 };
 

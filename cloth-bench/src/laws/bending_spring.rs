@@ -4,9 +4,9 @@ use super::{Law, Verdict};
 use crate::error::BenchError;
 use crate::settings::{Parameter, Settings, parameter};
 use cloth_core::energy::Spring;
-use cloth_core::family::Energies;
 use cloth_core::math::{Mat3, Real};
 use cloth_core::mesh::generate;
+use cloth_core::method::family::Energies;
 use cloth_core::topology::{EdgeTable, HingeTable};
 
 const ANGLE: Parameter = parameter(

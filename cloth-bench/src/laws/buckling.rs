@@ -26,11 +26,11 @@ use super::strip::{Shape, Strip};
 use super::{Law, Verdict, within_reach};
 use crate::error::BenchError;
 use crate::settings::{Parameter, Settings, parameter};
-use cloth_core::block_matrix::BlockMatrix;
 use cloth_core::element::Convexity;
-use cloth_core::family::{Assembly, Energies};
-use cloth_core::linear::{Inertia, UpperPattern};
 use cloth_core::math::{Real, Vec3};
+use cloth_core::method::block_matrix::BlockMatrix;
+use cloth_core::method::family::{Assembly, Energies};
+use cloth_core::method::linear::{Inertia, UpperPattern};
 use cloth_massspring::Accept;
 
 const ACROSS: Parameter = parameter(

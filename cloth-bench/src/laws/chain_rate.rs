@@ -5,7 +5,7 @@ use super::{Law, Verdict, within_reach};
 use crate::error::BenchError;
 use crate::settings::{Parameter, Settings, parameter};
 use cloth_core::math::{Real, Vec3};
-use cloth_core::position_based::{Acceleration, Chebyshev, Radius, Sweep};
+use cloth_core::method::position_based::{Acceleration, Chebyshev, Radius, Sweep};
 use cloth_core::step::{Observer, StepInput, Stepper};
 use cloth_pbd::{PbdConfig, PbdSolver, StiffnessRule};
 use cloth_xpbd::{XpbdConfig, XpbdSolver};

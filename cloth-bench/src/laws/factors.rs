@@ -11,8 +11,8 @@ use super::models::{MODEL, MODEL_NAMES, Model};
 use super::{Law, Verdict};
 use crate::error::BenchError;
 use crate::settings::{Parameter, Settings, parameter};
-use cloth_core::family::Energies;
 use cloth_core::math::{Real, Vec3};
+use cloth_core::method::family::Energies;
 use cloth_core::topology::{EdgeTable, HingeTable};
 
 const SURFACE: Parameter = parameter("surface", "cylinder", "cylinder, sphere or saddle");

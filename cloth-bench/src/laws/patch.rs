@@ -5,9 +5,9 @@ use crate::error::BenchError;
 use crate::settings::{Parameter, Settings, parameter};
 use cloth_core::cloth::{Cloth, Membrane};
 use cloth_core::energy::{ArapTriangle, StvkTriangle};
-use cloth_core::family::Energies;
 use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::{TriMesh, generate};
+use cloth_core::method::family::Energies;
 use cloth_core::topology::EdgeTable;
 
 const ELEMENT: Parameter = parameter(

@@ -4,7 +4,7 @@ use crate::error::BenchError;
 use crate::scene::Scene;
 use crate::settings::{Parameter, Settings, parameter};
 use cloth_core::element::Convexity;
-use cloth_core::linear::{Budget, LinearMethod};
+use cloth_core::method::linear::{Budget, LinearMethod};
 use cloth_massspring::{Damping, HessianPolicy, ImplicitConfig, Solve, StartGuess};
 
 pub(super) const EXPLICIT_SUBSTEPS: Parameter = parameter(

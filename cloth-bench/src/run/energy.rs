@@ -40,8 +40,8 @@
 
 use crate::error::BenchError;
 use crate::scene::Scene;
-use cloth_core::family::Energies;
 use cloth_core::math::{Real, Vec3};
+use cloth_core::method::family::Energies;
 use cloth_core::particles::{Particles, State};
 use serde::{Deserialize, Serialize};
 use std::fmt;

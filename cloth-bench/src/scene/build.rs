@@ -15,7 +15,7 @@ use cloth_core::energy::Spring;
 use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::TriMesh;
 use cloth_core::mesh::generate;
-use cloth_core::ordering::Order;
+use cloth_core::method::ordering::Order;
 use cloth_core::particles::{Particles, State};
 
 impl SceneInfo {

@@ -8,7 +8,7 @@ use crate::scene::{self, Scene};
 use crate::settings::Settings;
 use crate::yardstick::{StepError, StepProblem};
 use cloth_core::math::Real;
-use cloth_core::position_based::Sweep;
+use cloth_core::method::position_based::Sweep;
 use cloth_core::step::{StepInput, Stepper};
 use cloth_xpbd::direct::{DirectConfig, DirectXpbd};
 use cloth_xpbd::{XpbdConfig, XpbdSolver};

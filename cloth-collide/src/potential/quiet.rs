@@ -1,7 +1,7 @@
 //! Substeps in which nothing can come near: one pass over the positions tells, and nothing else is done.
 
 use cloth_core::math::{Real, Vec3};
-use cloth_core::parallel::wide;
+use cloth_core::method::parallel::wide;
 
 /// Vertices that say what all do together.
 const SAMPLES: usize = 16;

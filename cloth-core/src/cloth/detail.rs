@@ -6,13 +6,13 @@
 //! on any mesh.
 //!
 //! Hierarchical position-based dynamics holds a cloth with such links, level by level from coarse to fine, as a way to carry
-//! corrections far ([`crate::multigrid`]). Here they are elements with a stiffness, so that every method takes them and all agree on what they mean.
+//! corrections far ([`crate::method::multigrid`]). Here they are elements with a stiffness, so that every method takes them and all agree on what they mean.
 
 use super::{ClothError, Membrane, carriers};
 use crate::energy::{Spring, StrainLimitSpring};
 use crate::math::Real;
 use crate::mesh::TriMesh;
-use crate::multigrid::coarse_levels;
+use crate::method::multigrid::coarse_levels;
 use crate::topology::EdgeTable;
 
 /// Which level of the mesh keeps the cloth from stretching.

@@ -4,7 +4,7 @@ use crate::energy::{
     ArapTriangle, CubicShell, CurvatureHinge, CurvedHinge, DihedralHinge, MidpointHinge, Spring,
     StrainLimitSpring, StvkTriangle,
 };
-use crate::family::Energies;
+use crate::method::family::Energies;
 use crate::step::BuildError;
 
 /// All elements of one kind, with the kind as a case: what a description of a cloth hands to the builder of a solver.

@@ -6,8 +6,8 @@
 //! No square of them is ever taken, and they come out to about 1e-12.
 
 use super::{RankError, normal_matrix};
-use crate::linear::{BlockCholesky, LinearSolver};
 use crate::math::{Real, Vec3};
+use crate::method::linear::{BlockCholesky, LinearSolver};
 use nalgebra::DMatrix;
 
 /// The shift δ. Directions are told apart by how σ² + δ differs; much less and the factorisation would meet rounding.

@@ -3,7 +3,7 @@
 use super::Model;
 use crate::config::ExplicitConfig;
 use cloth_core::element::Energy;
-use cloth_core::family::Energies;
+use cloth_core::method::family::Energies;
 use cloth_core::particles::Particles;
 use cloth_core::step::BuildError;
 

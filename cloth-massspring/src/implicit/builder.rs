@@ -6,8 +6,8 @@ use super::damper::Damper;
 use super::minimizer::Minimizer;
 use crate::config::ImplicitConfig;
 use cloth_core::element::Energy;
-use cloth_core::family::Energies;
 use cloth_core::math::Vec3;
+use cloth_core::method::family::Energies;
 use cloth_core::particles::Particles;
 use cloth_core::step::BuildError;
 

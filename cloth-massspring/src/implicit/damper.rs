@@ -9,10 +9,10 @@
 //! as long as `K` does not depend on `x`. It is therefore taken where the stage would end by inertia, which is
 //! away from the solution by the square of the step: an integrator of second order stays one.
 
-use cloth_core::block_matrix::BlockMatrix;
 use cloth_core::element::Convexity;
-use cloth_core::family::{Assembly, Energies};
 use cloth_core::math::{Mat3, Real, Vec3};
+use cloth_core::method::block_matrix::BlockMatrix;
+use cloth_core::method::family::{Assembly, Energies};
 use std::sync::Arc;
 
 #[derive(Debug)]

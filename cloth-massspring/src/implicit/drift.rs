@@ -6,9 +6,9 @@
 
 use super::line_search::Point;
 use super::stage::Stage;
-use cloth_core::block_matrix::BlockPattern;
-use cloth_core::family::Energies;
 use cloth_core::math::Vec3;
+use cloth_core::method::block_matrix::BlockPattern;
+use cloth_core::method::family::Energies;
 
 /// The connected components without a prescribed vertex, and without an element that ties one vertex to a place.
 #[derive(Debug)]

@@ -6,9 +6,9 @@
 //! Byrd, J. Nocedal, R. B. Schnabel, "Representations of quasi-Newton matrices and their use in limited memory
 //! methods", Math. Prog. 63, 1994, <https://doi.org/10.1007/BF01582063>).
 
-use cloth_core::chunked::map_reduce;
 use cloth_core::math::{Real, Vec3};
-use cloth_core::vectors::dot_of_part;
+use cloth_core::method::chunked::map_reduce;
+use cloth_core::method::vectors::dot_of_part;
 
 /// Pairs that are kept.
 const PAIRS: usize = 5;

@@ -5,9 +5,9 @@
 //! it starts, as it is.
 
 use super::line_search::Point;
-use cloth_core::block_matrix::BlockMatrix;
 use cloth_core::math::{Real, Vec3};
-use cloth_core::vectors::dot;
+use cloth_core::method::block_matrix::BlockMatrix;
+use cloth_core::method::vectors::dot;
 use std::sync::{Mutex, PoisonError};
 
 /// `g`, `H` and the place that they were taken at.

@@ -10,8 +10,8 @@ use super::system::NewtonSystem;
 use super::trust::TrustRadius;
 use crate::config::{Accept, ImplicitConfig, Solve};
 use cloth_core::contact::ContactPotential;
-use cloth_core::family::Energies;
 use cloth_core::math::{Real, Vec3};
+use cloth_core::method::family::Energies;
 use cloth_core::particles::Particles;
 use cloth_core::step::{BuildError, Observer, Outcome, StepError, StepReport};
 

@@ -5,8 +5,8 @@ use super::minimizer::{Minimizer, STALL, Task};
 use super::system::NewtonSystem;
 use crate::config::Accept;
 use cloth_core::math::Real;
+use cloth_core::method::vectors::dot;
 use cloth_core::step::{Observer, Outcome, StepError, StepReport};
-use cloth_core::vectors::dot;
 
 /// Newton's method to the tolerance, from the evaluated current point of `points`.
 pub(super) fn iterate(

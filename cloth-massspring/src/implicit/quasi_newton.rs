@@ -4,11 +4,11 @@ use super::drift::Unconstrained;
 use super::history::History;
 use super::line_search::Point;
 use super::stage::Stage;
-use cloth_core::block_matrix::BlockMatrix;
 use cloth_core::contact::{ContactPotential, ContactRow};
-use cloth_core::family::{Assembly, Energies};
 use cloth_core::math::{Real, Vec3};
-use cloth_core::multigrid::Multigrid;
+use cloth_core::method::block_matrix::BlockMatrix;
+use cloth_core::method::family::{Assembly, Energies};
+use cloth_core::method::multigrid::Multigrid;
 use std::sync::Arc;
 
 /// Iterations at the start of a step that take the matrix anew each, with predicted forces.

@@ -2,12 +2,12 @@
 
 use super::damper::Damper;
 use super::linearized::Linearized;
-use cloth_core::block_matrix::BlockMatrix;
 use cloth_core::contact::ContactPotential;
 use cloth_core::element::Convexity;
-use cloth_core::family::Assembly;
 use cloth_core::math::{Real, Vec3};
 use cloth_core::measure::IncrementalPotential;
+use cloth_core::method::block_matrix::BlockMatrix;
+use cloth_core::method::family::Assembly;
 
 /// `‖x − x̂‖²_M / (2s²) + E(x) + damping + contact`: inertia towards `x̂`, elasticity, the resistance to the rate of
 /// strain, and what the cloth touches.

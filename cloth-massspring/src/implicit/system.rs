@@ -19,11 +19,11 @@ use super::line_search::Point;
 use super::stage::Stage;
 use crate::config::{HessianPolicy, ImplicitConfig};
 use crate::stability::{dot, noise};
-use cloth_core::block_matrix::BlockMatrix;
 use cloth_core::element::Convexity;
-use cloth_core::family::{Assembly, Energies};
-use cloth_core::linear::{LinearError, LinearReport, LinearSolver};
 use cloth_core::math::{Real, Vec3};
+use cloth_core::method::block_matrix::BlockMatrix;
+use cloth_core::method::family::{Assembly, Energies};
+use cloth_core::method::linear::{LinearError, LinearReport, LinearSolver};
 use cloth_core::step::BuildError;
 use std::sync::Arc;
 

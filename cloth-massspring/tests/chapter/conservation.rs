@@ -2,9 +2,9 @@
 
 use crate::{all, hang, noise, solver};
 use cloth_core::energy::Spring;
-use cloth_core::linear::{Budget, LinearMethod};
 use cloth_core::math::Vec3;
 use cloth_core::measure::{angular_momentum, linear_momentum};
+use cloth_core::method::linear::{Budget, LinearMethod};
 use cloth_core::particles::{Particles, State};
 use cloth_core::step::{StepInput, Stepper};
 use cloth_massspring::{ImplicitConfig, ImplicitEuler};

@@ -3,9 +3,9 @@
 use crate::refusals::buckling;
 use crate::{DOWN, chain, hang, largest_difference, noise, sharp};
 use cloth_core::element::Convexity;
-use cloth_core::family::Energies;
 use cloth_core::math::{Real, Vec3};
 use cloth_core::measure::{IncrementalPotential, center_of_mass, predict};
+use cloth_core::method::family::Energies;
 use cloth_core::particles::{Particles, State};
 use cloth_core::step::{Observer, Outcome, StepInput, Stepper};
 use cloth_massspring::{Accept, HessianPolicy, ImplicitConfig, ImplicitEuler, Solve, StartGuess};

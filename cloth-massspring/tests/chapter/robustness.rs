@@ -87,7 +87,7 @@ fn cell(
 ) -> Cell {
     let mesh = grid(SIDE, SIDE, 1.0, 1.0, Diagonals::Alternating).unwrap();
     let (particles, springs) = sheet(&mesh, stiffness, mass);
-    let energies = cloth_core::family::Energies::new(particles.len())
+    let energies = cloth_core::method::family::Energies::new(particles.len())
         .with(springs.clone())
         .unwrap();
     let mut solver = make(&particles, &springs);

@@ -2,9 +2,9 @@
 
 use crate::{DOWN, chain, hang, largest_difference, oscillator, sharp, solver};
 use cloth_core::energy::Spring;
-use cloth_core::family::Energies;
 use cloth_core::math::{Real, Vec3};
 use cloth_core::measure::{gravitational_energy, kinetic_energy};
+use cloth_core::method::family::Energies;
 use cloth_core::particles::{Particles, State};
 use cloth_core::pin::Pins;
 use cloth_core::step::{StepInput, Stepper};

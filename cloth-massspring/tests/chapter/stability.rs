@@ -2,10 +2,10 @@
 
 use crate::{DOWN, chain, hang, oscillator};
 use cloth_core::energy::Spring;
-use cloth_core::family::Energies;
 use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::TriMesh;
 use cloth_core::mesh::generate::{Diagonals, equilateral, grid};
+use cloth_core::method::family::Energies;
 use cloth_core::particles::{Particles, State};
 use cloth_core::step::{StepError, StepInput, Stepper};
 use cloth_core::topology::EdgeTable;

@@ -2,8 +2,8 @@
 
 use super::tether::{Tether, TetherUpdate};
 use cloth_core::math::{Real, Vec3};
-use cloth_core::multigrid::{CoarseLevel, Prolongation};
-use cloth_core::position_based::{Acceleration, Families, Sweep};
+use cloth_core::method::multigrid::{CoarseLevel, Prolongation};
+use cloth_core::method::position_based::{Acceleration, Families, Sweep};
 use cloth_core::step::BuildError;
 
 #[derive(Debug)]

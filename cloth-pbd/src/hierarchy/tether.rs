@@ -2,7 +2,7 @@
 
 use cloth_core::element::{Constraint, Element, Row};
 use cloth_core::math::{Real, Vec3, length_and_direction};
-use cloth_core::position_based::{ConstraintUpdate, RowEquation, RowState};
+use cloth_core::method::position_based::{ConstraintUpdate, RowEquation, RowState};
 
 /// A link of a coarse level: `C = ‖x₀ − x₁‖ − L` (m), to be solved by [`TetherUpdate`].
 #[derive(Clone, Copy, Debug, PartialEq)]

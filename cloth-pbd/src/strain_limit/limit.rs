@@ -1,9 +1,9 @@
 //! Limits on elements of one kind, and the projection of one element.
 
 use super::StretchRange;
-use cloth_core::coloring::Colored;
 use cloth_core::element::{Constraint, Element};
 use cloth_core::math::{Real, Vec3};
+use cloth_core::method::coloring::Colored;
 use std::fmt::Debug;
 
 /// All limits on elements of one type; one virtual call a pass.

@@ -6,9 +6,9 @@ use super::linear::Solver;
 use super::merit::Merit;
 use super::rows::{RowFamily, Rows, family};
 use super::solver::DirectXpbd;
-use cloth_core::block_matrix::{BlockMatrix, PatternBuilder};
 use cloth_core::element::Constraint;
 use cloth_core::math::{Real, Vec3};
+use cloth_core::method::block_matrix::{BlockMatrix, PatternBuilder};
 use cloth_core::particles::{Particles, State};
 use cloth_core::step::BuildError;
 

@@ -13,8 +13,8 @@
 
 use super::rows::{RowFamily, Rows};
 use crate::update::XpbdUpdate;
-use cloth_core::block_matrix::BlockMatrix;
 use cloth_core::math::{Real, Vec3};
+use cloth_core::method::block_matrix::BlockMatrix;
 
 /// A vector of the KKT system: unknowns or right-hand side, one block for positions and one for multipliers.
 #[derive(Clone, Debug)]

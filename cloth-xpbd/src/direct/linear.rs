@@ -5,8 +5,8 @@ use super::config::{DirectConfig, System};
 use super::kkt::{Kkt, KktVector};
 use super::saddle::{SaddleFactor, SaddleMinres};
 use super::schur::{SchurCg, SchurFactor};
-use cloth_core::linear::CholeskyError;
 use cloth_core::math::{Real, Vec3};
+use cloth_core::method::linear::CholeskyError;
 
 #[derive(Debug)]
 enum Backend {

@@ -1,9 +1,9 @@
 //! All rows of all families in flat arrays: structure at build, numbers at every evaluation.
 
-use cloth_core::block_matrix::{BlockMatrix, BlockPattern, PatternBuilder};
 use cloth_core::element::{Constraint, Convexity, RowArray};
-use cloth_core::family::check_vertices;
 use cloth_core::math::{Real, Vec3, gather};
+use cloth_core::method::block_matrix::{BlockMatrix, BlockPattern, PatternBuilder};
+use cloth_core::method::family::check_vertices;
 use cloth_core::step::BuildError;
 use std::fmt::Debug;
 

@@ -2,8 +2,8 @@
 //! symmetric, `[I + K̂  Ĵᵀ; Ĵ  −α̂]`.
 
 use super::kkt::{Kkt, KktVector};
-use cloth_core::linear::{CholeskyError, KrylovEnd, Minres, SignedCholesky, UpperPattern};
 use cloth_core::math::{Mat3, Real, Vec3};
+use cloth_core::method::linear::{CholeskyError, KrylovEnd, Minres, SignedCholesky, UpperPattern};
 
 /// Number of the first of the three unknowns of each vertex; `PRESCRIBED` for those that have none.
 #[derive(Clone, Debug)]

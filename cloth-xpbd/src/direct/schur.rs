@@ -3,8 +3,8 @@
 
 use super::kkt::{Kkt, KktVector};
 use super::saddle::{dual_diagonal, inverse_blocks};
-use cloth_core::linear::{Cholesky, CholeskyError, KrylovEnd, UpperPattern};
 use cloth_core::math::{Mat3, Real, Vec3};
+use cloth_core::method::linear::{Cholesky, CholeskyError, KrylovEnd, UpperPattern};
 
 /// Reduction to the dual system and back, for both of its solvers.
 #[derive(Debug)]

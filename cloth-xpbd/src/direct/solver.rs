@@ -9,9 +9,9 @@ use super::merit::Merit;
 use super::readout::Residuals;
 use super::rows::{RowFamily, Rows};
 use crate::update::XpbdUpdate;
-use cloth_core::linear::CholeskyError;
 use cloth_core::math::{Real, Vec3, is_finite};
 use cloth_core::measure::predict;
+use cloth_core::method::linear::CholeskyError;
 use cloth_core::particles::{Particles, State};
 use cloth_core::step::{Outcome, StepError, StepInput, StepReport, Stepper};
 

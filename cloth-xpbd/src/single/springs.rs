@@ -3,10 +3,10 @@
 use super::positions::PADDING;
 use super::{Family, SMALLEST, is_prescribed, scaled_compliance};
 use crate::update::XpbdUpdate;
-use cloth_core::coloring::{Colored, greedy_colors};
 use cloth_core::element::Element;
 use cloth_core::energy::Spring;
 use cloth_core::math::{Real, Vec3, length_and_direction};
+use cloth_core::method::coloring::{Colored, greedy_colors};
 use cloth_core::step::BuildError;
 use wide::f32x4;
 

@@ -3,9 +3,9 @@
 use super::positions::PADDING;
 use super::{Family, SMALLEST, is_prescribed, scaled_compliance};
 use crate::update::XpbdUpdate;
-use cloth_core::coloring::Colored;
 use cloth_core::element::{Constraint, Element, VectorRow};
 use cloth_core::math::{Real, Vec3};
+use cloth_core::method::coloring::Colored;
 use cloth_core::step::BuildError;
 use wide::f32x4;
 

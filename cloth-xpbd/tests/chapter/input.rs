@@ -4,8 +4,8 @@
 use crate::GRAVITY;
 use cloth_core::energy::Spring;
 use cloth_core::math::{Real, Vec3};
+use cloth_core::method::position_based::{Acceleration, Chebyshev, Radius, Sweep};
 use cloth_core::particles::{Particles, State};
-use cloth_core::position_based::{Acceleration, Chebyshev, Radius, Sweep};
 use cloth_core::step::{BuildError, StepError, StepInput, Stepper};
 use cloth_xpbd::{XpbdConfig, XpbdSolver};
 

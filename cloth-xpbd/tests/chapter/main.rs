@@ -18,11 +18,11 @@ mod rows;
 
 use chain::Chain;
 use cloth_core::energy::{CurvatureHinge, Spring};
-use cloth_core::family::Energies;
 use cloth_core::math::{Real, Vec3};
 use cloth_core::measure::{IncrementalPotential, predict};
+use cloth_core::method::family::Energies;
+use cloth_core::method::position_based::Sweep;
 use cloth_core::particles::{Particles, State};
-use cloth_core::position_based::Sweep;
 use cloth_core::step::{BuildError, StepInput, Stepper};
 use cloth_xpbd::{XpbdConfig, XpbdSolver};
 use std::f64::consts::PI;

@@ -5,11 +5,11 @@ use crate::{
     GRAVITY, SYSTEMS, counting_allocator, largest_distance, sheet, solver, swinging, with,
 };
 use cloth_core::energy::{CurvatureHinge, Spring};
-use cloth_core::family::Energies;
 use cloth_core::math::{Real, Vec3};
 use cloth_core::measure::{IncrementalPotential, angular_momentum, linear_momentum, predict};
+use cloth_core::method::family::Energies;
+use cloth_core::method::position_based::Sweep;
 use cloth_core::particles::{Particles, State};
-use cloth_core::position_based::Sweep;
 use cloth_core::step::{BuildError, Outcome, StepInput, Stepper};
 use cloth_xpbd::direct::{DirectConfig, DirectStart, DirectXpbd, System};
 use cloth_xpbd::{XpbdConfig, XpbdSolver};

@@ -10,7 +10,7 @@ use crate::scene::contact::{NO_SELF, THICKNESS, Touch};
 use crate::scene::{STIFFNESS, Scene, build as built_in};
 use crate::settings::Settings;
 use cloth_core::math::Vec3;
-use cloth_core::ordering::Order;
+use cloth_core::method::ordering::Order;
 use cloth_core::pin::Pins;
 use std::path::Path;
 use std::sync::Arc;

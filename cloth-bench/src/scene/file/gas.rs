@@ -4,7 +4,7 @@ use super::document::Section;
 use super::keys::PRESSURE;
 use crate::error::BenchError;
 use cloth_core::mesh::TriMesh;
-use cloth_core::ordering::Order;
+use cloth_core::method::ordering::Order;
 use cloth_core::pressure::Pressure;
 
 /// What the tables of the pieces, of so many vertices each, say of their insides.

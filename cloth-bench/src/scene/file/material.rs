@@ -6,7 +6,7 @@ use crate::scene::{RIGIDITY, cloth};
 use crate::settings::Settings;
 use cloth_core::cloth::{ClothModel, Piece};
 use cloth_core::mesh::TriMesh;
-use cloth_core::ordering::Order;
+use cloth_core::method::ordering::Order;
 
 /// The material of each vertex; pieces share none.
 pub(super) struct Material {

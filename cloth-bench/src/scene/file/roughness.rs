@@ -5,7 +5,7 @@ use crate::error::BenchError;
 use crate::scene::contact::{FRICTION, PieceContact, THICKNESS};
 use crate::settings::Settings;
 use cloth_core::math::Real;
-use cloth_core::ordering::Order;
+use cloth_core::method::ordering::Order;
 
 /// Thickness and friction of every vertex, if a piece has its own; `common` is what `[contact]` says, `counts` are the numbers of vertices of the pieces.
 pub(super) fn of_pieces(

@@ -7,9 +7,9 @@ use cloth_core::cloth::{
     Carriers, Cloth, Elements, LevelOfDetail, Membrane, MembraneCarrier, SpringEdges, SpringLaw,
 };
 use cloth_core::element::Element;
-use cloth_core::family::Energies;
 use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::TriMesh;
+use cloth_core::method::family::Energies;
 use cloth_core::particles::{Particles, State};
 use cloth_core::step::{StepInput, Stepper};
 use cloth_core::topology::{EdgeTable, Midpoints};

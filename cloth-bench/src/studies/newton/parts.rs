@@ -5,12 +5,12 @@ use crate::error::BenchError;
 use crate::report::plot::{Axis, Plot, Series};
 use crate::report::table::{Cell, Table};
 use crate::studies::Findings;
-use cloth_core::block_matrix::BlockMatrix;
-use cloth_core::linear::{
+use cloth_core::math::{Real, Vec3};
+use cloth_core::method::block_matrix::BlockMatrix;
+use cloth_core::method::linear::{
     BlockCholesky, Budget, Cholesky, ConjugateGradients, FillOrdering, LinearSolver,
     Preconditioner, upper_half,
 };
-use cloth_core::math::{Real, Vec3};
 use serde::{Deserialize, Serialize};
 use std::hint::black_box;
 
@@ -234,7 +234,7 @@ fn named(ordering: FillOrdering) -> &'static str {
 /// Both orderings, with bending and without.
 fn eliminations(side: u32, system: &System) -> Result<Vec<Elimination>, BenchError> {
     let springs = system.scene.model.springs.clone();
-    let energies = cloth_core::family::Energies::new(system.is_free.len())
+    let energies = cloth_core::method::family::Energies::new(system.is_free.len())
         .with(springs)
         .map_err(BenchError::failed)?;
     let mut without = BlockMatrix::zeros(energies.assembly().pattern().clone());

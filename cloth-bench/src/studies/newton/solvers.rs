@@ -5,8 +5,8 @@ use crate::error::BenchError;
 use crate::report::plot::{Axis, Plot, Series};
 use crate::report::table::{Cell, Table};
 use crate::studies::Findings;
-use cloth_core::linear::{Budget, LinearMethod, LinearSolver};
 use cloth_core::math::{Real, Vec3};
+use cloth_core::method::linear::{Budget, LinearMethod, LinearSolver};
 use cloth_core::step::Outcome;
 use serde::{Deserialize, Serialize};
 

@@ -9,8 +9,8 @@ use crate::scene;
 use crate::studies::sheets::{STIFFNESS, hanging, sixteenth_step, trace_warm};
 use crate::studies::{Cases, Findings, Scope};
 use crate::yardstick::Sample;
-use cloth_core::linear::{Budget, LinearMethod, Preconditioner, spectrum};
 use cloth_core::math::Real;
+use cloth_core::method::linear::{Budget, LinearMethod, Preconditioner, spectrum};
 use cloth_massspring::{ImplicitConfig, Solve};
 use serde::{Deserialize, Serialize};
 

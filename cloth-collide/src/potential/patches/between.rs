@@ -3,7 +3,7 @@
 use super::detect::Look;
 use super::{Memory, NearPair};
 use cloth_core::math::{Real, Vec3};
-use cloth_core::parallel::wide;
+use cloth_core::method::parallel::wide;
 
 /// Two patches, or one with itself, and what can touch between them.
 #[derive(Debug, Default)]

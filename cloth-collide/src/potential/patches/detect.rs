@@ -9,7 +9,7 @@ use crate::potential::gap::Gap;
 use crate::potential::near::Near;
 use crate::potential::rows::SLACK;
 use cloth_core::math::{Real, Vec3, gather};
-use cloth_core::parallel::{join, wide};
+use cloth_core::method::parallel::{join, wide};
 
 /// Looks at pairs of patches that one thread takes at least.
 const BATCH: usize = 8;

@@ -1,0 +1,60 @@
+//! Solvers for `A x = b` (CORE-12): one trait, [`LinearSolver`], over one matrix, [`BlockMatrix`](crate::method::block_matrix::BlockMatrix).
+//!
+//! | solver | file |
+//! |---|---|
+//! | sparse Cholesky by blocks, `BlockCholesky` | `block_cholesky`, over `cholesky` |
+//! | conjugate gradients, [`ConjugateGradients`] | `conjugate_gradients` |
+//! | the same, preconditioned by a multigrid cycle, [`MultigridGradients`] | `multigrid_gradients` |
+//! | damped Jacobi, [`Jacobi`] | `jacobi` |
+//! | Jacobi with Chebyshev acceleration, [`ChebyshevJacobi`] | `chebyshev` |
+//! | Gauss–Seidel, [`GaussSeidel`] | `gauss_seidel` |
+//!
+//! [`LinearMethod`] names them; [`spectrum()`] estimates condition numbers. The factorisations need the feature `cholesky`: `BlockCholesky`, `Cholesky` for a
+//! scalar matrix, `PanelFactor` for its solves with three right-hand sides, `Inertia` to count eigenvalues.
+
+#[cfg(feature = "cholesky")]
+mod block_cholesky;
+mod chebyshev;
+#[cfg(feature = "cholesky")]
+mod cholesky;
+mod conjugate_gradients;
+mod diagonal;
+#[cfg(feature = "cholesky")]
+mod fill;
+mod gauss_seidel;
+#[cfg(feature = "cholesky")]
+mod inertia;
+mod jacobi;
+#[cfg(feature = "cholesky")]
+mod low_rank;
+mod minres;
+mod multigrid_gradients;
+#[cfg(feature = "cholesky")]
+mod panel;
+#[cfg(feature = "cholesky")]
+mod signed_cholesky;
+mod solver;
+mod spectrum;
+
+#[cfg(feature = "cholesky")]
+pub use block_cholesky::{BlockCholesky, upper_half};
+pub use chebyshev::ChebyshevJacobi;
+#[cfg(feature = "cholesky")]
+pub use cholesky::{Cholesky, CholeskyError, FactorView, UpperPattern};
+pub use conjugate_gradients::{ConjugateGradients, Preconditioner};
+#[cfg(feature = "cholesky")]
+pub use fill::FillOrdering;
+pub use gauss_seidel::GaussSeidel;
+#[cfg(feature = "cholesky")]
+pub use inertia::Inertia;
+pub use jacobi::Jacobi;
+#[cfg(feature = "cholesky")]
+pub use low_rank::LowRank;
+pub use minres::{KrylovEnd, Minres};
+pub use multigrid_gradients::MultigridGradients;
+#[cfg(feature = "cholesky")]
+pub use panel::PanelFactor;
+#[cfg(feature = "cholesky")]
+pub use signed_cholesky::SignedCholesky;
+pub use solver::{Budget, LinearError, LinearMethod, LinearReport, LinearSolver};
+pub use spectrum::{Spectrum, spectrum};

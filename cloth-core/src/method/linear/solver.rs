@@ -1,0 +1,243 @@
+//! What all solvers of `A x = b` have in common, and their choice by name (CORE-12).
+
+#[cfg(feature = "cholesky")]
+use super::block_cholesky::BlockCholesky;
+use super::chebyshev::ChebyshevJacobi;
+use super::conjugate_gradients::{ConjugateGradients, Preconditioner};
+use super::gauss_seidel::GaussSeidel;
+use super::jacobi::Jacobi;
+use super::multigrid_gradients::MultigridGradients;
+use crate::math::{Real, Vec3};
+use crate::method::block_matrix::{BlockMatrix, BlockPattern};
+use crate::step::{BuildError, Outcome};
+use std::fmt;
+
+/// A way to solve `A x = b` over the free vertices for a symmetric positive definite [`BlockMatrix`].
+///
+/// A solver is made for one pattern and one set of free vertices. It allocates then, and not later.
+pub trait LinearSolver: fmt::Debug + Send {
+    /// Its name: `cholesky`, `conjugate-gradients`, `multigrid`, `jacobi`, `chebyshev-jacobi` or `gauss-seidel`.
+    fn name(&self) -> &'static str;
+
+    /// Takes in the numbers of a matrix: factorises it, or inverts its diagonal blocks and estimates eigenvalues.
+    ///
+    /// # Errors
+    /// [`LinearError::NotPositiveDefinite`], as far as the solver can tell.
+    ///
+    /// # Panics
+    /// If the matrix does not have the pattern the solver was made for.
+    fn prepare(&mut self, matrix: &BlockMatrix) -> Result<(), LinearError>;
+
+    /// Solves with the matrix of the last [`LinearSolver::prepare`]. Iterations start at zero; `x` is zero at prescribed
+    /// vertices afterwards, and what `b` is there does not matter.
+    ///
+    /// # Errors
+    /// [`LinearError::NotPositiveDefinite`] where only the iteration finds out; [`LinearError::Diverged`].
+    ///
+    /// # Panics
+    /// If `b` or `x` does not have one entry per row.
+    fn solve(
+        &mut self,
+        matrix: &BlockMatrix,
+        b: &[Vec3],
+        x: &mut [Vec3],
+    ) -> Result<LinearReport, LinearError>;
+
+    /// Whether [`LinearSolver::prepare`] refuses every matrix that is not positive definite, so that its success is a proof.
+    fn proves_definiteness(&self) -> bool {
+        false
+    }
+}
+
+/// What a solve did.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LinearReport {
+    /// Converged, or the budget was spent.
+    pub outcome: Outcome,
+    /// Iterations: products with the matrix, or sweeps; 1 for a direct solver.
+    pub iterations: u32,
+    /// `‖b − A x‖/‖b‖` over the free vertices; zero for `b = 0`.
+    pub residual: Real,
+}
+
+/// Why a system could not be solved.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum LinearError {
+    /// A pivot, a diagonal block or a curvature was not positive, or not a number.
+    NotPositiveDefinite,
+    /// The residual grew, or overflowed.
+    Diverged {
+        /// Iterations until then.
+        iterations: u32,
+    },
+}
+
+impl fmt::Display for LinearError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::NotPositiveDefinite => write!(f, "the matrix is not positive definite"),
+            Self::Diverged { iterations } => {
+                write!(f, "the iteration diverged within {iterations} iterations")
+            }
+        }
+    }
+}
+
+impl std::error::Error for LinearError {}
+
+/// A residual of this many times `‖b‖` is taken for divergence.
+const DIVERGED: Real = 1e8;
+
+/// When an iterative solver stops.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Budget {
+    /// `‖b − A x‖/‖b‖` at which a solve is done; zero to spend all iterations.
+    pub tolerance: Real,
+    /// Most iterations of a solve.
+    pub max_iterations: u32,
+}
+
+impl Default for Budget {
+    /// To 10⁻³, in at most 1000 iterations.
+    fn default() -> Self {
+        Self {
+            tolerance: 1e-3,
+            max_iterations: 1000,
+        }
+    }
+}
+
+impl Budget {
+    pub(super) fn check(&self) -> Result<(), BuildError> {
+        if !(self.tolerance >= 0.0 && self.tolerance < 1.0) {
+            return Err(BuildError::InvalidSetting {
+                name: "tolerance of the linear solver",
+                value: self.tolerance,
+                range: "at least 0 and below 1",
+            });
+        }
+        if self.max_iterations == 0 {
+            return Err(BuildError::InvalidSetting {
+                name: "max_iterations of the linear solver",
+                value: 0.0,
+                range: "at least 1",
+            });
+        }
+        Ok(())
+    }
+
+    /// Whether a solve ends here: squared norms of residual and right-hand side.
+    pub(super) fn verdict(
+        &self,
+        iterations: u32,
+        residual_squared: Real,
+        b_squared: Real,
+    ) -> Option<Result<LinearReport, LinearError>> {
+        let ratio = (residual_squared / b_squared).sqrt();
+        let report = |outcome, residual| LinearReport {
+            outcome,
+            iterations,
+            residual,
+        };
+        if b_squared == 0.0 {
+            return Some(Ok(report(Outcome::Converged, 0.0)));
+        }
+        if ratio > DIVERGED || !ratio.is_finite() {
+            return Some(Err(LinearError::Diverged { iterations }));
+        }
+        if ratio <= self.tolerance {
+            return Some(Ok(report(Outcome::Converged, ratio)));
+        }
+        (iterations >= self.max_iterations).then(|| Ok(report(Outcome::BudgetSpent, ratio)))
+    }
+}
+
+/// Which solver, as data.
+///
+/// How much the error shrinks in an iteration goes by the condition number κ of `D⁻¹ A`, D the diagonal blocks:
+///
+/// | solver | factor per iteration | for |
+/// |---|---|---|
+/// | Cholesky | solved at once | stiff systems, several right-hand sides, proof of definiteness |
+/// | conjugate gradients | at most `(√κ − 1)/(√κ + 1)`, and better | well-conditioned systems |
+/// | multigrid | hardly depends on κ and size | large and stiff systems |
+/// | Chebyshev–Jacobi | `(√κ − 1)/(√κ + 1)` | where inner products are dear |
+/// | Gauss–Seidel | about `((κ − 1)/(κ + 1))²` | smoothing, comparison |
+/// | Jacobi | `(κ − 1)/(κ + 1)` | comparison |
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum LinearMethod {
+    /// Sparse Cholesky factorisation, [`BlockCholesky`].
+    #[cfg(feature = "cholesky")]
+    Cholesky,
+    /// Conjugate gradients, preconditioned by the diagonal blocks.
+    ConjugateGradients(Budget),
+    /// Conjugate gradients, preconditioned by a multigrid cycle.
+    Multigrid(Budget),
+    /// Damped Jacobi by blocks; the damping is estimated.
+    Jacobi(Budget),
+    /// Jacobi by blocks with Chebyshev acceleration; the interval is estimated.
+    ChebyshevJacobi(Budget),
+    /// Gauss–Seidel by blocks, forwards.
+    GaussSeidel(Budget),
+}
+
+impl Default for LinearMethod {
+    /// The factorisation, or multigrid where the feature `cholesky` is off.
+    fn default() -> Self {
+        #[cfg(feature = "cholesky")]
+        return Self::Cholesky;
+        #[cfg(not(feature = "cholesky"))]
+        Self::Multigrid(Budget::default())
+    }
+}
+
+impl LinearMethod {
+    /// A solver for matrices of that pattern; `is_free[v]` says whether vertex `v` takes part, `rest` (m) where it is at rest. Only
+    /// multigrid asks for that, to weight its levels with; without, all weights are equal, and it converges more slowly.
+    ///
+    /// # Errors
+    /// [`BuildError::MatrixTooLarge`], [`BuildError::InvalidSetting`].
+    ///
+    /// # Panics
+    /// If `is_free` does not have one entry per row of the pattern.
+    pub fn build(
+        &self,
+        pattern: &BlockPattern,
+        is_free: &[bool],
+        rest: Option<&[Vec3]>,
+    ) -> Result<Box<dyn LinearSolver>, BuildError> {
+        assert_eq!(is_free.len(), pattern.row_count(), "one flag per row");
+        Ok(match *self {
+            #[cfg(feature = "cholesky")]
+            Self::Cholesky => Box::new(
+                BlockCholesky::analyze(pattern, is_free).map_err(|_| BuildError::MatrixTooLarge)?,
+            ),
+            Self::ConjugateGradients(budget) => Box::new(ConjugateGradients::new(
+                is_free,
+                Preconditioner::BlockJacobi,
+                budget,
+            )?),
+            Self::Multigrid(budget) => Box::new(MultigridGradients::new(is_free, rest, budget)?),
+            Self::Jacobi(budget) => Box::new(Jacobi::new(is_free, None, budget)?),
+            Self::ChebyshevJacobi(budget) => Box::new(ChebyshevJacobi::new(is_free, None, budget)?),
+            Self::GaussSeidel(budget) => Box::new(GaussSeidel::new(is_free, budget)?),
+        })
+    }
+
+    /// Whether the solver's success proves that the matrix is positive definite.
+    #[must_use]
+    pub fn proves_definiteness(&self) -> bool {
+        match self {
+            #[cfg(feature = "cholesky")]
+            Self::Cholesky => true,
+            _ => false,
+        }
+    }
+}
+
+/// `Σ a·b`.
+pub(super) fn dot(a: &[Vec3], b: &[Vec3]) -> Real {
+    a.iter().zip(b).map(|(a, b)| a.dot(b)).sum()
+}

@@ -1,0 +1,333 @@
+//! One level: its matrix, and symmetric Gauss–Seidel over it with the residual taken on the way.
+//!
+//! The rows are cut into chunks. Within a chunk the sweep is Gauss–Seidel, between chunks Jacobi: chunks do not wait for each
+//! other, and the result does not depend on how many threads share them (hybrid smoothers: A. H. Baker, R. D. Falgout, T. V. Kolev,
+//! U. M. Yang, "Multigrid smoothers for ultraparallel computing", SIAM J. Sci. Comput. 33(5), 2011,
+//! <https://doi.org/10.1137/100798806>). A forward sweep before the coarse correction and a backward one after it make the
+//! cycle symmetric.
+
+use super::blocks::{Block, Lanes, lanes, minus, plus, vector};
+use super::prolongation::Prolongation;
+use super::rank_one::RankOne;
+use crate::math::{Mat3, Vec3};
+use crate::method::block_matrix::BlockPattern;
+use crate::method::chunked::map_reduce;
+use crate::method::parallel::{join, wide};
+use std::sync::Arc;
+
+/// Rows of a chunk of the smoother.
+const ROWS: usize = 8_192;
+
+#[derive(Debug)]
+pub(super) struct Level {
+    pattern: Arc<BlockPattern>,
+    /// The lower half of the matrix (N/m), in the order of the pattern.
+    pub(super) blocks: Vec<Block>,
+    /// Inverses of the diagonal blocks (m/N); zero where nothing moves.
+    inverse: Vec<Block>,
+    is_free: Vec<bool>,
+    /// Places of blocks whose column is in a chunk before, with their row.
+    between: Vec<(u32, u32)>,
+    /// Whether all blocks are symmetric, as those of springs are.
+    is_symmetric: bool,
+    /// What is added to the matrix beside its blocks.
+    pub(super) rank_one: RankOne,
+    /// Right-hand side (N), solution (m) and residual (N).
+    pub(super) right_hand_side: Vec<Lanes>,
+    pub(super) solution: Vec<Lanes>,
+    residual: Vec<Lanes>,
+}
+
+impl Level {
+    pub(super) fn new(pattern: Arc<BlockPattern>, is_free: Vec<bool>) -> Self {
+        let count = is_free.len();
+        let mut between = Vec::new();
+        for row in 0..count {
+            let start = row - row % ROWS;
+            let slots = pattern.row(row);
+            let before = slots.filter(|&slot| (pattern.columns()[slot] as usize) < start);
+            between.extend(before.map(|slot| (row as u32, slot as u32)));
+        }
+        Self {
+            blocks: vec![Block::ZERO; pattern.block_count()],
+            inverse: vec![Block::ZERO; count],
+            right_hand_side: vec![[0.0; 4]; count],
+            solution: vec![[0.0; 4]; count],
+            residual: vec![[0.0; 4]; count],
+            between,
+            is_free,
+            is_symmetric: false,
+            rank_one: RankOne::default(),
+            pattern,
+        }
+    }
+
+    pub(super) fn pattern(&self) -> &Arc<BlockPattern> {
+        &self.pattern
+    }
+
+    pub(super) fn is_free(&self) -> &[bool] {
+        &self.is_free
+    }
+
+    pub(super) fn len(&self) -> usize {
+        self.is_free.len()
+    }
+
+    /// Takes notice of new blocks: inverts those on the diagonal.
+    pub(super) fn prepare(&mut self) {
+        let [asymmetric] = map_reduce(
+            &self.blocks[..],
+            #[inline(always)]
+            |_, blocks: &[Block]| {
+                let mut count = 0.0;
+                for block in blocks {
+                    count += f64::from(u8::from(!block.is_symmetric()));
+                }
+                [count]
+            },
+        );
+        self.is_symmetric = asymmetric == 0.0;
+        let (pattern, blocks, is_free) = (&self.pattern, &self.blocks, &self.is_free);
+        let added = (!self.rank_one.is_empty()).then_some(&self.rank_one);
+        map_reduce(
+            &mut self.inverse[..],
+            #[inline(always)]
+            |start, inverse: &mut [Block]| {
+                for (row, inverse) in (start..).zip(inverse) {
+                    *inverse = Block::ZERO;
+                    if is_free[row] {
+                        let mut block = blocks[pattern.row(row).end - 1].to_double();
+                        if let Some(added) = added {
+                            block += added.diagonal(row);
+                        }
+                        *inverse = Block::from(&block.try_inverse().unwrap_or_else(Mat3::zeros));
+                    }
+                }
+                []
+            },
+        );
+    }
+
+    /// Takes a right-hand side (N).
+    pub(super) fn take(&mut self, r: &[Vec3]) {
+        map_reduce(
+            (&mut self.right_hand_side[..], r),
+            #[inline(always)]
+            |_, (own, r): (&mut [Lanes], &[Vec3])| {
+                for (own, r) in own.iter_mut().zip(r) {
+                    *own = lanes(r);
+                }
+                []
+            },
+        );
+    }
+
+    /// Gives the solution (m).
+    pub(super) fn give(&self, z: &mut [Vec3]) {
+        map_reduce(
+            (z, &self.solution[..]),
+            #[inline(always)]
+            |_, (z, own): (&mut [Vec3], &[Lanes])| {
+                for (z, own) in z.iter_mut().zip(own) {
+                    *z = vector(own);
+                }
+                []
+            },
+        );
+    }
+
+    /// A forward sweep from zero, and its residual.
+    pub(super) fn smooth_forward(&mut self) {
+        let mut solution = std::mem::take(&mut self.solution);
+        let mut residual = std::mem::take(&mut self.residual);
+        let (x, t) = (&mut solution[..], &mut residual[..]);
+        if !self.rank_one.is_empty() {
+            self.sweep_with_rank_one::<false>(x, t);
+            self.couple(&solution, &mut residual);
+            (self.solution, self.residual) = (solution, residual);
+            return;
+        }
+        match self.is_symmetric {
+            true => self.sweep::<false, true>(0, x, t),
+            false => self.sweep::<false, false>(0, x, t),
+        }
+        // What the chunks did not know of each other.
+        self.couple(&solution, &mut residual);
+        (self.solution, self.residual) = (solution, residual);
+    }
+
+    /// A backward sweep from the solution so far.
+    pub(super) fn smooth_backward(&mut self) {
+        let mut solution = std::mem::take(&mut self.solution);
+        let mut residual = std::mem::take(&mut self.residual);
+        residual.copy_from_slice(&self.right_hand_side);
+        self.couple(&solution, &mut residual);
+        let (x, t) = (&mut solution[..], &mut residual[..]);
+        if !self.rank_one.is_empty() {
+            self.sweep_with_rank_one::<true>(x, t);
+            (self.solution, self.residual) = (solution, residual);
+            return;
+        }
+        match self.is_symmetric {
+            true => self.sweep::<true, true>(0, x, t),
+            false => self.sweep::<true, false>(0, x, t),
+        }
+        (self.solution, self.residual) = (solution, residual);
+    }
+
+    /// Subtracts the products of the blocks between chunks from the residual.
+    fn couple(&self, solution: &[Lanes], residual: &mut [Lanes]) {
+        for &(row, slot) in &self.between {
+            let (row, column) = (row as usize, self.pattern.columns()[slot as usize] as usize);
+            let block = &self.blocks[slot as usize];
+            residual[row] = minus(residual[row], block.times(&solution[column]));
+            residual[column] = minus(
+                residual[column],
+                block.transposed_times::<false>(&solution[row]),
+            );
+        }
+    }
+
+    /// Sweeps over the rows from `start` on, forward or `BACK`, on several threads where that pays.
+    fn sweep<const BACK: bool, const SYMMETRIC: bool>(
+        &self,
+        start: usize,
+        x: &mut [Lanes],
+        t: &mut [Lanes],
+    ) {
+        let count = x.len();
+        if count <= ROWS {
+            return wide(
+                #[inline(always)]
+                || {
+                    for step in 0..count {
+                        let row = if BACK { count - 1 - step } else { step };
+                        self.relax::<BACK, SYMMETRIC>(start, row, x, t, None);
+                    }
+                },
+            );
+        }
+        let half = (count / 2).next_multiple_of(ROWS);
+        let (x, t) = (x.split_at_mut(half), t.split_at_mut(half));
+        join(
+            self.len(),
+            || self.sweep::<BACK, SYMMETRIC>(start, x.0, t.0),
+            || self.sweep::<BACK, SYMMETRIC>(start + half, x.1, t.1),
+        );
+    }
+
+    /// The same with what is added to the matrix, one chunk after another.
+    fn sweep_with_rank_one<const BACK: bool>(&mut self, x: &mut [Lanes], t: &mut [Lanes]) {
+        let mut added = std::mem::take(&mut self.rank_one);
+        added.start(BACK.then_some(&*x));
+        let chunks = x.len().div_ceil(ROWS);
+        wide(
+            #[inline(always)]
+            || {
+                for step in 0..chunks {
+                    let start = ROWS * if BACK { chunks - 1 - step } else { step };
+                    let end = x.len().min(start + ROWS);
+                    let (x, t) = (&mut x[start..end], &mut t[start..end]);
+                    let count = end - start;
+                    for step in 0..count {
+                        let row = if BACK { count - 1 - step } else { step };
+                        self.relax::<BACK, false>(start, row, x, t, Some(&mut added));
+                    }
+                }
+            },
+        );
+        if !BACK {
+            // Each row has added what was known when it was its turn.
+            added.subtract(t);
+        }
+        self.rank_one = added;
+    }
+
+    /// One row of a chunk that begins at row `start`. Forward, from zero: `x = D⁻¹(r − L x)`, `t = −Lᵀx`, the residual. Backward, with
+    /// the residual of what is known in `t`: `x = D⁻¹(t − L x)`, `t ← t − Lᵀx`.
+    #[inline(always)]
+    fn relax<const BACK: bool, const SYMMETRIC: bool>(
+        &self,
+        start: usize,
+        row: usize,
+        x: &mut [Lanes],
+        t: &mut [Lanes],
+        mut added: Option<&mut RankOne>,
+    ) {
+        let mut rest = t[row];
+        if !BACK {
+            rest = self.right_hand_side[start + row];
+            t[row] = [0.0; 4];
+        }
+        if !self.is_free[start + row] {
+            if !BACK {
+                x[row] = [0.0; 4];
+            }
+            return;
+        }
+        let slots = self.pattern.row(start + row);
+        let slots = slots.start..slots.end - 1;
+        let (columns, blocks) = (&self.pattern.columns()[slots.clone()], &self.blocks[slots]);
+        for (&column, block) in columns.iter().zip(blocks) {
+            if let Some(other) = x.get((column as usize).wrapping_sub(start)) {
+                rest = minus(rest, block.times(other));
+            }
+        }
+        if let Some(added) = &mut added {
+            if BACK {
+                added.moved(start + row, &x[row], -1.0);
+            }
+            rest = added.without(start + row, rest);
+        }
+        let own = self.inverse[start + row].times(&rest);
+        x[row] = own;
+        if let Some(added) = added {
+            added.moved(start + row, &own, 1.0);
+            if !BACK {
+                let known = added.without(start + row, [0.0; 4]);
+                t[row] = minus(t[row], known);
+            }
+        }
+        for (&column, block) in columns.iter().zip(blocks) {
+            if let Some(t) = t.get_mut((column as usize).wrapping_sub(start)) {
+                *t = minus(*t, block.transposed_times::<SYMMETRIC>(&own));
+            }
+        }
+    }
+
+    /// Restricts the residual: `coarse = Pᵀ t`.
+    pub(super) fn restrict(&self, prolongation: &Prolongation, coarse: &mut [Lanes]) {
+        let fine = &self.residual;
+        map_reduce(
+            coarse,
+            #[inline(always)]
+            |start, coarse: &mut [Lanes]| {
+                for (vertex, out) in (start..).zip(coarse) {
+                    let mut sum = [0.0; 4];
+                    for &(from, weight) in prolongation.of_coarse(vertex) {
+                        sum = plus(sum, weight as f32, &fine[from as usize]);
+                    }
+                    *out = sum;
+                }
+                []
+            },
+        );
+    }
+
+    /// Adds the coarse correction: `x += P coarse`.
+    pub(super) fn correct(&mut self, prolongation: &Prolongation, coarse: &[Lanes]) {
+        map_reduce(
+            &mut self.solution[..],
+            #[inline(always)]
+            |start, solution: &mut [Lanes]| {
+                for (vertex, out) in (start..).zip(solution) {
+                    for &(parent, weight) in prolongation.of_fine(vertex) {
+                        *out = plus(*out, weight as f32, &coarse[parent as usize]);
+                    }
+                }
+                []
+            },
+        );
+    }
+}
