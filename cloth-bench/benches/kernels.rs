@@ -13,9 +13,11 @@ use cloth_core::energy::Spring;
 use cloth_core::math::{Real, Vec3};
 use cloth_core::method::block_matrix::BlockMatrix;
 use cloth_core::method::linear::{
-    BlockCholesky, Budget, Cholesky, LinearMethod, Minres, PanelFactor, Preconditioner,
-    SignedCholesky, UpperPattern, spectrum,
+    BlockCholesky, Budget, Cholesky, LinearMethod, Preconditioner, QuasidefiniteLdlt, UpperPattern,
+    spectrum,
 };
+use cloth_pd::PanelFactor;
+use cloth_xpbd::direct::Minres;
 use criterion::{Criterion, Throughput};
 use limit::Moved;
 use sheet::sheet;
@@ -125,7 +127,7 @@ fn saddle_factor(criterion: &mut Criterion) {
         let scene = sheet(side);
         let (pattern, values) = saddle(&scene);
         let positive = 3 * scene.start.positions.len();
-        let mut cholesky = SignedCholesky::analyze(pattern, positive).expect("memory");
+        let mut cholesky = QuasidefiniteLdlt::analyze(pattern, positive).expect("memory");
         cholesky.values_mut().copy_from_slice(&values);
         let mut group = criterion.benchmark_group(format!("saddle-point factor, {side} a side"));
         group.sample_size(10);

@@ -8,9 +8,10 @@ use cloth_bench::scene::{self, Scene};
 use cloth_bench::settings::Settings;
 use cloth_bench::studies::{constant_matrix, local_bytes, move_bytes};
 use cloth_core::math::{Real, Vec3};
-use cloth_core::method::linear::{Cholesky, LowRank, PanelFactor};
+use cloth_core::method::linear::Cholesky;
 use cloth_core::step::{StepInput, Stepper};
 use cloth_pd::{Acceleration, LocalStep, PdConfig, PdSolver};
+use cloth_pd::{PanelFactor, WoodburyUpdate};
 use criterion::{Criterion, Throughput};
 use std::hint::black_box;
 
@@ -69,7 +70,7 @@ fn changes(criterion: &mut Criterion) {
             panels.solve(black_box(b), &mut solution);
         });
         for rank in [1, 3, 10, 30, 100] {
-            let mut low_rank = LowRank::default();
+            let mut low_rank = WoodburyUpdate::default();
             for column in 0..rank {
                 low_rank.push([((column * 7919 % count) as u32, 1.0)]);
             }

@@ -1,14 +1,16 @@
 //! The global step: one matrix for x, y and z alike, the same in every iteration, factorised once per step size.
 //!
 //! What changes a few rows of it (a vertex grabbed or released, an element gone, an attachment come) is made good for
-//! in every solve, by [`LowRank`], as long as that is cheaper than factorising again. How long a change will stay is
+//! in every solve, by [`WoodburyUpdate`], as long as that is cheaper than factorising again. How long a change will stay is
 //! not known (the ski-rental problem): once the corrections have cost as much as a factorisation, the matrix is
 //! factorised. That never costs more than twice the better choice.
 
 use crate::local::Projections;
 use crate::matrix::{SMALLEST_PIVOT, assemble, fill, smallest_pivot, upper_pattern};
+use crate::panel::PanelFactor;
+use crate::woodbury::WoodburyUpdate;
 use cloth_core::math::{Real, Vec3};
-use cloth_core::method::linear::{Cholesky, CholeskyError, LowRank, PanelFactor};
+use cloth_core::method::linear::{Cholesky, CholeskyError};
 use cloth_core::particles::Particles;
 use sprs::CsMat;
 use std::fmt;
@@ -32,8 +34,8 @@ pub(crate) struct GlobalSystem {
     /// What has been added to the stiffness since.
     terms: Vec<Term>,
     /// Between the factor and what has changed since.
-    low_rank: LowRank,
-    /// Whether something has changed that `low_rank` does not know.
+    update: WoodburyUpdate,
+    /// Whether something has changed that `update` does not know.
     is_changed: bool,
     /// Work (ns) spent on corrections since the factor was made.
     correction_cost: Real,
@@ -91,7 +93,7 @@ impl GlobalSystem {
             panels: None,
             factored_for: None,
             terms: Vec::new(),
-            low_rank: LowRank::default(),
+            update: WoodburyUpdate::default(),
             is_changed: false,
             correction_cost: 0.0,
         })
@@ -163,7 +165,7 @@ impl GlobalSystem {
         self.factored_for = Some(dt);
         self.factored_mass.copy_from_slice(&self.mass);
         self.terms.clear();
-        self.low_rank.clear();
+        self.update.clear();
         (self.is_changed, self.correction_cost) = (false, 0.0);
         Ok(1)
     }
@@ -190,14 +192,12 @@ impl GlobalSystem {
         if self.correction_cost + setup > limit {
             return false;
         }
-        self.low_rank.clear();
+        self.update.clear();
         // Elements, over the vertices that the factor knows as free.
         for term in &self.terms {
             let known = |entry: &&(u32, Real)| self.factored_mass[entry.0 as usize].is_some();
-            let column = self
-                .low_rank
-                .push(term.column.iter().filter(known).copied());
-            self.low_rank.set_inverse(column, column, 1.0 / term.weight);
+            let column = self.update.push(term.column.iter().filter(known).copied());
+            self.update.set_inverse(column, column, 1.0 / term.weight);
         }
         // A released vertex has the row of the identity. C = [[a − 1, 1], [1, 0]] on U = [e, the row beside its
         // diagonal entry a] puts in its own.
@@ -209,22 +209,22 @@ impl GlobalSystem {
             let mut row = self.row(vertex);
             row.retain(|entry| is_known[entry.0 as usize]);
             let diagonal = self.stiffness.get(vertex, vertex).copied().unwrap_or(0.0);
-            let own = self.low_rank.push([(vertex as u32, 1.0)]);
-            let row = self.low_rank.push(row);
-            self.low_rank.set_inverse(own, row, 1.0);
-            self.low_rank
+            let own = self.update.push([(vertex as u32, 1.0)]);
+            let row = self.update.push(row);
+            self.update.set_inverse(own, row, 1.0);
+            self.update
                 .set_inverse(row, row, 1.0 - (diagonal + mass / dt / dt));
             is_known[vertex] = true;
         }
         // A grabbed vertex stays where it is: a constraint.
         for &vertex in changed.iter().filter(|&&v| self.mass[v].is_none()) {
-            self.low_rank.push([(vertex as u32, 1.0)]);
+            self.update.push([(vertex as u32, 1.0)]);
         }
         let Some(panels) = &mut self.panels else {
             return false;
         };
         let dimension = self.mass.len();
-        let is_prepared = self.low_rank.prepare(dimension, |b, x| panels.solve(b, x));
+        let is_prepared = self.update.prepare(dimension, |b, x| panels.solve(b, x));
         self.is_changed = !is_prepared;
         self.correction_cost += setup;
         is_prepared
@@ -258,9 +258,9 @@ impl GlobalSystem {
     pub(crate) fn solve(&mut self, b: &[Vec3], d: &mut [Vec3]) {
         let panels = self.panels.as_mut().expect("prepared");
         panels.solve(b, d);
-        let rank = self.low_rank.rank();
+        let rank = self.update.rank();
         if rank > 0 {
-            self.low_rank.correct(d);
+            self.update.correct(d);
             self.correction_cost += cost::CORRECT * (rank * d.len()) as Real;
             for (d, mass) in d.iter_mut().zip(&self.mass) {
                 if mass.is_none() {

@@ -131,8 +131,8 @@
 //! | `G`, `∇G` | `objective.rs` |
 //! | A, S1 (30), (32) | `matrix.rs` |
 //! | what quasi-Newton leaves out of it | `matrix.rs` |
-//! | its factor, and what changes it | `global.rs`, [`LowRank`](cloth_core::method::linear::LowRank) |
-//! | the solve of S1 (34) | [`PanelFactor::solve`](cloth_core::method::linear::PanelFactor::solve) |
+//! | its factor, and what changes it | `global.rs`, [`WoodburyUpdate`] |
+//! | the solve of S1 (34) | [`PanelFactor::solve`] |
 //! | Chebyshev weights (Wang 2015, algorithm 1) | `chebyshev.rs` |
 //! | two-loop recursion (Liu et al. 2017, algorithm 2), line search | `quasi_newton.rs` |
 //! | `A + Σ k J Jᵀ` with the contacts | `contact.rs` |
@@ -202,7 +202,7 @@
 //! kinetic energy of the swing (below) is −74 % instead of −45; taken several times in a step, no better than once.
 //!
 //! Why a solve of our own and not the library's: a triangular solve does two operations per number of the factor that
-//! it reads, so memory decides. [`PanelFactor`](cloth_core::method::linear::PanelFactor) lays the factor out in the order in
+//! it reads, so memory decides. [`PanelFactor`] lays the factor out in the order in
 //! which it is read, in panels of up to four columns with the diagonal inverted, and carries x, y and z in one vector
 //! register: the factor is read twice for all three and not twice for each, and a panel's right-hand sides stay in
 //! registers.
@@ -453,16 +453,20 @@ mod lattice;
 mod local;
 mod matrix;
 mod objective;
+mod panel;
 mod pin_work;
 mod quadratic;
 mod quasi_newton;
 mod solver;
 mod vertex_blocks;
+mod woodbury;
 
 pub use change::{AttachmentId, ChangeError};
 pub use config::{Acceleration, PdConfig, StartGuess};
 pub use local::LocalStep;
+pub use panel::PanelFactor;
 pub use solver::{PdBuilder, PdSolver};
+pub use woodbury::WoodburyUpdate;
 
 pub use cloth_core;
 #[doc(no_inline)]

@@ -99,7 +99,7 @@
 //! | equation | where |
 //! |---|---|
 //! | the system, scaled | `direct/kkt.rs` |
-//! | `[H Jᵀ; J −α̃]`: `L D Lᵀ`, MINRES | `direct/saddle.rs`, [`SignedCholesky`], [`Minres`] |
+//! | `[H Jᵀ; J −α̃]`: `L D Lᵀ`, MINRES | `direct/saddle.rs`, [`QuasidefiniteLdlt`], [`Minres`] |
 //! | `(J H⁻¹ Jᵀ + α̃) Δλ = …`: Cholesky, conjugate gradients | `direct/schur.rs`, [`Cholesky`] |
 //! | `−Σ λ ∂²C ⪰ 0` | [`Constraint::geometric_stiffness`] |
 //! | dependent rows, refinement | `direct/linear.rs` |
@@ -107,8 +107,7 @@
 //! | contact | `direct/contact.rs` |
 //! | the loop around them | [`DirectXpbd`] |
 //!
-//! [`SignedCholesky`]: cloth_core::method::linear::SignedCholesky
-//! [`Minres`]: cloth_core::method::linear::Minres
+//! [`QuasidefiniteLdlt`]: cloth_core::method::linear::QuasidefiniteLdlt
 //! [`Cholesky`]: cloth_core::method::linear::Cholesky
 //! [`Constraint::geometric_stiffness`]: cloth_core::element::Constraint::geometric_stiffness
 //!
@@ -135,6 +134,7 @@ mod rows;
 
 mod kkt;
 
+mod minres;
 mod saddle;
 mod schur;
 
@@ -153,5 +153,6 @@ mod builder;
 
 pub use builder::DirectBuilder;
 pub use config::{DirectConfig, DirectStart, System};
+pub use minres::{KrylovReport, Minres};
 pub use readout::Residuals;
 pub use solver::DirectXpbd;

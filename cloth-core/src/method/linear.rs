@@ -1,4 +1,5 @@
-//! Solvers for `A x = b` (CORE-12): one trait, [`LinearSolver`], over one matrix, [`BlockMatrix`](crate::method::block_matrix::BlockMatrix).
+//! Solvers for `A x = b`: one trait, [`LinearSolver`], over one matrix,
+//! [`BlockMatrix`](crate::method::block_matrix::BlockMatrix).
 //!
 //! | solver | file |
 //! |---|---|
@@ -9,8 +10,9 @@
 //! | Jacobi with Chebyshev acceleration, [`ChebyshevJacobi`] | `chebyshev` |
 //! | Gauss–Seidel, [`GaussSeidel`] | `gauss_seidel` |
 //!
-//! [`LinearMethod`] names them; [`spectrum()`] estimates condition numbers. The factorisations need the feature `cholesky`: `BlockCholesky`, `Cholesky` for a
-//! scalar matrix, `PanelFactor` for its solves with three right-hand sides, `Inertia` to count eigenvalues.
+//! [`LinearMethod`] names them; [`spectrum()`] estimates condition numbers. The factorisations need the feature
+//! `cholesky`: `BlockCholesky`, `Cholesky` for a scalar matrix, `QuasidefiniteLdlt` for a saddle-point matrix, `Inertia`
+//! to count eigenvalues.
 
 #[cfg(feature = "cholesky")]
 mod block_cholesky;
@@ -25,14 +27,9 @@ mod gauss_seidel;
 #[cfg(feature = "cholesky")]
 mod inertia;
 mod jacobi;
-#[cfg(feature = "cholesky")]
-mod low_rank;
-mod minres;
 mod multigrid_gradients;
 #[cfg(feature = "cholesky")]
-mod panel;
-#[cfg(feature = "cholesky")]
-mod signed_cholesky;
+mod quasidefinite;
 mod solver;
 mod spectrum;
 
@@ -48,13 +45,8 @@ pub use gauss_seidel::GaussSeidel;
 #[cfg(feature = "cholesky")]
 pub use inertia::Inertia;
 pub use jacobi::Jacobi;
-#[cfg(feature = "cholesky")]
-pub use low_rank::LowRank;
-pub use minres::{KrylovEnd, Minres};
 pub use multigrid_gradients::MultigridGradients;
 #[cfg(feature = "cholesky")]
-pub use panel::PanelFactor;
-#[cfg(feature = "cholesky")]
-pub use signed_cholesky::SignedCholesky;
+pub use quasidefinite::QuasidefiniteLdlt;
 pub use solver::{Budget, LinearError, LinearMethod, LinearReport, LinearSolver};
 pub use spectrum::{Spectrum, spectrum};

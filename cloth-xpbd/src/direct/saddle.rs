@@ -2,8 +2,9 @@
 //! symmetric, `[I + K̂  Ĵᵀ; Ĵ  −α̂]`.
 
 use super::kkt::{Kkt, KktVector};
+use super::minres::{KrylovReport, Minres};
 use cloth_core::math::{Mat3, Real, Vec3};
-use cloth_core::method::linear::{CholeskyError, KrylovEnd, Minres, SignedCholesky, UpperPattern};
+use cloth_core::method::linear::{CholeskyError, QuasidefiniteLdlt, UpperPattern};
 
 /// Number of the first of the three unknowns of each vertex; `PRESCRIBED` for those that have none.
 #[derive(Clone, Debug)]
@@ -59,7 +60,7 @@ impl Numbering {
 #[derive(Debug)]
 pub(super) struct SaddleFactor {
     numbering: Numbering,
-    factor: SignedCholesky,
+    factor: QuasidefiniteLdlt,
     /// Entries of each row in the order of their vertices.
     sorted: Vec<u32>,
     vector: Vec<Real>,
@@ -110,7 +111,7 @@ impl SaddleFactor {
         };
         Ok(Self {
             vector: vec![0.0; pattern.dimension()],
-            factor: SignedCholesky::analyze(pattern, numbering.free)?,
+            factor: QuasidefiniteLdlt::analyze(pattern, numbering.free)?,
             sorted,
             numbering,
         })
@@ -198,7 +199,7 @@ impl SaddleMinres {
         out: &mut KktVector,
         tolerance: Real,
         most: u32,
-    ) -> KrylovEnd {
+    ) -> KrylovReport {
         inverse_blocks(kkt, &mut self.blocks);
         for row in 0..kkt.row_count() {
             self.diagonal[row] = 1.0 / dual_diagonal(kkt, &self.blocks, row);

@@ -2,9 +2,10 @@
 //! `S = Ĵ B Ĵᵀ + α̂`, `Δx̂ = B (r_x + Ĵᵀ Δλ̂)`, where B is the inverse of a block-diagonal `I + K̂`.
 
 use super::kkt::{Kkt, KktVector};
+use super::minres::KrylovReport;
 use super::saddle::{dual_diagonal, inverse_blocks};
 use cloth_core::math::{Mat3, Real, Vec3};
-use cloth_core::method::linear::{Cholesky, CholeskyError, KrylovEnd, UpperPattern};
+use cloth_core::method::linear::{Cholesky, CholeskyError, UpperPattern};
 
 /// Reduction to the dual system and back, for both of its solvers.
 #[derive(Debug)]
@@ -205,7 +206,7 @@ impl SchurCg {
         out: &mut KktVector,
         tolerance: Real,
         most: u32,
-    ) -> KrylovEnd {
+    ) -> KrylovReport {
         inverse_blocks(kkt, &mut self.dual.blocks);
         for row in 0..kkt.row_count() {
             self.diagonal[row] = 1.0 / dual_diagonal(kkt, &self.dual.blocks, row);
@@ -241,7 +242,7 @@ impl SchurCg {
             iterations += 1;
         }
         self.dual.expand(kkt, right, out);
-        KrylovEnd {
+        KrylovReport {
             iterations,
             residual: if start > 0.0 {
                 (now / start).sqrt()

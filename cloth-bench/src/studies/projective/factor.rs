@@ -8,9 +8,10 @@ use crate::settings::Settings;
 use cloth_core::element::Projective;
 use cloth_core::energy::Spring;
 use cloth_core::math::{Real, Vec3};
-use cloth_core::method::linear::{Cholesky, LowRank, PanelFactor, UpperPattern};
+use cloth_core::method::linear::{Cholesky, UpperPattern};
 use cloth_core::method::parallel::wide;
 use cloth_pd::LocalStep;
+use cloth_pd::{PanelFactor, WoodburyUpdate};
 use std::hint::black_box;
 use std::time::Instant;
 
@@ -242,7 +243,7 @@ pub fn move_bytes(springs: &[Spring], x: &[Vec3], forces: &mut [Vec3]) {
 /// The number of changed rows, in threes, for which setting up a correction takes as long as `limit` (s).
 fn rows_worth(limit: Real, panels: &mut PanelFactor, count: usize) -> Option<usize> {
     (3..=MOST_ROWS.min(count)).step_by(3).find(|&rank| {
-        let mut low_rank = LowRank::default();
+        let mut low_rank = WoodburyUpdate::default();
         for column in 0..rank {
             low_rank.push([((column * 7919 % count) as u32, 1.0)]);
         }

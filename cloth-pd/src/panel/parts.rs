@@ -1,7 +1,7 @@
 //! A factor cut into parts that do not wait for each other.
 
-use super::super::cholesky::FactorView;
 use super::{Lanes, Part};
+use cloth_core::method::linear::FactorView;
 
 /// Parts that a large factor is cut into, about: enough for a few threads, and few enough for the top to stay small.
 const PARTS: usize = 8;

@@ -3,7 +3,7 @@
 //! C. Paige, M. Saunders, "Solution of sparse indefinite systems of linear equations", SIAM J. Numer. Anal. 12, 1975,
 //! <https://doi.org/10.1137/0712047>. GMRES would find the same iterates (the matrix is symmetric), but it has to keep all directions; here three are enough.
 
-use crate::math::Real;
+use cloth_core::math::Real;
 
 /// Memory for [`Minres::solve`], one dimension.
 #[derive(Clone, Debug)]
@@ -19,7 +19,7 @@ pub struct Minres {
 
 /// How a Krylov solve ended.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct KrylovEnd {
+pub struct KrylovReport {
     /// Products with the matrix.
     pub iterations: u32,
     /// Norm of the residual relative to that of the right-hand side, both in the metric of the preconditioner.
@@ -53,7 +53,7 @@ impl Minres {
         x: &mut [Real],
         tolerance: Real,
         most: u32,
-    ) -> KrylovEnd {
+    ) -> KrylovReport {
         assert!(
             b.len() == self.product.len() && x.len() == b.len(),
             "one entry per row"
@@ -69,7 +69,7 @@ impl Minres {
         precondition(now, z);
         let mut length = dot(z, now).max(0.0).sqrt();
         let start = length;
-        let mut end = KrylovEnd {
+        let mut end = KrylovReport {
             iterations: 0,
             residual: if start > 0.0 { 1.0 } else { 0.0 },
         };

@@ -4,11 +4,11 @@
 //! `C⁻¹ = 0` is a spring without compliance, the constraint `uᵀx = 0`. M. A. Woodbury, "Inverting modified matrices", 1950; W. W. Hager, "Updating the inverse of a matrix", SIAM Review 31,
 //! 1989, <https://doi.org/10.1137/1031049>.
 
-use crate::math::{Real, Vec3};
+use cloth_core::math::{Real, Vec3};
 
 /// A correction of rank k for solutions with three right-hand sides.
 #[derive(Clone, Debug, Default)]
-pub struct LowRank {
+pub struct WoodburyUpdate {
     /// Columns of U, one after another: row and value.
     entries: Vec<(u32, Real)>,
     /// End of each column in `entries`.
@@ -23,7 +23,7 @@ pub struct LowRank {
     small: Vec<Vec3>,
 }
 
-impl LowRank {
+impl WoodburyUpdate {
     /// Forgets all columns.
     pub fn clear(&mut self) {
         self.entries.clear();
@@ -209,7 +209,7 @@ mod tests {
             &[(9, 1.0)],
         ];
         // C = diag(3, −0.1), a coupled pair [[4, 1], [1, 0]], and a constraint.
-        let mut low_rank = LowRank::default();
+        let mut low_rank = WoodburyUpdate::default();
         for column in columns {
             low_rank.push(column.iter().copied());
         }
@@ -263,7 +263,7 @@ mod tests {
     #[test]
     fn without_columns_nothing_is_changed_and_singular_corrections_are_noticed() {
         let identity = |b: &[Vec3], x: &mut [Vec3]| x.copy_from_slice(b);
-        let mut low_rank = LowRank::default();
+        let mut low_rank = WoodburyUpdate::default();
         assert!(low_rank.prepare(3, identity));
         let mut x = [Vec3::x(), Vec3::y(), Vec3::z()];
         low_rank.correct(&mut x);

@@ -14,7 +14,7 @@ use faer::{Conj, MatMut, Par, Side};
 use std::fmt;
 
 /// A quasi-definite matrix and its factor.
-pub struct SignedCholesky {
+pub struct QuasidefiniteLdlt {
     pattern: UpperPattern,
     symbolic: SymbolicCholesky<u32>,
     /// +1 or −1: the sign that each pivot has to have.
@@ -25,9 +25,9 @@ pub struct SignedCholesky {
     factored: bool,
 }
 
-impl fmt::Debug for SignedCholesky {
+impl fmt::Debug for QuasidefiniteLdlt {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("SignedCholesky")
+        f.debug_struct("QuasidefiniteLdlt")
             .field("dimension", &self.pattern.dimension())
             .field("nonzeros", &self.values.len())
             .field("factor_nonzeros", &self.factor.len())
@@ -40,7 +40,7 @@ impl fmt::Debug for SignedCholesky {
 /// not small on purpose.
 const SMALLEST_PIVOT: Real = 1e-14;
 
-impl SignedCholesky {
+impl QuasidefiniteLdlt {
     /// Finds an ordering (approximate minimum degree) and the nonzeros of the factor. The first `positive` rows are those of H, the others those of S.
     ///
     /// # Errors
@@ -65,7 +65,7 @@ impl SignedCholesky {
         })
     }
 
-    /// The numbers of the matrix, in the order of its pattern, to be filled before [`SignedCholesky::factorize`].
+    /// The numbers of the matrix, in the order of its pattern, to be filled before [`QuasidefiniteLdlt::factorize`].
     pub fn values_mut(&mut self) -> &mut [Real] {
         &mut self.values
     }

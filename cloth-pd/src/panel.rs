@@ -6,9 +6,9 @@
 
 mod parts;
 
-use super::cholesky::FactorView;
-use crate::math::{Real, Vec3};
-use crate::method::parallel::wide;
+use cloth_core::math::{Real, Vec3};
+use cloth_core::method::linear::FactorView;
+use cloth_core::method::parallel::wide;
 use parts::Division;
 
 /// Columns of a panel, at most: its right-hand sides then fit into the registers of any 64-bit processor.
@@ -367,7 +367,7 @@ fn minus(a: Lanes, l: Real, b: Lanes) -> Lanes {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::method::linear::{Cholesky, UpperPattern};
+    use cloth_core::method::linear::{Cholesky, UpperPattern};
 
     /// `M + 20 L` of a grid of `n` × `n` vertices with one diagonal a cell; the masses differ.
     fn grid_matrix(n: usize, mass: Real) -> Cholesky {
