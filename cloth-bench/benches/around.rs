@@ -1,4 +1,5 @@
-//! What is around the steps: yardsticks, the air, strain limiting, coarse corrections, crossings and distances, frames of films and exports, pictures.
+//! What is around the steps: yardsticks, the air, strain limiting, coarse corrections, crossings and distances, frames
+//! of films and exports, pictures.
 
 #[path = "support/limit.rs"]
 mod limit;

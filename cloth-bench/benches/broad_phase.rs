@@ -1,7 +1,8 @@
 //! Broad phases on a crumpled sheet of 32k triangles: an accordion of sixteen layers, 4 mm apart, with noise.
 //!
-//! What each number holds: `build` a first call, memory included; `refit` the tree following its boxes; `query` the tree's search alone; `again` a later call, which
-//! for the tree is refit and query, for the cells filling and query; `candidates` all from positions to sorted vertex–triangle and edge–edge pairs.
+//! What each number holds: `build` a first call, memory included; `refit` the tree following its boxes; `query` the
+//! tree's search alone; `again` a later call, which for the tree is refit and query, for the cells filling and query;
+//! `candidates` all from positions to sorted vertex–triangle and edge–edge pairs.
 
 #[path = "support/limit.rs"]
 mod limit;

@@ -1,5 +1,6 @@
-//! Nanoseconds per continuous collision query: each method on generated queries of exactly known answer. The throughput that
-//! criterion prints is queries per second. How often a method is wrong stands in its name, because a fast wrong answer is no answer.
+//! Nanoseconds per continuous collision query: each method on generated queries of exactly known answer. The throughput
+//! that criterion prints is queries per second. How often a method is wrong stands in its name, because a fast wrong
+//! answer is no answer.
 
 #[path = "support/limit.rs"]
 mod limit;

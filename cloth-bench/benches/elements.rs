@@ -1,5 +1,5 @@
-//! Every element by every view that it has, on shaken sheets of three sizes: energy, gradient, Hessian into its slots and its product without a matrix; one sweep of
-//! constraint projections; one local step of projective dynamics.
+//! Every element by every view that it has, on shaken sheets of three sizes: energy, gradient, Hessian into its slots
+//! and its product without a matrix; one sweep of constraint projections; one local step of projective dynamics.
 //!
 //! The throughput that criterion prints is elements per second, so its inverse is the time of one.
 

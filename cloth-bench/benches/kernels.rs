@@ -1,6 +1,8 @@
-//! Linear algebra on the matrices of the hanging sheet, at three sizes: products, factorisations, solves, iterations, eigenvalues.
+//! Linear algebra on the matrices of the hanging sheet, at three sizes: products, factorisations, solves, iterations,
+//! eigenvalues.
 //!
-//! Elements have a bench of their own (`elements`), sweeps (`sweeps`), what projective dynamics does with its factor (`projective`).
+//! Elements have a bench of their own (`elements`), sweeps (`sweeps`), what projective dynamics does with its factor
+//! (`projective`).
 
 #[path = "support/limit.rs"]
 mod limit;
@@ -13,8 +15,8 @@ use cloth_core::energy::Spring;
 use cloth_core::math::{Real, Vec3};
 use cloth_core::method::block_matrix::BlockMatrix;
 use cloth_core::method::linear::{
-    BlockCholesky, Budget, Cholesky, LinearMethod, Preconditioner, QuasidefiniteLdlt, UpperPattern,
-    spectrum,
+    BlockCholesky, Cholesky, LinearMethod, Preconditioner, QuasidefiniteLdlt, StoppingCriteria,
+    UpperPattern, spectrum,
 };
 use cloth_pd::PanelFactor;
 use cloth_xpbd::direct::Minres;
@@ -32,7 +34,8 @@ fn implicit_matrix(scene: &Scene) -> BlockMatrix {
     matrix
 }
 
-/// The block matrix of a Newton iteration: product, factorisation, solve. A factorisation has to write the factor, a solve to read it twice.
+/// The block matrix of a Newton iteration: product, factorisation, solve. A factorisation has to write the factor, a
+/// solve to read it twice.
 fn newton_matrix(criterion: &mut Criterion) {
     for side in SIDES {
         let scene = sheet(side);
@@ -74,7 +77,7 @@ fn linear_solvers(criterion: &mut Criterion) {
         let mut y = vec![Vec3::zeros(); x.len()];
         let mut group = criterion.benchmark_group(format!("linear solver, {side} a side"));
         group.sample_size(10);
-        let budget = Budget {
+        let budget = StoppingCriteria {
             tolerance: 0.0,
             max_iterations: ITERATIONS,
         };
@@ -121,7 +124,8 @@ fn eigenvalues(criterion: &mut Criterion) {
     }
 }
 
-/// The saddle-point matrix `[M/Δt² Jᵀ; J −1/k]` of the springs, of which XPBD's direct solver factorises one an iteration: the signed factorisation, and a solve.
+/// The saddle-point matrix `[M/Δt² Jᵀ; J −1/k]` of the springs, of which XPBD's direct solver factorises one an
+/// iteration: the signed factorisation, and a solve.
 fn saddle_factor(criterion: &mut Criterion) {
     for side in [32, 64, 128] {
         let scene = sheet(side);
@@ -179,7 +183,8 @@ fn saddle(scene: &Scene) -> (UpperPattern, Vec<Real>) {
     (pattern, values)
 }
 
-/// A V × V matrix of springs, three right-hand sides at once: the factorisation, the library's solve, and that by panels. A solve has to read the factor twice.
+/// A V × V matrix of springs, three right-hand sides at once: the factorisation, the library's solve, and that by
+/// panels. A solve has to read the factor twice.
 fn scalar_factor(criterion: &mut Criterion) {
     for side in SIDES {
         let scene = sheet(side);

@@ -1,5 +1,5 @@
-//! What a step of projective dynamics is made of, on the hanging sheet: the global solve against the library's, the factorisation, the correction for changed
-//! rows, the local step, whole steps.
+//! What a step of projective dynamics is made of, on the hanging sheet: the global solve against the library's, the
+//! factorisation, the correction for changed rows, the local step, whole steps.
 
 #[path = "support/limit.rs"]
 mod limit;
@@ -48,8 +48,8 @@ fn global_solve(criterion: &mut Criterion) {
 
 /// Refactoring against setting up a correction of rank k, and what the correction adds to every solve.
 ///
-/// Factorising reads the matrix and writes the factor twice, as the library has it and as panels; a correction of rank k takes a solve for every three columns, and reads those
-/// columns whenever it is applied.
+/// Factorising reads the matrix and writes the factor twice, as the library has it and as panels; a correction of rank
+/// k takes a solve for every three columns, and reads those columns whenever it is applied.
 fn changes(criterion: &mut Criterion) {
     for side in [32, 64, 128, 256] {
         let scene = sheet(side);
@@ -94,8 +94,8 @@ fn changes(criterion: &mut Criterion) {
     }
 }
 
-/// The projections of all springs, and reading and writing the same bytes without them: two positions and two forces (24 B each, the forces read and
-/// written) and a spring (24 B).
+/// The projections of all springs, and reading and writing the same bytes without them: two positions and two forces
+/// (24 B each, the forces read and written) and a spring (24 B).
 fn local_step(criterion: &mut Criterion) {
     for side in [128, 256, 512] {
         let scene = sheet(side);
@@ -114,7 +114,8 @@ fn local_step(criterion: &mut Criterion) {
     }
 }
 
-/// One step at a quarter of a second into the fall, with each acceleration. Every iteration reads the factor twice, and what the local step moves.
+/// One step at a quarter of a second into the fall, with each acceleration. Every iteration reads the factor twice, and
+/// what the local step moves.
 fn steps(criterion: &mut Criterion) {
     for side in [64, 128] {
         let scene = sheet(side);

@@ -1,7 +1,9 @@
-//! What the pairs cost that a quasi-Newton iteration of projective dynamics remembers: ten iterations of the hanging sheet, without bending, with none, two and eight of them.
+//! What the pairs cost that a quasi-Newton iteration of projective dynamics remembers: ten iterations of the hanging
+//! sheet, without bending, with none, two and eight of them.
 //!
-//! The limit is that of an iteration's data, ten times: the elements, the factor twice, and of each pair two vectors that are read and of one two that are written. The searches
-//! for a step length may try more with some histories than with others, so each line prints how many.
+//! The limit is that of an iteration's data, ten times: the elements, the factor twice, and of each pair two vectors
+//! that are read and of one two that are written. The searches for a step length may try more with some histories than
+//! with others, so each line prints how many.
 
 #[path = "support/limit.rs"]
 mod limit;

@@ -1,8 +1,10 @@
-//! What contact costs in a step of a folded sheet: an accordion of sixteen layers, with noise, six or two thicknesses apart on average.
+//! What contact costs in a step of a folded sheet: an accordion of sixteen layers, with noise, six or two thicknesses
+//! apart on average.
 //!
-//! `apart` moves it as a whole, so that nothing comes nearer than it was and only the search for candidates is left; `pressed` squeezes the pile by a hundredth in every step, at a
-//! thickness of 2 mm; `floor` lets it fall on a floor without looking for contact of the cloth with itself. All start from the same positions each time, which are safe because a
-//! step that stays there comes before, outside of the time.
+//! `apart` moves it as a whole, so that nothing comes nearer than it was and only the search for candidates is left;
+//! `pressed` squeezes the pile by a hundredth in every step, at a thickness of 2 mm; `floor` lets it fall on a floor
+//! without looking for contact of the cloth with itself. All start from the same positions each time, which are safe
+//! because a step that stays there comes before, outside of the time.
 
 #[path = "support/limit.rs"]
 mod limit;

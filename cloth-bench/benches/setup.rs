@@ -1,4 +1,5 @@
-//! What happens once, before the first step: tables, colours, orders, files, symbolic factorisation, the rank of the edges.
+//! What happens once, before the first step: tables, colours, orders, files, symbolic factorisation, the rank of the
+//! edges.
 
 #[path = "support/limit.rs"]
 mod limit;

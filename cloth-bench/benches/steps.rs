@@ -1,6 +1,8 @@
-//! One step of the hanging sheet, by every method at its published setting, at three sizes; and of a sheet in flight, with and without contact to look for.
+//! One step of the hanging sheet, by every method at its published setting, at three sizes; and of a sheet in flight,
+//! with and without contact to look for.
 //!
-//! The limit is that of reading the state and the elements once and writing the state: what no method can do without, however few iterations it needs.
+//! The limit is that of reading the state and the elements once and writing the state: what no method can do without,
+//! however few iterations it needs.
 
 #[path = "support/limit.rs"]
 mod limit;

@@ -1,5 +1,5 @@
-//! Gauss–Seidel sweeps over the hanging sheet: time per element, on one thread and on two, beside the loop that one would write first; by size, by order
-//! of the vertices, by method and precision.
+//! Gauss–Seidel sweeps over the hanging sheet: time per element, on one thread and on two, beside the loop that one
+//! would write first; by size, by order of the vertices, by method and precision.
 
 #[path = "support/limit.rs"]
 mod limit;
@@ -87,7 +87,8 @@ fn grids(criterion: &mut Criterion) {
     }
 }
 
-/// Meshes as a file might have them, their vertices shuffled: as they are, and sorted again as `cloth-bench` does it with files.
+/// Meshes as a file might have them, their vertices shuffled: as they are, and sorted again as `cloth-bench` does it
+/// with files.
 fn files(criterion: &mut Criterion) {
     let grid = |side| grid(side, side, 1.0, 1.0, Diagonals::Alternating);
     for (name, mesh) in [

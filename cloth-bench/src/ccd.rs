@@ -1,4 +1,5 @@
-//! Methods of continuous collision detection, held against queries of known answer: how often is each one wrong, and how long does it take?
+//! Methods of continuous collision detection, held against queries of known answer: how often is each one wrong, and
+//! how long does it take?
 
 mod additive;
 mod file;
@@ -47,7 +48,7 @@ pub const METHODS: [CcdMethod; 6] = [
     },
     CcdMethod {
         name: "cubic",
-        about: "roots of the coplanarity cubic and a tolerance of 1e-9 (S1 (49), (50))",
+        about: "roots of the coplanarity cubic and a tolerance of 1e-9",
         promises: false,
         first_contact: |query| query.first_coplanar_contact(&CoplanarityTest::default()),
     },
@@ -154,7 +155,8 @@ const CALLS: u32 = 4;
 /// Asks the `method` every query and compares. `place` says where the query of a number comes from.
 ///
 /// # Errors
-/// [`BenchError::Usage`] for a query that the method cannot work with, [`BenchError::Failed`] for a time that is no number in 0..=1.
+/// [`BenchError::Usage`] for a query that the method cannot work with, [`BenchError::Failed`] for a time that is no
+/// number in 0..=1.
 pub fn score(
     method: &CcdMethod,
     queries: &[LabelledQuery],

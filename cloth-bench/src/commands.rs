@@ -1,4 +1,5 @@
-//! The commands, one file each. `--json` puts one JSON object on standard output and nothing else there; progress goes to standard error.
+//! The commands, one file each. `--json` puts one JSON object on standard output and nothing else there; progress goes
+//! to standard error.
 
 mod ccd;
 mod law;

@@ -17,8 +17,9 @@ fn folded(x: Real, width: Real, gap: Real) -> (Real, Real) {
     (along * width, gap * (layer + part))
 }
 
-/// A sheet of 1 m × 1 m with `side` vertices a side, and its positions (m) folded in one direction into [`LAYERS`] layers, `gap` (m) apart on average, with noise of a fiftieth of that.
-/// Pleats that are folded again, in the other direction, would pass through each other at the crease.
+/// A sheet of 1 m × 1 m with `side` vertices a side, and its positions (m) folded in one direction into [`LAYERS`]
+/// layers, `gap` (m) apart on average, with noise of a fiftieth of that. Pleats that are folded again, in the other
+/// direction, would pass through each other at the crease.
 ///
 /// # Errors
 /// [`BenchError::Failed`] for fewer than two vertices a side.
@@ -62,7 +63,8 @@ mod tests {
     use super::*;
     use cloth_collide::SeparationProbe;
 
-    /// Sixteen layers, none of them through another one, nearer than a gap and not much nearer than the creases make it.
+    /// Sixteen layers, none of them through another one, nearer than a gap and not much nearer than the creases make
+    /// it.
     #[test]
     fn accordion_is_folded_and_free_of_crossings() {
         let gap = 0.004;

@@ -7,8 +7,9 @@
 //! | `vtk` | `run.pvd`, `cloth_00000.vtp`, … | binary, double precision, with velocities (m/s), times (s) and, where they are recorded, forces of contact (N) | ParaView: open `run.pvd` |
 //! | `gltf` | `run.glb` | single precision, played between the frames | Blender and the web |
 //!
-//! Frame 0 is the start. Lengths are in metres. Vertices are in the order of the caller's mesh. Obstacles are surfaces of their own: `obstacle1.obj`, or one file a
-//! frame (`obstacle1_00000.obj`) where they move. `obj`, `ply` and `vtk` keep the axes of the scene; `gltf` has y up, so its root node turns the scene.
+//! Frame 0 is the start. Lengths are in metres. Vertices are in the order of the caller's mesh. Obstacles are surfaces
+//! of their own: `obstacle1.obj`, or one file a frame (`obstacle1_00000.obj`) where they move. `obj`, `ply` and `vtk`
+//! keep the axes of the scene; `gltf` has y up, so its root node turns the scene.
 //!
 //! A run that fails leaves the frames before the failure, complete and playable; a full disk leaves no part of a file.
 
@@ -126,7 +127,8 @@ impl Export {
     /// Creates the folder, and writes the start of the scene. Every `every`-th step is to follow.
     ///
     /// # Errors
-    /// [`BenchError::Usage`] for a scene without triangles or for `every` 0, [`BenchError::Failed`] with the path if it cannot be written.
+    /// [`BenchError::Usage`] for a scene without triangles or for `every` 0, [`BenchError::Failed`] with the path if it
+    /// cannot be written.
     pub fn begin(
         scene: &Scene,
         folder: &Path,
@@ -168,7 +170,8 @@ impl Export {
         Ok(export)
     }
 
-    /// Writes what is there after a step, if it is one of those to be written; in `vtk` with the forces of contact, where they are recorded.
+    /// Writes what is there after a step, if it is one of those to be written; in `vtk` with the forces of contact,
+    /// where they are recorded.
     ///
     /// # Errors
     /// [`BenchError::Failed`] with the path if it cannot be written.

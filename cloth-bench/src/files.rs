@@ -4,8 +4,8 @@ use std::fs::{self, File};
 use std::io::{self, Write};
 use std::path::Path;
 
-/// Writes a file of several parts, replacing it: beside it first, then under its name, so that a full disk or a kill leaves no part of it
-/// and an earlier one as it was. What is no plain file, such as a pipe, is written to.
+/// Writes a file of several parts, replacing it: beside it first, then under its name, so that a full disk or a kill
+/// leaves no part of it and an earlier one as it was. What is no plain file, such as a pipe, is written to.
 ///
 /// # Errors
 /// That of the system. The beginning that was written beside is removed.

@@ -1,6 +1,7 @@
 //! A hash that is the same on every machine and in every version.
 
-/// FNV-1a of 64 bits (Fowler, Noll and Vo, RFC 9923). One changed byte always changes it: every round is a bijection of the hash so far.
+/// FNV-1a of 64 bits (Fowler, Noll and Vo, RFC 9923). One changed byte always changes it: every round is a bijection of
+/// the hash so far.
 pub(crate) fn fnv1a(bytes: impl IntoIterator<Item = u8>) -> u64 {
     bytes
         .into_iter()

@@ -1,13 +1,15 @@
 //! The journal of a run of studies: one line per finished case, written when it finishes.
 //!
-//! A study is cut into cases that know nothing of each other ([`Cases`](crate::studies::Cases)). What a case found is appended to
-//! `journal.jsonl` and handed to the disk when it finishes, so a run that is killed, or whose disk is full, loses the cases that it was
-//! working on (one, or where no times are measured one per core) and no other. The report is made from the journal alone: taken up again, or put together from several machines, the same journal gives
-//! the same report.
+//! A study is cut into cases that know nothing of each other ([`Cases`](crate::studies::Cases)). What a case found is
+//! appended to `journal.jsonl` and handed to the disk when it finishes, so a run that is killed, or whose disk is full,
+//! loses the cases that it was working on (one, or where no times are measured one per core) and no other. The report
+//! is made from the journal alone: taken up again, or put together from several machines, the same journal gives the
+//! same report.
 //!
-//! The first line is a [`Heading`]; every further one a case: its study and name, the seconds that it took, and what it found or why it failed. Every line ends with a
-//! checksum. A line that is not as it was written is said with its number ([`Journal::damages`]), and its case is not finished: `--resume` sets the line aside
-//! and runs the case again. A last line without an end was being written when the run died, and is dropped.
+//! The first line is a [`RunHeader`]; every further one a case: its study and name, the seconds that it took, and what
+//! it found or why it failed. Every line ends with a checksum. A line that is not as it was written is said with its
+//! number ([`Journal::damages`]), and its case is not finished: `--resume` sets the line aside and runs the case again.
+//! A last line without an end was being written when the run died, and is dropped.
 //!
 //! A journal is open in one process at a time: its folder is locked until it is dropped.
 
@@ -44,7 +46,7 @@ const OF_THE_MACHINE: [&str; 5] = ["processor", "logical cores", "threads", "sys
 
 /// What a journal is about.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Heading {
+pub struct RunHeader {
     /// Names of the studies.
     pub studies: Vec<String>,
     /// Whether they are run on small sizes only.
@@ -53,7 +55,7 @@ pub struct Heading {
     pub facts: Vec<(String, String)>,
 }
 
-impl Heading {
+impl RunHeader {
     /// The scene file that the studies are asked of, if it is one of the user's own.
     #[must_use]
     pub fn scene(&self) -> Option<&str> {
@@ -105,7 +107,7 @@ enum Recorded {
 pub struct Journal {
     path: PathBuf,
     file: File,
-    heading: Heading,
+    heading: RunHeader,
     entries: HashMap<(String, String), Entry>,
     /// Lines that were not as they had been written: which, and why.
     damages: Vec<String>,
@@ -118,13 +120,14 @@ impl Journal {
     /// A new journal in `folder`. One that is there already gets the name `journal.old.jsonl`.
     ///
     /// # Errors
-    /// [`BenchError::Failed`] that names the file that cannot be written, or says that another process works in the folder.
-    pub fn begin(folder: &Path, heading: Heading) -> Result<Self, BenchError> {
+    /// [`BenchError::Failed`] that names the file that cannot be written, or says that another process works in the
+    /// folder.
+    pub fn begin(folder: &Path, heading: RunHeader) -> Result<Self, BenchError> {
         std::fs::create_dir_all(folder).map_err(|error| about(folder, &error))?;
         Self::begin_locked(folder, heading, Lock::take(folder)?)
     }
 
-    fn begin_locked(folder: &Path, heading: Heading, lock: Lock) -> Result<Self, BenchError> {
+    fn begin_locked(folder: &Path, heading: RunHeader, lock: Lock) -> Result<Self, BenchError> {
         let path = folder.join(FILE_NAME);
         if path.exists() {
             let moved = std::fs::rename(&path, folder.join("journal.old.jsonl"));
@@ -141,12 +144,13 @@ impl Journal {
         Ok(journal)
     }
 
-    /// The journal that is in `folder`, to go on with; a new one if there is none. Damaged lines are set aside in `journal.damaged.jsonl`.
+    /// The journal that is in `folder`, to go on with; a new one if there is none. Damaged lines are set aside in
+    /// `journal.damaged.jsonl`.
     ///
     /// # Errors
-    /// [`BenchError::Failed`] if its results do not belong to `heading`: another commit, other sizes, another machine; if its heading cannot be read; or if
-    /// another process works in the folder.
-    pub fn resume(folder: &Path, heading: Heading) -> Result<Self, BenchError> {
+    /// [`BenchError::Failed`] if its results do not belong to `heading`: another commit, other sizes, another machine;
+    /// if its heading cannot be read; or if another process works in the folder.
+    pub fn resume(folder: &Path, heading: RunHeader) -> Result<Self, BenchError> {
         std::fs::create_dir_all(folder).map_err(|error| about(folder, &error))?;
         let lock = Lock::take(folder)?;
         let path = folder.join(FILE_NAME);
@@ -184,7 +188,8 @@ impl Journal {
     /// One journal in `folder` from those in other folders: the shards of one run.
     ///
     /// # Errors
-    /// [`BenchError::Failed`] if one of them cannot be read, or if they are not parts of the same run; otherwise as [`Journal::begin`].
+    /// [`BenchError::Failed`] if one of them cannot be read, or if they are not parts of the same run; otherwise as
+    /// [`Journal::begin`].
     pub fn merge(folder: &Path, parts: &[PathBuf]) -> Result<Self, BenchError> {
         let read = |part: &PathBuf| {
             let path = part.join(FILE_NAME);
@@ -237,7 +242,7 @@ impl Journal {
 
     /// What it is about.
     #[must_use]
-    pub fn heading(&self) -> &Heading {
+    pub fn heading(&self) -> &RunHeader {
         &self.heading
     }
 
@@ -351,9 +356,9 @@ mod tests {
     use super::*;
     use serde_json::json;
 
-    fn heading(commit: &str) -> Heading {
+    fn heading(commit: &str) -> RunHeader {
         let facts = [("date", "today"), ("commit", commit), ("threads", "2")];
-        Heading {
+        RunHeader {
             studies: vec!["one".into()],
             quick: true,
             facts: facts
@@ -384,7 +389,8 @@ mod tests {
         journal
     }
 
-    /// Cut off at every single byte, the journal has every case whose line was whole, with the same bits, and takes more.
+    /// Cut off at every single byte, the journal has every case whose line was whole, with the same bits, and takes
+    /// more.
     #[test]
     fn a_torn_journal_keeps_all_that_was_whole() {
         let place = folder("torn");
@@ -425,7 +431,7 @@ mod tests {
         drop(filled(&place));
         let refused = |heading| Journal::resume(&place, heading).unwrap_err().to_string();
         assert!(refused(heading("b")).contains("another commit (`a`, not `b`)"));
-        let full = Heading {
+        let full = RunHeader {
             quick: false,
             ..heading("a")
         };

@@ -1,4 +1,4 @@
-//! Closed forms (VALIDATION 1–7) beside what the code does.
+//! Closed forms beside what the code does.
 
 mod bending_spring;
 mod buckling;
@@ -32,7 +32,8 @@ pub struct Verdict {
     pub expected: Real,
     /// What the code gives.
     pub measured: Real,
-    /// Relative error (absolute if the expected number is 0) that rounding alone can explain, where that is more than the law's tolerance; else 0.
+    /// Relative error (absolute if the expected number is 0) that rounding alone can explain, where that is more than
+    /// the law's tolerance; else 0.
     pub rounding: Real,
     /// What else there is to know, name and value.
     pub details: Vec<(&'static str, Real)>,
@@ -76,7 +77,8 @@ impl Verdict {
     }
 }
 
-/// Refuses values with which a check would take minutes. `operations` are about those on numbers, by a formula of the law.
+/// Refuses values with which a check would take minutes. `operations` are about those on numbers, by a formula of the
+/// law.
 fn within_reach(operations: Real) -> Result<(), BenchError> {
     /// Some ten seconds of one core.
     const MOST: Real = 2e10;
@@ -160,7 +162,8 @@ impl Law {
     /// Puts the closed form beside what the code does.
     ///
     /// # Errors
-    /// [`BenchError::Usage`] for a parameter that is unknown or out of range, [`BenchError::Failed`] if the code gives no number.
+    /// [`BenchError::Usage`] for a parameter that is unknown or out of range, [`BenchError::Failed`] if the code gives
+    /// no number.
     pub fn evaluate(&self, settings: &Settings) -> Result<Verdict, BenchError> {
         settings.check(&format!("law `{}`", self.name), &[self.parameters])?;
         let verdict = (self.evaluate)(settings)?;

@@ -155,7 +155,8 @@ pub fn load(spec: &str) -> Result<TriMesh, BenchError> {
     mesh.map_err(|error| BenchError::Usage(format!("`{spec}`: {error}")))
 }
 
-/// A square sheet of `cells` × `cells` cells with `holes` × `holes` square holes, at least a cell apart and a cell from the rim.
+/// A square sheet of `cells` × `cells` cells with `holes` × `holes` square holes, at least a cell apart and a cell from
+/// the rim.
 fn with_holes(cells: usize, holes: usize) -> Result<TriMesh, MeshError> {
     let bands = holes.saturating_mul(2).saturating_add(1);
     if cells < bands {

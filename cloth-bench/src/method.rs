@@ -143,7 +143,8 @@ impl Method {
         [self.parameters, strain_limit::STRAIN_LIMITING]
     }
 
-    /// Settings of a run that is not a comparison: where the published one leaves more strain the finer the mesh, it is chosen for the mesh instead.
+    /// Settings of a run that is not a comparison: where the published one leaves more strain the finer the mesh, it is
+    /// chosen for the mesh instead.
     pub(crate) fn by_default(&self, settings: Settings) -> Settings {
         match self.kind {
             Kind::Xpbd => {
@@ -158,7 +159,8 @@ impl Method {
     /// A solver for a scene and a step size `dt` (s), with strain limiting if the settings ask for it.
     ///
     /// # Errors
-    /// [`BenchError::Usage`] for a setting that the method does not know or that is out of range, or an element of the scene without the view that the method needs.
+    /// [`BenchError::Usage`] for a setting that the method does not know or that is out of range, or an element of the
+    /// scene without the view that the method needs.
     pub fn build(
         &self,
         scene: &Scene,
@@ -288,8 +290,8 @@ impl Method {
         }
     }
 
-    /// Whether the method, solved exactly, takes the step of implicit Euler, so that its error can be measured against the minimiser of `G`. The second-order
-    /// rules take another step.
+    /// Whether the method, solved exactly, takes the step of implicit Euler, so that its error can be measured against
+    /// the minimiser of `G`. The second-order rules take another step.
     #[must_use]
     pub fn aims_at_implicit_euler(&self) -> bool {
         match self.kind {

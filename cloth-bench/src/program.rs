@@ -15,7 +15,8 @@ struct Arguments {
     command: Command,
 }
 
-/// The whole program, with methods of your own beside those of the workspace: what the command line asks for is done, and the exit code says how it went.
+/// The whole program, with methods of your own beside those of the workspace: what the command line asks for is done,
+/// and the exit code says how it went.
 ///
 /// ```no_run
 /// use cloth_bench::method::{Method, OwnMethod};

@@ -78,7 +78,8 @@ pub struct Summary {
     pub gravity_energy: Real,
     /// Elastic energy plus gravitational energy relative to the start (J).
     pub potential_energy: Real,
-    /// The most by which the cloth held more energy than it was given by its start, gravity, moving pins and bodies, air and gas (J); 0 if it never did but for rounding.
+    /// The most by which the cloth held more energy than it was given by its start, gravity, moving pins and bodies,
+    /// air and gas (J); 0 if it never did but for rounding.
     pub energy_excess: Real,
     /// The most that it was given until any step (J).
     pub energy_given: Real,
@@ -96,7 +97,8 @@ pub struct Summary {
     pub tangled: Option<String>,
     /// Smallest distance (m) at the end between parts that share no vertex.
     pub min_distance: Option<Real>,
-    /// Smallest distance (m) at the end of a vertex from an obstacle, negative inside; none where there are no obstacles.
+    /// Smallest distance (m) at the end of a vertex from an obstacle, negative inside; none where there are no
+    /// obstacles.
     pub min_clearance: Option<Real>,
 }
 
@@ -162,7 +164,8 @@ impl<'a> Course<'a> {
         contacts.for_each(|timed| timed.source.record_forces(are_wanted));
     }
 
-    /// The energy (J) of contact where the cloth starts: it may begin nearer to something than the thickness. Of a start that is refused, 0.
+    /// The energy (J) of contact where the cloth starts: it may begin nearer to something than the thickness. Of a
+    /// start that is refused, 0.
     fn stored(&mut self, state: &State) -> Real {
         let Some(timed) = &mut self.contacts else {
             return 0.0;
@@ -315,10 +318,12 @@ fn load<'a>(
     Some(all)
 }
 
-/// Takes steps of `dt` (s) until no velocity is `still` (m/s) or more, at most `most`; gives the number of steps, `None` if something still moves after the last.
+/// Takes steps of `dt` (s) until no velocity is `still` (m/s) or more, at most `most`; gives the number of steps,
+/// `None` if something still moves after the last.
 ///
-/// Small steps hardly damp, so the cloth is brought to rest by *kinetic damping*: whenever the kinetic energy has passed a maximum, all velocities are set to
-/// zero. The state of rest is the method's own: there the velocities are zero anyway.
+/// Small steps hardly damp, so the cloth is brought to rest by *kinetic damping*: whenever the kinetic energy has
+/// passed a maximum, all velocities are set to zero. The state of rest is the method's own: there the velocities are
+/// zero anyway.
 ///
 /// # Errors
 /// [`BenchError::Failed`] with the method's own error.
@@ -351,8 +356,8 @@ pub fn to_rest(
 /// Runs `steps` steps of `dt` (s). `after` is called with every state, the step's number from 1 and its report.
 ///
 /// # Errors
-/// [`BenchError::Failed`] with the method's own error. `state` is then the last good one. [`BenchError::Usage`] where the scene changes in a way that the stepper
-/// cannot take: see [`run_changing`].
+/// [`BenchError::Failed`] with the method's own error. `state` is then the last good one. [`BenchError::Usage`] where
+/// the scene changes in a way that the stepper cannot take: see [`run_changing`].
 pub fn run(
     scene: &Scene,
     stepper: &mut dyn Stepper,

@@ -11,7 +11,7 @@ mod touching;
 
 pub use build::build;
 pub use change::{Change, ChangeKind, Motion};
-pub use contact::Touch;
+pub use contact::ContactSetup;
 
 use crate::error::BenchError;
 use crate::settings::{Parameter, parameter};
@@ -51,7 +51,7 @@ pub struct Scene {
     /// What happens to the cloth on the way, in the order of time.
     pub changes: Vec<Change>,
     /// What the cloth can touch; nothing unless the scene says so.
-    pub touch: Option<Touch>,
+    pub touch: Option<ContactSetup>,
     /// Gas inside closed pieces of it.
     pub gases: Vec<Pressure>,
     /// The air around it; without it no code for air runs.
@@ -85,11 +85,12 @@ impl Scene {
         self.touch.as_ref().is_some_and(|touch| !touch.is_idle())
     }
 
-    /// How far the cloth can fall before it lands (m): its distance from the obstacle that is farthest away; 0 where there is none.
+    /// How far the cloth can fall before it lands (m): its distance from the obstacle that is farthest away; 0 where
+    /// there is none.
     #[must_use]
     pub fn fall(&self) -> Real {
         let touch = self.touch.iter().filter(|touch| !touch.is_idle());
-        let farthest = touch.flat_map(Touch::obstacles).map(|obstacle| {
+        let farthest = touch.flat_map(ContactSetup::obstacles).map(|obstacle| {
             let clearance = |&x: &Vec3| obstacle.clearance(x, 0.0).value;
             let places = self.start.positions.iter();
             places.map(clearance).fold(Real::INFINITY, Real::min)
@@ -103,7 +104,8 @@ impl Scene {
         self.touch.as_ref().is_some_and(|touch| !touch.is_idle())
     }
 
-    /// Whether a step is nothing but the elastic one: nothing to touch, no air or gas, pins at rest, nothing that changes.
+    /// Whether a step is nothing but the elastic one: nothing to touch, no air or gas, pins at rest, nothing that
+    /// changes.
     #[must_use]
     pub fn is_plain(&self) -> bool {
         self.pins.is_none()
@@ -122,7 +124,8 @@ impl Scene {
             .collect()
     }
 
-    /// Springs to measure stretch by: those of the model, or one on every edge of a sheet whose membrane is made of triangles.
+    /// Springs to measure stretch by: those of the model, or one on every edge of a sheet whose membrane is made of
+    /// triangles.
     ///
     /// # Errors
     /// [`BenchError::Failed`] if an edge of the mesh is not manifold.

@@ -188,11 +188,13 @@ impl Study {
         [convergence::STUDY.name, work_precision::STUDY.name].contains(&self.name)
     }
 
-    /// Runs the cases that are not in the journal and that `share` leaves to this run, and draws the conclusions. `progress` is called before each case with its name.
-    /// Returns the names of the cases that are still missing as well: with some, the findings are not to be shown.
+    /// Runs the cases that are not in the journal and that `share` leaves to this run, and draws the conclusions.
+    /// `progress` is called before each case with its name. Returns the names of the cases that are still missing as
+    /// well: with some, the findings are not to be shown.
     ///
     /// # Errors
-    /// [`BenchError::Failed`] if the journal cannot be written, or if a reference does not converge. A method that fails is a finding, not an error.
+    /// [`BenchError::Failed`] if the journal cannot be written, or if a reference does not converge. A method that
+    /// fails is a finding, not an error.
     pub fn run(
         &self,
         scope: Scope,
@@ -239,13 +241,14 @@ fn capitalised(name: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::journal::Heading;
+    use crate::journal::RunHeader;
 
-    /// A study for whose cases nothing is run: those in `failed` have failed, all others have default values. Gives the findings and the names of the others.
+    /// A study for whose cases nothing is run: those in `failed` have failed, all others have default values. Gives the
+    /// findings and the names of the others.
     fn ended(study: &Study, failed: &[String]) -> Result<(String, Vec<String>), BenchError> {
         let folder = format!("cloth-studies-{}-{}", study.name, std::process::id());
         let folder = std::env::temp_dir().join(folder);
-        let heading = Heading {
+        let heading = RunHeader {
             studies: vec![study.name.into()],
             quick: true,
             facts: Vec::new(),

@@ -1,4 +1,4 @@
-//! One implicit step as a problem with a known answer, and how far a method is from it (VALIDATION 8.1).
+//! One implicit step as a problem with a known answer, and how far a method is from it.
 
 use crate::error::BenchError;
 use crate::method::{self, Method};
@@ -14,7 +14,7 @@ use cloth_massspring::{ImplicitConfig, ImplicitEuler};
 use serde::{Deserialize, Serialize};
 use std::time::Instant;
 
-/// One step from a given state, with the minimiser of `G` (S1 (10)) found by Newton's method to rounding.
+/// One step from a given state, with the minimiser of `G` found by Newton's method to rounding.
 #[derive(Debug)]
 pub struct StepProblem {
     model: ClothModel,
@@ -53,7 +53,8 @@ impl StepProblem {
     /// The step of size `dt` (s) from `state`.
     ///
     /// # Errors
-    /// [`BenchError::Failed`] if Newton's method does not reach its floor, or if the prediction is already the minimiser.
+    /// [`BenchError::Failed`] if Newton's method does not reach its floor, or if the prediction is already the
+    /// minimiser.
     pub fn new(
         model: &ClothModel,
         state: &State,
@@ -100,7 +101,8 @@ impl StepProblem {
         Ok(problem)
     }
 
-    /// The step that follows after `steps` steps of `dt` (s) of implicit Euler from the start of a scene: the same step for every method.
+    /// The step that follows after `steps` steps of `dt` (s) of implicit Euler from the start of a scene: the same step
+    /// for every method.
     ///
     /// # Errors
     /// [`BenchError::Failed`] if implicit Euler fails on the way, or as for [`StepProblem::new`].

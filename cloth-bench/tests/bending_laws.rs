@@ -59,7 +59,8 @@ fn the_elastica_is_reached_with_second_order() {
     }
 }
 
-/// A strip of equilateral triangles has ν = −1/3: narrow, it is softer by 1 − ν² = 8/9 than the sheet, and sags by 1/8 more.
+/// A strip of equilateral triangles has ν = −1/3: narrow, it is softer by 1 − ν² = 8/9 than the sheet, and sags by 1/8
+/// more.
 #[test]
 fn a_narrow_strip_of_equilateral_triangles_is_softer_by_its_poisson_ratio() {
     let more = |resolution: u32, across: u32| {
@@ -75,14 +76,16 @@ fn a_narrow_strip_of_equilateral_triangles_is_softer_by_its_poisson_ratio() {
         assert!((detail(&verdict, "free_rigidity") - 8.0 / 9.0).abs() < 1e-15);
         verdict.measured / verdict.expected - 1.0
     };
-    // The rim is softer, in proportion to the size of a cell; the clamp keeps the strip from curving across, in proportion to its width.
+    // The rim is softer, in proportion to the size of a cell; the clamp keeps the strip from curving across, in
+    // proportion to its width.
     let wide = 2.0 * more(128, 17) - more(64, 9);
     let narrow = 2.0 * more(192, 13) - more(96, 7);
     let limit = 2.0 * narrow - wide;
     assert!((limit - 0.125).abs() < 0.004, "{wide} {narrow} {limit}");
 }
 
-/// Deflection of the tip of a strip of an alternating grid of square cells, of length 1 m and D = 1 N·m, over that of the beam of rigidity D, `ρ g L⁴/(8D)`.
+/// Deflection of the tip of a strip of an alternating grid of square cells, of length 1 m and D = 1 N·m, over that of
+/// the beam of rigidity D, `ρ g L⁴/(8D)`.
 fn grid_strip(cells: usize, across: usize) -> f64 {
     let h = 1.0 / (cells as f64 + 0.5);
     let mesh = grid(
@@ -128,7 +131,8 @@ fn grid_strip(cells: usize, across: usize) -> f64 {
     heights.iter().sum::<f64>() / heights.len() as f64 / (0.05 / 8.0)
 }
 
-/// Vertices of an alternating grid settle at two heights, and a narrow strip curves across: the energy 3 κ² of its hinges falls to 2.4 κ².
+/// Vertices of an alternating grid settle at two heights, and a narrow strip curves across: the energy 3 κ² of its
+/// hinges falls to 2.4 κ².
 #[test]
 fn an_alternating_grid_is_softer_at_rest_than_on_a_cylinder() {
     let wide = 2.0 * grid_strip(96, 12) - grid_strip(48, 6);

@@ -1,4 +1,5 @@
-//! Cloth that changes on the way: vertices are grabbed and released, triangles torn out. Every method goes on with the cloth as it is by then.
+//! Cloth that changes on the way: vertices are grabbed and released, triangles torn out. Every method goes on with the
+//! cloth as it is by then.
 
 use cloth_bench::method::{METHODS, Method};
 use cloth_bench::run::{Plan, Solver, Summary, from_start, run_changing, to_rest};
@@ -215,7 +216,8 @@ fn a_balloon_grows_as_far_as_its_membrane_lets_it() {
     let rest = scene.start.positions.clone();
     let energies = scene.model.energies().unwrap();
     let gas = &scene.gases[0];
-    // Scaled by s: E(s) − p V(s) is least where its derivative is zero; the sphere stays one up to the order of its triangles.
+    // Scaled by s: E(s) − p V(s) is least where its derivative is zero; the sphere stays one up to the order of its
+    // triangles.
     let potential = |s: f64| {
         let x: Vec<Vec3> = rest.iter().map(|x| x * s).collect();
         energies.value(&x) - pressure * gas.volume(&x)

@@ -41,7 +41,8 @@ fn motion_that_nothing_gave_fails_the_run_with_its_step() {
     assert_eq!(object["steps"], 5, "the run goes on to its end");
 }
 
-/// Pins that turn the ends of a towel do the work of the forces that the projections have used. By `∂E/∂x` of the stretch that those leave the towel would move with more.
+/// Pins that turn the ends of a towel do the work of the forces that the projections have used. By `∂E/∂x` of the
+/// stretch that those leave the towel would move with more.
 #[test]
 fn motion_that_pins_give_position_based_cloth_is_paid_for() {
     for (method, substeps) in [("pbd", 20), ("pbd", 5), ("xpbd", 20)] {

@@ -417,7 +417,8 @@ fn a_full_disk_is_named() {
     }
 }
 
-/// A limit on the size of files stands for a disk that is full in the middle of one: a file is there whole, or not at all.
+/// A limit on the size of files stands for a disk that is full in the middle of one: a file is there whole, or not at
+/// all.
 #[cfg(target_os = "linux")]
 #[test]
 fn a_full_disk_leaves_no_part_of_a_file() {

@@ -1,4 +1,5 @@
-//! Forces of contact beside what they do: they change the momentum of the cloth, carry its weight, and act on bodies the other way round.
+//! Forces of contact beside what they do: they change the momentum of the cloth, carry its weight, and act on bodies
+//! the other way round.
 
 #[path = "support/program.rs"]
 #[expect(dead_code, reason = "for the tests of several files")]
@@ -47,8 +48,8 @@ fn momentum(scene: &Scene, velocities: &[Vec3]) -> Vec3 {
 
 const SHEET: &str = "[[mesh]]\ngenerator = \"grid:13x13:alternating\"\nscale = 0.4\n";
 
-/// A sheet that falls on a ball with friction, and on itself: in every step the forces on the vertices are what changes its momentum beside gravity, and the force on the
-/// ball is their opposite.
+/// A sheet that falls on a ball with friction, and on itself: in every step the forces on the vertices are what changes
+/// its momentum beside gravity, and the force on the ball is their opposite.
 #[test]
 fn forces_change_the_momentum_and_act_on_the_body() {
     let text = format!(
@@ -86,7 +87,8 @@ fn forces_change_the_momentum_and_act_on_the_body() {
     }
 }
 
-/// A sheet that rests on a slope: the pressure carries m g cos θ, friction m g sin θ, and the torque is the weight at the middle of the sheet.
+/// A sheet that rests on a slope: the pressure carries m g cos θ, friction m g sin θ, and the torque is the weight at
+/// the middle of the sheet.
 #[test]
 fn slope_carries_the_weight_and_friction_holds_it() {
     let angle: f64 = 0.2;
@@ -137,8 +139,8 @@ fn slope_carries_the_weight_and_friction_holds_it() {
     }
 }
 
-/// On a slope of 0.2 rad, with tan 0.2 = 0.203, a piece of no friction slides as fast as it can, one of 0.3 stays, and each keeps its own thickness, less what its
-/// weight presses.
+/// On a slope of 0.2 rad, with tan 0.2 = 0.203, a piece of no friction slides as fast as it can, one of 0.3 stays, and
+/// each keeps its own thickness, less what its weight presses.
 #[test]
 fn pieces_have_their_own_thickness_and_friction() {
     let angle: f64 = 0.2;

@@ -1,7 +1,9 @@
-//! Random input to everything that takes input from outside: nothing may panic, and nothing that is not finite may come out as a result.
+//! Random input to everything that takes input from outside: nothing may panic, and nothing that is not finite may come
+//! out as a result.
 //!
-//! Every case has a seed of its own. As a test, a fixed number of cases is run, the same ones every time; with `CLOTH_FUZZ_SECONDS=3600` each test goes on
-//! with further seeds for so long. A case that panics says its seed, which `CLOTH_FUZZ_SEED` runs alone.
+//! Every case has a seed of its own. As a test, a fixed number of cases is run, the same ones every time; with
+//! `CLOTH_FUZZ_SECONDS=3600` each test goes on with further seeds for so long. A case that panics says its seed, which
+//! `CLOTH_FUZZ_SEED` runs alone.
 
 #[path = "fuzz/files.rs"]
 mod files;

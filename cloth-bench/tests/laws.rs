@@ -163,7 +163,7 @@ fn sweeps_over_a_chain_converge_at_the_rate_of_the_closed_form() {
         }
         holds("chain-rate", &[&format!("solver={method}")]);
     }
-    // Iterations per decade for 20 links, as VALIDATION 5 prints them.
+    // Iterations per decade for 20 links.
     for (solver, printed) in [
         ("jacobi", 746.0),
         ("gauss-seidel", 373.0),

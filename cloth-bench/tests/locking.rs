@@ -15,7 +15,8 @@ fn told(arguments: &[&str]) -> Value {
     serde_json::from_slice(&output.stdout).unwrap()
 }
 
-/// χ, E_b, the number of boundary loops and pieces, and the self-stresses of the bent shape: 3χ + E_b motions and one more for each of these are left.
+/// χ, E_b, the number of boundary loops and pieces, and the self-stresses of the bent shape: 3χ + E_b motions and one
+/// more for each of these are left.
 #[test]
 fn the_command_counts_and_measures_every_kind_of_mesh() {
     for (mesh, euler, boundary, loops, pieces, stresses) in [
@@ -85,7 +86,7 @@ fn every_method_takes_every_remedy() {
         &["edges=0.2"],
         &["edges=quads"],
         &["level=1"],
-        &["level=2", "fine_share=0.1"],
+        &["level=2", "fine_fraction=0.1"],
         &["points=midpoints"],
         &["strain_limit=0.05"],
     ] {
@@ -113,7 +114,8 @@ fn every_method_takes_every_remedy() {
     }
 }
 
-/// E points instead of V, and the middles of the edges of a held vertex are held: that is half an edge more of the sheet, so the sheets fall alike as the edges get short.
+/// E points instead of V, and the middles of the edges of a held vertex are held: that is half an edge more of the
+/// sheet, so the sheets fall alike as the edges get short.
 #[test]
 fn midpoints_are_an_option_of_the_hanging_sheet() {
     let run = |method, n, settings: &[&'static str]| {
@@ -156,8 +158,8 @@ fn midpoints_are_an_option_of_the_hanging_sheet() {
 fn a_remedy_that_cannot_be_is_refused_with_its_name() {
     for (settings, words) in [
         (&["level=30"][..], "levels from 1 to"),
-        (&["fine_share=0.5"], "fine_share"),
-        (&["level=1", "fine_share=2"], "at most 1"),
+        (&["fine_fraction=0.5"], "fine_fraction"),
+        (&["level=1", "fine_fraction=2"], "at most 1"),
         (&["level=1", "membrane=arap"], "coarse level"),
         (&["level=1", "edges=quads"], "coarse level"),
         (&["points=corners"], "midpoints"),

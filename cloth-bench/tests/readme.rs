@@ -16,7 +16,8 @@ use std::process::{Command, Stdio};
 
 const README: &str = include_str!("../../README.md");
 
-/// Asks the compiler what an element of N vertices with K projected vectors has: its own constants come first, where the element has the view, and those of [`Lacking`] otherwise.
+/// Asks the compiler what an element of N vertices with K projected vectors has: its own constants come first, where
+/// the element has the view, and those of [`Lacking`] otherwise.
 struct View<E, const N: usize, const K: usize>(PhantomData<E>);
 
 trait Lacking {

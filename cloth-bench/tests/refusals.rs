@@ -1,4 +1,5 @@
-//! What the program refuses in its arguments: names, keys, values, and what does not go together, each in one sentence with exit code 2.
+//! What the program refuses in its arguments: names, keys, values, and what does not go together, each in one sentence
+//! with exit code 2.
 
 #[allow(dead_code, reason = "shared with tests that use the rest of it")]
 #[path = "support/program.rs"]

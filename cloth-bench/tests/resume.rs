@@ -1,6 +1,7 @@
-//! A run of studies that is killed, taken up again, or shared among machines gives what an unbroken one gives. What failed in it is said.
+//! A run of studies that is killed, taken up again, or shared among machines gives what an unbroken one gives. What
+//! failed in it is said.
 
-use cloth_bench::journal::{Heading, Journal};
+use cloth_bench::journal::{Journal, RunHeader};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::Duration;
@@ -48,7 +49,8 @@ fn cases(out: &Path) -> Vec<String> {
     names
 }
 
-/// Kills a run three times, each time when some more cases are finished. Returns the journal, or nothing where it ended before a kill came.
+/// Kills a run three times, each time when some more cases are finished. Returns the journal, or nothing where it ended
+/// before a kill came.
 fn killed_three_times(study: &str, out: &Path) -> Option<Vec<String>> {
     let mut kept: Vec<String> = Vec::new();
     for round in 1..=3 {
@@ -134,7 +136,8 @@ fn refused(mut command: Command) -> (String, Option<i32>) {
     (told, output.status.code())
 }
 
-/// A file that must not grow any more stands for a disk that is full in the middle of the run, `/dev/full` for one that is full at its end.
+/// A file that must not grow any more stands for a disk that is full in the middle of the run, `/dev/full` for one that
+/// is full at its end.
 #[cfg(target_os = "linux")]
 #[test]
 fn a_full_disk_is_said_and_what_is_finished_is_kept() {
@@ -142,7 +145,8 @@ fn a_full_disk_is_said_and_what_is_finished_is_kept() {
     let resumed = ["study", STUDY, "--quick", "--resume"];
     let (whole, out) = (folder("with-room"), folder("full"));
     run(&study, &whole);
-    // Room for 2 kB, which is less than the journal takes; the signal that comes with the error is not for programs that handle it.
+    // Room for 2 kB, which is less than the journal takes; the signal that comes with the error is not for programs
+    // that handle it.
     let mut command = Command::new("sh");
     let limited = "trap '' XFSZ; ulimit -f 4; exec \"$@\"";
     command.args(["-c", limited, "sh", env!("CARGO_BIN_EXE_cloth-bench")]);
@@ -207,7 +211,7 @@ fn a_damaged_entry_is_said_and_its_case_run_again() {
 #[test]
 fn two_runs_do_not_share_a_folder() {
     let out = folder("shared");
-    let heading = Heading {
+    let heading = RunHeader {
         studies: vec![STUDY.into()],
         quick: true,
         facts: Vec::new(),

@@ -134,7 +134,8 @@ fn the_twist_of_the_sample_is_that_of_the_program() {
         of_file.model.particles.free_count(),
         own.model.particles.free_count()
     );
-    // Its scale is exact to rounding only, and rounding decides to which side the flat towel gives way, so the first steps are compared.
+    // Its scale is exact to rounding only, and rounding decides to which side the flat towel gives way, so the first
+    // steps are compared.
     let [a, b] = [&of_file, &own].map(|scene| after(scene, "xpbd", 8));
     let moved = (a.positions[0] - of_file.start.positions[0]).norm();
     assert!(moved > 0.02, "{moved}");
@@ -492,7 +493,8 @@ fn bodies_are_felt(name: &str, text: &str, methods: &[&str]) {
 
 const FELT: [&str; 5] = ["implicit-euler", "linear-implicit", "pd", "xpbd", "pbd"];
 
-/// A ball of 2 cm rises through a sheet whose cells are 12 cm, and a sheet falls on the corner of a box: no vertex is near either.
+/// A ball of 2 cm rises through a sheet whose cells are 12 cm, and a sheet falls on the corner of a box: no vertex is
+/// near either.
 #[test]
 fn bodies_smaller_than_a_triangle_and_corners_pierce_nothing() {
     let ball = "steps = 30\n[[mesh]]\ngenerator = \"grid:9x9:alternating\"\ntranslate = [-0.5, -0.5, 0]\n\

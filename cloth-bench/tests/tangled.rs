@@ -1,4 +1,5 @@
-//! Cloth that passes through itself at the start of a run: pulled apart on the way where the scene wants that, refused otherwise.
+//! Cloth that passes through itself at the start of a run: pulled apart on the way where the scene wants that, refused
+//! otherwise.
 
 #[path = "support/program.rs"]
 #[expect(dead_code, reason = "for the tests of several files")]

@@ -1,10 +1,10 @@
-//! Which pieces of a cloth can touch? Candidates from axis-aligned boxes (COL-1).
+//! Which pieces of a cloth can touch? Candidates from axis-aligned boxes.
 //!
 //! # The idea
 //!
-//! Every triangle gets a box around all that it sweeps from one position to the next, moved outwards by half of the margin. Pieces whose boxes
-//! are disjoint cannot come nearer than the margin. A *broad phase* finds the overlapping pairs without looking at all n². There are three, and they find the
-//! same pairs:
+//! Every triangle gets a box around all that it sweeps from one position to the next, moved outwards by half of the
+//! margin. Pieces whose boxes are disjoint cannot come nearer than the margin. A *broad phase* finds the overlapping
+//! pairs without looking at all n². There are three, and they find the same pairs:
 //!
 //! | | how | suits |
 //! |---|---|---|
@@ -12,9 +12,10 @@
 //! | [`SpatialHash`] | cubic cells, looked up by a hash of their place | triangles of one size |
 //! | [`MortonGrid`] | the same cells, sorted along a space-filling curve | triangles of one size; no table |
 //!
-//! Only triangles are searched for. [`ClothCandidates`] makes vertex–triangle and edge–edge pairs from their pairs: each vertex and each edge belongs to one of its
-//! triangles, its *representative* (Curtis, Tamstorf and Manocha 2008), inside whose box its own lies. So each pair of primitives is met in one pair of triangles
-//! only, and one search serves both kinds. Planes then leave out what only the boxes have near each other.
+//! Only triangles are searched for. [`ClothCandidates`] makes vertex–triangle and edge–edge pairs from their pairs:
+//! each vertex and each edge belongs to one of its triangles, its *representative* (Curtis, Tamstorf and Manocha 2008),
+//! inside whose box its own lies. So each pair of primitives is met in one pair of triangles only, and one search
+//! serves both kinds. Planes then leave out what only the boxes have near each other.
 
 mod candidates;
 mod cells;
@@ -36,8 +37,9 @@ use std::fmt::Debug;
 
 /// Finds overlapping boxes.
 pub trait BroadPhase: Debug + Send {
-    /// Replaces `out` by all pairs `[a, b]`, a < b, of numbers of overlapping boxes ([`Bounds::overlaps`]), each once, in any order. Corners of boxes are
-    /// finite. From the second call with as many boxes on, nothing is allocated beyond what `out` needs.
+    /// Replaces `out` by all pairs `[a, b]`, a < b, of numbers of overlapping boxes ([`Bounds::overlaps`]), each once,
+    /// in any order. Corners of boxes are finite. From the second call with as many boxes on, nothing is allocated
+    /// beyond what `out` needs.
     fn overlapping(&mut self, boxes: &[Bounds], out: &mut Vec<[u32; 2]>);
 }
 

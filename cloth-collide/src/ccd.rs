@@ -1,4 +1,4 @@
-//! Do two moving primitives of cloth touch during a step, and when first? (COL-6)
+//! Do two moving primitives of cloth touch during a step, and when first?
 //!
 //! All vertices move linearly from where they are at the start, time 0, to where they are at the end, time 1.
 //! [`ContinuousTest`] never misses a contact. [`CoplanarityTest`] is the method of the textbooks, for
@@ -23,45 +23,50 @@ use advance::walk;
 use cloth_core::math::{Real, Vec3};
 use difference::Difference;
 
-/// The conservative test: **no contact is missed, and no time of impact is late**, whatever the input (COL-6).
+/// The conservative test: **no contact is missed, and no time of impact is late**, whatever the input.
 ///
 /// # Method
 ///
 /// A vertex p and a triangle abc touch if the triangle with the corners p − a, p − b, p − c contains the origin; two
-/// edges ab and cd touch if the parallelogram a − c, b − c, a − d, b − d does. So there is one question: when does a moving polygon first
-/// meet the origin? It cannot, over a piece of time, if there is a direction n(t), which may move too, with
+/// edges ab and cd touch if the parallelogram a − c, b − c, a − d, b − d does. So there is one question: when does a
+/// moving polygon first meet the origin? It cannot, over a piece of time, if there is a direction n(t), which may move
+/// too, with
 ///
 /// n(t) · x_k(t) > d |n(t)|  for all corners x_k,
 ///
-/// d being the minimal separation. The direction is that from the origin to the nearest feature of the polygon; as this feature moves,
-/// so does the direction: for a face the normal u(t) × v(t), for an edge e(t) a direction that stays across it, for a corner
-/// the way to it. Then the left side is a cubic in t, and the convex hull of its four Bernstein coefficients shows how far it is positive. The test
-/// goes on to that time and looks again, until there is no time left or no distance.
+/// d being the minimal separation. The direction is that from the origin to the nearest feature of the polygon; as this
+/// feature moves, so does the direction: for a face the normal u(t) × v(t), for an edge e(t) a direction that stays
+/// across it, for a corner the way to it. Then the left side is a cubic in t, and the convex hull of its four Bernstein
+/// coefficients shows how far it is positive. The test goes on to that time and looks again, until there is no time
+/// left or no distance.
 ///
-/// This is conservative advancement (Mirtich 1996), where additive advancement (Li et al. 2021) would bound the speed of
-/// approach by the largest relative speed of the vertices. Here sliding and turning cost nothing, as the direction goes along. So a
-/// step covers most of what is left, and a simple contact is approached quadratically. An inclusion test (Wang et al. 2021) halves
-/// boxes in time and in both parameters of the polygon; here, whatever its parameters, a polygon on one side of a plane is done with at once.
+/// This is conservative advancement (Mirtich 1996), where additive advancement (Li et al. 2021) would bound the speed
+/// of approach by the largest relative speed of the vertices. Here sliding and turning cost nothing, as the direction
+/// goes along. So a step covers most of what is left, and a simple contact is approached quadratically. An inclusion
+/// test (Wang et al. 2021) halves boxes in time and in both parameters of the polygon; here, whatever its parameters, a
+/// polygon on one side of a plane is done with at once.
 ///
-/// Only the sign of the products n · x_k proves anything, not the way in which n was found. So everything about rounding is in
-/// a few lines, and its allowance is subtracted (`src/ccd/reach.rs` has the proof).
-/// Where `f64` cannot tell near from touching, and d = 0, the walk goes on with numbers of twice the
-/// length, which can tell apart what is further than about 1e-29 of the size of the motion.
+/// Only the sign of the products n · x_k proves anything, not the way in which n was found. So everything about
+/// rounding is in a few lines, and its allowance is subtracted (`src/ccd/reach.rs` has the proof). Where `f64` cannot
+/// tell near from touching, and d = 0, the walk goes on with numbers of twice the length, which can tell apart what is
+/// further than about 1e-29 of the size of the motion.
 ///
 /// # What is promised
 ///
-/// - The distance is larger than d at all times before the returned one, and at it (at time 0 there may be no such moment).
-///   If nothing is returned, during the whole motion.
-/// - The time is 0 only if the distance at the start is not larger than d, to rounding: 1e-14 of the size of the motion, or for d = 0 1e-29.
+/// - The distance is larger than d at all times before the returned one, and at it (at time 0 there may be no such
+///   moment). If nothing is returned, during the whole motion.
+/// - The time is 0 only if the distance at the start is not larger than d, to rounding: 1e-14 of the size of the
+///   motion, or for d = 0 1e-29.
 /// - At most [`ContinuousTest::MOST_STEPS`] steps of constant cost each, on any input. If they are used up, the
 ///   time is that reached so far: early, never late.
 ///
 /// # Limits
 ///
 /// - A pass at a distance below the above is reported as a contact.
-/// - For d > 0, steps shrink with the square root of (distance − d)/d while the direction turns, because |n| is bounded from above.
-/// - With a slack above 0, a start at less than about 1e-6 of the size of the motion can use up the steps, and then the time is early by more than
-///   the slack asks for. Without slack and separation this has not been seen.
+/// - For d > 0, steps shrink with the square root of (distance − d)/d while the direction turns, because |n| is bounded
+///   from above.
+/// - With a slack above 0, a start at less than about 1e-6 of the size of the motion can use up the steps, and then the
+///   time is early by more than the slack asks for. Without slack and separation this has not been seen.
 /// - A contact during the motion is found. What lies on the wrong side already at the start is not known to be wrong.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContinuousTest {

@@ -1,5 +1,5 @@
 //! Closest points of two pieces of cloth: the two cases that decide the distance of two triangles,
-//! vertex against triangle and edge against edge (COL-5).
+//! vertex against triangle and edge against edge.
 
 mod edge_edge;
 mod point_triangle;

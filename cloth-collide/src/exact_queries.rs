@@ -1,9 +1,9 @@
 //! Continuous queries whose answer is known without any rounding, for tests and for the comparison of methods.
 //!
 //! All coordinates are whole multiples of a power of two, made by integer arithmetic and short enough for an `f64` to
-//! hold them exactly. A contact is built in: two points of the two primitives are made to coincide at a chosen time. Or a
-//! gap is: the primitives stay on both sides of a slab, whose thickness is known. Then everything is turned by an integer matrix
-//! and moved, also exactly.
+//! hold them exactly. A contact is built in: two points of the two primitives are made to coincide at a chosen time. Or
+//! a gap is: the primitives stay on both sides of a slab, whose thickness is known. Then everything is turned by an
+//! integer matrix and moved, also exactly.
 
 mod lattice;
 
@@ -73,8 +73,8 @@ pub struct KnownQuery {
     pub family: Family,
 }
 
-/// Endless known queries: every second one touches, and half of these are [`Family::General`], as are half of the others.
-/// The same `kind` and seed give the same bits.
+/// Endless known queries: every second one touches, and half of these are [`Family::General`], as are half of the
+/// others. The same `kind` and seed give the same bits.
 #[derive(Clone, Debug)]
 pub struct ExactQueries {
     kind: QueryKind,

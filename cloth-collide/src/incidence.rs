@@ -29,7 +29,8 @@ pub(crate) fn owned(mesh: &TriMesh) -> Vec<Owned> {
     owned
 }
 
-/// The two vertices of each edge, in rising order, and the three edges of each triangle: edge k of a triangle goes from corner k to the next one.
+/// The two vertices of each edge, in rising order, and the three edges of each triangle: edge k of a triangle goes from
+/// corner k to the next one.
 pub(crate) fn edge_numbers(triangles: &[[u32; 3]]) -> (Vec<[u32; 2]>, Vec<[u32; 3]>) {
     let mut edges = Vec::new();
     let mut of_triangle = vec![[0; 3]; triangles.len()];

@@ -1,18 +1,21 @@
-//! What does the cloth touch: obstacles, or itself? How close does it come? And when, during a step, does it touch first?
+//! What does the cloth touch: obstacles, or itself? How close does it come? And when, during a step, does it touch
+//! first?
 //!
 //! # The idea
 //!
-//! **Obstacles** are functions: the signed distance φ(x) of a point from a surface. A vertex is kept out by one inequality, φ(x) ≥ h, whatever the
-//! shape and however it moves. [`obstacle`] has the shapes, the search for the first contact on a way, and the responses: a penalty, a barrier, impulses with friction and
-//! restitution.
+//! **Obstacles** are functions: the signed distance φ(x) of a point from a surface. A vertex is kept out by one
+//! inequality, φ(x) ≥ h, whatever the shape and however it moves. [`obstacle`] has the shapes, the search for the first
+//! contact on a way, and the responses: a penalty, a barrier, impulses with friction and restitution.
 //!
-//! **Cloth against cloth** is about pairs: a vertex and a triangle, or two edges. Looking at all of them would take n² tests, so a *broad phase* leaves the
-//! few whose boxes overlap, and of those the ones that no plane has apart ([`ClothCandidates`]). From there to the end of a step there are four more stages:
+//! **Cloth against cloth** is about pairs: a vertex and a triangle, or two edges. Looking at all of them would take n²
+//! tests, so a *broad phase* leaves the few whose boxes overlap, and of those the ones that no plane has apart
+//! ([`ClothCandidates`]). From there to the end of a step there are four more stages:
 //!
 #![doc = include_str!("../doc/stages.svg")]
 //!
-//! **Measuring** comes last. A cloth of triangles is free of contact as long as no triangle meets another one, apart from
-//! the vertices and edges that they share. [`SeparationProbe`] tells the number of pairs of triangles that meet, decided exactly, and the smallest distance.
+//! **Measuring** comes last. A cloth of triangles is free of contact as long as no triangle meets another one, apart
+//! from the vertices and edges that they share. [`SeparationProbe`] tells the number of pairs of triangles that meet,
+//! decided exactly, and the smallest distance.
 //!
 //! Two triangles that do not meet are nearest either at a vertex of one and some point of the other, or at
 //! a point of an edge of each. So their distance is the smallest of 6 vertex–triangle and 9 edge–edge distances:
@@ -23,32 +26,36 @@
 //!
 //! # Between two moments
 //!
-//! A vertex at 10 m/s moves 17 cm in a sixtieth of a second, a hundred times the thickness of a cloth. It is on one side at one moment and on
-//! the other at the next, and no look at the two moments sees it pass. So the motion in between has to be looked at: all
-//! vertices move linearly, and the question is the first time at which a vertex and a triangle, or two edges, are at distance 0 (or d).
-//! Vertices and triangles alone are not enough: two edges can cross with all four of their ends in the clear.
+//! A vertex at 10 m/s moves 17 cm in a sixtieth of a second, a hundred times the thickness of a cloth. It is on one
+//! side at one moment and on the other at the next, and no look at the two moments sees it pass. So the motion in
+//! between has to be looked at: all vertices move linearly, and the question is the first time at which a vertex and a
+//! triangle, or two edges, are at distance 0 (or d). Vertices and triangles alone are not enough: two edges can cross
+//! with all four of their ends in the clear.
 //!
 #![doc = include_str!("../doc/crossing-edges.svg")]
 //!
-//! Both are one question. The differences p − a, p − b, p − c of a vertex to the corners of a triangle are the corners of a
-//! moving triangle, those of the ends of two edges of a moving parallelogram, and contact is when it contains the origin.
-//! As long as a plane through the origin has all the corners on one side there is none:
+//! Both are one question. The differences p − a, p − b, p − c of a vertex to the corners of a triangle are the corners
+//! of a moving triangle, those of the ends of two edges of a moving parallelogram, and contact is when it contains the
+//! origin. As long as a plane through the origin has all the corners on one side there is none:
 //!
 //! n(t) · x_k(t) > d |n(t)| for all k.
 //!
-//! [`ContinuousTest`] finds such planes, which turn along with the nearest face, edge or corner of the polygon, and steps through
-//! time from one to the next. Signs of a few cubics are all that is proved, and all that rounding could spoil; so the allowance for
-//! it is small and explicit, and no contact is missed. The textbook's way is the other one round: [`CoplanarityTest`] looks for the times at which the four
-//! vertices are in one plane, the roots of (x₀ − x₁) × (x₀ − x₂) · x₀, and then for contact there. It is short and fast, and it misses what
-//! is in one plane all the time. [`exact_queries`] makes queries for which the answer is known, to see which method errs how often
+//! [`ContinuousTest`] finds such planes, which turn along with the nearest face, edge or corner of the polygon, and
+//! steps through time from one to the next. Signs of a few cubics are all that is proved, and all that rounding could
+//! spoil; so the allowance for it is small and explicit, and no contact is missed. The textbook's way is the other one
+//! round: [`CoplanarityTest`] looks for the times at which the four vertices are in one plane, the roots of (x₀ − x₁) ×
+//! (x₀ − x₂) · x₀, and then for contact there. It is short and fast, and it misses what is in one plane all the time.
+//! [`exact_queries`] makes queries for which the answer is known, to see which method errs how often
 //! (`cloth-bench ccd`).
 //!
 //! # Contact in the solve
 //!
-//! [`PotentialContacts`](potential::PotentialContacts) joins all of this behind the one hook of all methods: contact as an energy for those that
-//! minimise, as unilateral constraints for those that project positions. Both views test every way before it is accepted. What does not come to an end in which
-//! nothing crosses goes to the last resort: pairs are pushed apart one by one, then parts of the cloth move as rigid bodies (impact zones), then vertices are held back to ways that
-//! cannot reach anything. So a step is either free of crossings or refused. [`potential`] is a chapter of its own.
+//! [`PotentialContacts`](potential::PotentialContacts) joins all of this behind the one hook of all methods: contact as
+//! an energy for those that minimise, as unilateral constraints for those that project positions. Both views test every
+//! way before it is accepted. What does not come to an end in which nothing crosses goes to the last resort: pairs are
+//! pushed apart one by one, then parts of the cloth move as rigid bodies (impact zones), then vertices are held back to
+//! ways that cannot reach anything. So a step is either free of crossings or refused. [`potential`] is a chapter of its
+//! own.
 //!
 //! # Equation → function
 //!
@@ -125,13 +132,13 @@
 //! - The uniform cells of two of the broad phases suit triangles of similar size, the tree suits all.
 //! - [`SeparationProbe`] looks at the positions of one moment. A cloth that has passed through another between two
 //!   moments, and is out on the far side, shows no trace.
-//! - [`ContinuousTest`] reports a pass at less than 1e-14 of the size of the motion (for d = 0: at less than 1e-29) as a contact. The limits of each
-//!   method stand with it.
+//! - [`ContinuousTest`] reports a pass at less than 1e-14 of the size of the motion (for d = 0: at less than 1e-29) as
+//!   a contact. The limits of each method stand with it.
 //! - The count is of closed triangles: exact touching counts like crossing. It says how many pairs meet, not how deep.
 //! - Two triangles with a common edge never count, even if folded flat onto each other.
 //! - Neighbours in the mesh limit the distance from above, as [`SeparationProbe`] explains.
-//! - Distances are right to rounding: about 1e-15 of the size of the triangles. Intersections are exact, apart from over- and underflow
-//!   at coordinates beyond about 1e±100 m, which is not guarded against.
+//! - Distances are right to rounding: about 1e-15 of the size of the triangles. Intersections are exact, apart from
+//!   over- and underflow at coordinates beyond about 1e±100 m, which is not guarded against.
 //!
 //! # Files, in reading order
 //!
@@ -167,19 +174,22 @@
 //!   *Journal of Graphics Tools* 8(1), 2003. DOI 10.1080/10867651.2003.10487580
 //! - J. R. Shewchuk, Adaptive precision floating-point arithmetic and fast robust geometric predicates,
 //!   *Discrete & Computational Geometry* 18, 1997. DOI 10.1007/PL00009321
-//! - B. Mirtich, *Impulse-based dynamic simulation of rigid body systems*, PhD thesis, University of California, Berkeley 1996: conservative advancement.
-//! - M. Li, D. M. Kaufman and C. Jiang, Codimensional incremental potential contact, *ACM Transactions on Graphics* 40(4),
+//! - B. Mirtich, *Impulse-based dynamic simulation of rigid body systems*, PhD thesis, University of California,
+//!   Berkeley 1996: conservative advancement.
+//! - M. Li, D. M. Kaufman and C. Jiang, Codimensional incremental potential contact, *ACM Transactions on Graphics*
+//!   40(4),
 //!   2021. DOI 10.1145/3450626.3459767: additive conservative advancement.
-//! - B. Wang, Z. Ferguson, T. Schneider, X. Jiang, M. Attene and D. Panozzo, A large-scale benchmark and an inclusion-based algorithm for continuous
-//!   collision detection, *ACM Transactions on Graphics* 40(5), 2021. DOI 10.1145/3460775
-//! - X. Provot, Collision and self-collision handling in cloth model dedicated to design garments, *Computer Animation and Simulation* 1997.
-//!   DOI 10.1007/978-3-7091-6874-5_13: the coplanarity cubic.
-//! - M. Joldes, J.-M. Muller and V. Popescu, Tight and rigorous error bounds for basic building blocks of double-word arithmetic, *ACM Transactions on
-//!   Mathematical Software* 44(2), 2017. DOI 10.1145/3121432
+//! - B. Wang, Z. Ferguson, T. Schneider, X. Jiang, M. Attene and D. Panozzo, A large-scale benchmark and an
+//!   inclusion-based algorithm for continuous collision detection, *ACM Transactions on Graphics* 40(5), 2021. DOI
+//!   10.1145/3460775
+//! - X. Provot, Collision and self-collision handling in cloth model dedicated to design garments, *Computer Animation
+//!   and Simulation* 1997. DOI 10.1007/978-3-7091-6874-5_13: the coplanarity cubic.
+//! - M. Joldes, J.-M. Muller and V. Popescu, Tight and rigorous error bounds for basic building blocks of double-word
+//!   arithmetic, *ACM Transactions on Mathematical Software* 44(2), 2017. DOI 10.1145/3121432
 //! - S. Curtis, R. Tamstorf and D. Manocha, Fast collision detection for deformable models using
 //!   representative-triangles, I3D 2008. DOI 10.1145/1342250.1342260
-//! - M. Teschner, B. Heidelberger, M. Müller, D. Pomeranets and M. Gross, Optimized spatial hashing for collision detection of
-//!   deformable objects, VMV 2003.
+//! - M. Teschner, B. Heidelberger, M. Müller, D. Pomeranets and M. Gross, Optimized spatial hashing for collision
+//!   detection of deformable objects, VMV 2003.
 #![forbid(unsafe_code)]
 
 mod bounds;

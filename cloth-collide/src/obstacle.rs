@@ -2,16 +2,17 @@
 //!
 //! # The idea
 //!
-//! An obstacle is a function φ(x): how far the point x is from its surface, negative inside. Its gradient is the outward normal n. With it,
-//! contact of a vertex is one inequality,
+//! An obstacle is a function φ(x): how far the point x is from its surface, negative inside. Its gradient is the
+//! outward normal n. With it, contact of a vertex is one inequality,
 //!
 //! φ(x) ≥ h, with the thickness h of the cloth,
 //!
-//! whatever the shape. Only vertices are kept out by it; what is between them feels the triangles of a body's surface, which
-//! [`potential`](crate::potential) takes beside it.
+//! whatever the shape. Only vertices are kept out by it; what is between them feels the triangles of a body's surface,
+//! which [`potential`](crate::potential) takes beside it.
 //!
-//! A shape is described at rest around its own origin ([`SignedDistance`]), and placed by a rigid motion ([`Obstacle`]). The point is taken
-//! into the frame of the shape, the normal back out of it, so nothing of a shape is ever computed again because it moved.
+//! A shape is described at rest around its own origin ([`SignedDistance`]), and placed by a rigid motion
+//! ([`Obstacle`]). The point is taken into the frame of the shape, the normal back out of it, so nothing of a shape is
+//! ever computed again because it moved.
 //!
 //! # Equation → code
 //!
@@ -32,19 +33,24 @@
 //!
 //! # Limits
 //!
-//! - φ of a shape is the distance to its surface, so from deep inside a thin one the nearest way out may be the far side. What keeps vertices on their
-//!   side is [`first_contact`], or [`ObstacleContacts::detect`] with it, not the discrete response.
+//! - φ of a shape is the distance to its surface, so from deep inside a thin one the nearest way out may be the far
+//!   side. What keeps vertices on their side is [`first_contact`], or [`ObstacleContacts::detect`] with it, not the
+//!   discrete response.
 //! - Meshes and samples are not taken to be convex: a way that grazes them may end early, and says so.
-//! - The impulses of one step treat one vertex and one obstacle at a time. A vertex between two obstacles is pushed by each in turn, and may end inside the first.
+//! - The impulses of one step treat one vertex and one obstacle at a time. A vertex between two obstacles is pushed by
+//!   each in turn, and may end inside the first.
 //!
 //! # References
 //!
-//! - J. A. Bærentzen and H. Aanæs, Signed distance computation using the angle weighted pseudonormal, *IEEE Transactions on Visualization and
-//!   Computer Graphics* 11(3), 2005. DOI 10.1109/TVCG.2005.49
-//! - R. Bridson, R. Fedkiw and J. Anderson, Robust treatment of collisions, contact and friction for cloth animation, SIGGRAPH 2002.
-//!   DOI 10.1145/566570.566623. Its section 7.5 bounds the change of the tangential velocity by that of the normal one.
-//! - M. Li et al., Incremental potential contact, SIGGRAPH 2020. DOI 10.1145/3386569.3392425. The barrier, its equation (6).
-//! - B. V. Mirtich, *Impulse-based dynamic simulation of rigid body systems*, thesis, Berkeley 1996. Conservative advancement.
+//! - J. A. Bærentzen and H. Aanæs, Signed distance computation using the angle weighted pseudonormal, *IEEE
+//!   Transactions on Visualization and Computer Graphics* 11(3), 2005. DOI 10.1109/TVCG.2005.49
+//! - R. Bridson, R. Fedkiw and J. Anderson, Robust treatment of collisions, contact and friction for cloth animation,
+//!   SIGGRAPH 2002. DOI 10.1145/566570.566623. Its section 7.5 bounds the change of the tangential velocity by that of
+//!   the normal one.
+//! - M. Li et al., Incremental potential contact, SIGGRAPH 2020. DOI 10.1145/3386569.3392425. The barrier, its equation
+//!   (6).
+//! - B. V. Mirtich, *Impulse-based dynamic simulation of rigid body systems*, thesis, Berkeley 1996. Conservative
+//!   advancement.
 
 mod animated;
 mod capsule;
@@ -125,7 +131,8 @@ pub trait SignedDistance: Debug + Send + Sync {
         1.0
     }
 
-    /// Whether φ is a convex function, as it is if the shape is convex and φ its true distance. Searches along a path are then much shorter.
+    /// Whether φ is a convex function, as it is if the shape is convex and φ its true distance. Searches along a path
+    /// are then much shorter.
     fn is_convex(&self) -> bool {
         false
     }

@@ -43,9 +43,9 @@ impl Motion {
         std::array::from_fn(|k| self.from[k] + (self.to[k] - self.from[k]) * time)
     }
 
-    /// Whether the four move as one, by a shift: what they do besides changes `distance` (m) by less than a part in 10⁵. Positions are rounded, so no shift is exact; and where
-    /// they end so far away that their differences are lost, or `distance` is lost in the rounding of these, it is
-    /// none.
+    /// Whether the four move as one, by a shift: what they do besides changes `distance` (m) by less than a part in
+    /// 10⁵. Positions are rounded, so no shift is exact; and where they end so far away that their differences are
+    /// lost, or `distance` is lost in the rounding of these, it is none.
     pub(crate) fn is_shift(&self, distance: Real) -> bool {
         let apart = |x: &[Vec3; 4], k: usize| x[k] - x[0];
         let besides = |k: usize| {
@@ -98,8 +98,8 @@ pub(crate) fn gap_along(kind: QueryKind, normal: &Vec3, x: &[Vec3; 4]) -> Real {
     gap - 16.0 * Real::EPSILON * size
 }
 
-/// By how much more than `separation` (m) one steady plane has the pieces apart during the motion, nothing if it does not: it does if it does at both ends, because
-/// everything is linear in time.
+/// By how much more than `separation` (m) one steady plane has the pieces apart during the motion, nothing if it does
+/// not: it does if it does at both ends, because everything is linear in time.
 pub(crate) fn room_along(
     kind: QueryKind,
     normal: &Vec3,

@@ -1,42 +1,49 @@
-//! Contact as a potential: an energy per area of the distance to the nearest piece, which every method can take into its own solve.
+//! Contact as a potential: an energy per area of the distance to the nearest piece, which every method can take into
+//! its own solve.
 //!
 //! # The idea
 //!
-//! Cloth that touches something is pressed against it, and the pressure depends on how near it is: p = −φ′(d), with an energy φ (J/m²) that begins at the
-//! thickness h and whose stiffness κ (Pa/m) is a number of the scene, the same for every method, resolution and step. Each contact weighs in with the area A that it
-//! stands for, so
+//! Cloth that touches something is pressed against it, and the pressure depends on how near it is: p = −φ′(d), with an
+//! energy φ (J/m²) that begins at the thickness h and whose stiffness κ (Pa/m) is a number of the scene, the same for
+//! every method, resolution and step. Each contact weighs in with the area A that it stands for, so
 //!
 //! E(x) = Σ A φ(d(x)),
 //!
-//! over all pairs (vertex, triangle), (edge, edge) and (vertex, obstacle) that are nearer than h. φ is quadratic down to h/2 and a barrier from there on
-//! ([`PenaltyLaw::two_stage`]): under a weight ρ g the gap is h − ρ g/κ, and nothing gets to d = 0.
+//! over all pairs (vertex, triangle), (edge, edge) and (vertex, obstacle) that are nearer than h. φ is quadratic down
+//! to h/2 and a barrier from there on ([`PenaltyLaw::two_stage`]): under a weight ρ g the gap is h − ρ g/κ, and nothing
+//! gets to d = 0.
 //!
-//! A method adds E to what it minimises, with its gradient, and the Gauss–Newton part of its second derivative, A φ″ ∂d ∂dᵀ. Before it
-//! moves the cloth it asks how far the way is safe ([`ContinuousTest`](crate::ContinuousTest)). So what it accepts is free of crossings, and nothing is
-//! left to be repaired afterwards.
+//! A method adds E to what it minimises, with its gradient, and the Gauss–Newton part of its second derivative, A φ″ ∂d
+//! ∂dᵀ. Before it moves the cloth it asks how far the way is safe ([`ContinuousTest`](crate::ContinuousTest)). So what
+//! it accepts is free of crossings, and nothing is left to be repaired afterwards.
 //!
-//! A step begins where the method would begin by itself, as far as the way there is safe; where pins or bodies move, or cloth begins inside a body, where a substep
-//! of the constraints leads. The end of the step does not depend on that, but for which of several minima is found.
+//! A step begins where the method would begin by itself, as far as the way there is safe; where pins or bodies move, or
+//! cloth begins inside a body, where a substep of the constraints leads. The end of the step does not depend on that,
+//! but for which of several minima is found.
 //!
-//! Friction has the normal forces and directions of the start of the step (`friction`): a cloth that lands has none in the step in which it
-//! does.
+//! Friction has the normal forces and directions of the start of the step (`friction`): a cloth that lands has none in
+//! the step in which it does.
 //!
 //! # For methods that project positions
 //!
-//! XPBD, PBD and explicit methods get the same potential as constraints in each of their substeps: n·Σ wᵢ xᵢ ≥ h with the compliance 1/(A φ″), a multiplier λ ≥ 0, and friction
-//! within μ λ that remembers where it began to stick. They come last in each sweep. What can touch follows from bounds on the relative motion of patches of the cloth, and at the end of a substep every pair is
-//! tested; what has come too near is swept again, then shortened, then given to the last resort (`last_resort`: pairs pushed apart one by one, impact zones, vertices held
-//! back).
+//! XPBD, PBD and explicit methods get the same potential as constraints in each of their substeps: n·Σ wᵢ xᵢ ≥ h with
+//! the compliance 1/(A φ″), a multiplier λ ≥ 0, and friction within μ λ that remembers where it began to stick. They
+//! come last in each sweep. What can touch follows from bounds on the relative motion of patches of the cloth, and at
+//! the end of a substep every pair is tested; what has come too near is swept again, then shortened, then given to the
+//! last resort (`last_resort`: pairs pushed apart one by one, impact zones, vertices held back).
 //!
 //! # Bodies
 //!
-//! A body that knows its signed distance keeps the vertices of the cloth out by it: their pressure is exact, whatever the triangles of both. What is between
-//! the vertices it does not see. So a body also has a surface of triangles ([`PotentialBuilder::surface`]), whose vertices stand behind those of the cloth as prescribed
-//! ones: pairs (edge, edge) and (vertex of the body, triangle of the cloth) are looked at as in the cloth itself, and push from h/2 on, which is nothing as long as the
-//! vertices of the cloth do what is needed. A body that changes its shape, open or closed, has its triangles alone ([`PotentialBuilder::animated`]).
+//! A body that knows its signed distance keeps the vertices of the cloth out by it: their pressure is exact, whatever
+//! the triangles of both. What is between the vertices it does not see. So a body also has a surface of triangles
+//! ([`PotentialBuilder::surface`]), whose vertices stand behind those of the cloth as prescribed ones: pairs (edge,
+//! edge) and (vertex of the body, triangle of the cloth) are looked at as in the cloth itself, and push from h/2 on,
+//! which is nothing as long as the vertices of the cloth do what is needed. A body that changes its shape, open or
+//! closed, has its triangles alone ([`PotentialBuilder::animated`]).
 //!
-//! Pairs of bodies, and pairs without a free vertex, are let go: a body may pass through itself and others, and prescribed cloth may be inside of one. Cloth that two
-//! bodies leave no room for is an error, [`ContactError::NoWay`](cloth_core::contact::ContactError::NoWay).
+//! Pairs of bodies, and pairs without a free vertex, are let go: a body may pass through itself and others, and
+//! prescribed cloth may be inside of one. Cloth that two bodies leave no room for is an error,
+//! [`ContactError::Infeasible`](cloth_core::contact::ContactError::Infeasible).
 //!
 //! # Who feels it how
 //!
@@ -70,17 +77,19 @@
 //!
 //! # Limits
 //!
-//! - A sheet that falls on a ball of its own size buckles on impact in many ways at once, and the minimum of such a step takes five to ten times the
-//!   iterations of one without contact. Half of the time goes into looking for pairs.
-//! - A vertex above an edge of an animated surface is pressed by both triangles there, and is nearer to the thickness for it.
+//! - A sheet that falls on a ball of its own size buckles on impact in many ways at once, and the minimum of such a
+//!   step takes five to ten times the iterations of one without contact. Half of the time goes into looking for pairs.
+//! - A vertex above an edge of an animated surface is pressed by both triangles there, and is nearer to the thickness
+//!   for it.
 //! - There is no restitution: what bounces is elastic.
 //!
 //! # References
 //!
-//! - M. Li, Z. Ferguson, T. Schneider, T. Langlois, D. Zorin, D. Panozzo, C. Jiang and D. M. Kaufman, Incremental potential contact, *ACM Transactions on Graphics*
-//!   39(4), 2020. DOI 10.1145/3386569.3392425: the barrier, the mollifier, lagged friction, the step that stays in the safe set.
-//! - A. H. Chen, J. Hsu, Z. Liu, M. Macklin, Y. Yang and C. Yuksel, Offset geometric contact, *ACM Transactions on Graphics* 44(4), 2025. DOI
-//!   10.1145/3731205: the two-stage law.
+//! - M. Li, Z. Ferguson, T. Schneider, T. Langlois, D. Zorin, D. Panozzo, C. Jiang and D. M. Kaufman, Incremental
+//!   potential contact, *ACM Transactions on Graphics* 39(4), 2020. DOI 10.1145/3386569.3392425: the barrier, the
+//!   mollifier, lagged friction, the step that stays in the safe set.
+//! - A. H. Chen, J. Hsu, Z. Liu, M. Macklin, Y. Yang and C. Yuksel, Offset geometric contact, *ACM Transactions on
+//!   Graphics* 44(4), 2025. DOI 10.1145/3731205: the two-stage law.
 
 mod bodies;
 mod builder;

@@ -25,8 +25,8 @@
 //! Positions alone are moved; there is no elastic energy in this. An untangled cloth has mostly gone farther than it
 //! had to: [`bring_back`] takes it back towards where it was as far as contact with a thickness lets it.
 //!
-//! A simulation need not wait for that. [`StepUntangler`] takes a few iterations before each step, and lets contact leave out the pairs that still cross,
-//! while all others keep their promise.
+//! A simulation need not wait for that. [`StepUntangler`] takes a few iterations before each step, and lets contact
+//! leave out the pairs that still cross, while all others keep their promise.
 //!
 //! # Where shortening stalls
 //!

@@ -55,7 +55,8 @@ fn among(obstacle: Obstacle) -> ObstacleContacts {
     contacts.with(obstacle, ImpactLaw::new(0.0, 0.0).unwrap())
 }
 
-/// Free vertices of 1 g that fly into whatever comes, `steps` times, in the view of constraints. Hands each place to `after`.
+/// Free vertices of 1 g that fly into whatever comes, `steps` times, in the view of constraints. Hands each place to
+/// `after`.
 fn fly(
     contacts: &mut PotentialContacts,
     x: &mut [Vec3],
@@ -83,7 +84,8 @@ fn fly(
     Ok(())
 }
 
-/// A ball of 2 cm goes through the middle of a triangle of 0.5 m if only vertices feel it. As triangles it takes the triangle along.
+/// A ball of 2 cm goes through the middle of a triangle of 0.5 m if only vertices feel it. As triangles it takes the
+/// triangle along.
 #[test]
 fn a_ball_smaller_than_a_triangle_pushes_it() {
     let corners = [(-0.25, -0.2), (0.25, -0.2), (0.0, 0.3)];
@@ -121,7 +123,8 @@ fn a_ball_smaller_than_a_triangle_pushes_it() {
     }
 }
 
-/// A ball that keeps its velocity u does the work u·p on a free triangle that it gives the momentum p; projections lose some of it, and make none.
+/// A ball that keeps its velocity u does the work u·p on a free triangle that it gives the momentum p; projections lose
+/// some of it, and make none.
 #[test]
 fn work_of_a_body_is_its_velocity_times_the_momentum_it_gives() {
     let corners = [(-0.25, -0.2), (0.25, -0.2), (0.0, 0.3)];
@@ -190,7 +193,8 @@ fn a_corner_pierces_no_triangle() {
     assert!(lowest < -0.09, "{lowest}");
 }
 
-/// The pressure of cloth that lies flat is that of its vertices alone, to rounding: triangles of the body add none, however fine.
+/// The pressure of cloth that lies flat is that of its vertices alone, to rounding: triangles of the body add none,
+/// however fine.
 #[test]
 fn flat_contact_is_that_of_the_signed_distance() {
     let cloth = sheet(6, 0.02);
@@ -250,7 +254,8 @@ fn flat_contact_is_that_of_the_signed_distance() {
     );
 }
 
-/// An open sheet that is moved from below, shape by shape, lifts a cloth that rests on nothing else, and lets nothing through while it bends.
+/// An open sheet that is moved from below, shape by shape, lifts a cloth that rests on nothing else, and lets nothing
+/// through while it bends.
 #[test]
 fn an_open_surface_that_changes_its_shape_lifts_cloth() {
     let cloth = sheet(8, 0.03);
@@ -361,7 +366,7 @@ fn what_does_not_fit_is_named() {
     };
     let begun = contacts.constraints().begin_step(&step);
     assert!(
-        matches!(begun, Err(ContactError::Tangled { .. })),
+        matches!(begun, Err(ContactError::IntersectingStart { .. })),
         "{begun:?}"
     );
 }

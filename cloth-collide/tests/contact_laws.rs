@@ -134,7 +134,8 @@ fn a_moving_plane_carries_what_lies_on_it() {
         };
         Obstacle::moving(HalfSpace::new(Vec3::z()).unwrap(), motion).unwrap()
     };
-    // A lift, for which the mass has the right speed, and a belt that has to accelerate it: v = μ g t up to the speed of the belt.
+    // A lift, for which the mass has the right speed, and a belt that has to accelerate it: v = μ g t up to the speed
+    // of the belt.
     let lift = v(0.0, 0.0, 2.0);
     let mut rider = mass_at(Vec3::zeros(), lift);
     for step in 0..100 {
@@ -371,7 +372,8 @@ fn penalty_and_barrier_are_their_derivatives_integrals() {
     for gap in [-1.0, 0.0, 1e-300] {
         let quadratic = [laws[0].slope(gap), laws[0].curvature(gap)];
         assert_eq!(quadratic, [300.0 * (gap - 0.02), 300.0]);
-        // A barrier that is passed pulls back as it does at f = 10⁻¹² of its range r: E′ = k r (2 (1 − f) ln f − (1 − f)²/f), E″ = k ((1 − f)²/f² + 4 (1 − f)/f − 2 ln f).
+        // A barrier that is passed pulls back as it does at f = 10⁻¹² of its range r: E′ = k r (2 (1 − f) ln f − (1 −
+        // f)²/f), E″ = k ((1 − f)²/f² + 4 (1 − f)/f − 2 ln f).
         let f: Real = 1e-12;
         let left = (1.0 - f) / f;
         let slope = 300.0 * 0.02 * (2.0 * (1.0 - f) * f.ln() - (1.0 - f) * left);
@@ -400,7 +402,8 @@ fn resting_gap(law: PenaltyLaw, weight: Real) -> Real {
     z
 }
 
-/// The barrier −k (d − h)² ln(d/h) presses at d = q h with k h (1 − q) (1/q − 1 − 2 ln q): at h/2 with k h (½ + ln 2), at h/e with k h (e − 1/e).
+/// The barrier −k (d − h)² ln(d/h) presses at d = q h with k h (1 − q) (1/q − 1 − 2 ln q): at h/2 with k h (½ + ln 2),
+/// at h/e with k h (e − 1/e).
 #[test]
 fn a_mass_rests_where_the_closed_forms_say() {
     use std::f64::consts::{E, LN_2};

@@ -8,7 +8,8 @@ use cloth_core::mesh::TriMesh;
 
 const TRIANGLES: [[u32; 3]; 2] = [[0, 1, 2], [3, 4, 5]];
 
-/// Two upright triangles (m): the lower one has an edge on top, the upper one has an edge at its bottom, across the other one, `height` (m) above it.
+/// Two upright triangles (m): the lower one has an edge on top, the upper one has an edge at its bottom, across the
+/// other one, `height` (m) above it.
 fn blades(height: f64) -> Vec<Vec3> {
     let corners = [
         (-1.0, 0.0, 0.0),

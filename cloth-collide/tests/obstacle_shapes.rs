@@ -35,8 +35,8 @@ fn shapes() -> Vec<(&'static str, Box<dyn SignedDistance>)> {
     ]
 }
 
-/// If p is d away from the surface along n, then going back by d leads to the surface, and nothing nearer exists because φ changes by no more
-/// than the way.
+/// If p is d away from the surface along n, then going back by d leads to the surface, and nothing nearer exists
+/// because φ changes by no more than the way.
 #[test]
 fn going_back_along_the_normal_by_the_distance_leads_to_the_surface() {
     for (name, shape) in shapes() {
@@ -116,7 +116,8 @@ fn mesh_of_a_box_is_the_box() {
     }
 }
 
-/// How much of the sphere of directions the mesh covers, seen from p (van Oosterom and Strackee 1983): 4π inside, 0 outside.
+/// How much of the sphere of directions the mesh covers, seen from p (van Oosterom and Strackee 1983): 4π inside, 0
+/// outside.
 fn solid_angle(mesh: &TriMesh, p: Vec3) -> Real {
     let one = |&t: &[u32; 3]| {
         let [a, b, c] = gather(mesh.positions(), t).map(|x| x - p);

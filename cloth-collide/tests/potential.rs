@@ -1,4 +1,5 @@
-//! The contact potential of a whole cloth: its derivatives, which ways are safe, and that it begins anew after a step that failed.
+//! The contact potential of a whole cloth: its derivatives, which ways are safe, and that it begins anew after a step
+//! that failed.
 
 #[path = "support/random.rs"]
 mod random;
@@ -102,7 +103,8 @@ fn gradient_is_that_of_the_energy_and_rows_are_its_change() {
         }
         assert!(touched > 100, "{touched} entries");
 
-        // Rows leave out what would make the Hessian indefinite, and add to it across friction: they bound it from above.
+        // Rows leave out what would make the Hessian indefinite, and add to it across friction: they bound it from
+        // above.
         let mut rows = Vec::new();
         contacts.linearize(&at, &mut rows);
         for _ in 0..20 {
@@ -132,7 +134,8 @@ fn gradient_is_that_of_the_energy_and_rows_are_its_change() {
     }
 }
 
-/// The quadratic range is a spring, the barrier goes on from it with the same slope and curvature, and the derivatives are those of the energy.
+/// The quadratic range is a spring, the barrier goes on from it with the same slope and curvature, and the derivatives
+/// are those of the energy.
 #[test]
 fn two_stage_law_is_joined_twice_differentiably() {
     let (stiffness, range) = (1e6, 2e-3);
@@ -185,7 +188,8 @@ fn ways_are_cut_before_anything_crosses() {
     assert!(cut > 100, "{cut} ways");
 }
 
-/// The same where each vertex has its own bound: nothing crosses, what is cut goes as far as it may, and what is far from it goes all the way.
+/// The same where each vertex has its own bound: nothing crosses, what is cut goes as far as it may, and what is far
+/// from it goes all the way.
 #[test]
 fn ways_are_cut_vertex_by_vertex() {
     let mut random = Random::new(13);
@@ -254,7 +258,8 @@ fn two_triangles(height: Real) -> TriMesh {
     TriMesh::new([at(0.0), at(height)].concat(), vec![[0, 1, 2], [3, 4, 5]]).unwrap()
 }
 
-/// Prescribed vertices that would pass through each other are refused, and the step that goes on without that finds everything as it was.
+/// Prescribed vertices that would pass through each other are refused, and the step that goes on without that finds
+/// everything as it was.
 #[test]
 fn pins_that_cross_are_refused() {
     let mesh = two_triangles(0.5);
@@ -272,7 +277,7 @@ fn pins_that_cross_are_refused() {
     let mut crossed = two_triangles(-0.5).positions().to_vec();
     let refused = contacts.begin(&step, &mut crossed);
     assert!(
-        matches!(refused, Err(ContactError::NoWay { .. })),
+        matches!(refused, Err(ContactError::Infeasible { .. })),
         "{refused:?}"
     );
     let mut still = from.to_vec();
@@ -280,7 +285,8 @@ fn pins_that_cross_are_refused() {
     assert_eq!(still, from);
 }
 
-/// A start that passes through itself is refused with what is wrong with it, and so is one of another cloth; one inside a body is led out of it.
+/// A start that passes through itself is refused with what is wrong with it, and so is one of another cloth; one inside
+/// a body is led out of it.
 #[test]
 fn start_that_is_not_free_is_refused_or_led_out() {
     let flat = [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)].map(|(x, y)| Vec3::new(x, y, 0.0));
@@ -297,7 +303,7 @@ fn start_that_is_not_free_is_refused_or_led_out() {
     };
     let mut contacts = PotentialContacts::builder(&mesh).build().unwrap();
     let found = begin(&mut contacts, &crossed);
-    assert_eq!(found, Err(ContactError::Tangled { pairs: 1 }));
+    assert_eq!(found, Err(ContactError::IntersectingStart { pairs: 1 }));
 
     let mesh = TriMesh::new(flat.to_vec(), vec![[0, 1, 2]]).unwrap();
     let plane = Obstacle::new(HalfSpace::new(Vec3::z()).unwrap());
@@ -319,7 +325,8 @@ fn start_that_is_not_free_is_refused_or_led_out() {
     assert_eq!(short, Err(ContactError::VertexCount { expected, found }));
 }
 
-/// Sizes of space, speed and time from 1e-300 to 1e300: every way is cut or refused, and what is left of it is finite and free.
+/// Sizes of space, speed and time from 1e-300 to 1e300: every way is cut or refused, and what is left of it is finite
+/// and free.
 #[test]
 fn extreme_sizes_are_cut_or_refused() {
     let mut random = Random::new(17);
@@ -372,8 +379,8 @@ fn extreme_sizes_are_cut_or_refused() {
     assert!(cut > 10, "{cut} cut, {refused} refused");
 }
 
-/// Two sheets fly side by side, a centimetre apart, far towards a floor: the lower one is stopped, so the upper one must not go on through it, though nothing
-/// brings them nearer on their own ways.
+/// Two sheets fly side by side, a centimetre apart, far towards a floor: the lower one is stopped, so the upper one
+/// must not go on through it, though nothing brings them nearer on their own ways.
 #[test]
 fn what_flies_along_is_cut_too() {
     let one = grid(9, 9, 0.4, 0.4, Diagonals::Alternating).unwrap();

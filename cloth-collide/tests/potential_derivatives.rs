@@ -1,4 +1,5 @@
-//! Distances, their first and second derivatives, and the energies made from them, against differences and closed forms.
+//! Distances, their first and second derivatives, and the energies made from them, against differences and closed
+//! forms.
 
 #[path = "support/random.rs"]
 mod random;
@@ -185,8 +186,8 @@ fn gradient_is_continuous_across_the_seams() {
     }
 }
 
-/// One edge turns, over the other, from one end being the lower one to the other end being it. The nearest points jump as it passes the parallel; the
-/// mollifier takes the force away there.
+/// One edge turns, over the other, from one end being the lower one to the other end being it. The nearest points jump
+/// as it passes the parallel; the mollifier takes the force away there.
 #[test]
 fn force_is_continuous_through_parallel_edges() {
     let barrier = edge_edge([1.0, 1.0]);
@@ -231,7 +232,8 @@ fn hessians_that_are_made_convex_have_no_negative_eigenvalue() {
     assert!(indefinite > 100, "{indefinite}");
 }
 
-/// The part that is kept lies between nothing and the whole: both it and what it lacks of −∂²d have no eigenvalue below zero.
+/// The part that is kept lies between nothing and the whole: both it and what it lacks of −∂²d have no eigenvalue below
+/// zero.
 #[test]
 fn convex_part_of_a_curvature_is_not_smaller_than_it() {
     let mut random = Random::new(9);

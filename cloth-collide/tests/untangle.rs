@@ -34,7 +34,8 @@ fn floor() -> TriMesh {
     sheet(11, 1.0, |x| x + Vec3::new(0.0131, 0.0072, 0.0))
 }
 
-/// A tilted sheet that comes down through the floor by about 4 cm of its 30, with a corner or, almost level, with an edge.
+/// A tilted sheet that comes down through the floor by about 4 cm of its 30, with a corner or, almost level, with an
+/// edge.
 fn through(turn: f64) -> TriMesh {
     let turned = |x: Vec3| {
         let (s, c) = turn.sin_cos();

@@ -1,18 +1,22 @@
 //! Air that flows past a cloth, as a load on its vertices.
 //!
-//! A triangle of area A (m²) past which air of density ρ (kg/m³) flows with the relative velocity u = w − v (w the wind, v the mean velocity of the corners) is pushed along
-//! the flow by the drag and across it by the lift (M. Keckeisen, S. Kimmerle, B. Thomaszewski, M. Wacker, *Modelling effects of wind fields in cloth animations*,
-//! Journal of WSCG 12, 2004). With û = u/|u| and the normal n on the side to which the air flows, cos θ = n·û ≥ 0:
+//! A triangle of area A (m²) past which air of density ρ (kg/m³) flows with the relative velocity u = w − v (w the
+//! wind, v the mean velocity of the corners) is pushed along the flow by the drag and across it by the lift (M.
+//! Keckeisen, S. Kimmerle, B. Thomaszewski, M. Wacker, *Modelling effects of wind fields in cloth animations*, Journal
+//! of WSCG 12, 2004). With û = u/|u| and the normal n on the side to which the air flows, cos θ = n·û ≥ 0:
 //!
 //! F = ½ ρ A |u|² cos θ (C_D û + C_L (n − cos θ û)).
 //!
-//! So a plate across the flow feels ½ ρ C_D A |u|², one along the flow nothing, and one at an angle the drag ½ ρ C_D A |u|² cos θ and the lift ½ ρ C_L A |u|² cos θ sin θ. Each
-//! corner takes a third; both sides of the cloth count alike. It is the air drag of MS-5 with an area, a direction and a wind.
+//! So a plate across the flow feels ½ ρ C_D A |u|², one along the flow nothing, and one at an angle the drag ½ ρ C_D A
+//! |u|² cos θ and the lift ½ ρ C_L A |u|² cos θ sin θ. Each corner takes a third; both sides of the cloth count alike.
+//! It is a drag with an area, a direction and a wind.
 //!
 //! # Limits
-//! - The air does not know of the cloth: no wake, no shelter of one fold by another, no friction along the surface, no mass of air that moves along.
-//! - The force is that at the start of a step. Its impulse is therefore bounded where a light cloth meets much air in a long step: never more than what leaves
-//!   the triangle with the smallest speed relative to the air. So no wind makes a step unstable, and where the bound does not act the force is the formula's.
+//! - The air does not know of the cloth: no wake, no shelter of one fold by another, no friction along the surface, no
+//!   mass of air that moves along.
+//! - The force is that at the start of a step. Its impulse is therefore bounded where a light cloth meets much air in a
+//!   long step: never more than what leaves the triangle with the smallest speed relative to the air. So no wind makes
+//!   a step unstable, and where the bound does not act the force is the formula's.
 
 use crate::math::{Real, Vec3, gather};
 use crate::mesh::TriMesh;
@@ -73,8 +77,8 @@ impl Air {
     /// Air around a cloth of `areal_density` (kg/m²) with the rest shape `mesh`.
     ///
     /// # Errors
-    /// [`AirError`] for a number that is not finite, a density or a coefficient below zero, a lift without drag (an explicit force across the flow only adds
-    /// energy), or an areal density that is not positive.
+    /// [`AirError`] for a number that is not finite, a density or a coefficient below zero, a lift without drag (an
+    /// explicit force across the flow only adds energy), or an areal density that is not positive.
     pub fn new(config: AirConfig, areal_density: Real, mesh: &TriMesh) -> Result<Self, AirError> {
         for (name, value) in [
             ("density of the air", config.density),
@@ -104,7 +108,8 @@ impl Air {
         })
     }
 
-    /// Force of the air (N) on each vertex, for a step of `dt` (s) from `state`: what [`StepInput::load`](crate::step::StepInput::load) takes.
+    /// Force of the air (N) on each vertex, for a step of `dt` (s) from `state`: what
+    /// [`StepInput::load`](crate::step::StepInput::load) takes.
     ///
     /// # Panics
     /// If the state has fewer vertices than the mesh.
@@ -123,7 +128,8 @@ impl Air {
     }
 }
 
-/// Force (N) on a triangle with the normal `area2` of twice its area (m²) in a `flow` (m/s), bounded by `rate` = m/Δt (kg/s).
+/// Force (N) on a triangle with the normal `area2` of twice its area (m²) in a `flow` (m/s), bounded by `rate` = m/Δt
+/// (kg/s).
 fn force(config: &AirConfig, area2: Vec3, flow: Vec3, rate: Real) -> Vec3 {
     let speed = flow.norm();
     // A |u|cos θ; the sign turns the normal to the side to which the air flows.

@@ -1,10 +1,10 @@
 //! One description of a cloth in SI units, from which every method gets its constants.
 //!
-//! A [`Cloth`] says what the cloth is: mass, modulus, rigidity. [`Carriers`] say which elements carry it. A [`ClothModel`] is
-//! both cut to a mesh, a list of families of [`Elements`] for the builder of any solver:
+//! A [`Cloth`] says what the cloth is: mass, modulus, rigidity. [`Discretization`] say which elements carry it. A
+//! [`ClothModel`] is both cut to a mesh, a list of families of [`Elements`] for the builder of any solver:
 //!
 //! ```
-//! use cloth_core::cloth::{BendingCarrier, Carriers, Cloth, Membrane, MembraneCarrier};
+//! use cloth_core::cloth::{BendingCarrier, Discretization, Cloth, Membrane, MembraneCarrier};
 //! use cloth_core::mesh::generate::{Diagonals, grid};
 //!
 //! let mesh = grid(9, 9, 1.0, 1.0, Diagonals::Alternating)?;
@@ -14,11 +14,11 @@
 //!     bending_rigidity: 1e-5,               // N·m
 //! };
 //! let springs = cotton.on(&mesh)?;
-//! let triangles = cotton.carried_by(
-//!     &Carriers {
+//! let triangles = cotton.discretized_with(
+//!     &Discretization {
 //!         membrane: MembraneCarrier::Stvk { poisson_ratio: 1.0 / 3.0 },
 //!         bending: BendingCarrier::Dihedral,
-//!         ..Carriers::default()
+//!         ..Discretization::default()
 //!     },
 //!     &mesh,
 //! )?;
@@ -36,8 +36,8 @@ mod midpoints;
 mod pieces;
 mod relief;
 
-pub use carriers::{BendingCarrier, Carriers, MembraneCarrier};
-pub use detail::LevelOfDetail;
+pub use carriers::{BendingCarrier, Discretization, MembraneCarrier};
+pub use detail::CoarseMembrane;
 pub use elements::Elements;
 pub use midpoints::MidpointCloth;
 pub use pieces::Piece;
@@ -55,13 +55,14 @@ use std::fmt;
 /// How the cloth resists being stretched.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Membrane {
-    /// The same spring stiffness k (N/m) on every edge. What modulus that makes depends on the pattern of the mesh (VALIDATION 3).
+    /// The same spring stiffness k (N/m) on every edge. What modulus that makes depends on the pattern of the mesh.
     SpringStiffness(Real),
     /// Membrane modulus Y (N/m): Young's modulus times thickness.
     ///
-    /// Every edge gets `k = 3 Y A/Σ n L²`, with A the area of the mesh and n half the number of triangles at an edge (1 inside, ½ on the rim);
-    /// rim edges get half of it. Then the springs, averaged over all directions, make an isotropic sheet of modulus Y and Poisson's ratio 1/3.
-    /// For the equilateral lattice (`Y = 2k/√3`) and the alternating grid (`Y = 4k/3`) it is exact in every direction.
+    /// Every edge gets `k = 3 Y A/Σ n L²`, with A the area of the mesh and n half the number of triangles at an edge (1
+    /// inside, ½ on the rim); rim edges get half of it. Then the springs, averaged over all directions, make an
+    /// isotropic sheet of modulus Y and Poisson's ratio 1/3. For the equilateral lattice (`Y = 2k/√3`) and the
+    /// alternating grid (`Y = 4k/3`) it is exact in every direction.
     Modulus(Real),
 }
 
@@ -95,16 +96,17 @@ impl Cloth {
     /// # Errors
     /// [`ClothError`] if a number is out of range or an edge of the mesh is not manifold.
     pub fn on(&self, mesh: &TriMesh) -> Result<ClothModel, ClothError> {
-        self.carried_by(&Carriers::default(), mesh)
+        self.discretized_with(&Discretization::default(), mesh)
     }
 
     /// The same with a choice of elements.
     ///
     /// # Errors
-    /// [`ClothError`] if a number is out of range, an edge of the mesh is not manifold, or the choice does not fit the cloth or the mesh.
-    pub fn carried_by(
+    /// [`ClothError`] if a number is out of range, an edge of the mesh is not manifold, or the choice does not fit the
+    /// cloth or the mesh.
+    pub fn discretized_with(
         &self,
-        carriers: &Carriers,
+        carriers: &Discretization,
         mesh: &TriMesh,
     ) -> Result<ClothModel, ClothError> {
         let particles = Particles::from_areal_density(mesh, self.areal_density)?;
@@ -237,7 +239,7 @@ pub enum ClothError {
     /// A coarse level was asked for a piece that is not the whole mesh.
     DetailOfPiece,
     /// Edges cannot be left out as asked for.
-    Freedom {
+    DofFraction {
         /// The share of all coordinates that was to be free.
         share: Real,
         /// The largest there can be.
@@ -295,7 +297,7 @@ impl fmt::Display for ClothError {
             Self::DetailOfPiece => f.write_str(
                 "a coarse level carries a whole mesh, not one piece of several",
             ),
-            Self::Freedom { share, most } => write!(
+            Self::DofFraction { share, most } => write!(
                 f,
                 "a share of {share} of the coordinates is to be free, but it has to lie between 0 and {most}: every triangle keeps two edges"
             ),

@@ -1,9 +1,10 @@
 //! The one hook for contact: what a method asks of obstacles and of the cloth itself, without knowing of either.
 //!
-//! Contact is part of the solve, in one of two views. A method that minimises takes it into what it minimises: [`ContactSource::potential`]
-//! gives an energy with derivatives, and says how far a step is safe. A method that moves positions feels it as unilateral constraints in every
-//! substep: [`ContactSource::constraints`]; one without sweeps of its own lets [`Projection`] do all of that at the end of its (sub)step.
-//! A method without a source in its [`StepInput`](crate::step::StepInput) runs no code for contact. The crate `cloth-collide` has the source.
+//! Contact is part of the solve, in one of two views. A method that minimises takes it into what it minimises:
+//! [`ContactSource::potential`] gives an energy with derivatives, and says how far a step is safe. A method that moves
+//! positions feels it as unilateral constraints in every substep: [`ContactSource::constraints`]; one without sweeps of
+//! its own lets [`Projection`] do all of that at the end of its (sub)step. A method without a source in its
+//! [`StepInput`](crate::step::StepInput) runs no code for contact. The crate `cloth-collide` has the source.
 
 use crate::math::{Real, Vec3, is_finite};
 use std::fmt;
@@ -23,7 +24,8 @@ impl ContactStep<'_> {
     /// Whether a source for `vertex_count` vertices can work with this step and its end.
     ///
     /// # Errors
-    /// If a list has another length, a number is not finite, an inverse mass is negative, or the step size is not positive.
+    /// If a list has another length, a number is not finite, an inverse mass is negative, or the step size is not
+    /// positive.
     pub fn check(
         &self,
         vertex_count: usize,
@@ -56,7 +58,8 @@ impl ContactStep<'_> {
     }
 }
 
-/// Whatever the cloth can touch, in the two views that methods have of it. A method takes one of them, and keeps to it within a step.
+/// Whatever the cloth can touch, in the two views that methods have of it. A method takes one of them, and keeps to it
+/// within a step.
 pub trait ContactSource {
     /// Contact as an energy, for a method that takes it into its own solve.
     fn potential(&mut self) -> &mut dyn ContactPotential;
@@ -64,11 +67,12 @@ pub trait ContactSource {
     /// Contact as constraints, for a method that projects positions.
     fn constraints(&mut self) -> &mut dyn ContactConstraints;
 
-    /// Changes `x` (m), to which something else has moved the cloth after a step that ended at `from` (m), so that the straight ways there
-    /// are free of crossings. No time passes: bodies stay, and nothing but what would cross is moved. `inverse_mass` (1/kg) is as in [`ContactStep`].
+    /// Changes `x` (m), to which something else has moved the cloth after a step that ended at `from` (m), so that the
+    /// straight ways there are free of crossings. No time passes: bodies stay, and nothing but what would cross is
+    /// moved. `inverse_mass` (1/kg) is as in [`ContactStep`].
     ///
     /// # Errors
-    /// [`ContactError::NoWay`], [`ContactError::NonFinite`].
+    /// [`ContactError::Infeasible`], [`ContactError::NonFinite`].
     fn keep_free(
         &mut self,
         from: &[Vec3],
@@ -76,18 +80,20 @@ pub trait ContactSource {
         x: &mut [Vec3],
     ) -> Result<(), ContactError>;
 
-    /// Work (J) that moving bodies, and prescribed vertices by contact, did on the cloth in the last step; 0 for a source without any.
+    /// Work (J) that moving bodies, and prescribed vertices by contact, did on the cloth in the last step; 0 for a
+    /// source without any.
     fn work(&self) -> Real {
         0.0
     }
 
-    /// Energy (J) that contact has stored at the end of the last step and may give back; 0 for a source without a potential.
+    /// Energy (J) that contact has stored at the end of the last step and may give back; 0 for a source without a
+    /// potential.
     fn potential_energy(&self) -> Real {
         0.0
     }
 
-    /// Number of vertices that the last step has held back: they are safe, but behind where contact should let them go, and have lost momentum for it. 0 for
-    /// a source that does not do that.
+    /// Number of vertices that the last step has held back: they are safe, but behind where contact should let them go,
+    /// and have lost momentum for it. 0 for a source that does not do that.
     fn held(&self) -> usize {
         0
     }
@@ -97,25 +103,26 @@ pub trait ContactSource {
 ///
 /// A step goes like this: [`ContactPotential::begin`]; then for every way that is about to be taken
 /// [`ContactPotential::limit`] or [`ContactPotential::limit_each`], and no further than they say;
-/// [`ContactPotential::add_gradient`] at places on the last way; [`ContactPotential::end`]. So every place that is accepted, and every straight way between two
-/// of them, is free of crossings.
+/// [`ContactPotential::add_gradient`] at places on the last way; [`ContactPotential::end`]. So every place that is
+/// accepted, and every straight way between two of them, is free of crossings.
 pub trait ContactPotential: fmt::Debug + Send + Sync {
-    /// Begins a step. `start` (m) is where the method would begin to iterate, with prescribed vertices where they will end; free ones are taken back from there
-    /// towards `step.from` as far as has to be.
+    /// Begins a step. `start` (m) is where the method would begin to iterate, with prescribed vertices where they will
+    /// end; free ones are taken back from there towards `step.from` as far as has to be.
     ///
     /// # Errors
     /// If the start of the step is not in order, or prescribed vertices or obstacles have no free way.
     fn begin(&mut self, step: &ContactStep<'_>, start: &mut [Vec3]) -> Result<(), ContactError>;
 
-    /// The part of the straight way from `from` to `to` (m) that is safe (dimensionless, 0..=1), and gets ready for places on it.
+    /// The part of the straight way from `from` to `to` (m) that is safe (dimensionless, 0..=1), and gets ready for
+    /// places on it.
     ///
     /// # Errors
     /// [`ContactError::NonFinite`].
     fn limit(&mut self, from: &[Vec3], to: &[Vec3]) -> Result<Real, ContactError>;
 
-    /// The same for each vertex by itself, so that one contact does not hold back what is far from it: takes vertices back
-    /// on their straight ways from `from` to `to` (m) until all ways together are safe, and gets ready for places on them.
-    /// `parts` becomes what is left of each way (dimensionless, 0..=1).
+    /// The same for each vertex by itself, so that one contact does not hold back what is far from it: takes vertices
+    /// back on their straight ways from `from` to `to` (m) until all ways together are safe, and gets ready for places
+    /// on them. `parts` becomes what is left of each way (dimensionless, 0..=1).
     ///
     /// # Errors
     /// [`ContactError::NonFinite`].
@@ -126,10 +133,12 @@ pub trait ContactPotential: fmt::Debug + Send + Sync {
         parts: &mut [Real],
     ) -> Result<(), ContactError>;
 
-    /// Adds the gradient (N) of the energy at `x` (m), a place on the last way, to `out`, and returns the energy (J); infinite where something touches.
+    /// Adds the gradient (N) of the energy at `x` (m), a place on the last way, to `out`, and returns the energy (J);
+    /// infinite where something touches.
     fn add_gradient(&self, x: &[Vec3], out: &mut [Vec3]) -> Real;
 
-    /// Appends to `out` what the second derivative at `x` (m), a place on the last way, is made of, without what would make it indefinite.
+    /// Appends to `out` what the second derivative at `x` (m), a place on the last way, is made of, without what would
+    /// make it indefinite.
     fn linearize(&self, x: &[Vec3], out: &mut Vec<ContactRow>);
 
     /// Ends the step, which the method has ended at `x` (m) with velocities `v` (m/s): obstacles move on.
@@ -138,10 +147,11 @@ pub trait ContactPotential: fmt::Debug + Send + Sync {
 
 /// Contact as unilateral constraints that a method feels in every sweep of every substep.
 ///
-/// A step goes like this: [`ContactConstraints::begin_step`]; for each substep [`ContactConstraints::begin_substep`] after the free flight,
-/// [`ContactConstraints::sweep`] last in each sweep, [`ContactConstraints::end_substep`] before the velocities follow from the positions and
-/// [`ContactConstraints::change_velocities`] after it; [`ContactConstraints::end_step`]. A step that ends with an error before that has not been taken, and the
-/// next `begin_step` takes everything back but what friction has remembered.
+/// A step goes like this: [`ContactConstraints::begin_step`]; for each substep [`ContactConstraints::begin_substep`]
+/// after the free flight, [`ContactConstraints::sweep`] last in each sweep, [`ContactConstraints::end_substep`] before
+/// the velocities follow from the positions and [`ContactConstraints::change_velocities`] after it;
+/// [`ContactConstraints::end_step`]. A step that ends with an error before that has not been taken, and the next
+/// `begin_step` takes everything back but what friction has remembered.
 pub trait ContactConstraints {
     /// Begins a step.
     ///
@@ -149,7 +159,8 @@ pub trait ContactConstraints {
     /// If the start of the step is not in order.
     fn begin_step(&mut self, step: &ContactStep<'_>) -> Result<(), ContactError>;
 
-    /// Begins a substep of `step.dt`, in which vertices would fly from `step.from` to `predicted` (m): finds what can touch.
+    /// Begins a substep of `step.dt`, in which vertices would fly from `step.from` to `predicted` (m): finds what can
+    /// touch.
     ///
     /// # Errors
     /// [`ContactError::NonFinite`].
@@ -162,13 +173,15 @@ pub trait ContactConstraints {
     /// Projects the positions `x` (m) onto one constraint after another. Prescribed vertices stay.
     fn sweep(&mut self, step: &ContactStep<'_>, x: &mut [Vec3]);
 
-    /// Makes sure that the straight ways from `step.from` to `x` (m) are free of crossings, and changes `x` where they are not.
+    /// Makes sure that the straight ways from `step.from` to `x` (m) are free of crossings, and changes `x` where they
+    /// are not.
     ///
     /// # Errors
-    /// [`ContactError::NonFinite`], [`ContactError::NoWay`].
+    /// [`ContactError::NonFinite`], [`ContactError::Infeasible`].
     fn end_substep(&mut self, step: &ContactStep<'_>, x: &mut [Vec3]) -> Result<(), ContactError>;
 
-    /// Changes the velocities (m/s) that follow from the positions, where those have been moved by what is not to become a velocity.
+    /// Changes the velocities (m/s) that follow from the positions, where those have been moved by what is not to
+    /// become a velocity.
     fn change_velocities(&mut self, velocities: &mut [Vec3]);
 
     /// Ends the step, which has come to `x` (m).
@@ -183,8 +196,9 @@ pub struct Projection {
 }
 
 impl Projection {
-    /// One substep between [`ContactConstraints::begin_step`] and [`ContactConstraints::end_step`]: projects `x` (m), which the method has found with
-    /// the velocities `v` (m/s) there, by `sweeps` sweeps, and lets the velocities follow, `v ← v + Δx/Δt`.
+    /// One substep between [`ContactConstraints::begin_step`] and [`ContactConstraints::end_step`]: projects `x` (m),
+    /// which the method has found with the velocities `v` (m/s) there, by `sweeps` sweeps, and lets the velocities
+    /// follow, `v ← v + Δx/Δt`.
     ///
     /// # Errors
     /// Those of the constraints; `x` and `v` are of no use then.
@@ -229,7 +243,8 @@ impl Projection {
     }
 }
 
-/// One part of the second derivative of a contact energy: `k J Jᵀ`, with J the derivative of a distance by up to four vertices, `J_i = w_i n`.
+/// One part of the second derivative of a contact energy: `k J Jᵀ`, with J the derivative of a distance by up to four
+/// vertices, `J_i = w_i n`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactRow {
     /// The vertices.
@@ -271,12 +286,12 @@ pub enum ContactError {
         inverse_mass: Real,
     },
     /// The step starts with parts that pass through each other, so there is nothing to keep.
-    Tangled {
+    IntersectingStart {
         /// Number of pairs of triangles that do.
         pairs: usize,
     },
     /// Prescribed vertices or obstacles leave no way that is free.
-    NoWay {
+    Infeasible {
         /// A vertex that has none.
         vertex: u32,
     },
@@ -308,11 +323,11 @@ impl fmt::Display for ContactError {
                 f,
                 "contact was told an inverse mass of {inverse_mass} 1/kg for vertex {vertex}; it is 0 or a positive finite number"
             ),
-            Self::Tangled { pairs } => write!(
+            Self::IntersectingStart { pairs } => write!(
                 f,
                 "{pairs} pairs of triangles pass through each other at the start of the step; untangle them first"
             ),
-            Self::NoWay { vertex } => write!(
+            Self::Infeasible { vertex } => write!(
                 f,
                 "prescribed vertices or obstacles leave no free way to vertex {vertex}"
             ),

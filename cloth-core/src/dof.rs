@@ -1,17 +1,19 @@
-//! How many degrees of freedom the edges leave: counted, and measured (CORE-11).
+//! How many degrees of freedom the edges leave: counted, and measured.
 //!
-//! A mesh with rigid edges has `3V` coordinates and `E` conditions. The count `3V − E` (S1 (19), (20); [`crate::topology::Topology`]) is what is left *if
-//! the conditions are independent*. Whether they are is a question for the Jacobian `J = ∂l/∂x` of the edge lengths at a configuration:
+//! A mesh with rigid edges has `3V` coordinates and `E` conditions. The count `3V − E` ([`crate::topology::Topology`])
+//! is what is left *if the conditions are independent*. Whether they are is a question for the Jacobian `J = ∂l/∂x` of
+//! the edge lengths at a configuration:
 //!
 //! - its rank r says how many conditions are independent there,
 //! - the nullity `3V − r` is the number of motions that change no length to first order, the 6 rigid ones among them,
-//! - `E − r` is the number of self-stresses: tensions that balance at every vertex. A flat sheet has one for every inner vertex, because no edge
-//!   resists a motion out of the plane there; any finite bend removes them.
+//! - `E − r` is the number of self-stresses: tensions that balance at every vertex. A flat sheet has one for every
+//!   inner vertex, because no edge resists a motion out of the plane there; any finite bend removes them.
 //!
 //! # What to use when
 //!
-//! Stiff edges lock a fold that finds no lines of edges to bend about. All figures are of `cloth-bench study locking --quick`, 16 cells a side: a fold under its own weight about a diagonal,
-//! as the bending energy it reaches over that of an inextensible sheet, when the modulus Y goes from 10⁴ to 10⁶ N/m.
+//! Stiff edges lock a fold that finds no lines of edges to bend about. All figures are of
+//! `cloth-bench study locking --quick`, 16 cells a side: a fold under its own weight about a diagonal, as the bending
+//! energy it reaches over that of an inextensible sheet, when the modulus Y goes from 10⁴ to 10⁶ N/m.
 //!
 //! | sheet of springs | bending reached |
 //! |---|---|
@@ -22,42 +24,57 @@
 //! | irregular | 1.03, then 0.53 |
 //! | one-way grid, fold across its diagonals | 1.19, then 0.49 |
 //!
-//! Crossed and alternating grids have lines in four directions and lock least; an irregular mesh has none, and is also the one that locks most on a cone (9.1 times the energy of an
-//! inextensible sheet at 10⁸ N/m, crossed 0.94). The membrane law matters little: StVK reaches 0.51 and ARAP 0.33 in the last row. The remedies there, at 10⁶ N/m, and what they break at 2 % strain:
+//! Crossed and alternating grids have lines in four directions and lock least; an irregular mesh has none, and is also
+//! the one that locks most on a cone (9.1 times the energy of an inextensible sheet at 10⁸ N/m, crossed 0.94). The
+//! membrane law matters little: StVK reaches 0.51 and ARAP 0.33 in the last row. The remedies there, at 10⁶ N/m, and
+//! what they break at 2 % strain:
 //!
 //! | remedy | bending reached | what it breaks |
 //! |---|---|---|
-//! | coarse level 2 holds, k/100 on the edges, [`crate::cloth::LevelOfDetail`] | 1.22 | 0.01 of the energy when pushed, 0.62 when sheared, 0.02 when stretched in waves of four cells |
+//! | coarse level 2 holds, k/100 on the edges, [`crate::cloth::CoarseMembrane`] | 1.22 | 0.01 of the energy when pushed, 0.62 when sheared, 0.02 when stretched in waves of four cells |
 //! | k/100 under compression, [`crate::cloth::SpringLaw::Compression`] | 1.09 | pushed, the sheet is a hundred times softer; pulled, it is the same |
-//! | soft springs, stiff beyond 1 %, `Slack` beside them | 1.19 | 0.18 of the energy when pulled |
-//! | slack ±0.5 %, [`crate::cloth::SpringLaw::Slack`] | 1.40 | 0.46 of the energy when pulled, and nothing within the range |
-//! | a fifth of the coordinates free, [`crate::cloth::SpringEdges::Freedom`] | 0.74 | 0.58 of the energy when sheared |
+//! | soft springs, stiff beyond 1 %, `DeadZone` beside them | 1.19 | 0.18 of the energy when pulled |
+//! | slack ±0.5 %, [`crate::cloth::SpringLaw::DeadZone`] | 1.40 | 0.46 of the energy when pulled, and nothing within the range |
+//! | a fifth of the coordinates free, [`crate::cloth::SpringEdges::DofFraction`] | 0.74 | 0.58 of the energy when sheared |
 //! | quads, [`crate::cloth::SpringEdges::Quads`] | 1.46 | 2e-4 of the energy when sheared |
 //! | edge midpoints, [`crate::cloth::Cloth::on_midpoints`] | 1.11 | nothing of the membrane; three times as many coordinates, and gaps between triangles |
 //!
-//! So: on a grid take the crossed pattern first, which costs nothing but a vertex more in each cell. Where the mesh is given, weaker springs under compression are the cheapest cure; folds shorten edges, and cloth hardly resists being pushed
-//! in its plane anyway. A coarse level frees more, 775 of 867 coordinates where springs leave 67, and no bend costs its links anything; but what stretches over a few edges only hardly meets it. Midpoints are for those who need the membrane as it is.
+//! So: on a grid take the crossed pattern first, which costs nothing but a vertex more in each cell. Where the mesh is
+//! given, weaker springs under compression are the cheapest cure; folds shorten edges, and cloth hardly resists being
+//! pushed in its plane anyway. A coarse level frees more, 775 of 867 coordinates where springs leave 67, and no bend
+//! costs its links anything; but what stretches over a few edges only hardly meets it. Midpoints are for those who need
+//! the membrane as it is.
 //!
-//! Finer meshes lock less: the last sheet reaches 0.93 with 32 cells a side where it reached 0.49 with 16, and no fold of 64 or 128 cells a side, at 10⁶ N/m, reaches less than 1.00 (without `--quick`).
-//! The cone says what the remedies do to an irregular mesh, the worst, with 32 cells a side and 10⁸ N/m: springs 1.78 times the energy of an inextensible sheet, StVK 2.58, ARAP 2.75; weaker springs under
-//! compression 1.03, a fifth of the coordinates free 1.04, quads 0.99, slack 0.86, midpoints 0.74. Midpoints stay below 1 on every mesh, because triangles that are joined at one point can bend where a sheet could not.
+//! Finer meshes lock less: the last sheet reaches 0.93 with 32 cells a side where it reached 0.49 with 16, and no fold
+//! of 64 or 128 cells a side, at 10⁶ N/m, reaches less than 1.00 (without `--quick`). The cone says what the remedies
+//! do to an irregular mesh, the worst, with 32 cells a side and 10⁸ N/m: springs 1.78 times the energy of an
+//! inextensible sheet, StVK 2.58, ARAP 2.75; weaker springs under compression 1.03, a fifth of the coordinates free
+//! 1.04, quads 0.99, slack 0.86, midpoints 0.74. Midpoints stay below 1 on every mesh, because triangles that are
+//! joined at one point can bend where a sheet could not.
 //!
-//! Where nothing is developable, on a sphere of 0.3 m, a stiff sheet stands off: the corners of an alternating sheet of 16 cells, held in the middle, come down 0.53 m at 10³ N/m and 0.46 m at 10⁵. Finer meshes change little in that, so it is
-//! the cloth more than the mesh: each beginning where the coarser one came to rest, they come down 0.50 m and 0.46 m with 128 cells a side. Stiff sheets have many shapes to end in (by implicit Euler one of 0.37 m), soft ones few. The
-//! patterns differ by more: of what it does at 10³ N/m, a crossed sheet of 16 cells keeps 0.70 at 10⁵, an alternating one 0.87.
+//! Where nothing is developable, on a sphere of 0.3 m, a stiff sheet stands off: the corners of an alternating sheet of
+//! 16 cells, held in the middle, come down 0.53 m at 10³ N/m and 0.46 m at 10⁵. Finer meshes change little in that, so
+//! it is the cloth more than the mesh: each beginning where the coarser one came to rest, they come down 0.50 m and
+//! 0.46 m with 128 cells a side. Stiff sheets have many shapes to end in (by implicit Euler one of 0.37 m), soft ones
+//! few. The patterns differ by more: of what it does at 10³ N/m, a crossed sheet of 16 cells keeps 0.70 at 10⁵, an
+//! alternating one 0.87.
 //!
-//! The method does not matter to locking as long as it solves the cloth it is given: implicit Euler and PD reach the same fold, to 0.1 % of its bending with 16 cells a side and to 2 % with up to 128. PBD reaches another at any number of iterations from 5 to 1280 (6.5 to 5.4 times the
-//! bending), since its stiffness is not that of the cloth.
+//! The method does not matter to locking as long as it solves the cloth it is given: implicit Euler and PD reach the
+//! same fold, to 0.1 % of its bending with 16 cells a side and to 2 % with up to 128. PBD reaches another at any number
+//! of iterations from 5 to 1280 (6.5 to 5.4 times the bending), since its stiffness is not that of the cloth.
 //!
-//! The edge length `l* = (702 D R²/Y)^¼` at radius R is where springs with all vertices on the surface store as much as the hinges: confirmed there for equilateral triangles, on a cone with 16 to 128 cells a side and
-//! Y from 10³ to 10⁸ N/m, to 6 %. A sheet between clamps leaves the surface and gets rid of all but 2 % of that, so l* is where locking can begin and not where it has to: of 40 kinds of sheets that fold under their own
-//! weight, 8 lose half of their bending, at edge lengths between 0.9 and 2.8 l*. As a sharp number it is refuted.
+//! The edge length `l* = (702 D R²/Y)^¼` at radius R is where springs with all vertices on the surface store as much as
+//! the hinges: confirmed there for equilateral triangles, on a cone with 16 to 128 cells a side and Y from 10³ to 10⁸
+//! N/m, to 6 %. A sheet between clamps leaves the surface and gets rid of all but 2 % of that, so l* is where locking
+//! can begin and not where it has to: of 40 kinds of sheets that fold under their own weight, 8 lose half of their
+//! bending, at edge lengths between 0.9 and 2.8 l*. As a sharp number it is refuted.
 //!
 //! # How the rank is found
 //!
-//! The rank is the number of singular values of J above a threshold. `JᵀJ` is the Gauss–Newton Hessian of unit springs, so
-//! it is assembled by the code that assembles all Hessians, and its eigenvalues are counted by [`Inertia`] down to [`COUNTED_ABOVE`]. Of a smoothly bent sheet the smallest
-//! singular value decreases fast with the number of vertices (a jittered sheet of 20 000 has one of 6e-7), so what lies below is looked at one by one where it is not many.
+//! The rank is the number of singular values of J above a threshold. `JᵀJ` is the Gauss–Newton Hessian of unit springs,
+//! so it is assembled by the code that assembles all Hessians, and its eigenvalues are counted by [`Inertia`] down to
+//! [`COUNTED_ABOVE`]. Of a smoothly bent sheet the smallest singular value decreases fast with the number of vertices
+//! (a jittered sheet of 20 000 has one of 6e-7), so what lies below is looked at one by one where it is not many.
 
 mod weakest;
 
@@ -73,8 +90,9 @@ use std::fmt;
 /// Singular values of the edge-length Jacobian below this are zero (dimensionless, as its entries are).
 pub const RANK_THRESHOLD: Real = 1e-9;
 
-/// Singular values above this are counted, as eigenvalues of `JᵀJ` above its square 1e-12, which are found with a rounding error of about 1e-15. What lies below is
-/// zero or is computed one by one: at most [`MOST_WEAK`] of them. If there are more, as on a flat sheet, all are taken for zero.
+/// Singular values above this are counted, as eigenvalues of `JᵀJ` above its square 1e-12, which are found with a
+/// rounding error of about 1e-15. What lies below is zero or is computed one by one: at most [`MOST_WEAK`] of them. If
+/// there are more, as on a flat sheet, all are taken for zero.
 pub const COUNTED_ABOVE: Real = 1e-6;
 
 /// So many singular values below [`COUNTED_ABOVE`] are computed one by one.
@@ -91,7 +109,7 @@ pub struct EdgeRank {
     pub self_stresses: usize,
     /// The smallest singular value above [`RANK_THRESHOLD`] (dimensionless), to three digits. The farther it is
     /// from the threshold, the surer the rank. 0 if the rank is 0.
-    pub smallest_kept: Real,
+    pub smallest_nonzero_singular_value: Real,
 }
 
 impl EdgeRank {
@@ -106,7 +124,8 @@ impl EdgeRank {
         Self::of_pairs(positions, edges.ends())
     }
 
-    /// Measures the rank of the distances between `pairs` of vertices at `positions` (m): of springs on some edges only, for instance.
+    /// Measures the rank of the distances between `pairs` of vertices at `positions` (m): of springs on some edges
+    /// only, for instance.
     ///
     /// # Errors
     /// [`RankError`].
@@ -133,10 +152,14 @@ impl EdgeRank {
             rank,
             nullity: 3 * positions.len() - rank,
             self_stresses: pairs.len() - rank,
-            smallest_kept: match weak.first() {
+            smallest_nonzero_singular_value: match weak.first() {
                 Some(&smallest) => smallest,
                 None if rank == 0 => 0.0,
-                None => smallest_kept(rank, largest_possible(pairs, positions.len()), above)?,
+                None => smallest_nonzero_singular_value(
+                    rank,
+                    largest_possible(pairs, positions.len()),
+                    above,
+                )?,
             },
         })
     }
@@ -151,8 +174,8 @@ fn normal_matrix(positions: &[Vec3], pairs: &[[u32; 2]]) -> BlockMatrix {
         .hessian(positions, Convexity::GaussNewton)
 }
 
-/// A bound on the largest singular value: each edge adds `g gᵀ` with ‖g‖² = 2 to two vertices, so no eigenvalue of `JᵀJ` exceeds twice the
-/// largest number of edges at a vertex (Gershgorin).
+/// A bound on the largest singular value: each edge adds `g gᵀ` with ‖g‖² = 2 to two vertices, so no eigenvalue of
+/// `JᵀJ` exceeds twice the largest number of edges at a vertex (Gershgorin).
 fn largest_possible(pairs: &[[u32; 2]], vertex_count: usize) -> Real {
     let mut degree = vec![0u32; vertex_count];
     for &vertex in pairs.iter().flatten() {
@@ -161,8 +184,8 @@ fn largest_possible(pairs: &[[u32; 2]], vertex_count: usize) -> Real {
     (2.0 * Real::from(degree.into_iter().max().unwrap_or(0))).sqrt()
 }
 
-/// Singular values of J above a number, by the eigenvalues of `JᵀJ` above its square. A number that happens to be an eigenvalue of a leading
-/// block is moved by a part in a thousand.
+/// Singular values of J above a number, by the eigenvalues of `JᵀJ` above its square. A number that happens to be an
+/// eigenvalue of a leading block is moved by a part in a thousand.
 fn count_above(inertia: &mut Inertia, singular_value: Real) -> Result<usize, RankError> {
     (0..8)
         .map(|attempt| singular_value * (1.0 + 1e-3 * Real::from(attempt)))
@@ -171,7 +194,7 @@ fn count_above(inertia: &mut Inertia, singular_value: Real) -> Result<usize, Ran
 }
 
 /// Bisection, in the logarithm, for the number at which the count of larger singular values drops below the rank.
-fn smallest_kept(
+fn smallest_nonzero_singular_value(
     rank: usize,
     largest: Real,
     mut above: impl FnMut(Real) -> Result<usize, RankError>,
@@ -188,8 +211,9 @@ fn smallest_kept(
     Ok((low * high).sqrt())
 }
 
-/// The positions (m) after a smooth motion that bends any shape in all directions, for measuring the rank of a bent sheet. Every position moves
-/// by at most a quarter of the size of the shape, along a wave that no symmetry of a mesh shares. A shape without size stays as it is.
+/// The positions (m) after a smooth motion that bends any shape in all directions, for measuring the rank of a bent
+/// sheet. Every position moves by at most a quarter of the size of the shape, along a wave that no symmetry of a mesh
+/// shares. A shape without size stays as it is.
 #[must_use]
 pub fn bent(positions: &[Vec3]) -> Vec<Vec3> {
     let low = positions

@@ -26,14 +26,14 @@ pub trait Element<const N: usize>: Copy + Debug + Send + Sync + 'static {
     fn vertices(&self) -> [u32; N];
 }
 
-/// One scalar constraint at one configuration (CORE-9).
+/// One scalar constraint at one configuration.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Row<const N: usize> {
     /// `C(x)`, zero at rest, in the unit that the element documents.
     pub value: Real,
     /// `∂C/∂xᵢ`, one per vertex of the element (unit of `C` per m).
     pub gradient: [Vec3; N],
-    /// `k` with the energy `½ k C²` (J); the compliance of S1 (37) is `α = 1/k`.
+    /// `k` with the energy `½ k C²` (J); the compliance is `α = 1/k`.
     pub stiffness: Real,
 }
 
@@ -62,10 +62,10 @@ mod sealed {
     impl<const N: usize, const M: usize> Sealed for [super::Row<N>; M] {}
 }
 
-/// What to do with the negative eigenvalues of an element's Hessian (CORE-8).
+/// What to do with the negative eigenvalues of an element's Hessian.
 ///
 /// Newton's method needs a direction that goes down; a compressed spring has a Hessian
-/// that is indefinite across its axis, S1 (3).
+/// that is indefinite across its axis.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Convexity {
@@ -74,8 +74,9 @@ pub enum Convexity {
     /// Set them to zero.
     #[default]
     Clamp,
-    /// Take their absolute value: a matrix that resists leaving the point in every direction in which the energy is curved (H. Chen
-    /// et al., "Stabler neo-Hookean simulation: absolute eigenvalue filtering for projected Newton", SIGGRAPH 2024,
+    /// Take their absolute value: a matrix that resists leaving the point in every direction in which the energy is
+    /// curved (H. Chen et al., "Stabler neo-Hookean simulation: absolute eigenvalue filtering for projected Newton",
+    /// SIGGRAPH 2024,
     /// <https://arxiv.org/abs/2406.05928>).
     Abs,
     /// Drop the second derivative of the constraint: `Σ k ∂C ∂Cᵀ` alone.
@@ -101,8 +102,8 @@ impl Convexity {
     note = "implement `Constraint<{N}>` (its rows give the energy), or `Energy<{N}>` directly"
 )]
 pub trait Energy<const N: usize>: Element<N> {
-    /// Whether [`Energy::hessian`] is the same at every `x` and for every [`Convexity`]. The Hessians of a family are then added up once, and
-    /// never computed again.
+    /// Whether [`Energy::hessian`] is the same at every `x` and for every [`Convexity`]. The Hessians of a family are
+    /// then added up once, and never computed again.
     const HESSIAN_IS_CONSTANT: bool = false;
 
     /// `E(x)` (J).
@@ -120,9 +121,9 @@ pub trait Energy<const N: usize>: Element<N> {
     /// `∂²E/∂xᵢ∂xⱼ` (N/m).
     fn hessian(&self, x: &[Vec3; N], convexity: Convexity) -> Blocks<N>;
 
-    /// The Hessian (N/m) at `x` (m), by [`Convexity::Abs`], of an iteration that treats forces as unknowns of their own: what the gradients turn
-    /// with is not the force at `x`, but the one that the constraint linearised at `from` (m) has at `to` (m); see
-    /// [`Constraint::mixed_curvature`]. Without that, the Hessian at `x`.
+    /// The Hessian (N/m) at `x` (m), by [`Convexity::Abs`], of an iteration that treats forces as unknowns of their
+    /// own: what the gradients turn with is not the force at `x`, but the one that the constraint linearised at `from`
+    /// (m) has at `to` (m); see [`Constraint::mixed_curvature`]. Without that, the Hessian at `x`.
     #[inline]
     fn mixed_hessian(&self, x: &[Vec3; N], from: &[Vec3; N], to: &[Vec3; N]) -> Blocks<N> {
         let _ = (from, to);
@@ -138,7 +139,8 @@ pub trait Energy<const N: usize>: Element<N> {
         )
     }
 
-    /// `Σⱼ ∂²E/∂xᵢ∂xⱼ pⱼ` (N), for displacements `p` (m). An element that can do it without the blocks is several times faster.
+    /// `Σⱼ ∂²E/∂xᵢ∂xⱼ pⱼ` (N), for displacements `p` (m). An element that can do it without the blocks is several times
+    /// faster.
     #[inline]
     fn hessian_product(&self, x: &[Vec3; N], p: &[Vec3; N], convexity: Convexity) -> [Vec3; N] {
         multiply(&self.hessian(x, convexity), p)
@@ -168,16 +170,16 @@ pub trait Constraint<const N: usize>: Element<N> {
     /// `[Row<N>; M]`.
     type Rows: RowArray<N>;
 
-    /// Whether the gradients of the rows are the same at every `x`, so that the energy is quadratic; [`Constraint::curvature`] and
-    /// [`Constraint::geometric_stiffness`] are then zero.
+    /// Whether the gradients of the rows are the same at every `x`, so that the energy is quadratic;
+    /// [`Constraint::curvature`] and [`Constraint::geometric_stiffness`] are then zero.
     const ROWS_ARE_LINEAR: bool = false;
 
     /// The rows at `x` (m).
     fn rows(&self, x: &[Vec3; N]) -> Self::Rows;
 
-    /// `−Σᵣ λᵣ ∂²Cᵣ/∂x²` (unit of λ times unit of C per m²), made positive semi-definite as `convexity` says: what the force `Jᵀλ` changes by
-    /// where the gradients turn, with λ one number per row. It is [`Constraint::curvature`] with −λ in place of k C, and defined for hard rows too. Zero for
-    /// [`Convexity::GaussNewton`].
+    /// `−Σᵣ λᵣ ∂²Cᵣ/∂x²` (unit of λ times unit of C per m²), made positive semi-definite as `convexity` says: what the
+    /// force `Jᵀλ` changes by where the gradients turn, with λ one number per row. It is [`Constraint::curvature`] with
+    /// −λ in place of k C, and defined for hard rows too. Zero for [`Convexity::GaussNewton`].
     ///
     /// Unless an element writes its own, it comes from differences of the gradients, to some ten digits.
     fn geometric_stiffness(
@@ -192,16 +194,17 @@ pub trait Constraint<const N: usize>: Element<N> {
         differences::geometric_stiffness(self, x, multipliers, convexity)
     }
 
-    /// The row at `x` (m) as a [`UnitRow`], if it is the only one and its gradient is a unit vector at every vertex. A sweep wants to know,
-    /// because it is twice as fast on it.
+    /// The row at `x` (m) as a [`UnitRow`], if it is the only one and its gradient is a unit vector at every vertex. A
+    /// sweep wants to know, because it is twice as fast on it.
     #[inline(always)]
     fn unit_row(&self, x: &[Vec3; N]) -> Option<UnitRow<N>> {
         let _ = x;
         None
     }
 
-    /// The rows at `x` (m) as they are without their dead zones, if they have such: see [`DeadZoneRow`]. [`Constraint::rows`] are then their [`DeadZoneRow::row`]. An
-    /// element whose rows vanish beyond one side, a limit or a contact, has to say so here, or a sweep with multipliers cannot let go of it.
+    /// The rows at `x` (m) as they are without their dead zones, if they have such: see [`DeadZoneRow`].
+    /// [`Constraint::rows`] are then their [`DeadZoneRow::row`]. An element whose rows vanish beyond one side, a limit
+    /// or a contact, has to say so here, or a sweep with multipliers cannot let go of it.
     #[inline(always)]
     fn dead_zone_rows(
         &self,
@@ -230,16 +233,18 @@ pub trait Constraint<const N: usize>: Element<N> {
         self.curvature(x, convexity)[corner][corner]
     }
 
-    /// [`Constraint::curvature`] by [`Convexity::Abs`], with the values `C(from) + ∂C(from)·(to − from)` in the place of `C(x)`. A stiff
-    /// spring that has turned in an iteration is stretched by far, and its force at `x` says nothing of the one it ends with;
-    /// the linear prediction does. An element without a form of its own takes the force at `x`.
+    /// [`Constraint::curvature`] by [`Convexity::Abs`], with the values `C(from) + ∂C(from)·(to − from)` in the place
+    /// of `C(x)`. A stiff spring that has turned in an iteration is stretched by far, and its force at `x` says nothing
+    /// of the one it ends with; the linear prediction does. An element without a form of its own takes the force at
+    /// `x`.
     #[inline]
     fn mixed_curvature(&self, x: &[Vec3; N], from: &[Vec3; N], to: &[Vec3; N]) -> Blocks<N> {
         let _ = (from, to);
         self.curvature(x, Convexity::Abs)
     }
 
-    /// [`Constraint::curvature`] times displacements `p` (m), in N. Called as that is, and never where [`Constraint::ROWS_ARE_LINEAR`].
+    /// [`Constraint::curvature`] times displacements `p` (m), in N. Called as that is, and never where
+    /// [`Constraint::ROWS_ARE_LINEAR`].
     #[inline]
     fn curvature_product(&self, x: &[Vec3; N], p: &[Vec3; N], convexity: Convexity) -> [Vec3; N] {
         multiply(&self.curvature(x, convexity), p)
@@ -247,7 +252,7 @@ pub trait Constraint<const N: usize>: Element<N> {
 }
 
 /// An energy `E = ½ w ‖G x − p‖²` with `p` the nearest point of a set: what projective dynamics
-/// asks for (CORE-10; S1 (27)–(32)).
+/// asks for.
 ///
 /// The gradient is `w Gᵀ(G x − p)`, because the nearest point moves at right angles to the difference.
 #[diagnostic::on_unimplemented(
@@ -268,19 +273,19 @@ pub trait Projective<const N: usize, const K: usize>: Element<N> {
     /// The nearest point of the set to `z = G x`.
     fn project(&self, z: [Vec3; K]) -> [Vec3; K];
 
-    /// The radius r (unit of `z`) if the set is the sphere `‖z‖ = r` and `K` is 1, so that `p = r z/‖z‖`: a solver may then project several elements
-    /// at once. [`Projective::project`] says what happens at `z = 0`.
+    /// The radius r (unit of `z`) if the set is the sphere `‖z‖ = r` and `K` is 1, so that `p = r z/‖z‖`: a solver may
+    /// then project several elements at once. [`Projective::project`] says what happens at `z = 0`.
     #[inline(always)]
     fn sphere(&self) -> Option<Real> {
         None
     }
 
-    /// How the distance resists a change of `z`: `I − ∂p/∂z` in 3 × 3 blocks (dimensionless), without its negative eigenvalues, so
-    /// that `w Gᵀ (I − ∂p/∂z) G` is the Hessian under [`Convexity::Clamp`].
+    /// How the distance resists a change of `z`: `I − ∂p/∂z` in 3 × 3 blocks (dimensionless), without its negative
+    /// eigenvalues, so that `w Gᵀ (I − ∂p/∂z) G` is the Hessian under [`Convexity::Clamp`].
     ///
-    /// The identity, which it is by default, bounds it from above: exact where the projection is constant, as stiff in all
-    /// directions elsewhere.
-    fn resistance(&self, z: [Vec3; K]) -> [[Mat3; K]; K] {
+    /// The identity, which it is by default, bounds it from above: exact where the projection is constant, as stiff in
+    /// all directions elsewhere.
+    fn projected_hessian(&self, z: [Vec3; K]) -> [[Mat3; K]; K] {
         let _ = z;
         std::array::from_fn(|k| {
             std::array::from_fn(|l| {
@@ -309,7 +314,7 @@ fn add_gauss_newton<const N: usize>(mut sum: Blocks<N>, rows: &[Row<N>]) -> Bloc
 }
 
 /// The line where a constraint becomes an energy: `E = ½ Σ k C²`, `∂E = Σ k C ∂C`,
-/// `∂²E = Σ k ∂C ∂Cᵀ + Σ k C ∂²C` (S1 (1)–(3) for a spring).
+/// `∂²E = Σ k ∂C ∂Cᵀ + Σ k C ∂²C`.
 impl<const N: usize, C: Constraint<N>> Energy<N> for C {
     const HESSIAN_IS_CONSTANT: bool = C::ROWS_ARE_LINEAR;
 

@@ -16,14 +16,16 @@
 //! | [`StrainLimitTriangle`], slack in a range | 3 | yes | 2 rows | K = 2 | J, from a modulus in N/m |
 //! | [`Attachment`] | 1 | yes | 3 rows | K = 1 | N/m |
 //!
-//! A dash is a view that the energy does not have. The projective view needs a squared distance to a set under a *constant* linear map: an angle is no
-//! linear function of positions, and the strains of StVK are quadratic ones. (PD bends by the length of the curvature vector instead, [`CurvedHinge`], and stretches by ARAP.) The
-//! constraint view needs a sum of squares, and the cubic shell is a polynomial of third degree, unbounded from below.
+//! A dash is a view that the energy does not have. The projective view needs a squared distance to a set under a
+//! *constant* linear map: an angle is no linear function of positions, and the strains of StVK are quadratic ones. (PD
+//! bends by the length of the curvature vector instead, [`CurvedHinge`], and stretches by ARAP.) The constraint view
+//! needs a sum of squares, and the cubic shell is a polynomial of third degree, unbounded from below.
 //!
 //! # What a bending rigidity means on a mesh
 //!
-//! Each bending model gets its own coefficient from one rigidity D (VALIDATION 4), so that bending about the edges of the mesh costs `½ D κ²` per area. What else the
-//! sheet does, the pattern of its triangles decides, and no coefficient can change it; the models agree in it, as they agree in small folds:
+//! Each bending model gets its own coefficient from one rigidity D, so that bending about the edges of
+//! the mesh costs `½ D κ²` per area. What else the sheet does, the pattern of its triangles decides, and no coefficient
+//! can change it; the models agree in it, as they agree in small folds:
 //!
 //! | pattern | bent to a cylinder, over D | bent to a sphere, over `½ D (2κ)²` | note |
 //! |---|---|---|---|
@@ -32,7 +34,8 @@
 //! | alternating, at rest | 5/6 and 4/3 | 1/3 | vertices with four and with eight neighbours settle at two heights; a strip free to curve across: 4/5 |
 //! | one way | 3/4 to 3 | 1/2 | stiffest where the curvature runs along the diagonals, at 45° |
 //!
-//! Derived hinge by hinge; measured in the bench (laws `bending-factor`, `elastica`, `lateral-buckling`; study `bending`).
+//! Derived hinge by hinge; measured in the bench (laws `bending-factor`, `elastica`, `lateral-buckling`; study
+//! `bending`).
 
 mod arap_triangle;
 mod area;

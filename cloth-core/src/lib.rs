@@ -69,8 +69,8 @@
 //!
 //! - Double precision throughout; the scalar is chosen in [`math`] and nowhere else.
 //! - A [`cloth::Cloth`] is cut to springs, whose modulus depends on the pattern of the mesh ([`cloth::Membrane`]), and
-//!   to quadratic hinges, which are flat at rest, unless [`cloth::Carriers`] choose other elements of [`energy`]. Hinges
-//!   have a Poisson's ratio of their own, which the pattern of the mesh decides: −1/3 on equilateral triangles.
+//!   to quadratic hinges, which are flat at rest, unless [`cloth::Discretization`] choose other elements of [`energy`].
+//!   Hinges have a Poisson's ratio of their own, which the pattern of the mesh decides: −1/3 on equilateral triangles.
 //!
 //! # Errors
 //!

@@ -59,8 +59,8 @@ pub fn length_and_direction(d: Vec3, pair: [u32; 2]) -> (Real, Vec3) {
     }
 }
 
-/// Second derivative (dimensionless) of `½ (l − rest)²` by a vector of `length` l (m) and direction `n`, without its negative eigenvalues:
-/// `n nᵀ + (1 − rest/l)(I − n nᵀ)`, the second part only where l > rest.
+/// Second derivative (dimensionless) of `½ (l − rest)²` by a vector of `length` l (m) and direction `n`, without its
+/// negative eigenvalues: `n nᵀ + (1 − rest/l)(I − n nᵀ)`, the second part only where l > rest.
 #[inline]
 #[must_use]
 pub fn radial_resistance(length: Real, n: Vec3, rest: Real) -> Mat3 {
@@ -73,7 +73,8 @@ pub fn radial_resistance(length: Real, n: Vec3, rest: Real) -> Mat3 {
     along * (1.0 - across) + Mat3::from_diagonal_element(across)
 }
 
-/// The Hessian of two vertices that resist being moved apart across n only, by `stiffness` (N/m): `± stiffness (I − n nᵀ)`.
+/// The Hessian of two vertices that resist being moved apart across n only, by `stiffness` (N/m):
+/// `± stiffness (I − n nᵀ)`.
 #[inline(always)]
 pub(crate) fn across_pair(n: Vec3, stiffness: Real) -> Blocks<2> {
     let block = (Mat3::identity() - n * n.transpose()) * stiffness;

@@ -1,4 +1,4 @@
-//! Yardsticks that belong to no method: energies, momenta, strain, and the function that implicit Euler minimises (CORE-14).
+//! Yardsticks that belong to no method: energies, momenta, strain, and the function that implicit Euler minimises.
 
 use crate::energy::Spring;
 use crate::math::{Real, Vec3, gather};
@@ -126,7 +126,8 @@ impl Strain {
     }
 }
 
-/// The inertial prediction `x̃ = x + Δt v + Δt² a`, where every vertex would go without elasticity, S1 (9); a prescribed vertex goes to `x + Δt v`.
+/// The inertial prediction `x̃ = x + Δt v + Δt² a`, where every vertex would go without elasticity; a
+/// prescribed vertex goes to `x + Δt v`.
 ///
 /// # Panics
 /// If the lengths differ.
@@ -142,7 +143,7 @@ pub fn predict(particles: &Particles, state: &State, input: &StepInput<'_>, out:
     }
 }
 
-/// `G(x) = ‖x − x̃‖²_M / (2Δt²) + E(x)`: what implicit Euler minimises in one step, S1 (10), over the
+/// `G(x) = ‖x − x̃‖²_M / (2Δt²) + E(x)`: what implicit Euler minimises in one step, over the
 /// vertices that are not prescribed.
 #[derive(Clone, Copy, Debug)]
 pub struct IncrementalPotential<'a> {
@@ -208,11 +209,12 @@ impl IncrementalPotential<'_> {
         elastic + 0.5 * twice
     }
 
-    /// Norm of `M (x − x̃)/Δt²`, the forces that it takes to end at x, in the metric of `M⁻¹` (N/√kg). At a minimum of `G` these are the
-    /// elastic ones.
+    /// Norm of `M (x − x̃)/Δt²`, the forces that it takes to end at x, in the metric of `M⁻¹` (N/√kg). At a minimum of
+    /// `G` these are the elastic ones.
     ///
-    /// Where E is convex the Hessian of G is at least `M/Δt²`. So `‖∇G(x)‖ ≤ δ ‖M (x − x̃)/Δt²‖` says that x is no farther from the minimum than the
-    /// part δ of what it is from x̃, both in the metric of M, and that G is above its minimum by at most `δ²` times `‖x − x̃‖²_M/(2Δt²)`.
+    /// Where E is convex the Hessian of G is at least `M/Δt²`. So `‖∇G(x)‖ ≤ δ ‖M (x − x̃)/Δt²‖` says that x is no
+    /// farther from the minimum than the part δ of what it is from x̃, both in the metric of M, and that G is above its
+    /// minimum by at most `δ²` times `‖x − x̃‖²_M/(2Δt²)`.
     ///
     /// # Panics
     /// If `x` or the prediction does not have one entry per vertex.
@@ -221,7 +223,7 @@ impl IncrementalPotential<'_> {
         (2.0 * self.inertia(x)).sqrt() / self.dt
     }
 
-    /// Norm of a gradient of `G` in the metric of `M⁻¹` (N/√kg), over the vertices that are not prescribed (VALIDATION 8.1).
+    /// Norm of a gradient of `G` in the metric of `M⁻¹` (N/√kg), over the vertices that are not prescribed.
     #[must_use]
     pub fn gradient_norm(&self, gradient: &[Vec3]) -> Real {
         let square = |(w, g): (&Real, &Vec3)| w * g.norm_squared();

@@ -9,7 +9,7 @@ pub mod obj;
 pub mod ply;
 
 /// Rest shape of the cloth: `V` rest positions (m) and `F` triangles, counter-clockwise seen from
-/// the front (CORE-1).
+/// the front.
 ///
 /// A `TriMesh` that exists has passed the checks of [`TriMesh::new`], so no later code repeats them.
 #[derive(Clone, Debug, PartialEq)]
@@ -158,7 +158,7 @@ fn duplicate(triangles: &[[u32; 3]]) -> Option<[usize; 2]> {
         .min_by_key(|pair| pair[1])
 }
 
-/// Why triangles and positions do not make a usable mesh (CORE-1, CORE-2).
+/// Why triangles and positions do not make a usable mesh.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum MeshError {

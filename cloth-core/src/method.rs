@@ -1,8 +1,9 @@
 //! For authors of methods: what solvers are built from. A simulation needs none of it.
 //!
-//! In reading order: sums of elements and what they are stored in ([`family`], [`block_matrix`]); orders to visit them in
-//! ([`coloring`], [`ordering`]); loops over vectors, on several threads with the same bits ([`vectors`], [`chunked`],
-//! [`parallel`]); linear solvers ([`linear`], [`multigrid`]); the sweeps of PBD and XPBD ([`position_based`]).
+//! In reading order: sums of elements and what they are stored in ([`family`], [`block_matrix`]); orders to visit them
+//! in ([`coloring`], [`ordering`]); loops over vectors, on several threads with the same bits ([`vectors`],
+//! [`chunked`], [`parallel`]); linear solvers ([`linear`], [`multigrid`]); the sweeps of PBD and XPBD
+//! ([`position_based`]).
 
 pub mod family;
 

@@ -5,7 +5,7 @@ use crate::mesh::TriMesh;
 use std::fmt;
 use std::sync::Arc;
 
-/// Lumped masses (kg) and their inverses (1/kg), both of length `V` (CORE-3; the matrix `M` of S1 (13)).
+/// Lumped masses (kg) and their inverses (1/kg), both of length `V`, the diagonal of the mass matrix `M`.
 ///
 /// A vertex with inverse mass 0 is *prescribed* (pinned): no force moves it. It travels with
 /// its own velocity, which the caller sets: zero holds it still, and [`crate::pin::Pins`] makes it
@@ -40,8 +40,8 @@ impl Particles {
         })
     }
 
-    /// The same particles with the positions (m) at which they are at rest. Methods with coarse levels lay them out by these;
-    /// without, by the positions of the first step.
+    /// The same particles with the positions (m) at which they are at rest. Methods with coarse levels lay them out by
+    /// these; without, by the positions of the first step.
     ///
     /// # Panics
     /// If there is not one position per vertex.
@@ -61,7 +61,8 @@ impl Particles {
     /// A third of each triangle's mass to each of its corners; `density` in kg/m².
     ///
     /// # Errors
-    /// [`ParticleError::InvalidDensity`] if the density is not a positive finite number, [`ParticleError::InvalidMass`] if it makes a mass too small to be inverted.
+    /// [`ParticleError::InvalidDensity`] if the density is not a positive finite number, [`ParticleError::InvalidMass`]
+    /// if it makes a mass too small to be inverted.
     pub fn from_areal_density(mesh: &TriMesh, density: Real) -> Result<Self, ParticleError> {
         Self::check_density(density)?;
         let mut mass = vec![0.0; mesh.vertex_count()];
@@ -195,7 +196,7 @@ impl State {
         }
     }
 
-    /// The first vertex whose position or velocity is not finite (CORE-14).
+    /// The first vertex whose position or velocity is not finite.
     #[must_use]
     pub fn first_non_finite(&self) -> Option<usize> {
         first_non_finite(&self.positions, &self.velocities)

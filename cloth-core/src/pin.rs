@@ -1,4 +1,4 @@
-//! Pins that move on a prescribed path (CORE-3).
+//! Pins that move on a prescribed path.
 
 use crate::math::{Real, Vec3};
 use crate::particles::{ParticleError, Particles, State};
@@ -10,8 +10,8 @@ type Path = Arc<dyn Fn(Real) -> Vec3 + Send + Sync>;
 
 /// Prescribed vertices and the paths they follow.
 ///
-/// A prescribed vertex travels with its own velocity. Before each step [`Pins::steer`] sets the velocity that takes it to where its path is at
-/// the end of the step, so that every method sees the same motion without knowing of paths.
+/// A prescribed vertex travels with its own velocity. Before each step [`Pins::steer`] sets the velocity that takes it
+/// to where its path is at the end of the step, so that every method sees the same motion without knowing of paths.
 #[derive(Clone, Default)]
 pub struct Pins {
     paths: Vec<(usize, Path)>,

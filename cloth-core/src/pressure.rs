@@ -1,8 +1,8 @@
 //! Gas inside a closed mesh, as a load on its vertices.
 //!
-//! A gas of the gauge pressure p (Pa) does the work p dV on the surface around it. The volume is V = Σ a·(b × c)/6 over its
-//! triangles, so the force on a vertex is p ∂V/∂x: of each triangle around it p (b × c)/6 with its other two corners, which
-//! sums up to p A n/3. The forces of a closed surface cancel, and have no torque.
+//! A gas of the gauge pressure p (Pa) does the work p dV on the surface around it. The volume is V = Σ a·(b × c)/6 over
+//! its triangles, so the force on a vertex is p ∂V/∂x: of each triangle around it p (b × c)/6 with its other two
+//! corners, which sums up to p A n/3. The forces of a closed surface cancel, and have no torque.
 //!
 //! # Limits
 //! - The pressure does not depend on the volume: a pump keeps it. Of a sealed gas it would, and stiffly so.
@@ -41,7 +41,8 @@ impl Pressure {
     /// Gas of a gauge pressure (Pa, below zero for a vacuum) inside `mesh`.
     ///
     /// # Errors
-    /// [`PressureError`] for a pressure that is not finite, or a mesh that has a border or triangles that face different ways.
+    /// [`PressureError`] for a pressure that is not finite, or a mesh that has a border or triangles that face
+    /// different ways.
     pub fn new(pressure: Real, mesh: &TriMesh) -> Result<Self, PressureError> {
         Self::inside(pressure, mesh, 0..mesh.triangle_count())
     }

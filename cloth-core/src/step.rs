@@ -206,11 +206,13 @@ pub struct StepReport {
     pub linear_iterations: u32,
     /// Step lengths that a line search tried and rejected.
     pub backtracks: u32,
-    /// Substeps that gave up their Chebyshev extrapolation, because it made the corrections grow or something can be touched, and went on with plain sweeps.
+    /// Substeps that gave up their Chebyshev extrapolation, because it made the corrections grow or something can be
+    /// touched, and went on with plain sweeps.
     pub chebyshev_fallbacks: u32,
     /// Coarse grids made, or made anew because pins or elements had changed.
     pub coarse_builds: u32,
-    /// Iterations of a step, from its start to its end, that had to do without the coarse grid that the method was given, because it could not be made or factorised.
+    /// Iterations of a step, from its start to its end, that had to do without the coarse grid that the method was
+    /// given, because it could not be made or factorised.
     pub coarse_fallbacks: u32,
     /// Minimisations that a quasi-Newton method did not bring to an end, so that Newton's method took over.
     pub newton_fallbacks: u32,

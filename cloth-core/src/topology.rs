@@ -1,10 +1,10 @@
-//! Edges, hinges, boundary and counts, all derived from the triangles alone (CORE-2, CORE-11).
+//! Edges, hinges, boundary and counts, all derived from the triangles alone.
 //!
 //! A mesh in memory is positions and triangles. What an energy needs beyond that is derived here,
 //! one table at a time, so that what nobody asks for does not exist: springs need [`EdgeTable`],
 //! bending needs [`HingeTable`], the rest is for reports and checks.
 //!
-//! All tables come from the *sorted edge list* (S2): write down the three sides of every triangle
+//! All tables come from the *sorted edge list*: write down the three sides of every triangle
 //! with the lower vertex number first, sort, and equal neighbours are the two triangles of one
 //! edge. No hashing takes part, so the same triangles give the same tables on every machine.
 //!
@@ -15,9 +15,8 @@
 //!
 //! 3V − E = 3χ + E_b,
 //!
-//! the number of coordinates left when every edge length is one independent condition (S1 (20),
-//! VALIDATION 6). A tube has only E_b of them, a closed sphere only its 6 rigid motions: that is
-//! why stiff edges *lock* a triangle mesh.
+//! the number of coordinates left when every edge length is one independent condition. A tube has only E_b of them, a
+//! closed sphere only its 6 rigid motions: that is why stiff edges *lock* a triangle mesh.
 //!
 //! | quantity | function |
 //! |---|---|
@@ -27,10 +26,10 @@
 //! | boundary as closed walks | [`boundary_loops`] |
 //! | pieces | [`components`] |
 //! | V, E, F, E_b, χ, 3V − E | [`Topology::of`] |
-//! | edges across which the winding turns over | [`opposed_edges`] |
+//! | edges across which the winding turns over | [`inconsistently_oriented_edges`] |
 //! | vertices where separate fans touch | [`bow_tie_vertices`] |
 //! | the middles of edges, and the triangles between them | [`Midpoints::of`] |
-//! | edges that can be left out without a triangle losing two | [`droppable_edges`] |
+//! | edges that can be left out without a triangle losing two | [`removable_edges`] |
 //! | coarser levels of a mesh | [`crate::method::multigrid::coarse_levels`] |
 //!
 //! # Limits
@@ -47,11 +46,11 @@ mod pieces;
 mod thin;
 
 pub use boundary::boundary_loops;
-pub use edges::{EdgeTable, NONE, opposed_edges, triangle_edges};
+pub use edges::{EdgeTable, NONE, inconsistently_oriented_edges, triangle_edges};
 pub use hinges::HingeTable;
 pub use midpoints::Midpoints;
 pub use pieces::{bow_tie_vertices, components};
-pub use thin::droppable_edges;
+pub use thin::removable_edges;
 
 use crate::mesh::TriMesh;
 

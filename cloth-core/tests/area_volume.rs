@@ -1,4 +1,5 @@
-//! Area and volume constraints: derivatives, invariances, degenerate shapes, and what position-based sweeps make of them.
+//! Area and volume constraints: derivatives, invariances, degenerate shapes, and what position-based sweeps make of
+//! them.
 
 #[path = "support/elements.rs"]
 mod support;

@@ -1,4 +1,4 @@
-//! Bending elements against finite differences, their own invariances, and the energies of VALIDATION 4.
+//! Bending elements against finite differences, their own invariances, and their closed-form energies.
 
 #[path = "support/elements.rs"]
 mod support;
@@ -118,7 +118,7 @@ fn the_rest_shape_costs_nothing() {
     }
 }
 
-/// VALIDATION 4, each model with its own coefficient k = 0.7 N·m, folded without stretching: exact at any angle.
+/// Each model with its own coefficient k = 0.7 N·m, folded without stretching: exact at any angle.
 #[test]
 fn a_fold_costs_what_each_model_says() {
     let (k, factor) = (0.7, shape_factor());

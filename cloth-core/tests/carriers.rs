@@ -1,7 +1,8 @@
-//! One description of a cloth, carried by different elements (CORE-5 to CORE-7).
+//! One description of a cloth, carried by different elements.
 
 use cloth_core::cloth::{
-    BendingCarrier, Carriers, Cloth, ClothError, ClothModel, Elements, Membrane, MembraneCarrier,
+    BendingCarrier, Cloth, ClothError, ClothModel, Discretization, Elements, Membrane,
+    MembraneCarrier,
 };
 use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::TriMesh;
@@ -33,7 +34,9 @@ fn the_default_is_springs_and_quadratic_hinges() {
     let model = COTTON.on(&mesh).unwrap();
     assert_eq!(
         model,
-        COTTON.carried_by(&Carriers::default(), &mesh).unwrap()
+        COTTON
+            .discretized_with(&Discretization::default(), &mesh)
+            .unwrap()
     );
     assert_eq!((model.springs.len(), model.hinges.len()), (208, 176));
     assert!(model.others.is_empty());
@@ -49,11 +52,11 @@ fn triangles_get_the_modulus_that_the_springs_have() {
         (equilateral(9, 9, 0.1).unwrap(), 1e3 * 2.0 / 3.0_f64.sqrt()),
     ] {
         for (membrane, poisson) in [(TRIANGLES, 1.0 / 3.0), (MembraneCarrier::Arap, 0.0)] {
-            let carriers = Carriers {
+            let carriers = Discretization {
                 membrane,
                 ..Default::default()
             };
-            let model = COTTON.carried_by(&carriers, &mesh).unwrap();
+            let model = COTTON.discretized_with(&carriers, &mesh).unwrap();
             assert!(model.springs.is_empty());
             let energy = stored(&model, &mesh, |p| p * (1.0 + strain)) / mesh.area();
             let expected = modulus * strain * strain / (1.0 - poisson);
@@ -62,19 +65,19 @@ fn triangles_get_the_modulus_that_the_springs_have() {
     }
 }
 
-/// VALIDATION 3: axial k1 and both diagonals k2 are isotropic if k1 = 2 k2, and only then.
+/// Axial k1 and both diagonals k2 are isotropic if k1 = 2 k2, and only then.
 #[test]
 fn a_grid_with_both_diagonals_is_isotropic_when_they_are_half_as_stiff() {
     for diagonals in [Diagonals::OneWay, Diagonals::Alternating] {
         let mesh = sheet(diagonals);
         let edges = EdgeTable::build(&mesh).unwrap();
         let spread = |shear: Real| {
-            let carriers = Carriers {
+            let carriers = Discretization {
                 shear: Some(shear),
                 bending: BendingCarrier::None,
                 ..Default::default()
             };
-            let mut model = COTTON.carried_by(&carriers, &mesh).unwrap();
+            let mut model = COTTON.discretized_with(&carriers, &mesh).unwrap();
             assert_eq!(model.others[0].len(), 64);
             // In the unbounded grid a spring on the rim belongs to this patch by half.
             for (edge, spring) in model.springs.iter_mut().enumerate() {
@@ -107,11 +110,11 @@ fn every_kind_of_hinge_gets_its_constant_from_one_rigidity() {
         ..COTTON
     };
     let energy = |bending| {
-        let carriers = Carriers {
+        let carriers = Discretization {
             bending,
             ..Default::default()
         };
-        let model = cloth.carried_by(&carriers, &mesh).unwrap();
+        let model = cloth.discretized_with(&carriers, &mesh).unwrap();
         stored(&model, &mesh, |p| Vec3::new(p.x, p.y, 5e-4 * p.x * p.x))
     };
     let quadratic = energy(BendingCarrier::Quadratic);
@@ -130,11 +133,11 @@ fn every_kind_of_hinge_gets_its_constant_from_one_rigidity() {
 #[test]
 fn bending_springs_stand_across_every_hinge() {
     let mesh = sheet(Diagonals::OneWay);
-    let carriers = Carriers {
+    let carriers = Discretization {
         bending: BendingCarrier::Springs(7.0),
         ..Default::default()
     };
-    let model = COTTON.carried_by(&carriers, &mesh).unwrap();
+    let model = COTTON.discretized_with(&carriers, &mesh).unwrap();
     let hinges = HingeTable::build(&mesh, &EdgeTable::build(&mesh).unwrap());
     let [Elements::Springs(springs)] = &model.others[..] else {
         panic!("{:?}", model.others)
@@ -150,10 +153,10 @@ fn bending_springs_stand_across_every_hinge() {
 #[test]
 fn choices_that_do_not_fit_are_refused() {
     let grid = sheet(Diagonals::OneWay);
-    let refused = |cloth: Cloth, carriers: Carriers, mesh: &TriMesh| {
-        cloth.carried_by(&carriers, mesh).unwrap_err()
+    let refused = |cloth: Cloth, carriers: Discretization, mesh: &TriMesh| {
+        cloth.discretized_with(&carriers, mesh).unwrap_err()
     };
-    let shear = Carriers {
+    let shear = Discretization {
         shear: Some(1.0),
         ..Default::default()
     };
@@ -165,7 +168,7 @@ fn choices_that_do_not_fit_are_refused() {
         refused(by_modulus, shear, &grid),
         ClothError::ShearWithoutStiffness
     );
-    let beside_triangles = Carriers {
+    let beside_triangles = Discretization {
         membrane: MembraneCarrier::Arap,
         ..shear
     };
@@ -176,7 +179,7 @@ fn choices_that_do_not_fit_are_refused() {
     let lattice = equilateral(4, 4, 1.0).unwrap();
     assert_eq!(refused(COTTON, shear, &lattice), ClothError::NoRectangles);
     for poisson_ratio in [1.0, -1.0, Real::NAN] {
-        let carriers = Carriers {
+        let carriers = Discretization {
             membrane: MembraneCarrier::Stvk { poisson_ratio },
             ..Default::default()
         };
@@ -185,14 +188,14 @@ fn choices_that_do_not_fit_are_refused() {
     }
     for (carriers, word) in [
         (
-            Carriers {
+            Discretization {
                 shear: Some(-1.0),
                 ..Default::default()
             },
             "shear stiffness",
         ),
         (
-            Carriers {
+            Discretization {
                 bending: BendingCarrier::Springs(Real::INFINITY),
                 ..Default::default()
             },

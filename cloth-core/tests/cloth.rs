@@ -1,4 +1,4 @@
-//! From a description in SI units to masses, elements and yardsticks (CORE-3, CORE-14).
+//! From a description in SI units to masses, elements and yardsticks.
 
 use cloth_core::cloth::{Cloth, ClothError, Membrane};
 use cloth_core::element::Energy;

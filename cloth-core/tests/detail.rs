@@ -1,8 +1,8 @@
-//! A coarse level that carries the cloth: what it gives and what it breaks, against closed forms (MS-6).
+//! A coarse level that carries the cloth: what it gives and what it breaks, against closed forms.
 
 use cloth_core::cloth::{
-    Carriers, Cloth, ClothError, ClothModel, Elements, LevelOfDetail, Membrane, MembraneCarrier,
-    SpringEdges, SpringLaw,
+    Cloth, ClothError, ClothModel, CoarseMembrane, Discretization, Elements, Membrane,
+    MembraneCarrier, SpringEdges, SpringLaw,
 };
 use cloth_core::dof::{EdgeRank, bent};
 use cloth_core::math::{Real, Vec3};
@@ -19,13 +19,13 @@ const STIFF: Cloth = Cloth {
 };
 const SHARE: Real = 0.03;
 
-fn carried(level: u32) -> Carriers {
-    Carriers {
-        detail: Some(LevelOfDetail {
+fn carried(level: u32) -> Discretization {
+    Discretization {
+        detail: Some(CoarseMembrane {
             level,
-            fine_share: SHARE,
+            fine_fraction: SHARE,
         }),
-        ..Carriers::default()
+        ..Discretization::default()
     }
 }
 
@@ -56,7 +56,7 @@ fn stretched_evenly_the_sheet_is_as_stiff_as_springs_and_pushed_it_keeps_the_sha
     for mesh in &sheets()[..2] {
         let springs = STIFF.on(mesh).unwrap();
         for level in 1..=4 {
-            let model = STIFF.carried_by(&carried(level), mesh).unwrap();
+            let model = STIFF.discretized_with(&carried(level), mesh).unwrap();
             for (stretch, expected) in [(1.02, 1.0), (0.98, SHARE)] {
                 let [found, plain] = [&model, &springs].map(|m| stored(m, mesh, |p| p * stretch));
                 let error = found / plain / expected - 1.0;
@@ -66,7 +66,8 @@ fn stretched_evenly_the_sheet_is_as_stiff_as_springs_and_pushed_it_keeps_the_sha
     }
 }
 
-/// With obtuse triangles some ways are found too long, and round the notches of a zigzag rim they are; those links come late.
+/// With obtuse triangles some ways are found too long, and round the notches of a zigzag rim they are; those links come
+/// late.
 #[test]
 fn obtuse_triangles_and_notches_take_little_of_the_stiffness() {
     for (mesh, least) in [
@@ -76,7 +77,7 @@ fn obtuse_triangles_and_notches_take_little_of_the_stiffness() {
     ] {
         let springs = STIFF.on(&mesh).unwrap();
         for level in 1..=4 {
-            let model = STIFF.carried_by(&carried(level), &mesh).unwrap();
+            let model = STIFF.discretized_with(&carried(level), &mesh).unwrap();
             let [found, plain] = [&model, &springs].map(|m| stored(m, &mesh, |p| p * 1.02));
             let share = found / plain;
             assert!(
@@ -87,12 +88,13 @@ fn obtuse_triangles_and_notches_take_little_of_the_stiffness() {
     }
 }
 
-/// A sheet rolled up without stretch, where no two edges are alike: the springs pay with their share, the links nothing.
+/// A sheet rolled up without stretch, where no two edges are alike: the springs pay with their share, the links
+/// nothing.
 #[test]
 fn no_link_resists_a_bend() {
     for mesh in sheets() {
         for level in 1..=4 {
-            let model = STIFF.carried_by(&carried(level), &mesh).unwrap();
+            let model = STIFF.discretized_with(&carried(level), &mesh).unwrap();
             let springs = STIFF.on(&mesh).unwrap();
             for (turn, radius) in [(0.3_f64, 0.4), (1.2, 0.1)] {
                 let axis = Vec3::new(turn.cos(), turn.sin(), 0.0);
@@ -112,14 +114,17 @@ fn no_link_resists_a_bend() {
     }
 }
 
-/// What it breaks: between the vertices of the coarse level the cloth can be drawn out of place, and only the edges resist.
+/// What it breaks: between the vertices of the coarse level the cloth can be drawn out of place, and only the edges
+/// resist.
 #[test]
 fn displacements_that_the_coarse_level_does_not_see_meet_the_share_of_the_edges_only() {
     let mut random = SplitMix64::new(3);
     for mesh in sheets() {
         for level in 1..=4 {
             let kept = coarse(&mesh, level).vertices;
-            let model = STIFF.carried_by(&carried(level as u32), &mesh).unwrap();
+            let model = STIFF
+                .discretized_with(&carried(level as u32), &mesh)
+                .unwrap();
             let mut x = mesh.positions().to_vec();
             for (v, x) in x.iter_mut().enumerate() {
                 if !kept.contains(&(v as u32)) {
@@ -136,7 +141,8 @@ fn displacements_that_the_coarse_level_does_not_see_meet_the_share_of_the_edges_
     }
 }
 
-/// Shear pulls along one diagonal and pushes along the other; half of the stiffness is left, as far as links lie alike in all directions.
+/// Shear pulls along one diagonal and pushes along the other; half of the stiffness is left, as far as links lie alike
+/// in all directions.
 #[test]
 fn about_half_of_the_stiffness_against_shear_is_left() {
     for mesh in [
@@ -145,7 +151,7 @@ fn about_half_of_the_stiffness_against_shear_is_left() {
     ] {
         let springs = STIFF.on(&mesh).unwrap();
         for level in [1, 2] {
-            let model = STIFF.carried_by(&carried(level), &mesh).unwrap();
+            let model = STIFF.discretized_with(&carried(level), &mesh).unwrap();
             let sheared = |p: &Vec3| p + Vec3::x() * (1e-3 * p.y);
             let [found, plain] = [&model, &springs].map(|m| stored(m, &mesh, sheared));
             let share = found / plain;
@@ -166,7 +172,7 @@ fn the_links_leave_most_coordinates_free() {
         let x = bent(mesh.positions());
         let mut before = EdgeTable::build(&mesh).unwrap().len();
         for level in 1..=4 {
-            let model = STIFF.carried_by(&carried(level), &mesh).unwrap();
+            let model = STIFF.discretized_with(&carried(level), &mesh).unwrap();
             let [Elements::Limited(links)] = &model.others[..] else {
                 panic!("{:?}", model.others)
             };
@@ -186,16 +192,16 @@ fn the_links_leave_most_coordinates_free() {
 #[test]
 fn the_whole_modulus_on_one_side_leaves_nothing_on_the_other() {
     let mesh = grid(9, 9, 1.0, 1.0, Diagonals::OneWay).unwrap();
-    let with = |fine_share| {
-        let detail = Some(LevelOfDetail {
+    let with = |fine_fraction| {
+        let detail = Some(CoarseMembrane {
             level: 1,
-            fine_share,
+            fine_fraction,
         });
-        let carriers = Carriers {
+        let carriers = Discretization {
             detail,
-            ..Carriers::default()
+            ..Discretization::default()
         };
-        STIFF.carried_by(&carriers, &mesh).unwrap()
+        STIFF.discretized_with(&carriers, &mesh).unwrap()
     };
     assert_eq!(with(1.0).energies().unwrap().value(mesh.positions()), 0.0);
     assert_eq!(with(1.0).springs, STIFF.on(&mesh).unwrap().springs);
@@ -206,21 +212,21 @@ fn the_whole_modulus_on_one_side_leaves_nothing_on_the_other() {
 #[test]
 fn what_does_not_fit_is_refused_with_numbers() {
     let mesh = grid(9, 9, 1.0, 1.0, Diagonals::OneWay).unwrap();
-    let refused = |carriers: Carriers| STIFF.carried_by(&carriers, &mesh).unwrap_err();
+    let refused = |carriers: Discretization| STIFF.discretized_with(&carriers, &mesh).unwrap_err();
     for carriers in [
-        Carriers {
+        Discretization {
             membrane: MembraneCarrier::Arap,
             ..carried(1)
         },
-        Carriers {
+        Discretization {
             shear: Some(1.0),
             ..carried(1)
         },
-        Carriers {
+        Discretization {
             law: SpringLaw::Compression(0.5),
             ..carried(1)
         },
-        Carriers {
+        Discretization {
             edges: SpringEdges::Quads,
             ..carried(1)
         },
@@ -236,14 +242,14 @@ fn what_does_not_fit_is_refused_with_numbers() {
         refused(carried(0)),
         ClothError::NoSuchLevel { level: 0, most: 1 }
     );
-    for (fine_share, word) in [(1.5, "1.5"), (-0.5, "-0.5"), (Real::NAN, "NaN")] {
-        let detail = Some(LevelOfDetail {
+    for (fine_fraction, word) in [(1.5, "1.5"), (-0.5, "-0.5"), (Real::NAN, "NaN")] {
+        let detail = Some(CoarseMembrane {
             level: 1,
-            fine_share,
+            fine_fraction,
         });
-        let words = refused(Carriers {
+        let words = refused(Discretization {
             detail,
-            ..Carriers::default()
+            ..Discretization::default()
         })
         .to_string();
         assert!(words.contains(word), "{words}");

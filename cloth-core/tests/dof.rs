@@ -1,4 +1,4 @@
-//! Degrees of freedom: the closed forms of VALIDATION 6 and a dense computation.
+//! Degrees of freedom: closed forms and a dense computation.
 
 use cloth_core::dof::{EdgeRank, bent};
 use cloth_core::math::{Real, Vec3};
@@ -84,9 +84,9 @@ fn the_rank_agrees_with_a_dense_singular_value_decomposition() {
             let (rank, smallest) = dense(&positions, &edges);
             assert_eq!(sparse.rank, rank);
             assert!(
-                (sparse.smallest_kept / smallest - 1.0).abs() < 2e-3,
+                (sparse.smallest_nonzero_singular_value / smallest - 1.0).abs() < 2e-3,
                 "{} against {smallest}",
-                sparse.smallest_kept
+                sparse.smallest_nonzero_singular_value
             );
         }
     }
@@ -101,7 +101,8 @@ fn a_closed_convex_surface_has_only_its_rigid_motions() {
     assert_eq!(rank.self_stresses, 0);
 }
 
-/// 3V − E = 3χ + E_b, and the nullity is that plus the self-stresses, on every kind of surface; dense where it is small.
+/// 3V − E = 3χ + E_b, and the nullity is that plus the self-stresses, on every kind of surface; dense where it is
+/// small.
 #[test]
 fn the_formula_holds_on_every_kind_of_surface() {
     let holed = |cells: usize| {
@@ -158,11 +159,15 @@ fn the_formula_holds_on_every_kind_of_surface() {
         );
         let (dense_rank, smallest) = dense(&curved, &edges);
         assert_eq!(rank.rank, dense_rank, "{name}");
-        assert!((rank.smallest_kept / smallest - 1.0).abs() < 2e-3, "{name}");
+        assert!(
+            (rank.smallest_nonzero_singular_value / smallest - 1.0).abs() < 2e-3,
+            "{name}"
+        );
     }
 }
 
-/// A sheet lifted by next to nothing has singular values as small, whose squares drown in rounding: they are found all the same.
+/// A sheet lifted by next to nothing has singular values as small, whose squares drown in rounding: they are found all
+/// the same.
 #[test]
 fn a_barely_bent_sheet_keeps_its_weakest_conditions() {
     let mesh = generate::grid(6, 5, 1.0, 1.0, Diagonals::Alternating).unwrap();
@@ -177,12 +182,13 @@ fn a_barely_bent_sheet_keeps_its_weakest_conditions() {
         let (rank, smallest) = dense(&lifted, &edges);
         assert_eq!(rank, edges.len());
         assert_eq!(sparse.rank, rank, "{height:e}");
-        let error = (sparse.smallest_kept / smallest - 1.0).abs();
+        let error = (sparse.smallest_nonzero_singular_value / smallest - 1.0).abs();
         assert!(error < 2e-3, "{height:e}: {error:e}");
     }
 }
 
-/// One singular value is just weak enough to be looked for itself, and many more are as weak but for a little: telling it from those takes all iterations there are.
+/// One singular value is just weak enough to be looked for itself, and many more are as weak but for a little: telling
+/// it from those takes all iterations there are.
 #[test]
 fn the_weakest_condition_is_told_from_others_nearly_as_weak() {
     let mesh = generate::grid(9, 8, 1.0, 1.0, Diagonals::Alternating).unwrap();
@@ -202,7 +208,7 @@ fn the_weakest_condition_is_told_from_others_nearly_as_weak() {
         assert!((smallest / weakest - 1.0).abs() < 1e-2, "{smallest:e}");
         let sparse = EdgeRank::measure(&x, &edges).unwrap();
         assert_eq!(sparse.rank, rank, "{weakest:e}");
-        let error = (sparse.smallest_kept / smallest - 1.0).abs();
+        let error = (sparse.smallest_nonzero_singular_value / smallest - 1.0).abs();
         assert!(error < 1e-6, "{weakest:e}: {error:e}");
     }
 }
@@ -215,5 +221,9 @@ fn twenty_thousand_jittered_vertices_have_the_freedom_of_their_boundary() {
     assert!(topology.vertices > 20_000);
     assert_eq!(rank.nullity as i64, topology.count_3v_e);
     assert_eq!(rank.self_stresses, 0);
-    assert!(rank.smallest_kept < 1e-6, "{:e}", rank.smallest_kept);
+    assert!(
+        rank.smallest_nonzero_singular_value < 1e-6,
+        "{:e}",
+        rank.smallest_nonzero_singular_value
+    );
 }

@@ -42,7 +42,7 @@ fn hinge() -> CurvatureHinge {
     CurvatureHinge::new([0, 1, 2, 3], &FLAT, 2.5)
 }
 
-/// Derivatives to the accuracy that VALIDATION 3 asks for, and convex choices that are convex.
+/// Derivatives to the accuracy that differences allow, and convex choices that are convex.
 fn holds<const N: usize, E: Energy<N>>(element: &E, x: &[Vec3; N]) {
     assert!(
         check::gradient_error(element, x, 1.0) <= 1e-7,

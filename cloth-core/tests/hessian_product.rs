@@ -1,4 +1,5 @@
-//! A Hessian times displacements, without its blocks, against the blocks: for every element and every choice of convexity.
+//! A Hessian times displacements, without its blocks, against the blocks: for every element and every choice of
+//! convexity.
 
 use cloth_core::element::{Convexity, Energy};
 use cloth_core::energy::{

@@ -1,4 +1,4 @@
-//! The linear solvers against closed forms of their convergence, and against dense matrices (CORE-12).
+//! The linear solvers against closed forms of their convergence, and against dense matrices.
 
 use cloth_core::cloth::{Cloth, Membrane};
 use cloth_core::element::Convexity;
@@ -8,8 +8,8 @@ use cloth_core::mesh::generate::{Diagonals, grid};
 use cloth_core::method::block_matrix::{BlockMatrix, PatternBuilder};
 use cloth_core::method::family::Energies;
 use cloth_core::method::linear::{
-    Budget, ChebyshevJacobi, ConjugateGradients, GaussSeidel, Jacobi, LinearError, LinearMethod,
-    LinearReport, LinearSolver, Preconditioner, spectrum,
+    ChebyshevJacobi, ConjugateGradients, GaussSeidel, Jacobi, LinearError, LinearMethod,
+    LinearReport, LinearSolver, Preconditioner, StoppingCriteria, spectrum,
 };
 use cloth_core::step::{BuildError, Outcome};
 use nalgebra::{DMatrix, DVector};
@@ -20,8 +20,8 @@ mod counting_allocator;
 const LINKS: usize = 20;
 const FREE: [bool; LINKS] = [true; LINKS];
 
-fn exactly(max_iterations: u32) -> Budget {
-    Budget {
+fn exactly(max_iterations: u32) -> StoppingCriteria {
+    StoppingCriteria {
         tolerance: 0.0,
         max_iterations,
     }
@@ -141,7 +141,7 @@ fn conjugate_gradients_end_after_as_many_steps_as_there_are_eigenvalues() {
     for j in [2, 5, 11] {
         b.iter_mut().zip(mode(j).0).for_each(|(b, m)| *b += m);
     }
-    let budget = Budget {
+    let budget = StoppingCriteria {
         tolerance: 1e-13,
         max_iterations: 100,
     };
@@ -233,7 +233,7 @@ fn free_part(dense: &DMatrix<Real>, is_free: &[bool]) -> (DMatrix<Real>, Vec<usi
     (dense.select_rows(&free).select_columns(&free), free)
 }
 
-fn methods(budget: Budget) -> Vec<LinearMethod> {
+fn methods(budget: StoppingCriteria) -> Vec<LinearMethod> {
     vec![
         #[cfg(feature = "cholesky")]
         LinearMethod::Cholesky,
@@ -252,7 +252,7 @@ fn every_solver_finds_what_a_dense_one_finds() {
     let b: Vec<Vec3> = (0..is_free.len()).map(|i| noise(i + 300)).collect();
     let right = flat(&b).select_rows(&free);
     let expected = reduced.clone().cholesky().unwrap().solve(&right);
-    let budget = Budget {
+    let budget = StoppingCriteria {
         tolerance: 1e-11,
         max_iterations: 20_000,
     };
@@ -349,7 +349,7 @@ fn jacobi_diverges_beyond_its_limit_and_says_so() {
         .unwrap()
         .largest;
     let solve = |factor: Real| {
-        let budget = Budget {
+        let budget = StoppingCriteria {
             tolerance: 1e-6,
             max_iterations: 100_000,
         };
@@ -378,7 +378,7 @@ fn an_indefinite_matrix_is_refused_by_those_that_can_tell() {
         }
     }
     let b: Vec<Vec3> = (0..is_free.len()).map(noise).collect();
-    for method in methods(Budget {
+    for method in methods(StoppingCriteria {
         tolerance: 1e-8,
         max_iterations: 100_000,
     }) {
@@ -399,7 +399,7 @@ fn an_indefinite_matrix_is_refused_by_those_that_can_tell() {
     let diagonal = matrix.pattern().row(row).end - 1;
     assert!(diagonal < last);
     matrix.blocks_mut()[diagonal] = Mat3::from_diagonal(&Vec3::new(1.0, 1.0, -1.0));
-    for method in methods(Budget::default()) {
+    for method in methods(StoppingCriteria::default()) {
         let mut solver = method.build(matrix.pattern(), &is_free, None).unwrap();
         assert_eq!(
             solver.prepare(&matrix),
@@ -411,7 +411,7 @@ fn an_indefinite_matrix_is_refused_by_those_that_can_tell() {
 #[test]
 fn nothing_to_solve_for_is_solved() {
     let matrix = chain();
-    for method in methods(Budget::default()) {
+    for method in methods(StoppingCriteria::default()) {
         for free in [true, false] {
             let mut solver = method
                 .build(matrix.pattern(), &[free; LINKS], None)
@@ -461,7 +461,7 @@ fn settings_out_of_range_are_refused() {
     };
     let matrix = chain();
     for tolerance in [-1.0, 1.0, Real::NAN] {
-        for method in methods(Budget {
+        for method in methods(StoppingCriteria {
             tolerance,
             max_iterations: 5,
         }) {
@@ -488,7 +488,7 @@ fn settings_out_of_range_are_refused() {
 fn solving_again_does_not_allocate() {
     let (matrix, _, is_free) = sheet(Convexity::Clamp, 1e4);
     let b: Vec<Vec3> = (0..is_free.len()).map(noise).collect();
-    for method in methods(Budget::default()) {
+    for method in methods(StoppingCriteria::default()) {
         let mut solver = method.build(matrix.pattern(), &is_free, None).unwrap();
         let mut x = b.clone();
         let count = counting_allocator::allocations_once_warm(|| {

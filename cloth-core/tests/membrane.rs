@@ -1,4 +1,4 @@
-//! Membrane elements against finite differences, their own invariances, and the patch tests of VALIDATION 3.
+//! Membrane elements against finite differences, their own invariances, and the patch tests.
 
 #[path = "support/elements.rs"]
 mod support;
@@ -93,8 +93,8 @@ fn clamping_a_stretched_triangle_changes_nothing() {
     assert!(check::smallest_eigenvalue(&arap(), &pressed, Convexity::Exact) < -1.0);
 }
 
-/// First Piola–Kirchhoff stress (N/m) of the sheet along and across a direction, `d·P d`, by virtual work: the derivative of
-/// the energy by an affine stretch of the whole patch.
+/// First Piola–Kirchhoff stress (N/m) of the sheet along and across a direction, `d·P d`, by virtual work: the
+/// derivative of the energy by an affine stretch of the whole patch.
 fn stress(energies: &Energies, mesh: &TriMesh, angle: Real, stretch: [Real; 2]) -> [Real; 2] {
     let (s, c) = angle.sin_cos();
     let axes = [Vec3::new(c, s, 0.0), Vec3::new(-s, c, 0.0)];

@@ -1,4 +1,4 @@
-//! Generated meshes: counts, areas, orientation and shape in closed form (CORE-1).
+//! Generated meshes: counts, areas, orientation and shape in closed form.
 
 use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::generate::{
@@ -6,7 +6,7 @@ use cloth_core::mesh::generate::{
     without_triangles,
 };
 use cloth_core::mesh::{MeshError, TriMesh};
-use cloth_core::topology::{EdgeTable, HingeTable, NONE, opposed_edges};
+use cloth_core::topology::{EdgeTable, HingeTable, NONE, inconsistently_oriented_edges};
 use std::f64::consts::{PI, TAU};
 
 const PATTERNS: [Diagonals; 3] = [
@@ -169,7 +169,7 @@ fn tori_enclose_their_volume() {
     );
     let exact = 2.0 * PI * PI * 0.09;
     assert!(volume(&mesh) > 0.0 && (volume(&mesh) / exact - 1.0).abs() < 2e-3);
-    assert!(opposed_edges(&mesh, &EdgeTable::build(&mesh).unwrap()).is_empty());
+    assert!(inconsistently_oriented_edges(&mesh, &EdgeTable::build(&mesh).unwrap()).is_empty());
 }
 
 #[test]
@@ -177,7 +177,7 @@ fn a_moebius_band_turns_over_at_its_seam_only() {
     for (around, cells) in [(3, 1), (3, 2), (12, 3)] {
         let mesh = moebius(around, cells, 1.0, 0.5).unwrap();
         let edges = EdgeTable::build(&mesh).unwrap();
-        assert_eq!(opposed_edges(&mesh, &edges).len(), cells);
+        assert_eq!(inconsistently_oriented_edges(&mesh, &edges).len(), cells);
     }
 }
 

@@ -7,7 +7,7 @@ use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::TriMesh;
 use cloth_core::mesh::generate::{Diagonals, grid, irregular};
 use cloth_core::method::block_matrix::BlockMatrix;
-use cloth_core::method::linear::{Budget, LinearSolver, MultigridGradients};
+use cloth_core::method::linear::{LinearSolver, MultigridGradients, StoppingCriteria};
 use cloth_core::method::multigrid::Multigrid;
 use cloth_core::method::vectors::dot;
 use std::sync::Arc;
@@ -21,7 +21,8 @@ fn noise(i: usize) -> Vec3 {
     Vec3::new(coordinate(0), coordinate(1), coordinate(2))
 }
 
-/// `M/Δt² + H` with Δt = 1/60 s of a sheet of 10⁴ N/m that is out of shape by a tenth of its edges, held at two corners.
+/// `M/Δt² + H` with Δt = 1/60 s of a sheet of 10⁴ N/m that is out of shape by a tenth of its edges, held at two
+/// corners.
 struct System {
     mesh: TriMesh,
     model: ClothModel,
@@ -102,7 +103,7 @@ fn the_cycle_is_symmetric_and_positive() {
 
 /// Iterations of conjugate gradients to 10⁻⁸, and what they leave by an independent product.
 fn iterations(system: &System) -> u32 {
-    let budget = Budget {
+    let budget = StoppingCriteria {
         tolerance: 1e-8,
         max_iterations: 500,
     };
@@ -121,7 +122,8 @@ fn iterations(system: &System) -> u32 {
     report.iterations
 }
 
-/// Conjugate gradients with the diagonal blocks need four times as many iterations at four times the size; multigrid as many.
+/// Conjugate gradients with the diagonal blocks need four times as many iterations at four times the size; multigrid as
+/// many.
 #[test]
 fn the_number_of_iterations_hardly_grows_with_the_mesh() {
     let counts: Vec<u32> = [17, 33, 65, 129]

@@ -1,4 +1,4 @@
-//! Reading and writing OBJ: every mistake names its line (CORE-1).
+//! Reading and writing OBJ: every mistake names its line.
 
 use cloth_core::math::Vec3;
 use cloth_core::mesh::generate::{irregular, sphere};

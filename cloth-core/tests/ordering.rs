@@ -1,4 +1,4 @@
-//! Vertex orderings: what they are good for, and the way back (CORE-13).
+//! Vertex orderings: what they are good for, and the way back.
 
 use cloth_core::math::Vec3;
 use cloth_core::mesh::TriMesh;

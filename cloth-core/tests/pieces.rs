@@ -1,7 +1,7 @@
 //! A cloth of several materials: each piece is what its own material says, and nothing else changes.
 
 use cloth_core::cloth::{
-    BendingCarrier, Carriers, Cloth, ClothError, ClothModel, Membrane, MembraneCarrier, Piece,
+    BendingCarrier, Cloth, ClothError, ClothModel, Discretization, Membrane, MembraneCarrier, Piece,
 };
 use cloth_core::mesh::TriMesh;
 use cloth_core::mesh::generate::{Diagonals, grid, join};
@@ -21,7 +21,7 @@ fn sheet() -> TriMesh {
     grid(5, 4, 1.0, 0.7, Diagonals::Alternating).unwrap()
 }
 
-fn piece(cloth: Cloth, carriers: Carriers, triangles: std::ops::Range<u32>) -> Piece {
+fn piece(cloth: Cloth, carriers: Discretization, triangles: std::ops::Range<u32>) -> Piece {
     Piece {
         cloth,
         carriers,
@@ -34,29 +34,29 @@ fn one_piece_of_all_triangles_is_the_whole_cloth() {
     let mesh = sheet();
     let all = mesh.triangles().len() as u32;
     for bending in [BendingCarrier::Quadratic, BendingCarrier::Dihedral] {
-        let carriers = Carriers {
+        let carriers = Discretization {
             bending,
-            ..Carriers::default()
+            ..Discretization::default()
         };
         let model = ClothModel::of_pieces(&mesh, &[piece(COTTON, carriers, 0..all)]).unwrap();
-        assert_eq!(model, COTTON.carried_by(&carriers, &mesh).unwrap());
+        assert_eq!(model, COTTON.discretized_with(&carriers, &mesh).unwrap());
     }
 }
 
 /// Two sheets in one mesh hold the masses and the energy of the two alone.
 #[test]
 fn pieces_apart_are_the_cloths_they_would_be_alone() {
-    let stvk = Carriers {
+    let stvk = Discretization {
         membrane: MembraneCarrier::Stvk { poisson_ratio: 0.2 },
         bending: BendingCarrier::Dihedral,
-        ..Carriers::default()
+        ..Discretization::default()
     };
     let sheet = sheet();
     let (count, triangles) = (sheet.vertex_count(), sheet.triangles().len() as u32);
     let both = join(&[sheet.clone(), sheet.clone()]).unwrap();
     for (first, second) in [
-        (Carriers::default(), Carriers::default()),
-        (Carriers::default(), stvk),
+        (Discretization::default(), Discretization::default()),
+        (Discretization::default(), stvk),
         (stvk, stvk),
     ] {
         let pieces = [
@@ -65,7 +65,7 @@ fn pieces_apart_are_the_cloths_they_would_be_alone() {
         ];
         let model = ClothModel::of_pieces(&both, &pieces).unwrap();
         let alone = [(COTTON, first), (LEATHER, second)]
-            .map(|(cloth, carriers)| cloth.carried_by(&carriers, &sheet).unwrap());
+            .map(|(cloth, carriers)| cloth.discretized_with(&carriers, &sheet).unwrap());
         let masses = alone.each_ref().map(|model| model.particles.mass());
         assert_eq!(model.particles.mass(), masses.concat());
         let x: Vec<_> = (0..2 * count)
@@ -88,7 +88,7 @@ fn what_is_in_no_piece_carries_nothing() {
     let rest = TriMesh::new(mesh.positions().to_vec(), corners.collect());
     let pieces = [Piece {
         cloth: LEATHER,
-        carriers: Carriers::default(),
+        carriers: Discretization::default(),
         triangles: kept,
     }];
     let model = ClothModel::of_pieces(&mesh, &pieces).unwrap();
@@ -100,7 +100,7 @@ fn what_is_in_no_piece_carries_nothing() {
 fn pieces_that_do_not_fit_are_refused() {
     let mesh = sheet();
     let all = mesh.triangles().len() as u32;
-    let plain = Carriers::default();
+    let plain = Discretization::default();
     let refused = |pieces: &[Piece]| ClothModel::of_pieces(&mesh, pieces).unwrap_err();
     let beyond = refused(&[piece(COTTON, plain, 0..all + 1)]);
     assert_eq!(beyond, ClothError::NoSuchTriangle(all));

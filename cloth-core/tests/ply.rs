@@ -1,4 +1,4 @@
-//! Reading and writing PLY: every mistake names its line or its byte (CORE-1).
+//! Reading and writing PLY: every mistake names its line or its byte.
 
 use cloth_core::math::Vec3;
 use cloth_core::mesh::generate::{irregular, sphere};

@@ -525,7 +525,7 @@ impl ContactConstraints for Noted {
         self.calls.push("end");
         self.ends += 1;
         match self.refused {
-            Some(end) if end == self.ends => Err(ContactError::NoWay { vertex: 3 }),
+            Some(end) if end == self.ends => Err(ContactError::Infeasible { vertex: 3 }),
             _ => Ok(()),
         }
     }
@@ -558,7 +558,7 @@ fn contact_constraints_come_last_in_each_sweep_and_are_asked_in_order() {
     };
     let before = state.clone();
     let refused = solver.step(&mut state, StepInput::new(0.5).contacts(&mut noted));
-    let reason = ContactError::NoWay { vertex: 3 };
+    let reason = ContactError::Infeasible { vertex: 3 };
     assert_eq!(refused, Err(StepError::Contact { reason, step: 1 }));
     assert_eq!(state, before);
     let substep = ["substep", "sweep", "sweep", "end", "velocities"];

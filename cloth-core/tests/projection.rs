@@ -44,7 +44,7 @@ fn views_agree<const N: usize, const K: usize, E: Energy<N> + Projective<N, K>>(
     assert!(error < 1e-12, "{element:?}: {error:e}");
     let operator = element.operator();
     let z: [Vec3; K] = std::array::from_fn(|k| (0..N).map(|i| x[i] * operator[k][i]).sum());
-    let resistance = element.resistance(z);
+    let resistance = element.projected_hessian(z);
     let hessian = element.hessian(x, Convexity::Clamp);
     let size = largest(&element.hessian(x, Convexity::Abs)).max(element.weight());
     for i in 0..N {

@@ -1,8 +1,8 @@
-//! Remedies against locking: what each gives and what it breaks, against closed forms (MS-6).
+//! Remedies against locking: what each gives and what it breaks, against closed forms.
 
 use cloth_core::cloth::{
-    BendingCarrier, Carriers, Cloth, ClothError, ClothModel, Elements, Membrane, MembraneCarrier,
-    SpringEdges, SpringLaw,
+    BendingCarrier, Cloth, ClothError, ClothModel, Discretization, Elements, Membrane,
+    MembraneCarrier, SpringEdges, SpringLaw,
 };
 use cloth_core::dof::{EdgeRank, bent};
 use cloth_core::element::{Convexity, Energy};
@@ -11,7 +11,7 @@ use cloth_core::math::{Real, Vec3, gather};
 use cloth_core::mesh::TriMesh;
 use cloth_core::mesh::generate::{self, Diagonals, equilateral, grid, irregular};
 use cloth_core::method::linear::{BlockCholesky, LinearSolver};
-use cloth_core::topology::{EdgeTable, HingeTable, Midpoints, Topology, droppable_edges};
+use cloth_core::topology::{EdgeTable, HingeTable, Midpoints, Topology, removable_edges};
 
 const STIFF: Cloth = Cloth {
     areal_density: 0.2,
@@ -19,11 +19,11 @@ const STIFF: Cloth = Cloth {
     bending_rigidity: 0.0,
 };
 
-fn with(law: SpringLaw, edges: SpringEdges) -> Carriers {
-    Carriers {
+fn with(law: SpringLaw, edges: SpringEdges) -> Discretization {
+    Discretization {
         law,
         edges,
-        ..Carriers::default()
+        ..Discretization::default()
     }
 }
 
@@ -57,7 +57,7 @@ fn weaker_springs_under_compression_are_weaker_by_that_share_and_only_there() {
     for mesh in sheets() {
         for share in [0.0, 0.1, 0.7, 1.0] {
             let carriers = with(SpringLaw::Compression(share), SpringEdges::All);
-            let model = STIFF.carried_by(&carriers, &mesh).unwrap();
+            let model = STIFF.discretized_with(&carriers, &mesh).unwrap();
             for (stretch, expected) in [(1.02, 1.0), (0.97, share)] {
                 let energy = stored(&model, &mesh, |p| p * stretch);
                 let wanted = expected * linear(&mesh, stretch);
@@ -70,8 +70,8 @@ fn weaker_springs_under_compression_are_weaker_by_that_share_and_only_there() {
 #[test]
 fn slack_springs_resist_only_what_exceeds_their_range() {
     let mesh = equilateral(9, 9, 0.125).unwrap();
-    let carriers = with(SpringLaw::Slack([0.98, 1.03]), SpringEdges::All);
-    let model = STIFF.carried_by(&carriers, &mesh).unwrap();
+    let carriers = with(SpringLaw::DeadZone([0.98, 1.03]), SpringEdges::All);
+    let model = STIFF.discretized_with(&carriers, &mesh).unwrap();
     for free in [0.981, 1.0, 1.0299] {
         assert_eq!(stored(&model, &mesh, |p| p * free), 0.0);
     }
@@ -85,7 +85,7 @@ fn slack_springs_resist_only_what_exceeds_their_range() {
 fn no_triangle_loses_two_edges_and_the_count_is_reached() {
     for mesh in sheets() {
         let edges = EdgeTable::build(&mesh).unwrap();
-        let order = droppable_edges(&mesh, &edges);
+        let order = removable_edges(&mesh, &edges);
         let mut lost = vec![0; mesh.triangle_count()];
         for &edge in &order {
             assert!(!edges.is_boundary(edge as usize));
@@ -100,7 +100,7 @@ fn no_triangle_loses_two_edges_and_the_count_is_reached() {
         }
         let coordinates = 3 * mesh.vertex_count();
         let counted = |kind: SpringEdges| {
-            let model = STIFF.carried_by(&with(SpringLaw::Linear, kind), &mesh);
+            let model = STIFF.discretized_with(&with(SpringLaw::Linear, kind), &mesh);
             coordinates - model.unwrap().springs.len()
         };
         let (least, most) = (
@@ -108,14 +108,15 @@ fn no_triangle_loses_two_edges_and_the_count_is_reached() {
             coordinates - edges.len() + order.len(),
         );
         assert_eq!(counted(SpringEdges::Quads), most);
-        assert_eq!(counted(SpringEdges::Freedom(0.0)), least);
+        assert_eq!(counted(SpringEdges::DofFraction(0.0)), least);
         let wanted = 0.5 * (least + most) as Real / coordinates as Real;
-        let reached = counted(SpringEdges::Freedom(wanted)) as Real / coordinates as Real;
+        let reached = counted(SpringEdges::DofFraction(wanted)) as Real / coordinates as Real;
         assert!(wanted <= reached && reached < wanted + 1.0 / coordinates as Real);
     }
 }
 
-/// First the edges that come nearest to being the longest of both their triangles; the sheet that is to have a given freedom loses the first of them.
+/// First the edges that come nearest to being the longest of both their triangles; the sheet that is to have a given
+/// freedom loses the first of them.
 #[test]
 fn edges_go_in_the_order_of_their_length_beside_their_triangles() {
     for mesh in sheets() {
@@ -134,7 +135,7 @@ fn edges_go_in_the_order_of_their_length_beside_their_triangles() {
             let [one, other] = edges.sides()[edge as usize].map(of);
             squared(edges.ends()[edge as usize]) / one.max(other)
         };
-        let order = droppable_edges(&mesh, &edges);
+        let order = removable_edges(&mesh, &edges);
         assert!(
             order
                 .windows(2)
@@ -152,8 +153,8 @@ fn edges_go_in_the_order_of_their_length_beside_their_triangles() {
         let coordinates = 3 * mesh.vertex_count();
         let count = order.len() / 3;
         let freedom = (coordinates - edges.len() + count) as Real / coordinates as Real;
-        let carriers = with(SpringLaw::Linear, SpringEdges::Freedom(freedom - 1e-9));
-        let model = STIFF.carried_by(&carriers, &mesh).unwrap();
+        let carriers = with(SpringLaw::Linear, SpringEdges::DofFraction(freedom - 1e-9));
+        let model = STIFF.discretized_with(&carriers, &mesh).unwrap();
         let is_left = |&edge: &u32| {
             let ends = edges.ends()[edge as usize];
             model.springs.iter().any(|s| s.vertices == ends)
@@ -168,7 +169,7 @@ fn edges_go_in_the_order_of_their_length_beside_their_triangles() {
 fn a_part_of_the_edges_is_taken_from_the_whole_sheet() {
     let mesh = grid(33, 33, 1.0, 1.0, Diagonals::OneWay).unwrap();
     let edges = EdgeTable::build(&mesh).unwrap();
-    let order = droppable_edges(&mesh, &edges);
+    let order = removable_edges(&mesh, &edges);
     assert_eq!(order.len(), 1024);
     let mut lost = [[0; 4]; 4];
     for &edge in &order[..512] {
@@ -188,7 +189,7 @@ fn quads_have_a_third_of_the_coordinates_free() {
     for diagonals in [Diagonals::OneWay, Diagonals::Alternating] {
         let mesh = grid(n, n, 1.0, 1.0, diagonals).unwrap();
         let model = STIFF
-            .carried_by(&with(SpringLaw::Linear, SpringEdges::Quads), &mesh)
+            .discretized_with(&with(SpringLaw::Linear, SpringEdges::Quads), &mesh)
             .unwrap();
         assert_eq!(model.springs.len(), 2 * n * (n - 1));
         let cell = 1.0 / (n as Real - 1.0);
@@ -204,7 +205,8 @@ fn quads_have_a_third_of_the_coordinates_free() {
     }
 }
 
-/// What the subset breaks: of the modulus of shear k/2 that one diagonal a cell gives, the share of diagonals that are left; with none left, nothing resists.
+/// What the subset breaks: of the modulus of shear k/2 that one diagonal a cell gives, the share of diagonals that are
+/// left; with none left, nothing resists.
 #[test]
 fn shear_stiffness_goes_with_the_diagonals_and_axial_stiffness_stays() {
     let n = 33;
@@ -214,7 +216,7 @@ fn shear_stiffness_goes_with_the_diagonals_and_axial_stiffness_stays() {
     let cells = (n - 1) * (n - 1);
     let shear = |kind: SpringEdges| {
         let model = STIFF
-            .carried_by(&with(SpringLaw::Linear, kind), &mesh)
+            .discretized_with(&with(SpringLaw::Linear, kind), &mesh)
             .unwrap();
         let energy = stored(&model, &mesh, |p| p + Vec3::x() * (strain * p.y));
         let share = (model.springs.len() - 2 * n * (n - 1)) as Real / cells as Real;
@@ -223,7 +225,7 @@ fn shear_stiffness_goes_with_the_diagonals_and_axial_stiffness_stays() {
     };
     let full = (3 * n * n - edges.len()) as Real / (3 * n * n) as Real;
     for freedom in [full, 0.15, 0.25] {
-        let (modulus, share) = shear(SpringEdges::Freedom(freedom));
+        let (modulus, share) = shear(SpringEdges::DofFraction(freedom));
         assert!((modulus / share - 1.0).abs() < 2e-4, "{modulus} {share}");
     }
     let (modulus, share) = shear(SpringEdges::Quads);
@@ -231,7 +233,7 @@ fn shear_stiffness_goes_with_the_diagonals_and_axial_stiffness_stays() {
     assert!(modulus < 1e-7, "{modulus:e}");
     // Pulled along x: k of the lines along x, the same with and without diagonals across.
     let quads = STIFF
-        .carried_by(&with(SpringLaw::Linear, SpringEdges::Quads), &mesh)
+        .discretized_with(&with(SpringLaw::Linear, SpringEdges::Quads), &mesh)
         .unwrap();
     let pull = stored(&quads, &mesh, |p| p + Vec3::x() * (strain * p.x));
     // n lines of length 1 m, each ½ k L ε² (n − 1) springs of L = 1/(n − 1).
@@ -275,11 +277,11 @@ fn midpoints_of_vertices_store_the_energy_of_the_vertices() {
                     membrane: resistance,
                     ..STIFF
                 };
-                let carriers = Carriers {
+                let carriers = Discretization {
                     membrane,
-                    ..Carriers::default()
+                    ..Discretization::default()
                 };
-                let whole = cloth.carried_by(&carriers, &mesh).unwrap();
+                let whole = cloth.discretized_with(&carriers, &mesh).unwrap();
                 let halves = cloth.on_midpoints(membrane, &mesh).unwrap();
                 let y = halves.midpoints.between(&x);
                 let [a, b] = [
@@ -319,7 +321,8 @@ fn midpoints_of_vertices_store_the_energy_of_the_vertices() {
     }
 }
 
-/// What k of the midpoint hinge means: once the midpoints have settled, a cylinder costs ½ k κ² per area, and so does one about any other axis.
+/// What k of the midpoint hinge means: once the midpoints have settled, a cylinder costs ½ k κ² per area, and so does
+/// one about any other axis.
 #[test]
 fn the_coefficient_of_midpoint_hinges_is_the_rigidity() {
     for angle in [0.0, 0.4, 1.1] {
@@ -330,7 +333,8 @@ fn the_coefficient_of_midpoint_hinges_is_the_rigidity() {
     }
 }
 
-/// Energy per area of a cylinder about an axis at `angle` (rad), over ½ k κ², in the inner quarter of a sheet of n × n equilateral cells.
+/// Energy per area of a cylinder about an axis at `angle` (rad), over ½ k κ², in the inner quarter of a sheet of n × n
+/// equilateral cells.
 fn settled_factor(n: usize, angle: Real) -> Real {
     const RIGIDITY: Real = 2.0;
     const CURVATURE: Real = 1e-3;
@@ -383,14 +387,14 @@ fn settled_factor(n: usize, angle: Real) -> Real {
 #[test]
 fn relief_that_does_not_fit_is_refused_with_numbers() {
     let mesh = grid(5, 5, 1.0, 1.0, Diagonals::OneWay).unwrap();
-    let refused = |carriers: Carriers| STIFF.carried_by(&carriers, &mesh).unwrap_err();
+    let refused = |carriers: Discretization| STIFF.discretized_with(&carriers, &mesh).unwrap_err();
     let quads = with(SpringLaw::Linear, SpringEdges::Quads);
     for carriers in [
-        Carriers {
+        Discretization {
             membrane: MembraneCarrier::Arap,
             ..quads
         },
-        Carriers {
+        Discretization {
             shear: Some(1.0),
             ..with(SpringLaw::Compression(0.5), SpringEdges::All)
         },
@@ -401,18 +405,18 @@ fn relief_that_does_not_fit_is_refused_with_numbers() {
         (SpringLaw::Compression(1.5), "1.5"),
         (SpringLaw::Compression(-0.5), "-0.5"),
         (SpringLaw::Compression(Real::NAN), "NaN"),
-        (SpringLaw::Slack([1.1, 1.2]), "1.1"),
-        (SpringLaw::Slack([0.9, Real::INFINITY]), "inf"),
-        (SpringLaw::Slack([-0.1, 1.0]), "-0.1"),
+        (SpringLaw::DeadZone([1.1, 1.2]), "1.1"),
+        (SpringLaw::DeadZone([0.9, Real::INFINITY]), "inf"),
+        (SpringLaw::DeadZone([-0.1, 1.0]), "-0.1"),
     ] {
         let words = refused(with(law, SpringEdges::All)).to_string();
         assert!(words.contains(word), "{words}");
     }
     // 75 coordinates, 56 edges, 16 diagonals.
-    let too_many = with(SpringLaw::Linear, SpringEdges::Freedom(0.5));
+    let too_many = with(SpringLaw::Linear, SpringEdges::DofFraction(0.5));
     assert_eq!(
         refused(too_many),
-        ClothError::Freedom {
+        ClothError::DofFraction {
             share: 0.5,
             most: 19.0 / 75.0 + 16.0 / 75.0
         }
@@ -426,10 +430,10 @@ fn relief_that_does_not_fit_is_refused_with_numbers() {
         bad.on_midpoints(beyond, &mesh).unwrap_err(),
         ClothError::PoissonRatio(2.0)
     );
-    let none = Carriers {
+    let none = Discretization {
         bending: BendingCarrier::None,
         ..with(SpringLaw::Compression(0.0), SpringEdges::All)
     };
-    let model = STIFF.carried_by(&none, &mesh).unwrap();
+    let model = STIFF.discretized_with(&none, &mesh).unwrap();
     assert!(model.springs.is_empty() && model.families().len() == 1);
 }

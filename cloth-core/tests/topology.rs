@@ -1,4 +1,4 @@
-//! Topology against brute force and against what is known of each surface (CORE-2, CORE-11).
+//! Topology against brute force and against what is known of each surface.
 
 use cloth_core::math::Vec3;
 use cloth_core::mesh::generate::{
@@ -8,7 +8,7 @@ use cloth_core::mesh::generate::{
 use cloth_core::mesh::{MeshError, TriMesh};
 use cloth_core::topology::{
     EdgeTable, HingeTable, NONE, Topology, boundary_loops, bow_tie_vertices, components,
-    opposed_edges, triangle_edges,
+    inconsistently_oriented_edges, triangle_edges,
 };
 use proptest::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};
@@ -93,7 +93,7 @@ fn generated_meshes_are_wound_consistently_and_have_no_bow_tie() {
         sphere(4, 1.0).unwrap(),
     ] {
         let edges = EdgeTable::build(&mesh).unwrap();
-        assert!(opposed_edges(&mesh, &edges).is_empty());
+        assert!(inconsistently_oriented_edges(&mesh, &edges).is_empty());
         assert!(bow_tie_vertices(&mesh, &edges).is_empty());
     }
 }
@@ -117,7 +117,7 @@ fn a_hinge_without_a_left_side_starts_at_the_lower_triangle() {
         let edges = EdgeTable::build(&mesh).unwrap();
         assert_eq!(HingeTable::build(&mesh, &edges).hinges(), [[1, 2, 3, 0]]);
         let shared = edges.find(2, 1).unwrap() as u32;
-        assert_eq!(opposed_edges(&mesh, &edges), [shared]);
+        assert_eq!(inconsistently_oriented_edges(&mesh, &edges), [shared]);
     }
 }
 

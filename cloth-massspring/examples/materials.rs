@@ -4,7 +4,7 @@
 //! `cargo run --release -p cloth-massspring --example materials [-- SIDE STEPS]`. It panics if a step does not
 //! converge.
 
-use cloth_core::cloth::{Carriers, Cloth, Elements, Membrane, SpringLaw};
+use cloth_core::cloth::{Cloth, Discretization, Elements, Membrane, SpringLaw};
 use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::generate::{Diagonals, grid};
 use cloth_core::particles::State;
@@ -29,11 +29,13 @@ struct Cost {
 /// A sheet of 1 m × 1 m, held by two corners, falls from the horizontal.
 fn hang(cloth: Cloth, law: SpringLaw, side: usize, dt: Real, steps: u32) -> Cost {
     let mesh = grid(side, side, 1.0, 1.0, Diagonals::Alternating).expect("a valid grid");
-    let carriers = Carriers {
+    let carriers = Discretization {
         law,
-        ..Carriers::default()
+        ..Discretization::default()
     };
-    let mut model = cloth.carried_by(&carriers, &mesh).expect("a valid cloth");
+    let mut model = cloth
+        .discretized_with(&carriers, &mesh)
+        .expect("a valid cloth");
     for corner in [side * (side - 1), side * side - 1] {
         model.particles.prescribe(corner).expect("a vertex");
     }
@@ -102,8 +104,8 @@ fn main() {
         }
     }
     for (name, law) in [
-        ("tension", SpringLaw::Slack([0.0, 1.0])),
-        ("slack 2%", SpringLaw::Slack([0.98, 1.02])),
+        ("tension", SpringLaw::DeadZone([0.0, 1.0])),
+        ("slack 2%", SpringLaw::DeadZone([0.98, 1.02])),
         ("half", SpringLaw::Compression(0.5)),
     ] {
         row(1e4, 1e-5, law, name, 1.0 / 60.0);

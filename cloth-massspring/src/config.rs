@@ -3,7 +3,7 @@
 use crate::damping::Damping;
 use cloth_core::element::Convexity;
 use cloth_core::math::Real;
-use cloth_core::method::linear::{Budget, LinearMethod};
+use cloth_core::method::linear::{LinearMethod, StoppingCriteria};
 use cloth_core::step::BuildError;
 
 /// Settings of [`crate::ExplicitEuler`] and [`crate::SymplecticEuler`].
@@ -126,11 +126,11 @@ pub enum HessianPolicy {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Accept {
-    /// All of them, a saddle point too: a solution of S1 (9), which is all that implicit Euler asks for. A compressed
+    /// All of them, a saddle point too: a solution of ∇G = 0, which is all that implicit Euler asks for. A compressed
     /// sheet may then buckle some steps later than it could.
     #[default]
     Stationary,
-    /// Minima only, S1 (10). Costs at most one factorisation more where the point is a minimum. A saddle point is left
+    /// Minima only. Costs at most one factorisation more where the point is a minimum. A saddle point is left
     /// along a direction of negative curvature; which side the cloth then falls to is decided by a fixed pseudo-random
     /// vector. Needs a linear solver that proves definiteness: `LinearMethod::Cholesky` (feature `cholesky`).
     Minimum,
@@ -178,9 +178,9 @@ impl ImplicitConfig {
             solve: Solve::Linearized,
             start: StartGuess::Previous,
             hessian: HessianPolicy::Always(Convexity::Clamp),
-            linear: LinearMethod::Multigrid(Budget {
+            linear: LinearMethod::Multigrid(StoppingCriteria {
                 tolerance: 1e-8,
-                ..Budget::default()
+                ..StoppingCriteria::default()
             }),
             ..Self::default()
         }

@@ -1,10 +1,10 @@
 //! Forward Euler and symplectic Euler.
 //!
-//! Forces at the start of the step, S1 (5); then S1 (6):
+//! Forces at the start of the step; then:
 //!
 //! ```text
 //! v[1] = v[0] + Δt M⁻¹ f(x[0])
-//! x[1] = x[0] + Δt v[1]          symplectic (semi-implicit) Euler, S1 (6)
+//! x[1] = x[0] + Δt v[1]          symplectic (semi-implicit) Euler
 //! x[1] = x[0] + Δt v[0]          forward (explicit) Euler
 //! ```
 //!
@@ -46,7 +46,7 @@ enum Scheme {
 #[derive(Debug)]
 pub struct ExplicitEuler(Explicit);
 
-/// Symplectic (semi-implicit) Euler, S1 (6).
+/// Symplectic (semi-implicit) Euler, `v[1] = v[0] + Δt M⁻¹ f(x[0])`, `x[1] = x[0] + Δt v[1]`.
 ///
 /// First order, stable for `Δt ω < 2` in every oscillation ω of the cloth. The energy stays within a band around its
 /// true value, wide where `Δt ω` is near 2; linear and angular momentum are kept to rounding.
@@ -201,7 +201,7 @@ impl Explicit {
         })
     }
 
-    /// One substep of S1 (6), and what the monitor says to it.
+    /// One substep, and what the monitor says to it.
     fn substep(&mut self, input: &mut StepInput<'_>) -> Result<EnergyBalance, Failure> {
         let feels_contact = input.contact_constraints().is_some();
         if feels_contact {

@@ -1,6 +1,6 @@
 //! Implicit integrators as minimisations of an incremental potential.
 //!
-//! The forces are taken where they are not known yet. Implicit Euler, S1 (7)–(10), implicit midpoint and BDF2 all do it
+//! The forces are taken where they are not known yet. Implicit Euler, implicit midpoint and BDF2 all do it
 //! by one *stage*: from a base `x_b`, `v_b` over a time `τ`,
 //!
 //! ```text
@@ -152,7 +152,7 @@ impl Stepper for ImplicitMidpoint {
 
     fn step(&mut self, state: &mut State, input: StepInput<'_>) -> Result<StepReport, StepError> {
         input.check(state, self.0.particles.len())?;
-        let span = Span {
+        let span = Extent {
             tau: 0.5 * input.dt,
             place: Place::Middle,
         };
@@ -162,7 +162,7 @@ impl Stepper for ImplicitMidpoint {
 
 /// What a stage spans.
 #[derive(Clone, Copy, Debug)]
-struct Span {
+struct Extent {
     /// τ (s).
     tau: Real,
     place: Place,
@@ -209,7 +209,7 @@ impl Implicit {
         state: &mut State,
         input: StepInput<'_>,
     ) -> Result<StepReport, StepError> {
-        let span = Span {
+        let span = Extent {
             tau: input.dt,
             place: Place::End,
         };
@@ -221,7 +221,7 @@ impl Implicit {
         &mut self,
         state: &mut State,
         mut input: StepInput<'_>,
-        span: Span,
+        span: Extent,
         base: impl Fn(usize, Vec3, Vec3) -> [Vec3; 2],
     ) -> Result<StepReport, StepError> {
         if self.config.solve == Solve::Newton && input.contacts.is_some() {
@@ -314,7 +314,7 @@ impl Implicit {
         &mut self,
         state: &State,
         input: &StepInput<'_>,
-        span: Span,
+        span: Extent,
         drag: Real,
         base: impl Fn(usize, Vec3, Vec3) -> [Vec3; 2],
     ) {
@@ -367,7 +367,7 @@ impl Implicit {
     }
 
     /// Position (m) and velocity (m/s) of a vertex at the end of the step, from the stage.
-    fn end(&self, vertex: usize, state: &State, dt: Real, span: Span) -> [Vec3; 2] {
+    fn end(&self, vertex: usize, state: &State, dt: Real, span: Extent) -> [Vec3; 2] {
         let (x, v) = (state.positions[vertex], state.velocities[vertex]);
         if self.particles.is_prescribed(vertex) {
             return [x + v * dt, v];

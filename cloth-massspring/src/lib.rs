@@ -36,11 +36,11 @@
 //! A mass on every vertex, a spring on every edge, and Newton's second law: `M x″ = f(x) + M g`, `f = −∂E/∂x`. What
 //! remains to choose is where in time the forces are evaluated. That choice decides everything.
 //!
-//! At the *start* of the step they are known, S1 (5), and the step costs one pass over the springs:
+//! At the *start* of the step they are known, and the step costs one pass over the springs:
 //!
 //! ```text
 //! v[1] = v[0] + Δt M⁻¹ f(x[0])
-//! x[1] = x[0] + Δt v[1]        symplectic Euler, S1 (6);  with v[0] here: forward Euler
+//! x[1] = x[0] + Δt v[1]        symplectic Euler;  with v[0] here: forward Euler
 //! ```
 //!
 //! But a force that is right at the start can carry a vertex beyond the far side of its spring before it is asked
@@ -48,19 +48,19 @@
 //! oscillation of the cloth, and ω grows with stiffness and with fineness. (Instability comes with a large Δt, not with
 //! a small one.)
 //!
-//! At the *end* of the step, S1 (7)–(9), the forces are those at positions not yet known:
+//! At the *end* of the step, the forces are those at positions not yet known:
 //!
 //! ```text
 //! x[1] = x̃ + Δt² M⁻¹ f(x[1]),    x̃ = x[0] + Δt v[0] + Δt² g
 //! ```
 //!
-//! These equations say that `x[1]` is a stationary point, S1 (10), of
+//! These equations say that `x[1]` is a stationary point of
 //!
 //! ```text
 //! G(x) = ‖x − x̃‖²_M / (2Δt²) + E(x)
 //! ```
 //!
-//! and a minimum can be looked for with a guarantee that equations do not give: every Newton step S1 (11)–(15),
+//! and a minimum can be looked for with a guarantee that equations do not give: every Newton step,
 //! shortened by a line search, leads down. No step size is too large for it.
 //!
 //! The same minimisation, with another goal and another time in place of `x̃` and Δt, gives two integrators of
@@ -84,17 +84,17 @@
 //!
 //! | equation | says | where |
 //! |---|---|---|
-//! | S1 (1)–(4) | energy and force of springs | [`cloth_core::energy::Spring`] |
-//! | S1 (5), (6) | explicit steps | [`SymplecticEuler`], [`ExplicitEuler`] |
+//! | `E = ½ k (‖x₀ − x₁‖ − L)²` | energy and force of springs | [`cloth_core::energy::Spring`] |
+//! | `x[1] = x[0] + Δt v[1]` or `v[0]` | explicit steps | [`SymplecticEuler`], [`ExplicitEuler`] |
 //! | `Δt < 2/ω_max` | stability | [`stable_time_step`] |
-//! | S1 (7)–(10) | implicit Euler, a minimisation | [`ImplicitEuler`], [`IncrementalPotential`] |
+//! | `min G(x)` | implicit Euler, a minimisation | [`ImplicitEuler`], [`IncrementalPotential`] |
 //! | `p = −B⁻¹∇G`, B from pairs `s`, `y` around a multigrid cycle | quasi-Newton (L-BFGS) | [`Solve::QuasiNewton`] |
-//! | S1 (11)–(14) | Newton's method, start guess | [`Solve::Newton`], [`StartGuess`] |
+//! | `Δx = −(M/Δt² + H)⁻¹ ∇G` | Newton's method, start guess | [`Solve::Newton`], [`StartGuess`] |
 //! | `τ = Δt/2` | the implicit midpoint rule | [`ImplicitMidpoint`] |
 //! | `τ = 2Δt/3` | BDF2, and when it starts again | [`Bdf2`] |
 //! | one Newton step | linearised implicit Euler | [`Solve::Linearized`], [`ImplicitConfig::linearized`] |
 //! | `−α M v − β K v` | drag, stiffness-proportional damping | [`Damping`] |
-//! | S1 (15) | the linear system, kept positive definite | [`HessianPolicy`], [`Accept`] |
+//! | `M/Δt² + H` | the linear system, kept positive definite | [`HessianPolicy`], [`Accept`] |
 //! | `A p = −∇G` | its solution | [`ImplicitConfig::linear`], [`cloth_core::method::linear`] |
 //!
 //! [`IncrementalPotential`]: cloth_core::measure::IncrementalPotential
@@ -117,7 +117,8 @@
 //!   thin cloth move too far: at 64 vertices a side and 10⁻⁸ N·m a step takes 1.4 times as long. Alone such a matrix
 //!   would converge linearly, and slowly near a saddle point, where a compressed sheet has not buckled yet: it is stiff
 //!   in just the direction that is soft. The pairs bring that curvature back. The couplings of wing tips are lumped
-//!   ([`lumped_assembly`](cloth_core::method::family::Energies::lumped_assembly)), which leaves the pattern of the edges.
+//!   ([`lumped_assembly`](cloth_core::method::family::Energies::lumped_assembly)), which leaves the pattern of the
+//!   edges.
 //! - *Predicted forces.* A stiff spring that turns in an iteration is stretched by far, and the Hessian then says that
 //!   the cloth is taut. In the first four iterations the part of the Hessian that depends on the force takes the force
 //!   that the *linearised* spring has predicted ([`mixed_hessian`](cloth_core::element::Energy::mixed_hessian)).
@@ -152,7 +153,7 @@
 //!
 //! # The linear solver of Newton's method
 //!
-//! The matrix of S1 (15) has a block of 3 × 3 numbers for each pair of neighbours. [`ImplicitConfig::linear`] says how
+//! The matrix `M/Δt² + H` has a block of 3 × 3 numbers for each pair of neighbours. [`ImplicitConfig::linear`] says how
 //! its systems are solved; every choice leads to the same minimum.
 //!
 //! | solver | cost of an iteration | factor per iteration, κ the condition number of `D⁻¹A` |
@@ -289,7 +290,7 @@
 //!   gets stuck, and Newton's method takes over: at 32 cells a side a step takes forty to sixty times as long.
 //! - Gradients cannot be made smaller than rounding: positions of 1 m are stored to 10⁻¹⁶ m, and stiff springs feel it.
 //!   At 10⁴ N/m and 1/60 s the floor is about 10⁻¹¹ to 10⁻¹³ of `‖∇G(x̃)‖`. The iteration knows it and stops there.
-//! - Springs on every edge lock bending across the diagonals (S1 (19), (20)), whatever the integrator.
+//! - Springs on every edge lock bending across the diagonals (3V − E), whatever the integrator.
 //!
 //! # When not to use this method
 //! - **Interactive rates.** Half a second of a falling sheet of 64 × 64 vertices (1 m, 0.2 kg/m², 10⁴ N/m, Δt 1/60 s;

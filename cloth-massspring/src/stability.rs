@@ -95,7 +95,7 @@ impl Spectrum {
     ) -> Option<Real> {
         let mut square = 0.0;
         for _ in 0..MOST_STARTS {
-            let ritz = self.climb(energies, particles, positions);
+            let ritz = self.lanczos_cycle(energies, particles, positions);
             self.restart(&ritz);
             // The true eigenvalue is not below the value, and hardly above value + error.
             square = ritz.value + ritz.error;
@@ -107,7 +107,12 @@ impl Spectrum {
     }
 
     /// Builds a basis from its first vector until the largest eigenvalue is known or the basis is full.
-    fn climb(&mut self, energies: &Energies, particles: &Particles, positions: &[Vec3]) -> Ritz {
+    fn lanczos_cycle(
+        &mut self,
+        energies: &Energies,
+        particles: &Particles,
+        positions: &[Vec3],
+    ) -> Ritz {
         let mut tridiagonal = SMatrix::<Real, BASIS, BASIS>::zeros();
         for step in 0.. {
             self.multiply(step, energies, particles, positions);

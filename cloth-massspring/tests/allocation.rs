@@ -3,7 +3,7 @@
 use cloth_core::energy::Spring;
 use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::generate::{Diagonals, grid};
-use cloth_core::method::linear::{Budget, LinearMethod};
+use cloth_core::method::linear::{LinearMethod, StoppingCriteria};
 use cloth_core::particles::{Particles, State};
 use cloth_core::step::{StepInput, Stepper};
 use cloth_core::topology::EdgeTable;
@@ -41,7 +41,7 @@ fn no_step_after_the_first_allocates() {
             Box::new(builder.config($config).build().unwrap())
         }};
     }
-    let budget = Budget::default();
+    let budget = StoppingCriteria::default();
     let iterative = [
         LinearMethod::ConjugateGradients(budget),
         LinearMethod::ChebyshevJacobi(budget),

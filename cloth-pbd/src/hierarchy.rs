@@ -1,4 +1,5 @@
-//! Hierarchical PBD (Müller 2008): projected distance constraints on the coarse levels of [`cloth_core::method::multigrid`].
+//! Hierarchical PBD (Müller 2008): projected distance constraints on the coarse levels of
+//! [`cloth_core::method::multigrid`].
 
 mod level;
 mod tether;

@@ -21,7 +21,7 @@ pub struct PdConfig {
     pub acceleration: Acceleration,
 }
 
-/// Where the iteration starts, S1 (34). A prescribed vertex is where it will be at the end of the step, in any case.
+/// Where the iteration starts. A prescribed vertex is where it will be at the end of the step, in any case.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum StartGuess {
@@ -34,7 +34,7 @@ pub enum StartGuess {
     /// right from the start.
     #[default]
     Inertial,
-    /// `x̃`, called `s` in S1 (33): where the vertices would go without elasticity.
+    /// `x̃`: where the vertices would go without elasticity.
     Predicted,
 }
 

@@ -1,8 +1,8 @@
 //! The global step: one matrix for x, y and z alike, the same in every iteration, factorised once per step size.
 //!
 //! What changes a few rows of it (a vertex grabbed or released, an element gone, an attachment come) is made good for
-//! in every solve, by [`WoodburyUpdate`], as long as that is cheaper than factorising again. How long a change will stay is
-//! not known (the ski-rental problem): once the corrections have cost as much as a factorisation, the matrix is
+//! in every solve, by [`WoodburyUpdate`], as long as that is cheaper than factorising again. How long a change will
+//! stay is not known (the ski-rental problem): once the corrections have cost as much as a factorisation, the matrix is
 //! factorised. That never costs more than twice the better choice.
 
 use crate::local::Projections;
@@ -15,7 +15,7 @@ use cloth_core::particles::Particles;
 use sprs::CsMat;
 use std::fmt;
 
-/// `A = M/Δt² + Σ w GᵀG` over the vertices that are not prescribed, S1 (34), and its factor. The row of a prescribed
+/// `A = M/Δt² + Σ w GᵀG` over the vertices that are not prescribed, and its factor. The row of a prescribed
 /// vertex is that of the identity.
 pub(crate) struct GlobalSystem {
     /// Lumped mass (kg) of each vertex; none where it is prescribed.

@@ -82,9 +82,9 @@
 //! - **A coarse grid**, a two-level Galerkin preconditioner (Bramble, Pasciak, Xu 1990): the slow motions are smooth,
 //!   so a few hundred unknowns on a lattice of trilinear hat functions describe them (P is the prolongation, Pᵀ the
 //!   restriction, `PᵀHP` the Galerkin coarse operator), where a Newton step is cheap. The initial inverse Hessian
-//!   becomes `A⁻¹ + P V Pᵀ`, V a cycle of [`Multigrid`](cloth_core::method::multigrid::Multigrid) for `PᵀHP` with the Hessian H
-//!   (its negative eigenvalues set to zero) at the start of the step's iteration: an additive correction. A reduces the
-//!   rough part of the error, the grid the smooth part.
+//!   becomes `A⁻¹ + P V Pᵀ`, V a cycle of [`Multigrid`](cloth_core::method::multigrid::Multigrid) for `PᵀHP` with the
+//!   Hessian H (its negative eigenvalues set to zero) at the start of the step's iteration: an additive correction. A
+//!   reduces the rough part of the error, the grid the smooth part.
 //!
 //! As the matrix only preconditions there, the bending of thin cloth is left out of it: where quadratic hinges add
 //! less than a fiftieth to every diagonal entry they are left to the iteration, because a hinge ties four vertices and
@@ -106,38 +106,37 @@
 //!
 //! # Equations
 //! ```text
-//! h ← Δt v + Δt² M⁻¹ f_ext,   x̃ = x[0] + h                         S1 (33)
+//! h ← Δt v + Δt² M⁻¹ f_ext,   x̃ = x[0] + h
 //! q ← 0, Δt v or h; K times:                                       x = x[0] + q
-//!     p ← project(G x), every element for itself                   S1 (28)–(31)
+//!     p ← project(G x), every element for itself
 //!     g ← M (q − h)/Δt² + Σ w Gᵀ(G x − p)                          ∇G
-//!     solve (M/Δt² + Σ w GᵀG) d = g,   q ← q − d                   S1 (32), (34)
+//!     solve (M/Δt² + Σ w GᵀG) d = g,   q ← q − d    
 //!     (or the accelerated direction)
-//! x[1] ← x[0] + q,   v[1] ← q/Δt                                   S1 (35)
+//! x[1] ← x[0] + q,   v[1] ← q/Δt
 //! ```
 //!
-//! (34) is printed for the increment Δx; with `H = Σ w GᵀG` it is the same equation. Neither positions nor predictions
-//! are subtracted, so free fall loses no digits, and a step so long that `M/Δt²` is rounded away ends where the held
-//! cloth is at rest. Rows and columns of prescribed vertices drop out.
+//! The global step is often printed for x itself; for the increment it is the same equation. Neither positions nor
+//! predictions are subtracted, so free fall loses no digits, and a step so long that `M/Δt²` is rounded away ends where
+//! the held cloth is at rest. Rows and columns of prescribed vertices drop out.
 //!
-//! S1 calls the matrix symmetric but not necessarily semi-definite; `Σ w GᵀG` is semi-definite for weights ≥ 0, and M
-//! makes A positive definite.
+//! `Σ w GᵀG` is positive semi-definite for weights ≥ 0, and M makes A positive definite.
 //!
 //! | equation | where |
 //! |---|---|
-//! | G, w, p, S1 (27)–(31) | [`Projective`](cloth_core::element::Projective) of each element |
+//! | G, w, p | [`Projective`](cloth_core::element::Projective) of each element |
 //! | the local step of one family | [`LocalStep`], `local.rs` |
 //! | the same on threads, batched, as streams | `vertex_blocks.rs`, `batch.rs`, `deinterleaved.rs` |
 //! | the same where p is constant: a matrix | `quadratic.rs` |
 //! | `G`, `∇G` | `objective.rs` |
-//! | A, S1 (30), (32) | `matrix.rs` |
+//! | A = M/Δt² + Σ w GᵀG | `matrix.rs` |
 //! | what quasi-Newton leaves out of it | `matrix.rs` |
 //! | its factor, and what changes it | `global.rs`, [`WoodburyUpdate`] |
-//! | the solve of S1 (34) | [`PanelFactor::solve`] |
+//! | the global step, A d = g | [`PanelFactor::solve`] |
 //! | Chebyshev weights (Wang 2015, algorithm 1) | `chebyshev.rs` |
 //! | two-loop recursion (Liu et al. 2017, algorithm 2), line search | `quasi_newton.rs` |
 //! | `A + Σ k J Jᵀ` with the contacts | `contact.rs` |
 //! | `P V Pᵀ`; H | `lattice.rs`, `coarse.rs`; `local.rs` |
-//! | S1 (33), (35) and the loop | [`PdSolver`] |
+//! | the prediction, the velocities and the loop | [`PdSolver`] |
 //!
 //! `examples/first_program.rs` is this box as plain loops over arrays with a dense matrix, and compares itself with
 //! [`PdSolver`]. In the crate the local step is spread over several files: the formula of one element stands in

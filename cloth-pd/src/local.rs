@@ -216,7 +216,7 @@ fn add_stiffness<const N: usize, const K: usize, E: Projective<N, K>>(
                     let z = apply(&element.operator(), &gather(x, element.vertices()));
                     let weight = element.weight();
                     element
-                        .resistance(z)
+                        .projected_hessian(z)
                         .map(|row| row.map(|block| block * weight))
                 }
             };

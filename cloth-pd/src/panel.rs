@@ -19,12 +19,13 @@ type Lanes = [Real; 4];
 
 /// `L` of a factorisation `P A Pᵀ = L Lᵀ`, as panels.
 ///
-/// A *panel* is up to four neighbouring columns with the same rows below them. It keeps its triangle, the diagonal inverted, then its rows
-/// from top to bottom; the forward pass reads the numbers from first to last, the backward pass from last to first, and
-/// both use an entry of the right-hand side four times when they have it.
+/// A *panel* is up to four neighbouring columns with the same rows below them. It keeps its triangle, the diagonal
+/// inverted, then its rows from top to bottom; the forward pass reads the numbers from first to last, the backward pass
+/// from last to first, and both use an entry of the right-hand side four times when they have it.
 ///
-/// Columns of which none is below another do not wait for each other. Large factors are cut into a few parts of that kind and the columns above them all, the *top*, which several threads can
-/// share; the cut depends on the factor alone, so the bits of a solution do not depend on the number of threads.
+/// Columns of which none is below another do not wait for each other. Large factors are cut into a few parts of that
+/// kind and the columns above them all, the *top*, which several threads can share; the cut depends on the factor
+/// alone, so the bits of a solution do not depend on the number of threads.
 #[derive(Clone, Debug)]
 pub struct PanelFactor {
     /// Supernodes in the order in which `panels` has them: part by part, then the top.
@@ -39,7 +40,8 @@ pub struct PanelFactor {
     places: Vec<u32>,
 }
 
-/// Columns that depend on no others below them, and their stretch of `work`: an entry for each of their rows, then one for each row of the top that they reach.
+/// Columns that depend on no others below them, and their stretch of `work`: an entry for each of their rows, then one
+/// for each row of the top that they reach.
 #[derive(Clone, Debug)]
 struct Part {
     panels: Vec<Panel>,

@@ -72,7 +72,7 @@ impl Stepper for PdSolver {
         let prepared = self.global.prepare(input.dt);
         let factorizations =
             prepared.map_err(|_| StepError::NotPositiveDefinite { iteration: 1, step })?;
-        self.objective.begin(state, &input)?; // S1 (33)
+        self.objective.begin(state, &input)?; // x̃
         let mut report = StepReport {
             factorizations,
             coarse_builds,
@@ -85,7 +85,7 @@ impl Stepper for PdSolver {
         let solved = self.solve(state, reference, &mut report, &mut input, &mut contact);
         solved.map_err(|reason| StepError::Contact { reason, step })?;
         report.pin_work = self.pin_work(&contact);
-        self.find_velocities(state, input.dt)?; // S1 (35)
+        self.find_velocities(state, input.dt)?;
         if let Some(contact) = contact {
             contact.end(&self.point.positions, &self.velocities);
         }
@@ -321,7 +321,7 @@ impl PdSolver {
                 return Ok(Outcome::BudgetSpent);
             }
             if !self.point.is_evaluated {
-                self.objective.evaluate(&mut self.point, contact); // S1 (28)–(31)
+                self.objective.evaluate(&mut self.point, contact); // the local step
             }
             if self.is_converged(reference, report, contact) {
                 return Ok(Outcome::Converged);
@@ -329,7 +329,7 @@ impl PdSolver {
             if is_last {
                 return Ok(Outcome::BudgetSpent);
             }
-            let is_stuck = self.advance(report, contact)?; // S1 (34)
+            let is_stuck = self.advance(report, contact)?; // the global step
             report.iterations += 1;
             if is_stuck {
                 return Ok(Outcome::BudgetSpent);
@@ -455,7 +455,7 @@ impl PdSolver {
         Ok(false)
     }
 
-    /// S1 (35): `x[1] = x`, `v[1] = (x − x[0])/Δt`.
+    /// `x[1] = x`, `v[1] = (x − x[0])/Δt`.
     fn find_velocities(&mut self, state: &State, dt: Real) -> Result<(), StepError> {
         let step = state.steps + 1;
         self.objective.place(&mut self.point);

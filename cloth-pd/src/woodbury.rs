@@ -1,8 +1,9 @@
 //! Solving with a matrix that differs in a few rows from one that has been factorised: the identity of Woodbury.
 //!
-//! `(A + U C Uᵀ)⁻¹ b = y − Z (C⁻¹ + UᵀZ)⁻¹ Uᵀ y` with `y = A⁻¹b`, `Z = A⁻¹U`. It takes `C⁻¹`, which may be zero: a column u with
-//! `C⁻¹ = 0` is a spring without compliance, the constraint `uᵀx = 0`. M. A. Woodbury, "Inverting modified matrices", 1950; W. W. Hager, "Updating the inverse of a matrix", SIAM Review 31,
-//! 1989, <https://doi.org/10.1137/1031049>.
+//! `(A + U C Uᵀ)⁻¹ b = y − Z (C⁻¹ + UᵀZ)⁻¹ Uᵀ y` with `y = A⁻¹b`, `Z = A⁻¹U`. It takes `C⁻¹`, which may be zero: a
+//! column u with `C⁻¹ = 0` is a spring without compliance, the constraint `uᵀx = 0`. M. A. Woodbury, "Inverting
+//! modified matrices", 1950; W. W. Hager, "Updating the inverse of a matrix", SIAM Review 31, 1989,
+//! <https://doi.org/10.1137/1031049>.
 
 use cloth_core::math::{Real, Vec3};
 
@@ -62,8 +63,8 @@ impl WoodburyUpdate {
         &self.entries[start..self.ends[index]]
     }
 
-    /// Computes Z with `solve`, which has to replace its second argument by A⁻¹ times the first, both of `dimension` rows, for x, y and z alike: three columns at a time. Returns whether
-    /// the corrected matrix can be solved with.
+    /// Computes Z with `solve`, which has to replace its second argument by A⁻¹ times the first, both of `dimension`
+    /// rows, for x, y and z alike: three columns at a time. Returns whether the corrected matrix can be solved with.
     pub fn prepare(
         &mut self,
         dimension: usize,

@@ -1,8 +1,11 @@
-//! What every bench of this folder has in common: one `main`, and beside each kernel the time that moving its data takes.
+//! What every bench of this folder has in common: one `main`, and beside each kernel the time that moving its data
+//! takes.
 //!
-//! The data of a kernel are everything that it has to read or write, each byte once. They cannot come faster than memory gives them, and how fast that is depends on how many they are: from
-//! the second cache level, the third, or main memory. So a triad `a = b + 3 c` over arrays of many sizes is timed once in each program, on one thread, and gives the limit
-//! of a kernel whose data are as many. Near 1 a kernel waits for memory alone; far above it computes, waits for its own results, or reads the same data again.
+//! The data of a kernel are everything that it has to read or write, each byte once. They cannot come faster than
+//! memory gives them, and how fast that is depends on how many they are: from the second cache level, the third, or
+//! main memory. So a triad `a = b + 3 c` over arrays of many sizes is timed once in each program, on one thread, and
+//! gives the limit of a kernel whose data are as many. Near 1 a kernel waits for memory alone; far above it computes,
+//! waits for its own results, or reads the same data again.
 
 use criterion::measurement::WallTime;
 use criterion::{BenchmarkGroup, Criterion};
@@ -49,7 +52,8 @@ impl Moved {
     }
 }
 
-/// Times `work` as criterion does, and prints the shortest time beside the limit for what it moves. Nothing is printed for what a filter leaves out.
+/// Times `work` as criterion does, and prints the shortest time beside the limit for what it moves. Nothing is printed
+/// for what a filter leaves out.
 #[allow(dead_code)] // few benches keep their own time
 pub(crate) fn bench<O>(
     group: &mut BenchmarkGroup<'_, WallTime>,
@@ -66,7 +70,8 @@ pub(crate) fn bench<O>(
     });
 }
 
-/// The same with work on the threads of a pool, entered before the clock starts: going in takes longer than a small sweep.
+/// The same with work on the threads of a pool, entered before the clock starts: going in takes longer than a small
+/// sweep.
 #[allow(dead_code)] // few benches choose their threads
 pub(crate) fn bench_in<O>(
     pool: &ThreadPool,

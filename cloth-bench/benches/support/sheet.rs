@@ -67,7 +67,8 @@ pub(crate) fn coloured<const N: usize, E: Constraint<N>>(
     families
 }
 
-/// Bytes that a sweep has to read (elements, multipliers, positions, inverse masses `w`) and to write (multipliers, positions).
+/// Bytes that a sweep has to read (elements, multipliers, positions, inverse masses `w`) and to write (multipliers,
+/// positions).
 pub(crate) fn sweep_bytes<const N: usize, E: Constraint<N>>(elements: &[E], w: &[Real]) -> usize {
     let multipliers = elements.len() * E::Rows::LEN * size_of::<Multiplier>();
     size_of_val(elements) + 2 * multipliers + size_of_val(w) + 2 * size_of::<Vec3>() * w.len()

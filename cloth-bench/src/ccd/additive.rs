@@ -1,4 +1,5 @@
-//! Additive conservative advancement, as published: the method that the conservative test of `cloth-collide` is compared with.
+//! Additive conservative advancement, as published: the method that the conservative test of `cloth-collide` is
+//! compared with.
 
 use cloth_collide::{Query, QueryKind};
 use cloth_core::math::{Real, Vec3};
@@ -9,11 +10,12 @@ const SLACK: Real = 1e-3;
 /// Then it gives up, and returns the time reached.
 const MOST_STEPS: u32 = 10_000;
 
-/// First contact (dimensionless, 0..=1) by the algorithm of M. Li, D. M. Kaufman and C. Jiang, Codimensional incremental potential
-/// contact, *ACM Trans. Graph.* 40(4), 2021, DOI 10.1145/3450626.3459767, algorithm 1.
+/// First contact (dimensionless, 0..=1) by the algorithm of M. Li, D. M. Kaufman and C. Jiang, Codimensional
+/// incremental potential contact, *ACM Trans. Graph.* 40(4), 2021, DOI 10.1145/3450626.3459767, algorithm 1.
 ///
-/// The distance cannot shrink faster than the two primitives move towards each other, at most with the sum of the largest
-/// displacements of both after their common motion is taken off. So a time of distance / sum is safe, were the distance exact.
+/// The distance cannot shrink faster than the two primitives move towards each other, at most with the sum of the
+/// largest displacements of both after their common motion is taken off. So a time of distance / sum is safe, were the
+/// distance exact.
 pub(super) fn first_contact(query: &Query) -> Option<Real> {
     let motion: [Vec3; 4] = std::array::from_fn(|k| query.to[k] - query.from[k]);
     let mean = motion.iter().sum::<Vec3>() / 4.0;

@@ -1,8 +1,9 @@
 //! Files of labelled queries: eight rows a query, `x_num,x_den,y_num,y_den,z_num,z_den,truth`.
 //!
-//! The format is that of the *Sample Queries* of Wang, Ferguson, Schneider, Jiang, Attene and Panozzo, A large-scale benchmark and an inclusion-based
-//! algorithm for continuous collision detection, *ACM Trans. Graph.* 40(5), 2021, DOI 10.1145/3460775. The four vertices at the
-//! start come first, then at the end: the vertex and the corners, or the ends of the one edge and of the other.
+//! The format is that of the *Sample Queries* of Wang, Ferguson, Schneider, Jiang, Attene and Panozzo, A large-scale
+//! benchmark and an inclusion-based algorithm for continuous collision detection, *ACM Trans. Graph.* 40(5), 2021, DOI
+//! 10.1145/3460775. The four vertices at the start come first, then at the end: the vertex and the corners, or the ends
+//! of the one edge and of the other.
 
 use super::LabelledQuery;
 use crate::error::BenchError;
@@ -12,8 +13,8 @@ use std::fmt::Display;
 
 const ROWS: usize = 8;
 
-/// All queries of a file. A coordinate is the `f64` nearest to its fraction; if the denominator is a power of two and the
-/// numerator short enough, it is the fraction.
+/// All queries of a file. A coordinate is the `f64` nearest to its fraction; if the denominator is a power of two and
+/// the numerator short enough, it is the fraction.
 ///
 /// # Errors
 /// [`BenchError::Usage`] that names the file and the line.

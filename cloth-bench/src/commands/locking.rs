@@ -11,7 +11,8 @@ use serde_json::json;
 /// Arguments of `locking`.
 #[derive(Debug, Args)]
 pub struct Arguments {
-    /// An OBJ file, or a generator: grid:NxM:alternating, disk:N, tube:NxM, torus:NxM, sphere:N, … (see list), or several joined by +
+    /// An OBJ file, or a generator: grid:NxM:alternating, disk:N, tube:NxM, torus:NxM, sphere:N, … (see list), or
+    /// several joined by +
     mesh: String,
     /// One JSON object instead of lines
     #[arg(long)]
@@ -41,11 +42,17 @@ pub(super) fn execute(arguments: &Arguments) -> Result<(), BenchError> {
             ("rank_flat", json!(found.flat.rank)),
             ("nullity_flat", json!(found.flat.nullity)),
             ("self_stresses_flat", json!(found.flat.self_stresses)),
-            ("smallest_kept_flat", json!(found.flat.smallest_kept)),
+            (
+                "smallest_kept_flat",
+                json!(found.flat.smallest_nonzero_singular_value),
+            ),
             ("rank_bent", json!(found.bent.rank)),
             ("nullity_bent", json!(found.bent.nullity)),
             ("self_stresses_bent", json!(found.bent.self_stresses)),
-            ("smallest_kept_bent", json!(found.bent.smallest_kept)),
+            (
+                "smallest_kept_bent",
+                json!(found.bent.smallest_nonzero_singular_value),
+            ),
         ],
     )
 }

@@ -65,7 +65,8 @@ pub struct Arguments {
     /// Sets a parameter of the scene or the method
     #[arg(long = "set", value_name = "KEY=VALUE")]
     settings: Vec<String>,
-    /// Also takes the step that implicit Euler would take next after as many steps, and compares it with the minimiser of that step: the same step for every method
+    /// Also takes the step that implicit Euler would take next after as many steps, and compares it with the minimiser
+    /// of that step: the same step for every method
     #[arg(long)]
     reference: bool,
     /// Also counts crossings and measures distances after every step, not only at the end
@@ -80,7 +81,8 @@ pub struct Arguments {
     /// Exports every K-th step only
     #[arg(long, value_name = "K", default_value_t = 1, requires = "export")]
     export_every: u32,
-    /// CSV file for the force and the torque on every body in every step; exports in vtk get the forces of contact on every vertex
+    /// CSV file for the force and the torque on every body in every step; exports in vtk get the forces of contact on
+    /// every vertex
     #[arg(long, value_name = "FILE")]
     forces: Option<PathBuf>,
     /// PNG file for a picture of the end

@@ -3,7 +3,7 @@
 use super::{print, write_file};
 use crate::error::BenchError;
 use crate::hash::fnv1a;
-use crate::journal::{self, Heading, Journal, Shard};
+use crate::journal::{self, Journal, RunHeader, Shard};
 use crate::report::html::{Answer, Report};
 use crate::report::png::Rasterizer;
 use crate::report::{arrow, facts};
@@ -79,7 +79,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<(), BenchError> {
         facts.extend(own_scene(path, &studies)?);
     }
     arguments.output.check()?;
-    let heading = Heading {
+    let heading = RunHeader {
         studies: studies.iter().map(|study| study.name.to_owned()).collect(),
         quick: arguments.quick,
         facts,
@@ -94,7 +94,8 @@ pub(super) fn execute(arguments: &Arguments) -> Result<(), BenchError> {
     conclude(&arguments.output, &studies, journal, share)
 }
 
-/// The facts of a run on a scene file: its path, and what tells whether it is still the same when the run is taken up again.
+/// The facts of a run on a scene file: its path, and what tells whether it is still the same when the run is taken up
+/// again.
 fn own_scene(path: &Path, studies: &[&Study]) -> Result<[(String, String); 2], BenchError> {
     if let Some(other) = studies.iter().find(|study| !study.takes_a_scene()) {
         let known: Vec<&str> = STUDIES

@@ -1,11 +1,12 @@
 //! Binary glTF 2.0 with the run as an animation of morph targets.
 //!
-//! The cloth is one mesh. Every frame after the first is a morph target, a displacement of each vertex (m) from the first frame, and the animation blends
-//! from one to the next: at the time of frame i the weight of its target is 1 and all others are 0, linear in between. Rigid obstacles are nodes that
-//! move and turn. Names and limits are those of the *glTF 2.0 specification* (Khronos, ISO/IEC 12113).
+//! The cloth is one mesh. Every frame after the first is a morph target, a displacement of each vertex (m) from the
+//! first frame, and the animation blends from one to the next: at the time of frame i the weight of its target is 1 and
+//! all others are 0, linear in between. Rigid obstacles are nodes that move and turn. Names and limits are those of the
+//! *glTF 2.0 specification* (Khronos, ISO/IEC 12113).
 //!
-//! Size: 12 bytes for each vertex and frame, and 4 for each pair of frames, because the animation lists all weights at the time of every frame. Many
-//! viewers on the web cannot have more than 256 targets; `--export-every` makes fewer.
+//! Size: 12 bytes for each vertex and frame, and 4 for each pair of frames, because the animation lists all weights at
+//! the time of every frame. Many viewers on the web cannot have more than 256 targets; `--export-every` makes fewer.
 //!
 //! The validator of the Khronos group (`npm install gltf-validator`) finds nothing to say about these files:
 //!

@@ -1,6 +1,7 @@
 //! XML files of VTK: polygons (`.vtp`) frame by frame, and a collection (`.pvd`) that gives them their times.
 //!
-//! Numbers follow the XML as raw bytes, each array after its length in bytes (*VTK file formats*, Kitware, section on XML formats).
+//! Numbers follow the XML as raw bytes, each array after its length in bytes (*VTK file formats*, Kitware, section on
+//! XML formats).
 
 use super::{Folder, Frame, Writer};
 use crate::error::BenchError;

@@ -1,6 +1,6 @@
 //! What a journal holds, read from its text.
 
-use super::{Entry, FILE_NAME, Heading, SET_ASIDE, about, line};
+use super::{Entry, FILE_NAME, RunHeader, SET_ASIDE, about, line};
 use crate::error::BenchError;
 use crate::files;
 use std::collections::HashMap;
@@ -10,7 +10,7 @@ use std::path::Path;
 
 /// What a journal holds.
 pub(super) struct Kept {
-    pub(super) heading: Heading,
+    pub(super) heading: RunHeader,
     pub(super) entries: HashMap<(String, String), Entry>,
     pub(super) damages: Vec<String>,
 }
@@ -23,7 +23,8 @@ pub(super) struct Sorted<'a> {
 }
 
 impl Kept {
-    /// What the text of the journal `path` says. What follows the last end of a line was being written when the run died.
+    /// What the text of the journal `path` says. What follows the last end of a line was being written when the run
+    /// died.
     pub(super) fn read<'a>(path: &Path, text: &'a [u8]) -> Result<(Self, Sorted<'a>), BenchError> {
         let mut lines = text.split_inclusive(|&byte| byte == b'\n').enumerate();
         let whole = |line: &'a [u8]| line.strip_suffix(b"\n");

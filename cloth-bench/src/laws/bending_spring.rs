@@ -1,4 +1,4 @@
-//! What a spring across a hinge does against a fold: nothing at first (VALIDATION 4).
+//! What a spring across a hinge does against a fold: nothing at first.
 
 use super::{Law, Verdict};
 use crate::error::BenchError;

@@ -1,15 +1,18 @@
-//! A strip held edge-on that falls over sideways under its own weight (VALIDATION 4).
+//! A strip held edge-on that falls over sideways under its own weight.
 //!
-//! The beam of L. Prandtl and A. G. M. Michell (1899): with the bending rigidity `EI` sideways, the rigidity `GJ` against twist and the moment `M = q u²/2` at a distance
-//! u from the free end, the twist φ obeys `GJ φ″ + M²/EI φ = 0`, `φ′(0) = 0`, `φ(L) = 0`. The solution is
-//! `√u J₋₁⸝₆(q u³/(6√(EI GJ)))`, and the clamp is where it first vanishes: `q L³/√(EI GJ) = 6 j = 12.8538`, j the first zero of the Bessel function.
-//! With `Γ = q L³/EI` that is `Γ_c = 12.8538 √(GJ/EI)`, and for an isotropic sheet `GJ/EI = 2/(1 + ν)`.
+//! The beam of L. Prandtl and A. G. M. Michell (1899): with the bending rigidity `EI` sideways, the rigidity `GJ`
+//! against twist and the moment `M = q u²/2` at a distance u from the free end, the twist φ obeys
+//! `GJ φ″ + M²/EI φ = 0`, `φ′(0) = 0`, `φ(L) = 0`. The solution is `√u J₋₁⸝₆(q u³/(6√(EI GJ)))`, and the clamp is where
+//! it first vanishes: `q L³/√(EI GJ) = 6 j = 12.8538`, j the first zero of the Bessel function. With `Γ = q L³/EI` that
+//! is `Γ_c = 12.8538 √(GJ/EI)`, and for an isotropic sheet `GJ/EI = 2/(1 + ν)`.
 //!
-//! What is measured is no motion but a sign. In the plane the strip is in equilibrium at any Γ; it is stable as long as the Hessian for displacements out of the
-//! plane has no negative eigenvalue, and Sylvester's law tells their number from one factorisation. The load between is halved until it is known to 10⁻⁴.
+//! What is measured is no motion but a sign. In the plane the strip is in equilibrium at any Γ; it is stable as long as
+//! the Hessian for displacements out of the plane has no negative eigenvalue, and Sylvester's law tells their number
+//! from one factorisation. The load between is halved until it is known to 10⁻⁴.
 //!
-//! A strip of finite width is not the beam of the theory. The rim lacks hinges, so the strip is softer in proportion to the size of a cell over the width; the
-//! clamp keeps it from curving across and from warping, so it is stiffer in proportion to the width over the length. Error of `Γ_c` for equilateral triangles:
+//! A strip of finite width is not the beam of the theory. The rim lacks hinges, so the strip is softer in proportion to
+//! the size of a cell over the width; the clamp keeps it from curving across and from warping, so it is stiffer in
+//! proportion to the width over the length. Error of `Γ_c` for equilateral triangles:
 //!
 //! | length/width | 5 vertices across | 9 | 17 | 33 | extrapolated from 9 and 17 |
 //! |---|---|---|---|---|---|
@@ -18,8 +21,9 @@
 //! | 32 | | −2.5 % | −0.4 % | | 1.6 % |
 //! | 64 | | −3.3 % | −1.3 % | | 0.8 % |
 //!
-//! Both errors halve, one along the rows of the table and one along the columns. So four strips, with the cells and the width as asked for and with both twice as large, give
-//! the number of the infinitely fine and narrow one, and that is what the law compares.
+//! Both errors halve, one along the rows of the table and one along the columns. So four strips, with the cells and the
+//! width as asked for and with both twice as large, give the number of the infinitely fine and narrow one, and that is
+//! what the law compares.
 
 use super::models::{MODEL, MODEL_NAMES, Model};
 use super::strip::{Shape, Strip};
@@ -186,7 +190,8 @@ fn closed_form(shape: Shape) -> Real {
     prandtl() * (shape.twist_rigidity() / shape.free_rigidity()).sqrt()
 }
 
-/// Γ at which a strip buckles. Γ is measured in the rigidity of a strip that is free to curve across; D = 1 is that of the sheet.
+/// Γ at which a strip buckles. Γ is measured in the rigidity of a strip that is free to curve across; D = 1 is that of
+/// the sheet.
 fn critical(model: Model, shape: Shape) -> Result<Real, BenchError> {
     let rigidity = shape.free_rigidity();
     let near = closed_form(shape) * rigidity;

@@ -1,4 +1,4 @@
-//! The catenary of a chain of elastic links, which is exact for springs and masses (VALIDATION 2).
+//! The catenary of a chain of elastic links, which is exact for springs and masses.
 
 use super::{Law, Verdict, within_reach};
 use crate::error::BenchError;
@@ -52,7 +52,8 @@ impl Chain {
         pull * (self.length() / pull.norm() + 1.0 / self.stiffness)
     }
 
-    /// Complementary energy (J) of a pull in the first link. It is convex, and at its minimum the links span what they have to.
+    /// Complementary energy (J) of a pull in the first link. It is convex, and at its minimum the links span what they
+    /// have to.
     fn energy(&self, first: Vector2<Real>) -> Real {
         let of = |link| {
             let t = self.pull(link, first).norm();

@@ -1,4 +1,4 @@
-//! How fast the sweeps over a straight chain of rigid links converge (VALIDATION 5).
+//! How fast the sweeps over a straight chain of rigid links converge.
 
 use super::chains::{LINKS, chain};
 use super::{Law, Verdict, within_reach};
@@ -73,8 +73,9 @@ impl Mode {
             let radius = Radius::Given(cos);
             acceleration.chebyshev = Some(Chebyshev { radius, delay: 1 });
             law = cos / (1.0 + sin);
-            // k sweeps leave 1/T_k(1/ρ) = 1/cosh(k arcosh(1/ρ)), whose factor is the law's but for exp(−2k arcosh(1/ρ)): here 1e-11. The mode starts
-            // large, so that some millionths of it are still well above rounding.
+            // k sweeps leave 1/T_k(1/ρ) = 1/cosh(k arcosh(1/ρ)), whose factor is the law's but for exp(−2k
+            // arcosh(1/ρ)): here 1e-11. The mode starts large, so that some millionths of it are still well above
+            // rounding.
             let decay = -law.ln();
             sweeps = (5.5 * std::f64::consts::LN_10 / decay).ceil().max(3.0) as u32;
             left = 2.0 * (-Real::from(sweeps) * decay).exp();

@@ -1,4 +1,4 @@
-//! Chains: how far a chain sags, how it hangs (VALIDATION 2, 5).
+//! Chains: how far a chain sags, how it hangs.
 
 use super::{Law, Verdict, within_reach};
 use crate::error::BenchError;
@@ -78,7 +78,8 @@ fn sag(settings: &Settings) -> Result<Verdict, BenchError> {
     let (particles, springs, start) = chain(masses, Real::INFINITY)?;
     let matrix = SweepMatrix::new(&particles, iterations);
     let expected = if iterations == 1 {
-        // Link i ends as long as link i + 1 pulls its lower end away, by wᵢ λᵢ₊₁, and λᵢ₊₁ = g h² (mass below vertex i).
+        // Link i ends as long as link i + 1 pulls its lower end away, by wᵢ λᵢ₊₁, and λᵢ₊₁ = g h² (mass below vertex
+        // i).
         let n = links as Real;
         GRAVITY * h * h * (n * (n - 1.0) / 2.0 + (n - 1.0) * (tip - 1.0))
     } else {
@@ -119,16 +120,18 @@ fn sag(settings: &Settings) -> Result<Verdict, BenchError> {
         .detail("steps", Real::from(steps)))
 }
 
-/// `n` Gauss–Seidel sweeps over a vertical chain of rigid links, as a matrix that acts on the displacements of the free vertices.
+/// `n` Gauss–Seidel sweeps over a vertical chain of rigid links, as a matrix that acts on the displacements of the free
+/// vertices.
 #[derive(Debug)]
 struct SweepMatrix(nalgebra::DMatrix<Real>);
 
 impl SweepMatrix {
-    /// Where the solver comes to rest: the displacements (m) that its substep leaves alone, and the substeps taken to find them. `step` tells how far a substep moves
-    /// the free vertices from rest.
+    /// Where the solver comes to rest: the displacements (m) that its substep leaves alone, and the substeps taken to
+    /// find them. `step` tells how far a substep moves the free vertices from rest.
     ///
-    /// To wait would take more than 10⁶ steps for a heavy tip. At rest every velocity is zero, and a step from u moves it by `r = F(u) − u`. The next u is
-    /// `u + (I − S)⁻¹ r`: this finds the fixed point of F, wherever it is, if S is near to what a substep does.
+    /// To wait would take more than 10⁶ steps for a heavy tip. At rest every velocity is zero, and a step from u moves
+    /// it by `r = F(u) − u`. The next u is `u + (I − S)⁻¹ r`: this finds the fixed point of F, wherever it is, if S is
+    /// near to what a substep does.
     fn rest(
         &self,
         mut step: impl FnMut(&DVector<Real>) -> Result<DVector<Real>, BenchError>,
@@ -146,7 +149,8 @@ impl SweepMatrix {
         )))
     }
 
-    /// The way to rest (m) of what a step of `substeps` parts moves by r (m): `(I − S)⁻¹ r` over `n(n + 1)/2`, since near rest n substeps go so many times as far as one.
+    /// The way to rest (m) of what a step of `substeps` parts moves by r (m): `(I − S)⁻¹ r` over `n(n + 1)/2`, since
+    /// near rest n substeps go so many times as far as one.
     fn to_rest(&self, r: &DVector<Real>, substeps: u32) -> Result<DVector<Real>, BenchError> {
         let n = Real::from(substeps);
         Ok(self.solve(r)? / (0.5 * n * (n + 1.0)))
@@ -160,13 +164,15 @@ impl SweepMatrix {
         solved.ok_or_else(|| BenchError::Failed("the sweeps have no fixed point".into()))
     }
 
-    /// What rounding does to the fixed point (m), for displacements of `size` (m): positions are known to ε, and `(I − S)⁻¹` magnifies what is unknown.
+    /// What rounding does to the fixed point (m), for displacements of `size` (m): positions are known to ε, and
+    /// `(I − S)⁻¹` magnifies what is unknown.
     fn rounding(&self, size: Real) -> Result<Real, BenchError> {
         let n = self.0.nrows() as Real;
         Ok(2.0 * Real::EPSILON * (n + size) * self.magnified()?)
     }
 
-    /// What rounding does to [`Self::sag`] (relative): each sweep rounds the matrix by some ε, and `(I − S)⁻¹` magnifies it.
+    /// What rounding does to [`Self::sag`] (relative): each sweep rounds the matrix by some ε, and `(I − S)⁻¹`
+    /// magnifies it.
     fn own_rounding(&self, iterations: u32) -> Result<Real, BenchError> {
         Ok(2.0 * Real::EPSILON * Real::from(iterations) * self.magnified()?)
     }
@@ -194,7 +200,8 @@ impl SweepMatrix {
         Self((1..iterations).fold(free.clone(), |power, _| power * &free))
     }
 
-    /// The displacement of the tip that the sweeps just restore after every vertex has dropped by `drop`: `u = S (u + drop)`.
+    /// The displacement of the tip that the sweeps just restore after every vertex has dropped by `drop`:
+    /// `u = S (u + drop)`.
     fn sag(&self, drop: Real) -> Result<Real, BenchError> {
         let n = self.0.nrows();
         let dropped = &self.0 * DVector::from_element(n, drop);

@@ -1,4 +1,4 @@
-//! How stiff one constraint is, as simulated (VALIDATION 5).
+//! How stiff one constraint is, as simulated.
 
 use super::{Law, Verdict, within_reach};
 use crate::error::BenchError;
@@ -71,8 +71,8 @@ impl Stretched {
         Ok((STRETCH / left - 1.0) / (dt * dt))
     }
 
-    /// What rounding can do to that stiffness `k` (relative): the position, of the order of 1 m, is known to ε, and both what is left of the stretch and what
-    /// has gone of it are differences of positions.
+    /// What rounding can do to that stiffness `k` (relative): the position, of the order of 1 m, is known to ε, and
+    /// both what is left of the stretch and what has gone of it are differences of positions.
     pub(crate) fn rounding(k: Real, dt: Real) -> Real {
         let factor = 1.0 + k * dt * dt;
         4.0 * Real::EPSILON * (factor / STRETCH) * (1.0 + 1.0 / (factor - 1.0))
@@ -98,7 +98,8 @@ fn xpbd_constraint(settings: &Settings) -> Result<Verdict, BenchError> {
     Ok(Verdict::new(k, measured).rounding(Stretched::rounding(k, dt)))
 }
 
-/// Stiffness (N/m) that n projections with stiffness s amount to in a step of `dt` (s), for w = 1 /kg: `((1 − s)⁻ⁿ − 1)/Δt²`.
+/// Stiffness (N/m) that n projections with stiffness s amount to in a step of `dt` (s), for w = 1 /kg:
+/// `((1 − s)⁻ⁿ − 1)/Δt²`.
 pub(crate) fn fixed_projection(s: Real, iterations: u32, dt: Real) -> Real {
     ((1.0 - s).powf(-Real::from(iterations)) - 1.0) / (dt * dt)
 }

@@ -1,4 +1,4 @@
-//! One mass and one plane (VALIDATION 7).
+//! One mass and one plane.
 
 use super::{Law, Verdict, within_reach};
 use crate::error::BenchError;
@@ -160,7 +160,8 @@ fn barrier_gap(settings: &Settings) -> Result<Verdict, BenchError> {
         .and_then(|b| b.config(config).build())
         .map_err(BenchError::failed)?;
     let mut state = State::at_rest(vec![Vec3::z() * range]);
-    // Implicit Euler takes the energy out of the motion: steps much longer than the swing about the rest leave a tenth of it.
+    // Implicit Euler takes the energy out of the motion: steps much longer than the swing about the rest leave a tenth
+    // of it.
     let dt = 10.0 * (mass / law.curvature(expected)).sqrt();
     for _ in 0..200 {
         let input = StepInput::new(dt).gravity(Vec3::z() * -GRAVITY);

@@ -1,8 +1,9 @@
-//! A cantilever under its own weight, at any deflection (VALIDATION 4).
+//! A cantilever under its own weight, at any deflection.
 //!
-//! The strip is that of [`super::strip`], with triangles three times as high along the strip as wide across it: what is left of Poisson's ratio makes
-//! it up to 0.15 % softer than its rigidity says, and the rim, whose vertices have fewer hinges, about as much again. The rest is the resolution, of second
-//! order. Relative error of H/W with 5 vertices across, quadratic hinges:
+//! The strip is that of [`super::strip`], with triangles three times as high along the strip as wide across it: what is
+//! left of Poisson's ratio makes it up to 0.15 % softer than its rigidity says, and the rim, whose vertices have fewer
+//! hinges, about as much again. The rest is the resolution, of second order. Relative error of H/W with 5 vertices
+//! across, quadratic hinges:
 //!
 //! | rows along the strip | Γ = 0.1 | 1 | 10 | 100 | 1000 |
 //! |---|---|---|---|---|---|
@@ -10,8 +11,9 @@
 //! | 64 | 0.25 % | 0.25 % | 0.22 % | 0.26 % | 1.5 % |
 //! | 128 | 0.27 % | 0.27 % | 0.24 % | 0.19 % | 0.46 % |
 //!
-//! At Γ = 1000 the strip bends within `L/√Γ` of the clamp, four rows of 128. Hinges by angle have a smaller error there, 0.08 %, as
-//! `2 sin(θ/2)` is less than θ. The triangles matter: equilateral ones make the same strip of 5 vertices across 15 % too soft or more.
+//! At Γ = 1000 the strip bends within `L/√Γ` of the clamp, four rows of 128. Hinges by angle have a smaller error
+//! there, 0.08 %, as `2 sin(θ/2)` is less than θ. The triangles matter: equilateral ones make the same strip of 5
+//! vertices across 15 % too soft or more.
 
 use super::models::{MODEL, MODEL_NAMES, Model};
 use super::strip::{Equilibrium, Shape, Strip};
@@ -55,8 +57,9 @@ const STEPS: usize = 4000;
 
 /// The exact solution of `θ″ + Γ(1 − s) cos θ = 0`, `θ(0) = 0`, `θ′(1) = 0`.
 ///
-/// From the tip, with `u = 1 − s` and `δ = π/2 − θ`, it is `δ″ = Γ u sin δ`, `δ′(0) = 0`, and δ only grows. The unknown is `ln δ(0)`: for a large Γ the
-/// strip hangs almost straight down, δ(0) falls like `exp(−⅔ √Γ)`, and an angle near π/2 would not keep a digit of it.
+/// From the tip, with `u = 1 − s` and `δ = π/2 − θ`, it is `δ″ = Γ u sin δ`, `δ′(0) = 0`, and δ only grows. The unknown
+/// is `ln δ(0)`: for a large Γ the strip hangs almost straight down, δ(0) falls like `exp(−⅔ √Γ)`, and an angle near
+/// π/2 would not keep a digit of it.
 pub(crate) fn exact(gamma: Real) -> Profile {
     // δ(1) grows with δ(0), and at least as fast as it would without gravity: δ(0) ≤ π/2.
     let [mut low, mut high] = [-gamma.sqrt() - 10.0, FRAC_PI_2.ln()];
@@ -71,7 +74,8 @@ pub(crate) fn exact(gamma: Real) -> Profile {
     integrate(gamma, (0.5 * (low + high)).exp()).1
 }
 
-/// δ at the clamp and the profile, for δ at the tip; δ beyond π is not followed. Classical Runge–Kutta of fourth order in `(δ, δ′, W, H)`.
+/// δ at the clamp and the profile, for δ at the tip; δ beyond π is not followed. Classical Runge–Kutta of fourth order
+/// in `(δ, δ′, W, H)`.
 fn integrate(gamma: Real, tip: Real) -> (Real, Profile) {
     let h = 1.0 / STEPS as Real;
     let slope = |u: Real, y: [Real; 4]| {

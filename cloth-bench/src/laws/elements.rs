@@ -1,4 +1,4 @@
-//! What springs and hinges amount to as a sheet (VALIDATION 3, 4).
+//! What springs and hinges amount to as a sheet.
 
 use super::{Law, Verdict};
 use crate::error::BenchError;
@@ -49,7 +49,8 @@ pub(super) const FLAT_BENDING: Law = Law {
     evaluate: flat_bending,
 };
 
-/// A patch of the pattern with unit edges (unit cells for the grids), and a window (low corner, size) in it that holds whole periods.
+/// A patch of the pattern with unit edges (unit cells for the grids), and a window (low corner, size) in it that holds
+/// whole periods.
 pub(super) fn patch(pattern: Pattern) -> Result<(TriMesh, [Real; 2], [Real; 2]), BenchError> {
     const CELLS: usize = 12;
     let side = CELLS as Real;
@@ -72,7 +73,8 @@ pub(super) fn patch(pattern: Pattern) -> Result<(TriMesh, [Real; 2], [Real; 2]),
     Ok((mesh.map_err(BenchError::failed)?, [3.123, 2.877], window))
 }
 
-/// Stress times area (N·m) of the springs under the strain `(e_xx, e_yy, 2 e_xy)`, by virtual work: `Σ ∂E/∂x ⊗ X`, symmetrised by nature.
+/// Stress times area (N·m) of the springs under the strain `(e_xx, e_yy, 2 e_xy)`, by virtual work: `Σ ∂E/∂x ⊗ X`,
+/// symmetrised by nature.
 fn stress(
     model: &cloth_core::cloth::ClothModel,
     rest: &[Vec3],

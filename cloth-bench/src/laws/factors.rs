@@ -1,10 +1,12 @@
-//! What a bending model with a given coefficient amounts to on each pattern of triangles (VALIDATION 4).
+//! What a bending model with a given coefficient amounts to on each pattern of triangles.
 //!
-//! The factors of VALIDATION 4 are those of vertices that stand *on* a surface of constant curvature. Cloth at rest need not stand so: where a pattern
-//! has vertices of two kinds, as the alternating grid has with four and with eight neighbours, the two can settle at different heights. Every hinge of that grid
-//! bends around a vertex with four neighbours, or across a diagonal between two with eight, so one offset relieves them all. The energy per area over `½ k` falls
-//! from `3 κ_xx² + 3 κ_yy² + 12 κ_xy²` by `½ (κ_xx + κ_yy)²`: on a cylinder along the grid from 3 to 2.5, on a sphere from 1.5 to 1. That
-//! is the stiffness that alternating cloth shows in equilibrium; a narrow strip, free to curve across as well, shows 2.4. Where all vertices are alike nothing settles.
+//! The closed-form factors are those of vertices that stand *on* a surface of constant curvature. Cloth at rest
+//! need not stand so: where a pattern has vertices of two kinds, as the alternating grid has with four and with eight
+//! neighbours, the two can settle at different heights. Every hinge of that grid bends around a vertex with four
+//! neighbours, or across a diagonal between two with eight, so one offset relieves them all. The energy per area over
+//! `½ k` falls from `3 κ_xx² + 3 κ_yy² + 12 κ_xy²` by `½ (κ_xx + κ_yy)²`: on a cylinder along the grid from 3 to 2.5,
+//! on a sphere from 1.5 to 1. That is the stiffness that alternating cloth shows in equilibrium; a narrow strip, free
+//! to curve across as well, shows 2.4. Where all vertices are alike nothing settles.
 
 use super::elements::{ANGLE, PATTERN, PATTERNS, Pattern, patch};
 use super::models::{MODEL, MODEL_NAMES, Model};
@@ -24,7 +26,7 @@ const SETTLED: Parameter = parameter(
 
 pub(super) const BENDING_FACTOR: Law = Law {
     name: "bending-factor",
-    about: "bending energy per area for coefficient k: over ½ k κ² on a cylinder and a saddle, over ½ k (2κ)² on a sphere (VALIDATION 4)",
+    about: "bending energy per area for coefficient k: over ½ k κ² on a cylinder and a saddle, over ½ k (2κ)² on a sphere",
     parameters: &[MODEL, PATTERN, SURFACE, ANGLE, SETTLED],
     tolerance: 1e-9,
     evaluate: bending_factor,
@@ -85,7 +87,8 @@ fn energy_by_hand(pattern: Pattern, settled: bool, [xx, yy, xy]: [Real; 3]) -> R
             })
             .sum(),
         Pattern::OneWay => 12.0 * square(xy) + 3.0 * square(xx + xy) + 3.0 * square(yy + xy),
-        // In a unit cell two hinges of each direction bend by κ + u and two diagonals by 2u, with u four times the offset: least at u = −(κ_xx + κ_yy)/6.
+        // In a unit cell two hinges of each direction bend by κ + u and two diagonals by 2u, with u four times the
+        // offset: least at u = −(κ_xx + κ_yy)/6.
         Pattern::Alternating => {
             let relief = if settled { 0.5 * square(xx + yy) } else { 0.0 };
             12.0 * square(xy) + 3.0 * square(xx) + 3.0 * square(yy) - relief

@@ -42,7 +42,7 @@ pub(crate) const MODEL_NAMES: [(&str, Model); 7] = [
 ];
 
 impl Model {
-    /// Energy of a small fold over that of the quadratic model with the same coefficient (VALIDATION 4).
+    /// Energy of a small fold over that of the quadratic model with the same coefficient.
     pub(crate) fn factor(self) -> Real {
         match self {
             Self::Bergou | Self::Curved | Self::Cubic => 1.0,

@@ -1,4 +1,4 @@
-//! Time integration: one oscillator, and free fall (VALIDATION 1).
+//! Time integration: one oscillator, and free fall.
 
 use super::{Law, Verdict, within_reach};
 use crate::error::BenchError;
@@ -216,8 +216,8 @@ fn one_step_map(mut solver: Box<dyn Stepper>) -> Result<(Real, Real), BenchError
     })
 }
 
-/// The same of BDF2. For `u = x + iv/ω` its step is `u[2] = p u[1] + q u[0]`; the first step, with a load and without, makes two pairs
-/// `u[0]`, `u[1]` that tell p and q apart.
+/// The same of BDF2. For `u = x + iv/ω` its step is `u[2] = p u[1] + q u[0]`; the first step, with a load and without,
+/// makes two pairs `u[0]`, `u[1]` that tell p and q apart.
 fn two_step_map(z: Real) -> Result<(Real, Real), BenchError> {
     let run = |force: Real| -> Result<[Complex<Real>; 2], BenchError> {
         let mut solver = Scheme::Bdf2.solver(z * z)?;

@@ -1,4 +1,4 @@
-//! Patch tests: a sheet pulled in any direction answers as its closed form says (VALIDATION 3).
+//! Patch tests: a sheet pulled in any direction answers as its closed form says.
 
 use super::{Law, Verdict};
 use crate::error::BenchError;
@@ -96,7 +96,8 @@ impl Sheet {
     }
 }
 
-/// `P` (N/m) of an affine stretch along and across a direction, by virtual work, and the largest force (N) on an inner vertex.
+/// `P` (N/m) of an affine stretch along and across a direction, by virtual work, and the largest force (N) on an inner
+/// vertex.
 fn measure(
     mesh: &TriMesh,
     energies: &Energies,

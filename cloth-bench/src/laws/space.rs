@@ -17,7 +17,7 @@ const MESH: Parameter = parameter("mesh", "grid:9x9:alternating", "a generator o
 
 pub(super) const COUNT: Law = Law {
     name: "count",
-    about: "3V − E = 3χ + E_b, on any mesh (S1 (20))",
+    about: "3V − E = 3χ + E_b, on any mesh",
     parameters: &[MESH],
     tolerance: 0.0,
     evaluate: count,
@@ -25,7 +25,7 @@ pub(super) const COUNT: Law = Law {
 
 pub(super) const NULL_SPACE: Law = Law {
     name: "null-space",
-    about: "motions that keep every edge of the bent mesh: 3χ + E_b, but at least the six rigid ones of each piece (VALIDATION 6); the flat ones are a detail",
+    about: "motions that keep every edge of the bent mesh: 3χ + E_b, but at least the six rigid ones of each piece; the flat ones are a detail",
     parameters: &[MESH],
     tolerance: 0.0,
     evaluate: null_space,
@@ -74,7 +74,7 @@ fn null_space(settings: &Settings) -> Result<Verdict, BenchError> {
         .detail("nullity_flat", rest.nullity as Real)
         .detail("self_stresses_flat", rest.self_stresses as Real)
         .detail("self_stresses_bent", curved.self_stresses as Real)
-        .detail("smallest_kept_bent", curved.smallest_kept))
+        .detail("smallest_kept_bent", curved.smallest_nonzero_singular_value))
 }
 
 fn same_minimum(settings: &Settings) -> Result<Verdict, BenchError> {

@@ -1,22 +1,24 @@
 //! A strip of cloth clamped at one end, made so that the theory of a beam holds for it, and its equilibria.
 //!
-//! The strip runs along x. Its vertices stand in rows across it, `length/rows` apart, every second row shifted by half a spacing: triangles
-//! of height h along the strip and base b across it. For an isosceles triangulation the quadratic model with coefficient k costs,
-//! with `r = b²/(4h²)` and a curvature tensor κ, per area
+//! The strip runs along x. Its vertices stand in rows across it, `length/rows` apart, every second row shifted by half
+//! a spacing: triangles of height h along the strip and base b across it. For an isosceles triangulation the quadratic
+//! model with coefficient k costs, with `r = b²/(4h²)` and a curvature tensor κ, per area
 //!
 //! `½·3k [(κ_xx − r κ_yy)² + ½(1 + r)² κ_yy² + (1 + r)²/(2r) κ_xy²]`,
 //!
-//! derived hinge by hinge as VALIDATION 4 is for equilateral triangles, the case `r = 1/3`. All vertices being alike, there is no internal relaxation. What follows:
+//! derived hinge by hinge; equilateral triangles are the case `r = 1/3`. All vertices being alike,
+//! there is no internal relaxation. What follows:
 //!
-//! - A cylinder about y folds only the edges across the strip, which are the generators: every other hinge stays flat and no triangle stretches. A rim
-//!   of edges without hinges costs nothing, as no edge of the long sides lies across. The strip is then exactly a chain of
-//!   rigid rows with the cylindrical rigidity `D = 3k`.
-//! - A narrow strip is free to curve across, `κ_yy = r κ_xx/(r² + ½(1 + r)²)`, and its rigidity falls to `D/(1 + 2r²/(1 + r)²)`: by a ninth for equilateral
-//!   triangles (`ν = −1/3`, `1 − ν² = 8/9`), by 0.15 % for triangles three times as high as wide.
+//! - A cylinder about y folds only the edges across the strip, which are the generators: every other hinge stays flat
+//!   and no triangle stretches. A rim of edges without hinges costs nothing, as no edge of the long sides lies across.
+//!   The strip is then exactly a chain of rigid rows with the cylindrical rigidity `D = 3k`.
+//! - A narrow strip is free to curve across, `κ_yy = r κ_xx/(r² + ½(1 + r)²)`, and its rigidity falls to
+//!   `D/(1 + 2r²/(1 + r)²)`: by a ninth for equilateral triangles (`ν = −1/3`, `1 − ν² = 8/9`), by 0.15 % for triangles
+//!   three times as high as wide.
 //! - The rigidity against twist is `D (1 + r)²/(2r)`, 8/3 D for equilateral triangles.
 //!
-//! The first cell is held, and the clamp of the theory is its middle: the direction of a cell belongs to its middle, so the first row that can
-//! turn does so one whole cell later. The length is measured from there.
+//! The first cell is held, and the clamp of the theory is its middle: the direction of a cell belongs to its middle, so
+//! the first row that can turn does so one whole cell later. The length is measured from there.
 
 use super::models::Model;
 use crate::error::BenchError;
@@ -31,7 +33,8 @@ use cloth_core::step::{StepInput, Stepper};
 use cloth_core::topology::{EdgeTable, HingeTable};
 use cloth_massspring::{Accept, ImplicitConfig};
 
-/// A strip of length 1 m from the clamp to the last row, of areal density 1 kg/m² and rigidity D = 1 N·m, flat in the plane z = 0.
+/// A strip of length 1 m from the clamp to the last row, of areal density 1 kg/m² and rigidity D = 1 N·m, flat in the
+/// plane z = 0.
 #[derive(Clone, Debug)]
 pub(crate) struct Strip {
     pub(crate) mesh: TriMesh,
@@ -48,7 +51,8 @@ pub(crate) struct Equilibrium {
     pub(crate) positions: Vec<Vec3>,
     /// `‖∇E − Mg‖/‖Mg‖` over the free vertices (dimensionless).
     pub(crate) residual: Real,
-    /// What rounding of the positions alone makes of it: how much it changes when every coordinate moves by half a unit in the last place.
+    /// What rounding of the positions alone makes of it: how much it changes when every coordinate moves by half a unit
+    /// in the last place.
     pub(crate) rounding: Real,
     /// How far (m) the middle of the last row moved in the last step; the distance that is left is shorter.
     pub(crate) last_move: Real,
@@ -165,8 +169,9 @@ impl Strip {
         last.iter().sum::<Vec3>() / self.across as Real
     }
 
-    /// Its rest under gravity (m/s²), found from `start` by steps of implicit Euler that are long against the fall and each start without velocity, until
-    /// the forces balance as well as rounding lets them, or to 1e-9 of the weight, and a further step moves the tip by less than 1e-8 of the length.
+    /// Its rest under gravity (m/s²), found from `start` by steps of implicit Euler that are long against the fall and
+    /// each start without velocity, until the forces balance as well as rounding lets them, or to 1e-9 of the weight,
+    /// and a further step moves the tip by less than 1e-8 of the length.
     pub(crate) fn rest(
         &self,
         start: &[Vec3],

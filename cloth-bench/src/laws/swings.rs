@@ -1,4 +1,4 @@
-//! Swings: the pendulum at any angle, and the small swings of a chain (VALIDATION 2).
+//! Swings: the pendulum at any angle, and the small swings of a chain.
 
 use super::{Law, Verdict, within_reach};
 use crate::error::BenchError;
@@ -97,7 +97,8 @@ impl Swing {
         Err(BenchError::Failed("it does not swing back".into()))
     }
 
-    /// The same without the error of second order, from steps of `dt` and `dt/2` (s); and that of the longer step alone.
+    /// The same without the error of second order, from steps of `dt` and `dt/2` (s); and that of the longer step
+    /// alone.
     fn extrapolated(&self, scheme: Scheme, dt: Real) -> Result<[Real; 2], BenchError> {
         let [coarse, fine] = [self.quarter(scheme, dt)?, self.quarter(scheme, 0.5 * dt)?];
         Ok([(4.0 * fine - coarse) / 3.0, coarse])

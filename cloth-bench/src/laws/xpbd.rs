@@ -1,4 +1,4 @@
-//! What the multipliers of XPBD obey (VALIDATION 5).
+//! What the multipliers of XPBD obey.
 
 use super::chains::{GRAVITY, chain};
 use super::{Law, Verdict, within_reach};

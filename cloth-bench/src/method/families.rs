@@ -1,15 +1,16 @@
 //! Handing the elements of a cloth to the builder of a method.
 //!
-//! Every builder takes elements by one generic call, which asks for the view that the method needs. A list of families of several kinds
-//! therefore has to be taken apart once, here: each macro names the kinds that have the view, the compiler holds it to that, and all
-//! others are refused by name.
+//! Every builder takes elements by one generic call, which asks for the view that the method needs. A list of families
+//! of several kinds therefore has to be taken apart once, here: each macro names the kinds that have the view, the
+//! compiler holds it to that, and all others are refused by name.
 
 use crate::error::BenchError;
 use cloth_core::cloth::Elements;
 use cloth_core::particles::Particles;
 use cloth_massspring::{ImplicitConfig, ImplicitEuler};
 
-/// The builder with each family added by `$add`, if it is one of the kinds listed; returns from the caller with [`refused`] otherwise.
+/// The builder with each family added by `$add`, if it is one of the kinds listed; returns from the caller with
+/// [`refused`] otherwise.
 macro_rules! add_families {
     ($builder:expr, $families:expr, $method:expr, [$($kind:ident),+], $view:expr, |$b:ident, $elements:ident| $add:expr) => {{
         let mut builder = $builder;

@@ -4,7 +4,7 @@ use crate::error::BenchError;
 use crate::scene::Scene;
 use crate::settings::{Parameter, Settings, parameter};
 use cloth_core::element::Convexity;
-use cloth_core::method::linear::{Budget, LinearMethod};
+use cloth_core::method::linear::{LinearMethod, StoppingCriteria};
 use cloth_massspring::{Damping, HessianPolicy, ImplicitConfig, Solve, StartGuess};
 
 pub(super) const EXPLICIT_SUBSTEPS: Parameter = parameter(
@@ -152,7 +152,7 @@ fn linear(
     if settings.text(parameter) == "cholesky" {
         refuse_budget(settings)?;
     }
-    let budget = Budget {
+    let budget = StoppingCriteria {
         tolerance: settings.number(tolerance)?,
         max_iterations: settings.count(&LINEAR_ITERATIONS, 1)?,
     };

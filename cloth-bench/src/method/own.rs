@@ -1,7 +1,8 @@
 //! Methods from outside the workspace.
 //!
-//! Implement [`Stepper`], describe it as an [`OwnMethod`], and give it to [`main_with`](crate::main_with): it is then in `list`, `run` takes it by name, and the studies that compare
-//! methods compare it too. `cloth-bench/examples/own-method` is a whole crate that does so.
+//! Implement [`Stepper`], describe it as an [`OwnMethod`], and give it to [`main_with`](crate::main_with): it is then
+//! in `list`, `run` takes it by name, and the studies that compare methods compare it too.
+//! `cloth-bench/examples/own-method` is a whole crate that does so.
 
 use super::{Kind, METHODS, Method};
 use crate::error::BenchError;
@@ -23,9 +24,11 @@ pub struct OwnMethod {
     pub about: &'static str,
     /// What can be set of it.
     pub parameters: &'static [Parameter],
-    /// A solver for a scene and a step size (s). Errors are [`BenchError::Usage`] for a setting out of range or an element that the method cannot take.
+    /// A solver for a scene and a step size (s). Errors are [`BenchError::Usage`] for a setting out of range or an
+    /// element that the method cannot take.
     pub build: Build,
-    /// Whether the method, solved exactly, takes the step of implicit Euler, so that its error can be measured against the minimiser.
+    /// Whether the method, solved exactly, takes the step of implicit Euler, so that its error can be measured against
+    /// the minimiser.
     pub aims_at_implicit_euler: bool,
 }
 

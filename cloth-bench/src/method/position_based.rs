@@ -17,7 +17,8 @@ const PBD_SUBSTEPS: Parameter = parameter(
     "1",
     "parts of a step, or auto: as many as xpbd takes for its strain, fewer by the root of the iterations",
 );
-/// The published setting has a name, so that a study can ask for it; [`run`](crate::commands) takes `auto` unless it is told otherwise.
+/// The published setting has a name, so that a study can ask for it; [`run`](crate::commands) takes `auto` unless it is
+/// told otherwise.
 pub(super) const XPBD_SUBSTEPS: Parameter = parameter(
     "substeps",
     PUBLISHED,
@@ -32,7 +33,8 @@ const STRAIN: Parameter = parameter(
     AUTO,
     "largest strain that the sweeps may leave, with substeps=auto; auto: 0.1, or 0.07 where there is something to touch",
 );
-/// Largest strain to be left in cloth that swings freely, and in cloth that can touch something: what stops it suddenly leaves more energy.
+/// Largest strain to be left in cloth that swings freely, and in cloth that can touch something: what stops it suddenly
+/// leaves more energy.
 const SWINGING: Real = 0.1;
 const TOUCHING: Real = 0.07;
 const PBD_ITERATIONS: Parameter = parameter("iterations", "20", "sweeps per substep");

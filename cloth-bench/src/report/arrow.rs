@@ -1,7 +1,7 @@
 //! All tables in one Arrow file, in long form: one row per value.
 //!
-//! `pandas.read_feather` and `polars.read_ipc` read it; `df[df.table == "sag-chain"].pivot(index="row", columns="column", values="number")` gives a
-//! table back.
+//! `pandas.read_feather` and `polars.read_ipc` read it;
+//! `df[df.table == "sag-chain"].pivot(index="row", columns="column", values="number")` gives a table back.
 
 use super::table::{Cell, Table};
 use crate::error::BenchError;
@@ -10,7 +10,8 @@ use arrow_array::{ArrayRef, RecordBatch};
 use arrow_ipc::writer::FileWriter;
 use std::sync::Arc;
 
-/// The file: columns `study`, `table`, `row` (from 0), `column`, `number` and `text`, of which the last two are null where the value is of the other kind or missing.
+/// The file: columns `study`, `table`, `row` (from 0), `column`, `number` and `text`, of which the last two are null
+/// where the value is of the other kind or missing.
 ///
 /// # Errors
 /// [`BenchError::Failed`] if the library refuses the data.

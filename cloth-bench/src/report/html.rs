@@ -1,4 +1,5 @@
-//! One page for everything: a single HTML file without outside resources, and without scripts unless it plays something back.
+//! One page for everything: a single HTML file without outside resources, and without scripts unless it plays something
+//! back.
 //!
 //! A section answers one question. Its answer in plain words stands directly below it, then the
 //! figures, pictures and tables it rests on, then the command that makes them again.

@@ -1,7 +1,7 @@
 //! Runs that a page plays back in three dimensions, side by side, seen by one camera.
 //!
-//! Positions are kept with 16 bits a coordinate between the lowest and the highest of the surface: a 65536th of its extent is below what a screen shows. The
-//! page needs WebGL 2 and nothing from outside.
+//! Positions are kept with 16 bits a coordinate between the lowest and the highest of the surface: a 65536th of its
+//! extent is below what a screen shows. The page needs WebGL 2 and nothing from outside.
 
 use super::html::{base64, escape};
 use crate::bounds::bounds;

@@ -1,6 +1,7 @@
 //! Plots as PNG, for slides and papers that take no SVG.
 //!
-//! The drawing is the same SVG, rasterised by resvg. That brings some forty crates in, so it is a feature of this crate, `plots-as-png`, and not there unless asked for.
+//! The drawing is the same SVG, rasterised by resvg. That brings some forty crates in, so it is a feature of this
+//! crate, `plots-as-png`, and not there unless asked for.
 
 use crate::error::BenchError;
 
@@ -46,7 +47,8 @@ impl Rasterizer {
         let mut options = resvg::usvg::Options::default();
         let fonts = options.fontdb_mut();
         fonts.load_system_fonts();
-        // What `sans-serif` means is not said in the fonts: the first that is meant to be read on a screen, or any upright one.
+        // What `sans-serif` means is not said in the fonts: the first that is meant to be read on a screen, or any
+        // upright one.
         let families = [
             "DejaVu Sans",
             "Liberation Sans",

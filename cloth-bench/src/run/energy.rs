@@ -22,18 +22,22 @@
 //! | untangling | what is held beyond what was given, after steps that began with crossing pairs and the first without |
 //! | obstacles, and prescribed vertices by contact | [`ContactSource::work`](cloth_core::contact::ContactSource::work) |
 //!
-//! Nothing holds more than it was given. What a method holds beyond it is the *excess*, energy from nowhere, whatever has made it: the method, or contact that moves the
-//! cloth without regard to what holds it together. Losses can hide it: it is above zero only where it outweighs them.
+//! Nothing holds more than it was given. What a method holds beyond it is the *excess*, energy from nowhere, whatever
+//! has made it: the method, or contact that moves the cloth without regard to what holds it together. Losses can hide
+//! it: it is above zero only where it outweighs them.
 //!
 //! # Tolerances
 //! - Below the rounding of the sums and of one step the excess is 0.
-//! - Up to 1 % of the most that was given it is reported, but no reason to warn. The energies are those of positions and velocities as they stand after a step, and
-//!   a method of first order may hold another one: symplectic Euler keeps `K + E + U − ½ h v·∂(E + U)/∂x`, with (sub)steps h, so that the sum without the last term goes up and down about
-//!   what it keeps. At its default substeps the scenes `hang`, `chain` and `cantilever` show 0.4 % of it at most.
-//! - The run has failed where motion shows what was never given: K larger by more than all that was given at any time before, after two steps in succession. (The force with which
-//!   a pin that is jerked pulls is known to sweeps and local–global iterations one step late.) The elastic energy is left out of this. Sweeps that
-//!   end early leave stretch, at their published settings too, which in the stiffness of the material may be thousands of times what was given; they correct it later without giving it back.
-//!   Twisted cloth shows it too: pins give what the multipliers say, and the elastic energy of the stretch that sweeps leave may be several times that.
+//! - Up to 1 % of the most that was given it is reported, but no reason to warn. The energies are those of positions
+//!   and velocities as they stand after a step, and a method of first order may hold another one: symplectic Euler
+//!   keeps `K + E + U − ½ h v·∂(E + U)/∂x`, with (sub)steps h, so that the sum without the last term goes up and down
+//!   about what it keeps. At its default substeps the scenes `hang`, `chain` and `cantilever` show 0.4 % of it at most.
+//! - The run has failed where motion shows what was never given: K larger by more than all that was given at any time
+//!   before, after two steps in succession. (The force with which a pin that is jerked pulls is known to sweeps and
+//!   local–global iterations one step late.) The elastic energy is left out of this. Sweeps that end early leave
+//!   stretch, at their published settings too, which in the stiffness of the material may be thousands of times what
+//!   was given; they correct it later without giving it back. Twisted cloth shows it too: pins give what the
+//!   multipliers say, and the elastic energy of the stretch that sweeps leave may be several times that.
 //!
 //! # Limits
 //! What a prescribed vertex does by the coarse links of PBD's hierarchy is not in W.
@@ -73,7 +77,8 @@ impl fmt::Display for EnergyGain {
 
 /// Excess over what was given, from which on it is worth a warning.
 pub(super) const WORTH_A_WARNING: Real = 0.01;
-/// Motion in one step, relative to the size of the coordinates, that rounding may have made, and error of a sum relative to what is added.
+/// Motion in one step, relative to the size of the coordinates, that rounding may have made, and error of a sum
+/// relative to what is added.
 const ROUNDING: Real = 1e-10;
 
 /// The account of one run.
@@ -123,8 +128,8 @@ impl EnergyBalance {
         Ok(balance)
     }
 
-    /// Goes on with the cloth of another scene in the place of the one in `before` the change. Vertices that are held from now on take their energy along, those that are
-    /// released bring theirs; what torn elements held is lost.
+    /// Goes on with the cloth of another scene in the place of the one in `before` the change. Vertices that are held
+    /// from now on take their energy along, those that are released bring theirs; what torn elements held is lost.
     pub(super) fn change(
         &mut self,
         scene: &Scene,
@@ -147,7 +152,8 @@ impl EnergyBalance {
         }
     }
 
-    /// Enters the work of a step that ended in `state`, with the load of the air (N), the work of pins (J) if the method knows it, and that of bodies (J).
+    /// Enters the work of a step that ended in `state`, with the load of the air (N), the work of pins (J) if the
+    /// method knows it, and that of bodies (J).
     pub(super) fn add_work(
         &mut self,
         state: &State,

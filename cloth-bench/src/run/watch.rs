@@ -1,7 +1,7 @@
 //! Crossings and distances after every step.
 
 use crate::error::BenchError;
-use crate::scene::{Scene, Touch};
+use crate::scene::{ContactSetup, Scene};
 use cloth_collide::{BodyProbe, SeparationProbe};
 use cloth_core::math::{Real, Vec3};
 use cloth_core::particles::State;
@@ -106,7 +106,7 @@ pub(super) fn crossed_bodies(
 
 /// Smallest distance (m) of a vertex from an obstacle, where the obstacles are at the time of the state.
 pub(super) fn min_clearance(scene: &Scene, state: &State) -> Option<Real> {
-    let obstacles = scene.touch.iter().flat_map(Touch::obstacles);
+    let obstacles = scene.touch.iter().flat_map(ContactSetup::obstacles);
     let clearances = obstacles.flat_map(|obstacle| {
         let clearance = |&x: &Vec3| obstacle.clearance(x, state.time).value;
         state.positions.iter().map(clearance)

@@ -1,6 +1,6 @@
 //! From a name and settings to a [`Scene`].
 
-use super::contact::{NO_SELF, SELF, Touch};
+use super::contact::{ContactSetup, NO_SELF, SELF};
 use super::touching::{self, Below};
 use super::{
     ASPECT, FLOOR, GRAVITY, LINK_LENGTH, LINK_MASS, LINKS, PATTERN, PINS, RIGIDITY, SCENES, SIZE,
@@ -37,7 +37,8 @@ impl SceneInfo {
 /// Builds the scene `name`. `mesh` replaces the sheet of `hang` and `drop` (a file, or a generator).
 ///
 /// # Errors
-/// [`BenchError::Usage`] for an unknown scene, a mesh that does not serve, a key that the scene does not know, or a value out of range.
+/// [`BenchError::Usage`] for an unknown scene, a mesh that does not serve, a key that the scene does not know, or a
+/// value out of range.
 pub fn build(name: &str, mesh: Option<&str>, settings: &Settings) -> Result<Scene, BenchError> {
     let info = SceneInfo::find(name)?;
     settings.check(&format!("scene `{name}`"), info.groups())?;
@@ -101,7 +102,7 @@ fn sheet(name: &'static str, mesh: Option<&str>, settings: &Settings) -> Result<
     if name == "hang" && midpoints::are_asked_for(settings)? {
         let (small, model) = midpoints::cut(settings, &mesh, &held)?;
         let gravity = up * -settings.number(&GRAVITY)?;
-        let touch = Touch::new(settings, &NO_SELF, Vec::new())?;
+        let touch = ContactSetup::new(settings, &NO_SELF, Vec::new())?;
         if !touch.is_idle() {
             return Err(BenchError::Usage(
                 "self=yes cannot be with points=midpoints: there are gaps between the small triangles, which contact would go through".into(),
@@ -133,7 +134,7 @@ fn sheet(name: &'static str, mesh: Option<&str>, settings: &Settings) -> Result<
         .as_ref()
         .map(|kind| touching::below(kind, &mesh, up, settings));
     let scene = of_mesh(name, &mesh, model, gravity);
-    let touch = Touch::new(settings, own, obstacles.transpose()?.into_iter().collect())?;
+    let touch = ContactSetup::new(settings, own, obstacles.transpose()?.into_iter().collect())?;
     Ok(Scene {
         order,
         touch: Some(touch),

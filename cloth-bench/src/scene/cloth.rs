@@ -6,7 +6,7 @@ use super::{
 use crate::error::BenchError;
 use crate::settings::{Parameter, Settings, parameter};
 use cloth_core::cloth::{
-    BendingCarrier, Carriers, Cloth, ClothModel, LevelOfDetail, Membrane, MembraneCarrier,
+    BendingCarrier, Cloth, ClothModel, CoarseMembrane, Discretization, Membrane, MembraneCarrier,
     SpringEdges, SpringLaw,
 };
 use cloth_core::math::Real;
@@ -33,12 +33,13 @@ pub(super) const LEVEL: Parameter = parameter(
     "coarse level of the mesh that keeps the cloth from stretching, from 1; 0: the mesh itself does",
 );
 pub(super) const FINE_SHARE: Parameter = parameter(
-    "fine_share",
+    "fine_fraction",
     "0.01",
     "part of the modulus that springs on edges keep beside a coarse level, from 0 to 1",
 );
 
-/// Cuts the cloth that settings describe to a mesh. `rigidity` is the parameter of the scene for D: scenes differ in its default.
+/// Cuts the cloth that settings describe to a mesh. `rigidity` is the parameter of the scene for D: scenes differ in
+/// its default.
 pub(super) fn cut(
     settings: &Settings,
     rigidity: &Parameter,
@@ -46,12 +47,14 @@ pub(super) fn cut(
 ) -> Result<ClothModel, BenchError> {
     let cloth = described(settings, rigidity)?;
     let carriers = carriers(settings)?;
-    cloth.carried_by(&carriers, mesh).map_err(BenchError::usage)
+    cloth
+        .discretized_with(&carriers, mesh)
+        .map_err(BenchError::usage)
 }
 
 /// The elements that carry it.
-pub(super) fn carriers(settings: &Settings) -> Result<Carriers, BenchError> {
-    Ok(Carriers {
+pub(super) fn carriers(settings: &Settings) -> Result<Discretization, BenchError> {
+    Ok(Discretization {
         membrane: membrane_carrier(settings)?,
         shear: optional(settings, &SHEAR)?,
         bending: bending_carrier(settings)?,
@@ -119,7 +122,7 @@ fn law(settings: &Settings) -> Result<SpringLaw, BenchError> {
         let number = |text: &str| text.trim().parse::<Real>().ok();
         Some([number(least)?, number(most)?])
     });
-    limits.map(SpringLaw::Slack).ok_or_else(|| {
+    limits.map(SpringLaw::DeadZone).ok_or_else(|| {
         BenchError::Usage(format!(
             "slack is `{text}`, but it has to be two numbers such as 0.98,1.02, or none"
         ))
@@ -130,18 +133,21 @@ fn edges(settings: &Settings) -> Result<SpringEdges, BenchError> {
     Ok(match settings.text(&EDGES) {
         "all" => SpringEdges::All,
         "quads" => SpringEdges::Quads,
-        _ => SpringEdges::Freedom(settings.number(&EDGES)?),
+        _ => SpringEdges::DofFraction(settings.number(&EDGES)?),
     })
 }
 
-fn detail(settings: &Settings) -> Result<Option<LevelOfDetail>, BenchError> {
+fn detail(settings: &Settings) -> Result<Option<CoarseMembrane>, BenchError> {
     let level = settings.count(&LEVEL, 0)?;
     if level == 0 {
         settings.refuse_without(&FINE_SHARE, "a level of 1 or more")?;
         return Ok(None);
     }
-    let fine_share = settings.number(&FINE_SHARE)?;
-    Ok(Some(LevelOfDetail { level, fine_share }))
+    let fine_fraction = settings.number(&FINE_SHARE)?;
+    Ok(Some(CoarseMembrane {
+        level,
+        fine_fraction,
+    }))
 }
 
 fn bending_carrier(settings: &Settings) -> Result<BendingCarrier, BenchError> {

@@ -66,7 +66,8 @@ pub(super) enum Body {
     Animated(TriMesh, AnimatedMesh),
 }
 
-/// Splits of an icosahedron's edges so fine that its sphere (m) comes out of no triangle by more than a quarter of the thickness (m).
+/// Splits of an icosahedron's edges so fine that its sphere (m) comes out of no triangle by more than a quarter of the
+/// thickness (m).
 ///
 /// Edges are 1.3 R/n at most, and the sphere is e²/6R above the middle of a triangle.
 pub(super) fn splits(radius: Real, thickness: Real) -> usize {
@@ -86,7 +87,7 @@ pub(super) struct PieceContact {
 
 /// Everything that a cloth can touch.
 #[derive(Clone, Debug)]
-pub struct Touch {
+pub struct ContactSetup {
     /// Whether contact is switched on.
     is_on: bool,
     self_collision: bool,
@@ -101,7 +102,7 @@ pub struct Touch {
     pub(super) pieces: Option<PieceContact>,
 }
 
-impl Touch {
+impl ContactSetup {
     /// As the settings say, with these bodies. `own` is the scene's parameter for cloth against itself.
     pub(super) fn new(
         settings: &Settings,

@@ -1,8 +1,9 @@
 //! Scenes of your own: a TOML file in the place of a scene's name.
 //!
-//! Every key, with its unit, default and range, is in [`SECTIONS`], which `cloth-bench list` shows; `cloth-bench/scenes` has examples. What is wrong with a
-//! file is said with its line and key, and an unknown key is answered with the nearest known one. Keys of `[cloth]` and `[contact]` are those of `--set`, which
-//! overrules the file.
+//! Every key, with its unit, default and range, is in [`SECTIONS`], which `cloth-bench list` shows;
+//! `cloth-bench/scenes` has examples. What is wrong with a file is said with its line and key, and an unknown key is
+//! answered with the nearest known one. Keys of `[cloth]` and `[contact]` are those of `--set`, which overrules the
+//! file.
 
 mod air;
 mod build;

@@ -1,4 +1,5 @@
-//! A sheet whose degrees of freedom are the middles of its edges: the remedy against locking that is no matter of springs (MS-6).
+//! A sheet whose degrees of freedom are the middles of its edges: the remedy against locking that is no matter of
+//! springs.
 
 use super::cloth::{self, COMPRESSION, EDGES, FINE_SHARE, LEVEL, SLACK};
 use super::{BENDING, BENDING_STIFFNESS, RIGIDITY, SHEAR};
@@ -31,8 +32,8 @@ pub(super) fn are_asked_for(settings: &Settings) -> Result<bool, BenchError> {
     settings.choice(&POINTS, &[("vertices", false), ("midpoints", true)])
 }
 
-/// Cuts the cloth that settings describe to the midpoints of a mesh. A vertex that is held holds the middles of all its edges. Returns the small triangles between midpoints, and the
-/// cloth on them.
+/// Cuts the cloth that settings describe to the midpoints of a mesh. A vertex that is held holds the middles of all its
+/// edges. Returns the small triangles between midpoints, and the cloth on them.
 pub(super) fn cut(
     settings: &Settings,
     mesh: &TriMesh,

@@ -7,7 +7,8 @@ use cloth_core::particles::ParticleError;
 /// A vertex counts as one of the highest if it is no farther below the top than this fraction of the height.
 const HIGHEST: Real = 0.01;
 
-/// The vertices that `text` names: `none`, `corners` (of the sheet seen along `up`, both at one end of it), `highest`, or numbers.
+/// The vertices that `text` names: `none`, `corners` (of the sheet seen along `up`, both at one end of it), `highest`,
+/// or numbers.
 pub(super) fn chosen(text: &str, positions: &[Vec3], up: Vec3) -> Result<Vec<usize>, BenchError> {
     match text {
         "none" => Ok(Vec::new()),

@@ -1,6 +1,6 @@
-//! Scenes that are about contact (COL-9).
+//! Scenes that are about contact.
 
-use super::contact::{Body, SELF, THICKNESS, Touch, splits};
+use super::contact::{Body, ContactSetup, SELF, THICKNESS, splits};
 use super::{GRAVITY, PATTERN, RIGIDITY, ROPE, SHEETS, SIZE, Scene, TURNS, build, cloth};
 use crate::error::BenchError;
 use crate::mesh_spec::PATTERNS;
@@ -148,7 +148,7 @@ pub(super) fn fold(name: &'static str, settings: &Settings) -> Result<Scene, Ben
     let floor = below(&Below::Floor(0.0), &mesh, Vec3::z(), settings)?;
     let mut scene = Scene {
         steps: 180,
-        touch: Some(Touch::new(settings, &SELF, vec![floor])?),
+        touch: Some(ContactSetup::new(settings, &SELF, vec![floor])?),
         ..build::of_mesh(name, &mesh, model, gravity(settings)?)
     };
     for x in &mut scene.start.positions {
@@ -157,14 +157,17 @@ pub(super) fn fold(name: &'static str, settings: &Settings) -> Result<Scene, Ben
     Ok(scene)
 }
 
-/// A narrow towel of 1 m by 0.1 m whose ends are turned against each other by an angle θ, and brought nearer as it becomes a rope.
+/// A narrow towel of 1 m by 0.1 m whose ends are turned against each other by an angle θ, and brought nearer as it
+/// becomes a rope.
 ///
-/// A strand that winds around the axis at a radius r, by θ in all, is a helix: as long as the hypotenuse of its axial length and r θ. So that it keeps its length L, the ends come to
-/// √(L² − r² θ²) of each other, at a constant rate: for 4 turns at 2.5 cm, 0.63 m around the axis, from 1 m to 0.78 m. On the way there they are nearer than
-/// a helix would have them. An edge of the towel that stayed 5 cm away from the axis would have to be 1.48 m long; so it has to roll up, and contact is all that keeps it from the axis.
+/// A strand that winds around the axis at a radius r, by θ in all, is a helix: as long as the hypotenuse of its axial
+/// length and r θ. So that it keeps its length L, the ends come to √(L² − r² θ²) of each other, at a constant rate: for
+/// 4 turns at 2.5 cm, 0.63 m around the axis, from 1 m to 0.78 m. On the way there they are nearer than a helix would
+/// have them. An edge of the towel that stayed 5 cm away from the axis would have to be 1.48 m long; so it has to roll
+/// up, and contact is all that keeps it from the axis.
 ///
-/// The rope is made of few triangles, so a corner of one layer may catch in another, and there the towel is stretched. That is in the shape, not in a method. With 33 vertices
-/// along, edges are as long as the radius of the rope.
+/// The rope is made of few triangles, so a corner of one layer may catch in another, and there the towel is stretched.
+/// That is in the shape, not in a method. With 33 vertices along, edges are as long as the radius of the rope.
 pub(super) fn twist(name: &'static str, settings: &Settings) -> Result<Scene, BenchError> {
     const SIZES: [Real; 2] = [1.0, 0.1];
     /// How long the turning takes (s).
@@ -201,7 +204,7 @@ pub(super) fn twist(name: &'static str, settings: &Settings) -> Result<Scene, Be
     Ok(Scene {
         steps: 240,
         pins: Some(Arc::new(pins)),
-        touch: Some(Touch::new(settings, &SELF, Vec::new())?),
+        touch: Some(ContactSetup::new(settings, &SELF, Vec::new())?),
         ..build::of_mesh(name, &mesh, model, gravity(settings)?)
     })
 }
@@ -224,7 +227,7 @@ pub(super) fn stack(name: &'static str, settings: &Settings) -> Result<Scene, Be
     let floor = below(&Below::Floor(0.0), &mesh, Vec3::z(), settings)?;
     Ok(Scene {
         steps: 120,
-        touch: Some(Touch::new(settings, &SELF, vec![floor])?),
+        touch: Some(ContactSetup::new(settings, &SELF, vec![floor])?),
         ..build::of_mesh(name, &mesh, model, gravity(settings)?)
     })
 }

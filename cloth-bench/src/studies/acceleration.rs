@@ -1,4 +1,4 @@
-//! What Chebyshev extrapolation, over-relaxation and a hierarchy save, in sweeps and in time (BENCH-1; PBD-2, PBD-3, XPBD-4).
+//! What Chebyshev extrapolation, over-relaxation and a hierarchy save, in sweeps and in time.
 
 mod chains;
 mod needed;
@@ -53,7 +53,8 @@ struct Way {
     settings: Settings,
 }
 
-/// The ways to go through one problem on a sheet of `n` vertices a side; the first is what the others are compared with.
+/// The ways to go through one problem on a sheet of `n` vertices a side; the first is what the others are compared
+/// with.
 fn ways(problem: &str, n: u32) -> Vec<Way> {
     let angle = FRAC_PI_2 / Real::from(n - 1);
     let relaxation = 2.0 / (1.0 + angle.sin());
@@ -92,7 +93,8 @@ fn ways(problem: &str, n: u32) -> Vec<Way> {
     if problem == "falling" {
         return ways;
     }
-    // Rigid projections do not look at k; PBD's and XPBD's sweeps are then the same, and the first line shows what λ costs.
+    // Rigid projections do not look at k; PBD's and XPBD's sweeps are then the same, and the first line shows what λ
+    // costs.
     ways.extend([
         of("pbd", "coloured", std::slice::from_ref(&rigid)),
         of("pbd", "coloured, SOR", &[rigid.clone(), sor]),

@@ -1,4 +1,4 @@
-//! How cloth bends: a heavy strip against its exact curve, and what each model amounts to on each pattern (VALIDATION 4).
+//! How cloth bends: a heavy strip against its exact curve, and what each model amounts to on each pattern.
 
 use super::{Cases, Findings, Scope, Study};
 use crate::error::BenchError;
@@ -244,7 +244,8 @@ fn refinement(findings: &mut Findings, cases: &mut Cases<'_>) {
     findings.data("bending-refinement", table);
 }
 
-/// Directions of the curvature (degrees) of the cylinder that are measured, and of the points of the exact curve between them.
+/// Directions of the curvature (degrees) of the cylinder that are measured, and of the points of the exact curve
+/// between them.
 fn directions(count: i32) -> impl Iterator<Item = Real> {
     (0..=count).map(move |step| 180.0 * Real::from(step) / Real::from(count))
 }
@@ -275,7 +276,8 @@ fn bent(model: Model, pattern: Pattern, (surface, degrees, settled): (usize, Rea
     }
 }
 
-/// The factors of every model and pattern, and the factor of a cylinder by direction. Returns the largest relative distance from the closed forms.
+/// The factors of every model and pattern, and the factor of a cylinder by direction. Returns the largest relative
+/// distance from the closed forms.
 fn factors(findings: &mut Findings, cases: &mut Cases<'_>) -> Real {
     let mut table = Table::new(&[
         "model",

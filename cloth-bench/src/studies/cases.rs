@@ -1,7 +1,8 @@
 //! The cases that a study is cut into.
 //!
-//! A case has a name and a result, and depends on no other case. So it can be left out when it is finished already, or when another machine runs it; what several cases
-//! need, such as a reference, is a [`Late`] value, found when the first of them asks for it.
+//! A case has a name and a result, and depends on no other case. So it can be left out when it is finished already, or
+//! when another machine runs it; what several cases need, such as a reference, is a [`LazyCell`] value, found when the
+//! first of them asks for it.
 
 use super::Findings;
 use crate::error::BenchError;
@@ -61,10 +62,12 @@ impl<'a> Cases<'a> {
         self.own_scene.as_deref()
     }
 
-    /// The result of the case `name`: of `work`, now or when it was finished. A case that falls to another run has the default value.
+    /// The result of the case `name`: of `work`, now or when it was finished. A case that falls to another run has the
+    /// default value.
     ///
     /// # Errors
-    /// That of `work`, now or then; [`BenchError::Failed`] if the journal cannot be written, or if the name is not the only one of its kind.
+    /// That of `work`, now or then; [`BenchError::Failed`] if the journal cannot be written, or if the name is not the
+    /// only one of its kind.
     pub(crate) fn case<T: Serialize + DeserializeOwned + Default>(
         &mut self,
         name: &str,
@@ -88,8 +91,9 @@ impl<'a> Cases<'a> {
         self.keep(name, started.elapsed().as_secs_f64(), outcome)
     }
 
-    /// The results of one case per item, in their order. Those that are not finished are run side by side, as many as rayon has threads, each with one thread of its own.
-    /// For results that hold no times: cores that are all busy share their memory, and measure each other.
+    /// The results of one case per item, in their order. Those that are not finished are run side by side, as many as
+    /// rayon has threads, each with one thread of its own. For results that hold no times: cores that are all busy
+    /// share their memory, and measure each other.
     pub(crate) fn side_by_side<I, T>(
         &mut self,
         items: &[I],
@@ -210,7 +214,8 @@ impl<'a> Cases<'a> {
         outcome
     }
 
-    /// A case that fills findings of its own, which are added to those of the study, and draws a conclusion: none if it failed, which is a finding too.
+    /// A case that fills findings of its own, which are added to those of the study, and draws a conclusion: none if it
+    /// failed, which is a finding too.
     pub(crate) fn chapter<T: Serialize + DeserializeOwned + Default>(
         &mut self,
         name: &str,
@@ -241,12 +246,12 @@ enum Told<T> {
 }
 
 /// A value that several cases need, found when it is asked for the first time.
-pub(crate) struct Late<T, F> {
+pub(crate) struct LazyCell<T, F> {
     find: F,
     found: Option<Result<T, BenchError>>,
 }
 
-impl<T, F: FnMut() -> Result<T, BenchError>> Late<T, F> {
+impl<T, F: FnMut() -> Result<T, BenchError>> LazyCell<T, F> {
     pub(crate) fn new(find: F) -> Self {
         Self { find, found: None }
     }
@@ -264,18 +269,19 @@ impl<T, F: FnMut() -> Result<T, BenchError>> Late<T, F> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::journal::Heading;
+    use crate::journal::RunHeader;
     use std::sync::Mutex;
 
-    fn heading() -> Heading {
-        Heading {
+    fn heading() -> RunHeader {
+        RunHeader {
             studies: vec!["squares".into()],
             quick: true,
             facts: Vec::new(),
         }
     }
 
-    /// Results come in the order of the items, whichever ended first; what is finished is not run again, and what falls to another run is left out.
+    /// Results come in the order of the items, whichever ended first; what is finished is not run again, and what falls
+    /// to another run is left out.
     #[test]
     fn cases_side_by_side_are_those_one_after_the_other() {
         let folder = std::env::temp_dir().join(format!("cloth-cases-{}", std::process::id()));

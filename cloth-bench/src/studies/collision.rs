@@ -1,4 +1,5 @@
-//! Scenes with contact, by every kind of method: what it costs, and whether anything crosses (COL-9); and the continuous queries that it rests on.
+//! Scenes with contact, by every kind of method: what it costs, and whether anything crosses; and the
+//! continuous queries that it rests on.
 
 mod crumple;
 mod queries;

@@ -1,8 +1,8 @@
-//! Error inside one implicit step, per iteration and per second, for every method (BENCH-1; VALIDATION 8.1).
+//! Error inside one implicit step, per iteration and per second, for every method.
 
 mod ways;
 
-use super::cases::Late;
+use super::cases::LazyCell;
 use super::sheets::TestSheet;
 use super::{Cases, Findings, Scope, Study};
 use crate::bounds::bounds;
@@ -85,7 +85,7 @@ fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
         let TestSheet {
             name, size, scene, ..
         } = sheet;
-        let mut problem = Late::new(|| sheet.sixteenth_step());
+        let mut problem = LazyCell::new(|| sheet.sixteenth_step());
         let mut curves = Curves::default();
         let mut reached: Vec<(String, Sample)> = Vec::new();
         for (label, method, settings, most) in iterated(scope) {
@@ -180,7 +180,8 @@ fn fastest_to(reached: &[(String, Sample)]) -> String {
 /// Time (s) after which a step is not repeated any more.
 const LONG: Real = 5.0;
 
-/// What one whole step reaches, and the median of its times over some repetitions after a warm-up; fewer of them where they take long.
+/// What one whole step reaches, and the median of its times over some repetitions after a warm-up; fewer of them where
+/// they take long.
 fn repeated(
     problem: &StepProblem,
     solver: &mut dyn Stepper,

@@ -1,4 +1,4 @@
-//! What becomes of energy and momentum over ten seconds (VALIDATION 1).
+//! What becomes of energy and momentum over ten seconds.
 
 use super::{Cases, Findings, Scope, Study};
 use crate::error::BenchError;
@@ -164,7 +164,8 @@ fn oscillator() -> Result<Scene, BenchError> {
     Ok(scene)
 }
 
-/// What the oscillator keeps of its energy, where a closed form says so (VALIDATION 1). One spring is solved exactly by one iteration of anything that aims at implicit Euler.
+/// What the oscillator keeps of its energy, where a closed form says so. One spring is solved exactly by
+/// one iteration of anything that aims at implicit Euler.
 fn exact(name: &str, substeps: u32, steps_per_second: u32) -> Option<Real> {
     let count = SECONDS * Real::from(steps_per_second) * Real::from(substeps);
     let z = OMEGA * SECONDS / count;
@@ -467,7 +468,8 @@ mod tests {
         }
     }
 
-    /// Central forces keep linear momentum in every method, and angular momentum in a symplectic one; implicit Euler loses some of it.
+    /// Central forces keep linear momentum in every method, and angular momentum in a symplectic one; implicit Euler
+    /// loses some of it.
     #[test]
     fn momenta_are_kept_by_those_that_should() {
         let scene = free(5).unwrap();

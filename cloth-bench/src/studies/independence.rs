@@ -1,4 +1,4 @@
-//! Is it the same cloth on another mesh and with another step (BENCH-3; VALIDATION 8.6)?
+//! Is it the same cloth on another mesh and with another step?
 
 use super::{Cases, Findings, Scope, Study};
 use crate::error::BenchError;

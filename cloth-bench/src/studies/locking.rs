@@ -1,4 +1,4 @@
-//! Bending lock: counted, measured, and cured (BENCH-2, MS-6; VALIDATION 6).
+//! Bending lock: counted, measured, and cured.
 
 mod cone;
 mod count;

@@ -1,4 +1,5 @@
-//! Where the time of a Newton iteration goes, which ordering and linear solver win at which size, and what a whole step costs with each.
+//! Where the time of a Newton iteration goes, which ordering and linear solver win at which size, and what a whole step
+//! costs with each.
 
 mod parts;
 mod solvers;
@@ -144,7 +145,8 @@ impl System {
     }
 }
 
-/// Median time (s) of some runs, the first not counted: half a second's worth, but three to fifty, or one of something slow.
+/// Median time (s) of some runs, the first not counted: half a second's worth, but three to fifty, or one of something
+/// slow.
 fn seconds(mut work: impl FnMut()) -> Real {
     let started = Instant::now();
     work();

@@ -1,4 +1,4 @@
-//! Projective dynamics by acceleration, resolution and stiffness (BENCH-1; PD-3).
+//! Projective dynamics by acceleration, resolution and stiffness.
 
 mod factor;
 mod swing;
@@ -70,7 +70,8 @@ const SHORT: (&str, Pairs) = (
     &[("iterations", "6"), ("coarse", "8"), ("history", "5")],
 );
 
-/// For seconds of motion: at 64 vertices a side within 4 % of converged implicit Euler in the largest stretch on average, 1 % at the end.
+/// For seconds of motion: at 64 vertices a side within 4 % of converged implicit Euler in the largest stretch on
+/// average, 1 % at the end.
 const LONG: (&str, Pairs) = (
     "18 iterations, 16 cells, 2 pairs",
     &[("iterations", "18"), ("coarse", "16"), ("history", "2")],

@@ -1,4 +1,4 @@
-//! From impossible starts back to a sheet (BENCH-5; VALIDATION 8.5).
+//! From impossible starts back to a sheet.
 
 use super::{Cases, Findings, Scope, Study};
 use crate::error::BenchError;

@@ -1,4 +1,4 @@
-//! What a setting of XPBD leaves, and whether the settings guide of its chapter is right (BENCH-3; VALIDATION 5).
+//! What a setting of XPBD leaves, and whether the settings guide of its chapter is right.
 
 use super::{Cases, Findings, Scope, Study};
 use crate::error::BenchError;

@@ -23,7 +23,8 @@ pub(super) fn hanging(n: u32, stiffness: Real) -> Settings {
 /// The steps that [`sixteenth_step`] has found.
 static FOUND: Mutex<Vec<(Settings, Arc<StepProblem>)>> = Mutex::new(Vec::new());
 
-/// The sixteenth step of the scene `hang` with some settings. Several studies look at it, and on a large sheet Newton's method takes a minute to get there, so it is kept.
+/// The sixteenth step of the scene `hang` with some settings. Several studies look at it, and on a large sheet Newton's
+/// method takes a minute to get there, so it is kept.
 ///
 /// # Errors
 /// Those of [`scene::build`] and [`StepProblem::after`].
@@ -39,8 +40,9 @@ pub(super) fn sixteenth_step(settings: &Settings) -> Result<Arc<StepProblem>, Be
     Ok(problem)
 }
 
-/// Traces a step with a solver that has taken one, the first of the scene under `gravity` (m/s²): what is done once, such as the matrix of projective dynamics, an
-/// analysis or coarse levels, has been done. Without gravity a method that looks at its gradient has nothing else to do.
+/// Traces a step with a solver that has taken one, the first of the scene under `gravity` (m/s²): what is done once,
+/// such as the matrix of projective dynamics, an analysis or coarse levels, has been done. Without gravity a method
+/// that looks at its gradient has nothing else to do.
 ///
 /// # Errors
 /// [`BenchError::Failed`] with the solver's own error.
@@ -100,7 +102,8 @@ impl TestSheet {
     /// The scene of a file.
     ///
     /// # Errors
-    /// [`BenchError::Usage`] with the line of what is wrong in it, or if it has contact, air or moving pins: the references have none of these.
+    /// [`BenchError::Usage`] with the line of what is wrong in it, or if it has contact, air or moving pins: the
+    /// references have none of these.
     pub(super) fn own(path: &Path) -> Result<Self, BenchError> {
         let scene = file::build(path, &Settings::default())?;
         if !scene.is_plain() {

@@ -1,4 +1,4 @@
-//! What the features cost that a scene does not use: time, dependencies, build (BENCH-6).
+//! What the features cost that a scene does not use: time, dependencies, build.
 
 use super::turns::in_turns;
 use super::{Cases, Findings, Scope, Study};
@@ -218,7 +218,8 @@ fn times(scope: Scope, feature: &str, method: &str) -> Result<[Real; 4], BenchEr
     Ok([turns.seconds[0], again, unused, used])
 }
 
-/// Number of crates that a crate brings in, and the seconds that building all of it takes; no seconds for the small scope.
+/// Number of crates that a crate brings in, and the seconds that building all of it takes; no seconds for the small
+/// scope.
 fn weight(scope: Scope, name: &str, features: &str) -> Result<(usize, Option<Real>), BenchError> {
     let cargo = || {
         let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");

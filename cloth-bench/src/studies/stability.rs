@@ -1,4 +1,4 @@
-//! Where the methods stop working: maps of step size, stiffness, ratios and mesh quality (BENCH-5; VALIDATION 1 and 8.5).
+//! Where the methods stop working: maps of step size, stiffness, ratios and mesh quality.
 
 use super::{Cases, Findings, Scope, Study};
 use crate::error::BenchError;
@@ -93,7 +93,8 @@ fn rows(scope: Scope) -> Vec<Row> {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 enum Fate {
     Ok,
-    /// Elastic energy that a solver cut short leaves in the springs, after this step; the sheet does not move faster than it may.
+    /// Elastic energy that a solver cut short leaves in the springs, after this step; the sheet does not move faster
+    /// than it may.
     Strained(u32),
     /// After this step.
     Grew(u32),

@@ -1,4 +1,4 @@
-//! How stiff a material is as simulated, against iterations and step size (BENCH-3; VALIDATION 5).
+//! How stiff a material is as simulated, against iterations and step size.
 
 use super::{Cases, Findings, Scope, Study};
 use crate::error::BenchError;
@@ -149,7 +149,8 @@ fn one_constraint(points: &[(Real, u32, Real)]) -> Result<Vec<Vec<Number>>, Benc
     on_one_constraint().into_iter().map(measure).collect()
 }
 
-/// What was measured, and the closed forms, as curves; and the largest relative distance between them among the points where rounding leaves six digits.
+/// What was measured, and the closed forms, as curves; and the largest relative distance between them among the points
+/// where rounding leaves six digits.
 fn curves(
     points: &[(Real, u32, Real)],
     measured: &[Vec<Number>],
@@ -292,7 +293,8 @@ fn chain(
     Ok(())
 }
 
-/// Stretch (m) of the chain when nothing moves any more, and the steps that took; `None` if it still moved after the last.
+/// Stretch (m) of the chain when nothing moves any more, and the steps that took; `None` if it still moved after the
+/// last.
 fn at_rest(scene: &Scene, solver: &mut dyn Stepper) -> Result<(Real, Option<usize>), BenchError> {
     let mut state = scene.start.clone();
     let steps = run::to_rest(scene, solver, &mut state, scene.dt, 6000, 1e-8)?;

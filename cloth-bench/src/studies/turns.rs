@@ -20,9 +20,11 @@ pub(super) struct Turns<const N: usize> {
     pub(super) ratios: [Real; N],
 }
 
-/// Compares `N` ways, of which `time` runs the one with that index and gives its time (s): in rounds of one run of each, for `least` seconds, after one that warms up.
+/// Compares `N` ways, of which `time` runs the one with that index and gives its time (s): in rounds of one run of
+/// each, for `least` seconds, after one that warms up.
 ///
-/// What slows the machine for a while slows a whole round, and so leaves the ratios within it alone. Of shortest times, each may come from another while.
+/// What slows the machine for a while slows a whole round, and so leaves the ratios within it alone. Of shortest times,
+/// each may come from another while.
 ///
 /// # Errors
 /// The first of `time`.

@@ -1,6 +1,6 @@
-//! What an error in the motion costs: run time against the distance from the trajectory in continuous time (BENCH-4; VALIDATION 8.2, 8.3).
+//! What an error in the motion costs: run time against the distance from the trajectory in continuous time.
 
-use super::cases::Late;
+use super::cases::LazyCell;
 use super::sheets::TestSheet;
 use super::{Cases, Findings, Scope, Study};
 use crate::error::BenchError;
@@ -43,7 +43,8 @@ fn side(scope: Scope) -> u32 {
     }
 }
 
-/// Steps per second. The direct solver of XPBD ends where implicit Euler does, at fifty times the price: coarse steps show it.
+/// Steps per second. The direct solver of XPBD ends where implicit Euler does, at fifty times the price: coarse steps
+/// show it.
 fn rates(scope: Scope, label: &str) -> &'static [u32] {
     match (scope, label) {
         (Scope::Quick, _) => &[60, 120, 240],
@@ -183,7 +184,7 @@ fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
     let sheets = TestSheet::of_study(cases, &[side(scope)])?;
     let sheet = &sheets[0];
     let scene = &sheet.scene;
-    let mut reference = Late::new(|| Reference::of(scene));
+    let mut reference = LazyCell::new(|| Reference::of(scene));
     let doubt = cases.case("reference", || Ok(reference.get()?.doubt));
     // Everything else is compared with it.
     let Some(doubt) = findings.unless_failed("reference", doubt) else {

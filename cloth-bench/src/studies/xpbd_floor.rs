@@ -1,4 +1,4 @@
-//! How far converged XPBD is from the implicit Euler step, against the step size (VALIDATION 5).
+//! How far converged XPBD is from the implicit Euler step, against the step size.
 
 use super::{Cases, Findings, Scope, Study};
 use crate::error::BenchError;
@@ -24,7 +24,8 @@ pub(super) const STUDY: Study = Study {
     run,
 };
 
-/// Links of the chain, and sweeps: a stiff chain of N links keeps cos²(π/2N) of its error per sweep, so this leaves rounding.
+/// Links of the chain, and sweeps: a stiff chain of N links keeps cos²(π/2N) of its error per sweep, so this leaves
+/// rounding.
 const LINKS: u32 = 10;
 const SWEEPS: u32 = 8000;
 /// When the step is taken (s).

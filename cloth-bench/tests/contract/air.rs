@@ -7,7 +7,8 @@ use cloth_bench::settings::Settings;
 use cloth_core::math::{Real, Vec3};
 use std::path::PathBuf;
 
-/// A flat sheet that falls flat is at rest relative to itself: the drag, half ρ C_D v² of each square metre, alone ends the fall.
+/// A flat sheet that falls flat is at rest relative to itself: the drag, half ρ C_D v² of each square metre, alone ends
+/// the fall.
 #[test]
 fn a_falling_sheet_reaches_the_speed_at_which_the_air_carries_it() {
     let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("air");

@@ -1,4 +1,4 @@
-//! The hook of contact, in every method, with and without strain limiting (COL-9).
+//! The hook of contact, in every method, with and without strain limiting.
 
 use crate::common::{methods, scene};
 use crate::counting_allocator::allocations_once_warm;
@@ -107,7 +107,7 @@ fn variants() -> impl Iterator<Item = (&'static Method, Settings)> {
 #[test]
 fn a_step_that_contact_refuses_has_not_happened() {
     let scene = scene("hang", &["n=5"]);
-    let reason = ContactError::NoWay { vertex: 7 };
+    let reason = ContactError::Infeasible { vertex: 7 };
     let expected = StepError::Contact {
         reason: reason.clone(),
         step: 1,

@@ -68,8 +68,8 @@ fn the_work_of_the_wind_is_all_that_a_blown_sheet_holds() {
     );
 }
 
-/// A plate at rest that a floor of speed u catches: the potential has no law of impact, it catches over some distance and may give back what it has stored, but it makes
-/// nothing either.
+/// A plate at rest that a floor of speed u catches: the potential has no law of impact, it catches over some distance
+/// and may give back what it has stored, but it makes nothing either.
 #[test]
 fn a_floor_that_catches_a_sheet_makes_no_energy() {
     let text = "gravity = [0, 0, 0]\n[[mesh]]\ngenerator = \"grid:5x5:alternating\"\n[[obstacle]]\nshape = \"plane\"\nposition = [0, 0, -0.02]\nvelocity = [0, 0, 2]\n";

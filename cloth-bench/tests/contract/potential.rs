@@ -134,7 +134,8 @@ fn floor() -> Obstacle {
     Obstacle::new(HalfSpace::new(Vec3::z()).unwrap())
 }
 
-/// A sheet at rest on a floor: the gap is h − ρ g/κ, whatever the pattern, the resolution and the integrator, and the potential holds ½ (ρ g)²/κ per area.
+/// A sheet at rest on a floor: the gap is h − ρ g/κ, whatever the pattern, the resolution and the integrator, and the
+/// potential holds ½ (ρ g)²/κ per area.
 #[test]
 fn sheet_rests_where_its_weight_says() {
     let gap = THICKNESS - DENSITY * GRAVITY / STIFFNESS;
@@ -163,9 +164,9 @@ fn sheet_rests_where_its_weight_says() {
     }
 }
 
-/// A sheet on a slope of 30°: slides by a Δt² n (n + 1)/2 with a = g (sin α − μ cos α) if that is positive, and sticks otherwise, a hundredth of the thickness
-/// times tan α/μ below where it began, for ever. The midpoint rule
-/// takes some steps to find out that contact lasts, and has the same acceleration then.
+/// A sheet on a slope of 30°: slides by a Δt² n (n + 1)/2 with a = g (sin α − μ cos α) if that is positive, and sticks
+/// otherwise, a hundredth of the thickness times tan α/μ below where it began, for ever. The midpoint rule takes some
+/// steps to find out that contact lasts, and has the same acceleration then.
 #[test]
 fn sheet_on_a_slope_slides_or_sticks() {
     let angle = 30f64.to_radians();
@@ -267,7 +268,8 @@ fn stack_carries_its_weight() {
     }
 }
 
-/// A sheet falls on a ball and wraps it, in steps of 1/60 s: converged, without a crossing, with all vertices outside, and without energy from nowhere.
+/// A sheet falls on a ball and wraps it, in steps of 1/60 s: converged, without a crossing, with all vertices outside,
+/// and without energy from nowhere.
 #[test]
 fn sheet_falls_on_a_ball() {
     let mesh = grid(17, 17, 1.0, 1.0, Diagonals::Alternating).unwrap();
@@ -352,7 +354,8 @@ fn sheets_that_meet_keep_their_momentum() {
         assert!(change < 1e-14, "{name}: {change:e}");
         let mean = |v: &[Vec3]| v.iter().map(|v| v.z).sum::<Real>() / v.len() as Real;
         let apart = mean(&state.velocities[count..]) - mean(&state.velocities[..count]);
-        // They meet at 1 m/s; what is left of that is the bending of rims that hang over, which the midpoint rule does not damp.
+        // They meet at 1 m/s; what is left of that is the bending of rims that hang over, which the midpoint rule does
+        // not damp.
         let most = if name == "implicit-midpoint" {
             5e-2
         } else {
@@ -362,7 +365,8 @@ fn sheets_that_meet_keep_their_momentum() {
     }
 }
 
-/// A floor that moves sideways takes a sheet along, and works what becomes of its motion and of friction; a floor that rises carries it.
+/// A floor that moves sideways takes a sheet along, and works what becomes of its motion and of friction; a floor that
+/// rises carries it.
 #[test]
 fn moving_floor_takes_a_sheet_along() {
     let mesh = grid(9, 9, 0.4, 0.4, Diagonals::Alternating).unwrap();
@@ -405,8 +409,9 @@ fn moving_floor_takes_a_sheet_along() {
     }
 }
 
-/// A strip over a fixed cylinder with forces at both ends: slips if and only if their ratio is above that of the polygon of N vertices that turn by δ each,
-/// `((1 + μ tan δ/2)/(1 − μ tan δ/2))^N`, here 2.575 (for the smooth cylinder e^{μθ}, 2.566).
+/// A strip over a fixed cylinder with forces at both ends: slips if and only if their ratio is above that of the
+/// polygon of N vertices that turn by δ each, `((1 + μ tan δ/2)/(1 − μ tan δ/2))^N`, here 2.575 (for the smooth
+/// cylinder e^{μθ}, 2.566).
 #[test]
 fn strip_over_a_cylinder_slips_above_the_ratio_of_the_capstan() {
     let (radius, friction, turns, tail) = (0.1, 0.3, 16, 6);
@@ -423,7 +428,8 @@ fn strip_over_a_cylinder_slips_above_the_ratio_of_the_capstan() {
     )
     .unwrap();
     let model = model(&flat);
-    // The first and the last of the vertices that turn are half a turn above the axis, and from there the ends hang straight down.
+    // The first and the last of the vertices that turn are half a turn above the axis, and from there the ends hang
+    // straight down.
     let place = |x: &Vec3| {
         let number = (x.x / side).round() - Real::from(tail);
         let last = Real::from(turns) - 1.0;
@@ -459,7 +465,8 @@ fn strip_over_a_cylinder_slips_above_the_ratio_of_the_capstan() {
             let mut stepper = make(&model);
             let name = stepper.name();
             let mut state = State::at_rest(start.clone());
-            // Friction is that of the pressure before the step, so the force grows slowly, after a while in which nothing pulls to one side.
+            // Friction is that of the pressure before the step, so the force grows slowly, after a while in which
+            // nothing pulls to one side.
             let mut from = start[middle];
             for step in 0..80 {
                 if step == 10 {

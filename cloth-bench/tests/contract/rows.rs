@@ -131,7 +131,8 @@ fn sheets(one: &TriMesh, shifts: &[Vec3]) -> TriMesh {
     TriMesh::new(positions, triangles).unwrap()
 }
 
-/// The gap of a sheet at rest is h − ρ g/κ, whatever the pattern, the resolution, the method and the substeps, and the potential holds ½ (ρ g)²/κ per area.
+/// The gap of a sheet at rest is h − ρ g/κ, whatever the pattern, the resolution, the method and the substeps, and the
+/// potential holds ½ (ρ g)²/κ per area.
 #[test]
 fn sheet_rests_where_its_weight_says() {
     let gap = THICKNESS - DENSITY * GRAVITY / STIFFNESS;
@@ -164,7 +165,8 @@ fn sheet_rests_where_its_weight_says() {
     }
 }
 
-/// A sheet on a slope of 30° slides by a h² n (n + 1)/2 in n substeps of h with a = g (sin α − μ cos α) if that is positive, and does not move at all otherwise.
+/// A sheet on a slope of 30° slides by a h² n (n + 1)/2 in n substeps of h with a = g (sin α − μ cos α) if that is
+/// positive, and does not move at all otherwise.
 #[test]
 fn sheet_on_a_slope_slides_or_sticks() {
     let angle = 30f64.to_radians();
@@ -229,8 +231,8 @@ fn sheet_sticks_to_a_sheet() {
     assert!((ways[7] - ways[0]).abs() < 1e-12, "{ways:?}");
 }
 
-/// Sheets that fall freely are not looked at: after the first step one pass over the positions tells in every substep that nothing is near. Of one that spins some
-/// patches are looked into, and no pair of primitives.
+/// Sheets that fall freely are not looked at: after the first step one pass over the positions tells in every substep
+/// that nothing is near. Of one that spins some patches are looked into, and no pair of primitives.
 #[test]
 fn free_fall_is_hardly_looked_at() {
     let flat = grid(33, 33, 1.0, 1.0, Diagonals::Alternating).unwrap();
@@ -285,7 +287,8 @@ fn stack_carries_its_weight() {
     assert!(speed < 3e-5, "{speed} m/s");
 }
 
-/// A sheet falls on a ball and wraps it: without a crossing and with all vertices outside after every step, and, with enough substeps, without energy from nowhere.
+/// A sheet falls on a ball and wraps it: without a crossing and with all vertices outside after every step, and, with
+/// enough substeps, without energy from nowhere.
 #[test]
 fn sheet_falls_on_a_ball() {
     let mesh = grid(17, 17, 1.0, 1.0, Diagonals::Alternating).unwrap();
@@ -370,7 +373,8 @@ fn sheets_that_meet_keep_their_momentum() {
     }
 }
 
-/// A floor that moves sideways takes a sheet along, and works what becomes of its motion and of friction; a floor that rises carries it.
+/// A floor that moves sideways takes a sheet along, and works what becomes of its motion and of friction; a floor that
+/// rises carries it.
 #[test]
 fn moving_floor_takes_a_sheet_along() {
     let mesh = grid(9, 9, 0.4, 0.4, Diagonals::Alternating).unwrap();
@@ -444,7 +448,7 @@ fn tangled_starts_are_refused_and_nothing_is_allocated() {
     let tangled = matches!(
         refused,
         StepError::Contact {
-            reason: ContactError::Tangled { .. },
+            reason: ContactError::IntersectingStart { .. },
             ..
         }
     );

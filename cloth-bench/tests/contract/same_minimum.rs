@@ -16,7 +16,8 @@ use cloth_pd::{Acceleration, PdConfig, PdSolver};
 
 const GRAVITY: Vec3 = Vec3::new(0.0, 0.0, -9.81);
 
-/// A sheet bent into a bowl, held at two corners, and moving. (Where a rest shape is flat, hinges of a curved one have two sides to fall to, and the minimum is not unique.)
+/// A sheet bent into a bowl, held at two corners, and moving. (Where a rest shape is flat, hinges of a curved one have
+/// two sides to fall to, and the minimum is not unique.)
 fn sheet() -> (TriMesh, Particles, State) {
     let flat = grid(9, 9, 1.0, 1.0, Diagonals::Alternating).unwrap();
     let bowl = |x: &Vec3| Vec3::new(x.x, x.y, 0.4 * x.x * x.x + 0.3 * x.y * x.y);

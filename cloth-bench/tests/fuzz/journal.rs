@@ -1,7 +1,7 @@
 //! Damaged journals: what is read from one is what was written, or is said to be damaged.
 
 use crate::{folder, fuzz};
-use cloth_bench::journal::{FILE_NAME, Heading, Journal};
+use cloth_bench::journal::{FILE_NAME, Journal, RunHeader};
 use std::process::{Command, Stdio};
 
 #[test]
@@ -15,7 +15,7 @@ fn a_damaged_journal_loses_lines_and_never_changes_one() {
     assert!(study.status().unwrap().success());
     let text = std::fs::read(whole.join(FILE_NAME)).unwrap();
     let lines: Vec<&[u8]> = text.split_inclusive(|&byte| byte == b'\n').collect();
-    let heading: Heading = serde_json::from_slice(lines[0]).unwrap();
+    let heading: RunHeader = serde_json::from_slice(lines[0]).unwrap();
     fuzz(500, |random| {
         let mut changed = text.clone();
         random.mutate(&mut changed);

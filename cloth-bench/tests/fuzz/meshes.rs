@@ -9,7 +9,8 @@ use cloth_core::math::Vec3;
 use cloth_core::mesh::generate::{Diagonals, grid};
 use cloth_core::mesh::obj;
 
-/// Triangles without order: slivers, seams, doubles, and vertices that none of them has. Or a piece of a grid, crumpled.
+/// Triangles without order: slivers, seams, doubles, and vertices that none of them has. Or a piece of a grid,
+/// crumpled.
 fn mesh(random: &mut Random) -> String {
     let grid = grid(3 + random.below(3), 3, 1.0, 1.0, Diagonals::Crossed).unwrap();
     let is_soup = random.one_in(4);

@@ -11,18 +11,21 @@ use cloth_core::math::{Real, Vec3, gather, is_finite};
 use cloth_core::mesh::TriMesh;
 use cloth_core::particles::Particles;
 
-/// The pairs (vertex, triangle) and (edge, edge) of a cloth that can come within a margin of each other while it moves; of several cloths, if they are one mesh.
+/// The pairs (vertex, triangle) and (edge, edge) of a cloth that can come within a margin of each other while it moves;
+/// of several cloths, if they are one mesh.
 ///
-/// A pair is a candidate if the boxes of its two parts overlap, each box around all positions of its vertices before and after the motion, moved outwards by half of the
-/// margin and by one rounding, and if no plane is found between the boxes of the vertices of one part and those of the other. Three planes are tried: along each of the two triangles
-/// that the parts belong to, and across the line between their nearest points halfway. Boxes alone would be far too many: those of a tilted layer overlap with the layers above and below
-/// wherever it is, and those of neighbours in a flat sheet overlap all the time.
+/// A pair is a candidate if the boxes of its two parts overlap, each box around all positions of its vertices before
+/// and after the motion, moved outwards by half of the margin and by one rounding, and if no plane is found between the
+/// boxes of the vertices of one part and those of the other. Three planes are tried: along each of the two triangles
+/// that the parts belong to, and across the line between their nearest points halfway. Boxes alone would be far too
+/// many: those of a tilted layer overlap with the layers above and below wherever it is, and those of neighbours in a
+/// flat sheet overlap all the time.
 ///
 /// So no pair is lost that comes as near as the margin while its vertices move on straight ways. Left out are
 /// pairs with a common vertex, and pairs of which all vertices are prescribed.
 ///
-/// The candidates are the same for every [`BroadPhase`], in rising order, and depend on nothing but the mesh, the motion, the margin and who is
-/// prescribed.
+/// The candidates are the same for every [`BroadPhase`], in rising order, and depend on nothing but the mesh, the
+/// motion, the margin and who is prescribed.
 ///
 /// ```
 /// use cloth_collide::{ClothCandidates, Hierarchy};
@@ -112,10 +115,12 @@ impl<B: BroadPhase> ClothCandidates<B> {
         }
     }
 
-    /// Finds the candidates of the motion from positions `from` to positions `to` (m), one per vertex, for a margin of `margin` (m).
+    /// Finds the candidates of the motion from positions `from` to positions `to` (m), one per vertex, for a margin of
+    /// `margin` (m).
     ///
     /// # Errors
-    /// [`CollideError::NonFinitePosition`], [`CollideError::InvalidMargin`] if the margin is negative or not finite. The candidates then stay as they were.
+    /// [`CollideError::NonFinitePosition`], [`CollideError::InvalidMargin`] if the margin is negative or not finite.
+    /// The candidates then stay as they were.
     ///
     /// # Panics
     /// If there are not as many positions as the mesh has vertices.
@@ -247,7 +252,8 @@ impl<B: BroadPhase> ClothCandidates<B> {
         vertices.iter().all(|&v| self.prescribed[v as usize])
     }
 
-    /// All pairs of triangles whose boxes overlap and that no plane along one of them parts, neighbours and prescribed ones too, in rising order.
+    /// All pairs of triangles whose boxes overlap and that no plane along one of them parts, neighbours and prescribed
+    /// ones too, in rising order.
     pub(crate) fn triangle_pairs(&self) -> &[[u32; 2]] {
         &self.triangle_pairs
     }
@@ -264,8 +270,8 @@ impl<B: BroadPhase> ClothCandidates<B> {
         &self.edge_edge
     }
 
-    /// The two vertices of each edge, the lower number first; in rising order, as in [`cloth_core::topology::EdgeTable`], but here an edge may have any number of
-    /// triangles.
+    /// The two vertices of each edge, the lower number first; in rising order, as in
+    /// [`cloth_core::topology::EdgeTable`], but here an edge may have any number of triangles.
     #[must_use]
     pub fn edges(&self) -> &[[u32; 2]] {
         &self.edges

@@ -14,9 +14,9 @@ pub(super) type Cell = [u32; 3];
 
 /// A regular grid of cubic cells, fitted to some boxes.
 ///
-/// The first and the last cell along each axis reach to infinity, so there is a cell everywhere. All that correctness asks for is that the number of the cell does
-/// not fall along an axis: then boxes that overlap have a cell in common. It holds in floating point, because differences and products are rounded
-/// monotonically.
+/// The first and the last cell along each axis reach to infinity, so there is a cell everywhere. All that correctness
+/// asks for is that the number of the cell does not fall along an axis: then boxes that overlap have a cell in common.
+/// It holds in floating point, because differences and products are rounded monotonically.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Cells {
     origin: Vec3,
@@ -82,7 +82,8 @@ impl Cells {
         true
     }
 
-    /// The first of the cells that two overlapping boxes have in common: a pair that is met in several cells counts there.
+    /// The first of the cells that two overlapping boxes have in common: a pair that is met in several cells counts
+    /// there.
     pub(super) fn first_common(&self, a: &Bounds, b: &Bounds) -> Cell {
         self.cell(&a.lower.sup(&b.lower))
     }

@@ -8,8 +8,9 @@ use parry3d_f64::partitioning::{Bvh, BvhBuildStrategy, BvhNode, BvhWorkspace};
 use std::cell::Cell;
 use std::fmt;
 
-/// A bounding volume hierarchy (parry's). Its shape is made once, from the boxes of the first call, since neighbours in a cloth stay neighbours however it
-/// moves; afterwards only the sizes of its boxes follow. It is made anew when the number of boxes changes.
+/// A bounding volume hierarchy (parry's). Its shape is made once, from the boxes of the first call, since neighbours in
+/// a cloth stay neighbours however it moves; afterwards only the sizes of its boxes follow. It is made anew when the
+/// number of boxes changes.
 ///
 /// Limits: where far parts of a cloth lay together at the first call, the tree mixes them and is slow, not wrong.
 #[derive(Default)]
@@ -61,8 +62,8 @@ impl Hierarchy {
             .traverse_bvtt_single_tree::<false>(&mut self.workspace, &mut visit);
     }
 
-    /// Hands `visit` every pair of leaves a < b whose boxes are nearer than the distance whose square is `limit` (m²), which
-    /// `visit` may lower on the way.
+    /// Hands `visit` every pair of leaves a < b whose boxes are nearer than the distance whose square is `limit` (m²),
+    /// which `visit` may lower on the way.
     pub(crate) fn visit_near(&self, limit: &Cell<Real>, mut visit: impl FnMut(u32, u32)) {
         let near =
             |a: &BvhNode, b: &BvhNode| node_bounds(a).squared_gap(&node_bounds(b)) < limit.get();

@@ -5,8 +5,9 @@ use super::cells::{Cell, Cells, Entry, add_large, add_pairs};
 use crate::bounds::Bounds;
 use cloth_core::math::Real;
 
-/// Uniform cells like those of [`super::SpatialHash`], but sorted by their Morton number, in which the bits of the three numbers of a cell take turns. What is in
-/// one cell stands together, what is near mostly also; nothing is looked up. Sorted anew each time.
+/// Uniform cells like those of [`super::SpatialHash`], but sorted by their Morton number, in which the bits of the
+/// three numbers of a cell take turns. What is in one cell stands together, what is near mostly also; nothing is looked
+/// up. Sorted anew each time.
 ///
 /// Limits: as there.
 #[derive(Debug, Default)]

@@ -1,6 +1,7 @@
 //! Pairs in rising order.
 
-/// Sorts pairs in time linear in their number, and keeps its memory. A general sort takes longer than finding the pairs.
+/// Sorts pairs in time linear in their number, and keeps its memory. A general sort takes longer than finding the
+/// pairs.
 #[derive(Clone, Debug, Default)]
 pub(super) struct PairSorter {
     /// Where the pairs with each first number go.
@@ -9,7 +10,8 @@ pub(super) struct PairSorter {
 }
 
 impl PairSorter {
-    /// Sorts `pairs`, whose first numbers are below `count`: into buckets by the first number, then each bucket, of a few, by the second.
+    /// Sorts `pairs`, whose first numbers are below `count`: into buckets by the first number, then each bucket, of a
+    /// few, by the second.
     pub(super) fn sort(&mut self, pairs: &mut [[u32; 2]], count: usize) {
         self.places.clear();
         self.places.resize(count + 1, 0);

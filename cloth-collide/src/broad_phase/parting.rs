@@ -5,7 +5,8 @@ use cloth_core::math::{Real, Vec3};
 
 /// Decides whether a plane has two groups of boxes on its two sides, without being misled by rounding.
 ///
-/// Points that stay in their boxes then stay on their sides, whatever they do, and so does everything between the points of one group.
+/// Points that stay in their boxes then stay on their sides, whatever they do, and so does everything between the
+/// points of one group.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Parting {
     /// The largest coordinate (m) of all boxes.
@@ -37,8 +38,8 @@ impl Parting {
         second.iter().for_each(|bounds| widen(1, bounds));
         let [[first_low, first_high], [second_low, second_high]] = sides;
         let gap = (first_low - second_high).max(second_low - first_high);
-        // Three products and two sums for each side, one difference: each less than half of ε of this. If it overflows, nothing is certain, and
-        // the comparison fails; it is NaN if the direction is.
+        // Three products and two sums for each side, one difference: each less than half of ε of this. If it overflows,
+        // nothing is certain, and the comparison fails; it is NaN if the direction is.
         let size = (direction.x.abs() + direction.y.abs() + direction.z.abs()) * self.reach;
         gap > 8.0 * Real::EPSILON * size
     }

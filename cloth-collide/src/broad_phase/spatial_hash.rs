@@ -5,14 +5,15 @@ use super::cells::{Cell, Cells, Entry, add_large, add_pairs};
 use crate::bounds::Bounds;
 use cloth_core::math::Real;
 
-/// Uniform cells, about as large as a typical box, kept in a table by a hash of their place (Teschner et al. 2003, without their collisions: an entry
-/// remembers its cell). Filled anew each time, by counting, in linear time.
+/// Uniform cells, about as large as a typical box, kept in a table by a hash of their place (Teschner et al. 2003,
+/// without their collisions: an entry remembers its cell). Filled anew each time, by counting, in linear time.
 ///
-/// Limits: the cells have one size. Boxes in more than 64 cells are compared with all others; many boxes much smaller than the median crowd in one cell.
-/// Slow then, not wrong.
+/// Limits: the cells have one size. Boxes in more than 64 cells are compared with all others; many boxes much smaller
+/// than the median crowd in one cell. Slow then, not wrong.
 #[derive(Debug, Default)]
 pub struct SpatialHash {
-    /// Where the entries of each slot of the table begin, and where the last ones end; the number of slots is a power of two.
+    /// Where the entries of each slot of the table begin, and where the last ones end; the number of slots is a power
+    /// of two.
     starts: Vec<u32>,
     entries: Vec<Entry>,
     large: Vec<u32>,

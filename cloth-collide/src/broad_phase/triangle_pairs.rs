@@ -103,8 +103,8 @@ impl TrianglePairs {
         pairs
     }
 
-    /// Hands `visit` every pair of triangles a < b whose boxes are nearer than the distance whose square is `limit` (m²), which
-    /// `visit` may lower on the way. The tree has to be as [`TrianglePairs::within`] leaves it.
+    /// Hands `visit` every pair of triangles a < b whose boxes are nearer than the distance whose square is `limit`
+    /// (m²), which `visit` may lower on the way. The tree has to be as [`TrianglePairs::within`] leaves it.
     pub(crate) fn visit_within(&self, limit: &Cell<Real>, mut visit: impl FnMut([u32; 2])) {
         self.tree.visit_near(limit, |a, b| visit([a, b]));
     }

@@ -58,8 +58,8 @@ where
     }
 }
 
-/// Whether, as far as `f64` can tell, the origin goes through the inside of the face within a few `trial`s after `time`. Then there is no need
-/// to look closer. A wrong yes would be a contact too many, which is safe.
+/// Whether, as far as `f64` can tell, the origin goes through the inside of the face within a few `trial`s after
+/// `time`. Then there is no need to look closer. A wrong yes would be a contact too many, which is safe.
 fn goes_through<const K: usize>(
     polygon: &Difference<K>,
     margin: Margin,

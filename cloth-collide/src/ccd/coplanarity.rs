@@ -6,20 +6,22 @@ use crate::closest::{edge_edge, point_triangle};
 use crate::error::CollideError;
 use cloth_core::math::{Real, Vec3};
 
-/// Continuous collision by the roots of the coplanarity cubic, S1 (49), (50). For teaching and comparison: **it can
+/// Continuous collision by the roots of the coplanarity cubic (Provot 1997). For teaching and comparison: **it can
 /// miss contacts**.
 ///
-/// Four vertices that touch as a vertex and a triangle, or as two edges, are in one plane. With x_k(t) as in [`ContinuousTest`](super::ContinuousTest),
+/// Four vertices that touch as a vertex and a triangle, or as two edges, are in one plane. With x_k(t) as in
+/// [`ContinuousTest`](super::ContinuousTest),
 ///
 /// f(t) = (x₀ − x₁) × (x₀ − x₂) · x₀ = 0,
 ///
-/// a cubic in t. It is monotone between the zeros of its derivative, so bisection finds each root. At each root the distance
-/// decides: contact if it is at most `tolerance` times the size of the motion.
+/// a cubic in t. It is monotone between the zeros of its derivative, so bisection finds each root. At each root the
+/// distance decides: contact if it is at most `tolerance` times the size of the motion.
 ///
-/// Why it misses: if the four vertices stay in one plane, f is zero throughout and has no roots to look at (only both ends are looked at
-/// then). If f touches zero without changing its sign, rounding decides. If parallel edges make f nearly
-/// zero, its roots are made of rounding. A tolerance mends the tests at a root that was found, not the roots that were not; and
-/// a large one reports contacts that are none. A time that was found may be late by what bisection leaves.
+/// Why it misses: if the four vertices stay in one plane, f is zero throughout and has no roots to look at (only both
+/// ends are looked at then). If f touches zero without changing its sign, rounding decides. If parallel edges make f
+/// nearly zero, its roots are made of rounding. A tolerance mends the tests at a root that was found, not the roots
+/// that were not; and a large one reports contacts that are none. A time that was found may be late by what bisection
+/// leaves.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CoplanarityTest {
     /// The distance that counts as contact, as a fraction of the largest difference of two coordinates (dimensionless).
@@ -33,7 +35,8 @@ impl Default for CoplanarityTest {
 }
 
 impl CoplanarityTest {
-    /// First root with a contact (dimensionless, 0..=1) of a `vertex` and a `triangle`; positions (m) at the start and at the end of the step.
+    /// First root with a contact (dimensionless, 0..=1) of a `vertex` and a `triangle`; positions (m) at the start and
+    /// at the end of the step.
     ///
     /// # Errors
     /// As for [`ContinuousTest::vertex_triangle`](super::ContinuousTest::vertex_triangle).
@@ -115,7 +118,8 @@ impl Cubic {
         (0..3).flat_map(root)
     }
 
-    /// The root in the interval `ends`, in which the polynomial is monotone with these `values` at its ends; both ends if it is zero there.
+    /// The root in the interval `ends`, in which the polynomial is monotone with these `values` at its ends; both ends
+    /// if it is zero there.
     fn bisect(&self, ends: [Real; 2], values: [Real; 2]) -> impl Iterator<Item = Real> {
         let [mut low, mut high] = ends;
         let found = match (values[0] == 0.0, values[1] == 0.0) {

@@ -8,12 +8,12 @@ use cloth_core::math::{Real, Vec3, is_finite};
 /// The differences "corner of the one minus corner of the other" of two primitives, at the start and at the end of
 /// the motion.
 ///
-/// A vertex and a triangle have K = 3 of them, two edges have K = 4: the corners of a triangle and of a
-/// parallelogram. Two points, one of each primitive, differ by a point of this polygon, so the distance of the two primitives
-/// is the distance of the polygon from the origin. All corners move linearly, hence so do their differences.
+/// A vertex and a triangle have K = 3 of them, two edges have K = 4: the corners of a triangle and of a parallelogram.
+/// Two points, one of each primitive, differ by a point of this polygon, so the distance of the two primitives is the
+/// distance of the polygon from the origin. All corners move linearly, hence so do their differences.
 ///
-/// The lengths here are in a unit of their own, a power of two metres, in which the largest coordinate is of order
-/// one. So nothing overflows or underflows later on, and the change of unit does not round. A difference of two coordinates
+/// The lengths here are in a unit of their own, a power of two metres, in which the largest coordinate is of order one.
+/// So nothing overflows or underflows later on, and the change of unit does not round. A difference of two coordinates
 /// is rounded relative to itself, however far away from the origin of space both are.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Difference<const K: usize> {
@@ -156,7 +156,8 @@ fn triangle_weights(x: &[Vec3; 3]) -> [Real; 3] {
     point_triangle(Vec3::zeros(), x.map(|x| -x)).weights
 }
 
-/// Fractions of the two edges at which the parallelogram `x` is nearest to the origin. As seen from the start of the second edge.
+/// Fractions of the two edges at which the parallelogram `x` is nearest to the origin. As seen from the start of the
+/// second edge.
 fn fractions([x0, x1, x2, _]: &[Vec3; 4]) -> [Real; 2] {
     edge_edge([*x0, *x1], [Vec3::zeros(), x0 - x2]).along
 }

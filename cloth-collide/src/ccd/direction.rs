@@ -1,4 +1,5 @@
-//! Directions along which the polygon of differences stays on one side of the origin, chosen by the feature that is nearest.
+//! Directions along which the polygon of differences stays on one side of the origin, chosen by the feature that is
+//! nearest.
 //!
 //! Any direction may be tried: what it proves is computed by `reach`, which takes the direction as it stands.
 //! A bad choice costs a step, never a miss.
@@ -11,12 +12,12 @@ use cloth_core::math::{Real, Vec3};
 /// interval (the values at both ends, and what the parabola leans to in between).
 pub(super) type MovingDirection<S> = [Triple<S>; 3];
 
-/// The direction (unit length) from the origin to the nearest point of the polygon `x`, if that point is on `feature`. Nothing
-/// if the feature has no extent.
+/// The direction (unit length) from the origin to the nearest point of the polygon `x`, if that point is on `feature`.
+/// Nothing if the feature has no extent.
 ///
 /// The difference vector to the nearest point itself would lose its digits when the polygon is near. Built from the
-/// feature's edges, the direction keeps them: it is across those edges to within rounding, so all corners of the feature
-/// are equally far along it.
+/// feature's edges, the direction keeps them: it is across those edges to within rounding, so all corners of the
+/// feature are equally far along it.
 pub(super) fn steady<const K: usize>(feature: Feature, x: &[Vec3; K]) -> Option<Vec3> {
     let direction = match feature {
         Feature::Face => {
@@ -40,13 +41,15 @@ pub(super) fn steady<const K: usize>(feature: Feature, x: &[Vec3; K]) -> Option<
     Some(direction * (sign / direction.norm()))
 }
 
-/// A direction that follows `feature` from `x`, where the polygon is now, to `end`, where it will be. Its length is of order one.
+/// A direction that follows `feature` from `x`, where the polygon is now, to `end`, where it will be. Its length is of
+/// order one.
 ///
 /// - The face: u × v, the product of two vectors that move linearly, is the normal at all times, exactly.
 /// - An edge e: e × q, where q is across e and the way to it, now. It stays across e at all times.
 /// - A corner: the way to it.
 ///
-/// The sign is that of `facing`, which is asked about the direction at the start. Most are of no use there already, and what comes after it is left for later.
+/// The sign is that of `facing`, which is asked about the direction at the start. Most are of no use there already, and
+/// what comes after it is left for later.
 pub(super) fn moving<S: Number, const K: usize>(
     feature: Feature,
     x: &[Triple<S>; K],

@@ -1,4 +1,5 @@
-//! Two kinds of number to calculate with: `f64`, and pairs of `f64` with twice the digits for what is nearer than `f64` can tell.
+//! Two kinds of number to calculate with: `f64`, and pairs of `f64` with twice the digits for what is nearer than `f64`
+//! can tell.
 
 use cloth_core::math::{Real, Vec3};
 use std::ops::{Add, Mul, Sub};
@@ -7,7 +8,8 @@ use std::ops::{Add, Mul, Sub};
 pub(super) trait Number:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self>
 {
-    /// Allowance for a product of a direction and a corner, in units of the size of both (dimensionless): the proof is in `reach`.
+    /// Allowance for a product of a direction and a corner, in units of the size of both (dimensionless): the proof is
+    /// in `reach`.
     const ROUNDING: Real;
     /// The sum of two numbers, the second of which is smaller than the last digit of the first, or zero.
     fn new(high: Real, low: Real) -> Self;
@@ -30,8 +32,8 @@ impl Number for Real {
     }
 }
 
-/// A number of 106 bits as the sum of two `f64`, the second of which holds what does not fit into the first. One operation is off by
-/// at most 8 u², u = 2⁻⁵³ (Joldes, Muller and Popescu 2017 show less).
+/// A number of 106 bits as the sum of two `f64`, the second of which holds what does not fit into the first. One
+/// operation is off by at most 8 u², u = 2⁻⁵³ (Joldes, Muller and Popescu 2017 show less).
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Double {
     high: Real,
@@ -156,7 +158,8 @@ pub(super) fn value<S: Number>(a: &Triple<S>) -> Vec3 {
     a.map(S::value).into()
 }
 
-/// A power of two that brings `x` into 1..2, if `x` is neither subnormal nor above 1e300; a subnormal number to at least 2⁻⁵².
+/// A power of two that brings `x` into 1..2, if `x` is neither subnormal nor above 1e300; a subnormal number to at
+/// least 2⁻⁵².
 pub(super) fn power_for(x: Real) -> Real {
     // The exponent of an f64 stands in bits 52 to 62, with 1023 added to it.
     let exponent = x.to_bits() >> 52;

@@ -26,7 +26,8 @@ pub struct Query {
 }
 
 impl Query {
-    /// The vertex and the triangle (m), each at both times, if that is what it is about; otherwise the result has no meaning.
+    /// The vertex and the triangle (m), each at both times, if that is what it is about; otherwise the result has no
+    /// meaning.
     #[must_use]
     pub fn vertex_and_triangle(&self) -> ([Vec3; 2], [[Vec3; 3]; 2]) {
         let ([p, a, b, c], [p1, a1, b1, c1]) = (self.from, self.to);

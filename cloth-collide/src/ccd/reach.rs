@@ -1,28 +1,32 @@
-//! For how long is the polygon certainly further than the separation from the origin? The only place where something is proved.
+//! For how long is the polygon certainly further than the separation from the origin? The only place where something is
+//! proved.
 //!
 //! Let x_k(t) be the corners of the polygon and n(t) any direction, for s in 0..=1 over an interval of time. If
 //!
 //! n(t) · x_k(t) > d |n(t)|  for every corner k,
 //!
 //! then the same holds for every point of the polygon, since it is a mean of the corners, and so the polygon is further
-//! than d from the origin. With n of second degree and x_k linear the left side is of third degree; with N₀, N₁, N₂ and X₀, X₁ for
-//! their Bernstein coefficients, those of the left side are
+//! than d from the origin. With n of second degree and x_k linear the left side is of third degree; with N₀, N₁, N₂ and
+//! X₀, X₁ for their Bernstein coefficients, those of the left side are
 //!
 //! N₀·X₀,  (2 N₁·X₀ + N₀·X₁)/3,  (N₂·X₀ + 2 N₁·X₁)/3,  N₂·X₁,
 //!
-//! and |n| is nowhere more than the polynomial whose coefficients are |N₀|, |N₁|, |N₂|, because the norm is convex.
-//! A polynomial stays in the convex hull of its coefficients (the control points (i/3, c_i)), so it is positive as far as the hull is.
+//! and |n| is nowhere more than the polynomial whose coefficients are |N₀|, |N₁|, |N₂|, because the norm is convex. A
+//! polynomial stays in the convex hull of its coefficients (the control points (i/3, c_i)), so it is positive as far as
+//! the hull is.
 //!
 //! # Rounding
 //!
-//! Let u = 2⁻⁵³ be the relative error of one operation, S the largest coordinate of the corners (`size`), N the largest 1-norm of the
-//! N_i. The N_i need no allowance, because they *are* the direction. A corner at a given time is off by 4 u S in each coordinate (`Difference::at`), so
-//! a product N·X by 4 u N S; its three multiplications and two additions add 3 u N S, the mean of two products 3 u N S. |N_i| is off by
-//! 4 u |N_i|, its product with d and its mean by 4 u more. The last two subtractions add 2 u (N S + N d). Together, this is less
-//! than 16 u N (S + d), also with the terms in u² and with the rounding of N and S themselves; and this is subtracted. What underflows does not
-//! matter, as N is of order one and S at least 2⁻⁵².
+//! Let u = 2⁻⁵³ be the relative error of one operation, S the largest coordinate of the corners (`size`), N the largest
+//! 1-norm of the N_i. The N_i need no allowance, because they *are* the direction. A corner at a given time is off by 4
+//! u S in each coordinate (`Difference::at`), so a product N·X by 4 u N S; its three multiplications and two additions
+//! add 3 u N S, the mean of two products 3 u N S. |N_i| is off by 4 u |N_i|, its product with d and its mean by 4 u
+//! more. The last two subtractions add 2 u (N S + N d). Together, this is less than 16 u N (S + d), also with the terms
+//! in u² and with the rounding of N and S themselves; and this is subtracted. What underflows does not matter, as N is
+//! of order one and S at least 2⁻⁵².
 //!
-//! Numbers of twice the digits are rounded to `f64` for a first look, which takes another 2 u N S; there twice the above is subtracted.
+//! Numbers of twice the digits are rounded to `f64` for a first look, which takes another 2 u N S; there twice the
+//! above is subtracted.
 
 use super::direction::MovingDirection;
 use super::number::{Number, Triple, dot, value};
@@ -38,7 +42,8 @@ pub(super) struct Margin {
 }
 
 impl Margin {
-    /// How much further than d the polygon `x` certainly is (own unit), going by the unit vector `direction`. Not positive: nothing is certain.
+    /// How much further than d the polygon `x` certainly is (own unit), going by the unit vector `direction`. Not
+    /// positive: nothing is certain.
     pub(super) fn clearance<const K: usize>(self, direction: Vec3, x: &[Vec3; K]) -> Real {
         let nearest = x.iter().map(|x| direction.dot(x));
         nearest.fold(Real::INFINITY, Real::min) - self.limit(direction)
@@ -50,7 +55,8 @@ impl Margin {
         self.separation * direction.norm() + rounding
     }
 
-    /// Whether one of the axes certifies the whole motion of the polygon from `from` to `to`: the boxes that it sweeps are apart.
+    /// Whether one of the axes certifies the whole motion of the polygon from `from` to `to`: the boxes that it sweeps
+    /// are apart.
     pub(super) fn apart_along_an_axis<const K: usize>(
         self,
         from: &[Vec3; K],
@@ -63,7 +69,8 @@ impl Margin {
         lower.max() > limit || upper.min() < -limit
     }
 
-    /// How much of the interval, 0..=1, the steady `direction` certifies as free of contact. The polygon moves from `from` to `to`.
+    /// How much of the interval, 0..=1, the steady `direction` certifies as free of contact. The polygon moves from
+    /// `from` to `to`.
     pub(super) fn steady_reach<const K: usize>(
         self,
         direction: Vec3,
@@ -78,8 +85,9 @@ impl Margin {
         (0..K).map(of_corner).fold(1.0, Real::min)
     }
 
-    /// The sign, 1 or −1, with which a moving direction that is `start` at first has the polygon `x` on its positive side there, nothing if it has not and so cannot certify anything: what is
-    /// allowed for rounding only grows with what it is later.
+    /// The sign, 1 or −1, with which a moving direction that is `start` at first has the polygon `x` on its positive
+    /// side there, nothing if it has not and so cannot certify anything: what is allowed for rounding only grows with
+    /// what it is later.
     pub(super) fn facing<S: Number, const K: usize>(
         self,
         start: &Triple<S>,

@@ -44,7 +44,8 @@ mod closed_forms {
         [v(0.25, 0.25, height), v(0.25, 0.25, height - fall)]
     }
 
-    /// Up to 100 m/s in a step of a sixtieth of a second, and on to a speed at which nothing but a continuous test sees anything.
+    /// Up to 100 m/s in a step of a sixtieth of a second, and on to a speed at which nothing but a continuous test sees
+    /// anything.
     #[test]
     fn falling_vertex_hits_the_floor_at_height_over_speed() {
         for height in [1e-6, 0.01, 0.3, 1.0] {
@@ -86,7 +87,8 @@ mod closed_forms {
         }
     }
 
-    /// The triangle tilts about the y axis, z = t x, and the vertex recedes along x = 1 − t/2 at the height h: t (1 − t/2) = h.
+    /// The triangle tilts about the y axis, z = t x, and the vertex recedes along x = 1 − t/2 at the height h: t (1 −
+    /// t/2) = h.
     #[test]
     fn tilting_triangle_meets_a_receding_vertex_at_a_root() {
         let triangle = |t: Real| [v(0.0, -2.0, 0.0), v(0.0, 2.0, 0.0), v(2.0, 0.0, 2.0 * t)];
@@ -134,7 +136,8 @@ mod closed_forms {
         assert_eq!(found(1.0_f64.next_up()), None);
     }
 
-    /// A rigid turn about a common point, at a distance of a billionth: the motion that keeps a bound on the speed from getting anywhere.
+    /// A rigid turn about a common point, at a distance of a billionth: the motion that keeps a bound on the speed from
+    /// getting anywhere.
     #[test]
     fn turning_together_at_a_hairbreadth_is_no_contact() {
         let turned = |angle: Real, x: Vec3| {

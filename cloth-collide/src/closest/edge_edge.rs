@@ -22,7 +22,7 @@ impl EdgeEdge {
     }
 }
 
-/// Nearest points of the edge `first` and the edge `second` (two positions each, m) (COL-5).
+/// Nearest points of the edge `first` and the edge `second` (two positions each, m).
 ///
 /// With u and v the two edge vectors, d the way from the start of `second` to that of `first` and n = u × v, the
 /// two infinite lines are nearest at
@@ -33,8 +33,8 @@ impl EdgeEdge {
 /// the best of the four pairs (end, other edge) is it. This is the region walk of Ericson (2005), section
 /// 5.1.9, with changes for nearly parallel edges, which are common in cloth. Ericson's determinant
 /// |u|²|v|² − (u · v)² is made of rounding once the angle θ is below 1e-8; n² keeps its digits down to
-/// θ = 1e-16. Even so s has an error of 1e-16/θ. It does no harm if t is the foot of just this point, as above, since along
-/// nearly parallel edges the distance changes by θ times the way; a t computed like s would add its own error to
+/// θ = 1e-16. Even so s has an error of 1e-16/θ. It does no harm if t is the foot of just this point, as above, since
+/// along nearly parallel edges the distance changes by θ times the way; a t computed like s would add its own error to
 /// the distance.
 ///
 /// The distance is accurate to a few roundings of the size of the configuration (the longest of the
@@ -134,7 +134,8 @@ mod tests {
             for x in [a, b] {
                 for y in [c, d] {
                     let missing = -m.dot(&(x - y - m));
-                    // Not tighter, because the points are certain to 1e-8 only; the exact reference is for the distance.
+                    // Not tighter, because the points are certain to 1e-8 only; the exact reference is for the
+                    // distance.
                     prop_assert!(missing < 1e-6, "{x} {y} are in front by {missing:e}: {found:?}");
                 }
             }

@@ -22,25 +22,25 @@ impl PointTriangle {
     }
 }
 
-/// Nearest point of `triangle` (three positions, m) to `point` (m) (COL-5).
+/// Nearest point of `triangle` (three positions, m) to `point` (m).
 ///
-/// The plane around a triangle falls into seven regions, by whether the nearest point is inside,
-/// on an edge or at a vertex (Ericson 2005, section 5.1.5). With u = b − a, e = c − a, d = p − a and n = u × e, the foot of the
+/// The plane around a triangle falls into seven regions, by whether the nearest point is inside, on an edge or at a
+/// vertex (Ericson 2005, section 5.1.5). With u = b − a, e = c − a, d = p − a and n = u × e, the foot of the
 /// perpendicular from p has the weights
 ///
 /// w_c = n · (u × d) / n²,  w_b = u · (d − w_c e) / u²,  w_a = 1 − w_b − w_c.
 ///
-/// If none is negative, that is the answer. Otherwise the nearest point is on the boundary, and the
-/// nearest of the three edges' nearest points is it; clamping takes care of the vertices. Ericson goes
-/// through the regions one by one with dot products, which is less work, but for slivers their differences
-/// cancel. Here, if c is θ times as high above the edge ab as it is far from a, w_c has an error of 1e-16/θ. But w_b belongs to
-/// just this w_c, so what goes wrong is the height of the foot in the triangle, by 1e-16/θ times θ. A triangle that has become a
-/// segment or a point is all boundary.
+/// If none is negative, that is the answer. Otherwise the nearest point is on the boundary, and the nearest of the
+/// three edges' nearest points is it; clamping takes care of the vertices. Ericson goes through the regions one by one
+/// with dot products, which is less work, but for slivers their differences cancel. Here, if c is θ times as high above
+/// the edge ab as it is far from a, w_c has an error of 1e-16/θ. But w_b belongs to just this w_c, so what goes wrong
+/// is the height of the foot in the triangle, by 1e-16/θ times θ. A triangle that has become a segment or a point is
+/// all boundary.
 ///
-/// The distance is accurate to a few roundings of the size of the configuration (the longest of the
-/// edges and of the way to the point), for every shape of triangle. The weights are less certain, as they have to be:
-/// moving the nearest point by 1e-8 of that size changes the distance by one rounding only. For a triangle without area they
-/// are not even unique; any that fit are returned.
+/// The distance is accurate to a few roundings of the size of the configuration (the longest of the edges and of the
+/// way to the point), for every shape of triangle. The weights are less certain, as they have to be: moving the nearest
+/// point by 1e-8 of that size changes the distance by one rounding only. For a triangle without area they are not even
+/// unique; any that fit are returned.
 ///
 /// ```
 /// use cloth_collide::point_triangle;

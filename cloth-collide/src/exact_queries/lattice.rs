@@ -190,7 +190,8 @@ impl<'a> Builder<'a> {
         (motion, contact(j))
     }
 
-    /// The first `count` points above the plane z = 0, the others below it, one of each in it and at the same place at the same time.
+    /// The first `count` points above the plane z = 0, the others below it, one of each in it and at the same place at
+    /// the same time.
     fn touching(&mut self, count: usize) -> (Motion, Truth) {
         let mut motion = self.on_both_sides(count, 0);
         let j = self.part_of_time();
@@ -211,8 +212,8 @@ impl<'a> Builder<'a> {
         (motion, Truth::Apart { gap: gap as Real })
     }
 
-    /// The first `count` points at z ≥ `gap`, the first of them at z = gap; the others at z ≤ 0, the last of them at z = 0.
-    /// Some families bend further points towards lines or planes, if this keeps the sides.
+    /// The first `count` points at z ≥ `gap`, the first of them at z = gap; the others at z ≤ 0, the last of them at z
+    /// = 0. Some families bend further points towards lines or planes, if this keeps the sides.
     fn on_both_sides(&mut self, count: usize, gap: i128) -> Motion {
         let points = [0; 4].map(|_| self.moving());
         let mut motion = Motion {

@@ -17,8 +17,8 @@ impl AnimatedMesh {
     /// Goes through `shapes` (m), one every `interval` (s).
     ///
     /// # Errors
-    /// [`ObstacleError::NoShape`] without any, [`ObstacleError::ShapeSize`] if not all have as many vertices, [`ObstacleError::NotPositive`],
-    /// [`ObstacleError::NonFinite`].
+    /// [`ObstacleError::NoShape`] without any, [`ObstacleError::ShapeSize`] if not all have as many vertices,
+    /// [`ObstacleError::NotPositive`], [`ObstacleError::NonFinite`].
     pub fn new(shapes: Vec<Vec<Vec3>>, interval: Real) -> Result<Self, ObstacleError> {
         let interval = super::positive("time between two shapes (s)", interval)?;
         let expected = shapes.first().ok_or(ObstacleError::NoShape)?.len();

@@ -5,7 +5,8 @@ use super::{Clearance, ObstacleError, SignedDistance, not_negative, positive};
 use crate::bounds::Bounds;
 use cloth_core::math::{Real, Vec3};
 
-/// All points within r of the segment from −l to +l on the z axis. φ(x) = ‖x − s‖ − r, with the nearest point s of the segment.
+/// All points within r of the segment from −l to +l on the z axis. φ(x) = ‖x − s‖ − r, with the nearest point s of the
+/// segment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Capsule {
     half_length: Real,
@@ -13,7 +14,8 @@ pub struct Capsule {
 }
 
 impl Capsule {
-    /// A capsule whose straight part is 2 × `half_length` (m) long, with the given `radius` (m). A half length of 0 makes a sphere.
+    /// A capsule whose straight part is 2 × `half_length` (m) long, with the given `radius` (m). A half length of 0
+    /// makes a sphere.
     ///
     /// # Errors
     /// [`ObstacleError::NotPositive`] for the radius, [`ObstacleError::Negative`] for the length.

@@ -7,18 +7,21 @@ use crate::convert::{aabb, bounds as node_bounds};
 use crate::separation::SeparationProbe;
 use cloth_core::math::{Real, Vec3, gather};
 use cloth_core::mesh::TriMesh;
-use cloth_core::topology::{EdgeTable, bow_tie_vertices, opposed_edges, triangle_edges};
+use cloth_core::topology::{
+    EdgeTable, bow_tie_vertices, inconsistently_oriented_edges, triangle_edges,
+};
 use parry3d_f64::partitioning::{Bvh, BvhBuildStrategy, BvhNode};
 use std::fmt;
 
-/// A body bounded by triangles. φ is the distance from the nearest triangle, found in a tree of boxes; it is negative where the
-/// way from the nearest point of the surface goes against the outward direction there.
+/// A body bounded by triangles. φ is the distance from the nearest triangle, found in a tree of boxes; it is negative
+/// where the way from the nearest point of the surface goes against the outward direction there.
 ///
-/// On an edge or at a vertex the normal of one triangle would sometimes tell the wrong side. The *angle-weighted* sum of the normals around a vertex,
-/// and the sum of both normals at an edge, never do (Bærentzen and Aanæs 2005). With that, the sign is right wherever the distance is more than
-/// rounding.
+/// On an edge or at a vertex the normal of one triangle would sometimes tell the wrong side. The *angle-weighted* sum
+/// of the normals around a vertex, and the sum of both normals at an edge, never do (Bærentzen and Aanæs 2005). With
+/// that, the sign is right wherever the distance is more than rounding.
 ///
-/// The mesh is checked once: closed, two triangles at each edge, consistent winding, outward normals, not through itself.
+/// The mesh is checked once: closed, two triangles at each edge, consistent winding, outward normals, not through
+/// itself.
 pub struct ClosedMesh {
     positions: Vec<Vec3>,
     triangles: Vec<[u32; 3]>,
@@ -36,8 +39,8 @@ impl ClosedMesh {
     /// The body that `mesh` bounds, its triangles counter-clockwise seen from outside.
     ///
     /// # Errors
-    /// [`ObstacleError::NotASurface`], [`ObstacleError::NotClosed`], [`ObstacleError::MixedWinding`], [`ObstacleError::PinchedVertex`],
-    /// [`ObstacleError::InsideOut`], [`ObstacleError::SelfIntersecting`].
+    /// [`ObstacleError::NotASurface`], [`ObstacleError::NotClosed`], [`ObstacleError::MixedWinding`],
+    /// [`ObstacleError::PinchedVertex`], [`ObstacleError::InsideOut`], [`ObstacleError::SelfIntersecting`].
     pub fn new(mesh: &TriMesh) -> Result<Self, ObstacleError> {
         let table = EdgeTable::build(mesh).map_err(ObstacleError::NotASurface)?;
         check(mesh, &table)?;
@@ -108,7 +111,8 @@ impl SignedDistance for ClosedMesh {
         let outward = self.outward(t, &nearest);
         let side = 1f64.copysign(nearest.separation.dot(&outward));
         let size = self.bounds.size() + distance;
-        // Beside a face its normal is exact. Elsewhere the way from the nearest point is, unless it is so short that rounding turns it.
+        // Beside a face its normal is exact. Elsewhere the way from the nearest point is, unless it is so short that
+        // rounding turns it.
         let normal = if nearest.weights.iter().all(|&w| w > 0.0) {
             self.faces[t]
         } else if distance > 1e-9 * size {
@@ -145,7 +149,7 @@ fn check(mesh: &TriMesh, table: &EdgeTable) -> Result<(), ObstacleError> {
             first: table.ends()[edge],
         });
     }
-    if let Some(&edge) = opposed_edges(mesh, table).first() {
+    if let Some(&edge) = inconsistently_oriented_edges(mesh, table).first() {
         let edge = table.ends()[edge as usize];
         return Err(ObstacleError::MixedWinding { edge });
     }

@@ -40,8 +40,8 @@ impl ObstacleContact {
 
 /// The obstacles of a scene and how cloth touches them.
 ///
-/// Nothing is built for obstacles, so nothing is rebuilt when they move. With no obstacle in it, every call returns at once; vertices far from all of them cost a
-/// comparison with a ball around each.
+/// Nothing is built for obstacles, so nothing is rebuilt when they move. With no obstacle in it, every call returns at
+/// once; vertices far from all of them cost a comparison with a ball around each.
 #[derive(Clone, Debug)]
 pub struct ObstacleContacts {
     obstacles: Vec<(Obstacle, ImpactLaw)>,
@@ -50,7 +50,8 @@ pub struct ObstacleContacts {
 }
 
 impl ObstacleContacts {
-    /// No obstacles yet. Vertices are kept at the distance `thickness` (m); a contact is reported from `margin` (m) beyond that on.
+    /// No obstacles yet. Vertices are kept at the distance `thickness` (m); a contact is reported from `margin` (m)
+    /// beyond that on.
     ///
     /// # Errors
     /// [`ObstacleError::Negative`].
@@ -85,11 +86,13 @@ impl ObstacleContacts {
         self.obstacles.iter_mut().map(|(obstacle, _)| obstacle)
     }
 
-    /// Replaces `out` by the contacts of vertices that move from `from` to `to` (m) within `dt` (s), while the obstacles move from their time 0 on:
-    /// those that meet an obstacle on the way, and those that end within the margin. By vertex, then by obstacle.
+    /// Replaces `out` by the contacts of vertices that move from `from` to `to` (m) within `dt` (s), while the
+    /// obstacles move from their time 0 on: those that meet an obstacle on the way, and those that end within the
+    /// margin. By vertex, then by obstacle.
     ///
-    /// The plane of a vertex that meets an obstacle on the way is the tangent plane where they meet, moved on with the surface until the end of the step. So a
-    /// vertex that has passed right through a thin obstacle is sent back to the side that it came from.
+    /// The plane of a vertex that meets an obstacle on the way is the tangent plane where they meet, moved on with the
+    /// surface until the end of the step. So a vertex that has passed right through a thin obstacle is sent back to the
+    /// side that it came from.
     ///
     /// # Errors
     /// [`CollideError::NonFinitePosition`]; `out` is then empty. [`CollideError::InvalidTimeStep`].
@@ -124,7 +127,8 @@ impl ObstacleContacts {
         Ok(())
     }
 
-    /// The contact of one vertex, on its way between two positions (m), with obstacle `number`; as in [`ObstacleContacts::detect`].
+    /// The contact of one vertex, on its way between two positions (m), with obstacle `number`; as in
+    /// [`ObstacleContacts::detect`].
     pub(crate) fn contact_of(
         &self,
         number: usize,
@@ -187,8 +191,8 @@ impl ObstacleContacts {
         })
     }
 
-    /// Whether a vertex on the straight way between `ends` (m) stays away from the ball around an obstacle, whose frame moves between the
-    /// `places` (m): a few operations that spare most vertices a search in a mesh.
+    /// Whether a vertex on the straight way between `ends` (m) stays away from the ball around an obstacle, whose frame
+    /// moves between the `places` (m): a few operations that spare most vertices a search in a mesh.
     fn out_of_reach(&self, obstacle: &Obstacle, ends: [Vec3; 2], places: [Vec3; 2]) -> bool {
         let Some(bounds) = obstacle.shape().bounds() else {
             return false;
@@ -202,11 +206,12 @@ impl ObstacleContacts {
         nearest.norm() > radius + self.thickness + self.margin + rounding
     }
 
-    /// The discrete response: every vertex that is nearer than the thickness gets the impulse of the law, and is moved out to the thickness. At the obstacles'
-    /// time `time` (s); `inverse_mass` (1/kg), one per vertex, those with 0 stay as they are. Obstacles take turns in their order.
+    /// The discrete response: every vertex that is nearer than the thickness gets the impulse of the law, and is moved
+    /// out to the thickness. At the obstacles' time `time` (s); `inverse_mass` (1/kg), one per vertex, those with 0
+    /// stay as they are. Obstacles take turns in their order.
     ///
-    /// Moving a vertex out changes no velocity, but its energy by the weight times the way. Returns the impulse (N·s) that the vertices have received
-    /// in all, and that the obstacles would receive the other way.
+    /// Moving a vertex out changes no velocity, but its energy by the weight times the way. Returns the impulse (N·s)
+    /// that the vertices have received in all, and that the obstacles would receive the other way.
     ///
     /// # Errors
     /// [`CollideError::NonFinitePosition`], also for a velocity. Nothing has then been changed.

@@ -7,8 +7,8 @@ use cloth_core::math::Vec3;
 /// A box around the origin, along the axes, with half extents b. With q = |x| − b (coordinate by coordinate),
 /// φ = ‖max(q, 0)‖ outside, where q has a positive coordinate, and φ = max qᵢ inside.
 ///
-/// Inside, the normal is that of the nearest side: a vertex that got in goes out the shortest way, which in a thin box may be the
-/// other side. [`super::first_contact`] keeps it from getting in.
+/// Inside, the normal is that of the nearest side: a vertex that got in goes out the shortest way, which in a thin box
+/// may be the other side. [`super::first_contact`] keeps it from getting in.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cuboid {
     half_extents: Vec3,

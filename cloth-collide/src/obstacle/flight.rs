@@ -5,16 +5,18 @@ use cloth_core::math::{Real, Vec3};
 
 /// A point mass among obstacles, moved from impact to impact.
 ///
-/// Between impacts it follows its parabola exactly. An impact is found by [`first_contact`] and changes the velocity as [`ImpactLaw`] says. What is left of the
-/// step goes on from there. Once the mass does not leave the surface any more, it *slides* for the rest of the step: gravity changes the velocity, the
-/// law takes away what goes into the surface and what friction can hold, and the position follows the mean of the old and the new velocity.
+/// Between impacts it follows its parabola exactly. An impact is found by [`first_contact`] and changes the velocity as
+/// [`ImpactLaw`] says. What is left of the step goes on from there. Once the mass does not leave the surface any more,
+/// it *slides* for the rest of the step: gravity changes the velocity, the law takes away what goes into the surface
+/// and what friction can hold, and the position follows the mean of the old and the new velocity.
 ///
 /// | exact to rounding | first order in Δt |
 /// |---|---|
 /// | flight, and impacts on anything convex | sliding on a curved or turning surface |
 /// | sliding and resting on a plane | the one step in which sliding ends or turns round |
 ///
-/// A solver for a whole cloth treats all vertices at once and cannot stop at each impact; this is what it is measured against.
+/// A solver for a whole cloth treats all vertices at once and cannot stop at each impact; this is what it is measured
+/// against.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PointMass {
     /// Position (m).
@@ -29,8 +31,9 @@ pub struct PointMass {
 const MOST_IMPACTS: u32 = 64;
 
 impl PointMass {
-    /// Moves the mass for `dt` (s) under `gravity` (m/s²), kept at the distance `thickness` (m) from `obstacle`, which is taken at its own time `start`
-    /// (s) and not changed. Returns the impulse (N·s) that the obstacle has given to the mass: m times the change of velocity, less that by gravity.
+    /// Moves the mass for `dt` (s) under `gravity` (m/s²), kept at the distance `thickness` (m) from `obstacle`, which
+    /// is taken at its own time `start` (s) and not changed. Returns the impulse (N·s) that the obstacle has given to
+    /// the mass: m times the change of velocity, less that by gravity.
     ///
     /// # Panics
     /// If `dt` is not a positive number.

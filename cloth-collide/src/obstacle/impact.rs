@@ -5,13 +5,13 @@ use cloth_core::math::{Real, Vec3};
 
 /// Restitution and Coulomb friction, as a rule for velocities.
 ///
-/// Let u be the velocity of a vertex relative to the surface, with the part uₙ = n·u along the normal and the part uₜ along the surface. Approaching
-/// (uₙ < 0), it changes by
+/// Let u be the velocity of a vertex relative to the surface, with the part uₙ = n·u along the normal and the part uₜ
+/// along the surface. Approaching (uₙ < 0), it changes by
 ///
 /// Δuₙ = −(1 + e) uₙ,  Δuₜ = −min(μ Δuₙ / ‖uₜ‖, 1) uₜ:
 ///
-/// the impulse stays in the friction cone, and friction stops but never turns round. With the mass m of the vertex, the impulse is m Δu, in both
-/// directions: the obstacle receives −m Δu, which moves it no more than anything else does.
+/// the impulse stays in the friction cone, and friction stops but never turns round. With the mass m of the vertex, the
+/// impulse is m Δu, in both directions: the obstacle receives −m Δu, which moves it no more than anything else does.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ImpactLaw {
     friction: Real,
@@ -57,7 +57,8 @@ impl ImpactLaw {
         }
     }
 
-    /// Change of velocity (m/s) of a vertex that moves with `relative` velocity u (m/s) against a surface with unit normal `normal`.
+    /// Change of velocity (m/s) of a vertex that moves with `relative` velocity u (m/s) against a surface with unit
+    /// normal `normal`.
     #[must_use]
     pub fn velocity_change(&self, relative: Vec3, normal: Vec3) -> Vec3 {
         let along = relative.dot(&normal);

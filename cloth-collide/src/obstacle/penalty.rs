@@ -12,11 +12,13 @@ use cloth_core::math::{Blocks, Real, Vec3};
 /// | barrier | −k (φ − h)² ln(φ/h), ∞ for φ ≤ 0 | never yields, if no step leads through it: needs a line search that [`super::first_contact`] caps |
 /// | two-stage | ½ k (h − φ)² down to t = h/2, then ½ k t² − k t² ln(φ/t) | a spring of known stiffness under a weight, a barrier under an impact |
 ///
-/// The barrier is that of Li et al. 2020, equation (6): twice continuously differentiable at h, and convex. The two-stage law is that of Chen et al. 2025,
-/// section 3.3: twice continuously differentiable at h/2, once at h.
+/// The barrier is that of Li et al. 2020, equation (6): twice continuously differentiable at h, and convex. The
+/// two-stage law is that of Chen et al. 2025, section 3.3: twice continuously differentiable at h/2, once at h.
 ///
-/// - M. Li et al., Incremental potential contact, *ACM Transactions on Graphics* 39(4), 2020. DOI 10.1145/3386569.3392425
-/// - A. H. Chen, J. Hsu, Z. Liu, M. Macklin, Y. Yang and C. Yuksel, Offset geometric contact, *ACM Transactions on Graphics* 44(4), 2025. DOI 10.1145/3731205
+/// - M. Li et al., Incremental potential contact, *ACM Transactions on Graphics* 39(4), 2020. DOI
+///   10.1145/3386569.3392425
+/// - A. H. Chen, J. Hsu, Z. Liu, M. Macklin, Y. Yang and C. Yuksel, Offset geometric contact, *ACM Transactions on
+///   Graphics* 44(4), 2025. DOI 10.1145/3731205
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PenaltyLaw {
     kind: Kind,
@@ -31,7 +33,8 @@ enum Kind {
     TwoStage,
 }
 
-/// Fraction of the range below which the derivatives of the barrier are those at just this fraction, to stay finite numbers.
+/// Fraction of the range below which the derivatives of the barrier are those at just this fraction, to stay finite
+/// numbers.
 const FLOOR: Real = 1e-12;
 
 impl PenaltyLaw {
@@ -99,8 +102,8 @@ impl PenaltyLaw {
         }
     }
 
-    /// E′(φ) (N), not positive: the force away from the obstacle is its negative. For a barrier that is passed, where there is no derivative, that
-    /// just before it.
+    /// E′(φ) (N), not positive: the force away from the obstacle is its negative. For a barrier that is passed, where
+    /// there is no derivative, that just before it.
     #[must_use]
     pub fn slope(&self, gap: Real) -> Real {
         let k = self.stiffness;
@@ -176,10 +179,11 @@ impl ObstaclePenalty<'_> {
     }
 }
 
-/// The contact energy of one vertex with the tangent plane of an obstacle, E(n·x − d): what a Newton-type method takes for the length of a step.
+/// The contact energy of one vertex with the tangent plane of an obstacle, E(n·x − d): what a Newton-type method takes
+/// for the length of a step.
 ///
-/// Where the plane was taken, energy and gradient are those of [`ObstaclePenalty`]; the Hessian lacks the curvature of the obstacle, and is
-/// positive semi-definite for that.
+/// Where the plane was taken, energy and gradient are those of [`ObstaclePenalty`]; the Hessian lacks the curvature of
+/// the obstacle, and is positive semi-definite for that.
 ///
 /// ```
 /// use cloth_collide::obstacle::{PenaltyLaw, PlanePenalty};

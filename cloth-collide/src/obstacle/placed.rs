@@ -6,8 +6,8 @@ use std::sync::Arc;
 
 /// A shape that stands still or moves as a rigid body.
 ///
-/// The shape is shared, not copied: one mesh may stand in many places. Moving it costs nothing, because points are taken to the shape and
-/// not the shape to the points.
+/// The shape is shared, not copied: one mesh may stand in many places. Moving it costs nothing, because points are
+/// taken to the shape and not the shape to the points.
 ///
 /// ```
 /// use cloth_collide::obstacle::{Obstacle, Pose, RigidMotion, Sphere};

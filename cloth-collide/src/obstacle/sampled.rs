@@ -8,16 +8,17 @@ use std::fmt;
 /// Most samples that a grid may have: half a gigabyte of them.
 const MOST_SAMPLES: usize = 1 << 26;
 
-/// The signed distance of another shape, taken at the nodes of a regular grid once; in between it is interpolated, linearly along each axis. A query costs
-/// eight look-ups, however many triangles the shape has.
+/// The signed distance of another shape, taken at the nodes of a regular grid once; in between it is interpolated,
+/// linearly along each axis. A query costs eight look-ups, however many triangles the shape has.
 ///
-/// **What is approximate.** Inside the grid, φ differs from the shape's own by at most [`SampledDistance::error_bound`], √3/2 of the spacing; far less where
-/// the surface is smooth, more than a little only at edges, which come out rounded. The gradient is that of the interpolated φ, so its length, [`Clearance::slope`], is not
-/// quite 1, and it jumps from cell to cell.
+/// **What is approximate.** Inside the grid, φ differs from the shape's own by at most
+/// [`SampledDistance::error_bound`], √3/2 of the spacing; far less where the surface is smooth, more than a little only
+/// at edges, which come out rounded. The gradient is that of the interpolated φ, so its length, [`Clearance::slope`],
+/// is not quite 1, and it jumps from cell to cell.
 ///
-/// **Outside the grid** nothing is known but what follows from the samples: with q the nearest point of the grid's box and r the distance from it,
-/// φ = √(r² + φ(q)²). No point of the shape is nearer than that (to the same bound), because all of it is on the other side of q. The answer is continuous across the
-/// border of the grid.
+/// **Outside the grid** nothing is known but what follows from the samples: with q the nearest point of the grid's box
+/// and r the distance from it, φ = √(r² + φ(q)²). No point of the shape is nearer than that (to the same bound),
+/// because all of it is on the other side of q. The answer is continuous across the border of the grid.
 pub struct SampledDistance {
     lower: Vec3,
     upper: Vec3,
@@ -34,8 +35,8 @@ impl SampledDistance {
     /// Samples `shape` on a grid of the given `spacing` (m) that reaches at least `padding` (m) beyond it on all sides.
     ///
     /// # Errors
-    /// [`ObstacleError::NotPositive`] for the spacing, [`ObstacleError::Negative`] for the padding, [`ObstacleError::Unbounded`] for a shape
-    /// without end, [`ObstacleError::TooManySamples`].
+    /// [`ObstacleError::NotPositive`] for the spacing, [`ObstacleError::Negative`] for the padding,
+    /// [`ObstacleError::Unbounded`] for a shape without end, [`ObstacleError::TooManySamples`].
     pub fn new(
         shape: &dyn SignedDistance,
         spacing: Real,
@@ -125,7 +126,8 @@ impl SampledDistance {
         (mix(along_y, t[2]), gradient / self.spacing)
     }
 
-    /// The steepest that φ can be anywhere: in a cell, each coordinate of the gradient is a mean of four differences of neighbours.
+    /// The steepest that φ can be anywhere: in a cell, each coordinate of the gradient is a mean of four differences of
+    /// neighbours.
     fn steepest(&self) -> Real {
         let mut squared: Real = 1.0;
         for z in 0..self.nodes[2] - 1 {

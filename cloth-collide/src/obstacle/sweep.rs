@@ -1,4 +1,4 @@
-//! When does a vertex on its way meet an obstacle that moves? (COL-4)
+//! When does a vertex on its way meet an obstacle that moves?
 
 use super::{Clearance, Obstacle};
 use cloth_core::math::{Real, Vec3};
@@ -47,31 +47,36 @@ pub struct FirstContact {
     pub clearance: Clearance,
     /// How often the distance was evaluated: at most 512 times.
     pub evaluations: u32,
-    /// Whether the vertex is in contact then, to rounding. If not, the evaluations were spent, and all that is known is that there is no contact before.
+    /// Whether the vertex is in contact then, to rounding. If not, the evaluations were spent, and all that is known is
+    /// that there is no contact before.
     pub certain: bool,
 }
 
 /// Most evaluations of the distance in one search.
 const MOST_EVALUATIONS: u32 = 512;
 
-/// The first time within `duration` (s) at which a vertex on `path` is no farther than `thickness` (m) from `obstacle` and does not move away from it;
-/// nothing if there is none. The obstacle is taken at its own time `start` (s) when the way begins.
+/// The first time within `duration` (s) at which a vertex on `path` is no farther than `thickness` (m) from `obstacle`
+/// and does not move away from it; nothing if there is none. The obstacle is taken at its own time `start` (s) when the
+/// way begins.
 ///
-/// *Conservative advancement*: from the distance f = φ − h at one time, its rate ḟ and bounds on how fast it can change, follows a time until
-/// which there is no contact; that long the vertex is moved on, and asked again. With λ of [`super::SignedDistance::lipschitz`], the relative velocity u of vertex and
-/// surface, and bounds over the rest of the way for its size, S = max ‖v − v_p‖ + ‖ω‖ max ‖x − p‖, and for its change in the frame of the obstacle,
-/// A = ‖a‖ + 2‖ω‖ max ‖v − v_p‖ + ‖ω‖² max ‖x − p‖, the best of these counts:
+/// *Conservative advancement*: from the distance f = φ − h at one time, its rate ḟ and bounds on how fast it can
+/// change, follows a time until which there is no contact; that long the vertex is moved on, and asked again. With λ of
+/// [`super::SignedDistance::lipschitz`], the relative velocity u of vertex and surface, and bounds over the rest of the
+/// way for its size, S = max ‖v − v_p‖ + ‖ω‖ max ‖x − p‖, and for its change in the frame of the obstacle, A = ‖a‖ +
+/// 2‖ω‖ max ‖v − v_p‖ + ‖ω‖² max ‖x − p‖, the best of these counts:
 ///
 /// - f(t + s) ≥ f − λ S s;
-/// - f(t + s) ≥ f − λ (‖u‖ s + ½ A s²), which comes near the contact by a factor of 1 − cos of the angle of impact a time;
-/// - f(t + s) ≥ f + ḟ s − ½ A s², if φ is convex. It is Newton's method coming from the safe side: for straight ways without rotation, a plane
-///   takes two evaluations, now and then a third for rounding, and a sphere a few.
+/// - f(t + s) ≥ f − λ (‖u‖ s + ½ A s²), which comes near the contact by a factor of 1 − cos of the angle of impact a
+///   time;
+/// - f(t + s) ≥ f + ḟ s − ½ A s², if φ is convex. It is Newton's method coming from the safe side: for straight ways
+///   without rotation, a plane takes two evaluations, now and then a third for rounding, and a sphere a few.
 ///
-/// So the time is never late: the vertex is not inside before. It is zero only if the start is in contact. For shapes that are not convex, a
-/// vertex that grazes the surface for long spends the evaluations and stops early, see [`FirstContact::certain`].
+/// So the time is never late: the vertex is not inside before. It is zero only if the start is in contact. For shapes
+/// that are not convex, a vertex that grazes the surface for long spends the evaluations and stops early, see
+/// [`FirstContact::certain`].
 ///
-/// A vertex that is nearer than h from the start is in contact at once if it comes nearer; if it moves away (known for convex shapes only), it is let
-/// go, and found when it comes back.
+/// A vertex that is nearer than h from the start is in contact at once if it comes nearer; if it moves away (known for
+/// convex shapes only), it is let go, and found when it comes back.
 ///
 /// Arguments that are not finite give a contact at time 0 that is not certain.
 #[must_use]

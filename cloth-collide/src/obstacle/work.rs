@@ -4,10 +4,11 @@ use super::ObstacleContacts;
 use cloth_core::contact::ContactStep;
 use cloth_core::math::{Real, Vec3};
 
-/// `Σ J·u` over the vertices: the impulse J = m Δv that contact has given to each, times the velocity u of the body there at the end of the step.
+/// `Σ J·u` over the vertices: the impulse J = m Δv that contact has given to each, times the velocity u of the body
+/// there at the end of the step.
 ///
-/// Contact of the cloth with itself is in J too, and has no part in the sum: opposite impulses at one place cancel in the velocity field of a rigid body. Where
-/// there are several bodies, each vertex goes by the nearest.
+/// Contact of the cloth with itself is in J too, and has no part in the sum: opposite impulses at one place cancel in
+/// the velocity field of a rigid body. Where there are several bodies, each vertex goes by the nearest.
 #[derive(Debug, Default)]
 pub(crate) struct BodyWork {
     /// Velocities (m/s) before contact; none where no body moves.

@@ -36,7 +36,8 @@ struct Row {
 #[derive(Debug, Default)]
 pub(super) struct Bodies {
     rows: Vec<Row>,
-    /// Of each body and each vertex: a lower bound of its distance (m) where it was at `places` (m), with the body where it is at the start of the substep.
+    /// Of each body and each vertex: a lower bound of its distance (m) where it was at `places` (m), with the body
+    /// where it is at the start of the substep.
     rooms: Vec<Real>,
     places: Vec<Vec3>,
     /// By how much friction has been stretched there (m).
@@ -152,7 +153,8 @@ impl Bodies {
         }
     }
 
-    /// How far (m) every vertex may go from `x` (m) while none comes within the thickness `h` (m) of a body; nothing if bodies move.
+    /// How far (m) every vertex may go from `x` (m) while none comes within the thickness `h` (m) of a body; nothing if
+    /// bodies move.
     pub(super) fn margin(
         &self,
         bodies: Option<&ObstacleContacts>,
@@ -265,7 +267,8 @@ impl Bodies {
         }
     }
 
-    /// The substep ends at `x` (m), the bodies still being where they are at its start. Friction gives in by `reach` (m). Returns the work (J) that they did.
+    /// The substep ends at `x` (m), the bodies still being where they are at its start. Friction gives in by `reach`
+    /// (m). Returns the work (J) that they did.
     pub(super) fn end(
         &mut self,
         bodies: Option<&ObstacleContacts>,

@@ -45,16 +45,17 @@ impl<'a> PotentialBuilder<'a> {
         self
     }
 
-    /// The same for each vertex of the cloth apart (m), where pieces are not equally thick: it keeps this distance from bodies, and two pieces keep half the
-    /// sum of theirs. Replaces [`thickness`](Self::thickness).
+    /// The same for each vertex of the cloth apart (m), where pieces are not equally thick: it keeps this distance from
+    /// bodies, and two pieces keep half the sum of theirs. Replaces [`thickness`](Self::thickness).
     #[must_use]
     pub fn thickness_of_vertices(mut self, thickness: Vec<Real>) -> Self {
         self.own.thickness = thickness;
         self
     }
 
-    /// Coefficients of friction μ (dimensionless) of each vertex of the cloth apart, where pieces are not equally rough. Two that touch have the geometric
-    /// mean of their coefficients, a vertex and a body too. Replaces [`friction`](Self::friction).
+    /// Coefficients of friction μ (dimensionless) of each vertex of the cloth apart, where pieces are not equally
+    /// rough. Two that touch have the geometric mean of their coefficients, a vertex and a body too. Replaces
+    /// [`friction`](Self::friction).
     #[must_use]
     pub fn friction_of_vertices(mut self, friction: Vec<Real>) -> Self {
         self.own.friction = friction;
@@ -82,8 +83,9 @@ impl<'a> PotentialBuilder<'a> {
         self
     }
 
-    /// What obstacle `number` (as [`obstacles`](Self::obstacles) has them, from 0) looks like in its own frame (m): no triangle of the cloth cuts those of `mesh`,
-    /// which may be open and pass through itself. It should lie on the surface of the shape or inside, since the signed distance keeps vertices on its own.
+    /// What obstacle `number` (as [`obstacles`](Self::obstacles) has them, from 0) looks like in its own frame (m): no
+    /// triangle of the cloth cuts those of `mesh`, which may be open and pass through itself. It should lie on the
+    /// surface of the shape or inside, since the signed distance keeps vertices on its own.
     #[must_use]
     pub fn surface(mut self, number: usize, mesh: TriMesh) -> Self {
         let motion = Motion::Obstacle(number);
@@ -91,8 +93,8 @@ impl<'a> PotentialBuilder<'a> {
         self
     }
 
-    /// A body that has triangles alone, those of `mesh` where `animation` moves its vertices; with a coefficient of `friction` μ (dimensionless). Its time begins
-    /// with the first step.
+    /// A body that has triangles alone, those of `mesh` where `animation` moves its vertices; with a coefficient of
+    /// `friction` μ (dimensionless). Its time begins with the first step.
     #[must_use]
     pub fn animated(mut self, mesh: TriMesh, animation: AnimatedMesh, friction: Real) -> Self {
         let motion = Motion::Own(animation, friction);
@@ -110,8 +112,9 @@ impl<'a> PotentialBuilder<'a> {
     /// Builds the contact source.
     ///
     /// # Errors
-    /// [`BuildError::InvalidSetting`] for a thickness or stiffness that is not positive and finite, a friction that is negative, the surface of an obstacle that there
-    /// is not, or an animation of another number of vertices than its mesh.
+    /// [`BuildError::InvalidSetting`] for a thickness or stiffness that is not positive and finite, a friction that is
+    /// negative, the surface of an obstacle that there is not, or an animation of another number of vertices than its
+    /// mesh.
     pub fn build(self) -> Result<PotentialContacts, BuildError> {
         self.check_own()?;
         let most = self.own.thickness.iter().copied().reduce(Real::max);

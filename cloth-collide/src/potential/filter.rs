@@ -45,8 +45,9 @@ impl NearPairs {
         Ok(cap)
     }
 
-    /// Takes vertices back on their ways (m) until every near pair keeps [`SLACK`] of its distance: all of a pair that does not
-    /// alike, and again where that brings others too near. `parts` is what is left of each way. Returns whether that changed anything.
+    /// Takes vertices back on their ways (m) until every near pair keeps [`SLACK`] of its distance: all of a pair that
+    /// does not alike, and again where that brings others too near. `parts` is what is left of each way. Returns
+    /// whether that changed anything.
     pub(super) fn shorten(
         &mut self,
         thickness: Real,
@@ -162,7 +163,8 @@ fn time_of_edges(pair: &EdgeEdgeContact, from: &[Vec3], to: &[Vec3]) -> Result<R
     time(distance, pair.law.range(), way, &a, &b, test)
 }
 
-/// The most by which two pieces of four vertices, the first of which has `split`, can have come nearer (m) between two moments.
+/// The most by which two pieces of four vertices, the first of which has `split`, can have come nearer (m) between two
+/// moments.
 fn approach(a: &[Vec3; 4], b: &[Vec3; 4], split: usize) -> Real {
     let ways: [Vec3; 4] = std::array::from_fn(|k| b[k] - a[k]);
     let mean = ways.iter().sum::<Vec3>() * 0.25;
@@ -171,8 +173,8 @@ fn approach(a: &[Vec3; 4], b: &[Vec3; 4], split: usize) -> Real {
     most(&sizes[..split]) + most(&sizes[split..])
 }
 
-/// The time (dimensionless, 0..=1) at which a pair's distance is down to [`SLACK`] of the `distance` (m) that it has at the start, or of
-/// the thickness; 1 if that does not happen. `way` bounds how far the pieces approach each other.
+/// The time (dimensionless, 0..=1) at which a pair's distance is down to [`SLACK`] of the `distance` (m) that it has at
+/// the start, or of the thickness; 1 if that does not happen. `way` bounds how far the pieces approach each other.
 fn time(
     distance: Real,
     thickness: Real,

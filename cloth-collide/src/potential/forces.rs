@@ -6,11 +6,11 @@ use crate::obstacle::{ImpactLaw, Obstacle};
 use cloth_core::element::{Element, Energy};
 use cloth_core::math::{Real, Vec3, gather};
 
-/// Forces of contact in a step, averaged over it where a method takes several substeps; of a method that minimises, those of
-/// the potential where the step ends.
+/// Forces of contact in a step, averaged over it where a method takes several substeps; of a method that minimises,
+/// those of the potential where the step ends.
 ///
-/// What the last resort does (vertices that go back on their way) is no force, and not in them; impacts that it resolves count
-/// as pressure, for the vertices alone.
+/// What the last resort does (vertices that go back on their way) is no force, and not in them; impacts that it
+/// resolves count as pressure, for the vertices alone.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ContactForces {
     /// Pressure (N) on each vertex of the cloth, by the cloth itself and by bodies.

@@ -1,9 +1,10 @@
 //! Coulomb friction as a potential, with normal forces and directions from the start of the step.
 //!
-//! Friction has no energy, but friction under a normal force λ and in a tangent plane T that do not change has one (lagged friction, Li et al. 2020,
-//! section 5.4): μ λ f(‖u‖), with u the way of the contact point in the plane. f is quadratic below a small length ε, so that sticking is a spring of the stiffness μ λ/ε,
-//! and ‖u‖ − ε/2 beyond, where the force is μ λ. What the spring is stretched by at the end of a step is where it starts in the next: a cloth that sticks
-//! does not creep, whatever the number of steps.
+//! Friction has no energy, but friction under a normal force λ and in a tangent plane T that do not change has one
+//! (lagged friction, Li et al. 2020, section 5.4): μ λ f(‖u‖), with u the way of the contact point in the plane. f is
+//! quadratic below a small length ε, so that sticking is a spring of the stiffness μ λ/ε, and ‖u‖ − ε/2 beyond, where
+//! the force is μ λ. What the spring is stretched by at the end of a step is where it starts in the next: a cloth that
+//! sticks does not creep, whatever the number of steps.
 
 use cloth_core::contact::ContactRow;
 use cloth_core::math::{Real, Vec3};

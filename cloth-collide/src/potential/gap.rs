@@ -5,8 +5,9 @@ use cloth_core::math::{Blocks, Mat3, Real, Vec3};
 
 /// Between the nearest points of two primitives.
 ///
-/// With the weights c_k(s) of the four vertices, which depend on up to two places s along edges, r = Σ c_k x_k goes from one nearest point to the other, and
-/// d = min over s of ‖r‖. The minimum is stationary in s, so ∂d/∂x_k = c_k n with n = r/d, and where the weights move, they follow from J ⊥ n.
+/// With the weights c_k(s) of the four vertices, which depend on up to two places s along edges, r = Σ c_k x_k goes
+/// from one nearest point to the other, and d = min over s of ‖r‖. The minimum is stationary in s, so ∂d/∂x_k = c_k n
+/// with n = r/d, and where the weights move, they follow from J ⊥ n.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gap {
     /// Distance d (m).
@@ -91,9 +92,11 @@ impl Gap {
         self.weights.map(|c| self.normal * c)
     }
 
-    /// ∂²d/∂x_k∂x_l (1/m) at the positions (m) that the gap was taken at. Between two regions, where it jumps, that of one of them; zero for primitives that touch, and where G⁻¹ is beyond all numbers.
+    /// ∂²d/∂x_k∂x_l (1/m) at the positions (m) that the gap was taken at. Between two regions, where it jumps, that of
+    /// one of them; zero for primitives that touch, and where G⁻¹ is beyond all numbers.
     ///
-    /// Eliminating the places s from the Hessian of ½ r² leaves, with J_a = Σ ∂c_k/∂s_a x_k, G = JᵀJ, and the projector T onto what is at right angles to n and all J,
+    /// Eliminating the places s from the Hessian of ½ r² leaves, with J_a = Σ ∂c_k/∂s_a x_k, G = JᵀJ, and the projector
+    /// T onto what is at right angles to n and all J,
     ///
     /// ∂²d = c_k c_l T/d − Σ (G⁻¹)_ab (∂_a c_k c_l n J_bᵀ + c_k ∂_b c_l J_a nᵀ + d ∂_a c_k ∂_b c_l n nᵀ),
     ///
@@ -135,10 +138,12 @@ impl Gap {
         blocks
     }
 
-    /// The part of −∂²d (1/m) that is left of it without negative eigenvalues: what a barrier, whose slope is negative, adds to a convex Hessian.
+    /// The part of −∂²d (1/m) that is left of it without negative eigenvalues: what a barrier, whose slope is negative,
+    /// adds to a convex Hessian.
     ///
-    /// Along the two eigenvectors of G, with the eigenvalue λ, −∂²d is (U Uᵀ − Q Qᵀ)/(λ d) with Q = c ⊗ J, P = ∂c ⊗ n and U = Q + d P. P and Q are at right angles, so that
-    /// the one positive eigenvalue μ of each comes from a quadratic equation; −c c T/d has none. The sum of these parts is not smaller than −∂²d.
+    /// Along the two eigenvectors of G, with the eigenvalue λ, −∂²d is (U Uᵀ − Q Qᵀ)/(λ d) with Q = c ⊗ J, P = ∂c ⊗ n
+    /// and U = Q + d P. P and Q are at right angles, so that the one positive eigenvalue μ of each comes from a
+    /// quadratic equation; −c c T/d has none. The sum of these parts is not smaller than −∂²d.
     #[must_use]
     pub fn convex_part(&self, x: &[Vec3; 4]) -> Blocks<4> {
         let mut blocks = [[Mat3::zeros(); 4]; 4];
@@ -165,7 +170,8 @@ impl Gap {
         blocks
     }
 
-    /// ∂c/∂s and J (m) for places s along the eigenvectors of G; as many of the two mean something as there are free places.
+    /// ∂c/∂s and J (m) for places s along the eigenvectors of G; as many of the two mean something as there are free
+    /// places.
     fn principal_turns(&self, x: &[Vec3; 4]) -> [([Real; 4], Vec3); 2] {
         let way = |turn: &[Real; 4]| (0..4).map(|k| x[k] * turn[k]).sum::<Vec3>();
         let [first, second] = self.turns;
@@ -183,7 +189,8 @@ impl Gap {
         [mix(cos, sin), mix(-sin, cos)]
     }
 
-    /// The inverse of G; nothing if it has none, or one beyond all numbers, as between edges that are parallel but for 1e-154.
+    /// The inverse of G; nothing if it has none, or one beyond all numbers, as between edges that are parallel but for
+    /// 1e-154.
     fn inverse_metric(&self, along: &[Vec3; 2]) -> Option<[[Real; 2]; 2]> {
         let [u, v] = along;
         let mut inverse = [[0.0; 2]; 2];

@@ -7,9 +7,10 @@ use cloth_core::math::{Real, Vec3, gather};
 
 /// Vertices that are held back.
 ///
-/// Let b be the smallest distance at the start between a vertex's surroundings (its triangles and edges) and all other pieces. If every vertex of a pair goes less than
-/// half of its b, then the two pieces cannot meet, whatever they do: each point of them goes less than half of their distance. So a vertex that is held back needs no other
-/// vertex to agree, apart from those of the pairs that it is in.
+/// Let b be the smallest distance at the start between a vertex's surroundings (its triangles and edges) and all other
+/// pieces. If every vertex of a pair goes less than half of its b, then the two pieces cannot meet, whatever they do:
+/// each point of them goes less than half of their distance. So a vertex that is held back needs no other vertex to
+/// agree, apart from those of the pairs that it is in.
 #[derive(Debug, Default)]
 pub(super) struct Hold {
     /// How far each vertex may go (m).
@@ -101,7 +102,8 @@ mod tests {
     use cloth_core::mesh::TriMesh;
     use cloth_core::mesh::generate::{Diagonals, grid};
 
-    /// Pieces nearer to each other than the spacing of their coordinates: there is no way short enough but none, and that ends the search.
+    /// Pieces nearer to each other than the spacing of their coordinates: there is no way short enough but none, and
+    /// that ends the search.
     #[test]
     fn what_all_but_touches_stays_where_it_is() {
         let corners = [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)];

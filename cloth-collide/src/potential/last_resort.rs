@@ -1,16 +1,17 @@
 //! The last resort: impact zones, then ways so short that nothing is in reach.
 //!
-//! What sweeps have not brought to an end in which nothing passes through anything comes here, with the motion that they have found. Vertices that get
-//! into a body are moved out of it. Vertices of pairs that go through each other become one rigid body (an impact zone), with their momentum and angular momentum,
-//! since inside a rigid body nothing can meet; zones that meet are joined. Where prescribed vertices or bodies do not let zones be rigid, vertices are held back. Everything is
-//! tested again after each change, so a step is free or refused.
+//! What sweeps have not brought to an end in which nothing passes through anything comes here, with the motion that
+//! they have found. Vertices that get into a body are moved out of it. Vertices of pairs that go through each other
+//! become one rigid body (an impact zone), with their momentum and angular momentum, since inside a rigid body nothing
+//! can meet; zones that meet are joined. Where prescribed vertices or bodies do not let zones be rigid, vertices are
+//! held back. Everything is tested again after each change, so a step is free or refused.
 //!
-//! - X. Provot, Collision and self-collision handling in cloth model dedicated to design garments, *Computer Animation and Simulation* 1997.
-//!   DOI 10.1007/978-3-7091-6874-5_13
-//! - R. Bridson, R. Fedkiw and J. Anderson, Robust treatment of collisions, contact and friction for cloth animation, SIGGRAPH 2002.
-//!   DOI 10.1145/566570.566623
-//! - L. Wu, B. Wu, Y. Yang and H. Wang, A safe and fast repulsion method for GPU-based cloth self collisions, *ACM Transactions on Graphics* 40(1),
-//!   2020: ways bounded by half of the distance.
+//! - X. Provot, Collision and self-collision handling in cloth model dedicated to design garments, *Computer Animation
+//!   and Simulation* 1997. DOI 10.1007/978-3-7091-6874-5_13
+//! - R. Bridson, R. Fedkiw and J. Anderson, Robust treatment of collisions, contact and friction for cloth animation,
+//!   SIGGRAPH 2002. DOI 10.1145/566570.566623
+//! - L. Wu, B. Wu, Y. Yang and H. Wang, A safe and fast repulsion method for GPU-based cloth self collisions, *ACM
+//!   Transactions on Graphics* 40(1), 2020: ways bounded by half of the distance.
 
 use super::hold::Hold;
 use super::near::Near;
@@ -61,7 +62,8 @@ struct Hit {
 }
 
 impl Hit {
-    /// Pushes the two pieces apart, along the line between their nearest points where they come too near; both positions (m) and velocities (m/s).
+    /// Pushes the two pieces apart, along the line between their nearest points where they come too near; both
+    /// positions (m) and velocities (m/s).
     fn push(&self, step: &ContactStep<'_>, x: &mut [Vec3], v: &mut [Vec3]) {
         let Pair { kind, vertices } = self.pair;
         let [from, to] = [step.from, &*x].map(|x| gather(x, vertices));
@@ -97,11 +99,12 @@ impl LastResort {
         }
     }
 
-    /// Changes the end `x` (m) of a step, with the velocities `v` (m/s) there, until the straight ways from `step.from` are free. Returns
-    /// the number of vertices that were held back for it: safe, but behind where contact should let them go, and with less momentum.
+    /// Changes the end `x` (m) of a step, with the velocities `v` (m/s) there, until the straight ways from `step.from`
+    /// are free. Returns the number of vertices that were held back for it: safe, but behind where contact should let
+    /// them go, and with less momentum.
     ///
     /// # Errors
-    /// [`ContactError::NoWay`], [`ContactError::NonFinite`]; `x` and `v` are of no use then.
+    /// [`ContactError::Infeasible`], [`ContactError::NonFinite`]; `x` and `v` are of no use then.
     pub(super) fn resolve(
         &mut self,
         near: &Near,
@@ -206,7 +209,7 @@ impl LastResort {
                 newly_held += self.hold.stop(vertex, step, x);
             }
             if newly_held == 0 {
-                return Err(ContactError::NoWay { vertex });
+                return Err(ContactError::Infeasible { vertex });
             }
             self.look(near, bodies, step, x)?;
         }
@@ -265,7 +268,8 @@ impl LastResort {
         Ok(())
     }
 
-    /// Whether a vertex on its `way` (m) in `dt` (s) gets inside a body, or deeper inside if it was there before, by more than a hundredth of the thickness.
+    /// Whether a vertex on its `way` (m) in `dt` (s) gets inside a body, or deeper inside if it was there before, by
+    /// more than a hundredth of the thickness.
     fn enters(&self, bodies: &ObstacleContacts, number: usize, way: [Vec3; 2], dt: Real) -> bool {
         let body = &bodies.pairs()[number].0;
         let start = body.clearance(way[0], 0.0).value;
@@ -300,7 +304,8 @@ pub(super) fn pairs(
     })
 }
 
-/// When a pair comes nearer on its way to `x` (m) than the share of its distance, or of the thickness if that is less, that a step has to keep.
+/// When a pair comes nearer on its way to `x` (m) than the share of its distance, or of the thickness if that is less,
+/// that a step has to keep.
 fn hit(pair: Pair, thickness: Real, step: &ContactStep<'_>, x: &[Vec3]) -> Option<Hit> {
     let motion = Motion {
         from: gather(step.from, pair.vertices),

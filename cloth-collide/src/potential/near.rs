@@ -98,7 +98,8 @@ impl Near {
         }
     }
 
-    /// Takes over which vertices are prescribed, by their inverse masses (1/kg), and tells whether they were others before.
+    /// Takes over which vertices are prescribed, by their inverse masses (1/kg), and tells whether they were others
+    /// before.
     pub(super) fn begin(&mut self, inverse_mass: &[Real]) -> bool {
         let mut changed = false;
         for (free, w) in self.is_free.iter_mut().zip(inverse_mass) {
@@ -114,7 +115,8 @@ impl Near {
         changed
     }
 
-    /// Takes notice of prescribed vertices that begin to move, from `from` to `to` (m). Returns whether there are any: what was found without them is not all.
+    /// Takes notice of prescribed vertices that begin to move, from `from` to `to` (m). Returns whether there are any:
+    /// what was found without them is not all.
     pub(super) fn sets_out(&mut self, from: &[Vec3], to: &[Vec3]) -> bool {
         let count = self.resting.len();
         let is_resting = &mut self.is_resting;
@@ -210,7 +212,8 @@ impl Near {
         }
     }
 
-    /// Whether a pair is looked at: not if it is let go, or nothing in it moves, and no prescribed vertices before bodies, which can be where they please.
+    /// Whether a pair is looked at: not if it is let go, or nothing in it moves, and no prescribed vertices before
+    /// bodies, which can be where they please.
     pub(super) fn meets(&self, vertices: [u32; 4]) -> bool {
         if self.surfaces.is_empty() || vertices.iter().all(|&v| self.is_own(v)) {
             let rests = vertices.iter().all(|&v| self.is_resting[v as usize]);
@@ -258,7 +261,8 @@ impl Near {
         }
     }
 
-    /// The area (m²) that a vertex stands for before a triangle: that of a body has no more than the vertices of the cloth there.
+    /// The area (m²) that a vertex stands for before a triangle: that of a body has no more than the vertices of the
+    /// cloth there.
     pub(super) fn area_before(&self, vertex: u32, corners: [u32; 3]) -> Real {
         let area = |v: u32| self.vertex_area[v as usize];
         if self.is_own(vertex) {
@@ -267,11 +271,12 @@ impl Near {
         area(vertex).min(corners.map(area).iter().sum::<Real>() / 3.0)
     }
 
-    /// The law of a pair: for two parts of one piece it begins no farther than they are apart at rest, so that nothing is pushed away from its
-    /// rest.
+    /// The law of a pair: for two parts of one piece it begins no farther than they are apart at rest, so that nothing
+    /// is pushed away from its rest.
     ///
-    /// Cloth before a body is pressed by its own vertices, which know the area that they stand for. What else there is of the two, edges and the vertices of the
-    /// body, pushes from half of the thickness on: nothing as long as the vertices do what is needed.
+    /// Cloth before a body is pressed by its own vertices, which know the area that they stand for. What else there is
+    /// of the two, edges and the vertices of the body, pushes from half of the thickness on: nothing as long as the
+    /// vertices do what is needed.
     pub(super) fn law_of(
         &self,
         vertices: [u32; 4],

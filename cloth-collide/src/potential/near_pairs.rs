@@ -1,7 +1,9 @@
-//! Which pairs can be near each other on a way that a method is about to take, chosen again only when it has gone elsewhere.
+//! Which pairs can be near each other on a way that a method is about to take, chosen again only when it has gone
+//! elsewhere.
 //!
-//! Patches of the cloth know what can touch between two of them, until they have moved too far relative to each other. Of those pairs the ones are evaluated
-//! that can come as near as the thickness on the way that is being looked at, and a little beyond it.
+//! Patches of the cloth know what can touch between two of them, until they have moved too far relative to each other.
+//! Of those pairs the ones are evaluated that can come as near as the thickness on the way that is being looked at, and
+//! a little beyond it.
 
 use super::gap::Gap;
 use super::near::Near;
@@ -28,7 +30,8 @@ pub(super) struct NearPairs {
     reach: Vec<Real>,
     pub(super) vertex_triangle: Ranked<VertexTriangleContact>,
     pub(super) edge_edge: Ranked<EdgeEdgeContact>,
-    /// Of each obstacle and each vertex: where it was asked for the distance, in the frame of the obstacle (m), and that distance (m). It changes by no more than the way from there.
+    /// Of each obstacle and each vertex: where it was asked for the distance, in the frame of the obstacle (m), and
+    /// that distance (m). It changes by no more than the way from there.
     rooms: Vec<(Vec3, Real)>,
     /// Vertex and obstacle.
     pub(super) vertex_obstacle: Vec<[u32; 2]>,
@@ -207,7 +210,8 @@ impl NearPairs {
     }
 }
 
-/// The distance (m) along an axis, the farthest, between the boxes around the first `split` of four points and around the others; not positive if they overlap.
+/// The distance (m) along an axis, the farthest, between the boxes around the first `split` of four points and around
+/// the others; not positive if they overlap.
 #[inline(always)]
 fn boxes_gap(x: &[Vec3; 4], split: usize) -> Real {
     let around = |points: &[Vec3]| {
@@ -230,8 +234,8 @@ mod tests {
     use crate::shapes::{deformed, sheet};
     use std::collections::HashSet;
 
-    /// Whatever ways a folded sheet takes, waved, turned, jerked and back again: every pair that is within its range at the start, halfway or at the end of a way is among
-    /// the ones chosen for it, as a look at all pairs tells.
+    /// Whatever ways a folded sheet takes, waved, turned, jerked and back again: every pair that is within its range at
+    /// the start, halfway or at the end of a way is among the ones chosen for it, as a look at all pairs tells.
     #[test]
     fn no_near_pair_is_missed_on_any_way() {
         let mesh = sheet(9);

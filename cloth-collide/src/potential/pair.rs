@@ -8,8 +8,8 @@ use cloth_core::math::{Blocks, Real, Vec3, make_semidefinite};
 
 /// E = A b(d) (J) of a vertex and a triangle, d their distance.
 ///
-/// Convex in the direction of n only: where a vertex is led around a corner, the second derivative of d, which the barrier multiplies by its
-/// negative slope, pulls it off. [`Convexity::GaussNewton`] leaves this out.
+/// Convex in the direction of n only: where a vertex is led around a corner, the second derivative of d, which the
+/// barrier multiplies by its negative slope, pulls it off. [`Convexity::GaussNewton`] leaves this out.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct VertexTriangleContact {
     /// The vertex, then the corners of the triangle.
@@ -104,8 +104,8 @@ impl Energy<4> for EdgeEdgeContact {
     }
 }
 
-/// A (b″ ∂d ∂dᵀ + b′ ∂²d); of the second part, which makes it indefinite, nothing for [`Convexity::GaussNewton`], and [`Gap::convex_part`] for
-/// [`Convexity::Clamp`].
+/// A (b″ ∂d ∂dᵀ + b′ ∂²d); of the second part, which makes it indefinite, nothing for [`Convexity::GaussNewton`], and
+/// [`Gap::convex_part`] for [`Convexity::Clamp`].
 fn barrier_hessian(
     gap: &Gap,
     law: PenaltyLaw,

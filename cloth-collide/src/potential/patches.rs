@@ -1,13 +1,15 @@
 //! Which pairs can touch in a substep, from bounds on the relative motion of patches of the cloth.
 //!
-//! A patch is some tens of neighbouring triangles. It is known by its centre c, the mean of its vertices, and by its spread s: how far a vertex has
-//! gone at most besides the centre since the patch was last looked at, and before that from one look to the next. Since a moment 0, two points of patches p and q
-//! have moved relative to each other by no more than
+//! A patch is some tens of neighbouring triangles. It is known by its centre c, the mean of its vertices, and by its
+//! spread s: how far a vertex has gone at most besides the centre since the patch was last looked at, and before that
+//! from one look to the next. Since a moment 0, two points of patches p and q have moved relative to each other by no
+//! more than
 //!
 //! ‖(c_p − c_q) − (c_p − c_q)₀‖ + (s_p − s_p₀) + (s_q − s_q₀).
 //!
-//! So pairs of primitives, found once with some room and sorted by what they lack to contact, need no look as long as this is less than the room, and of those
-//! that are known only the first ones do. Patches that fly together cost nothing, whatever their common motion.
+//! So pairs of primitives, found once with some room and sorted by what they lack to contact, need no look as long as
+//! this is less than the room, and of those that are known only the first ones do. Patches that fly together cost
+//! nothing, whatever their common motion.
 
 mod between;
 mod detect;
@@ -35,7 +37,8 @@ const LEAST_ROOM: Real = 0.5;
 const HOLD: Real = 60.0;
 /// Room (in mean edges) of a search, at most, unless one substep needs more.
 const MOST_ROOM: Real = 0.25;
-/// Way (in mean edges) that a patch may go until pairs of patches are searched anew, at least; and in one substep, at most.
+/// Way (in mean edges) that a patch may go until pairs of patches are searched anew, at least; and in one substep, at
+/// most.
 const REACH: Real = 1.0;
 const FARTHEST: Real = 30.0;
 
@@ -107,7 +110,8 @@ pub(super) struct Patches {
     edge: Real,
     /// Way (m) that a patch may go besides what all do together, until pairs of patches are searched anew.
     reach: Real,
-    /// Positions (m) of the vertices of each patch from which its spread is counted, their centre, and the spread there.
+    /// Positions (m) of the vertices of each patch from which its spread is counted, their centre, and the spread
+    /// there.
     reference: Vec<Vec<Vec3>>,
     reference_centres: Vec<Vec3>,
     reference_spreads: Vec<Real>,
@@ -116,13 +120,14 @@ pub(super) struct Patches {
     then: Motions,
     /// How far a vertex goes besides its centre in between (m).
     ways: Vec<Real>,
-    /// Where a substep was to end when pairs were looked into first, and how far it ends from there (m) by another look; of each pair of patches, the substep at whose beginning it was looked into.
+    /// Where a substep was to end when pairs were looked into first, and how far it ends from there (m) by another
+    /// look; of each pair of patches, the substep at whose beginning it was looked into.
     aim: Motions,
     aim_ways: Vec<Real>,
     drift: Vec<Real>,
     awake_in: Vec<u32>,
-    /// What was allowed for when pairs were chosen: relative motion (m) of two patches between which something can touch, by their number, and of a patch
-    /// and all.
+    /// What was allowed for when pairs were chosen: relative motion (m) of two patches between which something can
+    /// touch, by their number, and of a patch and all.
     allowed: Vec<(u32, Real)>,
     stray_allowed: Vec<Real>,
     /// When pairs of patches were searched.
@@ -241,7 +246,8 @@ impl Patches {
         self.is_known = false;
     }
 
-    /// Begins a substep from `x` to `to` (m): makes sure that the pairs are complete, and hands `visit` those that the motion can bring into contact.
+    /// Begins a substep from `x` to `to` (m): makes sure that the pairs are complete, and hands `visit` those that the
+    /// motion can bring into contact.
     pub(super) fn begin(
         &mut self,
         near: &Near,
@@ -304,7 +310,8 @@ impl Patches {
         (pair.last_apart, pair.last_path) = (apart, path);
     }
 
-    /// How far (m) every vertex may go from where it is now, besides what all do together, while nothing comes near; nothing if something has just been looked into.
+    /// How far (m) every vertex may go from where it is now, besides what all do together, while nothing comes near;
+    /// nothing if something has just been looked into.
     pub(super) fn margin(&self) -> Option<Real> {
         if self.awake > 0 || !self.is_known {
             return None;

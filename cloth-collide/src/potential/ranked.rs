@@ -1,4 +1,5 @@
-//! Pairs in the order of what they lack to contact, so that those which lack more than the motion since then are left alone.
+//! Pairs in the order of what they lack to contact, so that those which lack more than the motion since then are left
+//! alone.
 
 use cloth_core::math::Real;
 

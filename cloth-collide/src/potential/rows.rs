@@ -1,17 +1,19 @@
 //! Contact as unilateral constraints: the view for methods that project positions.
 //!
-//! A substep of h goes from x₀. Each pair of pieces that can touch in it is a row n·Σ wᵢ xᵢ ≥ d̂, with the nearest points frozen at x₀ (or at an earlier substep, while the
-//! patches have hardly moved against each other: then cloth at rest has the same rows in each), and what pushes is the law of the
-//! potential there: with stiffness k = A φ″ and a range d̂ = d + A φ′/−k where the tangent of the force ends, so that λ/h² is the force k (d̂ − d). XPBD's projection with the compliance
-//! α̃ = 1/(k h²) and λ ≥ 0 is
+//! A substep of h goes from x₀. Each pair of pieces that can touch in it is a row n·Σ wᵢ xᵢ ≥ d̂, with the nearest
+//! points frozen at x₀ (or at an earlier substep, while the patches have hardly moved against each other: then cloth at
+//! rest has the same rows in each), and what pushes is the law of the potential there: with stiffness k = A φ″ and a
+//! range d̂ = d + A φ′/−k where the tangent of the force ends, so that λ/h² is the force k (d̂ − d). XPBD's projection
+//! with the compliance α̃ = 1/(k h²) and λ ≥ 0 is
 //!
 //! Δλ = max(−λ, −(C + α̃ λ)/(Σ wᵢ²/mᵢ + α̃)), C = n·Σ wᵢ xᵢ − d̂.
 //!
-//! Friction holds the point where it was, with ‖f‖ ≤ μ λ; a point that sticks goes back to where it began to stick, however many substeps ago. For a body the
-//! distance is evaluated anew in each sweep ([`bodies`](super::bodies)).
+//! Friction holds the point where it was, with ‖f‖ ≤ μ λ; a point that sticks goes back to where it began to stick,
+//! however many substeps ago. For a body the distance is evaluated anew in each sweep ([`bodies`](super::bodies)).
 //!
-//! At the end of the substep every pair is tested: a plane across the frozen normal, or the continuous test. What has not kept a part of its distance gets
-//! sweeps without compliance; then its vertices go back on their way; and what is left even then is for impact zones.
+//! At the end of the substep every pair is tested: a plane across the frozen normal, or the continuous test. What has
+//! not kept a part of its distance gets sweeps without compliance; then its vertices go back on their way; and what is
+//! left even then is for impact zones.
 
 use super::bodies::Bodies;
 use super::forces::Ledger;
@@ -31,7 +33,8 @@ use cloth_core::math::{Real, Vec3, gather, is_finite};
 pub(super) const SLACK: Real = 0.05;
 /// The part of its distance, or of its range where that is less, that a pair keeps in a substep.
 pub(super) const KEPT: Real = 0.1;
-/// Distances (in ranges) below which the law is that of this distance; and what a pair that is nearer comes back to when it has to.
+/// Distances (in ranges) below which the law is that of this distance; and what a pair that is nearer comes back to
+/// when it has to.
 pub(super) const LEAST: Real = 0.05;
 /// Rounds of sweeps without compliance, and sweeps in each.
 const REPAIRS: u32 = 3;
@@ -262,7 +265,8 @@ impl ContactConstraints for Contacts {
 }
 
 impl Contacts {
-    /// Rows for the pairs that a way to `to` (m) can bring into contact, if it is not too long for that. Returns whether it was not.
+    /// Rows for the pairs that a way to `to` (m) can bring into contact, if it is not too long for that. Returns
+    /// whether it was not.
     fn find(&mut self, step: &ContactStep<'_>, to: &[Vec3], begins: bool) -> bool {
         let Self { near, rows, .. } = self;
         let Some(patches) = &mut rows.patches else {
@@ -449,7 +453,8 @@ impl Contacts {
         }
     }
 
-    /// Leads the start `x` (m) of an iteration around what prescribed vertices and bodies do in the step: a substep of the constraints.
+    /// Leads the start `x` (m) of an iteration around what prescribed vertices and bodies do in the step: a substep of
+    /// the constraints.
     pub(super) fn lead(
         &mut self,
         step: &ContactStep<'_>,

@@ -46,7 +46,8 @@ pub struct PotentialReport {
     pub near: usize,
 }
 
-/// Contact among the vertices of a cloth, and of surfaces of bodies that follow them as prescribed ones, and with obstacles.
+/// Contact among the vertices of a cloth, and of surfaces of bodies that follow them as prescribed ones, and with
+/// obstacles.
 #[derive(Debug)]
 pub(super) struct Contacts {
     /// For methods that project positions.
@@ -69,7 +70,8 @@ pub(super) struct Contacts {
     pub(super) before: Vec<Obstacle>,
     /// Whether a step has begun and not ended.
     pub(super) is_open: bool,
-    /// Whether a step that had not ended was taken back, or other pairs were let go, so that nothing is known of the next one.
+    /// Whether a step that had not ended was taken back, or other pairs were let go, so that nothing is known of the
+    /// next one.
     is_anew: bool,
     /// Prescribed vertices that move, and their ways (m) in the step.
     moved: Vec<(u32, Vec3)>,
@@ -226,7 +228,8 @@ impl ContactPotential for Contacts {
         let thickness = self.near.law().range();
         let mut is_cut = false;
         for round in 0..MOST_ROUNDS {
-            // What is cut stays behind what flew along with it, and other pairs may be near on what is left of the ways.
+            // What is cut stays behind what flew along with it, and other pairs may be near on what is left of the
+            // ways.
             let known = self.pairs.choices;
             self.prepare(from, to)?;
             if round > 0 && self.pairs.choices == known {
@@ -383,7 +386,8 @@ impl Contacts {
         }
     }
 
-    /// Whether nothing moves but what is free to, and that is outside of all bodies: the way to begin needs no help then.
+    /// Whether nothing moves but what is free to, and that is outside of all bodies: the way to begin needs no help
+    /// then.
     fn is_still(&self, step: &ContactStep<'_>, wanted: &[Vec3]) -> bool {
         let ends = step.inverse_mass.iter().zip(step.from.iter().zip(wanted));
         let mut pins = ends.filter(|(w, _)| **w == 0.0);
@@ -482,7 +486,8 @@ impl Contacts {
         work
     }
 
-    /// Work (J) that bodies did on the cloth, which has come to `x` (m): the force on each vertex times the way of the body there.
+    /// Work (J) that bodies did on the cloth, which has come to `x` (m): the force on each vertex times the way of the
+    /// body there.
     fn work_of_bodies(&self, x: &[Vec3]) -> Real {
         let reach = self.reach();
         let mut sum = 0.0;
@@ -531,7 +536,8 @@ impl Contacts {
         part.map_err(|error| error.not_finite())
     }
 
-    /// Begins a step, after one that may not have ended: whether its start is in order, and whether it is where the last one has ended.
+    /// Begins a step, after one that may not have ended: whether its start is in order, and whether it is where the
+    /// last one has ended.
     pub(super) fn check_start(&mut self, step: &ContactStep<'_>) -> Result<bool, ContactError> {
         step.check(self.near.vertex_area.len(), step.from, step.from)?;
         self.take_back();
@@ -546,7 +552,7 @@ impl Contacts {
             .map_err(|_| ContactError::NonFinite { vertex: 0 })?;
         match self.near.crossing(step.from, meet_unduly) {
             0 => Ok(false),
-            pairs => Err(ContactError::Tangled { pairs }),
+            pairs => Err(ContactError::IntersectingStart { pairs }),
         }
     }
 }

@@ -1,8 +1,10 @@
 //! The contact of a cloth with itself, and with bodies whose surfaces are triangles.
 //!
-//! A signed distance keeps vertices out of a body, and knows nothing of what is between them: the corner of a box can pierce a triangle, and a ball smaller than one
-//! passes through it. So a body also takes part as the triangles of its surface: prescribed vertices behind those of the cloth, in the same machinery. Pairs of two
-//! bodies, or of what stands still, are never looked at. A body that changes its shape, or that has no inside, has nothing but its triangles.
+//! A signed distance keeps vertices out of a body, and knows nothing of what is between them: the corner of a box can
+//! pierce a triangle, and a ball smaller than one passes through it. So a body also takes part as the triangles of its
+//! surface: prescribed vertices behind those of the cloth, in the same machinery. Pairs of two bodies, or of what
+//! stands still, are never looked at. A body that changes its shape, or that has no inside, has nothing but its
+//! triangles.
 
 use super::builder::PotentialBuilder;
 use super::forces::{ContactForces, Ledger};
@@ -17,15 +19,18 @@ use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::TriMesh;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// Contact of a cloth with itself and with obstacles, as a potential that methods take into their own solve; see the [chapter](super).
+/// Contact of a cloth with itself and with obstacles, as a potential that methods take into their own solve; see the
+/// [chapter](super).
 ///
 /// # What is promised
 ///
-/// After a step, no two triangles of the cloth meet, at its end and at no time on the ways there, nor do triangles of the cloth and of the
-/// [surfaces](PotentialBuilder::surface) of bodies: every pair that could come near has passed the conservative [`ContinuousTest`](crate::ContinuousTest), or a plane
-/// that keeps it apart at both ends. No free vertex gets into an obstacle, or deeper into one. What prescribed vertices or moving obstacles make impossible is
-/// [`ContactError::NoWay`]; prescribed vertices of the cloth may be inside of bodies. The start of a step must be free of crossings; it is if the last step ended there,
-/// and if anything else has moved the cloth since, all near pairs of triangles are tested exactly, and crossing ones are [`ContactError::Tangled`].
+/// After a step, no two triangles of the cloth meet, at its end and at no time on the ways there, nor do triangles of
+/// the cloth and of the [surfaces](PotentialBuilder::surface) of bodies: every pair that could come near has passed the
+/// conservative [`ContinuousTest`](crate::ContinuousTest), or a plane that keeps it apart at both ends. No free vertex
+/// gets into an obstacle, or deeper into one. What prescribed vertices or moving obstacles make impossible is
+/// [`ContactError::Infeasible`]; prescribed vertices of the cloth may be inside of bodies. The start of a step must be
+/// free of crossings; it is if the last step ended there, and if anything else has moved the cloth since, all near
+/// pairs of triangles are tested exactly, and crossing ones are [`ContactError::IntersectingStart`].
 #[derive(Debug)]
 pub struct PotentialContacts {
     pub(super) contacts: Contacts,
@@ -200,8 +205,8 @@ impl PotentialContacts {
         ledger.map(|ledger| &ledger.forces)
     }
 
-    /// From the next step on leaves out all pairs of pieces in two regions of a pair, and no others. `region` numbers the
-    /// regions of vertices from 1; 0 for none.
+    /// From the next step on leaves out all pairs of pieces in two regions of a pair, and no others. `region` numbers
+    /// the regions of vertices from 1; 0 for none.
     pub(crate) fn let_go(&mut self, region: &[u32], pairs: &[[u32; 2]]) {
         self.contacts.let_go(region, pairs);
     }

@@ -12,7 +12,8 @@ pub(super) struct Tangent {
 }
 
 impl Tangent {
-    /// At the distance `d` (m), for the area `area` (m²); never further than a little beyond where the law begins to be a spring.
+    /// At the distance `d` (m), for the area `area` (m²); never further than a little beyond where the law begins to be
+    /// a spring.
     pub(super) fn of(law: PenaltyLaw, area: Real, d: Real) -> Self {
         let h = law.range();
         let at = d.clamp(LEAST * h, 0.75 * h);
@@ -40,7 +41,8 @@ pub(super) fn hold(wanted: Vec3, most: Real) -> Vec3 {
     }
 }
 
-/// What friction is stretched by (m) after a `way` (m) from where it sticks: it gives in elastically by `reach` (m), and what is more is slip. Nothing without a force λ.
+/// What friction is stretched by (m) after a `way` (m) from where it sticks: it gives in elastically by `reach` (m),
+/// and what is more is slip. Nothing without a force λ.
 pub(super) fn stretch(way: Vec3, lambda: Real, reach: Real) -> Vec3 {
     if lambda > 0.0 {
         hold(way, reach)

@@ -4,7 +4,8 @@ use crate::sets::Sets;
 use cloth_core::math::{Mat3, Real, Vec3};
 use nalgebra::Rotation3;
 
-/// No zone turns further than this in a step (rad). On the straight ways of its vertices distances inside it shrink by the cosine of half of it.
+/// No zone turns further than this in a step (rad). On the straight ways of its vertices distances inside it shrink by
+/// the cosine of half of it.
 const MOST_TURN: Real = 1.0;
 
 /// The zones of one step.
@@ -26,7 +27,8 @@ impl Zones {
         self.members.clear();
     }
 
-    /// Puts the four vertices of a pair, and the zones that they are in, into one zone. Returns whether they were not in one before.
+    /// Puts the four vertices of a pair, and the zones that they are in, into one zone. Returns whether they were not
+    /// in one before.
     pub(super) fn join(&mut self, vertices: [u32; 4]) -> bool {
         let mut joined = false;
         for v in vertices {
@@ -56,11 +58,12 @@ impl Zones {
     }
 }
 
-/// How a zone moves: the rigid motion with the momentum and the angular momentum that the vertices have, or if some of them are prescribed, with those of the prescribed ones
-/// alone, for unit masses.
+/// How a zone moves: the rigid motion with the momentum and the angular momentum that the vertices have, or if some of
+/// them are prescribed, with those of the prescribed ones alone, for unit masses.
 #[derive(Clone, Copy, Debug)]
 struct Rigid {
-    /// A place in the zone (m), and the centre seen from there: far from the origin of space their sum would be rounded, and a fast turn would give that momentum.
+    /// A place in the zone (m), and the centre seen from there: far from the origin of space their sum would be
+    /// rounded, and a fast turn would give that momentum.
     place: Vec3,
     centre: Vec3,
     shift: Vec3,
@@ -121,7 +124,8 @@ fn divided(momentum: Vec3, inertia: Mat3) -> Vec3 {
     turn
 }
 
-/// Moves the free vertices of a zone from `from` as one body instead of to `positions` (m), keeping momentum and angular momentum.
+/// Moves the free vertices of a zone from `from` as one body instead of to `positions` (m), keeping momentum and
+/// angular momentum.
 pub(super) fn move_rigidly(
     zone: &[[u32; 2]],
     from: &[Vec3],
@@ -144,7 +148,8 @@ pub(super) fn move_rigidly(
     }
 }
 
-/// Gives the free vertices of a zone the velocities (m/s) of one body, keeping momentum and angular momentum about its place at `positions` (m).
+/// Gives the free vertices of a zone the velocities (m/s) of one body, keeping momentum and angular momentum about its
+/// place at `positions` (m).
 pub(super) fn make_velocities_rigid(
     zone: &[[u32; 2]],
     positions: &[Vec3],

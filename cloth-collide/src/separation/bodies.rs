@@ -6,8 +6,8 @@ use crate::intersect::triangles_meet;
 use cloth_core::math::{Vec3, gather};
 use cloth_core::mesh::{MeshError, TriMesh, generate::join};
 
-/// Counts the pairs of a triangle of the cloth and one of a body's surface that have a point in common, by the exact test of [`triangles_meet`]. It shares no code
-/// with what keeps them apart.
+/// Counts the pairs of a triangle of the cloth and one of a body's surface that have a point in common, by the exact
+/// test of [`triangles_meet`]. It shares no code with what keeps them apart.
 ///
 /// ```
 /// use cloth_collide::BodyProbe;

@@ -10,17 +10,18 @@ use cloth_core::mesh::TriMesh;
 
 /// Rings of neighbours around what crosses that belong to a region: where the contour may go in a step.
 const RINGS: u32 = 3;
-/// Iterations before each step. One is not enough where contact and elasticity push the other way: two crossing sheets that
-/// fall onto a ball become free after 9 to 11 steps with four (implicit Euler, projective dynamics, XPBD), 13 to 18 with
-/// three, 22 to 92 with two, and with one in 68 (XPBD) or never.
+/// Iterations before each step. One is not enough where contact and elasticity push the other way: two crossing sheets
+/// that fall onto a ball become free after 9 to 11 steps with four (implicit Euler, projective dynamics, XPBD), 13 to
+/// 18 with three, 22 to 92 with two, and with one in 68 (XPBD) or never.
 const ITERATIONS: u32 = 4;
 
 /// Pulls a tangled cloth apart step by step while a method simulates it, and lets contact keep everything else apart.
 ///
-/// Before each step, what crosses now is let go: around the contour, and where it cuts parts off, the cloth falls into *regions*; pairs of pieces in two
-/// regions that cross each other are left out of contact, and of its checks. All others keep what [`PotentialContacts`] promises, so nothing can
-/// become tangled elsewhere. Then a few iterations move the cloth, as far as those others let it. Elasticity smooths what it
-/// leaves. Once nothing crosses, no pair is let go any more, and contact keeps it that way.
+/// Before each step, what crosses now is let go: around the contour, and where it cuts parts off, the cloth falls into
+/// *regions*; pairs of pieces in two regions that cross each other are left out of contact, and of its checks. All
+/// others keep what [`PotentialContacts`] promises, so nothing can become tangled elsewhere. Then a few iterations move
+/// the cloth, as far as those others let it. Elasticity smooths what it leaves. Once nothing crosses, no pair is let go
+/// any more, and contact keeps it that way.
 #[derive(Debug)]
 pub struct StepUntangler {
     untangler: Untangler,
@@ -54,11 +55,13 @@ impl StepUntangler {
         }
     }
 
-    /// Before a step from `positions` (m): moves them if anything crosses, and tells `contacts`, which that step has to take, what is let go. Returns the number of
-    /// pairs of triangles that crossed. Does nothing any more once that was 0. Vertices with an `inverse_mass` (1/kg) of 0 stay.
+    /// Before a step from `positions` (m): moves them if anything crosses, and tells `contacts`, which that step has to
+    /// take, what is let go. Returns the number of pairs of triangles that crossed. Does nothing any more once that was
+    /// 0. Vertices with an `inverse_mass` (1/kg) of 0 stay.
     ///
     /// # Errors
-    /// Those of [`ContactSource::keep_free`]; [`ContactError::Tangled`] for triangles of the cloth that cross a body.
+    /// Those of [`ContactSource::keep_free`]; [`ContactError::IntersectingStart`] for triangles of the cloth that cross
+    /// a body.
     ///
     /// # Panics
     /// If there is not one position and one inverse mass per vertex.
@@ -107,7 +110,8 @@ impl StepUntangler {
         self.untangler.pairs()
     }
 
-    /// The step, from 0, since which there have not been fewer crossing pairs; none once it is done, or before it has begun.
+    /// The step, from 0, since which there have not been fewer crossing pairs; none once it is done, or before it has
+    /// begun.
     #[must_use]
     pub fn unimproved_since(&self) -> Option<u32> {
         let (fewest, since) = self.best?;
@@ -181,7 +185,8 @@ impl StepUntangler {
 }
 
 impl Untangler {
-    /// One iteration from positions (m) whose contour has just been found: shortens it with as much averaging as helps, or pushes what is cut off.
+    /// One iteration from positions (m) whose contour has just been found: shortens it with as much averaging as helps,
+    /// or pushes what is cut off.
     fn iterate(
         &mut self,
         positions: &mut [Vec3],

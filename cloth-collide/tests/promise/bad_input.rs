@@ -113,7 +113,10 @@ fn sheet_pressed_into_a_line_is_tangled() {
     flight.positions.iter_mut().for_each(|x| x.y = 0.117);
     let pairs = flight.crossings();
     assert!(pairs > 0);
-    assert_eq!(flight.step(0.01), Err(ContactError::Tangled { pairs }));
+    assert_eq!(
+        flight.step(0.01),
+        Err(ContactError::IntersectingStart { pairs })
+    );
 }
 
 /// Thicker than its edges are long: no part of a piece is pushed away from its rest, and two pieces keep the thickness.
@@ -151,7 +154,8 @@ fn cloth_thicker_than_its_edges_stays_at_rest_and_apart_from_others() {
     }
 }
 
-/// Sizes of space, speed and time from 1e-300 to 1e300: every step is resolved or refused, and what is resolved is finite and free.
+/// Sizes of space, speed and time from 1e-300 to 1e300: every step is resolved or refused, and what is resolved is
+/// finite and free.
 #[test]
 fn extreme_sizes_are_resolved_or_refused() {
     let mut random = Random::new(11);

@@ -121,7 +121,7 @@ fn nothing_crosses_that_is_closer_at_rest_than_any_tolerance() {
             }
             match flight.step(1.0) {
                 Ok(()) => resolved[(gap / THICKNESS).log10().abs() as usize / 3] += 1,
-                Err(ContactError::NoWay { .. }) if seed % 4 == 0 => refused += 1,
+                Err(ContactError::Infeasible { .. }) if seed % 4 == 0 => refused += 1,
                 Err(error) => panic!("seed {seed}, step {step}: {error}"),
             }
             assert_eq!(

@@ -40,7 +40,8 @@ fn assert_no_crossing_since(from: &[Vec3], flight: &mut Flight, seed: u64, step:
     flight.positions = end;
 }
 
-/// Steps of a soup whose vertices are kicked at random, by `kick` (m/s), and drawn together; nothing crosses at their ends nor on the way. Returns in how many steps there were rows, impact zones and shortened ways.
+/// Steps of a soup whose vertices are kicked at random, by `kick` (m/s), and drawn together; nothing crosses at their
+/// ends nor on the way. Returns in how many steps there were rows, impact zones and shortened ways.
 fn stir(seeds: std::ops::Range<u64>, steps: u32, kick: f64) -> [u32; 3] {
     let mut counts = [0; 3];
     for seed in seeds {
@@ -147,7 +148,8 @@ fn towel_twisted_by_four_turns_never_crosses_itself() {
     }
 }
 
-/// Two walls come together with a crumpled sheet between them. It is resolved as long as there is room, and then refused; it never crosses.
+/// Two walls come together with a crumpled sheet between them. It is resolved as long as there is room, and then
+/// refused; it never crosses.
 #[test]
 fn sheet_squeezed_between_walls_is_resolved_or_refused() {
     let sheet = grid(13, 13, 0.4, 0.4, Diagonals::Alternating).unwrap();
@@ -185,7 +187,7 @@ fn sheet_squeezed_between_walls_is_resolved_or_refused() {
                 }
             }
             Err(error) => {
-                assert!(matches!(error, ContactError::NoWay { .. }));
+                assert!(matches!(error, ContactError::Infeasible { .. }));
                 refused = true;
                 break;
             }
@@ -210,7 +212,10 @@ fn prescribed_sheets_that_cross_have_no_way() {
     }
     for _ in 0..3 {
         let end = flight.step(0.02);
-        assert!(matches!(end, Err(ContactError::NoWay { .. })), "{end:?}");
+        assert!(
+            matches!(end, Err(ContactError::Infeasible { .. })),
+            "{end:?}"
+        );
     }
     // Nothing has happened to the contacts: back is free.
     for v in &mut flight.velocities[9..] {
@@ -228,10 +233,14 @@ fn crossing_start_is_refused_with_its_count() {
     let mut flight = Flight::new(&mesh, contacts);
     let pairs = flight.crossings();
     assert!(pairs > 0);
-    assert_eq!(flight.step(0.01), Err(ContactError::Tangled { pairs }));
+    assert_eq!(
+        flight.step(0.01),
+        Err(ContactError::IntersectingStart { pairs })
+    );
 }
 
-/// Pieces so wild that they become rigid zones, which a floor below and a roof above do not let go where they would: then vertices are held back, and the report says how many and how much.
+/// Pieces so wild that they become rigid zones, which a floor below and a roof above do not let go where they would:
+/// then vertices are held back, and the report says how many and how much.
 #[test]
 fn zones_that_an_obstacle_stops_are_held_back_and_the_report_says_so() {
     let law = ImpactLaw::new(0.3, 0.0).unwrap();

@@ -23,7 +23,8 @@ pub(crate) fn box_mesh(b: Vec3) -> TriMesh {
     TriMesh::new((0..8).map(corner).collect(), triangles).unwrap()
 }
 
-/// A spike of 1 m along x on a small triangle, one of its three sides cut into slivers that all end in the tip, vertex 0.
+/// A spike of 1 m along x on a small triangle, one of its three sides cut into slivers that all end in the tip, vertex
+/// 0.
 pub(crate) fn spike() -> TriMesh {
     let corner = |k: i32| {
         let angle = std::f64::consts::TAU / 3.0 * f64::from(k);

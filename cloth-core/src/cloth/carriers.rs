@@ -1,6 +1,6 @@
-//! Which elements carry a cloth: the choice, and how each kind gets its constants from the one description (CORE-5 to CORE-7).
+//! Which elements carry a cloth: the choice, and how each kind gets its constants from the one description.
 
-use super::{Cloth, ClothError, Elements, LevelOfDetail, Membrane, SpringEdges, SpringLaw};
+use super::{Cloth, ClothError, CoarseMembrane, Elements, Membrane, SpringEdges, SpringLaw};
 use crate::energy::{
     ArapTriangle, CubicShell, CurvatureHinge, CurvedHinge, DihedralHinge, Spring, StvkTriangle,
 };
@@ -10,12 +10,13 @@ use crate::topology::{EdgeTable, HingeTable};
 
 /// Which elements carry a cloth. The default, springs on the edges and quadratic hinges, is what [`Cloth::on`] takes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Carriers {
+pub struct Discretization {
     /// What resists stretching.
     pub membrane: MembraneCarrier,
-    /// Stiffness (N/m) of shear springs along both diagonals of every rectangle that two triangles form: one lies on an edge and takes this stiffness
-    /// instead of the membrane's, the other is added. With axial springs of stiffness k on a square grid the sheet is isotropic if this is k/2, and has
-    /// then the modulus `Y = 4k/3` and ν = 1/3 (VALIDATION 3). None: no second diagonal. Springs of a given stiffness only.
+    /// Stiffness (N/m) of shear springs along both diagonals of every rectangle that two triangles form: one lies on an
+    /// edge and takes this stiffness instead of the membrane's, the other is added. With axial springs of stiffness k
+    /// on a square grid the sheet is isotropic if this is k/2, and has then the modulus `Y = 4k/3` and ν = 1/3. None:
+    /// no second diagonal. Springs of a given stiffness only.
     pub shear: Option<Real>,
     /// What resists bending.
     pub bending: BendingCarrier,
@@ -23,8 +24,9 @@ pub struct Carriers {
     pub law: SpringLaw,
     /// Which edges carry springs; springs only, and all of them beside shear springs.
     pub edges: SpringEdges,
-    /// A coarser level that keeps the cloth from stretching instead of the edges; linear springs on all edges only. None: the edges do.
-    pub detail: Option<LevelOfDetail>,
+    /// A coarser level that keeps the cloth from stretching instead of the edges; linear springs on all edges only.
+    /// None: the edges do.
+    pub detail: Option<CoarseMembrane>,
 }
 
 /// What resists stretching.
@@ -34,8 +36,9 @@ pub enum MembraneCarrier {
     /// A spring on every edge.
     #[default]
     Springs,
-    /// St. Venant–Kirchhoff triangles with the modulus of the cloth; of a cloth that states a spring stiffness k, with the modulus that those springs have
-    /// in the mean over all directions, `Y = k Σ n L²/(3A)` as in [`Membrane::Modulus`].
+    /// St. Venant–Kirchhoff triangles with the modulus of the cloth; of a cloth that states a spring stiffness k, with
+    /// the modulus that those springs have in the mean over all directions, `Y = k Σ n L²/(3A)` as in
+    /// [`Membrane::Modulus`].
     Stvk {
         /// Poisson's ratio ν in (−1, 1) (dimensionless); 1/3 is that of springs.
         poisson_ratio: Real,
@@ -44,7 +47,8 @@ pub enum MembraneCarrier {
     Arap,
 }
 
-/// What resists bending. Each kind gets its constant from the rigidity D of the cloth (VALIDATION 4); a cloth with D = 0 gets none.
+/// What resists bending. Each kind gets its constant from the rigidity D of the cloth; a cloth with D =
+/// 0 gets none.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub enum BendingCarrier {
@@ -57,7 +61,8 @@ pub enum BendingCarrier {
     Cubic,
     /// [`CurvedHinge`]: the mesh is the rest shape.
     Curved,
-    /// Springs of this stiffness (N/m) between the wing tips of every hinge, [`Spring::across`]. They have no rigidity: D is not used.
+    /// Springs of this stiffness (N/m) between the wing tips of every hinge, [`Spring::across`]. They have no rigidity:
+    /// D is not used.
     Springs(Real),
     /// Nothing; D is not used.
     None,
@@ -70,7 +75,7 @@ pub(super) struct Cut {
     pub(super) others: Vec<Elements>,
 }
 
-impl Carriers {
+impl Discretization {
     /// Cuts a cloth to a mesh.
     pub(super) fn cut(
         &self,

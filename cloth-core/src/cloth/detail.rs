@@ -1,12 +1,14 @@
-//! Levels of detail against locking: a coarse level holds the cloth together, the mesh bends (MS-6; S1, "bending lock", the fourth way out).
+//! Levels of detail against locking: a coarse level holds the cloth together, the mesh bends.
 //!
-//! Springs on the edges do two things at once: they keep the cloth from stretching, and they keep every triangle as it is, which is what locks. Only the first is wanted. So
-//! each level gets a model of its own, as S1 proposes: the mesh gets hinges and springs of a small part of the modulus, and a coarser level of it carries the rest by links that pull and do not
-//! push. A link is as long as the way over the cloth ([`coarse_levels`]); bending, folding and rolling make no such way longer, so the links cost no bend anything, at any curvature and
-//! on any mesh.
+//! Springs on the edges do two things at once: they keep the cloth from stretching, and they keep every triangle as it
+//! is, which is what locks. Only the first is wanted. So each level gets a model of its own: the mesh
+//! gets hinges and springs of a small part of the modulus, and a coarser level of it carries the rest by links that
+//! pull and do not push. A link is as long as the way over the cloth ([`coarse_levels`]); bending, folding and rolling
+//! make no such way longer, so the links cost no bend anything, at any curvature and on any mesh.
 //!
-//! Hierarchical position-based dynamics holds a cloth with such links, level by level from coarse to fine, as a way to carry
-//! corrections far ([`crate::method::multigrid`]). Here they are elements with a stiffness, so that every method takes them and all agree on what they mean.
+//! Hierarchical position-based dynamics holds a cloth with such links, level by level from coarse to fine, as a way to
+//! carry corrections far ([`crate::method::multigrid`]). Here they are elements with a stiffness, so that every method
+//! takes them and all agree on what they mean.
 
 use super::{ClothError, Membrane, carriers};
 use crate::energy::{Spring, StrainLimitSpring};
@@ -17,35 +19,40 @@ use crate::topology::EdgeTable;
 
 /// Which level of the mesh keeps the cloth from stretching.
 ///
-/// Links on the level `level` carry the part `1 − fine_share` of the modulus, the springs on the edges the rest: stretched evenly, the sheet stores what springs alone store, in the mean over all directions.
+/// Links on the level `level` carry the part `1 − fine_fraction` of the modulus, the springs on the edges the rest:
+/// stretched evenly, the sheet stores what springs alone store, in the mean over all directions.
 ///
-/// What it breaks, besides taking more elements (figures of level 2 with a share of 0.01 on sheets of 16 cells a side, `cloth-bench study locking`):
-/// - links lie more in some directions than in others: pulled along x, the sheet has 0.74 (alternating grid) to 1.07 (crossed) of the energy of springs;
-/// - pushed together, the sheet keeps `fine_share` of its stiffness, and under shear, which pulls one way and pushes the other, 0.40 to 0.62;
-/// - stretch that changes from one coarse vertex to the next, over 2^(level/2) edges or more, meets `fine_share` of the stiffness only, and waves of four edges 0.02 to 0.18: the coarser the level, the larger the parts of the sheet that can be drawn out of place
-///   within their surroundings.
+/// What it breaks, besides taking more elements (figures of level 2 with a share of 0.01 on sheets of 16 cells a side,
+/// `cloth-bench study locking`):
+/// - links lie more in some directions than in others: pulled along x, the sheet has 0.74 (alternating grid) to 1.07
+///   (crossed) of the energy of springs;
+/// - pushed together, the sheet keeps `fine_fraction` of its stiffness, and under shear, which pulls one way and pushes
+///   the other, 0.40 to 0.62;
+/// - stretch that changes from one coarse vertex to the next, over 2^(level/2) edges or more, meets `fine_fraction` of
+///   the stiffness only, and waves of four edges 0.02 to 0.18: the coarser the level, the larger the parts of the sheet
+///   that can be drawn out of place within their surroundings.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LevelOfDetail {
+pub struct CoarseMembrane {
     /// The coarse level, from 1: each has half as many vertices as the one before, or fewer (dimensionless).
     pub level: u32,
     /// The part of the modulus that stays with the springs on the edges (dimensionless, 0 to 1).
-    pub fine_share: Real,
+    pub fine_fraction: Real,
 }
 
 /// A vertex leans on so many others of the next coarser level.
 const PARENTS: usize = 2;
 
-impl LevelOfDetail {
+impl CoarseMembrane {
     fn check(self) -> Result<(), ClothError> {
         carriers::not_negative(
             "share of the fine level",
-            self.fine_share,
+            self.fine_fraction,
             "(dimensionless)",
         )?;
-        if self.fine_share <= 1.0 {
+        if self.fine_fraction <= 1.0 {
             return Ok(());
         }
-        Err(ClothError::FineShare(self.fine_share))
+        Err(ClothError::FineShare(self.fine_fraction))
     }
 
     /// Leaves their share to the springs on the edges, all of them, and returns the links of the coarse level.
@@ -71,10 +78,10 @@ impl LevelOfDetail {
         };
         // Springs of stiffness k on lengths L make the modulus Σ k L²/(3A) in the mean over all directions.
         let squares: Real = level.lengths.iter().map(|length| length * length).sum();
-        let modulus = (1.0 - self.fine_share) * membrane.modulus(mesh, edges);
+        let modulus = (1.0 - self.fine_fraction) * membrane.modulus(mesh, edges);
         let stiffness = 3.0 * mesh.area() * modulus / squares;
         for spring in springs.iter_mut() {
-            spring.stiffness *= self.fine_share;
+            spring.stiffness *= self.fine_fraction;
         }
         springs.retain(|spring| spring.stiffness > 0.0);
         let link = |(vertices, &longest): ([u32; 2], &Real)| StrainLimitSpring {

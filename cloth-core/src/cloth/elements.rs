@@ -9,7 +9,8 @@ use crate::step::BuildError;
 
 /// All elements of one kind, with the kind as a case: what a description of a cloth hands to the builder of a solver.
 ///
-/// A builder takes the cases that have the view its method asks for, and the compiler sees to it that it takes no other.
+/// A builder takes the cases that have the view its method asks for, and the compiler sees to it that it takes no
+/// other.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Elements {

@@ -1,4 +1,4 @@
-//! A cloth whose degrees of freedom are the middles of the edges (MS-6).
+//! A cloth whose degrees of freedom are the middles of the edges.
 
 use super::carriers::{MembraneCarrier, not_negative};
 use super::{Cloth, ClothError, ClothModel, Elements};
@@ -8,10 +8,12 @@ use crate::mesh::TriMesh;
 use crate::particles::Particles;
 use crate::topology::{EdgeTable, Midpoints};
 
-/// A cloth cut to the edge midpoints of a mesh, ready for any solver that takes its elements: particle e is the middle of edge e.
+/// A cloth cut to the edge midpoints of a mesh, ready for any solver that takes its elements: particle e is the middle
+/// of edge e.
 ///
-/// Masses are those of the mesh's triangles, a third of each at each of its midpoints. For vertices at `x`, the membrane costs at `midpoints.between(x)` what the
-/// same membrane costs at `x` on vertices, springs and triangles alike; only there is more freedom here.
+/// Masses are those of the mesh's triangles, a third of each at each of its midpoints. For vertices at `x`, the
+/// membrane costs at `midpoints.between(x)` what the same membrane costs at `x` on vertices, springs and triangles
+/// alike; only there is more freedom here.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MidpointCloth {
     /// From vertices to midpoints and back.
@@ -23,7 +25,8 @@ pub struct MidpointCloth {
 impl Cloth {
     /// The same cloth on edge midpoints: springs, StVK or ARAP on the triangles, and [`MidpointHinge`] for bending.
     ///
-    /// Rotations about the middle of an edge are free, so a corner held by one midpoint is a ball joint; hold two or more to clamp.
+    /// Rotations about the middle of an edge are free, so a corner held by one midpoint is a ball joint; hold two or
+    /// more to clamp.
     ///
     /// # Errors
     /// [`ClothError`] if a number is out of range or an edge of the mesh is not manifold.
@@ -75,8 +78,8 @@ impl Cloth {
         })
     }
 
-    /// Springs along the sides of the small triangles. A side is half as long as the edge beside it and changes by half as much, so it is four times as stiff; two
-    /// triangles share the stiffness of an inner edge.
+    /// Springs along the sides of the small triangles. A side is half as long as the edge beside it and changes by half
+    /// as much, so it is four times as stiff; two triangles share the stiffness of an inner edge.
     fn midpoint_springs(&self, mesh: &TriMesh, edges: &EdgeTable, small: &TriMesh) -> Vec<Spring> {
         let of_edges = self.membrane.springs(mesh, edges);
         let mut springs = Vec::with_capacity(3 * small.triangle_count());

@@ -1,6 +1,6 @@
 //! A cloth of several materials on one mesh.
 
-use super::{Carriers, Cloth, ClothError, ClothModel, Elements};
+use super::{Cloth, ClothError, ClothModel, Discretization, Elements};
 use crate::math::Real;
 use crate::mesh::TriMesh;
 use crate::particles::Particles;
@@ -12,19 +12,19 @@ pub struct Piece {
     /// The material.
     pub cloth: Cloth,
     /// Which elements carry it.
-    pub carriers: Carriers,
+    pub carriers: Discretization,
     /// Numbers of its triangles.
     pub triangles: Vec<u32>,
 }
 
 impl ClothModel {
-    /// Masses and elements of pieces of one mesh, each as [`Cloth::carried_by`] cuts it to its own triangles: no hinge goes
-    /// across the border of two pieces, and pieces that share an edge both have a spring on it, as two cloths would that are
-    /// sewn together there. Triangles in no piece carry nothing.
+    /// Masses and elements of pieces of one mesh, each as [`Cloth::discretized_with`] cuts it to its own triangles: no
+    /// hinge goes across the border of two pieces, and pieces that share an edge both have a spring on it, as two
+    /// cloths would that are sewn together there. Triangles in no piece carry nothing.
     ///
     /// # Errors
-    /// [`ClothError`] for a number out of range, a triangle that does not exist or is in two pieces, a vertex in no piece
-    /// (its mass would be zero), or a coarse level for a piece that is not the whole mesh.
+    /// [`ClothError`] for a number out of range, a triangle that does not exist or is in two pieces, a vertex in no
+    /// piece (its mass would be zero), or a coarse level for a piece that is not the whole mesh.
     pub fn of_pieces(mesh: &TriMesh, pieces: &[Piece]) -> Result<Self, ClothError> {
         let mut mass = vec![0.0; mesh.vertex_count()];
         let areas: Vec<Real> = mesh.areas().collect();

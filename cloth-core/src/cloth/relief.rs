@@ -1,39 +1,41 @@
-//! Remedies against locking that springs on edges can take: how they answer, and which edges carry one (MS-6).
+//! Remedies against locking that springs on edges can take: how they answer, and which edges carry one.
 //!
-//! A sheet of stiff edges has the freedom of its boundary only, `3χ + E_b`, and cannot fold where its mesh does not happen to have a line ([`crate::dof`]). Each
-//! remedy buys freedom and gives something up:
+//! A sheet of stiff edges has the freedom of its boundary only, `3χ + E_b`, and cannot fold where its mesh does not
+//! happen to have a line ([`crate::dof`]). Each remedy buys freedom and gives something up:
 //!
 //! | remedy | freedom | what it breaks |
 //! |---|---|---|
 //! | [`SpringLaw::Compression`] with share r | edges may shorten | the sheet is r times as stiff when pushed as when pulled |
-//! | [`SpringLaw::Slack`] | lengths are free in a range | nothing holds a length within the range: cloth gives by that much before it holds |
-//! | [`SpringEdges::Freedom`], [`SpringEdges::Quads`] | 3V − E grows by 1 with every edge left out | stiffness against shear; with no diagonal left on a grid it is zero, and a wanted modulus is missed |
-//! | [`LevelOfDetail`](super::LevelOfDetail) | all lengths, but for those of a coarser level that grow | stretch over short distances is hardly resisted; pushed, the sheet is softer |
+//! | [`SpringLaw::DeadZone`] | lengths are free in a range | nothing holds a length within the range: cloth gives by that much before it holds |
+//! | [`SpringEdges::DofFraction`], [`SpringEdges::Quads`] | 3V − E grows by 1 with every edge left out | stiffness against shear; with no diagonal left on a grid it is zero, and a wanted modulus is missed |
+//! | [`CoarseMembrane`](super::CoarseMembrane) | all lengths, but for those of a coarser level that grow | stretch over short distances is hardly resisted; pushed, the sheet is softer |
 //!
-//! How much each frees and breaks is measured: the table in [`crate::dof`]. With a fifth of the coordinates free, for instance, a grid keeps 0.58 of its energy when it is sheared, and with no diagonal left 2e-4.
+//! How much each frees and breaks is measured: the table in [`crate::dof`]. With a fifth of the coordinates free, for
+//! instance, a grid keeps 0.58 of its energy when it is sheared, and with no diagonal left 2e-4.
 //!
-//! All of them are made of [`Spring`] and [`StrainLimitSpring`], which have all three views, so every method takes them.
+//! All of them are made of [`Spring`] and [`StrainLimitSpring`], which have all three views, so every method takes
+//! them.
 
 use super::{ClothError, carriers};
 use crate::energy::{Spring, StrainLimitSpring};
 use crate::math::Real;
 use crate::mesh::TriMesh;
-use crate::topology::{EdgeTable, droppable_edges};
+use crate::topology::{EdgeTable, removable_edges};
 
 /// How the springs on the edges answer a change of length.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum SpringLaw {
-    /// In proportion, S1 (1).
+    /// In proportion.
     #[default]
     Linear,
-    /// k under tension, this share of k (dimensionless, 0 to 1) under compression: `E = ½ r k C² + ½ (1 − r) k max(0, C)²`, a spring and, beside it, one
-    /// that is slack below its rest length.
+    /// k under tension, this share of k (dimensionless, 0 to 1) under compression:
+    /// `E = ½ r k C² + ½ (1 − r) k max(0, C)²`, a spring and, beside it, one that is slack below its rest length.
     ///
     /// Limits: PBD with one fixed stiffness for all constraints does not know k, and takes the two for the same.
     Compression(Real),
-    /// Nothing while the length relative to rest lies between these limits (dimensionless, from below 1 to above 1), k times the excess outside: a dead zone. With
-    /// `[0, 1]` only tension is resisted.
-    Slack([Real; 2]),
+    /// Nothing while the length relative to rest lies between these limits (dimensionless, from below 1 to above 1), k
+    /// times the excess outside: a dead zone. With `[0, 1]` only tension is resisted.
+    DeadZone([Real; 2]),
 }
 
 /// Which edges carry springs.
@@ -42,9 +44,10 @@ pub enum SpringEdges {
     /// All of them.
     #[default]
     All,
-    /// So few that `3V − E` reaches this share of 3V (dimensionless, 0 to 1): edges are left out in the order of [`droppable_edges`].
-    Freedom(Real),
-    /// The edges of quads only: all [`droppable_edges`] are left out, the diagonals of a grid among them.
+    /// So few that `3V − E` reaches this share of 3V (dimensionless, 0 to 1): edges are left out in the order of
+    /// [`removable_edges`].
+    DofFraction(Real),
+    /// The edges of quads only: all [`removable_edges`] are left out, the diagonals of a grid among them.
     Quads,
 }
 
@@ -59,7 +62,7 @@ impl SpringLaw {
                 }
                 Err(ClothError::CompressionShare(share))
             }
-            Self::Slack([shortest, longest]) => {
+            Self::DeadZone([shortest, longest]) => {
                 if (0.0..=1.0).contains(&shortest) && 1.0 <= longest && longest.is_finite() {
                     return Ok(());
                 }
@@ -85,7 +88,7 @@ impl SpringLaw {
         };
         Ok(match self {
             Self::Linear => (springs, Vec::new()),
-            Self::Slack(limits) => (Vec::new(), limited(&springs, limits, 1.0)),
+            Self::DeadZone(limits) => (Vec::new(), limited(&springs, limits, 1.0)),
             Self::Compression(1.0) => (springs, Vec::new()),
             Self::Compression(share) => {
                 let tension = limited(&springs, [0.0, 1.0], 1.0 - share);
@@ -110,16 +113,16 @@ impl SpringEdges {
         if self == Self::All {
             return Ok(springs);
         }
-        let droppable = droppable_edges(mesh, edges);
+        let droppable = removable_edges(mesh, edges);
         let coordinates = 3 * mesh.vertex_count();
         let count = match self {
             Self::All => 0,
             Self::Quads => droppable.len(),
-            Self::Freedom(share) => {
+            Self::DofFraction(share) => {
                 let least = (coordinates as Real - edges.len() as Real) / coordinates as Real;
                 let most = least + droppable.len() as Real / coordinates as Real;
                 if !(0.0 <= share && share <= most) {
-                    return Err(ClothError::Freedom { share, most });
+                    return Err(ClothError::DofFraction { share, most });
                 }
                 ((share - least) * coordinates as Real).ceil().max(0.0) as usize
             }

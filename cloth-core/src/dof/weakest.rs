@@ -1,9 +1,11 @@
 //! The smallest singular values of the edge-length Jacobian themselves, where their squares drown in rounding.
 //!
-//! The eigenvalues of `JᵀJ` are known to about 1e-15, so singular values below 3e-8 cannot be told from zero by counting them. Seen from the edges there are few of those in
-//! a bent sheet: the `E − r` directions t with `Jᵀt ≈ 0`. They are found by subspace iteration with `(JJᵀ + δ I)⁻¹ t = (t − J (JᵀJ + δ I)⁻¹ Jᵀ t)/δ`, one
-//! Cholesky factorisation of the small shift `δ`, and their singular values are those of `Jᵀ` on the subspace (Rayleigh and Ritz; G. W. Stewart, *Matrix Algorithms II*, SIAM 2001, chapter 6).
-//! No square of them is ever taken, and they come out to about 1e-12.
+//! The eigenvalues of `JᵀJ` are known to about 1e-15, so singular values below 3e-8 cannot be told from zero by
+//! counting them. Seen from the edges there are few of those in a bent sheet: the `E − r` directions t with `Jᵀt ≈ 0`.
+//! They are found by subspace iteration with `(JJᵀ + δ I)⁻¹ t = (t − J (JᵀJ + δ I)⁻¹ Jᵀ t)/δ`, one Cholesky
+//! factorisation of the small shift `δ`, and their singular values are those of `Jᵀ` on the subspace (Rayleigh and
+//! Ritz; G. W. Stewart, *Matrix Algorithms II*, SIAM 2001, chapter 6). No square of them is ever taken, and they come
+//! out to about 1e-12.
 
 use super::{RankError, normal_matrix};
 use crate::math::{Real, Vec3};
@@ -16,7 +18,8 @@ const SHIFT: Real = 1e-12;
 const SPARE: usize = 6;
 const ITERATIONS: usize = 16;
 
-/// The `count` smallest singular values of the Jacobian of the distances between `pairs` at `positions` (m), ascending, as far as there are pairs.
+/// The `count` smallest singular values of the Jacobian of the distances between `pairs` at `positions` (m), ascending,
+/// as far as there are pairs.
 pub(super) fn smallest(
     positions: &[Vec3],
     pairs: &[[u32; 2]],

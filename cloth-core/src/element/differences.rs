@@ -3,7 +3,8 @@
 use super::{Constraint, Convexity};
 use crate::math::{Blocks, Mat3, Real, Vec3};
 
-/// `−Σ λ ∂²C` by central differences over a part `ε^⅓` of the size of the element; zero where they are beyond all numbers, and for an element of no size.
+/// `−Σ λ ∂²C` by central differences over a part `ε^⅓` of the size of the element; zero where they are beyond all
+/// numbers, and for an element of no size.
 pub(super) fn geometric_stiffness<const N: usize, C: Constraint<N>>(
     constraint: &C,
     x: &[Vec3; N],

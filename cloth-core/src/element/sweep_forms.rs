@@ -3,11 +3,12 @@
 use super::Row;
 use crate::math::{Real, Vec3};
 
-/// One row whose gradient is a unit vector at every vertex, not yet divided by its length: `∂C/∂xᵢ = direction[i] / length`.
+/// One row whose gradient is a unit vector at every vertex, not yet divided by its length:
+/// `∂C/∂xᵢ = direction[i] / length`.
 ///
-/// The direction of a spring is a difference of positions over its length. A sweep that divides by the length waits for a root, then for a
-/// division, then for the division that gives Δλ. With the difference itself the last one takes in the other: `Δλ/l = −C/((w̃ + α̃) l)`, and
-/// `w̃ = Σ wᵢ` needs no gradient at all.
+/// The direction of a spring is a difference of positions over its length. A sweep that divides by the length waits for
+/// a root, then for a division, then for the division that gives Δλ. With the difference itself the last one takes in
+/// the other: `Δλ/l = −C/((w̃ + α̃) l)`, and `w̃ = Σ wᵢ` needs no gradient at all.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct UnitRow<const N: usize> {
     /// `C(x)`, zero at rest (m).
@@ -35,9 +36,11 @@ impl<const N: usize> UnitRow<N> {
 
 /// One row that is free within a range: `C = φ − clamp(φ)`, with φ and its gradient not cut off there.
 ///
-/// [`Row`] has neither value nor gradient inside the range, so a method that remembers multipliers could not take one back there that an earlier visit made. The
-/// multiplier of such a row solves `C + α̃λ = 0`, with `C = φ − clamp(φ)`: for one row alone, φ going along with λ by w̃, that is `φ − clamp(φ − w̃λ) + α̃λ = 0`, where `φ − w̃λ` is what
-/// φ would be without the row. So λ pulls or is zero at the upper end, pushes or is zero at the lower one, and is zero between.
+/// [`Row`] has neither value nor gradient inside the range, so a method that remembers multipliers could not take one
+/// back there that an earlier visit made. The multiplier of such a row solves `C + α̃λ = 0`, with `C = φ − clamp(φ)`:
+/// for one row alone, φ going along with λ by w̃, that is `φ − clamp(φ − w̃λ) + α̃λ = 0`, where `φ − w̃λ` is what φ
+/// would be without the row. So λ pulls or is zero at the upper end, pushes or is zero at the lower one, and is zero
+/// between.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DeadZoneRow<const N: usize> {
     /// `φ(x)`, in the unit that the element documents.
@@ -69,8 +72,9 @@ impl<const N: usize> DeadZoneRow<N> {
         }
     }
 
-    /// `φ − clamp(φ − w̃λ)` (unit of φ), how far the row is from the end of its range at which it acts, for the generalised inverse mass w̃ (unit of φ² per kg m²) and
-    /// the multiplier λ (kg m² per unit of φ); `None` where it is free.
+    /// `φ − clamp(φ − w̃λ)` (unit of φ), how far the row is from the end of its range at which it acts, for the
+    /// generalised inverse mass w̃ (unit of φ² per kg m²) and the multiplier λ (kg m² per unit of φ); `None` where it
+    /// is free.
     #[inline]
     #[must_use]
     pub fn acting_value(&self, weight: Real, multiplier: Real) -> Option<Real> {

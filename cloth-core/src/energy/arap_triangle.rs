@@ -1,7 +1,8 @@
-//! The corotated sheet: as rigid as possible, triangle by triangle (CORE-7).
+//! The corotated sheet: as rigid as possible, triangle by triangle.
 //!
-//! O. Sorkine, M. Alexa, "As-rigid-as-possible surface modeling", SGP 2007, <https://doi.org/10.2312/SGP/SGP07/109-116>; as a
-//! projection, S. Bouaziz et al., "Projective dynamics", 2014, <https://doi.org/10.1145/2601097.2601116>.
+//! O. Sorkine, M. Alexa, "As-rigid-as-possible surface modeling", SGP 2007,
+//! <https://doi.org/10.2312/SGP/SGP07/109-116>; as a projection, S. Bouaziz et al., "Projective dynamics", 2014,
+//! <https://doi.org/10.1145/2601097.2601116>.
 
 use super::triangle_map::TriangleMap;
 use crate::element::{Constraint, Convexity, Element, Projective, Row};
@@ -11,11 +12,12 @@ use crate::mesh::TriMesh;
 /// A triangle that wants to be turned only: `E = ½ A k ‖F − R‖²` (J), R (3 × 2) the nearest map without strain.
 ///
 /// With the singular values σ of F (3 × 2, rest to present), `E = ½ A k ((σ₁ − 1)² + (σ₂ − 1)²)`, and the two rows are
-/// `C = σ − 1` (dimensionless). Small strains ε cost `½ k (ε₁² + ε₂²)` per area, so the sheet has modulus `Y = k` and Poisson's ratio ν = 0,
-/// in any direction: pulled to s times its length it answers with `P = Y (s − 1)` (N/m) and keeps its width.
+/// `C = σ − 1` (dimensionless). Small strains ε cost `½ k (ε₁² + ε₂²)` per area, so the sheet has modulus `Y = k` and
+/// Poisson's ratio ν = 0, in any direction: pulled to s times its length it answers with `P = Y (s − 1)` (N/m) and
+/// keeps its width.
 ///
-/// Limits: ν = 0 only. Where a singular value is zero its direction is not defined (any is taken that is at right angles to the other), and what has
-/// no second derivative there is left out of the Hessian.
+/// Limits: ν = 0 only. Where a singular value is zero its direction is not defined (any is taken that is at right
+/// angles to the other), and what has no second derivative there is left out of the Hessian.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ArapTriangle {
     /// Its three corners.
@@ -108,8 +110,9 @@ impl Constraint<3> for ArapTriangle {
         })
     }
 
-    /// Four orthonormal modes of F, with u₃ the normal: `(u₁v₂ᵀ − u₂v₁ᵀ)/√2` with `1 − 2/(σ₁ + σ₂)`, `(u₁v₂ᵀ + u₂v₁ᵀ)/√2` with 1, and
-    /// `u₃vₖᵀ` with `1 − 1/σₖ`, all times `A k`. They are its eigenvalues, so `convexity` acts on them one by one.
+    /// Four orthonormal modes of F, with u₃ the normal: `(u₁v₂ᵀ − u₂v₁ᵀ)/√2` with `1 − 2/(σ₁ + σ₂)`,
+    /// `(u₁v₂ᵀ + u₂v₁ᵀ)/√2` with 1, and `u₃vₖᵀ` with `1 − 1/σₖ`, all times `A k`. They are its eigenvalues, so
+    /// `convexity` acts on them one by one.
     fn curvature(&self, x: &[Vec3; 3], convexity: Convexity) -> Blocks<3> {
         let singular = Singular::of(self.map.columns(x));
         let [u, v] = singular.left;
@@ -162,7 +165,7 @@ impl Projective<3, 2> for ArapTriangle {
     }
 
     /// The identity less what the three modes of [`Constraint::curvature`] that turn F take away from it.
-    fn resistance(&self, z: [Vec3; 2]) -> [[Mat3; 2]; 2] {
+    fn projected_hessian(&self, z: [Vec3; 2]) -> [[Mat3; 2]; 2] {
         let singular = Singular::of(z);
         let [u, v] = singular.left;
         let (w, zero) = (u.cross(&v), Vec3::zeros());

@@ -1,4 +1,4 @@
-//! A triangle that wants to keep its area (CORE-9).
+//! A triangle that wants to keep its area.
 
 use crate::element::{Constraint, Convexity, Element, Row};
 use crate::math::{Blocks, Mat3, Real, Vec3, gather, length_and_direction, make_semidefinite};
@@ -6,13 +6,13 @@ use crate::mesh::TriMesh;
 
 /// The area constraint: `C = A − A₀` (m²), `E = ½ k C²` (J), with `A = ½ ‖(x₁ − x₀) × (x₂ − x₀)‖`.
 ///
-/// With `k = K/A₀` it costs `½ K (A/A₀ − 1)²` per rest area: K (N/m) is the area modulus, what the sheet resists an equal stretch in all directions
-/// with, and shear at constant area is free. Its gradient is `∂A/∂xᵢ = ½ n × oᵢ`, n the unit normal and `oᵢ` the edge opposite to the vertex, run through
-/// in the direction of the triangle.
+/// With `k = K/A₀` it costs `½ K (A/A₀ − 1)²` per rest area: K (N/m) is the area modulus, what the sheet resists an
+/// equal stretch in all directions with, and shear at constant area is free. Its gradient is `∂A/∂xᵢ = ½ n × oᵢ`, n the
+/// unit normal and `oᵢ` the edge opposite to the vertex, run through in the direction of the triangle.
 ///
 /// Where the three vertices lie on a line, n is not defined; any direction across the longest edge is a limit of nearby
-/// normals, and one is taken that depends on the vertex numbers only, so a flattened triangle can open again. Where they coincide the gradient is zero, and a
-/// position-based method leaves the element alone.
+/// normals, and one is taken that depends on the vertex numbers only, so a flattened triangle can open again. Where
+/// they coincide the gradient is zero, and a position-based method leaves the element alone.
 ///
 /// Limits: the area has no sign. A triangle turned over is at rest.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -97,8 +97,9 @@ impl Constraint<3> for AreaTriangle {
         }]
     }
 
-    /// With `N = 2A n`: `∂²A/∂xᵢ∂xⱼ = ½ ([oᵢ]ᵀ (I − n nᵀ)[oⱼ]/‖N‖ + n·∂²N)`, the last term `∓[n]` between neighbours, brackets meaning the matrix of the
-    /// cross product. Its eigenvalues have no closed form here, so convexity is made numerically.
+    /// With `N = 2A n`: `∂²A/∂xᵢ∂xⱼ = ½ ([oᵢ]ᵀ (I − n nᵀ)[oⱼ]/‖N‖ + n·∂²N)`, the last term `∓[n]` between neighbours,
+    /// brackets meaning the matrix of the cross product. Its eigenvalues have no closed form here, so convexity is made
+    /// numerically.
     fn curvature(&self, x: &[Vec3; 3], convexity: Convexity) -> Blocks<3> {
         let opposite = opposite_edges(x);
         let (twice_area, n) = self.normal(&opposite);

@@ -1,9 +1,9 @@
-//! A vertex tied to a point in space (CORE-9, CORE-10).
+//! A vertex tied to a point in space.
 
 use crate::element::{Constraint, Element, Projective, Row, VectorRow};
 use crate::math::{Real, Vec3};
 
-/// A spring of rest length zero between a vertex and a fixed point p, S1 (29): `E = ½ k ‖x − p‖²` (J).
+/// A spring of rest length zero between a vertex and a fixed point p: `E = ½ k ‖x − p‖²` (J).
 ///
 /// It is the soft pin. A hard one is a prescribed vertex, see [`crate::particles::Particles`].
 /// Its three rows are the coordinates of `x − p`.

@@ -4,10 +4,12 @@ use crate::math::{Real, Vec3, gather};
 use crate::mesh::TriMesh;
 use crate::topology::HingeTable;
 
-/// The rest shape of a hinge, as far as [`super::CurvatureHinge`], [`super::CurvedHinge`] and [`super::CubicShell`] need it.
+/// The rest shape of a hinge, as far as [`super::CurvatureHinge`], [`super::CurvedHinge`] and [`super::CubicShell`]
+/// need it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Cotangents {
-    /// `q = (cot θ₁ + cot θ₃, cot θ₀ + cot θ₂, −(cot θ₀ + cot θ₁), −(cot θ₂ + cot θ₃))`, dimensionless, sum 0: S1 (16) with its signs corrected.
+    /// `q = (cot θ₁ + cot θ₃, cot θ₀ + cot θ₂, −(cot θ₀ + cot θ₁), −(cot θ₂ + cot θ₃))`, dimensionless, sum 0:
+    /// with its signs corrected.
     pub(super) coefficients: [Real; 4],
     /// `cot θ₀ … cot θ₃` (dimensionless): of the first triangle at `x₀` and `x₁`, of the second at `x₀` and `x₁`.
     pub(super) angles: [Real; 4],
@@ -40,7 +42,8 @@ fn cotangent(a: Vec3, b: Vec3) -> Real {
     a.dot(&b) / a.cross(&b).norm()
 }
 
-/// `z = q x` (m). Differences to one vertex, so that coordinates far from the origin do not cancel; the coefficients sum to zero.
+/// `z = q x` (m). Differences to one vertex, so that coordinates far from the origin do not cancel; the coefficients
+/// sum to zero.
 #[inline]
 pub(super) fn curvature_vector(q: &[Real; 4], x: &[Vec3; 4]) -> Vec3 {
     (x[1] - x[0]) * q[1] + (x[2] - x[0]) * q[2] + (x[3] - x[0]) * q[3]

@@ -1,4 +1,4 @@
-//! Bending that is a cubic polynomial of the positions, with a rest angle (CORE-6).
+//! Bending that is a cubic polynomial of the positions, with a rest angle.
 //!
 //! A. Garg, E. Grinspun, M. Wardetzky, D. Zorin, "Cubic shells", SCA 2007, <https://doi.org/10.2312/SCA/SCA07/091-098>.
 
@@ -12,19 +12,21 @@ use crate::topology::HingeTable;
 /// The energy `E = K (1 − cos(θ − θ₀))` (J), written as a polynomial.
 ///
 /// `1 − cos(θ − θ₀) = 1 − cos θ₀ cos θ − sin θ₀ sin θ`. As long as the triangles are not stretched, the vector
-/// `z = q x` (m) of [`CurvatureHinge`](super::CurvatureHinge) gives `cos θ = 1 − ‖z‖²/(2e²)`, a quadratic, and the volume `V = e·(d₂ × d₃)` (m³) that the edge and
-/// the two arms `dᵢ = xᵢ − x₀` span gives `sin θ = −‖e‖ V/(4A₀A₁)`, a cubic. With all lengths at rest,
+/// `z = q x` (m) of [`CurvatureHinge`](super::CurvatureHinge) gives `cos θ = 1 − ‖z‖²/(2e²)`, a quadratic, and the
+/// volume `V = e·(d₂ × d₃)` (m³) that the edge and the two arms `dᵢ = xᵢ − x₀` span gives `sin θ = −‖e‖ V/(4A₀A₁)`, a
+/// cubic. With all lengths at rest,
 ///
 /// `E = K (1 − cos θ₀ + cos θ₀ ‖z‖²/(2e²) + sin θ₀ ‖e‖ V/(4A₀A₁))`, `K = k·3e²/(A₀ + A₁)`.
 ///
-/// The Hessian is linear in the positions; with θ₀ = 0 it is that of [`CurvatureHinge`](super::CurvatureHinge). The sign of θ is that of
-/// [`super::DihedralHinge`].
+/// The Hessian is linear in the positions; with θ₀ = 0 it is that of [`CurvatureHinge`](super::CurvatureHinge). The
+/// sign of θ is that of [`super::DihedralHinge`].
 ///
 /// It is no sum of squares, so there is no constraint view and no projective one.
 ///
-/// Limits: the polynomial means `1 − cos` only for triangles that keep their shape, and needs a membrane that sees to that. A curved rest shape alone is
-/// not in equilibrium: scaled by s, `dE/ds = −K (1 − cos θ₀)(3 + cos θ₀)` at s = 1, a pull outwards
-/// that the membrane balances at a strain of order `D/(Y e²)`; and without bound on the stretch there is no bound on E from below.
+/// Limits: the polynomial means `1 − cos` only for triangles that keep their shape, and needs a membrane that sees to
+/// that. A curved rest shape alone is not in equilibrium: scaled by s, `dE/ds = −K (1 − cos θ₀)(3 + cos θ₀)` at s = 1,
+/// a pull outwards that the membrane balances at a strain of order `D/(Y e²)`; and without bound on the stretch there
+/// is no bound on E from below.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CubicShell {
     /// Edge `x₀ x₁`, then the wing tips `x₂`, `x₃`.
@@ -41,7 +43,7 @@ pub struct CubicShell {
 
 impl CubicShell {
     /// The coefficient k (N·m) that gives a sheet of equilateral triangles the cylindrical bending rigidity
-    /// `rigidity` = D (N·m): `k = D/3` (VALIDATION 4).
+    /// `rigidity` = D (N·m): `k = D/3`.
     #[must_use]
     pub fn coefficient(rigidity: Real) -> Real {
         rigidity / 3.0
@@ -119,7 +121,8 @@ impl Energy<4> for CubicShell {
                 sum[i][j] = Mat3::identity() * q + volume[i][j] * self.cubic;
             }
         }
-        // What is convex by its form needs no eigenvalues; there is no constraint whose gradient would make a Gauss–Newton matrix, so that one is clamped.
+        // What is convex by its form needs no eigenvalues; there is no constraint whose gradient would make a
+        // Gauss–Newton matrix, so that one is clamped.
         if self.cubic == 0.0 && self.quadratic >= 0.0 {
             return sum;
         }

@@ -1,4 +1,4 @@
-//! Quadratic bending: two triangles that want to lie in one plane (CORE-6).
+//! Quadratic bending: two triangles that want to lie in one plane.
 //!
 //! M. Bergou, M. Wardetzky, D. Harmon, D. Zorin, E. Grinspun, "A quadratic bending model for inextensible surfaces",
 //! SGP 2006, <https://doi.org/10.2312/SGP/SGP06/227-230>.
@@ -9,7 +9,7 @@ use crate::math::{Real, Vec3};
 use crate::mesh::TriMesh;
 use crate::topology::HingeTable;
 
-/// The isometric bending model of Bergou et al. (2006), S1 (16) with its signs corrected.
+/// The isometric bending model of Bergou et al. (2006).
 ///
 /// Four vertices, the edge `x₀ x₁` and the two wing tips `x₂`, `x₃`. The vector
 /// `z = q₀x₀ + q₁x₁ + q₂x₂ + q₃x₃` (m), with
@@ -19,7 +19,7 @@ use crate::topology::HingeTable;
 /// θ₀, θ₁ the angles of the first triangle at `x₀`, `x₁`, and θ₂, θ₃ those of the second, is zero for every flat
 /// configuration, and `‖z‖ = 2e sin(θ/2)` when the hinge is folded by θ without stretching. The energy
 /// is `E = ½ K ‖z‖²` with `K = k·3/(A₀ + A₁)` (N/m): quadratic in the positions, so the Hessian is constant and
-/// semi-definite. (The printed last two entries of S1 (16) are positive; then the entries
+/// semi-definite. (Some texts print the last two entries of q as positive; then the entries
 /// do not sum to zero and a translation costs energy.)
 ///
 /// Its three rows are the coordinates of `z`. They are linear, and PBD and XPBD solve them exactly.
@@ -38,7 +38,7 @@ pub struct CurvatureHinge {
 
 impl CurvatureHinge {
     /// The coefficient k (N·m) of this model that gives a sheet of equilateral triangles
-    /// the cylindrical bending rigidity `rigidity` = D (N·m): `k = D/3` (VALIDATION 4).
+    /// the cylindrical bending rigidity `rigidity` = D (N·m): `k = D/3`.
     #[must_use]
     pub fn coefficient(rigidity: Real) -> Real {
         rigidity / 3.0
@@ -51,8 +51,8 @@ impl CurvatureHinge {
         on_each_hinge(mesh, hinges, |vertices, rest| Self::new(vertices, rest, k))
     }
 
-    /// The element with coefficient `k` (N·m) on four vertices whose rest positions (m) are `rest`. The two triangles must
-    /// have an area, as those of a [`TriMesh`] have.
+    /// The element with coefficient `k` (N·m) on four vertices whose rest positions (m) are `rest`. The two triangles
+    /// must have an area, as those of a [`TriMesh`] have.
     #[must_use]
     pub fn new(vertices: [u32; 4], rest: &[Vec3; 4], k: Real) -> Self {
         let shape = Cotangents::of(rest);
@@ -98,7 +98,7 @@ impl CurvatureHinge {
     }
 }
 
-/// The set is the single point 0: `E = ½ K ‖q x‖²` is already in the form of S1 (27).
+/// The set is the single point 0: `E = ½ K ‖q x‖²` is already a squared distance to a set.
 impl Projective<4, 1> for CurvatureHinge {
     const PROJECTION_IS_CONSTANT: bool = true;
 

@@ -1,7 +1,8 @@
-//! The cotangent form with a curved rest shape: what projective dynamics bends by (CORE-6, CORE-10).
+//! The cotangent form with a curved rest shape: what projective dynamics bends by.
 //!
-//! S. Bouaziz, S. Martin, T. Liu, L. Kavan, M. Pauly, "Projective dynamics: fusing constraint projections for fast simulation",
-//! ACM Trans. Graph. 33 (2014), <https://doi.org/10.1145/2601097.2601116>, section 5.5, one hinge at a time.
+//! S. Bouaziz, S. Martin, T. Liu, L. Kavan, M. Pauly, "Projective dynamics: fusing constraint projections for fast
+//! simulation", ACM Trans. Graph. 33 (2014), <https://doi.org/10.1145/2601097.2601116>, section 5.5, one hinge at a
+//! time.
 
 use super::CurvatureHinge;
 use super::cotangent::{Cotangents, curvature_vector, on_each_hinge};
@@ -10,17 +11,20 @@ use crate::math::{Blocks, Mat3, Real, Vec3, length_and_direction};
 use crate::mesh::TriMesh;
 use crate::topology::HingeTable;
 
-/// The hinge whose curvature vector `z = q x` (m) wants the length r that it has at rest: `C = ‖z‖ − r`, `E = ½ K C²` (J).
+/// The hinge whose curvature vector `z = q x` (m) wants the length r that it has at rest: `C = ‖z‖ − r`, `E = ½ K C²`
+/// (J).
 ///
-/// `q` and `K` are those of [`CurvatureHinge`], which is the case r = 0 (a rest shape that is flat up to rounding counts as such). Folded by θ without stretching, `‖z‖ = 2e |sin(θ/2)|`, so
+/// `q` and `K` are those of [`CurvatureHinge`], which is the case r = 0 (a rest shape that is flat up to rounding
+/// counts as such). Folded by θ without stretching, `‖z‖ = 2e |sin(θ/2)|`, so
 ///
 /// `E = ½ K 4e² (|sin(θ/2)| − |sin(θ₀/2)|)²`.
 ///
 /// It is a spring between `z` and the origin, and has all views of one. The set of the projective view is the sphere
 /// of radius r: the rest vector turned with the cloth, `p = r z/‖z‖`.
 ///
-/// Limits: a fold to either side is at rest, θ₀ as well as −θ₀; between them, at flat, E has a point where the direction of the force is not
-/// defined ([`length_and_direction`] says which it gets). Near rest the stiffness is that of a flat hinge times `cos²(θ₀/2)`.
+/// Limits: a fold to either side is at rest, θ₀ as well as −θ₀; between them, at flat, E has a point where the
+/// direction of the force is not defined ([`length_and_direction`] says which it gets). Near rest the stiffness is that
+/// of a flat hinge times `cos²(θ₀/2)`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CurvedHinge {
     /// Edge `x₀ x₁`, then the wing tips `x₂`, `x₃`.
@@ -41,7 +45,8 @@ impl CurvedHinge {
         on_each_hinge(mesh, hinges, |vertices, rest| Self::new(vertices, rest, k))
     }
 
-    /// The element with coefficient `k` (N·m) of [`CurvatureHinge`], at rest at `rest` (m). The two triangles must have an area.
+    /// The element with coefficient `k` (N·m) of [`CurvatureHinge`], at rest at `rest` (m). The two triangles must have
+    /// an area.
     #[must_use]
     pub fn new(vertices: [u32; 4], rest: &[Vec3; 4], k: Real) -> Self {
         let shape = Cotangents::of(rest);
@@ -119,7 +124,7 @@ impl Projective<4, 1> for CurvedHinge {
 
     /// As of a spring.
     #[inline]
-    fn resistance(&self, [z]: [Vec3; 1]) -> [[Mat3; 1]; 1] {
+    fn projected_hessian(&self, [z]: [Vec3; 1]) -> [[Mat3; 1]; 1] {
         let (length, n) = self.length_and_direction(z);
         [[crate::math::radial_resistance(
             length,

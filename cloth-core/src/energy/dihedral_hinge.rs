@@ -1,4 +1,4 @@
-//! Bending by the angle between two triangles, with a rest angle (CORE-6).
+//! Bending by the angle between two triangles, with a rest angle.
 //!
 //! E. Grinspun, A. Hirani, M. Desbrun, P. Schröder, "Discrete shells", SCA 2003,
 //! <https://doi.org/10.2312/SCA03/062-067>: the energy.
@@ -21,13 +21,13 @@ use std::f64::consts::{PI, TAU};
 ///
 /// `θ = atan2((n₂ × n₃)·e/‖e‖, n₂·n₃)`, with `e = x₁ − x₀`, `n₂ = e × (x₂ − x₀)`, `n₃ = (x₃ − x₀) × e`.
 ///
-/// One row, `C = θ − θ₀` (rad), taken the short way round into (−π, π], so that `E` stays continuous when a wing
-/// passes from π to −π. Its gradient is `∂θ/∂x₂ = −‖e‖ n₂/‖n₂‖²`, `∂θ/∂x₃ = −‖e‖ n₃/‖n₃‖²`, shared out to the ends of the
-/// edge by the lever rule.
+/// One row, `C = θ − θ₀` (rad), taken the short way round into (−π, π], so that `E` stays continuous when a wing passes
+/// from π to −π. Its gradient is `∂θ/∂x₂ = −‖e‖ n₂/‖n₂‖²`, `∂θ/∂x₃ = −‖e‖ n₃/‖n₃‖²`, shared out to the ends of the edge
+/// by the lever rule.
 ///
-/// Limits: E has a kink where the angle is opposite to the rest angle, `|θ − θ₀| = π`. A hinge with a wing of zero area (or an edge
-/// of zero length) has no angle; value, gradient and Hessian are then defined to be zero, and
-/// the hinge does nothing until its wings have an area again. Near that the gradient grows as one over the height of the wing.
+/// Limits: E has a kink where the angle is opposite to the rest angle, `|θ − θ₀| = π`. A hinge with a wing of zero area
+/// (or an edge of zero length) has no angle; value, gradient and Hessian are then defined to be zero, and the hinge
+/// does nothing until its wings have an area again. Near that the gradient grows as one over the height of the wing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DihedralHinge {
     /// Edge `x₀ x₁`, then the wing tips `x₂`, `x₃`.
@@ -39,8 +39,8 @@ pub struct DihedralHinge {
 }
 
 impl DihedralHinge {
-    /// The coefficient k (N·m) of Grinspun's `k (θ − θ₀)² 3e²/(A₀ + A₁)` that gives a sheet of equilateral triangles the cylindrical
-    /// bending rigidity `rigidity` = D (N·m): `k = D/6` (VALIDATION 4).
+    /// The coefficient k (N·m) of Grinspun's `k (θ − θ₀)² 3e²/(A₀ + A₁)` that gives a sheet of equilateral triangles
+    /// the cylindrical bending rigidity `rigidity` = D (N·m): `k = D/6`.
     #[must_use]
     pub fn grinspun_coefficient(rigidity: Real) -> Real {
         rigidity / 6.0
@@ -61,7 +61,8 @@ impl DihedralHinge {
         })
     }
 
-    /// Grinspun's element with coefficient `k` (N·m), `K = 6 k e²/(A₀ + A₁)`, at rest at `rest` (m). The two triangles must have an area.
+    /// Grinspun's element with coefficient `k` (N·m), `K = 6 k e²/(A₀ + A₁)`, at rest at `rest` (m). The two triangles
+    /// must have an area.
     #[must_use]
     pub fn grinspun(vertices: [u32; 4], rest: &[Vec3; 4], k: Real) -> Self {
         Self {
@@ -71,8 +72,8 @@ impl DihedralHinge {
         }
     }
 
-    /// Bridson's element with coefficient `k` (N·m), `K = k e²/(4(A₀ + A₁))`. His force goes with `sin(θ/2)`; this is its
-    /// first order, `E = (k/8) e²/(A₀ + A₁) (θ − θ₀)²`, with edge and areas at rest.
+    /// Bridson's element with coefficient `k` (N·m), `K = k e²/(4(A₀ + A₁))`. His force goes with `sin(θ/2)`; this is
+    /// its first order, `E = (k/8) e²/(A₀ + A₁) (θ − θ₀)²`, with edge and areas at rest.
     #[must_use]
     pub fn bridson(vertices: [u32; 4], rest: &[Vec3; 4], k: Real) -> Self {
         Self {
@@ -114,7 +115,8 @@ struct Wing {
 }
 
 impl Wing {
-    /// None where the triangle has no area: its sine at `x₀` is below 10⁻¹⁰, and the direction of its normal is rounding.
+    /// None where the triangle has no area: its sine at `x₀` is below 10⁻¹⁰, and the direction of its normal is
+    /// rounding.
     fn of(edge: Vec3, arm: Vec3) -> Option<Self> {
         let normal = edge.cross(&arm);
         let (squared, e2) = (normal.norm_squared(), edge.norm_squared());
@@ -129,7 +131,8 @@ impl Wing {
         })
     }
 
-    /// This wing's part of `∂θ` at `x₀`, `x₁` and the tip (1/m), for the wing on the left; the right one has the opposite sign.
+    /// This wing's part of `∂θ` at `x₀`, `x₁` and the tip (1/m), for the wing on the left; the right one has the
+    /// opposite sign.
     fn gradient(&self) -> [Vec3; 3] {
         let tip = self.normal * (-self.length / self.twice_area);
         [tip * (self.foot - 1.0), tip * -self.foot, tip]
@@ -219,7 +222,8 @@ impl Constraint<4> for DihedralHinge {
             let hessian = wing.hessian();
             for (i, &row) in places.iter().enumerate() {
                 for (j, &column) in places.iter().enumerate() {
-                    // One wing alone is not symmetric, both together are; halves of both orders make it so to the last bit.
+                    // One wing alone is not symmetric, both together are; halves of both orders make it so to the last
+                    // bit.
                     let half = (hessian[i][j] + hessian[j][i].transpose()) * (0.5 * factor);
                     sum[row][column] += half;
                 }

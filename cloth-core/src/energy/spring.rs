@@ -1,11 +1,11 @@
-//! The spring: two vertices that want to be a rest length apart (CORE-4).
+//! The spring: two vertices that want to be a rest length apart.
 
 use crate::element::{Constraint, Convexity, Element, Projective, Row, UnitRow};
 use crate::math::{
     Blocks, Mat3, Real, Vec3, across_pair, across_pair_product, length_and_direction,
 };
 
-/// A linear spring, S1 (1)–(4): `C = ‖x₀ − x₁‖ − L` (m), `E = ½ k C²` (J).
+/// A linear spring: `C = ‖x₀ − x₁‖ − L` (m), `E = ½ k C²` (J).
 ///
 /// Where its two ends coincide the direction of its force is not defined; see
 /// [`length_and_direction`] for the one it gets.
@@ -20,8 +20,8 @@ pub struct Spring {
 }
 
 impl Spring {
-    /// One spring of stiffness `stiffness` (N/m) along every pair of `ends`, at rest at `rest_positions` (m). With the ends
-    /// of [`crate::topology::EdgeTable`] these are the structural springs of CORE-5.
+    /// One spring of stiffness `stiffness` (N/m) along every pair of `ends`, at rest at `rest_positions` (m). With the
+    /// ends of [`crate::topology::EdgeTable`] these are the structural springs.
     ///
     /// # Panics
     /// If an end is not smaller than the number of rest positions.
@@ -39,10 +39,11 @@ impl Spring {
             .collect()
     }
 
-    /// One spring of stiffness `stiffness` (N/m) between the two wing tips of every hinge: the bending springs of CORE-5.
+    /// One spring of stiffness `stiffness` (N/m) between the two wing tips of every hinge: bending springs.
     ///
-    /// Limits: they do not resist a small fold. Folded by θ without stretching, a hinge whose wings are mirror images, ℓ₀ apart, costs
-    /// `½ k ℓ₀² (1 − cos(θ/2))² ≈ k ℓ₀² θ⁴/128`, so no rigidity D corresponds to k; and stretching the cloth stretches them too.
+    /// Limits: they do not resist a small fold. Folded by θ without stretching, a hinge whose wings are mirror images,
+    /// ℓ₀ apart, costs `½ k ℓ₀² (1 − cos(θ/2))² ≈ k ℓ₀² θ⁴/128`, so no rigidity D corresponds to k; and stretching the
+    /// cloth stretches them too.
     ///
     /// # Panics
     /// If a vertex of a hinge is not smaller than the number of rest positions.
@@ -74,7 +75,8 @@ impl Spring {
 /// Below this (m²) the square of a length has lost digits.
 const SHORTEST_SQUARED: Real = 1e-290;
 
-/// Length and direction where the square of the length is no number to work with: seldom needed, and kept out of the way of the loops.
+/// Length and direction where the square of the length is no number to work with: seldom needed, and kept out of the
+/// way of the loops.
 #[cold]
 #[inline(never)]
 fn lost(d: Vec3, vertices: [u32; 2]) -> (Real, Vec3) {
@@ -145,8 +147,8 @@ impl Constraint<2> for Spring {
         })
     }
 
-    /// `k (1 − L/l)(I − n nᵀ)`: positive across a stretched spring, negative across a compressed one, so `Clamp` drops it
-    /// under compression (S2).
+    /// `k (1 − L/l)(I − n nᵀ)`: positive across a stretched spring, negative across a compressed one, so `Clamp` drops
+    /// it under compression.
     #[inline(always)]
     fn curvature(&self, x: &[Vec3; 2], convexity: Convexity) -> Blocks<2> {
         let (n, across) = self.stiffness_across(x, convexity);
@@ -180,7 +182,7 @@ impl Constraint<2> for Spring {
     }
 }
 
-/// S1 (28): the set is the sphere of radius L, so `p = L (x₀ − x₁)/‖x₀ − x₁‖`.
+/// The set is the sphere of radius L, so `p = L (x₀ − x₁)/‖x₀ − x₁‖`.
 impl Projective<2, 1> for Spring {
     #[inline]
     fn operator(&self) -> [[Real; 2]; 1] {
@@ -204,7 +206,7 @@ impl Projective<2, 1> for Spring {
 
     /// `n nᵀ + (1 − L/l)(I − n nᵀ)`, the second part only under tension.
     #[inline]
-    fn resistance(&self, [z]: [Vec3; 1]) -> [[Mat3; 1]; 1] {
+    fn projected_hessian(&self, [z]: [Vec3; 1]) -> [[Mat3; 1]; 1] {
         let (length, n) = length_and_direction(z, self.vertices);
         [[crate::math::radial_resistance(length, n, self.rest_length)]]
     }

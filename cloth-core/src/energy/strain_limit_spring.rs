@@ -1,7 +1,8 @@
-//! A spring that is slack within a range: strain limiting along an edge (PBD-4, PD-2).
+//! A spring that is slack within a range: strain limiting along an edge.
 //!
-//! X. Provot, "Deformation constraints in a mass-spring model to describe rigid cloth behavior", Graphics Interface 1995; as a projection, S. Bouaziz et al.,
-//! "Projective dynamics", 2014, <https://doi.org/10.1145/2601097.2601116>, section 5.1.
+//! X. Provot, "Deformation constraints in a mass-spring model to describe rigid cloth behavior", Graphics Interface
+//! 1995; as a projection, S. Bouaziz et al., "Projective dynamics", 2014, <https://doi.org/10.1145/2601097.2601116>,
+//! section 5.1.
 
 use super::Spring;
 use crate::element::{Constraint, Convexity, DeadZoneRow, Element, Projective, Row};
@@ -11,9 +12,11 @@ use crate::math::{
 
 /// Costs nothing while its length l is between `σ_min L` and `σ_max L`: `C = l − clamp(l)` (m), `E = ½ k C²` (J).
 ///
-/// With both limits 1 it is a [`Spring`](super::Spring). Set beside one that is soft, it gives cloth that yields first and then holds.
+/// With both limits 1 it is a [`Spring`](super::Spring). Set beside one that is soft, it gives cloth that yields first
+/// and then holds.
 ///
-/// Limits: a soft limit: a load f stretches it by f/k beyond σ_max. The stiffness jumps at the limits, where the one of the inside is given.
+/// Limits: a soft limit: a load f stretches it by f/k beyond σ_max. The stiffness jumps at the limits, where the one of
+/// the inside is given.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StrainLimitSpring {
     /// The two ends.
@@ -27,8 +30,8 @@ pub struct StrainLimitSpring {
 }
 
 impl StrainLimitSpring {
-    /// One element along every pair of `ends`, with limits `[σ_min, σ_max]` (dimensionless) on its length relative to that at `rest_positions` (m) and
-    /// stiffness `stiffness` (N/m).
+    /// One element along every pair of `ends`, with limits `[σ_min, σ_max]` (dimensionless) on its length relative to
+    /// that at `rest_positions` (m) and stiffness `stiffness` (N/m).
     ///
     /// # Panics
     /// If an end is not smaller than the number of rest positions, or `0 ≤ σ_min ≤ σ_max` does not hold.
@@ -158,7 +161,7 @@ impl Projective<2, 1> for StrainLimitSpring {
     }
 
     #[inline]
-    fn resistance(&self, [z]: [Vec3; 1]) -> [[Mat3; 1]; 1] {
+    fn projected_hessian(&self, [z]: [Vec3; 1]) -> [[Mat3; 1]; 1] {
         let (length, n) = length_and_direction(z, self.vertices);
         let nearest = self.nearest(length);
         [[if nearest == length && self.shortest < self.longest {

@@ -1,7 +1,8 @@
-//! A triangle that is slack while its principal stretches stay within a range: strain limiting of a sheet (PBD-4, PD-2).
+//! A triangle that is slack while its principal stretches stay within a range: strain limiting of a sheet.
 //!
-//! H. Wang, J. O'Brien, R. Ramamoorthi, "Multi-resolution isotropic strain limiting", ACM Trans. Graph. 29 (2010), <https://doi.org/10.1145/1882261.1866182>; as a
-//! projection, S. Bouaziz et al., "Projective dynamics", 2014, <https://doi.org/10.1145/2601097.2601116>, section 5.1.
+//! H. Wang, J. O'Brien, R. Ramamoorthi, "Multi-resolution isotropic strain limiting", ACM Trans. Graph. 29 (2010),
+//! <https://doi.org/10.1145/1882261.1866182>; as a projection, S. Bouaziz et al., "Projective dynamics", 2014,
+//! <https://doi.org/10.1145/2601097.2601116>, section 5.1.
 
 use super::arap_triangle::Singular;
 use super::triangle_map::TriangleMap;
@@ -9,13 +10,14 @@ use crate::element::{Constraint, Convexity, DeadZoneRow, Element, Projective, Ro
 use crate::math::{Blocks, Mat3, Real, Vec3, gather};
 use crate::mesh::TriMesh;
 
-/// Costs nothing while the singular values σ of F (3 × 2, rest to present) are between σ_min and σ_max: two rows `C = σ − clamp(σ)`
-/// (dimensionless), `E = ½ A k Σ C²` (J).
+/// Costs nothing while the singular values σ of F (3 × 2, rest to present) are between σ_min and σ_max: two rows
+/// `C = σ − clamp(σ)` (dimensionless), `E = ½ A k Σ C²` (J).
 ///
-/// With both limits 1 it is an [`ArapTriangle`](super::ArapTriangle). It limits the strain in all directions alike, not only along edges, so it does not depend on how the sheet is
-/// meshed.
+/// With both limits 1 it is an [`ArapTriangle`](super::ArapTriangle). It limits the strain in all directions alike, not
+/// only along edges, so it does not depend on how the sheet is meshed.
 ///
-/// Limits: a soft limit, of membrane modulus k outside. The stiffness jumps at the limits, where the one of the inside is given.
+/// Limits: a soft limit, of membrane modulus k outside. The stiffness jumps at the limits, where the one of the inside
+/// is given.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StrainLimitTriangle {
     /// Its three corners.
@@ -27,7 +29,8 @@ pub struct StrainLimitTriangle {
 }
 
 impl StrainLimitTriangle {
-    /// One element on every triangle of the mesh, with limits `[σ_min, σ_max]` (dimensionless) and a membrane modulus (N/m) outside.
+    /// One element on every triangle of the mesh, with limits `[σ_min, σ_max]` (dimensionless) and a membrane modulus
+    /// (N/m) outside.
     ///
     /// # Panics
     /// If `0 ≤ σ_min ≤ σ_max` does not hold.
@@ -39,7 +42,8 @@ impl StrainLimitTriangle {
             .collect()
     }
 
-    /// The element at rest at `rest` (m), which must have an area, for limits `[σ_min, σ_max]` (dimensionless) and a membrane modulus (N/m).
+    /// The element at rest at `rest` (m), which must have an area, for limits `[σ_min, σ_max]` (dimensionless) and a
+    /// membrane modulus (N/m).
     ///
     /// # Panics
     /// If `0 ≤ σ_min ≤ σ_max` does not hold.
@@ -70,8 +74,9 @@ impl StrainLimitTriangle {
         stretch.min(self.limits[1]).max(self.limits[0])
     }
 
-    /// The four modes of F in which its singular vectors turn, as left vectors, a scale and the second derivative of `½ Σ C²` along each: both in the plane, and each of the
-    /// two out of it, with u₃ the normal. They are those of an [`ArapTriangle`](super::ArapTriangle), whose C is `σ − 1`.
+    /// The four modes of F in which its singular vectors turn, as left vectors, a scale and the second derivative of
+    /// `½ Σ C²` along each: both in the plane, and each of the two out of it, with u₃ the normal. They are those of an
+    /// [`ArapTriangle`](super::ArapTriangle), whose C is `σ − 1`.
     fn turns(&self, singular: &Singular) -> [(Real, [Vec3; 2], Real); 4] {
         let [u, v] = singular.left;
         let (w, zero) = (u.cross(&v), Vec3::zeros());
@@ -158,7 +163,7 @@ impl Projective<3, 2> for StrainLimitTriangle {
         singular.combine(singular.left, nearest)
     }
 
-    fn resistance(&self, z: [Vec3; 2]) -> [[Mat3; 2]; 2] {
+    fn projected_hessian(&self, z: [Vec3; 2]) -> [[Mat3; 2]; 2] {
         let singular = Singular::of(z);
         let along = [0, 1].map(|index| {
             let stretch = singular.values[index];

@@ -1,4 +1,4 @@
-//! The linear-elastic sheet at large rotations: St. Venant–Kirchhoff triangles (CORE-7).
+//! The linear-elastic sheet at large rotations: St. Venant–Kirchhoff triangles.
 //!
 //! P. Volino, N. Magnenat-Thalmann, F. Faure, "A simple approach to nonlinear tensile stiffness for accurate cloth
 //! simulation", ACM Trans. Graph. 28 (2009), <https://doi.org/10.1145/1559755.1559762>.
@@ -9,17 +9,18 @@ use crate::math::{Blocks, Mat3, Real, Vec3, gather};
 use crate::mesh::TriMesh;
 use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2};
 
-/// A triangle of an isotropic sheet in plane stress, `E = A·½ G:C:G` (J) with the Green strain `G = ½(FᵀF − I)` (dimensionless).
+/// A triangle of an isotropic sheet in plane stress, `E = A·½ G:C:G` (J) with the Green strain `G = ½(FᵀF − I)`
+/// (dimensionless).
 ///
 /// F (3 × 2) maps rest to present. The rows are G in the eigenbasis of the plane-stress matrix C,
 ///
 /// `C = ((G₁₁ + G₂₂)/√2, (G₁₁ − G₂₂)/√2, √2 G₁₂)`, `k = (A Y/(1 − ν), A Y/(1 + ν), A Y/(1 + ν))`,
 ///
-/// so `E = ½ Σ k C²` is diagonal. Pulled to s times its length along one direction the sheet answers with `P = Y s (s² − 1)/2` (N/m),
-/// and gets `√(1 − ν (s² − 1))` times as wide (VALIDATION 3), in any direction.
+/// so `E = ½ Σ k C²` is diagonal. Pulled to s times its length along one direction the sheet answers with
+/// `P = Y s (s² − 1)/2` (N/m), and gets `√(1 − ν (s² − 1))` times as wide, in any direction.
 ///
-/// Limits: pressed below `s = 1/√3` the force decreases, and a triangle pressed to nothing costs a finite energy. A collapsed
-/// triangle is finite everywhere, as E is a polynomial.
+/// Limits: pressed below `s = 1/√3` the force decreases, and a triangle pressed to nothing costs a finite energy. A
+/// collapsed triangle is finite everywhere, as E is a polynomial.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StvkTriangle {
     /// Its three corners.
@@ -98,7 +99,8 @@ impl Constraint<3> for StvkTriangle {
         })
     }
 
-    /// `A bᵢ·S bⱼ I` with the second Piola–Kirchhoff stress S. Making S semi-definite, two eigenvalues in closed form, makes it so.
+    /// `A bᵢ·S bⱼ I` with the second Piola–Kirchhoff stress S. Making S semi-definite, two eigenvalues in closed form,
+    /// makes it so.
     fn curvature(&self, x: &[Vec3; 3], convexity: Convexity) -> Blocks<3> {
         let [area, shear, slant] = strains(self.map.columns(x));
         // A S = mean I + [[half, off], [off, −half]], with eigenvalues mean ± radius.

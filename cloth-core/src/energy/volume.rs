@@ -1,13 +1,14 @@
-//! A tetrahedron that wants to keep its volume (CORE-9).
+//! A tetrahedron that wants to keep its volume.
 
 use crate::element::{Constraint, Convexity, Element, Row};
 use crate::math::{Blocks, Mat3, Real, Vec3, make_semidefinite};
 
 /// The volume constraint: `C = V − V₀` (m³), `E = ½ k C²` (J), with `V = (x₁ − x₀)·((x₂ − x₀) × (x₃ − x₀))/6`.
 ///
-/// With `k = K/V₀` it costs `½ K (V/V₀ − 1)²` per rest volume: K (Pa) is the bulk modulus. The volume has a sign, so a tetrahedron turned inside out is
-/// pushed back. V is linear in each vertex, `∂V/∂xᵢ` is a sixth of the normal of the opposite face (twice its area long), and everything is smooth everywhere; where all four
-/// vertices lie on a line the gradient is zero, and a position-based method leaves the element alone.
+/// With `k = K/V₀` it costs `½ K (V/V₀ − 1)²` per rest volume: K (Pa) is the bulk modulus. The volume has a sign, so a
+/// tetrahedron turned inside out is pushed back. V is linear in each vertex, `∂V/∂xᵢ` is a sixth of the normal of the
+/// opposite face (twice its area long), and everything is smooth everywhere; where all four vertices lie on a line the
+/// gradient is zero, and a position-based method leaves the element alone.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct VolumeTetrahedron {
     /// Its four corners.

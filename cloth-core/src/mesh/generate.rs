@@ -1,4 +1,4 @@
-//! Meshes made by rule: sheets, tubes, closed surfaces (CORE-1).
+//! Meshes made by rule: sheets, tubes, closed surfaces.
 //!
 //! Every generator returns the same bits for the same arguments on the same machine; those that
 //! call sine and cosine may differ in the last bit on a machine with another mathematics library.

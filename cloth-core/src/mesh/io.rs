@@ -1,4 +1,4 @@
-//! Reading a mesh file of any kind that is known here (CORE-1).
+//! Reading a mesh file of any kind that is known here.
 
 use super::TriMesh;
 use super::obj::{self, ObjError};

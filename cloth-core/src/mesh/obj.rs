@@ -1,4 +1,4 @@
-//! Wavefront OBJ, in and out, with the line of every mistake (CORE-1).
+//! Wavefront OBJ, in and out, with the line of every mistake.
 //!
 //! What a cloth needs from an OBJ file is vertices (`v`) and faces (`f`). Other statements
 //! (texture coordinates, normals, groups, materials, lines, curves, …) are skipped. A face may name

@@ -1,15 +1,17 @@
-//! PLY (the polygon file format of Stanford), in and out, as text and in both binary byte orders, with the place of every mistake (CORE-1).
+//! PLY (the polygon file format of Stanford), in and out, as text and in both binary byte orders, with the place of
+//! every mistake.
 //!
-//! A header names tables, their columns and types; a cloth needs the columns `x`, `y`, `z` of the table `vertex` and the list
-//! `vertex_indices` (or `vertex_index`) of the table `face`, of any type. Other tables and columns (normals, colours, edges, …)
-//! are skipped. A polygon becomes a fan around its first corner, which is right for convex polygons only.
+//! A header names tables, their columns and types; a cloth needs the columns `x`, `y`, `z` of the table `vertex` and
+//! the list `vertex_indices` (or `vertex_index`) of the table `face`, of any type. Other tables and columns (normals,
+//! colours, edges, …) are skipped. A polygon becomes a fan around its first corner, which is right for convex polygons
+//! only.
 //!
-//! [`parse`] refuses what [`TriMesh::new`] and [`EdgeTable::build`] refuse, and says where it stands: in which line of a text, at
-//! which byte of a binary body.
+//! [`parse`] refuses what [`TriMesh::new`] and [`EdgeTable::build`] refuse, and says where it stands: in which line of
+//! a text, at which byte of a binary body.
 //!
-//! Limits: the unit is not written anywhere; we take metres. Strips of triangles (`tristrips`) are not read. Polygons and everything
-//! skipped are lost when a file is read and written again; vertices and triangles keep their order and every bit, because
-//! coordinates are written in double precision.
+//! Limits: the unit is not written anywhere; we take metres. Strips of triangles (`tristrips`) are not read. Polygons
+//! and everything skipped are lost when a file is read and written again; vertices and triangles keep their order and
+//! every bit, because coordinates are written in double precision.
 
 mod error;
 mod header;

@@ -1,7 +1,7 @@
 //! A symmetric sparse matrix of 3 × 3 blocks, refilled in every iteration through places looked up once.
 //!
-//! Only the blocks on and below the diagonal are stored: half the memory to fill and to read, and row `i` of the lower half is column `i` of the upper half,
-//! which is what the factorisation wants.
+//! Only the blocks on and below the diagonal are stored: half the memory to fill and to read, and row `i` of the lower
+//! half is column `i` of the upper half, which is what the factorisation wants.
 
 use crate::element::Element;
 use crate::math::{Mat3, Real, Vec3};
@@ -86,7 +86,8 @@ fn lower(a: u32, b: u32) -> (u32, u32) {
     if a >= b { (a, b) } else { (b, a) }
 }
 
-/// Which blocks are stored: compressed rows of the lower half, columns ascending, so that the diagonal is the last block of each row.
+/// Which blocks are stored: compressed rows of the lower half, columns ascending, so that the diagonal is the last
+/// block of each row.
 #[derive(Debug, PartialEq, Eq)]
 pub struct BlockPattern {
     row_offsets: Vec<u32>,
@@ -234,8 +235,8 @@ impl BlockMatrix {
         self.blocks.fill(Mat3::zeros());
     }
 
-    /// Hands the blocks to `work` by chunks of [`CHUNK`] rows, with the pattern and the place of the first block; on several
-    /// threads where that pays, with the same bits on any number of them.
+    /// Hands the blocks to `work` by chunks of [`CHUNK`] rows, with the pattern and the place of the first block; on
+    /// several threads where that pays, with the same bits on any number of them.
     pub fn for_each_chunk(&mut self, work: impl Fn(&BlockPattern, usize, &mut [Mat3]) + Sync) {
         let rows = 0..self.pattern.row_count();
         for_each_chunk(&self.pattern, rows, &mut self.blocks, &work);

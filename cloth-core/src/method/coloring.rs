@@ -1,11 +1,13 @@
 //! Elements sorted so that a sweep over them can be shared by threads, and is fast on one.
 //!
-//! Gauss–Seidel visits elements one after another, each seeing what the one before it wrote. Two elements that share no vertex do not
-//! see each other. A *colour* is a set of elements of which no two share a vertex: visiting it in
-//! parallel gives the same bits as visiting it in turn; and a processor that need not wait for the element before has several in work at once.
+//! Gauss–Seidel visits elements one after another, each seeing what the one before it wrote. Two elements that share no
+//! vertex do not see each other. A *colour* is a set of elements of which no two share a vertex: visiting it in
+//! parallel gives the same bits as visiting it in turn; and a processor that need not wait for the element before has
+//! several in work at once.
 //!
-//! A colour goes through the whole cloth. Where that is larger than a cache, all positions come from memory once per colour. So a large cloth is
-//! cut into *blocks* of vertices with numbers next to each other, and the colours of one block are visited before the next block:
+//! A colour goes through the whole cloth. Where that is larger than a cache, all positions come from memory once per
+//! colour. So a large cloth is cut into *blocks* of vertices with numbers next to each other, and the colours of one
+//! block are visited before the next block:
 //!
 //! | stage | elements | parts that share no vertex |
 //! |---|---|---|
@@ -13,7 +15,8 @@
 //! | 2 | of the others: all vertices in one block, the blocks shifted by half | shifted blocks |
 //! | 3, 4, … | the rest, colour by colour | single elements |
 //!
-//! With numbers that keep neighbours close ([`crate::method::ordering`]) few elements are left for the third stage, and a thread gets whole blocks.
+//! With numbers that keep neighbours close ([`crate::method::ordering`]) few elements are left for the third stage, and
+//! a thread gets whole blocks.
 
 mod greedy;
 mod stages;
@@ -23,17 +26,18 @@ use crate::method::parallel::Stencils;
 pub use greedy::{greedy_colors, greedy_vertex_colors};
 use stages::{Place, stages};
 
-/// A cloth of at least so many vertices is cut into blocks: its positions and masses alone are 16 MB. Measured, springs: at 512 × 512 vertices
-/// colours through the whole cloth are 10 % faster than blocks, at 1000 × 1000 blocks are 1.3 times as fast or more.
+/// A cloth of at least so many vertices is cut into blocks: its positions and masses alone are 16 MB. Measured,
+/// springs: at 512 × 512 vertices colours through the whole cloth are 10 % faster than blocks, at 1000 × 1000 blocks
+/// are 1.3 times as fast or more.
 const LARGE: usize = 1 << 19;
 
 /// Vertices of a block: their positions and masses are half a megabyte.
 const BLOCK: u32 = 1 << 14;
 
-/// Elements of one type in the order in which a sweep visits them (CORE-13).
+/// Elements of one type in the order in which a sweep visits them.
 ///
-/// Either sorted by block and colour ([`Colored::new`]) or in the order given ([`Colored::in_input_order`]). Each element is asked for its vertices
-/// once; a sweep goes by that answer, whatever the element says later.
+/// Either sorted by block and colour ([`Colored::new`]) or in the order given ([`Colored::in_input_order`]). Each
+/// element is asked for its vertices once; a sweep goes by that answer, whatever the element says later.
 #[derive(Clone, Debug)]
 pub struct Colored<const N: usize, E> {
     elements: Vec<E>,
@@ -101,9 +105,12 @@ impl<const N: usize, E: Element<N>> Colored<N, E> {
     }
 
     /// Visits every element once. `visit` gets the element, its slot of the method's own memory, and a copy of its
-    /// vertices' positions, which is stored back afterwards. It should be `#[inline(always)]`, because it is compiled for more than one kind of processor. Positions are what the method takes for them: three numbers (m), or a register of four.
+    /// vertices' positions, which is stored back afterwards. It should be `#[inline(always)]`, because it is compiled
+    /// for more than one kind of processor. Positions are what the method takes for them: three numbers (m), or a
+    /// register of four.
     ///
-    /// With the feature `parallel`, stages large enough to be worth it are split over rayon's threads; the result has the same bits as on one thread.
+    /// With the feature `parallel`, stages large enough to be worth it are split over rayon's threads; the result has
+    /// the same bits as on one thread.
     ///
     /// # Panics
     /// If `slots` is not as long as the elements, or `x` not as long as the vertices.

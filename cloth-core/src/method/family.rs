@@ -45,9 +45,9 @@ trait EnergyFamily: Debug + Send + Sync {
 
 /// The elements, and which of them touch which chunk of [`CHUNK`] vertices.
 ///
-/// Each chunk visits the elements that touch it and adds to its own vertices only; an element on the border of two chunks
-/// is visited by both. So no two threads write to the same place, and every vertex adds up the same numbers in the same
-/// order on any number of threads. The energy of an element is counted by the chunk of its first vertex.
+/// Each chunk visits the elements that touch it and adds to its own vertices only; an element on the border of two
+/// chunks is visited by both. So no two threads write to the same place, and every vertex adds up the same numbers in
+/// the same order on any number of threads. The energy of an element is counted by the chunk of its first vertex.
 #[derive(Clone, Debug)]
 struct Family<const N: usize, E> {
     elements: Vec<E>,
@@ -344,10 +344,11 @@ impl Energies {
         Assembly::new(self, builder.build())
     }
 
-    /// The same for an approximation with fewer blocks, for preconditioners: pairs of vertices that only elements of more than
-    /// three vertices couple, the wing tips of hinges, are *lumped*. Their block is added to the diagonal blocks of both
-    /// vertices instead: `x₂ᵀB x₃` becomes `½ x₂ᵀB x₂ + ½ x₃ᵀB x₃`, which is the same for a translation and no less for
-    /// any other displacement if `B` is positive semi-definite. A vertex that has no other elements keeps its pairs.
+    /// The same for an approximation with fewer blocks, for preconditioners: pairs of vertices that only elements of
+    /// more than three vertices couple, the wing tips of hinges, are *lumped*. Their block is added to the diagonal
+    /// blocks of both vertices instead: `x₂ᵀB x₃` becomes `½ x₂ᵀB x₂ + ½ x₃ᵀB x₃`, which is the same for a translation
+    /// and no less for any other displacement if `B` is positive semi-definite. A vertex that has no other elements
+    /// keeps its pairs.
     #[must_use]
     pub fn lumped_assembly(&self) -> Assembly {
         let mut builder = PatternBuilder::new(self.vertex_count);

@@ -11,8 +11,8 @@
 //! | Gauss–Seidel, [`GaussSeidel`] | `gauss_seidel` |
 //!
 //! [`LinearMethod`] names them; [`spectrum()`] estimates condition numbers. The factorisations need the feature
-//! `cholesky`: `BlockCholesky`, `Cholesky` for a scalar matrix, `QuasidefiniteLdlt` for a saddle-point matrix, `Inertia`
-//! to count eigenvalues.
+//! `cholesky`: `BlockCholesky`, `Cholesky` for a scalar matrix, `QuasidefiniteLdlt` for a saddle-point matrix,
+//! `Inertia` to count eigenvalues.
 
 #[cfg(feature = "cholesky")]
 mod block_cholesky;
@@ -48,5 +48,5 @@ pub use jacobi::Jacobi;
 pub use multigrid_gradients::MultigridGradients;
 #[cfg(feature = "cholesky")]
 pub use quasidefinite::QuasidefiniteLdlt;
-pub use solver::{Budget, LinearError, LinearMethod, LinearReport, LinearSolver};
+pub use solver::{LinearError, LinearMethod, LinearReport, LinearSolver, StoppingCriteria};
 pub use spectrum::{Spectrum, spectrum};

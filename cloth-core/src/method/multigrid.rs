@@ -1,9 +1,9 @@
 //! Coarse levels, and multigrid on them: a V-cycle as a preconditioner for the matrices of implicit steps.
 //!
 //! Relaxation (Gauss–Seidel) takes away errors that are as rough as the mesh, and hardly touches smooth ones; on a mesh
-//! with a quarter of the vertices what was smooth is rough again. So each level is smoothed, its residual restricted to the
-//! next, the correction found there interpolated back and smoothed once more. On the coarsest level, a few dozen vertices,
-//! the system is solved. The work is that of a few sweeps over the finest level, whatever its size.
+//! with a quarter of the vertices what was smooth is rough again. So each level is smoothed, its residual restricted to
+//! the next, the correction found there interpolated back and smoothed once more. On the coarsest level, a few dozen
+//! vertices, the system is solved. The work is that of a few sweeps over the finest level, whatever its size.
 //!
 //! | equation | says | where |
 //! |---|---|---|
@@ -14,12 +14,13 @@
 //! | `w = b (1 + β·(r − m))` | weights of P, exact for linear functions | `weights` |
 //! | lengths of ways over the cloth | links of the coarse vertices of a mesh | [`coarse_levels`] |
 //!
-//! Position-based dynamics has no matrix. Its levels are those of the mesh at rest ([`coarse_levels`]), interpolated by the same
-//! weights, with links over the cloth in place of the coarse operator. Links are projected and nothing is smoothed after them,
-//! so they ask more of a level: half of the vertices instead of a quarter, each among its parents, and no negative weight.
+//! Position-based dynamics has no matrix. Its levels are those of the mesh at rest ([`coarse_levels`]), interpolated by
+//! the same weights, with links over the cloth in place of the coarse operator. Links are projected and nothing is
+//! smoothed after them, so they ask more of a level: half of the vertices instead of a quarter, each among its parents,
+//! and no negative weight.
 //!
-//! The cycle is a symmetric positive definite operator, so conjugate gradients and quasi-Newton methods can build on it. It is
-//! computed in single precision: it only has to be near the inverse, what is iterated around it is not.
+//! The cycle is a symmetric positive definite operator, so conjugate gradients and quasi-Newton methods can build on
+//! it. It is computed in single precision: it only has to be near the inverse, what is iterated around it is not.
 //!
 //! # References
 //!
@@ -29,7 +30,8 @@
 //!   <https://doi.org/10.1137/1.9780898719505>.
 //! - M. Müller, "Hierarchical position based dynamics", VRIPHYS 2008,
 //!   <https://doi.org/10.2312/PE/vriphys/vriphys08/001-010>.
-//! - R. Tamstorf, T. Jones, S. F. McCormick, "Smoothed aggregation multigrid for cloth simulation", ACM TOG 34(6), 2015,
+//! - R. Tamstorf, T. Jones, S. F. McCormick, "Smoothed aggregation multigrid for cloth simulation", ACM TOG 34(6),
+//!   2015,
 //!   <https://doi.org/10.1145/2816795.2818081>.
 
 mod blocks;
@@ -71,8 +73,8 @@ pub struct Multigrid {
 }
 
 impl Multigrid {
-    /// Levels for matrices on the pattern of `matrix`, whose blocks (N/m) say how strongly vertices are coupled. `is_free[v]` says
-    /// whether vertex `v` moves, `rest` (m) where it is at rest.
+    /// Levels for matrices on the pattern of `matrix`, whose blocks (N/m) say how strongly vertices are coupled.
+    /// `is_free[v]` says whether vertex `v` moves, `rest` (m) where it is at rest.
     ///
     /// # Panics
     /// If `is_free` or `rest` does not have one entry per row of the matrix.
@@ -128,8 +130,8 @@ impl Multigrid {
         self.levels.iter().map(Level::len)
     }
 
-    /// Takes in the numbers of a matrix (N/m) on the pattern. Returns false where the coarsest level shows that it is not positive
-    /// definite; then there is no correction from there.
+    /// Takes in the numbers of a matrix (N/m) on the pattern. Returns false where the coarsest level shows that it is
+    /// not positive definite; then there is no correction from there.
     ///
     /// # Panics
     /// If the matrix has another number of blocks.

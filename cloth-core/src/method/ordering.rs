@@ -1,4 +1,4 @@
-//! Vertex numbers that keep neighbours close in memory, and the way back (CORE-13).
+//! Vertex numbers that keep neighbours close in memory, and the way back.
 //!
 //! A solver walks over elements and reads their vertices. If neighbouring vertices have numbers
 //! far apart, every read is a cache miss: a shuffled 512 × 512 sheet costs about three times

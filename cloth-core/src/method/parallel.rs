@@ -1,5 +1,5 @@
-//! Visiting elements in turn, or on several threads where they share no vertex; and a hint to the memory. The only file of a
-//! library here with `unsafe`.
+//! Visiting elements in turn, or on several threads where they share no vertex; and a hint to the memory. The only file
+//! of a library here with `unsafe`.
 
 use std::marker::PhantomData;
 use std::ops::Range;
@@ -13,8 +13,8 @@ const SMALLEST_PARALLEL_SET: usize = 4096;
 #[cfg(feature = "parallel")]
 const SMALLEST_PARALLEL_CLOTH: usize = 8_192;
 
-/// Does two things that have nothing to do with each other: at the same time if there are several threads and the cloth has
-/// enough vertices, else one after the other.
+/// Does two things that have nothing to do with each other: at the same time if there are several threads and the cloth
+/// has enough vertices, else one after the other.
 #[cfg(feature = "parallel")]
 pub fn join<A: Send, B: Send>(
     vertex_count: usize,
@@ -36,11 +36,11 @@ pub fn join<A, B>(_: usize, first: impl FnOnce() -> A, second: impl FnOnce() -> 
 
 /// Runs `work`, compiled for registers of four numbers if the processor has them.
 ///
-/// A program for any processor of its kind may use the registers that all of them have, which on x86-64 hold two numbers.
-/// What is run here is compiled a second time for registers of four, and the processor is asked which of the two it can
-/// execute. Both do the same operations in the same order (a product and a sum are never fused), so the results have the same
-/// bits. The second compilation reaches as far as inlining does: the closure and what its loops call have to be
-/// `#[inline(always)]`.
+/// A program for any processor of its kind may use the registers that all of them have, which on x86-64 hold two
+/// numbers. What is run here is compiled a second time for registers of four, and the processor is asked which of the
+/// two it can execute. Both do the same operations in the same order (a product and a sum are never fused), so the
+/// results have the same bits. The second compilation reaches as far as inlining does: the closure and what its loops
+/// call have to be `#[inline(always)]`.
 #[inline(always)]
 pub fn wide<T>(work: impl FnOnce() -> T) -> T {
     #[cfg(target_arch = "x86_64")]
@@ -61,10 +61,11 @@ unsafe fn with_avx2<T>(work: impl FnOnce() -> T) -> T {
     work()
 }
 
-/// The vertices of elements in visiting order, and the stages in which they are visited: a vertex is in one part of a stage at most.
+/// The vertices of elements in visiting order, and the stages in which they are visited: a vertex is in one part of a
+/// stage at most.
 ///
-/// That is checked when the value is made and nothing can change it afterwards; sharing a stage between threads rests on it, and on
-/// nothing that an element says later.
+/// That is checked when the value is made and nothing can change it afterwards; sharing a stage between threads rests
+/// on it, and on nothing that an element says later.
 #[derive(Clone, Debug)]
 pub(crate) struct Stencils<const N: usize> {
     vertices: Vec<[u32; N]>,
@@ -77,7 +78,8 @@ impl<const N: usize> Stencils<N> {
     /// Checks the stages.
     ///
     /// # Panics
-    /// If a vertex is not smaller than `vertex_count`, bounds do not ascend or leave the elements, or two parts of a stage share a vertex.
+    /// If a vertex is not smaller than `vertex_count`, bounds do not ascend or leave the elements, or two parts of a
+    /// stage share a vertex.
     pub(crate) fn new(
         vertices: Vec<[u32; N]>,
         stages: Vec<Vec<usize>>,
@@ -110,8 +112,8 @@ impl<const N: usize> Stencils<N> {
         }
     }
 
-    /// Visits every element once with its slot and a copy of its vertices, which is stored back: stage after stage, the parts of one on several
-    /// threads if that is worth it. In order, or from the last to the first if it goes `BACK`.
+    /// Visits every element once with its slot and a copy of its vertices, which is stored back: stage after stage, the
+    /// parts of one on several threads if that is worth it. In order, or from the last to the first if it goes `BACK`.
     ///
     /// # Panics
     /// If there is not one element and one slot per stencil, or `x` is not as long as the vertices.
@@ -177,7 +179,8 @@ unsafe fn visit_stage<const BACK: bool, const N: usize, E: Sync, A: Send, P: Cop
 ) {
     let slots = &mut slots[parts.range()];
     let x = &Positions::new(x);
-    // SAFETY: `x` is borrowed mutably until this returns, so no one else touches it; the parts share no vertex, as the caller says.
+    // SAFETY: `x` is borrowed mutably until this returns, so no one else touches it; the parts share no vertex, as the
+    // caller says.
     unsafe {
         #[cfg(feature = "parallel")]
         if slots.len() >= SMALLEST_PARALLEL_SET && rayon::current_num_threads() > 1 {
@@ -244,9 +247,9 @@ unsafe fn visit_part<const BACK: bool, const N: usize, E, A, P: Copy>(
     unsafe { visit_each::<BACK, N, E, A, P>(elements, stencils, slots, x, visit) }
 }
 
-/// [`visit_each`] in the instructions of newer processors, with the same bits, if `visit` is inlined: a twentieth faster. Above all, a root does not wait
-/// there for whatever its target register held before. In the older instructions it does unless the compiler takes care, which can make one chain
-/// of all elements and double the time.
+/// [`visit_each`] in the instructions of newer processors, with the same bits, if `visit` is inlined: a twentieth
+/// faster. Above all, a root does not wait there for whatever its target register held before. In the older
+/// instructions it does unless the compiler takes care, which can make one chain of all elements and double the time.
 ///
 /// # Safety
 /// That of [`visit_each`], and the processor has AVX2.
@@ -302,8 +305,8 @@ unsafe fn visit_each<const BACK: bool, const N: usize, E, A, P: Copy>(
             for corner in 1..N {
                 places[corner] = x.place(stencils[i][corner]);
             }
-            // SAFETY: the places are in bounds and aligned, and no other thread uses them, as the caller says. No reference to
-            // a position lives across `visit`.
+            // SAFETY: the places are in bounds and aligned, and no other thread uses them, as the caller says. No
+            // reference to a position lives across `visit`.
             let mut local = [unsafe { *places[0] }; N];
             for corner in 1..N {
                 // SAFETY: as above.
@@ -350,9 +353,9 @@ impl<'a, P> Positions<'a, P> {
 
 /// Asks the memory for `items[index]`, which will be read soon; nothing happens if there is no such item.
 ///
-/// A loop that reads one long array and writes here and there in another does not look like a stream to the
-/// hardware, and waits for every cache line: the product of a block matrix of 256 × 256 vertices takes 2.4 times as long
-/// without this line.
+/// A loop that reads one long array and writes here and there in another does not look like a stream to the hardware,
+/// and waits for every cache line: the product of a block matrix of 256 × 256 vertices takes 2.4 times as long without
+/// this line.
 #[inline]
 pub(crate) fn prefetch<T>(items: &[T], index: usize) {
     fetch(items.as_ptr().wrapping_add(index));

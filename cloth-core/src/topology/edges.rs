@@ -1,11 +1,11 @@
-//! The sorted edge list: which edges there are, and which triangles meet there (S2).
+//! The sorted edge list: which edges there are, and which triangles meet there.
 
 use crate::mesh::{MeshError, TriMesh};
 
 /// Stands where an edge has no second triangle.
 pub const NONE: u32 = u32::MAX;
 
-/// All edges of a mesh and the triangles beside them (CORE-2).
+/// All edges of a mesh and the triangles beside them.
 ///
 /// Edges are sorted by their lower vertex, then by their higher one, so an edge number depends on
 /// the triangles only, not on how they were visited.
@@ -191,7 +191,7 @@ pub(super) fn runs_along(triangle: [u32; 3], ends: [u32; 2]) -> bool {
 /// # Panics
 /// If `edges` was built from a mesh with more triangles.
 #[must_use]
-pub fn opposed_edges(mesh: &TriMesh, edges: &EdgeTable) -> Vec<u32> {
+pub fn inconsistently_oriented_edges(mesh: &TriMesh, edges: &EdgeTable) -> Vec<u32> {
     let along = |triangle: u32, ends| runs_along(mesh.triangles()[triangle as usize], ends);
     let inner = (0..edges.len()).filter(|&edge| !edges.is_boundary(edge));
     inner

@@ -1,9 +1,9 @@
-//! Pairs of triangles that share an edge: where cloth bends (S2).
+//! Pairs of triangles that share an edge: where cloth bends.
 
 use super::edges::{EdgeTable, runs_along};
 use crate::mesh::TriMesh;
 
-/// All hinges of a mesh: an inner edge with the two vertices opposite to it (CORE-2).
+/// All hinges of a mesh: an inner edge with the two vertices opposite to it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct HingeTable {
     hinges: Vec<[u32; 4]>,

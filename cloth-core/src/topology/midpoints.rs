@@ -1,17 +1,19 @@
-//! The mesh of edge midpoints: triangles that hang together at the middles of their edges only (MS-6).
+//! The mesh of edge midpoints: triangles that hang together at the middles of their edges only.
 
 use super::edges::{EdgeTable, NONE, triangle_edges};
 use crate::math::{Real, Vec3, gather};
 use crate::mesh::{MeshError, TriMesh};
 
-/// A mesh seen from the middles of its edges: E points with F small triangles, a quarter as large as those of the mesh, that touch in their corners.
+/// A mesh seen from the middles of its edges: E points with F small triangles, a quarter as large as those of the mesh,
+/// that touch in their corners.
 ///
-/// A rigid triangle is as rigid as the small one between its midpoints, so `3E` coordinates stand against `3F` lengths: `3E − 3F = E + E_b` motions are left, where the mesh
-/// itself has only `3χ + E_b`. That is the freedom of nonconforming elements (E. English, R. Bridson, "Animating developable surfaces using nonconforming elements", 2008,
+/// A rigid triangle is as rigid as the small one between its midpoints, so `3E` coordinates stand against `3F` lengths:
+/// `3E − 3F = E + E_b` motions are left, where the mesh itself has only `3χ + E_b`. That is the freedom of
+/// nonconforming elements (E. English, R. Bridson, "Animating developable surfaces using nonconforming elements", 2008,
 /// <https://doi.org/10.1145/1360612.1360665>).
 ///
-/// Limits: neighbouring triangles agree at one point of their edge, so the surface has gaps ([`Midpoints::widest_gap`]); [`Midpoints::vertices`] closes them for display and
-/// contact, by a mean.
+/// Limits: neighbouring triangles agree at one point of their edge, so the surface has gaps
+/// ([`Midpoints::widest_gap`]); [`Midpoints::vertices`] closes them for display and contact, by a mean.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Midpoints {
     mesh: TriMesh,
@@ -59,8 +61,8 @@ impl Midpoints {
         middles(positions, &self.ends)
     }
 
-    /// Positions (m), one per vertex of the mesh, when the midpoints are at `midpoints` (m): each triangle says where its corner is, and the mean of all that meet there is
-    /// taken. Exact if they agree.
+    /// Positions (m), one per vertex of the mesh, when the midpoints are at `midpoints` (m): each triangle says where
+    /// its corner is, and the mean of all that meet there is taken. Exact if they agree.
     ///
     /// # Panics
     /// If there is not one position per edge.
@@ -102,8 +104,8 @@ impl Midpoints {
         }
     }
 
-    /// The five midpoints of the hinge at an inner edge, as [`crate::energy::MidpointHinge`] takes them, and the four vertices around it: the ends of the edge, then the tips.
-    /// None at the boundary.
+    /// The five midpoints of the hinge at an inner edge, as [`crate::energy::MidpointHinge`] takes them, and the four
+    /// vertices around it: the ends of the edge, then the tips. None at the boundary.
     pub(crate) fn hinge(&self, edge: usize, edges: &EdgeTable) -> Option<([u32; 5], [u32; 4])> {
         if edges.sides()[edge][1] == NONE {
             return None;

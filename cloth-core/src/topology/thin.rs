@@ -1,22 +1,24 @@
-//! A subset of the edges that leaves a sheet more freedom: triangles joined in pairs by dropping the edge between them (MS-6).
+//! A subset of the edges that leaves a sheet more freedom: triangles joined in pairs by dropping the edge between them.
 
 use super::edges::{EdgeTable, NONE, triangle_edges};
 use crate::math::Real;
 use crate::mesh::TriMesh;
 
-/// Inner edges in the order in which they are to be dropped so that at most one edge of every triangle goes: dropping all of them turns the sheet into quads and a
-/// few triangles, dropping the first n is a subset on the way there.
+/// Inner edges in the order in which they are to be dropped so that at most one edge of every triangle goes: dropping
+/// all of them turns the sheet into quads and a few triangles, dropping the first n is a subset on the way there.
 ///
-/// Greedy: an edge counts by its square over that of the longest edge of its triangles, the smaller of the two numbers; the largest comes first, which on a grid takes
-/// the diagonals and nothing else. Equal ones come in a scrambled order, so that a part of them is spread over the whole sheet. An edge whose
-/// triangles have both kept all edges so far is dropped. So every triangle keeps at least two edges, and the sheet does not fall into pieces.
+/// Greedy: an edge counts by its square over that of the longest edge of its triangles, the smaller of the two numbers;
+/// the largest comes first, which on a grid takes the diagonals and nothing else. Equal ones come in a scrambled order,
+/// so that a part of them is spread over the whole sheet. An edge whose triangles have both kept all edges so far is
+/// dropped. So every triangle keeps at least two edges, and the sheet does not fall into pieces.
 ///
-/// With every dropped edge `3V − E` grows by 1, and a disk has close to V of them: from 3 + E_b its freedom grows to about a third of its coordinates.
+/// With every dropped edge `3V − E` grows by 1, and a disk has close to V of them: from 3 + E_b its freedom grows to
+/// about a third of its coordinates.
 ///
 /// # Panics
 /// If `edges` was built from another mesh.
 #[must_use]
-pub fn droppable_edges(mesh: &TriMesh, edges: &EdgeTable) -> Vec<u32> {
+pub fn removable_edges(mesh: &TriMesh, edges: &EdgeTable) -> Vec<u32> {
     let x = mesh.positions();
     let squared: Vec<Real> = edges
         .ends()
@@ -56,7 +58,8 @@ pub fn droppable_edges(mesh: &TriMesh, edges: &EdgeTable) -> Vec<u32> {
     ordered.into_iter().map(|(_, _, edge)| edge).collect()
 }
 
-/// A number without a pattern for every number, no two the same: multiplication by an odd number and a fold of the high bits, twice.
+/// A number without a pattern for every number, no two the same: multiplication by an odd number and a fold of the high
+/// bits, twice.
 fn scrambled(number: u32) -> u32 {
     let fold = |n: u32| (n ^ (n >> 16)).wrapping_mul(0x9E37_79B1);
     let n = fold(fold(number.wrapping_add(1)));

@@ -61,7 +61,8 @@ impl Chain {
         self.sag(&state)
     }
 
-    /// What one step without gravity leaves of link stretches of some millimetres: the largest (m) after each iteration.
+    /// What one step without gravity leaves of link stretches of some millimetres: the largest (m) after each
+    /// iteration.
     pub(crate) fn stretch_after_each_iteration(&self, solver: &mut dyn Stepper) -> Vec<Real> {
         let mut state = self.at_rest();
         for (i, x) in state.positions.iter_mut().enumerate().skip(1) {

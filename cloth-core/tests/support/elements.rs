@@ -17,7 +17,7 @@ pub(crate) fn shape<const N: usize>(seed: usize) -> [Vec3; N] {
     std::array::from_fn(|i| noise(17 * seed + i))
 }
 
-/// Derivatives to the accuracy that VALIDATION 3 asks for, with difference steps for details of size `scale` (m).
+/// Derivatives to the accuracy that differences allow, with difference steps for details of size `scale` (m).
 pub(crate) fn derivatives_agree<const N: usize, E: Energy<N>>(
     element: &E,
     x: &[Vec3; N],
@@ -91,8 +91,8 @@ pub(crate) fn is_invariant<const N: usize, E: Energy<N>>(element: &E, x: &[Vec3;
     assert!(torque.norm() < 1e-12 * size);
 }
 
-/// At shapes without a normal, an angle or an area nobody says which force is right, but every force is a number, all of an element sum to zero, and each Hessian is symmetric and does not
-/// notice a translation.
+/// At shapes without a normal, an angle or an area nobody says which force is right, but every force is a number, all
+/// of an element sum to zero, and each Hessian is symmetric and does not notice a translation.
 #[allow(dead_code)] // not every test has such shapes
 pub(crate) fn balanced<const N: usize, E: Energy<N>>(element: &E, x: &[Vec3; N]) {
     assert!(element.value(x) >= 0.0, "{x:?}");

@@ -22,7 +22,7 @@
 //! ([`Solve::Linearized`](crate::Solve::Linearized)): K.-J. Choi, H.-S. Ko, 2002,
 //! <https://doi.org/10.1145/566570.566624>.
 
-use super::{Implicit, ImplicitBuilder, Place, Span};
+use super::{Extent, Implicit, ImplicitBuilder, Place};
 use cloth_core::math::{Real, Vec3};
 use cloth_core::particles::{Particles, State};
 use cloth_core::step::{StepError, StepInput, StepReport, Stepper};
@@ -98,7 +98,7 @@ impl Stepper for Bdf2 {
         let report = if self.continues(state, dt) {
             let [positions, velocities] = &self.before;
             let third = |now: Vec3, before: Vec3| now + (now - before) / 3.0;
-            let span = Span {
+            let span = Extent {
                 tau: 2.0 / 3.0 * dt,
                 place: Place::End,
             };

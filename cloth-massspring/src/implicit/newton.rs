@@ -51,7 +51,7 @@ pub(super) fn iterate(
                 if norm <= STALL * rounding || is_close {
                     return Ok(());
                 }
-                if system.fall_back() {
+                if system.clamp_fully() {
                     continue;
                 }
                 return Err(StepError::LineSearchStalled {
@@ -160,7 +160,7 @@ fn solve(
             report.linear_iterations += done.iterations;
             return Ok(());
         }
-        let attempts = system.retreat(&task.stage, x);
+        let attempts = system.reduce_blend(&task.stage, x);
         report.factorizations += attempts.map_err(|_| indefinite(report))?;
     }
 }

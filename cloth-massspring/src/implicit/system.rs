@@ -1,7 +1,7 @@
-//! The linear system of S1 (15), `(M/Δt² + H) Δx = −∇G`, kept positive definite.
+//! The linear system `(M/Δt² + H) Δx = −∇G`, kept positive definite.
 //!
 //! Where springs are compressed the exact `H` can make the matrix indefinite, and a Newton step may lead uphill. The
-//! usual cure, dropping the indefinite part of every element ([`Convexity::Clamp`], S2), always works and is always
+//! usual cure, dropping the indefinite part of every element ([`Convexity::Clamp`]), always works and is always
 //! paid for: convergence becomes linear, and near a saddle point (a compressed sheet that has not buckled yet) Newton's
 //! method converges *to the saddle*. We therefore drop no more than necessary: the matrix is
 //!
@@ -116,12 +116,12 @@ impl NewtonSystem {
                 let prepared = self.solver.prepare(&self.matrix);
                 prepared.map(|()| 1).map_err(|_| NotPositiveDefinite)
             }
-            HessianPolicy::ExactFirst => self.settle(g, x, self.first_blend()),
+            HessianPolicy::ExactFirst => self.factorise_with_reduction(g, x, self.first_blend()),
         }
     }
 
     /// Drops more of the indefinite part after [`NewtonSystem::solve`] has failed. Returns the number of attempts.
-    pub(super) fn retreat(
+    pub(super) fn reduce_blend(
         &mut self,
         g: &Stage<'_>,
         x: &[Vec3],
@@ -129,13 +129,13 @@ impl NewtonSystem {
         if self.policy != HessianPolicy::ExactFirst || self.blend == 0.0 {
             return Err(NotPositiveDefinite);
         }
-        let blend = self.lower(self.blend);
+        let blend = self.next_blend(self.blend);
         self.fill_blend(g, x, blend);
-        self.settle(g, x, blend)
+        self.factorise_with_reduction(g, x, blend)
     }
 
     /// Lowers the blend from that of the matrix as it is to the first that the solver takes.
-    fn settle(
+    fn factorise_with_reduction(
         &mut self,
         g: &Stage<'_>,
         x: &[Vec3],
@@ -156,7 +156,7 @@ impl NewtonSystem {
             if blend == 0.0 {
                 return Err(NotPositiveDefinite);
             }
-            blend = self.lower(blend);
+            blend = self.next_blend(blend);
             self.fill_blend(g, x, blend);
         }
         unreachable!("the blend falls to 0")
@@ -174,7 +174,7 @@ impl NewtonSystem {
     }
 
     /// What to try after `failed`.
-    fn lower(&mut self, failed: Real) -> Real {
+    fn next_blend(&mut self, failed: Real) -> Real {
         self.ceiling = failed;
         if failed == 1.0 {
             self.wait = RETRY_INTERVAL;
@@ -191,7 +191,7 @@ impl NewtonSystem {
     }
 
     /// Drops the whole indefinite part in the next iteration. Returns whether that changes anything.
-    pub(super) fn fall_back(&mut self) -> bool {
+    pub(super) fn clamp_fully(&mut self) -> bool {
         let changes = self.policy == HessianPolicy::ExactFirst && self.first_blend() > 0.0;
         (self.blend, self.wait) = (0.0, RETRY_INTERVAL);
         changes

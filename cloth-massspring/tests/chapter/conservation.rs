@@ -4,7 +4,7 @@ use crate::{all, hang, noise, solver};
 use cloth_core::energy::Spring;
 use cloth_core::math::Vec3;
 use cloth_core::measure::{angular_momentum, linear_momentum};
-use cloth_core::method::linear::{Budget, LinearMethod};
+use cloth_core::method::linear::{LinearMethod, StoppingCriteria};
 use cloth_core::particles::{Particles, State};
 use cloth_core::step::{StepInput, Stepper};
 use cloth_massspring::{ImplicitConfig, ImplicitEuler};
@@ -69,9 +69,9 @@ fn a_linear_solver_cut_short_costs_no_linear_momentum() {
     let (particles, springs, start) = crumpled();
     let before = linear_momentum(&particles, &start.velocities);
     let config = ImplicitConfig {
-        linear: LinearMethod::ConjugateGradients(Budget {
+        linear: LinearMethod::ConjugateGradients(StoppingCriteria {
             tolerance: 1e-2,
-            ..Budget::default()
+            ..StoppingCriteria::default()
         }),
         ..ImplicitConfig::linearized()
     };

@@ -4,13 +4,13 @@ use crate::newton::{DT, norms};
 use crate::{DOWN, chain, hang, largest_difference, noise, sharp, solver};
 use cloth_core::math::{Real, Vec3};
 use cloth_core::method::family::Energies;
-use cloth_core::method::linear::{Budget, LinearMethod};
+use cloth_core::method::linear::{LinearMethod, StoppingCriteria};
 use cloth_core::particles::State;
 use cloth_core::step::{BuildError, Outcome, StepInput, StepReport, Stepper};
 use cloth_massspring::{Accept, ImplicitConfig, ImplicitEuler, Solve};
 
 fn iterative(tolerance: Real) -> [LinearMethod; 4] {
-    let budget = Budget {
+    let budget = StoppingCriteria {
         tolerance,
         max_iterations: 20_000,
     };

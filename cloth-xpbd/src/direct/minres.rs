@@ -1,7 +1,8 @@
 //! MINRES: the smallest residual in the Krylov space of a symmetric matrix that need not be definite.
 //!
 //! C. Paige, M. Saunders, "Solution of sparse indefinite systems of linear equations", SIAM J. Numer. Anal. 12, 1975,
-//! <https://doi.org/10.1137/0712047>. GMRES would find the same iterates (the matrix is symmetric), but it has to keep all directions; here three are enough.
+//! <https://doi.org/10.1137/0712047>. GMRES would find the same iterates (the matrix is symmetric), but it has to keep
+//! all directions; here three are enough.
 
 use cloth_core::math::Real;
 
@@ -39,9 +40,11 @@ impl Minres {
         }
     }
 
-    /// Solves `A x = b` from x = 0: until the residual is at most `tolerance` of b, or for at most `most` iterations, or as far as rounding lets it.
+    /// Solves `A x = b` from x = 0: until the residual is at most `tolerance` of b, or for at most `most` iterations,
+    /// or as far as rounding lets it.
     ///
-    /// `apply(x, y)` writes `y = A x`, A symmetric. `precondition(r, z)` writes `z = P⁻¹ r`, P symmetric and positive definite.
+    /// `apply(x, y)` writes `y = A x`, A symmetric. `precondition(r, z)` writes `z = P⁻¹ r`, P symmetric and positive
+    /// definite.
     ///
     /// # Panics
     /// If `b` or `x` does not have n entries.

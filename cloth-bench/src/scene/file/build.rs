@@ -6,7 +6,7 @@ use super::material::Material;
 use super::{air, gas, mesh, obstacles, pins, roughness, start, tear};
 use crate::bounds::bounds;
 use crate::error::BenchError;
-use crate::scene::contact::{NO_SELF, THICKNESS, Touch};
+use crate::scene::contact::{ContactSetup, NO_SELF, THICKNESS};
 use crate::scene::{STIFFNESS, Scene, build as built_in};
 use crate::settings::Settings;
 use cloth_core::math::Vec3;
@@ -238,7 +238,7 @@ impl<'a> Sections<'a> {
         let bodies: Vec<_> = bodies
             .map(|section| obstacles::body(section, folder, [size, thickness]))
             .collect::<Result<_, _>>()?;
-        let mut touch = Touch::new(&settings, &NO_SELF, bodies)
+        let mut touch = ContactSetup::new(&settings, &NO_SELF, bodies)
             .map_err(|error| self.contact.blame(error, overruling))?;
         touch.pieces = roughness::of_pieces(&settings, &self.roughness, &counts, order.as_ref())?;
         if let (true, Some(section)) = (touch.is_idle(), self.roughness.iter().flatten().next()) {

@@ -284,7 +284,8 @@ impl<'a> Section<'a> {
         matches!(error, BenchError::Usage(message) if self.named_in(message).is_some())
     }
 
-    /// Says in which line the value stands that an error names, if it stands in this table and nothing else has `overruled` it.
+    /// Says in which line the value stands that an error names, if it stands in this table and nothing else has
+    /// `overruled` it.
     pub(super) fn blame(&self, error: BenchError, overruled: &Settings) -> BenchError {
         let BenchError::Usage(message) = error else {
             return error;

@@ -17,7 +17,8 @@ pub(super) struct Material {
 }
 
 impl Material {
-    /// `common` is that of `[cloth]`, overruled; `own` are the tables of the pieces, and `counts` the numbers of their vertices.
+    /// `common` is that of `[cloth]`, overruled; `own` are the tables of the pieces, and `counts` the numbers of their
+    /// vertices.
     pub(super) fn new(
         common: &Settings,
         own: &[Option<Section<'_>>],

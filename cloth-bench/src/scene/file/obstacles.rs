@@ -20,7 +20,8 @@ use cloth_core::mesh::generate::{Diagonals, sphere};
 use cloth_core::mesh::{TriMesh, io};
 use std::path::{Path, PathBuf};
 
-/// The body that a table describes. The size (m) of the scene is for planes in pictures, the thickness (m) of contact says how fine round surfaces are.
+/// The body that a table describes. The size (m) of the scene is for planes in pictures, the thickness (m) of contact
+/// says how fine round surfaces are.
 pub(super) fn body(
     section: &Section<'_>,
     folder: &Path,

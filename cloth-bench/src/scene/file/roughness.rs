@@ -7,7 +7,8 @@ use crate::settings::Settings;
 use cloth_core::math::Real;
 use cloth_core::method::ordering::Order;
 
-/// Thickness and friction of every vertex, if a piece has its own; `common` is what `[contact]` says, `counts` are the numbers of vertices of the pieces.
+/// Thickness and friction of every vertex, if a piece has its own; `common` is what `[contact]` says, `counts` are the
+/// numbers of vertices of the pieces.
 pub(super) fn of_pieces(
     common: &Settings,
     own: &[Option<Section<'_>>],

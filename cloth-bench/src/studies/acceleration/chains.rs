@@ -1,4 +1,4 @@
-//! Sweeps over a straight chain of rigid links, whose rates have closed forms (VALIDATION 5).
+//! Sweeps over a straight chain of rigid links, whose rates have closed forms.
 
 use crate::error::BenchError;
 use crate::laws::Law;

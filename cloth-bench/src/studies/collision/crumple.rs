@@ -33,8 +33,8 @@ pub(super) fn cases(scope: Scope) -> usize {
     sides(scope).len()
 }
 
-/// The accordion with `side` vertices a side. The distance of the layers shrinks with the triangles, so that a vertex has as many neighbours in a fine sheet as in a coarse one. Also
-/// gives the thickness (m) of such a cloth.
+/// The accordion with `side` vertices a side. The distance of the layers shrinks with the triangles, so that a vertex
+/// has as many neighbours in a fine sheet as in a coarse one. Also gives the thickness (m) of such a cloth.
 fn crumpled(side: usize) -> Result<(TriMesh, Vec<Vec3>, Real), BenchError> {
     let thickness = 0.256 / side as Real;
     let (mesh, positions) = accordion(side, GAP * thickness)?;
@@ -75,7 +75,8 @@ fn tree_alone(triangles: usize, boxes: &[Bounds]) -> Result<[Cell; 4], BenchErro
     ])
 }
 
-/// The row of a broad phase: its first search, memory and the shape of a tree included, a later one, and all from positions to sorted candidates.
+/// The row of a broad phase: its first search, memory and the shape of a tree included, a later one, and all from
+/// positions to sorted candidates.
 fn search(
     name: &str,
     new: NewBroadPhase,
@@ -141,7 +142,8 @@ fn resolve(
     let inverse_mass = vec![1e4; from.len()];
     let mut projection = Projection::default();
     shortest(|| {
-        // Where the last step ended, the next one may start without a look at all pairs of triangles: so it is in a simulation.
+        // Where the last step ended, the next one may start without a look at all pairs of triangles: so it is in a
+        // simulation.
         stay(contacts, from, &inverse_mass)?;
         let mut positions: Vec<_> = from.iter().map(&end).collect();
         let mut velocities: Vec<_> = positions

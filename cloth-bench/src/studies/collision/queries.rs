@@ -14,7 +14,8 @@ const KINDS: [(&str, QueryKind); 2] = [
 /// Number of progress reports.
 pub(super) const CASES: usize = KINDS.len() * METHODS.len();
 
-/// Adds the table; returns how many contacts the methods that promise to miss none have missed or found too late, and how many queries they had.
+/// Adds the table; returns how many contacts the methods that promise to miss none have missed or found too late, and
+/// how many queries they had.
 pub(super) fn run(
     scope: Scope,
     findings: &mut Findings,

@@ -1,9 +1,11 @@
 //! The cone: a quarter of a ring bent to half a cone, its straight sides clamped where the cone has them.
 //!
-//! The ring has its centre in a corner of the unit square and radii 0.3 m and 1 m; the cone has the half angle β = 30°, so a quarter turn of the flat ring (r, φ) becomes half a
-//! turn `ψ = φ/sin β` at the distance r from the tip. No length changes, the curvature is `1/(r tan β)`, and the bending energy is
-//! `½ D cot²β (π/2) ln(1/0.3)`. A circular cone is in equilibrium between such clamps, so this is what an inextensible sheet would cost. Its curvature
-//! changes from place to place, and no lattice has straight lines along all its generators: a mesh with rigid edges cannot follow it.
+//! The ring has its centre in a corner of the unit square and radii 0.3 m and 1 m; the cone has the half angle β = 30°,
+//! so a quarter turn of the flat ring (r, φ) becomes half a turn `ψ = φ/sin β` at the distance r from the tip. No
+//! length changes, the curvature is `1/(r tan β)`, and the bending energy is `½ D cot²β (π/2) ln(1/0.3)`. A circular
+//! cone is in equilibrium between such clamps, so this is what an inextensible sheet would cost. Its curvature changes
+//! from place to place, and no lattice has straight lines along all its generators: a mesh with rigid edges cannot
+//! follow it.
 
 use super::sheet::{Kind, Sheet, square};
 use crate::error::BenchError;
@@ -17,7 +19,8 @@ const SIN: Real = 0.5;
 /// What a sheet on the cone stores at rest.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub(super) struct OnCone {
-    /// Energy of membrane and hinges over that of the hinges alone with every point on the cone (dimensionless): 1 for a sheet that follows it.
+    /// Energy of membrane and hinges over that of the hinges alone with every point on the cone (dimensionless): 1 for
+    /// a sheet that follows it.
     pub(super) energy: Real,
     /// The membrane's part of it.
     pub(super) membrane: Real,
@@ -36,7 +39,8 @@ fn place(p: &Vec3) -> Vec3 {
     Vec3::new(r * SIN * turn.cos(), r * SIN * turn.sin(), -r * cos)
 }
 
-/// The radius (m) that stands for the whole ring in the estimate: membranes cost as κ⁴ and hinges as κ², so `R² = ∫κ²/∫κ⁴`.
+/// The radius (m) that stands for the whole ring in the estimate: membranes cost as κ⁴ and hinges as κ², so
+/// `R² = ∫κ²/∫κ⁴`.
 pub(super) fn radius() -> Real {
     let tan_squared = SIN * SIN / (1.0 - SIN * SIN);
     let squares = (1.0 / INNER).ln(); // ∫ r⁻² r dr

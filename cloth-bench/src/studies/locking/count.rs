@@ -1,4 +1,4 @@
-//! How many degrees of freedom rigid edges leave, counted and measured (BENCH-2; VALIDATION 6).
+//! How many degrees of freedom rigid edges leave, counted and measured.
 
 use super::{Cases, Findings, Scope};
 use crate::error::BenchError;
@@ -77,7 +77,7 @@ struct Counted {
     nullity: [usize; 2],
     self_stresses: [usize; 2],
     /// Of the bent one.
-    smallest_kept: Real,
+    smallest_nonzero_singular_value: Real,
 }
 
 impl Counted {
@@ -93,7 +93,7 @@ impl Counted {
             counts: [t.count_3v_e, 3 * t.euler + t.boundary_edges as i64],
             nullity: [flat, bent].map(|rank| rank.nullity),
             self_stresses: [flat, bent].map(|rank| rank.self_stresses),
-            smallest_kept: bent.smallest_kept,
+            smallest_nonzero_singular_value: bent.smallest_nonzero_singular_value,
         })
     }
 }
@@ -133,7 +133,7 @@ pub(super) fn run(
             let [flat, bent] = found.nullity;
             as_counted &= bent as i64 == found.counts[0] && flat == found.vertices + 3;
             shares.push((cells as Real, bent as Real / coordinates));
-            kept.push((cells as Real, found.smallest_kept));
+            kept.push((cells as Real, found.smallest_nonzero_singular_value));
             table.push([
                 Cell::from(pattern),
                 Cell::from(cells),
@@ -145,7 +145,7 @@ pub(super) fn run(
                 Cell::from(bent),
                 Cell::from(found.self_stresses[0]),
                 Cell::from(found.self_stresses[1]),
-                Cell::from(found.smallest_kept),
+                Cell::from(found.smallest_nonzero_singular_value),
             ]);
         }
         share.push(Series::new(pattern, shares));

@@ -1,13 +1,14 @@
 //! The same shape on a mesh twice as fine: where a drape on a finer mesh begins.
 //!
-//! A drape has many shapes to end in, and two meshes that both begin flat end in two of them, which compares luck. Begun where the coarser mesh came to rest, the finer one shows what
-//! the finer mesh alone changes.
+//! A drape has many shapes to end in, and two meshes that both begin flat end in two of them, which compares luck.
+//! Begun where the coarser mesh came to rest, the finer one shows what the finer mesh alone changes.
 
 use super::sheet::square;
 use crate::error::BenchError;
 use cloth_core::math::{Real, Vec3};
 
-/// The points (m) of a square grid of twice as many cells on the surface of one of `cells` cells a side whose points are at `coarse` (m): bilinear in each cell, whatever its diagonal.
+/// The points (m) of a square grid of twice as many cells on the surface of one of `cells` cells a side whose points
+/// are at `coarse` (m): bilinear in each cell, whatever its diagonal.
 pub(super) fn refined(coarse: &[Vec3], cells: usize) -> Result<Vec<Vec3>, BenchError> {
     let fine = square("alternating", 2 * cells)?;
     let row = cells + 1;

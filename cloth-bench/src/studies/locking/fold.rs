@@ -1,11 +1,12 @@
-//! The diagonal fold: a square held along one diagonal, whose two corners hang down (S1, "bending lock").
+//! The diagonal fold: a square held along one diagonal, whose two corners hang down.
 //!
-//! With s the distance from the clamp, h that of the corner, and u = h − s, a flap is `2u` wide and carries `ρ u²` beyond s. Held at θ(0) = 0, bent by its own weight and not
-//! stretched, its angle below the horizontal follows
+//! With s the distance from the clamp, h that of the corner, and u = h − s, a flap is `2u` wide and carries `ρ u²`
+//! beyond s. Held at θ(0) = 0, bent by its own weight and not stretched, its angle below the horizontal follows
 //!
 //! `d/ds (2 u D θ′) = −ρ g u² cos θ`,
 //!
-//! a heavy elastica of linear width. Integrated from the corner, where the moment vanishes, with the angle there found by bisection.
+//! a heavy elastica of linear width. Integrated from the corner, where the moment vanishes, with the angle there found
+//! by bisection.
 
 use super::sheet::{Kind, Rest, Sheet, square};
 use crate::error::BenchError;
@@ -154,7 +155,8 @@ impl Fold {
 pub(super) struct Folded {
     pub(super) sheet: Sheet,
     pub(super) rest: Rest,
-    /// What the fold of an inextensible sheet looks like, with the rigidity that the hinges of the mesh have about this axis.
+    /// What the fold of an inextensible sheet looks like, with the rigidity that the hinges of the mesh have about this
+    /// axis.
     pub(super) exact: Fold,
     /// That rigidity over D (dimensionless).
     pub(super) factor: Real,
@@ -227,7 +229,8 @@ pub(super) fn prepared(
     ))
 }
 
-/// Folds a sheet of `cells` cells a side, of modulus and rigidity `[modulus, rigidity]` (N/m, N·m), starting from the exact fold.
+/// Folds a sheet of `cells` cells a side, of modulus and rigidity `[modulus, rigidity]` (N/m, N·m), starting from the
+/// exact fold.
 pub(super) fn fold(
     axis: Axis,
     pattern: &str,
@@ -263,7 +266,8 @@ pub(super) fn fold_from(
     })
 }
 
-/// Integrates from the corner, at angle `at_corner`, to the clamp (Runge–Kutta, fourth order) and returns the angle there. `visit` is given u (m), θ and θ′ (1/m).
+/// Integrates from the corner, at angle `at_corner`, to the clamp (Runge–Kutta, fourth order) and returns the angle
+/// there. `visit` is given u (m), θ and θ′ (1/m).
 fn integrate(
     length: Real,
     rigidity: Real,

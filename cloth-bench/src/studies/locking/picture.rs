@@ -1,4 +1,5 @@
-//! What locking looks like: one sheet, folded along the diagonals of its mesh and across them. Above each fold the flat mesh with the lengths that are held and the line it is folded about.
+//! What locking looks like: one sheet, folded along the diagonals of its mesh and across them. Above each fold the flat
+//! mesh with the lengths that are held and the line it is folded about.
 
 use super::fold::{self, Axis, Fold};
 use super::sheet::{Kind, Sheet};
@@ -47,7 +48,7 @@ const OTHERS: [Picture; 3] = [
                 Axis::Across,
                 Kind::Compression(0.01),
             ),
-            ("slack within ±0.5 %", Axis::Across, Kind::Slack(0.005)),
+            ("slack within ±0.5 %", Axis::Across, Kind::DeadZone(0.005)),
             ("soft, stiff beyond 1 %", Axis::Across, Kind::Limited(0.01)),
         ],
     ),
@@ -59,7 +60,7 @@ const OTHERS: [Picture; 3] = [
             (
                 "a fifth of all motions free",
                 Axis::Across,
-                Kind::Freedom(0.2),
+                Kind::DofFraction(0.2),
             ),
             ("a coarse level holds", Axis::Across, Kind::Level(2)),
         ],
@@ -89,8 +90,9 @@ struct Shape {
     bending: Real,
 }
 
-/// What a fold is called and what is told of it, and its colour; `exact` is the angle (°) of the exact one. A sheet whose corners hang at unlike angles, or that stores twice the bending energy of the fold, has
-/// not folded about the line, however far down its corners are in the mean.
+/// What a fold is called and what is told of it, and its colour; `exact` is the angle (°) of the exact one. A sheet
+/// whose corners hang at unlike angles, or that stores twice the bending energy of the fold, has not folded about the
+/// line, however far down its corners are in the mean.
 fn judged(angles: [Real; 2], exact: Real, bending: Real) -> (String, &'static str) {
     let [least, most] = [angles[0].min(angles[1]), angles[0].max(angles[1])];
     let mean = 0.5 * (least + most);
@@ -126,7 +128,8 @@ pub(super) fn run(
 fn draw((_, title, columns): &Picture) -> Result<String, BenchError> {
     let mut shapes = Vec::new();
     for &(_, axis, kind) in columns {
-        // A stiff sheet let go on the exact fold, where it does not fit, springs anywhere. One that gets stiffer where it hangs does not.
+        // A stiff sheet let go on the exact fold, where it does not fit, springs anywhere. One that gets stiffer where
+        // it hangs does not.
         let [modulus, rigidity] = STIFFNESS;
         let soft = fold::fold(axis, "one-way", CELLS, kind, [0.01 * modulus, rigidity])?;
         let start = soft.rest.points;
@@ -247,7 +250,8 @@ fn compose(
     ))
 }
 
-/// The mesh at rest seen from above, with its lower left corner at the lower left of a square at `corner` (px), the lengths that its membrane holds, and the line of the fold.
+/// The mesh at rest seen from above, with its lower left corner at the lower left of a square at `corner` (px), the
+/// lengths that its membrane holds, and the line of the fold.
 fn flat_mesh(sheet: &Sheet, axis: Axis, corner: [Real; 2]) -> Result<String, BenchError> {
     let at = |p: &Vec3| [corner[0] + FLAT * p.x, corner[1] + FLAT * (1.0 - p.y)];
     let edges = EdgeTable::build(&sheet.mesh).map_err(BenchError::failed)?;
@@ -295,7 +299,8 @@ mod tests {
         );
     }
 
-    /// The flat sheet shows what holds it: no diagonals in a sheet of quads, fewer lines where a part is free, small triangles on midpoints.
+    /// The flat sheet shows what holds it: no diagonals in a sheet of quads, fewer lines where a part is free, small
+    /// triangles on midpoints.
     #[test]
     fn the_flat_sheet_shows_the_lengths_that_are_held() {
         let held = |kind| {

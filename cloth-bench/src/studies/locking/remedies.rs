@@ -49,7 +49,8 @@ struct Effect {
     coordinates: usize,
     conditions: usize,
     nullity: usize,
-    /// Energy on the cone over the developable answer, at [`MODULUS`] and a hundredth of it; of sheets up to [`LARGEST_CONE`].
+    /// Energy on the cone over the developable answer, at [`MODULUS`] and a hundredth of it; of sheets up to
+    /// [`LARGEST_CONE`].
     on_cone: Option<[Real; 2]>,
     /// Bending energy of the fold over the exact one, at [`FOLD_MODULUS`] and a hundredth of it.
     bending: [Real; 2],
@@ -59,7 +60,8 @@ struct Effect {
     resists: [Real; 4],
 }
 
-/// What a kind of membrane resists: pulled along x, pushed, sheared, stretched in waves as long as four cells, all by 2 % (J).
+/// What a kind of membrane resists: pulled along x, pushed, sheared, stretched in waves as long as four cells, all by 2
+/// % (J).
 fn resistances(sheet: &Sheet, cells: usize) -> Result<[Real; 4], BenchError> {
     let strain = 0.02;
     let wave = 0.5 * std::f64::consts::PI * cells as Real;
@@ -74,7 +76,8 @@ fn resistances(sheet: &Sheet, cells: usize) -> Result<[Real; 4], BenchError> {
     ])
 }
 
-/// Shortest time of a step of implicit Euler with one linear solve from the exact fold under gravity, over that of springs, measured by turns.
+/// Shortest time of a step of implicit Euler with one linear solve from the exact fold under gravity, over that of
+/// springs, measured by turns.
 fn cost(pattern: &str, cells: usize, kind: Kind) -> Result<Real, BenchError> {
     let config = ImplicitConfig::linearized();
     let prepare = |kind| {

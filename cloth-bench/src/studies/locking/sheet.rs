@@ -4,7 +4,8 @@ use super::count::mesh_of;
 use crate::error::BenchError;
 use crate::method;
 use cloth_core::cloth::{
-    Carriers, Cloth, Elements, LevelOfDetail, Membrane, MembraneCarrier, SpringEdges, SpringLaw,
+    Cloth, CoarseMembrane, Discretization, Elements, Membrane, MembraneCarrier, SpringEdges,
+    SpringLaw,
 };
 use cloth_core::element::Element;
 use cloth_core::math::{Real, Vec3};
@@ -24,9 +25,9 @@ pub(super) enum Kind {
     /// Springs with this share of k under compression.
     Compression(Real),
     /// Springs that are slack up to this strain.
-    Slack(Real),
+    DeadZone(Real),
     /// Springs on so few edges that this share of the coordinates is free.
-    Freedom(Real),
+    DofFraction(Real),
     Quads,
     /// Springs a hundred times softer, and limits at this strain as stiff as the springs would be.
     Limited(Real),
@@ -42,8 +43,8 @@ pub(super) const KINDS: [(&str, Kind); 10] = [
     ("StVK", Kind::Stvk),
     ("ARAP", Kind::Arap),
     ("k/100 under compression", Kind::Compression(0.01)),
-    ("slack ±0.5 %", Kind::Slack(0.005)),
-    ("a fifth free", Kind::Freedom(0.2)),
+    ("slack ±0.5 %", Kind::DeadZone(0.005)),
+    ("a fifth free", Kind::DofFraction(0.2)),
     ("quads", Kind::Quads),
     ("soft, limited at 1 %", Kind::Limited(0.01)),
     ("coarse level 2, k/100 on edges", Kind::Level(2)),
@@ -101,36 +102,38 @@ impl Sheet {
                 mesh,
             });
         }
-        let plain = Carriers::default();
-        let law = |law| Carriers { law, ..plain };
-        let edges = |edges| Carriers { edges, ..plain };
+        let plain = Discretization::default();
+        let law = |law| Discretization { law, ..plain };
+        let edges = |edges| Discretization { edges, ..plain };
         let carriers = match kind {
             Kind::Springs | Kind::Midpoints => plain,
-            Kind::Stvk => Carriers {
+            Kind::Stvk => Discretization {
                 membrane: MembraneCarrier::Stvk {
                     poisson_ratio: 1.0 / 3.0,
                 },
                 ..plain
             },
-            Kind::Arap => Carriers {
+            Kind::Arap => Discretization {
                 membrane: MembraneCarrier::Arap,
                 ..plain
             },
             Kind::Compression(share) => law(SpringLaw::Compression(share)),
-            Kind::Slack(strain) => law(SpringLaw::Slack([1.0 - strain, 1.0 + strain])),
-            Kind::Limited(strain) => law(SpringLaw::Slack([1.0 - strain, 1.0 + strain])),
-            Kind::Freedom(share) => edges(SpringEdges::Freedom(share)),
+            Kind::DeadZone(strain) => law(SpringLaw::DeadZone([1.0 - strain, 1.0 + strain])),
+            Kind::Limited(strain) => law(SpringLaw::DeadZone([1.0 - strain, 1.0 + strain])),
+            Kind::DofFraction(share) => edges(SpringEdges::DofFraction(share)),
             Kind::Quads => edges(SpringEdges::Quads),
-            Kind::Level(level) => Carriers {
-                detail: Some(LevelOfDetail {
+            Kind::Level(level) => Discretization {
+                detail: Some(CoarseMembrane {
                     level,
-                    fine_share: 0.01,
+                    fine_fraction: 0.01,
                 }),
                 ..plain
             },
         };
-        let cut = |cloth: Cloth, carriers: &Carriers| {
-            cloth.carried_by(carriers, &mesh).map_err(BenchError::usage)
+        let cut = |cloth: Cloth, carriers: &Discretization| {
+            cloth
+                .discretized_with(carriers, &mesh)
+                .map_err(BenchError::usage)
         };
         let model = cut(stiff, &carriers)?;
         let (bending, mut membrane) = parted(model.families());
@@ -147,7 +150,8 @@ impl Sheet {
         })
     }
 
-    /// Holds the points that lie at rest where `is_held` says, and drops the elements between them: what a scene does to those is none of the sheet's doing.
+    /// Holds the points that lie at rest where `is_held` says, and drops the elements between them: what a scene does
+    /// to those is none of the sheet's doing.
     pub(super) fn hold(&mut self, is_held: impl Fn(&Vec3) -> bool) -> Result<(), BenchError> {
         for (point, x) in self.points.iter().enumerate() {
             if is_held(x) {
@@ -216,8 +220,9 @@ impl Sheet {
         Ok(edges.ends().to_vec())
     }
 
-    /// The edge length l (m) that stands for the mesh in estimates of locking: an edge on a curved surface is short by a part that goes with the square of its length
-    /// L, and stores as much as `k L²` times the square of that, so `l⁴ = Σ L² L⁴/Σ L²`.
+    /// The edge length l (m) that stands for the mesh in estimates of locking: an edge on a curved surface is short by
+    /// a part that goes with the square of its length L, and stores as much as `k L²` times the square of that, so
+    /// `l⁴ = Σ L² L⁴/Σ L²`.
     pub(super) fn edge_length(&self) -> Result<Real, BenchError> {
         let edges = EdgeTable::build(&self.mesh).map_err(BenchError::failed)?;
         let x = self.mesh.positions();
@@ -235,7 +240,8 @@ impl Sheet {
         self.membrane.iter().chain(&self.bending).cloned().collect()
     }
 
-    /// Rest under gravity (m/s²), from `start`: long steps of implicit Euler that each begin without velocity, until one moves no point by 1e-6 m.
+    /// Rest under gravity (m/s²), from `start`: long steps of implicit Euler that each begin without velocity, until
+    /// one moves no point by 1e-6 m.
     pub(super) fn rest(&self, start: Vec<Vec3>, gravity: Vec3) -> Result<Rest, BenchError> {
         const MOST_STEPS: u32 = 30;
         const DT: Real = 2.0;
@@ -288,8 +294,8 @@ fn parted(families: Vec<Elements>) -> (Vec<Elements>, Vec<Elements>) {
         .partition(|family| matches!(family, Elements::Quadratic(_) | Elements::Midpoint(_)))
 }
 
-/// A mesh of the unit square with `cells` cells a side. The lattice of equilateral triangles is stretched by a few per cent in y to fill the square, and
-/// its zigzag sides are half a triangle deep.
+/// A mesh of the unit square with `cells` cells a side. The lattice of equilateral triangles is stretched by a few per
+/// cent in y to fill the square, and its zigzag sides are half a triangle deep.
 pub(super) fn square(pattern: &str, cells: usize) -> Result<TriMesh, BenchError> {
     if pattern != "equilateral" {
         return mesh_of(pattern, cells);

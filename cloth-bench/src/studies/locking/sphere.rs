@@ -1,8 +1,11 @@
-//! The drape over a sphere: a square sheet, held in the middle, falls on a sphere of 0.3 m and lies there, as in the scene `drape-sphere`, without friction.
+//! The drape over a sphere: a square sheet, held in the middle, falls on a sphere of 0.3 m and lies there, as in the
+//! scene `drape-sphere`, without friction.
 //!
-//! No sheet lies on a sphere without stretching, so there is no developable answer: what cannot stretch touches along lines and stands off in folds. Folds need bending, and a locked
-//! sheet makes few. So what is compared is one and the same sheet as its edges get stiffer, which a sheet that is merely stiff does not notice, and one and the same drape as its mesh gets
-//! finer: each mesh begins where the coarser one came to rest ([`super::finer`]), which also is what makes 128 cells a side affordable.
+//! No sheet lies on a sphere without stretching, so there is no developable answer: what cannot stretch touches along
+//! lines and stands off in folds. Folds need bending, and a locked sheet makes few. So what is compared is one and the
+//! same sheet as its edges get stiffer, which a sheet that is merely stiff does not notice, and one and the same drape
+//! as its mesh gets finer: each mesh begins where the coarser one came to rest ([`super::finer`]), which also is what
+//! makes 128 cells a side affordable.
 
 use super::finer::refined;
 use super::sheet::{KINDS, Kind, Sheet, square};
@@ -35,7 +38,8 @@ const DT: Real = 1.0 / 60.0;
 const MOST_STEPS: u32 = 200;
 /// When nothing is faster than this (m/s), it is at rest.
 const STILL: Real = 2e-3;
-/// The method of the patterns, kinds of membrane and resolutions: one linear solve a step. What is at rest in it is at rest in every method that solves its steps.
+/// The method of the patterns, kinds of membrane and resolutions: one linear solve a step. What is at rest in it is at
+/// rest in every method that solves its steps.
 const METHOD: &str = "linear-implicit";
 const PATTERN: &str = "alternating";
 
@@ -221,7 +225,8 @@ fn held_in_place(sheet: &Sheet, start: Option<Vec<Vec3>>) -> Vec<Vec3> {
     points
 }
 
-/// The same drape with every number of cells of [`SIZES`]; the first begins flat, each other where the one before came to rest.
+/// The same drape with every number of cells of [`SIZES`]; the first begins flat, each other where the one before came
+/// to rest.
 fn chain(first: &Case) -> Result<Vec<Drape>, BenchError> {
     let mut drapes = Vec::new();
     let mut start = None;
@@ -351,7 +356,8 @@ fn sizes(made_finer: &[(Case, Real)]) -> Option<[(usize, [Real; 2]); 2]> {
     Some([at(cells().min()?)?, at(cells().max()?)?])
 }
 
-/// Least and largest share of the depth of the corners that is kept from the softer modulus to the stiffer, with their patterns.
+/// Least and largest share of the depth of the corners that is kept from the softer modulus to the stiffer, with their
+/// patterns.
 fn kept(fallen: &[(Case, Real)]) -> Option<[(&'static str, Real); 2]> {
     let at = |pattern: &str, modulus: Real| {
         let wanted = |(case, _): &&(Case, Real)| {

@@ -56,7 +56,8 @@ pub(super) fn cases(scope: Scope) -> u64 {
     (PATTERNS.len() * (cones + 2 * folds.sum::<usize>())) as u64
 }
 
-/// `l* = (702 D R²/Y)^¼` (m): the edge length at which the membrane of a locked bend of radius `radius` (m) was estimated to cost as much as its bending.
+/// `l* = (702 D R²/Y)^¼` (m): the edge length at which the membrane of a locked bend of radius `radius` (m) was
+/// estimated to cost as much as its bending.
 pub(super) fn critical_length(radius: Real, modulus: Real, rigidity: Real) -> Real {
     (702.0 * rigidity * radius * radius / modulus).powf(0.25)
 }
@@ -64,8 +65,8 @@ pub(super) fn critical_length(radius: Real, modulus: Real, rigidity: Real) -> Re
 /// What the cones say about the estimate.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(super) struct OnCones {
-    /// Least and largest membrane energy with all vertices on the cone over the estimate's `(l/l*)⁴`, for equilateral triangles, which are nearly alike in all directions, as the estimate
-    /// assumes.
+    /// Least and largest membrane energy with all vertices on the cone over the estimate's `(l/l*)⁴`, for equilateral
+    /// triangles, which are nearly alike in all directions, as the estimate assumes.
     pub(super) equilateral: [Real; 2],
     /// The same for all patterns.
     pub(super) placed: [Real; 2],
@@ -169,7 +170,8 @@ pub(super) fn cones(
     Ok(told)
 }
 
-/// What the folds say about the estimate: least and largest edge length over l* at which half of the bending was left, and how many sheets never lost half.
+/// What the folds say about the estimate: least and largest edge length over l* at which half of the bending was left,
+/// and how many sheets never lost half.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub(super) struct Folds {
     pub(super) halved: [Real; 2],
@@ -316,7 +318,8 @@ fn against_length(
     ]
 }
 
-/// Where a curve `(l/l*, bending reached)` in ascending order first falls to half of its first value, if it does; between two points by logarithms.
+/// Where a curve `(l/l*, bending reached)` in ascending order first falls to half of its first value, if it does;
+/// between two points by logarithms.
 fn halved_at(curve: &[(Real, Real)]) -> Option<Real> {
     let half = 0.5 * curve.first()?.1;
     let pair = curve.windows(2).find(|pair| pair[1].1 <= half)?;
@@ -338,8 +341,8 @@ mod tests {
         assert_eq!(halved_at(&[]), None);
     }
 
-    /// The estimate, `Y l⁴/(702 D R²)`, is the membrane over the bending energy of equilateral springs with all vertices on a cylinder of radius R:
-    /// an edge at the angle φ to the axis is short by `l² sin⁴φ/(24 R²)`.
+    /// The estimate, `Y l⁴/(702 D R²)`, is the membrane over the bending energy of equilateral springs with all
+    /// vertices on a cylinder of radius R: an edge at the angle φ to the axis is short by `l² sin⁴φ/(24 R²)`.
     #[test]
     fn the_estimate_is_the_energy_of_springs_on_a_cylinder() {
         use super::super::sheet::Sheet;

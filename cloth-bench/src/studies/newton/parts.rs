@@ -8,8 +8,8 @@ use crate::studies::Findings;
 use cloth_core::math::{Real, Vec3};
 use cloth_core::method::block_matrix::BlockMatrix;
 use cloth_core::method::linear::{
-    BlockCholesky, Budget, Cholesky, ConjugateGradients, FillOrdering, LinearSolver,
-    Preconditioner, upper_half,
+    BlockCholesky, Cholesky, ConjugateGradients, FillOrdering, LinearSolver, Preconditioner,
+    StoppingCriteria, upper_half,
 };
 use serde::{Deserialize, Serialize};
 use std::hint::black_box;
@@ -288,7 +288,7 @@ fn product(side: u32, system: &System) -> Result<Product, BenchError> {
     let matrix = &system.matrix;
     let mut out = system.gradient.clone();
     let time = seconds(|| matrix.multiply(black_box(&system.gradient), &mut out));
-    let budget = Budget {
+    let budget = StoppingCriteria {
         tolerance: 0.0,
         max_iterations: ITERATIONS,
     };

@@ -6,7 +6,7 @@ use crate::report::plot::{Axis, Plot, Series};
 use crate::report::table::{Cell, Table};
 use crate::studies::Findings;
 use cloth_core::math::{Real, Vec3};
-use cloth_core::method::linear::{Budget, LinearMethod, LinearSolver};
+use cloth_core::method::linear::{LinearMethod, LinearSolver, StoppingCriteria};
 use cloth_core::step::Outcome;
 use serde::{Deserialize, Serialize};
 
@@ -38,7 +38,7 @@ impl Solvers {
     pub(super) fn of(side: u32, system: &System) -> Result<Self, BenchError> {
         let mut solves: Vec<Solve> = Vec::new();
         for tolerance in TOLERANCES {
-            let budget = Budget {
+            let budget = StoppingCriteria {
                 tolerance,
                 max_iterations: MOST,
             };

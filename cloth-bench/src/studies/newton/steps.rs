@@ -10,7 +10,7 @@ use crate::studies::sheets::{STIFFNESS, hanging, sixteenth_step, trace_warm};
 use crate::studies::{Cases, Findings, Scope};
 use crate::yardstick::Sample;
 use cloth_core::math::Real;
-use cloth_core::method::linear::{Budget, LinearMethod, Preconditioner, spectrum};
+use cloth_core::method::linear::{LinearMethod, Preconditioner, StoppingCriteria, spectrum};
 use cloth_massspring::{ImplicitConfig, Solve};
 use serde::{Deserialize, Serialize};
 
@@ -73,7 +73,7 @@ fn problems(scope: Scope) -> Vec<Problem> {
 
 /// Label, how much is minimised by what, and the linear solver.
 fn solvers() -> [(&'static str, Solve, LinearMethod); 7] {
-    let budget = Budget::default();
+    let budget = StoppingCriteria::default();
     let newton = |label, linear| (label, Solve::Newton, linear);
     [
         (
@@ -154,8 +154,8 @@ fn take(
     Ok(all)
 }
 
-/// Iterations and seconds to an objective error of `goal`. A solver that ends in a lower minimum than the reference is measured
-/// against that: it would pass the other on its way.
+/// Iterations and seconds to an objective error of `goal`. A solver that ends in a lower minimum than the reference is
+/// measured against that: it would pass the other on its way.
 fn first_within(goal: Real, trace: &[Sample]) -> Option<(u32, Real)> {
     let end = trace.last()?.error.objective;
     let least = end.min(0.0);

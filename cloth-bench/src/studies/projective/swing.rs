@@ -1,4 +1,5 @@
-//! Five seconds of the hanging sheet: what too few iterations a step do to its swinging, of projective dynamics and of implicit Euler.
+//! Five seconds of the hanging sheet: what too few iterations a step do to its swinging, of projective dynamics and of
+//! implicit Euler.
 
 use super::super::{Findings, Scope};
 use super::{LONG, Pairs, SHORT, with};
@@ -15,7 +16,8 @@ use cloth_core::measure::{Strain, kinetic_energy};
 const STEPS: u32 = 300;
 const AVERAGED: u32 = 100;
 
-/// Label, method and settings. A step cut short starts with the velocity as it was: what an extrapolated one gets wrong, few iterations leave.
+/// Label, method and settings. A step cut short starts with the velocity as it was: what an extrapolated one gets
+/// wrong, few iterations leave.
 pub(super) const SETTINGS: [(&str, &str, Pairs); 9] = [
     ("default", PD, &[]),
     (SHORT.0, PD, SHORT.1),
@@ -215,7 +217,8 @@ fn verdict(n: u32, rows: &[(&str, &str, Errors)]) -> String {
 mod tests {
     use super::*;
 
-    /// Five conjugate gradients in each of three Newton iterations keep the swing; what projective dynamics loses in ten iterations is known.
+    /// Five conjugate gradients in each of three Newton iterations keep the swing; what projective dynamics loses in
+    /// ten iterations is known.
     #[test]
     fn a_newton_step_cut_short_swings_on_where_projective_dynamics_dies_away() {
         let converged = Swing::of(24, EULER, &with(CONVERGED)).unwrap();

@@ -15,7 +15,8 @@ use cloth_core::random::SplitMix64;
 /// Vertices a side.
 const N: usize = 9;
 const STEP: Real = 1.0 / 60.0;
-/// Every vertex starts with a velocity (m/s) of up to this in each direction, another in every run: it loads no spring, as displacements would.
+/// Every vertex starts with a velocity (m/s) of up to this in each direction, another in every run: it loads no spring,
+/// as displacements would.
 const JITTER: Real = 1e-2;
 
 /// Runs of every cell. One of the direct solver takes as long as ten of most others.
@@ -142,7 +143,8 @@ fn hung(stiffness: Real) -> Result<Scene, BenchError> {
     scene::build("hang", None, &settings)
 }
 
-/// The free corner opposite to the held ones is heavier than an inner vertex by `mass`, and the half of the sheet beyond the middle stiffer by `stiffness`.
+/// The free corner opposite to the held ones is heavier than an inner vertex by `mass`, and the half of the sheet
+/// beyond the middle stiffer by `stiffness`.
 fn uneven(mass: Real, stiffness: Real) -> Result<Scene, BenchError> {
     let mut scene = hung(1e2)?;
     let model = &mut scene.model;

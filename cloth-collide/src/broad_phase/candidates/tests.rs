@@ -19,7 +19,8 @@ fn all_kinds() -> [(&'static str, Box<dyn BroadPhase>); 3] {
     ]
 }
 
-/// Whether the inflated swept boxes of two sets of vertices overlap, axis by axis and written another way than the code has it.
+/// Whether the inflated swept boxes of two sets of vertices overlap, axis by axis and written another way than the code
+/// has it.
 fn near(a: &[u32], b: &[u32], from: &[Vec3], to: &[Vec3], margin: Real) -> bool {
     (0..3).all(|axis| {
         let range = |vertices: &[u32]| {
@@ -118,7 +119,8 @@ fn motions(mesh: &TriMesh) -> Vec<(String, Vec<Vec3>, Vec<Vec3>)> {
     motions
 }
 
-/// Whether `found` lists the pairs of `all`, in order, apart from some that stay further apart than the margin: the continuous test, which misses no contact, says so. `vertices` are those of a pair.
+/// Whether `found` lists the pairs of `all`, in order, apart from some that stay further apart than the margin: the
+/// continuous test, which misses no contact, says so. `vertices` are those of a pair.
 fn leaves_out_what_is_apart(
     found: &[[u32; 2]],
     all: &[[u32; 2]],
@@ -314,8 +316,8 @@ fn three_triangles_at_an_edge_and_two_cloths_in_one_mesh_are_welcome() {
     }
 }
 
-/// An accordion of eight layers, twice the thickness apart on average, whose cells are four thicknesses wide. Boxes alone find twice as many pairs as come as near as
-/// the thickness.
+/// An accordion of eight layers, twice the thickness apart on average, whose cells are four thicknesses wide. Boxes
+/// alone find twice as many pairs as come as near as the thickness.
 #[test]
 fn close_layers_have_few_candidates_that_are_not_near() {
     const THICKNESS: Real = 0.002;

@@ -84,8 +84,8 @@ where
     )
 }
 
-/// The part of the motion to try next: not much more than twice as far as where a straight line through the last two clearances meets
-/// zero. `before` holds the last advance and the clearance ahead of it.
+/// The part of the motion to try next: not much more than twice as far as where a straight line through the last two
+/// clearances meets zero. `before` holds the last advance and the clearance ahead of it.
 fn next_trial(trial: Real, clearance: Real, before: Option<[Real; 2]>) -> Real {
     match before {
         Some([advance, earlier]) if earlier > clearance => {
@@ -96,8 +96,9 @@ fn next_trial(trial: Real, clearance: Real, before: Option<[Real; 2]>) -> Real {
     }
 }
 
-/// The nearest feature and those of more points that it belongs to. At a small distance it takes less than rounding to mistake a point
-/// of an edge for its end, but the directions to the two are not the same; and the normal of the face often serves for longer.
+/// The nearest feature and those of more points that it belongs to. At a small distance it takes less than rounding to
+/// mistake a point of an edge for its end, but the directions to the two are not the same; and the normal of the face
+/// often serves for longer.
 fn containing<const K: usize>(nearest: Feature) -> impl Iterator<Item = Feature>
 where
     [Vec3; K]: NearestFeature,

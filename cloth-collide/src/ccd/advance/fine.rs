@@ -16,10 +16,11 @@ const SHORTEST_ADVANCE: Real = 1e-31;
 /// What is tried first is not shorter than this (dimensionless).
 const SHORTEST_TRIAL: Real = 1e-24;
 
-/// The walk in double precision from `time` on, which `coarse` has reached, trying the part `trial` of the motion first. It
-/// decides whether the two touch or only come nearer than `f64` can tell, and goes on if they do not touch.
+/// The walk in double precision from `time` on, which `coarse` has reached, trying the part `trial` of the motion
+/// first. It decides whether the two touch or only come nearer than `f64` can tell, and goes on if they do not touch.
 ///
-/// So near, what the nearest feature is cannot be told in `f64` either. All are tried, first the one that led furthest last.
+/// So near, what the nearest feature is cannot be told in `f64` either. All are tried, first the one that led furthest
+/// last.
 pub(super) fn fine<const K: usize>(
     polygon: &Difference<K>,
     margin: Margin,

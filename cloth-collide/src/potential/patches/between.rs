@@ -16,15 +16,16 @@ pub(super) struct PatchPair {
     pub(super) budget: Real,
     /// In the order of what they lacked to contact.
     pub(super) pairs: Vec<NearPair>,
-    /// The travel (m) until which each lacks something: apart from the pairs, because most of them are only asked for this.
+    /// The travel (m) until which each lacks something: apart from the pairs, because most of them are only asked for
+    /// this.
     pub(super) wakes: Vec<Real>,
     /// What is remembered of the few that have been looked at.
     pub(super) memories: Vec<Memory>,
     /// How many of them lacked less than `next` (m).
     pub(super) first: usize,
     pub(super) next: Real,
-    /// Bound on the relative motion (m), added up until the start of the substep that it was last brought up to; difference of the centres and sum of the paths (m)
-    /// there.
+    /// Bound on the relative motion (m), added up until the start of the substep that it was last brought up to;
+    /// difference of the centres and sum of the paths (m) there.
     pub(super) travel: Real,
     pub(super) last_apart: Vec3,
     pub(super) last_path: Real,
@@ -46,8 +47,8 @@ impl PatchPair {
         }
     }
 
-    /// Asks `lack` what (m) the pairs lack to contact, with their numbers, that may touch in the motion that is looked at. Returns how far the two can move until
-    /// another pair may touch (m).
+    /// Asks `lack` what (m) the pairs lack to contact, with their numbers, that may touch in the motion that is looked
+    /// at. Returns how far the two can move until another pair may touch (m).
     pub(super) fn wake(
         &mut self,
         look: &Look,

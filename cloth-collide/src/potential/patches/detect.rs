@@ -21,7 +21,8 @@ const NOTHING: u32 = u32::MAX;
 pub(super) struct Look {
     /// The number of the pair of patches.
     pub(super) number: u32,
-    /// By how much (m) the two have moved against each other since their pairs were found: now, and at most in the motion; and in the motion alone.
+    /// By how much (m) the two have moved against each other since their pairs were found: now, and at most in the
+    /// motion; and in the motion alone.
     pub(super) now: Real,
     pub(super) moved: Real,
     pub(super) once: Real,
@@ -81,8 +82,8 @@ impl Patches {
         self.pairs = pairs;
     }
 
-    /// Finds the pairs of primitives anew where they do not reach, on several threads. The first of the pairs of patches has the number `first`. Returns how many
-    /// were searched.
+    /// Finds the pairs of primitives anew where they do not reach, on several threads. The first of the pairs of
+    /// patches has the number `first`. Returns how many were searched.
     fn detect_all(
         &self,
         near: &Near,
@@ -113,7 +114,8 @@ impl Patches {
         count
     }
 
-    /// Finds the pairs between two patches anew, with room for the present motion, of `once` (m), and more. Returns whether they are near at all.
+    /// Finds the pairs between two patches anew, with room for the present motion, of `once` (m), and more. Returns
+    /// whether they are near at all.
     fn detect(&self, near: &Near, x: &[Vec3], pair: &mut PatchPair, once: Real) -> bool {
         let h = near.law().range();
         let [p, q] = pair.patches.map(|p| p as usize);

@@ -9,7 +9,8 @@ pub(super) struct Motions {
     /// Centre (m) and spread (m).
     pub(super) centres: Vec<Vec3>,
     pub(super) spreads: Vec<Real>,
-    /// How far (m) vertices have gone at most besides the centre, substep by substep; and besides what all patches do together.
+    /// How far (m) vertices have gone at most besides the centre, substep by substep; and besides what all patches do
+    /// together.
     pub(super) paths: Vec<Real>,
     pub(super) clocks: Vec<Real>,
     /// Mean of the centres of the cloth (m).

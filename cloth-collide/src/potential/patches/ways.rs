@@ -6,8 +6,10 @@ use crate::potential::near::Near;
 use cloth_core::math::{Real, Vec3};
 
 impl Patches {
-    /// Looks at the way from `x` to `to` (m), and at everything within `room` (m) of it: makes sure that the pairs are complete, and hands `visit` those that may
-    /// touch there, with how much nearer they can come to each other than they are at `x` (m); it returns what they lack to contact there (m), at most. `place` is the `x` of the choice before.
+    /// Looks at the way from `x` to `to` (m), and at everything within `room` (m) of it: makes sure that the pairs are
+    /// complete, and hands `visit` those that may touch there, with how much nearer they can come to each other than
+    /// they are at `x` (m); it returns what they lack to contact there (m), at most. `place` is the `x` of the choice
+    /// before.
     ///
     /// [`Patches::holds`] tells for which other places the choice is good.
     pub(in crate::potential) fn choose(

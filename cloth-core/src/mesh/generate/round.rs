@@ -107,7 +107,7 @@ pub fn torus(around: usize, across: usize, major: Real, minor: Real) -> Result<T
 /// `cells_across` cells across.
 ///
 /// It has one boundary loop and no consistent winding: the `cells_across` edges of the seam at
-/// the positive x axis are [opposed](crate::topology::opposed_edges).
+/// the positive x axis are [opposed](crate::topology::inconsistently_oriented_edges).
 ///
 /// # Errors
 /// [`MeshError::InvalidParameter`] for fewer than 3 vertices around or 1 cell across, for a

@@ -2,7 +2,8 @@
 
 use crate::method::block_matrix::BlockPattern;
 
-/// The smallest colour that no earlier element at a shared vertex has, for each element in turn. `stencils` are their vertices.
+/// The smallest colour that no earlier element at a shared vertex has, for each element in turn. `stencils` are their
+/// vertices.
 ///
 /// # Panics
 /// If an element names a vertex that is not smaller than `vertex_count`, or names one twice.

@@ -38,7 +38,8 @@ impl Assembly {
 pub(super) enum Linearization<'a> {
     /// At the positions.
     At { scale: Real, convexity: Convexity },
-    /// At the positions, but for the constraint values: these are linearised at `from` and taken at `to`. By [`Convexity::Abs`].
+    /// At the positions, but for the constraint values: these are linearised at `from` and taken at `to`. By
+    /// [`Convexity::Abs`].
     Mixed { from: &'a [Vec3], to: &'a [Vec3] },
 }
 
@@ -217,8 +218,8 @@ fn add_at(blocks: &mut [Mat3], place: usize, block: &Mat3) {
     }
 }
 
-/// The symmetric part of a block, raised by the multiple of the identity that takes away its negative eigenvalue if its rank is
-/// one or two: the blocks `a bᵀ` between the gradients of one constraint have symmetric parts of rank two.
+/// The symmetric part of a block, raised by the multiple of the identity that takes away its negative eigenvalue if its
+/// rank is one or two: the blocks `a bᵀ` between the gradients of one constraint have symmetric parts of rank two.
 fn without_negative_part(block: &Mat3) -> Mat3 {
     let mut symmetric = (block + block.transpose()) * 0.5;
     let trace = symmetric.trace();

@@ -194,7 +194,8 @@ pub fn upper_half(
     Ok((pattern, values))
 }
 
-/// An order of the vertices as one of their coordinates. (Ordering vertices is a ninth of the work of ordering coordinates.)
+/// An order of the vertices as one of their coordinates. (Ordering vertices is a ninth of the work of ordering
+/// coordinates.)
 fn for_coordinates(mut elimination: Elimination) -> Elimination {
     let coordinates = |v: &u32| [3 * v, 3 * v + 1, 3 * v + 2];
     elimination.sequence = elimination.sequence.iter().flat_map(coordinates).collect();

@@ -1,5 +1,5 @@
-//! Jacobi by blocks with Chebyshev acceleration: each iterate is the best combination of all before it, if the eigenvalues of
-//! `D⁻¹A` fill the interval from a to b evenly.
+//! Jacobi by blocks with Chebyshev acceleration: each iterate is the best combination of all before it, if the
+//! eigenvalues of `D⁻¹A` fill the interval from a to b evenly.
 //!
 //! An error along an eigenvector with eigenvalue λ is, after k iterations, multiplied by
 //!
@@ -7,8 +7,8 @@
 //! T_k((b + a − 2λ)/(b − a)) / T_k((b + a)/(b − a))
 //! ```
 //!
-//! with the Chebyshev polynomial `T_k`. That is at most `2((√κ − 1)/(√κ + 1))^k` inside the interval, shrinks more slowly
-//! below a, and grows without bound above b. No inner product is needed, only the interval.
+//! with the Chebyshev polynomial `T_k`. That is at most `2((√κ − 1)/(√κ + 1))^k` inside the interval, shrinks more
+//! slowly below a, and grows without bound above b. No inner product is needed, only the interval.
 //!
 //! Y. Saad, *Iterative Methods for Sparse Linear Systems*, 2nd ed. 2003, section 12.3. H. Wang, "A Chebyshev
 //! semi-iterative approach for accelerating projective and position-based dynamics", ACM TOG 34(6), 2015,
@@ -16,7 +16,7 @@
 
 use super::conjugate_gradients::{ConjugateGradients, Preconditioner};
 use super::diagonal::InverseDiagonal;
-use super::solver::{Budget, LinearError, LinearReport, LinearSolver, dot};
+use super::solver::{LinearError, LinearReport, LinearSolver, StoppingCriteria, dot};
 use super::spectrum::noise;
 use crate::math::{Real, Vec3};
 use crate::method::block_matrix::BlockMatrix;
@@ -40,7 +40,7 @@ pub(super) struct Interval {
 
 impl Interval {
     pub(super) fn new(is_free: &[bool]) -> Result<Self, BuildError> {
-        let budget = Budget {
+        let budget = StoppingCriteria {
             tolerance: 1e-12,
             max_iterations: ESTIMATION,
         };
@@ -79,7 +79,7 @@ impl Interval {
 /// The solver and its vectors.
 #[derive(Debug)]
 pub struct ChebyshevJacobi {
-    budget: Budget,
+    budget: StoppingCriteria,
     given: Option<[Real; 2]>,
     interval: Interval,
     residual: Vec<Vec3>,
@@ -88,14 +88,15 @@ pub struct ChebyshevJacobi {
 }
 
 impl ChebyshevJacobi {
-    /// A solver over the free vertices, for eigenvalues of `D⁻¹A` between the two given numbers, or between estimates of them.
+    /// A solver over the free vertices, for eigenvalues of `D⁻¹A` between the two given numbers, or between estimates
+    /// of them.
     ///
     /// # Errors
     /// [`BuildError::InvalidSetting`] for a budget or an interval out of range.
     pub fn new(
         is_free: &[bool],
         interval: Option<[Real; 2]>,
-        budget: Budget,
+        budget: StoppingCriteria,
     ) -> Result<Self, BuildError> {
         budget.check()?;
         if let Some([low, high]) = interval

@@ -1,7 +1,8 @@
-//! Sparse Cholesky factorisation `P A Pᵀ = L Lᵀ` over faer's low-level interface: analyse once, refactor whenever the numbers change, solve in place.
+//! Sparse Cholesky factorisation `P A Pᵀ = L Lᵀ` over faer's low-level interface: analyse once, refactor whenever the
+//! numbers change, solve in place.
 //!
-//! faer's convenient interface allocates in every call (tens of thousands of times for a cloth); the low-level one never
-//! does. Its parallelism does not pay for matrices of this size, so it is not used.
+//! faer's convenient interface allocates in every call (tens of thousands of times for a cloth); the low-level one
+//! never does. Its parallelism does not pay for matrices of this size, so it is not used.
 
 use super::fill::{self, Elimination, FillOrdering};
 use crate::math::Real;
@@ -17,7 +18,8 @@ use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use faer::{Conj, MatMut, Par, Side, Spec};
 use std::fmt;
 
-/// Where the nonzeros of the upper half of a symmetric matrix are: compressed columns, rows ascending, the diagonal last in every column.
+/// Where the nonzeros of the upper half of a symmetric matrix are: compressed columns, rows ascending, the diagonal
+/// last in every column.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct UpperPattern {
     /// Start of each column in `rows`, and the end of the last: `n + 1` numbers.
@@ -72,8 +74,8 @@ impl fmt::Debug for Cholesky {
 }
 
 impl Cholesky {
-    /// Finds an ordering (the one of less work, [`FillOrdering`]) and the nonzeros of the factor, and sets aside the memory for
-    /// factorising and for solving up to three right-hand sides.
+    /// Finds an ordering (the one of less work, [`FillOrdering`]) and the nonzeros of the factor, and sets aside the
+    /// memory for factorising and for solving up to three right-hand sides.
     ///
     /// # Errors
     /// [`CholeskyError::TooLarge`].
@@ -156,7 +158,8 @@ impl Cholesky {
             )
             .map_err(|_| CholeskyError::NotPositiveDefinite)?;
         self.factored = true;
-        // A pivot that is NaN or infinite passes the test of its sign. What is not finite elsewhere spoils a later pivot.
+        // A pivot that is NaN or infinite passes the test of its sign. What is not finite elsewhere spoils a later
+        // pivot.
         self.factored = self.factor().pivots_are_finite();
         if self.factored {
             Ok(())
@@ -165,7 +168,8 @@ impl Cholesky {
         }
     }
 
-    /// Replaces each column of `right_hand_sides` (column after column, n numbers each, at most three columns) by the solution.
+    /// Replaces each column of `right_hand_sides` (column after column, n numbers each, at most three columns) by the
+    /// solution.
     ///
     /// # Panics
     /// If the length is not n, 2n or 3n, or the matrix has not been factorised.
@@ -202,8 +206,8 @@ impl Cholesky {
 /// Memory for solving is set aside for this many right-hand sides: x, y and z.
 const RIGHT_HAND_SIDES: usize = 3;
 
-/// faer takes supernodes if the operations per entry of the factor *exceed* this; its own `FORCE_SUPERNODAL` is 0, which a
-/// diagonal matrix does not exceed.
+/// faer takes supernodes if the operations per entry of the factor *exceed* this; its own `FORCE_SUPERNODAL` is 0,
+/// which a diagonal matrix does not exceed.
 const ALWAYS_SUPERNODAL: SupernodalThreshold = SupernodalThreshold(-1.0);
 
 /// The nonzeros of the factor in an order, as supernodes.
@@ -254,8 +258,8 @@ impl<'a> FactorView<'a> {
         })
     }
 
-    /// Supernode `index`: its first column, the rows below its triangle, and its numbers as a dense column-major matrix of
-    /// `width + rows.len()` rows and `width` columns, of which the part above the diagonal has no meaning.
+    /// Supernode `index`: its first column, the rows below its triangle, and its numbers as a dense column-major matrix
+    /// of `width + rows.len()` rows and `width` columns, of which the part above the diagonal has no meaning.
     ///
     /// # Panics
     /// If there is no such supernode.

@@ -1,13 +1,13 @@
 //! Conjugate gradients, preconditioned by the inverse of the diagonal blocks.
 //!
-//! Iteration k finds the best `x` of the Krylov space spanned by `D⁻¹b, (D⁻¹A) D⁻¹b, …`: no method that only multiplies by
-//! `A` does better. An iteration is one product and two passes over the vectors; the passes are fused, as the memory is
-//! what they wait for.
+//! Iteration k finds the best `x` of the Krylov space spanned by `D⁻¹b, (D⁻¹A) D⁻¹b, …`: no method that only multiplies
+//! by `A` does better. An iteration is one product and two passes over the vectors; the passes are fused, as the memory
+//! is what they wait for.
 //!
 //! J. R. Shewchuk, *An introduction to the conjugate gradient method without the agonizing pain*, 1994, section B3.
 
 use super::diagonal::InverseDiagonal;
-use super::solver::{Budget, LinearError, LinearReport, LinearSolver, dot};
+use super::solver::{LinearError, LinearReport, LinearSolver, StoppingCriteria, dot};
 use super::spectrum::{Spectrum, Tridiagonal};
 use crate::math::{Real, Vec3};
 use crate::method::block_matrix::BlockMatrix;
@@ -26,7 +26,7 @@ pub enum Preconditioner {
 #[derive(Debug)]
 pub struct ConjugateGradients {
     preconditioner: Preconditioner,
-    budget: Budget,
+    budget: StoppingCriteria,
     diagonal: InverseDiagonal,
     residual: Vec<Vec3>,
     /// `D⁻¹` times the residual.
@@ -45,7 +45,7 @@ impl ConjugateGradients {
     pub fn new(
         is_free: &[bool],
         preconditioner: Preconditioner,
-        budget: Budget,
+        budget: StoppingCriteria,
     ) -> Result<Self, BuildError> {
         budget.check()?;
         let zeros = vec![Vec3::zeros(); is_free.len()];
@@ -61,8 +61,8 @@ impl ConjugateGradients {
         })
     }
 
-    /// What the last solve learnt of the eigenvalues of `D⁻¹A`, or of `A` without a preconditioner; `None` before it has
-    /// taken a step.
+    /// What the last solve learnt of the eigenvalues of `D⁻¹A`, or of `A` without a preconditioner; `None` before it
+    /// has taken a step.
     #[must_use]
     pub fn spectrum(&self) -> Option<Spectrum> {
         self.tridiagonal.spectrum()

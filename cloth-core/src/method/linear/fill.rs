@@ -70,8 +70,8 @@ fn minimum_degree(pattern: &UpperPattern) -> Result<Vec<u32>, CholeskyError> {
     Ok(sequence)
 }
 
-/// Nonzeros of each column of the factor, diagonal included: row by row up the elimination tree, T. A. Davis, *Direct Methods for
-/// Sparse Linear Systems*, 2006, section 4.1.
+/// Nonzeros of each column of the factor, diagonal included: row by row up the elimination tree, T. A. Davis, *Direct
+/// Methods for Sparse Linear Systems*, 2006, section 4.1.
 fn column_counts(graph: &Graph, sequence: &[u32]) -> impl Iterator<Item = Real> {
     const ROOT: u32 = u32::MAX;
     let mut place = vec![0; sequence.len()];

@@ -1,18 +1,19 @@
-//! Gauss–Seidel by 3 × 3 blocks, in the order of the rows: each vertex takes the value that solves its own three equations.
+//! Gauss–Seidel by 3 × 3 blocks, in the order of the rows: each vertex takes the value that solves its own three
+//! equations.
 //!
-//! With `A = L + D + Lᵀ` a sweep solves `(L + D) x = b − Lᵀ x_old`. Only `L` and `D` are stored, by rows. Row i gathers `L_ij x_j`
-//! from the rows before it, finds its `x_i`, and at once scatters `L_ijᵀ x_i` to where the *next* sweep will want
-//! it: one pass over the matrix a sweep, like a product. The difference of what was scattered in two sweeps is the residual,
-//! `b − A x = Lᵀ x_old − Lᵀ x`, for nothing.
+//! With `A = L + D + Lᵀ` a sweep solves `(L + D) x = b − Lᵀ x_old`. Only `L` and `D` are stored, by rows. Row i gathers
+//! `L_ij x_j` from the rows before it, finds its `x_i`, and at once scatters `L_ijᵀ x_i` to where the *next* sweep will
+//! want it: one pass over the matrix a sweep, like a product. The difference of what was scattered in two sweeps is the
+//! residual, `b − A x = Lᵀ x_old − Lᵀ x`, for nothing.
 //!
-//! A sweep never raises `½ xᵀA x − bᵀx`, so it converges for every positive definite matrix, and `x` after any number of
-//! sweeps is a direction of descent for Newton's method. How fast: for matrices that couple two colours only (a chain,
-//! a grid without diagonals) by exactly the square of what undamped Jacobi has.
+//! A sweep never raises `½ xᵀA x − bᵀx`, so it converges for every positive definite matrix, and `x` after any number
+//! of sweeps is a direction of descent for Newton's method. How fast: for matrices that couple two colours only (a
+//! chain, a grid without diagonals) by exactly the square of what undamped Jacobi has.
 //!
 //! Y. Saad, *Iterative Methods for Sparse Linear Systems*, 2nd ed. 2003, sections 4.1 and 4.2.4.
 
 use super::diagonal::InverseDiagonal;
-use super::solver::{Budget, LinearError, LinearReport, LinearSolver, dot};
+use super::solver::{LinearError, LinearReport, LinearSolver, StoppingCriteria, dot};
 use crate::math::{Real, Vec3};
 use crate::method::block_matrix::BlockMatrix;
 use crate::step::BuildError;
@@ -20,7 +21,7 @@ use crate::step::BuildError;
 /// The solver and its vectors.
 #[derive(Debug)]
 pub struct GaussSeidel {
-    budget: Budget,
+    budget: StoppingCriteria,
     is_free: Vec<bool>,
     diagonal: InverseDiagonal,
     /// `Lᵀ x` of the sweep before.
@@ -34,7 +35,7 @@ impl GaussSeidel {
     ///
     /// # Errors
     /// [`BuildError::InvalidSetting`] for a budget out of range.
-    pub fn new(is_free: &[bool], budget: Budget) -> Result<Self, BuildError> {
+    pub fn new(is_free: &[bool], budget: StoppingCriteria) -> Result<Self, BuildError> {
         budget.check()?;
         let zeros = vec![Vec3::zeros(); is_free.len()];
         Ok(Self {

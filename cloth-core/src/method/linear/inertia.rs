@@ -64,8 +64,8 @@ impl Inertia {
         })
     }
 
-    /// Number of eigenvalues above `shift`. `None` if a pivot vanished to rounding: `shift` is an eigenvalue of a leading block;
-    /// any other shift nearby will do.
+    /// Number of eigenvalues above `shift`. `None` if a pivot vanished to rounding: `shift` is an eigenvalue of a
+    /// leading block; any other shift nearby will do.
     pub fn count_above(&mut self, shift: Real) -> Option<usize> {
         self.shifted.copy_from_slice(&self.values);
         for &end in &self.pattern.column_offsets[1..] {

@@ -7,7 +7,7 @@
 //! Y. Saad, *Iterative Methods for Sparse Linear Systems*, 2nd ed. 2003, section 4.2.
 
 use super::chebyshev::Interval;
-use super::solver::{Budget, LinearError, LinearReport, LinearSolver, dot};
+use super::solver::{LinearError, LinearReport, LinearSolver, StoppingCriteria, dot};
 use crate::math::{Real, Vec3};
 use crate::method::block_matrix::BlockMatrix;
 use crate::step::BuildError;
@@ -15,7 +15,7 @@ use crate::step::BuildError;
 /// The solver and its vectors.
 #[derive(Debug)]
 pub struct Jacobi {
-    budget: Budget,
+    budget: StoppingCriteria,
     /// ω, if it is given.
     given: Option<Real>,
     interval: Interval,
@@ -31,7 +31,7 @@ impl Jacobi {
     pub fn new(
         is_free: &[bool],
         damping: Option<Real>,
-        budget: Budget,
+        budget: StoppingCriteria,
     ) -> Result<Self, BuildError> {
         budget.check()?;
         if let Some(value) = damping.filter(|omega| !(*omega > 0.0 && omega.is_finite())) {

@@ -1,12 +1,12 @@
 //! Conjugate gradients, preconditioned by one multigrid cycle.
 //!
-//! The cycle is computed in single precision and only symmetric to its rounding, so directions are made conjugate by the
-//! change of the residual (Polak and Ribière's form), which does not rely on it.
+//! The cycle is computed in single precision and only symmetric to its rounding, so directions are made conjugate by
+//! the change of the residual (Polak and Ribière's form), which does not rely on it.
 //!
-//! G. H. Golub, Q. Ye, "Inexact preconditioned conjugate gradient method with inner-outer iteration", SIAM J. Sci. Comput. 21(4),
-//! 1999, <https://doi.org/10.1137/S1064827597323415>.
+//! G. H. Golub, Q. Ye, "Inexact preconditioned conjugate gradient method with inner-outer iteration", SIAM J. Sci.
+//! Comput. 21(4), 1999, <https://doi.org/10.1137/S1064827597323415>.
 
-use super::solver::{Budget, LinearError, LinearReport, LinearSolver};
+use super::solver::{LinearError, LinearReport, LinearSolver, StoppingCriteria};
 use crate::math::{Real, Vec3};
 use crate::method::block_matrix::BlockMatrix;
 use crate::method::multigrid::Multigrid;
@@ -16,7 +16,7 @@ use crate::step::BuildError;
 /// The solver, its levels, which are made for the first matrix, and its vectors.
 #[derive(Debug)]
 pub struct MultigridGradients {
-    budget: Budget,
+    budget: StoppingCriteria,
     is_free: Vec<bool>,
     rest: Vec<Vec3>,
     multigrid: Option<Multigrid>,
@@ -39,7 +39,7 @@ impl MultigridGradients {
     pub fn new(
         is_free: &[bool],
         rest: Option<&[Vec3]>,
-        budget: Budget,
+        budget: StoppingCriteria,
     ) -> Result<Self, BuildError> {
         budget.check()?;
         let zeros = vec![Vec3::zeros(); is_free.len()];

@@ -1,8 +1,10 @@
-//! `P A Pᵀ = L D Lᵀ` of a symmetric quasi-definite matrix: a saddle-point matrix whose second diagonal block is negative definite.
+//! `P A Pᵀ = L D Lᵀ` of a symmetric quasi-definite matrix: a saddle-point matrix whose second diagonal block is
+//! negative definite.
 //!
-//! `[H Jᵀ; J −S]` with H and S positive definite has such a factorisation for every permutation P, with as many positive pivots as H has rows and as many
-//! negative ones as S has (R. Vanderbei, "Symmetric quasidefinite matrices", SIAM J. Optim. 5, 1995, <https://doi.org/10.1137/0805005>). So the ordering
-//! can be chosen for sparsity once, and no pivoting is needed. Where S is small the factor loses digits; iterative refinement gives them back.
+//! `[H Jᵀ; J −S]` with H and S positive definite has such a factorisation for every permutation P, with as many
+//! positive pivots as H has rows and as many negative ones as S has (R. Vanderbei, "Symmetric quasidefinite matrices",
+//! SIAM J. Optim. 5, 1995, <https://doi.org/10.1137/0805005>). So the ordering can be chosen for sparsity once, and no
+//! pivoting is needed. Where S is small the factor loses digits; iterative refinement gives them back.
 
 use super::cholesky::{CholeskyError, UpperPattern, symbolic};
 use crate::math::Real;
@@ -36,12 +38,13 @@ impl fmt::Debug for QuasidefiniteLdlt {
     }
 }
 
-/// A pivot nearer to zero than this, or of the wrong sign, is replaced by one of this size: the diagonal of the matrix should be of the order of 1 where it is
-/// not small on purpose.
+/// A pivot nearer to zero than this, or of the wrong sign, is replaced by one of this size: the diagonal of the matrix
+/// should be of the order of 1 where it is not small on purpose.
 const SMALLEST_PIVOT: Real = 1e-14;
 
 impl QuasidefiniteLdlt {
-    /// Finds an ordering (approximate minimum degree) and the nonzeros of the factor. The first `positive` rows are those of H, the others those of S.
+    /// Finds an ordering (approximate minimum degree) and the nonzeros of the factor. The first `positive` rows are
+    /// those of H, the others those of S.
     ///
     /// # Errors
     /// [`CholeskyError::TooLarge`].
@@ -79,7 +82,8 @@ impl QuasidefiniteLdlt {
     /// Computes the factor of the present numbers.
     ///
     /// # Errors
-    /// [`CholeskyError::NotPositiveDefinite`] if the factor is not finite; it is then of no use until a factorisation succeeds.
+    /// [`CholeskyError::NotPositiveDefinite`] if the factor is not finite; it is then of no use until a factorisation
+    /// succeeds.
     pub fn factorize(&mut self) -> Result<(), CholeskyError> {
         self.factored = false;
         let regularization = LdltRegularization {

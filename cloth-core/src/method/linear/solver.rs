@@ -1,4 +1,4 @@
-//! What all solvers of `A x = b` have in common, and their choice by name (CORE-12).
+//! What all solvers of `A x = b` have in common, and their choice by name.
 
 #[cfg(feature = "cholesky")]
 use super::block_cholesky::BlockCholesky;
@@ -28,8 +28,8 @@ pub trait LinearSolver: fmt::Debug + Send {
     /// If the matrix does not have the pattern the solver was made for.
     fn prepare(&mut self, matrix: &BlockMatrix) -> Result<(), LinearError>;
 
-    /// Solves with the matrix of the last [`LinearSolver::prepare`]. Iterations start at zero; `x` is zero at prescribed
-    /// vertices afterwards, and what `b` is there does not matter.
+    /// Solves with the matrix of the last [`LinearSolver::prepare`]. Iterations start at zero; `x` is zero at
+    /// prescribed vertices afterwards, and what `b` is there does not matter.
     ///
     /// # Errors
     /// [`LinearError::NotPositiveDefinite`] where only the iteration finds out; [`LinearError::Diverged`].
@@ -43,7 +43,8 @@ pub trait LinearSolver: fmt::Debug + Send {
         x: &mut [Vec3],
     ) -> Result<LinearReport, LinearError>;
 
-    /// Whether [`LinearSolver::prepare`] refuses every matrix that is not positive definite, so that its success is a proof.
+    /// Whether [`LinearSolver::prepare`] refuses every matrix that is not positive definite, so that its success is a
+    /// proof.
     fn proves_definiteness(&self) -> bool {
         false
     }
@@ -91,14 +92,14 @@ const DIVERGED: Real = 1e8;
 
 /// When an iterative solver stops.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Budget {
+pub struct StoppingCriteria {
     /// `‖b − A x‖/‖b‖` at which a solve is done; zero to spend all iterations.
     pub tolerance: Real,
     /// Most iterations of a solve.
     pub max_iterations: u32,
 }
 
-impl Default for Budget {
+impl Default for StoppingCriteria {
     /// To 10⁻³, in at most 1000 iterations.
     fn default() -> Self {
         Self {
@@ -108,7 +109,7 @@ impl Default for Budget {
     }
 }
 
-impl Budget {
+impl StoppingCriteria {
     pub(super) fn check(&self) -> Result<(), BuildError> {
         if !(self.tolerance >= 0.0 && self.tolerance < 1.0) {
             return Err(BuildError::InvalidSetting {
@@ -172,15 +173,15 @@ pub enum LinearMethod {
     #[cfg(feature = "cholesky")]
     Cholesky,
     /// Conjugate gradients, preconditioned by the diagonal blocks.
-    ConjugateGradients(Budget),
+    ConjugateGradients(StoppingCriteria),
     /// Conjugate gradients, preconditioned by a multigrid cycle.
-    Multigrid(Budget),
+    Multigrid(StoppingCriteria),
     /// Damped Jacobi by blocks; the damping is estimated.
-    Jacobi(Budget),
+    Jacobi(StoppingCriteria),
     /// Jacobi by blocks with Chebyshev acceleration; the interval is estimated.
-    ChebyshevJacobi(Budget),
+    ChebyshevJacobi(StoppingCriteria),
     /// Gauss–Seidel by blocks, forwards.
-    GaussSeidel(Budget),
+    GaussSeidel(StoppingCriteria),
 }
 
 impl Default for LinearMethod {
@@ -189,13 +190,14 @@ impl Default for LinearMethod {
         #[cfg(feature = "cholesky")]
         return Self::Cholesky;
         #[cfg(not(feature = "cholesky"))]
-        Self::Multigrid(Budget::default())
+        Self::Multigrid(StoppingCriteria::default())
     }
 }
 
 impl LinearMethod {
-    /// A solver for matrices of that pattern; `is_free[v]` says whether vertex `v` takes part, `rest` (m) where it is at rest. Only
-    /// multigrid asks for that, to weight its levels with; without, all weights are equal, and it converges more slowly.
+    /// A solver for matrices of that pattern; `is_free[v]` says whether vertex `v` takes part, `rest` (m) where it is
+    /// at rest. Only multigrid asks for that, to weight its levels with; without, all weights are equal, and it
+    /// converges more slowly.
     ///
     /// # Errors
     /// [`BuildError::MatrixTooLarge`], [`BuildError::InvalidSetting`].

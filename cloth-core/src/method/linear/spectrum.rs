@@ -13,7 +13,7 @@
 //! G. H. Golub, C. F. Van Loan, *Matrix Computations*, 4th ed. 2013, sections 10.1 and 11.3.
 
 use super::conjugate_gradients::{ConjugateGradients, Preconditioner};
-use super::solver::{Budget, LinearError, LinearSolver};
+use super::solver::{LinearError, LinearSolver, StoppingCriteria};
 use crate::math::{Real, Vec3};
 use crate::method::block_matrix::BlockMatrix;
 
@@ -52,7 +52,7 @@ pub fn spectrum(
     max_iterations: u32,
 ) -> Result<Spectrum, LinearError> {
     assert!(is_free.contains(&true), "no vertex is free");
-    let budget = Budget {
+    let budget = StoppingCriteria {
         tolerance: 1e-14,
         max_iterations,
     };

@@ -1,8 +1,8 @@
 //! Which vertices make the next coarser level, and how the others hang on them.
 //!
-//! The coarse vertices are a maximal independent set of the graph of strong couplings (J. W. Ruge, K. Stüben, "Algebraic
-//! multigrid", in *Multigrid Methods*, SIAM 1987, <https://doi.org/10.1137/1.9781611971057.ch4>, section 4.6). The weights are not
-//! taken from the matrix, which changes all the time, but from the rest positions.
+//! The coarse vertices are a maximal independent set of the graph of strong couplings (J. W. Ruge, K. Stüben,
+//! "Algebraic multigrid", in *Multigrid Methods*, SIAM 1987, <https://doi.org/10.1137/1.9781611971057.ch4>, section
+//! 4.6). The weights are not taken from the matrix, which changes all the time, but from the rest positions.
 
 use super::prolongation::Prolongation;
 use super::weights::linear_weights;
@@ -13,8 +13,8 @@ pub(super) type Graph = Vec<Vec<(u32, Real)>>;
 
 /// A coupling weaker than this part of a vertex's strongest is none.
 const STRONG: Real = 0.25;
-/// How far a vertex may lie from the weighted mean of its parents, relative to their mean distance, before more distant ones are
-/// asked too.
+/// How far a vertex may lie from the weighted mean of its parents, relative to their mean distance, before more distant
+/// ones are asked too.
 const ASIDE: Real = 0.05;
 /// Two coarse vertices with a common neighbour are at least this many mean edge lengths apart.
 const CLOSE: Real = 1.45;
@@ -67,8 +67,8 @@ fn strong_part(list: &[(u32, Real)]) -> Vec<(u32, Real)> {
     list.iter().filter(is_strong).copied().collect()
 }
 
-/// Free vertices, in the order of their numbers, of which none is a strong neighbour of one before, or a neighbour of such
-/// and nearly as close at rest: across the cell of a grid that has no diagonal, for instance.
+/// Free vertices, in the order of their numbers, of which none is a strong neighbour of one before, or a neighbour of
+/// such and nearly as close at rest: across the cell of a grid that has no diagonal, for instance.
 fn independent_set(strong: &Graph, is_free: &[bool], place: &[Vec3]) -> Vec<u32> {
     let mut is_open = is_free.to_vec();
     let mut kept = Vec::new();
@@ -93,8 +93,8 @@ fn independent_set(strong: &Graph, is_free: &[bool], place: &[Vec3]) -> Vec<u32>
     kept
 }
 
-/// Coarse vertices and weights of a fine vertex: those among its neighbours if it lies among them, else also those of the
-/// neighbours.
+/// Coarse vertices and weights of a fine vertex: those among its neighbours if it lies among them, else also those of
+/// the neighbours.
 fn parents(vertex: usize, strong: &Graph, coarse: &[u32], place: &[Vec3]) -> Vec<(u32, Real)> {
     let is_coarse = |v: &u32| coarse[*v as usize] != NONE;
     let squared = |v: u32| (place[v as usize] - place[vertex]).norm_squared();

@@ -46,7 +46,8 @@ impl Galerkin {
                     for &(b, in_column) in prolongation.of_fine(column) {
                         let weight = (in_row * in_column) as f32;
                         let target = coarse.slot(a, b).expect("a pair of the pattern");
-                        // The block stands for (row, column) and, transposed, for (column, row); kept is the lower half.
+                        // The block stands for (row, column) and, transposed, for (column, row); kept is the lower
+                        // half.
                         if a >= b {
                             terms.push((target, false, slot as u32, weight));
                         }
@@ -99,7 +100,8 @@ impl Galerkin {
     }
 }
 
-/// Couplings of the coarse vertices (any unit) from those of the fine ones, as the coarse operator of a Laplacian has them.
+/// Couplings of the coarse vertices (any unit) from those of the fine ones, as the coarse operator of a Laplacian has
+/// them.
 pub(super) fn coarse_strengths(
     fine: &BlockPattern,
     strengths: &[Real],

@@ -1,10 +1,10 @@
 //! One level: its matrix, and symmetric Gauss–Seidel over it with the residual taken on the way.
 //!
-//! The rows are cut into chunks. Within a chunk the sweep is Gauss–Seidel, between chunks Jacobi: chunks do not wait for each
-//! other, and the result does not depend on how many threads share them (hybrid smoothers: A. H. Baker, R. D. Falgout, T. V. Kolev,
-//! U. M. Yang, "Multigrid smoothers for ultraparallel computing", SIAM J. Sci. Comput. 33(5), 2011,
-//! <https://doi.org/10.1137/100798806>). A forward sweep before the coarse correction and a backward one after it make the
-//! cycle symmetric.
+//! The rows are cut into chunks. Within a chunk the sweep is Gauss–Seidel, between chunks Jacobi: chunks do not wait
+//! for each other, and the result does not depend on how many threads share them (hybrid smoothers: A. H. Baker, R. D.
+//! Falgout, T. V. Kolev, U. M. Yang, "Multigrid smoothers for ultraparallel computing", SIAM J. Sci. Comput. 33(5),
+//! 2011, <https://doi.org/10.1137/100798806>). A forward sweep before the coarse correction and a backward one after it
+//! make the cycle symmetric.
 
 use super::blocks::{Block, Lanes, lanes, minus, plus, vector};
 use super::prolongation::Prolongation;
@@ -244,8 +244,8 @@ impl Level {
         self.rank_one = added;
     }
 
-    /// One row of a chunk that begins at row `start`. Forward, from zero: `x = D⁻¹(r − L x)`, `t = −Lᵀx`, the residual. Backward, with
-    /// the residual of what is known in `t`: `x = D⁻¹(t − L x)`, `t ← t − Lᵀx`.
+    /// One row of a chunk that begins at row `start`. Forward, from zero: `x = D⁻¹(r − L x)`, `t = −Lᵀx`, the residual.
+    /// Backward, with the residual of what is known in `t`: `x = D⁻¹(t − L x)`, `t ← t − Lᵀx`.
     #[inline(always)]
     fn relax<const BACK: bool, const SYMMETRIC: bool>(
         &self,

@@ -1,4 +1,5 @@
-//! Coarser levels of a mesh: some of its vertices, what links them over the cloth, and how the others follow (Müller 2008, section 4).
+//! Coarser levels of a mesh: some of its vertices, what links them over the cloth, and how the others follow (Müller
+//! 2008, section 4).
 
 mod geodesic;
 mod selection;
@@ -17,11 +18,14 @@ pub struct CoarseLevel {
     pub vertices: Vec<u32>,
     /// Number in the next finer level of each vertex, ascending.
     pub kept: Vec<u32>,
-    /// To the next finer level: a vertex that was kept has the value of its own, every other one the weighted mean of its parents.
+    /// To the next finer level: a vertex that was kept has the value of its own, every other one the weighted mean of
+    /// its parents.
     pub prolongation: Prolongation,
-    /// Vertices, by their numbers in this level, that a finer link joins, themselves or by vertices whose nearest parents they are; ascending, the lower number first.
+    /// Vertices, by their numbers in this level, that a finer link joins, themselves or by vertices whose nearest
+    /// parents they are; ascending, the lower number first.
     pub links: Vec<[u32; 2]>,
-    /// Length (m) of each link: the shortest way over the cloth at rest, not through the air. No folding, bending or unrolling without stretch makes one longer.
+    /// Length (m) of each link: the shortest way over the cloth at rest, not through the air. No folding, bending or
+    /// unrolling without stretch makes one longer.
     pub lengths: Vec<Real>,
 }
 
@@ -36,10 +40,12 @@ impl CoarseLevel {
 /// Coarser levels than this are none.
 const SMALLEST: usize = 4;
 
-/// At most `most` levels of a mesh at rest, from fine to coarse, each of about half as many vertices as the one before, or fewer; fewer levels where one more would gain nothing.
+/// At most `most` levels of a mesh at rest, from fine to coarse, each of about half as many vertices as the one before,
+/// or fewer; fewer levels where one more would gain nothing.
 ///
-/// Vertices are left out one after another as long as every one left out keeps at least `parent_count` neighbours on the coarse level, its parents, and lies among them. On a boundary, of the
-/// sheet or of a hole, its two neighbours there are needed and are the parents. Vertices that `hold` names are kept.
+/// Vertices are left out one after another as long as every one left out keeps at least `parent_count` neighbours on
+/// the coarse level, its parents, and lies among them. On a boundary, of the sheet or of a hole, its two neighbours
+/// there are needed and are the parents. Vertices that `hold` names are kept.
 ///
 /// # Panics
 /// If `edges` was built from another mesh.

@@ -2,8 +2,8 @@
 
 use crate::math::Real;
 
-/// A sparse matrix P with a row of weights (dimensionless) per fine vertex: a fine value is the weighted sum of coarse ones.
-/// Rows and columns are both listed, so that P and Pᵀ are applied without scattering.
+/// A sparse matrix P with a row of weights (dimensionless) per fine vertex: a fine value is the weighted sum of coarse
+/// ones. Rows and columns are both listed, so that P and Pᵀ are applied without scattering.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Prolongation {
     rows: Lists,

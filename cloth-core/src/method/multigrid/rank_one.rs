@@ -1,8 +1,8 @@
 //! Additions of rank one that come and go: contacts between vertices that the pattern of the matrix does not couple.
 //!
-//! Each is `k J Jᵀ` with `J_i = w_i n`, so on every level it is a list of weighted vertices: `PᵀJ` has the weights `Pᵀw`. Nothing is assembled and
-//! no pattern changes. Relaxation keeps the product `s = J·x` of each up to date as vertices move, as position-based methods do
-//! with their constraints.
+//! Each is `k J Jᵀ` with `J_i = w_i n`, so on every level it is a list of weighted vertices: `PᵀJ` has the weights
+//! `Pᵀw`. Nothing is assembled and no pattern changes. Relaxation keeps the product `s = J·x` of each up to date as
+//! vertices move, as position-based methods do with their constraints.
 
 use super::blocks::{Lanes, plus, vector};
 use super::prolongation::Prolongation;

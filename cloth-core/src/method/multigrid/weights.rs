@@ -1,19 +1,21 @@
 //! How a vertex follows its parents on the next coarser level.
 //!
-//! The weights are exact for linear functions of the rest positions, so that coarse levels represent translations, rotations of
-//! small angle and constant strain; they differ as little as that allows from what each parent weighs by its distance.
+//! The weights are exact for linear functions of the rest positions, so that coarse levels represent translations,
+//! rotations of small angle and constant strain; they differ as little as that allows from what each parent weighs by
+//! its distance.
 
 use crate::math::{Mat3, Real, Vec3};
 
 /// Part of a vertex's squared mean distance to its parents below which their spread along an axis is none.
 const FLAT: Real = 1e-3;
 
-/// Turns what each parent of a vertex weighs by its distance (any unit) into its weight (dimensionless, sum 1), and gives how far the
-/// vertex is from the weighted mean of the parents, relative to their mean distance; infinity where there are none. `place` (m)
-/// is where vertices are at rest.
+/// Turns what each parent of a vertex weighs by its distance (any unit) into its weight (dimensionless, sum 1), and
+/// gives how far the vertex is from the weighted mean of the parents, relative to their mean distance; infinity where
+/// there are none. `place` (m) is where vertices are at rest.
 ///
-/// `w = b (1 + β·(r − m))` with b what was given over its sum, r the displacements to the parents, m their mean weighted by b,
-/// and `cov β = −m` as far as the parents spread. No weight is below `least · b`, with `least` at most 0.
+/// `w = b (1 + β·(r − m))` with b what was given over its sum, r the displacements to the parents, m their mean
+/// weighted by b, and `cov β = −m` as far as the parents spread. No weight is below `least · b`, with `least` at most
+/// 0.
 pub(super) fn linear_weights(
     vertex: usize,
     parents: &mut [(u32, Real)],
@@ -68,8 +70,8 @@ pub(super) fn linear_weights(
 mod tests {
     use super::*;
 
-    /// Among its parents a vertex gets what a linear function has there, whatever they weigh by distance; outside, weights stop at
-    /// the least.
+    /// Among its parents a vertex gets what a linear function has there, whatever they weigh by distance; outside,
+    /// weights stop at the least.
     #[test]
     fn weights_are_exact_for_linear_functions_among_the_parents() {
         let place = [

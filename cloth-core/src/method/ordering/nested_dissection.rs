@@ -1,8 +1,8 @@
 //! Nested dissection: cut the graph in two halves, number them first and the cut last, and do the same with each half.
 //!
-//! What is eliminated on one side of a cut never meets the other side, so the factor has nonzeros in the halves and along the cut only. On a
-//! sheet the cut has about √V vertices, and the factor O(V log V) nonzeros, which no ordering can beat by more than a
-//! constant.
+//! What is eliminated on one side of a cut never meets the other side, so the factor has nonzeros in the halves and
+//! along the cut only. On a sheet the cut has about √V vertices, and the factor O(V log V) nonzeros, which no ordering
+//! can beat by more than a constant.
 //!
 //! Here a half is what is nearer to one far end of the part than to the other, in steps along edges: no positions are
 //! needed. The cut is the side of fewer vertices of those that touch the other half.
@@ -115,8 +115,8 @@ impl Dissection<'_> {
         self.queue[at - 1]
     }
 
-    /// Those nearer to the first end and those nearer to the second, where that makes halves; otherwise the vertices in that
-    /// order, cut in the middle.
+    /// Those nearer to the first end and those nearer to the second, where that makes halves; otherwise the vertices in
+    /// that order, cut in the middle.
     fn halves(&self, vertices: &[u32]) -> [Vec<u32>; 2] {
         let lead = |v: u32| {
             let [one, other] = [0, 1].map(|end| i64::from(self.steps[end][v as usize]));

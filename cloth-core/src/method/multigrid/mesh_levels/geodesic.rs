@@ -7,10 +7,11 @@ use std::collections::BinaryHeap;
 
 /// Shortest ways over a triangle mesh from one vertex to some others.
 ///
-/// Dijkstra's method over the edges, in which a triangle with two corners done also reaches the third straight across: the source is unfolded into
-/// the plane of the triangle from the distances of the two, and the straight line to the third corner is taken if it passes between them
-/// (M. Novotni, R. Klein, "Computing geodesic distances on triangular meshes", WSCG 2002). On a flat or a folded sheet the result is exact wherever the straight way
-/// lies within the sheet and no obtuse triangle hides it, and elsewhere too long: round a hole or a slit, never across.
+/// Dijkstra's method over the edges, in which a triangle with two corners done also reaches the third straight across:
+/// the source is unfolded into the plane of the triangle from the distances of the two, and the straight line to the
+/// third corner is taken if it passes between them (M. Novotni, R. Klein, "Computing geodesic distances on triangular
+/// meshes", WSCG 2002). On a flat or a folded sheet the result is exact wherever the straight way lies within the sheet
+/// and no obtuse triangle hides it, and elsewhere too long: round a hole or a slit, never across.
 #[derive(Debug)]
 pub(super) struct Geodesics<'a> {
     positions: &'a [Vec3],

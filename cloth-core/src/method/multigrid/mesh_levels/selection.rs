@@ -1,4 +1,5 @@
-//! Which vertices of a mesh go on to the next coarser level: one after another is left out, as long as it lies among its parents.
+//! Which vertices of a mesh go on to the next coarser level: one after another is left out, as long as it lies among
+//! its parents.
 
 use crate::math::{Real, Vec3};
 use crate::method::multigrid::prolongation::Prolongation;
@@ -62,14 +63,16 @@ pub(super) struct Coarsening {
     /// The fine number of each coarse vertex, ascending.
     pub(super) kept: Vec<u32>,
     pub(super) prolongation: Prolongation,
-    /// Coarse vertices that a fine link joins, themselves or by vertices whose nearest parents they are; ascending, the lower number first.
+    /// Coarse vertices that a fine link joins, themselves or by vertices whose nearest parents they are; ascending, the
+    /// lower number first.
     pub(super) links: Vec<[u32; 2]>,
     /// The same along the boundary.
     pub(super) rim_links: Vec<[u32; 2]>,
 }
 
-/// Leaves out as many vertices as it can in one go, so that each of them has at least `parent_count` parents among those kept, on the rim its two neighbours
-/// there, and lies among them. `hold` says which have to be kept: those that are prescribed. `place` (m) is where vertices are at rest.
+/// Leaves out as many vertices as it can in one go, so that each of them has at least `parent_count` parents among
+/// those kept, on the rim its two neighbours there, and lies among them. `hold` says which have to be kept: those that
+/// are prescribed. `place` (m) is where vertices are at rest.
 pub(super) fn coarsen(
     graph: &Graph,
     hold: impl Fn(u32) -> bool,
