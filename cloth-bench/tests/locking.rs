@@ -56,7 +56,12 @@ fn the_command_counts_and_measures_every_kind_of_mesh() {
                 number("edges") - rank,
                 number(&format!("self_stresses_{shape}"))
             );
-            assert!(found[format!("smallest_kept_{shape}")].as_f64().unwrap() > 1e-9);
+            assert!(
+                found[format!("smallest_nonzero_singular_value_{shape}")]
+                    .as_f64()
+                    .unwrap()
+                    > 1e-9
+            );
         }
     }
 }

@@ -170,7 +170,7 @@
 //! friction, are swept last in each sweep of every substep; the velocities follow from what they leave. The
 //! solver itself knows nothing of shapes, and runs no code for contact without a source. The strain that
 //! unconverged sweeps leave is elastic energy that contact can release: a sheet of 64 × 64 vertices that falls
-//! 5 cm onto a ball gains 1453 J with the default of 20 iterations, where gravity gives 0.6 J (README, third
+//! 5 cm onto a ball gains 1453 J with the default of 20 iterations, where gravity gives 0.6 J (README,
 //! table).
 //!
 //! # Errors and bad input

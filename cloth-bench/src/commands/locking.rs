@@ -43,14 +43,14 @@ pub(super) fn execute(arguments: &Arguments) -> Result<(), BenchError> {
             ("nullity_flat", json!(found.flat.nullity)),
             ("self_stresses_flat", json!(found.flat.self_stresses)),
             (
-                "smallest_kept_flat",
+                "smallest_nonzero_singular_value_flat",
                 json!(found.flat.smallest_nonzero_singular_value),
             ),
             ("rank_bent", json!(found.bent.rank)),
             ("nullity_bent", json!(found.bent.nullity)),
             ("self_stresses_bent", json!(found.bent.self_stresses)),
             (
-                "smallest_kept_bent",
+                "smallest_nonzero_singular_value_bent",
                 json!(found.bent.smallest_nonzero_singular_value),
             ),
         ],

@@ -74,7 +74,10 @@ fn null_space(settings: &Settings) -> Result<Verdict, BenchError> {
         .detail("nullity_flat", rest.nullity as Real)
         .detail("self_stresses_flat", rest.self_stresses as Real)
         .detail("self_stresses_bent", curved.self_stresses as Real)
-        .detail("smallest_kept_bent", curved.smallest_nonzero_singular_value))
+        .detail(
+            "smallest_nonzero_singular_value_bent",
+            curved.smallest_nonzero_singular_value,
+        ))
 }
 
 fn same_minimum(settings: &Settings) -> Result<Verdict, BenchError> {
