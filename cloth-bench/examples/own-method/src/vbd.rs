@@ -40,8 +40,8 @@
 use crate::contact::LinearizedContact;
 use cloth_core::contact::{ContactPotential, ContactStep};
 use cloth_core::element::Convexity;
-use cloth_core::method::family::{Energies, Incidence};
 use cloth_core::math::{Mat3, Real, Vec3};
+use cloth_core::method::family::{Energies, Incidence};
 use cloth_core::particles::{Particles, State};
 use cloth_core::step::{Outcome, StepError, StepInput, StepReport, Stepper};
 
