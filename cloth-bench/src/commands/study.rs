@@ -7,7 +7,7 @@ use crate::journal::{self, Journal, RunHeader, Shard};
 use crate::report::html::{Answer, Report};
 use crate::report::png::Rasterizer;
 use crate::report::{arrow, facts};
-use crate::studies::{Findings, STUDIES, Scope, Share, Study};
+use crate::studies::{Findings, STUDIES, Scope, Share, Study, is_expected};
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::{Value, json};
@@ -184,7 +184,12 @@ pub(super) fn conclude(
     if output.json {
         print(&json!({"studies": names, "failed": failures, "out": output.out}).to_string())?;
     } else {
-        print_verdicts(output, &done, journal.failures().len())?;
+        let failures = journal.failures();
+        let [expected, alarms] = [true, false].map(|wanted| {
+            let of_kind = failures.iter().filter(|[.., e]| is_expected(e) == wanted);
+            of_kind.count()
+        });
+        print_verdicts(output, &done, expected, alarms)?;
     }
     failed.first().map_or(Ok(()), failure)
 }
@@ -220,6 +225,7 @@ fn finish_shard(
 fn print_verdicts(
     output: &Output,
     done: &[(&Study, Findings)],
+    expected: usize,
     failures: usize,
 ) -> Result<(), BenchError> {
     for (question, answer) in done.iter().flat_map(|(_, findings)| &findings.answers) {
@@ -233,6 +239,11 @@ fn print_verdicts(
         }
         let verdict = section.verdict.as_deref().unwrap_or("see the report");
         print(&format!("{}: {verdict}", study.name))?;
+    }
+    if expected > 0 {
+        print(&format!(
+            "{expected} cases failed as expected: no step is stable for their method"
+        ))?;
     }
     if failures > 0 {
         print(&format!(
@@ -313,13 +324,15 @@ fn write_report(
         .map(|(name, error)| json!({"study": name, "error": error.to_string()}))
         .collect();
     let names: Vec<&str> = done.iter().map(|(study, _)| study.name).collect();
-    let cases: Vec<Value> = journal
-        .failures()
-        .iter()
-        .map(|[study, case, error]| json!({"study": study, "case": case, "error": error}))
-        .collect();
+    let failures_of = |wanted: bool| -> Vec<Value> {
+        let all = journal.failures();
+        all.iter()
+            .filter(|[.., error]| is_expected(error) == wanted)
+            .map(|[study, case, error]| json!({"study": study, "case": case, "error": error}))
+            .collect()
+    };
     let manifest = json!({
-        "studies": names, "failed": failures, "failed_cases": cases,
+        "studies": names, "failed": failures, "failed_cases": failures_of(false), "expected_failures": failures_of(true),
         "facts": facts, "files": files, "seconds": seconds,
     });
     let text = serde_json::to_string_pretty(&manifest).map_err(BenchError::failed)?;

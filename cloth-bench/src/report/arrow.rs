@@ -32,7 +32,7 @@ pub fn file<'a>(
                 row.append_value(index);
                 column.append_value(column_name);
                 match cell {
-                    Cell::Text(value) => text.append_value(value),
+                    Cell::Text(value) | Cell::Marked(value, _) => text.append_value(value),
                     _ => text.append_null(),
                 }
                 match *cell {

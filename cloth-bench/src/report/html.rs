@@ -26,6 +26,9 @@ pub struct Section {
     pub title: String,
     /// The question in one sentence.
     pub question: String,
+    /// Whether it opens the report, before the plain answers.
+    #[serde(default)]
+    pub leads: bool,
     /// The answer in plain words, once someone has judged the numbers.
     pub verdict: Option<String>,
     /// The command that makes this section again.
@@ -105,7 +108,11 @@ impl Report {
             format!("<nav aria-label=\"Contents\"><ol>\n{contents}</ol></nav>\n")
         };
         let answers = self.answers_to_html();
-        let sections: String = self.sections.iter().map(Section::to_html).collect();
+        let of = |leads: bool| -> String {
+            let sections = self.sections.iter().filter(|s| s.leads == leads);
+            sections.map(Section::to_html).collect()
+        };
+        let (leading, sections) = (of(true), of(false));
         let script = if self.sections.iter().all(|s| s.playbacks.is_empty()) {
             String::new()
         } else {
@@ -115,8 +122,8 @@ impl Report {
             "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>\n\
              <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n\
              <title>{title}</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n<header>\n\
-             <h1>{title}</h1>\n<dl class=\"facts\">\n{facts}</dl>\n</header>\n{answers}{contents}<main>\n\
-             {sections}</main>\n{script}</body>\n</html>\n"
+             <h1>{title}</h1>\n<dl class=\"facts\">\n{facts}</dl>\n</header>\n<main>\n\
+             {leading}{answers}{contents}{sections}</main>\n{script}</body>\n</html>\n"
         )
     }
 }
@@ -143,8 +150,9 @@ impl Report {
 impl Section {
     fn to_html(&self) -> String {
         let mut html = format!(
-            "<section id=\"{}\">\n<h2>{}</h2>\n",
+            "<section id=\"{}\"{}>\n<h2>{}</h2>\n",
             anchor(&self.id),
+            if self.leads { " class=\"lead\"" } else { "" },
             escape(&self.title)
         );
         if !self.question.is_empty() {
@@ -152,6 +160,9 @@ impl Section {
         }
         if let Some(verdict) = &self.verdict {
             html += &format!("<p class=\"verdict\">{}</p>\n", escape(verdict));
+        }
+        if self.leads {
+            html += &self.tables_to_html(1, 0);
         }
         for plot in &self.plots {
             html += &format!("<figure class=\"plot\">\n{plot}</figure>\n");
@@ -171,9 +182,32 @@ impl Section {
         for playback in &self.playbacks {
             html += &playback.to_html();
         }
-        for (caption, table) in &self.tables {
+        html += &self.tables_to_html(usize::MAX, usize::from(self.leads));
+        if !self.notes.is_empty() {
+            let notes: String = self
+                .notes
+                .iter()
+                .map(|note| format!("<li>{}</li>\n", escape(note)))
+                .collect();
+            let notes = format!("<ul class=\"notes\">\n{notes}</ul>\n");
+            html += &if self.leads {
+                format!("<details><summary>How it was measured</summary>\n{notes}</details>\n")
+            } else {
+                format!("<h3>Worth knowing</h3>\n{notes}")
+            };
+        }
+        if !self.command.is_empty() {
+            html += &format!("<pre><code>{}</code></pre>\n", escape(&self.command));
+        }
+        html + "</section>\n"
+    }
+
+    /// So many of its tables, without the first ones. Long ones are folded away, and all but the first of a section that leads.
+    fn tables_to_html(&self, most: usize, without: usize) -> String {
+        let mut html = String::new();
+        for (caption, table) in self.tables.iter().skip(without).take(most) {
             let (caption, body) = (escape(caption), table.to_html());
-            html += &if table.rows.len() > LONG_TABLE {
+            html += &if table.rows.len() > LONG_TABLE || without > 0 {
                 let rows = table.rows.len();
                 format!(
                     "<details><summary>{caption} ({rows} rows)</summary>\
@@ -183,18 +217,7 @@ impl Section {
                 format!("<p class=\"caption\">{caption}</p><div class=\"scroll\">{body}</div>\n")
             };
         }
-        if !self.notes.is_empty() {
-            let notes: String = self
-                .notes
-                .iter()
-                .map(|note| format!("<li>{}</li>\n", escape(note)))
-                .collect();
-            html += &format!("<h3>Worth knowing</h3>\n<ul class=\"notes\">\n{notes}</ul>\n");
-        }
-        if !self.command.is_empty() {
-            html += &format!("<pre><code>{}</code></pre>\n", escape(&self.command));
-        }
-        html + "</section>\n"
+        html
     }
 }
 
@@ -315,6 +338,7 @@ mod tests {
             id: nasty.into(),
             title: nasty.into(),
             question: nasty.into(),
+            leads: false,
             verdict: Some(nasty.into()),
             command: nasty.into(),
             plots: vec![plot.draw().svg],
@@ -352,6 +376,19 @@ mod tests {
             html.matches("http").count() - html.matches("http://www.w3.org/2000/svg").count();
         assert_eq!(addresses, 0);
         assert!(!html.contains("<link") && !html.contains("@import") && !html.contains("url("));
+    }
+
+    #[test]
+    fn the_section_that_leads_comes_before_the_answers() {
+        let mut report = nasty();
+        report.sections[0].leads = true;
+        let html = report.to_html();
+        assert_well_formed(&html);
+        let at = |what: &str| html.find(what).unwrap();
+        assert!(at("class=\"lead\"") < at("class=\"answers\""));
+        // Its table opens it.
+        assert!(at("<table>") < at("<svg"));
+        assert_eq!(html.matches("<section").count(), 2);
     }
 
     #[test]

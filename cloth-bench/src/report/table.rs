@@ -7,6 +7,31 @@ use super::html::escape;
 use crate::journal::Number;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
+/// What a reader should see of a value at a glance.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Mark {
+    /// Among the best of its column.
+    Best,
+    /// Nothing remarkable.
+    Plain,
+    /// So bad that it rules the method out where it matters.
+    Unfit,
+    /// A failure that theory foretells: no alarm.
+    Expected,
+}
+
+impl Mark {
+    /// The sign before the value, and the class of its cell in the page.
+    fn sign(self) -> [&'static str; 2] {
+        match self {
+            Self::Best => ["★ ", "best"],
+            Self::Plain => ["", "plain"],
+            Self::Unfit => ["✗ ", "unfit"],
+            Self::Expected => ["", "expected"],
+        }
+    }
+}
+
 /// One value of a [`Table`].
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub enum Cell {
@@ -17,6 +42,8 @@ pub enum Cell {
     /// A measured or computed number; its column says the unit.
     #[serde(serialize_with = "write_number", deserialize_with = "read_number")]
     Number(f64),
+    /// A value as a reader wants it, rounded and with its unit, and what to think of it.
+    Marked(String, Mark),
     /// There is no value here (a method does not have this quantity, or the run failed).
     #[default]
     Missing,
@@ -77,6 +104,7 @@ impl Cell {
             Self::Text(text) => quoted(text),
             Self::Int(count) => count.to_string(),
             Self::Number(number) => format!("{number:?}"),
+            Self::Marked(text, _) => quoted(text),
             Self::Missing => String::new(),
         }
     }
@@ -87,6 +115,7 @@ impl Cell {
             Self::Text(text) => text.clone(),
             Self::Int(count) => count.to_string(),
             Self::Number(number) => significant(*number, 4),
+            Self::Marked(text, mark) => format!("{}{text}", mark.sign()[0]),
             Self::Missing => "–".to_owned(),
         }
     }
@@ -99,12 +128,16 @@ impl Cell {
             Self::Number(number) => {
                 format!("<td class=\"number\">{}</td>", significant(*number, 4))
             }
+            Self::Marked(text, mark) => {
+                let [sign, class] = mark.sign();
+                format!("<td class=\"number {class}\">{sign}{}</td>", escape(text))
+            }
             Self::Missing => "<td class=\"number missing\">–</td>".to_owned(),
         }
     }
 
     fn is_numeric(&self) -> bool {
-        matches!(self, Self::Int(_) | Self::Number(_))
+        matches!(self, Self::Int(_) | Self::Number(_) | Self::Marked(..))
     }
 }
 
@@ -288,6 +321,19 @@ mod tests {
         }
         assert!(field.is_empty() && row.is_empty(), "the last line ends");
         rows
+    }
+
+    #[test]
+    fn marks_are_for_people() {
+        let mut table = Table::new(&["ms"]);
+        table.push([Cell::Marked("1 < 2".into(), Mark::Best)]);
+        assert_eq!(table.to_csv(), "ms\r\n1 < 2\r\n");
+        assert!(table.to_text().contains("★ 1 < 2"));
+        assert!(
+            table
+                .to_html()
+                .contains("<td class=\"number best\">★ 1 &lt; 2</td>")
+        );
     }
 
     #[test]

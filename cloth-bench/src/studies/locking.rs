@@ -12,6 +12,7 @@ mod sphere;
 mod sweeps;
 
 pub use count::Locking;
+pub(super) use methods::fold_angle;
 
 use super::{Cases, Findings, Scope, Study};
 use crate::error::BenchError;
@@ -56,8 +57,27 @@ fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
     remedies::run(scope, all, cases)?;
     methods::run(scope, all, cases)?;
     let drapes = sphere::run(scope, all, cases)?;
+    findings.answer(
+        "Which folds does the mesh allow?",
+        allowed(as_counted, &folds),
+    );
     findings.section.verdict = Some(verdict(as_counted, &cones, &folds, &drapes));
     Ok(findings)
+}
+
+/// What the count says of folds.
+fn allowed(as_counted: bool, folds: &Folds) -> String {
+    let is_measured = if as_counted {
+        "so it is measured on every pattern"
+    } else {
+        "but it is NOT measured so on every pattern"
+    };
+    format!(
+        "With edges that cannot stretch, a bent sheet has 3V − E motions, which is 3χ + E_b: the number of its boundary edges and three more, {is_measured}. A square of N × N vertices has 3N² coordinates and 4N − 1 motions, six of them rigid: \
+        finer meshes allow more folds only in proportion to their boundary. Of {} folds under their own weight {} lost half of their bending to that; the others have lines of edges along the fold, or edges that are soft enough.",
+        folds.locked + folds.free,
+        folds.locked
+    )
 }
 
 fn verdict(as_counted: bool, cones: &OnCones, folds: &Folds, drapes: &Drapes) -> String {

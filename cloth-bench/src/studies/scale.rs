@@ -42,7 +42,7 @@ fn budget(scope: Scope) -> Duration {
 
 const STEPS: u32 = 3;
 /// No step of forward Euler is stable.
-const WITHOUT: &str = "explicit-euler";
+pub(super) const WITHOUT: &str = "explicit-euler";
 
 fn methods() -> impl Iterator<Item = &'static method::Method> {
     method::all().filter(|method| method.name != WITHOUT)
@@ -54,12 +54,12 @@ fn cases(_: Scope) -> u64 {
 
 /// One size that a method got through.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
-struct Size {
+pub(super) struct Size {
     side: u32,
-    ms_per_step: Real,
+    pub(super) ms_per_step: Real,
     setup_ms: Real,
     /// Bytes; not every system tells.
-    memory: Option<u64>,
+    pub(super) memory: Option<u64>,
 }
 
 /// How far a method came, and why not further.
@@ -175,7 +175,7 @@ fn reach(scope: Scope, method: &str, progress: &mut dyn FnMut(&str)) -> Result<R
         }
         progress(&format!("scale: {method} at {side} × {side}"));
         let started = Instant::now();
-        match alone(method, side, budget(scope))? {
+        match alone(method, side, STEPS, budget(scope))? {
             Ok(size) => {
                 reach.sizes.push(size);
                 last = Some((side, started.elapsed()));
@@ -197,10 +197,15 @@ fn too_much(last: Option<&Size>) -> Option<Real> {
     (needed > 0.8 * free).then_some(needed / 1e9)
 }
 
-/// A run in a process of its own, or why there is none.
-fn alone(method: &str, side: u32, budget: Duration) -> Result<Result<Size, String>, BenchError> {
+/// A run of so many steps of the hanging sheet in a process of its own, or why there is none.
+pub(super) fn alone(
+    method: &str,
+    side: u32,
+    steps: u32,
+    budget: Duration,
+) -> Result<Result<Size, String>, BenchError> {
     let program = std::env::current_exe().map_err(BenchError::failed)?;
-    let (side_text, steps) = (side.to_string(), STEPS.to_string());
+    let (side_text, steps) = (side.to_string(), steps.to_string());
     let child = Command::new(program)
         .args(["run", "hang", "--method", method, "--n", &side_text])
         .args(["--steps", &steps, "--json"])

@@ -169,6 +169,23 @@ fn follow(scene: &Scene, name: &str, dt: Real, steps: u32) -> Result<Fate, Bench
     Ok(fate)
 }
 
+/// The largest power of ten (N/m), up to a billion, to which the springs of the hanging sheet can be stiffened before the
+/// method explodes or gains energy of motion in so many steps of 1/60 s; none where it does with the softest.
+///
+/// # Errors
+/// [`BenchError::Failed`] for a scene that cannot be built.
+pub(super) fn stable_up_to(method: &str, steps: u32) -> Result<Option<Real>, BenchError> {
+    let mut stable = None;
+    for decade in 0..=9 {
+        let stiffness = Real::powi(10.0, decade);
+        if map::falls(stiffness, method, steps)?.severity() >= Fate::Grew(0).severity() {
+            break;
+        }
+        stable = Some(stiffness);
+    }
+    Ok(stable)
+}
+
 /// One table for a map, with a row per method and value of the second parameter; what it says.
 fn draw(
     map: &Map,

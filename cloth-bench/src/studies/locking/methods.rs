@@ -117,6 +117,14 @@ fn make(name: &str, iterations: u32, cells: usize) -> Result<Made, BenchError> {
     })
 }
 
+/// The angle of the fold over the exact one (dimensionless), by a method at its published setting.
+///
+/// # Errors
+/// [`BenchError::Failed`] with the method's own error.
+pub(in crate::studies) fn fold_angle(name: &str, cells: usize) -> Result<Real, BenchError> {
+    Ok(make(name, 0, cells)?.angle)
+}
+
 pub(super) fn run(
     scope: Scope,
     findings: &mut Findings,

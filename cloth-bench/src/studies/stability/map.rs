@@ -124,6 +124,11 @@ pub(super) fn worst(
     Ok(worst)
 }
 
+/// What a method makes of the fall of a sheet with springs of so many N/m, in steps of 1/60 s.
+pub(super) fn falls(stiffness: Real, method: &str, steps: u32) -> Result<Fate, BenchError> {
+    follow(&jittered(&hung(stiffness)?, 1), method, STEP, steps)
+}
+
 fn jittered(scene: &Scene, seed: u64) -> Scene {
     let mut scene = scene.clone();
     let mut random = SplitMix64::new(seed);

@@ -1,0 +1,379 @@
+//! Every method on one line: what it costs, how good it is, and where it is not to be used.
+
+mod columns;
+mod measure;
+mod qualities;
+
+use super::{Cases, Findings, Scope, Study, scale};
+use crate::bounds::bounds;
+use crate::error::BenchError;
+use crate::method;
+use crate::report::html::Picture;
+use crate::report::render::{Surface, View, render};
+use crate::report::table::{Cell, Mark, Table};
+use crate::settings::Settings;
+use cloth_core::math::{Real, Vec3};
+use columns::{COLUMNS, percent, two};
+use measure::{Contact, Cost, Step};
+
+pub(super) const STUDY: Study = Study {
+    name: "decision",
+    question: "Which method for which purpose?",
+    about: "ms a step and memory (peak of the process): the hanging sheet from rest, in a process of its own, median of sixteen \
+        steps, or of three where a step takes longer than 0.3 s. Real time: vertices a side at 16.7 ms a step, from the power law \
+        through both sizes. Error: (G − G*)/(G(x̃) − G*) after the sixteenth step of the hanging sheet, 1 at the inertial \
+        prediction, 0 at the minimum; none for methods that solve another step. Stretch: largest strain of an edge after half a \
+        second of hanging. Stable up to: springs of so many N/m at Δt = 1/60 s without energy of motion from nowhere; explicit \
+        methods take the step in one part there, elsewhere they cut it as finely as they need. Fold: angle over the exact one of a \
+        sheet with edges of 1e6 N/m that hangs over an edge (see the study of locking): from 0.8 to 1.25 it folds, below 0.5 it is locked. \
+        Contact: the same sheet falls on a sphere, half a second; its time a step over that of hanging, pairs that cross at the \
+        end, and energy above what start and gravity gave, over the latter: most of it is that of springs which a \
+        solver cut short leaves strained, the verdict is about motion. Best: within a twentieth of the best. Unfit: \
+        ten times the time, memory or contact cost of the best, a tenth of its vertices, an error above 0.1, twice the stretch of \
+        implicit Euler, unstable with 1e4 N/m, locked, crossings, or more than 1 % of energy above what was given.",
+    cases,
+    run,
+};
+
+/// The method whose stretch is the right one: it is solved to its end.
+const REFERENCE: &str = "implicit-euler";
+
+const DT: Real = 1.0 / 60.0;
+
+fn methods() -> impl Iterator<Item = &'static method::Method> {
+    method::all().filter(|method| method.name != scale::WITHOUT)
+}
+
+fn cases(_: Scope) -> u64 {
+    // Of every method three; of the one that is never stable, that it is not.
+    3 * methods().count() as u64 + 1 + CUTS.len() as u64
+}
+
+/// A method with all that was found of it.
+#[derive(Debug)]
+struct Row {
+    method: &'static str,
+    cost: Option<Cost>,
+    step: Option<Step>,
+    contact: Option<Contact>,
+}
+
+fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
+    let mut findings = Findings::default();
+    findings.section.leads = true;
+    let unstable = format!("step of {}", scale::WITHOUT);
+    let outcome = cases.case(&unstable, || measure::hopeless(scope));
+    let foretold = findings.unless_failed(&unstable, outcome);
+    let every: Vec<&method::Method> = methods().collect();
+    let case_of = |method: &&method::Method| format!("step of {}", method.name);
+    let steps = cases.side_by_side(&every, case_of, |method| Step::measure(scope, method));
+    let mut rows = Vec::new();
+    for (method, step) in every.into_iter().zip(steps) {
+        let name = method.name;
+        let step = findings.unless_failed(&case_of(&method), step);
+        let case = format!("cost of {name}");
+        let cost = cases.case(&case, || Cost::measure(scope, name));
+        let cost = findings.unless_failed(&case, cost);
+        let case = format!("contact of {name}");
+        let contact = cases.case(&case, || Contact::measure(scope, method));
+        let contact = findings.unless_failed(&case, contact);
+        for reason in step.iter().flat_map(|s| &s.reasons) {
+            findings.section.notes.push(format!("{name}: {reason}."));
+        }
+        let drapes = contact
+            .iter()
+            .flat_map(|c| [("1/60", &c.sixtieth), ("1/30", &c.thirtieth)]);
+        for (dt, reason) in drapes.filter_map(|(dt, d)| Some((dt, d.reason.as_ref()?))) {
+            let note = format!("{name} in contact, steps of {dt} s: {reason}.");
+            findings.section.notes.push(note);
+        }
+        rows.push(Row {
+            method: name,
+            cost,
+            step,
+            contact,
+        });
+    }
+    findings.section.verdict = Some(verdict(&rows));
+    findings.data("decision", data(&rows));
+    let shown = shown(scope, &rows, foretold.unwrap_or_default());
+    let caption = format!(
+        "Every method at its default setting: ★ best, ✗ unfit, – not to be had. Pictures: the same cloth on a sphere after {:.2} s.",
+        Real::from(measure::steps(scope)) * DT
+    );
+    findings.section.tables.push((caption, shown));
+    findings.section.pictures = strip(scope, &rows)?;
+    findings.table(
+        "decision-qualities",
+        "What no measurement says",
+        qualities::table(),
+    );
+    answer(&rows, &mut findings);
+    cuts(scope, &mut findings, cases);
+    Ok(findings)
+}
+
+/// The numbers as they are.
+fn data(rows: &[Row]) -> Table {
+    let names = COLUMNS.iter().map(|c| format!("{} ({})", c.name, c.unit));
+    let columns = std::iter::once("method".to_owned()).chain(names).collect();
+    let cells = |row: &Row| {
+        let values = COLUMNS.iter().map(|column| Cell::from((column.value)(row)));
+        std::iter::once(Cell::from(row.method))
+            .chain(values)
+            .collect()
+    };
+    Table {
+        columns,
+        rows: rows.iter().map(cells).collect(),
+    }
+}
+
+/// The numbers as a reader wants them, judged; a method that `foretold` why it fails has a line of its own.
+fn shown(scope: Scope, rows: &[Row], foretold: String) -> Table {
+    let [small, large] = measure::sides(scope).map(|side| format!("{side} × {side}"));
+    let names = COLUMNS.iter().map(|column| {
+        column
+            .name
+            .replace("small", &small)
+            .replace("large", &large)
+    });
+    let mut columns = vec!["method".to_owned()];
+    columns.extend(names);
+    let mut lines: Vec<Vec<Cell>> = rows
+        .iter()
+        .map(|row| vec![Cell::from(row.method)])
+        .collect();
+    for column in &COLUMNS {
+        let all: Vec<Real> = rows.iter().filter_map(column.value).collect();
+        let reference = rows.iter().find(|row| row.method == REFERENCE);
+        let reference = reference.and_then(column.value);
+        for (line, row) in lines.iter_mut().zip(rows) {
+            line.push((column.value)(row).map_or(Cell::Missing, |value| {
+                let mark = column.rule.judge(value, &all, reference);
+                Cell::Marked((column.say)(value), mark)
+            }));
+        }
+    }
+    let mut hopeless = vec![Cell::from(scale::WITHOUT)];
+    hopeless.extend(COLUMNS.iter().map(|column| match column.name {
+        "stable up to" => Cell::Marked(foretold.clone(), Mark::Expected),
+        _ => Cell::Missing,
+    }));
+    lines.push(hopeless);
+    Table {
+        columns,
+        rows: lines,
+    }
+}
+
+/// The best of the columns that people ask for first.
+fn verdict(rows: &[Row]) -> String {
+    let best = |value: fn(&Row) -> Option<Real>, sign: Real| {
+        let known = rows
+            .iter()
+            .filter_map(|row| Some((row.method, sign * value(row)?)));
+        known
+            .min_by(|a, b| a.1.total_cmp(&b.1))
+            .map_or("none", |(name, _)| name)
+    };
+    format!(
+        "The cheapest step of a large sheet is that of {}; the most accurate, that of {}; the largest cloth in real time, that of {}; contact without a crossing, and never in motion with more energy than was given: {}.",
+        best(|row| row.cost.as_ref()?.ms[1], 1.0),
+        best(|row| row.step.as_ref()?.error, 1.0),
+        best(Row::real_time, -1.0),
+        clean(rows, |contact| &contact.sixtieth).join(", ")
+    )
+}
+
+/// Methods that came through contact without a crossing, and without moving with energy from nowhere.
+fn clean(rows: &[Row], of: impl Fn(&Contact) -> &measure::Drape) -> Vec<&'static str> {
+    let is_clean = |row: &&Row| {
+        row.contact
+            .as_ref()
+            .is_some_and(|contact| of(contact).is_clean())
+    };
+    rows.iter().filter(is_clean).map(|row| row.method).collect()
+}
+
+/// The same cloth in contact, by each method.
+fn strip(scope: Scope, rows: &[Row]) -> Result<Vec<Picture>, BenchError> {
+    let scene = measure::draped(scope)?;
+    let Some(mesh) = &scene.mesh else {
+        return Ok(Vec::new());
+    };
+    let seconds = Real::from(measure::steps(scope)) * scene.dt;
+    let bodies = scene.obstacle_surfaces(seconds);
+    let drapes = rows.iter().filter_map(|row| {
+        let drape = &row.contact.as_ref()?.sixtieth;
+        let positions: Vec<Vec3> = drape.positions.iter().copied().map(Vec3::from).collect();
+        (!positions.is_empty()).then_some((row.method, positions))
+    });
+    let drapes: Vec<(&str, Vec<Vec3>)> = drapes.collect();
+    let of_bodies = bodies.iter().flat_map(|(positions, _)| positions);
+    let frame = bounds(of_bodies.chain(&scene.start.positions).copied());
+    let view = View {
+        width: 300,
+        height: 260,
+        bounds: Some(frame),
+        ..View::default()
+    };
+    let picture = |(method, positions): &(&str, Vec<Vec3>)| {
+        let bodies = bodies
+            .iter()
+            .map(|(at, triangles)| Surface::obstacle(at, triangles));
+        let mut surfaces: Vec<Surface<'_>> = bodies.collect();
+        surfaces.push(Surface::cloth(positions, mesh.triangles()));
+        Ok(Picture {
+            png: render(&surfaces, &view).map_err(BenchError::failed)?,
+            caption: (*method).to_owned(),
+        })
+    };
+    drapes.iter().map(picture).collect()
+}
+
+/// What contact costs, and what survives longer steps.
+fn answer(rows: &[Row], findings: &mut Findings) {
+    let costs = rows.iter().filter_map(|row| {
+        let ms = row.contact.as_ref()?.sixtieth.ms?;
+        Some(format!(
+            "{} × {} ({} ms)",
+            row.method,
+            two(row.contact_cost()?),
+            two(ms)
+        ))
+    });
+    let costs: Vec<String> = costs.collect();
+    let told = format!(
+        "A step of a sheet on a sphere takes, over one of the same sheet hanging: {}.",
+        costs.join(", ")
+    );
+    findings.answer("What does contact cost?", told);
+    let survives = clean(rows, |contact| &contact.thirtieth);
+    let others = rows.iter().filter(|row| !survives.contains(&row.method));
+    let others = others.filter_map(|row| {
+        let drape = &row.contact.as_ref()?.thirtieth;
+        let why = match drape.crossings {
+            Some(pairs) if pairs > 0.0 => format!("{pairs} crossings"),
+            Some(_) => "moves with energy that it was never given".into(),
+            None => drape.reason.clone()?,
+        };
+        Some(format!("{} ({why})", row.method))
+    });
+    let others: Vec<String> = others.collect();
+    let told = format!(
+        "On the sphere, without a crossing, and never in motion with more energy than was given: {}. Not: {}; {} at no step, as expected.",
+        survives.join(", "),
+        others.join(", "),
+        scale::WITHOUT
+    );
+    findings.answer("What survives a step of 1/30 s?", told);
+}
+
+/// The same number of sweeps over the constraints, as iterations and as substeps: method, substeps, iterations.
+const CUTS: [(&str, u32, u32); 6] = [
+    ("pbd", 1, 20),
+    ("pbd", 4, 5),
+    ("pbd", 20, 1),
+    ("xpbd", 1, 20),
+    ("xpbd", 4, 5),
+    ("xpbd", 20, 1),
+];
+
+fn cuts(scope: Scope, findings: &mut Findings, cases: &mut Cases<'_>) {
+    let mut table = Table::new(&[
+        "method",
+        "substeps",
+        "iterations",
+        "ms a step",
+        "largest stretch",
+        "crossings",
+        "energy above what was given",
+    ]);
+    let mut told = Vec::new();
+    for (name, substeps, iterations) in CUTS {
+        let case = format!("{name} in contact, {substeps} substeps of {iterations} iterations");
+        let drape = cases.case(&case, || {
+            let settings = Settings::default();
+            let settings = settings
+                .with("substeps", substeps)
+                .with("iterations", iterations);
+            let method = method::Method::find(name)?;
+            measure::Drape::measure(scope, method, &settings, DT, measure::steps(scope))
+        });
+        let Some(drape) = findings.unless_failed(&case, drape) else {
+            continue;
+        };
+        if let (Some(ms), Some(stretch)) = (drape.ms, drape.stretch) {
+            told.push(format!(
+                "{name} {substeps} × {iterations}: {} of stretch in {} ms",
+                percent(stretch),
+                two(ms)
+            ));
+        }
+        findings
+            .section
+            .notes
+            .extend(drape.reason.map(|reason| format!("{case}: {reason}.")));
+        table.push([
+            Cell::from(name),
+            Cell::from(substeps as usize),
+            Cell::from(iterations as usize),
+            Cell::from(drape.ms),
+            Cell::from(drape.stretch),
+            Cell::from(drape.crossings),
+            Cell::from(drape.excess),
+        ]);
+    }
+    findings.table(
+        "decision-substeps",
+        "Twenty sweeps under contact, as substeps × iterations",
+        table,
+    );
+    let answer = format!(
+        "Twenty sweeps a step on the sphere, as substeps × iterations: {}.",
+        told.join("; ")
+    );
+    findings.answer("Iterations or substeps under contact?", answer);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What every method makes of a step, a stiff sheet and a fold does not depend on the machine.
+    #[test]
+    fn steps_are_ordered_as_theory_has_it() {
+        let of = |name: &str| {
+            let method = method::Method::find(name).unwrap();
+            Step::measure(Scope::Quick, method).unwrap()
+        };
+        let names = ["implicit-euler", "pd", "linear-implicit", "pbd"];
+        let steps = names.map(of);
+        let errors = steps.each_ref().map(|step| step.error.unwrap());
+        assert!(errors.is_sorted(), "{errors:?}");
+        assert!(errors[0] < 1e-6 && errors[3] > 0.1, "{errors:?}");
+        // Solved to the end, a sheet stretches as little as its springs allow; cut short, it stretches more.
+        let stretches = steps.each_ref().map(|step| step.stretch.unwrap());
+        assert!(stretches[3] > 20.0 * stretches[0], "{stretches:?}");
+        for step in &steps {
+            assert_eq!(step.stable, Some(1e9), "{step:?}");
+            assert_eq!(step.reasons, [""; 0]);
+            // None of them locks: edges lie along the fold.
+            assert!(step.fold.unwrap() > 1.0, "{step:?}");
+        }
+    }
+
+    #[test]
+    fn failures_that_theory_foretells_are_no_alarm() {
+        assert_eq!(
+            measure::hopeless(Scope::Quick).unwrap(),
+            "never, as expected"
+        );
+        let limit = super::super::stability::stable_up_to("symplectic-euler", 20).unwrap();
+        assert_eq!(limit, Some(1.0));
+        let table = shown(Scope::Quick, &[], "never".into());
+        assert!(table.rows[0].contains(&Cell::Marked("never".into(), Mark::Expected)));
+        assert!(!table.to_html().contains("unfit"));
+    }
+}

@@ -1,0 +1,264 @@
+//! What is measured of a method, and on which sheets.
+
+use super::super::{Scope, locking, scale, sheets, stability};
+use crate::error::BenchError;
+use crate::method::Method;
+use crate::run;
+use crate::scene;
+use crate::settings::Settings;
+use cloth_core::math::Real;
+use serde::{Deserialize, Serialize};
+use std::time::{Duration, Instant};
+
+/// Vertices a side of the two sheets whose steps are timed.
+pub(super) fn sides(scope: Scope) -> [u32; 2] {
+    match scope {
+        Scope::Quick => [16, 32],
+        Scope::Full => [64, 128],
+    }
+}
+
+/// Vertices a side of the sheets of [`Step`] and of [`Contact`], and steps of the latter.
+fn small(scope: Scope) -> (u32, u32, u32) {
+    match scope {
+        Scope::Quick => (17, 11, 12),
+        Scope::Full => (33, 25, 30),
+    }
+}
+
+/// Time that a run may take.
+fn budget(scope: Scope) -> Duration {
+    match scope {
+        Scope::Quick => Duration::from_secs(2),
+        Scope::Full => Duration::from_secs(20),
+    }
+}
+
+/// Steps of the hanging sheet that are timed, or fewer if one takes longer than [`LONG`] (ms).
+const TIMED: [u32; 2] = [3, 16];
+const LONG: Real = 300.0;
+
+/// What a step takes.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub(super) struct Cost {
+    /// Vertices a side.
+    pub(super) sides: [u32; 2],
+    /// Time of a step (ms) at either size.
+    pub(super) ms: [Option<Real>; 2],
+    /// Peak of the process (B) at the larger size.
+    pub(super) memory: Option<Real>,
+}
+
+impl Cost {
+    pub(super) fn measure(scope: Scope, method: &str) -> Result<Self, BenchError> {
+        let sides = sides(scope);
+        let mut cost = Self {
+            sides,
+            ..Self::default()
+        };
+        // The larger size of the slowest method takes forty seconds.
+        let budget = 3 * budget(scope);
+        for (side, ms) in sides.into_iter().zip(&mut cost.ms) {
+            let [few, many] = TIMED;
+            let Ok(mut size) = scale::alone(method, side, few, budget)? else {
+                continue;
+            };
+            if size.ms_per_step < LONG
+                && let Ok(longer) = scale::alone(method, side, many, budget)?
+            {
+                size = longer;
+            }
+            *ms = Some(size.ms_per_step);
+            cost.memory = size.memory.map(|bytes| bytes as Real);
+        }
+        Ok(cost)
+    }
+}
+
+/// What a method makes of a step, a stiff sheet and a fold: the same on every machine.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(super) struct Step {
+    /// `(G − G*)/(G(x̃) − G*)` (dimensionless); none of methods that solve another step.
+    pub(super) error: Option<Real>,
+    /// Largest strain of an edge of the hanging sheet (dimensionless).
+    pub(super) stretch: Option<Real>,
+    /// The largest stiffness (N/m), by decades.
+    pub(super) stable: Option<Real>,
+    /// Angle over the exact one (dimensionless).
+    pub(super) fold: Option<Real>,
+    /// Why a number is missing.
+    pub(super) reasons: Vec<String>,
+}
+
+impl Step {
+    pub(super) fn measure(scope: Scope, method: &Method) -> Result<Self, BenchError> {
+        let mut step = Self {
+            stable: stability::stable_up_to(method.name, stable_steps(scope))?,
+            ..Self::default()
+        };
+        let error = method
+            .aims_at_implicit_euler()
+            .then(|| error_of_a_step(small(scope).0, method));
+        let fold = match method.name {
+            // Hundreds of steps of a stiff sheet, each cut into hundreds.
+            "symplectic-euler" => None,
+            name => Some(locking::fold_angle(name, 8)),
+        };
+        step.error = error.and_then(|found| or_reason(found, &mut step.reasons));
+        let (_, n, steps) = small(scope);
+        let hang = scene::build("hang", None, &Settings::default().with("n", n))?;
+        let published = Settings::default();
+        let hung = run::from_start(&hang, method, &published, hang.dt, steps, |_, _, _| Ok(()));
+        let stretch = hung.map(|(summary, _)| summary.max_stretch);
+        step.stretch = or_reason(stretch, &mut step.reasons);
+        step.fold = fold.and_then(|found| or_reason(found, &mut step.reasons));
+        Ok(step)
+    }
+}
+
+fn or_reason(found: Result<Real, BenchError>, reasons: &mut Vec<String>) -> Option<Real> {
+    found
+        .map_err(|error| reasons.push(error.to_string()))
+        .ok()
+        .filter(|value| value.is_finite())
+}
+
+fn stable_steps(scope: Scope) -> u32 {
+    match scope {
+        Scope::Quick => 20,
+        Scope::Full => 60,
+    }
+}
+
+fn error_of_a_step(n: u32, method: &Method) -> Result<Real, BenchError> {
+    let settings = sheets::hanging(n, sheets::STIFFNESS);
+    let scene = scene::build("hang", None, &settings)?;
+    let problem = sheets::sixteenth_step(&settings)?;
+    let mut solver = method.build(&scene, &Settings::default(), scene.dt)?;
+    // Not below what the reference itself has to rounding.
+    Ok(problem.solve(&mut *solver)?.0.objective.max(1e-15))
+}
+
+/// What becomes of the method of which no step is stable: that, in two words; the error it ends with is foretold.
+pub(super) fn hopeless(scope: Scope) -> Result<String, BenchError> {
+    let stable = stability::stable_up_to(scale::WITHOUT, stable_steps(scope))?;
+    Ok(stable.map_or("never, as expected".into(), super::columns::power))
+}
+
+/// A sheet in contact after half a second, by steps of 1/60 s and of 1/30 s, and the same sheet hanging.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub(super) struct Contact {
+    pub(super) hanging_ms: Option<Real>,
+    pub(super) sixtieth: Drape,
+    pub(super) thirtieth: Drape,
+}
+
+/// A sheet that has fallen on a sphere.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub(super) struct Drape {
+    pub(super) ms: Option<Real>,
+    /// Largest strain of an edge (dimensionless).
+    pub(super) stretch: Option<Real>,
+    /// Pairs that cross at the end.
+    pub(super) crossings: Option<Real>,
+    /// Energy from nowhere over what was given (dimensionless).
+    pub(super) excess: Option<Real>,
+    /// Whether it has moved with energy that it was never given.
+    pub(super) gains: bool,
+    /// Positions (m).
+    pub(super) positions: Vec<[Real; 3]>,
+    /// Why there is none.
+    pub(super) reason: Option<String>,
+}
+
+impl Contact {
+    pub(super) fn measure(scope: Scope, method: &Method) -> Result<Self, BenchError> {
+        let (_, n, steps) = small(scope);
+        let settings = Settings::default().with("n", n);
+        let hang = scene::build("hang", None, &settings)?;
+        let hanging = until(scope, |check| {
+            run::from_start(
+                &hang,
+                method,
+                &Settings::default(),
+                hang.dt,
+                steps,
+                |_, _, _| check(),
+            )
+        });
+        let hanging = hanging.ok().map(|(summary, _)| summary);
+        let drape = |dt, steps| Drape::measure(scope, method, &Settings::default(), dt, steps);
+        Ok(Self {
+            hanging_ms: hanging.map(|s| s.ms_per_step_median),
+            sixtieth: drape(1.0 / 60.0, steps)?,
+            thirtieth: drape(1.0 / 30.0, steps / 2)?,
+        })
+    }
+}
+
+impl Drape {
+    /// So many steps of `dt` (s) of a method on the sphere.
+    pub(super) fn measure(
+        scope: Scope,
+        method: &Method,
+        settings: &Settings,
+        dt: Real,
+        steps: u32,
+    ) -> Result<Self, BenchError> {
+        let scene = draped(scope)?;
+        let ran = until(scope, |check| {
+            run::from_start(&scene, method, settings, dt, steps, |_, _, _| check())
+        });
+        Ok(match ran {
+            Ok((summary, end)) => Self {
+                ms: Some(summary.ms_per_step_median),
+                stretch: Some(summary.max_stretch),
+                crossings: summary
+                    .intersections
+                    .map(|own| (own + summary.obstacle_intersections.unwrap_or(0)) as Real),
+                excess: Some(summary.energy_excess / summary.energy_given.max(Real::MIN_POSITIVE)),
+                gains: summary.energy_gain.is_some(),
+                positions: end.positions.into_iter().map(Into::into).collect(),
+                reason: None,
+            },
+            Err(error) => Self {
+                reason: Some(error.to_string()),
+                ..Self::default()
+            },
+        })
+    }
+
+    /// Whether nothing crosses, and nothing has moved with energy from nowhere.
+    pub(super) fn is_clean(&self) -> bool {
+        self.crossings == Some(0.0) && !self.gains
+    }
+}
+
+/// The sheet above the sphere.
+pub(super) fn draped(scope: Scope) -> Result<scene::Scene, BenchError> {
+    scene::build(
+        "drape-sphere",
+        None,
+        &Settings::default().with("n", small(scope).1),
+    )
+}
+
+/// Steps of the sheet on the sphere.
+pub(super) fn steps(scope: Scope) -> u32 {
+    small(scope).2
+}
+
+/// What `work` finds, if it does so within its time: it has to call what it is given after every step.
+fn until<T>(
+    scope: Scope,
+    work: impl FnOnce(&dyn Fn() -> Result<(), BenchError>) -> Result<T, BenchError>,
+) -> Result<T, BenchError> {
+    let (started, budget) = (Instant::now(), budget(scope));
+    work(&|| match started.elapsed() > budget {
+        true => Err(BenchError::Failed(format!(
+            "longer than {} s",
+            budget.as_secs()
+        ))),
+        false => Ok(()),
+    })
+}
