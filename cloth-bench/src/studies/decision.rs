@@ -4,7 +4,7 @@ mod columns;
 mod measure;
 mod qualities;
 
-use super::{Cases, Findings, Scope, Study, scale};
+use super::{Cases, Findings, Scope, Study, capitalised, scale};
 use crate::bounds::bounds;
 use crate::error::BenchError;
 use crate::method;
@@ -108,7 +108,7 @@ fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
         "What no measurement says",
         qualities::table(),
     );
-    answer(&rows, &mut findings);
+    answer(scope, &rows, &mut findings);
     cuts(scope, &mut findings, cases);
     Ok(findings)
 }
@@ -233,7 +233,7 @@ fn strip(scope: Scope, rows: &[Row]) -> Result<Vec<Picture>, BenchError> {
 }
 
 /// What contact costs, and what survives longer steps.
-fn answer(rows: &[Row], findings: &mut Findings) {
+fn answer(scope: Scope, rows: &[Row], findings: &mut Findings) {
     let costs = rows.iter().filter_map(|row| {
         let ms = row.contact.as_ref()?.sixtieth.ms?;
         Some(format!(
@@ -261,11 +261,34 @@ fn answer(rows: &[Row], findings: &mut Findings) {
         Some(format!("{} ({why})", row.method))
     });
     let others: Vec<String> = others.collect();
+    let others = match others.is_empty() {
+        true => String::new(),
+        false => format!(" Not: {}.", others.join(", ")),
+    };
+    let is_strained = |row: &&Row| {
+        let contact = row
+            .contact
+            .as_ref()
+            .filter(|_| survives.contains(&row.method));
+        contact.and_then(|contact| contact.thirtieth.excess) > Some(0.01)
+    };
+    let strained: Vec<&str> = rows
+        .iter()
+        .filter(is_strained)
+        .map(|row| row.method)
+        .collect();
+    let strained = match strained.is_empty() {
+        true => String::new(),
+        false => format!(
+            " Of these, {} held more than 1 % above it, in strained springs.",
+            strained.join(", ")
+        ),
+    };
     let told = format!(
-        "On the sphere, without a crossing, and never in motion with more energy than was given: {}. Not: {}; {} at no step, as expected.",
+        "{} steps on the sphere without a crossing, and never in motion with more energy than was given: {}.{strained}{others} {} at no step, as expected.",
+        measure::steps(scope) / 2,
         survives.join(", "),
-        others.join(", "),
-        scale::WITHOUT
+        capitalised(scale::WITHOUT)
     );
     findings.answer("What survives a step of 1/30 s?", told);
 }
@@ -375,5 +398,13 @@ mod tests {
         let table = shown(Scope::Quick, &[], "never".into());
         assert!(table.rows[0].contains(&Cell::Marked("never".into(), Mark::Expected)));
         assert!(!table.to_html().contains("unfit"));
+    }
+
+    /// A sheet that still moves has no angle: without damping it never comes to rest.
+    #[test]
+    fn a_fold_that_does_not_rest_is_not_judged() {
+        let found = super::super::locking::fold_angle("implicit-midpoint", 8);
+        let told = found.unwrap_err().to_string();
+        assert!(told.contains("not at rest"), "{told}");
     }
 }

@@ -155,7 +155,7 @@ pub(super) fn power(value: Real) -> String {
 /// A square of so many vertices.
 fn side(vertices: Real) -> String {
     let side = vertices.sqrt();
-    format!("{side:.0} × {side:.0}")
+    format!("≈ {side:.0} × {side:.0}")
 }
 
 impl Row {

@@ -120,9 +120,15 @@ fn make(name: &str, iterations: u32, cells: usize) -> Result<Made, BenchError> {
 /// The angle of the fold over the exact one (dimensionless), by a method at its published setting.
 ///
 /// # Errors
-/// [`BenchError::Failed`] with the method's own error.
+/// [`BenchError::Failed`] with the method's own error, or if the sheet does not come to rest.
 pub(in crate::studies) fn fold_angle(name: &str, cells: usize) -> Result<Real, BenchError> {
-    Ok(make(name, 0, cells)?.angle)
+    let made = make(name, 0, cells)?;
+    match made.steps {
+        Some(_) => Ok(made.angle),
+        None => Err(BenchError::Failed(format!(
+            "the fold is not at rest after {MOST_STEPS} steps"
+        ))),
+    }
 }
 
 pub(super) fn run(
