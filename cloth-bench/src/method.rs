@@ -77,7 +77,7 @@ pub const METHODS: [Method; 10] = [
     },
     Method {
         name: "implicit-euler",
-        about: "implicit Euler as a minimisation, by Newton with line search and sparse Cholesky",
+        about: "implicit Euler as a minimisation, by a quasi-Newton method around multigrid, or by Newton",
         parameters: mass_spring::NEWTON,
         kind: Kind::Implicit,
     },
