@@ -96,7 +96,7 @@ fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
     }
     findings.section.verdict = Some(verdict(&rows));
     findings.data("decision", data(&rows));
-    let shown = shown(scope, &rows, foretold.unwrap_or_default());
+    let shown = shown(scope, &rows, foretold.as_deref().unwrap_or_default());
     let caption = format!(
         "Every method at its default setting: ★ best, ✗ unfit, – not to be had. Pictures: the same cloth on a sphere after {:.2} s.",
         Real::from(measure::steps(scope)) * DT
@@ -130,7 +130,7 @@ fn data(rows: &[Row]) -> Table {
 }
 
 /// The numbers as a reader wants them, judged; a method that `foretold` why it fails has a line of its own.
-fn shown(scope: Scope, rows: &[Row], foretold: String) -> Table {
+fn shown(scope: Scope, rows: &[Row], foretold: &str) -> Table {
     let [small, large] = measure::sides(scope).map(|side| format!("{side} × {side}"));
     let names = COLUMNS.iter().map(|column| {
         column
@@ -157,7 +157,7 @@ fn shown(scope: Scope, rows: &[Row], foretold: String) -> Table {
     }
     let mut hopeless = vec![Cell::from(scale::WITHOUT)];
     hopeless.extend(COLUMNS.iter().map(|column| match column.name {
-        "stable up to" => Cell::Marked(foretold.clone(), Mark::Expected),
+        "stable up to" => Cell::Marked(foretold.to_owned(), Mark::Expected),
         _ => Cell::Missing,
     }));
     lines.push(hopeless);
@@ -395,7 +395,7 @@ mod tests {
         );
         let limit = super::super::stability::stable_up_to("symplectic-euler", 20).unwrap();
         assert_eq!(limit, Some(1.0));
-        let table = shown(Scope::Quick, &[], "never".into());
+        let table = shown(Scope::Quick, &[], "never");
         assert!(table.rows[0].contains(&Cell::Marked("never".into(), Mark::Expected)));
         assert!(!table.to_html().contains("unfit"));
     }
