@@ -27,7 +27,7 @@ use cloth_core::math::Real;
 
 /// What a law says and what the code does.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Verdict {
+pub struct Evaluation {
     /// The closed form.
     pub expected: Real,
     /// What the code gives.
@@ -39,7 +39,7 @@ pub struct Verdict {
     pub details: Vec<(&'static str, Real)>,
 }
 
-impl Verdict {
+impl Evaluation {
     /// An expected and a measured number.
     #[must_use]
     pub fn new(expected: Real, measured: Real) -> Self {
@@ -104,7 +104,7 @@ pub struct Law {
     pub parameters: &'static [Parameter],
     /// How far the code may be from it (relative) before the law counts as broken.
     pub tolerance: Real,
-    evaluate: fn(&Settings) -> Result<Verdict, BenchError>,
+    evaluate: fn(&Settings) -> Result<Evaluation, BenchError>,
 }
 
 /// Every law.
@@ -141,8 +141,8 @@ pub const LAWS: [&Law; 27] = [
 impl Law {
     /// Whether the code is as near to the closed form as it has to be.
     #[must_use]
-    pub fn holds(&self, verdict: &Verdict) -> bool {
-        verdict.error() <= self.tolerance.max(verdict.rounding)
+    pub fn holds(&self, evaluation: &Evaluation) -> bool {
+        evaluation.error() <= self.tolerance.max(evaluation.rounding)
     }
 
     /// The law of that name.
@@ -164,16 +164,16 @@ impl Law {
     /// # Errors
     /// [`BenchError::Usage`] for a parameter that is unknown or out of range, [`BenchError::Failed`] if the code gives
     /// no number.
-    pub fn evaluate(&self, settings: &Settings) -> Result<Verdict, BenchError> {
+    pub fn evaluate(&self, settings: &Settings) -> Result<Evaluation, BenchError> {
         settings.check(&format!("law `{}`", self.name), &[self.parameters])?;
-        let verdict = (self.evaluate)(settings)?;
+        let evaluation = (self.evaluate)(settings)?;
         // Written so that a bound that is not a number is refused too.
-        if verdict.rounding < MOST_ROUNDING {
-            return Ok(verdict);
+        if evaluation.rounding < MOST_ROUNDING {
+            return Ok(evaluation);
         }
         Err(BenchError::Usage(format!(
             "law `{}` cannot be checked with these values: rounding alone may change the result by {:.1e}",
-            self.name, verdict.rounding
+            self.name, evaluation.rounding
         )))
     }
 }

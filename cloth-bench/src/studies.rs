@@ -8,6 +8,7 @@ mod convergence;
 mod decision;
 mod energy;
 mod independence;
+mod interleaved;
 mod locking;
 mod newton;
 mod projective;
@@ -19,7 +20,6 @@ mod skip;
 mod stability;
 mod stiffness;
 mod threads;
-mod turns;
 mod work_precision;
 mod xpbd_floor;
 

@@ -13,7 +13,7 @@ use support::{detail, holds};
 
 const MODELS: [&str; 5] = ["bergou", "curved", "grinspun", "bridson", "cubic"];
 
-fn elastica(pairs: &[String]) -> cloth_bench::laws::Verdict {
+fn elastica(pairs: &[String]) -> cloth_bench::laws::Evaluation {
     let pairs: Vec<&str> = pairs.iter().map(String::as_str).collect();
     holds("elastica", &pairs)
 }
@@ -22,15 +22,15 @@ fn elastica(pairs: &[String]) -> cloth_bench::laws::Verdict {
 fn a_heavy_strip_sags_as_the_elastica_in_every_model() {
     for gamma in ["0.1", "1", "10", "100", "1000"] {
         for model in MODELS {
-            let verdict = elastica(&[format!("gamma={gamma}"), format!("model={model}")]);
+            let evaluation = elastica(&[format!("gamma={gamma}"), format!("model={model}")]);
             // At rest: what is left of the forces is rounding, and another step moves nothing.
-            let left = detail(&verdict, "force_left");
-            assert!(left < 4.0 * detail(&verdict, "force_left_by_rounding").max(1e-9));
-            assert!(detail(&verdict, "last_move") < 1e-8, "{gamma} {model}");
+            let left = detail(&evaluation, "force_left");
+            assert!(left < 4.0 * detail(&evaluation, "force_left_by_rounding").max(1e-9));
+            assert!(detail(&evaluation, "last_move") < 1e-8, "{gamma} {model}");
             // Span and drop hold one by one, too.
             for name in ["span", "drop"] {
-                let expected = detail(&verdict, &format!("{name}_expected"));
-                let error = (detail(&verdict, name) / expected - 1.0).abs();
+                let expected = detail(&evaluation, &format!("{name}_expected"));
+                let error = (detail(&evaluation, name) / expected - 1.0).abs();
                 assert!(error < 5e-3, "{name} at {gamma}, {model}: {error:e}");
             }
         }
@@ -41,14 +41,14 @@ fn a_heavy_strip_sags_as_the_elastica_in_every_model() {
 fn the_elastica_is_reached_with_second_order() {
     // Triangles so long that Poisson's ratio and the rim leave 0.014 %.
     let error = |model: &str, resolution: u32| {
-        let verdict = elastica(&[
+        let evaluation = elastica(&[
             "gamma=100".into(),
             "elongation=8".into(),
             "across=3".into(),
             format!("model={model}"),
             format!("resolution={resolution}"),
         ]);
-        verdict.measured / verdict.expected - 1.0
+        evaluation.measured / evaluation.expected - 1.0
     };
     for model in ["bergou", "dihedral"] {
         let [coarse, middle, fine] = [32, 64, 128].map(|rows| error(model, rows));
@@ -72,9 +72,9 @@ fn a_narrow_strip_of_equilateral_triangles_is_softer_by_its_poisson_ratio() {
         ];
         let settings = cloth_bench::settings::Settings::parse(&pairs).unwrap();
         let law = cloth_bench::laws::Law::find("elastica").unwrap();
-        let verdict = law.evaluate(&settings).unwrap();
-        assert!((detail(&verdict, "free_rigidity") - 8.0 / 9.0).abs() < 1e-15);
-        verdict.measured / verdict.expected - 1.0
+        let evaluation = law.evaluate(&settings).unwrap();
+        assert!((detail(&evaluation, "free_rigidity") - 8.0 / 9.0).abs() < 1e-15);
+        evaluation.measured / evaluation.expected - 1.0
     };
     // The rim is softer, in proportion to the size of a cell; the clamp keeps the strip from curving across, in
     // proportion to its width.
@@ -145,9 +145,9 @@ fn an_alternating_grid_is_softer_at_rest_than_on_a_cylinder() {
 #[test]
 fn a_strip_held_edge_on_falls_over_where_the_beam_does() {
     for model in MODELS {
-        let verdict = holds("lateral-buckling", &[&format!("model={model}")]);
+        let evaluation = holds("lateral-buckling", &[&format!("model={model}")]);
         let isotropic = 12.8538 * (2.0 / (1.0 - 1.0 / 3.0_f64)).sqrt();
-        assert!((verdict.expected / isotropic - 1.0).abs() < 1e-5);
+        assert!((evaluation.expected / isotropic - 1.0).abs() < 1e-5);
     }
 }
 
@@ -155,20 +155,24 @@ fn a_strip_held_edge_on_falls_over_where_the_beam_does() {
 #[test]
 fn the_onset_of_buckling_follows_the_stiffness_against_twist() {
     for (elongation, bound) in [("1.2", 1e-3), ("2", 2e-3)] {
-        let verdict = holds("lateral-buckling", &[&format!("elongation={elongation}")]);
-        assert!(verdict.error() < bound, "{elongation}: {}", verdict.error());
+        let evaluation = holds("lateral-buckling", &[&format!("elongation={elongation}")]);
+        assert!(
+            evaluation.error() < bound,
+            "{elongation}: {}",
+            evaluation.error()
+        );
         let [twist, bending] =
-            ["twist_rigidity", "bending_rigidity"].map(|name| detail(&verdict, name));
+            ["twist_rigidity", "bending_rigidity"].map(|name| detail(&evaluation, name));
         let beam = 12.8538 * (twist / bending).sqrt();
-        assert!((verdict.expected / beam - 1.0).abs() < 1e-5);
+        assert!((evaluation.expected / beam - 1.0).abs() < 1e-5);
     }
 }
 
 #[test]
 fn the_onset_of_buckling_is_approached_by_finer_and_narrower_strips() {
-    let verdict = holds("lateral-buckling", &["across=17", "slenderness=32"]);
-    assert!(verdict.error() < 0.0015, "{}", verdict.error());
+    let evaluation = holds("lateral-buckling", &["across=17", "slenderness=32"]);
+    assert!(evaluation.error() < 0.0015, "{}", evaluation.error());
     // One strip alone is not the beam: the docs of the law say by how much.
-    let strip = detail(&verdict, "finest_strip") / verdict.expected - 1.0;
+    let strip = detail(&evaluation, "finest_strip") / evaluation.expected - 1.0;
     assert!((strip + 0.0044).abs() < 3e-4, "{strip}");
 }

@@ -219,7 +219,7 @@ fn a_run_tells_in_json_what_it_did() {
 }
 
 #[test]
-fn a_mesh_file_is_held_at_its_highest_vertices_and_exported_in_its_own_order() {
+fn a_mesh_file_is_held_at_its_top_and_exported_in_its_own_order() {
     let folder = folder("mesh-file");
     let file = folder.join("sheet.obj");
     let mut text = String::new();
@@ -308,6 +308,54 @@ fn a_law_tells_expected_measured_and_error() {
     ]);
     assert_eq!(told["expected"], 7.0);
     assert!(told["error"].as_f64().unwrap() < 1e-12);
+}
+
+/// What is common to several entries is explained once, and every entry names all that it takes.
+#[test]
+fn list_explains_every_parameter_once_and_names_it_everywhere() {
+    let told = json(&["list", "--json"]);
+    let text = String::from_utf8(program(&["list"]).stdout).unwrap();
+    for (kind, entries) in told.as_object().unwrap() {
+        let from = text.find(&format!("{kind}:\n")).unwrap() + kind.len() + 2;
+        let lines = text[from..]
+            .lines()
+            .take_while(|line| line.starts_with(' '));
+        let lines: Vec<&str> = lines.collect();
+        // An entry begins in the third column.
+        let is_head = |line: &str| !line.starts_with("   ");
+        for entry in entries.as_array().unwrap() {
+            let [name, about] = ["name", "about"].map(|key| entry[key].as_str().unwrap());
+            let head = format!("  {name:18} {about}");
+            let head = lines.iter().position(|&line| line == head).unwrap();
+            let own: Vec<&str> = lines[head + 1..]
+                .iter()
+                .copied()
+                .take_while(|line| !is_head(line))
+                .collect();
+            for p in entry["parameters"].as_array().unwrap() {
+                let [name, default, about] =
+                    ["name", "default", "about"].map(|key| p[key].as_str().unwrap());
+                let explained = format!(" {about}");
+                let explains = |line: &&&str| {
+                    let line = line.trim_start().trim_start_matches("--set ");
+                    let key = line.split(['=', ' ']).next();
+                    key == Some(name) && line.ends_with(&explained)
+                };
+                assert_eq!(lines.iter().filter(explains).count(), 1, "{kind}: {name}");
+                let named = own
+                    .iter()
+                    .filter_map(|line| line.trim().strip_prefix("(common) "));
+                let named = named.flat_map(|line| line.split(", "));
+                let is_named = named
+                    .into_iter()
+                    .any(|word| word == name || word == format!("{name}={default}"));
+                assert!(
+                    is_named || own.iter().any(|line| explains(&line)),
+                    "{kind}: {name}"
+                );
+            }
+        }
+    }
 }
 
 #[test]

@@ -10,8 +10,9 @@ use cloth_core::energy::{
     ArapTriangle, AreaTriangle, Attachment, CubicShell, CurvatureHinge, CurvedHinge, DihedralHinge,
     MidpointHinge, Spring, StrainLimitSpring, StrainLimitTriangle, StvkTriangle, VolumeTetrahedron,
 };
+use std::collections::BTreeSet;
 use std::marker::PhantomData;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 const ELEMENTS: &str = include_str!("../doc/elements.md");
@@ -250,4 +251,51 @@ fn the_sheet_falls_as_far_as_the_readme_says() {
             assert!(line.unwrap().contains(&cells), "{method}: {cells}");
         }
     }
+}
+
+#[test]
+fn the_names_of_a_simulation_are_those_at_the_root_of_the_core() {
+    let root = include_str!("../../cloth-core/src/lib.rs");
+    let words = |text: &str| -> BTreeSet<String> {
+        let words = text.split(|c: char| !c.is_alphanumeric() && c != '_');
+        words
+            .filter(|word| !word.is_empty())
+            .map(str::to_owned)
+            .collect()
+    };
+    let exported = root
+        .lines()
+        .filter_map(|line| line.strip_prefix("pub use "));
+    let exported = exported.flat_map(|line| words(line.rsplit("::").next().unwrap()));
+    let (_, rest) = README.split_once("besides its method: ").unwrap();
+    let (named, _) = rest.split_once(". ").unwrap();
+    assert_eq!(words(named), exported.collect());
+}
+
+#[test]
+fn links_of_the_pages_lead_to_files() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let mut links = 0;
+    for page in [
+        "README.md",
+        "cloth-bench/CHANGELOG.md",
+        "cloth-bench/CONTRIBUTING.md",
+        "cloth-bench/doc/commands.md",
+        "cloth-bench/doc/elements.md",
+        "cloth-bench/doc/results.md",
+        "cloth-bench/scenes/README.md",
+    ] {
+        let page = root.join(page);
+        let text = std::fs::read_to_string(&page).unwrap();
+        for link in text.split("](").skip(1) {
+            let link = link.split_once(')').unwrap().0;
+            assert!(
+                page.with_file_name(link).exists(),
+                "{}: {link}",
+                page.display()
+            );
+            links += 1;
+        }
+    }
+    assert!(links > 20, "{links}");
 }

@@ -22,28 +22,28 @@ pub struct Arguments {
 
 pub(super) fn execute(arguments: &Arguments) -> Result<(), BenchError> {
     let law = Law::find(&arguments.name)?;
-    let verdict = law.evaluate(&Settings::parse(&arguments.settings)?)?;
+    let evaluation = law.evaluate(&Settings::parse(&arguments.settings)?)?;
     let mut pairs = vec![
         ("law", json!(law.name)),
-        ("expected", json!(verdict.expected)),
-        ("measured", json!(verdict.measured)),
-        ("error", json!(verdict.error())),
-        ("tolerance", json!(law.tolerance.max(verdict.rounding))),
+        ("expected", json!(evaluation.expected)),
+        ("measured", json!(evaluation.measured)),
+        ("error", json!(evaluation.error())),
+        ("tolerance", json!(law.tolerance.max(evaluation.rounding))),
     ];
     pairs.extend(
-        verdict
+        evaluation
             .details
             .iter()
             .map(|&(name, value)| (name, json!(value))),
     );
     print_pairs(arguments.json, &pairs)?;
-    if law.holds(&verdict) {
+    if law.holds(&evaluation) {
         return Ok(());
     }
     Err(BenchError::Failed(format!(
         "law `{}` does not hold: the error {:e} is above {:e}",
         law.name,
-        verdict.error(),
-        law.tolerance.max(verdict.rounding)
+        evaluation.error(),
+        law.tolerance.max(evaluation.rounding)
     )))
 }

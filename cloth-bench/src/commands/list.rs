@@ -23,6 +23,12 @@ pub struct Arguments {
 /// The keys of scene files, which are not given with `--set`.
 const SCENE_FILES: &str = "scene-files";
 
+/// What stands before parameters that several entries have.
+const COMMON: &str = "(common)";
+
+/// Width (characters) of the lines that name common parameters.
+const WIDTH: usize = 120;
+
 /// Something that can be named, whatever its kind.
 struct Entry {
     name: &'static str,
@@ -98,20 +104,64 @@ pub(super) fn execute(arguments: &Arguments) -> Result<(), BenchError> {
     }
     let mut lines = Vec::new();
     for (kind, entries) in kinds {
+        let common = common(&entries);
+        let full = |p: &Parameter| {
+            let set = if kind == SCENE_FILES {
+                format!("{} = {}", p.name, p.default)
+            } else {
+                format!("--set {}={}", p.name, p.default)
+            };
+            format!("  {:18}   {set}  {}", "", p.about)
+        };
         lines.push(format!("{kind}:"));
-        for entry in entries {
+        if !common.is_empty() {
+            lines.push(format!("  {:18} of more than one of them", COMMON));
+            lines.extend(common.iter().map(|p| full(p)));
+        }
+        for entry in &entries {
             lines.push(format!("  {:18} {}", entry.name, entry.about));
+            let mut shared = Vec::new();
             for p in &entry.parameters {
-                let set = if kind == SCENE_FILES {
-                    format!("{} = {}", p.name, p.default)
-                } else {
-                    format!("--set {}={}", p.name, p.default)
-                };
-                lines.push(format!("  {:18}   {set}  {}", "", p.about));
+                match common.iter().find(|known| is_same(known, p)) {
+                    Some(known) if known.default == p.default => shared.push(p.name.to_owned()),
+                    Some(_) => shared.push(format!("{}={}", p.name, p.default)),
+                    None => lines.push(full(p)),
+                }
             }
+            lines.extend(wrapped(&shared));
         }
     }
     print(&lines.join("\n"))
+}
+
+/// The parameters that more than one entry has, each once, with the default that it has first.
+fn common(entries: &[Entry]) -> Vec<&'static Parameter> {
+    let all = || entries.iter().flat_map(|entry| &entry.parameters);
+    let mut common: Vec<&Parameter> = Vec::new();
+    for p in all() {
+        let is_known = common.iter().any(|known| known.name == p.name);
+        if !is_known && all().filter(|other| is_same(other, p)).count() > 1 {
+            common.push(p);
+        }
+    }
+    common
+}
+
+/// Whether two parameters mean the same; their defaults may differ.
+fn is_same(a: &Parameter, b: &Parameter) -> bool {
+    (a.name, a.about) == (b.name, b.about)
+}
+
+/// Lines that name the common parameters of an entry; where its default is another one, with that.
+fn wrapped(names: &[String]) -> Vec<String> {
+    let mut lines: Vec<String> = Vec::new();
+    for name in names {
+        match lines.last_mut() {
+            Some(line) if line.len() + name.len() + 2 < WIDTH => *line += &format!(", {name}"),
+            _ => lines.push(format!("  {:18}   {COMMON} {name}", "")),
+        }
+    }
+    lines
 }
 
 fn as_json(entry: &Entry) -> Value {

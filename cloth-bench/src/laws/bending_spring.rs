@@ -1,6 +1,6 @@
 //! What a spring across a hinge does against a fold: nothing at first.
 
-use super::{Law, Verdict};
+use super::{Evaluation, Law};
 use crate::error::BenchError;
 use crate::settings::{Parameter, Settings, parameter};
 use cloth_core::energy::Spring;
@@ -23,7 +23,7 @@ pub(super) const BENDING_SPRING: Law = Law {
     evaluate: bending_spring,
 };
 
-fn bending_spring(settings: &Settings) -> Result<Verdict, BenchError> {
+fn bending_spring(settings: &Settings) -> Result<Evaluation, BenchError> {
     let angle = settings.positive(&ANGLE)?.to_radians();
     if angle > 30.5_f64.to_radians() {
         return Err(BenchError::Usage(format!(
@@ -54,7 +54,7 @@ fn bending_spring(settings: &Settings) -> Result<Verdict, BenchError> {
     // What is left out is of order θ⁴; the length is known to rounding, its change is θ²/8 of it.
     let series = angle.powi(4) / 1000.0;
     let rounding = 64.0 * Real::EPSILON / angle.powi(2);
-    Ok(Verdict::new(1.0 / 128.0, measured)
+    Ok(Evaluation::new(1.0 / 128.0, measured)
         .rounding(rounding.max(series))
         .detail("exponent", (whole / half).log2()))
 }

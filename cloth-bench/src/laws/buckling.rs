@@ -27,7 +27,7 @@
 
 use super::models::{MODEL, MODEL_NAMES, Model};
 use super::strip::{Shape, Strip};
-use super::{Law, Verdict, within_reach};
+use super::{Evaluation, Law, within_reach};
 use crate::error::BenchError;
 use crate::settings::{Parameter, Settings, parameter};
 use cloth_core::element::Convexity;
@@ -198,7 +198,7 @@ fn critical(model: Model, shape: Shape) -> Result<Real, BenchError> {
     Ok(onset(&mut EdgeOn::new(shape, model)?, near)? / rigidity)
 }
 
-fn lateral_buckling(settings: &Settings) -> Result<Verdict, BenchError> {
+fn lateral_buckling(settings: &Settings) -> Result<Evaluation, BenchError> {
     let model = settings.choice(&MODEL, &MODEL_NAMES)?;
     let across = settings.count(&ACROSS, 5)?;
     within_reach(1.5e6 * Real::from(across).powi(3))?;
@@ -222,7 +222,7 @@ fn lateral_buckling(settings: &Settings) -> Result<Verdict, BenchError> {
     };
     let [narrow, finest_measured] = fine_cells(slenderness)?;
     let [wide, _] = fine_cells(0.5 * slenderness)?;
-    Ok(Verdict::new(closed_form(finest), 2.0 * narrow - wide)
+    Ok(Evaluation::new(closed_form(finest), 2.0 * narrow - wide)
         .detail("finest_strip", finest_measured)
         .detail(
             "finest_strip_vertices",

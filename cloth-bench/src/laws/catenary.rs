@@ -1,6 +1,6 @@
 //! The catenary of a chain of elastic links, which is exact for springs and masses.
 
-use super::{Law, Verdict, within_reach};
+use super::{Evaluation, Law, within_reach};
 use crate::error::BenchError;
 use crate::settings::{Parameter, Settings, parameter};
 use cloth_core::energy::Spring;
@@ -120,7 +120,7 @@ impl Chain {
     }
 }
 
-fn catenary(settings: &Settings) -> Result<Verdict, BenchError> {
+fn catenary(settings: &Settings) -> Result<Evaluation, BenchError> {
     let mass = settings.positive(&MASS)?;
     let links = settings.count(&LINKS, 2)?;
     within_reach(1e4 * Real::from(links))?;
@@ -160,5 +160,5 @@ fn catenary(settings: &Settings) -> Result<Verdict, BenchError> {
     let depth = |shape: &[Vec3]| shape.iter().map(|x| -x.z).fold(Real::MIN, Real::max);
     let off = expected.iter().zip(&state.positions);
     let off = off.map(|(a, b)| (a - b).norm()).fold(0.0, Real::max);
-    Ok(Verdict::new(depth(&expected), depth(&state.positions)).detail("largest_distance", off))
+    Ok(Evaluation::new(depth(&expected), depth(&state.positions)).detail("largest_distance", off))
 }

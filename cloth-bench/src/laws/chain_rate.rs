@@ -1,7 +1,7 @@
 //! How fast the sweeps over a straight chain of rigid links converge.
 
 use super::chains::{LINKS, chain};
-use super::{Law, Verdict, within_reach};
+use super::{Evaluation, Law, within_reach};
 use crate::error::BenchError;
 use crate::settings::{Parameter, Settings, parameter};
 use cloth_core::math::{Real, Vec3};
@@ -128,7 +128,7 @@ impl Observer for Watch<'_> {
     }
 }
 
-fn chain_rate(settings: &Settings) -> Result<Verdict, BenchError> {
+fn chain_rate(settings: &Settings) -> Result<Evaluation, BenchError> {
     let links = settings.count(&LINKS, 2)?;
     within_reach(2e3 * Real::from(links))?;
     let (solver, by_pbd) = settings.choice(
@@ -192,7 +192,7 @@ fn chain_rate(settings: &Settings) -> Result<Verdict, BenchError> {
             .iter()
             .fold(0.0, |a: Real, b| a.max(b.abs()));
     let rounding = 4.0 * Real::EPSILON * largest / (mode.left * mode.square().sqrt());
-    Ok(Verdict::new(mode.factor, last / before)
+    Ok(Evaluation::new(mode.factor, last / before)
         .rounding(rounding)
         .detail("sweeps", Real::from(iterations))
         .detail("off_mode", watch.other))

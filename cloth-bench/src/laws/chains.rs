@@ -1,6 +1,6 @@
 //! Chains: how far a chain sags, how it hangs.
 
-use super::{Law, Verdict, within_reach};
+use super::{Evaluation, Law, within_reach};
 use crate::error::BenchError;
 use crate::settings::{Parameter, Settings, parameter};
 use cloth_core::energy::Spring;
@@ -63,7 +63,7 @@ pub(super) fn chain(
 /// Steps after which a chain that still moves is given up.
 const MOST_STEPS: u32 = 100_000;
 
-fn sag(settings: &Settings) -> Result<Verdict, BenchError> {
+fn sag(settings: &Settings) -> Result<Evaluation, BenchError> {
     let links = settings.count(&LINKS, 1)?;
     let substeps = settings.count(&SUBSTEPS, 1)?;
     let iterations = settings.count(&ITERATIONS, 1)?;
@@ -115,7 +115,7 @@ fn sag(settings: &Settings) -> Result<Verdict, BenchError> {
     let sag = (rest + matrix.to_rest(&moved, substeps)?)[links - 1];
     let scale = if expected == 0.0 { 1.0 } else { expected.abs() };
     let rounding = 4.0 * matrix.rounding(sag)? / scale + matrix.own_rounding(iterations)?;
-    Ok(Verdict::new(expected, sag)
+    Ok(Evaluation::new(expected, sag)
         .rounding(rounding)
         .detail("steps", Real::from(steps)))
 }
@@ -209,7 +209,7 @@ impl SweepMatrix {
     }
 }
 
-fn hanging_chain(settings: &Settings) -> Result<Verdict, BenchError> {
+fn hanging_chain(settings: &Settings) -> Result<Evaluation, BenchError> {
     let links = settings.count(&LINKS, 1)?;
     within_reach(2e6 * Real::from(links))?;
     let links = links as usize;
@@ -236,5 +236,5 @@ fn hanging_chain(settings: &Settings) -> Result<Verdict, BenchError> {
     }
     let n = links as Real;
     let expected = n * (n + 1.0) * m * GRAVITY / (2.0 * k) + n * extra * GRAVITY / k;
-    Ok(Verdict::new(expected, -state.positions[links].z - n))
+    Ok(Evaluation::new(expected, -state.positions[links].z - n))
 }

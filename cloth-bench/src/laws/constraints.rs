@@ -1,6 +1,6 @@
 //! How stiff one constraint is, as simulated.
 
-use super::{Law, Verdict, within_reach};
+use super::{Evaluation, Law, within_reach};
 use crate::error::BenchError;
 use crate::settings::{Parameter, Settings, parameter};
 use cloth_core::energy::Spring;
@@ -79,7 +79,7 @@ impl Stretched {
     }
 }
 
-fn xpbd_constraint(settings: &Settings) -> Result<Verdict, BenchError> {
+fn xpbd_constraint(settings: &Settings) -> Result<Evaluation, BenchError> {
     let k = settings.positive(&STIFFNESS)?;
     let stretched = Stretched::new(k)?;
     let iterations = settings.count(&ITERATIONS, 1)?;
@@ -95,7 +95,7 @@ fn xpbd_constraint(settings: &Settings) -> Result<Verdict, BenchError> {
         .map_err(BenchError::usage)?;
     let dt = settings.positive(&DT)?;
     let measured = stretched.effective_stiffness(&mut solver, dt)?;
-    Ok(Verdict::new(k, measured).rounding(Stretched::rounding(k, dt)))
+    Ok(Evaluation::new(k, measured).rounding(Stretched::rounding(k, dt)))
 }
 
 /// Stiffness (N/m) that n projections with stiffness s amount to in a step of `dt` (s), for w = 1 /kg:
@@ -104,7 +104,7 @@ pub(crate) fn fixed_projection(s: Real, iterations: u32, dt: Real) -> Real {
     ((1.0 - s).powf(-Real::from(iterations)) - 1.0) / (dt * dt)
 }
 
-fn pbd_constraint(settings: &Settings) -> Result<Verdict, BenchError> {
+fn pbd_constraint(settings: &Settings) -> Result<Evaluation, BenchError> {
     let s = settings.number(&FRACTION)?;
     if !(0.0..1.0).contains(&s) {
         return Err(BenchError::Usage(format!(
@@ -127,5 +127,5 @@ fn pbd_constraint(settings: &Settings) -> Result<Verdict, BenchError> {
         .map_err(BenchError::usage)?;
     let expected = fixed_projection(s, iterations, dt);
     let measured = stretched.effective_stiffness(&mut solver, dt)?;
-    Ok(Verdict::new(expected, measured).rounding(Stretched::rounding(expected, dt)))
+    Ok(Evaluation::new(expected, measured).rounding(Stretched::rounding(expected, dt)))
 }

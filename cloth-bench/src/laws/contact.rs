@@ -1,6 +1,6 @@
 //! One mass and one plane.
 
-use super::{Law, Verdict, within_reach};
+use super::{Evaluation, Law, within_reach};
 use crate::error::BenchError;
 use crate::settings::{Parameter, Settings, parameter};
 use cloth_collide::obstacle::{
@@ -50,7 +50,7 @@ pub(super) const BARRIER_GAP: Law = Law {
     evaluate: barrier_gap,
 };
 
-fn incline(settings: &Settings) -> Result<Verdict, BenchError> {
+fn incline(settings: &Settings) -> Result<Evaluation, BenchError> {
     let degrees = settings.number(&ANGLE)?;
     if !(0.0..=90.0).contains(&degrees) {
         return Err(BenchError::Usage(format!(
@@ -78,18 +78,18 @@ fn incline(settings: &Settings) -> Result<Verdict, BenchError> {
     let pull = (angle.sin() - friction * angle.cos()).max(0.0);
     let expected = fall * pull;
     let downhill = Vec3::new(angle.cos(), 0.0, -angle.sin());
-    let verdict = Verdict::new(expected, block.position.dot(&downhill))
+    let evaluation = Evaluation::new(expected, block.position.dot(&downhill))
         .detail("tangent", angle.tan())
         .detail("speed", block.velocity.norm());
     // The way is the small difference of a pull and a friction that are each rounded, step by step.
     Ok(if pull > 0.0 {
-        verdict.rounding(4.0 * steps as Real * Real::EPSILON / pull)
+        evaluation.rounding(4.0 * steps as Real * Real::EPSILON / pull)
     } else {
-        verdict
+        evaluation
     })
 }
 
-fn bounce(settings: &Settings) -> Result<Verdict, BenchError> {
+fn bounce(settings: &Settings) -> Result<Evaluation, BenchError> {
     let restitution = settings.number(&RESTITUTION)?;
     let law = ImpactLaw::new(0.0, restitution).map_err(BenchError::usage)?;
     let height = settings.positive(&HEIGHT)?;
@@ -115,16 +115,16 @@ fn bounce(settings: &Settings) -> Result<Verdict, BenchError> {
         ball.advance(&floor, law, 0.0, gravity, 0.0, end / steps);
     }
     let expected = height * power * power;
-    let verdict = Verdict::new(expected, ball.position.z).detail("speed", ball.velocity.z);
+    let evaluation = Evaluation::new(expected, ball.position.z).detail("speed", ball.velocity.z);
     // Each impact is found to a few roundings of the height.
     Ok(if expected > 0.0 {
-        verdict.rounding(64.0 * bounces as Real * Real::EPSILON / (power * power))
+        evaluation.rounding(64.0 * bounces as Real * Real::EPSILON / (power * power))
     } else {
-        verdict
+        evaluation
     })
 }
 
-fn barrier_gap(settings: &Settings) -> Result<Verdict, BenchError> {
+fn barrier_gap(settings: &Settings) -> Result<Evaluation, BenchError> {
     let mass = settings.positive(&MASS)?;
     let stiffness = settings.positive(&STIFFNESS)?;
     let range = settings.positive(&RANGE)?;
@@ -168,5 +168,5 @@ fn barrier_gap(settings: &Settings) -> Result<Verdict, BenchError> {
         solver.step(&mut state, input).map_err(BenchError::failed)?;
     }
     let measured = state.positions[0].z;
-    Ok(Verdict::new(expected, measured).detail("speed", state.velocities[0].z))
+    Ok(Evaluation::new(expected, measured).detail("speed", state.velocities[0].z))
 }

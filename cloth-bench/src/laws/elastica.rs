@@ -17,7 +17,7 @@
 
 use super::models::{MODEL, MODEL_NAMES, Model};
 use super::strip::{Equilibrium, Shape, Strip};
-use super::{Law, Verdict};
+use super::{Evaluation, Law};
 use crate::error::BenchError;
 use crate::settings::{Parameter, Settings, parameter};
 use cloth_core::math::{Real, Vec3};
@@ -142,7 +142,7 @@ fn shape(settings: &Settings) -> Result<Shape, BenchError> {
     Ok(shape)
 }
 
-fn elastica(settings: &Settings) -> Result<Verdict, BenchError> {
+fn elastica(settings: &Settings) -> Result<Evaluation, BenchError> {
     let gamma = settings.positive(&GAMMA)?;
     if gamma > MOST_GAMMA {
         return Err(BenchError::Usage(format!(
@@ -154,7 +154,7 @@ fn elastica(settings: &Settings) -> Result<Verdict, BenchError> {
     let Profile { span, drop } = exact(gamma);
     let sagged = sag(gamma, model, shape)?;
     let measured = sagged.profile;
-    Ok(Verdict::new(drop / span, measured.drop / measured.span)
+    Ok(Evaluation::new(drop / span, measured.drop / measured.span)
         .detail("vertices", sagged.strip.mesh.vertex_count() as Real)
         .detail("span", measured.span)
         .detail("span_expected", span)

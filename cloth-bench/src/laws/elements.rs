@@ -1,6 +1,6 @@
 //! What springs and hinges amount to as a sheet.
 
-use super::{Law, Verdict};
+use super::{Evaluation, Law};
 use crate::error::BenchError;
 use crate::settings::{Parameter, Settings, parameter};
 use cloth_core::cloth::{Cloth, Membrane};
@@ -106,7 +106,7 @@ fn stress(
     Ok([work(0, 0), work(1, 1), 0.5 * (work(0, 1) + work(1, 0))])
 }
 
-fn lattice_modulus(settings: &Settings) -> Result<Verdict, BenchError> {
+fn lattice_modulus(settings: &Settings) -> Result<Evaluation, BenchError> {
     const STRAIN: Real = 1e-5;
     let pattern = settings.choice(&PATTERN, &PATTERNS)?;
     let angle = settings.number(&ANGLE)?.to_radians();
@@ -144,7 +144,7 @@ fn lattice_modulus(settings: &Settings) -> Result<Verdict, BenchError> {
             angle,
         )?,
     };
-    Ok(Verdict::new(expected, modulus(&tensor, angle)?))
+    Ok(Evaluation::new(expected, modulus(&tensor, angle)?))
 }
 
 /// Young's modulus along a direction: a pull `σ = d dᵀ` makes the strain `C⁻¹σ`.
@@ -157,7 +157,7 @@ fn modulus(tensor: &nalgebra::Matrix3<Real>, angle: Real) -> Result<Real, BenchE
     Ok(1.0 / pull.dot(&(inverse * pull)))
 }
 
-fn flat_bending(_: &Settings) -> Result<Verdict, BenchError> {
+fn flat_bending(_: &Settings) -> Result<Evaluation, BenchError> {
     let mesh = generate::irregular(20, 1.0, 1.0, 5).map_err(BenchError::failed)?;
     let cloth = Cloth {
         areal_density: 1.0,
@@ -175,5 +175,5 @@ fn flat_bending(_: &Settings) -> Result<Verdict, BenchError> {
         })
         .collect();
     let energy = model.energies().map_err(BenchError::failed)?.value(&moved);
-    Ok(Verdict::new(0.0, energy))
+    Ok(Evaluation::new(0.0, energy))
 }

@@ -10,7 +10,7 @@
 
 use super::elements::{ANGLE, PATTERN, PATTERNS, Pattern, patch};
 use super::models::{MODEL, MODEL_NAMES, Model};
-use super::{Law, Verdict};
+use super::{Evaluation, Law};
 use crate::error::BenchError;
 use crate::settings::{Parameter, Settings, parameter};
 use cloth_core::math::{Real, Vec3};
@@ -154,7 +154,7 @@ pub(crate) fn factor(case: Case) -> Result<[Real; 2], BenchError> {
     Ok([by_hand(&case), middle - relief])
 }
 
-fn bending_factor(settings: &Settings) -> Result<Verdict, BenchError> {
+fn bending_factor(settings: &Settings) -> Result<Evaluation, BenchError> {
     let [expected, measured] = factor(Case {
         model: settings.choice(&MODEL, &MODEL_NAMES)?,
         pattern: settings.choice(&PATTERN, &PATTERNS)?,
@@ -162,5 +162,5 @@ fn bending_factor(settings: &Settings) -> Result<Verdict, BenchError> {
         angle: settings.number(&ANGLE)?.to_radians(),
         settled: settings.choice(&SETTLED, &[("no", false), ("yes", true)])?,
     })?;
-    Ok(Verdict::new(expected, measured))
+    Ok(Evaluation::new(expected, measured))
 }

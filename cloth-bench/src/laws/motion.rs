@@ -1,6 +1,6 @@
 //! Time integration: one oscillator, and free fall.
 
-use super::{Law, Verdict, within_reach};
+use super::{Evaluation, Law, within_reach};
 use crate::error::BenchError;
 use crate::method::Method;
 use crate::scene;
@@ -170,7 +170,7 @@ impl Scheme {
     }
 }
 
-fn oscillator(settings: &Settings) -> Result<Verdict, BenchError> {
+fn oscillator(settings: &Settings) -> Result<Evaluation, BenchError> {
     let scheme = settings.choice(&SCHEME, &SCHEMES)?;
     let z = settings.positive(&Z)?;
     let (amplification, phase) = match scheme {
@@ -178,7 +178,7 @@ fn oscillator(settings: &Settings) -> Result<Verdict, BenchError> {
         _ => one_step_map(scheme.solver(z * z)?)?,
     };
     let (expected, expected_phase) = scheme.closed_form(z);
-    Ok(Verdict::new(expected, amplification)
+    Ok(Evaluation::new(expected, amplification)
         .detail("phase_expected", expected_phase)
         .detail("phase_measured", phase))
 }
@@ -248,7 +248,7 @@ fn two_step_map(z: Real) -> Result<(Real, Real), BenchError> {
     Ok((largest.norm(), -largest.arg()))
 }
 
-fn free_fall(settings: &Settings) -> Result<Verdict, BenchError> {
+fn free_fall(settings: &Settings) -> Result<Evaluation, BenchError> {
     let method = Method::find(settings.text(&METHOD))?;
     let steps = settings.count(&STEPS, 1)?;
     let side = settings.count(&SIZE, 2)?;
@@ -288,7 +288,7 @@ fn free_fall(settings: &Settings) -> Result<Verdict, BenchError> {
                 .sum::<Real>()
     };
     let condition = scene.model.springs.iter().map(ends).fold(0.0, Real::max) * scene.dt * scene.dt;
-    Ok(Verdict::new(expected, fall)
+    Ok(Evaluation::new(expected, fall)
         .rounding(Real::EPSILON * condition)
         .detail("largest_strain", strain.max.max(-strain.min)))
 }

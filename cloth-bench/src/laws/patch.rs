@@ -1,6 +1,6 @@
 //! Patch tests: a sheet pulled in any direction answers as its closed form says.
 
-use super::{Law, Verdict};
+use super::{Evaluation, Law};
 use crate::error::BenchError;
 use crate::settings::{Parameter, Settings, parameter};
 use cloth_core::cloth::{Cloth, Membrane};
@@ -147,7 +147,7 @@ fn relaxed(mut across: impl FnMut(Real) -> Result<Real, BenchError>) -> Result<R
     Ok(0.5 * (low + high))
 }
 
-fn patch(settings: &Settings) -> Result<Verdict, BenchError> {
+fn patch(settings: &Settings) -> Result<Evaluation, BenchError> {
     let sheet = settings.choice(
         &ELEMENT,
         &[
@@ -197,7 +197,7 @@ fn patch(settings: &Settings) -> Result<Verdict, BenchError> {
     let ([along, across], inner) = measure(&mesh, &energies, angle, [s, width])?;
     // Forces are sums of Y times lengths known to rounding, over the strain that is measured.
     let rounding = 1e-14 / expected.abs().max(1e-300);
-    Ok(Verdict::new(expected, along)
+    Ok(Evaluation::new(expected, along)
         .rounding(if expected == 0.0 { 1e-13 } else { rounding })
         .detail("lateral_expected", expected_width)
         .detail("lateral", width)

@@ -1,6 +1,6 @@
 //! Degrees of freedom, and two methods with one minimum.
 
-use super::{Law, Verdict, within_reach};
+use super::{Evaluation, Law, within_reach};
 use crate::error::BenchError;
 use crate::mesh_spec;
 use crate::scene;
@@ -54,15 +54,15 @@ fn closed_form(topology: &Topology) -> Real {
     (3 * topology.euler + topology.boundary_edges as i64) as Real
 }
 
-fn count(settings: &Settings) -> Result<Verdict, BenchError> {
+fn count(settings: &Settings) -> Result<Evaluation, BenchError> {
     let (_, _, topology) = counted(settings)?;
-    let verdict = Verdict::new(closed_form(&topology), topology.count_3v_e as Real);
-    Ok(verdict
+    let evaluation = Evaluation::new(closed_form(&topology), topology.count_3v_e as Real);
+    Ok(evaluation
         .detail("euler", topology.euler as Real)
         .detail("boundary_edges", topology.boundary_edges as Real))
 }
 
-fn null_space(settings: &Settings) -> Result<Verdict, BenchError> {
+fn null_space(settings: &Settings) -> Result<Evaluation, BenchError> {
     let (mesh, edges, topology) = counted(settings)?;
     let measure =
         |positions: &[_]| EdgeRank::measure(positions, &edges).map_err(BenchError::failed);
@@ -70,7 +70,7 @@ fn null_space(settings: &Settings) -> Result<Verdict, BenchError> {
     let curved = measure(&bent(mesh.positions()))?;
     // Every piece keeps its six rigid motions, however many edges there are.
     let expected = closed_form(&topology).max(6.0 * topology.components as Real);
-    Ok(Verdict::new(expected, curved.nullity as Real)
+    Ok(Evaluation::new(expected, curved.nullity as Real)
         .detail("nullity_flat", rest.nullity as Real)
         .detail("self_stresses_flat", rest.self_stresses as Real)
         .detail("self_stresses_bent", curved.self_stresses as Real)
@@ -80,7 +80,7 @@ fn null_space(settings: &Settings) -> Result<Verdict, BenchError> {
         ))
 }
 
-fn same_minimum(settings: &Settings) -> Result<Verdict, BenchError> {
+fn same_minimum(settings: &Settings) -> Result<Evaluation, BenchError> {
     let side = settings.count(&SIZE, 2)?;
     within_reach(1e3 * Real::from(side).powi(4))?;
     let settings = Settings::default()
@@ -114,5 +114,5 @@ fn same_minimum(settings: &Settings) -> Result<Verdict, BenchError> {
     let report = pd.step(&mut by_pd, input()).map_err(BenchError::failed)?;
     let apart = by_pd.positions.iter().zip(&by_newton.positions);
     let distance = apart.map(|(a, b)| (a - b).norm()).fold(0.0, Real::max);
-    Ok(Verdict::new(0.0, distance).detail("pd_iterations", Real::from(report.iterations)))
+    Ok(Evaluation::new(0.0, distance).detail("pd_iterations", Real::from(report.iterations)))
 }

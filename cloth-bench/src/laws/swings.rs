@@ -1,6 +1,6 @@
 //! Swings: the pendulum at any angle, and the small swings of a chain.
 
-use super::{Law, Verdict, within_reach};
+use super::{Evaluation, Law, within_reach};
 use crate::error::BenchError;
 use crate::settings::{Parameter, Settings, parameter};
 use cloth_core::energy::Spring;
@@ -132,7 +132,7 @@ fn agm(mut a: Real, mut b: Real) -> Real {
     a
 }
 
-fn pendulum(settings: &Settings) -> Result<Verdict, BenchError> {
+fn pendulum(settings: &Settings) -> Result<Evaluation, BenchError> {
     let angle = settings.positive(&ANGLE)?;
     if angle >= 180.0 {
         return Err(BenchError::Usage(format!(
@@ -155,11 +155,11 @@ fn pendulum(settings: &Settings) -> Result<Verdict, BenchError> {
     let small = 2.0 * PI / GRAVITY.sqrt();
     let [quarter, coarse] = swing.extrapolated(scheme, small / Real::from(steps))?;
     let expected = 1.0 / agm(1.0, (0.5 * angle).cos());
-    Ok(Verdict::new(expected, 4.0 * quarter / small)
+    Ok(Evaluation::new(expected, 4.0 * quarter / small)
         .detail("longer_step_alone", 4.0 * coarse / small))
 }
 
-fn chain_swing(settings: &Settings) -> Result<Verdict, BenchError> {
+fn chain_swing(settings: &Settings) -> Result<Evaluation, BenchError> {
     let links = settings.count(&LINKS, 1)?;
     let steps = settings.count(&STEPS, 8)?;
     let (n, of_steps) = (Real::from(links), Real::from(steps));
@@ -206,7 +206,7 @@ fn chain_swing(settings: &Settings) -> Result<Verdict, BenchError> {
     };
     let period = 2.0 * PI / expected;
     let [quarter, coarse] = swing.extrapolated(scheme, period / Real::from(steps))?;
-    Ok(Verdict::new(expected, 0.5 * PI / quarter)
+    Ok(Evaluation::new(expected, 0.5 * PI / quarter)
         .detail("longer_step_alone", 0.5 * PI / coarse)
         .detail("laguerre_zero", zero))
 }

@@ -1,7 +1,7 @@
 //! What the multipliers of XPBD obey.
 
 use super::chains::{GRAVITY, chain};
-use super::{Law, Verdict, within_reach};
+use super::{Evaluation, Law, within_reach};
 use crate::error::BenchError;
 use crate::scene;
 use crate::settings::{Parameter, Settings, parameter};
@@ -100,7 +100,7 @@ fn swinging(settings: &Settings) -> Result<(scene::Scene, StepProblem), BenchErr
     Ok((scene, problem))
 }
 
-fn xpbd_compliance(settings: &Settings) -> Result<Verdict, BenchError> {
+fn xpbd_compliance(settings: &Settings) -> Result<Evaluation, BenchError> {
     let iterations = settings.count(&CONVERGED, 1)?;
     let links = settings.count(&SWINGING_LINKS, 1)?;
     within_reach(30.0 * Real::from(links) * Real::from(iterations))?;
@@ -119,12 +119,12 @@ fn xpbd_compliance(settings: &Settings) -> Result<Verdict, BenchError> {
     solver.step(&mut state, input).map_err(BenchError::failed)?;
     let error = problem.error(&state.positions);
     let residual = solver.compliance_residual(&state.positions);
-    Ok(Verdict::new(0.0, residual)
+    Ok(Evaluation::new(0.0, residual)
         .detail("objective_floor", error.objective)
         .detail("gradient_floor", error.gradient))
 }
 
-fn direct_step(settings: &Settings) -> Result<Verdict, BenchError> {
+fn direct_step(settings: &Settings) -> Result<Evaluation, BenchError> {
     let (scene, problem) = swinging(settings)?;
     let systems = [
         ("saddle", System::SaddleLdlt),
@@ -142,7 +142,7 @@ fn direct_step(settings: &Settings) -> Result<Verdict, BenchError> {
         .build()
         .map_err(BenchError::usage)?;
     let (error, report, _) = problem.solve(&mut solver)?;
-    Ok(Verdict::new(0.0, error.gradient)
+    Ok(Evaluation::new(0.0, error.gradient)
         .detail("objective_error", error.objective)
         .detail("iterations", Real::from(report.iterations))
         .detail("compliance_residual", solver.residuals().compliance))
@@ -151,7 +151,7 @@ fn direct_step(settings: &Settings) -> Result<Verdict, BenchError> {
 /// Stretch at the start (m).
 const STRETCH: Real = 0.5;
 
-fn xpbd_damping(settings: &Settings) -> Result<Verdict, BenchError> {
+fn xpbd_damping(settings: &Settings) -> Result<Evaluation, BenchError> {
     let k = settings.positive(&STIFFNESS)?;
     let beta = settings.number(&DAMPING)?;
     let h = settings.positive(&DT)?;
@@ -190,10 +190,10 @@ fn xpbd_damping(settings: &Settings) -> Result<Verdict, BenchError> {
     let measured = state.positions[1].x - 1.0;
     // A position of the order of 1 m is known to ε.
     let rounding = 8.0 * Real::EPSILON * (1.0 + predicted.abs()) / expected.abs();
-    Ok(Verdict::new(expected, measured).rounding(rounding))
+    Ok(Evaluation::new(expected, measured).rounding(rounding))
 }
 
-fn support_force(settings: &Settings) -> Result<Verdict, BenchError> {
+fn support_force(settings: &Settings) -> Result<Evaluation, BenchError> {
     let links = settings.count(&LINKS, 1)?;
     let iterations = settings.count(&SWEEPS, 1)?;
     within_reach(30.0 * Real::from(STEPS) * Real::from(links) * Real::from(iterations))?;
@@ -221,7 +221,7 @@ fn support_force(settings: &Settings) -> Result<Verdict, BenchError> {
     let mut forces = vec![Vec3::zeros(); links + 1];
     solver.vertex_forces_into(&mut forces);
     let fastest = state.velocities.iter().map(Vec3::amax).fold(0.0, Real::max);
-    Ok(Verdict::new(weight, -forces[0].z)
+    Ok(Evaluation::new(weight, -forces[0].z)
         .detail(
             "compliance_residual",
             solver.compliance_residual(&state.positions),

@@ -47,15 +47,15 @@ fn most_sweeps(scope: Scope) -> u32 {
 const PROBLEMS: [&str; 3] = ["edge", "corners", "falling"];
 
 /// What to sweep with: the name in the table, the method, and what is set of it.
-struct Way {
+struct Variant {
     name: &'static str,
     method: &'static str,
     settings: Settings,
 }
 
-/// The ways to go through one problem on a sheet of `n` vertices a side; the first is what the others are compared
+/// The variants of solving one problem on a sheet of `n` vertices a side; the first is what the others are compared
 /// with.
-fn ways(problem: &str, n: u32) -> Vec<Way> {
+fn variants(problem: &str, n: u32) -> Vec<Variant> {
     let angle = FRAC_PI_2 / Real::from(n - 1);
     let relaxation = 2.0 / (1.0 + angle.sin());
     let radius = 1.0 - 2.5 / Real::from(n * n);
@@ -72,12 +72,12 @@ fn ways(problem: &str, n: u32) -> Vec<Way> {
     let sor = ("relaxation", relaxation.to_string());
     let rigid = ("projection", "1".to_owned());
     let levels = |every: &str| ("hierarchy", every.to_owned());
-    let of = |method, name, pairs: &[(&str, String)]| Way {
+    let of = |method, name, pairs: &[(&str, String)]| Variant {
         name,
         method,
         settings: set(pairs),
     };
-    let mut ways = vec![
+    let mut variants = vec![
         of("xpbd", "coloured", &[]),
         of("xpbd", "in the order given", &[sequential]),
         of("xpbd", "coloured, SOR", std::slice::from_ref(&sor)),
@@ -91,11 +91,11 @@ fn ways(problem: &str, n: u32) -> Vec<Way> {
         of("xpbd", "Jacobi, Chebyshev", &[jacobi.clone(), auto.clone()]),
     ];
     if problem == "falling" {
-        return ways;
+        return variants;
     }
     // Rigid projections do not look at k; PBD's and XPBD's sweeps are then the same, and the first line shows what λ
     // costs.
-    ways.extend([
+    variants.extend([
         of("pbd", "coloured", std::slice::from_ref(&rigid)),
         of("pbd", "coloured, SOR", &[rigid.clone(), sor]),
         of("pbd", "coloured, Chebyshev", &[rigid.clone(), auto.clone()]),
@@ -118,7 +118,7 @@ fn ways(problem: &str, n: u32) -> Vec<Way> {
             &[rigid, levels("40"), auto],
         ),
     ]);
-    ways
+    variants
 }
 
 fn cases(scope: Scope) -> u64 {
@@ -158,7 +158,7 @@ fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
     Ok(findings)
 }
 
-/// What one way through a problem takes, or why it does not get there.
+/// What one variant takes for a problem, or why it does not get there.
 #[derive(Serialize, Deserialize)]
 struct Counted {
     method: String,
@@ -176,19 +176,27 @@ struct Effort {
     per_sweep: Real,
 }
 
-/// All ways through one problem: their sweeps are counted side by side, and timed in turn.
+/// All variants on one problem: their sweeps are counted side by side, their times interleaved.
 fn measure(scope: Scope, problem: &'static str, n: u32) -> Result<Vec<Counted>, BenchError> {
     let (scene, state, target) = target(problem, n)?;
-    let ways = ways(problem, n);
+    let variants = variants(problem, n);
     let most = most_sweeps(scope);
-    let count =
-        |way: &Way| needed::sweeps(&scene, &state, &target, way.method, &way.settings, most);
-    let counted: Vec<Result<needed::Needed, BenchError>> = ways.par_iter().map(count).collect();
-    let reached = ways.iter().zip(&counted);
+    let count = |variant: &Variant| {
+        needed::sweeps(
+            &scene,
+            &state,
+            &target,
+            variant.method,
+            &variant.settings,
+            most,
+        )
+    };
+    let counted: Vec<Result<needed::Needed, BenchError>> = variants.par_iter().map(count).collect();
+    let reached = variants.iter().zip(&counted);
     let runs: Vec<(&str, &Settings, u32)> = reached
-        .filter_map(|(way, needed)| {
+        .filter_map(|(variant, needed)| {
             let sweeps = needed.as_ref().ok()?.sweeps.ceil() as u32;
-            Some((way.method, &way.settings, sweeps))
+            Some((variant.method, &variant.settings, sweeps))
         })
         .collect();
     let mut times = needed::times(&scene, &state, &runs)?.into_iter();
@@ -203,12 +211,12 @@ fn measure(scope: Scope, problem: &'static str, n: u32) -> Result<Vec<Counted>, 
         })
     };
     let outcomes = counted.into_iter().map(with_time);
-    Ok(ways
+    Ok(variants
         .iter()
         .zip(outcomes.collect::<Vec<_>>())
-        .map(|(way, outcome)| Counted {
-            method: way.method.to_owned(),
-            name: way.name.to_owned(),
+        .map(|(variant, outcome)| Counted {
+            method: variant.method.to_owned(),
+            name: variant.name.to_owned(),
             outcome,
         })
         .collect())
@@ -329,7 +337,7 @@ fn verdict(table: &Table) -> Option<String> {
         ));
     }
     Some(format!(
-        "To a hundredth of the error, {n} × {n} vertices, plain sweeps and the fastest way. {}.",
+        "To a hundredth of the error, {n} × {n} vertices, plain sweeps and the fastest variant. {}.",
         parts.join("; ")
     ))
 }

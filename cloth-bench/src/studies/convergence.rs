@@ -1,6 +1,6 @@
 //! Error inside one implicit step, per iteration and per second, for every method.
 
-mod ways;
+mod variants;
 
 use super::cases::LazyCell;
 use super::sheets::TestSheet;
@@ -18,7 +18,7 @@ use crate::yardstick::{Sample, StepProblem};
 use cloth_core::math::{Real, Vec3};
 use cloth_core::step::Stepper;
 use serde::{Deserialize, Serialize};
-use ways::{cut, iterated};
+use variants::{cut, iterated};
 
 pub(super) const STUDY: Study = Study {
     name: "convergence",

@@ -2,7 +2,7 @@
 
 use super::{Cases, Findings, Scope, Study};
 use crate::error::BenchError;
-use crate::laws::{Law, Verdict};
+use crate::laws::{Evaluation, Law};
 use crate::method::Method;
 use crate::report::plot::{Axis, Plot, Series, Style};
 use crate::report::table::{Cell, Table};
@@ -114,31 +114,35 @@ fn chains(
                     .with(other, 1);
                 let case = format!("tip of {tip} kg, {count} {spent}");
                 let numbers = cases.case(&case, || {
-                    let verdict = law.evaluate(&settings)?;
-                    Ok([verdict.expected, verdict.measured, verdict.rounding])
+                    let evaluation = law.evaluate(&settings)?;
+                    Ok([
+                        evaluation.expected,
+                        evaluation.measured,
+                        evaluation.rounding,
+                    ])
                 });
                 let Some([expected, measured, rounding]) = findings.unless_failed(&case, numbers)
                 else {
                     continue;
                 };
-                let verdict = Verdict::new(expected, measured).rounding(rounding);
-                if !law.holds(&verdict) {
+                let evaluation = Evaluation::new(expected, measured).rounding(rounding);
+                if !law.holds(&evaluation) {
                     broken += 1;
                 }
-                if verdict.rounding < law.tolerance {
-                    worst = worst.max(verdict.error());
+                if evaluation.rounding < law.tolerance {
+                    worst = worst.max(evaluation.error());
                 }
                 table.push([
                     Cell::from(tip),
                     Cell::from(spent),
                     Cell::from(count as usize),
-                    Cell::from(verdict.measured),
-                    Cell::from(verdict.expected),
-                    Cell::from(verdict.error()),
-                    Cell::from(verdict.rounding),
-                    Cell::from(verdict.measured / Real::from(LINKS)),
+                    Cell::from(evaluation.measured),
+                    Cell::from(evaluation.expected),
+                    Cell::from(evaluation.error()),
+                    Cell::from(evaluation.rounding),
+                    Cell::from(evaluation.measured / Real::from(LINKS)),
                 ]);
-                curve.push((Real::from(count), verdict.measured));
+                curve.push((Real::from(count), evaluation.measured));
             }
             series.push(Series::new(&format!("{spent}, tip of {tip} kg"), curve));
         }
@@ -329,8 +333,8 @@ fn iterations(
     let mut of_edge = [None; 2];
     for support in SUPPORTS {
         for sweep in SWEEPS {
-            let ways = [("iterations", "substeps"), ("substeps", "iterations")];
-            for (way, (spent, other)) in ways.into_iter().enumerate() {
+            let exchanges = [("iterations", "substeps"), ("substeps", "iterations")];
+            for (exchange, (spent, other)) in exchanges.into_iter().enumerate() {
                 let settings = Settings::default()
                     .with(spent, ROW)
                     .with(other, 1)
@@ -341,7 +345,7 @@ fn iterations(
                     continue;
                 };
                 if support == "edge" && sweep == "colored" {
-                    of_edge[way] = Some(rest.mean);
+                    of_edge[exchange] = Some(rest.mean);
                 }
                 table.push([
                     Cell::from(support),

@@ -1,6 +1,6 @@
 //! What the features cost that a scene does not use: time, dependencies, build.
 
-use super::turns::in_turns;
+use super::interleaved::interleaved;
 use super::{Cases, Findings, Scope, Study};
 use crate::error::BenchError;
 use crate::method::{self, Method};
@@ -139,15 +139,15 @@ impl Observer for Idle {
     fn iteration(&mut self, _: u32, _: &[Vec3]) {}
 }
 
-/// One way to take steps.
-struct Way<'a> {
+/// One variant of taking steps.
+struct Variant<'a> {
     scene: Scene,
     stepper: Box<dyn Stepper>,
     contacts: Option<Box<dyn ContactSource + 'a>>,
     observer: Option<Idle>,
 }
 
-impl Way<'_> {
+impl Variant<'_> {
     fn new(method: &str, settings: &Settings) -> Result<Self, BenchError> {
         let scene = scene::build("hang", None, settings)?;
         Ok(Self {
@@ -187,25 +187,25 @@ fn times(scope: Scope, feature: &str, method: &str) -> Result<[Real; 4], BenchEr
         ],
         _ => [plain.clone(), plain.clone(), plain],
     };
-    let mut ways = [
-        Way::new(method, &without)?,
-        Way::new(method, &without)?,
-        Way::new(method, &unused)?,
-        Way::new(method, &used)?,
+    let mut variants = [
+        Variant::new(method, &without)?,
+        Variant::new(method, &without)?,
+        Variant::new(method, &unused)?,
+        Variant::new(method, &used)?,
     ];
     match feature {
         "contact" => {
-            let Some(mesh) = ways[0].scene.mesh.clone() else {
+            let Some(mesh) = variants[0].scene.mesh.clone() else {
                 return Err(BenchError::Failed("the sheet has no mesh".into()));
             };
-            for (way, itself) in ways[2..].iter_mut().zip([false, true]) {
+            for (variant, itself) in variants[2..].iter_mut().zip([false, true]) {
                 let builder = PotentialContacts::builder(&mesh).self_collision(itself);
-                way.contacts = Some(Box::new(builder.build().map_err(BenchError::failed)?));
+                variant.contacts = Some(Box::new(builder.build().map_err(BenchError::failed)?));
             }
         }
         "observer" => {
-            ways[2].observer = Some(Idle);
-            ways[3].observer = Some(Idle);
+            variants[2].observer = Some(Idle);
+            variants[3].observer = Some(Idle);
         }
         _ => {}
     }
@@ -213,9 +213,9 @@ fn times(scope: Scope, feature: &str, method: &str) -> Result<[Real; 4], BenchEr
         Scope::Quick => 1.0,
         Scope::Full => 4.0,
     };
-    let turns = in_turns(least, |way| ways[way].step())?;
-    let [_, again, unused, used] = turns.ratios;
-    Ok([turns.seconds[0], again, unused, used])
+    let times = interleaved(least, |variant| variants[variant].step())?;
+    let [_, again, unused, used] = times.ratios;
+    Ok([times.seconds[0], again, unused, used])
 }
 
 /// Number of crates that a crate brings in, and the seconds that building all of it takes; no seconds for the small

@@ -1,6 +1,6 @@
 //! When a second thread helps.
 
-use super::turns::in_turns;
+use super::interleaved::interleaved;
 use super::{Cases, Findings, Scope, Study};
 use crate::error::BenchError;
 use crate::method::{self, Method};
@@ -110,15 +110,15 @@ fn times(name: &str, n: u32) -> Result<[Real; 3], BenchError> {
         method.build(&scene, &Settings::default(), scene.dt)?,
     ];
     let mut states = [scene.start.clone(), scene.start.clone()];
-    let turns = in_turns(1.0, |way| {
-        let (solver, state) = (&mut solvers[way], &mut states[way]);
-        pools[way].install(|| {
+    let times = interleaved(1.0, |variant| {
+        let (solver, state) = (&mut solvers[variant], &mut states[variant]);
+        pools[variant].install(|| {
             let input = StepInput::new(scene.dt).gravity(scene.gravity);
             let started = Instant::now();
             solver.step(state, input).map_err(BenchError::failed)?;
             Ok(started.elapsed().as_secs_f64())
         })
     })?;
-    let [one, two] = turns.seconds;
-    Ok([one, two, 1.0 / turns.ratios[1]])
+    let [one, two] = times.seconds;
+    Ok([one, two, 1.0 / times.ratios[1]])
 }

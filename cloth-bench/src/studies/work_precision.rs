@@ -62,7 +62,7 @@ fn shown(scope: Scope) -> Real {
 }
 
 /// What is compared: label, method, and what is not its default.
-fn ways() -> Vec<(String, &'static str, Settings)> {
+fn variants() -> Vec<(String, &'static str, Settings)> {
     let default =
         method::all().map(|method| (method.name.to_owned(), method.name, Settings::default()));
     let set = |key: &str, value: &str| Settings::default().with(key, value);
@@ -166,8 +166,8 @@ fn groups(label: &str, is_default: bool) -> impl Iterator<Item = usize> {
 }
 
 fn cases(scope: Scope) -> u64 {
-    let ways = ways();
-    let falls = ways.iter().map(|(label, ..)| rates(scope, label).len());
+    let variants = variants();
+    let falls = variants.iter().map(|(label, ..)| rates(scope, label).len());
     (1 + falls.sum::<usize>() + method::all().count()) as u64
 }
 
@@ -203,7 +203,7 @@ fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
     let mut series: [[Vec<Series>; 2]; GROUPS] = Default::default();
     let mut all: Vec<(String, u32, Outcome)> = Vec::new();
     let defaults = method::all().count();
-    for (number, (label, name, settings)) in ways().into_iter().enumerate() {
+    for (number, (label, name, settings)) in variants().into_iter().enumerate() {
         let mut curves = [Vec::new(), Vec::new()];
         let mut before: Option<(u32, Real)> = None;
         for &rate in rates(scope, &label) {

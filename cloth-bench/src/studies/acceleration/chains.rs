@@ -37,10 +37,10 @@ pub(super) fn run(scope: Scope, findings: &mut Findings, cases: &mut Cases<'_>) 
         let law = Law::find("chain-rate")?;
         let rate = |solver: &str, &links: &u32| {
             let settings = Settings::default().with("solver", solver);
-            let verdict = law.evaluate(&settings.with("links", links))?;
+            let evaluation = law.evaluate(&settings.with("links", links))?;
             Ok::<_, BenchError>(Rate {
-                measured: verdict.measured,
-                expected: verdict.expected,
+                measured: evaluation.measured,
+                expected: evaluation.expected,
             })
         };
         let of_solver = |solver| links(scope).iter().map(|n| rate(solver, n)).collect();

@@ -1,4 +1,4 @@
-//! How many sweeps a way of sweeping needs, and how long they take.
+//! How many sweeps a variant of the sweep needs, and how long they take.
 
 use crate::error::BenchError;
 use crate::method::Method;
@@ -138,7 +138,7 @@ fn extrapolated(seen: &[(u32, Real)]) -> Result<Needed, BenchError> {
     })
 }
 
-/// How long (s) the sweeps of one way take, and one of them on the mean.
+/// How long (s) the sweeps of one variant take, and one of them on the mean.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Time {
     pub(super) seconds: Real,

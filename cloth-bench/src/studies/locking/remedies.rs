@@ -77,7 +77,7 @@ fn resistances(sheet: &Sheet, cells: usize) -> Result<[Real; 4], BenchError> {
 }
 
 /// Shortest time of a step of implicit Euler with one linear solve from the exact fold under gravity, over that of
-/// springs, measured by turns.
+/// springs, timed interleaved.
 fn cost(pattern: &str, cells: usize, kind: Kind) -> Result<Real, BenchError> {
     let config = ImplicitConfig::linearized();
     let prepare = |kind| {

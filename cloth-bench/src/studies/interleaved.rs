@@ -1,4 +1,4 @@
-//! Times of several ways to do the same work, measured so that they can be compared.
+//! Interleaved timing: several variants of the same work, one run of each per round.
 
 use crate::error::BenchError;
 use crate::run::median;
@@ -11,16 +11,16 @@ const MOST: usize = 200;
 /// Time (s) after which one round is enough.
 const LONG: Real = 10.0;
 
-/// What [`in_turns`] measures.
+/// What [`interleaved`] measures.
 #[derive(Debug, PartialEq)]
-pub(super) struct Turns<const N: usize> {
-    /// Median time (s) of each way.
+pub(super) struct Interleaved<const N: usize> {
+    /// Median time (s) of each variant.
     pub(super) seconds: [Real; N],
-    /// Medians of the times over that of the first way in the same round (dimensionless).
+    /// Medians of the times over that of the first variant in the same round (dimensionless).
     pub(super) ratios: [Real; N],
 }
 
-/// Compares `N` ways, of which `time` runs the one with that index and gives its time (s): in rounds of one run of
+/// Compares `N` variants, of which `time` runs the one with that index and gives its time (s): in rounds of one run of
 /// each, for `least` seconds, after one that warms up.
 ///
 /// What slows the machine for a while slows a whole round, and so leaves the ratios within it alone. Of shortest times,
@@ -28,14 +28,14 @@ pub(super) struct Turns<const N: usize> {
 ///
 /// # Errors
 /// The first of `time`.
-pub(super) fn in_turns<const N: usize>(
+pub(super) fn interleaved<const N: usize>(
     least: Real,
     mut time: impl FnMut(usize) -> Result<Real, BenchError>,
-) -> Result<Turns<N>, BenchError> {
+) -> Result<Interleaved<N>, BenchError> {
     let mut round = || {
         let mut seconds = [0.0; N];
-        for (way, seconds) in seconds.iter_mut().enumerate() {
-            *seconds = time(way)?;
+        for (variant, seconds) in seconds.iter_mut().enumerate() {
+            *seconds = time(variant)?;
         }
         Ok(seconds)
     };
@@ -51,12 +51,13 @@ pub(super) fn in_turns<const N: usize>(
         rounds.push(round()?);
     }
     let each = |value: fn(&[Real; N], usize) -> Real| {
-        let over = |way| -> Vec<Real> { rounds.iter().map(|round| value(round, way)).collect() };
-        std::array::from_fn(|way| median(&mut over(way)))
+        let over =
+            |variant| -> Vec<Real> { rounds.iter().map(|round| value(round, variant)).collect() };
+        std::array::from_fn(|variant| median(&mut over(variant)))
     };
-    Ok(Turns {
-        seconds: each(|round, way| round[way]),
-        ratios: each(|round, way| round[way] / round[0]),
+    Ok(Interleaved {
+        seconds: each(|round, variant| round[variant]),
+        ratios: each(|round, variant| round[variant] / round[0]),
     })
 }
 
@@ -64,19 +65,19 @@ pub(super) fn in_turns<const N: usize>(
 mod tests {
     use super::*;
 
-    /// A machine that is slower from round to round, and once hiccups in one way only.
+    /// A machine that is slower from round to round, and once hiccups in one variant only.
     #[test]
-    fn ratios_are_those_of_the_ways_on_a_machine_that_changes_its_speed() {
+    fn ratios_are_those_of_the_variants_on_a_machine_that_changes_its_speed() {
         let mut runs: usize = 0;
-        let measured = in_turns::<3>(0.0, |way| {
+        let measured = interleaved::<3>(0.0, |variant| {
             let round = (runs / 3) as Real;
-            assert_eq!(way, runs % 3);
+            assert_eq!(variant, runs % 3);
             runs += 1;
             let slower = [round, 1e6][usize::from(runs == 41)];
-            Ok([1.0, 2.0, 0.5][way] * slower)
+            Ok([1.0, 2.0, 0.5][variant] * slower)
         });
         // Round 0 warms up, 1 to 15 count: the median is that of round 8.
-        let expected = Turns {
+        let expected = Interleaved {
             seconds: [8.0, 16.0, 4.0],
             ratios: [1.0, 2.0, 0.5],
         };
@@ -87,7 +88,7 @@ mod tests {
     #[test]
     fn an_error_ends_it() {
         let broken = BenchError::Failed("broken".into());
-        let measured = in_turns::<2>(0.0, |way| match way {
+        let measured = interleaved::<2>(0.0, |variant| match variant {
             0 => Ok(1.0),
             _ => Err(broken.clone()),
         });
