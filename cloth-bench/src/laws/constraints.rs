@@ -10,7 +10,7 @@ use cloth_core::step::{StepInput, Stepper};
 use cloth_pbd::{PbdConfig, PbdSolver, StiffnessRule};
 use cloth_xpbd::{XpbdConfig, XpbdSolver};
 
-const ITERATIONS: Parameter = parameter("iterations", "10", "iterations of the one step");
+const ITERATIONS: Parameter = parameter("iterations", "10", "sweeps of the one step");
 const DT: Parameter = parameter("dt", "0.01", "step size (s)");
 const STIFFNESS: Parameter = parameter("stiffness", "100", "stiffness k of the spring (N/m)");
 const FRACTION: Parameter = parameter(
