@@ -115,7 +115,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<(), BenchError> {
         };
         lines.push(format!("{kind}:"));
         if !common.is_empty() {
-            lines.push(format!("  {:18} of more than one of them", COMMON));
+            lines.push(format!("  {COMMON:18} of more than one of them"));
             lines.extend(common.iter().map(|p| full(p)));
         }
         for entry in &entries {
