@@ -33,7 +33,7 @@ fn mass_at(position: Vec3, velocity: Vec3) -> PointMass {
 }
 
 #[test]
-fn a_block_slides_down_an_incline_if_the_tangent_exceeds_the_friction_and_by_the_exact_way() {
+fn a_block_slides_if_the_tangent_exceeds_the_friction_as_far_as_exact() {
     for degrees in [5.0, 20.0, 30.0, 45.0, 60.0f64] {
         for friction in [0.0, 0.1, 0.36, 0.58, 0.99, 1.2, 2.0] {
             for turn in [0.0, 0.7] {
@@ -204,7 +204,7 @@ fn momentum_changes_by_the_impulse_and_by_gravity_alone() {
 
 /// Coulomb's cone, no rebound beyond e, no energy gained relative to the surface, for any normal and velocity.
 #[test]
-fn impulses_stay_in_the_friction_cone_and_friction_never_turns_a_velocity_round() {
+fn impulses_stay_in_the_friction_cone_and_never_turn_a_velocity() {
     let mut random = Random::new(2);
     for _ in 0..10_000 {
         let (normal, u) = (random.point(1.0).normalize(), random.point(5.0));

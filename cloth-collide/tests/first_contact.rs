@@ -193,7 +193,7 @@ fn a_start_in_contact_is_a_contact_at_zero_unless_it_leaves() {
 }
 
 #[test]
-fn arguments_that_are_not_finite_end_the_search_at_once_and_are_not_certain() {
+fn arguments_that_are_not_finite_end_the_search_at_once() {
     let ball = Obstacle::new(Sphere::new(1.0).unwrap());
     for bad in [f64::NAN, f64::INFINITY] {
         let hit = first_contact(&ball, &straight(v(bad, 0.0, 3.0), Vec3::x()), 0.0, 1.0, 0.0);

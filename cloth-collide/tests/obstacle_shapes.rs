@@ -129,7 +129,7 @@ fn solid_angle(mesh: &TriMesh, p: Vec3) -> Real {
 }
 
 #[test]
-fn mesh_distance_has_the_sign_of_the_solid_angle_and_the_size_of_brute_force() {
+fn mesh_distance_has_the_sign_of_the_solid_angle() {
     let long_needles = {
         // A star: every other vertex of a sphere pulled out, so that edges and vertices of all kinds are met.
         let ball = generate::sphere(3, 0.3).unwrap();
@@ -225,7 +225,7 @@ fn samples_are_within_their_bound_everywhere() {
 }
 
 #[test]
-fn samples_converge_with_the_square_of_the_spacing_where_the_surface_is_smooth() {
+fn samples_converge_with_the_square_of_the_spacing() {
     let ball = Sphere::new(0.5).unwrap();
     let worst = |spacing: Real| {
         let grid = SampledDistance::new(&ball, spacing, 0.2).unwrap();

@@ -66,7 +66,7 @@ fn edges() -> [[Vec3; 4]; 4] {
 }
 
 #[test]
-fn derivatives_of_a_vertex_and_a_triangle_are_those_of_differences_in_all_regions() {
+fn vertex_triangle_derivatives_are_differences_in_all_regions() {
     let barrier = vertex_triangle();
     for height in [0.3, 0.03] {
         for place in REGIONS {

@@ -52,7 +52,7 @@ fn sheets() -> [TriMesh; 3] {
 }
 
 #[test]
-fn stretched_evenly_the_sheet_is_as_stiff_as_springs_and_pushed_it_keeps_the_share_of_the_edges() {
+fn pulled_it_is_as_stiff_as_springs_and_pushed_as_its_edges() {
     for mesh in &sheets()[..2] {
         let springs = STIFF.on(mesh).unwrap();
         for level in 1..=4 {
@@ -117,7 +117,7 @@ fn no_link_resists_a_bend() {
 /// What it breaks: between the vertices of the coarse level the cloth can be drawn out of place, and only the edges
 /// resist.
 #[test]
-fn displacements_that_the_coarse_level_does_not_see_meet_the_share_of_the_edges_only() {
+fn what_the_coarse_level_does_not_see_meets_the_edges_only() {
     let mut random = SplitMix64::new(3);
     for mesh in sheets() {
         for level in 1..=4 {

@@ -99,7 +99,7 @@ fn it_is_finite_where_an_element_has_collapsed() {
 
 /// It is made of numbers like λ/size²: exact in powers of two, until they overflow.
 #[test]
-fn it_grows_with_the_square_as_a_hinge_shrinks_and_is_zero_beyond_all_numbers() {
+fn it_grows_with_the_square_as_a_hinge_shrinks() {
     let rest = [[0.0, 0.0], [1.0, 0.0], [0.4, 0.8], [0.5, -0.9]];
     let bent: [Vec3; 4] =
         std::array::from_fn(|i| Vec3::new(rest[i][0], rest[i][1], 0.3 * i as Real));

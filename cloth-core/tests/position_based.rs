@@ -135,7 +135,7 @@ fn shaken(mesh: &TriMesh) -> State {
 }
 
 #[test]
-fn a_falling_sheet_keeps_its_shape_and_falls_as_far_as_the_discrete_law_says() {
+fn a_falling_sheet_keeps_its_shape_and_falls_as_the_law_says() {
     let mesh = sheet(20);
     let springs = springs(&mesh);
     for (substeps, steps) in [(1_u32, 60_u32), (5, 60)] {

@@ -53,7 +53,7 @@ fn sheets() -> [TriMesh; 5] {
 }
 
 #[test]
-fn weaker_springs_under_compression_are_weaker_by_that_share_and_only_there() {
+fn weaker_springs_under_compression_are_weaker_only_there() {
     for mesh in sheets() {
         for share in [0.0, 0.1, 0.7, 1.0] {
             let carriers = with(SpringLaw::Compression(share), SpringEdges::All);

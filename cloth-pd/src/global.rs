@@ -329,7 +329,7 @@ mod tests {
     }
 
     #[test]
-    fn the_matrix_is_mass_over_dt_squared_plus_the_sum_of_w_gt_g_over_free_vertices() {
+    fn the_matrix_is_m_over_dt_squared_plus_w_gt_g_over_free_vertices() {
         let mut particles = Particles::new(vec![0.1, 0.2, 0.3, 0.4, 0.5, 0.6]).unwrap();
         particles.prescribe(2).unwrap();
         let spring = |vertices, stiffness| Spring {

@@ -262,7 +262,7 @@ mod tests {
     }
 
     #[test]
-    fn without_columns_nothing_is_changed_and_singular_corrections_are_noticed() {
+    fn without_columns_nothing_changes_and_singular_ones_are_noticed() {
         let identity = |b: &[Vec3], x: &mut [Vec3]| x.copy_from_slice(b);
         let mut low_rank = WoodburyUpdate::default();
         assert!(low_rank.prepare(3, identity));

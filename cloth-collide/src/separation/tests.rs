@@ -215,7 +215,7 @@ fn folding_along_an_edge_is_no_intersection_but_a_small_distance() {
 }
 
 #[test]
-fn distance_is_zero_where_cloth_goes_through_cloth_far_from_any_vertex_or_edge() {
+fn distance_is_zero_where_cloth_passes_far_from_vertices_and_edges() {
     // A large triangle, and a small one that stands in its middle: no vertex and no edge is within 0.5 of the other's.
     let x = vec![
         v(-9., -9., 0.),

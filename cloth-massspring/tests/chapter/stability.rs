@@ -124,7 +124,7 @@ fn a_stable_run_is_never_stopped() {
 }
 
 #[test]
-fn a_spring_that_stiffens_beyond_the_limit_ends_the_run_before_it_is_nonsense() {
+fn a_spring_that_stiffens_beyond_the_limit_ends_the_run() {
     // At rest a cross of four springs resists with 2k along either axis; pulled out to thrice its length it resists
     // with 2k + 2k·⅔.
     let centre = Vec3::zeros();

@@ -24,7 +24,7 @@ fn a_converged_step_is_a_stationary_point_of_the_incremental_potential() {
 }
 
 #[test]
-fn the_reported_residual_is_the_relative_gradient_of_the_incremental_potential() {
+fn the_residual_is_the_relative_gradient_of_the_objective() {
     for (start, count) in [
         (StartGuess::Predicted, 1),
         (StartGuess::Predicted, 7),

@@ -160,7 +160,7 @@ fn springs_may_differ_in_stiffness_by_eight_powers_of_ten() {
 }
 
 #[test]
-fn a_free_cloth_whose_mass_is_rounded_away_is_refused_and_a_held_one_is_not() {
+fn a_free_cloth_whose_mass_is_rounded_away_is_refused() {
     let error = StepError::NotPositiveDefinite {
         iteration: 1,
         step: 1,
