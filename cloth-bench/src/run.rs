@@ -14,7 +14,6 @@ use crate::method::Method;
 use crate::scene::{ChangeKind, Scene};
 use crate::settings::Settings;
 use crate::tangle;
-use cloth_collide::SeparationProbe;
 use cloth_collide::potential::ContactForces;
 use cloth_collide::untangle::StepUntangler;
 use cloth_core::air::Air;
@@ -520,10 +519,10 @@ fn separation(
     scene: &Scene,
     state: &State,
 ) -> Result<Option<cloth_collide::Separation>, BenchError> {
-    let Some(mesh) = &scene.mesh else {
+    let Some(mut probe) = scene.separation_probe() else {
         return Ok(None);
     };
-    let measured = SeparationProbe::new(mesh).measure(&state.positions);
+    let measured = probe.measure(&state.positions);
     measured.map(Some).map_err(BenchError::failed)
 }
 

@@ -15,6 +15,7 @@ pub use contact::ContactSetup;
 
 use crate::error::BenchError;
 use crate::settings::{Parameter, parameter};
+use cloth_collide::SeparationProbe;
 use cloth_collide::potential::PotentialContacts;
 use cloth_collide::untangle::StepUntangler;
 use cloth_core::air::Air;
@@ -70,6 +71,17 @@ impl Scene {
             (Some(touch), Some(mesh)) => touch.source(mesh),
             _ => Ok(None),
         }
+    }
+
+    /// What counts the crossings of the cloth and measures its distances, if it has a mesh.
+    #[must_use]
+    pub fn separation_probe(&self) -> Option<SeparationProbe> {
+        let mesh = self.mesh.as_ref()?;
+        let touch = self.touch.as_ref();
+        Some(touch.map_or_else(
+            || SeparationProbe::new(mesh),
+            |touch| touch.separation_probe(mesh),
+        ))
     }
 
     /// What pulls the cloth apart during a run, if the scene wants that.

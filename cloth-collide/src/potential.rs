@@ -99,7 +99,7 @@ mod friction;
 mod gap;
 mod hold;
 mod last_resort;
-mod let_go;
+pub(crate) mod let_go;
 mod mollifier;
 mod near;
 mod near_pairs;

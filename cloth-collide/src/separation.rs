@@ -10,6 +10,7 @@ use crate::closest::{edge_edge, point_triangle};
 use crate::error::CollideError;
 use crate::incidence::{Owned, ends, facing, owned};
 use crate::intersect::{segment_meets_triangle, triangles_meet};
+use crate::potential::let_go::LetGo;
 use cloth_core::math::{Real, Vec3, gather};
 use cloth_core::mesh::TriMesh;
 use std::cell::Cell;
@@ -69,6 +70,8 @@ pub struct SeparationProbe {
     owned: Vec<Owned>,
     /// Pairs (vertex, triangle) across inner edges: near each other, so their distances are a good upper limit.
     facing: Vec<(u32, u32)>,
+    /// Pairs that do not count.
+    excluded: LetGo,
 }
 
 impl SeparationProbe {
@@ -79,7 +82,21 @@ impl SeparationProbe {
             pairs: TrianglePairs::new(mesh),
             owned: owned(mesh),
             facing: facing(mesh.triangles()),
+            excluded: LetGo::default(),
         }
+    }
+
+    /// Without pairs of regions that may pass through each other, as
+    /// [`PotentialBuilder::exclude`](crate::potential::PotentialBuilder::exclude) has them.
+    #[must_use]
+    pub fn exclude(mut self, region: Vec<u32>, pairs: Vec<[u32; 2]>) -> Self {
+        self.excluded = LetGo::new(region, pairs);
+        self
+    }
+
+    fn counts(&self, corners: [[u32; 3]; 2]) -> bool {
+        let [[a, b, c], [d, e, f]] = corners;
+        !self.excluded.has(&[a, b, c, d, e, f])
     }
 
     /// Measures the cloth at `positions` (m), one per vertex. The result depends on mesh and positions only.
@@ -106,7 +123,10 @@ impl SeparationProbe {
     fn count_intersecting(&mut self, positions: &[Vec3]) -> usize {
         self.pairs.within(0.0);
         let triangles = self.pairs.triangles();
-        let meets = |pair: &&[u32; 2]| meet_unduly(pair.map(|t| triangles[t as usize]), positions);
+        let meets = |pair: &&[u32; 2]| {
+            let corners = pair.map(|t| triangles[t as usize]);
+            self.counts(corners) && meet_unduly(corners, positions)
+        };
         self.pairs.found().iter().filter(meets).count()
     }
 
@@ -145,6 +165,9 @@ impl SeparationProbe {
             return;
         }
         let corners = pair.map(|t| self.pairs.triangles()[t]);
+        if !self.counts(corners) {
+            return;
+        }
         let owned = pair.map(|t| self.owned[t]);
         let x = corners.map(|c| gather(positions, c));
         for (one, other) in [(0, 1), (1, 0)] {

@@ -38,7 +38,7 @@ impl SeparationWatch {
     /// [`BenchError::Failed`] for more triangles, with those of bodies, than fit.
     pub fn new(scene: &Scene) -> Result<Self, BenchError> {
         Ok(Self {
-            probe: scene.mesh.as_ref().map(SeparationProbe::new),
+            probe: scene.separation_probe(),
             bodies: body_probe(scene)?,
             triangles: triangle_count(scene),
             seen: Watched::default(),

@@ -2,10 +2,10 @@
 
 use crate::error::BenchError;
 use crate::settings::{Parameter, Settings, parameter};
-use cloth_collide::BodyProbe;
 use cloth_collide::obstacle::{AnimatedMesh, ImpactLaw, Obstacle, ObstacleContacts};
 use cloth_collide::potential::PotentialContacts;
 use cloth_collide::untangle::StepUntangler;
+use cloth_collide::{BodyProbe, SeparationProbe};
 use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::TriMesh;
 
@@ -76,6 +76,13 @@ pub(super) fn splits(radius: Real, thickness: Real) -> usize {
     (1.13 * radius / thickness).sqrt().ceil().clamp(LEAST, MOST) as usize
 }
 
+/// A key of `[mesh.contact]` alone.
+pub(super) const EXCLUDE: Parameter = parameter(
+    "exclude",
+    "none",
+    "numbers of the [[mesh]] tables, from 0, that this piece passes through freely; with its own number, itself",
+);
+
 /// Contact of each vertex, where pieces differ.
 #[derive(Clone, Debug)]
 pub(super) struct PieceContact {
@@ -83,6 +90,9 @@ pub(super) struct PieceContact {
     pub(super) thickness: Vec<Real>,
     /// Coefficient of friction (dimensionless).
     pub(super) friction: Vec<Real>,
+    /// Number of the piece, and pairs of pieces that pass through each other freely.
+    pub(super) piece: Vec<u32>,
+    pub(super) excluded: Vec<[u32; 2]>,
 }
 
 /// Everything that a cloth can touch.
@@ -162,6 +172,12 @@ impl ContactSetup {
         alone || !self.is_on
     }
 
+    /// Whether pieces may pass through each other that untangling would pull apart.
+    pub(super) fn excludes_and_untangles(&self) -> bool {
+        let excludes = |pieces: &PieceContact| !pieces.excluded.is_empty();
+        self.untangles && self.pieces.as_ref().is_some_and(excludes)
+    }
+
     /// What resolves contact of the cloth `mesh`; nothing where there is nothing to touch.
     ///
     /// # Errors
@@ -179,7 +195,8 @@ impl ContactSetup {
         if let Some(pieces) = &self.pieces {
             contacts = contacts
                 .thickness_of_vertices(pieces.thickness.clone())
-                .friction_of_vertices(pieces.friction.clone());
+                .friction_of_vertices(pieces.friction.clone())
+                .exclude(pieces.piece.clone(), pieces.excluded.clone());
         }
         for (number, (surface, _)) in self.shapes.iter().enumerate().filter(|(_, s)| s.1) {
             contacts = contacts.surface(number, surface.clone());
@@ -188,6 +205,16 @@ impl ContactSetup {
             contacts = contacts.animated(surface.clone(), animation.clone(), self.friction);
         }
         contacts.build().map(Some).map_err(BenchError::usage)
+    }
+
+    /// What counts crossings and measures distances of the cloth `mesh`.
+    #[must_use]
+    pub fn separation_probe(&self, mesh: &TriMesh) -> SeparationProbe {
+        let probe = SeparationProbe::new(mesh);
+        match &self.pieces {
+            Some(pieces) => probe.exclude(pieces.piece.clone(), pieces.excluded.clone()),
+            None => probe,
+        }
     }
 
     /// What pulls the cloth `mesh` apart during a run, if that is wanted.

@@ -1,6 +1,7 @@
 //! Settings of the contact potential, checked.
 
 use super::last_resort::LastResort;
+use super::let_go::LetGo;
 use super::near::{Near, Own, Side};
 use super::patches::Patches;
 use super::source::Contacts;
@@ -22,6 +23,8 @@ pub struct PotentialBuilder<'a> {
     surfaces: Vec<Surface>,
     self_collision: bool,
     own: Own,
+    /// Of how many vertices the regions are known.
+    regions: usize,
 }
 
 impl<'a> PotentialBuilder<'a> {
@@ -35,6 +38,7 @@ impl<'a> PotentialBuilder<'a> {
             surfaces: Vec::new(),
             self_collision: true,
             own: Own::default(),
+            regions: 0,
         }
     }
 
@@ -59,6 +63,15 @@ impl<'a> PotentialBuilder<'a> {
     #[must_use]
     pub fn friction_of_vertices(mut self, friction: Vec<Real>) -> Self {
         self.own.friction = friction;
+        self
+    }
+
+    /// Parts of the cloth that pass through each other freely: pairs of regions, and the region of each vertex. A pair
+    /// of a region with itself is one that does not touch itself. Bodies keep out all.
+    #[must_use]
+    pub fn exclude(mut self, region: Vec<u32>, pairs: Vec<[u32; 2]>) -> Self {
+        self.regions = region.len();
+        self.own.excluded = LetGo::new(region, pairs);
         self
     }
 
@@ -172,6 +185,7 @@ impl<'a> PotentialBuilder<'a> {
         let Own {
             thickness,
             friction,
+            ..
         } = &self.own;
         let count = self.mesh.vertex_count();
         for (name, list) in [
@@ -185,6 +199,13 @@ impl<'a> PotentialBuilder<'a> {
                     range: "the number of vertices",
                 });
             }
+        }
+        if self.regions != 0 && self.regions != count {
+            return Err(BuildError::InvalidSetting {
+                name: "number of regions of vertices",
+                value: self.regions as Real,
+                range: "the number of vertices",
+            });
         }
         let is_wrong = |value: &&Real| !(**value > 0.0 && value.is_finite());
         if let Some(&value) = thickness.iter().find(is_wrong) {

@@ -1,8 +1,9 @@
-//! Pairs that are let go: they pass through each other already, and are pulled apart by something else.
+//! Pairs that are let go: they pass through each other already, and are pulled apart by something else; or they may pass
+//! through each other for good.
 
 /// Regions of the cloth, and which of them may pass through each other.
-#[derive(Debug, Default)]
-pub(super) struct LetGo {
+#[derive(Clone, Debug, Default)]
+pub(crate) struct LetGo {
     /// The region of each vertex of the cloth, from 1; 0 for none. Empty if there are none at all.
     region: Vec<u32>,
     /// In rising order, the smaller number first.
@@ -10,6 +11,13 @@ pub(super) struct LetGo {
 }
 
 impl LetGo {
+    /// Of these regions, one number per vertex, and pairs of them.
+    pub(crate) fn new(region: Vec<u32>, mut pairs: Vec<[u32; 2]>) -> Self {
+        pairs.iter_mut().for_each(|pair| pair.sort_unstable());
+        pairs.sort_unstable();
+        Self { region, pairs }
+    }
+
     /// Takes over other regions and pairs of them. Returns whether they are others.
     pub(super) fn replace(&mut self, region: &[u32], pairs: &[[u32; 2]]) -> bool {
         let region = if pairs.is_empty() { &[] } else { region };
@@ -22,7 +30,7 @@ impl LetGo {
     }
 
     /// Whether a pair is let go whose first vertex is in one of its pieces, and whose last is in the other.
-    pub(super) fn has(&self, vertices: &[u32]) -> bool {
+    pub(crate) fn has(&self, vertices: &[u32]) -> bool {
         let (Some(first), Some(last)) = (vertices.first(), vertices.last()) else {
             return false;
         };

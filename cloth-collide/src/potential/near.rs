@@ -28,6 +28,8 @@ pub(super) struct Own {
     pub(super) thickness: Vec<Real>,
     /// Coefficient of friction μ (dimensionless).
     pub(super) friction: Vec<Real>,
+    /// Pieces that may pass through each other.
+    pub(super) excluded: LetGo,
 }
 
 /// Areas, laws and freedom of the parts of a cloth, and of the surfaces of bodies behind it.
@@ -179,12 +181,17 @@ impl Near {
                 let [a, b] = pair.map(corners);
                 let is_free = a.iter().chain(&b).any(|&v| self.is_free[v as usize]);
                 self.patches_meet([a[0], b[0]])
-                    && !self.let_go.has(&[a[0], a[1], a[2], b[0], b[1], b[2]])
+                    && !self.pass(&[a[0], a[1], a[2], b[0], b[1], b[2]])
                     && (is_free || self.is_own(a[0]) && self.is_own(b[0]))
             });
             pairs.filter(|pair| meet(pair.map(|t| triangles[t as usize]), x))
         });
         crossing.count()
+    }
+
+    /// Whether parts of the cloth with these vertices may pass through each other.
+    fn pass(&self, vertices: &[u32]) -> bool {
+        self.let_go.has(vertices) || self.own.excluded.has(vertices)
     }
 
     fn is_own(&self, vertex: u32) -> bool {
@@ -217,7 +224,7 @@ impl Near {
     pub(super) fn meets(&self, vertices: [u32; 4]) -> bool {
         if self.surfaces.is_empty() || vertices.iter().all(|&v| self.is_own(v)) {
             let rests = vertices.iter().all(|&v| self.is_resting[v as usize]);
-            return self.self_collision && !rests && !self.let_go.has(&vertices);
+            return self.self_collision && !rests && !self.pass(&vertices);
         }
         vertices.iter().any(|&v| self.is_free[v as usize])
     }

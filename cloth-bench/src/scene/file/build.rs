@@ -241,6 +241,13 @@ impl<'a> Sections<'a> {
         let mut touch = ContactSetup::new(&settings, &NO_SELF, bodies)
             .map_err(|error| self.contact.blame(error, overruling))?;
         touch.pieces = roughness::of_pieces(&settings, &self.roughness, &counts, order.as_ref())?;
+        if let (true, Some(section)) = (
+            touch.excludes_and_untangles(),
+            self.roughness.iter().flatten().next(),
+        ) {
+            let message = "untangle would pull apart pieces that exclude lets pass";
+            return Err(section.refuse_table(message));
+        }
         if let (true, Some(section)) = (touch.is_idle(), self.roughness.iter().flatten().next()) {
             let message = "has no meaning without anything to touch";
             return Err(section.refuse_table(message));

@@ -1,6 +1,6 @@
 //! Every key of a scene file.
 
-use crate::scene::contact::{FRICTION, THICKNESS, TOUCHING_ALONE};
+use crate::scene::contact::{EXCLUDE, FRICTION, THICKNESS, TOUCHING_ALONE};
 use crate::scene::{
     BENDING, BENDING_STIFFNESS, DENSITY, LINK_LENGTH, LINK_MASS, LINKS, MEMBRANE, MODULUS, POISSON,
     RIGIDITY, SHEAR, STIFFNESS, TIP_MASS, cloth,
@@ -199,7 +199,7 @@ pub(super) const MESH_CONTACT: SectionInfo = SectionInfo {
     head: "[mesh.contact]",
     about: "below a [[mesh]]: what is different of the contact of this piece, which --set leaves as it is; two pieces keep half the sum \
             of their thicknesses, and have the geometric mean of their coefficients of friction, a piece and an obstacle too",
-    keys: &[THICKNESS, FRICTION],
+    keys: &[THICKNESS, FRICTION, EXCLUDE],
 };
 
 /// Every table, in the order in which one would write them.

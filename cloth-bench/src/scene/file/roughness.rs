@@ -2,7 +2,7 @@
 
 use super::document::Section;
 use crate::error::BenchError;
-use crate::scene::contact::{FRICTION, PieceContact, THICKNESS};
+use crate::scene::contact::{EXCLUDE, FRICTION, PieceContact, THICKNESS};
 use crate::settings::Settings;
 use cloth_core::math::Real;
 use cloth_core::method::ordering::Order;
@@ -19,7 +19,15 @@ pub(super) fn of_pieces(
         return Ok(None);
     }
     let (mut thickness, mut friction) = (Vec::new(), Vec::new());
-    for (section, count) in own.iter().zip(counts) {
+    let (mut piece, mut excluded) = (Vec::new(), Vec::new());
+    for ((number, section), count) in (0..).zip(own).zip(counts) {
+        for other in section
+            .iter()
+            .flat_map(|section| others(section, own.len()))
+        {
+            excluded.push([number, other?]);
+        }
+        piece.extend(std::iter::repeat_n(number, *count));
         let [h, mu]: [Real; 2] = match section {
             None => [common.positive(&THICKNESS)?, common.number(&FRICTION)?],
             Some(section) => {
@@ -33,12 +41,33 @@ pub(super) fn of_pieces(
         thickness.extend(std::iter::repeat_n(h, *count));
         friction.extend(std::iter::repeat_n(mu, *count));
     }
-    let ordered = |values: Vec<Real>| match order {
+    Ok(Some(PieceContact {
+        thickness: ordered(thickness, order),
+        friction: ordered(friction, order),
+        piece: ordered(piece, order),
+        excluded,
+    }))
+}
+
+fn ordered<T: Copy>(values: Vec<T>, order: Option<&Order>) -> Vec<T> {
+    match order {
         Some(order) => order.apply(&values),
         None => values,
+    }
+}
+
+/// The pieces that one passes through.
+fn others(section: &Section<'_>, count: usize) -> Vec<Result<u32, BenchError>> {
+    let numbers = match section.counts(&EXCLUDE) {
+        Ok(numbers) => numbers.unwrap_or_default(),
+        Err(error) => return vec![Err(error)],
     };
-    Ok(Some(PieceContact {
-        thickness: ordered(thickness),
-        friction: ordered(friction),
-    }))
+    let checked = |number: u64| match u32::try_from(number) {
+        Ok(number) if (number as usize) < count => Ok(number),
+        _ => {
+            let message = format!("there is no mesh {number}, only 0 to {}", count - 1);
+            Err(section.refuse(&EXCLUDE, message))
+        }
+    };
+    numbers.into_iter().map(checked).collect()
 }
