@@ -209,6 +209,9 @@ impl<'a> Course<'a> {
                 let unfinished = self.untangler.take().filter(|u| !u.is_done());
                 self.untangler = unfinished.and_then(|_| scene.untangler());
             }
+            if let (ChangeKind::Sew { .. }, Some(timed)) = (&change.kind, &mut self.contacts) {
+                timed.source.sew(&scene.sewn());
+            }
             self.changes += 1;
             self.scene = Cow::Owned(scene);
         }
@@ -286,7 +289,7 @@ impl<'a> Course<'a> {
             let bodies = contacts.map_or(0.0, ContactSource::work);
             let stored = contacts.map_or(0.0, ContactSource::potential_energy);
             balance.add_work(state, load, report.pin_work, bodies);
-            if is_tangled {
+            if is_tangled || self.scene.is_closing(state.time, dt) {
                 balance.accept(state, stored);
             }
             balance.end_step(state, dt, stored);
@@ -454,7 +457,8 @@ pub fn run_changing(
     let tangled = course.tangled(&state.positions);
     let tangled_pairs = std::mem::take(&mut course.tangled_pairs);
     let scene = course.scene.into_owned();
-    let energies = scene.model.energies().map_err(BenchError::failed)?;
+    let mut energies = scene.model.energies().map_err(BenchError::failed)?;
+    energies.set_time(state.time);
     let particles = &scene.model.particles;
     let strain = measure::Strain::of(&scene.gauges()?, &state.positions);
     let elastic_energy = energies.value(&state.positions);

@@ -20,7 +20,8 @@ use cloth_collide::potential::PotentialContacts;
 use cloth_collide::untangle::StepUntangler;
 use cloth_core::air::Air;
 use cloth_core::cloth::ClothModel;
-use cloth_core::energy::Spring;
+use cloth_core::element::Element;
+use cloth_core::energy::{Spring, Stitch};
 use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::TriMesh;
 use cloth_core::particles::State;
@@ -68,7 +69,7 @@ impl Scene {
     /// [`BenchError::Usage`] for a mesh that does not serve.
     pub fn contacts(&self) -> Result<Option<PotentialContacts>, BenchError> {
         match (&self.touch, &self.mesh) {
-            (Some(touch), Some(mesh)) => touch.source(mesh),
+            (Some(touch), Some(mesh)) => touch.source(mesh, &self.sewn()),
             _ => Ok(None),
         }
     }
@@ -78,10 +79,23 @@ impl Scene {
     pub fn separation_probe(&self) -> Option<SeparationProbe> {
         let mesh = self.mesh.as_ref()?;
         let touch = self.touch.as_ref();
-        Some(touch.map_or_else(
+        let probe = touch.map_or_else(
             || SeparationProbe::new(mesh),
             |touch| touch.separation_probe(mesh),
-        ))
+        );
+        Some(probe.sew(&self.sewn()))
+    }
+
+    /// Pairs of vertices that are sewn together, or are being drawn together.
+    #[must_use]
+    pub fn sewn(&self) -> Vec<[u32; 2]> {
+        self.model.stitches().map(Element::vertices).collect()
+    }
+
+    /// Whether a seam closes in the step of `dt` (s) that has ended at `time` (s).
+    pub(crate) fn is_closing(&self, time: Real, dt: Real) -> bool {
+        let changes = |s: &Stitch| s.rest_length_at(time) != s.rest_length_at(time - dt);
+        self.model.stitches().any(changes)
     }
 
     /// What pulls the cloth apart during a run, if the scene wants that.
@@ -116,14 +130,15 @@ impl Scene {
         self.touch.as_ref().is_some_and(|touch| !touch.is_idle())
     }
 
-    /// Whether a step is nothing but the elastic one: nothing to touch, no air or gas, pins at rest, nothing that
-    /// changes.
+    /// Whether a step is nothing but the elastic one: nothing to touch, no air or gas, pins at rest, no seams,
+    /// nothing that changes.
     #[must_use]
     pub fn is_plain(&self) -> bool {
         self.pins.is_none()
             && self.air.is_none()
             && self.gases.is_empty()
             && self.changes.is_empty()
+            && self.model.stitches().next().is_none()
             && !self.touches()
     }
 

@@ -8,7 +8,8 @@ use cloth_bench::settings::Settings;
 use cloth_core::element::{Constraint, Energy, Projective, RowArray};
 use cloth_core::energy::{
     ArapTriangle, AreaTriangle, Attachment, CubicShell, CurvatureHinge, CurvedHinge, DihedralHinge,
-    MidpointHinge, Spring, StrainLimitSpring, StrainLimitTriangle, StvkTriangle, VolumeTetrahedron,
+    MidpointHinge, Spring, Stitch, StrainLimitSpring, StrainLimitTriangle, StvkTriangle,
+    VolumeTetrahedron,
 };
 use std::collections::BTreeSet;
 use std::marker::PhantomData;
@@ -87,6 +88,7 @@ fn the_table_of_elements_is_that_of_the_code() {
         cells!(StrainLimitSpring, 2),
         cells!(StrainLimitTriangle, 3),
         cells!(Attachment, 1),
+        cells!(Stitch, 2),
     ];
     let mut wrong = Vec::new();
     for (name, cells) in &elements {

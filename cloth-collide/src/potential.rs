@@ -110,6 +110,7 @@ mod ranked;
 mod report;
 mod row;
 mod rows;
+pub(crate) mod sewn;
 mod source;
 mod surfaces;
 mod tangent;

@@ -11,6 +11,7 @@ use crate::error::CollideError;
 use crate::incidence::{Owned, ends, facing, owned};
 use crate::intersect::{segment_meets_triangle, triangles_meet};
 use crate::potential::let_go::LetGo;
+use crate::potential::sewn::Sewn;
 use cloth_core::math::{Real, Vec3, gather};
 use cloth_core::mesh::TriMesh;
 use std::cell::Cell;
@@ -72,6 +73,7 @@ pub struct SeparationProbe {
     facing: Vec<(u32, u32)>,
     /// Pairs that do not count.
     excluded: LetGo,
+    sewn: Sewn,
 }
 
 impl SeparationProbe {
@@ -83,6 +85,7 @@ impl SeparationProbe {
             owned: owned(mesh),
             facing: facing(mesh.triangles()),
             excluded: LetGo::default(),
+            sewn: Sewn::default(),
         }
     }
 
@@ -94,9 +97,18 @@ impl SeparationProbe {
         self
     }
 
+    /// Without pairs of triangles that meet at a seam, as
+    /// [`PotentialBuilder::sew`](crate::potential::PotentialBuilder::sew) has the pairs of its vertices.
+    #[must_use]
+    pub fn sew(mut self, pairs: &[[u32; 2]]) -> Self {
+        self.sewn = Sewn::new(pairs);
+        self
+    }
+
     fn counts(&self, corners: [[u32; 3]; 2]) -> bool {
         let [[a, b, c], [d, e, f]] = corners;
-        !self.excluded.has(&[a, b, c, d, e, f])
+        let all = [a, b, c, d, e, f];
+        !self.excluded.has(&all) && !self.sewn.join(&all)
     }
 
     /// Measures the cloth at `positions` (m), one per vertex. The result depends on mesh and positions only.

@@ -43,7 +43,7 @@ pub use midpoints::MidpointCloth;
 pub use pieces::Piece;
 pub use relief::{SpringEdges, SpringLaw};
 
-use crate::energy::{CurvatureHinge, Spring};
+use crate::energy::{CurvatureHinge, Spring, Stitch};
 use crate::math::Real;
 use crate::mesh::{MeshError, TriMesh};
 use crate::method::family::Energies;
@@ -181,7 +181,22 @@ impl ClothModel {
             .collect()
     }
 
-    /// The elastic energy.
+    /// Sews pairs of vertices together, besides those that are sewn already.
+    pub fn sew(&mut self, stitches: Vec<Stitch>) {
+        if !stitches.is_empty() {
+            Elements::merge(&mut self.others, Elements::Stitches(stitches));
+        }
+    }
+
+    /// The stitches of all seams.
+    pub fn stitches(&self) -> impl Iterator<Item = &Stitch> + '_ {
+        self.others.iter().flat_map(|family| match family {
+            Elements::Stitches(stitches) => &stitches[..],
+            _ => &[],
+        })
+    }
+
+    /// The elastic energy, of stitches at the time that they have been set to.
     ///
     /// # Errors
     /// [`BuildError::NoSuchVertex`] if an element was changed to name a vertex that does not exist.

@@ -22,8 +22,18 @@ use std::fmt::Debug;
 
 /// One stencil of `N` vertices with its rest data.
 pub trait Element<const N: usize>: Copy + Debug + Send + Sync + 'static {
+    /// Whether its rest data change with time, so that [`Element::set_time`] has to be called.
+    const CHANGES_WITH_TIME: bool = false;
+
     /// The vertices it touches, in the order that its formulas use. No vertex stands twice.
     fn vertices(&self) -> [u32; N];
+
+    /// Takes on the rest data of a time (s), that of [`State::time`](crate::particles::State::time). A method calls it
+    /// with the time at which it takes the forces: mostly the end of a step, or of each substep. Stiffnesses never
+    /// change, nor do the vertices. Elements whose rest data are constant leave it out.
+    fn set_time(&mut self, time: Real) {
+        let _ = time;
+    }
 }
 
 /// One scalar constraint at one configuration.

@@ -15,6 +15,7 @@
 //! | [`StrainLimitSpring`], slack in a range | 2 | yes | 1 row | K = 1 | N/m |
 //! | [`StrainLimitTriangle`], slack in a range | 3 | yes | 2 rows | K = 2 | J, from a modulus in N/m |
 //! | [`Attachment`] | 1 | yes | 3 rows | K = 1 | N/m |
+//! | [`Stitch`], drawn together in time | 2 | yes | 3 rows | K = 1 | N/m |
 //!
 //! A dash is a view that the energy does not have. The projective view needs a squared distance to a set under a
 //! *constant* linear map: an angle is no linear function of positions, and the strains of StVK are quadratic ones. (PD
@@ -47,6 +48,7 @@ mod curved_hinge;
 mod dihedral_hinge;
 mod midpoint_hinge;
 mod spring;
+mod stitch;
 mod strain_limit_spring;
 mod strain_limit_triangle;
 mod stvk_triangle;
@@ -62,6 +64,7 @@ pub use curved_hinge::CurvedHinge;
 pub use dihedral_hinge::DihedralHinge;
 pub use midpoint_hinge::MidpointHinge;
 pub use spring::Spring;
+pub use stitch::Stitch;
 pub use strain_limit_spring::StrainLimitSpring;
 pub use strain_limit_triangle::StrainLimitTriangle;
 pub use stvk_triangle::StvkTriangle;

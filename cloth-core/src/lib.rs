@@ -55,6 +55,7 @@
 //! | `E = ½ A k ‖F − R‖²` | [`energy::ArapTriangle`] |
 //! | `E = ½ k (A − A₀)²`, `E = ½ k (V − V₀)²` | [`energy::AreaTriangle`], [`energy::VolumeTetrahedron`] |
 //! | `E = ½ k ‖x − p‖²` | [`energy::Attachment`] |
+//! | `E = ½ k (‖x₀ − x₁‖ − L(t))²`, L falling to 0 | [`energy::Stitch`] |
 //! | `x̃`, `G`, `∇G` | [`measure::predict`], [`measure::IncrementalPotential`] |
 //! | `M` | [`particles::Particles`] |
 //! | drag and lift of the air | [`air::Air`] |

@@ -6,6 +6,9 @@ use crate::particles::State;
 use std::fmt;
 
 /// A method: advances a state by one step, in place, without allocating once warm.
+///
+/// It sets its elements to the time at which it takes their forces, mostly the end of the step
+/// ([`Energies::set_time`](crate::method::family::Energies::set_time)): some have rest data that change with time.
 pub trait Stepper: Send {
     /// Name of the method, as `cloth-bench list` shows it.
     fn name(&self) -> &'static str;

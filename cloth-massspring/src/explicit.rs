@@ -159,6 +159,7 @@ impl Explicit {
         input.check(state, self.model.particles.len())?;
         self.positions.copy_from_slice(&state.positions);
         self.velocities.copy_from_slice(&state.velocities);
+        self.model.energies.set_time(state.time);
         if let Some(monitor) = &mut self.monitor {
             monitor.begin(&self.model, &self.positions, &self.velocities);
         }
@@ -175,7 +176,8 @@ impl Explicit {
         let substeps = self.model.config.substeps;
         let mut pin_work = 0.0;
         for substep in 1..=substeps {
-            match self.substep(&mut input) {
+            let work = self.set_time(state.time + dt * Real::from(substep) / Real::from(substeps));
+            match self.substep(&mut input, work) {
                 Ok(balance) => pin_work += balance.pin_work,
                 Err(failure) => return Err(self.report(failure, &input, step)),
             }
@@ -201,8 +203,16 @@ impl Explicit {
         })
     }
 
-    /// One substep, and what the monitor says to it.
-    fn substep(&mut self, input: &mut StepInput<'_>) -> Result<EnergyBalance, Failure> {
+    /// Sets the elements to the end of a substep, and returns the work (J) that this has done on the cloth.
+    fn set_time(&mut self, time: Real) -> Real {
+        let (energies, x) = (&mut self.model.energies, &self.positions);
+        let before = energies.timed_value(x);
+        energies.set_time(time);
+        energies.timed_value(x) - before
+    }
+
+    /// One substep, and what the monitor says to it; elements that change with time have done `work` (J) before it.
+    fn substep(&mut self, input: &mut StepInput<'_>, work: Real) -> Result<EnergyBalance, Failure> {
         let feels_contact = input.contact_constraints().is_some();
         if feels_contact {
             self.start.clone_from(&self.positions);
@@ -222,7 +232,10 @@ impl Explicit {
             let (x, rate) = (&self.positions, &self.rate);
             energies.add_hessian_product(x, rate, Convexity::GaussNewton, &mut self.gradient);
         }
-        let mut balance = EnergyBalance::default();
+        let mut balance = EnergyBalance {
+            work,
+            ..EnergyBalance::default()
+        };
         let particles = &self.model.particles;
         let masses = particles.mass().iter().zip(particles.inverse_mass());
         for (vertex, (&mass, &w)) in masses.enumerate() {
@@ -319,7 +332,7 @@ impl Explicit {
 struct EnergyBalance {
     /// Kinetic energy (J) at its end.
     kinetic: Real,
-    /// Work (J) done on the cloth by gravity and load.
+    /// Work (J) done on the cloth by gravity, load and elements that change with time.
     work: Real,
     /// Work (J) done on it by pins.
     pin_work: Real,

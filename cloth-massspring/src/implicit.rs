@@ -228,6 +228,11 @@ impl Implicit {
             return Err(StepError::ContactNotFelt { remedy: NOT_NEWTON });
         }
         let step = state.steps + 1;
+        let until_then = match span.place {
+            Place::End => input.dt,
+            Place::Middle => 0.5 * input.dt,
+        };
+        self.energies.set_time(state.time + until_then);
         let drag = 1.0 / (1.0 + self.config.damping.air_drag * span.tau);
         let is_middle = span.place == Place::Middle;
         let from_elsewhere = is_middle && !self.continues(state);

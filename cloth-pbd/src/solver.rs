@@ -90,7 +90,8 @@ impl Stepper for PbdSolver {
         let fallbacks_before = self.families.chebyshev_fallbacks();
         let h = input.dt / Real::from(self.config.substeps);
         let projection = self.projection(h);
-        for _ in 0..self.config.substeps {
+        for substep in 1..=self.config.substeps {
+            self.families.set_time(state.time + Real::from(substep) * h);
             if projection.accumulates {
                 self.families.reset();
             }

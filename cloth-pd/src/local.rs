@@ -23,6 +23,9 @@ pub(crate) trait Projections: Debug + Send + Sync {
     /// Whether the projections are the same for all positions, so that the energy is quadratic.
     fn is_constant(&self) -> bool;
 
+    /// Sets the elements to a time (s).
+    fn set_time(&mut self, time: Real);
+
     /// Hands over the entries of the lower half of `Σ w GᵀG`.
     fn add_matrix(&self, entry: &mut EntrySink<'_>);
 
@@ -107,6 +110,12 @@ impl<const N: usize, const K: usize, E: Projective<N, K>> Family<N, K, E> {
 impl<const N: usize, const K: usize, E: Projective<N, K>> Projections for Family<N, K, E> {
     fn is_constant(&self) -> bool {
         E::PROJECTION_IS_CONSTANT
+    }
+
+    fn set_time(&mut self, time: Real) {
+        if E::CHANGES_WITH_TIME {
+            self.elements.iter_mut().for_each(|e| e.set_time(time));
+        }
     }
 
     fn add_matrix(&self, entry: &mut EntrySink<'_>) {

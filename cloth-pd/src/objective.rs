@@ -128,6 +128,7 @@ impl Objective {
         }
         self.constant_gradient.fill(Vec3::zeros());
         for family in &mut self.families {
+            family.set_time(state.time + input.dt);
             family.add_constant_gradient(&self.from, &mut self.constant_gradient);
         }
         Ok(())

@@ -41,7 +41,8 @@ impl Stepper for XpbdSolver {
         self.last = None;
         let h = input.dt / Real::from(self.config.substeps);
         let update = XpbdUpdate::new(h, self.config.damping);
-        for _ in 0..self.config.substeps {
+        for substep in 1..=self.config.substeps {
+            self.families.set_time(state.time + Real::from(substep) * h);
             self.begin_substep(update); // λ = 0, here and not in each iteration
             self.motion.predict(&mut input, h)?; // v ← v + h a, x̃ ← x + h v
             self.families.restart();

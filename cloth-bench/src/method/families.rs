@@ -36,7 +36,8 @@ macro_rules! add_energies {
             $families,
             $method,
             [
-                Springs, Limited, Stvk, Arap, Quadratic, Curved, Dihedral, Cubic, Midpoint
+                Springs, Limited, Stvk, Arap, Quadratic, Curved, Dihedral, Cubic, Midpoint,
+                Stitches
             ],
             "has a gradient and a Hessian",
             |b, elements| b.energy(elements).map_err(BenchError::usage)?
@@ -52,7 +53,7 @@ macro_rules! add_constraints {
             $families,
             $method,
             [
-                Springs, Limited, Stvk, Arap, Quadratic, Curved, Dihedral, Midpoint
+                Springs, Limited, Stvk, Arap, Quadratic, Curved, Dihedral, Midpoint, Stitches
             ],
             "is a sum of squares ½ k C²",
             |b, elements| b.energy(elements)
@@ -67,7 +68,9 @@ macro_rules! add_projections {
             $builder,
             $families,
             $method,
-            [Springs, Limited, Arap, Quadratic, Curved, Midpoint],
+            [
+                Springs, Limited, Arap, Quadratic, Curved, Midpoint, Stitches
+            ],
             "is a squared distance ½ w ‖Gx − p‖² to a set",
             |b, elements| b.energy(elements)
         )

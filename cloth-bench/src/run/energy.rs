@@ -20,6 +20,7 @@
 //! | the air, and gas inside | F·Δx, with the load F of the step |
 //! | vertices that are held from some time on, or released | the kinetic energy and that of gravity which they take along or bring |
 //! | untangling | what is held beyond what was given, after steps that began with crossing pairs and the first without |
+//! | seams that close | the same, after steps in which one does |
 //! | obstacles, and prescribed vertices by contact | [`ContactSource::work`](cloth_core::contact::ContactSource::work) |
 //!
 //! Nothing holds more than it was given. What a method holds beyond it is the *excess*, energy from nowhere, whatever
@@ -107,7 +108,8 @@ pub(super) struct EnergyBalance {
 impl EnergyBalance {
     /// Of a cloth in this state, whose contact stores so much (J).
     pub(super) fn new(scene: &Scene, state: &State, stored: Real) -> Result<Self, BenchError> {
-        let energies = scene.model.energies().map_err(BenchError::failed)?;
+        let mut energies = scene.model.energies().map_err(BenchError::failed)?;
+        energies.set_time(state.time);
         let zeros = vec![Vec3::zeros(); state.positions.len()];
         let mut balance = Self {
             particles: scene.model.particles.clone(),
@@ -141,6 +143,7 @@ impl EnergyBalance {
         self.particles.clone_from(&scene.model.particles);
         self.work += moving(self, state) - had;
         self.energies = scene.model.energies().map_err(BenchError::failed)?;
+        self.energies.set_time(state.time);
         Ok(())
     }
 
@@ -161,6 +164,7 @@ impl EnergyBalance {
         pins: Option<Real>,
         bodies: Real,
     ) {
+        self.energies.set_time(state.time);
         self.work += bodies;
         if let Some(pins) = pins {
             self.work += pins;
@@ -176,7 +180,7 @@ impl EnergyBalance {
     }
 
     /// Takes what the cloth holds in `state` beyond what it was given, contact with its `stored` energy (J), for given:
-    /// what untangles moves the cloth by itself.
+    /// what untangles moves the cloth by itself, and so does a seam that closes.
     pub(super) fn accept(&mut self, state: &State, stored: Real) {
         let excess = self.held(state) + stored - self.given_until(state);
         self.work += excess.max(0.0);

@@ -27,7 +27,8 @@ pub struct Watched {
 pub struct SeparationWatch {
     probe: Option<SeparationProbe>,
     bodies: Option<BodyProbe>,
-    triangles: usize,
+    /// Of triangles and of stitches: another probe is needed where these change.
+    counts: [usize; 2],
     seen: Watched,
 }
 
@@ -40,7 +41,7 @@ impl SeparationWatch {
         Ok(Self {
             probe: scene.separation_probe(),
             bodies: body_probe(scene)?,
-            triangles: triangle_count(scene),
+            counts: counts(scene),
             seen: Watched::default(),
         })
     }
@@ -50,7 +51,7 @@ impl SeparationWatch {
     /// # Errors
     /// [`BenchError::Failed`] for positions that are not finite.
     pub fn look(&mut self, scene: &Scene, state: &State) -> Result<(), BenchError> {
-        if self.triangles != triangle_count(scene) {
+        if self.counts != counts(scene) {
             let seen = self.seen;
             *self = Self::new(scene)?;
             self.seen = seen;
@@ -79,9 +80,10 @@ impl SeparationWatch {
     }
 }
 
-fn triangle_count(scene: &Scene) -> usize {
+fn counts(scene: &Scene) -> [usize; 2] {
     let mesh = scene.mesh.as_ref();
-    mesh.map_or(0, |mesh| mesh.triangles().len())
+    let triangles = mesh.map_or(0, |mesh| mesh.triangles().len());
+    [triangles, scene.model.stitches().count()]
 }
 
 /// What counts triangles that go through bodies, where that can be.

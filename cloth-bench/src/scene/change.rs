@@ -1,8 +1,9 @@
-//! What happens to a cloth on the way: vertices are held and released, triangles torn out.
+//! What happens to a cloth on the way: vertices are held and released, triangles torn out, borders sewn together.
 
 use super::Scene;
 use crate::error::BenchError;
 use cloth_core::cloth::ClothModel;
+use cloth_core::energy::Stitch;
 use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::TriMesh;
 use cloth_core::particles::State;
@@ -33,7 +34,16 @@ pub enum ChangeKind {
         /// Their numbers.
         vertices: Vec<usize>,
     },
-    /// Triangles vanish, with all elements that need them. Masses stay.
+    /// Pairs of vertices are drawn together, from the distance that they have.
+    Sew {
+        /// Their numbers.
+        pairs: Vec<[u32; 2]>,
+        /// Stiffness of each stitch (N/m).
+        stiffness: Vec<Real>,
+        /// When they have come together (s since the start).
+        until: Real,
+    },
+    /// Triangles vanish, with all elements that need them. Masses and stitches stay.
     Tear {
         /// What is left of the mesh, with all its vertices.
         mesh: TriMesh,
@@ -107,13 +117,28 @@ impl Scene {
                 }
                 scene.pins = Some(Arc::new(pins)).filter(|pins| !pins.is_empty());
             }
+            ChangeKind::Sew {
+                pairs,
+                stiffness,
+                until,
+            } => {
+                let x = |vertex: u32| state.positions[vertex as usize];
+                let times = [state.time, *until];
+                let stitch = |(&[a, b], &k): (&[u32; 2], &Real)| {
+                    Stitch::closing([a, b], k, (x(a) - x(b)).norm(), times)
+                };
+                let stitches = pairs.iter().zip(stiffness).map(stitch);
+                scene.model.sew(stitches.collect());
+            }
             ChangeKind::Tear { mesh, model } => {
+                let stitches = scene.model.stitches().copied().collect();
                 let particles = scene.model.particles;
                 scene.mesh = Some(mesh.clone());
                 scene.model = ClothModel {
                     particles,
                     ..(**model).clone()
                 };
+                scene.model.sew(stitches);
             }
         }
         Ok(scene)

@@ -172,17 +172,27 @@ impl ContactSetup {
         alone || !self.is_on
     }
 
+    /// Whether a cloth that passes through itself at the start is pulled apart.
+    pub(super) fn untangles(&self) -> bool {
+        self.untangles
+    }
+
     /// Whether pieces may pass through each other that untangling would pull apart.
     pub(super) fn excludes_and_untangles(&self) -> bool {
         let excludes = |pieces: &PieceContact| !pieces.excluded.is_empty();
         self.untangles && self.pieces.as_ref().is_some_and(excludes)
     }
 
-    /// What resolves contact of the cloth `mesh`; nothing where there is nothing to touch.
+    /// What resolves contact of the cloth `mesh`, with pairs of vertices that are `sewn` together; nothing where there is
+    /// nothing to touch.
     ///
     /// # Errors
     /// [`BenchError::Usage`] for a mesh or a setting that does not serve.
-    pub fn source(&self, mesh: &TriMesh) -> Result<Option<PotentialContacts>, BenchError> {
+    pub fn source(
+        &self,
+        mesh: &TriMesh,
+        sewn: &[[u32; 2]],
+    ) -> Result<Option<PotentialContacts>, BenchError> {
         if self.is_idle() {
             return Ok(None);
         }
@@ -191,7 +201,8 @@ impl ContactSetup {
             .stiffness(self.stiffness)
             .friction(self.friction)
             .obstacles(self.obstacles.clone())
-            .self_collision(self.self_collision);
+            .self_collision(self.self_collision)
+            .sew(sewn);
         if let Some(pieces) = &self.pieces {
             contacts = contacts
                 .thickness_of_vertices(pieces.thickness.clone())

@@ -15,6 +15,7 @@ mod mesh;
 mod obstacles;
 mod pins;
 mod roughness;
+mod seam;
 mod start;
 mod tear;
 

@@ -4,6 +4,7 @@ use super::last_resort::LastResort;
 use super::let_go::LetGo;
 use super::near::{Near, Own, Side};
 use super::patches::Patches;
+use super::sewn::Sewn;
 use super::source::Contacts;
 use super::surfaces::{Motion, PotentialContacts, Surface, Surfaces};
 use crate::obstacle::{AnimatedMesh, ObstacleContacts, PenaltyLaw};
@@ -25,6 +26,8 @@ pub struct PotentialBuilder<'a> {
     own: Own,
     /// Of how many vertices the regions are known.
     regions: usize,
+    /// The last vertex that is sewn to another.
+    last_sewn: Option<u32>,
 }
 
 impl<'a> PotentialBuilder<'a> {
@@ -39,6 +42,7 @@ impl<'a> PotentialBuilder<'a> {
             self_collision: true,
             own: Own::default(),
             regions: 0,
+            last_sewn: None,
         }
     }
 
@@ -72,6 +76,15 @@ impl<'a> PotentialBuilder<'a> {
     pub fn exclude(mut self, region: Vec<u32>, pairs: Vec<[u32; 2]>) -> Self {
         self.regions = region.len();
         self.own.excluded = LetGo::new(region, pairs);
+        self
+    }
+
+    /// Pairs of vertices that are sewn together. Two parts of the cloth that have vertices of one pair, directly or
+    /// through others, are neighbours, as if they shared a vertex: they are not kept apart.
+    #[must_use]
+    pub fn sew(mut self, pairs: &[[u32; 2]]) -> Self {
+        self.last_sewn = pairs.iter().flatten().copied().max();
+        self.own.sewn = Sewn::new(pairs);
         self
     }
 
@@ -126,8 +139,8 @@ impl<'a> PotentialBuilder<'a> {
     ///
     /// # Errors
     /// [`BuildError::InvalidSetting`] for a thickness or stiffness that is not positive and finite, a friction that is
-    /// negative, the surface of an obstacle that there is not, or an animation of another number of vertices than its
-    /// mesh.
+    /// negative, the surface of an obstacle that there is not, an animation of another number of vertices than its
+    /// mesh, or a sewn vertex that there is not.
     pub fn build(self) -> Result<PotentialContacts, BuildError> {
         self.check_own()?;
         let most = self.own.thickness.iter().copied().reduce(Real::max);
@@ -205,6 +218,13 @@ impl<'a> PotentialBuilder<'a> {
                 name: "number of regions of vertices",
                 value: self.regions as Real,
                 range: "the number of vertices",
+            });
+        }
+        if let Some(vertex) = self.last_sewn.filter(|&last| last as usize >= count) {
+            return Err(BuildError::InvalidSetting {
+                name: "number of a sewn vertex",
+                value: Real::from(vertex),
+                range: "below the number of vertices",
             });
         }
         let is_wrong = |value: &&Real| !(**value > 0.0 && value.is_finite());

@@ -2,6 +2,7 @@
 
 use super::let_go::LetGo;
 use super::mollifier::Mollifier;
+use super::sewn::Sewn;
 use crate::broad_phase::{ClothCandidates, Hierarchy};
 use crate::error::CollideError;
 use crate::incidence::{edge_numbers, pieces};
@@ -30,6 +31,8 @@ pub(super) struct Own {
     pub(super) friction: Vec<Real>,
     /// Pieces that may pass through each other.
     pub(super) excluded: LetGo,
+    /// Vertices that are sewn together.
+    pub(super) sewn: Sewn,
 }
 
 /// Areas, laws and freedom of the parts of a cloth, and of the surfaces of bodies behind it.
@@ -130,6 +133,11 @@ impl Near {
         self.resting.len() < count
     }
 
+    /// Takes these pairs of vertices for sewn together.
+    pub(super) fn sew(&mut self, pairs: &[[u32; 2]]) {
+        self.own.sewn = Sewn::new(pairs);
+    }
+
     /// What there is of the cloth alone.
     pub(super) fn own<'a>(&self, of_all: &'a [Vec3]) -> &'a [Vec3] {
         &of_all[..self.cloth]
@@ -189,9 +197,10 @@ impl Near {
         crossing.count()
     }
 
-    /// Whether parts of the cloth with these vertices may pass through each other.
+    /// Whether parts of the cloth with these vertices may pass through each other, or are neighbours across a seam.
     fn pass(&self, vertices: &[u32]) -> bool {
-        self.let_go.has(vertices) || self.own.excluded.has(vertices)
+        let own = &self.own;
+        self.let_go.has(vertices) || own.excluded.has(vertices) || own.sewn.join(vertices)
     }
 
     fn is_own(&self, vertex: u32) -> bool {

@@ -356,6 +356,12 @@ impl Contacts {
         STICKING * self.near.law().range()
     }
 
+    /// Takes these pairs of vertices for sewn together, in the place of those before.
+    pub(super) fn sew(&mut self, pairs: &[[u32; 2]]) {
+        self.near.sew(pairs);
+        self.is_anew = true;
+    }
+
     /// Lets pairs of regions go; see [`LetGo`](super::let_go::LetGo).
     pub(super) fn let_go(&mut self, region: &[u32], pairs: &[[u32; 2]]) {
         self.is_anew |= self.near.let_go.replace(region, pairs);

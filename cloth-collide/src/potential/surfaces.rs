@@ -207,6 +207,12 @@ impl PotentialContacts {
 
     /// From the next step on leaves out all pairs of pieces in two regions of a pair, and no others. `region` numbers
     /// the regions of vertices from 1; 0 for none.
+    /// From the next step on these pairs of vertices are sewn together, and no others; see
+    /// [`PotentialBuilder::sew`](super::PotentialBuilder::sew). A vertex that there is not is left out.
+    pub fn sew(&mut self, pairs: &[[u32; 2]]) {
+        self.contacts.sew(pairs);
+    }
+
     pub(crate) fn let_go(&mut self, region: &[u32], pairs: &[[u32; 2]]) {
         self.contacts.let_go(region, pairs);
     }

@@ -2,7 +2,7 @@
 
 use crate::energy::{
     ArapTriangle, CubicShell, CurvatureHinge, CurvedHinge, DihedralHinge, MidpointHinge, Spring,
-    StrainLimitSpring, StvkTriangle,
+    Stitch, StrainLimitSpring, StvkTriangle,
 };
 use crate::method::family::Energies;
 use crate::step::BuildError;
@@ -32,6 +32,8 @@ pub enum Elements {
     Cubic(Vec<CubicShell>),
     /// Quadratic hinges between triangles that share the middle of an edge.
     Midpoint(Vec<MidpointHinge>),
+    /// Stitches of seams.
+    Stitches(Vec<Stitch>),
 }
 
 impl Elements {
@@ -48,6 +50,7 @@ impl Elements {
             Self::Dihedral(_) => "dihedral hinges",
             Self::Cubic(_) => "cubic-shell hinges",
             Self::Midpoint(_) => "hinges of edge midpoints",
+            Self::Stitches(_) => "stitches",
         }
     }
 
@@ -64,6 +67,7 @@ impl Elements {
             Self::Dihedral(elements) => elements.len(),
             Self::Cubic(elements) => elements.len(),
             Self::Midpoint(elements) => elements.len(),
+            Self::Stitches(elements) => elements.len(),
         }
     }
 
@@ -86,6 +90,7 @@ impl Elements {
                 (Self::Dihedral(own), Self::Dihedral(more)) => return own.append(more),
                 (Self::Cubic(own), Self::Cubic(more)) => return own.append(more),
                 (Self::Midpoint(own), Self::Midpoint(more)) => return own.append(more),
+                (Self::Stitches(own), Self::Stitches(more)) => return own.append(more),
                 _ => {}
             }
         }
@@ -107,6 +112,7 @@ impl Elements {
             Self::Dihedral(elements) => energies.with(elements),
             Self::Cubic(elements) => energies.with(elements),
             Self::Midpoint(elements) => energies.with(elements),
+            Self::Stitches(elements) => energies.with(elements),
         }
     }
 }

@@ -98,6 +98,11 @@ impl<const N: usize, E: Element<N>> Colored<N, E> {
         &self.elements
     }
 
+    /// The same, to change their rest data.
+    pub(crate) fn elements_mut(&mut self) -> &mut [E] {
+        &mut self.elements
+    }
+
     /// For each element in visiting order, where it stood in the input.
     #[must_use]
     pub fn input_index(&self) -> &[u32] {

@@ -21,6 +21,8 @@ use std::sync::Arc;
 trait EnergyFamily: Debug + Send + Sync {
     /// Vertices of an element.
     fn stencil_size(&self) -> usize;
+    fn changes_with_time(&self) -> bool;
+    fn set_time(&mut self, time: Real);
     fn value(&self, x: &[Vec3]) -> Real;
     fn add_gradient(&self, x: &[Vec3], out: &mut [Vec3]) -> Real;
     fn add_hessian_product(&self, x: &[Vec3], p: &[Vec3], convexity: Convexity, out: &mut [Vec3]);
@@ -94,6 +96,16 @@ impl<const N: usize, E: Energy<N>> Family<N, E> {
 impl<const N: usize, E: Energy<N>> EnergyFamily for Family<N, E> {
     fn stencil_size(&self) -> usize {
         N
+    }
+
+    fn changes_with_time(&self) -> bool {
+        E::CHANGES_WITH_TIME
+    }
+
+    fn set_time(&mut self, time: Real) {
+        if E::CHANGES_WITH_TIME {
+            self.elements.iter_mut().for_each(|e| e.set_time(time));
+        }
     }
 
     fn value(&self, x: &[Vec3]) -> Real {
@@ -243,6 +255,21 @@ impl Energies {
     #[must_use]
     pub fn family_count(&self) -> usize {
         self.families.len()
+    }
+
+    /// Sets the elements to a time (s); see [`Element::set_time`](crate::element::Element::set_time).
+    pub fn set_time(&mut self, time: Real) {
+        for family in &mut self.families {
+            family.set_time(time);
+        }
+    }
+
+    /// The part of `E(x)` (J) whose elements change with time. Its change while the vertices stay where they are is
+    /// work done on the cloth.
+    #[must_use]
+    pub fn timed_value(&self, x: &[Vec3]) -> Real {
+        let timed = self.families.iter().filter(|f| f.changes_with_time());
+        timed.map(|family| family.value(x)).sum()
     }
 
     /// `E(x)` (J).

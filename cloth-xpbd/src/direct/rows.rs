@@ -42,6 +42,8 @@ impl Rows {
 pub(super) trait RowFamily: Debug + Send {
     /// Appends the structure of its rows.
     fn append(&self, rows: &mut Rows);
+    /// Sets the elements to a time (s).
+    fn set_time(&mut self, time: Real);
     /// Number of its rows.
     fn row_count(&self) -> usize;
     /// Writes C, J and k at `x` (m) to the rows from number `first` on.
@@ -114,6 +116,12 @@ impl<const N: usize, E: Constraint<N>> RowFamily for Family<N, E> {
         rows.value.resize(rows.offsets.len() - 1, 0.0);
         rows.violation.resize(rows.offsets.len() - 1, 0.0);
         rows.stiffness.resize(rows.offsets.len() - 1, 0.0);
+    }
+
+    fn set_time(&mut self, time: Real) {
+        if E::CHANGES_WITH_TIME {
+            self.elements.iter_mut().for_each(|e| e.set_time(time));
+        }
     }
 
     fn row_count(&self) -> usize {

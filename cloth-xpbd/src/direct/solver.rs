@@ -101,8 +101,11 @@ impl DirectXpbd {
             ..StepReport::new(Outcome::Converged, 0)
         };
         input.dt = dt / Real::from(self.config.substeps);
-        let taken =
-            (0..self.config.substeps).try_for_each(|_| self.substep(&mut current, input, &mut sum));
+        let taken = (1..=self.config.substeps).try_for_each(|substep| {
+            let time = state.time + Real::from(substep) * input.dt;
+            self.families.iter_mut().for_each(|f| f.set_time(time));
+            self.substep(&mut current, input, &mut sum)
+        });
         input.dt = dt;
         let ended = taken.map(|()| {
             if let Some(contacts) = input.contact_constraints() {

@@ -230,6 +230,7 @@ impl Stepper for VertexBlockDescent {
         input.check(state, self.mass.len())?;
         let (dt, step) = (input.dt, state.steps + 1);
         let failed = |reason| StepError::Contact { reason, step };
+        self.energies.set_time(state.time + dt);
         self.start(state, &input);
         let mut source = input.contacts.take();
         let mut contact = source.as_mut().map(|source| source.potential());

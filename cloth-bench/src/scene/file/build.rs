@@ -3,7 +3,7 @@
 use super::document::{Document, Section};
 use super::keys::{DT, GRAVITY, MESH_CLOTH, MESH_CONTACT, NAME, SECTIONS, STEPS, overrulable};
 use super::material::Material;
-use super::{air, gas, mesh, obstacles, pins, roughness, start, tear};
+use super::{air, gas, mesh, obstacles, pins, roughness, seam, start, tear};
 use crate::bounds::bounds;
 use crate::error::BenchError;
 use crate::scene::contact::{ContactSetup, NO_SELF, THICKNESS};
@@ -50,6 +50,7 @@ struct Sections<'a> {
     cloth: Section<'a>,
     pins: Vec<Section<'a>>,
     tears: Vec<Section<'a>>,
+    seams: Vec<Section<'a>>,
     start: Section<'a>,
     air: Section<'a>,
     obstacles: Vec<Section<'a>>,
@@ -67,6 +68,7 @@ impl<'a> Sections<'a> {
             cloth,
             pins,
             tears,
+            seams,
             start,
             air,
             obstacles,
@@ -120,6 +122,7 @@ impl<'a> Sections<'a> {
             cloth: one(cloth)?,
             pins: all(pins)?,
             tears: all(tears)?,
+            seams: all(seams)?,
             start: one(start)?,
             air: one(air)?,
             obstacles: all(obstacles)?,
@@ -166,6 +169,7 @@ impl<'a> Sections<'a> {
             .chain(&self.meshes)
             .chain(&self.pins)
             .chain(&self.tears)
+            .chain(&self.seams)
             .chain(&self.obstacles);
         if let Some(other) = others.find(|section| section.is_given()) {
             return Err(other.refuse_table("has no meaning beside [chain]"));
@@ -200,6 +204,12 @@ impl<'a> Sections<'a> {
         for section in &self.pins {
             held.push(pins::chosen(section, &mesh, up)?);
         }
+        let borders = seam::Borders::new(&self.seams, &mesh, &counts)?;
+        let mut seams = Vec::new();
+        for (section, borders) in self.seams.iter().zip(borders.iter().cycle()) {
+            seams.push(borders.pairs(section)?);
+        }
+        seam::refuse_repeated(&self.seams, &seams)?;
         // Files come in any vertex order; neighbours in space become neighbours in memory.
         let order = from_file.then(|| Order::morton(mesh.positions()));
         let mesh = match &order {
@@ -228,7 +238,6 @@ impl<'a> Sections<'a> {
             let (x, particles) = (mesh.positions(), &mut model.particles);
             hold.apply(section, x, particles, &mut ways, &mut changes)?;
         }
-        changes.sort_by(|a, b| a.time.total_cmp(&b.time));
         let [low, high] = bounds(mesh.positions().iter().copied());
         let size = (high - low).norm();
         let thickness = settings
@@ -248,6 +257,10 @@ impl<'a> Sections<'a> {
             let message = "untangle would pull apart pieces that exclude lets pass";
             return Err(section.refuse_table(message));
         }
+        if let (true, Some(section)) = (touch.untangles(), self.seams.first()) {
+            let message = "untangle would pull apart what a seam draws together";
+            return Err(section.refuse_table(message));
+        }
         if let (true, Some(section)) = (touch.is_idle(), self.roughness.iter().flatten().next()) {
             let message = "has no meaning without anything to touch";
             return Err(section.refuse_table(message));
@@ -262,6 +275,11 @@ impl<'a> Sections<'a> {
             ..built_in::of_mesh("", &mesh, model, gravity)
         };
         start::apply(&self.start, &mut scene)?;
+        let order = scene.order.clone();
+        for (section, pairs) in self.seams.iter().zip(seams) {
+            seam::apply(section, pairs, &material, order.as_ref(), &mut scene)?;
+        }
+        scene.changes.sort_by(|a, b| a.time.total_cmp(&b.time));
         Ok(scene)
     }
 

@@ -103,6 +103,47 @@ pub(super) const TEAR_BOX: Parameter = parameter(
     "two corners such as [[0, 0, 0], [1, 1, 1]] (m): triangles whose middle, at rest, is in between vanish",
 );
 
+pub(super) const SEAM_MESHES: Parameter = parameter(
+    "meshes",
+    "needed",
+    "numbers of the two [[mesh]] tables, from 0, whose borders are sewn together, such as [0, 1]; the same one twice sews a piece to itself",
+);
+pub(super) const FIRST: Parameter = parameter(
+    "first",
+    "none",
+    "vertices of the first chain in the order of the seam, from 0 in their own mesh, all on its border; give this or first_border",
+);
+pub(super) const FIRST_BORDER: Parameter = parameter(
+    "first_border",
+    "none",
+    "the two ends of the first chain, which goes along the border the shorter way; a number in between says which way, such as [0, 5, 40]",
+);
+pub(super) const SECOND: Parameter = parameter(
+    "second",
+    "none",
+    "the same of the second chain: as many vertices, each for the one of the first in the same place",
+);
+pub(super) const SECOND_BORDER: Parameter = parameter(
+    "second_border",
+    "none",
+    "the same of the second chain; its first end is sewn to the first end of the other",
+);
+pub(super) const SEAM_STIFFNESS: Parameter = parameter(
+    "stiffness",
+    "none",
+    "of the stitch between two vertices (N/m), above 0; none: the stiffness of the cloth's springs, or the modulus that is given in its place, of two pieces the smaller one",
+);
+pub(super) const SEAM_FROM: Parameter = parameter(
+    "from",
+    "0",
+    "time (s) at which sewing begins, at least 0, whatever the distance between two vertices is then",
+);
+pub(super) const SEAM_UNTIL: Parameter = parameter(
+    "until",
+    "none",
+    "time (s) at which that distance, which falls at a constant rate, is zero, after from; none: the chains lie on each other at the start",
+);
+
 pub(super) const SHAPE: Parameter = parameter(
     "shape",
     "needed",
@@ -203,7 +244,7 @@ pub(super) const MESH_CONTACT: SectionInfo = SectionInfo {
 };
 
 /// Every table, in the order in which one would write them.
-pub const SECTIONS: [SectionInfo; 12] = [
+pub const SECTIONS: [SectionInfo; 13] = [
     SectionInfo {
         head: "",
         about: "before all tables",
@@ -232,6 +273,20 @@ pub const SECTIONS: [SectionInfo; 12] = [
         head: "[[tear]]",
         about: "triangles that are torn out; their mass stays with their corners",
         keys: &[TEAR_TIME, TEAR_BOX],
+    },
+    SectionInfo {
+        head: "[[seam]]",
+        about: "two chains of border vertices that are drawn together, and then held together",
+        keys: &[
+            SEAM_MESHES,
+            FIRST,
+            FIRST_BORDER,
+            SECOND,
+            SECOND_BORDER,
+            SEAM_STIFFNESS,
+            SEAM_FROM,
+            SEAM_UNTIL,
+        ],
     },
     SectionInfo {
         head: "[start]",

@@ -4,7 +4,8 @@ use super::document::Section;
 use crate::error::BenchError;
 use crate::scene::{RIGIDITY, cloth};
 use crate::settings::Settings;
-use cloth_core::cloth::{ClothModel, Piece};
+use cloth_core::cloth::{ClothModel, Membrane, Piece};
+use cloth_core::math::Real;
 use cloth_core::mesh::TriMesh;
 use cloth_core::method::ordering::Order;
 
@@ -44,6 +45,14 @@ impl Material {
     pub(super) fn reorder(&mut self, order: &Order) {
         let old = order.old_of_new().iter();
         self.of_vertex = old.map(|&old| self.of_vertex[old as usize]).collect();
+    }
+
+    /// The stiffness k of springs (N/m) at a vertex, or the membrane modulus (N/m) if that is given in its place.
+    pub(super) fn stiffness(&self, vertex: usize) -> Result<Real, BenchError> {
+        let settings = &self.settings[self.of_vertex[vertex]];
+        Ok(match cloth::described(settings, &RIGIDITY)?.membrane {
+            Membrane::SpringStiffness(value) | Membrane::Modulus(value) => value,
+        })
     }
 
     /// The cloth cut to the triangles of a mesh that are wanted, by their numbers.

@@ -19,6 +19,7 @@ trait AnyFamily<U: ConstraintUpdate>: Debug + Send + Sync {
     fn sweep_back(&mut self, update: &U, relaxation: Real, inverse_mass: &[Real], x: &mut [Vec3]);
     /// Writes the corrections to `moves`, N per element, without making them.
     fn correct(&mut self, update: &U, inverse_mass: &[Real], x: &[Vec3], moves: &mut [Vec3]);
+    fn set_time(&mut self, time: Real);
     /// Number of elements times N.
     fn corner_count(&self) -> usize;
     /// Appends the vertices of all elements.
@@ -150,6 +151,13 @@ impl<const N: usize, E: Constraint<N>, U: ConstraintUpdate> AnyFamily<U>
             moves,
             correct,
         );
+    }
+
+    fn set_time(&mut self, time: Real) {
+        if E::CHANGES_WITH_TIME {
+            let elements = self.elements.elements_mut();
+            elements.iter_mut().for_each(|e| e.set_time(time));
+        }
     }
 
     fn corner_count(&self) -> usize {
@@ -412,6 +420,14 @@ impl<U: ConstraintUpdate> Families<U> {
     #[must_use]
     pub fn chebyshev_fallbacks(&self) -> u64 {
         self.chebyshev_fallbacks
+    }
+
+    /// Sets the elements to a time (s), before the sweeps of a substep that ends then; see
+    /// [`Element::set_time`](crate::element::Element::set_time).
+    pub fn set_time(&mut self, time: Real) {
+        for family in &mut self.families {
+            family.set_time(time);
+        }
     }
 
     /// Resets the memory of all rows, at the start of a substep.

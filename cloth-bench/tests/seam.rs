@@ -1,0 +1,347 @@
+//! Seams: two borders are drawn together and stay so, by every method, and nothing is crossed or pushed for it.
+
+use cloth_bench::error::BenchError;
+use cloth_bench::method::Method;
+use cloth_bench::run::{Plan, Solver, Summary, run_changing, to_rest};
+use cloth_bench::scene::{Scene, file};
+use cloth_bench::settings::Settings;
+use cloth_collide::SeparationProbe;
+use cloth_core::math::{Real, Vec3};
+use cloth_core::measure::{angular_momentum, linear_momentum};
+use cloth_core::mesh::TriMesh;
+use cloth_core::particles::State;
+use std::path::{Path, PathBuf};
+
+/// Those that sew: all but forward Euler, which refuses every step.
+const METHODS: [&str; 9] = [
+    "symplectic-euler",
+    "implicit-euler",
+    "linear-implicit",
+    "implicit-midpoint",
+    "bdf2",
+    "pbd",
+    "xpbd",
+    "xpbd-direct",
+    "pd",
+];
+
+fn build(name: &str, text: &str) -> Result<Scene, BenchError> {
+    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("seam");
+    std::fs::create_dir_all(&folder).unwrap();
+    let path = folder.join(format!("{name}.toml"));
+    std::fs::write(&path, text).unwrap();
+    file::build(&path, &Settings::default())
+}
+
+/// Settings with which an iteration goes on to rounding, if it has a tolerance.
+fn converged(method: &str) -> Settings {
+    let pairs: &[&str] = match method {
+        "implicit-euler" | "bdf2" | "implicit-midpoint" => &["tolerance=1e-12"],
+        "pd" => &["iterations=200"],
+        // With one visit a substep a row has its own stiffness, whatever its neighbours do.
+        "pbd" => &["iterations=1", "substeps=20"],
+        _ => &[],
+    };
+    Settings::parse(pairs).unwrap()
+}
+
+/// A run; `after` sees every state.
+fn run(
+    scene: &Scene,
+    method: &str,
+    settings: &Settings,
+    steps: u32,
+    mut after: impl FnMut(&Scene, &State),
+) -> (Summary, State) {
+    let method = Method::find(method).unwrap();
+    let mut solver = Solver::new(method, settings, scene, scene.dt).unwrap();
+    let mut state = scene.start.clone();
+    let plan = Plan::new(scene.dt, steps);
+    let see = |moment: &cloth_bench::run::Moment<'_>| {
+        after(moment.scene, moment.state);
+        Ok(())
+    };
+    let (summary, _) = run_changing(scene, &mut solver, &mut state, plan, see).unwrap();
+    (summary, state)
+}
+
+/// The vectors (m) between sewn vertices.
+fn gaps(pairs: &[[u32; 2]], x: &[Vec3]) -> Vec<Vec3> {
+    let of = |pair: &[u32; 2]| x[pair[0] as usize] - x[pair[1] as usize];
+    pairs.iter().map(of).collect()
+}
+
+/// Two sheets of 0.2 m beside each other, 0.1 m apart, without gravity.
+fn two_free(seam: &str) -> String {
+    format!(
+        "dt = 0.005\ngravity = [0, 0, 0]\n\
+         [[mesh]]\ngenerator = \"grid:5x5:alternating\"\nscale = 0.2\n\
+         [[mesh]]\ngenerator = \"grid:5x5:alternating\"\nscale = 0.2\ntranslate = [0.3, 0, 0]\n\
+         [cloth]\nstiffness = 1000\n\
+         [[seam]]\nmeshes = [0, 1]\nfirst = [4, 9, 14, 19, 24]\nsecond = [0, 5, 10, 15, 20]\n{seam}"
+    )
+}
+
+#[test]
+fn a_sheet_that_hangs_from_a_seam_opens_it_by_its_weight() {
+    const K: Real = 20.0;
+    let text = format!(
+        "dt = 0.01\n[[mesh]]\ngenerator = \"grid:7x3:alternating\"\nscale = 0.3\nrotate = [1.5707963267948966, 0, 0]\n\
+         [[mesh]]\ngenerator = \"grid:7x7:alternating\"\nscale = 0.3\nrotate = [1.5707963267948966, 0, 0]\n\
+         translate = [0, 0, -0.3]\n[cloth]\nstiffness = 500\n[[pins]]\nvertices = {:?}\n\
+         [[seam]]\nmeshes = [0, 1]\nfirst_border = [0, 6]\nsecond_border = [42, 48]\nstiffness = {K}\n",
+        (0..21).collect::<Vec<u32>>()
+    );
+    let scene = build("weights", &text).unwrap();
+    let pairs = scene.sewn();
+    assert_eq!(pairs.len(), 7);
+    let masses = scene.model.particles.mass();
+    let weight: Real = 9.81 * masses[21..].iter().sum::<Real>();
+    let expected = weight / (7.0 * K);
+    for name in METHODS {
+        let method = Method::find(name).unwrap();
+        let mut solver = method.build(&scene, &converged(name), scene.dt).unwrap();
+        let mut state = scene.start.clone();
+        to_rest(&scene, &mut *solver, &mut state, scene.dt, 20_000, 1e-9).unwrap();
+        let all = gaps(&pairs, &state.positions);
+        let mean = all.iter().map(|gap| gap.z).sum::<Real>() / 7.0;
+        let error = (mean / expected - 1.0).abs();
+        assert!(error < 1e-7, "{name}: {mean:e} m, {error:e}");
+    }
+}
+
+#[test]
+fn sewing_keeps_the_momentum_of_free_pieces() {
+    let scene = build("momentum", &two_free("until = 0.1\n")).unwrap();
+    let particles = &scene.model.particles;
+    for name in METHODS {
+        let mut scene = scene.clone();
+        for (i, v) in scene.start.velocities.iter_mut().enumerate() {
+            let phase = i as Real;
+            *v = Vec3::new(
+                0.1 + phase.cos(),
+                (2.0 * phase).sin(),
+                0.7 - 0.2 * phase.sin(),
+            ) * 0.2;
+        }
+        let moving = linear_momentum(particles, &scene.start.velocities);
+        let turning = angular_momentum(particles, &scene.start);
+        let (_, state) = run(&scene, name, &converged(name), 40, |_, _| {});
+        let drift = (linear_momentum(particles, &state.velocities) - moving).norm() / moving.norm();
+        assert!(drift < 1e-10, "{name} lost {drift:e} of its momentum");
+        // The other methods do not keep it of springs either.
+        if name == "symplectic-euler" {
+            let drift = (angular_momentum(particles, &state) - turning).norm() / turning.norm();
+            assert!(drift < 1e-10, "{name} lost {drift:e} of its spin");
+        }
+    }
+}
+
+/// Before `from` nothing moves; then the distance follows the rest length, but for what accelerates the sheets.
+#[test]
+fn the_distance_falls_at_a_constant_rate_and_stays_zero() {
+    const START: Real = 0.1;
+    for (text, from, until) in [
+        ("until = 0.2\n", 0.0, 0.2),
+        ("from = 0.05\nuntil = 0.25\n", 0.05, 0.25),
+    ] {
+        let scene = build(&format!("schedule-{from}"), &two_free(text)).unwrap();
+        for name in METHODS {
+            let mut largest: Real = 0.0;
+            let pairs = [4, 9, 14, 19, 24].map(|v| [v, 21 + v]);
+            let (summary, state) = run(&scene, name, &converged(name), 80, |_, state| {
+                let past = (state.time - from) / (until - from);
+                let expected = START * (1.0 - past).clamp(0.0, 1.0);
+                for gap in gaps(&pairs, &state.positions) {
+                    largest = largest.max((gap.norm() - expected).abs());
+                }
+            });
+            assert!(largest < 6e-4, "{name}: {largest:e} m from the schedule");
+            let left = gaps(&pairs, &state.positions);
+            assert!(left.iter().all(|gap| gap.norm() < 1e-3), "{name}: {left:?}");
+            assert_eq!(summary.rebuilds, u32::from(from > 0.0), "{name}");
+            assert!(
+                summary.energy_excess <= 0.01 * summary.energy_given,
+                "{name}: {summary:?}"
+            );
+        }
+    }
+}
+
+#[test]
+fn projective_dynamics_factorises_once_while_a_seam_closes() {
+    let scene = build("matrix", &two_free("until = 0.2\n")).unwrap();
+    let method = Method::find("pd").unwrap();
+    let mut stepper = method
+        .build(&scene, &Settings::default(), scene.dt)
+        .unwrap();
+    let mut state = scene.start.clone();
+    let mut factorizations = 0;
+    for _ in 0..60 {
+        let input = cloth_core::step::StepInput::new(scene.dt);
+        factorizations += stepper.step(&mut state, input).unwrap().factorizations;
+    }
+    assert_eq!(factorizations, 1);
+    let left = gaps(&scene.sewn(), &state.positions);
+    assert!(left.iter().all(|gap| gap.norm() < 1e-3), "{left:?}");
+}
+
+/// The cloth with sewn vertices as one, where their middle is.
+fn welded(mesh: &TriMesh, pairs: &[[u32; 2]], x: &[Vec3]) -> TriMesh {
+    let mut same: Vec<usize> = (0..x.len()).collect();
+    let mut middle = x.to_vec();
+    for [a, b] in pairs.iter().map(|pair| pair.map(|v| v as usize)) {
+        same[b] = a;
+        middle[a] = (x[a] + x[b]) / 2.0;
+    }
+    let kept: Vec<usize> = (0..x.len()).filter(|&v| same[v] == v).collect();
+    let place = |v: u32| kept.binary_search(&same[v as usize]).unwrap() as u32;
+    let triangles = mesh.triangles().iter().map(|t| t.map(place)).collect();
+    TriMesh::new(kept.iter().map(|&v| middle[v]).collect(), triangles).unwrap()
+}
+
+/// The sleeve of the shipped scene: its seams close to far less than the thickness of contact, and nothing crosses.
+#[test]
+fn a_sleeve_is_sewn_around_an_arm_without_a_crossing() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/seam.toml");
+    let scene = file::build(&path, &Settings::default()).unwrap();
+    let pairs = scene.sewn();
+    for name in ["xpbd", "pd", "implicit-euler"] {
+        let mut probe = scene.separation_probe().unwrap();
+        let mut crossed = 0;
+        let (summary, state) = run(&scene, name, &Settings::default(), 60, |_, state| {
+            crossed += probe.measure(&state.positions).unwrap().intersecting_pairs;
+        });
+        assert_eq!(crossed, 0, "{name}");
+        assert_eq!(summary.obstacle_intersections, Some(0), "{name}");
+        let left = gaps(&pairs, &state.positions);
+        let widest = left.iter().map(Vec3::norm).fold(0.0, Real::max);
+        println!("{name}: {widest:e} m");
+        assert!(widest < 2e-4, "{name}: {widest:e} m apart");
+        let mesh = scene.mesh.as_ref().unwrap();
+        let mesh = welded(mesh, &pairs, &state.positions);
+        let met = SeparationProbe::new(&mesh)
+            .measure(mesh.positions())
+            .unwrap();
+        assert_eq!(met.intersecting_pairs, 0, "{name}");
+    }
+}
+
+#[test]
+fn what_is_wrong_with_a_seam_is_said_with_line_and_key() {
+    let told = |name: &str, seam: &str| {
+        let text = format!(
+            "[[mesh]]\ngenerator = \"grid:4x4:alternating\"\n[[mesh]]\ngenerator = \"grid:3x3:alternating\"\ntranslate = [2, 0, 0]\n[[seam]]\n{seam}"
+        );
+        build(name, &text).unwrap_err().to_string()
+    };
+    for (name, seam, line, words) in [
+        (
+            "counts",
+            "meshes = [0, 1]\nfirst = [0, 1, 2]\nsecond = [0, 1]\nuntil = 1\n",
+            9,
+            "has 3 vertices and the second 2",
+        ),
+        (
+            "mesh",
+            "meshes = [0, 2]\nfirst = [0, 1]\nsecond = [0, 1]\n",
+            7,
+            "there is no mesh 2",
+        ),
+        (
+            "inner",
+            "meshes = [0, 1]\nfirst = [0, 5]\nsecond = [0, 1]\n",
+            8,
+            "vertex 5 of mesh 0 is not on its border",
+        ),
+        (
+            "repeated",
+            "meshes = [0, 1]\nfirst = [0, 1]\nsecond = [2, 2]\n",
+            9,
+            "vertex 2 is there twice",
+        ),
+        (
+            "beyond",
+            "meshes = [0, 1]\nfirst = [0, 1]\nsecond = [2, 9]\n",
+            9,
+            "mesh 1 has no vertex 9, only 9",
+        ),
+        (
+            "none",
+            "meshes = [0, 1]\nfirst = [0, 1]\nuntil = 1\n",
+            6,
+            "needs one of the keys second and second_border",
+        ),
+        (
+            "both-ways",
+            "meshes = [0, 1]\nfirst_border = [0, 15]\nsecond = [0]\n",
+            8,
+            "name a vertex in between",
+        ),
+        (
+            "itself",
+            "meshes = [0, 0]\nfirst = [0, 1]\nsecond = [1, 2]\n",
+            9,
+            "vertex 1 is in both chains",
+        ),
+        (
+            "edge",
+            "meshes = [0, 0]\nfirst = [0]\nsecond = [1]\n",
+            9,
+            "ends of one edge",
+        ),
+        (
+            "apart",
+            "meshes = [0, 1]\nfirst = [0]\nsecond = [0]\n",
+            6,
+            "needs until",
+        ),
+        (
+            "order",
+            "meshes = [0, 1]\nfirst = [0]\nsecond = [0]\nfrom = 2\nuntil = 1\n",
+            11,
+            "until has to be later than from",
+        ),
+        (
+            "twice",
+            "meshes = [0, 1]\nfirst = [0]\nsecond = [0]\nuntil = 1\n[[seam]]\nmeshes = [1, 0]\nfirst = [0]\nsecond = [0]\n",
+            11,
+            "sewn together by another",
+        ),
+    ] {
+        let told = told(name, seam);
+        let place = format!("{name}.toml: line {line}: ");
+        assert!(told.contains(&place) && told.contains(words), "{told}");
+    }
+}
+
+#[test]
+fn a_chain_goes_along_the_border_the_way_that_is_named() {
+    let chain = |border: &str, count: usize| {
+        let other: Vec<usize> = (0..count).collect();
+        let text = format!(
+            "[[mesh]]\ngenerator = \"grid:4x4:alternating\"\n[[mesh]]\ngenerator = \"grid:24x2:alternating\"\ntranslate = [2, 0, 0]\n\
+             [[seam]]\nmeshes = [0, 1]\nfirst_border = {border}\nsecond = {other:?}\nuntil = 1\n"
+        );
+        let sewn = build("way", &text).unwrap().sewn();
+        sewn.iter().map(|pair| pair[0]).collect::<Vec<u32>>()
+    };
+    assert_eq!(chain("[0, 3]", 4), [0, 1, 2, 3]);
+    assert_eq!(chain("[3, 0]", 4), [3, 2, 1, 0]);
+    assert_eq!(chain("[1, 4]", 3), [1, 0, 4]);
+    assert_eq!(chain("[0, 3, 15]", 7), [0, 1, 2, 3, 7, 11, 15]);
+    assert_eq!(chain("[0, 12, 15]", 7), [0, 4, 8, 12, 13, 14, 15]);
+    assert_eq!(chain("[0, 15, 3]", 10), [0, 4, 8, 12, 13, 14, 15, 11, 7, 3]);
+}
+
+/// A method without a place for a rest length that changes says so.
+#[test]
+fn single_precision_refuses_seams_by_name() {
+    let scene = build("single", &two_free("until = 0.2\n")).unwrap();
+    let settings = Settings::parse(&["precision=single"]).unwrap();
+    let refused = Method::find("xpbd")
+        .unwrap()
+        .build(&scene, &settings, scene.dt);
+    let told = refused.map(drop).unwrap_err().to_string();
+    assert!(told.contains("stitches"), "{told}");
+}

@@ -1,0 +1,59 @@
+//! Vertices that are sewn together: what has one of them is a neighbour of what has the other.
+
+use crate::sets::Sets;
+
+/// Classes of sewn vertices.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Sewn {
+    /// A number for each vertex up to the last that is sewn, the same for those that are sewn together, directly or
+    /// through others.
+    class: Vec<u32>,
+}
+
+impl Sewn {
+    /// Pairs of vertices that are sewn together.
+    pub(crate) fn new(pairs: &[[u32; 2]]) -> Self {
+        let last = pairs.iter().flatten().max();
+        let count = last.map_or(0, |&last| last as usize + 1);
+        let mut sets = Sets::default();
+        sets.reset(count);
+        for &[a, b] in pairs {
+            sets.join(a, b);
+        }
+        Self {
+            class: (0..count as u32).map(|v| sets.of(v)).collect(),
+        }
+    }
+
+    /// Whether two different ones of these vertices are sewn together.
+    pub(crate) fn join(&self, vertices: &[u32]) -> bool {
+        if self.class.is_empty() {
+            return false;
+        }
+        let class = |v: u32| self.class.get(v as usize);
+        let later = |k: usize| &vertices[k + 1..];
+        (0..vertices.len()).any(|k| {
+            let own = vertices[k];
+            let is_sewn = |&other: &u32| other != own && class(other) == class(own);
+            class(own).is_some() && later(k).iter().any(is_sewn)
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn vertices_are_sewn_through_others_and_never_to_themselves() {
+        let sewn = Sewn::new(&[[7, 2], [2, 5], [0, 1]]);
+        for pair in [[5, 7], [7, 5], [2, 7], [1, 0]] {
+            assert!(sewn.join(&pair), "{pair:?}");
+        }
+        for pair in [[0, 2], [7, 7], [3, 3], [3, 4], [8, 9], [9, 9], [5, 1]] {
+            assert!(!sewn.join(&pair), "{pair:?}");
+        }
+        assert!(sewn.join(&[3, 9, 2, 4, 5]));
+        assert!(!Sewn::new(&[]).join(&[0, 1]));
+    }
+}
