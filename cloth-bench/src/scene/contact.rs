@@ -183,8 +183,8 @@ impl ContactSetup {
         self.untangles && self.pieces.as_ref().is_some_and(excludes)
     }
 
-    /// What resolves contact of the cloth `mesh`, with pairs of vertices that are `sewn` together; nothing where there is
-    /// nothing to touch.
+    /// What resolves contact of the cloth `mesh`, with pairs of vertices that are `sewn` together; nothing where there
+    /// is nothing to touch.
     ///
     /// # Errors
     /// [`BenchError::Usage`] for a mesh or a setting that does not serve.
