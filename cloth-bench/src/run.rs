@@ -99,6 +99,8 @@ pub struct Summary {
     /// Smallest distance (m) at the end of a vertex from an obstacle, negative inside; none where there are no
     /// obstacles.
     pub min_clearance: Option<Real>,
+    /// Largest distance (m) at the end between two vertices that are sewn together; none where there is no seam.
+    pub max_seam_gap: Option<Real>,
 }
 
 /// A scene on its way: the caller's method takes the steps, and this adds all that is not the method's.
@@ -496,6 +498,7 @@ pub fn run_changing(
         tangled_pairs,
         min_distance: separation.and_then(|s| s.min_distance),
         min_clearance: min_clearance(&scene, state),
+        max_seam_gap: scene.max_seam_gap(state),
     };
     Ok((summary, scene))
 }

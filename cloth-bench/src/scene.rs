@@ -92,6 +92,14 @@ impl Scene {
         self.model.stitches().map(Element::vertices).collect()
     }
 
+    /// Largest distance (m) between two vertices that are sewn together, if any are.
+    #[must_use]
+    pub fn max_seam_gap(&self, state: &State) -> Option<Real> {
+        let x = |vertex: u32| state.positions[vertex as usize];
+        let pairs = self.sewn().into_iter();
+        pairs.map(|[a, b]| (x(a) - x(b)).norm()).reduce(Real::max)
+    }
+
     /// Whether a seam closes in the step of `dt` (s) that has ended at `time` (s).
     pub(crate) fn is_closing(&self, time: Real, dt: Real) -> bool {
         let changes = |s: &Stitch| s.rest_length_at(time) != s.rest_length_at(time - dt);

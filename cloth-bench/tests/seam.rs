@@ -9,6 +9,7 @@ use cloth_collide::SeparationProbe;
 use cloth_core::math::{Real, Vec3};
 use cloth_core::measure::{angular_momentum, linear_momentum};
 use cloth_core::mesh::TriMesh;
+use cloth_core::mesh::generate::{Diagonals, grid};
 use cloth_core::particles::State;
 use std::path::{Path, PathBuf};
 
@@ -145,7 +146,9 @@ fn the_distance_falls_at_a_constant_rate_and_stays_zero() {
         ("until = 0.2\n", 0.0, 0.2),
         ("from = 0.05\nuntil = 0.25\n", 0.05, 0.25),
     ] {
-        let scene = build(&format!("schedule-{from}"), &two_free(text)).unwrap();
+        // Pieces that are not sewn would be kept 2 mm apart.
+        let text = two_free(text) + "[contact]\nself = true\nthickness = 2e-3\n";
+        let scene = build(&format!("schedule-{from}"), &text).unwrap();
         for name in METHODS {
             let mut largest: Real = 0.0;
             let pairs = [4, 9, 14, 19, 24].map(|v| [v, 21 + v]);
@@ -216,7 +219,7 @@ fn a_sleeve_is_sewn_around_an_arm_without_a_crossing() {
         assert_eq!(summary.obstacle_intersections, Some(0), "{name}");
         let left = gaps(&pairs, &state.positions);
         let widest = left.iter().map(Vec3::norm).fold(0.0, Real::max);
-        println!("{name}: {widest:e} m");
+        assert_eq!(summary.max_seam_gap, Some(widest), "{name}");
         assert!(widest < 2e-4, "{name}: {widest:e} m apart");
         let mesh = scene.mesh.as_ref().unwrap();
         let mesh = welded(mesh, &pairs, &state.positions);
@@ -225,6 +228,71 @@ fn a_sleeve_is_sewn_around_an_arm_without_a_crossing() {
             .unwrap();
         assert_eq!(met.intersecting_pairs, 0, "{name}");
     }
+}
+
+/// Two sheets that lie on each other's border, sewn from the start: contact leaves the seam alone, and they fall as one.
+#[test]
+fn a_seam_that_is_closed_at_the_start_falls_without_a_push() {
+    let text = "dt = 0.005\n[[mesh]]\ngenerator = \"grid:5x5:alternating\"\nscale = 0.2\n\
+         [[mesh]]\ngenerator = \"grid:5x5:alternating\"\nscale = 0.2\ntranslate = [0.2, 0, 0]\n\
+         [[seam]]\nmeshes = [0, 1]\nfirst_border = [4, 24]\nsecond_border = [0, 20]\n\
+         [contact]\nself = true\nthickness = 5e-3\n";
+    let scene = build("closed", text).unwrap();
+    for name in METHODS {
+        let (_, state) = run(&scene, name, &converged(name), 20, |_, _| {});
+        for gap in gaps(&scene.sewn(), &state.positions) {
+            assert!(gap.norm() < 1e-12, "{name}: {gap}");
+        }
+        let fall = Vec3::new(0.0, 0.0, -9.81 * 0.1);
+        for v in &state.velocities {
+            assert!((v - fall).norm() < 1e-9, "{name}: {v}");
+        }
+    }
+}
+
+#[test]
+fn a_tear_and_a_hand_leave_seams_as_they_are() {
+    let more = "until = 0.1\n[[tear]]\ntime = 0.05\nbox = [[0.06, 0.11, -1], [0.09, 0.14, 1]]\n\
+         [[pins]]\nvertices = [0]\nfrom = 0.03\nuntil = 0.12\n";
+    let scene = build("torn", &two_free(more)).unwrap();
+    for name in ["implicit-euler", "xpbd", "pd"] {
+        let (summary, state) = run(&scene, name, &converged(name), 60, |scene, _| {
+            assert_eq!(scene.sewn().len(), 5, "{name}");
+        });
+        assert!(summary.rebuilds > 0, "{name}");
+        let left = gaps(&scene.sewn(), &state.positions);
+        assert!(left.iter().all(|gap| gap.norm() < 1e-3), "{name}: {left:?}");
+    }
+}
+
+/// Vertices of files are renumbered; a seam joins the same points all the same.
+#[test]
+fn seams_of_meshes_from_files_join_the_vertices_that_are_named() {
+    let by_generator = build("generated", &two_free("until = 1\n")).unwrap();
+    let sheet = grid(5, 5, 1.0, 1.0, Diagonals::Alternating).unwrap();
+    let mut obj = String::new();
+    for x in sheet.positions() {
+        obj += &format!("v {} {} {}\n", x.x, x.y, x.z);
+    }
+    for [a, b, c] in sheet.triangles() {
+        obj += &format!("f {} {} {}\n", a + 1, b + 1, c + 1);
+    }
+    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("seam");
+    std::fs::create_dir_all(&folder).unwrap();
+    std::fs::write(folder.join("grid.obj"), obj).unwrap();
+    let text = two_free("until = 1\n");
+    let text = text.replace(
+        "generator = \"grid:5x5:alternating\"",
+        "file = \"grid.obj\"",
+    );
+    let by_file = build("filed", &text).unwrap();
+    assert!(by_file.order.is_some());
+    let ends = |scene: &Scene| -> Vec<[Vec3; 2]> {
+        let x = |v: u32| scene.start.positions[v as usize];
+        scene.sewn().iter().map(|pair| pair.map(x)).collect()
+    };
+    assert_eq!(ends(&by_file), ends(&by_generator));
+    assert_ne!(by_file.sewn(), by_generator.sewn());
 }
 
 #[test]
