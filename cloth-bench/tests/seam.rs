@@ -171,6 +171,25 @@ fn the_distance_falls_at_a_constant_rate_and_stays_zero() {
     }
 }
 
+/// It refuses motion that was not given, and a seam that closes at a constant rate takes nothing of what gravity gives:
+/// the panels of the shipped scene, with no arm between them.
+#[test]
+fn symplectic_euler_sews_panels_that_fall() {
+    const STEPS: u32 = 50;
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/seam.toml");
+    let text = std::fs::read_to_string(path).unwrap();
+    let (panels, _) = text.split_once("[[obstacle]]").unwrap();
+    let scene = build("falling", panels).unwrap();
+    let settings = Settings::default();
+    let (summary, state) = run(&scene, "symplectic-euler", &settings, STEPS, |_, _| {});
+    assert!(summary.max_seam_gap.unwrap() < 1e-3, "{summary:?}");
+    let particles = &scene.model.particles;
+    let mass: Real = particles.mass().iter().sum();
+    let fall = linear_momentum(particles, &state.velocities) / mass;
+    let expected = Vec3::z() * (-9.81 * scene.dt * Real::from(STEPS));
+    assert!((fall - expected).norm() < 1e-10, "{fall}");
+}
+
 #[test]
 fn projective_dynamics_factorises_once_while_a_seam_closes() {
     let scene = build("matrix", &two_free("until = 0.2\n")).unwrap();

@@ -176,7 +176,9 @@ impl Explicit {
         let substeps = self.model.config.substeps;
         let mut pin_work = 0.0;
         for substep in 1..=substeps {
-            let work = self.set_time(state.time + dt * Real::from(substep) / Real::from(substeps));
+            let part = |number: u32| dt * Real::from(number) / Real::from(substeps);
+            let times = [substep - 1, substep].map(|number| state.time + part(number));
+            let work = self.set_time(times);
             match self.substep(&mut input, work) {
                 Ok(balance) => pin_work += balance.pin_work,
                 Err(failure) => return Err(self.report(failure, &input, step)),
@@ -203,12 +205,17 @@ impl Explicit {
         })
     }
 
-    /// Sets the elements to the end of a substep, and returns the work (J) that this has done on the cloth.
-    fn set_time(&mut self, time: Real) -> Real {
+    /// Sets the elements to the start of a substep, where its forces are taken, and returns the work (J) that the change
+    /// of their rest data does on the cloth: half of that over this substep and half of that over the one before, both
+    /// at the positions between the two. All of either, with the positions at one of its ends, is too much or too
+    /// little in every substep where the cloth follows.
+    fn set_time(&mut self, [start, end]: [Real; 2]) -> Real {
         let (energies, x) = (&mut self.model.energies, &self.positions);
         let before = energies.timed_value(x);
-        energies.set_time(time);
-        energies.timed_value(x) - before
+        energies.set_time(end);
+        let after = energies.timed_value(x);
+        energies.set_time(start);
+        0.5 * (after - before)
     }
 
     /// One substep, and what the monitor says to it; elements that change with time have done `work` (J) before it.

@@ -313,6 +313,7 @@ fn simulate(
         ),
         ("min_distance", json!(summary.min_distance)),
         ("min_clearance", json!(summary.min_clearance)),
+        ("max_seam_gap", json!(summary.max_seam_gap)),
         ("finite", json!(state.first_non_finite().is_none())),
     ];
     if let Some(exported) = exported? {
