@@ -99,7 +99,8 @@ pub enum Solve {
     Newton,
     /// One Newton step of full length from the start guess: the forces linearised there, and one linear system.
     /// Neither the tolerance nor the most iterations nor [`Accept`] matter, and no residual is computed, unless there
-    /// is contact: that is not linearised, and takes iterations to the tolerance.
+    /// is contact: that is not linearised, and takes iterations to the tolerance; the cloth is linearised again where
+    /// that ends if `G` has not gone down as promised.
     ///
     /// The cheapest implicit step there is. Linear forces it integrates like the full solution. Otherwise its error is
     /// of the order of the integrator's own, the second order of midpoint and BDF2 only where the Hessian is exact or

@@ -57,8 +57,10 @@ use stage::Stage;
 /// Linear momentum is kept (to the tolerance), angular momentum is not.
 ///
 /// With [`Solve::Linearized`] it is the step of Baraff and Witkin, and calls itself `linear-implicit`. Where it can
-/// touch something, the cloth is linearised once all the same, and what that and contact make together is minimised to
-/// the tolerance: a linearised contact would not know of what the cloth only comes to in the step.
+/// touch something, contact is not linearised, since it would not know of what the cloth only comes to in the step: what
+/// the linearised cloth and contact make together is minimised to the tolerance. A sheet that is stopped has to buckle,
+/// which one linearisation does not know of; it is linearised again where that minimum is, as long as `G` itself has not
+/// gone down by three quarters of what was promised (twice a step on impact, once a step elsewhere).
 ///
 /// Damping: drag acts with the velocity at the end of the step, without approximation. Stiffness damping acts with that
 /// velocity too, and with the stiffness at `x[0] + Δt v[0]`. An oscillation then shrinks by `1/√(1 + Δt γ + (Δt ω)²)`,

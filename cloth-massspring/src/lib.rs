@@ -144,8 +144,9 @@
 //! Newton's method does not take over from a step with contact; one that has not converged within
 //! [`ImplicitConfig::max_iterations`] ends there, free of crossings.
 //!
-//! A linearised step linearises the cloth alone ([`Solve::Linearized`]), the midpoint rule takes contact at its end
-//! ([`ImplicitMidpoint`]). With [`Solve::Newton`] contact acts after the step.
+//! A linearised step linearises the cloth alone, and again where it is stopped and has to buckle
+//! ([`Solve::Linearized`]); the midpoint rule takes contact at its end ([`ImplicitMidpoint`]). With [`Solve::Newton`]
+//! contact acts after the step.
 //!
 //! In explicit methods contact acts at the end of every substep, as constraints with the compliance of the potential
 //! ([`ContactConstraints`](cloth_core::contact::ContactConstraints)): as stiff as it may be, it does not shorten the

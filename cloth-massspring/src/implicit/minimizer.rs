@@ -28,6 +28,13 @@ const LEFT: Real = 1e4;
 /// A start that gives off much energy, cloth crushed to a point for instance, is compared with this part of the
 /// velocity that it would make.
 const VIOLENT: Real = 1e-3;
+/// A step whose cloth is linearised is good enough once the true function has gone down by this part of what the
+/// linearised one has (the ratio of trust-region methods: Nocedal and Wright, *Numerical Optimization*, 2006, (4.4)).
+/// On a sheet of 64 x 64 vertices that falls on a ball 0, 0.1, 0.5, 0.75, 0.9 take 20, 30, 32, 37, 39 linearisations in
+/// 20 steps and leave 3.9, 0.97, 0.97, 0, 0.02 J from nowhere; it falls 0.18, 0.25, 0.27, 0.31, 0.32 m, converged 0.32.
+const KEPT: Real = 0.75;
+/// Linearisations in a step, at most.
+const MOST_LINEARIZATIONS: u32 = 8;
 
 /// The iterates, and what the methods keep between two calls.
 #[derive(Debug)]
@@ -166,7 +173,8 @@ impl Minimizer {
         }
     }
 
-    /// Minimises what the cloth linearised at the start and contact make together.
+    /// Minimises what the linearised cloth and contact make together; linearised anew where that ends, until the
+    /// function of the stage itself has gone down by [`KEPT`] of what the linearised one promised.
     fn minimize_linearized(
         &mut self,
         task: &Task<'_>,
@@ -174,6 +182,35 @@ impl Minimizer {
         contact: &mut Contact<'_>,
         report: &mut StepReport,
     ) -> Result<(), StepError> {
+        let mut before = self.value_here(&with(task, contact));
+        for _ in 0..MOST_LINEARIZATIONS {
+            let promised = self.minimize_linear_cloth(task, observer, contact, report)?;
+            let after = self.value_here(&with(task, contact));
+            let is_little =
+                -2.0 * promised <= self.close_enough(task, task.config.tolerance).powi(2);
+            if is_little || after - before <= KEPT * promised {
+                return Ok(());
+            }
+            before = after;
+        }
+        report.outcome = Outcome::BudgetSpent;
+        Ok(())
+    }
+
+    /// The function of a stage (J) at the current positions.
+    fn value_here(&mut self, stage: &Stage<'_>) -> Real {
+        stage.gradient_into(&self.current.positions, &mut self.next.gradient)
+    }
+
+    /// Minimises what the cloth linearised at the current positions and contact make together. Returns by how much (J,
+    /// negative) that has changed.
+    fn minimize_linear_cloth(
+        &mut self,
+        task: &Task<'_>,
+        observer: &mut Option<&mut dyn Observer>,
+        contact: &mut Contact<'_>,
+        report: &mut StepReport,
+    ) -> Result<Real, StepError> {
         self.current.evaluate(&task.stage);
         self.gradient_norm(task)?;
         let mut system = self.newton.take().expect("built with the solver");
@@ -195,13 +232,15 @@ impl Minimizer {
                 let energies = task.stage.potential.energies;
                 self.quasi_newton = Some(QuasiNewton::new(energies, self.is_free.clone()));
             }
-            self.descend(&linear, contact, observer, report)
+            let end = self.descend(&linear, contact, observer, report)?;
+            Ok((end, self.value_here(&with(&linear, contact)) - self.first))
         });
         let way = linearized.into_room();
         self.linearized = Some((at, way));
         self.newton = Some(system);
-        report.outcome = end?.outcome();
-        Ok(())
+        let (end, change) = end?;
+        report.outcome = end.outcome();
+        Ok(change)
     }
 
     /// The quasi-Newton method from the current positions on: evaluates them, iterates, and puts momentum right.
