@@ -43,7 +43,8 @@ pub struct Row<const N: usize> {
     pub value: Real,
     /// `∂C/∂xᵢ`, one per vertex of the element (unit of `C` per m).
     pub gradient: [Vec3; N],
-    /// `k` with the energy `½ k C²` (J); the compliance is `α = 1/k`.
+    /// `k` with the energy `½ k C²` (J); the compliance is `α = 1/k`. It must not depend on `x`: forces and Hessians are
+    /// computed as `k C ∂C` and `k ∂C ∂Cᵀ + k C ∂²C`, without a derivative of `k`.
     pub stiffness: Real,
 }
 
@@ -171,6 +172,8 @@ fn multiply<const N: usize>(blocks: &Blocks<N>, p: &[Vec3; N]) -> [Vec3; N] {
 
 /// An energy `E = ½ Σᵣ kᵣ Cᵣ²`, given by its rows: what PBD and XPBD ask for.
 ///
+/// No kᵣ may depend on the positions, or force and energy disagree; what varies with them belongs in Cᵣ.
+///
 /// Implement it for one `N` only, or the compiler cannot infer `N` where families are added.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` has no constraint rows for {N} vertices, so position-based methods cannot take it",
@@ -232,6 +235,9 @@ pub trait Constraint<const N: usize>: Element<N> {
 
     /// `Σᵣ kᵣ Cᵣ ∂²Cᵣ/∂x²` (N/m), made positive semi-definite as `convexity` says. Never called for
     /// [`Convexity::GaussNewton`]. Zero where the rows are linear, which is the default.
+    ///
+    /// By [`Convexity::Exact`] it may be indefinite, and the Hessian with it: a compressed spring (C < 0) is so across
+    /// its axis. By the others it is semi-definite alone, and so is its sum with `Σᵣ kᵣ ∂Cᵣ ∂Cᵣᵀ`.
     fn curvature(&self, x: &[Vec3; N], convexity: Convexity) -> Blocks<N> {
         let _ = (x, convexity);
         [[Mat3::zeros(); N]; N]
