@@ -57,7 +57,7 @@ fn distances(criterion: &mut Criterion) {
     group.throughput(Throughput::Elements(points.len() as u64));
     for (name, obstacle) in obstacles() {
         limit::bench(&mut group, name, size_of_val(&points[..]), || {
-            let value = |&x: &Vec3| obstacle.clearance(x, 0.01).value;
+            let value = |&x: &Vec3| obstacle.signed_distance(x, 0.01).value;
             black_box(&points).iter().map(value).sum::<Real>()
         });
     }

@@ -125,7 +125,7 @@ impl Scene {
     pub fn fall(&self) -> Real {
         let touch = self.touch.iter().filter(|touch| !touch.is_idle());
         let farthest = touch.flat_map(ContactSetup::obstacles).map(|obstacle| {
-            let clearance = |&x: &Vec3| obstacle.clearance(x, 0.0).value;
+            let clearance = |&x: &Vec3| obstacle.signed_distance(x, 0.0).value;
             let places = self.start.positions.iter();
             places.map(clearance).fold(Real::INFINITY, Real::min)
         });

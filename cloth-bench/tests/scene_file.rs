@@ -162,7 +162,7 @@ fn the_samples_run() {
         .zip(scene.touch.as_ref().unwrap().obstacles())
     {
         for &x in surface {
-            let distance = obstacle.clearance(x, state.time).value;
+            let distance = obstacle.signed_distance(x, state.time).value;
             assert!(distance.abs() < 1e-12, "{distance}");
         }
     }

@@ -22,7 +22,7 @@ mod cells;
 mod hierarchy;
 mod morton_grid;
 mod order;
-mod parting;
+mod separating_plane;
 mod spatial_hash;
 mod triangle_pairs;
 

@@ -3,7 +3,7 @@
 use crate::sets::Sets;
 use cloth_core::mesh::TriMesh;
 
-/// Which of its own corners and edges a triangle speaks for. Edge k goes from corner k to the next one.
+/// Which of its own corners and edges a triangle represents. Edge k goes from corner k to the next one.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Owned {
     pub(crate) vertices: [bool; 3],

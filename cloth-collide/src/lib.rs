@@ -5,7 +5,7 @@
 //!
 //! **Obstacles** are functions: the signed distance φ(x) of a point from a surface. A vertex is kept out by one
 //! inequality, φ(x) ≥ h, whatever the shape and however it moves. [`obstacle`] has the shapes, the search for the first
-//! contact on a way, and the responses: a penalty, a barrier, impulses with friction and restitution.
+//! contact on a path, the laws of pressure, and impulses with friction and restitution.
 //!
 //! **Cloth against cloth** is about pairs: a vertex and a triangle, or two edges. Looking at all of them would take n²
 //! tests, so a *broad phase* leaves the few whose boxes overlap, and of those the ones that no plane has apart
@@ -56,6 +56,65 @@
 //! pushed apart one by one, then parts of the cloth move as rigid bodies (impact zones), then vertices are held back to
 //! ways that cannot reach anything. So a step is either free of crossings or refused. [`potential`] is a chapter of its
 //! own.
+//!
+//! # Derivation, in five steps
+//!
+//! 1. *Potential.* Two sheets at distance d < h press against each other with p = −φ′(d). An element of area A stores
+//!    A φ(d); the sum over all pairs is an energy, and its gradient is a force that is equal and opposite on the two
+//!    sides, so momentum is kept whatever is done with it.
+//! 2. *Detection.* Only pairs with d < h have energy. Which pairs can come so near within a step follows from bounds on
+//!    relative motion: two patches whose gap is g need no look as long as their displacements differ by less than
+//!    g − h.
+//! 3. *Views.* A method that minimises adds A φ, A φ′ ∂d and A φ″ ∂d ∂dᵀ. One that projects takes the same contact as
+//!    the inequality C = n·Σ wᵢ xᵢ − h ≥ 0 with the compliance α = 1/(A φ″): where λ > 0, λ = −C/α is the force
+//!    A φ″ (h − d) of the quadratic law. So both rest at h − ρ g/κ, and no number is tuned for one of them.
+//! 4. *Filter.* The potential alone cannot tell the sides of a sheet apart. So every displacement is tested over the
+//!    whole of its path, and taken only as far as nothing reaches d = 0: what starts without a crossing stays without.
+//! 5. *Last resort.* An iteration that is cut short may be blocked for ever. Then pairs are pushed apart one by one,
+//!    what is stuck moves as one rigid body, and in the end vertices stay where they are: always possible, since the
+//!    start was free of crossings, and reported (`held`).
+//!
+//! The naive program is `examples/first_program.rs`: contact with a floor and a ball in one file, compared with the
+//! potential of the crate.
+//!
+//! # Errors and bad input
+//!
+//! Positions that are not finite, negative margins and steps that are no time are [`CollideError`]s with the vertex or
+//! the number; shapes with impossible sizes [`ObstacleError`](obstacle::ObstacleError)s; descriptions of contact that
+//! do not fit the mesh a [`BuildError`](cloth_core::step::BuildError) that names the setting and its range. In a step,
+//! [`ContactError`](cloth_core::contact::ContactError) says what it cannot keep: a start that crosses already
+//! (`IntersectingStart`, see [`untangle`]), or two bodies that leave the cloth no room (`Infeasible`, with the vertex).
+//! The state is then as it was before the step. Nothing panics on input, and nothing is passed over in silence: what
+//! was held by the last resort, shortened or let go is counted in the reports.
+//!
+//! # Threads
+//!
+//! None: this crate runs on the thread that calls it, and needs no rayon. Candidates come out in the order of their
+//! vertices, sums run in that order, so results are the same bits whatever the number of threads of the method around
+//! it, and the same on every run.
+//!
+//! # Add an obstacle shape
+//!
+//! 1. A file in `obstacle/` with a type that implements [`SignedDistance`](obstacle::SignedDistance): the distance and
+//!    the outward normal at a point in the frame of the shape, whether it is convex, and a box around it. A constructor
+//!    that returns [`ObstacleError`](obstacle::ObstacleError) for sizes that make no shape.
+//! 2. Its line in the table of [`obstacle`]. Motion, friction, the continuous test, moving frames and work are
+//!    [`Obstacle`](obstacle::Obstacle)'s and need nothing.
+//! 3. `tests/obstacle_shapes.rs`: add it to the shapes there; gradient against differences, distance against points of
+//!    the surface, and Lipschitz constant are then tested. If φ is not a true distance, say so by
+//!    [`lipschitz`](obstacle::SignedDistance::lipschitz).
+//! 4. Triangles of its surface ([`PotentialBuilder::surface`](potential::PotentialBuilder::surface)), if edges of the
+//!    cloth are not to cut it where it is smaller than a triangle.
+//!
+//! # When not to use it
+//!
+//! - Cloth that can touch nothing: leave contact out, and no code of this crate runs. With it, a sheet in free fall
+//!   still pays for the bounds on its motion (`cargo bench --bench steps -- "in flight"`).
+//! - A floor alone, far from any fold: a penalty on the vertices is enough, and differentiable.
+//! - Bouncing. There is no restitution in the potential; [`PointMass`](obstacle::PointMass) has it for single points.
+//! - Layers in their tens at rest: forces travel through a stack one layer an iteration, and methods cut short at a
+//!   fixed number of iterations leave them out of balance.
+//! - A start that crosses: [`untangle`] first, or let a run do it.
 //!
 //! # Equation → function
 //!
@@ -128,7 +187,8 @@
 //!
 //! # Limits
 //!
-//! - Obstacles are rigid, and move with constant velocities over a step.
+//! - Shapes with a signed distance are rigid, and move with constant velocities over a step; those that deform have
+//!   triangles alone.
 //! - The uniform cells of two of the broad phases suit triangles of similar size, the tree suits all.
 //! - [`SeparationProbe`] looks at the positions of one moment. A cloth that has passed through another between two
 //!   moments, and is out on the far side, shows no trace.
@@ -160,10 +220,10 @@
 //! | `broad_phase.rs` | what a broad phase is |
 //! | `broad_phase/hierarchy.rs` | the tree of boxes |
 //! | `broad_phase/cells.rs`, `spatial_hash.rs`, `morton_grid.rs` | the cells, and two ways to sort boxes into them |
-//! | `broad_phase/candidates.rs`, `parting.rs`, `order.rs` | from pairs of triangles to pairs of primitives that no plane parts, in order |
+//! | `broad_phase/candidates.rs`, `separating_plane.rs`, `order.rs` | from pairs of triangles to pairs of primitives that no plane separates, in order |
 //! | `broad_phase/triangle_pairs.rs` | pairs of triangles within a distance |
 //! | `pair.rs` | two pieces of cloth: where they are nearest, and whether they stay apart on their way |
-//! | `incidence.rs` | which triangle speaks for which vertex and edge |
+//! | `incidence.rs` | which triangle represents which vertex and edge (representative triangles) |
 //! | `separation.rs` | the measurement |
 //! | `error.rs` | what can be wrong with positions and margins |
 //!
@@ -192,21 +252,31 @@
 //!   detection of deformable objects, VMV 2003.
 #![forbid(unsafe_code)]
 
-mod bounds;
-mod broad_phase;
-mod ccd;
+// Two pieces: where they are nearest, when they meet, whether they cross.
 mod closest;
-mod convert;
-mod error;
+
+mod ccd;
 pub mod exact_queries;
-mod incidence;
+
 mod intersect;
+
+mod bounds;
+mod convert;
+
+// Contact: with bodies, in the solve, undone.
 pub mod obstacle;
-mod pair;
 pub mod potential;
-mod separation;
-mod sets;
 pub mod untangle;
+
+// All pieces of a cloth: candidates, and the measurement.
+mod broad_phase;
+mod incidence;
+mod pair;
+mod sets;
+
+mod separation;
+
+mod error;
 
 #[cfg(test)]
 #[path = "../tests/support/random.rs"]

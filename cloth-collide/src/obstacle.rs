@@ -92,7 +92,7 @@ use std::fmt::Debug;
 
 /// How far a point is from a surface, and which way is out.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Clearance {
+pub struct Distance {
     /// Signed distance φ (m): positive outside, negative inside.
     pub value: Real,
     /// Direction n (dimensionless, unit length) in which φ grows fastest. On the surface it is the outward normal.
@@ -101,7 +101,7 @@ pub struct Clearance {
     pub slope: Real,
 }
 
-impl Clearance {
+impl Distance {
     /// Of a true distance, whose slope is 1.
     #[must_use]
     pub fn exact(value: Real, normal: Vec3) -> Self {
@@ -124,7 +124,7 @@ impl Clearance {
 /// Where the nearest point of the surface is not unique (the centre of a sphere), the normal is that of one of them.
 pub trait SignedDistance: Debug + Send + Sync {
     /// Signed distance (m), normal and slope at `point` (m), which has to be finite.
-    fn clearance(&self, point: Vec3) -> Clearance;
+    fn signed_distance(&self, point: Vec3) -> Distance;
 
     /// How much φ can change per m of way (dimensionless): 1 for a distance.
     fn lipschitz(&self) -> Real {

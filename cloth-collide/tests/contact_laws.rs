@@ -45,7 +45,7 @@ fn a_block_slides_if_the_tangent_exceeds_the_friction_as_far_as_exact() {
                 let incline = Obstacle::moving(plane, RigidMotion::still(pose)).unwrap();
                 let downhill = pose.orientation * v(angle.cos(), 0.0, -angle.sin());
                 let thickness = 0.004;
-                let start = place + incline.clearance(place, 0.0).normal * thickness;
+                let start = place + incline.signed_distance(place, 0.0).normal * thickness;
                 let mut block = mass_at(start, Vec3::zeros());
                 for _ in 0..120 {
                     block.advance(&incline, law(friction, 0.5), thickness, GRAVITY, 0.0, DT);
@@ -109,7 +109,7 @@ fn a_mass_at_rest_stays_and_presses_with_its_weight() {
                 continue;
             }
             let plane = Obstacle::new(HalfSpace::inclined(angle).unwrap());
-            let start = plane.clearance(Vec3::zeros(), 0.0).normal * 0.01;
+            let start = plane.signed_distance(Vec3::zeros(), 0.0).normal * 0.01;
             let mut block = mass_at(start, Vec3::zeros());
             for _ in 0..10_000 {
                 let impulse = block.advance(&plane, law(friction, 0.9), 0.01, GRAVITY, 0.0, DT);
@@ -195,7 +195,7 @@ fn momentum_changes_by_the_impulse_and_by_gravity_alone() {
             let change = (mass.velocity - before - GRAVITY * DT) * mass.mass;
             assert!((change - impulse).norm() < 1e-14 * (1.0 + mass.velocity.norm()));
             touched += u32::from(impulse != Vec3::zeros());
-            let gap = obstacle.clearance(mass.position, start + DT).value;
+            let gap = obstacle.signed_distance(mass.position, start + DT).value;
             assert!(gap > 0.002 - 1e-12, "inside by {gap}");
         }
     }
@@ -253,7 +253,10 @@ fn discrete_response_moves_vertices_out_and_tells_the_impulse() {
             continue;
         }
         sum += (u[i] - speeds[i]) / inverse_mass[i];
-        let (before, after) = (ball.clearance(start[i], 0.1), ball.clearance(x[i], 0.1));
+        let (before, after) = (
+            ball.signed_distance(start[i], 0.1),
+            ball.signed_distance(x[i], 0.1),
+        );
         assert!(after.value > 0.01 - 1e-14);
         if before.value >= 0.01 {
             assert_eq!((x[i], u[i]), (start[i], speeds[i]));
@@ -331,7 +334,7 @@ fn contacts_are_those_of_a_search_for_every_vertex_and_obstacle() {
             for (number, obstacle) in obstacles.iter().enumerate() {
                 let path = VertexPath::straight(*a, *b, 0.2);
                 let is_hit = first_contact(obstacle, &path, 0.0, 0.2, 0.01).is_some();
-                if is_hit || obstacle.clearance(*b, 0.2).value <= 0.03 {
+                if is_hit || obstacle.signed_distance(*b, 0.2).value <= 0.03 {
                     expected.push((vertex as u32, number as u32));
                 }
             }
@@ -440,7 +443,7 @@ fn contact_energies_have_the_right_gradients() {
             let mut pushed = 0;
             for _ in 0..300 {
                 let x = random.point(1.0);
-                let at = obstacle.clearance(x, 0.0);
+                let at = obstacle.signed_distance(x, 0.0);
                 if at.value < 0.02 {
                     continue;
                 }

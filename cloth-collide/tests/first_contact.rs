@@ -40,12 +40,12 @@ fn a_thin_box_is_not_tunnelled_through_at_100_metres_per_second() {
         for _ in 0..1000 {
             let (from, speed) = (v(0.0, 0.0, 0.8) + random.point(0.05), v(1.0, -2.0, -100.0));
             let path = straight(from, speed);
-            let end = thin.clearance(path.position(dt), dt).value;
+            let end = thin.signed_distance(path.position(dt), dt).value;
             assert!(end > 0.7, "the end says nothing: {end}");
             let hit = first_contact(&thin, &path, 0.0, dt, 0.001).expect(name);
             let exact = (from.z - 0.0015) / 100.0;
             assert!((hit.time - exact).abs() < 1e-15, "{name} {hit:?} {exact}");
-            assert!(hit.certain && (hit.clearance.normal - Vec3::z()).norm() < 1e-12);
+            assert!(hit.certain && (hit.distance.normal - Vec3::z()).norm() < 1e-12);
         }
         // The contact sends the vertex back to the side that it came from.
         let contacts = ObstacleContacts::new(0.001, 0.0).unwrap();
@@ -141,7 +141,8 @@ fn contact_is_never_late_and_never_missed() {
                 acceleration: random.point(if i % 2 == 0 { 0.0 } else { 10.0 }),
             };
             let start = random.real(0.5);
-            let gap = |t: Real| obstacle.clearance(path.position(t), start + t).value - thickness;
+            let gap =
+                |t: Real| obstacle.signed_distance(path.position(t), start + t).value - thickness;
             if gap(0.0) <= 0.0 {
                 continue;
             }

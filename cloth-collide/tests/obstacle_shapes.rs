@@ -43,10 +43,10 @@ fn going_back_along_the_normal_by_the_distance_leads_to_the_surface() {
         let mut random = Random::new(1);
         for _ in 0..2000 {
             let p = random.point(1.5);
-            let at = shape.clearance(p);
+            let at = shape.signed_distance(p);
             assert!((at.normal.norm() - 1.0).abs() < 1e-14, "{name}");
             assert_eq!(at.slope, 1.0);
-            let foot = shape.clearance(p - at.normal * at.value).value;
+            let foot = shape.signed_distance(p - at.normal * at.value).value;
             assert!(foot.abs() < 2e-15, "{name} {p}: {foot:e}");
         }
     }
@@ -59,7 +59,7 @@ fn distance_changes_by_no_more_than_the_way() {
         for i in 0..20_000 {
             let p = random.point(1.5);
             let q = p + random.point(0.1f64.powi(i % 4));
-            let change = shape.clearance(p).value - shape.clearance(q).value;
+            let change = shape.signed_distance(p).value - shape.signed_distance(q).value;
             assert!(change.abs() <= (p - q).norm() + 1e-15, "{name} {p} {q}");
         }
     }
@@ -72,8 +72,8 @@ fn normal_is_the_gradient_of_the_distance() {
         let mut compared = 0;
         for _ in 0..2000 {
             let p = random.point(1.5);
-            let along = |d: Vec3| shape.clearance(p + d).value;
-            let at = shape.clearance(p);
+            let along = |d: Vec3| shape.signed_distance(p + d).value;
+            let at = shape.signed_distance(p);
             let h = 1e-5;
             // At a crest of φ, where the nearest point jumps, there is no gradient.
             let kink = (along(at.normal * h) + along(-at.normal * h) - 2.0 * at.value).abs() / h;
@@ -107,7 +107,7 @@ fn mesh_of_a_box_is_the_box() {
             2 => p = p.map(|x| x.signum()).component_mul(&b) * (1.0 + 0.1f64.powi(i as i32 % 12)),
             _ => {}
         }
-        let (found, expected) = (mesh.clearance(p), exact.clearance(p));
+        let (found, expected) = (mesh.signed_distance(p), exact.signed_distance(p));
         assert!((found.value - expected.value).abs() < 1e-15, "{p}");
         // Where the nearest point is unique, the normals agree, too.
         if expected.value > 1e-6 {
@@ -153,7 +153,7 @@ fn mesh_distance_has_the_sign_of_the_solid_angle() {
                 .iter()
                 .map(|&t| cloth_collide::point_triangle(p, gather(mesh.positions(), t)).distance())
                 .fold(Real::INFINITY, Real::min);
-            let found = body.clearance(p).value;
+            let found = body.signed_distance(p).value;
             // Nearest points on a common edge are computed from either triangle.
             assert!((found.abs() - nearest).abs() < 1e-15, "{p}");
             let is_inside = solid_angle(&mesh, p) > std::f64::consts::TAU;
@@ -208,11 +208,11 @@ fn samples_are_within_their_bound_everywhere() {
         let mut random = Random::new(6);
         for _ in 0..5000 {
             let p = random.point(1.5);
-            let (found, exact) = (grid.clearance(p), shape.clearance(p).value);
+            let (found, exact) = (grid.signed_distance(p), shape.signed_distance(p).value);
             assert!(found.value <= exact + bound, "{name} {p}: too far");
             // Outside the grid it is allowed to be less, but not less than the distance from the grid.
             let q = p + random.point(0.05);
-            let change = (grid.clearance(q).value - found.value).abs();
+            let change = (grid.signed_distance(q).value - found.value).abs();
             assert!(change <= steep * (p - q).norm() + 1e-12, "{name} {p}");
             let inner = shape.bounds().unwrap();
             let within = (0..3).all(|k| p[k] >= inner.lower[k] && p[k] <= inner.upper[k]);
@@ -233,7 +233,7 @@ fn samples_converge_with_the_square_of_the_spacing() {
         (0..4000)
             .map(|_| random.point(1.0))
             .filter(|p| (0.4..0.6).contains(&p.norm()))
-            .map(|p| (grid.clearance(p).value - ball.clearance(p).value).abs())
+            .map(|p| (grid.signed_distance(p).value - ball.signed_distance(p).value).abs())
             .fold(0.0, Real::max)
     };
     let (coarse, fine) = (worst(0.04), worst(0.02));
@@ -248,7 +248,7 @@ fn gradient_of_samples_is_that_of_what_is_interpolated() {
     for _ in 0..3000 {
         let p = random.point(0.9);
         let h = 1e-6;
-        let along = |d: Vec3| grid.clearance(p + d).value;
+        let along = |d: Vec3| grid.signed_distance(p + d).value;
         let axes = [Vec3::x(), Vec3::y(), Vec3::z()].map(|e| e * h);
         let here = along(Vec3::zeros());
         if axes
@@ -259,7 +259,7 @@ fn gradient_of_samples_is_that_of_what_is_interpolated() {
         }
         let differences = Vec3::from(axes.map(|e| (along(e) - along(-e)) / (2.0 * h)));
         assert!(
-            (differences - grid.clearance(p).gradient()).norm() < 1e-8,
+            (differences - grid.signed_distance(p).gradient()).norm() < 1e-8,
             "{p}"
         );
         compared += 1;
@@ -330,7 +330,10 @@ fn an_obstacle_moves_as_a_rigid_body() {
     for _ in 0..200 {
         let (body, time) = (random.point(1.0), random.real(3.0));
         let world = |t: Real| motion.pose_at(t).to_world(body);
-        let (moved, still) = (obstacle.clearance(world(time), time), shape.clearance(body));
+        let (moved, still) = (
+            obstacle.signed_distance(world(time), time),
+            shape.signed_distance(body),
+        );
         assert!((moved.value - still.value).abs() < 1e-14);
         let turned = motion.pose_at(time).orientation * still.normal;
         assert!((moved.normal - turned).norm() < 1e-12);
@@ -342,7 +345,10 @@ fn an_obstacle_moves_as_a_rigid_body() {
         let mut later = obstacle.clone();
         later.advance(time).unwrap();
         let p = random.point(2.0);
-        let (one, other) = (later.clearance(p, 0.0), obstacle.clearance(p, time));
+        let (one, other) = (
+            later.signed_distance(p, 0.0),
+            obstacle.signed_distance(p, time),
+        );
         assert!((one.value - other.value).abs() < 1e-14);
     }
     let mut still = obstacle;

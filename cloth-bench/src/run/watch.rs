@@ -110,7 +110,7 @@ pub(super) fn crossed_bodies(
 pub(super) fn min_clearance(scene: &Scene, state: &State) -> Option<Real> {
     let obstacles = scene.touch.iter().flat_map(ContactSetup::obstacles);
     let clearances = obstacles.flat_map(|obstacle| {
-        let clearance = |&x: &Vec3| obstacle.clearance(x, state.time).value;
+        let clearance = |&x: &Vec3| obstacle.signed_distance(x, state.time).value;
         state.positions.iter().map(clearance)
     });
     clearances.reduce(Real::min)

@@ -308,7 +308,7 @@ fn sheet_falls_on_a_ball() {
             }
             let seen = probe.measure(&state.positions).unwrap();
             assert_eq!(seen.intersecting_pairs, 0, "step {step}");
-            let clearance = |x: &Vec3| ball.clearance(*x, 0.0).value;
+            let clearance = |x: &Vec3| ball.signed_distance(*x, 0.0).value;
             let least = state.positions.iter().map(clearance).fold(1.0, Real::min);
             assert!(least > 0.0, "{name}, step {step}: {least} m");
             let now = total(&state, contacts.potential_energy());

@@ -2,7 +2,7 @@
 
 use super::BroadPhase;
 use super::order::PairSorter;
-use super::parting::Parting;
+use super::separating_plane::SeparatingPlane;
 use crate::bounds::Bounds;
 use crate::closest::{edge_edge, point_triangle};
 use crate::error::CollideError;
@@ -61,7 +61,7 @@ pub struct ClothCandidates<B> {
     middles: Vec<Vec3>,
     /// Across each triangle, halfway (m²).
     normals: Vec<Vec3>,
-    parting: Parting,
+    separating_plane: SeparatingPlane,
     triangle_pairs: Vec<[u32; 2]>,
     vertex_triangle: Vec<[u32; 2]>,
     edge_edge: Vec<[u32; 2]>,
@@ -95,7 +95,7 @@ impl<B: BroadPhase> ClothCandidates<B> {
             triangle_boxes: rest,
             middles: vec![Vec3::zeros(); mesh.vertex_count()],
             normals: vec![Vec3::zeros(); mesh.triangle_count()],
-            parting: Parting::default(),
+            separating_plane: SeparatingPlane::default(),
             triangle_pairs,
             vertex_triangle: Vec::new(),
             edge_edge: Vec::new(),
@@ -148,7 +148,7 @@ impl<B: BroadPhase> ClothCandidates<B> {
             let [a, b, c] = triangle.map(|v| &self.vertex_boxes[v as usize]);
             *bounds = a.joined(b).joined(c);
         }
-        self.parting = Parting::among(&self.vertex_boxes);
+        self.separating_plane = SeparatingPlane::among(&self.vertex_boxes);
         for (middle, bounds) in self.middles.iter_mut().zip(&self.vertex_boxes) {
             *middle = (bounds.lower + bounds.upper) * 0.5;
         }
@@ -185,7 +185,7 @@ impl<B: BroadPhase> ClothCandidates<B> {
     fn are_parted(&self, [a, b]: [usize; 2]) -> bool {
         let corners = [a, b].map(|t| self.triangles[t].map(|v| &self.vertex_boxes[v as usize]));
         let along = |t: usize| {
-            self.parting
+            self.separating_plane
                 .is_plane(&self.normals[t], &corners[0], &corners[1])
         };
         along(a) || along(b)
@@ -196,7 +196,7 @@ impl<B: BroadPhase> ClothCandidates<B> {
         let middle = self.middles[vertex as usize];
         let line = point_triangle(middle, gather(&self.middles, corners)).separation;
         let boxes = corners.map(|v| &self.vertex_boxes[v as usize]);
-        self.parting
+        self.separating_plane
             .is_plane(&line, &[&self.vertex_boxes[vertex as usize]], &boxes)
     }
 
@@ -205,10 +205,10 @@ impl<B: BroadPhase> ClothCandidates<B> {
         let [e, f] = [first, second].map(|edge| gather(&self.middles, edge));
         let line = edge_edge(e, f).separation;
         let [e, f] = [first, second].map(|edge| edge.map(|v| &self.vertex_boxes[v as usize]));
-        self.parting.is_plane(&line, &e, &f)
+        self.separating_plane.is_plane(&line, &e, &f)
     }
 
-    /// Adds the vertices that triangle `a` speaks for, against triangle `b`.
+    /// Adds the vertices that triangle `a` represents, against triangle `b`.
     fn add_vertices(&mut self, a: usize, b: usize) {
         let corners = self.triangles[b];
         for k in (0..3).filter(|&k| self.owned[a].vertices[k]) {
@@ -224,7 +224,7 @@ impl<B: BroadPhase> ClothCandidates<B> {
         }
     }
 
-    /// Adds the edges that triangle `a` speaks for, against those of triangle `b`.
+    /// Adds the edges that triangle `a` represents, against those of triangle `b`.
     fn add_edges(&mut self, a: usize, b: usize) {
         for i in (0..3).filter(|&i| self.owned[a].edges[i]) {
             let e = self.triangle_edges[a][i];

@@ -1,7 +1,7 @@
 //! A ball swept along a segment.
 
 use super::sphere::around_a_point;
-use super::{Clearance, ObstacleError, SignedDistance, not_negative, positive};
+use super::{Distance, ObstacleError, SignedDistance, not_negative, positive};
 use crate::bounds::Bounds;
 use cloth_core::math::{Real, Vec3};
 
@@ -28,12 +28,12 @@ impl Capsule {
 }
 
 impl SignedDistance for Capsule {
-    fn clearance(&self, point: Vec3) -> Clearance {
+    fn signed_distance(&self, point: Vec3) -> Distance {
         let along = point.z.clamp(-self.half_length, self.half_length);
         let offset = point - Vec3::z() * along;
         if offset == Vec3::zeros() && self.half_length > 0.0 {
             // On the axis the nearest surface is beside it, not at the ends.
-            return Clearance::exact(-self.radius, Vec3::x());
+            return Distance::exact(-self.radius, Vec3::x());
         }
         around_a_point(offset, self.radius)
     }

@@ -1,6 +1,6 @@
 //! The inside of a closed mesh.
 
-use super::{Clearance, ObstacleError, SignedDistance};
+use super::{Distance, ObstacleError, SignedDistance};
 use crate::bounds::Bounds;
 use crate::closest::{PointTriangle, point_triangle};
 use crate::convert::{aabb, bounds as node_bounds};
@@ -92,7 +92,7 @@ impl ClosedMesh {
 }
 
 impl SignedDistance for ClosedMesh {
-    fn clearance(&self, point: Vec3) -> Clearance {
+    fn signed_distance(&self, point: Vec3) -> Distance {
         let at_point = Bounds::around([point]);
         let found = self.tree.find_best(
             Real::MAX,
@@ -105,7 +105,7 @@ impl SignedDistance for ClosedMesh {
         );
         let Some((t, (distance, nearest))) = found else {
             // So far away that the square of the distance is not a number any more.
-            return Clearance::exact(Real::MAX, Vec3::z());
+            return Distance::exact(Real::MAX, Vec3::z());
         };
         let t = t as usize;
         let outward = self.outward(t, &nearest);
@@ -120,7 +120,7 @@ impl SignedDistance for ClosedMesh {
         } else {
             outward.normalize()
         };
-        Clearance::exact(side * distance, normal)
+        Distance::exact(side * distance, normal)
     }
 
     fn bounds(&self) -> Option<Bounds> {

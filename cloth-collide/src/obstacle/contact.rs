@@ -165,10 +165,10 @@ impl ObstacleContacts {
         }
         let path = VertexPath::straight(from, to, dt);
         let hit = first_contact(obstacle, &path, 0.0, dt, self.thickness).or_else(|| {
-            let clearance = obstacle.clearance(to, dt);
-            (clearance.value <= self.thickness + self.margin).then_some(FirstContact {
+            let distance = obstacle.signed_distance(to, dt);
+            (distance.value <= self.thickness + self.margin).then_some(FirstContact {
                 time: dt,
-                clearance,
+                distance,
                 evaluations: 1,
                 certain: true,
             })
@@ -178,9 +178,9 @@ impl ObstacleContacts {
         } else {
             path.position(hit.time)
         };
-        let normal = hit.clearance.normal;
+        let normal = hit.distance.normal;
         let surface_velocity = obstacle.velocity_at(position, hit.time);
-        let surface = position - normal * hit.clearance.value + surface_velocity * (dt - hit.time);
+        let surface = position - normal * hit.distance.value + surface_velocity * (dt - hit.time);
         Some(ObstacleContact {
             vertex: 0,
             obstacle: 0,
@@ -248,7 +248,7 @@ impl ObstacleContacts {
                 if self.out_of_reach(obstacle, [*x; 2], [place; 2]) {
                     continue;
                 }
-                let at = obstacle.clearance(*x, time);
+                let at = obstacle.signed_distance(*x, time);
                 if at.value >= self.thickness {
                     continue;
                 }

@@ -1,6 +1,6 @@
 //! A box.
 
-use super::{Clearance, ObstacleError, SignedDistance, positive};
+use super::{Distance, ObstacleError, SignedDistance, positive};
 use crate::bounds::Bounds;
 use cloth_core::math::Vec3;
 
@@ -28,19 +28,19 @@ impl Cuboid {
 }
 
 impl SignedDistance for Cuboid {
-    fn clearance(&self, point: Vec3) -> Clearance {
+    fn signed_distance(&self, point: Vec3) -> Distance {
         let beyond = point.abs() - self.half_extents;
         let outside = beyond.sup(&Vec3::zeros());
         let towards = point.map(|x| 1f64.copysign(x));
         let distance = outside.norm();
         if distance > 0.0 {
             let normal = (outside / distance).component_mul(&towards);
-            return Clearance::exact(distance, normal);
+            return Distance::exact(distance, normal);
         }
         let axis = beyond.imax();
         let mut normal = Vec3::zeros();
         normal[axis] = towards[axis];
-        Clearance::exact(beyond[axis], normal)
+        Distance::exact(beyond[axis], normal)
     }
 
     fn is_convex(&self) -> bool {

@@ -64,7 +64,7 @@ impl PointMass {
             elapsed += hit.time;
             self.position = path.position(hit.time);
             self.velocity = path.velocity_at(hit.time);
-            let normal = hit.clearance.normal;
+            let normal = hit.distance.normal;
             let surface = obstacle.velocity_at(self.position, start + elapsed);
             impulse += self.hit(law, normal, surface);
             // Gravity takes the mass back at once if it leaves no faster than rounding.
@@ -103,12 +103,12 @@ impl PointMass {
         dt: Real,
     ) -> Vec3 {
         let before = self.velocity;
-        let normal = obstacle.clearance(self.position, start).normal;
+        let normal = obstacle.signed_distance(self.position, start).normal;
         let surface = obstacle.velocity_at(self.position, start);
         self.velocity += gravity * dt;
         let impulse = self.hit(law.inelastic(), normal, surface);
         self.position += (before + self.velocity) * (0.5 * dt);
-        let after = obstacle.clearance(self.position, start + dt);
+        let after = obstacle.signed_distance(self.position, start + dt);
         if after.value < thickness {
             self.position += after.normal * (thickness - after.value);
         }

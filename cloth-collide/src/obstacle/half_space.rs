@@ -1,6 +1,6 @@
 //! Everything below a plane.
 
-use super::{Clearance, ObstacleError, SignedDistance, finite};
+use super::{Distance, ObstacleError, SignedDistance, finite};
 use crate::bounds::Bounds;
 use cloth_core::math::{Real, Vec3};
 
@@ -10,7 +10,7 @@ use cloth_core::math::{Real, Vec3};
 /// use cloth_collide::obstacle::{HalfSpace, SignedDistance};
 /// use cloth_core::math::Vec3;
 /// let floor = HalfSpace::new(Vec3::z())?;
-/// assert_eq!(floor.clearance(Vec3::new(3.0, 4.0, 0.5)).value, 0.5);
+/// assert_eq!(floor.signed_distance(Vec3::new(3.0, 4.0, 0.5)).value, 0.5);
 /// # Ok::<(), cloth_collide::obstacle::ObstacleError>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -52,8 +52,8 @@ impl HalfSpace {
 }
 
 impl SignedDistance for HalfSpace {
-    fn clearance(&self, point: Vec3) -> Clearance {
-        Clearance::exact(self.normal.dot(&point), self.normal)
+    fn signed_distance(&self, point: Vec3) -> Distance {
+        Distance::exact(self.normal.dot(&point), self.normal)
     }
 
     fn is_convex(&self) -> bool {

@@ -166,14 +166,14 @@ impl ObstaclePenalty<'_> {
     /// E(x) (J) of vertices at `positions` (m).
     #[must_use]
     pub fn value(&self, positions: &[Vec3]) -> Real {
-        let gap = |&x: &Vec3| self.obstacle.clearance(x, self.time).value;
+        let gap = |&x: &Vec3| self.obstacle.signed_distance(x, self.time).value;
         positions.iter().map(|x| self.law.energy(gap(x))).sum()
     }
 
     /// Adds ∂E/∂x (N), one per vertex, to `out`.
     pub fn add_gradient(&self, positions: &[Vec3], out: &mut [Vec3]) {
         for (x, out) in positions.iter().zip(out) {
-            let at = self.obstacle.clearance(*x, self.time);
+            let at = self.obstacle.signed_distance(*x, self.time);
             *out += at.gradient() * self.law.slope(at.value);
         }
     }

@@ -1,6 +1,6 @@
 //! A shape in its place.
 
-use super::{Clearance, ObstacleError, RigidMotion, SignedDistance};
+use super::{Distance, ObstacleError, RigidMotion, SignedDistance};
 use cloth_core::math::{Real, Vec3};
 use std::sync::Arc;
 
@@ -15,7 +15,7 @@ use std::sync::Arc;
 /// let rising = RigidMotion { velocity: Vec3::z(), ..RigidMotion::default() };
 /// let ball = Obstacle::moving(Sphere::new(0.5)?, rising)?;
 /// // After 2 s its centre is at z = 2 m.
-/// assert_eq!(ball.clearance(Vec3::new(0.0, 0.0, 3.0), 2.0).value, 0.5);
+/// assert_eq!(ball.signed_distance(Vec3::new(0.0, 0.0, 3.0), 2.0).value, 0.5);
 /// # Ok::<(), cloth_collide::obstacle::ObstacleError>(())
 /// ```
 #[derive(Clone, Debug)]
@@ -101,10 +101,10 @@ impl Obstacle {
 
     /// Signed distance (m) and normal at `point` (m) of the world, after `time` (s).
     #[must_use]
-    pub fn clearance(&self, point: Vec3, time: Real) -> Clearance {
+    pub fn signed_distance(&self, point: Vec3, time: Real) -> Distance {
         let pose = self.motion.pose_at(time);
-        let local = self.shape.clearance(pose.to_local(point));
-        Clearance {
+        let local = self.shape.signed_distance(pose.to_local(point));
+        Distance {
             normal: pose.orientation * local.normal,
             ..local
         }

@@ -1,6 +1,6 @@
 //! Signed distance looked up in a grid.
 
-use super::{Clearance, ObstacleError, SignedDistance, not_negative, positive};
+use super::{Distance, ObstacleError, SignedDistance, not_negative, positive};
 use crate::bounds::Bounds;
 use cloth_core::math::{Real, Vec3};
 use std::fmt;
@@ -13,7 +13,7 @@ const MOST_SAMPLES: usize = 1 << 26;
 ///
 /// **What is approximate.** Inside the grid, φ differs from the shape's own by at most
 /// [`SampledDistance::error_bound`], √3/2 of the spacing; far less where the surface is smooth, more than a little only
-/// at edges, which come out rounded. The gradient is that of the interpolated φ, so its length, [`Clearance::slope`],
+/// at edges, which come out rounded. The gradient is that of the interpolated φ, so its length, [`Distance::slope`],
 /// is not quite 1, and it jumps from cell to cell.
 ///
 /// **Outside the grid** nothing is known but what follows from the samples: with q the nearest point of the grid's box
@@ -61,7 +61,7 @@ impl SampledDistance {
             for y in 0..nodes[1] {
                 for x in 0..nodes[0] {
                     let step = Vec3::new(x as Real, y as Real, z as Real) * spacing;
-                    samples.push(shape.clearance(lower + step).value);
+                    samples.push(shape.signed_distance(lower + step).value);
                 }
             }
         }
@@ -156,7 +156,7 @@ impl SampledDistance {
 }
 
 impl SignedDistance for SampledDistance {
-    fn clearance(&self, point: Vec3) -> Clearance {
+    fn signed_distance(&self, point: Vec3) -> Distance {
         let inside = point.sup(&self.lower).inf(&self.upper);
         let (value, gradient) = self.interpolate(inside);
         let beyond = point - inside;
@@ -182,7 +182,7 @@ impl SignedDistance for SampledDistance {
     }
 }
 
-fn with_gradient(value: Real, gradient: Vec3) -> Clearance {
+fn with_gradient(value: Real, gradient: Vec3) -> Distance {
     let slope = gradient.norm();
     // On a crest of φ no direction is better than another.
     let normal = if slope > 0.0 {
@@ -190,7 +190,7 @@ fn with_gradient(value: Real, gradient: Vec3) -> Clearance {
     } else {
         Vec3::z()
     };
-    Clearance {
+    Distance {
         value,
         normal,
         slope,

@@ -1,6 +1,6 @@
 //! A ball.
 
-use super::{Clearance, ObstacleError, SignedDistance, positive};
+use super::{Distance, ObstacleError, SignedDistance, positive};
 use crate::bounds::Bounds;
 use cloth_core::math::{Real, Vec3};
 
@@ -22,7 +22,7 @@ impl Sphere {
 }
 
 impl SignedDistance for Sphere {
-    fn clearance(&self, point: Vec3) -> Clearance {
+    fn signed_distance(&self, point: Vec3) -> Distance {
         around_a_point(point, self.radius)
     }
 
@@ -36,8 +36,8 @@ impl SignedDistance for Sphere {
     }
 }
 
-/// Clearance (m) of a ball of `radius` (m), seen from `offset` (m) against its centre.
-pub(super) fn around_a_point(offset: Vec3, radius: Real) -> Clearance {
+/// Distance (m) of a ball of `radius` (m), seen from `offset` (m) against its centre.
+pub(super) fn around_a_point(offset: Vec3, radius: Real) -> Distance {
     let length = offset.norm();
     // At the centre all ways out are equally long.
     let normal = if length > 0.0 {
@@ -45,5 +45,5 @@ pub(super) fn around_a_point(offset: Vec3, radius: Real) -> Clearance {
     } else {
         Vec3::z()
     };
-    Clearance::exact(length - radius, normal)
+    Distance::exact(length - radius, normal)
 }

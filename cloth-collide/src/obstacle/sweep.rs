@@ -1,6 +1,6 @@
 //! When does a vertex on its way meet an obstacle that moves?
 
-use super::{Clearance, Obstacle};
+use super::{Distance, Obstacle};
 use cloth_core::math::{Real, Vec3};
 
 /// The way of a vertex: x(t) = x₀ + t v + ½ t² a.
@@ -44,7 +44,7 @@ pub struct FirstContact {
     /// When (s), from the start of the way. Never later than the true contact.
     pub time: Real,
     /// Distance (m) and normal in the world, at that time.
-    pub clearance: Clearance,
+    pub distance: Distance,
     /// How often the distance was evaluated: at most 512 times.
     pub evaluations: u32,
     /// Whether the vertex is in contact then, to rounding. If not, the evaluations were spent, and all that is known is
@@ -95,12 +95,12 @@ pub fn first_contact(
     let mut evaluations = 0;
     loop {
         let position = path.position(time);
-        let clearance = obstacle.clearance(position, start + time);
+        let there = obstacle.signed_distance(position, start + time);
         evaluations += 1;
         let found = |certain| {
             Some(FirstContact {
                 time,
-                clearance,
+                distance: there,
                 evaluations,
                 certain,
             })
@@ -108,8 +108,8 @@ pub fn first_contact(
         let centre = motion.pose.position + motion.velocity * (start + time);
         let velocity = path.velocity_at(time);
         let surface = motion.velocity_at(position, start + time);
-        let distance = clearance.value - thickness;
-        let rate = clearance.gradient().dot(&(velocity - surface));
+        let distance = there.value - thickness;
+        let rate = there.gradient().dot(&(velocity - surface));
         // What rounding may do to the distance.
         let far = path.from.amax() + position.amax() + centre.amax() + thickness;
         let turned = spin * (start + time).abs();

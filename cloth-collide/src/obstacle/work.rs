@@ -45,7 +45,7 @@ impl BodyWork {
                 continue;
             }
             let nearest = bodies.obstacles().min_by(|a, b| {
-                let distance = |body: &super::Obstacle| body.clearance(x, step.dt).value;
+                let distance = |body: &super::Obstacle| body.signed_distance(x, step.dt).value;
                 distance(a).total_cmp(&distance(b))
             });
             if let Some(body) = nearest {

@@ -125,7 +125,7 @@ impl Bodies {
                 if is_far || self.has_row[index] || step.inverse_mass[vertex] == 0.0 {
                     continue;
                 }
-                let at = body.clearance(*from, 0.0);
+                let at = body.signed_distance(*from, 0.0);
                 (self.rooms[index], self.places[index]) = (at.value, *from);
                 if at.value - stretch * ((to - from).norm() + of_body) >= reach {
                     self.stretches[index] = Vec3::zeros();
@@ -193,7 +193,7 @@ impl Bodies {
         for row in &mut self.rows {
             let (body, _) = &bodies.pairs()[row.body as usize];
             let v = row.vertex as usize;
-            let at = body.clearance(x[v], step.dt);
+            let at = body.signed_distance(x[v], step.dt);
             let value = at.value - row.range;
             if value >= 0.0 && row.lambda == 0.0 {
                 continue;
@@ -335,7 +335,7 @@ impl Bodies {
             .map(|row| {
                 let v = row.vertex as usize;
                 let (body, _) = &bodies.pairs()[row.body as usize];
-                near.vertex_area[v] * near.law_at(v).energy(body.clearance(x[v], 0.0).value)
+                near.vertex_area[v] * near.law_at(v).energy(body.signed_distance(x[v], 0.0).value)
             })
             .sum()
     }
@@ -368,7 +368,7 @@ impl Row {
         let (from, to) = (step.from[v], x[v]);
         if self.distance <= 0.0 {
             // It has been inside before, and must not get deeper.
-            return body.clearance(to, step.dt).value >= self.distance - 1e-2 * h;
+            return body.signed_distance(to, step.dt).value >= self.distance - 1e-2 * h;
         }
         let kept = self.kept(h);
         let way = (to - from).norm() + way_of(body, from, step.dt);

@@ -110,7 +110,7 @@ impl NearPairs {
 
 /// As [`time`], of a vertex on its way from `a` to `b` (m) before an obstacle.
 fn time_of_obstacle(obstacle: &Obstacle, thickness: Real, a: Vec3, b: Vec3) -> Real {
-    let gap = obstacle.clearance(a, 0.0).value;
+    let gap = obstacle.signed_distance(a, 0.0).value;
     let keep = SLACK * gap.min(thickness);
     if keep <= ROUNDING * a.amax().max(b.amax()) {
         return if a == b { 1.0 } else { 0.0 };

@@ -154,7 +154,7 @@ impl Contacts {
         let arm = |v: usize, number: usize| x[v] - bodies[number].0.motion().pose.position;
         for &[vertex, number] in &self.pairs.vertex_obstacle {
             let (v, number) = (vertex as usize, number as usize);
-            let at = self.still[number].clearance(x[v], 0.0);
+            let at = self.still[number].signed_distance(x[v], 0.0);
             let slope = self.near.vertex_area[v] * self.near.law_at(v).slope(at.value);
             let normal = at.gradient() * -slope;
             ledger.add_obstacle([v, number], [normal, Vec3::zeros()], arm(v, number));

@@ -272,7 +272,7 @@ impl LastResort {
     /// more than a hundredth of the thickness.
     fn enters(&self, bodies: &ObstacleContacts, number: usize, way: [Vec3; 2], dt: Real) -> bool {
         let body = &bodies.pairs()[number].0;
-        let start = body.clearance(way[0], 0.0).value;
+        let start = body.signed_distance(way[0], 0.0).value;
         let kept = if start > 0.0 {
             KEPT * start.min(bodies.thickness())
         } else {

@@ -200,7 +200,7 @@ impl NearPairs {
                 if is_far {
                     continue;
                 }
-                let distance = obstacle.shape().clearance(local).value;
+                let distance = obstacle.shape().signed_distance(local).value;
                 *room = (local, distance);
                 if distance < reach {
                     self.vertex_obstacle.push([vertex, number]);

@@ -262,7 +262,7 @@ impl ContactPotential for Contacts {
         }
         for &[vertex, number] in &self.pairs.vertex_obstacle {
             let v = vertex as usize;
-            let at = self.still[number as usize].clearance(x[v], 0.0);
+            let at = self.still[number as usize].signed_distance(x[v], 0.0);
             let law = self.near.law_at(v);
             if at.value < law.range() {
                 let area = self.near.vertex_area[v];
@@ -304,7 +304,7 @@ impl ContactPotential for Contacts {
         for &[vertex, number] in &self.pairs.vertex_obstacle {
             let v = vertex as usize;
             let law = self.near.law_at(v);
-            let at = self.still[number as usize].clearance(x[v], 0.0);
+            let at = self.still[number as usize].signed_distance(x[v], 0.0);
             let stiffness =
                 self.near.vertex_area[v] * law.curvature(at.value) * at.slope * at.slope;
             if stiffness > 0.0 {
@@ -401,7 +401,7 @@ impl Contacts {
         let is_outside = |v: usize| {
             let mut bodies = self.before.iter();
             step.inverse_mass[v] == 0.0
-                || bodies.all(|body| body.clearance(step.from[v], 0.0).value > 0.0)
+                || bodies.all(|body| body.signed_distance(step.from[v], 0.0).value > 0.0)
         };
         bodies.all(|body| body.motion().is_still())
             && pins.all(|(_, (a, b))| a == b)
@@ -456,7 +456,7 @@ impl Contacts {
                 if step.inverse_mass[v] == 0.0 || law.friction() == 0.0 {
                     continue;
                 }
-                let at = before.clearance(*place, 0.0);
+                let at = before.signed_distance(*place, 0.0);
                 let force = -near.vertex_area[v] * near.law_at(v).slope(at.value) * at.slope;
                 if force > 0.0 {
                     let key = [vertex, vertex, vertex, number];
@@ -503,7 +503,7 @@ impl Contacts {
                 continue;
             }
             let v = vertex as usize;
-            let at = after.clearance(x[v], 0.0);
+            let at = after.signed_distance(x[v], 0.0);
             let local = after.motion().pose.to_local(x[v]);
             let way = x[v] - before.motion().pose.to_world(local);
             let force =

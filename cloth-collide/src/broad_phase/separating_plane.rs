@@ -8,12 +8,12 @@ use cloth_core::math::{Real, Vec3};
 /// Points that stay in their boxes then stay on their sides, whatever they do, and so does everything between the
 /// points of one group.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Parting {
+pub(super) struct SeparatingPlane {
     /// The largest coordinate (m) of all boxes.
     reach: Real,
 }
 
-impl Parting {
+impl SeparatingPlane {
     /// For groups out of `boxes`.
     pub(super) fn among(boxes: &[Bounds]) -> Self {
         let reach = boxes.iter().map(Bounds::size).fold(0.0, Real::max);
@@ -71,32 +71,32 @@ mod tests {
     fn plane_is_found_where_no_axis_is() {
         let group = [&at(0.0, 0.0), &at(-1.0, 1.0)];
         let other = at(0.6, 1.6);
-        let parting = Parting::among(&[*group[0], *group[1], other]);
+        let separating_plane = SeparatingPlane::among(&[*group[0], *group[1], other]);
         let diagonal = Vec3::new(1.0, 1.0, 0.0);
-        assert!(!parting.is_plane(&Vec3::x(), &group, &[&other]));
-        assert!(!parting.is_plane(&Vec3::y(), &group, &[&other]));
-        assert!(parting.is_plane(&diagonal, &group, &[&other]));
+        assert!(!separating_plane.is_plane(&Vec3::x(), &group, &[&other]));
+        assert!(!separating_plane.is_plane(&Vec3::y(), &group, &[&other]));
+        assert!(separating_plane.is_plane(&diagonal, &group, &[&other]));
         // From either side, and of any length.
-        assert!(parting.is_plane(&(diagonal * -1e-3), &[&other], &group));
-        assert!(!parting.is_plane(&diagonal, &group, &[&at(0.4, 1.5)]));
+        assert!(separating_plane.is_plane(&(diagonal * -1e-3), &[&other], &group));
+        assert!(!separating_plane.is_plane(&diagonal, &group, &[&at(0.4, 1.5)]));
     }
 
     /// What touches is not apart, and nothing is where numbers fail.
     #[test]
     fn doubt_parts_nothing() {
         let (a, b) = (at(0.0, 0.0), at(1.0, 0.0));
-        let parting = Parting::among(&[a, b]);
-        assert!(!parting.is_plane(&Vec3::x(), &[&a], &[&b]));
-        assert!(!parting.is_plane(&Vec3::zeros(), &[&a], &[&at(9.0, 0.0)]));
+        let separating_plane = SeparatingPlane::among(&[a, b]);
+        assert!(!separating_plane.is_plane(&Vec3::x(), &[&a], &[&b]));
+        assert!(!separating_plane.is_plane(&Vec3::zeros(), &[&a], &[&at(9.0, 0.0)]));
         for bad in [Real::NAN, Real::INFINITY, Real::MAX] {
             let direction = Vec3::new(bad, bad, bad);
             assert!(
-                !parting.is_plane(&direction, &[&a], &[&at(9.0, 0.0)]),
+                !separating_plane.is_plane(&direction, &[&a], &[&at(9.0, 0.0)]),
                 "{bad}"
             );
         }
         let far = at(1e308, 1e308);
-        let parting = Parting::among(&[a, far]);
-        assert!(!parting.is_plane(&Vec3::new(10.0, 0.0, 0.0), &[&a], &[&far]));
+        let separating_plane = SeparatingPlane::among(&[a, far]);
+        assert!(!separating_plane.is_plane(&Vec3::new(10.0, 0.0, 0.0), &[&a], &[&far]));
     }
 }
