@@ -36,9 +36,9 @@ use difference::Difference;
 ///
 /// d being the minimal separation. The direction is that from the origin to the nearest feature of the polygon; as this
 /// feature moves, so does the direction: for a face the normal u(t) × v(t), for an edge e(t) a direction that stays
-/// across it, for a corner the way to it. Then the left side is a cubic in t, and the convex hull of its four Bernstein
-/// coefficients shows how far it is positive. The test goes on to that time and looks again, until there is no time
-/// left or no distance.
+/// across it, for a corner the vector to it. Then the left side is a cubic in t, and the convex hull of its four
+/// Bernstein coefficients shows how far it is positive. The test goes on to that time and looks again, until there is
+/// no time left or no distance.
 ///
 /// This is conservative advancement (Mirtich 1996), where additive advancement (Li et al. 2021) would bound the speed
 /// of approach by the largest relative speed of the vertices. Here sliding and turning cost nothing, as the direction

@@ -52,10 +52,10 @@
 //!
 //! [`PotentialContacts`](potential::PotentialContacts) joins all of this behind the one hook of all methods: contact as
 //! an energy for those that minimise, as unilateral constraints for those that project positions. Both views test every
-//! way before it is accepted. What does not come to an end in which nothing crosses goes to the last resort: pairs are
+//! path before it is accepted. What does not come to an end in which nothing crosses goes to the last resort: pairs are
 //! pushed apart one by one, then parts of the cloth move as rigid bodies (impact zones), then vertices are held back to
-//! ways that cannot reach anything. So a step is either free of crossings or refused. [`potential`] is a chapter of its
-//! own.
+//! paths that cannot reach anything. So a step is either free of crossings or refused. [`potential`] is a chapter of
+//! its own.
 //!
 //! # Derivation, in five steps
 //!
@@ -150,8 +150,8 @@
 //! for _ in 0..60 {
 //!     block.advance(&slope, law, 0.0, Vec3::z() * -gravity, 0.0, 1.0 / 60.0);
 //! }
-//! let way = 0.5 * gravity * (angle.sin() - friction * angle.cos());
-//! assert!((block.position.norm() - way).abs() < 1e-12);
+//! let distance = 0.5 * gravity * (angle.sin() - friction * angle.cos());
+//! assert!((block.position.norm() - distance).abs() < 1e-12);
 //! # Ok::<(), cloth_collide::obstacle::ObstacleError>(())
 //! ```
 //!
@@ -222,7 +222,7 @@
 //! | `broad_phase/cells.rs`, `spatial_hash.rs`, `morton_grid.rs` | the cells, and two ways to sort boxes into them |
 //! | `broad_phase/candidates.rs`, `separating_plane.rs`, `order.rs` | from pairs of triangles to pairs of primitives that no plane separates, in order |
 //! | `broad_phase/triangle_pairs.rs` | pairs of triangles within a distance |
-//! | `pair.rs` | two pieces of cloth: where they are nearest, and whether they stay apart on their way |
+//! | `pair.rs` | two pieces of cloth: where they are nearest, and whether they stay apart on their path |
 //! | `incidence.rs` | which triangle represents which vertex and edge (representative triangles) |
 //! | `separation.rs` | the measurement |
 //! | `error.rs` | what can be wrong with positions and margins |

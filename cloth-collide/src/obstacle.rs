@@ -36,7 +36,7 @@
 //! - φ of a shape is the distance to its surface, so from deep inside a thin one the nearest way out may be the far
 //!   side. What keeps vertices on their side is [`first_contact`], or [`ObstacleContacts::detect`] with it, not the
 //!   discrete response.
-//! - Meshes and samples are not taken to be convex: a way that grazes them may end early, and says so.
+//! - Meshes and samples are not taken to be convex: a path that grazes them may end early, and says so.
 //! - The impulses of one step treat one vertex and one obstacle at a time. A vertex between two obstacles is pushed by
 //!   each in turn, and may end inside the first.
 //!
@@ -126,7 +126,7 @@ pub trait SignedDistance: Debug + Send + Sync {
     /// Signed distance (m), normal and slope at `point` (m), which has to be finite.
     fn signed_distance(&self, point: Vec3) -> Distance;
 
-    /// How much φ can change per m of way (dimensionless): 1 for a distance.
+    /// How much φ can change per m of displacement (dimensionless): 1 for a distance.
     fn lipschitz(&self) -> Real {
         1.0
     }

@@ -1,4 +1,4 @@
-//! Two pieces of cloth: where they are nearest, and whether they stay apart on their way.
+//! Two pieces of cloth: where they are nearest, and whether they stay apart on their path.
 
 use crate::ccd::{ContinuousTest, Query, QueryKind};
 use crate::closest::{edge_edge, point_triangle};
@@ -85,11 +85,11 @@ pub(crate) fn nearest(kind: QueryKind, x: &[Vec3; 4]) -> Nearest {
 
 /// How far (m) the plane across `normal` has the two pieces apart at least, at positions `x` (m), rounding taken off.
 pub(crate) fn gap_along(kind: QueryKind, normal: &Vec3, x: &[Vec3; 4]) -> Real {
-    let ways = [x[1] - x[0], x[2] - x[0], x[3] - x[0]];
-    let [a, b, c] = ways.map(|way| normal.dot(&way));
-    let size = ways
-        .iter()
-        .fold(0.0, |size: Real, way| size.max(way.amax()));
+    let displacements = [x[1] - x[0], x[2] - x[0], x[3] - x[0]];
+    let [a, b, c] = displacements.map(|displacement| normal.dot(&displacement));
+    let size = displacements.iter().fold(0.0, |size: Real, displacement| {
+        size.max(displacement.amax())
+    });
     let gap = match kind {
         QueryKind::VertexTriangle => -a.max(b).max(c),
         QueryKind::EdgeEdge => a.min(0.0) - b.max(c),

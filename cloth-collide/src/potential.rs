@@ -14,12 +14,12 @@
 //! gets to d = 0.
 //!
 //! A method adds E to what it minimises, with its gradient, and the Gauss–Newton part of its second derivative, A φ″ ∂d
-//! ∂dᵀ. Before it moves the cloth it asks how far the way is safe ([`ContinuousTest`](crate::ContinuousTest)). So what
+//! ∂dᵀ. Before it moves the cloth it asks how far the path is safe ([`ContinuousTest`](crate::ContinuousTest)). So what
 //! it accepts is free of crossings, and nothing is left to be repaired afterwards.
 //!
-//! A step begins where the method would begin by itself, as far as the way there is safe; where pins or bodies move, or
-//! cloth begins inside a body, where a substep of the constraints leads. The end of the step does not depend on that,
-//! but for which of several minima is found.
+//! A step begins where the method would begin by itself, as far as the path there is safe; where pins or bodies move,
+//! or cloth begins inside a body, where a substep of the constraints leads. The end of the step does not depend on
+//! that, but for which of several minima is found.
 //!
 //! Friction has the normal forces and directions of the start of the step (`friction`): a cloth that lands has none in
 //! the step in which it does.
@@ -68,11 +68,11 @@
 //! | m(‖u × v‖²) for two edges u, v | [`Mollifier`] |
 //! | A φ(d), A m φ(d) as elements, with both derivatives | [`VertexTriangleContact`], [`EdgeEdgeContact`] |
 //! | μ λ f(‖u‖) | `friction` |
-//! | which pairs can be near on a way | `near_pairs`, `ranked` |
+//! | which pairs can be near on a path | `near_pairs`, `ranked` |
 //! | bodies behind the cloth | `surfaces` |
 //! | C = n·Σ wᵢ xᵢ − h, α = 1/(A φ″), λ ≥ 0 | `row`, `rows`, `bodies`, `tangent` |
-//! | what can touch in a substep or on a way | `patches`; whether anything can, `quiet` |
-//! | how far the way is safe | `filter` |
+//! | what can touch in a substep or on a path | `patches`; whether anything can, `quiet` |
+//! | how far the path is safe | `filter` |
 //! | Σ A φ, Σ A ∂φ, Σ A φ″ ∂d ∂dᵀ | [`PotentialContacts`] |
 //!
 //! # Limits

@@ -68,7 +68,7 @@ pub trait ContactSource {
     fn constraints(&mut self) -> &mut dyn ContactConstraints;
 
     /// Changes `x` (m), to which something else has moved the cloth after a step that ended at `from` (m), so that the
-    /// straight ways there are free of crossings. No time passes: bodies stay, and nothing but what would cross is
+    /// straight paths there are free of crossings. No time passes: bodies stay, and nothing but what would cross is
     /// moved. `inverse_mass` (1/kg) is as in [`ContactStep`].
     ///
     /// # Errors
@@ -101,19 +101,19 @@ pub trait ContactSource {
 
 /// Contact as an energy that a method feels while it solves: a term of the function it minimises.
 ///
-/// A step goes like this: [`ContactPotential::begin`]; then for every way that is about to be taken
+/// A step goes like this: [`ContactPotential::begin`]; then for every path that is about to be taken
 /// [`ContactPotential::limit`] or [`ContactPotential::limit_each`], and no further than they say;
-/// [`ContactPotential::add_gradient`] at places on the last way; [`ContactPotential::end`]. So every place that is
-/// accepted, and every straight way between two of them, is free of crossings.
+/// [`ContactPotential::add_gradient`] at places on the last path; [`ContactPotential::end`]. So every place that is
+/// accepted, and every straight path between two of them, is free of crossings.
 pub trait ContactPotential: fmt::Debug + Send + Sync {
     /// Begins a step. `start` (m) is where the method would begin to iterate, with prescribed vertices where they will
     /// end; free ones are taken back from there towards `step.from` as far as has to be.
     ///
     /// # Errors
-    /// If the start of the step is not in order, or prescribed vertices or obstacles have no free way.
+    /// If the start of the step is not in order, or prescribed vertices or obstacles have no free path.
     fn begin(&mut self, step: &ContactStep<'_>, start: &mut [Vec3]) -> Result<(), ContactError>;
 
-    /// The part of the straight way from `from` to `to` (m) that is safe (dimensionless, 0..=1), and gets ready for
+    /// The part of the straight path from `from` to `to` (m) that is safe (dimensionless, 0..=1), and gets ready for
     /// places on it.
     ///
     /// # Errors
@@ -121,8 +121,8 @@ pub trait ContactPotential: fmt::Debug + Send + Sync {
     fn limit(&mut self, from: &[Vec3], to: &[Vec3]) -> Result<Real, ContactError>;
 
     /// The same for each vertex by itself, so that one contact does not hold back what is far from it: takes vertices
-    /// back on their straight ways from `from` to `to` (m) until all ways together are safe, and gets ready for places
-    /// on them. `parts` becomes what is left of each way (dimensionless, 0..=1).
+    /// back on their straight paths from `from` to `to` (m) until all paths together are safe, and gets ready for places
+    /// on them. `parts` becomes what is left of each path (dimensionless, 0..=1).
     ///
     /// # Errors
     /// [`ContactError::NonFinite`].
@@ -133,11 +133,11 @@ pub trait ContactPotential: fmt::Debug + Send + Sync {
         parts: &mut [Real],
     ) -> Result<(), ContactError>;
 
-    /// Adds the gradient (N) of the energy at `x` (m), a place on the last way, to `out`, and returns the energy (J);
+    /// Adds the gradient (N) of the energy at `x` (m), a place on the last path, to `out`, and returns the energy (J);
     /// infinite where something touches.
     fn add_gradient(&self, x: &[Vec3], out: &mut [Vec3]) -> Real;
 
-    /// Appends to `out` what the second derivative at `x` (m), a place on the last way, is made of, without what would
+    /// Appends to `out` what the second derivative at `x` (m), a place on the last path, is made of, without what would
     /// make it indefinite.
     fn linearize(&self, x: &[Vec3], out: &mut Vec<ContactRow>);
 
@@ -173,7 +173,7 @@ pub trait ContactConstraints {
     /// Projects the positions `x` (m) onto one constraint after another. Prescribed vertices stay.
     fn sweep(&mut self, step: &ContactStep<'_>, x: &mut [Vec3]);
 
-    /// Makes sure that the straight ways from `step.from` to `x` (m) are free of crossings, and changes `x` where they
+    /// Makes sure that the straight paths from `step.from` to `x` (m) are free of crossings, and changes `x` where they
     /// are not.
     ///
     /// # Errors
@@ -290,7 +290,7 @@ pub enum ContactError {
         /// Number of pairs of triangles that do.
         pairs: usize,
     },
-    /// Prescribed vertices or obstacles leave no way that is free.
+    /// Prescribed vertices or obstacles leave no path that is free.
     Infeasible {
         /// A vertex that has none.
         vertex: u32,

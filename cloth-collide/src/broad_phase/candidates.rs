@@ -21,7 +21,7 @@ use cloth_core::particles::Particles;
 /// many: those of a tilted layer overlap with the layers above and below wherever it is, and those of neighbours in a
 /// flat sheet overlap all the time.
 ///
-/// So no pair is lost that comes as near as the margin while its vertices move on straight ways. Left out are
+/// So no pair is lost that comes as near as the margin while its vertices move on straight paths. Left out are
 /// pairs with a common vertex, and pairs of which all vertices are prescribed.
 ///
 /// The candidates are the same for every [`BroadPhase`], in rising order, and depend on nothing but the mesh, the

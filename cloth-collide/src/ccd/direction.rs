@@ -45,8 +45,8 @@ pub(super) fn steady<const K: usize>(feature: Feature, x: &[Vec3; K]) -> Option<
 /// order one.
 ///
 /// - The face: u × v, the product of two vectors that move linearly, is the normal at all times, exactly.
-/// - An edge e: e × q, where q is across e and the way to it, now. It stays across e at all times.
-/// - A corner: the way to it.
+/// - An edge e: e × q, where q is across e and the vector to it, now. It stays across e at all times.
+/// - A corner: the vector to it.
 ///
 /// The sign is that of `facing`, which is asked about the direction at the start. Most are of no use there already, and
 /// what comes after it is left for later.

@@ -401,7 +401,7 @@ mod properties {
                 }
             }
         }
-        // The rest are contacts for longer, with coincident or coplanar vertices on the way.
+        // The rest are contacts for longer, with coincident or coplanar vertices on the path.
         assert!(
             compared > 3_000 && agreed > compared * 99 / 100,
             "{agreed} of {compared}"

@@ -9,7 +9,7 @@ pub struct EdgeEdge {
     /// How far along the first and along the second edge the two points are, as a fraction of the edge
     /// (dimensionless, 0..=1). The barycentric weights of an edge are 1 − t and t.
     pub along: [Real; 2],
-    /// The way (m) from the point of the second edge to that of the first. Its length is the
+    /// The vector (m) from the point of the second edge to that of the first. Its length is the
     /// distance.
     pub separation: Vec3,
 }
@@ -24,7 +24,7 @@ impl EdgeEdge {
 
 /// Nearest points of the edge `first` and the edge `second` (two positions each, m).
 ///
-/// With u and v the two edge vectors, d the way from the start of `second` to that of `first` and n = u × v, the
+/// With u and v the two edge vectors, d the vector from the start of `second` to that of `first` and n = u × v, the
 /// two infinite lines are nearest at
 ///
 /// s = n · (v × d) / n²,  t = v · (d + s u) / v².
@@ -34,13 +34,13 @@ impl EdgeEdge {
 /// 5.1.9, with changes for nearly parallel edges, which are common in cloth. Ericson's determinant
 /// |u|²|v|² − (u · v)² is made of rounding once the angle θ is below 1e-8; n² keeps its digits down to
 /// θ = 1e-16. Even so s has an error of 1e-16/θ. It does no harm if t is the foot of just this point, as above, since
-/// along nearly parallel edges the distance changes by θ times the way; a t computed like s would add its own error to
-/// the distance.
+/// along nearly parallel edges the distance changes by θ times the displacement; a t computed like s would add its own
+/// error to the distance.
 ///
 /// The distance is accurate to a few roundings of the size of the configuration (the longest of the
-/// edges and of the ways between them), at every angle. The two points are less certain, as they have to be: parallel
-/// edges that face each other are nearest along a stretch, a point of which is returned, and it jumps
-/// when the angle changes sign. An edge without length is a point.
+/// edges and of the vectors between them), at every angle. The two points are less certain, as they have to be:
+/// parallel edges that face each other are nearest along a stretch, a point of which is returned, and it jumps when the
+/// angle changes sign. An edge without length is a point.
 ///
 /// ```
 /// use cloth_collide::edge_edge;

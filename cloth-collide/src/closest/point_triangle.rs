@@ -9,7 +9,7 @@ pub struct PointTriangle {
     /// Barycentric coordinates (dimensionless) of the nearest point of the triangle: not negative,
     /// their sum is 1 to rounding.
     pub weights: [Real; 3],
-    /// The way (m) from the nearest point of the triangle to the given point. Its length is the
+    /// The vector (m) from the nearest point of the triangle to the given point. Its length is the
     /// distance.
     pub separation: Vec3,
 }
@@ -38,9 +38,9 @@ impl PointTriangle {
 /// all boundary.
 ///
 /// The distance is accurate to a few roundings of the size of the configuration (the longest of the edges and of the
-/// way to the point), for every shape of triangle. The weights are less certain, as they have to be: moving the nearest
-/// point by 1e-8 of that size changes the distance by one rounding only. For a triangle without area they are not even
-/// unique; any that fit are returned.
+/// vector to the point), for every shape of triangle. The weights are less certain, as they have to be: moving the
+/// nearest point by 1e-8 of that size changes the distance by one rounding only. For a triangle without area they are
+/// not even unique; any that fit are returned.
 ///
 /// ```
 /// use cloth_collide::point_triangle;

@@ -14,7 +14,7 @@ use parry3d_f64::partitioning::{Bvh, BvhBuildStrategy, BvhNode};
 use std::fmt;
 
 /// A body bounded by triangles. φ is the distance from the nearest triangle, found in a tree of boxes; it is negative
-/// where the way from the nearest point of the surface goes against the outward direction there.
+/// where the vector from the nearest point of the surface goes against the outward direction there.
 ///
 /// On an edge or at a vertex the normal of one triangle would sometimes tell the wrong side. The *angle-weighted* sum
 /// of the normals around a vertex, and the sum of both normals at an edge, never do (Bærentzen and Aanæs 2005). With
@@ -111,7 +111,7 @@ impl SignedDistance for ClosedMesh {
         let outward = self.outward(t, &nearest);
         let side = 1f64.copysign(nearest.separation.dot(&outward));
         let size = self.bounds.size() + distance;
-        // Beside a face its normal is exact. Elsewhere the way from the nearest point is, unless it is so short that
+        // Beside a face its normal is exact. Elsewhere the vector from the nearest point is, unless it is so short that
         // rounding turns it.
         let normal = if nearest.weights.iter().all(|&w| w > 0.0) {
             self.faces[t]

@@ -87,10 +87,10 @@ impl ObstacleContacts {
     }
 
     /// Replaces `out` by the contacts of vertices that move from `from` to `to` (m) within `dt` (s), while the
-    /// obstacles move from their time 0 on: those that meet an obstacle on the way, and those that end within the
+    /// obstacles move from their time 0 on: those that meet an obstacle on the path, and those that end within the
     /// margin. By vertex, then by obstacle.
     ///
-    /// The plane of a vertex that meets an obstacle on the way is the tangent plane where they meet, moved on with the
+    /// The plane of a vertex that meets an obstacle on the path is the tangent plane where they meet, moved on with the
     /// surface until the end of the step. So a vertex that has passed right through a thin obstacle is sent back to the
     /// side that it came from.
     ///
@@ -127,17 +127,17 @@ impl ObstacleContacts {
         Ok(())
     }
 
-    /// The contact of one vertex, on its way between two positions (m), with obstacle `number`; as in
+    /// The contact of one vertex, on its path between two positions (m), with obstacle `number`; as in
     /// [`ObstacleContacts::detect`].
     pub(crate) fn contact_of(
         &self,
         number: usize,
         vertex: u32,
-        way: [Vec3; 2],
+        path: [Vec3; 2],
         dt: Real,
     ) -> Option<ObstacleContact> {
         let (obstacle, law) = &self.obstacles[number];
-        let contact = self.contact(obstacle, way[0], way[1], dt)?;
+        let contact = self.contact(obstacle, path[0], path[1], dt)?;
         Some(ObstacleContact {
             vertex,
             obstacle: number as u32,
@@ -191,16 +191,16 @@ impl ObstacleContacts {
         })
     }
 
-    /// Whether a vertex on the straight way between `ends` (m) stays away from the ball around an obstacle, whose frame
-    /// moves between the `places` (m): a few operations that spare most vertices a search in a mesh.
+    /// Whether a vertex on the straight path between `ends` (m) stays away from the ball around an obstacle, whose
+    /// frame moves between the `places` (m): a few operations that spare most vertices a search in a mesh.
     fn out_of_reach(&self, obstacle: &Obstacle, ends: [Vec3; 2], places: [Vec3; 2]) -> bool {
         let Some(bounds) = obstacle.shape().bounds() else {
             return false;
         };
         let radius = bounds.lower.abs().sup(&bounds.upper.abs()).norm();
         let start = ends[0] - places[0];
-        let way = ends[1] - places[1] - start;
-        let nearest = start + way * nearest_on_segment(-start, way);
+        let displacement = ends[1] - places[1] - start;
+        let nearest = start + displacement * nearest_on_segment(-start, displacement);
         let size = [ends[0], ends[1], places[0], places[1]].map(|x| x.amax());
         let rounding = 1e-12 * (size.into_iter().fold(radius, Real::max));
         nearest.norm() > radius + self.thickness + self.margin + rounding
@@ -210,8 +210,8 @@ impl ObstacleContacts {
     /// out to the thickness. At the obstacles' time `time` (s); `inverse_mass` (1/kg), one per vertex, those with 0
     /// stay as they are. Obstacles take turns in their order.
     ///
-    /// Moving a vertex out changes no velocity, but its energy by the weight times the way. Returns the impulse (N·s)
-    /// that the vertices have received in all, and that the obstacles would receive the other way.
+    /// Moving a vertex out changes no velocity, but its energy by the weight times the displacement. Returns the
+    /// impulse (N·s) that the vertices have received in all, and that the obstacles would receive the other way.
     ///
     /// # Errors
     /// [`CollideError::NonFinitePosition`], also for a velocity. Nothing has then been changed.

@@ -40,7 +40,7 @@ impl Obstacle {
         }
     }
 
-    /// `shape` on its way.
+    /// `shape` on its path.
     ///
     /// # Errors
     /// As [`Obstacle::set_motion`].

@@ -1,21 +1,21 @@
-//! When does a vertex on its way meet an obstacle that moves?
+//! When does a vertex on its path meet an obstacle that moves?
 
 use super::{Distance, Obstacle};
 use cloth_core::math::{Real, Vec3};
 
-/// The way of a vertex: x(t) = x₀ + t v + ½ t² a.
+/// The path of a vertex: x(t) = x₀ + t v + ½ t² a.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct VertexPath {
     /// Where it starts, x₀ (m).
     pub from: Vec3,
     /// Velocity at the start, v (m/s).
     pub velocity: Vec3,
-    /// Acceleration, a (m/s²): zero for a straight way.
+    /// Acceleration, a (m/s²): zero for a straight path.
     pub acceleration: Vec3,
 }
 
 impl VertexPath {
-    /// The straight way between two positions (m), taken in `duration` (s).
+    /// The straight path between two positions (m), taken in `duration` (s).
     #[must_use]
     pub fn straight(from: Vec3, to: Vec3, duration: Real) -> Self {
         Self {
@@ -38,10 +38,10 @@ impl VertexPath {
     }
 }
 
-/// The first contact of a vertex on its way.
+/// The first contact of a vertex on its path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FirstContact {
-    /// When (s), from the start of the way. Never later than the true contact.
+    /// When (s), from the start of the path. Never later than the true contact.
     pub time: Real,
     /// Distance (m) and normal in the world, at that time.
     pub distance: Distance,
@@ -57,18 +57,18 @@ const MOST_EVALUATIONS: u32 = 512;
 
 /// The first time within `duration` (s) at which a vertex on `path` is no farther than `thickness` (m) from `obstacle`
 /// and does not move away from it; nothing if there is none. The obstacle is taken at its own time `start` (s) when the
-/// way begins.
+/// path begins.
 ///
 /// *Conservative advancement*: from the distance f = φ − h at one time, its rate ḟ and bounds on how fast it can
 /// change, follows a time until which there is no contact; that long the vertex is moved on, and asked again. With λ of
 /// [`super::SignedDistance::lipschitz`], the relative velocity u of vertex and surface, and bounds over the rest of the
-/// way for its size, S = max ‖v − v_p‖ + ‖ω‖ max ‖x − p‖, and for its change in the frame of the obstacle, A = ‖a‖ +
+/// path for its size, S = max ‖v − v_p‖ + ‖ω‖ max ‖x − p‖, and for its change in the frame of the obstacle, A = ‖a‖ +
 /// 2‖ω‖ max ‖v − v_p‖ + ‖ω‖² max ‖x − p‖, the best of these counts:
 ///
 /// - f(t + s) ≥ f − λ S s;
 /// - f(t + s) ≥ f − λ (‖u‖ s + ½ A s²), which comes near the contact by a factor of 1 − cos of the angle of impact a
 ///   time;
-/// - f(t + s) ≥ f + ḟ s − ½ A s², if φ is convex. It is Newton's method coming from the safe side: for straight ways
+/// - f(t + s) ≥ f + ḟ s − ½ A s², if φ is convex. It is Newton's method coming from the safe side: for straight paths
 ///   without rotation, a plane takes two evaluations, now and then a third for rounding, and a sphere a few.
 ///
 /// So the time is never late: the vertex is not inside before. It is zero only if the start is in contact. For shapes

@@ -47,7 +47,7 @@ pub(super) struct Bodies {
 }
 
 /// How far a body can go at `x` (m) in `dt` (s).
-fn way_of(body: &Obstacle, x: Vec3, dt: Real) -> Real {
+fn displacement_of(body: &Obstacle, x: Vec3, dt: Real) -> Real {
     let motion = body.motion();
     if motion.is_still() {
         return 0.0;
@@ -75,7 +75,7 @@ impl Bodies {
         self.has_row.resize(count, false);
     }
 
-    /// Begins a substep: rows for the vertices that can touch a body on their way to `to` (m).
+    /// Begins a substep: rows for the vertices that can touch a body on their path to `to` (m).
     pub(super) fn begin(
         &mut self,
         bodies: Option<&ObstacleContacts>,
@@ -114,14 +114,14 @@ impl Bodies {
                 let of_body = if is_still {
                     0.0
                 } else {
-                    way_of(body, *from, step.dt)
+                    displacement_of(body, *from, step.dt)
                 };
                 let place = self.places[index];
-                let way = (from - place)
+                let displacement = (from - place)
                     .norm_squared()
                     .max((to - place).norm_squared());
                 let left = (self.rooms[index] - reach) / stretch - of_body;
-                let is_far = left >= 0.0 && way <= left * left;
+                let is_far = left >= 0.0 && displacement <= left * left;
                 if is_far || self.has_row[index] || step.inverse_mass[vertex] == 0.0 {
                     continue;
                 }
@@ -172,8 +172,8 @@ impl Bodies {
             for (vertex, x) in x.iter().enumerate() {
                 if step.inverse_mass[vertex] > 0.0 {
                     let room = self.rooms[first + vertex] - h * (1.0 + SLACK);
-                    let way = (x - self.places[first + vertex]).norm();
-                    least = least.min(room / body.shape().lipschitz() - way);
+                    let displacement = (x - self.places[first + vertex]).norm();
+                    least = least.min(room / body.shape().lipschitz() - displacement);
                 }
             }
         }
@@ -217,7 +217,7 @@ impl Bodies {
         }
     }
 
-    /// How many vertices come too near on their way to `x` (m); those get rows.
+    /// How many vertices come too near on their path to `x` (m); those get rows.
     pub(super) fn violations(
         &mut self,
         bodies: Option<&ObstacleContacts>,
@@ -283,7 +283,7 @@ impl Bodies {
             if !body.motion().is_still() {
                 let first = number * x.len();
                 for (room, from) in self.rooms[first..].iter_mut().zip(step.from) {
-                    *room -= way_of(body, *from, step.dt) * body.shape().lipschitz();
+                    *room -= displacement_of(body, *from, step.dt) * body.shape().lipschitz();
                 }
             }
         }
@@ -291,10 +291,10 @@ impl Bodies {
         for row in &self.rows {
             let v = row.vertex as usize;
             let (body, _) = &bodies.pairs()[row.body as usize];
-            let way = x[v] - row.origin;
-            let way = way - row.normal * row.normal.dot(&way);
+            let displacement = x[v] - row.origin;
+            let displacement = displacement - row.normal * row.normal.dot(&displacement);
             let index = row.body as usize * x.len() + v;
-            self.stretches[index] = stretch(way, row.lambda, reach);
+            self.stretches[index] = stretch(displacement, row.lambda, reach);
             let impulse = (row.normal * row.lambda + row.friction) / step.dt;
             work += impulse.dot(&body.velocity_at(x[v], step.dt));
         }
@@ -362,7 +362,7 @@ impl Row {
         KEPT * self.distance.clamp(0.0, h)
     }
 
-    /// Whether the vertex does not come too near on its way to `x` (m).
+    /// Whether the vertex does not come too near on its path to `x` (m).
     fn is_safe(&self, body: &Obstacle, h: Real, step: &ContactStep<'_>, x: &[Vec3]) -> bool {
         let v = self.vertex as usize;
         let (from, to) = (step.from[v], x[v]);
@@ -371,8 +371,8 @@ impl Row {
             return body.signed_distance(to, step.dt).value >= self.distance - 1e-2 * h;
         }
         let kept = self.kept(h);
-        let way = (to - from).norm() + way_of(body, from, step.dt);
-        if self.distance - way * body.shape().lipschitz() > kept {
+        let displacement = (to - from).norm() + displacement_of(body, from, step.dt);
+        if self.distance - displacement * body.shape().lipschitz() > kept {
             return true;
         }
         let path = VertexPath::straight(from, to, step.dt);

@@ -1,4 +1,4 @@
-//! How far a way is safe.
+//! How far a path is safe.
 
 use super::gap::Gap;
 use super::near_pairs::NearPairs;
@@ -8,17 +8,17 @@ use crate::error::CollideError;
 use crate::obstacle::{Obstacle, VertexPath, first_contact};
 use cloth_core::math::{Real, Vec3, gather};
 
-/// What a way leaves of each distance, or of the thickness where that is less.
+/// What a path leaves of each distance, or of the thickness where that is less.
 const SLACK: Real = 0.2;
 /// The continuous test may end when this part of what is above that is left.
 const EARLY: Real = 0.1;
-/// Distances below this part of the coordinates cannot be relied on: positions on the way are rounded.
+/// Distances below this part of the coordinates cannot be relied on: positions on the path are rounded.
 const ROUNDING: Real = 64.0 * Real::EPSILON;
 /// Times that ways are shortened one by one, each because of what was shortened beside it, before all are together.
 const ROUNDS: u32 = 20;
 
 impl NearPairs {
-    /// The part of a way (m) on which every near pair keeps [`SLACK`] of its distance.
+    /// The part of a path (m) on which every near pair keeps [`SLACK`] of its distance.
     pub(super) fn safe_part(
         &self,
         thickness: Real,
@@ -45,17 +45,17 @@ impl NearPairs {
         Ok(cap)
     }
 
-    /// Takes vertices back on their ways (m) until every near pair keeps [`SLACK`] of its distance: all of a pair that
-    /// does not alike, and again where that brings others too near. `parts` is what is left of each way. Returns
+    /// Takes vertices back on their paths (m) until every near pair keeps [`SLACK`] of its distance: all of a pair that
+    /// does not alike, and again where that brings others too near. `parts` is what is left of each path. Returns
     /// whether that changed anything.
     pub(super) fn shorten(
         &mut self,
         thickness: Real,
-        way: (&[Vec3], &mut [Vec3]),
+        path: (&[Vec3], &mut [Vec3]),
         parts: &mut [Real],
         obstacles: &[Obstacle],
     ) -> Result<bool, CollideError> {
-        let (from, to) = way;
+        let (from, to) = path;
         let mut is_cut = false;
         for &[vertex, number] in &self.vertex_obstacle {
             let v = vertex as usize;
@@ -108,7 +108,7 @@ impl NearPairs {
     }
 }
 
-/// As [`time`], of a vertex on its way from `a` to `b` (m) before an obstacle.
+/// As [`time`], of a vertex on its path from `a` to `b` (m) before an obstacle.
 fn time_of_obstacle(obstacle: &Obstacle, thickness: Real, a: Vec3, b: Vec3) -> Real {
     let gap = obstacle.signed_distance(a, 0.0).value;
     let keep = SLACK * gap.min(thickness);
@@ -122,7 +122,7 @@ fn time_of_obstacle(obstacle: &Obstacle, thickness: Real, a: Vec3, b: Vec3) -> R
     first_contact(obstacle, &path, 0.0, 1.0, keep).map_or(1.0, |hit| hit.time)
 }
 
-/// Shortens the way of one vertex to a part of itself.
+/// Shortens the path of one vertex to a part of itself.
 fn shorten_one(from: &[Vec3], to: &mut [Vec3], parts: &mut [Real], vertex: usize, part: Real) {
     if part < 1.0 {
         parts[vertex] *= part;
@@ -130,7 +130,7 @@ fn shorten_one(from: &[Vec3], to: &mut [Vec3], parts: &mut [Real], vertex: usize
     }
 }
 
-/// Shortens all ways to the same part of themselves.
+/// Shortens all paths to the same part of themselves.
 pub(super) fn shorten_all(from: &[Vec3], to: &mut [Vec3], parts: &mut [Real], part: Real) {
     for vertex in 0..from.len() {
         shorten_one(from, to, parts, vertex, part);
@@ -148,8 +148,8 @@ fn time_of_vertex(
         let corners = [[a[1], a[2], a[3]], [b[1], b[2], b[3]]];
         test.vertex_triangle([a[0], b[0]], corners)
     };
-    let way = approach(&a, &b, 1);
-    time(distance, pair.law.range(), way, &a, &b, test)
+    let closing = approach(&a, &b, 1);
+    time(distance, pair.law.range(), closing, &a, &b, test)
 }
 
 fn time_of_edges(pair: &EdgeEdgeContact, from: &[Vec3], to: &[Vec3]) -> Result<Real, CollideError> {
@@ -159,32 +159,32 @@ fn time_of_edges(pair: &EdgeEdgeContact, from: &[Vec3], to: &[Vec3]) -> Result<R
         let first = [[a[0], a[1]], [b[0], b[1]]];
         test.edge_edge(first, [[a[2], a[3]], [b[2], b[3]]])
     };
-    let way = approach(&a, &b, 2);
-    time(distance, pair.law.range(), way, &a, &b, test)
+    let closing = approach(&a, &b, 2);
+    time(distance, pair.law.range(), closing, &a, &b, test)
 }
 
 /// The most by which two pieces of four vertices, the first of which has `split`, can have come nearer (m) between two
 /// moments.
 fn approach(a: &[Vec3; 4], b: &[Vec3; 4], split: usize) -> Real {
-    let ways: [Vec3; 4] = std::array::from_fn(|k| b[k] - a[k]);
-    let mean = ways.iter().sum::<Vec3>() * 0.25;
-    let sizes = ways.map(|way| (way - mean).norm());
+    let displacements: [Vec3; 4] = std::array::from_fn(|k| b[k] - a[k]);
+    let mean = displacements.iter().sum::<Vec3>() * 0.25;
+    let sizes = displacements.map(|displacement| (displacement - mean).norm());
     let most = |sizes: &[Real]| sizes.iter().fold(0.0, |a: Real, b| a.max(*b));
     most(&sizes[..split]) + most(&sizes[split..])
 }
 
 /// The time (dimensionless, 0..=1) at which a pair's distance is down to [`SLACK`] of the `distance` (m) that it has at
-/// the start, or of the thickness; 1 if that does not happen. `way` bounds how far the pieces approach each other.
+/// the start, or of the thickness; 1 if that does not happen. `closing` bounds how far the pieces approach each other.
 fn time(
     distance: Real,
     thickness: Real,
-    way: Real,
+    closing: Real,
     a: &[Vec3; 4],
     b: &[Vec3; 4],
     test: impl Fn(&ContinuousTest) -> Result<Option<Impact>, CollideError>,
 ) -> Result<Real, CollideError> {
     let keep = SLACK * distance.min(thickness);
-    if way < distance - keep {
+    if closing < distance - keep {
         return Ok(1.0);
     }
     let size = a.iter().chain(b).map(Vec3::amax).fold(0.0, Real::max);

@@ -9,7 +9,7 @@ use cloth_core::math::{Real, Vec3, gather};
 /// Forces of contact in a step, averaged over it where a method takes several substeps; of a method that minimises,
 /// those of the potential where the step ends.
 ///
-/// What the last resort does (vertices that go back on their way) is no force, and not in them; impacts that it
+/// What the last resort does (vertices that go back on their path) is no force, and not in them; impacts that it
 /// resolves count as pressure, for the vertices alone.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ContactForces {

@@ -1,10 +1,10 @@
 //! Coulomb friction as a potential, with normal forces and directions from the start of the step.
 //!
 //! Friction has no energy, but friction under a normal force λ and in a tangent plane T that do not change has one
-//! (lagged friction, Li et al. 2020, section 5.4): μ λ f(‖u‖), with u the way of the contact point in the plane. f is
-//! quadratic below a small length ε, so that sticking is a spring of the stiffness μ λ/ε, and ‖u‖ − ε/2 beyond, where
-//! the force is μ λ. What the spring is stretched by at the end of a step is where it starts in the next: a cloth that
-//! sticks does not creep, whatever the number of steps.
+//! (lagged friction, Li et al. 2020, section 5.4): μ λ f(‖u‖), with u the displacement of the contact point in the
+//! plane. f is quadratic below a small length ε, so that sticking is a spring of the stiffness μ λ/ε, and ‖u‖ − ε/2
+//! beyond, where the force is μ λ. What the spring is stretched by at the end of a step is where it starts in the next:
+//! a cloth that sticks does not creep, whatever the number of steps.
 
 use cloth_core::contact::ContactRow;
 use cloth_core::math::{Real, Vec3};
@@ -28,11 +28,11 @@ pub(super) struct Sticking {
 impl Sticking {
     /// u (m) at `x` (m).
     #[inline]
-    pub(super) fn way(&self, x: &[Vec3]) -> Vec3 {
+    pub(super) fn displacement(&self, x: &[Vec3]) -> Vec3 {
         let ends = self.vertices.iter().zip(self.weights);
         let point: Vec3 = ends.map(|(v, w)| x[*v as usize] * w).sum();
-        let way = point - self.origin;
-        way - self.normal * self.normal.dot(&way)
+        let displacement = point - self.origin;
+        displacement - self.normal * self.normal.dot(&displacement)
     }
 
     /// Adds the gradient (N) at `x` (m) to `out`, and returns the energy (J). `reach` is ε (m).
@@ -51,14 +51,14 @@ impl Sticking {
     /// The gradient (N) by the point, and the length of u (m), at `x` (m).
     #[inline]
     pub(super) fn force(&self, reach: Real, x: &[Vec3]) -> (Vec3, Real) {
-        let way = self.way(x);
-        let length = way.norm();
-        (way * (self.most / length.max(reach)), length)
+        let displacement = self.displacement(x);
+        let length = displacement.norm();
+        (displacement * (self.most / length.max(reach)), length)
     }
 
     /// The second derivative at `x` (m), and a little more: what it is across u is also taken along it.
     pub(super) fn rows(&self, reach: Real, x: &[Vec3]) -> [ContactRow; 2] {
-        let stiffness = self.most / self.way(x).norm().max(reach);
+        let stiffness = self.most / self.displacement(x).norm().max(reach);
         // Any direction that is not nearly the normal.
         let across = self
             .normal
@@ -77,29 +77,31 @@ impl Sticking {
 #[derive(Debug, Default)]
 pub(super) struct Stretched {
     /// By vertices and obstacle, in rising order (m).
-    ways: Vec<([u32; 4], Vec3)>,
+    displacements: Vec<([u32; 4], Vec3)>,
 }
 
 impl Stretched {
     /// The stretch (m) of a contact, zero of a new one.
     pub(super) fn of(&self, key: [u32; 4]) -> Vec3 {
-        let place = self.ways.binary_search_by_key(&key, |entry| entry.0);
-        place.map_or_else(|_| Vec3::zeros(), |place| self.ways[place].1)
+        let place = self
+            .displacements
+            .binary_search_by_key(&key, |entry| entry.0);
+        place.map_or_else(|_| Vec3::zeros(), |place| self.displacements[place].1)
     }
 
     /// Replaces all by those at `x` (m); `reach` is ε (m).
     pub(super) fn replace(&mut self, all: &[Sticking], reach: Real, x: &[Vec3]) {
-        self.ways.clear();
-        self.ways.extend(all.iter().map(|sticking| {
-            let way = sticking.way(x);
-            let length = way.norm();
+        self.displacements.clear();
+        self.displacements.extend(all.iter().map(|sticking| {
+            let displacement = sticking.displacement(x);
+            let length = displacement.norm();
             let kept = if length > reach {
-                way * (reach / length)
+                displacement * (reach / length)
             } else {
-                way
+                displacement
             };
             (sticking.key, kept)
         }));
-        self.ways.sort_unstable_by_key(|entry| entry.0);
+        self.displacements.sort_unstable_by_key(|entry| entry.0);
     }
 }

@@ -173,9 +173,9 @@ impl Gap {
     /// ∂c/∂s and J (m) for places s along the eigenvectors of G; as many of the two mean something as there are free
     /// places.
     fn principal_turns(&self, x: &[Vec3; 4]) -> [([Real; 4], Vec3); 2] {
-        let way = |turn: &[Real; 4]| (0..4).map(|k| x[k] * turn[k]).sum::<Vec3>();
+        let displacement = |turn: &[Real; 4]| (0..4).map(|k| x[k] * turn[k]).sum::<Vec3>();
         let [first, second] = self.turns;
-        let (u, v) = (way(&first), way(&second));
+        let (u, v) = (displacement(&first), displacement(&second));
         if self.free < 2 {
             return [(first, u), (second, v)];
         }

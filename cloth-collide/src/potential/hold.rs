@@ -1,4 +1,4 @@
-//! Ways so short that nothing is in reach.
+//! Paths so short that nothing is in reach.
 
 use super::rows::KEPT;
 use crate::pair::{Pair, nearest};
@@ -33,7 +33,7 @@ impl Hold {
             let distance = nearest(pair.kind, &gather(step.from, pair.vertices)).distance;
             for v in pair.vertices {
                 let bound = &mut self.bounds[v as usize];
-                // Two such ways leave a little more than the share that has to be kept.
+                // Two such paths leave a little more than the share that has to be kept.
                 *bound = bound.min(0.49 * (1.0 - KEPT) * distance);
             }
         }
@@ -73,12 +73,12 @@ impl Hold {
 
     /// Lets vertex `v` go no further than `bound` (m).
     fn shorten(&mut self, v: usize, bound: Real, step: &ContactStep<'_>, positions: &mut [Vec3]) {
-        let way = positions[v] - step.from[v];
-        let length = way.norm();
+        let displacement = positions[v] - step.from[v];
+        let length = displacement.norm();
         if length > bound {
             let share = bound / length;
-            positions[v] = step.from[v] + way * share;
-            // Ways below the spacing of numbers are rounded up, for ever; none is not.
+            positions[v] = step.from[v] + displacement * share;
+            // Paths below the spacing of numbers are rounded up, for ever; none is not.
             if (positions[v] - step.from[v]).norm() > bound {
                 positions[v] = step.from[v];
             }
@@ -102,7 +102,7 @@ mod tests {
     use cloth_core::mesh::TriMesh;
     use cloth_core::mesh::generate::{Diagonals, grid};
 
-    /// Pieces nearer to each other than the spacing of their coordinates: there is no way short enough but none, and
+    /// Pieces nearer to each other than the spacing of their coordinates: there is no path short enough but none, and
     /// that ends the search.
     #[test]
     fn what_all_but_touches_stays_where_it_is() {

@@ -1,4 +1,4 @@
-//! The last resort: impact zones, then ways so short that nothing is in reach.
+//! The last resort: impact zones, then paths so short that nothing is in reach.
 //!
 //! What sweeps have not brought to an end in which nothing passes through anything comes here, with the motion that
 //! they have found. Vertices that get into a body are moved out of it. Vertices of pairs that go through each other
@@ -11,7 +11,7 @@
 //! - R. Bridson, R. Fedkiw and J. Anderson, Robust treatment of collisions, contact and friction for cloth animation,
 //!   SIGGRAPH 2002. DOI 10.1145/566570.566623
 //! - L. Wu, B. Wu, Y. Yang and H. Wang, A safe and fast repulsion method for GPU-based cloth self collisions, *ACM
-//!   Transactions on Graphics* 40(1), 2020: ways bounded by half of the distance.
+//!   Transactions on Graphics* 40(1), 2020: paths bounded by half of the distance.
 
 use super::hold::Hold;
 use super::near::Near;
@@ -45,9 +45,9 @@ pub(super) struct LastResort {
     hits: Vec<Hit>,
     /// Vertices that get into a body, and what moves them out (m).
     entering: Vec<(u32, Vec3)>,
-    /// Where vertices would go without zones (m), and their ways there.
+    /// Where vertices would go without zones (m), and their displacements.
     free: Vec<Vec3>,
-    ways: Vec<Vec3>,
+    displacements: Vec<Vec3>,
     work: BodyWork,
 }
 
@@ -76,9 +76,9 @@ impl Hit {
             return;
         }
         for (vertex, weight) in ends() {
-            let way = near.normal * (missing / ease * weight * step.inverse_mass[vertex]);
-            x[vertex] += way;
-            v[vertex] += way / step.dt;
+            let displacement = near.normal * (missing / ease * weight * step.inverse_mass[vertex]);
+            x[vertex] += displacement;
+            v[vertex] += displacement / step.dt;
         }
     }
 }
@@ -94,14 +94,14 @@ impl LastResort {
             hits: Vec::new(),
             entering: Vec::new(),
             free: Vec::new(),
-            ways: Vec::new(),
+            displacements: Vec::new(),
             work: BodyWork::default(),
         }
     }
 
-    /// Changes the end `x` (m) of a step, with the velocities `v` (m/s) there, until the straight ways from `step.from`
-    /// are free. Returns the number of vertices that were held back for it: safe, but behind where contact should let
-    /// them go, and with less momentum.
+    /// Changes the end `x` (m) of a step, with the velocities `v` (m/s) there, until the straight paths from
+    /// `step.from` are free. Returns the number of vertices that were held back for it: safe, but behind where contact
+    /// should let them go, and with less momentum.
     ///
     /// # Errors
     /// [`ContactError::Infeasible`], [`ContactError::NonFinite`]; `x` and `v` are of no use then.
@@ -114,7 +114,7 @@ impl LastResort {
         v: &mut [Vec3],
     ) -> Result<usize, ContactError> {
         self.work.begin(bodies, v);
-        self.ways.resize(x.len(), Vec3::zeros());
+        self.displacements.resize(x.len(), Vec3::zeros());
         for _ in 0..PUSHES {
             self.look(near, bodies, step, x)?;
             if self.is_free() {
@@ -151,7 +151,13 @@ impl LastResort {
             }
             x.copy_from_slice(&self.free);
             for zone in zones.each() {
-                move_rigidly(zone, step.from, x, &mut self.ways, step.inverse_mass);
+                move_rigidly(
+                    zone,
+                    step.from,
+                    x,
+                    &mut self.displacements,
+                    step.inverse_mass,
+                );
             }
         }
         for zone in self.zones.each() {
@@ -219,7 +225,7 @@ impl LastResort {
         Ok(self.hold.count())
     }
 
-    /// Finds what is not free on the way to `x` (m).
+    /// Finds what is not free on the path to `x` (m).
     fn look(
         &mut self,
         near: &Near,
@@ -233,11 +239,11 @@ impl LastResort {
             let candidates = self.candidates.get_or_insert_with(new);
             // What all vertices do together brings nothing nearer to anything.
             let shift = mean(x) - mean(step.from);
-            for (end, x) in self.ways.iter_mut().zip(x) {
+            for (end, x) in self.displacements.iter_mut().zip(x) {
                 *end = x - shift;
             }
             // Everything is finite, but a box around it need not be.
-            let found = candidates.update(step.from, &self.ways, self.thickness);
+            let found = candidates.update(step.from, &self.displacements, self.thickness);
             found.map_err(|_| ContactError::NonFinite { vertex: 0 })?;
             let thickness = self.thickness;
             let all = pairs(self.candidates.as_ref());
@@ -268,17 +274,17 @@ impl LastResort {
         Ok(())
     }
 
-    /// Whether a vertex on its `way` (m) in `dt` (s) gets inside a body, or deeper inside if it was there before, by
-    /// more than a hundredth of the thickness.
-    fn enters(&self, bodies: &ObstacleContacts, number: usize, way: [Vec3; 2], dt: Real) -> bool {
+    /// Whether a vertex on its path between two `ends` (m) in `dt` (s) gets inside a body, or deeper inside if it was
+    /// there before, by more than a hundredth of the thickness.
+    fn enters(&self, bodies: &ObstacleContacts, number: usize, ends: [Vec3; 2], dt: Real) -> bool {
         let body = &bodies.pairs()[number].0;
-        let start = body.signed_distance(way[0], 0.0).value;
+        let start = body.signed_distance(ends[0], 0.0).value;
         let kept = if start > 0.0 {
             KEPT * start.min(bodies.thickness())
         } else {
             start
         };
-        let path = VertexPath::straight(way[0], way[1], dt);
+        let path = VertexPath::straight(ends[0], ends[1], dt);
         let depth = kept - 1e-2 * self.thickness;
         first_contact(body, &path, 0.0, dt, depth).is_some()
     }
@@ -304,7 +310,7 @@ pub(super) fn pairs(
     })
 }
 
-/// When a pair comes nearer on its way to `x` (m) than the share of its distance, or of the thickness if that is less,
+/// When a pair comes nearer on its path to `x` (m) than the share of its distance, or of the thickness if that is less,
 /// that a step has to keep.
 fn hit(pair: Pair, thickness: Real, step: &ContactStep<'_>, x: &[Vec3]) -> Option<Hit> {
     let motion = Motion {

@@ -1,5 +1,5 @@
-//! Pairs that are let go: they pass through each other already, and are pulled apart by something else; or they may pass
-//! through each other for good.
+//! Pairs that are let go: they pass through each other already, and are pulled apart by something else; or they may
+//! pass through each other for good.
 
 /// Regions of the cloth, and which of them may pass through each other.
 #[derive(Clone, Debug, Default)]

@@ -1,9 +1,9 @@
-//! Which pairs can be near each other on a way that a method is about to take, chosen again only when it has gone
+//! Which pairs can be near each other on a path that a method is about to take, chosen again only when it has gone
 //! elsewhere.
 //!
 //! Patches of the cloth know what can touch between two of them, until they have moved too far relative to each other.
-//! Of those pairs the ones are evaluated that can come as near as the thickness on the way that is being looked at, and
-//! a little beyond it.
+//! Of those pairs the ones are evaluated that can come as near as the thickness on the path that is being looked at,
+//! and a little beyond it.
 
 use super::gap::Gap;
 use super::near::Near;
@@ -15,7 +15,7 @@ use crate::ccd::QueryKind;
 use crate::obstacle::Obstacle;
 use cloth_core::math::{Real, Vec3, gather};
 
-/// Way (in thicknesses) that a vertex may go beyond the ways looked at, before pairs are chosen anew.
+/// Path (in thicknesses) that a vertex may go beyond the paths looked at, before pairs are chosen anew.
 const ROOM: Real = 0.5;
 
 /// Pairs that can be near.
@@ -31,11 +31,11 @@ pub(super) struct NearPairs {
     pub(super) vertex_triangle: Ranked<VertexTriangleContact>,
     pub(super) edge_edge: Ranked<EdgeEdgeContact>,
     /// Of each obstacle and each vertex: where it was asked for the distance, in the frame of the obstacle (m), and
-    /// that distance (m). It changes by no more than the way from there.
+    /// that distance (m). It changes by no more than the displacement from there.
     rooms: Vec<(Vec3, Real)>,
     /// Vertex and obstacle.
     pub(super) vertex_obstacle: Vec<[u32; 2]>,
-    /// Room to work in: the parts of ways (dimensionless) that the last two rounds of [`NearPairs::shorten`] left.
+    /// Room to work in: the parts of paths (dimensionless) that the last two rounds of [`NearPairs::shorten`] left.
     pub(super) shares: [Vec<Real>; 2],
     /// Choices of pairs in this step.
     pub(super) choices: u32,
@@ -68,29 +68,29 @@ impl NearPairs {
         patches.map_or([0; 2], |patches| [patches.searches, patches.detections])
     }
 
-    /// Makes sure that the pairs are those of the straight way between two positions (m).
-    pub(super) fn prepare(&mut self, near: &Near, way: [&[Vec3]; 2], obstacles: &[Obstacle]) {
+    /// Makes sure that the pairs are those of the straight path between two positions (m).
+    pub(super) fn prepare(&mut self, near: &Near, path: [&[Vec3]; 2], obstacles: &[Obstacle]) {
         let room = ROOM * near.law().range();
-        if way.iter().all(|x| self.holds(x, room)) {
-            self.wake(way);
+        if path.iter().all(|x| self.holds(x, room)) {
+            self.wake(path);
             return;
         }
-        let [from, to] = way;
-        self.choose(near, way, room);
+        let [from, to] = path;
+        self.choose(near, path, room);
         self.place.clear();
         self.place.extend_from_slice(from);
         self.is_chosen = true;
         self.reach.clear();
-        let ways = from.iter().zip(to).map(|(a, b)| (b - a).norm() + room);
-        self.reach.extend(ways);
+        let displacements = from.iter().zip(to).map(|(a, b)| (b - a).norm() + room);
+        self.reach.extend(displacements);
         self.choose_obstacles(near, obstacles);
         self.choices += 1;
-        self.wake(way);
+        self.wake(path);
     }
 
-    /// Looks after the pairs that the way can bring into contact.
-    fn wake(&mut self, way: [&[Vec3]; 2]) {
-        let nearer = 2.0 * self.moved(way[0]).max(self.moved(way[1]));
+    /// Looks after the pairs that the path can bring into contact.
+    fn wake(&mut self, path: [&[Vec3]; 2]) {
+        let nearer = 2.0 * self.moved(path[0]).max(self.moved(path[1]));
         self.vertex_triangle.wake(nearer);
         self.edge_edge.wake(nearer);
     }
@@ -98,8 +98,8 @@ impl NearPairs {
     /// How far (m) a vertex is from where it was when pairs were chosen, at most, besides what all have done together.
     fn moved(&self, x: &[Vec3]) -> Real {
         let shift = mean(x) - mean(&self.place);
-        let ways = x.iter().zip(&self.place);
-        let most = ways.map(|(x, place)| (x - place - shift).norm_squared());
+        let displacements = x.iter().zip(&self.place);
+        let most = displacements.map(|(x, place)| (x - place - shift).norm_squared());
         most.fold(0.0, Real::max).sqrt()
     }
 
@@ -120,20 +120,21 @@ impl NearPairs {
     }
 
     fn vertex_obstacle_holds(&self, x: &[Vec3]) -> bool {
-        let ways = x.iter().zip(&self.place).zip(&self.reach);
-        let mut ways = ways.map(|((x, place), reach)| (x - place).norm_squared() <= reach * reach);
-        ways.all(|holds| holds)
+        let displacements = x.iter().zip(&self.place).zip(&self.reach);
+        let mut displacements =
+            displacements.map(|((x, place), reach)| (x - place).norm_squared() <= reach * reach);
+        displacements.all(|holds| holds)
     }
 
     /// Keeps the pairs that can be nearer than their thickness.
-    fn choose(&mut self, near: &Near, way: [&[Vec3]; 2], room: Real) {
+    fn choose(&mut self, near: &Near, path: [&[Vec3]; 2], room: Real) {
         self.vertex_triangle.clear();
         self.edge_edge.clear();
         let Some(patches) = &mut self.patches else {
             return;
         };
-        let x = way[0];
-        patches.choose(near, &self.place, way, room, |pair, nearer| {
+        let x = path[0];
+        patches.choose(near, &self.place, path, room, |pair, nearer| {
             let vertices = pair.vertices;
             let places = gather(x, vertices);
             let reach = pair.range + nearer;
@@ -195,8 +196,8 @@ impl NearPairs {
                 let stretch = obstacle.shape().lipschitz();
                 let reach = h + reach * stretch;
                 let local = obstacle.motion().pose.to_local(*x);
-                let way = (local - room.0).norm();
-                let is_far = room.1 - way * stretch >= reach;
+                let displacement = (local - room.0).norm();
+                let is_far = room.1 - displacement * stretch >= reach;
                 if is_far {
                     continue;
                 }
@@ -234,10 +235,10 @@ mod tests {
     use crate::shapes::{deformed, sheet};
     use std::collections::HashSet;
 
-    /// Whatever ways a folded sheet takes, waved, turned, jerked and back again: every pair that is within its range at
-    /// the start, halfway or at the end of a way is among the ones chosen for it, as a look at all pairs tells.
+    /// Whatever paths a folded sheet takes, waved, turned, jerked and back again: every pair that is within its range
+    /// at the start, halfway or at the end of a path is among the ones chosen for it, as a look at all pairs tells.
     #[test]
-    fn no_near_pair_is_missed_on_any_way() {
+    fn no_near_pair_is_missed_on_any_path() {
         let mesh = sheet(9);
         let (edges, _) = edge_numbers(mesh.triangles());
         let law = PenaltyLaw::two_stage(1e6, 0.02).unwrap();

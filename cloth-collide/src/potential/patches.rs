@@ -13,9 +13,9 @@
 
 mod between;
 mod detect;
+mod motion;
 mod motions;
 mod partition;
-mod ways;
 
 use super::near::Near;
 use crate::bounds::Bounds;
@@ -33,11 +33,11 @@ use partition::halve;
 const PATCH: usize = 32;
 /// Room (in thicknesses) of a search for pairs, at least.
 const LEAST_ROOM: Real = 0.5;
-/// Room of a search, in ways of the substep that needs it.
+/// Room of a search, in paths of the substep that needs it.
 const HOLD: Real = 60.0;
 /// Room (in mean edges) of a search, at most, unless one substep needs more.
 const MOST_ROOM: Real = 0.25;
-/// Way (in mean edges) that a patch may go until pairs of patches are searched anew, at least; and in one substep, at
+/// Path (in mean edges) that a patch may go until pairs of patches are searched anew, at least; and in one substep, at
 /// most.
 const REACH: Real = 1.0;
 const FARTHEST: Real = 30.0;
@@ -83,7 +83,7 @@ pub(super) struct Known {
     pub(super) travel: Real,
 }
 
-/// The motion needs more room than patches have: a way in one substep is longer than some edges.
+/// The motion needs more room than patches have: a path in one substep is longer than some edges.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct TooFar;
 
@@ -108,7 +108,7 @@ pub(super) struct Patches {
     /// Triangles and vertices of each patch.
     members: Vec<(Vec<u32>, Vec<u32>)>,
     edge: Real,
-    /// Way (m) that a patch may go besides what all do together, until pairs of patches are searched anew.
+    /// Path (m) that a patch may go besides what all do together, until pairs of patches are searched anew.
     reach: Real,
     /// Positions (m) of the vertices of each patch from which its spread is counted, their centre, and the spread
     /// there.
@@ -119,11 +119,11 @@ pub(super) struct Patches {
     now: Motions,
     then: Motions,
     /// How far a vertex goes besides its centre in between (m).
-    ways: Vec<Real>,
+    displacements: Vec<Real>,
     /// Where a substep was to end when pairs were looked into first, and how far it ends from there (m) by another
     /// look; of each pair of patches, the substep at whose beginning it was looked into.
     aim: Motions,
-    aim_ways: Vec<Real>,
+    aim_displacements: Vec<Real>,
     drift: Vec<Real>,
     awake_in: Vec<u32>,
     /// What was allowed for when pairs were chosen: relative motion (m) of two patches between which something can
@@ -196,9 +196,9 @@ impl Patches {
                 .collect(),
             reference_centres: vec![Vec3::zeros(); members.len()],
             reference_spreads: vec![0.0; members.len()],
-            ways: vec![0.0; members.len()],
+            displacements: vec![0.0; members.len()],
             aim: Motions::default(),
-            aim_ways: Vec::new(),
+            aim_displacements: Vec::new(),
             drift: Vec::new(),
             awake_in: Vec::new(),
             allowed: Vec::new(),
@@ -259,7 +259,7 @@ impl Patches {
         self.awake = 0;
         self.measure(x, to);
         self.aim.copy(&self.then);
-        self.aim_ways.clone_from(&self.ways);
+        self.aim_displacements.clone_from(&self.displacements);
         self.drift.clear();
         self.drift.resize(self.members.len(), 0.0);
         self.look(near, x, true, &mut visit)
@@ -276,7 +276,8 @@ impl Patches {
         self.measure(x, to);
         let (aim, then) = (&self.aim, &self.then);
         for (p, drift) in self.drift.iter_mut().enumerate() {
-            let further = (self.ways[p] - self.aim_ways[p]).max(then.spreads[p] - aim.spreads[p]);
+            let further = (self.displacements[p] - self.aim_displacements[p])
+                .max(then.spreads[p] - aim.spreads[p]);
             *drift = (then.centres[p] - aim.centres[p]).norm() + further.max(0.0);
         }
         self.look(near, x, false, &mut visit)
@@ -287,8 +288,8 @@ impl Patches {
     fn once(&self, pair: &PatchPair) -> Real {
         let [p, q] = pair.patches.map(|p| p as usize);
         let (now, then) = (&self.now, &self.then);
-        let way = then.centres[p] - now.centres[p] - (then.centres[q] - now.centres[q]);
-        way.norm() + self.ways[p] + self.ways[q]
+        let displacement = then.centres[p] - now.centres[p] - (then.centres[q] - now.centres[q]);
+        displacement.norm() + self.displacements[p] + self.displacements[q]
     }
 
     /// The substep ends where it was looked at last.
@@ -368,9 +369,10 @@ impl Patches {
                 continue;
             }
             let centre = middle(vertices, x);
-            let way = centre - self.reference_centres[p];
+            let displacement = centre - self.reference_centres[p];
             let places = vertices.iter().zip(&self.reference[p]);
-            let besides = places.map(|(&v, from)| (x[v as usize] - from - way).norm_squared());
+            let besides =
+                places.map(|(&v, from)| (x[v as usize] - from - displacement).norm_squared());
             let most = besides.fold(0.0, Real::max).sqrt();
             now.centres[p] = centre;
             now.spreads[p] = self.reference_spreads[p] + most;
@@ -388,31 +390,35 @@ impl Patches {
             if self.rests[p] {
                 then.centres[p] = self.now.centres[p];
                 then.spreads[p] = self.now.spreads[p];
-                self.ways[p] = 0.0;
+                self.displacements[p] = 0.0;
                 continue;
             }
             let centre = middle(vertices, to);
             let since = centre - self.reference_centres[p];
-            let way = centre - self.now.centres[p];
+            let displacement = centre - self.now.centres[p];
             let (mut spread, mut besides): (Real, Real) = (0.0, 0.0);
             for (&v, from) in vertices.iter().zip(&self.reference[p]) {
                 let to = to[v as usize];
                 spread = spread.max((to - from - since).norm_squared());
-                besides = besides.max((to - x[v as usize] - way).norm_squared());
+                besides = besides.max((to - x[v as usize] - displacement).norm_squared());
             }
             then.centres[p] = centre;
             then.spreads[p] = self.reference_spreads[p] + spread.sqrt();
-            self.ways[p] = besides.sqrt();
+            self.displacements[p] = besides.sqrt();
         }
         then.finish(self.cloth);
-        let (now, ways) = (&self.now, &self.ways);
+        let (now, displacements) = (&self.now, &self.displacements);
         let shift = then.mean - now.mean;
         then.paths.clear();
-        then.paths
-            .extend(now.paths.iter().zip(ways).map(|(path, way)| path + way));
+        then.paths.extend(
+            now.paths
+                .iter()
+                .zip(displacements)
+                .map(|(path, displacement)| path + displacement),
+        );
         then.clocks.clear();
-        let ways = then.centres.iter().zip(&now.centres).zip(ways);
-        let clocks = now.clocks.iter().zip(ways);
+        let displacements = then.centres.iter().zip(&now.centres).zip(displacements);
+        let clocks = now.clocks.iter().zip(displacements);
         then.clocks
             .extend(clocks.map(|(clock, ((to, from), besides))| {
                 clock + (to - from - shift).norm() + besides
@@ -426,7 +432,7 @@ impl Patches {
         places.for_each(|(place, &v)| *place = x[v as usize]);
         self.reference_centres[p] = self.now.centres[p];
         self.reference_spreads[p] = self.now.spreads[p];
-        self.then.spreads[p] = self.now.spreads[p] + self.ways[p];
+        self.then.spreads[p] = self.now.spreads[p] + self.displacements[p];
     }
 
     fn look(
@@ -437,12 +443,12 @@ impl Patches {
         visit: &mut impl FnMut(Place, &NearPair, &mut Memory, Real) -> Real,
     ) -> Result<(), TooFar> {
         if !self.is_known || self.strayed() > self.reach {
-            let way = Self::stray(&self.now, &self.then);
-            if way > FARTHEST * self.edge {
+            let displacement = Self::stray(&self.now, &self.then);
+            if displacement > FARTHEST * self.edge {
                 self.is_known = false;
                 return Err(TooFar);
             }
-            self.reach = (2.0 * way).max(REACH * self.edge);
+            self.reach = (2.0 * displacement).max(REACH * self.edge);
             self.search(near, x);
         }
         let slack = super::rows::SLACK * near.law().range();
@@ -505,8 +511,8 @@ impl Patches {
         let shift = new.mean - old.mean;
         let patches = old.centres.iter().zip(&old.spreads);
         let patches = patches.zip(new.centres.iter().zip(&new.spreads));
-        let ways = patches.map(|((c, s), (d, t))| (d - c - shift).norm() + t - s);
-        ways.fold(0.0, Real::max)
+        let displacements = patches.map(|((c, s), (d, t))| (d - c - shift).norm() + t - s);
+        displacements.fold(0.0, Real::max)
     }
 
     /// Finds the pairs of patches that are near each other now.

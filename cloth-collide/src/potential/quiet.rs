@@ -56,9 +56,11 @@ impl Quiet {
 fn all_within(x: &[Vec3], place: &[Vec3], shift: Vec3, most: Real) -> bool {
     const LANES: usize = 4;
     let far = |(x, place): (&Vec3, &Vec3)| {
-        let way = x - place - shift;
+        let displacement = x - place - shift;
         // Not the other comparison: a number that is none is not within.
-        let within = (way.x.abs() <= most) & (way.y.abs() <= most) & (way.z.abs() <= most);
+        let within = (displacement.x.abs() <= most)
+            & (displacement.y.abs() <= most)
+            & (displacement.z.abs() <= most);
         !within
     };
     let (xs, places) = (x.chunks_exact(LANES), place.chunks_exact(LANES));

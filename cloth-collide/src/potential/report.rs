@@ -13,7 +13,7 @@ pub struct ConstraintReport {
     pub rows: u32,
     /// Pairs that had not kept their distance at the end of a substep.
     pub violated: u32,
-    /// Vertices whose way was shortened.
+    /// Vertices whose path was shortened.
     pub shortened: u32,
     /// Substeps that impact zones ended.
     pub zones: u32,

@@ -12,7 +12,7 @@
 //! however many substeps ago. For a body the distance is evaluated anew in each sweep ([`bodies`](super::bodies)).
 //!
 //! At the end of the substep every pair is tested: a plane across the frozen normal, or the continuous test. What has
-//! not kept a part of its distance gets sweeps without compliance; then its vertices go back on their way; and what is
+//! not kept a part of its distance gets sweeps without compliance; then its vertices go back on their path; and what is
 //! left even then is for impact zones.
 
 use super::bodies::Bodies;
@@ -58,7 +58,7 @@ pub(super) struct Rows {
     safe: Vec<Vec3>,
     /// Where the start of the last minimisation was led (m); none if that was not the last that was done.
     led: Vec<Vec3>,
-    /// Where the sweeps have ended (m), and the part of the way there that each vertex goes.
+    /// Where the sweeps have ended (m), and the part of the path there that each vertex goes.
     proposed: Vec<Vec3>,
     shares: Vec<Real>,
     /// Velocities (m/s) of the substep, if zones have ended it.
@@ -96,7 +96,7 @@ impl Rows {
         }
     }
 
-    /// Work (J) of what is prescribed, on its way to `x` (m), against the forces λ n wᵢ/h² of the rows.
+    /// Work (J) of what is prescribed, on its path to `x` (m), against the forces λ n wᵢ/h² of the rows.
     fn work_of_prescribed(&self, step: &ContactStep<'_>, x: &[Vec3]) -> Real {
         let mut sum = 0.0;
         for row in self.rows.iter().filter(|row| row.lambda > 0.0) {
@@ -265,7 +265,7 @@ impl ContactConstraints for Contacts {
 }
 
 impl Contacts {
-    /// Rows for the pairs that a way to `to` (m) can bring into contact, if it is not too long for that. Returns
+    /// Rows for the pairs that a path to `to` (m) can bring into contact, if it is not too long for that. Returns
     /// whether it was not.
     fn find(&mut self, step: &ContactStep<'_>, to: &[Vec3], begins: bool) -> bool {
         let Self { near, rows, .. } = self;
@@ -312,7 +312,7 @@ impl Contacts {
         found != Err(TooFar)
     }
 
-    /// How many pairs do not keep their distances on the way to `x` (m); nothing if the way is too long to say.
+    /// How many pairs do not keep their distances on the path to `x` (m); nothing if the path is too long to say.
     fn violations(&mut self, step: &ContactStep<'_>, x: &[Vec3]) -> Option<u32> {
         if !self.find(step, x, false) {
             return None;
@@ -329,7 +329,7 @@ impl Contacts {
         Some(count + bodies)
     }
 
-    /// Makes rows of pairs that their planes do not keep apart on the way to `x` (m).
+    /// Makes rows of pairs that their planes do not keep apart on the path to `x` (m).
     fn doubt(&mut self, step: &ContactStep<'_>, x: &[Vec3]) {
         let Self { near, rows, .. } = self;
         let law = near.law();
@@ -357,7 +357,7 @@ impl Contacts {
         });
     }
 
-    /// Shortens the ways of vertices of violated pairs.
+    /// Shortens the paths of vertices of violated pairs.
     fn shorten(&mut self, step: &ContactStep<'_>, x: &mut [Vec3], begins: bool, halves: bool) {
         let rows = &mut self.rows;
         if begins {
@@ -418,9 +418,9 @@ impl Contacts {
             patches.accept();
             for row in rows.rows.iter().filter(|row| row.pushes) {
                 if let Some((_, memory)) = patches.pair_mut(row.place, row.vertices) {
-                    let way = row.point(x) - row.origin;
-                    let way = way - row.normal * row.normal.dot(&way);
-                    memory.stretch = stretch(way, row.lambda, reach);
+                    let displacement = row.point(x) - row.origin;
+                    let displacement = displacement - row.normal * row.normal.dot(&displacement);
+                    memory.stretch = stretch(displacement, row.lambda, reach);
                 }
             }
         }
@@ -486,9 +486,9 @@ impl Contacts {
         let rows = &mut self.rows;
         rows.report.zones += 1;
         rows.velocities.clear();
-        let ways = step.from.iter().zip(&*x);
+        let displacements = step.from.iter().zip(&*x);
         rows.velocities
-            .extend(ways.map(|(from, x)| (x - from) / step.dt));
+            .extend(displacements.map(|(from, x)| (x - from) / step.dt));
         let velocities = self.ledger.as_ref().map(|_| rows.velocities.clone());
         let bodies = self.obstacles.as_ref();
         let held = self

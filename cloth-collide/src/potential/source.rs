@@ -18,7 +18,7 @@ use cloth_core::contact::{
 use cloth_core::element::{Element, Energy};
 use cloth_core::math::{Real, Vec3, gather, is_finite};
 
-/// Ways longer than this many thicknesses, apart from what all vertices do together, are looked at in part.
+/// Paths longer than this many thicknesses, apart from what all vertices do together, are looked at in part.
 const LONGEST: Real = 10.0;
 /// Times that pairs are chosen anew because vertices were cut, before all are cut alike.
 const MOST_ROUNDS: u32 = 10;
@@ -26,7 +26,7 @@ const MOST_ROUNDS: u32 = 10;
 const LARGEST: Real = 1e150;
 /// Size (s) of a step in which no body comes far, and no law of contact is stiff.
 const NO_TIME: Real = 1e-12;
-/// Way (in thicknesses) below which friction is a spring.
+/// Displacement (in thicknesses) below which friction is a spring.
 const STICKING: Real = 1e-2;
 
 /// What the last step took.
@@ -38,9 +38,9 @@ pub struct PotentialReport {
     pub detections: u32,
     /// Times that near pairs were chosen among the candidates.
     pub choices: u32,
-    /// Ways that were asked for.
-    pub ways: u32,
-    /// Ways that were not safe to their end.
+    /// Paths that were asked for.
+    pub paths: u32,
+    /// Paths that were not safe to their end.
     pub capped: u32,
     /// Pairs, and vertices before obstacles, that were near at the end.
     pub near: usize,
@@ -73,7 +73,7 @@ pub(super) struct Contacts {
     /// Whether a step that had not ended was taken back, or other pairs were let go, so that nothing is known of the
     /// next one.
     is_anew: bool,
-    /// Prescribed vertices that move, and their ways (m) in the step.
+    /// Prescribed vertices that move, and their displacements (m) in the step.
     moved: Vec<(u32, Vec3)>,
     /// Where the method would begin to iterate (m).
     wanted: Vec<Vec3>,
@@ -87,7 +87,7 @@ pub(super) struct Contacts {
 impl Contacts {
     pub(super) fn new(
         near: Near,
-        [for_rows, for_ways]: [Option<Patches>; 2],
+        [for_rows, for_motion]: [Option<Patches>; 2],
         obstacles: Option<ObstacleContacts>,
         last_resort: LastResort,
     ) -> Self {
@@ -95,7 +95,7 @@ impl Contacts {
         Self {
             rows: Rows::new(for_rows),
             near,
-            pairs: NearPairs::new(for_ways),
+            pairs: NearPairs::new(for_motion),
             safe: Vec::new(),
             sticking: Vec::new(),
             stretched: Stretched::default(),
@@ -171,8 +171,8 @@ impl ContactPotential for Contacts {
         let is_still = self.is_still(step, &wanted);
         self.moved.clear();
         let prescribed = (0..wanted.len()).filter(|&v| step.inverse_mass[v] == 0.0);
-        let ways = prescribed.map(|v| (v as u32, wanted[v] - step.from[v]));
-        let moved = ways.filter(|(_, way)| *way != Vec3::zeros());
+        let displacements = prescribed.map(|v| (v as u32, wanted[v] - step.from[v]));
+        let moved = displacements.filter(|(_, displacement)| *displacement != Vec3::zeros());
         self.moved.extend(moved);
         self.is_open = true;
         if !is_still {
@@ -203,12 +203,12 @@ impl ContactPotential for Contacts {
     }
 
     fn limit(&mut self, from: &[Vec3], to: &[Vec3]) -> Result<Real, ContactError> {
-        self.report.ways += 1;
+        self.report.paths += 1;
         let share = self.share(from, to);
         if share < 1.0 {
             let mut near_end = std::mem::take(&mut self.scratch);
-            let ways = from.iter().zip(to).zip(&mut near_end);
-            ways.for_each(|((a, b), end)| *end = a + (b - a) * share);
+            let displacements = from.iter().zip(to).zip(&mut near_end);
+            displacements.for_each(|((a, b), end)| *end = a + (b - a) * share);
             let safe = self.limit_short(from, &near_end);
             self.scratch = near_end;
             return Ok(share * safe?);
@@ -222,14 +222,14 @@ impl ContactPotential for Contacts {
         to: &mut [Vec3],
         parts: &mut [Real],
     ) -> Result<(), ContactError> {
-        self.report.ways += 1;
+        self.report.paths += 1;
         parts.fill(1.0);
         shorten_all(from, to, parts, self.share(from, to));
         let thickness = self.near.law().range();
         let mut is_cut = false;
         for round in 0..MOST_ROUNDS {
             // What is cut stays behind what flew along with it, and other pairs may be near on what is left of the
-            // ways.
+            // paths.
             let known = self.pairs.choices;
             self.prepare(from, to)?;
             if round > 0 && self.pairs.choices == known {
@@ -342,16 +342,16 @@ impl ContactPotential for Contacts {
 }
 
 impl Contacts {
-    /// The part of ways (m) that is looked at: they are too long beyond.
+    /// The part of paths (m) that is looked at: they are too long beyond.
     fn share(&self, from: &[Vec3], to: &[Vec3]) -> Real {
         let (from, to) = (self.near.own(from), self.near.own(to));
         let shift = mean(to) - mean(from);
-        let ways = from.iter().zip(to).map(|(a, b)| (b - a - shift).norm());
-        let longest = ways.fold(0.0, Real::max);
+        let displacements = from.iter().zip(to).map(|(a, b)| (b - a - shift).norm());
+        let longest = displacements.fold(0.0, Real::max);
         (LONGEST * self.near.law().range() / longest).min(1.0)
     }
 
-    /// ε (m): the way below which friction is a spring.
+    /// ε (m): the displacement below which friction is a spring.
     pub(super) fn reach(&self) -> Real {
         STICKING * self.near.law().range()
     }
@@ -392,7 +392,7 @@ impl Contacts {
         }
     }
 
-    /// Whether nothing moves but what is free to, and that is outside of all bodies: the way to begin needs no help
+    /// Whether nothing moves but what is free to, and that is outside of all bodies: the path to begin needs no help
     /// then.
     fn is_still(&self, step: &ContactStep<'_>, wanted: &[Vec3]) -> bool {
         let ends = step.inverse_mass.iter().zip(step.from.iter().zip(wanted));
@@ -486,14 +486,14 @@ impl Contacts {
         let works = self
             .moved
             .iter()
-            .map(|(v, way)| gradient[*v as usize].dot(way));
+            .map(|(v, displacement)| gradient[*v as usize].dot(displacement));
         let work = works.sum();
         self.scratch = gradient;
         work
     }
 
-    /// Work (J) that bodies did on the cloth, which has come to `x` (m): the force on each vertex times the way of the
-    /// body there.
+    /// Work (J) that bodies did on the cloth, which has come to `x` (m): the force on each vertex times the
+    /// displacement of the body there.
     fn work_of_bodies(&self, x: &[Vec3]) -> Real {
         let reach = self.reach();
         let mut sum = 0.0;
@@ -505,21 +505,21 @@ impl Contacts {
             let v = vertex as usize;
             let at = after.signed_distance(x[v], 0.0);
             let local = after.motion().pose.to_local(x[v]);
-            let way = x[v] - before.motion().pose.to_world(local);
+            let displacement = x[v] - before.motion().pose.to_world(local);
             let force =
                 at.gradient() * (self.near.vertex_area[v] * self.near.law_at(v).slope(at.value));
             let mut whole = -force;
             let own = self.sticking.iter();
             for sticking in own.filter(|s| s.key == [vertex, vertex, vertex, number]) {
-                let u = sticking.way(x);
+                let u = sticking.displacement(x);
                 whole -= u * (sticking.most / u.norm().max(reach));
             }
-            sum += whole.dot(&way);
+            sum += whole.dot(&displacement);
         }
         sum
     }
 
-    /// The same as [`ContactPotential::limit`] for a way that is not too long to be looked at as a whole.
+    /// The same as [`ContactPotential::limit`] for a path that is not too long to be looked at as a whole.
     fn limit_short(&mut self, from: &[Vec3], to: &[Vec3]) -> Result<Real, ContactError> {
         self.prepare(from, to)?;
         let cap = self.safe_part(from, to)?;

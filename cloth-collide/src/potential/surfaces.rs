@@ -24,7 +24,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 ///
 /// # What is promised
 ///
-/// After a step, no two triangles of the cloth meet, at its end and at no time on the ways there, nor do triangles of
+/// After a step, no two triangles of the cloth meet, at its end and at no time on the paths there, nor do triangles of
 /// the cloth and of the [surfaces](PotentialBuilder::surface) of bodies: every pair that could come near has passed the
 /// conservative [`ContinuousTest`](crate::ContinuousTest), or a plane that keeps it apart at both ends. No free vertex
 /// gets into an obstacle, or deeper into one. What prescribed vertices or moving obstacles make impossible is

@@ -41,11 +41,11 @@ pub(super) fn hold(wanted: Vec3, most: Real) -> Vec3 {
     }
 }
 
-/// What friction is stretched by (m) after a `way` (m) from where it sticks: it gives in elastically by `reach` (m),
-/// and what is more is slip. Nothing without a force λ.
-pub(super) fn stretch(way: Vec3, lambda: Real, reach: Real) -> Vec3 {
+/// What friction is stretched by (m) after a `displacement` (m) from where it sticks: it gives in elastically by
+/// `reach` (m), and what is more is slip. Nothing without a force λ.
+pub(super) fn stretch(displacement: Vec3, lambda: Real, reach: Real) -> Vec3 {
     if lambda > 0.0 {
-        hold(way, reach)
+        hold(displacement, reach)
     } else {
         Vec3::zeros()
     }

@@ -4,7 +4,7 @@ use crate::sets::Sets;
 use cloth_core::math::{Mat3, Real, Vec3};
 use nalgebra::Rotation3;
 
-/// No zone turns further than this in a step (rad). On the straight ways of its vertices distances inside it shrink by
+/// No zone turns further than this in a step (rad). On the straight paths of its vertices distances inside it shrink by
 /// the cosine of half of it.
 const MOST_TURN: Real = 1.0;
 
@@ -76,8 +76,13 @@ impl Rigid {
     }
 }
 
-/// Fits a rigid motion to the `way` (m or m/s) of the vertices at `places` (m).
-fn rigid(zone: &[[u32; 2]], places: &[Vec3], way: &[Vec3], inverse_mass: &[Real]) -> Rigid {
+/// Fits a rigid motion to the `displacements` (m or m/s) of the vertices at `places` (m).
+fn rigid(
+    zone: &[[u32; 2]],
+    places: &[Vec3],
+    displacement: &[Vec3],
+    inverse_mass: &[Real],
+) -> Rigid {
     let prescribed = zone.iter().any(|&[_, v]| inverse_mass[v as usize] == 0.0);
     let weighted = || {
         zone.iter().filter_map(move |&[_, v]| {
@@ -98,13 +103,13 @@ fn rigid(zone: &[[u32; 2]], places: &[Vec3], way: &[Vec3], inverse_mass: &[Real]
     let mut motion = Rigid {
         place,
         centre: mean(&|v| places[v] - place),
-        shift: mean(&|v| way[v]),
+        shift: mean(&|v| displacement[v]),
         turn: Vec3::zeros(),
     };
     let (mut momentum, mut inertia) = (Vec3::zeros(), Mat3::zeros());
     for (v, m) in weighted() {
         let arm = motion.arm(places[v]);
-        momentum += arm.cross(&(way[v] - motion.shift)) * m;
+        momentum += arm.cross(&(displacement[v] - motion.shift)) * m;
         inertia += (Mat3::from_diagonal_element(arm.norm_squared()) - arm * arm.transpose()) * m;
     }
     motion.turn = divided(momentum, inertia);
@@ -130,13 +135,13 @@ pub(super) fn move_rigidly(
     zone: &[[u32; 2]],
     from: &[Vec3],
     positions: &mut [Vec3],
-    ways: &mut [Vec3],
+    displacements: &mut [Vec3],
     inverse_mass: &[Real],
 ) {
     for &[_, v] in zone {
-        ways[v as usize] = positions[v as usize] - from[v as usize];
+        displacements[v as usize] = positions[v as usize] - from[v as usize];
     }
-    let motion = rigid(zone, from, ways, inverse_mass);
+    let motion = rigid(zone, from, displacements, inverse_mass);
     let turn = motion.turn * (MOST_TURN / motion.turn.norm().max(MOST_TURN));
     let rotation = Rotation3::new(turn);
     for &[_, v] in zone {
@@ -175,15 +180,19 @@ mod tests {
         let mut random = Random::new(5);
         let count = 12;
         let mut points = |size| (0..count).map(|_| random.point(size)).collect::<Vec<_>>();
-        let (from, mut ways, mut velocities) = (points(1.0), points(0.2), points(3.0));
+        let (from, mut displacements, mut velocities) = (points(1.0), points(0.2), points(3.0));
         let inverse_mass: Vec<_> = (0..count).map(|k| 1.0 / (1.0 + k as Real)).collect();
-        let mut to: Vec<_> = from.iter().zip(&ways).map(|(x, u)| x + u).collect();
+        let mut to: Vec<_> = from
+            .iter()
+            .zip(&displacements)
+            .map(|(x, u)| x + u)
+            .collect();
         let zone: Vec<_> = (0..count as u32).map(|v| [0, v]).collect();
         let sum = |of: &dyn Fn(usize) -> Vec3| -> Vec3 {
             (0..count).map(|v| of(v) / inverse_mass[v]).sum()
         };
         let place = sum(&|v| to[v]);
-        move_rigidly(&zone, &from, &mut to, &mut ways, &inverse_mass);
+        move_rigidly(&zone, &from, &mut to, &mut displacements, &inverse_mass);
         assert!((sum(&|v| to[v]) - place).norm() < 1e-12);
         for a in 0..count {
             for b in 0..a {
@@ -204,7 +213,7 @@ mod tests {
         }
     }
 
-    /// A way that is a small turn and a shift already is kept, up to the second power of its angle.
+    /// A displacement that is a small turn and a shift already is kept, up to the second power of its angle.
     #[test]
     fn zone_turns_the_way_that_its_vertices_do() {
         let mut random = Random::new(9);
@@ -213,9 +222,9 @@ mod tests {
         let (turn, shift) = (Vec3::new(2e-4, -3e-4, 1e-4), Vec3::new(0.1, 0.2, -0.3));
         let rotation = Rotation3::new(turn);
         let moved: Vec<_> = from.iter().map(|x| rotation * x + shift).collect();
-        let (mut to, mut ways) = (moved.clone(), from.clone());
+        let (mut to, mut displacements) = (moved.clone(), from.clone());
         let zone: Vec<_> = (0..7).map(|v| [0, v]).collect();
-        move_rigidly(&zone, &from, &mut to, &mut ways, &inverse_mass);
+        move_rigidly(&zone, &from, &mut to, &mut displacements, &inverse_mass);
         for (to, moved) in to.iter().zip(&moved) {
             assert!((to - moved).norm() < 1e-6, "{to} {moved}");
         }

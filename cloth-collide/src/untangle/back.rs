@@ -10,7 +10,7 @@ use std::fmt;
 /// Substeps back, at most, and sweeps in each.
 const MOST_RETURNS: u32 = 100;
 const SWEEPS: u32 = 30;
-/// The longest way (in thicknesses) of a substep. All ways are shortened alike, so that what meets halfway goes
+/// The longest path (in thicknesses) of a substep. All paths are shortened alike, so that what meets halfway goes
 /// halfway.
 const LONGEST: Real = 5.0;
 /// The last substep moves nothing by more than this fraction of the thickness.
@@ -44,7 +44,7 @@ impl std::error::Error for ReturnError {}
 /// there.
 ///
 /// Each substep wants all vertices back at the start, and projects that onto the contact constraints (the nearest place
-/// in the metric of the masses), until nothing moves any more. Every straight way in between is free of crossings.
+/// in the metric of the masses), until nothing moves any more. Every straight path in between is free of crossings.
 /// Vertices with an `inverse_mass` (1/kg) of 0 stay.
 ///
 /// # Errors
@@ -69,8 +69,8 @@ pub fn bring_back(
     let (mut from, mut velocities) = (positions.to_vec(), vec![Vec3::zeros(); count]);
     for _ in 0..MOST_RETURNS {
         from.copy_from_slice(positions);
-        let ways = start.iter().zip(&from).map(|(a, b)| (b - a).norm());
-        let part = (LONGEST * thickness / ways.fold(0.0, Real::max)).min(1.0);
+        let displacements = start.iter().zip(&from).map(|(a, b)| (b - a).norm());
+        let part = (LONGEST * thickness / displacements.fold(0.0, Real::max)).min(1.0);
         for ((x, start), w) in positions.iter_mut().zip(start).zip(inverse_mass) {
             if *w > 0.0 {
                 *x += (start - *x) * part;
@@ -84,8 +84,8 @@ pub fn bring_back(
         let constraints = contacts.constraints();
         let taken = projection.step(constraints, &step, SWEEPS, positions, &mut velocities);
         taken.map_err(ReturnError::Contact)?;
-        let ways = from.iter().zip(&*positions).map(|(a, b)| (b - a).norm());
-        if ways.fold(0.0, Real::max) < AT_REST * thickness {
+        let displacements = from.iter().zip(&*positions).map(|(a, b)| (b - a).norm());
+        if displacements.fold(0.0, Real::max) < AT_REST * thickness {
             break;
         }
     }

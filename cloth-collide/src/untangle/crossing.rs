@@ -23,7 +23,7 @@ pub(super) struct Crossing {
     along: [Real; 2],
     pub(super) weights: [Real; 3],
     /// E, from one end to the other (m), and N, a normal of the triangle (m²).
-    way: Vec3,
+    displacement: Vec3,
     pub(super) normal: Vec3,
 }
 
@@ -35,21 +35,21 @@ impl Crossing {
         if !segment_meets_triangle(ends, corners) {
             return None;
         }
-        let way = ends[1] - ends[0];
+        let displacement = ends[1] - ends[0];
         let normal = (corners[1] - corners[0]).cross(&(corners[2] - corners[0]));
-        let t = normal.dot(&(corners[0] - ends[0])) / normal.dot(&way);
+        let t = normal.dot(&(corners[0] - ends[0])) / normal.dot(&displacement);
         if !t.is_finite() {
             return None;
         }
         let t = t.clamp(0.0, 1.0);
-        let point = ends[0] + way * t;
+        let point = ends[0] + displacement * t;
         Some(Self {
             edge,
             triangle,
             point,
             along: [1.0 - t, t],
             weights: point_triangle(point, corners).weights,
-            way,
+            displacement,
             normal,
         })
     }
@@ -77,7 +77,8 @@ impl End {
         match self {
             Self::Vertex { vertex, .. } => gradient[*vertex as usize] += f,
             Self::Crossing(c) => {
-                let by_triangle = c.normal * (f.dot(&c.way) / c.normal.dot(&c.way));
+                let by_triangle =
+                    c.normal * (f.dot(&c.displacement) / c.normal.dot(&c.displacement));
                 let by_edge = f - by_triangle;
                 if !cloth_core::math::is_finite(&by_triangle) {
                     return;

@@ -130,8 +130,8 @@ impl Pieces {
             _ => return None,
         };
         let n = crossing.normal.try_normalize(0.0)?;
-        let way = positions[outside as usize] - positions[inside as usize];
-        let side: Real = n.dot(&way).signum();
+        let displacement = positions[outside as usize] - positions[inside as usize];
+        let side: Real = n.dot(&displacement).signum();
         Some((inside, n * side))
     }
 }

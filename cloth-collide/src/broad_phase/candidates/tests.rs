@@ -149,7 +149,7 @@ fn agree<B: BroadPhase>(
     candidates: &ClothCandidates<B>,
     vertex_triangle: &[[u32; 2]],
     edge_edge: &[[u32; 2]],
-    ways: [&[Vec3]; 2],
+    paths: [&[Vec3]; 2],
     margin: Real,
 ) -> bool {
     let of_vertex = |[v, t]: [u32; 2]| {
@@ -165,14 +165,14 @@ fn agree<B: BroadPhase>(
         vertex_triangle,
         QueryKind::VertexTriangle,
         of_vertex,
-        ways,
+        paths,
         margin,
     ) && leaves_out_what_is_apart(
         candidates.edge_edge(),
         edge_edge,
         QueryKind::EdgeEdge,
         of_edges,
-        ways,
+        paths,
         margin,
     )
 }
@@ -196,9 +196,9 @@ fn all_three_find_what_brute_force_finds_in_order() {
         for (name, from, to) in motions(&mesh) {
             for margin in [0.0, 0.01, 0.3, 10.0] {
                 candidates.update(&from, &to, margin).unwrap();
-                let ways = [&from[..], &to[..]];
-                let (vt, ee) = brute_force(&mesh, edges.ends(), &prescribed, ways, margin);
-                let agrees = agree(&candidates, &vt, &ee, ways, margin);
+                let paths = [&from[..], &to[..]];
+                let (vt, ee) = brute_force(&mesh, edges.ends(), &prescribed, paths, margin);
+                let agrees = agree(&candidates, &vt, &ee, paths, margin);
                 assert!(agrees, "{kind}, {name}, margin {margin}");
             }
         }
@@ -308,9 +308,9 @@ fn three_triangles_at_an_edge_and_two_cloths_in_one_mesh_are_welcome() {
         let mut candidates = ClothCandidates::new(&mesh, broad_phase);
         candidates.update(&positions, &positions, 0.1).unwrap();
         let edges = candidates.edges().to_vec();
-        let ways = [&positions[..]; 2];
-        let (vt, ee) = brute_force(&mesh, &edges, &[false; 8], ways, 0.1);
-        let agrees = agree(&candidates, &vt, &ee, ways, 0.1);
+        let paths = [&positions[..]; 2];
+        let (vt, ee) = brute_force(&mesh, &edges, &[false; 8], paths, 0.1);
+        let agrees = agree(&candidates, &vt, &ee, paths, 0.1);
         assert!(agrees, "{kind}");
         assert!(candidates.vertex_triangle().len() > 5 && candidates.edge_edge().len() > 9);
     }
@@ -337,9 +337,9 @@ fn close_layers_have_few_candidates_that_are_not_near() {
     let mut candidates = ClothCandidates::new(&mesh, Hierarchy::new());
     candidates.update(&from, &to, THICKNESS).unwrap();
     let found = candidates.vertex_triangle().len() + candidates.edge_edge().len();
-    let ways = [&from[..], &to[..]];
+    let paths = [&from[..], &to[..]];
     let free = vec![false; mesh.vertex_count()];
-    let (vt, ee) = brute_force(&mesh, candidates.edges(), &free, ways, THICKNESS);
+    let (vt, ee) = brute_force(&mesh, candidates.edges(), &free, paths, THICKNESS);
     let at_end =
         |vertices: &[u32]| -> Vec<Vec3> { vertices.iter().map(|&v| to[v as usize]).collect() };
     let near_triangles = vt.iter().filter(|[v, t]| {

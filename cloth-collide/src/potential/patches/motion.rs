@@ -1,4 +1,4 @@
-//! Pairs for ways that a minimisation may take, with room around them.
+//! Pairs for paths that a minimisation may take, with room around them.
 
 use super::detect::Look;
 use super::{NearPair, Patches, REACH};
@@ -6,7 +6,7 @@ use crate::potential::near::Near;
 use cloth_core::math::{Real, Vec3};
 
 impl Patches {
-    /// Looks at the way from `x` to `to` (m), and at everything within `room` (m) of it: makes sure that the pairs are
+    /// Looks at the path from `x` to `to` (m), and at everything within `room` (m) of it: makes sure that the pairs are
     /// complete, and hands `visit` those that may touch there, with how much nearer they can come to each other than
     /// they are at `x` (m); it returns what they lack to contact there (m), at most. `place` is the `x` of the choice
     /// before.
@@ -29,8 +29,8 @@ impl Patches {
         self.measure(x, to);
         let strayed = self.strayed().max(Self::stray(&self.searched, &self.now));
         if !self.is_known || strayed + room > self.reach {
-            let way = Self::stray(&self.now, &self.then) + room;
-            self.reach = (2.0 * way).max(REACH * self.edge);
+            let displacement = Self::stray(&self.now, &self.then) + room;
+            self.reach = (2.0 * displacement).max(REACH * self.edge);
             self.search(near, x);
         }
         self.allowed.clear();
@@ -55,19 +55,28 @@ impl Patches {
         self.stray_allowed.clear();
         let (from, to) = (&self.now, &self.then);
         let shift = to.mean - from.mean;
-        let ways = from.centres.iter().zip(&to.centres).zip(&self.ways);
+        let displacements = from
+            .centres
+            .iter()
+            .zip(&to.centres)
+            .zip(&self.displacements);
         self.stray_allowed
-            .extend(ways.map(|((a, b), besides)| (b - a - shift).norm() + besides + room));
+            .extend(displacements.map(|((a, b), besides)| (b - a - shift).norm() + besides + room));
     }
 
-    /// Whether what was chosen last holds at `x` (m), which was chosen for ways from `place` (m) on.
+    /// Whether what was chosen last holds at `x` (m), which was chosen for paths from `place` (m) on.
     pub(in crate::potential) fn holds(&mut self, place: &[Vec3], x: &[Vec3]) -> bool {
         self.measure(place, x);
         let (from, to) = (&self.now, &self.then);
         let shift = to.mean - from.mean;
-        let ways = from.centres.iter().zip(&to.centres).zip(&self.ways);
-        let mut ways = ways.zip(&self.stray_allowed);
-        ways.all(|(((a, b), besides), allowed)| (b - a - shift).norm() + besides <= *allowed)
+        let displacements = from
+            .centres
+            .iter()
+            .zip(&to.centres)
+            .zip(&self.displacements);
+        let mut displacements = displacements.zip(&self.stray_allowed);
+        displacements
+            .all(|(((a, b), besides), allowed)| (b - a - shift).norm() + besides <= *allowed)
             && self
                 .allowed
                 .iter()
