@@ -4,6 +4,7 @@ mod acceleration;
 mod bending;
 mod cases;
 mod collision;
+mod contact;
 mod convergence;
 mod decision;
 mod energy;
@@ -148,7 +149,7 @@ impl Findings {
 }
 
 /// Every study.
-pub const STUDIES: [&Study; 19] = [
+pub const STUDIES: [&Study; 20] = [
     &decision::STUDY,
     &convergence::STUDY,
     &work_precision::STUDY,
@@ -159,6 +160,7 @@ pub const STUDIES: [&Study; 19] = [
     &sag::STUDY,
     &xpbd_floor::STUDY,
     &projective::STUDY,
+    &contact::STUDY,
     &collision::STUDY,
     &newton::STUDY,
     &energy::STUDY,

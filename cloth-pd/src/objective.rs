@@ -262,6 +262,16 @@ impl Objective {
         let squares = squares.map(|(w, g)| w * g.norm_squared());
         squares.sum::<Real>().sqrt()
     }
+
+    /// `‖M (x − x̃)/Δt²‖` in the same metric (N/√kg): the forces that it takes to end at the point.
+    pub(crate) fn inertial_norm(&self, point: &Point) -> Real {
+        let particles = &self.particles;
+        let both = point.displacement.iter().zip(&self.inertial);
+        let free = both.zip(particles.mass()).enumerate();
+        let free = free.filter(|(vertex, _)| !particles.is_prescribed(*vertex));
+        let squares = free.map(|(_, ((q, h), mass))| mass * (q - h).norm_squared());
+        squares.sum::<Real>().sqrt() / (self.dt * self.dt)
+    }
 }
 
 #[cfg(test)]

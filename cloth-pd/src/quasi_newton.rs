@@ -21,7 +21,7 @@ const APPROXIMATE_WOLFE: Real = 0.9;
 /// Step lengths tried along one direction; each is at most half of the one before.
 const MAX_TRIALS: u32 = 12;
 /// Least number of pairs in a step with contact, which is stiff, and comes and goes.
-const CONTACT_HISTORY: usize = 8;
+const CONTACT_HISTORY: usize = 20;
 
 /// One difference of iterates and of their gradients.
 #[derive(Clone, Debug)]
@@ -100,11 +100,14 @@ impl QuasiNewton {
         &mut self,
         objective: &mut Objective,
         global: &mut GlobalSystem,
-        coarse: Option<&mut CoarseGrid>,
+        mut coarse: Option<&mut CoarseGrid>,
         point: &mut Point,
         contact: &mut Contact<'_>,
     ) -> Result<Advance, ContactError> {
         self.linearize_contacts(objective, point, contact);
+        if let (Some(coarse), Some(system)) = (&mut coarse, &self.contact_system) {
+            coarse.set_contacts(&system.rows);
+        }
         let mut done = Advance {
             solves: self.find_direction(global, coarse, point),
             ..Advance::default()
@@ -232,11 +235,11 @@ impl QuasiNewton {
         let mut solves = 0;
         let mut solve = || solves = solve(&mut self.contact_system, global, work, direction);
         match coarse {
-            Some(coarse) => {
+            Some(coarse) if coarse.is_ready() => {
                 join(work.len(), solve, || coarse.solve(work));
                 coarse.add_correction(&mut self.direction);
             }
-            None => solve(),
+            _ => solve(),
         }
         let oldest = len.checked_sub(1).and_then(pair);
         product = oldest.map_or(0.0, |at| dot(&pairs[at].change, &self.direction));

@@ -56,6 +56,9 @@ enum Method {
     QuasiNewton(Box<QuasiNewton>),
 }
 
+/// What is left of the forces in a step with contact that is done, over those that it takes to end where it does.
+const BALANCED: Real = 1e-4;
+
 impl Stepper for PdSolver {
     fn name(&self) -> &'static str {
         "pd"
@@ -323,7 +326,7 @@ impl PdSolver {
             if !self.point.is_evaluated {
                 self.objective.evaluate(&mut self.point, contact); // the local step
             }
-            if self.is_converged(reference, report, contact) {
+            if self.is_converged(reference, report, contact) || self.is_balanced() {
                 return Ok(Outcome::Converged);
             }
             if is_last {
@@ -412,6 +415,17 @@ impl PdSolver {
         let residual = if norm > 0.0 { norm / reference } else { 0.0 };
         report.residual = Some(residual);
         residual <= tolerance
+    }
+
+    /// Whether the forces at the point are in balance, in a step with active contacts and without a tolerance: cloth
+    /// that lies still is done in a few iterations.
+    fn is_balanced(&self) -> bool {
+        if self.config.tolerance.is_some() || !self.has_contact() {
+            return false;
+        }
+        let objective = &self.objective;
+        let forces = objective.inertial_norm(&self.point);
+        objective.norm(&self.point.gradient) <= BALANCED * forces
     }
 
     /// Whether a contact was active where the last iteration began.

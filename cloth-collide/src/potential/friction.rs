@@ -56,19 +56,26 @@ impl Sticking {
         (displacement * (self.most / length.max(reach)), length)
     }
 
-    /// The second derivative at `x` (m), and a little more: what it is across u is also taken along it.
+    /// The second derivative at `x` (m): beyond ε friction turns with u, and does not grow along it.
     pub(super) fn rows(&self, reach: Real, x: &[Vec3]) -> [ContactRow; 2] {
-        let stiffness = self.most / self.displacement(x).norm().max(reach);
-        // Any direction that is not nearly the normal.
-        let across = self
-            .normal
-            .cross(&Vec3::ith(self.normal.iamin(), 1.0))
-            .normalize();
-        [across, self.normal.cross(&across)].map(|normal| ContactRow {
+        let displacement = self.displacement(x);
+        let length = displacement.norm();
+        let stiffness = self.most / length.max(reach);
+        let along = if length > reach {
+            displacement / length
+        } else {
+            // Any direction that is not nearly the normal.
+            let other = Vec3::ith(self.normal.iamin(), 1.0);
+            self.normal.cross(&other).normalize()
+        };
+        let part = reach / length.max(reach);
+        let directions = [along, self.normal.cross(&along)];
+        let stiffnesses = [stiffness * part * part, stiffness];
+        [0, 1].map(|i| ContactRow {
             vertices: self.vertices,
             weights: self.weights,
-            normal,
-            stiffness,
+            normal: directions[i],
+            stiffness: stiffnesses[i],
         })
     }
 }
