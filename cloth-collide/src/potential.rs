@@ -50,7 +50,7 @@
 //! | method | contact is |
 //! |---|---|
 //! | implicit Euler, BDF2 | an energy in what a step minimises, with its Hessian in the multigrid cycle |
-//! | linearised implicit Euler | the same, beside a cloth that is linearised once |
+//! | linearised implicit Euler | the same, beside a cloth that is linearised, and again where it is stopped |
 //! | implicit midpoint | the same, of the positions at the end of the step |
 //! | projective dynamics | an energy in the quasi-Newton iteration, with a bound for each vertex |
 //! | XPBD, PBD | constraints in every substep, last in each sweep |

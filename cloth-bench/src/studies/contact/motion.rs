@@ -62,7 +62,12 @@ fn grid(scope: Scope) -> Vec<(u32, u32)> {
 }
 
 pub(super) fn cases(scope: Scope) -> u64 {
-    (2 + methods().len() * grid(scope).len()) as u64
+    let references = if finest(scope).0 == sizes(scope)[1] {
+        1
+    } else {
+        2
+    };
+    (references + methods().len() * grid(scope).len()) as u64
 }
 
 /// A sheet on a sphere at the end.
@@ -98,23 +103,22 @@ fn drape(name: &str, n: u32, rate: u32) -> Result<Draped, BenchError> {
 pub(super) fn run(scope: Scope, findings: &mut Findings, cases: &mut Cases<'_>) {
     let (finest_n, finest_rate) = finest(scope);
     let at = sizes(scope)[1];
-    // On the finest mesh, and on that on which rates are compared.
-    let mut converged = [0.0; 2];
-    for (n, value) in [finest_n, at].into_iter().zip(&mut converged) {
-        // They are the same in quick runs, whose sizes are few.
-        let case = format!("a converged drape, {n} × {n} for {finest_n}");
-        let case = if n == at {
-            format!("{case}, rates")
-        } else {
-            case
-        };
+    let mut converged = |n: u32| {
+        let case = format!("a converged drape, {n} × {n}");
         let found = cases.case(&case, || drape("bdf2", n, finest_rate));
-        let Some(found) = findings.unless_failed(&case, found) else {
-            return;
-        };
-        *value = found.fall.0;
-    }
-    let [of_size, of_rate] = converged;
+        Some(findings.unless_failed(&case, found)?.fall.0)
+    };
+    let Some(of_size) = converged(finest_n) else {
+        return;
+    };
+    // Rates are compared on one mesh, with what converges there.
+    let of_rate = match at == finest_n {
+        true => Some(of_size),
+        false => converged(at),
+    };
+    let Some(of_rate) = of_rate else {
+        return;
+    };
     let mut table = Table::new(&[
         "method",
         "vertices a side",
