@@ -30,10 +30,13 @@ fn explicit_methods_that_feel_contact_get_no_energy_from_it() {
 }
 
 /// A sheet that falls on a sphere has to buckle at once, which a cloth linearised before does not know of: one
-/// linearisation a step leaves 0.32 J from nowhere and half of the fall.
+/// linearisation a step leaves 0.32 J from nowhere and half of the fall. The sheet has several ways to buckle, which
+/// fall by 0.138 m to 0.143 m: at the tolerance of a default, rounding chooses among them, so the reference is solved
+/// further.
 #[test]
 fn linearised_cloth_on_a_sphere_falls_as_far_and_makes_no_energy() {
-    let [linear, converged] = ["linear-implicit", "implicit-euler"].map(|method| {
+    let methods = ["linear-implicit", "implicit-euler --set tolerance=1e-8"];
+    let [linear, converged] = methods.map(|method| {
         let (code, object, said) = run(&format!(
             "drape-sphere --n 24 --method {method} --steps 12 --threads 1"
         ));

@@ -11,7 +11,7 @@ pub struct PdConfig {
     /// with as many.
     pub iterations: u32,
     /// The same for a step with active contacts, if that is more: an impact changes the problem during the iteration.
-    /// Such a step ends sooner once `‖∇G(x)‖ ≤ 1e-4 ‖M (x − x̃)/Δt²‖` in the norm of M⁻¹.
+    /// Such a step ends sooner once `‖∇G(x)‖ ≤ 1e-8 ‖M (x − x̃)/Δt²‖` in the norm of M⁻¹.
     pub contact_iterations: u32,
     /// With `Some(τ)` the iteration ends as soon as `‖∇G(x)‖ ≤ τ ‖∇G(x̃)‖` in the norm of M⁻¹ (τ dimensionless), and
     /// the report has that ratio as its residual. `None`: nothing is computed for it.

@@ -57,7 +57,7 @@ enum Method {
 }
 
 /// What is left of the forces in a step with contact that is done, over those that it takes to end where it does.
-const BALANCED: Real = 1e-4;
+const BALANCED: Real = 1e-8;
 
 impl Stepper for PdSolver {
     fn name(&self) -> &'static str {
