@@ -201,6 +201,12 @@ impl Export {
         };
         let obstacles = scene.touch.iter().flat_map(|touch| touch.obstacles());
         let surfaces = scene.obstacle_surfaces(state.time);
+        let is_free = |number| {
+            scene
+                .touch
+                .as_ref()
+                .is_some_and(|touch| touch.is_free(number))
+        };
         let body = |(number, (obstacle, (positions, triangles)))| {
             let motion: &cloth_collide::obstacle::RigidMotion =
                 cloth_collide::obstacle::Obstacle::motion(obstacle);
@@ -208,7 +214,8 @@ impl Export {
                 name: format!("obstacle{}", number + 1),
                 positions,
                 triangles,
-                is_still: motion.velocity == Vec3::zeros()
+                is_still: !is_free(number)
+                    && motion.velocity == Vec3::zeros()
                     && motion.angular_velocity == Vec3::zeros(),
                 pose: motion.pose_at(state.time),
             }

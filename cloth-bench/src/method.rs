@@ -156,7 +156,7 @@ impl Method {
         }
     }
 
-    /// A solver for a scene and a step size `dt` (s), with strain limiting if the settings ask for it.
+    /// A solver for a scene and a step size `dt` (s), or its [parts](Scene::parts), with strain limiting if the settings ask for it.
     ///
     /// # Errors
     /// [`BenchError::Usage`] for a setting that the method does not know or that is out of range, or an element of the
@@ -168,6 +168,8 @@ impl Method {
         dt: Real,
     ) -> Result<Box<dyn Stepper>, BenchError> {
         settings.check(&format!("method `{}`", self.name), &self.parameters())?;
+        // Runs take a step in as many parts.
+        let dt = dt / Real::from(scene.parts(dt));
         let substeps = self.substeps(scene, settings, dt)?;
         let told = match self.kind {
             Kind::Pbd | Kind::Xpbd | Kind::XpbdDirect | Kind::Explicit | Kind::Symplectic => {

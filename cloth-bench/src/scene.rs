@@ -132,6 +132,12 @@ impl Scene {
         farthest.fold(0.0, Real::max)
     }
 
+    /// Into how many equal parts a run cuts a step of `dt` (s): 1, or more where the cloth pushes a body.
+    #[must_use]
+    pub fn parts(&self, dt: Real) -> u32 {
+        self.touch.as_ref().map_or(1, |touch| touch.parts(dt))
+    }
+
     /// Whether the cloth can touch anything.
     #[must_use]
     pub fn touches(&self) -> bool {

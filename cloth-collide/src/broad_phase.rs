@@ -35,8 +35,32 @@ pub use triangle_pairs::TrianglePairs;
 use crate::bounds::Bounds;
 use std::fmt::Debug;
 
+/// The broad phases by name.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum BroadPhaseKind {
+    /// [`Hierarchy`].
+    #[default]
+    Hierarchy,
+    /// [`SpatialHash`].
+    SpatialHash,
+    /// [`MortonGrid`].
+    MortonGrid,
+}
+
+impl BroadPhaseKind {
+    /// A new one of this kind.
+    #[must_use]
+    pub fn create(self) -> Box<dyn BroadPhase> {
+        match self {
+            Self::Hierarchy => Box::new(Hierarchy::new()),
+            Self::SpatialHash => Box::new(SpatialHash::new()),
+            Self::MortonGrid => Box::new(MortonGrid::new()),
+        }
+    }
+}
+
 /// Finds overlapping boxes.
-pub trait BroadPhase: Debug + Send {
+pub trait BroadPhase: Debug + Send + Sync {
     /// Replaces `out` by all pairs `[a, b]`, a < b, of numbers of overlapping boxes ([`Bounds::overlaps`]), each once,
     /// in any order. Corners of boxes are finite. From the second call with as many boxes on, nothing is allocated
     /// beyond what `out` needs.

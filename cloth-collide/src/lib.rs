@@ -286,7 +286,7 @@ mod shapes;
 
 pub use bounds::Bounds;
 pub use broad_phase::{
-    BroadPhase, ClothCandidates, Hierarchy, MortonGrid, SpatialHash, TrianglePairs,
+    BroadPhase, BroadPhaseKind, ClothCandidates, Hierarchy, MortonGrid, SpatialHash, TrianglePairs,
 };
 pub use ccd::{ContinuousTest, CoplanarityTest, Impact, Query, QueryKind, Stop};
 pub use closest::{EdgeEdge, PointTriangle, edge_edge, point_triangle};

@@ -26,6 +26,7 @@
 //! | φ = Σ wᵢ φᵢ over the eight corners of a cell | [`SampledDistance`] |
 //! | x = (1 − s) xₖ + s xₖ₊₁ between two shapes | [`AnimatedMesh`] |
 //! | x = p + R y, v(x) = v + ω × (x − p) | [`RigidMotion`] |
+//! | v = p/m + g h, ω = J⁻¹ L, p ← p + m g h + ∫f dt, L ← L + ∫τ dt | [`RigidBody`] |
 //! | E = ½ k (h − φ)², E = −k (φ − h)² ln(φ/h) | [`PenaltyLaw`], [`ObstaclePenalty`] |
 //! | Δvₙ = −(1 + e) vₙ, ‖Δvₜ‖ ≤ μ Δvₙ | [`ImpactLaw`] |
 //! | φ(x(t)) = h for the first time | [`first_contact`] |
@@ -64,6 +65,7 @@ mod impact;
 mod motion;
 mod penalty;
 mod placed;
+mod rigid_body;
 mod sampled;
 mod sphere;
 mod sweep;
@@ -81,6 +83,8 @@ pub use impact::ImpactLaw;
 pub use motion::{Pose, RigidMotion};
 pub use penalty::{ObstaclePenalty, PenaltyLaw, PlanePenalty};
 pub use placed::Obstacle;
+pub(crate) use rigid_body::Momenta;
+pub use rigid_body::RigidBody;
 pub use sampled::SampledDistance;
 pub use sphere::Sphere;
 pub use sweep::{FirstContact, VertexPath, first_contact};

@@ -45,6 +45,13 @@
 //! prescribed cloth may be inside of one. Cloth that two bodies leave no room for is an error,
 //! [`ContactError::Infeasible`](cloth_core::contact::ContactError::Infeasible).
 //!
+//! # Bodies that the cloth pushes
+//!
+//! A body with a mass and an inertia ([`PotentialBuilder::free`]) moves on in each (sub)step as its momentum says, and
+//! takes up the impulses of contact at the end: momentum is kept. What the last resort does to the cloth is no impulse
+//! on it, and bodies do not push each other. Steps have to resolve the frequency of the body on the contact,
+//! [`RigidBody::highest_frequency`](crate::obstacle::RigidBody::highest_frequency).
+//!
 //! # Who feels it how
 //!
 //! | method | contact is |
@@ -70,6 +77,7 @@
 //! | μ λ f(‖u‖) | `friction` |
 //! | which pairs can be near on a path | `near_pairs`, `ranked` |
 //! | bodies behind the cloth | `surfaces` |
+//! | p ← p + m g h + ∫f dt of bodies that the cloth pushes | `free` |
 //! | C = n·Σ wᵢ xᵢ − h, α = 1/(A φ″), λ ≥ 0 | `row`, `rows`, `bodies`, `tangent` |
 //! | what can touch in a substep or on a path | `patches`; whether anything can, `quiet` |
 //! | how far the path is safe | `filter` |
@@ -95,6 +103,7 @@ mod bodies;
 mod builder;
 mod filter;
 mod forces;
+mod free;
 mod friction;
 mod gap;
 mod hold;

@@ -244,6 +244,28 @@ impl StepReport {
             pin_work: None,
         }
     }
+
+    /// The report of this step and of the next one, as if the two were one.
+    #[must_use]
+    pub fn and(self, next: Self) -> Self {
+        Self {
+            outcome: match self.outcome {
+                Outcome::Converged => next.outcome,
+                Outcome::BudgetSpent => self.outcome,
+            },
+            iterations: self.iterations + next.iterations,
+            factorizations: self.factorizations + next.factorizations,
+            linear_solves: self.linear_solves + next.linear_solves,
+            linear_iterations: self.linear_iterations + next.linear_iterations,
+            backtracks: self.backtracks + next.backtracks,
+            chebyshev_fallbacks: self.chebyshev_fallbacks + next.chebyshev_fallbacks,
+            coarse_builds: self.coarse_builds + next.coarse_builds,
+            coarse_fallbacks: self.coarse_fallbacks + next.coarse_fallbacks,
+            newton_fallbacks: self.newton_fallbacks + next.newton_fallbacks,
+            residual: next.residual,
+            pin_work: self.pin_work.zip(next.pin_work).map(|(a, b)| a + b),
+        }
+    }
 }
 
 /// Why a step was not taken. The state is left as it was.

@@ -188,7 +188,6 @@ impl EnergyBalance {
 
     /// Balances the account after a step of `dt` (s); contact has stored `stored` (J).
     pub(super) fn end_step(&mut self, state: &State, dt: Real, stored: Real) {
-        self.steps += 1;
         let (kinetic, fallen) = (self.kinetic(state), self.gravitational(state));
         let (held, given) = (self.held(state) + stored, self.given_until(state));
         self.most_given = self.most_given.max(given);
@@ -202,13 +201,18 @@ impl EnergyBalance {
         if self.gain.is_none() {
             let gains = kinetic - given > self.most_given.max(jitter + sums);
             let now = gains.then_some(EnergyGain {
-                step: self.steps,
+                step: self.steps + 1,
                 kinetic,
                 given: self.most_given,
             });
             let before = std::mem::replace(&mut self.suspicion, now);
             self.gain = now.and(before);
         }
+    }
+
+    /// A step is over, of one part or several.
+    pub(super) fn count_step(&mut self) {
+        self.steps += 1;
     }
 
     /// The largest excess so far (J), 0 if it was never more than rounding.

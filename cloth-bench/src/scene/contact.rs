@@ -2,10 +2,12 @@
 
 use crate::error::BenchError;
 use crate::settings::{Parameter, Settings, parameter};
-use cloth_collide::obstacle::{AnimatedMesh, ImpactLaw, Obstacle, ObstacleContacts};
+use cloth_collide::obstacle::{
+    AnimatedMesh, ImpactLaw, Obstacle, ObstacleContacts, RigidBody, RigidMotion,
+};
 use cloth_collide::potential::PotentialContacts;
 use cloth_collide::untangle::StepUntangler;
-use cloth_collide::{BodyProbe, SeparationProbe};
+use cloth_collide::{BodyProbe, BroadPhaseKind, SeparationProbe};
 use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::TriMesh;
 
@@ -45,13 +47,38 @@ pub(crate) const UNTANGLE: Parameter = parameter(
     "whether the cloth may pass through itself at the start: yes (those pairs are let go, and pulled apart during the run) or no (that is refused)",
 );
 
+pub(crate) const BROAD_PHASE: Parameter = parameter(
+    "broad_phase",
+    "hierarchy",
+    "what finds near triangles: hierarchy (a tree of boxes), spatial-hash or morton-grid; the motion is the same with each, bit for bit",
+);
+const BROAD_PHASES: [(&str, BroadPhaseKind); 3] = [
+    ("hierarchy", BroadPhaseKind::Hierarchy),
+    ("spatial-hash", BroadPhaseKind::SpatialHash),
+    ("morton-grid", BroadPhaseKind::MortonGrid),
+];
+
 /// What can be set of contact, in a scene that is about it.
-pub(crate) const TOUCHING: &[Parameter] =
-    &[CONTACT, SELF, THICKNESS, STIFFNESS, FRICTION, UNTANGLE];
+pub(crate) const TOUCHING: &[Parameter] = &[
+    CONTACT,
+    SELF,
+    THICKNESS,
+    STIFFNESS,
+    FRICTION,
+    UNTANGLE,
+    BROAD_PHASE,
+];
 
 /// The same where the cloth cannot touch itself unless that is asked for.
-pub(crate) const TOUCHING_ALONE: &[Parameter] =
-    &[CONTACT, NO_SELF, THICKNESS, STIFFNESS, FRICTION, UNTANGLE];
+pub(crate) const TOUCHING_ALONE: &[Parameter] = &[
+    CONTACT,
+    NO_SELF,
+    THICKNESS,
+    STIFFNESS,
+    FRICTION,
+    UNTANGLE,
+    BROAD_PHASE,
+];
 
 /// Something that a cloth can touch.
 pub(super) enum Body {
@@ -59,6 +86,8 @@ pub(super) enum Body {
     Rigid {
         obstacle: Obstacle,
         surface: TriMesh,
+        /// Mass and inertia, if the cloth can push it.
+        free: Option<RigidBody>,
         /// Whether its signed distance at the vertices of the cloth is all there is to it.
         is_flat: bool,
     },
@@ -105,9 +134,14 @@ pub struct ContactSetup {
     stiffness: Real,
     friction: Real,
     untangles: bool,
+    broad_phase: BroadPhaseKind,
     obstacles: ObstacleContacts,
     /// The same obstacles as surfaces around their own origins, and whether these are needed for more than pictures.
     shapes: Vec<(TriMesh, bool)>,
+    /// Those of them that the cloth pushes, by their numbers.
+    free: Vec<(usize, RigidBody)>,
+    /// Of these on their contact (rad/s); 0 without any.
+    highest_frequency: Real,
     animated: Vec<(TriMesh, AnimatedMesh)>,
     pub(super) pieces: Option<PieceContact>,
 }
@@ -126,25 +160,40 @@ impl ContactSetup {
         let is_on = settings.choice(&CONTACT, &[("potential", true), ("none", false)])?;
         let mut contacts =
             ObstacleContacts::new(thickness, 0.5 * thickness).map_err(BenchError::usage)?;
-        let (mut shapes, mut animated) = (Vec::new(), Vec::new());
+        let (mut shapes, mut animated, mut free_bodies) = (Vec::new(), Vec::new(), Vec::new());
         for body in bodies {
             match body {
                 Body::Rigid {
                     obstacle,
                     surface,
+                    free,
                     is_flat,
                 } => {
+                    free_bodies.extend(free.map(|body| (shapes.len(), body)));
                     contacts = contacts.with(obstacle, law);
                     shapes.push((surface, !is_flat));
                 }
                 Body::Animated(mesh, animation) => animated.push((mesh, animation)),
             }
         }
+        let frequency = |(number, body): &(usize, RigidBody)| {
+            let (surface, _): &(TriMesh, bool) = &shapes[*number];
+            body.highest_frequency(stiffness, surface)
+        };
+        let highest_frequency = free_bodies.iter().map(frequency).fold(0.0, Real::max);
         let self_collision = settings.choice(own, &[("yes", true), ("no", false)])?;
         if !self_collision {
             settings.refuse_without(&UNTANGLE, "a cloth that can touch itself (self=yes)")?;
         }
         let untangles = settings.choice(&UNTANGLE, &[("yes", true), ("no", false)])?;
+        let broad_phase = settings.choice(&BROAD_PHASE, &BROAD_PHASES)?;
+        // Planes alone have no triangles to be found.
+        if is_on && !self_collision && animated.is_empty() && shapes.iter().all(|shape| !shape.1) {
+            settings.refuse_without(
+                &BROAD_PHASE,
+                "triangles to touch (self=yes, or a body that is no plane)",
+            )?;
+        }
         // contact=none switches contact off, whatever else is said of it.
         if is_on && !self_collision && shapes.is_empty() && animated.is_empty() {
             for parameter in [&CONTACT, &THICKNESS, &STIFFNESS, &FRICTION] {
@@ -158,8 +207,11 @@ impl ContactSetup {
             stiffness,
             friction,
             untangles,
+            broad_phase,
             obstacles: contacts,
             shapes,
+            free: free_bodies,
+            highest_frequency,
             animated,
             pieces: None,
         })
@@ -201,6 +253,7 @@ impl ContactSetup {
             .stiffness(self.stiffness)
             .friction(self.friction)
             .obstacles(self.obstacles.clone())
+            .broad_phase(self.broad_phase)
             .self_collision(self.self_collision)
             .sew(sewn);
         if let Some(pieces) = &self.pieces {
@@ -211,6 +264,9 @@ impl ContactSetup {
         }
         for (number, (surface, _)) in self.shapes.iter().enumerate().filter(|(_, s)| s.1) {
             contacts = contacts.surface(number, surface.clone());
+        }
+        for (number, body) in &self.free {
+            contacts = contacts.free(*number, *body);
         }
         for (surface, animation) in &self.animated {
             contacts = contacts.animated(surface.clone(), animation.clone(), self.friction);
@@ -234,7 +290,49 @@ impl ContactSetup {
         (self.untangles && !self.is_idle()).then(|| StepUntangler::new(mesh))
     }
 
-    /// The obstacles where they start.
+    /// Whether the cloth can push the obstacle of this number.
+    #[must_use]
+    pub fn is_free(&self, number: usize) -> bool {
+        self.free.iter().any(|(free, _)| *free == number)
+    }
+
+    /// The mass and inertia of the obstacles that the cloth can push, by their numbers.
+    pub fn free_bodies(&self) -> impl Iterator<Item = (usize, &RigidBody)> + '_ {
+        self.free.iter().map(|(number, body)| (*number, body))
+    }
+
+    /// Into how many equal parts a step of `dt` (s) is cut, so that each resolves the frequency of every body that the
+    /// cloth can push on its contact: none is longer than 1/Ω, half of what is stable.
+    #[must_use]
+    pub(super) fn parts(&self, dt: Real) -> u32 {
+        /// More parts are a slip of the pen.
+        const MOST: Real = 1e4;
+        if self.is_idle() {
+            return 1;
+        }
+        (dt * self.highest_frequency).ceil().clamp(1.0, MOST) as u32
+    }
+
+    /// Takes bodies that the cloth pushes to where they are at `time` (s).
+    pub(crate) fn put(
+        &mut self,
+        motions: impl Iterator<Item = (usize, RigidMotion)>,
+        time: Real,
+    ) -> Result<(), BenchError> {
+        for (number, motion) in motions {
+            let Some(obstacle) = self.obstacles.obstacles_mut().nth(number) else {
+                continue;
+            };
+            // As if it had always moved like that.
+            let pose = motion.pose_at(-time);
+            obstacle
+                .set_motion(RigidMotion { pose, ..motion })
+                .map_err(BenchError::failed)?;
+        }
+        Ok(())
+    }
+
+    /// The obstacles where they start, and those that the cloth pushes on the path that they are on now.
     pub fn obstacles(&self) -> impl Iterator<Item = &Obstacle> + '_ {
         self.obstacles.obstacles()
     }

@@ -78,6 +78,7 @@ pub(super) fn below(
     Ok(Body::Rigid {
         obstacle: obstacle.map_err(BenchError::usage)?,
         surface: shape,
+        free: None,
         is_flat: matches!(kind, Below::Floor(_)),
     })
 }

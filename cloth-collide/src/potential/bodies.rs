@@ -301,6 +301,19 @@ impl Bodies {
         work
     }
 
+    /// The vertices that touch body `number`, and the impulses (N·s) on them in a substep of `dt` (s).
+    pub(super) fn impulses_of(
+        &self,
+        number: usize,
+        dt: Real,
+    ) -> impl Iterator<Item = (usize, Vec3)> + '_ {
+        let own = self
+            .rows
+            .iter()
+            .filter(move |row| row.body as usize == number);
+        own.map(move |row| (row.vertex as usize, (row.pressure + row.friction) / dt))
+    }
+
     /// Enters the impulses of a substep that ends at `x` (m), the bodies still being where they are at its start.
     pub(super) fn record(
         &self,

@@ -1,5 +1,6 @@
 //! Settings of the contact potential, checked.
 
+use super::free::FreeBody;
 use super::last_resort::LastResort;
 use super::let_go::LetGo;
 use super::near::{Near, Own, Side};
@@ -7,7 +8,8 @@ use super::patches::Patches;
 use super::sewn::Sewn;
 use super::source::Contacts;
 use super::surfaces::{Motion, PotentialContacts, Surface, Surfaces};
-use crate::obstacle::{AnimatedMesh, ObstacleContacts, PenaltyLaw};
+use crate::broad_phase::BroadPhaseKind;
+use crate::obstacle::{AnimatedMesh, ObstacleContacts, PenaltyLaw, RigidBody};
 use cloth_core::math::Real;
 use cloth_core::mesh::TriMesh;
 use cloth_core::mesh::generate::join;
@@ -22,6 +24,7 @@ pub struct PotentialBuilder<'a> {
     friction: Real,
     obstacles: Option<ObstacleContacts>,
     surfaces: Vec<Surface>,
+    free: Vec<(usize, RigidBody)>,
     self_collision: bool,
     own: Own,
     /// Of how many vertices the regions are known.
@@ -39,6 +42,7 @@ impl<'a> PotentialBuilder<'a> {
             friction: 0.0,
             obstacles: None,
             surfaces: Vec::new(),
+            free: Vec::new(),
             self_collision: true,
             own: Own::default(),
             regions: 0,
@@ -88,6 +92,13 @@ impl<'a> PotentialBuilder<'a> {
         self
     }
 
+    /// What finds the triangles that are near each other. All kinds find the same, at different cost.
+    #[must_use]
+    pub fn broad_phase(mut self, kind: BroadPhaseKind) -> Self {
+        self.own.broad_phase = kind;
+        self
+    }
+
     /// Stiffness κ (Pa/m): pressure per m that is missing to the thickness.
     #[must_use]
     pub fn stiffness(mut self, stiffness: Real) -> Self {
@@ -119,6 +130,14 @@ impl<'a> PotentialBuilder<'a> {
         self
     }
 
+    /// Obstacle `number` (as [`obstacles`](Self::obstacles) has them, from 0) is pushed by the cloth and pulled by
+    /// gravity; it starts with the velocities of its motion.
+    #[must_use]
+    pub fn free(mut self, number: usize, body: RigidBody) -> Self {
+        self.free.push((number, body));
+        self
+    }
+
     /// A body that has triangles alone, those of `mesh` where `animation` moves its vertices; with a coefficient of
     /// `friction` μ (dimensionless). Its time begins with the first step.
     #[must_use]
@@ -139,7 +158,7 @@ impl<'a> PotentialBuilder<'a> {
     ///
     /// # Errors
     /// [`BuildError::InvalidSetting`] for a thickness or stiffness that is not positive and finite, a friction that is
-    /// negative, the surface of an obstacle that there is not, an animation of another number of vertices than its
+    /// negative, the surface of an obstacle that there is not, or a free one that there is not, an animation of another number of vertices than its
     /// mesh, or a sewn vertex that there is not.
     pub fn build(self) -> Result<PotentialContacts, BuildError> {
         self.check_own()?;
@@ -160,6 +179,7 @@ impl<'a> PotentialBuilder<'a> {
         // Friction is no part of the law of pressure, and checked apart.
         checked_friction("friction of contact", self.friction)?;
         let sides = self.sides()?;
+        let free = self.free_bodies()?;
         let joined = match &self.surfaces[..] {
             [] => None,
             surfaces => {
@@ -187,10 +207,13 @@ impl<'a> PotentialBuilder<'a> {
         let patches = || has_pairs.then(|| Patches::new(mesh, &near));
         let patches = [patches(), patches()];
         let last_resort = LastResort::new(mesh, thickness, has_pairs);
-        let contacts = Contacts::new(near, patches, self.obstacles, last_resort);
+        let mut contacts = Contacts::new(near, patches, self.obstacles, last_resort);
+        contacts.free.list = free;
         let surfaces =
             (joined.is_some()).then(|| Surfaces::new(self.mesh.vertex_count(), self.surfaces));
-        Ok(PotentialContacts { contacts, surfaces })
+        let mut contacts = PotentialContacts { contacts, surfaces };
+        contacts.record_forces(false);
+        Ok(contacts)
     }
 
     /// Checks what vertices have of their own.
@@ -239,6 +262,20 @@ impl<'a> PotentialBuilder<'a> {
         friction
             .iter()
             .try_for_each(|value| checked(value).map(drop))
+    }
+
+    /// The bodies that the cloth pushes.
+    fn free_bodies(&self) -> Result<Vec<FreeBody>, BuildError> {
+        let obstacles = self.obstacles.as_ref().map_or(&[][..], |all| all.pairs());
+        let found = self.free.iter().map(|&(number, body)| {
+            let (obstacle, _) = obstacles.get(number).ok_or(BuildError::InvalidSetting {
+                name: "number of a free obstacle",
+                value: number as Real,
+                range: "below the number of obstacles",
+            })?;
+            Ok(FreeBody::new(number, body, obstacle.motion()))
+        });
+        found.collect()
     }
 
     /// What each vertex of the surfaces knows of its body.

@@ -128,6 +128,27 @@ impl Ledger {
     }
 }
 
+impl ContactForces {
+    /// These and others times a `weight` (dimensionless): the terms of a mean.
+    #[must_use]
+    pub fn plus(mut self, other: &Self, weight: Real) -> Self {
+        for (sum, term) in [
+            (&mut self.normal, &other.normal),
+            (&mut self.friction, &other.friction),
+        ] {
+            sum.resize(term.len(), Vec3::zeros());
+            let both = sum.iter_mut().zip(term);
+            both.for_each(|(sum, term)| *sum += term * weight);
+        }
+        self.bodies.resize(other.bodies.len(), BodyForce::default());
+        for (sum, term) in self.bodies.iter_mut().zip(&other.bodies) {
+            sum.force += term.force * weight;
+            sum.torque += term.torque * weight;
+        }
+        self
+    }
+}
+
 impl BodyForce {
     fn add(&mut self, force: Vec3, arm: Vec3) {
         self.force += force;

@@ -18,7 +18,7 @@ use super::near::Near;
 use super::rows::KEPT;
 use super::zones::{Zones, make_velocities_rigid, move_rigidly};
 use crate::bounds::mean;
-use crate::broad_phase::{ClothCandidates, Hierarchy};
+use crate::broad_phase::{BroadPhase, ClothCandidates};
 use crate::ccd::QueryKind;
 use crate::obstacle::{BodyWork, ObstacleContacts, VertexPath, first_contact};
 use crate::pair::{Motion, Pair, apart_along, first_contact as first_contact_of_pair, nearest};
@@ -38,7 +38,7 @@ pub(super) struct LastResort {
     /// None if there are no pairs that can touch.
     mesh: Option<TriMesh>,
     /// Made when first needed.
-    candidates: Option<ClothCandidates<Hierarchy>>,
+    candidates: Option<ClothCandidates<Box<dyn BroadPhase>>>,
     zones: Zones,
     hold: Hold,
     /// Pairs that pass through each other, or come too near.
@@ -235,7 +235,7 @@ impl LastResort {
     ) -> Result<(), ContactError> {
         self.hits.clear();
         if let Some(mesh) = &self.mesh {
-            let new = || ClothCandidates::new(mesh, Hierarchy::new());
+            let new = || ClothCandidates::new(mesh, near.broad_phase.create());
             let candidates = self.candidates.get_or_insert_with(new);
             // What all vertices do together brings nothing nearer to anything.
             let shift = mean(x) - mean(step.from);
@@ -291,8 +291,8 @@ impl LastResort {
 }
 
 /// The candidates, as pairs.
-pub(super) fn pairs(
-    candidates: Option<&ClothCandidates<Hierarchy>>,
+pub(super) fn pairs<B: BroadPhase>(
+    candidates: Option<&ClothCandidates<B>>,
 ) -> impl Iterator<Item = Pair> + '_ {
     candidates.into_iter().flat_map(|candidates| {
         let corners = |t: u32| candidates.triangles()[t as usize];

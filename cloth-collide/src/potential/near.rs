@@ -3,7 +3,7 @@
 use super::let_go::LetGo;
 use super::mollifier::Mollifier;
 use super::sewn::Sewn;
-use crate::broad_phase::{ClothCandidates, Hierarchy};
+use crate::broad_phase::{BroadPhase, BroadPhaseKind, ClothCandidates};
 use crate::error::CollideError;
 use crate::incidence::{edge_numbers, pieces};
 use crate::obstacle::PenaltyLaw;
@@ -33,6 +33,8 @@ pub(super) struct Own {
     pub(super) excluded: LetGo,
     /// Vertices that are sewn together.
     pub(super) sewn: Sewn,
+    /// What finds near triangles.
+    pub(super) broad_phase: BroadPhaseKind,
 }
 
 /// Areas, laws and freedom of the parts of a cloth, and of the surfaces of bodies behind it.
@@ -59,7 +61,9 @@ pub(super) struct Near {
     pub(super) is_resting: Vec<bool>,
     pub(super) let_go: LetGo,
     /// None if the cloth cannot touch itself.
-    candidates: Option<ClothCandidates<Hierarchy>>,
+    candidates: Option<ClothCandidates<Box<dyn BroadPhase>>>,
+    /// What finds them, and all others.
+    pub(super) broad_phase: BroadPhaseKind,
 }
 
 impl Near {
@@ -84,6 +88,7 @@ impl Near {
         }
         let cloth = mesh.vertex_count() - surfaces.len();
         let any = self_collision || !surfaces.is_empty();
+        let broad_phase = own.broad_phase;
         Self {
             law,
             cloth,
@@ -99,7 +104,8 @@ impl Near {
             resting: Vec::new(),
             is_resting: vec![false; mesh.vertex_count()],
             let_go: LetGo::default(),
-            candidates: any.then(|| ClothCandidates::new(mesh, Hierarchy::new())),
+            candidates: any.then(|| ClothCandidates::new(mesh, broad_phase.create())),
+            broad_phase,
         }
     }
 
@@ -212,6 +218,11 @@ impl Near {
         self.surfaces
             .get((vertex as usize).wrapping_sub(self.cloth))
             .copied()
+    }
+
+    /// The body that a vertex is of, if it is not of the cloth.
+    pub(super) fn body_of(&self, vertex: u32) -> Option<usize> {
+        self.side(vertex).map(|side| side.body)
     }
 
     /// The body of each vertex behind those of the cloth.

@@ -19,7 +19,7 @@ mod partition;
 
 use super::near::Near;
 use crate::bounds::Bounds;
-use crate::broad_phase::{BroadPhase, Hierarchy};
+use crate::broad_phase::BroadPhase;
 use crate::ccd::QueryKind;
 use crate::incidence::{Owned, edge_numbers, owned};
 use between::PatchPair;
@@ -134,7 +134,7 @@ pub(super) struct Patches {
     searched: Motions,
     boxes: Vec<Bounds>,
     inflated: Vec<Bounds>,
-    hierarchy: Hierarchy,
+    broad_phase: Box<dyn BroadPhase>,
     found: Vec<[u32; 2]>,
     pairs: Vec<PatchPair>,
     /// The two patches of each of them, and the sum of their clocks until which nothing can happen between them.
@@ -209,7 +209,7 @@ impl Patches {
             searched: Motions::default(),
             inflated: nothing.clone(),
             boxes: nothing,
-            hierarchy: Hierarchy::new(),
+            broad_phase: near.broad_phase.create(),
             found: Vec::new(),
             pairs: Vec::new(),
             ids: Vec::new(),
@@ -524,7 +524,8 @@ impl Patches {
         for (inflated, bounds) in self.inflated.iter_mut().zip(&self.boxes) {
             *inflated = bounds.inflated(reach);
         }
-        self.hierarchy.overlapping(&self.inflated, &mut self.found);
+        self.broad_phase
+            .overlapping(&self.inflated, &mut self.found);
         let own = (0..self.members.len() as u32).map(|p| [p, p]);
         self.found.extend(own);
         let members = &self.members;

@@ -51,7 +51,7 @@ const LEADING_SWEEPS: u32 = 10;
 pub(super) struct Rows {
     patches: Option<Patches>,
     pub(super) bodies: Bodies,
-    rows: Vec<Row>,
+    pub(super) rows: Vec<Row>,
     parted: Vec<Parted>,
     quiet: Quiet,
     /// Where the last step ended (m): free of crossings.
@@ -127,6 +127,7 @@ impl ContactConstraints for Contacts {
         let bodies = self.obstacles.iter();
         self.before
             .extend(bodies.flat_map(ObstacleContacts::obstacles).cloned());
+        self.free.remember();
         self.is_open = true;
         self.ledger.iter_mut().for_each(Ledger::begin);
         let rows = &mut self.rows;
@@ -145,6 +146,7 @@ impl ContactConstraints for Contacts {
         step: &ContactStep<'_>,
         predicted: &[Vec3],
     ) -> Result<(), ContactError> {
+        self.set_out(step.dt);
         if self.near.sets_out(step.from, predicted) {
             self.rows
                 .start_anew(&self.near, step.from, self.before.len());
@@ -390,6 +392,7 @@ impl Contacts {
 
     /// Enters the impulses of the rows in a substep that ends at `x` (m).
     fn record_impulses(&mut self, step: &ContactStep<'_>, x: &[Vec3]) {
+        self.collect_impulses(step, x);
         let Some(ledger) = &mut self.ledger else {
             return;
         };
@@ -444,6 +447,7 @@ impl Contacts {
 
     /// Moves the bodies on by `dt` (s).
     fn advance_bodies(&mut self, dt: Real) {
+        self.push_free(dt);
         let bodies = self.obstacles.iter_mut();
         for body in bodies.flat_map(ObstacleContacts::obstacles_mut) {
             if !body.motion().is_still() {
@@ -473,7 +477,10 @@ impl Contacts {
         for _ in 0..LEADING_SWEEPS {
             ContactConstraints::sweep(self, step, x);
         }
-        self.end_substep(step, x)?;
+        self.free.is_led = true;
+        let ended = self.end_substep(step, x);
+        self.free.is_led = false;
+        ended?;
         self.rows.led = led;
         self.rows.led.clear();
         self.rows.led.extend_from_slice(x);

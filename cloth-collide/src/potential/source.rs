@@ -2,6 +2,7 @@
 
 use super::filter::shorten_all;
 use super::forces::Ledger;
+use super::free::FreeBodies;
 use super::friction::{Sticking, Stretched};
 use super::gap::Gap;
 use super::last_resort::LastResort;
@@ -62,8 +63,10 @@ pub(super) struct Contacts {
     pub(super) work: Real,
     pub(super) obstacles: Option<ObstacleContacts>,
     pub(super) last_resort: LastResort,
-    /// None unless forces are wanted.
+    /// None unless forces are wanted, or a body is free.
     pub(super) ledger: Option<Ledger>,
+    /// Obstacles that the cloth pushes.
+    pub(super) free: FreeBodies,
     /// The obstacles at the end of the step.
     pub(super) still: Vec<Obstacle>,
     /// The obstacles before the step.
@@ -103,6 +106,7 @@ impl Contacts {
             obstacles,
             last_resort,
             ledger: None,
+            free: FreeBodies::default(),
             still: Vec::new(),
             before: Vec::new(),
             is_open: false,
@@ -161,6 +165,9 @@ impl Contacts {
 impl ContactPotential for Contacts {
     fn begin(&mut self, step: &ContactStep<'_>, start: &mut [Vec3]) -> Result<(), ContactError> {
         let goes_on = self.check_start(step)? && !self.near.sets_out(step.from, start);
+        self.free.remember();
+        self.free.dt = step.dt;
+        self.set_out(step.dt);
         self.before.clear();
         let bodies = self.obstacles.iter();
         let bodies = bodies.flat_map(ObstacleContacts::obstacles);
@@ -327,6 +334,7 @@ impl ContactPotential for Contacts {
         self.stretched.replace(&self.sticking, reach, x);
         self.work = self.work_of_bodies(x) + self.work_of_prescribed(x);
         self.record_forces(x);
+        self.take_forces();
         // Friction stores nothing that it gives back.
         self.sticking.clear();
         let mut unused = std::mem::take(&mut self.scratch);
@@ -389,6 +397,7 @@ impl Contacts {
             bodies
                 .zip(&self.before)
                 .for_each(|(body, before)| *body = before.clone());
+            self.free.undo();
         }
     }
 

@@ -11,7 +11,7 @@ use super::forces::{ContactForces, Ledger};
 
 use super::report::ConstraintReport;
 use super::source::{Contacts, PotentialReport};
-use crate::obstacle::{AnimatedMesh, ImpactLaw, Obstacle, Pose};
+use crate::obstacle::{AnimatedMesh, ImpactLaw, Obstacle, Pose, RigidMotion};
 use cloth_core::contact::{
     ContactConstraints, ContactError, ContactPotential, ContactRow, ContactSource, ContactStep,
 };
@@ -187,7 +187,8 @@ impl PotentialContacts {
         self.contacts.rows.report
     }
 
-    /// Whether forces are recorded from the next step on; nothing is spent on them otherwise.
+    /// Whether forces are recorded from the next step on; nothing is spent on them otherwise. They always are where
+    /// bodies are free.
     pub fn record_forces(&mut self, are_wanted: bool) {
         let contacts = &mut self.contacts;
         let all = contacts.near.vertex_area.len();
@@ -195,7 +196,14 @@ impl PotentialContacts {
         let bodies = contacts.near.bodies().map(|body| body + 1);
         let bodies = bodies.fold(obstacles, usize::max);
         let cloth = contacts.near.cloth;
-        contacts.ledger = are_wanted.then(|| Ledger::new(all, cloth, bodies));
+        let are_needed = !contacts.free.list.is_empty();
+        contacts.ledger = (are_wanted || are_needed).then(|| Ledger::new(all, cloth, bodies));
+    }
+
+    /// Where the bodies that the cloth pushes are after the last step, with the velocities that their momenta give
+    /// them, by the numbers of their obstacles.
+    pub fn free_motions(&self) -> impl Iterator<Item = (usize, RigidMotion)> + '_ {
+        self.contacts.free_motions()
     }
 
     /// The forces of the last step, if they are recorded.
@@ -234,6 +242,7 @@ impl PotentialContacts {
         } else if begins {
             surfaces.begun = surfaces.time;
         }
+        self.contacts.set_out(step.dt);
         surfaces.place(self.contacts.bodies(), step.dt);
         surfaces.put(step, to);
         Ok(())

@@ -1,7 +1,9 @@
 //! From the text of a file to a [`Scene`].
 
 use super::document::{Document, Section};
-use super::keys::{DT, GRAVITY, MESH_CLOTH, MESH_CONTACT, NAME, SECTIONS, STEPS, overrulable};
+use super::keys::{
+    BODY_DENSITY, DT, GRAVITY, MESH_CLOTH, MESH_CONTACT, NAME, SECTIONS, STEPS, overrulable,
+};
 use super::material::Material;
 use super::{air, gas, mesh, obstacles, pins, roughness, seam, start, tear};
 use crate::bounds::bounds;
@@ -245,10 +247,22 @@ impl<'a> Sections<'a> {
             .map_err(|error| self.contact.blame(error, overruling))?;
         let bodies = self.obstacles.iter();
         let bodies: Vec<_> = bodies
-            .map(|section| obstacles::body(section, folder, [size, thickness]))
+            .map(|section| obstacles::body(section, folder, [size, thickness], gravity))
             .collect::<Result<_, _>>()?;
         let mut touch = ContactSetup::new(&settings, &NO_SELF, bodies)
             .map_err(|error| self.contact.blame(error, overruling))?;
+        if let (true, Some(tear)) = (touch.free_bodies().next().is_some(), self.tears.first()) {
+            return Err(tear.refuse_table("cloth that pushes a body (density) cannot be torn"));
+        }
+        if touch.is_idle()
+            && let Some(free) = self
+                .obstacles
+                .iter()
+                .find(|s| s.value(&BODY_DENSITY).is_some())
+        {
+            let message = "density has no meaning with contact=none";
+            return Err(free.refuse(&BODY_DENSITY, message));
+        }
         touch.pieces = roughness::of_pieces(&settings, &self.roughness, &counts, order.as_ref())?;
         if let (true, Some(section)) = (
             touch.excludes_and_untangles(),

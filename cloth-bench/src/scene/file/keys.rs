@@ -173,11 +173,20 @@ pub(super) const POSITION: Parameter = parameter(
     "[0, 0, 0]",
     "of the middle, or of a point on a plane (m), at the start",
 );
-pub(super) const VELOCITY: Parameter = parameter("velocity", "[0, 0, 0]", "constant (m/s)");
+pub(super) const VELOCITY: Parameter = parameter(
+    "velocity",
+    "[0, 0, 0]",
+    "constant, or with a density at the start (m/s)",
+);
 pub(super) const ANGULAR_VELOCITY: Parameter = parameter(
     "angular_velocity",
     "[0, 0, 0]",
-    "constant (rad/s), about the position",
+    "the same of turning (rad/s), about the position; with a density about the centre of mass",
+);
+pub(super) const BODY_DENSITY: Parameter = parameter(
+    "density",
+    "none",
+    "of a body that gravity pulls and the cloth pushes (kg/m³), above 0; none: it keeps its velocities, whatever pushes it. Bodies pass through each other. A run cuts a step into parts that are short enough for the contact of the body",
 );
 
 pub(super) const START_VELOCITY: Parameter = parameter(
@@ -315,6 +324,7 @@ pub const SECTIONS: [SectionInfo; 13] = [
             ROTATE,
             VELOCITY,
             ANGULAR_VELOCITY,
+            BODY_DENSITY,
         ],
     },
     SectionInfo {

@@ -2,8 +2,8 @@
 
 use super::document::Section;
 use super::keys::{
-    ANGULAR_VELOCITY, EXTENT, FILE, FOLDER, GENERATOR, INTERVAL, LENGTH, POSITION, RADIUS, ROTATE,
-    SCALE, SHAPE, VELOCITY,
+    ANGULAR_VELOCITY, BODY_DENSITY, EXTENT, FILE, FOLDER, GENERATOR, INTERVAL, LENGTH, POSITION,
+    RADIUS, ROTATE, SCALE, SHAPE, VELOCITY,
 };
 use super::mesh;
 use crate::error::BenchError;
@@ -12,7 +12,7 @@ use crate::scene::contact::{Body, splits};
 use crate::scene::touching;
 use crate::settings::Parameter;
 use cloth_collide::obstacle::{
-    AnimatedMesh, Capsule, ClosedMesh, Cuboid, HalfSpace, Obstacle, ObstacleError, Pose,
+    AnimatedMesh, Capsule, ClosedMesh, Cuboid, HalfSpace, Obstacle, ObstacleError, Pose, RigidBody,
     RigidMotion, Sphere,
 };
 use cloth_core::math::{Real, Vec3};
@@ -26,14 +26,16 @@ pub(super) fn body(
     section: &Section<'_>,
     folder: &Path,
     [size, thickness]: [Real; 2],
+    gravity: Vec3,
 ) -> Result<Body, BenchError> {
     if section.text(&SHAPE)? == Some("animation") {
         return animated(section, folder);
     }
-    let (obstacle, surface) = rigid(section, folder, [size, thickness])?;
+    let (obstacle, surface, free) = rigid(section, folder, [size, thickness], gravity)?;
     Ok(Body::Rigid {
         obstacle,
         surface,
+        free,
         is_flat: section.text(&SHAPE)? == Some("plane"),
     })
 }
@@ -41,7 +43,7 @@ pub(super) fn body(
 /// A surface whose shapes are the files of a folder.
 fn animated(section: &Section<'_>, folder: &Path) -> Result<Body, BenchError> {
     only(section, &[&FOLDER, &INTERVAL])?;
-    if let Some(key) = [&VELOCITY, &ANGULAR_VELOCITY]
+    if let Some(key) = [&VELOCITY, &ANGULAR_VELOCITY, &BODY_DENSITY]
         .into_iter()
         .find(|key| section.value(key).is_some())
     {
@@ -90,8 +92,14 @@ fn rigid(
     section: &Section<'_>,
     folder: &Path,
     [size, thickness]: [Real; 2],
-) -> Result<(Obstacle, TriMesh), BenchError> {
+    gravity: Vec3,
+) -> Result<(Obstacle, TriMesh, Option<RigidBody>), BenchError> {
     let refused = |error: ObstacleError| section.refuse_table(error);
+    let density = section.positive(&BODY_DENSITY)?;
+    let free = |body: Option<Result<RigidBody, ObstacleError>>| {
+        body.transpose()
+            .map_err(|error| section.refuse(&BODY_DENSITY, error))
+    };
     let motion = motion(section)?;
     let placed = |shape: Result<Obstacle, ObstacleError>| shape.map_err(refused);
     match section.text(&SHAPE)? {
@@ -102,6 +110,7 @@ fn rigid(
             Ok((
                 placed(Obstacle::moving(ball, motion))?,
                 drawn(section, sphere(splits(radius, thickness), radius))?,
+                free(density.map(|density| RigidBody::sphere(density, radius, gravity)))?,
             ))
         }
         Some("box") => {
@@ -112,6 +121,7 @@ fn rigid(
             Ok((
                 placed(Obstacle::moving(body, motion))?,
                 touching::block(half.into())?,
+                free(density.map(|density| RigidBody::cuboid(density, half, gravity)))?,
             ))
         }
         Some("capsule") => {
@@ -128,22 +138,27 @@ fn rigid(
             Ok((
                 placed(Obstacle::moving(body, motion))?,
                 drawn(section, surface)?,
+                free(density.map(|density| RigidBody::capsule(density, half, radius, gravity)))?,
             ))
         }
         Some("plane") => {
             only(section, &[])?;
             let plane = HalfSpace::new(Vec3::z()).map_err(refused)?;
             let surface = touching::centred([1, 1], [1.5 * size; 2], Diagonals::OneWay)?;
-            Ok((placed(Obstacle::moving(plane, motion))?, surface))
+            if density.is_some() {
+                let message = "a plane has no end, and so no mass";
+                return Err(section.refuse(&BODY_DENSITY, message));
+            }
+            Ok((placed(Obstacle::moving(plane, motion))?, surface, None))
         }
         Some("mesh") => {
             only(section, &[&FILE, &GENERATOR, &SCALE])?;
-            let surface = mesh::scaled(section, folder)?;
+            let (surface, motion, body_of) = centred(section, folder, motion, density, gravity)?;
             let body = ClosedMesh::new(&surface).map_err(|error| match section.value(&FILE) {
                 Some(_) => section.refuse(&FILE, error),
                 None => section.refuse(&GENERATOR, error),
             })?;
-            Ok((placed(Obstacle::moving(body, motion))?, surface))
+            Ok((placed(Obstacle::moving(body, motion))?, surface, body_of))
         }
         Some(other) => {
             let known = ["sphere", "box", "capsule", "plane", "mesh", "animation"];
@@ -151,6 +166,33 @@ fn rigid(
         }
         None => Err(section.refuse_table("needs a shape")),
     }
+}
+
+/// The mesh of a body, and its motion. If it has a density, its frame has its origin in the centre of mass.
+fn centred(
+    section: &Section<'_>,
+    folder: &Path,
+    motion: RigidMotion,
+    density: Option<Real>,
+    gravity: Vec3,
+) -> Result<(TriMesh, RigidMotion, Option<RigidBody>), BenchError> {
+    let surface = mesh::scaled(section, folder)?;
+    let Some(density) = density else {
+        return Ok((surface, motion, None));
+    };
+    let (body, centre) = RigidBody::of_mesh(density, &surface, gravity)
+        .map_err(|error| section.refuse(&BODY_DENSITY, error))?;
+    let shifted = surface.positions().iter().map(|x| x - centre);
+    let shifted = TriMesh::new(shifted.collect(), surface.triangles().to_vec());
+    let pose = Pose {
+        position: motion.pose.to_world(centre),
+        ..motion.pose
+    };
+    Ok((
+        drawn(section, shifted)?,
+        RigidMotion { pose, ..motion },
+        Some(body),
+    ))
 }
 
 fn motion(section: &Section<'_>) -> Result<RigidMotion, BenchError> {

@@ -1,0 +1,326 @@
+//! Mass, inertia and momentum of a body that forces move.
+
+use super::{ObstacleError, Pose, RigidMotion, finite, positive};
+use cloth_core::math::{Real, Vec3, gather};
+use cloth_core::mesh::TriMesh;
+use nalgebra::{Matrix3, Matrix6, Vector6};
+use std::f64::consts::PI;
+
+/// A rigid body of mass m with the inertia J about its centre of mass, which is the origin of its frame.
+///
+/// Its momentum p and angular momentum L are what is integrated, so that both change by impulses and by nothing else.
+/// A step of h has
+///
+/// v = p/m + g h, ω = J⁻¹ L (with J turned half-way), then p ← p + m g h + ∫f dt, L ← L + ∫τ dt,
+///
+/// symplectic Euler, with the forces f and torques τ of the step in which the body has moved with v and ω. A force of
+/// stiffness k is stable for h < 2 √(m/k): see [`RigidBody::highest_frequency`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RigidBody {
+    mass: Real,
+    inertia: Matrix3<Real>,
+    inverse_inertia: Matrix3<Real>,
+    gravity: Vec3,
+}
+
+/// Momentum p (kg·m/s) and angular momentum L (kg·m²/s) about the centre of mass, in world axes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Momenta {
+    pub(crate) linear: Vec3,
+    pub(crate) angular: Vec3,
+}
+
+impl RigidBody {
+    /// A body of this mass (kg) and inertia (kg·m²), in its own frame about the origin, which gravity (m/s²) pulls.
+    ///
+    /// # Errors
+    /// [`ObstacleError::NotPositive`] for a mass or a principal moment of inertia that is not above zero,
+    /// [`ObstacleError::NonFinite`] for gravity.
+    pub fn new(mass: Real, inertia: Matrix3<Real>, gravity: Vec3) -> Result<Self, ObstacleError> {
+        positive("mass of a body (kg)", mass)?;
+        let inertia = 0.5 * (inertia + inertia.transpose());
+        let moments = inertia.symmetric_eigenvalues();
+        let least = moments.iter().copied().fold(Real::INFINITY, Real::min);
+        let name = "moment of inertia of a body (kg·m²)";
+        positive(name, least)?;
+        let inverse_inertia = inertia.try_inverse();
+        Ok(Self {
+            mass,
+            inertia,
+            inverse_inertia: inverse_inertia
+                .ok_or(ObstacleError::NotPositive { name, value: least })?,
+            gravity: finite("gravity on a body", gravity)?,
+        })
+    }
+
+    /// A ball of this density (kg/m³) and radius (m).
+    ///
+    /// # Errors
+    /// As [`RigidBody::new`].
+    pub fn sphere(density: Real, radius: Real, gravity: Vec3) -> Result<Self, ObstacleError> {
+        let mass = density * 4.0 / 3.0 * PI * radius.powi(3);
+        let inertia = Matrix3::identity() * (0.4 * mass * radius * radius);
+        Self::new(mass, inertia, gravity)
+    }
+
+    /// A box of this density (kg/m³) with half its edges (m).
+    ///
+    /// # Errors
+    /// As [`RigidBody::new`].
+    pub fn cuboid(density: Real, half: Vec3, gravity: Vec3) -> Result<Self, ObstacleError> {
+        let mass = density * 8.0 * half.product();
+        let squares = half.component_mul(&half);
+        let moments = Vec3::from_element(squares.sum()) - squares;
+        Self::new(
+            mass,
+            Matrix3::from_diagonal(&(moments * (mass / 3.0))),
+            gravity,
+        )
+    }
+
+    /// A capsule of this density (kg/m³) along its z, with half the length (m) of its straight part and its radius (m).
+    ///
+    /// # Errors
+    /// As [`RigidBody::new`].
+    pub fn capsule(
+        density: Real,
+        half: Real,
+        radius: Real,
+        gravity: Vec3,
+    ) -> Result<Self, ObstacleError> {
+        let square = radius * radius;
+        let straight = density * PI * square * 2.0 * half;
+        let ends = density * 4.0 / 3.0 * PI * square * radius;
+        let along = 0.5 * straight * square + 0.4 * ends * square;
+        // The centre of half a ball is ⅜ of the radius from its flat side.
+        let across = straight * (0.25 * square + half * half / 3.0)
+            + ends * (0.4 * square + half * half + 0.75 * half * radius);
+        let inertia = Matrix3::from_diagonal(&Vec3::new(across, across, along));
+        Self::new(straight + ends, inertia, gravity)
+    }
+
+    /// What a closed mesh of this density (kg/m³) encloses, and its centre of mass (m), about which its inertia is.
+    ///
+    /// # Errors
+    /// As [`RigidBody::new`]; a mesh whose triangles point inwards has a negative mass.
+    pub fn of_mesh(
+        density: Real,
+        mesh: &TriMesh,
+        gravity: Vec3,
+    ) -> Result<(Self, Vec3), ObstacleError> {
+        let (mut volume, mut first, mut second) = (0.0, Vec3::zeros(), Matrix3::zeros());
+        for triangle in mesh.triangles() {
+            let [a, b, c] = gather(mesh.positions(), *triangle);
+            // Of the tetrahedron with the origin.
+            let part = a.dot(&b.cross(&c)) / 6.0;
+            let sum = a + b + c;
+            volume += part;
+            first += sum * (part / 4.0);
+            let squares = [a, b, c, sum].map(|x| x * x.transpose());
+            second += squares.iter().sum::<Matrix3<Real>>() * (part / 20.0);
+        }
+        let mass = positive("mass of a body (kg)", density * volume)?;
+        let centre = first / volume;
+        let second = (second - centre * centre.transpose() * volume) * density;
+        let inertia = Matrix3::identity() * second.trace() - second;
+        Ok((Self::new(mass, inertia, gravity)?, centre))
+    }
+
+    /// m (kg).
+    #[must_use]
+    pub fn mass(&self) -> Real {
+        self.mass
+    }
+
+    /// J (kg·m²), in the frame of the body.
+    #[must_use]
+    pub fn inertia(&self) -> &Matrix3<Real> {
+        &self.inertia
+    }
+
+    /// The highest angular frequency Ω (rad/s) at which the body swings if its whole `surface`, in its own frame, is
+    /// pressed by contact of `stiffness` κ (Pa/m): the square root of the largest eigenvalue of M⁻¹K, with
+    /// K = κ ∫ (n, r × n)(n, r × n)ᵀ dA. Steps of less than 2/Ω are stable.
+    #[must_use]
+    pub fn highest_frequency(&self, stiffness: Real, surface: &TriMesh) -> Real {
+        let mut pressed = Matrix6::zeros();
+        for triangle in surface.triangles() {
+            let [a, b, c] = gather(surface.positions(), *triangle);
+            let area = 0.5 * (b - a).cross(&(c - a));
+            let Some(normal) = area.try_normalize(0.0) else {
+                continue;
+            };
+            // The middles of the edges integrate squares exactly.
+            for point in [a + b, b + c, c + a].map(|sum| sum / 2.0) {
+                let turning = point.cross(&normal);
+                let row = Vector6::new(
+                    normal.x, normal.y, normal.z, turning.x, turning.y, turning.z,
+                );
+                pressed += row * row.transpose() * (area.norm() / 3.0);
+            }
+        }
+        let mut inverse = Matrix6::zeros();
+        inverse
+            .fixed_view_mut::<3, 3>(0, 0)
+            .fill_diagonal(1.0 / self.mass);
+        inverse
+            .fixed_view_mut::<3, 3>(3, 3)
+            .copy_from(&self.inverse_inertia);
+        // M⁻¹K has the eigenvalues of LᵀKL, with M⁻¹ = L Lᵀ.
+        let Some(factor) = inverse.cholesky() else {
+            return Real::INFINITY;
+        };
+        let scaled = factor.l().transpose() * pressed * factor.l();
+        let largest = scaled.symmetric_eigenvalues().max();
+        (stiffness * largest.max(0.0)).sqrt()
+    }
+
+    /// What it has with this motion.
+    pub(crate) fn momenta(&self, motion: &RigidMotion) -> Momenta {
+        let rotation = motion.pose.orientation.to_rotation_matrix();
+        let local = rotation.inverse() * motion.angular_velocity;
+        Momenta {
+            linear: motion.velocity * self.mass,
+            angular: rotation * (self.inertia * local),
+        }
+    }
+
+    /// ω (rad/s) in this pose.
+    fn angular_velocity(&self, pose: &Pose, angular: Vec3) -> Vec3 {
+        let rotation = pose.orientation.to_rotation_matrix();
+        rotation * (self.inverse_inertia * (rotation.inverse() * angular))
+    }
+
+    /// How it moves from `pose` on in a step of `dt` (s).
+    pub(crate) fn motion(&self, pose: Pose, momenta: &Momenta, dt: Real) -> RigidMotion {
+        let start = self.angular_velocity(&pose, momenta.angular);
+        let half = pose.turned(start * (0.5 * dt));
+        RigidMotion {
+            pose,
+            velocity: momenta.linear / self.mass + self.gravity * dt,
+            angular_velocity: self.angular_velocity(&half, momenta.angular),
+        }
+    }
+
+    /// A step of `dt` (s) ends, in which this impulse (N·s) and this one of rotation (N·m·s) have acted.
+    pub(crate) fn push(&self, momenta: &mut Momenta, [linear, angular]: [Vec3; 2], dt: Real) {
+        momenta.linear += self.gravity * (self.mass * dt) + linear;
+        momenta.angular += angular;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use cloth_core::mesh::generate;
+
+    const DENSITY: Real = 700.0;
+
+    fn near(a: Real, b: Real, part: Real) -> bool {
+        (a - b).abs() <= part * b.abs()
+    }
+
+    /// A cube of 0.2 m whose mesh is shifted: mass, centre and inertia are those of the closed form.
+    #[test]
+    fn mesh_has_the_mass_and_inertia_of_its_box() {
+        let half = Vec3::new(0.1, 0.05, 0.2);
+        let shift = Vec3::new(0.3, -0.2, 0.7);
+        let corners = (0..8).map(|c| {
+            let side = |axis: usize| {
+                if c >> axis & 1 == 1 {
+                    half[axis]
+                } else {
+                    -half[axis]
+                }
+            };
+            Vec3::new(side(0), side(1), side(2)) + shift
+        });
+        let quads: [[u32; 4]; 6] = [
+            [0, 2, 3, 1],
+            [4, 5, 7, 6],
+            [0, 1, 5, 4],
+            [2, 6, 7, 3],
+            [0, 4, 6, 2],
+            [1, 3, 7, 5],
+        ];
+        let triangles = quads
+            .iter()
+            .flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]);
+        let mesh = TriMesh::new(corners.collect(), triangles.collect()).unwrap();
+        let (body, centre) = RigidBody::of_mesh(DENSITY, &mesh, Vec3::zeros()).unwrap();
+        let exact = RigidBody::cuboid(DENSITY, half, Vec3::zeros()).unwrap();
+        assert!((centre - shift).norm() < 1e-14);
+        assert!(near(body.mass(), exact.mass(), 1e-13));
+        assert!((body.inertia() - exact.inertia()).norm() < 1e-12 * exact.inertia().norm());
+    }
+
+    /// The meshes of a ball and of a capsule come near their closed forms as they become finer.
+    #[test]
+    fn ball_and_capsule_have_the_mass_and_inertia_of_their_meshes() {
+        let (radius, half) = (0.1, 0.15);
+        let ball = generate::sphere(30, radius).unwrap();
+        let stretch = |x: &Vec3| x + Vec3::z() * if x.z < 0.0 { -half } else { half };
+        let long = ball.positions().iter().map(stretch).collect();
+        let capsule = TriMesh::new(long, ball.triangles().to_vec()).unwrap();
+        let zero = Vec3::zeros();
+        for (mesh, exact) in [
+            (&ball, RigidBody::sphere(DENSITY, radius, zero)),
+            (&capsule, RigidBody::capsule(DENSITY, half, radius, zero)),
+        ] {
+            let (body, _) = RigidBody::of_mesh(DENSITY, mesh, zero).unwrap();
+            let exact = exact.unwrap();
+            assert!(near(body.mass(), exact.mass(), 0.02), "{body:?} {exact:?}");
+            let off = body.inertia() - exact.inertia();
+            assert!(
+                off.norm() < 0.03 * exact.inertia().norm(),
+                "{body:?} {exact:?}"
+            );
+        }
+    }
+
+    /// Without forces a box that turns about no principal axis keeps its angular momentum, and its energy to second
+    /// order of the step.
+    #[test]
+    fn free_box_keeps_its_angular_momentum() {
+        let body = RigidBody::cuboid(DENSITY, Vec3::new(0.1, 0.05, 0.2), Vec3::zeros()).unwrap();
+        let off = |steps: u32| {
+            let dt = 1.0 / Real::from(steps);
+            let mut motion = RigidMotion {
+                angular_velocity: Vec3::new(3.0, 0.1, 2.0),
+                ..RigidMotion::default()
+            };
+            let momenta = body.momenta(&motion);
+            let energy = |motion: &RigidMotion| 0.5 * motion.angular_velocity.dot(&momenta.angular);
+            let start = energy(&motion);
+            for _ in 0..steps {
+                motion = body.motion(motion.pose, &momenta, dt);
+                motion.pose = motion.pose_at(dt);
+            }
+            let end = body.motion(motion.pose, &momenta, 0.0);
+            let kept = body.momenta(&end);
+            assert!((kept.angular - momenta.angular).norm() < 1e-12 * momenta.angular.norm());
+            (energy(&end) / start - 1.0).abs()
+        };
+        let [coarse, fine] = [off(100), off(200)];
+        assert!(coarse < 1e-3 && fine < 0.3 * coarse, "{coarse} {fine}");
+    }
+
+    /// A ball all around which contact presses swings with the closed form: ∫ n nᵀ dA = (4/3) π r² I.
+    #[test]
+    fn ball_swings_at_the_frequency_of_the_closed_form() {
+        let (radius, stiffness) = (0.1, 1e6);
+        let body = RigidBody::sphere(DENSITY, radius, Vec3::zeros()).unwrap();
+        let surface = generate::sphere(30, radius).unwrap();
+        let exact = (stiffness * 4.0 / 3.0 * PI * radius * radius / body.mass()).sqrt();
+        let found = body.highest_frequency(stiffness, &surface);
+        assert!(near(found, exact, 0.01), "{found} {exact}");
+    }
+
+    #[test]
+    fn what_cannot_be_moved_is_refused() {
+        let identity = Matrix3::identity();
+        assert!(RigidBody::new(0.0, identity, Vec3::zeros()).is_err());
+        assert!(RigidBody::new(1.0, -identity, Vec3::zeros()).is_err());
+        assert!(RigidBody::new(1.0, identity, Vec3::new(Real::NAN, 0.0, 0.0)).is_err());
+    }
+}
