@@ -1,6 +1,8 @@
 //! One simulation: a scene, a method, a number of steps.
 
 mod energy;
+mod load;
+mod parts;
 mod solver;
 mod timed;
 mod watch;
@@ -21,9 +23,9 @@ use cloth_core::contact::{ContactSource, ContactStep};
 use cloth_core::math::{Real, Vec3};
 use cloth_core::measure;
 use cloth_core::particles::State;
-use cloth_core::pressure::Pressure;
 use cloth_core::step::{Outcome, StepInput, StepReport, Stepper};
 use energy::EnergyBalance;
+use load::{Push, load, push_of};
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 use std::time::Instant;
@@ -117,7 +119,9 @@ struct Course<'a> {
     /// Crossing pairs before each step, while there were any.
     tangled_pairs: Vec<usize>,
     air: Option<Air>,
-    /// Forces (N) of air and gas, where there is gas.
+    /// Forces that act by now.
+    pushes: Vec<Push>,
+    /// Forces (N) of air and gas, and those of the scene, where there is more than air.
     load: Vec<Vec3>,
     /// Time that the last step took (s), without that of its energy balance.
     seconds: Real,
@@ -155,6 +159,7 @@ impl<'a> Course<'a> {
             untangler: scene.untangler(),
             tangled_pairs: Vec::new(),
             air,
+            pushes: Vec::new(),
             load: Vec::new(),
             seconds: 0.0,
         })
@@ -194,10 +199,15 @@ impl<'a> Course<'a> {
         dt: Real,
         balance: &mut EnergyBalance,
     ) -> Result<(), BenchError> {
+        let begins = state.time + ROUNDING * dt;
+        let acts = |push: &Push| push.until.is_none_or(|until| begins < until);
+        self.pushes.retain(&acts);
         while let Some(change) = self.scene.changes.get(self.changes) {
             if change.time > state.time + ROUNDING * dt {
                 break;
             }
+            self.pushes
+                .extend(push_of(change, &self.scene).filter(&acts));
             let before = state.clone();
             let scene = self.scene.after(change, state)?;
             balance.change(&scene, &before, state)?;
@@ -249,73 +259,6 @@ impl<'a> Course<'a> {
         ))
     }
 
-    /// One step of `dt` (s), in parts where the cloth pushes a body. `balance` is told of the work done.
-    fn step(
-        &mut self,
-        stepper: &mut dyn Stepper,
-        state: &mut State,
-        dt: Real,
-        mut balance: Option<&mut EnergyBalance>,
-    ) -> Result<StepReport, BenchError> {
-        self.mean_forces = None;
-        let parts = self.scene.parts(dt);
-        let part = dt / Real::from(parts);
-        let mut report = self.part(stepper, state, part, balance.as_deref_mut())?;
-        let (mut seconds, mut in_contact) = (self.seconds, self.contact_seconds());
-        self.add_forces(parts);
-        for _ in 1..parts {
-            report = report.and(self.part(stepper, state, part, balance.as_deref_mut())?);
-            seconds += self.seconds;
-            in_contact += self.contact_seconds();
-            self.add_forces(parts);
-        }
-        self.seconds = seconds;
-        if let Some(contacts) = &mut self.contacts {
-            contacts.seconds = in_contact;
-        }
-        self.put_bodies(state.time)?;
-        if let Some(balance) = balance {
-            balance.count_step();
-        }
-        Ok(report)
-    }
-
-    fn contact_seconds(&self) -> Real {
-        self.contacts.as_ref().map_or(0.0, |c| c.seconds)
-    }
-
-    /// Adds the forces of one of several parts of a step.
-    fn add_forces(&mut self, parts: u32) {
-        if !self.forces || parts == 1 {
-            return;
-        }
-        let forces = self.contacts.as_ref().and_then(|c| c.source.forces());
-        if let Some(forces) = forces {
-            let mean = self.mean_forces.take().unwrap_or_default();
-            self.mean_forces = Some(mean.plus(forces, 1.0 / Real::from(parts)));
-        }
-    }
-
-    /// The forces of contact in the last step, if they are wanted.
-    fn forces(&self) -> Option<&ContactForces> {
-        let last = || self.contacts.as_ref().and_then(|c| c.source.forces());
-        let forces = self.mean_forces.as_ref().or_else(last);
-        forces.filter(|_| self.forces)
-    }
-
-    /// Takes the bodies of the scene that the cloth has pushed to where they are at `time` (s).
-    fn put_bodies(&mut self, time: Real) -> Result<(), BenchError> {
-        let Some(timed) = &self.contacts else {
-            return Ok(());
-        };
-        if timed.source.free_motions().next().is_some()
-            && let Some(touch) = &mut self.scene.to_mut().touch
-        {
-            touch.put(timed.source.free_motions(), time)?;
-        }
-        Ok(())
-    }
-
     /// One part of a step.
     fn part(
         &mut self,
@@ -339,7 +282,7 @@ impl<'a> Course<'a> {
         let started = Instant::now();
         let load = load(
             &mut self.air,
-            (&self.scene.gases, &mut self.load),
+            (&self.scene.gases, &self.pushes, &mut self.load),
             state,
             dt,
         );
@@ -367,28 +310,6 @@ impl<'a> Course<'a> {
         }
         Ok(report)
     }
-}
-
-/// The forces (N) of air and gas in a step of `dt` (s) from `state`, if there are any. `all` is room for their sum.
-fn load<'a>(
-    air: &'a mut Option<Air>,
-    (gases, all): (&[Pressure], &'a mut Vec<Vec3>),
-    state: &State,
-    dt: Real,
-) -> Option<&'a [Vec3]> {
-    let of_air = air.as_mut().map(|air| air.load(state, dt));
-    if gases.is_empty() {
-        return of_air;
-    }
-    all.clear();
-    match of_air {
-        Some(load) => all.extend_from_slice(load),
-        None => all.resize(state.positions.len(), Vec3::zeros()),
-    }
-    for gas in gases {
-        gas.add_load(&state.positions, all);
-    }
-    Some(all)
 }
 
 /// Takes steps of `dt` (s) until no velocity is `still` (m/s) or more, at most `most`; gives the number of steps,

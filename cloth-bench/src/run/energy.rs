@@ -17,7 +17,7 @@
 //! | of | W |
 //! |---|---|
 //! | prescribed vertices | ½ (∂E/∂x before + after)·Δx, exact for a quadratic energy and a straight way; or what a method has added up over its substeps: explicit ones with ∂E/∂x, XPBD with its multipliers, PBD with the sum of what its visits have moved each row by, projective dynamics with its constant matrix and the projections of its last iterate: the forces that they have used |
-//! | the air, and gas inside | F·Δx, with the load F of the step |
+//! | the air, gas inside, and forces of the scene | F·Δx, with the load F of the step |
 //! | vertices that are held from some time on, or released | the kinetic energy and that of gravity which they take along or bring |
 //! | untangling | what is held beyond what was given, after steps that began with crossing pairs and the first without |
 //! | seams that close | the same, after steps in which one does |

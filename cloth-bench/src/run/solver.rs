@@ -65,6 +65,7 @@ impl<'a> Solver<'a> {
         match &change.kind {
             ChangeKind::Hold { vertices, .. } => self.stepper().set_prescribed(vertices, true),
             ChangeKind::Release { vertices } => self.stepper().set_prescribed(vertices, false),
+            ChangeKind::Push { .. } => true,
             ChangeKind::Sew { .. } | ChangeKind::Tear { .. } => false,
         }
     }

@@ -1,4 +1,5 @@
-//! What happens to a cloth on the way: vertices are held and released, triangles torn out, borders sewn together.
+//! What happens to a cloth on the way: vertices are held, pushed and released, triangles torn out, borders sewn
+//! together.
 
 use super::Scene;
 use crate::error::BenchError;
@@ -42,6 +43,15 @@ pub enum ChangeKind {
         stiffness: Vec<Real>,
         /// When they have come together (s since the start).
         until: Real,
+    },
+    /// A force acts on vertices from now on, spread over them by their masses.
+    Push {
+        /// Their numbers.
+        vertices: Vec<usize>,
+        /// On all of them together (N).
+        force: Vec3,
+        /// When it ends (s since the start): it acts in steps that begin before.
+        until: Option<Real>,
     },
     /// Triangles vanish, with all elements that need them. Masses and stitches stay.
     Tear {
@@ -130,6 +140,7 @@ impl Scene {
                 let stitches = pairs.iter().zip(stiffness).map(stitch);
                 scene.model.sew(stitches.collect());
             }
+            ChangeKind::Push { .. } => {}
             ChangeKind::Tear { mesh, model } => {
                 let stitches = scene.model.stitches().copied().collect();
                 let particles = scene.model.particles;

@@ -87,7 +87,7 @@ pub(super) enum Body {
         obstacle: Obstacle,
         surface: TriMesh,
         /// Mass and inertia, if the cloth can push it.
-        free: Option<RigidBody>,
+        free: Option<Box<RigidBody>>,
         /// Whether its signed distance at the vertices of the cloth is all there is to it.
         is_flat: bool,
     },
@@ -169,7 +169,7 @@ impl ContactSetup {
                     free,
                     is_flat,
                 } => {
-                    free_bodies.extend(free.map(|body| (shapes.len(), body)));
+                    free_bodies.extend(free.map(|body| (shapes.len(), *body)));
                     contacts = contacts.with(obstacle, law);
                     shapes.push((surface, !is_flat));
                 }

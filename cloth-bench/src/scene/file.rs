@@ -8,6 +8,7 @@
 mod air;
 mod build;
 mod document;
+mod force;
 mod gas;
 mod keys;
 mod material;

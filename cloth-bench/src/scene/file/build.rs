@@ -5,7 +5,7 @@ use super::keys::{
     BODY_DENSITY, DT, GRAVITY, MESH_CLOTH, MESH_CONTACT, NAME, SECTIONS, STEPS, overrulable,
 };
 use super::material::Material;
-use super::{air, gas, mesh, obstacles, pins, roughness, seam, start, tear};
+use super::{air, force, gas, mesh, obstacles, pins, roughness, seam, start, tear};
 use crate::bounds::bounds;
 use crate::error::BenchError;
 use crate::scene::contact::{ContactSetup, NO_SELF, THICKNESS};
@@ -51,6 +51,7 @@ struct Sections<'a> {
     roughness: Vec<Option<Section<'a>>>,
     cloth: Section<'a>,
     pins: Vec<Section<'a>>,
+    forces: Vec<Section<'a>>,
     tears: Vec<Section<'a>>,
     seams: Vec<Section<'a>>,
     start: Section<'a>,
@@ -69,6 +70,7 @@ impl<'a> Sections<'a> {
             _,
             cloth,
             pins,
+            forces,
             tears,
             seams,
             start,
@@ -123,6 +125,7 @@ impl<'a> Sections<'a> {
             roughness,
             cloth: one(cloth)?,
             pins: all(pins)?,
+            forces: all(forces)?,
             tears: all(tears)?,
             seams: all(seams)?,
             start: one(start)?,
@@ -170,6 +173,7 @@ impl<'a> Sections<'a> {
             .into_iter()
             .chain(&self.meshes)
             .chain(&self.pins)
+            .chain(&self.forces)
             .chain(&self.tears)
             .chain(&self.seams)
             .chain(&self.obstacles);
@@ -206,6 +210,10 @@ impl<'a> Sections<'a> {
         for section in &self.pins {
             held.push(pins::chosen(section, &mesh, up)?);
         }
+        let mut pushed = Vec::new();
+        for section in &self.forces {
+            pushed.push(pins::chosen(section, &mesh, up)?);
+        }
         let borders = seam::Borders::new(&self.seams, &mesh, &counts)?;
         let mut seams = Vec::new();
         for (section, borders) in self.seams.iter().zip(borders.iter().cycle()) {
@@ -216,7 +224,7 @@ impl<'a> Sections<'a> {
         let order = from_file.then(|| Order::morton(mesh.positions()));
         let mesh = match &order {
             Some(order) => {
-                for vertex in held.iter_mut().flatten() {
+                for vertex in held.iter_mut().chain(&mut pushed).flatten() {
                     *vertex = order.new_of_old()[*vertex] as usize;
                 }
                 material.reorder(order);
@@ -239,6 +247,10 @@ impl<'a> Sections<'a> {
         for (section, hold) in self.pins.iter().zip(holds) {
             let (x, particles) = (mesh.positions(), &mut model.particles);
             hold.apply(section, x, particles, &mut ways, &mut changes)?;
+        }
+        for (section, vertices) in self.forces.iter().zip(pushed) {
+            let push = force::push(section, vertices, &model.particles, &changes)?;
+            changes.push(push);
         }
         let [low, high] = bounds(mesh.positions().iter().copied());
         let size = (high - low).norm();

@@ -96,6 +96,22 @@ pub(super) const UNTIL: Parameter = parameter(
     "time (s) at which they are released with the velocity they have, after from; none: never",
 );
 
+pub(super) const FORCE: Parameter = parameter(
+    "force",
+    "needed",
+    "on all the chosen vertices together (N), spread over them by their masses",
+);
+pub(super) const FORCE_FROM: Parameter = parameter(
+    "from",
+    "0",
+    "time (s) from which on it acts, at least 0: in steps that begin then or later",
+);
+pub(super) const FORCE_UNTIL: Parameter = parameter(
+    "until",
+    "none",
+    "time (s) at which it ends, after from: it acts in steps that begin before; none: never",
+);
+
 pub(super) const TEAR_TIME: Parameter = parameter("time", "needed", "of the tear (s), at least 0");
 pub(super) const TEAR_BOX: Parameter = parameter(
     "box",
@@ -253,7 +269,7 @@ pub(super) const MESH_CONTACT: SectionInfo = SectionInfo {
 };
 
 /// Every table, in the order in which one would write them.
-pub const SECTIONS: [SectionInfo; 13] = [
+pub const SECTIONS: [SectionInfo; 14] = [
     SectionInfo {
         head: "",
         about: "before all tables",
@@ -277,6 +293,11 @@ pub const SECTIONS: [SectionInfo; 13] = [
         keys: &[
             SELECT, VERTICES, BOX, MOVE, TURN, CENTRE, DURATION, FROM, UNTIL,
         ],
+    },
+    SectionInfo {
+        head: "[[force]]",
+        about: "a constant force on chosen vertices, for some time or for ever",
+        keys: &[SELECT, VERTICES, BOX, FORCE, FORCE_FROM, FORCE_UNTIL],
     },
     SectionInfo {
         head: "[[tear]]",

@@ -35,7 +35,7 @@ pub(super) fn body(
     Ok(Body::Rigid {
         obstacle,
         surface,
-        free,
+        free: free.map(Box::new),
         is_flat: section.text(&SHAPE)? == Some("plane"),
     })
 }

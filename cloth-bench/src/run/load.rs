@@ -1,0 +1,59 @@
+//! Forces on the vertices of a cloth from outside: air, gas, and those of the scene.
+
+use crate::scene::{Change, ChangeKind, Scene};
+use cloth_core::air::Air;
+use cloth_core::math::{Real, Vec3};
+use cloth_core::particles::State;
+use cloth_core::pressure::Pressure;
+
+/// A force of the scene that acts now.
+pub(super) struct Push {
+    /// Vertices and what acts on each (N).
+    pub(super) forces: Vec<(usize, Vec3)>,
+    /// When it ends (s).
+    pub(super) until: Option<Real>,
+}
+
+/// The force that begins with a change, if one does.
+pub(super) fn push_of(change: &Change, scene: &Scene) -> Option<Push> {
+    let ChangeKind::Push {
+        vertices,
+        force,
+        until,
+    } = &change.kind
+    else {
+        return None;
+    };
+    let mass = scene.model.particles.mass();
+    let whole: Real = vertices.iter().map(|&v| mass[v]).sum();
+    let part = |&vertex: &usize| (vertex, force * (mass[vertex] / whole));
+    Some(Push {
+        forces: vertices.iter().map(part).collect(),
+        until: *until,
+    })
+}
+
+/// The forces (N) of air and gas, and those of the scene, in a step of `dt` (s) from `state`, if there are any. `all` is room for their sum.
+pub(super) fn load<'a>(
+    air: &'a mut Option<Air>,
+    (gases, pushes, all): (&[Pressure], &[Push], &'a mut Vec<Vec3>),
+    state: &State,
+    dt: Real,
+) -> Option<&'a [Vec3]> {
+    let of_air = air.as_mut().map(|air| air.load(state, dt));
+    if gases.is_empty() && pushes.is_empty() {
+        return of_air;
+    }
+    all.clear();
+    match of_air {
+        Some(load) => all.extend_from_slice(load),
+        None => all.resize(state.positions.len(), Vec3::zeros()),
+    }
+    for gas in gases {
+        gas.add_load(&state.positions, all);
+    }
+    for (vertex, force) in pushes.iter().flat_map(|push| &push.forces) {
+        all[*vertex] += force;
+    }
+    Some(all)
+}
