@@ -30,7 +30,7 @@ pub use candidates::ClothCandidates;
 pub use hierarchy::Hierarchy;
 pub use morton_grid::MortonGrid;
 pub use spatial_hash::SpatialHash;
-pub use triangle_pairs::TrianglePairs;
+pub(crate) use triangle_pairs::TrianglePairs;
 
 use crate::bounds::Bounds;
 use std::fmt::Debug;

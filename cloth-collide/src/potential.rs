@@ -30,7 +30,7 @@
 //! the compliance 1/(A φ″), a multiplier λ ≥ 0, and friction within μ λ that remembers where it began to stick. They
 //! come last in each sweep. What can touch follows from bounds on the relative motion of patches of the cloth, and at
 //! the end of a substep every pair is tested; what has come too near is swept again, then shortened, then given to the
-//! last resort (`last_resort`: pairs pushed apart one by one, impact zones, vertices held back).
+//! last resort (`last_resort`: pairs pushed apart one by one, impact zones, vertices that stay).
 //!
 //! # Bodies
 //!
@@ -66,7 +66,7 @@
 //! | φ, φ′, φ″ | [`PenaltyLaw`] |
 //! | d, ∂d, ∂²d | [`Gap`] |
 //! | m(‖u × v‖²) for two edges u, v | [`Mollifier`] |
-//! | A φ(d), A m φ(d) as elements, with both derivatives | [`VertexTriangleContact`], [`EdgeEdgeContact`] |
+//! | A φ(d), A m φ(d) as elements, with both derivatives | [`PairContact`] |
 //! | μ λ f(‖u‖) | `friction` |
 //! | which pairs can be near on a path | `near_pairs`, `ranked` |
 //! | bodies behind the cloth | `surfaces` |
@@ -96,8 +96,6 @@ mod builder;
 mod filter;
 mod forces;
 mod friction;
-mod gap;
-mod hold;
 mod last_resort;
 pub(crate) mod let_go;
 mod mollifier;
@@ -116,13 +114,12 @@ mod surfaces;
 mod tangent;
 mod zones;
 
+pub use crate::pair::Gap;
 pub use builder::PotentialBuilder;
 pub use forces::{BodyForce, ContactForces};
-pub use gap::Gap;
 pub use mollifier::Mollifier;
-pub use pair::{EdgeEdgeContact, VertexTriangleContact};
+pub use pair::PairContact;
 pub use report::ConstraintReport;
-pub use source::PotentialReport;
 pub use surfaces::PotentialContacts;
 
 #[cfg(doc)]

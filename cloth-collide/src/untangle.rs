@@ -67,9 +67,8 @@
 //! # Limits
 //!
 //! - Held vertices can make it impossible, and neither method sees far: [`UntangleOutcome::Stalled`] is an answer. Two
-//!   tubes or garments through each
-//!   other from rim to rim stall: either side of each could be the inside. The positions are then finite, and
-//!   no more tangled than the report says.
+//!   tubes or garments through each other from rim to rim stall: either side of each could be the inside. The positions
+//!   are then finite, and no more tangled than the report says.
 //! - Which part is right is a guess by size, and may be the wrong one.
 //! - Pushes can make the contour longer for a while.
 //! - Untangled means that no triangles meet, exactly; the distance may be tiny until [`bring_back`] has opened it.

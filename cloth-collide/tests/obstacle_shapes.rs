@@ -295,7 +295,6 @@ fn numbers_out_of_range_are_refused_by_name() {
     for bad in [-1.0, f64::NAN, f64::INFINITY] {
         says(Capsule::new(bad, 1.0).unwrap_err(), "half length");
         says(ImpactLaw::new(bad, 0.0).unwrap_err(), "friction");
-        says(ObstacleContacts::new(bad, 0.0).unwrap_err(), "thickness");
         says(ImpactLaw::new(0.0, bad).unwrap_err(), "restitution");
         says(
             HalfSpace::new(v(bad.sqrt(), 0.0, 0.0)).unwrap_err(),

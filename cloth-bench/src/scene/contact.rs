@@ -2,7 +2,7 @@
 
 use crate::error::BenchError;
 use crate::settings::{Parameter, Settings, parameter};
-use cloth_collide::obstacle::{AnimatedMesh, ImpactLaw, Obstacle, ObstacleContacts};
+use cloth_collide::obstacle::{AnimatedMesh, ImpactLaw, Obstacle};
 use cloth_collide::potential::PotentialContacts;
 use cloth_collide::untangle::StepUntangler;
 use cloth_collide::{BodyProbe, SeparationProbe};
@@ -105,7 +105,7 @@ pub struct ContactSetup {
     stiffness: Real,
     friction: Real,
     untangles: bool,
-    obstacles: ObstacleContacts,
+    obstacles: Vec<Obstacle>,
     /// The same obstacles as surfaces around their own origins, and whether these are needed for more than pictures.
     shapes: Vec<(TriMesh, bool)>,
     animated: Vec<(TriMesh, AnimatedMesh)>,
@@ -122,11 +122,9 @@ impl ContactSetup {
         let thickness = settings.positive(&THICKNESS)?;
         let stiffness = settings.positive(&STIFFNESS)?;
         let friction = settings.number(&FRICTION)?;
-        let law = ImpactLaw::new(friction, 0.0).map_err(BenchError::usage)?;
+        ImpactLaw::new(friction, 0.0).map_err(BenchError::usage)?;
         let is_on = settings.choice(&CONTACT, &[("potential", true), ("none", false)])?;
-        let mut contacts =
-            ObstacleContacts::new(thickness, 0.5 * thickness).map_err(BenchError::usage)?;
-        let (mut shapes, mut animated) = (Vec::new(), Vec::new());
+        let (mut obstacles, mut shapes, mut animated) = (Vec::new(), Vec::new(), Vec::new());
         for body in bodies {
             match body {
                 Body::Rigid {
@@ -134,7 +132,7 @@ impl ContactSetup {
                     surface,
                     is_flat,
                 } => {
-                    contacts = contacts.with(obstacle, law);
+                    obstacles.push(obstacle);
                     shapes.push((surface, !is_flat));
                 }
                 Body::Animated(mesh, animation) => animated.push((mesh, animation)),
@@ -158,7 +156,7 @@ impl ContactSetup {
             stiffness,
             friction,
             untangles,
-            obstacles: contacts,
+            obstacles,
             shapes,
             animated,
             pieces: None,
@@ -200,7 +198,6 @@ impl ContactSetup {
             .thickness(self.thickness)
             .stiffness(self.stiffness)
             .friction(self.friction)
-            .obstacles(self.obstacles.clone())
             .self_collision(self.self_collision)
             .sew(sewn);
         if let Some(pieces) = &self.pieces {
@@ -208,6 +205,9 @@ impl ContactSetup {
                 .thickness_of_vertices(pieces.thickness.clone())
                 .friction_of_vertices(pieces.friction.clone())
                 .exclude(pieces.piece.clone(), pieces.excluded.clone());
+        }
+        for obstacle in &self.obstacles {
+            contacts = contacts.obstacle(obstacle.clone(), self.friction);
         }
         for (number, (surface, _)) in self.shapes.iter().enumerate().filter(|(_, s)| s.1) {
             contacts = contacts.surface(number, surface.clone());
@@ -236,7 +236,7 @@ impl ContactSetup {
 
     /// The obstacles where they start.
     pub fn obstacles(&self) -> impl Iterator<Item = &Obstacle> + '_ {
-        self.obstacles.obstacles()
+        self.obstacles.iter()
     }
 
     /// Surfaces of the bodies, for pictures: their vertices (m) at a time (s), and their triangles.

@@ -1,6 +1,6 @@
 //! Contact as an energy: a quadratic penalty, a barrier, or the one joined to the other.
 
-use super::{Obstacle, ObstacleError, positive};
+use super::{ObstacleError, positive};
 use cloth_core::element::{Convexity, Element, Energy};
 use cloth_core::math::{Blocks, Real, Vec3};
 
@@ -41,7 +41,7 @@ impl PenaltyLaw {
     /// A spring of `stiffness` k (N/m) that starts to push at the distance `range` h (m).
     ///
     /// # Errors
-    /// [`ObstacleError::NotPositive`].
+    /// [`ObstacleError::OutOfRange`].
     pub fn quadratic(stiffness: Real, range: Real) -> Result<Self, ObstacleError> {
         Self::new(Kind::Quadratic, stiffness, range)
     }
@@ -49,7 +49,7 @@ impl PenaltyLaw {
     /// A barrier of `stiffness` k (N/m) that starts to push at the distance `range` h (m).
     ///
     /// # Errors
-    /// [`ObstacleError::NotPositive`].
+    /// [`ObstacleError::OutOfRange`].
     pub fn barrier(stiffness: Real, range: Real) -> Result<Self, ObstacleError> {
         Self::new(Kind::Barrier, stiffness, range)
     }
@@ -57,7 +57,7 @@ impl PenaltyLaw {
     /// A spring of `stiffness` k (N/m) that starts to push at the distance `range` h (m), and becomes a barrier at h/2.
     ///
     /// # Errors
-    /// [`ObstacleError::NotPositive`].
+    /// [`ObstacleError::OutOfRange`].
     pub fn two_stage(stiffness: Real, range: Real) -> Result<Self, ObstacleError> {
         Self::new(Kind::TwoStage, stiffness, range)
     }
@@ -151,38 +151,10 @@ impl PenaltyLaw {
     }
 }
 
-/// The contact energy of vertices with one obstacle: E = Σ E(φ(xᵢ)).
-#[derive(Clone, Copy, Debug)]
-pub struct ObstaclePenalty<'a> {
-    /// What is in the way.
-    pub obstacle: &'a Obstacle,
-    /// The energy of the distance.
-    pub law: PenaltyLaw,
-    /// When (s), for an obstacle that moves.
-    pub time: Real,
-}
-
-impl ObstaclePenalty<'_> {
-    /// E(x) (J) of vertices at `positions` (m).
-    #[must_use]
-    pub fn value(&self, positions: &[Vec3]) -> Real {
-        let gap = |&x: &Vec3| self.obstacle.signed_distance(x, self.time).value;
-        positions.iter().map(|x| self.law.energy(gap(x))).sum()
-    }
-
-    /// Adds ∂E/∂x (N), one per vertex, to `out`.
-    pub fn add_gradient(&self, positions: &[Vec3], out: &mut [Vec3]) {
-        for (x, out) in positions.iter().zip(out) {
-            let at = self.obstacle.signed_distance(*x, self.time);
-            *out += at.gradient() * self.law.slope(at.value);
-        }
-    }
-}
-
 /// The contact energy of one vertex with the tangent plane of an obstacle, E(n·x − d): what a Newton-type method takes
 /// for the length of a step.
 ///
-/// Where the plane was taken, energy and gradient are those of [`ObstaclePenalty`]; the Hessian lacks the curvature of
+/// Where the plane was taken, energy and gradient are those of the distance itself; the Hessian lacks the curvature of
 /// the obstacle, and is positive semi-definite for that.
 ///
 /// ```

@@ -21,7 +21,7 @@ use super::near::Near;
 use crate::bounds::Bounds;
 use crate::broad_phase::{BroadPhase, Hierarchy};
 use crate::ccd::QueryKind;
-use crate::incidence::{Owned, edge_numbers, owned};
+use crate::pair::Gap;
 use between::PatchPair;
 use cloth_core::math::{Real, Vec3, gather};
 use cloth_core::mesh::TriMesh;
@@ -75,8 +75,7 @@ pub(super) struct Memory {
 /// Nearest points of two primitives, which stay while their patches hardly move against each other.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Known {
-    pub(super) weights: [Real; 4],
-    pub(super) normal: Vec3,
+    pub(super) gap: Gap,
     /// Area (m²) that they stand for.
     pub(super) area: Real,
     /// Travel of the patches (m).
@@ -95,16 +94,12 @@ pub(super) struct Place {
     index: u32,
 }
 
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct Patches {
     /// Patches of the cloth; the others are those of bodies.
     cloth: usize,
     /// Patches of prescribed vertices that have not moved.
     rests: Vec<bool>,
-    triangles: Vec<[u32; 3]>,
-    edges: Vec<[u32; 2]>,
-    triangle_edges: Vec<[u32; 3]>,
-    owned: Vec<Owned>,
     /// Triangles and vertices of each patch.
     members: Vec<(Vec<u32>, Vec<u32>)>,
     edge: Real,
@@ -160,7 +155,7 @@ pub(super) struct Patches {
 impl Patches {
     pub(super) fn new(mesh: &TriMesh, near: &Near) -> Self {
         let piece = &near.piece[..];
-        let (edges, triangle_edges) = edge_numbers(mesh.triangles());
+        let edges = &near.incidence.edges;
         let x = mesh.positions();
         let length = |[a, b]: &[u32; 2]| (x[*a as usize] - x[*b as usize]).norm();
         let own = || edges.iter().filter(|ends| (ends[0] as usize) < near.cloth);
@@ -181,48 +176,20 @@ impl Patches {
         }
         let is_own = |(_, vertices): &&(Vec<u32>, Vec<u32>)| (vertices[0] as usize) < near.cloth;
         let nothing = vec![Bounds::around([Vec3::zeros()]); members.len()];
+        let count = members.len();
+        let places = |(_, vertices): &(Vec<u32>, Vec<u32>)| vec![Vec3::zeros(); vertices.len()];
         Self {
             cloth: members.iter().take_while(is_own).count(),
-            rests: vec![false; members.len()],
-            triangles: mesh.triangles().to_vec(),
-            edges,
-            triangle_edges,
-            owned: owned(mesh),
+            rests: vec![false; count],
             edge,
-            reach: 0.0,
-            reference: members
-                .iter()
-                .map(|(_, vertices)| vec![Vec3::zeros(); vertices.len()])
-                .collect(),
-            reference_centres: vec![Vec3::zeros(); members.len()],
-            reference_spreads: vec![0.0; members.len()],
-            displacements: vec![0.0; members.len()],
-            aim: Motions::default(),
-            aim_displacements: Vec::new(),
-            drift: Vec::new(),
-            awake_in: Vec::new(),
-            allowed: Vec::new(),
-            stray_allowed: Vec::new(),
-            members,
-            now: Motions::default(),
-            then: Motions::default(),
-            searched: Motions::default(),
+            reference: members.iter().map(places).collect(),
+            reference_centres: vec![Vec3::zeros(); count],
+            reference_spreads: vec![0.0; count],
+            displacements: vec![0.0; count],
             inflated: nothing.clone(),
             boxes: nothing,
-            hierarchy: Hierarchy::new(),
-            found: Vec::new(),
-            pairs: Vec::new(),
-            ids: Vec::new(),
-            quiet: Vec::new(),
-            before: Vec::new(),
-            spare: Vec::new(),
-            looks: Vec::new(),
-            is_known: false,
-            is_placed: false,
-            substep: 0,
-            awake: 0,
-            searches: 0,
-            detections: 0,
+            members,
+            ..Self::default()
         }
     }
 

@@ -6,12 +6,12 @@
 //! stands still, are never looked at. A body that changes its shape, or that has no inside, has nothing but its
 //! triangles.
 
+use super::bodies::Body;
 use super::builder::PotentialBuilder;
 use super::forces::{ContactForces, Ledger};
-
 use super::report::ConstraintReport;
-use super::source::{Contacts, PotentialReport};
-use crate::obstacle::{AnimatedMesh, ImpactLaw, Obstacle, Pose};
+use super::source::Contacts;
+use crate::obstacle::{AnimatedMesh, Pose};
 use cloth_core::contact::{
     ContactConstraints, ContactError, ContactPotential, ContactRow, ContactSource, ContactStep,
 };
@@ -103,7 +103,7 @@ impl Surfaces {
     }
 
     /// Puts bodies at both ends (m) of a (sub)step of `dt` (s), which obstacles begin as `bodies` are.
-    fn place(&mut self, bodies: &[(Obstacle, ImpactLaw)], dt: Real) {
+    fn place(&mut self, bodies: &[Body], dt: Real) {
         let (mut from, mut to) = (&mut self.from[self.cloth..], &mut self.to[self.cloth..]);
         for Surface {
             mesh,
@@ -175,12 +175,6 @@ impl PotentialContacts {
         PotentialBuilder::new(mesh)
     }
 
-    /// What the last step took.
-    #[must_use]
-    pub fn report(&self) -> PotentialReport {
-        self.contacts.report()
-    }
-
     /// What the last step took, of a method that projects positions.
     #[must_use]
     pub fn constraint_report(&self) -> ConstraintReport {
@@ -191,7 +185,7 @@ impl PotentialContacts {
     pub fn record_forces(&mut self, are_wanted: bool) {
         let contacts = &mut self.contacts;
         let all = contacts.near.vertex_area.len();
-        let obstacles = contacts.bodies().len();
+        let obstacles = contacts.bodies.len();
         let bodies = contacts.near.bodies().map(|body| body + 1);
         let bodies = bodies.fold(obstacles, usize::max);
         let cloth = contacts.near.cloth;
@@ -205,14 +199,14 @@ impl PotentialContacts {
         ledger.map(|ledger| &ledger.forces)
     }
 
-    /// From the next step on leaves out all pairs of pieces in two regions of a pair, and no others. `region` numbers
-    /// the regions of vertices from 1; 0 for none.
     /// From the next step on these pairs of vertices are sewn together, and no others; see
     /// [`PotentialBuilder::sew`](super::PotentialBuilder::sew). A vertex that there is not is left out.
     pub fn sew(&mut self, pairs: &[[u32; 2]]) {
         self.contacts.sew(pairs);
     }
 
+    /// From the next step on leaves out all pairs of pieces in two regions of a pair, and no others. `region` numbers
+    /// the regions of vertices from 1; 0 for none.
     pub(crate) fn let_go(&mut self, region: &[u32], pairs: &[[u32; 2]]) {
         self.contacts.let_go(region, pairs);
     }
@@ -234,7 +228,7 @@ impl PotentialContacts {
         } else if begins {
             surfaces.begun = surfaces.time;
         }
-        surfaces.place(self.contacts.bodies(), step.dt);
+        surfaces.place(&self.contacts.bodies, step.dt);
         surfaces.put(step, to);
         Ok(())
     }
@@ -272,7 +266,7 @@ impl ContactSource for PotentialContacts {
             dt: 1.0,
         };
         step.check(count, x, x)?;
-        surfaces.place(self.contacts.bodies(), 0.0);
+        surfaces.place(&self.contacts.bodies, 0.0);
         surfaces.put(&step, x);
         let (all, to) = surfaces.all(step.dt);
         self.contacts.keep_free(all.from, all.inverse_mass, to)?;
