@@ -13,7 +13,7 @@ pub(crate) struct Incidence {
     /// The three edges of each triangle: edge k goes from corner k to the next one.
     pub(crate) triangle_edges: Vec<[u32; 3]>,
     /// Which of its corners and edges a triangle represents.
-    pub(crate) owned: Vec<[[bool; 3]; 2]>,
+    owned: Vec<[[bool; 3]; 2]>,
 }
 
 /// What [`Incidence::visit`] asks about.

@@ -49,8 +49,8 @@
 //!
 //! # Contact in the solve, in five steps
 //!
-//! [`PotentialContacts`](potential::PotentialContacts) joins all of this behind the one hook of all methods; [`potential`]
-//! is a chapter of its own.
+//! [`PotentialContacts`](potential::PotentialContacts) joins all of this behind the one hook of all methods;
+//! [`potential`] is a chapter of its own.
 //!
 //! 1. *Potential.* Two sheets at distance d < h press against each other with p = −φ′(d). An element of area A stores
 //!    A φ(d); the sum over all pairs is an energy, and its gradient is a force that is equal and opposite on the two
@@ -104,7 +104,8 @@
 //!
 //! - Cloth that can touch nothing: leave contact out, and no code of this crate runs. With it, a sheet in free fall
 //!   still pays for the bounds on its motion (`cargo bench --bench steps -- "in flight"`).
-//! - A floor alone, far from any fold: a penalty on the vertices is enough, and differentiable.
+//! - A floor alone, far from any fold: an element with a penalty on the vertices
+//!   ([`PenaltyLaw`](obstacle::PenaltyLaw)) is enough, and differentiable.
 //! - Bouncing. There is no restitution in the potential; [`ImpactLaw`](obstacle::ImpactLaw) has it for single points.
 //! - Layers in their tens at rest: forces travel through a stack one layer an iteration, and methods cut short at a
 //!   fixed number of iterations leave them out of balance.
@@ -167,9 +168,6 @@
 //!   moments, and is out on the far side, shows no trace.
 //! - [`ContinuousTest`] reports a pass at less than 1e-14 of the size of the motion (for d = 0: at less than 1e-29) as
 //!   a contact. The limits of each method stand with it.
-//! - The count is of closed triangles: exact touching counts like crossing. It says how many pairs meet, not how deep.
-//! - Two triangles with a common edge never count, even if folded flat onto each other.
-//! - Neighbours in the mesh limit the distance from above, as [`SeparationProbe`] explains.
 //! - Distances are right to rounding: about 1e-15 of the size of the triangles. Intersections are exact, apart from
 //!   over- and underflow at coordinates beyond about 1e±100 m, which is not guarded against.
 //!

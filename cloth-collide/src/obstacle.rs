@@ -26,7 +26,7 @@
 //! | φ = Σ wᵢ φᵢ over the eight corners of a cell | [`SampledDistance`] |
 //! | x = (1 − s) xₖ + s xₖ₊₁ between two shapes | [`AnimatedMesh`] |
 //! | x = p + R y, v(x) = v + ω × (x − p) | [`RigidMotion`] |
-//! | E = ½ k (h − φ)², E = −k (φ − h)² ln(φ/h) | [`PenaltyLaw`], [`PlanePenalty`] |
+//! | E = ½ k (h − φ)², from h/2 on a barrier | [`PenaltyLaw`] |
 //! | Δvₙ = −(1 + e) vₙ, ‖Δvₜ‖ ≤ μ Δvₙ | [`ImpactLaw`] |
 //! | φ(x(t)) = h for the first time | [`first_contact`] |
 //!
@@ -45,8 +45,6 @@
 //! - R. Bridson, R. Fedkiw and J. Anderson, Robust treatment of collisions, contact and friction for cloth animation,
 //!   SIGGRAPH 2002. DOI 10.1145/566570.566623. Its section 7.5 bounds the change of the tangential velocity by that of
 //!   the normal one.
-//! - M. Li et al., Incremental potential contact, SIGGRAPH 2020. DOI 10.1145/3386569.3392425. The barrier, its equation
-//!   (6).
 //! - B. V. Mirtich, *Impulse-based dynamic simulation of rigid body systems*, thesis, Berkeley 1996. Conservative
 //!   advancement.
 
@@ -72,7 +70,7 @@ pub use error::ObstacleError;
 pub use half_space::HalfSpace;
 pub use impact::ImpactLaw;
 pub use motion::{Pose, RigidMotion};
-pub use penalty::{PenaltyLaw, PlanePenalty};
+pub use penalty::PenaltyLaw;
 pub use placed::Obstacle;
 pub use sampled::SampledDistance;
 pub use sphere::Sphere;

@@ -10,7 +10,7 @@
 //! E(x) = Σ A φ(d(x)),
 //!
 //! over all pairs (vertex, triangle), (edge, edge) and (vertex, obstacle) that are nearer than h. φ is quadratic down
-//! to h/2 and a barrier from there on ([`PenaltyLaw::two_stage`]): under a weight ρ g the gap is h − ρ g/κ, and nothing
+//! to h/2 and a barrier from there on ([`PenaltyLaw`]): under a weight ρ g the gap is h − ρ g/κ, and nothing
 //! gets to d = 0.
 //!
 //! A method adds E to what it minimises, with its gradient, and the Gauss–Newton part of its second derivative, A φ″ ∂d

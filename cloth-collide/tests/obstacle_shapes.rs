@@ -280,8 +280,8 @@ fn numbers_out_of_range_are_refused_by_name() {
             Cuboid::new(v(1.0, bad, 1.0)).unwrap_err(),
             "half extent of the box",
         );
-        says(PenaltyLaw::quadratic(bad, 1.0).unwrap_err(), "stiffness");
-        says(PenaltyLaw::barrier(1.0, bad).unwrap_err(), "range");
+        says(PenaltyLaw::new(bad, 1.0).unwrap_err(), "stiffness");
+        says(PenaltyLaw::new(1.0, bad).unwrap_err(), "range");
         let ball = Sphere::new(1.0).unwrap();
         says(
             SampledDistance::new(&ball, bad, 0.1).unwrap_err(),

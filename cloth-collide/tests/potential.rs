@@ -135,7 +135,7 @@ fn gradient_is_that_of_the_energy_and_rows_are_its_change() {
 #[test]
 fn two_stage_law_is_joined_twice_differentiably() {
     let (stiffness, range) = (1e6, 2e-3);
-    let law = PenaltyLaw::two_stage(stiffness, range).unwrap();
+    let law = PenaltyLaw::new(stiffness, range).unwrap();
     assert_eq!(law.energy(range), 0.0);
     assert_eq!(law.slope(0.8 * range), -stiffness * (range - 0.8 * range));
     assert_eq!(law.energy(0.0), Real::INFINITY);

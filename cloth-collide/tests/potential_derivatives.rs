@@ -21,7 +21,7 @@ fn vertex_triangle() -> PairContact {
         kind: QueryKind::VertexTriangle,
         vertices: [0, 1, 2, 3],
         area: 0.7,
-        law: PenaltyLaw::barrier(3.0, 1.0).unwrap(),
+        law: PenaltyLaw::new(3.0, 1.0).unwrap(),
         mollifier: None,
     }
 }

@@ -247,8 +247,8 @@ mod tests {
             };
             Obstacle::moving(HalfSpace::new(Vec3::z()).unwrap(), motion).unwrap()
         };
-        // A lift, for which the mass has the right speed, and a belt that has to accelerate it: v = μ g t up to the speed
-        // of the belt.
+        // A lift, for which the mass has the right speed, and a belt that has to accelerate it: v = μ g t up to the
+        // speed of the belt.
         let lift = v(0.0, 0.0, 2.0);
         let mut rider = mass_at(Vec3::zeros(), lift);
         for step in 0..100 {

@@ -9,7 +9,6 @@ use crate::error::CollideError;
 use crate::incidence::{Incidence, Primitives};
 use cloth_core::math::{Real, Vec3, gather, is_finite};
 use cloth_core::mesh::TriMesh;
-use cloth_core::particles::Particles;
 
 /// The pairs (vertex, triangle) and (edge, edge) of a cloth that can come within a margin of each other while it moves;
 /// of several cloths, if they are one mesh.
@@ -22,10 +21,10 @@ use cloth_core::particles::Particles;
 /// flat sheet overlap all the time.
 ///
 /// So no pair is lost that comes as near as the margin while its vertices move on straight paths. Left out are
-/// pairs with a common vertex, and pairs of which all vertices are prescribed.
+/// pairs with a common vertex.
 ///
 /// The candidates are the same for every [`BroadPhase`], in rising order, and depend on nothing but the mesh, the
-/// motion, the margin and who is prescribed.
+/// motion and the margin.
 ///
 /// ```
 /// use cloth_collide::{ClothCandidates, Hierarchy};
@@ -49,7 +48,6 @@ use cloth_core::particles::Particles;
 pub struct ClothCandidates<B> {
     broad_phase: B,
     incidence: Incidence,
-    prescribed: Vec<bool>,
     vertex_boxes: Vec<Bounds>,
     edge_boxes: Vec<Bounds>,
     triangle_boxes: Vec<Bounds>,
@@ -65,7 +63,7 @@ pub struct ClothCandidates<B> {
 }
 
 impl<B: BroadPhase> ClothCandidates<B> {
-    /// Prepares for the cloth `mesh`, of which no vertex is prescribed. There are no candidates before the first
+    /// Prepares for the cloth `mesh`. There are no candidates before the first
     /// [`ClothCandidates::update`].
     #[must_use]
     pub fn new(mesh: &TriMesh, mut broad_phase: B) -> Self {
@@ -83,7 +81,6 @@ impl<B: BroadPhase> ClothCandidates<B> {
             broad_phase,
             edge_boxes: vec![nothing; incidence.edges.len()],
             incidence,
-            prescribed: vec![false; mesh.vertex_count()],
             vertex_boxes: vec![nothing; mesh.vertex_count()],
             triangle_boxes: rest,
             middles: vec![Vec3::zeros(); mesh.vertex_count()],
@@ -93,18 +90,6 @@ impl<B: BroadPhase> ClothCandidates<B> {
             vertex_triangle: Vec::new(),
             edge_edge: Vec::new(),
             sorter: PairSorter::default(),
-        }
-    }
-
-    /// Takes over which vertices are prescribed.
-    ///
-    /// # Panics
-    /// If there are not as many particles as the mesh has vertices.
-    pub fn set_prescribed(&mut self, particles: &Particles) {
-        let count = self.prescribed.len();
-        assert_eq!(particles.len(), count, "one particle a vertex");
-        for (prescribed, w) in self.prescribed.iter_mut().zip(particles.inverse_mass()) {
-            *prescribed = *w == 0.0;
         }
     }
 
@@ -212,14 +197,13 @@ impl<B: BroadPhase> ClothCandidates<B> {
         along(a) || along(b)
     }
 
-    /// Whether a vertex and a triangle are not both prescribed, have overlapping boxes, and are not parted by the plane
-    /// across the line between their nearest points halfway.
+    /// Whether a vertex and a triangle have overlapping boxes, and are not parted by the plane across the line between
+    /// their nearest points halfway.
     #[inline]
     fn can_touch(&self, vertex: u32, triangle: u32) -> bool {
         let own = &self.vertex_boxes[vertex as usize];
         let corners = self.incidence.triangles[triangle as usize];
-        let held = self.all_prescribed([vertex]) && self.all_prescribed(corners);
-        if held || !own.overlaps(&self.triangle_boxes[triangle as usize]) {
+        if !own.overlaps(&self.triangle_boxes[triangle as usize]) {
             return false;
         }
         let middle = self.middles[vertex as usize];
@@ -233,18 +217,13 @@ impl<B: BroadPhase> ClothCandidates<B> {
     fn edges_can_touch(&self, e: u32, f: u32) -> bool {
         let [first, second] = [e, f].map(|edge| self.incidence.edges[edge as usize]);
         let [own, other] = [e, f].map(|edge| &self.edge_boxes[edge as usize]);
-        let held = self.all_prescribed(first) && self.all_prescribed(second);
-        if held || !own.overlaps(other) {
+        if !own.overlaps(other) {
             return false;
         }
         let [e, f] = [first, second].map(|edge| gather(&self.middles, edge));
         let line = edge_edge(e, f).separation;
         let [e, f] = [first, second].map(|edge| edge.map(|v| &self.vertex_boxes[v as usize]));
         !self.separating_plane.is_plane(&line, &e, &f)
-    }
-
-    fn all_prescribed<const N: usize>(&self, vertices: [u32; N]) -> bool {
-        vertices.iter().all(|&v| self.prescribed[v as usize])
     }
 
     /// Pairs `[vertex, triangle]` in rising order.

@@ -31,12 +31,15 @@ impl TrianglePairs {
     pub(crate) fn new(mesh: &TriMesh) -> Self {
         let corners = |&t: &[u32; 3]| Bounds::around(gather(mesh.positions(), t));
         let bounds: Vec<_> = mesh.triangles().iter().map(corners).collect();
+        let (mut tree, mut pairs) = (Hierarchy::new(), Vec::new());
+        // The tree keeps the shape of its first boxes.
+        tree.overlapping(&bounds, &mut pairs);
         Self {
             triangles: mesh.triangles().to_vec(),
             vertex_count: mesh.vertex_count(),
-            tree: Hierarchy::over(&bounds),
+            tree,
             bounds,
-            pairs: Vec::new(),
+            pairs,
             sorter: PairSorter::default(),
         }
     }
@@ -66,8 +69,8 @@ impl TrianglePairs {
         Ok(&self.pairs)
     }
 
-    /// Hands `visit` every pair of triangles a < b whose boxes, where they were found last, are nearer than the distance
-    /// whose square is `limit` (m²), which `visit` may lower on the way.
+    /// Hands `visit` every pair of triangles a < b whose boxes, at the last positions, are nearer than the distance whose
+    /// square is `limit` (m²), which `visit` may lower on the way.
     pub(crate) fn visit_within(&self, limit: &Cell<Real>, mut visit: impl FnMut([u32; 2])) {
         self.tree.visit_near(limit, |a, b| visit([a, b]));
     }

@@ -25,10 +25,6 @@ pub struct PotentialBuilder<'a> {
     surfaces: Vec<Surface>,
     self_collision: bool,
     own: Own,
-    /// Of how many vertices the regions are known.
-    regions: usize,
-    /// The last vertex that is sewn to another.
-    last_sewn: Option<u32>,
 }
 
 impl<'a> PotentialBuilder<'a> {
@@ -42,8 +38,6 @@ impl<'a> PotentialBuilder<'a> {
             surfaces: Vec::new(),
             self_collision: true,
             own: Own::default(),
-            regions: 0,
-            last_sewn: None,
         }
     }
 
@@ -75,7 +69,6 @@ impl<'a> PotentialBuilder<'a> {
     /// of a region with itself is one that does not touch itself. Bodies keep out all.
     #[must_use]
     pub fn exclude(mut self, region: Vec<u32>, pairs: Vec<[u32; 2]>) -> Self {
-        self.regions = region.len();
         self.own.excluded = LetGo::new(region, pairs);
         self
     }
@@ -84,7 +77,6 @@ impl<'a> PotentialBuilder<'a> {
     /// through others, are neighbours, as if they shared a vertex: they are not kept apart.
     #[must_use]
     pub fn sew(mut self, pairs: &[[u32; 2]]) -> Self {
-        self.last_sewn = pairs.iter().flatten().copied().max();
         self.own.sewn = Sewn::new(pairs);
         self
     }
@@ -146,7 +138,7 @@ impl<'a> PotentialBuilder<'a> {
         self.check_own()?;
         let most = self.own.thickness.iter().copied().reduce(Real::max);
         let thickness = most.unwrap_or(self.thickness);
-        let law = PenaltyLaw::two_stage(self.stiffness, thickness).map_err(|_| {
+        let law = PenaltyLaw::new(self.stiffness, thickness).map_err(|_| {
             let is_stiff = self.stiffness > 0.0 && self.stiffness.is_finite();
             match is_stiff {
                 true => invalid("thickness of contact (m)", self.thickness, POSITIVE),
@@ -185,8 +177,7 @@ impl<'a> PotentialBuilder<'a> {
         let patches = [patches(), patches()];
         let last_resort = LastResort::new(mesh, thickness, has_pairs);
         let contacts = Contacts::new(near, patches, self.obstacles, last_resort);
-        let surfaces =
-            (joined.is_some()).then(|| Surfaces::new(self.mesh.vertex_count(), self.surfaces));
+        let surfaces = Surfaces::new(self.mesh.vertex_count(), self.surfaces);
         Ok(PotentialContacts { contacts, surfaces })
     }
 
@@ -195,7 +186,8 @@ impl<'a> PotentialBuilder<'a> {
         let Own {
             thickness,
             friction,
-            ..
+            excluded,
+            sewn,
         } = &self.own;
         let count = self.mesh.vertex_count();
         for (name, length) in [
@@ -204,15 +196,15 @@ impl<'a> PotentialBuilder<'a> {
                 "number of coefficients of friction of vertices",
                 friction.len(),
             ),
-            ("number of regions of vertices", self.regions),
+            ("number of regions of vertices", excluded.region_count()),
         ] {
             if length != 0 && length != count {
                 return Err(invalid(name, length as Real, "the number of vertices"));
             }
         }
-        if let Some(vertex) = self.last_sewn.filter(|&last| last as usize >= count) {
+        if sewn.count() > count {
             let (name, range) = ("number of a sewn vertex", "below the number of vertices");
-            return Err(invalid(name, Real::from(vertex), range));
+            return Err(invalid(name, (sewn.count() - 1) as Real, range));
         }
         let is_wrong = |value: &&Real| !(**value > 0.0 && value.is_finite());
         if let Some(&value) = thickness.iter().find(is_wrong) {

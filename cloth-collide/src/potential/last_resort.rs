@@ -109,8 +109,7 @@ impl LastResort {
     ) -> Result<usize, ContactError> {
         self.displacements.resize(x.len(), Vec3::zeros());
         for _ in 0..PUSHES {
-            self.look(near, bodies, step, x)?;
-            if self.is_free() {
+            if self.look(near, bodies, step, x)? {
                 break;
             }
             self.hits.iter().for_each(|hit| hit.push(step, x, v));
@@ -156,11 +155,9 @@ impl LastResort {
         for zone in self.zones.each() {
             make_velocities_rigid(zone, x, v, step.inverse_mass);
         }
-        self.look(near, bodies, step, x)?;
-        let held = if self.is_free() {
-            0
-        } else {
-            self.hold_back(near, bodies, step, x, v)?
+        let held = match self.look(near, bodies, step, x)? {
+            true => 0,
+            false => self.hold_back(near, bodies, step, x, v)?,
         };
         let numbers = x.iter().zip(v.iter());
         let mut finite =
@@ -169,10 +166,6 @@ impl LastResort {
             return Err(ContactError::NonFinite { vertex });
         }
         Ok(held)
-    }
-
-    fn is_free(&self) -> bool {
-        self.hits.is_empty() && self.entering.is_empty()
     }
 
     /// Leaves vertices where they were until nothing passes through anything. Returns how many.
@@ -185,7 +178,7 @@ impl LastResort {
         v: &mut [Vec3],
     ) -> Result<usize, ContactError> {
         self.free.copy_from_slice(x);
-        while !self.is_free() {
+        loop {
             let pairs = self.hits.iter().flat_map(|hit| hit.pair.vertices);
             let entering = self.entering.iter().map(|(vertex, _)| *vertex);
             // The vertices of bodies have the last numbers.
@@ -201,7 +194,9 @@ impl LastResort {
             if !is_stopped {
                 return Err(ContactError::Infeasible { vertex: first });
             }
-            self.look(near, bodies, step, x)?;
+            if self.look(near, bodies, step, x)? {
+                break;
+            }
         }
         let mut held = 0;
         for ((v, x), free) in v.iter_mut().zip(x).zip(&self.free) {
@@ -211,14 +206,14 @@ impl LastResort {
         Ok(held)
     }
 
-    /// Finds what is not free on the path to `x` (m).
+    /// Finds what is not free on the path to `x` (m). Returns whether all is.
     fn look(
         &mut self,
         near: &Near,
         bodies: &[Body],
         step: &ContactStep<'_>,
         x: &[Vec3],
-    ) -> Result<(), ContactError> {
+    ) -> Result<bool, ContactError> {
         self.hits.clear();
         if let Some(mesh) = &self.mesh {
             let new = || ClothCandidates::new(mesh, Hierarchy::new());
@@ -246,7 +241,7 @@ impl LastResort {
                 self.entering.extend(out.map(|out| (vertex, out)));
             }
         }
-        Ok(())
+        Ok(self.hits.is_empty() && self.entering.is_empty())
     }
 }
 

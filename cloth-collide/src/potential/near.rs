@@ -173,7 +173,7 @@ impl Near {
     pub(super) fn area_of(&self, pair: &NearPair, x: &[Vec3; 4]) -> Real {
         match pair.kind {
             QueryKind::VertexTriangle => pair.area,
-            QueryKind::EdgeEdge => pair.area * self.mollifier(pair.vertices).at(x).value,
+            QueryKind::EdgeEdge => pair.area * self.mollifier(pair.vertices).at(x).0,
         }
     }
 

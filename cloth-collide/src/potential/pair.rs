@@ -30,7 +30,7 @@ impl PairContact {
     /// A, or A m (m²), at `x` (m).
     pub(super) fn area_at(&self, x: &[Vec3; 4]) -> Real {
         match &self.mollifier {
-            Some(mollifier) => self.area * mollifier.at(x).value,
+            Some(mollifier) => self.area * mollifier.at(x).0,
             None => self.area,
         }
     }
@@ -61,11 +61,10 @@ impl Energy<4> for PairContact {
         let Some(mollifier) = &self.mollifier else {
             return (self.area * barrier, of_gap.map(|g| g * (self.area * slope)));
         };
-        let m = mollifier.at(x);
-        let gradient = std::array::from_fn(|k| {
-            (of_gap[k] * (slope * m.value) + m.gradient[k] * barrier) * self.area
-        });
-        (self.area * m.value * barrier, gradient)
+        let (m, of_m) = mollifier.at(x);
+        let gradient =
+            std::array::from_fn(|k| (of_gap[k] * (slope * m) + of_m[k] * barrier) * self.area);
+        (self.area * m * barrier, gradient)
     }
 
     /// A m (b″ ∂d ∂dᵀ + b′ ∂²d) + A (b ∂²m + b′ (∂m ∂dᵀ + ∂d ∂mᵀ)), of which [`Convexity::GaussNewton`] keeps the first
@@ -82,7 +81,7 @@ impl Energy<4> for PairContact {
             return blocks;
         }
         let bent = gap.curvature(x);
-        let mollified = self.mollifier.map(|m| (m.at(x).gradient, m.curvature(x)));
+        let mollified = self.mollifier.map(|m| (m.at(x).1, m.curvature(x)));
         let barrier = self.law.energy(gap.distance);
         for k in 0..4 {
             for l in 0..4 {

@@ -128,7 +128,6 @@ pub(super) struct Patches {
     /// When pairs of patches were searched.
     searched: Motions,
     boxes: Vec<Bounds>,
-    inflated: Vec<Bounds>,
     hierarchy: Hierarchy,
     found: Vec<[u32; 2]>,
     pairs: Vec<PatchPair>,
@@ -175,7 +174,6 @@ impl Patches {
             });
         }
         let is_own = |(_, vertices): &&(Vec<u32>, Vec<u32>)| (vertices[0] as usize) < near.cloth;
-        let nothing = vec![Bounds::around([Vec3::zeros()]); members.len()];
         let count = members.len();
         let places = |(_, vertices): &(Vec<u32>, Vec<u32>)| vec![Vec3::zeros(); vertices.len()];
         Self {
@@ -186,8 +184,7 @@ impl Patches {
             reference_centres: vec![Vec3::zeros(); count],
             reference_spreads: vec![0.0; count],
             displacements: vec![0.0; count],
-            inflated: nothing.clone(),
-            boxes: nothing,
+            boxes: vec![Bounds::around([Vec3::zeros()]); count],
             members,
             ..Self::default()
         }
@@ -314,13 +311,6 @@ impl Patches {
         Some((pair, memory))
     }
 
-    /// Boxes around the patches at `x` (m).
-    fn bound(&mut self, x: &[Vec3]) {
-        for (bounds, (_, vertices)) in self.boxes.iter_mut().zip(&self.members) {
-            *bounds = around(vertices, x);
-        }
-    }
-
     /// Number of pairs of patches that are near enough to be looked at.
     #[cfg(test)]
     pub(super) fn count(&self) -> usize {
@@ -409,7 +399,7 @@ impl Patches {
         begins: bool,
         visit: &mut impl FnMut(Place, &NearPair, &mut Memory, Real) -> Real,
     ) -> Result<(), TooFar> {
-        if !self.is_known || self.strayed() > self.reach {
+        if !self.is_known || Self::stray(&self.searched, &self.then) > self.reach {
             let displacement = Self::stray(&self.now, &self.then);
             if displacement > FARTHEST * self.edge {
                 self.is_known = false;
@@ -469,11 +459,7 @@ impl Patches {
         Ok(())
     }
 
-    /// How far a patch has gone from where it was searched, besides what all do together (m).
-    fn strayed(&self) -> Real {
-        Self::stray(&self.searched, &self.then)
-    }
-
+    /// How far a patch has gone, besides what all do together (m).
     fn stray(old: &Motions, new: &Motions) -> Real {
         let shift = new.mean - old.mean;
         let patches = old.centres.iter().zip(&old.spreads);
@@ -485,13 +471,12 @@ impl Patches {
     /// Finds the pairs of patches that are near each other now.
     fn search(&mut self, near: &Near, x: &[Vec3]) {
         self.searches += 1;
-        self.bound(x);
         (0..self.members.len()).for_each(|p| self.refer(p, x));
         let reach = self.reach + 0.5 * near.law().range();
-        for (inflated, bounds) in self.inflated.iter_mut().zip(&self.boxes) {
-            *inflated = bounds.inflated(reach);
+        for (bounds, (_, vertices)) in self.boxes.iter_mut().zip(&self.members) {
+            *bounds = around(vertices, x).inflated(reach);
         }
-        self.hierarchy.overlapping(&self.inflated, &mut self.found);
+        self.hierarchy.overlapping(&self.boxes, &mut self.found);
         let own = (0..self.members.len() as u32).map(|p| [p, p]);
         self.found.extend(own);
         let members = &self.members;

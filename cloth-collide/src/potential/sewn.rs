@@ -25,6 +25,11 @@ impl Sewn {
         }
     }
 
+    /// One more than the last vertex that is sewn to another.
+    pub(crate) fn count(&self) -> usize {
+        self.class.len()
+    }
+
     /// Whether two different ones of these vertices are sewn together.
     pub(crate) fn join(&self, vertices: &[u32]) -> bool {
         if self.class.is_empty() {

@@ -34,8 +34,8 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 #[derive(Debug)]
 pub struct PotentialContacts {
     pub(super) contacts: Contacts,
-    /// None if bodies have no triangles.
-    pub(super) surfaces: Option<Surfaces>,
+    /// Empty if bodies have no triangles; `contacts` are asked without them then.
+    pub(super) surfaces: Surfaces,
 }
 
 /// The surface of a body.
@@ -218,9 +218,7 @@ impl PotentialContacts {
         to: &[Vec3],
         begins: bool,
     ) -> Result<(), ContactError> {
-        let Some(surfaces) = &mut self.surfaces else {
-            return Ok(());
-        };
+        let surfaces = &mut self.surfaces;
         step.check(surfaces.cloth, to, to)?;
         // A step that has not ended is taken back.
         if begins && self.contacts.take_back() {
@@ -236,16 +234,16 @@ impl PotentialContacts {
 
 impl ContactSource for PotentialContacts {
     fn potential(&mut self) -> &mut dyn ContactPotential {
-        match self.surfaces {
-            None => &mut self.contacts,
-            Some(_) => self,
+        match self.surfaces.list.is_empty() {
+            true => &mut self.contacts,
+            false => self,
         }
     }
 
     fn constraints(&mut self) -> &mut dyn ContactConstraints {
-        match self.surfaces {
-            None => &mut self.contacts,
-            Some(_) => self,
+        match self.surfaces.list.is_empty() {
+            true => &mut self.contacts,
+            false => self,
         }
     }
 
@@ -255,9 +253,7 @@ impl ContactSource for PotentialContacts {
         inverse_mass: &[Real],
         x: &mut [Vec3],
     ) -> Result<(), ContactError> {
-        let Some(surfaces) = &mut self.surfaces else {
-            return self.contacts.keep_free(from, inverse_mass, x);
-        };
+        let surfaces = &mut self.surfaces;
         let count = surfaces.cloth;
         // Of a step of no time, in which bodies stay.
         let step = ContactStep {
@@ -290,9 +286,7 @@ impl ContactSource for PotentialContacts {
 impl ContactPotential for PotentialContacts {
     fn begin(&mut self, step: &ContactStep<'_>, start: &mut [Vec3]) -> Result<(), ContactError> {
         self.place(step, start, true)?;
-        let Some(surfaces) = &mut self.surfaces else {
-            return self.contacts.begin(step, start);
-        };
+        let surfaces = &mut self.surfaces;
         let (all, to) = surfaces.all(step.dt);
         self.contacts.begin(&all, to)?;
         start.copy_from_slice(&to[..start.len()]);
@@ -302,9 +296,7 @@ impl ContactPotential for PotentialContacts {
     }
 
     fn limit(&mut self, from: &[Vec3], to: &[Vec3]) -> Result<Real, ContactError> {
-        let Some(surfaces) = &mut self.surfaces else {
-            return self.contacts.limit(from, to);
-        };
+        let surfaces = &mut self.surfaces;
         surfaces.from[..from.len()].copy_from_slice(from);
         surfaces.to[..to.len()].copy_from_slice(to);
         self.contacts.limit(&surfaces.from, &surfaces.to)
@@ -316,27 +308,18 @@ impl ContactPotential for PotentialContacts {
         to: &mut [Vec3],
         parts: &mut [Real],
     ) -> Result<(), ContactError> {
-        let Some(surfaces) = &mut self.surfaces else {
-            return self.contacts.limit_each(from, to, parts);
-        };
-        let Surfaces {
-            from: all_from,
-            to: all_to,
-            parts: all_parts,
-            ..
-        } = surfaces;
-        all_from[..from.len()].copy_from_slice(from);
-        all_to[..to.len()].copy_from_slice(to);
-        self.contacts.limit_each(all_from, all_to, all_parts)?;
-        to.copy_from_slice(&all_to[..to.len()]);
-        parts.copy_from_slice(&all_parts[..parts.len()]);
+        let surfaces = &mut self.surfaces;
+        surfaces.from[..from.len()].copy_from_slice(from);
+        surfaces.to[..to.len()].copy_from_slice(to);
+        self.contacts
+            .limit_each(&surfaces.from, &mut surfaces.to, &mut surfaces.parts)?;
+        to.copy_from_slice(&surfaces.to[..to.len()]);
+        parts.copy_from_slice(&surfaces.parts[..parts.len()]);
         Ok(())
     }
 
     fn add_gradient(&self, x: &[Vec3], out: &mut [Vec3]) -> Real {
-        let Some(surfaces) = &self.surfaces else {
-            return self.contacts.add_gradient(x, out);
-        };
+        let surfaces = &self.surfaces;
         let mut shared = surfaces.shared();
         let [place, gradient] = &mut *shared;
         place[..x.len()].copy_from_slice(x);
@@ -348,9 +331,7 @@ impl ContactPotential for PotentialContacts {
     }
 
     fn linearize(&self, x: &[Vec3], out: &mut Vec<ContactRow>) {
-        let Some(surfaces) = &self.surfaces else {
-            return self.contacts.linearize(x, out);
-        };
+        let surfaces = &self.surfaces;
         let first = out.len();
         let mut shared = surfaces.shared();
         shared[0][..x.len()].copy_from_slice(x);
@@ -367,9 +348,7 @@ impl ContactPotential for PotentialContacts {
     }
 
     fn end(&mut self, x: &[Vec3], v: &[Vec3]) {
-        let Some(surfaces) = &mut self.surfaces else {
-            return self.contacts.end(x, v);
-        };
+        let surfaces = &mut self.surfaces;
         surfaces.to[..x.len()].copy_from_slice(x);
         self.contacts.end(&surfaces.to, v);
     }
@@ -378,9 +357,7 @@ impl ContactPotential for PotentialContacts {
 impl ContactConstraints for PotentialContacts {
     fn begin_step(&mut self, step: &ContactStep<'_>) -> Result<(), ContactError> {
         self.place(step, step.from, true)?;
-        let Some(surfaces) = &mut self.surfaces else {
-            return self.contacts.begin_step(step);
-        };
+        let surfaces = &mut self.surfaces;
         let (all, _) = surfaces.all(step.dt);
         self.contacts.begin_step(&all)
     }
@@ -391,17 +368,13 @@ impl ContactConstraints for PotentialContacts {
         predicted: &[Vec3],
     ) -> Result<(), ContactError> {
         self.place(step, predicted, false)?;
-        let Some(surfaces) = &mut self.surfaces else {
-            return self.contacts.begin_substep(step, predicted);
-        };
+        let surfaces = &mut self.surfaces;
         let (all, to) = surfaces.all(step.dt);
         self.contacts.begin_substep(&all, to)
     }
 
     fn sweep(&mut self, step: &ContactStep<'_>, x: &mut [Vec3]) {
-        let Some(surfaces) = &mut self.surfaces else {
-            return self.contacts.sweep(step, x);
-        };
+        let surfaces = &mut self.surfaces;
         let (all, to) = surfaces.all(step.dt);
         to[..x.len()].copy_from_slice(x);
         self.contacts.sweep(&all, to);
@@ -409,9 +382,7 @@ impl ContactConstraints for PotentialContacts {
     }
 
     fn end_substep(&mut self, step: &ContactStep<'_>, x: &mut [Vec3]) -> Result<(), ContactError> {
-        let Some(surfaces) = &mut self.surfaces else {
-            return self.contacts.end_substep(step, x);
-        };
+        let surfaces = &mut self.surfaces;
         let (all, to) = surfaces.all(step.dt);
         to[..x.len()].copy_from_slice(x);
         self.contacts.end_substep(&all, to)?;
@@ -425,9 +396,7 @@ impl ContactConstraints for PotentialContacts {
     }
 
     fn end_step(&mut self, x: &[Vec3]) {
-        let Some(surfaces) = &mut self.surfaces else {
-            return self.contacts.end_step(x);
-        };
+        let surfaces = &mut self.surfaces;
         surfaces.to[..x.len()].copy_from_slice(x);
         self.contacts.end_step(&surfaces.to);
     }

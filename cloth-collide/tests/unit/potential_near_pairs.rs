@@ -13,7 +13,7 @@ use std::collections::HashSet;
 fn no_near_pair_is_missed_on_any_path() {
     let mesh = sheet(9);
     let (edges, _) = edge_numbers(mesh.triangles());
-    let law = PenaltyLaw::two_stage(1e6, 0.02).unwrap();
+    let law = PenaltyLaw::new(1e6, 0.02).unwrap();
     let near = Near::new(&mesh, law, Vec::new(), true, 0.0, Own::default());
     let is_near = |kind: QueryKind, vertices: [u32; 4], x: &[Vec3]| {
         let range = near.range_of(Pair { kind, vertices });
@@ -99,7 +99,7 @@ fn no_near_pair_is_missed_on_any_path() {
 #[test]
 fn cloth_that_flies_is_looked_at_once() {
     let mesh = sheet(33);
-    let law = PenaltyLaw::two_stage(1e6, 2e-3).unwrap();
+    let law = PenaltyLaw::new(1e6, 2e-3).unwrap();
     let near = Near::new(&mesh, law, Vec::new(), true, 0.0, Own::default());
     let mut pairs = NearPairs::new(Some(Patches::new(&mesh, &near)));
     let mut x = mesh.positions().to_vec();
