@@ -45,6 +45,14 @@ fn pairs_of_triangles(criterion: &mut Criterion) {
             warm.overlapping(black_box(&boxes), &mut out)
         });
     }
+    let mut tree = Hierarchy::over(&boxes);
+    limit::bench(&mut group, "hierarchy: refit", bytes, || {
+        tree.refit(black_box(&boxes).iter().copied())
+    });
+    limit::bench(&mut group, "hierarchy: query", bytes, || {
+        out.clear();
+        tree.visit_overlapping(|a, b| out.push([a, b]));
+    });
     group.finish();
 }
 

@@ -28,7 +28,8 @@ impl Hierarchy {
     }
 
     /// A tree whose shape suits `boxes`, finite ones.
-    fn over(boxes: &[Bounds]) -> Self {
+    #[must_use]
+    pub fn over(boxes: &[Bounds]) -> Self {
         // The tree is cut where the volumes of the boxes become small. A flat sheet along the axes has boxes without
         // volume, and all cuts look equal; so every box is given a thickness. Measured on a crumpled sheet: the
         // search then takes two thirds of the time.
@@ -40,6 +41,25 @@ impl Hierarchy {
             leaf_count: boxes.len(),
             workspace: BvhWorkspace::default(),
         }
+    }
+
+    /// Lets the tree follow its boxes; its shape stays.
+    ///
+    /// # Panics
+    /// If there are not as many boxes as the tree was made for.
+    pub fn refit(&mut self, boxes: impl ExactSizeIterator<Item = Bounds>) {
+        assert_eq!(boxes.len(), self.leaf_count, "one box a leaf");
+        for (leaf, bounds) in (0..).zip(boxes) {
+            self.tree
+                .insert_or_update_partially(aabb(&bounds), leaf, 0.0);
+        }
+        self.tree.refit_without_opt();
+    }
+
+    /// Hands `visit` every pair of numbers of overlapping boxes once, the two in either order.
+    pub fn visit_overlapping(&mut self, mut visit: impl FnMut(u32, u32)) {
+        self.tree
+            .traverse_bvtt_single_tree::<false>(&mut self.workspace, &mut visit);
     }
 
     /// Hands `visit` every pair of leaves a < b whose boxes are nearer than the distance whose square is `limit` (m²),
@@ -64,14 +84,8 @@ impl BroadPhase for Hierarchy {
         if boxes.len() != self.leaf_count {
             *self = Self::over(boxes);
         }
-        for (leaf, bounds) in (0..).zip(boxes) {
-            self.tree
-                .insert_or_update_partially(aabb(bounds), leaf, 0.0);
-        }
-        self.tree.refit_without_opt();
-        let mut visit = |a: u32, b: u32| out.push([a.min(b), a.max(b)]);
-        self.tree
-            .traverse_bvtt_single_tree::<false>(&mut self.workspace, &mut visit);
+        self.refit(boxes.iter().copied());
+        self.visit_overlapping(|a, b| out.push([a.min(b), a.max(b)]));
     }
 }
 
