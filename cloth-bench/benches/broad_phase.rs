@@ -8,7 +8,7 @@
 mod limit;
 
 use cloth_bench::crumpled::{BROAD_PHASES, accordion, boxes};
-use cloth_collide::{ClothCandidates, Hierarchy, TrianglePairs};
+use cloth_collide::{ClothCandidates, Hierarchy};
 use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::TriMesh;
 use criterion::Criterion;
@@ -53,14 +53,6 @@ fn pairs_of_triangles(criterion: &mut Criterion) {
         out.clear();
         tree.visit_overlapping(|a, b| out.push([a, b]));
     });
-    let mut pairs = TrianglePairs::new(&mesh);
-    pairs.move_to(&positions).expect("finite positions");
-    limit::bench(
-        &mut group,
-        "triangle pairs within the margin",
-        bytes,
-        || pairs.within(black_box(MARGIN)).len(),
-    );
     group.finish();
 }
 

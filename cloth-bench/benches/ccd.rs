@@ -5,8 +5,8 @@
 #[path = "support/limit.rs"]
 mod limit;
 
+use cloth_bench::ccd::exact_queries::{ExactQueries, Family, Truth};
 use cloth_bench::ccd::{METHODS, generate};
-use cloth_collide::exact_queries::{ExactQueries, Family, Truth};
 use cloth_collide::{Query, QueryKind};
 use criterion::{Criterion, Throughput};
 use std::hint::black_box;

@@ -11,9 +11,7 @@ mod limit;
 
 use cloth_bench::crumpled::accordion;
 
-use cloth_collide::obstacle::{
-    HalfSpace, ImpactLaw, Obstacle, ObstacleContacts, Pose, RigidMotion,
-};
+use cloth_collide::obstacle::{HalfSpace, Obstacle, Pose, RigidMotion};
 use cloth_collide::potential::PotentialContacts;
 use cloth_core::contact::{ContactStep, Projection};
 use cloth_core::math::{Real, Vec3};
@@ -89,13 +87,9 @@ fn response(criterion: &mut Criterion) {
         let still = RigidMotion::still(Pose::at(Vec3::z() * -THICKNESS));
         let floor = HalfSpace::new(Vec3::z()).expect("a normal");
         let floor = Obstacle::moving(floor, still).expect("a motion");
-        let law = ImpactLaw::new(0.3, 0.0).expect("a law");
-        let floor = ObstacleContacts::new(THICKNESS, THICKNESS)
-            .expect("a thickness")
-            .with(floor, law);
         let mut contacts = PotentialContacts::builder(&mesh)
             .self_collision(false)
-            .obstacles(floor)
+            .obstacle(floor, 0.3)
             .build()
             .expect("settings in range");
         let fall = |x: &Vec3| x - Vec3::z() * 0.005;

@@ -2,15 +2,17 @@
 //! how long does it take?
 
 mod additive;
+mod coplanarity;
+pub mod exact_queries;
 mod file;
 
 pub use file::read;
 
 use crate::error::BenchError;
 use crate::names;
-use cloth_collide::exact_queries::{ExactQueries, Truth};
-use cloth_collide::{CollideError, ContinuousTest, CoplanarityTest, Query, QueryKind};
+use cloth_collide::{CollideError, ContinuousTest, Query, QueryKind};
 use cloth_core::math::Real;
+use exact_queries::{ExactQueries, KnownQuery, Truth};
 use std::hint::black_box;
 use std::time::Instant;
 
@@ -50,13 +52,13 @@ pub const METHODS: [CcdMethod; 6] = [
         name: "cubic",
         about: "roots of the coplanarity cubic and a tolerance of 1e-9",
         promises: false,
-        first_contact: |query| query.first_coplanar_contact(&CoplanarityTest::default()),
+        first_contact: |query| Ok(coplanarity::first_contact(query, 1e-9)),
     },
     CcdMethod {
         name: "cubic-strict",
         about: "the same without a tolerance",
         promises: false,
-        first_contact: |query| query.first_coplanar_contact(&CoplanarityTest { tolerance: 0.0 }),
+        first_contact: |query| Ok(coplanarity::first_contact(query, 0.0)),
     },
     CcdMethod {
         name: "discrete",
@@ -109,7 +111,7 @@ pub struct LabelledQuery {
 /// `count` queries of exactly known answer, half of them contacts, half of them degenerate.
 #[must_use]
 pub fn generate(kind: QueryKind, count: usize, seed: u64) -> Vec<LabelledQuery> {
-    let labelled = |known: cloth_collide::exact_queries::KnownQuery| {
+    let labelled = |known: KnownQuery| {
         let contact_time = match known.truth {
             Truth::Contact { time } => Some(time),
             Truth::Apart { .. } => None,

@@ -4,9 +4,7 @@
 //!
 //! Without edges and faces, that is: what they add, and every candidate, filter and friction, is in the crate.
 
-use cloth_collide::obstacle::{
-    HalfSpace, ImpactLaw, Obstacle, ObstacleContacts, Pose, RigidMotion, Sphere,
-};
+use cloth_collide::obstacle::{HalfSpace, Obstacle, Pose, RigidMotion, Sphere};
 use cloth_collide::potential::PotentialContacts;
 use cloth_core::contact::{ContactPotential, ContactStep};
 use cloth_core::{Diagonals, TriMesh, Vec3, grid};
@@ -55,15 +53,12 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         .collect();
     let (naive, slope) = energy(&flat, &x);
 
-    let no_friction = ImpactLaw::new(0.0, 0.0)?;
     let below = RigidMotion::still(Pose::at(Vec3::new(0.1, 0.1, 0.5e-3 - RADIUS)));
-    let bodies = ObstacleContacts::new(THICKNESS, 0.0)?
-        .with(Obstacle::new(HalfSpace::new(Vec3::z())?), no_friction)
-        .with(Obstacle::moving(Sphere::new(RADIUS)?, below)?, no_friction);
     let mut contacts = PotentialContacts::builder(&flat)
         .thickness(THICKNESS)
         .stiffness(STIFFNESS)
-        .obstacles(bodies)
+        .obstacle(Obstacle::new(HalfSpace::new(Vec3::z())?), 0.0)
+        .obstacle(Obstacle::moving(Sphere::new(RADIUS)?, below)?, 0.0)
         .build()?;
     let step = ContactStep {
         from: &x,

@@ -30,7 +30,7 @@ pub use candidates::ClothCandidates;
 pub use hierarchy::Hierarchy;
 pub use morton_grid::MortonGrid;
 pub use spatial_hash::SpatialHash;
-pub use triangle_pairs::TrianglePairs;
+pub(crate) use triangle_pairs::TrianglePairs;
 
 use crate::bounds::Bounds;
 use std::fmt::Debug;
@@ -65,6 +65,12 @@ pub trait BroadPhase: Debug + Send + Sync {
     /// in any order. Corners of boxes are finite. From the second call with as many boxes on, nothing is allocated
     /// beyond what `out` needs.
     fn overlapping(&mut self, boxes: &[Bounds], out: &mut Vec<[u32; 2]>);
+}
+
+impl Default for Box<dyn BroadPhase> {
+    fn default() -> Self {
+        BroadPhaseKind::default().create()
+    }
 }
 
 /// A broad phase chosen when the program runs.

@@ -1,29 +1,22 @@
 //! Do two moving primitives of cloth touch during a step, and when first?
 //!
 //! All vertices move linearly from where they are at the start, time 0, to where they are at the end, time 1.
-//! [`ContinuousTest`] never misses a contact. [`CoplanarityTest`] is the method of the textbooks, for
-//! comparison: it can.
+//! [`ContinuousTest`] never misses a contact.
 
 mod advance;
-mod coplanarity;
 mod difference;
 mod direction;
 mod number;
 mod query;
 mod reach;
 
-#[cfg(test)]
-mod tests;
-
-pub use coplanarity::CoplanarityTest;
 pub use query::{Query, QueryKind};
 
 use crate::error::CollideError;
-use advance::walk;
-use cloth_core::math::{Real, Vec3};
-use difference::Difference;
+use cloth_core::math::Real;
 
-/// The conservative test: **no contact is missed, and no time of impact is late**, whatever the input.
+/// The conservative test: **no contact is missed, and no time of impact is late**, whatever the input. It is asked by
+/// [`Query::first_contact`].
 ///
 /// # Method
 ///
@@ -113,56 +106,21 @@ impl ContinuousTest {
     /// to keep for its next step; with 0 the two come as near as rounding allows.
     ///
     /// # Errors
-    /// [`CollideError::Separation`] and [`CollideError::Slack`] if they are not in these ranges.
+    /// [`CollideError::OutOfRange`] if they are not in these ranges.
     pub fn new(separation: Real, slack: Real) -> Result<Self, CollideError> {
-        if !(0.0..Real::INFINITY).contains(&separation) {
-            return Err(CollideError::Separation { separation });
-        }
-        if !(0.0..1.0).contains(&slack) {
-            return Err(CollideError::Slack { slack });
+        for (name, value, most, range) in [
+            (
+                "separation (m)",
+                separation,
+                Real::INFINITY,
+                "a finite number, zero or more",
+            ),
+            ("slack", slack, 1.0, "in the range from 0 to below 1"),
+        ] {
+            if !(0.0..most).contains(&value) {
+                return Err(CollideError::OutOfRange { name, value, range });
+            }
         }
         Ok(Self { separation, slack })
-    }
-
-    /// First contact of a `vertex` with a `triangle`; positions (m) at the start and at the end of the step.
-    ///
-    /// ```
-    /// use cloth_collide::ContinuousTest;
-    /// use cloth_core::math::Vec3;
-    ///
-    /// let floor = [Vec3::zeros(), Vec3::x(), Vec3::y()];
-    /// let falling = [Vec3::new(0.25, 0.25, 0.5), Vec3::new(0.25, 0.25, -1.5)];
-    /// let impact = ContinuousTest::default().vertex_triangle(falling, [floor; 2])?.unwrap();
-    /// assert!(impact.time <= 0.25 && impact.time > 0.25 - 1e-14);
-    ///
-    /// let beside = falling.map(|x| x + Vec3::x());
-    /// assert_eq!(ContinuousTest::default().vertex_triangle(beside, [floor; 2])?, None);
-    /// # Ok::<(), cloth_collide::CollideError>(())
-    /// ```
-    ///
-    /// # Errors
-    /// [`CollideError::NonFinitePosition`], where the vertex has number 0 and the corners have 1, 2, 3, and
-    /// [`CollideError::TooFarApart`].
-    pub fn vertex_triangle(
-        &self,
-        vertex: [Vec3; 2],
-        triangle: [[Vec3; 3]; 2],
-    ) -> Result<Option<Impact>, CollideError> {
-        let polygon = Difference::vertex_triangle(vertex, triangle)?;
-        Ok(walk(&polygon, self.separation, self.slack).impact)
-    }
-
-    /// First contact of two edges; the two positions (m) of each at the start and at the end of the step.
-    ///
-    /// # Errors
-    /// [`CollideError::NonFinitePosition`], where the ends are numbered as they come, from 0 to 3, and
-    /// [`CollideError::TooFarApart`].
-    pub fn edge_edge(
-        &self,
-        first: [[Vec3; 2]; 2],
-        second: [[Vec3; 2]; 2],
-    ) -> Result<Option<Impact>, CollideError> {
-        let polygon = Difference::edge_edge(first, second)?;
-        Ok(walk(&polygon, self.separation, self.slack).impact)
     }
 }

@@ -13,28 +13,17 @@ pub enum CollideError {
         /// The first such vertex.
         vertex: usize,
     },
-    /// The margin of a search is negative or not a finite number.
-    InvalidMargin {
-        /// What it was (m).
-        margin: Real,
-    },
-    /// The time step is not a positive finite number.
-    InvalidTimeStep {
-        /// What it was (s).
-        dt: Real,
+    /// A setting is out of its range.
+    OutOfRange {
+        /// Which one, with its unit.
+        name: &'static str,
+        /// What it was.
+        value: Real,
+        /// What it has to be.
+        range: &'static str,
     },
     /// Two vertices are so far apart, above 1e300 m, that their distance is not a number any more.
     TooFarApart,
-    /// A minimal separation is negative or not a number.
-    Separation {
-        /// What was given (m).
-        separation: Real,
-    },
-    /// A slack is not in 0..1.
-    Slack {
-        /// What was given (dimensionless).
-        slack: Real,
-    },
 }
 
 impl CollideError {
@@ -54,19 +43,8 @@ impl fmt::Display for CollideError {
                 f,
                 "vertex {vertex} has a coordinate that is not a finite number"
             ),
-            Self::InvalidMargin { margin } => write!(
-                f,
-                "the margin is {margin} m, but it has to be a finite number that is not negative"
-            ),
-            Self::InvalidTimeStep { dt } => {
-                write!(f, "the time step is {dt} s, but it has to be positive")
-            }
-            Self::Separation { separation } => write!(
-                f,
-                "the separation {separation} m is not a finite number, zero or more"
-            ),
-            Self::Slack { slack } => {
-                write!(f, "the slack {slack} is not in the range from 0 to below 1")
+            Self::OutOfRange { name, value, range } => {
+                write!(f, "the {name} is {value}, but it has to be {range}")
             }
             Self::TooFarApart => write!(f, "two vertices are more than 1e300 m apart"),
         }

@@ -3,11 +3,83 @@
 use crate::sets::Sets;
 use cloth_core::mesh::TriMesh;
 
-/// Which of its own corners and edges a triangle represents. Edge k goes from corner k to the next one.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Owned {
-    pub(crate) vertices: [bool; 3],
-    pub(crate) edges: [bool; 3],
+/// The vertices and edges of the triangles of a mesh, each *represented* by the first triangle that has it, so that a
+/// pair of primitives is met in one pair of triangles only.
+#[derive(Clone, Debug)]
+pub(crate) struct Incidence {
+    pub(crate) triangles: Vec<[u32; 3]>,
+    /// The two vertices of each edge, in rising order.
+    pub(crate) edges: Vec<[u32; 2]>,
+    /// The three edges of each triangle: edge k goes from corner k to the next one.
+    pub(crate) triangle_edges: Vec<[u32; 3]>,
+    /// Which of its corners and edges a triangle represents.
+    owned: Vec<[[bool; 3]; 2]>,
+}
+
+/// What [`Incidence::visit`] asks about.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Primitives {
+    /// A vertex and a triangle.
+    VertexTriangle(u32, u32),
+    /// Two edges.
+    EdgeEdge(u32, u32),
+    /// An edge and all those of a triangle: whether they are worth a look.
+    EdgeTriangle(u32, u32),
+}
+
+impl Incidence {
+    pub(crate) fn new(mesh: &TriMesh) -> Self {
+        let triangles = mesh.triangles().to_vec();
+        let (edges, triangle_edges) = edge_numbers(&triangles);
+        let (mut vertex_taken, mut edge_taken) =
+            (vec![false; mesh.vertex_count()], vec![false; edges.len()]);
+        let first = |taken: &mut [bool], all: [u32; 3]| {
+            all.map(|number| !std::mem::replace(&mut taken[number as usize], true))
+        };
+        let owned = triangles.iter().zip(&triangle_edges);
+        let owned = owned.map(|(corners, edges)| {
+            [
+                first(&mut vertex_taken, *corners),
+                first(&mut edge_taken, *edges),
+            ]
+        });
+        Self {
+            owned: owned.collect(),
+            triangles,
+            edges,
+            triangle_edges,
+        }
+    }
+
+    /// Hands `visit` the pairs of primitives without a common vertex that two triangles represent. What it returns
+    /// counts for [`Primitives::EdgeTriangle`] alone, which comes before the edges.
+    #[inline]
+    pub(crate) fn visit(&self, [a, b]: [u32; 2], mut visit: impl FnMut(Primitives) -> bool) {
+        for (one, other) in [(a, b), (b, a)] {
+            let corners = &self.triangles[other as usize];
+            let vertices = self.triangles[one as usize].iter();
+            for (vertex, is_own) in vertices.zip(self.owned[one as usize][0]) {
+                if is_own && !corners.contains(vertex) {
+                    visit(Primitives::VertexTriangle(*vertex, other));
+                }
+            }
+        }
+        let own = |t: u32| {
+            let edges = self.triangle_edges[t as usize].iter();
+            let edges = edges.zip(self.owned[t as usize][1]);
+            edges.filter_map(|(edge, is_own)| is_own.then_some(*edge))
+        };
+        for e in own(a) {
+            if visit(Primitives::EdgeTriangle(e, b)) {
+                let ends = &self.edges[e as usize];
+                for f in own(b) {
+                    if !self.edges[f as usize].iter().any(|v| ends.contains(v)) {
+                        visit(Primitives::EdgeEdge(e, f));
+                    }
+                }
+            }
+        }
+    }
 }
 
 /// The two corners of edge k of a triangle.
@@ -15,22 +87,7 @@ pub(crate) fn ends(k: usize) -> [usize; 2] {
     [k, (k + 1) % 3]
 }
 
-/// Gives each vertex and each edge to the first triangle that has it.
-pub(crate) fn owned(mesh: &TriMesh) -> Vec<Owned> {
-    let mut owned = vec![Owned::default(); mesh.triangle_count()];
-    let mut taken = vec![false; mesh.vertex_count()];
-    for (owned, corners) in owned.iter_mut().zip(mesh.triangles()) {
-        owned.vertices = corners.map(|v| !std::mem::replace(&mut taken[v as usize], true));
-    }
-    let sides = sorted_sides(mesh.triangles());
-    for same in sides.chunk_by(|a, b| a.ends == b.ends) {
-        owned[same[0].triangle as usize].edges[same[0].k] = true;
-    }
-    owned
-}
-
-/// The two vertices of each edge, in rising order, and the three edges of each triangle: edge k of a triangle goes from
-/// corner k to the next one.
+/// The two vertices of each edge, in rising order, and the three edges of each triangle.
 pub(crate) fn edge_numbers(triangles: &[[u32; 3]]) -> (Vec<[u32; 2]>, Vec<[u32; 3]>) {
     let mut edges = Vec::new();
     let mut of_triangle = vec![[0; 3]; triangles.len()];
@@ -44,27 +101,6 @@ pub(crate) fn edge_numbers(triangles: &[[u32; 3]]) -> (Vec<[u32; 2]>, Vec<[u32; 
     (edges, of_triangle)
 }
 
-/// Pairs (vertex, triangle) across inner edges; if there are none, of each triangle and the next.
-pub(crate) fn facing(triangles: &[[u32; 3]]) -> Vec<(u32, u32)> {
-    let sides = sorted_sides(triangles);
-    let across: Vec<_> = sides
-        .windows(2)
-        .filter(|two| two[0].ends == two[1].ends)
-        .map(|two| (two[1].opposite(triangles), two[0].triangle))
-        .collect();
-    if !across.is_empty() {
-        return across;
-    }
-    // No two triangles have the same three vertices, so the next one has a vertex that this one has not.
-    (0..)
-        .zip(triangles.windows(2))
-        .flat_map(|(t, two)| {
-            let elsewhere = move |v: &u32| !two[0].contains(v);
-            two[1].into_iter().filter(elsewhere).map(move |v| (v, t))
-        })
-        .collect()
-}
-
 /// One edge of one triangle.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 struct Side {
@@ -72,12 +108,6 @@ struct Side {
     ends: [u32; 2],
     triangle: u32,
     k: usize,
-}
-
-impl Side {
-    fn opposite(self, triangles: &[[u32; 3]]) -> u32 {
-        triangles[self.triangle as usize][(self.k + 2) % 3]
-    }
 }
 
 /// All edges of all triangles, those between the same two vertices next to each other.

@@ -143,4 +143,5 @@ fn segments_meet([p, q]: [Coord<f64>; 2], [a, b]: [Coord<f64>; 2]) -> bool {
 }
 
 #[cfg(test)]
+#[path = "../tests/unit/intersect.rs"]
 mod tests;

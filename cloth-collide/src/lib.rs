@@ -43,21 +43,14 @@
 //! [`ContinuousTest`] finds such planes, which turn along with the nearest face, edge or corner of the polygon, and
 //! steps through time from one to the next. Signs of a few cubics are all that is proved, and all that rounding could
 //! spoil; so the allowance for it is small and explicit, and no contact is missed. The textbook's way is the other one
-//! round: [`CoplanarityTest`] looks for the times at which the four vertices are in one plane, the roots of (x₀ − x₁) ×
+//! round: it looks for the times at which the four vertices are in one plane, the roots of (x₀ − x₁) ×
 //! (x₀ − x₂) · x₀, and then for contact there. It is short and fast, and it misses what is in one plane all the time.
-//! [`exact_queries`] makes queries for which the answer is known, to see which method errs how often
-//! (`cloth-bench ccd`).
+//! `cloth-bench ccd` tells which method errs how often, on queries for which the answer is known exactly.
 //!
-//! # Contact in the solve
+//! # Contact in the solve, in five steps
 //!
-//! [`PotentialContacts`](potential::PotentialContacts) joins all of this behind the one hook of all methods: contact as
-//! an energy for those that minimise, as unilateral constraints for those that project positions. Both views test every
-//! path before it is accepted. What does not come to an end in which nothing crosses goes to the last resort: pairs are
-//! pushed apart one by one, then parts of the cloth move as rigid bodies (impact zones), then vertices are held back to
-//! paths that cannot reach anything. So a step is either free of crossings or refused. [`potential`] is a chapter of
-//! its own.
-//!
-//! # Derivation, in five steps
+//! [`PotentialContacts`](potential::PotentialContacts) joins all of this behind the one hook of all methods;
+//! [`potential`] is a chapter of its own.
 //!
 //! 1. *Potential.* Two sheets at distance d < h press against each other with p = −φ′(d). An element of area A stores
 //!    A φ(d); the sum over all pairs is an energy, and its gradient is a force that is equal and opposite on the two
@@ -71,8 +64,9 @@
 //! 4. *Filter.* The potential alone cannot tell the sides of a sheet apart. So every displacement is tested over the
 //!    whole of its path, and taken only as far as nothing reaches d = 0: what starts without a crossing stays without.
 //! 5. *Last resort.* An iteration that is cut short may be blocked for ever. Then pairs are pushed apart one by one,
-//!    what is stuck moves as one rigid body, and in the end vertices stay where they are: always possible, since the
-//!    start was free of crossings, and reported (`held`).
+//!    what is stuck moves as one rigid body (an impact zone), and in the end vertices stay where they are: always
+//!    possible, since the start was free of crossings, and reported (`held`). So a step is either free of crossings or
+//!    refused.
 //!
 //! The naive program is `examples/first_program.rs`: contact with a floor and a ball in one file, compared with the
 //! potential of the crate.
@@ -110,8 +104,9 @@
 //!
 //! - Cloth that can touch nothing: leave contact out, and no code of this crate runs. With it, a sheet in free fall
 //!   still pays for the bounds on its motion (`cargo bench --bench steps -- "in flight"`).
-//! - A floor alone, far from any fold: a penalty on the vertices is enough, and differentiable.
-//! - Bouncing. There is no restitution in the potential; [`PointMass`](obstacle::PointMass) has it for single points.
+//! - A floor alone, far from any fold: an element with a penalty on the vertices
+//!   ([`PenaltyLaw`](obstacle::PenaltyLaw)) is enough, and differentiable.
+//! - Bouncing. There is no restitution in the potential; [`ImpactLaw`](obstacle::ImpactLaw) has it for single points.
 //! - Layers in their tens at rest: forces travel through a stack one layer an iteration, and methods cut short at a
 //!   fixed number of iterations leave them out of balance.
 //! - A start that crosses: [`untangle`] first, or let a run do it.
@@ -123,37 +118,16 @@
 //! | w_c = n · (u × d) / n², w_b = u · (d − w_c e) / u²: nearest point of a triangle | [`point_triangle`] |
 //! | s = n · (v × d) / n², t = v · (d + s u) / v²: nearest points of two edges | [`edge_edge`] |
 //! | n(t) · x_k(t) > d \|n(t)\|: time of impact, never late | [`ContinuousTest`] |
-//! | (x₀ − x₁) × (x₀ − x₂) · x₀ = 0: time of impact by the roots of a cubic | [`CoplanarityTest`] |
-//! | Σ w_k x_k(t) = 0 in whole numbers: contacts by construction | [`exact_queries`] |
 //! | signs of pqab, pqbc, pqca: a segment meets a triangle, exactly | [`segment_meets_triangle`] |
 //! | an edge of one meets the other: two triangles meet, exactly | [`triangles_meet`] |
 //! | φ(x) and its gradient, for shapes at rest and moving | [`obstacle`], with a table of its own |
 //! | boxes of all that moves overlap, and no plane is between them: vertex–triangle and edge–edge candidates | [`ClothCandidates`] |
 //! | overlapping boxes, from a tree, from hashed cells, from cells along a curve | [`Hierarchy`], [`SpatialHash`], [`MortonGrid`] |
-//! | boxes within a distance: pairs of triangles | [`TrianglePairs`] |
 //! | Σ A φ(d), felt by a method while it solves | [`potential`], a chapter of its own |
 //! | δL = −Σ r·δx: the curve in which a cloth passes through itself, shortened | [`untangle`], a chapter of its own |
 //! | number of meeting pairs, min d over everything that shares no vertex | [`SeparationProbe`] |
 //!
 //! # Examples
-//!
-//! A block on a slope of 30° with the friction coefficient 0.3 slides by ½ g (sin α − μ cos α) t².
-//!
-//! ```
-//! use cloth_collide::obstacle::{HalfSpace, ImpactLaw, Obstacle, PointMass};
-//! use cloth_core::math::Vec3;
-//!
-//! let (angle, friction, gravity) = (30f64.to_radians(), 0.3, 9.81);
-//! let slope = Obstacle::new(HalfSpace::inclined(angle)?);
-//! let law = ImpactLaw::new(friction, 0.0)?;
-//! let mut block = PointMass { position: Vec3::zeros(), velocity: Vec3::zeros(), mass: 1.0 };
-//! for _ in 0..60 {
-//!     block.advance(&slope, law, 0.0, Vec3::z() * -gravity, 0.0, 1.0 / 60.0);
-//! }
-//! let distance = 0.5 * gravity * (angle.sin() - friction * angle.cos());
-//! assert!((block.position.norm() - distance).abs() < 1e-12);
-//! # Ok::<(), cloth_collide::obstacle::ObstacleError>(())
-//! ```
 //!
 //! A ribbon, bent until its end has gone through its beginning.
 //!
@@ -194,9 +168,6 @@
 //!   moments, and is out on the far side, shows no trace.
 //! - [`ContinuousTest`] reports a pass at less than 1e-14 of the size of the motion (for d = 0: at less than 1e-29) as
 //!   a contact. The limits of each method stand with it.
-//! - The count is of closed triangles: exact touching counts like crossing. It says how many pairs meet, not how deep.
-//! - Two triangles with a common edge never count, even if folded flat onto each other.
-//! - Neighbours in the mesh limit the distance from above, as [`SeparationProbe`] explains.
 //! - Distances are right to rounding: about 1e-15 of the size of the triangles. Intersections are exact, apart from
 //!   over- and underflow at coordinates beyond about 1e±100 m, which is not guarded against.
 //!
@@ -204,28 +175,22 @@
 //!
 //! | File | What it holds |
 //! |---|---|
-//! | `closest/` | nearest points of a point and a triangle, and of two edges |
-//! | `ccd.rs`, `ccd/query.rs` | the conservative continuous test, and a query as a value |
+//! | `closest/`, `pair.rs` | nearest points of a point and a triangle, and of two edges; their distance with both derivatives, and whether they stay apart on their path |
+//! | `ccd.rs`, `ccd/query.rs` | the conservative continuous test, and what it is asked |
 //! | `ccd/difference.rs` | a vertex and a triangle, or two edges, as one moving polygon |
 //! | `ccd/direction.rs`, `ccd/reach.rs` | directions that may separate it from the origin; for how long they do, with the proof about rounding |
-//! | `ccd/advance.rs`, `ccd/advance/` | the walk through time, in `f64` and in double precision |
-//! | `ccd/number.rs` | numbers of twice the digits |
-//! | `ccd/coplanarity.rs` | the textbook's cubic |
-//! | `exact_queries.rs`, `exact_queries/lattice.rs` | queries of exactly known answer |
+//! | `ccd/advance.rs`, `ccd/advance/`, `ccd/number.rs` | the walk through time, in `f64` and in numbers of twice the digits |
 //! | `intersect.rs`, `intersect/apart.rs` | the exact test, and the quick one before it |
 //! | `bounds.rs`, `convert.rs` | boxes, ours and parry's |
-//! | `obstacle.rs`, `obstacle/` | a chapter of its own: `half_space`, `sphere`, `capsule`, `cuboid`, `closed_mesh`, `sampled`; `motion`, `placed`; `penalty`, `impact`; `sweep`, `contact`, `flight` |
-//! | `potential.rs`, `potential/` | a chapter of its own: `gap`, `mollifier`, `pair`, `friction`; `near`, `patches`, `filter`; `rows`, `bodies`; `last_resort`, `zones`, `hold`; `source`, `builder` |
-//! | `untangle.rs`, `untangle/` | a chapter of its own: `crossing`, `contour`, `pieces`, `smooth`; `back` |
-//! | `broad_phase.rs` | what a broad phase is |
-//! | `broad_phase/hierarchy.rs` | the tree of boxes |
-//! | `broad_phase/cells.rs`, `spatial_hash.rs`, `morton_grid.rs` | the cells, and two ways to sort boxes into them |
+//! | `obstacle.rs`, `obstacle/` | a chapter of its own: `half_space`, `sphere`, `capsule`, `cuboid`, `closed_mesh`, `sampled`, `animated`; `motion`, `placed`; `penalty`, `impact`; `sweep` |
+//! | `potential.rs`, `potential/` | a chapter of its own: `mollifier`, `pair`, `friction`; `near`, `patches`, `filter`; `rows`, `bodies`; `last_resort`, `zones`; `source`, `builder` |
+//! | `untangle.rs`, `untangle/` | a chapter of its own: `crossing`, `contour`, `pieces`, `smooth`; `back`, `during` |
+//! | `broad_phase.rs`, `broad_phase/hierarchy.rs` | what a broad phase is; the tree of boxes |
+//! | `broad_phase/cells.rs`, `spatial_hash.rs`, `morton_grid.rs` | a grid of cells, and two ways to sort boxes into it |
 //! | `broad_phase/candidates.rs`, `separating_plane.rs`, `order.rs` | from pairs of triangles to pairs of primitives that no plane separates, in order |
-//! | `broad_phase/triangle_pairs.rs` | pairs of triangles within a distance |
-//! | `pair.rs` | two pieces of cloth: where they are nearest, and whether they stay apart on their path |
-//! | `incidence.rs` | which triangle represents which vertex and edge (representative triangles) |
-//! | `separation.rs` | the measurement |
-//! | `error.rs` | what can be wrong with positions and margins |
+//! | `broad_phase/triangle_pairs.rs`, `separation.rs` | pairs of triangles with overlapping boxes; the measurement |
+//! | `incidence.rs`, `sets.rs` | which triangle represents which vertex and edge; what belongs together |
+//! | `error.rs` | what can be wrong with positions and settings |
 //!
 //! # References
 //!
@@ -256,7 +221,6 @@
 mod closest;
 
 mod ccd;
-pub mod exact_queries;
 
 mod intersect;
 
@@ -282,13 +246,14 @@ mod error;
 #[path = "../tests/support/random.rs"]
 mod random;
 #[cfg(test)]
+#[path = "../tests/support/shapes.rs"]
 mod shapes;
 
 pub use bounds::Bounds;
 pub use broad_phase::{
-    BroadPhase, BroadPhaseKind, ClothCandidates, Hierarchy, MortonGrid, SpatialHash, TrianglePairs,
+    BroadPhase, BroadPhaseKind, ClothCandidates, Hierarchy, MortonGrid, SpatialHash,
 };
-pub use ccd::{ContinuousTest, CoplanarityTest, Impact, Query, QueryKind, Stop};
+pub use ccd::{ContinuousTest, Impact, Query, QueryKind, Stop};
 pub use closest::{EdgeEdge, PointTriangle, edge_edge, point_triangle};
 pub use error::CollideError;
 pub use intersect::{segment_meets_triangle, triangles_meet};

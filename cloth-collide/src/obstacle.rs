@@ -27,16 +27,14 @@
 //! | x = (1 − s) xₖ + s xₖ₊₁ between two shapes | [`AnimatedMesh`] |
 //! | x = p + R y, v(x) = v + ω × (x − p) | [`RigidMotion`] |
 //! | v = p/m + g h, ω = J⁻¹ L, p ← p + m g h + ∫f dt, L ← L + ∫τ dt | [`RigidBody`] |
-//! | E = ½ k (h − φ)², E = −k (φ − h)² ln(φ/h) | [`PenaltyLaw`], [`ObstaclePenalty`] |
+//! | E = ½ k (h − φ)², from h/2 on a barrier | [`PenaltyLaw`] |
 //! | Δvₙ = −(1 + e) vₙ, ‖Δvₜ‖ ≤ μ Δvₙ | [`ImpactLaw`] |
 //! | φ(x(t)) = h for the first time | [`first_contact`] |
-//! | parabola, impact, parabola, … | [`PointMass`] |
 //!
 //! # Limits
 //!
 //! - φ of a shape is the distance to its surface, so from deep inside a thin one the nearest way out may be the far
-//!   side. What keeps vertices on their side is [`first_contact`], or [`ObstacleContacts::detect`] with it, not the
-//!   discrete response.
+//!   side. What keeps vertices on their side is [`first_contact`], not the discrete response.
 //! - Meshes and samples are not taken to be convex: a path that grazes them may end early, and says so.
 //! - The impulses of one step treat one vertex and one obstacle at a time. A vertex between two obstacles is pushed by
 //!   each in turn, and may end inside the first.
@@ -48,18 +46,14 @@
 //! - R. Bridson, R. Fedkiw and J. Anderson, Robust treatment of collisions, contact and friction for cloth animation,
 //!   SIGGRAPH 2002. DOI 10.1145/566570.566623. Its section 7.5 bounds the change of the tangential velocity by that of
 //!   the normal one.
-//! - M. Li et al., Incremental potential contact, SIGGRAPH 2020. DOI 10.1145/3386569.3392425. The barrier, its equation
-//!   (6).
 //! - B. V. Mirtich, *Impulse-based dynamic simulation of rigid body systems*, thesis, Berkeley 1996. Conservative
 //!   advancement.
 
 mod animated;
 mod capsule;
 mod closed_mesh;
-mod contact;
 mod cuboid;
 mod error;
-mod flight;
 mod half_space;
 mod impact;
 mod motion;
@@ -69,26 +63,22 @@ mod rigid_body;
 mod sampled;
 mod sphere;
 mod sweep;
-mod work;
 
 pub use animated::AnimatedMesh;
 pub use capsule::Capsule;
 pub use closed_mesh::ClosedMesh;
-pub use contact::{ObstacleContact, ObstacleContacts};
 pub use cuboid::Cuboid;
 pub use error::ObstacleError;
-pub use flight::PointMass;
 pub use half_space::HalfSpace;
 pub use impact::ImpactLaw;
 pub use motion::{Pose, RigidMotion};
-pub use penalty::{ObstaclePenalty, PenaltyLaw, PlanePenalty};
+pub use penalty::PenaltyLaw;
 pub use placed::Obstacle;
 pub(crate) use rigid_body::Momenta;
 pub use rigid_body::RigidBody;
 pub use sampled::SampledDistance;
 pub use sphere::Sphere;
 pub use sweep::{FirstContact, VertexPath, first_contact};
-pub(crate) use work::BodyWork;
 
 use crate::bounds::Bounds;
 use cloth_core::math::{Real, Vec3};
@@ -147,20 +137,30 @@ pub trait SignedDistance: Debug + Send + Sync {
 
 /// A positive finite number, or which one is not.
 fn positive(name: &'static str, value: Real) -> Result<Real, ObstacleError> {
-    if value > 0.0 && value.is_finite() {
-        Ok(value)
-    } else {
-        Err(ObstacleError::NotPositive { name, value })
-    }
+    let is_right = value > 0.0 && value.is_finite();
+    within(is_right, name, value, "a positive finite number")
 }
 
 /// A finite number that is not negative, or which one is not.
 fn not_negative(name: &'static str, value: Real) -> Result<Real, ObstacleError> {
-    if value >= 0.0 && value.is_finite() {
-        Ok(value)
-    } else {
-        Err(ObstacleError::Negative { name, value })
-    }
+    let is_right = value >= 0.0 && value.is_finite();
+    within(
+        is_right,
+        name,
+        value,
+        "a finite number that is not negative",
+    )
+}
+
+/// The number if it `is_right`.
+fn within(
+    is_right: bool,
+    name: &'static str,
+    value: Real,
+    range: &'static str,
+) -> Result<Real, ObstacleError> {
+    let wrong = ObstacleError::OutOfRange { name, value, range };
+    is_right.then_some(value).ok_or(wrong)
 }
 
 /// A finite vector, or which one is not.

@@ -1,8 +1,8 @@
-//! Two pieces of cloth: where they are nearest, and whether they stay apart on their path.
+//! Two pieces of cloth: how far apart they are, with both derivatives, and whether they stay apart on their path.
 
 use crate::ccd::{ContinuousTest, Query, QueryKind};
 use crate::closest::{edge_edge, point_triangle};
-use cloth_core::math::{Real, Vec3};
+use cloth_core::math::{Blocks, Mat3, Real, Vec3, gather};
 
 /// A vertex and a triangle, or two edges.
 #[derive(Clone, Copy, Debug)]
@@ -12,32 +12,163 @@ pub(crate) struct Pair {
     pub(crate) vertices: [u32; 4],
 }
 
-/// The nearest points of the two pieces: Σ wᵢ xᵢ = d n.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Nearest {
-    /// Weights wᵢ (dimensionless); those of the first piece sum to 1, those of the second to −1.
-    pub(crate) weights: [Real; 4],
-    /// Unit vector n from the second to the first; zero if they touch.
-    pub(crate) normal: Vec3,
+/// Between the nearest points of two primitives.
+///
+/// With the weights c_k(s) of the four vertices, which depend on up to two places s along edges, r = Σ c_k x_k goes
+/// from one nearest point to the other, and d = min over s of ‖r‖. The minimum is stationary in s, so ∂d/∂x_k = c_k n
+/// with n = r/d, and where the weights move, they follow from J ⊥ n.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Gap {
+    /// Of what.
+    pub kind: QueryKind,
     /// Distance d (m).
-    pub(crate) distance: Real,
+    pub distance: Real,
+    /// From the second nearest point to the first, n (unit length; zero at distance 0).
+    pub normal: Vec3,
+    /// c_k, dimensionless: positive on the first primitive, where they sum to 1, negative on the second.
+    pub weights: [Real; 4],
 }
 
-impl Nearest {
+impl Gap {
+    /// Of a vertex and a triangle, or of two edges, at positions `x` (m) in this order.
+    #[must_use]
+    pub fn new(kind: QueryKind, x: &[Vec3; 4]) -> Self {
+        let (weights, separation) = match kind {
+            QueryKind::VertexTriangle => {
+                let found = point_triangle(x[0], [x[1], x[2], x[3]]);
+                let [a, b, c] = found.weights;
+                ([1.0, -a, -b, -c], found.separation)
+            }
+            QueryKind::EdgeEdge => {
+                let found = edge_edge([x[0], x[1]], [x[2], x[3]]);
+                let [s, t] = found.along;
+                ([1.0 - s, s, t - 1.0, -t], found.separation)
+            }
+        };
+        let distance = separation.norm();
+        let normal = if distance > 0.0 {
+            separation / distance
+        } else {
+            Vec3::zeros()
+        };
+        Self {
+            kind,
+            distance,
+            normal,
+            weights,
+        }
+    }
+
     /// Whether one of the two points is on the boundary of a triangle, or the end of an edge.
     pub(crate) fn is_at_boundary(&self) -> bool {
         self.weights.contains(&0.0)
     }
+
+    /// ∂c/∂s for each place that is free to move, and how many are: on a corner nothing moves, on an edge the place
+    /// between its ends, inside a triangle two of them.
+    fn turns(&self) -> ([[Real; 4]; 2], usize) {
+        let on = self.weights.map(|weight| weight != 0.0);
+        let edges: &[[usize; 2]] = match (self.kind, on) {
+            (QueryKind::VertexTriangle, [_, true, true, true]) => &[[1, 2], [1, 3]],
+            (QueryKind::VertexTriangle, [_, true, true, false]) => &[[1, 2]],
+            (QueryKind::VertexTriangle, [_, false, true, true]) => &[[2, 3]],
+            (QueryKind::VertexTriangle, [_, true, false, true]) => &[[3, 1]],
+            (QueryKind::EdgeEdge, [true, true, true, true]) => &[[1, 0], [2, 3]],
+            (QueryKind::EdgeEdge, [true, true, ..]) => &[[1, 0]],
+            (QueryKind::EdgeEdge, [.., true, true]) => &[[2, 3]],
+            _ => &[],
+        };
+        let mut turns = [[0.0; 4]; 2];
+        for (turn, &[from, to]) in turns.iter_mut().zip(edges) {
+            (turn[from], turn[to]) = (1.0, -1.0);
+        }
+        (turns, edges.len())
+    }
+
+    /// ∂d/∂x_k (dimensionless).
+    #[must_use]
+    pub fn gradient(&self) -> [Vec3; 4] {
+        self.weights.map(|c| self.normal * c)
+    }
+
+    /// ∂²d/∂x_k∂x_l (1/m) at the positions (m) that the gap was taken at. Between two regions, where it jumps, that of
+    /// one of them; zero for primitives that touch, and where G⁻¹ is beyond all numbers.
+    ///
+    /// Eliminating the places s from the Hessian of ½ r² leaves, with J_a = Σ ∂c_k/∂s_a x_k, G = JᵀJ, and the projector
+    /// T onto what is at right angles to n and all J,
+    ///
+    /// ∂²d = c_k c_l T/d − Σ (G⁻¹)_ab (∂_a c_k c_l n J_bᵀ + c_k ∂_b c_l J_a nᵀ + d ∂_a c_k ∂_b c_l n nᵀ),
+    ///
+    /// in which nothing cancels for small d.
+    #[must_use]
+    pub fn curvature(&self, x: &[Vec3; 4]) -> Blocks<4> {
+        let mut blocks = [[Mat3::zeros(); 4]; 4];
+        if self.distance == 0.0 {
+            return blocks;
+        }
+        let n = self.normal;
+        let (turns, free) = self.turns();
+        let along = turns.map(|turn| (0..4).map(|k| x[k] * turn[k]).sum::<Vec3>());
+        let Some(inverse) = inverse_metric(free, &along) else {
+            return blocks;
+        };
+        let mut across = Mat3::identity() - n * n.transpose();
+        match free {
+            1 => across -= along[0] * along[0].transpose() * inverse[0][0],
+            2 => across = Mat3::zeros(),
+            _ => {}
+        }
+        across /= self.distance;
+        for k in 0..4 {
+            for l in 0..4 {
+                let block = &mut blocks[k][l];
+                *block = across * (self.weights[k] * self.weights[l]);
+                for a in 0..free {
+                    for b in 0..free {
+                        let g = inverse[a][b];
+                        let (turn_k, turn_l) = (turns[a][k], turns[b][l]);
+                        *block -= n * along[b].transpose() * (g * turn_k * self.weights[l])
+                            + along[a] * n.transpose() * (g * self.weights[k] * turn_l)
+                            + n * n.transpose() * (g * self.distance * turn_k * turn_l);
+                    }
+                }
+            }
+        }
+        blocks
+    }
 }
 
-/// The motion of the four vertices of a pair: positions (m) at both ends of the step.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Motion {
-    pub(crate) from: [Vec3; 4],
-    pub(crate) to: [Vec3; 4],
+/// The inverse of G; nothing if it has none, or one beyond all numbers, as between edges that are parallel but for
+/// 1e-154.
+fn inverse_metric(free: usize, along: &[Vec3; 2]) -> Option<[[Real; 2]; 2]> {
+    let [u, v] = along;
+    let mut inverse = [[0.0; 2]; 2];
+    match free {
+        0 => {}
+        1 => inverse[0][0] = 1.0 / u.norm_squared(),
+        _ => {
+            let determinant = u.cross(v).norm_squared();
+            let off = -u.dot(v) / determinant;
+            inverse = [
+                [v.norm_squared() / determinant, off],
+                [off, u.norm_squared() / determinant],
+            ];
+        }
+    }
+    let finite = inverse.iter().flatten().all(|g| g.is_finite());
+    finite.then_some(inverse)
 }
 
-impl Motion {
+impl Query {
+    /// The motion of a pair between two places (m) of all vertices.
+    pub(crate) fn of(pair: Pair, from: &[Vec3], to: &[Vec3]) -> Self {
+        Self {
+            kind: pair.kind,
+            from: gather(from, pair.vertices),
+            to: gather(to, pair.vertices),
+        }
+    }
+
     /// The places (m) at a time (0..=1).
     pub(crate) fn at(&self, time: Real) -> [Vec3; 4] {
         std::array::from_fn(|k| self.from[k] + (self.to[k] - self.from[k]) * time)
@@ -54,32 +185,19 @@ impl Motion {
         };
         self.from == self.to || (1..4).all(|k| besides(k) <= 1e-6 * distance)
     }
-}
 
-/// Nearest points of two pieces at positions `x` (m).
-pub(crate) fn nearest(kind: QueryKind, x: &[Vec3; 4]) -> Nearest {
-    let (weights, separation) = match kind {
-        QueryKind::VertexTriangle => {
-            let found = point_triangle(x[0], [x[1], x[2], x[3]]);
-            let [a, b, c] = found.weights;
-            ([1.0, -a, -b, -c], found.separation)
-        }
-        QueryKind::EdgeEdge => {
-            let found = edge_edge([x[0], x[1]], [x[2], x[3]]);
-            let [s, t] = found.along;
-            ([1.0 - s, s, t - 1.0, -t], found.separation)
-        }
-    };
-    let distance = separation.norm();
-    let normal = if distance > 0.0 {
-        separation / distance
-    } else {
-        Vec3::zeros()
-    };
-    Nearest {
-        weights,
-        normal,
-        distance,
+    /// Whether one steady plane has the pieces apart by more than `separation` (m) during the motion: it does if it
+    /// does at both ends, because everything is linear in time.
+    pub(crate) fn is_apart_along(&self, normal: &Vec3, separation: Real) -> bool {
+        let is_apart = |x: &[Vec3; 4]| gap_along(self.kind, normal, x) - separation > 0.0;
+        is_apart(&self.to) && is_apart(&self.from)
+    }
+
+    /// The first time (0..=1) at which the distance is down to `separation` (m); nothing if there is none.
+    pub(crate) fn time_at(&self, separation: Real) -> Option<Real> {
+        let found = ContinuousTest::new(separation, 0.0).and_then(|test| self.first_contact(&test));
+        // Numbers too large: nothing is certain.
+        found.map_or(Some(0.0), |impact| impact.map(|impact| impact.time))
     }
 }
 
@@ -96,43 +214,4 @@ pub(crate) fn gap_along(kind: QueryKind, normal: &Vec3, x: &[Vec3; 4]) -> Real {
     };
     // One difference, three products, two sums, one more difference; n is off unit length by less.
     gap - 16.0 * Real::EPSILON * size
-}
-
-/// By how much more than `separation` (m) one steady plane has the pieces apart during the motion, nothing if it does
-/// not: it does if it does at both ends, because everything is linear in time.
-pub(crate) fn room_along(
-    kind: QueryKind,
-    normal: &Vec3,
-    motion: &Motion,
-    separation: Real,
-) -> Option<Real> {
-    let room = |x: &[Vec3; 4]| Some(gap_along(kind, normal, x) - separation).filter(|&r| r > 0.0);
-    Some(room(&motion.to)?.min(room(&motion.from)?))
-}
-
-/// Whether it does.
-pub(crate) fn apart_along(
-    kind: QueryKind,
-    normal: &Vec3,
-    motion: &Motion,
-    separation: Real,
-) -> bool {
-    room_along(kind, normal, motion, separation).is_some()
-}
-
-/// The first time (0..=1) at which the distance is down to `separation` (m); nothing if there is none.
-pub(crate) fn first_contact(kind: QueryKind, motion: &Motion, separation: Real) -> Option<Real> {
-    let Ok(test) = ContinuousTest::new(separation, 0.0) else {
-        return Some(0.0);
-    };
-    let query = Query {
-        kind,
-        from: motion.from,
-        to: motion.to,
-    };
-    match query.first_contact(&test) {
-        Ok(impact) => impact.map(|impact| impact.time),
-        // Numbers too large: nothing is certain.
-        Err(_) => Some(0.0),
-    }
 }

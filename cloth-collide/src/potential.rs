@@ -10,7 +10,7 @@
 //! E(x) = Σ A φ(d(x)),
 //!
 //! over all pairs (vertex, triangle), (edge, edge) and (vertex, obstacle) that are nearer than h. φ is quadratic down
-//! to h/2 and a barrier from there on ([`PenaltyLaw::two_stage`]): under a weight ρ g the gap is h − ρ g/κ, and nothing
+//! to h/2 and a barrier from there on ([`PenaltyLaw`]): under a weight ρ g the gap is h − ρ g/κ, and nothing
 //! gets to d = 0.
 //!
 //! A method adds E to what it minimises, with its gradient, and the Gauss–Newton part of its second derivative, A φ″ ∂d
@@ -30,7 +30,7 @@
 //! the compliance 1/(A φ″), a multiplier λ ≥ 0, and friction within μ λ that remembers where it began to stick. They
 //! come last in each sweep. What can touch follows from bounds on the relative motion of patches of the cloth, and at
 //! the end of a substep every pair is tested; what has come too near is swept again, then shortened, then given to the
-//! last resort (`last_resort`: pairs pushed apart one by one, impact zones, vertices held back).
+//! last resort (`last_resort`: pairs pushed apart one by one, impact zones, vertices that stay).
 //!
 //! # Bodies
 //!
@@ -73,7 +73,7 @@
 //! | φ, φ′, φ″ | [`PenaltyLaw`] |
 //! | d, ∂d, ∂²d | [`Gap`] |
 //! | m(‖u × v‖²) for two edges u, v | [`Mollifier`] |
-//! | A φ(d), A m φ(d) as elements, with both derivatives | [`VertexTriangleContact`], [`EdgeEdgeContact`] |
+//! | A φ(d), A m φ(d) as elements, with both derivatives | [`PairContact`] |
 //! | μ λ f(‖u‖) | `friction` |
 //! | which pairs can be near on a path | `near_pairs`, `ranked` |
 //! | bodies behind the cloth | `surfaces` |
@@ -105,8 +105,6 @@ mod filter;
 mod forces;
 mod free;
 mod friction;
-mod gap;
-mod hold;
 mod last_resort;
 pub(crate) mod let_go;
 mod mollifier;
@@ -125,13 +123,12 @@ mod surfaces;
 mod tangent;
 mod zones;
 
+pub use crate::pair::Gap;
 pub use builder::PotentialBuilder;
 pub use forces::{BodyForce, ContactForces};
-pub use gap::Gap;
 pub use mollifier::Mollifier;
-pub use pair::{EdgeEdgeContact, VertexTriangleContact};
+pub use pair::PairContact;
 pub use report::ConstraintReport;
-pub use source::PotentialReport;
 pub use surfaces::PotentialContacts;
 
 #[cfg(doc)]

@@ -8,7 +8,7 @@ use crate::bounds::Bounds;
 use crate::broad_phase::TrianglePairs;
 use crate::closest::{edge_edge, point_triangle};
 use crate::error::CollideError;
-use crate::incidence::{Owned, ends, facing, owned};
+use crate::incidence::{Incidence, Primitives};
 use crate::intersect::{segment_meets_triangle, triangles_meet};
 use crate::potential::let_go::LetGo;
 use crate::potential::sewn::Sewn;
@@ -24,7 +24,7 @@ pub struct Separation {
     /// counts, as in [`triangles_meet`].
     pub intersecting_pairs: usize,
     /// The smallest distance (m) between a vertex and a triangle, or between two edges, that have no vertex in
-    /// common; 0 if any triangles intersect; absent if the mesh is a single triangle.
+    /// common; 0 if any triangles intersect; absent if there are none.
     pub min_distance: Option<Real>,
 }
 
@@ -45,10 +45,10 @@ pub struct Separation {
 /// flat on each other, and then `min_distance` is zero, or nearly so for rounding.
 ///
 /// **How.** Pairs of triangles with overlapping boxes go through the exact test of [`triangles_meet`]. If none
-/// meets, the distances across all inner edges and those of the pairs just tested give an upper limit. The tree of
-/// boxes is then walked in search of anything nearer than the limit, which falls with every find. So
-/// that no pair of primitives is computed twice, each vertex and each edge belongs to one of its triangles
-/// (Curtis, Tamstorf and Manocha 2008), and a pair of triangles computes what both own.
+/// meets, the distances of the pairs just tested, neighbours among them, give an upper limit. The tree of boxes is then
+/// walked in search of anything nearer than the limit, which falls with every find. So that no pair of primitives is
+/// computed twice, each vertex and each edge belongs to one of its triangles (Curtis, Tamstorf and Manocha 2008), and a
+/// pair of triangles computes what both own.
 ///
 /// ```
 /// use cloth_collide::SeparationProbe;
@@ -68,9 +68,7 @@ pub struct Separation {
 #[derive(Debug)]
 pub struct SeparationProbe {
     pairs: TrianglePairs,
-    owned: Vec<Owned>,
-    /// Pairs (vertex, triangle) across inner edges: near each other, so their distances are a good upper limit.
-    facing: Vec<(u32, u32)>,
+    incidence: Incidence,
     /// Pairs that do not count.
     excluded: LetGo,
     sewn: Sewn,
@@ -82,8 +80,7 @@ impl SeparationProbe {
     pub fn new(mesh: &TriMesh) -> Self {
         Self {
             pairs: TrianglePairs::new(mesh),
-            owned: owned(mesh),
-            facing: facing(mesh.triangles()),
+            incidence: Incidence::new(mesh),
             excluded: LetGo::default(),
             sewn: Sewn::default(),
         }
@@ -119,7 +116,7 @@ impl SeparationProbe {
     /// # Panics
     /// If there are not as many positions as the mesh has vertices.
     pub fn measure(&mut self, positions: &[Vec3]) -> Result<Separation, CollideError> {
-        self.pairs.move_to(positions)?;
+        self.pairs.find(positions)?;
         let intersecting_pairs = self.count_intersecting(positions);
         let min_distance = if intersecting_pairs > 0 {
             Some(0.0)
@@ -132,8 +129,7 @@ impl SeparationProbe {
         })
     }
 
-    fn count_intersecting(&mut self, positions: &[Vec3]) -> usize {
-        self.pairs.within(0.0);
+    fn count_intersecting(&self, positions: &[Vec3]) -> usize {
         let triangles = self.pairs.triangles();
         let meets = |pair: &&[u32; 2]| {
             let corners = pair.map(|t| triangles[t as usize]);
@@ -144,7 +140,7 @@ impl SeparationProbe {
 
     /// The smallest distance (m), given that the pairs of overlapping boxes have just been listed.
     fn min_distance(&self, positions: &[Vec3]) -> Option<Real> {
-        let nearest = Cell::new(self.facing_squared(positions)?);
+        let nearest = Cell::new(Real::INFINITY);
         for &pair in self.pairs.found() {
             self.lower_to_pair(pair, positions, &nearest);
         }
@@ -155,62 +151,42 @@ impl SeparationProbe {
                 self.lower_to_pair(pair, positions, &nearest);
             }
         });
-        Some(nearest.get().sqrt())
+        Some(nearest.get().sqrt()).filter(|distance| distance.is_finite())
     }
 
-    /// The smallest squared distance (m²) across an inner edge.
-    fn facing_squared(&self, positions: &[Vec3]) -> Option<Real> {
-        let triangles = self.pairs.triangles();
-        let squared = |&(vertex, triangle): &(u32, u32)| {
-            let corners = gather(positions, triangles[triangle as usize]);
-            let nearest = point_triangle(positions[vertex as usize], corners);
-            nearest.separation.norm_squared()
-        };
-        self.facing.iter().map(squared).reduce(Real::min)
-    }
-
-    /// Lowers the squared distance `nearest` (m²) to that of the primitives that two triangles own.
+    /// Lowers the squared distance `nearest` (m²) to that of the primitives that two triangles represent.
     fn lower_to_pair(&self, pair: [u32; 2], positions: &[Vec3], nearest: &Cell<Real>) {
-        let pair = pair.map(|t| t as usize);
-        let bounds = pair.map(|t| &self.pairs.bounds()[t]);
-        if bounds[0].squared_gap(bounds[1]) >= nearest.get() {
+        let Incidence {
+            triangles, edges, ..
+        } = &self.incidence;
+        let bounds = |t: u32| &self.pairs.bounds()[t as usize];
+        let corners = |t: u32| triangles[t as usize];
+        let is_far = |a: &Bounds, b: &Bounds| a.squared_gap(b) >= nearest.get();
+        if is_far(bounds(pair[0]), bounds(pair[1])) || !self.counts(pair.map(corners)) {
             return;
         }
-        let corners = pair.map(|t| self.pairs.triangles()[t]);
-        if !self.counts(corners) {
-            return;
-        }
-        let owned = pair.map(|t| self.owned[t]);
-        let x = corners.map(|c| gather(positions, c));
-        for (one, other) in [(0, 1), (1, 0)] {
-            for k in 0..3 {
-                if owned[one].vertices[k] && !corners[other].contains(&corners[one][k]) {
-                    let point = x[one][k];
-                    if Bounds::around([point]).squared_gap(bounds[other]) < nearest.get() {
-                        let found = point_triangle(point, x[other]).separation;
-                        nearest.set(nearest.get().min(found.norm_squared()));
-                    }
+        let edge = |e: u32| gather(positions, edges[e as usize]);
+        self.incidence.visit(pair, |primitives| {
+            let found = match primitives {
+                Primitives::EdgeTriangle(e, t) => {
+                    return !is_far(&Bounds::around(edge(e)), bounds(t));
                 }
-            }
-        }
-        for i in (0..3).filter(|&i| owned[0].edges[i]) {
-            let first = ends(i).map(|k| x[0][k]);
-            let first_bounds = Bounds::around(first);
-            if first_bounds.squared_gap(bounds[1]) >= nearest.get() {
-                continue;
-            }
-            for j in (0..3).filter(|&j| owned[1].edges[j]) {
-                let apart = ends(j).map(|k| corners[1][k]);
-                if ends(i).iter().any(|&k| apart.contains(&corners[0][k])) {
-                    continue;
+                Primitives::VertexTriangle(v, t) => {
+                    let point = positions[v as usize];
+                    let is_far = is_far(&Bounds::around([point]), bounds(t));
+                    let triangle = gather(positions, corners(t));
+                    (!is_far).then(|| point_triangle(point, triangle).separation)
                 }
-                let second = ends(j).map(|k| x[1][k]);
-                if first_bounds.squared_gap(&Bounds::around(second)) < nearest.get() {
-                    let found = edge_edge(first, second).separation;
-                    nearest.set(nearest.get().min(found.norm_squared()));
+                Primitives::EdgeEdge(e, f) => {
+                    let [first, second] = [e, f].map(edge);
+                    let is_far = is_far(&Bounds::around(first), &Bounds::around(second));
+                    (!is_far).then(|| edge_edge(first, second).separation)
                 }
-            }
-        }
+            };
+            let found = found.map_or(Real::INFINITY, |found| found.norm_squared());
+            nearest.set(nearest.get().min(found));
+            true
+        });
     }
 }
 
@@ -235,4 +211,5 @@ pub(crate) fn meet_unduly(pair: [[u32; 3]; 2], positions: &[Vec3]) -> bool {
 }
 
 #[cfg(test)]
+#[path = "../tests/unit/separation.rs"]
 mod tests;

@@ -67,9 +67,8 @@
 //! # Limits
 //!
 //! - Held vertices can make it impossible, and neither method sees far: [`UntangleOutcome::Stalled`] is an answer. Two
-//!   tubes or garments through each
-//!   other from rim to rim stall: either side of each could be the inside. The positions are then finite, and
-//!   no more tangled than the report says.
+//!   tubes or garments through each other from rim to rim stall: either side of each could be the inside. The positions
+//!   are then finite, and no more tangled than the report says.
 //! - Which part is right is a guess by size, and may be the wrong one.
 //! - Pushes can make the contour longer for a while.
 //! - Untangled means that no triangles meet, exactly; the distance may be tiny until [`bring_back`] has opened it.
@@ -254,24 +253,15 @@ impl Untangler {
         let mut x = start.clone();
         for rounds in SMOOTHINGS {
             x.copy_from_slice(&start);
-            let left = most_iterations - report.iterations;
-            let before = report.iterations;
-            let mut tell = |progress: UntangleProgress| {
-                report.iterations = before + progress.iterations;
-                after(UntangleProgress {
-                    iterations: report.iterations,
-                    ..progress
-                });
-            };
-            let outcome = self.attempt(&mut x, inverse_mass, rounds, left, &mut tell)?;
-            report.outcome = outcome;
+            let iterations = (&mut report.iterations, most_iterations);
+            report.outcome = self.attempt(&mut x, inverse_mass, rounds, iterations, &mut after)?;
             let is_better = self.contour.pair_count() < report.pairs_after;
             if is_better {
                 positions.copy_from_slice(&x);
                 report.pairs_after = self.contour.pair_count();
                 report.length_after = self.contour.length();
             }
-            if outcome != UntangleOutcome::Stalled {
+            if report.outcome != UntangleOutcome::Stalled {
                 break;
             }
         }
@@ -279,45 +269,44 @@ impl Untangler {
         Ok(report)
     }
 
-    /// One attempt, with so many `rounds` of averaging.
+    /// One attempt, with so many `rounds` of averaging, which goes on counting iterations.
     fn attempt(
         &mut self,
         positions: &mut [Vec3],
         inverse_mass: &[Real],
         rounds: u32,
-        most_iterations: u32,
-        tell: &mut dyn FnMut(UntangleProgress),
+        (iterations, most_iterations): (&mut u32, u32),
+        after: &mut dyn FnMut(UntangleProgress),
     ) -> Result<UntangleOutcome, CollideError> {
         self.contour.find(positions)?;
         let mut step = self.longest_step;
-        let mut iterations = 0;
         // The fewest pairs and the shortest length so far, and when.
-        let mut best = (self.contour.pair_count(), self.contour.length(), 0);
+        let mut best = (
+            self.contour.pair_count(),
+            self.contour.length(),
+            *iterations,
+        );
         loop {
             let (pairs, before) = (self.contour.pair_count(), self.contour.length());
-            tell(UntangleProgress {
-                iterations,
+            after(UntangleProgress {
+                iterations: *iterations,
                 pairs,
                 length: before,
             });
             if pairs == 0 {
                 return Ok(UntangleOutcome::Untangled);
             }
-            if iterations == most_iterations {
+            if *iterations == most_iterations {
                 return Ok(UntangleOutcome::BudgetSpent);
             }
             if pairs < best.0 || before < WORTHWHILE * best.1 {
-                best = (pairs.min(best.0), before.min(best.1), iterations);
+                best = (pairs.min(best.0), before.min(best.1), *iterations);
             }
-            if iterations - best.2 >= PATIENCE {
+            if *iterations - best.2 >= PATIENCE {
                 return Ok(UntangleOutcome::Stalled);
             }
-            iterations += 1;
-            self.contour.gradient(&mut self.gradient);
-            self.scale(inverse_mass);
-            self.smoother
-                .smooth(&mut self.gradient, inverse_mass, rounds);
-            let taken = self.shorten(positions, step)?;
+            *iterations += 1;
+            let taken = self.descend(positions, inverse_mass, rounds, step)?;
             step = taken.map_or(self.longest_step, |taken| {
                 (1.5 * taken).min(self.longest_step)
             });
@@ -329,6 +318,22 @@ impl Untangler {
                 return Ok(UntangleOutcome::Stalled);
             }
         }
+    }
+
+    /// Goes down the gradient, averaged in so many `rounds`, by `step` (m) or less. How far it went, if the contour
+    /// became shorter.
+    fn descend(
+        &mut self,
+        positions: &mut [Vec3],
+        inverse_mass: &[Real],
+        rounds: u32,
+        step: Real,
+    ) -> Result<Option<Real>, CollideError> {
+        self.contour.gradient(&mut self.gradient);
+        self.scale(inverse_mass);
+        self.smoother
+            .smooth(&mut self.gradient, inverse_mass, rounds);
+        self.shorten(positions, step)
     }
 
     /// Makes displacements of the gradient: by mass, and none much above 1.

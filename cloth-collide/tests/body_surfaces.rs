@@ -2,8 +2,7 @@
 
 use cloth_collide::BodyProbe;
 use cloth_collide::obstacle::{
-    AnimatedMesh, Cuboid, HalfSpace, ImpactLaw, Obstacle, ObstacleContacts, Pose, RigidMotion,
-    Sphere,
+    AnimatedMesh, Cuboid, HalfSpace, Obstacle, Pose, RigidMotion, Sphere,
 };
 use cloth_collide::potential::PotentialContacts;
 use cloth_core::contact::{ContactError, ContactSource, ContactStep, Projection};
@@ -50,11 +49,6 @@ fn rising(position: Vec3, speed: Real) -> RigidMotion {
     }
 }
 
-fn among(obstacle: Obstacle) -> ObstacleContacts {
-    let contacts = ObstacleContacts::new(THICKNESS, 0.5 * THICKNESS).unwrap();
-    contacts.with(obstacle, ImpactLaw::new(0.0, 0.0).unwrap())
-}
-
 /// Free vertices of 1 g that fly into whatever comes, `steps` times, in the view of constraints. Hands each place to
 /// `after`.
 fn fly(
@@ -97,7 +91,7 @@ fn a_ball_smaller_than_a_triangle_pushes_it() {
         let body = Obstacle::moving(Sphere::new(0.02).unwrap(), rising(below, 1.0)).unwrap();
         let builder = PotentialContacts::builder(&cloth)
             .thickness(THICKNESS)
-            .obstacles(among(body));
+            .obstacle(body, 0.0);
         let builder = match has_surface {
             true => builder.surface(0, ball.clone()),
             false => builder,
@@ -134,7 +128,7 @@ fn work_of_a_body_is_its_velocity_times_the_momentum_it_gives() {
     let body = Obstacle::moving(Sphere::new(0.02).unwrap(), rising(below, 1.0)).unwrap();
     let mut contacts = PotentialContacts::builder(&cloth)
         .thickness(THICKNESS)
-        .obstacles(among(body))
+        .obstacle(body, 0.0)
         .surface(0, sphere(4, 0.02).unwrap())
         .build()
         .unwrap();
@@ -169,7 +163,7 @@ fn a_corner_pierces_no_triangle() {
     );
     let mut contacts = PotentialContacts::builder(&cloth)
         .thickness(THICKNESS)
-        .obstacles(among(obstacle.unwrap()))
+        .obstacle(obstacle.unwrap(), 0.0)
         .surface(0, body.clone())
         .build()
         .unwrap();
@@ -215,7 +209,7 @@ fn flat_contact_is_that_of_the_signed_distance() {
     let builder = || {
         PotentialContacts::builder(&cloth)
             .thickness(THICKNESS)
-            .obstacles(among(floor()))
+            .obstacle(floor(), 0.0)
     };
     let force = |mut contacts: PotentialContacts| {
         let mut start = place.clone();
@@ -304,15 +298,14 @@ fn bodies_do_not_touch_each_other() {
         Cuboid::new(Vec3::repeat(0.05)).unwrap(),
         rising(-Vec3::z() * 0.06, 0.5),
     );
-    let contacts = among(body.unwrap());
     let second = Obstacle::moving(
         Cuboid::new(Vec3::repeat(0.05)).unwrap(),
         rising(Vec3::new(0.02, 0.01, -0.07), 0.6),
     );
-    let law = ImpactLaw::new(0.0, 0.0).unwrap();
     let mut contacts = PotentialContacts::builder(&cloth)
         .thickness(THICKNESS)
-        .obstacles(contacts.with(second.unwrap(), law))
+        .obstacle(body.unwrap(), 0.0)
+        .obstacle(second.unwrap(), 0.0)
         .surface(0, crossed)
         .surface(1, one)
         .build()
@@ -334,7 +327,7 @@ fn what_does_not_fit_is_named() {
     let cloth = sheet(2, 0.1);
     let ball = || Obstacle::new(Sphere::new(0.02).unwrap());
     let surface = || sphere(2, 0.02).unwrap();
-    let builder = || PotentialContacts::builder(&cloth).obstacles(among(ball()));
+    let builder = || PotentialContacts::builder(&cloth).obstacle(ball(), 0.0);
     let error = builder().surface(1, surface()).build().unwrap_err();
     assert!(
         error.to_string().contains("below the number of obstacles"),
@@ -354,7 +347,7 @@ fn what_does_not_fit_is_named() {
     let position = Vec3::new(0.05, 0.03, 0.0);
     let inside = Obstacle::moving(Sphere::new(0.02).unwrap(), rising(position, 0.0)).unwrap();
     let mut contacts = PotentialContacts::builder(&cloth)
-        .obstacles(among(inside))
+        .obstacle(inside, 0.0)
         .surface(0, surface())
         .build()
         .unwrap();

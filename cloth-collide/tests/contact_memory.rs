@@ -3,7 +3,7 @@
 #[path = "../../cloth-core/tests/support/counting_allocator.rs"]
 mod counting_allocator;
 
-use cloth_collide::obstacle::{HalfSpace, ImpactLaw, Obstacle, ObstacleContacts};
+use cloth_collide::obstacle::{HalfSpace, Obstacle};
 use cloth_collide::potential::PotentialContacts;
 use cloth_core::contact::{ContactStep, Projection};
 use cloth_core::math::Vec3;
@@ -23,10 +23,8 @@ fn folded() -> (TriMesh, Vec<Vec3>) {
     (mesh, positions)
 }
 
-fn floor() -> ObstacleContacts {
-    let floor = Obstacle::new(HalfSpace::new(Vec3::z()).unwrap());
-    let law = ImpactLaw::new(0.3, 0.0).unwrap();
-    ObstacleContacts::new(2e-3, 2e-3).unwrap().with(floor, law)
+fn floor() -> Obstacle {
+    Obstacle::new(HalfSpace::new(Vec3::z()).unwrap())
 }
 
 /// How often twenty resolved steps of a pressed pile of layers ask for memory.
@@ -57,7 +55,7 @@ fn response_allocates_nothing_once_warm() {
     let builder = PotentialContacts::builder(&mesh)
         .thickness(2e-3)
         .friction(0.3);
-    let mut contacts = builder.obstacles(floor()).build().unwrap();
+    let mut contacts = builder.obstacle(floor(), 0.3).build().unwrap();
     // The second step knows the contacts of the first one, and may do more.
     allocations_of(&mut contacts, &from);
     assert_eq!(allocations_of(&mut contacts, &from), 0);
@@ -71,7 +69,7 @@ fn obstacles_alone_need_no_search_of_the_cloth() {
     let builder = PotentialContacts::builder(&mesh)
         .thickness(2e-3)
         .self_collision(false);
-    let mut contacts = builder.obstacles(floor()).build().unwrap();
+    let mut contacts = builder.obstacle(floor(), 0.3).build().unwrap();
     assert_eq!(allocations_of(&mut contacts, &from), 0);
     let report = contacts.constraint_report();
     assert!(report.rows > 0, "{report:?}");

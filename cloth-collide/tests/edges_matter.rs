@@ -1,7 +1,7 @@
 //! Why a vertex and a triangle are not enough: what the first picture of the chapter shows, in numbers.
 
 use cloth_collide::potential::PotentialContacts;
-use cloth_collide::{ContinuousTest, SeparationProbe};
+use cloth_collide::{ContinuousTest, Query, SeparationProbe};
 use cloth_core::contact::{ContactStep, Projection};
 use cloth_core::math::Vec3;
 use cloth_core::mesh::TriMesh;
@@ -36,14 +36,15 @@ fn edges_cross_with_all_vertices_in_the_clear_and_the_response_sees_it() {
     for (vertices, [a, b, c]) in [([0, 1, 2], [3, 4, 5]), ([3, 4, 5], [0, 1, 2])] {
         let triangle = [&from, &through].map(|x| [x[a], x[b], x[c]]);
         for v in vertices {
-            let found = test.vertex_triangle(way(v), triangle).unwrap();
-            assert_eq!(found, None, "vertex {v}");
+            let found = Query::vertex_triangle(way(v), triangle).first_contact(&test);
+            assert_eq!(found, Ok(None), "vertex {v}");
         }
     }
     // Halfway the two edges meet.
     let edge = |a: usize, b: usize| [&from, &through].map(|x| [x[a], x[b]]);
     let exact = ContinuousTest::new(0.0, 0.0).unwrap();
-    let impact = exact.edge_edge(edge(0, 1), edge(3, 4)).unwrap().unwrap();
+    let crossing = Query::edge_edge(edge(0, 1), edge(3, 4));
+    let impact = crossing.first_contact(&exact).unwrap().unwrap();
     assert!(impact.time <= 0.5 && impact.time > 0.5 - 1e-12);
 
     let builder = PotentialContacts::builder(&mesh).thickness(0.02);

@@ -280,8 +280,8 @@ fn numbers_out_of_range_are_refused_by_name() {
             Cuboid::new(v(1.0, bad, 1.0)).unwrap_err(),
             "half extent of the box",
         );
-        says(PenaltyLaw::quadratic(bad, 1.0).unwrap_err(), "stiffness");
-        says(PenaltyLaw::barrier(1.0, bad).unwrap_err(), "range");
+        says(PenaltyLaw::new(bad, 1.0).unwrap_err(), "stiffness");
+        says(PenaltyLaw::new(1.0, bad).unwrap_err(), "range");
         let ball = Sphere::new(1.0).unwrap();
         says(
             SampledDistance::new(&ball, bad, 0.1).unwrap_err(),
@@ -295,7 +295,6 @@ fn numbers_out_of_range_are_refused_by_name() {
     for bad in [-1.0, f64::NAN, f64::INFINITY] {
         says(Capsule::new(bad, 1.0).unwrap_err(), "half length");
         says(ImpactLaw::new(bad, 0.0).unwrap_err(), "friction");
-        says(ObstacleContacts::new(bad, 0.0).unwrap_err(), "thickness");
         says(ImpactLaw::new(0.0, bad).unwrap_err(), "restitution");
         says(
             HalfSpace::new(v(bad.sqrt(), 0.0, 0.0)).unwrap_err(),

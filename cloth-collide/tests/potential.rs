@@ -5,9 +5,7 @@
 mod random;
 
 use cloth_collide::SeparationProbe;
-use cloth_collide::obstacle::{
-    HalfSpace, ImpactLaw, Obstacle, ObstacleContacts, PenaltyLaw, RigidMotion, Sphere,
-};
+use cloth_collide::obstacle::{HalfSpace, Obstacle, PenaltyLaw, RigidMotion, Sphere};
 use cloth_collide::potential::PotentialContacts;
 use cloth_core::contact::{ContactError, ContactPotential, ContactStep};
 use cloth_core::math::{Real, Vec3, is_finite};
@@ -34,13 +32,11 @@ fn layers(random: &mut Random) -> TriMesh {
 
 fn contacts(mesh: &TriMesh, friction: Real, motion: RigidMotion) -> PotentialContacts {
     let ball = Sphere::new(0.2).unwrap();
-    let law = ImpactLaw::new(friction, 0.0).unwrap();
-    let bodies = ObstacleContacts::new(THICKNESS, 0.0).unwrap();
     let builder = PotentialContacts::builder(mesh)
         .thickness(THICKNESS)
         .stiffness(1e4)
         .friction(friction)
-        .obstacles(bodies.with(Obstacle::moving(ball, motion).unwrap(), law));
+        .obstacle(Obstacle::moving(ball, motion).unwrap(), friction);
     builder.build().unwrap()
 }
 
@@ -139,7 +135,7 @@ fn gradient_is_that_of_the_energy_and_rows_are_its_change() {
 #[test]
 fn two_stage_law_is_joined_twice_differentiably() {
     let (stiffness, range) = (1e6, 2e-3);
-    let law = PenaltyLaw::two_stage(stiffness, range).unwrap();
+    let law = PenaltyLaw::new(stiffness, range).unwrap();
     assert_eq!(law.energy(range), 0.0);
     assert_eq!(law.slope(0.8 * range), -stiffness * (range - 0.8 * range));
     assert_eq!(law.energy(0.0), Real::INFINITY);
@@ -307,9 +303,7 @@ fn start_that_is_not_free_is_refused_or_led_out() {
 
     let mesh = TriMesh::new(flat.to_vec(), vec![[0, 1, 2]]).unwrap();
     let plane = Obstacle::new(HalfSpace::new(Vec3::z()).unwrap());
-    let law = ImpactLaw::new(0.0, 0.0).unwrap();
-    let bodies = ObstacleContacts::new(1e-3, 0.0).unwrap().with(plane, law);
-    let builder = PotentialContacts::builder(&mesh).obstacles(bodies);
+    let builder = PotentialContacts::builder(&mesh).obstacle(plane, 0.0);
     let mut contacts = builder.build().unwrap();
     let inside = flat.map(|x| x - Vec3::z() * 1e-3);
     let step = ContactStep {
@@ -398,12 +392,10 @@ fn what_flies_along_is_cut_too() {
     };
     let triangles = shifted(0).chain(shifted(1)).chain(shifted(2)).collect();
     let mesh = TriMesh::new(positions, triangles).unwrap();
-    let law = ImpactLaw::new(0.0, 0.0).unwrap();
     let plane = Obstacle::new(HalfSpace::new(Vec3::z()).unwrap());
-    let bodies = ObstacleContacts::new(2e-3, 1e-3).unwrap().with(plane, law);
     let builder = PotentialContacts::builder(&mesh)
         .thickness(2e-3)
-        .obstacles(bodies);
+        .obstacle(plane, 0.0);
     let mut contacts = builder.build().unwrap();
     let mut x = mesh.positions().to_vec();
     begin(&mut contacts, &x);

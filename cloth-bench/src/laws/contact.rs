@@ -1,12 +1,12 @@
 //! One mass and one plane.
 
+use super::point_mass::PointMass;
 use super::{Evaluation, Law, within_reach};
 use crate::error::BenchError;
 use crate::settings::{Parameter, Settings, parameter};
-use cloth_collide::obstacle::{
-    HalfSpace, ImpactLaw, Obstacle, PenaltyLaw, PlanePenalty, PointMass,
-};
-use cloth_core::math::{Real, Vec3};
+use cloth_collide::obstacle::{HalfSpace, ImpactLaw, Obstacle};
+use cloth_core::element::{Convexity, Element, Energy};
+use cloth_core::math::{Blocks, Real, Vec3};
 use cloth_core::particles::{Particles, State};
 use cloth_core::step::{StepInput, Stepper};
 use cloth_massspring::{ImplicitConfig, ImplicitEuler, StartGuess};
@@ -128,7 +128,6 @@ fn barrier_gap(settings: &Settings) -> Result<Evaluation, BenchError> {
     let mass = settings.positive(&MASS)?;
     let stiffness = settings.positive(&STIFFNESS)?;
     let range = settings.positive(&RANGE)?;
-    let law = PenaltyLaw::barrier(stiffness, range).map_err(BenchError::usage)?;
     // b′(d) = −(d − h) (2 ln(d/h) + (d − h)/d) rises from −∞ to 0; with d = h q it is h times a function of q.
     let pressed = |q: Real| stiffness * range * (q - 1.0) * (2.0 * q.ln() + (q - 1.0) / q);
     let (mut low, mut high): (Real, Real) = (0.0, 1.0);
@@ -142,12 +141,7 @@ fn barrier_gap(settings: &Settings) -> Result<Evaluation, BenchError> {
     }
     let expected = range * high;
 
-    let barrier = PlanePenalty {
-        vertex: 0,
-        normal: Vec3::z(),
-        offset: 0.0,
-        law,
-    };
+    let barrier = LogBarrier { stiffness, range };
     let particles = Particles::new(vec![mass]).map_err(BenchError::failed)?;
     let config = ImplicitConfig {
         tolerance: 0.0,
@@ -162,11 +156,89 @@ fn barrier_gap(settings: &Settings) -> Result<Evaluation, BenchError> {
     let mut state = State::at_rest(vec![Vec3::z() * range]);
     // Implicit Euler takes the energy out of the motion: steps much longer than the swing about the rest leave a tenth
     // of it.
-    let dt = 10.0 * (mass / law.curvature(expected)).sqrt();
+    let dt = 10.0 * (mass / barrier.derivatives(expected)[1]).sqrt();
     for _ in 0..200 {
         let input = StepInput::new(dt).gravity(Vec3::z() * -GRAVITY);
         solver.step(&mut state, input).map_err(BenchError::failed)?;
     }
     let measured = state.positions[0].z;
     Ok(Evaluation::new(expected, measured).detail("speed", state.velocities[0].z))
+}
+
+/// E = −k (z − h)² ln(z/h) (J) of a vertex at the height z below h, nothing above: the barrier of M. Li et al.,
+/// Incremental potential contact, *ACM Transactions on Graphics* 39(4), 2020, DOI 10.1145/3386569.3392425, its equation
+/// (6). Twice continuously differentiable at h, and convex.
+#[derive(Clone, Copy, Debug)]
+struct LogBarrier {
+    /// k (N/m).
+    stiffness: Real,
+    /// h (m).
+    range: Real,
+}
+
+impl LogBarrier {
+    /// E′ (N) and E″ (N/m) at the height `z` (m); where it is passed, those just before it.
+    fn derivatives(&self, z: Real) -> [Real; 2] {
+        if z >= self.range {
+            return [0.0; 2];
+        }
+        let z = z.max(1e-12 * self.range);
+        let (past, logarithm) = (z - self.range, (z / self.range).ln());
+        let ratio = past / z;
+        [
+            -self.stiffness * past * (2.0 * logarithm + ratio),
+            self.stiffness * (ratio * ratio - 4.0 * ratio - 2.0 * logarithm),
+        ]
+    }
+}
+
+impl Element<1> for LogBarrier {
+    fn vertices(&self) -> [u32; 1] {
+        [0]
+    }
+}
+
+impl Energy<1> for LogBarrier {
+    fn value(&self, [x]: &[Vec3; 1]) -> Real {
+        let depth = self.range - x.z;
+        match x.z {
+            _ if depth <= 0.0 => 0.0,
+            z if z <= 0.0 => Real::INFINITY,
+            z => -self.stiffness * depth * depth * (z / self.range).ln(),
+        }
+    }
+
+    fn gradient(&self, [x]: &[Vec3; 1]) -> [Vec3; 1] {
+        [Vec3::z() * self.derivatives(x.z)[0]]
+    }
+
+    fn hessian(&self, [x]: &[Vec3; 1], _: Convexity) -> Blocks<1> {
+        [[Vec3::z() * Vec3::z().transpose() * self.derivatives(x.z)[1]]]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use cloth_core::check::{gradient_error, hessian_error};
+
+    #[test]
+    fn barrier_is_its_derivatives_integral_and_presses_as_the_closed_form_says() {
+        use std::f64::consts::{E, LN_2};
+        let (stiffness, range) = (300.0, 0.02);
+        let barrier = LogBarrier { stiffness, range };
+        for i in 1..66 {
+            let z = 0.0003 * f64::from(i);
+            let x = [Vec3::z() * z];
+            assert!(gradient_error(&barrier, &x, 0.1 * z) < 1e-7, "{z}");
+            assert!(hessian_error(&barrier, &x, 0.1 * z) < 1e-6, "{z}");
+        }
+        for (part, pressed) in [(0.5, 0.5 + LN_2), (1.0 / E, E - 1.0 / E)] {
+            let [slope, _] = barrier.derivatives(part * range);
+            let expected = -stiffness * range * pressed;
+            assert!((slope / expected - 1.0).abs() < 1e-14, "{part}");
+        }
+        assert_eq!(barrier.derivatives(range), [0.0; 2]);
+        assert_eq!(barrier.value(&[Vec3::zeros()]), f64::INFINITY);
+    }
 }

@@ -2,9 +2,7 @@
 
 use crate::error::BenchError;
 use crate::settings::{Parameter, Settings, parameter};
-use cloth_collide::obstacle::{
-    AnimatedMesh, ImpactLaw, Obstacle, ObstacleContacts, RigidBody, RigidMotion,
-};
+use cloth_collide::obstacle::{AnimatedMesh, ImpactLaw, Obstacle, RigidBody, RigidMotion};
 use cloth_collide::potential::PotentialContacts;
 use cloth_collide::untangle::StepUntangler;
 use cloth_collide::{BodyProbe, BroadPhaseKind, SeparationProbe};
@@ -135,7 +133,7 @@ pub struct ContactSetup {
     friction: Real,
     untangles: bool,
     broad_phase: BroadPhaseKind,
-    obstacles: ObstacleContacts,
+    obstacles: Vec<Obstacle>,
     /// The same obstacles as surfaces around their own origins, and whether these are needed for more than pictures.
     shapes: Vec<(TriMesh, bool)>,
     /// Those of them that the cloth pushes, by their numbers.
@@ -156,11 +154,10 @@ impl ContactSetup {
         let thickness = settings.positive(&THICKNESS)?;
         let stiffness = settings.positive(&STIFFNESS)?;
         let friction = settings.number(&FRICTION)?;
-        let law = ImpactLaw::new(friction, 0.0).map_err(BenchError::usage)?;
+        ImpactLaw::new(friction, 0.0).map_err(BenchError::usage)?;
         let is_on = settings.choice(&CONTACT, &[("potential", true), ("none", false)])?;
-        let mut contacts =
-            ObstacleContacts::new(thickness, 0.5 * thickness).map_err(BenchError::usage)?;
         let (mut shapes, mut animated, mut free_bodies) = (Vec::new(), Vec::new(), Vec::new());
+        let mut obstacles = Vec::new();
         for body in bodies {
             match body {
                 Body::Rigid {
@@ -170,7 +167,7 @@ impl ContactSetup {
                     is_flat,
                 } => {
                     free_bodies.extend(free.map(|body| (shapes.len(), *body)));
-                    contacts = contacts.with(obstacle, law);
+                    obstacles.push(obstacle);
                     shapes.push((surface, !is_flat));
                 }
                 Body::Animated(mesh, animation) => animated.push((mesh, animation)),
@@ -208,7 +205,7 @@ impl ContactSetup {
             friction,
             untangles,
             broad_phase,
-            obstacles: contacts,
+            obstacles,
             shapes,
             free: free_bodies,
             highest_frequency,
@@ -252,7 +249,6 @@ impl ContactSetup {
             .thickness(self.thickness)
             .stiffness(self.stiffness)
             .friction(self.friction)
-            .obstacles(self.obstacles.clone())
             .broad_phase(self.broad_phase)
             .self_collision(self.self_collision)
             .sew(sewn);
@@ -261,6 +257,9 @@ impl ContactSetup {
                 .thickness_of_vertices(pieces.thickness.clone())
                 .friction_of_vertices(pieces.friction.clone())
                 .exclude(pieces.piece.clone(), pieces.excluded.clone());
+        }
+        for obstacle in &self.obstacles {
+            contacts = contacts.obstacle(obstacle.clone(), self.friction);
         }
         for (number, (surface, _)) in self.shapes.iter().enumerate().filter(|(_, s)| s.1) {
             contacts = contacts.surface(number, surface.clone());
@@ -334,7 +333,7 @@ impl ContactSetup {
 
     /// The obstacles where they start, and those that the cloth pushes on the path that they are on now.
     pub fn obstacles(&self) -> impl Iterator<Item = &Obstacle> + '_ {
-        self.obstacles.obstacles()
+        self.obstacles.iter()
     }
 
     /// Surfaces of the bodies, for pictures: their vertices (m) at a time (s), and their triangles.

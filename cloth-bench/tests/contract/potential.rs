@@ -1,9 +1,7 @@
 //! The laws of contact, where a method feels it while it solves.
 
 use cloth_collide::SeparationProbe;
-use cloth_collide::obstacle::{
-    Capsule, HalfSpace, ImpactLaw, Obstacle, ObstacleContacts, Pose, RigidMotion, Sphere,
-};
+use cloth_collide::obstacle::{Capsule, HalfSpace, Obstacle, Pose, RigidMotion, Sphere};
 use cloth_collide::potential::PotentialContacts;
 use cloth_core::cloth::{Cloth, ClothModel, Membrane};
 use cloth_core::contact::ContactSource;
@@ -102,16 +100,14 @@ type Make = fn(&ClothModel) -> Box<dyn Stepper>;
 const METHODS: [Make; 3] = [|model| implicit_euler(model, tight()), linearized, pd];
 
 fn contacts(mesh: &TriMesh, obstacle: Option<Obstacle>, friction: Real) -> PotentialContacts {
-    let law = ImpactLaw::new(friction, 0.0).unwrap();
-    let mut bodies = ObstacleContacts::new(THICKNESS, 0.5 * THICKNESS).unwrap();
-    if let Some(obstacle) = obstacle {
-        bodies = bodies.with(obstacle, law);
-    }
     let builder = PotentialContacts::builder(mesh)
         .thickness(THICKNESS)
         .stiffness(STIFFNESS)
-        .friction(friction)
-        .obstacles(bodies);
+        .friction(friction);
+    let builder = match obstacle {
+        Some(obstacle) => builder.obstacle(obstacle, friction),
+        None => builder,
+    };
     builder.build().unwrap()
 }
 

@@ -2,9 +2,7 @@
 
 use crate::counting_allocator::allocations_once_warm;
 use cloth_collide::SeparationProbe;
-use cloth_collide::obstacle::{
-    HalfSpace, ImpactLaw, Obstacle, ObstacleContacts, Pose, RigidMotion, Sphere,
-};
+use cloth_collide::obstacle::{HalfSpace, Obstacle, Pose, RigidMotion, Sphere};
 use cloth_collide::potential::PotentialContacts;
 use cloth_core::cloth::{Cloth, ClothModel, Membrane};
 use cloth_core::contact::{ContactError, ContactSource};
@@ -80,16 +78,14 @@ fn contacts_of(
     friction: Real,
     thickness: Real,
 ) -> PotentialContacts {
-    let law = ImpactLaw::new(friction, 0.0).unwrap();
-    let mut bodies = ObstacleContacts::new(thickness, 0.5 * thickness).unwrap();
-    if let Some(obstacle) = obstacle {
-        bodies = bodies.with(obstacle, law);
-    }
     let builder = PotentialContacts::builder(mesh)
         .thickness(thickness)
         .stiffness(STIFFNESS)
-        .friction(friction)
-        .obstacles(bodies);
+        .friction(friction);
+    let builder = match obstacle {
+        Some(obstacle) => builder.obstacle(obstacle, friction),
+        None => builder,
+    };
     builder.build().unwrap()
 }
 

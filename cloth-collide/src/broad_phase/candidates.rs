@@ -6,10 +6,9 @@ use super::separating_plane::SeparatingPlane;
 use crate::bounds::Bounds;
 use crate::closest::{edge_edge, point_triangle};
 use crate::error::CollideError;
-use crate::incidence::{Owned, edge_numbers, owned};
+use crate::incidence::{Incidence, Primitives};
 use cloth_core::math::{Real, Vec3, gather, is_finite};
 use cloth_core::mesh::TriMesh;
-use cloth_core::particles::Particles;
 
 /// The pairs (vertex, triangle) and (edge, edge) of a cloth that can come within a margin of each other while it moves;
 /// of several cloths, if they are one mesh.
@@ -22,10 +21,10 @@ use cloth_core::particles::Particles;
 /// flat sheet overlap all the time.
 ///
 /// So no pair is lost that comes as near as the margin while its vertices move on straight paths. Left out are
-/// pairs with a common vertex, and pairs of which all vertices are prescribed.
+/// pairs with a common vertex.
 ///
 /// The candidates are the same for every [`BroadPhase`], in rising order, and depend on nothing but the mesh, the
-/// motion, the margin and who is prescribed.
+/// motion and the margin.
 ///
 /// ```
 /// use cloth_collide::{ClothCandidates, Hierarchy};
@@ -48,12 +47,7 @@ use cloth_core::particles::Particles;
 #[derive(Debug)]
 pub struct ClothCandidates<B> {
     broad_phase: B,
-    triangles: Vec<[u32; 3]>,
-    edges: Vec<[u32; 2]>,
-    /// The three edges of each triangle.
-    triangle_edges: Vec<[u32; 3]>,
-    owned: Vec<Owned>,
-    prescribed: Vec<bool>,
+    incidence: Incidence,
     vertex_boxes: Vec<Bounds>,
     edge_boxes: Vec<Bounds>,
     triangle_boxes: Vec<Bounds>,
@@ -69,11 +63,11 @@ pub struct ClothCandidates<B> {
 }
 
 impl<B: BroadPhase> ClothCandidates<B> {
-    /// Prepares for the cloth `mesh`, of which no vertex is prescribed. There are no candidates before the first
+    /// Prepares for the cloth `mesh`. There are no candidates before the first
     /// [`ClothCandidates::update`].
     #[must_use]
     pub fn new(mesh: &TriMesh, mut broad_phase: B) -> Self {
-        let (edges, triangle_edges) = edge_numbers(mesh.triangles());
+        let incidence = Incidence::new(mesh);
         let at = |vertex: &u32| mesh.positions()[*vertex as usize];
         let rest = mesh.triangles().iter();
         let rest: Vec<_> = rest
@@ -85,12 +79,8 @@ impl<B: BroadPhase> ClothCandidates<B> {
         let nothing = Bounds::around([Vec3::zeros()]);
         Self {
             broad_phase,
-            triangles: mesh.triangles().to_vec(),
-            edge_boxes: vec![nothing; edges.len()],
-            edges,
-            triangle_edges,
-            owned: owned(mesh),
-            prescribed: vec![false; mesh.vertex_count()],
+            edge_boxes: vec![nothing; incidence.edges.len()],
+            incidence,
             vertex_boxes: vec![nothing; mesh.vertex_count()],
             triangle_boxes: rest,
             middles: vec![Vec3::zeros(); mesh.vertex_count()],
@@ -103,23 +93,11 @@ impl<B: BroadPhase> ClothCandidates<B> {
         }
     }
 
-    /// Takes over which vertices are prescribed.
-    ///
-    /// # Panics
-    /// If there are not as many particles as the mesh has vertices.
-    pub fn set_prescribed(&mut self, particles: &Particles) {
-        let count = self.prescribed.len();
-        assert_eq!(particles.len(), count, "one particle a vertex");
-        for (prescribed, w) in self.prescribed.iter_mut().zip(particles.inverse_mass()) {
-            *prescribed = *w == 0.0;
-        }
-    }
-
     /// Finds the candidates of the motion from positions `from` to positions `to` (m), one per vertex, for a margin of
     /// `margin` (m).
     ///
     /// # Errors
-    /// [`CollideError::NonFinitePosition`], [`CollideError::InvalidMargin`] if the margin is negative or not finite.
+    /// [`CollideError::NonFinitePosition`], [`CollideError::OutOfRange`] if the margin is negative or not finite.
     /// The candidates then stay as they were.
     ///
     /// # Panics
@@ -131,8 +109,15 @@ impl<B: BroadPhase> ClothCandidates<B> {
             "the number of positions is not the number of vertices"
         );
         if !(margin >= 0.0 && margin.is_finite()) {
-            return Err(CollideError::InvalidMargin { margin });
+            return Err(CollideError::OutOfRange {
+                name: "margin (m)",
+                value: margin,
+                range: "a finite number that is not negative",
+            });
         }
+        let Incidence {
+            triangles, edges, ..
+        } = &self.incidence;
         let ends = || from.iter().zip(to);
         if let Some(vertex) = ends().position(|(a, b)| !is_finite(a) || !is_finite(b)) {
             return Err(CollideError::NonFinitePosition { vertex });
@@ -140,11 +125,11 @@ impl<B: BroadPhase> ClothCandidates<B> {
         for (bounds, (&from, &to)) in self.vertex_boxes.iter_mut().zip(ends()) {
             *bounds = Bounds::around([from, to]).inflated(0.5 * margin);
         }
-        for (bounds, ends) in self.edge_boxes.iter_mut().zip(&self.edges) {
+        for (bounds, ends) in self.edge_boxes.iter_mut().zip(edges) {
             let [a, b] = ends.map(|v| &self.vertex_boxes[v as usize]);
             *bounds = a.joined(b);
         }
-        for (bounds, triangle) in self.triangle_boxes.iter_mut().zip(&self.triangles) {
+        for (bounds, triangle) in self.triangle_boxes.iter_mut().zip(triangles) {
             let [a, b, c] = triangle.map(|v| &self.vertex_boxes[v as usize]);
             *bounds = a.joined(b).joined(c);
         }
@@ -152,7 +137,7 @@ impl<B: BroadPhase> ClothCandidates<B> {
         for (middle, bounds) in self.middles.iter_mut().zip(&self.vertex_boxes) {
             *middle = (bounds.lower + bounds.upper) * 0.5;
         }
-        for (normal, &triangle) in self.normals.iter_mut().zip(&self.triangles) {
+        for (normal, &triangle) in self.normals.iter_mut().zip(triangles) {
             let [a, b, c] = gather(&self.middles, triangle);
             *normal = (b - a).cross(&(c - a));
         }
@@ -166,24 +151,45 @@ impl<B: BroadPhase> ClothCandidates<B> {
     fn collect(&mut self) {
         let mut pairs = std::mem::take(&mut self.triangle_pairs);
         // What comes next reads the triangles of each pair; in this order most are still in the cache.
-        self.sorter.sort(&mut pairs, self.triangles.len());
+        self.sorter.sort(&mut pairs, self.triangle_boxes.len());
         pairs.retain(|pair| !self.are_parted(pair.map(|t| t as usize)));
-        self.vertex_triangle.clear();
-        self.edge_edge.clear();
-        for &[a, b] in &pairs {
-            self.add_vertices(a as usize, b as usize);
-            self.add_vertices(b as usize, a as usize);
-            self.add_edges(a as usize, b as usize);
+        let [mut vertex_triangle, mut edge_edge] =
+            [&mut self.vertex_triangle, &mut self.edge_edge].map(std::mem::take);
+        vertex_triangle.clear();
+        edge_edge.clear();
+        for &pair in &pairs {
+            self.incidence.visit(pair, |primitives| match primitives {
+                Primitives::VertexTriangle(vertex, triangle) => {
+                    let can_touch = self.can_touch(vertex, triangle);
+                    if can_touch {
+                        vertex_triangle.push([vertex, triangle]);
+                    }
+                    can_touch
+                }
+                Primitives::EdgeTriangle(e, triangle) => {
+                    let bounds = &self.triangle_boxes[triangle as usize];
+                    self.edge_boxes[e as usize].overlaps(bounds)
+                }
+                Primitives::EdgeEdge(e, f) => {
+                    let can_touch = self.edges_can_touch(e, f);
+                    if can_touch {
+                        edge_edge.push([e.min(f), e.max(f)]);
+                    }
+                    can_touch
+                }
+            });
         }
         self.triangle_pairs = pairs;
+        (self.vertex_triangle, self.edge_edge) = (vertex_triangle, edge_edge);
         self.sorter
             .sort(&mut self.vertex_triangle, self.vertex_boxes.len());
-        self.sorter.sort(&mut self.edge_edge, self.edges.len());
+        self.sorter.sort(&mut self.edge_edge, self.edge_boxes.len());
     }
 
     /// Whether a plane along one of two triangles has them apart, and so all of their parts.
     fn are_parted(&self, [a, b]: [usize; 2]) -> bool {
-        let corners = [a, b].map(|t| self.triangles[t].map(|v| &self.vertex_boxes[v as usize]));
+        let corners =
+            [a, b].map(|t| self.incidence.triangles[t].map(|v| &self.vertex_boxes[v as usize]));
         let along = |t: usize| {
             self.separating_plane
                 .is_plane(&self.normals[t], &corners[0], &corners[1])
@@ -191,71 +197,33 @@ impl<B: BroadPhase> ClothCandidates<B> {
         along(a) || along(b)
     }
 
-    /// Whether the plane across the line between the nearest points, halfway, has a vertex and a triangle apart.
-    fn is_vertex_parted(&self, vertex: u32, corners: [u32; 3]) -> bool {
+    /// Whether a vertex and a triangle have overlapping boxes, and are not parted by the plane across the line between
+    /// their nearest points halfway.
+    #[inline]
+    fn can_touch(&self, vertex: u32, triangle: u32) -> bool {
+        let own = &self.vertex_boxes[vertex as usize];
+        let corners = self.incidence.triangles[triangle as usize];
+        if !own.overlaps(&self.triangle_boxes[triangle as usize]) {
+            return false;
+        }
         let middle = self.middles[vertex as usize];
         let line = point_triangle(middle, gather(&self.middles, corners)).separation;
         let boxes = corners.map(|v| &self.vertex_boxes[v as usize]);
-        self.separating_plane
-            .is_plane(&line, &[&self.vertex_boxes[vertex as usize]], &boxes)
+        !self.separating_plane.is_plane(&line, &[own], &boxes)
     }
 
     /// The same for two edges.
-    fn are_edges_parted(&self, first: [u32; 2], second: [u32; 2]) -> bool {
+    #[inline]
+    fn edges_can_touch(&self, e: u32, f: u32) -> bool {
+        let [first, second] = [e, f].map(|edge| self.incidence.edges[edge as usize]);
+        let [own, other] = [e, f].map(|edge| &self.edge_boxes[edge as usize]);
+        if !own.overlaps(other) {
+            return false;
+        }
         let [e, f] = [first, second].map(|edge| gather(&self.middles, edge));
         let line = edge_edge(e, f).separation;
         let [e, f] = [first, second].map(|edge| edge.map(|v| &self.vertex_boxes[v as usize]));
-        self.separating_plane.is_plane(&line, &e, &f)
-    }
-
-    /// Adds the vertices that triangle `a` represents, against triangle `b`.
-    fn add_vertices(&mut self, a: usize, b: usize) {
-        let corners = self.triangles[b];
-        for k in (0..3).filter(|&k| self.owned[a].vertices[k]) {
-            let vertex = self.triangles[a][k];
-            let held = self.all_prescribed([vertex]) && self.all_prescribed(corners);
-            if !held
-                && !corners.contains(&vertex)
-                && self.vertex_boxes[vertex as usize].overlaps(&self.triangle_boxes[b])
-                && !self.is_vertex_parted(vertex, corners)
-            {
-                self.vertex_triangle.push([vertex, b as u32]);
-            }
-        }
-    }
-
-    /// Adds the edges that triangle `a` represents, against those of triangle `b`.
-    fn add_edges(&mut self, a: usize, b: usize) {
-        for i in (0..3).filter(|&i| self.owned[a].edges[i]) {
-            let e = self.triangle_edges[a][i];
-            let first_box = &self.edge_boxes[e as usize];
-            if !first_box.overlaps(&self.triangle_boxes[b]) {
-                continue;
-            }
-            let first = self.edges[e as usize];
-            for j in (0..3).filter(|&j| self.owned[b].edges[j]) {
-                let f = self.triangle_edges[b][j];
-                let second = self.edges[f as usize];
-                let held = self.all_prescribed(first) && self.all_prescribed(second);
-                if !held
-                    && first_box.overlaps(&self.edge_boxes[f as usize])
-                    && !first.iter().any(|vertex| second.contains(vertex))
-                    && !self.are_edges_parted(first, second)
-                {
-                    self.edge_edge.push([e.min(f), e.max(f)]);
-                }
-            }
-        }
-    }
-
-    fn all_prescribed<const N: usize>(&self, vertices: [u32; N]) -> bool {
-        vertices.iter().all(|&v| self.prescribed[v as usize])
-    }
-
-    /// All pairs of triangles whose boxes overlap and that no plane along one of them parts, neighbours and prescribed
-    /// ones too, in rising order.
-    pub(crate) fn triangle_pairs(&self) -> &[[u32; 2]] {
-        &self.triangle_pairs
+        !self.separating_plane.is_plane(&line, &e, &f)
     }
 
     /// Pairs `[vertex, triangle]` in rising order.
@@ -274,21 +242,16 @@ impl<B: BroadPhase> ClothCandidates<B> {
     /// [`cloth_core::topology::EdgeTable`], but here an edge may have any number of triangles.
     #[must_use]
     pub fn edges(&self) -> &[[u32; 2]] {
-        &self.edges
+        &self.incidence.edges
     }
 
     /// The vertices of each triangle.
     #[must_use]
     pub fn triangles(&self) -> &[[u32; 3]] {
-        &self.triangles
-    }
-
-    /// The broad phase.
-    #[must_use]
-    pub fn broad_phase(&self) -> &B {
-        &self.broad_phase
+        &self.incidence.triangles
     }
 }
 
 #[cfg(test)]
+#[path = "../../tests/unit/broad_phase_candidates.rs"]
 mod tests;

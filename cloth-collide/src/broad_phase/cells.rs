@@ -18,7 +18,7 @@ pub(super) type Cell = [u32; 3];
 /// asks for is that the number of the cell does not fall along an axis: then boxes that overlap have a cell in common.
 /// It holds in floating point, because differences and products are rounded monotonically.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Cells {
+struct Cells {
     origin: Vec3,
     /// Cells per m.
     density: Real,
@@ -26,7 +26,7 @@ pub(super) struct Cells {
 
 impl Cells {
     /// Cells half as large again as the median box. `scratch` is overwritten.
-    pub(super) fn fitted(boxes: &[Bounds], scratch: &mut Vec<Real>) -> Self {
+    fn fitted(boxes: &[Bounds], scratch: &mut Vec<Real>) -> Self {
         let whole = boxes
             .iter()
             .skip(1)
@@ -65,7 +65,7 @@ impl Cells {
     }
 
     /// Hands `visit` all cells that a box reaches into, and returns whether it did: not if they are too many.
-    pub(super) fn visit(&self, bounds: &Bounds, mut visit: impl FnMut(Cell)) -> bool {
+    fn visit(&self, bounds: &Bounds, mut visit: impl FnMut(Cell)) -> bool {
         let (first, last) = (self.cell(&bounds.lower), self.cell(&bounds.upper));
         let count = |k: usize| u64::from(last[k] - first[k]) + 1;
         // 2²¹ cells along each of three axes: no overflow.
@@ -84,7 +84,7 @@ impl Cells {
 
     /// The first of the cells that two overlapping boxes have in common: a pair that is met in several cells counts
     /// there.
-    pub(super) fn first_common(&self, a: &Bounds, b: &Bounds) -> Cell {
+    fn first_common(&self, a: &Bounds, b: &Bounds) -> Cell {
         self.cell(&a.lower.sup(&b.lower))
     }
 }
@@ -97,39 +97,61 @@ fn median(values: impl Iterator<Item = Real>, scratch: &mut Vec<Real>) -> Option
     (!scratch.is_empty()).then(|| *scratch.select_nth_unstable_by(middle, Real::total_cmp).1)
 }
 
-/// Boxes sorted into cells: a key of a cell, and who reaches into it.
+/// A key of a cell, and a box that reaches into it.
 pub(super) type Entry = (u64, u32);
 
-/// Adds the overlapping pairs among `entries` of one cell, or of several with different keys. `key` is that of a cell.
-pub(super) fn add_pairs(
-    entries: &[Entry],
-    cells: &Cells,
-    key: impl Fn(Cell) -> u64,
-    boxes: &[Bounds],
-    out: &mut Vec<[u32; 2]>,
-) {
-    for (i, &(here, a)) in entries.iter().enumerate() {
-        let first = &boxes[a as usize];
-        for &(there, b) in &entries[i + 1..] {
-            let second = &boxes[b as usize];
-            if here == there
-                && first.overlaps(second)
-                && key(cells.first_common(first, second)) == here
-            {
-                out.push([a.min(b), a.max(b)]);
-            }
-        }
-    }
+/// Boxes sorted into cells.
+#[derive(Debug, Default)]
+pub(super) struct Grid {
+    entries: Vec<Entry>,
+    /// Boxes in too many cells, in rising order.
+    large: Vec<u32>,
+    scratch: Vec<Real>,
 }
 
-/// Adds the overlapping pairs of boxes in too many cells, whose numbers are `large` in rising order.
-pub(super) fn add_large(large: &[u32], boxes: &[Bounds], out: &mut Vec<[u32; 2]>) {
-    for &a in large {
-        for (b, bounds) in (0..).zip(boxes) {
-            // Of two large boxes, the first one reports the pair.
-            let reported = b <= a && large.binary_search(&b).is_ok();
-            if boxes[a as usize].overlaps(bounds) && !reported {
-                out.push([a.min(b), a.max(b)]);
+impl Grid {
+    /// Replaces `out` by the pairs of overlapping boxes. `key` names a cell; `group` brings together entries of one
+    /// bucket, which `bucket` tells from a key: all those of one cell, and perhaps of others.
+    pub(super) fn overlapping(
+        &mut self,
+        boxes: &[Bounds],
+        out: &mut Vec<[u32; 2]>,
+        key: impl Fn(Cell) -> u64,
+        group: impl FnOnce(&mut Vec<Entry>),
+        bucket: impl Fn(u64) -> u64,
+    ) {
+        out.clear();
+        self.entries.clear();
+        self.large.clear();
+        if boxes.is_empty() {
+            return;
+        }
+        let cells = Cells::fitted(boxes, &mut self.scratch);
+        for (number, bounds) in (0..).zip(boxes) {
+            if !cells.visit(bounds, |cell| self.entries.push((key(cell), number))) {
+                self.large.push(number);
+            }
+        }
+        group(&mut self.entries);
+        for same in self.entries.chunk_by(|a, b| bucket(a.0) == bucket(b.0)) {
+            for (i, &(here, a)) in same.iter().enumerate() {
+                let first = &boxes[a as usize];
+                for &(there, b) in &same[i + 1..] {
+                    let second = &boxes[b as usize];
+                    let overlap = here == there && first.overlaps(second);
+                    if overlap && key(cells.first_common(first, second)) == here {
+                        out.push([a.min(b), a.max(b)]);
+                    }
+                }
+            }
+        }
+        for &a in &self.large {
+            for (b, bounds) in (0..).zip(boxes) {
+                // Of two large boxes, the first one reports the pair.
+                let reported = b <= a && self.large.binary_search(&b).is_ok();
+                if boxes[a as usize].overlaps(bounds) && !reported {
+                    out.push([a.min(b), a.max(b)]);
+                }
             }
         }
     }

@@ -1,9 +1,8 @@
 //! Overlapping boxes from cells in the order of a space-filling curve.
 
 use super::BroadPhase;
-use super::cells::{Cell, Cells, Entry, add_large, add_pairs};
+use super::cells::{Cell, Grid};
 use crate::bounds::Bounds;
-use cloth_core::math::Real;
 
 /// Uniform cells like those of [`super::SpatialHash`], but sorted by their Morton number, in which the bits of the
 /// three numbers of a cell take turns. What is in one cell stands together, what is near mostly also; nothing is looked
@@ -11,11 +10,7 @@ use cloth_core::math::Real;
 ///
 /// Limits: as there.
 #[derive(Debug, Default)]
-pub struct MortonGrid {
-    entries: Vec<Entry>,
-    large: Vec<u32>,
-    scratch: Vec<Real>,
-}
+pub struct MortonGrid(Grid);
 
 impl MortonGrid {
     /// No cells yet.
@@ -41,36 +36,11 @@ fn morton([x, y, z]: Cell) -> u64 {
 
 impl BroadPhase for MortonGrid {
     fn overlapping(&mut self, boxes: &[Bounds], out: &mut Vec<[u32; 2]>) {
-        out.clear();
-        self.entries.clear();
-        self.large.clear();
-        if boxes.is_empty() {
-            return;
-        }
-        let cells = Cells::fitted(boxes, &mut self.scratch);
-        for (number, bounds) in (0..).zip(boxes) {
-            if !cells.visit(bounds, |cell| self.entries.push((morton(cell), number))) {
-                self.large.push(number);
-            }
-        }
-        self.entries.sort_unstable();
-        for same in self.entries.chunk_by(|a, b| a.0 == b.0) {
-            add_pairs(same, &cells, morton, boxes, out);
-        }
-        add_large(&self.large, boxes, out);
+        let sort = |entries: &mut Vec<_>| entries.sort_unstable();
+        self.0.overlapping(boxes, out, morton, sort, |key| key);
     }
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn bits_take_turns() {
-        for cell in [[1, 0, 0], [0, 1, 0], [0, 0, 1], [5, 3, 6], [0x1F_FFFF; 3]] {
-            let bit = |k: usize, i: u32| u64::from(cell[k] >> i & 1) << (3 * i + k as u32);
-            let expected = (0..21).flat_map(|i| (0..3).map(move |k| (k, i)));
-            assert_eq!(morton(cell), expected.map(|(k, i)| bit(k, i)).sum::<u64>());
-        }
-    }
-}
+#[path = "../../tests/unit/broad_phase_morton_grid.rs"]
+mod tests;

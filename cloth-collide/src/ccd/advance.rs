@@ -17,6 +17,19 @@ pub(super) struct Walk {
     pub(super) steps: u32,
 }
 
+impl Walk {
+    /// To the end of the motion.
+    fn free(steps: u32) -> Self {
+        let impact = None;
+        Self { impact, steps }
+    }
+
+    fn stopped(time: Real, stop: Stop, steps: u32) -> Self {
+        let impact = Some(Impact { time, stop });
+        Self { impact, steps }
+    }
+}
+
 /// No walk has more steps.
 pub(super) const MOST_STEPS: u32 = 96;
 

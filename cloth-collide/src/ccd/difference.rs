@@ -1,5 +1,6 @@
 //! Both kinds of query are one: when does the origin meet a moving polygon?
 
+use super::Query;
 use super::number::{Number, Triple, exact_sum, power_for};
 use crate::closest::{edge_edge, point_triangle};
 use crate::error::CollideError;
@@ -57,7 +58,14 @@ impl<const K: usize> Corners<K> {
 }
 
 impl<const K: usize> Difference<K> {
-    fn new(from: Corners<K>, to: Corners<K>) -> Result<Self, CollideError> {
+    /// Of a query: `pairs` of its vertices to be subtracted.
+    pub(super) fn new(query: &Query, pairs: [[usize; 2]; K]) -> Result<Self, CollideError> {
+        let is_bad = |&k: &usize| !is_finite(&query.from[k]) || !is_finite(&query.to[k]);
+        if let Some(vertex) = (0..4).find(is_bad) {
+            return Err(CollideError::NonFinitePosition { vertex });
+        }
+        let [from, to] =
+            [&query.from, &query.to].map(|x| Corners::new(pairs.map(|pair| pair.map(|k| x[k]))));
         let all = from.rounded.iter().chain(&to.rounded);
         let largest = all.map(Vec3::amax).fold(0.0, Real::max);
         if largest > LARGEST {
@@ -86,52 +94,8 @@ impl<const K: usize> Difference<K> {
     }
 }
 
-impl Difference<3> {
-    /// Of a vertex and a triangle (m).
-    pub(super) fn vertex_triangle(
-        point: [Vec3; 2],
-        triangle: [[Vec3; 3]; 2],
-    ) -> Result<Self, CollideError> {
-        let [a0, b0, c0] = triangle[0];
-        let [a1, b1, c1] = triangle[1];
-        refuse_non_finite([point, [a0, a1], [b0, b1], [c0, c1]])?;
-        let minus = |at: usize| Corners::new(triangle[at].map(|corner| [point[at], corner]));
-        Self::new(minus(0), minus(1))
-    }
-}
-
-impl Difference<4> {
-    /// Of two edges (m).
-    pub(super) fn edge_edge(
-        first: [[Vec3; 2]; 2],
-        second: [[Vec3; 2]; 2],
-    ) -> Result<Self, CollideError> {
-        let vertex = |edge: &[[Vec3; 2]; 2], end: usize| [edge[0][end], edge[1][end]];
-        refuse_non_finite([
-            vertex(&first, 0),
-            vertex(&first, 1),
-            vertex(&second, 0),
-            vertex(&second, 1),
-        ])?;
-        let minus = |at: usize| {
-            let ([a, b], [c, d]) = (first[at], second[at]);
-            Corners::new([[a, c], [b, c], [a, d], [b, d]])
-        };
-        Self::new(minus(0), minus(1))
-    }
-}
-
 /// Differences (m) up to this can be scaled and squared.
 const LARGEST: Real = 1e300;
-
-/// `vertices` are positions (m) at the start and at the end.
-fn refuse_non_finite(vertices: [[Vec3; 2]; 4]) -> Result<(), CollideError> {
-    let wrong = |ends: &[Vec3; 2]| !ends.iter().all(is_finite);
-    match vertices.iter().position(wrong) {
-        Some(vertex) => Err(CollideError::NonFinitePosition { vertex }),
-        None => Ok(()),
-    }
-}
 
 /// The part of a polygon on which its point nearest to the origin lies. Numbers are those of corners.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,8 +1,10 @@
 //! A query as a value: for files of queries, for generated ones, and for methods to be compared.
 
-use super::{ContinuousTest, CoplanarityTest, Impact};
-use crate::closest::{edge_edge, point_triangle};
+use super::advance::walk;
+use super::difference::Difference;
+use super::{ContinuousTest, Impact};
 use crate::error::CollideError;
+use crate::pair::Gap;
 use cloth_core::math::{Real, Vec3};
 
 /// Which two primitives move.
@@ -12,6 +14,16 @@ pub enum QueryKind {
     VertexTriangle,
     /// The two ends of an edge and the two of another.
     EdgeEdge,
+}
+
+impl QueryKind {
+    /// How many of the four vertices belong to the first primitive.
+    pub(crate) fn split(self) -> usize {
+        match self {
+            Self::VertexTriangle => 1,
+            Self::EdgeEdge => 2,
+        }
+    }
 }
 
 /// Four vertices that move linearly.
@@ -26,65 +38,66 @@ pub struct Query {
 }
 
 impl Query {
-    /// The vertex and the triangle (m), each at both times, if that is what it is about; otherwise the result has no
-    /// meaning.
+    /// Of a `vertex` and a `triangle`, positions (m) at both times.
     #[must_use]
-    pub fn vertex_and_triangle(&self) -> ([Vec3; 2], [[Vec3; 3]; 2]) {
-        let ([p, a, b, c], [p1, a1, b1, c1]) = (self.from, self.to);
-        ([p, p1], [[a, b, c], [a1, b1, c1]])
+    pub fn vertex_triangle(vertex: [Vec3; 2], triangle: [[Vec3; 3]; 2]) -> Self {
+        let at = |k: usize| [vertex[k], triangle[k][0], triangle[k][1], triangle[k][2]];
+        Self {
+            kind: QueryKind::VertexTriangle,
+            from: at(0),
+            to: at(1),
+        }
     }
 
-    /// The two edges (m), each at both times, if that is what it is about; otherwise the result has no meaning.
+    /// Of two edges, the two positions (m) of each at both times.
     #[must_use]
-    pub fn edges(&self) -> ([[Vec3; 2]; 2], [[Vec3; 2]; 2]) {
-        let ([a, b, c, d], [a1, b1, c1, d1]) = (self.from, self.to);
-        ([[a, b], [a1, b1]], [[c, d], [c1, d1]])
+    pub fn edge_edge(first: [[Vec3; 2]; 2], second: [[Vec3; 2]; 2]) -> Self {
+        let at = |k: usize| [first[k][0], first[k][1], second[k][0], second[k][1]];
+        Self {
+            kind: QueryKind::EdgeEdge,
+            from: at(0),
+            to: at(1),
+        }
     }
 
-    /// What the conservative `test` says.
+    /// The first contact, as the conservative `test` has it.
+    ///
+    /// ```
+    /// use cloth_collide::{ContinuousTest, Query};
+    /// use cloth_core::math::Vec3;
+    ///
+    /// let floor = [Vec3::zeros(), Vec3::x(), Vec3::y()];
+    /// let falling = [Vec3::new(0.25, 0.25, 0.5), Vec3::new(0.25, 0.25, -1.5)];
+    /// let query = Query::vertex_triangle(falling, [floor; 2]);
+    /// let impact = query.first_contact(&ContinuousTest::default())?.unwrap();
+    /// assert!(impact.time <= 0.25 && impact.time > 0.25 - 1e-14);
+    ///
+    /// let beside = Query::vertex_triangle(falling.map(|x| x + Vec3::x()), [floor; 2]);
+    /// assert_eq!(beside.first_contact(&ContinuousTest::default())?, None);
+    /// # Ok::<(), cloth_collide::CollideError>(())
+    /// ```
     ///
     /// # Errors
-    /// Those of [`ContinuousTest::vertex_triangle`].
+    /// [`CollideError::NonFinitePosition`] with the number of the vertex, 0 to 3, and [`CollideError::TooFarApart`].
     pub fn first_contact(&self, test: &ContinuousTest) -> Result<Option<Impact>, CollideError> {
-        match self.kind {
+        let (separation, slack) = (test.separation, test.slack);
+        let walk = match self.kind {
             QueryKind::VertexTriangle => {
-                let (vertex, triangle) = self.vertex_and_triangle();
-                test.vertex_triangle(vertex, triangle)
+                let polygon = Difference::new(self, [[0, 1], [0, 2], [0, 3]])?;
+                walk(&polygon, separation, slack)
             }
             QueryKind::EdgeEdge => {
-                let (first, second) = self.edges();
-                test.edge_edge(first, second)
+                let polygon = Difference::new(self, [[0, 2], [1, 2], [0, 3], [1, 3]])?;
+                walk(&polygon, separation, slack)
             }
-        }
-    }
-
-    /// What the `test` of the textbooks says (dimensionless, 0..=1).
-    ///
-    /// # Errors
-    /// Those of [`ContinuousTest::vertex_triangle`].
-    pub fn first_coplanar_contact(
-        &self,
-        test: &CoplanarityTest,
-    ) -> Result<Option<Real>, CollideError> {
-        match self.kind {
-            QueryKind::VertexTriangle => {
-                let (vertex, triangle) = self.vertex_and_triangle();
-                test.vertex_triangle(vertex, triangle)
-            }
-            QueryKind::EdgeEdge => {
-                let (first, second) = self.edges();
-                test.edge_edge(first, second)
-            }
-        }
+        };
+        Ok(walk.impact)
     }
 
     /// Distance (m) of the two primitives at `time` (dimensionless, 0..=1), in `f64`.
     #[must_use]
     pub fn distance(&self, time: Real) -> Real {
-        let [a, b, c, d] = std::array::from_fn(|k| self.from[k] * (1.0 - time) + self.to[k] * time);
-        match self.kind {
-            QueryKind::VertexTriangle => point_triangle(a, [b, c, d]).distance(),
-            QueryKind::EdgeEdge => edge_edge([a, b], [c, d]).distance(),
-        }
+        let x = std::array::from_fn(|k| self.from[k] * (1.0 - time) + self.to[k] * time);
+        Gap::new(self.kind, &x).distance
     }
 }

@@ -18,7 +18,7 @@ impl Capsule {
     /// makes a sphere.
     ///
     /// # Errors
-    /// [`ObstacleError::NotPositive`] for the radius, [`ObstacleError::Negative`] for the length.
+    /// [`ObstacleError::OutOfRange`].
     pub fn new(half_length: Real, radius: Real) -> Result<Self, ObstacleError> {
         Ok(Self {
             half_length: not_negative("half length of the capsule (m)", half_length)?,

@@ -18,7 +18,7 @@ impl Cuboid {
     /// A box of 2 × `half_extents` (m).
     ///
     /// # Errors
-    /// [`ObstacleError::NotPositive`] for the first that is not.
+    /// [`ObstacleError::OutOfRange`] for the first that is not.
     pub fn new(half_extents: Vec3) -> Result<Self, ObstacleError> {
         for extent in half_extents.iter() {
             positive("half extent of the box (m)", *extent)?;

@@ -8,26 +8,14 @@ use std::fmt;
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum ObstacleError {
-    /// A number has to be positive and finite.
-    NotPositive {
+    /// A number is out of its range.
+    OutOfRange {
         /// Which one, with its unit.
         name: &'static str,
         /// What it was.
         value: Real,
-    },
-    /// A number has to be finite, and must not be negative.
-    Negative {
-        /// Which one, with its unit.
-        name: &'static str,
-        /// What it was.
-        value: Real,
-    },
-    /// A number has to be between 0 and 1.
-    NotAFraction {
-        /// Which one.
-        name: &'static str,
-        /// What it was.
-        value: Real,
+        /// What it has to be.
+        range: &'static str,
     },
     /// A coordinate is NaN or infinite.
     NonFinite {
@@ -93,16 +81,8 @@ pub enum ObstacleError {
 impl fmt::Display for ObstacleError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::NotPositive { name, value } => write!(
-                f,
-                "the {name} is {value}, but it has to be a positive finite number"
-            ),
-            Self::Negative { name, value } => write!(
-                f,
-                "the {name} is {value}, but it has to be a finite number that is not negative"
-            ),
-            Self::NotAFraction { name, value } => {
-                write!(f, "the {name} is {value}, but it has to be between 0 and 1")
+            Self::OutOfRange { name, value, range } => {
+                write!(f, "the {name} is {value}, but it has to be {range}")
             }
             Self::NonFinite { name } => {
                 write!(f, "the {name} has a coordinate that is not a finite number")

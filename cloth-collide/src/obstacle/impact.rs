@@ -1,6 +1,6 @@
 //! Contact as an impulse: what an impact does to a velocity.
 
-use super::{ObstacleError, not_negative};
+use super::{Obstacle, ObstacleError, not_negative, within};
 use cloth_core::math::{Real, Vec3};
 
 /// Restitution and Coulomb friction, as a rule for velocities.
@@ -22,17 +22,13 @@ impl ImpactLaw {
     /// Coefficient of friction μ ≥ 0, coefficient of restitution e in 0..=1 (both dimensionless).
     ///
     /// # Errors
-    /// [`ObstacleError::Negative`], [`ObstacleError::NotAFraction`].
+    /// [`ObstacleError::OutOfRange`].
     pub fn new(friction: Real, restitution: Real) -> Result<Self, ObstacleError> {
-        if !(0.0..=1.0).contains(&restitution) {
-            return Err(ObstacleError::NotAFraction {
-                name: "coefficient of restitution",
-                value: restitution,
-            });
-        }
+        let is_fraction = (0.0..=1.0).contains(&restitution);
+        let name = "coefficient of restitution";
         Ok(Self {
             friction: not_negative("coefficient of friction", friction)?,
-            restitution,
+            restitution: within(is_fraction, name, restitution, "between 0 and 1")?,
         })
     }
 
@@ -74,5 +70,26 @@ impl ImpactLaw {
             slide * (self.friction * push / speed)
         };
         normal * push - held
+    }
+    /// The discrete response of one vertex: if it is nearer than `thickness` (m) to `obstacle` at its `time` (s), its
+    /// `velocity` (m/s) changes as by an impact, and it is moved out to the thickness. Returns the change (m/s), which
+    /// is the impulse (N·s) per mass. Moving out changes no velocity, but energy by the weight times the displacement.
+    pub fn respond(
+        &self,
+        obstacle: &Obstacle,
+        time: Real,
+        thickness: Real,
+        position: &mut Vec3,
+        velocity: &mut Vec3,
+    ) -> Vec3 {
+        let at = obstacle.signed_distance(*position, time);
+        if at.value >= thickness {
+            return Vec3::zeros();
+        }
+        let surface = obstacle.velocity_at(*position, time);
+        let change = self.velocity_change(*velocity - surface, at.normal);
+        *velocity += change;
+        *position += at.normal * (thickness - at.value);
+        change
     }
 }

@@ -75,7 +75,7 @@ impl RigidMotion {
     /// The motion that leads from one pose to another within `duration` (s), on the shortest way of turning.
     ///
     /// # Errors
-    /// [`ObstacleError::NotPositive`] for the duration, [`ObstacleError::NonFinite`] for a velocity.
+    /// [`ObstacleError::OutOfRange`] for the duration, [`ObstacleError::NonFinite`] for a velocity.
     pub fn between(from: Pose, to: Pose, duration: Real) -> Result<Self, ObstacleError> {
         super::positive("duration of a motion (s)", duration)?;
         let turn = to.orientation * from.orientation.inverse();

@@ -28,14 +28,8 @@ impl Obstacle {
     /// `shape` where its own frame is the world's.
     #[must_use]
     pub fn new(shape: impl SignedDistance + 'static) -> Self {
-        Self::shared(Arc::new(shape))
-    }
-
-    /// The same for a shape that other obstacles use too.
-    #[must_use]
-    pub fn shared(shape: Arc<dyn SignedDistance>) -> Self {
         Self {
-            shape,
+            shape: Arc::new(shape),
             motion: RigidMotion::default(),
         }
     }
@@ -77,13 +71,9 @@ impl Obstacle {
     /// The same shape, standing still where it is at time 0.
     #[must_use]
     pub(crate) fn stopped(&self) -> Self {
-        let pose = self.motion.pose;
         Self {
             shape: Arc::clone(&self.shape),
-            motion: RigidMotion {
-                pose,
-                ..RigidMotion::default()
-            },
+            motion: RigidMotion::still(self.motion.pose),
         }
     }
 

@@ -34,7 +34,7 @@ impl RigidBody {
     /// A body of this mass (kg) and inertia (kg·m²), in its own frame about the origin, which gravity (m/s²) pulls.
     ///
     /// # Errors
-    /// [`ObstacleError::NotPositive`] for a mass or a principal moment of inertia that is not above zero,
+    /// [`ObstacleError::OutOfRange`] for a mass or a principal moment of inertia that is not above zero,
     /// [`ObstacleError::NonFinite`] for gravity.
     pub fn new(mass: Real, inertia: Matrix3<Real>, gravity: Vec3) -> Result<Self, ObstacleError> {
         positive("mass of a body (kg)", mass)?;
@@ -47,8 +47,11 @@ impl RigidBody {
         Ok(Self {
             mass,
             inertia,
-            inverse_inertia: inverse_inertia
-                .ok_or(ObstacleError::NotPositive { name, value: least })?,
+            inverse_inertia: inverse_inertia.ok_or(ObstacleError::OutOfRange {
+                name,
+                value: least,
+                range: "above 0",
+            })?,
             gravity: finite("gravity on a body", gravity)?,
         })
     }

@@ -35,7 +35,7 @@ impl SampledDistance {
     /// Samples `shape` on a grid of the given `spacing` (m) that reaches at least `padding` (m) beyond it on all sides.
     ///
     /// # Errors
-    /// [`ObstacleError::NotPositive`] for the spacing, [`ObstacleError::Negative`] for the padding,
+    /// [`ObstacleError::OutOfRange`] for the spacing or the padding,
     /// [`ObstacleError::Unbounded`] for a shape without end, [`ObstacleError::TooManySamples`].
     pub fn new(
         shape: &dyn SignedDistance,
@@ -83,18 +83,6 @@ impl SampledDistance {
     #[must_use]
     pub fn error_bound(&self) -> Real {
         self.error_bound
-    }
-
-    /// Distance between neighbouring nodes (m).
-    #[must_use]
-    pub fn spacing(&self) -> Real {
-        self.spacing
-    }
-
-    /// Number of samples.
-    #[must_use]
-    pub fn sample_count(&self) -> usize {
-        self.samples.len()
     }
 
     /// The eight samples around a cell, the one for x last to change: `[z][y][x]`.

@@ -14,7 +14,7 @@ impl Sphere {
     /// A ball of `radius` (m).
     ///
     /// # Errors
-    /// [`ObstacleError::NotPositive`].
+    /// [`ObstacleError::OutOfRange`].
     pub fn new(radius: Real) -> Result<Self, ObstacleError> {
         let radius = positive("radius of the sphere (m)", radius)?;
         Ok(Self { radius })

@@ -4,12 +4,15 @@ use super::forces::Ledger;
 use super::near::Near;
 use super::rows::{KEPT, LEAST, SLACK};
 use super::tangent::{Tangent, hold, stretch};
-use crate::obstacle::{Obstacle, ObstacleContacts, VertexPath, first_contact};
+use crate::obstacle::{Obstacle, VertexPath, first_contact};
 use cloth_core::contact::ContactStep;
 use cloth_core::math::{Real, Vec3};
 
+/// A rigid body with a signed distance, and the coefficient of friction μ (dimensionless) on it.
+pub(super) type Body = (Obstacle, Real);
+
 /// A vertex that can touch a body in this substep.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 struct Row {
     vertex: u32,
     body: u32,
@@ -78,16 +81,13 @@ impl Bodies {
     /// Begins a substep: rows for the vertices that can touch a body on their path to `to` (m).
     pub(super) fn begin(
         &mut self,
-        bodies: Option<&ObstacleContacts>,
+        bodies: &[Body],
         near: &Near,
         step: &ContactStep<'_>,
         to: &[Vec3],
     ) {
         self.rows.clear();
         self.has_row.fill(false);
-        let Some(bodies) = bodies else {
-            return;
-        };
         let reach = near.law().range() * (1.0 + SLACK);
         self.each_near(bodies, step, to, reach, |list, index, row| {
             row.set_law(near, bodies, step.dt);
@@ -100,13 +100,13 @@ impl Bodies {
     /// Hands `visit` each vertex without a row that can come as near as `reach` (m) to a body, with its index.
     fn each_near(
         &mut self,
-        bodies: &ObstacleContacts,
+        bodies: &[Body],
         step: &ContactStep<'_>,
         to: &[Vec3],
         reach: Real,
         mut visit: impl FnMut(&mut Self, usize, &mut Row),
     ) {
-        for (number, body) in bodies.obstacles().enumerate() {
+        for (number, (body, _)) in bodies.iter().enumerate() {
             let (stretch, is_still) = (body.shape().lipschitz(), body.motion().is_still());
             let first = number * step.from.len();
             for (vertex, (from, to)) in step.from.iter().zip(to).enumerate() {
@@ -137,16 +137,9 @@ impl Bodies {
                     vertex: vertex as u32,
                     body: number as u32,
                     distance: at.value,
-                    thickness: 0.0,
-                    range: 0.0,
-                    compliance: 0.0,
-                    coefficient: 0.0,
-                    is_violated: false,
-                    lambda: 0.0,
                     normal: at.normal,
-                    pressure: Vec3::zeros(),
-                    friction: Vec3::zeros(),
                     origin: motion.pose_at(step.dt).to_world(local),
+                    ..Row::default()
                 };
                 visit(self, index, &mut row);
             }
@@ -157,14 +150,13 @@ impl Bodies {
     /// bodies move.
     pub(super) fn margin(
         &self,
-        bodies: Option<&ObstacleContacts>,
+        bodies: &[Body],
         h: Real,
         step: &ContactStep<'_>,
         x: &[Vec3],
     ) -> Option<Real> {
         let mut least = Real::INFINITY;
-        let bodies = bodies.into_iter().flat_map(ObstacleContacts::obstacles);
-        for (number, body) in bodies.enumerate() {
+        for (number, (body, _)) in bodies.iter().enumerate() {
             if !body.motion().is_still() {
                 return None;
             }
@@ -181,17 +173,9 @@ impl Bodies {
     }
 
     /// Projects each vertex out of the bodies, where they are at the end of the substep.
-    pub(super) fn sweep(
-        &mut self,
-        bodies: Option<&ObstacleContacts>,
-        step: &ContactStep<'_>,
-        x: &mut [Vec3],
-    ) {
-        let Some(bodies) = bodies else {
-            return;
-        };
+    pub(super) fn sweep(&mut self, bodies: &[Body], step: &ContactStep<'_>, x: &mut [Vec3]) {
         for row in &mut self.rows {
-            let (body, _) = &bodies.pairs()[row.body as usize];
+            let (body, _) = &bodies[row.body as usize];
             let v = row.vertex as usize;
             let at = body.signed_distance(x[v], step.dt);
             let value = at.value - row.range;
@@ -220,17 +204,14 @@ impl Bodies {
     /// How many vertices come too near on their path to `x` (m); those get rows.
     pub(super) fn violations(
         &mut self,
-        bodies: Option<&ObstacleContacts>,
+        bodies: &[Body],
         near: &Near,
         step: &ContactStep<'_>,
         x: &[Vec3],
     ) -> u32 {
-        let Some(bodies) = bodies else {
-            return 0;
-        };
         let h = near.law().range();
         self.each_near(bodies, step, x, KEPT * h, |list, index, row| {
-            let (body, _) = &bodies.pairs()[row.body as usize];
+            let (body, _) = &bodies[row.body as usize];
             if !row.is_safe(body, h, step, x) {
                 row.set_law(near, bodies, step.dt);
                 list.has_row[index] = true;
@@ -239,7 +220,7 @@ impl Bodies {
         });
         let mut count = 0;
         for row in &mut self.rows {
-            let (body, _) = &bodies.pairs()[row.body as usize];
+            let (body, _) = &bodies[row.body as usize];
             row.is_violated = !row.is_safe(body, h, step, x);
             count += u32::from(row.is_violated);
         }
@@ -271,15 +252,12 @@ impl Bodies {
     /// (m). Returns the work (J) that they did.
     pub(super) fn end(
         &mut self,
-        bodies: Option<&ObstacleContacts>,
+        bodies: &[Body],
         reach: Real,
         step: &ContactStep<'_>,
         x: &[Vec3],
     ) -> Real {
-        let Some(bodies) = bodies else {
-            return 0.0;
-        };
-        for (number, body) in bodies.obstacles().enumerate() {
+        for (number, (body, _)) in bodies.iter().enumerate() {
             if !body.motion().is_still() {
                 let first = number * x.len();
                 for (room, from) in self.rooms[first..].iter_mut().zip(step.from) {
@@ -290,7 +268,7 @@ impl Bodies {
         let mut work = 0.0;
         for row in &self.rows {
             let v = row.vertex as usize;
-            let (body, _) = &bodies.pairs()[row.body as usize];
+            let (body, _) = &bodies[row.body as usize];
             let displacement = x[v] - row.origin;
             let displacement = displacement - row.normal * row.normal.dot(&displacement);
             let index = row.body as usize * x.len() + v;
@@ -317,54 +295,38 @@ impl Bodies {
     /// Enters the impulses of a substep that ends at `x` (m), the bodies still being where they are at its start.
     pub(super) fn record(
         &self,
-        bodies: Option<&ObstacleContacts>,
+        bodies: &[Body],
         step: &ContactStep<'_>,
         x: &[Vec3],
         ledger: &mut Ledger,
     ) {
-        let Some(bodies) = bodies else {
-            return;
-        };
         for row in &self.rows {
             let (v, number) = (row.vertex as usize, row.body as usize);
-            let motion = bodies.pairs()[number].0.motion();
+            let motion = bodies[number].0.motion();
             let arm = x[v] - motion.pose_at(step.dt).position;
-            ledger.add_obstacle([v, number], row.impulses(step.dt), arm);
+            let impulses = [row.pressure, row.friction].map(|push| push / step.dt);
+            ledger.add_obstacle([v, number], impulses, arm);
         }
     }
 
     /// Energy (J) that is stored at `x` (m).
-    pub(super) fn energy(
-        &self,
-        bodies: Option<&ObstacleContacts>,
-        near: &Near,
-        x: &[Vec3],
-    ) -> Real {
-        let Some(bodies) = bodies else {
-            return 0.0;
+    pub(super) fn energy(&self, bodies: &[Body], near: &Near, x: &[Vec3]) -> Real {
+        let energy = |row: &Row| {
+            let v = row.vertex as usize;
+            let at = bodies[row.body as usize].0.signed_distance(x[v], 0.0);
+            near.vertex_area[v] * near.law_at(v).energy(at.value)
         };
         let pushing = self.rows.iter().filter(|row| row.lambda > 0.0);
-        pushing
-            .map(|row| {
-                let v = row.vertex as usize;
-                let (body, _) = &bodies.pairs()[row.body as usize];
-                near.vertex_area[v] * near.law_at(v).energy(body.signed_distance(x[v], 0.0).value)
-            })
-            .sum()
+        pushing.map(energy).sum()
     }
 }
 
 impl Row {
-    /// Of pressure and of friction, in a substep of `dt` (s) (N·s).
-    fn impulses(&self, dt: Real) -> [Vec3; 2] {
-        [self.pressure, self.friction].map(|push| push / dt)
-    }
-
-    fn set_law(&mut self, near: &Near, bodies: &ObstacleContacts, dt: Real) {
-        let (v, (_, of_body)) = (self.vertex as usize, &bodies.pairs()[self.body as usize]);
+    fn set_law(&mut self, near: &Near, bodies: &[Body], dt: Real) {
+        let (v, (_, friction)) = (self.vertex as usize, &bodies[self.body as usize]);
         let law = near.law_at(v);
         self.thickness = law.range();
-        self.coefficient = near.friction_on(v, of_body.friction());
+        self.coefficient = near.friction_on(v, *friction);
         let tangent = Tangent::of(law, near.vertex_area[v], self.distance);
         self.range = tangent.range;
         self.compliance = tangent.compliance(dt);

@@ -1,5 +1,6 @@
 //! Settings of the contact potential, checked.
 
+use super::bodies::Body;
 use super::free::FreeBody;
 use super::last_resort::LastResort;
 use super::let_go::LetGo;
@@ -9,7 +10,7 @@ use super::sewn::Sewn;
 use super::source::Contacts;
 use super::surfaces::{Motion, PotentialContacts, Surface, Surfaces};
 use crate::broad_phase::BroadPhaseKind;
-use crate::obstacle::{AnimatedMesh, ObstacleContacts, PenaltyLaw, RigidBody};
+use crate::obstacle::{AnimatedMesh, Obstacle, PenaltyLaw, RigidBody};
 use cloth_core::math::Real;
 use cloth_core::mesh::TriMesh;
 use cloth_core::mesh::generate::join;
@@ -22,15 +23,11 @@ pub struct PotentialBuilder<'a> {
     thickness: Real,
     stiffness: Real,
     friction: Real,
-    obstacles: Option<ObstacleContacts>,
+    obstacles: Vec<Body>,
     surfaces: Vec<Surface>,
     free: Vec<(usize, RigidBody)>,
     self_collision: bool,
     own: Own,
-    /// Of how many vertices the regions are known.
-    regions: usize,
-    /// The last vertex that is sewn to another.
-    last_sewn: Option<u32>,
 }
 
 impl<'a> PotentialBuilder<'a> {
@@ -40,13 +37,11 @@ impl<'a> PotentialBuilder<'a> {
             thickness: 1e-3,
             stiffness: 1e6,
             friction: 0.0,
-            obstacles: None,
+            obstacles: Vec::new(),
             surfaces: Vec::new(),
             free: Vec::new(),
             self_collision: true,
             own: Own::default(),
-            regions: 0,
-            last_sewn: None,
         }
     }
 
@@ -78,7 +73,6 @@ impl<'a> PotentialBuilder<'a> {
     /// of a region with itself is one that does not touch itself. Bodies keep out all.
     #[must_use]
     pub fn exclude(mut self, region: Vec<u32>, pairs: Vec<[u32; 2]>) -> Self {
-        self.regions = region.len();
         self.own.excluded = LetGo::new(region, pairs);
         self
     }
@@ -87,7 +81,6 @@ impl<'a> PotentialBuilder<'a> {
     /// through others, are neighbours, as if they shared a vertex: they are not kept apart.
     #[must_use]
     pub fn sew(mut self, pairs: &[[u32; 2]]) -> Self {
-        self.last_sewn = pairs.iter().flatten().copied().max();
         self.own.sewn = Sewn::new(pairs);
         self
     }
@@ -113,14 +106,14 @@ impl<'a> PotentialBuilder<'a> {
         self
     }
 
-    /// What is in the way; its thickness should be that of the contact.
+    /// Adds a rigid body that is in the way, with a coefficient of `friction` μ (dimensionless).
     #[must_use]
-    pub fn obstacles(mut self, obstacles: ObstacleContacts) -> Self {
-        self.obstacles = Some(obstacles);
+    pub fn obstacle(mut self, obstacle: Obstacle, friction: Real) -> Self {
+        self.obstacles.push((obstacle, friction));
         self
     }
 
-    /// What obstacle `number` (as [`obstacles`](Self::obstacles) has them, from 0) looks like in its own frame (m): no
+    /// What obstacle `number` (in the order in which they are added, from 0) looks like in its own frame (m): no
     /// triangle of the cloth cuts those of `mesh`, which may be open and pass through itself. It should lie on the
     /// surface of the shape or inside, since the signed distance keeps vertices on its own.
     #[must_use]
@@ -164,35 +157,31 @@ impl<'a> PotentialBuilder<'a> {
         self.check_own()?;
         let most = self.own.thickness.iter().copied().reduce(Real::max);
         let thickness = most.unwrap_or(self.thickness);
-        let law = PenaltyLaw::two_stage(self.stiffness, thickness).map_err(|_| {
+        let law = PenaltyLaw::new(self.stiffness, thickness).map_err(|_| {
             let is_stiff = self.stiffness > 0.0 && self.stiffness.is_finite();
-            let (name, value) = match is_stiff {
-                true => ("thickness of contact (m)", self.thickness),
-                false => ("stiffness of contact (Pa/m)", self.stiffness),
-            };
-            BuildError::InvalidSetting {
-                name,
-                value,
-                range: "positive and finite",
+            match is_stiff {
+                true => invalid("thickness of contact (m)", self.thickness, POSITIVE),
+                false => invalid("stiffness of contact (Pa/m)", self.stiffness, POSITIVE),
             }
         })?;
         // Friction is no part of the law of pressure, and checked apart.
         checked_friction("friction of contact", self.friction)?;
+        for (_, friction) in &self.obstacles {
+            checked_friction("friction of a body", *friction)?;
+        }
         let sides = self.sides()?;
         let free = self.free_bodies()?;
-        let joined = match &self.surfaces[..] {
-            [] => None,
-            surfaces => {
-                let surfaces = surfaces.iter().map(|surface| surface.mesh.clone());
-                let all: Vec<TriMesh> =
-                    std::iter::once(self.mesh.clone()).chain(surfaces).collect();
-                let joined = join(&all).map_err(|_| BuildError::InvalidSetting {
-                    name: "number of vertices of the cloth and the surfaces of bodies",
-                    value: all.iter().map(|mesh| mesh.vertex_count() as Real).sum(),
-                    range: "below 2³²",
-                })?;
-                Some(joined)
-            }
+        let joined = if self.surfaces.is_empty() {
+            None
+        } else {
+            let surfaces = self.surfaces.iter().map(|surface| &surface.mesh);
+            let all: Vec<TriMesh> = std::iter::once(self.mesh)
+                .chain(surfaces)
+                .cloned()
+                .collect();
+            let count = all.iter().map(|mesh| mesh.vertex_count() as Real).sum();
+            let name = "number of vertices of the cloth and the surfaces of bodies";
+            Some(join(&all).map_err(|_| invalid(name, count, "below 2³²"))?)
         };
         let has_pairs = self.self_collision || joined.is_some();
         let mesh = joined.as_ref().unwrap_or(self.mesh);
@@ -209,8 +198,7 @@ impl<'a> PotentialBuilder<'a> {
         let last_resort = LastResort::new(mesh, thickness, has_pairs);
         let mut contacts = Contacts::new(near, patches, self.obstacles, last_resort);
         contacts.free.list = free;
-        let surfaces =
-            (joined.is_some()).then(|| Surfaces::new(self.mesh.vertex_count(), self.surfaces));
+        let surfaces = Surfaces::new(self.mesh.vertex_count(), self.surfaces);
         let mut contacts = PotentialContacts { contacts, surfaces };
         contacts.record_forces(false);
         Ok(contacts)
@@ -221,57 +209,41 @@ impl<'a> PotentialBuilder<'a> {
         let Own {
             thickness,
             friction,
+            excluded,
+            sewn,
             ..
         } = &self.own;
         let count = self.mesh.vertex_count();
-        for (name, list) in [
-            ("number of thicknesses of vertices", thickness),
-            ("number of coefficients of friction of vertices", friction),
+        for (name, length) in [
+            ("number of thicknesses of vertices", thickness.len()),
+            (
+                "number of coefficients of friction of vertices",
+                friction.len(),
+            ),
+            ("number of regions of vertices", excluded.region_count()),
         ] {
-            if !list.is_empty() && list.len() != count {
-                return Err(BuildError::InvalidSetting {
-                    name,
-                    value: list.len() as Real,
-                    range: "the number of vertices",
-                });
+            if length != 0 && length != count {
+                return Err(invalid(name, length as Real, "the number of vertices"));
             }
         }
-        if self.regions != 0 && self.regions != count {
-            return Err(BuildError::InvalidSetting {
-                name: "number of regions of vertices",
-                value: self.regions as Real,
-                range: "the number of vertices",
-            });
-        }
-        if let Some(vertex) = self.last_sewn.filter(|&last| last as usize >= count) {
-            return Err(BuildError::InvalidSetting {
-                name: "number of a sewn vertex",
-                value: Real::from(vertex),
-                range: "below the number of vertices",
-            });
+        if sewn.count() > count {
+            let (name, range) = ("number of a sewn vertex", "below the number of vertices");
+            return Err(invalid(name, (sewn.count() - 1) as Real, range));
         }
         let is_wrong = |value: &&Real| !(**value > 0.0 && value.is_finite());
         if let Some(&value) = thickness.iter().find(is_wrong) {
-            return Err(BuildError::InvalidSetting {
-                name: "thickness of a vertex (m)",
-                value,
-                range: "positive and finite",
-            });
+            return Err(invalid("thickness of a vertex (m)", value, POSITIVE));
         }
-        let checked = |&value: &Real| checked_friction("friction of a vertex", value);
-        friction
-            .iter()
-            .try_for_each(|value| checked(value).map(drop))
+        let mut frictions = friction.iter();
+        frictions.try_for_each(|&value| checked_friction("friction of a vertex", value).map(drop))
     }
 
     /// The bodies that the cloth pushes.
     fn free_bodies(&self) -> Result<Vec<FreeBody>, BuildError> {
-        let obstacles = self.obstacles.as_ref().map_or(&[][..], |all| all.pairs());
         let found = self.free.iter().map(|&(number, body)| {
-            let (obstacle, _) = obstacles.get(number).ok_or(BuildError::InvalidSetting {
-                name: "number of a free obstacle",
-                value: number as Real,
-                range: "below the number of obstacles",
+            let (obstacle, _) = self.obstacles.get(number).ok_or_else(|| {
+                let name = "number of a free obstacle";
+                invalid(name, number as Real, "below the number of obstacles")
             })?;
             Ok(FreeBody::new(number, body, obstacle.motion()))
         });
@@ -281,39 +253,31 @@ impl<'a> PotentialBuilder<'a> {
     /// What each vertex of the surfaces knows of its body.
     fn sides(&self) -> Result<Vec<Side>, BuildError> {
         let mut sides = Vec::new();
-        let obstacles = self
-            .obstacles
-            .as_ref()
-            .map_or(&[][..], ObstacleContacts::pairs);
-        let mut animated = obstacles.len();
+        let mut animated = self.obstacles.len()..;
         for Surface { mesh, motion, .. } in &self.surfaces {
             let (has_distance, friction, body) = match motion {
                 Motion::Obstacle(number) => {
-                    let body = obstacles.get(*number);
-                    let (_, law) = body.ok_or(BuildError::InvalidSetting {
-                        name: "number of the obstacle with a surface",
-                        value: *number as Real,
-                        range: "below the number of obstacles",
+                    let name = "number of the obstacle with a surface";
+                    let body = self.obstacles.get(*number);
+                    let (_, friction) = body.ok_or_else(|| {
+                        invalid(name, *number as Real, "below the number of obstacles")
                     })?;
-                    (true, law.friction(), *number)
+                    (true, *friction, Some(*number))
                 }
                 Motion::Own(animation, friction) => {
-                    if animation.vertex_count() != mesh.vertex_count() {
-                        return Err(BuildError::InvalidSetting {
-                            name: "number of vertices of an animation",
-                            value: animation.vertex_count() as Real,
-                            range: "that of its mesh",
-                        });
+                    let count = animation.vertex_count();
+                    if count != mesh.vertex_count() {
+                        let name = "number of vertices of an animation";
+                        return Err(invalid(name, count as Real, "that of its mesh"));
                     }
-                    animated += 1;
                     let friction = checked_friction("friction of a body", *friction)?;
-                    (false, friction, animated - 1)
+                    (false, friction, animated.next())
                 }
             };
             let side = Side {
                 has_distance,
                 friction,
-                body,
+                body: body.unwrap_or_default(),
             };
             sides.extend(std::iter::repeat_n(side, mesh.vertex_count()));
         }
@@ -321,11 +285,16 @@ impl<'a> PotentialBuilder<'a> {
     }
 }
 
+const POSITIVE: &str = "positive and finite";
+
+fn invalid(name: &'static str, value: Real, range: &'static str) -> BuildError {
+    BuildError::InvalidSetting { name, value, range }
+}
+
 /// A coefficient of friction, or why it is none.
 fn checked_friction(name: &'static str, value: Real) -> Result<Real, BuildError> {
     if value >= 0.0 && value.is_finite() {
         return Ok(value);
     }
-    let range = "finite and not negative";
-    Err(BuildError::InvalidSetting { name, value, range })
+    Err(invalid(name, value, "finite and not negative"))
 }

@@ -1,12 +1,12 @@
 //! How far a path is safe.
 
-use super::gap::Gap;
 use super::near_pairs::NearPairs;
-use super::pair::{EdgeEdgeContact, VertexTriangleContact};
-use crate::ccd::{ContinuousTest, Impact};
+use super::pair::PairContact;
+use crate::ccd::{ContinuousTest, Query};
 use crate::error::CollideError;
 use crate::obstacle::{Obstacle, VertexPath, first_contact};
-use cloth_core::math::{Real, Vec3, gather};
+use crate::pair::{Gap, Pair};
+use cloth_core::math::{Real, Vec3};
 
 /// What a path leaves of each distance, or of the thickness where that is less.
 const SLACK: Real = 0.2;
@@ -27,20 +27,12 @@ impl NearPairs {
         obstacles: &[Obstacle],
     ) -> Result<Real, CollideError> {
         let mut cap: Real = 1.0;
-        for pair in self.vertex_triangle.iter() {
-            cap = cap.min(time_of_vertex(pair, from, to)?);
-        }
-        for pair in self.edge_edge.iter() {
-            cap = cap.min(time_of_edges(pair, from, to)?);
+        for pair in self.iter() {
+            cap = cap.min(time_of_pair(pair, from, to)?);
         }
         for &[vertex, number] in &self.vertex_obstacle {
-            let (a, b) = (from[vertex as usize], to[vertex as usize]);
-            cap = cap.min(time_of_obstacle(
-                &obstacles[number as usize],
-                thickness,
-                a,
-                b,
-            ));
+            let (v, obstacle) = (vertex as usize, &obstacles[number as usize]);
+            cap = cap.min(time_of_obstacle(obstacle, thickness, from[v], to[v]));
         }
         Ok(cap)
     }
@@ -79,15 +71,8 @@ impl NearPairs {
                     *share = share.min(part);
                 }
             };
-            for pair in self
-                .vertex_triangle
-                .iter()
-                .filter(|pair| was_cut(&pair.vertices))
-            {
-                take(pair.vertices, time_of_vertex(pair, from, to)?);
-            }
-            for pair in self.edge_edge.iter().filter(|pair| was_cut(&pair.vertices)) {
-                take(pair.vertices, time_of_edges(pair, from, to)?);
+            for pair in self.iter().filter(|pair| was_cut(&pair.vertices)) {
+                take(pair.vertices, time_of_pair(pair, from, to)?);
             }
             if !is_short || rounds == ROUNDS {
                 break !is_short;
@@ -137,60 +122,31 @@ pub(super) fn shorten_all(from: &[Vec3], to: &mut [Vec3], parts: &mut [Real], pa
     }
 }
 
-fn time_of_vertex(
-    pair: &VertexTriangleContact,
-    from: &[Vec3],
-    to: &[Vec3],
-) -> Result<Real, CollideError> {
-    let (a, b) = (gather(from, pair.vertices), gather(to, pair.vertices));
-    let distance = Gap::vertex_triangle(&a).distance;
-    let test = |test: &ContinuousTest| {
-        let corners = [[a[1], a[2], a[3]], [b[1], b[2], b[3]]];
-        test.vertex_triangle([a[0], b[0]], corners)
-    };
-    let closing = approach(&a, &b, 1);
-    time(distance, pair.law.range(), closing, &a, &b, test)
-}
-
-fn time_of_edges(pair: &EdgeEdgeContact, from: &[Vec3], to: &[Vec3]) -> Result<Real, CollideError> {
-    let (a, b) = (gather(from, pair.vertices), gather(to, pair.vertices));
-    let distance = Gap::edge_edge(&a).distance;
-    let test = |test: &ContinuousTest| {
-        let first = [[a[0], a[1]], [b[0], b[1]]];
-        test.edge_edge(first, [[a[2], a[3]], [b[2], b[3]]])
-    };
-    let closing = approach(&a, &b, 2);
-    time(distance, pair.law.range(), closing, &a, &b, test)
-}
-
-/// The most by which two pieces of four vertices, the first of which has `split`, can have come nearer (m) between two
-/// moments.
-fn approach(a: &[Vec3; 4], b: &[Vec3; 4], split: usize) -> Real {
-    let displacements: [Vec3; 4] = std::array::from_fn(|k| b[k] - a[k]);
-    let mean = displacements.iter().sum::<Vec3>() * 0.25;
-    let sizes = displacements.map(|displacement| (displacement - mean).norm());
-    let most = |sizes: &[Real]| sizes.iter().fold(0.0, |a: Real, b| a.max(*b));
-    most(&sizes[..split]) + most(&sizes[split..])
-}
-
-/// The time (dimensionless, 0..=1) at which a pair's distance is down to [`SLACK`] of the `distance` (m) that it has at
-/// the start, or of the thickness; 1 if that does not happen. `closing` bounds how far the pieces approach each other.
-fn time(
-    distance: Real,
-    thickness: Real,
-    closing: Real,
-    a: &[Vec3; 4],
-    b: &[Vec3; 4],
-    test: impl Fn(&ContinuousTest) -> Result<Option<Impact>, CollideError>,
-) -> Result<Real, CollideError> {
-    let keep = SLACK * distance.min(thickness);
-    if closing < distance - keep {
+/// The time (dimensionless, 0..=1) at which a pair's distance is down to [`SLACK`] of that at the start, or of the
+/// thickness; 1 if that does not happen.
+fn time_of_pair(pair: &PairContact, from: &[Vec3], to: &[Vec3]) -> Result<Real, CollideError> {
+    let (kind, vertices) = (pair.kind, pair.vertices);
+    let path = Query::of(Pair { kind, vertices }, from, to);
+    let distance = Gap::new(kind, &path.from).distance;
+    let keep = SLACK * distance.min(pair.law.range());
+    if approach(&path) < distance - keep {
         return Ok(1.0);
     }
-    let size = a.iter().chain(b).map(Vec3::amax).fold(0.0, Real::max);
+    let places = path.from.iter().chain(&path.to);
+    let size = places.map(Vec3::amax).fold(0.0, Real::max);
     if keep <= ROUNDING * size {
         return Ok(0.0);
     }
-    let hit = test(&ContinuousTest::new(keep, EARLY)?)?;
+    let hit = path.first_contact(&ContinuousTest::new(keep, EARLY)?)?;
     Ok(hit.map_or(1.0, |hit| hit.time))
+}
+
+/// The most by which two pieces can have come nearer (m) on their path.
+fn approach(path: &Query) -> Real {
+    let displacements: [Vec3; 4] = std::array::from_fn(|k| path.to[k] - path.from[k]);
+    let mean = displacements.iter().sum::<Vec3>() * 0.25;
+    let sizes = displacements.map(|displacement| (displacement - mean).norm());
+    let (first, second) = sizes.split_at(path.kind.split());
+    let most = |sizes: &[Real]| sizes.iter().fold(0.0, |a: Real, b| a.max(*b));
+    most(first) + most(second)
 }

@@ -1,9 +1,9 @@
 //! Forces of contact, on every vertex and on every body.
 
+use super::bodies::Body;
 use super::near::Near;
 use super::source::Contacts;
-use crate::obstacle::{ImpactLaw, Obstacle};
-use cloth_core::element::{Element, Energy};
+use cloth_core::element::Energy;
 use cloth_core::math::{Real, Vec3, gather};
 
 /// Forces of contact in a step, averaged over it where a method takes several substeps; of a method that minimises,
@@ -102,7 +102,7 @@ impl Ledger {
     }
 
     /// The step is over, with all vertices at `x` (m).
-    pub(super) fn end(&mut self, near: &Near, obstacles: &[(Obstacle, ImpactLaw)], x: &[Vec3]) {
+    pub(super) fn end(&mut self, near: &Near, obstacles: &[Body], x: &[Vec3]) {
         for (v, body) in (near.cloth..).zip(near.bodies()) {
             let position = obstacles
                 .get(body)
@@ -165,14 +165,15 @@ impl Contacts {
         ledger.begin();
         // A force for a time of 1 s.
         ledger.pass(1.0);
-        for pair in self.pairs.vertex_triangle.iter() {
-            record_pair(pair, x, &mut ledger);
+        for pair in self.pairs.iter() {
+            let (value, gradient) = pair.value_and_gradient(&gather(x, pair.vertices));
+            if value != 0.0 {
+                for (vertex, g) in pair.vertices.iter().zip(gradient) {
+                    ledger.add(*vertex as usize, -g);
+                }
+            }
         }
-        for pair in self.pairs.edge_edge.iter() {
-            record_pair(pair, x, &mut ledger);
-        }
-        let bodies = self.bodies();
-        let arm = |v: usize, number: usize| x[v] - bodies[number].0.motion().pose.position;
+        let arm = |v: usize, number: usize| x[v] - self.bodies[number].0.motion().pose.position;
         for &[vertex, number] in &self.pairs.vertex_obstacle {
             let (v, number) = (vertex as usize, number as usize);
             let at = self.still[number].signed_distance(x[v], 0.0);
@@ -191,18 +192,7 @@ impl Contacts {
                 ledger.add_pair(sticking.vertices, sticking.weights, forces);
             }
         }
-        ledger.end(&self.near, bodies, x);
+        ledger.end(&self.near, &self.bodies, x);
         self.ledger = Some(ledger);
-    }
-}
-
-/// Enters the force (N) of a pair.
-fn record_pair<E: Energy<4> + Element<4>>(pair: &E, x: &[Vec3], ledger: &mut Ledger) {
-    let vertices = pair.vertices();
-    let (value, gradient) = pair.value_and_gradient(&gather(x, vertices));
-    if value != 0.0 {
-        for (vertex, g) in vertices.iter().zip(gradient) {
-            ledger.add(*vertex as usize, -g);
-        }
     }
 }

@@ -69,7 +69,7 @@ impl Contacts {
     /// Where free bodies are now, and how they move, by the number of the obstacle.
     pub(super) fn free_motions(&self) -> impl Iterator<Item = (usize, RigidMotion)> + '_ {
         self.free.list.iter().map(|free| {
-            let pose = self.bodies()[free.number].0.motion().pose;
+            let pose = self.bodies[free.number].0.motion().pose;
             let motion = free.body.motion(pose, &free.momenta, 0.0);
             (free.number, motion)
         })
@@ -77,15 +77,11 @@ impl Contacts {
 
     /// Free bodies set out on a (sub)step of `dt` (s).
     pub(super) fn set_out(&mut self, dt: Real) {
-        let Some(obstacles) = &mut self.obstacles else {
-            return;
-        };
         for free in &self.free.list {
-            if let Some(obstacle) = obstacles.obstacles_mut().nth(free.number) {
-                let motion = free.body.motion(obstacle.motion().pose, &free.momenta, dt);
-                let moved = obstacle.set_motion(motion);
-                debug_assert!(moved.is_ok(), "finite momenta");
-            }
+            let (obstacle, _) = &mut self.bodies[free.number];
+            let motion = free.body.motion(obstacle.motion().pose, &free.momenta, dt);
+            let moved = obstacle.set_motion(motion);
+            debug_assert!(moved.is_ok(), "finite momenta");
         }
     }
 
@@ -95,17 +91,17 @@ impl Contacts {
         let Self {
             rows,
             near,
-            obstacles,
+            bodies: obstacles,
             free,
             ..
         } = self;
-        let (Some(obstacles), false) = (obstacles, free.is_led) else {
+        if free.is_led {
             return;
-        };
+        }
         let bodies = &rows.bodies;
         for free in &mut free.list {
             let number = free.number;
-            let motion = obstacles.pairs()[number].0.motion();
+            let motion = obstacles[number].0.motion();
             let centre = motion.pose_at(step.dt).position;
             free.impulse = [Vec3::zeros(); 2];
             for (v, impulse) in bodies.impulses_of(number, step.dt) {

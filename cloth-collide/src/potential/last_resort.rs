@@ -1,29 +1,27 @@
-//! The last resort: impact zones, then paths so short that nothing is in reach.
+//! The last resort: impact zones, then vertices that stay where they were.
 //!
 //! What sweeps have not brought to an end in which nothing passes through anything comes here, with the motion that
 //! they have found. Vertices that get into a body are moved out of it. Vertices of pairs that go through each other
 //! become one rigid body (an impact zone), with their momentum and angular momentum, since inside a rigid body nothing
-//! can meet; zones that meet are joined. Where prescribed vertices or bodies do not let zones be rigid, vertices are
-//! held back. Everything is tested again after each change, so a step is free or refused.
+//! can meet; zones that meet are joined. Where prescribed vertices or bodies do not let zones be rigid, vertices stay
+//! where they were. Everything is tested again after each change, so a step is free or refused.
 //!
 //! - X. Provot, Collision and self-collision handling in cloth model dedicated to design garments, *Computer Animation
 //!   and Simulation* 1997. DOI 10.1007/978-3-7091-6874-5_13
 //! - R. Bridson, R. Fedkiw and J. Anderson, Robust treatment of collisions, contact and friction for cloth animation,
 //!   SIGGRAPH 2002. DOI 10.1145/566570.566623
-//! - L. Wu, B. Wu, Y. Yang and H. Wang, A safe and fast repulsion method for GPU-based cloth self collisions, *ACM
-//!   Transactions on Graphics* 40(1), 2020: paths bounded by half of the distance.
 
-use super::hold::Hold;
+use super::bodies::Body;
 use super::near::Near;
 use super::rows::KEPT;
 use super::zones::{Zones, make_velocities_rigid, move_rigidly};
 use crate::bounds::mean;
 use crate::broad_phase::{BroadPhase, ClothCandidates};
-use crate::ccd::QueryKind;
-use crate::obstacle::{BodyWork, ObstacleContacts, VertexPath, first_contact};
-use crate::pair::{Motion, Pair, apart_along, first_contact as first_contact_of_pair, nearest};
+use crate::ccd::{Query, QueryKind};
+use crate::obstacle::{Obstacle, VertexPath, first_contact};
+use crate::pair::{Gap, Pair};
 use cloth_core::contact::{ContactError, ContactStep};
-use cloth_core::math::{Real, Vec3, gather};
+use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::TriMesh;
 
 /// Rounds in which pairs are pushed apart one by one.
@@ -32,7 +30,7 @@ const PUSHES: u32 = 40;
 const MOST_ROUNDS: u32 = 20;
 
 /// What brings a substep to an end when nothing else does.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct LastResort {
     thickness: Real,
     /// None if there are no pairs that can touch.
@@ -40,7 +38,6 @@ pub(super) struct LastResort {
     /// Made when first needed.
     candidates: Option<ClothCandidates<Box<dyn BroadPhase>>>,
     zones: Zones,
-    hold: Hold,
     /// Pairs that pass through each other, or come too near.
     hits: Vec<Hit>,
     /// Vertices that get into a body, and what moves them out (m).
@@ -48,7 +45,6 @@ pub(super) struct LastResort {
     /// Where vertices would go without zones (m), and their displacements.
     free: Vec<Vec3>,
     displacements: Vec<Vec3>,
-    work: BodyWork,
 }
 
 /// A pair that comes too near.
@@ -65,10 +61,15 @@ impl Hit {
     /// Pushes the two pieces apart, along the line between their nearest points where they come too near; both
     /// positions (m) and velocities (m/s).
     fn push(&self, step: &ContactStep<'_>, x: &mut [Vec3], v: &mut [Vec3]) {
-        let Pair { kind, vertices } = self.pair;
-        let [from, to] = [step.from, &*x].map(|x| gather(x, vertices));
-        let near = nearest(kind, &Motion { from, to }.at(self.time));
-        let ends = || vertices.iter().map(|&v| v as usize).zip(near.weights);
+        let path = Query::of(self.pair, step.from, x);
+        let near = Gap::new(path.kind, &path.at(self.time));
+        let ends = || {
+            self.pair
+                .vertices
+                .map(|v| v as usize)
+                .into_iter()
+                .zip(near.weights)
+        };
         let ease: Real = ends().map(|(v, w)| w * w * step.inverse_mass[v]).sum();
         let point: Vec3 = ends().map(|(v, w)| x[v] * w).sum();
         let missing = self.distance - near.normal.dot(&point);
@@ -88,14 +89,7 @@ impl LastResort {
         Self {
             thickness,
             mesh: has_pairs.then(|| mesh.clone()),
-            candidates: None,
-            zones: Zones::default(),
-            hold: Hold::default(),
-            hits: Vec::new(),
-            entering: Vec::new(),
-            free: Vec::new(),
-            displacements: Vec::new(),
-            work: BodyWork::default(),
+            ..Self::default()
         }
     }
 
@@ -108,16 +102,14 @@ impl LastResort {
     pub(super) fn resolve(
         &mut self,
         near: &Near,
-        bodies: Option<&ObstacleContacts>,
+        bodies: &[Body],
         step: &ContactStep<'_>,
         x: &mut [Vec3],
         v: &mut [Vec3],
     ) -> Result<usize, ContactError> {
-        self.work.begin(bodies, v);
         self.displacements.resize(x.len(), Vec3::zeros());
         for _ in 0..PUSHES {
-            self.look(near, bodies, step, x)?;
-            if self.is_free() {
+            if self.look(near, bodies, step, x)? {
                 break;
             }
             self.hits.iter().for_each(|hit| hit.push(step, x, v));
@@ -163,11 +155,9 @@ impl LastResort {
         for zone in self.zones.each() {
             make_velocities_rigid(zone, x, v, step.inverse_mass);
         }
-        self.look(near, bodies, step, x)?;
-        let held = if self.is_free() {
-            0
-        } else {
-            self.hold_back(near, bodies, step, x, v)?
+        let held = match self.look(near, bodies, step, x)? {
+            true => 0,
+            false => self.hold_back(near, bodies, step, x, v)?,
         };
         let numbers = x.iter().zip(v.iter());
         let mut finite =
@@ -175,64 +165,55 @@ impl LastResort {
         if let Some(vertex) = finite.position(|is| !is) {
             return Err(ContactError::NonFinite { vertex });
         }
-        self.work.end(bodies, step, x, v);
         Ok(held)
     }
 
-    /// Work (J) that moving bodies did in the last step that was resolved.
-    pub(super) fn work(&self) -> Real {
-        self.work.work()
-    }
-
-    fn is_free(&self) -> bool {
-        self.hits.is_empty() && self.entering.is_empty()
-    }
-
-    /// Holds vertices back until nothing passes through anything. Returns how many.
+    /// Leaves vertices where they were until nothing passes through anything. Returns how many.
     fn hold_back(
         &mut self,
         near: &Near,
-        bodies: Option<&ObstacleContacts>,
+        bodies: &[Body],
         step: &ContactStep<'_>,
         x: &mut [Vec3],
         v: &mut [Vec3],
     ) -> Result<usize, ContactError> {
         self.free.copy_from_slice(x);
-        self.hold.start(step);
-        while !self.is_free() {
-            let all = pairs(self.candidates.as_ref());
-            self.hold
-                .learn(all.filter(|pair| near.meets(pair.vertices)), step);
-            let mut vertex = 0;
-            let mut newly_held = 0;
-            for hit in &self.hits {
-                // The vertices of bodies have the last numbers.
-                vertex = hit.pair.vertices.into_iter().min().unwrap_or_default();
-                newly_held += self.hold.pair(hit.pair.vertices, step, x);
+        loop {
+            let pairs = self.hits.iter().flat_map(|hit| hit.pair.vertices);
+            let entering = self.entering.iter().map(|(vertex, _)| *vertex);
+            // The vertices of bodies have the last numbers.
+            let (mut first, mut is_stopped) = (u32::MAX, false);
+            for vertex in pairs.chain(entering) {
+                first = first.min(vertex);
+                let vertex = vertex as usize;
+                if step.inverse_mass[vertex] != 0.0 && x[vertex] != step.from[vertex] {
+                    x[vertex] = step.from[vertex];
+                    is_stopped = true;
+                }
             }
-            for &(entering, _) in &self.entering {
-                vertex = entering;
-                newly_held += self.hold.stop(vertex, step, x);
+            if !is_stopped {
+                return Err(ContactError::Infeasible { vertex: first });
             }
-            if newly_held == 0 {
-                return Err(ContactError::Infeasible { vertex });
+            if self.look(near, bodies, step, x)? {
+                break;
             }
-            self.look(near, bodies, step, x)?;
         }
+        let mut held = 0;
         for ((v, x), free) in v.iter_mut().zip(x).zip(&self.free) {
+            held += usize::from(x != free);
             *v += (*x - free) / step.dt;
         }
-        Ok(self.hold.count())
+        Ok(held)
     }
 
-    /// Finds what is not free on the path to `x` (m).
+    /// Finds what is not free on the path to `x` (m). Returns whether all is.
     fn look(
         &mut self,
         near: &Near,
-        bodies: Option<&ObstacleContacts>,
+        bodies: &[Body],
         step: &ContactStep<'_>,
         x: &[Vec3],
-    ) -> Result<(), ContactError> {
+    ) -> Result<bool, ContactError> {
         self.hits.clear();
         if let Some(mesh) = &self.mesh {
             let new = || ClothCandidates::new(mesh, near.broad_phase.create());
@@ -252,46 +233,45 @@ impl LastResort {
                 .extend(all.filter_map(|pair| hit(pair, thickness, step, x)));
         }
         self.entering.clear();
-        let Some(bodies) = bodies else {
-            return Ok(());
-        };
         for (vertex, (&from, &to)) in (0u32..).zip(step.from.iter().zip(x)) {
-            if step.inverse_mass[vertex as usize] == 0.0 {
-                continue;
-            }
-            for number in 0..bodies.pairs().len() {
-                // Only where it can come near at all.
-                let Some(contact) = bodies.contact_of(number, vertex, [from, to], step.dt) else {
-                    continue;
-                };
-                if self.enters(bodies, number, [from, to], step.dt) {
-                    let missing = contact.offset - contact.normal.dot(&to);
-                    self.entering
-                        .push((vertex, contact.normal * missing.max(0.0)));
-                }
+            if step.inverse_mass[vertex as usize] != 0.0 {
+                let thickness = self.thickness;
+                let out = |(body, _): &Body| way_out(body, thickness, [from, to], step.dt);
+                let out = bodies.iter().filter_map(out);
+                self.entering.extend(out.map(|out| (vertex, out)));
             }
         }
-        Ok(())
-    }
-
-    /// Whether a vertex on its path between two `ends` (m) in `dt` (s) gets inside a body, or deeper inside if it was
-    /// there before, by more than a hundredth of the thickness.
-    fn enters(&self, bodies: &ObstacleContacts, number: usize, ends: [Vec3; 2], dt: Real) -> bool {
-        let body = &bodies.pairs()[number].0;
-        let start = body.signed_distance(ends[0], 0.0).value;
-        let kept = if start > 0.0 {
-            KEPT * start.min(bodies.thickness())
-        } else {
-            start
-        };
-        let path = VertexPath::straight(ends[0], ends[1], dt);
-        let depth = kept - 1e-2 * self.thickness;
-        first_contact(body, &path, 0.0, dt, depth).is_some()
+        Ok(self.hits.is_empty() && self.entering.is_empty())
     }
 }
 
+/// What moves a vertex (m) out of a body that it gets into on its path between two `ends` (m) in `dt` (s), or
+/// deeper into if it was there before, by more than a hundredth of the thickness: to the thickness from the tangent
+/// plane where they meet, moved on with the body.
+fn way_out(body: &Obstacle, thickness: Real, ends: [Vec3; 2], dt: Real) -> Option<Vec3> {
+    let start = body.signed_distance(ends[0], 0.0).value;
+    let kept = if start > 0.0 {
+        KEPT * start.min(thickness)
+    } else {
+        start
+    };
+    let path = VertexPath::straight(ends[0], ends[1], dt);
+    let depth = kept - 1e-2 * thickness;
+    first_contact(body, &path, 0.0, dt, depth)?;
+    let hit = first_contact(body, &path, 0.0, dt, thickness);
+    let (time, at, position) = match hit {
+        Some(hit) if hit.time < dt => (hit.time, hit.distance, path.position(hit.time)),
+        _ => (dt, body.signed_distance(ends[1], dt), ends[1]),
+    };
+    let velocity = body.velocity_at(position, time);
+    let surface = position - at.normal * at.value + velocity * (dt - time);
+    let offset = at.normal.dot(&surface) + thickness;
+    let missing = offset - at.normal.dot(&ends[1]);
+    Some(at.normal * missing.max(0.0))
+}
+
 /// The candidates, as pairs.
-pub(super) fn pairs<B: BroadPhase>(
+fn pairs<B: BroadPhase>(
     candidates: Option<&ClothCandidates<B>>,
 ) -> impl Iterator<Item = Pair> + '_ {
     candidates.into_iter().flat_map(|candidates| {
@@ -313,20 +293,16 @@ pub(super) fn pairs<B: BroadPhase>(
 /// When a pair comes nearer on its path to `x` (m) than the share of its distance, or of the thickness if that is less,
 /// that a step has to keep.
 fn hit(pair: Pair, thickness: Real, step: &ContactStep<'_>, x: &[Vec3]) -> Option<Hit> {
-    let motion = Motion {
-        from: gather(step.from, pair.vertices),
-        to: gather(x, pair.vertices),
-    };
-    let start = nearest(pair.kind, &motion.from);
+    let path = Query::of(pair, step.from, x);
+    let start = Gap::new(pair.kind, &path.from);
     let distance = start.distance.min(thickness);
     let kept = KEPT * distance;
-    if motion.is_shift(start.distance) || apart_along(pair.kind, &start.normal, &motion, kept) {
+    if path.is_shift(start.distance) || path.is_apart_along(&start.normal, kept) {
         return None;
     }
-    let time = first_contact_of_pair(pair.kind, &motion, kept)?;
     Some(Hit {
         pair,
-        time,
+        time: path.time_at(kept)?,
         distance: 0.5 * distance,
     })
 }

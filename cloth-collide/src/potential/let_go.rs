@@ -18,6 +18,11 @@ impl LetGo {
         Self { region, pairs }
     }
 
+    /// Of how many vertices the regions are known.
+    pub(super) fn region_count(&self) -> usize {
+        self.region.len()
+    }
+
     /// Takes over other regions and pairs of them. Returns whether they are others.
     pub(super) fn replace(&mut self, region: &[u32], pairs: &[[u32; 2]]) -> bool {
         let region = if pairs.is_empty() { &[] } else { region };

@@ -17,14 +17,6 @@ pub struct Mollifier {
 /// Squared sine below which two edges of their rest lengths count as nearly parallel.
 const PARALLEL: Real = 1e-3;
 
-/// m with both derivatives by the four vertices.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Mollified {
-    pub(super) value: Real,
-    /// ∂m/∂x_k (1/m).
-    pub(super) gradient: [Vec3; 4],
-}
-
 impl Mollifier {
     /// For edges of these squared rest lengths (m²).
     #[must_use]
@@ -47,8 +39,8 @@ impl Mollifier {
         }
     }
 
-    /// m and its gradient at the ends (m) of the two edges.
-    pub(super) fn at(&self, x: &[Vec3; 4]) -> Mollified {
+    /// m and ∂m/∂x_k (1/m) at the ends (m) of the two edges.
+    pub(super) fn at(&self, x: &[Vec3; 4]) -> (Real, [Vec3; 4]) {
         let (u, v) = (x[1] - x[0], x[3] - x[2]);
         let n = u.cross(&v);
         let (value, change) = self.parts(n.norm_squared());
@@ -59,7 +51,7 @@ impl Mollifier {
             }
             None => [Vec3::zeros(); 4],
         };
-        Mollified { value, gradient }
+        (value, gradient)
     }
 
     /// ∂²m/∂x_k∂x_l (1/m²); nothing where it is zero.

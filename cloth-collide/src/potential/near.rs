@@ -2,11 +2,15 @@
 
 use super::let_go::LetGo;
 use super::mollifier::Mollifier;
+use super::patches::NearPair;
 use super::sewn::Sewn;
-use crate::broad_phase::{BroadPhase, BroadPhaseKind, ClothCandidates};
+use crate::broad_phase::{BroadPhaseKind, TrianglePairs};
+use crate::ccd::QueryKind;
 use crate::error::CollideError;
-use crate::incidence::{edge_numbers, pieces};
+use crate::incidence::{Incidence, pieces};
 use crate::obstacle::PenaltyLaw;
+use crate::pair::{Gap, Pair};
+use crate::separation::meet_unduly;
 use cloth_core::contact::ContactStep;
 use cloth_core::math::{Real, Vec3, gather};
 use cloth_core::mesh::TriMesh;
@@ -49,6 +53,7 @@ pub(super) struct Near {
     friction: Real,
     /// Of each vertex of the cloth, where pieces differ; empty otherwise.
     own: Own,
+    pub(super) incidence: Incidence,
     /// A third of the rest area of the triangles around each vertex, and around each edge (m²).
     pub(super) vertex_area: Vec<Real>,
     pub(super) edge_area: Vec<Real>,
@@ -61,8 +66,8 @@ pub(super) struct Near {
     pub(super) is_resting: Vec<bool>,
     pub(super) let_go: LetGo,
     /// None if the cloth cannot touch itself.
-    candidates: Option<ClothCandidates<Box<dyn BroadPhase>>>,
-    /// What finds them, and all others.
+    triangle_pairs: Option<TrianglePairs>,
+    /// What finds patches and pairs that are near each other.
     pub(super) broad_phase: BroadPhaseKind,
 }
 
@@ -76,10 +81,10 @@ impl Near {
         friction: Real,
         own: Own,
     ) -> Self {
-        let (edges, triangle_edges) = edge_numbers(mesh.triangles());
+        let incidence = Incidence::new(mesh);
         let mut vertex_area = vec![0.0; mesh.vertex_count()];
-        let mut edge_area = vec![0.0; edges.len()];
-        let around = mesh.triangles().iter().zip(&triangle_edges);
+        let mut edge_area = vec![0.0; incidence.edges.len()];
+        let around = mesh.triangles().iter().zip(&incidence.triangle_edges);
         for ((corners, edges), area) in around.zip(mesh.areas()) {
             for (vertex, edge) in corners.iter().zip(edges) {
                 vertex_area[*vertex as usize] += area / 3.0;
@@ -96,6 +101,7 @@ impl Near {
             self_collision,
             friction,
             own,
+            incidence,
             vertex_area,
             edge_area,
             rest: mesh.positions().to_vec(),
@@ -104,7 +110,7 @@ impl Near {
             resting: Vec::new(),
             is_resting: vec![false; mesh.vertex_count()],
             let_go: LetGo::default(),
-            candidates: any.then(|| ClothCandidates::new(mesh, broad_phase.create())),
+            triangle_pairs: any.then(|| TrianglePairs::new(mesh)),
             broad_phase,
         }
     }
@@ -169,38 +175,33 @@ impl Near {
         Mollifier::new([(b - a).norm_squared(), (d - c).norm_squared()])
     }
 
-    /// The same at `x` (m).
-    pub(super) fn mollified(&self, vertices: [u32; 4], x: &[Vec3; 4]) -> Real {
-        self.mollifier(vertices).at(x).value
+    /// The area (m²) that a pair stands for at `x` (m).
+    pub(super) fn area_of(&self, pair: &NearPair, x: &[Vec3; 4]) -> Real {
+        match pair.kind {
+            QueryKind::VertexTriangle => pair.area,
+            QueryKind::EdgeEdge => pair.area * self.mollifier(pair.vertices).at(x).0,
+        }
     }
 
-    /// Finds all candidates of a cloth that rests at `x` (m).
-    pub(super) fn find_all(&mut self, x: &[Vec3]) -> Result<(), CollideError> {
-        let h = self.law.range();
-        let candidates = self.candidates.as_mut();
-        candidates.map_or(Ok(()), |candidates| candidates.update(x, x, h))
-    }
-
-    /// How many pairs of near triangles `meet` at `x` (m), the place of the last search.
-    pub(super) fn crossing(
-        &self,
-        x: &[Vec3],
-        meet: impl Fn([[u32; 3]; 2], &[Vec3]) -> bool,
-    ) -> usize {
-        let crossing = self.candidates.iter().flat_map(|candidates| {
-            let triangles = candidates.triangles();
-            let pairs = candidates.triangle_pairs().iter();
-            let corners = |t: u32| triangles[t as usize];
-            let pairs = pairs.filter(move |pair| {
-                let [a, b] = pair.map(corners);
+    /// How many pairs of triangles meet at `x` (m) that should not.
+    pub(super) fn crossing(&mut self, x: &[Vec3]) -> Result<usize, CollideError> {
+        let Some(mut pairs) = self.triangle_pairs.take() else {
+            return Ok(0);
+        };
+        let found = pairs.find(x).map(|found| {
+            let triangles = &self.incidence.triangles;
+            let crossing = found.iter().filter(|pair| {
+                let [a, b] = pair.map(|t| triangles[t as usize]);
                 let is_free = a.iter().chain(&b).any(|&v| self.is_free[v as usize]);
                 self.patches_meet([a[0], b[0]])
                     && !self.pass(&[a[0], a[1], a[2], b[0], b[1], b[2]])
                     && (is_free || self.is_own(a[0]) && self.is_own(b[0]))
+                    && meet_unduly([a, b], x)
             });
-            pairs.filter(|pair| meet(pair.map(|t| triangles[t as usize]), x))
+            crossing.count()
         });
-        crossing.count()
+        self.triangle_pairs = Some(pairs);
+        found
     }
 
     /// Whether parts of the cloth with these vertices may pass through each other, or are neighbours across a seam.
@@ -298,34 +299,28 @@ impl Near {
         area(vertex).min(corners.map(area).iter().sum::<Real>() / 3.0)
     }
 
-    /// The law of a pair: for two parts of one piece it begins no farther than they are apart at rest, so that nothing
-    /// is pushed away from its rest.
+    /// The distance (m) from which on a pair pushes: for two parts of one piece no farther than they are apart at rest,
+    /// so that nothing is pushed away from its rest.
     ///
     /// Cloth before a body is pressed by its own vertices, which know the area that they stand for. What else there is
     /// of the two, edges and the vertices of the body, pushes from half of the thickness on: nothing as long as the
     /// vertices do what is needed.
-    pub(super) fn law_of(
-        &self,
-        vertices: [u32; 4],
-        is_vertex: bool,
-        distance: impl Fn(&[Vec3; 4]) -> Real,
-    ) -> PenaltyLaw {
+    pub(super) fn range_of(&self, Pair { kind, vertices }: Pair) -> Real {
         let [a, .., d] = vertices;
-        let law = |range| self.law.with_range(range);
         let thickness = match (self.side(a), self.side(d)) {
             (None, None) => 0.5 * (self.thickness(a) + self.thickness(d)),
-            (None, Some(_)) if is_vertex => return law(self.thickness(a)),
-            (None, _) => return law(0.5 * self.thickness(a)),
-            _ => return law(0.5 * self.thickness(d)),
+            (None, Some(_)) if kind == QueryKind::VertexTriangle => return self.thickness(a),
+            (None, _) => return 0.5 * self.thickness(a),
+            _ => return 0.5 * self.thickness(d),
         };
         if self.piece[a as usize] != self.piece[d as usize] {
-            return law(thickness);
+            return thickness;
         }
-        let rest = distance(&gather(&self.rest, vertices));
-        if rest >= thickness || rest <= 0.0 {
-            law(thickness)
+        let rest = Gap::new(kind, &gather(&self.rest, vertices)).distance;
+        if rest > 0.0 {
+            rest.min(thickness)
         } else {
-            law(rest)
+            thickness
         }
     }
 }

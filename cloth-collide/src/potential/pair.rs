@@ -1,137 +1,97 @@
-//! The barrier between a vertex and a triangle, and between two edges, as elements.
+//! The energy between a vertex and a triangle, and between two edges, as an element.
 
-use super::gap::Gap;
 use super::mollifier::Mollifier;
+use crate::ccd::QueryKind;
 use crate::obstacle::PenaltyLaw;
+use crate::pair::Gap;
 use cloth_core::element::{Convexity, Element, Energy};
 use cloth_core::math::{Blocks, Real, Vec3, make_semidefinite};
 
-/// E = A b(d) (J) of a vertex and a triangle, d their distance.
+/// E = A b(d) (J) of a vertex and a triangle, or E = A m b(d) of two edges: d their distance, m the [`Mollifier`] for
+/// parallel ones.
 ///
 /// Convex in the direction of n only: where a vertex is led around a corner, the second derivative of d, which the
 /// barrier multiplies by its negative slope, pulls it off. [`Convexity::GaussNewton`] leaves this out.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct VertexTriangleContact {
-    /// The vertex, then the corners of the triangle.
+pub struct PairContact {
+    /// What the two are.
+    pub kind: QueryKind,
+    /// The vertex, then the corners of the triangle; or the ends of one edge, then those of the other.
     pub vertices: [u32; 4],
     /// Area A that the contact stands for (m²).
     pub area: Real,
     /// b; its stiffness is per area (N/m³).
     pub law: PenaltyLaw,
+    /// m; none for a vertex and a triangle.
+    pub mollifier: Option<Mollifier>,
 }
 
-impl Element<4> for VertexTriangleContact {
-    fn vertices(&self) -> [u32; 4] {
-        self.vertices
-    }
-}
-
-impl Energy<4> for VertexTriangleContact {
-    fn value(&self, x: &[Vec3; 4]) -> Real {
-        self.area * self.law.energy(Gap::vertex_triangle(x).distance)
-    }
-
-    fn gradient(&self, x: &[Vec3; 4]) -> [Vec3; 4] {
-        let gap = Gap::vertex_triangle(x);
-        let slope = self.area * self.law.slope(gap.distance);
-        gap.gradient().map(|g| g * slope)
-    }
-
-    fn hessian(&self, x: &[Vec3; 4], convexity: Convexity) -> Blocks<4> {
-        let gap = Gap::vertex_triangle(x);
-        barrier_hessian(&gap, self.law, self.area, x, convexity)
-    }
-}
-
-/// E = A m b(d) (J) of two edges, d their distance, m the [`Mollifier`] for parallel ones.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct EdgeEdgeContact {
-    /// The ends of one edge, then those of the other.
-    pub vertices: [u32; 4],
-    /// Area A that the contact stands for (m²).
-    pub area: Real,
-    /// b; its stiffness is per area (N/m³).
-    pub law: PenaltyLaw,
-    /// m.
-    pub mollifier: Mollifier,
-}
-
-impl Element<4> for EdgeEdgeContact {
-    fn vertices(&self) -> [u32; 4] {
-        self.vertices
-    }
-}
-
-impl Energy<4> for EdgeEdgeContact {
-    fn value(&self, x: &[Vec3; 4]) -> Real {
-        let barrier = self.law.energy(Gap::edge_edge(x).distance);
-        if barrier == 0.0 {
-            return 0.0;
+impl PairContact {
+    /// A, or A m (m²), at `x` (m).
+    pub(super) fn area_at(&self, x: &[Vec3; 4]) -> Real {
+        match &self.mollifier {
+            Some(mollifier) => self.area * mollifier.at(x).0,
+            None => self.area,
         }
-        self.area * self.mollifier.at(x).value * barrier
+    }
+}
+
+impl Element<4> for PairContact {
+    fn vertices(&self) -> [u32; 4] {
+        self.vertices
+    }
+}
+
+impl Energy<4> for PairContact {
+    fn value(&self, x: &[Vec3; 4]) -> Real {
+        self.value_and_gradient(x).0
     }
 
     fn gradient(&self, x: &[Vec3; 4]) -> [Vec3; 4] {
-        let gap = Gap::edge_edge(x);
-        let (barrier, slope) = (self.law.energy(gap.distance), self.law.slope(gap.distance));
-        let mollified = self.mollifier.at(x);
-        let of_gap = gap.gradient();
-        std::array::from_fn(|k| {
-            (of_gap[k] * (slope * mollified.value) + mollified.gradient[k] * barrier) * self.area
-        })
+        self.value_and_gradient(x).1
     }
 
-    fn hessian(&self, x: &[Vec3; 4], convexity: Convexity) -> Blocks<4> {
-        let gap = Gap::edge_edge(x);
-        let mollified = self.mollifier.at(x);
-        let area = self.area * mollified.value;
-        let curvature = self.mollifier.curvature(x);
-        let (Some(curvature), false) = (curvature, convexity == Convexity::GaussNewton) else {
-            return barrier_hessian(&gap, self.law, area, x, convexity);
+    fn value_and_gradient(&self, x: &[Vec3; 4]) -> (Real, [Vec3; 4]) {
+        let gap = Gap::new(self.kind, x);
+        let barrier = self.law.energy(gap.distance);
+        if barrier == 0.0 {
+            return (0.0, [Vec3::zeros(); 4]);
+        }
+        let (slope, of_gap) = (self.law.slope(gap.distance), gap.gradient());
+        let Some(mollifier) = &self.mollifier else {
+            return (self.area * barrier, of_gap.map(|g| g * (self.area * slope)));
         };
-        let mut blocks = barrier_hessian(&gap, self.law, area, x, Convexity::Exact);
-        let barrier = self.area * self.law.energy(gap.distance);
-        let slope = self.area * self.law.slope(gap.distance);
-        let of_gap = gap.gradient();
+        let (m, of_m) = mollifier.at(x);
+        let gradient =
+            std::array::from_fn(|k| (of_gap[k] * (slope * m) + of_m[k] * barrier) * self.area);
+        (self.area * m * barrier, gradient)
+    }
+
+    /// A m (b″ ∂d ∂dᵀ + b′ ∂²d) + A (b ∂²m + b′ (∂m ∂dᵀ + ∂d ∂mᵀ)), of which [`Convexity::GaussNewton`] keeps the first
+    /// part.
+    fn hessian(&self, x: &[Vec3; 4], convexity: Convexity) -> Blocks<4> {
+        let gap = Gap::new(self.kind, x);
+        let (area, of_gap) = (self.area_at(x), gap.gradient());
+        let slope = self.law.slope(gap.distance);
+        let curvature = area * self.law.curvature(gap.distance);
+        let mut blocks: Blocks<4> = std::array::from_fn(|k| {
+            std::array::from_fn(|l| of_gap[k] * of_gap[l].transpose() * curvature)
+        });
+        if convexity == Convexity::GaussNewton {
+            return blocks;
+        }
+        let bent = gap.curvature(x);
+        let mollified = self.mollifier.map(|m| (m.at(x).1, m.curvature(x)));
+        let barrier = self.law.energy(gap.distance);
         for k in 0..4 {
             for l in 0..4 {
-                let crossed = mollified.gradient[k] * of_gap[l].transpose()
-                    + of_gap[k] * mollified.gradient[l].transpose();
-                blocks[k][l] += curvature[k][l] * barrier + crossed * slope;
+                blocks[k][l] += bent[k][l] * (area * slope);
+                if let Some((of_m, Some(of_m_twice))) = &mollified {
+                    let crossed = of_m[k] * of_gap[l].transpose() + of_gap[k] * of_m[l].transpose();
+                    blocks[k][l] += (of_m_twice[k][l] * barrier + crossed * slope) * self.area;
+                }
             }
         }
         make_semidefinite(&blocks, convexity)
-    }
-}
-
-/// A (b″ ∂d ∂dᵀ + b′ ∂²d); of the second part, which makes it indefinite, nothing for [`Convexity::GaussNewton`], and
-/// [`Gap::convex_part`] for [`Convexity::Clamp`].
-fn barrier_hessian(
-    gap: &Gap,
-    law: PenaltyLaw,
-    area: Real,
-    x: &[Vec3; 4],
-    convexity: Convexity,
-) -> Blocks<4> {
-    let slope = area * law.slope(gap.distance);
-    let curvature = area * law.curvature(gap.distance);
-    let along = gap.normal * gap.normal.transpose() * curvature;
-    let (bent, times) = match convexity {
-        Convexity::GaussNewton => (None, 0.0),
-        Convexity::Clamp => (Some(gap.convex_part(x)), -slope),
-        _ => (Some(gap.curvature(x)), slope),
-    };
-    let blocks = std::array::from_fn(|k| {
-        std::array::from_fn(|l| {
-            let block = along * (gap.weights[k] * gap.weights[l]);
-            match &bent {
-                Some(bent) => block + bent[k][l] * times,
-                None => block,
-            }
-        })
-    });
-    match convexity {
-        Convexity::Abs => make_semidefinite(&blocks, convexity),
-        _ => blocks,
     }
 }

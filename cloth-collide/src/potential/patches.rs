@@ -21,7 +21,7 @@ use super::near::Near;
 use crate::bounds::Bounds;
 use crate::broad_phase::BroadPhase;
 use crate::ccd::QueryKind;
-use crate::incidence::{Owned, edge_numbers, owned};
+use crate::pair::Gap;
 use between::PatchPair;
 use cloth_core::math::{Real, Vec3, gather};
 use cloth_core::mesh::TriMesh;
@@ -75,8 +75,7 @@ pub(super) struct Memory {
 /// Nearest points of two primitives, which stay while their patches hardly move against each other.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Known {
-    pub(super) weights: [Real; 4],
-    pub(super) normal: Vec3,
+    pub(super) gap: Gap,
     /// Area (m²) that they stand for.
     pub(super) area: Real,
     /// Travel of the patches (m).
@@ -95,16 +94,12 @@ pub(super) struct Place {
     index: u32,
 }
 
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct Patches {
     /// Patches of the cloth; the others are those of bodies.
     cloth: usize,
     /// Patches of prescribed vertices that have not moved.
     rests: Vec<bool>,
-    triangles: Vec<[u32; 3]>,
-    edges: Vec<[u32; 2]>,
-    triangle_edges: Vec<[u32; 3]>,
-    owned: Vec<Owned>,
     /// Triangles and vertices of each patch.
     members: Vec<(Vec<u32>, Vec<u32>)>,
     edge: Real,
@@ -133,7 +128,6 @@ pub(super) struct Patches {
     /// When pairs of patches were searched.
     searched: Motions,
     boxes: Vec<Bounds>,
-    inflated: Vec<Bounds>,
     broad_phase: Box<dyn BroadPhase>,
     found: Vec<[u32; 2]>,
     pairs: Vec<PatchPair>,
@@ -160,7 +154,7 @@ pub(super) struct Patches {
 impl Patches {
     pub(super) fn new(mesh: &TriMesh, near: &Near) -> Self {
         let piece = &near.piece[..];
-        let (edges, triangle_edges) = edge_numbers(mesh.triangles());
+        let edges = &near.incidence.edges;
         let x = mesh.positions();
         let length = |[a, b]: &[u32; 2]| (x[*a as usize] - x[*b as usize]).norm();
         let own = || edges.iter().filter(|ends| (ends[0] as usize) < near.cloth);
@@ -180,49 +174,20 @@ impl Patches {
             });
         }
         let is_own = |(_, vertices): &&(Vec<u32>, Vec<u32>)| (vertices[0] as usize) < near.cloth;
-        let nothing = vec![Bounds::around([Vec3::zeros()]); members.len()];
+        let count = members.len();
+        let places = |(_, vertices): &(Vec<u32>, Vec<u32>)| vec![Vec3::zeros(); vertices.len()];
         Self {
             cloth: members.iter().take_while(is_own).count(),
-            rests: vec![false; members.len()],
-            triangles: mesh.triangles().to_vec(),
-            edges,
-            triangle_edges,
-            owned: owned(mesh),
+            rests: vec![false; count],
             edge,
-            reach: 0.0,
-            reference: members
-                .iter()
-                .map(|(_, vertices)| vec![Vec3::zeros(); vertices.len()])
-                .collect(),
-            reference_centres: vec![Vec3::zeros(); members.len()],
-            reference_spreads: vec![0.0; members.len()],
-            displacements: vec![0.0; members.len()],
-            aim: Motions::default(),
-            aim_displacements: Vec::new(),
-            drift: Vec::new(),
-            awake_in: Vec::new(),
-            allowed: Vec::new(),
-            stray_allowed: Vec::new(),
+            reference: members.iter().map(places).collect(),
+            reference_centres: vec![Vec3::zeros(); count],
+            reference_spreads: vec![0.0; count],
+            displacements: vec![0.0; count],
+            boxes: vec![Bounds::around([Vec3::zeros()]); count],
             members,
-            now: Motions::default(),
-            then: Motions::default(),
-            searched: Motions::default(),
-            inflated: nothing.clone(),
-            boxes: nothing,
             broad_phase: near.broad_phase.create(),
-            found: Vec::new(),
-            pairs: Vec::new(),
-            ids: Vec::new(),
-            quiet: Vec::new(),
-            before: Vec::new(),
-            spare: Vec::new(),
-            looks: Vec::new(),
-            is_known: false,
-            is_placed: false,
-            substep: 0,
-            awake: 0,
-            searches: 0,
-            detections: 0,
+            ..Self::default()
         }
     }
 
@@ -347,13 +312,6 @@ impl Patches {
         Some((pair, memory))
     }
 
-    /// Boxes around the patches at `x` (m).
-    fn bound(&mut self, x: &[Vec3]) {
-        for (bounds, (_, vertices)) in self.boxes.iter_mut().zip(&self.members) {
-            *bounds = around(vertices, x);
-        }
-    }
-
     /// Number of pairs of patches that are near enough to be looked at.
     #[cfg(test)]
     pub(super) fn count(&self) -> usize {
@@ -442,7 +400,7 @@ impl Patches {
         begins: bool,
         visit: &mut impl FnMut(Place, &NearPair, &mut Memory, Real) -> Real,
     ) -> Result<(), TooFar> {
-        if !self.is_known || self.strayed() > self.reach {
+        if !self.is_known || Self::stray(&self.searched, &self.then) > self.reach {
             let displacement = Self::stray(&self.now, &self.then);
             if displacement > FARTHEST * self.edge {
                 self.is_known = false;
@@ -502,11 +460,7 @@ impl Patches {
         Ok(())
     }
 
-    /// How far a patch has gone from where it was searched, besides what all do together (m).
-    fn strayed(&self) -> Real {
-        Self::stray(&self.searched, &self.then)
-    }
-
+    /// How far a patch has gone, besides what all do together (m).
     fn stray(old: &Motions, new: &Motions) -> Real {
         let shift = new.mean - old.mean;
         let patches = old.centres.iter().zip(&old.spreads);
@@ -518,14 +472,12 @@ impl Patches {
     /// Finds the pairs of patches that are near each other now.
     fn search(&mut self, near: &Near, x: &[Vec3]) {
         self.searches += 1;
-        self.bound(x);
         (0..self.members.len()).for_each(|p| self.refer(p, x));
         let reach = self.reach + 0.5 * near.law().range();
-        for (inflated, bounds) in self.inflated.iter_mut().zip(&self.boxes) {
-            *inflated = bounds.inflated(reach);
+        for (bounds, (_, vertices)) in self.boxes.iter_mut().zip(&self.members) {
+            *bounds = around(vertices, x).inflated(reach);
         }
-        self.broad_phase
-            .overlapping(&self.inflated, &mut self.found);
+        self.broad_phase.overlapping(&self.boxes, &mut self.found);
         let own = (0..self.members.len() as u32).map(|p| [p, p]);
         self.found.extend(own);
         let members = &self.members;

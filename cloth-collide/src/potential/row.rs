@@ -4,9 +4,8 @@ use super::near::Near;
 use super::patches::{Known, Memory, NearPair, Patches, Place};
 use super::rows::{KEPT, LEAST, SLACK};
 use super::tangent::{Tangent, hold};
-use crate::ccd::QueryKind;
-use crate::obstacle::PenaltyLaw;
-use crate::pair::{Motion, Nearest, apart_along, first_contact, nearest};
+use crate::ccd::{Query, QueryKind};
+use crate::pair::{Gap, Pair};
 use cloth_core::contact::ContactStep;
 use cloth_core::math::{Real, Vec3, gather};
 
@@ -54,68 +53,49 @@ pub(super) struct Parted {
     pub(super) kept: Real,
 }
 
-/// Σ wᵢ²/mᵢ (1/kg).
-fn ease(weights: &[Real; 4], w: [Real; 4]) -> Real {
-    (0..4).map(|k| weights[k] * weights[k] * w[k]).sum()
-}
-
 impl Row {
     /// Of a pair at `x` (m), in a substep of `dt` (s) in which it would go to `to` (m).
     pub(super) fn new(
         place: Place,
         (pair, memory): (&NearPair, &mut Memory),
-        (law, coefficient): (PenaltyLaw, Real),
+        near: &Near,
         step: &ContactStep<'_>,
         to: &[Vec3],
         travel: Option<Real>,
-        mollified: impl Fn(&NearPair, &[Vec3; 4]) -> Real,
     ) -> Self {
+        let law = near.law();
         let x = gather(step.from, pair.vertices);
         let fresh =
             |known: &Known| travel.is_some_and(|t| t - known.travel <= PERSISTENT * law.range());
         let known = memory.known.filter(fresh);
-        let near = match known {
-            Some(Known {
-                weights, normal, ..
-            }) => {
-                let sum: Vec3 = (0..4).map(|k| x[k] * weights[k]).sum();
-                let distance = normal.dot(&sum);
-                Nearest {
-                    weights,
-                    normal,
-                    distance,
-                }
-            }
-            None => nearest(pair.kind, &x),
+        let sum = |x: &[Vec3; 4], w: &[Real; 4]| -> Vec3 { (0..4).map(|k| x[k] * w[k]).sum() };
+        let gap = match &known {
+            Some(known) => Gap {
+                distance: known.gap.normal.dot(&sum(&x, &known.gap.weights)),
+                ..known.gap
+            },
+            None => Gap::new(pair.kind, &x),
         };
-        let to = gather(to, pair.vertices);
-        let sum = |x: &[Vec3; 4]| -> Vec3 { (0..4).map(|k| x[k] * near.weights[k]).sum() };
-        let approach = near.distance - near.normal.dot(&sum(&to));
+        let end = sum(&gather(to, pair.vertices), &gap.weights);
+        let approach = gap.distance - gap.normal.dot(&end);
         let w = pair.vertices.map(|v| step.inverse_mass[v as usize]);
-        let ease = ease(&near.weights, w);
-        let comes = near.distance - approach.max(0.0) < pair.range + SLACK * law.range();
-        let faces = near.distance < pair.range || !near.is_at_boundary();
+        let ease = (0..4).map(|k| gap.weights[k] * gap.weights[k] * w[k]).sum();
+        let comes = gap.distance - approach.max(0.0) < pair.range + SLACK * law.range();
+        let faces = gap.distance < pair.range || !gap.is_at_boundary();
         let mut pushes = comes && faces && ease > 0.0;
         let mut tangent = Tangent {
             range: pair.range,
             stiffness: 0.0,
         };
         if pushes {
-            let area = match (known, pair.kind) {
-                (Some(known), _) => known.area,
-                (None, QueryKind::VertexTriangle) => pair.area,
-                (None, QueryKind::EdgeEdge) => pair.area * mollified(pair, &x),
+            let area = match &known {
+                Some(known) => known.area,
+                None => near.area_of(pair, &x),
             };
             if known.is_none() {
-                let (weights, normal) = (near.weights, near.normal);
-                memory.known = travel.map(|travel| Known {
-                    weights,
-                    normal,
-                    area,
-                    travel,
-                });
+                memory.known = travel.map(|travel| Known { gap, area, travel });
             }
-            tangent = Tangent::of(law.with_range(pair.range), area, near.distance);
+            tangent = Tangent::of(law.with_range(pair.range), area, gap.distance);
             pushes = tangent.stiffness > 0.0;
         } else {
             memory.stretch = Vec3::zeros();
@@ -124,9 +104,9 @@ impl Row {
             place,
             kind: pair.kind,
             vertices: pair.vertices,
-            weights: near.weights,
-            normal: near.normal,
-            distance: near.distance,
+            weights: gap.weights,
+            normal: gap.normal,
+            distance: gap.distance,
             range: tangent.range,
             compliance: if pushes {
                 tangent.compliance(step.dt)
@@ -134,14 +114,14 @@ impl Row {
                 0.0
             },
             ease,
-            kept: KEPT * near.distance.min(pair.range),
+            kept: KEPT * gap.distance.min(pair.range),
             least: LEAST * pair.range,
             pushes,
             is_violated: false,
-            coefficient,
+            coefficient: near.friction(pair.vertices),
             lambda: 0.0,
             friction: Vec3::zeros(),
-            origin: sum(&x) - memory.stretch,
+            origin: sum(&x, &gap.weights) - memory.stretch,
         }
     }
 
@@ -183,32 +163,20 @@ impl Row {
     }
 
     pub(super) fn is_safe(&self, from: &[Vec3], to: &[Vec3]) -> bool {
-        let motion = Motion {
-            from: gather(from, self.vertices),
-            to: gather(to, self.vertices),
-        };
-        apart_along(self.kind, &self.normal, &motion, self.kept)
-            || motion.is_shift(self.distance)
-            || first_contact(self.kind, &motion, self.kept).is_none()
+        let (kind, vertices) = (self.kind, self.vertices);
+        let path = Query::of(Pair { kind, vertices }, from, to);
+        path.is_apart_along(&self.normal, self.kept)
+            || path.is_shift(self.distance)
+            || path.time_at(self.kept).is_none()
     }
 
     /// Energy (J) at `x` (m).
-    pub(super) fn energy(
-        &self,
-        law: PenaltyLaw,
-        x: &[Vec3],
-        near: &Near,
-        patches: Option<&mut Patches>,
-    ) -> Real {
+    pub(super) fn energy(&self, x: &[Vec3], near: &Near, patches: Option<&mut Patches>) -> Real {
         let pair = patches.and_then(|patches| patches.pair_mut(self.place, self.vertices));
         pair.map_or(0.0, |(pair, _)| {
             let x = gather(x, self.vertices);
-            let area = match pair.kind {
-                QueryKind::VertexTriangle => pair.area,
-                QueryKind::EdgeEdge => pair.area * near.mollified(pair.vertices, &x),
-            };
-            let distance = nearest(pair.kind, &x).distance;
-            area * law.with_range(pair.range).energy(distance)
+            let law = near.law().with_range(pair.range);
+            near.area_of(pair, &x) * law.energy(Gap::new(pair.kind, &x).distance)
         })
     }
 }

@@ -15,7 +15,7 @@
 //! not kept a part of its distance gets sweeps without compliance; then its vertices go back on their path; and what is
 //! left even then is for impact zones.
 
-use super::bodies::Bodies;
+use super::bodies::{Bodies, Body};
 use super::forces::Ledger;
 use super::near::Near;
 use super::patches::{Memory, NearPair, Patches, TooFar};
@@ -24,7 +24,6 @@ use super::report::ConstraintReport;
 use super::row::{Parted, Row};
 use super::source::Contacts;
 use super::tangent::stretch;
-use crate::obstacle::ObstacleContacts;
 use crate::pair::gap_along;
 use cloth_core::contact::{ContactConstraints, ContactError, ContactStep};
 use cloth_core::math::{Real, Vec3, gather, is_finite};
@@ -47,15 +46,15 @@ const ROUNDS: u32 = 12;
 const LEADING_SWEEPS: u32 = 10;
 
 /// What the constraints know.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(super) struct Rows {
     patches: Option<Patches>,
     pub(super) bodies: Bodies,
     pub(super) rows: Vec<Row>,
     parted: Vec<Parted>,
     quiet: Quiet,
-    /// Where the last step ended (m): free of crossings.
-    safe: Vec<Vec3>,
+    /// Whether the last step was taken with these rows.
+    pub(super) took_last: bool,
     /// Where the start of the last minimisation was led (m); none if that was not the last that was done.
     led: Vec<Vec3>,
     /// Where the sweeps have ended (m), and the part of the path there that each vertex goes.
@@ -72,18 +71,7 @@ impl Rows {
     pub(super) fn new(patches: Option<Patches>) -> Self {
         Self {
             patches,
-            bodies: Bodies::default(),
-            rows: Vec::new(),
-            parted: Vec::new(),
-            quiet: Quiet::default(),
-            safe: Vec::new(),
-            led: Vec::new(),
-            proposed: Vec::new(),
-            shares: Vec::new(),
-            velocities: Vec::new(),
-            by_zones: false,
-            work: 0.0,
-            report: ConstraintReport::default(),
+            ..Self::default()
         }
     }
 
@@ -123,10 +111,7 @@ impl Rows {
 impl ContactConstraints for Contacts {
     fn begin_step(&mut self, step: &ContactStep<'_>) -> Result<(), ContactError> {
         let goes_on = self.check_start(step)?;
-        self.before.clear();
-        let bodies = self.obstacles.iter();
-        self.before
-            .extend(bodies.flat_map(ObstacleContacts::obstacles).cloned());
+        self.remember_bodies();
         self.free.remember();
         self.is_open = true;
         self.ledger.iter_mut().for_each(Ledger::begin);
@@ -135,7 +120,7 @@ impl ContactConstraints for Contacts {
         rows.work = 0.0;
         rows.by_zones = false;
         rows.led.clear();
-        if !goes_on || rows.safe != step.from {
+        if !(goes_on && rows.took_last) {
             rows.start_anew(&self.near, step.from, self.before.len());
         }
         Ok(())
@@ -169,10 +154,9 @@ impl ContactConstraints for Contacts {
         rows.parted.clear();
         rows.by_zones = false;
         self.find(step, predicted, true);
-        let bodies = self.obstacles.as_ref();
         let own = self.near.own(predicted);
         let part = self.near.own_step(step);
-        self.rows.bodies.begin(bodies, &self.near, &part, own);
+        self.rows.bodies.begin(&self.bodies, &self.near, &part, own);
         let pushing = self.rows.rows.iter().filter(|row| row.pushes).count();
         self.rows.report.looked += (self.rows.rows.len() + self.rows.parted.len()) as u32;
         self.rows.report.rows += (pushing + self.rows.bodies.len()) as u32;
@@ -184,11 +168,9 @@ impl ContactConstraints for Contacts {
             return;
         }
         self.rows.sweep(step.inverse_mass, x);
-        let bodies = self.obstacles.as_ref();
         let part = self.near.own_step(step);
-        self.rows
-            .bodies
-            .sweep(bodies, &part, &mut x[..self.near.cloth]);
+        let own = &mut x[..self.near.cloth];
+        self.rows.bodies.sweep(&self.bodies, &part, own);
     }
 
     fn end_substep(&mut self, step: &ContactStep<'_>, x: &mut [Vec3]) -> Result<(), ContactError> {
@@ -244,19 +226,15 @@ impl ContactConstraints for Contacts {
         self.is_open = false;
         self.work = self.rows.work;
         self.held = self.rows.report.shortened as usize;
-        let law = self.near.law();
         let mut energy = 0.0;
         for row in self.rows.rows.iter().filter(|row| row.lambda > 0.0) {
-            energy += row.energy(law, x, &self.near, self.rows.patches.as_mut());
+            energy += row.energy(x, &self.near, self.rows.patches.as_mut());
         }
-        let still = self.obstacles.as_ref();
-        self.energy = energy + self.rows.bodies.energy(still, &self.near, x);
+        self.energy = energy + self.rows.bodies.energy(&self.bodies, &self.near, x);
         if let Some(ledger) = &mut self.ledger {
-            let bodies = still.map_or(&[][..], ObstacleContacts::pairs);
-            ledger.end(&self.near, bodies, x);
+            ledger.end(&self.near, &self.bodies, x);
         }
-        self.rows.safe.clear();
-        self.rows.safe.extend_from_slice(x);
+        self.rows.took_last = true;
         self.safe.clear();
         self.safe.extend_from_slice(x);
         if let Some(patches) = &mut self.rows.patches {
@@ -274,10 +252,8 @@ impl Contacts {
         let Some(patches) = &mut rows.patches else {
             return true;
         };
-        let law = near.law();
         let (list, parted) = (&mut rows.rows, &mut rows.parted);
-        let far = SLACK * law.range();
-        let mollified = |pair: &NearPair, x: &[Vec3; 4]| near.mollified(pair.vertices, x);
+        let far = SLACK * near.law().range();
         let visit = |place, pair: &NearPair, memory: &mut Memory, travel| {
             let (kind, vertices) = (pair.kind, pair.vertices);
             let now = gap_along(kind, &memory.normal, &gather(step.from, vertices));
@@ -293,15 +269,7 @@ impl Contacts {
                 memory.stretch = Vec3::zeros();
                 return now - pair.range;
             }
-            let row = Row::new(
-                place,
-                (pair, &mut *memory),
-                (law, near.friction(vertices)),
-                step,
-                to,
-                Some(travel),
-                mollified,
-            );
+            let row = Row::new(place, (pair, &mut *memory), near, step, to, Some(travel));
             list.push(row);
             memory.normal = row.normal;
             row.distance - pair.range
@@ -325,16 +293,14 @@ impl Contacts {
             row.is_violated = !row.is_safe(step.from, x);
             count += u32::from(row.is_violated);
         }
-        let bodies = self.obstacles.as_ref();
         let (part, own) = (self.near.own_step(step), self.near.own(x));
-        let bodies = self.rows.bodies.violations(bodies, &self.near, &part, own);
-        Some(count + bodies)
+        let rows = &mut self.rows.bodies;
+        Some(count + rows.violations(&self.bodies, &self.near, &part, own))
     }
 
     /// Makes rows of pairs that their planes do not keep apart on the path to `x` (m).
     fn doubt(&mut self, step: &ContactStep<'_>, x: &[Vec3]) {
         let Self { near, rows, .. } = self;
-        let law = near.law();
         let Rows {
             patches,
             rows: list,
@@ -352,9 +318,7 @@ impl Contacts {
             let Some(pair) = pair.flatten() else {
                 return true;
             };
-            let mollified = |pair: &NearPair, x: &[Vec3; 4]| near.mollified(pair.vertices, x);
-            let law = (law, near.friction(parted.vertices));
-            list.push(Row::new(parted.place, pair, law, step, x, None, mollified));
+            list.push(Row::new(parted.place, pair, near, step, x, None));
             false
         });
     }
@@ -402,9 +366,8 @@ impl Contacts {
             let impulses = [row.normal * row.lambda, row.friction].map(|push| push / step.dt);
             ledger.add_pair(row.vertices, row.weights, impulses);
         }
-        let bodies = self.obstacles.as_ref();
         let (part, own) = (self.near.own_step(step), self.near.own(x));
-        rows.bodies.record(bodies, &part, own, ledger);
+        rows.bodies.record(&self.bodies, &part, own, ledger);
     }
 
     /// The substep ends at `x` (m), and what it has done is remembered.
@@ -412,10 +375,7 @@ impl Contacts {
         self.record_impulses(step, x);
         let reach = self.reach();
         let Self {
-            rows,
-            obstacles,
-            near,
-            ..
+            rows, bodies, near, ..
         } = self;
         if let Some(patches) = &mut rows.patches {
             patches.accept();
@@ -428,16 +388,15 @@ impl Contacts {
             }
         }
         let (part, own) = (near.own_step(step), near.own(x));
-        rows.work += rows.bodies.end(obstacles.as_ref(), reach, &part, own);
+        rows.work += rows.bodies.end(bodies, reach, &part, own);
         rows.work += rows.work_of_prescribed(step, x);
         if rows.rows.is_empty() && rows.bodies.len() == 0 {
             let relative = rows
                 .patches
                 .as_ref()
                 .map_or(Some(Real::INFINITY), Patches::margin);
-            let whole = rows
-                .bodies
-                .margin(obstacles.as_ref(), near.law().range(), &part, own);
+            let h = near.law().range();
+            let whole = rows.bodies.margin(bodies, h, &part, own);
             if let (Some(relative), Some(whole)) = (relative, whole) {
                 rows.quiet.begin(x, relative, whole);
             }
@@ -448,8 +407,7 @@ impl Contacts {
     /// Moves the bodies on by `dt` (s).
     fn advance_bodies(&mut self, dt: Real) {
         self.push_free(dt);
-        let bodies = self.obstacles.iter_mut();
-        for body in bodies.flat_map(ObstacleContacts::obstacles_mut) {
+        for (body, _) in &mut self.bodies {
             if !body.motion().is_still() {
                 let moved = body.advance(dt);
                 debug_assert!(moved.is_ok(), "a finite motion");
@@ -466,7 +424,6 @@ impl Contacts {
         x: &mut [Vec3],
     ) -> Result<(), ContactError> {
         let rows = &mut self.rows;
-        rows.safe.clear();
         let led = std::mem::take(&mut rows.led);
         match &mut rows.patches {
             Some(patches) if goes_on && !led.is_empty() => patches.skip(&led, step.from),
@@ -496,24 +453,40 @@ impl Contacts {
         let displacements = step.from.iter().zip(&*x);
         rows.velocities
             .extend(displacements.map(|(from, x)| (x - from) / step.dt));
-        let velocities = self.ledger.as_ref().map(|_| rows.velocities.clone());
-        let bodies = self.obstacles.as_ref();
+        // What was proposed has been given up.
+        rows.proposed.clone_from(&rows.velocities);
+        let (near, bodies) = (&self.near, &self.bodies[..]);
         let held = self
             .last_resort
-            .resolve(&self.near, bodies, step, x, &mut rows.velocities)?;
+            .resolve(near, bodies, step, x, &mut rows.velocities)?;
         rows.report.shortened += held as u32;
-        rows.work += self.last_resort.work();
-        if let (Some(ledger), Some(before)) = (&mut self.ledger, velocities) {
-            let changes = before.iter().zip(&rows.velocities);
-            let free = changes.zip(step.inverse_mass).enumerate();
-            for (v, ((before, after), w)) in free.filter(|(_, (_, w))| **w > 0.0) {
-                ledger.add(v, (after - before) / *w);
+        let changes = rows.velocities.iter().zip(&rows.proposed);
+        let changes = changes.map(|(after, before)| after - before);
+        let mut work = 0.0;
+        for (v, (change, w)) in changes.zip(step.inverse_mass).enumerate() {
+            if *w > 0.0 && change != Vec3::zeros() {
+                work += work_of_nearest(bodies, change, x[v], step.dt) / w;
+                self.ledger
+                    .iter_mut()
+                    .for_each(|ledger| ledger.add(v, change / *w));
             }
         }
+        rows.work += work;
         rows.by_zones = true;
         rows.rows.clear();
         rows.start_anew(&self.near, x, self.before.len());
         self.advance_bodies(step.dt);
         Ok(())
     }
+}
+
+/// Work (J/kg) of what contact has changed of the velocity (m/s) of a vertex at `x` (m): times that of the nearest body
+/// there, at the end of a substep of `dt` (s). Impulses of cloth on cloth come in pairs at one place, which cancel in
+/// the velocity field of a rigid body.
+fn work_of_nearest(bodies: &[Body], push: Vec3, x: Vec3, dt: Real) -> Real {
+    let distance = |body: &&Body| body.0.signed_distance(x, dt).value;
+    let nearest = bodies
+        .iter()
+        .min_by(|a, b| distance(a).total_cmp(&distance(b)));
+    nearest.map_or(0.0, |(body, _)| push.dot(&body.velocity_at(x, dt)))
 }

@@ -1,22 +1,22 @@
 //! The contact of a cloth as a potential.
 
+use super::bodies::Body;
 use super::filter::shorten_all;
 use super::forces::Ledger;
 use super::free::FreeBodies;
 use super::friction::{Sticking, Stretched};
-use super::gap::Gap;
 use super::last_resort::LastResort;
 use super::near::Near;
 use super::near_pairs::NearPairs;
 use super::patches::Patches;
 use super::rows::Rows;
 use crate::bounds::mean;
-use crate::obstacle::{ImpactLaw, Obstacle, ObstacleContacts, PenaltyLaw};
-use crate::separation::meet_unduly;
+use crate::obstacle::Obstacle;
+use crate::pair::Gap;
 use cloth_core::contact::{
     ContactConstraints, ContactError, ContactPotential, ContactRow, ContactStep,
 };
-use cloth_core::element::{Element, Energy};
+use cloth_core::element::Energy;
 use cloth_core::math::{Real, Vec3, gather, is_finite};
 
 /// Paths longer than this many thicknesses, apart from what all vertices do together, are looked at in part.
@@ -29,23 +29,6 @@ const LARGEST: Real = 1e150;
 const NO_TIME: Real = 1e-12;
 /// Displacement (in thicknesses) below which friction is a spring.
 const STICKING: Real = 1e-2;
-
-/// What the last step took.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct PotentialReport {
-    /// Searches for pairs of patches of the cloth.
-    pub searches: u32,
-    /// Searches between two patches.
-    pub detections: u32,
-    /// Times that near pairs were chosen among the candidates.
-    pub choices: u32,
-    /// Paths that were asked for.
-    pub paths: u32,
-    /// Paths that were not safe to their end.
-    pub capped: u32,
-    /// Pairs, and vertices before obstacles, that were near at the end.
-    pub near: usize,
-}
 
 /// Contact among the vertices of a cloth, and of surfaces of bodies that follow them as prescribed ones, and with
 /// obstacles.
@@ -61,7 +44,7 @@ pub(super) struct Contacts {
     stretched: Stretched,
     /// Of moving bodies in the last step (J).
     pub(super) work: Real,
-    pub(super) obstacles: Option<ObstacleContacts>,
+    pub(super) bodies: Vec<Body>,
     pub(super) last_resort: LastResort,
     /// None unless forces are wanted, or a body is free.
     pub(super) ledger: Option<Ledger>,
@@ -84,26 +67,25 @@ pub(super) struct Contacts {
     pub(super) energy: Real,
     /// Vertices that the last step has held back.
     pub(super) held: usize,
-    report: PotentialReport,
 }
 
 impl Contacts {
     pub(super) fn new(
         near: Near,
         [for_rows, for_motion]: [Option<Patches>; 2],
-        obstacles: Option<ObstacleContacts>,
+        bodies: Vec<Body>,
         last_resort: LastResort,
     ) -> Self {
-        let count = near.vertex_area.len();
         Self {
             rows: Rows::new(for_rows),
+            scratch: vec![Vec3::zeros(); near.vertex_area.len()],
             near,
             pairs: NearPairs::new(for_motion),
             safe: Vec::new(),
             sticking: Vec::new(),
             stretched: Stretched::default(),
             work: 0.0,
-            obstacles,
+            bodies,
             last_resort,
             ledger: None,
             free: FreeBodies::default(),
@@ -113,16 +95,9 @@ impl Contacts {
             is_anew: false,
             moved: Vec::new(),
             wanted: Vec::new(),
-            scratch: vec![Vec3::zeros(); count],
             energy: 0.0,
             held: 0,
-            report: PotentialReport::default(),
         }
-    }
-
-    /// What the last step took.
-    pub(super) fn report(&self) -> PotentialReport {
-        self.report
     }
 
     /// See [`ContactSource::keep_free`](cloth_core::contact::ContactSource::keep_free).
@@ -168,10 +143,8 @@ impl ContactPotential for Contacts {
         self.free.remember();
         self.free.dt = step.dt;
         self.set_out(step.dt);
-        self.before.clear();
-        let bodies = self.obstacles.iter();
-        let bodies = bodies.flat_map(ObstacleContacts::obstacles);
-        self.before.extend(bodies.cloned());
+        self.remember_bodies();
+        self.rows.took_last = false;
         let mut wanted = std::mem::take(&mut self.wanted);
         wanted.clear();
         wanted.extend_from_slice(start);
@@ -186,12 +159,8 @@ impl ContactPotential for Contacts {
             self.lead(step, goes_on, start)?;
         }
         self.still.clear();
-        let obstacles = self.obstacles.iter();
-        let still = obstacles
-            .flat_map(ObstacleContacts::obstacles)
-            .map(Obstacle::stopped);
+        let still = self.bodies.iter().map(|(body, _)| body.stopped());
         self.still.extend(still);
-        self.report = PotentialReport::default();
         self.pairs.begin(step.from, &self.near.is_resting, goes_on);
         self.prepare(step.from, &wanted)?;
         self.stick(step);
@@ -210,7 +179,6 @@ impl ContactPotential for Contacts {
     }
 
     fn limit(&mut self, from: &[Vec3], to: &[Vec3]) -> Result<Real, ContactError> {
-        self.report.paths += 1;
         let share = self.share(from, to);
         if share < 1.0 {
             let mut near_end = std::mem::take(&mut self.scratch);
@@ -229,30 +197,24 @@ impl ContactPotential for Contacts {
         to: &mut [Vec3],
         parts: &mut [Real],
     ) -> Result<(), ContactError> {
-        self.report.paths += 1;
         parts.fill(1.0);
         shorten_all(from, to, parts, self.share(from, to));
         let thickness = self.near.law().range();
-        let mut is_cut = false;
         for round in 0..MOST_ROUNDS {
             // What is cut stays behind what flew along with it, and other pairs may be near on what is left of the
             // paths.
             let known = self.pairs.choices;
             self.prepare(from, to)?;
             if round > 0 && self.pairs.choices == known {
-                self.report.capped += 1;
                 return Ok(());
             }
             let cut = self
                 .pairs
                 .shorten(thickness, (from, to), parts, &self.still);
             if !cut.map_err(|error| error.not_finite())? {
-                self.report.capped += u32::from(is_cut);
                 return Ok(());
             }
-            is_cut = true;
         }
-        self.report.capped += 1;
         self.prepare(from, to)?;
         let cap = self.safe_part(from, to)?;
         shorten_all(from, to, parts, cap);
@@ -261,11 +223,14 @@ impl ContactPotential for Contacts {
 
     fn add_gradient(&self, x: &[Vec3], out: &mut [Vec3]) -> Real {
         let mut sum = 0.0;
-        for pair in self.pairs.vertex_triangle.iter() {
-            sum += add_pair(pair, x, out);
-        }
-        for pair in self.pairs.edge_edge.iter() {
-            sum += add_pair(pair, x, out);
+        for pair in self.pairs.iter() {
+            let (value, gradient) = pair.value_and_gradient(&gather(x, pair.vertices));
+            if value != 0.0 {
+                for (vertex, g) in pair.vertices.iter().zip(gradient) {
+                    out[*vertex as usize] += g;
+                }
+            }
+            sum += value;
         }
         for &[vertex, number] in &self.pairs.vertex_obstacle {
             let v = vertex as usize;
@@ -285,27 +250,23 @@ impl ContactPotential for Contacts {
     }
 
     fn linearize(&self, x: &[Vec3], out: &mut Vec<ContactRow>) {
-        let mut push = |vertices, gap: Gap, area: Real, law: PenaltyLaw| {
-            let stiffness = area * law.curvature(gap.distance);
+        let mut push = |vertices, weights, normal, stiffness: Real| {
             if stiffness > 0.0 {
                 out.push(ContactRow {
                     vertices,
-                    weights: gap.weights,
-                    normal: gap.normal,
+                    weights,
+                    normal,
                     stiffness,
                 });
             }
         };
-        for pair in self.pairs.vertex_triangle.iter() {
-            let gap = Gap::vertex_triangle(&gather(x, pair.vertices));
-            push(pair.vertices, gap, pair.area, pair.law);
-        }
-        for pair in self.pairs.edge_edge.iter() {
+        for pair in self.pairs.iter() {
             let places = gather(x, pair.vertices);
-            let gap = Gap::edge_edge(&places);
-            if gap.distance < pair.law.range() {
-                let area = pair.area * pair.mollifier.at(&places).value;
-                push(pair.vertices, gap, area, pair.law);
+            let gap = Gap::new(pair.kind, &places);
+            let curvature = pair.law.curvature(gap.distance);
+            if curvature > 0.0 {
+                let stiffness = pair.area_at(&places) * curvature;
+                push(pair.vertices, gap.weights, gap.normal, stiffness);
             }
         }
         for &[vertex, number] in &self.pairs.vertex_obstacle {
@@ -314,14 +275,7 @@ impl ContactPotential for Contacts {
             let at = self.still[number as usize].signed_distance(x[v], 0.0);
             let stiffness =
                 self.near.vertex_area[v] * law.curvature(at.value) * at.slope * at.slope;
-            if stiffness > 0.0 {
-                out.push(ContactRow {
-                    vertices: [vertex; 4],
-                    weights: [1.0, 0.0, 0.0, 0.0],
-                    normal: at.normal,
-                    stiffness,
-                });
-            }
+            push([vertex; 4], [1.0, 0.0, 0.0, 0.0], at.normal, stiffness);
         }
         let reach = self.reach();
         let sticking = self.sticking.iter();
@@ -342,10 +296,6 @@ impl ContactPotential for Contacts {
         self.scratch = unused;
         self.safe.clear();
         self.safe.extend_from_slice(x);
-        [self.report.searches, self.report.detections] = self.pairs.searches();
-        self.report.choices = self.pairs.choices;
-        let pairs = self.pairs.vertex_triangle.len() + self.pairs.edge_edge.len();
-        self.report.near = pairs + self.pairs.vertex_obstacle.len();
     }
 }
 
@@ -375,10 +325,11 @@ impl Contacts {
         self.is_anew |= self.near.let_go.replace(region, pairs);
     }
 
-    /// The bodies that have a signed distance.
-    pub(super) fn bodies(&self) -> &[(Obstacle, ImpactLaw)] {
-        let obstacles = self.obstacles.as_ref();
-        obstacles.map_or(&[], ObstacleContacts::pairs)
+    /// Notes where bodies are before a step.
+    pub(super) fn remember_bodies(&mut self) {
+        self.before.clear();
+        let bodies = self.bodies.iter().map(|(body, _)| body.clone());
+        self.before.extend(bodies);
     }
 
     /// Takes a step back that has begun and not ended, if there is one. Returns whether there was.
@@ -392,11 +343,8 @@ impl Contacts {
     /// Takes bodies back to where they were before a step that has begun and not ended.
     pub(super) fn undo(&mut self) {
         if std::mem::take(&mut self.is_open) {
-            let bodies = self.obstacles.iter_mut();
-            let bodies = bodies.flat_map(ObstacleContacts::obstacles_mut);
-            bodies
-                .zip(&self.before)
-                .for_each(|(body, before)| *body = before.clone());
+            let bodies = self.bodies.iter_mut().zip(&self.before);
+            bodies.for_each(|((body, _), before)| body.clone_from(before));
             self.free.undo();
         }
     }
@@ -442,27 +390,19 @@ impl Contacts {
                 });
             }
         };
-        for pair in pairs.vertex_triangle.iter() {
-            let gap = Gap::vertex_triangle(&gather(x, pair.vertices));
-            let force = -pair.area * pair.law.slope(gap.distance);
-            push(pair.vertices, gap, near.friction(pair.vertices) * force);
-        }
-        for pair in pairs.edge_edge.iter() {
+        for pair in pairs.iter() {
             let places = gather(x, pair.vertices);
-            let gap = Gap::edge_edge(&places);
+            let gap = Gap::new(pair.kind, &places);
             if gap.distance < pair.law.range() {
-                let area = pair.area * pair.mollifier.at(&places).value;
-                let force = -area * pair.law.slope(gap.distance);
+                let force = -pair.area_at(&places) * pair.law.slope(gap.distance);
                 push(pair.vertices, gap, near.friction(pair.vertices) * force);
             }
         }
-        let laws = self.obstacles.iter();
-        let laws = laws.flat_map(ObstacleContacts::pairs).map(|(_, law)| law);
-        let bodies = (0u32..).zip(self.before.iter().zip(&self.still).zip(laws));
-        for (number, ((before, after), law)) in bodies {
+        let bodies = self.before.iter().zip(&self.still).zip(&self.bodies);
+        for (number, ((before, after), (_, friction))) in (0u32..).zip(bodies) {
             for (vertex, place) in (0u32..).zip(near.own(x)) {
                 let v = vertex as usize;
-                if step.inverse_mass[v] == 0.0 || law.friction() == 0.0 {
+                if step.inverse_mass[v] == 0.0 || *friction == 0.0 {
                     continue;
                 }
                 let at = before.signed_distance(*place, 0.0);
@@ -476,7 +416,7 @@ impl Contacts {
                         vertices: [vertex; 4],
                         weights: [1.0, 0.0, 0.0, 0.0],
                         normal: at.normal,
-                        most: near.friction_on(v, law.friction()) * force,
+                        most: near.friction_on(v, *friction) * force,
                         origin: moved - stretched.of(key),
                     });
                 }
@@ -531,9 +471,7 @@ impl Contacts {
     /// The same as [`ContactPotential::limit`] for a path that is not too long to be looked at as a whole.
     fn limit_short(&mut self, from: &[Vec3], to: &[Vec3]) -> Result<Real, ContactError> {
         self.prepare(from, to)?;
-        let cap = self.safe_part(from, to)?;
-        self.report.capped += u32::from(cap < 1.0);
-        Ok(cap)
+        self.safe_part(from, to)
     }
 
     fn prepare(&mut self, from: &[Vec3], to: &[Vec3]) -> Result<(), ContactError> {
@@ -562,25 +500,10 @@ impl Contacts {
             return Ok(true);
         }
         self.safe.clear();
-        self.near
-            .find_all(step.from)
-            .map_err(|_| ContactError::NonFinite { vertex: 0 })?;
-        match self.near.crossing(step.from, meet_unduly) {
-            0 => Ok(false),
-            pairs => Err(ContactError::IntersectingStart { pairs }),
+        match self.near.crossing(step.from) {
+            Ok(0) => Ok(false),
+            Ok(pairs) => Err(ContactError::IntersectingStart { pairs }),
+            Err(error) => Err(error.not_finite()),
         }
     }
-}
-
-/// Adds the gradient (N) of a pair, and returns its energy (J).
-#[inline]
-fn add_pair<E: Energy<4> + Element<4>>(pair: &E, x: &[Vec3], out: &mut [Vec3]) -> Real {
-    let vertices = pair.vertices();
-    let (value, gradient) = pair.value_and_gradient(&gather(x, vertices));
-    if value != 0.0 {
-        for (vertex, g) in vertices.iter().zip(gradient) {
-            out[*vertex as usize] += g;
-        }
-    }
-    value
 }

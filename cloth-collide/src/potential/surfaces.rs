@@ -6,12 +6,12 @@
 //! stands still, are never looked at. A body that changes its shape, or that has no inside, has nothing but its
 //! triangles.
 
+use super::bodies::Body;
 use super::builder::PotentialBuilder;
 use super::forces::{ContactForces, Ledger};
-
 use super::report::ConstraintReport;
-use super::source::{Contacts, PotentialReport};
-use crate::obstacle::{AnimatedMesh, ImpactLaw, Obstacle, Pose, RigidMotion};
+use super::source::Contacts;
+use crate::obstacle::{AnimatedMesh, Pose, RigidMotion};
 use cloth_core::contact::{
     ContactConstraints, ContactError, ContactPotential, ContactRow, ContactSource, ContactStep,
 };
@@ -34,8 +34,8 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 #[derive(Debug)]
 pub struct PotentialContacts {
     pub(super) contacts: Contacts,
-    /// None if bodies have no triangles.
-    pub(super) surfaces: Option<Surfaces>,
+    /// Empty if bodies have no triangles; `contacts` are asked without them then.
+    pub(super) surfaces: Surfaces,
 }
 
 /// The surface of a body.
@@ -103,7 +103,7 @@ impl Surfaces {
     }
 
     /// Puts bodies at both ends (m) of a (sub)step of `dt` (s), which obstacles begin as `bodies` are.
-    fn place(&mut self, bodies: &[(Obstacle, ImpactLaw)], dt: Real) {
+    fn place(&mut self, bodies: &[Body], dt: Real) {
         let (mut from, mut to) = (&mut self.from[self.cloth..], &mut self.to[self.cloth..]);
         for Surface {
             mesh,
@@ -175,12 +175,6 @@ impl PotentialContacts {
         PotentialBuilder::new(mesh)
     }
 
-    /// What the last step took.
-    #[must_use]
-    pub fn report(&self) -> PotentialReport {
-        self.contacts.report()
-    }
-
     /// What the last step took, of a method that projects positions.
     #[must_use]
     pub fn constraint_report(&self) -> ConstraintReport {
@@ -192,7 +186,7 @@ impl PotentialContacts {
     pub fn record_forces(&mut self, are_wanted: bool) {
         let contacts = &mut self.contacts;
         let all = contacts.near.vertex_area.len();
-        let obstacles = contacts.bodies().len();
+        let obstacles = contacts.bodies.len();
         let bodies = contacts.near.bodies().map(|body| body + 1);
         let bodies = bodies.fold(obstacles, usize::max);
         let cloth = contacts.near.cloth;
@@ -213,14 +207,14 @@ impl PotentialContacts {
         ledger.map(|ledger| &ledger.forces)
     }
 
-    /// From the next step on leaves out all pairs of pieces in two regions of a pair, and no others. `region` numbers
-    /// the regions of vertices from 1; 0 for none.
     /// From the next step on these pairs of vertices are sewn together, and no others; see
     /// [`PotentialBuilder::sew`](super::PotentialBuilder::sew). A vertex that there is not is left out.
     pub fn sew(&mut self, pairs: &[[u32; 2]]) {
         self.contacts.sew(pairs);
     }
 
+    /// From the next step on leaves out all pairs of pieces in two regions of a pair, and no others. `region` numbers
+    /// the regions of vertices from 1; 0 for none.
     pub(crate) fn let_go(&mut self, region: &[u32], pairs: &[[u32; 2]]) {
         self.contacts.let_go(region, pairs);
     }
@@ -232,9 +226,7 @@ impl PotentialContacts {
         to: &[Vec3],
         begins: bool,
     ) -> Result<(), ContactError> {
-        let Some(surfaces) = &mut self.surfaces else {
-            return Ok(());
-        };
+        let surfaces = &mut self.surfaces;
         step.check(surfaces.cloth, to, to)?;
         // A step that has not ended is taken back.
         if begins && self.contacts.take_back() {
@@ -243,7 +235,7 @@ impl PotentialContacts {
             surfaces.begun = surfaces.time;
         }
         self.contacts.set_out(step.dt);
-        surfaces.place(self.contacts.bodies(), step.dt);
+        surfaces.place(&self.contacts.bodies, step.dt);
         surfaces.put(step, to);
         Ok(())
     }
@@ -251,16 +243,16 @@ impl PotentialContacts {
 
 impl ContactSource for PotentialContacts {
     fn potential(&mut self) -> &mut dyn ContactPotential {
-        match self.surfaces {
-            None => &mut self.contacts,
-            Some(_) => self,
+        match self.surfaces.list.is_empty() {
+            true => &mut self.contacts,
+            false => self,
         }
     }
 
     fn constraints(&mut self) -> &mut dyn ContactConstraints {
-        match self.surfaces {
-            None => &mut self.contacts,
-            Some(_) => self,
+        match self.surfaces.list.is_empty() {
+            true => &mut self.contacts,
+            false => self,
         }
     }
 
@@ -270,9 +262,7 @@ impl ContactSource for PotentialContacts {
         inverse_mass: &[Real],
         x: &mut [Vec3],
     ) -> Result<(), ContactError> {
-        let Some(surfaces) = &mut self.surfaces else {
-            return self.contacts.keep_free(from, inverse_mass, x);
-        };
+        let surfaces = &mut self.surfaces;
         let count = surfaces.cloth;
         // Of a step of no time, in which bodies stay.
         let step = ContactStep {
@@ -281,7 +271,7 @@ impl ContactSource for PotentialContacts {
             dt: 1.0,
         };
         step.check(count, x, x)?;
-        surfaces.place(self.contacts.bodies(), 0.0);
+        surfaces.place(&self.contacts.bodies, 0.0);
         surfaces.put(&step, x);
         let (all, to) = surfaces.all(step.dt);
         self.contacts.keep_free(all.from, all.inverse_mass, to)?;
@@ -305,9 +295,7 @@ impl ContactSource for PotentialContacts {
 impl ContactPotential for PotentialContacts {
     fn begin(&mut self, step: &ContactStep<'_>, start: &mut [Vec3]) -> Result<(), ContactError> {
         self.place(step, start, true)?;
-        let Some(surfaces) = &mut self.surfaces else {
-            return self.contacts.begin(step, start);
-        };
+        let surfaces = &mut self.surfaces;
         let (all, to) = surfaces.all(step.dt);
         self.contacts.begin(&all, to)?;
         start.copy_from_slice(&to[..start.len()]);
@@ -317,9 +305,7 @@ impl ContactPotential for PotentialContacts {
     }
 
     fn limit(&mut self, from: &[Vec3], to: &[Vec3]) -> Result<Real, ContactError> {
-        let Some(surfaces) = &mut self.surfaces else {
-            return self.contacts.limit(from, to);
-        };
+        let surfaces = &mut self.surfaces;
         surfaces.from[..from.len()].copy_from_slice(from);
         surfaces.to[..to.len()].copy_from_slice(to);
         self.contacts.limit(&surfaces.from, &surfaces.to)
@@ -331,27 +317,18 @@ impl ContactPotential for PotentialContacts {
         to: &mut [Vec3],
         parts: &mut [Real],
     ) -> Result<(), ContactError> {
-        let Some(surfaces) = &mut self.surfaces else {
-            return self.contacts.limit_each(from, to, parts);
-        };
-        let Surfaces {
-            from: all_from,
-            to: all_to,
-            parts: all_parts,
-            ..
-        } = surfaces;
-        all_from[..from.len()].copy_from_slice(from);
-        all_to[..to.len()].copy_from_slice(to);
-        self.contacts.limit_each(all_from, all_to, all_parts)?;
-        to.copy_from_slice(&all_to[..to.len()]);
-        parts.copy_from_slice(&all_parts[..parts.len()]);
+        let surfaces = &mut self.surfaces;
+        surfaces.from[..from.len()].copy_from_slice(from);
+        surfaces.to[..to.len()].copy_from_slice(to);
+        self.contacts
+            .limit_each(&surfaces.from, &mut surfaces.to, &mut surfaces.parts)?;
+        to.copy_from_slice(&surfaces.to[..to.len()]);
+        parts.copy_from_slice(&surfaces.parts[..parts.len()]);
         Ok(())
     }
 
     fn add_gradient(&self, x: &[Vec3], out: &mut [Vec3]) -> Real {
-        let Some(surfaces) = &self.surfaces else {
-            return self.contacts.add_gradient(x, out);
-        };
+        let surfaces = &self.surfaces;
         let mut shared = surfaces.shared();
         let [place, gradient] = &mut *shared;
         place[..x.len()].copy_from_slice(x);
@@ -363,9 +340,7 @@ impl ContactPotential for PotentialContacts {
     }
 
     fn linearize(&self, x: &[Vec3], out: &mut Vec<ContactRow>) {
-        let Some(surfaces) = &self.surfaces else {
-            return self.contacts.linearize(x, out);
-        };
+        let surfaces = &self.surfaces;
         let first = out.len();
         let mut shared = surfaces.shared();
         shared[0][..x.len()].copy_from_slice(x);
@@ -382,9 +357,7 @@ impl ContactPotential for PotentialContacts {
     }
 
     fn end(&mut self, x: &[Vec3], v: &[Vec3]) {
-        let Some(surfaces) = &mut self.surfaces else {
-            return self.contacts.end(x, v);
-        };
+        let surfaces = &mut self.surfaces;
         surfaces.to[..x.len()].copy_from_slice(x);
         self.contacts.end(&surfaces.to, v);
     }
@@ -393,9 +366,7 @@ impl ContactPotential for PotentialContacts {
 impl ContactConstraints for PotentialContacts {
     fn begin_step(&mut self, step: &ContactStep<'_>) -> Result<(), ContactError> {
         self.place(step, step.from, true)?;
-        let Some(surfaces) = &mut self.surfaces else {
-            return self.contacts.begin_step(step);
-        };
+        let surfaces = &mut self.surfaces;
         let (all, _) = surfaces.all(step.dt);
         self.contacts.begin_step(&all)
     }
@@ -406,17 +377,13 @@ impl ContactConstraints for PotentialContacts {
         predicted: &[Vec3],
     ) -> Result<(), ContactError> {
         self.place(step, predicted, false)?;
-        let Some(surfaces) = &mut self.surfaces else {
-            return self.contacts.begin_substep(step, predicted);
-        };
+        let surfaces = &mut self.surfaces;
         let (all, to) = surfaces.all(step.dt);
         self.contacts.begin_substep(&all, to)
     }
 
     fn sweep(&mut self, step: &ContactStep<'_>, x: &mut [Vec3]) {
-        let Some(surfaces) = &mut self.surfaces else {
-            return self.contacts.sweep(step, x);
-        };
+        let surfaces = &mut self.surfaces;
         let (all, to) = surfaces.all(step.dt);
         to[..x.len()].copy_from_slice(x);
         self.contacts.sweep(&all, to);
@@ -424,9 +391,7 @@ impl ContactConstraints for PotentialContacts {
     }
 
     fn end_substep(&mut self, step: &ContactStep<'_>, x: &mut [Vec3]) -> Result<(), ContactError> {
-        let Some(surfaces) = &mut self.surfaces else {
-            return self.contacts.end_substep(step, x);
-        };
+        let surfaces = &mut self.surfaces;
         let (all, to) = surfaces.all(step.dt);
         to[..x.len()].copy_from_slice(x);
         self.contacts.end_substep(&all, to)?;
@@ -440,9 +405,7 @@ impl ContactConstraints for PotentialContacts {
     }
 
     fn end_step(&mut self, x: &[Vec3]) {
-        let Some(surfaces) = &mut self.surfaces else {
-            return self.contacts.end_step(x);
-        };
+        let surfaces = &mut self.surfaces;
         surfaces.to[..x.len()].copy_from_slice(x);
         self.contacts.end_step(&surfaces.to);
     }

@@ -68,8 +68,7 @@ impl BodyProbe {
         bodies
             .into_iter()
             .for_each(|x| self.places.extend_from_slice(x));
-        self.pairs.move_to(&self.places)?;
-        self.pairs.within(0.0);
+        self.pairs.find(&self.places)?;
         let triangles = self.pairs.triangles();
         let is_own = |t: &[u32; 3]| (t[0] as usize) < self.cloth;
         let pairs = self.pairs.found().iter();

@@ -29,8 +29,7 @@ impl Contour {
 
     /// Finds all segments at `positions` (m).
     pub(super) fn find(&mut self, positions: &[Vec3]) -> Result<(), CollideError> {
-        self.pairs.move_to(positions)?;
-        self.pairs.within(0.0);
+        self.pairs.find(positions)?;
         self.segments.clear();
         self.meeting.clear();
         let triangles = self.pairs.triangles();

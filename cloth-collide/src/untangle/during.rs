@@ -194,11 +194,7 @@ impl Untangler {
     ) -> Result<(), CollideError> {
         let before = self.contour.length();
         for rounds in SMOOTHINGS {
-            self.contour.gradient(&mut self.gradient);
-            self.scale(inverse_mass);
-            self.smoother
-                .smooth(&mut self.gradient, inverse_mass, rounds);
-            let taken = self.shorten(positions, self.longest_step)?;
+            let taken = self.descend(positions, inverse_mass, rounds, self.longest_step)?;
             if taken.is_some() && self.contour.length() < WORTHWHILE * before {
                 return Ok(());
             }

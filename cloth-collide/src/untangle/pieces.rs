@@ -2,6 +2,7 @@
 
 use super::crossing::Crossing;
 use crate::incidence::edge_numbers;
+use crate::sets::Sets;
 use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::TriMesh;
 
@@ -15,7 +16,8 @@ pub(super) struct Pieces {
     edges: Vec<[u32; 2]>,
     /// The number of each vertex's mesh, if several are one.
     mesh_of: Vec<u32>,
-    /// Union–find: a vertex nearer to the root of its part.
+    sets: Sets,
+    /// The lowest vertex of the part of each vertex: its root.
     parent: Vec<u32>,
     /// Vertices of the part of each root, and the largest root of each mesh.
     sizes: Vec<u32>,
@@ -35,6 +37,7 @@ impl Pieces {
             cut: vec![false; edges.len()],
             edges,
             mesh_of: vec![0; count],
+            sets: Sets::default(),
             parent: vec![0; count],
             sizes: vec![0; count],
             largest: vec![0; count],
@@ -46,19 +49,14 @@ impl Pieces {
         pieces
     }
 
-    /// The root of the part of a vertex. Afterwards every vertex points at its root.
+    /// Finds the root of each vertex.
     fn join_uncut(&mut self) {
+        self.sets.reset(self.parent.len());
+        for (&[a, b], _) in self.edges.iter().zip(&self.cut).filter(|(_, cut)| !**cut) {
+            self.sets.join(a, b);
+        }
         for (vertex, parent) in (0..).zip(&mut self.parent) {
-            *parent = vertex;
-        }
-        for (ends, _) in self.edges.iter().zip(&self.cut).filter(|(_, cut)| !**cut) {
-            let [a, b] = ends.map(|v| root(&self.parent, v));
-            // The smaller number is the root, so the order of edges does not matter.
-            self.parent[a.max(b) as usize] = a.min(b);
-        }
-        // Roots have smaller numbers than what hangs on them.
-        for vertex in 0..self.parent.len() {
-            self.parent[vertex] = self.parent[self.parent[vertex] as usize];
+            *parent = self.sets.of(vertex);
         }
     }
 
@@ -134,11 +132,4 @@ impl Pieces {
         let side: Real = n.dot(&displacement).signum();
         Some((inside, n * side))
     }
-}
-
-fn root(parent: &[u32], mut vertex: u32) -> u32 {
-    while parent[vertex as usize] != vertex {
-        vertex = parent[vertex as usize];
-    }
-    vertex
 }

@@ -2,7 +2,7 @@
 
 use super::flight::{Flight, moved, together};
 use super::random::Random;
-use cloth_collide::obstacle::{HalfSpace, ImpactLaw, Obstacle, ObstacleContacts};
+use cloth_collide::obstacle::{HalfSpace, Obstacle};
 use cloth_collide::potential::PotentialContacts;
 use cloth_core::contact::{ContactError, ContactStep, Projection};
 use cloth_core::math::{Vec3, is_finite};
@@ -20,10 +20,8 @@ fn layers(gap: f64) -> TriMesh {
     together(&[sheet(), upper])
 }
 
-fn floor() -> ObstacleContacts {
-    let floor = Obstacle::new(HalfSpace::new(Vec3::z()).unwrap());
-    let law = ImpactLaw::new(0.3, 0.0).unwrap();
-    ObstacleContacts::new(1e-3, 1e-3).unwrap().with(floor, law)
+fn floor() -> Obstacle {
+    Obstacle::new(HalfSpace::new(Vec3::z()).unwrap())
 }
 
 #[test]
@@ -43,6 +41,8 @@ fn settings_out_of_range_are_refused_by_name() {
     }
     for bad in [-0.1, f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
         named(build(1e-3, bad), "friction of contact");
+        let builder = PotentialContacts::builder(&mesh).obstacle(floor(), bad);
+        named(builder.build().map(drop), "friction of a body");
     }
 }
 
@@ -51,7 +51,7 @@ fn numbers_that_are_none_are_refused_and_change_nothing() {
     let mesh = layers(0.01);
     let from = mesh.positions();
     let mut contacts = PotentialContacts::builder(&mesh)
-        .obstacles(floor())
+        .obstacle(floor(), 0.3)
         .build()
         .unwrap();
     let inverse_mass = vec![1.0; from.len()];
@@ -176,7 +176,11 @@ fn extreme_sizes_are_resolved_or_refused() {
             continue;
         };
         let contacts = PotentialContacts::builder(&mesh).thickness(thickness);
-        let contacts = contacts.friction(0.3).obstacles(floor()).build().unwrap();
+        let contacts = contacts
+            .friction(0.3)
+            .obstacle(floor(), 0.3)
+            .build()
+            .unwrap();
         let mut flight = Flight::new(&mesh, contacts);
         for v in &mut flight.velocities {
             *v = random.point(speed);

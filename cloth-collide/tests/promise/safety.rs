@@ -2,9 +2,7 @@
 
 use super::flight::{Flight, moved, together};
 use super::random::Random;
-use cloth_collide::obstacle::{
-    HalfSpace, ImpactLaw, Obstacle, ObstacleContacts, Pose, RigidMotion,
-};
+use cloth_collide::obstacle::{HalfSpace, Obstacle, Pose, RigidMotion};
 use cloth_collide::potential::PotentialContacts;
 use cloth_core::contact::{ContactError, ContactSource};
 use cloth_core::math::Vec3;
@@ -165,13 +163,11 @@ fn sheet_squeezed_between_walls_is_resolved_or_refused() {
         };
         Obstacle::moving(HalfSpace::new(Vec3::x() * side).unwrap(), motion).unwrap()
     };
-    let law = ImpactLaw::new(0.3, 0.0).unwrap();
-    let walls = ObstacleContacts::new(2e-3, 2e-3).unwrap();
-    let walls = walls.with(wall(1.0), law).with(wall(-1.0), law);
     let contacts = PotentialContacts::builder(&mesh)
         .thickness(2e-3)
         .friction(0.2)
-        .obstacles(walls)
+        .obstacle(wall(1.0), 0.3)
+        .obstacle(wall(-1.0), 0.3)
         .build()
         .unwrap();
     let mut flight = Flight::new(&mesh, contacts).with_edges(&mesh);
@@ -243,7 +239,6 @@ fn crossing_start_is_refused_with_its_count() {
 /// then vertices are held back, and the report says how many and how much.
 #[test]
 fn zones_that_an_obstacle_stops_are_held_back_and_the_report_says_so() {
-    let law = ImpactLaw::new(0.3, 0.0).unwrap();
     let wall = |height: f64, up: f64| {
         let still = RigidMotion::still(Pose::at(Vec3::z() * height));
         Obstacle::moving(HalfSpace::new(Vec3::z() * up).unwrap(), still).unwrap()
@@ -252,12 +247,12 @@ fn zones_that_an_obstacle_stops_are_held_back_and_the_report_says_so() {
     for seed in 0..6 {
         let mut random = Random::new(seed);
         let mesh = soup(&mut random, 4);
-        let room = ObstacleContacts::new(5e-3, 5e-3).unwrap();
-        let room = room.with(wall(-0.4, 1.0), law).with(wall(2.2, -1.0), law);
         let builder = PotentialContacts::builder(&mesh)
             .thickness(5e-3)
-            .friction(0.3);
-        let mut flight = Flight::new(&mesh, builder.obstacles(room).build().unwrap());
+            .friction(0.3)
+            .obstacle(wall(-0.4, 1.0), 0.3)
+            .obstacle(wall(2.2, -1.0), 0.3);
+        let mut flight = Flight::new(&mesh, builder.build().unwrap());
         for step in 0..10 {
             for v in &mut flight.velocities {
                 *v = random.point(1e3);

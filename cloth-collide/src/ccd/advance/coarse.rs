@@ -1,10 +1,10 @@
 //! The walk in `f64`, which nearly always is all that is needed.
 
 use super::{Walk, reach_of};
+use crate::ccd::Stop;
 use crate::ccd::difference::{Difference, Feature, NearestFeature};
 use crate::ccd::direction::steady;
 use crate::ccd::reach::Margin;
-use crate::ccd::{Impact, Stop};
 use cloth_core::math::{Real, Vec3};
 
 /// Walks in `f64`, at most `budget` steps. Also tells which part of the motion it would have tried next.
@@ -18,18 +18,13 @@ where
     [Vec3; K]: NearestFeature,
 {
     if margin.apart_along_an_axis(&polygon.from.rounded, &polygon.to.rounded) {
-        let walk = Walk {
-            impact: None,
-            steps: 1,
-        };
-        return (walk, 1.0);
+        return (Walk::free(1), 1.0);
     }
     let (mut time, mut trial, mut goal) = (0.0, 1.0, 0.0);
     let mut before: Option<[Real; 2]> = None;
     let mut x = polygon.from.rounded;
     for steps in 1..=budget {
-        let ended = |impact: Option<Impact>| Walk { impact, steps };
-        let stopped = |stop: Stop| ended(Some(Impact { time, stop }));
+        let stopped = |stop: Stop| Walk::stopped(time, stop, steps);
         let feature = x.nearest_feature();
         let Some((direction, clearance)) = best_steady(margin, feature, &x) else {
             return (stopped(Stop::Contact), trial);
@@ -57,7 +52,7 @@ where
             }
         }
         if next >= 1.0 {
-            return (ended(None), trial);
+            return (Walk::free(steps), trial);
         }
         if next <= time {
             return (stopped(Stop::Contact), trial);
@@ -71,17 +66,7 @@ where
         time = next;
         x = polygon.at(time).map(Into::into);
     }
-    let impact = Some(Impact {
-        time,
-        stop: Stop::Budget,
-    });
-    (
-        Walk {
-            impact,
-            steps: budget,
-        },
-        trial,
-    )
+    (Walk::stopped(time, Stop::Budget, budget), trial)
 }
 
 /// The part of the motion to try next: not much more than twice as far as where a straight line through the last two
@@ -138,25 +123,5 @@ fn part_of([from, to]: [Real; 2], reach: Real) -> Real {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::ccd::number::{Double, Number};
-    use cloth_core::random::SplitMix64;
-
-    /// Not even by the last bit.
-    #[test]
-    fn part_of_an_interval_is_never_rounded_up() {
-        let mut random = SplitMix64::new(5);
-        for _ in 0..100_000 {
-            let mut draw = || 0.5 * random.symmetric() + 0.5;
-            let (a, b, reach) = (draw(), draw(), draw());
-            let (from, to) = (a.min(b), a.max(b));
-            let exact = |x: Real| Double::new(x, 0.0);
-            let certain = exact(from) + (exact(to) - exact(from)) * exact(reach);
-            let found = part_of([from, to], reach);
-            assert!((certain - exact(found)).value() >= 0.0 || found == from);
-            assert!(found >= from && certain.value() - found <= 2e-15);
-        }
-        assert_eq!(part_of([0.25, 0.75], 1.0), 0.75);
-    }
-}
+#[path = "../../../tests/unit/ccd_advance_coarse.rs"]
+mod tests;

@@ -1,10 +1,10 @@
 //! The walk in double precision, for what is nearer than `f64` can tell.
 
 use super::{Walk, reach_of};
+use crate::ccd::Stop;
 use crate::ccd::difference::{Difference, NearestFeature};
 use crate::ccd::number::{Double, Number};
 use crate::ccd::reach::Margin;
-use crate::ccd::{Impact, Stop};
 use cloth_core::math::{Real, Vec3};
 
 /// Steps before giving up.
@@ -58,10 +58,7 @@ where
         }
         if reach >= 1.0 {
             if whole {
-                return Walk {
-                    impact: None,
-                    steps,
-                };
+                return Walk::free(steps);
             }
             now = until;
             x = end;
@@ -71,13 +68,7 @@ where
             let length = (until - now).value();
             let advance = length * reach * (1.0 - 8.0 * Real::EPSILON);
             if advance < SHORTEST_ADVANCE {
-                return Walk {
-                    impact: Some(Impact {
-                        time: now.rounded_down(),
-                        stop: Stop::Contact,
-                    }),
-                    steps,
-                };
+                return Walk::stopped(now.rounded_down(), Stop::Contact, steps);
             }
             now = now + Double::new(advance, 0.0);
             x = polygon.at(now);
@@ -85,11 +76,5 @@ where
             growth = 8.0;
         }
     }
-    Walk {
-        impact: Some(Impact {
-            time: now.rounded_down(),
-            stop: Stop::Budget,
-        }),
-        steps: BUDGET,
-    }
+    Walk::stopped(now.rounded_down(), Stop::Budget, BUDGET)
 }

@@ -5,7 +5,8 @@ use super::{HOLD, LEAST_ROOM, MOST_ROOM, Memory, NearPair, PATCH, Patches, aroun
 use crate::bounds::Bounds;
 use crate::ccd::QueryKind;
 use crate::closest::{edge_edge, point_triangle};
-use crate::potential::gap::Gap;
+use crate::incidence::Primitives;
+use crate::pair::Pair;
 use crate::potential::near::Near;
 use crate::potential::rows::SLACK;
 use cloth_core::math::{Real, Vec3, gather};
@@ -171,7 +172,7 @@ impl Patches {
     ) {
         let big = boxes[0].loosened(reach);
         let at = |v: u32| x[v as usize];
-        let bounds = |t: u32| Bounds::around(self.triangles[t as usize].map(at));
+        let bounds = |t: u32| Bounds::around(near.incidence.triangles[t as usize].map(at));
         let mut others: [(u32, Bounds); PATCH] = [(0, big); PATCH];
         // The same bounds, coordinate by coordinate: none overlaps what is nowhere.
         let mut sides = [[Real::INFINITY; PATCH]; 6];
@@ -199,90 +200,72 @@ impl Patches {
                 if p == q && *u <= t {
                     continue;
                 }
-                self.add_vertices(near, x, [t, *u], other, reach, out);
-                self.add_vertices(near, x, [*u, t], &own, reach, out);
-                self.add_edges(near, x, [t, *u], other, reach, out);
+                let boxes = [(t, &own), (*u, other)];
+                near.incidence.visit([t, *u], |primitives| {
+                    out.extend(near_pair(near, x, primitives, boxes, reach));
+                    match primitives {
+                        Primitives::EdgeTriangle(e, _) => {
+                            let ends = gather(x, near.incidence.edges[e as usize]);
+                            Bounds::around(ends).squared_gap(other) <= reach * reach
+                        }
+                        _ => true,
+                    }
+                });
             }
         }
     }
+}
 
-    fn add_vertices(
-        &self,
-        near: &Near,
-        x: &[Vec3],
-        [t, u]: [u32; 2],
-        bounds: &Bounds,
-        reach: Real,
-        out: &mut Vec<NearPair>,
-    ) {
-        let corners = self.triangles[u as usize];
-        for k in (0..3).filter(|&k| self.owned[t as usize].vertices[k]) {
-            let vertex = self.triangles[t as usize][k];
-            let place = Bounds::around([x[vertex as usize]]);
-            let is_looked_at = !corners.contains(&vertex) && !near.is_kept_out(vertex, corners);
-            if !is_looked_at || place.squared_gap(bounds) > reach * reach {
-                continue;
+/// A vertex and a triangle, or two edges, if they are nearer than `reach` (m) at `x` (m); in two triangles with these
+/// boxes.
+#[inline]
+fn near_pair(
+    near: &Near,
+    x: &[Vec3],
+    primitives: Primitives,
+    boxes: [(u32, &Bounds); 2],
+    reach: Real,
+) -> Option<NearPair> {
+    let is_far = |a: &Bounds, b: &Bounds| a.squared_gap(b) > reach * reach;
+    let (kind, vertices, distance, area) = match primitives {
+        Primitives::VertexTriangle(vertex, triangle) => {
+            let corners = near.incidence.triangles[triangle as usize];
+            let place = x[vertex as usize];
+            let [(_, first), (other, second)] = boxes;
+            let bounds = if triangle == other { second } else { first };
+            if near.is_kept_out(vertex, corners) || is_far(&Bounds::around([place]), bounds) {
+                return None;
             }
-            let distance = point_triangle(x[vertex as usize], gather(x, corners)).distance();
-            if distance < reach {
-                let vertices = [vertex, corners[0], corners[1], corners[2]];
-                let rest = |x: &[Vec3; 4]| Gap::vertex_triangle(x).distance;
-                let range = near.law_of(vertices, true, rest).range();
-                let area = near.area_before(vertex, corners);
-                push(
-                    near,
-                    QueryKind::VertexTriangle,
-                    vertices,
-                    [range, area, distance],
-                    out,
-                );
-            }
+            let distance = point_triangle(place, gather(x, corners)).distance();
+            let [a, b, c] = corners;
+            let area = near.area_before(vertex, corners);
+            (QueryKind::VertexTriangle, [vertex, a, b, c], distance, area)
         }
-    }
-
-    fn add_edges(
-        &self,
-        near: &Near,
-        x: &[Vec3],
-        [t, u]: [u32; 2],
-        bounds: &Bounds,
-        reach: Real,
-        out: &mut Vec<NearPair>,
-    ) {
-        for i in (0..3).filter(|&i| self.owned[t as usize].edges[i]) {
-            let e = self.triangle_edges[t as usize][i] as usize;
-            let first = self.edges[e];
-            let own = Bounds::around(gather(x, first));
-            if own.squared_gap(bounds) > reach * reach {
-                continue;
+        Primitives::EdgeEdge(e, f) => {
+            let [[a, b], [c, d]] = [e, f].map(|edge| near.incidence.edges[edge as usize]);
+            let (first, second) = (gather(x, [a, b]), gather(x, [c, d]));
+            if is_far(&Bounds::around(first), &Bounds::around(second)) {
+                return None;
             }
-            for j in (0..3).filter(|&j| self.owned[u as usize].edges[j]) {
-                let f = self.triangle_edges[u as usize][j] as usize;
-                let second = self.edges[f];
-                if first.iter().any(|v| second.contains(v)) {
-                    continue;
-                }
-                let other = gather(x, second);
-                if own.squared_gap(&Bounds::around(other)) > reach * reach {
-                    continue;
-                }
-                let distance = edge_edge(gather(x, first), other).distance();
-                if distance < reach {
-                    let vertices = [first[0], first[1], second[0], second[1]];
-                    let rest = |x: &[Vec3; 4]| Gap::edge_edge(x).distance;
-                    let range = near.law_of(vertices, false, rest).range();
-                    let area = near.edge_area[e].min(near.edge_area[f]);
-                    push(
-                        near,
-                        QueryKind::EdgeEdge,
-                        vertices,
-                        [range, area, distance],
-                        out,
-                    );
-                }
-            }
+            let distance = edge_edge(first, second).distance();
+            let area = near.edge_area[e as usize].min(near.edge_area[f as usize]);
+            (QueryKind::EdgeEdge, [a, b, c, d], distance, area)
         }
+        Primitives::EdgeTriangle(..) => return None,
+    };
+    if distance >= reach || !near.meets(vertices) {
+        return None;
     }
+    let range = near.range_of(Pair { kind, vertices });
+    Some(NearPair {
+        room: distance - range,
+        range,
+        area,
+        kind,
+        vertices,
+        seen: 0,
+        memory: NOTHING,
+    })
 }
 
 /// Which of the boxes, given coordinate by coordinate (m), are nearer than the root of `squared` (m²): a bit for each.
@@ -301,24 +284,4 @@ fn nearer(own: &Bounds, sides: &[[Real; PATCH]; 6], squared: Real) -> u32 {
     }
     let bits = sum.iter().enumerate();
     bits.fold(0, |bits, (k, sum)| bits | (u32::from(*sum < squared) << k))
-}
-
-fn push(
-    near: &Near,
-    kind: QueryKind,
-    vertices: [u32; 4],
-    [range, area, distance]: [Real; 3],
-    out: &mut Vec<NearPair>,
-) {
-    if near.meets(vertices) {
-        out.push(NearPair {
-            room: distance - range,
-            range,
-            area,
-            kind,
-            vertices,
-            seen: 0,
-            memory: NOTHING,
-        });
-    }
 }

@@ -27,7 +27,8 @@ impl Patches {
         }
         self.place(x);
         self.measure(x, to);
-        let strayed = self.strayed().max(Self::stray(&self.searched, &self.now));
+        let strayed = [&self.then, &self.now].map(|end| Self::stray(&self.searched, end));
+        let strayed = strayed[0].max(strayed[1]);
         if !self.is_known || strayed + room > self.reach {
             let displacement = Self::stray(&self.now, &self.then) + room;
             self.reach = (2.0 * displacement).max(REACH * self.edge);
@@ -52,34 +53,27 @@ impl Patches {
             self.quiet[k] = self.now.clock(self.ids[k]) + left;
         }
         self.looks = looks;
-        self.stray_allowed.clear();
+        let mut allowed = std::mem::take(&mut self.stray_allowed);
+        allowed.clear();
+        allowed.extend(self.strays().map(|stray| stray + room));
+        self.stray_allowed = allowed;
+    }
+
+    /// How far (m) each patch goes in the motion that is looked at, besides what all do together.
+    fn strays(&self) -> impl Iterator<Item = Real> {
         let (from, to) = (&self.now, &self.then);
         let shift = to.mean - from.mean;
-        let displacements = from
-            .centres
-            .iter()
-            .zip(&to.centres)
-            .zip(&self.displacements);
-        self.stray_allowed
-            .extend(displacements.map(|((a, b), besides)| (b - a - shift).norm() + besides + room));
+        let centres = from.centres.iter().zip(&to.centres);
+        let both = centres.zip(&self.displacements);
+        both.map(move |((a, b), besides)| (b - a - shift).norm() + besides)
     }
 
     /// Whether what was chosen last holds at `x` (m), which was chosen for paths from `place` (m) on.
     pub(in crate::potential) fn holds(&mut self, place: &[Vec3], x: &[Vec3]) -> bool {
         self.measure(place, x);
-        let (from, to) = (&self.now, &self.then);
-        let shift = to.mean - from.mean;
-        let displacements = from
-            .centres
-            .iter()
-            .zip(&to.centres)
-            .zip(&self.displacements);
-        let mut displacements = displacements.zip(&self.stray_allowed);
-        displacements
-            .all(|(((a, b), besides), allowed)| (b - a - shift).norm() + besides <= *allowed)
-            && self
-                .allowed
-                .iter()
-                .all(|&(k, allowed)| self.once(&self.pairs[k as usize]) <= allowed)
+        let mut strays = self.strays().zip(&self.stray_allowed);
+        let mut allowed = self.allowed.iter();
+        strays.all(|(stray, allowed)| stray <= *allowed)
+            && allowed.all(|&(k, allowed)| self.once(&self.pairs[k as usize]) <= allowed)
     }
 }

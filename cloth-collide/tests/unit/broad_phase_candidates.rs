@@ -41,15 +41,11 @@ fn near(a: &[u32], b: &[u32], from: &[Vec3], to: &[Vec3], margin: Real) -> bool 
 fn brute_force(
     mesh: &TriMesh,
     edges: &[[u32; 2]],
-    prescribed: &[bool],
     [from, to]: [&[Vec3]; 2],
     margin: Real,
 ) -> (Pairs, Pairs) {
-    let wanted = |a: &[u32], b: &[u32]| {
-        !a.iter().any(|v| b.contains(v))
-            && a.iter().chain(b).any(|&v| !prescribed[v as usize])
-            && near(a, b, from, to, margin)
-    };
+    let wanted =
+        |a: &[u32], b: &[u32]| !a.iter().any(|v| b.contains(v)) && near(a, b, from, to, margin);
     let vertices = 0..mesh.vertex_count() as u32;
     let triangles = || (0..).zip(mesh.triangles());
     let vertex_triangle = vertices
@@ -181,23 +177,15 @@ fn agree<B: BroadPhase>(
 fn all_three_find_what_brute_force_finds_in_order() {
     let mesh = sheet(7);
     let edges = EdgeTable::build(&mesh).unwrap();
-    let mut particles = Particles::new(vec![1.0; mesh.vertex_count()]).unwrap();
-    for vertex in (0..30).chain([40, 41, 47]) {
-        particles.prescribe(vertex).unwrap();
-    }
-    let prescribed: Vec<bool> = (0..mesh.vertex_count())
-        .map(|v| particles.is_prescribed(v))
-        .collect();
     for (kind, broad_phase) in all_kinds() {
         let mut candidates = ClothCandidates::new(&mesh, broad_phase);
         assert_eq!(candidates.edges(), edges.ends());
-        candidates.set_prescribed(&particles);
         // One after the other, so that what is kept from before would show.
         for (name, from, to) in motions(&mesh) {
             for margin in [0.0, 0.01, 0.3, 10.0] {
                 candidates.update(&from, &to, margin).unwrap();
                 let paths = [&from[..], &to[..]];
-                let (vt, ee) = brute_force(&mesh, edges.ends(), &prescribed, paths, margin);
+                let (vt, ee) = brute_force(&mesh, edges.ends(), paths, margin);
                 let agrees = agree(&candidates, &vt, &ee, paths, margin);
                 assert!(agrees, "{kind}, {name}, margin {margin}");
             }
@@ -309,7 +297,7 @@ fn three_triangles_at_an_edge_and_two_cloths_in_one_mesh_are_welcome() {
         candidates.update(&positions, &positions, 0.1).unwrap();
         let edges = candidates.edges().to_vec();
         let paths = [&positions[..]; 2];
-        let (vt, ee) = brute_force(&mesh, &edges, &[false; 8], paths, 0.1);
+        let (vt, ee) = brute_force(&mesh, &edges, paths, 0.1);
         let agrees = agree(&candidates, &vt, &ee, paths, 0.1);
         assert!(agrees, "{kind}");
         assert!(candidates.vertex_triangle().len() > 5 && candidates.edge_edge().len() > 9);
@@ -338,8 +326,7 @@ fn close_layers_have_few_candidates_that_are_not_near() {
     candidates.update(&from, &to, THICKNESS).unwrap();
     let found = candidates.vertex_triangle().len() + candidates.edge_edge().len();
     let paths = [&from[..], &to[..]];
-    let free = vec![false; mesh.vertex_count()];
-    let (vt, ee) = brute_force(&mesh, candidates.edges(), &free, paths, THICKNESS);
+    let (vt, ee) = brute_force(&mesh, candidates.edges(), paths, THICKNESS);
     let at_end =
         |vertices: &[u32]| -> Vec<Vec3> { vertices.iter().map(|&v| to[v as usize]).collect() };
     let near_triangles = vt.iter().filter(|[v, t]| {

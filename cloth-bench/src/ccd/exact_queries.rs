@@ -1,11 +1,129 @@
-//! The queries in whole numbers.
+//! Continuous queries whose answer is known without any rounding, for tests and for the comparison of methods.
+//!
+//! All coordinates are whole multiples of a power of two, made by integer arithmetic and short enough for an `f64` to
+//! hold them exactly. A contact is built in: two points of the two primitives are made to coincide at a chosen time. Or
+//! a gap is: the primitives stay on both sides of a slab, whose thickness is known. Then everything is turned by an
+//! integer matrix and moved, also exactly.
 
-use super::{Family, Truth};
+use cloth_collide::{Query, QueryKind};
 use cloth_core::math::{Real, Vec3};
 use cloth_core::random::SplitMix64;
 
+/// What is known about a query, exactly.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Truth {
+    /// They touch at this time (dimensionless, 0..=1), and perhaps before it too.
+    Contact {
+        /// The time, exactly.
+        time: Real,
+    },
+    /// They are never nearer than this.
+    Apart {
+        /// A distance (m), right to a few roundings.
+        gap: Real,
+    },
+}
+
+/// How a query was made. All but the first are degenerate or hard.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Family {
+    /// Nothing special.
+    General,
+    /// At all times a triangle without area, or two parallel edges.
+    Collapsed,
+    /// As the last, but for a part in a thousand to a billion.
+    NearlyCollapsed,
+    /// Everything moves in one plane.
+    Planar,
+    /// Contact at time 0.
+    AtStart,
+    /// Contact at time 1.
+    AtEnd,
+    /// A corner of one meets a corner or an edge of the other, without going through.
+    Touching,
+    /// General, a thousand kilometres from the origin of space.
+    FarAway,
+}
+
+impl Family {
+    /// All of them.
+    pub const ALL: [Self; 8] = [
+        Self::General,
+        Self::Collapsed,
+        Self::NearlyCollapsed,
+        Self::Planar,
+        Self::AtStart,
+        Self::AtEnd,
+        Self::Touching,
+        Self::FarAway,
+    ];
+}
+
+/// A query and its answer.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct KnownQuery {
+    /// The motion.
+    pub query: Query,
+    /// The answer.
+    pub truth: Truth,
+    /// How it was made.
+    pub family: Family,
+}
+
+/// Endless known queries: every second one touches, and half of these are [`Family::General`], as are half of the
+/// others. The same `kind` and seed give the same bits.
+#[derive(Clone, Debug)]
+pub struct ExactQueries {
+    kind: QueryKind,
+    random: SplitMix64,
+    count: usize,
+}
+
+impl ExactQueries {
+    /// The sequence that belongs to `seed`.
+    #[must_use]
+    pub fn new(kind: QueryKind, seed: u64) -> Self {
+        Self {
+            kind,
+            random: SplitMix64::new(seed),
+            count: 0,
+        }
+    }
+}
+
+impl Iterator for ExactQueries {
+    type Item = KnownQuery;
+
+    fn next(&mut self) -> Option<KnownQuery> {
+        let count = self.count;
+        self.count += 1;
+        let family = match count / 2 {
+            half if half % 2 == 0 => Family::General,
+            half => Family::ALL[1 + half / 2 % 7],
+        };
+        let mut build = Builder::new(&mut self.random, family);
+        let (motion, truth) = match (self.kind, count % 2) {
+            (QueryKind::VertexTriangle, 0) => build.vertex_meets_triangle(),
+            (QueryKind::EdgeEdge, 0) => build.edge_meets_edge(),
+            (QueryKind::VertexTriangle, _) => build.apart(1),
+            (QueryKind::EdgeEdge, _) => build.apart(2),
+        };
+        let (motion, truth) = build.place(motion, truth);
+        let real = |x: [Lattice; 4]| x.map(|x| build.real(x));
+        Some(KnownQuery {
+            query: Query {
+                kind: self.kind,
+                from: real(motion.from),
+                to: real(motion.to),
+            },
+            truth,
+            family,
+        })
+    }
+}
+
 /// A point on the lattice (units of the builder).
-pub(super) type Lattice = [i128; 3];
+type Lattice = [i128; 3];
 
 /// Parts into which time and the parameters of an edge are divided.
 const PARTS: i128 = 32;
@@ -18,13 +136,13 @@ const LINE: i128 = PARTS * PARTS * PARTS;
 
 /// Four moving points.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Motion {
-    pub(super) from: [Lattice; 4],
-    pub(super) to: [Lattice; 4],
+struct Motion {
+    from: [Lattice; 4],
+    to: [Lattice; 4],
 }
 
 /// Draws queries of one family.
-pub(super) struct Builder<'a> {
+struct Builder<'a> {
     random: &'a mut SplitMix64,
     family: Family,
     /// Largest coordinate of a corner (cells).
@@ -51,7 +169,7 @@ fn between(a: Lattice, b: Lattice, part: i128) -> Lattice {
 }
 
 impl<'a> Builder<'a> {
-    pub(super) fn new(random: &'a mut SplitMix64, family: Family) -> Self {
+    fn new(random: &'a mut SplitMix64, family: Family) -> Self {
         let mut builder = Self {
             random,
             family,
@@ -127,7 +245,7 @@ impl<'a> Builder<'a> {
     }
 
     /// A vertex that comes through a point of a triangle.
-    pub(super) fn vertex_meets_triangle(&mut self) -> (Motion, Truth) {
+    fn vertex_meets_triangle(&mut self) -> (Motion, Truth) {
         if self.family == Family::Touching {
             return self.touching(1);
         }
@@ -159,7 +277,7 @@ impl<'a> Builder<'a> {
     }
 
     /// An edge that comes through a point of another.
-    pub(super) fn edge_meets_edge(&mut self) -> (Motion, Truth) {
+    fn edge_meets_edge(&mut self) -> (Motion, Truth) {
         if self.family == Family::Touching {
             return self.touching(2);
         }
@@ -206,7 +324,7 @@ impl<'a> Builder<'a> {
     }
 
     /// As `touching`, but apart by a gap along z, and with the feet of the two points free.
-    pub(super) fn apart(&mut self, count: usize) -> (Motion, Truth) {
+    fn apart(&mut self, count: usize) -> (Motion, Truth) {
         let gap = 1 << self.draw(0, 12);
         let motion = self.on_both_sides(count, gap);
         (motion, Truth::Apart { gap: gap as Real })
@@ -246,7 +364,7 @@ impl<'a> Builder<'a> {
     }
 
     /// Turns by an integer matrix, moves along, and away in the family that asks for it.
-    pub(super) fn place(&mut self, motion: Motion, truth: Truth) -> (Motion, Truth) {
+    fn place(&mut self, motion: Motion, truth: Truth) -> (Motion, Truth) {
         let quaternion = [0; 4].map(|_| self.draw(-2, 2));
         let norm: i128 = quaternion.iter().map(|q| q * q).sum();
         let [w, x, y, z] = if norm == 0 { [1, 0, 0, 0] } else { quaternion };
@@ -298,7 +416,7 @@ impl<'a> Builder<'a> {
     ///
     /// # Panics
     /// If an `f64` cannot hold a coordinate: then the limits on the extent are wrong.
-    pub(super) fn real(&self, point: Lattice) -> Vec3 {
+    fn real(&self, point: Lattice) -> Vec3 {
         let coordinate = |x: i128| {
             let rounded = x as Real;
             assert!(rounded as i128 == x, "{x} units are not exact");

@@ -1,5 +1,4 @@
 use super::*;
-use crate::closest::{edge_edge, point_triangle};
 use crate::shapes::{deformed, sheet};
 
 /// Distance of two boxes, written another way than the code has it.
@@ -37,12 +36,9 @@ fn pairs_are_those_of_brute_force_in_order() {
     let mesh = sheet(9);
     for (name, positions) in deformed(&mesh) {
         let mut pairs = TrianglePairs::new(&mesh);
-        pairs.move_to(&positions).unwrap();
-        // One cell is 1/8: the second distance is met exactly by many boxes of the flat sheet.
-        for distance in [0.0, 0.125, 0.3, 1e-3, 10.0] {
-            let expected = brute_force(&mesh, &positions, distance);
-            assert_eq!(pairs.within(distance), expected, "{name} within {distance}");
-        }
+        // Many boxes of the flat sheet touch.
+        let expected = brute_force(&mesh, &positions, 0.0);
+        assert_eq!(pairs.find(&positions).unwrap(), expected, "{name}");
     }
 }
 
@@ -55,28 +51,8 @@ fn pairs_far_from_the_origin_are_not_lost_to_rounding() {
         .map(|x| x + Vec3::repeat(1e9))
         .collect();
     let mut pairs = TrianglePairs::new(&mesh);
-    pairs.move_to(&positions).unwrap();
-    for distance in [0.0, 0.125, 1e-9] {
-        assert_eq!(
-            pairs.within(distance),
-            brute_force(&mesh, &positions, distance)
-        );
-    }
-}
-
-/// Two boxes whose distance, computed, is what is asked for; loosened by half of it, they need not touch when computed.
-#[test]
-fn pairs_at_just_the_distance_are_not_lost_to_rounding() {
-    let corners = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]];
-    let at = |z: f64| corners.map(|[x, y]| Vec3::new(x, y, z));
-    let rest = [at(0.0), at(1.0)].concat();
-    let mesh = TriMesh::new(rest, vec![[0, 1, 2], [3, 4, 5]]).unwrap();
-    let mut pairs = TrianglePairs::new(&mesh);
-    for i in 1..1000 {
-        let (low, high) = (0.1 * f64::from(i), 1e6 / f64::from(i));
-        pairs.move_to(&[at(low), at(high)].concat()).unwrap();
-        assert_eq!(pairs.within((high - low).abs()), [[0, 1]], "{low} {high}");
-    }
+    let expected = brute_force(&mesh, &positions, 0.0);
+    assert_eq!(pairs.find(&positions).unwrap(), expected);
 }
 
 #[test]
@@ -84,8 +60,7 @@ fn visit_meets_every_pair_that_is_nearer_once_and_follows_a_falling_limit() {
     let mesh = sheet(9);
     for (name, positions) in deformed(&mesh) {
         let mut pairs = TrianglePairs::new(&mesh);
-        pairs.move_to(&positions).unwrap();
-        pairs.within(0.0);
+        pairs.find(&positions).unwrap();
         let mut visited = Vec::new();
         pairs.visit_within(&Cell::new(0.2 * 0.2), |pair| visited.push(pair));
         visited.sort_unstable();
@@ -112,49 +87,15 @@ fn visit_meets_every_pair_that_is_nearer_once_and_follows_a_falling_limit() {
 }
 
 #[test]
-fn triangles_closer_than_the_distance_are_among_the_pairs() {
-    let mesh = sheet(7);
-    for (name, positions) in deformed(&mesh) {
-        let mut pairs = TrianglePairs::new(&mesh);
-        pairs.move_to(&positions).unwrap();
-        let found = pairs.within(0.05).to_vec();
-        let corners = |t: usize| gather(&positions, mesh.triangles()[t]);
-        for b in 0..mesh.triangle_count() {
-            for a in 0..b {
-                let (x, y) = (corners(a), corners(b));
-                let edge = |t: [Vec3; 3], k: usize| [t[k], t[(k + 1) % 3]];
-                let near = (0..3).any(|k| point_triangle(x[k], y).distance() <= 0.05)
-                    || (0..9).any(|k| edge_edge(edge(x, k / 3), edge(y, k % 3)).distance() <= 0.05);
-                if near {
-                    let pair = [a as u32, b as u32];
-                    assert!(
-                        found.binary_search(&pair).is_ok(),
-                        "{name}: {pair:?} is missing"
-                    );
-                }
-            }
-        }
-    }
-}
-
-#[test]
 fn pairs_do_not_depend_on_what_was_asked_before() {
     let mesh = sheet(12);
     let shapes = deformed(&mesh);
     let mut used = TrianglePairs::new(&mesh);
     for (name, positions) in shapes.iter().chain(shapes.iter().rev()) {
         let mut fresh = TrianglePairs::new(&mesh);
-        used.move_to(positions).unwrap();
-        fresh.move_to(positions).unwrap();
-        assert_eq!(used.within(0.02), fresh.within(0.02), "{name}");
+        let found = used.find(positions).unwrap();
+        assert_eq!(found, fresh.find(positions).unwrap(), "{name}");
     }
-}
-
-#[test]
-fn pairs_before_any_move_are_those_of_the_rest_shape() {
-    let mesh = sheet(5);
-    let expected = brute_force(&mesh, mesh.positions(), 0.0);
-    assert_eq!(TrianglePairs::new(&mesh).within(0.0), expected);
 }
 
 /// The tree has special cases for one and two leaves.
@@ -168,8 +109,8 @@ fn one_two_and_three_triangles() {
         let mesh = TriMesh::new(strip[..count as usize + 2].to_vec(), triangles).unwrap();
         let mut pairs = TrianglePairs::new(&mesh);
         let moved: Vec<Vec3> = mesh.positions().iter().map(|x| x * 2.0).collect();
-        pairs.move_to(&moved).unwrap();
-        assert_eq!(pairs.within(0.0), brute_force(&mesh, &moved, 0.0));
+        let expected = brute_force(&mesh, &moved, 0.0);
+        assert_eq!(pairs.find(&moved).unwrap(), expected);
     }
 }
 
@@ -177,27 +118,21 @@ fn one_two_and_three_triangles() {
 fn position_that_is_not_finite_is_refused_and_changes_nothing() {
     let mesh = sheet(4);
     let mut pairs = TrianglePairs::new(&mesh);
-    let before = pairs.within(0.1).to_vec();
+    let before = pairs.find(mesh.positions()).unwrap().to_vec();
     for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
         let mut positions = vec![Vec3::zeros(); mesh.vertex_count()];
         positions[7].y = bad;
         positions[9].z = bad;
         assert_eq!(
-            pairs.move_to(&positions),
+            pairs.find(&positions),
             Err(CollideError::NonFinitePosition { vertex: 7 })
         );
     }
-    assert_eq!(pairs.within(0.1), before);
+    assert_eq!(pairs.found(), before);
 }
 
 #[test]
 #[should_panic(expected = "number of vertices")]
 fn wrong_number_of_positions_is_a_bug_of_the_caller() {
-    let _ = TrianglePairs::new(&sheet(4)).move_to(&[Vec3::zeros()]);
-}
-
-#[test]
-#[should_panic(expected = "the distance is -1")]
-fn negative_distance_is_a_bug_of_the_caller() {
-    TrianglePairs::new(&sheet(4)).within(-1.0);
+    let _ = TrianglePairs::new(&sheet(4)).find(&[Vec3::zeros()]);
 }
