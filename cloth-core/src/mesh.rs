@@ -3,10 +3,14 @@
 use crate::math::{Real, Vec3};
 use std::fmt;
 
+mod file_error;
 pub mod generate;
 pub mod io;
+mod normals;
 pub mod obj;
 pub mod ply;
+
+pub use normals::vertex_normals;
 
 /// Rest shape of the cloth: `V` rest positions (m) and `F` triangles, counter-clockwise seen from
 /// the front.

@@ -3,7 +3,7 @@
 //! In reading order: sums of elements and what they are stored in ([`family`], [`block_matrix`]); orders to visit them
 //! in ([`coloring`], [`ordering`]); loops over vectors, on several threads with the same bits ([`vectors`],
 //! [`chunked`], [`parallel`]); linear solvers ([`linear`], [`multigrid`]); the sweeps of PBD and XPBD
-//! ([`position_based`]).
+//! ([`position_based`]); how far to follow a direction that may touch something ([`trust`]).
 
 pub mod family;
 
@@ -20,3 +20,5 @@ pub mod linear;
 pub mod multigrid;
 
 pub mod position_based;
+
+pub mod trust;

@@ -2,7 +2,9 @@
 
 use cloth_core::math::Vec3;
 use cloth_core::mesh::generate::{irregular, sphere};
-use cloth_core::mesh::obj::{self, ObjProblem};
+use cloth_core::mesh::io::{MeshFileProblem, Place};
+use cloth_core::mesh::obj;
+use cloth_core::mesh::vertex_normals;
 use proptest::prelude::*;
 use std::path::{Path, PathBuf};
 
@@ -151,7 +153,7 @@ fn every_mistake_names_its_line() {
 fn files_that_are_missing_or_empty_are_named() {
     let missing = Path::new("no/such/file.obj");
     let error = obj::read(missing).unwrap_err();
-    assert!(matches!(error.problem(), ObjProblem::Unreadable(_)));
+    assert!(matches!(error.problem(), MeshFileProblem::Unreadable(_)));
     assert!(
         error
             .to_string()
@@ -170,7 +172,7 @@ fn files_that_are_missing_or_empty_are_named() {
     );
     std::fs::write(&path, "# caf\u{e9}\nv 1 2\n").unwrap();
     let error = obj::read(&path).unwrap_err();
-    assert_eq!(error.line(), Some(2));
+    assert_eq!(error.place(), Some(Place::Line(2)));
     assert!(
         error
             .to_string()
@@ -192,7 +194,39 @@ fn writing_and_reading_gives_the_same_bits() {
     }
     std::fs::remove_file(&path).unwrap();
     let nowhere = obj::write(Path::new("no/such/folder/a.obj"), &[], &[]).unwrap_err();
-    assert!(matches!(nowhere.problem(), ObjProblem::Unwritable(_)));
+    assert!(matches!(nowhere.problem(), MeshFileProblem::Unwritable(_)));
+}
+
+/// On a sphere, whatever the triangles, the normals are the radii; a cone's tip has its axis; and what is written with
+/// normals is read as the same mesh.
+#[test]
+fn normals_are_exact_on_a_sphere_and_travel_with_the_mesh() {
+    let ball = sphere(9, 0.3).unwrap();
+    let normals = vertex_normals(ball.positions(), ball.triangles());
+    for (normal, x) in normals.iter().zip(ball.positions()) {
+        assert!((normal - x / 0.3).norm() < 1e-14, "{normal} at {x}");
+    }
+    // Vertices of a sphere in no order at all: a tetrahedron with corners of very different angles.
+    let corners = [
+        [0.1, 0.2, 3.0],
+        [1.0, -0.3, -0.2],
+        [-0.7, 1.1, -0.4],
+        [-0.2, -0.9, -0.1],
+    ];
+    let corners = corners.map(|c| Vec3::from(c).normalize());
+    let faces = [[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]];
+    for (normal, x) in vertex_normals(&corners, &faces).iter().zip(&corners) {
+        assert!((normal - x).norm() < 1e-14, "{normal} at {x}");
+    }
+    let text = obj::format_smooth(ball.positions(), &normals, ball.triangles());
+    assert_eq!(obj::parse(&text).unwrap(), ball);
+    // No triangle, no area: no normal.
+    let folded = [Vec3::zeros(), Vec3::x(), Vec3::x() * 2.0, Vec3::y()];
+    assert_eq!(vertex_normals(&folded, &[[0, 1, 2]]), [Vec3::zeros(); 4]);
+    assert_eq!(
+        vertex_normals(&[Vec3::zeros(); 3], &[[0, 1, 2]]),
+        [Vec3::zeros(); 3]
+    );
 }
 
 /// Lines that are nearly right reach further into the reader than arbitrary text does.

@@ -2,7 +2,8 @@
 
 use cloth_core::math::Vec3;
 use cloth_core::mesh::generate::{irregular, sphere};
-use cloth_core::mesh::ply::{self, Encoding, Place, PlyProblem};
+use cloth_core::mesh::io::{MeshFileProblem, Place};
+use cloth_core::mesh::ply::{self, Encoding};
 use cloth_core::mesh::{io, obj};
 use proptest::prelude::*;
 use std::path::{Path, PathBuf};
@@ -52,7 +53,7 @@ fn every_encoding_keeps_every_bit() {
     std::fs::remove_file(&path).unwrap();
     let nowhere = Path::new("no/such/folder/a.ply");
     let refused = ply::write(nowhere, &[], &[], Encoding::Ascii).unwrap_err();
-    assert!(matches!(refused.problem(), PlyProblem::Unwritable(_)));
+    assert!(matches!(refused.problem(), MeshFileProblem::Unwritable(_)));
     assert!(refused.to_string().starts_with("no/such/folder/a.ply: "));
     let missing = io::read(nowhere).unwrap_err().to_string();
     assert!(

@@ -33,7 +33,6 @@ mod progress;
 mod quasi_newton;
 mod stage;
 mod system;
-mod trust;
 
 pub use bdf2::Bdf2;
 pub use builder::ImplicitBuilder;

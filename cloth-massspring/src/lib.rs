@@ -317,7 +317,7 @@
 //! 4. `implicit/newton.rs` with `system.rs` (the matrix, kept positive definite) and `line_search.rs`.
 //! 5. `implicit/minimizer.rs` and `quasi_newton.rs` with `history.rs`: the default; `progress.rs`: when Newton's method
 //!    takes over.
-//! 6. `implicit/bdf2.rs`, `at_end.rs` (contact of the midpoint rule), `damper.rs`, `trust.rs`, `linearized.rs`,
+//! 6. `implicit/bdf2.rs`, `at_end.rs` (contact of the midpoint rule), `damper.rs`, `linearized.rs`,
 //!    `drift.rs`.
 //!
 //! The tests in `tests/chapter` are the claims of this page, one by one.

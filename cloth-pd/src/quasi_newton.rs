@@ -9,6 +9,7 @@ use cloth_core::contact::ContactError;
 use cloth_core::math::{Real, Vec3};
 use cloth_core::method::chunked::map_reduce;
 use cloth_core::method::parallel::join;
+use cloth_core::method::trust::{TrustRadius, longest};
 use cloth_core::method::vectors::{add, add_and_dot, dot, dot_of_part};
 
 /// Part of the promised decrease that has to be kept (Armijo's constant).
@@ -22,6 +23,13 @@ const APPROXIMATE_WOLFE: Real = 0.9;
 const MAX_TRIALS: u32 = 12;
 /// Least number of pairs in a step with contact, which is stiff, and comes and goes.
 const CONTACT_HISTORY: usize = 20;
+/// First trust radius of a step with contact, over the longest displacement that it would have without elasticity: what
+/// is farther away is touched by a direction only, not by the cloth.
+const FIRST_RADIUS: Real = 2.0;
+/// Factor on the radius after a step that only the radius has shortened.
+const RADIUS_GROWTH: Real = 2.0;
+/// A step that comes less far than this part of what was tried has been shortened.
+const SHORTENED: Real = 0.5;
 
 /// One difference of iterates and of their gradients.
 #[derive(Clone, Debug)]
@@ -49,6 +57,8 @@ pub(crate) struct QuasiNewton {
     work: Vec<Vec3>,
     direction: Vec<Vec3>,
     next: Point,
+    /// In steps with contact.
+    radius: TrustRadius,
     /// Made in the first step with contact; and the fraction of its displacement that each vertex may take
     /// (dimensionless).
     contact_system: Option<ContactSystem>,
@@ -68,17 +78,27 @@ impl QuasiNewton {
             work: zeros.clone(),
             direction: zeros,
             next: Point::new(vertex_count),
+            radius: TrustRadius::new(Real::INFINITY, RADIUS_GROWTH),
             contact_system: None,
             fractions: Vec::new(),
         };
-        this.begin(false);
+        this.begin(None);
         this
     }
 
-    /// Clears all pairs; in a step with contact there are more of them, if any.
-    pub(crate) fn begin(&mut self, has_contact: bool) {
+    /// Clears all pairs. In a step with contact, which is given by its displacements (m) without elasticity, there are
+    /// more of them, if any, and a trust radius.
+    pub(crate) fn begin(&mut self, in_contact: Option<&[Vec3]>) {
         self.len = 0;
-        self.history = match (self.requested, has_contact) {
+        // What is moved by elasticity or by bodies alone is not limited at first.
+        let inertial = in_contact.map_or(0.0, longest);
+        let first = if inertial > 0.0 {
+            FIRST_RADIUS * inertial
+        } else {
+            Real::INFINITY
+        };
+        self.radius = TrustRadius::new(first, RADIUS_GROWTH);
+        self.history = match (self.requested, in_contact.is_some()) {
             (0, _) => 0,
             (requested, true) => requested.max(CONTACT_HISTORY),
             (requested, false) => requested,
@@ -112,8 +132,13 @@ impl QuasiNewton {
             solves: self.find_direction(global, coarse, point),
             ..Advance::default()
         };
-        self.limit_each(point, contact)?;
-        if self.search(objective, point, 1.0, contact, &mut done) {
+        let is_accepted = match contact {
+            None => self
+                .search(objective, point, 1.0, contact, &mut done)
+                .is_some(),
+            Some(_) => self.search_in_contact(objective, point, contact, &mut done)?,
+        };
+        if is_accepted {
             self.accept(point);
             return Ok(done);
         }
@@ -123,9 +148,11 @@ impl QuasiNewton {
         // or the last that was tried, which is next to nothing.
         self.len = 0;
         done.solves += self.solve(global, &point.gradient);
-        let longest = self.limit(point, contact)?;
         if contact.is_some() {
-            done.is_stuck = !self.search(objective, point, longest, contact, &mut done);
+            self.shorten_to_radius();
+            let most = self.limit(point, contact)?;
+            let found = self.search(objective, point, most, contact, &mut done);
+            done.is_stuck = found.is_none();
             if !done.is_stuck {
                 self.accept(point);
             }
@@ -137,10 +164,44 @@ impl QuasiNewton {
         let rise = self.next.value - point.value;
         let is_higher = rise.is_nan() || rise > ROUNDING * point.size.max(self.next.size);
         if is_higher && !global.is_whole() {
-            self.search(objective, point, 1.0, contact, &mut done);
+            let _ = self.search(objective, point, 1.0, contact, &mut done);
         }
         self.accept(point);
         Ok(done)
+    }
+
+    /// Searches along the direction as far as it is trusted and each vertex may follow it. Returns whether a lower point
+    /// was found.
+    fn search_in_contact(
+        &mut self,
+        objective: &mut Objective,
+        point: &Point,
+        contact: &mut Contact<'_>,
+        done: &mut Advance,
+    ) -> Result<bool, ContactError> {
+        let is_shortened = self.shorten_to_radius();
+        let tried = longest(&self.direction);
+        self.limit_each(point, contact)?;
+        let left = longest(&self.direction);
+        let Some(length) = self.search(objective, point, 1.0, contact, done) else {
+            return Ok(false);
+        };
+        let displacement = length * left;
+        if displacement < SHORTENED * tried {
+            self.radius.shorten(displacement);
+        } else if is_shortened {
+            self.radius.grow();
+        }
+        Ok(true)
+    }
+
+    /// Keeps the direction within the trust radius. Returns whether it was longer.
+    fn shorten_to_radius(&mut self) -> bool {
+        let fraction = self.radius.trust(&self.direction).fraction;
+        if fraction < 1.0 {
+            self.direction.iter_mut().for_each(|p| *p *= fraction);
+        }
+        fraction < 1.0
     }
 
     /// Linearises the contacts at the point.
@@ -257,8 +318,8 @@ impl QuasiNewton {
         solves
     }
 
-    /// Moves `next` against the direction, `most` times it at first, until `G` has fallen enough. Returns whether it
-    /// has.
+    /// Moves `next` against the direction, `most` times it at first, until `G` has fallen enough. Returns the length
+    /// (a factor on the direction) at which it has.
     ///
     /// Armijo's condition compares two values of `G`, which near the minimum agree in all digits that are free of
     /// rounding. There the approximate Wolfe condition decides (Hager and Zhang, SIAM J. Optim. 16, 2005).
@@ -266,15 +327,15 @@ impl QuasiNewton {
         &mut self,
         objective: &mut Objective,
         point: &Point,
-        longest: Real,
+        most: Real,
         contact: &Contact<'_>,
         done: &mut Advance,
-    ) -> bool {
+    ) -> Option<Real> {
         let slope = -dot(&point.gradient, &self.direction);
         if slope.is_nan() || slope >= 0.0 {
-            return false;
+            return None;
         }
-        let mut length = longest;
+        let mut length = most;
         for _ in 0..MAX_TRIALS {
             self.next
                 .move_to(&point.displacement, &self.direction, -length);
@@ -286,7 +347,7 @@ impl QuasiNewton {
                 || is_level
                     && dot(&self.next.gradient, &self.direction).abs() <= APPROXIMATE_WOLFE * -slope
             {
-                return true;
+                return Some(length);
             }
             done.backtracks += 1;
             // The minimum of the parabola through what is known, between a tenth and a half; a rise that is not a
@@ -294,7 +355,7 @@ impl QuasiNewton {
             let minimum = -0.5 * slope * length * length / (rise - slope * length);
             length = minimum.min(0.5 * length).max(0.1 * length);
         }
-        false
+        None
     }
 
     /// Makes `next` the point and remembers the difference.

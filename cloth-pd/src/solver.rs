@@ -307,7 +307,10 @@ impl PdSolver {
         match &mut self.method {
             Method::Plain { .. } => {}
             Method::Chebyshev(method) => method.begin(),
-            Method::QuasiNewton(method) => method.begin(contact.is_some()),
+            Method::QuasiNewton(method) => {
+                let inertial = contact.is_some().then_some(&self.objective.inertial[..]);
+                method.begin(inertial);
+            }
         }
         if let Some(coarse) = &mut self.coarse {
             self.objective.place(&mut self.point);

@@ -3,8 +3,8 @@
 use super::{Folder, Frame, Writer};
 use crate::error::BenchError;
 use cloth_core::math::Vec3;
-use cloth_core::mesh::obj;
 use cloth_core::mesh::ply::{self, Encoding};
+use cloth_core::mesh::{obj, vertex_normals};
 
 /// Kinds of mesh files.
 pub(super) enum Sequence {
@@ -22,7 +22,10 @@ impl Sequence {
 
     fn bytes(&self, positions: &[Vec3], triangles: &[[u32; 3]]) -> Vec<u8> {
         match self {
-            Self::Obj => obj::format(positions, triangles).into_bytes(),
+            Self::Obj => {
+                let normals = vertex_normals(positions, triangles);
+                obj::format_smooth(positions, &normals, triangles).into_bytes()
+            }
             Self::Ply => ply::format(positions, triangles, Encoding::BinaryLittleEndian),
         }
     }

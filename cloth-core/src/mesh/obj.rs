@@ -17,8 +17,9 @@
 mod error;
 mod statement;
 
-pub use error::{ObjError, ObjProblem};
+pub use error::ObjProblem;
 
+use super::file_error::{MeshFileError, MeshFileProblem, Place};
 use super::{MeshError, TriMesh, fan};
 use crate::math::Vec3;
 use crate::topology::EdgeTable;
@@ -31,12 +32,12 @@ use std::path::Path;
 /// Bytes that are not UTF-8 do no harm in comments and names.
 ///
 /// # Errors
-/// [`ObjError`] with the path if the file cannot be read or is empty, with path and line if it
+/// [`MeshFileError`] with the path if the file cannot be read or is empty, with path and line if it
 /// can be read and is wrong.
-pub fn read(path: &Path) -> Result<TriMesh, ObjError> {
+pub fn read(path: &Path) -> Result<TriMesh, MeshFileError> {
     let parsed = match std::fs::read(path) {
         Ok(bytes) => parse(&String::from_utf8_lossy(&bytes)),
-        Err(error) => Err(ObjError::new(None, ObjProblem::Unreadable(error))),
+        Err(error) => Err(MeshFileError::new(None, MeshFileProblem::Unreadable(error))),
     };
     parsed.map_err(|error| error.in_file(path))
 }
@@ -44,10 +45,10 @@ pub fn read(path: &Path) -> Result<TriMesh, ObjError> {
 /// Reads a mesh (positions in m) from the text of a file.
 ///
 /// # Errors
-/// [`ObjError`] with the line, for the first mistake of this list of which there is one: a
+/// [`MeshFileError`] with the line, for the first mistake of this list of which there is one: a
 /// statement that cannot be understood, then whatever [`TriMesh::new`] refuses, then an edge
 /// with more than two faces.
-pub fn parse(text: &str) -> Result<TriMesh, ObjError> {
+pub fn parse(text: &str) -> Result<TriMesh, MeshFileError> {
     let source = Source::scan(text)?;
     let Source {
         positions,
@@ -75,11 +76,11 @@ struct Lines {
 }
 
 impl Source {
-    fn scan(text: &str) -> Result<Self, ObjError> {
+    fn scan(text: &str) -> Result<Self, MeshFileError> {
         let mut source = Self::default();
         let mut corners = Vec::new();
         for (line, statement) in statements(text) {
-            let at = |problem| ObjError::new(Some(line), problem);
+            let at = |problem| MeshFileError::new(Some(Place::Line(line)), problem);
             let mut words = statement.split_whitespace();
             match words.next() {
                 Some("v") => {
@@ -89,12 +90,15 @@ impl Source {
                 Some("f") => {
                     corners.clear();
                     for word in words {
-                        corners.push(corner(word, source.positions.len()).map_err(at)?);
+                        corners.push(
+                            corner(word, source.positions.len())
+                                .map_err(|problem| at(problem.into()))?,
+                        );
                     }
                     source.add_fan(line, &corners).map_err(at)?;
                 }
                 Some(word) if !word.starts_with(|c: char| c.is_ascii_alphabetic()) => {
-                    return Err(at(ObjProblem::NotAStatement(word.to_owned())));
+                    return Err(at(ObjProblem::NotAStatement(word.to_owned()).into()));
                 }
                 _ => {}
             }
@@ -102,9 +106,9 @@ impl Source {
         Ok(source)
     }
 
-    fn add_fan(&mut self, line: usize, corners: &[u32]) -> Result<(), ObjProblem> {
+    fn add_fan(&mut self, line: usize, corners: &[u32]) -> Result<(), MeshFileProblem> {
         if corners.len() < 3 {
-            return Err(ObjProblem::TooFewCorners {
+            return Err(MeshFileProblem::TooFewCorners {
                 found: corners.len(),
             });
         }
@@ -118,35 +122,37 @@ impl Source {
 
 impl Lines {
     /// Says in terms of the file what is wrong with the mesh.
-    fn blame(&self, error: MeshError) -> ObjError {
+    fn blame(&self, error: MeshError) -> MeshFileError {
         let of_triangle = |triangle: usize| self.of_triangle.get(triangle).copied();
         let of_vertex = |vertex: usize| self.of_vertex.get(vertex).copied();
         let first_line = |triangle| of_triangle(triangle).unwrap_or(0);
-        let (line, problem) = match error {
-            MeshError::Empty => (None, ObjProblem::Empty),
-            MeshError::NonFinitePosition { vertex } => (of_vertex(vertex), ObjProblem::NotFinite),
+        let (line, problem): (_, MeshFileProblem) = match error {
+            MeshError::Empty => (None, ObjProblem::Empty.into()),
+            MeshError::NonFinitePosition { vertex } => {
+                (of_vertex(vertex), MeshFileProblem::NotFinite)
+            }
             MeshError::RepeatedVertex { triangle, .. } => {
-                (of_triangle(triangle), ObjProblem::RepeatedVertex)
+                (of_triangle(triangle), ObjProblem::RepeatedVertex.into())
             }
             MeshError::ZeroArea { triangle, area } => {
-                (of_triangle(triangle), ObjProblem::ZeroArea { area })
+                (of_triangle(triangle), ObjProblem::ZeroArea { area }.into())
             }
             MeshError::DuplicateTriangle { first, second } => {
                 let first_line = first_line(first);
                 (
                     of_triangle(second),
-                    ObjProblem::DuplicateFace { first_line },
+                    ObjProblem::DuplicateFace { first_line }.into(),
                 )
             }
             MeshError::UnreferencedVertex { vertex } => {
-                (of_vertex(vertex), ObjProblem::UnreferencedVertex)
+                (of_vertex(vertex), ObjProblem::UnreferencedVertex.into())
             }
             MeshError::NonManifoldEdge { ends, triangles } => {
                 let problem = ObjProblem::NonManifoldEdge {
                     ends: ends.map(|end| end as usize + 1),
                     first_lines: [first_line(triangles[0]), first_line(triangles[1])],
                 };
-                (of_triangle(triangles[2]), problem)
+                (of_triangle(triangles[2]), problem.into())
             }
             // A face may come before the vertices it names, so this is known at the end only.
             MeshError::IndexOutOfRange {
@@ -159,11 +165,11 @@ impl Lines {
                     index,
                     vertex_count,
                 };
-                (of_triangle(triangle), problem)
+                (of_triangle(triangle), problem.into())
             }
-            other => (None, ObjProblem::Mesh(other)),
+            other => (None, ObjProblem::Mesh(other).into()),
         };
-        ObjError::new(line, problem)
+        MeshFileError::new(line.map(Place::Line), problem)
     }
 }
 
@@ -173,10 +179,10 @@ impl Lines {
 /// written as `NaN`, which [`read`] refuses.
 ///
 /// # Errors
-/// [`ObjError`] with the path if the file cannot be written.
-pub fn write(path: &Path, positions: &[Vec3], triangles: &[[u32; 3]]) -> Result<(), ObjError> {
+/// [`MeshFileError`] with the path if the file cannot be written.
+pub fn write(path: &Path, positions: &[Vec3], triangles: &[[u32; 3]]) -> Result<(), MeshFileError> {
     std::fs::write(path, format(positions, triangles))
-        .map_err(|error| ObjError::new(None, ObjProblem::Unwritable(error)).in_file(path))
+        .map_err(|error| MeshFileError::new(None, MeshFileProblem::Unwritable(error)).in_file(path))
 }
 
 /// The text of an OBJ file with these positions (m) and triangles.
@@ -185,13 +191,36 @@ pub fn write(path: &Path, positions: &[Vec3], triangles: &[[u32; 3]]) -> Result<
 #[must_use]
 pub fn format(positions: &[Vec3], triangles: &[[u32; 3]]) -> String {
     let mut text = String::with_capacity(64 * positions.len() + 24 * triangles.len());
-    for p in positions {
-        // Writing to a string cannot fail.
-        let _ = writeln!(text, "v {:?} {:?} {:?}", p.x, p.y, p.z);
-    }
+    add_vectors(&mut text, "v", positions);
     for &t in triangles {
         let [a, b, c] = t.map(|vertex| u64::from(vertex) + 1);
         let _ = writeln!(text, "f {a} {b} {c}");
     }
     text
+}
+
+/// The same with a normal of each vertex (dimensionless) beside its position, so that a viewer shades the surface as
+/// smooth; see [`vertex_normals`](super::vertex_normals). Reading it leaves the normals out.
+///
+/// # Panics
+/// If there are not as many normals as positions.
+#[must_use]
+pub fn format_smooth(positions: &[Vec3], normals: &[Vec3], triangles: &[[u32; 3]]) -> String {
+    assert_eq!(normals.len(), positions.len(), "one normal per vertex");
+    let mut text = String::with_capacity(128 * positions.len() + 48 * triangles.len());
+    add_vectors(&mut text, "v", positions);
+    add_vectors(&mut text, "vn", normals);
+    for &t in triangles {
+        let [a, b, c] = t.map(|vertex| u64::from(vertex) + 1);
+        let _ = writeln!(text, "f {a}//{a} {b}//{b} {c}//{c}");
+    }
+    text
+}
+
+/// One statement a vector.
+fn add_vectors(text: &mut String, statement: &str, vectors: &[Vec3]) {
+    for v in vectors {
+        // Writing to a string cannot fail.
+        let _ = writeln!(text, "{statement} {:?} {:?} {:?}", v.x, v.y, v.z);
+    }
 }

@@ -17,8 +17,9 @@ mod error;
 mod header;
 mod values;
 
-pub use error::{Place, PlyError, PlyProblem};
+pub use error::PlyProblem;
 
+use super::file_error::{MeshFileError, MeshFileProblem, Place};
 use super::{MeshError, TriMesh, fan};
 use crate::math::Vec3;
 use crate::topology::EdgeTable;
@@ -54,12 +55,12 @@ impl Encoding {
 /// Reads a mesh (positions in m) from a file.
 ///
 /// # Errors
-/// [`PlyError`] with the path if the file cannot be read, with path and place if it can be read
+/// [`MeshFileError`] with the path if the file cannot be read, with path and place if it can be read
 /// and is wrong.
-pub fn read(path: &Path) -> Result<TriMesh, PlyError> {
+pub fn read(path: &Path) -> Result<TriMesh, MeshFileError> {
     let parsed = match std::fs::read(path) {
         Ok(bytes) => parse(&bytes),
-        Err(error) => Err(PlyError::new(None, PlyProblem::Unreadable(error))),
+        Err(error) => Err(MeshFileError::new(None, MeshFileProblem::Unreadable(error))),
     };
     parsed.map_err(|error| error.in_file(path))
 }
@@ -67,12 +68,12 @@ pub fn read(path: &Path) -> Result<TriMesh, PlyError> {
 /// Reads a mesh (positions in m) from the bytes of a file.
 ///
 /// # Errors
-/// [`PlyError`] with the place, for the first mistake of this list of which there is one: a header
+/// [`MeshFileError`] with the place, for the first mistake of this list of which there is one: a header
 /// or a value that cannot be understood, then whatever [`TriMesh::new`] refuses, then an edge with
 /// more than two faces.
-pub fn parse(bytes: &[u8]) -> Result<TriMesh, PlyError> {
+pub fn parse(bytes: &[u8]) -> Result<TriMesh, MeshFileError> {
     let header = Header::parse(bytes)?;
-    let missing = |what| PlyError::new(None, PlyProblem::Missing { what });
+    let missing = |what| MeshFileError::new(None, PlyProblem::Missing { what });
     let element = |name: &str| header.elements.iter().find(|e| e.name == name);
     let vertices = element("vertex").ok_or_else(|| missing("element \"vertex\""))?;
     let faces = element("face").ok_or_else(|| missing("element \"face\""))?;
@@ -130,7 +131,7 @@ fn read_row(
     index: u64,
     wanted: &[usize],
     kept: &mut Vec<(usize, Number)>,
-) -> Result<(), PlyError> {
+) -> Result<(), MeshFileError> {
     kept.clear();
     for (column, property) in element.properties.iter().enumerate() {
         let length = match property.length {
@@ -171,24 +172,25 @@ impl Source {
         place: Place,
         kept: &[(usize, Number)],
         axes: [usize; 3],
-    ) -> Result<(), PlyError> {
+    ) -> Result<(), MeshFileError> {
         let coordinate = |axis: usize| {
             let found = kept.iter().find(|(column, _)| *column == axes[axis]);
             found.map_or(0.0, |(_, number)| number.real())
         };
         let position = Vec3::new(coordinate(0), coordinate(1), coordinate(2));
         if !crate::math::is_finite(&position) {
-            return Err(PlyError::new(Some(place), PlyProblem::NotFinite));
+            return Err(MeshFileError::new(Some(place), MeshFileProblem::NotFinite));
         }
         self.positions.push(position);
         self.vertex_places.push(place);
         Ok(())
     }
 
-    fn add_face(&mut self, place: Place, kept: &[(usize, Number)]) -> Result<(), PlyError> {
-        let refused = |problem| Err(PlyError::new(Some(place), problem));
+    fn add_face(&mut self, place: Place, kept: &[(usize, Number)]) -> Result<(), MeshFileError> {
+        let refused = |problem| Err(MeshFileError::new(Some(place), problem));
         if kept.len() < 3 {
-            return refused(PlyProblem::TooFewCorners { found: kept.len() });
+            let found = kept.len();
+            return refused(MeshFileProblem::TooFewCorners { found });
         }
         self.corners.clear();
         for &(_, number) in kept {
@@ -198,10 +200,12 @@ impl Source {
             match u32::try_from(index) {
                 Ok(corner) if u64::from(corner) < self.vertex_count => self.corners.push(corner),
                 _ => {
-                    return refused(PlyProblem::NoSuchVertex {
+                    let vertex_count = self.vertex_count;
+                    let problem = PlyProblem::NoSuchVertex {
                         index,
-                        vertex_count: self.vertex_count,
-                    });
+                        vertex_count,
+                    };
+                    return refused(problem.into());
                 }
             }
         }
@@ -213,7 +217,7 @@ impl Source {
         Ok(())
     }
 
-    fn finish(mut self) -> Result<TriMesh, PlyError> {
+    fn finish(mut self) -> Result<TriMesh, MeshFileError> {
         let positions = std::mem::take(&mut self.positions);
         let triangles = std::mem::take(&mut self.triangles);
         let mesh = TriMesh::new(positions, triangles).map_err(|error| self.blame(error))?;
@@ -222,7 +226,7 @@ impl Source {
     }
 
     /// Says in terms of the file what is wrong with the mesh.
-    fn blame(&self, error: MeshError) -> PlyError {
+    fn blame(&self, error: MeshError) -> MeshFileError {
         let triangle = match error {
             MeshError::RepeatedVertex { triangle, .. }
             | MeshError::ZeroArea { triangle, .. }
@@ -240,7 +244,7 @@ impl Source {
             ) => self.vertex_places.get(*vertex),
             _ => None,
         };
-        PlyError::new(place.copied(), PlyProblem::Mesh { face, error })
+        MeshFileError::new(place.copied(), PlyProblem::Mesh { face, error })
     }
 }
 
@@ -250,15 +254,15 @@ impl Source {
 /// is written as such, which [`read`] refuses.
 ///
 /// # Errors
-/// [`PlyError`] with the path if the file cannot be written.
+/// [`MeshFileError`] with the path if the file cannot be written.
 pub fn write(
     path: &Path,
     positions: &[Vec3],
     triangles: &[[u32; 3]],
     encoding: Encoding,
-) -> Result<(), PlyError> {
+) -> Result<(), MeshFileError> {
     std::fs::write(path, format(positions, triangles, encoding))
-        .map_err(|error| PlyError::new(None, PlyProblem::Unwritable(error)).in_file(path))
+        .map_err(|error| MeshFileError::new(None, MeshFileProblem::Unwritable(error)).in_file(path))
 }
 
 /// The bytes of a PLY file with these positions (m, in double precision) and triangles.

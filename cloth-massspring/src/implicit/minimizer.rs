@@ -7,11 +7,11 @@ use super::progress::Progress;
 use super::quasi_newton::QuasiNewton;
 use super::stage::Stage;
 use super::system::NewtonSystem;
-use super::trust::TrustRadius;
 use crate::config::{Accept, ImplicitConfig, Solve};
 use cloth_core::contact::ContactPotential;
 use cloth_core::math::{Real, Vec3};
 use cloth_core::method::family::Energies;
+use cloth_core::method::trust::TrustRadius;
 use cloth_core::particles::Particles;
 use cloth_core::step::{BuildError, Observer, Outcome, StepError, StepReport};
 
@@ -35,6 +35,9 @@ const VIOLENT: Real = 1e-3;
 const KEPT: Real = 0.75;
 /// Linearisations in a step, at most.
 const MOST_LINEARIZATIONS: u32 = 8;
+
+/// Factor on the trust radius after a step to its end that has not been shortened.
+const RADIUS_GROWTH: Real = 4.0;
 
 /// The iterates, and what the methods keep between two calls.
 #[derive(Debug)]
@@ -283,7 +286,7 @@ impl Minimizer {
         // Not known before a matrix has been assembled.
         let mut rounding = 0.0;
         let mut progress = Progress::new();
-        let mut radius = TrustRadius::unlimited();
+        let mut radius = TrustRadius::new(Real::INFINITY, RADIUS_GROWTH);
         loop {
             let norm = self.gradient_norm(task)?;
             report.residual = Some(self.residual(norm, rounding));
@@ -328,14 +331,19 @@ impl Minimizer {
                 return Ok(End::Stuck);
             }
             let trusted = contact.is_some().then(|| radius.trust(&self.direction));
-            let part = trusted.map_or(1.0, |trusted| trusted.part);
+            let part = trusted.map_or(1.0, |trusted| trusted.fraction);
             let most = self.longest_step(task, contact, part)?;
             let stage = with(task, contact);
             let (from, to) = (&self.current, &mut self.next);
             let found = line_search::search(&stage, from, &self.direction, slope, most, to);
             report.backtracks += found.backtracks;
             if let Some(trusted) = trusted {
-                radius.learn(trusted, found);
+                // What contact has cut says nothing about the radius.
+                if found.backtracks > 0 {
+                    radius.shorten(found.length * trusted.longest);
+                } else if trusted.fraction < 1.0 && found.length == trusted.fraction {
+                    radius.grow();
+                }
             }
             if !found.accepted {
                 if norm <= STALL * rounding {

@@ -1,6 +1,7 @@
 //! Triangles to pixels: z-buffer, shading, averaging of samples.
 
 use cloth_core::math::Vec3;
+use cloth_core::mesh::vertex_normals;
 
 use super::camera::Camera;
 use super::{SAMPLES, Surface, View};
@@ -35,7 +36,7 @@ impl Raster {
     }
 
     pub(super) fn draw(&mut self, surface: &Surface<'_>, camera: &Camera, view: &View) {
-        let normals = vertex_normals(surface);
+        let normals = vertex_normals(surface.positions, surface.triangles);
         let shade = Shade::new(surface, camera, view);
         for triangle in surface.triangles {
             let corner = |i: usize| {
@@ -116,20 +117,6 @@ impl Raster {
             }
         }
     }
-}
-
-/// Sums of the area-weighted normals of the triangles around each vertex (m²). Zero where they
-/// cancel.
-fn vertex_normals(surface: &Surface<'_>) -> Vec<Vec3> {
-    let mut normals = vec![Vec3::zeros(); surface.positions.len()];
-    for triangle in surface.triangles {
-        let [a, b, c] = triangle.map(|v| surface.positions[v as usize]);
-        let normal = (b - a).cross(&(c - a));
-        for vertex in triangle {
-            normals[*vertex as usize] += normal;
-        }
-    }
-    normals
 }
 
 /// Lights and colours, in linear light and world axes.

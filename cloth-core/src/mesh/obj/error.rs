@@ -1,62 +1,13 @@
-//! What can be wrong with an OBJ file, and where.
+//! What can be wrong with an OBJ file.
 
 use super::MeshError;
 use crate::math::Real;
-use std::path::{Path, PathBuf};
-use std::{fmt, io};
-
-/// Why an OBJ file was refused: the place and the problem.
-#[derive(Debug)]
-pub struct ObjError {
-    path: Option<PathBuf>,
-    line: Option<usize>,
-    problem: ObjProblem,
-}
-
-impl ObjError {
-    pub(super) fn new(line: Option<usize>, problem: ObjProblem) -> Self {
-        Self {
-            path: None,
-            line,
-            problem,
-        }
-    }
-
-    pub(super) fn in_file(self, path: &Path) -> Self {
-        Self {
-            path: Some(path.to_owned()),
-            ..self
-        }
-    }
-
-    /// The file, unless the text came from elsewhere.
-    #[must_use]
-    pub fn path(&self) -> Option<&Path> {
-        self.path.as_deref()
-    }
-
-    /// The line, counted from 1, if the problem has one. For a statement that runs over several
-    /// lines it is the first of them.
-    #[must_use]
-    pub fn line(&self) -> Option<usize> {
-        self.line
-    }
-
-    /// What is wrong.
-    #[must_use]
-    pub fn problem(&self) -> &ObjProblem {
-        &self.problem
-    }
-}
+use std::fmt;
 
 /// What is wrong with an OBJ file. Vertices are counted from 1 here, as in the file.
 #[derive(Debug)]
 #[non_exhaustive]
 pub enum ObjProblem {
-    /// The file cannot be read.
-    Unreadable(io::Error),
-    /// The file cannot be written.
-    Unwritable(io::Error),
     /// There is no face.
     Empty,
     /// A line begins with something that is no keyword.
@@ -68,13 +19,6 @@ pub enum ObjProblem {
     },
     /// A coordinate is no number.
     NotANumber(String),
-    /// A coordinate is NaN, infinite or too large.
-    NotFinite,
-    /// A face has fewer than three corners.
-    TooFewCorners {
-        /// How many it has.
-        found: usize,
-    },
     /// A corner of a face is none of `v`, `v/vt`, `v//vn`, `v/vt/vn` with whole numbers other
     /// than 0.
     NotAnIndex(String),
@@ -110,36 +54,15 @@ pub enum ObjProblem {
     Mesh(MeshError),
 }
 
-impl fmt::Display for ObjError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        if let Some(path) = &self.path {
-            write!(f, "{}: ", path.display())?;
-        }
-        if let Some(line) = self.line {
-            write!(f, "line {line}: ")?;
-        }
-        self.problem.fmt(f)
-    }
-}
-
 impl fmt::Display for ObjProblem {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Unreadable(error) => write!(f, "the file cannot be read: {error}"),
-            Self::Unwritable(error) => write!(f, "the file cannot be written: {error}"),
             Self::Empty => write!(f, "there are no faces, so there is no cloth"),
             Self::NotAStatement(word) => write!(f, "{word:?} is not a keyword of OBJ"),
             Self::TooFewCoordinates { found } => {
                 write!(f, "a vertex needs three coordinates, this one has {found}")
             }
             Self::NotANumber(word) => write!(f, "{word:?} is not a number"),
-            Self::NotFinite => write!(f, "a coordinate is not a finite number"),
-            Self::TooFewCorners { found } => {
-                write!(
-                    f,
-                    "a face needs at least three corners, this one has {found}"
-                )
-            }
             Self::NotAnIndex(word) => write!(
                 f,
                 "{word:?} is not a corner of a face, which reads v, v/vt, v//vn or v/vt/vn"
@@ -178,16 +101,6 @@ impl fmt::Display for ObjProblem {
                 ends[0], ends[1], first_lines[0], first_lines[1]
             ),
             Self::Mesh(error) => error.fmt(f),
-        }
-    }
-}
-
-impl std::error::Error for ObjError {
-    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
-        match &self.problem {
-            ObjProblem::Unreadable(error) | ObjProblem::Unwritable(error) => Some(error),
-            ObjProblem::Mesh(error) => Some(error),
-            _ => None,
         }
     }
 }

@@ -1,6 +1,6 @@
 //! Lines, words and numbers of an OBJ file.
 
-use super::ObjProblem;
+use super::{MeshFileProblem, ObjProblem};
 use crate::math::{Real, Vec3};
 use std::borrow::Cow;
 
@@ -39,7 +39,7 @@ fn code_of(line: &str) -> (&str, bool) {
 }
 
 /// The three coordinates (m) of a vertex; a weight or a colour after them is left out.
-pub(super) fn position<'a>(words: impl Iterator<Item = &'a str>) -> Result<Vec3, ObjProblem> {
+pub(super) fn position<'a>(words: impl Iterator<Item = &'a str>) -> Result<Vec3, MeshFileProblem> {
     let mut position = Vec3::zeros();
     let mut found = 0;
     for word in words.take(3) {
@@ -48,14 +48,14 @@ pub(super) fn position<'a>(words: impl Iterator<Item = &'a str>) -> Result<Vec3,
             .parse()
             .map_err(|_| ObjProblem::NotANumber(word.to_owned()))?;
         if !number.is_finite() {
-            return Err(ObjProblem::NotFinite);
+            return Err(MeshFileProblem::NotFinite);
         }
         position[found] = number;
         found += 1;
     }
     match found {
         3 => Ok(position),
-        _ => Err(ObjProblem::TooFewCoordinates { found }),
+        _ => Err(ObjProblem::TooFewCoordinates { found }.into()),
     }
 }
 

@@ -1,78 +1,12 @@
-//! What can be wrong with a PLY file, and where.
+//! What can be wrong with a PLY file.
 
 use super::MeshError;
-use std::path::{Path, PathBuf};
-use std::{fmt, io};
-
-/// A place in a file.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Place {
-    /// Of the header, or of a body written as text: the line, counted from 1.
-    Line(usize),
-    /// Of a binary body: the byte, counted from 0.
-    Byte(usize),
-}
-
-impl fmt::Display for Place {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Line(line) => write!(f, "line {line}"),
-            Self::Byte(byte) => write!(f, "byte {byte}"),
-        }
-    }
-}
-
-/// Why a PLY file was refused: the place and the problem.
-#[derive(Debug)]
-pub struct PlyError {
-    path: Option<PathBuf>,
-    place: Option<Place>,
-    problem: PlyProblem,
-}
-
-impl PlyError {
-    pub(super) fn new(place: Option<Place>, problem: PlyProblem) -> Self {
-        Self {
-            path: None,
-            place,
-            problem,
-        }
-    }
-
-    pub(super) fn in_file(self, path: &Path) -> Self {
-        Self {
-            path: Some(path.to_owned()),
-            ..self
-        }
-    }
-
-    /// The file, unless the bytes came from elsewhere.
-    #[must_use]
-    pub fn path(&self) -> Option<&Path> {
-        self.path.as_deref()
-    }
-
-    /// Where the problem is, if it has a place.
-    #[must_use]
-    pub fn place(&self) -> Option<Place> {
-        self.place
-    }
-
-    /// What is wrong.
-    #[must_use]
-    pub fn problem(&self) -> &PlyProblem {
-        &self.problem
-    }
-}
+use std::fmt;
 
 /// What is wrong with a PLY file. Vertices and faces are counted from 0 here, as in the file.
 #[derive(Debug)]
 #[non_exhaustive]
 pub enum PlyProblem {
-    /// The file cannot be read.
-    Unreadable(io::Error),
-    /// The file cannot be written.
-    Unwritable(io::Error),
     /// The first line is not `ply`.
     NotPly,
     /// The header ends before `end_header`.
@@ -121,13 +55,6 @@ pub enum PlyProblem {
         /// The type.
         expected: &'static str,
     },
-    /// A coordinate is NaN or infinite.
-    NotFinite,
-    /// A face has fewer than three corners.
-    TooFewCorners {
-        /// How many it has.
-        found: usize,
-    },
     /// A face names a vertex that does not exist.
     NoSuchVertex {
         /// The number in the file.
@@ -145,23 +72,9 @@ pub enum PlyProblem {
     },
 }
 
-impl fmt::Display for PlyError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        if let Some(path) = &self.path {
-            write!(f, "{}: ", path.display())?;
-        }
-        if let Some(place) = self.place {
-            write!(f, "{place}: ")?;
-        }
-        self.problem.fmt(f)
-    }
-}
-
 impl fmt::Display for PlyProblem {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Unreadable(error) => write!(f, "the file cannot be read: {error}"),
-            Self::Unwritable(error) => write!(f, "the file cannot be written: {error}"),
             Self::NotPly => write!(
                 f,
                 "the first line of a PLY file is \"ply\", this one is not"
@@ -192,11 +105,6 @@ impl fmt::Display for PlyProblem {
             Self::NotANumber { found, expected } => {
                 write!(f, "expected {expected}, but found {found:?}")
             }
-            Self::NotFinite => write!(f, "a coordinate is not a finite number"),
-            Self::TooFewCorners { found } => write!(
-                f,
-                "a face needs at least three corners, this one has {found}"
-            ),
             Self::NoSuchVertex {
                 index,
                 vertex_count,
@@ -209,16 +117,6 @@ impl fmt::Display for PlyProblem {
                 error,
             } => write!(f, "face {face}: {error}"),
             Self::Mesh { face: None, error } => error.fmt(f),
-        }
-    }
-}
-
-impl std::error::Error for PlyError {
-    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
-        match &self.problem {
-            PlyProblem::Unreadable(error) | PlyProblem::Unwritable(error) => Some(error),
-            PlyProblem::Mesh { error, .. } => Some(error),
-            _ => None,
         }
     }
 }

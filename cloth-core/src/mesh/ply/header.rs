@@ -1,6 +1,6 @@
 //! The header: which elements follow, and of what each is made.
 
-use super::{Encoding, Place, PlyError, PlyProblem};
+use super::{Encoding, MeshFileError, Place, PlyProblem};
 
 /// What the body holds.
 pub(super) struct Header {
@@ -82,12 +82,12 @@ const PROPERTY: &str = "\"property TYPE NAME\" or \"property list COUNT_TYPE TYP
                         with types char, uchar, short, ushort, int, uint, float or double and a whole number as count";
 
 impl Header {
-    pub(super) fn parse(bytes: &[u8]) -> Result<Self, PlyError> {
+    pub(super) fn parse(bytes: &[u8]) -> Result<Self, MeshFileError> {
         let mut lines = Lines {
             bytes,
             at: Start { byte: 0, line: 1 },
         };
-        let refused = |line, problem| PlyError::new(Some(Place::Line(line)), problem);
+        let refused = |line, problem| MeshFileError::new(Some(Place::Line(line)), problem);
         if lines.next().is_none_or(|(_, text)| text != "ply") {
             return Err(refused(1, PlyProblem::NotPly));
         }

@@ -1,7 +1,7 @@
 //! The values of the body, one after the other, whatever their encoding.
 
 use super::header::{Element, Kind, Start};
-use super::{Encoding, Place, PlyError, PlyProblem};
+use super::{Encoding, MeshFileError, Place, PlyProblem};
 use crate::math::Real;
 
 /// A value of any type.
@@ -44,7 +44,7 @@ impl<'a> Values<'a> {
     }
 
     /// Goes to the next row, number `index` of `element`, and says where it begins.
-    pub(super) fn row(&mut self, element: &Element, index: u64) -> Result<Place, PlyError> {
+    pub(super) fn row(&mut self, element: &Element, index: u64) -> Result<Place, MeshFileError> {
         self.taken = 0;
         self.row = match self.encoding {
             Encoding::Ascii => {
@@ -52,7 +52,7 @@ impl<'a> Values<'a> {
                 let place = Place::Line(line);
                 let text = text.map_err(|found| {
                     let expected = "numbers in text";
-                    PlyError::new(Some(place), PlyProblem::NotANumber { found, expected })
+                    MeshFileError::new(Some(place), PlyProblem::NotANumber { found, expected })
                 })?;
                 self.words = text.split_whitespace();
                 place
@@ -89,7 +89,7 @@ impl<'a> Values<'a> {
         kind: Kind,
         element: &Element,
         index: u64,
-    ) -> Result<Number, PlyError> {
+    ) -> Result<Number, MeshFileError> {
         let little = match self.encoding {
             Encoding::Ascii => return self.word(kind, element),
             Encoding::BinaryLittleEndian => true,
@@ -117,7 +117,7 @@ impl<'a> Values<'a> {
         })
     }
 
-    fn word(&mut self, kind: Kind, element: &Element) -> Result<Number, PlyError> {
+    fn word(&mut self, kind: Kind, element: &Element) -> Result<Number, MeshFileError> {
         let Some(word) = self.words.next() else {
             return Err(self.wrong_length(element, self.taken + 1, self.taken));
         };
@@ -129,12 +129,12 @@ impl<'a> Values<'a> {
         };
         number.ok_or_else(|| {
             let found = word.chars().take(20).collect();
-            PlyError::new(Some(self.row), PlyProblem::NotANumber { found, expected })
+            MeshFileError::new(Some(self.row), PlyProblem::NotANumber { found, expected })
         })
     }
 
     /// Refuses values that are left in the line.
-    pub(super) fn end_row(&mut self, element: &Element) -> Result<(), PlyError> {
+    pub(super) fn end_row(&mut self, element: &Element) -> Result<(), MeshFileError> {
         match self.words.by_ref().count() {
             0 => Ok(()),
             more => Err(self.wrong_length(element, self.taken, self.taken + more)),
@@ -142,7 +142,7 @@ impl<'a> Values<'a> {
     }
 
     /// Refuses what is left in the file.
-    pub(super) fn end(&mut self) -> Result<(), PlyError> {
+    pub(super) fn end(&mut self) -> Result<(), MeshFileError> {
         let place = match self.encoding {
             Encoding::Ascii => self.line().map(|(line, _)| Place::Line(line)),
             _ if self.at.byte < self.bytes.len() => Some(Place::Byte(self.at.byte)),
@@ -150,20 +150,20 @@ impl<'a> Values<'a> {
         };
         match place {
             None => Ok(()),
-            place => Err(PlyError::new(place, PlyProblem::TooLong)),
+            place => Err(MeshFileError::new(place, PlyProblem::TooLong)),
         }
     }
 
-    fn wrong_length(&self, element: &Element, expected: usize, found: usize) -> PlyError {
+    fn wrong_length(&self, element: &Element, expected: usize, found: usize) -> MeshFileError {
         let problem = PlyProblem::WrongLength {
             element: element.name.clone(),
             expected,
             found,
         };
-        PlyError::new(Some(self.row), problem)
+        MeshFileError::new(Some(self.row), problem)
     }
 
-    fn ended(&self, element: &Element, index: u64) -> PlyError {
+    fn ended(&self, element: &Element, index: u64) -> MeshFileError {
         let problem = PlyProblem::Truncated {
             element: element.name.clone(),
             index,
@@ -173,6 +173,6 @@ impl<'a> Values<'a> {
             Encoding::Ascii => Place::Line(self.at.line),
             _ => Place::Byte(self.bytes.len()),
         };
-        PlyError::new(Some(place), problem)
+        MeshFileError::new(Some(place), problem)
     }
 }
