@@ -3,7 +3,7 @@
 mod chains;
 mod needed;
 
-use super::{Cases, Findings, Scope, Study, sheets};
+use super::{Findings, Scope, Study, StudyRun, sheets};
 use crate::error::BenchError;
 use crate::report::table::{Cell, Table};
 use crate::scene::{self, Scene};
@@ -24,24 +24,17 @@ pub(super) const STUDY: Study = Study {
         marked `at least`: errors fall more slowly the longer it takes. With Chebyshev a Gauss–Seidel sweep goes there and back, counted as one. Times are the smallest of several repetitions, all methods in turn, one process; \
         beyond 200 sweeps a further sweep costs what it does on the mean of 200. The plot has chains, whose rates are known. Expect coarse levels to bring the sheet that hangs by its edge there almost at once; what surprises is that they do nothing for the one that hangs \
         by two corners, where Chebyshev helps most.",
-    cases,
     run,
 };
 
 /// Vertices a side.
 fn sides(scope: Scope) -> &'static [u32] {
-    match scope {
-        Scope::Quick => &[24],
-        Scope::Full => &[32, 64, 128],
-    }
+    scope.pick(&[24], &[32, 64, 128])
 }
 
 /// Sweeps before a count is extrapolated.
 fn most_sweeps(scope: Scope) -> u32 {
-    match scope {
-        Scope::Quick => 4_000,
-        Scope::Full => 16_000,
-    }
+    scope.pick(4_000, 16_000)
 }
 
 const PROBLEMS: [&str; 3] = ["edge", "corners", "falling"];
@@ -121,12 +114,13 @@ fn variants(problem: &str, n: u32) -> Vec<Variant> {
     variants
 }
 
-fn cases(scope: Scope) -> u64 {
-    1 + (sides(scope).len() * PROBLEMS.len()) as u64
-}
-
-fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
-    let mut findings = Findings::default();
+fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
+    let StudyRun {
+        scope,
+        cases,
+        findings,
+    } = study;
+    let scope = *scope;
     let mut table = Table::new(&[
         "problem",
         "n",
@@ -144,18 +138,18 @@ fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
             let name = format!("{problem} at {n} × {n}");
             let counted = cases.case(&name, || measure(scope, problem, n));
             if let Some(counted) = findings.unless_failed(&name, counted) {
-                add(problem, n, &counted, &mut table, &mut findings);
+                add(problem, n, &counted, &mut table, findings);
             }
         }
     }
-    chains::run(scope, &mut findings, cases);
+    chains::run(scope, findings, cases);
     findings.section.verdict = verdict(&table);
     findings.table(
         "acceleration",
         "Sweeps and time until a hundredth of the error of the prediction is left",
         table,
     );
-    Ok(findings)
+    Ok(())
 }
 
 /// What one variant takes for a problem, or why it does not get there.

@@ -1,6 +1,6 @@
 //! How cloth bends: a heavy strip against its exact curve, and what each model amounts to on each pattern.
 
-use super::{Cases, Findings, Scope, Study};
+use super::{Cases, Findings, Scope, Study, StudyRun};
 use crate::error::BenchError;
 use crate::laws::elastica::{exact, sag};
 use crate::laws::elements::{PATTERNS, Pattern};
@@ -20,25 +20,21 @@ pub(super) const STUDY: Study = Study {
         which the pattern decides and which is −1/3 for equilateral triangles, makes up 0.15 % at most. The factors are energies per area of vertices on a surface of constant \
         curvature, over ½ k κ² (sphere: ½ k (2κ)²); 3 on a cylinder is what D = 3k means. Settled: on the alternating grid vertices with four and with eight neighbours may stand at different heights, \
         as they do in equilibrium. Expect hinge models of the same D to hang alike; what surprises is the sphere, on which the factor is a third of that on a cylinder.",
-    cases,
     run,
 };
 
 /// Γ on which every model is measured.
 fn loads(scope: Scope) -> &'static [Real] {
-    match scope {
-        Scope::Quick => &[0.1, 1.0, 10.0, 100.0, 1000.0],
-        Scope::Full => &[
+    scope.pick(
+        &[0.1, 1.0, 10.0, 100.0, 1000.0],
+        &[
             0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1000.0,
         ],
-    }
+    )
 }
 
 fn rows(scope: Scope) -> usize {
-    match scope {
-        Scope::Quick => 128,
-        Scope::Full => 256,
-    }
+    scope.pick(128, 256)
 }
 
 /// Rows of the strips that show how the error falls, and their Γ.
@@ -46,13 +42,6 @@ const REFINED: [usize; 5] = [16, 32, 64, 128, 256];
 const REFINED_LOADS: [Real; 2] = [100.0, 1000.0];
 /// One model by the curvature vector and one by the angle: at rest the mesh is flat, and the others are the same.
 const REFINED_MODELS: [(&str, Model); 2] = [MODELS[0], MODELS[2]];
-
-fn cases(scope: Scope) -> u64 {
-    let curve = MODELS.len() * loads(scope).len();
-    let refined = REFINED_LOADS.len() * REFINED_MODELS.len() * REFINED.len();
-    let factors = MODELS.len() * PATTERNS.len() + PATTERNS.len() + 1;
-    (curve + refined + factors) as u64
-}
 
 /// A strip whose own error, of Poisson's ratio and of the rim, is 0.014 %.
 const fn long_triangles(rows: usize) -> Shape {
@@ -76,11 +65,16 @@ fn ratio(gamma: Real) -> Real {
     profile.drop / profile.span
 }
 
-fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
-    let mut findings = Findings::default();
-    let worst = elastica(scope, &mut findings, cases);
-    refinement(&mut findings, cases);
-    let apart = factors(&mut findings, cases);
+fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
+    let StudyRun {
+        scope,
+        cases,
+        findings,
+    } = study;
+    let scope = *scope;
+    let worst = elastica(scope, findings, cases);
+    refinement(findings, cases);
+    let apart = factors(findings, cases);
     let on_curve = worst.is_some_and(|worst| worst < 0.01);
     let alike = if on_curve {
         "Every model lies on the curve of the heavy elastica"
@@ -95,7 +89,7 @@ fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
          the measured factors are those of the closed forms to {apart:.0e}, and they differ with pattern, direction and shape, from 1 to 18 for one k of the quadratic model.",
         rows(scope)
     ));
-    Ok(findings)
+    Ok(())
 }
 
 /// A strip at rest.

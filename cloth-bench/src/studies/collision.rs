@@ -4,7 +4,7 @@
 mod crumple;
 mod queries;
 
-use super::{Cases, Findings, Scope, Study};
+use super::{Cases, Findings, Scope, Study, StudyRun};
 use crate::bounds::bounds;
 use crate::error::BenchError;
 use crate::method::{self, Method};
@@ -26,7 +26,6 @@ pub(super) const STUDY: Study = Study {
         A distance of cloth from cloth below the thickness is allowed, one below zero of a vertex from an obstacle is not. Queries: single pairs in motion, whose answer is known exactly because it was chosen first; \
         the conservative method must miss none and may report near ones. The times of a query are the shortest of several calls. \
         Crumpled sheet: an accordion of sixteen layers, two thicknesses apart on average, of ever finer triangles; what the search for candidates costs, and a step that presses it.",
-    cases,
     run,
 };
 
@@ -76,16 +75,17 @@ fn size(scope: Scope, scene: &str) -> (u32, Option<u32>) {
     }
 }
 
-fn cases(scope: Scope) -> u64 {
-    let own = SCENES.len() * methods().len() + queries::CASES;
-    (own + crumple::cases(scope) + 2) as u64
-}
-
-fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
-    let mut findings = Findings::default();
-    let all = &mut findings;
-    let scenes = run_scenes(scope, all, cases)?;
-    let promise = cases.chapter("queries", all, |own, now| queries::run(scope, own, now));
+fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
+    let StudyRun {
+        scope,
+        cases,
+        findings,
+    } = study;
+    let scope = *scope;
+    let scenes = run_scenes(scope, findings, cases)?;
+    let promise = cases.chapter("queries", findings, |own, now| {
+        queries::run(scope, own, now)
+    });
     let promise = promise.map(|counts: [_; 2]| match counts {
         [0, asked] => format!(
             "Of {asked} queries the methods that promise to miss no contact missed none and were never late."
@@ -94,13 +94,13 @@ fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
             "Of {asked} queries the methods that promise to miss no contact missed {broken} or were late for them."
         ),
     });
-    let cost = cases.chapter("crumpled sheet", all, |own, now| {
+    let cost = cases.chapter("crumpled sheet", findings, |own, now| {
         crumple::run(scope, own, now)
     });
     let told = [Some(scenes), promise, cost];
     let told: Vec<String> = told.into_iter().flatten().collect();
     findings.section.verdict = Some(told.join(" "));
-    Ok(findings)
+    Ok(())
 }
 
 /// What came of a scene with one method.

@@ -4,7 +4,7 @@ mod variants;
 
 use super::cases::LazyCell;
 use super::sheets::TestSheet;
-use super::{Cases, Findings, Scope, Study};
+use super::{Cases, Findings, Scope, Study, StudyRun};
 use crate::bounds::bounds;
 use crate::error::BenchError;
 use crate::method::{self, Method};
@@ -30,37 +30,20 @@ pub(super) const STUDY: Study = Study {
         XPBD with iterations stops at a floor: it is not a minimiser of G. PBD turns the spring constant into a projection that is right for one constraint \
         alone: where springs share vertices it is far too soft, and more sweeps do not cure that; rigid projections take the edges to their rest lengths and never look at k. What surprises: with the radius that it estimates within a step, Chebyshev does little for PD; with a radius of 0.9995 given, it does much. \
         With `--scene FILE` the same is asked of a scene of your own, without contact, air and moving pins.",
-    cases,
     run,
 };
 
 fn sizes(scope: Scope) -> &'static [u32] {
-    match scope {
-        Scope::Quick => &[17, 33],
-        Scope::Full => &[32, 64, 128],
-    }
+    scope.pick(&[17, 33], &[32, 64, 128])
 }
 
-fn cases(scope: Scope) -> u64 {
-    count(scope, sizes(scope).len())
-}
-
-fn count(scope: Scope, sizes: usize) -> u64 {
-    let compared = method::all()
-        .filter(|method| method.aims_at_implicit_euler())
-        .count();
-    let parts: usize = cut(scope).iter().map(|(_, parts)| parts.len()).sum();
-    let per_size = iterated(scope).len() + parts + compared;
-    (sizes * per_size + method::all().count()) as u64
-}
-
-/// The same with a scene of one's own in the place of all sizes.
-pub(super) fn cases_of_own(scope: Scope) -> u64 {
-    count(scope, 1)
-}
-
-fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
-    let mut findings = Findings::default();
+fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
+    let StudyRun {
+        scope,
+        cases,
+        findings,
+    } = study;
+    let scope = *scope;
     let mut samples = Table::new(&[
         "n",
         "method",
@@ -135,7 +118,7 @@ fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
             }
             defaults.push(default_row(size, method, sample));
         }
-        curves.draw(sheet, &mut findings);
+        curves.draw(sheet, findings);
         fastest.push(format!("{name}: {}", fastest_to(&reached)));
     }
     findings.answer(
@@ -161,8 +144,8 @@ fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
     let of_fall = sheets
         .iter()
         .rfind(|sheet| sheet.scene.start.positions.len() <= 64 * 64);
-    half_a_second(of_fall.unwrap_or(&sheets[0]), &mut findings, cases)?;
-    Ok(findings)
+    half_a_second(of_fall.unwrap_or(&sheets[0]), findings, cases)?;
+    Ok(())
 }
 
 /// Who is the first at each error, in words.

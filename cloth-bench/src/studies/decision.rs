@@ -4,7 +4,7 @@ mod columns;
 mod measure;
 mod qualities;
 
-use super::{Cases, Findings, Scope, Study, capitalised, scale};
+use super::{Cases, Findings, Scope, Study, StudyRun, capitalised, scale};
 use crate::bounds::bounds;
 use crate::error::BenchError;
 use crate::method;
@@ -30,7 +30,6 @@ pub(super) const STUDY: Study = Study {
         end, and energy above what start and gravity gave, over the latter, energy of strained springs included. Best: within a twentieth of the best. Unfit: \
         ten times the time, memory or contact cost of the best, a tenth of its vertices, an error above 0.1, twice the stretch of \
         implicit Euler, unstable with 1e4 N/m, locked, crossings, or more than 1 % of energy above what was given.",
-    cases,
     run,
 };
 
@@ -46,11 +45,6 @@ fn methods() -> impl Iterator<Item = &'static method::Method> {
     method::all().filter(|method| method.name != scale::WITHOUT)
 }
 
-fn cases(_: Scope) -> u64 {
-    // Of every method three; of the one that is never stable, that it is not.
-    3 * methods().count() as u64 + 1 + CUTS.len() as u64
-}
-
 /// A method with all that was found of it.
 #[derive(Debug)]
 struct Row {
@@ -60,8 +54,13 @@ struct Row {
     contact: Option<Contact>,
 }
 
-fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
-    let mut findings = Findings::default();
+fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
+    let StudyRun {
+        scope,
+        cases,
+        findings,
+    } = study;
+    let scope = *scope;
     findings.section.leads = true;
     let unstable = format!("step of {}", scale::WITHOUT);
     let outcome = cases.case(&unstable, || measure::hopeless(scope));
@@ -110,9 +109,9 @@ fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
         "What no measurement says",
         qualities::table(),
     );
-    answer(scope, &rows, &mut findings);
-    cuts(scope, &mut findings, cases);
-    Ok(findings)
+    answer(scope, &rows, findings);
+    cuts(scope, findings, cases);
+    Ok(())
 }
 
 /// The numbers as they are.

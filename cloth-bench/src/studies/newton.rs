@@ -6,7 +6,7 @@ mod solvers;
 mod steps;
 
 use super::sheets::{STIFFNESS, hanging};
-use super::{Cases, Findings, Scope, Study};
+use super::{Scope, Study, StudyRun};
 use crate::error::BenchError;
 use crate::method::Method;
 use crate::run::median;
@@ -31,24 +31,21 @@ pub(super) const STUDY: Study = Study {
         `multigrid` among the linear solvers is conjugate gradients around a multigrid cycle, whose iterations hardly grow. \
         Whole steps: the sixteenth of the hanging sheet, from its start guess, with solvers that have taken a step before; the error is (G − G*)/(G(x̃) − G*) against Newton's method to rounding. Newton's method solves its systems to a residual of 1e-3, in at most 1000 linear iterations, \
         and takes at most 60 iterations; a solver that does not reach 1e-8 within them, or takes more than 5 s, is not asked for a sheet that is larger or stiffer. The quasi-Newton method is what implicit steps take by default.",
-    cases,
     run,
 };
 
 /// Vertices a side.
 fn sides(scope: Scope) -> &'static [u32] {
-    match scope {
-        Scope::Quick => &[16, 32],
-        Scope::Full => &[32, 64, 128, 256],
-    }
+    scope.pick(&[16, 32], &[32, 64, 128, 256])
 }
 
-fn cases(scope: Scope) -> u64 {
-    sides(scope).len() as u64 + steps::cases(scope)
-}
-
-fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
-    let mut findings = Findings::default();
+fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
+    let StudyRun {
+        scope,
+        cases,
+        findings,
+    } = study;
+    let scope = *scope;
     let mut parts = parts::Parts::default();
     let mut solvers = solvers::Solvers::default();
     let mut conditions = Vec::new();
@@ -68,11 +65,11 @@ fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
             conditions.push((side, condition));
         }
     }
-    let first = parts.report(&mut findings);
-    let second = solvers.report(&mut findings);
-    let third = steps::run(scope, &conditions, &mut findings, cases);
+    let first = parts.report(findings);
+    let second = solvers.report(findings);
+    let third = steps::run(scope, &conditions, findings, cases);
     findings.section.verdict = Some(format!("{third} {first} {second}"));
-    Ok(findings)
+    Ok(())
 }
 
 /// The linear system of the first Newton iteration of a step, and what it is made of.

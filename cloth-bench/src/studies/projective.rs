@@ -5,7 +5,7 @@ mod swing;
 
 pub use factor::{constant_matrix, local_bytes, move_bytes};
 
-use super::{Cases, Findings, Scope, Study, sheets};
+use super::{Findings, Scope, Study, StudyRun, sheets};
 use crate::error::BenchError;
 use crate::method::Method;
 use crate::report::plot::{Axis, Plot, Series};
@@ -27,7 +27,6 @@ pub(super) const STUDY: Study = Study {
         the bandwidth of a triad; from the last column's number of changed rows on it is dearer to correct the factor than to make it anew. Local step: the limit is moving its bytes. \
         Iterations may be counted on any machine; times are those of this one, of a solver that has taken a step before, so that the matrix is factorised. Expect both accelerations to be many times \
         faster than the plain iteration. One reads that projective dynamics takes ten iterations whatever the mesh. That is so to an error of 1e-2; what surprises is that 1e-4 takes hundreds, and more on coarse sheets than on fine ones.",
-    cases,
     run,
 };
 
@@ -78,33 +77,15 @@ const LONG: (&str, Pairs) = (
 );
 
 fn sizes(scope: Scope) -> &'static [u32] {
-    match scope {
-        Scope::Quick => &[17, 33],
-        Scope::Full => &[32, 64, 128],
-    }
+    scope.pick(&[17, 33], &[32, 64, 128])
 }
 
 fn stiffnesses(scope: Scope) -> &'static [Real] {
-    match scope {
-        Scope::Quick => &[1e2, 1e4],
-        Scope::Full => &[1e2, 1e3, 1e4, 1e5],
-    }
+    scope.pick(&[1e2, 1e4], &[1e2, 1e3, 1e4, 1e5])
 }
 
 fn most(scope: Scope) -> u32 {
-    match scope {
-        Scope::Quick => 2_000,
-        Scope::Full => 3_000,
-    }
-}
-
-fn cases(scope: Scope) -> u64 {
-    let steps = (sizes(scope).len() + stiffnesses(scope).len()) * VARIANTS.len();
-    let races = race_sizes(scope).len() * (1 + RACERS.len());
-    let swings = swing::sizes(scope).len();
-    let falls = sizes(scope).len() * (1 + FALLS.len());
-    let chapters = 6;
-    (steps + races + falls + swings + 2 * factor::sizes(scope).len() + chapters) as u64
+    scope.pick(2_000, 3_000)
 }
 
 fn with(pairs: &[(&str, &str)]) -> Settings {
@@ -114,16 +95,24 @@ fn with(pairs: &[(&str, &str)]) -> Settings {
         .fold(start, |settings, (key, value)| settings.with(key, value))
 }
 
-fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
-    let mut findings = Findings::default();
-    let all = &mut findings;
-    let verdict = cases.chapter("one step", all, |own, now| steps(scope, own, now));
+fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
+    let StudyRun {
+        scope,
+        cases,
+        findings,
+    } = study;
+    let scope = *scope;
+    let verdict = cases.chapter("one step", findings, |own, now| steps(scope, own, now));
     let verdict = verdict.flatten();
-    cases.chapter("race", all, |own, now| race(scope, own, now));
-    cases.chapter("falls", all, |own, now| falls(scope, own, now));
-    cases.chapter("swings", all, |own, now| swing::swings(scope, own, now));
-    cases.chapter("factor", all, |own, now| factor::costs(scope, own, now));
-    cases.chapter("local step", all, |own, now| {
+    cases.chapter("race", findings, |own, now| race(scope, own, now));
+    cases.chapter("falls", findings, |own, now| falls(scope, own, now));
+    cases.chapter("swings", findings, |own, now| {
+        swing::swings(scope, own, now)
+    });
+    cases.chapter("factor", findings, |own, now| {
+        factor::costs(scope, own, now)
+    });
+    cases.chapter("local step", findings, |own, now| {
         factor::local_steps(scope, own, now)
     });
     if let Some(verdict) = &verdict {
@@ -133,7 +122,7 @@ fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
         );
     }
     findings.section.verdict = verdict;
-    Ok(findings)
+    Ok(())
 }
 
 /// Iterations of one step against resolution and stiffness; what they say.
@@ -280,10 +269,7 @@ const RACERS: [(&str, &str, Pairs); 4] = [
 ];
 
 fn race_sizes(scope: Scope) -> &'static [u32] {
-    match scope {
-        Scope::Quick => &[17, 33],
-        Scope::Full => &[64, 128],
-    }
+    scope.pick(&[17, 33], &[64, 128])
 }
 
 /// Time to one error, beside implicit Euler by minimisation and XPBD.

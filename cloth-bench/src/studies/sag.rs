@@ -1,6 +1,6 @@
 //! What a setting of XPBD leaves, and whether the settings guide of its chapter is right.
 
-use super::{Cases, Findings, Scope, Study};
+use super::{Cases, Findings, Scope, Study, StudyRun};
 use crate::error::BenchError;
 use crate::laws::{Evaluation, Law};
 use crate::method::Method;
@@ -20,7 +20,6 @@ pub(super) const STUDY: Study = Study {
         expected is g h² (N(N − 1)/2 + (N − 1)(M/m − 1)) for one sweep, else the fixed point of the sweeps as a matrix. Table sag-substeps: the guide, s = Δt √(g (N − 1)/(2 l ε)) rounded up, \
         for N = 24 edges of 1/24 m in a row: a chain, and a sheet of 1 m × 1 m hung by one edge or by two corners, rigid springs, with hinges of 1e-5 N·m; mean strain is the fall of the lowest vertex over 1 m. Table sag-iterations: \
         as many sweeps as the mesh has edges across, as iterations of one substep and as substeps. Expect n iterations to divide the sag by about n, n substeps by n²; what surprises is how far the worst edge of a sheet held by two corners lies above the mean that the guide promises. The state of rest is found by taking the velocities away whenever the kinetic energy has passed a maximum.",
-    cases,
     run,
 };
 
@@ -36,47 +35,35 @@ const STEP: Real = 1.0 / 60.0;
 const STILL: Real = 1e-6;
 
 fn tips(scope: Scope) -> &'static [Real] {
-    match scope {
-        Scope::Quick => &[1.0, 1e2],
-        Scope::Full => &[1.0, 10.0, 1e2, 1e3, 1e4, 1e5],
-    }
+    scope.pick(&[1.0, 1e2], &[1.0, 10.0, 1e2, 1e3, 1e4, 1e5])
 }
 
 fn efforts(scope: Scope) -> &'static [u32] {
-    match scope {
-        Scope::Quick => &[1, 8, 64],
-        Scope::Full => &[1, 2, 4, 8, 16, 32, 64, 128, 256],
-    }
+    scope.pick(&[1, 8, 64], &[1, 2, 4, 8, 16, 32, 64, 128, 256])
 }
 
 fn wanted(scope: Scope) -> &'static [Real] {
-    match scope {
-        Scope::Quick => &[1e-2],
-        Scope::Full => &[3e-2, 1e-2, 3e-3, 1e-3],
-    }
+    scope.pick(&[1e-2], &[3e-2, 1e-2, 3e-3, 1e-3])
 }
 
 fn most_steps(scope: Scope) -> u32 {
-    match scope {
-        Scope::Quick => 300,
-        Scope::Full => 3000,
-    }
+    scope.pick(300, 3000)
 }
 
-fn cases(scope: Scope) -> u64 {
-    let chains = 2 * tips(scope).len() * efforts(scope).len();
-    (chains + SUPPORTS.len() * SWEEPS.len() * (wanted(scope).len() + 2)) as u64
-}
-
-fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
-    let mut findings = Findings::default();
-    let holds = chains(scope, &mut findings, cases)?;
-    let guide = substeps(scope, &mut findings, cases)?;
-    let diameter = iterations(scope, &mut findings, cases)?;
+fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
+    let StudyRun {
+        scope,
+        cases,
+        findings,
+    } = study;
+    let scope = *scope;
+    let holds = chains(scope, findings, cases)?;
+    let guide = substeps(scope, findings, cases)?;
+    let diameter = iterations(scope, findings, cases)?;
     findings.section.verdict = Some(format!(
         "The chain sags by its law {holds}. {guide} {diameter}"
     ));
-    Ok(findings)
+    Ok(())
 }
 
 /// The law `sag` over its parameters; how well it holds.

@@ -1,6 +1,6 @@
 //! How large a cloth each method can simulate on this machine, and what a step of it costs.
 
-use super::{Cases, Findings, Scope, Study};
+use super::{Scope, Study, StudyRun};
 use crate::error::BenchError;
 use crate::memory;
 use crate::method;
@@ -20,24 +20,17 @@ pub(super) const STUDY: Study = Study {
         budget of time, or would if it took as long a vertex as the last, or until four times the memory of the last size would not leave a fifth of what the machine has free. Time of a step is the median of the three, setup is everything before the first step that belongs to the method; memory is the peak of \
         the process, program and mesh included. The line through the plot is a time proportional to the vertices. Expect sweeps and projections to follow it; factorisations grow faster in time and memory, and explicit steps grow with the power 1.5 because \
         a finer sheet needs shorter ones. How good these steps are is another question: see `convergence` and `independence`.",
-    cases,
     run,
 };
 
 /// Vertices a side.
 fn sides(scope: Scope) -> &'static [u32] {
-    match scope {
-        Scope::Quick => &[16, 48],
-        Scope::Full => &[64, 128, 256, 512, 1000],
-    }
+    scope.pick(&[16, 48], &[64, 128, 256, 512, 1000])
 }
 
 /// Time that one size may take.
 fn budget(scope: Scope) -> Duration {
-    match scope {
-        Scope::Quick => Duration::from_secs(10),
-        Scope::Full => Duration::from_secs(60),
-    }
+    scope.pick(Duration::from_secs(10), Duration::from_secs(60))
 }
 
 const STEPS: u32 = 3;
@@ -46,10 +39,6 @@ pub(super) const WITHOUT: &str = "explicit-euler";
 
 fn methods() -> impl Iterator<Item = &'static method::Method> {
     method::all().filter(|method| method.name != WITHOUT)
-}
-
-fn cases(_: Scope) -> u64 {
-    methods().count() as u64
 }
 
 /// One size that a method got through.
@@ -69,8 +58,13 @@ struct Reach {
     end: String,
 }
 
-fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
-    let mut findings = Findings::default();
+fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
+    let StudyRun {
+        scope,
+        cases,
+        findings,
+    } = study;
+    let scope = *scope;
     let mut table = Table::new(&[
         "method",
         "vertices a side",
@@ -153,7 +147,7 @@ fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
     );
     findings.answer("How large a cloth?", verdict.clone());
     findings.section.verdict = Some(verdict);
-    Ok(findings)
+    Ok(())
 }
 
 fn reach(scope: Scope, method: &str, progress: &mut dyn FnMut(&str)) -> Result<Reach, BenchError> {

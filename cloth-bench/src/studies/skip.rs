@@ -1,7 +1,7 @@
 //! What the features cost that a scene does not use: time, dependencies, build.
 
 use super::interleaved::interleaved;
-use super::{Cases, Findings, Scope, Study};
+use super::{Scope, Study, StudyRun};
 use crate::error::BenchError;
 use crate::method::{self, Method};
 use crate::report::table::{Cell, Table};
@@ -22,7 +22,6 @@ pub(super) const STUDY: Study = Study {
     about: "Expect a ratio of 1 for whatever is there but unused. Time: a step of the hanging sheet without the feature, with the feature there but not used (a bending rigidity of 0, a contact hook with nothing to touch, an observer that does nothing), and with it in use. \
         Many rounds of one step each, and of their ratios to the step without the feature the median: what slows the machine for a while slows a whole round. How far that can be trusted stands beside it: the step without the feature is measured twice. Contact in use is self-collision of a sheet that does not touch itself, resolved once a step. That nothing is allocated is not measured here but tested. \
         Dependencies: other crates that a crate of this workspace brings in, with all of its features and with the fewest; seconds are those of building it alone from nothing, its dependencies included.",
-    cases,
     run,
 };
 
@@ -43,18 +42,16 @@ fn methods() -> Vec<&'static str> {
 }
 
 fn side(scope: Scope) -> u32 {
-    match scope {
-        Scope::Quick => 33,
-        Scope::Full => 128,
-    }
+    scope.pick(33, 128)
 }
 
-fn cases(_: Scope) -> u64 {
-    (FEATURES.len() * methods().len() + CRATES.len()) as u64
-}
-
-fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
-    let mut findings = Findings::default();
+fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
+    let StudyRun {
+        scope,
+        cases,
+        findings,
+    } = study;
+    let scope = *scope;
     let mut table = Table::new(&[
         "feature",
         "method",
@@ -129,7 +126,7 @@ fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
             &format!(" With the fewest features the crates bring in so many others: {fewest}.");
     }
     findings.section.verdict = Some(verdict);
-    Ok(findings)
+    Ok(())
 }
 
 /// An observer that does nothing.
@@ -209,10 +206,7 @@ fn times(scope: Scope, feature: &str, method: &str) -> Result<[Real; 4], BenchEr
         }
         _ => {}
     }
-    let least = match scope {
-        Scope::Quick => 1.0,
-        Scope::Full => 4.0,
-    };
+    let least = scope.pick(1.0, 4.0);
     let times = interleaved(least, |variant| variants[variant].step())?;
     let [_, again, unused, used] = times.ratios;
     Ok([times.seconds[0], again, unused, used])

@@ -1,6 +1,6 @@
 //! Where the methods stop working: maps of step size, stiffness, ratios and mesh quality.
 
-use super::{Cases, Findings, Scope, Study};
+use super::{Cases, Findings, Scope, Study, StudyRun};
 use crate::error::BenchError;
 use crate::journal::Number;
 use crate::method::{self, Method};
@@ -29,21 +29,21 @@ pub(super) const STUDY: Study = Study {
         diverged: no longer finite, or the method said so; refused: not built, or the matrix of the first step is of no use, with the reason in the notes. Maps: step (s) × stiffness (N/m); mass of a free corner over that of an inner vertex × stiffness of one half of the sheet over that of the other, Δt = 1/60 s; \
         height of one row of triangles over that of the others, zero included. Limit: the largest step at which symplectic Euler keeps a fixed-free chain of 20 masses from exploding, found by bisection, over the closed form h = 1/(√(k/m) sin((2n − 1)π/(4n + 2))). \
         What might surprise: a method can be unconditionally stable for a linear spring (implicit midpoint) and still gain energy on cloth, and PBD and XPBD, cut short by their published settings, hold more elastic energy than the fall has given although they stay finite.",
-    cases,
     run,
 };
-
-fn cases(scope: Scope) -> u64 {
-    1 + rows(scope).len() as u64
-}
 
 fn methods() -> impl Iterator<Item = &'static str> {
     method::all().map(|method| method.name)
 }
 
-fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
-    let mut findings = Findings::default();
-    let limit = limits(scope, &mut findings, cases);
+fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
+    let StudyRun {
+        scope,
+        cases,
+        findings,
+    } = study;
+    let scope = *scope;
+    let limit = limits(scope, findings, cases);
     let rows = rows(scope);
     let fates = cases.side_by_side(&rows, Row::name, |row| {
         row.map.row(scope, row.down, row.method)
@@ -56,10 +56,10 @@ fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
             .by_ref()
             .take(methods().count() * down.len())
             .collect();
-        told.push(draw(map, &across, of_map, &mut findings));
+        told.push(draw(map, &across, of_map, findings));
     }
     findings.section.verdict = Some(told.join(" "));
-    Ok(findings)
+    Ok(())
 }
 
 /// What is one case: a method on one row of a map.
@@ -270,10 +270,7 @@ struct Limit {
 }
 
 fn limits(scope: Scope, findings: &mut Findings, cases: &mut Cases<'_>) -> String {
-    let stiffnesses: &[Real] = match scope {
-        Scope::Quick => &[1e2, 1e6],
-        Scope::Full => &[1.0, 1e2, 1e4, 1e6, 1e8],
-    };
+    let stiffnesses: &[Real] = scope.pick(&[1e2, 1e6], &[1.0, 1e2, 1e4, 1e6, 1e8]);
     let case = "limit of symplectic Euler";
     let found: Result<Vec<Limit>, BenchError> =
         cases.case(case, || stiffnesses.iter().map(|&k| limit(k)).collect());

@@ -1,6 +1,6 @@
 //! How stiff a material is as simulated, against iterations and step size.
 
-use super::{Cases, Findings, Scope, Study};
+use super::{Cases, Findings, Scope, Study, StudyRun};
 use crate::error::BenchError;
 use crate::journal::Number;
 use crate::laws::{Stretched, fixed_projection};
@@ -23,7 +23,6 @@ pub(super) const STUDY: Study = Study {
         of the whole chain is compared with n(n + 1)mg/2k. There the methods that are exact for one constraint part company: a sweep \
         carries a force one link further, so few iterations leave the chain soft. PBD from the material stays soft however many there are: each projection is stiff \
         against a mass that moves alone, not against one that its neighbours hold.",
-    cases,
     run,
 };
 
@@ -39,22 +38,23 @@ const ON_CHAIN: [(&str, &str); 4] = [
 ];
 
 fn efforts(scope: Scope) -> &'static [u32] {
-    match scope {
-        Scope::Quick => &[1, 2, 4, 8, 16, 32, 64, 128],
-        Scope::Full => &[
+    scope.pick(
+        &[1, 2, 4, 8, 16, 32, 64, 128],
+        &[
             1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128, 256, 512, 1024,
         ],
-    }
+    )
 }
 
 const STEP_SIZES: [Real; 7] = [1e-3, 2e-3, 5e-3, 1e-2, 2e-2, 5e-2, 1e-1];
 
-fn cases(scope: Scope) -> u64 {
-    (2 + ON_CHAIN.len() * efforts(scope).len()) as u64
-}
-
-fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
-    let mut findings = Findings::default();
+fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
+    let StudyRun {
+        scope,
+        cases,
+        findings,
+    } = study;
+    let scope = *scope;
     let mut table = Table::new(&[
         "method",
         "iterations",
@@ -94,8 +94,8 @@ fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
         },
     );
     findings.data("stiffness-one-constraint", table);
-    chain(scope, first.max(second), &mut findings, cases)?;
-    Ok(findings)
+    chain(scope, first.max(second), findings, cases)?;
+    Ok(())
 }
 
 /// What is measured on one constraint: label, method, settings, and s where the projection is fixed.

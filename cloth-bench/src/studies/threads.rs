@@ -1,7 +1,7 @@
 //! When a second thread helps.
 
 use super::interleaved::interleaved;
-use super::{Cases, Findings, Scope, Study};
+use super::{Scope, Study, StudyRun};
 use crate::error::BenchError;
 use crate::method::{self, Method};
 use crate::report::plot::{Axis, Plot, Series, Style};
@@ -17,7 +17,6 @@ pub(super) const STUDY: Study = Study {
     question: "From which size on does a second thread make a step shorter?",
     about: "A step of the hanging sheet at default settings, in a pool of one thread and in one of two: one of each in turn, many times. Gain is the time on one thread over that on two, the median over the turns. Results are the same to the last \
         bit. Expect no gain and no loss on small sheets, where loops stay on one thread, and less than 2 on large ones: sweeps and solves wait for memory, and the triangular solves of projective dynamics and of Newton's method are serial.",
-    cases,
     run,
 };
 
@@ -26,18 +25,16 @@ fn methods() -> Vec<&'static str> {
 }
 
 fn sides(scope: Scope) -> &'static [u32] {
-    match scope {
-        Scope::Quick => &[16, 48],
-        Scope::Full => &[16, 32, 64, 128, 256],
-    }
+    scope.pick(&[16, 48], &[16, 32, 64, 128, 256])
 }
 
-fn cases(scope: Scope) -> u64 {
-    (methods().len() * sides(scope).len()) as u64
-}
-
-fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
-    let mut findings = Findings::default();
+fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
+    let StudyRun {
+        scope,
+        cases,
+        findings,
+    } = study;
+    let scope = *scope;
     let mut table = Table::new(&[
         "method",
         "vertices a side",
@@ -92,7 +89,7 @@ fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
     );
     findings.answer("When does a second thread help?", verdict.clone());
     findings.section.verdict = Some(verdict);
-    Ok(findings)
+    Ok(())
 }
 
 /// Median times (s) of a step on one thread and on two, and what the second gains.

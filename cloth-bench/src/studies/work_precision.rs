@@ -2,7 +2,7 @@
 
 use super::cases::LazyCell;
 use super::sheets::TestSheet;
-use super::{Cases, Findings, Scope, Study};
+use super::{Cases, Findings, Scope, Study, StudyRun};
 use crate::error::BenchError;
 use crate::method::{self, Method};
 use crate::report::player::{Film, Playback, Track};
@@ -22,7 +22,6 @@ pub(super) const STUDY: Study = Study {
         the error is ‖x(T) − x_ref(T)‖_M/(√Σm · 1 m). Times are of the whole fall, the median of three runs where these are short. Work is iterations: Newton iterations, sweeps, \
         local and global steps, or explicit substeps. Order is that of the line above it to this one. Expect first order from implicit Euler, a floor from methods that stop iterating before they have converged, \
         and an explicit method that is exact as soon as it is stable: its steps are short. The error against the minimiser of one step is in the studies `convergence` (every method, and the accelerations), `acceleration` (sweeps in detail), `projective` and `newton`. With `--scene FILE` the same is asked of a scene of your own, without contact, air and moving pins.",
-    cases,
     run,
 };
 
@@ -37,10 +36,7 @@ const STEP: &str = "step size (s)";
 const WANTED: [Real; 2] = [1e-2, 1e-3];
 
 fn side(scope: Scope) -> u32 {
-    match scope {
-        Scope::Quick => 13,
-        Scope::Full => 33,
-    }
+    scope.pick(13, 33)
 }
 
 /// Steps per second. The direct solver of XPBD ends where implicit Euler does, at fifty times the price: coarse steps
@@ -55,10 +51,7 @@ fn rates(scope: Scope, label: &str) -> &'static [u32] {
 
 /// Time that is played back (s).
 fn shown(scope: Scope) -> Real {
-    match scope {
-        Scope::Quick => 1.0,
-        Scope::Full => 3.0,
-    }
+    scope.pick(1.0, 3.0)
 }
 
 /// What is compared: label, method, and what is not its default.
@@ -165,12 +158,6 @@ fn groups(label: &str, is_default: bool) -> impl Iterator<Item = usize> {
     (0..GROUPS).filter(move |&group| in_group[group])
 }
 
-fn cases(scope: Scope) -> u64 {
-    let variants = variants();
-    let falls = variants.iter().map(|(label, ..)| rates(scope, label).len());
-    (1 + falls.sum::<usize>() + method::all().count()) as u64
-}
-
 /// One run to the horizon.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 struct Outcome {
@@ -179,8 +166,13 @@ struct Outcome {
     error: Real,
 }
 
-fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
-    let mut findings = Findings::default();
+fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
+    let StudyRun {
+        scope,
+        cases,
+        findings,
+    } = study;
+    let scope = *scope;
     let sheets = TestSheet::of_study(cases, &[side(scope)])?;
     let sheet = &sheets[0];
     let scene = &sheet.scene;
@@ -188,7 +180,7 @@ fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
     let doubt = cases.case("reference", || Ok(reference.get()?.doubt));
     // Everything else is compared with it.
     let Some(doubt) = findings.unless_failed("reference", doubt) else {
-        return Ok(findings);
+        return Ok(());
     };
     let mut table = Table::new(&[
         "method",
@@ -303,8 +295,8 @@ fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
         "The reference is known to {doubt:.1e}: the distance between its two extrapolations."
     ));
     findings.section.verdict = Some(verdict(sheet, &all));
-    play(scope, sheet, &mut findings, cases);
-    Ok(findings)
+    play(scope, sheet, findings, cases);
+    Ok(())
 }
 
 /// The fastest to each error, in words.

@@ -1,6 +1,6 @@
 //! How far converged XPBD is from the implicit Euler step, against the step size.
 
-use super::{Cases, Findings, Scope, Study};
+use super::{Scope, Study, StudyRun};
 use crate::error::BenchError;
 use crate::report::plot::{Axis, Plot, Series};
 use crate::report::table::{Cell, Table};
@@ -20,7 +20,6 @@ pub(super) const STUDY: Study = Study {
     about: "A chain of ten links of 0.1 m and 0.1 kg, let go sideways; the step is the one after 0.3 s of implicit Euler with the same step size. The reference is Newton's \
         method to rounding; the error is (G − G*)/(G(x̃) − G*) and ‖∇G‖/‖∇G(x̃)‖. The sweeps make C + α̃λ zero, with the gradients of the places where each correction \
         was made; the direct solver keeps the equation of the positions and ends at the reference. Expect the floor to fall with the step and no number of sweeps to change it; what surprises is that with long steps the stiffer chain has the lower floor. `order` is that of the line above it to this one.",
-    cases,
     run,
 };
 
@@ -33,18 +32,11 @@ const TIME: Real = 0.3;
 
 /// Steps per second.
 fn rates(scope: Scope) -> &'static [u32] {
-    match scope {
-        Scope::Quick => &[30, 60, 120, 240],
-        Scope::Full => &[30, 60, 120, 240, 480, 960, 1920],
-    }
+    scope.pick(&[30, 60, 120, 240], &[30, 60, 120, 240, 480, 960, 1920])
 }
 
 /// Stiffness of the links (N/m).
 const STIFFNESSES: [Real; 2] = [200.0, 1e4];
-
-fn cases(scope: Scope) -> u64 {
-    (rates(scope).len() * STIFFNESSES.len()) as u64
-}
 
 /// One step size: what the sweeps leave of C + α̃λ (m), and both errors.
 #[derive(Default, Serialize, Deserialize)]
@@ -54,8 +46,13 @@ struct Floor {
     direct: StepError,
 }
 
-fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
-    let mut findings = Findings::default();
+fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
+    let StudyRun {
+        scope,
+        cases,
+        findings,
+    } = study;
+    let scope = *scope;
     let mut table = Table::new(&[
         "stiffness (N/m)",
         "steps per second",
@@ -136,7 +133,7 @@ fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
             note: String::new(),
         },
     );
-    Ok(findings)
+    Ok(())
 }
 
 fn floor(scene: &Scene, dt: Real) -> Result<Floor, BenchError> {

@@ -11,10 +11,7 @@ use serde::{Deserialize, Serialize};
 const SOLVERS: [&str; 4] = ["jacobi", "gauss-seidel", "sor", "chebyshev"];
 
 fn links(scope: Scope) -> &'static [u32] {
-    match scope {
-        Scope::Quick => &[5, 20, 80],
-        Scope::Full => &[5, 10, 20, 40, 80, 160],
-    }
+    scope.pick(&[5, 20, 80], &[5, 10, 20, 40, 80, 160])
 }
 
 /// The factor by which a sweep shrinks the slowest error.

@@ -22,15 +22,7 @@ const REPETITIONS: usize = 5;
 const GAP: Real = 2.0;
 
 fn sides(scope: Scope) -> &'static [usize] {
-    match scope {
-        Scope::Quick => &[33],
-        Scope::Full => &[33, 129, 321],
-    }
-}
-
-/// Number of progress reports.
-pub(super) fn cases(scope: Scope) -> usize {
-    sides(scope).len()
+    scope.pick(&[33], &[33, 129, 321])
 }
 
 /// The accordion with `side` vertices a side. The distance of the layers shrinks with the triangles, so that a vertex

@@ -11,9 +11,6 @@ const KINDS: [(&str, QueryKind); 2] = [
     ("edge–edge", QueryKind::EdgeEdge),
 ];
 
-/// Number of progress reports.
-pub(super) const CASES: usize = KINDS.len() * METHODS.len();
-
 /// Adds the table; returns how many contacts the methods that promise to miss none have missed or found too late, and
 /// how many queries they had.
 pub(super) fn run(
@@ -21,10 +18,7 @@ pub(super) fn run(
     findings: &mut Findings,
     progress: &mut dyn FnMut(&str),
 ) -> Result<[usize; 2], BenchError> {
-    let count = match scope {
-        Scope::Quick => 300,
-        Scope::Full => 10_000,
-    };
+    let count = scope.pick(300, 10_000);
     let mut table = Table::new(&[
         "queries",
         "method",

@@ -37,24 +37,17 @@ fn methods() -> Vec<&'static str> {
 
 /// Slopes (°).
 fn angles(scope: Scope) -> &'static [Real] {
-    match scope {
-        Scope::Quick => &[10.0, 20.0, 40.0],
-        Scope::Full => &[
+    scope.pick(
+        &[10.0, 20.0, 40.0],
+        &[
             5.0, 10.0, 15.0, 16.5, 17.0, 18.0, 20.0, 25.0, 30.0, 40.0, 50.0, 60.0,
         ],
-    }
+    )
 }
 
 /// Areal densities (kg/m²). From 102 on the cloth is pressed to less than half its thickness, where the law is another.
 fn densities(scope: Scope) -> &'static [Real] {
-    match scope {
-        Scope::Quick => &[0.2, 20.0],
-        Scope::Full => &[0.2, 1.0, 5.0, 20.0, 50.0, 80.0],
-    }
-}
-
-pub(super) fn cases(scope: Scope) -> u64 {
-    (methods().len() * (angles(scope).len() + densities(scope).len())) as u64
+    scope.pick(&[0.2, 20.0], &[0.2, 1.0, 5.0, 20.0, 50.0, 80.0])
 }
 
 /// A sheet above a floor, at the gap (m), under gravity that is inclined by an angle (rad).

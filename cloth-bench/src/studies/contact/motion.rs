@@ -30,26 +30,17 @@ fn methods() -> Vec<&'static str> {
 
 /// Vertices a side; rates are compared at the second.
 fn sizes(scope: Scope) -> &'static [u32] {
-    match scope {
-        Scope::Quick => &[9, 13],
-        Scope::Full => &[17, 25, 33, 49],
-    }
+    scope.pick(&[9, 13], &[17, 25, 33, 49])
 }
 
 /// Steps per second.
 fn rates(scope: Scope) -> &'static [u32] {
-    match scope {
-        Scope::Quick => &[30, 60, 120],
-        Scope::Full => &[30, 60, 120, 240],
-    }
+    scope.pick(&[30, 60, 120], &[30, 60, 120, 240])
 }
 
 /// Vertices a side and steps per second of the converged value.
 fn finest(scope: Scope) -> (u32, u32) {
-    match scope {
-        Scope::Quick => (13, 240),
-        Scope::Full => (49, 480),
-    }
+    scope.pick((13, 240), (49, 480))
 }
 
 /// Every size at one rate, then every other rate at one size.
@@ -59,15 +50,6 @@ fn grid(scope: Scope) -> Vec<(u32, u32)> {
     by_size
         .chain(others.map(|&rate| (sizes(scope)[1], rate)))
         .collect()
-}
-
-pub(super) fn cases(scope: Scope) -> u64 {
-    let references = if finest(scope).0 == sizes(scope)[1] {
-        1
-    } else {
-        2
-    };
-    (references + methods().len() * grid(scope).len()) as u64
 }
 
 /// A sheet on a sphere at the end.

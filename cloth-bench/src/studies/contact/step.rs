@@ -28,10 +28,7 @@ const STEPS_BEFORE: u32 = 17;
 
 /// Vertices a side.
 fn sides(scope: Scope) -> &'static [u32] {
-    match scope {
-        Scope::Quick => &[17],
-        Scope::Full => &[33, 64],
-    }
+    scope.pick(&[17], &[33, 64])
 }
 
 /// A step from a state in which cloth lies on a body, with the minimiser of G, the contact potential and its lagged
@@ -211,10 +208,7 @@ struct Refined {
 }
 
 fn refined(scope: Scope) -> Vec<Refined> {
-    let most: u32 = match scope {
-        Scope::Quick => 5,
-        Scope::Full => 8,
-    };
+    let most: u32 = scope.pick(5, 8);
     let counts = || (0..most).map(|i| (5 << i).to_string()).collect::<Vec<_>>();
     let tolerances = ["1", "1e-1", "1e-2", "1e-3", "1e-4", "1e-6"];
     let one_iteration = Settings::default().with("iterations", 1);
@@ -255,12 +249,6 @@ fn refined(scope: Scope) -> Vec<Refined> {
             others: one_iteration,
         },
     ]
-}
-
-pub(super) fn cases(scope: Scope) -> u64 {
-    let methods = method::all().filter(|method| method.aims_at_implicit_euler());
-    let refined: usize = refined(scope).iter().map(|r| r.values.len()).sum();
-    (sides(scope).len() * (methods.count() + refined)) as u64
 }
 
 pub(super) fn run(scope: Scope, findings: &mut Findings, cases: &mut Cases<'_>) {

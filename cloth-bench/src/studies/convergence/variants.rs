@@ -5,10 +5,7 @@ use crate::studies::Scope;
 
 /// Methods that iterate on one step: label, method, setting, and the most iterations.
 pub(super) fn iterated(scope: Scope) -> [(&'static str, &'static str, Settings, u32); 13] {
-    let [sweeps, accelerated] = match scope {
-        Scope::Quick => [500, 200],
-        Scope::Full => [2000, 500],
-    };
+    let [sweeps, accelerated] = scope.pick([500, 200], [2000, 500]);
     let one_substep = Settings::default().with("substeps", 1);
     let pd = |acceleration: &str| Settings::default().with("acceleration", acceleration);
     let chebyshev = one_substep.clone().with("chebyshev", "auto");
@@ -68,10 +65,7 @@ pub(super) fn iterated(scope: Scope) -> [(&'static str, &'static str, Settings, 
 
 /// Methods that cut the step, and into how many parts.
 pub(super) fn cut(scope: Scope) -> [(&'static str, Vec<u32>); 2] {
-    let most = match scope {
-        Scope::Quick => 6,
-        Scope::Full => 9,
-    };
+    let most = scope.pick(6, 9);
     [
         ("xpbd", (0..most).map(|i| 1 << i).collect()),
         ("pbd", (0..most).map(|i| 1 << i).collect()),

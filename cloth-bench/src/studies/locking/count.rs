@@ -21,14 +21,7 @@ pub(super) const PATTERNS: [&str; 5] = [
 
 /// Cells a side.
 fn sizes(scope: Scope) -> &'static [usize] {
-    match scope {
-        Scope::Quick => &[4, 8, 16, 32],
-        Scope::Full => &[4, 8, 16, 32, 64, 128],
-    }
-}
-
-pub(super) fn cases(scope: Scope) -> u64 {
-    (PATTERNS.len() * sizes(scope).len()) as u64
+    scope.pick(&[4, 8, 16, 32], &[4, 8, 16, 32, 64, 128])
 }
 
 /// The numbers of `cloth-bench locking`.

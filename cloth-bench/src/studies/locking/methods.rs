@@ -27,9 +27,9 @@ const STILL: Real = 1e-4;
 
 /// Methods, their iterations (0: as published), and cells a side.
 fn list(scope: Scope) -> Vec<(&'static str, u32, usize)> {
-    let ours: &[(&str, u32)] = match scope {
-        Scope::Quick => &[("implicit-euler", 0), ("pbd", 20), ("pbd", 80), ("pd", 0)],
-        Scope::Full => &[
+    let ours: &[(&str, u32)] = scope.pick(
+        &[("implicit-euler", 0), ("pbd", 20), ("pbd", 80), ("pd", 0)],
+        &[
             ("implicit-euler", 0),
             ("linear-implicit", 0),
             ("pbd", 5),
@@ -41,7 +41,7 @@ fn list(scope: Scope) -> Vec<(&'static str, u32, usize)> {
             ("pd", 0),
             ("pd", 50),
         ],
-    };
+    );
     let own = method::with_own(&[]).into_iter().map(|name| (name, 0));
     let all = ours.iter().copied().chain(own);
     let mut list: Vec<_> = all.map(|(name, n)| (name, n, 16)).collect();
@@ -56,10 +56,6 @@ fn list(scope: Scope) -> Vec<(&'static str, u32, usize)> {
         }
     }
     list
-}
-
-pub(super) fn cases(scope: Scope) -> u64 {
-    list(scope).len() as u64
 }
 
 /// What a method made of the fold.

@@ -68,15 +68,8 @@ const OTHERS: [Picture; 3] = [
 ];
 
 fn pictures(scope: Scope) -> impl Iterator<Item = Picture> {
-    let others = match scope {
-        Scope::Quick => &[][..],
-        Scope::Full => &OTHERS,
-    };
+    let others = scope.pick(&[][..], &OTHERS);
     std::iter::once(ONE_CLOTH).chain(others.iter().copied())
-}
-
-pub(super) fn cases(scope: Scope) -> u64 {
-    pictures(scope).count() as u64
 }
 
 /// A fold, turned so that all are seen along their axis.

@@ -38,11 +38,6 @@ fn sheets(scope: Scope) -> Vec<(&'static str, usize)> {
     }
 }
 
-pub(super) fn cases(scope: Scope) -> u64 {
-    // What each does, and what it costs.
-    (2 * sheets(scope).len() * KINDS.len()) as u64
-}
-
 /// What a kind of membrane makes of a mesh.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 struct Effect {

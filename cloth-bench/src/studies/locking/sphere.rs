@@ -44,10 +44,7 @@ const METHOD: &str = "linear-implicit";
 const PATTERN: &str = "alternating";
 
 fn patterns(scope: Scope) -> &'static [&'static str] {
-    match scope {
-        Scope::Quick => &["alternating"],
-        Scope::Full => &count::PATTERNS,
-    }
+    scope.pick(&["alternating"], &count::PATTERNS)
 }
 
 /// One drape; a kind of membrane by its place in [`KINDS`].
@@ -164,10 +161,6 @@ fn chains(scope: Scope) -> Vec<Case> {
             chain("pd", MODULI[0]),
         ],
     }
-}
-
-pub(super) fn cases(scope: Scope) -> u64 {
-    (list(scope).len() + chains(scope).len()) as u64
 }
 
 /// A sheet hung over the sphere from `start` (m), or from flat, until it is at rest; and its points (m) there.

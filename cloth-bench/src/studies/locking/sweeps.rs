@@ -23,10 +23,7 @@ fn moduli(scope: Scope, cells: usize) -> &'static [Real] {
 }
 
 pub(super) fn sizes(scope: Scope) -> &'static [usize] {
-    match scope {
-        Scope::Quick => &[16, 32],
-        Scope::Full => &[16, 32, 64, 128],
-    }
+    scope.pick(&[16, 32], &[16, 32, 64, 128])
 }
 
 /// The modulus (N/m) whose folds are drawn against the edge length.
@@ -42,18 +39,7 @@ fn fold_moduli(scope: Scope, cells: usize) -> &'static [Real] {
 }
 
 fn fold_sizes(scope: Scope) -> &'static [usize] {
-    match scope {
-        Scope::Quick => &[8, 16],
-        Scope::Full => &[16, 32, 64, 128],
-    }
-}
-
-pub(super) fn cases(scope: Scope) -> u64 {
-    let cones: usize = sizes(scope).iter().map(|&n| moduli(scope, n).len()).sum();
-    let folds = fold_sizes(scope)
-        .iter()
-        .map(|&n| fold_moduli(scope, n).len());
-    (PATTERNS.len() * (cones + 2 * folds.sum::<usize>())) as u64
+    scope.pick(&[8, 16], &[16, 32, 64, 128])
 }
 
 /// `l* = (702 D R²/Y)^¼` (m): the edge length at which the membrane of a locked bend of radius `radius` (m) was

@@ -52,10 +52,7 @@ impl Problem {
 
 /// Side of the sheets whose stiffness is varied, and their stiffnesses (N/m).
 fn varied(scope: Scope) -> (u32, &'static [Real]) {
-    match scope {
-        Scope::Quick => (16, &[1e2, 1e6]),
-        Scope::Full => (64, &[1e2, 1e3, 1e5, 1e6]),
-    }
+    scope.pick((16, &[1e2, 1e6]), (64, &[1e2, 1e3, 1e5, 1e6]))
 }
 
 /// The sheets that are softer or stiffer.
@@ -97,10 +94,6 @@ fn solvers() -> [(&'static str, Solve, LinearMethod); 7] {
         newton("Newton, Gauss–Seidel", LinearMethod::GaussSeidel(budget)),
         newton("Newton, Jacobi", LinearMethod::Jacobi(budget)),
     ]
-}
-
-pub(super) fn cases(scope: Scope) -> u64 {
-    (of_other_stiffness(scope).count() + solvers().len()) as u64
 }
 
 /// How a solver got to the goals in one step: iterations and seconds to each, if it got there.

@@ -61,10 +61,7 @@ fn add<const N: usize, E: Projective<N, 1>>(elements: &[E], columns: &mut [Vec<(
 }
 
 pub(super) fn sizes(scope: Scope) -> &'static [u32] {
-    match scope {
-        Scope::Quick => &[17, 33],
-        Scope::Full => &[32, 64, 128, 256, 512],
-    }
+    scope.pick(&[17, 33], &[32, 64, 128, 256, 512])
 }
 
 /// Repetitions, of which the shortest counts.
