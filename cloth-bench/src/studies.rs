@@ -291,9 +291,9 @@ mod tests {
         }
         let found = study.run(Scope::Quick, &mut journal, Share::Nothing, &mut |_| {});
         drop(journal);
-        std::fs::remove_dir_all(&folder).map_err(BenchError::failed)?;
+        std::fs::remove_dir_all(&folder)?;
         let (findings, others) = found?;
-        let text = serde_json::to_string(&findings).map_err(BenchError::failed)?;
+        let text = serde_json::to_string(&findings)?;
         Ok((text, others))
     }
 

@@ -337,6 +337,6 @@ fn write_report(
         "studies": names, "failed": failures, "failed_cases": failures_of(false), "expected_failures": failures_of(true),
         "facts": facts, "files": files, "seconds": seconds,
     });
-    let text = serde_json::to_string_pretty(&manifest).map_err(BenchError::failed)?;
+    let text = serde_json::to_string_pretty(&manifest)?;
     write_file(&out.join("manifest.json"), text.as_bytes())
 }

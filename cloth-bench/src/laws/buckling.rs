@@ -218,7 +218,7 @@ fn lateral_buckling(settings: &Settings) -> Result<Evaluation, BenchError> {
             at(across, slenderness)?,
             at(across.div_ceil(2), slenderness)?,
         ];
-        Ok([2.0 * fine - coarse, fine])
+        Ok::<_, BenchError>([2.0 * fine - coarse, fine])
     };
     let [narrow, finest_measured] = fine_cells(slenderness)?;
     let [wide, _] = fine_cells(0.5 * slenderness)?;

@@ -161,7 +161,7 @@ fn chain_rate(settings: &Settings) -> Result<Evaluation, BenchError> {
             stiffness: StiffnessRule::Fixed(1.0),
             ..Default::default()
         };
-        Box::new(builder.config(config).build().map_err(BenchError::failed)?)
+        Box::new(builder.config(config).build()?)
     } else {
         let builder = XpbdSolver::builder(&particles).energy(springs);
         let config = XpbdConfig {
@@ -171,7 +171,7 @@ fn chain_rate(settings: &Settings) -> Result<Evaluation, BenchError> {
             acceleration,
             ..XpbdConfig::default()
         };
-        Box::new(builder.config(config).build().map_err(BenchError::failed)?)
+        Box::new(builder.config(config).build()?)
     };
     let mut watch = Watch {
         mode: &mode,
@@ -179,7 +179,7 @@ fn chain_rate(settings: &Settings) -> Result<Evaluation, BenchError> {
         other: 0.0,
     };
     let input = StepInput::new(1.0).observer(&mut watch);
-    solver.step(&mut state, input).map_err(BenchError::failed)?;
+    solver.step(&mut state, input)?;
     let [.., before, last] = watch.parts[..] else {
         return Err(BenchError::Failed(
             "the solver reported fewer than two sweeps".into(),

@@ -148,7 +148,7 @@ fn barrier_gap(settings: &Settings) -> Result<Evaluation, BenchError> {
         offset: 0.0,
         law,
     };
-    let particles = Particles::new(vec![mass]).map_err(BenchError::failed)?;
+    let particles = Particles::new(vec![mass])?;
     let config = ImplicitConfig {
         tolerance: 0.0,
         // Before the barrier; where the velocity leads may be behind it.
@@ -157,15 +157,14 @@ fn barrier_gap(settings: &Settings) -> Result<Evaluation, BenchError> {
     };
     let mut solver = ImplicitEuler::builder(&particles)
         .energy(vec![barrier])
-        .and_then(|b| b.config(config).build())
-        .map_err(BenchError::failed)?;
+        .and_then(|b| b.config(config).build())?;
     let mut state = State::at_rest(vec![Vec3::z() * range]);
     // Implicit Euler takes the energy out of the motion: steps much longer than the swing about the rest leave a tenth
     // of it.
     let dt = 10.0 * (mass / law.curvature(expected)).sqrt();
     for _ in 0..200 {
         let input = StepInput::new(dt).gravity(Vec3::z() * -GRAVITY);
-        solver.step(&mut state, input).map_err(BenchError::failed)?;
+        solver.step(&mut state, input)?;
     }
     let measured = state.positions[0].z;
     Ok(Evaluation::new(expected, measured).detail("speed", state.velocities[0].z))

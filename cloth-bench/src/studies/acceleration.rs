@@ -285,7 +285,7 @@ fn hold_upper_row(scene: &mut Scene) -> Result<(), BenchError> {
     for (v, x) in scene.start.positions.iter().enumerate() {
         if x.y == top {
             let held = scene.model.particles.prescribe(v);
-            held.map_err(BenchError::failed)?;
+            held?;
         }
     }
     Ok(())

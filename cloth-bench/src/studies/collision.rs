@@ -271,7 +271,7 @@ fn picture(scene: &Scene, ends: &[(&str, End)]) -> Result<Picture, BenchError> {
     };
     let names: Vec<&str> = ends.iter().map(|(name, _)| *name).collect();
     Ok(Picture {
-        png: render_row(&tiles, &view).map_err(BenchError::failed)?,
+        png: render_row(&tiles, &view)?,
         caption: format!(
             "`{}` at its end, from left to right: {}.",
             scene.name,

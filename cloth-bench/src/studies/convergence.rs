@@ -450,7 +450,7 @@ fn picture(
     };
     let names: Vec<&str> = sheets.iter().map(|(name, _)| *name).collect();
     Ok(Picture {
-        png: render_row(&tiles, &view).map_err(BenchError::failed)?,
+        png: render_row(&tiles, &view)?,
         caption: format!("From left to right, {when}: {}.", names.join(", ")),
     })
 }

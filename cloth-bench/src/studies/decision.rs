@@ -233,7 +233,7 @@ fn strip(scope: Scope, rows: &[Row]) -> Result<Vec<Picture>, BenchError> {
         let mut surfaces: Vec<Surface<'_>> = bodies.collect();
         surfaces.push(Surface::cloth(positions, mesh.triangles()));
         Ok(Picture {
-            png: render(&surfaces, &view).map_err(BenchError::failed)?,
+            png: render(&surfaces, &view)?,
             caption: (*method).to_owned(),
         })
     };

@@ -103,7 +103,7 @@ fn follow(
         None => published,
     };
     let mut stepper = Method::find(name)?.build(scene, &settings, dt)?;
-    let energies = scene.model.energies().map_err(BenchError::failed)?;
+    let energies = scene.model.energies()?;
     let particles = &scene.model.particles;
     let mass: Real = particles.mass().iter().sum();
     let is_free = scene.gravity == Vec3::zeros() && particles.free_count() == particles.len();
@@ -126,9 +126,7 @@ fn follow(
     let mut kept = vec![Number(energy(&state))];
     for step in 1..=steps {
         let input = StepInput::new(dt).gravity(scene.gravity);
-        stepper
-            .step(&mut state, input)
-            .map_err(BenchError::failed)?;
+        stepper.step(&mut state, input)?;
         if step % (steps / SAMPLES) == 0 {
             kept.push(Number(energy(&state)));
             for ((now, before), drift) in momenta(&state).iter().zip(at_start).zip(&mut drift) {
@@ -205,7 +203,7 @@ fn at_rest(scene: &Scene) -> Result<Number, BenchError> {
     let mut state = scene.start.clone();
     run::to_rest(scene, newton.as_mut(), &mut state, dt, 2000, 1e-4)?
         .ok_or_else(|| BenchError::Failed("the held sheet does not come to rest".into()))?;
-    let energies = scene.model.energies().map_err(BenchError::failed)?;
+    let energies = scene.model.energies()?;
     let raised = gravitational_energy(&scene.model.particles, &state.positions, scene.gravity);
     Ok(Number(energies.value(&state.positions) + raised))
 }

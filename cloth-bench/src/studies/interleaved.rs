@@ -37,7 +37,7 @@ pub(super) fn interleaved<const N: usize>(
         for (variant, seconds) in seconds.iter_mut().enumerate() {
             *seconds = time(variant)?;
         }
-        Ok(seconds)
+        Ok::<_, BenchError>(seconds)
     };
     let started = Instant::now();
     round()?;

@@ -93,11 +93,9 @@ impl System {
             Method::find("linear-implicit")?.build(&scene, &Settings::default(), scene.dt)?;
         let input = || StepInput::new(scene.dt).gravity(scene.gravity);
         for _ in 0..15 {
-            solver
-                .step(&mut state, input())
-                .map_err(BenchError::failed)?;
+            solver.step(&mut state, input())?;
         }
-        let energies = scene.model.energies().map_err(BenchError::failed)?;
+        let energies = scene.model.energies()?;
         let assembly = energies.assembly();
         let count = state.positions.len();
         let mut predicted = vec![Vec3::zeros(); count];

@@ -58,7 +58,7 @@ fn sheet(n: usize) -> Result<Scene, BenchError> {
     for (vertex, x) in scene.start.positions.iter().enumerate() {
         if x.x == 0.0 {
             let particles = &mut scene.model.particles;
-            particles.prescribe(vertex).map_err(BenchError::failed)?;
+            particles.prescribe(vertex)?;
         }
     }
     Ok(scene)

@@ -198,7 +198,7 @@ pub(super) fn alone(
     steps: u32,
     budget: Duration,
 ) -> Result<Result<Size, String>, BenchError> {
-    let program = std::env::current_exe().map_err(BenchError::failed)?;
+    let program = std::env::current_exe()?;
     let (side_text, steps) = (side.to_string(), steps.to_string());
     let child = Command::new(program)
         .args(["run", "hang", "--method", method, "--n", &side_text])
@@ -206,8 +206,7 @@ pub(super) fn alone(
         .stdin(Stdio::null())
         .stdout(Stdio::piped())
         .stderr(Stdio::null())
-        .spawn()
-        .map_err(BenchError::failed)?;
+        .spawn()?;
     Ok(finished(child, budget)?.and_then(|told| {
         let told: Value = serde_json::from_str(&told).map_err(|error| error.to_string())?;
         if let Some(error) = told["error"].as_str() {
@@ -227,10 +226,10 @@ pub(super) fn alone(
 fn finished(mut child: Child, budget: Duration) -> Result<Result<String, String>, BenchError> {
     let started = Instant::now();
     loop {
-        if let Some(status) = child.try_wait().map_err(BenchError::failed)? {
+        if let Some(status) = child.try_wait()? {
             let mut told = String::new();
             if let Some(mut out) = child.stdout.take() {
-                out.read_to_string(&mut told).map_err(BenchError::failed)?;
+                out.read_to_string(&mut told)?;
             }
             let has_ended = status.code().is_some();
             return Ok(if has_ended && !told.is_empty() {

@@ -53,9 +53,7 @@ pub(super) fn trace_warm(
     solver: &mut dyn Stepper,
 ) -> Result<Vec<Sample>, BenchError> {
     let input = StepInput::new(scene.dt).gravity(gravity);
-    solver
-        .step(&mut scene.start.clone(), input)
-        .map_err(BenchError::failed)?;
+    solver.step(&mut scene.start.clone(), input)?;
     problem.trace(solver)
 }
 

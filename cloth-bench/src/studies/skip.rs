@@ -166,9 +166,7 @@ impl Variant<'_> {
             input = input.observer(observer);
         }
         let started = Instant::now();
-        self.stepper
-            .step(&mut state, input)
-            .map_err(BenchError::failed)?;
+        self.stepper.step(&mut state, input)?;
         Ok(started.elapsed().as_secs_f64())
     }
 }
@@ -197,7 +195,7 @@ fn times(scope: Scope, feature: &str, method: &str) -> Result<[Real; 4], BenchEr
             };
             for (variant, itself) in variants[2..].iter_mut().zip([false, true]) {
                 let builder = PotentialContacts::builder(&mesh).self_collision(itself);
-                variant.contacts = Some(Box::new(builder.build().map_err(BenchError::failed)?));
+                variant.contacts = Some(Box::new(builder.build()?));
             }
         }
         "observer" => {

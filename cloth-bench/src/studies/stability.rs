@@ -135,7 +135,7 @@ fn follow(scene: &Scene, name: &str, dt: Real, steps: u32) -> Result<Fate, Bench
         Ok(stepper) => stepper,
         Err(error) => return Ok(Fate::Refused(error.to_string())),
     };
-    let energies = scene.model.energies().map_err(BenchError::failed)?;
+    let energies = scene.model.energies()?;
     let particles = &scene.model.particles;
     let moving = |state: &State| {
         kinetic_energy(particles, &state.velocities)

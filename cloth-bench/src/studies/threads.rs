@@ -97,10 +97,7 @@ fn times(name: &str, n: u32) -> Result<[Real; 3], BenchError> {
     let scene = scene::build("hang", None, &Settings::default().with("n", n))?;
     let pools = [1, 2].map(|count| rayon::ThreadPoolBuilder::new().num_threads(count).build());
     let [one, two] = pools;
-    let pools = [
-        one.map_err(BenchError::failed)?,
-        two.map_err(BenchError::failed)?,
-    ];
+    let pools = [one?, two?];
     let method = Method::find(name)?;
     let mut solvers = [
         method.build(&scene, &Settings::default(), scene.dt)?,
@@ -112,7 +109,7 @@ fn times(name: &str, n: u32) -> Result<[Real; 3], BenchError> {
         pools[variant].install(|| {
             let input = StepInput::new(scene.dt).gravity(scene.gravity);
             let started = Instant::now();
-            solver.step(state, input).map_err(BenchError::failed)?;
+            solver.step(state, input)?;
             Ok(started.elapsed().as_secs_f64())
         })
     })?;

@@ -147,19 +147,17 @@ fn floor(scene: &Scene, dt: Real) -> Result<Floor, BenchError> {
             sweep: Sweep::Sequential,
             ..XpbdConfig::default()
         })
-        .build()
-        .map_err(BenchError::failed)?;
+        .build()?;
     let mut direct = DirectXpbd::builder(&model.particles)
         .energy(model.springs.clone())
         .config(DirectConfig {
             tolerance: 1e-13,
             ..DirectConfig::default()
         })
-        .build()
-        .map_err(BenchError::failed)?;
+        .build()?;
     let mut state = problem.state().clone();
     let input = StepInput::new(dt).gravity(scene.gravity);
-    sweeps.step(&mut state, input).map_err(BenchError::failed)?;
+    sweeps.step(&mut state, input)?;
     Ok(Floor {
         residual: sweeps.compliance_residual(&state.positions),
         sweeps: problem.error(&state.positions),

@@ -92,9 +92,7 @@ pub(super) fn sweeps(
         let input = StepInput::new(scene.dt)
             .gravity(scene.gravity)
             .observer(&mut watch);
-        solver(scene, (method, settings), allowed)?
-            .step(&mut state.clone(), input)
-            .map_err(BenchError::failed)?;
+        solver(scene, (method, settings), allowed)?.step(&mut state.clone(), input)?;
         let Some(&(last, error)) = watch.seen.last() else {
             return Err(BenchError::Failed("no sweep was seen".into()));
         };
@@ -169,7 +167,7 @@ pub(super) fn times(
                 let mut state = state.clone();
                 let input = StepInput::new(scene.dt).gravity(scene.gravity);
                 let started = Instant::now();
-                solver.step(&mut state, input).map_err(BenchError::failed)?;
+                solver.step(&mut state, input)?;
                 *best = best.min(started.elapsed().as_secs_f64());
             }
         }

@@ -88,7 +88,7 @@ fn search(
     let all = shortest(|| {
         let started = Instant::now();
         let found = candidates.update(positions, positions, margin);
-        found.map_err(BenchError::failed)?;
+        found?;
         Ok(started.elapsed().as_secs_f64())
     })?;
     let found = candidates.vertex_triangle().len() + candidates.edge_edge().len();
@@ -151,7 +151,7 @@ fn resolve(
         let started = Instant::now();
         let (x, v) = (&mut positions, &mut velocities);
         let resolved = projection.step(contacts, &step, SWEEPS, x, v);
-        resolved.map_err(BenchError::failed)?;
+        resolved?;
         Ok(started.elapsed().as_secs_f64())
     })
 }
@@ -164,9 +164,7 @@ fn step(method: &str, side: usize) -> Result<Real, BenchError> {
     shortest(|| {
         let started = Instant::now();
         let input = StepInput::new(scene.dt).gravity(scene.gravity);
-        stepper
-            .step(&mut state, input)
-            .map_err(BenchError::failed)?;
+        stepper.step(&mut state, input)?;
         Ok(started.elapsed().as_secs_f64())
     })
 }
@@ -225,7 +223,7 @@ pub(super) fn run(
         let builder = PotentialContacts::builder(&mesh)
             .thickness(thickness)
             .friction(0.3);
-        let mut contacts = builder.build().map_err(BenchError::failed)?;
+        let mut contacts = builder.build()?;
         let shift = Vec3::new(0.01, 0.0, 0.02);
         let together = resolve(&mut contacts, &from, |x| x + shift)?;
         let pressed = resolve(&mut contacts, &from, |x| Vec3::new(x.x, x.y, 0.99 * x.z))?;

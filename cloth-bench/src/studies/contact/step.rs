@@ -78,7 +78,7 @@ impl ContactProblem {
         let mut predicted = state.positions.clone();
         let input = StepInput::new(scene.dt).gravity(scene.gravity);
         predict(&scene.model.particles, &state, &input, &mut predicted);
-        let energies = scene.model.energies().map_err(BenchError::failed)?;
+        let energies = scene.model.energies()?;
         let mut problem = Self {
             scene,
             energies,
@@ -128,7 +128,7 @@ impl ContactProblem {
                 input = input.contacts(contacts);
             }
             let started = Instant::now();
-            let report = solver.step(&mut state, input).map_err(BenchError::failed)?;
+            let report = solver.step(&mut state, input)?;
             let seconds = started.elapsed().as_secs_f64();
             taken = (state.positions, report.iterations, seconds);
         }
@@ -155,9 +155,7 @@ impl ContactProblem {
                 dt: self.scene.dt,
             };
             let mut end = x.to_vec();
-            potential
-                .begin(&step, &mut end)
-                .map_err(BenchError::failed)?;
+            potential.begin(&step, &mut end)?;
             if end != x {
                 return Ok(None);
             }

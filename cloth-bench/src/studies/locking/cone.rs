@@ -58,8 +58,7 @@ pub(super) fn bend(
 ) -> Result<OnCone, BenchError> {
     let ring = without_triangles(&square(pattern, cells)?, |_, [a, b, c]| {
         !(INNER..=1.0).contains(&((a + b + c) / 3.0).norm())
-    })
-    .map_err(BenchError::failed)?;
+    })?;
     let mut sheet = Sheet::new(ring, kind, modulus, rigidity)?;
     // Two rows of vertices, place and direction of the side.
     let clamp = 1.3 / cells as Real;

@@ -44,8 +44,8 @@ impl Locking {
         let edges = EdgeTable::build(mesh).map_err(BenchError::usage)?;
         Ok(Self {
             topology: Topology::of(mesh, &edges),
-            flat: EdgeRank::measure(mesh.positions(), &edges).map_err(BenchError::failed)?,
-            bent: EdgeRank::measure(&bent(mesh.positions()), &edges).map_err(BenchError::failed)?,
+            flat: EdgeRank::measure(mesh.positions(), &edges)?,
+            bent: EdgeRank::measure(&bent(mesh.positions()), &edges)?,
         })
     }
 }

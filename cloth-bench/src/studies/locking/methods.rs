@@ -101,7 +101,7 @@ fn make(name: &str, iterations: u32, cells: usize) -> Result<Made, BenchError> {
     let mut stepper = Method::find(name)?.build(&scene, &settings, DT)?;
     let mut state = scene.start.clone();
     let steps = run::to_rest(&scene, stepper.as_mut(), &mut state, DT, MOST_STEPS, STILL)?;
-    let edges = EdgeTable::build(&sheet.mesh).map_err(BenchError::failed)?;
+    let edges = EdgeTable::build(&sheet.mesh)?;
     let gauges = Spring::along(sheet.mesh.positions(), edges.ends(), 0.0);
     let strain = Strain::of(&gauges, &state.positions);
     Ok(Made {

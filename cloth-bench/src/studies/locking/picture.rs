@@ -180,7 +180,7 @@ fn compose(
         wire: 0.5,
         ..View::default()
     };
-    let png = render_row(&tiles, &view).map_err(BenchError::failed)?;
+    let png = render_row(&tiles, &view)?;
     let width = COLUMN * shapes.len() as Real;
     let tall = COLUMN * view.height as Real / view.width as Real;
     let [title, names, flat, folded, told] = ROWS;
@@ -247,7 +247,7 @@ fn compose(
 /// lengths that its membrane holds, and the line of the fold.
 fn flat_mesh(sheet: &Sheet, axis: Axis, corner: [Real; 2]) -> Result<String, BenchError> {
     let at = |p: &Vec3| [corner[0] + FLAT * p.x, corner[1] + FLAT * (1.0 - p.y)];
-    let edges = EdgeTable::build(&sheet.mesh).map_err(BenchError::failed)?;
+    let edges = EdgeTable::build(&sheet.mesh)?;
     let lines = |pairs: &[[u32; 2]], points: &[Vec3]| {
         let mut path = String::new();
         for &[a, b] in pairs {

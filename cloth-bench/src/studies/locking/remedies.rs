@@ -88,7 +88,7 @@ fn cost(pattern: &str, cells: usize, kind: Kind) -> Result<Real, BenchError> {
             let mut state = start.clone();
             let started = Instant::now();
             let input = StepInput::new(1.0 / 60.0).gravity(Vec3::z() * -fold::GRAVITY);
-            solver.step(&mut state, input).map_err(BenchError::failed)?;
+            solver.step(&mut state, input)?;
             *shortest = shortest.min(started.elapsed().as_secs_f64());
         }
     }
@@ -99,7 +99,7 @@ fn measure(pattern: &str, cells: usize, kind: Kind) -> Result<Effect, BenchError
     let sheet = |kind| Sheet::new(square(pattern, cells)?, kind, MODULUS, RIGIDITY);
     let [own, springs] = [sheet(kind)?, sheet(Kind::Springs)?];
     let conditions = own.conditions()?;
-    let rank = EdgeRank::of_pairs(&bent(&own.points), &conditions).map_err(BenchError::failed)?;
+    let rank = EdgeRank::of_pairs(&bent(&own.points), &conditions)?;
     let of_springs = resistances(&springs, cells)?;
     let mut resists = resistances(&own, cells)?;
     resists

@@ -191,10 +191,10 @@ fn drape(case: &Case, start: Option<Vec<Vec3>>) -> Result<(Drape, Vec<Vec3>), Be
     let mut stepper = Method::find(case.method)?.build(&scene, &settings, DT)?;
     let mut state = scene.start.clone();
     let steps = run::to_rest(&scene, stepper.as_mut(), &mut state, DT, MOST_STEPS, STILL)?;
-    let edges = EdgeTable::build(&sheet.mesh).map_err(BenchError::failed)?;
+    let edges = EdgeTable::build(&sheet.mesh)?;
     let gauges = Spring::along(sheet.mesh.positions(), edges.ends(), 0.0);
     let x = &state.positions;
-    let rank = EdgeRank::of_pairs(x, &conditions).map_err(BenchError::failed)?;
+    let rank = EdgeRank::of_pairs(x, &conditions)?;
     let found = Drape {
         coordinates_left: 3 * x.len() as i64 - conditions.len() as i64,
         nullity: rank.nullity,

@@ -63,13 +63,12 @@ struct Product {
 impl Parts {
     /// Those of one size.
     pub(super) fn of(side: u32, system: &mut System) -> Result<Self, BenchError> {
-        let mut cholesky = BlockCholesky::analyze(system.matrix.pattern(), &system.is_free)
-            .map_err(BenchError::failed)?;
+        let mut cholesky = BlockCholesky::analyze(system.matrix.pattern(), &system.is_free)?;
         let assemble = seconds(|| system.assemble());
         let matrix = &system.matrix;
         let mut outcome = Ok(());
         let factorise = seconds(|| outcome = cholesky.factorize(matrix));
-        outcome.map_err(BenchError::failed)?;
+        outcome?;
         let mut direction = vec![Vec3::zeros(); system.is_free.len()];
         let solve = seconds(|| cholesky.solve(&system.gradient, &mut direction));
         let mut there = direction.clone();
@@ -234,23 +233,19 @@ fn named(ordering: FillOrdering) -> &'static str {
 /// Both orderings, with bending and without.
 fn eliminations(side: u32, system: &System) -> Result<Vec<Elimination>, BenchError> {
     let springs = system.scene.model.springs.clone();
-    let energies = cloth_core::method::family::Energies::new(system.is_free.len())
-        .with(springs)
-        .map_err(BenchError::failed)?;
+    let energies = cloth_core::method::family::Energies::new(system.is_free.len()).with(springs)?;
     let mut without = BlockMatrix::zeros(energies.assembly().pattern().clone());
     without.add_diagonal(system.is_free.iter().map(|_| 1.0));
     let mut all = Vec::new();
     for (elements, matrix) in [("springs", &without), ("springs, bending", &system.matrix)] {
-        let chosen = BlockCholesky::analyze(matrix.pattern(), &system.is_free)
-            .map_err(BenchError::failed)?
-            .ordering();
+        let chosen = BlockCholesky::analyze(matrix.pattern(), &system.is_free)?.ordering();
         for ordering in [FillOrdering::MinimumDegree, FillOrdering::NestedDissection] {
             let analyse =
                 || BlockCholesky::analyze_with(matrix.pattern(), &system.is_free, ordering);
-            let mut cholesky = analyse().map_err(BenchError::failed)?;
+            let mut cholesky = analyse()?;
             let mut outcome = Ok(());
             let factorise = seconds(|| outcome = cholesky.factorize(matrix));
-            outcome.map_err(BenchError::failed)?;
+            outcome?;
             all.push(Elimination {
                 side,
                 elements: elements.to_owned(),
@@ -267,9 +262,9 @@ fn eliminations(side: u32, system: &System) -> Result<Vec<Elimination>, BenchErr
 
 /// Refactoring and solving with the library alone (s): a scalar matrix whose numbers are in place.
 fn library(matrix: &BlockMatrix, is_free: &[bool]) -> Result<Real, BenchError> {
-    let (pattern, values) = upper_half(matrix, is_free).map_err(BenchError::failed)?;
+    let (pattern, values) = upper_half(matrix, is_free)?;
     let mut right_hand_side = vec![1.0; pattern.dimension()];
-    let mut cholesky = Cholesky::analyze(pattern).map_err(BenchError::failed)?;
+    let mut cholesky = Cholesky::analyze(pattern)?;
     cholesky.values_mut().copy_from_slice(&values);
     let mut outcome = Ok(());
     let time = seconds(|| {
@@ -279,7 +274,7 @@ fn library(matrix: &BlockMatrix, is_free: &[bool]) -> Result<Real, BenchError> {
             cholesky.solve_in_place(&mut right_hand_side);
         }
     });
-    outcome.map_err(BenchError::failed)?;
+    outcome?;
     Ok(time)
 }
 
@@ -293,15 +288,14 @@ fn product(side: u32, system: &System) -> Result<Product, BenchError> {
         max_iterations: ITERATIONS,
     };
     let preconditioner = Preconditioner::BlockJacobi;
-    let mut solver = ConjugateGradients::new(&system.is_free, preconditioner, budget)
-        .map_err(BenchError::failed)?;
-    solver.prepare(matrix).map_err(BenchError::failed)?;
+    let mut solver = ConjugateGradients::new(&system.is_free, preconditioner, budget)?;
+    solver.prepare(matrix)?;
     let mut outcome = Ok(());
     let many = seconds(|| {
         let solved = solver.solve(matrix, &system.gradient, &mut out);
         outcome = solved.map(|_| ());
     });
-    outcome.map_err(BenchError::failed)?;
+    outcome?;
     let blocks = matrix.pattern().block_count();
     // A block of 9 numbers and its column; x read, y read and written.
     let bytes = 76 * blocks + 72 * system.is_free.len();

@@ -55,7 +55,7 @@ impl Solvers {
                     &system.is_free,
                     system.scene.model.particles.rest_positions(),
                 );
-                let mut solver = built.map_err(BenchError::failed)?;
+                let mut solver = built?;
                 let is_lost = |one: &&Solve| one.name == solver.name() && !one.converged;
                 solves.push(match solves.iter().find(is_lost) {
                     // It would spend them again.
@@ -182,7 +182,7 @@ fn solve(
         outcome =
             Some(prepared.and_then(|()| solver.solve(&system.matrix, &system.gradient, &mut x)));
     });
-    let report = outcome.expect("it ran").map_err(BenchError::failed)?;
+    let report = outcome.expect("it ran")?;
     Ok(Solve {
         side,
         name: solver.name().to_owned(),

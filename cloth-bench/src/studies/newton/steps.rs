@@ -163,7 +163,7 @@ pub(super) fn conditions(system: &System) -> Result<[Real; 2], BenchError> {
     let kinds = [Preconditioner::Identity, Preconditioner::BlockJacobi];
     for (kind, found) in kinds.into_iter().zip(&mut found) {
         let spectrum = spectrum(&system.matrix, &system.is_free, kind, LANCZOS);
-        *found = spectrum.map_err(BenchError::failed)?.condition_number();
+        *found = spectrum?.condition_number();
     }
     Ok(found)
 }

@@ -41,9 +41,9 @@ pub fn constant_matrix(scene: &Scene) -> Result<Cholesky, BenchError> {
         }
         pattern.column_offsets.push(values.len() as u32);
     }
-    let mut cholesky = Cholesky::analyze(pattern).map_err(BenchError::failed)?;
+    let mut cholesky = Cholesky::analyze(pattern)?;
     cholesky.values_mut().copy_from_slice(&values);
-    cholesky.factorize().map_err(BenchError::failed)?;
+    cholesky.factorize()?;
     Ok(cholesky)
 }
 
@@ -99,7 +99,7 @@ pub(super) fn costs(
         let [mut factorise, mut solve, mut library, mut stream] = [Real::INFINITY; 4];
         for _ in 0..REPETITIONS {
             let started = Instant::now();
-            cholesky.factorize().map_err(BenchError::failed)?;
+            cholesky.factorize()?;
             panels.refill(cholesky.factor());
             factorise = factorise.min(started.elapsed().as_secs_f64());
             // The first solve of each finds the other's numbers in the caches.

@@ -159,9 +159,7 @@ fn uneven(mass: Real, stiffness: Real) -> Result<Scene, BenchError> {
         .rev()
         .find(|&v| !particles.is_prescribed(v) && scene.start.positions[v].x == 0.0)
         .ok_or_else(|| BenchError::Failed("every corner is held".into()))?;
-    particles
-        .set_mass(corner, mass * inner)
-        .map_err(BenchError::failed)?;
+    particles.set_mass(corner, mass * inner)?;
     for spring in &mut model.springs {
         let [a, b] = spring.vertices.map(|v| scene.start.positions[v as usize].x);
         if a + b > 1.0 {
@@ -192,10 +190,7 @@ fn slivers(height: Real, stiffness: Real) -> Result<Scene, BenchError> {
     let mut model = cloth.on(&mesh).map_err(BenchError::usage)?;
     for vertex in 0..model.particles.len() {
         if base.model.particles.is_prescribed(vertex) {
-            model
-                .particles
-                .prescribe(vertex)
-                .map_err(BenchError::failed)?;
+            model.particles.prescribe(vertex)?;
         }
     }
     Ok(Scene {
