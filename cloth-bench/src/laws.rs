@@ -13,6 +13,7 @@ pub(crate) mod factors;
 pub(crate) mod models;
 mod motion;
 mod patch;
+mod prelude;
 mod space;
 pub(crate) mod strip;
 mod swings;

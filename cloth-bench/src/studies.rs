@@ -12,6 +12,7 @@ mod independence;
 mod interleaved;
 mod locking;
 mod newton;
+mod prelude;
 mod projective;
 mod recovery;
 mod sag;
@@ -22,6 +23,7 @@ mod stability;
 mod stiffness;
 mod study_run;
 mod threads;
+mod variants;
 mod work_precision;
 mod xpbd_floor;
 

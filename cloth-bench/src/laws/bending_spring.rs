@@ -1,10 +1,7 @@
 //! What a spring across a hinge does against a fold: nothing at first.
 
-use super::{Evaluation, Law};
-use crate::error::BenchError;
-use crate::settings::{Parameter, Settings, parameter};
-use cloth_core::energy::Spring;
-use cloth_core::math::{Mat3, Real};
+use super::prelude::*;
+use cloth_core::math::Mat3;
 use cloth_core::mesh::generate;
 use cloth_core::method::family::Energies;
 use cloth_core::topology::{EdgeTable, HingeTable};

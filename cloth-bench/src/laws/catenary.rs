@@ -1,12 +1,7 @@
 //! The catenary of a chain of elastic links, which is exact for springs and masses.
 
-use super::{Evaluation, Law, within_reach};
-use crate::error::BenchError;
-use crate::settings::{Parameter, Settings, parameter};
-use cloth_core::energy::Spring;
-use cloth_core::math::{Real, Vec3};
-use cloth_core::particles::{Particles, State};
-use cloth_core::step::{StepInput, Stepper};
+use super::prelude::*;
+use super::within_reach;
 use cloth_massspring::{Accept, ImplicitConfig, ImplicitEuler};
 use nalgebra::{Matrix2, Vector2};
 

@@ -1,12 +1,10 @@
 //! How fast the sweeps over a straight chain of rigid links converge.
 
 use super::chains::{LINKS, chain};
-use super::{Evaluation, Law, within_reach};
-use crate::error::BenchError;
-use crate::settings::{Parameter, Settings, parameter};
-use cloth_core::math::{Real, Vec3};
+use super::prelude::*;
+use super::within_reach;
 use cloth_core::method::position_based::{Acceleration, Chebyshev, Radius, Sweep};
-use cloth_core::step::{Observer, StepInput, Stepper};
+use cloth_core::step::Observer;
 use cloth_pbd::{PbdConfig, PbdSolver, StiffnessRule};
 use cloth_xpbd::{XpbdConfig, XpbdSolver};
 use std::f64::consts::FRAC_PI_2;

@@ -1,13 +1,8 @@
 //! Chains: how far a chain sags, how it hangs.
 
-use super::{Evaluation, Law, within_reach};
-use crate::error::BenchError;
-use crate::settings::{Parameter, Settings, parameter};
-use cloth_core::energy::Spring;
-use cloth_core::math::{Real, Vec3};
+use super::prelude::*;
+use super::within_reach;
 use cloth_core::method::position_based::Sweep;
-use cloth_core::particles::{Particles, State};
-use cloth_core::step::{StepInput, Stepper};
 use cloth_massspring::{ImplicitConfig, ImplicitEuler};
 use cloth_xpbd::{XpbdConfig, XpbdSolver};
 use nalgebra::DVector;

@@ -1,12 +1,7 @@
 //! How stiff one constraint is, as simulated.
 
-use super::{Evaluation, Law, within_reach};
-use crate::error::BenchError;
-use crate::settings::{Parameter, Settings, parameter};
-use cloth_core::energy::Spring;
-use cloth_core::math::{Real, Vec3};
-use cloth_core::particles::{Particles, State};
-use cloth_core::step::{StepInput, Stepper};
+use super::prelude::*;
+use super::within_reach;
 use cloth_pbd::{PbdConfig, PbdSolver, StiffnessRule};
 use cloth_xpbd::{XpbdConfig, XpbdSolver};
 

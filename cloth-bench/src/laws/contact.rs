@@ -1,14 +1,10 @@
 //! One mass and one plane.
 
-use super::{Evaluation, Law, within_reach};
-use crate::error::BenchError;
-use crate::settings::{Parameter, Settings, parameter};
+use super::prelude::*;
+use super::within_reach;
 use cloth_collide::obstacle::{
     HalfSpace, ImpactLaw, Obstacle, PenaltyLaw, PlanePenalty, PointMass,
 };
-use cloth_core::math::{Real, Vec3};
-use cloth_core::particles::{Particles, State};
-use cloth_core::step::{StepInput, Stepper};
 use cloth_massspring::{ImplicitConfig, ImplicitEuler, StartGuess};
 
 const GRAVITY: Real = 9.81;

@@ -1,10 +1,7 @@
 //! What springs and hinges amount to as a sheet.
 
-use super::{Evaluation, Law};
-use crate::error::BenchError;
-use crate::settings::{Parameter, Settings, parameter};
+use super::prelude::*;
 use cloth_core::cloth::{Cloth, Membrane};
-use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::TriMesh;
 use cloth_core::mesh::generate::{self, Diagonals};
 use cloth_core::topology::EdgeTable;

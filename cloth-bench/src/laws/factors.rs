@@ -10,10 +10,7 @@
 
 use super::elements::{ANGLE, PATTERN, PATTERNS, Pattern, patch};
 use super::models::{MODEL, MODEL_NAMES, Model};
-use super::{Evaluation, Law};
-use crate::error::BenchError;
-use crate::settings::{Parameter, Settings, parameter};
-use cloth_core::math::{Real, Vec3};
+use super::prelude::*;
 use cloth_core::method::family::Energies;
 use cloth_core::topology::{EdgeTable, HingeTable};
 

@@ -1,14 +1,10 @@
 //! Time integration: one oscillator, and free fall.
 
-use super::{Evaluation, Law, within_reach};
-use crate::error::BenchError;
+use super::prelude::*;
+use super::within_reach;
 use crate::method::Method;
 use crate::scene;
-use crate::settings::{Parameter, Settings, parameter};
 use cloth_core::energy::Attachment;
-use cloth_core::math::{Real, Vec3};
-use cloth_core::particles::{Particles, State};
-use cloth_core::step::{StepInput, Stepper};
 use cloth_massspring::{
     Bdf2, ExplicitConfig, ExplicitEuler, ImplicitConfig, ImplicitEuler, ImplicitMidpoint,
     StabilityCheck, SymplecticEuler,
@@ -268,7 +264,7 @@ fn free_fall(settings: &Settings) -> Result<Evaluation, BenchError> {
     let fall = expected + off(&worst) * (worst.z - expected).signum();
     // A method that solves for positions with a matrix knows them to ε times its condition, k Δt²/m at most.
     let particles = &scene.model.particles;
-    let ends = |s: &cloth_core::energy::Spring| {
+    let ends = |s: &Spring| {
         s.stiffness
             * s.vertices
                 .map(|v| particles.inverse_mass()[v as usize])

@@ -1,11 +1,8 @@
 //! Patch tests: a sheet pulled in any direction answers as its closed form says.
 
-use super::{Evaluation, Law};
-use crate::error::BenchError;
-use crate::settings::{Parameter, Settings, parameter};
+use super::prelude::*;
 use cloth_core::cloth::{Cloth, Membrane};
 use cloth_core::energy::{ArapTriangle, StvkTriangle};
-use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::{TriMesh, generate};
 use cloth_core::method::family::Energies;
 use cloth_core::topology::EdgeTable;

@@ -1,15 +1,12 @@
 //! Degrees of freedom, and two methods with one minimum.
 
-use super::{Evaluation, Law, within_reach};
-use crate::error::BenchError;
+use super::prelude::*;
+use super::within_reach;
 use crate::mesh_spec;
 use crate::scene;
-use crate::settings::{Parameter, Settings, parameter};
 use crate::yardstick;
 use cloth_core::dof::{EdgeRank, bent};
-use cloth_core::math::Real;
 use cloth_core::mesh::TriMesh;
-use cloth_core::step::{StepInput, Stepper};
 use cloth_core::topology::{EdgeTable, Topology};
 use cloth_pd::{PdConfig, PdSolver};
 

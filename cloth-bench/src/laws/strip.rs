@@ -21,15 +21,12 @@
 //! the first row that can turn does so one whole cell later. The length is measured from there.
 
 use super::models::Model;
-use crate::error::BenchError;
+use super::prelude::*;
 use crate::method;
 use cloth_core::cloth::Elements;
 use cloth_core::energy::StvkTriangle;
-use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::{TriMesh, generate};
 use cloth_core::method::family::Energies;
-use cloth_core::particles::{Particles, State};
-use cloth_core::step::{StepInput, Stepper};
 use cloth_core::topology::{EdgeTable, HingeTable};
 use cloth_massspring::{Accept, ImplicitConfig};
 

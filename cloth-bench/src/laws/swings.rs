@@ -1,12 +1,7 @@
 //! Swings: the pendulum at any angle, and the small swings of a chain.
 
-use super::{Evaluation, Law, within_reach};
-use crate::error::BenchError;
-use crate::settings::{Parameter, Settings, parameter};
-use cloth_core::energy::Spring;
-use cloth_core::math::{Real, Vec3};
-use cloth_core::particles::{Particles, State};
-use cloth_core::step::{StepInput, Stepper};
+use super::prelude::*;
+use super::within_reach;
 use cloth_massspring::{Bdf2, ImplicitConfig, ImplicitMidpoint};
 use std::f64::consts::PI;
 

@@ -1,15 +1,10 @@
 //! What the multipliers of XPBD obey.
 
 use super::chains::{GRAVITY, chain};
-use super::{Evaluation, Law, within_reach};
-use crate::error::BenchError;
+use super::prelude::*;
+use super::within_reach;
 use crate::scene;
-use crate::settings::{Parameter, Settings, parameter};
 use crate::yardstick::StepProblem;
-use cloth_core::energy::Spring;
-use cloth_core::math::{Real, Vec3};
-use cloth_core::particles::{Particles, State};
-use cloth_core::step::{StepInput, Stepper};
 use cloth_xpbd::direct::{DirectConfig, DirectXpbd, System};
 use cloth_xpbd::{XpbdConfig, XpbdSolver};
 

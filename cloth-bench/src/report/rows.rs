@@ -8,7 +8,7 @@ use std::fmt;
 ///
 /// # Panics
 /// If the row holds what is no cell.
-pub(super) fn columns_and_cells<R: Serialize>(row: &R) -> (Vec<&'static str>, Vec<Cell>) {
+pub(super) fn columns_and_cells<R: Serialize>(row: &R) -> (Vec<String>, Vec<Cell>) {
     let mut cells = RowCells::default();
     if let Err(NoCell(reason)) = row.serialize(&mut cells) {
         panic!("a row of a table: {reason}");
@@ -21,13 +21,13 @@ pub(super) fn columns_and_cells<R: Serialize>(row: &R) -> (Vec<&'static str>, Ve
 struct RowCells {
     /// The field that is being read.
     field: &'static str,
-    columns: Vec<&'static str>,
+    columns: Vec<String>,
     cells: Vec<Cell>,
 }
 
 impl RowCells {
     fn push(&mut self, cell: impl Into<Cell>) -> Result<(), NoCell> {
-        self.columns.push(self.field);
+        self.columns.push(self.field.replace('_', " "));
         self.cells.push(cell.into());
         Ok(())
     }
@@ -239,7 +239,6 @@ mod tests {
         steps: Option<u32>,
         #[serde(rename = "error (m)")]
         error: Number,
-        #[serde(rename = "at rest")]
         at_rest: bool,
     }
 

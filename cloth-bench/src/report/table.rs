@@ -160,8 +160,9 @@ impl Table {
         }
     }
 
-    /// A table of typed rows: a column per field, which says name and unit with `#[serde(rename = "time (s)")]`. The
-    /// fields of a field that is a struct, and of the elements of a tuple, are columns of their own.
+    /// A table of typed rows: a column per field, of the same name with blanks for `_`; where there is more to say, such
+    /// as a unit, with `#[serde(rename = "time (s)")]`. The fields of a field that is a struct, and of the elements of a
+    /// tuple, are columns of their own.
     ///
     /// # Panics
     /// If a row holds what is no cell, such as a list.
@@ -171,7 +172,7 @@ impl Table {
         let (columns, _) = rows::columns_and_cells(&R::default());
         let cells = rows.iter().map(|row| rows::columns_and_cells(row).1);
         Self {
-            columns: columns.into_iter().map(str::to_owned).collect(),
+            columns,
             rows: cells.collect(),
         }
     }

@@ -3,16 +3,10 @@
 mod chains;
 mod needed;
 
-use super::{Findings, Scope, Study, StudyRun, sheets};
-use crate::error::BenchError;
-use crate::report::table::{Cell, Table};
-use crate::scene::{self, Scene};
-use crate::settings::Settings;
-use cloth_core::math::{Real, Vec3};
-use cloth_core::particles::State;
+use super::sheets;
+use crate::studies::prelude::*;
 use needed::Target;
 use rayon::prelude::*;
-use serde::{Deserialize, Serialize};
 use std::f64::consts::FRAC_PI_2;
 
 pub(super) const STUDY: Study = Study {
@@ -260,11 +254,7 @@ fn target(problem: &str, n: u32) -> Result<(Scene, State, Target), BenchError> {
         return Ok((scene, state, Target::ImplicitEuler(step)));
     }
     let pins = if problem == "edge" { "none" } else { "corners" };
-    let settings = Settings::default()
-        .with("n", n)
-        .with("up", "y")
-        .with("pins", pins)
-        .with("bending", "none");
+    let settings = Settings::of(&format!("n={n} up=y pins={pins} bending=none"));
     let mut scene = scene::build("hang", None, &settings)?;
     if problem == "edge" {
         hold_upper_row(&mut scene)?;

@@ -1,16 +1,11 @@
 //! How cloth bends: a heavy strip against its exact curve, and what each model amounts to on each pattern.
 
-use super::{Cases, Findings, Scope, Study, StudyRun};
-use crate::error::BenchError;
 use crate::laws::elastica::{exact, sag};
 use crate::laws::elements::{PATTERNS, Pattern};
 use crate::laws::factors::{Case, SURFACES, by_hand, factor};
 use crate::laws::models::{MODELS, Model};
 use crate::laws::strip::Shape;
-use crate::report::plot::{Axis, Plot, Series, Style};
-use crate::report::table::{Cell, Table};
-use cloth_core::math::Real;
-use serde::{Deserialize, Serialize};
+use crate::studies::prelude::*;
 
 pub(super) const STUDY: Study = Study {
     name: "bending",

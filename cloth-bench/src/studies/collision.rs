@@ -4,18 +4,11 @@
 mod crumple;
 mod queries;
 
-use super::{Cases, Findings, Scope, Study, StudyRun};
 use crate::bounds::bounds;
-use crate::error::BenchError;
-use crate::method::{self, Method};
 use crate::report::html::Picture;
 use crate::report::render::{Projection, Surface, View, render_row};
-use crate::report::table::{Cell, Table};
-use crate::run::{self, SeparationWatch, Watched};
-use crate::scene::{self, Scene};
-use crate::settings::Settings;
-use cloth_core::math::{Real, Vec3};
-use serde::{Deserialize, Serialize};
+use crate::run::{SeparationWatch, Watched};
+use crate::studies::prelude::*;
 
 pub(super) const STUDY: Study = Study {
     name: "collision",

@@ -4,8 +4,7 @@ mod laws;
 mod motion;
 mod step;
 
-use super::{Cases, Findings, Scope, Study, StudyRun};
-use crate::error::BenchError;
+use crate::studies::prelude::*;
 
 pub(super) const STUDY: Study = Study {
     name: "contact",

@@ -4,20 +4,12 @@ mod variants;
 
 use super::cases::LazyCell;
 use super::sheets::TestSheet;
-use super::{Cases, Findings, Scope, Study, StudyRun};
 use crate::bounds::bounds;
-use crate::error::BenchError;
-use crate::method::{self, Method};
 use crate::report::html::Picture;
-use crate::report::plot::{Axis, Plot, Series};
 use crate::report::render::{Surface, View, render_row};
-use crate::report::table::{Cell, Table};
-use crate::run::{self, median};
-use crate::settings::Settings;
+use crate::run::median;
+use crate::studies::prelude::*;
 use crate::yardstick::{Sample, StepProblem};
-use cloth_core::math::{Real, Vec3};
-use cloth_core::step::Stepper;
-use serde::{Deserialize, Serialize};
 use variants::{cut, iterated};
 
 pub(super) const STUDY: Study = Study {
@@ -71,12 +63,13 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
         let mut problem = LazyCell::new(|| sheet.sixteenth_step());
         let mut curves = Curves::default();
         let mut reached: Vec<(String, Sample)> = Vec::new();
-        for (label, method, settings, most) in iterated(scope) {
+        for variant in iterated(scope) {
+            let label = variant.label.as_str();
             let case = format!("{label} at {name}");
             let traced = cases.case(&case, || {
                 let problem = problem.get()?;
-                let settings = settings.with("iterations", most);
-                let mut solver = Method::find(method)?.build(scene, &settings, scene.dt)?;
+                let method = Method::find(variant.method())?;
+                let mut solver = method.build(scene, &variant.settings, scene.dt)?;
                 // Once to warm up: memory, and what is factorised once.
                 problem.solve(&mut *solver)?;
                 Ok(thinned(problem.trace(&mut *solver)?))
@@ -93,9 +86,7 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
             for substeps in parts {
                 let case = format!("{method} with {substeps} substeps at {name}");
                 let sample = cases.case(&case, || {
-                    let settings = Settings::default()
-                        .with("substeps", substeps)
-                        .with("iterations", 1);
+                    let settings = Settings::of(&format!("substeps={substeps} iterations=1"));
                     let mut solver = Method::find(method)?.build(scene, &settings, scene.dt)?;
                     repeated(problem.get()?, &mut *solver, 3)
                 });

@@ -4,15 +4,12 @@ mod columns;
 mod measure;
 mod qualities;
 
-use super::{Cases, Findings, Scope, Study, StudyRun, capitalised, scale};
+use super::{capitalised, scale};
 use crate::bounds::bounds;
-use crate::error::BenchError;
-use crate::method;
 use crate::report::html::Picture;
 use crate::report::render::{Surface, View, render};
-use crate::report::table::{Cell, Mark, Table};
-use crate::settings::Settings;
-use cloth_core::math::{Real, Vec3};
+use crate::report::table::Mark;
+use crate::studies::prelude::*;
 use columns::{COLUMNS, percent, two};
 use measure::{Contact, Cost, Step};
 
@@ -41,7 +38,7 @@ const DT: Real = 1.0 / 60.0;
 /// Energy above what was given, over that, which counts as kept.
 const MOST_EXCESS: Real = 0.01;
 
-fn methods() -> impl Iterator<Item = &'static method::Method> {
+fn methods() -> impl Iterator<Item = &'static Method> {
     method::all().filter(|method| method.name != scale::WITHOUT)
 }
 
@@ -65,8 +62,8 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
     let unstable = format!("step of {}", scale::WITHOUT);
     let outcome = cases.case(&unstable, || measure::hopeless(scope));
     let foretold = findings.unless_failed(&unstable, outcome);
-    let every: Vec<&method::Method> = methods().collect();
-    let case_of = |method: &&method::Method| format!("step of {}", method.name);
+    let every: Vec<&Method> = methods().collect();
+    let case_of = |method: &&Method| format!("step of {}", method.name);
     let steps = cases.side_by_side(&every, case_of, |method| Step::measure(scope, method));
     let mut rows = Vec::new();
     for (method, step) in every.into_iter().zip(steps) {
@@ -329,7 +326,7 @@ fn cuts(scope: Scope, findings: &mut Findings, cases: &mut Cases<'_>) {
             let settings = settings
                 .with("substeps", substeps)
                 .with("iterations", iterations);
-            let method = method::Method::find(name)?;
+            let method = Method::find(name)?;
             measure::Drape::measure(scope, method, &settings, DT, measure::steps(scope))
         });
         let Some(drape) = findings.unless_failed(&case, drape) else {
@@ -376,7 +373,7 @@ mod tests {
     #[test]
     fn steps_are_ordered_as_theory_has_it() {
         let of = |name: &str| {
-            let method = method::Method::find(name).unwrap();
+            let method = Method::find(name).unwrap();
             Step::measure(Scope::Quick, method).unwrap()
         };
         let names = ["implicit-euler", "pd", "linear-implicit", "pbd"];

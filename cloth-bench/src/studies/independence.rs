@@ -1,16 +1,6 @@
 //! Is it the same cloth on another mesh and with another step?
 
-use super::{Scope, Study, StudyRun};
-use crate::error::BenchError;
-use crate::journal::Number;
-use crate::method::{self, Method};
-use crate::report::plot::{Axis, Plot, curves};
-use crate::report::table::{Table, significant};
-use crate::run;
-use crate::scene;
-use crate::settings::Settings;
-use cloth_core::math::Real;
-use serde::{Deserialize, Serialize};
+use crate::studies::prelude::*;
 
 pub(super) const STUDY: Study = Study {
     name: "independence",
@@ -96,17 +86,13 @@ fn fall(name: &str, n: usize, rate: u32) -> Result<Fallen, BenchError> {
 #[derive(Default, Serialize)]
 struct Row {
     method: &'static str,
-    #[serde(rename = "vertices a side")]
-    n: usize,
-    #[serde(rename = "steps per second")]
-    rate: u32,
+    vertices_a_side: usize,
+    steps_per_second: u32,
     #[serde(rename = "fall (m)")]
     fall: Real,
-    #[serde(rename = "fall over converged")]
-    fall_ratio: Real,
+    fall_over_converged: Real,
     strain: Real,
-    #[serde(rename = "strain over converged")]
-    strain_ratio: Real,
+    strain_over_converged: Real,
 }
 
 fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
@@ -125,28 +111,35 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
     );
     let row = |((method, n, rate), Fallen { fall, strain })| Row {
         method,
-        n,
-        rate,
+        vertices_a_side: n,
+        steps_per_second: rate,
         fall: fall.0,
-        fall_ratio: fall.0 / converged.fall.0,
+        fall_over_converged: fall.0 / converged.fall.0,
         strain: strain.0,
-        strain_ratio: strain.0 / converged.strain.0,
+        strain_over_converged: strain.0 / converged.strain.0,
     };
     let rows: Vec<Row> = found.into_iter().map(row).collect();
-    let at_rate = || rows.iter().filter(|row| row.rate == RATE);
-    let mut at_size: Vec<&Row> = rows.iter().filter(|row| row.n == middle(scope)).collect();
-    at_size.sort_by_key(|row| std::cmp::Reverse(row.rate));
+    let at_rate = || rows.iter().filter(|row| row.steps_per_second == RATE);
+    let mut at_size: Vec<&Row> = rows
+        .iter()
+        .filter(|row| row.vertices_a_side == middle(scope))
+        .collect();
+    at_size.sort_by_key(|row| std::cmp::Reverse(row.steps_per_second));
     let (size, step) = (
-        |row: &Row| row.n as Real,
-        |row: &Row| 1.0 / Real::from(row.rate),
+        |row: &Row| row.vertices_a_side as Real,
+        |row: &Row| 1.0 / Real::from(row.steps_per_second),
     );
     let fall = Axis::linear("fall over converged (dimensionless)");
     let vertices = Axis::log("vertices a side (dimensionless)");
-    let by_size = curves(at_rate(), |row| (row.method, (size(row), row.fall_ratio)));
-    let by_step = curves(at_size.iter().copied(), |row| {
-        (row.method, (step(row), row.fall_ratio))
+    let by_size = curves(at_rate(), |row| {
+        (row.method, (size(row), row.fall_over_converged))
     });
-    let strains = curves(at_rate(), |row| (row.method, (size(row), row.strain_ratio)));
+    let by_step = curves(at_size.iter().copied(), |row| {
+        (row.method, (step(row), row.fall_over_converged))
+    });
+    let strains = curves(at_rate(), |row| {
+        (row.method, (size(row), row.strain_over_converged))
+    });
     let one = |ends: [Real; 2]| ends.map(|x| (x, 1.0));
     let sizes = one(ends(sizes(scope).iter().map(|&n| n as Real)));
     let steps = one(ends(rates(scope).iter().map(|&r| 1.0 / Real::from(r))));
@@ -164,9 +157,9 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
     study.findings.plot("independence-strain", &plot);
     let told = methods().into_iter().map(|method| {
         let of = |row: &&&Row| row.method == method;
-        let fall = range(at_rate().filter(|row| of(&row)).map(|row| row.fall_ratio));
-        let by_step = range(at_size.iter().filter(of).map(|row| row.fall_ratio));
-        let strain = range(at_rate().filter(|row| of(&row)).map(|row| row.strain_ratio));
+        let fall = range(at_rate().filter(|row| of(&row)).map(|row| row.fall_over_converged));
+        let by_step = range(at_size.iter().filter(of).map(|row| row.fall_over_converged));
+        let strain = range(at_rate().filter(|row| of(&row)).map(|row| row.strain_over_converged));
         format!(
             "{method} falls {fall} of the converged way over all resolutions and {by_step} over all steps, at {strain} times the strain",
         )

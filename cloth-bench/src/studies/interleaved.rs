@@ -1,8 +1,7 @@
 //! Interleaved timing: several variants of the same work, one run of each per round.
 
-use crate::error::BenchError;
 use crate::run::median;
-use cloth_core::math::Real;
+use crate::studies::prelude::*;
 use std::time::Instant;
 
 /// Rounds that are enough once they have lasted long enough.

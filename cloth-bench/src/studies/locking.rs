@@ -14,8 +14,7 @@ mod sweeps;
 pub use count::Locking;
 pub(super) use methods::fold_angle;
 
-use super::{Cases, Findings, Scope, Study, StudyRun};
-use crate::error::BenchError;
+use crate::studies::prelude::*;
 use sphere::Drapes;
 use sweeps::{Folds, OnCones};
 

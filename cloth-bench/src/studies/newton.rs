@@ -6,19 +6,12 @@ mod solvers;
 mod steps;
 
 use super::sheets::{STIFFNESS, hanging};
-use super::{Scope, Study, StudyRun};
-use crate::error::BenchError;
-use crate::method::Method;
 use crate::run::median;
-use crate::scene::{self, Scene};
-use crate::settings::Settings;
+use crate::studies::prelude::*;
 use cloth_core::element::Convexity;
-use cloth_core::math::{Real, Vec3};
 use cloth_core::measure::{IncrementalPotential, predict};
 use cloth_core::method::block_matrix::BlockMatrix;
 use cloth_core::method::family::{Assembly, Energies};
-use cloth_core::particles::State;
-use cloth_core::step::StepInput;
 use std::time::Instant;
 
 pub(super) const STUDY: Study = Study {

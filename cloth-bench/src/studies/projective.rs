@@ -5,16 +5,9 @@ mod swing;
 
 pub use factor::{constant_matrix, local_bytes, move_bytes};
 
-use super::{Findings, Scope, Study, StudyRun, sheets};
-use crate::error::BenchError;
-use crate::method::Method;
-use crate::report::plot::{Axis, Plot, Series};
-use crate::report::table::{Cell, Table};
-use crate::run;
-use crate::scene;
-use crate::settings::Settings;
+use super::sheets;
+use crate::studies::prelude::*;
 use crate::yardstick::Sample;
-use cloth_core::math::{Real, Vec3};
 
 pub(super) const STUDY: Study = Study {
     name: "projective",

@@ -1,17 +1,8 @@
 //! From impossible starts back to a sheet.
 
-use super::{Scope, Study, StudyRun};
-use crate::error::BenchError;
-use crate::journal::Number;
-use crate::method::{self, Method};
-use crate::report::table::{Cell, Table};
-use crate::run;
-use crate::scene::{self, Scene};
-use crate::settings::Settings;
-use cloth_core::math::{Real, Vec3};
+use crate::studies::prelude::*;
 use cloth_core::measure::Strain;
 use cloth_core::random::SplitMix64;
-use serde::{Deserialize, Serialize};
 
 pub(super) const STUDY: Study = Study {
     name: "recovery",
@@ -50,10 +41,7 @@ struct Outcome {
 
 /// The sheet, held along x = 0.
 fn sheet(n: usize) -> Result<Scene, BenchError> {
-    let settings = Settings::default()
-        .with("n", n)
-        .with("stiffness", 1e3)
-        .with("pins", "none");
+    let settings = Settings::of(&format!("n={n} stiffness=1e3 pins=none"));
     let mut scene = scene::build("hang", None, &settings)?;
     for (vertex, x) in scene.start.positions.iter().enumerate() {
         if x.x == 0.0 {

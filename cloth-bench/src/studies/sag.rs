@@ -1,17 +1,8 @@
 //! What a setting of XPBD leaves, and whether the settings guide of its chapter is right.
 
-use super::{Cases, Findings, Scope, Study, StudyRun};
-use crate::error::BenchError;
 use crate::laws::{Evaluation, Law};
-use crate::method::Method;
-use crate::report::plot::{Axis, Plot, Series, Style};
-use crate::report::table::{Cell, Table};
-use crate::run;
-use crate::scene::{self, Scene};
-use crate::settings::Settings;
-use cloth_core::math::{Real, Vec3};
+use crate::studies::prelude::*;
 use cloth_core::measure::Strain;
-use serde::{Deserialize, Serialize};
 
 pub(super) const STUDY: Study = Study {
     name: "sag",
@@ -260,10 +251,8 @@ fn substeps(
             for &wanted in wanted(scope) {
                 // √(law at one substep/ε).
                 let substeps = (law(1) / wanted).sqrt().ceil() as u32;
-                let settings = Settings::default()
-                    .with("substeps", substeps)
-                    .with("iterations", 1)
-                    .with("sweep", sweep);
+                let settings =
+                    Settings::of(&format!("substeps={substeps} iterations=1 sweep={sweep}"));
                 let case = format!("{support}, {sweep}, strain {wanted}");
                 let rest = cases.case(&case, || rest(scope, support, &settings));
                 let Some(rest) = findings.unless_failed(&case, rest) else {

@@ -1,13 +1,7 @@
 //! How large a cloth each method can simulate on this machine, and what a step of it costs.
 
-use super::{Scope, Study, StudyRun};
-use crate::error::BenchError;
 use crate::memory;
-use crate::method;
-use crate::report::plot::{Axis, Plot, Series, Style};
-use crate::report::table::{Cell, Table};
-use cloth_core::math::Real;
-use serde::{Deserialize, Serialize};
+use crate::studies::prelude::*;
 use serde_json::Value;
 use std::io::Read;
 use std::process::{Child, Command, Stdio};
@@ -37,7 +31,7 @@ const STEPS: u32 = 3;
 /// No step of forward Euler is stable.
 pub(super) const WITHOUT: &str = "explicit-euler";
 
-fn methods() -> impl Iterator<Item = &'static method::Method> {
+fn methods() -> impl Iterator<Item = &'static Method> {
     method::all().filter(|method| method.name != WITHOUT)
 }
 

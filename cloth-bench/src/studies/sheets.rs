@@ -1,13 +1,8 @@
 //! The cloth of a study that compares methods: the hanging sheet in some sizes, or a scene file of one's own.
 
-use super::Cases;
-use crate::error::BenchError;
-use crate::report::table::Cell;
-use crate::scene::{self, Scene, file};
-use crate::settings::Settings;
+use crate::scene::file;
+use crate::studies::prelude::*;
 use crate::yardstick::{Sample, StepProblem};
-use cloth_core::math::{Real, Vec3};
-use cloth_core::step::{StepInput, Stepper};
 use std::path::Path;
 use std::sync::{Arc, Mutex, PoisonError};
 

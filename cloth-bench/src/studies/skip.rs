@@ -1,16 +1,10 @@
 //! What the features cost that a scene does not use: time, dependencies, build.
 
 use super::interleaved::interleaved;
-use super::{Scope, Study, StudyRun};
-use crate::error::BenchError;
-use crate::method::{self, Method};
-use crate::report::table::{Cell, Table};
-use crate::scene::{self, Scene};
-use crate::settings::Settings;
+use crate::studies::prelude::*;
 use cloth_collide::potential::PotentialContacts;
 use cloth_core::contact::ContactSource;
-use cloth_core::math::{Real, Vec3};
-use cloth_core::step::{Observer, StepInput, Stepper};
+use cloth_core::step::Observer;
 use std::collections::BTreeSet;
 use std::path::Path;
 use std::process::Command;

@@ -1,23 +1,12 @@
 //! Where the methods stop working: maps of step size, stiffness, ratios and mesh quality.
 
-use super::{Cases, Findings, Scope, Study, StudyRun};
-use crate::error::BenchError;
-use crate::journal::Number;
-use crate::method::{self, Method};
-use crate::report::plot::{Axis, Plot, Series, Style};
-use crate::report::table::{Cell, Table};
-use crate::scene::{self, Scene};
-use crate::settings::Settings;
-use cloth_core::math::Real;
+use crate::studies::prelude::*;
 use cloth_core::measure::{gravitational_energy, kinetic_energy};
-use cloth_core::particles::State;
 use cloth_core::random::SplitMix64;
-use cloth_core::step::{StepError, StepInput};
-use serde::{Deserialize, Serialize};
+use cloth_core::step::StepError;
+use map::{MAPS, Map};
 
 mod map;
-
-use map::{MAPS, Map};
 
 pub(super) const STUDY: Study = Study {
     name: "stability",
@@ -316,12 +305,9 @@ fn limit(stiffness: Real) -> Result<Limit, BenchError> {
     const LINKS: u32 = 20;
     const MASS: Real = 0.01;
     const STEPS: u32 = 3000;
-    let settings = Settings::default()
-        .with("n", LINKS)
-        .with("mass", MASS)
-        .with("tip_mass", MASS)
-        .with("stiffness", stiffness)
-        .with("gravity", 0);
+    let settings = Settings::of(&format!(
+        "n={LINKS} mass={MASS} tip_mass={MASS} stiffness={stiffness} gravity=0"
+    ));
     let mut scene = scene::build("chain", None, &settings)?;
     let mut random = SplitMix64::new(1);
     for x in scene.start.positions.iter_mut().skip(1) {

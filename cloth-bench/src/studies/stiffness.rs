@@ -1,19 +1,8 @@
 //! How stiff a material is as simulated, against iterations and step size.
 
-use super::{Cases, Findings, Scope, Study, StudyRun};
-use crate::error::BenchError;
-use crate::journal::Number;
 use crate::laws::{Stretched, fixed_projection};
-use crate::method::Method;
-use crate::report::plot::{Axis, Plot, Series, Style};
-use crate::report::table::{Cell, Table};
-use crate::run;
-use crate::scene::{self, Scene};
-use crate::settings::Settings;
+use crate::studies::prelude::*;
 use cloth_core::cloth::ClothModel;
-use cloth_core::math::{Real, Vec3};
-use cloth_core::particles::State;
-use cloth_core::step::Stepper;
 
 pub(super) const STUDY: Study = Study {
     name: "stiffness",
@@ -201,12 +190,9 @@ fn chain(
     findings: &mut Findings,
     cases: &mut Cases<'_>,
 ) -> Result<(), BenchError> {
-    let settings = Settings::default()
-        .with("n", LINKS)
-        .with("link", 1)
-        .with("mass", 1)
-        .with("tip_mass", 1)
-        .with("stiffness", CHAIN_STIFFNESS);
+    let settings = Settings::of(&format!(
+        "n={LINKS} link=1 mass=1 tip_mass=1 stiffness={CHAIN_STIFFNESS}"
+    ));
     let mut scene = scene::build("chain", None, &settings)?;
     for p in &mut scene.start.positions {
         *p = Vec3::new(0.0, 0.0, -p.x);
@@ -228,13 +214,9 @@ fn chain(
         let mut curve = Vec::new();
         for &count in efforts(scope) {
             let settings = match effort {
-                "substeps" => Settings::default()
-                    .with("substeps", count)
-                    .with("iterations", 1),
+                "substeps" => Settings::of(&format!("substeps={count} iterations=1")),
                 _ if name == "pd" => Settings::default().with("iterations", count),
-                _ => Settings::default()
-                    .with("substeps", 1)
-                    .with("iterations", count),
+                _ => Settings::of(&format!("substeps=1 iterations={count}")),
             };
             let case = format!("chain, {name} with {count} {effort}");
             let rest = cases.case(&case, || {

@@ -1,15 +1,7 @@
 //! When a second thread helps.
 
 use super::interleaved::interleaved;
-use super::{Scope, Study, StudyRun};
-use crate::error::BenchError;
-use crate::method::{self, Method};
-use crate::report::plot::{Axis, Plot, Series, Style};
-use crate::report::table::{Cell, Table};
-use crate::scene;
-use crate::settings::Settings;
-use cloth_core::math::Real;
-use cloth_core::step::StepInput;
+use crate::studies::prelude::*;
 use std::time::Instant;
 
 pub(super) const STUDY: Study = Study {

@@ -1,18 +1,10 @@
 //! How far converged XPBD is from the implicit Euler step, against the step size.
 
-use super::{Scope, Study, StudyRun};
-use crate::error::BenchError;
-use crate::report::plot::{Axis, Plot, Series};
-use crate::report::table::{Cell, Table};
-use crate::scene::{self, Scene};
-use crate::settings::Settings;
+use crate::studies::prelude::*;
 use crate::yardstick::{StepError, StepProblem};
-use cloth_core::math::Real;
 use cloth_core::method::position_based::Sweep;
-use cloth_core::step::{StepInput, Stepper};
 use cloth_xpbd::direct::{DirectConfig, DirectXpbd};
 use cloth_xpbd::{XpbdConfig, XpbdSolver};
-use serde::{Deserialize, Serialize};
 
 pub(super) const STUDY: Study = Study {
     name: "xpbd-floor",
@@ -66,12 +58,9 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
     let mut series = Vec::new();
     let mut falls = Vec::new();
     for stiffness in STIFFNESSES {
-        let settings = Settings::default()
-            .with("n", LINKS)
-            .with("link", 0.1)
-            .with("mass", 0.1)
-            .with("tip_mass", 0.1)
-            .with("stiffness", stiffness);
+        let settings = Settings::of(&format!(
+            "n={LINKS} link=0.1 mass=0.1 tip_mass=0.1 stiffness={stiffness}"
+        ));
         let scene = scene::build("chain", None, &settings)?;
         let (mut points, mut gradients) = (Vec::new(), Vec::new());
         let mut before = None;

@@ -1,12 +1,7 @@
 //! Sweeps over a straight chain of rigid links, whose rates have closed forms.
 
-use crate::error::BenchError;
 use crate::laws::Law;
-use crate::report::plot::{Axis, Plot, Series, Style};
-use crate::settings::Settings;
-use crate::studies::{Cases, Findings, Scope};
-use cloth_core::math::Real;
-use serde::{Deserialize, Serialize};
+use crate::studies::prelude::*;
 
 const SOLVERS: [&str; 4] = ["jacobi", "gauss-seidel", "sor", "chebyshev"];
 

@@ -1,13 +1,8 @@
 //! How many sweeps a variant of the sweep needs, and how long they take.
 
-use crate::error::BenchError;
-use crate::method::Method;
-use crate::scene::Scene;
-use crate::settings::Settings;
+use crate::studies::prelude::*;
 use crate::yardstick::StepProblem;
-use cloth_core::math::{Real, Vec3};
-use cloth_core::particles::State;
-use cloth_core::step::{Observer, StepInput, Stepper};
+use cloth_core::step::Observer;
 use std::sync::Arc;
 use std::time::Instant;
 

@@ -2,17 +2,11 @@
 
 use super::super::{Findings, Scope};
 use crate::crumpled::{BROAD_PHASES, NewBroadPhase, accordion, boxes};
-use crate::error::BenchError;
-use crate::method::Method;
-use crate::report::table::{Cell, Table};
-use crate::scene;
-use crate::settings::Settings;
+use crate::studies::prelude::*;
 use cloth_collide::potential::PotentialContacts;
 use cloth_collide::{Bounds, BroadPhase, ClothCandidates, Hierarchy};
 use cloth_core::contact::{ContactStep, Projection};
-use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::TriMesh;
-use cloth_core::step::StepInput;
 use std::time::Instant;
 
 const DT: Real = 1.0 / 600.0;

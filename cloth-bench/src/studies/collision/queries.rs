@@ -2,8 +2,7 @@
 
 use super::super::{Findings, Scope};
 use crate::ccd::{METHODS, generate, score};
-use crate::error::BenchError;
-use crate::report::table::{Cell, Table};
+use crate::studies::prelude::*;
 use cloth_collide::QueryKind;
 
 const KINDS: [(&str, QueryKind); 2] = [

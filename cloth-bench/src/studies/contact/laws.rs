@@ -1,16 +1,7 @@
 //! Closed forms of contact, through every method's own view of it.
 
 use super::{Cases, Findings, Scope};
-use crate::error::BenchError;
-use crate::journal::Number;
-use crate::method::{self, Method};
-use crate::report::plot::{Axis, Plot, Series, Style};
-use crate::report::table::{Cell, Table, significant};
-use crate::run;
-use crate::scene::{self, Scene};
-use crate::settings::Settings;
-use cloth_core::math::{Real, Vec3};
-use serde::{Deserialize, Serialize};
+use crate::studies::prelude::*;
 
 /// Acceleration of free fall (m/s²).
 const G: Real = 9.81;

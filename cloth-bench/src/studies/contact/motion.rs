@@ -1,16 +1,7 @@
 //! The same drape on every mesh and with every step, and what its error costs.
 
 use super::{Cases, Findings, Scope};
-use crate::error::BenchError;
-use crate::journal::Number;
-use crate::method::{self, Method};
-use crate::report::plot::{Axis, Plot, Series, Style};
-use crate::report::table::{Cell, Table, significant};
-use crate::run;
-use crate::scene;
-use crate::settings::Settings;
-use cloth_core::math::Real;
-use serde::{Deserialize, Serialize};
+use crate::studies::prelude::*;
 
 /// Time of the comparison (s): the sheet has wrapped the upper half of the sphere, and its corners swing.
 const SECONDS: Real = 0.4;

@@ -1,22 +1,11 @@
 //! One step of implicit Euler in contact as a problem with a known answer, and how far each method is from it.
 
 use super::{Cases, Findings, Scope};
-use crate::error::BenchError;
-use crate::journal::Number;
-use crate::method::{self, Method};
-use crate::report::plot::{Axis, Plot, Series};
-use crate::report::table::{Cell, Table, significant};
-use crate::run;
-use crate::scene::{self, Scene};
-use crate::settings::Settings;
 use crate::studies::cases::LazyCell;
+use crate::studies::prelude::*;
 use cloth_core::contact::{ContactSource, ContactStep};
-use cloth_core::math::{Real, Vec3};
 use cloth_core::measure::{IncrementalPotential, predict};
 use cloth_core::method::family::Energies;
-use cloth_core::particles::State;
-use cloth_core::step::StepInput;
-use serde::{Deserialize, Serialize};
 use std::time::Instant;
 
 /// Tolerance of the reference.
@@ -88,9 +77,7 @@ impl ContactProblem {
             minimum: 0.0,
             start: [1.0; 2],
         };
-        let exact = Settings::default()
-            .with("tolerance", EXACT)
-            .with("iterations", 200_000);
+        let exact = Settings::of(&format!("tolerance={EXACT} iterations=200000"));
         problem.minimiser = problem.take(implicit, &exact)?.0;
         let not_free = || BenchError::Failed("the reference goes through something".into());
         let (minimum, gradient) = problem

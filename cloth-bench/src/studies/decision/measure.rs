@@ -1,13 +1,7 @@
 //! What is measured of a method, and on which sheets.
 
 use super::super::{Scope, locking, scale, sheets, stability};
-use crate::error::BenchError;
-use crate::method::Method;
-use crate::run;
-use crate::scene;
-use crate::settings::Settings;
-use cloth_core::math::Real;
-use serde::{Deserialize, Serialize};
+use crate::studies::prelude::*;
 use std::time::{Duration, Instant};
 
 /// Vertices a side of the two sheets whose steps are timed.
@@ -223,7 +217,7 @@ impl Drape {
 }
 
 /// The sheet above the sphere.
-pub(super) fn draped(scope: Scope) -> Result<scene::Scene, BenchError> {
+pub(super) fn draped(scope: Scope) -> Result<Scene, BenchError> {
     scene::build(
         "drape-sphere",
         None,

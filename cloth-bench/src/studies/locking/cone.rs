@@ -8,10 +8,8 @@
 //! follow it.
 
 use super::sheet::{Kind, Sheet, square};
-use crate::error::BenchError;
-use cloth_core::math::{Real, Vec3};
+use crate::studies::prelude::*;
 use cloth_core::mesh::generate::without_triangles;
-use serde::{Deserialize, Serialize};
 
 const INNER: Real = 0.3;
 const SIN: Real = 0.5;

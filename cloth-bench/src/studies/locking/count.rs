@@ -1,15 +1,11 @@
 //! How many degrees of freedom rigid edges leave, counted and measured.
 
 use super::{Cases, Findings, Scope};
-use crate::error::BenchError;
 use crate::mesh_spec;
-use crate::report::plot::{Axis, Plot, Series, Style};
-use crate::report::table::{Cell, Table};
+use crate::studies::prelude::*;
 use cloth_core::dof::{EdgeRank, bent};
-use cloth_core::math::Real;
 use cloth_core::mesh::TriMesh;
 use cloth_core::topology::{EdgeTable, Topology};
-use serde::{Deserialize, Serialize};
 
 pub(super) const PATTERNS: [&str; 5] = [
     "one-way",

@@ -3,20 +3,11 @@
 use super::fold::{self, Axis};
 use super::sheet::Kind;
 use super::sweeps::RIGIDITY;
-use crate::error::BenchError;
-use crate::method::{self, Method};
-use crate::report::table::{Cell, Table};
-use crate::run;
-use crate::scene::Scene;
-use crate::settings::Settings;
-use crate::studies::{Cases, Findings, Scope};
+use crate::studies::prelude::*;
 use cloth_core::cloth::ClothModel;
 use cloth_core::energy::Spring;
-use cloth_core::math::{Real, Vec3};
 use cloth_core::measure::Strain;
-use cloth_core::particles::State;
 use cloth_core::topology::EdgeTable;
-use serde::{Deserialize, Serialize};
 
 const PATTERN: &str = "alternating";
 const MODULUS: Real = 1e6;

@@ -3,11 +3,9 @@
 
 use super::fold::{self, Axis, Fold};
 use super::sheet::{Kind, Sheet};
-use crate::error::BenchError;
 use crate::report::html::base64;
 use crate::report::render::{Surface, View, render_row};
-use crate::studies::{Cases, Findings, Scope};
-use cloth_core::math::{Real, Vec3};
+use crate::studies::prelude::*;
 use cloth_core::topology::EdgeTable;
 use std::fmt::Write;
 

@@ -4,16 +4,9 @@ use super::fold::{self, Axis};
 use super::sheet::{KINDS, Kind, Sheet, square};
 use super::sweeps::RIGIDITY;
 use super::{cone, count};
-use crate::error::BenchError;
-use crate::method;
-use crate::report::table::{Cell, Table};
-use crate::studies::{Cases, Findings, Scope};
+use crate::studies::prelude::*;
 use cloth_core::dof::{EdgeRank, bent};
-use cloth_core::math::{Real, Vec3};
-use cloth_core::particles::State;
-use cloth_core::step::{StepInput, Stepper};
 use cloth_massspring::ImplicitConfig;
-use serde::{Deserialize, Serialize};
 use std::time::Instant;
 
 /// Y (N/m): a cone of springs is locked by it.

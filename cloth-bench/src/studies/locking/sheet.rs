@@ -1,18 +1,15 @@
 //! A sheet with a membrane of some kind, held where a scene wants it, and its rest.
 
 use super::count::mesh_of;
-use crate::error::BenchError;
-use crate::method;
+use crate::studies::prelude::*;
 use cloth_core::cloth::{
     Cloth, CoarseMembrane, Discretization, Elements, Membrane, MembraneCarrier, SpringEdges,
     SpringLaw,
 };
 use cloth_core::element::Element;
-use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::TriMesh;
 use cloth_core::method::family::Energies;
-use cloth_core::particles::{Particles, State};
-use cloth_core::step::{StepInput, Stepper};
+use cloth_core::particles::Particles;
 use cloth_core::topology::{EdgeTable, Midpoints};
 use cloth_massspring::ImplicitConfig;
 

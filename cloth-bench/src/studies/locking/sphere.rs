@@ -10,21 +10,12 @@
 use super::finer::refined;
 use super::sheet::{KINDS, Kind, Sheet, square};
 use super::{count, fold};
-use crate::error::BenchError;
-use crate::method::Method;
-use crate::report::table::{Cell, Table};
-use crate::run;
-use crate::scene::{self, Scene};
-use crate::settings::Settings;
-use crate::studies::{Cases, Findings, Scope};
+use crate::studies::prelude::*;
 use cloth_core::cloth::ClothModel;
 use cloth_core::dof::EdgeRank;
 use cloth_core::energy::Spring;
-use cloth_core::math::{Real, Vec3};
 use cloth_core::measure::Strain;
-use cloth_core::particles::State;
 use cloth_core::topology::EdgeTable;
-use serde::{Deserialize, Serialize};
 
 /// D (N·m): cloth of this weight bends under itself over 8 cm.
 const RIGIDITY: Real = 1e-3;

@@ -4,12 +4,8 @@ use super::cone;
 use super::count::PATTERNS;
 use super::fold::{self, Axis};
 use super::sheet::Kind;
-use crate::error::BenchError;
-use crate::report::plot::{self, Plot, Series, Style};
-use crate::report::table::{Cell, Table};
-use crate::studies::{Cases, Findings, Scope};
-use cloth_core::math::Real;
-use serde::{Deserialize, Serialize};
+use crate::report::plot;
+use crate::studies::prelude::*;
 
 /// D (N·m) of the cone and the fold.
 pub(super) const RIGIDITY: Real = 0.02;

@@ -1,17 +1,12 @@
 //! The parts of an iteration, each timed alone, beside the library and the memory.
 
 use super::{System, seconds};
-use crate::error::BenchError;
-use crate::report::plot::{Axis, Plot, Series};
-use crate::report::table::{Cell, Table};
-use crate::studies::Findings;
-use cloth_core::math::{Real, Vec3};
+use crate::studies::prelude::*;
 use cloth_core::method::block_matrix::BlockMatrix;
 use cloth_core::method::linear::{
     BlockCholesky, Cholesky, ConjugateGradients, FillOrdering, LinearSolver, Preconditioner,
     StoppingCriteria, upper_half,
 };
-use serde::{Deserialize, Serialize};
 use std::hint::black_box;
 
 /// Times of all sizes (s).

@@ -1,14 +1,9 @@
 //! Every linear solver on the same system.
 
 use super::{System, seconds};
-use crate::error::BenchError;
-use crate::report::plot::{Axis, Plot, Series};
-use crate::report::table::{Cell, Table};
-use crate::studies::Findings;
-use cloth_core::math::{Real, Vec3};
+use crate::studies::prelude::*;
 use cloth_core::method::linear::{LinearMethod, LinearSolver, StoppingCriteria};
 use cloth_core::step::Outcome;
-use serde::{Deserialize, Serialize};
 
 /// Relative residuals asked for.
 const TOLERANCES: [Real; 2] = [1e-3, 1e-8];

@@ -1,18 +1,11 @@
 //! Whole steps to equal errors: the quasi-Newton method around multigrid, and Newton's method with every linear solver.
 
 use super::System;
-use crate::error::BenchError;
-use crate::method;
-use crate::report::plot::{Axis, Plot, Series};
-use crate::report::table::{Cell, Table};
-use crate::scene;
+use crate::studies::prelude::*;
 use crate::studies::sheets::{STIFFNESS, hanging, sixteenth_step, trace_warm};
-use crate::studies::{Cases, Findings, Scope};
 use crate::yardstick::Sample;
-use cloth_core::math::Real;
 use cloth_core::method::linear::{LinearMethod, Preconditioner, StoppingCriteria, spectrum};
 use cloth_massspring::{ImplicitConfig, Solve};
-use serde::{Deserialize, Serialize};
 
 /// Errors (G − G*)/(G(x̃) − G*) that are waited for.
 const GOALS: [Real; 2] = [1e-3, 1e-8];

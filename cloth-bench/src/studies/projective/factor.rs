@@ -1,13 +1,9 @@
 //! The constant matrix: its fill, what it costs to factorise, to solve with and to change.
 
 use super::super::{Findings, Scope};
-use crate::error::BenchError;
-use crate::report::table::{Cell, Table};
-use crate::scene::{self, Scene};
-use crate::settings::Settings;
+use crate::studies::prelude::*;
 use cloth_core::element::Projective;
 use cloth_core::energy::Spring;
-use cloth_core::math::{Real, Vec3};
 use cloth_core::method::linear::{Cholesky, UpperPattern};
 use cloth_core::method::parallel::wide;
 use cloth_pd::LocalStep;

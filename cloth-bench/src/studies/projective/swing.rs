@@ -3,13 +3,7 @@
 
 use super::super::{Findings, Scope};
 use super::{LONG, Pairs, SHORT, with};
-use crate::error::BenchError;
-use crate::method::Method;
-use crate::report::table::{Cell, Table};
-use crate::run;
-use crate::scene;
-use crate::settings::Settings;
-use cloth_core::math::Real;
+use crate::studies::prelude::*;
 use cloth_core::measure::{Strain, kinetic_energy};
 
 /// Steps, and how many of them at the end are averaged over: a swing and a half.

@@ -1,15 +1,10 @@
 //! The maps: which sheet stands behind which pair of values.
 
 use super::{Fate, follow};
-use crate::error::BenchError;
-use crate::scene::{self, Scene};
-use crate::settings::Settings;
-use crate::studies::Scope;
+use crate::studies::prelude::*;
 use cloth_core::cloth::{Cloth, Membrane};
-use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::TriMesh;
 use cloth_core::mesh::generate::{Diagonals, grid};
-use cloth_core::particles::State;
 use cloth_core::random::SplitMix64;
 
 /// Vertices a side.
@@ -142,9 +137,7 @@ fn jittered(scene: &Scene, seed: u64) -> Scene {
 }
 
 fn hung(stiffness: Real) -> Result<Scene, BenchError> {
-    let settings = Settings::default()
-        .with("n", N)
-        .with("stiffness", stiffness);
+    let settings = Settings::of(&format!("n={N} stiffness={stiffness}"));
     scene::build("hang", None, &settings)
 }
 
