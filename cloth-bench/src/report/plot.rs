@@ -212,8 +212,16 @@ impl Plot {
     /// With a closed form, a reference or a guide.
     #[must_use]
     pub fn exact(self, label: &str, points: impl IntoIterator<Item = (f64, f64)>) -> Self {
-        let points = points.into_iter().collect();
-        self.with([Series::new(label, points).styled(Style::ExactCurve)])
+        self.exact_curves([Series::new(label, points.into_iter().collect())])
+    }
+
+    /// With several of them.
+    #[must_use]
+    pub fn exact_curves(self, series: impl IntoIterator<Item = Series>) -> Self {
+        let dashed = series
+            .into_iter()
+            .map(|curve| curve.styled(Style::ExactCurve));
+        self.with(dashed)
     }
 
     /// With a remark below.

@@ -23,50 +23,40 @@ pub(super) const STUDY: Study = Study {
     run,
 };
 
-/// Settings that differ from the default, by name.
-type Pairs = &'static [(&'static str, &'static str)];
-
 /// Label and settings of each variant.
-const VARIANTS: [(&str, Pairs); 4] = [
-    ("plain", &[("acceleration", "none")]),
-    (
-        "chebyshev",
-        &[("acceleration", "chebyshev"), ("spectral_radius", "0.9995")],
-    ),
-    ("quasi-newton", &[("coarse", "0")]),
-    ("quasi-newton, coarse grid", &[]),
+const VARIANTS: [(&str, &str); 4] = [
+    ("plain", "acceleration=none"),
+    ("chebyshev", "acceleration=chebyshev spectral_radius=0.9995"),
+    ("quasi-newton", "coarse=0"),
+    ("quasi-newton, coarse grid", ""),
 ];
 
 /// Errors that are waited for.
 const GOALS: [Real; 3] = [1e-2, 1e-4, 1e-6];
 
 /// Settings of the whole fall.
-const FALLS: [(&str, Pairs); 5] = [
+const FALLS: [(&str, &str); 5] = [
     (
         "plain, 10 iterations from x̃",
-        &[
-            ("acceleration", "none"),
-            ("iterations", "10"),
-            ("start", "predicted"),
-        ],
+        "acceleration=none iterations=10 start=predicted",
     ),
-    ("no coarse grid", &[("coarse", "0")]),
-    ("default", &[]),
+    ("no coarse grid", "coarse=0"),
+    ("default", ""),
     SHORT,
     LONG,
 ];
 
 /// For half a second: what falling takes.
-const SHORT: (&str, Pairs) = (
+const SHORT: (&str, &str) = (
     "6 iterations, 8 cells, 5 pairs",
-    &[("iterations", "6"), ("coarse", "8"), ("history", "5")],
+    "iterations=6 coarse=8 history=5",
 );
 
 /// For seconds of motion: at 64 vertices a side within 4 % of converged implicit Euler in the largest stretch on
 /// average, 1 % at the end.
-const LONG: (&str, Pairs) = (
+const LONG: (&str, &str) = (
     "18 iterations, 16 cells, 2 pairs",
-    &[("iterations", "18"), ("coarse", "16"), ("history", "2")],
+    "iterations=18 coarse=16 history=2",
 );
 
 fn sizes(scope: Scope) -> &'static [u32] {
@@ -79,13 +69,6 @@ fn stiffnesses(scope: Scope) -> &'static [Real] {
 
 fn most(scope: Scope) -> u32 {
     scope.pick(2_000, 3_000)
-}
-
-fn with(pairs: &[(&str, &str)]) -> Settings {
-    let start = Settings::default();
-    pairs
-        .iter()
-        .fold(start, |settings, (key, value)| settings.with(key, value))
 }
 
 fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
@@ -201,13 +184,12 @@ fn one_step(
     let problem = sheets::sixteenth_step(settings)?;
     let mut counts = [None; 4];
     let (n, k) = (settings.get("n"), settings.get("stiffness"));
-    for (index, (label, pairs)) in VARIANTS.into_iter().enumerate() {
+    for (index, (label, settings)) in VARIANTS.into_iter().enumerate() {
         let case = format!("{label}, n {}, k {}", n.unwrap_or(""), k.unwrap_or(""));
         progress(&format!("projective: {case}"));
-        let settings = with(pairs)
-            .with("iterations", most(scope))
-            .with("start", "predicted")
-            .with("tolerance", 1e-9);
+        let most = most(scope);
+        let settings = format!("{settings} iterations={most} start=predicted tolerance=1e-9");
+        let settings = Settings::of(&settings);
         let mut solver = Method::find("pd")?.build(&scene, &settings, scene.dt)?;
         let traced = sheets::trace_warm(&scene, Vec3::zeros(), &problem, &mut *solver);
         let trace = findings.unless_failed(&case, traced).unwrap_or_default();
@@ -238,27 +220,23 @@ fn milliseconds(sample: Option<&Sample>) -> Cell {
 const RACE_GOAL: Real = 1e-3;
 
 /// Label, method and settings of those who race, each from where it starts by default.
-const RACERS: [(&str, &str, Pairs); 4] = [
+const RACERS: [(&str, &str, &str); 4] = [
     (
         "projective dynamics",
         "pd",
-        &[("iterations", "2000"), ("tolerance", "1e-9")],
+        "iterations=2000 tolerance=1e-9",
     ),
     (
         "quasi-Newton, multigrid",
         "implicit-euler",
-        &[("tolerance", "1e-9")],
+        "tolerance=1e-9",
     ),
     (
         "Newton, Cholesky",
         "implicit-euler",
-        &[("tolerance", "1e-9"), ("linear", "cholesky")],
+        "tolerance=1e-9 linear=cholesky",
     ),
-    (
-        "XPBD, one step",
-        "xpbd",
-        &[("substeps", "1"), ("iterations", "2000")],
-    ),
+    ("XPBD, one step", "xpbd", "substeps=1 iterations=2000"),
 ];
 
 fn race_sizes(scope: Scope) -> &'static [u32] {
@@ -284,9 +262,10 @@ fn race(
         progress(&format!("projective: reference for the race, {n} × {n}"));
         let problem = sheets::sixteenth_step(&settings)?;
         let mut first = None;
-        for (label, method, pairs) in RACERS {
+        for (label, method, settings) in RACERS {
             progress(&format!("projective: {label} races, {n} × {n}"));
-            let mut solver = Method::find(method)?.build(&scene, &with(pairs), scene.dt)?;
+            let mut solver =
+                Method::find(method)?.build(&scene, &Settings::of(settings), scene.dt)?;
             let traced = sheets::trace_warm(&scene, scene.gravity, &problem, &mut *solver);
             let trace = findings.unless_failed(label, traced).unwrap_or_default();
             let reached = trace.iter().find(|s| s.error.objective <= RACE_GOAL);
@@ -406,9 +385,9 @@ fn falls(
             ]);
         };
         push("implicit Euler, converged", &converged);
-        for (label, pairs) in FALLS {
+        for (label, settings) in FALLS {
             progress(&format!("projective: {label} for half a second, {n} × {n}"));
-            let outcome = simulate("pd", &with(pairs));
+            let outcome = simulate("pd", &Settings::of(settings));
             if let Some(summary) = findings.unless_failed(label, outcome) {
                 push(label, &summary);
             }
