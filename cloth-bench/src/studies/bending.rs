@@ -61,15 +61,10 @@ fn ratio(gamma: Real) -> Real {
 }
 
 fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
-    let StudyRun {
-        scope,
-        cases,
-        findings,
-    } = study;
-    let scope = *scope;
-    let worst = elastica(scope, findings, cases);
-    refinement(findings, cases);
-    let apart = factors(findings, cases);
+    let scope = study.scope;
+    let worst = elastica(study);
+    refinement(study);
+    let apart = factors(study);
     let on_curve = worst.is_some_and(|worst| worst < 0.01);
     let alike = if on_curve {
         "Every model lies on the curve of the heavy elastica"
@@ -79,7 +74,7 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
     let worst = worst.map_or("none was measured at every load".to_owned(), |worst| {
         format!("largest error {:.2} %", 100.0 * worst)
     });
-    findings.section.verdict = Some(format!(
+    study.findings.section.verdict = Some(format!(
         "{alike} from Γ = 0.1 to 1000 on a strip of {} × 5 vertices ({worst}), so one rigidity D means one cloth. That holds where bending follows the edges: \
          the measured factors are those of the closed forms to {apart:.0e}, and they differ with pattern, direction and shape, from 1 to 18 for one k of the quadratic model.",
         rows(scope)
@@ -112,7 +107,8 @@ impl Hanging {
 }
 
 /// H/W against Γ. Returns the largest relative error, or none if a strip did not come to rest.
-fn elastica(scope: Scope, findings: &mut Findings, cases: &mut Cases<'_>) -> Option<Real> {
+fn elastica(study: &mut StudyRun<'_>) -> Option<Real> {
+    let scope = study.scope;
     let mut table = Table::new(&[
         "model",
         "Γ",
@@ -131,8 +127,9 @@ fn elastica(scope: Scope, findings: &mut Findings, cases: &mut Cases<'_>) -> Opt
         let (mut curve, mut error_curve) = (Vec::new(), Vec::new());
         for &(gamma, expected) in &loads {
             let case = format!("{name}, Γ = {gamma}");
-            let found = cases.case(&case, || Hanging::at_rest(gamma, model, strip(rows(scope))));
-            let Some(found) = findings.unless_failed(&case, found) else {
+            let Some(found) =
+                study.case(&case, || Hanging::at_rest(gamma, model, strip(rows(scope))))
+            else {
                 worst = None;
                 continue;
             };
@@ -161,7 +158,7 @@ fn elastica(scope: Scope, findings: &mut Findings, cases: &mut Cases<'_>) -> Opt
         .map(|gamma| (gamma, ratio(gamma)))
         .collect();
     heights.push(Series::new("heavy elastica, exact", exact_curve).styled(Style::ExactCurve));
-    findings.plot(
+    study.findings.plot(
         "bending-elastica",
         &Plot {
             title: "A strip under its own weight".into(),
@@ -171,7 +168,7 @@ fn elastica(scope: Scope, findings: &mut Findings, cases: &mut Cases<'_>) -> Opt
             note: "The dashed curve is the exact solution of θ″ + Γ(1 − s) cos θ = 0.".into(),
         },
     );
-    findings.plot(
+    study.findings.plot(
         "bending-elastica-error",
         &Plot {
             title: "Distance of the models from the exact curve".into(),
@@ -182,7 +179,7 @@ fn elastica(scope: Scope, findings: &mut Findings, cases: &mut Cases<'_>) -> Opt
                 .into(),
         },
     );
-    findings.table(
+    study.findings.table(
         "bending-elastica",
         "Drop over span of a heavy strip at rest",
         table,
@@ -191,7 +188,7 @@ fn elastica(scope: Scope, findings: &mut Findings, cases: &mut Cases<'_>) -> Opt
 }
 
 /// The error of H/W against resolution.
-fn refinement(findings: &mut Findings, cases: &mut Cases<'_>) {
+fn refinement(study: &mut StudyRun<'_>) {
     let mut table = Table::new(&["model", "Γ", "rows", "relative error of H/W"]);
     let mut series = Vec::new();
     for gamma in REFINED_LOADS {
@@ -200,10 +197,9 @@ fn refinement(findings: &mut Findings, cases: &mut Cases<'_>) {
             let mut curve = Vec::new();
             for rows in REFINED {
                 let case = format!("{name}, Γ = {gamma}, {rows} rows");
-                let found = cases.case(&case, || {
+                let Some(found) = study.case(&case, || {
                     Hanging::at_rest(gamma, model, long_triangles(rows))
-                });
-                let Some(found) = findings.unless_failed(&case, found) else {
+                }) else {
                     continue;
                 };
                 let error = found.drop / found.span / expected - 1.0;
@@ -220,7 +216,7 @@ fn refinement(findings: &mut Findings, cases: &mut Cases<'_>) {
     }
     let second = REFINED.map(|rows| (rows as Real, 2.0 * (32.0 / rows as Real).powi(2)));
     series.push(Series::new("second order", second.to_vec()).styled(Style::ExactCurve));
-    findings.plot(
+    study.findings.plot(
         "bending-refinement",
         &Plot {
             title: "Error of H/W against resolution".into(),
@@ -230,7 +226,7 @@ fn refinement(findings: &mut Findings, cases: &mut Cases<'_>) {
             note: "Triangles eight times as high as wide, three vertices across: what the strip itself is wrong by, Poisson's ratio and the rim, is 0.014 %.".into(),
         },
     );
-    findings.data("bending-refinement", table);
+    study.findings.data("bending-refinement", table);
 }
 
 /// Directions of the curvature (degrees) of the cylinder that are measured, and of the points of the exact curve
@@ -267,7 +263,7 @@ fn bent(model: Model, pattern: Pattern, (surface, degrees, settled): (usize, Rea
 
 /// The factors of every model and pattern, and the factor of a cylinder by direction. Returns the largest relative
 /// distance from the closed forms.
-fn factors(findings: &mut Findings, cases: &mut Cases<'_>) -> Real {
+fn factors(study: &mut StudyRun<'_>) -> Real {
     let mut table = Table::new(&[
         "model",
         "pattern",
@@ -284,11 +280,11 @@ fn factors(findings: &mut Findings, cases: &mut Cases<'_>) -> Real {
     for (name, model) in MODELS {
         for (pattern_name, pattern) in PATTERNS {
             let case = format!("{name} on {pattern_name}");
-            let found: Result<Vec<[Real; 2]>, BenchError> = cases.case(&case, || {
+            let found: Result<Vec<[Real; 2]>, BenchError> = study.cases.case(&case, || {
                 let of = |what| factor(bent(model, pattern, what));
                 shown().into_iter().map(of).collect()
             });
-            let Some(found) = findings.unless_failed(&case, found) else {
+            let Some(found) = study.findings.unless_failed(&case, found) else {
                 continue;
             };
             let mut line = [const { Cell::Missing }; 10];
@@ -314,10 +310,10 @@ fn factors(findings: &mut Findings, cases: &mut Cases<'_>) -> Real {
             };
             let at = |degrees| bent(Model::Bergou, pattern, (0, degrees, settled));
             let case = format!("cylinder on {label}");
-            let found: Result<Vec<[Real; 2]>, BenchError> = cases.case(&case, || {
+            let found: Result<Vec<[Real; 2]>, BenchError> = study.cases.case(&case, || {
                 directions(24).map(|degrees| factor(at(degrees))).collect()
             });
-            let Some(found) = findings.unless_failed(&case, found) else {
+            let Some(found) = study.findings.unless_failed(&case, found) else {
                 continue;
             };
             for [expected, measured] in &found {
@@ -331,7 +327,7 @@ fn factors(findings: &mut Findings, cases: &mut Cases<'_>) -> Real {
         }
     }
     series.extend(curves);
-    findings.plot(
+    study.findings.plot(
         "bending-direction",
         &Plot {
             title: "Energy of a cylinder, by the direction in which it bends".into(),
@@ -341,7 +337,7 @@ fn factors(findings: &mut Findings, cases: &mut Cases<'_>) -> Real {
             note: "Quadratic model. Dashed: by hand, hinge by hinge.".into(),
         },
     );
-    findings.table(
+    study.findings.table(
         "bending-factors",
         "Energy per area for coefficient k, over ½ k κ² (sphere: over ½ k (2κ)²)",
         table,

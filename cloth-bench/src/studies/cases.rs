@@ -4,7 +4,6 @@
 //! when another machine runs it; what several cases need, such as a reference, is a [`LazyCell`] value, found when the
 //! first of them asks for it.
 
-use super::Findings;
 use crate::error::BenchError;
 use crate::journal::{Journal, Shard};
 use serde::Serialize;
@@ -230,24 +229,6 @@ impl<'a> Cases<'a> {
             journal.record(self.study, name, seconds, recorded)?;
         }
         outcome
-    }
-
-    /// A case that fills findings of its own, which are added to those of the study, and draws a conclusion: none if it
-    /// failed, which is a finding too.
-    pub(crate) fn chapter<T: Serialize + DeserializeOwned + Default>(
-        &mut self,
-        name: &str,
-        findings: &mut Findings,
-        work: impl FnOnce(&mut Findings, &mut dyn FnMut(&str)) -> Result<T, BenchError>,
-    ) -> Option<T> {
-        let outcome = self.parts(name, |progress| {
-            let mut own = Findings::default();
-            let conclusion = work(&mut own, progress)?;
-            Ok((own, conclusion))
-        });
-        let (own, conclusion) = findings.unless_failed(name, outcome)?;
-        findings.append(own);
-        Some(conclusion)
     }
 
     /// The cases that were neither finished nor run.

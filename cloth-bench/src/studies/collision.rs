@@ -69,16 +69,9 @@ fn size(scope: Scope, scene: &str) -> (u32, Option<u32>) {
 }
 
 fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
-    let StudyRun {
-        scope,
-        cases,
-        findings,
-    } = study;
-    let scope = *scope;
-    let scenes = run_scenes(scope, findings, cases)?;
-    let promise = cases.chapter("queries", findings, |own, now| {
-        queries::run(scope, own, now)
-    });
+    let scope = study.scope;
+    let scenes = run_scenes(study)?;
+    let promise = study.chapter("queries", |own, now| queries::run(scope, own, now));
     let promise = promise.map(|counts: [_; 2]| match counts {
         [0, asked] => format!(
             "Of {asked} queries the methods that promise to miss no contact missed none and were never late."
@@ -87,12 +80,10 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
             "Of {asked} queries the methods that promise to miss no contact missed {broken} or were late for them."
         ),
     });
-    let cost = cases.chapter("crumpled sheet", findings, |own, now| {
-        crumple::run(scope, own, now)
-    });
+    let cost = study.chapter("crumpled sheet", |own, now| crumple::run(scope, own, now));
     let told = [Some(scenes), promise, cost];
     let told: Vec<String> = told.into_iter().flatten().collect();
-    findings.section.verdict = Some(told.join(" "));
+    study.findings.section.verdict = Some(told.join(" "));
     Ok(())
 }
 
@@ -137,11 +128,8 @@ fn ran(scene: &Scene, steps: u32, method: &str) -> Result<Ran, BenchError> {
 }
 
 /// Adds the table and the pictures; returns what they say in words.
-fn run_scenes(
-    scope: Scope,
-    findings: &mut Findings,
-    cases: &mut Cases<'_>,
-) -> Result<String, BenchError> {
+fn run_scenes(study: &mut StudyRun<'_>) -> Result<String, BenchError> {
+    let scope = study.scope;
     let mut table = Table::new(&[
         "scene",
         "method",
@@ -164,8 +152,7 @@ fn run_scenes(
         let mut ends = Vec::new();
         for method in methods() {
             let case = format!("{name}, {method}");
-            let done = cases.case(&case, || ran(&scene, steps, method));
-            let Some(ran) = findings.unless_failed(&case, done) else {
+            let Some(ran) = study.case(&case, || ran(&scene, steps, method)) else {
                 continue;
             };
             if ran.positions.is_empty() {
@@ -196,10 +183,16 @@ fn run_scenes(
             ends.push((method, End::of(ran)));
         }
         if !ends.is_empty() {
-            findings.section.pictures.push(picture(&scene, &ends)?);
+            study
+                .findings
+                .section
+                .pictures
+                .push(picture(&scene, &ends)?);
         }
     }
-    findings.table("collision", "Scenes with contact", table);
+    study
+        .findings
+        .table("collision", "Scenes with contact", table);
     let cells = SCENES.len() * methods().len();
     let most = shares.iter().copied().fold(0.0, Real::max);
     let refusals = match refused {

@@ -22,14 +22,8 @@ pub(super) const STUDY: Study = Study {
 };
 
 fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
-    let StudyRun {
-        scope,
-        cases,
-        findings,
-    } = study;
-    let scope = *scope;
-    step::run(scope, findings, cases);
-    motion::run(scope, findings, cases);
-    laws::run(scope, findings, cases);
+    step::run(study);
+    motion::run(study);
+    laws::run(study);
     Ok(())
 }

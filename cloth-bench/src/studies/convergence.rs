@@ -30,12 +30,7 @@ fn sizes(scope: Scope) -> &'static [u32] {
 }
 
 fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
-    let StudyRun {
-        scope,
-        cases,
-        findings,
-    } = study;
-    let scope = *scope;
+    let scope = study.scope;
     let mut samples = Table::new(&[
         "n",
         "method",
@@ -55,7 +50,7 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
         "remark",
     ]);
     let mut fastest = Vec::new();
-    let sheets = TestSheet::of_study(cases, sizes(scope))?;
+    let sheets = TestSheet::of_study(&mut study.cases, sizes(scope))?;
     for sheet in &sheets {
         let TestSheet {
             name, size, scene, ..
@@ -66,7 +61,7 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
         for variant in iterated(scope) {
             let label = variant.label.as_str();
             let case = format!("{label} at {name}");
-            let traced = cases.case(&case, || {
+            let traced = study.cases.case(&case, || {
                 let problem = problem.get()?;
                 let method = Method::find(variant.method())?;
                 let mut solver = method.build(scene, &variant.settings, scene.dt)?;
@@ -74,7 +69,10 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
                 problem.solve(&mut *solver)?;
                 Ok(thinned(problem.trace(&mut *solver)?))
             });
-            let trace = findings.unless_failed(&case, traced).unwrap_or_default();
+            let trace = study
+                .findings
+                .unless_failed(&case, traced)
+                .unwrap_or_default();
             for sample in &trace {
                 push_sample(&mut samples, size, label, "iterations", sample);
                 reached.push((label.to_owned(), *sample));
@@ -85,12 +83,12 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
             let mut trace = Vec::new();
             for substeps in parts {
                 let case = format!("{method} with {substeps} substeps at {name}");
-                let sample = cases.case(&case, || {
+                let sample = study.cases.case(&case, || {
                     let settings = Settings::of(&format!("substeps={substeps} iterations=1"));
                     let mut solver = Method::find(method)?.build(scene, &settings, scene.dt)?;
                     repeated(problem.get()?, &mut *solver, 3)
                 });
-                trace.extend(findings.unless_failed(&case, sample));
+                trace.extend(study.findings.unless_failed(&case, sample));
             }
             for sample in &trace {
                 push_sample(&mut samples, size, method, "substeps", sample);
@@ -100,7 +98,7 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
         }
         for method in method::all().filter(|method| method.aims_at_implicit_euler()) {
             let case = format!("{} at its default, {name}", method.name);
-            let sample = cases.case(&case, || {
+            let sample = study.cases.case(&case, || {
                 let mut solver = method.build(scene, &Settings::default(), scene.dt)?;
                 repeated(problem.get()?, &mut *solver, 5)
             });
@@ -109,10 +107,10 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
             }
             defaults.push(default_row(size, method, sample));
         }
-        curves.draw(sheet, findings);
+        curves.draw(sheet, &mut study.findings);
         fastest.push(format!("{name}: {}", fastest_to(&reached)));
     }
-    findings.answer(
+    study.findings.answer(
         "Which method at which error and size?",
         format!(
             "For one implicit Euler step of {}, at {}.",
@@ -120,10 +118,10 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
             fastest.join("; at ")
         ),
     );
-    findings.section.verdict = sheets
+    study.findings.section.verdict = sheets
         .last()
         .and_then(|largest| verdict(&defaults, largest));
-    findings.table(
+    study.findings.table(
         "convergence-defaults",
         &format!(
             "Every method at its default setting: one step of {}",
@@ -131,12 +129,11 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
         ),
         defaults,
     );
-    findings.data("convergence", samples);
+    study.findings.data("convergence", samples);
     let of_fall = sheets
         .iter()
         .rfind(|sheet| sheet.scene.start.positions.len() <= 64 * 64);
-    half_a_second(of_fall.unwrap_or(&sheets[0]), findings, cases)?;
-    Ok(())
+    half_a_second(study, of_fall.unwrap_or(&sheets[0]))
 }
 
 /// Who is the first at each error, in words.
@@ -322,11 +319,7 @@ struct Fallen {
 }
 
 /// Every method on the same sheet from the same start, looked at after half a second.
-fn half_a_second(
-    sheet: &TestSheet,
-    findings: &mut Findings,
-    cases: &mut Cases<'_>,
-) -> Result<(), BenchError> {
+fn half_a_second(study: &mut StudyRun<'_>, sheet: &TestSheet) -> Result<(), BenchError> {
     let scene = &sheet.scene;
     let (which, duration) = (sheet.which(), Real::from(HALF_A_SECOND) * scene.dt);
     let mut table = Table::new(&[
@@ -341,18 +334,20 @@ fn half_a_second(
     let mut sheets: Vec<(&str, Vec<Vec3>)> = Vec::new();
     let mut falls: Vec<(&str, Real, Real, Real)> = Vec::new();
     for method in method::all() {
-        let done = cases.case(&format!("{} for half a second", method.name), || {
-            let (summary, end) = run::from_start(
-                scene,
-                method,
-                &Settings::default(),
-                scene.dt,
-                HALF_A_SECOND,
-                |_, _, _| Ok(()),
-            )?;
-            let positions = end.positions.into_iter().map(Into::into).collect();
-            Ok(Fallen { summary, positions })
-        });
+        let done = study
+            .cases
+            .case(&format!("{} for half a second", method.name), || {
+                let (summary, end) = run::from_start(
+                    scene,
+                    method,
+                    &Settings::default(),
+                    scene.dt,
+                    HALF_A_SECOND,
+                    |_, _, _| Ok(()),
+                )?;
+                let positions = end.positions.into_iter().map(Into::into).collect();
+                Ok(Fallen { summary, positions })
+            });
         let remark = done
             .as_ref()
             .err()
@@ -394,7 +389,7 @@ fn half_a_second(
         ))
     };
     if let (Some(pbd), Some(xpbd), Some(exact)) = (of("pbd"), of("xpbd"), of("implicit-euler")) {
-        findings.answer(
+        study.findings.answer(
             "PBD or XPBD?",
             format!(
                 "Both at their default of 20 sweeps, {which} falls in {duration:.2} s: {pbd}, {xpbd}; converged, {exact}. PBD's stiffness is not the one asked for (see the study of stiffness), XPBD's is as soon as the sweeps suffice."
@@ -404,7 +399,7 @@ fn half_a_second(
     let caption = format!(
         "After {duration:.2} s ({HALF_A_SECOND} steps) of {which}: stretch alone misleads, so the fall stands beside it"
     );
-    findings.table("hang-half-a-second", &caption, table);
+    study.findings.table("hang-half-a-second", &caption, table);
     if let Some(mesh) = &scene.mesh {
         // Four to a row, all seen by one camera.
         let everything = sheets.iter().flat_map(|(_, positions)| positions).copied();
@@ -415,7 +410,7 @@ fn half_a_second(
                 &format!("{which} after {duration:.2} s"),
                 bounds(everything.clone()),
             )?;
-            findings.section.pictures.push(picture);
+            study.findings.section.pictures.push(picture);
         }
     }
     Ok(())

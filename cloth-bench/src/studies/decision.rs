@@ -52,38 +52,36 @@ struct Row {
 }
 
 fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
-    let StudyRun {
-        scope,
-        cases,
-        findings,
-    } = study;
-    let scope = *scope;
-    findings.section.leads = true;
+    let scope = study.scope;
+    study.findings.section.leads = true;
     let unstable = format!("step of {}", scale::WITHOUT);
-    let outcome = cases.case(&unstable, || measure::hopeless(scope));
-    let foretold = findings.unless_failed(&unstable, outcome);
+    let foretold = study.case(&unstable, || measure::hopeless(scope));
     let every: Vec<&Method> = methods().collect();
     let case_of = |method: &&Method| format!("step of {}", method.name);
-    let steps = cases.side_by_side(&every, case_of, |method| Step::measure(scope, method));
+    let steps = study
+        .cases
+        .side_by_side(&every, case_of, |method| Step::measure(scope, method));
     let mut rows = Vec::new();
     for (method, step) in every.into_iter().zip(steps) {
         let name = method.name;
-        let step = findings.unless_failed(&case_of(&method), step);
+        let step = study.findings.unless_failed(&case_of(&method), step);
         let case = format!("cost of {name}");
-        let cost = cases.case(&case, || Cost::measure(scope, name));
-        let cost = findings.unless_failed(&case, cost);
+        let cost = study.case(&case, || Cost::measure(scope, name));
         let case = format!("contact of {name}");
-        let contact = cases.case(&case, || Contact::measure(scope, method));
-        let contact = findings.unless_failed(&case, contact);
+        let contact = study.case(&case, || Contact::measure(scope, method));
         for reason in step.iter().flat_map(|s| &s.reasons) {
-            findings.section.notes.push(format!("{name}: {reason}."));
+            study
+                .findings
+                .section
+                .notes
+                .push(format!("{name}: {reason}."));
         }
         let drapes = contact
             .iter()
             .flat_map(|c| [("1/60", &c.sixtieth), ("1/30", &c.thirtieth)]);
         for (dt, reason) in drapes.filter_map(|(dt, d)| Some((dt, d.reason.as_ref()?))) {
             let note = format!("{name} in contact, steps of {dt} s: {reason}.");
-            findings.section.notes.push(note);
+            study.findings.section.notes.push(note);
         }
         rows.push(Row {
             method: name,
@@ -92,22 +90,22 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
             contact,
         });
     }
-    findings.section.verdict = Some(verdict(&rows));
-    findings.data("decision", data(&rows));
+    study.findings.section.verdict = Some(verdict(&rows));
+    study.findings.data("decision", data(&rows));
     let shown = shown(scope, &rows, foretold.as_deref().unwrap_or_default());
     let caption = format!(
         "Every method at its default setting: ★ best, ✗ unfit, – not to be had. Pictures: the same cloth on a sphere after {:.2} s.",
         Real::from(measure::steps(scope)) * DT
     );
-    findings.section.tables.push((caption, shown));
-    findings.section.pictures = strip(scope, &rows)?;
-    findings.table(
+    study.findings.section.tables.push((caption, shown));
+    study.findings.section.pictures = strip(scope, &rows)?;
+    study.findings.table(
         "decision-qualities",
         "What no measurement says",
         qualities::table(),
     );
-    answer(scope, &rows, findings);
-    cuts(scope, findings, cases);
+    answer(scope, &rows, &mut study.findings);
+    cuts(study);
     Ok(())
 }
 
@@ -308,7 +306,8 @@ const CUTS: [(&str, u32, u32); 6] = [
     ("xpbd", 20, 1),
 ];
 
-fn cuts(scope: Scope, findings: &mut Findings, cases: &mut Cases<'_>) {
+fn cuts(study: &mut StudyRun<'_>) {
+    let scope = study.scope;
     let mut table = Table::new(&[
         "method",
         "substeps",
@@ -321,7 +320,7 @@ fn cuts(scope: Scope, findings: &mut Findings, cases: &mut Cases<'_>) {
     let mut told = Vec::new();
     for (name, substeps, iterations) in CUTS {
         let case = format!("{name} in contact, {substeps} substeps of {iterations} iterations");
-        let drape = cases.case(&case, || {
+        let drape = study.cases.case(&case, || {
             let settings = Settings::default();
             let settings = settings
                 .with("substeps", substeps)
@@ -329,7 +328,7 @@ fn cuts(scope: Scope, findings: &mut Findings, cases: &mut Cases<'_>) {
             let method = Method::find(name)?;
             measure::Drape::measure(scope, method, &settings, DT, measure::steps(scope))
         });
-        let Some(drape) = findings.unless_failed(&case, drape) else {
+        let Some(drape) = study.findings.unless_failed(&case, drape) else {
             continue;
         };
         if let (Some(ms), Some(stretch)) = (drape.ms, drape.stretch) {
@@ -339,7 +338,8 @@ fn cuts(scope: Scope, findings: &mut Findings, cases: &mut Cases<'_>) {
                 two(ms)
             ));
         }
-        findings
+        study
+            .findings
             .section
             .notes
             .extend(drape.reason.map(|reason| format!("{case}: {reason}.")));
@@ -353,7 +353,7 @@ fn cuts(scope: Scope, findings: &mut Findings, cases: &mut Cases<'_>) {
             Cell::from(drape.excess),
         ]);
     }
-    findings.table(
+    study.findings.table(
         "decision-substeps",
         "Twenty sweeps under contact, as substeps × iterations",
         table,
@@ -362,7 +362,9 @@ fn cuts(scope: Scope, findings: &mut Findings, cases: &mut Cases<'_>) {
         "Twenty sweeps a step on the sphere, as substeps × iterations: {}.",
         told.join("; ")
     );
-    findings.answer("Iterations or substeps under contact?", answer);
+    study
+        .findings
+        .answer("Iterations or substeps under contact?", answer);
 }
 
 #[cfg(test)]

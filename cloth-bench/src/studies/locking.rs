@@ -37,24 +37,18 @@ pub(super) const STUDY: Study = Study {
 };
 
 fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
-    let StudyRun {
-        scope,
-        cases,
-        findings,
-    } = study;
-    let scope = *scope;
-    let as_counted = count::run(scope, findings, cases)?;
-    picture::run(scope, findings, cases)?;
-    let cones = sweeps::cones(scope, findings, cases)?;
-    let folds = sweeps::folds(scope, findings, cases)?;
-    remedies::run(scope, findings, cases)?;
-    methods::run(scope, findings, cases)?;
-    let drapes = sphere::run(scope, findings, cases)?;
-    findings.answer(
+    let as_counted = count::run(study)?;
+    picture::run(study)?;
+    let cones = sweeps::cones(study)?;
+    let folds = sweeps::folds(study)?;
+    remedies::run(study)?;
+    methods::run(study)?;
+    let drapes = sphere::run(study)?;
+    study.findings.answer(
         "Which folds does the mesh allow?",
         allowed(as_counted, &folds),
     );
-    findings.section.verdict = Some(verdict(as_counted, &cones, &folds, &drapes));
+    study.findings.section.verdict = Some(verdict(as_counted, &cones, &folds, &drapes));
     Ok(())
 }
 

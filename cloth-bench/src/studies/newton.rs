@@ -33,18 +33,13 @@ fn sides(scope: Scope) -> &'static [u32] {
 }
 
 fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
-    let StudyRun {
-        scope,
-        cases,
-        findings,
-    } = study;
-    let scope = *scope;
+    let scope = study.scope;
     let mut parts = parts::Parts::default();
     let mut solvers = solvers::Solvers::default();
     let mut conditions = Vec::new();
     for &side in sides(scope) {
         let name = format!("{side} × {side}");
-        let found = cases.parts(&name, |progress| {
+        let found = study.cases.parts(&name, |progress| {
             progress(&format!("newton: {side} × {side}, parts of an iteration"));
             let mut system = System::falling(side, STIFFNESS)?;
             let of_parts = parts::Parts::of(side, &mut system)?;
@@ -52,16 +47,17 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
             let of_solvers = solvers::Solvers::of(side, &system)?;
             Ok((of_parts, of_solvers, steps::conditions(&system)?))
         });
-        if let Some((of_parts, of_solvers, condition)) = findings.unless_failed(&name, found) {
+        if let Some((of_parts, of_solvers, condition)) = study.findings.unless_failed(&name, found)
+        {
             parts.append(of_parts);
             solvers.append(of_solvers);
             conditions.push((side, condition));
         }
     }
-    let first = parts.report(findings);
-    let second = solvers.report(findings);
-    let third = steps::run(scope, &conditions, findings, cases);
-    findings.section.verdict = Some(format!("{third} {first} {second}"));
+    let first = parts.report(&mut study.findings);
+    let second = solvers.report(&mut study.findings);
+    let third = steps::run(study, &conditions);
+    study.findings.section.verdict = Some(format!("{third} {first} {second}"));
     Ok(())
 }
 

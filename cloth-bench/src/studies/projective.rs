@@ -72,32 +72,23 @@ fn most(scope: Scope) -> u32 {
 }
 
 fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
-    let StudyRun {
-        scope,
-        cases,
-        findings,
-    } = study;
-    let scope = *scope;
-    let verdict = cases.chapter("one step", findings, |own, now| steps(scope, own, now));
+    let scope = study.scope;
+    let verdict = study.chapter("one step", |own, now| steps(scope, own, now));
     let verdict = verdict.flatten();
-    cases.chapter("race", findings, |own, now| race(scope, own, now));
-    cases.chapter("falls", findings, |own, now| falls(scope, own, now));
-    cases.chapter("swings", findings, |own, now| {
-        swing::swings(scope, own, now)
-    });
-    cases.chapter("factor", findings, |own, now| {
-        factor::costs(scope, own, now)
-    });
-    cases.chapter("local step", findings, |own, now| {
+    study.chapter("race", |own, now| race(scope, own, now));
+    study.chapter("falls", |own, now| falls(scope, own, now));
+    study.chapter("swings", |own, now| swing::swings(scope, own, now));
+    study.chapter("factor", |own, now| factor::costs(scope, own, now));
+    study.chapter("local step", |own, now| {
         factor::local_steps(scope, own, now)
     });
     if let Some(verdict) = &verdict {
-        findings.answer(
+        study.findings.answer(
             "Does the convergence of projective dynamics depend on resolution?",
             verdict.clone(),
         );
     }
-    findings.section.verdict = verdict;
+    study.findings.section.verdict = verdict;
     Ok(())
 }
 

@@ -107,12 +107,7 @@ fn cell(n: usize, steps: u32, start: &str, name: &str) -> Result<Outcome, BenchE
 }
 
 fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
-    let StudyRun {
-        scope,
-        cases,
-        findings,
-    } = study;
-    let scope = *scope;
+    let scope = study.scope;
     let (n, steps) = size(scope);
     let mut table = Table::new(&[
         "method",
@@ -126,10 +121,11 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
     for method in method::all() {
         let mut lost = Vec::new();
         let case_of = |start: &&str| format!("{start}, {}", method.name);
-        let every =
-            cases.side_by_side(&STARTS, case_of, |start| cell(n, steps, start, method.name));
+        let every = study
+            .cases
+            .side_by_side(&STARTS, case_of, |start| cell(n, steps, start, method.name));
         for (start, found) in STARTS.into_iter().zip(every) {
-            let Some(found) = findings.unless_failed(&case_of(&start), found) else {
+            let Some(found) = study.findings.unless_failed(&case_of(&start), found) else {
                 continue;
             };
             let is_passed = found.recovered == RUNS;
@@ -138,7 +134,7 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
             }
             if let Some(reason) = &found.reason {
                 let note = format!("Failed: {}: {reason}.", case_of(&start));
-                findings.section.notes.push(note);
+                study.findings.section.notes.push(note);
             }
             table.push([
                 Cell::from(method.name),
@@ -155,7 +151,7 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
             failed.push(format!("{} fails from {}", method.name, lost.join(", ")));
         }
     }
-    findings.table(
+    study.findings.table(
         "recovery",
         &format!("{n} × {n} vertices, at most {steps} steps"),
         table,
@@ -165,7 +161,7 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
     } else {
         failed.join("; ")
     };
-    findings.section.verdict = Some(format!(
+    study.findings.section.verdict = Some(format!(
         "In ten runs of ten from every start, {} recover; {told}.",
         always.join(", ")
     ));

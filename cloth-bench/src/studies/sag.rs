@@ -42,27 +42,18 @@ fn most_steps(scope: Scope) -> u32 {
 }
 
 fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
-    let StudyRun {
-        scope,
-        cases,
-        findings,
-    } = study;
-    let scope = *scope;
-    let holds = chains(scope, findings, cases)?;
-    let guide = substeps(scope, findings, cases)?;
-    let diameter = iterations(scope, findings, cases)?;
-    findings.section.verdict = Some(format!(
+    let holds = chains(study)?;
+    let guide = substeps(study)?;
+    let diameter = iterations(study)?;
+    study.findings.section.verdict = Some(format!(
         "The chain sags by its law {holds}. {guide} {diameter}"
     ));
     Ok(())
 }
 
 /// The law `sag` over its parameters; how well it holds.
-fn chains(
-    scope: Scope,
-    findings: &mut Findings,
-    cases: &mut Cases<'_>,
-) -> Result<String, BenchError> {
+fn chains(study: &mut StudyRun<'_>) -> Result<String, BenchError> {
+    let scope = study.scope;
     let law = Law::find("sag")?;
     let mut table = Table::new(&[
         "tip mass (kg)",
@@ -91,7 +82,7 @@ fn chains(
                     .with(spent, count)
                     .with(other, 1);
                 let case = format!("tip of {tip} kg, {count} {spent}");
-                let numbers = cases.case(&case, || {
+                let numbers = study.cases.case(&case, || {
                     let evaluation = law.evaluate(&settings)?;
                     Ok([
                         evaluation.expected,
@@ -99,7 +90,8 @@ fn chains(
                         evaluation.rounding,
                     ])
                 });
-                let Some([expected, measured, rounding]) = findings.unless_failed(&case, numbers)
+                let Some([expected, measured, rounding]) =
+                    study.findings.unless_failed(&case, numbers)
                 else {
                     continue;
                 };
@@ -132,12 +124,12 @@ fn chains(
     };
     let exact = efforts(scope).iter().map(law).collect();
     series.push(Series::new("g h² N(N − 1)/2", exact).styled(Style::ExactCurve));
-    findings.table(
+    study.findings.table(
         "sag-chain",
         "Sag of a hanging chain of 20 rigid links of 1 m at rest",
         table,
     );
-    findings.plot(
+    study.findings.plot(
         "sag-chain",
         &Plot {
             title: "Sag of a hanging chain of 20 rigid links of 1 m, Δt = 1/60 s".into(),
@@ -229,11 +221,8 @@ fn law(substeps: u32) -> Real {
     GRAVITY * h * h * (n - 1.0) * n / 2.0
 }
 
-fn substeps(
-    scope: Scope,
-    findings: &mut Findings,
-    cases: &mut Cases<'_>,
-) -> Result<String, BenchError> {
+fn substeps(study: &mut StudyRun<'_>) -> Result<String, BenchError> {
+    let scope = study.scope;
     let mut table = Table::new(&[
         "hung by",
         "sweep",
@@ -254,8 +243,7 @@ fn substeps(
                 let settings =
                     Settings::of(&format!("substeps={substeps} iterations=1 sweep={sweep}"));
                 let case = format!("{support}, {sweep}, strain {wanted}");
-                let rest = cases.case(&case, || rest(scope, support, &settings));
-                let Some(rest) = findings.unless_failed(&case, rest) else {
+                let Some(rest) = study.case(&case, || rest(scope, support, &settings)) else {
                     continue;
                 };
                 let expected = law(substeps);
@@ -275,7 +263,7 @@ fn substeps(
             }
         }
     }
-    findings.table(
+    study.findings.table(
         "sag-substeps",
         "The substeps that the guide gives for a wanted mean strain, and what they leave",
         table,
@@ -292,11 +280,8 @@ fn substeps(
     ))
 }
 
-fn iterations(
-    scope: Scope,
-    findings: &mut Findings,
-    cases: &mut Cases<'_>,
-) -> Result<String, BenchError> {
+fn iterations(study: &mut StudyRun<'_>) -> Result<String, BenchError> {
+    let scope = study.scope;
     let mut table = Table::new(&[
         "hung by",
         "sweep",
@@ -316,8 +301,7 @@ fn iterations(
                     .with(other, 1)
                     .with("sweep", sweep);
                 let case = format!("{support}, {sweep}, {ROW} {spent}");
-                let rest = cases.case(&case, || rest(scope, support, &settings));
-                let Some(rest) = findings.unless_failed(&case, rest) else {
+                let Some(rest) = study.case(&case, || rest(scope, support, &settings)) else {
                     continue;
                 };
                 if support == "edge" && sweep == "colored" {
@@ -335,7 +319,7 @@ fn iterations(
             }
         }
     }
-    findings.table(
+    study.findings.table(
         "sag-iterations",
         "As many sweeps a step as the mesh has edges across: what they leave as iterations and as substeps",
         table,
@@ -344,7 +328,7 @@ fn iterations(
         return Ok(String::new());
     };
     let enough = if iterations < 0.01 { "Yes" } else { "No" };
-    findings.answer(
+    study.findings.answer(
         "Is \"iterations = mesh diameter\" enough?",
         format!(
             "{enough}. A rigid sheet of {ROW} edges across, hung by its upper edge, is {:.2} % longer than it should be after {ROW} iterations a step of 1/60 s.",
@@ -356,7 +340,7 @@ fn iterations(
     } else {
         "Iterations"
     };
-    findings.answer(
+    study.findings.answer(
         "Substeps or iterations?",
         format!(
             "{better}. {ROW} sweeps a step leave {:.2} % of stretch on that sheet as iterations and {:.3} % as substeps; for one sweep a substep there is a law, so the number that a wanted strain takes can be computed beforehand.",

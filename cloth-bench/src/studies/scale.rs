@@ -53,12 +53,7 @@ struct Reach {
 }
 
 fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
-    let StudyRun {
-        scope,
-        cases,
-        findings,
-    } = study;
-    let scope = *scope;
+    let scope = study.scope;
     let mut table = Table::new(&[
         "method",
         "vertices a side",
@@ -74,8 +69,10 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
     let mut parts = Vec::new();
     let (mut least, mut most) = (Real::INFINITY, 0.0);
     for method in methods() {
-        let reach = cases.parts(method.name, |progress| reach(scope, method.name, progress));
-        let Some(reach) = findings.unless_failed(method.name, reach) else {
+        let reach = study
+            .cases
+            .parts(method.name, |progress| reach(scope, method.name, progress));
+        let Some(reach) = study.findings.unless_failed(method.name, reach) else {
             continue;
         };
         let mut curve = Vec::new();
@@ -118,7 +115,7 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
         let line = [first, most].map(|vertices| (vertices, least * vertices));
         series.push(Series::new("∝ vertices", line.to_vec()).styled(Style::ExactCurve));
     }
-    findings.plot(
+    study.findings.plot(
         "scale",
         &Plot {
             title: "Time of a step against the size of the cloth".into(),
@@ -128,7 +125,9 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
             note: String::new(),
         },
     );
-    findings.table("scale", "The hanging sheet, larger and larger", table);
+    study
+        .findings
+        .table("scale", "The hanging sheet, larger and larger", table);
     let verdict = format!(
         "The largest of {} that each method gets through, {} s for a run: {}.",
         sides(scope)
@@ -139,8 +138,8 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
         budget(scope).as_secs(),
         parts.join("; ")
     );
-    findings.answer("How large a cloth?", verdict.clone());
-    findings.section.verdict = Some(verdict);
+    study.findings.answer("How large a cloth?", verdict.clone());
+    study.findings.section.verdict = Some(verdict);
     Ok(())
 }
 

@@ -40,12 +40,7 @@ fn side(scope: Scope) -> u32 {
 }
 
 fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
-    let StudyRun {
-        scope,
-        cases,
-        findings,
-    } = study;
-    let scope = *scope;
+    let scope = study.scope;
     let mut table = Table::new(&[
         "feature",
         "method",
@@ -58,8 +53,9 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
     for feature in FEATURES {
         for method in methods() {
             let case = format!("{feature}, {method}");
-            let times = cases.case(&case, || times(scope, feature, method));
-            let Some([without, again, unused, used]) = findings.unless_failed(&case, times) else {
+            let Some([without, again, unused, used]) =
+                study.case(&case, || times(scope, feature, method))
+            else {
                 continue;
             };
             most = most.max(unused);
@@ -75,7 +71,7 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
         }
     }
     let n = side(scope);
-    findings.table(
+    study.findings.table(
         "skip-time",
         &format!("Time of a step of the {n} × {n} sheet with and without a feature"),
         table,
@@ -95,8 +91,7 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
             &features
         };
         let case = format!("{name}, {shown}");
-        let weight = cases.case(&case, || weight(scope, name, &features));
-        let Some((crates, seconds)) = findings.unless_failed(&case, weight) else {
+        let Some((crates, seconds)) = study.case(&case, || weight(scope, name, &features)) else {
             continue;
         };
         if shown == "--no-default-features" {
@@ -109,7 +104,9 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
             Cell::from(seconds),
         ]);
     }
-    findings.table("skip-crates", "Dependencies of each crate alone", table);
+    study
+        .findings
+        .table("skip-crates", "Dependencies of each crate alone", table);
     let mut verdict = format!(
         "A feature that is there but unused makes a step at most {most:.3} times as long; the same step measured twice differs by up to {:.1} %.",
         100.0 * noise
@@ -119,7 +116,7 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
         verdict +=
             &format!(" With the fewest features the crates bring in so many others: {fewest}.");
     }
-    findings.section.verdict = Some(verdict);
+    study.findings.section.verdict = Some(verdict);
     Ok(())
 }
 

@@ -26,15 +26,10 @@ fn methods() -> impl Iterator<Item = &'static str> {
 }
 
 fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
-    let StudyRun {
-        scope,
-        cases,
-        findings,
-    } = study;
-    let scope = *scope;
-    let limit = limits(scope, findings, cases);
+    let scope = study.scope;
+    let limit = limits(study);
     let rows = rows(scope);
-    let fates = cases.side_by_side(&rows, Row::name, |row| {
+    let fates = study.cases.side_by_side(&rows, Row::name, |row| {
         row.map.row(scope, row.down, row.method)
     });
     let mut told = vec![limit];
@@ -45,9 +40,9 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
             .by_ref()
             .take(methods().count() * down.len())
             .collect();
-        told.push(draw(map, &across, of_map, findings));
+        told.push(draw(map, &across, of_map, &mut study.findings));
     }
-    findings.section.verdict = Some(told.join(" "));
+    study.findings.section.verdict = Some(told.join(" "));
     Ok(())
 }
 
@@ -258,12 +253,14 @@ struct Limit {
     expected: Number,
 }
 
-fn limits(scope: Scope, findings: &mut Findings, cases: &mut Cases<'_>) -> String {
+fn limits(study: &mut StudyRun<'_>) -> String {
+    let scope = study.scope;
     let stiffnesses: &[Real] = scope.pick(&[1e2, 1e6], &[1.0, 1e2, 1e4, 1e6, 1e8]);
     let case = "limit of symplectic Euler";
-    let found: Result<Vec<Limit>, BenchError> =
-        cases.case(case, || stiffnesses.iter().map(|&k| limit(k)).collect());
-    let Some(found) = findings.unless_failed(case, found) else {
+    let found: Result<Vec<Limit>, BenchError> = study
+        .cases
+        .case(case, || stiffnesses.iter().map(|&k| limit(k)).collect());
+    let Some(found) = study.findings.unless_failed(case, found) else {
         return "The limit of symplectic Euler was not found.".into();
     };
     let mut table = Table::new(&["stiffness (N/m)", "largest step (s)", "closed form (s)"]);
@@ -282,7 +279,7 @@ fn limits(scope: Scope, findings: &mut Findings, cases: &mut Cases<'_>) -> Strin
             .map(|limit| (limit.stiffness.0, of(limit)))
             .collect()
     };
-    findings.plot(
+    study.findings.plot(
         "stability-limit",
         &Plot {
             title: "The largest step of symplectic Euler".into(),
@@ -296,7 +293,9 @@ fn limits(scope: Scope, findings: &mut Findings, cases: &mut Cases<'_>) -> Strin
             note: "A chain of 20 masses of 0.01 kg, held at one end, shaken along itself.".into(),
         },
     );
-    findings.table("stability-limit", "The limit of symplectic Euler", table);
+    study
+        .findings
+        .table("stability-limit", "The limit of symplectic Euler", table);
     format!("Symplectic Euler explodes where the closed form says, to {worst:.0e}.")
 }
 

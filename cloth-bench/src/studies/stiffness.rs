@@ -38,12 +38,7 @@ fn efforts(scope: Scope) -> &'static [u32] {
 const STEP_SIZES: [Real; 7] = [1e-3, 2e-3, 5e-3, 1e-2, 2e-2, 5e-2, 1e-1];
 
 fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
-    let StudyRun {
-        scope,
-        cases,
-        findings,
-    } = study;
-    let scope = *scope;
+    let scope = study.scope;
     let mut table = Table::new(&[
         "method",
         "iterations",
@@ -57,10 +52,11 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
         .map(|&n| (Real::from(n), n, dt))
         .collect();
     let case = "one constraint against iterations";
-    let measured = cases.case(case, || one_constraint(&by_iterations));
-    let measured = findings.unless_failed(case, measured).unwrap_or_default();
+    let measured = study
+        .case(case, || one_constraint(&by_iterations))
+        .unwrap_or_default();
     let (series, first) = curves(&by_iterations, &measured, &mut table);
-    findings.plot("stiffness-iterations", &Plot {
+    study.findings.plot("stiffness-iterations", &Plot {
         title: "Stiffness of one constraint against iterations, Δt = 0.01 s".into(),
         x: Axis::log("iterations per step (dimensionless)"),
         y: Axis::log("effective stiffness (N/m)").within(1.0, 1e10),
@@ -69,10 +65,11 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
     });
     let by_step: Vec<(Real, u32, Real)> = STEP_SIZES.iter().map(|&dt| (dt, 4, dt)).collect();
     let case = "one constraint against step size";
-    let measured = cases.case(case, || one_constraint(&by_step));
-    let measured = findings.unless_failed(case, measured).unwrap_or_default();
+    let measured = study
+        .case(case, || one_constraint(&by_step))
+        .unwrap_or_default();
     let (series, second) = curves(&by_step, &measured, &mut table);
-    findings.plot(
+    study.findings.plot(
         "stiffness-dt",
         &Plot {
             title: "Stiffness of one constraint against step size, 4 iterations".into(),
@@ -82,9 +79,8 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
             note: String::new(),
         },
     );
-    findings.data("stiffness-one-constraint", table);
-    chain(scope, first.max(second), findings, cases)?;
-    Ok(())
+    study.findings.data("stiffness-one-constraint", table);
+    chain(study, first.max(second))
 }
 
 /// What is measured on one constraint: label, method, settings, and s where the projection is fixed.
@@ -184,12 +180,8 @@ fn curves(
 const LINKS: u32 = 20;
 const CHAIN_STIFFNESS: Real = 1e4;
 
-fn chain(
-    scope: Scope,
-    worst: Real,
-    findings: &mut Findings,
-    cases: &mut Cases<'_>,
-) -> Result<(), BenchError> {
+fn chain(study: &mut StudyRun<'_>, worst: Real) -> Result<(), BenchError> {
+    let scope = study.scope;
     let settings = Settings::of(&format!(
         "n={LINKS} link=1 mass=1 tip_mass=1 stiffness={CHAIN_STIFFNESS}"
     ));
@@ -219,11 +211,11 @@ fn chain(
                 _ => Settings::of(&format!("substeps=1 iterations={count}")),
             };
             let case = format!("chain, {name} with {count} {effort}");
-            let rest = cases.case(&case, || {
+            let rest = study.cases.case(&case, || {
                 let mut solver = Method::find(name)?.build(&scene, &settings, scene.dt)?;
                 at_rest(&scene, &mut *solver)
             });
-            let Some((stretch, steps)) = findings.unless_failed(&case, rest) else {
+            let Some((stretch, steps)) = study.findings.unless_failed(&case, rest) else {
                 continue;
             };
             table.push([
@@ -249,7 +241,7 @@ fn chain(
         .map(|&count| (Real::from(count), 1.0))
         .collect();
     series.push(Series::new("asked for", reference).styled(Style::ExactCurve));
-    findings.plot(
+    study.findings.plot(
         "stiffness-chain",
         &Plot {
             title: "Stiffness of a hanging chain of 20 links against effort, Δt = 1/60 s".into(),
@@ -260,13 +252,15 @@ fn chain(
                 .into(),
         },
     );
-    findings.table("stiffness-chain", "A hanging chain at rest", table);
+    study
+        .findings
+        .table("stiffness-chain", "A hanging chain at rest", table);
     let single = if worst < 1e-6 {
         "One constraint alone follows its closed form"
     } else {
         "One constraint alone does NOT follow its closed form everywhere"
     };
-    findings.section.verdict = Some(format!(
+    study.findings.section.verdict = Some(format!(
         "{single} (largest distance {worst:.1e}): k at any iteration count and step size for XPBD, PD, implicit Euler, and PBD with the projection made from \
          the material; for PBD with a fixed projection a stiffness that grows by orders of magnitude with iterations and with smaller steps. A chain \
          of 20 links at rest: {}.",

@@ -33,6 +33,23 @@ impl<'a> StudyRun<'a> {
         self.findings.unless_failed(name, outcome)
     }
 
+    /// A case that fills findings of its own, which are added to those of the study, reports the parts that it is at,
+    /// and draws a conclusion: none if it failed.
+    pub(super) fn chapter<T: Serialize + DeserializeOwned + Default>(
+        &mut self,
+        name: &str,
+        work: impl FnOnce(&mut Findings, &mut dyn FnMut(&str)) -> Result<T, BenchError>,
+    ) -> Option<T> {
+        let outcome = self.cases.parts(name, |progress| {
+            let mut own = Findings::default();
+            let conclusion = work(&mut own, progress)?;
+            Ok((own, conclusion))
+        });
+        let (own, conclusion) = self.findings.unless_failed(name, outcome)?;
+        self.findings.append(own);
+        Some(conclusion)
+    }
+
     /// One case per point, one after the other: the points whose case did not fail, each with its result.
     pub(super) fn grid<P, T: Serialize + DeserializeOwned + Default>(
         &mut self,

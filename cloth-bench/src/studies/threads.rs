@@ -21,12 +21,7 @@ fn sides(scope: Scope) -> &'static [u32] {
 }
 
 fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
-    let StudyRun {
-        scope,
-        cases,
-        findings,
-    } = study;
-    let scope = *scope;
+    let scope = study.scope;
     let mut table = Table::new(&[
         "method",
         "vertices a side",
@@ -40,8 +35,7 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
         let mut curve = Vec::new();
         for &n in sides(scope) {
             let case = format!("{name} at {n} × {n}");
-            let times = cases.case(&case, || times(name, n));
-            let Some([one, two, gain]) = findings.unless_failed(&case, times) else {
+            let Some([one, two, gain]) = study.case(&case, || times(name, n)) else {
                 continue;
             };
             table.push([
@@ -64,7 +58,7 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
     }
     let even = sides(scope).iter().map(|&n| (Real::from(n), 1.0)).collect();
     series.push(Series::new("no gain", even).styled(Style::ExactCurve));
-    findings.plot(
+    study.findings.plot(
         "threads",
         &Plot {
             title: "What a second thread gains".into(),
@@ -74,13 +68,17 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
             note: String::new(),
         },
     );
-    findings.table("threads", "A step on one thread and on two", table);
+    study
+        .findings
+        .table("threads", "A step on one thread and on two", table);
     let verdict = format!(
         "A second thread shortens a step by more than a tenth: {}.",
         parts.join("; ")
     );
-    findings.answer("When does a second thread help?", verdict.clone());
-    findings.section.verdict = Some(verdict);
+    study
+        .findings
+        .answer("When does a second thread help?", verdict.clone());
+    study.findings.section.verdict = Some(verdict);
     Ok(())
 }
 

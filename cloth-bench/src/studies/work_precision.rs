@@ -121,19 +121,14 @@ struct Outcome {
 }
 
 fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
-    let StudyRun {
-        scope,
-        cases,
-        findings,
-    } = study;
-    let scope = *scope;
-    let sheets = TestSheet::of_study(cases, &[side(scope)])?;
+    let scope = study.scope;
+    let sheets = TestSheet::of_study(&mut study.cases, &[side(scope)])?;
     let sheet = &sheets[0];
     let scene = &sheet.scene;
     let mut reference = LazyCell::new(|| Reference::of(scene));
-    let doubt = cases.case("reference", || Ok(reference.get()?.doubt));
+    let doubt = study.cases.case("reference", || Ok(reference.get()?.doubt));
     // Everything else is compared with it.
-    let Some(doubt) = findings.unless_failed("reference", doubt) else {
+    let Some(doubt) = study.findings.unless_failed("reference", doubt) else {
         return Ok(());
     };
     let mut rows: Vec<Row> = Vec::new();
@@ -141,7 +136,7 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
         let mut before: Option<(u32, Real)> = None;
         for &rate in rates(scope, &variant.label) {
             let case = format!("{}, 1/{rate} s", variant.label);
-            let outcome = cases.case(&case, || {
+            let outcome = study.cases.case(&case, || {
                 let method = Method::find(variant.method())?;
                 fall(scene, method, &variant.settings, rate, reference.get()?)
             });
@@ -171,7 +166,7 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
             let y = Axis::log("error (dimensionless)").within(1e-5, 1.0);
             let title = format!("{title}, {}", sheet.which());
             let plot = Plot::new(title, Axis::log(x), y).with(series);
-            findings.plot(&name, &plot);
+            study.findings.plot(&name, &plot);
         };
         let of = |(row, point): (&Row, (Real, Real))| (row.method.clone(), point);
         draw(
@@ -187,16 +182,16 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
             curves(by_step, of),
         );
     }
-    findings.table(
+    study.findings.table(
         "work-precision",
         &format!("Three tenths of a second of {}", sheet.what()),
         Table::of(&rows),
     );
-    findings.section.notes.push(format!(
+    study.findings.section.notes.push(format!(
         "The reference is known to {doubt:.1e}: the distance between its two extrapolations."
     ));
-    findings.section.verdict = Some(verdict(sheet, &rows));
-    play(scope, sheet, findings, cases);
+    study.findings.section.verdict = Some(verdict(sheet, &rows));
+    play(study, sheet);
     Ok(())
 }
 
@@ -305,7 +300,8 @@ fn fall(
 }
 
 /// Every method at its default setting, on film.
-fn play(scope: Scope, sheet: &TestSheet, findings: &mut Findings, cases: &mut Cases<'_>) {
+fn play(study: &mut StudyRun<'_>, sheet: &TestSheet) {
+    let scope = study.scope;
     let scene = &sheet.scene;
     let Some(mesh) = &scene.mesh else {
         return;
@@ -314,7 +310,7 @@ fn play(scope: Scope, sheet: &TestSheet, findings: &mut Findings, cases: &mut Ca
     let mut tracks = Vec::new();
     let methods: Vec<&Method> = method::all().collect();
     let case_of = |method: &&Method| format!("{} on film", method.name);
-    let films = cases.side_by_side(&methods, case_of, |method| {
+    let films = study.cases.side_by_side(&methods, case_of, |method| {
         let settings = Settings::default();
         let mut frames = vec![scene.start.positions.clone()];
         run::from_start(
@@ -333,14 +329,14 @@ fn play(scope: Scope, sheet: &TestSheet, findings: &mut Findings, cases: &mut Ca
         Ok(Film::of_cloth(mesh.triangles(), &frames))
     });
     for (method, film) in methods.iter().zip(films) {
-        if let Some(film) = findings.unless_failed(&case_of(method), film) {
+        if let Some(film) = study.findings.unless_failed(&case_of(method), film) {
             tracks.push(Track {
                 name: method.name.to_owned(),
                 surfaces: vec![film],
             });
         }
     }
-    findings.section.playbacks.push(Playback {
+    study.findings.section.playbacks.push(Playback {
         caption: format!(
             "{} for {} s, every method at its default setting with steps of {:.4} s.",
             sheet.which(),

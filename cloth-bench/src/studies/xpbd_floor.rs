@@ -39,12 +39,7 @@ struct Floor {
 }
 
 fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
-    let StudyRun {
-        scope,
-        cases,
-        findings,
-    } = study;
-    let scope = *scope;
+    let scope = study.scope;
     let mut table = Table::new(&[
         "stiffness (N/m)",
         "steps per second",
@@ -67,8 +62,7 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
         for &rate in rates(scope) {
             let dt = 1.0 / Real::from(rate);
             let case = format!("k = {stiffness} N/m, 1/{rate} s");
-            let floor = cases.case(&case, || floor(&scene, dt));
-            let Some(floor) = findings.unless_failed(&case, floor) else {
+            let Some(floor) = study.case(&case, || floor(&scene, dt)) else {
                 continue;
             };
             let objective = floor.sweeps.objective;
@@ -104,15 +98,17 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
         "Converged sweeps of XPBD do not end at the implicit Euler step: what is left of the objective is {}.",
         falls.join(", and ")
     );
-    findings.answer("What does XPBD's floor cost?", falls.clone());
-    findings.section.verdict =
+    study
+        .findings
+        .answer("What does XPBD's floor cost?", falls.clone());
+    study.findings.section.verdict =
         Some(falls + " The direct solver of the same constraints ends at the step.");
-    findings.table(
+    study.findings.table(
         "xpbd-floor",
         "Converged sweeps of XPBD and the direct solver beside the implicit Euler step",
         table,
     );
-    findings.plot(
+    study.findings.plot(
         "xpbd-floor",
         &Plot {
             title: "What converged sweeps leave of the implicit Euler step".into(),

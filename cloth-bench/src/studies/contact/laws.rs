@@ -1,6 +1,5 @@
 //! Closed forms of contact, through every method's own view of it.
 
-use super::{Cases, Findings, Scope};
 use crate::studies::prelude::*;
 
 /// Acceleration of free fall (m/s²).
@@ -113,7 +112,8 @@ fn rest(name: &str, density: Real) -> Result<Measured, BenchError> {
     })
 }
 
-pub(super) fn run(scope: Scope, findings: &mut Findings, cases: &mut Cases<'_>) {
+pub(super) fn run(study: &mut StudyRun<'_>) {
+    let scope = study.scope;
     let laws: [Law; 2] = [
         Law {
             name: "slide",
@@ -145,10 +145,12 @@ pub(super) fn run(scope: Scope, findings: &mut Findings, cases: &mut Cases<'_>) 
         let mut worst: Vec<(&str, Real)> = Vec::new();
         for name in methods() {
             let case_of = |x: &Real| format!("{} at {x} by {name}", law.name);
-            let every = cases.side_by_side(law.points, case_of, |&x| (law.measure)(name, x));
+            let every = study
+                .cases
+                .side_by_side(law.points, case_of, |&x| (law.measure)(name, x));
             let (mut points, mut most) = (Vec::new(), 0.0_f64);
             for (&x, found) in law.points.iter().zip(every) {
-                let Some(found) = findings.unless_failed(&case_of(&x), found) else {
+                let Some(found) = study.findings.unless_failed(&case_of(&x), found) else {
                     continue;
                 };
                 let (expected, measured) = (found.expected.0, found.measured.0);
@@ -172,7 +174,7 @@ pub(super) fn run(scope: Scope, findings: &mut Findings, cases: &mut Cases<'_>) 
             .map(|(name, most)| format!("{name} {}", significant(*most, 2)))
             .collect();
         told.push(format!("{} (m): {}", law.exact, worst.join(", ")));
-        findings.plot(
+        study.findings.plot(
             &format!("contact-{}", law.name),
             &Plot {
                 title: law.title.into(),
@@ -183,8 +185,8 @@ pub(super) fn run(scope: Scope, findings: &mut Findings, cases: &mut Cases<'_>) 
             },
         );
     }
-    findings.data("contact-laws", table);
-    findings.section.notes.push(format!(
+    study.findings.data("contact-laws", table);
+    study.findings.section.notes.push(format!(
         "Largest distance from the closed forms, that of a slide in the method's own steps: {}.",
         told.join("; ")
     ));

@@ -1,6 +1,5 @@
 //! The same drape on every mesh and with every step, and what its error costs.
 
-use super::{Cases, Findings, Scope};
 use crate::studies::prelude::*;
 
 /// Time of the comparison (s): the sheet has wrapped the upper half of the sphere, and its corners swing.
@@ -73,13 +72,14 @@ fn drape(name: &str, n: u32, rate: u32) -> Result<Draped, BenchError> {
     })
 }
 
-pub(super) fn run(scope: Scope, findings: &mut Findings, cases: &mut Cases<'_>) {
+pub(super) fn run(study: &mut StudyRun<'_>) {
+    let scope = study.scope;
     let (finest_n, finest_rate) = finest(scope);
     let at = sizes(scope)[1];
     let mut converged = |n: u32| {
         let case = format!("a converged drape, {n} × {n}");
-        let found = cases.case(&case, || drape("bdf2", n, finest_rate));
-        Some(findings.unless_failed(&case, found)?.fall.0)
+        let found = study.cases.case(&case, || drape("bdf2", n, finest_rate));
+        Some(study.findings.unless_failed(&case, found)?.fall.0)
     };
     let Some(of_size) = converged(finest_n) else {
         return;
@@ -109,8 +109,7 @@ pub(super) fn run(scope: Scope, findings: &mut Findings, cases: &mut Cases<'_>) 
         let mut found = Vec::new();
         for (n, rate) in grid(scope) {
             let case = format!("a drape by {name}, {n} vertices a side, 1/{rate} s");
-            let draped = cases.case(&case, || drape(name, n, rate));
-            let Some(draped) = findings.unless_failed(&case, draped) else {
+            let Some(draped) = study.case(&case, || drape(name, n, rate)) else {
                 continue;
             };
             table.push([
@@ -194,7 +193,7 @@ pub(super) fn run(scope: Scope, findings: &mut Findings, cases: &mut Cases<'_>) 
             work,
         ),
     ] {
-        findings.plot(
+        study.findings.plot(
             name,
             &Plot {
                 title: title.into(),
@@ -205,12 +204,12 @@ pub(super) fn run(scope: Scope, findings: &mut Findings, cases: &mut Cases<'_>) 
             },
         );
     }
-    findings.table(
+    study.findings.table(
         "contact-drape",
         &format!("A sheet of 1 m × 1 m on a sphere of 0.3 m after {SECONDS} s, every method at its default"),
         table,
     );
-    findings.answer(
+    study.findings.answer(
         "Is it the same drape on every mesh and at every frame rate?",
         format!(
             "Fall of the centre of mass within {SECONDS} s over the converged one: {}.",

@@ -1,6 +1,5 @@
 //! One step of implicit Euler in contact as a problem with a known answer, and how far each method is from it.
 
-use super::{Cases, Findings, Scope};
 use crate::studies::cases::LazyCell;
 use crate::studies::prelude::*;
 use cloth_core::contact::{ContactSource, ContactStep};
@@ -236,7 +235,8 @@ fn refined(scope: Scope) -> Vec<Refined> {
     ]
 }
 
-pub(super) fn run(scope: Scope, findings: &mut Findings, cases: &mut Cases<'_>) {
+pub(super) fn run(study: &mut StudyRun<'_>) {
+    let scope = study.scope;
     let columns = [
         "n",
         "method",
@@ -254,8 +254,8 @@ pub(super) fn run(scope: Scope, findings: &mut Findings, cases: &mut Cases<'_>) 
         for method in method::all().filter(|method| method.aims_at_implicit_euler()) {
             let case = format!("a step of {} in contact, {n} × {n}", method.name);
             let settings = method.by_default(Settings::default());
-            let reached = cases.case(&case, || problem.get()?.reached(method, &settings));
-            let Some(reached) = findings.unless_failed(&case, reached) else {
+            let Some(reached) = study.case(&case, || problem.get()?.reached(method, &settings))
+            else {
                 continue;
             };
             table.push(row(n, method.name, "default", &reached));
@@ -268,11 +268,11 @@ pub(super) fn run(scope: Scope, findings: &mut Findings, cases: &mut Cases<'_>) 
                 let setting = format!("{}={value}", refined.key);
                 let case = format!("{} in contact, {setting}, {n} × {n}", refined.label);
                 let settings = refined.others.clone().with(refined.key, value);
-                let reached = cases.case(&case, || {
+                let reached = study.cases.case(&case, || {
                     let method = Method::find(refined.method)?;
                     problem.get()?.reached(method, &settings)
                 });
-                let Some(reached) = findings.unless_failed(&case, reached) else {
+                let Some(reached) = study.findings.unless_failed(&case, reached) else {
                     continue;
                 };
                 samples.push(row(n, refined.label, &setting, &reached));
@@ -301,7 +301,7 @@ pub(super) fn run(scope: Scope, findings: &mut Findings, cases: &mut Cases<'_>) 
                 by_objective,
             ),
         ] {
-            findings.plot(
+            study.findings.plot(
                 &format!("contact-step-{name}-{n}"),
                 &Plot {
                     title: format!("{title}, {n} × {n} vertices"),
@@ -314,13 +314,13 @@ pub(super) fn run(scope: Scope, findings: &mut Findings, cases: &mut Cases<'_>) 
         }
         told.push(format!("{n} × {n}: {}", fastest(&found)));
     }
-    findings.table(
+    study.findings.table(
         "contact-step",
         "One step of a sheet that lies on a sphere with its middle, every method at its default",
         table,
     );
-    findings.data("contact-step-samples", samples);
-    findings.answer(
+    study.findings.data("contact-step-samples", samples);
+    study.findings.answer(
         "Which method at which error in contact?",
         format!(
             "For the implicit Euler step of a sheet on a sphere, by the distance from its end, as a part of that of the inertial prediction: {}.",

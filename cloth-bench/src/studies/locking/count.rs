@@ -1,6 +1,5 @@
 //! How many degrees of freedom rigid edges leave, counted and measured.
 
-use super::{Cases, Findings, Scope};
 use crate::mesh_spec;
 use crate::studies::prelude::*;
 use cloth_core::dof::{EdgeRank, bent};
@@ -88,11 +87,8 @@ impl Counted {
 }
 
 /// Counts and measures every pattern; whether the count was right everywhere.
-pub(super) fn run(
-    scope: Scope,
-    findings: &mut Findings,
-    cases: &mut Cases<'_>,
-) -> Result<bool, BenchError> {
+pub(super) fn run(study: &mut StudyRun<'_>) -> Result<bool, BenchError> {
+    let scope = study.scope;
     let mut table = Table::new(&[
         "pattern",
         "cells",
@@ -114,8 +110,7 @@ pub(super) fn run(
         let mut kept = Vec::new();
         for &cells in sizes(scope) {
             let case = format!("count, {pattern}, {cells} cells");
-            let found = cases.case(&case, || Counted::of(pattern, cells));
-            let Some(found) = findings.unless_failed(&case, found) else {
+            let Some(found) = study.case(&case, || Counted::of(pattern, cells)) else {
                 continue;
             };
             let coordinates = 3.0 * found.vertices as Real;
@@ -146,7 +141,7 @@ pub(super) fn run(
     };
     let curve = sizes(scope).iter().map(closed_form).collect();
     share.push(Series::new("(3 + 4n)/3(n + 1)²", curve).styled(Style::ExactCurve));
-    findings.plot(
+    study.findings.plot(
         "locking-share",
         &Plot {
             title: "Motions left by rigid edges, as a share of all coordinates".into(),
@@ -157,13 +152,15 @@ pub(super) fn run(
                 .into(),
         },
     );
-    findings.plot("locking-smallest", &Plot {
+    study.findings.plot("locking-smallest", &Plot {
         title: "How firmly the bent sheet is locked".into(),
         x: Axis::log("cells a side (dimensionless)"),
         y: Axis::log("smallest kept singular value (dimensionless)"),
         series: smallest,
         note: "Small values are motions that cost next to nothing although no rigid edge allows them.".into(),
     });
-    findings.table("locking", "Counted and measured degrees of freedom", table);
+    study
+        .findings
+        .table("locking", "Counted and measured degrees of freedom", table);
     Ok(as_counted)
 }

@@ -118,11 +118,8 @@ pub(in crate::studies) fn fold_angle(name: &str, cells: usize) -> Result<Real, B
     }
 }
 
-pub(super) fn run(
-    scope: Scope,
-    findings: &mut Findings,
-    cases: &mut Cases<'_>,
-) -> Result<(), BenchError> {
+pub(super) fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
+    let scope = study.scope;
     let mut table = Table::new(&[
         "method",
         "iterations",
@@ -137,12 +134,14 @@ pub(super) fn run(
     let case_of = |(name, iterations, cells): &(_, _, _)| {
         format!("fold by {name}, {iterations} iterations, {cells} cells")
     };
-    let every = cases.side_by_side(&list, case_of, |&(name, iterations, cells)| {
-        make(name, iterations, cells)
-    });
+    let every = study
+        .cases
+        .side_by_side(&list, case_of, |&(name, iterations, cells)| {
+            make(name, iterations, cells)
+        });
     for (solver, made) in list.into_iter().zip(every) {
         let (name, iterations, cells) = solver;
-        let Some(made) = findings.unless_failed(&case_of(&solver), made) else {
+        let Some(made) = study.findings.unless_failed(&case_of(&solver), made) else {
             continue;
         };
         table.push([
@@ -160,6 +159,8 @@ pub(super) fn run(
             Cell::from(made.max_strain),
         ]);
     }
-    findings.table("locking-methods", "One fold by every method", table);
+    study
+        .findings
+        .table("locking-methods", "One fold by every method", table);
     Ok(())
 }

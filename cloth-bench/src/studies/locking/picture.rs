@@ -100,17 +100,14 @@ fn judged(angles: [Real; 2], exact: Real, bending: Real) -> (String, &'static st
     (format!("{word}: its corners hang {mean:.0}° down"), colour)
 }
 
-pub(super) fn run(
-    scope: Scope,
-    findings: &mut Findings,
-    cases: &mut Cases<'_>,
-) -> Result<(), BenchError> {
+pub(super) fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
+    let scope = study.scope;
     for picture in pictures(scope) {
         let (name, ..) = picture;
-        let svg = cases.case(name, || draw(&picture));
-        if let Some(svg) = findings.unless_failed(name, svg) {
-            findings.section.plots.push(svg.clone());
-            findings.plots.push((name.into(), svg));
+        let svg = study.cases.case(name, || draw(&picture));
+        if let Some(svg) = study.findings.unless_failed(name, svg) {
+            study.findings.section.plots.push(svg.clone());
+            study.findings.plots.push((name.into(), svg));
         }
     }
     Ok(())

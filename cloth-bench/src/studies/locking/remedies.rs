@@ -119,11 +119,8 @@ fn measure(pattern: &str, cells: usize, kind: Kind) -> Result<Effect, BenchError
 }
 
 /// Measures every kind on every pattern.
-pub(super) fn run(
-    scope: Scope,
-    findings: &mut Findings,
-    cases: &mut Cases<'_>,
-) -> Result<(), BenchError> {
+pub(super) fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
+    let scope = study.scope;
     let mut table = Table::new(&[
         "pattern",
         "cells",
@@ -152,18 +149,19 @@ pub(super) fn run(
     let name_of = |&(pattern, cells, name, _): &(_, _, _, _)| {
         format!("remedy, {name}, {pattern}, {cells} cells")
     };
-    let every = cases.side_by_side(&all, name_of, |&(pattern, cells, _, kind)| {
-        measure(pattern, cells, kind)
-    });
+    let every = study
+        .cases
+        .side_by_side(&all, name_of, |&(pattern, cells, _, kind)| {
+            measure(pattern, cells, kind)
+        });
     for (remedy, found) in all.into_iter().zip(every) {
         let (pattern, cells, name, kind) = remedy;
         let case = name_of(&remedy);
-        let Some(found) = findings.unless_failed(&case, found) else {
+        let Some(found) = study.findings.unless_failed(&case, found) else {
             continue;
         };
         let case = format!("cost of {case}");
-        let cost = cases.case(&case, || cost(pattern, cells, kind));
-        let cost = findings.unless_failed(&case, cost);
+        let cost = study.case(&case, || cost(pattern, cells, kind));
         let head = || [Cell::from(pattern), Cell::from(cells), Cell::from(name)];
         let mut row = head().to_vec();
         row.extend([
@@ -181,12 +179,12 @@ pub(super) fn run(
         row.extend(found.resists.map(Cell::from));
         breaks.rows.push(row);
     }
-    findings.table(
+    study.findings.table(
         "locking-remedies",
         "Every kind of membrane in the fold: its freedom, what it makes of it, and what it costs",
         table,
     );
-    findings.table(
+    study.findings.table(
         "locking-breaks",
         "Every kind of membrane on the cone, and what it breaks: energies over those of the springs",
         breaks,

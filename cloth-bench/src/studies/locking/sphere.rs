@@ -248,11 +248,8 @@ pub(super) struct Drapes {
     pub(super) sizes: Option<[(usize, [Real; 2]); 2]>,
 }
 
-pub(super) fn run(
-    scope: Scope,
-    findings: &mut Findings,
-    cases: &mut Cases<'_>,
-) -> Result<Drapes, BenchError> {
+pub(super) fn run(study: &mut StudyRun<'_>) -> Result<Drapes, BenchError> {
+    let scope = study.scope;
     let mut table = Table::new(&[
         "pattern",
         "cells",
@@ -270,9 +267,11 @@ pub(super) fn run(
     ]);
     let mut fallen: Vec<(Case, Real)> = Vec::new();
     let flat = list(scope);
-    let every = cases.side_by_side(&flat, Case::name, |case| Ok(drape(case, None)?.0));
+    let every = study
+        .cases
+        .side_by_side(&flat, Case::name, |case| Ok(drape(case, None)?.0));
     for (case, found) in flat.into_iter().zip(every) {
-        let Some(found) = findings.unless_failed(&case.name(), found) else {
+        let Some(found) = study.findings.unless_failed(&case.name(), found) else {
             continue;
         };
         if case.kind == 0 {
@@ -283,9 +282,9 @@ pub(super) fn run(
     let mut made_finer: Vec<(Case, Real)> = Vec::new();
     let chains = chains(scope);
     let name_of = |first: &Case| format!("{}, made finer", first.name());
-    let every = cases.side_by_side(&chains, name_of, chain);
+    let every = study.cases.side_by_side(&chains, name_of, chain);
     for (first, found) in chains.into_iter().zip(every) {
-        let Some(drapes) = findings.unless_failed(&name_of(&first), found) else {
+        let Some(drapes) = study.findings.unless_failed(&name_of(&first), found) else {
             continue;
         };
         for (cells, found) in SIZES.into_iter().zip(&drapes) {
@@ -299,7 +298,9 @@ pub(super) fn run(
             table.rows.push(row(&case, begins, found));
         }
     }
-    findings.table("locking-sphere", "Sheets draped over a sphere", table);
+    study
+        .findings
+        .table("locking-sphere", "Sheets draped over a sphere", table);
     Ok(Drapes {
         kept: kept(&fallen).map(|both| both.map(|(pattern, share)| (pattern.to_owned(), share))),
         sizes: sizes(&made_finer),

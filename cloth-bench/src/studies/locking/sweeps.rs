@@ -63,11 +63,8 @@ fn widen(range: &mut [Real; 2], value: Real) {
 }
 
 /// The cone for every pattern.
-pub(super) fn cones(
-    scope: Scope,
-    findings: &mut Findings,
-    cases: &mut Cases<'_>,
-) -> Result<OnCones, BenchError> {
+pub(super) fn cones(study: &mut StudyRun<'_>) -> Result<OnCones, BenchError> {
+    let scope = study.scope;
     let mut table = Table::new(&[
         "pattern",
         "cells",
@@ -93,12 +90,14 @@ pub(super) fn cones(
         let case_of = |(cells, modulus): &(usize, Real)| {
             format!("cone, {pattern}, {cells} cells, Y = {modulus:e} N/m")
         };
-        let every = cases.side_by_side(&sheets, case_of, |&(cells, modulus)| {
-            cone::bend(pattern, cells, Kind::Springs, modulus, RIGIDITY)
-        });
+        let every = study
+            .cases
+            .side_by_side(&sheets, case_of, |&(cells, modulus)| {
+                cone::bend(pattern, cells, Kind::Springs, modulus, RIGIDITY)
+            });
         for (sheet, found) in sheets.into_iter().zip(every) {
             let (cells, modulus) = sheet;
-            let Some(found) = findings.unless_failed(&case_of(&sheet), found) else {
+            let Some(found) = study.findings.unless_failed(&case_of(&sheet), found) else {
                 continue;
             };
             let (energy, membrane) = (found.energy, found.membrane);
@@ -138,7 +137,7 @@ pub(super) fn cones(
         (ratio, 1.0 + ratio.powi(4))
     });
     series.push(Series::new("1 + (l/l*)⁴", predicted.collect()).styled(Style::ExactCurve));
-    findings.plot(
+    study.findings.plot(
         "locking-cone",
         &Plot {
             title: "What a sheet of springs pays for lying on a cone".into(),
@@ -148,7 +147,9 @@ pub(super) fn cones(
             note: "1 is a sheet that follows the cone without stretching. A sheet is locked, and not only stiff, where the energy goes on rising with Y. The dashed curve is the estimate, which holds for vertices that are held on the cone; let go, they leave it.".into(),
         },
     );
-    findings.table("locking-cone", "Springs on a cone", table);
+    study
+        .findings
+        .table("locking-cone", "Springs on a cone", table);
     Ok(told)
 }
 
@@ -162,11 +163,8 @@ pub(super) struct Folds {
 }
 
 /// The diagonal fold for every pattern and both diagonals.
-pub(super) fn folds(
-    scope: Scope,
-    findings: &mut Findings,
-    cases: &mut Cases<'_>,
-) -> Result<Folds, BenchError> {
+pub(super) fn folds(study: &mut StudyRun<'_>) -> Result<Folds, BenchError> {
+    let scope = study.scope;
     let mut told = Folds {
         halved: [Real::MAX, 0.0],
         locked: 0,
@@ -198,12 +196,13 @@ pub(super) fn folds(
                 let case_of = |modulus: &Real| {
                     format!("fold, {pattern}, {name}, {cells} cells, Y = {modulus:e}")
                 };
-                let every = cases.side_by_side(moduli, case_of, |&modulus| {
+                let every = study.cases.side_by_side(moduli, case_of, |&modulus| {
                     let stiffness = [modulus, RIGIDITY];
                     fold::fold(axis, pattern, cells, Kind::Springs, stiffness)?.figures()
                 });
                 for (&modulus, folded) in moduli.iter().zip(every) {
-                    let Some(folded) = findings.unless_failed(&case_of(&modulus), folded) else {
+                    let Some(folded) = study.findings.unless_failed(&case_of(&modulus), folded)
+                    else {
                         continue;
                     };
                     let critical =
@@ -251,7 +250,7 @@ pub(super) fn folds(
         (ratio, 1.0 / (1.0 + ratio.powi(4)))
     });
     series.push(Series::new("1/(1 + (l/l*)⁴)", predicted.collect()).styled(Style::ExactCurve));
-    findings.plot(
+    study.findings.plot(
         "locking-fold",
         &Plot {
             title: "How much of a diagonal fold a sheet of springs makes".into(),
@@ -261,7 +260,7 @@ pub(super) fn folds(
             note: "The sheet hangs under its own weight, held along the named diagonal. The dashed curve is a guess from the estimate: a rigidity of D (1 + (l/l*)⁴) under the same load.".into(),
         },
     );
-    findings.plot(
+    study.findings.plot(
         "locking-length",
         &Plot {
             title: "Finer meshes fold".into(),
@@ -273,7 +272,7 @@ pub(super) fn folds(
             ),
         },
     );
-    findings.table(
+    study.findings.table(
         "locking-fold",
         "Diagonal folds of a sheet of springs",
         table,

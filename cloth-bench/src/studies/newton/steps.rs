@@ -162,12 +162,8 @@ pub(super) fn conditions(system: &System) -> Result<[Real; 2], BenchError> {
 }
 
 /// Measures all, and says who is the fastest. `of_sides` are the sides whose conditions are known, with these.
-pub(super) fn run(
-    scope: Scope,
-    of_sides: &[(u32, [Real; 2])],
-    findings: &mut Findings,
-    cases: &mut Cases<'_>,
-) -> String {
+pub(super) fn run(study: &mut StudyRun<'_>, of_sides: &[(u32, [Real; 2])]) -> String {
+    let scope = study.scope;
     let mut table = Table::new(&[
         "vertices a side",
         "stiffness (N/m)",
@@ -187,23 +183,27 @@ pub(super) fn run(
     }
     for problem in of_other_stiffness(scope) {
         let case = format!("condition, {}", problem.name());
-        let found = cases.case(&case, || {
+        let found = study.cases.case(&case, || {
             conditions(&System::falling(problem.side, problem.stiffness)?)
         });
-        if let Some(found) = findings.unless_failed(&case, found) {
+        if let Some(found) = study.findings.unless_failed(&case, found) {
             push(problem, found);
         }
     }
-    findings.table("newton-conditions", "Condition numbers", table);
+    study
+        .findings
+        .table("newton-conditions", "Condition numbers", table);
     let mut all: Vec<(&str, Vec<Taken>)> = Vec::new();
     for solver in solvers() {
         let case = format!("steps, {}", solver.0);
-        let taken = cases.parts(&case, |progress| take(scope, solver, progress));
-        if let Some(taken) = findings.unless_failed(&case, taken) {
+        let taken = study
+            .cases
+            .parts(&case, |progress| take(scope, solver, progress));
+        if let Some(taken) = study.findings.unless_failed(&case, taken) {
             all.push((solver.0, taken));
         }
     }
-    report(scope, &all, findings);
+    report(scope, &all, &mut study.findings);
     verdict(scope, &all)
 }
 
