@@ -11,6 +11,7 @@ mod energy;
 mod independence;
 mod interleaved;
 mod locking;
+mod meshes_and_steps;
 mod newton;
 mod prelude;
 mod projective;

@@ -1,5 +1,6 @@
 //! Is it the same cloth on another mesh and with another step?
 
+use super::meshes_and_steps::{MeshesAndSteps, OverConverged, Point};
 use crate::studies::prelude::*;
 
 pub(super) const STUDY: Study = Study {
@@ -12,8 +13,6 @@ pub(super) const STUDY: Study = Study {
 };
 
 const SECONDS: Real = 0.5;
-/// The frame rate at which resolutions are compared, and the mesh on which frame rates are.
-const RATE: u32 = 60;
 
 fn methods() -> Vec<&'static str> {
     method::with_own(&[
@@ -27,32 +26,21 @@ fn methods() -> Vec<&'static str> {
     ])
 }
 
-/// Vertices a side.
-fn sizes(scope: Scope) -> &'static [usize] {
-    scope.pick(&[9, 17], &[16, 24, 32, 48, 64])
-}
-
-/// Steps per second.
-fn rates(scope: Scope) -> &'static [u32] {
-    scope.pick(&[30, 60, 120], &[30, 60, 120, 240])
+fn meshes_and_steps(scope: Scope) -> MeshesAndSteps {
+    let (sizes, rates): (&[u32], &[u32]) = scope.pick(
+        (&[9, 17], &[30, 60, 120]),
+        (&[16, 24, 32, 48, 64], &[30, 60, 120, 240]),
+    );
+    MeshesAndSteps {
+        sizes,
+        rates,
+        middle: sizes[sizes.len() / 2],
+    }
 }
 
 /// Vertices a side and steps per second of the converged value.
-fn finest(scope: Scope) -> (usize, u32) {
+fn finest(scope: Scope) -> (u32, u32) {
     scope.pick((17, 240), (64, 480))
-}
-
-fn middle(scope: Scope) -> usize {
-    sizes(scope)[sizes(scope).len() / 2]
-}
-
-/// Every resolution at one rate, then every other rate at one resolution.
-fn grid(scope: Scope) -> Vec<(usize, u32)> {
-    let by_size = sizes(scope).iter().map(|&n| (n, RATE));
-    let others = rates(scope).iter().filter(|&&rate| rate != RATE);
-    by_size
-        .chain(others.map(|&rate| (middle(scope), rate)))
-        .collect()
 }
 
 /// Where a sheet is after half a second.
@@ -62,7 +50,7 @@ struct Fallen {
     strain: Number,
 }
 
-fn fall(name: &str, n: usize, rate: u32) -> Result<Fallen, BenchError> {
+fn fall(name: &str, n: u32, rate: u32) -> Result<Fallen, BenchError> {
     let settings = Settings::default().with("n", n).with("modulus", 1e4);
     let scene = scene::build("hang", None, &settings)?;
     let dt = 1.0 / Real::from(rate);
@@ -82,12 +70,9 @@ fn fall(name: &str, n: usize, rate: u32) -> Result<Fallen, BenchError> {
     })
 }
 
-/// A method on one mesh with one step.
+/// The same beside the converged value.
 #[derive(Default, Serialize)]
-struct Row {
-    method: &'static str,
-    vertices_a_side: usize,
-    steps_per_second: u32,
+struct Compared {
     #[serde(rename = "fall (m)")]
     fall: Real,
     fall_over_converged: Real,
@@ -96,72 +81,58 @@ struct Row {
 }
 
 fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
-    let scope = study.scope;
-    let (n, rate) = finest(scope);
+    let (n, rate) = finest(study.scope);
     // Everything else is relative to it.
     let Some(converged) = study.case("converged", || fall("bdf2", n, rate)) else {
         return Ok(());
     };
-    let grid = grid(scope);
-    let of_method = |method| grid.iter().map(move |&(n, rate)| (method, n, rate));
+    let grid = meshes_and_steps(study.scope);
     let found = study.grid_side_by_side(
-        methods().into_iter().flat_map(of_method),
-        |(method, n, rate)| format!("{method}, {n} vertices a side, 1/{rate} s"),
-        |&(method, n, rate)| fall(method, n, rate),
+        grid.points(&methods()),
+        |Point {
+             method,
+             vertices_a_side: n,
+             steps_per_second: rate,
+         }| { format!("{method}, {n} vertices a side, 1/{rate} s") },
+        |point| fall(point.method, point.vertices_a_side, point.steps_per_second),
     );
-    let row = |((method, n, rate), Fallen { fall, strain })| Row {
-        method,
-        vertices_a_side: n,
-        steps_per_second: rate,
-        fall: fall.0,
-        fall_over_converged: fall.0 / converged.fall.0,
-        strain: strain.0,
-        strain_over_converged: strain.0 / converged.strain.0,
+    let compared = |(point, Fallen { fall, strain })| {
+        let compared = Compared {
+            fall: fall.0,
+            fall_over_converged: fall.0 / converged.fall.0,
+            strain: strain.0,
+            strain_over_converged: strain.0 / converged.strain.0,
+        };
+        (point, compared)
     };
-    let rows: Vec<Row> = found.into_iter().map(row).collect();
-    let at_rate = || rows.iter().filter(|row| row.steps_per_second == RATE);
-    let mut at_size: Vec<&Row> = rows
-        .iter()
-        .filter(|row| row.vertices_a_side == middle(scope))
-        .collect();
-    at_size.sort_by_key(|row| std::cmp::Reverse(row.steps_per_second));
-    let (size, step) = (
-        |row: &Row| row.vertices_a_side as Real,
-        |row: &Row| 1.0 / Real::from(row.steps_per_second),
-    );
+    let rows: Vec<(Point, Compared)> = found.into_iter().map(compared).collect();
+    let over = |value: fn(&Compared) -> Real| -> Vec<OverConverged> {
+        rows.iter()
+            .map(|(point, row)| (*point, [value(row); 2]))
+            .collect()
+    };
+    let falls = over(|row| row.fall_over_converged);
+    let strains = over(|row| row.strain_over_converged);
     let fall = Axis::linear("fall over converged (dimensionless)");
-    let vertices = Axis::log("vertices a side (dimensionless)");
-    let by_size = curves(at_rate(), |row| {
-        (row.method, (size(row), row.fall_over_converged))
-    });
-    let by_step = curves(at_size.iter().copied(), |row| {
-        (row.method, (step(row), row.fall_over_converged))
-    });
-    let strains = curves(at_rate(), |row| {
-        (row.method, (size(row), row.strain_over_converged))
-    });
-    let one = |ends: [Real; 2]| ends.map(|x| (x, 1.0));
-    let sizes = one(ends(sizes(scope).iter().map(|&n| n as Real)));
-    let steps = one(ends(rates(scope).iter().map(|&r| 1.0 / Real::from(r))));
-    let note = "1 is the converged value.";
-    let title = "The fall in 0.5 s, steps of 1/60 s";
-    let plot = Plot::new(title, vertices.clone(), fall.clone()).with(by_size);
-    let plot = plot.exact("converged", sizes).note(note);
-    study.findings.plot("independence-size", &plot);
-    let plot = Plot::new("The fall in 0.5 s on one mesh", Axis::log("step (s)"), fall);
-    let plot = plot.with(by_step).exact("converged", steps).note(note);
-    study.findings.plot("independence-step", &plot);
     let strain = Axis::log("strain over converged (dimensionless)");
-    let plot = Plot::new("The strain after 0.5 s, steps of 1/60 s", vertices, strain);
-    let plot = plot.with(strains).exact("converged", sizes).note(note);
-    study.findings.plot("independence-strain", &plot);
+    let short = "The fall in 0.5 s, steps of 1/60 s";
+    let [mesh, after] = [
+        "The fall in 0.5 s on one mesh",
+        "The strain after 0.5 s, steps of 1/60 s",
+    ];
+    for (name, plot) in [
+        ("size", grid.plot_by_size(short, fall.clone(), &falls)),
+        ("step", grid.plot_by_step(mesh, fall, &falls)),
+        ("strain", grid.plot_by_size(after, strain, &strains)),
+    ] {
+        let plot = plot.note("1 is the converged value.");
+        study.findings.plot(&format!("independence-{name}"), &plot);
+    }
     let told = methods().into_iter().map(|method| {
-        let of = |row: &&&Row| row.method == method;
-        let fall = range(at_rate().filter(|row| of(&row)).map(|row| row.fall_over_converged));
-        let by_step = range(at_size.iter().filter(of).map(|row| row.fall_over_converged));
-        let strain = range(at_rate().filter(|row| of(&row)).map(|row| row.strain_over_converged));
+        let [by_size, by_step] = grid.ranges(method, &falls);
+        let [strain, _] = grid.ranges(method, &strains);
         format!(
-            "{method} falls {fall} of the converged way over all resolutions and {by_step} over all steps, at {strain} times the strain",
+            "{method} falls {by_size} of the converged way over all resolutions and {by_step} over all steps, at {strain} times the strain",
         )
     });
     study.findings.section.verdict = Some(format!(
@@ -170,25 +141,10 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
         told.collect::<Vec<_>>().join("; ")
     ));
     let caption = "The same cloth on every mesh, with every step";
-    let table = Table::of(&rows);
-    study.findings.table("independence", caption, table);
+    study
+        .findings
+        .table("independence", caption, Table::of(&rows));
     Ok(())
-}
-
-/// Least and largest of some values; infinite without any.
-fn ends(values: impl Iterator<Item = Real>) -> [Real; 2] {
-    values.fold([Real::INFINITY, -Real::INFINITY], |[least, most], value| {
-        [least.min(value), most.max(value)]
-    })
-}
-
-fn range(values: impl Iterator<Item = Real>) -> String {
-    match ends(values) {
-        [least, most] if least <= most => {
-            format!("{} to {}", significant(least, 3), significant(most, 3))
-        }
-        _ => "nothing known".to_owned(),
-    }
 }
 
 #[cfg(test)]
@@ -200,11 +156,5 @@ mod tests {
     fn the_sheet_falls_as_far_as_it_should() {
         let fallen = fall("bdf2", 17, 240).unwrap();
         assert!((0.487..0.50).contains(&fallen.fall.0), "{fallen:?}");
-    }
-
-    #[test]
-    fn a_range_is_least_to_largest() {
-        assert_eq!(range([2.0, 1.0, 3.0].into_iter()), "1 to 3");
-        assert_eq!(range(std::iter::empty()), "nothing known");
     }
 }
