@@ -193,11 +193,12 @@ impl Serializer for &mut RowCells {
         no("a run of bytes")
     }
 
-    fn serialize_newtype_variant<T>(self, _: &str, _: u32, variant: &str, _: &T) -> Cells
+    /// An enum is what it holds, a cell for instance.
+    fn serialize_newtype_variant<T>(self, _: &str, _: u32, _: &str, value: &T) -> Cells
     where
         T: Serialize + ?Sized,
     {
-        no(variant)
+        value.serialize(self)
     }
 
     fn serialize_seq(self, _: Option<usize>) -> Result<Never, NoCell> {

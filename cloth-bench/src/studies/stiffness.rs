@@ -195,20 +195,9 @@ struct ChainRow {
     exact: Real,
     #[serde(rename = "stiffness / k")]
     shown: Real,
-    steps_to_rest: Steps,
-}
-
-#[derive(Serialize)]
-#[serde(untagged)]
-enum Steps {
-    ToRest(u32),
-    Never(&'static str),
-}
-
-impl Default for Steps {
-    fn default() -> Self {
-        Self::Never("not at rest")
-    }
+    steps_to_rest: Cell,
+    #[serde(skip)]
+    is_at_rest: bool,
 }
 
 fn chain(study: &mut StudyRun<'_>, worst: Real) -> Result<(), BenchError> {
@@ -249,13 +238,13 @@ fn chain(study: &mut StudyRun<'_>, worst: Real) -> Result<(), BenchError> {
         stretch,
         exact,
         shown: exact / stretch,
-        steps_to_rest: steps.map_or_else(Steps::default, Steps::ToRest),
+        is_at_rest: steps.is_some(),
+        steps_to_rest: steps.map_or(Cell::from("not at rest"), |steps| {
+            Cell::from(i64::from(steps))
+        }),
     };
     let rows: Vec<ChainRow> = found.into_iter().map(row).collect();
-    let at_rest = || {
-        rows.iter()
-            .filter(|row| matches!(row.steps_to_rest, Steps::ToRest(_)))
-    };
+    let at_rest = || rows.iter().filter(|row| row.is_at_rest);
     let series = curves(at_rest(), |row| {
         let label = format!("{}, {}", row.method, row.effort);
         (label, (Real::from(row.count), row.shown))

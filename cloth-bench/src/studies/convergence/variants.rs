@@ -23,10 +23,7 @@ pub(super) fn iterated(scope: Scope) -> Vec<Variant> {
 }
 
 /// Methods that cut the step, and into how many parts.
-pub(super) fn cut(scope: Scope) -> [(&'static str, Vec<u32>); 2] {
-    let most = scope.pick(6, 9);
-    [
-        ("xpbd", (0..most).map(|i| 1 << i).collect()),
-        ("pbd", (0..most).map(|i| 1 << i).collect()),
-    ]
+pub(super) fn cut(scope: Scope) -> Vec<(&'static str, u32)> {
+    let parts = |method| (0..scope.pick(6, 9)).map(move |i| (method, 1 << i));
+    parts("xpbd").chain(parts("pbd")).collect()
 }
