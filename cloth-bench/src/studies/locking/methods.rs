@@ -49,17 +49,25 @@ fn list(scope: Scope) -> Vec<(&'static str, u32, usize)> {
     list
 }
 
+/// A solver and a mesh.
+#[derive(Clone, Debug, Default, Serialize)]
+struct Solver {
+    method: &'static str,
+    /// Or `as published`.
+    iterations: Cell,
+    cells: usize,
+}
+
 /// What a method made of the fold.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 struct Made {
     /// None: never at rest.
-    steps: Option<u32>,
-    /// Over the exact one.
-    angle: Real,
+    steps_to_rest: Option<u32>,
+    fold_angle_over_exact: Real,
     /// Bending energy over the exact one.
-    bending: Real,
+    bending_reached: Real,
     rms_strain: Real,
-    max_strain: Real,
+    largest_strain: Real,
 }
 
 fn make(name: &str, iterations: u32, cells: usize) -> Result<Made, BenchError> {
@@ -96,11 +104,11 @@ fn make(name: &str, iterations: u32, cells: usize) -> Result<Made, BenchError> {
     let gauges = Spring::along(sheet.mesh.positions(), edges.ends(), 0.0);
     let strain = Strain::of(&gauges, &state.positions);
     Ok(Made {
-        steps,
-        angle: exact.angle(&sheet, &state.positions)? / exact.exact_angle(),
-        bending: sheet.bending_energy(&state.positions)? / exact.bending_energy,
+        steps_to_rest: steps,
+        fold_angle_over_exact: exact.angle(&sheet, &state.positions)? / exact.exact_angle(),
+        bending_reached: sheet.bending_energy(&state.positions)? / exact.bending_energy,
         rms_strain: strain.rms,
-        max_strain: strain.max,
+        largest_strain: strain.max,
     })
 }
 
@@ -110,57 +118,39 @@ fn make(name: &str, iterations: u32, cells: usize) -> Result<Made, BenchError> {
 /// [`BenchError::Failed`] with the method's own error, or if the sheet does not come to rest.
 pub(in crate::studies) fn fold_angle(name: &str, cells: usize) -> Result<Real, BenchError> {
     let made = make(name, 0, cells)?;
-    match made.steps {
-        Some(_) => Ok(made.angle),
+    match made.steps_to_rest {
+        Some(_) => Ok(made.fold_angle_over_exact),
         None => Err(BenchError::Failed(format!(
             "the fold is not at rest after {MOST_STEPS} steps"
         ))),
     }
 }
 
-pub(super) fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
-    let scope = study.scope;
-    let mut table = Table::new(&[
-        "method",
-        "iterations",
-        "cells",
-        "steps to rest",
-        "fold angle over exact",
-        "bending reached",
-        "rms strain",
-        "largest strain",
-    ]);
-    let list = list(scope);
-    let case_of = |(name, iterations, cells): &(_, _, _)| {
-        format!("fold by {name}, {iterations} iterations, {cells} cells")
-    };
-    let every = study
-        .cases
-        .side_by_side(&list, case_of, |&(name, iterations, cells)| {
-            make(name, iterations, cells)
-        });
-    for (solver, made) in list.into_iter().zip(every) {
-        let (name, iterations, cells) = solver;
-        let Some(made) = study.findings.unless_failed(&case_of(&solver), made) else {
-            continue;
+pub(super) fn run(study: &mut StudyRun<'_>) {
+    let found = study.grid_side_by_side(
+        list(study.scope),
+        |(name, iterations, cells)| {
+            format!("fold by {name}, {iterations} iterations, {cells} cells")
+        },
+        |&(name, iterations, cells)| make(name, iterations, cells),
+    );
+    let row = |((method, iterations, cells), made): ((_, u32, _), Made)| {
+        let iterations = match iterations {
+            0 => Cell::from("as published"),
+            n => Cell::from(i64::from(n)),
         };
-        table.push([
-            Cell::from(name),
-            match iterations {
-                0 => Cell::from("as published"),
-                n => Cell::from(n as usize),
+        (
+            Solver {
+                method,
+                iterations,
+                cells,
             },
-            Cell::from(cells),
-            made.steps
-                .map_or(Cell::Missing, |steps| Cell::from(steps as usize)),
-            Cell::from(made.angle),
-            Cell::from(made.bending),
-            Cell::from(made.rms_strain),
-            Cell::from(made.max_strain),
-        ]);
-    }
+            made,
+        )
+    };
+    let rows: Vec<(Solver, Made)> = found.into_iter().map(row).collect();
+    let table = Table::of(&rows);
     study
         .findings
         .table("locking-methods", "One fold by every method", table);
-    Ok(())
 }
