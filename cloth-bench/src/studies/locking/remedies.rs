@@ -118,76 +118,93 @@ fn measure(pattern: &str, cells: usize, kind: Kind) -> Result<Effect, BenchError
     })
 }
 
+/// A mesh with a kind of membrane.
+#[derive(Clone, Default, Serialize)]
+struct Head {
+    pattern: &'static str,
+    cells: usize,
+    membrane: &'static str,
+}
+
+/// Its fold.
+#[derive(Default, Serialize)]
+struct FoldRow {
+    coordinates: usize,
+    #[serde(rename = "coordinates − conditions")]
+    left: i64,
+    nullity_bent: usize,
+    bending_reached: Real,
+    #[serde(rename = "at Y/100")]
+    softer: Real,
+    fold_angle_over_exact: Real,
+    cost_per_step: Option<Real>,
+}
+
+/// Its cone, and what it resists over what springs do.
+#[derive(Default, Serialize)]
+struct ConeRow {
+    #[serde(rename = "cone: energy over developable")]
+    energy: Option<Real>,
+    #[serde(rename = "cone at Y/100")]
+    softer: Option<Real>,
+    pull: Real,
+    push: Real,
+    shear: Real,
+    waves_of_4_cells: Real,
+}
+
 /// Measures every kind on every pattern.
-pub(super) fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
-    let scope = study.scope;
-    let mut table = Table::new(&[
-        "pattern",
-        "cells",
-        "membrane",
-        "coordinates",
-        "coordinates − conditions",
-        "nullity bent",
-        "bending reached",
-        "at Y/100",
-        "fold angle over exact",
-        "cost per step",
-    ]);
-    let mut breaks = Table::new(&[
-        "pattern",
-        "cells",
-        "membrane",
-        "cone: energy over developable",
-        "cone at Y/100",
-        "pull",
-        "push",
-        "shear",
-        "waves of 4 cells",
-    ]);
+pub(super) fn run(study: &mut StudyRun<'_>) {
     let of_sheet = |(pattern, cells)| KINDS.map(|(name, kind)| (pattern, cells, name, kind));
-    let all: Vec<_> = sheets(scope).into_iter().flat_map(of_sheet).collect();
+    let all = sheets(study.scope).into_iter().flat_map(of_sheet);
     let name_of = |&(pattern, cells, name, _): &(_, _, _, _)| {
         format!("remedy, {name}, {pattern}, {cells} cells")
     };
-    let every = study
-        .cases
-        .side_by_side(&all, name_of, |&(pattern, cells, _, kind)| {
-            measure(pattern, cells, kind)
-        });
-    for (remedy, found) in all.into_iter().zip(every) {
-        let (pattern, cells, name, kind) = remedy;
-        let case = name_of(&remedy);
-        let Some(found) = study.findings.unless_failed(&case, found) else {
-            continue;
+    let found = study.grid_side_by_side(all, name_of, |&(pattern, cells, _, kind)| {
+        measure(pattern, cells, kind)
+    });
+    let (mut folds, mut cones) = (Vec::new(), Vec::new());
+    for (remedy, found) in found {
+        let (pattern, cells, membrane, kind) = remedy;
+        let case = format!("cost of {}", name_of(&remedy));
+        let cost_per_step = study.case(&case, || cost(pattern, cells, kind));
+        let head = Head {
+            pattern,
+            cells,
+            membrane,
         };
-        let case = format!("cost of {case}");
-        let cost = study.case(&case, || cost(pattern, cells, kind));
-        let head = || [Cell::from(pattern), Cell::from(cells), Cell::from(name)];
-        let mut row = head().to_vec();
-        row.extend([
-            Cell::from(found.coordinates),
-            Cell::from(found.coordinates as i64 - found.conditions as i64),
-            Cell::from(found.nullity),
-            Cell::from(found.bending[0]),
-            Cell::from(found.bending[1]),
-            Cell::from(found.angle),
-            Cell::from(cost),
-        ]);
-        table.rows.push(row);
-        let mut row = head().to_vec();
-        row.extend([0, 1].map(|k| Cell::from(found.on_cone.map(|energy| energy[k]))));
-        row.extend(found.resists.map(Cell::from));
-        breaks.rows.push(row);
+        let fold = FoldRow {
+            coordinates: found.coordinates,
+            left: found.coordinates as i64 - found.conditions as i64,
+            nullity_bent: found.nullity,
+            bending_reached: found.bending[0],
+            softer: found.bending[1],
+            fold_angle_over_exact: found.angle,
+            cost_per_step,
+        };
+        folds.push((head.clone(), fold));
+        let [pull, push, shear, waves_of_4_cells] = found.resists;
+        let [energy, softer] = [0, 1].map(|k| found.on_cone.map(|energy| energy[k]));
+        cones.push((
+            head,
+            ConeRow {
+                energy,
+                softer,
+                pull,
+                push,
+                shear,
+                waves_of_4_cells,
+            },
+        ));
     }
     study.findings.table(
         "locking-remedies",
         "Every kind of membrane in the fold: its freedom, what it makes of it, and what it costs",
-        table,
+        Table::of(&folds),
     );
     study.findings.table(
         "locking-breaks",
         "Every kind of membrane on the cone, and what it breaks: energies over those of the springs",
-        breaks,
+        Table::of(&cones),
     );
-    Ok(())
 }
