@@ -111,11 +111,13 @@ impl Fate {
 
 /// Follows a method for some steps.
 fn follow(scene: &Scene, name: &str, dt: Real, steps: u32) -> Result<Fate, BenchError> {
-    let settings = match name {
-        "explicit-euler" | "symplectic-euler" => Settings::default().with("substeps", 1),
-        _ => Settings::default(),
-    };
-    let mut stepper = match Method::find(name)?.build(scene, &settings, dt) {
+    let method = Method::find(name)?;
+    let settings = Settings::of(if method.is_explicit() {
+        "substeps=1"
+    } else {
+        ""
+    });
+    let mut stepper = match method.build(scene, &settings, dt) {
         Ok(stepper) => stepper,
         Err(error) => return Ok(Fate::Refused(error.to_string())),
     };

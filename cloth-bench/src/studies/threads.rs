@@ -20,61 +20,72 @@ fn sides(scope: Scope) -> &'static [u32] {
     scope.pick(&[16, 48], &[16, 32, 64, 128, 256])
 }
 
+/// A step of a method on a sheet.
+#[derive(Default, Serialize)]
+struct Point {
+    method: &'static str,
+    vertices_a_side: u32,
+}
+
+/// Its times, and what the second thread gains.
+#[derive(Default, Serialize, Deserialize)]
+struct Times {
+    #[serde(rename = "one thread (ms)")]
+    one: Real,
+    #[serde(rename = "two threads (ms)")]
+    two: Real,
+    gain: Real,
+}
+
 fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
-    let scope = study.scope;
-    let mut table = Table::new(&[
-        "method",
-        "vertices a side",
-        "one thread (ms)",
-        "two threads (ms)",
-        "gain",
-    ]);
-    let mut series = Vec::new();
-    let mut parts = Vec::new();
-    for name in methods() {
-        let mut curve = Vec::new();
-        for &n in sides(scope) {
-            let case = format!("{name} at {n} × {n}");
-            let Some([one, two, gain]) = study.case(&case, || times(name, n)) else {
-                continue;
-            };
-            table.push([
-                Cell::from(name),
-                Cell::from(n as usize),
-                Cell::from(1e3 * one),
-                Cell::from(1e3 * two),
-                Cell::from(gain),
-            ]);
-            curve.push((Real::from(n), gain));
-        }
+    let sides = sides(study.scope).iter();
+    let of_method = |method| {
+        sides.clone().map(move |&vertices_a_side| Point {
+            method,
+            vertices_a_side,
+        })
+    };
+    let rows = study.grid(
+        methods().into_iter().flat_map(of_method),
+        |Point {
+             method,
+             vertices_a_side: n,
+         }| format!("{method} at {n} × {n}"),
+        |point| times(point.method, point.vertices_a_side),
+    );
+    let gains = curves(&rows, |(point, times)| {
+        (
+            point.method,
+            (Real::from(point.vertices_a_side), times.gain),
+        )
+    });
+    let parts = methods().into_iter().map(|name| {
+        let curve = gains.iter().find(|series| series.label == name);
+        let curve = curve.map_or(&[][..], |series| &series.points);
         let no_more = curve.iter().rposition(|(_, gain)| *gain <= 1.1);
-        let pays = curve.get(no_more.map_or(0, |last| last + 1));
         let most = curve.iter().map(|(_, gain)| *gain).fold(0.0, Real::max);
-        parts.push(match pays {
+        match curve.get(no_more.map_or(0, |last| last + 1)) {
             Some((n, _)) => format!("{name} from {n} × {n} on, by up to {most:.2}"),
             None => format!("{name} at no size measured"),
-        });
-        series.push(Series::new(name, curve));
-    }
-    let even = sides(scope).iter().map(|&n| (Real::from(n), 1.0)).collect();
-    series.push(Series::new("no gain", even).styled(Style::ExactCurve));
-    study.findings.plot(
-        "threads",
-        &Plot {
-            title: "What a second thread gains".into(),
-            x: Axis::log("vertices a side"),
-            y: Axis::linear("time on one thread over time on two (dimensionless)"),
-            series,
-            note: String::new(),
-        },
+        }
+    });
+    let parts: Vec<String> = parts.collect();
+    let gain = Axis::linear("time on one thread over time on two (dimensionless)");
+    let plot = Plot::new(
+        "What a second thread gains",
+        Axis::log("vertices a side"),
+        gain,
     );
+    let plot = plot
+        .with(gains)
+        .exact("no gain", sides.clone().map(|&n| (Real::from(n), 1.0)));
+    study.findings.plot("threads", &plot);
+    let table = Table::of(&rows);
     study
         .findings
         .table("threads", "A step on one thread and on two", table);
-    let verdict = format!(
-        "A second thread shortens a step by more than a tenth: {}.",
-        parts.join("; ")
-    );
+    let parts = parts.join("; ");
+    let verdict = format!("A second thread shortens a step by more than a tenth: {parts}.");
     study
         .findings
         .answer("When does a second thread help?", verdict.clone());
@@ -82,12 +93,11 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
     Ok(())
 }
 
-/// Median times (s) of a step on one thread and on two, and what the second gains.
-fn times(name: &str, n: u32) -> Result<[Real; 3], BenchError> {
+/// Median times of a step on one thread and on two, and what the second gains.
+fn times(name: &str, n: u32) -> Result<Times, BenchError> {
     let scene = scene::build("hang", None, &Settings::default().with("n", n))?;
-    let pools = [1, 2].map(|count| rayon::ThreadPoolBuilder::new().num_threads(count).build());
-    let [one, two] = pools;
-    let pools = [one?, two?];
+    let pool = |count| rayon::ThreadPoolBuilder::new().num_threads(count).build();
+    let pools = [pool(1)?, pool(2)?];
     let method = Method::find(name)?;
     let mut solvers = [
         method.build(&scene, &Settings::default(), scene.dt)?,
@@ -103,6 +113,7 @@ fn times(name: &str, n: u32) -> Result<[Real; 3], BenchError> {
             Ok(started.elapsed().as_secs_f64())
         })
     })?;
-    let [one, two] = times.seconds;
-    Ok([one, two, 1.0 / times.ratios[1]])
+    let [one, two] = times.seconds.map(|seconds| 1e3 * seconds);
+    let gain = 1.0 / times.ratios[1];
+    Ok(Times { one, two, gain })
 }

@@ -1,7 +1,7 @@
 //! How far converged XPBD is from the implicit Euler step, against the step size.
 
 use crate::studies::prelude::*;
-use crate::yardstick::{StepError, StepProblem};
+use crate::yardstick::StepProblem;
 use cloth_core::method::position_based::Sweep;
 use cloth_xpbd::direct::{DirectConfig, DirectXpbd};
 use cloth_xpbd::{XpbdConfig, XpbdSolver};
@@ -30,73 +30,87 @@ fn rates(scope: Scope) -> &'static [u32] {
 /// Stiffness of the links (N/m).
 const STIFFNESSES: [Real; 2] = [200.0, 1e4];
 
-/// One step size: what the sweeps leave of C + α̃λ (m), and both errors.
+/// A chain of this stiffness and a step.
+#[derive(Default, Serialize)]
+struct Point {
+    #[serde(rename = "stiffness (N/m)")]
+    stiffness: Real,
+    steps_per_second: u32,
+}
+
+impl Point {
+    fn dt(&self) -> Real {
+        1.0 / Real::from(self.steps_per_second)
+    }
+}
+
+/// What the sweeps leave, and the direct solver.
 #[derive(Default, Serialize, Deserialize)]
 struct Floor {
+    #[serde(rename = "sweeps: objective error")]
+    objective: Real,
+    /// Found when the line above is known.
+    order: Option<Real>,
+    #[serde(rename = "sweeps: gradient error")]
+    gradient: Real,
+    #[serde(rename = "sweeps: largest C + α̃λ (m)")]
     residual: Real,
-    sweeps: StepError,
-    direct: StepError,
+    #[serde(rename = "direct: objective error")]
+    direct_objective: Real,
+    #[serde(rename = "direct: gradient error")]
+    direct_gradient: Real,
 }
 
 fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
-    let scope = study.scope;
-    let mut table = Table::new(&[
-        "stiffness (N/m)",
-        "steps per second",
-        "sweeps: objective error",
-        "order",
-        "sweeps: gradient error",
-        "sweeps: largest C + α̃λ (m)",
-        "direct: objective error",
-        "direct: gradient error",
-    ]);
-    let mut series = Vec::new();
-    let mut falls = Vec::new();
-    for stiffness in STIFFNESSES {
-        let settings = Settings::of(&format!(
-            "n={LINKS} link=0.1 mass=0.1 tip_mass=0.1 stiffness={stiffness}"
-        ));
-        let scene = scene::build("chain", None, &settings)?;
-        let (mut points, mut gradients) = (Vec::new(), Vec::new());
-        let mut before = None;
-        for &rate in rates(scope) {
-            let dt = 1.0 / Real::from(rate);
-            let case = format!("k = {stiffness} N/m, 1/{rate} s");
-            let Some(floor) = study.case(&case, || floor(&scene, dt)) else {
-                continue;
-            };
-            let objective = floor.sweeps.objective;
-            let order = before
-                .map(|(larger, error): (Real, Real)| (error / objective).ln() / (larger / dt).ln());
-            before = Some((dt, objective));
-            table.push([
-                Cell::from(stiffness),
-                Cell::from(rate as usize),
-                Cell::from(objective),
-                order.map_or(Cell::Missing, Cell::from),
-                Cell::from(floor.sweeps.gradient),
-                Cell::from(floor.residual),
-                Cell::from(floor.direct.objective),
-                Cell::from(floor.direct.gradient),
-            ]);
-            points.push((dt, objective));
-            gradients.push((dt, floor.sweeps.gradient));
+    let rates = rates(study.scope);
+    let of_stiffness = |stiffness| {
+        rates.iter().map(move |&steps_per_second| Point {
+            stiffness,
+            steps_per_second,
+        })
+    };
+    let mut rows = study.grid(
+        STIFFNESSES.into_iter().flat_map(of_stiffness),
+        |point| {
+            format!(
+                "k = {} N/m, 1/{} s",
+                point.stiffness, point.steps_per_second
+            )
+        },
+        |point| {
+            let settings = format!(
+                "n={LINKS} link=0.1 mass=0.1 tip_mass=0.1 stiffness={}",
+                point.stiffness
+            );
+            floor(
+                &scene::build("chain", None, &Settings::of(&settings))?,
+                point.dt(),
+            )
+        },
+    );
+    for line in 1..rows.len() {
+        let [(before, above), (point, floor)] = &rows[line - 1..=line] else {
+            continue;
+        };
+        if before.stiffness == point.stiffness {
+            let order = (above.objective / floor.objective).ln() / (before.dt() / point.dt()).ln();
+            rows[line].1.order = Some(order);
         }
-        if let (Some(first), Some(last)) = (points.first(), points.last()) {
-            falls.push(format!(
-                "with k = {stiffness} N/m {:.1e} with steps of {:.4} s and {:.1e} with {:.5} s",
-                first.1, first.0, last.1, last.0
-            ));
-        }
-        series.push(Series::new(&format!("objective, k = {stiffness}"), points));
-        series.push(Series::new(
-            &format!("gradient, k = {stiffness}"),
-            gradients,
-        ));
     }
+    let falls = STIFFNESSES.into_iter().filter_map(|k| {
+        let ours = || rows.iter().filter(|(point, _)| point.stiffness == k);
+        let ((first, floor), (last, least)) = (ours().next()?, ours().next_back()?);
+        Some(format!(
+            "with k = {k} N/m {:.1e} with steps of {:.4} s and {:.1e} with {:.5} s",
+            floor.objective,
+            first.dt(),
+            least.objective,
+            last.dt()
+        ))
+    });
     let falls = format!(
         "Converged sweeps of XPBD do not end at the implicit Euler step: what is left of the objective is {}.",
-        falls.join(", and ")
+        falls.collect::<Vec<_>>().join(", and ")
     );
     study
         .findings
@@ -106,18 +120,24 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
     study.findings.table(
         "xpbd-floor",
         "Converged sweeps of XPBD and the direct solver beside the implicit Euler step",
-        table,
+        Table::of(&rows),
     );
-    study.findings.plot(
-        "xpbd-floor",
-        &Plot {
-            title: "What converged sweeps leave of the implicit Euler step".into(),
-            x: Axis::log("step size (s)"),
-            y: Axis::log("relative error (dimensionless)"),
-            series,
-            note: String::new(),
-        },
+    let both = rows.iter().flat_map(|(point, floor)| {
+        [("objective", floor.objective), ("gradient", floor.gradient)].map(|(name, error)| {
+            (
+                format!("{name}, k = {}", point.stiffness),
+                (point.dt(), error),
+            )
+        })
+    });
+    let plot = Plot::new(
+        "What converged sweeps leave of the implicit Euler step",
+        Axis::log("step size (s)"),
+        Axis::log("relative error (dimensionless)"),
     );
+    study
+        .findings
+        .plot("xpbd-floor", &plot.with(curves(both, |point| point)));
     Ok(())
 }
 
@@ -143,9 +163,16 @@ fn floor(scene: &Scene, dt: Real) -> Result<Floor, BenchError> {
     let mut state = problem.state().clone();
     let input = StepInput::new(dt).gravity(scene.gravity);
     sweeps.step(&mut state, input)?;
+    let (swept, direct) = (
+        problem.error(&state.positions),
+        problem.solve(&mut direct)?.0,
+    );
     Ok(Floor {
+        objective: swept.objective,
+        order: None,
+        gradient: swept.gradient,
         residual: sweeps.compliance_residual(&state.positions),
-        sweeps: problem.error(&state.positions),
-        direct: problem.solve(&mut direct)?.0,
+        direct_objective: direct.objective,
+        direct_gradient: direct.gradient,
     })
 }
