@@ -27,6 +27,13 @@ fn size(scope: Scope) -> (usize, u32) {
     scope.pick((5, 150), (9, 300))
 }
 
+/// A method and how its sheet starts.
+#[derive(Clone, Copy, Debug, Default, Serialize)]
+struct Start {
+    method: &'static str,
+    start: &'static str,
+}
+
 /// What came of the runs of a cell.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 struct Outcome {
@@ -37,6 +44,15 @@ struct Outcome {
     worst: Option<Number>,
     /// Why the first run that failed did so.
     reason: Option<String>,
+}
+
+/// The same as a row of the table.
+#[derive(Default, Serialize)]
+struct Row {
+    recovered: String,
+    strain_at_rest: Number,
+    worst_strain: Option<Number>,
+    cell: &'static str,
 }
 
 /// The sheet, held along x = 0.
@@ -107,55 +123,48 @@ fn cell(n: usize, steps: u32, start: &str, name: &str) -> Result<Outcome, BenchE
 }
 
 fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
-    let scope = study.scope;
-    let (n, steps) = size(scope);
-    let mut table = Table::new(&[
-        "method",
-        "start",
-        "recovered",
-        "strain at rest",
-        "worst strain",
-        "cell",
-    ]);
+    let (n, steps) = size(study.scope);
+    let name = |Start { method, start }: &Start| format!("{start}, {method}");
+    let of_method = |method: &Method| {
+        let method = method.name;
+        STARTS.map(move |start| Start { method, start })
+    };
+    let found = study.grid_side_by_side(method::all().flat_map(of_method), name, |at| {
+        cell(n, steps, at.start, at.method)
+    });
+    let reasons = found.iter().filter_map(|(at, outcome)| {
+        let reason = outcome.reason.as_ref()?;
+        Some(format!("Failed: {}: {reason}.", name(at)))
+    });
+    study.findings.section.notes.extend(reasons);
+    let row = |(at, outcome): &(Start, Outcome)| {
+        let row = Row {
+            recovered: format!("{} of {RUNS}", outcome.recovered),
+            strain_at_rest: outcome.rest,
+            worst_strain: outcome.worst,
+            cell: if outcome.recovered == RUNS {
+                "passes"
+            } else {
+                "FAILS"
+            },
+        };
+        (*at, row)
+    };
+    let table = Table::of(&found.iter().map(row).collect::<Vec<_>>());
+    let caption = format!("{n} × {n} vertices, at most {steps} steps");
+    study.findings.table("recovery", &caption, table);
     let (mut always, mut failed) = (Vec::new(), Vec::new());
     for method in method::all() {
-        let mut lost = Vec::new();
-        let case_of = |start: &&str| format!("{start}, {}", method.name);
-        let every = study
-            .cases
-            .side_by_side(&STARTS, case_of, |start| cell(n, steps, start, method.name));
-        for (start, found) in STARTS.into_iter().zip(every) {
-            let Some(found) = study.findings.unless_failed(&case_of(&start), found) else {
-                continue;
-            };
-            let is_passed = found.recovered == RUNS;
-            if !is_passed {
-                lost.push(format!("{start} ({} of {RUNS})", found.recovered));
-            }
-            if let Some(reason) = &found.reason {
-                let note = format!("Failed: {}: {reason}.", case_of(&start));
-                study.findings.section.notes.push(note);
-            }
-            table.push([
-                Cell::from(method.name),
-                Cell::from(start),
-                Cell::from(format!("{} of {RUNS}", found.recovered)),
-                Cell::from(found.rest.0),
-                Cell::from(found.worst.map(|worst| worst.0)),
-                Cell::from(if is_passed { "passes" } else { "FAILS" }),
-            ]);
-        }
-        if lost.is_empty() {
-            always.push(method.name);
-        } else {
-            failed.push(format!("{} fails from {}", method.name, lost.join(", ")));
+        let lost = found
+            .iter()
+            .filter(|(at, outcome)| at.method == method.name && outcome.recovered != RUNS);
+        let lost =
+            lost.map(|(at, outcome)| format!("{} ({} of {RUNS})", at.start, outcome.recovered));
+        match lost.collect::<Vec<_>>().join(", ") {
+            none if none.is_empty() => always.push(method.name),
+            lost => failed.push(format!("{} fails from {lost}", method.name)),
         }
     }
-    study.findings.table(
-        "recovery",
-        &format!("{n} × {n} vertices, at most {steps} steps"),
-        table,
-    );
     let told = if failed.is_empty() {
         "all do".to_owned()
     } else {

@@ -39,80 +39,94 @@ fn side(scope: Scope) -> u32 {
     scope.pick(33, 128)
 }
 
+/// A feature and a method.
+#[derive(Default, Serialize)]
+struct Feature {
+    feature: &'static str,
+    method: &'static str,
+}
+
+/// Median time of a step without a feature, and ratios to it.
+#[derive(Default, Serialize, Deserialize)]
+struct Times {
+    #[serde(rename = "without (ms)")]
+    without: Real,
+    #[serde(rename = "without again / without")]
+    again: Real,
+    #[serde(rename = "unused / without")]
+    unused: Real,
+    #[serde(rename = "in use / without")]
+    used: Real,
+}
+
+/// A crate with some features.
+#[derive(Default, Serialize)]
+struct Crate {
+    #[serde(rename = "crate")]
+    name: &'static str,
+    features: String,
+}
+
+/// What it brings in.
+#[derive(Default, Serialize, Deserialize)]
+struct Weight {
+    crates_it_brings_in: usize,
+    /// Not for the small scope.
+    seconds_to_build: Option<Real>,
+}
+
 fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
     let scope = study.scope;
-    let mut table = Table::new(&[
-        "feature",
-        "method",
-        "without (ms)",
-        "without again / without",
-        "unused / without",
-        "in use / without",
-    ]);
-    let (mut most, mut noise): (Real, Real) = (0.0, 0.0);
-    for feature in FEATURES {
-        for method in methods() {
-            let case = format!("{feature}, {method}");
-            let Some([without, again, unused, used]) =
-                study.case(&case, || times(scope, feature, method))
-            else {
-                continue;
-            };
-            most = most.max(unused);
-            noise = noise.max((again - 1.0).abs());
-            table.push([
-                Cell::from(feature),
-                Cell::from(method),
-                Cell::from(1e3 * without),
-                Cell::from(again),
-                Cell::from(unused),
-                Cell::from(used),
-            ]);
-        }
-    }
+    let of_feature = |feature| {
+        methods()
+            .into_iter()
+            .map(move |method| Feature { feature, method })
+    };
+    let times = study.grid(
+        FEATURES.into_iter().flat_map(of_feature),
+        |Feature { feature, method }| format!("{feature}, {method}"),
+        |Feature { feature, method }| times(scope, feature, method),
+    );
     let n = side(scope);
     study.findings.table(
         "skip-time",
         &format!("Time of a step of the {n} × {n} sheet with and without a feature"),
-        table,
+        Table::of(&times),
     );
-    let mut table = Table::new(&[
-        "crate",
-        "features",
-        "crates it brings in",
-        "seconds to build",
-    ]);
-    let mut fewest = Vec::new();
-    for (name, features) in CRATES {
+    let of_crate = |(name, features): (_, &[&str])| {
         let features = features.join(" ");
-        let shown = if features.is_empty() {
-            "default"
+        let features = if features.is_empty() {
+            "default".to_owned()
         } else {
-            &features
+            features
         };
-        let case = format!("{name}, {shown}");
-        let Some((crates, seconds)) = study.case(&case, || weight(scope, name, &features)) else {
-            continue;
-        };
-        if shown == "--no-default-features" {
-            fewest.push(format!("{name} {crates}"));
-        }
-        table.push([
-            Cell::from(name),
-            Cell::from(shown),
-            Cell::from(crates),
-            Cell::from(seconds),
-        ]);
-    }
+        Crate { name, features }
+    };
+    let weights = study.grid(
+        CRATES.map(of_crate),
+        |Crate { name, features }| format!("{name}, {features}"),
+        |Crate { name, features }| weight(scope, name, features),
+    );
+    let table = Table::of(&weights);
     study
         .findings
         .table("skip-crates", "Dependencies of each crate alone", table);
+    let most = times.iter().map(|(_, t)| t.unused).fold(0.0, Real::max);
+    let noise = times
+        .iter()
+        .map(|(_, t)| (t.again - 1.0).abs())
+        .fold(0.0, Real::max);
     let mut verdict = format!(
         "A feature that is there but unused makes a step at most {most:.3} times as long; the same step measured twice differs by up to {:.1} %.",
         100.0 * noise
     );
+    let fewest = weights
+        .iter()
+        .filter(|(alone, _)| alone.features == "--no-default-features");
+    let fewest =
+        fewest.map(|(alone, weight)| format!("{} {}", alone.name, weight.crates_it_brings_in));
+    let fewest = fewest.collect::<Vec<_>>().join(", ");
     if !fewest.is_empty() {
-        let fewest = fewest.join(", ");
         verdict +=
             &format!(" With the fewest features the crates bring in so many others: {fewest}.");
     }
@@ -162,8 +176,7 @@ impl Variant<'_> {
     }
 }
 
-/// Median time (s) of a step without a feature; and the ratios to it: without again, there but unused, in use.
-fn times(scope: Scope, feature: &str, method: &str) -> Result<[Real; 4], BenchError> {
+fn times(scope: Scope, feature: &str, method: &str) -> Result<Times, BenchError> {
     let plain = Settings::default().with("n", side(scope));
     let [without, unused, used] = match feature {
         "bending" => [
@@ -198,19 +211,28 @@ fn times(scope: Scope, feature: &str, method: &str) -> Result<[Real; 4], BenchEr
     let least = scope.pick(1.0, 4.0);
     let times = interleaved(least, |variant| variants[variant].step())?;
     let [_, again, unused, used] = times.ratios;
-    Ok([times.seconds[0], again, unused, used])
+    let without = 1e3 * times.seconds[0];
+    Ok(Times {
+        without,
+        again,
+        unused,
+        used,
+    })
 }
 
 /// Number of crates that a crate brings in, and the seconds that building all of it takes; no seconds for the small
 /// scope.
-fn weight(scope: Scope, name: &str, features: &str) -> Result<(usize, Option<Real>), BenchError> {
+fn weight(scope: Scope, name: &str, features: &str) -> Result<Weight, BenchError> {
     let cargo = || {
         let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
         let mut command = Command::new("cargo");
         command.current_dir(root);
         command
     };
-    let features: Vec<&str> = features.split_whitespace().collect();
+    let features = features
+        .split_whitespace()
+        .filter(|word| *word != "default");
+    let features: Vec<&str> = features.collect();
     let tree = cargo()
         .args([
             "tree",
@@ -236,8 +258,12 @@ fn weight(scope: Scope, name: &str, features: &str) -> Result<(usize, Option<Rea
     let text = String::from_utf8_lossy(&tree.stdout);
     let name_of = |line: &'_ str| line.split_whitespace().next().map(str::to_owned);
     let others: BTreeSet<String> = text.lines().filter_map(name_of).collect();
+    let brought = |seconds_to_build| Weight {
+        crates_it_brings_in: others.len() - 1,
+        seconds_to_build,
+    };
     if scope == Scope::Quick {
-        return Ok((others.len() - 1, None));
+        return Ok(brought(None));
     }
     let target = std::env::temp_dir().join(format!("cloth-skip-{}", std::process::id()));
     let started = Instant::now();
@@ -259,7 +285,7 @@ fn weight(scope: Scope, name: &str, features: &str) -> Result<(usize, Option<Rea
     // What is left behind there is of no use to anybody.
     let _ = std::fs::remove_dir_all(&target);
     match built {
-        Ok(built) if built.status.success() => Ok((others.len() - 1, Some(seconds))),
+        Ok(built) if built.status.success() => Ok(brought(Some(seconds))),
         Ok(built) => Err(refused(&built.stderr)),
         Err(error) => Err(BenchError::Failed(format!("cargo: {error}"))),
     }
