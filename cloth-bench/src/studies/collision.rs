@@ -127,82 +127,93 @@ fn ran(scene: &Scene, steps: u32, method: &str) -> Result<Ran, BenchError> {
     })
 }
 
-/// Adds the table and the pictures; returns what they say in words.
-fn run_scenes(study: &mut StudyRun<'_>) -> Result<String, BenchError> {
-    let scope = study.scope;
-    let mut table = Table::new(&[
-        "scene",
-        "method",
-        "vertices",
-        "steps",
-        "ms per step",
-        "of it contact (ms)",
-        "steps held back",
-        "steps with crossings",
-        "smallest distance (m)",
-        "smallest clearance (m)",
-        "largest stretch",
-        "rms strain",
-        "remark",
-    ]);
-    let (mut crossed, mut refused) = (0, 0);
-    let mut shares: Vec<Real> = Vec::new();
-    for name in SCENES {
-        let (scene, steps) = scene_of(scope, name)?;
-        let mut ends = Vec::new();
-        for method in methods() {
-            let case = format!("{name}, {method}");
-            let Some(ran) = study.case(&case, || ran(&scene, steps, method)) else {
-                continue;
-            };
-            if ran.positions.is_empty() {
-                continue;
-            }
-            let Ran { summary, seen, .. } = &ran;
-            crossed += u32::from(seen.crossed_steps > 0);
-            refused += u32::from(summary.is_none());
-            let of = |value: fn(&run::Summary) -> Real| summary.as_ref().map(value);
-            if let Some(summary) = summary {
-                shares.push(summary.contact_ms_median / summary.ms_per_step_median);
-            }
-            table.push([
-                Cell::from(name),
-                Cell::from(method),
-                Cell::from(ran.positions.len()),
-                Cell::from(ran.steps),
-                Cell::from(of(|s| s.ms_per_step_median)),
-                Cell::from(of(|s| s.contact_ms_median)),
-                Cell::from(summary.as_ref().map(|s| s.held_steps as usize)),
-                Cell::from(seen.crossed_steps as usize),
-                Cell::from(seen.min_distance),
-                Cell::from(seen.min_clearance),
-                Cell::from(of(|s| s.max_stretch)),
-                Cell::from(of(|s| s.rms_strain)),
-                Cell::from(ran.remark.as_str()),
-            ]);
-            ends.push((method, End::of(ran)));
-        }
-        if !ends.is_empty() {
-            study
-                .findings
-                .section
-                .pictures
-                .push(picture(&scene, &ends)?);
+/// A scene with one method; where a run ended early, the remark says why.
+#[derive(Default, Serialize)]
+struct Row {
+    scene: &'static str,
+    method: &'static str,
+    vertices: usize,
+    steps: usize,
+    ms_per_step: Option<Real>,
+    #[serde(rename = "of it contact (ms)")]
+    contact_ms: Option<Real>,
+    steps_held_back: Option<u32>,
+    steps_with_crossings: u32,
+    #[serde(rename = "smallest distance (m)")]
+    min_distance: Option<Real>,
+    #[serde(rename = "smallest clearance (m)")]
+    min_clearance: Option<Real>,
+    largest_stretch: Option<Real>,
+    rms_strain: Option<Real>,
+    remark: String,
+}
+
+impl Row {
+    fn new(scene: &'static str, method: &'static str, ran: &Ran) -> Self {
+        let Ran { summary, seen, .. } = ran;
+        let of = |value: fn(&run::Summary) -> Real| summary.as_ref().map(value);
+        Self {
+            scene,
+            method,
+            vertices: ran.positions.len(),
+            steps: ran.steps,
+            ms_per_step: of(|s| s.ms_per_step_median),
+            contact_ms: of(|s| s.contact_ms_median),
+            steps_held_back: summary.as_ref().map(|s| s.held_steps),
+            steps_with_crossings: seen.crossed_steps,
+            min_distance: seen.min_distance,
+            min_clearance: seen.min_clearance,
+            largest_stretch: of(|s| s.max_stretch),
+            rms_strain: of(|s| s.rms_strain),
+            remark: ran.remark.clone(),
         }
     }
+}
+
+/// Adds the table and the pictures; returns what they say in words.
+fn run_scenes(study: &mut StudyRun<'_>) -> Result<String, BenchError> {
+    let mut rows: Vec<Row> = Vec::new();
+    for name in SCENES {
+        let (scene, steps) = scene_of(study.scope, name)?;
+        let found = study.grid(
+            methods(),
+            |method| format!("{name}, {method}"),
+            |method| ran(&scene, steps, method),
+        );
+        let found = found
+            .into_iter()
+            .filter(|(_, ran)| !ran.positions.is_empty());
+        let ends = found.map(|(method, ran)| {
+            rows.push(Row::new(name, method, &ran));
+            (method, End::of(ran))
+        });
+        let ends: Vec<(&str, End)> = ends.collect();
+        if !ends.is_empty() {
+            let picture = picture(&scene, &ends)?;
+            study.findings.section.pictures.push(picture);
+        }
+    }
+    let table = Table::of(&rows);
     study
         .findings
         .table("collision", "Scenes with contact", table);
     let cells = SCENES.len() * methods().len();
-    let most = shares.iter().copied().fold(0.0, Real::max);
-    let refusals = match refused {
+    let crossed = rows
+        .iter()
+        .filter(|row| row.steps_with_crossings > 0)
+        .count();
+    let refusals = match rows.iter().filter(|row| row.ms_per_step.is_none()).count() {
         0 => "no run was refused".to_owned(),
-        _ => format!("{refused} runs ended early (see the remarks)"),
+        refused => format!("{refused} runs ended early (see the remarks)"),
     };
+    let shares = rows
+        .iter()
+        .filter_map(|row| Some(100.0 * row.contact_ms? / row.ms_per_step?));
+    let mut shares: Vec<Real> = shares.collect();
+    let most = shares.iter().copied().fold(0.0, Real::max);
     Ok(format!(
-        "Of {cells} runs {crossed} had a step after which triangles cross, and {refusals}. Contact takes {:.0} % of a step in the median run, and at most {:.0} %.",
-        100.0 * run::median(&mut shares),
-        100.0 * most
+        "Of {cells} runs {crossed} had a step after which triangles cross, and {refusals}. Contact takes {:.0} % of a step in the median run, and at most {most:.0} %.",
+        run::median(&mut shares),
     ))
 }
 

@@ -52,89 +52,100 @@ struct Reach {
     end: String,
 }
 
+/// A size that a method got through.
+#[derive(Default, Serialize)]
+struct Row {
+    method: &'static str,
+    vertices_a_side: u32,
+    vertices: usize,
+    ms_per_step: Real,
+    #[serde(rename = "µs per vertex and step")]
+    per_vertex: Real,
+    #[serde(rename = "setup (ms)")]
+    setup: Real,
+    #[serde(rename = "memory (MB)")]
+    memory: Option<Real>,
+    #[serde(rename = "memory per vertex (kB)")]
+    memory_per_vertex: Option<Real>,
+    /// Of the largest size.
+    what_ended_it: String,
+}
+
+fn rows(method: &'static str, reach: &Reach) -> Vec<Row> {
+    let row = |(number, size): (usize, &Size)| {
+        let vertices = Real::from(size.side).powi(2);
+        let is_last = number + 1 == reach.sizes.len();
+        let bytes = size.memory.map(|bytes| bytes as Real);
+        Row {
+            method,
+            vertices_a_side: size.side,
+            vertices: vertices as usize,
+            ms_per_step: size.ms_per_step,
+            per_vertex: 1e3 * size.ms_per_step / vertices,
+            setup: size.setup_ms,
+            memory: bytes.map(|bytes| bytes / 1e6),
+            memory_per_vertex: bytes.map(|bytes| bytes / 1e3 / vertices),
+            what_ended_it: if is_last {
+                reach.end.clone()
+            } else {
+                String::new()
+            },
+        }
+    };
+    reach.sizes.iter().enumerate().map(row).collect()
+}
+
 fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
     let scope = study.scope;
-    let mut table = Table::new(&[
-        "method",
-        "vertices a side",
-        "vertices",
-        "ms per step",
-        "µs per vertex and step",
-        "setup (ms)",
-        "memory (MB)",
-        "memory per vertex (kB)",
-        "what ended it",
-    ]);
-    let mut series = Vec::new();
-    let mut parts = Vec::new();
-    let (mut least, mut most) = (Real::INFINITY, 0.0);
+    let (mut table, mut parts) = (Vec::new(), Vec::new());
     for method in methods() {
+        let name = method.name;
         let reach = study
             .cases
-            .parts(method.name, |progress| reach(scope, method.name, progress));
-        let Some(reach) = study.findings.unless_failed(method.name, reach) else {
+            .parts(name, |progress| reach(scope, name, progress));
+        let Some(reach) = study.findings.unless_failed(name, reach) else {
             continue;
         };
-        let mut curve = Vec::new();
-        for (number, size) in reach.sizes.iter().enumerate() {
-            let vertices = Real::from(size.side).powi(2);
-            let is_last = number + 1 == reach.sizes.len();
-            let bytes = size.memory.map(|bytes| bytes as Real);
-            table.push([
-                Cell::from(method.name),
-                Cell::from(size.side as usize),
-                Cell::from(vertices as usize),
-                Cell::from(size.ms_per_step),
-                Cell::from(1e3 * size.ms_per_step / vertices),
-                Cell::from(size.setup_ms),
-                Cell::from(bytes.map(|bytes| bytes / 1e6)),
-                Cell::from(bytes.map(|bytes| bytes / 1e3 / vertices)),
-                Cell::from(if is_last { reach.end.as_str() } else { "" }),
-            ]);
-            curve.push((vertices, size.ms_per_step));
-            least = least.min(size.ms_per_step / vertices);
-            most = Real::max(most, vertices);
-        }
-        parts.push(match reach.sizes.last() {
-            Some(last) => {
-                let memory = last.memory.map_or(String::new(), |bytes| {
-                    format!(" and {:.2} GB", bytes as Real / 1e9)
-                });
-                let (side, ms) = (last.side, last.ms_per_step);
-                format!(
-                    "{} {side} × {side} with {ms:.1} ms a step{memory}",
-                    method.name
-                )
+        let rows = rows(name, &reach);
+        parts.push(match rows.last() {
+            Some(row) => {
+                let memory = row.memory.map(|mb| format!(" and {:.2} GB", mb / 1e3));
+                let (side, ms) = (row.vertices_a_side, row.ms_per_step);
+                let memory = memory.unwrap_or_default();
+                format!("{name} {side} × {side} with {ms:.1} ms a step{memory}")
             }
-            None => format!("{} none ({})", method.name, reach.end),
+            None => format!("{name} none ({})", reach.end),
         });
-        series.push(Series::new(method.name, curve));
+        table.extend(rows);
     }
-    if most > 0.0 {
+    let series = curves(&table, |row| {
+        (row.method, (row.vertices as Real, row.ms_per_step))
+    });
+    let (vertices, time) = (Axis::log("vertices"), Axis::log("time of a step (ms)"));
+    let title = "Time of a step against the size of the cloth";
+    let mut plot = Plot::new(title, vertices, time).with(series);
+    if let Some(most) = table
+        .iter()
+        .map(|row| row.vertices as Real)
+        .reduce(Real::max)
+    {
+        let least = table
+            .iter()
+            .map(|row| row.ms_per_step / row.vertices as Real);
+        let least = least.fold(Real::INFINITY, Real::min);
         let first = Real::from(sides(scope)[0]).powi(2);
-        let line = [first, most].map(|vertices| (vertices, least * vertices));
-        series.push(Series::new("∝ vertices", line.to_vec()).styled(Style::ExactCurve));
+        plot = plot.exact(
+            "∝ vertices",
+            [first, most].map(|count| (count, least * count)),
+        );
     }
-    study.findings.plot(
-        "scale",
-        &Plot {
-            title: "Time of a step against the size of the cloth".into(),
-            x: Axis::log("vertices"),
-            y: Axis::log("time of a step (ms)"),
-            series,
-            note: String::new(),
-        },
-    );
-    study
-        .findings
-        .table("scale", "The hanging sheet, larger and larger", table);
+    study.findings.plot("scale", &plot);
+    let caption = "The hanging sheet, larger and larger";
+    study.findings.table("scale", caption, Table::of(&table));
+    let sizes = sides(scope).iter().map(|n| format!("{n} × {n}"));
     let verdict = format!(
         "The largest of {} that each method gets through, {} s for a run: {}.",
-        sides(scope)
-            .iter()
-            .map(|n| format!("{n} × {n}"))
-            .collect::<Vec<_>>()
-            .join(", "),
+        sizes.collect::<Vec<_>>().join(", "),
         budget(scope).as_secs(),
         parts.join("; ")
     );

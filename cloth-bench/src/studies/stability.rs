@@ -250,54 +250,48 @@ fn short(value: Real) -> String {
 /// The step at which symplectic Euler explodes on a chain of 20 masses.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 struct Limit {
+    #[serde(rename = "stiffness (N/m)")]
     stiffness: Number,
+    #[serde(rename = "largest step (s)")]
     found: Number,
+    #[serde(rename = "closed form (s)")]
     expected: Number,
 }
 
 fn limits(study: &mut StudyRun<'_>) -> String {
-    let scope = study.scope;
-    let stiffnesses: &[Real] = scope.pick(&[1e2, 1e6], &[1.0, 1e2, 1e4, 1e6, 1e8]);
-    let case = "limit of symplectic Euler";
-    let found: Result<Vec<Limit>, BenchError> = study
-        .cases
-        .case(case, || stiffnesses.iter().map(|&k| limit(k)).collect());
-    let Some(found) = study.findings.unless_failed(case, found) else {
+    let stiffnesses: &[Real] = study.scope.pick(&[1e2, 1e6], &[1.0, 1e2, 1e4, 1e6, 1e8]);
+    let measure = || {
+        stiffnesses
+            .iter()
+            .map(|&k| limit(k))
+            .collect::<Result<Vec<Limit>, _>>()
+    };
+    let Some(found) = study.case("limit of symplectic Euler", measure) else {
         return "The limit of symplectic Euler was not found.".into();
     };
-    let mut table = Table::new(&["stiffness (N/m)", "largest step (s)", "closed form (s)"]);
-    let mut worst: Real = 0.0;
-    for limit in &found {
-        worst = worst.max((limit.found.0 / limit.expected.0 - 1.0).abs());
-        table.push([
-            Cell::from(limit.stiffness.0),
-            Cell::from(limit.found.0),
-            Cell::from(limit.expected.0),
-        ]);
-    }
-    let curve = |of: fn(&Limit) -> Real| {
+    let curve = |of: fn(&Limit) -> Number| {
         found
             .iter()
-            .map(|limit| (limit.stiffness.0, of(limit)))
-            .collect()
+            .map(move |limit| (limit.stiffness.0, of(limit).0))
     };
-    study.findings.plot(
-        "stability-limit",
-        &Plot {
-            title: "The largest step of symplectic Euler".into(),
-            x: Axis::log("stiffness (N/m)"),
-            y: Axis::log("step (s)"),
-            series: vec![
-                Series::new("symplectic-euler", curve(|limit| limit.found.0)).styled(Style::Points),
-                Series::new("2/ω of the stiffest mode", curve(|limit| limit.expected.0))
-                    .styled(Style::ExactCurve),
-            ],
-            note: "A chain of 20 masses of 0.01 kg, held at one end, shaken along itself.".into(),
-        },
-    );
+    let measured = Series::new("symplectic-euler", curve(|limit| limit.found).collect());
+    let plot = Plot::new(
+        "The largest step of symplectic Euler",
+        Axis::log("stiffness (N/m)"),
+        Axis::log("step (s)"),
+    )
+    .points([measured])
+    .exact("2/ω of the stiffest mode", curve(|limit| limit.expected))
+    .note("A chain of 20 masses of 0.01 kg, held at one end, shaken along itself.");
+    study.findings.plot("stability-limit", &plot);
+    let table = Table::of(&found);
     study
         .findings
         .table("stability-limit", "The limit of symplectic Euler", table);
+    let errors = found
+        .iter()
+        .map(|limit| (limit.found.0 / limit.expected.0 - 1.0).abs());
+    let worst = errors.fold(0.0, Real::max);
     format!("Symplectic Euler explodes where the closed form says, to {worst:.0e}.")
 }
 
