@@ -183,8 +183,7 @@ fn hold_upper_row(scene: &mut Scene) -> Result<(), BenchError> {
     let top = heights.fold(Real::NEG_INFINITY, Real::max);
     for (v, x) in scene.start.positions.iter().enumerate() {
         if x.y == top {
-            let held = scene.model.particles.prescribe(v);
-            held?;
+            scene.model.particles.prescribe(v)?;
         }
     }
     Ok(())

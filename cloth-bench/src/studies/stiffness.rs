@@ -40,11 +40,11 @@ const STEP_SIZES: [Real; 7] = [1e-3, 2e-3, 5e-3, 1e-2, 2e-2, 5e-2, 1e-1];
 fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
     let dt = 1e-2;
     let efforts = efforts(study.scope)[..8].iter();
-    let by_iterations = efforts.map(|&n| (Real::from(n), n, dt)).collect();
+    let by_iterations: Vec<_> = efforts.map(|&n| (Real::from(n), n, dt)).collect();
     let mut rows = one_constraint(
         study,
         "one constraint against iterations",
-        by_iterations,
+        &by_iterations,
         "stiffness-iterations",
         Plot::new(
             "Stiffness of one constraint against iterations, Δt = 0.01 s",
@@ -58,7 +58,7 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
     rows.extend(one_constraint(
         study,
         "one constraint against step size",
-        STEP_SIZES.map(|dt| (dt, 4, dt)).to_vec(),
+        &STEP_SIZES.map(|dt| (dt, 4, dt)),
         "stiffness-dt",
         Plot::new(
             "Stiffness of one constraint against step size, 4 iterations",
@@ -114,11 +114,11 @@ struct Row {
 fn one_constraint(
     study: &mut StudyRun<'_>,
     case: &str,
-    points: Vec<(Real, u32, Real)>,
+    points: &[(Real, u32, Real)],
     name: &str,
     plot: Plot,
 ) -> Vec<Row> {
-    let measured = study.case(case, || measure(&points)).unwrap_or_default();
+    let measured = study.case(case, || measure(points)).unwrap_or_default();
     let (mut rows, mut shown, mut exact) = (Vec::new(), Vec::new(), Vec::new());
     for ((variant, fixed), measured) in on_one_constraint().into_iter().zip(measured) {
         let law = |n: u32, dt: Real| fixed.map_or(STIFFNESS, |s| fixed_projection(s, n, dt));

@@ -122,7 +122,7 @@ struct Outcome {
 
 fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
     let scope = study.scope;
-    let sheets = TestSheet::of_study(&mut study.cases, &[side(scope)])?;
+    let sheets = TestSheet::of_study(&study.cases, &[side(scope)])?;
     let sheet = &sheets[0];
     let scene = &sheet.scene;
     let mut reference = LazyCell::new(|| Reference::of(scene));

@@ -81,8 +81,7 @@ fn search(
     let mut candidates = ClothCandidates::new(mesh, new());
     let all = shortest(|| {
         let started = Instant::now();
-        let found = candidates.update(positions, positions, margin);
-        found?;
+        candidates.update(positions, positions, margin)?;
         Ok(started.elapsed().as_secs_f64())
     })?;
     let found = candidates.vertex_triangle().len() + candidates.edge_edge().len();
@@ -144,8 +143,7 @@ fn resolve(
         };
         let started = Instant::now();
         let (x, v) = (&mut positions, &mut velocities);
-        let resolved = projection.step(contacts, &step, SWEEPS, x, v);
-        resolved?;
+        projection.step(contacts, &step, SWEEPS, x, v)?;
         Ok(started.elapsed().as_secs_f64())
     })
 }

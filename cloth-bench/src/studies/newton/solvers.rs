@@ -54,12 +54,11 @@ impl Solvers {
                 LinearMethod::GaussSeidel(budget),
                 LinearMethod::Jacobi(budget),
             ] {
-                let built = method.build(
+                let mut solver = method.build(
                     system.matrix.pattern(),
                     &system.is_free,
                     system.scene.model.particles.rest_positions(),
-                );
-                let mut solver = built?;
+                )?;
                 let is_lost = |one: &&Solve| one.solver == solver.name() && one.done == Done::Spent;
                 solves.push(match solves.iter().find(is_lost) {
                     // It would spend them again.
