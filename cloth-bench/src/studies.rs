@@ -1,4 +1,16 @@
 //! Studies: one question each, answered by measurement on the same scenes for every method.
+//!
+//! A study is a grid of cases, one measurement, tables and figures over typed rows, and a conclusion:
+//!
+//! 1. `study.grid(points, name, measure)` measures every point of a grid that is not finished yet, or `grid_side_by_side`
+//!    where no times are measured, and gives the points with what was found there. What failed is a remark already.
+//! 2. What is measured is a serde struct, kept in the journal; with a struct for the point it is a row.
+//!    `Table::of(&rows)` reads the columns from both, units included.
+//! 3. `curves(&rows, |row| (label, (x, y)))` says which columns go where; `Plot::new(title, x, y).with(curves)` draws.
+//! 4. `study.findings.section.verdict` says in words what the rows show.
+//!
+//! Nothing else has to be told: cases are counted, left out, resumed and joined by the names that the grid gives them.
+//! `recovery` and `threads` are short ones to start from.
 
 mod acceleration;
 mod bending;

@@ -161,8 +161,8 @@ impl Table {
     }
 
     /// A table of typed rows: a column per field, of the same name with blanks for `_`; where there is more to say, such
-    /// as a unit, with `#[serde(rename = "time (s)")]`. The fields of a field that is a struct, and of the elements of a
-    /// tuple, are columns of their own.
+    /// as a unit, with `#[serde(rename = "time (s)")]`. The fields of a field that is a struct, and of the elements of
+    /// a tuple, are columns of their own.
     ///
     /// # Panics
     /// If a row holds what is no cell, such as a list.
