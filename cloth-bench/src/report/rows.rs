@@ -165,8 +165,12 @@ impl Serializer for &mut RowCells {
         value.serialize(self)
     }
 
-    fn serialize_unit_variant(self, _: &str, _: u32, variant: &str) -> Cells {
-        self.push(variant)
+    /// The name of a variant, but for the cell that has no value.
+    fn serialize_unit_variant(self, of: &str, _: u32, variant: &str) -> Cells {
+        match (of, variant) {
+            ("Cell", "Missing") => self.push(Cell::Missing),
+            _ => self.push(variant),
+        }
     }
 
     fn serialize_newtype_struct<T: Serialize + ?Sized>(self, _: &str, value: &T) -> Cells {
@@ -225,7 +229,7 @@ impl Serializer for &mut RowCells {
 #[cfg(test)]
 mod tests {
     use crate::journal::Number;
-    use crate::report::table::Table;
+    use crate::report::table::{Cell, Table};
     use serde::Serialize;
 
     #[derive(Default, Serialize)]
@@ -241,6 +245,7 @@ mod tests {
         #[serde(rename = "error (m)")]
         error: Number,
         at_rest: bool,
+        remarks: [Cell; 2],
     }
 
     #[test]
@@ -249,6 +254,7 @@ mod tests {
             steps: None,
             error: Number(f64::INFINITY),
             at_rest: true,
+            remarks: [Cell::Missing, Cell::from("slow")],
         };
         let point = Point {
             method: "pbd",
@@ -256,7 +262,7 @@ mod tests {
         };
         assert_eq!(
             Table::of(&[(point, measured)]).to_csv(),
-            "method,dt (s),steps,error (m),at rest\r\npbd,0.5,,inf,yes\r\n"
+            "method,dt (s),steps,error (m),at rest,remarks,remarks\r\npbd,0.5,,inf,yes,,slow\r\n"
         );
     }
 
