@@ -24,7 +24,7 @@ fn folded(x: Real, width: Real, gap: Real) -> (Real, Real) {
 /// # Errors
 /// [`BenchError::Failed`] for fewer than two vertices a side.
 pub fn accordion(side: usize, gap: Real) -> Result<(TriMesh, Vec<Vec3>), BenchError> {
-    let mesh = grid(side, side, 1.0, 1.0, Diagonals::Alternating).map_err(BenchError::failed)?;
+    let mesh = grid(side, side, 1.0, 1.0, Diagonals::Alternating)?;
     let noise = |i: usize, k: Real| 0.02 * gap * (12.9898 * i as Real + 78.233 * k).sin();
     let place = |(i, x): (usize, &Vec3)| {
         let (along, up) = folded(x.x, 1.0 / Real::from(LAYERS), gap);

@@ -41,7 +41,12 @@ impl fmt::Display for BenchError {
     }
 }
 
-impl std::error::Error for BenchError {}
+/// `?` makes the error of a library a failed run. Where the input is to blame, `map_err(BenchError::usage)` says so.
+impl<E: std::error::Error> From<E> for BenchError {
+    fn from(error: E) -> Self {
+        Self::failed(error)
+    }
+}
 
 /// Longest text between backticks, and longest word elsewhere, such as a path, that a message repeats (characters).
 const LONGEST: [usize; 2] = [120, 240];

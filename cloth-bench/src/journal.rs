@@ -133,7 +133,7 @@ impl Journal {
             let moved = std::fs::rename(&path, folder.join("journal.old.jsonl"));
             moved.map_err(|error| about(&path, &error))?;
         }
-        let line = line::write(&heading).map_err(BenchError::failed)?;
+        let line = line::write(&heading)?;
         let kept = Kept {
             heading,
             entries: HashMap::new(),
@@ -195,7 +195,7 @@ impl Journal {
             let path = part.join(FILE_NAME);
             let text = std::fs::read(&path).map_err(|error| about(&path, &error))?;
             let (kept, _) = Kept::read(&path, &text)?;
-            Ok((path, kept))
+            Ok::<_, BenchError>((path, kept))
         };
         let parts: Vec<(PathBuf, Kept)> = parts.iter().map(read).collect::<Result<_, _>>()?;
         let Some((first_path, first)) = parts.first() else {
@@ -324,7 +324,7 @@ impl Journal {
     }
 
     fn keep(&mut self, entry: Entry) -> Result<(), BenchError> {
-        let line = line::write(&entry).map_err(BenchError::failed)?;
+        let line = line::write(&entry)?;
         self.append(&line)?;
         self.entries
             .insert((entry.study.clone(), entry.case.clone()), entry);

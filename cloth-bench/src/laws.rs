@@ -14,6 +14,7 @@ pub(crate) mod models;
 mod motion;
 mod patch;
 mod point_mass;
+mod prelude;
 mod space;
 pub(crate) mod strip;
 mod swings;

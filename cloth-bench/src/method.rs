@@ -2,6 +2,7 @@
 
 mod direct;
 mod families;
+mod known;
 mod mass_spring;
 mod own;
 mod position_based;
@@ -289,31 +290,6 @@ impl Method {
                     self.name
                 )))
             }
-        }
-    }
-
-    /// Whether the method, solved exactly, takes the step of implicit Euler, so that its error can be measured against
-    /// the minimiser of `G`. The second-order rules take another step.
-    #[must_use]
-    pub fn aims_at_implicit_euler(&self) -> bool {
-        match self.kind {
-            Kind::Midpoint | Kind::Bdf2 => false,
-            Kind::Own(own) => own.aims_at_implicit_euler,
-            _ => true,
-        }
-    }
-
-    /// How far free fall leads in `n` equal (sub)steps of size h, in units of `½ g h²`.
-    #[must_use]
-    pub fn free_fall(&self, n: u32) -> Real {
-        let count = Real::from(n);
-        match self.kind {
-            // The velocity of a step is that at its start, in its middle or at its end.
-            Kind::Explicit => count * (count - 1.0),
-            Kind::Midpoint => count * count,
-            // Exact but for what the first step, of implicit Euler, leaves: errors stay or shrink to a third.
-            Kind::Bdf2 => count * count + 1.5 * (1.0 - (1.0 / 3.0 as Real).powf(count)),
-            _ => count * (count + 1.0),
         }
     }
 }

@@ -21,5 +21,6 @@ pub mod player;
 pub mod plot;
 pub mod png;
 pub mod render;
+mod rows;
 pub mod scale;
 pub mod table;

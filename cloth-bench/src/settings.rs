@@ -61,6 +61,16 @@ impl Settings {
         Ok(settings)
     }
 
+    /// Settings of the program's own, as one writes them, with blanks between: `n=20 stiffness=1e4`.
+    ///
+    /// # Panics
+    /// If one of them is not of the form `key=value`.
+    #[must_use]
+    pub fn of(text: &str) -> Self {
+        let pairs: Vec<&str> = text.split_whitespace().collect();
+        Self::parse(&pairs).unwrap_or_else(|error| panic!("{error}"))
+    }
+
     /// The same settings and one more, which holds if there is one of its key already.
     #[must_use]
     #[allow(clippy::needless_pass_by_value)] // callers hand in literals; a reference before each would only be noise

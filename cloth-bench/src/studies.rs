@@ -1,4 +1,16 @@
 //! Studies: one question each, answered by measurement on the same scenes for every method.
+//!
+//! A study is a grid of cases, one measurement, tables and figures over typed rows, and a conclusion:
+//!
+//! 1. `study.grid(points, name, measure)` measures every point of a grid that is not finished yet, or `grid_side_by_side`
+//!    where no times are measured, and gives the points with what was found there. What failed is a remark already.
+//! 2. What is measured is a serde struct, kept in the journal; with a struct for the point it is a row.
+//!    `Table::of(&rows)` reads the columns from both, units included.
+//! 3. `curves(&rows, |row| (label, (x, y)))` says which columns go where; `Plot::new(title, x, y).with(curves)` draws.
+//! 4. `study.findings.section.verdict` says in words what the rows show.
+//!
+//! Nothing else has to be told: cases are counted, left out, resumed and joined by the names that the grid gives them.
+//! `recovery` and `threads` are short ones to start from.
 
 mod acceleration;
 mod bending;
@@ -11,7 +23,9 @@ mod energy;
 mod independence;
 mod interleaved;
 mod locking;
+mod meshes_and_steps;
 mod newton;
+mod prelude;
 mod projective;
 mod recovery;
 mod sag;
@@ -20,13 +34,16 @@ mod sheets;
 mod skip;
 mod stability;
 mod stiffness;
+mod study_run;
 mod threads;
+mod variants;
 mod work_precision;
 mod xpbd_floor;
 
-pub use cases::{Cases, Share};
+pub use cases::{Cases, Progress, Share};
 pub use locking::Locking;
 pub use projective::{constant_matrix, local_bytes, move_bytes};
+use study_run::StudyRun;
 
 use crate::error::BenchError;
 use crate::journal::Journal;
@@ -35,7 +52,7 @@ use crate::report::html::Section;
 use crate::report::plot::Plot;
 use crate::report::table::Table;
 use serde::{Deserialize, Serialize};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// A question with the means to answer it.
 #[derive(Clone, Copy, Debug)]
@@ -46,18 +63,17 @@ pub struct Study {
     pub question: &'static str,
     /// What would surprise us, and what each table holds.
     pub about: &'static str,
-    cases: fn(Scope) -> u64,
     run: Run,
 }
 
 /// Measures case by case, and judges.
-type Run = fn(Scope, &mut Cases<'_>) -> Result<Findings, BenchError>;
+type Run = fn(&mut StudyRun<'_>) -> Result<(), BenchError>;
 
 /// Whether a scene file serves for the studies that take one.
 ///
 /// # Errors
 /// [`BenchError::Usage`] with what is wrong with it.
-pub fn check_scene(path: &std::path::Path) -> Result<(), BenchError> {
+pub fn check_scene(path: &Path) -> Result<(), BenchError> {
     sheets::TestSheet::own(path).map(|_| ())
 }
 
@@ -74,6 +90,16 @@ pub enum Scope {
     Quick,
     /// All sizes.
     Full,
+}
+
+impl Scope {
+    /// What belongs to this scope.
+    pub(crate) fn pick<T>(self, quick: T, full: T) -> T {
+        match self {
+            Self::Quick => quick,
+            Self::Full => full,
+        }
+    }
 }
 
 /// What a study found: a section of the report, and the same as data.
@@ -188,15 +214,17 @@ impl Study {
             })
     }
 
-    /// Number of its cases, with the scenes of the program or with one of one's own.
+    /// Number of its cases, with the scenes of the program or with a scene file of one's own: those that it asks for
+    /// when none is run.
     #[must_use]
-    pub fn cases(&self, scope: Scope, of_own_scene: bool) -> u64 {
-        match self.name {
-            name if of_own_scene && name == convergence::STUDY.name => {
-                convergence::cases_of_own(scope)
-            }
-            _ => (self.cases)(scope),
-        }
+    pub fn cases(&self, scope: Scope, own: Option<&Path>) -> usize {
+        let (share, own) = (Share::Nothing, own.map(Path::to_owned));
+        let mut progress = |_: Progress<'_>| {};
+        let cases = Cases::new(self.name, None, share, &mut progress, own);
+        let mut study = StudyRun::new(scope, cases);
+        // A study that ends with an error has asked for its cases before.
+        let _ = (self.run)(&mut study);
+        study.cases.left_out().len()
     }
 
     /// Whether it can be asked of a scene of one's own.
@@ -206,7 +234,7 @@ impl Study {
     }
 
     /// Runs the cases that are not in the journal and that `share` leaves to this run, and draws the conclusions.
-    /// `progress` is called before each case with its name. Returns the names of the cases that are still missing as
+    /// `progress` is called before each case. Returns the names of the cases that are still missing as
     /// well: with some, the findings are not to be shown.
     ///
     /// # Errors
@@ -217,18 +245,20 @@ impl Study {
         scope: Scope,
         journal: &mut Journal,
         share: Share,
-        progress: &mut dyn FnMut(&str),
+        progress: &mut dyn FnMut(Progress<'_>),
     ) -> Result<(Findings, Vec<String>), BenchError> {
         let own = journal.heading().scene().map(str::to_owned);
         let own = own.map(PathBuf::from);
-        let mut cases = Cases::new(self.name, journal, share, progress, own.clone());
-        let outcome = (self.run)(scope, &mut cases);
-        let missing = cases.left_out().to_vec();
+        let cases = Cases::new(self.name, Some(journal), share, progress, own.clone());
+        let mut study = StudyRun::new(scope, cases);
+        let outcome = (self.run)(&mut study);
+        let missing = study.cases.left_out().to_vec();
+        let mut findings = study.findings;
         // A journal that cannot be written has made the cases fail.
         if let Some(error) = journal.broken() {
             return Err(error.clone());
         }
-        let mut findings = outcome?;
+        outcome?;
         let section = &mut findings.section;
         section.id = self.name.to_owned();
         section.title = capitalised(self.name);
@@ -276,9 +306,9 @@ mod tests {
         }
         let found = study.run(Scope::Quick, &mut journal, Share::Nothing, &mut |_| {});
         drop(journal);
-        std::fs::remove_dir_all(&folder).map_err(BenchError::failed)?;
+        std::fs::remove_dir_all(&folder)?;
         let (findings, others) = found?;
-        let text = serde_json::to_string(&findings).map_err(BenchError::failed)?;
+        let text = serde_json::to_string(&findings)?;
         Ok((text, others))
     }
 

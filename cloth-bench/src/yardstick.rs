@@ -61,14 +61,12 @@ impl StepProblem {
         gravity: Vec3,
         dt: Real,
     ) -> Result<Self, BenchError> {
-        let energies = model.energies().map_err(BenchError::failed)?;
+        let energies = model.energies()?;
         let input = StepInput::new(dt).gravity(gravity);
         let mut predicted = state.positions.clone();
         predict(&model.particles, state, &input, &mut predicted);
         let mut end = state.clone();
-        let report = reference(model)?
-            .step(&mut end, input)
-            .map_err(BenchError::failed)?;
+        let report = reference(model)?.step(&mut end, input)?;
         let mut problem = Self {
             model: model.clone(),
             energies,
@@ -111,7 +109,7 @@ impl StepProblem {
         let mut state = scene.start.clone();
         for _ in 0..steps {
             let input = StepInput::new(dt).gravity(scene.gravity);
-            newton.step(&mut state, input).map_err(BenchError::failed)?;
+            newton.step(&mut state, input)?;
         }
         Self::new(&scene.model, &state, scene.gravity, dt)
     }
@@ -168,9 +166,7 @@ impl StepProblem {
         let input = StepInput::new(self.dt)
             .gravity(self.gravity)
             .observer(&mut recorder);
-        stepper
-            .step(&mut state, input)
-            .map_err(BenchError::failed)?;
+        stepper.step(&mut state, input)?;
         Ok(recorder.samples)
     }
 
@@ -184,9 +180,7 @@ impl StepProblem {
     ) -> Result<(StepError, StepReport, Real), BenchError> {
         let mut state = self.state.clone();
         let started = Instant::now();
-        let report = stepper
-            .step(&mut state, StepInput::new(self.dt).gravity(self.gravity))
-            .map_err(BenchError::failed)?;
+        let report = stepper.step(&mut state, StepInput::new(self.dt).gravity(self.gravity))?;
         let seconds = started.elapsed().as_secs_f64();
         Ok((self.error(&state.positions), report, seconds))
     }

@@ -178,8 +178,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<(), BenchError> {
     }
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(arguments.threads.unwrap_or(0))
-        .build()
-        .map_err(BenchError::failed)?;
+        .build()?;
     // Inside the pool, so that the methods use its threads and no others.
     pool.install(|| simulate(arguments, &scene, method, &settings, dt, steps))
 }
@@ -346,10 +345,7 @@ fn simulate(
         let mut surfaces = vec![Surface::cloth(&state.positions, mesh.triangles())];
         let seen = |(positions, triangles)| Surface::obstacle(positions, triangles);
         surfaces.extend(obstacles.iter().map(|(x, t)| seen((&x[..], *t))));
-        write_file(
-            file,
-            &render(&surfaces, &view(&scene)).map_err(BenchError::failed)?,
-        )?;
+        write_file(file, &render(&surfaces, &view(&scene))?)?;
     }
     if let Some(warning) = summary.energy_warning() {
         eprintln!("warning: {warning}");

@@ -7,7 +7,7 @@ use crate::journal::{self, Journal, RunHeader, Shard};
 use crate::report::html::{Answer, Report};
 use crate::report::png::Rasterizer;
 use crate::report::{arrow, facts};
-use crate::studies::{Findings, STUDIES, Scope, Share, Study, is_expected};
+use crate::studies::{Findings, Progress, STUDIES, Scope, Share, Study, is_expected};
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::{Value, json};
@@ -136,11 +136,12 @@ pub(super) fn conclude(
     } else {
         Scope::Full
     };
-    let is_own = journal.heading().scene().is_some();
-    let bar = progress_bar(studies.iter().map(|study| study.cases(scope, is_own)).sum());
+    let own = journal.heading().scene().map(Path::new);
+    let bar = progress_bar(studies.iter().map(|study| study.cases(scope, own)).sum());
     let mut first = true;
-    let mut progress = |case: &str| {
-        if !std::mem::take(&mut first) {
+    let mut progress = |now: Progress<'_>| {
+        let (Progress::Case(case) | Progress::Part(case)) = now;
+        if matches!(now, Progress::Case(_)) && !std::mem::take(&mut first) {
             bar.inc(1);
         }
         bar.set_message(case.to_owned());
@@ -254,10 +255,11 @@ fn print_verdicts(
     print(&format!("report: {}", report.display()))
 }
 
-fn progress_bar(cases: u64) -> ProgressBar {
+fn progress_bar(cases: usize) -> ProgressBar {
     let style =
         ProgressStyle::with_template("{bar:30} {pos}/{len} {elapsed}, {eta} left  {wide_msg}");
-    ProgressBar::new(cases).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
+    ProgressBar::new(cases as u64)
+        .with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
 }
 
 /// Everything in it comes from the journal.
@@ -335,6 +337,6 @@ fn write_report(
         "studies": names, "failed": failures, "failed_cases": failures_of(false), "expected_failures": failures_of(true),
         "facts": facts, "files": files, "seconds": seconds,
     });
-    let text = serde_json::to_string_pretty(&manifest).map_err(BenchError::failed)?;
+    let text = serde_json::to_string_pretty(&manifest)?;
     write_file(&out.join("manifest.json"), text.as_bytes())
 }

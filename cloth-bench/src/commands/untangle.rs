@@ -97,17 +97,12 @@ pub(super) fn execute(arguments: &Arguments) -> Result<(), BenchError> {
         );
         pairs.push(at.pairs);
     };
-    let report = untangler
-        .relax(&mut x, &inverse_mass, arguments.iterations, after)
-        .map_err(BenchError::failed)?;
+    let report = untangler.relax(&mut x, &inverse_mass, arguments.iterations, after)?;
     if report.pairs_before > 0 && report.pairs_after == 0 {
         eprintln!("untangled; back towards the start");
-        bring_back(&mesh, thickness, &inverse_mass, mesh.positions(), &mut x)
-            .map_err(BenchError::failed)?;
+        bring_back(&mesh, thickness, &inverse_mass, mesh.positions(), &mut x)?;
     }
-    let separation = SeparationProbe::new(&mesh)
-        .measure(&x)
-        .map_err(BenchError::failed)?;
+    let separation = SeparationProbe::new(&mesh).measure(&x)?;
     let ways = x.iter().zip(mesh.positions()).map(|(a, b)| (a - b).norm());
     let outcome = match report.outcome {
         UntangleOutcome::Untangled => "untangled",

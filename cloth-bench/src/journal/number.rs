@@ -8,7 +8,8 @@ pub struct Number(pub f64);
 
 impl Serialize for Number {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        if self.0.is_finite() {
+        // Of the formats here the one that people read is JSON.
+        if self.0.is_finite() || !serializer.is_human_readable() {
             self.0.serialize(serializer)
         } else {
             self.0.to_string().serialize(serializer)

@@ -1,10 +1,7 @@
 //! What a spring across a hinge does against a fold: nothing at first.
 
-use super::{Evaluation, Law};
-use crate::error::BenchError;
-use crate::settings::{Parameter, Settings, parameter};
-use cloth_core::energy::Spring;
-use cloth_core::math::{Mat3, Real};
+use super::prelude::*;
+use cloth_core::math::Mat3;
 use cloth_core::mesh::generate;
 use cloth_core::method::family::Energies;
 use cloth_core::topology::{EdgeTable, HingeTable};
@@ -31,14 +28,12 @@ fn bending_spring(settings: &Settings) -> Result<Evaluation, BenchError> {
             angle.to_degrees()
         )));
     }
-    let mesh = generate::equilateral(2, 2, 1.0).map_err(BenchError::failed)?;
-    let edges = EdgeTable::build(&mesh).map_err(BenchError::failed)?;
+    let mesh = generate::equilateral(2, 2, 1.0)?;
+    let edges = EdgeTable::build(&mesh)?;
     let hinges = HingeTable::build(&mesh, &edges);
     let springs = Spring::across(mesh.positions(), &hinges, 1.0);
     let (hinge, rest_length) = (hinges.hinges()[0], springs[0].rest_length);
-    let energies = Energies::new(mesh.vertex_count())
-        .with(springs)
-        .map_err(BenchError::failed)?;
+    let energies = Energies::new(mesh.vertex_count()).with(springs)?;
     let folded = |theta: Real| {
         let mut x = mesh.positions().to_vec();
         let [start, end, _, tip] = hinge.map(|v| v as usize);

@@ -26,12 +26,10 @@
 //! what the law compares.
 
 use super::models::{MODEL, MODEL_NAMES, Model};
+use super::prelude::*;
 use super::strip::{Shape, Strip};
-use super::{Evaluation, Law, within_reach};
-use crate::error::BenchError;
-use crate::settings::{Parameter, Settings, parameter};
+use super::within_reach;
 use cloth_core::element::Convexity;
-use cloth_core::math::{Real, Vec3};
 use cloth_core::method::block_matrix::BlockMatrix;
 use cloth_core::method::family::{Assembly, Energies};
 use cloth_core::method::linear::{Inertia, UpperPattern};
@@ -218,7 +216,7 @@ fn lateral_buckling(settings: &Settings) -> Result<Evaluation, BenchError> {
             at(across, slenderness)?,
             at(across.div_ceil(2), slenderness)?,
         ];
-        Ok([2.0 * fine - coarse, fine])
+        Ok::<_, BenchError>([2.0 * fine - coarse, fine])
     };
     let [narrow, finest_measured] = fine_cells(slenderness)?;
     let [wide, _] = fine_cells(0.5 * slenderness)?;

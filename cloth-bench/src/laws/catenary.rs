@@ -1,12 +1,7 @@
 //! The catenary of a chain of elastic links, which is exact for springs and masses.
 
-use super::{Evaluation, Law, within_reach};
-use crate::error::BenchError;
-use crate::settings::{Parameter, Settings, parameter};
-use cloth_core::energy::Spring;
-use cloth_core::math::{Real, Vec3};
-use cloth_core::particles::{Particles, State};
-use cloth_core::step::{StepInput, Stepper};
+use super::prelude::*;
+use super::within_reach;
 use cloth_massspring::{Accept, ImplicitConfig, ImplicitEuler};
 use nalgebra::{Matrix2, Vector2};
 
@@ -131,9 +126,9 @@ fn catenary(settings: &Settings) -> Result<Evaluation, BenchError> {
         weight: mass * GRAVITY,
     };
     let expected = chain.shape()?;
-    let mut particles = Particles::new(vec![mass; chain.links + 1]).map_err(BenchError::failed)?;
+    let mut particles = Particles::new(vec![mass; chain.links + 1])?;
     for end in [0, chain.links] {
-        particles.prescribe(end).map_err(BenchError::failed)?;
+        particles.prescribe(end)?;
     }
     let springs = (0..chain.links as u32).map(|i| Spring {
         vertices: [i, i + 1],
@@ -147,15 +142,14 @@ fn catenary(settings: &Settings) -> Result<Evaluation, BenchError> {
     };
     let mut solver = ImplicitEuler::builder(&particles)
         .energy(springs.collect())
-        .and_then(|builder| builder.config(sharp).build())
-        .map_err(BenchError::failed)?;
+        .and_then(|builder| builder.config(sharp).build())?;
     let mut state = chain.start();
     // The second support is where the closed form ends, to rounding.
     state.positions[chain.links] = expected[chain.links];
     // Steps of a thousand seconds: of the inertia next to nothing is left, and of what is left, nothing after a few.
     for _ in 0..10 {
         let input = StepInput::new(1e3).gravity(Vec3::z() * -GRAVITY);
-        solver.step(&mut state, input).map_err(BenchError::failed)?;
+        solver.step(&mut state, input)?;
     }
     let depth = |shape: &[Vec3]| shape.iter().map(|x| -x.z).fold(Real::MIN, Real::max);
     let off = expected.iter().zip(&state.positions);

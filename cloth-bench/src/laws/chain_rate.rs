@@ -1,12 +1,10 @@
 //! How fast the sweeps over a straight chain of rigid links converge.
 
 use super::chains::{LINKS, chain};
-use super::{Evaluation, Law, within_reach};
-use crate::error::BenchError;
-use crate::settings::{Parameter, Settings, parameter};
-use cloth_core::math::{Real, Vec3};
+use super::prelude::*;
+use super::within_reach;
 use cloth_core::method::position_based::{Acceleration, Chebyshev, Radius, Sweep};
-use cloth_core::step::{Observer, StepInput, Stepper};
+use cloth_core::step::Observer;
 use cloth_pbd::{PbdConfig, PbdSolver, StiffnessRule};
 use cloth_xpbd::{XpbdConfig, XpbdSolver};
 use std::f64::consts::FRAC_PI_2;
@@ -161,7 +159,7 @@ fn chain_rate(settings: &Settings) -> Result<Evaluation, BenchError> {
             stiffness: StiffnessRule::Fixed(1.0),
             ..Default::default()
         };
-        Box::new(builder.config(config).build().map_err(BenchError::failed)?)
+        Box::new(builder.config(config).build()?)
     } else {
         let builder = XpbdSolver::builder(&particles).energy(springs);
         let config = XpbdConfig {
@@ -171,7 +169,7 @@ fn chain_rate(settings: &Settings) -> Result<Evaluation, BenchError> {
             acceleration,
             ..XpbdConfig::default()
         };
-        Box::new(builder.config(config).build().map_err(BenchError::failed)?)
+        Box::new(builder.config(config).build()?)
     };
     let mut watch = Watch {
         mode: &mode,
@@ -179,7 +177,7 @@ fn chain_rate(settings: &Settings) -> Result<Evaluation, BenchError> {
         other: 0.0,
     };
     let input = StepInput::new(1.0).observer(&mut watch);
-    solver.step(&mut state, input).map_err(BenchError::failed)?;
+    solver.step(&mut state, input)?;
     let [.., before, last] = watch.parts[..] else {
         return Err(BenchError::Failed(
             "the solver reported fewer than two sweeps".into(),

@@ -16,11 +16,8 @@
 //! vertices across 15 % too soft or more.
 
 use super::models::{MODEL, MODEL_NAMES, Model};
+use super::prelude::*;
 use super::strip::{Equilibrium, Shape, Strip};
-use super::{Evaluation, Law};
-use crate::error::BenchError;
-use crate::settings::{Parameter, Settings, parameter};
-use cloth_core::math::{Real, Vec3};
 use cloth_massspring::Accept;
 use std::f64::consts::FRAC_PI_2;
 

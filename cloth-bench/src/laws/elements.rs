@@ -1,10 +1,7 @@
 //! What springs and hinges amount to as a sheet.
 
-use super::{Evaluation, Law};
-use crate::error::BenchError;
-use crate::settings::{Parameter, Settings, parameter};
+use super::prelude::*;
 use cloth_core::cloth::{Cloth, Membrane};
-use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::TriMesh;
 use cloth_core::mesh::generate::{self, Diagonals};
 use cloth_core::topology::EdgeTable;
@@ -70,7 +67,7 @@ pub(super) fn patch(pattern: Pattern) -> Result<(TriMesh, [Real; 2], [Real; 2]),
         ),
     };
     // No edge has its middle on the rim of the window.
-    Ok((mesh.map_err(BenchError::failed)?, [3.123, 2.877], window))
+    Ok((mesh?, [3.123, 2.877], window))
 }
 
 /// Stress times area (N·m) of the springs under the strain `(e_xx, e_yy, 2 e_xy)`, by virtual work: `Σ ∂E/∂x ⊗ X`,
@@ -92,10 +89,7 @@ fn stress(
         })
         .collect();
     let mut gradient = vec![Vec3::zeros(); rest.len()];
-    model
-        .energies()
-        .map_err(BenchError::failed)?
-        .add_gradient(&stretched, &mut gradient);
+    model.energies()?.add_gradient(&stretched, &mut gradient);
     let work = |i: usize, j: usize| {
         gradient
             .iter()
@@ -116,9 +110,9 @@ fn lattice_modulus(settings: &Settings) -> Result<Evaluation, BenchError> {
         membrane: Membrane::SpringStiffness(1.0),
         bending_rigidity: 0.0,
     };
-    let mut model = cloth.on(&mesh).map_err(BenchError::failed)?;
+    let mut model = cloth.on(&mesh)?;
     // In the unbounded lattice a spring on the rim belongs to this patch by half.
-    let edges = EdgeTable::build(&mesh).map_err(BenchError::failed)?;
+    let edges = EdgeTable::build(&mesh)?;
     for (edge, spring) in model.springs.iter_mut().enumerate() {
         if edges.is_boundary(edge) {
             spring.stiffness *= 0.5;
@@ -158,13 +152,13 @@ fn modulus(tensor: &nalgebra::Matrix3<Real>, angle: Real) -> Result<Real, BenchE
 }
 
 fn flat_bending(_: &Settings) -> Result<Evaluation, BenchError> {
-    let mesh = generate::irregular(20, 1.0, 1.0, 5).map_err(BenchError::failed)?;
+    let mesh = generate::irregular(20, 1.0, 1.0, 5)?;
     let cloth = Cloth {
         areal_density: 1.0,
         membrane: Membrane::SpringStiffness(0.0),
         bending_rigidity: 1.0,
     };
-    let mut model = cloth.on(&mesh).map_err(BenchError::failed)?;
+    let mut model = cloth.on(&mesh)?;
     model.springs.clear();
     let turn = nalgebra::Rotation3::from_euler_angles(0.4, -1.1, 2.3);
     let moved: Vec<Vec3> = mesh
@@ -174,6 +168,6 @@ fn flat_bending(_: &Settings) -> Result<Evaluation, BenchError> {
             turn * Vec3::new(1.3 * p.x + 0.2 * p.y, 0.7 * p.y, 0.0) + Vec3::new(3.0, -2.0, 1.0)
         })
         .collect();
-    let energy = model.energies().map_err(BenchError::failed)?.value(&moved);
+    let energy = model.energies()?.value(&moved);
     Ok(Evaluation::new(0.0, energy))
 }

@@ -10,10 +10,7 @@
 
 use super::elements::{ANGLE, PATTERN, PATTERNS, Pattern, patch};
 use super::models::{MODEL, MODEL_NAMES, Model};
-use super::{Evaluation, Law};
-use crate::error::BenchError;
-use crate::settings::{Parameter, Settings, parameter};
-use cloth_core::math::{Real, Vec3};
+use super::prelude::*;
 use cloth_core::method::family::Energies;
 use cloth_core::topology::{EdgeTable, HingeTable};
 
@@ -121,7 +118,7 @@ pub(crate) fn factor(case: Case) -> Result<[Real; 2], BenchError> {
         let twice = kappa[0] * p.x * p.x + kappa[1] * p.y * p.y + 2.0 * kappa[2] * p.x * p.y;
         Vec3::new(p.x, p.y, CURVATURE * (0.5 * twice + offset * sign(p)))
     };
-    let edges = EdgeTable::build(&mesh).map_err(BenchError::failed)?;
+    let edges = EdgeTable::build(&mesh)?;
     let hinges = HingeTable::build(&mesh, &edges);
     let inside: Vec<[u32; 4]> = hinges
         .hinges()
@@ -136,8 +133,7 @@ pub(crate) fn factor(case: Case) -> Result<[Real; 2], BenchError> {
     let bending = case
         .model
         .elements(mesh.positions(), &inside, 1.0)
-        .add_to(Energies::new(mesh.vertex_count()))
-        .map_err(BenchError::failed)?;
+        .add_to(Energies::new(mesh.vertex_count()))?;
     let unit = 0.5 * CURVATURE * CURVATURE * scale(case.surface) * size[0] * size[1];
     let energy = |offset: Real| {
         let x: Vec<Vec3> = mesh.positions().iter().map(|p| place(p, offset)).collect();

@@ -1,9 +1,9 @@
 //! The bending models by name, for every law and study that compares them.
 
-use crate::settings::{Parameter, parameter};
+use super::prelude::*;
 use cloth_core::cloth::Elements;
 use cloth_core::energy::{CubicShell, CurvatureHinge, CurvedHinge, DihedralHinge};
-use cloth_core::math::{Real, Vec3, gather};
+use cloth_core::math::gather;
 
 /// A bending model with its own coefficient.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

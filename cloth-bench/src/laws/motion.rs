@@ -1,14 +1,10 @@
 //! Time integration: one oscillator, and free fall.
 
-use super::{Evaluation, Law, within_reach};
-use crate::error::BenchError;
+use super::prelude::*;
+use super::within_reach;
 use crate::method::Method;
 use crate::scene;
-use crate::settings::{Parameter, Settings, parameter};
 use cloth_core::energy::Attachment;
-use cloth_core::math::{Real, Vec3};
-use cloth_core::particles::{Particles, State};
-use cloth_core::step::{StepInput, Stepper};
 use cloth_massspring::{
     Bdf2, ExplicitConfig, ExplicitEuler, ImplicitConfig, ImplicitEuler, ImplicitMidpoint,
     StabilityCheck, SymplecticEuler,
@@ -94,7 +90,7 @@ impl Scheme {
 
     /// A mass of 1 kg on a spring of stiffness `k` (N/m) to the origin.
     fn solver(self, k: Real) -> Result<Box<dyn Stepper>, BenchError> {
-        let particles = Particles::new(vec![1.0]).map_err(BenchError::failed)?;
+        let particles = Particles::new(vec![1.0])?;
         let spring = vec![Attachment {
             vertex: 0,
             target: Vec3::zeros(),
@@ -112,38 +108,32 @@ impl Scheme {
             Self::Explicit => Box::new(
                 ExplicitEuler::builder(&particles)
                     .energy(spring)
-                    .and_then(|b| b.config(unchecked).build())
-                    .map_err(BenchError::failed)?,
+                    .and_then(|b| b.config(unchecked).build())?,
             ),
             Self::Symplectic => Box::new(
                 SymplecticEuler::builder(&particles)
                     .energy(spring)
-                    .and_then(|b| b.config(unchecked).build())
-                    .map_err(BenchError::failed)?,
+                    .and_then(|b| b.config(unchecked).build())?,
             ),
             Self::Implicit => Box::new(
                 ImplicitEuler::builder(&particles)
                     .energy(spring)
-                    .and_then(|b| b.config(tight).build())
-                    .map_err(BenchError::failed)?,
+                    .and_then(|b| b.config(tight).build())?,
             ),
             Self::Linear => Box::new(
                 ImplicitEuler::builder(&particles)
                     .energy(spring)
-                    .and_then(|b| b.config(ImplicitConfig::linearized()).build())
-                    .map_err(BenchError::failed)?,
+                    .and_then(|b| b.config(ImplicitConfig::linearized()).build())?,
             ),
             Self::Midpoint => Box::new(
                 ImplicitMidpoint::builder(&particles)
                     .energy(spring)
-                    .and_then(|b| b.config(tight).build())
-                    .map_err(BenchError::failed)?,
+                    .and_then(|b| b.config(tight).build())?,
             ),
             Self::Bdf2 => Box::new(
                 Bdf2::builder(&particles)
                     .energy(spring)
-                    .and_then(|b| b.config(tight).build())
-                    .map_err(BenchError::failed)?,
+                    .and_then(|b| b.config(tight).build())?,
             ),
             Self::Xpbd => Box::new(
                 XpbdSolver::builder(&particles)
@@ -153,8 +143,7 @@ impl Scheme {
                         iterations: 1,
                         ..Default::default()
                     })
-                    .build()
-                    .map_err(BenchError::failed)?,
+                    .build()?,
             ),
             Self::Pd => Box::new(
                 PdSolver::builder(&particles)
@@ -163,8 +152,7 @@ impl Scheme {
                         iterations: 1,
                         ..Default::default()
                     })
-                    .build()
-                    .map_err(BenchError::failed)?,
+                    .build()?,
             ),
         })
     }
@@ -189,9 +177,7 @@ fn one_step_map(mut solver: Box<dyn Stepper>) -> Result<(Real, Real), BenchError
     let mut column = |x: Real, v: Real| -> Result<[Real; 2], BenchError> {
         let mut state = State::at_rest(vec![Vec3::new(x, 0.0, 0.0)]);
         state.velocities[0].x = v;
-        solver
-            .step(&mut state, StepInput::new(1.0))
-            .map_err(BenchError::failed)?;
+        solver.step(&mut state, StepInput::new(1.0))?;
         Ok([state.positions[0].x, state.velocities[0].x])
     };
     let [a, c] = column(1.0, 0.0)?;
@@ -224,10 +210,8 @@ fn two_step_map(z: Real) -> Result<(Real, Real), BenchError> {
         let mut state = State::at_rest(vec![Vec3::x()]);
         let mut reached = |load: Real| {
             let load = [Vec3::x() * load];
-            solver
-                .step(&mut state, StepInput::new(1.0).load(&load))
-                .map_err(BenchError::failed)?;
-            Ok(Complex::new(
+            solver.step(&mut state, StepInput::new(1.0).load(&load))?;
+            Ok::<_, BenchError>(Complex::new(
                 state.positions[0].x,
                 state.velocities[0].x / z,
             ))
@@ -259,7 +243,7 @@ fn free_fall(settings: &Settings) -> Result<Evaluation, BenchError> {
     let mut state = scene.start.clone();
     for _ in 0..steps {
         let input = StepInput::new(scene.dt).gravity(scene.gravity);
-        solver.step(&mut state, input).map_err(BenchError::failed)?;
+        solver.step(&mut state, input)?;
     }
     let strain = cloth_core::measure::Strain::of(&scene.model.springs, &state.positions);
     let substeps = method.substeps(&scene, &Settings::default(), scene.dt)?;
@@ -280,7 +264,7 @@ fn free_fall(settings: &Settings) -> Result<Evaluation, BenchError> {
     let fall = expected + off(&worst) * (worst.z - expected).signum();
     // A method that solves for positions with a matrix knows them to ε times its condition, k Δt²/m at most.
     let particles = &scene.model.particles;
-    let ends = |s: &cloth_core::energy::Spring| {
+    let ends = |s: &Spring| {
         s.stiffness
             * s.vertices
                 .map(|v| particles.inverse_mass()[v as usize])

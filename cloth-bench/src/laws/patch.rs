@@ -1,11 +1,8 @@
 //! Patch tests: a sheet pulled in any direction answers as its closed form says.
 
-use super::{Evaluation, Law};
-use crate::error::BenchError;
-use crate::settings::{Parameter, Settings, parameter};
+use super::prelude::*;
 use cloth_core::cloth::{Cloth, Membrane};
 use cloth_core::energy::{ArapTriangle, StvkTriangle};
-use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::{TriMesh, generate};
 use cloth_core::method::family::Energies;
 use cloth_core::topology::EdgeTable;
@@ -55,8 +52,7 @@ impl Sheet {
         let mesh = match self {
             Self::Springs => generate::equilateral(7, 7, 1.0),
             _ => generate::irregular(7, 1.0, 1.0, 3),
-        }
-        .map_err(BenchError::failed)?;
+        }?;
         let none = Energies::new(mesh.vertex_count());
         let energies = match self {
             Self::Stvk => none.with(StvkTriangle::on(&mesh, 1.0, poisson)),
@@ -67,10 +63,10 @@ impl Sheet {
                     membrane: Membrane::Modulus(1.0),
                     bending_rigidity: 0.0,
                 };
-                cloth.on(&mesh).map_err(BenchError::failed)?.energies()
+                cloth.on(&mesh)?.energies()
             }
         };
-        Ok((mesh, energies.map_err(BenchError::failed)?))
+        Ok((mesh, energies?))
     }
 
     /// `P` (N/m) along and across the direction at stretches along and across, by hand.
@@ -118,7 +114,7 @@ fn measure(
         let work: Real = pairs.map(|(g, p)| axis.dot(g) * axis.dot(p)).sum();
         work / mesh.area()
     });
-    let edges = EdgeTable::build(mesh).map_err(BenchError::failed)?;
+    let edges = EdgeTable::build(mesh)?;
     for edge in (0..edges.len()).filter(|&edge| edges.is_boundary(edge)) {
         for vertex in edges.ends()[edge] {
             gradient[vertex as usize] = Vec3::zeros();

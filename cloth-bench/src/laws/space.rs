@@ -1,15 +1,12 @@
 //! Degrees of freedom, and two methods with one minimum.
 
-use super::{Evaluation, Law, within_reach};
-use crate::error::BenchError;
+use super::prelude::*;
+use super::within_reach;
 use crate::mesh_spec;
 use crate::scene;
-use crate::settings::{Parameter, Settings, parameter};
 use crate::yardstick;
 use cloth_core::dof::{EdgeRank, bent};
-use cloth_core::math::Real;
 use cloth_core::mesh::TriMesh;
-use cloth_core::step::{StepInput, Stepper};
 use cloth_core::topology::{EdgeTable, Topology};
 use cloth_pd::{PdConfig, PdSolver};
 
@@ -91,14 +88,10 @@ fn same_minimum(settings: &Settings) -> Result<Evaluation, BenchError> {
     let mut newton = yardstick::reference(&scene.model)?;
     let mut before = scene.start.clone();
     for _ in 0..10 {
-        newton
-            .step(&mut before, input())
-            .map_err(BenchError::failed)?;
+        newton.step(&mut before, input())?;
     }
     let mut by_newton = before.clone();
-    newton
-        .step(&mut by_newton, input())
-        .map_err(BenchError::failed)?;
+    newton.step(&mut by_newton, input())?;
     let config = PdConfig {
         iterations: 100_000,
         tolerance: Some(1e-12),
@@ -108,10 +101,9 @@ fn same_minimum(settings: &Settings) -> Result<Evaluation, BenchError> {
         .energy(scene.model.springs.clone())
         .energy(scene.model.hinges.clone())
         .config(config)
-        .build()
-        .map_err(BenchError::failed)?;
+        .build()?;
     let mut by_pd = before;
-    let report = pd.step(&mut by_pd, input()).map_err(BenchError::failed)?;
+    let report = pd.step(&mut by_pd, input())?;
     let apart = by_pd.positions.iter().zip(&by_newton.positions);
     let distance = apart.map(|(a, b)| (a - b).norm()).fold(0.0, Real::max);
     Ok(Evaluation::new(0.0, distance).detail("pd_iterations", Real::from(report.iterations)))

@@ -21,15 +21,12 @@
 //! the first row that can turn does so one whole cell later. The length is measured from there.
 
 use super::models::Model;
-use crate::error::BenchError;
+use super::prelude::*;
 use crate::method;
 use cloth_core::cloth::Elements;
 use cloth_core::energy::StvkTriangle;
-use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::{TriMesh, generate};
 use cloth_core::method::family::Energies;
-use cloth_core::particles::{Particles, State};
-use cloth_core::step::{StepInput, Stepper};
 use cloth_core::topology::{EdgeTable, HingeTable};
 use cloth_massspring::{Accept, ImplicitConfig};
 
@@ -125,21 +122,19 @@ impl Strip {
     pub(crate) fn new(shape: Shape, model: Model, modulus: Real) -> Result<Self, BenchError> {
         let (rows, h) = (shape.cells + 2, shape.spacing());
         let b = h / shape.elongation;
-        let flat = generate::equilateral(shape.across, rows, 1.0).map_err(BenchError::failed)?;
+        let flat = generate::equilateral(shape.across, rows, 1.0)?;
         // Rows of the lattice lie along x and are √¾ apart; here they lie across. The clamp is at x = 0.
         let place = |p: &Vec3| {
             let row = (p.y / 0.75_f64.sqrt()).round();
             Vec3::new((row - 0.5) * h, -p.x * b, 0.0)
         };
         let positions: Vec<Vec3> = flat.positions().iter().map(place).collect();
-        let mesh =
-            TriMesh::new(positions, flat.triangles().to_vec()).map_err(BenchError::failed)?;
-        let mut particles =
-            Particles::from_areal_density(&mesh, 1.0).map_err(BenchError::failed)?;
+        let mesh = TriMesh::new(positions, flat.triangles().to_vec())?;
+        let mut particles = Particles::from_areal_density(&mesh, 1.0)?;
         for vertex in 0..2 * shape.across {
-            particles.prescribe(vertex).map_err(BenchError::failed)?;
+            particles.prescribe(vertex)?;
         }
-        let edges = EdgeTable::build(&mesh).map_err(BenchError::failed)?;
+        let edges = EdgeTable::build(&mesh)?;
         let hinges = HingeTable::build(&mesh, &edges);
         let k = model.coefficient(1.0);
         let families = vec![
@@ -201,9 +196,7 @@ impl Strip {
         for _ in 0..MOST_STEPS {
             let tip = self.tip(&found.positions);
             let mut state = State::at_rest(found.positions);
-            let report = newton
-                .step(&mut state, StepInput::new(dt).gravity(gravity))
-                .map_err(BenchError::failed)?;
+            let report = newton.step(&mut state, StepInput::new(dt).gravity(gravity))?;
             found.iterations += report.iterations;
             found.last_move = (self.tip(&state.positions) - tip).norm();
             found.positions = state.positions;

@@ -1,12 +1,7 @@
 //! Swings: the pendulum at any angle, and the small swings of a chain.
 
-use super::{Evaluation, Law, within_reach};
-use crate::error::BenchError;
-use crate::settings::{Parameter, Settings, parameter};
-use cloth_core::energy::Spring;
-use cloth_core::math::{Real, Vec3};
-use cloth_core::particles::{Particles, State};
-use cloth_core::step::{StepInput, Stepper};
+use super::prelude::*;
+use super::within_reach;
 use cloth_massspring::{Bdf2, ImplicitConfig, ImplicitMidpoint};
 use std::f64::consts::PI;
 
@@ -73,14 +68,12 @@ impl Swing {
             Scheme::Midpoint => Box::new(
                 ImplicitMidpoint::builder(particles)
                     .energy(springs)
-                    .and_then(|b| b.config(sharp).build())
-                    .map_err(BenchError::failed)?,
+                    .and_then(|b| b.config(sharp).build())?,
             ),
             Scheme::Bdf2 => Box::new(
                 Bdf2::builder(particles)
                     .energy(springs)
-                    .and_then(|b| b.config(sharp).build())
-                    .map_err(BenchError::failed)?,
+                    .and_then(|b| b.config(sharp).build())?,
             ),
         };
         let mut state = self.start.clone();
@@ -88,7 +81,7 @@ impl Swing {
         for step in 0..1_000_000 {
             let (x0, v0) = (state.positions[tip].x, state.velocities[tip].x);
             let input = StepInput::new(dt).gravity(Vec3::z() * -GRAVITY);
-            solver.step(&mut state, input).map_err(BenchError::failed)?;
+            solver.step(&mut state, input)?;
             let (x1, v1) = (state.positions[tip].x, state.velocities[tip].x);
             if x1 <= 0.0 {
                 return Ok((Real::from(step) + crossing([x0, x1], [v0 * dt, v1 * dt])) * dt);
@@ -143,8 +136,8 @@ fn pendulum(settings: &Settings) -> Result<Evaluation, BenchError> {
     let steps = settings.count(&STEPS, 8)?;
     within_reach(4e3 * Real::from(steps))?;
     let angle = angle.to_radians();
-    let mut particles = Particles::new(vec![1.0; 2]).map_err(BenchError::failed)?;
-    particles.prescribe(0).map_err(BenchError::failed)?;
+    let mut particles = Particles::new(vec![1.0; 2])?;
+    particles.prescribe(0)?;
     let positions = vec![Vec3::zeros(), Vec3::new(angle.sin(), 0.0, -angle.cos())];
     // The rod stretches by some 1e-9 of itself.
     let swing = Swing {
@@ -197,8 +190,8 @@ fn chain_swing(settings: &Settings) -> Result<Evaluation, BenchError> {
         rest_length: length - load(i) / stiffness,
         stiffness,
     });
-    let mut particles = Particles::new(vec![mass; links + 1]).map_err(BenchError::failed)?;
-    particles.prescribe(0).map_err(BenchError::failed)?;
+    let mut particles = Particles::new(vec![mass; links + 1])?;
+    particles.prescribe(0)?;
     let swing = Swing {
         particles,
         springs: springs.collect(),

@@ -53,11 +53,9 @@ pub fn file<'a>(
     ];
     let batch = RecordBatch::try_from_iter_with_nullable(
         columns.map(|(name, values)| (name, values, matches!(name, "number" | "text"))),
-    )
-    .map_err(BenchError::failed)?;
-    let mut writer =
-        FileWriter::try_new(Vec::new(), &batch.schema()).map_err(BenchError::failed)?;
-    writer.write(&batch).map_err(BenchError::failed)?;
+    )?;
+    let mut writer = FileWriter::try_new(Vec::new(), &batch.schema())?;
+    writer.write(&batch)?;
     writer.into_inner().map_err(BenchError::failed)
 }
 

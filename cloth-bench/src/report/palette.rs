@@ -5,6 +5,9 @@
 //! too faint. They stay apart under the two common colour vision deficiencies (a test simulates
 //! both), and markers say the same thing once more.
 
+use crate::method::{METHODS, Method};
+use std::sync::LazyLock;
+
 /// Red, green and blue, sRGB, 0 to 255.
 pub type Rgb = [u8; 3];
 
@@ -46,20 +49,18 @@ const MARKERS: [Marker; 6] = [
     Marker::Star,
 ];
 
-/// Method names with their colour and marker.
-const METHODS: [(&str, Rgb, Marker); 11] = [
-    ("xpbd", [0x07, 0x66, 0xb9], Marker::Circle),
-    ("pbd", [0xdd, 0x8a, 0x00], Marker::Square),
-    ("pd", [0x00, 0x8f, 0x6a], Marker::Triangle),
-    ("implicit-euler", [0xc4, 0x3e, 0x00], Marker::Diamond),
-    ("linear-implicit", [0x90, 0x84, 0x3c], Marker::Square),
-    ("xpbd-direct", [0x90, 0x48, 0x3c], Marker::Triangle),
-    ("bdf2", [0x72, 0x12, 0x61], Marker::TriangleDown),
-    ("implicit-midpoint", [0xc9, 0x6f, 0xa5], Marker::Cross),
-    ("explicit-euler", [0x4a, 0xad, 0xeb], Marker::Plus),
-    ("symplectic-euler", [0x3a, 0x2a, 0x8c], Marker::Star),
-    ("newton", [0x33, 0x33, 0x33], Marker::Circle),
-];
+/// A reference that several plots have, beside the methods.
+const NEWTON: (&str, Rgb, Marker) = ("newton", [0x33, 0x33, 0x33], Marker::Circle);
+
+/// The methods and the reference with colour and marker.
+static KNOWN: LazyLock<Vec<(&str, Rgb, Marker)>> = LazyLock::new(|| {
+    let look = |method: &Method| {
+        method
+            .look()
+            .map(|(rgb, marker)| (method.name, rgb, marker))
+    };
+    METHODS.iter().filter_map(look).chain([NEWTON]).collect()
+});
 
 /// For labels that do not begin with the name of a method, in order of appearance.
 const OTHERS: [(Rgb, Marker); 8] = [
@@ -86,7 +87,7 @@ pub struct Look {
 
 /// The method that `label` begins with: `xpbd` in `xpbd`, `xpbd, 4 substeps` and `xpbd (exact)`.
 fn method(label: &str) -> Option<usize> {
-    METHODS.iter().position(|(name, ..)| {
+    KNOWN.iter().position(|(name, ..)| {
         label
             .strip_prefix(name)
             .is_some_and(|rest| !rest.starts_with(|c: char| c.is_alphanumeric() || c == '-'))
@@ -103,13 +104,13 @@ pub fn looks(labels: &[&str]) -> Vec<Look> {
     let present: Vec<Rgb> = labels
         .iter()
         .filter_map(|label| method(label))
-        .map(|index| METHODS[index].1)
+        .map(|index| KNOWN[index].1)
         .collect();
     let resembles = |other: &Rgb| present.iter().any(|colour| gap(*other, *colour) < 70.0);
     // Those that resemble come last: with many labels it is better to repeat than to run out.
     let (last, first): (Vec<_>, Vec<_>) = OTHERS.iter().partition(|(colour, _)| resembles(colour));
     let others: Vec<_> = first.into_iter().chain(last).collect();
-    let mut seen = [0; METHODS.len()];
+    let mut seen = vec![0; KNOWN.len()];
     let mut other = 0;
     labels
         .iter()
@@ -146,7 +147,7 @@ pub fn exact_look(label: &str, measured: &[(&str, Look)]) -> Option<Look> {
 
 /// The look of the `nth` series of one method in one plot.
 fn variant(index: usize, nth: u32) -> Look {
-    let (_, colour, marker) = METHODS[index];
+    let (_, colour, marker) = KNOWN[index];
     // Every second variant is lighter than the first of its method, the others darker.
     let (towards, share) = match nth {
         0 => (255, 0.0),
@@ -268,13 +269,13 @@ mod tests {
 
     #[test]
     fn colours_stay_apart_for_the_colour_blind() {
-        assert_distinct(&METHODS.map(|(_, colour, _)| colour));
+        assert_distinct(&KNOWN.iter().map(|known| known.1).collect::<Vec<_>>());
         assert_distinct(&OTHERS.map(|(colour, _)| colour));
     }
 
     #[test]
     fn colours_stand_out_from_white() {
-        for colour in METHODS.map(|m| m.1).into_iter().chain(OTHERS.map(|o| o.0)) {
+        for colour in KNOWN.iter().map(|m| m.1).chain(OTHERS.map(|o| o.0)) {
             let [r, g, b] = colour.map(to_linear);
             let contrast = 1.05 / (0.2126 * r + 0.7152 * g + 0.0722 * b + 0.05);
             assert!(contrast > 2.3, "{colour:02x?}: {contrast}");
@@ -286,12 +287,12 @@ mod tests {
         let a = looks(&["pd", "exact", "xpbd, 4 substeps"]);
         let b = looks(&["xpbd", "something", "pd (dense)"]);
         assert_eq!((a[0], a[2]), (b[2], b[0]));
-        for (name, colour, marker) in METHODS {
+        for &(name, colour, marker) in KNOWN.iter() {
             let look = looks(&[name])[0];
             assert_eq!((look.colour, look.marker), (colour, marker));
         }
-        for known in crate::method::METHODS {
-            let found = method(known.name).map(|index| METHODS[index].0);
+        for known in METHODS {
+            let found = method(known.name).map(|index| KNOWN[index].0);
             assert_eq!(found, Some(known.name));
         }
         assert_eq!(method("pdx"), None);

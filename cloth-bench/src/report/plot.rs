@@ -141,6 +141,24 @@ impl Series {
     }
 }
 
+/// One curve per label, in the order in which the labels come up first, through the points of all rows with that label.
+#[must_use]
+pub fn curves<R, L: Into<String>>(
+    rows: impl IntoIterator<Item = R>,
+    label_and_point: impl Fn(R) -> (L, (f64, f64)),
+) -> Vec<Series> {
+    let mut curves: Vec<Series> = Vec::new();
+    for row in rows {
+        let (label, point) = label_and_point(row);
+        let label = label.into();
+        match curves.iter_mut().find(|curve| curve.label == label) {
+            Some(curve) => curve.points.push(point),
+            None => curves.push(Series::new(&label, vec![point])),
+        }
+    }
+    curves
+}
+
 /// A figure: axes, curves, a title and a remark.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Plot {
@@ -166,6 +184,53 @@ pub struct Drawing {
 }
 
 impl Plot {
+    /// A figure without curves.
+    #[must_use]
+    pub fn new(title: impl Into<String>, x: Axis, y: Axis) -> Self {
+        Self {
+            title: title.into(),
+            x,
+            y,
+            ..Self::default()
+        }
+    }
+
+    /// With more curves.
+    #[must_use]
+    pub fn with(mut self, series: impl IntoIterator<Item = Series>) -> Self {
+        self.series.extend(series);
+        self
+    }
+
+    /// With more curves, drawn as measured points.
+    #[must_use]
+    pub fn points(self, series: impl IntoIterator<Item = Series>) -> Self {
+        let points = series.into_iter().map(|curve| curve.styled(Style::Points));
+        self.with(points)
+    }
+
+    /// With a closed form, a reference or a guide.
+    #[must_use]
+    pub fn exact(self, label: &str, points: impl IntoIterator<Item = (f64, f64)>) -> Self {
+        self.exact_curves([Series::new(label, points.into_iter().collect())])
+    }
+
+    /// With several of them.
+    #[must_use]
+    pub fn exact_curves(self, series: impl IntoIterator<Item = Series>) -> Self {
+        let dashed = series
+            .into_iter()
+            .map(|curve| curve.styled(Style::ExactCurve));
+        self.with(dashed)
+    }
+
+    /// With a remark below.
+    #[must_use]
+    pub fn note(mut self, note: &str) -> Self {
+        note.clone_into(&mut self.note);
+        self
+    }
+
     /// Draws the figure.
     ///
     /// # Panics

@@ -80,7 +80,7 @@ impl Rasterizer {
     /// [`BenchError::Failed`] if the drawing is not SVG or too large.
     pub fn png(&self, svg: &str) -> Result<Vec<u8>, BenchError> {
         use resvg::tiny_skia::{Color, Pixmap, Transform};
-        let tree = resvg::usvg::Tree::from_str(svg, &self.options).map_err(BenchError::failed)?;
+        let tree = resvg::usvg::Tree::from_str(svg, &self.options)?;
         let size = tree.size().to_int_size().scale_by(Self::SCALE);
         let canvas = size.and_then(|size| Pixmap::new(size.width(), size.height()));
         let mut canvas =

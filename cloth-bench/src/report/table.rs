@@ -3,7 +3,7 @@
 //! The CSV keeps each number to its last bit, for other programs. The HTML rounds to four
 //! significant digits, for people.
 
-use super::html::escape;
+use super::{html::escape, rows};
 use crate::journal::Number;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
@@ -157,6 +157,23 @@ impl Table {
         Self {
             columns: columns.iter().map(|&name| name.to_owned()).collect(),
             rows: Vec::new(),
+        }
+    }
+
+    /// A table of typed rows: a column per field, of the same name with blanks for `_`; where there is more to say, such
+    /// as a unit, with `#[serde(rename = "time (s)")]`. The fields of a field that is a struct, and of the elements of
+    /// a tuple, are columns of their own.
+    ///
+    /// # Panics
+    /// If a row holds what is no cell, such as a list.
+    #[must_use]
+    pub fn of<R: Serialize + Default>(rows: &[R]) -> Self {
+        // The columns are there without rows too.
+        let (columns, _) = rows::columns_and_cells(&R::default());
+        let cells = rows.iter().map(|row| rows::columns_and_cells(row).1);
+        Self {
+            columns,
+            rows: cells.collect(),
         }
     }
 

@@ -3,16 +3,10 @@
 mod chains;
 mod needed;
 
-use super::{Cases, Findings, Scope, Study, sheets};
-use crate::error::BenchError;
-use crate::report::table::{Cell, Table};
-use crate::scene::{self, Scene};
-use crate::settings::Settings;
-use cloth_core::math::{Real, Vec3};
-use cloth_core::particles::State;
-use needed::Target;
+use super::sheets;
+use crate::studies::prelude::*;
+use needed::{Needed, Target, Time};
 use rayon::prelude::*;
-use serde::{Deserialize, Serialize};
 use std::f64::consts::FRAC_PI_2;
 
 pub(super) const STUDY: Study = Study {
@@ -24,34 +18,20 @@ pub(super) const STUDY: Study = Study {
         marked `at least`: errors fall more slowly the longer it takes. With Chebyshev a Gauss–Seidel sweep goes there and back, counted as one. Times are the smallest of several repetitions, all methods in turn, one process; \
         beyond 200 sweeps a further sweep costs what it does on the mean of 200. The plot has chains, whose rates are known. Expect coarse levels to bring the sheet that hangs by its edge there almost at once; what surprises is that they do nothing for the one that hangs \
         by two corners, where Chebyshev helps most.",
-    cases,
     run,
 };
 
 /// Vertices a side.
 fn sides(scope: Scope) -> &'static [u32] {
-    match scope {
-        Scope::Quick => &[24],
-        Scope::Full => &[32, 64, 128],
-    }
+    scope.pick(&[24], &[32, 64, 128])
 }
 
 /// Sweeps before a count is extrapolated.
 fn most_sweeps(scope: Scope) -> u32 {
-    match scope {
-        Scope::Quick => 4_000,
-        Scope::Full => 16_000,
-    }
+    scope.pick(4_000, 16_000)
 }
 
 const PROBLEMS: [&str; 3] = ["edge", "corners", "falling"];
-
-/// What to sweep with: the name in the table, the method, and what is set of it.
-struct Variant {
-    name: &'static str,
-    method: &'static str,
-    settings: Settings,
-}
 
 /// The variants of solving one problem on a sheet of `n` vertices a side; the first is what the others are compared
 /// with.
@@ -59,201 +39,118 @@ fn variants(problem: &str, n: u32) -> Vec<Variant> {
     let angle = FRAC_PI_2 / Real::from(n - 1);
     let relaxation = 2.0 / (1.0 + angle.sin());
     let radius = 1.0 - 2.5 / Real::from(n * n);
-    let set = |pairs: &[(&str, String)]| {
-        let one_substep = Settings::default().with("substeps", 1);
-        pairs
-            .iter()
-            .fold(one_substep, |all, (key, value)| all.with(key, value))
-    };
-    let jacobi = ("sweep", "jacobi".to_owned());
-    let sequential = ("sweep", "sequential".to_owned());
-    let auto = ("chebyshev", "auto".to_owned());
-    let given = ("chebyshev", radius.to_string());
-    let sor = ("relaxation", relaxation.to_string());
-    let rigid = ("projection", "1".to_owned());
-    let levels = |every: &str| ("hierarchy", every.to_owned());
-    let of = |method, name, pairs: &[(&str, String)]| Variant {
-        name,
-        method,
-        settings: set(pairs),
-    };
-    let mut variants = vec![
-        of("xpbd", "coloured", &[]),
-        of("xpbd", "in the order given", &[sequential]),
-        of("xpbd", "coloured, SOR", std::slice::from_ref(&sor)),
-        of("xpbd", "coloured, Chebyshev", std::slice::from_ref(&auto)),
-        of(
-            "xpbd",
-            "coloured, Chebyshev, ρ given",
-            std::slice::from_ref(&given),
-        ),
-        of("xpbd", "Jacobi", std::slice::from_ref(&jacobi)),
-        of("xpbd", "Jacobi, Chebyshev", &[jacobi.clone(), auto.clone()]),
-    ];
-    if problem == "falling" {
-        return variants;
-    }
+    let mut variants = Variant::list(&format!(
+        "xpbd, coloured: substeps=1
+        xpbd, in the order given: substeps=1 sweep=sequential
+        xpbd, coloured, SOR: substeps=1 relaxation={relaxation}
+        xpbd, coloured, Chebyshev: substeps=1 chebyshev=auto
+        xpbd, coloured, Chebyshev, ρ given: substeps=1 chebyshev={radius}
+        xpbd, Jacobi: substeps=1 sweep=jacobi
+        xpbd, Jacobi, Chebyshev: substeps=1 sweep=jacobi chebyshev=auto"
+    ));
     // Rigid projections do not look at k; PBD's and XPBD's sweeps are then the same, and the first line shows what λ
     // costs.
-    variants.extend([
-        of("pbd", "coloured", std::slice::from_ref(&rigid)),
-        of("pbd", "coloured, SOR", &[rigid.clone(), sor]),
-        of("pbd", "coloured, Chebyshev", &[rigid.clone(), auto.clone()]),
-        of(
-            "pbd",
-            "coloured, Chebyshev, ρ given",
-            &[rigid.clone(), given],
-        ),
-        of("pbd", "Jacobi", &[rigid.clone(), jacobi.clone()]),
-        of(
-            "pbd",
-            "Jacobi, Chebyshev",
-            &[rigid.clone(), jacobi, auto.clone()],
-        ),
-        of("pbd", "hierarchy once", &[rigid.clone(), levels("once")]),
-        of("pbd", "hierarchy every 10", &[rigid.clone(), levels("10")]),
-        of(
-            "pbd",
-            "hierarchy every 40, Chebyshev",
-            &[rigid, levels("40"), auto],
-        ),
-    ]);
+    if problem != "falling" {
+        variants.extend(Variant::list(&format!(
+            "pbd, coloured: substeps=1 projection=1
+            pbd, coloured, SOR: substeps=1 projection=1 relaxation={relaxation}
+            pbd, coloured, Chebyshev: substeps=1 projection=1 chebyshev=auto
+            pbd, coloured, Chebyshev, ρ given: substeps=1 projection=1 chebyshev={radius}
+            pbd, Jacobi: substeps=1 projection=1 sweep=jacobi
+            pbd, Jacobi, Chebyshev: substeps=1 projection=1 sweep=jacobi chebyshev=auto
+            pbd, hierarchy once: substeps=1 projection=1 hierarchy=once
+            pbd, hierarchy every 10: substeps=1 projection=1 hierarchy=10
+            pbd, hierarchy every 40, Chebyshev: substeps=1 projection=1 hierarchy=40 chebyshev=auto"
+        )));
+    }
     variants
 }
 
-fn cases(scope: Scope) -> u64 {
-    1 + (sides(scope).len() * PROBLEMS.len()) as u64
+/// What a variant takes for a problem; the last two over the first variant.
+#[derive(Clone, Default, Serialize, Deserialize)]
+struct Row {
+    problem: String,
+    n: u32,
+    method: String,
+    sweeps: String,
+    needs_sweeps: u64,
+    /// Whether so many were made; else it is what the rate so far leads to.
+    count: String,
+    /// Time of all sweeps and of one (ms).
+    ms: Real,
+    ms_per_sweep: Real,
+    times_fewer_sweeps: Real,
+    times_faster: Real,
 }
 
-fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
-    let mut findings = Findings::default();
-    let mut table = Table::new(&[
-        "problem",
-        "n",
-        "method",
-        "sweeps",
-        "needs sweeps",
-        "count",
-        "ms",
-        "ms per sweep",
-        "times fewer sweeps",
-        "times faster",
-    ]);
-    for &n in sides(scope) {
-        for problem in PROBLEMS {
-            let name = format!("{problem} at {n} × {n}");
-            let counted = cases.case(&name, || measure(scope, problem, n));
-            if let Some(counted) = findings.unless_failed(&name, counted) {
-                add(problem, n, &counted, &mut table, &mut findings);
-            }
+fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
+    let scope = study.scope;
+    let of_size = |&n| PROBLEMS.map(|problem| (problem, n));
+    let found = study.grid(
+        sides(scope).iter().flat_map(of_size),
+        |(problem, n)| format!("{problem} at {n} × {n}"),
+        |&(problem, n)| measure(scope, problem, n),
+    );
+    let mut rows: Vec<Row> = Vec::new();
+    for ((problem, n), (reached, failed)) in found {
+        rows.extend(reached);
+        for (variant, reason) in failed {
+            let case = format!("{variant}, {problem} at {n} × {n}");
+            let failed: Result<(), _> = Err(BenchError::Failed(reason));
+            study.findings.unless_failed(&case, failed);
         }
     }
-    chains::run(scope, &mut findings, cases);
-    findings.section.verdict = verdict(&table);
-    findings.table(
+    chains::run(study);
+    study.findings.section.verdict = verdict(&rows);
+    study.findings.table(
         "acceleration",
         "Sweeps and time until a hundredth of the error of the prediction is left",
-        table,
+        Table::of(&rows),
     );
-    Ok(findings)
+    Ok(())
 }
 
-/// What one variant takes for a problem, or why it does not get there.
-#[derive(Serialize, Deserialize)]
-struct Counted {
-    method: String,
-    name: String,
-    outcome: Result<Effort, String>,
-}
-
-#[derive(Clone, Copy, Serialize, Deserialize)]
-struct Effort {
-    sweeps: Real,
-    /// Whether so many were made; else it is what the rate so far leads to.
-    measured: bool,
-    /// Time of all sweeps and of one (s).
-    seconds: Real,
-    per_sweep: Real,
-}
+/// Those who get there, and the others with the reason.
+type Counted = (Vec<Row>, Vec<(String, String)>);
 
 /// All variants on one problem: their sweeps are counted side by side, their times interleaved.
-fn measure(scope: Scope, problem: &'static str, n: u32) -> Result<Vec<Counted>, BenchError> {
+fn measure(scope: Scope, problem: &'static str, n: u32) -> Result<Counted, BenchError> {
     let (scene, state, target) = target(problem, n)?;
     let variants = variants(problem, n);
     let most = most_sweeps(scope);
-    let count = |variant: &Variant| {
-        needed::sweeps(
-            &scene,
-            &state,
-            &target,
-            variant.method,
-            &variant.settings,
-            most,
-        )
-    };
-    let counted: Vec<Result<needed::Needed, BenchError>> = variants.par_iter().map(count).collect();
-    let reached = variants.iter().zip(&counted);
-    let runs: Vec<(&str, &Settings, u32)> = reached
-        .filter_map(|(variant, needed)| {
-            let sweeps = needed.as_ref().ok()?.sweeps.ceil() as u32;
-            Some((variant.method, &variant.settings, sweeps))
-        })
-        .collect();
-    let mut times = needed::times(&scene, &state, &runs)?.into_iter();
-    let with_time = |needed: Result<needed::Needed, BenchError>| {
-        let needed = needed.map_err(|error| error.to_string())?;
-        let time = times.next().ok_or("it was not timed")?;
-        Ok(Effort {
-            sweeps: needed.sweeps,
-            measured: needed.measured,
-            seconds: time.seconds,
-            per_sweep: time.per_sweep,
-        })
-    };
-    let outcomes = counted.into_iter().map(with_time);
-    Ok(variants
-        .iter()
-        .zip(outcomes.collect::<Vec<_>>())
-        .map(|(variant, outcome)| Counted {
-            method: variant.method.to_owned(),
-            name: variant.name.to_owned(),
-            outcome,
-        })
-        .collect())
-}
-
-fn add(problem: &str, n: u32, counted: &[Counted], table: &mut Table, findings: &mut Findings) {
-    let mut plain = None;
-    for Counted {
-        method,
-        name,
-        outcome,
-    } in counted
-    {
-        let case = format!("{method} {name}, {problem} at {n} × {n}");
-        let outcome = outcome.clone().map_err(BenchError::Failed);
-        let Some(effort) = findings.unless_failed(&case, outcome) else {
-            continue;
-        };
-        let plain: Effort = *plain.get_or_insert(effort);
-        let count = if effort.measured {
-            "measured"
-        } else {
-            "at least"
-        };
-        table.push([
-            Cell::from(problem),
-            Cell::from(n as usize),
-            Cell::from(method.as_str()),
-            Cell::from(name.as_str()),
-            Cell::from(effort.sweeps.round() as usize),
-            Cell::from(count),
-            Cell::from(1e3 * effort.seconds),
-            Cell::from(1e3 * effort.per_sweep),
-            Cell::from(plain.sweeps / effort.sweeps),
-            Cell::from(plain.seconds / effort.seconds),
-        ]);
+    let count = |variant: &Variant| needed::sweeps(&scene, &state, &target, variant, most);
+    let counted: Vec<Result<Needed, BenchError>> = variants.par_iter().map(count).collect();
+    let (mut reached, mut failed) = (Vec::new(), Vec::new());
+    for (variant, needed) in variants.iter().zip(counted) {
+        match needed {
+            Ok(needed) => reached.push((variant, needed)),
+            Err(error) => failed.push((variant.label.replacen(", ", " ", 1), error.to_string())),
+        }
     }
+    let times = needed::times(&scene, &state, &reached)?;
+    let first = reached.first().zip(times.first());
+    let row = |((variant, needed), time): (&(&Variant, Needed), &Time)| {
+        let (plain, plain_time) =
+            first.map_or((needed, time), |((_, needed), time)| (needed, time));
+        Row {
+            problem: problem.to_owned(),
+            n,
+            method: variant.method().to_owned(),
+            sweeps: variant.what().to_owned(),
+            needs_sweeps: needed.sweeps.round() as u64,
+            count: if needed.measured {
+                "measured"
+            } else {
+                "at least"
+            }
+            .to_owned(),
+            ms: 1e3 * time.seconds,
+            ms_per_sweep: 1e3 * time.per_sweep,
+            times_fewer_sweeps: plain.sweeps / needed.sweeps,
+            times_faster: plain_time.seconds / time.seconds,
+        }
+    };
+    Ok((reached.iter().zip(&times).map(row).collect(), failed))
 }
 
 /// The scene, the state that the step starts from, and how far from its end some positions are.
@@ -266,11 +163,7 @@ fn target(problem: &str, n: u32) -> Result<(Scene, State, Target), BenchError> {
         return Ok((scene, state, Target::ImplicitEuler(step)));
     }
     let pins = if problem == "edge" { "none" } else { "corners" };
-    let settings = Settings::default()
-        .with("n", n)
-        .with("up", "y")
-        .with("pins", pins)
-        .with("bending", "none");
+    let settings = Settings::of(&format!("n={n} up=y pins={pins} bending=none"));
     let mut scene = scene::build("hang", None, &settings)?;
     if problem == "edge" {
         hold_upper_row(&mut scene)?;
@@ -290,62 +183,40 @@ fn hold_upper_row(scene: &mut Scene) -> Result<(), BenchError> {
     let top = heights.fold(Real::NEG_INFINITY, Real::max);
     for (v, x) in scene.start.positions.iter().enumerate() {
         if x.y == top {
-            let held = scene.model.particles.prescribe(v);
-            held.map_err(BenchError::failed)?;
+            scene.model.particles.prescribe(v)?;
         }
     }
     Ok(())
 }
 
 /// What the table says in words, at the largest size.
-fn verdict(table: &Table) -> Option<String> {
-    let Cell::Int(n) = *table.rows.last()?.get(1)? else {
-        return None;
+fn verdict(rows: &[Row]) -> Option<String> {
+    let n = rows.last()?.n;
+    let say = |row: &Row| {
+        let bound = if row.count == "measured" {
+            ""
+        } else {
+            "at least "
+        };
+        let (method, what) = (&row.method, &row.sweeps);
+        let sweeps = row.needs_sweeps;
+        format!(
+            "{method} {what} {bound}{sweeps} sweeps and {:.1} ms",
+            row.ms
+        )
     };
-    let mut parts = Vec::new();
-    for problem in PROBLEMS {
-        let rows = table
-            .rows
-            .iter()
-            .filter(|row| row[0] == Cell::from(problem) && row[1] == Cell::Int(n));
-        let best = rows
-            .clone()
-            .min_by(|a, b| number(&a[6]).total_cmp(&number(&b[6])))?;
-        let plain = rows.clone().next()?;
-        let text = |cell: &Cell| match cell {
-            Cell::Text(text) => text.clone(),
-            _ => String::new(),
+    let of_problem = |problem: &str| {
+        let rows = || {
+            rows.iter()
+                .filter(|row| row.problem == problem && row.n == n)
         };
-        let count = |row: &[Cell]| {
-            let bound = if text(&row[5]) == "measured" {
-                ""
-            } else {
-                "at least "
-            };
-            format!("{bound}{} sweeps", number(&row[4]))
-        };
-        parts.push(format!(
-            "{problem}: {} {} {} and {:.1} ms, {} {} {} and {:.1} ms",
-            text(&plain[2]),
-            text(&plain[3]),
-            count(plain),
-            number(&plain[6]),
-            text(&best[2]),
-            text(&best[3]),
-            count(best),
-            number(&best[6]),
-        ));
-    }
+        let best = rows().min_by(|a, b| a.ms.total_cmp(&b.ms))?;
+        let plain = rows().next()?;
+        Some(format!("{problem}: {}, {}", say(plain), say(best)))
+    };
+    let parts: Option<Vec<String>> = PROBLEMS.into_iter().map(of_problem).collect();
     Some(format!(
         "To a hundredth of the error, {n} × {n} vertices, plain sweeps and the fastest variant. {}.",
-        parts.join("; ")
+        parts?.join("; ")
     ))
-}
-
-fn number(cell: &Cell) -> Real {
-    match *cell {
-        Cell::Number(number) => number,
-        Cell::Int(count) => count as Real,
-        _ => Real::INFINITY,
-    }
 }

@@ -1,16 +1,11 @@
 //! How cloth bends: a heavy strip against its exact curve, and what each model amounts to on each pattern.
 
-use super::{Cases, Findings, Scope, Study};
-use crate::error::BenchError;
 use crate::laws::elastica::{exact, sag};
 use crate::laws::elements::{PATTERNS, Pattern};
 use crate::laws::factors::{Case, SURFACES, by_hand, factor};
 use crate::laws::models::{MODELS, Model};
 use crate::laws::strip::Shape;
-use crate::report::plot::{Axis, Plot, Series, Style};
-use crate::report::table::{Cell, Table};
-use cloth_core::math::Real;
-use serde::{Deserialize, Serialize};
+use crate::studies::prelude::*;
 
 pub(super) const STUDY: Study = Study {
     name: "bending",
@@ -20,25 +15,21 @@ pub(super) const STUDY: Study = Study {
         which the pattern decides and which is −1/3 for equilateral triangles, makes up 0.15 % at most. The factors are energies per area of vertices on a surface of constant \
         curvature, over ½ k κ² (sphere: ½ k (2κ)²); 3 on a cylinder is what D = 3k means. Settled: on the alternating grid vertices with four and with eight neighbours may stand at different heights, \
         as they do in equilibrium. Expect hinge models of the same D to hang alike; what surprises is the sphere, on which the factor is a third of that on a cylinder.",
-    cases,
     run,
 };
 
 /// Γ on which every model is measured.
 fn loads(scope: Scope) -> &'static [Real] {
-    match scope {
-        Scope::Quick => &[0.1, 1.0, 10.0, 100.0, 1000.0],
-        Scope::Full => &[
+    scope.pick(
+        &[0.1, 1.0, 10.0, 100.0, 1000.0],
+        &[
             0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1000.0,
         ],
-    }
+    )
 }
 
 fn rows(scope: Scope) -> usize {
-    match scope {
-        Scope::Quick => 128,
-        Scope::Full => 256,
-    }
+    scope.pick(128, 256)
 }
 
 /// Rows of the strips that show how the error falls, and their Γ.
@@ -46,13 +37,6 @@ const REFINED: [usize; 5] = [16, 32, 64, 128, 256];
 const REFINED_LOADS: [Real; 2] = [100.0, 1000.0];
 /// One model by the curvature vector and one by the angle: at rest the mesh is flat, and the others are the same.
 const REFINED_MODELS: [(&str, Model); 2] = [MODELS[0], MODELS[2]];
-
-fn cases(scope: Scope) -> u64 {
-    let curve = MODELS.len() * loads(scope).len();
-    let refined = REFINED_LOADS.len() * REFINED_MODELS.len() * REFINED.len();
-    let factors = MODELS.len() * PATTERNS.len() + PATTERNS.len() + 1;
-    (curve + refined + factors) as u64
-}
 
 /// A strip whose own error, of Poisson's ratio and of the rim, is 0.014 %.
 const fn long_triangles(rows: usize) -> Shape {
@@ -76,11 +60,11 @@ fn ratio(gamma: Real) -> Real {
     profile.drop / profile.span
 }
 
-fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
-    let mut findings = Findings::default();
-    let worst = elastica(scope, &mut findings, cases);
-    refinement(&mut findings, cases);
-    let apart = factors(&mut findings, cases);
+fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
+    let scope = study.scope;
+    let worst = elastica(study);
+    refinement(study);
+    let apart = factors(study);
     let on_curve = worst.is_some_and(|worst| worst < 0.01);
     let alike = if on_curve {
         "Every model lies on the curve of the heavy elastica"
@@ -90,158 +74,146 @@ fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
     let worst = worst.map_or("none was measured at every load".to_owned(), |worst| {
         format!("largest error {:.2} %", 100.0 * worst)
     });
-    findings.section.verdict = Some(format!(
+    study.findings.section.verdict = Some(format!(
         "{alike} from Γ = 0.1 to 1000 on a strip of {} × 5 vertices ({worst}), so one rigidity D means one cloth. That holds where bending follows the edges: \
          the measured factors are those of the closed forms to {apart:.0e}, and they differ with pattern, direction and shape, from 1 to 18 for one k of the quadratic model.",
         rows(scope)
     ));
-    Ok(findings)
+    Ok(())
 }
 
 /// A strip at rest.
 #[derive(Default, Serialize, Deserialize)]
 struct Hanging {
-    /// Span W and drop H over the length (dimensionless).
+    model: String,
+    #[serde(rename = "Γ")]
+    gamma: Real,
+    #[serde(rename = "H/W exact")]
+    exact: Real,
+    #[serde(rename = "H/W measured")]
+    measured: Real,
+    relative_error: Real,
+    /// Over the length, as the drop.
+    #[serde(rename = "span W/L")]
     span: Real,
+    #[serde(rename = "drop H/L")]
     drop: Real,
-    /// Forces left over the weight (dimensionless).
-    residual: Real,
-    /// Iterations of Newton's method.
+    forces_left_over_weight: Real,
+    /// Of Newton's method.
     iterations: u32,
 }
 
 impl Hanging {
-    fn at_rest(gamma: Real, model: Model, shape: Shape) -> Result<Self, BenchError> {
+    fn at_rest(
+        gamma: Real,
+        (name, model): (&str, Model),
+        shape: Shape,
+    ) -> Result<Self, BenchError> {
         let sagged = sag(gamma, model, shape)?;
+        let (span, drop) = (sagged.profile.span, sagged.profile.drop);
+        let (exact, measured) = (ratio(gamma), drop / span);
         Ok(Self {
-            span: sagged.profile.span,
-            drop: sagged.profile.drop,
-            residual: sagged.rest.residual,
+            model: name.to_owned(),
+            gamma,
+            exact,
+            measured,
+            relative_error: measured / exact - 1.0,
+            span,
+            drop,
+            forces_left_over_weight: sagged.rest.residual,
             iterations: sagged.rest.iterations,
         })
     }
 }
 
 /// H/W against Γ. Returns the largest relative error, or none if a strip did not come to rest.
-fn elastica(scope: Scope, findings: &mut Findings, cases: &mut Cases<'_>) -> Option<Real> {
-    let mut table = Table::new(&[
-        "model",
-        "Γ",
-        "H/W exact",
-        "H/W measured",
-        "relative error",
-        "span W/L",
-        "drop H/L",
-        "forces left over weight",
-        "iterations",
-    ]);
-    let (mut heights, mut errors) = (Vec::new(), Vec::new());
-    let mut worst = Some(0.0);
-    let loads: Vec<(Real, Real)> = loads(scope).iter().map(|&g| (g, ratio(g))).collect();
-    for (name, model) in MODELS {
-        let (mut curve, mut error_curve) = (Vec::new(), Vec::new());
-        for &(gamma, expected) in &loads {
-            let case = format!("{name}, Γ = {gamma}");
-            let found = cases.case(&case, || Hanging::at_rest(gamma, model, strip(rows(scope))));
-            let Some(found) = findings.unless_failed(&case, found) else {
-                worst = None;
-                continue;
-            };
-            let measured = found.drop / found.span;
-            let error = measured / expected - 1.0;
-            worst = worst.map(|worst: Real| worst.max(error.abs()));
-            curve.push((gamma, measured));
-            error_curve.push((gamma, 100.0 * error));
-            table.push([
-                Cell::from(name),
-                Cell::from(gamma),
-                Cell::from(expected),
-                Cell::from(measured),
-                Cell::from(error),
-                Cell::from(found.span),
-                Cell::from(found.drop),
-                Cell::from(found.residual),
-                Cell::from(found.iterations as usize),
-            ]);
-        }
-        heights.push(Series::new(name, curve).styled(Style::Points));
-        errors.push(Series::new(name, error_curve));
-    }
-    let exact_curve = (0..=40)
-        .map(|i| 10.0_f64.powf(-1.0 + 0.1 * Real::from(i)))
-        .map(|gamma| (gamma, ratio(gamma)))
-        .collect();
-    heights.push(Series::new("heavy elastica, exact", exact_curve).styled(Style::ExactCurve));
-    findings.plot(
-        "bending-elastica",
-        &Plot {
-            title: "A strip under its own weight".into(),
-            x: Axis::log("Γ = ρ g L³/D (dimensionless)"),
-            y: Axis::log("drop over span H/W (dimensionless)"),
-            series: heights,
-            note: "The dashed curve is the exact solution of θ″ + Γ(1 − s) cos θ = 0.".into(),
-        },
+fn elastica(study: &mut StudyRun<'_>) -> Option<Real> {
+    let scope = study.scope;
+    let of_model = |model| loads(scope).iter().map(move |&gamma| (model, gamma));
+    let points: Vec<((&str, Model), Real)> = MODELS.into_iter().flat_map(of_model).collect();
+    let asked = points.len();
+    let found = study.grid(
+        points,
+        |((name, _), gamma)| format!("{name}, Γ = {gamma}"),
+        |&(model, gamma)| Hanging::at_rest(gamma, model, strip(rows(scope))),
     );
-    findings.plot(
-        "bending-elastica-error",
-        &Plot {
-            title: "Distance of the models from the exact curve".into(),
-            x: Axis::log("Γ = ρ g L³/D (dimensionless)"),
-            y: Axis::linear("error of H/W (%)"),
-            series: errors,
-            note: "On the left what is left of Poisson's ratio and the rim, which lacks hinges; on the right the resolution, where a fold θ and 2 sin(θ/2) are no longer the same."
-                .into(),
-        },
+    let strips: Vec<Hanging> = found.into_iter().map(|(_, strip)| strip).collect();
+    let exact = (0..=40).map(|i| 10.0_f64.powf(-1.0 + 0.1 * Real::from(i)));
+    let load = Axis::log("Γ = ρ g L³/D (dimensionless)");
+    let height = Axis::log("drop over span H/W (dimensionless)");
+    let plot = Plot::new("A strip under its own weight", load.clone(), height)
+        .points(curves(&strips, |s| {
+            (s.model.as_str(), (s.gamma, s.measured))
+        }))
+        .exact(
+            "heavy elastica, exact",
+            exact.map(|gamma| (gamma, ratio(gamma))),
+        )
+        .note("The dashed curve is the exact solution of θ″ + Γ(1 − s) cos θ = 0.");
+    study.findings.plot("bending-elastica", &plot);
+    let errors = curves(&strips, |s| {
+        (s.model.as_str(), (s.gamma, 100.0 * s.relative_error))
+    });
+    let error = Axis::linear("error of H/W (%)");
+    let plot = Plot::new("Distance of the models from the exact curve", load, error).with(errors).note(
+        "On the left what is left of Poisson's ratio and the rim, which lacks hinges; on the right the resolution, where a fold θ and 2 sin(θ/2) are no longer the same.",
     );
-    findings.table(
-        "bending-elastica",
-        "Drop over span of a heavy strip at rest",
-        table,
-    );
-    worst
+    study.findings.plot("bending-elastica-error", &plot);
+    let caption = "Drop over span of a heavy strip at rest";
+    study
+        .findings
+        .table("bending-elastica", caption, Table::of(&strips));
+    let worst = strips.iter().map(|strip| strip.relative_error.abs());
+    (strips.len() == asked).then(|| worst.fold(0.0, Real::max))
+}
+
+/// A strip of so many rows.
+#[derive(Default, Serialize)]
+struct Refined {
+    model: &'static str,
+    #[serde(rename = "Γ")]
+    gamma: Real,
+    rows: usize,
+    #[serde(rename = "relative error of H/W")]
+    error: Real,
 }
 
 /// The error of H/W against resolution.
-fn refinement(findings: &mut Findings, cases: &mut Cases<'_>) {
-    let mut table = Table::new(&["model", "Γ", "rows", "relative error of H/W"]);
-    let mut series = Vec::new();
-    for gamma in REFINED_LOADS {
-        let expected = ratio(gamma);
-        for (name, model) in REFINED_MODELS {
-            let mut curve = Vec::new();
-            for rows in REFINED {
-                let case = format!("{name}, Γ = {gamma}, {rows} rows");
-                let found = cases.case(&case, || {
-                    Hanging::at_rest(gamma, model, long_triangles(rows))
-                });
-                let Some(found) = findings.unless_failed(&case, found) else {
-                    continue;
-                };
-                let error = found.drop / found.span / expected - 1.0;
-                curve.push((rows as Real, 100.0 * error.abs()));
-                table.push([
-                    Cell::from(name),
-                    Cell::from(gamma),
-                    Cell::from(rows),
-                    Cell::from(error),
-                ]);
-            }
-            series.push(Series::new(&format!("{name}, Γ = {gamma}"), curve));
-        }
-    }
-    let second = REFINED.map(|rows| (rows as Real, 2.0 * (32.0 / rows as Real).powi(2)));
-    series.push(Series::new("second order", second.to_vec()).styled(Style::ExactCurve));
-    findings.plot(
-        "bending-refinement",
-        &Plot {
-            title: "Error of H/W against resolution".into(),
-            x: Axis::log("rows of vertices along the strip (dimensionless)"),
-            y: Axis::log("error of H/W (%)").within(0.01, 30.0),
-            series,
-            note: "Triangles eight times as high as wide, three vertices across: what the strip itself is wrong by, Poisson's ratio and the rim, is 0.014 %.".into(),
-        },
+fn refinement(study: &mut StudyRun<'_>) {
+    let of_model = |gamma, model| REFINED.map(|rows| (gamma, model, rows));
+    let of_load = |gamma| {
+        REFINED_MODELS
+            .into_iter()
+            .flat_map(move |model| of_model(gamma, model))
+    };
+    let found = study.grid(
+        REFINED_LOADS.into_iter().flat_map(of_load),
+        |(gamma, (name, _), rows)| format!("{name}, Γ = {gamma}, {rows} rows"),
+        |&(gamma, model, rows)| Hanging::at_rest(gamma, model, long_triangles(rows)),
     );
-    findings.data("bending-refinement", table);
+    let row = |((gamma, (model, _), rows), strip): ((_, (_, Model), _), Hanging)| Refined {
+        model,
+        gamma,
+        rows,
+        error: strip.relative_error,
+    };
+    let strips: Vec<Refined> = found.into_iter().map(row).collect();
+    let second = REFINED.map(|rows| (rows as Real, 2.0 * (32.0 / rows as Real).powi(2)));
+    let plot = Plot::new(
+        "Error of H/W against resolution",
+        Axis::log("rows of vertices along the strip (dimensionless)"),
+        Axis::log("error of H/W (%)").within(0.01, 30.0),
+    )
+    .with(curves(&strips, |s| {
+        let label = format!("{}, Γ = {}", s.model, s.gamma);
+        (label, (s.rows as Real, 100.0 * s.error.abs()))
+    }))
+    .exact("second order", second)
+    .note("Triangles eight times as high as wide, three vertices across: what the strip itself is wrong by, Poisson's ratio and the rim, is 0.014 %.");
+    study.findings.plot("bending-refinement", &plot);
+    study
+        .findings
+        .data("bending-refinement", Table::of(&strips));
 }
 
 /// Directions of the curvature (degrees) of the cylinder that are measured, and of the points of the exact curve
@@ -278,7 +250,7 @@ fn bent(model: Model, pattern: Pattern, (surface, degrees, settled): (usize, Rea
 
 /// The factors of every model and pattern, and the factor of a cylinder by direction. Returns the largest relative
 /// distance from the closed forms.
-fn factors(findings: &mut Findings, cases: &mut Cases<'_>) -> Real {
+fn factors(study: &mut StudyRun<'_>) -> Real {
     let mut table = Table::new(&[
         "model",
         "pattern",
@@ -291,71 +263,67 @@ fn factors(findings: &mut Findings, cases: &mut Cases<'_>) -> Real {
         "settled: cylinder 45°",
         "settled: sphere",
     ]);
-    let mut apart: Real = 0.0;
-    for (name, model) in MODELS {
-        for (pattern_name, pattern) in PATTERNS {
-            let case = format!("{name} on {pattern_name}");
-            let found: Result<Vec<[Real; 2]>, BenchError> = cases.case(&case, || {
-                let of = |what| factor(bent(model, pattern, what));
-                shown().into_iter().map(of).collect()
-            });
-            let Some(found) = findings.unless_failed(&case, found) else {
-                continue;
-            };
-            let mut line = [const { Cell::Missing }; 10];
-            line[0] = Cell::from(name);
-            line[1] = Cell::from(pattern_name);
-            for (cell, [expected, measured]) in line[2..].iter_mut().zip(found) {
-                apart = apart.max((measured / expected - 1.0).abs());
-                *cell = Cell::from(measured);
-            }
-            table.push(line);
-        }
-    }
-    let (mut series, mut curves) = (Vec::new(), Vec::new());
-    for (name, pattern) in PATTERNS {
-        for settled in [false, true] {
-            if settled && name != "alternating" {
-                continue;
-            }
-            let label = if settled {
-                format!("{name}, settled")
-            } else {
-                name.to_owned()
-            };
-            let at = |degrees| bent(Model::Bergou, pattern, (0, degrees, settled));
-            let case = format!("cylinder on {label}");
-            let found: Result<Vec<[Real; 2]>, BenchError> = cases.case(&case, || {
-                directions(24).map(|degrees| factor(at(degrees))).collect()
-            });
-            let Some(found) = findings.unless_failed(&case, found) else {
-                continue;
-            };
-            for [expected, measured] in &found {
-                apart = apart.max((measured / expected - 1.0).abs());
-            }
-            let points = directions(24).zip(found.iter().map(|[_, measured]| *measured));
-            series.push(Series::new(&label, points.collect()).styled(Style::Points));
-            let exact = directions(72).map(|degrees| (degrees, by_hand(&at(degrees))));
-            let exact = Series::new(&format!("{label}, exact"), exact.collect());
-            curves.push(exact.styled(Style::ExactCurve));
-        }
-    }
-    series.extend(curves);
-    findings.plot(
-        "bending-direction",
-        &Plot {
-            title: "Energy of a cylinder, by the direction in which it bends".into(),
-            x: Axis::linear("direction of the curvature (degrees)"),
-            y: Axis::linear("energy per area over ½ k κ² (dimensionless)"),
-            series,
-            note: "Quadratic model. Dashed: by hand, hinge by hinge.".into(),
+    let on_patterns = |model| PATTERNS.map(|pattern| (model, pattern));
+    let found = study.grid(
+        MODELS.into_iter().flat_map(on_patterns),
+        |((name, _), (pattern, _))| format!("{name} on {pattern}"),
+        |&((_, model), (_, pattern))| {
+            let of = |what| factor(bent(model, pattern, what));
+            shown()
+                .into_iter()
+                .map(of)
+                .collect::<Result<Vec<[Real; 2]>, _>>()
         },
     );
-    findings.table(
+    for (((name, _), (pattern, _)), found) in &found {
+        let head = [Cell::from(*name), Cell::from(*pattern)];
+        let measured = found.iter().map(|[_, measured]| Cell::from(*measured));
+        table.rows.push(head.into_iter().chain(measured).collect());
+    }
+    let settling = PATTERNS.into_iter().flat_map(|(name, pattern)| {
+        let label = format!("{name}, settled");
+        let settled = (name == "alternating").then_some((label, pattern, true));
+        std::iter::once((name.to_owned(), pattern, false)).chain(settled)
+    });
+    let at = |pattern, settled, degrees| bent(Model::Bergou, pattern, (0, degrees, settled));
+    let by_direction = study.grid(
+        settling,
+        |(label, ..)| format!("cylinder on {label}"),
+        |&(_, pattern, settled)| {
+            let factors = directions(24).map(|degrees| factor(at(pattern, settled, degrees)));
+            factors.collect::<Result<Vec<[Real; 2]>, _>>()
+        },
+    );
+    let measured = by_direction.iter().map(|((label, ..), found)| {
+        let points = directions(24).zip(found.iter().map(|[_, measured]| *measured));
+        Series::new(label, points.collect())
+    });
+    let exact = by_direction.iter().map(|((label, pattern, settled), _)| {
+        let by_hand = |degrees| (degrees, by_hand(&at(*pattern, *settled, degrees)));
+        Series::new(
+            &format!("{label}, exact"),
+            directions(72).map(by_hand).collect(),
+        )
+    });
+    let plot = Plot::new(
+        "Energy of a cylinder, by the direction in which it bends",
+        Axis::linear("direction of the curvature (degrees)"),
+        Axis::linear("energy per area over ½ k κ² (dimensionless)"),
+    );
+    let plot = plot.points(measured).exact_curves(exact);
+    let plot = plot.note("Quadratic model. Dashed: by hand, hinge by hinge.");
+    study.findings.plot("bending-direction", &plot);
+    study.findings.table(
         "bending-factors",
         "Energy per area for coefficient k, over ½ k κ² (sphere: over ½ k (2κ)²)",
         table,
     );
-    apart
+    let all = found
+        .iter()
+        .map(|(_, found)| found)
+        .chain(by_direction.iter().map(|(_, found)| found));
+    let apart = all
+        .flatten()
+        .map(|[expected, measured]| (measured / expected - 1.0).abs());
+    apart.fold(0.0, Real::max)
 }

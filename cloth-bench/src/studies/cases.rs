@@ -4,7 +4,6 @@
 //! when another machine runs it; what several cases need, such as a reference, is a [`LazyCell`] value, found when the
 //! first of them asks for it.
 
-use super::Findings;
 use crate::error::BenchError;
 use crate::journal::{Journal, Shard};
 use serde::Serialize;
@@ -26,13 +25,23 @@ pub enum Share {
     Nothing,
 }
 
+/// What a run has come to.
+#[derive(Clone, Copy, Debug)]
+pub enum Progress<'a> {
+    /// The next case.
+    Case(&'a str),
+    /// A part of the case that is being run.
+    Part(&'a str),
+}
+
 /// Runs the cases of a study that are not finished, and keeps their results in the journal.
 #[allow(missing_debug_implementations)] // it holds a closure
 pub struct Cases<'a> {
     study: &'static str,
-    journal: &'a mut Journal,
+    /// None where cases are only counted.
+    journal: Option<&'a mut Journal>,
     share: Share,
-    progress: &'a mut dyn FnMut(&str),
+    progress: &'a mut dyn FnMut(Progress<'_>),
     named: HashSet<String>,
     left_out: Vec<String>,
     own_scene: Option<PathBuf>,
@@ -41,9 +50,9 @@ pub struct Cases<'a> {
 impl<'a> Cases<'a> {
     pub(super) fn new(
         study: &'static str,
-        journal: &'a mut Journal,
+        journal: Option<&'a mut Journal>,
         share: Share,
-        progress: &'a mut dyn FnMut(&str),
+        progress: &'a mut dyn FnMut(Progress<'_>),
         own_scene: Option<PathBuf>,
     ) -> Self {
         Self {
@@ -87,7 +96,8 @@ impl<'a> Cases<'a> {
             return Ok(known);
         }
         let started = Instant::now();
-        let outcome = work(&mut *self.progress);
+        let progress = &mut *self.progress;
+        let outcome = work(&mut |part| progress(Progress::Part(part)));
         self.keep(name, started.elapsed().as_secs_f64(), outcome)
     }
 
@@ -147,7 +157,7 @@ impl<'a> Cases<'a> {
                         results[index] = Some(self.keep(&names[index], seconds, outcome));
                     }
                 }
-                if self.journal.broken().is_some() {
+                if self.broken().is_some() {
                     break;
                 }
             }
@@ -159,8 +169,12 @@ impl<'a> Cases<'a> {
             .collect()
     }
 
+    fn broken(&self) -> Option<&BenchError> {
+        self.journal.as_ref().and_then(|journal| journal.broken())
+    }
+
     fn announce(&mut self, name: &str) {
-        (self.progress)(&format!("{}: {name}", self.study));
+        (self.progress)(Progress::Case(&format!("{}: {name}", self.study)));
     }
 
     fn about(&self, name: &str, error: impl std::fmt::Display) -> BenchError {
@@ -172,13 +186,14 @@ impl<'a> Cases<'a> {
         &mut self,
         name: &str,
     ) -> Result<Option<T>, BenchError> {
-        if let Some(error) = self.journal.broken() {
+        if let Some(error) = self.broken() {
             return Err(error.clone());
         }
         if !self.named.insert(name.to_owned()) {
             return Err(self.about(name, "there are two of that name"));
         }
-        if let Some(known) = self.journal.recall(self.study, name) {
+        let journal = self.journal.as_ref();
+        if let Some(known) = journal.and_then(|journal| journal.recall(self.study, name)) {
             let found = serde_json::from_value(known?);
             return found.map(Some).map_err(|error| self.about(name, error));
         }
@@ -210,26 +225,10 @@ impl<'a> Cases<'a> {
             }
             Err(error) => Err(error.to_string()),
         };
-        self.journal.record(self.study, name, seconds, recorded)?;
+        if let Some(journal) = &mut self.journal {
+            journal.record(self.study, name, seconds, recorded)?;
+        }
         outcome
-    }
-
-    /// A case that fills findings of its own, which are added to those of the study, and draws a conclusion: none if it
-    /// failed, which is a finding too.
-    pub(crate) fn chapter<T: Serialize + DeserializeOwned + Default>(
-        &mut self,
-        name: &str,
-        findings: &mut Findings,
-        work: impl FnOnce(&mut Findings, &mut dyn FnMut(&str)) -> Result<T, BenchError>,
-    ) -> Option<T> {
-        let outcome = self.parts(name, |progress| {
-            let mut own = Findings::default();
-            let conclusion = work(&mut own, progress)?;
-            Ok((own, conclusion))
-        });
-        let (own, conclusion) = findings.unless_failed(name, outcome)?;
-        findings.append(own);
-        Some(conclusion)
     }
 
     /// The cases that were neither finished nor run.
@@ -300,8 +299,8 @@ mod tests {
         };
         let run = |journal: &mut Journal, share| {
             let mut seen = 0;
-            let mut progress = |_: &str| seen += 1;
-            let mut cases = Cases::new("squares", journal, share, &mut progress, None);
+            let mut progress = |_: Progress<'_>| seen += 1;
+            let mut cases = Cases::new("squares", Some(journal), share, &mut progress, None);
             let every = cases.side_by_side(&items, name, work);
             let left_out = cases.left_out().len();
             let made = std::mem::take(&mut *made.lock().unwrap());

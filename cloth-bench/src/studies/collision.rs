@@ -4,18 +4,11 @@
 mod crumple;
 mod queries;
 
-use super::{Cases, Findings, Scope, Study};
 use crate::bounds::bounds;
-use crate::error::BenchError;
-use crate::method::{self, Method};
 use crate::report::html::Picture;
 use crate::report::render::{Projection, Surface, View, render_row};
-use crate::report::table::{Cell, Table};
-use crate::run::{self, SeparationWatch, Watched};
-use crate::scene::{self, Scene};
-use crate::settings::Settings;
-use cloth_core::math::{Real, Vec3};
-use serde::{Deserialize, Serialize};
+use crate::run::{SeparationWatch, Watched};
+use crate::studies::prelude::*;
 
 pub(super) const STUDY: Study = Study {
     name: "collision",
@@ -26,7 +19,6 @@ pub(super) const STUDY: Study = Study {
         A distance of cloth from cloth below the thickness is allowed, one below zero of a vertex from an obstacle is not. Queries: single pairs in motion, whose answer is known exactly because it was chosen first; \
         the conservative method must miss none and may report near ones. The times of a query are the shortest of several calls. \
         Crumpled sheet: an accordion of sixteen layers, two thicknesses apart on average, of ever finer triangles; what the search for candidates costs, and a step that presses it.",
-    cases,
     run,
 };
 
@@ -76,16 +68,10 @@ fn size(scope: Scope, scene: &str) -> (u32, Option<u32>) {
     }
 }
 
-fn cases(scope: Scope) -> u64 {
-    let own = SCENES.len() * methods().len() + queries::CASES;
-    (own + crumple::cases(scope) + 2) as u64
-}
-
-fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
-    let mut findings = Findings::default();
-    let all = &mut findings;
-    let scenes = run_scenes(scope, all, cases)?;
-    let promise = cases.chapter("queries", all, |own, now| queries::run(scope, own, now));
+fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
+    let scope = study.scope;
+    let scenes = run_scenes(study)?;
+    let promise = study.chapter("queries", |own, now| queries::run(scope, own, now));
     let promise = promise.map(|counts: [_; 2]| match counts {
         [0, asked] => format!(
             "Of {asked} queries the methods that promise to miss no contact missed none and were never late."
@@ -94,13 +80,11 @@ fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
             "Of {asked} queries the methods that promise to miss no contact missed {broken} or were late for them."
         ),
     });
-    let cost = cases.chapter("crumpled sheet", all, |own, now| {
-        crumple::run(scope, own, now)
-    });
+    let cost = study.chapter("crumpled sheet", |own, now| crumple::run(scope, own, now));
     let told = [Some(scenes), promise, cost];
     let told: Vec<String> = told.into_iter().flatten().collect();
-    findings.section.verdict = Some(told.join(" "));
-    Ok(findings)
+    study.findings.section.verdict = Some(told.join(" "));
+    Ok(())
 }
 
 /// What came of a scene with one method.
@@ -143,80 +127,93 @@ fn ran(scene: &Scene, steps: u32, method: &str) -> Result<Ran, BenchError> {
     })
 }
 
-/// Adds the table and the pictures; returns what they say in words.
-fn run_scenes(
-    scope: Scope,
-    findings: &mut Findings,
-    cases: &mut Cases<'_>,
-) -> Result<String, BenchError> {
-    let mut table = Table::new(&[
-        "scene",
-        "method",
-        "vertices",
-        "steps",
-        "ms per step",
-        "of it contact (ms)",
-        "steps held back",
-        "steps with crossings",
-        "smallest distance (m)",
-        "smallest clearance (m)",
-        "largest stretch",
-        "rms strain",
-        "remark",
-    ]);
-    let (mut crossed, mut refused) = (0, 0);
-    let mut shares: Vec<Real> = Vec::new();
-    for name in SCENES {
-        let (scene, steps) = scene_of(scope, name)?;
-        let mut ends = Vec::new();
-        for method in methods() {
-            let case = format!("{name}, {method}");
-            let done = cases.case(&case, || ran(&scene, steps, method));
-            let Some(ran) = findings.unless_failed(&case, done) else {
-                continue;
-            };
-            if ran.positions.is_empty() {
-                continue;
-            }
-            let Ran { summary, seen, .. } = &ran;
-            crossed += u32::from(seen.crossed_steps > 0);
-            refused += u32::from(summary.is_none());
-            let of = |value: fn(&run::Summary) -> Real| summary.as_ref().map(value);
-            if let Some(summary) = summary {
-                shares.push(summary.contact_ms_median / summary.ms_per_step_median);
-            }
-            table.push([
-                Cell::from(name),
-                Cell::from(method),
-                Cell::from(ran.positions.len()),
-                Cell::from(ran.steps),
-                Cell::from(of(|s| s.ms_per_step_median)),
-                Cell::from(of(|s| s.contact_ms_median)),
-                Cell::from(summary.as_ref().map(|s| s.held_steps as usize)),
-                Cell::from(seen.crossed_steps as usize),
-                Cell::from(seen.min_distance),
-                Cell::from(seen.min_clearance),
-                Cell::from(of(|s| s.max_stretch)),
-                Cell::from(of(|s| s.rms_strain)),
-                Cell::from(ran.remark.as_str()),
-            ]);
-            ends.push((method, End::of(ran)));
-        }
-        if !ends.is_empty() {
-            findings.section.pictures.push(picture(&scene, &ends)?);
+/// A scene with one method; where a run ended early, the remark says why.
+#[derive(Default, Serialize)]
+struct Row {
+    scene: &'static str,
+    method: &'static str,
+    vertices: usize,
+    steps: usize,
+    ms_per_step: Option<Real>,
+    #[serde(rename = "of it contact (ms)")]
+    contact_ms: Option<Real>,
+    steps_held_back: Option<u32>,
+    steps_with_crossings: u32,
+    #[serde(rename = "smallest distance (m)")]
+    min_distance: Option<Real>,
+    #[serde(rename = "smallest clearance (m)")]
+    min_clearance: Option<Real>,
+    largest_stretch: Option<Real>,
+    rms_strain: Option<Real>,
+    remark: String,
+}
+
+impl Row {
+    fn new(scene: &'static str, method: &'static str, ran: &Ran) -> Self {
+        let Ran { summary, seen, .. } = ran;
+        let of = |value: fn(&run::Summary) -> Real| summary.as_ref().map(value);
+        Self {
+            scene,
+            method,
+            vertices: ran.positions.len(),
+            steps: ran.steps,
+            ms_per_step: of(|s| s.ms_per_step_median),
+            contact_ms: of(|s| s.contact_ms_median),
+            steps_held_back: summary.as_ref().map(|s| s.held_steps),
+            steps_with_crossings: seen.crossed_steps,
+            min_distance: seen.min_distance,
+            min_clearance: seen.min_clearance,
+            largest_stretch: of(|s| s.max_stretch),
+            rms_strain: of(|s| s.rms_strain),
+            remark: ran.remark.clone(),
         }
     }
-    findings.table("collision", "Scenes with contact", table);
+}
+
+/// Adds the table and the pictures; returns what they say in words.
+fn run_scenes(study: &mut StudyRun<'_>) -> Result<String, BenchError> {
+    let mut rows: Vec<Row> = Vec::new();
+    for name in SCENES {
+        let (scene, steps) = scene_of(study.scope, name)?;
+        let found = study.grid(
+            methods(),
+            |method| format!("{name}, {method}"),
+            |method| ran(&scene, steps, method),
+        );
+        let found = found
+            .into_iter()
+            .filter(|(_, ran)| !ran.positions.is_empty());
+        let ends = found.map(|(method, ran)| {
+            rows.push(Row::new(name, method, &ran));
+            (method, End::of(ran))
+        });
+        let ends: Vec<(&str, End)> = ends.collect();
+        if !ends.is_empty() {
+            let picture = picture(&scene, &ends)?;
+            study.findings.section.pictures.push(picture);
+        }
+    }
+    let table = Table::of(&rows);
+    study
+        .findings
+        .table("collision", "Scenes with contact", table);
     let cells = SCENES.len() * methods().len();
-    let most = shares.iter().copied().fold(0.0, Real::max);
-    let refusals = match refused {
+    let crossed = rows
+        .iter()
+        .filter(|row| row.steps_with_crossings > 0)
+        .count();
+    let refusals = match rows.iter().filter(|row| row.ms_per_step.is_none()).count() {
         0 => "no run was refused".to_owned(),
-        _ => format!("{refused} runs ended early (see the remarks)"),
+        refused => format!("{refused} runs ended early (see the remarks)"),
     };
+    let shares = rows
+        .iter()
+        .filter_map(|row| Some(100.0 * row.contact_ms? / row.ms_per_step?));
+    let mut shares: Vec<Real> = shares.collect();
+    let most = shares.iter().copied().fold(0.0, Real::max);
     Ok(format!(
-        "Of {cells} runs {crossed} had a step after which triangles cross, and {refusals}. Contact takes {:.0} % of a step in the median run, and at most {:.0} %.",
-        100.0 * run::median(&mut shares),
-        100.0 * most
+        "Of {cells} runs {crossed} had a step after which triangles cross, and {refusals}. Contact takes {:.0} % of a step in the median run, and at most {most:.0} %.",
+        run::median(&mut shares),
     ))
 }
 
@@ -271,7 +268,7 @@ fn picture(scene: &Scene, ends: &[(&str, End)]) -> Result<Picture, BenchError> {
     };
     let names: Vec<&str> = ends.iter().map(|(name, _)| *name).collect();
     Ok(Picture {
-        png: render_row(&tiles, &view).map_err(BenchError::failed)?,
+        png: render_row(&tiles, &view)?,
         caption: format!(
             "`{}` at its end, from left to right: {}.",
             scene.name,

@@ -4,8 +4,7 @@ mod laws;
 mod motion;
 mod step;
 
-use super::{Cases, Findings, Scope, Study};
-use crate::error::BenchError;
+use crate::studies::prelude::*;
 
 pub(super) const STUDY: Study = Study {
     name: "contact",
@@ -19,18 +18,12 @@ pub(super) const STUDY: Study = Study {
         Drape: the same sheet after 0.4 s, on several meshes and with several steps; the converged fall is that of BDF2 with \
         the shortest step. Which way a corner buckles is chance on coarse meshes, so expect a few per cent of scatter. \
         Laws: a sheet slides down a slope from rest, or lies on a floor; closed forms beside every method's own view of contact.",
-    cases,
     run,
 };
 
-fn cases(scope: Scope) -> u64 {
-    step::cases(scope) + motion::cases(scope) + laws::cases(scope)
-}
-
-fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
-    let mut findings = Findings::default();
-    step::run(scope, &mut findings, cases);
-    motion::run(scope, &mut findings, cases);
-    laws::run(scope, &mut findings, cases);
-    Ok(findings)
+fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
+    step::run(study);
+    motion::run(study);
+    laws::run(study);
+    Ok(())
 }

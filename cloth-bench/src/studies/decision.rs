@@ -2,17 +2,13 @@
 
 mod columns;
 mod measure;
-mod qualities;
 
-use super::{Cases, Findings, Scope, Study, capitalised, scale};
+use super::{capitalised, scale};
 use crate::bounds::bounds;
-use crate::error::BenchError;
-use crate::method;
 use crate::report::html::Picture;
 use crate::report::render::{Surface, View, render};
-use crate::report::table::{Cell, Mark, Table};
-use crate::settings::Settings;
-use cloth_core::math::{Real, Vec3};
+use crate::report::table::Mark;
+use crate::studies::prelude::*;
 use columns::{COLUMNS, percent, two};
 use measure::{Contact, Cost, Step};
 
@@ -30,7 +26,6 @@ pub(super) const STUDY: Study = Study {
         end, and energy above what start and gravity gave, over the latter, energy of strained springs included. Best: within a twentieth of the best. Unfit: \
         ten times the time, memory or contact cost of the best, a tenth of its vertices, an error above 0.1, twice the stretch of \
         implicit Euler, unstable with 1e4 N/m, locked, crossings, or more than 1 % of energy above what was given.",
-    cases,
     run,
 };
 
@@ -42,13 +37,8 @@ const DT: Real = 1.0 / 60.0;
 /// Energy above what was given, over that, which counts as kept.
 const MOST_EXCESS: Real = 0.01;
 
-fn methods() -> impl Iterator<Item = &'static method::Method> {
+fn methods() -> impl Iterator<Item = &'static Method> {
     method::all().filter(|method| method.name != scale::WITHOUT)
-}
-
-fn cases(_: Scope) -> u64 {
-    // Of every method three; of the one that is never stable, that it is not.
-    3 * methods().count() as u64 + 1 + CUTS.len() as u64
 }
 
 /// A method with all that was found of it.
@@ -60,34 +50,37 @@ struct Row {
     contact: Option<Contact>,
 }
 
-fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
-    let mut findings = Findings::default();
-    findings.section.leads = true;
+fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
+    let scope = study.scope;
+    study.findings.section.leads = true;
     let unstable = format!("step of {}", scale::WITHOUT);
-    let outcome = cases.case(&unstable, || measure::hopeless(scope));
-    let foretold = findings.unless_failed(&unstable, outcome);
-    let every: Vec<&method::Method> = methods().collect();
-    let case_of = |method: &&method::Method| format!("step of {}", method.name);
-    let steps = cases.side_by_side(&every, case_of, |method| Step::measure(scope, method));
+    let foretold = study.case(&unstable, || measure::hopeless(scope));
+    let every: Vec<&Method> = methods().collect();
+    let case_of = |method: &&Method| format!("step of {}", method.name);
+    let steps = study
+        .cases
+        .side_by_side(&every, case_of, |method| Step::measure(scope, method));
     let mut rows = Vec::new();
     for (method, step) in every.into_iter().zip(steps) {
         let name = method.name;
-        let step = findings.unless_failed(&case_of(&method), step);
+        let step = study.findings.unless_failed(&case_of(&method), step);
         let case = format!("cost of {name}");
-        let cost = cases.case(&case, || Cost::measure(scope, name));
-        let cost = findings.unless_failed(&case, cost);
+        let cost = study.case(&case, || Cost::measure(scope, name));
         let case = format!("contact of {name}");
-        let contact = cases.case(&case, || Contact::measure(scope, method));
-        let contact = findings.unless_failed(&case, contact);
+        let contact = study.case(&case, || Contact::measure(scope, method));
         for reason in step.iter().flat_map(|s| &s.reasons) {
-            findings.section.notes.push(format!("{name}: {reason}."));
+            study
+                .findings
+                .section
+                .notes
+                .push(format!("{name}: {reason}."));
         }
         let drapes = contact
             .iter()
             .flat_map(|c| [("1/60", &c.sixtieth), ("1/30", &c.thirtieth)]);
         for (dt, reason) in drapes.filter_map(|(dt, d)| Some((dt, d.reason.as_ref()?))) {
             let note = format!("{name} in contact, steps of {dt} s: {reason}.");
-            findings.section.notes.push(note);
+            study.findings.section.notes.push(note);
         }
         rows.push(Row {
             method: name,
@@ -96,23 +89,24 @@ fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
             contact,
         });
     }
-    findings.section.verdict = Some(verdict(&rows));
-    findings.data("decision", data(&rows));
+    study.findings.section.verdict = Some(verdict(&rows));
+    study.findings.data("decision", data(&rows));
     let shown = shown(scope, &rows, foretold.as_deref().unwrap_or_default());
     let caption = format!(
         "Every method at its default setting: ★ best, ✗ unfit, – not to be had. Pictures: the same cloth on a sphere after {:.2} s.",
         Real::from(measure::steps(scope)) * DT
     );
-    findings.section.tables.push((caption, shown));
-    findings.section.pictures = strip(scope, &rows)?;
-    findings.table(
+    study.findings.section.tables.push((caption, shown));
+    study.findings.section.pictures = strip(scope, &rows)?;
+    let qualities = method::all().filter_map(Method::qualities);
+    study.findings.table(
         "decision-qualities",
         "What no measurement says",
-        qualities::table(),
+        Table::of(&qualities.collect::<Vec<_>>()),
     );
-    answer(scope, &rows, &mut findings);
-    cuts(scope, &mut findings, cases);
-    Ok(findings)
+    answer(scope, &rows, &mut study.findings);
+    cuts(study);
+    Ok(())
 }
 
 /// The numbers as they are.
@@ -234,7 +228,7 @@ fn strip(scope: Scope, rows: &[Row]) -> Result<Vec<Picture>, BenchError> {
         let mut surfaces: Vec<Surface<'_>> = bodies.collect();
         surfaces.push(Surface::cloth(positions, mesh.triangles()));
         Ok(Picture {
-            png: render(&surfaces, &view).map_err(BenchError::failed)?,
+            png: render(&surfaces, &view)?,
             caption: (*method).to_owned(),
         })
     };
@@ -302,71 +296,92 @@ fn answer(scope: Scope, rows: &[Row], findings: &mut Findings) {
     findings.answer("What survives a step of 1/30 s?", told);
 }
 
-/// The same number of sweeps over the constraints, as iterations and as substeps: method, substeps, iterations.
-const CUTS: [(&str, u32, u32); 6] = [
-    ("pbd", 1, 20),
-    ("pbd", 4, 5),
-    ("pbd", 20, 1),
-    ("xpbd", 1, 20),
-    ("xpbd", 4, 5),
-    ("xpbd", 20, 1),
-];
+/// A number of sweeps over the constraints, as iterations and as substeps.
+#[derive(Default, Serialize)]
+struct Cut {
+    method: &'static str,
+    substeps: u32,
+    iterations: u32,
+}
 
-fn cuts(scope: Scope, findings: &mut Findings, cases: &mut Cases<'_>) {
-    let mut table = Table::new(&[
-        "method",
-        "substeps",
-        "iterations",
-        "ms a step",
-        "largest stretch",
-        "crossings",
-        "energy above what was given",
-    ]);
-    let mut told = Vec::new();
-    for (name, substeps, iterations) in CUTS {
-        let case = format!("{name} in contact, {substeps} substeps of {iterations} iterations");
-        let drape = cases.case(&case, || {
-            let settings = Settings::default();
-            let settings = settings
-                .with("substeps", substeps)
-                .with("iterations", iterations);
-            let method = method::Method::find(name)?;
+/// How it went under contact.
+#[derive(Default, Serialize)]
+struct CutRow {
+    #[serde(rename = "ms a step")]
+    ms: Option<Real>,
+    largest_stretch: Option<Real>,
+    crossings: Option<Real>,
+    energy_above_what_was_given: Option<Real>,
+}
+
+/// The same number of sweeps, cut in several ways.
+const CUTS: [(u32, u32); 3] = [(1, 20), (4, 5), (20, 1)];
+
+fn cuts(study: &mut StudyRun<'_>) {
+    let scope = study.scope;
+    let name = |cut: &Cut| {
+        let Cut {
+            method,
+            substeps,
+            iterations,
+        } = cut;
+        format!("{method} in contact, {substeps} substeps of {iterations} iterations")
+    };
+    let of_method = |method| {
+        CUTS.map(move |(substeps, iterations)| Cut {
+            method,
+            substeps,
+            iterations,
+        })
+    };
+    let found = study.grid(
+        ["pbd", "xpbd"].into_iter().flat_map(of_method),
+        name,
+        |cut| {
+            let Cut {
+                method,
+                substeps,
+                iterations,
+            } = cut;
+            let settings = Settings::of(&format!("substeps={substeps} iterations={iterations}"));
+            let method = Method::find(method)?;
             measure::Drape::measure(scope, method, &settings, DT, measure::steps(scope))
-        });
-        let Some(drape) = findings.unless_failed(&case, drape) else {
-            continue;
-        };
+        },
+    );
+    let (mut rows, mut told) = (Vec::new(), Vec::new());
+    for (cut, drape) in found {
         if let (Some(ms), Some(stretch)) = (drape.ms, drape.stretch) {
+            let Cut {
+                method,
+                substeps,
+                iterations,
+            } = cut;
+            let (stretch, ms) = (percent(stretch), two(ms));
             told.push(format!(
-                "{name} {substeps} × {iterations}: {} of stretch in {} ms",
-                percent(stretch),
-                two(ms)
+                "{method} {substeps} × {iterations}: {stretch} of stretch in {ms} ms"
             ));
         }
-        findings
-            .section
-            .notes
-            .extend(drape.reason.map(|reason| format!("{case}: {reason}.")));
-        table.push([
-            Cell::from(name),
-            Cell::from(substeps as usize),
-            Cell::from(iterations as usize),
-            Cell::from(drape.ms),
-            Cell::from(drape.stretch),
-            Cell::from(drape.crossings),
-            Cell::from(drape.excess),
-        ]);
+        let note = drape
+            .reason
+            .map(|reason| format!("{}: {reason}.", name(&cut)));
+        study.findings.section.notes.extend(note);
+        let row = CutRow {
+            ms: drape.ms,
+            largest_stretch: drape.stretch,
+            crossings: drape.crossings,
+            energy_above_what_was_given: drape.excess,
+        };
+        rows.push((cut, row));
     }
-    findings.table(
-        "decision-substeps",
-        "Twenty sweeps under contact, as substeps × iterations",
-        table,
-    );
-    let answer = format!(
-        "Twenty sweeps a step on the sphere, as substeps × iterations: {}.",
-        told.join("; ")
-    );
-    findings.answer("Iterations or substeps under contact?", answer);
+    let caption = "Twenty sweeps under contact, as substeps × iterations";
+    study
+        .findings
+        .table("decision-substeps", caption, Table::of(&rows));
+    let told = told.join("; ");
+    let answer = format!("Twenty sweeps a step on the sphere, as substeps × iterations: {told}.");
+    study
+        .findings
+        .answer("Iterations or substeps under contact?", answer);
 }
 
 #[cfg(test)]
@@ -377,7 +392,7 @@ mod tests {
     #[test]
     fn steps_are_ordered_as_theory_has_it() {
         let of = |name: &str| {
-            let method = method::Method::find(name).unwrap();
+            let method = Method::find(name).unwrap();
             Step::measure(Scope::Quick, method).unwrap()
         };
         let names = ["implicit-euler", "pd", "linear-implicit", "pbd"];

@@ -1,21 +1,9 @@
 //! What becomes of energy and momentum over ten seconds.
 
-use super::{Cases, Findings, Scope, Study};
-use crate::error::BenchError;
-use crate::journal::Number;
-use crate::method::{self, Method};
-use crate::report::plot::{Axis, Plot, Series, Style};
-use crate::report::table::{Cell, Table, significant};
-use crate::run;
-use crate::scene::{self, Scene};
-use crate::settings::Settings;
-use cloth_core::math::{Real, Vec3};
+use crate::studies::prelude::*;
 use cloth_core::measure::{
     angular_momentum, gravitational_energy, kinetic_energy, linear_momentum,
 };
-use cloth_core::particles::State;
-use cloth_core::step::StepInput;
-use serde::{Deserialize, Serialize};
 
 pub(super) const STUDY: Study = Study {
     name: "energy",
@@ -25,7 +13,6 @@ pub(super) const STUDY: Study = Study {
         Forces between vertices change no linear momentum, whatever the method, so anything but rounding there is a bug; angular momentum is kept by symplectic Euler and by the implicit midpoint rule, and by no other rule here, however well it is solved. \
         Held: a sheet held at two corners falls and swings; energy left is (E(10 s) − E_rest)/(E(0) − E_rest), 1 if nothing is lost, 0 at rest; most is the largest of it on the way, above 1 where a method makes energy. \
         Losses are the method's own, there is no damping in the scene. What surprises: the midpoint rule, which keeps the energy of one spring to rounding, gains energy without bound on a stiff sheet that is held, however well its step is solved. One might expect more Newton iterations or a stiffer cloth to keep more: neither does, the step size decides.",
-    cases,
     run,
 };
 
@@ -35,16 +22,15 @@ const SAMPLES: u32 = 100;
 const OMEGA: Real = std::f64::consts::TAU;
 
 /// A sheet and a step.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default, Serialize)]
 struct Setting {
-    /// Vertices a side.
-    n: u32,
+    vertices_a_side: u32,
     steps_per_second: u32,
 }
 
-const fn setting(n: u32, steps_per_second: u32) -> Setting {
+const fn setting(vertices_a_side: u32, steps_per_second: u32) -> Setting {
     Setting {
-        n,
+        vertices_a_side,
         steps_per_second,
     }
 }
@@ -53,10 +39,7 @@ const QUICK: &[Setting] = &[setting(5, 60)];
 const FULL: &[Setting] = &[setting(17, 60), setting(9, 60), setting(9, 240)];
 
 fn settings(scope: Scope) -> &'static [Setting] {
-    match scope {
-        Scope::Quick => QUICK,
-        Scope::Full => FULL,
-    }
+    scope.pick(QUICK, FULL)
 }
 
 /// Label, method, tolerance.
@@ -69,10 +52,6 @@ fn methods() -> Vec<Solver> {
     let exactly = "implicit-midpoint, solved to 1e-12";
     all.push((exactly.to_owned(), "implicit-midpoint", Some(1e-12)));
     all
-}
-
-fn cases(scope: Scope) -> u64 {
-    ((1 + 2 * settings(scope).len()) * methods().len()) as u64
 }
 
 /// What a run of ten seconds kept.
@@ -94,6 +73,19 @@ impl Kept {
     fn is_whole(&self) -> bool {
         self.energy.len() == SAMPLES as usize + 1
     }
+
+    /// Fraction of the energy that is left after ten seconds.
+    fn left(&self, floor: Real) -> Real {
+        self.share(SAMPLES as usize, floor)
+    }
+
+    /// The fraction over time (s).
+    fn curve(&self, label: &str, floor: Real) -> Series {
+        let time = |sample: usize| sample as Real * SECONDS / Real::from(SAMPLES);
+        let samples = 0..self.energy.len();
+        let points = samples.map(|sample| (time(sample), self.share(sample, floor)));
+        Series::new(label, points.collect())
+    }
 }
 
 /// Follows a method for ten seconds. Energy that the centre of mass carries is left out where the scene has no gravity.
@@ -111,7 +103,7 @@ fn follow(
         None => published,
     };
     let mut stepper = Method::find(name)?.build(scene, &settings, dt)?;
-    let energies = scene.model.energies().map_err(BenchError::failed)?;
+    let energies = scene.model.energies()?;
     let particles = &scene.model.particles;
     let mass: Real = particles.mass().iter().sum();
     let is_free = scene.gravity == Vec3::zeros() && particles.free_count() == particles.len();
@@ -134,9 +126,7 @@ fn follow(
     let mut kept = vec![Number(energy(&state))];
     for step in 1..=steps {
         let input = StepInput::new(dt).gravity(scene.gravity);
-        stepper
-            .step(&mut state, input)
-            .map_err(BenchError::failed)?;
+        stepper.step(&mut state, input)?;
         if step % (steps / SAMPLES) == 0 {
             kept.push(Number(energy(&state)));
             for ((now, before), drift) in momenta(&state).iter().zip(at_start).zip(&mut drift) {
@@ -164,25 +154,14 @@ fn oscillator() -> Result<Scene, BenchError> {
     Ok(scene)
 }
 
-/// What the oscillator keeps of its energy, where a closed form says so. One spring is solved exactly by
-/// one iteration of anything that aims at implicit Euler.
-fn exact(name: &str, substeps: u32, steps_per_second: u32) -> Option<Real> {
+/// What the oscillator keeps of its energy, where a closed form says so.
+fn exact(method: &Method, substeps: u32, steps_per_second: u32) -> Option<Real> {
     let count = SECONDS * Real::from(steps_per_second) * Real::from(substeps);
-    let z = OMEGA * SECONDS / count;
-    match name {
-        "implicit-euler" | "linear-implicit" | "pd" | "xpbd" | "xpbd-direct" => {
-            Some((1.0 + z * z).powf(-count))
-        }
-        "implicit-midpoint" => Some(1.0),
-        _ => None,
-    }
+    method.kept_by_an_oscillator(OMEGA * SECONDS / count, count)
 }
 
 fn free(n: u32) -> Result<Scene, BenchError> {
-    let settings = Settings::default()
-        .with("n", n)
-        .with("stiffness", 1e3)
-        .with("gravity", 0);
+    let settings = Settings::of(&format!("n={n} stiffness=1e3 gravity=0"));
     let mut scene = scene::build("drop", None, &settings)?;
     let (flight, turn) = (Vec3::new(1.0, 0.5, 0.2), Vec3::new(1.0, -0.5, 2.0));
     for (v, x) in scene
@@ -213,179 +192,174 @@ fn at_rest(scene: &Scene) -> Result<Number, BenchError> {
     let mut state = scene.start.clone();
     run::to_rest(scene, newton.as_mut(), &mut state, dt, 2000, 1e-4)?
         .ok_or_else(|| BenchError::Failed("the held sheet does not come to rest".into()))?;
-    let energies = scene.model.energies().map_err(BenchError::failed)?;
+    let energies = scene.model.energies()?;
     let raised = gravitational_energy(&scene.model.particles, &state.positions, scene.gravity);
     Ok(Number(energies.value(&state.positions) + raised))
 }
 
-fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
-    let mut findings = Findings::default();
-    let law = oscillators(&mut findings, cases)?;
-    let (kept, momentum) = free_sheets(scope, &mut findings, cases)?;
-    let left = held_sheets(scope, &mut findings, cases)?;
-    findings.section.verdict = Some(format!("{law} {kept} {momentum} {left}"));
-    Ok(findings)
+fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
+    let law = oscillators(study)?;
+    let (kept, momentum) = free_sheets(study)?;
+    let left = held_sheets(study)?;
+    study.findings.section.verdict = Some(format!("{law} {kept} {momentum} {left}"));
+    Ok(())
 }
 
-fn oscillators(findings: &mut Findings, cases: &mut Cases<'_>) -> Result<String, BenchError> {
+#[derive(Default, Serialize)]
+struct OscillatorRow {
+    method: String,
+    substeps: u32,
+    energy_kept: Real,
+    expected: Option<Real>,
+    error: Option<Real>,
+}
+
+fn oscillators(study: &mut StudyRun<'_>) -> Result<String, BenchError> {
     const RATE: u32 = 60;
-    let mut table = Table::new(&["method", "substeps", "energy kept", "expected", "error"]);
-    let (mut series, mut worst): (_, Real) = (Vec::new(), 0.0);
     let scene = oscillator()?;
-    let methods = methods();
-    let case_of = |(label, ..): &Solver| format!("oscillator, {label}");
-    let every = cases.side_by_side(&methods, case_of, |&(_, name, tolerance)| {
-        follow(&scene, name, tolerance, RATE)
-    });
-    for (solver, kept) in methods.into_iter().zip(every) {
-        let case = case_of(&solver);
-        let (label, name, _) = solver;
-        let Some(kept) = findings.unless_failed(&case, kept).filter(Kept::is_whole) else {
-            continue;
-        };
-        let dt = 1.0 / Real::from(RATE);
-        let substeps = Method::find(name)?.substeps(&scene, &Settings::default(), dt)?;
-        let share = kept.share(SAMPLES as usize, 0.0);
-        let expected = exact(name, substeps, RATE);
-        let error = expected.map(|expected| (share / expected - 1.0).abs());
-        worst = worst.max(error.unwrap_or(0.0));
-        table.push([
-            Cell::from(label.as_str()),
-            Cell::from(substeps as usize),
-            Cell::from(share),
-            Cell::from(expected),
-            Cell::from(error),
-        ]);
-        series.push(Series::new(&label, curve(&kept, 0.0)));
-    }
-    for (label, sign) in [("(1 + z²)^−n", -1.0), ("1", 0.0)] {
-        let z = OMEGA / Real::from(RATE);
-        let points = (0..=50).map(|k| {
-            let time = 0.2 * Real::from(k);
-            (time, (1.0 + z * z).powf(sign * time * Real::from(RATE)))
-        });
-        series.push(Series::new(label, points.collect()).styled(Style::ExactCurve));
-    }
-    findings.plot(
-        "energy-oscillator",
-        &over_time("Energy of one oscillator of 1 s, steps of 1/60 s", series),
+    let mut found = study.grid_side_by_side(
+        methods(),
+        |(label, ..)| format!("oscillator, {label}"),
+        |&(_, name, tolerance)| follow(&scene, name, tolerance, RATE),
     );
-    findings.table("energy-oscillator", "One oscillator", table);
+    found.retain(|(_, kept)| kept.is_whole());
+    let dt = 1.0 / Real::from(RATE);
+    let row = |((label, name, _), kept): &(Solver, Kept)| {
+        let method = Method::find(name)?;
+        let substeps = method.substeps(&scene, &Settings::default(), dt)?;
+        let (kept, expected) = (kept.left(0.0), exact(method, substeps, RATE));
+        Ok(OscillatorRow {
+            method: label.clone(),
+            substeps,
+            energy_kept: kept,
+            expected,
+            error: expected.map(|expected| (kept / expected - 1.0).abs()),
+        })
+    };
+    let rows: Vec<OscillatorRow> = found.iter().map(row).collect::<Result<_, BenchError>>()?;
+    let curves = found
+        .iter()
+        .map(|((label, ..), kept)| kept.curve(label, 0.0));
+    let exact = |sign: Real| {
+        let z = OMEGA / Real::from(RATE);
+        let times = (0..=50).map(|k| 0.2 * Real::from(k));
+        times.map(move |time| (time, (1.0 + z * z).powf(sign * time * Real::from(RATE))))
+    };
+    let plot = over_time("Energy of one oscillator of 1 s, steps of 1/60 s").with(curves);
+    let plot = plot
+        .exact("(1 + z²)^−n", exact(-1.0))
+        .exact("1", exact(0.0));
+    study.findings.plot("energy-oscillator", &plot);
+    let table = Table::of(&rows);
+    study
+        .findings
+        .table("energy-oscillator", "One oscillator", table);
+    let worst = rows.iter().filter_map(|row| row.error).fold(0.0, Real::max);
     Ok(format!(
         "One oscillator keeps what the closed forms say to {worst:.0e}."
     ))
 }
 
-fn over_time(title: &str, series: Vec<Series>) -> Plot {
-    Plot {
-        title: title.into(),
-        x: Axis::linear("time (s)"),
-        y: Axis::log("energy left (dimensionless)").within(1e-3, 1e3),
-        series,
-        note: "1 is the energy at the start. The scene has no damping: what is lost, the method takes, and what is gained, it makes.".into(),
-    }
-}
-
-fn curve(kept: &Kept, floor: Real) -> Vec<(Real, Real)> {
-    let every = SECONDS / Real::from(SAMPLES);
-    (0u32..)
-        .zip(&kept.energy)
-        .map(|(k, _)| (Real::from(k) * every, kept.share(k as usize, floor)))
-        .collect()
+fn over_time(title: &str) -> Plot {
+    let energy = Axis::log("energy left (dimensionless)").within(1e-3, 1e3);
+    Plot::new(title, Axis::linear("time (s)"), energy).note(
+        "1 is the energy at the start. The scene has no damping: what is lost, the method takes, and what is gained, it makes.",
+    )
 }
 
 fn name_of(setting: Setting) -> String {
     format!(
         "{0} × {0} vertices, 1/{1} s",
-        setting.n, setting.steps_per_second
+        setting.vertices_a_side, setting.steps_per_second
     )
 }
 
+/// The names of all methods on the first sheet, and what they keep there.
+fn told<'a>(of_first: impl Iterator<Item = (&'a String, Real)>) -> String {
+    let told = of_first.map(|(label, share)| format!("{label} {}", significant(share, 3)));
+    told.collect::<Vec<_>>().join(", ")
+}
+
+#[derive(Default, Serialize)]
+struct FreeRow {
+    method: String,
+    energy_kept: Real,
+    change_of_linear_momentum: Real,
+    change_of_angular_momentum: Real,
+    #[serde(skip)]
+    keeps_angular: bool,
+}
+
 /// What the free sheets keep, and what of the momenta; as sentences.
-fn free_sheets(
-    scope: Scope,
-    findings: &mut Findings,
-    cases: &mut Cases<'_>,
-) -> Result<(String, String), BenchError> {
-    let mut table = Table::new(&[
-        "vertices a side",
-        "steps per second",
-        "method",
-        "energy kept",
-        "change of linear momentum",
-        "change of angular momentum",
-    ]);
-    let mut told = Vec::new();
-    let mut worst: [Real; 2] = [0.0; 2];
-    let mut exactly: Vec<(String, bool)> = Vec::new();
-    for &setting in settings(scope) {
-        let scene = free(setting.n)?;
-        let mut series = Vec::new();
-        let methods = methods();
-        let case_of = |(label, ..): &Solver| format!("free, {}, {label}", name_of(setting));
-        let every = cases.side_by_side(&methods, case_of, |&(_, name, tolerance)| {
-            follow(&scene, name, tolerance, setting.steps_per_second)
-        });
-        for (solver, kept) in methods.into_iter().zip(every) {
-            let case = case_of(&solver);
-            let (label, ..) = solver;
-            let Some(kept) = findings.unless_failed(&case, kept).filter(Kept::is_whole) else {
-                continue;
-            };
-            let share = kept.share(SAMPLES as usize, 0.0);
-            if setting.n == settings(scope)[0].n {
-                told.push(format!("{label} {}", significant(share, 3)));
-            }
-            worst[0] = worst[0].max(kept.linear.0);
+fn free_sheets(study: &mut StudyRun<'_>) -> Result<(String, String), BenchError> {
+    let mut rows: Vec<(Setting, FreeRow)> = Vec::new();
+    let settings = settings(study.scope);
+    for &setting in settings {
+        let scene = free(setting.vertices_a_side)?;
+        let mut found = study.grid_side_by_side(
+            methods(),
+            |(label, ..)| format!("free, {}, {label}", name_of(setting)),
+            |&(_, name, tolerance)| follow(&scene, name, tolerance, setting.steps_per_second),
+        );
+        found.retain(|(_, kept)| kept.is_whole());
+        let title = format!("A free sheet, {}", name_of(setting));
+        let curves = found
+            .iter()
+            .map(|((label, ..), kept)| kept.curve(label, 0.0));
+        let name = format!(
+            "energy-free-{}-{}",
+            setting.vertices_a_side, setting.steps_per_second
+        );
+        study.findings.plot(&name, &over_time(&title).with(curves));
+        rows.extend(found.into_iter().map(|((method, ..), kept)| {
             // A sheet that has gained energy moves faster, and rounds as much more.
             let shares = (0..kept.energy.len()).map(|sample| kept.share(sample, 0.0));
             let louder = shares.fold(1.0, Real::max).sqrt();
-            let is_kept = kept.angular.0 < ROUNDING * louder;
-            match exactly.iter_mut().find(|(known, _)| *known == label) {
-                Some((_, every)) => *every &= is_kept,
-                None => exactly.push((label.clone(), is_kept)),
-            }
-            if !is_kept {
-                worst[1] = worst[1].max(kept.angular.0);
-            }
-            table.push([
-                Cell::from(setting.n as usize),
-                Cell::from(setting.steps_per_second as usize),
-                Cell::from(label.as_str()),
-                Cell::from(share),
-                Cell::from(kept.linear.0),
-                Cell::from(kept.angular.0),
-            ]);
-            series.push(Series::new(&label, curve(&kept, 0.0)));
-        }
-        findings.plot(
-            &format!("energy-free-{}-{}", setting.n, setting.steps_per_second),
-            &over_time(&format!("A free sheet, {}", name_of(setting)), series),
-        );
+            let row = FreeRow {
+                method,
+                energy_kept: kept.left(0.0),
+                change_of_linear_momentum: kept.linear.0,
+                change_of_angular_momentum: kept.angular.0,
+                keeps_angular: kept.angular.0 < ROUNDING * louder,
+            };
+            (setting, row)
+        }));
     }
-    findings.table("energy-free", "A free sheet for 10 s", table);
-    let linear = if worst[0] < ROUNDING {
-        format!("All keep linear momentum to rounding ({:.0e})", worst[0])
+    let table = Table::of(&rows);
+    study
+        .findings
+        .table("energy-free", "A free sheet for 10 s", table);
+    let of_first = rows
+        .iter()
+        .filter(|(setting, _)| setting.vertices_a_side == settings[0].vertices_a_side);
+    let kept = told(of_first.map(|(_, row)| (&row.method, row.energy_kept)));
+    let linear = rows
+        .iter()
+        .map(|(_, row)| row.change_of_linear_momentum)
+        .fold(0.0, Real::max);
+    let linear = if linear < ROUNDING {
+        format!("All keep linear momentum to rounding ({linear:.0e})")
     } else {
-        format!(
-            "Linear momentum is NOT kept by all: it changes by {:.0e}",
-            worst[0]
-        )
+        format!("Linear momentum is NOT kept by all: it changes by {linear:.0e}")
     };
+    let (exact, others): (Vec<_>, Vec<_>) = rows.iter().partition(|(_, row)| row.keeps_angular);
+    let angular = others
+        .iter()
+        .map(|(_, row)| row.change_of_angular_momentum)
+        .fold(0.0, Real::max);
+    // Those that keep it on every sheet, each once.
+    let mut always: Vec<&str> = Vec::new();
+    for (_, row) in exact {
+        let is_always = others.iter().all(|(_, other)| other.method != row.method);
+        if is_always && !always.contains(&row.method.as_str()) {
+            always.push(&row.method);
+        }
+    }
     Ok((
+        format!("Of the energy of a free sheet is left after 10 s: {kept}."),
         format!(
-            "Of the energy of a free sheet is left after 10 s: {}.",
-            told.join(", ")
-        ),
-        format!(
-            "{linear}; angular momentum is kept to 1e-9, of what the motion has grown to, by {} alone, the others change it by up to {:.0e}.",
-            exactly
-                .iter()
-                .filter(|(_, every)| *every)
-                .map(|(label, _)| label.as_str())
-                .collect::<Vec<_>>()
-                .join(" and "),
-            worst[1]
+            "{linear}; angular momentum is kept to 1e-9, of what the motion has grown to, by {} alone, the others change it by up to {angular:.0e}.",
+            always.join(" and ")
         ),
     ))
 }
@@ -393,62 +367,63 @@ fn free_sheets(
 /// Changes of momentum below this part are rounding, of up to 10⁵ (sub)steps.
 const ROUNDING: Real = 1e-9;
 
-fn held_sheets(
-    scope: Scope,
-    findings: &mut Findings,
-    cases: &mut Cases<'_>,
-) -> Result<String, BenchError> {
-    let mut table = Table::new(&[
-        "vertices a side",
-        "steps per second",
-        "method",
-        "energy left",
-        "most",
-    ]);
-    let mut told = Vec::new();
-    for &setting in settings(scope) {
-        let scene = held(setting.n)?;
-        let mut series = Vec::new();
-        let methods = methods();
-        let case_of = |(label, ..): &Solver| format!("held, {}, {label}", name_of(setting));
-        let every = cases.side_by_side(&methods, case_of, |&(_, name, tolerance)| {
-            let kept = follow(&scene, name, tolerance, setting.steps_per_second)?;
-            Ok((kept, at_rest(&scene)?))
-        });
-        for (solver, found) in methods.into_iter().zip(every) {
-            let case = case_of(&solver);
-            let (label, ..) = solver;
-            let Some((kept, floor)) = findings
-                .unless_failed(&case, found)
-                .filter(|(kept, _)| kept.is_whole())
-            else {
-                continue;
-            };
-            let points = curve(&kept, floor.0);
-            let most = points.iter().map(|p| p.1).fold(0.0, Real::max);
-            let share = kept.share(SAMPLES as usize, floor.0);
-            if setting.n == settings(scope)[0].n {
-                told.push(format!("{label} {}", significant(share, 3)));
-            }
-            table.push([
-                Cell::from(setting.n as usize),
-                Cell::from(setting.steps_per_second as usize),
-                Cell::from(label.as_str()),
-                Cell::from(share),
-                Cell::from(most),
-            ]);
-            series.push(Series::new(&label, points));
-        }
-        findings.plot(
-            &format!("energy-held-{}-{}", setting.n, setting.steps_per_second),
-            &over_time(&format!("A held sheet, {}", name_of(setting)), series),
+#[derive(Default, Serialize)]
+struct HeldRow {
+    method: String,
+    energy_left: Real,
+    most: Real,
+}
+
+fn held_sheets(study: &mut StudyRun<'_>) -> Result<String, BenchError> {
+    let mut rows: Vec<(Setting, HeldRow)> = Vec::new();
+    let settings = settings(study.scope);
+    for &setting in settings {
+        let scene = held(setting.vertices_a_side)?;
+        let mut found = study.grid_side_by_side(
+            methods(),
+            |(label, ..)| format!("held, {}, {label}", name_of(setting)),
+            |&(_, name, tolerance)| {
+                let kept = follow(&scene, name, tolerance, setting.steps_per_second)?;
+                Ok((kept, at_rest(&scene)?))
+            },
         );
+        found.retain(|(_, (kept, _))| kept.is_whole());
+        let curve =
+            |((label, ..), (kept, floor)): &(Solver, (Kept, Number))| kept.curve(label, floor.0);
+        let curves: Vec<Series> = found.iter().map(curve).collect();
+        rows.extend(found.into_iter().zip(&curves).map(
+            |(((method, ..), (kept, floor)), curve)| {
+                let most = curve
+                    .points
+                    .iter()
+                    .map(|point| point.1)
+                    .fold(0.0, Real::max);
+                let energy_left = kept.left(floor.0);
+                (
+                    setting,
+                    HeldRow {
+                        method,
+                        energy_left,
+                        most,
+                    },
+                )
+            },
+        ));
+        let title = format!("A held sheet, {}", name_of(setting));
+        let name = format!(
+            "energy-held-{}-{}",
+            setting.vertices_a_side, setting.steps_per_second
+        );
+        study.findings.plot(&name, &over_time(&title).with(curves));
     }
-    findings.table("energy-held", "A sheet held at two corners for 10 s", table);
-    Ok(format!(
-        "Of what a held sheet can lose is left: {}.",
-        told.join(", ")
-    ))
+    let table = Table::of(&rows);
+    let caption = "A sheet held at two corners for 10 s";
+    study.findings.table("energy-held", caption, table);
+    let of_first = rows
+        .iter()
+        .filter(|(setting, _)| setting.vertices_a_side == settings[0].vertices_a_side);
+    let left = told(of_first.map(|(_, row)| (&row.method, row.energy_left)));
+    Ok(format!("Of what a held sheet can lose is left: {left}."))
 }
 
 #[cfg(test)]
@@ -462,8 +437,8 @@ mod tests {
             let kept = follow(&scene, name, None, 60).unwrap();
             let method = Method::find(name).unwrap();
             let substeps = method.substeps(&scene, &Settings::default(), 1.0 / 60.0);
-            let expected = exact(name, substeps.unwrap(), 60).unwrap();
-            let error = (kept.share(SAMPLES as usize, 0.0) / expected - 1.0).abs();
+            let expected = exact(method, substeps.unwrap(), 60).unwrap();
+            let error = (kept.left(0.0) / expected - 1.0).abs();
             assert!(error < 1e-6, "{name}: {error:e}");
         }
     }

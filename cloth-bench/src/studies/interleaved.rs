@@ -1,8 +1,7 @@
 //! Interleaved timing: several variants of the same work, one run of each per round.
 
-use crate::error::BenchError;
 use crate::run::median;
-use cloth_core::math::Real;
+use crate::studies::prelude::*;
 use std::time::Instant;
 
 /// Rounds that are enough once they have lasted long enough.
@@ -37,7 +36,7 @@ pub(super) fn interleaved<const N: usize>(
         for (variant, seconds) in seconds.iter_mut().enumerate() {
             *seconds = time(variant)?;
         }
-        Ok(seconds)
+        Ok::<_, BenchError>(seconds)
     };
     let started = Instant::now();
     round()?;

@@ -14,8 +14,7 @@ mod sweeps;
 pub use count::Locking;
 pub(super) use methods::fold_angle;
 
-use super::{Cases, Findings, Scope, Study};
-use crate::error::BenchError;
+use crate::studies::prelude::*;
 use sphere::Drapes;
 use sweeps::{Folds, OnCones};
 
@@ -34,35 +33,23 @@ pub(super) const STUDY: Study = Study {
         Methods: the same fold, alternating, Y = 1e6 N/m, with steps of 1/60 s until nothing moves by 0.1 mm/s; strains are those of the edges. \
         Sphere: the scene drape-sphere, 16 cells a side unless said, held in the middle, D = 1e-3 N·m, without friction, contact 40 times a step (10 times where the number of cells is varied: each mesh begins where the coarser one, of half as many cells, came to rest, the coarsest flat), velocities taken away whenever the kinetic energy has passed a maximum, until nothing is faster than 2 mm/s; nullity draped is that of the sheet as it lies there, corners below the top (m) how far it comes down. A locked sheet stands off. \
         D = 0.02 N·m elsewhere, density 0.2 kg/m².",
-    cases,
     run,
 };
 
-fn cases(scope: Scope) -> u64 {
-    count::cases(scope)
-        + picture::cases(scope)
-        + sweeps::cases(scope)
-        + remedies::cases(scope)
-        + methods::cases(scope)
-        + sphere::cases(scope)
-}
-
-fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
-    let mut findings = Findings::default();
-    let all = &mut findings;
-    let as_counted = count::run(scope, all, cases)?;
-    picture::run(scope, all, cases)?;
-    let cones = sweeps::cones(scope, all, cases)?;
-    let folds = sweeps::folds(scope, all, cases)?;
-    remedies::run(scope, all, cases)?;
-    methods::run(scope, all, cases)?;
-    let drapes = sphere::run(scope, all, cases)?;
-    findings.answer(
+fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
+    let as_counted = count::run(study);
+    picture::run(study)?;
+    let cones = sweeps::cones(study);
+    let folds = sweeps::folds(study);
+    remedies::run(study);
+    methods::run(study);
+    let drapes = sphere::run(study);
+    study.findings.answer(
         "Which folds does the mesh allow?",
         allowed(as_counted, &folds),
     );
-    findings.section.verdict = Some(verdict(as_counted, &cones, &folds, &drapes));
-    Ok(findings)
+    study.findings.section.verdict = Some(verdict(as_counted, &cones, &folds, &drapes));
+    Ok(())
 }
 
 /// What the count says of folds.

@@ -6,19 +6,12 @@ mod solvers;
 mod steps;
 
 use super::sheets::{STIFFNESS, hanging};
-use super::{Cases, Findings, Scope, Study};
-use crate::error::BenchError;
-use crate::method::Method;
 use crate::run::median;
-use crate::scene::{self, Scene};
-use crate::settings::Settings;
+use crate::studies::prelude::*;
 use cloth_core::element::Convexity;
-use cloth_core::math::{Real, Vec3};
 use cloth_core::measure::{IncrementalPotential, predict};
 use cloth_core::method::block_matrix::BlockMatrix;
 use cloth_core::method::family::{Assembly, Energies};
-use cloth_core::particles::State;
-use cloth_core::step::StepInput;
 use std::time::Instant;
 
 pub(super) const STUDY: Study = Study {
@@ -31,30 +24,22 @@ pub(super) const STUDY: Study = Study {
         `multigrid` among the linear solvers is conjugate gradients around a multigrid cycle, whose iterations hardly grow. \
         Whole steps: the sixteenth of the hanging sheet, from its start guess, with solvers that have taken a step before; the error is (G − G*)/(G(x̃) − G*) against Newton's method to rounding. Newton's method solves its systems to a residual of 1e-3, in at most 1000 linear iterations, \
         and takes at most 60 iterations; a solver that does not reach 1e-8 within them, or takes more than 5 s, is not asked for a sheet that is larger or stiffer. The quasi-Newton method is what implicit steps take by default.",
-    cases,
     run,
 };
 
 /// Vertices a side.
 fn sides(scope: Scope) -> &'static [u32] {
-    match scope {
-        Scope::Quick => &[16, 32],
-        Scope::Full => &[32, 64, 128, 256],
-    }
+    scope.pick(&[16, 32], &[32, 64, 128, 256])
 }
 
-fn cases(scope: Scope) -> u64 {
-    sides(scope).len() as u64 + steps::cases(scope)
-}
-
-fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
-    let mut findings = Findings::default();
+fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
+    let scope = study.scope;
     let mut parts = parts::Parts::default();
     let mut solvers = solvers::Solvers::default();
     let mut conditions = Vec::new();
     for &side in sides(scope) {
         let name = format!("{side} × {side}");
-        let found = cases.parts(&name, |progress| {
+        let found = study.cases.parts(&name, |progress| {
             progress(&format!("newton: {side} × {side}, parts of an iteration"));
             let mut system = System::falling(side, STIFFNESS)?;
             let of_parts = parts::Parts::of(side, &mut system)?;
@@ -62,17 +47,18 @@ fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
             let of_solvers = solvers::Solvers::of(side, &system)?;
             Ok((of_parts, of_solvers, steps::conditions(&system)?))
         });
-        if let Some((of_parts, of_solvers, condition)) = findings.unless_failed(&name, found) {
+        if let Some((of_parts, of_solvers, condition)) = study.findings.unless_failed(&name, found)
+        {
             parts.append(of_parts);
             solvers.append(of_solvers);
             conditions.push((side, condition));
         }
     }
-    let first = parts.report(&mut findings);
-    let second = solvers.report(&mut findings);
-    let third = steps::run(scope, &conditions, &mut findings, cases);
-    findings.section.verdict = Some(format!("{third} {first} {second}"));
-    Ok(findings)
+    let first = parts.report(&mut study.findings);
+    let second = solvers.report(&mut study.findings);
+    let third = steps::run(study, &conditions);
+    study.findings.section.verdict = Some(format!("{third} {first} {second}"));
+    Ok(())
 }
 
 /// The linear system of the first Newton iteration of a step, and what it is made of.
@@ -96,11 +82,9 @@ impl System {
             Method::find("linear-implicit")?.build(&scene, &Settings::default(), scene.dt)?;
         let input = || StepInput::new(scene.dt).gravity(scene.gravity);
         for _ in 0..15 {
-            solver
-                .step(&mut state, input())
-                .map_err(BenchError::failed)?;
+            solver.step(&mut state, input())?;
         }
-        let energies = scene.model.energies().map_err(BenchError::failed)?;
+        let energies = scene.model.energies()?;
         let assembly = energies.assembly();
         let count = state.positions.len();
         let mut predicted = vec![Vec3::zeros(); count];

@@ -5,16 +5,8 @@ mod swing;
 
 pub use factor::{constant_matrix, local_bytes, move_bytes};
 
-use super::{Cases, Findings, Scope, Study, sheets};
-use crate::error::BenchError;
-use crate::method::Method;
-use crate::report::plot::{Axis, Plot, Series};
-use crate::report::table::{Cell, Table};
-use crate::run;
-use crate::scene;
-use crate::settings::Settings;
-use crate::yardstick::Sample;
-use cloth_core::math::{Real, Vec3};
+use super::sheets;
+use crate::studies::prelude::*;
 
 pub(super) const STUDY: Study = Study {
     name: "projective",
@@ -27,113 +19,101 @@ pub(super) const STUDY: Study = Study {
         the bandwidth of a triad; from the last column's number of changed rows on it is dearer to correct the factor than to make it anew. Local step: the limit is moving its bytes. \
         Iterations may be counted on any machine; times are those of this one, of a solver that has taken a step before, so that the matrix is factorised. Expect both accelerations to be many times \
         faster than the plain iteration. One reads that projective dynamics takes ten iterations whatever the mesh. That is so to an error of 1e-2; what surprises is that 1e-4 takes hundreds, and more on coarse sheets than on fine ones.",
-    cases,
     run,
 };
 
-/// Settings that differ from the default, by name.
-type Pairs = &'static [(&'static str, &'static str)];
-
 /// Label and settings of each variant.
-const VARIANTS: [(&str, Pairs); 4] = [
-    ("plain", &[("acceleration", "none")]),
-    (
-        "chebyshev",
-        &[("acceleration", "chebyshev"), ("spectral_radius", "0.9995")],
-    ),
-    ("quasi-newton", &[("coarse", "0")]),
-    ("quasi-newton, coarse grid", &[]),
+const VARIANTS: [(&str, &str); 4] = [
+    ("plain", "acceleration=none"),
+    ("chebyshev", "acceleration=chebyshev spectral_radius=0.9995"),
+    ("quasi-newton", "coarse=0"),
+    ("quasi-newton, coarse grid", ""),
 ];
 
 /// Errors that are waited for.
 const GOALS: [Real; 3] = [1e-2, 1e-4, 1e-6];
 
 /// Settings of the whole fall.
-const FALLS: [(&str, Pairs); 5] = [
+const FALLS: [(&str, &str); 5] = [
     (
         "plain, 10 iterations from x̃",
-        &[
-            ("acceleration", "none"),
-            ("iterations", "10"),
-            ("start", "predicted"),
-        ],
+        "acceleration=none iterations=10 start=predicted",
     ),
-    ("no coarse grid", &[("coarse", "0")]),
-    ("default", &[]),
+    ("no coarse grid", "coarse=0"),
+    ("default", ""),
     SHORT,
     LONG,
 ];
 
 /// For half a second: what falling takes.
-const SHORT: (&str, Pairs) = (
+const SHORT: (&str, &str) = (
     "6 iterations, 8 cells, 5 pairs",
-    &[("iterations", "6"), ("coarse", "8"), ("history", "5")],
+    "iterations=6 coarse=8 history=5",
 );
 
 /// For seconds of motion: at 64 vertices a side within 4 % of converged implicit Euler in the largest stretch on
 /// average, 1 % at the end.
-const LONG: (&str, Pairs) = (
+const LONG: (&str, &str) = (
     "18 iterations, 16 cells, 2 pairs",
-    &[("iterations", "18"), ("coarse", "16"), ("history", "2")],
+    "iterations=18 coarse=16 history=2",
 );
 
 fn sizes(scope: Scope) -> &'static [u32] {
-    match scope {
-        Scope::Quick => &[17, 33],
-        Scope::Full => &[32, 64, 128],
-    }
+    scope.pick(&[17, 33], &[32, 64, 128])
 }
 
 fn stiffnesses(scope: Scope) -> &'static [Real] {
-    match scope {
-        Scope::Quick => &[1e2, 1e4],
-        Scope::Full => &[1e2, 1e3, 1e4, 1e5],
-    }
+    scope.pick(&[1e2, 1e4], &[1e2, 1e3, 1e4, 1e5])
 }
 
 fn most(scope: Scope) -> u32 {
-    match scope {
-        Scope::Quick => 2_000,
-        Scope::Full => 3_000,
-    }
+    scope.pick(2_000, 3_000)
 }
 
-fn cases(scope: Scope) -> u64 {
-    let steps = (sizes(scope).len() + stiffnesses(scope).len()) * VARIANTS.len();
-    let races = race_sizes(scope).len() * (1 + RACERS.len());
-    let swings = swing::sizes(scope).len();
-    let falls = sizes(scope).len() * (1 + FALLS.len());
-    let chapters = 6;
-    (steps + races + falls + swings + 2 * factor::sizes(scope).len() + chapters) as u64
-}
-
-fn with(pairs: &[(&str, &str)]) -> Settings {
-    let start = Settings::default();
-    pairs
-        .iter()
-        .fold(start, |settings, (key, value)| settings.with(key, value))
-}
-
-fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
-    let mut findings = Findings::default();
-    let all = &mut findings;
-    let verdict = cases.chapter("one step", all, |own, now| steps(scope, own, now));
+fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
+    let scope = study.scope;
+    let verdict = study.chapter("one step", |own, now| steps(scope, own, now));
     let verdict = verdict.flatten();
-    cases.chapter("race", all, |own, now| race(scope, own, now));
-    cases.chapter("falls", all, |own, now| falls(scope, own, now));
-    cases.chapter("swings", all, |own, now| swing::swings(scope, own, now));
-    cases.chapter("factor", all, |own, now| factor::costs(scope, own, now));
-    cases.chapter("local step", all, |own, now| {
+    study.chapter("race", |own, now| race(scope, own, now));
+    study.chapter("falls", |own, now| falls(scope, own, now));
+    study.chapter("swings", |own, now| swing::swings(scope, own, now));
+    study.chapter("factor", |own, now| factor::costs(scope, own, now));
+    study.chapter("local step", |own, now| {
         factor::local_steps(scope, own, now)
     });
     if let Some(verdict) = &verdict {
-        findings.answer(
+        study.findings.answer(
             "Does the convergence of projective dynamics depend on resolution?",
             verdict.clone(),
         );
     }
-    findings.section.verdict = verdict;
-    Ok(findings)
+    study.findings.section.verdict = verdict;
+    Ok(())
+}
+
+/// A variant on one step: iterations and times to three errors, where the budget reached them.
+#[derive(Default, Serialize)]
+struct StepRow {
+    n: u32,
+    /// As it is set.
+    #[serde(rename = "stiffness (N/m)")]
+    stiffness: String,
+    variant: &'static str,
+    #[serde(rename = "iterations to 1e-2")]
+    coarse: Option<u32>,
+    #[serde(rename = "to 1e-4")]
+    iterations: Option<u32>,
+    #[serde(rename = "to 1e-6")]
+    sharp: Option<u32>,
+    #[serde(rename = "ms to 1e-2")]
+    coarse_ms: Option<Real>,
+    #[serde(rename = "ms to 1e-4")]
+    ms: Option<Real>,
+    #[serde(rename = "ms to 1e-6")]
+    sharp_ms: Option<Real>,
+    /// What it is drawn against.
+    #[serde(skip)]
+    x: Real,
 }
 
 /// Iterations of one step against resolution and stiffness; what they say.
@@ -142,36 +122,16 @@ fn steps(
     findings: &mut Findings,
     progress: &mut dyn FnMut(&str),
 ) -> Result<Option<String>, BenchError> {
-    let mut table = Table::new(&[
-        "n",
-        "stiffness (N/m)",
-        "variant",
-        "iterations to 1e-2",
-        "to 1e-4",
-        "to 1e-6",
-        "ms to 1e-2",
-        "ms to 1e-4",
-        "ms to 1e-6",
-    ]);
-    let mut by_size = Vec::new();
+    let (mut by_size, mut by_stiffness) = (Vec::new(), Vec::new());
     for &n in sizes(scope) {
-        let settings = sheets::hanging(n, sheets::STIFFNESS);
-        let counts = one_step(scope, &settings, &mut table, findings, progress)?;
-        by_size.push((Real::from(n), counts));
+        let at = (n, sheets::STIFFNESS, Real::from(n));
+        by_size.extend(one_step(scope, at, findings, progress)?);
     }
-    let mut by_stiffness = Vec::new();
-    let n = sizes(scope)[0];
     for &k in stiffnesses(scope) {
-        let settings = sheets::hanging(n, k);
-        let counts = one_step(scope, &settings, &mut table, findings, progress)?;
-        by_stiffness.push((k, counts));
+        let at = (sizes(scope)[0], k, k);
+        by_stiffness.extend(one_step(scope, at, findings, progress)?);
     }
-    findings.table(
-        "projective-iterations",
-        "Iterations of one step to three errors; empty where the budget did not reach it",
-        table,
-    );
-    for (name, title, x, counts) in [
+    for (name, title, x, rows) in [
         (
             "projective-size",
             "Iterations to an error of 1e-4 against resolution, k = 1e4 N/m",
@@ -185,105 +145,101 @@ fn steps(
             &by_stiffness,
         ),
     ] {
-        let series = VARIANTS.iter().enumerate().map(|(index, (label, _))| {
-            let points = counts
-                .iter()
-                .filter_map(|(x, counts): &(Real, [Option<u32>; 4])| {
-                    counts[index].map(|count| (*x, Real::from(count)))
-                });
-            Series::new(label, points.collect())
+        let there = rows.iter().filter_map(|row| Some((row, row.iterations?)));
+        let series = curves(there, |(row, count)| {
+            (row.variant, (row.x, Real::from(count)))
         });
-        findings.plot(
-            name,
-            &Plot {
-                title: title.into(),
-                x: Axis::log(x),
-                y: Axis::log("iterations (dimensionless)"),
-                series: series.collect(),
-                note: String::new(),
-            },
-        );
+        let iterations = Axis::log("iterations (dimensionless)");
+        let plot = Plot::new(title, Axis::log(x), iterations).with(series);
+        findings.plot(name, &plot);
     }
-    Ok(verdict(&by_size, &by_stiffness))
+    let verdict = verdict(&by_size, &by_stiffness);
+    by_size.extend(by_stiffness);
+    findings.table(
+        "projective-iterations",
+        "Iterations of one step to three errors; empty where the budget did not reach it",
+        Table::of(&by_size),
+    );
+    Ok(verdict)
 }
 
-/// Traces every variant on one step; returns the iterations of each to the second goal.
+/// Traces every variant on one step, at so many vertices a side and N/m, drawn at `x`.
 fn one_step(
     scope: Scope,
-    settings: &Settings,
-    table: &mut Table,
+    (n, k, x): (u32, Real, Real),
     findings: &mut Findings,
     progress: &mut dyn FnMut(&str),
-) -> Result<[Option<u32>; 4], BenchError> {
-    let scene = scene::build("hang", None, settings)?;
-    let problem = sheets::sixteenth_step(settings)?;
-    let mut counts = [None; 4];
-    let (n, k) = (settings.get("n"), settings.get("stiffness"));
-    for (index, (label, pairs)) in VARIANTS.into_iter().enumerate() {
-        let case = format!("{label}, n {}, k {}", n.unwrap_or(""), k.unwrap_or(""));
+) -> Result<Vec<StepRow>, BenchError> {
+    let sheet = sheets::hanging(n, k);
+    let scene = scene::build("hang", None, &sheet)?;
+    let problem = sheets::sixteenth_step(&sheet)?;
+    let mut rows = Vec::new();
+    for (variant, settings) in VARIANTS {
+        let case = format!("{variant}, n {n}, k {k}");
         progress(&format!("projective: {case}"));
-        let settings = with(pairs)
-            .with("iterations", most(scope))
-            .with("start", "predicted")
-            .with("tolerance", 1e-9);
+        let most = most(scope);
+        let settings = format!("{settings} iterations={most} start=predicted tolerance=1e-9");
+        let settings = Settings::of(&settings);
         let mut solver = Method::find("pd")?.build(&scene, &settings, scene.dt)?;
         let traced = sheets::trace_warm(&scene, Vec3::zeros(), &problem, &mut *solver);
         let trace = findings.unless_failed(&case, traced).unwrap_or_default();
         let first = |goal: Real| trace.iter().find(|sample| sample.error.objective <= goal);
-        let reached: [Option<&Sample>; 3] = GOALS.map(first);
-        counts[index] = reached[1].map(|sample| sample.iteration);
-        let count = |sample: Option<&Sample>| Cell::from(sample.map(|s| s.iteration as usize));
-        table.push([
-            Cell::from(n.unwrap_or("")),
-            Cell::from(k.unwrap_or("")),
-            Cell::from(label),
-            count(reached[0]),
-            count(reached[1]),
-            count(reached[2]),
-            milliseconds(reached[0]),
-            milliseconds(reached[1]),
-            milliseconds(reached[2]),
-        ]);
+        let reached = GOALS.map(first);
+        let [coarse, iterations, sharp] = reached.map(|sample| Some(sample?.iteration));
+        let [coarse_ms, ms, sharp_ms] = reached.map(|sample| Some(1e3 * sample?.seconds));
+        rows.push(StepRow {
+            n,
+            stiffness: k.to_string(),
+            variant,
+            coarse,
+            iterations,
+            sharp,
+            coarse_ms,
+            ms,
+            sharp_ms,
+            x,
+        });
     }
-    Ok(counts)
-}
-
-fn milliseconds(sample: Option<&Sample>) -> Cell {
-    Cell::from(sample.map(|sample| 1e3 * sample.seconds))
+    Ok(rows)
 }
 
 /// The error that the methods race to.
 const RACE_GOAL: Real = 1e-3;
 
 /// Label, method and settings of those who race, each from where it starts by default.
-const RACERS: [(&str, &str, Pairs); 4] = [
+const RACERS: [(&str, &str, &str); 4] = [
     (
         "projective dynamics",
         "pd",
-        &[("iterations", "2000"), ("tolerance", "1e-9")],
+        "iterations=2000 tolerance=1e-9",
     ),
     (
         "quasi-Newton, multigrid",
         "implicit-euler",
-        &[("tolerance", "1e-9")],
+        "tolerance=1e-9",
     ),
     (
         "Newton, Cholesky",
         "implicit-euler",
-        &[("tolerance", "1e-9"), ("linear", "cholesky")],
+        "tolerance=1e-9 linear=cholesky",
     ),
-    (
-        "XPBD, one step",
-        "xpbd",
-        &[("substeps", "1"), ("iterations", "2000")],
-    ),
+    ("XPBD, one step", "xpbd", "substeps=1 iterations=2000"),
 ];
 
 fn race_sizes(scope: Scope) -> &'static [u32] {
-    match scope {
-        Scope::Quick => &[17, 33],
-        Scope::Full => &[64, 128],
-    }
+    scope.pick(&[17, 33], &[64, 128])
+}
+
+/// How one of them got there, if it did.
+#[derive(Default, Serialize)]
+struct RaceRow {
+    n: u32,
+    method: &'static str,
+    #[serde(rename = "iterations to 1e-3")]
+    iterations: Option<u32>,
+    #[serde(rename = "ms to 1e-3")]
+    ms: Option<Real>,
+    times_as_long_as_projective_dynamics: Option<Real>,
 }
 
 /// Time to one error, beside implicit Euler by minimisation and XPBD.
@@ -292,71 +248,64 @@ fn race(
     findings: &mut Findings,
     progress: &mut dyn FnMut(&str),
 ) -> Result<(), BenchError> {
-    let mut table = Table::new(&[
-        "n",
-        "method",
-        "iterations to 1e-3",
-        "ms to 1e-3",
-        "times as long as projective dynamics",
-    ]);
+    let mut rows = Vec::new();
     for &n in race_sizes(scope) {
         let settings = sheets::hanging(n, sheets::STIFFNESS);
         let scene = scene::build("hang", None, &settings)?;
         progress(&format!("projective: reference for the race, {n} × {n}"));
         let problem = sheets::sixteenth_step(&settings)?;
         let mut first = None;
-        for (label, method, pairs) in RACERS {
+        for (label, method, settings) in RACERS {
             progress(&format!("projective: {label} races, {n} × {n}"));
-            let mut solver = Method::find(method)?.build(&scene, &with(pairs), scene.dt)?;
+            let mut solver =
+                Method::find(method)?.build(&scene, &Settings::of(settings), scene.dt)?;
             let traced = sheets::trace_warm(&scene, scene.gravity, &problem, &mut *solver);
             let trace = findings.unless_failed(label, traced).unwrap_or_default();
             let reached = trace.iter().find(|s| s.error.objective <= RACE_GOAL);
-            let seconds = reached.map(|sample| sample.seconds);
-            first = first.or(seconds);
-            table.push([
-                Cell::from(n as usize),
-                Cell::from(label),
-                Cell::from(reached.map(|sample| sample.iteration as usize)),
-                milliseconds(reached),
-                Cell::from(seconds.zip(first).map(|(own, first)| own / first)),
-            ]);
+            let ms = reached.map(|sample| 1e3 * sample.seconds);
+            first = first.or(ms);
+            rows.push(RaceRow {
+                n,
+                method: label,
+                iterations: reached.map(|sample| sample.iteration),
+                ms,
+                times_as_long_as_projective_dynamics: ms.zip(first).map(|(own, first)| own / first),
+            });
         }
     }
     findings.table(
         "projective-race",
         "Time to (G − G*)/(G(x̃) − G*) ≤ 1e-3 in the sixteenth step of the hanging sheet; empty where a method did not get there",
-        table,
+        Table::of(&rows),
     );
     Ok(())
 }
 
 /// Whether the plain iteration, and the default, need as many iterations at the largest as at the smallest.
-fn verdict(
-    by_size: &[(Real, [Option<u32>; 4])],
-    by_stiffness: &[(Real, [Option<u32>; 4])],
-) -> Option<String> {
-    let ends = |counts: &[(Real, [Option<u32>; 4])], index: usize| {
-        let (first, last) = (counts.first()?, counts.last()?);
-        let show =
-            |count: Option<u32>| count.map_or("not within the budget".into(), |c| c.to_string());
-        Some([show(first.1[index]), show(last.1[index])])
+fn verdict(by_size: &[StepRow], by_stiffness: &[StepRow]) -> Option<String> {
+    let ends = |rows: &[StepRow], variant: usize| {
+        let ours = || {
+            rows.iter()
+                .filter(move |row| row.variant == VARIANTS[variant].0)
+        };
+        let show = |row: &StepRow| {
+            let count = row.iterations.map(|count| count.to_string());
+            count.unwrap_or("not within the budget".into())
+        };
+        Some(format!(
+            "{} and {}",
+            show(ours().next()?),
+            show(ours().next_back()?)
+        ))
     };
-    let (sizes, stiffness) = (ends(by_size, 0)?, ends(by_stiffness, 0)?);
-    let (coarse, coarse_stiffness) = (ends(by_size, 3)?, ends(by_stiffness, 3)?);
-    let (from, to) = (by_size.first()?.0, by_size.last()?.0);
-    let (soft, stiff) = (by_stiffness.first()?.0, by_stiffness.last()?.0);
+    let [plain, coarse] = [ends(by_size, 0)?, ends(by_size, 3)?];
+    let [plain_by_stiffness, coarse_by_stiffness] =
+        [ends(by_stiffness, 0)?, ends(by_stiffness, 3)?];
+    let (from, to) = (by_size.first()?.x, by_size.last()?.x);
+    let (soft, stiff) = (by_stiffness.first()?.x, by_stiffness.last()?.x);
     Some(format!(
-        "Is the convergence independent of the resolution? {}. Iterations to an error of 1e-4, at {from} and at {to} vertices a side: {} and {} plain, {} and {} with the coarse grid. At {soft:e} and at {stiff:e} N/m: {} and \
-         {} plain, {} and {} with the coarse grid.",
+        "Is the convergence independent of the resolution? {}. Iterations to an error of 1e-4, at {from} and at {to} vertices a side: {plain} plain, {coarse} with the coarse grid. At {soft:e} and at {stiff:e} N/m: {plain_by_stiffness} plain, {coarse_by_stiffness} with the coarse grid.",
         independence(by_size),
-        sizes[0],
-        sizes[1],
-        coarse[0],
-        coarse[1],
-        stiffness[0],
-        stiffness[1],
-        coarse_stiffness[0],
-        coarse_stiffness[1],
     ))
 }
 
@@ -364,10 +313,10 @@ fn verdict(
 const SAME: Real = 1.5;
 
 /// What the counts by size say of each variant.
-fn independence(by_size: &[(Real, [Option<u32>; 4])]) -> String {
-    let judge = |index: usize| {
-        let counts: Option<Vec<u32>> = by_size.iter().map(|row| row.1[index]).collect();
-        let Some(counts) = counts else {
+fn independence(by_size: &[StepRow]) -> String {
+    let judge = |variant: &str| {
+        let ours = by_size.iter().filter(|row| row.variant == variant);
+        let Some(counts) = ours.map(|row| row.iterations).collect::<Option<Vec<u32>>>() else {
             return "not seen within the budget";
         };
         let ratio = |a: Option<&u32>, b: Option<&u32>| Some(Real::from(*a?) / Real::from(*b?));
@@ -379,9 +328,25 @@ fn independence(by_size: &[(Real, [Option<u32>; 4])]) -> String {
             _ => "no, the finest sheet takes fewer",
         }
     };
-    let each = VARIANTS.iter().enumerate();
-    let each = each.map(|(index, (label, _))| format!("{label}: {}", judge(index)));
-    each.collect::<Vec<_>>().join("; ")
+    let each = VARIANTS.map(|(label, _)| format!("{label}: {}", judge(label)));
+    each.join("; ")
+}
+
+/// A fall; relative is to converged implicit Euler.
+#[derive(Default, Serialize)]
+struct FallRow {
+    n: u32,
+    setting: &'static str,
+    #[serde(rename = "fall of the centre of mass (m)")]
+    fall: Real,
+    #[serde(rename = "relative to implicit Euler")]
+    relative_fall: Real,
+    largest_stretch: Real,
+    #[serde(rename = "relative to implicit Euler")]
+    relative_stretch: Real,
+    ms_per_step: Real,
+    #[serde(rename = "times faster than implicit Euler, converged")]
+    times_faster: Real,
 }
 
 /// Half a second of the hanging sheet: fall and stretch beside those of converged implicit Euler.
@@ -390,55 +355,40 @@ fn falls(
     findings: &mut Findings,
     progress: &mut dyn FnMut(&str),
 ) -> Result<(), BenchError> {
-    let mut table = Table::new(&[
-        "n",
-        "setting",
-        "fall of the centre of mass (m)",
-        "relative to implicit Euler",
-        "largest stretch",
-        "relative to implicit Euler",
-        "ms per step",
-        "times faster than implicit Euler, converged",
-    ]);
+    let mut rows = Vec::new();
     for &n in sizes(scope) {
         let scene = scene::build("hang", None, &Settings::default().with("n", n))?;
         let simulate = |method: &str, settings: &Settings| {
             let mut solver = Method::find(method)?.build(&scene, settings, scene.dt)?;
-            let mut state = scene.start.clone();
-            run::run(&scene, &mut *solver, &mut state, scene.dt, 30, |_, _, _| {
-                Ok(())
-            })
+            let (mut state, dt) = (scene.start.clone(), scene.dt);
+            run::run(&scene, &mut *solver, &mut state, dt, 30, |_, _, _| Ok(()))
         };
         progress(&format!(
             "projective: implicit Euler for half a second, {n} × {n}"
         ));
         let converged = simulate("implicit-euler", &Settings::default())?;
-        let mut push = |label: &str, summary: &run::Summary| {
-            let fall = summary.center_of_mass_drop;
-            table.push([
-                Cell::from(n as usize),
-                Cell::from(label),
-                Cell::from(fall),
-                Cell::from(fall / converged.center_of_mass_drop - 1.0),
-                Cell::from(summary.max_stretch),
-                Cell::from(summary.max_stretch / converged.max_stretch - 1.0),
-                Cell::from(summary.ms_per_step_median),
-                Cell::from(converged.ms_per_step_median / summary.ms_per_step_median),
-            ]);
+        let row = |setting, summary: &run::Summary| FallRow {
+            n,
+            setting,
+            fall: summary.center_of_mass_drop,
+            relative_fall: summary.center_of_mass_drop / converged.center_of_mass_drop - 1.0,
+            largest_stretch: summary.max_stretch,
+            relative_stretch: summary.max_stretch / converged.max_stretch - 1.0,
+            ms_per_step: summary.ms_per_step_median,
+            times_faster: converged.ms_per_step_median / summary.ms_per_step_median,
         };
-        push("implicit Euler, converged", &converged);
-        for (label, pairs) in FALLS {
+        rows.push(row("implicit Euler, converged", &converged));
+        for (label, settings) in FALLS {
             progress(&format!("projective: {label} for half a second, {n} × {n}"));
-            let outcome = simulate("pd", &with(pairs));
-            if let Some(summary) = findings.unless_failed(label, outcome) {
-                push(label, &summary);
-            }
+            let outcome = simulate("pd", &Settings::of(settings));
+            let summary = findings.unless_failed(label, outcome);
+            rows.extend(summary.map(|summary| row(label, &summary)));
         }
     }
     findings.table(
         "projective-fall",
         "The hanging sheet after 0.5 s (30 steps), starting horizontal, k = 1e4 N/m",
-        table,
+        Table::of(&rows),
     );
     Ok(())
 }

@@ -1,17 +1,8 @@
 //! From impossible starts back to a sheet.
 
-use super::{Cases, Findings, Scope, Study};
-use crate::error::BenchError;
-use crate::journal::Number;
-use crate::method::{self, Method};
-use crate::report::table::{Cell, Table};
-use crate::run;
-use crate::scene::{self, Scene};
-use crate::settings::Settings;
-use cloth_core::math::{Real, Vec3};
+use crate::studies::prelude::*;
 use cloth_core::measure::Strain;
 use cloth_core::random::SplitMix64;
-use serde::{Deserialize, Serialize};
 
 pub(super) const STUDY: Study = Study {
     name: "recovery",
@@ -21,7 +12,6 @@ pub(super) const STUDY: Study = Study {
         A run recovers if no step fails, all stays finite, and at the end the root mean square strain is at most 1e-2 above what the same method leaves in the sheet when it starts flat (strain at rest), or implicit Euler where the method fails even then; one run that does not fails the cell. worst strain is the largest over the runs. \
         Strain at rest tells how stiff the method's published setting is, which is no matter of recovery: PBD's cloth stretches thirty times as far as the cloth it is given. \
         Mirrored is no trouble for a sheet in space, which swings down from there: it is a check. A collapsed sheet has springs of no length, which have no direction: what a method does there is a choice, and the jitter is there because no rule can break that tie for all.",
-    cases,
     run,
 };
 
@@ -34,14 +24,14 @@ const STILL: Real = 1e-3;
 
 /// Vertices a side, and steps.
 fn size(scope: Scope) -> (usize, u32) {
-    match scope {
-        Scope::Quick => (5, 150),
-        Scope::Full => (9, 300),
-    }
+    scope.pick((5, 150), (9, 300))
 }
 
-fn cases(_: Scope) -> u64 {
-    (method::all().count() * STARTS.len()) as u64
+/// A method and how its sheet starts.
+#[derive(Clone, Copy, Debug, Default, Serialize)]
+struct Start {
+    method: &'static str,
+    start: &'static str,
 }
 
 /// What came of the runs of a cell.
@@ -56,17 +46,23 @@ struct Outcome {
     reason: Option<String>,
 }
 
+/// The same as a row of the table.
+#[derive(Default, Serialize)]
+struct Row {
+    recovered: String,
+    strain_at_rest: Number,
+    worst_strain: Option<Number>,
+    cell: &'static str,
+}
+
 /// The sheet, held along x = 0.
 fn sheet(n: usize) -> Result<Scene, BenchError> {
-    let settings = Settings::default()
-        .with("n", n)
-        .with("stiffness", 1e3)
-        .with("pins", "none");
+    let settings = Settings::of(&format!("n={n} stiffness=1e3 pins=none"));
     let mut scene = scene::build("hang", None, &settings)?;
     for (vertex, x) in scene.start.positions.iter().enumerate() {
         if x.x == 0.0 {
             let particles = &mut scene.model.particles;
-            particles.prescribe(vertex).map_err(BenchError::failed)?;
+            particles.prescribe(vertex)?;
         }
     }
     Ok(scene)
@@ -126,65 +122,59 @@ fn cell(n: usize, steps: u32, start: &str, name: &str) -> Result<Outcome, BenchE
     Ok(cell)
 }
 
-fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
-    let mut findings = Findings::default();
-    let (n, steps) = size(scope);
-    let mut table = Table::new(&[
-        "method",
-        "start",
-        "recovered",
-        "strain at rest",
-        "worst strain",
-        "cell",
-    ]);
+fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
+    let (n, steps) = size(study.scope);
+    let name = |Start { method, start }: &Start| format!("{start}, {method}");
+    let of_method = |method: &Method| {
+        let method = method.name;
+        STARTS.map(move |start| Start { method, start })
+    };
+    let found = study.grid_side_by_side(method::all().flat_map(of_method), name, |at| {
+        cell(n, steps, at.start, at.method)
+    });
+    let reasons = found.iter().filter_map(|(at, outcome)| {
+        let reason = outcome.reason.as_ref()?;
+        Some(format!("Failed: {}: {reason}.", name(at)))
+    });
+    study.findings.section.notes.extend(reasons);
+    let row = |(at, outcome): &(Start, Outcome)| {
+        let row = Row {
+            recovered: format!("{} of {RUNS}", outcome.recovered),
+            strain_at_rest: outcome.rest,
+            worst_strain: outcome.worst,
+            cell: if outcome.recovered == RUNS {
+                "passes"
+            } else {
+                "FAILS"
+            },
+        };
+        (*at, row)
+    };
+    let table = Table::of(&found.iter().map(row).collect::<Vec<_>>());
+    let caption = format!("{n} × {n} vertices, at most {steps} steps");
+    study.findings.table("recovery", &caption, table);
     let (mut always, mut failed) = (Vec::new(), Vec::new());
     for method in method::all() {
-        let mut lost = Vec::new();
-        let case_of = |start: &&str| format!("{start}, {}", method.name);
-        let every =
-            cases.side_by_side(&STARTS, case_of, |start| cell(n, steps, start, method.name));
-        for (start, found) in STARTS.into_iter().zip(every) {
-            let Some(found) = findings.unless_failed(&case_of(&start), found) else {
-                continue;
-            };
-            let is_passed = found.recovered == RUNS;
-            if !is_passed {
-                lost.push(format!("{start} ({} of {RUNS})", found.recovered));
-            }
-            if let Some(reason) = &found.reason {
-                let note = format!("Failed: {}: {reason}.", case_of(&start));
-                findings.section.notes.push(note);
-            }
-            table.push([
-                Cell::from(method.name),
-                Cell::from(start),
-                Cell::from(format!("{} of {RUNS}", found.recovered)),
-                Cell::from(found.rest.0),
-                Cell::from(found.worst.map(|worst| worst.0)),
-                Cell::from(if is_passed { "passes" } else { "FAILS" }),
-            ]);
-        }
-        if lost.is_empty() {
-            always.push(method.name);
-        } else {
-            failed.push(format!("{} fails from {}", method.name, lost.join(", ")));
+        let lost = found
+            .iter()
+            .filter(|(at, outcome)| at.method == method.name && outcome.recovered != RUNS);
+        let lost =
+            lost.map(|(at, outcome)| format!("{} ({} of {RUNS})", at.start, outcome.recovered));
+        match lost.collect::<Vec<_>>().join(", ") {
+            none if none.is_empty() => always.push(method.name),
+            lost => failed.push(format!("{} fails from {lost}", method.name)),
         }
     }
-    findings.table(
-        "recovery",
-        &format!("{n} × {n} vertices, at most {steps} steps"),
-        table,
-    );
     let told = if failed.is_empty() {
         "all do".to_owned()
     } else {
         failed.join("; ")
     };
-    findings.section.verdict = Some(format!(
+    study.findings.section.verdict = Some(format!(
         "In ten runs of ten from every start, {} recover; {told}.",
         always.join(", ")
     ));
-    Ok(findings)
+    Ok(())
 }
 
 #[cfg(test)]

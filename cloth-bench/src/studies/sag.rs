@@ -1,17 +1,8 @@
 //! What a setting of XPBD leaves, and whether the settings guide of its chapter is right.
 
-use super::{Cases, Findings, Scope, Study};
-use crate::error::BenchError;
 use crate::laws::{Evaluation, Law};
-use crate::method::Method;
-use crate::report::plot::{Axis, Plot, Series, Style};
-use crate::report::table::{Cell, Table};
-use crate::run;
-use crate::scene::{self, Scene};
-use crate::settings::Settings;
-use cloth_core::math::{Real, Vec3};
+use crate::studies::prelude::*;
 use cloth_core::measure::Strain;
-use serde::{Deserialize, Serialize};
 
 pub(super) const STUDY: Study = Study {
     name: "sag",
@@ -20,7 +11,6 @@ pub(super) const STUDY: Study = Study {
         expected is g h² (N(N − 1)/2 + (N − 1)(M/m − 1)) for one sweep, else the fixed point of the sweeps as a matrix. Table sag-substeps: the guide, s = Δt √(g (N − 1)/(2 l ε)) rounded up, \
         for N = 24 edges of 1/24 m in a row: a chain, and a sheet of 1 m × 1 m hung by one edge or by two corners, rigid springs, with hinges of 1e-5 N·m; mean strain is the fall of the lowest vertex over 1 m. Table sag-iterations: \
         as many sweeps as the mesh has edges across, as iterations of one substep and as substeps. Expect n iterations to divide the sag by about n, n substeps by n²; what surprises is how far the worst edge of a sheet held by two corners lies above the mean that the guide promises. The state of rest is found by taking the velocities away whenever the kinetic energy has passed a maximum.",
-    cases,
     run,
 };
 
@@ -36,139 +26,103 @@ const STEP: Real = 1.0 / 60.0;
 const STILL: Real = 1e-6;
 
 fn tips(scope: Scope) -> &'static [Real] {
-    match scope {
-        Scope::Quick => &[1.0, 1e2],
-        Scope::Full => &[1.0, 10.0, 1e2, 1e3, 1e4, 1e5],
-    }
+    scope.pick(&[1.0, 1e2], &[1.0, 10.0, 1e2, 1e3, 1e4, 1e5])
 }
 
 fn efforts(scope: Scope) -> &'static [u32] {
-    match scope {
-        Scope::Quick => &[1, 8, 64],
-        Scope::Full => &[1, 2, 4, 8, 16, 32, 64, 128, 256],
-    }
+    scope.pick(&[1, 8, 64], &[1, 2, 4, 8, 16, 32, 64, 128, 256])
 }
 
 fn wanted(scope: Scope) -> &'static [Real] {
-    match scope {
-        Scope::Quick => &[1e-2],
-        Scope::Full => &[3e-2, 1e-2, 3e-3, 1e-3],
-    }
+    scope.pick(&[1e-2], &[3e-2, 1e-2, 3e-3, 1e-3])
 }
 
 fn most_steps(scope: Scope) -> u32 {
-    match scope {
-        Scope::Quick => 300,
-        Scope::Full => 3000,
-    }
+    scope.pick(300, 3000)
 }
 
-fn cases(scope: Scope) -> u64 {
-    let chains = 2 * tips(scope).len() * efforts(scope).len();
-    (chains + SUPPORTS.len() * SWEEPS.len() * (wanted(scope).len() + 2)) as u64
-}
-
-fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
-    let mut findings = Findings::default();
-    let holds = chains(scope, &mut findings, cases)?;
-    let guide = substeps(scope, &mut findings, cases)?;
-    let diameter = iterations(scope, &mut findings, cases)?;
-    findings.section.verdict = Some(format!(
+fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
+    let holds = chains(study)?;
+    let guide = substeps(study);
+    let diameter = iterations(study);
+    study.findings.section.verdict = Some(format!(
         "The chain sags by its law {holds}. {guide} {diameter}"
     ));
-    Ok(findings)
+    Ok(())
+}
+
+/// What sweeps are spent on, and what the other number is one of.
+const SPENT: [(&str, &str); 2] = [("substeps", "iterations"), ("iterations", "substeps")];
+
+#[derive(Default, Serialize, Deserialize)]
+struct ChainRow {
+    #[serde(rename = "tip mass (kg)")]
+    tip: Real,
+    spent_on: String,
+    count: u32,
+    #[serde(rename = "sag (m)")]
+    sag: Real,
+    #[serde(rename = "expected (m)")]
+    expected: Real,
+    relative_error: Real,
+    by_rounding: Real,
+    mean_strain: Real,
 }
 
 /// The law `sag` over its parameters; how well it holds.
-fn chains(
-    scope: Scope,
-    findings: &mut Findings,
-    cases: &mut Cases<'_>,
-) -> Result<String, BenchError> {
+fn chains(study: &mut StudyRun<'_>) -> Result<String, BenchError> {
     let law = Law::find("sag")?;
-    let mut table = Table::new(&[
-        "tip mass (kg)",
-        "spent on",
-        "count",
-        "sag (m)",
-        "expected (m)",
-        "relative error",
-        "by rounding",
-        "mean strain",
-    ]);
-    let (mut worst, mut broken): (Real, u32) = (0.0, 0);
-    let mut series = Vec::new();
-    for spent in ["substeps", "iterations"] {
-        let other = if spent == "substeps" {
-            "iterations"
-        } else {
-            "substeps"
-        };
-        for &tip in tips(scope) {
-            let mut curve = Vec::new();
-            for &count in efforts(scope) {
-                let settings = Settings::default()
-                    .with("links", LINKS)
-                    .with("tip_mass", tip)
-                    .with(spent, count)
-                    .with(other, 1);
-                let case = format!("tip of {tip} kg, {count} {spent}");
-                let numbers = cases.case(&case, || {
-                    let evaluation = law.evaluate(&settings)?;
-                    Ok([
-                        evaluation.expected,
-                        evaluation.measured,
-                        evaluation.rounding,
-                    ])
-                });
-                let Some([expected, measured, rounding]) = findings.unless_failed(&case, numbers)
-                else {
-                    continue;
-                };
-                let evaluation = Evaluation::new(expected, measured).rounding(rounding);
-                if !law.holds(&evaluation) {
-                    broken += 1;
-                }
-                if evaluation.rounding < law.tolerance {
-                    worst = worst.max(evaluation.error());
-                }
-                table.push([
-                    Cell::from(tip),
-                    Cell::from(spent),
-                    Cell::from(count as usize),
-                    Cell::from(evaluation.measured),
-                    Cell::from(evaluation.expected),
-                    Cell::from(evaluation.error()),
-                    Cell::from(evaluation.rounding),
-                    Cell::from(evaluation.measured / Real::from(LINKS)),
-                ]);
-                curve.push((Real::from(count), evaluation.measured));
-            }
-            series.push(Series::new(&format!("{spent}, tip of {tip} kg"), curve));
-        }
-    }
-    let law = |&s: &u32| {
+    let (tips, efforts) = (tips(study.scope), efforts(study.scope));
+    let of_effort = |(spent, tip)| efforts.iter().map(move |&count| (spent, tip, count));
+    let of_spent = |spent| tips.iter().map(move |&tip| (spent, tip));
+    let found = study.grid(
+        SPENT.into_iter().flat_map(of_spent).flat_map(of_effort),
+        |((spent, _), tip, count)| format!("tip of {tip} kg, {count} {spent}"),
+        |&((spent, other), tip, count)| {
+            let settings = format!("links={LINKS} tip_mass={tip} {spent}={count} {other}=1");
+            let evaluation = law.evaluate(&Settings::of(&settings))?;
+            Ok(ChainRow {
+                tip,
+                spent_on: spent.to_owned(),
+                count,
+                sag: evaluation.measured,
+                expected: evaluation.expected,
+                relative_error: evaluation.error(),
+                by_rounding: evaluation.rounding,
+                mean_strain: evaluation.measured / Real::from(LINKS),
+            })
+        },
+    );
+    let rows: Vec<ChainRow> = found.into_iter().map(|(_, row)| row).collect();
+    let plot = Plot::new(
+        "Sag of a hanging chain of 20 rigid links of 1 m, Δt = 1/60 s",
+        Axis::log("sweeps per step (dimensionless)"),
+        Axis::log("sag (m)"),
+    );
+    let measured = curves(&rows, |row| {
+        let label = format!("{}, tip of {} kg", row.spent_on, row.tip);
+        (label, (Real::from(row.count), row.sag))
+    });
+    let exact = |&s: &u32| {
         let h = STEP / Real::from(s);
         let n = Real::from(LINKS);
         (Real::from(s), GRAVITY * h * h * n * (n - 1.0) / 2.0)
     };
-    let exact = efforts(scope).iter().map(law).collect();
-    series.push(Series::new("g h² N(N − 1)/2", exact).styled(Style::ExactCurve));
-    findings.table(
-        "sag-chain",
-        "Sag of a hanging chain of 20 rigid links of 1 m at rest",
-        table,
-    );
-    findings.plot(
-        "sag-chain",
-        &Plot {
-            title: "Sag of a hanging chain of 20 rigid links of 1 m, Δt = 1/60 s".into(),
-            x: Axis::log("sweeps per step (dimensionless)"),
-            y: Axis::log("sag (m)"),
-            series,
-            note: "Dashed: the law for one sweep per substep and equal masses.".into(),
-        },
-    );
+    let plot = plot
+        .with(measured)
+        .exact("g h² N(N − 1)/2", efforts.iter().map(exact));
+    let plot = plot.note("Dashed: the law for one sweep per substep and equal masses.");
+    study.findings.plot("sag-chain", &plot);
+    let caption = "Sag of a hanging chain of 20 rigid links of 1 m at rest";
+    study.findings.table("sag-chain", caption, Table::of(&rows));
+    let evaluation =
+        |row: &ChainRow| Evaluation::new(row.expected, row.sag).rounding(row.by_rounding);
+    let broken = rows
+        .iter()
+        .filter(|row| !law.holds(&evaluation(row)))
+        .count();
+    let exact = rows.iter().filter(|row| row.by_rounding < law.tolerance);
+    let worst = exact.map(|row| row.relative_error).fold(0.0, Real::max);
     Ok(match broken {
         0 => format!("to {worst:.1e}, or to rounding where that is more"),
         _ => format!("but in {broken} cases"),
@@ -207,14 +161,14 @@ fn hanging(support: &str) -> Result<Scene, BenchError> {
 }
 
 /// A hanging cloth at rest.
-#[derive(Default, Serialize, Deserialize)]
+#[derive(Clone, Copy, Default, Serialize, Deserialize)]
 struct Rest {
     /// Fall of the lowest vertex over 1 m (dimensionless).
-    mean: Real,
-    /// Root mean square and largest strain of the edges.
-    rms: Real,
-    largest: Real,
-    still: bool,
+    mean_strain: Real,
+    rms_strain: Real,
+    /// Of an edge.
+    largest_strain: Real,
+    at_rest: bool,
 }
 
 fn rest(scope: Scope, support: &str, settings: &Settings) -> Result<Rest, BenchError> {
@@ -237,10 +191,10 @@ fn rest(scope: Scope, support: &str, settings: &Settings) -> Result<Rest, BenchE
     };
     let strain = Strain::of(&scene.model.springs, &state.positions);
     Ok(Rest {
-        mean: lowest(&state.positions) - lowest(&scene.start.positions),
-        rms: strain.rms,
-        largest: strain.max,
-        still: still.is_some(),
+        mean_strain: lowest(&state.positions) - lowest(&scene.start.positions),
+        rms_strain: strain.rms,
+        largest_strain: strain.max,
+        at_rest: still.is_some(),
     })
 }
 
@@ -251,128 +205,132 @@ fn law(substeps: u32) -> Real {
     GRAVITY * h * h * (n - 1.0) * n / 2.0
 }
 
-fn substeps(
-    scope: Scope,
-    findings: &mut Findings,
-    cases: &mut Cases<'_>,
-) -> Result<String, BenchError> {
-    let mut table = Table::new(&[
-        "hung by",
-        "sweep",
-        "wanted strain",
-        "substeps",
-        "law: mean strain",
-        "mean strain",
-        "rms strain",
-        "largest strain",
-        "at rest",
-    ]);
-    let mut largest: Vec<(&str, Real, Real)> = SUPPORTS.map(|s| (s, 0.0, 0.0)).to_vec();
-    for (support, worst) in SUPPORTS.into_iter().zip(&mut largest) {
-        for sweep in SWEEPS {
-            for &wanted in wanted(scope) {
-                // √(law at one substep/ε).
-                let substeps = (law(1) / wanted).sqrt().ceil() as u32;
-                let settings = Settings::default()
-                    .with("substeps", substeps)
-                    .with("iterations", 1)
-                    .with("sweep", sweep);
-                let case = format!("{support}, {sweep}, strain {wanted}");
-                let rest = cases.case(&case, || rest(scope, support, &settings));
-                let Some(rest) = findings.unless_failed(&case, rest) else {
-                    continue;
-                };
-                let expected = law(substeps);
-                worst.1 = worst.1.max(rest.mean / expected);
-                worst.2 = worst.2.max(rest.largest / expected);
-                table.push([
-                    Cell::from(support),
-                    Cell::from(sweep),
-                    Cell::from(wanted),
-                    Cell::from(substeps as usize),
-                    Cell::from(expected),
-                    Cell::from(rest.mean),
-                    Cell::from(rest.rms),
-                    Cell::from(rest.largest),
-                    Cell::from(if rest.still { "yes" } else { "no" }),
-                ]);
-            }
-        }
-    }
-    findings.table(
-        "sag-substeps",
-        "The substeps that the guide gives for a wanted mean strain, and what they leave",
-        table,
-    );
-    let parts: Vec<String> = largest
-        .iter()
-        .map(|(support, mean, max)| {
-            format!("{support} {mean:.2} times its mean and {max:.1} times it in the worst edge")
-        })
-        .collect();
-    Ok(format!(
-        "With the substeps of the guide, at most, relative to the strain it predicts: {}.",
-        parts.join(", ")
-    ))
+/// What hangs, and how it is swept.
+fn hung() -> impl Iterator<Item = (&'static str, &'static str)> {
+    SUPPORTS
+        .into_iter()
+        .flat_map(|support| SWEEPS.map(|sweep| (support, sweep)))
 }
 
-fn iterations(
-    scope: Scope,
-    findings: &mut Findings,
-    cases: &mut Cases<'_>,
-) -> Result<String, BenchError> {
-    let mut table = Table::new(&[
-        "hung by",
-        "sweep",
-        "24 sweeps as",
-        "mean strain",
-        "rms strain",
-        "largest strain",
-        "at rest",
-    ]);
-    let mut of_edge = [None; 2];
-    for support in SUPPORTS {
-        for sweep in SWEEPS {
-            let exchanges = [("iterations", "substeps"), ("substeps", "iterations")];
-            for (exchange, (spent, other)) in exchanges.into_iter().enumerate() {
-                let settings = Settings::default()
-                    .with(spent, ROW)
-                    .with(other, 1)
-                    .with("sweep", sweep);
-                let case = format!("{support}, {sweep}, {ROW} {spent}");
-                let rest = cases.case(&case, || rest(scope, support, &settings));
-                let Some(rest) = findings.unless_failed(&case, rest) else {
-                    continue;
-                };
-                if support == "edge" && sweep == "colored" {
-                    of_edge[exchange] = Some(rest.mean);
-                }
-                table.push([
-                    Cell::from(support),
-                    Cell::from(sweep),
-                    Cell::from(spent),
-                    Cell::from(rest.mean),
-                    Cell::from(rest.rms),
-                    Cell::from(rest.largest),
-                    Cell::from(if rest.still { "yes" } else { "no" }),
-                ]);
-            }
+#[derive(Default, Serialize)]
+struct Guided {
+    hung_by: &'static str,
+    sweep: &'static str,
+    wanted_strain: Real,
+    substeps: u32,
+    #[serde(rename = "law: mean strain")]
+    expected: Real,
+}
+
+fn substeps(study: &mut StudyRun<'_>) -> String {
+    let scope = study.scope;
+    let guided = |(hung_by, sweep), wanted_strain: Real| {
+        // √(law at one substep/ε).
+        let substeps = (law(1) / wanted_strain).sqrt().ceil() as u32;
+        let expected = law(substeps);
+        Guided {
+            hung_by,
+            sweep,
+            wanted_strain,
+            substeps,
+            expected,
         }
-    }
-    findings.table(
+    };
+    let rows = study.grid(
+        hung().flat_map(|hung| {
+            wanted(scope)
+                .iter()
+                .map(move |&wanted| guided(hung, wanted))
+        }),
+        |p| format!("{}, {}, strain {}", p.hung_by, p.sweep, p.wanted_strain),
+        |Guided {
+             hung_by,
+             sweep,
+             substeps,
+             ..
+         }| {
+            let settings = format!("substeps={substeps} iterations=1 sweep={sweep}");
+            rest(scope, hung_by, &Settings::of(&settings))
+        },
+    );
+    study.findings.table(
+        "sag-substeps",
+        "The substeps that the guide gives for a wanted mean strain, and what they leave",
+        Table::of(&rows),
+    );
+    let parts = SUPPORTS.map(|support| {
+        let most = |strain: fn(&Rest) -> Real| {
+            let ours = rows.iter().filter(|(guided, _)| guided.hung_by == support);
+            ours.map(|(guided, rest)| strain(rest) / guided.expected)
+                .fold(0.0, Real::max)
+        };
+        let (mean, max) = (
+            most(|rest| rest.mean_strain),
+            most(|rest| rest.largest_strain),
+        );
+        format!("{support} {mean:.2} times its mean and {max:.1} times it in the worst edge")
+    });
+    format!(
+        "With the substeps of the guide, at most, relative to the strain it predicts: {}.",
+        parts.join(", ")
+    )
+}
+
+#[derive(Default, Serialize)]
+struct Exchanged {
+    hung_by: &'static str,
+    sweep: &'static str,
+    #[serde(rename = "24 sweeps as")]
+    spent: &'static str,
+    #[serde(skip)]
+    other: &'static str,
+}
+
+fn iterations(study: &mut StudyRun<'_>) -> String {
+    let scope = study.scope;
+    let exchanged = |(hung_by, sweep)| {
+        let exchanges = SPENT.into_iter().rev();
+        exchanges.map(move |(spent, other)| Exchanged {
+            hung_by,
+            sweep,
+            spent,
+            other,
+        })
+    };
+    let rows = study.grid(
+        hung().flat_map(exchanged),
+        |p| format!("{}, {}, {ROW} {}", p.hung_by, p.sweep, p.spent),
+        |Exchanged {
+             hung_by,
+             sweep,
+             spent,
+             other,
+         }| {
+            let settings = format!("{spent}={ROW} {other}=1 sweep={sweep}");
+            rest(scope, hung_by, &Settings::of(&settings))
+        },
+    );
+    study.findings.table(
         "sag-iterations",
         "As many sweeps a step as the mesh has edges across: what they leave as iterations and as substeps",
-        table,
+        Table::of(&rows),
     );
-    let [Some(iterations), Some(substeps)] = of_edge else {
-        return Ok(String::new());
+    let of_edge = |spent: &str| {
+        let wanted = ("edge", "colored", spent);
+        let found = rows
+            .iter()
+            .find(|(p, _)| (p.hung_by, p.sweep, p.spent) == wanted);
+        found.map(|(_, rest)| rest.mean_strain)
+    };
+    let (Some(iterations), Some(substeps)) = (of_edge("iterations"), of_edge("substeps")) else {
+        return String::new();
     };
     let enough = if iterations < 0.01 { "Yes" } else { "No" };
-    findings.answer(
+    let [of_iterations, of_substeps] = [100.0 * iterations, 100.0 * substeps];
+    study.findings.answer(
         "Is \"iterations = mesh diameter\" enough?",
         format!(
-            "{enough}. A rigid sheet of {ROW} edges across, hung by its upper edge, is {:.2} % longer than it should be after {ROW} iterations a step of 1/60 s.",
-            100.0 * iterations
+            "{enough}. A rigid sheet of {ROW} edges across, hung by its upper edge, is {of_iterations:.2} % longer than it should be after {ROW} iterations a step of 1/60 s."
         ),
     );
     let better = if substeps < iterations {
@@ -380,15 +338,13 @@ fn iterations(
     } else {
         "Iterations"
     };
-    findings.answer(
+    study.findings.answer(
         "Substeps or iterations?",
         format!(
-            "{better}. {ROW} sweeps a step leave {:.2} % of stretch on that sheet as iterations and {:.3} % as substeps; for one sweep a substep there is a law, so the number that a wanted strain takes can be computed beforehand.",
-            100.0 * iterations,
-            100.0 * substeps
+            "{better}. {ROW} sweeps a step leave {of_iterations:.2} % of stretch on that sheet as iterations and {of_substeps:.3} % as substeps; for one sweep a substep there is a law, so the number that a wanted strain takes can be computed beforehand."
         ),
     );
-    Ok(format!(
+    format!(
         "\"Iterations = mesh diameter\" leaves a mean strain of {iterations:.2e} on the sheet hung by an edge, the same sweeps as substeps {substeps:.2e}."
-    ))
+    )
 }

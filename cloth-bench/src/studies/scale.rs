@@ -1,13 +1,7 @@
 //! How large a cloth each method can simulate on this machine, and what a step of it costs.
 
-use super::{Cases, Findings, Scope, Study};
-use crate::error::BenchError;
 use crate::memory;
-use crate::method;
-use crate::report::plot::{Axis, Plot, Series, Style};
-use crate::report::table::{Cell, Table};
-use cloth_core::math::Real;
-use serde::{Deserialize, Serialize};
+use crate::studies::prelude::*;
 use serde_json::Value;
 use std::io::Read;
 use std::process::{Child, Command, Stdio};
@@ -20,36 +14,25 @@ pub(super) const STUDY: Study = Study {
         budget of time, or would if it took as long a vertex as the last, or until four times the memory of the last size would not leave a fifth of what the machine has free. Time of a step is the median of the three, setup is everything before the first step that belongs to the method; memory is the peak of \
         the process, program and mesh included. The line through the plot is a time proportional to the vertices. Expect sweeps and projections to follow it; factorisations grow faster in time and memory, and explicit steps grow with the power 1.5 because \
         a finer sheet needs shorter ones. How good these steps are is another question: see `convergence` and `independence`.",
-    cases,
     run,
 };
 
 /// Vertices a side.
 fn sides(scope: Scope) -> &'static [u32] {
-    match scope {
-        Scope::Quick => &[16, 48],
-        Scope::Full => &[64, 128, 256, 512, 1000],
-    }
+    scope.pick(&[16, 48], &[64, 128, 256, 512, 1000])
 }
 
 /// Time that one size may take.
 fn budget(scope: Scope) -> Duration {
-    match scope {
-        Scope::Quick => Duration::from_secs(10),
-        Scope::Full => Duration::from_secs(60),
-    }
+    scope.pick(Duration::from_secs(10), Duration::from_secs(60))
 }
 
 const STEPS: u32 = 3;
 /// No step of forward Euler is stable.
 pub(super) const WITHOUT: &str = "explicit-euler";
 
-fn methods() -> impl Iterator<Item = &'static method::Method> {
+fn methods() -> impl Iterator<Item = &'static Method> {
     method::all().filter(|method| method.name != WITHOUT)
-}
-
-fn cases(_: Scope) -> u64 {
-    methods().count() as u64
 }
 
 /// One size that a method got through.
@@ -69,91 +52,106 @@ struct Reach {
     end: String,
 }
 
-fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
-    let mut findings = Findings::default();
-    let mut table = Table::new(&[
-        "method",
-        "vertices a side",
-        "vertices",
-        "ms per step",
-        "µs per vertex and step",
-        "setup (ms)",
-        "memory (MB)",
-        "memory per vertex (kB)",
-        "what ended it",
-    ]);
-    let mut series = Vec::new();
-    let mut parts = Vec::new();
-    let (mut least, mut most) = (Real::INFINITY, 0.0);
+/// A size that a method got through.
+#[derive(Default, Serialize)]
+struct Row {
+    method: &'static str,
+    vertices_a_side: u32,
+    vertices: usize,
+    ms_per_step: Real,
+    #[serde(rename = "µs per vertex and step")]
+    per_vertex: Real,
+    #[serde(rename = "setup (ms)")]
+    setup: Real,
+    #[serde(rename = "memory (MB)")]
+    memory: Option<Real>,
+    #[serde(rename = "memory per vertex (kB)")]
+    memory_per_vertex: Option<Real>,
+    /// Of the largest size.
+    what_ended_it: String,
+}
+
+fn rows(method: &'static str, reach: &Reach) -> Vec<Row> {
+    let row = |(number, size): (usize, &Size)| {
+        let vertices = Real::from(size.side).powi(2);
+        let is_last = number + 1 == reach.sizes.len();
+        let bytes = size.memory.map(|bytes| bytes as Real);
+        Row {
+            method,
+            vertices_a_side: size.side,
+            vertices: vertices as usize,
+            ms_per_step: size.ms_per_step,
+            per_vertex: 1e3 * size.ms_per_step / vertices,
+            setup: size.setup_ms,
+            memory: bytes.map(|bytes| bytes / 1e6),
+            memory_per_vertex: bytes.map(|bytes| bytes / 1e3 / vertices),
+            what_ended_it: if is_last {
+                reach.end.clone()
+            } else {
+                String::new()
+            },
+        }
+    };
+    reach.sizes.iter().enumerate().map(row).collect()
+}
+
+fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
+    let scope = study.scope;
+    let (mut table, mut parts) = (Vec::new(), Vec::new());
     for method in methods() {
-        let reach = cases.parts(method.name, |progress| reach(scope, method.name, progress));
-        let Some(reach) = findings.unless_failed(method.name, reach) else {
+        let name = method.name;
+        let reach = study
+            .cases
+            .parts(name, |progress| reach(scope, name, progress));
+        let Some(reach) = study.findings.unless_failed(name, reach) else {
             continue;
         };
-        let mut curve = Vec::new();
-        for (number, size) in reach.sizes.iter().enumerate() {
-            let vertices = Real::from(size.side).powi(2);
-            let is_last = number + 1 == reach.sizes.len();
-            let bytes = size.memory.map(|bytes| bytes as Real);
-            table.push([
-                Cell::from(method.name),
-                Cell::from(size.side as usize),
-                Cell::from(vertices as usize),
-                Cell::from(size.ms_per_step),
-                Cell::from(1e3 * size.ms_per_step / vertices),
-                Cell::from(size.setup_ms),
-                Cell::from(bytes.map(|bytes| bytes / 1e6)),
-                Cell::from(bytes.map(|bytes| bytes / 1e3 / vertices)),
-                Cell::from(if is_last { reach.end.as_str() } else { "" }),
-            ]);
-            curve.push((vertices, size.ms_per_step));
-            least = least.min(size.ms_per_step / vertices);
-            most = Real::max(most, vertices);
-        }
-        parts.push(match reach.sizes.last() {
-            Some(last) => {
-                let memory = last.memory.map_or(String::new(), |bytes| {
-                    format!(" and {:.2} GB", bytes as Real / 1e9)
-                });
-                let (side, ms) = (last.side, last.ms_per_step);
-                format!(
-                    "{} {side} × {side} with {ms:.1} ms a step{memory}",
-                    method.name
-                )
+        let rows = rows(name, &reach);
+        parts.push(match rows.last() {
+            Some(row) => {
+                let memory = row.memory.map(|mb| format!(" and {:.2} GB", mb / 1e3));
+                let (side, ms) = (row.vertices_a_side, row.ms_per_step);
+                let memory = memory.unwrap_or_default();
+                format!("{name} {side} × {side} with {ms:.1} ms a step{memory}")
             }
-            None => format!("{} none ({})", method.name, reach.end),
+            None => format!("{name} none ({})", reach.end),
         });
-        series.push(Series::new(method.name, curve));
+        table.extend(rows);
     }
-    if most > 0.0 {
+    let series = curves(&table, |row| {
+        (row.method, (row.vertices as Real, row.ms_per_step))
+    });
+    let (vertices, time) = (Axis::log("vertices"), Axis::log("time of a step (ms)"));
+    let title = "Time of a step against the size of the cloth";
+    let mut plot = Plot::new(title, vertices, time).with(series);
+    if let Some(most) = table
+        .iter()
+        .map(|row| row.vertices as Real)
+        .reduce(Real::max)
+    {
+        let least = table
+            .iter()
+            .map(|row| row.ms_per_step / row.vertices as Real);
+        let least = least.fold(Real::INFINITY, Real::min);
         let first = Real::from(sides(scope)[0]).powi(2);
-        let line = [first, most].map(|vertices| (vertices, least * vertices));
-        series.push(Series::new("∝ vertices", line.to_vec()).styled(Style::ExactCurve));
+        plot = plot.exact(
+            "∝ vertices",
+            [first, most].map(|count| (count, least * count)),
+        );
     }
-    findings.plot(
-        "scale",
-        &Plot {
-            title: "Time of a step against the size of the cloth".into(),
-            x: Axis::log("vertices"),
-            y: Axis::log("time of a step (ms)"),
-            series,
-            note: String::new(),
-        },
-    );
-    findings.table("scale", "The hanging sheet, larger and larger", table);
+    study.findings.plot("scale", &plot);
+    let caption = "The hanging sheet, larger and larger";
+    study.findings.table("scale", caption, Table::of(&table));
+    let sizes = sides(scope).iter().map(|n| format!("{n} × {n}"));
     let verdict = format!(
         "The largest of {} that each method gets through, {} s for a run: {}.",
-        sides(scope)
-            .iter()
-            .map(|n| format!("{n} × {n}"))
-            .collect::<Vec<_>>()
-            .join(", "),
+        sizes.collect::<Vec<_>>().join(", "),
         budget(scope).as_secs(),
         parts.join("; ")
     );
-    findings.answer("How large a cloth?", verdict.clone());
-    findings.section.verdict = Some(verdict);
-    Ok(findings)
+    study.findings.answer("How large a cloth?", verdict.clone());
+    study.findings.section.verdict = Some(verdict);
+    Ok(())
 }
 
 fn reach(scope: Scope, method: &str, progress: &mut dyn FnMut(&str)) -> Result<Reach, BenchError> {
@@ -204,7 +202,7 @@ pub(super) fn alone(
     steps: u32,
     budget: Duration,
 ) -> Result<Result<Size, String>, BenchError> {
-    let program = std::env::current_exe().map_err(BenchError::failed)?;
+    let program = std::env::current_exe()?;
     let (side_text, steps) = (side.to_string(), steps.to_string());
     let child = Command::new(program)
         .args(["run", "hang", "--method", method, "--n", &side_text])
@@ -212,8 +210,7 @@ pub(super) fn alone(
         .stdin(Stdio::null())
         .stdout(Stdio::piped())
         .stderr(Stdio::null())
-        .spawn()
-        .map_err(BenchError::failed)?;
+        .spawn()?;
     Ok(finished(child, budget)?.and_then(|told| {
         let told: Value = serde_json::from_str(&told).map_err(|error| error.to_string())?;
         if let Some(error) = told["error"].as_str() {
@@ -233,10 +230,10 @@ pub(super) fn alone(
 fn finished(mut child: Child, budget: Duration) -> Result<Result<String, String>, BenchError> {
     let started = Instant::now();
     loop {
-        if let Some(status) = child.try_wait().map_err(BenchError::failed)? {
+        if let Some(status) = child.try_wait()? {
             let mut told = String::new();
             if let Some(mut out) = child.stdout.take() {
-                out.read_to_string(&mut told).map_err(BenchError::failed)?;
+                out.read_to_string(&mut told)?;
             }
             let has_ended = status.code().is_some();
             return Ok(if has_ended && !told.is_empty() {

@@ -1,13 +1,8 @@
 //! The cloth of a study that compares methods: the hanging sheet in some sizes, or a scene file of one's own.
 
-use super::Cases;
-use crate::error::BenchError;
-use crate::report::table::Cell;
-use crate::scene::{self, Scene, file};
-use crate::settings::Settings;
+use crate::scene::file;
+use crate::studies::prelude::*;
 use crate::yardstick::{Sample, StepProblem};
-use cloth_core::math::{Real, Vec3};
-use cloth_core::step::{StepInput, Stepper};
 use std::path::Path;
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -53,9 +48,7 @@ pub(super) fn trace_warm(
     solver: &mut dyn Stepper,
 ) -> Result<Vec<Sample>, BenchError> {
     let input = StepInput::new(scene.dt).gravity(gravity);
-    solver
-        .step(&mut scene.start.clone(), input)
-        .map_err(BenchError::failed)?;
+    solver.step(&mut scene.start.clone(), input)?;
     problem.trace(solver)
 }
 

@@ -1,16 +1,10 @@
 //! What the features cost that a scene does not use: time, dependencies, build.
 
 use super::interleaved::interleaved;
-use super::{Cases, Findings, Scope, Study};
-use crate::error::BenchError;
-use crate::method::{self, Method};
-use crate::report::table::{Cell, Table};
-use crate::scene::{self, Scene};
-use crate::settings::Settings;
+use crate::studies::prelude::*;
 use cloth_collide::potential::PotentialContacts;
 use cloth_core::contact::ContactSource;
-use cloth_core::math::{Real, Vec3};
-use cloth_core::step::{Observer, StepInput, Stepper};
+use cloth_core::step::Observer;
 use std::collections::BTreeSet;
 use std::path::Path;
 use std::process::Command;
@@ -22,7 +16,6 @@ pub(super) const STUDY: Study = Study {
     about: "Expect a ratio of 1 for whatever is there but unused. Time: a step of the hanging sheet without the feature, with the feature there but not used (a bending rigidity of 0, a contact hook with nothing to touch, an observer that does nothing), and with it in use. \
         Many rounds of one step each, and of their ratios to the step without the feature the median: what slows the machine for a while slows a whole round. How far that can be trusted stands beside it: the step without the feature is measured twice. Contact in use is self-collision of a sheet that does not touch itself, resolved once a step. That nothing is allocated is not measured here but tested. \
         Dependencies: other crates that a crate of this workspace brings in, with all of its features and with the fewest; seconds are those of building it alone from nothing, its dependencies included.",
-    cases,
     run,
 };
 
@@ -43,93 +36,102 @@ fn methods() -> Vec<&'static str> {
 }
 
 fn side(scope: Scope) -> u32 {
-    match scope {
-        Scope::Quick => 33,
-        Scope::Full => 128,
-    }
+    scope.pick(33, 128)
 }
 
-fn cases(_: Scope) -> u64 {
-    (FEATURES.len() * methods().len() + CRATES.len()) as u64
+/// A feature and a method.
+#[derive(Default, Serialize)]
+struct Feature {
+    feature: &'static str,
+    method: &'static str,
 }
 
-fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
-    let mut findings = Findings::default();
-    let mut table = Table::new(&[
-        "feature",
-        "method",
-        "without (ms)",
-        "without again / without",
-        "unused / without",
-        "in use / without",
-    ]);
-    let (mut most, mut noise): (Real, Real) = (0.0, 0.0);
-    for feature in FEATURES {
-        for method in methods() {
-            let case = format!("{feature}, {method}");
-            let times = cases.case(&case, || times(scope, feature, method));
-            let Some([without, again, unused, used]) = findings.unless_failed(&case, times) else {
-                continue;
-            };
-            most = most.max(unused);
-            noise = noise.max((again - 1.0).abs());
-            table.push([
-                Cell::from(feature),
-                Cell::from(method),
-                Cell::from(1e3 * without),
-                Cell::from(again),
-                Cell::from(unused),
-                Cell::from(used),
-            ]);
-        }
-    }
+/// Median time of a step without a feature, and ratios to it.
+#[derive(Default, Serialize, Deserialize)]
+struct Times {
+    #[serde(rename = "without (ms)")]
+    without: Real,
+    #[serde(rename = "without again / without")]
+    again: Real,
+    #[serde(rename = "unused / without")]
+    unused: Real,
+    #[serde(rename = "in use / without")]
+    used: Real,
+}
+
+/// A crate with some features.
+#[derive(Default, Serialize)]
+struct Crate {
+    #[serde(rename = "crate")]
+    name: &'static str,
+    features: String,
+}
+
+/// What it brings in.
+#[derive(Default, Serialize, Deserialize)]
+struct Weight {
+    crates_it_brings_in: usize,
+    /// Not for the small scope.
+    seconds_to_build: Option<Real>,
+}
+
+fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
+    let scope = study.scope;
+    let of_feature = |feature| {
+        methods()
+            .into_iter()
+            .map(move |method| Feature { feature, method })
+    };
+    let times = study.grid(
+        FEATURES.into_iter().flat_map(of_feature),
+        |Feature { feature, method }| format!("{feature}, {method}"),
+        |Feature { feature, method }| times(scope, feature, method),
+    );
     let n = side(scope);
-    findings.table(
+    study.findings.table(
         "skip-time",
         &format!("Time of a step of the {n} × {n} sheet with and without a feature"),
-        table,
+        Table::of(&times),
     );
-    let mut table = Table::new(&[
-        "crate",
-        "features",
-        "crates it brings in",
-        "seconds to build",
-    ]);
-    let mut fewest = Vec::new();
-    for (name, features) in CRATES {
+    let of_crate = |(name, features): (_, &[&str])| {
         let features = features.join(" ");
-        let shown = if features.is_empty() {
-            "default"
+        let features = if features.is_empty() {
+            "default".to_owned()
         } else {
-            &features
+            features
         };
-        let case = format!("{name}, {shown}");
-        let weight = cases.case(&case, || weight(scope, name, &features));
-        let Some((crates, seconds)) = findings.unless_failed(&case, weight) else {
-            continue;
-        };
-        if shown == "--no-default-features" {
-            fewest.push(format!("{name} {crates}"));
-        }
-        table.push([
-            Cell::from(name),
-            Cell::from(shown),
-            Cell::from(crates),
-            Cell::from(seconds),
-        ]);
-    }
-    findings.table("skip-crates", "Dependencies of each crate alone", table);
+        Crate { name, features }
+    };
+    let weights = study.grid(
+        CRATES.map(of_crate),
+        |Crate { name, features }| format!("{name}, {features}"),
+        |Crate { name, features }| weight(scope, name, features),
+    );
+    let table = Table::of(&weights);
+    study
+        .findings
+        .table("skip-crates", "Dependencies of each crate alone", table);
+    let most = times.iter().map(|(_, t)| t.unused).fold(0.0, Real::max);
+    let noise = times
+        .iter()
+        .map(|(_, t)| (t.again - 1.0).abs())
+        .fold(0.0, Real::max);
     let mut verdict = format!(
         "A feature that is there but unused makes a step at most {most:.3} times as long; the same step measured twice differs by up to {:.1} %.",
         100.0 * noise
     );
+    let fewest = weights
+        .iter()
+        .filter(|(alone, _)| alone.features == "--no-default-features");
+    let fewest =
+        fewest.map(|(alone, weight)| format!("{} {}", alone.name, weight.crates_it_brings_in));
+    let fewest = fewest.collect::<Vec<_>>().join(", ");
     if !fewest.is_empty() {
-        let fewest = fewest.join(", ");
         verdict +=
             &format!(" With the fewest features the crates bring in so many others: {fewest}.");
     }
-    findings.section.verdict = Some(verdict);
-    Ok(findings)
+    study.findings.section.verdict = Some(verdict);
+    Ok(())
 }
 
 /// An observer that does nothing.
@@ -169,15 +171,12 @@ impl Variant<'_> {
             input = input.observer(observer);
         }
         let started = Instant::now();
-        self.stepper
-            .step(&mut state, input)
-            .map_err(BenchError::failed)?;
+        self.stepper.step(&mut state, input)?;
         Ok(started.elapsed().as_secs_f64())
     }
 }
 
-/// Median time (s) of a step without a feature; and the ratios to it: without again, there but unused, in use.
-fn times(scope: Scope, feature: &str, method: &str) -> Result<[Real; 4], BenchError> {
+fn times(scope: Scope, feature: &str, method: &str) -> Result<Times, BenchError> {
     let plain = Settings::default().with("n", side(scope));
     let [without, unused, used] = match feature {
         "bending" => [
@@ -200,7 +199,7 @@ fn times(scope: Scope, feature: &str, method: &str) -> Result<[Real; 4], BenchEr
             };
             for (variant, itself) in variants[2..].iter_mut().zip([false, true]) {
                 let builder = PotentialContacts::builder(&mesh).self_collision(itself);
-                variant.contacts = Some(Box::new(builder.build().map_err(BenchError::failed)?));
+                variant.contacts = Some(Box::new(builder.build()?));
             }
         }
         "observer" => {
@@ -209,25 +208,31 @@ fn times(scope: Scope, feature: &str, method: &str) -> Result<[Real; 4], BenchEr
         }
         _ => {}
     }
-    let least = match scope {
-        Scope::Quick => 1.0,
-        Scope::Full => 4.0,
-    };
+    let least = scope.pick(1.0, 4.0);
     let times = interleaved(least, |variant| variants[variant].step())?;
     let [_, again, unused, used] = times.ratios;
-    Ok([times.seconds[0], again, unused, used])
+    let without = 1e3 * times.seconds[0];
+    Ok(Times {
+        without,
+        again,
+        unused,
+        used,
+    })
 }
 
 /// Number of crates that a crate brings in, and the seconds that building all of it takes; no seconds for the small
 /// scope.
-fn weight(scope: Scope, name: &str, features: &str) -> Result<(usize, Option<Real>), BenchError> {
+fn weight(scope: Scope, name: &str, features: &str) -> Result<Weight, BenchError> {
     let cargo = || {
         let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
         let mut command = Command::new("cargo");
         command.current_dir(root);
         command
     };
-    let features: Vec<&str> = features.split_whitespace().collect();
+    let features = features
+        .split_whitespace()
+        .filter(|word| *word != "default");
+    let features: Vec<&str> = features.collect();
     let tree = cargo()
         .args([
             "tree",
@@ -253,8 +258,12 @@ fn weight(scope: Scope, name: &str, features: &str) -> Result<(usize, Option<Rea
     let text = String::from_utf8_lossy(&tree.stdout);
     let name_of = |line: &'_ str| line.split_whitespace().next().map(str::to_owned);
     let others: BTreeSet<String> = text.lines().filter_map(name_of).collect();
+    let brought = |seconds_to_build| Weight {
+        crates_it_brings_in: others.len() - 1,
+        seconds_to_build,
+    };
     if scope == Scope::Quick {
-        return Ok((others.len() - 1, None));
+        return Ok(brought(None));
     }
     let target = std::env::temp_dir().join(format!("cloth-skip-{}", std::process::id()));
     let started = Instant::now();
@@ -276,7 +285,7 @@ fn weight(scope: Scope, name: &str, features: &str) -> Result<(usize, Option<Rea
     // What is left behind there is of no use to anybody.
     let _ = std::fs::remove_dir_all(&target);
     match built {
-        Ok(built) if built.status.success() => Ok((others.len() - 1, Some(seconds))),
+        Ok(built) if built.status.success() => Ok(brought(Some(seconds))),
         Ok(built) => Err(refused(&built.stderr)),
         Err(error) => Err(BenchError::Failed(format!("cargo: {error}"))),
     }

@@ -1,23 +1,12 @@
 //! Where the methods stop working: maps of step size, stiffness, ratios and mesh quality.
 
-use super::{Cases, Findings, Scope, Study};
-use crate::error::BenchError;
-use crate::journal::Number;
-use crate::method::{self, Method};
-use crate::report::plot::{Axis, Plot, Series, Style};
-use crate::report::table::{Cell, Table};
-use crate::scene::{self, Scene};
-use crate::settings::Settings;
-use cloth_core::math::Real;
+use crate::studies::prelude::*;
 use cloth_core::measure::{gravitational_energy, kinetic_energy};
-use cloth_core::particles::State;
 use cloth_core::random::SplitMix64;
-use cloth_core::step::{StepError, StepInput};
-use serde::{Deserialize, Serialize};
+use cloth_core::step::StepError;
+use map::{MAPS, Map};
 
 mod map;
-
-use map::{MAPS, Map};
 
 pub(super) const STUDY: Study = Study {
     name: "stability",
@@ -29,23 +18,18 @@ pub(super) const STUDY: Study = Study {
         diverged: no longer finite, or the method said so; refused: not built, or the matrix of the first step is of no use, with the reason in the notes. Maps: step (s) × stiffness (N/m); mass of a free corner over that of an inner vertex × stiffness of one half of the sheet over that of the other, Δt = 1/60 s; \
         height of one row of triangles over that of the others, zero included. Limit: the largest step at which symplectic Euler keeps a fixed-free chain of 20 masses from exploding, found by bisection, over the closed form h = 1/(√(k/m) sin((2n − 1)π/(4n + 2))). \
         What might surprise: a method can be unconditionally stable for a linear spring (implicit midpoint) and still gain energy on cloth, and PBD and XPBD, cut short by their published settings, hold more elastic energy than the fall has given although they stay finite.",
-    cases,
     run,
 };
-
-fn cases(scope: Scope) -> u64 {
-    1 + rows(scope).len() as u64
-}
 
 fn methods() -> impl Iterator<Item = &'static str> {
     method::all().map(|method| method.name)
 }
 
-fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
-    let mut findings = Findings::default();
-    let limit = limits(scope, &mut findings, cases);
+fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
+    let scope = study.scope;
+    let limit = limits(study);
     let rows = rows(scope);
-    let fates = cases.side_by_side(&rows, Row::name, |row| {
+    let fates = study.cases.side_by_side(&rows, Row::name, |row| {
         row.map.row(scope, row.down, row.method)
     });
     let mut told = vec![limit];
@@ -56,10 +40,10 @@ fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
             .by_ref()
             .take(methods().count() * down.len())
             .collect();
-        told.push(draw(map, &across, of_map, &mut findings));
+        told.push(draw(map, &across, of_map, &mut study.findings));
     }
-    findings.section.verdict = Some(told.join(" "));
-    Ok(findings)
+    study.findings.section.verdict = Some(told.join(" "));
+    Ok(())
 }
 
 /// What is one case: a method on one row of a map.
@@ -127,15 +111,17 @@ impl Fate {
 
 /// Follows a method for some steps.
 fn follow(scene: &Scene, name: &str, dt: Real, steps: u32) -> Result<Fate, BenchError> {
-    let settings = match name {
-        "explicit-euler" | "symplectic-euler" => Settings::default().with("substeps", 1),
-        _ => Settings::default(),
-    };
-    let mut stepper = match Method::find(name)?.build(scene, &settings, dt) {
+    let method = Method::find(name)?;
+    let settings = Settings::of(if method.is_explicit() {
+        "substeps=1"
+    } else {
+        ""
+    });
+    let mut stepper = match method.build(scene, &settings, dt) {
         Ok(stepper) => stepper,
         Err(error) => return Ok(Fate::Refused(error.to_string())),
     };
-    let energies = scene.model.energies().map_err(BenchError::failed)?;
+    let energies = scene.model.energies()?;
     let particles = &scene.model.particles;
     let moving = |state: &State| {
         kinetic_energy(particles, &state.velocities)
@@ -264,53 +250,48 @@ fn short(value: Real) -> String {
 /// The step at which symplectic Euler explodes on a chain of 20 masses.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 struct Limit {
+    #[serde(rename = "stiffness (N/m)")]
     stiffness: Number,
+    #[serde(rename = "largest step (s)")]
     found: Number,
+    #[serde(rename = "closed form (s)")]
     expected: Number,
 }
 
-fn limits(scope: Scope, findings: &mut Findings, cases: &mut Cases<'_>) -> String {
-    let stiffnesses: &[Real] = match scope {
-        Scope::Quick => &[1e2, 1e6],
-        Scope::Full => &[1.0, 1e2, 1e4, 1e6, 1e8],
+fn limits(study: &mut StudyRun<'_>) -> String {
+    let stiffnesses: &[Real] = study.scope.pick(&[1e2, 1e6], &[1.0, 1e2, 1e4, 1e6, 1e8]);
+    let measure = || {
+        stiffnesses
+            .iter()
+            .map(|&k| limit(k))
+            .collect::<Result<Vec<Limit>, _>>()
     };
-    let case = "limit of symplectic Euler";
-    let found: Result<Vec<Limit>, BenchError> =
-        cases.case(case, || stiffnesses.iter().map(|&k| limit(k)).collect());
-    let Some(found) = findings.unless_failed(case, found) else {
+    let Some(found) = study.case("limit of symplectic Euler", measure) else {
         return "The limit of symplectic Euler was not found.".into();
     };
-    let mut table = Table::new(&["stiffness (N/m)", "largest step (s)", "closed form (s)"]);
-    let mut worst: Real = 0.0;
-    for limit in &found {
-        worst = worst.max((limit.found.0 / limit.expected.0 - 1.0).abs());
-        table.push([
-            Cell::from(limit.stiffness.0),
-            Cell::from(limit.found.0),
-            Cell::from(limit.expected.0),
-        ]);
-    }
-    let curve = |of: fn(&Limit) -> Real| {
+    let curve = |of: fn(&Limit) -> Number| {
         found
             .iter()
-            .map(|limit| (limit.stiffness.0, of(limit)))
-            .collect()
+            .map(move |limit| (limit.stiffness.0, of(limit).0))
     };
-    findings.plot(
-        "stability-limit",
-        &Plot {
-            title: "The largest step of symplectic Euler".into(),
-            x: Axis::log("stiffness (N/m)"),
-            y: Axis::log("step (s)"),
-            series: vec![
-                Series::new("symplectic-euler", curve(|limit| limit.found.0)).styled(Style::Points),
-                Series::new("2/ω of the stiffest mode", curve(|limit| limit.expected.0))
-                    .styled(Style::ExactCurve),
-            ],
-            note: "A chain of 20 masses of 0.01 kg, held at one end, shaken along itself.".into(),
-        },
-    );
-    findings.table("stability-limit", "The limit of symplectic Euler", table);
+    let measured = Series::new("symplectic-euler", curve(|limit| limit.found).collect());
+    let plot = Plot::new(
+        "The largest step of symplectic Euler",
+        Axis::log("stiffness (N/m)"),
+        Axis::log("step (s)"),
+    )
+    .points([measured])
+    .exact("2/ω of the stiffest mode", curve(|limit| limit.expected))
+    .note("A chain of 20 masses of 0.01 kg, held at one end, shaken along itself.");
+    study.findings.plot("stability-limit", &plot);
+    let table = Table::of(&found);
+    study
+        .findings
+        .table("stability-limit", "The limit of symplectic Euler", table);
+    let errors = found
+        .iter()
+        .map(|limit| (limit.found.0 / limit.expected.0 - 1.0).abs());
+    let worst = errors.fold(0.0, Real::max);
     format!("Symplectic Euler explodes where the closed form says, to {worst:.0e}.")
 }
 
@@ -319,12 +300,9 @@ fn limit(stiffness: Real) -> Result<Limit, BenchError> {
     const LINKS: u32 = 20;
     const MASS: Real = 0.01;
     const STEPS: u32 = 3000;
-    let settings = Settings::default()
-        .with("n", LINKS)
-        .with("mass", MASS)
-        .with("tip_mass", MASS)
-        .with("stiffness", stiffness)
-        .with("gravity", 0);
+    let settings = Settings::of(&format!(
+        "n={LINKS} mass={MASS} tip_mass={MASS} stiffness={stiffness} gravity=0"
+    ));
     let mut scene = scene::build("chain", None, &settings)?;
     let mut random = SplitMix64::new(1);
     for x in scene.start.positions.iter_mut().skip(1) {

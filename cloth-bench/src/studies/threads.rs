@@ -1,15 +1,7 @@
 //! When a second thread helps.
 
 use super::interleaved::interleaved;
-use super::{Cases, Findings, Scope, Study};
-use crate::error::BenchError;
-use crate::method::{self, Method};
-use crate::report::plot::{Axis, Plot, Series, Style};
-use crate::report::table::{Cell, Table};
-use crate::scene;
-use crate::settings::Settings;
-use cloth_core::math::Real;
-use cloth_core::step::StepInput;
+use crate::studies::prelude::*;
 use std::time::Instant;
 
 pub(super) const STUDY: Study = Study {
@@ -17,7 +9,6 @@ pub(super) const STUDY: Study = Study {
     question: "From which size on does a second thread make a step shorter?",
     about: "A step of the hanging sheet at default settings, in a pool of one thread and in one of two: one of each in turn, many times. Gain is the time on one thread over that on two, the median over the turns. Results are the same to the last \
         bit. Expect no gain and no loss on small sheets, where loops stay on one thread, and less than 2 on large ones: sweeps and solves wait for memory, and the triangular solves of projective dynamics and of Newton's method are serial.",
-    cases,
     run,
 };
 
@@ -26,84 +17,87 @@ fn methods() -> Vec<&'static str> {
 }
 
 fn sides(scope: Scope) -> &'static [u32] {
-    match scope {
-        Scope::Quick => &[16, 48],
-        Scope::Full => &[16, 32, 64, 128, 256],
-    }
+    scope.pick(&[16, 48], &[16, 32, 64, 128, 256])
 }
 
-fn cases(scope: Scope) -> u64 {
-    (methods().len() * sides(scope).len()) as u64
+/// A step of a method on a sheet.
+#[derive(Default, Serialize)]
+struct Point {
+    method: &'static str,
+    vertices_a_side: u32,
 }
 
-fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
-    let mut findings = Findings::default();
-    let mut table = Table::new(&[
-        "method",
-        "vertices a side",
-        "one thread (ms)",
-        "two threads (ms)",
-        "gain",
-    ]);
-    let mut series = Vec::new();
-    let mut parts = Vec::new();
-    for name in methods() {
-        let mut curve = Vec::new();
-        for &n in sides(scope) {
-            let case = format!("{name} at {n} × {n}");
-            let times = cases.case(&case, || times(name, n));
-            let Some([one, two, gain]) = findings.unless_failed(&case, times) else {
-                continue;
-            };
-            table.push([
-                Cell::from(name),
-                Cell::from(n as usize),
-                Cell::from(1e3 * one),
-                Cell::from(1e3 * two),
-                Cell::from(gain),
-            ]);
-            curve.push((Real::from(n), gain));
-        }
+/// Its times, and what the second thread gains.
+#[derive(Default, Serialize, Deserialize)]
+struct Times {
+    #[serde(rename = "one thread (ms)")]
+    one: Real,
+    #[serde(rename = "two threads (ms)")]
+    two: Real,
+    gain: Real,
+}
+
+fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
+    let sides = sides(study.scope).iter();
+    let of_method = |method| {
+        sides.clone().map(move |&vertices_a_side| Point {
+            method,
+            vertices_a_side,
+        })
+    };
+    let rows = study.grid(
+        methods().into_iter().flat_map(of_method),
+        |Point {
+             method,
+             vertices_a_side: n,
+         }| format!("{method} at {n} × {n}"),
+        |point| times(point.method, point.vertices_a_side),
+    );
+    let gains = curves(&rows, |(point, times)| {
+        (
+            point.method,
+            (Real::from(point.vertices_a_side), times.gain),
+        )
+    });
+    let parts = methods().into_iter().map(|name| {
+        let curve = gains.iter().find(|series| series.label == name);
+        let curve = curve.map_or(&[][..], |series| &series.points);
         let no_more = curve.iter().rposition(|(_, gain)| *gain <= 1.1);
-        let pays = curve.get(no_more.map_or(0, |last| last + 1));
         let most = curve.iter().map(|(_, gain)| *gain).fold(0.0, Real::max);
-        parts.push(match pays {
+        match curve.get(no_more.map_or(0, |last| last + 1)) {
             Some((n, _)) => format!("{name} from {n} × {n} on, by up to {most:.2}"),
             None => format!("{name} at no size measured"),
-        });
-        series.push(Series::new(name, curve));
-    }
-    let even = sides(scope).iter().map(|&n| (Real::from(n), 1.0)).collect();
-    series.push(Series::new("no gain", even).styled(Style::ExactCurve));
-    findings.plot(
-        "threads",
-        &Plot {
-            title: "What a second thread gains".into(),
-            x: Axis::log("vertices a side"),
-            y: Axis::linear("time on one thread over time on two (dimensionless)"),
-            series,
-            note: String::new(),
-        },
+        }
+    });
+    let parts: Vec<String> = parts.collect();
+    let gain = Axis::linear("time on one thread over time on two (dimensionless)");
+    let plot = Plot::new(
+        "What a second thread gains",
+        Axis::log("vertices a side"),
+        gain,
     );
-    findings.table("threads", "A step on one thread and on two", table);
-    let verdict = format!(
-        "A second thread shortens a step by more than a tenth: {}.",
-        parts.join("; ")
-    );
-    findings.answer("When does a second thread help?", verdict.clone());
-    findings.section.verdict = Some(verdict);
-    Ok(findings)
+    let plot = plot
+        .with(gains)
+        .exact("no gain", sides.clone().map(|&n| (Real::from(n), 1.0)));
+    study.findings.plot("threads", &plot);
+    let table = Table::of(&rows);
+    study
+        .findings
+        .table("threads", "A step on one thread and on two", table);
+    let parts = parts.join("; ");
+    let verdict = format!("A second thread shortens a step by more than a tenth: {parts}.");
+    study
+        .findings
+        .answer("When does a second thread help?", verdict.clone());
+    study.findings.section.verdict = Some(verdict);
+    Ok(())
 }
 
-/// Median times (s) of a step on one thread and on two, and what the second gains.
-fn times(name: &str, n: u32) -> Result<[Real; 3], BenchError> {
+/// Median times of a step on one thread and on two, and what the second gains.
+fn times(name: &str, n: u32) -> Result<Times, BenchError> {
     let scene = scene::build("hang", None, &Settings::default().with("n", n))?;
-    let pools = [1, 2].map(|count| rayon::ThreadPoolBuilder::new().num_threads(count).build());
-    let [one, two] = pools;
-    let pools = [
-        one.map_err(BenchError::failed)?,
-        two.map_err(BenchError::failed)?,
-    ];
+    let pool = |count| rayon::ThreadPoolBuilder::new().num_threads(count).build();
+    let pools = [pool(1)?, pool(2)?];
     let method = Method::find(name)?;
     let mut solvers = [
         method.build(&scene, &Settings::default(), scene.dt)?,
@@ -115,10 +109,11 @@ fn times(name: &str, n: u32) -> Result<[Real; 3], BenchError> {
         pools[variant].install(|| {
             let input = StepInput::new(scene.dt).gravity(scene.gravity);
             let started = Instant::now();
-            solver.step(state, input).map_err(BenchError::failed)?;
+            solver.step(state, input)?;
             Ok(started.elapsed().as_secs_f64())
         })
     })?;
-    let [one, two] = times.seconds;
-    Ok([one, two, 1.0 / times.ratios[1]])
+    let [one, two] = times.seconds.map(|seconds| 1e3 * seconds);
+    let gain = 1.0 / times.ratios[1];
+    Ok(Times { one, two, gain })
 }

@@ -2,17 +2,9 @@
 
 use super::cases::LazyCell;
 use super::sheets::TestSheet;
-use super::{Cases, Findings, Scope, Study};
-use crate::error::BenchError;
-use crate::method::{self, Method};
 use crate::report::player::{Film, Playback, Track};
-use crate::report::plot::{Axis, Plot, Series};
-use crate::report::table::{Cell, Table};
-use crate::run::{self, median};
-use crate::scene::Scene;
-use crate::settings::Settings;
-use cloth_core::math::{Real, Vec3};
-use serde::{Deserialize, Serialize};
+use crate::run::median;
+use crate::studies::prelude::*;
 use std::time::Instant;
 
 pub(super) const STUDY: Study = Study {
@@ -22,7 +14,6 @@ pub(super) const STUDY: Study = Study {
         the error is ‖x(T) − x_ref(T)‖_M/(√Σm · 1 m). Times are of the whole fall, the median of three runs where these are short. Work is iterations: Newton iterations, sweeps, \
         local and global steps, or explicit substeps. Order is that of the line above it to this one. Expect first order from implicit Euler, a floor from methods that stop iterating before they have converged, \
         and an explicit method that is exact as soon as it is stable: its steps are short. The error against the minimiser of one step is in the studies `convergence` (every method, and the accelerations), `acceleration` (sweeps in detail), `projective` and `newton`. With `--scene FILE` the same is asked of a scene of your own, without contact, air and moving pins.",
-    cases,
     run,
 };
 
@@ -30,17 +21,11 @@ pub(super) const STUDY: Study = Study {
 const HORIZON: Real = 0.3;
 /// Steps of the reference in 1/60 s, the coarser of two.
 const REFERENCE: u32 = 4096;
-/// What the plots have along.
-const TIME: &str = "time (ms)";
-const STEP: &str = "step size (s)";
 /// Errors that the verdict asks for (dimensionless).
 const WANTED: [Real; 2] = [1e-2, 1e-3];
 
 fn side(scope: Scope) -> u32 {
-    match scope {
-        Scope::Quick => 13,
-        Scope::Full => 33,
-    }
+    scope.pick(13, 33)
 }
 
 /// Steps per second. The direct solver of XPBD ends where implicit Euler does, at fifty times the price: coarse steps
@@ -55,120 +40,76 @@ fn rates(scope: Scope, label: &str) -> &'static [u32] {
 
 /// Time that is played back (s).
 fn shown(scope: Scope) -> Real {
-    match scope {
-        Scope::Quick => 1.0,
-        Scope::Full => 3.0,
-    }
+    scope.pick(1.0, 3.0)
 }
 
-/// What is compared: label, method, and what is not its default.
-fn variants() -> Vec<(String, &'static str, Settings)> {
-    let default =
-        method::all().map(|method| (method.name.to_owned(), method.name, Settings::default()));
-    let set = |key: &str, value: &str| Settings::default().with(key, value);
-    let iterations = set("substeps", "1").with("iterations", "20");
-    let accelerated = [
-        (
-            "implicit-euler, to 1e-1",
-            "implicit-euler",
-            set("tolerance", "1e-1"),
-        ),
-        (
-            "implicit-euler, to 1e-4",
-            "implicit-euler",
-            set("tolerance", "1e-4"),
-        ),
-        (
-            "implicit-euler, 10 iterations",
-            "implicit-euler",
-            set("iterations", "10"),
-        ),
-        ("bdf2, to 1e-4", "bdf2", set("tolerance", "1e-4")),
-        (
-            "implicit-euler, Newton by Cholesky",
-            "implicit-euler",
-            set("linear", "cholesky"),
-        ),
-        (
-            "implicit-euler, conjugate gradients",
-            "implicit-euler",
-            set("linear", "conjugate-gradients"),
-        ),
-        (
-            "linear-implicit, conjugate gradients",
-            "linear-implicit",
-            set("linear", "conjugate-gradients"),
-        ),
-        (
-            "bdf2, conjugate gradients",
-            "bdf2",
-            set("linear", "conjugate-gradients"),
-        ),
-        ("pbd, Chebyshev", "pbd", set("chebyshev", "auto")),
-        ("pbd, SOR", "pbd", set("relaxation", "1.5")),
-        (
-            "pbd, Jacobi, Chebyshev",
-            "pbd",
-            set("sweep", "jacobi").with("chebyshev", "auto"),
-        ),
-        ("pbd, rigid", "pbd", set("projection", "1")),
-        (
-            "pbd, rigid, coarse levels",
-            "pbd",
-            set("projection", "1").with("hierarchy", "10"),
-        ),
-        ("xpbd, 20 iterations", "xpbd", iterations.clone()),
-        (
-            "xpbd, 20 iterations, SOR",
-            "xpbd",
-            iterations.clone().with("relaxation", "1.5"),
-        ),
-        (
-            "xpbd, 20 iterations, Chebyshev",
-            "xpbd",
-            iterations.clone().with("chebyshev", "auto"),
-        ),
-        (
-            "xpbd, 20 iterations, Jacobi, Chebyshev",
-            "xpbd",
-            iterations.with("sweep", "jacobi").with("chebyshev", "auto"),
-        ),
-        ("xpbd, single precision", "xpbd", set("precision", "single")),
-        (
-            "xpbd-direct, one solve",
-            "xpbd-direct",
-            set("mode", "stable"),
-        ),
-        ("pd, plain", "pd", set("acceleration", "none")),
-        ("pd, Chebyshev", "pd", set("acceleration", "chebyshev")),
-        ("pd, no coarse grid", "pd", set("coarse", "0")),
-    ];
-    let accelerated = accelerated.map(|(label, name, settings)| (label.to_owned(), name, settings));
-    default.chain(accelerated).collect()
+/// What is compared: every method at its default, and what is cut short, accelerated or less precise.
+fn variants() -> Vec<Variant> {
+    let mut variants: Vec<Variant> = method::all().map(Variant::default_of).collect();
+    variants.extend(Variant::list(
+        "implicit-euler, to 1e-1: tolerance=1e-1
+        implicit-euler, to 1e-4: tolerance=1e-4
+        implicit-euler, 10 iterations: iterations=10
+        bdf2, to 1e-4: tolerance=1e-4
+        implicit-euler, Newton by Cholesky: linear=cholesky
+        implicit-euler, conjugate gradients: linear=conjugate-gradients
+        linear-implicit, conjugate gradients: linear=conjugate-gradients
+        bdf2, conjugate gradients: linear=conjugate-gradients
+        pbd, Chebyshev: chebyshev=auto
+        pbd, SOR: relaxation=1.5
+        pbd, Jacobi, Chebyshev: sweep=jacobi chebyshev=auto
+        pbd, rigid: projection=1
+        pbd, rigid, coarse levels: projection=1 hierarchy=10
+        xpbd, 20 iterations: substeps=1 iterations=20
+        xpbd, 20 iterations, SOR: substeps=1 iterations=20 relaxation=1.5
+        xpbd, 20 iterations, Chebyshev: substeps=1 iterations=20 chebyshev=auto
+        xpbd, 20 iterations, Jacobi, Chebyshev: substeps=1 iterations=20 sweep=jacobi chebyshev=auto
+        xpbd, single precision: precision=single
+        xpbd-direct, one solve: mode=stable
+        pd, plain: acceleration=none
+        pd, Chebyshev: acceleration=chebyshev
+        pd, no coarse grid: coarse=0",
+    ));
+    variants
 }
 
 /// Curves are drawn in groups: methods at their defaults; accelerations and precisions of the others; implicit steps.
-const GROUPS: usize = 3;
+/// Each has a part of a name and of a title.
+const GROUPS: [(&str, &str); 3] = [
+    ("", "Error of the motion"),
+    ("ways-", "Accelerations and precision: error"),
+    (
+        "implicit-",
+        "Implicit steps converged and cut short, beside PD and XPBD: error",
+    ),
+];
 
-/// The groups of a curve.
-fn groups(label: &str, is_default: bool) -> impl Iterator<Item = usize> {
-    let is_of = |name: &&str| label == *name || label.starts_with(&format!("{name},"));
-    let is_implicit = ["implicit-euler", "linear-implicit", "bdf2"]
-        .iter()
-        .any(is_of);
-    let is_beside = is_default && ["pd", "xpbd"].contains(&label);
-    let in_group = [
-        is_default,
-        !is_default && !is_implicit,
-        is_implicit || is_beside,
-    ];
-    (0..GROUPS).filter(move |&group| in_group[group])
+/// One line of the table.
+#[derive(Default, Serialize)]
+struct Row {
+    method: String,
+    steps_per_second: u32,
+    #[serde(rename = "time (ms)")]
+    ms: Option<Real>,
+    iterations: Option<u64>,
+    error: Option<Real>,
+    order: Option<Real>,
+    remark: String,
 }
 
-fn cases(scope: Scope) -> u64 {
-    let variants = variants();
-    let falls = variants.iter().map(|(label, ..)| rates(scope, label).len());
-    (1 + falls.sum::<usize>() + method::all().count()) as u64
+impl Row {
+    /// The groups that it belongs to.
+    fn groups(&self) -> [bool; 3] {
+        let name = self.method.split(',').next().unwrap_or_default();
+        let is_default = name == self.method;
+        let is_implicit = ["implicit-euler", "linear-implicit", "bdf2"].contains(&name);
+        let is_beside = is_default && ["pd", "xpbd"].contains(&name);
+        [
+            is_default,
+            !is_default && !is_implicit,
+            is_implicit || is_beside,
+        ]
+    }
 }
 
 /// One run to the horizon.
@@ -179,148 +120,101 @@ struct Outcome {
     error: Real,
 }
 
-fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
-    let mut findings = Findings::default();
-    let sheets = TestSheet::of_study(cases, &[side(scope)])?;
+fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
+    let scope = study.scope;
+    let sheets = TestSheet::of_study(&study.cases, &[side(scope)])?;
     let sheet = &sheets[0];
     let scene = &sheet.scene;
     let mut reference = LazyCell::new(|| Reference::of(scene));
-    let doubt = cases.case("reference", || Ok(reference.get()?.doubt));
+    let doubt = study.cases.case("reference", || Ok(reference.get()?.doubt));
     // Everything else is compared with it.
-    let Some(doubt) = findings.unless_failed("reference", doubt) else {
-        return Ok(findings);
+    let Some(doubt) = study.findings.unless_failed("reference", doubt) else {
+        return Ok(());
     };
-    let mut table = Table::new(&[
-        "method",
-        "steps per second",
-        "time (ms)",
-        "iterations",
-        "error",
-        "order",
-        "remark",
-    ]);
-    // By time and by step, of each group.
-    let mut series: [[Vec<Series>; 2]; GROUPS] = Default::default();
-    let mut all: Vec<(String, u32, Outcome)> = Vec::new();
-    let defaults = method::all().count();
-    for (number, (label, name, settings)) in variants().into_iter().enumerate() {
-        let mut curves = [Vec::new(), Vec::new()];
+    let mut rows: Vec<Row> = Vec::new();
+    for variant in variants() {
         let mut before: Option<(u32, Real)> = None;
-        for &rate in rates(scope, &label) {
-            let case = format!("{label}, 1/{rate} s");
-            let outcome = cases.case(&case, || {
-                let method = Method::find(name)?;
-                fall(scene, method, &settings, rate, reference.get()?)
+        for &rate in rates(scope, &variant.label) {
+            let case = format!("{}, 1/{rate} s", variant.label);
+            let outcome = study.cases.case(&case, || {
+                let method = Method::find(variant.method())?;
+                fall(scene, method, &variant.settings, rate, reference.get()?)
             });
-            let remark = outcome
-                .as_ref()
-                .err()
-                .map_or(String::new(), BenchError::to_string);
+            let remark = outcome.as_ref().err().map(BenchError::to_string);
             let outcome = outcome.ok();
             let order = before.zip(outcome).map(|((coarser, error), now)| {
                 (error / now.error).ln() / (Real::from(rate) / Real::from(coarser)).ln()
             });
             before = outcome.map(|outcome| (rate, outcome.error));
-            table.push([
-                Cell::from(label.as_str()),
-                Cell::from(rate as usize),
-                Cell::from(outcome.map(|o| 1e3 * o.seconds)),
-                Cell::from(outcome.map(|o| o.iterations as usize)),
-                Cell::from(outcome.map(|o| o.error)),
-                Cell::from(order),
-                Cell::from(remark),
-            ]);
-            if let Some(outcome) = outcome {
-                curves[0].push((1e3 * outcome.seconds, outcome.error));
-                curves[1].push((1.0 / Real::from(rate), outcome.error));
-                all.push((label.clone(), rate, outcome));
-            }
-        }
-        for group in groups(&label, number < defaults) {
-            for (series, curve) in series[group].iter_mut().zip(&curves) {
-                series.push(Series::new(&label, curve.clone()));
-            }
+            rows.push(Row {
+                method: variant.label.clone(),
+                steps_per_second: rate,
+                ms: outcome.map(|o| 1e3 * o.seconds),
+                iterations: outcome.map(|o| o.iterations),
+                error: outcome.map(|o| o.error),
+                order,
+                remark: remark.unwrap_or_default(),
+            });
         }
     }
-    let [
-        [by_time, by_step],
-        [other_by_time, other_by_step],
-        [implicit_by_time, implicit_by_step],
-    ] = series;
-    let plot = |title: &str, x: &str, series| Plot {
-        title: format!("{title}, {}", sheet.which()),
-        x: Axis::log(x),
-        y: Axis::log("error (dimensionless)").within(1e-5, 1.0),
-        series,
-        note: String::new(),
-    };
-    for (name, title, x, series) in [
-        (
-            "time",
-            "Error of the motion against run time",
-            TIME,
-            by_time,
-        ),
-        (
-            "step",
-            "Error of the motion against the step",
-            STEP,
-            by_step,
-        ),
-        (
-            "ways-time",
-            "Accelerations and precision: error against run time",
-            TIME,
-            other_by_time,
-        ),
-        (
-            "ways-step",
-            "Accelerations and precision: error against the step",
-            STEP,
-            other_by_step,
-        ),
-        (
-            "implicit-time",
-            "Implicit steps converged and cut short, beside PD and XPBD: error against run time",
-            TIME,
-            implicit_by_time,
-        ),
-        (
-            "implicit-step",
-            "Implicit steps converged and cut short, beside PD and XPBD: error against the step",
-            STEP,
-            implicit_by_step,
-        ),
-    ] {
-        findings.plot(&format!("work-precision-{name}"), &plot(title, x, series));
+    for (number, (name, title)) in GROUPS.into_iter().enumerate() {
+        let of_group = || rows.iter().filter(|row| row.groups()[number]);
+        let by_time = of_group().filter_map(|row| Some((row, (row.ms?, row.error?))));
+        let by_step = of_group()
+            .filter_map(|row| Some((row, (1.0 / Real::from(row.steps_per_second), row.error?))));
+        let mut draw = |name: String, title: String, x: &str, series: Vec<Series>| {
+            let y = Axis::log("error (dimensionless)").within(1e-5, 1.0);
+            let title = format!("{title}, {}", sheet.which());
+            let plot = Plot::new(title, Axis::log(x), y).with(series);
+            study.findings.plot(&name, &plot);
+        };
+        let of = |(row, point): (&Row, (Real, Real))| (row.method.clone(), point);
+        draw(
+            format!("work-precision-{name}time"),
+            format!("{title} against run time"),
+            "time (ms)",
+            curves(by_time, of),
+        );
+        draw(
+            format!("work-precision-{name}step"),
+            format!("{title} against the step"),
+            "step size (s)",
+            curves(by_step, of),
+        );
     }
-    findings.table(
+    study.findings.table(
         "work-precision",
         &format!("Three tenths of a second of {}", sheet.what()),
-        table,
+        Table::of(&rows),
     );
-    findings.section.notes.push(format!(
+    study.findings.section.notes.push(format!(
         "The reference is known to {doubt:.1e}: the distance between its two extrapolations."
     ));
-    findings.section.verdict = Some(verdict(sheet, &all));
-    play(scope, sheet, &mut findings, cases);
-    Ok(findings)
+    study.findings.section.verdict = Some(verdict(sheet, &rows));
+    play(study, sheet);
+    Ok(())
 }
 
 /// The fastest to each error, in words.
-fn verdict(sheet: &TestSheet, all: &[(String, u32, Outcome)]) -> String {
+fn verdict(sheet: &TestSheet, rows: &[Row]) -> String {
     let parts = WANTED.map(|wanted| {
-        let mut good: Vec<_> = all.iter().filter(|(.., o)| o.error <= wanted).collect();
-        good.sort_by(|(.., a), (.., b)| a.seconds.total_cmp(&b.seconds));
+        let good = rows
+            .iter()
+            .filter(|row| row.error.is_some_and(|error| error <= wanted));
+        let mut good: Vec<(&Row, Real)> = good.filter_map(|row| Some((row, row.ms?))).collect();
+        good.sort_by(|a, b| a.1.total_cmp(&b.1));
         // Each method once.
-        let mut fastest: Vec<&(String, u32, Outcome)> = Vec::new();
+        let mut fastest: Vec<(&Row, Real)> = Vec::new();
         for one in good {
-            if fastest.len() < 3 && fastest.iter().all(|(label, ..)| *label != one.0) {
+            if fastest.len() < 3 && fastest.iter().all(|(row, _)| row.method != one.0.method) {
                 fastest.push(one);
             }
         }
-        let named = fastest.iter().map(|(label, rate, outcome)| {
-            format!("{label} with 1/{rate} s ({:.1} ms)", 1e3 * outcome.seconds)
+        let named = fastest.iter().map(|(row, ms)| {
+            format!(
+                "{} with 1/{} s ({ms:.1} ms)",
+                row.method, row.steps_per_second
+            )
         });
         match named.collect::<Vec<_>>() {
             named if named.is_empty() => format!("to {wanted} of the size nobody gets"),
@@ -406,7 +300,8 @@ fn fall(
 }
 
 /// Every method at its default setting, on film.
-fn play(scope: Scope, sheet: &TestSheet, findings: &mut Findings, cases: &mut Cases<'_>) {
+fn play(study: &mut StudyRun<'_>, sheet: &TestSheet) {
+    let scope = study.scope;
     let scene = &sheet.scene;
     let Some(mesh) = &scene.mesh else {
         return;
@@ -415,7 +310,7 @@ fn play(scope: Scope, sheet: &TestSheet, findings: &mut Findings, cases: &mut Ca
     let mut tracks = Vec::new();
     let methods: Vec<&Method> = method::all().collect();
     let case_of = |method: &&Method| format!("{} on film", method.name);
-    let films = cases.side_by_side(&methods, case_of, |method| {
+    let films = study.cases.side_by_side(&methods, case_of, |method| {
         let settings = Settings::default();
         let mut frames = vec![scene.start.positions.clone()];
         run::from_start(
@@ -434,14 +329,14 @@ fn play(scope: Scope, sheet: &TestSheet, findings: &mut Findings, cases: &mut Ca
         Ok(Film::of_cloth(mesh.triangles(), &frames))
     });
     for (method, film) in methods.iter().zip(films) {
-        if let Some(film) = findings.unless_failed(&case_of(method), film) {
+        if let Some(film) = study.findings.unless_failed(&case_of(method), film) {
             tracks.push(Track {
                 name: method.name.to_owned(),
                 surfaces: vec![film],
             });
         }
     }
-    findings.section.playbacks.push(Playback {
+    study.findings.section.playbacks.push(Playback {
         caption: format!(
             "{} for {} s, every method at its default setting with steps of {:.4} s.",
             sheet.which(),

@@ -1,18 +1,10 @@
 //! How far converged XPBD is from the implicit Euler step, against the step size.
 
-use super::{Cases, Findings, Scope, Study};
-use crate::error::BenchError;
-use crate::report::plot::{Axis, Plot, Series};
-use crate::report::table::{Cell, Table};
-use crate::scene::{self, Scene};
-use crate::settings::Settings;
-use crate::yardstick::{StepError, StepProblem};
-use cloth_core::math::Real;
+use crate::studies::prelude::*;
+use crate::yardstick::StepProblem;
 use cloth_core::method::position_based::Sweep;
-use cloth_core::step::{StepInput, Stepper};
 use cloth_xpbd::direct::{DirectConfig, DirectXpbd};
 use cloth_xpbd::{XpbdConfig, XpbdSolver};
-use serde::{Deserialize, Serialize};
 
 pub(super) const STUDY: Study = Study {
     name: "xpbd-floor",
@@ -20,7 +12,6 @@ pub(super) const STUDY: Study = Study {
     about: "A chain of ten links of 0.1 m and 0.1 kg, let go sideways; the step is the one after 0.3 s of implicit Euler with the same step size. The reference is Newton's \
         method to rounding; the error is (G − G*)/(G(x̃) − G*) and ‖∇G‖/‖∇G(x̃)‖. The sweeps make C + α̃λ zero, with the gradients of the places where each correction \
         was made; the direct solver keeps the equation of the positions and ends at the reference. Expect the floor to fall with the step and no number of sweeps to change it; what surprises is that with long steps the stiffer chain has the lower floor. `order` is that of the line above it to this one.",
-    cases,
     run,
 };
 
@@ -33,110 +24,121 @@ const TIME: Real = 0.3;
 
 /// Steps per second.
 fn rates(scope: Scope) -> &'static [u32] {
-    match scope {
-        Scope::Quick => &[30, 60, 120, 240],
-        Scope::Full => &[30, 60, 120, 240, 480, 960, 1920],
-    }
+    scope.pick(&[30, 60, 120, 240], &[30, 60, 120, 240, 480, 960, 1920])
 }
 
 /// Stiffness of the links (N/m).
 const STIFFNESSES: [Real; 2] = [200.0, 1e4];
 
-fn cases(scope: Scope) -> u64 {
-    (rates(scope).len() * STIFFNESSES.len()) as u64
+/// A chain of this stiffness and a step.
+#[derive(Default, Serialize)]
+struct Point {
+    #[serde(rename = "stiffness (N/m)")]
+    stiffness: Real,
+    steps_per_second: u32,
 }
 
-/// One step size: what the sweeps leave of C + α̃λ (m), and both errors.
+impl Point {
+    fn dt(&self) -> Real {
+        1.0 / Real::from(self.steps_per_second)
+    }
+}
+
+/// What the sweeps leave, and the direct solver.
 #[derive(Default, Serialize, Deserialize)]
 struct Floor {
+    #[serde(rename = "sweeps: objective error")]
+    objective: Real,
+    /// Found when the line above is known.
+    order: Option<Real>,
+    #[serde(rename = "sweeps: gradient error")]
+    gradient: Real,
+    #[serde(rename = "sweeps: largest C + α̃λ (m)")]
     residual: Real,
-    sweeps: StepError,
-    direct: StepError,
+    #[serde(rename = "direct: objective error")]
+    direct_objective: Real,
+    #[serde(rename = "direct: gradient error")]
+    direct_gradient: Real,
 }
 
-fn run(scope: Scope, cases: &mut Cases<'_>) -> Result<Findings, BenchError> {
-    let mut findings = Findings::default();
-    let mut table = Table::new(&[
-        "stiffness (N/m)",
-        "steps per second",
-        "sweeps: objective error",
-        "order",
-        "sweeps: gradient error",
-        "sweeps: largest C + α̃λ (m)",
-        "direct: objective error",
-        "direct: gradient error",
-    ]);
-    let mut series = Vec::new();
-    let mut falls = Vec::new();
-    for stiffness in STIFFNESSES {
-        let settings = Settings::default()
-            .with("n", LINKS)
-            .with("link", 0.1)
-            .with("mass", 0.1)
-            .with("tip_mass", 0.1)
-            .with("stiffness", stiffness);
-        let scene = scene::build("chain", None, &settings)?;
-        let (mut points, mut gradients) = (Vec::new(), Vec::new());
-        let mut before = None;
-        for &rate in rates(scope) {
-            let dt = 1.0 / Real::from(rate);
-            let case = format!("k = {stiffness} N/m, 1/{rate} s");
-            let floor = cases.case(&case, || floor(&scene, dt));
-            let Some(floor) = findings.unless_failed(&case, floor) else {
-                continue;
-            };
-            let objective = floor.sweeps.objective;
-            let order = before
-                .map(|(larger, error): (Real, Real)| (error / objective).ln() / (larger / dt).ln());
-            before = Some((dt, objective));
-            table.push([
-                Cell::from(stiffness),
-                Cell::from(rate as usize),
-                Cell::from(objective),
-                order.map_or(Cell::Missing, Cell::from),
-                Cell::from(floor.sweeps.gradient),
-                Cell::from(floor.residual),
-                Cell::from(floor.direct.objective),
-                Cell::from(floor.direct.gradient),
-            ]);
-            points.push((dt, objective));
-            gradients.push((dt, floor.sweeps.gradient));
-        }
-        if let (Some(first), Some(last)) = (points.first(), points.last()) {
-            falls.push(format!(
-                "with k = {stiffness} N/m {:.1e} with steps of {:.4} s and {:.1e} with {:.5} s",
-                first.1, first.0, last.1, last.0
-            ));
-        }
-        series.push(Series::new(&format!("objective, k = {stiffness}"), points));
-        series.push(Series::new(
-            &format!("gradient, k = {stiffness}"),
-            gradients,
-        ));
-    }
-    let falls = format!(
-        "Converged sweeps of XPBD do not end at the implicit Euler step: what is left of the objective is {}.",
-        falls.join(", and ")
-    );
-    findings.answer("What does XPBD's floor cost?", falls.clone());
-    findings.section.verdict =
-        Some(falls + " The direct solver of the same constraints ends at the step.");
-    findings.table(
-        "xpbd-floor",
-        "Converged sweeps of XPBD and the direct solver beside the implicit Euler step",
-        table,
-    );
-    findings.plot(
-        "xpbd-floor",
-        &Plot {
-            title: "What converged sweeps leave of the implicit Euler step".into(),
-            x: Axis::log("step size (s)"),
-            y: Axis::log("relative error (dimensionless)"),
-            series,
-            note: String::new(),
+fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
+    let rates = rates(study.scope);
+    let of_stiffness = |stiffness| {
+        rates.iter().map(move |&steps_per_second| Point {
+            stiffness,
+            steps_per_second,
+        })
+    };
+    let mut rows = study.grid(
+        STIFFNESSES.into_iter().flat_map(of_stiffness),
+        |point| {
+            format!(
+                "k = {} N/m, 1/{} s",
+                point.stiffness, point.steps_per_second
+            )
+        },
+        |point| {
+            let settings = format!(
+                "n={LINKS} link=0.1 mass=0.1 tip_mass=0.1 stiffness={}",
+                point.stiffness
+            );
+            floor(
+                &scene::build("chain", None, &Settings::of(&settings))?,
+                point.dt(),
+            )
         },
     );
-    Ok(findings)
+    for line in 1..rows.len() {
+        let [(before, above), (point, floor)] = &rows[line - 1..=line] else {
+            continue;
+        };
+        if before.stiffness == point.stiffness {
+            let order = (above.objective / floor.objective).ln() / (before.dt() / point.dt()).ln();
+            rows[line].1.order = Some(order);
+        }
+    }
+    let falls = STIFFNESSES.into_iter().filter_map(|k| {
+        let ours = || rows.iter().filter(|(point, _)| point.stiffness == k);
+        let ((first, floor), (last, least)) = (ours().next()?, ours().next_back()?);
+        Some(format!(
+            "with k = {k} N/m {:.1e} with steps of {:.4} s and {:.1e} with {:.5} s",
+            floor.objective,
+            first.dt(),
+            least.objective,
+            last.dt()
+        ))
+    });
+    let falls = format!(
+        "Converged sweeps of XPBD do not end at the implicit Euler step: what is left of the objective is {}.",
+        falls.collect::<Vec<_>>().join(", and ")
+    );
+    study
+        .findings
+        .answer("What does XPBD's floor cost?", falls.clone());
+    study.findings.section.verdict =
+        Some(falls + " The direct solver of the same constraints ends at the step.");
+    study.findings.table(
+        "xpbd-floor",
+        "Converged sweeps of XPBD and the direct solver beside the implicit Euler step",
+        Table::of(&rows),
+    );
+    let both = rows.iter().flat_map(|(point, floor)| {
+        [("objective", floor.objective), ("gradient", floor.gradient)].map(|(name, error)| {
+            (
+                format!("{name}, k = {}", point.stiffness),
+                (point.dt(), error),
+            )
+        })
+    });
+    let plot = Plot::new(
+        "What converged sweeps leave of the implicit Euler step",
+        Axis::log("step size (s)"),
+        Axis::log("relative error (dimensionless)"),
+    );
+    study
+        .findings
+        .plot("xpbd-floor", &plot.with(curves(both, |point| point)));
+    Ok(())
 }
 
 fn floor(scene: &Scene, dt: Real) -> Result<Floor, BenchError> {
@@ -150,22 +152,27 @@ fn floor(scene: &Scene, dt: Real) -> Result<Floor, BenchError> {
             sweep: Sweep::Sequential,
             ..XpbdConfig::default()
         })
-        .build()
-        .map_err(BenchError::failed)?;
+        .build()?;
     let mut direct = DirectXpbd::builder(&model.particles)
         .energy(model.springs.clone())
         .config(DirectConfig {
             tolerance: 1e-13,
             ..DirectConfig::default()
         })
-        .build()
-        .map_err(BenchError::failed)?;
+        .build()?;
     let mut state = problem.state().clone();
     let input = StepInput::new(dt).gravity(scene.gravity);
-    sweeps.step(&mut state, input).map_err(BenchError::failed)?;
+    sweeps.step(&mut state, input)?;
+    let (swept, direct) = (
+        problem.error(&state.positions),
+        problem.solve(&mut direct)?.0,
+    );
     Ok(Floor {
+        objective: swept.objective,
+        order: None,
+        gradient: swept.gradient,
         residual: sweeps.compliance_residual(&state.positions),
-        sweeps: problem.error(&state.positions),
-        direct: problem.solve(&mut direct)?.0,
+        direct_objective: direct.objective,
+        direct_gradient: direct.gradient,
     })
 }

@@ -1,13 +1,8 @@
 //! How many sweeps a variant of the sweep needs, and how long they take.
 
-use crate::error::BenchError;
-use crate::method::Method;
-use crate::scene::Scene;
-use crate::settings::Settings;
+use crate::studies::prelude::*;
 use crate::yardstick::StepProblem;
-use cloth_core::math::{Real, Vec3};
-use cloth_core::particles::State;
-use cloth_core::step::{Observer, StepInput, Stepper};
+use cloth_core::step::Observer;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -46,6 +41,13 @@ pub(super) struct Needed {
     pub(super) measured: bool,
 }
 
+impl Needed {
+    /// Whole sweeps.
+    fn count(&self) -> u32 {
+        self.sweeps.ceil() as u32
+    }
+}
+
 /// Looks at every sweep up to the hundredth, then at one in a hundred.
 struct Watch<'a> {
     target: &'a Target,
@@ -64,22 +66,17 @@ impl Observer for Watch<'_> {
     }
 }
 
-fn solver(
-    scene: &Scene,
-    (method, settings): (&str, &Settings),
-    sweeps: u32,
-) -> Result<Box<dyn Stepper>, BenchError> {
-    let settings = settings.clone().with("iterations", sweeps);
-    Method::find(method)?.build(scene, &settings, scene.dt)
+fn solver(scene: &Scene, variant: &Variant, sweeps: u32) -> Result<Box<dyn Stepper>, BenchError> {
+    let settings = variant.settings.clone().with("iterations", sweeps);
+    Method::find(variant.method())?.build(scene, &settings, scene.dt)
 }
 
-/// Sweeps of `method` until the error is small, counted up to `most` of them.
+/// Sweeps of a variant until the error is small, counted up to `most` of them.
 pub(super) fn sweeps(
     scene: &Scene,
     state: &State,
     target: &Target,
-    method: &str,
-    settings: &Settings,
+    variant: &Variant,
     most: u32,
 ) -> Result<Needed, BenchError> {
     let mut allowed = most.min(250);
@@ -92,9 +89,7 @@ pub(super) fn sweeps(
         let input = StepInput::new(scene.dt)
             .gravity(scene.gravity)
             .observer(&mut watch);
-        solver(scene, (method, settings), allowed)?
-            .step(&mut state.clone(), input)
-            .map_err(BenchError::failed)?;
+        solver(scene, variant, allowed)?.step(&mut state.clone(), input)?;
         let Some(&(last, error)) = watch.seen.last() else {
             return Err(BenchError::Failed("no sweep was seen".into()));
         };
@@ -149,17 +144,17 @@ const ROUNDS: usize = 15;
 /// Sweeps that are timed at most; a multiple of those between two corrections of a hierarchy.
 const TIMED: u32 = 200;
 
-/// The smallest times of some repetitions, all `runs` in turn: method, settings, sweeps.
+/// The smallest times of some repetitions, all `runs` in turn.
 pub(super) fn times(
     scene: &Scene,
     state: &State,
-    runs: &[(&str, &Settings, u32)],
+    runs: &[(&Variant, Needed)],
 ) -> Result<Vec<Time>, BenchError> {
     // One sweep, with what a step costs besides; and as many as are needed, or many.
     let mut solvers = Vec::with_capacity(runs.len());
-    for &(method, settings, sweeps) in runs {
-        let many = sweeps.min(1 + TIMED);
-        let make = |count| solver(scene, (method, settings), count);
+    for (variant, needed) in runs {
+        let many = needed.count().min(1 + TIMED);
+        let make = |count| solver(scene, variant, count);
         solvers.push([make(1)?, make(many)?]);
     }
     let mut best = vec![[Real::INFINITY; 2]; runs.len()];
@@ -169,7 +164,7 @@ pub(super) fn times(
                 let mut state = state.clone();
                 let input = StepInput::new(scene.dt).gravity(scene.gravity);
                 let started = Instant::now();
-                solver.step(&mut state, input).map_err(BenchError::failed)?;
+                solver.step(&mut state, input)?;
                 *best = best.min(started.elapsed().as_secs_f64());
             }
         }
@@ -177,7 +172,8 @@ pub(super) fn times(
     Ok(runs
         .iter()
         .zip(best)
-        .map(|(&(_, _, sweeps), [one, many])| {
+        .map(|((_, needed), [one, many])| {
+            let sweeps = needed.count();
             let timed = sweeps.min(1 + TIMED);
             if timed == 1 {
                 return Time {

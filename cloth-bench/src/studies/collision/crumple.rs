@@ -2,17 +2,11 @@
 
 use super::super::{Findings, Scope};
 use crate::crumpled::{BROAD_PHASES, NewBroadPhase, accordion, boxes};
-use crate::error::BenchError;
-use crate::method::Method;
-use crate::report::table::{Cell, Table};
-use crate::scene;
-use crate::settings::Settings;
+use crate::studies::prelude::*;
 use cloth_collide::potential::PotentialContacts;
 use cloth_collide::{Bounds, BroadPhase, ClothCandidates, Hierarchy};
 use cloth_core::contact::{ContactStep, Projection};
-use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::TriMesh;
-use cloth_core::step::StepInput;
 use std::time::Instant;
 
 const DT: Real = 1.0 / 600.0;
@@ -22,15 +16,7 @@ const REPETITIONS: usize = 5;
 const GAP: Real = 2.0;
 
 fn sides(scope: Scope) -> &'static [usize] {
-    match scope {
-        Scope::Quick => &[33],
-        Scope::Full => &[33, 129, 321],
-    }
-}
-
-/// Number of progress reports.
-pub(super) fn cases(scope: Scope) -> usize {
-    sides(scope).len()
+    scope.pick(&[33], &[33, 129, 321])
 }
 
 /// The accordion with `side` vertices a side. The distance of the layers shrinks with the triangles, so that a vertex
@@ -95,8 +81,7 @@ fn search(
     let mut candidates = ClothCandidates::new(mesh, new());
     let all = shortest(|| {
         let started = Instant::now();
-        let found = candidates.update(positions, positions, margin);
-        found.map_err(BenchError::failed)?;
+        candidates.update(positions, positions, margin)?;
         Ok(started.elapsed().as_secs_f64())
     })?;
     let found = candidates.vertex_triangle().len() + candidates.edge_edge().len();
@@ -158,8 +143,7 @@ fn resolve(
         };
         let started = Instant::now();
         let (x, v) = (&mut positions, &mut velocities);
-        let resolved = projection.step(contacts, &step, SWEEPS, x, v);
-        resolved.map_err(BenchError::failed)?;
+        projection.step(contacts, &step, SWEEPS, x, v)?;
         Ok(started.elapsed().as_secs_f64())
     })
 }
@@ -172,9 +156,7 @@ fn step(method: &str, side: usize) -> Result<Real, BenchError> {
     shortest(|| {
         let started = Instant::now();
         let input = StepInput::new(scene.dt).gravity(scene.gravity);
-        stepper
-            .step(&mut state, input)
-            .map_err(BenchError::failed)?;
+        stepper.step(&mut state, input)?;
         Ok(started.elapsed().as_secs_f64())
     })
 }
@@ -233,7 +215,7 @@ pub(super) fn run(
         let builder = PotentialContacts::builder(&mesh)
             .thickness(thickness)
             .friction(0.3);
-        let mut contacts = builder.build().map_err(BenchError::failed)?;
+        let mut contacts = builder.build()?;
         let shift = Vec3::new(0.01, 0.0, 0.02);
         let together = resolve(&mut contacts, &from, |x| x + shift)?;
         let pressed = resolve(&mut contacts, &from, |x| Vec3::new(x.x, x.y, 0.99 * x.z))?;

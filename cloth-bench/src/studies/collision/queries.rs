@@ -2,17 +2,13 @@
 
 use super::super::{Findings, Scope};
 use crate::ccd::{METHODS, generate, score};
-use crate::error::BenchError;
-use crate::report::table::{Cell, Table};
+use crate::studies::prelude::*;
 use cloth_collide::QueryKind;
 
 const KINDS: [(&str, QueryKind); 2] = [
     ("vertex–triangle", QueryKind::VertexTriangle),
     ("edge–edge", QueryKind::EdgeEdge),
 ];
-
-/// Number of progress reports.
-pub(super) const CASES: usize = KINDS.len() * METHODS.len();
 
 /// Adds the table; returns how many contacts the methods that promise to miss none have missed or found too late, and
 /// how many queries they had.
@@ -21,10 +17,7 @@ pub(super) fn run(
     findings: &mut Findings,
     progress: &mut dyn FnMut(&str),
 ) -> Result<[usize; 2], BenchError> {
-    let count = match scope {
-        Scope::Quick => 300,
-        Scope::Full => 10_000,
-    };
+    let count = scope.pick(300, 10_000);
     let mut table = Table::new(&[
         "queries",
         "method",

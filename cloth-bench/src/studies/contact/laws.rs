@@ -1,16 +1,6 @@
 //! Closed forms of contact, through every method's own view of it.
 
-use super::{Cases, Findings, Scope};
-use crate::error::BenchError;
-use crate::journal::Number;
-use crate::method::{self, Method};
-use crate::report::plot::{Axis, Plot, Series, Style};
-use crate::report::table::{Cell, Table, significant};
-use crate::run;
-use crate::scene::{self, Scene};
-use crate::settings::Settings;
-use cloth_core::math::{Real, Vec3};
-use serde::{Deserialize, Serialize};
+use crate::studies::prelude::*;
 
 /// Acceleration of free fall (m/s²).
 const G: Real = 9.81;
@@ -37,35 +27,25 @@ fn methods() -> Vec<&'static str> {
 
 /// Slopes (°).
 fn angles(scope: Scope) -> &'static [Real] {
-    match scope {
-        Scope::Quick => &[10.0, 20.0, 40.0],
-        Scope::Full => &[
+    scope.pick(
+        &[10.0, 20.0, 40.0],
+        &[
             5.0, 10.0, 15.0, 16.5, 17.0, 18.0, 20.0, 25.0, 30.0, 40.0, 50.0, 60.0,
         ],
-    }
+    )
 }
 
 /// Areal densities (kg/m²). From 102 on the cloth is pressed to less than half its thickness, where the law is another.
 fn densities(scope: Scope) -> &'static [Real] {
-    match scope {
-        Scope::Quick => &[0.2, 20.0],
-        Scope::Full => &[0.2, 1.0, 5.0, 20.0, 50.0, 80.0],
-    }
-}
-
-pub(super) fn cases(scope: Scope) -> u64 {
-    (methods().len() * (angles(scope).len() + densities(scope).len())) as u64
+    scope.pick(&[0.2, 20.0], &[0.2, 1.0, 5.0, 20.0, 50.0, 80.0])
 }
 
 /// A sheet above a floor, at the gap (m), under gravity that is inclined by an angle (rad).
 fn sheet(density: Real, angle: Real, gap: Real) -> Result<Scene, BenchError> {
-    let settings = Settings::default()
-        .with("n", 9)
-        .with("density", density)
-        .with("friction", MU)
-        .with("thickness", THICKNESS)
-        .with("contact_stiffness", KAPPA)
-        .with("floor", gap - 2.0 * THICKNESS);
+    let floor = gap - 2.0 * THICKNESS;
+    let settings = Settings::of(&format!(
+        "n=9 density={density} friction={MU} thickness={THICKNESS} contact_stiffness={KAPPA} floor={floor}"
+    ));
     let mut scene = scene::build("drop", None, &settings)?;
     scene.gravity = Vec3::new(angle.sin(), 0.0, -angle.cos()) * G;
     Ok(scene)
@@ -129,7 +109,8 @@ fn rest(name: &str, density: Real) -> Result<Measured, BenchError> {
     })
 }
 
-pub(super) fn run(scope: Scope, findings: &mut Findings, cases: &mut Cases<'_>) {
+pub(super) fn run(study: &mut StudyRun<'_>) {
+    let scope = study.scope;
     let laws: [Law; 2] = [
         Law {
             name: "slide",
@@ -152,58 +133,64 @@ pub(super) fn run(scope: Scope, findings: &mut Findings, cases: &mut Cases<'_>) 
             measure: rest,
         },
     ];
-    let mut table = Table::new(&["law", "method", "x", "closed form", "measured", "error"]);
+    let mut rows: Vec<Row> = Vec::new();
     let mut told = Vec::new();
     for law in laws {
-        let mut series = Vec::new();
-        let exact = law.points.iter().map(|&x| (x, (law.closed_form)(x)));
-        let exact = exact.collect();
-        let mut worst: Vec<(&str, Real)> = Vec::new();
-        for name in methods() {
-            let case_of = |x: &Real| format!("{} at {x} by {name}", law.name);
-            let every = cases.side_by_side(law.points, case_of, |&x| (law.measure)(name, x));
-            let (mut points, mut most) = (Vec::new(), 0.0_f64);
-            for (&x, found) in law.points.iter().zip(every) {
-                let Some(found) = findings.unless_failed(&case_of(&x), found) else {
-                    continue;
-                };
-                let (expected, measured) = (found.expected.0, found.measured.0);
-                table.push([
-                    Cell::from(law.name),
-                    Cell::from(name),
-                    Cell::from(x),
-                    Cell::from(expected),
-                    Cell::from(measured),
-                    Cell::from(measured - expected),
-                ]);
-                points.push((x, measured));
-                most = most.max((measured - expected).abs());
-            }
-            series.push(Series::new(name, points).styled(Style::Points));
-            worst.push((name, most));
-        }
-        series.push(Series::new(law.exact, exact).styled(Style::ExactCurve));
-        let worst: Vec<String> = worst
-            .iter()
-            .map(|(name, most)| format!("{name} {}", significant(*most, 2)))
-            .collect();
-        told.push(format!("{} (m): {}", law.exact, worst.join(", ")));
-        findings.plot(
-            &format!("contact-{}", law.name),
-            &Plot {
-                title: law.title.into(),
-                x: Axis::linear(law.x),
-                y: Axis::linear(law.y),
-                series,
-                note: String::new(),
-            },
+        let of_method = |method| law.points.iter().map(move |&x| (method, x));
+        let found = study.grid_side_by_side(
+            methods().into_iter().flat_map(of_method),
+            |(method, x)| format!("{} at {x} by {method}", law.name),
+            |&(method, x)| (law.measure)(method, x),
         );
+        let ours: Vec<Row> = found
+            .into_iter()
+            .map(|(at, found)| row(law.name, at, found))
+            .collect();
+        let measured = curves(&ours, |row| (row.method, (row.x, row.measured)));
+        let exact = law.points.iter().map(|&x| (x, (law.closed_form)(x)));
+        let plot = Plot::new(law.title, Axis::linear(law.x), Axis::linear(law.y));
+        let plot = plot.points(measured).exact(law.exact, exact);
+        study.findings.plot(&format!("contact-{}", law.name), &plot);
+        let worst = methods().into_iter().map(|method| {
+            let errors = ours
+                .iter()
+                .filter(|row| row.method == method)
+                .map(|row| row.error.abs());
+            format!("{method} {}", significant(errors.fold(0.0, Real::max), 2))
+        });
+        let worst = worst.collect::<Vec<_>>().join(", ");
+        told.push(format!("{} (m): {worst}", law.exact));
+        rows.extend(ours);
     }
-    findings.data("contact-laws", table);
-    findings.section.notes.push(format!(
+    study.findings.data("contact-laws", Table::of(&rows));
+    study.findings.section.notes.push(format!(
         "Largest distance from the closed forms, that of a slide in the method's own steps: {}.",
         told.join("; ")
     ));
+}
+
+/// A method at one point of a law.
+#[derive(Default, Serialize)]
+struct Row {
+    law: &'static str,
+    method: &'static str,
+    x: Real,
+    closed_form: Real,
+    measured: Real,
+    error: Real,
+}
+
+fn row(law: &'static str, (method, x): (&'static str, Real), found: Measured) -> Row {
+    let (closed_form, measured) = (found.expected.0, found.measured.0);
+    let error = measured - closed_form;
+    Row {
+        law,
+        method,
+        x,
+        closed_form,
+        measured,
+        error,
+    }
 }
 
 struct Law {

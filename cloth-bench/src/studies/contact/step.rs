@@ -1,22 +1,10 @@
 //! One step of implicit Euler in contact as a problem with a known answer, and how far each method is from it.
 
-use super::{Cases, Findings, Scope};
-use crate::error::BenchError;
-use crate::journal::Number;
-use crate::method::{self, Method};
-use crate::report::plot::{Axis, Plot, Series};
-use crate::report::table::{Cell, Table, significant};
-use crate::run;
-use crate::scene::{self, Scene};
-use crate::settings::Settings;
 use crate::studies::cases::LazyCell;
+use crate::studies::prelude::*;
 use cloth_core::contact::{ContactSource, ContactStep};
-use cloth_core::math::{Real, Vec3};
 use cloth_core::measure::{IncrementalPotential, predict};
 use cloth_core::method::family::Energies;
-use cloth_core::particles::State;
-use cloth_core::step::StepInput;
-use serde::{Deserialize, Serialize};
 use std::time::Instant;
 
 /// Tolerance of the reference.
@@ -28,10 +16,7 @@ const STEPS_BEFORE: u32 = 17;
 
 /// Vertices a side.
 fn sides(scope: Scope) -> &'static [u32] {
-    match scope {
-        Scope::Quick => &[17],
-        Scope::Full => &[33, 64],
-    }
+    scope.pick(&[17], &[33, 64])
 }
 
 /// A step from a state in which cloth lies on a body, with the minimiser of G, the contact potential and its lagged
@@ -81,7 +66,7 @@ impl ContactProblem {
         let mut predicted = state.positions.clone();
         let input = StepInput::new(scene.dt).gravity(scene.gravity);
         predict(&scene.model.particles, &state, &input, &mut predicted);
-        let energies = scene.model.energies().map_err(BenchError::failed)?;
+        let energies = scene.model.energies()?;
         let mut problem = Self {
             scene,
             energies,
@@ -91,9 +76,7 @@ impl ContactProblem {
             minimum: 0.0,
             start: [1.0; 2],
         };
-        let exact = Settings::default()
-            .with("tolerance", EXACT)
-            .with("iterations", 200_000);
+        let exact = Settings::of(&format!("tolerance={EXACT} iterations=200000"));
         problem.minimiser = problem.take(implicit, &exact)?.0;
         let not_free = || BenchError::Failed("the reference goes through something".into());
         let (minimum, gradient) = problem
@@ -131,7 +114,7 @@ impl ContactProblem {
                 input = input.contacts(contacts);
             }
             let started = Instant::now();
-            let report = solver.step(&mut state, input).map_err(BenchError::failed)?;
+            let report = solver.step(&mut state, input)?;
             let seconds = started.elapsed().as_secs_f64();
             taken = (state.positions, report.iterations, seconds);
         }
@@ -158,9 +141,7 @@ impl ContactProblem {
                 dt: self.scene.dt,
             };
             let mut end = x.to_vec();
-            potential
-                .begin(&step, &mut end)
-                .map_err(BenchError::failed)?;
+            potential.begin(&step, &mut end)?;
             if end != x {
                 return Ok(None);
             }
@@ -200,154 +181,137 @@ impl ContactProblem {
     }
 }
 
-/// A method with a setting that is made finer and finer.
-struct Refined {
-    label: &'static str,
-    method: &'static str,
-    /// The setting, its values, and what is not its default beside it.
-    key: &'static str,
-    values: Vec<String>,
-    others: Settings,
-}
-
-fn refined(scope: Scope) -> Vec<Refined> {
-    let most: u32 = match scope {
-        Scope::Quick => 5,
-        Scope::Full => 8,
-    };
-    let counts = || (0..most).map(|i| (5 << i).to_string()).collect::<Vec<_>>();
-    let tolerances = ["1", "1e-1", "1e-2", "1e-3", "1e-4", "1e-6"];
-    let one_iteration = Settings::default().with("iterations", 1);
-    vec![
-        Refined {
-            label: "implicit-euler, by tolerance",
-            method: "implicit-euler",
-            key: "tolerance",
-            values: tolerances.map(str::to_owned).to_vec(),
-            others: Settings::default(),
-        },
-        Refined {
-            label: "pd, by iterations",
-            method: "pd",
-            key: "contact_iterations",
-            values: counts(),
-            others: Settings::default().with("iterations", 5),
-        },
-        Refined {
-            label: "xpbd, by iterations",
-            method: "xpbd",
-            key: "iterations",
-            values: counts(),
-            others: Settings::default().with("substeps", 1),
-        },
-        Refined {
-            label: "xpbd, by substeps",
-            method: "xpbd",
-            key: "substeps",
-            values: counts(),
-            others: one_iteration.clone(),
-        },
-        Refined {
-            label: "pbd, by substeps",
-            method: "pbd",
-            key: "substeps",
-            values: counts(),
-            others: one_iteration,
-        },
-    ]
-}
-
-pub(super) fn cases(scope: Scope) -> u64 {
-    let methods = method::all().filter(|method| method.aims_at_implicit_euler());
-    let refined: usize = refined(scope).iter().map(|r| r.values.len()).sum();
-    (sides(scope).len() * (methods.count() + refined)) as u64
-}
-
-pub(super) fn run(scope: Scope, findings: &mut Findings, cases: &mut Cases<'_>) {
-    let columns = [
-        "n",
-        "method",
-        "setting",
+/// Methods with a setting that is made finer and finer: what is not its default beside it, its key, and its values.
+fn refined(scope: Scope) -> Vec<(Variant, &'static str, Vec<String>)> {
+    let counts = (0..scope.pick(5, 8)).map(|i| (5 << i).to_string());
+    let counts: Vec<String> = counts.collect();
+    let tolerances = ["1", "1e-1", "1e-2", "1e-3", "1e-4", "1e-6"].map(str::to_owned);
+    let variants = Variant::list(
+        "implicit-euler, by tolerance
+        pd, by iterations: iterations=5
+        xpbd, by iterations: substeps=1
+        xpbd, by substeps: iterations=1
+        pbd, by substeps: iterations=1",
+    );
+    let keys = [
+        "tolerance",
+        "contact_iterations",
         "iterations",
-        "ms",
-        "position error",
-        "objective error",
+        "substeps",
+        "substeps",
     ];
-    let (mut table, mut samples) = (Table::new(&columns), Table::new(&columns));
-    let mut told = Vec::new();
-    for &n in sides(scope) {
+    let values = |key| match key {
+        "tolerance" => tolerances.to_vec(),
+        _ => counts.clone(),
+    };
+    let with_key = |(variant, key)| (variant, key, values(key));
+    variants.into_iter().zip(keys).map(with_key).collect()
+}
+
+/// A step by a method.
+#[derive(Clone, Default, Serialize)]
+struct Row {
+    n: u32,
+    method: String,
+    setting: String,
+    iterations: u32,
+    ms: Real,
+    position_error: Real,
+    objective_error: Option<Real>,
+}
+
+/// Steps by one or several methods on a sheet of `n` vertices a side: method, what is set of it, and the name of the
+/// case.
+fn steps(
+    study: &mut StudyRun<'_>,
+    n: u32,
+    problem: &mut LazyCell<ContactProblem, impl FnMut() -> Result<ContactProblem, BenchError>>,
+    all: Vec<(Variant, String, String)>,
+) -> Vec<Row> {
+    let found = study.grid(
+        all,
+        |(.., case)| case.clone(),
+        |(variant, ..)| {
+            let method = Method::find(variant.method())?;
+            problem.get()?.reached(method, &variant.settings)
+        },
+    );
+    let row = |((variant, setting, _), reached): ((Variant, _, _), Reached)| Row {
+        n,
+        method: variant.label,
+        setting,
+        iterations: reached.iterations,
+        ms: 1e3 * reached.seconds.0,
+        position_error: reached.position.0,
+        objective_error: reached.objective.map(|error| error.0),
+    };
+    found.into_iter().map(row).collect()
+}
+
+pub(super) fn run(study: &mut StudyRun<'_>) {
+    let (mut defaults, mut samples, mut told) = (Vec::new(), Vec::new(), Vec::new());
+    for &n in sides(study.scope) {
         let mut problem = LazyCell::new(|| ContactProblem::new(n));
-        let mut found: Vec<(&str, Reached)> = Vec::new();
-        for method in method::all().filter(|method| method.aims_at_implicit_euler()) {
+        let compared = method::all().filter(|method| method.aims_at_implicit_euler());
+        let by_default = |method: &Method| {
             let case = format!("a step of {} in contact, {n} × {n}", method.name);
-            let settings = method.by_default(Settings::default());
-            let reached = cases.case(&case, || problem.get()?.reached(method, &settings));
-            let Some(reached) = findings.unless_failed(&case, reached) else {
-                continue;
-            };
-            table.push(row(n, method.name, "default", &reached));
-            found.push((method.name, reached));
+            let mut variant = Variant::default_of(method);
+            variant.settings = method.by_default(variant.settings);
+            (variant, "default".to_owned(), case)
+        };
+        let by_default: Vec<_> = compared.map(by_default).collect();
+        let by_default = steps(study, n, &mut problem, by_default);
+        let mut finer = Vec::new();
+        for (variant, key, values) in refined(study.scope) {
+            finer.extend(values.into_iter().map(|value| {
+                let setting = format!("{key}={value}");
+                let case = format!("{} in contact, {setting}, {n} × {n}", variant.label);
+                let mut variant = variant.clone();
+                variant.settings = variant.settings.with(key, value);
+                (variant, setting, case)
+            }));
         }
-        let (mut by_time, mut by_objective) = (Vec::new(), Vec::new());
-        for refined in refined(scope) {
-            let mut curve = Vec::new();
-            for value in &refined.values {
-                let setting = format!("{}={value}", refined.key);
-                let case = format!("{} in contact, {setting}, {n} × {n}", refined.label);
-                let settings = refined.others.clone().with(refined.key, value);
-                let reached = cases.case(&case, || {
-                    let method = Method::find(refined.method)?;
-                    problem.get()?.reached(method, &settings)
-                });
-                let Some(reached) = findings.unless_failed(&case, reached) else {
-                    continue;
-                };
-                samples.push(row(n, refined.label, &setting, &reached));
-                found.push((refined.label, reached));
-                curve.push(reached);
-            }
-            let ms = |r: &Reached| 1e3 * r.seconds.0;
-            let position = curve.iter().map(|r| (ms(r), r.position.0));
-            by_time.push(Series::new(refined.label, position.collect()));
-            let objective = curve
-                .iter()
-                .filter_map(|r| Some((ms(r), r.objective?.0.max(Real::EPSILON))));
-            by_objective.push(Series::new(refined.label, objective.collect()));
-        }
+        let finer = steps(study, n, &mut problem, finer);
+        let position = finer.iter().map(|row| (row, row.position_error));
+        let objective = finer
+            .iter()
+            .filter_map(|row| Some((row, row.objective_error?.max(Real::EPSILON))));
+        let of = |(row, error): (&Row, Real)| (row.method.clone(), (row.ms, error));
         for (name, title, error, series) in [
             (
                 "position",
                 "Distance from the implicit Euler step in contact",
                 "‖x − x*‖_M/‖x̃ − x*‖_M",
-                by_time,
+                curves(position, of),
             ),
             (
                 "objective",
                 "Objective with contact and friction",
                 "(G − G*)/(G(xₙ) − G*)",
-                by_objective,
+                curves(objective, of),
             ),
         ] {
-            findings.plot(
-                &format!("contact-step-{name}-{n}"),
-                &Plot {
-                    title: format!("{title}, {n} × {n} vertices"),
-                    x: Axis::log("time of the step (ms)"),
-                    y: Axis::log(&format!("{error} (dimensionless)")),
-                    series,
-                    note: String::new(),
-                },
-            );
+            let title = format!("{title}, {n} × {n} vertices");
+            let error = Axis::log(&format!("{error} (dimensionless)"));
+            let plot = Plot::new(title, Axis::log("time of the step (ms)"), error).with(series);
+            study
+                .findings
+                .plot(&format!("contact-step-{name}-{n}"), &plot);
         }
-        told.push(format!("{n} × {n}: {}", fastest(&found)));
+        let every: Vec<&Row> = by_default.iter().chain(&finer).collect();
+        told.push(format!("{n} × {n}: {}", fastest(&every)));
+        defaults.extend(by_default);
+        samples.extend(finer);
     }
-    findings.table(
+    study.findings.table(
         "contact-step",
         "One step of a sheet that lies on a sphere with its middle, every method at its default",
-        table,
+        Table::of(&defaults),
     );
-    findings.data("contact-step-samples", samples);
-    findings.answer(
+    study
+        .findings
+        .data("contact-step-samples", Table::of(&samples));
+    study.findings.answer(
         "Which method at which error in contact?",
         format!(
             "For the implicit Euler step of a sheet on a sphere, by the distance from its end, as a part of that of the inertial prediction: {}.",
@@ -356,26 +320,13 @@ pub(super) fn run(scope: Scope, findings: &mut Findings, cases: &mut Cases<'_>) 
     );
 }
 
-fn row(n: u32, label: &str, setting: &str, reached: &Reached) -> [Cell; 7] {
-    [
-        Cell::from(n as usize),
-        Cell::from(label),
-        Cell::from(setting),
-        Cell::from(reached.iterations as usize),
-        Cell::from(1e3 * reached.seconds.0),
-        Cell::from(reached.position.0),
-        Cell::from(reached.objective.map(|error| error.0)),
-    ]
-}
-
 /// Who is the first at each error, in words.
-fn fastest(found: &[(&str, Reached)]) -> String {
+fn fastest(found: &[&Row]) -> String {
     let parts = [0.3, 0.1, 1e-2, 1e-3].map(|wanted| {
-        let there = found.iter().filter(|(_, r)| r.position.0 <= wanted);
-        let first = there.min_by(|(_, a), (_, b)| a.seconds.0.total_cmp(&b.seconds.0));
-        first.map_or(format!("nobody gets to {wanted}"), |(label, reached)| {
-            let ms = significant(1e3 * reached.seconds.0, 3);
-            format!("{label} to {wanted} ({ms} ms)")
+        let there = found.iter().filter(|row| row.position_error <= wanted);
+        let first = there.min_by(|a, b| a.ms.total_cmp(&b.ms));
+        first.map_or(format!("nobody gets to {wanted}"), |row| {
+            format!("{} to {wanted} ({} ms)", row.method, significant(row.ms, 3))
         })
     });
     parts.join(", ")

@@ -1,79 +1,29 @@
 //! What the study of convergence compares.
 
-use crate::settings::Settings;
-use crate::studies::Scope;
+use crate::studies::prelude::*;
 
-/// Methods that iterate on one step: label, method, setting, and the most iterations.
-pub(super) fn iterated(scope: Scope) -> [(&'static str, &'static str, Settings, u32); 13] {
-    let [sweeps, accelerated] = match scope {
-        Scope::Quick => [500, 200],
-        Scope::Full => [2000, 500],
-    };
-    let one_substep = Settings::default().with("substeps", 1);
-    let pd = |acceleration: &str| Settings::default().with("acceleration", acceleration);
-    let chebyshev = one_substep.clone().with("chebyshev", "auto");
-    [
-        (
-            "implicit-euler",
-            "implicit-euler",
-            Settings::default().with("tolerance", 0),
-            accelerated,
-        ),
-        (
-            "implicit-euler, Newton",
-            "implicit-euler",
-            Settings::default()
-                .with("tolerance", 0)
-                .with("linear", "cholesky"),
-            60,
-        ),
-        ("pd", "pd", Settings::default(), sweeps),
-        ("xpbd", "xpbd", one_substep.clone(), sweeps),
-        ("pbd, from the material", "pbd", one_substep.clone(), sweeps),
-        (
-            "pbd, rigid",
-            "pbd",
-            one_substep.clone().with("projection", 1),
-            sweeps,
-        ),
-        ("pd, plain", "pd", pd("none"), accelerated),
-        ("pd, Chebyshev", "pd", pd("chebyshev"), accelerated),
-        (
-            "pd, Chebyshev, ρ given",
-            "pd",
-            pd("chebyshev").with("spectral_radius", 0.9995),
-            accelerated,
-        ),
-        (
-            "pd, no coarse grid",
-            "pd",
-            Settings::default().with("coarse", 0),
-            accelerated,
-        ),
-        ("xpbd, Chebyshev", "xpbd", chebyshev.clone(), accelerated),
-        (
-            "pbd, Chebyshev",
-            "pbd",
-            chebyshev.with("projection", 1),
-            accelerated,
-        ),
-        (
-            "pbd, coarse levels",
-            "pbd",
-            one_substep.with("projection", 1).with("hierarchy", "10"),
-            accelerated,
-        ),
-    ]
+/// Methods that iterate on one step, with the most iterations.
+pub(super) fn iterated(scope: Scope) -> Vec<Variant> {
+    let [sweeps, accelerated] = scope.pick([500, 200], [2000, 500]);
+    Variant::list(&format!(
+        "implicit-euler: tolerance=0 iterations={accelerated}
+        implicit-euler, Newton: tolerance=0 linear=cholesky iterations=60
+        pd: iterations={sweeps}
+        xpbd: substeps=1 iterations={sweeps}
+        pbd, from the material: substeps=1 iterations={sweeps}
+        pbd, rigid: substeps=1 projection=1 iterations={sweeps}
+        pd, plain: acceleration=none iterations={accelerated}
+        pd, Chebyshev: acceleration=chebyshev iterations={accelerated}
+        pd, Chebyshev, ρ given: acceleration=chebyshev spectral_radius=0.9995 iterations={accelerated}
+        pd, no coarse grid: coarse=0 iterations={accelerated}
+        xpbd, Chebyshev: substeps=1 chebyshev=auto iterations={accelerated}
+        pbd, Chebyshev: substeps=1 chebyshev=auto projection=1 iterations={accelerated}
+        pbd, coarse levels: substeps=1 projection=1 hierarchy=10 iterations={accelerated}"
+    ))
 }
 
 /// Methods that cut the step, and into how many parts.
-pub(super) fn cut(scope: Scope) -> [(&'static str, Vec<u32>); 2] {
-    let most = match scope {
-        Scope::Quick => 6,
-        Scope::Full => 9,
-    };
-    [
-        ("xpbd", (0..most).map(|i| 1 << i).collect()),
-        ("pbd", (0..most).map(|i| 1 << i).collect()),
-    ]
+pub(super) fn cut(scope: Scope) -> Vec<(&'static str, u32)> {
+    let parts = |method| (0..scope.pick(6, 9)).map(move |i| (method, 1 << i));
+    parts("xpbd").chain(parts("pbd")).collect()
 }

@@ -1,8 +1,8 @@
 //! The columns of the table: how a value is said, and when it is best or unfit.
 
 use super::Row;
-use crate::report::table::{Mark, significant};
-use cloth_core::math::Real;
+use crate::report::table::Mark;
+use crate::studies::prelude::*;
 
 /// A column of the table: its heading, its value, how it is said, and how it is judged.
 pub(super) struct Column {

@@ -1,37 +1,22 @@
 //! What is measured of a method, and on which sheets.
 
 use super::super::{Scope, locking, scale, sheets, stability};
-use crate::error::BenchError;
-use crate::method::Method;
-use crate::run;
-use crate::scene;
-use crate::settings::Settings;
-use cloth_core::math::Real;
-use serde::{Deserialize, Serialize};
+use crate::studies::prelude::*;
 use std::time::{Duration, Instant};
 
 /// Vertices a side of the two sheets whose steps are timed.
 pub(super) fn sides(scope: Scope) -> [u32; 2] {
-    match scope {
-        Scope::Quick => [16, 32],
-        Scope::Full => [64, 128],
-    }
+    scope.pick([16, 32], [64, 128])
 }
 
 /// Vertices a side of the sheets of [`Step`] and of [`Contact`], and steps of the latter.
 fn small(scope: Scope) -> (u32, u32, u32) {
-    match scope {
-        Scope::Quick => (17, 11, 12),
-        Scope::Full => (33, 25, 30),
-    }
+    scope.pick((17, 11, 12), (33, 25, 30))
 }
 
 /// Time that a run may take.
 fn budget(scope: Scope) -> Duration {
-    match scope {
-        Scope::Quick => Duration::from_secs(2),
-        Scope::Full => Duration::from_secs(20),
-    }
+    scope.pick(Duration::from_secs(2), Duration::from_secs(20))
 }
 
 /// Steps of the hanging sheet that are timed, or fewer if one takes longer than [`LONG`] (ms).
@@ -124,10 +109,7 @@ fn or_reason(found: Result<Real, BenchError>, reasons: &mut Vec<String>) -> Opti
 }
 
 fn stable_steps(scope: Scope) -> u32 {
-    match scope {
-        Scope::Quick => 20,
-        Scope::Full => 60,
-    }
+    scope.pick(20, 60)
 }
 
 fn error_of_a_step(n: u32, method: &Method) -> Result<Real, BenchError> {
@@ -235,7 +217,7 @@ impl Drape {
 }
 
 /// The sheet above the sphere.
-pub(super) fn draped(scope: Scope) -> Result<scene::Scene, BenchError> {
+pub(super) fn draped(scope: Scope) -> Result<Scene, BenchError> {
     scene::build(
         "drape-sphere",
         None,

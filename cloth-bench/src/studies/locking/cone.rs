@@ -8,10 +8,8 @@
 //! follow it.
 
 use super::sheet::{Kind, Sheet, square};
-use crate::error::BenchError;
-use cloth_core::math::{Real, Vec3};
+use crate::studies::prelude::*;
 use cloth_core::mesh::generate::without_triangles;
-use serde::{Deserialize, Serialize};
 
 const INNER: Real = 0.3;
 const SIN: Real = 0.5;
@@ -58,8 +56,7 @@ pub(super) fn bend(
 ) -> Result<OnCone, BenchError> {
     let ring = without_triangles(&square(pattern, cells)?, |_, [a, b, c]| {
         !(INNER..=1.0).contains(&((a + b + c) / 3.0).norm())
-    })
-    .map_err(BenchError::failed)?;
+    })?;
     let mut sheet = Sheet::new(ring, kind, modulus, rigidity)?;
     // Two rows of vertices, place and direction of the side.
     let clamp = 1.3 / cells as Real;

@@ -1,15 +1,10 @@
 //! How many degrees of freedom rigid edges leave, counted and measured.
 
-use super::{Cases, Findings, Scope};
-use crate::error::BenchError;
 use crate::mesh_spec;
-use crate::report::plot::{Axis, Plot, Series, Style};
-use crate::report::table::{Cell, Table};
+use crate::studies::prelude::*;
 use cloth_core::dof::{EdgeRank, bent};
-use cloth_core::math::Real;
 use cloth_core::mesh::TriMesh;
 use cloth_core::topology::{EdgeTable, Topology};
-use serde::{Deserialize, Serialize};
 
 pub(super) const PATTERNS: [&str; 5] = [
     "one-way",
@@ -21,14 +16,7 @@ pub(super) const PATTERNS: [&str; 5] = [
 
 /// Cells a side.
 fn sizes(scope: Scope) -> &'static [usize] {
-    match scope {
-        Scope::Quick => &[4, 8, 16, 32],
-        Scope::Full => &[4, 8, 16, 32, 64, 128],
-    }
-}
-
-pub(super) fn cases(scope: Scope) -> u64 {
-    (PATTERNS.len() * sizes(scope).len()) as u64
+    scope.pick(&[4, 8, 16, 32], &[4, 8, 16, 32, 64, 128])
 }
 
 /// The numbers of `cloth-bench locking`.
@@ -51,8 +39,8 @@ impl Locking {
         let edges = EdgeTable::build(mesh).map_err(BenchError::usage)?;
         Ok(Self {
             topology: Topology::of(mesh, &edges),
-            flat: EdgeRank::measure(mesh.positions(), &edges).map_err(BenchError::failed)?,
-            bent: EdgeRank::measure(&bent(mesh.positions()), &edges).map_err(BenchError::failed)?,
+            flat: EdgeRank::measure(mesh.positions(), &edges)?,
+            bent: EdgeRank::measure(&bent(mesh.positions()), &edges)?,
         })
     }
 }
@@ -71,13 +59,25 @@ pub(super) fn mesh_of(pattern: &str, cells: usize) -> Result<TriMesh, BenchError
 struct Counted {
     vertices: usize,
     edges: usize,
-    /// 3V − E, and 3χ + E_b.
-    counts: [i64; 2],
-    /// Flat, and bent.
-    nullity: [usize; 2],
-    self_stresses: [usize; 2],
-    /// Of the bent one.
-    smallest_nonzero_singular_value: Real,
+    #[serde(rename = "3V − E")]
+    count: i64,
+    #[serde(rename = "3χ + E_b")]
+    boundary_count: i64,
+    nullity_flat: usize,
+    nullity_bent: usize,
+    #[serde(rename = "self-stresses flat")]
+    self_stresses_flat: usize,
+    #[serde(rename = "self-stresses bent")]
+    self_stresses_bent: usize,
+    #[serde(rename = "smallest kept, bent")]
+    smallest: Real,
+}
+
+/// A pattern with so many cells a side.
+#[derive(Clone, Copy, Debug, Default, Serialize)]
+struct Mesh {
+    pattern: &'static str,
+    cells: usize,
 }
 
 impl Counted {
@@ -90,91 +90,56 @@ impl Counted {
         Ok(Self {
             vertices: t.vertices,
             edges: t.edges,
-            counts: [t.count_3v_e, 3 * t.euler + t.boundary_edges as i64],
-            nullity: [flat, bent].map(|rank| rank.nullity),
-            self_stresses: [flat, bent].map(|rank| rank.self_stresses),
-            smallest_nonzero_singular_value: bent.smallest_nonzero_singular_value,
+            count: t.count_3v_e,
+            boundary_count: 3 * t.euler + t.boundary_edges as i64,
+            nullity_flat: flat.nullity,
+            nullity_bent: bent.nullity,
+            self_stresses_flat: flat.self_stresses,
+            self_stresses_bent: bent.self_stresses,
+            smallest: bent.smallest_nonzero_singular_value,
         })
     }
 }
 
 /// Counts and measures every pattern; whether the count was right everywhere.
-pub(super) fn run(
-    scope: Scope,
-    findings: &mut Findings,
-    cases: &mut Cases<'_>,
-) -> Result<bool, BenchError> {
-    let mut table = Table::new(&[
-        "pattern",
-        "cells",
-        "vertices",
-        "edges",
-        "3V − E",
-        "3χ + E_b",
-        "nullity flat",
-        "nullity bent",
-        "self-stresses flat",
-        "self-stresses bent",
-        "smallest kept, bent",
-    ]);
-    let mut share = Vec::new();
-    let mut smallest = Vec::new();
-    let mut as_counted = true;
-    for pattern in PATTERNS {
-        let mut shares = Vec::new();
-        let mut kept = Vec::new();
-        for &cells in sizes(scope) {
-            let case = format!("count, {pattern}, {cells} cells");
-            let found = cases.case(&case, || Counted::of(pattern, cells));
-            let Some(found) = findings.unless_failed(&case, found) else {
-                continue;
-            };
-            let coordinates = 3.0 * found.vertices as Real;
-            let [flat, bent] = found.nullity;
-            as_counted &= bent as i64 == found.counts[0] && flat == found.vertices + 3;
-            shares.push((cells as Real, bent as Real / coordinates));
-            kept.push((cells as Real, found.smallest_nonzero_singular_value));
-            table.push([
-                Cell::from(pattern),
-                Cell::from(cells),
-                Cell::from(found.vertices),
-                Cell::from(found.edges),
-                Cell::from(found.counts[0]),
-                Cell::from(found.counts[1]),
-                Cell::from(flat),
-                Cell::from(bent),
-                Cell::from(found.self_stresses[0]),
-                Cell::from(found.self_stresses[1]),
-                Cell::from(found.smallest_nonzero_singular_value),
-            ]);
-        }
-        share.push(Series::new(pattern, shares));
-        smallest.push(Series::new(pattern, kept));
-    }
+pub(super) fn run(study: &mut StudyRun<'_>) -> bool {
+    let sizes = sizes(study.scope).iter();
+    let of_pattern = |pattern| sizes.clone().map(move |&cells| Mesh { pattern, cells });
+    let rows = study.grid(
+        PATTERNS.into_iter().flat_map(of_pattern),
+        |Mesh { pattern, cells }| format!("count, {pattern}, {cells} cells"),
+        |mesh| Counted::of(mesh.pattern, mesh.cells),
+    );
     let closed_form = |&n: &usize| {
         let n = n as Real;
         (n, (3.0 + 4.0 * n) / (3.0 * (n + 1.0) * (n + 1.0)))
     };
-    let curve = sizes(scope).iter().map(closed_form).collect();
-    share.push(Series::new("(3 + 4n)/3(n + 1)²", curve).styled(Style::ExactCurve));
-    findings.plot(
-        "locking-share",
-        &Plot {
-            title: "Motions left by rigid edges, as a share of all coordinates".into(),
-            x: Axis::log("cells a side (dimensionless)"),
-            y: Axis::log("nullity of the bent sheet / 3V (dimensionless)"),
-            series: share,
-            note: "The dashed curve is the closed form for a square grid with one diagonal a cell."
-                .into(),
-        },
-    );
-    findings.plot("locking-smallest", &Plot {
-        title: "How firmly the bent sheet is locked".into(),
-        x: Axis::log("cells a side (dimensionless)"),
-        y: Axis::log("smallest kept singular value (dimensionless)"),
-        series: smallest,
-        note: "Small values are motions that cost next to nothing although no rigid edge allows them.".into(),
-    });
-    findings.table("locking", "Counted and measured degrees of freedom", table);
-    Ok(as_counted)
+    let cells = Axis::log("cells a side (dimensionless)");
+    let plot = Plot::new(
+        "Motions left by rigid edges, as a share of all coordinates",
+        cells.clone(),
+        Axis::log("nullity of the bent sheet / 3V (dimensionless)"),
+    )
+    .with(curves(&rows, |(mesh, found)| {
+        let share = found.nullity_bent as Real / (3.0 * found.vertices as Real);
+        (mesh.pattern, (mesh.cells as Real, share))
+    }))
+    .exact("(3 + 4n)/3(n + 1)²", sizes.clone().map(closed_form))
+    .note("The dashed curve is the closed form for a square grid with one diagonal a cell.");
+    study.findings.plot("locking-share", &plot);
+    let plot = Plot::new(
+        "How firmly the bent sheet is locked",
+        cells,
+        Axis::log("smallest kept singular value (dimensionless)"),
+    )
+    .with(curves(&rows, |(mesh, found)| {
+        (mesh.pattern, (mesh.cells as Real, found.smallest))
+    }))
+    .note("Small values are motions that cost next to nothing although no rigid edge allows them.");
+    study.findings.plot("locking-smallest", &plot);
+    let caption = "Counted and measured degrees of freedom";
+    study.findings.table("locking", caption, Table::of(&rows));
+    rows.iter().all(|(_, found)| {
+        found.nullity_bent as i64 == found.count && found.nullity_flat == found.vertices + 3
+    })
 }

@@ -4,8 +4,7 @@
 //! Begun where the coarser mesh came to rest, the finer one shows what the finer mesh alone changes.
 
 use super::sheet::square;
-use crate::error::BenchError;
-use cloth_core::math::{Real, Vec3};
+use crate::studies::prelude::*;
 
 /// The points (m) of a square grid of twice as many cells on the surface of one of `cells` cells a side whose points
 /// are at `coarse` (m): bilinear in each cell, whatever its diagonal.

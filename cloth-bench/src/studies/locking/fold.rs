@@ -9,9 +9,7 @@
 //! by bisection.
 
 use super::sheet::{Kind, Rest, Sheet, square};
-use crate::error::BenchError;
-use cloth_core::math::{Real, Vec3};
-use serde::{Deserialize, Serialize};
+use crate::studies::prelude::*;
 
 /// Acceleration of free fall (m/s²).
 pub(super) const GRAVITY: Real = 9.81;

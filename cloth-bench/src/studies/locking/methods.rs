@@ -3,20 +3,11 @@
 use super::fold::{self, Axis};
 use super::sheet::Kind;
 use super::sweeps::RIGIDITY;
-use crate::error::BenchError;
-use crate::method::{self, Method};
-use crate::report::table::{Cell, Table};
-use crate::run;
-use crate::scene::Scene;
-use crate::settings::Settings;
-use crate::studies::{Cases, Findings, Scope};
+use crate::studies::prelude::*;
 use cloth_core::cloth::ClothModel;
 use cloth_core::energy::Spring;
-use cloth_core::math::{Real, Vec3};
 use cloth_core::measure::Strain;
-use cloth_core::particles::State;
 use cloth_core::topology::EdgeTable;
-use serde::{Deserialize, Serialize};
 
 const PATTERN: &str = "alternating";
 const MODULUS: Real = 1e6;
@@ -27,9 +18,9 @@ const STILL: Real = 1e-4;
 
 /// Methods, their iterations (0: as published), and cells a side.
 fn list(scope: Scope) -> Vec<(&'static str, u32, usize)> {
-    let ours: &[(&str, u32)] = match scope {
-        Scope::Quick => &[("implicit-euler", 0), ("pbd", 20), ("pbd", 80), ("pd", 0)],
-        Scope::Full => &[
+    let ours: &[(&str, u32)] = scope.pick(
+        &[("implicit-euler", 0), ("pbd", 20), ("pbd", 80), ("pd", 0)],
+        &[
             ("implicit-euler", 0),
             ("linear-implicit", 0),
             ("pbd", 5),
@@ -41,7 +32,7 @@ fn list(scope: Scope) -> Vec<(&'static str, u32, usize)> {
             ("pd", 0),
             ("pd", 50),
         ],
-    };
+    );
     let own = method::with_own(&[]).into_iter().map(|name| (name, 0));
     let all = ours.iter().copied().chain(own);
     let mut list: Vec<_> = all.map(|(name, n)| (name, n, 16)).collect();
@@ -58,21 +49,25 @@ fn list(scope: Scope) -> Vec<(&'static str, u32, usize)> {
     list
 }
 
-pub(super) fn cases(scope: Scope) -> u64 {
-    list(scope).len() as u64
+/// A solver and a mesh.
+#[derive(Clone, Debug, Default, Serialize)]
+struct Solver {
+    method: &'static str,
+    /// Or `as published`.
+    iterations: Cell,
+    cells: usize,
 }
 
 /// What a method made of the fold.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 struct Made {
     /// None: never at rest.
-    steps: Option<u32>,
-    /// Over the exact one.
-    angle: Real,
+    steps_to_rest: Option<u32>,
+    fold_angle_over_exact: Real,
     /// Bending energy over the exact one.
-    bending: Real,
+    bending_reached: Real,
     rms_strain: Real,
-    max_strain: Real,
+    largest_strain: Real,
 }
 
 fn make(name: &str, iterations: u32, cells: usize) -> Result<Made, BenchError> {
@@ -105,15 +100,15 @@ fn make(name: &str, iterations: u32, cells: usize) -> Result<Made, BenchError> {
     let mut stepper = Method::find(name)?.build(&scene, &settings, DT)?;
     let mut state = scene.start.clone();
     let steps = run::to_rest(&scene, stepper.as_mut(), &mut state, DT, MOST_STEPS, STILL)?;
-    let edges = EdgeTable::build(&sheet.mesh).map_err(BenchError::failed)?;
+    let edges = EdgeTable::build(&sheet.mesh)?;
     let gauges = Spring::along(sheet.mesh.positions(), edges.ends(), 0.0);
     let strain = Strain::of(&gauges, &state.positions);
     Ok(Made {
-        steps,
-        angle: exact.angle(&sheet, &state.positions)? / exact.exact_angle(),
-        bending: sheet.bending_energy(&state.positions)? / exact.bending_energy,
+        steps_to_rest: steps,
+        fold_angle_over_exact: exact.angle(&sheet, &state.positions)? / exact.exact_angle(),
+        bending_reached: sheet.bending_energy(&state.positions)? / exact.bending_energy,
         rms_strain: strain.rms,
-        max_strain: strain.max,
+        largest_strain: strain.max,
     })
 }
 
@@ -123,56 +118,39 @@ fn make(name: &str, iterations: u32, cells: usize) -> Result<Made, BenchError> {
 /// [`BenchError::Failed`] with the method's own error, or if the sheet does not come to rest.
 pub(in crate::studies) fn fold_angle(name: &str, cells: usize) -> Result<Real, BenchError> {
     let made = make(name, 0, cells)?;
-    match made.steps {
-        Some(_) => Ok(made.angle),
+    match made.steps_to_rest {
+        Some(_) => Ok(made.fold_angle_over_exact),
         None => Err(BenchError::Failed(format!(
             "the fold is not at rest after {MOST_STEPS} steps"
         ))),
     }
 }
 
-pub(super) fn run(
-    scope: Scope,
-    findings: &mut Findings,
-    cases: &mut Cases<'_>,
-) -> Result<(), BenchError> {
-    let mut table = Table::new(&[
-        "method",
-        "iterations",
-        "cells",
-        "steps to rest",
-        "fold angle over exact",
-        "bending reached",
-        "rms strain",
-        "largest strain",
-    ]);
-    let list = list(scope);
-    let case_of = |(name, iterations, cells): &(_, _, _)| {
-        format!("fold by {name}, {iterations} iterations, {cells} cells")
-    };
-    let every = cases.side_by_side(&list, case_of, |&(name, iterations, cells)| {
-        make(name, iterations, cells)
-    });
-    for (solver, made) in list.into_iter().zip(every) {
-        let (name, iterations, cells) = solver;
-        let Some(made) = findings.unless_failed(&case_of(&solver), made) else {
-            continue;
+pub(super) fn run(study: &mut StudyRun<'_>) {
+    let found = study.grid_side_by_side(
+        list(study.scope),
+        |(name, iterations, cells)| {
+            format!("fold by {name}, {iterations} iterations, {cells} cells")
+        },
+        |&(name, iterations, cells)| make(name, iterations, cells),
+    );
+    let row = |((method, iterations, cells), made): ((_, u32, _), Made)| {
+        let iterations = match iterations {
+            0 => Cell::from("as published"),
+            n => Cell::from(i64::from(n)),
         };
-        table.push([
-            Cell::from(name),
-            match iterations {
-                0 => Cell::from("as published"),
-                n => Cell::from(n as usize),
+        (
+            Solver {
+                method,
+                iterations,
+                cells,
             },
-            Cell::from(cells),
-            made.steps
-                .map_or(Cell::Missing, |steps| Cell::from(steps as usize)),
-            Cell::from(made.angle),
-            Cell::from(made.bending),
-            Cell::from(made.rms_strain),
-            Cell::from(made.max_strain),
-        ]);
-    }
-    findings.table("locking-methods", "One fold by every method", table);
-    Ok(())
+            made,
+        )
+    };
+    let rows: Vec<(Solver, Made)> = found.into_iter().map(row).collect();
+    let table = Table::of(&rows);
+    study
+        .findings
+        .table("locking-methods", "One fold by every method", table);
 }

@@ -3,11 +3,9 @@
 
 use super::fold::{self, Axis, Fold};
 use super::sheet::{Kind, Sheet};
-use crate::error::BenchError;
 use crate::report::html::base64;
 use crate::report::render::{Surface, View, render_row};
-use crate::studies::{Cases, Findings, Scope};
-use cloth_core::math::{Real, Vec3};
+use crate::studies::prelude::*;
 use cloth_core::topology::EdgeTable;
 use std::fmt::Write;
 
@@ -68,15 +66,8 @@ const OTHERS: [Picture; 3] = [
 ];
 
 fn pictures(scope: Scope) -> impl Iterator<Item = Picture> {
-    let others = match scope {
-        Scope::Quick => &[][..],
-        Scope::Full => &OTHERS,
-    };
+    let others = scope.pick(&[][..], &OTHERS);
     std::iter::once(ONE_CLOTH).chain(others.iter().copied())
-}
-
-pub(super) fn cases(scope: Scope) -> u64 {
-    pictures(scope).count() as u64
 }
 
 /// A fold, turned so that all are seen along their axis.
@@ -109,17 +100,14 @@ fn judged(angles: [Real; 2], exact: Real, bending: Real) -> (String, &'static st
     (format!("{word}: its corners hang {mean:.0}° down"), colour)
 }
 
-pub(super) fn run(
-    scope: Scope,
-    findings: &mut Findings,
-    cases: &mut Cases<'_>,
-) -> Result<(), BenchError> {
+pub(super) fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
+    let scope = study.scope;
     for picture in pictures(scope) {
         let (name, ..) = picture;
-        let svg = cases.case(name, || draw(&picture));
-        if let Some(svg) = findings.unless_failed(name, svg) {
-            findings.section.plots.push(svg.clone());
-            findings.plots.push((name.into(), svg));
+        let svg = study.cases.case(name, || draw(&picture));
+        if let Some(svg) = study.findings.unless_failed(name, svg) {
+            study.findings.section.plots.push(svg.clone());
+            study.findings.plots.push((name.into(), svg));
         }
     }
     Ok(())
@@ -187,7 +175,7 @@ fn compose(
         wire: 0.5,
         ..View::default()
     };
-    let png = render_row(&tiles, &view).map_err(BenchError::failed)?;
+    let png = render_row(&tiles, &view)?;
     let width = COLUMN * shapes.len() as Real;
     let tall = COLUMN * view.height as Real / view.width as Real;
     let [title, names, flat, folded, told] = ROWS;
@@ -254,7 +242,7 @@ fn compose(
 /// lengths that its membrane holds, and the line of the fold.
 fn flat_mesh(sheet: &Sheet, axis: Axis, corner: [Real; 2]) -> Result<String, BenchError> {
     let at = |p: &Vec3| [corner[0] + FLAT * p.x, corner[1] + FLAT * (1.0 - p.y)];
-    let edges = EdgeTable::build(&sheet.mesh).map_err(BenchError::failed)?;
+    let edges = EdgeTable::build(&sheet.mesh)?;
     let lines = |pairs: &[[u32; 2]], points: &[Vec3]| {
         let mut path = String::new();
         for &[a, b] in pairs {

@@ -4,16 +4,9 @@ use super::fold::{self, Axis};
 use super::sheet::{KINDS, Kind, Sheet, square};
 use super::sweeps::RIGIDITY;
 use super::{cone, count};
-use crate::error::BenchError;
-use crate::method;
-use crate::report::table::{Cell, Table};
-use crate::studies::{Cases, Findings, Scope};
+use crate::studies::prelude::*;
 use cloth_core::dof::{EdgeRank, bent};
-use cloth_core::math::{Real, Vec3};
-use cloth_core::particles::State;
-use cloth_core::step::{StepInput, Stepper};
 use cloth_massspring::ImplicitConfig;
-use serde::{Deserialize, Serialize};
 use std::time::Instant;
 
 /// Y (N/m): a cone of springs is locked by it.
@@ -36,11 +29,6 @@ fn sheets(scope: Scope) -> Vec<(&'static str, usize)> {
             all
         }
     }
-}
-
-pub(super) fn cases(scope: Scope) -> u64 {
-    // What each does, and what it costs.
-    (2 * sheets(scope).len() * KINDS.len()) as u64
 }
 
 /// What a kind of membrane makes of a mesh.
@@ -93,7 +81,7 @@ fn cost(pattern: &str, cells: usize, kind: Kind) -> Result<Real, BenchError> {
             let mut state = start.clone();
             let started = Instant::now();
             let input = StepInput::new(1.0 / 60.0).gravity(Vec3::z() * -fold::GRAVITY);
-            solver.step(&mut state, input).map_err(BenchError::failed)?;
+            solver.step(&mut state, input)?;
             *shortest = shortest.min(started.elapsed().as_secs_f64());
         }
     }
@@ -104,7 +92,7 @@ fn measure(pattern: &str, cells: usize, kind: Kind) -> Result<Effect, BenchError
     let sheet = |kind| Sheet::new(square(pattern, cells)?, kind, MODULUS, RIGIDITY);
     let [own, springs] = [sheet(kind)?, sheet(Kind::Springs)?];
     let conditions = own.conditions()?;
-    let rank = EdgeRank::of_pairs(&bent(&own.points), &conditions).map_err(BenchError::failed)?;
+    let rank = EdgeRank::of_pairs(&bent(&own.points), &conditions)?;
     let of_springs = resistances(&springs, cells)?;
     let mut resists = resistances(&own, cells)?;
     resists
@@ -130,78 +118,93 @@ fn measure(pattern: &str, cells: usize, kind: Kind) -> Result<Effect, BenchError
     })
 }
 
+/// A mesh with a kind of membrane.
+#[derive(Clone, Default, Serialize)]
+struct Head {
+    pattern: &'static str,
+    cells: usize,
+    membrane: &'static str,
+}
+
+/// Its fold.
+#[derive(Default, Serialize)]
+struct FoldRow {
+    coordinates: usize,
+    #[serde(rename = "coordinates − conditions")]
+    left: i64,
+    nullity_bent: usize,
+    bending_reached: Real,
+    #[serde(rename = "at Y/100")]
+    softer: Real,
+    fold_angle_over_exact: Real,
+    cost_per_step: Option<Real>,
+}
+
+/// Its cone, and what it resists over what springs do.
+#[derive(Default, Serialize)]
+struct ConeRow {
+    #[serde(rename = "cone: energy over developable")]
+    energy: Option<Real>,
+    #[serde(rename = "cone at Y/100")]
+    softer: Option<Real>,
+    pull: Real,
+    push: Real,
+    shear: Real,
+    waves_of_4_cells: Real,
+}
+
 /// Measures every kind on every pattern.
-pub(super) fn run(
-    scope: Scope,
-    findings: &mut Findings,
-    cases: &mut Cases<'_>,
-) -> Result<(), BenchError> {
-    let mut table = Table::new(&[
-        "pattern",
-        "cells",
-        "membrane",
-        "coordinates",
-        "coordinates − conditions",
-        "nullity bent",
-        "bending reached",
-        "at Y/100",
-        "fold angle over exact",
-        "cost per step",
-    ]);
-    let mut breaks = Table::new(&[
-        "pattern",
-        "cells",
-        "membrane",
-        "cone: energy over developable",
-        "cone at Y/100",
-        "pull",
-        "push",
-        "shear",
-        "waves of 4 cells",
-    ]);
+pub(super) fn run(study: &mut StudyRun<'_>) {
     let of_sheet = |(pattern, cells)| KINDS.map(|(name, kind)| (pattern, cells, name, kind));
-    let all: Vec<_> = sheets(scope).into_iter().flat_map(of_sheet).collect();
+    let all = sheets(study.scope).into_iter().flat_map(of_sheet);
     let name_of = |&(pattern, cells, name, _): &(_, _, _, _)| {
         format!("remedy, {name}, {pattern}, {cells} cells")
     };
-    let every = cases.side_by_side(&all, name_of, |&(pattern, cells, _, kind)| {
+    let found = study.grid_side_by_side(all, name_of, |&(pattern, cells, _, kind)| {
         measure(pattern, cells, kind)
     });
-    for (remedy, found) in all.into_iter().zip(every) {
-        let (pattern, cells, name, kind) = remedy;
-        let case = name_of(&remedy);
-        let Some(found) = findings.unless_failed(&case, found) else {
-            continue;
+    let (mut folds, mut cones) = (Vec::new(), Vec::new());
+    for (remedy, found) in found {
+        let (pattern, cells, membrane, kind) = remedy;
+        let case = format!("cost of {}", name_of(&remedy));
+        let cost_per_step = study.case(&case, || cost(pattern, cells, kind));
+        let head = Head {
+            pattern,
+            cells,
+            membrane,
         };
-        let case = format!("cost of {case}");
-        let cost = cases.case(&case, || cost(pattern, cells, kind));
-        let cost = findings.unless_failed(&case, cost);
-        let head = || [Cell::from(pattern), Cell::from(cells), Cell::from(name)];
-        let mut row = head().to_vec();
-        row.extend([
-            Cell::from(found.coordinates),
-            Cell::from(found.coordinates as i64 - found.conditions as i64),
-            Cell::from(found.nullity),
-            Cell::from(found.bending[0]),
-            Cell::from(found.bending[1]),
-            Cell::from(found.angle),
-            Cell::from(cost),
-        ]);
-        table.rows.push(row);
-        let mut row = head().to_vec();
-        row.extend([0, 1].map(|k| Cell::from(found.on_cone.map(|energy| energy[k]))));
-        row.extend(found.resists.map(Cell::from));
-        breaks.rows.push(row);
+        let fold = FoldRow {
+            coordinates: found.coordinates,
+            left: found.coordinates as i64 - found.conditions as i64,
+            nullity_bent: found.nullity,
+            bending_reached: found.bending[0],
+            softer: found.bending[1],
+            fold_angle_over_exact: found.angle,
+            cost_per_step,
+        };
+        folds.push((head.clone(), fold));
+        let [pull, push, shear, waves_of_4_cells] = found.resists;
+        let [energy, softer] = [0, 1].map(|k| found.on_cone.map(|energy| energy[k]));
+        cones.push((
+            head,
+            ConeRow {
+                energy,
+                softer,
+                pull,
+                push,
+                shear,
+                waves_of_4_cells,
+            },
+        ));
     }
-    findings.table(
+    study.findings.table(
         "locking-remedies",
         "Every kind of membrane in the fold: its freedom, what it makes of it, and what it costs",
-        table,
+        Table::of(&folds),
     );
-    findings.table(
+    study.findings.table(
         "locking-breaks",
         "Every kind of membrane on the cone, and what it breaks: energies over those of the springs",
-        breaks,
+        Table::of(&cones),
     );
-    Ok(())
 }

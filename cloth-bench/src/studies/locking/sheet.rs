@@ -1,18 +1,15 @@
 //! A sheet with a membrane of some kind, held where a scene wants it, and its rest.
 
 use super::count::mesh_of;
-use crate::error::BenchError;
-use crate::method;
+use crate::studies::prelude::*;
 use cloth_core::cloth::{
     Cloth, CoarseMembrane, Discretization, Elements, Membrane, MembraneCarrier, SpringEdges,
     SpringLaw,
 };
 use cloth_core::element::Element;
-use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::TriMesh;
 use cloth_core::method::family::Energies;
-use cloth_core::particles::{Particles, State};
-use cloth_core::step::{StepInput, Stepper};
+use cloth_core::particles::Particles;
 use cloth_core::topology::{EdgeTable, Midpoints};
 use cloth_massspring::ImplicitConfig;
 
@@ -155,9 +152,7 @@ impl Sheet {
     pub(super) fn hold(&mut self, is_held: impl Fn(&Vec3) -> bool) -> Result<(), BenchError> {
         for (point, x) in self.points.iter().enumerate() {
             if is_held(x) {
-                self.particles
-                    .prescribe(point)
-                    .map_err(BenchError::failed)?;
+                self.particles.prescribe(point)?;
             }
         }
         let particles = &self.particles;
@@ -216,7 +211,7 @@ impl Sheet {
             return Ok(springs.iter().map(|s| s.vertices).collect());
         }
         // The three strains of a triangle are the lengths of its sides.
-        let edges = EdgeTable::build(&self.mesh).map_err(BenchError::failed)?;
+        let edges = EdgeTable::build(&self.mesh)?;
         Ok(edges.ends().to_vec())
     }
 
@@ -224,7 +219,7 @@ impl Sheet {
     /// a part that goes with the square of its length L, and stores as much as `k L²` times the square of that, so
     /// `l⁴ = Σ L² L⁴/Σ L²`.
     pub(super) fn edge_length(&self) -> Result<Real, BenchError> {
-        let edges = EdgeTable::build(&self.mesh).map_err(BenchError::failed)?;
+        let edges = EdgeTable::build(&self.mesh)?;
         let x = self.mesh.positions();
         let (mut sixths, mut squares) = (0.0, 0.0);
         for &[a, b] in edges.ends() {
@@ -264,9 +259,7 @@ impl Sheet {
         };
         for _ in 0..MOST_STEPS {
             let mut state = State::at_rest(found.points.clone());
-            let report = solver
-                .step(&mut state, StepInput::new(DT).gravity(gravity))
-                .map_err(BenchError::failed)?;
+            let report = solver.step(&mut state, StepInput::new(DT).gravity(gravity))?;
             let moved = state.positions.iter().zip(&found.points);
             found.last_move = moved.map(|(a, b)| (a - b).norm()).fold(0.0, Real::max);
             found.iterations += report.iterations;
@@ -301,8 +294,7 @@ pub(super) fn square(pattern: &str, cells: usize) -> Result<TriMesh, BenchError>
         return mesh_of(pattern, cells);
     }
     let rows = (cells as Real / 0.75_f64.sqrt()).round() as usize;
-    let lattice = cloth_core::mesh::generate::equilateral(cells + 1, rows + 1, 1.0)
-        .map_err(BenchError::failed)?;
+    let lattice = cloth_core::mesh::generate::equilateral(cells + 1, rows + 1, 1.0)?;
     let [wide, high] = [cells as Real + 0.5, rows as Real * 0.75_f64.sqrt()];
     let place = |p: &Vec3| Vec3::new(p.x / wide, p.y / high, 0.0);
     let positions = lattice.positions().iter().map(place).collect();

@@ -10,21 +10,12 @@
 use super::finer::refined;
 use super::sheet::{KINDS, Kind, Sheet, square};
 use super::{count, fold};
-use crate::error::BenchError;
-use crate::method::Method;
-use crate::report::table::{Cell, Table};
-use crate::run;
-use crate::scene::{self, Scene};
-use crate::settings::Settings;
-use crate::studies::{Cases, Findings, Scope};
+use crate::studies::prelude::*;
 use cloth_core::cloth::ClothModel;
 use cloth_core::dof::EdgeRank;
 use cloth_core::energy::Spring;
-use cloth_core::math::{Real, Vec3};
 use cloth_core::measure::Strain;
-use cloth_core::particles::State;
 use cloth_core::topology::EdgeTable;
-use serde::{Deserialize, Serialize};
 
 /// D (N·m): cloth of this weight bends under itself over 8 cm.
 const RIGIDITY: Real = 1e-3;
@@ -44,10 +35,7 @@ const METHOD: &str = "linear-implicit";
 const PATTERN: &str = "alternating";
 
 fn patterns(scope: Scope) -> &'static [&'static str] {
-    match scope {
-        Scope::Quick => &["alternating"],
-        Scope::Full => &count::PATTERNS,
-    }
+    scope.pick(&["alternating"], &count::PATTERNS)
 }
 
 /// One drape; a kind of membrane by its place in [`KINDS`].
@@ -166,10 +154,6 @@ fn chains(scope: Scope) -> Vec<Case> {
     }
 }
 
-pub(super) fn cases(scope: Scope) -> u64 {
-    (list(scope).len() + chains(scope).len()) as u64
-}
-
 /// A sheet hung over the sphere from `start` (m), or from flat, until it is at rest; and its points (m) there.
 fn drape(case: &Case, start: Option<Vec<Vec3>>) -> Result<(Drape, Vec<Vec3>), BenchError> {
     let mesh = square(case.pattern, case.cells)?;
@@ -198,10 +182,10 @@ fn drape(case: &Case, start: Option<Vec<Vec3>>) -> Result<(Drape, Vec<Vec3>), Be
     let mut stepper = Method::find(case.method)?.build(&scene, &settings, DT)?;
     let mut state = scene.start.clone();
     let steps = run::to_rest(&scene, stepper.as_mut(), &mut state, DT, MOST_STEPS, STILL)?;
-    let edges = EdgeTable::build(&sheet.mesh).map_err(BenchError::failed)?;
+    let edges = EdgeTable::build(&sheet.mesh)?;
     let gauges = Spring::along(sheet.mesh.positions(), edges.ends(), 0.0);
     let x = &state.positions;
-    let rank = EdgeRank::of_pairs(x, &conditions).map_err(BenchError::failed)?;
+    let rank = EdgeRank::of_pairs(x, &conditions)?;
     let found = Drape {
         coordinates_left: 3 * x.len() as i64 - conditions.len() as i64,
         nullity: rank.nullity,
@@ -264,82 +248,82 @@ pub(super) struct Drapes {
     pub(super) sizes: Option<[(usize, [Real; 2]); 2]>,
 }
 
-pub(super) fn run(
-    scope: Scope,
-    findings: &mut Findings,
-    cases: &mut Cases<'_>,
-) -> Result<Drapes, BenchError> {
-    let mut table = Table::new(&[
-        "pattern",
-        "cells",
-        "membrane",
-        "Y",
-        "method",
-        "begins",
-        "coordinates − conditions",
-        "nullity draped",
-        "corners below the top",
-        "bending energy (mJ)",
-        "membrane over bending",
-        "rms strain",
-        "steps to rest",
-    ]);
-    let mut fallen: Vec<(Case, Real)> = Vec::new();
-    let flat = list(scope);
-    let every = cases.side_by_side(&flat, Case::name, |case| Ok(drape(case, None)?.0));
-    for (case, found) in flat.into_iter().zip(every) {
-        let Some(found) = findings.unless_failed(&case.name(), found) else {
-            continue;
-        };
-        if case.kind == 0 {
-            fallen.push((case, found.corners));
-        }
-        table.rows.push(row(&case, "flat", &found));
-    }
-    let mut made_finer: Vec<(Case, Real)> = Vec::new();
-    let chains = chains(scope);
-    let name_of = |first: &Case| format!("{}, made finer", first.name());
-    let every = cases.side_by_side(&chains, name_of, chain);
-    for (first, found) in chains.into_iter().zip(every) {
-        let Some(drapes) = findings.unless_failed(&name_of(&first), found) else {
-            continue;
-        };
-        for (cells, found) in SIZES.into_iter().zip(&drapes) {
-            let case = Case { cells, ..first };
-            made_finer.push((case, found.corners));
-            let begins = if cells == SIZES[0] {
-                "flat"
-            } else {
-                "from the coarser"
-            };
-            table.rows.push(row(&case, begins, found));
-        }
-    }
-    findings.table("locking-sphere", "Sheets draped over a sphere", table);
-    Ok(Drapes {
-        kept: kept(&fallen).map(|both| both.map(|(pattern, share)| (pattern.to_owned(), share))),
-        sizes: sizes(&made_finer),
-    })
+/// A drape, how it began, and what came of it.
+#[derive(Default, Serialize)]
+struct Row {
+    pattern: &'static str,
+    cells: usize,
+    membrane: &'static str,
+    #[serde(rename = "Y")]
+    modulus: Real,
+    method: String,
+    begins: &'static str,
+    #[serde(rename = "coordinates − conditions")]
+    coordinates_left: i64,
+    nullity_draped: usize,
+    corners_below_the_top: Real,
+    #[serde(rename = "bending energy (mJ)")]
+    bending: Real,
+    membrane_over_bending: Real,
+    rms_strain: Real,
+    steps_to_rest: Option<u32>,
 }
 
-fn row(case: &Case, begins: &str, found: &Drape) -> Vec<Cell> {
-    vec![
-        Cell::from(case.pattern),
-        Cell::from(case.cells),
-        Cell::from(KINDS[case.kind].0),
-        Cell::from(case.modulus),
-        Cell::from(case.solver().as_str()),
-        Cell::from(begins),
-        Cell::from(found.coordinates_left),
-        Cell::from(found.nullity),
-        Cell::from(found.corners),
-        Cell::from(1e3 * found.bending),
-        Cell::from(found.membrane / found.bending),
-        Cell::from(found.rms_strain),
-        found
-            .steps
-            .map_or(Cell::Missing, |steps| Cell::from(steps as usize)),
-    ]
+fn row(case: &Case, begins: &'static str, found: &Drape) -> Row {
+    Row {
+        pattern: case.pattern,
+        cells: case.cells,
+        membrane: KINDS[case.kind].0,
+        modulus: case.modulus,
+        method: case.solver(),
+        begins,
+        coordinates_left: found.coordinates_left,
+        nullity_draped: found.nullity,
+        corners_below_the_top: found.corners,
+        bending: 1e3 * found.bending,
+        membrane_over_bending: found.membrane / found.bending,
+        rms_strain: found.rms_strain,
+        steps_to_rest: found.steps,
+    }
+}
+
+pub(super) fn run(study: &mut StudyRun<'_>) -> Drapes {
+    let scope = study.scope;
+    let flat = study.grid_side_by_side(list(scope), Case::name, |case| Ok(drape(case, None)?.0));
+    let finer = study.grid_side_by_side(
+        chains(scope),
+        |first| format!("{}, made finer", first.name()),
+        chain,
+    );
+    let finer = finer.into_iter().flat_map(|(first, drapes)| {
+        let of_size = move |(cells, found)| (Case { cells, ..first }, found);
+        SIZES.into_iter().zip(drapes).map(of_size)
+    });
+    let finer: Vec<(Case, Drape)> = finer.collect();
+    let begins = |cells| {
+        if cells == SIZES[0] {
+            "flat"
+        } else {
+            "from the coarser"
+        }
+    };
+    let from_flat = flat.iter().map(|(case, found)| row(case, "flat", found));
+    let from_coarser = finer
+        .iter()
+        .map(|(case, found)| row(case, begins(case.cells), found));
+    let rows: Vec<Row> = from_flat.chain(from_coarser).collect();
+    let table = Table::of(&rows);
+    study
+        .findings
+        .table("locking-sphere", "Sheets draped over a sphere", table);
+    let depth = |(case, found): &(Case, Drape)| (*case, found.corners);
+    let springs = flat.iter().filter(|(case, _)| case.kind == 0);
+    let fallen: Vec<(Case, Real)> = springs.map(depth).collect();
+    let made_finer: Vec<(Case, Real)> = finer.iter().map(depth).collect();
+    Drapes {
+        kept: kept(&fallen).map(|both| both.map(|(pattern, share)| (pattern.to_owned(), share))),
+        sizes: sizes(&made_finer),
+    }
 }
 
 /// How deep (m) the corners are at both moduli with the fewest and the most cells a side, by [`METHOD`].

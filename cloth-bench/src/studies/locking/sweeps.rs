@@ -4,12 +4,8 @@ use super::cone;
 use super::count::PATTERNS;
 use super::fold::{self, Axis};
 use super::sheet::Kind;
-use crate::error::BenchError;
-use crate::report::plot::{self, Plot, Series, Style};
-use crate::report::table::{Cell, Table};
-use crate::studies::{Cases, Findings, Scope};
-use cloth_core::math::Real;
-use serde::{Deserialize, Serialize};
+use crate::report::plot;
+use crate::studies::prelude::*;
 
 /// D (N·m) of the cone and the fold.
 pub(super) const RIGIDITY: Real = 0.02;
@@ -23,10 +19,7 @@ fn moduli(scope: Scope, cells: usize) -> &'static [Real] {
 }
 
 pub(super) fn sizes(scope: Scope) -> &'static [usize] {
-    match scope {
-        Scope::Quick => &[16, 32],
-        Scope::Full => &[16, 32, 64, 128],
-    }
+    scope.pick(&[16, 32], &[16, 32, 64, 128])
 }
 
 /// The modulus (N/m) whose folds are drawn against the edge length.
@@ -42,18 +35,7 @@ fn fold_moduli(scope: Scope, cells: usize) -> &'static [Real] {
 }
 
 fn fold_sizes(scope: Scope) -> &'static [usize] {
-    match scope {
-        Scope::Quick => &[8, 16],
-        Scope::Full => &[16, 32, 64, 128],
-    }
-}
-
-pub(super) fn cases(scope: Scope) -> u64 {
-    let cones: usize = sizes(scope).iter().map(|&n| moduli(scope, n).len()).sum();
-    let folds = fold_sizes(scope)
-        .iter()
-        .map(|&n| fold_moduli(scope, n).len());
-    (PATTERNS.len() * (cones + 2 * folds.sum::<usize>())) as u64
+    scope.pick(&[8, 16], &[16, 32, 64, 128])
 }
 
 /// `l* = (702 D R²/Y)^¼` (m): the edge length at which the membrane of a locked bend of radius `radius` (m) was
@@ -76,98 +58,101 @@ pub(super) struct OnCones {
     pub(super) worst: (String, usize, Real, Real),
 }
 
-fn widen(range: &mut [Real; 2], value: Real) {
-    *range = [range[0].min(value), range[1].max(value)];
+/// Least and largest.
+fn ends(values: impl Iterator<Item = Real>) -> [Real; 2] {
+    values.fold([Real::MAX, 0.0], |[least, most], value| {
+        [least.min(value), most.max(value)]
+    })
+}
+
+/// A cone of a pattern, with so many cells a side and a modulus Y (N/m).
+#[derive(Default, Serialize)]
+struct ConeRow {
+    pattern: &'static str,
+    cells: usize,
+    #[serde(rename = "Y")]
+    modulus: Real,
+    #[serde(rename = "l over l*")]
+    ratio: Real,
+    energy_over_developable: Real,
+    membrane_over_developable: Real,
+    #[serde(rename = "the same, vertices on the cone")]
+    placed: Real,
+    iterations: u32,
+    last_move: Real,
 }
 
 /// The cone for every pattern.
-pub(super) fn cones(
-    scope: Scope,
-    findings: &mut Findings,
-    cases: &mut Cases<'_>,
-) -> Result<OnCones, BenchError> {
-    let mut table = Table::new(&[
-        "pattern",
-        "cells",
-        "Y",
-        "l over l*",
-        "energy over developable",
-        "membrane over developable",
-        "the same, vertices on the cone",
-        "iterations",
-        "last move",
-    ]);
-    let mut told = OnCones {
-        equilateral: [Real::MAX, 0.0],
-        placed: [Real::MAX, 0.0],
-        left: 0.0,
-        worst: (String::new(), 0, 0.0, 0.0),
+pub(super) fn cones(study: &mut StudyRun<'_>) -> OnCones {
+    let scope = study.scope;
+    let of_size = |&cells: &usize| moduli(scope, cells).iter().map(move |&y| (cells, y));
+    let of_pattern = |pattern| {
+        let sheets = sizes(scope).iter().flat_map(of_size);
+        sheets.map(move |(cells, modulus)| (pattern, cells, modulus))
     };
-    let (mut series, mut on_cone) = (Vec::new(), Vec::new());
-    for pattern in PATTERNS {
-        let mut curve = Vec::new();
-        let of_size = |&cells: &usize| moduli(scope, cells).iter().map(move |&y| (cells, y));
-        let sheets: Vec<(usize, Real)> = sizes(scope).iter().flat_map(of_size).collect();
-        let case_of = |(cells, modulus): &(usize, Real)| {
-            format!("cone, {pattern}, {cells} cells, Y = {modulus:e} N/m")
-        };
-        let every = cases.side_by_side(&sheets, case_of, |&(cells, modulus)| {
-            cone::bend(pattern, cells, Kind::Springs, modulus, RIGIDITY)
-        });
-        for (sheet, found) in sheets.into_iter().zip(every) {
-            let (cells, modulus) = sheet;
-            let Some(found) = findings.unless_failed(&case_of(&sheet), found) else {
-                continue;
-            };
-            let (energy, membrane) = (found.energy, found.membrane);
-            let ratio = found.edge_length / critical_length(cone::radius(), modulus, RIGIDITY);
-            curve.push((ratio, energy));
-            let constant = found.placed / ratio.powi(4);
-            widen(&mut told.placed, constant);
-            if pattern == "equilateral" {
-                on_cone.push((ratio, 1.0 + found.placed));
-                widen(&mut told.equilateral, constant);
-            }
-            if ratio > 1.0 {
-                told.left = told.left.max(membrane / found.placed);
-            }
-            if energy > told.worst.3 {
-                told.worst = (pattern.to_owned(), cells, ratio, energy);
-            }
-            table.push([
-                Cell::from(pattern),
-                Cell::from(cells),
-                Cell::from(modulus),
-                Cell::from(ratio),
-                Cell::from(energy),
-                Cell::from(membrane),
-                Cell::from(found.placed),
-                Cell::from(found.iterations as usize),
-                Cell::from(found.last_move),
-            ]);
-        }
-        curve.sort_by(|a, b| a.0.total_cmp(&b.0));
-        series.push(Series::new(pattern, curve).styled(Style::Points));
-    }
-    on_cone.sort_by(|a, b| a.0.total_cmp(&b.0));
-    series.push(Series::new("equilateral, held on it", on_cone).styled(Style::Points));
+    let found = study.grid_side_by_side(
+        PATTERNS.into_iter().flat_map(of_pattern),
+        |(pattern, cells, y)| format!("cone, {pattern}, {cells} cells, Y = {y:e} N/m"),
+        |&(pattern, cells, y)| cone::bend(pattern, cells, Kind::Springs, y, RIGIDITY),
+    );
+    let row = |((pattern, cells, modulus), cone): ((_, _, Real), cone::OnCone)| ConeRow {
+        pattern,
+        cells,
+        modulus,
+        ratio: cone.edge_length / critical_length(cone::radius(), modulus, RIGIDITY),
+        energy_over_developable: cone.energy,
+        membrane_over_developable: cone.membrane,
+        placed: cone.placed,
+        iterations: cone.iterations,
+        last_move: cone.last_move,
+    };
+    let rows: Vec<ConeRow> = found.into_iter().map(row).collect();
+    let mut sorted: Vec<&ConeRow> = rows.iter().collect();
+    sorted.sort_by(|a, b| a.ratio.total_cmp(&b.ratio));
+    let let_go = PATTERNS.map(|pattern| {
+        let ours = sorted.iter().filter(|row| row.pattern == pattern);
+        let points = ours.map(|row| (row.ratio, row.energy_over_developable));
+        Series::new(pattern, points.collect())
+    });
+    let equilateral = || sorted.iter().filter(|row| row.pattern == "equilateral");
+    let held = equilateral()
+        .map(|row| (row.ratio, 1.0 + row.placed))
+        .collect();
+    let held = Series::new("equilateral, held on it", held);
     let predicted = (0..=40).map(|i| {
         let ratio = 10.0_f64.powf(-1.0 + 0.045 * Real::from(i));
         (ratio, 1.0 + ratio.powi(4))
     });
-    series.push(Series::new("1 + (l/l*)⁴", predicted.collect()).styled(Style::ExactCurve));
-    findings.plot(
-        "locking-cone",
-        &Plot {
-            title: "What a sheet of springs pays for lying on a cone".into(),
-            x: plot::Axis::log("edge length l over l* = (702 D R²/Y)^¼ (dimensionless)"),
-            y: plot::Axis::log("elastic energy over the developable answer (dimensionless)"),
-            series,
-            note: "1 is a sheet that follows the cone without stretching. A sheet is locked, and not only stiff, where the energy goes on rising with Y. The dashed curve is the estimate, which holds for vertices that are held on the cone; let go, they leave it.".into(),
-        },
-    );
-    findings.table("locking-cone", "Springs on a cone", table);
-    Ok(told)
+    let plot = Plot::new(
+        "What a sheet of springs pays for lying on a cone",
+        plot::Axis::log("edge length l over l* = (702 D R²/Y)^¼ (dimensionless)"),
+        plot::Axis::log("elastic energy over the developable answer (dimensionless)"),
+    )
+    .points(let_go)
+    .points([held])
+    .exact("1 + (l/l*)⁴", predicted)
+    .note("1 is a sheet that follows the cone without stretching. A sheet is locked, and not only stiff, where the energy goes on rising with Y. The dashed curve is the estimate, which holds for vertices that are held on the cone; let go, they leave it.");
+    study.findings.plot("locking-cone", &plot);
+    study
+        .findings
+        .table("locking-cone", "Springs on a cone", Table::of(&rows));
+    let constant = |row: &ConeRow| row.placed / row.ratio.powi(4);
+    let locked = rows.iter().filter(|row| row.ratio > 1.0);
+    let left = locked.map(|row| row.membrane_over_developable / row.placed);
+    let energies = |a: &&ConeRow, b: &&ConeRow| {
+        a.energy_over_developable
+            .total_cmp(&b.energy_over_developable)
+    };
+    let worst = rows.iter().rev().max_by(energies);
+    OnCones {
+        equilateral: ends(equilateral().map(|row| constant(row))),
+        placed: ends(rows.iter().map(constant)),
+        left: left.fold(0.0, Real::max),
+        worst: worst.map_or((String::new(), 0, 0.0, 0.0), |row| {
+            let energy = row.energy_over_developable;
+            (row.pattern.to_owned(), row.cells, row.ratio, energy)
+        }),
+    }
 }
 
 /// What the folds say about the estimate: least and largest edge length over l* at which half of the bending was left,
@@ -179,124 +164,129 @@ pub(super) struct Folds {
     pub(super) free: usize,
 }
 
+/// A fold of a pattern about a diagonal, with so many cells a side and a modulus Y (N/m).
+#[derive(Default, Serialize)]
+struct FoldRow {
+    pattern: &'static str,
+    held_diagonal: &'static str,
+    cells: usize,
+    #[serde(rename = "Y")]
+    modulus: Real,
+    #[serde(rename = "l over l*")]
+    ratio: Real,
+    #[serde(rename = "rigidity over D")]
+    factor: Real,
+    fold_angle: Real,
+    exact_angle: Real,
+    bending_reached: Real,
+    membrane_over_bending: Real,
+    iterations: u32,
+    last_move: Real,
+    #[serde(skip)]
+    edge_length: Real,
+    #[serde(skip)]
+    critical_length: Real,
+}
+
 /// The diagonal fold for every pattern and both diagonals.
-pub(super) fn folds(
-    scope: Scope,
-    findings: &mut Findings,
-    cases: &mut Cases<'_>,
-) -> Result<Folds, BenchError> {
-    let mut told = Folds {
-        halved: [Real::MAX, 0.0],
-        locked: 0,
-        free: 0,
+pub(super) fn folds(study: &mut StudyRun<'_>) -> Folds {
+    let scope = study.scope;
+    let of_size = |&cells: &usize| fold_moduli(scope, cells).iter().map(move |&y| (cells, y));
+    let sheets = || fold_sizes(scope).iter().flat_map(of_size);
+    let curves_of = [("rising", Axis::Along), ("falling", Axis::Across)];
+    let curves_of = curves_of
+        .into_iter()
+        .flat_map(|axis| PATTERNS.map(|pattern| (pattern, axis)));
+    let points = curves_of.clone().flat_map(|(pattern, axis)| {
+        sheets().map(move |(cells, modulus)| (pattern, axis, cells, modulus))
+    });
+    let found = study.grid_side_by_side(
+        points,
+        |(pattern, (name, _), cells, y)| {
+            format!("fold, {pattern}, {name}, {cells} cells, Y = {y:e}")
+        },
+        |&(pattern, (_, axis), cells, y)| {
+            fold::fold(axis, pattern, cells, Kind::Springs, [y, RIGIDITY])?.figures()
+        },
+    );
+    let row = |((pattern, (held_diagonal, _), cells, modulus), folded): (
+        (_, (_, Axis), _, _),
+        fold::FoldFigures,
+    )| {
+        let critical_length = critical_length(folded.radius, modulus, folded.factor * RIGIDITY);
+        FoldRow {
+            pattern,
+            held_diagonal,
+            cells,
+            modulus,
+            ratio: folded.edge_length / critical_length,
+            factor: folded.factor,
+            fold_angle: folded.angle,
+            exact_angle: folded.exact_angle,
+            bending_reached: folded.bending,
+            membrane_over_bending: folded.membrane,
+            iterations: folded.iterations,
+            last_move: folded.last_move,
+            edge_length: folded.edge_length,
+            critical_length,
+        }
     };
-    let mut series = Vec::new();
-    let mut by_length = Vec::new();
-    let mut table = Table::new(&[
-        "pattern",
-        "held diagonal",
-        "cells",
-        "Y",
-        "l over l*",
-        "rigidity over D",
-        "fold angle",
-        "exact angle",
-        "bending reached",
-        "membrane over bending",
-        "iterations",
-        "last move",
-    ]);
-    for (name, axis) in [("rising", Axis::Along), ("falling", Axis::Across)] {
-        for pattern in PATTERNS {
-            let mut points = Vec::new();
-            let (mut reached, mut critical_lengths) = (Vec::new(), Vec::new());
-            for &cells in fold_sizes(scope) {
-                let mut curve: Vec<(Real, Real)> = Vec::new();
-                let moduli = fold_moduli(scope, cells);
-                let case_of = |modulus: &Real| {
-                    format!("fold, {pattern}, {name}, {cells} cells, Y = {modulus:e}")
-                };
-                let every = cases.side_by_side(moduli, case_of, |&modulus| {
-                    let stiffness = [modulus, RIGIDITY];
-                    fold::fold(axis, pattern, cells, Kind::Springs, stiffness)?.figures()
-                });
-                for (&modulus, folded) in moduli.iter().zip(every) {
-                    let Some(folded) = findings.unless_failed(&case_of(&modulus), folded) else {
-                        continue;
-                    };
-                    let critical =
-                        critical_length(folded.radius, modulus, folded.factor * RIGIDITY);
-                    let ratio = folded.edge_length / critical;
-                    curve.push((ratio, folded.bending));
-                    if modulus == SHOWN {
-                        reached.push((folded.edge_length, folded.bending));
-                        critical_lengths.push(critical);
-                    }
-                    table.push([
-                        Cell::from(pattern),
-                        Cell::from(name),
-                        Cell::from(cells),
-                        Cell::from(modulus),
-                        Cell::from(ratio),
-                        Cell::from(folded.factor),
-                        Cell::from(folded.angle),
-                        Cell::from(folded.exact_angle),
-                        Cell::from(folded.bending),
-                        Cell::from(folded.membrane),
-                        Cell::from(folded.iterations as usize),
-                        Cell::from(folded.last_move),
-                    ]);
-                }
-                match halved_at(&curve) {
-                    Some(ratio) => {
-                        told.locked += 1;
-                        widen(&mut told.halved, ratio);
-                    }
-                    None => told.free += 1,
-                }
-                points.extend(curve);
-            }
-            points.sort_by(|a, b| a.0.total_cmp(&b.0));
-            let label = format!("{pattern}, {name}");
-            series.push(Series::new(&label, points).styled(Style::Points));
-            if axis == Axis::Across {
-                by_length.extend(against_length(pattern, reached, &critical_lengths));
-            }
+    let rows: Vec<FoldRow> = found.into_iter().map(row).collect();
+    let (mut series, mut by_length, mut halved) = (Vec::new(), Vec::new(), Vec::new());
+    for (pattern, (name, axis)) in curves_of {
+        let ours = || {
+            rows.iter()
+                .filter(|row| (row.pattern, row.held_diagonal) == (pattern, name))
+        };
+        for &cells in fold_sizes(scope) {
+            let of_size = ours().filter(|row| row.cells == cells);
+            let curve: Vec<_> = of_size
+                .map(|row| (row.ratio, row.bending_reached))
+                .collect();
+            halved.push(halved_at(&curve));
+        }
+        let mut points: Vec<_> = ours().map(|row| (row.ratio, row.bending_reached)).collect();
+        points.sort_by(|a, b| a.0.total_cmp(&b.0));
+        series.push(Series::new(&format!("{pattern}, {name}"), points));
+        if axis == Axis::Across {
+            let shown = || ours().filter(|row| row.modulus == SHOWN);
+            let reached = shown()
+                .map(|row| (row.edge_length, row.bending_reached))
+                .collect();
+            let critical: Vec<Real> = shown().map(|row| row.critical_length).collect();
+            by_length.extend(against_length(pattern, reached, &critical));
         }
     }
     let predicted = (0..=40).map(|i| {
         let ratio = 10.0_f64.powf(-1.0 + 0.045 * Real::from(i));
         (ratio, 1.0 / (1.0 + ratio.powi(4)))
     });
-    series.push(Series::new("1/(1 + (l/l*)⁴)", predicted.collect()).styled(Style::ExactCurve));
-    findings.plot(
-        "locking-fold",
-        &Plot {
-            title: "How much of a diagonal fold a sheet of springs makes".into(),
-            x: plot::Axis::log("edge length l over l* = (702 D R²/Y)^¼ (dimensionless)"),
-            y: plot::Axis::linear("bending energy reached, over the developable answer (dimensionless)"),
-            series,
-            note: "The sheet hangs under its own weight, held along the named diagonal. The dashed curve is a guess from the estimate: a rigidity of D (1 + (l/l*)⁴) under the same load.".into(),
-        },
-    );
-    findings.plot(
-        "locking-length",
-        &Plot {
-            title: "Finer meshes fold".into(),
-            x: plot::Axis::log("edge length l (m)"),
-            y: plot::Axis::linear("bending energy reached, over the developable answer (dimensionless)"),
-            series: by_length,
-            note: format!(
-                "Y = {SHOWN:e} N/m, held along the falling diagonal; from right to left the same sheet with finer and finer meshes. Dashed, in the colour of the mesh: 1/(1 + (l/l*)⁴), which is one half at l = l* = (702 D R²/Y)^¼, with the rigidity D that the mesh has about this diagonal and the radius R of its fold. A sheet free to curve across is softer than the developable answer, so 1 can be exceeded."
-            ),
-        },
-    );
-    findings.table(
-        "locking-fold",
-        "Diagonal folds of a sheet of springs",
-        table,
-    );
-    Ok(told)
+    let reached =
+        plot::Axis::linear("bending energy reached, over the developable answer (dimensionless)");
+    let plot = Plot::new(
+        "How much of a diagonal fold a sheet of springs makes",
+        plot::Axis::log("edge length l over l* = (702 D R²/Y)^¼ (dimensionless)"),
+        reached.clone(),
+    )
+    .points(series)
+    .exact("1/(1 + (l/l*)⁴)", predicted)
+    .note("The sheet hangs under its own weight, held along the named diagonal. The dashed curve is a guess from the estimate: a rigidity of D (1 + (l/l*)⁴) under the same load.");
+    study.findings.plot("locking-fold", &plot);
+    let length = plot::Axis::log("edge length l (m)");
+    let plot = Plot::new("Finer meshes fold", length, reached).with(by_length).note(&format!(
+        "Y = {SHOWN:e} N/m, held along the falling diagonal; from right to left the same sheet with finer and finer meshes. Dashed, in the colour of the mesh: 1/(1 + (l/l*)⁴), which is one half at l = l* = (702 D R²/Y)^¼, with the rigidity D that the mesh has about this diagonal and the radius R of its fold. A sheet free to curve across is softer than the developable answer, so 1 can be exceeded."
+    ));
+    study.findings.plot("locking-length", &plot);
+    let caption = "Diagonal folds of a sheet of springs";
+    study
+        .findings
+        .table("locking-fold", caption, Table::of(&rows));
+    let locked = halved.iter().flatten().count();
+    Folds {
+        halved: ends(halved.iter().flatten().copied()),
+        locked,
+        free: halved.len() - locked,
+    }
 }
 
 /// Bending reached at edge lengths (m), and the guess from l* (m), in the mean of those given.

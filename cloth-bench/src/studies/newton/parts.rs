@@ -1,20 +1,15 @@
 //! The parts of an iteration, each timed alone, beside the library and the memory.
 
 use super::{System, seconds};
-use crate::error::BenchError;
-use crate::report::plot::{Axis, Plot, Series};
-use crate::report::table::{Cell, Table};
-use crate::studies::Findings;
-use cloth_core::math::{Real, Vec3};
+use crate::studies::prelude::*;
 use cloth_core::method::block_matrix::BlockMatrix;
 use cloth_core::method::linear::{
     BlockCholesky, Cholesky, ConjugateGradients, FillOrdering, LinearSolver, Preconditioner,
     StoppingCriteria, upper_half,
 };
-use serde::{Deserialize, Serialize};
 use std::hint::black_box;
 
-/// Times of all sizes (s).
+/// Times of all sizes.
 #[derive(Default, Serialize, Deserialize)]
 pub(super) struct Parts {
     iterations: Vec<Iteration>,
@@ -22,54 +17,69 @@ pub(super) struct Parts {
     products: Vec<Product>,
 }
 
-#[derive(Serialize, Deserialize)]
+#[derive(Default, Serialize, Deserialize)]
 struct Iteration {
-    side: u32,
+    vertices_a_side: u32,
+    #[serde(rename = "assemble (ms)")]
     assemble: Real,
+    #[serde(rename = "factorise (ms)")]
     factorise: Real,
+    #[serde(rename = "solve (ms)")]
     solve: Real,
+    #[serde(rename = "line search (ms)")]
     line_search: Real,
+    #[serde(rename = "sum (ms)")]
+    sum: Real,
+    #[serde(rename = "assemble / sum")]
+    assemble_over_sum: Real,
+    #[serde(rename = "library (ms)")]
     library: Real,
-}
-
-impl Iteration {
-    fn sum(&self) -> Real {
-        self.assemble + self.factorise + self.solve + self.line_search
-    }
+    #[serde(rename = "sum / library")]
+    sum_over_library: Real,
 }
 
 /// What one ordering costs.
-#[derive(Serialize, Deserialize)]
+#[derive(Default, Serialize, Deserialize)]
 struct Elimination {
-    side: u32,
+    vertices_a_side: u32,
     elements: String,
     ordering: String,
+    #[serde(rename = "analyse (ms)")]
+    analyse: Real,
+    #[serde(rename = "factorise (ms)")]
+    factorise: Real,
+    numbers_in_the_factor: usize,
     /// Whether the solver chooses it.
     chosen: bool,
-    analyse: Real,
-    factorise: Real,
-    numbers: usize,
 }
 
-#[derive(Serialize, Deserialize)]
+#[derive(Default, Serialize, Deserialize)]
 struct Product {
-    side: u32,
-    blocks: usize,
+    vertices_a_side: u32,
+    blocks_stored: usize,
+    #[serde(rename = "product (ms)")]
     product: Real,
+    #[serde(rename = "product (ns per block)")]
+    of_a_block: Real,
+    #[serde(rename = "limit (ms)")]
     limit: Real,
-    conjugate_gradients: Real,
+    #[serde(rename = "product / limit")]
+    product_over_limit: Real,
+    #[serde(rename = "iteration of conjugate gradients (ms)")]
+    iteration: Real,
+    #[serde(rename = "iteration / product")]
+    iteration_over_product: Real,
 }
 
 impl Parts {
     /// Those of one size.
     pub(super) fn of(side: u32, system: &mut System) -> Result<Self, BenchError> {
-        let mut cholesky = BlockCholesky::analyze(system.matrix.pattern(), &system.is_free)
-            .map_err(BenchError::failed)?;
+        let mut cholesky = BlockCholesky::analyze(system.matrix.pattern(), &system.is_free)?;
         let assemble = seconds(|| system.assemble());
         let matrix = &system.matrix;
         let mut outcome = Ok(());
         let factorise = seconds(|| outcome = cholesky.factorize(matrix));
-        outcome.map_err(BenchError::failed)?;
+        outcome?;
         let mut direction = vec![Vec3::zeros(); system.is_free.len()];
         let solve = seconds(|| cholesky.solve(&system.gradient, &mut direction));
         let mut there = direction.clone();
@@ -84,13 +94,18 @@ impl Parts {
             potential.gradient_into(&there, &mut gradient);
         });
         drop(cholesky);
+        let library = library(matrix, &system.is_free)?;
+        let sum = assemble + factorise + solve + line_search;
         let iteration = Iteration {
-            side,
-            assemble,
-            factorise,
-            solve,
-            line_search,
-            library: library(matrix, &system.is_free)?,
+            vertices_a_side: side,
+            assemble: 1e3 * assemble,
+            factorise: 1e3 * factorise,
+            solve: 1e3 * solve,
+            line_search: 1e3 * line_search,
+            sum: 1e3 * sum,
+            assemble_over_sum: assemble / sum,
+            library: 1e3 * library,
+            sum_over_library: sum / library,
         };
         Ok(Self {
             iterations: vec![iteration],
@@ -107,120 +122,51 @@ impl Parts {
     }
 
     pub(super) fn report(&self, findings: &mut Findings) -> String {
-        self.iteration_table(findings);
-        self.ordering_table(findings);
-        self.product_table(findings);
+        let curve = |label: &str, part: fn(&Iteration) -> Real| {
+            let times = self.iterations.iter();
+            let points = times.map(|i| (Real::from(i.vertices_a_side), part(i)));
+            Series::new(label, points.collect())
+        };
+        let (sides, times) = (Axis::log("vertices a side"), Axis::log("time (ms)"));
+        let plot = Plot::new("Parts of a Newton iteration", sides, times).with([
+            curve("factorise", |i| i.factorise),
+            curve("solve", |i| i.solve),
+            curve("assemble", |i| i.assemble),
+            curve("line search", |i| i.line_search),
+        ]);
+        findings.plot("newton-parts", &plot);
+        for (name, caption, table) in [
+            (
+                "parts",
+                "Parts of a Newton iteration",
+                Table::of(&self.iterations),
+            ),
+            (
+                "orderings",
+                "Orderings of the factorisation",
+                Table::of(&self.eliminations),
+            ),
+            (
+                "products",
+                "Products with the matrix",
+                Table::of(&self.products),
+            ),
+        ] {
+            findings.table(&format!("newton-{name}"), caption, table);
+        }
         let (Some(first), Some(last)) = (self.iterations.first(), self.iterations.last()) else {
             return String::new();
         };
-        let vertices = Real::from(last.side) / Real::from(first.side);
-        let growth = (last.sum() / first.sum()).log2() / (2.0 * vertices.log2());
+        let vertices = Real::from(last.vertices_a_side) / Real::from(first.vertices_a_side);
+        let growth = (last.sum / first.sum).log2() / (2.0 * vertices.log2());
         format!(
             "At {0} × {0} vertices assembly is {1:.0} % of a Newton iteration and the iteration takes {2:.2} times what the library needs to refactor and solve; \
-             from {3} to {0} a side its time grows with the number of vertices to the power of {4:.2}.",
-            last.side,
-            100.0 * last.assemble / last.sum(),
-            last.sum() / last.library,
-            first.side,
-            growth
+             from {3} to {0} a side its time grows with the number of vertices to the power of {growth:.2}.",
+            last.vertices_a_side,
+            100.0 * last.assemble_over_sum,
+            last.sum_over_library,
+            first.vertices_a_side,
         )
-    }
-
-    fn iteration_table(&self, findings: &mut Findings) {
-        let mut table = Table::new(&[
-            "vertices a side",
-            "assemble (ms)",
-            "factorise (ms)",
-            "solve (ms)",
-            "line search (ms)",
-            "sum (ms)",
-            "assemble / sum",
-            "library (ms)",
-            "sum / library",
-        ]);
-        for i in &self.iterations {
-            table.push([
-                Cell::from(i.side as usize),
-                Cell::from(1e3 * i.assemble),
-                Cell::from(1e3 * i.factorise),
-                Cell::from(1e3 * i.solve),
-                Cell::from(1e3 * i.line_search),
-                Cell::from(1e3 * i.sum()),
-                Cell::from(i.assemble / i.sum()),
-                Cell::from(1e3 * i.library),
-                Cell::from(i.sum() / i.library),
-            ]);
-        }
-        let curve = |part: fn(&Iteration) -> Real| -> Vec<(Real, Real)> {
-            let times = self.iterations.iter();
-            times.map(|i| (Real::from(i.side), 1e3 * part(i))).collect()
-        };
-        findings.plot(
-            "newton-parts",
-            &Plot {
-                title: "Parts of a Newton iteration".into(),
-                x: Axis::log("vertices a side"),
-                y: Axis::log("time (ms)"),
-                series: vec![
-                    Series::new("factorise", curve(|i| i.factorise)),
-                    Series::new("solve", curve(|i| i.solve)),
-                    Series::new("assemble", curve(|i| i.assemble)),
-                    Series::new("line search", curve(|i| i.line_search)),
-                ],
-                note: String::new(),
-            },
-        );
-        findings.table("newton-parts", "Parts of a Newton iteration", table);
-    }
-
-    fn ordering_table(&self, findings: &mut Findings) {
-        let mut table = Table::new(&[
-            "vertices a side",
-            "elements",
-            "ordering",
-            "analyse (ms)",
-            "factorise (ms)",
-            "numbers in the factor",
-            "chosen",
-        ]);
-        for one in &self.eliminations {
-            table.push([
-                Cell::from(one.side as usize),
-                Cell::from(one.elements.as_str()),
-                Cell::from(one.ordering.as_str()),
-                Cell::from(1e3 * one.analyse),
-                Cell::from(1e3 * one.factorise),
-                Cell::from(one.numbers),
-                Cell::from(if one.chosen { "yes" } else { "no" }),
-            ]);
-        }
-        findings.table("newton-orderings", "Orderings of the factorisation", table);
-    }
-
-    fn product_table(&self, findings: &mut Findings) {
-        let mut table = Table::new(&[
-            "vertices a side",
-            "blocks stored",
-            "product (ms)",
-            "product (ns per block)",
-            "limit (ms)",
-            "product / limit",
-            "iteration of conjugate gradients (ms)",
-            "iteration / product",
-        ]);
-        for p in &self.products {
-            table.push([
-                Cell::from(p.side as usize),
-                Cell::from(p.blocks),
-                Cell::from(1e3 * p.product),
-                Cell::from(1e9 * p.product / p.blocks as Real),
-                Cell::from(1e3 * p.limit),
-                Cell::from(p.product / p.limit),
-                Cell::from(1e3 * p.conjugate_gradients),
-                Cell::from(p.conjugate_gradients / p.product),
-            ]);
-        }
-        findings.table("newton-products", "Products with the matrix", table);
     }
 }
 
@@ -234,31 +180,27 @@ fn named(ordering: FillOrdering) -> &'static str {
 /// Both orderings, with bending and without.
 fn eliminations(side: u32, system: &System) -> Result<Vec<Elimination>, BenchError> {
     let springs = system.scene.model.springs.clone();
-    let energies = cloth_core::method::family::Energies::new(system.is_free.len())
-        .with(springs)
-        .map_err(BenchError::failed)?;
+    let energies = cloth_core::method::family::Energies::new(system.is_free.len()).with(springs)?;
     let mut without = BlockMatrix::zeros(energies.assembly().pattern().clone());
     without.add_diagonal(system.is_free.iter().map(|_| 1.0));
     let mut all = Vec::new();
     for (elements, matrix) in [("springs", &without), ("springs, bending", &system.matrix)] {
-        let chosen = BlockCholesky::analyze(matrix.pattern(), &system.is_free)
-            .map_err(BenchError::failed)?
-            .ordering();
+        let chosen = BlockCholesky::analyze(matrix.pattern(), &system.is_free)?.ordering();
         for ordering in [FillOrdering::MinimumDegree, FillOrdering::NestedDissection] {
             let analyse =
                 || BlockCholesky::analyze_with(matrix.pattern(), &system.is_free, ordering);
-            let mut cholesky = analyse().map_err(BenchError::failed)?;
+            let mut cholesky = analyse()?;
             let mut outcome = Ok(());
             let factorise = seconds(|| outcome = cholesky.factorize(matrix));
-            outcome.map_err(BenchError::failed)?;
+            outcome?;
             all.push(Elimination {
-                side,
+                vertices_a_side: side,
                 elements: elements.to_owned(),
                 ordering: named(ordering).to_owned(),
+                analyse: 1e3 * seconds(|| drop(black_box(analyse()))),
+                factorise: 1e3 * factorise,
+                numbers_in_the_factor: cholesky.factor_len(),
                 chosen: ordering == chosen,
-                factorise,
-                numbers: cholesky.factor_len(),
-                analyse: seconds(|| drop(black_box(analyse()))),
             });
         }
     }
@@ -267,9 +209,9 @@ fn eliminations(side: u32, system: &System) -> Result<Vec<Elimination>, BenchErr
 
 /// Refactoring and solving with the library alone (s): a scalar matrix whose numbers are in place.
 fn library(matrix: &BlockMatrix, is_free: &[bool]) -> Result<Real, BenchError> {
-    let (pattern, values) = upper_half(matrix, is_free).map_err(BenchError::failed)?;
+    let (pattern, values) = upper_half(matrix, is_free)?;
     let mut right_hand_side = vec![1.0; pattern.dimension()];
-    let mut cholesky = Cholesky::analyze(pattern).map_err(BenchError::failed)?;
+    let mut cholesky = Cholesky::analyze(pattern)?;
     cholesky.values_mut().copy_from_slice(&values);
     let mut outcome = Ok(());
     let time = seconds(|| {
@@ -279,7 +221,7 @@ fn library(matrix: &BlockMatrix, is_free: &[bool]) -> Result<Real, BenchError> {
             cholesky.solve_in_place(&mut right_hand_side);
         }
     });
-    outcome.map_err(BenchError::failed)?;
+    outcome?;
     Ok(time)
 }
 
@@ -293,24 +235,27 @@ fn product(side: u32, system: &System) -> Result<Product, BenchError> {
         max_iterations: ITERATIONS,
     };
     let preconditioner = Preconditioner::BlockJacobi;
-    let mut solver = ConjugateGradients::new(&system.is_free, preconditioner, budget)
-        .map_err(BenchError::failed)?;
-    solver.prepare(matrix).map_err(BenchError::failed)?;
+    let mut solver = ConjugateGradients::new(&system.is_free, preconditioner, budget)?;
+    solver.prepare(matrix)?;
     let mut outcome = Ok(());
     let many = seconds(|| {
         let solved = solver.solve(matrix, &system.gradient, &mut out);
         outcome = solved.map(|_| ());
     });
-    outcome.map_err(BenchError::failed)?;
+    outcome?;
     let blocks = matrix.pattern().block_count();
     // A block of 9 numbers and its column; x read, y read and written.
     let bytes = 76 * blocks + 72 * system.is_free.len();
+    let (limit, iteration) = (triad(bytes), many / Real::from(ITERATIONS));
     Ok(Product {
-        side,
-        blocks,
-        product: time,
-        limit: triad(bytes),
-        conjugate_gradients: many / Real::from(ITERATIONS),
+        vertices_a_side: side,
+        blocks_stored: blocks,
+        product: 1e3 * time,
+        of_a_block: 1e9 * time / blocks as Real,
+        limit: 1e3 * limit,
+        product_over_limit: time / limit,
+        iteration: 1e3 * iteration,
+        iteration_over_product: iteration / time,
     })
 }
 

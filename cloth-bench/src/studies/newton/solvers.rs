@@ -1,14 +1,9 @@
 //! Every linear solver on the same system.
 
 use super::{System, seconds};
-use crate::error::BenchError;
-use crate::report::plot::{Axis, Plot, Series};
-use crate::report::table::{Cell, Table};
-use crate::studies::Findings;
-use cloth_core::math::{Real, Vec3};
+use crate::studies::prelude::*;
 use cloth_core::method::linear::{LinearMethod, LinearSolver, StoppingCriteria};
 use cloth_core::step::Outcome;
-use serde::{Deserialize, Serialize};
 
 /// Relative residuals asked for.
 const TOLERANCES: [Real; 2] = [1e-3, 1e-8];
@@ -20,17 +15,26 @@ pub(super) struct Solvers {
     solves: Vec<Solve>,
 }
 
-#[derive(Clone, Serialize, Deserialize)]
+#[derive(Clone, Default, Serialize, Deserialize)]
 struct Solve {
-    side: u32,
-    name: String,
+    vertices_a_side: u32,
+    solver: String,
+    #[serde(rename = "relative residual asked for")]
     tolerance: Real,
-    /// Preparing and solving (s).
+    #[serde(rename = "prepare and solve (ms)")]
     time: Real,
     iterations: u32,
-    /// Relative residual at the end.
-    residual: Real,
-    converged: bool,
+    relative_residual: Real,
+    done: Done,
+}
+
+#[derive(Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+enum Done {
+    #[default]
+    #[serde(rename = "yes")]
+    Converged,
+    #[serde(rename = "budget spent")]
+    Spent,
 }
 
 impl Solvers {
@@ -50,13 +54,12 @@ impl Solvers {
                 LinearMethod::GaussSeidel(budget),
                 LinearMethod::Jacobi(budget),
             ] {
-                let built = method.build(
+                let mut solver = method.build(
                     system.matrix.pattern(),
                     &system.is_free,
                     system.scene.model.particles.rest_positions(),
-                );
-                let mut solver = built.map_err(BenchError::failed)?;
-                let is_lost = |one: &&Solve| one.name == solver.name() && !one.converged;
+                )?;
+                let is_lost = |one: &&Solve| one.solver == solver.name() && one.done == Done::Spent;
                 solves.push(match solves.iter().find(is_lost) {
                     // It would spend them again.
                     Some(lost) => Solve {
@@ -76,67 +79,40 @@ impl Solvers {
     }
 
     pub(super) fn report(&self, findings: &mut Findings) -> String {
-        let mut table = Table::new(&[
-            "vertices a side",
-            "solver",
-            "relative residual asked for",
-            "prepare and solve (ms)",
-            "iterations",
-            "relative residual",
-            "done",
-        ]);
-        for solve in &self.solves {
-            table.push([
-                Cell::from(solve.side as usize),
-                Cell::from(solve.name.as_str()),
-                Cell::from(solve.tolerance),
-                Cell::from(1e3 * solve.time),
-                Cell::from(solve.iterations as usize),
-                Cell::from(solve.residual),
-                Cell::from(if solve.converged {
-                    "yes"
-                } else {
-                    "budget spent"
-                }),
-            ]);
-        }
         for tolerance in TOLERANCES {
             findings.plot(
                 &format!("newton-solvers-{tolerance:e}"),
                 &self.plot(tolerance),
             );
         }
+        let table = Table::of(&self.solves);
         findings.table("newton-solvers", "Linear solvers", table);
         self.verdict()
     }
 
+    /// Those that came to an end.
+    fn done(&self, tolerance: Real) -> impl Iterator<Item = &Solve> {
+        let is_done = move |s: &&Solve| s.tolerance == tolerance && s.done == Done::Converged;
+        self.solves.iter().filter(is_done)
+    }
+
     fn plot(&self, tolerance: Real) -> Plot {
-        let mut names: Vec<&str> = Vec::new();
-        for solve in &self.solves {
-            if !names.contains(&solve.name.as_str()) {
-                names.push(&solve.name);
-            }
-        }
-        let series = names.into_iter().map(|name| {
-            let solves = self
-                .solves
-                .iter()
-                .filter(|s| s.name == name && s.tolerance == tolerance && s.converged);
-            let points = solves.map(|s| (Real::from(s.side), 1e3 * s.time)).collect();
-            Series::new(name, points)
+        let series = curves(self.done(tolerance), |s| {
+            (s.solver.as_str(), (Real::from(s.vertices_a_side), s.time))
         });
-        Plot {
-            title: format!("Preparing and solving to a residual of {tolerance:e}"),
-            x: Axis::log("vertices a side"),
-            y: Axis::log("time (ms)"),
-            series: series.collect(),
-            note: "Solvers that spent their iterations are left out.".into(),
-        }
+        let title = format!("Preparing and solving to a residual of {tolerance:e}");
+        let (sides, times) = (Axis::log("vertices a side"), Axis::log("time (ms)"));
+        let plot = Plot::new(title, sides, times).with(series);
+        plot.note("Solvers that spent their iterations are left out.")
     }
 
     /// Who wins, size by size.
     fn verdict(&self) -> String {
-        let mut sides: Vec<u32> = self.solves.iter().map(|solve| solve.side).collect();
+        let mut sides: Vec<u32> = self
+            .solves
+            .iter()
+            .map(|solve| solve.vertices_a_side)
+            .collect();
         sides.dedup();
         let sentences = TOLERANCES.map(|tolerance| {
             let winners: Vec<(u32, &str)> = sides
@@ -160,12 +136,9 @@ impl Solvers {
     }
 
     fn fastest(&self, side: u32, tolerance: Real) -> Option<&str> {
-        let done = self
-            .solves
-            .iter()
-            .filter(|s| s.side == side && s.tolerance == tolerance && s.converged);
-        done.min_by(|a, b| a.time.total_cmp(&b.time))
-            .map(|s| s.name.as_str())
+        let done = self.done(tolerance).filter(|s| s.vertices_a_side == side);
+        let fastest = done.min_by(|a, b| a.time.total_cmp(&b.time));
+        fastest.map(|s| s.solver.as_str())
     }
 }
 
@@ -182,14 +155,17 @@ fn solve(
         outcome =
             Some(prepared.and_then(|()| solver.solve(&system.matrix, &system.gradient, &mut x)));
     });
-    let report = outcome.expect("it ran").map_err(BenchError::failed)?;
+    let report = outcome.expect("it ran")?;
     Ok(Solve {
-        side,
-        name: solver.name().to_owned(),
+        vertices_a_side: side,
+        solver: solver.name().to_owned(),
         tolerance,
-        time,
+        time: 1e3 * time,
         iterations: report.iterations,
-        residual: report.residual,
-        converged: report.outcome == Outcome::Converged,
+        relative_residual: report.residual,
+        done: match report.outcome {
+            Outcome::Converged => Done::Converged,
+            _ => Done::Spent,
+        },
     })
 }

@@ -1,18 +1,11 @@
 //! Whole steps to equal errors: the quasi-Newton method around multigrid, and Newton's method with every linear solver.
 
 use super::System;
-use crate::error::BenchError;
-use crate::method;
-use crate::report::plot::{Axis, Plot, Series};
-use crate::report::table::{Cell, Table};
-use crate::scene;
+use crate::studies::prelude::*;
 use crate::studies::sheets::{STIFFNESS, hanging, sixteenth_step, trace_warm};
-use crate::studies::{Cases, Findings, Scope};
 use crate::yardstick::Sample;
-use cloth_core::math::Real;
 use cloth_core::method::linear::{LinearMethod, Preconditioner, StoppingCriteria, spectrum};
 use cloth_massspring::{ImplicitConfig, Solve};
-use serde::{Deserialize, Serialize};
 
 /// Errors (G − G*)/(G(x̃) − G*) that are waited for.
 const GOALS: [Real; 2] = [1e-3, 1e-8];
@@ -24,10 +17,11 @@ const LONG: Real = 5.0;
 const LANCZOS: u32 = 2000;
 
 /// A sheet whose sixteenth step is taken.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 struct Problem {
+    #[serde(rename = "vertices a side")]
     side: u32,
-    /// N/m.
+    #[serde(rename = "stiffness (N/m)")]
     stiffness: Real,
 }
 
@@ -52,10 +46,7 @@ impl Problem {
 
 /// Side of the sheets whose stiffness is varied, and their stiffnesses (N/m).
 fn varied(scope: Scope) -> (u32, &'static [Real]) {
-    match scope {
-        Scope::Quick => (16, &[1e2, 1e6]),
-        Scope::Full => (64, &[1e2, 1e3, 1e5, 1e6]),
-    }
+    scope.pick((16, &[1e2, 1e6]), (64, &[1e2, 1e3, 1e5, 1e6]))
 }
 
 /// The sheets that are softer or stiffer.
@@ -99,16 +90,19 @@ fn solvers() -> [(&'static str, Solve, LinearMethod); 7] {
     ]
 }
 
-pub(super) fn cases(scope: Scope) -> u64 {
-    (of_other_stiffness(scope).count() + solvers().len()) as u64
-}
-
-/// How a solver got to the goals in one step: iterations and seconds to each, if it got there.
-#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+/// How a solver got to the goals in one step, if it got there.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 struct Taken {
-    side: u32,
-    stiffness: Real,
-    reached: [Option<(u32, Real)>; 2],
+    problem: Problem,
+    solver: String,
+    #[serde(rename = "iterations to 1e-3")]
+    iterations: Option<u32>,
+    #[serde(rename = "ms to 1e-3")]
+    ms: Option<Real>,
+    #[serde(rename = "iterations to 1e-8")]
+    sharp_iterations: Option<u32>,
+    #[serde(rename = "ms to 1e-8")]
+    sharp_ms: Option<Real>,
 }
 
 /// All problems with one solver, but for those beyond one that it was lost in.
@@ -140,15 +134,18 @@ fn take(
         let model = &scene.model;
         let mut solver = method::implicit_euler(&model.particles, model.families(), config)?;
         let trace = trace_warm(&scene, scene.gravity, &step, &mut solver)?;
-        let reached = GOALS.map(|goal| first_within(goal, &trace));
+        let [coarse, sharp] = GOALS.map(|goal| first_within(goal, &trace));
         let took = trace.last().map_or(0.0, |sample| sample.seconds);
-        if reached[1].is_none() || took > LONG {
+        if sharp.is_none() || took > LONG {
             lost.push(problem);
         }
         all.push(Taken {
-            side: problem.side,
-            stiffness: problem.stiffness,
-            reached,
+            problem,
+            solver: label.to_owned(),
+            iterations: coarse.map(|(count, _)| count),
+            ms: coarse.map(|(_, seconds)| 1e3 * seconds),
+            sharp_iterations: sharp.map(|(count, _)| count),
+            sharp_ms: sharp.map(|(_, seconds)| 1e3 * seconds),
         });
     }
     Ok(all)
@@ -164,157 +161,115 @@ fn first_within(goal: Real, trace: &[Sample]) -> Option<(u32, Real)> {
     Some((there.iteration, there.seconds))
 }
 
+#[derive(Default, Serialize)]
+struct Conditions {
+    problem: Problem,
+    #[serde(rename = "condition number of A")]
+    plain: Real,
+    #[serde(rename = "condition number of D⁻¹A")]
+    preconditioned: Real,
+}
+
 /// Condition numbers of the matrix of a Newton iteration without and with its diagonal blocks inverted.
 pub(super) fn conditions(system: &System) -> Result<[Real; 2], BenchError> {
     let mut found = [0.0; 2];
     let kinds = [Preconditioner::Identity, Preconditioner::BlockJacobi];
     for (kind, found) in kinds.into_iter().zip(&mut found) {
         let spectrum = spectrum(&system.matrix, &system.is_free, kind, LANCZOS);
-        *found = spectrum.map_err(BenchError::failed)?.condition_number();
+        *found = spectrum?.condition_number();
     }
     Ok(found)
 }
 
 /// Measures all, and says who is the fastest. `of_sides` are the sides whose conditions are known, with these.
-pub(super) fn run(
-    scope: Scope,
-    of_sides: &[(u32, [Real; 2])],
-    findings: &mut Findings,
-    cases: &mut Cases<'_>,
-) -> String {
-    let mut table = Table::new(&[
-        "vertices a side",
-        "stiffness (N/m)",
-        "condition number of A",
-        "condition number of D⁻¹A",
-    ]);
-    let mut push = |problem: Problem, [plain, preconditioned]: [Real; 2]| {
-        table.push([
-            Cell::from(problem.side as usize),
-            Cell::from(problem.stiffness),
-            Cell::from(plain),
-            Cell::from(preconditioned),
-        ]);
+pub(super) fn run(study: &mut StudyRun<'_>, of_sides: &[(u32, [Real; 2])]) -> String {
+    let scope = study.scope;
+    let of_sides = of_sides
+        .iter()
+        .map(|&(side, found)| (Problem::of_side(side), found));
+    let mut rows: Vec<(Problem, [Real; 2])> = of_sides.collect();
+    rows.extend(study.grid(
+        of_other_stiffness(scope),
+        |problem| format!("condition, {}", problem.name()),
+        |problem| conditions(&System::falling(problem.side, problem.stiffness)?),
+    ));
+    let row = |(problem, [plain, preconditioned]): (Problem, [Real; 2])| Conditions {
+        problem,
+        plain,
+        preconditioned,
     };
-    for &(side, found) in of_sides {
-        push(Problem::of_side(side), found);
-    }
-    for problem in of_other_stiffness(scope) {
-        let case = format!("condition, {}", problem.name());
-        let found = cases.case(&case, || {
-            conditions(&System::falling(problem.side, problem.stiffness)?)
-        });
-        if let Some(found) = findings.unless_failed(&case, found) {
-            push(problem, found);
-        }
-    }
-    findings.table("newton-conditions", "Condition numbers", table);
-    let mut all: Vec<(&str, Vec<Taken>)> = Vec::new();
+    let rows: Vec<Conditions> = rows.into_iter().map(row).collect();
+    let table = Table::of(&rows);
+    study
+        .findings
+        .table("newton-conditions", "Condition numbers", table);
+    let mut all: Vec<Taken> = Vec::new();
     for solver in solvers() {
         let case = format!("steps, {}", solver.0);
-        let taken = cases.parts(&case, |progress| take(scope, solver, progress));
-        if let Some(taken) = findings.unless_failed(&case, taken) {
-            all.push((solver.0, taken));
-        }
+        let taken = study
+            .cases
+            .parts(&case, |progress| take(scope, solver, progress));
+        all.extend(
+            study
+                .findings
+                .unless_failed(&case, taken)
+                .unwrap_or_default(),
+        );
     }
-    report(scope, &all, findings);
+    report(scope, &all, &mut study.findings);
     verdict(scope, &all)
 }
 
-fn report(scope: Scope, all: &[(&str, Vec<Taken>)], findings: &mut Findings) {
-    let mut table = Table::new(&[
-        "vertices a side",
-        "stiffness (N/m)",
-        "solver",
-        "iterations to 1e-3",
-        "ms to 1e-3",
-        "iterations to 1e-8",
-        "ms to 1e-8",
-    ]);
-    for problem in problems(scope) {
-        for (label, taken) in all {
-            let of = |one: &&Taken| of_problem(one, &problem);
-            let Some(one) = taken.iter().find(of) else {
-                continue;
-            };
-            let mut row = vec![
-                Cell::from(one.side as usize),
-                Cell::from(one.stiffness),
-                Cell::from(*label),
-            ];
-            for reached in one.reached {
-                row.push(Cell::from(reached.map(|(count, _)| count as usize)));
-                row.push(Cell::from(reached.map(|(_, seconds)| 1e3 * seconds)));
-            }
-            table.rows.push(row);
-        }
-    }
+fn report(scope: Scope, all: &[Taken], findings: &mut Findings) {
+    let of_problem = |problem| {
+        all.iter()
+            .filter(move |one| one.problem == problem)
+            .cloned()
+    };
+    let rows: Vec<Taken> = problems(scope).into_iter().flat_map(of_problem).collect();
     findings.table(
         "newton-steps",
         "Whole steps to equal errors; empty where a solver did not get there, and without a line beyond",
-        table,
+        Table::of(&rows),
     );
     let (side, _) = varied(scope);
     for (goal, error) in GOALS.into_iter().enumerate() {
-        let curves = |x: fn(&Taken) -> Real, is_on: &dyn Fn(&Taken) -> bool| {
-            let curve = |taken: &[Taken]| -> Vec<(Real, Real)> {
-                let there = taken.iter().filter(|one| is_on(one));
-                let points = there.filter_map(|one| Some((x(one), 1e3 * one.reached[goal]?.1)));
-                let mut points: Vec<_> = points.collect();
-                points.sort_by(|a, b| a.0.total_cmp(&b.0));
-                points
-            };
-            let series = all.iter();
-            series
-                .map(|(label, taken)| Series::new(label, curve(taken)))
-                .collect()
+        let ms = |one: &Taken| if goal == 0 { one.ms } else { one.sharp_ms };
+        let curves_over = |x: fn(&Problem) -> Real, is_on: &dyn Fn(&Problem) -> bool| {
+            let there = all.iter().filter(|one| is_on(&one.problem));
+            let mut points: Vec<(&str, (Real, Real))> = there
+                .filter_map(|one| Some((one.solver.as_str(), (x(&one.problem), ms(one)?))))
+                .collect();
+            points.sort_by(|a, b| a.1.0.total_cmp(&b.1.0));
+            curves(points, |point| point)
         };
-        findings.plot(
-            &format!("newton-steps-{error:e}"),
-            &Plot {
-                title: format!("A whole step to an error of {error:e}, {STIFFNESS:e} N/m"),
-                x: Axis::log("vertices a side"),
-                y: Axis::log("time (ms)"),
-                series: curves(|one| Real::from(one.side), &|one| {
-                    one.stiffness == STIFFNESS
-                }),
-                note: String::new(),
-            },
-        );
-        findings.plot(
-            &format!("newton-steps-stiffness-{error:e}"),
-            &Plot {
-                title: format!("A whole step to an error of {error:e}, {side} × {side} vertices"),
-                x: Axis::log("spring stiffness k (N/m)"),
-                y: Axis::log("time (ms)"),
-                series: curves(|one| one.stiffness, &|one| one.side == side),
-                note: String::new(),
-            },
-        );
+        let (sides, times) = (Axis::log("vertices a side"), Axis::log("time (ms)"));
+        let title = format!("A whole step to an error of {error:e}, {STIFFNESS:e} N/m");
+        let series = curves_over(|p| Real::from(p.side), &|p| p.stiffness == STIFFNESS);
+        let plot = Plot::new(title, sides, times.clone()).with(series);
+        findings.plot(&format!("newton-steps-{error:e}"), &plot);
+        let title = format!("A whole step to an error of {error:e}, {side} × {side} vertices");
+        let series = curves_over(|p| p.stiffness, &|p| p.side == side);
+        let plot = Plot::new(title, Axis::log("spring stiffness k (N/m)"), times).with(series);
+        findings.plot(&format!("newton-steps-stiffness-{error:e}"), &plot);
     }
-}
-
-fn of_problem(one: &Taken, problem: &Problem) -> bool {
-    one.side == problem.side && one.stiffness == problem.stiffness
 }
 
 /// The times of those who reach the sharper goal on the largest sheet.
-fn verdict(scope: Scope, all: &[(&str, Vec<Taken>)]) -> String {
+fn verdict(scope: Scope, all: &[Taken]) -> String {
     let Some(&side) = super::sides(scope).last() else {
         return String::new();
     };
-    let largest = Problem::of_side(side);
-    let mut times: Vec<(&str, u32, Real)> = Vec::new();
-    for (label, taken) in all {
-        let there = taken.iter().find(|one| of_problem(one, &largest));
-        if let Some((count, seconds)) = there.and_then(|one| one.reached[1]) {
-            times.push((label, count, seconds));
-        }
-    }
+    let largest = all
+        .iter()
+        .filter(|one| one.problem == Problem::of_side(side));
+    let mut times: Vec<(&str, u32, Real)> = largest
+        .filter_map(|one| Some((one.solver.as_str(), one.sharp_iterations?, one.sharp_ms?)))
+        .collect();
     times.sort_by(|a, b| a.2.total_cmp(&b.2));
-    let each = times.iter().map(|(label, count, seconds)| {
-        format!("{label} {:.0} ms in {count} iterations", 1e3 * seconds)
-    });
+    let each = times
+        .iter()
+        .map(|(label, count, ms)| format!("{label} {ms:.0} ms in {count} iterations"));
     format!(
         "A whole step of {side} × {side} vertices to an error of {:e}: {}.",
         GOALS[1],

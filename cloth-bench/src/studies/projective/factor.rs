@@ -1,13 +1,9 @@
 //! The constant matrix: its fill, what it costs to factorise, to solve with and to change.
 
 use super::super::{Findings, Scope};
-use crate::error::BenchError;
-use crate::report::table::{Cell, Table};
-use crate::scene::{self, Scene};
-use crate::settings::Settings;
+use crate::studies::prelude::*;
 use cloth_core::element::Projective;
 use cloth_core::energy::Spring;
-use cloth_core::math::{Real, Vec3};
 use cloth_core::method::linear::{Cholesky, UpperPattern};
 use cloth_core::method::parallel::wide;
 use cloth_pd::LocalStep;
@@ -41,9 +37,9 @@ pub fn constant_matrix(scene: &Scene) -> Result<Cholesky, BenchError> {
         }
         pattern.column_offsets.push(values.len() as u32);
     }
-    let mut cholesky = Cholesky::analyze(pattern).map_err(BenchError::failed)?;
+    let mut cholesky = Cholesky::analyze(pattern)?;
     cholesky.values_mut().copy_from_slice(&values);
-    cholesky.factorize().map_err(BenchError::failed)?;
+    cholesky.factorize()?;
     Ok(cholesky)
 }
 
@@ -61,10 +57,7 @@ fn add<const N: usize, E: Projective<N, 1>>(elements: &[E], columns: &mut [Vec<(
 }
 
 pub(super) fn sizes(scope: Scope) -> &'static [u32] {
-    match scope {
-        Scope::Quick => &[17, 33],
-        Scope::Full => &[32, 64, 128, 256, 512],
-    }
+    scope.pick(&[17, 33], &[32, 64, 128, 256, 512])
 }
 
 /// Repetitions, of which the shortest counts.
@@ -102,7 +95,7 @@ pub(super) fn costs(
         let [mut factorise, mut solve, mut library, mut stream] = [Real::INFINITY; 4];
         for _ in 0..REPETITIONS {
             let started = Instant::now();
-            cholesky.factorize().map_err(BenchError::failed)?;
+            cholesky.factorize()?;
             panels.refill(cholesky.factor());
             factorise = factorise.min(started.elapsed().as_secs_f64());
             // The first solve of each finds the other's numbers in the caches.

@@ -2,14 +2,8 @@
 //! implicit Euler.
 
 use super::super::{Findings, Scope};
-use super::{LONG, Pairs, SHORT, with};
-use crate::error::BenchError;
-use crate::method::Method;
-use crate::report::table::{Cell, Table};
-use crate::run;
-use crate::scene;
-use crate::settings::Settings;
-use cloth_core::math::Real;
+use super::{LONG, SHORT};
+use crate::studies::prelude::*;
 use cloth_core::measure::{Strain, kinetic_energy};
 
 /// Steps, and how many of them at the end are averaged over: a swing and a half.
@@ -18,44 +12,35 @@ const AVERAGED: u32 = 100;
 
 /// Label, method and settings. A step cut short starts with the velocity as it was: what an extrapolated one gets
 /// wrong, few iterations leave.
-pub(super) const SETTINGS: [(&str, &str, Pairs); 9] = [
-    ("default", PD, &[]),
+pub(super) const SETTINGS: [(&str, &str, &str); 9] = [
+    ("default", PD, ""),
     (SHORT.0, PD, SHORT.1),
     (LONG.0, PD, LONG.1),
-    ("24 iterations", PD, &[("iterations", "24")]),
-    (
-        "36 iterations, 16 cells",
-        PD,
-        &[("iterations", "36"), ("coarse", "16")],
-    ),
+    ("24 iterations", PD, "iterations=24"),
+    ("36 iterations, 16 cells", PD, "iterations=36 coarse=16"),
     (
         "implicit Euler, 10 iterations",
         EULER,
-        &[("iterations", "10"), ("start", "inertial")],
+        "iterations=10 start=inertial",
     ),
     (
         "implicit Euler, 20 iterations",
         EULER,
-        &[("iterations", "20"), ("start", "inertial")],
+        "iterations=20 start=inertial",
     ),
     (
         "implicit Euler, to 1e-1",
         EULER,
-        &[("tolerance", "1e-1"), ("start", "inertial")],
+        "tolerance=1e-1 start=inertial",
     ),
     (
         "implicit Euler, 3 Newton iterations of 5 conjugate gradients",
         EULER,
-        &[
-            ("linear", "newton-multigrid"),
-            ("iterations", "3"),
-            ("linear_iterations", "5"),
-            ("start", "inertial"),
-        ],
+        "linear=newton-multigrid iterations=3 linear_iterations=5 start=inertial",
     ),
 ];
 /// What all are compared with: at its default tolerance the kinetic energy after five seconds is a hundredth too large.
-const CONVERGED: Pairs = &[("tolerance", "1e-5")];
+const CONVERGED: &str = "tolerance=1e-5";
 const PD: &str = "pd";
 const EULER: &str = "implicit-euler";
 
@@ -146,7 +131,7 @@ pub(super) fn swings(
     let mut judged = Vec::new();
     for &n in sizes(scope) {
         progress(&format!("projective: five seconds, {n} × {n}"));
-        let converged = Swing::of(n, EULER, &with(CONVERGED))?;
+        let converged = Swing::of(n, EULER, &Settings::of(CONVERGED))?;
         let mut push = |label: &str, swing: &Swing| {
             let errors = swing.relative_to(&converged);
             table.push([
@@ -164,9 +149,9 @@ pub(super) fn swings(
         };
         push("implicit Euler, converged", &converged);
         let mut rows = Vec::new();
-        for (label, method, pairs) in SETTINGS {
+        for (label, method, settings) in SETTINGS {
             progress(&format!("projective: {label} for five seconds, {n} × {n}"));
-            let outcome = Swing::of(n, method, &with(pairs));
+            let outcome = Swing::of(n, method, &Settings::of(settings));
             if let Some(swing) = findings.unless_failed(label, outcome) {
                 rows.push((label, method, push(label, &swing)));
             }
@@ -221,10 +206,10 @@ mod tests {
     /// ten iterations is known.
     #[test]
     fn a_newton_step_cut_short_swings_on_where_projective_dynamics_dies_away() {
-        let converged = Swing::of(24, EULER, &with(CONVERGED)).unwrap();
+        let converged = Swing::of(24, EULER, &Settings::of(CONVERGED)).unwrap();
         let relative = |row: usize| {
-            let (_, method, pairs) = SETTINGS[row];
-            Swing::of(24, method, &with(pairs))
+            let (_, method, settings) = SETTINGS[row];
+            Swing::of(24, method, &Settings::of(settings))
                 .unwrap()
                 .relative_to(&converged)
         };

@@ -1,15 +1,10 @@
 //! The maps: which sheet stands behind which pair of values.
 
 use super::{Fate, follow};
-use crate::error::BenchError;
-use crate::scene::{self, Scene};
-use crate::settings::Settings;
-use crate::studies::Scope;
+use crate::studies::prelude::*;
 use cloth_core::cloth::{Cloth, Membrane};
-use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::TriMesh;
 use cloth_core::mesh::generate::{Diagonals, grid};
-use cloth_core::particles::State;
 use cloth_core::random::SplitMix64;
 
 /// Vertices a side.
@@ -142,9 +137,7 @@ fn jittered(scene: &Scene, seed: u64) -> Scene {
 }
 
 fn hung(stiffness: Real) -> Result<Scene, BenchError> {
-    let settings = Settings::default()
-        .with("n", N)
-        .with("stiffness", stiffness);
+    let settings = Settings::of(&format!("n={N} stiffness={stiffness}"));
     scene::build("hang", None, &settings)
 }
 
@@ -159,9 +152,7 @@ fn uneven(mass: Real, stiffness: Real) -> Result<Scene, BenchError> {
         .rev()
         .find(|&v| !particles.is_prescribed(v) && scene.start.positions[v].x == 0.0)
         .ok_or_else(|| BenchError::Failed("every corner is held".into()))?;
-    particles
-        .set_mass(corner, mass * inner)
-        .map_err(BenchError::failed)?;
+    particles.set_mass(corner, mass * inner)?;
     for spring in &mut model.springs {
         let [a, b] = spring.vertices.map(|v| scene.start.positions[v as usize].x);
         if a + b > 1.0 {
@@ -192,10 +183,7 @@ fn slivers(height: Real, stiffness: Real) -> Result<Scene, BenchError> {
     let mut model = cloth.on(&mesh).map_err(BenchError::usage)?;
     for vertex in 0..model.particles.len() {
         if base.model.particles.is_prescribed(vertex) {
-            model
-                .particles
-                .prescribe(vertex)
-                .map_err(BenchError::failed)?;
+            model.particles.prescribe(vertex)?;
         }
     }
     Ok(Scene {

@@ -1,0 +1,273 @@
+//! A typed row as cells of a table: serde says the names of its fields and their values.
+
+use super::table::Cell;
+use serde::ser::{Error, Impossible, Serialize, SerializeStruct, SerializeTuple, Serializer};
+use std::fmt;
+
+/// The columns that a row has, and what stands in them.
+///
+/// # Panics
+/// If the row holds what is no cell.
+pub(super) fn columns_and_cells<R: Serialize>(row: &R) -> (Vec<String>, Vec<Cell>) {
+    let mut cells = RowCells::default();
+    if let Err(NoCell(reason)) = row.serialize(&mut cells) {
+        panic!("a row of a table: {reason}");
+    }
+    (cells.columns, cells.cells)
+}
+
+/// Takes a row apart.
+#[derive(Default)]
+struct RowCells {
+    /// The field that is being read.
+    field: &'static str,
+    columns: Vec<String>,
+    cells: Vec<Cell>,
+}
+
+impl RowCells {
+    fn push(&mut self, cell: impl Into<Cell>) -> Result<(), NoCell> {
+        self.columns.push(self.field.replace('_', " "));
+        self.cells.push(cell.into());
+        Ok(())
+    }
+}
+
+/// Why a value cannot stand in a table.
+#[derive(Debug)]
+struct NoCell(String);
+
+impl fmt::Display for NoCell {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.0.fmt(f)
+    }
+}
+
+impl std::error::Error for NoCell {}
+
+impl Error for NoCell {
+    fn custom<T: fmt::Display>(reason: T) -> Self {
+        Self(reason.to_string())
+    }
+}
+
+impl SerializeStruct for &mut RowCells {
+    type Ok = ();
+    type Error = NoCell;
+
+    fn serialize_field<T: Serialize + ?Sized>(
+        &mut self,
+        name: &'static str,
+        value: &T,
+    ) -> Result<(), NoCell> {
+        self.field = name;
+        value.serialize(&mut **self)
+    }
+
+    fn end(self) -> Result<(), NoCell> {
+        Ok(())
+    }
+}
+
+impl SerializeTuple for &mut RowCells {
+    type Ok = ();
+    type Error = NoCell;
+
+    fn serialize_element<T: Serialize + ?Sized>(&mut self, value: &T) -> Result<(), NoCell> {
+        value.serialize(&mut **self)
+    }
+
+    fn end(self) -> Result<(), NoCell> {
+        Ok(())
+    }
+}
+
+type Never = Impossible<(), NoCell>;
+type Cells = Result<(), NoCell>;
+
+fn no<T>(what: &str) -> Result<T, NoCell> {
+    Err(NoCell(format!("{what} is no cell")))
+}
+
+impl Serializer for &mut RowCells {
+    type Ok = ();
+    type Error = NoCell;
+    type SerializeSeq = Never;
+    type SerializeTuple = Self;
+    type SerializeTupleStruct = Never;
+    type SerializeTupleVariant = Never;
+    type SerializeMap = Never;
+    type SerializeStruct = Self;
+    type SerializeStructVariant = Never;
+
+    /// Numbers keep what is infinite or none as it is.
+    fn is_human_readable(&self) -> bool {
+        false
+    }
+
+    fn serialize_bool(self, v: bool) -> Cells {
+        self.push(if v { "yes" } else { "no" })
+    }
+
+    fn serialize_i8(self, v: i8) -> Cells {
+        self.push(i64::from(v))
+    }
+
+    fn serialize_i16(self, v: i16) -> Cells {
+        self.push(i64::from(v))
+    }
+
+    fn serialize_i32(self, v: i32) -> Cells {
+        self.push(i64::from(v))
+    }
+
+    fn serialize_i64(self, v: i64) -> Cells {
+        self.push(v)
+    }
+
+    fn serialize_u8(self, v: u8) -> Cells {
+        self.push(i64::from(v))
+    }
+
+    fn serialize_u16(self, v: u16) -> Cells {
+        self.push(i64::from(v))
+    }
+
+    fn serialize_u32(self, v: u32) -> Cells {
+        self.push(i64::from(v))
+    }
+
+    fn serialize_u64(self, v: u64) -> Cells {
+        self.push(i64::try_from(v).unwrap_or(i64::MAX))
+    }
+
+    fn serialize_f32(self, v: f32) -> Cells {
+        self.push(f64::from(v))
+    }
+
+    fn serialize_f64(self, v: f64) -> Cells {
+        self.push(v)
+    }
+
+    fn serialize_char(self, v: char) -> Cells {
+        self.push(v.to_string())
+    }
+
+    fn serialize_str(self, v: &str) -> Cells {
+        self.push(v)
+    }
+
+    fn serialize_none(self) -> Cells {
+        self.push(Cell::Missing)
+    }
+
+    fn serialize_some<T: Serialize + ?Sized>(self, value: &T) -> Cells {
+        value.serialize(self)
+    }
+
+    /// The name of a variant, but for the cell that has no value.
+    fn serialize_unit_variant(self, of: &str, _: u32, variant: &str) -> Cells {
+        match (of, variant) {
+            ("Cell", "Missing") => self.push(Cell::Missing),
+            _ => self.push(variant),
+        }
+    }
+
+    fn serialize_newtype_struct<T: Serialize + ?Sized>(self, _: &str, value: &T) -> Cells {
+        value.serialize(self)
+    }
+
+    fn serialize_struct(self, _: &str, _: usize) -> Result<Self, NoCell> {
+        Ok(self)
+    }
+
+    fn serialize_tuple(self, _: usize) -> Result<Self, NoCell> {
+        Ok(self)
+    }
+
+    fn serialize_unit(self) -> Cells {
+        Ok(())
+    }
+
+    fn serialize_unit_struct(self, _: &str) -> Cells {
+        Ok(())
+    }
+
+    fn serialize_bytes(self, _: &[u8]) -> Cells {
+        no("a run of bytes")
+    }
+
+    /// An enum is what it holds, a cell for instance.
+    fn serialize_newtype_variant<T>(self, _: &str, _: u32, _: &str, value: &T) -> Cells
+    where
+        T: Serialize + ?Sized,
+    {
+        value.serialize(self)
+    }
+
+    fn serialize_seq(self, _: Option<usize>) -> Result<Never, NoCell> {
+        no("a list")
+    }
+
+    fn serialize_map(self, _: Option<usize>) -> Result<Never, NoCell> {
+        no("a map")
+    }
+
+    fn serialize_tuple_struct(self, name: &str, _: usize) -> Result<Never, NoCell> {
+        no(name)
+    }
+
+    fn serialize_tuple_variant(self, _: &str, _: u32, v: &str, _: usize) -> Result<Never, NoCell> {
+        no(v)
+    }
+
+    fn serialize_struct_variant(self, _: &str, _: u32, v: &str, _: usize) -> Result<Never, NoCell> {
+        no(v)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::journal::Number;
+    use crate::report::table::{Cell, Table};
+    use serde::Serialize;
+
+    #[derive(Default, Serialize)]
+    struct Point {
+        method: &'static str,
+        #[serde(rename = "dt (s)")]
+        dt: f64,
+    }
+
+    #[derive(Default, Serialize)]
+    struct Measured {
+        steps: Option<u32>,
+        #[serde(rename = "error (m)")]
+        error: Number,
+        at_rest: bool,
+        remarks: [Cell; 2],
+    }
+
+    #[test]
+    fn columns_are_the_fields_of_a_point_and_of_what_was_measured_there() {
+        let measured = Measured {
+            steps: None,
+            error: Number(f64::INFINITY),
+            at_rest: true,
+            remarks: [Cell::Missing, Cell::from("slow")],
+        };
+        let point = Point {
+            method: "pbd",
+            dt: 0.5,
+        };
+        assert_eq!(
+            Table::of(&[(point, measured)]).to_csv(),
+            "method,dt (s),steps,error (m),at rest,remarks,remarks\r\npbd,0.5,,inf,yes,,slow\r\n"
+        );
+    }
+
+    #[test]
+    fn a_table_without_rows_has_its_columns() {
+        assert_eq!(Table::of::<Point>(&[]).to_csv(), "method,dt (s)\r\n");
+    }
+}

@@ -1,0 +1,17 @@
+//! What nearly every study uses.
+
+pub(super) use super::study_run::StudyRun;
+pub(super) use super::variants::Variant;
+pub(super) use super::{Cases, Findings, Scope, Study};
+pub(super) use crate::error::BenchError;
+pub(super) use crate::journal::Number;
+pub(super) use crate::method::{self, Method};
+pub(super) use crate::report::plot::{Axis, Plot, Series, Style, curves};
+pub(super) use crate::report::table::{Cell, Table, significant};
+pub(super) use crate::run;
+pub(super) use crate::scene::{self, Scene};
+pub(super) use crate::settings::Settings;
+pub(super) use cloth_core::math::{Real, Vec3};
+pub(super) use cloth_core::particles::State;
+pub(super) use cloth_core::step::{StepInput, Stepper};
+pub(super) use serde::{Deserialize, Serialize};

@@ -1,0 +1,45 @@
+//! Methods with settings of their own, as lines of text.
+
+use crate::method::Method;
+use crate::settings::Settings;
+
+/// A method with some of its settings, and what it is called.
+#[derive(Clone, Debug)]
+pub(super) struct Variant {
+    /// The name of the method, and what is special after a comma.
+    pub(super) label: String,
+    pub(super) settings: Settings,
+}
+
+impl Variant {
+    /// A method at its published settings.
+    pub(super) fn default_of(method: &Method) -> Self {
+        Self {
+            label: method.name.to_owned(),
+            settings: Settings::default(),
+        }
+    }
+
+    /// One per line, `method, what is special: key=value key=value`.
+    pub(super) fn list(lines: &str) -> Vec<Self> {
+        let variant = |line: &str| {
+            let (label, settings) = line.split_once(':').unwrap_or((line, ""));
+            Self {
+                label: label.trim().to_owned(),
+                settings: Settings::of(settings),
+            }
+        };
+        let lines = lines.lines().filter(|line| !line.trim().is_empty());
+        lines.map(variant).collect()
+    }
+
+    /// The name of the method.
+    pub(super) fn method(&self) -> &str {
+        self.label.split(',').next().unwrap_or_default()
+    }
+
+    /// What is special about it.
+    pub(super) fn what(&self) -> &str {
+        self.label.split_once(", ").map_or("", |(_, what)| what)
+    }
+}
