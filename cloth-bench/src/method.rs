@@ -169,6 +169,7 @@ impl Method {
         dt: Real,
     ) -> Result<Box<dyn Stepper>, BenchError> {
         settings.check(&format!("method `{}`", self.name), &self.parameters())?;
+        self.check_hard(scene)?;
         // Runs take a step in as many parts.
         let dt = dt / Real::from(scene.parts(dt));
         let substeps = self.substeps(scene, settings, dt)?;
@@ -180,6 +181,22 @@ impl Method {
         };
         let solver = self.solver(scene, &told, dt)?;
         strain_limit::limited(solver, scene, &told)
+    }
+
+    /// Refuses hard constraints where the method has none.
+    fn check_hard(&self, scene: &Scene) -> Result<(), BenchError> {
+        let reason = match self.kind {
+            _ if !scene.is_hard() => return Ok(()),
+            Kind::Xpbd => return Ok(()),
+            Kind::XpbdDirect => "the constraints of a mesh are redundant, and its system singular",
+            Kind::Pbd => "its stiffness ends where its iterations do, whatever is asked for",
+            Kind::Pd => "it would be in its constant matrix",
+            _ => "it is built on the elastic energy and its derivatives, which would be infinite",
+        };
+        Err(BenchError::Usage(format!(
+            "`{}` cannot take stiffness=inf: {reason}; xpbd takes it, as hard constraints",
+            self.name
+        )))
     }
 
     fn solver(

@@ -449,7 +449,7 @@ pub fn run_changing(
     let tangled = course.tangled(&state.positions);
     let tangled_pairs = std::mem::take(&mut course.tangled_pairs);
     let scene = course.scene.into_owned();
-    let mut energies = scene.model.energies().map_err(BenchError::failed)?;
+    let mut energies = scene.elastic().map_err(BenchError::failed)?;
     energies.set_time(state.time);
     let particles = &scene.model.particles;
     let strain = measure::Strain::of(&scene.gauges()?, &state.positions);

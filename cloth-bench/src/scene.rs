@@ -24,9 +24,11 @@ use cloth_core::element::Element;
 use cloth_core::energy::{Spring, Stitch};
 use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::TriMesh;
+use cloth_core::method::family::Energies;
 use cloth_core::particles::State;
 use cloth_core::pin::Pins;
 use cloth_core::pressure::Pressure;
+use cloth_core::step::BuildError;
 use cloth_core::topology::EdgeTable;
 use contact::{TOUCHING, TOUCHING_ALONE};
 use std::sync::Arc;
@@ -132,6 +134,26 @@ impl Scene {
         farthest.fold(0.0, Real::max)
     }
 
+    /// Whether springs are hard constraints, of infinite stiffness.
+    #[must_use]
+    pub fn is_hard(&self) -> bool {
+        let springs = self.model.springs.iter();
+        springs.map(|s| s.stiffness).any(Real::is_infinite)
+    }
+
+    /// The elastic energy; hard constraints store none.
+    ///
+    /// # Errors
+    /// [`BuildError`] if an element names a vertex that does not exist.
+    pub fn elastic(&self) -> Result<Energies, BuildError> {
+        if !self.is_hard() {
+            return self.model.energies();
+        }
+        let mut soft = self.model.clone();
+        soft.springs.retain(|spring| spring.stiffness.is_finite());
+        soft.energies()
+    }
+
     /// Into how many equal parts a run cuts a step of `dt` (s): 1, or more where the cloth pushes a body.
     #[must_use]
     pub fn parts(&self, dt: Real) -> u32 {
@@ -201,8 +223,11 @@ impl SceneInfo {
 }
 
 pub(crate) const DENSITY: Parameter = parameter("density", "0.2", "areal density (kg/m²)");
-pub(crate) const STIFFNESS: Parameter =
-    parameter("stiffness", "1e4", "stiffness k of every spring (N/m)");
+pub(crate) const STIFFNESS: Parameter = parameter(
+    "stiffness",
+    "1e4",
+    "stiffness k of every spring (N/m), at least 0, or inf: hard constraints, with xpbd alone",
+);
 pub(crate) const MODULUS: Parameter = parameter(
     "modulus",
     "none",

@@ -61,6 +61,11 @@ impl StepProblem {
         gravity: Vec3,
         dt: Real,
     ) -> Result<Self, BenchError> {
+        let springs = model.springs.iter();
+        if springs.map(|s| s.stiffness).any(Real::is_infinite) {
+            let message = "hard constraints (stiffness=inf) have no minimiser to compare with";
+            return Err(BenchError::Usage(message.into()));
+        }
         let energies = model.energies()?;
         let input = StepInput::new(dt).gravity(gravity);
         let mut predicted = state.positions.clone();

@@ -108,7 +108,7 @@ pub(super) struct EnergyBalance {
 impl EnergyBalance {
     /// Of a cloth in this state, whose contact stores so much (J).
     pub(super) fn new(scene: &Scene, state: &State, stored: Real) -> Result<Self, BenchError> {
-        let mut energies = scene.model.energies().map_err(BenchError::failed)?;
+        let mut energies = scene.elastic().map_err(BenchError::failed)?;
         energies.set_time(state.time);
         let zeros = vec![Vec3::zeros(); state.positions.len()];
         let mut balance = Self {
@@ -142,7 +142,7 @@ impl EnergyBalance {
         let had = moving(self, before);
         self.particles.clone_from(&scene.model.particles);
         self.work += moving(self, state) - had;
-        self.energies = scene.model.energies().map_err(BenchError::failed)?;
+        self.energies = scene.elastic().map_err(BenchError::failed)?;
         self.energies.set_time(state.time);
         Ok(())
     }

@@ -4,7 +4,7 @@ use super::contact::{ContactSetup, NO_SELF, SELF};
 use super::touching::{self, Below};
 use super::{
     ASPECT, FLOOR, GRAVITY, LINK_LENGTH, LINK_MASS, LINKS, PATTERN, PINS, RIGIDITY, SCENES, SIZE,
-    STIFFNESS, STRIP_RIGIDITY, STRIP_SIZE, Scene, SceneInfo, TIP_MASS, UP, cloth, midpoints, pins,
+    STRIP_RIGIDITY, STRIP_SIZE, Scene, SceneInfo, TIP_MASS, UP, cloth, midpoints, pins,
 };
 use crate::error::BenchError;
 use crate::mesh_spec::{self, PATTERNS};
@@ -200,7 +200,7 @@ pub(super) fn chain(settings: &Settings) -> Result<Scene, BenchError> {
         .map(|i| Vec3::new(i as Real * link, 0.0, 0.0))
         .collect();
     let ends: Vec<[u32; 2]> = (0..n as u32).map(|i| [i, i + 1]).collect();
-    let stiffness = settings.number(&STIFFNESS)?;
+    let stiffness = cloth::stiffness(settings)?;
     if stiffness < 0.0 {
         return Err(BenchError::Usage(format!(
             "stiffness is {stiffness}, but it must not be negative"

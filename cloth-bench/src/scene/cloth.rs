@@ -47,9 +47,50 @@ pub(super) fn cut(
 ) -> Result<ClothModel, BenchError> {
     let cloth = described(settings, rigidity)?;
     let carriers = carriers(settings)?;
-    cloth
+    let mut model = cloth
         .discretized_with(&carriers, mesh)
-        .map_err(BenchError::usage)
+        .map_err(BenchError::usage)?;
+    if is_hard(settings) {
+        harden(&mut model, |_| true);
+    }
+    Ok(model)
+}
+
+/// Whether the springs on edges are hard constraints.
+pub(super) fn is_hard(settings: &Settings) -> bool {
+    settings.text(&STIFFNESS).parse() == Ok(Real::INFINITY)
+}
+
+/// The stiffness k of springs (N/m), which may be infinite.
+pub(super) fn stiffness(settings: &Settings) -> Result<Real, BenchError> {
+    if is_hard(settings) {
+        return Ok(Real::INFINITY);
+    }
+    settings.number(&STIFFNESS)
+}
+
+/// Makes hard constraints of the springs that begin at vertices which are wanted.
+pub(super) fn harden(model: &mut ClothModel, is_wanted: impl Fn(usize) -> bool) {
+    let springs = model.springs.iter_mut();
+    springs
+        .filter(|spring| is_wanted(spring.vertices[0] as usize))
+        .for_each(|spring| spring.stiffness = Real::INFINITY);
+}
+
+/// Refuses what hard constraints cannot be beside.
+fn check_hard(settings: &Settings) -> Result<(), BenchError> {
+    let others = [&MEMBRANE, &SHEAR, &COMPRESSION, &SLACK, &EDGES, &LEVEL];
+    let mut others = others.into_iter();
+    let other = others.find(|key| settings.text(key) != key.default);
+    let springs = (settings.text(&BENDING) == "spring").then_some(&BENDING);
+    match other.or(springs) {
+        None => Ok(()),
+        Some(key) => Err(BenchError::Usage(format!(
+            "stiffness=inf is of one spring on every edge, and cannot be with {}={}",
+            key.name,
+            settings.text(key)
+        ))),
+    }
 }
 
 /// The elements that carry it.
@@ -75,6 +116,11 @@ pub(super) fn described(settings: &Settings, rigidity: &Parameter) -> Result<Clo
 
 fn membrane(settings: &Settings) -> Result<Membrane, BenchError> {
     let Some(modulus) = optional(settings, &MODULUS)? else {
+        if is_hard(settings) {
+            check_hard(settings)?;
+            // Hard constraints take the place of these springs.
+            return Ok(Membrane::SpringStiffness(1.0));
+        }
         return Ok(Membrane::SpringStiffness(settings.number(&STIFFNESS)?));
     };
     if settings.get(STIFFNESS.name).is_some() {

@@ -3,6 +3,7 @@
 use super::keys::SectionInfo;
 use crate::error::BenchError;
 use crate::names;
+use crate::scene::STIFFNESS;
 use crate::settings::{Parameter, Settings};
 use cloth_core::math::{Real, Vec3};
 use std::fmt::Display;
@@ -247,6 +248,8 @@ impl<'a> Section<'a> {
     /// Its keys as settings, as one would write them after `--set`.
     pub(super) fn settings(&self, mut settings: Settings) -> Result<Settings, BenchError> {
         for key in self.info.keys {
+            // The only one that may be infinite.
+            let is_stiffness = key.name == STIFFNESS.name;
             let written = |value: &DeValue<'_>| match value {
                 DeValue::String(text) => Some(text.to_string()),
                 DeValue::Boolean(yes) => Some(if *yes { "yes" } else { "no" }.to_owned()),
@@ -259,6 +262,9 @@ impl<'a> Section<'a> {
                 DeValue::Integer(_) => whole(value)
                     .map(|n| n.to_string())
                     .or_else(|| Some(format!("{:?}", real(value)?))),
+                DeValue::Float(float) if is_stiffness && float.as_str().ends_with("inf") => {
+                    Some(float.as_str().trim_start_matches('+').to_owned())
+                }
                 DeValue::Float(_) => real(value).map(|number| format!("{number:?}")),
                 _ => None,
             };

@@ -184,6 +184,11 @@ pub(super) const LENGTH: Parameter = parameter(
     "needed",
     "of the straight part of a capsule (m), at least 0",
 );
+pub(super) const SAMPLED: Parameter = parameter(
+    "sampled",
+    "none",
+    "of a mesh: spacing (m), above 0, of a grid in which its signed distance is looked up, at most 0.87 spacings off; none: it is exact",
+);
 pub(super) const POSITION: Parameter = parameter(
     "position",
     "[0, 0, 0]",
@@ -341,6 +346,7 @@ pub const SECTIONS: [SectionInfo; 14] = [
             SCALE,
             FOLDER,
             INTERVAL,
+            SAMPLED,
             POSITION,
             ROTATE,
             VELOCITY,

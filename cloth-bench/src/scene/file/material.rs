@@ -47,9 +47,13 @@ impl Material {
         self.of_vertex = old.map(|&old| self.of_vertex[old as usize]).collect();
     }
 
-    /// The stiffness k of springs (N/m) at a vertex, or the membrane modulus (N/m) if that is given in its place.
+    /// The stiffness k of springs (N/m) at a vertex, or the membrane modulus (N/m) if that is given in its place; 0 for
+    /// hard constraints, which have none.
     pub(super) fn stiffness(&self, vertex: usize) -> Result<Real, BenchError> {
         let settings = &self.settings[self.of_vertex[vertex]];
+        if cloth::is_hard(settings) {
+            return Ok(0.0);
+        }
         Ok(match cloth::described(settings, &RIGIDITY)?.membrane {
             Membrane::SpringStiffness(value) | Membrane::Modulus(value) => value,
         })
@@ -76,6 +80,10 @@ impl Material {
                 });
             }
         }
-        ClothModel::of_pieces(mesh, &pieces).map_err(BenchError::usage)
+        let mut model = ClothModel::of_pieces(mesh, &pieces).map_err(BenchError::usage)?;
+        cloth::harden(&mut model, |vertex| {
+            cloth::is_hard(&self.settings[self.of_vertex[vertex]])
+        });
+        Ok(model)
     }
 }

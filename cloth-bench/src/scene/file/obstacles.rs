@@ -3,7 +3,7 @@
 use super::document::Section;
 use super::keys::{
     ANGULAR_VELOCITY, BODY_DENSITY, EXTENT, FILE, FOLDER, GENERATOR, INTERVAL, LENGTH, POSITION,
-    RADIUS, ROTATE, SCALE, SHAPE, VELOCITY,
+    RADIUS, ROTATE, SAMPLED, SCALE, SHAPE, VELOCITY,
 };
 use super::mesh;
 use crate::error::BenchError;
@@ -13,7 +13,7 @@ use crate::scene::touching;
 use crate::settings::Parameter;
 use cloth_collide::obstacle::{
     AnimatedMesh, Capsule, ClosedMesh, Cuboid, HalfSpace, Obstacle, ObstacleError, Pose, RigidBody,
-    RigidMotion, Sphere,
+    RigidMotion, SampledDistance, Sphere,
 };
 use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::generate::{Diagonals, sphere};
@@ -152,13 +152,22 @@ fn rigid(
             Ok((placed(Obstacle::moving(plane, motion))?, surface, None))
         }
         Some("mesh") => {
-            only(section, &[&FILE, &GENERATOR, &SCALE])?;
+            only(section, &[&FILE, &GENERATOR, &SCALE, &SAMPLED])?;
             let (surface, motion, body_of) = centred(section, folder, motion, density, gravity)?;
             let body = ClosedMesh::new(&surface).map_err(|error| match section.value(&FILE) {
                 Some(_) => section.refuse(&FILE, error),
                 None => section.refuse(&GENERATOR, error),
             })?;
-            Ok((placed(Obstacle::moving(body, motion))?, surface, body_of))
+            let obstacle = match section.positive(&SAMPLED)? {
+                None => Obstacle::moving(body, motion),
+                Some(spacing) => {
+                    let padding = 2.0 * thickness + spacing;
+                    let grid = SampledDistance::new(&body, spacing, padding)
+                        .map_err(|error| section.refuse(&SAMPLED, error))?;
+                    Obstacle::moving(grid, motion)
+                }
+            };
+            Ok((placed(obstacle)?, surface, body_of))
         }
         Some(other) => {
             let known = ["sphere", "box", "capsule", "plane", "mesh", "animation"];
@@ -211,7 +220,7 @@ fn needed<T>(section: &Section<'_>, key: &Parameter, value: Option<T>) -> Result
 /// Refuses measures that the shape does not have.
 fn only(section: &Section<'_>, used: &[&Parameter]) -> Result<(), BenchError> {
     let unused = [
-        &RADIUS, &EXTENT, &LENGTH, &FILE, &GENERATOR, &SCALE, &FOLDER, &INTERVAL,
+        &RADIUS, &EXTENT, &LENGTH, &FILE, &GENERATOR, &SCALE, &FOLDER, &INTERVAL, &SAMPLED,
     ];
     let mut unused = unused.into_iter().filter(|key| !used.contains(key));
     match unused.find(|key| section.value(key).is_some()) {

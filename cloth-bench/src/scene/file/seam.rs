@@ -243,7 +243,7 @@ pub(super) fn apply(
             if softer > 0.0 {
                 return Ok(softer);
             }
-            let message = "needs a stiffness, since that of the cloth is 0";
+            let message = "needs a stiffness, since that of the cloth is 0 or infinite";
             Err(section.refuse_table(message))
         };
         stiffness.push(own.map_or_else(of_cloth, Ok)?);
