@@ -27,7 +27,11 @@ struct RowCells {
 
 impl RowCells {
     fn push(&mut self, cell: impl Into<Cell>) -> Result<(), NoCell> {
-        self.columns.push(self.field.replace('_', " "));
+        // What has a blank is written as it is to be read: `3χ + E_b`.
+        self.columns.push(match self.field.contains(' ') {
+            true => self.field.to_owned(),
+            false => self.field.replace('_', " "),
+        });
         self.cells.push(cell.into());
         Ok(())
     }
