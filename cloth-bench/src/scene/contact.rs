@@ -319,7 +319,7 @@ impl ContactSetup {
         time: Real,
     ) -> Result<(), BenchError> {
         for (number, motion) in motions {
-            let Some(obstacle) = self.obstacles.obstacles_mut().nth(number) else {
+            let Some(obstacle) = self.obstacles.get_mut(number) else {
                 continue;
             };
             // As if it had always moved like that.
