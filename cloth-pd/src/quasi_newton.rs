@@ -26,6 +26,9 @@ const CONTACT_HISTORY: usize = 20;
 /// First trust radius of a step with contact, over the longest displacement that it would have without elasticity: what
 /// is farther away is touched by a direction only, not by the cloth.
 const FIRST_RADIUS: Real = 2.0;
+/// Where that is below this part of the first direction, elasticity or bodies alone move the cloth, and nothing is
+/// limited at first.
+const ELASTIC: Real = 0.01;
 /// Factor on the radius after a step that only the radius has shortened.
 const RADIUS_GROWTH: Real = 2.0;
 /// A step that comes less far than this part of what was tried has been shortened.
@@ -57,8 +60,9 @@ pub(crate) struct QuasiNewton {
     work: Vec<Vec3>,
     direction: Vec<Vec3>,
     next: Point,
-    /// In steps with contact.
-    radius: TrustRadius,
+    /// In steps with contact, from the first direction on; and the first radius (m).
+    radius: Option<TrustRadius>,
+    first_radius: Real,
     /// Made in the first step with contact; and the fraction of its displacement that each vertex may take
     /// (dimensionless).
     contact_system: Option<ContactSystem>,
@@ -78,7 +82,8 @@ impl QuasiNewton {
             work: zeros.clone(),
             direction: zeros,
             next: Point::new(vertex_count),
-            radius: TrustRadius::new(Real::INFINITY, RADIUS_GROWTH),
+            radius: None,
+            first_radius: 0.0,
             contact_system: None,
             fractions: Vec::new(),
         };
@@ -90,14 +95,8 @@ impl QuasiNewton {
     /// more of them, if any, and a trust radius.
     pub(crate) fn begin(&mut self, in_contact: Option<&[Vec3]>) {
         self.len = 0;
-        // What is moved by elasticity or by bodies alone is not limited at first.
-        let inertial = in_contact.map_or(0.0, longest);
-        let first = if inertial > 0.0 {
-            FIRST_RADIUS * inertial
-        } else {
-            Real::INFINITY
-        };
-        self.radius = TrustRadius::new(first, RADIUS_GROWTH);
+        self.radius = None;
+        self.first_radius = FIRST_RADIUS * in_contact.map_or(0.0, longest);
         self.history = match (self.requested, in_contact.is_some()) {
             (0, _) => 0,
             (requested, true) => requested.max(CONTACT_HISTORY),
@@ -187,17 +186,25 @@ impl QuasiNewton {
             return Ok(false);
         };
         let displacement = length * left;
-        if displacement < SHORTENED * tried {
-            self.radius.shorten(displacement);
-        } else if is_shortened {
-            self.radius.grow();
+        if let Some(radius) = &mut self.radius {
+            if displacement < SHORTENED * tried {
+                radius.shorten(displacement);
+            } else if is_shortened {
+                radius.grow();
+            }
         }
         Ok(true)
     }
 
     /// Keeps the direction within the trust radius. Returns whether it was longer.
     fn shorten_to_radius(&mut self) -> bool {
-        let fraction = self.radius.trust(&self.direction).fraction;
+        let (first, direction) = (self.first_radius, &self.direction);
+        let radius = self.radius.get_or_insert_with(|| {
+            let is_elastic = first < ELASTIC * longest(direction);
+            let first = if is_elastic { Real::INFINITY } else { first };
+            TrustRadius::new(first, RADIUS_GROWTH)
+        });
+        let fraction = radius.trust(&self.direction).fraction;
         if fraction < 1.0 {
             self.direction.iter_mut().for_each(|p| *p *= fraction);
         }
