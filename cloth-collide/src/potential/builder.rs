@@ -123,7 +123,7 @@ impl<'a> PotentialBuilder<'a> {
         self
     }
 
-    /// Obstacle `number` (as [`obstacles`](Self::obstacles) has them, from 0) is pushed by the cloth and pulled by
+    /// Obstacle `number` (in the order of [`obstacle`](Self::obstacle), from 0) is pushed by the cloth and pulled by
     /// gravity; it starts with the velocities of its motion.
     #[must_use]
     pub fn free(mut self, number: usize, body: RigidBody) -> Self {
