@@ -69,6 +69,11 @@ impl Method {
         }
     }
 
+    /// Whether no step is stable, however short: forward Euler, whose oscillators grow by √(1 + z²) a step.
+    pub(crate) fn is_never_stable(&self) -> bool {
+        matches!(self.kind, Kind::Explicit)
+    }
+
     /// Whether only short steps are stable, so that it cuts them finely by default.
     pub(crate) fn is_explicit(&self) -> bool {
         matches!(self.kind, Kind::Explicit | Kind::Symplectic)

@@ -252,7 +252,9 @@ pub(super) fn run(study: &mut StudyRun<'_>) {
     let (mut defaults, mut samples, mut told) = (Vec::new(), Vec::new(), Vec::new());
     for &n in sides(study.scope) {
         let mut problem = LazyCell::new(|| ContactProblem::new(n));
-        let compared = method::all().filter(|method| method.aims_at_implicit_euler());
+        // What grows until it is torn to pieces keeps the last resort of contact busy for minutes.
+        let compared = method::all()
+            .filter(|method| method.aims_at_implicit_euler() && !method.is_never_stable());
         let by_default = |method: &Method| {
             let case = format!("a step of {} in contact, {n} × {n}", method.name);
             let mut variant = Variant::default_of(method);
@@ -305,7 +307,7 @@ pub(super) fn run(study: &mut StudyRun<'_>) {
     }
     study.findings.table(
         "contact-step",
-        "One step of a sheet that lies on a sphere with its middle, every method at its default",
+        "One step of a sheet that lies on a sphere with its middle, every method at its default (but forward Euler, which is not stable at any)",
         Table::of(&defaults),
     );
     study
