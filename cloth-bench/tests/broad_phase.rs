@@ -1,18 +1,14 @@
 //! All broad phases find the same, so that a run has the same bits with each of them.
 
+#[path = "support/scene_text.rs"]
+#[expect(dead_code, reason = "for the tests of several files")]
+mod scene_text;
+
 use cloth_bench::method::Method;
 use cloth_bench::run::from_start;
 use cloth_bench::scene::file;
 use cloth_bench::settings::Settings;
-use std::path::PathBuf;
-
-fn written(name: &str, text: &str) -> PathBuf {
-    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("broad-phase");
-    std::fs::create_dir_all(&folder).unwrap();
-    let path = folder.join(format!("{name}.toml"));
-    std::fs::write(&path, text).unwrap();
-    path
-}
+use scene_text::written;
 
 /// A sheet that falls on a small ball and on itself, with the settings of contact that the caller adds.
 fn text(contact: &str) -> String {

@@ -1,27 +1,18 @@
 //! Cloth that changes on the way: vertices are grabbed and released, triangles torn out. Every method goes on with the
 //! cloth as it is by then.
 
+#[path = "support/scene_text.rs"]
+mod scene_text;
+
 use cloth_bench::method::{METHODS, Method};
 use cloth_bench::run::{Plan, Solver, Summary, from_start, run_changing, to_rest};
 use cloth_bench::scene::{Scene, file};
 use cloth_bench::settings::Settings;
 use cloth_core::math::Vec3;
 use cloth_core::particles::State;
-use std::path::PathBuf;
+use scene_text::{scene, written};
 
 const DT: f64 = 1.0 / 240.0;
-
-fn written(name: &str, text: &str) -> PathBuf {
-    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("changes");
-    std::fs::create_dir_all(&folder).unwrap();
-    let path = folder.join(format!("{name}.toml"));
-    std::fs::write(&path, text).unwrap();
-    path
-}
-
-fn scene(name: &str, text: &str) -> Scene {
-    file::build(&written(name, text), &Settings::default()).unwrap()
-}
 
 fn refused(name: &str, text: &str) -> String {
     let refused = file::build(&written(name, text), &Settings::default());

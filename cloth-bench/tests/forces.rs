@@ -5,25 +5,16 @@
 #[expect(dead_code, reason = "for the tests of several files")]
 mod support;
 
+#[path = "support/scene_text.rs"]
+mod scene_text;
+
 use cloth_bench::method::Method;
 use cloth_bench::run::{Moment, Plan, Solver, run_changing};
-use cloth_bench::scene::{Scene, file};
+use cloth_bench::scene::Scene;
 use cloth_bench::settings::Settings;
 use cloth_core::math::Vec3;
-use std::path::PathBuf;
+use scene_text::{scene, written};
 use support::program;
-
-fn written(name: &str, text: &str) -> PathBuf {
-    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("forces");
-    std::fs::create_dir_all(&folder).unwrap();
-    let path = folder.join(format!("{name}.toml"));
-    std::fs::write(&path, text).unwrap();
-    path
-}
-
-fn scene(name: &str, text: &str) -> Scene {
-    file::build(&written(name, text), &Settings::default()).unwrap()
-}
 
 fn watch(scene: &Scene, method: &str, setting: &str, steps: u32, mut see: impl FnMut(&Moment<'_>)) {
     let settings = Settings::parse(&[setting][..usize::from(!setting.is_empty())]).unwrap();

@@ -1,5 +1,8 @@
 //! Rigid bodies that the cloth pushes and gravity pulls.
 
+#[path = "support/scene_text.rs"]
+mod scene_text;
+
 use cloth_bench::method::Method;
 use cloth_bench::run::{Moment, Plan, Solver, run_changing, to_rest};
 use cloth_bench::scene::{Scene, file};
@@ -7,19 +10,7 @@ use cloth_bench::settings::Settings;
 use cloth_collide::obstacle::RigidMotion;
 use cloth_core::math::Vec3;
 use cloth_core::step::StepInput;
-use std::path::PathBuf;
-
-fn written(name: &str, text: &str) -> PathBuf {
-    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("rigid-bodies");
-    std::fs::create_dir_all(&folder).unwrap();
-    let path = folder.join(format!("{name}.toml"));
-    std::fs::write(&path, text).unwrap();
-    path
-}
-
-fn scene(name: &str, text: &str) -> Scene {
-    file::build(&written(name, text), &Settings::default()).unwrap()
-}
+use scene_text::{scene, written};
 
 fn watch(scene: &Scene, method: &str, settings: &[&str], steps: u32, see: impl FnMut(&Moment<'_>)) {
     let settings = Settings::parse(settings).unwrap();

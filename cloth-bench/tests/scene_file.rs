@@ -4,6 +4,10 @@
 #[expect(dead_code, reason = "for the tests of several files")]
 mod support;
 
+#[path = "support/scene_text.rs"]
+#[expect(dead_code, reason = "for the tests of several files")]
+mod scene_text;
+
 use cloth_bench::error::BenchError;
 use cloth_bench::method::{METHODS, Method};
 use cloth_bench::run::run;
@@ -11,6 +15,7 @@ use cloth_bench::scene::{self, Scene, file};
 use cloth_bench::settings::Settings;
 use cloth_core::math::Vec3;
 use cloth_core::particles::State;
+use scene_text::written;
 use std::path::{Path, PathBuf};
 use support::program;
 
@@ -18,15 +23,6 @@ fn sample(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR"))
         .join("scenes")
         .join(name)
-}
-
-/// A scene file of this text, in a folder of the tests' own.
-fn written(name: &str, text: &str) -> PathBuf {
-    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("scene-file");
-    std::fs::create_dir_all(&folder).unwrap();
-    let path = folder.join(format!("{name}.toml"));
-    std::fs::write(&path, text).unwrap();
-    path
 }
 
 fn read(name: &str, text: &str) -> Result<Scene, BenchError> {

@@ -5,6 +5,9 @@
 #[expect(dead_code, reason = "for the tests of several files")]
 mod support;
 
+#[path = "support/scene_text.rs"]
+mod scene_text;
+
 use cloth_bench::method::Method;
 use cloth_bench::run::from_start;
 use cloth_bench::scene::{Scene, file};
@@ -12,20 +15,8 @@ use cloth_bench::settings::Settings;
 use cloth_collide::SeparationProbe;
 use cloth_core::math::Vec3;
 use cloth_core::mesh::TriMesh;
-use std::path::PathBuf;
+use scene_text::{scene, written};
 use support::program;
-
-fn written(name: &str, text: &str) -> PathBuf {
-    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("tangled");
-    std::fs::create_dir_all(&folder).unwrap();
-    let path = folder.join(format!("{name}.toml"));
-    std::fs::write(&path, text).unwrap();
-    path
-}
-
-fn scene(name: &str, text: &str) -> Scene {
-    file::build(&written(name, text), &Settings::default()).unwrap()
-}
 
 /// Two sheets, the second through the first, and a third close below that nothing passes through.
 fn layers(contact: &str) -> String {

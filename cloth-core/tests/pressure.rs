@@ -59,7 +59,7 @@ fn inside_is_inside_however_the_triangles_run() {
     assert!((one.volume(x) - other.volume(x)).abs() < 1e-15 && one.volume(x) > 0.1);
     assert_eq!(load(&one, x).len(), load(&other, x).len());
     for (a, b) in load(&one, x).iter().zip(load(&other, x)) {
-        assert!((a - b).norm() < 1e-13 && a.dot(&x[0]).is_finite());
+        assert!((a - b).norm() < 1e-13);
     }
     let sheet = grid(4, 4, 1.0, 1.0, Diagonals::OneWay).unwrap();
     let both = join(&[sheet.clone(), ball.clone()]).unwrap();
