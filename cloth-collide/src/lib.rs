@@ -94,7 +94,7 @@
 //!    that returns [`ObstacleError`](obstacle::ObstacleError) for sizes that make no shape.
 //! 2. Its line in the table of [`obstacle`]. Motion, friction, the continuous test, moving frames and work are
 //!    [`Obstacle`](obstacle::Obstacle)'s and need nothing.
-//! 3. `tests/obstacle_shapes.rs`: add it to the shapes there; gradient against differences, distance against points of
+//! 3. `tests/all/obstacle_shapes.rs`: add it to the shapes there; gradient against differences, distance against points of
 //!    the surface, and Lipschitz constant are then tested. If φ is not a true distance, say so by
 //!    [`lipschitz`](obstacle::SignedDistance::lipschitz).
 //! 4. Triangles of its surface ([`PotentialBuilder::surface`](potential::PotentialBuilder::surface)), if edges of the

@@ -284,7 +284,7 @@
 //! 4. `hierarchy.rs`, with `tether.rs` (the row of a coarse link) and `level.rs`.
 //! 5. `strain_limit.rs`, with `limit.rs` (one element), `components.rs` (angular momentum), `with_strain_limit.rs`.
 //!
-//! The tests in `tests/chapter.rs` are the claims of this page, one by one.
+//! The tests in `tests/all/chapter.rs` are the claims of this page, one by one.
 //!
 //! # References
 //! - M. Müller, B. Heidelberger, M. Hennix, J. Ratcliff, "Position based dynamics", J. Vis. Commun. Image

@@ -450,7 +450,7 @@
 //!    `merit.rs`, `line_search.rs`, `solver.rs`.
 //! 6. `single.rs` and its folder.
 //!
-//! The tests in `tests/chapter` are the claims of this page, one by one.
+//! The tests in `tests/all/chapter` are the claims of this page, one by one.
 //!
 //! XPBD is reported to be covered by US patent 11,270,041. Whether that concerns you is for you to check.
 //!

@@ -1,7 +1,10 @@
 //! The claims of the chapter, by topic.
 
+mod allocation;
 mod conservation;
 mod contact;
+#[path = "../../../cloth-core/tests/support/counting_allocator.rs"]
+mod counting_allocator;
 mod damping;
 mod linear;
 mod materials;

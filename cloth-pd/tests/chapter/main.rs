@@ -7,5 +7,6 @@ mod edges;
 mod local;
 mod minimum;
 mod motion;
+mod pin_work;
 mod robust;
 mod step;

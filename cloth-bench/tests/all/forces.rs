@@ -1,0 +1,217 @@
+//! Forces of contact beside what they do: they change the momentum of the cloth, carry its weight, and act on bodies
+//! the other way round.
+
+use crate::program::program;
+use crate::scene_text::{scene, written};
+use cloth_bench::method::Method;
+use cloth_bench::run::{Moment, Plan, Solver, run_changing};
+use cloth_bench::scene::Scene;
+use cloth_bench::settings::Settings;
+use cloth_core::math::Vec3;
+
+fn watch(scene: &Scene, method: &str, setting: &str, steps: u32, mut see: impl FnMut(&Moment<'_>)) {
+    let settings = Settings::parse(&[setting][..usize::from(!setting.is_empty())]).unwrap();
+    let method = Method::find(method).unwrap();
+    let mut solver = Solver::new(method, &settings, scene, scene.dt).unwrap();
+    let mut state = scene.start.clone();
+    let plan = Plan {
+        forces: true,
+        ..Plan::new(scene.dt, steps)
+    };
+    let see = |moment: &Moment<'_>| {
+        see(moment);
+        Ok(())
+    };
+    run_changing(scene, &mut solver, &mut state, plan, see).unwrap();
+}
+
+fn momentum(scene: &Scene, velocities: &[Vec3]) -> Vec3 {
+    let mass = scene.model.particles.mass();
+    velocities.iter().zip(mass).map(|(v, m)| v * *m).sum()
+}
+
+const SHEET: &str = "[[mesh]]\ngenerator = \"grid:13x13:alternating\"\nscale = 0.4\n";
+
+/// A sheet that falls on a ball with friction, and on itself: in every step the forces on the vertices are what changes
+/// its momentum beside gravity, and the force on the ball is their opposite.
+#[test]
+fn forces_change_the_momentum_and_act_on_the_body() {
+    let text = format!(
+        "dt = 0.01\n{SHEET}translate = [-0.17, -0.21, 0.13]\n[contact]\nself = true\n\
+         [[obstacle]]\nshape = \"sphere\"\nradius = 0.1\nangular_velocity = [0, 0, 2]\n"
+    );
+    let scene = scene("ball", &text);
+    let mass: f64 = scene.model.particles.mass().iter().sum();
+    let gravity = scene.gravity * mass;
+    for (method, setting, bound) in [
+        ("xpbd", "substeps=30", 1e-10),
+        ("symplectic-euler", "", 1e-10),
+        ("implicit-euler", "tolerance=1e-9", 1e-6),
+        ("pd", "contact_iterations=300", 0.03),
+    ] {
+        let mut before = Vec3::zeros();
+        let (mut worst, mut largest): (f64, f64) = (0.0, 0.0);
+        watch(&scene, method, setting, 30, |moment| {
+            let after = momentum(&scene, &moment.state.velocities);
+            let forces = moment.forces.unwrap();
+            let [normal, friction] =
+                [&forces.normal, &forces.friction].map(|all| all.iter().sum::<Vec3>());
+            let expected = (after - before) / scene.dt - gravity;
+            worst = worst.max((normal + friction - expected).norm());
+            largest = largest.max(expected.norm());
+            let [body] = forces.bodies[..] else {
+                panic!("one body")
+            };
+            let other = (body.force + normal + friction).norm();
+            assert!(other < 1e-12 * largest.max(1.0), "{method}: {other}");
+            before = after;
+        });
+        assert!(largest > 0.5 * gravity.norm(), "{method}: it lands");
+        assert!(worst < bound * largest, "{method}: {worst} of {largest}");
+    }
+}
+
+/// A sheet that rests on a slope: the pressure carries m g cos θ, friction m g sin θ, and the torque is the weight at
+/// the middle of the sheet.
+#[test]
+fn slope_carries_the_weight_and_friction_holds_it() {
+    let angle: f64 = 0.2;
+    let text = format!(
+        "dt = 0.01\n{SHEET}translate = [0, 0, 0.0019]\nrotate = [0, 0, 0]\n[contact]\nfriction = 0.5\n\
+         [[obstacle]]\nshape = \"plane\"\n"
+    );
+    let tilted = format!(
+        "gravity = [{}, 0, {}]\n{text}",
+        9.81 * angle.sin(),
+        -9.81 * angle.cos()
+    );
+    let scene = scene("slope", &tilted);
+    let mass: f64 = scene.model.particles.mass().iter().sum();
+    for (method, setting, bound) in [
+        ("implicit-euler", "tolerance=1e-9", 1e-5),
+        ("xpbd", "substeps=20", 1e-3),
+        ("pd", "contact_iterations=300", 1e-2),
+    ] {
+        let mut last = None;
+        watch(&scene, method, setting, 150, |moment| {
+            let forces = moment.forces.unwrap();
+            let sums = [&forces.normal, &forces.friction].map(|all| all.iter().sum::<Vec3>());
+            let masses = scene.model.particles.mass().iter();
+            let points = moment.state.positions.iter().zip(masses);
+            let middle = points.map(|(x, m)| x * *m).sum::<Vec3>() / mass;
+            last = Some((sums, forces.bodies[0], middle));
+        });
+        let ([normal, friction], body, middle) = last.unwrap();
+        let weight = mass * 9.81;
+        let up = (normal - Vec3::z() * weight * angle.cos()).norm();
+        let along = (friction + Vec3::x() * weight * angle.sin()).norm();
+        assert!(
+            up < bound * weight,
+            "{method}: pressure off by {up} of {weight}"
+        );
+        assert!(
+            along < bound * weight,
+            "{method}: friction off by {along} of {weight}"
+        );
+        let torque = middle.cross(&(scene.gravity * mass));
+        let off = (body.torque - torque).norm();
+        assert!(
+            off < bound * torque.norm(),
+            "{method}: torque {} {torque}",
+            body.torque
+        );
+    }
+}
+
+/// On a slope of 0.2 rad, with tan 0.2 = 0.203, a piece of no friction slides as fast as it can, one of 0.3 stays, and
+/// each keeps its own thickness, less what its weight presses.
+#[test]
+fn pieces_have_their_own_thickness_and_friction() {
+    let angle: f64 = 0.2;
+    let piece = |x: f64, h: f64, own: &str| {
+        let z = h - 0.2 * 9.81 * angle.cos() / 1e6;
+        format!("{SHEET}translate = [{x}, 0, {z:?}]\n[mesh.contact]\n{own}")
+    };
+    let text = format!(
+        "dt = 0.01\ngravity = [{}, 0, {}]\n{}{}[contact]\nfriction = 0.3\n[[obstacle]]\nshape = \"plane\"\n",
+        9.81 * angle.sin(),
+        -9.81 * angle.cos(),
+        piece(0.0, 5e-3, "thickness = 5e-3\nfriction = 0\n"),
+        piece(2.0, 2e-3, "friction = 0.3\n"),
+    );
+    let scene = scene("pieces", &text);
+    let steps = 30;
+    for (method, setting) in [
+        ("implicit-euler", "tolerance=1e-9"),
+        ("xpbd", "substeps=10"),
+        ("pd", ""),
+    ] {
+        let mut ends = Vec::new();
+        watch(&scene, method, setting, steps, |moment| {
+            let moved = moment.state.positions.iter().zip(&scene.start.positions);
+            let moved: Vec<Vec3> = moved.map(|(x, start)| x - start).collect();
+            let mean = |all: &[Vec3]| all.iter().sum::<Vec3>() / all.len() as f64;
+            ends.push([mean(&moved[..169]), mean(&moved[169..])]);
+        });
+        let [slid, stuck] = ends[steps as usize - 1];
+        // Free fall along the slope by (sub)steps.
+        let parts = if method == "xpbd" { 10 } else { 1 };
+        let (n, h) = (f64::from(steps * parts), 0.01 / f64::from(parts));
+        let way = 0.5 * 9.81 * angle.sin() * h * h * n * (n + 1.0);
+        let off = (slid.x - way).abs();
+        assert!(off < 1e-3 * way, "{method}: slides {} of {way}", slid.x);
+        // What sticks is a spring that a hundredth of the (largest) thickness stretches to the whole of friction.
+        let stretch = 0.01 * 5e-3 * angle.tan() / 0.3;
+        assert!(
+            stuck.x.abs() < 1.001 * stretch,
+            "{method}: creeps {}",
+            stuck.x
+        );
+        for (piece, z) in [("thick", slid.z), ("thin", stuck.z)] {
+            assert!(
+                z.abs() < 1e-7,
+                "{method}: {piece} piece {z} m from its rest"
+            );
+        }
+    }
+}
+
+/// The command writes what acts on every body in every step.
+#[test]
+fn program_writes_the_forces_on_bodies() {
+    let text = format!(
+        "dt = 0.01\n{SHEET}translate = [0, 0, 0.0019]\n[[obstacle]]\nshape = \"plane\"\n\
+         [[obstacle]]\nshape = \"sphere\"\nradius = 0.1\nposition = [0, 0, 5]\n"
+    );
+    let path = written("table", &text);
+    let table = path.with_extension("csv");
+    let run = |scene: &str, more: &[&str]| {
+        let table = table.to_str().unwrap();
+        let mut arguments = vec!["run", scene, "--method", "implicit-euler", "--steps", "40"];
+        arguments.extend(["--forces", table]);
+        arguments.extend(more);
+        let out = program(&arguments);
+        (out.status.code(), String::from_utf8(out.stderr).unwrap())
+    };
+    let (code, said) = run(path.to_str().unwrap(), &["--json"]);
+    assert_eq!(code, Some(0), "{said}");
+    let written = std::fs::read_to_string(&table).unwrap();
+    let rows: Vec<Vec<f64>> = written
+        .lines()
+        .skip(1)
+        .map(|line| line.split(',').map(|n| n.parse().unwrap()).collect())
+        .collect();
+    assert_eq!(rows.len(), 80);
+    let [floor, ball] = [&rows[78], &rows[79]];
+    assert_eq!((floor[0], floor[2], ball[2]), (40.0, 1.0, 2.0));
+    let weight = 0.2 * 0.16 * 9.81;
+    assert!(
+        (floor[5] + weight).abs() < 1e-3 * weight,
+        "{} {weight}",
+        floor[5]
+    );
+    assert_eq!(ball[3..], [0.0; 6]);
+    let (code, said) = run("hang", &[]);
+    assert_eq!(code, Some(2), "{said}");
+    assert!(said.contains("nothing to touch"), "{said}");
+}

@@ -1,0 +1,31 @@
+//! All tests of this crate in one program, which links once; a file is a subject, and a filter picks it:
+//! `cargo test --release -p cloth-bench --test all laws::`.
+
+mod bending_laws;
+mod broad_phase;
+mod changes;
+mod cli;
+mod energy;
+mod exclude;
+mod export;
+mod forces;
+mod hard_constraints;
+#[path = "../support/law.rs"]
+mod law;
+mod laws;
+mod locking;
+mod messages;
+#[path = "../support/program.rs"]
+mod program;
+mod readme;
+mod refusals;
+mod resume;
+mod rigid_bodies;
+mod sampled;
+mod scene_file;
+#[path = "../support/scene_text.rs"]
+mod scene_text;
+mod seam;
+mod tangled;
+mod untangle;
+mod user_forces;

@@ -1,0 +1,263 @@
+//! Rigid bodies that the cloth pushes and gravity pulls.
+
+use crate::scene_text::{scene, written};
+use cloth_bench::method::Method;
+use cloth_bench::run::{Moment, Plan, Solver, run_changing, to_rest};
+use cloth_bench::scene::{Scene, file};
+use cloth_bench::settings::Settings;
+use cloth_collide::obstacle::RigidMotion;
+use cloth_core::math::Vec3;
+use cloth_core::step::StepInput;
+
+fn watch(scene: &Scene, method: &str, settings: &[&str], steps: u32, see: impl FnMut(&Moment<'_>)) {
+    let settings = Settings::parse(settings).unwrap();
+    let method = Method::find(method).unwrap();
+    let mut solver = Solver::new(method, &settings, scene, scene.dt).unwrap();
+    let mut state = scene.start.clone();
+    let plan = Plan {
+        forces: true,
+        ..Plan::new(scene.dt, steps)
+    };
+    let mut see = see;
+    let see = |moment: &Moment<'_>| {
+        see(moment);
+        Ok(())
+    };
+    run_changing(scene, &mut solver, &mut state, plan, see).unwrap();
+}
+
+/// The first obstacle, as it is after a step.
+fn body(moment: &Moment<'_>) -> RigidMotion {
+    let touch = moment.scene.touch.as_ref().unwrap();
+    let motion = touch.obstacles().next().unwrap().motion();
+    let pose = motion.pose_at(moment.state.time);
+    RigidMotion { pose, ..*motion }
+}
+
+/// Momentum and angular momentum about the origin, of the cloth and of a ball.
+fn momenta(moment: &Moment<'_>) -> [Vec3; 2] {
+    let scene = moment.scene;
+    let ball = body(moment);
+    let (_, rigid) = scene.touch.as_ref().unwrap().free_bodies().next().unwrap();
+    let mut linear = ball.velocity * rigid.mass();
+    let mut angular = ball.pose.position.cross(&linear);
+    angular += rigid.inertia() * ball.angular_velocity;
+    let vertices = moment.state.positions.iter().zip(&moment.state.velocities);
+    for ((x, v), m) in vertices.zip(scene.model.particles.mass()) {
+        linear += v * *m;
+        angular += x.cross(&(v * *m));
+    }
+    [linear, angular]
+}
+
+/// A ball flies into a free sheet, off its middle, and takes it along: the two keep their momentum but for gravity, and
+/// without gravity their angular momentum.
+#[test]
+fn cloth_and_ball_keep_their_momentum_in_free_flight() {
+    for gravity in [0.0, -9.81] {
+        let text = format!(
+            "dt = 0.01\ngravity = [0, 0, {gravity:?}]\n[[mesh]]\ngenerator = \"grid:13x13:alternating\"\nscale = 0.4\n\
+             translate = [-0.17, -0.23, 0.08]\n[[obstacle]]\nshape = \"sphere\"\nradius = 0.06\ndensity = 40\n\
+             velocity = [0, 0, 2]\n"
+        );
+        let scene = scene(&format!("flight{gravity}"), &text);
+        let (_, ball) = scene.touch.as_ref().unwrap().free_bodies().next().unwrap();
+        let start = Vec3::z() * (2.0 * ball.mass());
+        let cloth: f64 = scene.model.particles.mass().iter().sum();
+        let weight = scene.gravity * (cloth + ball.mass());
+        for (method, settings, bounds) in [
+            ("xpbd", &["substeps=30"][..], [1e-10, 1e-3]),
+            ("symplectic-euler", &[], [1e-10, 1e-3]),
+            ("implicit-euler", &["tolerance=1e-9"], [1e-6, 5e-3]),
+            ("pd", &["contact_iterations=300"], [0.02, 0.05]),
+        ] {
+            let (mut off, mut turned, mut slowest): (f64, f64, f64) = (0.0, 0.0, 2.0);
+            watch(&scene, method, settings, 20, |moment| {
+                let [linear, angular] = momenta(moment);
+                let fallen = weight * moment.state.time;
+                off = off.max((linear - start - fallen).norm());
+                turned = turned.max(angular.norm());
+                let own = body(moment).velocity - scene.gravity * moment.state.time;
+                slowest = slowest.min(own.z);
+            });
+            println!(
+                "{method} {gravity}: {off:.2e} of {:.2e}, {turned:.2e}, {slowest}",
+                start.norm()
+            );
+            assert!(slowest < 1.9, "{method}: they meet");
+            assert!(
+                off < bounds[0] * start.norm(),
+                "{method}: momentum off by {off}"
+            );
+            // The most that the ball could bring to the sheet is its momentum at the end of its radius.
+            let most = 0.06 * start.norm();
+            let is_kept = gravity != 0.0 || turned < bounds[1] * most;
+            assert!(is_kept, "{method}: angular momentum {turned} of {most}");
+        }
+    }
+}
+
+const NET: &str = "[[mesh]]\ngenerator = \"grid:13x13:alternating\"\ntranslate = [-0.5, -0.5, 0]\n\
+     [cloth]\ndensity = 1\nstiffness = 2e3\n[contact]\nfriction = 0\nthickness = 4e-3\n[air]\ndensity = 3000\n";
+
+/// A ball that has come to rest in a net presses with its weight, and at the same sag a ball that is held presses with
+/// that weight too: it is that of the equilibrium.
+#[test]
+fn ball_comes_to_rest_where_the_net_carries_its_weight() {
+    let ball = |[x, y]: [f64; 2]| {
+        format!(
+            "[[obstacle]]\nshape = \"sphere\"\nradius = 0.1\nposition = [{x:?}, {y:?}, 0.104]\n"
+        )
+    };
+    let free = format!(
+        "{NET}[[pins]]\nselect = \"border\"\n{}density = 120\n",
+        ball([0.0; 2])
+    );
+    let falling = scene("net", &free);
+    let (_, rigid) = falling
+        .touch
+        .as_ref()
+        .unwrap()
+        .free_bodies()
+        .next()
+        .unwrap();
+    let weight = 9.81 * rigid.mass();
+    for (method, settings, bound) in [
+        ("implicit-euler", &["tolerance=1e-8"][..], [2e-3, 1e-2]),
+        ("pd", &["contact_iterations=100"], [0.01, 0.02]),
+    ] {
+        let (mut sag, mut force, mut place) = (0.0, 0.0, [0.0; 2]);
+        watch(&falling, method, settings, 600, |moment| {
+            if moment.step > 480 {
+                let at = body(moment).pose.position;
+                sag += (0.104 - at.z) / 120.0;
+                // It may have rolled between two vertices.
+                place = [at.x, at.y];
+                force -= moment.forces.unwrap().bodies[0].force.z / 120.0;
+            }
+        });
+        // The border is lifted by as much around a ball that stays, until nothing moves.
+        let still = NET.replace("[air]\ndensity = 3000\n", "");
+        let lifted = format!(
+            "{still}[[pins]]\nselect = \"border\"\nmove = [0, 0, {sag:?}]\n{}",
+            ball(place)
+        );
+        let mut held = scene("held", &lifted);
+        let exact = Settings::parse(&["tolerance=1e-8"]).unwrap();
+        let implicit = Method::find("implicit-euler").unwrap();
+        let mut stepper = implicit.build(&held, &exact, held.dt).unwrap();
+        let mut state = held.start.clone();
+        let rested = to_rest(&held, &mut *stepper, &mut state, held.dt, 3000, 1e-4).unwrap();
+        assert!(rested.is_some_and(|steps| steps > 60), "{rested:?}");
+        held.start = state;
+        let mut at_rest = 0.0;
+        watch(&held, "implicit-euler", &["tolerance=1e-8"], 1, |moment| {
+            at_rest = -moment.forces.unwrap().bodies[0].force.z;
+        });
+        println!("{method}: {sag} {place:?} {force} {at_rest} of {weight}");
+        let off = [force, at_rest].map(|force| (force / weight).abs() - 1.0);
+        assert!(
+            off[0].abs() < bound[0] && off[1].abs() < bound[1],
+            "{method}: {off:?}"
+        );
+    }
+}
+
+/// A box lies on a sheet on the floor: with the area A below it, it is a mass on two springs κ A in series, and a step
+/// Δt is stable below 2 √(2 m/κ A). The parts of a step that runs take are four times shorter.
+#[test]
+fn box_trembles_only_beyond_the_limit_of_its_contact() {
+    let (stiffness, thickness, edge) = (1e6, 2e-3, 0.19);
+    let text = |height: f64, floor: f64, velocity: f64| {
+        format!(
+            "[[mesh]]\ngenerator = \"grid:17x17:alternating\"\nscale = 0.4\ntranslate = [-0.2, -0.2, {floor:?}]\n\
+             [[obstacle]]\nshape = \"box\"\nsize = [{edge}, {edge}, {edge}]\ndensity = 100\nposition = [0, 0, {height:?}]\n\
+             velocity = [0, 0, {velocity:?}]\n\
+             [[obstacle]]\nshape = \"plane\"\n[contact]\nfriction = 0\n"
+        )
+    };
+    let flat = scene("flat", &text(1.0, 0.1, 0.0));
+    let mesh = flat.mesh.as_ref().unwrap();
+    let is_below = |v: u32| mesh.positions()[v as usize].xy().amax() < 0.08;
+    let corners = mesh.triangles().iter().zip(mesh.areas());
+    let area: f64 = corners
+        .map(|(t, area)| t.iter().filter(|&&v| is_below(v)).count() as f64 * area / 3.0)
+        .sum();
+    let (_, rigid) = flat.touch.as_ref().unwrap().free_bodies().next().unwrap();
+    let limit = 2.0 * (2.0 * rigid.mass() / (stiffness * area)).sqrt();
+    assert!(
+        flat.parts(limit) >= 4,
+        "{} parts of {limit} s",
+        flat.parts(limit)
+    );
+    // 1e-6 m above where it rests.
+    let pressed = 9.81 * rigid.mass() / (stiffness * area);
+    let height = 0.5 * edge + 2.0 * (thickness - pressed) + 1e-6;
+    let floor = thickness - 0.2 * 9.81 / stiffness;
+    let swing = |dt: f64| {
+        // The force of a step acts at its end, the weight from its start on.
+        let resting = scene("resting", &text(height, floor, 9.81 * dt));
+        let settings = Settings::parse(&["tolerance=1e-10"]).unwrap();
+        let method = Method::find("implicit-euler").unwrap();
+        let mut stepper = method.build(&resting, &settings, dt).unwrap();
+        let mut contacts = resting.contacts().unwrap().unwrap();
+        let mut state = resting.start.clone();
+        let mut heights = Vec::new();
+        for _ in 0..200 {
+            let input = StepInput::new(dt).gravity(resting.gravity);
+            // A box that trembles jumps, and may come down where there is no room for the sheet.
+            let taken = stepper.step(&mut state, input.contacts(&mut contacts));
+            if taken.is_err() {
+                return f64::INFINITY;
+            }
+            let (_, motion) = contacts.free_motions().next().unwrap();
+            heights.push(motion.pose.position.z);
+        }
+        let late = &heights[150..];
+        let least = late.iter().copied().fold(f64::INFINITY, f64::min);
+        late.iter().copied().fold(-f64::INFINITY, f64::max) - least
+    };
+    for part in [0.25, 0.95, 1.05] {
+        let swing = swing(part * limit);
+        assert_eq!(swing < 1e-5, part < 1.0, "{part} of {limit} s: {swing} m");
+    }
+}
+
+/// What says nothing, or makes no sense, is refused with its line.
+#[test]
+fn masses_without_meaning_are_refused() {
+    let sheet = "[[mesh]]\ngenerator = \"grid:5x5:alternating\"\n";
+    let ball = "[[obstacle]]\nshape = \"sphere\"\nradius = 0.1\nposition = [0, 0, 1]\ndensity = ";
+    let refused = |name: &str, text: String| {
+        let path = written(name, &text);
+        let said = file::build(&path, &Settings::default()).unwrap_err();
+        said.to_string()
+    };
+    for (name, text, line, words) in [
+        ("zero", format!("{sheet}{ball}0\n"), 7, "density is `0`"),
+        (
+            "plane",
+            format!("{sheet}[[obstacle]]\nshape = \"plane\"\ndensity = 1\n"),
+            5,
+            "a plane has no end",
+        ),
+        (
+            "none",
+            format!("{sheet}{ball}100\n[contact]\ncontact = \"none\"\n"),
+            7,
+            "density has no meaning",
+        ),
+        (
+            "torn",
+            format!(
+                "{sheet}{ball}100\n[[tear]]\ntime = 1\nbox = [[0.26, 0.26, -1], [0.49, 0.49, 1]]\n"
+            ),
+            8,
+            "cannot be torn",
+        ),
+    ] {
+        let said = refused(name, text);
+        let place = format!("{name}.toml: line {line}: ");
+        assert!(said.contains(&place) && said.contains(words), "{said}");
+    }
+}

@@ -1,0 +1,145 @@
+//! The exact cases of contact.
+
+use crate::random::Random;
+use cloth_collide::obstacle::*;
+use cloth_core::math::{Real, Vec3};
+
+fn v(x: f64, y: f64, z: f64) -> Vec3 {
+    Vec3::new(x, y, z)
+}
+
+fn law(friction: Real, restitution: Real) -> ImpactLaw {
+    ImpactLaw::new(friction, restitution).unwrap()
+}
+
+/// Coulomb's cone, no rebound beyond e, no energy gained relative to the surface, for any normal and velocity.
+#[test]
+fn impulses_stay_in_the_friction_cone_and_never_turn_a_velocity() {
+    let mut random = Random::new(2);
+    for _ in 0..10_000 {
+        let (normal, u) = (random.point(1.0).normalize(), random.point(5.0));
+        let (mu, e) = (random.real(2.0).abs(), random.real(1.0).abs());
+        let change = law(mu, e).velocity_change(u, normal);
+        let (along, after) = (u.dot(&normal), u + change);
+        if along >= 0.0 {
+            assert_eq!(change, Vec3::zeros());
+            continue;
+        }
+        assert!((after.dot(&normal) + e * along).abs() < 1e-14);
+        let push = change.dot(&normal);
+        let tangent = |w: Vec3| w - normal * w.dot(&normal);
+        assert!(tangent(change).norm() <= mu * push + 1e-14);
+        assert!(tangent(after).dot(&tangent(u)) >= -1e-14);
+        assert!(after.norm() <= u.norm() + 1e-14);
+        // Either it sticks, or friction is at its limit.
+        let sticks = tangent(after).norm() < 1e-14;
+        assert!(sticks || (tangent(change).norm() - mu * push).abs() < 1e-13);
+    }
+}
+
+#[test]
+fn discrete_response_moves_a_vertex_out_and_tells_the_impulse() {
+    let motion = RigidMotion {
+        velocity: v(0.0, 0.0, 1.0),
+        angular_velocity: v(0.0, 0.0, 2.0),
+        ..RigidMotion::default()
+    };
+    let ball = Obstacle::moving(Sphere::new(0.5).unwrap(), motion).unwrap();
+    let mut random = Random::new(3);
+    let start: Vec<Vec3> = (0..200).map(|_| random.point(0.6)).collect();
+    let speeds: Vec<Vec3> = (0..200).map(|_| random.point(2.0)).collect();
+    let (mut x, mut u) = (start.clone(), speeds.clone());
+    let mut pushed = 0;
+    for i in 0..200 {
+        let change = law(0.4, 0.2).respond(&ball, 0.1, 0.01, &mut x[i], &mut u[i]);
+        assert!((u[i] - speeds[i] - change).norm() < 1e-14);
+        pushed += u32::from(change != Vec3::zeros());
+        let (before, after) = (
+            ball.signed_distance(start[i], 0.1),
+            ball.signed_distance(x[i], 0.1),
+        );
+        assert!(after.value > 0.01 - 1e-14);
+        if before.value >= 0.01 {
+            assert_eq!((x[i], u[i]), (start[i], speeds[i]));
+        } else {
+            let surface = ball.velocity_at(start[i], 0.1);
+            assert!((u[i] - surface).dot(&before.normal) > -1e-14);
+        }
+    }
+    assert!(pushed > 20, "{pushed}");
+}
+
+#[test]
+fn a_law_is_its_derivatives_integral() {
+    let law = PenaltyLaw::new(300.0, 0.02).unwrap();
+    for i in 1..100 {
+        let gap = 0.0003 * f64::from(i);
+        let h = 1e-6 * gap;
+        let slope = (law.energy(gap + h) - law.energy(gap - h)) / (2.0 * h);
+        let bend = (law.slope(gap + h) - law.slope(gap - h)) / (2.0 * h);
+        let across = (gap - 0.02).abs() < 1e-5;
+        assert!((slope - law.slope(gap)).abs() < 1e-7 * (1.0 + law.slope(gap).abs()));
+        assert!(across || (bend - law.curvature(gap)).abs() < 1e-6 * (1.0 + bend.abs()));
+        assert!(law.slope(gap) <= 0.0 && law.curvature(gap) >= 0.0);
+    }
+    for gap in [0.02, 0.03, 1e9] {
+        let all = [law.energy(gap), law.slope(gap), law.curvature(gap)];
+        assert_eq!(all, [0.0; 3]);
+    }
+    // Where it is passed it pulls back as it does at f = 10⁻¹² of its range r: E′ = −k r/4f, E″ = k/4f².
+    for gap in [-1.0, 0.0, 1e-300] {
+        let f: Real = 1e-12;
+        assert!((law.slope(gap) / (-300.0 * 0.02 / (4.0 * f)) - 1.0).abs() < 1e-14);
+        assert!((law.curvature(gap) / (300.0 / (4.0 * f * f)) - 1.0).abs() < 1e-14);
+    }
+    assert_eq!(law.energy(0.0), f64::INFINITY);
+}
+
+/// Under a weight of up to k h/2 at h − weight/k, under more at k h²/(4 weight).
+#[test]
+fn a_mass_rests_where_the_closed_forms_say() {
+    let (k, h) = (700.0, 0.01);
+    let law = PenaltyLaw::new(k, h).unwrap();
+    for weight in [0.3, 3.0, 3.5, 6.9, 100.0] {
+        let gap = match weight {
+            w if w <= 0.5 * k * h => h - w / k,
+            w => k * h * h / (4.0 * w),
+        };
+        assert!((law.slope(gap) + weight).abs() < 1e-13 * weight, "{weight}");
+    }
+}
+
+#[test]
+fn contact_energies_have_the_right_gradients() {
+    let motion = RigidMotion::still(Pose::at(v(0.1, 0.2, -0.1)).turned(v(0.3, 0.1, 0.9)));
+    let samples = SampledDistance::new(&Sphere::new(0.5).unwrap(), 0.1, 0.2).unwrap();
+    let obstacles = [
+        Obstacle::moving(Cuboid::new(v(0.4, 0.3, 0.5)).unwrap(), motion).unwrap(),
+        Obstacle::moving(samples, motion).unwrap(),
+    ];
+    let mut random = Random::new(4);
+    let law = PenaltyLaw::new(50.0, 0.4).unwrap();
+    for obstacle in &obstacles {
+        let mut pushed = 0;
+        for _ in 0..300 {
+            let x = random.point(1.0);
+            let at = obstacle.signed_distance(x, 0.0);
+            if at.value < 0.02 {
+                continue;
+            }
+            let gradient = at.gradient() * law.slope(at.value);
+            let h = 1e-6;
+            let energy = |d: Vec3| law.energy(obstacle.signed_distance(x + d, 0.0).value);
+            let axes = [Vec3::x(), Vec3::y(), Vec3::z()].map(|e| e * h);
+            let curved = |e: Vec3| (energy(e) + energy(-e) - 2.0 * energy(Vec3::zeros())).abs();
+            if axes.iter().any(|&e| curved(e) > 1e5 * h * h) {
+                continue; // a border between cells or regions
+            }
+            let differences = Vec3::from(axes.map(|e| (energy(e) - energy(-e)) / (2.0 * h)));
+            let error = (differences - gradient).norm();
+            assert!(error < 1e-5 * (1.0 + differences.norm()), "{x} {error:e}");
+            pushed += u32::from(differences.norm() > 0.0);
+        }
+        assert!(pushed > 50, "{pushed}");
+    }
+}

@@ -1,0 +1,25 @@
+//! All tests of this crate in one program, which links once; a file is a subject, and a filter picks it:
+//! `cargo test --release -p cloth-collide --test all potential::`.
+
+mod body_surfaces;
+mod ccd;
+mod contact_laws;
+mod contact_memory;
+#[path = "../../../cloth-core/tests/support/counting_allocator.rs"]
+mod counting_allocator;
+mod edges_matter;
+mod first_contact;
+mod garments;
+mod no_allocation;
+mod obstacle_shapes;
+mod potential;
+mod potential_derivatives;
+mod promise;
+#[path = "../support/random.rs"]
+mod random;
+mod sewn;
+#[path = "../support/sewn_garments.rs"]
+mod sewn_garments;
+#[path = "../support/solids.rs"]
+mod solids;
+mod untangle;

@@ -1,0 +1,96 @@
+//! Stitches: their rest length in time, their derivatives, and what they leave alone.
+
+use crate::element_checks::{convex_choices_are_convex, derivatives_agree, is_invariant, shape};
+use cloth_core::element::{Constraint, Convexity, Element, Energy, Projective};
+use cloth_core::energy::{Spring, Stitch};
+use cloth_core::math::{Mat3, Real, Vec3};
+use cloth_core::method::family::Energies;
+
+const K: Real = 40.0;
+
+fn at(time: Real) -> Stitch {
+    let mut stitch = Stitch::closing([3, 8], K, 0.6, [1.0, 3.0]);
+    stitch.set_time(time);
+    stitch
+}
+
+#[test]
+fn the_rest_length_falls_at_a_constant_rate() {
+    let lengths = [0.0, 1.0, 1.5, 2.0, 2.5, 3.0, 7.0].map(|time| at(time).rest_length_at(time));
+    let expected = [0.6, 0.6, 0.45, 0.3, 0.15, 0.0, 0.0];
+    for (length, expected) in lengths.into_iter().zip(expected) {
+        assert!((length - expected).abs() < 1e-15, "{length} {expected}");
+    }
+    let x = [Vec3::zeros(), Vec3::new(0.0, 0.5, 0.0)];
+    assert!((at(2.0).value(&x) - 0.5 * K * 0.04).abs() < 1e-14);
+    assert_eq!(at(3.0).value(&x), 0.5 * K * 0.25);
+    assert_eq!(Stitch::closed([0, 1], K).value(&x), 0.5 * K * 0.25);
+}
+
+#[test]
+fn derivatives_and_invariances_hold_open_and_closed() {
+    for time in [0.0, 1.7, 3.0] {
+        for seed in 0..8 {
+            let (stitch, x) = (at(time), shape::<2>(seed));
+            derivatives_agree(&stitch, &x, 1.0);
+            convex_choices_are_convex(&stitch, &x);
+            is_invariant(&stitch, &x);
+        }
+    }
+}
+
+#[test]
+fn a_closed_stitch_is_smooth_where_its_ends_meet() {
+    let x = [Vec3::new(0.3, -0.1, 2.0); 2];
+    let stitch = at(3.0);
+    assert_eq!(stitch.gradient(&x), [Vec3::zeros(); 2]);
+    let k = Mat3::from_diagonal_element(K);
+    for convexity in [
+        Convexity::Exact,
+        Convexity::Clamp,
+        Convexity::Abs,
+        Convexity::GaussNewton,
+    ] {
+        assert_eq!(stitch.hessian(&x, convexity), [[k, -k], [-k, k]]);
+    }
+    assert_eq!(stitch.project([Vec3::zeros()]), [Vec3::zeros()]);
+}
+
+#[test]
+fn rows_and_projection_give_the_same_force_at_every_length() {
+    for time in [1.0, 2.2, 3.0] {
+        for seed in 0..5 {
+            let (stitch, x) = (at(time), shape::<2>(seed));
+            let [z] = [x[0] - x[1]];
+            let [p] = stitch.project([z]);
+            let [force, _] = stitch.gradient(&x);
+            assert!((force - (z - p) * K).norm() < 1e-12);
+            // The fast forms of the rows, which sweeps use.
+            let fast = match (stitch.unit_row(&x), stitch.vector_row()) {
+                (Some(row), None) => row.direction[0] * (row.stiffness * row.value / row.length),
+                (None, Some(row)) => row.value(&x) * row.stiffness,
+                forms => panic!("{forms:?}"),
+            };
+            assert!((force - fast).norm() < 1e-12);
+            let [hessian] = stitch.projected_hessian([z]);
+            let clamped = stitch.hessian(&x, Convexity::Clamp)[0][0];
+            assert!((hessian[0] * K - clamped).amax() < 1e-12);
+        }
+    }
+}
+
+#[test]
+fn the_energy_of_a_cloth_tells_what_time_has_changed() {
+    let spring = Spring {
+        vertices: [0, 1],
+        rest_length: 1.0,
+        stiffness: 10.0,
+    };
+    let stitch = Stitch::closing([0, 1], K, 0.6, [1.0, 3.0]);
+    let energies = Energies::new(2).with(vec![spring]).unwrap();
+    let mut energies = energies.with(vec![stitch]).unwrap();
+    let x = [Vec3::zeros(), Vec3::new(0.0, 0.5, 0.0)];
+    energies.set_time(2.0);
+    assert!((energies.timed_value(&x) - 0.5 * K * 0.04).abs() < 1e-14);
+    assert!((energies.value(&x) - 0.5 * K * 0.04 - 0.5 * 10.0 * 0.25).abs() < 1e-14);
+}
