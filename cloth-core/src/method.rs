@@ -3,7 +3,8 @@
 //! In reading order: sums of elements and what they are stored in ([`family`], [`block_matrix`]); orders to visit them
 //! in ([`coloring`], [`ordering`]); loops over vectors, on several threads with the same bits ([`vectors`],
 //! [`chunked`], [`parallel`]); linear solvers ([`linear`], [`multigrid`]); the sweeps of PBD and XPBD
-//! ([`position_based`]); how far to follow a direction that may touch something ([`trust`]).
+//! ([`position_based`]); what quasi-Newton methods remember ([`limited_memory`]), and how far a direction is followed
+//! ([`line_search`]), also where it may touch something ([`trust`]).
 
 pub mod family;
 
@@ -21,4 +22,6 @@ pub mod multigrid;
 
 pub mod position_based;
 
+pub mod limited_memory;
+pub mod line_search;
 pub mod trust;

@@ -24,7 +24,6 @@ mod bdf2;
 mod builder;
 mod damper;
 mod drift;
-mod history;
 mod line_search;
 mod linearized;
 mod minimizer;

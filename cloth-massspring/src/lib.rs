@@ -315,8 +315,9 @@
 //! 3. `implicit.rs`: a step as a minimisation; `config.rs`: its settings; `implicit/stage.rs`: `G`, its gradient and
 //!    norms.
 //! 4. `implicit/newton.rs` with `system.rs` (the matrix, kept positive definite) and `line_search.rs`.
-//! 5. `implicit/minimizer.rs` and `quasi_newton.rs` with `history.rs`: the default; `progress.rs`: when Newton's method
-//!    takes over.
+//! 5. `implicit/minimizer.rs` and `quasi_newton.rs`, around
+//!    [`LimitedMemory`](cloth_core::method::limited_memory::LimitedMemory): the default; `progress.rs`: when Newton's
+//!    method takes over.
 //! 6. `implicit/bdf2.rs`, `at_end.rs` (contact of the midpoint rule), `damper.rs`, `linearized.rs`,
 //!    `drift.rs`.
 //!

@@ -1,6 +1,7 @@
 //! Settings of the solver: iterations, start, acceleration.
 
 use cloth_core::math::Real;
+use cloth_core::method::limited_memory::MOST_PAIRS;
 use cloth_core::step::BuildError;
 
 /// Settings of [`PdSolver`](crate::PdSolver).
@@ -60,8 +61,8 @@ pub enum Acceleration {
     /// thin cloth, which would be most of the factor; and with the coarse grid, if the solver was given one) as the
     /// initial inverse Hessian, and a line search on `G`.
     QuasiNewton {
-        /// Pairs of differences that are remembered (m in the paper); with 0 each direction is that of one global
-        /// solve, else there are at least eight where there is contact.
+        /// Pairs of differences that are remembered (m in the paper), at most 32; with 0 each direction is that of one
+        /// global solve, else there are at least twenty where there is contact.
         history: u32,
     },
 }
@@ -108,15 +109,10 @@ impl PdConfig {
             } if !(0.0..1.0).contains(&radius) => {
                 refuse("spectral_radius", radius, "at least 0 and below 1")
             }
-            Acceleration::QuasiNewton { history } if history > MAX_HISTORY => refuse(
-                "history",
-                Real::from(history),
-                "at most 1000: more remembers nothing that helps",
-            ),
+            Acceleration::QuasiNewton { history } if history as usize > MOST_PAIRS => {
+                refuse("history", Real::from(history), "at most 32")
+            }
             _ => Ok(()),
         }
     }
 }
-
-/// Sanity limit: the memory of a history is allocated when the solver is built.
-const MAX_HISTORY: u32 = 1000;

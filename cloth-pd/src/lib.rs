@@ -133,7 +133,7 @@
 //! | its factor, and what changes it | `global.rs`, [`WoodburyUpdate`] |
 //! | the global step, A d = g | [`PanelFactor::solve`] |
 //! | Chebyshev weights (Wang 2015, algorithm 1) | `chebyshev.rs` |
-//! | two-loop recursion (Liu et al. 2017, algorithm 2), line search | `quasi_newton.rs` |
+//! | L-BFGS (Liu et al. 2017, algorithm 2), line search | `quasi_newton.rs`, [`LimitedMemory`](cloth_core::method::limited_memory::LimitedMemory) |
 //! | `A + Σ k J Jᵀ` with the contacts | `contact.rs` |
 //! | `P V Pᵀ`; H | `lattice.rs`, `coarse.rs`; `local.rs` |
 //! | the prediction, the velocities and the loop | [`PdSolver`] |
@@ -186,11 +186,11 @@
 //!
 //! With quadratic bending and n vertices, f numbers in the factor, e springs and b entries in the matrix of the bending
 //! energy, an iteration moves `16 f` bytes for the solve, `24 e + 72 n` for the springs, `12 b + 64 n` for the bending,
-//! about `200 n` for the rest of the objective, and `96 n` for each pair that is remembered. At 128 a side, with the
-//! bending left out of the matrix, that is about 9 MB, 2 MB, 4 MB, 3 MB and, with two pairs, 3 MB. A large factor is
-//! cut into subtrees of its elimination tree, which threads can share; the cut does not depend on how many there are.
-//! All loops are compiled for wide registers too ([`wide`](cloth_core::method::parallel::wide)), and give the same bits
-//! without.
+//! about `200 n` for the rest of the objective, and `100 n` and `48 n` for each pair that is remembered. At 128 a side,
+//! with the bending left out of the matrix, that is about 9 MB, 2 MB, 4 MB, 3 MB and, with two pairs, 3 MB. A large
+//! factor is cut into subtrees of its elimination tree, which threads can share; the cut does not depend on how many
+//! there are. All loops are compiled for wide registers too ([`wide`](cloth_core::method::parallel::wide)), and give the
+//! same bits without.
 //!
 //! The coarse matrix is summed once a step, element by element: `Pᵀ H P` is never a matrix of the whole cloth first,
 //! which would take 0.65 ms of a step of 3.5 ms at 64 a side, and takes 0.36 so. What does not make an iteration faster

@@ -7,13 +7,12 @@ use crate::global::GlobalSystem;
 use crate::objective::{Objective, Point};
 use cloth_core::contact::ContactError;
 use cloth_core::math::{Real, Vec3};
-use cloth_core::method::chunked::map_reduce;
+use cloth_core::method::limited_memory::LimitedMemory;
+use cloth_core::method::line_search::{ARMIJO, Found, Trial, backtrack};
 use cloth_core::method::parallel::join;
 use cloth_core::method::trust::{TrustRadius, longest};
-use cloth_core::method::vectors::{add, add_and_dot, dot, dot_of_part};
+use cloth_core::method::vectors::dot;
 
-/// Part of the promised decrease that has to be kept (Armijo's constant).
-const ARMIJO: Real = 1e-4;
 /// Two values of `G` that differ by less than this part of their size cannot be told apart.
 pub(crate) const ROUNDING: Real = 1e-12;
 /// Part of the first slope that the slope at the new point may have, with either sign, where values cannot be told
@@ -34,31 +33,16 @@ const RADIUS_GROWTH: Real = 2.0;
 /// A step that comes less far than this part of what was tried has been shortened.
 const SHORTENED: Real = 0.5;
 
-/// One difference of iterates and of their gradients.
-#[derive(Clone, Debug)]
-struct Pair {
-    /// s (m).
-    step: Vec<Vec3>,
-    /// y (N).
-    change: Vec<Vec3>,
-    /// `1/(s·y)` (1/J).
-    inverse_product: Real,
-}
-
 /// The remembered pairs and the working memory.
 #[derive(Debug)]
 pub(crate) struct QuasiNewton {
-    /// Pairs that were requested for, and that are remembered in this step.
+    /// Pairs that were requested for.
     requested: usize,
-    history: usize,
-    /// A ring of `history`: the newest is `pairs[newest]`, `len` of them count.
-    pairs: Vec<Pair>,
-    newest: usize,
-    len: usize,
-    /// α of the first loop.
-    alphas: Vec<Real>,
+    memory: LimitedMemory,
     work: Vec<Vec3>,
+    /// The direction of descent (m), and the slope of `G` along it (J).
     direction: Vec<Vec3>,
+    slope: Real,
     next: Point,
     /// In steps with contact, from the first direction on; and the first radius (m).
     radius: Option<TrustRadius>,
@@ -72,46 +56,30 @@ pub(crate) struct QuasiNewton {
 impl QuasiNewton {
     pub(crate) fn new(history: usize, vertex_count: usize) -> Self {
         let zeros = vec![Vec3::zeros(); vertex_count];
-        let mut this = Self {
+        Self {
             requested: history,
-            history,
-            pairs: Vec::new(),
-            newest: 0,
-            len: 0,
-            alphas: Vec::new(),
+            memory: LimitedMemory::new(vertex_count, history),
             work: zeros.clone(),
             direction: zeros,
+            slope: 0.0,
             next: Point::new(vertex_count),
             radius: None,
             first_radius: 0.0,
             contact_system: None,
             fractions: Vec::new(),
-        };
-        this.begin(None);
-        this
+        }
     }
 
     /// Clears all pairs. In a step with contact, which is given by its displacements (m) without elasticity, there are
     /// more of them, if any, and a trust radius.
     pub(crate) fn begin(&mut self, in_contact: Option<&[Vec3]>) {
-        self.len = 0;
         self.radius = None;
         self.first_radius = FIRST_RADIUS * in_contact.map_or(0.0, longest);
-        self.history = match (self.requested, in_contact.is_some()) {
+        self.memory.clear_for(match (self.requested, in_contact) {
             (0, _) => 0,
-            (requested, true) => requested.max(CONTACT_HISTORY),
-            (requested, false) => requested,
-        };
-        if self.pairs.len() < self.history {
-            let zeros = vec![Vec3::zeros(); self.work.len()];
-            let pair = Pair {
-                step: zeros.clone(),
-                change: zeros,
-                inverse_product: 0.0,
-            };
-            self.pairs.resize(self.history, pair);
-            self.alphas.resize(self.history, 0.0);
-        }
+            (requested, Some(_)) => requested.max(CONTACT_HISTORY),
+            (requested, None) => requested,
+        });
     }
 
     /// Moves the evaluated `point` to a lower one, evaluated too.
@@ -131,59 +99,61 @@ impl QuasiNewton {
             solves: self.find_direction(global, coarse, point),
             ..Advance::default()
         };
-        let is_accepted = match contact {
-            None => self
-                .search(objective, point, 1.0, contact, &mut done)
-                .is_some(),
+        let found = match contact {
+            None => self.search(objective, point, 1.0, contact, &mut done),
             Some(_) => self.search_in_contact(objective, point, contact, &mut done)?,
         };
-        if is_accepted {
-            self.accept(point);
+        if let Some(length) = found {
+            self.accept(point, length);
             return Ok(done);
         }
         // The pairs or the coarse grid mislead here, or displacements are truncated so unequally that they ascend.
         // A plain iteration needs no search: it minimises a bound of G, as long as the matrix has all families; where
         // it lacks one that has come to count, because springs beside it are gone, the length that is found is taken,
         // or the last that was tried, which is next to nothing.
-        self.len = 0;
-        done.solves += self.solve(global, &point.gradient);
+        self.memory.clear();
+        done.solves += self.find_plain_direction(global, point);
         if contact.is_some() {
             self.shorten_to_radius();
             let most = self.limit(point, contact)?;
+            self.slope = dot(&point.gradient, &self.direction);
             let found = self.search(objective, point, most, contact, &mut done);
             done.is_stuck = found.is_none();
-            if !done.is_stuck {
-                self.accept(point);
+            if let Some(length) = found {
+                self.accept(point, length);
             }
             return Ok(done);
         }
-        self.next
-            .move_to(&point.displacement, &self.direction, -1.0);
+        self.next.move_to(&point.displacement, &self.direction, 1.0);
         objective.evaluate(&mut self.next, contact);
         let rise = self.next.value - point.value;
         let is_higher = rise.is_nan() || rise > ROUNDING * point.size.max(self.next.size);
+        let mut length = 1.0;
         if is_higher && !global.is_whole() {
-            let _ = self.search(objective, point, 1.0, contact, &mut done);
+            length = self
+                .backtrack(objective, point, 1.0, contact, &mut done)
+                .length;
         }
-        self.accept(point);
+        self.accept(point, length);
         Ok(done)
     }
 
-    /// Searches along the direction as far as it is trusted and each vertex may follow it. Returns whether a lower point
-    /// was found.
+    /// Searches along the direction as far as it is trusted and each vertex may follow it. Returns the length at which
+    /// a lower point was found.
     fn search_in_contact(
         &mut self,
         objective: &mut Objective,
         point: &Point,
         contact: &mut Contact<'_>,
         done: &mut Advance,
-    ) -> Result<bool, ContactError> {
+    ) -> Result<Option<Real>, ContactError> {
         let is_shortened = self.shorten_to_radius();
         let tried = longest(&self.direction);
         self.limit_each(point, contact)?;
+        self.slope = dot(&point.gradient, &self.direction);
         let left = longest(&self.direction);
         let Some(length) = self.search(objective, point, 1.0, contact, done) else {
-            return Ok(false);
+            return Ok(None);
         };
         let displacement = length * left;
         if let Some(radius) = &mut self.radius {
@@ -193,7 +163,7 @@ impl QuasiNewton {
                 radius.grow();
             }
         }
-        Ok(true)
+        Ok(Some(length))
     }
 
     /// Keeps the direction within the trust radius. Returns whether it was longer.
@@ -232,10 +202,19 @@ impl QuasiNewton {
         self.contact_system.as_ref()
     }
 
-    /// One solve without pairs and without the coarse grid: `direction = (A + contacts)⁻¹ g`. Returns the number of
+    /// One solve without pairs and without the coarse grid: `direction = −(A + contacts)⁻¹ g`. Returns the number of
     /// global solves.
-    fn solve(&mut self, global: &mut GlobalSystem, g: &[Vec3]) -> u32 {
-        solve(&mut self.contact_system, global, g, &mut self.direction)
+    fn find_plain_direction(&mut self, global: &mut GlobalSystem, point: &Point) -> u32 {
+        self.work.copy_from_slice(&point.gradient);
+        self.work.iter_mut().for_each(|g| *g = -*g);
+        let solves = solve(
+            &mut self.contact_system,
+            global,
+            &self.work,
+            &mut self.direction,
+        );
+        self.slope = dot(&point.gradient, &self.direction);
+        solves
     }
 
     /// Truncates the direction vertex by vertex, so that the path along it is free of intersections.
@@ -271,65 +250,37 @@ impl QuasiNewton {
     fn place(&mut self, point: &Point) {
         let moves = point.positions.iter().zip(&self.direction);
         let ends = self.next.positions.iter_mut().zip(moves);
-        ends.for_each(|(to, (x, p))| *to = x - p);
+        ends.for_each(|(to, (x, p))| *to = x + p);
     }
 
-    /// The two-loop recursion: `direction = H g` with `H` the inverse Hessian that the pairs make of the first one.
-    /// Each subtraction is done in one pass with the product that comes next.
+    /// `direction = −H g` with `H` the inverse Hessian that the pairs make of the first one. Returns the number of global
+    /// solves.
     fn find_direction(
         &mut self,
         global: &mut GlobalSystem,
         coarse: Option<&mut CoarseGrid>,
         point: &Point,
     ) -> u32 {
-        let history = self.history;
-        let (pairs, newest, len) = (&self.pairs, self.newest, self.len);
-        // The pair of some age, 0 the newest.
-        let pair = |age: usize| (age < len).then(|| (newest + history - age) % history);
-        self.work.copy_from_slice(&point.gradient);
-        let mut product = pair(0).map_or(0.0, |at| dot(&pairs[at].step, &self.work));
-        for age in 0..len {
-            let Some(at) = pair(age) else { break };
-            let alpha = pairs[at].inverse_product * product;
-            self.alphas[at] = alpha;
-            let next = pair(age + 1).map(|at| &pairs[at].step[..]);
-            let (work, change) = (&mut self.work, &pairs[at].change);
-            match next {
-                Some(next) => product = add_and_dot(work, -alpha, change, next),
-                None => add(work, -alpha, change),
-            }
-        }
-        let (work, direction) = (&self.work[..], &mut self.direction[..]);
         let mut solves = 0;
-        let mut solve = || solves = solve(&mut self.contact_system, global, work, direction);
-        match coarse {
-            Some(coarse) if coarse.is_ready() => {
-                join(work.len(), solve, || coarse.solve(work));
-                coarse.add_correction(&mut self.direction);
+        let contact_system = &mut self.contact_system;
+        let first_inverse = |r: &[Vec3], z: &mut [Vec3]| {
+            let direct = &mut *z;
+            let mut solve = || solves = solve(contact_system, global, r, direct);
+            match coarse {
+                Some(coarse) if coarse.is_ready() => {
+                    join(r.len(), solve, || coarse.solve(r));
+                    coarse.add_correction(z);
+                }
+                _ => solve(),
             }
-            _ => solve(),
-        }
-        let oldest = len.checked_sub(1).and_then(pair);
-        product = oldest.map_or(0.0, |at| dot(&pairs[at].change, &self.direction));
-        for age in (0..len).rev() {
-            let Some(at) = pair(age) else { break };
-            let factor = self.alphas[at] - pairs[at].inverse_product * product;
-            let next = age.checked_sub(1).and_then(pair);
-            let next = next.map(|at| &pairs[at].change[..]);
-            let (direction, step) = (&mut self.direction, &pairs[at].step);
-            match next {
-                Some(next) => product = add_and_dot(direction, factor, step, next),
-                None => add(direction, factor, step),
-            }
-        }
+        };
+        let (g, work, out) = (&point.gradient, &mut self.work, &mut self.direction);
+        self.slope = self.memory.direction(g, work, out, first_inverse);
         solves
     }
 
-    /// Moves `next` against the direction, `most` times it at first, until `G` has fallen enough. Returns the length
-    /// (a factor on the direction) at which it has.
-    ///
-    /// Armijo's condition compares two values of `G`, which near the minimum agree in all digits that are free of
-    /// rounding. There the approximate Wolfe condition decides (Hager and Zhang, SIAM J. Optim. 16, 2005).
+    /// Moves `next` along the direction, `most` times it at first, until `G` has fallen enough. Returns the length (a
+    /// factor on the direction) at which it has.
     fn search(
         &mut self,
         objective: &mut Objective,
@@ -338,62 +289,46 @@ impl QuasiNewton {
         contact: &Contact<'_>,
         done: &mut Advance,
     ) -> Option<Real> {
-        let slope = -dot(&point.gradient, &self.direction);
-        if slope.is_nan() || slope >= 0.0 {
+        if self.slope.is_nan() || self.slope >= 0.0 {
             return None;
         }
-        let mut length = most;
-        for _ in 0..MAX_TRIALS {
-            self.next
-                .move_to(&point.displacement, &self.direction, -length);
-            objective.evaluate(&mut self.next, contact);
-            let rise = self.next.value - point.value;
-            let is_lower = rise <= ARMIJO * length * slope;
-            let is_level = rise.abs() <= ROUNDING * point.size.max(self.next.size);
-            if is_lower && !is_level
-                || is_level
-                    && dot(&self.next.gradient, &self.direction).abs() <= APPROXIMATE_WOLFE * -slope
-            {
-                return Some(length);
-            }
-            done.backtracks += 1;
-            // The minimum of the parabola through what is known, between a tenth and a half; a rise that is not a
-            // number comes out as a tenth.
-            let minimum = -0.5 * slope * length * length / (rise - slope * length);
-            length = minimum.min(0.5 * length).max(0.1 * length);
-        }
-        None
+        let found = self.backtrack(objective, point, most, contact, done);
+        found.accepted.then_some(found.length)
     }
 
-    /// Makes `next` the point and remembers the difference.
-    fn accept(&mut self, point: &mut Point) {
+    /// The search itself; `next` is at the last length that was tried.
+    ///
+    /// Armijo's condition compares two values of `G`, which near the minimum agree in all digits that are free of
+    /// rounding. There the approximate Wolfe condition decides (Hager and Zhang, SIAM J. Optim. 16, 2005).
+    fn backtrack(
+        &mut self,
+        objective: &mut Objective,
+        point: &Point,
+        most: Real,
+        contact: &Contact<'_>,
+        done: &mut Advance,
+    ) -> Found {
+        let (slope, direction, next) = (self.slope, &self.direction, &mut self.next);
+        let found = backtrack(slope, most, MAX_TRIALS, |length| {
+            next.move_to(&point.displacement, direction, length);
+            objective.evaluate(next, contact);
+            let rise = next.value - point.value;
+            let is_lower = rise <= ARMIJO * length * slope;
+            let is_level = rise.abs() <= ROUNDING * point.size.max(next.size);
+            let is_flat = || dot(&next.gradient, direction).abs() <= APPROXIMATE_WOLFE * -slope;
+            let accepted = is_lower && !is_level || is_level && is_flat();
+            Trial { rise, accepted }
+        });
+        done.backtracks += found.backtracks;
+        found
+    }
+
+    /// Makes `next`, which is `length` times the direction away, the point, and remembers the difference.
+    fn accept(&mut self, point: &mut Point, length: Real) {
         std::mem::swap(point, &mut self.next);
-        let history = self.history;
-        if history == 0 {
-            return;
-        }
-        let slot = (self.newest + 1) % history;
-        let (new, old) = (&*point, &self.next);
-        let Pair { step, change, .. } = &mut self.pairs[slot];
-        let [product] = map_reduce(
-            (&mut step[..], &mut change[..]),
-            #[inline(always)]
-            |start, (step, change)| {
-                let (step, change): (&mut [Vec3], &mut [Vec3]) = (step, change);
-                for (vertex, (s, y)) in (start..).zip(step.iter_mut().zip(change.iter_mut())) {
-                    *s = new.displacement[vertex] - old.displacement[vertex];
-                    *y = new.gradient[vertex] - old.gradient[vertex];
-                }
-                [dot_of_part(step, change)]
-            },
-        );
-        let pair = &mut self.pairs[slot];
-        // Where G is not convex along the step, a pair would make H indefinite.
-        if product > 0.0 && (1.0 / product).is_finite() {
-            pair.inverse_product = 1.0 / product;
-            self.newest = slot;
-            self.len = (self.len + 1).min(history);
-        }
+        let (old, new) = (&self.next.gradient, &point.gradient);
+        self.memory
+            .push(length, self.slope, &self.direction, old, new);
     }
 }
 
@@ -431,8 +366,8 @@ mod tests {
     use cloth_core::particles::State;
     use cloth_core::step::StepInput;
 
-    /// Stiff hinges, and a matrix that has none of them, so that a plain iteration overshoots; and a pair that makes
-    /// the inverse Hessian indefinite, so that one is taken.
+    /// Stiff hinges, and a matrix that has none of them, so that a plain iteration overshoots; and a pair with a wrong
+    /// slope, by which the direction ascends, so that one is taken.
     #[test]
     fn g_falls_where_the_matrix_lacks_a_stiff_family() {
         let mesh = grid(5, 5, 1.0, 1.0, Diagonals::Alternating).unwrap();
@@ -466,9 +401,9 @@ mod tests {
         assert!(plain.value > 2.0 * point.value, "{}", plain.value);
 
         let mut method = QuasiNewton::new(1, 25);
-        method.len = 1;
-        method.pairs[0].step.copy_from_slice(&point.gradient);
-        method.pairs[0].inverse_product = -1e9;
+        let zeros = vec![Vec3::zeros(); 25];
+        let g = &point.gradient;
+        method.memory.push(1.0, -1e12, g, &zeros, g);
         let before = point.value;
         let done = method.advance(&mut objective, &mut global, None, &mut point, &mut None);
         assert_eq!(done.unwrap().solves, 2);

@@ -31,30 +31,6 @@ pub fn add(y: &mut [Vec3], factor: Real, x: &[Vec3]) {
     );
 }
 
-/// `y += factor · x`, and then `y · next`, in one pass.
-pub fn add_and_dot(y: &mut [Vec3], factor: Real, x: &[Vec3], next: &[Vec3]) -> Real {
-    let sum = map_reduce(
-        (y, (x, next)),
-        #[inline(always)]
-        |_, (y, (x, next)): (&mut [Vec3], (&[Vec3], &[Vec3]))| {
-            let mut sums = [[0.0; 3]; ABREAST];
-            let ((y, y_last), (x, x_last)) = (y.as_chunks_mut(), x.as_chunks::<ABREAST>());
-            let (next, next_last) = next.as_chunks();
-            for ((y, x), next) in y.iter_mut().zip(x).zip(next) {
-                for lane in 0..ABREAST {
-                    y[lane] += x[lane] * factor;
-                }
-                add_products(&mut sums, y, next);
-            }
-            for (y, x) in y_last.iter_mut().zip(x_last) {
-                *y += x * factor;
-            }
-            [total(sums) + rest(y_last, next_last)]
-        },
-    );
-    sum[0]
-}
-
 /// `Σ aᵢ·bᵢ` of a part.
 #[inline(always)]
 #[must_use]

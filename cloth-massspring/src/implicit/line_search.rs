@@ -3,9 +3,8 @@
 use super::stage::Stage;
 use crate::stability::dot;
 use cloth_core::math::{Real, Vec3};
+use cloth_core::method::line_search::{ARMIJO, Found, Trial, backtrack};
 
-/// Part of the promised decrease that has to be kept (Armijo's constant).
-const ARMIJO: Real = 1e-4;
 /// `G` may rise by this part of itself where the slopes show that the minimum comes nearer: two values of `G` that
 /// differ by less cannot be told apart (see [`LineSearch::search`]).
 const ROUNDING: Real = 1e-10;
@@ -41,17 +40,6 @@ impl Point {
     }
 }
 
-/// What a search found.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Found {
-    /// Step lengths that were rejected.
-    pub(super) backtracks: u32,
-    /// Whether one was accepted.
-    pub(super) accepted: bool,
-    /// The last one (dimensionless).
-    pub(super) length: Real,
-}
-
 /// Moves `to` to `from + α direction`, `slope` (J) being that along the direction, with `α = most` or the first smaller
 /// one that is accepted, and evaluates it there.
 ///
@@ -67,29 +55,22 @@ pub(super) fn search(
     most: Real,
     to: &mut Point,
 ) -> Found {
-    let mut length = most;
-    for backtracks in 0..MOST_TRIALS {
-        for ((to, from), p) in to.positions.iter_mut().zip(&from.positions).zip(direction) {
-            *to = from + p * length;
-        }
+    backtrack(slope, most, MOST_TRIALS, |length| {
+        place(from, direction, length, to);
         to.evaluate(stage);
         let rise = to.value - from.value;
         let enough = rise <= ARMIJO * length * slope;
         let is_told_apart = rise.is_nan() || rise > ROUNDING * from.value.abs();
         let is_flatter = || dot(&to.gradient, direction) <= SLOPE * slope.abs();
-        if enough || (!is_told_apart && is_flatter()) {
-            return Found {
-                backtracks,
-                accepted: true,
-                length,
-            };
-        }
-        length = shorter(length, slope, rise);
-    }
-    Found {
-        backtracks: MOST_TRIALS,
-        accepted: false,
-        length,
+        let accepted = enough || (!is_told_apart && is_flatter());
+        Trial { rise, accepted }
+    })
+}
+
+/// Moves `to` to `from + length · direction`.
+fn place(from: &Point, direction: &[Vec3], length: Real, to: &mut Point) {
+    for ((to, from), p) in to.positions.iter_mut().zip(&from.positions).zip(direction) {
+        *to = from + p * length;
     }
 }
 
@@ -107,9 +88,7 @@ pub(super) fn leave_saddle(
     let size = |v: &[Vec3]| v.iter().map(Vec3::amax).fold(0.0, Real::max);
     let mut length = size(&from.positions) / size(direction);
     for _ in 0..MOST_TRIALS {
-        for ((to, from), p) in to.positions.iter_mut().zip(&from.positions).zip(direction) {
-            *to = from + p * length;
-        }
+        place(from, direction, length, to);
         to.evaluate(stage);
         if to.value - from.value <= 0.25 * curvature * length * length {
             return true;
@@ -117,11 +96,4 @@ pub(super) fn leave_saddle(
         length *= 0.5;
     }
     false
-}
-
-/// The minimum of the parabola through what is known, kept between a tenth and a half of `length`.
-fn shorter(length: Real, slope: Real, rise: Real) -> Real {
-    let minimum = -0.5 * slope * length * length / (rise - slope * length);
-    // A rise that is not a number (overflow) comes out of `max` and `min` as a tenth.
-    minimum.min(0.5 * length).max(0.1 * length)
 }

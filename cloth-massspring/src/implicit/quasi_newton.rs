@@ -1,13 +1,13 @@
 //! The quasi-Newton direction: L-BFGS around a multigrid cycle on a positive definite Hessian.
 
 use super::drift::Unconstrained;
-use super::history::History;
 use super::line_search::Point;
 use super::stage::Stage;
 use cloth_core::contact::{ContactPotential, ContactRow};
 use cloth_core::math::{Real, Vec3};
 use cloth_core::method::block_matrix::BlockMatrix;
 use cloth_core::method::family::{Assembly, Energies};
+use cloth_core::method::limited_memory::LimitedMemory;
 use cloth_core::method::multigrid::Multigrid;
 use std::sync::Arc;
 
@@ -15,6 +15,8 @@ use std::sync::Arc;
 const MIXED: u32 = 4;
 /// Iterations after which the matrix is taken anew.
 const REFRESH: u32 = 8;
+/// Pairs that are kept.
+const PAIRS: usize = 5;
 
 /// The first inverse Hessian, and the pairs.
 #[derive(Debug)]
@@ -24,7 +26,7 @@ pub(super) struct QuasiNewton {
     is_free: Vec<bool>,
     unconstrained: Unconstrained,
     multigrid: Option<Multigrid>,
-    history: History,
+    history: LimitedMemory,
     /// Contacts, and those at the last matrix between vertices.
     rows: Vec<ContactRow>,
     pairs: Vec<ContactRow>,
@@ -41,7 +43,7 @@ impl QuasiNewton {
         let assembly = energies.lumped_assembly();
         Self {
             matrix: BlockMatrix::zeros(Arc::clone(assembly.pattern())),
-            history: History::new(is_free.len()),
+            history: LimitedMemory::new(is_free.len(), PAIRS),
             rows: Vec::new(),
             pairs: Vec::new(),
             work: vec![Vec3::zeros(); is_free.len()],

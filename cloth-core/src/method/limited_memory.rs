@@ -1,0 +1,340 @@
+//! Limited memory: what the last iterations say of the Hessian (L-BFGS).
+//!
+//! J. Nocedal, "Updating quasi-Newton matrices with limited storage", Math. Comp. 35, 1980,
+//! <https://doi.org/10.1090/S0025-5718-1980-0572855-7>. The two loops of inner products are taken through the products
+//! `sᵢ·yⱼ` of the pairs among themselves, so that all products with one vector take one pass over the memory (R. H.
+//! Byrd, J. Nocedal, R. B. Schnabel, "Representations of quasi-Newton matrices and their use in limited memory
+//! methods", Math. Prog. 63, 1994, <https://doi.org/10.1007/BF01582063>).
+
+use crate::math::{Real, Vec3};
+use crate::method::chunked::map_reduce;
+use crate::method::vectors::dot_of_part;
+
+/// Pairs that can be kept, at most.
+pub const MOST_PAIRS: usize = 32;
+/// Smallest cosine between s and y: below, rounding decides its sign.
+const CURVED: Real = 1e-12;
+
+/// A vector in single precision: half the memory to wait for, and what is lost is not in the sums, which all take the
+/// same rounded numbers.
+type Single = nalgebra::Vector3<f32>;
+
+/// Differences of iterates, s (m), and of their gradients, y (N): the last few.
+///
+/// The inverse Hessian that they make of a first one ([`direction`](Self::direction)) maps y to s for the newest pair.
+#[derive(Debug)]
+pub struct LimitedMemory {
+    vertex_count: usize,
+    /// How many pairs are kept, in places from 0.
+    capacity: usize,
+    pairs: Vec<Pair>,
+    /// `sᵢ·g` (J) with the gradient at the newest iterate, by places.
+    along: [Real; MOST_PAIRS],
+    /// Place of the oldest pair.
+    first: usize,
+    len: usize,
+}
+
+#[derive(Clone, Debug)]
+struct Pair {
+    step: Vec<Single>,
+    change: Vec<Single>,
+    /// `sᵢ·y` (J) of this y, for all i that are no newer, by places.
+    products: [Real; MOST_PAIRS],
+}
+
+impl LimitedMemory {
+    /// A memory of at most `capacity` pairs (at most [`MOST_PAIRS`]), empty.
+    #[must_use]
+    pub fn new(vertex_count: usize, capacity: usize) -> Self {
+        let mut this = Self {
+            vertex_count,
+            capacity: 0,
+            pairs: Vec::new(),
+            along: [0.0; MOST_PAIRS],
+            first: 0,
+            len: 0,
+        };
+        this.clear_for(capacity);
+        this
+    }
+
+    /// Forgets all pairs.
+    pub fn clear(&mut self) {
+        self.len = 0;
+    }
+
+    /// Forgets all pairs, and keeps at most `capacity` of those to come. Allocates when this is more than ever before.
+    ///
+    /// # Panics
+    /// If there are more than [`MOST_PAIRS`].
+    pub fn clear_for(&mut self, capacity: usize) {
+        assert!(capacity <= MOST_PAIRS, "{capacity} pairs");
+        (self.first, self.len, self.capacity) = (0, 0, capacity);
+        if self.pairs.len() < capacity {
+            let zeros = vec![Single::zeros(); self.vertex_count];
+            let pair = Pair {
+                step: zeros.clone(),
+                change: zeros,
+                products: [0.0; MOST_PAIRS],
+            };
+            self.pairs.resize(capacity, pair);
+        }
+    }
+
+    /// Whether there is no pair.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.len == 0
+    }
+
+    /// Places from the oldest pair to the newest.
+    fn places(&self) -> impl DoubleEndedIterator<Item = usize> + Clone + use<> {
+        let (first, capacity) = (self.first, self.capacity);
+        (0..self.len).map(move |k| (first + k) % capacity)
+    }
+
+    /// Adds the pair `s = length · direction`, `y = to − from` (gradients, N), in the place of the oldest if there are
+    /// many, unless the curvature along it is not positive. `slope` is `from · direction` (J).
+    pub fn push(
+        &mut self,
+        length: Real,
+        slope: Real,
+        direction: &[Vec3],
+        from: &[Vec3],
+        to: &[Vec3],
+    ) {
+        if self.capacity == 0 {
+            return;
+        }
+        if self.len == self.capacity {
+            (self.first, self.len) = ((self.first + 1) % self.capacity, self.capacity - 1);
+        }
+        let place = (self.first + self.len) % self.capacity;
+        let mut step = std::mem::take(&mut self.pairs[place].step);
+        let mut change = std::mem::take(&mut self.pairs[place].change);
+        let sums: [Real; MOST_PAIRS + 3] = map_reduce(
+            ((&mut step[..], &mut change[..]), (direction, (from, to))),
+            #[inline(always)]
+            |start, ((step, change), (direction, (from, to)))| {
+                let (step, change): (&mut [Single], &mut [Single]) = (step, change);
+                let (direction, from, to): (&[Vec3], &[Vec3], &[Vec3]) = (direction, from, to);
+                for (s, p) in step.iter_mut().zip(direction) {
+                    *s = single(&(p * length));
+                }
+                for ((y, from), to) in change.iter_mut().zip(from).zip(to) {
+                    *y = single(&(to - from));
+                }
+                let mut sums = [0.0; MOST_PAIRS + 3];
+                for other in self.places() {
+                    let other_step = &self.pairs[other].step[start..start + change.len()];
+                    sums[other] = dot(other_step, change);
+                }
+                sums[MOST_PAIRS] = dot(step, change);
+                sums[MOST_PAIRS + 1] = dot(step, step);
+                sums[MOST_PAIRS + 2] = dot(change, change);
+                sums
+            },
+        );
+        for other in self.places() {
+            self.along[other] += sums[other];
+        }
+        let pair = &mut self.pairs[place];
+        (pair.step, pair.change) = (step, change);
+        pair.products.copy_from_slice(&sums[..MOST_PAIRS]);
+        let [product, steps, changes] = [0, 1, 2].map(|k| sums[MOST_PAIRS + k]);
+        if product > CURVED * (steps * changes).sqrt() {
+            pair.products[place] = product;
+            self.along[place] = length * slope + product;
+            self.len += 1;
+        }
+    }
+
+    /// Writes `−H g` (m) to `out`, with H the inverse Hessian that the pairs make of the first one, which `inverse`
+    /// applies; returns its product with g (J). `work` is room for a vector (N).
+    pub fn direction(
+        &self,
+        gradient: &[Vec3],
+        work: &mut [Vec3],
+        out: &mut [Vec3],
+        inverse: impl FnOnce(&[Vec3], &mut [Vec3]),
+    ) -> Real {
+        let mut alpha = [0.0; MOST_PAIRS];
+        for k in self.places().rev() {
+            let newer = self.places().rev().take_while(|&j| j != k);
+            let sum: Real = newer.map(|j| alpha[j] * self.pairs[j].products[k]).sum();
+            alpha[k] = (-self.along[k] - sum) / self.pairs[k].products[k];
+        }
+        map_reduce(
+            (&mut *work, gradient),
+            #[inline(always)]
+            |start, (work, gradient): (&mut [Vec3], &[Vec3])| {
+                for (work, g) in work.iter_mut().zip(gradient) {
+                    *work = -g;
+                }
+                for k in self.places() {
+                    add(work, -alpha[k], &self.pairs[k].change[start..]);
+                }
+                []
+            },
+        );
+        inverse(work, out);
+        let across: [Real; MOST_PAIRS] = map_reduce(
+            &*out,
+            #[inline(always)]
+            |start, out: &[Vec3]| {
+                let mut sums = [0.0; MOST_PAIRS];
+                for k in self.places() {
+                    sums[k] = mixed_dot(&self.pairs[k].change[start..start + out.len()], out);
+                }
+                sums
+            },
+        );
+        let mut gamma = [0.0; MOST_PAIRS];
+        for k in self.places() {
+            let older = self.places().take_while(|&j| j != k);
+            let sum: Real = older.map(|j| gamma[j] * self.pairs[k].products[j]).sum();
+            gamma[k] = alpha[k] - (across[k] + sum) / self.pairs[k].products[k];
+        }
+        let [slope] = map_reduce(
+            (out, gradient),
+            #[inline(always)]
+            |start, (out, gradient): (&mut [Vec3], &[Vec3])| {
+                for k in self.places() {
+                    add(out, gamma[k], &self.pairs[k].step[start..]);
+                }
+                [dot_of_part(out, gradient)]
+            },
+        );
+        slope
+    }
+}
+
+#[inline(always)]
+fn single(v: &Vec3) -> Single {
+    Single::new(v.x as f32, v.y as f32, v.z as f32)
+}
+
+#[inline(always)]
+fn double(v: &Single) -> Vec3 {
+    Vec3::new(Real::from(v.x), Real::from(v.y), Real::from(v.z))
+}
+
+/// `out += factor · v`, as far as `out` reaches.
+#[inline(always)]
+fn add(out: &mut [Vec3], factor: Real, v: &[Single]) {
+    for (out, v) in out.iter_mut().zip(v) {
+        *out += double(v) * factor;
+    }
+}
+
+/// `Σ aᵢ·bᵢ`, with as many sums beside each other as keep the processor busy.
+#[inline(always)]
+fn sum_of_products<A, B>(a: &[A], b: &[B], product: impl Fn(&A, &B) -> Vec3) -> Real {
+    let mut sums = [Vec3::zeros(); 4];
+    let ((a, a_last), (b, b_last)) = (a.as_chunks::<4>(), b.as_chunks::<4>());
+    for (a, b) in a.iter().zip(b) {
+        for lane in 0..4 {
+            sums[lane] += product(&a[lane], &b[lane]);
+        }
+    }
+    for (a, b) in a_last.iter().zip(b_last) {
+        sums[0] += product(a, b);
+    }
+    sums.iter().sum::<Vec3>().sum()
+}
+
+#[inline(always)]
+fn dot(a: &[Single], b: &[Single]) -> Real {
+    sum_of_products(a, b, |a, b| double(a).component_mul(&double(b)))
+}
+
+#[inline(always)]
+fn mixed_dot(a: &[Single], b: &[Vec3]) -> Real {
+    sum_of_products(a, b, |a, b| double(a).component_mul(b))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A quadratic with the Hessian `diag(1 … n)` and coupled neighbours, descended along exact lengths with a diagonal
+    /// first inverse: the directions are those of the textbook's two loops with the same pairs in double precision.
+    #[test]
+    fn directions_are_those_of_the_two_loops() {
+        const N: usize = 70;
+        const KEPT: usize = 3;
+        let hessian = |x: &[Vec3], out: &mut [Vec3]| {
+            for v in 0..N {
+                let left = if v > 0 { x[v - 1] } else { Vec3::zeros() };
+                let right = if v + 1 < N { x[v + 1] } else { Vec3::zeros() };
+                out[v] = x[v] * (3.0 + v as Real) - left - right;
+            }
+        };
+        let first = |r: &[Vec3], z: &mut [Vec3]| {
+            let scaled = r.iter().enumerate().map(|(v, r)| r / (1.0 + v as Real));
+            z.iter_mut().zip(scaled).for_each(|(z, r)| *z = r);
+        };
+        let product =
+            |a: &[Vec3], b: &[Vec3]| -> Real { a.iter().zip(b).map(|(a, b)| a.dot(b)).sum() };
+        let zeros = || vec![Vec3::zeros(); N];
+        let mut memory = LimitedMemory::new(N, KEPT);
+        let mut pairs: Vec<(Vec<Vec3>, Vec<Vec3>)> = Vec::new();
+        let mut gradient: Vec<Vec3> = (0..N)
+            .map(|v| Vec3::new((v as Real).sin(), 1.0, (0.3 * v as Real).cos()))
+            .collect();
+        for _ in 0..8 {
+            let mut expected = gradient.clone();
+            let mut alphas = Vec::new();
+            for (s, y) in pairs.iter().rev() {
+                let alpha = product(s, &expected) / product(s, y);
+                expected
+                    .iter_mut()
+                    .zip(y)
+                    .for_each(|(q, y)| *q -= y * alpha);
+                alphas.push(alpha);
+            }
+            let mut z = zeros();
+            first(&expected, &mut z);
+            for ((s, y), alpha) in pairs.iter().zip(alphas.into_iter().rev()) {
+                let beta = product(y, &z) / product(s, y);
+                z.iter_mut()
+                    .zip(s)
+                    .for_each(|(z, s)| *z += s * (alpha - beta));
+            }
+
+            let (mut work, mut direction) = (zeros(), zeros());
+            let slope = memory.direction(&gradient, &mut work, &mut direction, first);
+            let apart = direction.iter().zip(&z).map(|(p, z)| (p + z).amax());
+            let largest = z.iter().map(Vec3::amax).fold(0.0, Real::max);
+            assert!(apart.fold(0.0, Real::max) < 3e-6 * largest);
+            assert!((slope - product(&direction, &gradient)).abs() < 1e-12 * slope.abs());
+
+            let mut bent = zeros();
+            hessian(&direction, &mut bent);
+            let length = -slope / product(&direction, &bent);
+            let before = gradient.clone();
+            gradient
+                .iter_mut()
+                .zip(&bent)
+                .for_each(|(g, h)| *g += h * length);
+            memory.push(length, slope, &direction, &before, &gradient);
+            let step = direction.iter().map(|p| p * length).collect();
+            let change = gradient.iter().zip(&before).map(|(a, b)| a - b).collect();
+            pairs.push((step, change));
+            if pairs.len() > KEPT {
+                pairs.remove(0);
+            }
+        }
+    }
+
+    /// A pair along which the gradient falls would make the inverse Hessian indefinite.
+    #[test]
+    fn pairs_of_negative_curvature_are_left_out() {
+        let mut memory = LimitedMemory::new(1, 2);
+        memory.push(1.0, -1.0, &[Vec3::x()], &[-Vec3::x()], &[-2.0 * Vec3::x()]);
+        assert!(memory.is_empty());
+        memory.push(1.0, -1.0, &[Vec3::x()], &[-Vec3::x()], &[Vec3::zeros()]);
+        assert!(!memory.is_empty());
+    }
+}

@@ -1,0 +1,107 @@
+//! How far to go along a direction of descent: backtracking, with the condition left to the method.
+//!
+//! J. Nocedal and S. J. Wright, *Numerical Optimization*, 2nd ed., 2006, section 3.1 (Armijo's condition) and 3.5
+//! (interpolation).
+
+use crate::math::Real;
+
+/// Part of the promised decrease that has to be kept (Armijo's constant).
+pub const ARMIJO: Real = 1e-4;
+
+/// What is known at a step length that was tried.
+#[derive(Clone, Copy, Debug)]
+pub struct Trial {
+    /// How much the objective rose (J), or no number.
+    pub rise: Real,
+    /// Whether the method accepts it.
+    pub accepted: bool,
+}
+
+/// What a search found.
+#[derive(Clone, Copy, Debug)]
+pub struct Found {
+    /// Step lengths that were rejected.
+    pub backtracks: u32,
+    /// Whether one was accepted.
+    pub accepted: bool,
+    /// The last one that was tried (dimensionless).
+    pub length: Real,
+}
+
+/// Tries `most`, then smaller and smaller lengths along a direction with the given `slope` (J, negative), until one is
+/// accepted or `trials` have been rejected. Each is the minimum of the parabola through what is known, between a tenth
+/// and a half of the one before.
+pub fn backtrack(
+    slope: Real,
+    most: Real,
+    trials: u32,
+    mut evaluate: impl FnMut(Real) -> Trial,
+) -> Found {
+    let mut found = Found {
+        backtracks: 0,
+        accepted: false,
+        length: most,
+    };
+    let mut length = most;
+    while found.backtracks < trials {
+        let Trial { rise, accepted } = evaluate(length);
+        (found.length, found.accepted) = (length, accepted);
+        if accepted {
+            break;
+        }
+        found.backtracks += 1;
+        length = shorter(length, slope, rise);
+    }
+    found
+}
+
+fn shorter(length: Real, slope: Real, rise: Real) -> Real {
+    let minimum = -0.5 * slope * length * length / (rise - slope * length);
+    // A rise that is not a number (overflow) comes out of `max` and `min` as a tenth.
+    minimum.min(0.5 * length).max(0.1 * length)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// φ(α) = α² − 2 α·0.3: from α = 1 the parabola through φ(0), φ'(0) and φ(1) is φ itself.
+    #[test]
+    fn the_second_length_is_the_minimum_of_a_parabola() {
+        let mut tried = Vec::new();
+        let found = backtrack(-0.6, 1.0, 10, |length| {
+            tried.push(length);
+            let rise = length * length - 0.6 * length;
+            Trial {
+                rise,
+                accepted: rise <= -0.05,
+            }
+        });
+        assert_eq!((found.accepted, found.backtracks), (true, 1));
+        assert!((tried[1] - 0.3).abs() < 1e-15);
+    }
+
+    #[test]
+    fn lengths_stay_between_a_tenth_and_a_half_of_the_one_before() {
+        for (rise, factor) in [
+            (Real::NAN, 0.1),
+            (Real::INFINITY, 0.1),
+            (1e9, 0.1),
+            (-0.9, 0.5),
+        ] {
+            let mut tried = Vec::new();
+            let found = backtrack(-1.0, 2.0, 3, |length| {
+                tried.push(length);
+                Trial {
+                    rise: rise * length,
+                    accepted: false,
+                }
+            });
+            assert!(!found.accepted && found.backtracks == 3);
+            assert!(
+                (tried[1] - 2.0 * factor).abs() < 1e-8
+                    && (tried[2] - tried[1] * factor).abs() < 1e-8
+            );
+        }
+    }
+}
