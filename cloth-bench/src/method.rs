@@ -16,7 +16,7 @@ use families::{add_constraints, add_energies, add_families, add_projections, ref
 
 use crate::error::BenchError;
 use crate::names;
-use crate::scene::Scene;
+use crate::scene::{ContactSetup, Scene};
 use crate::settings::{Parameter, Settings};
 use cloth_core::cloth::Elements;
 use cloth_core::energy::{Spring, StrainLimitSpring};
@@ -170,6 +170,7 @@ impl Method {
     ) -> Result<Box<dyn Stepper>, BenchError> {
         settings.check(&format!("method `{}`", self.name), &self.parameters())?;
         self.check_hard(scene)?;
+        self.check_pushed(scene)?;
         // Runs take a step in as many parts.
         let dt = dt / Real::from(scene.parts(dt));
         let substeps = self.substeps(scene, settings, dt)?;
@@ -197,6 +198,19 @@ impl Method {
             "`{}` cannot take stiffness=inf: {reason}; xpbd takes it, as hard constraints",
             self.name
         )))
+    }
+
+    /// Refuses bodies that the cloth pushes where they would be thrown back: within a step of PBD a body is where it
+    /// will be, its sweeps are as stiff as they are many, and what they push it with grows with them.
+    fn check_pushed(&self, scene: &Scene) -> Result<(), BenchError> {
+        let is_pushed = |touch: &ContactSetup| touch.free_bodies().next().is_some();
+        if matches!(self.kind, Kind::Pbd) && scene.touch.as_ref().is_some_and(is_pushed) {
+            return Err(BenchError::usage(
+                "`pbd` cannot push an obstacle that has a density: how hard it pushes depends on its iterations, not on \
+                 the material; the other methods can",
+            ));
+        }
+        Ok(())
     }
 
     fn solver(

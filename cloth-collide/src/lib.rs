@@ -5,7 +5,8 @@
 //!
 //! **Obstacles** are functions: the signed distance φ(x) of a point from a surface. A vertex is kept out by one
 //! inequality, φ(x) ≥ h, whatever the shape and however it moves. [`obstacle`] has the shapes, the search for the first
-//! contact on a path, the laws of pressure, and impulses with friction and restitution.
+//! contact on a path, the laws of pressure, and impulses with friction and restitution. (φ is this distance on all
+//! pages; ψ is the energy of contact.)
 //!
 //! **Cloth against cloth** is about pairs: a vertex and a triangle, or two edges. Looking at all of them would take n²
 //! tests, so a *broad phase* leaves the few whose boxes overlap, and of those the ones that no plane has apart
@@ -43,24 +44,25 @@
 //! [`ContinuousTest`] finds such planes, which turn along with the nearest face, edge or corner of the polygon, and
 //! steps through time from one to the next. Signs of a few cubics are all that is proved, and all that rounding could
 //! spoil; so the allowance for it is small and explicit, and no contact is missed. The textbook's way is the other one
-//! round: it looks for the times at which the four vertices are in one plane, the roots of (x₀ − x₁) ×
-//! (x₀ − x₂) · x₀, and then for contact there. It is short and fast, and it misses what is in one plane all the time.
-//! `cloth-bench ccd` tells which method errs how often, on queries for which the answer is known exactly.
+//! round: it looks for the times at which the four vertices are in one plane, the roots of (x₀ − x₁) × (x₀ − x₂) · x₀
+//! in the differences x_k above, and then for contact there. It is short and fast, and it misses what is in one plane
+//! all the time. `cloth-bench ccd` tells which method errs how often, on queries for which the answer is known exactly.
 //!
 //! # Contact in the solve, in five steps
 //!
 //! [`PotentialContacts`](potential::PotentialContacts) joins all of this behind the one hook of all methods;
 //! [`potential`] is a chapter of its own.
 //!
-//! 1. *Potential.* Two sheets at distance d < h press against each other with p = −φ′(d). An element of area A stores
-//!    A φ(d); the sum over all pairs is an energy, and its gradient is a force that is equal and opposite on the two
-//!    sides, so momentum is kept whatever is done with it.
+//! 1. *Potential.* A vertex at distance d < h before a body is pressed with p = −ψ′(d) on its area A and stores A ψ(d).
+//!    The sum over all pairs is an energy, and its gradient is a force that is equal and opposite on the two sides, so
+//!    momentum is kept whatever is done with it. Between two sheets the vertices of both and their edges add up: they
+//!    press with a multiple of ψ′, see the [limits](potential#limits).
 //! 2. *Detection.* Only pairs with d < h have energy. Which pairs can come so near within a step follows from bounds on
 //!    relative motion: two patches whose gap is g need no look as long as their displacements differ by less than
 //!    g − h.
-//! 3. *Views.* A method that minimises adds A φ, A φ′ ∂d and A φ″ ∂d ∂dᵀ. One that projects takes the same contact as
-//!    the inequality C = n·Σ wᵢ xᵢ − h ≥ 0 with the compliance α = 1/(A φ″): where λ > 0, λ = −C/α is the force
-//!    A φ″ (h − d) of the quadratic law. So both rest at h − ρ g/κ, and no number is tuned for one of them.
+//! 3. *Views.* A method that minimises adds A ψ, A ψ′ ∂d and A ψ″ ∂d ∂dᵀ. One that projects takes the same contact as
+//!    the inequality C = n·Σ wᵢ xᵢ − h ≥ 0 with the compliance α = 1/(A ψ″): where λ > 0, λ = −C/α is the force
+//!    A ψ″ (h − d) of the quadratic law. So both rest at h − ρ g/κ on a body, and no number is tuned for one of them.
 //! 4. *Filter.* The potential alone cannot tell the sides of a sheet apart. So every displacement is tested over the
 //!    whole of its path, and taken only as far as nothing reaches d = 0: what starts without a crossing stays without.
 //! 5. *Last resort.* An iteration that is cut short may be blocked for ever. Then pairs are pushed apart one by one,
@@ -94,8 +96,8 @@
 //!    that returns [`ObstacleError`](obstacle::ObstacleError) for sizes that make no shape.
 //! 2. Its line in the table of [`obstacle`]. Motion, friction, the continuous test, moving frames and work are
 //!    [`Obstacle`](obstacle::Obstacle)'s and need nothing.
-//! 3. `tests/all/obstacle_shapes.rs`: add it to the shapes there; gradient against differences, distance against points of
-//!    the surface, and Lipschitz constant are then tested. If φ is not a true distance, say so by
+//! 3. `tests/all/obstacle_shapes.rs`: add it to the shapes there; gradient against differences, distance against points
+//!    of the surface, and Lipschitz constant are then tested. If φ is not a true distance, say so by
 //!    [`lipschitz`](obstacle::SignedDistance::lipschitz).
 //! 4. Triangles of its surface ([`PotentialBuilder::surface`](potential::PotentialBuilder::surface)), if edges of the
 //!    cloth are not to cut it where it is smaller than a triangle.
@@ -113,6 +115,9 @@
 //!
 //! # Equation → function
 //!
+//! Of two edges, u and v are their vectors and d the vector between their first ends; of a triangle, u and e are two
+//! edges, n = u × e, and d goes from a corner to the point.
+//!
 //! | What | Where |
 //! |---|---|
 //! | w_c = n · (u × d) / n², w_b = u · (d − w_c e) / u²: nearest point of a triangle | [`point_triangle`] |
@@ -123,7 +128,7 @@
 //! | φ(x) and its gradient, for shapes at rest and moving | [`obstacle`], with a table of its own |
 //! | boxes of all that moves overlap, and no plane is between them: vertex–triangle and edge–edge candidates | [`ClothCandidates`] |
 //! | overlapping boxes, from a tree, from hashed cells, from cells along a curve | [`Hierarchy`], [`SpatialHash`], [`MortonGrid`] |
-//! | Σ A φ(d), felt by a method while it solves | [`potential`], a chapter of its own |
+//! | Σ A ψ(d), felt by a method while it solves | [`potential`], a chapter of its own |
 //! | δL = −Σ r·δx: the curve in which a cloth passes through itself, shortened | [`untangle`], a chapter of its own |
 //! | number of meeting pairs, min d over everything that shares no vertex | [`SeparationProbe`] |
 //!

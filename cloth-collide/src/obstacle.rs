@@ -44,8 +44,8 @@
 //! - J. A. Bærentzen and H. Aanæs, Signed distance computation using the angle weighted pseudonormal, *IEEE
 //!   Transactions on Visualization and Computer Graphics* 11(3), 2005. DOI 10.1109/TVCG.2005.49
 //! - R. Bridson, R. Fedkiw and J. Anderson, Robust treatment of collisions, contact and friction for cloth animation,
-//!   SIGGRAPH 2002. DOI 10.1145/566570.566623. Its section 7.5 bounds the change of the tangential velocity by that of
-//!   the normal one.
+//!   SIGGRAPH 2002. DOI 10.1145/566570.566623. Its section on friction bounds the change of the tangential velocity by
+//!   that of the normal one.
 //! - B. V. Mirtich, *Impulse-based dynamic simulation of rigid body systems*, thesis, Berkeley 1996. Conservative
 //!   advancement.
 

@@ -74,7 +74,7 @@ pub fn smallest_eigenvalue<const N: usize, E: Energy<N>>(
         .min()
 }
 
-/// Largest difference between the gradient as an energy and the gradient `w Gᵀ(G x − p)` as a projection, relative to
+/// Largest difference between the gradient as an energy and the gradient `w Sᵀ(S x − p)` as a projection, relative to
 /// the former.
 #[must_use]
 pub fn projection_error<const N: usize, const K: usize, E: Energy<N> + Projective<N, K>>(

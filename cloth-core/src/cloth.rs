@@ -28,6 +28,10 @@
 //! assert!((a / b - 1.0).abs() < 2e-3);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
+//!
+//! The numbers are examples. A solid sheet of thickness t and Young's modulus E has `Y = E t` (N/m) and
+//! `D = E t³/(12 (1 − ν²))` (N·m); woven cloth bends far more easily than that, as its threads slide, so D has to be
+//! measured: from the bending length c of a strip that hangs over an edge, `D = ρ g c³` (Peirce 1930).
 
 mod carriers;
 mod detail;

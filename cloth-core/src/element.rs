@@ -7,7 +7,7 @@
 //! |---|---|---|
 //! | [`Energy`] | `E(x)`, `∂E/∂x`, `∂²E/∂x²` | explicit and implicit integration |
 //! | [`Constraint`] | rows `C(x)`, `∂C/∂x`, `k` with `E = ½ Σ k C²` | PBD, XPBD |
-//! | [`Projective`] | `E = ½ w ‖G x − p‖²`, `p` the nearest point of a set | projective dynamics |
+//! | [`Projective`] | `E = ½ w ‖S x − p‖²`, `p` the nearest point of a set | projective dynamics |
 //!
 //! A `Constraint` is an `Energy` without further code: the blanket implementation below is the
 //! line where the one becomes the other. That is why there is no `impl Energy for Spring` to be found.
@@ -267,13 +267,13 @@ pub trait Constraint<const N: usize>: Element<N> {
     }
 }
 
-/// An energy `E = ½ w ‖G x − p‖²` with `p` the nearest point of a set: what projective dynamics
+/// An energy `E = ½ w ‖S x − p‖²` with `p` the nearest point of a set: what projective dynamics
 /// asks for.
 ///
-/// The gradient is `w Gᵀ(G x − p)`, because the nearest point moves at right angles to the difference.
+/// The gradient is `w Sᵀ(S x − p)`, because the nearest point moves at right angles to the difference.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` is not a squared distance to a set, so projective dynamics cannot take it",
-    note = "projective dynamics needs `E = ½ w ‖Gx − p‖²` with a constant G; implement `Projective<{N}, {K}>`"
+    note = "projective dynamics needs `E = ½ w ‖Sx − p‖²` with a constant S; implement `Projective<{N}, {K}>`"
 )]
 pub trait Projective<const N: usize, const K: usize>: Element<N> {
     /// Whether [`Projective::project`] returns the same points for every `z`. The energy is then quadratic, and
@@ -283,10 +283,10 @@ pub trait Projective<const N: usize, const K: usize>: Element<N> {
     /// `G`: `K` rows of vertex coefficients, constant for the life of the element. Each row acts on x, y and z alike.
     fn operator(&self) -> [[Real; N]; K];
 
-    /// `w`, in the unit that makes `½ w ‖G x‖²` a J.
+    /// `w`, in the unit that makes `½ w ‖S x‖²` a J.
     fn weight(&self) -> Real;
 
-    /// The nearest point of the set to `z = G x`.
+    /// The nearest point of the set to `z = S x`.
     fn project(&self, z: [Vec3; K]) -> [Vec3; K];
 
     /// The radius r (unit of `z`) if the set is the sphere `‖z‖ = r` and `K` is 1, so that `p = r z/‖z‖`: a solver may
@@ -297,7 +297,7 @@ pub trait Projective<const N: usize, const K: usize>: Element<N> {
     }
 
     /// How the distance resists a change of `z`: `I − ∂p/∂z` in 3 × 3 blocks (dimensionless), without its negative
-    /// eigenvalues, so that `w Gᵀ (I − ∂p/∂z) G` is the Hessian under [`Convexity::Clamp`].
+    /// eigenvalues, so that `w Sᵀ (I − ∂p/∂z) S` is the Hessian under [`Convexity::Clamp`].
     ///
     /// The identity, which it is by default, bounds it from above: exact where the projection is constant, as stiff in
     /// all directions elsewhere.

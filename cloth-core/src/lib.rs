@@ -61,7 +61,7 @@
 //! | drag and lift of the air | [`air::Air`] |
 //! | gas inside a closed mesh | [`pressure::Pressure`] |
 //! | `E = ½ Σ k C²` from constraint rows | [`element::Constraint`] |
-//! | `E = ½ w ‖G x − p‖²` | [`element::Projective`] |
+//! | `E = ½ w ‖S x − p‖²` | [`element::Projective`] |
 //! | `3V − E = 3χ + E_b` | [`topology::Topology`]; the rank: `dof::EdgeRank` |
 //!
 //! Each file names the paper that its equations come from.
@@ -69,6 +69,9 @@
 //! # Limits
 //!
 //! - Double precision throughout; the scalar is chosen in [`math`] and nowhere else.
+//! - Cloth is isotropic: one modulus, one rigidity, no warp and weft. Of shear, only [`cloth::Discretization`] has a
+//!   stiffness of its own, for rectangular cells. The stretch and shear conditions of Baraff and Witkin are not among
+//!   the elements.
 //! - A [`cloth::Cloth`] is cut to springs, whose modulus depends on the pattern of the mesh ([`cloth::Membrane`]), and
 //!   to quadratic hinges, which are flat at rest, unless [`cloth::Discretization`] choose other elements of [`energy`].
 //!   Hinges have a Poisson's ratio of their own, which the pattern of the mesh decides: −1/3 on equilateral triangles.

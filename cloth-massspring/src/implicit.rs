@@ -17,7 +17,7 @@
 //! Without the velocity, a stage says that `x` is a stationary point of `‖x − x̂‖²_M/(2s²) + E(x)` with
 //! `s² = τ²/(1 + ατ)` and `x̂ = x_b + τ v_b/(1 + ατ) + s² g`: the drag α only changes two numbers. The modules below:
 //! the function in `stage` and `damper`, the loop in `newton`, the matrix in `system`, the step length in `line_search`
-//! and, where there is contact, `trust`.
+//! and, where there is contact, the core's [`TrustRadius`](cloth_core::method::trust::TrustRadius).
 
 mod at_end;
 mod bdf2;
@@ -55,14 +55,14 @@ use stage::Stage;
 /// Linear momentum is kept (to the tolerance), angular momentum is not.
 ///
 /// With [`Solve::Linearized`] it is the step of Baraff and Witkin, and calls itself `linear-implicit`. Where it can
-/// touch something, contact is not linearised, since it would not know of what the cloth only comes to in the step: what
-/// the linearised cloth and contact make together is minimised to the tolerance. A sheet that is stopped has to buckle,
-/// which one linearisation does not know of; it is linearised again where that minimum is, as long as `G` itself has not
-/// gone down by three quarters of what was promised (twice a step on impact, once a step elsewhere).
+/// touch something, contact is not linearised, since it would not know of what the cloth only comes to in the step:
+/// what the linearised cloth and contact make together is minimised to the tolerance. A sheet that is stopped has to
+/// buckle, which one linearisation does not know of; it is linearised again where that minimum is, as long as `G`
+/// itself has not gone down by three quarters of what was promised (twice a step on impact, once a step elsewhere).
 ///
 /// Damping: drag acts with the velocity at the end of the step, without approximation. Stiffness damping acts with that
-/// velocity too, and with the stiffness at `x[0] + Δt v[0]`. An oscillation then shrinks by `1/√(1 + Δt γ + (Δt ω)²)`,
-/// `γ = α + β ω²`, a step.
+/// velocity too, and with the stiffness at `x[0] + Δt v[0]`. The amplitude of an oscillation is then multiplied by
+/// `1/√(1 + 2 Δt γ + (Δt ω)²)` in a step, `2γ = α + β ω²` as at [`Damping`](crate::Damping).
 ///
 /// The residual in the report is what [`ImplicitConfig::tolerance`] bounds: the Newton decrement relative to the change
 /// of velocity that the forces have made, or `‖∇G(x)‖/‖M (x − x̃)/Δt²‖` in the norm of M⁻¹, which is never less, where
@@ -71,8 +71,9 @@ use stage::Stage;
 /// spring answers that with a force of `½ ε |x| k`. For a sheet of 1 m with springs of 10⁴ N/m and Δt = 1/60 s this
 /// floor lies between 10⁻⁸ and 10⁻¹⁰ of the forces. In free fall there are no forces, and the floor decides alone.
 ///
-/// Prescribed vertices are those of the particles the solver was built for. The levels of multigrid are laid out in the
-/// first step, by the rest positions of the particles if these are known
+/// Prescribed vertices are those of the particles the solver was built for. They end at `x[0] + Δt v[0]`, and their
+/// rows and columns leave the system: gradient and inverse mass are zero there. The levels of multigrid are laid out in
+/// the first step, by the rest positions of the particles if these are known
 /// ([`Particles::rest_positions`](cloth_core::particles::Particles::rest_positions)), else by the positions it starts
 /// from; the room that Newton's method needs is taken when it is first called.
 ///

@@ -57,7 +57,7 @@
 //! These equations say that `x[1]` is a stationary point of
 //!
 //! ```text
-//! G(x) = ‖x − x̃‖²_M / (2Δt²) + E(x)
+//! G(x) = ‖x − x̃‖²_M / (2Δt²) + E(x),    ‖y‖²_M = Σ mᵢ ‖yᵢ‖²
 //! ```
 //!
 //! and a minimum can be looked for with a guarantee that equations do not give: every Newton step,
@@ -78,7 +78,18 @@
 //!
 //! Here α is the drag of the air, which costs nothing. Damping that grows with the stiffness adds a third term,
 //! `β/(2τ) (x − x_b)ᵀ K (x − x_b)`. And the minimisation can be cut short: one Newton step from `x[0]` without a line
-//! search is the implicit step of Baraff and Witkin.
+//! search is the implicit step of Baraff and Witkin: from x[0] it reads `(M/Δt² + H) Δx = M v[0]/Δt + M g + f`, and
+//! with `Δx = Δt (v[0] + Δv)` and `K = −H` that is their `(M − Δt² K) Δv = Δt (M g + f + Δt K v[0])`.
+//!
+//! **The Hessian of a spring** decides how hard that is. With its unit vector n and its length l,
+//!
+//! ```text
+//! ∂²E/∂x₀² = k n nᵀ + k (1 − L/l) (I − n nᵀ)
+//! ```
+//!
+//! and the same negative between the ends. Along the spring it is k. Across, it is tension over length: negative under
+//! compression, where the straight spring is a maximum sideways and buckling goes down. Where M/Δt² is small the sum
+//! over all springs is then indefinite, and a Newton step may lead up.
 //!
 //! # From equation to function
 //!
@@ -109,14 +120,19 @@
 //! than proportional to V. The default factorises nothing. Its direction is `−B⁻¹∇G` with `B⁻¹` one V-cycle of
 //! [multigrid](cloth_core::method::multigrid) on a positive definite Hessian, improved by the last five pairs `s = Δx`,
 //! `y = Δ∇G` (L-BFGS): five to ten times as many iterations as Newton's method, each thirty to sixty times cheaper.
-//! Four things make it work:
 //!
-//! - *Absolute and lumped.* With the absolute values of what compressed springs take away
-//!   ([`Convexity::Abs`](cloth_core::element::Convexity::Abs)) the matrix is positive definite, so every direction
-//!   leads down; dropping them ([`Convexity::Clamp`](cloth_core::element::Convexity::Clamp)) would do, too, but lets
-//!   thin cloth move too far: at 64 vertices a side and 10⁻⁸ N·m a step takes 1.4 times as long. Alone such a matrix
-//!   would converge linearly, and slowly near a saddle point, where a compressed sheet has not buckled yet: it is stiff
-//!   in just the direction that is soft. The pairs bring that curvature back. The couplings of wing tips are lumped
+//! The levels: coarse vertices are an independent set among strongly coupled ones, about a quarter of them; the
+//! prolongation P is exact for linear functions of the rest positions, the coarse matrix is `PᵀAP` (Galerkin), the
+//! smoother a forward, then a backward sweep of Gauss–Seidel over blocks of 3 × 3, the coarsest level a dense Cholesky
+//! factorisation, all in single precision. Four things make it work:
+//!
+//! - *Absolute and lumped.* With absolute values in the place of negative eigenvalues, the k (1 − L/l) of compressed
+//!   springs ([`Convexity::Abs`](cloth_core::element::Convexity::Abs)), the matrix is positive definite, so every
+//!   direction leads down; setting them to zero ([`Convexity::Clamp`](cloth_core::element::Convexity::Clamp)) would do,
+//!   too, but lets thin cloth move too far: at 64 vertices a side and 10⁻⁸ N·m a step takes 1.4 times as long. Alone
+//!   such a matrix would converge linearly, and slowly near a saddle point, where a compressed sheet has not buckled
+//!   yet: it is stiff in just the direction that is soft. The pairs bring that curvature back. The blocks that couple
+//!   the two vertices opposite a hinge's edge are moved to the diagonal
 //!   ([`lumped_assembly`](cloth_core::method::family::Energies::lumped_assembly)), which leaves the pattern of the
 //!   edges.
 //! - *Predicted forces.* A stiff spring that turns in an iteration is stretched by far, and the Hessian then says that
@@ -138,7 +154,8 @@
 //! What the cloth touches is one more energy in `G`, with a gradient and a positive semi-definite second derivative
 //! ([`ContactPotential`](cloth_core::contact::ContactPotential)), and a bound on every step: no iterate is accepted
 //! that has gone through anything. So a step of any size ends with contact forces, elastic forces and inertia in
-//! balance: a sheet rests `h − ρ g/κ` above a floor, and slides down a slope by `a Δt² n(n + 1)/2`, to nine digits. The
+//! balance: a sheet of ρ (kg/m²) rests `h − ρ g/κ_c` above a floor, with the thickness h and the stiffness κ_c (Pa/m)
+//! of contact, and slides down a slope with the acceleration a by `a Δt² n(n + 1)/2` in n steps, to nine digits. The
 //! quasi-Newton method of [`ImplicitEuler`] and [`Bdf2`] does this. Contacts between vertices far from each other in
 //! the mesh are additions of rank one to the matrix of the multigrid cycle: they come and go without a new pattern.
 //! Newton's method does not take over from a step with contact; one that has not converged within
@@ -296,8 +313,8 @@
 //! # When not to use this method
 //! - **Interactive rates.** Half a second of a falling sheet of 64 × 64 vertices (1 m, 0.2 kg/m², 10⁴ N/m, Δt 1/60 s;
 //!   2-core AMD EPYC Zen 4, commit 6d27035, `cargo run --release -p cloth-bench -- study convergence`) takes 21 ms a
-//!   step by converged implicit Euler and 3.6 ms by projective dynamics with 10 iterations, for the same fall (0.499
-//!   and 0.498 m) and stretch (1.2 %).
+//!   step on one thread by converged implicit Euler and 3.6 ms by projective dynamics with 10 iterations, for the same
+//!   fall (0.499 and 0.498 m) and stretch (1.2 %).
 //! - **Inextensible cloth.** Stiffness without bound makes κ grow; rigid links are constraints: take XPBD with zero
 //!   compliance.
 //! - **Motion without numerical damping at large steps.** Implicit Euler damps, the midpoint rule may blow up; resolve

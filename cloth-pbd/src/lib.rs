@@ -53,12 +53,17 @@
 //! k has no place.
 //!
 //! **Soft constraints** make the fraction s of the correction in a visit, and so leave `(1 − s)ⁿ` of C after n
-//! visits of one constraint alone. Backward Euler for a spring of stiffness k leaves `1/(1 + k h² w̃)`. So n
-//! visits with s act as the stiffness `((1 − s)^(−n) − 1)/(h² w̃)`, which grows with n and 1/h
-//! ([`StiffnessRule::Fixed`]); and the other way round a material of stiffness k asks for
-//! `s = 1 − (1 + k h² w̃)^(−1/n)`: [`StiffnessRule::Material`], the default. That is how the same k (N/m) that
-//! the other methods take reaches PBD. It is exact for one constraint alone, and for nothing else; see the
-//! [limits](#limits).
+//! visits of one constraint alone. Backward Euler for a spring of stiffness k leaves `1/(1 + k h² w̃)`. Set equal, with
+//! n sweeps in a substep of h,
+//!
+//! ```text
+//! k = ((1 − s)^(−n) − 1)/(h² w̃)        what n visits with s act as
+//! s = 1 − (1 + k h² w̃)^(−1/n)          what a material of stiffness k asks for
+//! ```
+//!
+//! With a fixed s ([`StiffnessRule::Fixed`]) the cloth is stiffer exponentially in n, and as 1/h². The second line is
+//! [`StiffnessRule::Material`], the default: that is how the same k (N/m) that the other methods take reaches PBD. It
+//! is exact for one constraint alone, and for nothing else; see the [limits](#limits).
 //!
 //! # The step
 //! ```text
@@ -69,7 +74,8 @@
 //!     v ← v + (x − x̃)/h                                        velocities from positions
 //! ```
 //!
-//! It is Algorithm 1 of Müller et al. 2007; `v + (x − x̃)/h` is their `(x − x⁰)/h`, rounded better.
+//! It is the loop of Müller et al. 2007, section 3.1, without its damping and its update of velocities at contacts;
+//! `v + (x − x̃)/h` is their `(x − x⁰)/h`, rounded better.
 //! `examples/first_program.rs` is this box as plain loops over arrays, and compares itself with [`PbdSolver`].
 //!
 //! A prescribed vertex, w = 0, moves with its velocity in the state, whatever pulls at it; the work that this
@@ -78,6 +84,13 @@
 //!
 //! **Constraints** are whatever shows rows `C(x)`, `∂C/∂x`, `k`: distance, bending (flat, curved, by angle),
 //! area, volume, soft pin, the strains of a triangle. A hard pin is a prescribed vertex, `w = 0`.
+//!
+//! | constraint | C | its gradient | element |
+//! |---|---|---|---|
+//! | distance | ‖x₀ − x₁‖ − L | ±(x₀ − x₁)/‖x₀ − x₁‖ | [`Spring`](cloth_core::energy::Spring) |
+//! | bending by angle | θ − θ₀ | −‖e‖ n/‖n‖² at the two opposite vertices, n the normals (twice the area), e the edge | [`DihedralHinge`](cloth_core::energy::DihedralHinge) |
+//! | isometric bending | Σ qᵢ xᵢ, three rows | qᵢ along each axis | [`CurvatureHinge`](cloth_core::energy::CurvatureHinge) |
+//! | area | A − A₀ | ½ n × the opposite edge | [`AreaTriangle`](cloth_core::energy::AreaTriangle) |
 //!
 //! | equation | function |
 //! |---|---|
@@ -124,12 +137,12 @@
 //! | Gauss–Seidel with `ω = 2/(1 + sin(π/2N))` | `ω − 1` | 14.6 |
 //!
 //! # How many substeps, how many iterations
-//! With rigid projections ([`StiffnessRule::Fixed`] of 1) a straight chain of N links of length l and equal
-//! masses, swept once per substep from its support, hangs with a mean strain of `ε = g h² (N − 1)/(2 l)`; so a
-//! wanted ε takes `Δt √(g (N − 1)/(2 l ε))` substeps. n iterations of one substep divide the sag by nearly n, n
-//! substeps by n². "As many iterations as the mesh is wide", a popular rule, leaves
-//! `cos^(2N)(π/2N) ≈ e^(−π²/4N)` of the slowest error: 90 % for N = 24. A soft material needs another method:
-//! see the limits.
+//! With rigid projections ([`StiffnessRule::Fixed`] of 1) a straight chain of N links of length l and equal masses,
+//! swept once per substep from its support, hangs with a mean strain of `ε = g h² (N − 1)/(2 l)`; so a wanted ε takes
+//! `Δt √(g (N − 1)/(2 l ε))` substeps at rest; what is stopped at a speed v strains by some 2 v h/l more. n iterations
+//! of one substep divide the sag by nearly n, n substeps by n². "As many iterations as the mesh is wide", a popular
+//! rule, leaves `cos^(2N)(π/2N) ≈ e^(−π²/4N)` of the slowest error: 90 % for N = 24. A soft material needs another
+//! method: see the limits.
 //!
 //! # Acceleration
 //! **Chebyshev** extrapolates over sweeps: `x⁺ = ω (S(x) − x⁻) + x⁻` with ω from 1 by `2/(2 − ρ²)`,
@@ -170,7 +183,7 @@
 //! friction, are swept last in each sweep of every substep; the velocities follow from what they leave. The
 //! solver itself knows nothing of shapes, and runs no code for contact without a source. The strain that
 //! unconverged sweeps leave is elastic energy that contact can release: a sheet of 64 × 64 vertices that falls
-//! 5 cm onto a ball gains 1453 J with the default of 20 iterations, where gravity gives 0.6 J (README,
+//! 5 cm onto a ball gains some 1500 J with the default of 20 iterations, where gravity gives 0.6 J (README,
 //! table).
 //!
 //! # Errors and bad input
@@ -249,11 +262,14 @@
 //!   tends to C = 0, whatever k.
 //! - Linear momentum is conserved to round-off in free flight. Angular momentum is not: each correction has no
 //!   moment about the positions at its visit, but the lever arms turn during the step. The loss is of order h,
-//!   as in implicit Euler. Energy is lost too, of order h.
+//!   as in implicit Euler. Kinetic energy is lost too, of order h.
 //! - Its forces are not those of the material. A row pushes with `ΣΔλ/h²`, summed over its visits in a substep,
-//!   and so do prescribed vertices that move: their work is that of these forces. The elastic energy of the
-//!   stretch that sweeps leave, in the stiffness of the material, may be thousands of times theirs; it is never
-//!   given back as motion.
+//!   and so do prescribed vertices that move: their work is that of these forces. The elastic energy that k and the
+//!   stretch that sweeps leave come to is no energy of the method, and may be thousands of times what was put in. Its
+//!   own forces do not give it back; contact, a strain limit or another method that goes on from there may.
+//! - There is no damping but the method's own (a spring alone divides its energy by 1 + (h ω)² in a substep). That of
+//!   Müller et al. 2007, section 3.5, which leaves the rigid motion as it is, is not offered; scale velocities between
+//!   steps for more.
 //! - Stiffnesses are taken to be zero, positive or infinite; a negative one is not looked for.
 //!
 //! # When not to use this method
@@ -267,8 +283,8 @@
 //! | projective dynamics, 10 quasi-Newton iterations | 3.6 | 0.498 m | 1.2 % |
 //! | implicit Euler, converged | 21 | 0.499 m | 1.2 % |
 //!
-//! - **Cloth with a material**, that is with k, Y or D that should mean something: take XPBD, which costs one
-//!   multiplier a row more, or projective dynamics.
+//! - **Cloth with a material**, that is with k, Y or D that should mean something: take XPBD, which costs the
+//!   same, or projective dynamics.
 //! - **Forces, tensions, energies** that are to be read out: take XPBD or implicit Euler.
 //! - **Fine meshes** without a hierarchy or extrapolation: sweeps grow with the square of the vertices a side.
 //! - **A wanted error**: take implicit Euler.

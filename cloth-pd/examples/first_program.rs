@@ -9,7 +9,7 @@ use cloth_pd::{Particles, PdConfig, PdSolver, Spring, State, StepInput, Stepper,
 const GRAVITY: Vec3 = Vec3::new(0.0, 0.0, -9.81); // m/s²
 const DT: f64 = 1.0 / 60.0; // s
 
-/// The global matrix `A = M/Δt² + Σ w GᵀG` (N/m), dense; the row of a prescribed vertex is that of the identity.
+/// The global matrix `A = M/Δt² + Σ w SᵀS` (N/m), dense; the row of a prescribed vertex is that of the identity.
 fn assemble(particles: &Particles, springs: &[Spring]) -> Vec<Vec<f64>> {
     let n = particles.len();
     let mut a = vec![vec![0.0; n]; n];
@@ -17,7 +17,7 @@ fn assemble(particles: &Particles, springs: &[Spring]) -> Vec<Vec<f64>> {
         a[i][i] = particles.mass()[i] / (DT * DT);
     }
     for spring in springs {
-        // z = G x is the difference of the ends: G has the entries 1 and −1, and w is the spring's stiffness.
+        // z = S x is the difference of the ends: S has the entries 1 and −1, and w is the spring's stiffness.
         for (i, g_i) in spring.vertices.into_iter().zip([1.0, -1.0]) {
             for (j, g_j) in spring.vertices.into_iter().zip([1.0, -1.0]) {
                 a[i as usize][j as usize] += spring.stiffness * g_i * g_j;
@@ -78,7 +78,7 @@ fn step(
     for _ in 0..PdConfig::plain().iterations {
         let inertia = predicted.iter().zip(particles.mass());
         let mut b: Vec<Vec3> = inertia.map(|(x, m)| x * (m / (DT * DT))).collect();
-        // Local step: the vector of rest length nearest to z = G x, and b = M x̃/Δt² + Σ w Gᵀ p.
+        // Local step: the vector of rest length nearest to z = S x, and b = M x̃/Δt² + Σ w Sᵀ p.
         for spring in springs {
             let [i, j] = spring.vertices.map(|vertex| vertex as usize);
             let p = (x[i] - x[j]).normalize() * spring.rest_length;

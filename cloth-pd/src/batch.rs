@@ -95,7 +95,7 @@ impl<const K: usize> ProjectionBatch<K> {
 /// Elements that project to spheres, side by side; what follows the last has no weight.
 #[derive(Debug)]
 struct Spheres {
-    /// `z = G x`.
+    /// `z = S x`.
     z: [Vec3; BATCH_SIZE],
     radius: [Real; BATCH_SIZE],
     weight: [Real; BATCH_SIZE],

@@ -5,7 +5,7 @@
 //! them, a global solve removes only a small fraction; and those are smooth motions of the whole sheet, such as falling
 //! and swinging. Let P (a column per node of a coarse [`Lattice`] and axis) interpolate smooth displacements. Then
 //!
-//! `A⁻¹ + P V Pᵀ`,  V near `(Pᵀ H P)⁻¹`,  `H = M/Δt² + Σ w Gᵀ (I − ∂p/∂z) G`
+//! `A⁻¹ + P V Pᵀ`,  V near `(Pᵀ H P)⁻¹`,  `H = M/Δt² + Σ w Sᵀ (I − ∂p/∂z) S`
 //!
 //! is the constant matrix for what is rough and Newton's method for what is smooth. V is a cycle of [`Multigrid`] on
 //! the lattice and the levels below it. The first part is symmetric and positive definite, the second symmetric and

@@ -16,12 +16,12 @@ pub(crate) struct FreeComponents {
 }
 
 const CONSTRAINED: u32 = u32::MAX;
-/// A row of `Σ w GᵀG` whose entries add up to more than this part of the largest diagonal entry resists a translation;
+/// A row of `Σ w SᵀS` whose entries add up to more than this part of the largest diagonal entry resists a translation;
 /// an entry that is smaller ties nothing. Elements that have been taken away leave so much.
 const ROUNDING: Real = 1e-13;
 
 impl FreeComponents {
-    /// Finds the components in the entries of the lower half of `Σ w GᵀG` (N/m): row, column, value. It makes no
+    /// Finds the components in the entries of the lower half of `Σ w SᵀS` (N/m): row, column, value. It makes no
     /// difference if some families count twice.
     pub(crate) fn of(entries: &[(usize, usize, Real)], particles: &Particles) -> Self {
         let count = particles.len();

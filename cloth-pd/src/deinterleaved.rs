@@ -220,7 +220,7 @@ fn copy_run(x: &[Vec3], len: usize, buffers: &mut Buffers) {
     }
 }
 
-/// `z = G x` of elements side by side.
+/// `z = S x` of elements side by side.
 #[inline(always)]
 fn differences<const N: usize>(
     x: &Buffers,

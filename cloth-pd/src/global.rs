@@ -15,12 +15,12 @@ use cloth_core::particles::Particles;
 use sprs::CsMat;
 use std::fmt;
 
-/// `A = M/Δt² + Σ w GᵀG` over the vertices that are not prescribed, and its factor. The row of a prescribed
+/// `A = M/Δt² + Σ w SᵀS` over the vertices that are not prescribed, and its factor. The row of a prescribed
 /// vertex is that of the identity.
 pub(crate) struct GlobalSystem {
     /// Lumped mass (kg) of each vertex; none where it is prescribed.
     mass: Vec<Option<Real>>,
-    /// Lower half of `Σ w GᵀG` (N/m) over all vertices, row by row, the diagonal last in each.
+    /// Lower half of `Σ w SᵀS` (N/m) over all vertices, row by row, the diagonal last in each.
     stiffness: CsMat<Real>,
     /// Families that are missing in it.
     is_left_out: Vec<bool>,
@@ -69,7 +69,7 @@ impl fmt::Debug for GlobalSystem {
 }
 
 impl GlobalSystem {
-    /// Assembles `Σ w GᵀG` and analyses the pattern. `is_left_out` has the families that the matrix goes without.
+    /// Assembles `Σ w SᵀS` and analyses the pattern. `is_left_out` has the families that the matrix goes without.
     pub(crate) fn new(
         particles: &Particles,
         families: &[Box<dyn Projections>],
@@ -115,14 +115,14 @@ impl GlobalSystem {
         !self.is_left_out[family]
     }
 
-    /// Takes an element of a family away, given what it leaves of `Σ w GᵀG`.
+    /// Takes an element of a family away, given what it leaves of `Σ w SᵀS`.
     pub(crate) fn remove(&mut self, family: usize, terms: Vec<Term>) {
         if self.includes(family) {
             terms.into_iter().for_each(|term| self.add(term));
         }
     }
 
-    /// Adds a term to `Σ w GᵀG`. Its entries have to be in the pattern: on the diagonal, or of an element that is or
+    /// Adds a term to `Σ w SᵀS`. Its entries have to be in the pattern: on the diagonal, or of an element that is or
     /// was there.
     pub(crate) fn add(&mut self, term: Term) {
         for &(i, u) in &term.column {
@@ -230,7 +230,7 @@ impl GlobalSystem {
         is_prepared
     }
 
-    /// The entries of a row of `Σ w GᵀG` beside the diagonal.
+    /// The entries of a row of `Σ w SᵀS` beside the diagonal.
     fn row(&self, vertex: usize) -> Vec<(u32, Real)> {
         let mut row = Vec::new();
         for (&value, (i, j)) in &self.stiffness {
@@ -241,7 +241,7 @@ impl GlobalSystem {
         row
     }
 
-    /// Lower half of `Σ w GᵀG` (N/m) over all vertices.
+    /// Lower half of `Σ w SᵀS` (N/m) over all vertices.
     pub(crate) fn stiffness(&self) -> &CsMat<Real> {
         &self.stiffness
     }
@@ -309,7 +309,7 @@ mod tests {
         Box::new(Family::new(elements.to_vec(), particles).unwrap())
     }
 
-    /// `w GᵀG` of all elements, entry by entry.
+    /// `w SᵀS` of all elements, entry by entry.
     fn add_dense<const N: usize, const K: usize, E: Projective<N, K>>(
         elements: &[E],
         dense: &mut [[Real; 6]; 6],

@@ -115,7 +115,7 @@ impl PaddedBlock {
     }
 }
 
-/// `G P` of all elements of a family: how much of each node (dimensionless if G is) goes into `z = G x`.
+/// `S P` of all elements of a family: how much of each node (dimensionless if S is) goes into `z = S x`.
 ///
 /// Elements near one another have the same nodes around them and add to the same blocks of a matrix on the lattice, so
 /// those are listed once for all of them.

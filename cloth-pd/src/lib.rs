@@ -43,18 +43,18 @@
 //! `G(x) = ‖x − x̃‖²_M/(2Δt²) + E(x)`.
 //!
 //! Newton's method needs a new matrix in every iteration for that, because the Hessian of a spring turns with the
-//! spring. Projective dynamics writes the energy of an element as the squared distance from `z = G x` to a set of
-//! zero-energy configurations instead (G is here the element's constant linear map, for a spring the difference of its
-//! ends),
+//! spring. Projective dynamics writes the energy of an element as the squared distance from `z = S x` to a set of
+//! zero-energy configurations instead (S is the element's constant linear map, for a spring the difference of its
+//! ends; with Bouaziz it is `AᵢSᵢ`, and `BᵢᵀBᵢ` is the identity),
 //!
-//! `E(x) = min over p in the set of ½ w ‖G x − p‖²`,
+//! `E(x) = min over p in the set of ½ w ‖S x − p‖²`,
 //!
 //! and all that is not linear sits in p. So a step is a minimisation over x *and* all p, done in turns (block
 //! coordinate descent). The *local* step holds x: each element alone projects z to its nearest p, a spring to the
 //! vector of its rest length in its present direction. The *global* step holds all p: what is left is quadratic in x,
 //! and its minimum solves
 //!
-//! `A x = M x̃/Δt² + Σ w Gᵀ p`,  `A = M/Δt² + Σ w GᵀG`.
+//! `A x = M x̃/Δt² + Σ w Sᵀ p`,  `A = M/Δt² + Σ w SᵀS`.
 //!
 //! No position occurs in A. It depends on the mesh, the weights, the masses, the prescribed vertices and Δt. It acts on
 //! x, y and z alike, so it has a row per vertex and not three; it is factorised once, and an iteration costs the
@@ -64,13 +64,28 @@
 //! modulus for a triangle. It says what the step converges to, the same minimum that Newton's method finds; the number
 //! of iterations only says how near.
 //!
-//! Both steps minimise, so `G` falls in every iteration, from any start, without a line search: the frozen p bound the
-//! energy from above and touch it at x (majorise and minimise).
+//! | element | z = S x | its nearest p | w |
+//! |---|---|---|---|
+//! | spring ([`Spring`]) | x₀ − x₁ | L z/‖z‖ | k |
+//! | triangle, as rigid as possible ([`ArapTriangle`](cloth_core::energy::ArapTriangle)) | F, 3 × 2 | U Vᵀ of F = U Σ Vᵀ | area · Y |
+//! | limit of a triangle ([`StrainLimitTriangle`](cloth_core::energy::StrainLimitTriangle)) | F | U clamp(Σ) Vᵀ | area · Y |
+//! | hinge, flat at rest ([`CurvatureHinge`](cloth_core::energy::CurvatureHinge)) | Σ qᵢ xᵢ | 0: A alone solves it | K |
+//! | attachment ([`Attachment`](cloth_core::energy::Attachment)) | x | its target | k |
+//!
+//! Both steps minimise, so `G` falls in every iteration with the whole matrix, from any start, without a line search:
+//! the frozen p bound the energy from above and touch it at x (majorise and minimise). For the same reason the gradient
+//! needs no derivative of the projection, no singular value decomposition is differentiated: p is a minimum of
+//! ½ w ‖S x − p‖², so its change with x adds nothing to first order, and
+//!
+//! `∇E = Σ w Sᵀ(S x − p)`,  `∇²E = Σ w Sᵀ(I − ∂p/∂z) S`.
+//!
+//! A has I in the place of I − ∂p/∂z. So an iteration is `A (x⁺ − x) = −∇G(x)`: Newton's method with A for the Hessian,
+//! which it is never below, and with steps of length 1 (Liu et al. 2017).
 //!
 //! # What the constant matrix loses, and how it is won back
 //! A is as stiff across a spring as along it, but a spring resists only along. In motions that turn springs without
 //! stretching them, as falling and folding do, each iteration contracts the error by `κ/(m/Δt² + κ)`, κ their stiffness
-//! in `Σ w GᵀG`: linear convergence, with a factor close to 1 for stiff cloth. Truncated early, the sheet floats. Three
+//! in `Σ w SᵀS`: linear convergence, with a factor close to 1 for stiff cloth. Truncated early, the sheet floats. Three
 //! accelerations use the same matrix:
 //!
 //! - **Chebyshev** (Wang 2015): extrapolation from the iterate before the last, with weights that follow from the
@@ -78,7 +93,7 @@
 //!   and the weights begin anew.
 //! - **Quasi-Newton** (Liu et al. 2017): `A⁻¹` is the initial inverse Hessian of `G`, the last few differences of
 //!   iterates and gradients improve it (L-BFGS), a line search with Armijo's condition enforces descent. If a direction
-//!   fails, a plain iteration is taken, which needs no search.
+//!   fails, a plain iteration is taken.
 //! - **A coarse grid**, a two-level Galerkin preconditioner (Bramble, Pasciak, Xu 1990): the slow motions are smooth,
 //!   so a few hundred unknowns on a lattice of trilinear hat functions describe them (P is the prolongation, Pᵀ the
 //!   restriction, `PᵀHP` the Galerkin coarse operator), where a Newton step is cheap. The initial inverse Hessian
@@ -106,11 +121,11 @@
 //!
 //! # Equations
 //! ```text
-//! h ← Δt v + Δt² M⁻¹ f_ext,   x̃ = x[0] + h
-//! q ← 0, Δt v or h; K times:                                       x = x[0] + q
-//!     p ← project(G x), every element for itself
-//!     g ← M (q − h)/Δt² + Σ w Gᵀ(G x − p)                          ∇G
-//!     solve (M/Δt² + Σ w GᵀG) d = g,   q ← q − d    
+//! u ← Δt v + Δt² M⁻¹ f_ext,   x̃ = x[0] + u
+//! q ← 0, Δt v or u; K times:                                       x = x[0] + q
+//!     p ← project(S x), every element for itself
+//!     g ← M (q − u)/Δt² + Σ w Sᵀ(S x − p)                          ∇G
+//!     solve (M/Δt² + Σ w SᵀS) d = g,   q ← q − d
 //!     (or the accelerated direction)
 //! x[1] ← x[0] + q,   v[1] ← q/Δt
 //! ```
@@ -119,16 +134,16 @@
 //! predictions are subtracted, so free fall loses no digits, and a step so long that `M/Δt²` is rounded away ends where
 //! the held cloth is at rest. Rows and columns of prescribed vertices drop out.
 //!
-//! `Σ w GᵀG` is positive semi-definite for weights ≥ 0, and M makes A positive definite.
+//! `Σ w SᵀS` is positive semi-definite for weights ≥ 0, and M makes A positive definite.
 //!
 //! | equation | where |
 //! |---|---|
-//! | G, w, p | [`Projective`](cloth_core::element::Projective) of each element |
+//! | S, w, p | [`Projective`](cloth_core::element::Projective) of each element |
 //! | the local step of one family | [`LocalStep`], `local.rs` |
 //! | the same on threads, batched, as streams | `vertex_blocks.rs`, `batch.rs`, `deinterleaved.rs` |
 //! | the same where p is constant: a matrix | `quadratic.rs` |
 //! | `G`, `∇G` | `objective.rs` |
-//! | A = M/Δt² + Σ w GᵀG | `matrix.rs` |
+//! | A = M/Δt² + Σ w SᵀS | `matrix.rs` |
 //! | what quasi-Newton leaves out of it | `matrix.rs` |
 //! | its factor, and what changes it | `global.rs`, [`WoodburyUpdate`] |
 //! | the global step, A d = g | [`PanelFactor::solve`] |
@@ -162,9 +177,9 @@
 //! | | quasi-Newton | 6 | 148 | 633 |
 //! | | with a coarse grid | 3 | 35 | 494 |
 //!
-//! So the convergence of the iterations without a coarse grid does not become slower with the resolution, as is said of
-//! the method. It does depend on the stiffness: to 10⁻⁴ at 32 a side, 698 plain iterations at 10² N/m and more than
-//! 3000 at 10³ and at 10⁵.
+//! So without a coarse grid convergence does not become slower with the resolution, as is said of the method. It does
+//! depend on the stiffness, though not in order: to 10⁻⁴ at 32 a side 698 plain iterations at 10² N/m, more than 3000
+//! at 10³, 2625 at 10⁴ and more than 3000 at 10⁵. Each is another step, with other folds.
 //!
 //! Cloth that changes between two steps ([`PdSolver::prescribe`], [`release`](PdSolver::release),
 //! [`attach`](PdSolver::attach), [`remove`](PdSolver::remove)) keeps the factor and corrects every solve for the k rows
@@ -189,8 +204,8 @@
 //! about `200 n` for the rest of the objective, and `100 n` and `48 n` for each pair that is remembered. At 128 a side,
 //! with the bending left out of the matrix, that is about 9 MB, 2 MB, 4 MB, 3 MB and, with two pairs, 3 MB. A large
 //! factor is cut into subtrees of its elimination tree, which threads can share; the cut does not depend on how many
-//! there are. All loops are compiled for wide registers too ([`wide`](cloth_core::method::parallel::wide)), and give the
-//! same bits without.
+//! there are. All loops are compiled for wide registers too ([`wide`](cloth_core::method::parallel::wide)), and give
+//! the same bits without.
 //!
 //! The coarse matrix is summed once a step, element by element: `Pᵀ H P` is never a matrix of the whole cloth first,
 //! which would take 0.65 ms of a step of 3.5 ms at 64 a side, and takes 0.36 so. What does not make an iteration faster
@@ -198,7 +213,7 @@
 //! has to be widened before it is used, and a solve takes 83 µs instead of 63 at 64 a side, 480 instead of 360 at 128,
 //! 3.3 ms instead of 3.0 at 256. Several sums side by side in the products with the bending matrix and with P:
 //! additions do not wait for each other as it is. The coarse matrix is needed afresh in every step: kept for two, the
-//! kinetic energy of the swing (below) is −74 % instead of −45; taken several times in a step, no better than once.
+//! kinetic energy of the swing (below) is −74 % instead of −44; taken several times in a step, no better than once.
 //!
 //! Why a solve of our own and not the library's: a triangular solve does two operations per number of the factor that
 //! it reads, so memory decides. [`PanelFactor`] lays the factor out in the order in
@@ -208,7 +223,9 @@
 //!
 //! # Contact
 //! What the cloth touches is a potential C(x) ([`ContactPotential`](cloth_core::contact::ContactPotential)) that the
-//! quasi-Newton iteration has in `G`: its value and gradient are those of `G + C`. Plain iterations become quasi-Newton
+//! quasi-Newton iteration has in `G`: its value and gradient are those of `G + C`. Friction is in C with the normal
+//! forces λ of the start of the step (lagged, Li et al. 2020): μ λ f(‖u‖) of the tangential displacement u, so that it
+//! has a potential too. Plain iterations become quasi-Newton
 //! iterations without pairs there, and Chebyshev's are left out, as extrapolation knows no bounds. Four things are
 //! particular.
 //!
@@ -216,29 +233,29 @@
 //!   (0.2 N/m a vertex against 250 N/m of a contact, with 64 vertices a side), so a direction from A alone goes through
 //!   the obstacle, is truncated there, and the sheet creeps. The initial inverse Hessian therefore is
 //!   `(A + Σ k J Jᵀ)⁻¹` with the contacts of the iterate: conjugate gradients around the factor of A, of which three to
-//!   six are enough, without a matrix of its own. From the fourteenth step of the sheet below on, `G` has fallen by
-//!   0.28 J after 30 iterations with contact in it, by 0.11 J without.
+//!   six are enough, without a matrix of its own. In the fourteenth step of a sheet that falls on a ball (below), 30
+//!   iterations lower `G` by 0.28 J with contact in the solve, by 0.11 J without.
 //! - **Each vertex has its own displacement bound.** With one step length for all vertices a single contact would stop
 //!   the whole sheet. Displacements are truncated vertex by vertex
 //!   ([`limit_each`](cloth_core::contact::ContactPotential::limit_each)); where that does not descend, one length for
 //!   all is taken. The start `x[0] + Δt v[0]` is cut in the same way.
 //! - **Directions are trusted as far as steps have come.** A direction knows nothing of the contacts that it would only
 //!   make. Where cloth is light and soft it is many times as long as the cloth: detection then looks at all that could
-//!   touch on the way, and truncation vertex by vertex leaves nothing of its shape. So it is first shortened as a whole,
-//!   to at most twice what the step would be without elasticity, and after that to twice what the last iteration came
-//!   to ([`TrustRadius`](cloth_core::method::trust::TrustRadius)). A handkerchief on the corner of a table
+//!   touch on the way, and truncation vertex by vertex leaves nothing of its shape. So it is first shortened as a
+//!   whole, to at most twice what the step would be without elasticity, and after that to twice what the last iteration
+//!   came to ([`TrustRadius`](cloth_core::method::trust::TrustRadius)). A handkerchief on the corner of a table
 //!   (`cloth-bench/scenes/handkerchief.toml`) held 3.1·10⁻⁴ J more than it was given in its first four steps without,
 //!   where it was given 2·10⁻⁵ J, and seven times as long was spent on a step; with it, no more than it was given.
-//! - **An impact takes more iterations**, because new contacts appear during the step:
-//!   [`PdConfig::contact_iterations`] instead of [`PdConfig::iterations`] in a step in which anything pushes, and eight
-//!   pairs instead of two. If the end is above `G` at the start of the step all the same, it is taken again from there.
+//! - **An impact takes more iterations**, because new contacts appear during the step: [`PdConfig::contact_iterations`]
+//!   instead of [`PdConfig::iterations`] in a step in which anything pushes, and twenty pairs instead of two. If the
+//!   end is above `G` at the start of the step all the same, it is taken again from there.
 //!
 //! So every accepted iterate, and every straight path between two of them, is free of intersections. A sheet with 64
 //! vertices a side (0.2 kg/m², 10⁴ N/m) that falls 5 cm onto a ball of 0.1 m is stretched by 2.4 % at most after 20
-//! steps of 1/60 s, 1.6 % with converged implicit Euler, and 0.003 of 0.64 J appear. The buckling mode is sensitive:
-//! a hundredth more bending rigidity changes the fall of implicit Euler's by 0.6 % and its stretch to 2.5 %, the fall
-//! of projective dynamics by 1.5 %, which differs from implicit Euler's by 2 % (`cloth-bench run` with a scene file:
-//! `generator = "grid:64x64:alternating"`, an obstacle `shape = "sphere"`, `radius = 0.1`).
+//! steps of 1/60 s, 1.6 % with converged implicit Euler, and 0.003 of 0.64 J appear. The falls of the two methods
+//! differ by 2 %. How the sheet buckles is chance to that degree: one hundredth more bending rigidity changes the fall
+//! by 0.6 % with implicit Euler (and its stretch from 1.6 to 2.5 %), by 1.5 % with projective dynamics (`cloth-bench
+//! run` with a scene file: `generator = "grid:64x64:alternating"`, an obstacle `shape = "sphere"`, `radius = 0.1`).
 //!
 //! # Strain limits
 //! [`StrainLimitSpring`](cloth_core::energy::StrainLimitSpring) and
@@ -322,7 +339,10 @@
 //! ```
 //!
 //! # Limits
-//! - The plain iteration converges linearly, and the more slowly the stiffer the cloth. An error of 10⁻² in `G` is soon
+//! - There is no damping but that of implicit Euler, by which a mode of the frequency ω divides its energy by
+//!   1 + (ω Δt)² in a step. For more, scale the velocities between steps, or hand drag over as a load
+//!   ([`cloth_core::air`]).
+//! - The plain iteration converges linearly, slowly for stiff cloth. An error of 10⁻² in `G` is soon
 //!   reached and says little: plain, truncated there, the sheet above floats. Check the fall beside the stretch before
 //!   choosing a number of iterations.
 //! - A fixed number of iterations is an approximation of implicit Euler whose error is not watched. The default (here
@@ -342,17 +362,17 @@
 //!   default at 64 a side and −12 to −17 % for 16 cells and 18 iterations. For seconds of motion that have to be right
 //!   take 16 cells, 18 iterations and 2 pairs; a step then takes about 1.7 times as long.
 //!
-//!   The motion is not chaotic: implicit Euler from a start disturbed by 10⁻³ m ends with the same largest stretch to 1
-//!   % (32 a side). One instant still misleads, because a motion with too little energy is at another point of its
-//!   swing: some settings happen to be right at the last step and 36 % off on average, and rounding alone moves the
-//!   last step by a tenth and more: with 10 cells and the springs added up in another order it had −28, −0.5 and −0.2
-//!   %. What is missing are folds. A fold moves vertices across the cloth, and others a little along it so that no
-//!   spring is stretched. The matrix charges the motion across as if springs were stretched, and the hats of a grid
-//!   cannot follow the motion along: a grid of half the resolution of the cloth does no better, one as fine as the
+//!   *Why.* The motion is not chaotic: implicit Euler from a start disturbed by 10⁻³ m ends with the same largest
+//!   stretch to 1 % (32 a side). One instant still misleads, because a motion with too little energy is at another
+//!   point of its swing: some settings happen to be right at the last step and 36 % off on average, and rounding alone
+//!   moves the last step by a tenth and more: with 10 cells and the springs added up in another order it had −28, −0.5
+//!   and −0.2 %. What is missing are folds. A fold moves vertices across the cloth, and others a little along it so
+//!   that no spring is stretched. The matrix charges the motion across as if springs were stretched, and the hats of a
+//!   grid cannot follow the motion along: a grid of half the resolution of the cloth does no better, one as fine as the
 //!   cloth is Newton's method, for which three iterations are enough. So folds go on with the velocity that they have,
 //!   and what should have bent is compressed (11 times the elastic energy with the default, at 64 a side).
 //!
-//!   None of these helps, at 32 or 64 a side: a start extrapolated with the last change of velocity; pairs kept from
+//!   *Tried in vain*, at 32 or 64 a side: a start extrapolated with the last change of velocity; pairs kept from
 //!   the step before, as they are (the steps then need line searches) or with their changes of gradient taken anew;
 //!   hats that are quadratic or cubic splines; stiffness summed up over whole cells; blocks of the Hessian's diagonal
 //!   as a third term of the initial inverse Hessian, on the vertices and on finer grids, which moves vertices out of
@@ -360,10 +380,13 @@
 //!   bends is narrow and curved.
 //! - It is the same with a chain of 20 links, swinging: with 6 iterations its centre of mass is right to 0.1 % after
 //!   half a second, but has fallen 3 % too little after five; with 8 iterations it is right to 0.2 % then.
-//! - No energy appears in a step from `x[0]`, nor in a quasi-Newton step from `x[0] + Δt v[0]`: one that ends above
-//!   `G(x[0])` is taken again, which the hanging sheet never needs. Plain and Chebyshev iterations from there, and all
-//!   from x̃, have no such guard; ended early they can feed a tangle. With the default a cloth of 10³ N/m, damped,
-//!   hangs in the end from any start (in a point, on a line, mirrored, random, blown up), forces balanced.
+//! - In a step from `x[0]`, and in a quasi-Newton step from `x[0] + Δt v[0]`, `G(x[1]) ≤ G(x[0])`: one that ends above
+//!   is taken again, which the hanging sheet never needs. In energies this says that the potential energy after the
+//!   step and the kinetic energy `½ ‖v[1] − v[0]‖²_M` of the *change* of velocity are together at most the whole energy
+//!   before. It bounds the tangle that a step can make, not the kinetic energy itself; that the minimum does, where E
+//!   is convex. Plain and Chebyshev iterations from there, and all from x̃, have no such guard; ended early they can
+//!   feed a tangle. With the default a cloth of 10³ N/m, damped, hangs in the end from any start (in a point, on a
+//!   line, mirrored, random, blown up), forces balanced.
 //! - The coarse grid needs rest positions, and is good for cloth that bends smoothly at its scale. It changes how fast
 //!   the iteration converges, never to what; and not always for the better: at 10⁵ N/m, from x̃, the first 10⁻² takes
 //!   32 iterations with it and 7 without any acceleration.
@@ -386,8 +409,9 @@
 //! a side, about a seventh of the time of converged implicit Euler around multigrid, for a fall within 0.1 % and a
 //! stretch within 3 % after half a second; what to take for longer motion is said above. Where the motion has to be
 //! right to the last digits, Newton's method gets there in a dozen iterations. Where the material is replaced
-//! altogether between steps, the position-based methods have no matrix to factorise. Quadratic energies (bending of a
-//! flat sheet, attachments) are solved exactly by one iteration.
+//! altogether between steps, the position-based methods have no matrix to factorise; XPBD relaxes the dual of the same
+//! step, row by row, in multipliers instead of positions, so that hard constraints cost it nothing. Quadratic energies
+//! (bending of a flat sheet, attachments) are solved exactly by one iteration.
 //!
 //! # When not to use this method
 //! Where seconds of motion have to look right, take a step of implicit Euler that is cut short: three Newton iterations

@@ -1,4 +1,4 @@
-//! The local step: every element on its own projects `z = G x` to the nearest point `p` of its set, which gives the
+//! The local step: every element on its own projects `z = S x` to the nearest point `p` of its set, which gives the
 //! forces on its vertices.
 
 use crate::batch::{BATCH_SIZE, projected_hessians_on_spheres, unpacked};
@@ -15,7 +15,7 @@ use cloth_core::particles::Particles;
 use cloth_core::step::BuildError;
 use std::fmt::Debug;
 
-/// Takes one entry of the matrix `Σ w GᵀG`: row, column, value (N/m).
+/// Takes one entry of the matrix `Σ w SᵀS`: row, column, value (N/m).
 pub(crate) type EntrySink<'a> = dyn FnMut(u32, u32, Real) + 'a;
 
 /// Sums over all elements of one kind, with the kind forgotten.
@@ -26,17 +26,17 @@ pub(crate) trait Projections: Debug + Send + Sync {
     /// Sets the elements to a time (s).
     fn set_time(&mut self, time: Real);
 
-    /// Hands over the entries of the lower half of `Σ w GᵀG`.
+    /// Hands over the entries of the lower half of `Σ w SᵀS`.
     fn add_matrix(&self, entry: &mut EntrySink<'_>);
 
-    /// Adds the gradient `Σ w Gᵀ(G x − p)` at x (m) to `out` (N) if the projections are constant, else nothing.
+    /// Adds the gradient `Σ w Sᵀ(S x − p)` at x (m) to `out` (N) if the projections are constant, else nothing.
     fn add_constant_gradient(&mut self, x: &[Vec3], out: &mut [Vec3]);
 
-    /// Adds the gradient `Σ w Gᵀ(G x − p)` at x (m) to `out` (N) and returns the energy `½ Σ w ‖G x − p‖²` (J), unless
+    /// Adds the gradient `Σ w Sᵀ(S x − p)` at x (m) to `out` (N) and returns the energy `½ Σ w ‖S x − p‖²` (J), unless
     /// the projections are constant.
     fn add_gradient(&mut self, x: &[Vec3], out: &mut [Vec3]) -> Real;
 
-    /// Takes away the element that was given as number `element`, and hands over what it leaves of `Σ w GᵀG`: the rows
+    /// Takes away the element that was given as number `element`, and hands over what it leaves of `Σ w SᵀS`: the rows
     /// of its operator, negative. Returns whether it was there.
     fn remove(&mut self, element: usize, terms: &mut Vec<Term>) -> Option<()>;
 
@@ -44,7 +44,7 @@ pub(crate) trait Projections: Debug + Send + Sync {
     /// vertices.
     fn bind(&mut self, to_vertices: &Prolongation, pattern: &BlockPattern);
 
-    /// Adds `Pᵀ (Σ w Gᵀ (I − ∂p/∂z) G) P` at x (m) to a matrix on that pattern (N/m), or nothing if it was never bound.
+    /// Adds `Pᵀ (Σ w Sᵀ (I − ∂p/∂z) S) P` at x (m) to a matrix on that pattern (N/m), or nothing if it was never bound.
     fn add_stiffness(&self, x: &[Vec3], out: &mut [PaddedBlock]);
 }
 
@@ -101,7 +101,7 @@ impl<const N: usize, const K: usize, E: Projective<N, K>> Family<N, K, E> {
         })
     }
 
-    /// Adds `Σ w Gᵀ(G x − p)` to `out` and returns `½ Σ w ‖G x − p‖²`.
+    /// Adds `Σ w Sᵀ(S x − p)` to `out` and returns `½ Σ w ‖S x − p‖²`.
     fn sum(&mut self, x: &[Vec3], out: &mut [Vec3]) -> Real {
         self.blocks.sum(&self.elements, self.are_spheres, x, out)
     }
@@ -202,7 +202,7 @@ pub(crate) fn key<const N: usize, E: Element<N>>(element: &E) -> [u32; 4] {
 /// Vertices that elements stay with before they go on: few enough for positions and sums to stay in the nearest cache.
 const WINDOW: u32 = 512;
 
-/// Adds `Pᵀ w Gᵀ (I − ∂p/∂z) G P` of elements with these prolongation.
+/// Adds `Pᵀ w Sᵀ (I − ∂p/∂z) S P` of elements with these prolongation.
 #[inline(always)]
 fn add_stiffness<const N: usize, const K: usize, E: Projective<N, K>>(
     elements: &[E],
@@ -263,8 +263,8 @@ impl LocalStep {
         Ok(Self(Box::new(Family::new(elements, particles)?)))
     }
 
-    /// Adds the gradient `Σ w Gᵀ(G x − p)` at the positions x (m) to `out` (N), one of each per particle, and returns
-    /// the energy `½ Σ w ‖G x − p‖²` (J). Elements whose projection is constant add nothing: their part is a matrix.
+    /// Adds the gradient `Σ w Sᵀ(S x − p)` at the positions x (m) to `out` (N), one of each per particle, and returns
+    /// the energy `½ Σ w ‖S x − p‖²` (J). Elements whose projection is constant add nothing: their part is a matrix.
     ///
     /// # Panics
     /// If a vertex of an element has no position or no place in `out`.
@@ -273,7 +273,7 @@ impl LocalStep {
     }
 }
 
-/// `z = G x`.
+/// `z = S x`.
 #[inline(always)]
 pub(crate) fn apply<const N: usize, const K: usize>(
     operator: &[[Real; N]; K],
@@ -289,7 +289,7 @@ pub(crate) fn apply<const N: usize, const K: usize>(
     z
 }
 
-/// The entry of vertex `i` in `Gᵀ force`.
+/// The entry of vertex `i` in `Sᵀ force`.
 #[inline(always)]
 pub(crate) fn force_on<const N: usize, const K: usize>(
     operator: &[[Real; N]; K],
@@ -310,7 +310,7 @@ mod tests {
     use cloth_core::mesh::generate::{Diagonals, grid};
     use cloth_core::method::block_matrix::{BlockMatrix, PatternBuilder};
 
-    /// Where nothing is compressed, `Σ w Gᵀ (I − ∂p/∂z) G` is the derivative of the gradient. The second family is
+    /// Where nothing is compressed, `Σ w Sᵀ (I − ∂p/∂z) S` is the derivative of the gradient. The second family is
     /// stored with its ends turned.
     #[test]
     fn the_stiffness_of_taut_springs_is_the_derivative_of_their_gradient() {

@@ -1,4 +1,4 @@
-//! The matrix `A = M/Δt² + Σ w GᵀG` itself: its pattern, its numbers, and what elimination has left of them.
+//! The matrix `A = M/Δt² + Σ w SᵀS` itself: its pattern, its numbers, and what elimination has left of them.
 
 use crate::local::Projections;
 use cloth_core::math::Real;
@@ -49,7 +49,7 @@ pub(crate) fn smallest_pivot(
     smallest
 }
 
-/// Lower half of `Σ w GᵀG` of some families, over all vertices, every diagonal entry present.
+/// Lower half of `Σ w SᵀS` of some families, over all vertices, every diagonal entry present.
 pub(crate) fn assemble<'a>(
     vertex_count: usize,
     families: impl Iterator<Item = &'a Box<dyn Projections>>,
@@ -87,7 +87,7 @@ pub(crate) fn negligible(vertex_count: usize, families: &[Box<dyn Projections>])
         .collect()
 }
 
-/// Adds the diagonal of `Σ w GᵀG` (N/m) of a family, and returns whether there is anything beside the diagonal.
+/// Adds the diagonal of `Σ w SᵀS` (N/m) of a family, and returns whether there is anything beside the diagonal.
 fn add_diagonal(family: &dyn Projections, diagonal: &mut [Real]) -> bool {
     let mut couples_vertices = false;
     family.add_matrix(&mut |i, j, value| match i == j {

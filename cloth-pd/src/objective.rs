@@ -14,8 +14,8 @@ use sprs::CsMat;
 /// `G(x) = ‖x − x̃‖²_M/(2Δt²) + E(x)` of one step, E with contact where that is felt, in terms of the displacement
 /// `q = x − x[0]`.
 ///
-/// With `h = x̃ − x[0] = Δt v + Δt² a` the inertia is `m q·(q − 2h)/(2Δt²)` and a constant, and its gradient
-/// `m (q − h)/Δt²`. Neither subtracts positions: free fall loses no digits, and neither does a step so long that x̃ is
+/// With `u = x̃ − x[0] = Δt v + Δt² a` the inertia is `m q·(q − 2u)/(2Δt²)` and a constant, and its gradient
+/// `m (q − u)/Δt²`. Neither subtracts positions: free fall loses no digits, and neither does a step so long that x̃ is
 /// out of all proportion.
 #[derive(Debug)]
 pub(crate) struct Objective {
@@ -27,9 +27,9 @@ pub(crate) struct Objective {
     pub(crate) attachments: Vec<Attachment>,
     /// x[0] (m).
     from: Vec<Vec3>,
-    /// h (m).
+    /// u (m).
     pub(crate) inertial: Vec<Vec3>,
-    /// `Σ w Gᵀ(G x[0] − p)` (N) over the families of constant projection.
+    /// `Σ w Sᵀ(S x[0] − p)` (N) over the families of constant projection.
     constant_gradient: Vec<Vec3>,
     /// Δt (s).
     dt: Real,
@@ -40,7 +40,7 @@ pub(crate) struct Objective {
 /// A displacement, and what is known there.
 #[derive(Clone, Debug)]
 pub(crate) struct Point {
-    /// q (m); h at prescribed vertices.
+    /// q (m); u at prescribed vertices.
     pub(crate) displacement: Vec<Vec3>,
     /// x (m).
     pub(crate) positions: Vec<Vec3>,
@@ -106,7 +106,7 @@ impl Objective {
         self.quadratic = Quadratic::of(self.particles.len(), &self.families);
     }
 
-    /// The unconstrained components of the cloth; `stiffness` is the lower half of `Σ w GᵀG` (N/m), with or without
+    /// The unconstrained components of the cloth; `stiffness` is the lower half of `Σ w SᵀS` (N/m), with or without
     /// the families of constant projection.
     pub(crate) fn free_components(&self, stiffness: &CsMat<Real>) -> FreeComponents {
         let kept = stiffness.iter().map(|(&value, (i, j))| (i, j, value));
@@ -118,10 +118,10 @@ impl Objective {
     pub(crate) fn begin(&mut self, state: &State, input: &StepInput<'_>) -> Result<(), StepError> {
         self.dt = input.dt;
         self.from.copy_from_slice(&state.positions);
-        for (vertex, h) in self.inertial.iter_mut().enumerate() {
+        for (vertex, u) in self.inertial.iter_mut().enumerate() {
             let a = input.external_acceleration(vertex, self.particles.inverse_mass()[vertex]);
-            *h = (state.velocities[vertex] + a * input.dt) * input.dt;
-            if !cloth_core::math::is_finite(h) {
+            *u = (state.velocities[vertex] + a * input.dt) * input.dt;
+            if !cloth_core::math::is_finite(u) {
                 let step = state.steps + 1;
                 return Err(StepError::NonFinite { vertex, step });
             }
@@ -232,9 +232,9 @@ impl Objective {
                         continue;
                     }
                     let mass = mass[vertex] * per_dt_squared;
-                    let h = inertial[vertex];
-                    inertia += 0.5 * mass * own.dot(&(own - h * 2.0));
-                    *gradient += (own - h) * mass + force;
+                    let u = inertial[vertex];
+                    inertia += 0.5 * mass * own.dot(&(own - u * 2.0));
+                    *gradient += (own - u) * mass + force;
                 }
                 [inertia, bending.iter().sum()]
             },
@@ -269,7 +269,7 @@ impl Objective {
         let both = point.displacement.iter().zip(&self.inertial);
         let free = both.zip(particles.mass()).enumerate();
         let free = free.filter(|(vertex, _)| !particles.is_prescribed(*vertex));
-        let squares = free.map(|(_, ((q, h), mass))| mass * (q - h).norm_squared());
+        let squares = free.map(|(_, ((q, u), mass))| mass * (q - u).norm_squared());
         squares.sum::<Real>().sqrt() / (self.dt * self.dt)
     }
 }

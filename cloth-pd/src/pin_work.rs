@@ -4,7 +4,7 @@
 //! stretch is a little wrong pulls much too hard, or not at all. The force that a plain iteration from there would use
 //! is that of its constant matrix, with the projections p of the iterate,
 //!
-//! f = Σ w Gᵀ(G x⁺ − p) = ∂E/∂x + Σ w GᵀG (x⁺ − x),
+//! f = Σ w Sᵀ(S x⁺ − p) = ∂E/∂x + Σ w SᵀS (x⁺ − x),
 //!
 //! and it is in balance with the momentum of x⁺ whatever p is: M (x⁺ − x̃)/Δt² = −f at free vertices, and the sum of f
 //! over all vertices is zero. At prescribed ones it is what moves the cloth. x⁺ itself is near x long before the forces

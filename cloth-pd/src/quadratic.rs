@@ -7,7 +7,7 @@ use sprs::{CsMatI, TriMatI};
 /// x, y, z and a fourth number, so that a row of a product is a sum of whole registers.
 pub(crate) type Padded = [Real; 4];
 
-/// `Q = Σ w GᵀG` over the families of constant projection, both halves, over all vertices; prescribed ones move too.
+/// `Q = Σ w SᵀS` over the families of constant projection, both halves, over all vertices; prescribed ones move too.
 #[derive(Debug)]
 pub(crate) struct Quadratic {
     /// Row i: `columns[offsets[i]..offsets[i + 1]]`, and its values (N/m) likewise.

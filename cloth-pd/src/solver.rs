@@ -355,10 +355,10 @@ impl PdSolver {
     /// Whether `G` is higher at the point, where the quasi-Newton method has gone from [`StartGuess::Inertial`], than
     /// at `x[0]`; the point is then that, with free components where their momentum takes them.
     ///
-    /// `G(x[1]) ≤ G(x[0])` says that no energy appears in a step. Every iteration lowers `G`, so a start at `x[0]` has
-    /// that; one that goes on with the velocity can end above it, where the cloth is so tangled that the iterations do
-    /// not get far, and a tangle fed in every step never rests. `G(x[0])` is an elastic energy, at least 0, so what is
-    /// below 0 need not be compared.
+    /// `G(x[1]) ≤ G(x[0])` bounds the potential energy that a step can make. Every iteration lowers `G`, so a start at
+    /// `x[0]` has that; one that goes on with the velocity can end above it, where the cloth is so tangled that the
+    /// iterations do not get far, and a tangle fed in every step never rests. `G(x[0])` is an elastic energy, at least
+    /// 0, so what is below 0 need not be compared.
     fn has_gained_energy(
         &mut self,
         state: &State,

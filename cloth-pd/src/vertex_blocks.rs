@@ -74,7 +74,7 @@ impl VertexBlocks {
         }
     }
 
-    /// Adds `Σ w Gᵀ(G x − p)` to `out`, and returns `½ Σ w ‖G x − p‖²`; on one thread or on several, with the same
+    /// Adds `Σ w Sᵀ(S x − p)` to `out`, and returns `½ Σ w ‖S x − p‖²`; on one thread or on several, with the same
     /// bits.
     pub(crate) fn sum<const N: usize, const K: usize, E: Projective<N, K>>(
         &mut self,

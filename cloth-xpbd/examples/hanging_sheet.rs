@@ -24,7 +24,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     model.particles.prescribe(0)?;
     model.particles.prescribe(SIDE - 1)?;
 
-    println!("after 0.5 s       largest strain   largest |C + αλ| (m)   fall of the centre (m)");
+    println!("after 0.5 s       largest strain   largest |C + α̃λ| (m)  fall of the centre (m)");
     let mut largest = Vec::new();
     for (iterations, substeps) in [(1, 20), (4, 5), (20, 1), (400, 1), (1, 400)] {
         let mut solver = XpbdSolver::builder(&model.particles)

@@ -118,9 +118,8 @@
 //!   much of the cloth is compressed the iteration is then not Newton's, and takes tens of iterations or spends
 //!   its budget ([`Outcome::BudgetSpent`](cloth_core::step::Outcome::BudgetSpent); [`DirectXpbd::residuals`]
 //!   says what is left).
-//! - The dual form with its upper bound is slow where links turn far in a step under a high tension:
-//!   `h² T/(m l)` much above
-//!   1. Without geometric stiffness it is exact, and may be unable to converge there.
+//! - The dual form with its upper bound is slow where links turn far in a step under a high tension, where `h² T/(m l)`
+//!   is much above one. Without geometric stiffness it is exact, and may be unable to converge there.
 //! - Dependent hard rows are solved with a small number added to the diagonal ([`DirectXpbd::regularization`]),
 //!   which refinement takes out again. If they are compatible they are met; λ is then one of many. If they
 //!   contradict one another the step ends between them, and its residual says so. A *flat* sheet of hard edges

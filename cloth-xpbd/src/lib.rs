@@ -64,8 +64,8 @@
 //! visited. So k is a property of the material, and `k = ∞` is allowed: a hard constraint.
 //!
 //! # From backward Euler to the update
-//! **The step.** Backward Euler for `M v̇ = f − ∇E(x)` is `x = x̃ − h² M⁻¹ ∇E(x)`, with the free flight
-//! `x̃ = x⁰ + h v⁰ + h² M⁻¹ f`. It is where the gradient of `G(x) = ½ ‖x − x̃‖²_M/h² + E(x)` vanishes.
+//! **The step.** Backward Euler for `M v̇ = f − ∇E(x)` is `x = x̃ − h² M⁻¹ ∇E(x)`, with the inertial prediction, or
+//! free flight, `x̃ = x⁰ + h v⁰ + h² M⁻¹ f`. It is where the gradient of `G(x) = ½ ‖x − x̃‖²_M/h² + E(x)` vanishes.
 //!
 //! **The energy.** An element shows constraint values C(x), its *rows*, with `E = ½ Σ k C²`, so
 //! `∇E = Σ k C ∂C/∂x`: every row pushes along its own gradient with the generalised force `−k C`. Call h² times
@@ -79,10 +79,11 @@
 //!
 //! Nothing in them is divided by α̃: with α = 0, (b) is the hard constraint C = 0, and λ its Lagrange multiplier.
 //!
-//! **Newton's method** on both, at some (x, λ), asks for Δx and Δλ. XPBD makes two approximations: the change
-//! of J with x is dropped, and (a) is taken to hold already, as it does at the start, x = x̃ and λ = 0. What
-//! remains of (a) is `Δx = M⁻¹ Jᵀ Δλ`, the rule by which every correction moves x; put into (b) it gives their
-//! equation 16,
+//! **Newton's method** on both, at some (x, λ), asks for Δx and Δλ. Linearised, (b) is
+//! `C + J Δx + α̃ (λ + Δλ) = 0`. Of (a) XPBD makes something simpler by two approximations: the change of J with x,
+//! the geometric stiffness `−Σ λ ∂²C`, is dropped, and (a) is taken to hold already, as it does at the start, x = x̃
+//! and λ = 0. What remains is `Δx = M⁻¹ Jᵀ Δλ`, the rule by which every correction moves x; put into (b) it gives
+//! their equation 16,
 //!
 //! ```text
 //! (J M⁻¹ Jᵀ + α̃) Δλ = −(C + α̃ λ)
@@ -111,6 +112,10 @@
 //! visit, so (a) holds with those, and not with the J of the end. Converged sweeps end near the minimum of G,
 //! not at it; see the [limits](#limits).
 //!
+//! **Beside projective dynamics**, which lowers the same G in x with one constant matrix for all elements at once: XPBD
+//! eliminates x and relaxes the dual system in λ, row by row. So hard rows cost XPBD nothing and long stiff chains do,
+//! and with projective dynamics it is the other way round.
+//!
 //! # The step
 //! ```text
 //! for each of s substeps of h = Δt/s:
@@ -133,9 +138,10 @@
 //! hinge for instance, are solved one by one, which is the same. Of two redundant hard rows of an element the
 //! later one is left out.
 //!
-//! A row with a dead zone, a limit or a contact, accumulates too: it is solved for the λ with `C + α̃λ = 0`,
-//! and takes back what is too much ([`DeadZoneRow`](cloth_core::element::DeadZoneRow)). If it dropped λ
-//! wherever it is inactive, its k would depend on n.
+//! A row of an inequality, a limit or a contact, accumulates too. For an upper limit C ≤ 0, which only pulls, the λ of
+//! the equation is projected onto its bound, `λ ← min(0, λ + Δλ)`, and the correction is the change of λ
+//! ([`DeadZoneRow`](cloth_core::element::DeadZoneRow) has both limits). If it dropped λ wherever it is inactive, its k
+//! would depend on n.
 //!
 //! | equation | function |
 //! |---|---|
@@ -157,9 +163,16 @@
 //! [`Constraint::rows`]: cloth_core::element::Constraint::rows
 //! [`Families::sweep`]: cloth_core::method::position_based::Families::sweep
 //!
-//! **Where the formula lives.** The plain form is `row_by_row_correction` in `correction.rs`; the other
-//! functions there are the same formula for rows of a special shape. For a spring, `unit_row_correction` leaves
-//! the gradient `d/l` undivided and computes `Δλ/l = −(C + α̃λ)/((w̃ + α̃) l)`, so that one division does for
+//! **Where the formula lives.** The plain form is `row_by_row_correction` in `correction.rs`:
+//!
+//! ```text
+//! Δλ ← residual/(w̃ + α̃)          residual = −(C + α̃ λ), from update.rs
+//! λ ← λ + Δλ
+//! for each vertex i of the row:  xᵢ ← xᵢ + wᵢ ∂C/∂xᵢ Δλ
+//! ```
+//!
+//! The other functions there are the same formula for rows of a special shape. For a spring, `unit_row_correction`
+//! leaves the gradient `d/l` undivided and computes `Δλ/l = −(C + α̃λ)/((w̃ + α̃) l)`, so that one division does for
 //! two.
 //!
 //! # Units
@@ -173,7 +186,12 @@
 //! `α̃ = α/h²` and `w̃` have the same unit, u²/(kg m²); their ratio `k h² w̃` says how stiff a row is *for this
 //! step*: much above 1 it acts as a hard constraint, much below 1 one visit hardly matters. Elements take k,
 //! not α: a material is given as Y (N/m), D (N m) and so on, and each element derives its k. Infinite k is a
-//! hard row, zero k no row; negative k is not looked for.
+//! hard row (zero compliance), zero k no row; negative k is not looked for.
+//!
+//! A quadratic hinge is three rows, `C = Σ qᵢ xᵢ` with the gradients qᵢ along x, y and z: q from the cotangents of its
+//! two triangles, k = 3 D/(A₀ + A₁) (Bergou et al. 2006). The strains of a StVK triangle are diagonalised, so that
+//! `½ Σ k C²` is its energy. Any energy E ≥ 0 can be written as one row, `C = √(2E)` and k = 1, but then ∂C has no
+//! value at rest.
 //!
 //! # Damping
 //! [`XpbdConfig::damping`] = β (s) adds `−β k Ċ` to the force `−k C` of every row, with `Ċ = (C − C⁰)/h` and C⁰
@@ -187,13 +205,15 @@
 //! The paper writes `∂C/∂x·(x − x⁰)` for `C − C⁰`. For a spring that turns by a finite angle that is not zero,
 //! and damps the rotation; the difference of the values is zero for every rigid motion. By a change of
 //! variable, `ν = λ − k h β C⁰`, the sweep is the undamped one with `α̃ = 1/(k h (h + β))` and another start of
-//! the multiplier, so damping costs nothing in it.
+//! the multiplier, so damping costs nothing in it. In the letters of the paper: its β (N s/m) is our βk, so its `γ =
+//! α̃ β̃/h` is our β/h; divide its Δλ through by 1 + γ to find `α̃/(1 + γ) = 1/(k h (h + β))`, and `γ/(1 + γ) =
+//! β/(h + β)` as the part of C⁰ that is kept.
 //!
 //! Without it, backward Euler's own damping remains: a substep divides the energy of an oscillation of ω by
 //! `1 + (hω)²`, so smaller substeps damp less.
 //!
 //! # Forces
-//! `f = Jᵀλ/h²`: [`XpbdSolver::each_force`] row by row, [`XpbdSolver::vertex_forces_into`] summed at the vertices,
+//! `Jᵀλ/h²` (N): [`XpbdSolver::each_force`] row by row, [`XpbdSolver::vertex_forces_into`] summed at the vertices,
 //! [`XpbdSolver::multipliers_into`] as λ. At a prescribed vertex it is the load on the support, at rest the weight.
 //!
 //! # How many substeps, how many iterations
@@ -235,10 +255,11 @@
 //! way. For the strain of the worst edge ask for a quarter of it (an edge), or for a tenth to a fortieth
 //! (corners).
 //!
-//! [`SubstepRule`] turns that into a number for any cloth, from its edges, masses, prescribed vertices and
-//! fall: what swings is also stopped, and a stop at speed v strains by some 2 v h/l, since no wave goes further
-//! than an edge or so in a substep. Its largest strains, measured (1 m, 10⁴ N/m, falling from the horizontal
-//! with steps of 1/60 s, 10 % wanted):
+//! All that is at rest. What swings is also stopped, and a stop at speed v strains by some 2 v h/l, since no wave goes
+//! further than an edge or so in a substep; this part falls with 1/n, not 1/n², in n times as many substeps.
+//! [`SubstepRule`] has both parts for any cloth, from its edges, masses, prescribed vertices and fall, and is what to
+//! take. Its largest strains over the whole swing, measured (1 m, 10⁴ N/m, falling from the horizontal with steps of
+//! 1/60 s, 10 % wanted):
 //!
 //! | sheet | held by | substeps | largest strain |
 //! |---|---|---|---|
@@ -248,7 +269,7 @@
 //! | 33 × 33 | an edge | 50 | 8.5 % |
 //! | 64 × 64 | two corners | 177 | 9.2 % |
 //!
-//! Twenty substeps leave 54 % at 33 × 33 and 272 % at 64 × 64 by two corners.
+//! Twenty substeps leave 54 % at 33 × 33 and 272 % at 64 × 64 by two corners, at the worst moment of the swing.
 //!
 //! So spend sweeps on substeps, unless the constraints are few, or the step has to be that of implicit Euler.
 //!
@@ -273,9 +294,10 @@
 //!
 //! # Contact
 //! A source of contact constraints ([`ContactConstraints`](cloth_core::contact::ContactConstraints),
-//! implemented by the crate `cloth-collide`) is handed over with [`StepInput::contacts`]. Its rows have
-//! compliance and λ ≥ 0, with friction, and are swept last in each sweep of every substep; the velocities
-//! follow from what they leave. The solver itself knows nothing of shapes, and runs no code for contact without
+//! implemented by the crate `cloth-collide`) is handed over with [`StepInput::contacts`]. A contact is a row
+//! `C = n·Σ wᵢ xᵢ − d` with a compliance and `λ ← max(0, λ + Δλ)`, friction a multiplier in the tangent plane that is
+//! cut to `‖λ_t‖ ≤ μ λ`. They are swept last in each sweep of every substep; the velocities follow from what they
+//! leave. The solver itself knows nothing of shapes, and runs no code for contact without
 //! a source. A sheet of 64 × 64 vertices (1 m, k = 10⁴ N/m) that falls by 5 cm onto a ball of 0.1 m holds this
 //! strain energy after 20 and after 60 steps of 1/60 s, and is stretched by this much at most:
 //!
@@ -414,28 +436,34 @@
 //!   its error per sweep. Truncated early, a stiff cloth is softer than its k.
 //! - Iterates depend on the order of the constraints. Coloured sweeps give the same bits on any number of threads,
 //!   sequential ones others.
-//! - Linear momentum is conserved to round-off in free flight; angular momentum and energy are lost, to order
-//!   h, as in implicit Euler.
+//! - Linear momentum is conserved to round-off in free flight; angular momentum is lost, to order h, as in implicit
+//!   Euler. So is energy, once the sweeps have converged. Unconverged sweeps leave stretch that holds elastic energy
+//!   ½ k C² which nothing has put in; see [contact](#contact).
+//! - A substep moves a vertex by some g h², beside positions that are rounded to 10⁻¹⁶ of their size: at 1 m and
+//!   h = 10⁻⁶ s a correction has five digits left. For single precision see `single`, which adds up displacements.
 //! - Damping does not act on hard rows, which do not move, nor on rigid motion.
 //!
 //! # When not to use this method
 //! Half a second of a falling sheet of 64 × 64 vertices, held by two corners (1 m, 0.2 kg/m², 10⁴ N/m, Δt 1/60
 //! s; 2-core AMD EPYC Zen 4, commit 6d27035, `cargo run --release -p cloth-bench -- study convergence`):
 //!
-//! | method | ms per step | largest stretch |
+//! | method | ms per step | largest stretch at the end |
 //! |---|---|---|
 //! | XPBD, the default of 20 substeps | 6.6 | 197 % |
 //! | XPBD, 177 substeps by [`SubstepRule`] | 44 | 1.8 % |
 //! | projective dynamics, 10 quasi-Newton iterations | 3.6 | 1.2 % |
 //! | implicit Euler, converged | 21 | 1.2 % |
 //!
-//! - **Fine and stiff cloth**: the substeps for a wanted strain grow with the number of vertices a side, so the
-//!   cost grows with its cube. At 64 a side other methods are already cheaper for the same strain.
+//! - **Fine and stiff cloth**: the substeps for a wanted strain grow with the number of vertices a side or a little
+//!   faster, so the cost grows with its cube or more. At 64 a side other methods are already cheaper for the same
+//!   strain.
 //! - **A wanted error**: no number of iterations brings it to the implicit Euler step. Take implicit Euler, or
 //!   the direct solver.
 //! - **Motion without numerical damping**: take implicit midpoint or BDF2; substeps only make the damping smaller.
 //! - **Mass ratios far from 1** along chains: the direct solver.
-//! - **Energies that are not `½ k C²`** with constant k, as cubic shells or neo-Hookean solids.
+//! - **Energies that are not `½ k C²`** with constant k in a few rows, as cubic shells. (Stable neo-Hookean solids can
+//!   be written as two rows: M. Macklin, M. Müller, "A constraint-based formulation of stable neo-Hookean materials",
+//!   2021.)
 //!
 //! It is at its best with few or small constraints, hard constraints beside soft ones, limits and contact, and where
 //! some strain may be seen.

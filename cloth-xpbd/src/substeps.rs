@@ -1,14 +1,15 @@
 //! [`SubstepRule`]: the number of substeps that a cloth needs for a wanted strain.
 //!
 //! One sweep in a substep of h leaves a spring longer than its stiffness says: its end has been moved on by the
-//! next spring, by `w λ` with λ/h² the tension. So a sweep acts like a spring of the stiffness `m/(c h²)` in
+//! next spring, by `w λ` with λ/h² the tension. So a sweep acts like a spring of a stiffness of some `m/h²` in
 //! series with the material's, and no wave goes faster than about an edge in a substep, l/h. Two loads follow.
 //!
 //! - **An impact**: cloth that is stopped, or bent round, at a speed v is strained by v over the wave speed,
 //!   `v h/l`. The speed is that of a fall through the length of the cloth and the height below it,
 //!   `v = √(2 g H)`.
-//! - **The weight**: P prescribed vertices carry V vertices, each V/P, which strains the edges there by
-//!   `g h² V/(P l)`. Cloth without prescribed vertices comes to lie on a fold or a rim of some √V vertices.
+//! - **The weight**: P prescribed vertices carry V vertices of mass m, so an edge there has a tension of some m g V/P.
+//!   Over the stiffness m/h² that is a stretch of g h² V/P, and a strain of `g h² V/(P l)`. Cloth without prescribed
+//!   vertices comes to lie on a fold or a rim of some √V vertices.
 //!
 //! The largest strain of the worst edge, over a whole swing and whatever the mesh, is about
 //!
@@ -47,7 +48,8 @@ pub struct SubstepRule {
     pub gravity: Vec3,
     /// Height of free fall (m) below the cloth, besides its own length.
     pub fall: Real,
-    /// Sweeps in each substep. They divide the strain by their number, n times as many substeps by n².
+    /// Sweeps in each substep. They divide the strain by their number; n times as many substeps divide the part of the
+    /// weight by n², that of an impact by n.
     pub iterations: u32,
 }
 

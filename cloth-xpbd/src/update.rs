@@ -7,7 +7,7 @@ use cloth_core::method::position_based::{ConstraintUpdate, RowEquation, RowState
 /// damping.
 ///
 /// It is one Gauss–Seidel step on `(J M⁻¹ Jᵀ + α̃) Δλ = −(C + α̃λ)` (their equation 16) for one row, with λ =
-/// h² times the generalised force. The [crate documentation](crate#from-backward-euler-to-δλ) derives it.
+/// h² times the generalised force. The [crate documentation](crate#from-backward-euler-to-the-update) derives it.
 ///
 /// Damping adds `−β k Ċ` to the force `−k C` along the row, with `Ċ = (C − C⁰)/h` and C⁰ the value at the start
 /// of the substep: λ is to become `−k h² C − k h β (C − C⁰)`. Written for `ν = λ − k h β C⁰`, that is

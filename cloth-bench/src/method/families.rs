@@ -71,7 +71,7 @@ macro_rules! add_projections {
             [
                 Springs, Limited, Arap, Quadratic, Curved, Midpoint, Stitches
             ],
-            "is a squared distance ½ w ‖Gx − p‖² to a set",
+            "is a squared distance ½ w ‖Sx − p‖² to a set",
             |b, elements| b.energy(elements)
         )
     };

@@ -261,3 +261,21 @@ fn masses_without_meaning_are_refused() {
         assert!(said.contains(&place) && said.contains(words), "{said}");
     }
 }
+
+/// PBD pushes as hard as it has iterations: the net threw the ball back with 40 times the energy that it came with.
+#[test]
+fn pbd_pushes_no_body() {
+    let path = written(
+        "pushed",
+        "[[mesh]]\ngenerator = \"grid:5x5:alternating\"\n[[obstacle]]\nshape = \"sphere\"\nradius = 0.1\n\
+         position = [0, 0, 1]\ndensity = 100\n",
+    );
+    let scene = file::build(&path, &Settings::default()).unwrap();
+    let pbd = Method::find("pbd").unwrap();
+    let said = pbd
+        .build(&scene, &Settings::default(), scene.dt)
+        .err()
+        .unwrap();
+    let words = "`pbd` cannot push an obstacle that has a density: ";
+    assert!(said.to_string().starts_with(words), "{said}");
+}

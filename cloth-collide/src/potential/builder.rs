@@ -45,7 +45,8 @@ impl<'a> PotentialBuilder<'a> {
         }
     }
 
-    /// Distance h (m) at which contact begins.
+    /// Distance h (m) at which contact begins. Two parts of one connected piece push from no farther than they are
+    /// apart at rest, so h may be larger than an edge; what shares a vertex is never a pair.
     #[must_use]
     pub fn thickness(mut self, thickness: Real) -> Self {
         self.thickness = thickness;
@@ -92,7 +93,9 @@ impl<'a> PotentialBuilder<'a> {
         self
     }
 
-    /// Stiffness κ (Pa/m): pressure per m that is missing to the thickness.
+    /// Stiffness κ (Pa/m): pressure per m that is missing to the thickness. The weight ρ g of what lies on the cloth
+    /// should leave it in the quadratic part of the law, ρ g/κ < h/2; beyond what that asks for, more stiffness costs
+    /// iterations. At 0.2 kg/m² the default of 10⁶ is pressed together by 2 µm.
     #[must_use]
     pub fn stiffness(mut self, stiffness: Real) -> Self {
         self.stiffness = stiffness;
@@ -151,8 +154,8 @@ impl<'a> PotentialBuilder<'a> {
     ///
     /// # Errors
     /// [`BuildError::InvalidSetting`] for a thickness or stiffness that is not positive and finite, a friction that is
-    /// negative, the surface of an obstacle that there is not, or a free one that there is not, an animation of another number of vertices than its
-    /// mesh, or a sewn vertex that there is not.
+    /// negative, the surface of an obstacle that there is not, or a free one that there is not, an animation of another
+    /// number of vertices than its mesh, or a sewn vertex that there is not.
     pub fn build(self) -> Result<PotentialContacts, BuildError> {
         self.check_own()?;
         let most = self.own.thickness.iter().copied().reduce(Real::max);

@@ -3,7 +3,7 @@
 use cloth_core::math::{Blocks, Mat3, Real, Vec3};
 
 /// m(c) of c = ‖u × v‖², for the vectors u, v of two edges: c/ε (2 − c/ε) below ε, 1 from there on (Li et al. 2020,
-/// section 5 and its supplement).
+/// where distances of nearly parallel edges are treated).
 ///
 /// The nearest points of parallel edges are not unique, and the gradient of their distance jumps. m is zero there, so
 /// the energy m b(d) is smooth. Nothing gets through meanwhile: between parallel edges an end is as near as any point,

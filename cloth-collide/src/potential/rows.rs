@@ -2,8 +2,8 @@
 //!
 //! A substep of h goes from x₀. Each pair of pieces that can touch in it is a row n·Σ wᵢ xᵢ ≥ d̂, with the nearest
 //! points frozen at x₀ (or at an earlier substep, while the patches have hardly moved against each other: then cloth at
-//! rest has the same rows in each), and what pushes is the law of the potential there: with stiffness k = A φ″ and a
-//! range d̂ = d + A φ′/−k where the tangent of the force ends, so that λ/h² is the force k (d̂ − d). XPBD's projection
+//! rest has the same rows in each), and what pushes is the law of the potential there: with stiffness k = A ψ″ and the
+//! range d̂ = d − ψ′/ψ″ where the tangent of the force ends, so that λ/h² is the force k (d̂ − d). XPBD's projection
 //! with the compliance α̃ = 1/(k h²) and λ ≥ 0 is
 //!
 //! Δλ = max(−λ, −(C + α̃ λ)/(Σ wᵢ²/mᵢ + α̃)), C = n·Σ wᵢ xᵢ − d̂.

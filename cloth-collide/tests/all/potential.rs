@@ -9,6 +9,7 @@ use cloth_core::contact::{ContactError, ContactPotential, ContactStep};
 use cloth_core::math::{Real, Vec3, is_finite};
 use cloth_core::mesh::TriMesh;
 use cloth_core::mesh::generate::{Diagonals, grid};
+use std::f64::consts::PI;
 
 const THICKNESS: Real = 0.05;
 
@@ -415,5 +416,64 @@ fn what_flies_along_is_cut_too() {
             "{layers:?}"
         );
         x = to;
+    }
+}
+
+/// Two flat sheets of triangles of one size, turned against each other at random: the pressure between them over that
+/// of a body at the same distance, for a thickness of h over the cell size.
+fn pressure_over_that_of_a_body(thickness: Real) -> Real {
+    let (cell, cells, kappa) = (1.0 / 30.0, 12, 1e4);
+    let (h, gap) = (thickness * cell, 0.8 * thickness * cell);
+    let small = Real::from(cells) * cell;
+    let mut random = Random::new(5);
+    let mut sum = 0.0;
+    let tries = 40;
+    for _ in 0..tries {
+        let lower = grid(31, 31, 1.0, 1.0, Diagonals::Alternating).unwrap();
+        let upper = grid(13, 13, small, small, Diagonals::Alternating).unwrap();
+        let (sin, cos) = random.real(3.0).sin_cos();
+        let centre =
+            Vec3::new(0.5, 0.5, gap) + Vec3::new(random.real(0.05), random.real(0.05), 0.0);
+        let place = |x: &Vec3| {
+            let (a, b) = (x.x - 0.5 * small, x.y - 0.5 * small);
+            centre + Vec3::new(cos * a - sin * b, sin * a + cos * b, 0.0)
+        };
+        let count = lower.vertex_count();
+        let mut positions = lower.positions().to_vec();
+        positions.extend(upper.positions().iter().map(place));
+        let mut triangles = lower.triangles().to_vec();
+        let above = |t: &[u32; 3]| t.map(|v| v + count as u32);
+        triangles.extend(upper.triangles().iter().map(above));
+        let mesh = TriMesh::new(positions, triangles).unwrap();
+        let builder = PotentialContacts::builder(&mesh)
+            .thickness(h)
+            .stiffness(kappa);
+        let mut contacts = builder.build().unwrap();
+        begin(&mut contacts, mesh.positions());
+        let mut gradient = vec![Vec3::zeros(); mesh.vertex_count()];
+        contacts.add_gradient(mesh.positions(), &mut gradient);
+        let force = -gradient[count..].iter().map(|g| g.z).sum::<Real>();
+        sum += force / (kappa * (h - gap) * small * small);
+    }
+    sum / Real::from(tries)
+}
+
+/// Vertices of both sides stand for 2 A, and 2/π L² pairs of edges cross per area, L the length of edges per area; for a
+/// grid of cells of s, L = (2 + √2)/s and an edge stands for s²/3. What is near without being above adds to that as the
+/// thickness comes near the size of the cells.
+#[test]
+fn cloth_on_cloth_is_stiffer_than_a_body() {
+    let edges = 2.0 / PI * (2.0 + 2.0_f64.sqrt()).powi(2) / 3.0;
+    for (thickness, expected, tolerance) in [
+        (1e-3, 2.0 + edges, 0.01),
+        (0.1, 5.6, 0.01),
+        (0.3, 8.0, 0.01),
+        (1.0, 18.3, 0.01),
+    ] {
+        let found = pressure_over_that_of_a_body(thickness);
+        assert!(
+            (found / expected - 1.0).abs() < tolerance,
+            "{thickness}: {found}, not {expected}"
+        );
     }
 }

@@ -23,7 +23,8 @@ use std::f64::consts::{PI, TAU};
 ///
 /// One row, `C = θ − θ₀` (rad), taken the short way round into (−π, π], so that `E` stays continuous when a wing passes
 /// from π to −π. Its gradient is `∂θ/∂x₂ = −‖e‖ n₂/‖n₂‖²`, `∂θ/∂x₃ = −‖e‖ n₃/‖n₃‖²`, shared out to the ends of the edge
-/// by the lever rule.
+/// by the lever rule: `∂θ/∂x₁ = −t₂ ∂θ/∂x₂ − t₃ ∂θ/∂x₃` and `∂θ/∂x₀ = −(1 − t₂) ∂θ/∂x₂ − (1 − t₃) ∂θ/∂x₃`, with
+/// `tᵢ = (xᵢ − x₀)·e/‖e‖²`. The Hessian follows from these with `∂n = [e]× ∂d − [d]× ∂e`, d = xᵢ − x₀.
 ///
 /// Limits: E has a kink where the angle is opposite to the rest angle, `|θ − θ₀| = π`. A hinge with a wing of zero area
 /// (or an edge of zero length) has no angle; value, gradient and Hessian are then defined to be zero, and the hinge

@@ -7,6 +7,10 @@ use crate::math::{
 
 /// A linear spring: `C = ‖x₀ − x₁‖ − L` (m), `E = ½ k C²` (J).
 ///
+/// With l = ‖x₀ − x₁‖ and the unit vector n from x₁ to x₀, its gradient is `k (l − L) n` at x₀ and the negative of that
+/// at x₁; its Hessian has the block `B = k n nᵀ + k (1 − L/l) (I − n nᵀ)` at both ends and −B between them. Across n,
+/// B is tension over length: negative under compression.
+///
 /// Where its two ends coincide the direction of its force is not defined; see
 /// [`length_and_direction`] for the one it gets.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -39,7 +43,8 @@ impl Spring {
             .collect()
     }
 
-    /// One spring of stiffness `stiffness` (N/m) between the two wing tips of every hinge: bending springs.
+    /// One spring of stiffness `stiffness` (N/m) between the two vertices opposite the edge of every hinge: bending
+    /// springs.
     ///
     /// Limits: they do not resist a small fold. Folded by θ without stretching, a hinge whose wings are mirror images,
     /// ℓ₀ apart, costs `½ k ℓ₀² (1 − cos(θ/2))² ≈ k ℓ₀² θ⁴/128`, so no rigidity D corresponds to k; and stretching the

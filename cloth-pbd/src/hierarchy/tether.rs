@@ -67,7 +67,8 @@ impl ConstraintUpdate for TetherUpdate {
                 0.0
             }
             Self::Project(fraction) => {
-                // Multipliers times w̃: two divisions less.
+                // λ ← min(0, λ − C/w̃), and where that is 0, λ ← max(0, λ − (C − C₀)/w̃) with C₀ ≤ 0 where it was
+                // shortest; all times w̃, which saves two divisions.
                 let multiplier = memory.lambda * row.weight;
                 let pull = multiplier - fraction * row.value;
                 let push = multiplier - fraction * (row.value - memory.shortest);

@@ -230,7 +230,7 @@ fn settings_out_of_range_are_refused() {
         };
         assert_eq!(refused(config, rest, 4), "spectral_radius");
     }
-    let acceleration = Acceleration::QuasiNewton { history: 1001 };
+    let acceleration = Acceleration::QuasiNewton { history: 33 };
     let config = PdConfig {
         acceleration,
         ..default

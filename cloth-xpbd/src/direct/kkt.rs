@@ -1,6 +1,7 @@
 //! The linear system (KKT matrix) of one iteration, scaled so that its diagonal is of the order of 1.
 //!
-//! With `Δx̂ = √m Δx`, `Δλ̂ = √D Δλ` and `D = w̃ + α̃` of each row, it reads
+//! With `Δx̂ = √m Δx`, `Δλ̂ = √D Δλ` and `D = w̃ + α̃` of each row, and the geometric stiffness `K = −Σ λ ∂²C` made
+//! positive semi-definite, it reads
 //!
 //! ```text
 //! (I + K̂) Δx̂ − Ĵᵀ Δλ̂ = −(√m (x − x̃) − Ĵᵀ λ̂)     Ĵ = D^(−½) J M^(−½),  K̂ = M^(−½) K M^(−½),

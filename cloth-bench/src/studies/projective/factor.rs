@@ -11,7 +11,7 @@ use cloth_pd::{PanelFactor, WoodburyUpdate};
 use std::hint::black_box;
 use std::time::Instant;
 
-/// `M/Δt² + Σ w GᵀG` of the springs and hinges of a scene, all vertices free, factorised.
+/// `M/Δt² + Σ w SᵀS` of the springs and hinges of a scene, all vertices free, factorised.
 ///
 /// # Errors
 /// [`BenchError::Failed`] if the factor does not fit into memory, or the matrix is singular.
@@ -43,7 +43,7 @@ pub fn constant_matrix(scene: &Scene) -> Result<Cholesky, BenchError> {
     Ok(cholesky)
 }
 
-/// Adds the upper half of `Σ w GᵀG`.
+/// Adds the upper half of `Σ w SᵀS`.
 fn add<const N: usize, E: Projective<N, 1>>(elements: &[E], columns: &mut [Vec<(u32, Real)>]) {
     for element in elements {
         let (vertices, [row]) = (element.vertices(), element.operator());
