@@ -87,7 +87,7 @@
 //!
 //! | constraint | C | its gradient | element |
 //! |---|---|---|---|
-//! | distance | ‖x₀ − x₁‖ − L | ±(x₀ − x₁)/‖x₀ − x₁‖ | [`Spring`](cloth_core::energy::Spring) |
+//! | distance | ‖x₀ − x₁‖ − L | ±(x₀ − x₁)/‖x₀ − x₁‖ | [`Spring`] |
 //! | bending by angle | θ − θ₀ | −‖e‖ n/‖n‖² at the two opposite vertices, n the normals (twice the area), e the edge | [`DihedralHinge`](cloth_core::energy::DihedralHinge) |
 //! | isometric bending | Σ qᵢ xᵢ, three rows | qᵢ along each axis | [`CurvatureHinge`](cloth_core::energy::CurvatureHinge) |
 //! | area | A − A₀ | ½ n × the opposite edge | [`AreaTriangle`](cloth_core::energy::AreaTriangle) |
