@@ -78,7 +78,7 @@
 //!
 //! Here α is the drag of the air, which costs nothing. Damping that grows with the stiffness adds a third term,
 //! `β/(2τ) (x − x_b)ᵀ K (x − x_b)`. And the minimisation can be cut short: one Newton step from `x[0]` without a line
-//! search is the implicit step of Baraff and Witkin: from x[0] it reads `(M/Δt² + H) Δx = M v[0]/Δt + M g + f`, and
+//! search is the implicit step of Baraff and Witkin: from `x[0]` it reads `(M/Δt² + H) Δx = M v[0]/Δt + M g + f`, and
 //! with `Δx = Δt (v[0] + Δv)` and `K = −H` that is their `(M − Δt² K) Δv = Δt (M g + f + Δt K v[0])`.
 //!
 //! **The Hessian of a spring** decides how hard that is. With its unit vector n and its length l,
