@@ -41,11 +41,6 @@ pub(super) struct Own {
     pub(super) broad_phase: BroadPhaseKind,
 }
 
-/// Area of a pair in the cloth over that which it would have alone. Vertices of two sheets come to twice the area that
-/// the sheets share, their edges to 2.2 times that (equilateral triangles) or 2.5 (a grid with diagonals) as long as the
-/// thickness is far below the length of edges.
-const CLOTH_ON_CLOTH: Real = 0.25;
-
 /// Areas, laws and freedom of the parts of a cloth, and of the surfaces of bodies behind it.
 #[derive(Debug)]
 pub(super) struct Near {
@@ -294,37 +289,32 @@ impl Near {
         }
     }
 
-    /// The area (m²) that a vertex stands for before a triangle: that of a body has no more than the vertices of the
-    /// cloth there.
+    /// The area (m²) that a vertex stands for before a triangle: between two sheets, whose vertices all count, half of
+    /// its own; that of a body has no more than the vertices of the cloth there.
     pub(super) fn area_before(&self, vertex: u32, corners: [u32; 3]) -> Real {
         let area = |v: u32| self.vertex_area[v as usize];
         if self.is_own(vertex) {
-            return area(vertex);
+            let is_between_sheets = self.is_own(corners[0]);
+            return if is_between_sheets { 0.5 } else { 1.0 } * area(vertex);
         }
         area(vertex).min(corners.map(area).iter().sum::<Real>() / 3.0)
-    }
-
-    /// The part of its area that a pair counts with: between two sheets the vertices of both and their edges add up.
-    pub(super) fn share_of(&self, vertices: [u32; 4]) -> Real {
-        if vertices.iter().all(|&v| self.is_own(v)) {
-            CLOTH_ON_CLOTH
-        } else {
-            1.0
-        }
     }
 
     /// The distance (m) from which on a pair pushes: for two parts of one piece no farther than they are apart at rest,
     /// so that nothing is pushed away from its rest.
     ///
-    /// Cloth before a body is pressed by its own vertices, which know the area that they stand for. What else there is
-    /// of the two, edges and the vertices of the body, pushes from half of the thickness on: nothing as long as the
-    /// vertices do what is needed.
+    /// Cloth before cloth and before a body is pressed by its own vertices, which know the area that they stand for.
+    /// What else there is, edges and the vertices of the body, pushes from half of the thickness on: nothing as long as
+    /// the vertices do what is needed.
     pub(super) fn range_of(&self, Pair { kind, vertices }: Pair) -> Real {
         let [a, .., d] = vertices;
+        let part = match kind {
+            QueryKind::VertexTriangle => 1.0,
+            QueryKind::EdgeEdge => 0.5,
+        };
         let thickness = match (self.side(a), self.side(d)) {
-            (None, None) => 0.5 * (self.thickness(a) + self.thickness(d)),
-            (None, Some(_)) if kind == QueryKind::VertexTriangle => return self.thickness(a),
-            (None, _) => return 0.5 * self.thickness(a),
+            (None, None) => 0.5 * part * (self.thickness(a) + self.thickness(d)),
+            (None, Some(_)) => return part * self.thickness(a),
             _ => return 0.5 * self.thickness(d),
         };
         if self.piece[a as usize] != self.piece[d as usize] {

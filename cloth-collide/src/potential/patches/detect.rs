@@ -257,7 +257,6 @@ fn near_pair(
         return None;
     }
     let range = near.range_of(Pair { kind, vertices });
-    let area = area * near.share_of(vertices);
     Some(NearPair {
         room: distance - range,
         range,
