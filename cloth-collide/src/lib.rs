@@ -55,8 +55,8 @@
 //!
 //! 1. *Potential.* A vertex at distance d < h before a body is pressed with p = −ψ′(d) on its area A and stores A ψ(d).
 //!    The sum over all pairs is an energy, and its gradient is a force that is equal and opposite on the two sides, so
-//!    momentum is kept whatever is done with it. Between two sheets the vertices of both and their edges add up: they
-//!    press with a multiple of ψ′, see the [limits](potential#limits).
+//!    momentum is kept whatever is done with it. Of two sheets that touch, the vertices of both
+//!    press with half of their areas, together as much as one sheet presses a body.
 //! 2. *Detection.* Only pairs with d < h have energy. Which pairs can come so near within a step follows from bounds on
 //!    relative motion: two patches whose gap is g need no look as long as their displacements differ by less than
 //!    g − h.

@@ -10,9 +10,12 @@
 //! E(x) = Σ A ψ(d(x)),
 //!
 //! over all pairs (vertex, triangle), (edge, edge) and (vertex, obstacle) that are nearer than h. A vertex stands for a
-//! third of the rest area of the triangles around it, an edge for a third of that beside it, and two edges for the
-//! smaller of theirs. ψ is quadratic down to h/2 and a barrier from there on ([`PenaltyLaw`]): on a body, under a
-//! weight ρ g, the gap is h − ρ g/κ, and nothing gets to d = 0.
+//! third of the rest area of the triangles around it, before other cloth for half of that, since the vertices of both
+//! sides press; an edge for a third of the area beside it, and two edges for the smaller of theirs. ψ is quadratic down
+//! to h/2 and a barrier from there on ([`PenaltyLaw`]): under a weight ρ g the gap is h − ρ g/κ, and nothing gets to
+//! d = 0. Edges push from h/2 on, which is nothing as long as the vertices do what is needed: flat sheets of 1445
+//! vertices in five layers have a fifth of the pairs that they would have with edges from h on, and a step of implicit
+//! Euler takes a third of the time.
 //!
 //! A method adds E to what it minimises, with its gradient, and the Gauss–Newton part of its second derivative, A ψ″ ∂d
 //! ∂dᵀ. Before it moves the cloth it asks how far the path is safe ([`ContinuousTest`](crate::ContinuousTest)). So what
@@ -93,10 +96,10 @@
 //! - A vertex above an edge of an animated surface is pressed by both triangles there, and is nearer to the thickness
 //!   for it.
 //! - There is no restitution: what bounces is elastic.
-//! - Between two sheets the areas of both and of their edges add up, and what is near without being above counts too.
-//!   So they press as bodies of several times κ would: 4.5 times where the thickness is far below the length of edges,
-//!   5.6 at a tenth of the size of a grid's cells, 8 at three tenths, 18 where it is as large (a test has these
-//!   numbers). Forces are in balance all the same; only the gap is nearer to h than h − p/κ.
+//! - What is near a vertex without being below it counts too: as the thickness h comes near the length of edges, two
+//!   sheets press harder than κ says. On a grid by 0.3 % where h is a thousandth of a cell, 1.3 times at a tenth, 1.9
+//!   times at three tenths, 4.6 times where h is as large as a cell (a test has these numbers). Forces are in balance
+//!   all the same; only the gap is nearer to h than h − p/κ.
 //!
 //! # References
 //!

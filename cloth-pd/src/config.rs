@@ -12,6 +12,8 @@ pub struct PdConfig {
     /// with as many.
     pub iterations: u32,
     /// The same for a step with active contacts, if that is more: an impact changes the problem during the iteration.
+    /// The step goes on, to ten times as many at most, as long as ten iterations lower `G` by more than a fiftieth of
+    /// what it has been lowered by, unless that is next to nothing.
     /// Such a step ends sooner once `‖∇G(x)‖ ≤ 1e-8 ‖M (x − x̃)/Δt²‖` in the norm of M⁻¹.
     pub contact_iterations: u32,
     /// With `Some(τ)` the iteration ends as soon as `‖∇G(x)‖ ≤ τ ‖∇G(x̃)‖` in the norm of M⁻¹ (τ dimensionless), and

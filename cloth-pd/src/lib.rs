@@ -247,8 +247,12 @@
 //!   (`cloth-bench/scenes/handkerchief.toml`) held 3.1·10⁻⁴ J more than it was given in its first four steps without,
 //!   where it was given 2·10⁻⁵ J, and seven times as long was spent on a step; with it, no more than it was given.
 //! - **An impact takes more iterations**, because new contacts appear during the step: [`PdConfig::contact_iterations`]
-//!   instead of [`PdConfig::iterations`] in a step in which anything pushes, and twenty pairs instead of two. If the
-//!   end is above `G` at the start of the step all the same, it is taken again from there.
+//!   instead of [`PdConfig::iterations`] in a step in which anything pushes, and twenty pairs instead of two; and it
+//!   goes on as long as ten iterations lower `G` by more than a fiftieth of what the step has lowered it by. With 30
+//!   iterations and no more, a ribbon that folds down on itself (`cloth-bench run fold --n 17 --steps 30`) falls 0.405
+//!   m, so 0.469 m, 0.489 m with 300; implicit Euler 0.495 m. On the ball below a step takes a fifth longer for it, and
+//!   the 0.005 J from nowhere vanish. If the end is above `G` at the start of the step all the same, it is taken again
+//!   from there.
 //!
 //! So every accepted iterate, and every straight path between two of them, is free of intersections. A sheet with 64
 //! vertices a side (0.2 kg/m², 10⁴ N/m) that falls 5 cm onto a ball of 0.1 m is stretched by 2.4 % at most after 20

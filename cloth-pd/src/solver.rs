@@ -58,6 +58,12 @@ enum Method {
 
 /// What is left of the forces in a step with contact that is done, over those that it takes to end where it does.
 const BALANCED: Real = 1e-8;
+/// A step with contact goes on as long as so many iterations lower `G` by more than a part of what all have lowered it
+/// by, and of what its forces would give to cloth at rest, up to so many times the number asked for.
+const SPAN: u32 = 10;
+const PROGRESS: Real = 0.02;
+const NOTICED: Real = 1e-3;
+const MOST_EXTENSION: u32 = 10;
 
 impl Stepper for PdSolver {
     fn name(&self) -> &'static str {
@@ -321,6 +327,12 @@ impl PdSolver {
         report.coarse_fallbacks += u32::from(self.lattice.is_some() && !is_coarse_ready);
         let first = report.iterations;
         let mut last = first + self.config.iterations;
+        let most = self
+            .config
+            .contact_iterations
+            .saturating_mul(MOST_EXTENSION);
+        // `G` (J) after the first iteration, and a span before the last.
+        let [mut start, mut before] = [Real::NAN; 2];
         loop {
             let is_last = report.iterations == last;
             if is_last && self.config.tolerance.is_none() {
@@ -340,8 +352,22 @@ impl PdSolver {
             if is_stuck {
                 return Ok(Outcome::BudgetSpent);
             }
+            let now = self.point.value;
+            if report.iterations == first + 1 {
+                start = now;
+            }
             if self.has_contact() {
                 last = last.max(first + self.config.contact_iterations);
+                if report.iterations + SPAN == last {
+                    before = now;
+                }
+                let is_end = report.iterations == last && last - first < most;
+                if is_end && before - now > PROGRESS * (start - now) {
+                    let velocity = self.objective.inertial_norm(&self.point) * self.objective.dt();
+                    if before - now > NOTICED * 0.5 * velocity * velocity {
+                        (last, before) = (last + SPAN, now);
+                    }
+                }
             }
             if let Some(observer) = &mut input.observer {
                 if !self.point.is_evaluated {
