@@ -45,8 +45,9 @@ impl<'a> PotentialBuilder<'a> {
         }
     }
 
-    /// Distance h (m) at which contact begins. Two parts of one connected piece push from no farther than they are
-    /// apart at rest, so h may be larger than an edge; what shares a vertex is never a pair.
+    /// Distance h (m) at which contact begins, between a vertex and whatever is near it; edges push from h/2 on. Two
+    /// parts of one connected piece push from no farther than they are apart at rest, so h may be larger than an edge;
+    /// what shares a vertex is never a pair.
     #[must_use]
     pub fn thickness(mut self, thickness: Real) -> Self {
         self.thickness = thickness;
@@ -83,6 +84,13 @@ impl<'a> PotentialBuilder<'a> {
     #[must_use]
     pub fn sew(mut self, pairs: &[[u32; 2]]) -> Self {
         self.own.sewn = Sewn::new(pairs);
+        self
+    }
+
+    /// Edges push from the thickness on, as vertices do, and vertices with all of their area: where everything is to be
+    /// that far apart, at any cost.
+    pub(crate) fn keep_all_apart(mut self) -> Self {
+        self.own.keeps_all_apart = true;
         self
     }
 

@@ -39,6 +39,8 @@ pub(super) struct Own {
     pub(super) sewn: Sewn,
     /// What finds near triangles.
     pub(super) broad_phase: BroadPhaseKind,
+    /// Whether edges push from the thickness on, as vertices do, and vertices with all of their area.
+    pub(super) keeps_all_apart: bool,
 }
 
 /// Areas, laws and freedom of the parts of a cloth, and of the surfaces of bodies behind it.
@@ -294,7 +296,7 @@ impl Near {
     pub(super) fn area_before(&self, vertex: u32, corners: [u32; 3]) -> Real {
         let area = |v: u32| self.vertex_area[v as usize];
         if self.is_own(vertex) {
-            let is_between_sheets = self.is_own(corners[0]);
+            let is_between_sheets = self.is_own(corners[0]) && !self.own.keeps_all_apart;
             return if is_between_sheets { 0.5 } else { 1.0 } * area(vertex);
         }
         area(vertex).min(corners.map(area).iter().sum::<Real>() / 3.0)
@@ -309,8 +311,8 @@ impl Near {
     pub(super) fn range_of(&self, Pair { kind, vertices }: Pair) -> Real {
         let [a, .., d] = vertices;
         let part = match kind {
-            QueryKind::VertexTriangle => 1.0,
-            QueryKind::EdgeEdge => 0.5,
+            QueryKind::EdgeEdge if !self.own.keeps_all_apart => 0.5,
+            _ => 1.0,
         };
         let thickness = match (self.side(a), self.side(d)) {
             (None, None) => 0.5 * part * (self.thickness(a) + self.thickness(d)),

@@ -64,7 +64,10 @@ pub fn bring_back(
     assert_eq!(inverse_mass.len(), count, "one mass a vertex");
     assert_eq!(positions.len(), count, "one position a vertex");
     let contacts = PotentialContacts::builder(mesh).thickness(thickness);
-    let mut contacts = contacts.build().map_err(ReturnError::Build)?;
+    let mut contacts = contacts
+        .keep_all_apart()
+        .build()
+        .map_err(ReturnError::Build)?;
     let mut projection = Projection::default();
     let (mut from, mut velocities) = (positions.to_vec(), vec![Vec3::zeros(); count]);
     for _ in 0..MOST_RETURNS {
