@@ -201,8 +201,8 @@
 //!
 //! With quadratic bending and n vertices, f numbers in the factor, e springs and b entries in the matrix of the bending
 //! energy, an iteration moves `16 f` bytes for the solve, `24 e + 72 n` for the springs, `12 b + 64 n` for the bending,
-//! about `200 n` for the rest of the objective, and `100 n` and `48 n` for each pair that is remembered. At 128 a side,
-//! with the bending left out of the matrix, that is about 9 MB, 2 MB, 4 MB, 3 MB and, with two pairs, 3 MB. A large
+//! about `200 n` for the rest of the objective, and `100 n` and `96 n` for each pair that is remembered. At 128 a side,
+//! with the bending left out of the matrix, that is about 9 MB, 2 MB, 4 MB, 3 MB and, with two pairs, 5 MB. A large
 //! factor is cut into subtrees of its elimination tree, which threads can share; the cut does not depend on how many
 //! there are. All loops are compiled for wide registers too ([`wide`](cloth_core::method::parallel::wide)), and give
 //! the same bits without.

@@ -38,7 +38,7 @@ const SHORTENED: Real = 0.5;
 pub(crate) struct QuasiNewton {
     /// Pairs that were requested for.
     requested: usize,
-    memory: LimitedMemory,
+    memory: LimitedMemory<f64>,
     work: Vec<Vec3>,
     /// The direction of descent (m), and the slope of `G` along it (J).
     direction: Vec<Vec3>,

@@ -26,7 +26,7 @@ pub(super) struct QuasiNewton {
     is_free: Vec<bool>,
     unconstrained: Unconstrained,
     multigrid: Option<Multigrid>,
-    history: LimitedMemory,
+    history: LimitedMemory<f32>,
     /// Contacts, and those at the last matrix between vertices.
     rows: Vec<ContactRow>,
     pairs: Vec<ContactRow>,
