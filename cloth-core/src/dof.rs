@@ -46,7 +46,7 @@
 //! the membrane as it is.
 //!
 //! Finer meshes lock less: the last sheet reaches 0.93 with 32 cells a side where it reached 0.49 with 16, and no fold
-//! of 64 or 128 cells a side, at 10⁶ N/m, reaches less than 1.00 (without `--quick`). The cone says what the remedies
+//! of 64 cells a side, at 10⁶ N/m, reaches less than 1.00 (without `--quick`). The cone says what the remedies
 //! do to an irregular mesh, the worst, with 32 cells a side and 10⁸ N/m: springs 1.78 times the energy of an
 //! inextensible sheet, StVK 2.58, ARAP 2.75; weaker springs under compression 1.03, a fifth of the coordinates free
 //! 1.04, quads 0.99, slack 0.86, midpoints 0.74. Midpoints stay below 1 on every mesh, because triangles that are

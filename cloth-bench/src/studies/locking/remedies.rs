@@ -25,7 +25,7 @@ fn sheets(scope: Scope) -> Vec<(&'static str, usize)> {
             let of_size = |n: usize| count::PATTERNS.map(|pattern| (pattern, n));
             let mut all = [16, 32].map(of_size).concat();
             // The most and the least regular of those that lock.
-            all.extend([("one-way", 64), ("irregular", 64), ("one-way", 128)]);
+            all.extend([("one-way", 64), ("irregular", 64)]);
             all
         }
     }

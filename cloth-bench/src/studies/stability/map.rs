@@ -89,7 +89,7 @@ impl Map {
         down: Real,
         method: &str,
     ) -> Result<Vec<Fate>, BenchError> {
-        let steps = if scope == Scope::Quick { 20 } else { 100 };
+        let steps = if scope == Scope::Quick { 20 } else { 60 };
         let (across, _) = self.values(scope);
         let fate = |first: Real| match (self.build)(first, down) {
             Ok((scene, dt)) => worst(runs(scope, method), |seed| {
