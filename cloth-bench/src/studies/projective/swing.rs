@@ -214,10 +214,7 @@ mod tests {
                 .relative_to(&converged)
         };
         let (pd, newton) = (relative(0), relative(8));
-        for (found, known) in [
-            (newton.kinetic, -0.084),
-            (newton.stretch, -0.009),
-        ] {
+        for (found, known) in [(newton.kinetic, -0.084), (newton.stretch, -0.009)] {
             assert!((found - known).abs() < 1e-3, "{found} is not {known}");
         }
         assert!((-0.7..-0.4).contains(&pd.kinetic), "{}", pd.kinetic);
