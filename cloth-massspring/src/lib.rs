@@ -314,7 +314,7 @@
 //! - **Interactive rates.** Half a second of a falling sheet of 64 × 64 vertices (1 m, 0.2 kg/m², 10⁴ N/m, Δt 1/60 s;
 //!   2-core AMD EPYC Zen 4, commit 6d27035, `cargo run --release -p cloth-bench -- study convergence`) takes 21 ms a
 //!   step on one thread by converged implicit Euler and 3.6 ms by projective dynamics with 10 iterations, for the same
-//!   fall (0.499 and 0.498 m) and stretch (1.2 %).
+//!   fall (0.499 m) and stretch (1.2 %).
 //! - **Inextensible cloth.** Stiffness without bound makes κ grow; rigid links are constraints: take XPBD with zero
 //!   compliance.
 //! - **Motion without numerical damping at large steps.** Implicit Euler damps, the midpoint rule may blow up; resolve

@@ -280,7 +280,7 @@
 //! |---|---|---|---|
 //! | PBD, the default of 20 iterations | 4.8 | 1.155 m | 1515 % |
 //! | XPBD, 20 substeps | 6.6 | 0.589 m | 197 % |
-//! | projective dynamics, 10 quasi-Newton iterations | 3.6 | 0.498 m | 1.2 % |
+//! | projective dynamics, 10 quasi-Newton iterations | 3.6 | 0.499 m | 1.2 % |
 //! | implicit Euler, converged | 21 | 0.499 m | 1.2 % |
 //!
 //! - **Cloth with a material**, that is with k, Y or D that should mean something: take XPBD, which costs the

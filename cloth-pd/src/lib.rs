@@ -255,10 +255,10 @@
 //!   from there.
 //!
 //! So every accepted iterate, and every straight path between two of them, is free of intersections. A sheet with 64
-//! vertices a side (0.2 kg/m², 10⁴ N/m) that falls 5 cm onto a ball of 0.1 m is stretched by 2.4 % at most after 20
-//! steps of 1/60 s, 1.6 % with converged implicit Euler, and 0.003 of 0.64 J appear. The falls of the two methods
+//! vertices a side (0.2 kg/m², 10⁴ N/m) that falls 5 cm onto a ball of 0.1 m is stretched by 2.1 % at most after 20
+//! steps of 1/60 s, 1.7 % with converged implicit Euler, and no energy appears. The falls of the two methods
 //! differ by 2 %. How the sheet buckles is chance to that degree: one hundredth more bending rigidity changes the fall
-//! by 0.6 % with implicit Euler (and its stretch from 1.6 to 2.5 %), by 1.5 % with projective dynamics (`cloth-bench
+//! by 0.6 % with implicit Euler (and its stretch by a half), by 1.5 % with projective dynamics (`cloth-bench
 //! run` with a scene file: `generator = "grid:64x64:alternating"`, an obstacle `shape = "sphere"`, `radius = 0.1`).
 //!
 //! # Strain limits
@@ -357,11 +357,11 @@
 //!
 //!   | cells, iterations, pairs | kinetic energy (%) | largest stretch (%) | the same at the last step (%) |
 //!   |---|---|---|---|
-//!   | 8, 6, 5 | −86 | −17 | −32 |
-//!   | 12, 10, 2 (default) | −44 | +1 | −22 |
-//!   | 16, 18, 2 | −17 | −4 | +1 |
+//!   | 8, 6, 5 | −86 | −18 | −28 |
+//!   | 12, 10, 2 (default) | −52 | −3 | −28 |
+//!   | 16, 18, 2 | −15 | −4 | +6 |
 //!
-//!   At 32 a side the default has a mean stretch of +8 % and a kinetic energy of −51 %. Rounding alone moves the
+//!   At 32 a side the default has a mean stretch of −5 % and a kinetic energy of −46 %. Rounding alone moves the
 //!   kinetic energy: with sums in another order, or with the factor in single precision, it is −44 to −52 % for the
 //!   default at 64 a side and −12 to −17 % for 16 cells and 18 iterations. For seconds of motion that have to be right
 //!   take 16 cells, 18 iterations and 2 pairs; a step then takes about 1.7 times as long.
@@ -426,8 +426,8 @@
 //!
 //! | n | | kinetic energy | largest stretch, mean | at the end | elastic | ms |
 //! |---|---|---|---|---|---|---|
-//! | 64 | default | −44 % | +1 % | −22 % | × 10 | 3.7 |
-//! | | 18 iterations, 16 cells | −17 % | −4 % | +1 % | × 3.9 | 5.9 |
+//! | 64 | default | −52 % | −3 % | −28 % | × 9 | 3.7 |
+//! | | 18 iterations, 16 cells | −15 % | −4 % | +6 % | × 2.8 | 5.9 |
 //! | | three Newton iterations of 5 | −3.4 % | +0.6 % | −3.3 % | × 0.94 | 10 |
 //! | 128 | default | −43 % | −2 % | −14 % | × 15 | 25 |
 //! | | 18 iterations, 16 cells | −8 % | −1.2 % | +10 % | × 4.9 | 42 |
