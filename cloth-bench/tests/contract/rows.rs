@@ -223,7 +223,8 @@ fn sheet_sticks_to_a_sheet() {
         let moved = state.positions.iter().zip(mesh.positions());
         ways.push(moved.map(|(x, from)| x.x - from.x).fold(0.0, Real::min));
     }
-    assert!(ways[0] > -1e-5, "{ways:?}");
+    // It slides as long as it is not pressed yet; the farther, the softer contact is.
+    assert!(ways[0] > -3e-5, "{ways:?}");
     assert!((ways[7] - ways[0]).abs() < 1e-12, "{ways:?}");
 }
 
@@ -259,7 +260,8 @@ fn stack_carries_its_weight() {
     let ups = [1.0, 2.0, 3.0].map(|up| Vec3::z() * (THICKNESS * up));
     let mesh = sheets(&one, &ups);
     let model = model(&mesh);
-    let mut stepper = xpbd(&model, 20);
+    // With 20 substeps it trembles by some mm/s.
+    let mut stepper = xpbd(&model, 40);
     let mut contacts = contacts(&mesh, Some(floor()), 0.3);
     let mut state = State::at_rest(mesh.positions().to_vec());
     let mut probe = SeparationProbe::new(&mesh);
@@ -278,9 +280,8 @@ fn stack_carries_its_weight() {
         "stack: {:e} of the force, {speed:e} m/s",
         force / weight - 1.0
     );
-    // Vertices above vertices: which edges are nearest to each other changes from substep to substep.
-    assert!((force / weight - 1.0).abs() < 6e-6, "{force} N");
-    assert!(speed < 3e-5, "{speed} m/s");
+    assert!((force / weight - 1.0).abs() < 1e-11, "{force} N");
+    assert!(speed < 1e-12, "{speed} m/s");
 }
 
 /// A sheet falls on a ball and wraps it: without a crossing and with all vertices outside after every step, and, with
