@@ -57,7 +57,7 @@ pub fn backtrack(
 
 fn shorter(length: Real, slope: Real, rise: Real) -> Real {
     let minimum = -0.5 * slope * length * length / (rise - slope * length);
-    // A rise that is not a number (overflow) comes out of `max` and `min` as a tenth.
+    // A rise that is not a number comes out of `min` as a half, an infinite one of `max` as a tenth.
     minimum.min(0.5 * length).max(0.1 * length)
 }
 
@@ -84,7 +84,7 @@ mod tests {
     #[test]
     fn lengths_stay_between_a_tenth_and_a_half_of_the_one_before() {
         for (rise, factor) in [
-            (Real::NAN, 0.1),
+            (Real::NAN, 0.5),
             (Real::INFINITY, 0.1),
             (1e9, 0.1),
             (-0.9, 0.5),
