@@ -13,9 +13,8 @@
 //! third of the rest area of the triangles around it, before other cloth for half of that, since the vertices of both
 //! sides press; an edge for a third of the area beside it, and two edges for the smaller of theirs. ψ is quadratic down
 //! to h/2 and a barrier from there on ([`PenaltyLaw`]): under a weight ρ g the gap is h − ρ g/κ, and nothing gets to
-//! d = 0. Edges push from h/2 on, which is nothing as long as the vertices do what is needed: flat sheets of 1445
-//! vertices in five layers have a fifth of the pairs that they would have with edges from h on, and a step of implicit
-//! Euler takes a third of the time.
+//! d = 0. Edges push from h/2 on, which is nothing as long as the vertices do what is needed, and leaves far
+//! fewer pairs: with edges from h on, five layers of 17 × 17 vertices at rest take implicit Euler three times as long.
 //!
 //! A method adds E to what it minimises, with its gradient, and the Gauss–Newton part of its second derivative, A ψ″ ∂d
 //! ∂dᵀ. Before it moves the cloth it asks how far the path is safe ([`ContinuousTest`](crate::ContinuousTest)). So what

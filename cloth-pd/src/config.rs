@@ -57,7 +57,7 @@ pub enum Acceleration {
     Chebyshev {
         /// Largest factor ρ (dimensionless, at least 0, below 1) by which the plain iteration keeps an error. `None`:
         /// read off the plain iterations that every step then starts with. That is too small, as the first iterations
-        /// contract fast; for stiff cloth give 0.999 to 0.9999.
+        /// contract fast; for stiff cloth give more, as the 0.9995 of the [table](crate#iterations).
         spectral_radius: Option<Real>,
     },
     /// Quasi-Newton (Liu, Bouaziz, Kavan 2017): L-BFGS with the inverse of the constant matrix (without the bending of

@@ -250,7 +250,7 @@
 //!   instead of [`PdConfig::iterations`] in a step in which anything pushes, and twenty pairs instead of two; and it
 //!   goes on as long as ten iterations lower `G` by more than a fiftieth of what the step has lowered it by. With 30
 //!   iterations and no more, a ribbon that folds down on itself (`cloth-bench run fold --n 17 --steps 30`) falls 0.405
-//!   m, so 0.469 m, 0.489 m with 300; implicit Euler 0.495 m. On the ball below a step takes a fifth longer for it, and
+//!   m, so 0.469 m, 0.495 m with 240; implicit Euler 0.495 m. On the ball below a step takes a fifth longer for it, and
 //!   the 0.005 J from nowhere vanish. If the end is above `G` at the start of the step all the same, it is taken again
 //!   from there.
 //!
