@@ -1,7 +1,6 @@
 //! Every method by name, with its published setting: one for all scenes.
 
 mod direct;
-mod families;
 mod known;
 mod mass_spring;
 mod own;
@@ -9,10 +8,7 @@ mod position_based;
 mod projective;
 mod strain_limit;
 
-pub(crate) use families::implicit_euler;
 pub use own::{Build, OwnMethod, all, register, with_own};
-
-use families::{add_constraints, add_energies, add_families, add_projections, refused};
 
 use crate::error::BenchError;
 use crate::names;
@@ -22,7 +18,7 @@ use cloth_core::cloth::Elements;
 use cloth_core::energy::{Spring, StrainLimitSpring};
 use cloth_core::math::Real;
 use cloth_core::method::family::Energies;
-use cloth_core::step::Stepper;
+use cloth_core::step::{BuildError, Stepper};
 use cloth_massspring::{
     Bdf2, ExplicitConfig, ExplicitEuler, ImplicitEuler, ImplicitMidpoint, SymplecticEuler,
     stable_time_step,
@@ -31,6 +27,7 @@ use cloth_pbd::PbdSolver;
 use cloth_pd::PdSolver;
 use cloth_xpbd::XpbdSolver;
 use cloth_xpbd::direct::DirectXpbd;
+use cloth_xpbd::single::SingleXpbd;
 
 /// A method that can be named.
 #[derive(Clone, Copy, Debug)]
@@ -219,13 +216,11 @@ impl Method {
         settings: &Settings,
         dt: Real,
     ) -> Result<Box<dyn Stepper>, BenchError> {
-        let model = &scene.model;
-        let (particles, families) = (&model.particles, model.families());
+        let (particles, families) = (&scene.model.particles, scene.model.families());
         macro_rules! mass_spring {
             ($kind:ident, $config:expr) => {{
-                let config = $config;
-                let builder = add_energies!($kind::builder(particles), families, self.name);
-                Box::new(builder.config(config).build().map_err(BenchError::usage)?)
+                let builder = $kind::builder(particles).config($config);
+                Box::new(self.built(builder.elements(families).build())?)
             }};
         }
         Ok(match self.kind {
@@ -236,37 +231,46 @@ impl Method {
             Kind::Midpoint => mass_spring!(ImplicitMidpoint, mass_spring::newton(scene, settings)?),
             Kind::Bdf2 => mass_spring!(Bdf2, mass_spring::newton(scene, settings)?),
             Kind::Pbd => {
-                let config = position_based::pbd(settings)?;
-                let builder = add_constraints!(PbdSolver::builder(particles), families, self.name);
-                let solver = builder.config(config).build().map_err(BenchError::usage)?;
+                let builder = PbdSolver::builder(particles).config(position_based::pbd(settings)?);
+                let solver = self.built(builder.elements(families).build())?;
                 Box::new(match position_based::hierarchy(scene, settings)? {
-                    Some(levels) => solver.with_hierarchy(levels).map_err(BenchError::usage)?,
+                    Some(levels) => self.built(solver.with_hierarchy(levels))?,
                     None => solver,
                 })
             }
-            Kind::Xpbd => {
-                if let Some(solver) = position_based::single(particles, &families, settings)? {
-                    return Ok(Box::new(solver));
+            Kind::Xpbd => match position_based::single(settings)? {
+                Some(config) => {
+                    let builder = SingleXpbd::builder(particles).config(config);
+                    Box::new(self.built(builder.elements(families).build())?)
                 }
-                let config = position_based::xpbd(settings)?;
-                let builder = add_constraints!(XpbdSolver::builder(particles), families, self.name);
-                Box::new(builder.config(config).build().map_err(BenchError::usage)?)
-            }
+                None => {
+                    let config = position_based::xpbd(settings)?;
+                    let builder = XpbdSolver::builder(particles).config(config);
+                    Box::new(self.built(builder.elements(families).build())?)
+                }
+            },
             Kind::XpbdDirect => {
-                let config = direct::direct(settings)?;
-                let builder = add_constraints!(DirectXpbd::builder(particles), families, self.name);
-                Box::new(builder.config(config).build().map_err(BenchError::usage)?)
+                let builder = DirectXpbd::builder(particles).config(direct::direct(settings)?);
+                Box::new(self.built(builder.elements(families).build())?)
             }
             Kind::Pd => {
-                let builder = add_projections!(PdSolver::builder(particles), families, self.name);
-                let mut builder = builder.config(projective::projective(settings)?);
+                let config = projective::projective(settings)?;
+                let mut builder = PdSolver::builder(particles).config(config);
                 let cells = settings.count(&projective::PD_COARSE, 0)?;
                 if cells > 0 {
                     builder = builder.coarse_grid(&scene.start.positions, cells);
                 }
-                Box::new(builder.build().map_err(BenchError::usage)?)
+                Box::new(self.built(builder.elements(families).build())?)
             }
             Kind::Own(own) => (own.build)(scene, settings, dt)?,
+        })
+    }
+
+    /// What a builder of the method has made, or why not.
+    fn built<T>(&self, solver: Result<T, BuildError>) -> Result<T, BenchError> {
+        solver.map_err(|error| match error {
+            BuildError::NoSuchView { .. } => BenchError::Usage(format!("`{}` {error}", self.name)),
+            _ => BenchError::usage(error),
         })
     }
 
@@ -327,18 +331,17 @@ impl Method {
 
 /// The energy of a scene with every slack spring taut: at the start it may resist nothing, and later all at once.
 fn taut(scene: &Scene) -> Result<Energies, BenchError> {
-    let mut sum = Energies::new(scene.model.particles.len());
-    for family in scene.model.families() {
-        let family = match family {
-            Elements::Limited(springs) => {
-                let one = |s: &StrainLimitSpring| {
-                    Spring::along(&scene.start.positions, &[s.vertices], s.stiffness)
-                };
-                Elements::Springs(springs.iter().flat_map(one).collect())
-            }
-            other => other,
-        };
-        sum = family.add_to(sum).map_err(BenchError::usage)?;
-    }
-    Ok(sum)
+    let taut = |family| match family {
+        Elements::Limited(springs) => {
+            let one = |s: &StrainLimitSpring| {
+                Spring::along(&scene.start.positions, &[s.vertices], s.stiffness)
+            };
+            Elements::Springs(springs.iter().flat_map(one).collect())
+        }
+        other => other,
+    };
+    let families = scene.model.families().into_iter().map(taut);
+    Energies::new(scene.model.particles.len())
+        .with_elements(families.collect())
+        .map_err(BenchError::usage)
 }

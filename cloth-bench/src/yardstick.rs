@@ -1,7 +1,7 @@
 //! One implicit step as a problem with a known answer, and how far a method is from it.
 
 use crate::error::BenchError;
-use crate::method::{self, Method};
+use crate::method::Method;
 use crate::scene::Scene;
 use crate::settings::Settings;
 use cloth_core::cloth::ClothModel;
@@ -196,11 +196,11 @@ impl StepProblem {
 /// # Errors
 /// [`BenchError::Failed`] if the model names vertices that do not exist.
 pub fn reference(model: &ClothModel) -> Result<ImplicitEuler, BenchError> {
-    method::implicit_euler(
-        &model.particles,
-        model.families(),
-        ImplicitConfig::reference(),
-    )
+    ImplicitEuler::builder(&model.particles)
+        .elements(model.families())
+        .config(ImplicitConfig::reference())
+        .build()
+        .map_err(BenchError::failed)
 }
 
 struct Recorder<'a> {

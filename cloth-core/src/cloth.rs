@@ -42,7 +42,7 @@ mod relief;
 
 pub use carriers::{BendingCarrier, Discretization, MembraneCarrier};
 pub use detail::CoarseMembrane;
-pub use elements::Elements;
+pub use elements::{ConstraintVisitor, Elements, EnergyVisitor, ProjectiveVisitor};
 pub use midpoints::MidpointCloth;
 pub use pieces::Piece;
 pub use relief::{SpringEdges, SpringLaw};
@@ -205,9 +205,7 @@ impl ClothModel {
     /// # Errors
     /// [`BuildError::NoSuchVertex`] if an element was changed to name a vertex that does not exist.
     pub fn energies(&self) -> Result<Energies, BuildError> {
-        let none = Energies::new(self.particles.len());
-        let mut families = self.families().into_iter();
-        families.try_fold(none, |sum, family| family.add_to(sum))
+        Energies::new(self.particles.len()).with_elements(self.families())
     }
 }
 

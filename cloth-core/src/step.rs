@@ -414,6 +414,13 @@ pub enum BuildError {
         /// How many vertices there are.
         vertex_count: usize,
     },
+    /// A method needs a view of the elements that they do not have.
+    NoSuchView {
+        /// What the elements are.
+        elements: &'static str,
+        /// What their energy would have to be.
+        needs: &'static str,
+    },
     /// A setting lies outside its range.
     InvalidSetting {
         /// Its name.
@@ -445,6 +452,9 @@ impl fmt::Display for BuildError {
                 f,
                 "element {element} names vertex {vertex}, but there are only {vertex_count} vertices"
             ),
+            Self::NoSuchView { elements, needs } => {
+                write!(f, "cannot take {elements}: it needs an energy that {needs}")
+            }
             Self::InvalidSetting { name, value, range } => {
                 write!(f, "{name} is {value}, but it has to be {range}")
             }

@@ -129,7 +129,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     particles.prescribe(0)?;
     particles.prescribe(side - 1)?;
     let mut solver = ImplicitEuler::builder(&particles)
-        .energy(springs.clone())?
+        .energy(springs.clone())
         .config(ImplicitConfig {
             tolerance: 0.0, // as far as rounding allows
             ..ImplicitConfig::default()

@@ -39,17 +39,10 @@ fn hang(cloth: Cloth, law: SpringLaw, side: usize, dt: Real, steps: u32) -> Cost
     for corner in [side * (side - 1), side * side - 1] {
         model.particles.prescribe(corner).expect("a vertex");
     }
-    let mut builder = ImplicitEuler::builder(&model.particles);
-    for family in model.families() {
-        builder = match family {
-            Elements::Springs(springs) => builder.energy(springs),
-            Elements::Limited(springs) => builder.energy(springs),
-            Elements::Quadratic(hinges) => builder.energy(hinges),
-            other => unreachable!("{} were not asked for", other.name()),
-        }
-        .expect("elements of this mesh");
-    }
-    let mut solver = builder.build().expect("valid settings");
+    let builder = ImplicitEuler::builder(&model.particles).elements(model.families());
+    let mut solver = builder
+        .build()
+        .expect("elements of this mesh, valid settings");
     let mut state = State::at_rest(mesh.positions().to_vec());
     let mut cost = Cost::default();
     let start = Instant::now();

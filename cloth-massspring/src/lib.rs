@@ -17,8 +17,8 @@
 //! model.particles.prescribe(99)?;
 //!
 //! let mut solver = ImplicitEuler::builder(&model.particles)
-//!     .energy(model.springs)?
-//!     .energy(model.hinges)?
+//!     .energy(model.springs)
+//!     .energy(model.hinges)
 //!     .build()?;
 //! let mut state = State::at_rest(mesh.positions().to_vec());
 //! for _ in 0..30 {
@@ -274,7 +274,7 @@
 //! assert!(gradient_error(&plane, &[Vec3::new(0.3, -0.2, 1.0)], 1.0) < 1e-9);
 //! let particles = Particles::new(vec![0.5])?;
 //! let mut solver = ImplicitEuler::builder(&particles)
-//!     .energy(vec![plane])?
+//!     .energy(vec![plane])
 //!     .config(ImplicitConfig { tolerance: 1e-12, ..ImplicitConfig::default() })
 //!     .build()?;
 //! let mut state = State::at_rest(vec![Vec3::new(0.3, 0.2, 0.0)]);

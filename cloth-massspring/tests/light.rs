@@ -78,8 +78,8 @@ fn the_tolerance_bounds_the_error() {
 
 fn solver(model: &ClothModel, config: ImplicitConfig) -> ImplicitEuler {
     let builder = ImplicitEuler::builder(&model.particles).config(config);
-    let builder = builder.energy(model.springs.clone()).unwrap();
-    let builder = builder.energy(model.hinges.clone()).unwrap();
+    let builder = builder.energy(model.springs.clone());
+    let builder = builder.energy(model.hinges.clone());
     builder.build().unwrap()
 }
 

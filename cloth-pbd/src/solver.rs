@@ -1,12 +1,14 @@
 //! The solver: the loop over substeps and sweeps.
 
+mod builder;
+
+pub use builder::PbdBuilder;
+
 use crate::config::PbdConfig;
 use crate::hierarchy::Hierarchy;
 use crate::stiffness::Projection;
 use cloth_core::math::Real;
-use cloth_core::method::position_based::{
-    Acceleration, Builder, Families, Motion, Settings, Sweep,
-};
+use cloth_core::method::position_based::{Families, Motion};
 use cloth_core::particles::{Particles, State};
 use cloth_core::step::{BuildError, StepError, StepInput, StepReport, Stepper};
 
@@ -117,35 +119,5 @@ impl Stepper for PbdSolver {
             chebyshev_fallbacks: (self.families.chebyshev_fallbacks() - fallbacks_before) as u32,
             ..report
         })
-    }
-}
-
-/// Collects particles, elements and settings of a [`PbdSolver`].
-pub type PbdBuilder = Builder<PbdConfig>;
-
-impl Settings for PbdConfig {
-    type Update = Projection;
-    type Solver = PbdSolver;
-
-    fn sweep_settings(&self) -> (u32, u32, Sweep) {
-        (self.iterations, self.substeps, self.sweep)
-    }
-
-    fn acceleration(&self) -> Acceleration {
-        self.acceleration
-    }
-
-    fn check(&self) -> Result<(), BuildError> {
-        self.stiffness.check()
-    }
-
-    fn assemble(self, motion: Motion, families: Families<Projection>) -> PbdSolver {
-        PbdSolver {
-            motion,
-            families,
-            hierarchy: None,
-            config: self,
-            substep: None,
-        }
     }
 }

@@ -63,7 +63,7 @@ pub fn effective_stiffness(s: Real, iterations: u32, h: Real, weight: Real) -> R
 
 /// PBD's update of a row: `Δλ = −s C/w̃` (Müller et al. 2007, section 3.3).
 #[derive(Clone, Copy, Debug)]
-pub struct Projection {
+pub(crate) struct Projection {
     pub(crate) stiffness: StiffnessRule,
     /// h (s).
     pub(crate) substep: Real,
@@ -78,7 +78,7 @@ pub struct Projection {
 ///
 /// The default is no special value: a row with w̃ = 0 has s = 0.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct CachedScale {
+pub(crate) struct CachedScale {
     weight: Real,
     s: Real,
     /// Σ Δλ (kg m² per unit of C; kg m for a spring) since the last reset. For read-out; no visit uses it.

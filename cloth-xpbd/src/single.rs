@@ -74,10 +74,11 @@ mod springs;
 mod vector_rows;
 
 use crate::update::XpbdUpdate;
+use cloth_core::cloth::Elements;
 use cloth_core::element::Constraint;
 use cloth_core::energy::Spring;
 use cloth_core::math::{Real, Vec3};
-use cloth_core::method::position_based::Motion;
+use cloth_core::method::position_based::{Motion, check_counts};
 use cloth_core::particles::{Particles, State};
 use cloth_core::step::{BuildError, StepError, StepInput, StepReport, Stepper};
 use positions::Positions;
@@ -226,6 +227,25 @@ impl SingleBuilder {
         })
     }
 
+    /// Adds all elements of a cloth, as [`ClothModel::families`](cloth_core::ClothModel::families) has them.
+    ///
+    /// # Panics
+    /// If an element names a vertex twice.
+    #[must_use]
+    pub fn elements(mut self, families: Vec<Elements>) -> Self {
+        for family in families {
+            match family {
+                Elements::Springs(springs) => self = self.springs(&springs),
+                Elements::Quadratic(hinges) => self = self.vector_rows(&hinges),
+                other => {
+                    let error = other.no_view("is of a distance, or of one vector row");
+                    self.error = self.error.or(Some(error));
+                }
+            }
+        }
+        self
+    }
+
     fn add<const N: usize, E: Constraint<N>>(
         mut self,
         elements: &[E],
@@ -253,8 +273,8 @@ impl SingleBuilder {
     /// The solver.
     ///
     /// # Errors
-    /// [`BuildError::InvalidSetting`]; [`BuildError::NoSuchVertex`]; [`BuildError::SettingsConflict`] for
-    /// elements that are not a vector row.
+    /// [`BuildError::InvalidSetting`]; [`BuildError::NoSuchVertex`]; [`BuildError::SettingsConflict`] and
+    /// [`BuildError::NoSuchView`] for elements that are not a vector row.
     pub fn build(self) -> Result<SingleXpbd, BuildError> {
         if let Some(error) = self.error {
             return Err(error);
@@ -263,18 +283,7 @@ impl SingleBuilder {
             iterations,
             substeps,
         } = self.solver.config;
-        for (name, count) in [
-            ("the number of iterations", iterations),
-            ("the number of substeps", substeps),
-        ] {
-            if count == 0 {
-                return Err(BuildError::InvalidSetting {
-                    name,
-                    value: 0.0,
-                    range: "at least 1",
-                });
-            }
-        }
+        check_counts(iterations, substeps)?;
         Ok(self.solver)
     }
 }

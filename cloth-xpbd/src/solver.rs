@@ -1,13 +1,15 @@
 //! The solver: the loop over substeps and sweeps.
 
+mod builder;
+
+pub use builder::XpbdBuilder;
+
 use crate::config::XpbdConfig;
 use crate::update::XpbdUpdate;
 use cloth_core::math::{Real, Vec3};
-use cloth_core::method::position_based::{
-    Acceleration, Builder, Families, Motion, Settings, Sweep,
-};
+use cloth_core::method::position_based::{Families, Motion};
 use cloth_core::particles::{Particles, State};
-use cloth_core::step::{BuildError, StepError, StepInput, StepReport, Stepper};
+use cloth_core::step::{StepError, StepInput, StepReport, Stepper};
 
 /// Extended position-based dynamics; see the [crate documentation](crate).
 #[derive(Debug)]
@@ -125,49 +127,5 @@ impl XpbdSolver {
                 });
         }
         largest
-    }
-}
-
-/// Collects particles, elements and settings of an [`XpbdSolver`].
-pub type XpbdBuilder = Builder<XpbdConfig>;
-
-impl Settings for XpbdConfig {
-    type Update = XpbdUpdate;
-    type Solver = XpbdSolver;
-
-    fn sweep_settings(&self) -> (u32, u32, Sweep) {
-        (self.iterations, self.substeps, self.sweep)
-    }
-
-    fn acceleration(&self) -> Acceleration {
-        self.acceleration
-    }
-
-    fn check(&self) -> Result<(), BuildError> {
-        if self.damping >= 0.0 && self.damping.is_finite() {
-            return Ok(());
-        }
-        Err(BuildError::InvalidSetting {
-            name: "the damping",
-            value: self.damping,
-            range: "zero or positive, and finite",
-        })
-    }
-
-    fn assemble(self, motion: Motion, families: Families<XpbdUpdate>) -> XpbdSolver {
-        let damped = if self.damping > 0.0 {
-            motion.vertex_count()
-        } else {
-            0
-        };
-        XpbdSolver {
-            start: vec![Vec3::zeros(); damped],
-            prescribed_offsets: Vec::new(),
-            motion,
-            families,
-            config: self,
-            last: None,
-            prepared: None,
-        }
     }
 }

@@ -17,7 +17,7 @@ use cloth_core::method::position_based::{ConstraintUpdate, RowEquation, RowState
 /// Their equation 26 takes `∂C/∂x·(x − x⁰)` for `C − C⁰`. For linear rows it is the same. For others it is not
 /// zero in a rigid rotation by a finite angle, and would damp it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct XpbdUpdate {
+pub(crate) struct XpbdUpdate {
     /// h (s).
     substep: Real,
     /// β (s).
@@ -100,7 +100,7 @@ const MAX_SCALED_COMPLIANCE: Real = 1e300;
 
 /// What is kept of a row between visits.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Multiplier {
+pub(crate) struct Multiplier {
     /// ν (kg m² per unit of C; kg m for a spring); λ since the start of the substep, if nothing is damped.
     lambda: Real,
     /// α̃ (unit of C² per kg m²): constant over the substep, and kept to save a division in every visit.

@@ -141,8 +141,9 @@ fn catenary(settings: &Settings) -> Result<Evaluation, BenchError> {
         ..Default::default()
     };
     let mut solver = ImplicitEuler::builder(&particles)
-        .energy(springs.collect())
-        .and_then(|builder| builder.config(sharp).build())?;
+        .elements(vec![Elements::Springs(springs.collect())])
+        .config(sharp)
+        .build()?;
     let mut state = chain.start();
     // The second support is where the closed form ends, to rounding.
     state.positions[chain.links] = expected[chain.links];

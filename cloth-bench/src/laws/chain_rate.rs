@@ -151,7 +151,7 @@ fn chain_rate(settings: &Settings) -> Result<Evaluation, BenchError> {
     }
     let (iterations, sweep, acceleration) = (mode.sweeps, mode.sweep, mode.acceleration);
     let mut solver: Box<dyn Stepper> = if by_pbd {
-        let builder = PbdSolver::builder(&particles).energy(springs);
+        let builder = PbdSolver::builder(&particles).elements(vec![Elements::Springs(springs)]);
         let config = PbdConfig {
             iterations,
             sweep,
@@ -161,7 +161,7 @@ fn chain_rate(settings: &Settings) -> Result<Evaluation, BenchError> {
         };
         Box::new(builder.config(config).build()?)
     } else {
-        let builder = XpbdSolver::builder(&particles).energy(springs);
+        let builder = XpbdSolver::builder(&particles).elements(vec![Elements::Springs(springs)]);
         let config = XpbdConfig {
             iterations,
             substeps: 1,

@@ -81,7 +81,8 @@ fn sag(settings: &Settings) -> Result<Evaluation, BenchError> {
         matrix.sag(GRAVITY * h * h)?
     };
     let solver = |substeps| {
-        let builder = XpbdSolver::builder(&particles).energy(springs.clone());
+        let builder =
+            XpbdSolver::builder(&particles).elements(vec![Elements::Springs(springs.clone())]);
         let config = XpbdConfig {
             iterations,
             substeps,
@@ -215,14 +216,12 @@ fn hanging_chain(settings: &Settings) -> Result<Evaluation, BenchError> {
     masses[links] = m + extra;
     let (particles, springs, mut state) = chain(masses, k)?;
     let mut solver = ImplicitEuler::builder(&particles)
-        .energy(springs)
-        .and_then(|builder| {
-            let tight = ImplicitConfig {
-                tolerance: 0.0,
-                ..Default::default()
-            };
-            builder.config(tight).build()
-        })?;
+        .elements(vec![Elements::Springs(springs)])
+        .config(ImplicitConfig {
+            tolerance: 0.0,
+            ..Default::default()
+        })
+        .build()?;
     // A step of a thousand seconds leaves next to nothing of the inertia; a few of them leave nothing.
     for _ in 0..10 {
         let input = StepInput::new(1e3).gravity(Vec3::z() * -GRAVITY);

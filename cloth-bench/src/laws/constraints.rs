@@ -78,7 +78,7 @@ fn xpbd_constraint(settings: &Settings) -> Result<Evaluation, BenchError> {
     let iterations = settings.count(&ITERATIONS, 1)?;
     within_reach(100.0 * Real::from(iterations))?;
     let mut solver = XpbdSolver::builder(&stretched.particles)
-        .energy(vec![stretched.spring])
+        .elements(vec![Elements::Springs(vec![stretched.spring])])
         .config(XpbdConfig {
             iterations,
             substeps: 1,
@@ -109,7 +109,7 @@ fn pbd_constraint(settings: &Settings) -> Result<Evaluation, BenchError> {
     let dt = settings.positive(&DT)?;
     let stretched = Stretched::new(1.0)?;
     let mut solver = PbdSolver::builder(&stretched.particles)
-        .energy(vec![stretched.spring])
+        .elements(vec![Elements::Springs(vec![stretched.spring])])
         .config(PbdConfig {
             iterations,
             substeps: 1,

@@ -148,7 +148,8 @@ fn barrier_gap(settings: &Settings) -> Result<Evaluation, BenchError> {
     };
     let mut solver = ImplicitEuler::builder(&particles)
         .energy(vec![barrier])
-        .and_then(|b| b.config(config).build())?;
+        .config(config)
+        .build()?;
     let mut state = State::at_rest(vec![Vec3::z() * range]);
     // Implicit Euler takes the energy out of the motion: steps much longer than the swing about the rest leave a tenth
     // of it.

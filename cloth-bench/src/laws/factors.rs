@@ -130,10 +130,8 @@ pub(crate) fn factor(case: Case) -> Result<[Real; 2], BenchError> {
             (0..2).all(|axis| middle[axis] >= low[axis] && middle[axis] < low[axis] + size[axis])
         })
         .collect();
-    let bending = case
-        .model
-        .elements(mesh.positions(), &inside, 1.0)
-        .add_to(Energies::new(mesh.vertex_count()))?;
+    let hinges = case.model.elements(mesh.positions(), &inside, 1.0);
+    let bending = Energies::new(mesh.vertex_count()).with_elements(vec![hinges])?;
     let unit = 0.5 * CURVATURE * CURVATURE * scale(case.surface) * size[0] * size[1];
     let energy = |offset: Real| {
         let x: Vec<Vec3> = mesh.positions().iter().map(|p| place(p, offset)).collect();

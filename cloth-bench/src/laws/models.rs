@@ -1,7 +1,6 @@
 //! The bending models by name, for every law and study that compares them.
 
 use super::prelude::*;
-use cloth_core::cloth::Elements;
 use cloth_core::energy::{CubicShell, CurvatureHinge, CurvedHinge, DihedralHinge};
 use cloth_core::math::gather;
 

@@ -108,32 +108,38 @@ impl Scheme {
             Self::Explicit => Box::new(
                 ExplicitEuler::builder(&particles)
                     .energy(spring)
-                    .and_then(|b| b.config(unchecked).build())?,
+                    .config(unchecked)
+                    .build()?,
             ),
             Self::Symplectic => Box::new(
                 SymplecticEuler::builder(&particles)
                     .energy(spring)
-                    .and_then(|b| b.config(unchecked).build())?,
+                    .config(unchecked)
+                    .build()?,
             ),
             Self::Implicit => Box::new(
                 ImplicitEuler::builder(&particles)
                     .energy(spring)
-                    .and_then(|b| b.config(tight).build())?,
+                    .config(tight)
+                    .build()?,
             ),
             Self::Linear => Box::new(
                 ImplicitEuler::builder(&particles)
                     .energy(spring)
-                    .and_then(|b| b.config(ImplicitConfig::linearized()).build())?,
+                    .config(ImplicitConfig::linearized())
+                    .build()?,
             ),
             Self::Midpoint => Box::new(
                 ImplicitMidpoint::builder(&particles)
                     .energy(spring)
-                    .and_then(|b| b.config(tight).build())?,
+                    .config(tight)
+                    .build()?,
             ),
             Self::Bdf2 => Box::new(
                 Bdf2::builder(&particles)
                     .energy(spring)
-                    .and_then(|b| b.config(tight).build())?,
+                    .config(tight)
+                    .build()?,
             ),
             Self::Xpbd => Box::new(
                 XpbdSolver::builder(&particles)

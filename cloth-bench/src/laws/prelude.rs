@@ -3,6 +3,7 @@
 pub(super) use super::{Evaluation, Law};
 pub(super) use crate::error::BenchError;
 pub(super) use crate::settings::{Parameter, Settings, parameter};
+pub(super) use cloth_core::cloth::Elements;
 pub(super) use cloth_core::energy::Spring;
 pub(super) use cloth_core::math::{Real, Vec3};
 pub(super) use cloth_core::particles::{Particles, State};

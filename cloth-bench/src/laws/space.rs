@@ -98,8 +98,7 @@ fn same_minimum(settings: &Settings) -> Result<Evaluation, BenchError> {
         ..Default::default()
     };
     let mut pd = PdSolver::builder(&scene.model.particles)
-        .energy(scene.model.springs.clone())
-        .energy(scene.model.hinges.clone())
+        .elements(vec![Elements::Springs(scene.model.springs.clone())])
         .config(config)
         .build()?;
     let mut by_pd = before;

@@ -22,13 +22,11 @@
 
 use super::models::Model;
 use super::prelude::*;
-use crate::method;
-use cloth_core::cloth::Elements;
 use cloth_core::energy::StvkTriangle;
 use cloth_core::mesh::{TriMesh, generate};
 use cloth_core::method::family::Energies;
 use cloth_core::topology::{EdgeTable, HingeTable};
-use cloth_massspring::{Accept, ImplicitConfig};
+use cloth_massspring::{Accept, ImplicitConfig, ImplicitEuler};
 
 /// A strip of length 1 m from the clamp to the last row, of areal density 1 kg/m² and rigidity D = 1 N·m, flat in the
 /// plane z = 0.
@@ -151,10 +149,8 @@ impl Strip {
 
     /// The sum of its energies.
     pub(crate) fn energies(&self) -> Result<Energies, BenchError> {
-        let none = Energies::new(self.particles.len());
-        let mut families = self.families.iter().cloned();
-        families
-            .try_fold(none, |sum, family| family.add_to(sum))
+        Energies::new(self.particles.len())
+            .with_elements(self.families.clone())
             .map_err(BenchError::failed)
     }
 
@@ -183,7 +179,10 @@ impl Strip {
             ..Default::default()
         };
         let families = self.families.clone();
-        let mut newton = method::implicit_euler(&self.particles, families, config)?;
+        let mut newton = ImplicitEuler::builder(&self.particles)
+            .elements(families)
+            .config(config)
+            .build()?;
         let energies = self.energies()?;
         let dt = 30.0 / gravity.norm().sqrt();
         let mut found = Equilibrium {

@@ -67,13 +67,15 @@ impl Swing {
         let mut solver: Box<dyn Stepper> = match scheme {
             Scheme::Midpoint => Box::new(
                 ImplicitMidpoint::builder(particles)
-                    .energy(springs)
-                    .and_then(|b| b.config(sharp).build())?,
+                    .elements(vec![Elements::Springs(springs)])
+                    .config(sharp)
+                    .build()?,
             ),
             Scheme::Bdf2 => Box::new(
                 Bdf2::builder(particles)
-                    .energy(springs)
-                    .and_then(|b| b.config(sharp).build())?,
+                    .elements(vec![Elements::Springs(springs)])
+                    .config(sharp)
+                    .build()?,
             ),
         };
         let mut state = self.start.clone();

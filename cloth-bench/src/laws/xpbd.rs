@@ -101,7 +101,7 @@ fn xpbd_compliance(settings: &Settings) -> Result<Evaluation, BenchError> {
     within_reach(30.0 * Real::from(links) * Real::from(iterations))?;
     let (scene, problem) = swinging(settings)?;
     let mut solver = XpbdSolver::builder(&scene.model.particles)
-        .energy(scene.model.springs.clone())
+        .elements(vec![Elements::Springs(scene.model.springs.clone())])
         .config(XpbdConfig {
             iterations,
             substeps: 1,
@@ -128,7 +128,7 @@ fn direct_step(settings: &Settings) -> Result<Evaluation, BenchError> {
         ("schur-cg", System::SchurConjugateGradients),
     ];
     let mut solver = DirectXpbd::builder(&scene.model.particles)
-        .energy(scene.model.springs.clone())
+        .elements(vec![Elements::Springs(scene.model.springs.clone())])
         .config(DirectConfig {
             system: settings.choice(&SYSTEM, &systems)?,
             tolerance: 1e-13,
@@ -161,7 +161,7 @@ fn xpbd_damping(settings: &Settings) -> Result<Evaluation, BenchError> {
         stiffness: k,
     };
     let mut solver = XpbdSolver::builder(&particles)
-        .energy(vec![spring])
+        .elements(vec![Elements::Springs(vec![spring])])
         .config(XpbdConfig {
             iterations,
             substeps: 1,
@@ -198,7 +198,7 @@ fn support_force(settings: &Settings) -> Result<Evaluation, BenchError> {
     let weight = GRAVITY * (mass * (links as Real - 1.0) + tip);
     let (particles, springs, mut state) = chain(masses, settings.positive(&LINK_STIFFNESS)?)?;
     let mut solver = XpbdSolver::builder(&particles)
-        .energy(springs)
+        .elements(vec![Elements::Springs(springs)])
         .config(XpbdConfig {
             iterations,
             substeps: 1,

@@ -1,15 +1,12 @@
 //! Settings of the position-based methods.
 
-use super::refused;
 use crate::error::BenchError;
 use crate::scene::Scene;
 use crate::settings::{Parameter, Settings, parameter};
-use cloth_core::cloth::Elements;
 use cloth_core::math::Real;
 use cloth_core::method::position_based::{Acceleration, Chebyshev, Radius, Sweep};
-use cloth_core::particles::Particles;
 use cloth_pbd::{Hierarchy, HierarchyConfig, PbdConfig, StiffnessRule};
-use cloth_xpbd::single::{SingleConfig, SingleXpbd};
+use cloth_xpbd::single::SingleConfig;
 use cloth_xpbd::{SubstepRule, XpbdConfig};
 
 const PBD_SUBSTEPS: Parameter = parameter(
@@ -201,12 +198,8 @@ pub(super) fn xpbd(settings: &Settings) -> Result<XpbdConfig, BenchError> {
     })
 }
 
-/// XPBD with sweeps in single precision, if the settings ask for it.
-pub(super) fn single(
-    particles: &Particles,
-    families: &[Elements],
-    settings: &Settings,
-) -> Result<Option<SingleXpbd>, BenchError> {
+/// The settings of sweeps in single precision, if that is asked for.
+pub(super) fn single(settings: &Settings) -> Result<Option<SingleConfig>, BenchError> {
     if !settings.choice(&PRECISION, &[("double", false), ("single", true)])? {
         return Ok(None);
     }
@@ -225,18 +218,7 @@ pub(super) fn single(
                 .into(),
         ));
     }
-    let mut builder = SingleXpbd::builder(particles).config(config);
-    for family in families {
-        builder = match family {
-            Elements::Springs(springs) => builder.springs(springs),
-            Elements::Quadratic(hinges) => builder.vector_rows(hinges),
-            other => {
-                let view = "is of a distance, or of one vector row";
-                return Err(refused("xpbd with precision=single", other, view));
-            }
-        };
-    }
-    builder.build().map(Some).map_err(BenchError::usage)
+    Ok(Some(config))
 }
 
 /// The coarse levels, if the settings ask for them.

@@ -2,6 +2,7 @@
 
 use crate::studies::prelude::*;
 use crate::yardstick::StepProblem;
+use cloth_core::cloth::Elements;
 use cloth_core::method::position_based::Sweep;
 use cloth_xpbd::direct::{DirectConfig, DirectXpbd};
 use cloth_xpbd::{XpbdConfig, XpbdSolver};
@@ -145,7 +146,7 @@ fn floor(scene: &Scene, dt: Real) -> Result<Floor, BenchError> {
     let problem = StepProblem::after(scene, (TIME / dt).round() as u32, dt)?;
     let model = &scene.model;
     let mut sweeps = XpbdSolver::builder(&model.particles)
-        .energy(model.springs.clone())
+        .elements(vec![Elements::Springs(model.springs.clone())])
         .config(XpbdConfig {
             iterations: SWEEPS,
             substeps: 1,
@@ -154,7 +155,7 @@ fn floor(scene: &Scene, dt: Real) -> Result<Floor, BenchError> {
         })
         .build()?;
     let mut direct = DirectXpbd::builder(&model.particles)
-        .energy(model.springs.clone())
+        .elements(vec![Elements::Springs(model.springs.clone())])
         .config(DirectConfig {
             tolerance: 1e-13,
             ..DirectConfig::default()

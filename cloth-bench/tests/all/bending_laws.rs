@@ -110,8 +110,9 @@ fn grid_strip(cells: usize, across: usize) -> f64 {
     };
     let mut newton = ImplicitEuler::builder(&model.particles)
         .energy(model.springs)
-        .and_then(|b| b.energy(model.hinges))
-        .and_then(|b| b.config(to_rounding).build())
+        .energy(model.hinges)
+        .config(to_rounding)
+        .build()
         .unwrap();
     let mut state = State::at_rest(mesh.positions().to_vec());
     let gravity = Vec3::z() * -0.05;

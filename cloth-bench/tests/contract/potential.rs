@@ -40,8 +40,8 @@ fn tight() -> ImplicitConfig {
 macro_rules! implicit {
     ($kind:ty, $model:expr, $config:expr) => {{
         let builder = <$kind>::builder(&$model.particles).config($config);
-        let builder = builder.energy($model.springs.clone()).unwrap();
-        let builder = builder.energy($model.hinges.clone()).unwrap();
+        let builder = builder.energy($model.springs.clone());
+        let builder = builder.energy($model.hinges.clone());
         Box::new(builder.build().unwrap()) as Box<dyn Stepper>
     }};
 }

@@ -65,8 +65,8 @@ fn symplectic(model: &ClothModel, substeps: u32) -> Box<dyn Stepper> {
         substeps,
         ..ExplicitConfig::default()
     });
-    let builder = builder.energy(model.springs.clone()).unwrap();
-    let builder = builder.energy(model.hinges.clone()).unwrap();
+    let builder = builder.energy(model.springs.clone());
+    let builder = builder.energy(model.hinges.clone());
     Box::new(builder.build().unwrap())
 }
 

@@ -42,8 +42,9 @@ fn apart<const N: usize, const K: usize, E: Energy<N> + Projective<N, K>>(
     let (mesh, particles, start) = sheet();
     let mut newton = ImplicitEuler::builder(&particles)
         .energy(elements.to_vec())
-        .and_then(|builder| builder.energy(springs.to_vec()))
-        .and_then(|builder| builder.config(ImplicitConfig::reference()).build())
+        .energy(springs.to_vec())
+        .config(ImplicitConfig::reference())
+        .build()
         .unwrap();
     let mut worst: Real = 0.0;
     for acceleration in [

@@ -1,5 +1,6 @@
 //! Families of the energies of this crate, to be kept in one list whatever their kind.
 
+use crate::element::{Constraint, Energy, Projective};
 use crate::energy::{
     ArapTriangle, CubicShell, CurvatureHinge, CurvedHinge, DihedralHinge, MidpointHinge, Spring,
     Stitch, StrainLimitSpring, StvkTriangle,
@@ -9,8 +10,8 @@ use crate::step::BuildError;
 
 /// All elements of one kind, with the kind as a case: what a description of a cloth hands to the builder of a solver.
 ///
-/// A builder takes the cases that have the view its method asks for, and the compiler sees to it that it takes no
-/// other.
+/// A builder takes the kinds that have the view its method asks for, and refuses the others by name. Methods of your own
+/// do so with a visitor: [`Elements::as_energies`], [`Elements::as_constraints`], [`Elements::as_projections`].
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Elements {
@@ -97,22 +98,118 @@ impl Elements {
         families.push(family);
     }
 
-    /// Adds them to a sum of energies: every kind has that view.
+    /// Shows the elements as energies: every kind has that view.
+    pub fn as_energies<V: EnergyVisitor>(self, visitor: V) -> V::Output {
+        match self {
+            Self::Springs(elements) => visitor.visit(elements),
+            Self::Limited(elements) => visitor.visit(elements),
+            Self::Stvk(elements) => visitor.visit(elements),
+            Self::Arap(elements) => visitor.visit(elements),
+            Self::Quadratic(elements) => visitor.visit(elements),
+            Self::Curved(elements) => visitor.visit(elements),
+            Self::Dihedral(elements) => visitor.visit(elements),
+            Self::Cubic(elements) => visitor.visit(elements),
+            Self::Midpoint(elements) => visitor.visit(elements),
+            Self::Stitches(elements) => visitor.visit(elements),
+        }
+    }
+
+    /// Shows the elements as constraints.
     ///
     /// # Errors
-    /// [`BuildError::NoSuchVertex`].
-    pub fn add_to(self, energies: Energies) -> Result<Energies, BuildError> {
-        match self {
-            Self::Springs(elements) => energies.with(elements),
-            Self::Limited(elements) => energies.with(elements),
-            Self::Stvk(elements) => energies.with(elements),
-            Self::Arap(elements) => energies.with(elements),
-            Self::Quadratic(elements) => energies.with(elements),
-            Self::Curved(elements) => energies.with(elements),
-            Self::Dihedral(elements) => energies.with(elements),
-            Self::Cubic(elements) => energies.with(elements),
-            Self::Midpoint(elements) => energies.with(elements),
-            Self::Stitches(elements) => energies.with(elements),
+    /// [`BuildError::NoSuchView`] for a kind that is no sum of squares `½ k C²`: the cubic shell.
+    pub fn as_constraints<V: ConstraintVisitor>(self, visitor: V) -> Result<V::Output, BuildError> {
+        Ok(match self {
+            Self::Springs(elements) => visitor.visit(elements),
+            Self::Limited(elements) => visitor.visit(elements),
+            Self::Stvk(elements) => visitor.visit(elements),
+            Self::Arap(elements) => visitor.visit(elements),
+            Self::Quadratic(elements) => visitor.visit(elements),
+            Self::Curved(elements) => visitor.visit(elements),
+            Self::Dihedral(elements) => visitor.visit(elements),
+            Self::Midpoint(elements) => visitor.visit(elements),
+            Self::Stitches(elements) => visitor.visit(elements),
+            Self::Cubic(_) => return Err(self.no_view("is a sum of squares ½ k C²")),
+        })
+    }
+
+    /// Shows the elements as squared distances to sets.
+    ///
+    /// # Errors
+    /// [`BuildError::NoSuchView`] for a kind that is none: StVK triangles, dihedral hinges, the cubic shell.
+    pub fn as_projections<V: ProjectiveVisitor>(self, visitor: V) -> Result<V::Output, BuildError> {
+        Ok(match self {
+            Self::Springs(elements) => visitor.visit(elements),
+            Self::Limited(elements) => visitor.visit(elements),
+            Self::Arap(elements) => visitor.visit(elements),
+            Self::Quadratic(elements) => visitor.visit(elements),
+            Self::Curved(elements) => visitor.visit(elements),
+            Self::Midpoint(elements) => visitor.visit(elements),
+            Self::Stitches(elements) => visitor.visit(elements),
+            Self::Stvk(_) | Self::Dihedral(_) | Self::Cubic(_) => {
+                return Err(self.no_view("is a squared distance ½ w ‖Sx − p‖² to a set"));
+            }
+        })
+    }
+
+    /// The error of a method that these elements do not suit, which needs an energy that …
+    #[must_use]
+    pub fn no_view(&self, needs: &'static str) -> BuildError {
+        BuildError::NoSuchView {
+            elements: self.name(),
+            needs,
         }
+    }
+}
+
+impl Energies {
+    /// Adds all elements of a cloth, as [`ClothModel::families`](super::ClothModel::families) has them.
+    ///
+    /// # Errors
+    /// [`BuildError::NoSuchVertex`] if an element names a vertex that does not exist.
+    pub fn with_elements(self, families: Vec<Elements>) -> Result<Self, BuildError> {
+        let mut families = families.into_iter();
+        families.try_fold(self, |sum, family| family.as_energies(Summand(sum)))
+    }
+}
+
+/// What is done with elements of one kind, whichever it is, by a method that asks for energies.
+pub trait EnergyVisitor {
+    /// What comes of it.
+    type Output;
+
+    /// Does it.
+    fn visit<const N: usize, E: Energy<N>>(self, elements: Vec<E>) -> Self::Output;
+}
+
+/// The same by a method that asks for constraints.
+pub trait ConstraintVisitor {
+    /// What comes of it.
+    type Output;
+
+    /// Does it.
+    fn visit<const N: usize, E: Constraint<N>>(self, elements: Vec<E>) -> Self::Output;
+}
+
+/// The same by a method that asks for squared distances to sets.
+pub trait ProjectiveVisitor {
+    /// What comes of it.
+    type Output;
+
+    /// Does it.
+    fn visit<const N: usize, const K: usize, E: Projective<N, K>>(
+        self,
+        elements: Vec<E>,
+    ) -> Self::Output;
+}
+
+/// A sum of energies that elements are to be added to.
+struct Summand(Energies);
+
+impl EnergyVisitor for Summand {
+    type Output = Result<Energies, BuildError>;
+
+    fn visit<const N: usize, E: Energy<N>>(self, elements: Vec<E>) -> Self::Output {
+        self.0.with(elements)
     }
 }

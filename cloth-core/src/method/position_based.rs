@@ -15,7 +15,7 @@
 //! | [`ConstraintUpdate`] | Δλ of one row |
 //! | [`Sweep`] | sequential or coloured Gauss–Seidel, or Jacobi |
 //! | [`Acceleration`] | relaxation, and Chebyshev extrapolation of the sweeps |
-//! | [`Builder`], [`Settings`] | the builder of such a solver |
+//! | [`FamilyPlans`] | for the builder of such a solver: constraints before their order is known |
 //!
 //! Contact constraints ([`ContactConstraints`](crate::contact::ContactConstraints)) are a part of [`Motion`]:
 //! they come last in each sweep, for every method alike.
@@ -36,7 +36,7 @@ mod jacobi;
 mod motion;
 mod sweep;
 
-pub use builder::{Builder, Settings};
+pub use builder::{FamilyPlans, check_counts};
 pub use chebyshev::{Chebyshev, Radius};
 pub use constraint_update::{ConstraintUpdate, RowEquation, RowState, RowView};
 pub use families::Families;

@@ -11,7 +11,8 @@ use cloth_core::measure::{angular_momentum, linear_momentum};
 use cloth_core::mesh::TriMesh;
 use cloth_core::mesh::generate::{Diagonals, grid};
 use cloth_core::method::position_based::{
-    Builder, ConstraintUpdate, Families, Motion, RowEquation, RowState, Settings, Sweep,
+    Acceleration, ConstraintUpdate, Families, FamilyPlans, Motion, RowEquation, RowState, Sweep,
+    check_counts,
 };
 use cloth_core::particles::{Particles, State};
 use cloth_core::pin::Pins;
@@ -60,20 +61,44 @@ struct Solver {
     families: Families<Rigid>,
 }
 
-impl Settings for TestSettings {
-    type Update = Rigid;
-    type Solver = Solver;
+struct Builder {
+    settings: TestSettings,
+    motion: Motion,
+    plans: FamilyPlans<Rigid>,
+}
 
-    fn sweep_settings(&self) -> (u32, u32, Sweep) {
-        (self.iterations, self.substeps, self.sweep)
+impl Builder {
+    fn new(particles: &Particles) -> Self {
+        Self {
+            settings: TestSettings::default(),
+            motion: Motion::new(particles),
+            plans: FamilyPlans::default(),
+        }
     }
 
-    fn assemble(self, motion: Motion, families: Families<Rigid>) -> Solver {
-        Solver {
-            settings: self,
+    fn energy<const N: usize, E: Constraint<N>>(mut self, elements: Vec<E>) -> Self {
+        self.plans.add(elements);
+        self
+    }
+
+    fn config(mut self, settings: TestSettings) -> Self {
+        self.settings = settings;
+        self
+    }
+
+    fn build(self) -> Result<Solver, BuildError> {
+        let Self {
+            settings,
             motion,
-            families,
-        }
+            plans,
+        } = self;
+        check_counts(settings.iterations, settings.substeps)?;
+        let count = motion.vertex_count();
+        Ok(Solver {
+            families: plans.build(count, settings.sweep, Acceleration::default())?,
+            settings,
+            motion,
+        })
     }
 }
 
@@ -175,7 +200,7 @@ fn a_falling_sheet_keeps_its_shape_and_falls_as_the_law_says() {
 fn linear_momentum_is_conserved_to_round_off() {
     let mesh = sheet(12);
     let particles = uneven_masses(mesh.vertex_count());
-    let builder = Builder::<TestSettings>::new(&particles).energy(springs(&mesh));
+    let builder = Builder::new(&particles).energy(springs(&mesh));
     let mut solver = builder.build().unwrap();
     let mut state = shaken(&mesh);
     let before = linear_momentum(&particles, &state.velocities);
@@ -191,7 +216,7 @@ fn linear_momentum_is_conserved_to_round_off() {
 #[test]
 fn a_spring_released_from_rest_does_not_start_to_spin() {
     let particles = Particles::new(vec![0.3, 1.7]).unwrap();
-    let builder = Builder::<TestSettings>::new(&particles).energy(vec![link(0, 1)]);
+    let builder = Builder::new(&particles).energy(vec![link(0, 1)]);
     let mut solver = builder.build().unwrap();
     let mut state = State::at_rest(vec![Vec3::new(3.0, 1.0, 2.0), Vec3::new(4.0, 3.0, 0.5)]);
     solver.step(&mut state, StepInput::new(0.01)).unwrap();
@@ -204,7 +229,7 @@ fn a_spring_released_from_rest_does_not_start_to_spin() {
 fn the_angular_momentum_that_is_lost_is_of_the_order_of_the_step() {
     let particles = Particles::new(vec![1.0, 1.0]).unwrap();
     let lost = |steps: u32| {
-        let builder = Builder::<TestSettings>::new(&particles).energy(vec![link(0, 1)]);
+        let builder = Builder::new(&particles).energy(vec![link(0, 1)]);
         let mut solver = builder.build().unwrap();
         let mut state = State::at_rest(vec![Vec3::new(0.5, 0.0, 0.0), Vec3::new(-0.5, 0.0, 0.0)]);
         state.velocities = vec![Vec3::new(0.0, 0.5, 0.0), Vec3::new(0.0, -0.5, 0.0)];
@@ -258,7 +283,7 @@ fn pins_hold_to_the_last_bit_and_moving_ones_follow_their_path() {
 fn a_force_accelerates_by_its_mass_and_not_the_prescribed() {
     let mut particles = Particles::new(vec![2.0, 4.0, 1.0]).unwrap();
     particles.prescribe(2).unwrap();
-    let mut solver = Builder::<TestSettings>::new(&particles).build().unwrap();
+    let mut solver = Builder::new(&particles).build().unwrap();
     let mut state = State::at_rest(vec![Vec3::zeros(); 3]);
     let load = [Vec3::new(1.0, 0.0, 0.0); 3];
     solver
@@ -277,7 +302,7 @@ fn a_force_accelerates_by_its_mass_and_not_the_prescribed() {
 #[test]
 fn bad_input_is_refused_and_the_state_left_alone() {
     let particles = uneven_masses(2);
-    let mut solver = Builder::<TestSettings>::new(&particles)
+    let mut solver = Builder::new(&particles)
         .energy(vec![link(0, 1)])
         .build()
         .unwrap();
@@ -420,7 +445,7 @@ fn memory_comes_back_in_input_order_and_is_forgotten_on_request() {
         target: Vec3::zeros(),
         stiffness: 1.0,
     });
-    let builder = Builder::<TestSettings>::new(&particles)
+    let builder = Builder::new(&particles)
         .energy(vec![link(0, 1), link(1, 2), link(0, 1)])
         .energy(attachments.to_vec());
     let mut solver = builder.build().unwrap();
@@ -457,7 +482,7 @@ fn a_coloured_sweep_gives_the_same_bits_on_any_number_of_threads() {
     let mesh = sheet(160);
     let particles = uneven_masses(mesh.vertex_count());
     let run = || {
-        let builder = Builder::<TestSettings>::new(&particles).energy(springs(&mesh));
+        let builder = Builder::new(&particles).energy(springs(&mesh));
         let mut solver = builder.build().unwrap();
         let mut state = shaken(&mesh);
         for _ in 0..3 {

@@ -5,6 +5,7 @@ use super::at_end::Room;
 use super::damper::Damper;
 use super::minimizer::Minimizer;
 use crate::config::ImplicitConfig;
+use cloth_core::cloth::Elements;
 use cloth_core::element::Energy;
 use cloth_core::math::Vec3;
 use cloth_core::method::family::Energies;
@@ -16,7 +17,7 @@ use cloth_core::step::BuildError;
 #[derive(Debug)]
 pub struct ImplicitBuilder<S> {
     particles: Particles,
-    energies: Energies,
+    energies: Result<Energies, BuildError>,
     config: ImplicitConfig,
     finish: fn(Implicit) -> S,
 }
@@ -24,7 +25,7 @@ pub struct ImplicitBuilder<S> {
 impl<S> ImplicitBuilder<S> {
     pub(super) fn new(particles: &Particles, finish: fn(Implicit) -> S) -> Self {
         Self {
-            energies: Energies::new(particles.len()),
+            energies: Ok(Energies::new(particles.len())),
             particles: particles.clone(),
             config: ImplicitConfig::default(),
             finish,
@@ -32,15 +33,17 @@ impl<S> ImplicitBuilder<S> {
     }
 
     /// Adds elements of one kind.
-    ///
-    /// # Errors
-    /// [`BuildError::NoSuchVertex`].
-    pub fn energy<const N: usize, E: Energy<N>>(
-        mut self,
-        elements: Vec<E>,
-    ) -> Result<Self, BuildError> {
-        self.energies = self.energies.with(elements)?;
-        Ok(self)
+    #[must_use]
+    pub fn energy<const N: usize, E: Energy<N>>(mut self, elements: Vec<E>) -> Self {
+        self.energies = self.energies.and_then(|sum| sum.with(elements));
+        self
+    }
+
+    /// Adds all elements of a cloth, as [`ClothModel::families`](cloth_core::ClothModel::families) has them.
+    #[must_use]
+    pub fn elements(mut self, families: Vec<Elements>) -> Self {
+        self.energies = self.energies.and_then(|sum| sum.with_elements(families));
+        self
     }
 
     /// Sets the settings.
@@ -54,13 +57,15 @@ impl<S> ImplicitBuilder<S> {
     /// step begins with.
     ///
     /// # Errors
+    /// [`BuildError::NoSuchVertex`] if an element names a vertex that the particles do not have;
     /// [`BuildError::InvalidSetting`], [`BuildError::SettingsConflict`], [`BuildError::MatrixTooLarge`].
     pub fn build(self) -> Result<S, BuildError> {
         self.config.check()?;
+        let energies = self.energies?;
         let vertex_count = self.particles.len();
         let beta = self.config.damping.stiffness;
-        let damper = (beta > 0.0).then(|| Damper::new(beta, self.energies.assembly()));
-        let minimizer = Minimizer::new(&self.particles, &self.energies, &self.config)?;
+        let damper = (beta > 0.0).then(|| Damper::new(beta, energies.assembly()));
+        let minimizer = Minimizer::new(&self.particles, &energies, &self.config)?;
         let zeros = vec![Vec3::zeros(); vertex_count];
         Ok((self.finish)(Implicit {
             minimizer,
@@ -70,7 +75,7 @@ impl<S> ImplicitBuilder<S> {
             damper,
             room: Room::default(),
             particles: self.particles,
-            energies: self.energies,
+            energies,
             config: self.config,
         }))
     }

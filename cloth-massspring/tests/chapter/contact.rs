@@ -101,8 +101,8 @@ fn solvers() -> (SymplecticEuler, ExplicitEuler) {
     let symplectic = SymplecticEuler::builder(&particles);
     let forward = ExplicitEuler::builder(&particles);
     (
-        symplectic.energy(spring()).unwrap().build().unwrap(),
-        forward.energy(spring()).unwrap().build().unwrap(),
+        symplectic.energy(spring()).build().unwrap(),
+        forward.energy(spring()).build().unwrap(),
     )
 }
 

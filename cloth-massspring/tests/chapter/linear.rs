@@ -99,9 +99,7 @@ fn a_minimum_is_promised_only_by_a_solver_that_can_prove_it() {
             accept: Accept::Minimum,
             ..ImplicitConfig::default()
         };
-        let builder = ImplicitEuler::builder(&particles)
-            .energy(springs.clone())
-            .unwrap();
+        let builder = ImplicitEuler::builder(&particles).energy(springs.clone());
         let refused = builder.config(config).build().unwrap_err();
         assert!(
             matches!(refused, BuildError::SettingsConflict { .. }),

@@ -52,7 +52,6 @@ macro_rules! solver {
     ($kind:ident, $particles:expr, $energies:expr, $config:expr) => {
         $kind::builder($particles)
             .energy($energies)
-            .unwrap()
             .config($config)
             .build()
             .unwrap()

@@ -28,8 +28,8 @@ fn hang(
         model.particles.prescribe(corner).unwrap();
     }
     let builder = ImplicitEuler::builder(&model.particles);
-    let builder = builder.energy(model.springs).unwrap();
-    let builder = builder.energy(model.hinges).unwrap().config(config);
+    let builder = builder.energy(model.springs);
+    let builder = builder.energy(model.hinges).config(config);
     let mut solver = builder.build().unwrap();
     let mut state = State::at_rest(mesh.positions().to_vec());
     let step = |_| {
@@ -83,8 +83,8 @@ fn stiff_cloth_falls_by_long_steps_however_loose_the_tolerance() {
     }
     let fall = |config| {
         let builder = ImplicitEuler::builder(&model.particles).config(config);
-        let builder = builder.energy(model.springs.clone()).unwrap();
-        let builder = builder.energy(model.hinges.clone()).unwrap();
+        let builder = builder.energy(model.springs.clone());
+        let builder = builder.energy(model.hinges.clone());
         let mut solver = builder.build().unwrap();
         let mut state = State::at_rest(mesh.positions().to_vec());
         let after = |_| {

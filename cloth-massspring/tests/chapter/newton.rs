@@ -14,15 +14,8 @@ pub(crate) const DT: Real = 1.0 / 60.0;
 
 fn hanging(n: usize, config: ImplicitConfig) -> (ImplicitEuler, State) {
     let (mesh, model) = hang(n);
-    let builder = ImplicitEuler::builder(&model.particles)
-        .energy(model.springs)
-        .unwrap();
-    let solver = builder
-        .energy(model.hinges)
-        .unwrap()
-        .config(config)
-        .build()
-        .unwrap();
+    let builder = ImplicitEuler::builder(&model.particles).energy(model.springs);
+    let solver = builder.energy(model.hinges).config(config).build().unwrap();
     (solver, State::at_rest(mesh.positions().to_vec()))
 }
 
@@ -235,7 +228,7 @@ fn stretched_chain(start: StartGuess) -> (ImplicitEuler, State) {
         solve: Solve::Newton,
         ..sharp()
     };
-    let builder = ImplicitEuler::builder(&particles).energy(springs).unwrap();
+    let builder = ImplicitEuler::builder(&particles).energy(springs);
     let mut state = State::at_rest(positions);
     for (i, v) in state.velocities.iter_mut().enumerate().take(10).skip(1) {
         *v = noise(i) * 20.0;
@@ -270,7 +263,7 @@ fn a_minimum_is_found_where_a_stationary_point_is_not_enough() {
     let deflection = |accept| {
         let (particles, springs, positions) = buckling();
         let config = ImplicitConfig { accept, ..sharp() };
-        let builder = ImplicitEuler::builder(&particles).energy(springs).unwrap();
+        let builder = ImplicitEuler::builder(&particles).energy(springs);
         let mut solver = builder.config(config).build().unwrap();
         let mut state = State::at_rest(positions);
         solver.step(&mut state, StepInput::new(1e6)).unwrap();
@@ -286,7 +279,7 @@ fn a_minimum_is_found_where_a_stationary_point_is_not_enough() {
 #[test]
 fn a_step_that_is_already_solved_takes_no_factorisation() {
     let (particles, springs, positions) = chain(10, 2e3);
-    let builder = ImplicitEuler::builder(&particles).energy(springs).unwrap();
+    let builder = ImplicitEuler::builder(&particles).energy(springs);
     let mut solver = builder.build().unwrap();
     let mut state = State::at_rest(positions);
     let report = solver.step(&mut state, StepInput::new(DT)).unwrap();
@@ -315,9 +308,7 @@ fn a_spent_budget_is_an_outcome_and_the_best_point_is_kept() {
 #[test]
 fn far_from_the_origin_it_still_converges() {
     let (mesh, model) = hang(10);
-    let builder = ImplicitEuler::builder(&model.particles)
-        .energy(model.springs)
-        .unwrap();
+    let builder = ImplicitEuler::builder(&model.particles).energy(model.springs);
     let mut solver = builder.config(ImplicitConfig::reference()).build().unwrap();
     let shift = Vec3::repeat(1e4);
     let mut state = State::at_rest(mesh.positions().iter().map(|x| x + shift).collect());

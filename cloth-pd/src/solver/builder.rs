@@ -9,6 +9,7 @@ use crate::local::{Family, Projections};
 use crate::matrix::negligible;
 use crate::objective::{Objective, Point};
 use crate::quasi_newton::QuasiNewton;
+use cloth_core::cloth::{Elements, ProjectiveVisitor};
 use cloth_core::element::Projective;
 use cloth_core::math::{Real, Vec3, is_finite};
 use cloth_core::particles::Particles;
@@ -21,6 +22,17 @@ pub struct PdBuilder {
     families: Result<Vec<Box<dyn Projections>>, BuildError>,
     coarse: Option<(Vec<Vec3>, u32)>,
     config: PdConfig,
+}
+
+/// A builder that elements are being added to.
+struct Adding<'a>(&'a mut PdBuilder);
+
+impl ProjectiveVisitor for Adding<'_> {
+    type Output = ();
+
+    fn visit<const N: usize, const K: usize, E: Projective<N, K>>(self, elements: Vec<E>) {
+        self.0.add(elements);
+    }
 }
 
 impl PdBuilder {
@@ -39,13 +51,28 @@ impl PdBuilder {
         mut self,
         elements: Vec<E>,
     ) -> Self {
+        self.add(elements);
+        self
+    }
+
+    /// Adds all elements of a cloth, as [`ClothModel::families`](cloth_core::ClothModel::families) has them.
+    #[must_use]
+    pub fn elements(mut self, families: Vec<Elements>) -> Self {
+        for family in families {
+            if let Err(error) = family.as_projections(Adding(&mut self)) {
+                self.families = Err(error);
+            }
+        }
+        self
+    }
+
+    fn add<const N: usize, const K: usize, E: Projective<N, K>>(&mut self, elements: Vec<E>) {
         if let Ok(families) = &mut self.families {
             match Family::new(elements, &self.particles) {
                 Ok(family) => families.push(Box::new(family)),
                 Err(error) => self.families = Err(error),
             }
         }
-        self
     }
 
     /// Lays a coarse grid over the cloth, of `cells` cubes along the longest side of the box around its rest positions
@@ -68,7 +95,7 @@ impl PdBuilder {
     /// The solver: assembles the matrix and analyses it. It is factorised in the first step, which tells the step size.
     ///
     /// # Errors
-    /// [`BuildError::InvalidSetting`], also for a weight that is negative or not finite, and for a coarse grid of no or
+    /// [`BuildError::NoSuchView`] for elements that are no squared distances to sets; [`BuildError::InvalidSetting`], also for a weight that is negative or not finite, and for a coarse grid of no or
     /// too many cells or of positions that are not one finite position per vertex; [`BuildError::NoSuchVertex`] if an
     /// element names a vertex that the particles do not have; [`BuildError::MatrixTooLarge`].
     pub fn build(self) -> Result<PdSolver, BuildError> {

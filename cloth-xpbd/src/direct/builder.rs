@@ -6,6 +6,7 @@ use super::linear::Solver;
 use super::merit::Merit;
 use super::rows::{RowFamily, Rows, family};
 use super::solver::DirectXpbd;
+use cloth_core::cloth::{ConstraintVisitor, Elements};
 use cloth_core::element::Constraint;
 use cloth_core::math::{Real, Vec3};
 use cloth_core::method::block_matrix::{BlockMatrix, PatternBuilder};
@@ -18,6 +19,19 @@ pub struct DirectBuilder {
     particles: Particles,
     families: Result<Vec<Box<dyn RowFamily>>, BuildError>,
     config: DirectConfig,
+}
+
+/// Makes elements of one kind a family.
+struct Family {
+    vertex_count: usize,
+}
+
+impl ConstraintVisitor for Family {
+    type Output = Result<Box<dyn RowFamily>, BuildError>;
+
+    fn visit<const N: usize, E: Constraint<N>>(self, elements: Vec<E>) -> Self::Output {
+        family(elements, self.vertex_count)
+    }
 }
 
 impl DirectBuilder {
@@ -40,6 +54,21 @@ impl DirectBuilder {
         self
     }
 
+    /// Adds all elements of a cloth, as [`ClothModel::families`](cloth_core::ClothModel::families) has them.
+    #[must_use]
+    pub fn elements(mut self, families: Vec<Elements>) -> Self {
+        for family in families {
+            let into = Family {
+                vertex_count: self.particles.len(),
+            };
+            self.families = self.families.and_then(|mut families| {
+                families.push(family.as_constraints(into)??);
+                Ok(families)
+            });
+        }
+        self
+    }
+
     /// Replaces the settings.
     #[must_use]
     pub fn config(mut self, config: DirectConfig) -> Self {
@@ -50,7 +79,7 @@ impl DirectBuilder {
     /// The solver; the sparsity pattern is built and analysed here, once.
     ///
     /// # Errors
-    /// [`BuildError::InvalidSetting`]; [`BuildError::NoSuchVertex`] if an element names a vertex that the
+    /// [`BuildError::InvalidSetting`]; [`BuildError::NoSuchView`] for elements that are no constraints; [`BuildError::NoSuchVertex`] if an element names a vertex that the
     /// particles do not have; [`BuildError::MatrixTooLarge`].
     pub fn build(self) -> Result<DirectXpbd, BuildError> {
         let config = self.config;

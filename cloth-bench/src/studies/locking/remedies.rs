@@ -6,7 +6,7 @@ use super::sweeps::RIGIDITY;
 use super::{cone, count};
 use crate::studies::prelude::*;
 use cloth_core::dof::{EdgeRank, bent};
-use cloth_massspring::ImplicitConfig;
+use cloth_massspring::{ImplicitConfig, ImplicitEuler};
 use std::time::Instant;
 
 /// Y (N/m): a cone of springs is locked by it.
@@ -71,7 +71,10 @@ fn cost(pattern: &str, cells: usize, kind: Kind) -> Result<Real, BenchError> {
     let prepare = |kind| {
         let stiffness = [FOLD_MODULUS, RIGIDITY];
         let (sheet, exact, _) = fold::prepared(Axis::Across, pattern, cells, kind, stiffness)?;
-        let solver = method::implicit_euler(&sheet.particles, sheet.families(), config)?;
+        let solver = ImplicitEuler::builder(&sheet.particles)
+            .elements(sheet.families())
+            .config(config)
+            .build()?;
         Ok::<_, BenchError>((solver, State::at_rest(sheet.placed(|p| exact.place(p)))))
     };
     let mut both = [prepare(kind)?, prepare(Kind::Springs)?];

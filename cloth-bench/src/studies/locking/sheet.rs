@@ -11,7 +11,7 @@ use cloth_core::mesh::TriMesh;
 use cloth_core::method::family::Energies;
 use cloth_core::particles::Particles;
 use cloth_core::topology::{EdgeTable, Midpoints};
-use cloth_massspring::ImplicitConfig;
+use cloth_massspring::{ImplicitConfig, ImplicitEuler};
 
 /// What carries the membrane.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -194,11 +194,8 @@ impl Sheet {
     }
 
     fn sum_of(&self, families: &[Elements]) -> Result<Energies, BenchError> {
-        let none = Energies::new(self.particles.len());
-        families
-            .iter()
-            .cloned()
-            .try_fold(none, |sum, family| family.add_to(sum))
+        Energies::new(self.particles.len())
+            .with_elements(families.to_vec())
             .map_err(BenchError::failed)
     }
 
@@ -251,7 +248,10 @@ impl Sheet {
             tolerance,
             ..Default::default()
         };
-        let mut solver = method::implicit_euler(&self.particles, self.families(), config)?;
+        let mut solver = ImplicitEuler::builder(&self.particles)
+            .elements(self.families())
+            .config(config)
+            .build()?;
         let mut found = Rest {
             points: start,
             iterations: 0,

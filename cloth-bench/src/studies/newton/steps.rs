@@ -5,7 +5,7 @@ use crate::studies::prelude::*;
 use crate::studies::sheets::{STIFFNESS, hanging, sixteenth_step, trace_warm};
 use crate::yardstick::Sample;
 use cloth_core::method::linear::{LinearMethod, Preconditioner, StoppingCriteria, spectrum};
-use cloth_massspring::{ImplicitConfig, Solve};
+use cloth_massspring::{ImplicitConfig, ImplicitEuler, Solve};
 
 /// Errors (G − G*)/(G(x̃) − G*) that are waited for.
 const GOALS: [Real; 2] = [1e-3, 1e-8];
@@ -132,7 +132,10 @@ fn take(
             ..Default::default()
         };
         let model = &scene.model;
-        let mut solver = method::implicit_euler(&model.particles, model.families(), config)?;
+        let mut solver = ImplicitEuler::builder(&model.particles)
+            .elements(model.families())
+            .config(config)
+            .build()?;
         let trace = trace_warm(&scene, scene.gravity, &step, &mut solver)?;
         let [coarse, sharp] = GOALS.map(|goal| first_within(goal, &trace));
         let took = trace.last().map_or(0.0, |sample| sample.seconds);

@@ -1,115 +1,99 @@
-//! The builder of a position-based solver.
+//! What the builders of position-based solvers share: constraints collected before the order of the sweeps is known.
 
-use super::{Acceleration, ConstraintUpdate, Families, Motion, Sweep};
+use super::{Acceleration, ConstraintUpdate, Families, Sweep};
+use crate::cloth::{ConstraintVisitor, Elements};
 use crate::element::Constraint;
 use crate::math::Real;
-use crate::particles::Particles;
 use crate::step::BuildError;
 use std::fmt;
-
-/// The settings of a position-based method, and the solver that they make of masses and constraints.
-pub trait Settings: fmt::Debug + Default + Sized {
-    /// The method's formula for Δλ.
-    type Update: ConstraintUpdate;
-    /// The method.
-    type Solver;
-
-    /// Sweeps per substep, substeps per step, and the order of a sweep.
-    fn sweep_settings(&self) -> (u32, u32, Sweep);
-
-    /// Relaxation and extrapolation of the sweeps; none, unless the method says so.
-    fn acceleration(&self) -> Acceleration {
-        Acceleration::default()
-    }
-
-    /// Checks what the method adds to its [`Settings::sweep_settings`] and [`Settings::acceleration`].
-    ///
-    /// # Errors
-    /// [`BuildError::InvalidSetting`].
-    fn check(&self) -> Result<(), BuildError> {
-        Ok(())
-    }
-
-    /// The solver.
-    fn assemble(self, motion: Motion, families: Families<Self::Update>) -> Self::Solver;
-}
 
 /// Adds one family once the order of the sweep is known.
 type Plan<U> = Box<dyn FnOnce(&mut Families<U>) -> Result<(), BuildError>>;
 
-/// Collects particles, elements and settings of a position-based solver.
-pub struct Builder<S: Settings> {
-    motion: Motion,
-    plans: Vec<Plan<S::Update>>,
-    settings: S,
+/// Families of constraints to be built once the settings are known. What is wrong with one is said then.
+pub struct FamilyPlans<U: ConstraintUpdate> {
+    plans: Result<Vec<Plan<U>>, BuildError>,
 }
 
-impl<S: Settings> Builder<S> {
-    /// Starts with the masses and prescribed vertices of `particles` as they are now, without constraints and
-    /// with the default settings.
-    #[must_use]
-    pub fn new(particles: &Particles) -> Self {
-        Self {
-            motion: Motion::new(particles),
-            plans: Vec::new(),
-            settings: S::default(),
+impl<U: ConstraintUpdate> FamilyPlans<U> {
+    /// Adds a family. A sweep visits the families in the order in which they were added.
+    pub fn add<const N: usize, E: Constraint<N>>(&mut self, elements: Vec<E>) {
+        if let Ok(plans) = &mut self.plans {
+            plans.push(Box::new(move |families| families.add(&elements)));
         }
     }
 
-    /// Adds a family of constraints. A sweep visits the families in the order in which they were added.
-    #[must_use]
-    pub fn energy<const N: usize, E: Constraint<N>>(mut self, elements: Vec<E>) -> Self {
-        self.plans
-            .push(Box::new(move |families| families.add(&elements)));
-        self
+    /// Adds families of a cloth.
+    pub fn add_elements(&mut self, families: Vec<Elements>) {
+        for family in families {
+            if let Err(error) = family.as_constraints(&mut *self) {
+                self.plans = Err(error);
+            }
+        }
     }
 
-    /// Replaces the settings.
-    #[must_use]
-    pub fn config(mut self, settings: S) -> Self {
-        self.settings = settings;
-        self
-    }
-
-    /// The solver.
+    /// The families, on `vertex_count` vertices.
     ///
     /// # Errors
-    /// [`BuildError::InvalidSetting`]; [`BuildError::NoSuchVertex`] if an element names a vertex that the
-    /// particles do not have.
+    /// [`BuildError::InvalidSetting`] for an acceleration out of range; [`BuildError::NoSuchView`] for elements that
+    /// are no constraints; [`BuildError::NoSuchVertex`] if an element names a vertex that does not exist.
     ///
     /// # Panics
     /// If an element of a coloured sweep names a vertex twice.
-    pub fn build(self) -> Result<S::Solver, BuildError> {
-        let (iterations, substeps, sweep) = self.settings.sweep_settings();
-        at_least_one("the number of iterations", iterations)?;
-        at_least_one("the number of substeps", substeps)?;
-        self.settings.check()?;
-        let acceleration = self.settings.acceleration();
-        let mut families = Families::new(self.motion.vertex_count(), sweep, acceleration)?;
-        for plan in self.plans {
+    pub fn build(
+        self,
+        vertex_count: usize,
+        sweep: Sweep,
+        acceleration: Acceleration,
+    ) -> Result<Families<U>, BuildError> {
+        let mut families = Families::new(vertex_count, sweep, acceleration)?;
+        for plan in self.plans? {
             plan(&mut families)?;
         }
-        Ok(self.settings.assemble(self.motion, families))
+        Ok(families)
     }
 }
 
-impl<S: Settings> fmt::Debug for Builder<S> {
+impl<U: ConstraintUpdate> ConstraintVisitor for &mut FamilyPlans<U> {
+    type Output = ();
+
+    fn visit<const N: usize, E: Constraint<N>>(self, elements: Vec<E>) {
+        self.add(elements);
+    }
+}
+
+impl<U: ConstraintUpdate> Default for FamilyPlans<U> {
+    fn default() -> Self {
+        Self {
+            plans: Ok(Vec::new()),
+        }
+    }
+}
+
+impl<U: ConstraintUpdate> fmt::Debug for FamilyPlans<U> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("Builder")
-            .field("vertices", &self.motion.vertex_count())
-            .field("families", &self.plans.len())
-            .field("settings", &self.settings)
+        let count = self.plans.as_ref().map(Vec::len);
+        f.debug_struct("FamilyPlans")
+            .field("families", &count)
             .finish()
     }
 }
 
-fn at_least_one(name: &'static str, count: u32) -> Result<(), BuildError> {
-    if count > 0 {
-        return Ok(());
+/// Checks how often a step is cut, and how often the constraints are swept in each part.
+///
+/// # Errors
+/// [`BuildError::InvalidSetting`] if one of the two is zero.
+pub fn check_counts(iterations: u32, substeps: u32) -> Result<(), BuildError> {
+    let counts = [
+        ("the number of iterations", iterations),
+        ("the number of substeps", substeps),
+    ];
+    match counts.into_iter().find(|(_, count)| *count == 0) {
+        None => Ok(()),
+        Some((name, count)) => Err(BuildError::InvalidSetting {
+            name,
+            value: Real::from(count),
+            range: "at least 1",
+        }),
     }
-    Err(BuildError::InvalidSetting {
-        name,
-        value: Real::from(count),
-        range: "at least 1",
-    })
 }
