@@ -98,7 +98,7 @@ fn same_minimum(settings: &Settings) -> Result<Evaluation, BenchError> {
         ..Default::default()
     };
     let mut pd = PdSolver::builder(&scene.model.particles)
-        .elements(vec![Elements::Springs(scene.model.springs.clone())])
+        .elements(scene.model.families())
         .config(config)
         .build()?;
     let mut by_pd = before;
