@@ -4,7 +4,7 @@
 //! `cargo run --release -p cloth-massspring --example materials [-- SIDE STEPS]`. It panics if a step does not
 //! converge.
 
-use cloth_core::cloth::{Cloth, Discretization, Elements, Membrane, SpringLaw};
+use cloth_core::cloth::{Cloth, Discretization, Membrane, SpringLaw};
 use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::generate::{Diagonals, grid};
 use cloth_core::particles::State;

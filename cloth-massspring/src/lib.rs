@@ -17,8 +17,7 @@
 //! model.particles.prescribe(99)?;
 //!
 //! let mut solver = ImplicitEuler::builder(&model.particles)
-//!     .energy(model.springs)
-//!     .energy(model.hinges)
+//!     .elements(model.families())
 //!     .build()?;
 //! let mut state = State::at_rest(mesh.positions().to_vec());
 //! for _ in 0..30 {

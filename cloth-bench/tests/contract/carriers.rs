@@ -9,7 +9,12 @@ use cloth_bench::scene;
 use cloth_bench::settings::Settings;
 use cloth_bench::yardstick::StepProblem;
 use cloth_core::math::Real;
-use cloth_core::step::StepInput;
+use cloth_core::step::{StepInput, Stepper};
+use cloth_massspring::ImplicitEuler;
+use cloth_pbd::PbdSolver;
+use cloth_pd::PdSolver;
+use cloth_xpbd::XpbdSolver;
+use cloth_xpbd::direct::DirectXpbd;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
@@ -201,4 +206,33 @@ fn agree(choices: &[&str]) {
     assert!(error.gradient < 1e-9, "{choices:?}: {:e}", error.gradient);
     let objective: Real = error.objective;
     assert!(objective.abs() < 1e-9, "{choices:?}: {objective:e}");
+}
+
+#[test]
+fn a_whole_cloth_is_the_same_as_its_families_one_by_one() {
+    let scene = built("hang", &["n=7"]);
+    let (model, particles) = (&scene.model, &scene.model.particles);
+    macro_rules! two_ways {
+        ($kind:ident) => {{
+            let whole = $kind::builder(particles).elements(model.families());
+            let parts = $kind::builder(particles).energy(model.springs.clone());
+            let parts = parts.energy(model.hinges.clone());
+            let (whole, parts) = (whole.build().unwrap(), parts.build().unwrap());
+            [Box::new(whole) as Box<dyn Stepper>, Box::new(parts)]
+        }};
+    }
+    for solvers in [
+        two_ways!(ImplicitEuler),
+        two_ways!(PbdSolver),
+        two_ways!(XpbdSolver),
+        two_ways!(DirectXpbd),
+        two_ways!(PdSolver),
+    ] {
+        let [whole, parts] = solvers.map(|mut solver| {
+            let mut state = scene.start.clone();
+            advance(&mut *solver, &scene, &mut state, 3);
+            state.positions
+        });
+        assert_eq!(whole, parts);
+    }
 }

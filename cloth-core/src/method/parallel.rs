@@ -22,10 +22,33 @@ pub fn join<A: Send, B: Send>(
     second: impl FnOnce() -> B + Send,
 ) -> (A, B) {
     if vertex_count >= SMALLEST_PARALLEL_CLOTH && rayon::current_num_threads() > 1 {
-        rayon::join(first, second)
+        join_on_threads(first, second)
     } else {
         (first(), second())
     }
+}
+
+/// [`rayon::join`] with all that it brings compiled once, not once for each pair of closures.
+#[cfg(feature = "parallel")]
+fn join_on_threads<A: Send, B: Send>(
+    first: impl FnOnce() -> A + Send,
+    second: impl FnOnce() -> B + Send,
+) -> (A, B) {
+    let (mut first, mut second) = (Some(first), Some(second));
+    let (mut a, mut b) = (None, None);
+    join_erased(&mut || a = first.take().map(|first| first()), &mut || {
+        b = second.take().map(|second| second())
+    });
+    (
+        a.expect("the first is done"),
+        b.expect("the second is done"),
+    )
+}
+
+#[cfg(feature = "parallel")]
+#[inline(never)]
+fn join_erased(first: &mut (dyn FnMut() + Send), second: &mut (dyn FnMut() + Send)) {
+    rayon::join(first, second);
 }
 
 /// Does two things that have nothing to do with each other, one after the other.
@@ -218,7 +241,7 @@ unsafe fn visit_parts<const BACK: bool, const N: usize, E: Sync, A: Send, P: Cop
     );
     let (first_slots, second_slots) = slots.split_at_mut(first.range().len());
     // SAFETY: the two halves are of different parts, so they share no vertex.
-    rayon::join(
+    join_on_threads(
         || unsafe { visit_parts::<BACK, N, E, A, P>(&first, first_slots, x, grain, visit) },
         || unsafe { visit_parts::<BACK, N, E, A, P>(&second, second_slots, x, grain, visit) },
     );

@@ -163,6 +163,7 @@ fn settings_out_of_range() {
     stray[0].vertices[0] = 9;
     let error = ImplicitEuler::builder(&particles)
         .energy(stray)
+        .build()
         .unwrap_err();
     assert!(matches!(error, BuildError::NoSuchVertex { vertex: 9, .. }));
 }
