@@ -412,8 +412,19 @@ pub fn run_changing(
     scene: &Scene,
     solver: &mut Solver<'_>,
     state: &mut State,
-    Plan { dt, steps, forces }: Plan,
+    plan: Plan,
     mut after: impl FnMut(&Moment<'_>) -> Result<(), BenchError>,
+) -> Result<(Summary, Scene), BenchError> {
+    take_steps(scene, solver, state, plan, &mut after)
+}
+
+/// Compiled once, not once for every caller.
+fn take_steps(
+    scene: &Scene,
+    solver: &mut Solver<'_>,
+    state: &mut State,
+    Plan { dt, steps, forces }: Plan,
+    after: &mut dyn FnMut(&Moment<'_>) -> Result<(), BenchError>,
 ) -> Result<(Summary, Scene), BenchError> {
     let mut course = Course::new(scene)?;
     course.record_forces(forces);

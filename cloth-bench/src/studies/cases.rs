@@ -8,6 +8,7 @@ use crate::error::BenchError;
 use crate::journal::{Journal, Shard};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
+use serde_json::Value;
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -92,13 +93,17 @@ impl<'a> Cases<'a> {
         work: impl FnOnce(&mut dyn FnMut(&str)) -> Result<T, BenchError>,
     ) -> Result<T, BenchError> {
         self.announce(name);
-        if let Some(known) = self.known(name)? {
-            return Ok(known);
-        }
-        let started = Instant::now();
-        let progress = &mut *self.progress;
-        let outcome = work(&mut |part| progress(Progress::Part(part)));
-        self.keep(name, started.elapsed().as_secs_f64(), outcome)
+        let known = match self.known(name)? {
+            Some(known) => known,
+            None => {
+                let started = Instant::now();
+                let progress = &mut *self.progress;
+                let outcome = work(&mut |part| progress(Progress::Part(part)));
+                let seconds = started.elapsed().as_secs_f64();
+                Known::Found(self.keep(name, seconds, outcome.and_then(to_value))?)
+            }
+        };
+        self.read(name, known)
     }
 
     /// The results of one case per item, in their order. Those that are not finished are run side by side, as many as
@@ -112,21 +117,33 @@ impl<'a> Cases<'a> {
     ) -> Vec<Result<T, BenchError>>
     where
         I: Sync,
-        T: Serialize + DeserializeOwned + Default + Send,
+        T: Serialize + DeserializeOwned + Default,
     {
         let names: Vec<String> = items.iter().map(name).collect();
-        let mut results: Vec<Option<Result<T, BenchError>>> = Vec::with_capacity(items.len());
-        for name in &names {
+        let found =
+            self.values_side_by_side(&names, &|index| work(&items[index]).and_then(to_value));
+        let found = names.iter().zip(found);
+        found.map(|(name, found)| self.read(name, found?)).collect()
+    }
+
+    /// The same, not yet read.
+    fn values_side_by_side(
+        &mut self,
+        names: &[String],
+        work: &(dyn Fn(usize) -> Result<Value, BenchError> + Sync),
+    ) -> Vec<Result<Known, BenchError>> {
+        let mut results: Vec<Option<Result<Known, BenchError>>> = Vec::with_capacity(names.len());
+        for name in names {
             let known = self.known(name).transpose();
             if known.is_some() {
                 self.announce(name);
             }
             results.push(known);
         }
-        let open: Vec<usize> = (0..items.len()).filter(|&i| results[i].is_none()).collect();
+        let open: Vec<usize> = (0..names.len()).filter(|&i| results[i].is_none()).collect();
         let next = AtomicUsize::new(0);
         let (tell, told) = mpsc::channel();
-        let run = |tell: mpsc::Sender<Told<T>>| {
+        let run = |tell: mpsc::Sender<Told>| {
             let alone = rayon::ThreadPoolBuilder::new().num_threads(1).build();
             while let Some(&index) = open.get(next.fetch_add(1, Ordering::Relaxed)) {
                 let started = Instant::now();
@@ -134,7 +151,7 @@ impl<'a> Cases<'a> {
                     return;
                 }
                 let outcome = match &alone {
-                    Ok(alone) => alone.install(|| work(&items[index])),
+                    Ok(alone) => alone.install(|| work(index)),
                     Err(error) => Err(BenchError::failed(error)),
                 };
                 let seconds = started.elapsed().as_secs_f64();
@@ -154,7 +171,8 @@ impl<'a> Cases<'a> {
                 match message {
                     Told::Begun(index) => self.announce(&names[index]),
                     Told::Ended(index, seconds, outcome) => {
-                        results[index] = Some(self.keep(&names[index], seconds, outcome));
+                        let kept = self.keep(&names[index], seconds, outcome);
+                        results[index] = Some(kept.map(Known::Found));
                     }
                 }
                 if self.broken().is_some() {
@@ -181,11 +199,8 @@ impl<'a> Cases<'a> {
         BenchError::Failed(format!("case `{name}` of study `{}`: {error}", self.study))
     }
 
-    /// The result of a case that is finished, or falls to another run; none if it is to be run now.
-    fn known<T: DeserializeOwned + Default>(
-        &mut self,
-        name: &str,
-    ) -> Result<Option<T>, BenchError> {
+    /// What is known of a case before it is run; none if it is to be run now.
+    fn known(&mut self, name: &str) -> Result<Option<Known>, BenchError> {
         if let Some(error) = self.broken() {
             return Err(error.clone());
         }
@@ -194,8 +209,7 @@ impl<'a> Cases<'a> {
         }
         let journal = self.journal.as_ref();
         if let Some(known) = journal.and_then(|journal| journal.recall(self.study, name)) {
-            let found = serde_json::from_value(known?);
-            return found.map(Some).map_err(|error| self.about(name, error));
+            return Ok(Some(Known::Found(known?)));
         }
         let is_ours = match self.share {
             Share::All => true,
@@ -206,29 +220,32 @@ impl<'a> Cases<'a> {
             return Ok(None);
         }
         self.left_out.push(name.to_owned());
-        Ok(Some(T::default()))
+        Ok(Some(Known::Elsewhere))
     }
 
     /// Records what came of a case after so many seconds, and hands it on.
-    fn keep<T: Serialize + DeserializeOwned>(
+    fn keep(
         &mut self,
         name: &str,
         seconds: f64,
-        outcome: Result<T, BenchError>,
-    ) -> Result<T, BenchError> {
-        let recorded = match &outcome {
-            Ok(found) => {
-                let value = serde_json::to_value(found).map_err(|error| self.about(name, error))?;
-                // What cannot be read back, such as a number that is none, is found out now.
-                T::deserialize(&value).map_err(|error| self.about(name, error))?;
-                Ok(value)
-            }
-            Err(error) => Err(error.to_string()),
-        };
+        outcome: Result<Value, BenchError>,
+    ) -> Result<Value, BenchError> {
+        let recorded = outcome.clone().map_err(|error| error.to_string());
         if let Some(journal) = &mut self.journal {
             journal.record(self.study, name, seconds, recorded)?;
         }
         outcome
+    }
+
+    fn read<T: DeserializeOwned + Default>(
+        &self,
+        name: &str,
+        known: Known,
+    ) -> Result<T, BenchError> {
+        match known {
+            Known::Elsewhere => Ok(T::default()),
+            Known::Found(value) => T::deserialize(&value).map_err(|error| self.about(name, error)),
+        }
     }
 
     /// The cases that were neither finished nor run.
@@ -237,11 +254,26 @@ impl<'a> Cases<'a> {
     }
 }
 
+/// What is known of a case that is not to be run now.
+enum Known {
+    /// Its result.
+    Found(Value),
+    /// It falls to another run.
+    Elsewhere,
+}
+
 /// What a thread says of the case with this index.
-enum Told<T> {
+enum Told {
     Begun(usize),
     /// After so many seconds, with this outcome.
-    Ended(usize, f64, Result<T, BenchError>),
+    Ended(usize, f64, Result<Value, BenchError>),
+}
+
+/// A result as the journal keeps it. What cannot be read back, such as a number that is none, is found out now.
+fn to_value<T: Serialize + DeserializeOwned>(found: T) -> Result<Value, BenchError> {
+    let value = serde_json::to_value(found).map_err(BenchError::failed)?;
+    T::deserialize(&value).map_err(BenchError::failed)?;
+    Ok(value)
 }
 
 /// A value that several cases need, found when it is asked for the first time.
