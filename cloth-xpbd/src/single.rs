@@ -238,7 +238,9 @@ impl SingleBuilder {
                 Elements::Springs(springs) => self = self.springs(&springs),
                 Elements::Quadratic(hinges) => self = self.vector_rows(&hinges),
                 other => {
-                    let error = other.no_view("is of a distance, or of one vector row");
+                    let error = other.no_view(
+                        "depends on one distance or is one vector row, in single precision",
+                    );
                     self.error = self.error.or(Some(error));
                 }
             }

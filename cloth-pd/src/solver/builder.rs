@@ -59,7 +59,8 @@ impl PdBuilder {
     #[must_use]
     pub fn elements(mut self, families: Vec<Elements>) -> Self {
         for family in families {
-            if let Err(error) = family.as_projections(Adding(&mut self)) {
+            let added = family.as_projections(Adding(&mut self));
+            if let (Err(error), Ok(_)) = (added, &self.families) {
                 self.families = Err(error);
             }
         }

@@ -26,7 +26,8 @@ impl<U: ConstraintUpdate> FamilyPlans<U> {
     /// Adds families of a cloth.
     pub fn add_elements(&mut self, families: Vec<Elements>) {
         for family in families {
-            if let Err(error) = family.as_constraints(&mut *self) {
+            let added = family.as_constraints(&mut *self);
+            if let (Err(error), Ok(_)) = (added, &self.plans) {
                 self.plans = Err(error);
             }
         }
