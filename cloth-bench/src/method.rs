@@ -168,6 +168,7 @@ impl Method {
         settings.check(&format!("method `{}`", self.name), &self.parameters())?;
         self.check_hard(scene)?;
         self.check_pushed(scene)?;
+        self.check_volumes(scene)?;
         // Runs take a step in as many parts.
         let dt = dt / Real::from(scene.parts(dt));
         let substeps = self.substeps(scene, settings, dt)?;
@@ -208,6 +209,23 @@ impl Method {
             ));
         }
         Ok(())
+    }
+
+    /// Refuses sealed volumes where their pressure would not be that of the scene.
+    fn check_volumes(&self, scene: &Scene) -> Result<(), BenchError> {
+        let reason = match self.kind {
+            _ if scene.volumes.is_empty() => return Ok(()),
+            Kind::Midpoint => {
+                "it damps nothing, and takes what contact brings at the end of a step"
+            }
+            Kind::Pbd => "how hard the cloth holds it depends on its iterations",
+            Kind::XpbdDirect => "it solves the cloth first, as if nothing were inside",
+            _ => return Ok(()),
+        };
+        Err(BenchError::Usage(format!(
+            "`{}` cannot take bulk_modulus: {reason}; implicit-euler, pd and xpbd can",
+            self.name
+        )))
     }
 
     fn solver(

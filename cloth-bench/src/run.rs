@@ -103,6 +103,8 @@ pub struct Summary {
     pub min_clearance: Option<Real>,
     /// Largest distance (m) at the end between two vertices that are sewn together; none where there is no seam.
     pub max_seam_gap: Option<Real>,
+    /// Largest change of a sealed volume at the end (dimensionless, of its rest volume); none where there is none.
+    pub max_volume_change: Option<Real>,
 }
 
 /// A scene on its way: the caller's method takes the steps, and this adds all that is not the method's.
@@ -169,7 +171,7 @@ impl<'a> Course<'a> {
     fn record_forces(&mut self, are_wanted: bool) {
         self.forces = are_wanted;
         let contacts = self.contacts.iter_mut();
-        contacts.for_each(|timed| timed.source.record_forces(are_wanted));
+        contacts.for_each(|timed| timed.source.contacts.record_forces(are_wanted));
     }
 
     /// The energy (J) of contact where the cloth starts: it may begin nearer to something than the thickness. Of a
@@ -219,12 +221,12 @@ impl<'a> Course<'a> {
                 && let Some(source) = scene.contacts()?
             {
                 timed.source = source;
-                timed.source.record_forces(self.forces);
+                timed.source.contacts.record_forces(self.forces);
                 let unfinished = self.untangler.take().filter(|u| !u.is_done());
                 self.untangler = unfinished.and_then(|_| scene.untangler());
             }
             if let (ChangeKind::Sew { .. }, Some(timed)) = (&change.kind, &mut self.contacts) {
-                timed.source.sew(&scene.sewn());
+                timed.source.contacts.sew(&scene.sewn());
             }
             self.changes += 1;
             self.scene = Cow::Owned(scene);
@@ -242,7 +244,7 @@ impl<'a> Course<'a> {
             return Ok(false);
         }
         let w = self.scene.model.particles.inverse_mass();
-        let crossing = untangler.begin_step(&mut contacts.source, w, &mut state.positions);
+        let crossing = untangler.begin_step(&mut contacts.source.contacts, w, &mut state.positions);
         let crossing = crossing.map_err(BenchError::failed)?;
         self.tangled_pairs.push(crossing);
         Ok(true)
@@ -500,6 +502,7 @@ fn take_steps(
         min_distance: separation.and_then(|s| s.min_distance),
         min_clearance: min_clearance(&scene, state),
         max_seam_gap: scene.max_seam_gap(state),
+        max_volume_change: scene.max_volume_change(state),
     };
     Ok((summary, scene))
 }

@@ -21,13 +21,13 @@ use cloth_collide::untangle::StepUntangler;
 use cloth_core::air::Air;
 use cloth_core::cloth::ClothModel;
 use cloth_core::element::Element;
+use cloth_core::enclosure::{ClosedVolume, Enclosed, Pressure};
 use cloth_core::energy::{Spring, Stitch};
 use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::TriMesh;
 use cloth_core::method::family::Energies;
 use cloth_core::particles::State;
 use cloth_core::pin::Pins;
-use cloth_core::pressure::Pressure;
 use cloth_core::step::BuildError;
 use cloth_core::topology::EdgeTable;
 use contact::{TOUCHING, TOUCHING_ALONE};
@@ -56,8 +56,10 @@ pub struct Scene {
     pub changes: Vec<Change>,
     /// What the cloth can touch; nothing unless the scene says so.
     pub touch: Option<ContactSetup>,
-    /// Gas inside closed pieces of it.
+    /// Gas of constant pressure inside closed pieces of it.
     pub gases: Vec<Pressure>,
+    /// What resists a change of its volume inside closed pieces of it.
+    pub volumes: Vec<ClosedVolume>,
     /// The air around it; without it no code for air runs.
     pub air: Option<Air>,
     /// Which vertex of the caller's mesh each vertex is, where vertices were renumbered.
@@ -65,15 +67,27 @@ pub struct Scene {
 }
 
 impl Scene {
-    /// What resolves contact, if the scene has anything to touch.
+    /// What resolves contact, if the scene has anything to touch, and keeps volumes, if it has any.
     ///
     /// # Errors
     /// [`BenchError::Usage`] for a mesh that does not serve.
-    pub fn contacts(&self) -> Result<Option<PotentialContacts>, BenchError> {
-        match (&self.touch, &self.mesh) {
-            (Some(touch), Some(mesh)) => touch.source(mesh, &self.sewn()),
-            _ => Ok(None),
-        }
+    pub fn contacts(&self) -> Result<Option<Enclosed<PotentialContacts>>, BenchError> {
+        let Some(mesh) = &self.mesh else {
+            return Ok(None);
+        };
+        let touching = match &self.touch {
+            Some(touch) => touch.source(mesh, &self.sewn())?,
+            None => None,
+        };
+        let contacts = match touching {
+            Some(contacts) => contacts,
+            None if self.volumes.is_empty() => return Ok(None),
+            None => {
+                let nothing = PotentialContacts::builder(mesh).self_collision(false);
+                nothing.build().map_err(BenchError::usage)?
+            }
+        };
+        Ok(Some(Enclosed::new(self.volumes.clone(), contacts)))
     }
 
     /// What counts the crossings of the cloth and measures its distances, if it has a mesh.
@@ -100,6 +114,13 @@ impl Scene {
         let x = |vertex: u32| state.positions[vertex as usize];
         let pairs = self.sewn().into_iter();
         pairs.map(|[a, b]| (x(a) - x(b)).norm()).reduce(Real::max)
+    }
+
+    /// Largest change of a sealed volume (dimensionless, of its rest volume), if there is any.
+    #[must_use]
+    pub fn max_volume_change(&self, state: &State) -> Option<Real> {
+        let change = |v: &ClosedVolume| (v.volume(&state.positions) / v.rest_volume() - 1.0).abs();
+        self.volumes.iter().map(change).reduce(Real::max)
     }
 
     /// Whether a seam closes in the step of `dt` (s) that has ended at `time` (s).
@@ -134,6 +155,15 @@ impl Scene {
         farthest.fold(0.0, Real::max)
     }
 
+    /// The largest tension (N/m) by what is inside of closed pieces, where the cloth starts.
+    #[must_use]
+    pub fn lasting_tension(&self) -> Real {
+        let x = &self.start.positions;
+        let gases = self.gases.iter().map(|gas| gas.tension(x));
+        let all = gases.chain(self.volumes.iter().map(|volume| volume.tension(x)));
+        all.fold(0.0, Real::max)
+    }
+
     /// Whether springs are hard constraints, of infinite stiffness.
     #[must_use]
     pub fn is_hard(&self) -> bool {
@@ -160,12 +190,6 @@ impl Scene {
         self.touch.as_ref().map_or(1, |touch| touch.parts(dt))
     }
 
-    /// Whether the cloth can touch anything.
-    #[must_use]
-    pub fn touches(&self) -> bool {
-        self.touch.as_ref().is_some_and(|touch| !touch.is_idle())
-    }
-
     /// Whether a step is nothing but the elastic one: nothing to touch, no air or gas, pins at rest, no seams,
     /// nothing that changes.
     #[must_use]
@@ -175,7 +199,8 @@ impl Scene {
             && self.gases.is_empty()
             && self.changes.is_empty()
             && self.model.stitches().next().is_none()
-            && !self.touches()
+            && self.volumes.is_empty()
+            && !self.can_touch()
     }
 
     /// Surfaces of the obstacles, for pictures: their vertices (m) at a time (s), and their triangles.

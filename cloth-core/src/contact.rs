@@ -6,6 +6,10 @@
 //! its own lets [`Projection`] do all of that at the end of its (sub)step. A method without a source in its
 //! [`StepInput`](crate::step::StepInput) runs no code for contact. The crate `cloth-collide` has the source.
 
+mod global_rows;
+
+pub use global_rows::{GlobalRow, GlobalRows};
+
 use crate::math::{Real, Vec3, is_finite};
 use std::fmt;
 
@@ -86,8 +90,8 @@ pub trait ContactSource {
         0.0
     }
 
-    /// Energy (J) that contact has stored at the end of the last step and may give back; 0 for a source without a
-    /// potential.
+    /// Energy (J) that contact has stored at the end of the last step, or at the start of one that has begun, and may
+    /// give back; 0 for a source without a potential.
     fn potential_energy(&self) -> Real {
         0.0
     }
@@ -140,6 +144,12 @@ pub trait ContactPotential: fmt::Debug + Send + Sync {
     /// Appends to `out` what the second derivative at `x` (m), a place on the last path, is made of, without what would
     /// make it indefinite.
     fn linearize(&self, x: &[Vec3], out: &mut Vec<ContactRow>);
+
+    /// The same of what couples more vertices than a [`ContactRow`] has: appends it to `out`. Most sources have nothing
+    /// like that, and leave it out; a method that has no place for it has to refuse a source that does.
+    fn linearize_globally(&self, x: &[Vec3], out: &mut GlobalRows) {
+        let _ = (x, out);
+    }
 
     /// Ends the step, which the method has ended at `x` (m) with velocities `v` (m/s): obstacles move on.
     fn end(&mut self, x: &[Vec3], v: &[Vec3]);

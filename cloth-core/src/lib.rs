@@ -59,7 +59,7 @@
 //! | `x̃`, `G`, `∇G` | [`measure::predict`], [`measure::IncrementalPotential`] |
 //! | `M` | [`particles::Particles`] |
 //! | drag and lift of the air | [`air::Air`] |
-//! | gas inside a closed mesh | [`pressure::Pressure`] |
+//! | gas, or a volume, inside a closed mesh | [`enclosure::Pressure`], [`enclosure::ClosedVolume`] |
 //! | `E = ½ Σ k C²` from constraint rows | [`element::Constraint`] |
 //! | `E = ½ w ‖S x − p‖²` | [`element::Projective`] |
 //! | `3V − E = 3χ + E_b` | [`topology::Topology`]; the rank: `dof::EdgeRank` |
@@ -109,7 +109,7 @@ pub mod contact;
 pub mod step;
 
 pub mod air;
-pub mod pressure;
+pub mod enclosure;
 
 pub mod measure;
 

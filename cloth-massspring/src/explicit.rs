@@ -160,9 +160,6 @@ impl Explicit {
         self.positions.copy_from_slice(&state.positions);
         self.velocities.copy_from_slice(&state.velocities);
         self.model.energies.set_time(state.time);
-        if let Some(monitor) = &mut self.monitor {
-            monitor.begin(&self.model, &self.positions, &self.velocities);
-        }
         let (step, dt) = (state.steps + 1, input.dt);
         if let Some(contacts) = input.contact_constraints() {
             let taken = ContactStep {
@@ -172,6 +169,11 @@ impl Explicit {
             };
             let begun = contacts.begin_step(&taken);
             begun.map_err(|reason| StepError::Contact { reason, step })?;
+        }
+        if let Some(monitor) = &mut self.monitor {
+            let contacts = input.contacts.as_ref();
+            let stored = contacts.map_or(0.0, |contacts| contacts.potential_energy());
+            monitor.begin(&self.model, &self.positions, &self.velocities, stored);
         }
         let substeps = self.model.config.substeps;
         let mut pin_work = 0.0;

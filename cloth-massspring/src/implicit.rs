@@ -24,6 +24,7 @@ mod bdf2;
 mod builder;
 mod damper;
 mod drift;
+mod global_terms;
 mod line_search;
 mod linearized;
 mod minimizer;

@@ -1,7 +1,7 @@
 //! Contact in the quasi-Newton iteration: what it adds to the constant matrix.
 
 use crate::global::GlobalSystem;
-use cloth_core::contact::{ContactPotential, ContactRow};
+use cloth_core::contact::{ContactPotential, ContactRow, GlobalRows};
 use cloth_core::math::{Real, Vec3};
 use cloth_core::method::vectors::{add, dot};
 use cloth_core::particles::Particles;
@@ -20,6 +20,8 @@ const MAX_ITERATIONS: u32 = 10;
 #[derive(Debug)]
 pub(crate) struct ContactSystem {
     pub(crate) rows: Vec<ContactRow>,
+    /// What couples many vertices.
+    global: GlobalRows,
     residual: Vec<Vec3>,
     /// A⁻¹ r (m).
     solved: Vec<Vec3>,
@@ -34,6 +36,7 @@ impl ContactSystem {
         let zeros = vec![Vec3::zeros(); vertex_count];
         Self {
             rows: Vec::new(),
+            global: GlobalRows::default(),
             residual: zeros.clone(),
             solved: zeros.clone(),
             direction: zeros.clone(),
@@ -45,6 +48,7 @@ impl ContactSystem {
     /// Linearises the contacts at `x` (m), which lies on the last displacement.
     pub(crate) fn find(&mut self, contact: &Contact<'_>, x: &[Vec3], particles: &Particles) {
         self.rows.clear();
+        self.global.clear();
         let Some(contact) = contact else {
             return;
         };
@@ -57,11 +61,24 @@ impl ContactSystem {
                 }
             }
         }
+        contact.linearize_globally(x, &mut self.global);
+        for row in self.global.rows_mut() {
+            for (gradient, &vertex) in row.gradient.iter_mut().zip(&row.vertices) {
+                if particles.is_prescribed(vertex as usize) {
+                    *gradient = Vec3::zeros();
+                }
+            }
+        }
+    }
+
+    /// Whether nothing but the constant matrix is left.
+    fn is_empty(&self) -> bool {
+        self.rows.is_empty() && self.global.rows().is_empty()
     }
 
     /// Solves `(A + Σ k J Jᵀ) p = g` (N) for p (m), nearly. Returns the number of global solves.
     pub(crate) fn solve(&mut self, global: &mut GlobalSystem, g: &[Vec3], p: &mut [Vec3]) -> u32 {
-        if self.rows.is_empty() {
+        if self.is_empty() {
             global.solve(g, p);
             return 1;
         }
@@ -114,6 +131,10 @@ impl ContactSystem {
                 .sum();
             let force = row.normal * (row.stiffness * along);
             ends().for_each(|(v, w)| self.product[*v as usize] += force * w);
+        }
+        for row in self.global.rows() {
+            let along = row.dot(&self.direction);
+            row.add_to(row.stiffness * along, &mut self.product);
         }
     }
 

@@ -313,6 +313,7 @@ fn simulate(
         ("min_distance", json!(summary.min_distance)),
         ("min_clearance", json!(summary.min_clearance)),
         ("max_seam_gap", json!(summary.max_seam_gap)),
+        ("max_volume_change", json!(summary.max_volume_change)),
         ("finite", json!(state.first_non_finite().is_none())),
     ];
     if let Some(exported) = exported? {

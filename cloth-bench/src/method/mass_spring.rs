@@ -87,9 +87,9 @@ pub(super) const LINEARIZED: &[Parameter] = &[
 /// Settings of the methods that iterate with Newton's method.
 pub(super) fn newton(scene: &Scene, settings: &Settings) -> Result<ImplicitConfig, BenchError> {
     let linear_name = settings.text(&LINEAR);
-    if linear_name != "multigrid" && scene.touches() {
+    if linear_name != "multigrid" && (scene.can_touch() || !scene.volumes.is_empty()) {
         return Err(BenchError::Usage(format!(
-            "linear={linear_name}: Newton's linear systems have no place for contact; linear=multigrid has, and contact=none does without"
+            "linear={linear_name}: Newton's linear systems have no place for contact and bulk_modulus; linear=multigrid has"
         )));
     }
     let (solve, linear) = if linear_name == "multigrid" {

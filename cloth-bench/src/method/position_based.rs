@@ -151,6 +151,7 @@ fn substeps(
         },
         gravity: scene.gravity,
         fall: scene.fall(),
+        tension: scene.lasting_tension(),
         iterations: settings.count(iterations, 1)?,
     };
     let particles = &scene.model.particles;

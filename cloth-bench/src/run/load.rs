@@ -2,9 +2,9 @@
 
 use crate::scene::{Change, ChangeKind, Scene};
 use cloth_core::air::Air;
+use cloth_core::enclosure::Pressure;
 use cloth_core::math::{Real, Vec3};
 use cloth_core::particles::State;
-use cloth_core::pressure::Pressure;
 
 /// A force of the scene that acts now.
 pub(super) struct Push {

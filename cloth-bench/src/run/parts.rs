@@ -49,7 +49,10 @@ impl Course<'_> {
         if !self.forces || parts == 1 {
             return;
         }
-        let forces = self.contacts.as_ref().and_then(|c| c.source.forces());
+        let forces = self
+            .contacts
+            .as_ref()
+            .and_then(|c| c.source.contacts.forces());
         if let Some(forces) = forces {
             let mean = self.mean_forces.take().unwrap_or_default();
             self.mean_forces = Some(mean.plus(forces, 1.0 / Real::from(parts)));
@@ -58,7 +61,11 @@ impl Course<'_> {
 
     /// The forces of contact in the last step, if they are wanted.
     pub(super) fn forces(&self) -> Option<&ContactForces> {
-        let last = || self.contacts.as_ref().and_then(|c| c.source.forces());
+        let last = || {
+            self.contacts
+                .as_ref()
+                .and_then(|c| c.source.contacts.forces())
+        };
         let forces = self.mean_forces.as_ref().or_else(last);
         forces.filter(|_| self.forces)
     }
@@ -68,10 +75,10 @@ impl Course<'_> {
         let Some(timed) = &self.contacts else {
             return Ok(());
         };
-        if timed.source.free_motions().next().is_some()
+        if timed.source.contacts.free_motions().next().is_some()
             && let Some(touch) = &mut self.scene.to_mut().touch
         {
-            touch.put(timed.source.free_motions(), time)?;
+            touch.put(timed.source.contacts.free_motions(), time)?;
         }
         Ok(())
     }

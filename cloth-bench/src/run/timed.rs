@@ -4,12 +4,13 @@ use cloth_collide::potential::PotentialContacts;
 use cloth_core::contact::{
     ContactConstraints, ContactError, ContactPotential, ContactSource, ContactStep,
 };
+use cloth_core::enclosure::Enclosed;
 use cloth_core::math::{Real, Vec3};
 use std::time::Instant;
 
-/// Contact, and how long it took.
+/// Contact, with the volumes of the cloth, and how long it took.
 pub(super) struct Timed {
-    pub(super) source: PotentialContacts,
+    pub(super) source: Enclosed<PotentialContacts>,
     /// Time of the last step (s).
     pub(super) seconds: Real,
     /// Steps, of all so far, that ended with vertices held back.

@@ -171,6 +171,7 @@ pub(super) fn of_mesh(
         touch: None,
         air: None,
         gases: Vec::new(),
+        volumes: Vec::new(),
         changes: Vec::new(),
         order: None,
     }
@@ -223,6 +224,7 @@ pub(super) fn chain(settings: &Settings) -> Result<Scene, BenchError> {
         touch: None,
         air: None,
         gases: Vec::new(),
+        volumes: Vec::new(),
         changes: Vec::new(),
         order: None,
     })

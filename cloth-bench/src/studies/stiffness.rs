@@ -166,6 +166,7 @@ fn measure(points: &[(Real, u32, Real)]) -> Result<Vec<Vec<Number>>, BenchError>
         touch: None,
         air: None,
         gases: Vec::new(),
+        volumes: Vec::new(),
         changes: Vec::new(),
         order: None,
     };

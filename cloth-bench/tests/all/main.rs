@@ -29,3 +29,4 @@ mod seam;
 mod tangled;
 mod untangle;
 mod user_forces;
+mod volume;

@@ -210,7 +210,7 @@ fn box_trembles_only_beyond_the_limit_of_its_contact() {
             if taken.is_err() {
                 return f64::INFINITY;
             }
-            let (_, motion) = contacts.free_motions().next().unwrap();
+            let (_, motion) = contacts.contacts.free_motions().next().unwrap();
             heights.push(motion.pose.position.z);
         }
         let late = &heights[150..];

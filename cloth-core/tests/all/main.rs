@@ -15,6 +15,7 @@ mod dof;
 #[path = "../support/element_checks.rs"]
 mod element_checks;
 mod elements;
+mod enclosure;
 mod geometric_stiffness;
 mod hessian_product;
 #[cfg(feature = "cholesky")]
@@ -28,7 +29,7 @@ mod ordering;
 mod pieces;
 mod ply;
 mod position_based;
-mod pressure;
+
 mod projection;
 #[cfg(feature = "cholesky")]
 mod relief;

@@ -65,14 +65,21 @@ impl StabilityMonitor {
         self.limit
     }
 
-    /// Starts the account of energy anew if this is not the state that the last step left.
-    pub(super) fn begin(&mut self, model: &Model, positions: &[Vec3], velocities: &[Vec3]) {
+    /// Starts the account of energy anew if this is not the state that the last step left. Beside its elements the cloth
+    /// has `stored` some energy (J).
+    pub(super) fn begin(
+        &mut self,
+        model: &Model,
+        positions: &[Vec3],
+        velocities: &[Vec3],
+        stored: Real,
+    ) {
         if self.left == Some(fingerprint(&model.particles, positions, velocities)) {
             return;
         }
         self.age = None;
         self.kinetic = kinetic_energy(&model.particles, velocities);
-        self.given = self.kinetic + model.energies.value(positions);
+        self.given = self.kinetic + model.energies.value(positions) + stored;
         self.most_given = self.given;
     }
 

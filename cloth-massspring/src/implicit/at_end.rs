@@ -12,7 +12,7 @@
 //!
 //! That is the stationary point in x of the midpoint's objective, `E_contact(2x − x[0])` and `f[0]·x` together.
 
-use cloth_core::contact::{ContactError, ContactPotential, ContactRow, ContactStep};
+use cloth_core::contact::{ContactError, ContactPotential, ContactRow, ContactStep, GlobalRows};
 use cloth_core::math::{Real, Vec3};
 use std::sync::{Mutex, PoisonError};
 
@@ -159,6 +159,15 @@ impl ContactPotential for AtEnd<'_> {
         let [ends, _] = &mut *shared.unwrap_or_else(PoisonError::into_inner);
         self.contact.linearize(self.ends(x, ends), out);
         out[first..].iter_mut().for_each(|row| row.stiffness *= 4.0);
+    }
+
+    fn linearize_globally(&self, x: &[Vec3], out: &mut GlobalRows) {
+        let first = out.rows().len();
+        let shared = self.room.shared.lock();
+        let [ends, _] = &mut *shared.unwrap_or_else(PoisonError::into_inner);
+        self.contact.linearize_globally(self.ends(x, ends), out);
+        let own = &mut out.rows_mut()[first..];
+        own.iter_mut().for_each(|row| row.stiffness *= 4.0);
     }
 
     fn end(&mut self, x: &[Vec3], v: &[Vec3]) {

@@ -1,6 +1,7 @@
 //! The quasi-Newton direction: L-BFGS around a multigrid cycle on a positive definite Hessian.
 
 use super::drift::Unconstrained;
+use super::global_terms::GlobalTerms;
 use super::line_search::Point;
 use super::stage::Stage;
 use cloth_core::contact::{ContactPotential, ContactRow};
@@ -30,6 +31,7 @@ pub(super) struct QuasiNewton {
     /// Contacts, and those at the last matrix between vertices.
     rows: Vec<ContactRow>,
     pairs: Vec<ContactRow>,
+    global: GlobalTerms,
     work: Vec<Vec3>,
     /// Iterations in this step, and since the matrix was taken.
     iterations: u32,
@@ -46,6 +48,7 @@ impl QuasiNewton {
             history: LimitedMemory::new(is_free.len(), PAIRS),
             rows: Vec::new(),
             pairs: Vec::new(),
+            global: GlobalTerms::default(),
             work: vec![Vec3::zeros(); is_free.len()],
             multigrid: None,
             unconstrained: Unconstrained::of_energies(energies, assembly.pattern(), &is_free),
@@ -61,6 +64,7 @@ impl QuasiNewton {
         self.history.clear();
         (self.iterations, self.age) = (0, 0);
         self.pairs.clear();
+        self.global.clear();
     }
 
     /// Takes the matrix anew at `current` if it is time. `before` is the iterate before, or the start of the step (m).
@@ -89,6 +93,10 @@ impl QuasiNewton {
         });
         // A matrix that the coarsest level refuses still makes a descent direction of the others.
         let _ = multigrid.refresh_with(&self.matrix, &self.pairs);
+        if let Some(contact) = stage.contact {
+            let prior = |r: &[Vec3], z: &mut [Vec3]| multigrid.apply(r, z);
+            self.global.refresh(contact, x, &self.is_free, prior);
+        }
         if is_mixed {
             self.history.clear();
         }
@@ -126,12 +134,13 @@ impl QuasiNewton {
     pub(super) fn direction(&mut self, gradient: &[Vec3], out: &mut [Vec3]) -> Real {
         self.iterations += 1;
         self.age += 1;
-        let multigrid = &mut self.multigrid;
+        let (multigrid, global) = (&mut self.multigrid, &self.global);
         let slope = self
             .history
             .direction(gradient, &mut self.work, out, |r, z| {
                 if let Some(multigrid) = multigrid {
                     multigrid.apply(r, z);
+                    global.correct(z);
                 }
             });
         self.slope = slope;

@@ -78,6 +78,7 @@ impl Hanging {
             strain: self.wanted,
             gravity: self.gravity,
             fall: 0.0,
+            tension: 0.0,
             iterations: 1,
         };
         let x = self.mesh.positions();

@@ -38,7 +38,7 @@
 //! - Damping (section 3.5) is not here: what the method loses is implicit Euler's.
 
 use crate::contact::LinearizedContact;
-use cloth_core::contact::{ContactPotential, ContactStep};
+use cloth_core::contact::{ContactPotential, ContactStep, GlobalRows};
 use cloth_core::element::Convexity;
 use cloth_core::math::{Mat3, Real, Vec3};
 use cloth_core::method::family::{Energies, Incidence};
@@ -236,6 +236,12 @@ impl Stepper for VertexBlockDescent {
         let mut contact = source.as_mut().map(|source| source.potential());
         self.contact.clear();
         if let Some(contact) = &mut contact {
+            let mut rows = GlobalRows::default();
+            contact.linearize_globally(&state.positions, &mut rows);
+            if !rows.rows().is_empty() {
+                let remedy = "vertex block descent has no place for sealed volumes";
+                return Err(StepError::ContactNotFelt { remedy });
+            }
             self.begin_contact(&state.positions, dt, *contact)
                 .map_err(failed)?;
         }

@@ -234,8 +234,9 @@ impl<'a> Sections<'a> {
         };
         let blame = |error| self.blame_material(error, overruling);
         let mut model = material.cut(&mesh, |_| true).map_err(blame)?;
-        let gases = gas::inside(&self.meshes, &counts, &mesh, order.as_ref())?;
-        if let (false, Some(tear)) = (gases.is_empty(), self.tears.first()) {
+        let (gases, volumes) = gas::inside(&self.meshes, &counts, &mesh, order.as_ref())?;
+        let is_empty = gases.is_empty() && volumes.is_empty();
+        if let (false, Some(tear)) = (is_empty, self.tears.first()) {
             return Err(tear.refuse_table("cloth with gas inside cannot be torn"));
         }
         let mut changes = tear::tears(&self.tears, &material, &mesh)?;
@@ -298,6 +299,7 @@ impl<'a> Sections<'a> {
             pins: Some(Arc::new(ways)).filter(|ways| !ways.is_empty()),
             changes,
             gases,
+            volumes,
             ..built_in::of_mesh("", &mesh, model, gravity)
         };
         start::apply(&self.start, &mut scene)?;

@@ -53,7 +53,12 @@ pub(super) const TRANSLATE: Parameter =
 pub(super) const PRESSURE: Parameter = parameter(
     "pressure",
     "none",
-    "gauge pressure (Pa) of the gas inside a closed piece, which does not depend on its volume; none: no gas",
+    "gauge pressure (Pa) inside a closed piece; with a bulk_modulus when it has its volume at rest, otherwise always, as if a pump kept it; none: 0",
+);
+pub(super) const BULK_MODULUS: Parameter = parameter(
+    "bulk_modulus",
+    "none",
+    "K (Pa), above 0, of what is sealed inside a closed piece: its pressure falls by K for every volume at rest that is added; 1e5 for air, 2e9 for water; none: nothing is",
 );
 
 pub(super) const SELECT: Parameter = parameter(
@@ -283,7 +288,15 @@ pub const SECTIONS: [SectionInfo; 14] = [
     SectionInfo {
         head: "[[mesh]]",
         about: "the cloth at rest; several make one cloth of several pieces",
-        keys: &[FILE, GENERATOR, SCALE, ROTATE, TRANSLATE, PRESSURE],
+        keys: &[
+            FILE,
+            GENERATOR,
+            SCALE,
+            ROTATE,
+            TRANSLATE,
+            PRESSURE,
+            BULK_MODULUS,
+        ],
     },
     MESH_CLOTH,
     MESH_CONTACT,

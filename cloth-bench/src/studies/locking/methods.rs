@@ -90,6 +90,7 @@ fn make(name: &str, iterations: u32, cells: usize) -> Result<Made, BenchError> {
         touch: None,
         air: None,
         gases: Vec::new(),
+        volumes: Vec::new(),
         changes: Vec::new(),
         order: None,
     };

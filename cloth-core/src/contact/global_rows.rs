@@ -1,0 +1,69 @@
+//! Parts of a second derivative that couple many vertices.
+
+use crate::math::{Real, Vec3};
+
+/// One part of rank one, `k g gᵀ`, with `g` the gradient of a scalar by all the vertices that it depends on.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct GlobalRow {
+    /// The vertices; none stands twice.
+    pub vertices: Vec<u32>,
+    /// g of each of them.
+    pub gradient: Vec<Vec3>,
+    /// k, not negative, in the unit that makes `k g gᵀ` a stiffness (N/m).
+    pub stiffness: Real,
+}
+
+impl GlobalRow {
+    /// `g·p`, for displacements `p` of all vertices.
+    #[must_use]
+    pub fn dot(&self, p: &[Vec3]) -> Real {
+        let own = self.vertices.iter().zip(&self.gradient);
+        own.map(|(&vertex, gradient)| gradient.dot(&p[vertex as usize]))
+            .sum()
+    }
+
+    /// Adds `scale g` to `out`, which has an entry for every vertex.
+    pub fn add_to(&self, scale: Real, out: &mut [Vec3]) {
+        for (&vertex, gradient) in self.vertices.iter().zip(&self.gradient) {
+            out[vertex as usize] += gradient * scale;
+        }
+    }
+}
+
+/// A list of such parts that keeps its memory when it is cleared.
+#[derive(Clone, Debug, Default)]
+pub struct GlobalRows {
+    rows: Vec<GlobalRow>,
+    len: usize,
+}
+
+impl GlobalRows {
+    /// Takes all parts out.
+    pub fn clear(&mut self) {
+        self.len = 0;
+    }
+
+    /// Appends a part without vertices, to be filled.
+    pub fn push(&mut self, stiffness: Real) -> &mut GlobalRow {
+        if self.len == self.rows.len() {
+            self.rows.push(GlobalRow::default());
+        }
+        self.len += 1;
+        let row = &mut self.rows[self.len - 1];
+        row.vertices.clear();
+        row.gradient.clear();
+        row.stiffness = stiffness;
+        row
+    }
+
+    /// The parts.
+    #[must_use]
+    pub fn rows(&self) -> &[GlobalRow] {
+        &self.rows[..self.len]
+    }
+
+    /// The parts, to be changed.
+    pub fn rows_mut(&mut self) -> &mut [GlobalRow] {
+        &mut self.rows[..self.len]
+    }
+}

@@ -1,0 +1,74 @@
+//! Parts of the Hessian that couple many vertices, such as the volume of a closed piece, around an inverse that does not
+//! know of them.
+//!
+//! With an inverse P of the rest, `(P⁻¹ + k g gᵀ)⁻¹ r = P r − z (g·P r)/(1/k + g·z)`, where `z = P g` (Sherman, Morrison
+//! 1950, <https://doi.org/10.1214/aoms/1177729893>). Of several parts each takes those before it for the rest.
+
+use cloth_core::contact::{ContactPotential, GlobalRows};
+use cloth_core::math::{Real, Vec3};
+
+/// The parts, with `z` of each.
+#[derive(Debug, Default)]
+pub(super) struct GlobalTerms {
+    rows: GlobalRows,
+    /// `z = P g` of each (m per unit of g), and `1/(1/k + g·z)`.
+    solved: Vec<Vec<Vec3>>,
+    weights: Vec<Real>,
+    /// g as a list with an entry for every vertex.
+    dense: Vec<Vec3>,
+}
+
+impl GlobalTerms {
+    /// Forgets all parts.
+    pub(super) fn clear(&mut self) {
+        self.rows.clear();
+        self.weights.clear();
+    }
+
+    /// Takes the parts at `x` (m) around `inverse`, which writes `P r` to its second list.
+    pub(super) fn refresh(
+        &mut self,
+        contact: &dyn ContactPotential,
+        x: &[Vec3],
+        is_free: &[bool],
+        mut inverse: impl FnMut(&[Vec3], &mut [Vec3]),
+    ) {
+        self.clear();
+        contact.linearize_globally(x, &mut self.rows);
+        for row in self.rows.rows_mut() {
+            for (gradient, &vertex) in row.gradient.iter_mut().zip(&row.vertices) {
+                if !is_free[vertex as usize] {
+                    *gradient = Vec3::zeros();
+                }
+            }
+        }
+        for number in 0..self.rows.rows().len() {
+            self.dense.clear();
+            self.dense.resize(x.len(), Vec3::zeros());
+            self.rows.rows()[number].add_to(1.0, &mut self.dense);
+            if self.solved.len() == number {
+                self.solved.push(Vec::new());
+            }
+            let mut solved = std::mem::take(&mut self.solved[number]);
+            solved.resize(x.len(), Vec3::zeros());
+            inverse(&self.dense, &mut solved);
+            self.correct(&mut solved);
+            let row = &self.rows.rows()[number];
+            let curvature = row.dot(&solved).max(0.0);
+            let weight = row.stiffness / (1.0 + row.stiffness * curvature);
+            self.solved[number] = solved;
+            self.weights.push(weight);
+        }
+    }
+
+    /// Makes of `z = P r` what the parts that there are so far make of it.
+    pub(super) fn correct(&self, z: &mut [Vec3]) {
+        let parts = self.rows.rows().iter().zip(&self.solved);
+        for ((row, solved), weight) in parts.zip(&self.weights) {
+            let along = weight * row.dot(z);
+            for (z, solved) in z.iter_mut().zip(solved) {
+                *z -= solved * along;
+            }
+        }
+    }
+}
