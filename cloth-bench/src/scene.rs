@@ -19,7 +19,7 @@ use cloth_collide::SeparationProbe;
 use cloth_collide::potential::PotentialContacts;
 use cloth_collide::untangle::StepUntangler;
 use cloth_core::air::Air;
-use cloth_core::cloth::ClothModel;
+use cloth_core::cloth::{ClothModel, Elements};
 use cloth_core::element::Element;
 use cloth_core::enclosure::{ClosedVolume, Enclosed, Pressure};
 use cloth_core::energy::{Spring, Stitch};
@@ -164,10 +164,10 @@ impl Scene {
         all.fold(0.0, Real::max)
     }
 
-    /// Whether springs are hard constraints, of infinite stiffness.
+    /// Whether springs or links are hard constraints, of infinite stiffness.
     #[must_use]
     pub fn is_hard(&self) -> bool {
-        let springs = self.model.springs.iter();
+        let springs = self.model.all_springs();
         springs.map(|s| s.stiffness).any(Real::is_infinite)
     }
 
@@ -180,7 +180,13 @@ impl Scene {
             return self.model.energies();
         }
         let mut soft = self.model.clone();
-        soft.springs.retain(|spring| spring.stiffness.is_finite());
+        let is_soft = |spring: &Spring| spring.stiffness.is_finite();
+        soft.springs.retain(is_soft);
+        for family in &mut soft.others {
+            if let Elements::Springs(springs) = family {
+                springs.retain(is_soft);
+            }
+        }
         soft.energies()
     }
 

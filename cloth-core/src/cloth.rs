@@ -192,6 +192,22 @@ impl ClothModel {
         }
     }
 
+    /// Joins pairs of vertices by springs that are no part of the cloth: links, rigid ones with an infinite stiffness.
+    pub fn link(&mut self, springs: Vec<Spring>) {
+        if !springs.is_empty() {
+            Elements::merge(&mut self.others, Elements::Springs(springs));
+        }
+    }
+
+    /// All springs, those of links and of bending among them.
+    pub fn all_springs(&self) -> impl Iterator<Item = &Spring> + '_ {
+        let others = self.others.iter().flat_map(|family| match family {
+            Elements::Springs(springs) => &springs[..],
+            _ => &[],
+        });
+        self.springs.iter().chain(others)
+    }
+
     /// The stitches of all seams.
     pub fn stitches(&self) -> impl Iterator<Item = &Stitch> + '_ {
         self.others.iter().flat_map(|family| match family {

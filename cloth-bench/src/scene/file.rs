@@ -11,6 +11,7 @@ mod document;
 mod force;
 mod gas;
 mod keys;
+mod link;
 mod material;
 mod mesh;
 mod obstacles;

@@ -13,6 +13,7 @@ mod hard_constraints;
 #[path = "../support/law.rs"]
 mod law;
 mod laws;
+mod links;
 mod locking;
 mod messages;
 #[path = "../support/program.rs"]

@@ -5,7 +5,7 @@ use super::keys::{
     BODY_DENSITY, DT, GRAVITY, MESH_CLOTH, MESH_CONTACT, NAME, SECTIONS, STEPS, overrulable,
 };
 use super::material::Material;
-use super::{air, force, gas, mesh, obstacles, pins, roughness, seam, start, tear};
+use super::{air, force, gas, link, mesh, obstacles, pins, roughness, seam, start, tear};
 use crate::bounds::bounds;
 use crate::error::BenchError;
 use crate::scene::contact::{ContactSetup, NO_SELF, THICKNESS};
@@ -54,6 +54,7 @@ struct Sections<'a> {
     forces: Vec<Section<'a>>,
     tears: Vec<Section<'a>>,
     seams: Vec<Section<'a>>,
+    links: Vec<Section<'a>>,
     start: Section<'a>,
     air: Section<'a>,
     obstacles: Vec<Section<'a>>,
@@ -73,6 +74,7 @@ impl<'a> Sections<'a> {
             forces,
             tears,
             seams,
+            links,
             start,
             air,
             obstacles,
@@ -128,6 +130,7 @@ impl<'a> Sections<'a> {
             forces: all(forces)?,
             tears: all(tears)?,
             seams: all(seams)?,
+            links: all(links)?,
             start: one(start)?,
             air: one(air)?,
             obstacles: all(obstacles)?,
@@ -176,6 +179,7 @@ impl<'a> Sections<'a> {
             .chain(&self.forces)
             .chain(&self.tears)
             .chain(&self.seams)
+            .chain(&self.links)
             .chain(&self.obstacles);
         if let Some(other) = others.find(|section| section.is_given()) {
             return Err(other.refuse_table("has no meaning beside [chain]"));
@@ -220,6 +224,10 @@ impl<'a> Sections<'a> {
             seams.push(borders.pairs(section)?);
         }
         seam::refuse_repeated(&self.seams, &seams)?;
+        let mut links = link::braces(&self.meshes, &counts, &mesh)?;
+        for section in &self.links {
+            links.extend(link::springs(section, &counts, &mesh)?);
+        }
         // Files come in any vertex order; neighbours in space become neighbours in memory.
         let order = from_file.then(|| Order::morton(mesh.positions()));
         let mesh = match &order {
@@ -228,12 +236,18 @@ impl<'a> Sections<'a> {
                     *vertex = order.new_of_old()[*vertex] as usize;
                 }
                 material.reorder(order);
+                link::reorder(&mut links, order);
                 order.reorder_mesh(&mesh)
             }
             None => mesh,
         };
         let blame = |error| self.blame_material(error, overruling);
         let mut model = material.cut(&mesh, |_| true).map_err(blame)?;
+        let is_linked = !links.is_empty();
+        model.link(links);
+        if let (true, Some(tear)) = (is_linked, self.tears.first()) {
+            return Err(tear.refuse_table("cloth with links cannot be torn"));
+        }
         let (gases, volumes) = gas::inside(&self.meshes, &counts, &mesh, order.as_ref())?;
         let is_empty = gases.is_empty() && volumes.is_empty();
         if let (false, Some(tear)) = (is_empty, self.tears.first()) {

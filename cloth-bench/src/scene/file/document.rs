@@ -195,6 +195,17 @@ impl<'a> Section<'a> {
         self.read(key, "a finite number above 0", above)
     }
 
+    /// A stiffness, which may be infinite.
+    pub(super) fn stiffness(&self, key: &Parameter) -> Result<Option<Real>, BenchError> {
+        let above = |value: &DeValue<'_>| match value {
+            DeValue::Float(float) if float.as_str().trim_start_matches('+') == "inf" => {
+                Some(Real::INFINITY)
+            }
+            _ => real(value).filter(|&number| number > 0.0),
+        };
+        self.read(key, "a number above 0, or inf", above)
+    }
+
     pub(super) fn not_negative(&self, key: &Parameter) -> Result<Option<Real>, BenchError> {
         let above = |value: &DeValue<'_>| real(value).filter(|&number| number >= 0.0);
         self.read(key, "a finite number of at least 0", above)

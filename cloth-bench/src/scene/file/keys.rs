@@ -61,6 +61,38 @@ pub(super) const BULK_MODULUS: Parameter = parameter(
     "K (Pa), above 0, of what is sealed inside a closed piece: its pressure falls by K for every volume at rest that is added; 1e5 for air, 2e9 for water; none: nothing is",
 );
 
+pub(super) const BRACE: Parameter = parameter(
+    "brace",
+    "none",
+    "stiffness (N/m) of struts from every vertex of a piece to the one opposite, which keep its shape as its surface keeps its area, or inf, with xpbd alone; none: no struts",
+);
+
+pub(super) const LINK_MESHES: Parameter = parameter(
+    "meshes",
+    "needed",
+    "numbers of the two [[mesh]] tables, from 0, that are joined, such as [0, 1]; the same one twice joins a piece to itself",
+);
+pub(super) const LINK_FIRST: Parameter = parameter(
+    "first",
+    "none",
+    "vertices of the first mesh, from 0 in their own; give first and second, or at",
+);
+pub(super) const LINK_SECOND: Parameter = parameter(
+    "second",
+    "none",
+    "as many of the second mesh, one for each: a link holds both as far apart as they are at rest",
+);
+pub(super) const LINK_AT: Parameter = parameter(
+    "at",
+    "none",
+    "a point (m): the nearest vertex of the second mesh is linked to three of the first around it, a ball joint",
+);
+pub(super) const LINK_STIFFNESS: Parameter = parameter(
+    "stiffness",
+    "inf",
+    "of each link (N/m), above 0, or inf: rigid, with xpbd alone",
+);
+
 pub(super) const SELECT: Parameter = parameter(
     "select",
     "none",
@@ -279,7 +311,7 @@ pub(super) const MESH_CONTACT: SectionInfo = SectionInfo {
 };
 
 /// Every table, in the order in which one would write them.
-pub const SECTIONS: [SectionInfo; 14] = [
+pub const SECTIONS: [SectionInfo; 15] = [
     SectionInfo {
         head: "",
         about: "before all tables",
@@ -296,6 +328,7 @@ pub const SECTIONS: [SectionInfo; 14] = [
             TRANSLATE,
             PRESSURE,
             BULK_MODULUS,
+            BRACE,
         ],
     },
     MESH_CLOTH,
@@ -334,6 +367,17 @@ pub const SECTIONS: [SectionInfo; 14] = [
             SEAM_STIFFNESS,
             SEAM_FROM,
             SEAM_UNTIL,
+        ],
+    },
+    SectionInfo {
+        head: "[[link]]",
+        about: "links between vertices, as long as at rest: chains, joints, ragdolls",
+        keys: &[
+            LINK_MESHES,
+            LINK_FIRST,
+            LINK_SECOND,
+            LINK_AT,
+            LINK_STIFFNESS,
         ],
     },
     SectionInfo {

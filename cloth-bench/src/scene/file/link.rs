@@ -1,0 +1,183 @@
+//! `[[link]]` and `brace` of a `[[mesh]]`: links between vertices, which keep the length that they have at rest.
+
+use super::document::Section;
+use super::keys::{BRACE, LINK_AT, LINK_FIRST, LINK_MESHES, LINK_SECOND, LINK_STIFFNESS};
+use crate::error::BenchError;
+use crate::settings::Parameter;
+use cloth_core::energy::Spring;
+use cloth_core::math::{Real, Vec3};
+use cloth_core::mesh::TriMesh;
+use cloth_core::method::ordering::Order;
+use std::ops::Range;
+
+/// A joint is held by three of so many vertices that are nearest to it.
+const AROUND: usize = 12;
+
+/// Directions whose spatial product is below this lie in a plane.
+const FLAT: Real = 1e-3;
+
+/// The links of a `[[link]]` on pieces of so many vertices.
+pub(super) fn springs(
+    section: &Section<'_>,
+    counts: &[usize],
+    mesh: &TriMesh,
+) -> Result<Vec<Spring>, BenchError> {
+    let meshes = section.counts(&LINK_MESHES)?;
+    let meshes = meshes.ok_or_else(|| section.refuse_table("needs meshes"))?;
+    let &[first, second] = &meshes[..] else {
+        let message = "meshes has to be two numbers such as [0, 1]";
+        return Err(section.refuse(&LINK_MESHES, message));
+    };
+    let piece = |number: u64| {
+        let number = usize::try_from(number).ok().filter(|&n| n < counts.len());
+        let number = number.ok_or_else(|| {
+            let message = format!(
+                "there is no mesh {first} or {second}, only 0 to {}",
+                counts.len() - 1
+            );
+            section.refuse(&LINK_MESHES, message)
+        })?;
+        let start = counts[..number].iter().sum();
+        Ok::<_, BenchError>(start..start + counts[number])
+    };
+    let pieces = [piece(first)?, piece(second)?];
+    let lists = [section.counts(&LINK_FIRST)?, section.counts(&LINK_SECOND)?];
+    let ends = match (lists, section.vector(&LINK_AT)?) {
+        ([Some(first), Some(second)], None) => pairs(section, [first, second], &pieces)?,
+        ([None, None], Some(point)) => joint(section, point, &pieces, mesh.positions())?,
+        _ => return Err(section.refuse_table("needs first and second, or at")),
+    };
+    let stiffness = section
+        .stiffness(&LINK_STIFFNESS)?
+        .unwrap_or(Real::INFINITY);
+    let springs = Spring::along(mesh.positions(), &ends, stiffness);
+    match springs.iter().find(|spring| spring.rest_length == 0.0) {
+        None => Ok(springs),
+        Some(spring) => {
+            let [a, b] = spring.vertices;
+            let message =
+                format!("vertices {a} and {b} of all are in the same place: a link needs a length");
+            Err(section.refuse_table(message))
+        }
+    }
+}
+
+/// The links of all pieces that have a brace.
+pub(super) fn braces(
+    sections: &[Section<'_>],
+    counts: &[usize],
+    mesh: &TriMesh,
+) -> Result<Vec<Spring>, BenchError> {
+    let mut springs = Vec::new();
+    let mut first = 0;
+    for (section, count) in sections.iter().zip(counts) {
+        let own = first..first + count;
+        first = own.end;
+        let Some(stiffness) = section.stiffness(&BRACE)? else {
+            continue;
+        };
+        let x = mesh.positions();
+        let ends = struts(own, x).ok_or_else(|| {
+            section.refuse(
+                &BRACE,
+                "a flat piece has no truss that would keep its shape",
+            )
+        })?;
+        springs.extend(Spring::along(x, &ends, stiffness));
+    }
+    Ok(springs)
+}
+
+/// The links where vertices are in another order.
+pub(super) fn reorder(springs: &mut [Spring], order: &Order) {
+    for spring in springs {
+        spring.vertices = spring.vertices.map(|v| order.new_of_old()[v as usize]);
+    }
+}
+
+/// Vertices that are given by their numbers.
+fn pairs(
+    section: &Section<'_>,
+    lists: [Vec<u64>; 2],
+    pieces: &[Range<usize>; 2],
+) -> Result<Vec<[u32; 2]>, BenchError> {
+    let count = lists[0].len();
+    if lists[1].len() != count {
+        let message = format!(
+            "there are {count} first vertices and {} second ones, but every link needs both",
+            lists[1].len()
+        );
+        return Err(section.refuse(&LINK_SECOND, message));
+    }
+    let keys: [&Parameter; 2] = [&LINK_FIRST, &LINK_SECOND];
+    let vertex = |side: usize, number: u64| {
+        let own = &pieces[side];
+        let found = usize::try_from(number).ok().filter(|&n| n < own.len());
+        let found = found.ok_or_else(|| {
+            let message = format!("there is no vertex {number}, only 0 to {}", own.len() - 1);
+            section.refuse(keys[side], message)
+        })?;
+        Ok::<_, BenchError>((own.start + found) as u32)
+    };
+    let both = lists[0].iter().zip(&lists[1]);
+    both.map(|(&a, &b)| Ok([vertex(0, a)?, vertex(1, b)?]))
+        .collect()
+}
+
+/// The nearest vertex of the second piece, linked to three of the first around it: three distances hold a point.
+fn joint(
+    section: &Section<'_>,
+    point: Vec3,
+    [first, second]: &[Range<usize>; 2],
+    x: &[Vec3],
+) -> Result<Vec<[u32; 2]>, BenchError> {
+    if first == second {
+        return Err(section.refuse(&LINK_AT, "a joint is between two pieces"));
+    }
+    let mut others: Vec<usize> = second.clone().collect();
+    others.sort_by(|&a, &b| (x[a] - point).norm().total_cmp(&(x[b] - point).norm()));
+    let end = others[0];
+    let mut near: Vec<usize> = first.clone().collect();
+    near.sort_by(|&a, &b| (x[a] - x[end]).norm().total_cmp(&(x[b] - x[end]).norm()));
+    near.truncate(AROUND);
+    // Directions that span as much space as there is hold the point best.
+    let direction = |v: usize| (x[v] - x[end]).try_normalize(0.0).unwrap_or_default();
+    let mut best = (FLAT, None);
+    for (i, &a) in near.iter().enumerate() {
+        for (j, &b) in near.iter().enumerate().skip(i + 1) {
+            for &c in &near[j + 1..] {
+                let span = direction(a).cross(&direction(b)).dot(&direction(c)).abs();
+                if span > best.0 {
+                    best = (span, Some([a, b, c]));
+                }
+            }
+        }
+    }
+    let message = "the first piece has no three vertices around the point that would hold it";
+    let anchors = best.1.ok_or_else(|| section.refuse(&LINK_AT, message))?;
+    Ok(anchors.map(|anchor| [anchor as u32, end as u32]).to_vec())
+}
+
+/// From every vertex to the one that is nearest to its mirror image in the middle of the piece. Each vertex has few of
+/// them, so that sweeps, which go from link to link, agree soon.
+fn struts(own: Range<usize>, x: &[Vec3]) -> Option<Vec<[u32; 2]>> {
+    let middle = own.clone().map(|v| x[v]).sum::<Vec3>() / own.len() as Real;
+    let mut ends = Vec::new();
+    for vertex in own.clone() {
+        let image = middle * 2.0 - x[vertex];
+        let distance = |&other: &usize| (x[other] - image).norm_squared();
+        let others = own.clone().filter(|&other| other != vertex);
+        let nearest = others.min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
+        ends.push([vertex.min(nearest) as u32, vertex.max(nearest) as u32]);
+    }
+    ends.sort_unstable();
+    ends.dedup();
+    let span = |a: Vec3, b: Vec3, c: Vec3| a.cross(&b).dot(&c).abs();
+    let arm = |number: usize| {
+        let [a, b]: [u32; 2] = ends[number];
+        x[b as usize] - x[a as usize]
+    };
+    let volume = (2..ends.len()).map(|n| span(arm(0), arm(n / 2), arm(n)));
+    let size = arm(0).norm();
+    (volume.fold(0.0, Real::max) > FLAT * size * size * size).then_some(ends)
+}
