@@ -224,7 +224,7 @@ impl<'a> Sections<'a> {
             seams.push(borders.pairs(section)?);
         }
         seam::refuse_repeated(&self.seams, &seams)?;
-        let mut links = link::braces(&self.meshes, &counts, &mesh)?;
+        let mut links = Vec::new();
         for section in &self.links {
             links.extend(link::springs(section, &counts, &mesh)?);
         }

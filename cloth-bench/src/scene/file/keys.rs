@@ -61,12 +61,6 @@ pub(super) const BULK_MODULUS: Parameter = parameter(
     "K (Pa), above 0, of what is sealed inside a closed piece: its pressure falls by K for every volume at rest that is added; 1e5 for air, 2e9 for water; none: nothing is",
 );
 
-pub(super) const BRACE: Parameter = parameter(
-    "brace",
-    "none",
-    "stiffness (N/m) of struts from every vertex of a piece to the one opposite, which keep its shape as its surface keeps its area, or inf, with xpbd alone; none: no struts",
-);
-
 pub(super) const LINK_MESHES: Parameter = parameter(
     "meshes",
     "needed",
@@ -328,7 +322,6 @@ pub const SECTIONS: [SectionInfo; 15] = [
             TRANSLATE,
             PRESSURE,
             BULK_MODULUS,
-            BRACE,
         ],
     },
     MESH_CLOTH,

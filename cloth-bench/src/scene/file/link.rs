@@ -1,7 +1,7 @@
-//! `[[link]]` and `brace` of a `[[mesh]]`: links between vertices, which keep the length that they have at rest.
+//! `[[link]]`: links between vertices, which keep the length that they have at rest.
 
 use super::document::Section;
-use super::keys::{BRACE, LINK_AT, LINK_FIRST, LINK_MESHES, LINK_SECOND, LINK_STIFFNESS};
+use super::keys::{LINK_AT, LINK_FIRST, LINK_MESHES, LINK_SECOND, LINK_STIFFNESS};
 use crate::error::BenchError;
 use crate::settings::Parameter;
 use cloth_core::energy::Spring;
@@ -60,32 +60,6 @@ pub(super) fn springs(
             Err(section.refuse_table(message))
         }
     }
-}
-
-/// The links of all pieces that have a brace.
-pub(super) fn braces(
-    sections: &[Section<'_>],
-    counts: &[usize],
-    mesh: &TriMesh,
-) -> Result<Vec<Spring>, BenchError> {
-    let mut springs = Vec::new();
-    let mut first = 0;
-    for (section, count) in sections.iter().zip(counts) {
-        let own = first..first + count;
-        first = own.end;
-        let Some(stiffness) = section.stiffness(&BRACE)? else {
-            continue;
-        };
-        let x = mesh.positions();
-        let ends = struts(own, x).ok_or_else(|| {
-            section.refuse(
-                &BRACE,
-                "a flat piece has no truss that would keep its shape",
-            )
-        })?;
-        springs.extend(Spring::along(x, &ends, stiffness));
-    }
-    Ok(springs)
 }
 
 /// The links where vertices are in another order.
@@ -156,28 +130,4 @@ fn joint(
     let message = "the first piece has no three vertices around the point that would hold it";
     let anchors = best.1.ok_or_else(|| section.refuse(&LINK_AT, message))?;
     Ok(anchors.map(|anchor| [anchor as u32, end as u32]).to_vec())
-}
-
-/// From every vertex to the one that is nearest to its mirror image in the middle of the piece. Each vertex has few of
-/// them, so that sweeps, which go from link to link, agree soon.
-fn struts(own: Range<usize>, x: &[Vec3]) -> Option<Vec<[u32; 2]>> {
-    let middle = own.clone().map(|v| x[v]).sum::<Vec3>() / own.len() as Real;
-    let mut ends = Vec::new();
-    for vertex in own.clone() {
-        let image = middle * 2.0 - x[vertex];
-        let distance = |&other: &usize| (x[other] - image).norm_squared();
-        let others = own.clone().filter(|&other| other != vertex);
-        let nearest = others.min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
-        ends.push([vertex.min(nearest) as u32, vertex.max(nearest) as u32]);
-    }
-    ends.sort_unstable();
-    ends.dedup();
-    let span = |a: Vec3, b: Vec3, c: Vec3| a.cross(&b).dot(&c).abs();
-    let arm = |number: usize| {
-        let [a, b]: [u32; 2] = ends[number];
-        x[b as usize] - x[a as usize]
-    };
-    let volume = (2..ends.len()).map(|n| span(arm(0), arm(n / 2), arm(n)));
-    let size = arm(0).norm();
-    (volume.fold(0.0, Real::max) > FLAT * size * size * size).then_some(ends)
 }
