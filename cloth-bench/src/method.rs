@@ -347,7 +347,7 @@ impl Method {
     }
 }
 
-/// The energy of a scene with every slack spring taut: at the start it may resist nothing, and later all at once.
+/// The energy of a scene with all that is slack taut: at the start it may resist nothing, and later all at once.
 fn taut(scene: &Scene) -> Result<Energies, BenchError> {
     let taut = |family| match family {
         Elements::Limited(springs) => {
@@ -355,6 +355,9 @@ fn taut(scene: &Scene) -> Result<Energies, BenchError> {
                 Spring::along(&scene.start.positions, &[s.vertices], s.stiffness)
             };
             Elements::Springs(springs.iter().flat_map(one).collect())
+        }
+        Elements::LimitedTriangles(triangles) => {
+            Elements::LimitedTriangles(triangles.iter().map(|t| t.taut()).collect())
         }
         other => other,
     };

@@ -282,7 +282,7 @@ pub(crate) const SHEAR: Parameter = parameter(
 pub(crate) const BENDING: Parameter = parameter(
     "bending",
     "quadratic",
-    "elements that resist bending: quadratic, dihedral, cubic, curved, spring (across hinges) or none",
+    "elements that resist bending: quadratic, dihedral, bridson (a moment with sin θ/2), cubic, curved, spring (across hinges) or none",
 );
 pub(crate) const BENDING_STIFFNESS: Parameter = parameter(
     "bending_stiffness",

@@ -300,7 +300,7 @@ impl fmt::Display for ClothError {
                 "no two triangles of the mesh form a rectangle that shear springs could cross",
             ),
             Self::ReliefWithoutSprings => f.write_str(
-                "slack, weaker springs under compression and springs on some edges only are for a membrane of springs on edges, not for triangles, and not beside shear springs",
+                "slack, weaker springs under compression and springs on some edges only are for a membrane of springs on edges, not beside shear springs, and of triangles ARAP ones alone have slack",
             ),
             Self::DetailWithoutSprings => f.write_str(
                 "a coarse level carries a cloth of linear springs on all edges, not one of triangles, and not beside shear springs or another remedy",

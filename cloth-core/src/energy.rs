@@ -61,7 +61,7 @@ pub use attachment::Attachment;
 pub use cubic_shell::CubicShell;
 pub use curvature_hinge::CurvatureHinge;
 pub use curved_hinge::CurvedHinge;
-pub use dihedral_hinge::DihedralHinge;
+pub use dihedral_hinge::{DihedralHinge, HingeLaw};
 pub use midpoint_hinge::MidpointHinge;
 pub use spring::Spring;
 pub use stitch::Stitch;

@@ -20,7 +20,7 @@ pub(super) const COMPRESSION: Parameter = parameter(
 pub(super) const SLACK: Parameter = parameter(
     "slack",
     "none",
-    "lengths relative to rest between which springs on edges do not resist, such as 0.98,1.02, or none",
+    "lengths relative to rest between which springs on edges do not resist, or principal stretches between which membrane=arap does not, such as 0.98,1.02, or none",
 );
 pub(super) const EDGES: Parameter = parameter(
     "edges",
@@ -203,6 +203,7 @@ fn bending_carrier(settings: &Settings) -> Result<BendingCarrier, BenchError> {
         &[
             ("quadratic", BendingCarrier::Quadratic),
             ("dihedral", BendingCarrier::Dihedral),
+            ("bridson", BendingCarrier::Bridson),
             ("cubic", BendingCarrier::Cubic),
             ("curved", BendingCarrier::Curved),
             ("spring", springs),

@@ -2,7 +2,9 @@
 
 use crate::common::{advance, methods, scene, solver};
 use cloth_bench::settings::Settings;
-use cloth_core::math::{Real, Vec3};
+use cloth_core::element::{Constraint, Element};
+use cloth_core::energy::{ArapTriangle, AreaTriangle};
+use cloth_core::math::{Real, Vec3, gather};
 use cloth_core::measure::{Strain, angular_momentum, linear_momentum};
 use cloth_core::step::Outcome;
 use cloth_pbd::{StrainLimiter, StretchRange};
@@ -23,6 +25,44 @@ fn no_method_leaves_a_spring_beyond_the_limit() {
         let stretch = run(&settings);
         assert!(stretch < 0.0502, "{}: {stretch}", method.name);
         assert!(run(&Settings::default()) > 0.2, "{}", method.name);
+    }
+}
+
+/// Principal stretches, so in every direction, and areas.
+#[test]
+fn no_method_leaves_a_triangle_beyond_the_limit() {
+    let scene = scene("hang", &["n=8", "stiffness=5"]);
+    let mesh = scene.mesh.as_ref().unwrap();
+    let stretches = ArapTriangle::on(mesh, 1.0);
+    let areas = AreaTriangle::on(mesh, 1.0);
+    let worst_stretch = |x: &[Vec3]| {
+        let rows = stretches.iter().map(|t| t.rows(&gather(x, t.vertices())));
+        rows.flatten().map(|row| row.value).fold(0.0, Real::max)
+    };
+    let worst_area = |x: &[Vec3]| {
+        let grown = areas.iter().map(|t| {
+            let row = t.rows(&gather(x, t.vertices()))[0];
+            row.value / t.rest_area
+        });
+        grown.fold(0.0, Real::max)
+    };
+    for method in methods() {
+        let run = |of: &str| {
+            let settings = Settings::default()
+                .with("strain_limit", 0.05)
+                .with("strain_limit_of", of)
+                .with("strain_limit_passes", 4000);
+            let mut solver = method.build(&scene, &settings, scene.dt).unwrap();
+            let mut state = scene.start.clone();
+            advance(&mut *solver, &scene, &mut state, 20);
+            state.positions
+        };
+        let stretch = worst_stretch(&run("triangles"));
+        assert!(stretch < 0.0502, "{}: {stretch}", method.name);
+        let x = run("areas");
+        let area = worst_area(&x);
+        assert!(area < 0.0502, "{}: {area}", method.name);
+        assert!(worst_stretch(&x) > 0.06, "{}: shear is free", method.name);
     }
 }
 

@@ -2,7 +2,8 @@
 
 use super::{Cloth, ClothError, CoarseMembrane, Elements, Membrane, SpringEdges, SpringLaw};
 use crate::energy::{
-    ArapTriangle, CubicShell, CurvatureHinge, CurvedHinge, DihedralHinge, Spring, StvkTriangle,
+    ArapTriangle, CubicShell, CurvatureHinge, CurvedHinge, DihedralHinge, Spring,
+    StrainLimitTriangle, StvkTriangle,
 };
 use crate::math::{Real, gather};
 use crate::mesh::TriMesh;
@@ -20,7 +21,8 @@ pub struct Discretization {
     pub shear: Option<Real>,
     /// What resists bending.
     pub bending: BendingCarrier,
-    /// How springs on edges answer; springs only, and none beside shear springs.
+    /// How springs on edges answer; springs only, and none beside shear springs. A dead zone is for ARAP triangles too:
+    /// of their principal stretches.
     pub law: SpringLaw,
     /// Which edges carry springs; springs only, and all of them beside shear springs.
     pub edges: SpringEdges,
@@ -57,6 +59,8 @@ pub enum BendingCarrier {
     Quadratic,
     /// [`DihedralHinge`]: the mesh is the rest shape.
     Dihedral,
+    /// [`DihedralHinge`] by [`HingeLaw::HalfSine`](crate::energy::HingeLaw::HalfSine): the mesh is the rest shape.
+    Bridson,
     /// [`CubicShell`]: the mesh is the rest shape.
     Cubic,
     /// [`CurvedHinge`]: the mesh is the rest shape.
@@ -104,7 +108,11 @@ impl Discretization {
     ) -> Result<(), ClothError> {
         let is_plain = self.law == SpringLaw::Linear && self.edges == SpringEdges::All;
         let is_bare = self.membrane == MembraneCarrier::Springs && self.shear.is_none();
-        if !is_plain && !is_bare {
+        let is_slack = self.membrane == MembraneCarrier::Arap
+            && self.shear.is_none()
+            && self.edges == SpringEdges::All
+            && matches!(self.law, SpringLaw::DeadZone(_));
+        if !is_plain && !is_bare && !is_slack {
             return Err(ClothError::ReliefWithoutSprings);
         }
         if self.detail.is_some() && !(is_plain && is_bare) {
@@ -130,6 +138,12 @@ impl Discretization {
                 let modulus = membrane.modulus(mesh, edges);
                 let triangles = StvkTriangle::on(mesh, modulus, poisson_ratio);
                 cut.others.push(Elements::Stvk(triangles));
+            }
+            MembraneCarrier::Arap if is_slack => {
+                let limits = self.law.slack_range()?;
+                let modulus = membrane.modulus(mesh, edges);
+                let triangles = StrainLimitTriangle::on(mesh, limits, modulus);
+                cut.others.push(Elements::LimitedTriangles(triangles));
             }
             MembraneCarrier::Arap => {
                 let triangles = ArapTriangle::on(mesh, membrane.modulus(mesh, edges));
@@ -172,6 +186,10 @@ impl Discretization {
             }
             BendingCarrier::Dihedral => {
                 let hinges = DihedralHinge::across(mesh, &table, rigidity);
+                cut.others.push(Elements::Dihedral(hinges));
+            }
+            BendingCarrier::Bridson => {
+                let hinges = DihedralHinge::bridson_across(mesh, &table, rigidity);
                 cut.others.push(Elements::Dihedral(hinges));
             }
             BendingCarrier::Cubic => {

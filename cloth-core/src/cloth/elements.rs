@@ -3,7 +3,7 @@
 use crate::element::{Constraint, Energy, Projective};
 use crate::energy::{
     ArapTriangle, CubicShell, CurvatureHinge, CurvedHinge, DihedralHinge, MidpointHinge, Spring,
-    Stitch, StrainLimitSpring, StvkTriangle,
+    Stitch, StrainLimitSpring, StrainLimitTriangle, StvkTriangle,
 };
 use crate::method::family::Energies;
 use crate::step::BuildError;
@@ -19,6 +19,8 @@ pub enum Elements {
     Springs(Vec<Spring>),
     /// Springs that are slack in a range.
     Limited(Vec<StrainLimitSpring>),
+    /// Triangles that are slack while their principal stretches are in a range.
+    LimitedTriangles(Vec<StrainLimitTriangle>),
     /// Triangles of a linear-elastic sheet.
     Stvk(Vec<StvkTriangle>),
     /// As-rigid-as-possible triangles.
@@ -44,6 +46,7 @@ impl Elements {
         match self {
             Self::Springs(_) => "springs",
             Self::Limited(_) => "springs with slack",
+            Self::LimitedTriangles(_) => "triangles with slack",
             Self::Stvk(_) => "StVK triangles",
             Self::Arap(_) => "ARAP triangles",
             Self::Quadratic(_) => "quadratic hinges",
@@ -61,6 +64,7 @@ impl Elements {
         match self {
             Self::Springs(elements) => elements.len(),
             Self::Limited(elements) => elements.len(),
+            Self::LimitedTriangles(elements) => elements.len(),
             Self::Stvk(elements) => elements.len(),
             Self::Arap(elements) => elements.len(),
             Self::Quadratic(elements) => elements.len(),
@@ -84,6 +88,9 @@ impl Elements {
             match (own, &mut family) {
                 (Self::Springs(own), Self::Springs(more)) => return own.append(more),
                 (Self::Limited(own), Self::Limited(more)) => return own.append(more),
+                (Self::LimitedTriangles(own), Self::LimitedTriangles(more)) => {
+                    return own.append(more);
+                }
                 (Self::Stvk(own), Self::Stvk(more)) => return own.append(more),
                 (Self::Arap(own), Self::Arap(more)) => return own.append(more),
                 (Self::Quadratic(own), Self::Quadratic(more)) => return own.append(more),
@@ -103,6 +110,7 @@ impl Elements {
         match self {
             Self::Springs(elements) => visitor.visit(elements),
             Self::Limited(elements) => visitor.visit(elements),
+            Self::LimitedTriangles(elements) => visitor.visit(elements),
             Self::Stvk(elements) => visitor.visit(elements),
             Self::Arap(elements) => visitor.visit(elements),
             Self::Quadratic(elements) => visitor.visit(elements),
@@ -122,6 +130,7 @@ impl Elements {
         Ok(match self {
             Self::Springs(elements) => visitor.visit(elements),
             Self::Limited(elements) => visitor.visit(elements),
+            Self::LimitedTriangles(elements) => visitor.visit(elements),
             Self::Stvk(elements) => visitor.visit(elements),
             Self::Arap(elements) => visitor.visit(elements),
             Self::Quadratic(elements) => visitor.visit(elements),
@@ -141,6 +150,7 @@ impl Elements {
         Ok(match self {
             Self::Springs(elements) => visitor.visit(elements),
             Self::Limited(elements) => visitor.visit(elements),
+            Self::LimitedTriangles(elements) => visitor.visit(elements),
             Self::Arap(elements) => visitor.visit(elements),
             Self::Quadratic(elements) => visitor.visit(elements),
             Self::Curved(elements) => visitor.visit(elements),

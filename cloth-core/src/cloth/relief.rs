@@ -71,6 +71,15 @@ impl SpringLaw {
         }
     }
 
+    /// The lengths, or stretches, between which nothing resists; of a law without slack `[1, 1]`.
+    pub(super) fn slack_range(self) -> Result<[Real; 2], ClothError> {
+        self.check()?;
+        Ok(match self {
+            Self::DeadZone(limits) => limits,
+            Self::Linear | Self::Compression(_) => [1.0; 2],
+        })
+    }
+
     /// The springs that answer at every length, and those that do so outside a range.
     pub(super) fn applied_to(
         self,

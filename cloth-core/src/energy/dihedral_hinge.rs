@@ -14,19 +14,34 @@ use crate::mesh::TriMesh;
 use crate::topology::HingeTable;
 use std::f64::consts::{PI, TAU};
 
-/// The energy `E = ½ K (θ − θ₀)²` (J) of Grinspun et al. (2003) and, to first order in θ, of Bridson et al. (2003).
+/// How the moment of a hinge grows with its angle θ.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum HingeLaw {
+    /// `K (θ − θ₀)`: the energy `½ K (θ − θ₀)²` of Grinspun et al. (2003).
+    #[default]
+    Angle,
+    /// `2K (sin θ/2 − sin θ₀/2)`, the force of Bridson et al. (2003), with edge and areas at rest. To first order it is
+    /// the same; a sharp fold resists less. Its energy is `2K (2 cos θ₀/2 − 2 cos θ/2 − (θ − θ₀) sin θ₀/2)`, and
+    /// `8K sin² θ/4` of a hinge that is flat at rest.
+    HalfSine,
+}
+
+/// The energy of a hinge by its angle, after Grinspun et al. (2003), `E = ½ K (θ − θ₀)²` (J), or Bridson et al. (2003);
+/// see [`HingeLaw`].
 ///
 /// Four vertices, the edge `x₀ x₁` and the wing tips `x₂` (left of the arrow `x₀ → x₁`) and `x₃`. θ is the signed
 /// deviation from flat (rad), positive where the edge is a ridge seen from the front:
 ///
 /// `θ = atan2((n₂ × n₃)·e/‖e‖, n₂·n₃)`, with `e = x₁ − x₀`, `n₂ = e × (x₂ − x₀)`, `n₃ = (x₃ − x₀) × e`.
 ///
-/// One row, `C = θ − θ₀` (rad), taken the short way round into (−π, π], so that `E` stays continuous when a wing passes
-/// from π to −π. Its gradient is `∂θ/∂x₂ = −‖e‖ n₂/‖n₂‖²`, `∂θ/∂x₃ = −‖e‖ n₃/‖n₃‖²`, shared out to the ends of the edge
-/// by the lever rule: `∂θ/∂x₁ = −t₂ ∂θ/∂x₂ − t₃ ∂θ/∂x₃` and `∂θ/∂x₀ = −(1 − t₂) ∂θ/∂x₂ − (1 − t₃) ∂θ/∂x₃`, with
-/// `tᵢ = (xᵢ − x₀)·e/‖e‖²`. The Hessian follows from these with `∂n = [e]× ∂d − [d]× ∂e`, d = xᵢ − x₀.
+/// One row. By the first law `C = θ − θ₀` (rad), taken the short way round into (−π, π], so that `E` stays continuous when
+/// a wing passes from π to −π; by the second the root of `2E/K`, with the sign of `θ − θ₀`. The gradient of θ is
+/// `∂θ/∂x₂ = −‖e‖ n₂/‖n₂‖²`, `∂θ/∂x₃ = −‖e‖ n₃/‖n₃‖²`, shared out to the ends of the edge by the lever rule:
+/// `∂θ/∂x₁ = −t₂ ∂θ/∂x₂ − t₃ ∂θ/∂x₃` and `∂θ/∂x₀ = −(1 − t₂) ∂θ/∂x₂ − (1 − t₃) ∂θ/∂x₃`, with `tᵢ = (xᵢ − x₀)·e/‖e‖²`. The
+/// Hessian follows from these with `∂n = [e]× ∂d − [d]× ∂e`, d = xᵢ − x₀.
 ///
-/// Limits: E has a kink where the angle is opposite to the rest angle, `|θ − θ₀| = π`. A hinge with a wing of zero area
+/// Limits: by the first law E has a kink where the angle is opposite to the rest angle, `|θ − θ₀| = π`, and by the second
+/// it jumps where a wing passes through the other, `|θ| = π`, unless the hinge is flat at rest. A hinge with a wing of zero area
 /// (or an edge of zero length) has no angle; value, gradient and Hessian are then defined to be zero, and the hinge
 /// does nothing until its wings have an area again. Near that the gradient grows as one over the height of the wing.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -37,6 +52,8 @@ pub struct DihedralHinge {
     pub rest_angle: Real,
     /// K (J, that is N·m, per rad²).
     pub stiffness: Real,
+    /// How its moment grows.
+    pub law: HingeLaw,
 }
 
 impl DihedralHinge {
@@ -70,19 +87,61 @@ impl DihedralHinge {
             vertices,
             rest_angle: angle(rest).unwrap_or(0.0),
             stiffness: 6.0 * k * edge_squared_over_area(rest),
+            law: HingeLaw::Angle,
         }
     }
 
-    /// Bridson's element with coefficient `k` (N·m), `K = k e²/(4(A₀ + A₁))`. His force goes with `sin(θ/2)`; this is
-    /// its first order, `E = (k/8) e²/(A₀ + A₁) (θ − θ₀)²`, with edge and areas at rest.
+    /// Bridson's element on every hinge of the mesh, for a bending rigidity D (N·m). The shape of the mesh is the rest
+    /// shape.
+    #[must_use]
+    pub fn bridson_across(mesh: &TriMesh, hinges: &HingeTable, rigidity: Real) -> Vec<Self> {
+        let k = Self::bridson_coefficient(rigidity);
+        on_each_hinge(mesh, hinges, |vertices, rest| {
+            Self::bridson(vertices, rest, k)
+        })
+    }
+
+    /// Bridson's element with coefficient `k` (N·m), by [`HingeLaw::HalfSine`] with `K = k e²/(4(A₀ + A₁))`, at rest at
+    /// `rest` (m).
     #[must_use]
     pub fn bridson(vertices: [u32; 4], rest: &[Vec3; 4], k: Real) -> Self {
         Self {
             vertices,
             rest_angle: angle(rest).unwrap_or(0.0),
             stiffness: 0.25 * k * edge_squared_over_area(rest),
+            law: HingeLaw::HalfSine,
         }
     }
+
+    /// C (rad) at the angle θ (rad), C′, and C C″.
+    fn constraint(&self, angle: Real) -> [Real; 3] {
+        match self.law {
+            HingeLaw::Angle => [short_way(angle - self.rest_angle), 1.0, 0.0],
+            HingeLaw::HalfSine => half_sine(angle, self.rest_angle),
+        }
+    }
+}
+
+/// C, C′ and C C″ of `C² = 4 (cos a − cos b − (b − a) sin a)`, with a and b half of the rest angle and the angle:
+/// `C = (θ − θ₀) √q`, with q as below free of cancellation, `C C′ = 2 (sin b − sin a)` and `C′² + C C″ = cos b`.
+fn half_sine(angle: Real, rest_angle: Real) -> [Real; 3] {
+    let (a, b) = (0.5 * rest_angle, 0.5 * angle);
+    let d = b - a;
+    // sin(d/2)/(d/2), and (d − sin d)/d².
+    let (sinc, rest) = if d.abs() < 1e-2 {
+        let d2 = d * d;
+        let sinc = 1.0 - d2 / 24.0 * (1.0 - d2 / 80.0);
+        (sinc, d / 6.0 * (1.0 - d2 / 20.0 * (1.0 - d2 / 42.0)))
+    } else {
+        ((0.5 * d).sin() / (0.5 * d), (d - d.sin()) / (d * d))
+    };
+    let q = a.cos() * sinc * sinc - 2.0 * a.sin() * rest;
+    if q <= 0.0 {
+        return [0.0; 3]; // folded up altogether at rest, and now
+    }
+    let root = q.sqrt();
+    let slope = (a + 0.5 * d).cos() * sinc / root;
+    [2.0 * d * root, slope, b.cos() - slope * slope]
 }
 
 /// `e²/(A₀ + A₁)` (dimensionless).
@@ -204,13 +263,14 @@ impl Constraint<4> for DihedralHinge {
             (Wing::of(edge, x[2] - x[0]), Wing::of(edge, x[3] - x[0]))
         {
             let [l, r] = [left.gradient(), right.gradient()];
-            row.value = short_way(turn(&left, &right) - self.rest_angle);
-            row.gradient = [l[0] - r[0], l[1] - r[1], l[2], -r[2]];
+            let [value, slope, _] = self.constraint(turn(&left, &right));
+            row.value = value;
+            row.gradient = [l[0] - r[0], l[1] - r[1], l[2], -r[2]].map(|g| g * slope);
         }
         [row]
     }
 
-    /// `K (θ − θ₀) ∂²θ`, indefinite, with its eigenvalues taken as `convexity` says.
+    /// `K C (C′ ∂²θ + C″ ∂θ ∂θᵀ)`, indefinite, with its eigenvalues taken as `convexity` says.
     fn curvature(&self, x: &[Vec3; 4], convexity: Convexity) -> Blocks<4> {
         let mut sum = [[Mat3::zeros(); 4]; 4];
         let edge = x[1] - x[0];
@@ -218,7 +278,17 @@ impl Constraint<4> for DihedralHinge {
         else {
             return sum;
         };
-        let force = self.stiffness * short_way(turn(&left, &right) - self.rest_angle);
+        let [value, slope, bend] = self.constraint(turn(&left, &right));
+        let force = self.stiffness * value * slope;
+        if self.law == HingeLaw::HalfSine {
+            let [l, r] = [left.gradient(), right.gradient()];
+            let gradient = [l[0] - r[0], l[1] - r[1], l[2], -r[2]];
+            for (row, g) in sum.iter_mut().zip(&gradient) {
+                for (block, h) in row.iter_mut().zip(&gradient) {
+                    *block += g * h.transpose() * (self.stiffness * bend);
+                }
+            }
+        }
         for (wing, places, factor) in [(left, [0, 1, 2], force), (right, [0, 1, 3], -force)] {
             let hessian = wing.hessian();
             for (i, &row) in places.iter().enumerate() {

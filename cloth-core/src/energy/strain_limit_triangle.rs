@@ -59,6 +59,13 @@ impl StrainLimitTriangle {
         }
     }
 
+    /// The same element without slack: stiff at every stretch.
+    #[must_use]
+    pub fn taut(self) -> Self {
+        let limits = [1.0; 2];
+        Self { limits, ..self }
+    }
+
     /// φ is σ.
     fn stretches(&self, x: &[Vec3; 3]) -> [DeadZoneRow<3>; 2] {
         let singular = Singular::of(self.map.columns(x));

@@ -62,10 +62,13 @@ fn derivatives_agree_with_differences() {
             convex_choices_are_convex(&curved, x);
             let dihedral = DihedralHinge::grinspun(VERTICES, &rest, 2.5);
             convex_choices_are_convex(&dihedral, x);
+            let bridson = DihedralHinge::bridson(VERTICES, &rest, 2.5);
+            convex_choices_are_convex(&bridson, x);
             let opposite = dihedral.rows(x)[0].value.abs() > 3.1;
             let scale = height(x[2]).min(height(x[3])).min(edge.norm());
             if scale > 0.05 && !opposite {
                 derivatives_agree(&dihedral, x, scale.min(1.0));
+                derivatives_agree(&bridson, x, scale.min(1.0));
             }
         }
     }
@@ -141,9 +144,12 @@ fn a_fold_costs_what_each_model_says() {
                 3.0 * k * squared,
                 "Grinspun",
             );
+            // From k e²/(|N₁| + |N₂|) (sin θ/2 − sin θ₀/2) along ∂θ, with |N| twice the area.
+            let [a, b] = [0.5 * rest_angle, 0.5 * theta];
+            let work = 2.0 * (a.cos() - b.cos()) - 2.0 * (b - a) * a.sin();
             close(
                 DihedralHinge::bridson(VERTICES, &rest, k).value(&x),
-                k / 8.0 * squared,
+                0.5 * k * factor * work,
                 "Bridson",
             );
             let cubic = 3.0 * k * factor * 2.0 * (0.5 * difference).sin().powi(2);
@@ -202,6 +208,14 @@ fn the_force_of_an_angle_has_the_directions_of_bridson() {
         - n2 * (share(x[3], x[0]) / n2.norm_squared());
     for (u, g) in [u3, u4, u1, u2].iter().zip(&row.gradient) {
         assert!((u + g).norm() < 1e-13, "{u} {g}");
+    }
+    // His force: k |E|²/(|N₁| + |N₂|) (sin θ/2 − sin θ₀/2) u, of a fold that has not been stretched.
+    let (k, rest_angle) = (0.7, -0.4);
+    let hinge = DihedralHinge::bridson(VERTICES, &folded(rest_angle), k);
+    let size = k * e.norm_squared() / (n1.norm() + n2.norm());
+    let force = size * (0.4_f64.sin() - (0.5_f64 * rest_angle).sin());
+    for (u, g) in [u3, u4, u1, u2].iter().zip(&hinge.gradient(&x)) {
+        assert!((u * force + g).norm() < 1e-13, "{u} {g}");
     }
 }
 

@@ -122,6 +122,7 @@ fn every_kind_of_hinge_gets_its_constant_from_one_rigidity() {
     assert!((quadratic / (0.5e-5 * 1e-6 * 7.0 / 8.0) - 1.0).abs() < 1e-5);
     for bending in [
         BendingCarrier::Dihedral,
+        BendingCarrier::Bridson,
         BendingCarrier::Cubic,
         BendingCarrier::Curved,
     ] {

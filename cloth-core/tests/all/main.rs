@@ -29,7 +29,6 @@ mod ordering;
 mod pieces;
 mod ply;
 mod position_based;
-
 mod projection;
 #[cfg(feature = "cholesky")]
 mod relief;

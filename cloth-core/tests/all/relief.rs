@@ -81,6 +81,35 @@ fn slack_springs_resist_only_what_exceeds_their_range() {
     }
 }
 
+/// Triangles with slack cost nothing while both principal stretches are in the range, sheared or not, and beyond it what
+/// ARAP triangles cost of the rest.
+#[test]
+fn slack_triangles_resist_what_exceeds_their_range_in_every_direction() {
+    let mesh = equilateral(9, 9, 0.125).unwrap();
+    let with_law = |law| Discretization {
+        membrane: MembraneCarrier::Arap,
+        law,
+        ..Discretization::default()
+    };
+    let model = |law| STIFF.discretized_with(&with_law(law), &mesh).unwrap();
+    let (slack, stiff) = (
+        model(SpringLaw::DeadZone([0.98, 1.03])),
+        model(SpringLaw::Linear),
+    );
+    for turn in [0.0, 0.4, 1.1] {
+        let axis = Vec3::new(f64::cos(turn), f64::sin(turn), 0.0);
+        let along = |stretch: f64| move |p: &Vec3| p + axis * (axis.dot(p) * (stretch - 1.0));
+        for free in [0.981, 1.0, 1.0299] {
+            assert!(stored(&slack, &mesh, along(free)) < 1e-25);
+        }
+        for (stretch, excess) in [(1.05, 1.02), (0.95, 0.97)] {
+            let ratio =
+                stored(&slack, &mesh, along(stretch)) / stored(&stiff, &mesh, along(excess));
+            assert!((ratio - 1.0).abs() < 1e-9, "{turn} {stretch}: {ratio}");
+        }
+    }
+}
+
 #[test]
 fn no_triangle_loses_two_edges_and_the_count_is_reached() {
     for mesh in sheets() {
