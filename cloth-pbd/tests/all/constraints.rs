@@ -3,8 +3,8 @@
 
 use cloth_core::element::{Constraint, RowArray};
 use cloth_core::energy::{
-    ArapTriangle, AreaTriangle, Attachment, CurvatureHinge, CurvedHinge, DihedralHinge, Spring,
-    StvkTriangle, VolumeTetrahedron,
+    ArapTriangle, AreaTriangle, Attachment, CurvatureHinge, CurvedHinge, DihedralHinge, HingeLaw,
+    Spring, StvkTriangle, VolumeTetrahedron,
 };
 use cloth_core::math::{Real, Vec3};
 use cloth_core::measure::{center_of_mass, linear_momentum};
@@ -144,6 +144,7 @@ fn every_kind_of_constraint_is_met_and_keeps_the_momentum() {
         vertices: [0, 1, 2, 3],
         rest_angle: 0.4,
         stiffness: 1.0,
+        law: HingeLaw::Angle,
     });
     is_met(ArapTriangle::new([0, 1, 2], &TRIANGLE, 1.0));
     is_met(StvkTriangle::new([0, 1, 2], &TRIANGLE, 1.0, 0.3));
