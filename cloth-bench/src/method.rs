@@ -169,6 +169,7 @@ impl Method {
         self.check_hard(scene)?;
         self.check_pushed(scene)?;
         self.check_volumes(scene)?;
+        self.check_restitution(scene)?;
         // Runs take a step in as many parts.
         let dt = dt / Real::from(scene.parts(dt));
         let substeps = self.substeps(scene, settings, dt)?;
@@ -209,6 +210,22 @@ impl Method {
             ));
         }
         Ok(())
+    }
+
+    /// Refuses restitution where contact is no impulse.
+    fn check_restitution(&self, scene: &Scene) -> Result<(), BenchError> {
+        let projects = matches!(
+            self.kind,
+            Kind::Explicit | Kind::Symplectic | Kind::Pbd | Kind::Xpbd | Kind::XpbdDirect
+        );
+        if projects || !scene.touch.as_ref().is_some_and(ContactSetup::rebounds) {
+            return Ok(());
+        }
+        Err(BenchError::Usage(format!(
+            "`{}` cannot take restitution: it minimises along the energy of contact, which ends a step without the velocity \
+             of an impact; explicit methods, pbd and xpbd can",
+            self.name
+        )))
     }
 
     /// Refuses sealed volumes where their pressure would not be that of the scene.

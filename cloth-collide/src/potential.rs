@@ -123,6 +123,7 @@ mod pair;
 mod patches;
 mod quiet;
 mod ranked;
+mod rebound;
 mod report;
 mod row;
 mod rows;

@@ -39,6 +39,12 @@ pub(crate) const FRICTION: Parameter = parameter(
     "coefficient of friction, of cloth with cloth and with obstacles",
 );
 
+pub(crate) const RESTITUTION: Parameter = parameter(
+    "restitution",
+    "none",
+    "coefficient of restitution, from 0 to 1: what hits something leaves it with this part of its speed; with explicit methods, pbd and xpbd; none: with what contact has stored and the method has not damped",
+);
+
 pub(crate) const UNTANGLE: Parameter = parameter(
     "untangle",
     "no",
@@ -63,6 +69,7 @@ pub(crate) const TOUCHING: &[Parameter] = &[
     THICKNESS,
     STIFFNESS,
     FRICTION,
+    RESTITUTION,
     UNTANGLE,
     BROAD_PHASE,
 ];
@@ -74,6 +81,7 @@ pub(crate) const TOUCHING_ALONE: &[Parameter] = &[
     THICKNESS,
     STIFFNESS,
     FRICTION,
+    RESTITUTION,
     UNTANGLE,
     BROAD_PHASE,
 ];
@@ -131,6 +139,7 @@ pub struct ContactSetup {
     thickness: Real,
     stiffness: Real,
     friction: Real,
+    restitution: Option<Real>,
     untangles: bool,
     broad_phase: BroadPhaseKind,
     obstacles: Vec<Obstacle>,
@@ -154,7 +163,11 @@ impl ContactSetup {
         let thickness = settings.positive(&THICKNESS)?;
         let stiffness = settings.positive(&STIFFNESS)?;
         let friction = settings.number(&FRICTION)?;
-        ImpactLaw::new(friction, 0.0).map_err(BenchError::usage)?;
+        let restitution = match settings.text(&RESTITUTION) {
+            "none" => None,
+            _ => Some(settings.number(&RESTITUTION)?),
+        };
+        ImpactLaw::new(friction, restitution.unwrap_or(0.0)).map_err(BenchError::usage)?;
         let is_on = settings.choice(&CONTACT, &[("potential", true), ("none", false)])?;
         let (mut shapes, mut animated, mut free_bodies) = (Vec::new(), Vec::new(), Vec::new());
         let mut obstacles = Vec::new();
@@ -193,7 +206,7 @@ impl ContactSetup {
         }
         // contact=none switches contact off, whatever else is said of it.
         if is_on && !self_collision && shapes.is_empty() && animated.is_empty() {
-            for parameter in [&CONTACT, &THICKNESS, &STIFFNESS, &FRICTION] {
+            for parameter in [&CONTACT, &THICKNESS, &STIFFNESS, &FRICTION, &RESTITUTION] {
                 settings.refuse_without(parameter, "anything to touch (self=yes)")?;
             }
         }
@@ -203,6 +216,7 @@ impl ContactSetup {
             thickness,
             stiffness,
             friction,
+            restitution,
             untangles,
             broad_phase,
             obstacles,
@@ -219,6 +233,11 @@ impl ContactSetup {
         let has_bodies = !self.shapes.is_empty() || !self.animated.is_empty();
         let alone = !self.self_collision && !has_bodies;
         alone || !self.is_on
+    }
+
+    /// Whether what hits something leaves it with a given part of its speed.
+    pub(crate) fn rebounds(&self) -> bool {
+        self.restitution.is_some() && !self.is_idle()
     }
 
     /// Whether a cloth that passes through itself at the start is pulled apart.
@@ -257,6 +276,9 @@ impl ContactSetup {
                 .thickness_of_vertices(pieces.thickness.clone())
                 .friction_of_vertices(pieces.friction.clone())
                 .exclude(pieces.piece.clone(), pieces.excluded.clone());
+        }
+        if let Some(restitution) = self.restitution {
+            contacts = contacts.restitution(restitution);
         }
         for obstacle in &self.obstacles {
             contacts = contacts.obstacle(obstacle.clone(), self.friction);

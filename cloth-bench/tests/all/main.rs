@@ -20,6 +20,7 @@ mod messages;
 mod program;
 mod readme;
 mod refusals;
+mod restitution;
 mod resume;
 mod rigid_bodies;
 mod sampled;

@@ -2,6 +2,7 @@
 
 use super::forces::Ledger;
 use super::near::Near;
+use super::rebound::Rebound;
 use super::rows::{KEPT, LEAST, SLACK};
 use super::tangent::{Tangent, hold, stretch};
 use crate::obstacle::{Obstacle, VertexPath, first_contact};
@@ -31,6 +32,8 @@ struct Row {
     /// The same of the pressure of all visits.
     pressure: Vec3,
     friction: Vec3,
+    /// By how much it would get nearer in the substep (m), if that is wanted.
+    approach: Real,
     /// Where it sticks at the end of the substep (m).
     origin: Vec3,
 }
@@ -45,6 +48,8 @@ pub(super) struct Bodies {
     places: Vec<Vec3>,
     /// By how much friction has been stretched there (m).
     stretches: Vec<Vec3>,
+    /// Whether the approach of rows is wanted.
+    pub(super) measures_approach: bool,
     /// Whether a vertex has a row for a body.
     has_row: Vec<bool>,
 }
@@ -138,6 +143,10 @@ impl Bodies {
                     body: number as u32,
                     distance: at.value,
                     normal: at.normal,
+                    approach: match self.measures_approach {
+                        true => at.value - body.signed_distance(*to, step.dt).value,
+                        false => 0.0,
+                    },
                     origin: motion.pose_at(step.dt).to_world(local),
                     ..Row::default()
                 };
@@ -277,6 +286,31 @@ impl Bodies {
             work += impulse.dot(&body.velocity_at(x[v], step.dt));
         }
         work
+    }
+
+    /// Appends the vertices that touch a body and approached it, or left it, by more than `least` (m) in a substep that ends
+    /// at `x` (m), the bodies still being where they are at its start.
+    pub(super) fn rebounds(
+        &self,
+        bodies: &[Body],
+        least: Real,
+        step: &ContactStep<'_>,
+        x: &[Vec3],
+        out: &mut Vec<Rebound>,
+    ) {
+        let touching = self.rows.iter().filter(|row| row.lambda > 0.0);
+        for row in touching.filter(|row| row.approach.abs() > least) {
+            let v = row.vertex as usize;
+            let (body, _) = &bodies[row.body as usize];
+            out.push(Rebound {
+                vertices: [row.vertex; 4],
+                weights: [1.0, 0.0, 0.0, 0.0],
+                normal: row.normal,
+                ease: step.inverse_mass[v],
+                approach: row.approach / step.dt,
+                of_body: -row.normal.dot(&body.velocity_at(x[v], step.dt)),
+            });
+        }
     }
 
     /// The vertices that touch body `number`, and the impulses (N·s) on them in a substep of `dt` (s).

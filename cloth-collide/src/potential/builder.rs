@@ -6,6 +6,7 @@ use super::last_resort::LastResort;
 use super::let_go::LetGo;
 use super::near::{Near, Own, Side};
 use super::patches::Patches;
+use super::rebound::Rebounds;
 use super::sewn::Sewn;
 use super::source::Contacts;
 use super::surfaces::{Motion, PotentialContacts, Surface, Surfaces};
@@ -23,6 +24,7 @@ pub struct PotentialBuilder<'a> {
     thickness: Real,
     stiffness: Real,
     friction: Real,
+    restitution: Option<Real>,
     obstacles: Vec<Body>,
     surfaces: Vec<Surface>,
     free: Vec<(usize, RigidBody)>,
@@ -37,6 +39,7 @@ impl<'a> PotentialBuilder<'a> {
             thickness: 1e-3,
             stiffness: 1e6,
             friction: 0.0,
+            restitution: None,
             obstacles: Vec::new(),
             surfaces: Vec::new(),
             free: Vec::new(),
@@ -117,6 +120,15 @@ impl<'a> PotentialBuilder<'a> {
         self
     }
 
+    /// Coefficient of restitution e (dimensionless, 0 to 1) of all contacts: what approaches something with a speed u
+    /// leaves it with e u. Of methods that project positions alone; no body can be free beside it. Unless set,
+    /// contact gives back what it has stored, less what the method damps.
+    #[must_use]
+    pub fn restitution(mut self, restitution: Real) -> Self {
+        self.restitution = Some(restitution);
+        self
+    }
+
     /// Adds a rigid body that is in the way, with a coefficient of `friction` μ (dimensionless).
     #[must_use]
     pub fn obstacle(mut self, obstacle: Obstacle, friction: Real) -> Self {
@@ -175,6 +187,15 @@ impl<'a> PotentialBuilder<'a> {
                 false => invalid("stiffness of contact (Pa/m)", self.stiffness, POSITIVE),
             }
         })?;
+        if let Some(e) = self.restitution {
+            if !(0.0..=1.0).contains(&e) {
+                return Err(invalid("coefficient of restitution", e, "from 0 to 1"));
+            }
+            if !self.free.is_empty() {
+                let (one, needs) = ("restitution", "bodies that the cloth does not push");
+                return Err(BuildError::SettingsConflict { one, needs });
+            }
+        }
         // Friction is no part of the law of pressure, and checked apart.
         checked_friction("friction of contact", self.friction)?;
         for (_, friction) in &self.obstacles {
@@ -209,6 +230,8 @@ impl<'a> PotentialBuilder<'a> {
         let last_resort = LastResort::new(mesh, thickness, has_pairs);
         let mut contacts = Contacts::new(near, patches, self.obstacles, last_resort);
         contacts.free.list = free;
+        contacts.rows.rebounds = self.restitution.map(Rebounds::new);
+        contacts.rows.bodies.measures_approach = self.restitution.is_some();
         let surfaces = Surfaces::new(self.mesh.vertex_count(), self.surfaces);
         let mut contacts = PotentialContacts { contacts, surfaces };
         contacts.record_forces(false);

@@ -38,6 +38,8 @@ pub(super) struct Row {
     /// λ (kg m), and the same of friction.
     pub(super) lambda: Real,
     pub(super) friction: Vec3,
+    /// By how much it would get nearer in the substep (m).
+    pub(super) approach: Real,
     /// Σ wᵢ xᵢ (m) where it sticks.
     pub(super) origin: Vec3,
 }
@@ -121,6 +123,7 @@ impl Row {
             coefficient: near.friction(pair.vertices),
             lambda: 0.0,
             friction: Vec3::zeros(),
+            approach,
             origin: sum(&x, &gap.weights) - memory.stretch,
         }
     }

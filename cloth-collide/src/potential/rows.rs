@@ -20,6 +20,7 @@ use super::forces::Ledger;
 use super::near::Near;
 use super::patches::{Memory, NearPair, Patches, TooFar};
 use super::quiet::Quiet;
+use super::rebound::Rebounds;
 use super::report::ConstraintReport;
 use super::row::{Parted, Row};
 use super::source::Contacts;
@@ -64,6 +65,9 @@ pub(super) struct Rows {
     velocities: Vec<Vec3>,
     by_zones: bool,
     work: Real,
+    /// Of a scene with a coefficient of restitution; and the inverse masses (1/kg) of its substep.
+    pub(super) rebounds: Option<Rebounds>,
+    inverse_mass: Vec<Real>,
     pub(super) report: ConstraintReport,
 }
 
@@ -216,9 +220,13 @@ impl ContactConstraints for Contacts {
     }
 
     fn change_velocities(&mut self, velocities: &mut [Vec3]) {
-        if self.rows.by_zones {
+        let rows = &mut self.rows;
+        if rows.by_zones {
             let own = velocities.len();
-            velocities.copy_from_slice(&self.rows.velocities[..own]);
+            velocities.copy_from_slice(&rows.velocities[..own]);
+        } else if let Some(rebounds) = &mut rows.rebounds {
+            rows.work += rebounds.act(&rows.inverse_mass, velocities, self.ledger.as_mut());
+            rebounds.clear();
         }
     }
 
@@ -390,6 +398,11 @@ impl Contacts {
         let (part, own) = (near.own_step(step), near.own(x));
         rows.work += rows.bodies.end(bodies, reach, &part, own);
         rows.work += rows.work_of_prescribed(step, x);
+        if let Some(rebounds) = &mut rows.rebounds {
+            rebounds.find((&rows.rows, &rows.bodies), near, bodies, step, x);
+            rows.inverse_mass.clear();
+            rows.inverse_mass.extend_from_slice(part.inverse_mass);
+        }
         if rows.rows.is_empty() && rows.bodies.len() == 0 {
             let relative = rows
                 .patches

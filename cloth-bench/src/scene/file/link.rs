@@ -43,7 +43,7 @@ pub(super) fn springs(
     let pieces = [piece(first)?, piece(second)?];
     let lists = [section.counts(&LINK_FIRST)?, section.counts(&LINK_SECOND)?];
     let ends = match (lists, section.vector(&LINK_AT)?) {
-        ([Some(first), Some(second)], None) => pairs(section, [first, second], &pieces)?,
+        ([Some(first), Some(second)], None) => pairs(section, &[first, second], &pieces)?,
         ([None, None], Some(point)) => joint(section, point, &pieces, mesh.positions())?,
         _ => return Err(section.refuse_table("needs first and second, or at")),
     };
@@ -72,7 +72,7 @@ pub(super) fn reorder(springs: &mut [Spring], order: &Order) {
 /// Vertices that are given by their numbers.
 fn pairs(
     section: &Section<'_>,
-    lists: [Vec<u64>; 2],
+    lists: &[Vec<u64>; 2],
     pieces: &[Range<usize>; 2],
 ) -> Result<Vec<[u32; 2]>, BenchError> {
     let count = lists[0].len();

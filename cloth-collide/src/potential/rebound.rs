@@ -1,0 +1,115 @@
+//! Restitution, of methods that project positions: what is hit is left with a part of the speed of the impact.
+//!
+//! The law of contact gives back what it has stored, less what a method damps. With a coefficient of restitution e the
+//! velocities of a substep follow instead: a pair that approached with the speed u and has touched parts with e u
+//! (M. Müller et al., "Detailed rigid body simulation with extended position based dynamics", SCA 2020,
+//! <https://doi.org/10.1111/cgf.14105>, section 3.6), and one that parts already is not pushed to be faster: what the law
+//! has stored is lost. What lies on something approaches it by its weight in a substep; that is no impact.
+
+use super::bodies::Bodies;
+use super::bodies::Body;
+use super::forces::Ledger;
+use super::near::Near;
+use super::row::Row;
+use cloth_core::contact::ContactStep;
+use cloth_core::math::{Real, Vec3};
+
+/// An approach in one substep by less than this part of the thickness is none.
+const RESTING: Real = 1e-3;
+
+/// A pair, or a vertex and a body, that has to part.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Rebound {
+    pub(super) vertices: [u32; 4],
+    pub(super) weights: [Real; 4],
+    pub(super) normal: Vec3,
+    /// Σ wᵢ²/mᵢ (1/kg).
+    pub(super) ease: Real,
+    /// How fast it approached, and the part of its velocity that is that of a body (m/s).
+    pub(super) approach: Real,
+    pub(super) of_body: Real,
+}
+
+/// All of a substep, with the coefficient e (dimensionless).
+#[derive(Debug)]
+pub(super) struct Rebounds {
+    coefficient: Real,
+    list: Vec<Rebound>,
+}
+
+impl Rebounds {
+    pub(super) fn new(coefficient: Real) -> Self {
+        Self {
+            coefficient,
+            list: Vec::new(),
+        }
+    }
+
+    pub(super) fn clear(&mut self) {
+        self.list.clear();
+    }
+
+    /// Takes those of a substep that ends at `x` (m).
+    pub(super) fn find(
+        &mut self,
+        (rows, of_bodies): (&[Row], &Bodies),
+        near: &Near,
+        bodies: &[Body],
+        step: &ContactStep<'_>,
+        x: &[Vec3],
+    ) {
+        self.list.clear();
+        let least = RESTING * near.law().range();
+        let touching = rows.iter().filter(|row| row.lambda > 0.0);
+        for row in touching.filter(|row| row.approach.abs() > least) {
+            let ends = row.vertices.iter().zip(row.weights);
+            let moved = ends.filter(|(v, _)| **v as usize >= near.cloth);
+            let moved = moved.map(|(v, w)| (x[*v as usize] - step.from[*v as usize]) * w);
+            self.list.push(Rebound {
+                vertices: row.vertices,
+                weights: row.weights,
+                normal: row.normal,
+                ease: row.ease,
+                approach: row.approach / step.dt,
+                of_body: row.normal.dot(&moved.sum()) / step.dt,
+            });
+        }
+        of_bodies.rebounds(bodies, least, &near.own_step(step), x, &mut self.list);
+    }
+
+    /// Changes the velocities (m/s), and returns the work (J) of moving bodies.
+    pub(super) fn act(
+        &self,
+        inverse_mass: &[Real],
+        velocities: &mut [Vec3],
+        mut ledger: Option<&mut Ledger>,
+    ) -> Real {
+        let mut work = 0.0;
+        for rebound in &self.list {
+            let Rebound {
+                vertices,
+                weights,
+                normal,
+                ..
+            } = *rebound;
+            let ends = || vertices.into_iter().zip(weights);
+            let own = ends().filter_map(|(v, w)| Some(*velocities.get(v as usize)? * w));
+            let speed = normal.dot(&own.sum()) + rebound.of_body;
+            let wanted = match rebound.approach > 0.0 {
+                true => self.coefficient * rebound.approach,
+                false => speed.min(-rebound.approach),
+            };
+            let impulse = (wanted - speed) / rebound.ease;
+            for (v, weight) in ends() {
+                if let Some(velocity) = velocities.get_mut(v as usize) {
+                    *velocity += normal * (impulse * weight * inverse_mass[v as usize]);
+                }
+            }
+            work -= impulse * rebound.of_body;
+            if let Some(ledger) = &mut ledger {
+                ledger.add_pair(vertices, weights, [normal * impulse, Vec3::zeros()]);
+            }
+        }
+        work
+    }
+}
