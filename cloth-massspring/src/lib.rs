@@ -157,12 +157,15 @@
 //! of contact, and slides down a slope with the acceleration a by `a Δt² n(n + 1)/2` in n steps, to nine digits. The
 //! quasi-Newton method of [`ImplicitEuler`] and [`Bdf2`] does this. Contacts between vertices far from each other in
 //! the mesh are additions of rank one to the matrix of the multigrid cycle: they come and go without a new pattern.
+//! What couples all vertices of a piece, the volume of a closed one
+//! ([`ClosedVolume`](cloth_core::enclosure::ClosedVolume)), is an addition of rank one around the whole cycle
+//! (Sherman–Morrison, `implicit/global_terms.rs`): a ball of water, K = 2·10⁹ Pa, converges as one of air does.
 //! Newton's method does not take over from a step with contact; one that has not converged within
 //! [`ImplicitConfig::max_iterations`] ends there, free of crossings.
 //!
 //! A linearised step linearises the cloth alone, and again where it is stopped and has to buckle
-//! ([`Solve::Linearized`]); the midpoint rule takes contact at its end ([`ImplicitMidpoint`]). With [`Solve::Newton`]
-//! contact acts after the step.
+//! ([`Solve::Linearized`]); the midpoint rule takes contact at its end ([`ImplicitMidpoint`]). [`Solve::Newton`] has no
+//! place for contact, and refuses it.
 //!
 //! In explicit methods contact acts at the end of every substep, as constraints with the compliance of the potential
 //! ([`ContactConstraints`](cloth_core::contact::ContactConstraints)): as stiff as it may be, it does not shorten the
@@ -335,7 +338,7 @@
 //!    [`LimitedMemory`](cloth_core::method::limited_memory::LimitedMemory): the default; `progress.rs`: when Newton's
 //!    method takes over.
 //! 6. `implicit/bdf2.rs`, `at_end.rs` (contact of the midpoint rule), `damper.rs`, `linearized.rs`,
-//!    `drift.rs`.
+//!    `drift.rs`, `global_terms.rs` (volumes).
 //!
 //! The tests in `tests/chapter` are the claims of this page, one by one.
 //!

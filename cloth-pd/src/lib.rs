@@ -233,7 +233,8 @@
 //!   (0.2 N/m a vertex against 250 N/m of a contact, with 64 vertices a side), so a direction from A alone goes through
 //!   the obstacle, is truncated there, and the sheet creeps. The initial inverse Hessian therefore is
 //!   `(A + Σ k J Jᵀ)⁻¹` with the contacts of the iterate: conjugate gradients around the factor of A, of which three to
-//!   six are enough, without a matrix of its own. In the fourteenth step of a sheet that falls on a ball (below), 30
+//!   six are enough, without a matrix of its own; the volume of a closed piece
+//!   ([`ClosedVolume`](cloth_core::enclosure::ClosedVolume)), one row on all its vertices, is among them. In the fourteenth step of a sheet that falls on a ball (below), 30
 //!   iterations lower `G` by 0.28 J with contact in the solve, by 0.11 J without.
 //! - **Each vertex has its own displacement bound.** With one step length for all vertices a single contact would stop
 //!   the whole sheet. Displacements are truncated vertex by vertex

@@ -103,6 +103,21 @@ fn a_ball_full_of_water_lands_with_all_of_it() {
     }
 }
 
+/// As stiff as water is, every step of implicit Euler converges, in as many iterations.
+#[test]
+fn water_converges_as_air_does() {
+    let iterations = |modulus: &str| {
+        let text = WATER.replace("bulk_modulus = 1e6", &format!("bulk_modulus = {modulus}"));
+        let (summary, _) = ran(&scene("stiff", &text), "implicit-euler", 0.01, 60);
+        assert_eq!(summary.converged_steps, 60, "{modulus} Pa");
+        assert_eq!(summary.newton_fallbacks, 0, "{modulus} Pa");
+        assert_eq!(summary.energy_excess, 0.0, "{modulus} Pa");
+        summary.iterations as f64
+    };
+    let [air, water] = ["1e5", "2e9"].map(iterations);
+    assert!(water < 1.5 * air, "{water} iterations, {air} of air");
+}
+
 /// Nothing acts on it from outside: neither momentum nor the time of the free fall notice the filling.
 #[test]
 fn a_filling_exerts_no_force_outwards() {
