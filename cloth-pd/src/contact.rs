@@ -62,13 +62,7 @@ impl ContactSystem {
             }
         }
         contact.linearize_globally(x, &mut self.global);
-        for row in self.global.rows_mut() {
-            for (gradient, &vertex) in row.gradient.iter_mut().zip(&row.vertices) {
-                if particles.is_prescribed(vertex as usize) {
-                    *gradient = Vec3::zeros();
-                }
-            }
-        }
+        self.global.hold(|vertex| particles.is_prescribed(vertex));
     }
 
     /// Whether nothing but the constant matrix is left.

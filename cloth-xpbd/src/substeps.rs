@@ -23,14 +23,14 @@
 //! percentile of edge lengths.
 //!
 //! A third load lasts: **the tension** T (N/m) of cloth that is blown up, `p R/2` of a sphere. An edge there pulls with
-//! `T l`, which the sweeps of a substep leave as a strain of `0.65 T h²/m`. (Measured, as root mean square of all edges:
-//! spheres of 0.2 to 1 m with gas inside, 362 and 1442 vertices: 0.56 to 0.87.) Nothing of it passes, as a swing or an
-//! impact do, so it is held to a fiftieth of the wanted strain, or of `T/k`, which is about twice what the springs
-//! yield to it, if that is more.
+//! `T l`, which the sweeps of a substep leave as a strain of `0.65 T h²/m`. (Measured, as root mean square of all
+//! edges: spheres of 0.2 to 1 m with gas inside, 362 and 1442 vertices, at rest: 0.56 to 0.87.) Nothing of it passes,
+//! as a swing or an impact do, so it is held to a fiftieth of the wanted strain, or of `T/k`, which is about twice what
+//! the springs yield to it, if that is more.
 //!
 //! Substeps shorter than those with `k h² (w₁ + w₂) < 1`, in which the springs give more than the sweep does,
-//! are never chosen for the first two: a soft cloth then has its own length. Nor is a substep ever longer than 1/1200 s, the
-//! published setting.
+//! are never chosen for the first two: a soft cloth then has its own length. Nor is a substep ever longer than
+//! 1/1200 s, the published setting.
 
 use cloth_core::energy::Spring;
 use cloth_core::math::{Real, Vec3};

@@ -1,5 +1,6 @@
 //! Closed pieces that keep their volume, in scenes and with every method that can.
 
+use crate::changes::scale_of_least;
 use crate::scene_text::{scene, written};
 use cloth_bench::method::{METHODS, Method};
 use cloth_bench::run::{Plan, Solver, Summary, run_changing, to_rest};
@@ -41,16 +42,7 @@ fn a_sealed_balloon_comes_to_rest_where_its_energy_is_least() {
         let x: Vec<Vec3> = rest.iter().map(|x| x * s).collect();
         energies.value(&x) + filling.energy(&x)
     };
-    let slope = |s: f64| (potential(s + 1e-5) - potential(s - 1e-5)) / 2e-5;
-    let (mut low, mut high) = (1.0, 1.2);
-    for _ in 0..40 {
-        let middle = 0.5 * (low + high);
-        if slope(middle) < 0.0 {
-            low = middle;
-        } else {
-            high = middle;
-        }
-    }
+    let low = scale_of_least(potential);
     // Scaled alone; relaxed, the vertices of the mesh move a little apart from that.
     let expected = low.powi(3) * filling.rest_volume();
     assert!((1.01..1.05).contains(&low), "{low}");

@@ -306,6 +306,7 @@ impl Bodies {
                 vertices: [row.vertex; 4],
                 weights: [1.0, 0.0, 0.0, 0.0],
                 normal: row.normal,
+                inverse_mass: [step.inverse_mass[v]; 4],
                 ease: step.inverse_mass[v],
                 approach: row.approach / step.dt,
                 of_body: -row.normal.dot(&body.velocity_at(x[v], step.dt)),

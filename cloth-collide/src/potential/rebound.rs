@@ -23,7 +23,8 @@ pub(super) struct Rebound {
     pub(super) vertices: [u32; 4],
     pub(super) weights: [Real; 4],
     pub(super) normal: Vec3,
-    /// Σ wᵢ²/mᵢ (1/kg).
+    /// Of the vertices (1/kg), and Σ wᵢ²/mᵢ (1/kg).
+    pub(super) inverse_mass: [Real; 4],
     pub(super) ease: Real,
     /// How fast it approached, and the part of its velocity that is that of a body (m/s).
     pub(super) approach: Real,
@@ -69,6 +70,7 @@ impl Rebounds {
                 vertices: row.vertices,
                 weights: row.weights,
                 normal: row.normal,
+                inverse_mass: row.vertices.map(|v| step.inverse_mass[v as usize]),
                 ease: row.ease,
                 approach: row.approach / step.dt,
                 of_body: row.normal.dot(&moved.sum()) / step.dt,
@@ -78,18 +80,14 @@ impl Rebounds {
     }
 
     /// Changes the velocities (m/s), and returns the work (J) of moving bodies.
-    pub(super) fn act(
-        &self,
-        inverse_mass: &[Real],
-        velocities: &mut [Vec3],
-        mut ledger: Option<&mut Ledger>,
-    ) -> Real {
+    pub(super) fn act(&self, velocities: &mut [Vec3], mut ledger: Option<&mut Ledger>) -> Real {
         let mut work = 0.0;
         for rebound in &self.list {
             let Rebound {
                 vertices,
                 weights,
                 normal,
+                inverse_mass,
                 ..
             } = *rebound;
             let ends = || vertices.into_iter().zip(weights);
@@ -100,9 +98,9 @@ impl Rebounds {
                 false => speed.min(-rebound.approach),
             };
             let impulse = (wanted - speed) / rebound.ease;
-            for (v, weight) in ends() {
+            for ((v, weight), w) in ends().zip(inverse_mass) {
                 if let Some(velocity) = velocities.get_mut(v as usize) {
-                    *velocity += normal * (impulse * weight * inverse_mass[v as usize]);
+                    *velocity += normal * (impulse * weight * w);
                 }
             }
             work -= impulse * rebound.of_body;

@@ -65,9 +65,8 @@ pub(super) struct Rows {
     velocities: Vec<Vec3>,
     by_zones: bool,
     work: Real,
-    /// Of a scene with a coefficient of restitution; and the inverse masses (1/kg) of its substep.
+    /// Of a scene with a coefficient of restitution.
     pub(super) rebounds: Option<Rebounds>,
-    inverse_mass: Vec<Real>,
     pub(super) report: ConstraintReport,
 }
 
@@ -225,7 +224,7 @@ impl ContactConstraints for Contacts {
             let own = velocities.len();
             velocities.copy_from_slice(&rows.velocities[..own]);
         } else if let Some(rebounds) = &mut rows.rebounds {
-            rows.work += rebounds.act(&rows.inverse_mass, velocities, self.ledger.as_mut());
+            rows.work += rebounds.act(velocities, self.ledger.as_mut());
             rebounds.clear();
         }
     }
@@ -400,8 +399,6 @@ impl Contacts {
         rows.work += rows.work_of_prescribed(step, x);
         if let Some(rebounds) = &mut rows.rebounds {
             rebounds.find((&rows.rows, &rows.bodies), near, bodies, step, x);
-            rows.inverse_mass.clear();
-            rows.inverse_mass.extend_from_slice(part.inverse_mass);
         }
         if rows.rows.is_empty() && rows.bodies.len() == 0 {
             let relative = rows

@@ -62,6 +62,17 @@ impl GlobalRows {
         &self.rows[..self.len]
     }
 
+    /// Takes vertices out that do not move.
+    pub fn hold(&mut self, is_held: impl Fn(usize) -> bool) {
+        for row in self.rows_mut() {
+            for (gradient, &vertex) in row.gradient.iter_mut().zip(&row.vertices) {
+                if is_held(vertex as usize) {
+                    *gradient = Vec3::zeros();
+                }
+            }
+        }
+    }
+
     /// The parts, to be changed.
     pub fn rows_mut(&mut self) -> &mut [GlobalRow] {
         &mut self.rows[..self.len]

@@ -175,8 +175,8 @@ impl ClosedVolume {
     /// Begins a substep from `x` (m).
     ///
     /// The force acts along ∂V where the substep begins, as forces of an explicit scheme do. Along ∂V of where vertices
-    /// have flown, the curvature −p ∂²V of a filling that presses would take energy from nowhere: the motion across a
-    /// force of negative stiffness −c grows there by `1 + h² w c` a substep.
+    /// have flown, the curvature −p ∂²V of a filling that presses would take energy from nowhere: of a force of negative
+    /// stiffness −c, what a substep makes of position and velocity has the determinant `1 + h² w c` there, here 1.
     pub(super) fn begin_substep(&mut self, inverse_mass: &[Real], x: &[Vec3]) {
         self.multiplier = 0.0;
         self.gradient.fill(Vec3::zeros());

@@ -35,13 +35,7 @@ impl GlobalTerms {
     ) {
         self.clear();
         contact.linearize_globally(x, &mut self.rows);
-        for row in self.rows.rows_mut() {
-            for (gradient, &vertex) in row.gradient.iter_mut().zip(&row.vertices) {
-                if !is_free[vertex as usize] {
-                    *gradient = Vec3::zeros();
-                }
-            }
-        }
+        self.rows.hold(|vertex| !is_free[vertex]);
         for number in 0..self.rows.rows().len() {
             self.dense.clear();
             self.dense.resize(x.len(), Vec3::zeros());
