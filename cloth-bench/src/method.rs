@@ -154,7 +154,8 @@ impl Method {
         }
     }
 
-    /// A solver for a scene and a step size `dt` (s), or its [parts](Scene::parts), with strain limiting if the settings ask for it.
+    /// A solver for a scene and a step size `dt` (s), or its [parts](Scene::parts), with strain limiting if the
+    /// settings ask for it.
     ///
     /// # Errors
     /// [`BenchError::Usage`] for a setting that the method does not know or that is out of range, or an element of the

@@ -125,8 +125,8 @@ pub trait ContactPotential: fmt::Debug + Send + Sync {
     fn limit(&mut self, from: &[Vec3], to: &[Vec3]) -> Result<Real, ContactError>;
 
     /// The same for each vertex by itself, so that one contact does not hold back what is far from it: takes vertices
-    /// back on their straight paths from `from` to `to` (m) until all paths together are safe, and gets ready for places
-    /// on them. `parts` becomes what is left of each path (dimensionless, 0..=1).
+    /// back on their straight paths from `from` to `to` (m) until all paths together are safe, and gets ready for
+    /// places on them. `parts` becomes what is left of each path (dimensionless, 0..=1).
     ///
     /// # Errors
     /// [`ContactError::NonFinite`].

@@ -207,10 +207,10 @@ impl Explicit {
         })
     }
 
-    /// Sets the elements to the start of a substep, where its forces are taken, and returns the work (J) that the change
-    /// of their rest data does on the cloth: half of that over this substep and half of that over the one before, both
-    /// at the positions between the two. All of either, with the positions at one of its ends, is too much or too
-    /// little in every substep where the cloth follows.
+    /// Sets the elements to the start of a substep, where its forces are taken, and returns the work (J) that the
+    /// change of their rest data does on the cloth: half of that over this substep and half of that over the one
+    /// before, both at the positions between the two. All of either, with the positions at one of its ends, is too much
+    /// or too little in every substep where the cloth follows.
     fn set_time(&mut self, [start, end]: [Real; 2]) -> Real {
         let (energies, x) = (&mut self.model.energies, &self.positions);
         let before = energies.timed_value(x);

@@ -234,8 +234,9 @@
 //!   the obstacle, is truncated there, and the sheet creeps. The initial inverse Hessian therefore is
 //!   `(A + Σ k J Jᵀ)⁻¹` with the contacts of the iterate: conjugate gradients around the factor of A, of which three to
 //!   six are enough, without a matrix of its own; the volume of a closed piece
-//!   ([`ClosedVolume`](cloth_core::enclosure::ClosedVolume)), one row on all its vertices, is among them. In the fourteenth step of a sheet that falls on a ball (below), 30
-//!   iterations lower `G` by 0.28 J with contact in the solve, by 0.11 J without.
+//!   ([`ClosedVolume`](cloth_core::enclosure::ClosedVolume)), one row on all its vertices, is among them. In the
+//!   fourteenth step of a sheet that falls on a ball (below), 30 iterations lower `G` by 0.28 J with contact in the
+//!   solve, by 0.11 J without.
 //! - **Each vertex has its own displacement bound.** With one step length for all vertices a single contact would stop
 //!   the whole sheet. Displacements are truncated vertex by vertex
 //!   ([`limit_each`](cloth_core::contact::ContactPotential::limit_each)); where that does not descend, one length for

@@ -257,9 +257,9 @@
 //!
 //! All that is at rest. What swings is also stopped, and a stop at speed v strains by some 2 v h/l, since no wave goes
 //! further than an edge or so in a substep; this part falls with 1/n, not 1/n², in n times as many substeps.
-//! [`SubstepRule`] has both parts for any cloth, from its edges, masses, prescribed vertices and fall, and a third for a
-//! tension that lasts, of cloth that is blown up; it is what to take. Its largest strains over the whole swing, measured (1 m, 10⁴ N/m, falling from the horizontal with steps of
-//! 1/60 s, 10 % wanted):
+//! [`SubstepRule`] has both parts for any cloth, from its edges, masses, prescribed vertices and fall, and a third for
+//! a tension that lasts, of cloth that is blown up; it is what to take. Its largest strains over the whole swing,
+//! measured (1 m, 10⁴ N/m, falling from the horizontal with steps of 1/60 s, 10 % wanted):
 //!
 //! | sheet | held by | substeps | largest strain |
 //! |---|---|---|---|
@@ -299,8 +299,9 @@
 //! cut to `‖λ_t‖ ≤ μ λ`. They are swept last in each sweep of every substep; the velocities follow from what they
 //! leave. The solver itself knows nothing of shapes, and runs no code for contact without
 //! a source. The volume of a closed piece comes the same way, as one row on all its vertices before the contacts
-//! ([`ClosedVolume`](cloth_core::enclosure::ClosedVolume)): C = V − V*, along ∂V of where the substep began. A sheet of 64 × 64 vertices (1 m, k = 10⁴ N/m) that falls by 5 cm onto a ball of 0.1 m holds this
-//! strain energy after 20 and after 60 steps of 1/60 s, and is stretched by this much at most:
+//! ([`ClosedVolume`](cloth_core::enclosure::ClosedVolume)): C = V − V*, along ∂V of where the substep began. A sheet of
+//! 64 × 64 vertices (1 m, k = 10⁴ N/m) that falls by 5 cm onto a ball of 0.1 m holds this strain energy after 20 and
+//! after 60 steps of 1/60 s, and is stretched by this much at most:
 //!
 //! | substeps | J at 20 | J at 60 | most |
 //! |---|---|---|---|

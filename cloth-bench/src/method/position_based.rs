@@ -159,9 +159,9 @@ fn substeps(
     Ok((Real::from(own) * loaded(scene)).ceil() as u32)
 }
 
-/// By which factor bodies that the cloth carries need more substeps. The sweeps that a load needs grow with the ratio of
-/// its mass to that of what carries it: with the square root of the ratio alone, the scene `ball-in-net` keeps 3 % of
-/// stretch, three times what its equilibrium has, and 2 % of energy from nowhere.
+/// By which factor bodies that the cloth carries need more substeps. The sweeps that a load needs grow with the ratio
+/// of its mass to that of what carries it: with the square root of the ratio alone, the scene `ball-in-net` keeps 3 %
+/// of stretch, three times what its equilibrium has, and 2 % of energy from nowhere.
 fn loaded(scene: &Scene) -> Real {
     let bodies = scene.touch.iter().flat_map(|touch| touch.free_bodies());
     let load: Real = bodies.map(|(_, body)| body.mass()).sum();

@@ -33,7 +33,8 @@ pub(super) fn push_of(change: &Change, scene: &Scene) -> Option<Push> {
     })
 }
 
-/// The forces (N) of air and gas, and those of the scene, in a step of `dt` (s) from `state`, if there are any. `all` is room for their sum.
+/// The forces (N) of air and gas, and those of the scene, in a step of `dt` (s) from `state`, if there are any. `all`
+/// is room for their sum.
 pub(super) fn load<'a>(
     air: &'a mut Option<Air>,
     (gases, pushes, all): (&[Pressure], &[Push], &'a mut Vec<Vec3>),

@@ -288,8 +288,8 @@ impl Bodies {
         work
     }
 
-    /// Appends the vertices that touch a body and approached it, or left it, by more than `least` (m) in a substep that ends
-    /// at `x` (m), the bodies still being where they are at its start.
+    /// Appends the vertices that touch a body and approached it, or left it, by more than `least` (m) in a substep that
+    /// ends at `x` (m), the bodies still being where they are at its start.
     pub(super) fn rebounds(
         &self,
         bodies: &[Body],

@@ -10,8 +10,8 @@ use crate::step::BuildError;
 
 /// All elements of one kind, with the kind as a case: what a description of a cloth hands to the builder of a solver.
 ///
-/// A builder takes the kinds that have the view its method asks for, and refuses the others by name. Methods of your own
-/// do so with a visitor: [`Elements::as_energies`], [`Elements::as_constraints`], [`Elements::as_projections`].
+/// A builder takes the kinds that have the view its method asks for, and refuses the others by name. Methods of your
+/// own do so with a visitor: [`Elements::as_energies`], [`Elements::as_constraints`], [`Elements::as_projections`].
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Elements {

@@ -5,9 +5,9 @@
 //!
 //! `E = ½ k (V − V*)²`, with `k = K/V₀` and `V* = V₀ (1 + p₀/K)`,
 //!
-//! one constraint with the gradient ∂V/∂x on every vertex. Its Hessian is `k ∂V ∂Vᵀ − p ∂²V`. The first part couples all
-//! vertices of the piece, and methods take it for what it is, of rank one ([`GlobalRows`]); the second is left to their
-//! iterations.
+//! one constraint with the gradient ∂V/∂x on every vertex. Its Hessian is `k ∂V ∂Vᵀ − p ∂²V`. The first part couples
+//! all vertices of the piece, and methods take it for what it is, of rank one ([`GlobalRows`]); the second is left to
+//! their iterations.
 //!
 //! # Limits
 //! - p is linear in V. A sealed gas of the absolute pressure p_a follows that to first order, with K = p_a if it keeps
@@ -175,8 +175,9 @@ impl ClosedVolume {
     /// Begins a substep from `x` (m).
     ///
     /// The force acts along ∂V where the substep begins, as forces of an explicit scheme do. Along ∂V of where vertices
-    /// have flown, the curvature −p ∂²V of a filling that presses would take energy from nowhere: of a force of negative
-    /// stiffness −c, what a substep makes of position and velocity has the determinant `1 + h² w c` there, here 1.
+    /// have flown, the curvature −p ∂²V of a filling that presses would take energy from nowhere: of a force of
+    /// negative stiffness −c, what a substep makes of position and velocity has the determinant `1 + h² w c` there,
+    /// here 1.
     pub(super) fn begin_substep(&mut self, inverse_mass: &[Real], x: &[Vec3]) {
         self.multiplier = 0.0;
         self.gradient.fill(Vec3::zeros());

@@ -34,11 +34,11 @@ pub enum HingeLaw {
 ///
 /// `θ = atan2((n₂ × n₃)·e/‖e‖, n₂·n₃)`, with `e = x₁ − x₀`, `n₂ = e × (x₂ − x₀)`, `n₃ = (x₃ − x₀) × e`.
 ///
-/// One row. By the first law `C = θ − θ₀` (rad), taken the short way round into (−π, π], so that `E` stays continuous when
-/// a wing passes from π to −π; by the second the root of `2E/K`, with the sign of `θ − θ₀`. The gradient of θ is
+/// One row. By the first law `C = θ − θ₀` (rad), taken the short way round into (−π, π], so that `E` stays continuous
+/// when a wing passes from π to −π; by the second the root of `2E/K`, with the sign of `θ − θ₀`. The gradient of θ is
 /// `∂θ/∂x₂ = −‖e‖ n₂/‖n₂‖²`, `∂θ/∂x₃ = −‖e‖ n₃/‖n₃‖²`, shared out to the ends of the edge by the lever rule:
-/// `∂θ/∂x₁ = −t₂ ∂θ/∂x₂ − t₃ ∂θ/∂x₃` and `∂θ/∂x₀ = −(1 − t₂) ∂θ/∂x₂ − (1 − t₃) ∂θ/∂x₃`, with `tᵢ = (xᵢ − x₀)·e/‖e‖²`. The
-/// Hessian follows from these with `∂n = [e]× ∂d − [d]× ∂e`, d = xᵢ − x₀.
+/// `∂θ/∂x₁ = −t₂ ∂θ/∂x₂ − t₃ ∂θ/∂x₃` and `∂θ/∂x₀ = −(1 − t₂) ∂θ/∂x₂ − (1 − t₃) ∂θ/∂x₃`, with `tᵢ = (xᵢ − x₀)·e/‖e‖²`.
+/// The Hessian follows from these with `∂n = [e]× ∂d − [d]× ∂e`, d = xᵢ − x₀.
 ///
 /// Limits: by the first law E has a kink where the angle is opposite to the rest angle, `|θ − θ₀| = π`, and by the second
 /// it jumps where a wing passes through the other, `|θ| = π`, unless the hinge is flat at rest. A hinge with a wing of zero area

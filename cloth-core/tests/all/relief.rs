@@ -81,8 +81,8 @@ fn slack_springs_resist_only_what_exceeds_their_range() {
     }
 }
 
-/// Triangles with slack cost nothing while both principal stretches are in the range, sheared or not, and beyond it what
-/// ARAP triangles cost of the rest.
+/// Triangles with slack cost nothing while both principal stretches are in the range, sheared or not, and beyond it
+/// what ARAP triangles cost of the rest.
 #[test]
 fn slack_triangles_resist_what_exceeds_their_range_in_every_direction() {
     let mesh = equilateral(9, 9, 0.125).unwrap();

@@ -65,8 +65,8 @@ impl StabilityMonitor {
         self.limit
     }
 
-    /// Starts the account of energy anew if this is not the state that the last step left. Beside its elements the cloth
-    /// has `stored` some energy (J).
+    /// Starts the account of energy anew if this is not the state that the last step left. Beside its elements the
+    /// cloth has `stored` some energy (J).
     pub(super) fn begin(
         &mut self,
         model: &Model,
