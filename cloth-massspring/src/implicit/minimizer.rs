@@ -322,6 +322,17 @@ impl Minimizer {
             report.linear_iterations += 1;
             let slope = method.direction(&self.current.gradient, &mut self.direction);
             let decrement = (-slope).max(0.0).sqrt();
+            if slope >= 0.0 || slope.is_nan() {
+                // Uphill: the pairs, or a matrix that rounding has made indefinite, mislead.
+                if method.restart() {
+                    self.next.positions.copy_from_slice(&self.current.positions);
+                    continue;
+                }
+                return Ok(match norm <= STALL * rounding {
+                    true => End::Done(Outcome::Converged),
+                    false => End::Stuck,
+                });
+            }
             let enough = self.close_enough(task, tolerance);
             report.residual = Some(self.relative(task, decrement));
             if decrement <= enough {
