@@ -129,6 +129,7 @@ mod row;
 mod rows;
 pub(crate) mod sewn;
 mod source;
+mod stops;
 mod surfaces;
 mod tangent;
 mod zones;

@@ -28,6 +28,7 @@ mod scene_file;
 #[path = "../support/scene_text.rs"]
 mod scene_text;
 mod seam;
+mod stops;
 mod tangled;
 mod untangle;
 mod user_forces;

@@ -9,7 +9,13 @@ use cloth_collide::obstacle::RigidMotion;
 use cloth_core::math::Vec3;
 use cloth_core::step::StepInput;
 
-fn watch(scene: &Scene, method: &str, settings: &[&str], steps: u32, see: impl FnMut(&Moment<'_>)) {
+pub(crate) fn watch(
+    scene: &Scene,
+    method: &str,
+    settings: &[&str],
+    steps: u32,
+    see: impl FnMut(&Moment<'_>),
+) {
     let settings = Settings::parse(settings).unwrap();
     let method = Method::find(method).unwrap();
     let mut solver = Solver::new(method, &settings, scene, scene.dt).unwrap();
@@ -27,7 +33,7 @@ fn watch(scene: &Scene, method: &str, settings: &[&str], steps: u32, see: impl F
 }
 
 /// The first obstacle, as it is after a step.
-fn body(moment: &Moment<'_>) -> RigidMotion {
+pub(crate) fn body(moment: &Moment<'_>) -> RigidMotion {
     let touch = moment.scene.touch.as_ref().unwrap();
     let motion = touch.obstacles().next().unwrap().motion();
     let pose = motion.pose_at(moment.state.time);

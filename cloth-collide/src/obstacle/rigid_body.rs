@@ -205,6 +205,11 @@ impl RigidBody {
         }
     }
 
+    /// What an impulse (N·s) and one of rotation (N·m·s) make of its velocities (m/s, rad/s) in this pose.
+    pub(crate) fn velocity_by(&self, pose: &Pose, [linear, angular]: [Vec3; 2]) -> [Vec3; 2] {
+        [linear / self.mass, self.angular_velocity(pose, angular)]
+    }
+
     /// A step of `dt` (s) ends, in which this impulse (N·s) and this one of rotation (N·m·s) have acted.
     pub(crate) fn push(&self, momenta: &mut Momenta, [linear, angular]: [Vec3; 2], dt: Real) {
         momenta.linear += self.gravity * (self.mass * dt) + linear;

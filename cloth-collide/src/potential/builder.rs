@@ -279,7 +279,10 @@ impl<'a> PotentialBuilder<'a> {
                 let name = "number of a free obstacle";
                 invalid(name, number as Real, "below the number of obstacles")
             })?;
-            Ok(FreeBody::new(number, body, obstacle.motion()))
+            let is_own = |s: &&Surface| matches!(s.motion, Motion::Obstacle(of) if of == number);
+            let surface = self.surfaces.iter().find(is_own);
+            let vertices = surface.map_or(&[][..], |surface| surface.mesh.positions());
+            Ok(FreeBody::new(number, body, obstacle, vertices.to_vec()))
         });
         found.collect()
     }

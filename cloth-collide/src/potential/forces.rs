@@ -1,6 +1,7 @@
 //! Forces of contact, on every vertex and on every body.
 
 use super::bodies::Body;
+use super::free::FreeBodies;
 use super::near::Near;
 use super::source::Contacts;
 use cloth_core::element::Energy;
@@ -101,6 +102,15 @@ impl Ledger {
         self.bodies[number].add(-(normal + friction), arm);
     }
 
+    /// Impulses (N·s, N·m·s) of what stops free bodies.
+    pub(super) fn add_stops(&mut self, free: &FreeBodies, per: Real) {
+        for free in &free.list {
+            let body = &mut self.bodies[free.number];
+            body.force += free.stop[0] * per;
+            body.torque += free.stop[1] * per;
+        }
+    }
+
     /// The step is over, with all vertices at `x` (m).
     pub(super) fn end(&mut self, near: &Near, obstacles: &[Body], x: &[Vec3]) {
         for (v, body) in (near.cloth..).zip(near.bodies()) {
@@ -192,6 +202,7 @@ impl Contacts {
                 ledger.add_pair(sticking.vertices, sticking.weights, forces);
             }
         }
+        ledger.add_stops(&self.free, 1.0 / self.free.dt);
         ledger.end(&self.near, &self.bodies, x);
         self.ledger = Some(ledger);
     }

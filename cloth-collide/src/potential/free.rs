@@ -7,12 +7,12 @@
 
 use super::row::Row;
 use super::source::Contacts;
-use crate::obstacle::{Momenta, RigidBody, RigidMotion};
+use crate::obstacle::{Momenta, Obstacle, Pose, RigidBody, RigidMotion};
 use cloth_core::contact::ContactStep;
 use cloth_core::math::{Real, Vec3};
 
 /// One of them.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct FreeBody {
     /// The number of its obstacle.
     pub(super) number: usize,
@@ -20,6 +20,17 @@ pub(super) struct FreeBody {
     pub(super) momenta: Momenta,
     /// That of the step (N·s, N·m·s) about its position at the end.
     impulse: [Vec3; 2],
+    /// That of what stops it.
+    pub(super) stop: [Vec3; 2],
+    /// Whether it stays where it is in this step.
+    pub(super) is_halted: bool,
+    /// Where it is at the start of the step.
+    pub(super) place: Pose,
+    /// No point of it is farther from its position than `radius` (m); `extent` (m) is that of its smallest side.
+    pub(super) radius: Real,
+    pub(super) extent: Real,
+    /// Vertices of its surface (m), in its own frame.
+    pub(super) surface: Vec<Vec3>,
 }
 
 /// All of them.
@@ -35,12 +46,30 @@ pub(super) struct FreeBodies {
 }
 
 impl FreeBody {
-    pub(super) fn new(number: usize, body: RigidBody, motion: &RigidMotion) -> Self {
+    pub(super) fn new(
+        number: usize,
+        body: RigidBody,
+        obstacle: &Obstacle,
+        surface: Vec<Vec3>,
+    ) -> Self {
+        let (radius, extent) = obstacle
+            .shape()
+            .bounds()
+            .map_or((Real::INFINITY, 1.0), |box_| {
+                let farthest = box_.lower.abs().sup(&box_.upper.abs());
+                (farthest.norm(), (box_.upper - box_.lower).min())
+            });
         Self {
             number,
             body,
-            momenta: body.momenta(motion),
+            momenta: body.momenta(obstacle.motion()),
             impulse: [Vec3::zeros(); 2],
+            stop: [Vec3::zeros(); 2],
+            is_halted: false,
+            place: obstacle.motion().pose,
+            radius,
+            extent,
+            surface,
         }
     }
 
@@ -75,11 +104,22 @@ impl Contacts {
         })
     }
 
-    /// Free bodies set out on a (sub)step of `dt` (s).
-    pub(super) fn set_out(&mut self, dt: Real) {
-        for free in &self.free.list {
+    /// Free bodies move as their momenta and what stops them say, in a (sub)step of `dt` (s).
+    pub(super) fn move_free(&mut self, dt: Real) {
+        for free in &mut self.free.list {
             let (obstacle, _) = &mut self.bodies[free.number];
-            let motion = free.body.motion(obstacle.motion().pose, &free.momenta, dt);
+            free.place = obstacle.motion().pose;
+            let [linear, angular] = free.stop;
+            let momenta = Momenta {
+                linear: free.momenta.linear + linear,
+                angular: free.momenta.angular + angular,
+            };
+            let mut motion = free.body.motion(free.place, &momenta, dt);
+            if free.is_halted {
+                let needed = free.body.momenta(&motion);
+                free.stop = [linear - needed.linear, -free.momenta.angular];
+                motion = RigidMotion::still(free.place);
+            }
             let moved = obstacle.set_motion(motion);
             debug_assert!(moved.is_ok(), "finite momenta");
         }
@@ -115,6 +155,24 @@ impl Contacts {
         }
     }
 
+    /// Halts the free body that is nearest to a vertex (m) which has no free way, if there is one that moves: what
+    /// the cloth between it and something else cannot give way to has to stop. Returns whether there was.
+    pub(super) fn halt_near(&mut self, x: Vec3) -> bool {
+        let distance = |free: &FreeBody| self.bodies[free.number].0.signed_distance(x, 0.0).value;
+        let moving = self
+            .free
+            .list
+            .iter()
+            .enumerate()
+            .filter(|(_, free)| !free.is_halted);
+        let near = moving.map(|(k, free)| (distance(free), k));
+        let nearest = near.min_by(|a, b| a.0.total_cmp(&b.0));
+        if let Some((_, k)) = nearest {
+            self.free.list[k].is_halted = true;
+        }
+        nearest.is_some()
+    }
+
     /// The same of a potential, by the forces that have been recorded where a step ends.
     pub(super) fn take_forces(&mut self) {
         let Some(ledger) = &self.ledger else {
@@ -124,6 +182,8 @@ impl Contacts {
         for free in &mut self.free.list {
             let on = ledger.forces.bodies[free.number];
             free.impulse = [on.force * dt, on.torque * dt];
+            // It is among them.
+            free.stop = [Vec3::zeros(); 2];
         }
         self.push_free(dt);
     }
@@ -132,8 +192,10 @@ impl Contacts {
     pub(super) fn push_free(&mut self, dt: Real) {
         if !self.free.is_led {
             for free in &mut self.free.list {
-                free.body.push(&mut free.momenta, free.impulse, dt);
-                free.impulse = [Vec3::zeros(); 2];
+                let impulse = [0, 1].map(|k| free.impulse[k] + free.stop[k]);
+                free.body.push(&mut free.momenta, impulse, dt);
+                (free.impulse, free.stop) = ([Vec3::zeros(); 2], [Vec3::zeros(); 2]);
+                free.is_halted = false;
             }
         }
     }

@@ -44,7 +44,7 @@ const HALVINGS: u32 = 3;
 const ROUNDS: u32 = 12;
 
 /// Sweeps that lead the start of a minimisation.
-const LEADING_SWEEPS: u32 = 10;
+pub(super) const LEADING_SWEEPS: u32 = 10;
 
 /// What the constraints know.
 #[derive(Debug, Default)]
@@ -134,7 +134,7 @@ impl ContactConstraints for Contacts {
         step: &ContactStep<'_>,
         predicted: &[Vec3],
     ) -> Result<(), ContactError> {
-        self.set_out(step.dt);
+        self.set_out_alone(step, predicted);
         if self.near.sets_out(step.from, predicted) {
             self.rows
                 .start_anew(&self.near, step.from, self.before.len());
@@ -368,6 +368,7 @@ impl Contacts {
             return;
         };
         ledger.pass(step.dt);
+        ledger.add_stops(&self.free, 1.0);
         let rows = &self.rows;
         for row in rows.rows.iter().filter(|row| row.lambda > 0.0) {
             let impulses = [row.normal * row.lambda, row.friction].map(|push| push / step.dt);
@@ -407,7 +408,9 @@ impl Contacts {
                 .map_or(Some(Real::INFINITY), Patches::margin);
             let h = near.law().range();
             let whole = rows.bodies.margin(bodies, h, &part, own);
-            if let (Some(relative), Some(whole)) = (relative, whole) {
+            // A body that nothing holds may set out in the next substep.
+            let is_alone = self.free.list.is_empty();
+            if let (Some(relative), Some(whole), true) = (relative, whole, is_alone) {
                 rows.quiet.begin(x, relative, whole);
             }
         }

@@ -10,6 +10,7 @@ use super::near::Near;
 use super::near_pairs::NearPairs;
 use super::patches::Patches;
 use super::rows::Rows;
+use super::stops::Stops;
 use crate::bounds::mean;
 use crate::obstacle::Obstacle;
 use crate::pair::Gap;
@@ -50,6 +51,7 @@ pub(super) struct Contacts {
     pub(super) ledger: Option<Ledger>,
     /// Obstacles that the cloth pushes.
     pub(super) free: FreeBodies,
+    pub(super) stops: Stops,
     /// The obstacles at the end of the step.
     pub(super) still: Vec<Obstacle>,
     /// The obstacles before the step.
@@ -89,6 +91,7 @@ impl Contacts {
             last_resort,
             ledger: None,
             free: FreeBodies::default(),
+            stops: Stops::default(),
             still: Vec::new(),
             before: Vec::new(),
             is_open: false,
@@ -142,7 +145,7 @@ impl ContactPotential for Contacts {
         let goes_on = self.check_start(step)? && !self.near.sets_out(step.from, start);
         self.free.remember();
         self.free.dt = step.dt;
-        self.set_out(step.dt);
+        self.set_out_alone(step, start);
         self.remember_bodies();
         self.rows.took_last = false;
         let mut wanted = std::mem::take(&mut self.wanted);
@@ -300,6 +303,13 @@ impl ContactPotential for Contacts {
 }
 
 impl Contacts {
+    /// Free bodies set out, unless they have done so because their surfaces had to be placed.
+    pub(super) fn set_out_alone(&mut self, step: &ContactStep<'_>, to: &[Vec3]) {
+        if step.from.len() == self.near.cloth {
+            self.set_out(step, to);
+        }
+    }
+
     /// The part of paths (m) that is looked at: they are too long beyond.
     fn share(&self, from: &[Vec3], to: &[Vec3]) -> Real {
         let (from, to) = (self.near.own(from), self.near.own(to));

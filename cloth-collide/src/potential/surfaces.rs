@@ -10,6 +10,7 @@ use super::bodies::Body;
 use super::builder::PotentialBuilder;
 use super::forces::{ContactForces, Ledger};
 use super::report::ConstraintReport;
+use super::rows::LEADING_SWEEPS;
 use super::source::Contacts;
 use crate::obstacle::{AnimatedMesh, Pose, RigidMotion};
 use cloth_core::contact::{
@@ -219,12 +220,29 @@ impl PotentialContacts {
         self.contacts.let_go(region, pairs);
     }
 
+    /// Whether another free body is halted for the cloth that would have no free way without.
+    fn halts(&mut self, error: ContactError) -> bool {
+        let halts = match error {
+            ContactError::Infeasible { vertex } => {
+                let place = self.surfaces.from[vertex as usize];
+                self.contacts.halt_near(place)
+            }
+            _ => false,
+        };
+        if !halts {
+            // The step is not taken.
+            let free = &mut self.contacts.free.list;
+            free.iter_mut().for_each(|free| free.is_halted = false);
+        }
+        halts
+    }
+
     /// Puts everything at the ends of a (sub)step in which the cloth goes to `to` (m).
     fn place(
         &mut self,
         step: &ContactStep<'_>,
         to: &[Vec3],
-        begins: bool,
+        [begins, begins_to_move]: [bool; 2],
     ) -> Result<(), ContactError> {
         let surfaces = &mut self.surfaces;
         step.check(surfaces.cloth, to, to)?;
@@ -234,7 +252,9 @@ impl PotentialContacts {
         } else if begins {
             surfaces.begun = surfaces.time;
         }
-        self.contacts.set_out(step.dt);
+        if begins_to_move {
+            self.contacts.set_out(step, to);
+        }
         surfaces.place(&self.contacts.bodies, step.dt);
         surfaces.put(step, to);
         Ok(())
@@ -294,10 +314,17 @@ impl ContactSource for PotentialContacts {
 
 impl ContactPotential for PotentialContacts {
     fn begin(&mut self, step: &ContactStep<'_>, start: &mut [Vec3]) -> Result<(), ContactError> {
-        self.place(step, start, true)?;
+        loop {
+            self.place(step, start, [true, true])?;
+            let (all, to) = self.surfaces.all(step.dt);
+            match self.contacts.begin(&all, to) {
+                Ok(()) => break,
+                Err(error) if self.halts(error.clone()) => {}
+                Err(error) => return Err(error),
+            }
+        }
         let surfaces = &mut self.surfaces;
-        let (all, to) = surfaces.all(step.dt);
-        self.contacts.begin(&all, to)?;
+        let to = &surfaces.to;
         start.copy_from_slice(&to[..start.len()]);
         surfaces.time += step.dt;
         surfaces.stay();
@@ -365,7 +392,7 @@ impl ContactPotential for PotentialContacts {
 
 impl ContactConstraints for PotentialContacts {
     fn begin_step(&mut self, step: &ContactStep<'_>) -> Result<(), ContactError> {
-        self.place(step, step.from, true)?;
+        self.place(step, step.from, [true, false])?;
         let surfaces = &mut self.surfaces;
         let (all, _) = surfaces.all(step.dt);
         self.contacts.begin_step(&all)
@@ -376,7 +403,7 @@ impl ContactConstraints for PotentialContacts {
         step: &ContactStep<'_>,
         predicted: &[Vec3],
     ) -> Result<(), ContactError> {
-        self.place(step, predicted, false)?;
+        self.place(step, predicted, [false, true])?;
         let surfaces = &mut self.surfaces;
         let (all, to) = surfaces.all(step.dt);
         self.contacts.begin_substep(&all, to)
@@ -391,11 +418,22 @@ impl ContactConstraints for PotentialContacts {
     }
 
     fn end_substep(&mut self, step: &ContactStep<'_>, x: &mut [Vec3]) -> Result<(), ContactError> {
+        loop {
+            let (all, to) = self.surfaces.all(step.dt);
+            to[..x.len()].copy_from_slice(x);
+            match self.contacts.end_substep(&all, to) {
+                Ok(()) => break,
+                Err(error) if self.halts(error.clone()) => {
+                    self.begin_substep(step, x)?;
+                    for _ in 0..LEADING_SWEEPS {
+                        ContactConstraints::sweep(self, step, x);
+                    }
+                }
+                Err(error) => return Err(error),
+            }
+        }
         let surfaces = &mut self.surfaces;
-        let (all, to) = surfaces.all(step.dt);
-        to[..x.len()].copy_from_slice(x);
-        self.contacts.end_substep(&all, to)?;
-        x.copy_from_slice(&to[..x.len()]);
+        x.copy_from_slice(&surfaces.to[..x.len()]);
         surfaces.time += step.dt;
         Ok(())
     }

@@ -1,0 +1,337 @@
+//! What stops a body that the cloth pushes: held vertices, and other bodies.
+//!
+//! Nothing of that gives way, so no row of the cloth keeps the two apart: the velocity of the body has to. Before a
+//! (sub)step of h, points of the one are looked at on the way through the distance φ of the other, and where φ would
+//! fall below min(d, φ₀), with a distance d to keep and φ₀ at the start, the body gets the impulse λ n with
+//!
+//! n·(K λ n) = (min(d, φ₀) − φ)/τ, λ ≥ 0, K = 1/m − \[r\]ₓ J⁻¹ \[r\]ₓ
+//!
+//! at the time τ at which that is first seen, all of them together by projected Gauss–Seidel sweeps, and again until
+//! nothing is seen: a perfectly inelastic impact without friction. Each is a projection, in the norm of the kinetic
+//! energy, onto motions among which standing still is, so bodies get no energy from what does not move.
+//!
+//! - E. Guendelman, R. Bridson and R. Fedkiw, Nonconvex rigid bodies with stacking, *ACM Transactions on Graphics*
+//!   22(3), 2003. DOI 10.1145/882262.882358: impulses of single points, one after another.
+
+use super::free::{FreeBodies, FreeBody};
+use super::near::Near;
+use super::source::Contacts;
+use crate::closest::point_triangle;
+use crate::obstacle::Obstacle;
+use cloth_core::contact::ContactStep;
+use cloth_core::math::{Real, Vec3, gather};
+
+/// Distance to keep (in thicknesses) from held vertices, which are cloth, and from bodies, with room for cloth between.
+const FROM_HELD: Real = 0.5;
+const FROM_BODIES: Real = 1.0;
+/// Part of it that may be missing; and what may be missing again where more is, so that nothing wears off step by step.
+const MISSING: Real = 0.02;
+const ROUNDING: Real = 1e-6;
+/// Rounds of looking, and sweeps in each.
+const ROUNDS: u32 = 20;
+const SWEEPS: u32 = 20;
+/// A body is looked at as often in a step as it goes this part of its smallest extent, and so often at most.
+const PART: Real = 0.25;
+const MOST_LOOKS: Real = 64.0;
+/// Parts of a triangle that are asked for the distance of their middles, at most, and steps down from the best.
+const POINTS: usize = 32;
+const DESCENTS: u32 = 24;
+
+/// What is held, and what is met.
+#[derive(Debug, Default)]
+pub(super) struct Stops {
+    is_held: Vec<bool>,
+    /// Triangles of which all vertices are held, then such edges (the last vertex twice) and vertices (three times)
+    /// that are in none of those.
+    held: Vec<[u32; 3]>,
+    meetings: Vec<Meeting>,
+}
+
+/// A point at which a body is stopped.
+#[derive(Clone, Copy, Debug)]
+struct Meeting {
+    /// The number of the body in the list of free ones, and of the other one, if that is free too.
+    body: usize,
+    other: Option<usize>,
+    /// Where (m), and the direction in which the body is pushed.
+    point: Vec3,
+    normal: Vec3,
+    /// Speed (m/s) that is missing along it.
+    missing: Real,
+    /// λ (N·s).
+    impulse: Real,
+}
+
+impl Stops {
+    /// Takes notice of which vertices of the cloth are held.
+    fn hold(&mut self, near: &Near, inverse_mass: &[Real]) {
+        let now = || inverse_mass.iter().map(|w| *w == 0.0);
+        if now().eq(self.is_held.iter().copied()) {
+            return;
+        }
+        self.is_held.clear();
+        self.is_held.extend(now());
+        self.held.clear();
+        let is_held = |v: &u32| self.is_held.get(*v as usize).is_some_and(|held| *held);
+        let triangles = near.incidence.triangles.iter().copied();
+        let edges = near.incidence.edges.iter().map(|&[a, b]| [a, b, b]);
+        let vertices = (0..self.is_held.len() as u32).map(|v| [v; 3]);
+        let mut is_in_one = vec![false; self.is_held.len()];
+        for part in triangles.chain(edges).chain(vertices) {
+            let is_new = part
+                .iter()
+                .any(|&v| !is_in_one.get(v as usize).is_none_or(|is| *is));
+            // An edge between two held triangles has nothing of its own, and costs little.
+            if part.iter().all(is_held) && (is_new || part[0] != part[1]) {
+                self.held.push(part);
+                part.iter().for_each(|&v| is_in_one[v as usize] = true);
+            }
+        }
+    }
+}
+
+impl Contacts {
+    /// Free bodies set out on a (sub)step in which the cloth would go to `to` (m), as far as what does not give way
+    /// lets them.
+    pub(super) fn set_out(&mut self, step: &ContactStep<'_>, to: &[Vec3]) {
+        self.free
+            .list
+            .iter_mut()
+            .for_each(|free| free.stop = [Vec3::zeros(); 2]);
+        if self.free.list.is_empty() {
+            return;
+        }
+        let cloth = self.near.cloth;
+        self.stops.hold(&self.near, &step.inverse_mass[..cloth]);
+        for _ in 0..ROUNDS {
+            self.move_free(step.dt);
+            self.meet(step, to);
+            self.stops
+                .meetings
+                .retain(|meeting| !self.free.list[meeting.body].is_halted);
+            if self.stops.meetings.is_empty() {
+                return;
+            }
+            self.free.stop_at(&mut self.stops.meetings);
+        }
+        // Nothing else is sure.
+        for meeting in &self.stops.meetings {
+            self.free.list[meeting.body].is_halted = true;
+        }
+        self.move_free(step.dt);
+    }
+
+    /// Finds where free bodies first meet something.
+    fn meet(&mut self, step: &ContactStep<'_>, to: &[Vec3]) {
+        self.stops.meetings.clear();
+        for number in 0..self.free.list.len() {
+            let free = &self.free.list[number];
+            let motion = self.bodies[free.number].0.motion();
+            let turning = motion.angular_velocity.norm() * free.radius;
+            let path = (motion.velocity.norm() + turning) * step.dt;
+            let looks = (path / (PART * free.extent)).ceil().clamp(1.0, MOST_LOOKS);
+            let known = self.stops.meetings.len();
+            for look in 1..=looks as u32 {
+                let time = step.dt * Real::from(look) / looks;
+                self.meet_held(number, step, to, time);
+                self.meet_bodies(number, time);
+                if self.stops.meetings.len() > known {
+                    break;
+                }
+            }
+        }
+    }
+
+    /// Finds where a free body meets held vertices, and what is between them, after `time` (s).
+    fn meet_held(&mut self, number: usize, step: &ContactStep<'_>, to: &[Vec3], time: Real) {
+        let free = &self.free.list[number];
+        let obstacle = &self.bodies[free.number].0;
+        let centre = obstacle.motion().pose_at(time).position;
+        let keep = FROM_HELD * self.near.law().range();
+        let part = time / step.dt;
+        for &corners in &self.stops.held {
+            let from = gather(step.from, corners);
+            let ends = gather(to, corners);
+            let then: [Vec3; 3] = std::array::from_fn(|k| from[k] + (ends[k] - from[k]) * part);
+            let size = (then[1] - then[0]).norm().max((then[2] - then[0]).norm());
+            if (then[0] - centre).norm() > free.radius + size + keep {
+                continue;
+            }
+            let weights = nearest(obstacle, &then, time, keep);
+            let at = |x: &[Vec3; 3]| x[0] * weights[0] + x[1] * weights[1] + x[2] * weights[2];
+            let (start, point) = (at(&from), at(&then));
+            let distance = obstacle.signed_distance(point, time);
+            let start = obstacle.signed_distance(start, 0.0).value;
+            if let Some(missing) = missing(start, distance.value, keep) {
+                self.stops.meetings.push(Meeting {
+                    body: number,
+                    other: None,
+                    point,
+                    normal: -distance.normal,
+                    missing: missing / time,
+                    impulse: 0.0,
+                });
+            }
+        }
+    }
+
+    /// Finds where the surface of a free body meets other bodies after `time` (s).
+    fn meet_bodies(&mut self, number: usize, time: Real) {
+        let free = &self.free.list[number];
+        let own = self.bodies[free.number].0.motion();
+        let [before, then] = [0.0, time].map(|time| own.pose_at(time));
+        let keep = FROM_BODIES * self.near.law().range();
+        for (index, (obstacle, _)) in self.bodies.iter().enumerate() {
+            let stretch = obstacle.shape().lipschitz();
+            let between = obstacle.signed_distance(then.position, time).value / stretch;
+            if index == free.number || between > free.radius + keep {
+                continue;
+            }
+            let other = self.free.list.iter().position(|free| free.number == index);
+            for local in &free.surface {
+                let point = then.to_world(*local);
+                let distance = obstacle.signed_distance(point, time);
+                if distance.value >= keep {
+                    continue;
+                }
+                let start = obstacle.signed_distance(before.to_world(*local), 0.0);
+                if let Some(missing) = missing(start.value, distance.value, keep) {
+                    self.stops.meetings.push(Meeting {
+                        body: number,
+                        other,
+                        point,
+                        normal: distance.normal,
+                        missing: missing / time,
+                        impulse: 0.0,
+                    });
+                }
+            }
+        }
+    }
+}
+
+impl FreeBodies {
+    /// Stops bodies where they meet something.
+    fn stop_at(&mut self, meetings: &mut [Meeting]) {
+        let mut changes = vec![[Vec3::zeros(); 2]; self.list.len()];
+        for _ in 0..SWEEPS {
+            for meeting in &mut *meetings {
+                let ends = [(Some(meeting.body), 1.0), (meeting.other, -1.0)];
+                let mut ease = 0.0;
+                let mut speed = 0.0;
+                for (number, sign) in ends {
+                    let Some(number) = number else { continue };
+                    let arm = self.list[number].arm(meeting.point);
+                    let [v, w] = self.list[number].velocity_by(meeting.normal, arm);
+                    ease += meeting.normal.dot(&(v + w.cross(&arm)));
+                    let [v, w] = changes[number];
+                    speed += sign * meeting.normal.dot(&(v + w.cross(&arm)));
+                }
+                let more = (meeting.missing - speed) / ease;
+                let impulse = (meeting.impulse + more).max(0.0);
+                let push = meeting.normal * (impulse - meeting.impulse);
+                meeting.impulse = impulse;
+                for (number, sign) in ends {
+                    let Some(number) = number else { continue };
+                    let free = &mut self.list[number];
+                    let arm = free.arm(meeting.point);
+                    let change = free.velocity_by(push * sign, arm);
+                    for (sum, change) in changes[number].iter_mut().zip(change) {
+                        *sum += change;
+                    }
+                    free.stop[0] += push * sign;
+                    free.stop[1] += arm.cross(&(push * sign));
+                }
+            }
+        }
+    }
+}
+
+impl FreeBody {
+    /// From its centre to a point (m).
+    fn arm(&self, point: Vec3) -> Vec3 {
+        point - self.place.position
+    }
+
+    /// What an impulse (N·s) at the end of an arm (m) makes of its velocities (m/s, rad/s).
+    fn velocity_by(&self, impulse: Vec3, arm: Vec3) -> [Vec3; 2] {
+        self.body
+            .velocity_by(&self.place, [impulse, arm.cross(&impulse)])
+    }
+}
+
+/// What a distance (m) that was another one at the `start` lacks (m) to what it keeps, if it lacks too much.
+fn missing(start: Real, now: Real, keep: Real) -> Option<Real> {
+    let least = (1.0 - MISSING) * keep;
+    let allowed = if start < least {
+        start - ROUNDING * keep
+    } else {
+        least
+    };
+    (now < allowed).then_some(start.min(keep) - now)
+}
+
+/// The weights of a point of a triangle (corners in m) that is nearest to an obstacle after `time` (s): parts that are
+/// farther than `enough` (m) are left out. The best of a few points, and from there down φ along the triangle.
+fn nearest(obstacle: &Obstacle, corners: &[Vec3; 3], time: Real, enough: Real) -> [Real; 3] {
+    let pose = obstacle.motion().pose_at(time);
+    let shape = obstacle.shape();
+    let at = |w: &Vec3| corners[0] * w[0] + corners[1] * w[1] + corners[2] * w[2];
+    let distance = |x: Vec3| shape.signed_distance(pose.to_local(x));
+    let mut best = (Real::INFINITY, Vec3::x());
+    let mut rest = [[Vec3::zeros(); 3]; 2 * POINTS];
+    rest[0] = [Vec3::x(), Vec3::y(), Vec3::z()];
+    let (mut first, mut count) = (0, 1);
+    for corner in rest[0] {
+        let value = distance(at(&corner)).value;
+        best = if value < best.0 {
+            (value, corner)
+        } else {
+            best
+        };
+    }
+    while first < count.min(POINTS) {
+        let part = rest[first];
+        first += 1;
+        let centre = part.iter().sum::<Vec3>() / 3.0;
+        let places = part.each_ref().map(at);
+        let far = places.iter().map(|x| (x - at(&centre)).norm());
+        let size = far.fold(0.0, Real::max);
+        let value = distance(at(&centre)).value;
+        best = if value < best.0 {
+            (value, centre)
+        } else {
+            best
+        };
+        if size == 0.0 || value - shape.lipschitz() * size >= best.0.min(enough) {
+            continue;
+        }
+        let length = |k: usize| (places[(k + 1) % 3] - places[k]).norm();
+        let longest = (0..3).max_by(|a, b| length(*a).total_cmp(&length(*b)));
+        let [a, b, c] = [0, 1, 2].map(|k| part[(longest.unwrap_or(0) + k) % 3]);
+        let middle = (a + b) / 2.0;
+        if count + 2 <= rest.len() {
+            (rest[count], rest[count + 1]) = ([a, middle, c], [middle, b, c]);
+            count += 2;
+        }
+    }
+    let (mut value, mut weights) = best;
+    if value >= enough + shape.lipschitz() * (corners[1] - corners[0]).norm() {
+        return weights.into();
+    }
+    let mut length = (corners[1] - corners[0])
+        .norm()
+        .max((corners[2] - corners[0]).norm());
+    for _ in 0..DESCENTS {
+        let x = at(&weights);
+        let down = pose.orientation * distance(x).normal;
+        let next = Vec3::from(point_triangle(x - down * length, *corners).weights);
+        let lower = distance(at(&next)).value;
+        if lower < value {
+            (value, weights) = (lower, next);
+        } else {
+            length *= 0.5;
+        }
+    }
+    weights.into()
+}
