@@ -46,15 +46,17 @@
 //! which is nothing as long as the vertices of the cloth do what is needed. A body that changes its shape, open or
 //! closed, has its triangles alone ([`PotentialBuilder::animated`]).
 //!
-//! Pairs of bodies, and pairs without a free vertex, are let go: a body may pass through itself and others, and
-//! prescribed cloth may be inside of one. Cloth that two bodies leave no room for is an error,
+//! Pairs of bodies, and pairs without a free vertex, are let go: a body that nothing pushes may pass through itself and
+//! others, and prescribed cloth may be inside of one. Cloth that two bodies leave no room for is an error,
 //! [`ContactError::Infeasible`](cloth_core::contact::ContactError::Infeasible).
 //!
 //! # Bodies that the cloth pushes
 //!
 //! A body with a mass and an inertia ([`PotentialBuilder::free`]) moves on in each (sub)step as its momentum says, and
 //! takes up the impulses of contact at the end: momentum is kept. What the last resort does to the cloth is no impulse
-//! on it, and bodies do not push each other. Steps have to resolve the frequency of the body on the contact,
+//! on it. Held vertices and other bodies do not give way, so they stop it before the step, inelastically (`stops`): at
+//! h/2 from held cloth, at h from bodies. Where cloth between it and something else has no free way even so, the body
+//! halts for the step, and loses its momentum. Steps have to resolve the frequency of the body on the contact,
 //! [`RigidBody::highest_frequency`](crate::obstacle::RigidBody::highest_frequency).
 //!
 //! # Who feels it how
@@ -83,6 +85,7 @@
 //! | which pairs can be near on a path | `near_pairs`, `ranked` |
 //! | bodies behind the cloth | `surfaces` |
 //! | p ← p + m g h + ∫f dt of bodies that the cloth pushes | `free` |
+//! | n·K λ n = (min(d, φ₀) − φ)/τ, λ ≥ 0, where such a body meets what does not give way | `stops` |
 //! | C = n·Σ wᵢ xᵢ − h, α = 1/(A ψ″), λ ≥ 0 | `row`, `rows`, `bodies`, `tangent` |
 //! | what can touch in a substep or on a path | `patches`; whether anything can, `quiet` |
 //! | how far the path is safe | `filter` |

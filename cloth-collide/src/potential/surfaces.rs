@@ -221,10 +221,10 @@ impl PotentialContacts {
     }
 
     /// Whether another free body is halted for the cloth that would have no free way without.
-    fn halts(&mut self, error: ContactError) -> bool {
+    fn halts(&mut self, error: &ContactError) -> bool {
         let halts = match error {
             ContactError::Infeasible { vertex } => {
-                let place = self.surfaces.from[vertex as usize];
+                let place = self.surfaces.from[*vertex as usize];
                 self.contacts.halt_near(place)
             }
             _ => false,
@@ -319,7 +319,7 @@ impl ContactPotential for PotentialContacts {
             let (all, to) = self.surfaces.all(step.dt);
             match self.contacts.begin(&all, to) {
                 Ok(()) => break,
-                Err(error) if self.halts(error.clone()) => {}
+                Err(error) if self.halts(&error) => {}
                 Err(error) => return Err(error),
             }
         }
@@ -423,7 +423,7 @@ impl ContactConstraints for PotentialContacts {
             to[..x.len()].copy_from_slice(x);
             match self.contacts.end_substep(&all, to) {
                 Ok(()) => break,
-                Err(error) if self.halts(error.clone()) => {
+                Err(error) if self.halts(&error) => {
                     self.begin_substep(step, x)?;
                     for _ in 0..LEADING_SWEEPS {
                         ContactConstraints::sweep(self, step, x);

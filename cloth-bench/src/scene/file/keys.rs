@@ -238,7 +238,7 @@ pub(super) const ANGULAR_VELOCITY: Parameter = parameter(
 pub(super) const BODY_DENSITY: Parameter = parameter(
     "density",
     "none",
-    "of a body that gravity pulls and the cloth pushes (kg/m³), above 0; none: it keeps its velocities, whatever pushes it. Bodies pass through each other. A run cuts a step into parts that are short enough for the contact of the body",
+    "of a body that gravity pulls and the cloth pushes (kg/m³), above 0; none: it keeps its velocities, whatever pushes it. It stops, without a rebound and without friction, before held vertices and before other bodies, but for animations; other bodies pass through each other. A run cuts a step into parts that are short enough for the contact of the body",
 );
 
 pub(super) const START_VELOCITY: Parameter = parameter(
