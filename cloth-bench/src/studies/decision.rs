@@ -2,6 +2,7 @@
 
 mod columns;
 mod measure;
+mod shortened;
 
 use super::{capitalised, scale};
 use crate::bounds::bounds;
@@ -106,7 +107,7 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
     );
     answer(scope, &rows, &mut study.findings);
     cuts(study);
-    Ok(())
+    shortened::compare(study)
 }
 
 /// The numbers as they are.

@@ -187,9 +187,20 @@ impl Drape {
         dt: Real,
         steps: u32,
     ) -> Result<Self, BenchError> {
-        let scene = draped(scope)?;
+        Self::of(&draped(scope)?, scope, method, settings, dt, steps)
+    }
+
+    /// The same of another scene.
+    pub(super) fn of(
+        scene: &Scene,
+        scope: Scope,
+        method: &Method,
+        settings: &Settings,
+        dt: Real,
+        steps: u32,
+    ) -> Result<Self, BenchError> {
         let ran = until(scope, |check| {
-            run::from_start(&scene, method, settings, dt, steps, |_, _, _| check())
+            run::from_start(scene, method, settings, dt, steps, |_, _, _| check())
         });
         Ok(match ran {
             Ok((summary, end)) => Self {

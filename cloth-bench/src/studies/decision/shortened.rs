@@ -1,0 +1,141 @@
+//! Steps in contact that end before they are converged: which of them is the better for its time?
+
+use super::DT;
+use super::columns::{percent, two};
+use super::measure::{Drape, steps};
+use crate::studies::prelude::*;
+use std::cmp::Ordering;
+
+/// Ends of a step of each method, those of a converged one first.
+const ENDS: [(&str, &str); 7] = [
+    ("implicit-euler", "tolerance=1e-3"),
+    ("implicit-euler", "tolerance=1e-2"),
+    ("implicit-euler", "tolerance=3e-2"),
+    ("implicit-euler", "tolerance=1e-1"),
+    ("implicit-euler", "tolerance=3e-1"),
+    ("pd", "contact_iterations=30"),
+    ("pd", "contact_iterations=100"),
+];
+
+/// Scenes, with vertices along in a quick and in a full run.
+const SCENES: [(&str, [u32; 2]); 3] = [
+    ("drape-sphere", [11, 25]),
+    ("drape-box", [11, 25]),
+    ("fold", [9, 17]),
+];
+
+/// A fall that is off by less than this part of the converged one is right.
+const RIGHT: Real = 0.02;
+
+/// A step that ends early.
+#[derive(Default, Serialize)]
+struct End {
+    scene: &'static str,
+    method: &'static str,
+    end: &'static str,
+}
+
+/// What it gives.
+#[derive(Default, Serialize)]
+struct Given {
+    #[serde(rename = "ms a step")]
+    ms: Option<Real>,
+    #[serde(rename = "fall (m)")]
+    fall: Option<Real>,
+    #[serde(rename = "fall off by, relative")]
+    off: Option<Real>,
+    largest_stretch: Option<Real>,
+    energy_above_what_was_given: Option<Real>,
+}
+
+pub(super) fn compare(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
+    let (mut rows, mut told) = (Vec::new(), Vec::new());
+    for (scene, sides) in SCENES {
+        let first = rows.len();
+        compare_on(study, (scene, sides), &mut rows)?;
+        told.push(tell(scene, &rows[first..]));
+    }
+    let caption =
+        "Steps in contact that end early, beside converged ones (the first of each scene)";
+    study
+        .findings
+        .table("decision-shortened", caption, Table::of(&rows));
+    study.findings.answer(
+        "In contact, projective dynamics or the implicit step cut short?",
+        format!(
+            "The fastest step whose fall is right to 2 %, beside projective dynamics at its default and a converged step: {}.",
+            told.join("; ")
+        ),
+    );
+    Ok(())
+}
+
+/// The ends on one scene.
+fn compare_on(
+    study: &mut StudyRun<'_>,
+    (name, sides): (&'static str, [u32; 2]),
+    rows: &mut Vec<(End, Given)>,
+) -> Result<(), BenchError> {
+    let scope = study.scope;
+    let n = scope.pick(sides[0], sides[1]);
+    let scene = scene::build(name, None, &Settings::default().with("n", n))?;
+    let start = mean_height(&scene.start.positions);
+    let ends = ENDS.map(|(method, end)| End {
+        scene: name,
+        method,
+        end,
+    });
+    let case = |end: &End| format!("{} on {}, {}", end.method, end.scene, end.end);
+    let found = study.grid(ends, case, |end| {
+        let (method, settings) = (Method::find(end.method)?, Settings::of(end.end));
+        Drape::of(&scene, scope, method, &settings, DT, steps(scope))
+    });
+    let mut converged = None;
+    for (end, drape) in found {
+        let positions: Vec<Vec3> = drape.positions.iter().copied().map(Vec3::from).collect();
+        let fall = (!positions.is_empty()).then(|| start - mean_height(&positions));
+        converged = converged.or(fall);
+        let off = fall.zip(converged).map(|(fall, right)| fall / right - 1.0);
+        let given = Given {
+            ms: drape.ms,
+            fall,
+            off,
+            largest_stretch: drape.stretch,
+            energy_above_what_was_given: drape.excess,
+        };
+        rows.push((end, given));
+    }
+    Ok(())
+}
+
+/// What is said of one scene.
+fn tell(scene: &str, rows: &[(End, Given)]) -> String {
+    let say = |(End { method, end, .. }, given): &(&End, &Given)| {
+        let (ms, off) = (
+            given.ms.map_or_else(String::new, two),
+            given.off.unwrap_or(0.0),
+        );
+        let sign = if off < 0.0 { "−" } else { "+" };
+        format!(
+            "{method} with {end} ({ms} ms, {sign}{})",
+            percent(off.abs())
+        )
+    };
+    let is_right = |given: &Given| given.off.is_some_and(|off| off.abs() < RIGHT);
+    let right = rows.iter().filter(|(_, given)| is_right(given));
+    let in_time = |a: &&(End, Given), b: &&(End, Given)| {
+        let order = a.1.ms.partial_cmp(&b.1.ms);
+        order.unwrap_or(Ordering::Equal)
+    };
+    let fastest = right.min_by(in_time);
+    let default = rows.iter().find(|(end, _)| end.method == "pd");
+    let converged = rows.first();
+    let shown = [fastest, default, converged].into_iter().flatten();
+    let shown: Vec<String> = shown.map(|(end, given)| say(&(end, given))).collect();
+    format!("{scene}: {}", shown.join(", "))
+}
+
+/// m, over all vertices.
+fn mean_height(positions: &[Vec3]) -> Real {
+    positions.iter().map(|x| x.z).sum::<Real>() / positions.len() as Real
+}
