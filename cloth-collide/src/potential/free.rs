@@ -22,6 +22,8 @@ pub(super) struct FreeBody {
     impulse: [Vec3; 2],
     /// That of what stops it.
     pub(super) stop: [Vec3; 2],
+    /// What that has changed of its velocities (m/s, rad/s) so far.
+    pub(super) change: [Vec3; 2],
     /// Whether it stays where it is in this step.
     pub(super) is_halted: bool,
     /// Where it is at the start of the step.
@@ -65,6 +67,7 @@ impl FreeBody {
             momenta: body.momenta(obstacle.motion()),
             impulse: [Vec3::zeros(); 2],
             stop: [Vec3::zeros(); 2],
+            change: [Vec3::zeros(); 2],
             is_halted: false,
             place: obstacle.motion().pose,
             radius,

@@ -213,7 +213,8 @@ impl Contacts {
 impl FreeBodies {
     /// Stops bodies where they meet something.
     fn stop_at(&mut self, meetings: &mut [Meeting]) {
-        let mut changes = vec![[Vec3::zeros(); 2]; self.list.len()];
+        let zeros = [Vec3::zeros(); 2];
+        self.list.iter_mut().for_each(|free| free.change = zeros);
         for _ in 0..SWEEPS {
             for meeting in &mut *meetings {
                 let ends = [(Some(meeting.body), 1.0), (meeting.other, -1.0)];
@@ -224,7 +225,7 @@ impl FreeBodies {
                     let arm = self.list[number].arm(meeting.point);
                     let [v, w] = self.list[number].velocity_by(meeting.normal, arm);
                     ease += meeting.normal.dot(&(v + w.cross(&arm)));
-                    let [v, w] = changes[number];
+                    let [v, w] = self.list[number].change;
                     speed += sign * meeting.normal.dot(&(v + w.cross(&arm)));
                 }
                 let more = (meeting.missing - speed) / ease;
@@ -236,7 +237,7 @@ impl FreeBodies {
                     let free = &mut self.list[number];
                     let arm = free.arm(meeting.point);
                     let change = free.velocity_by(push * sign, arm);
-                    for (sum, change) in changes[number].iter_mut().zip(change) {
+                    for (sum, change) in free.change.iter_mut().zip(change) {
                         *sum += change;
                     }
                     free.stop[0] += push * sign;
