@@ -346,7 +346,8 @@ fn cuts(study: &mut StudyRun<'_>) {
             } = cut;
             let settings = Settings::of(&format!("substeps={substeps} iterations={iterations}"));
             let method = Method::find(method)?;
-            measure::Drape::measure(scope, method, &settings, DT, measure::steps(scope))
+            let (scene, steps) = (measure::draped(scope)?, measure::steps(scope));
+            measure::Drape::measure(&scene, scope, method, &settings, (DT, steps))
         },
     );
     let (mut rows, mut told) = (Vec::new(), Vec::new());

@@ -24,12 +24,16 @@ fn ball_on_a_sheet_that_is_held_everywhere_rests_on_it() {
     ] {
         let (mut motion, mut force) = (Vec3::zeros(), 0.0);
         let mut speed = Vec3::zeros();
+        // Kinetic and of the weight, over the mass (m²/s²).
+        let mut most: f64 = 0.0;
         watch(&scene, method, settings, 60, |moment| {
             motion = body(moment).pose.position;
             speed = body(moment).velocity;
+            most = most.max(0.5 * speed.norm_squared() + 9.81 * (motion.z - 0.2));
             force = moment.forces.unwrap().bodies[0].force.z;
         });
         println!("{method}: {motion:?} {speed:?} {force} of {weight}");
+        assert!(most < 1e-12, "{method}: {most} J/kg from nowhere");
         let gap = motion.z - 0.06;
         assert!((gap - 2e-3).abs() < 0.03 * 2e-3, "{method}: {gap} m");
         assert!(speed.norm() < 1e-3, "{method}: {speed:?}");

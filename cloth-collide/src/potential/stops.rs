@@ -50,9 +50,8 @@ pub(super) struct Stops {
 /// A point at which a body is stopped.
 #[derive(Clone, Copy, Debug)]
 struct Meeting {
-    /// The number of the body in the list of free ones, and of the other one, if that is free too.
-    body: usize,
-    other: Option<usize>,
+    /// The numbers of the body in the list of free ones, and of the other one, if that is free too.
+    bodies: [Option<usize>; 2],
     /// Where (m), and the direction in which the body is pushed.
     point: Vec3,
     normal: Vec3,
@@ -60,6 +59,29 @@ struct Meeting {
     missing: Real,
     /// λ (N·s).
     impulse: Real,
+}
+
+impl Meeting {
+    fn new(bodies: [Option<usize>; 2], point: Vec3, normal: Vec3, missing: Real) -> Self {
+        Self {
+            bodies,
+            point,
+            normal,
+            missing,
+            impulse: 0.0,
+        }
+    }
+
+    /// The free bodies, and the sense in which each is pushed.
+    fn ends(&self) -> impl Iterator<Item = (usize, Real)> + use<> {
+        let both = self.bodies.into_iter().zip([1.0, -1.0]);
+        both.filter_map(|(number, sign)| Some((number?, sign)))
+    }
+
+    /// The first of them.
+    fn body(&self) -> usize {
+        self.bodies[0].unwrap_or_default()
+    }
 }
 
 impl Stops {
@@ -73,20 +95,27 @@ impl Stops {
         self.is_held.extend(now());
         self.held.clear();
         let is_held = |v: &u32| self.is_held.get(*v as usize).is_some_and(|held| *held);
-        let triangles = near.incidence.triangles.iter().copied();
-        let edges = near.incidence.edges.iter().map(|&[a, b]| [a, b, b]);
-        let vertices = (0..self.is_held.len() as u32).map(|v| [v; 3]);
         let mut is_in_one = vec![false; self.is_held.len()];
-        for part in triangles.chain(edges).chain(vertices) {
-            let is_new = part
-                .iter()
-                .any(|&v| !is_in_one.get(v as usize).is_none_or(|is| *is));
-            // An edge between two held triangles has nothing of its own, and costs little.
-            if part.iter().all(is_held) && (is_new || part[0] != part[1]) {
-                self.held.push(part);
-                part.iter().for_each(|&v| is_in_one[v as usize] = true);
+        let mut is_side = vec![false; near.incidence.edges.len()];
+        let mut take = |part: [u32; 3]| {
+            part.iter().for_each(|&v| is_in_one[v as usize] = true);
+            self.held.push(part);
+        };
+        let triangles = near.incidence.triangles.iter();
+        for (corners, sides) in triangles.zip(&near.incidence.triangle_edges) {
+            if corners.iter().all(is_held) {
+                take(*corners);
+                sides.iter().for_each(|&e| is_side[e as usize] = true);
             }
         }
+        for (&[a, b], is_side) in near.incidence.edges.iter().zip(&is_side) {
+            if !is_side && is_held(&a) && is_held(&b) {
+                take([a, b, b]);
+            }
+        }
+        let alone = (0u32..).zip(&self.is_held).zip(&is_in_one);
+        let alone = alone.filter(|((_, held), is_in_one)| **held && !**is_in_one);
+        self.held.extend(alone.map(|((v, _), _)| [v; 3]));
     }
 }
 
@@ -108,7 +137,7 @@ impl Contacts {
             self.meet(step, to);
             self.stops
                 .meetings
-                .retain(|meeting| !self.free.list[meeting.body].is_halted);
+                .retain(|meeting| !self.free.list[meeting.body()].is_halted);
             if self.stops.meetings.is_empty() {
                 return;
             }
@@ -116,7 +145,7 @@ impl Contacts {
         }
         // Nothing else is sure.
         for meeting in &self.stops.meetings {
-            self.free.list[meeting.body].is_halted = true;
+            self.free.list[meeting.body()].is_halted = true;
         }
         self.move_free(step.dt);
     }
@@ -163,14 +192,9 @@ impl Contacts {
             let distance = obstacle.signed_distance(point, time);
             let start = obstacle.signed_distance(start, 0.0).value;
             if let Some(missing) = missing(start, distance.value, keep) {
-                self.stops.meetings.push(Meeting {
-                    body: number,
-                    other: None,
-                    point,
-                    normal: -distance.normal,
-                    missing: missing / time,
-                    impulse: 0.0,
-                });
+                let speed = missing / time;
+                let meeting = Meeting::new([Some(number), None], point, -distance.normal, speed);
+                self.stops.meetings.push(meeting);
             }
         }
     }
@@ -196,14 +220,10 @@ impl Contacts {
                 }
                 let start = obstacle.signed_distance(before.to_world(*local), 0.0);
                 if let Some(missing) = missing(start.value, distance.value, keep) {
-                    self.stops.meetings.push(Meeting {
-                        body: number,
-                        other,
-                        point,
-                        normal: distance.normal,
-                        missing: missing / time,
-                        impulse: 0.0,
-                    });
+                    let speed = missing / time;
+                    let bodies = [Some(number), other];
+                    let meeting = Meeting::new(bodies, point, distance.normal, speed);
+                    self.stops.meetings.push(meeting);
                 }
             }
         }
@@ -217,11 +237,8 @@ impl FreeBodies {
         self.list.iter_mut().for_each(|free| free.change = zeros);
         for _ in 0..SWEEPS {
             for meeting in &mut *meetings {
-                let ends = [(Some(meeting.body), 1.0), (meeting.other, -1.0)];
-                let mut ease = 0.0;
-                let mut speed = 0.0;
-                for (number, sign) in ends {
-                    let Some(number) = number else { continue };
+                let (mut ease, mut speed) = (0.0, 0.0);
+                for (number, sign) in meeting.ends() {
                     let arm = self.list[number].arm(meeting.point);
                     let [v, w] = self.list[number].velocity_by(meeting.normal, arm);
                     ease += meeting.normal.dot(&(v + w.cross(&arm)));
@@ -232,8 +249,7 @@ impl FreeBodies {
                 let impulse = (meeting.impulse + more).max(0.0);
                 let push = meeting.normal * (impulse - meeting.impulse);
                 meeting.impulse = impulse;
-                for (number, sign) in ends {
-                    let Some(number) = number else { continue };
+                for (number, sign) in meeting.ends() {
                     let free = &mut self.list[number];
                     let arm = free.arm(meeting.point);
                     let change = free.velocity_by(push * sign, arm);
@@ -279,18 +295,14 @@ fn nearest(obstacle: &Obstacle, corners: &[Vec3; 3], time: Real, enough: Real) -
     let shape = obstacle.shape();
     let at = |w: &Vec3| corners[0] * w[0] + corners[1] * w[1] + corners[2] * w[2];
     let distance = |x: Vec3| shape.signed_distance(pose.to_local(x));
-    let mut best = (Real::INFINITY, Vec3::x());
+    let lower = |best: (Real, Vec3), w: Vec3| {
+        let value = distance(at(&w)).value;
+        if value < best.0 { (value, w) } else { best }
+    };
     let mut rest = [[Vec3::zeros(); 3]; 2 * POINTS];
     rest[0] = [Vec3::x(), Vec3::y(), Vec3::z()];
+    let mut best = rest[0].into_iter().fold((Real::INFINITY, Vec3::x()), lower);
     let (mut first, mut count) = (0, 1);
-    for corner in rest[0] {
-        let value = distance(at(&corner)).value;
-        best = if value < best.0 {
-            (value, corner)
-        } else {
-            best
-        };
-    }
     while first < count.min(POINTS) {
         let part = rest[first];
         first += 1;
@@ -316,23 +328,22 @@ fn nearest(obstacle: &Obstacle, corners: &[Vec3; 3], time: Real, enough: Real) -
             count += 2;
         }
     }
-    let (mut value, mut weights) = best;
-    if value >= enough + shape.lipschitz() * (corners[1] - corners[0]).norm() {
-        return weights.into();
+    let sides = [1, 2].map(|k| (corners[k] - corners[0]).norm());
+    if best.0 >= enough + shape.lipschitz() * (sides[0] + sides[1]) {
+        return best.1.into();
     }
-    let mut length = (corners[1] - corners[0])
-        .norm()
-        .max((corners[2] - corners[0]).norm());
+    let mut length = sides[0].max(sides[1]);
     for _ in 0..DESCENTS {
-        let x = at(&weights);
+        let x = at(&best.1);
         let down = pose.orientation * distance(x).normal;
-        let next = Vec3::from(point_triangle(x - down * length, *corners).weights);
-        let lower = distance(at(&next)).value;
-        if lower < value {
-            (value, weights) = (lower, next);
-        } else {
+        let next = lower(
+            best,
+            point_triangle(x - down * length, *corners).weights.into(),
+        );
+        if next.0 == best.0 {
             length *= 0.5;
         }
+        best = next;
     }
-    weights.into()
+    best.1.into()
 }

@@ -169,7 +169,9 @@ impl Contact {
             )
         });
         let hanging = hanging.ok().map(|(summary, _)| summary);
-        let drape = |dt, steps| Drape::measure(scope, method, &Settings::default(), dt, steps);
+        let scene = draped(scope)?;
+        let defaults = Settings::default();
+        let drape = |dt, steps| Drape::measure(&scene, scope, method, &defaults, (dt, steps));
         Ok(Self {
             hanging_ms: hanging.map(|s| s.ms_per_step_median),
             sixtieth: drape(1.0 / 60.0, steps)?,
@@ -179,25 +181,13 @@ impl Contact {
 }
 
 impl Drape {
-    /// So many steps of `dt` (s) of a method on the sphere.
+    /// So many steps of `dt` (s) of a method on a scene.
     pub(super) fn measure(
-        scope: Scope,
-        method: &Method,
-        settings: &Settings,
-        dt: Real,
-        steps: u32,
-    ) -> Result<Self, BenchError> {
-        Self::of(&draped(scope)?, scope, method, settings, dt, steps)
-    }
-
-    /// The same of another scene.
-    pub(super) fn of(
         scene: &Scene,
         scope: Scope,
         method: &Method,
         settings: &Settings,
-        dt: Real,
-        steps: u32,
+        (dt, steps): (Real, u32),
     ) -> Result<Self, BenchError> {
         let ran = until(scope, |check| {
             run::from_start(scene, method, settings, dt, steps, |_, _, _| check())

@@ -88,7 +88,7 @@ fn compare_on(
     let case = |end: &End| format!("{} on {}, {}", end.method, end.scene, end.end);
     let found = study.grid(ends, case, |end| {
         let (method, settings) = (Method::find(end.method)?, Settings::of(end.end));
-        Drape::of(&scene, scope, method, &settings, DT, steps(scope))
+        Drape::measure(&scene, scope, method, &settings, (DT, steps(scope)))
     });
     let mut converged = None;
     for (end, drape) in found {
