@@ -444,7 +444,7 @@
 //!
 //! In contact it is the other way round where bodies take the cloth along, or the cloth is small and stiff: on a box that
 //! turns, thirty steps at the default end a third short of the converged fall, while `implicit-euler` with
-//! `tolerance=1e-2` is right to 2 % for twice the time; on a ball the default is right to 1 % in less time than either.
+//! `tolerance=1e-2` is right to 2 % for 2.2 times the time; on a ball the default is right to 1 % in less time than either.
 //! `cloth-bench study decision` has such a table.
 //!
 //! Truncation does not suit every method. The quasi-Newton iteration of `implicit-euler` loses 90 % of the kinetic
