@@ -57,6 +57,8 @@ pub struct Summary {
     pub linear_iterations: u64,
     /// Substeps that gave up their Chebyshev extrapolation, summed over the steps.
     pub chebyshev_fallbacks: u64,
+    /// Times that a step was taken again with more substeps because it would have gained energy, summed over the steps.
+    pub refinements: u64,
     /// Coarse grids that projective dynamics made anew in the course of the run.
     pub coarse_builds: u64,
     /// Iterations of steps that had to do without the coarse grid, summed over the steps.
@@ -438,7 +440,7 @@ fn take_steps(
     let mut iterations = Vec::with_capacity(steps as usize);
     let (mut converged_steps, mut linear_iterations) = (0, 0);
     let (mut chebyshev_fallbacks, mut coarse_builds, mut coarse_fallbacks) = (0, 0, 0);
-    let mut newton_fallbacks = 0;
+    let (mut newton_fallbacks, mut refinements) = (0, 0);
     for step in 1..=steps {
         course.change(solver, state, dt, &mut balance)?;
         let report = course.step(solver.stepper(), state, dt, Some(&mut balance))?;
@@ -450,6 +452,7 @@ fn take_steps(
         coarse_builds += u64::from(report.coarse_builds);
         coarse_fallbacks += u64::from(report.coarse_fallbacks);
         newton_fallbacks += u64::from(report.newton_fallbacks);
+        refinements += u64::from(report.refinements);
         converged_steps += u32::from(report.outcome == Outcome::Converged);
         after(&Moment {
             step,
@@ -483,6 +486,7 @@ fn take_steps(
         coarse_builds,
         coarse_fallbacks,
         newton_fallbacks,
+        refinements,
         rebuilds: course.rebuilds,
         converged_steps,
         max_stretch: strain.max,

@@ -194,6 +194,13 @@ pub trait ContactConstraints {
     /// become a velocity.
     fn change_velocities(&mut self, velocities: &mut [Vec3]);
 
+    /// Energy (J) that the cloth, at `x` (m) now, was given since [`ContactConstraints::begin_step`] by bodies, by
+    /// prescribed vertices through contact, and out of what contact had stored; 0 for a source that knows of none.
+    fn given(&mut self, x: &[Vec3]) -> Real {
+        let _ = x;
+        0.0
+    }
+
     /// Ends the step, which has come to `x` (m).
     fn end_step(&mut self, x: &[Vec3]);
 }

@@ -212,6 +212,8 @@ pub struct StepReport {
     /// Substeps that gave up their Chebyshev extrapolation, because it made the corrections grow or something can be
     /// touched, and went on with plain sweeps.
     pub chebyshev_fallbacks: u32,
+    /// Times that the step was taken again with more substeps, because it would have gained energy.
+    pub refinements: u32,
     /// Coarse grids made, or made anew because pins or elements had changed.
     pub coarse_builds: u32,
     /// Iterations of a step, from its start to its end, that had to do without the coarse grid that the method was
@@ -237,6 +239,7 @@ impl StepReport {
             linear_iterations: 0,
             backtracks: 0,
             chebyshev_fallbacks: 0,
+            refinements: 0,
             coarse_builds: 0,
             coarse_fallbacks: 0,
             newton_fallbacks: 0,
@@ -259,6 +262,7 @@ impl StepReport {
             linear_iterations: self.linear_iterations + next.linear_iterations,
             backtracks: self.backtracks + next.backtracks,
             chebyshev_fallbacks: self.chebyshev_fallbacks + next.chebyshev_fallbacks,
+            refinements: self.refinements + next.refinements,
             coarse_builds: self.coarse_builds + next.coarse_builds,
             coarse_fallbacks: self.coarse_fallbacks + next.coarse_fallbacks,
             newton_fallbacks: self.newton_fallbacks + next.newton_fallbacks,

@@ -508,6 +508,8 @@ mod update;
 
 mod substeps;
 
+mod refinement;
+
 mod forces;
 
 pub mod links;

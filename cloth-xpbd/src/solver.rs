@@ -5,6 +5,7 @@ mod builder;
 pub use builder::XpbdBuilder;
 
 use crate::config::XpbdConfig;
+use crate::refinement::{Refinement, external_work, kinetic};
 use crate::update::XpbdUpdate;
 use cloth_core::math::{Real, Vec3};
 use cloth_core::method::position_based::{Families, Motion};
@@ -17,6 +18,8 @@ pub struct XpbdSolver {
     pub(crate) motion: Motion,
     pub(crate) families: Families<XpbdUpdate>,
     config: XpbdConfig,
+    /// None unless the settings ask for it.
+    refinement: Option<Refinement>,
     /// With the substep of the last step, once one was taken.
     pub(crate) last: Option<XpbdUpdate>,
     /// The update whose α̃ the families hold.
@@ -38,27 +41,24 @@ impl Stepper for XpbdSolver {
         state: &mut State,
         mut input: StepInput<'_>,
     ) -> Result<StepReport, StepError> {
-        self.motion.begin(state, &mut input)?;
         let fallbacks_before = self.families.chebyshev_fallbacks();
+        let before = self.energy_before(state, input.dt);
         self.last = None;
-        let h = input.dt / Real::from(self.config.substeps);
-        let update = XpbdUpdate::new(h, self.config.damping);
-        for substep in 1..=self.config.substeps {
-            self.families.set_time(state.time + Real::from(substep) * h);
-            self.begin_substep(update); // λ = 0, here and not in each iteration
-            self.motion.predict(&mut input, h)?; // v ← v + h a, x̃ ← x + h v
-            self.families.restart();
-            for _ in 0..self.config.iterations {
-                self.motion.iterate(&mut input, |w, x| {
-                    self.families.sweep(&update, w, x); // Δλ of every row, x moved along
-                });
+        let (mut sweeps, mut refinements) = (0, 0);
+        let update = loop {
+            let factor = self.refinement.as_ref().map_or(1, Refinement::factor);
+            let update = self.try_step(state, &mut input, self.config.substeps * factor)?;
+            sweeps += self.motion.iterations();
+            if !self.refines(state, &mut input, before) {
+                break update;
             }
-            self.count_pin_work(update);
-            self.motion.update_velocities(&mut input)?; // v ← v + (x − x̃)/h
-        }
+            refinements += 1;
+        };
         let report = self.motion.finish(state, &mut input)?;
         self.last = Some(update);
         Ok(StepReport {
+            iterations: sweeps,
+            refinements,
             pin_work: Some(self.motion.pin_work()),
             chebyshev_fallbacks: (self.families.chebyshev_fallbacks() - fallbacks_before) as u32,
             ..report
@@ -71,6 +71,65 @@ impl XpbdSolver {
     #[must_use]
     pub fn builder(particles: &Particles) -> XpbdBuilder {
         XpbdBuilder::new(particles)
+    }
+
+    /// Takes a step by so many substeps, all but its end.
+    fn try_step(
+        &mut self,
+        state: &State,
+        input: &mut StepInput<'_>,
+        substeps: u32,
+    ) -> Result<XpbdUpdate, StepError> {
+        self.motion.begin(state, input)?;
+        let h = input.dt / Real::from(substeps);
+        let update = XpbdUpdate::new(h, self.config.damping);
+        for substep in 1..=substeps {
+            self.families.set_time(state.time + Real::from(substep) * h);
+            self.begin_substep(update); // λ = 0, here and not in each iteration
+            self.motion.predict(input, h)?; // v ← v + h a, x̃ ← x + h v
+            self.families.restart();
+            for _ in 0..self.config.iterations {
+                self.motion.iterate(input, |w, x| {
+                    self.families.sweep(&update, w, x); // Δλ of every row, x moved along
+                });
+            }
+            self.count_pin_work(update);
+            self.motion.update_velocities(input)?; // v ← v + (x − x̃)/h
+        }
+        Ok(update)
+    }
+
+    /// `K + E` (J) before a step of `dt` (s), E with the elements as they are at its end; 0 if no step is refined.
+    fn energy_before(&mut self, state: &State, dt: Real) -> Real {
+        if self.refinement.is_none() {
+            return 0.0;
+        }
+        self.families.set_time(state.time + dt);
+        self.elastic(&state.positions) + kinetic(self.motion.inverse_mass(), &state.velocities)
+    }
+
+    /// Whether the step that was tried is to be taken again.
+    fn refines(&mut self, state: &State, input: &mut StepInput<'_>, before: Real) -> bool {
+        if self.refinement.is_none() {
+            return false;
+        }
+        let (w, x) = (self.motion.inverse_mass(), self.motion.positions());
+        let after = self.elastic(x) + kinetic(w, self.motion.velocities());
+        let mut given = self.motion.pin_work() + external_work(w, state, x, input);
+        given += input.contact_constraints().map_or(0.0, |c| c.given(x));
+        let refinement = self.refinement.as_mut();
+        refinement.is_some_and(|refinement| refinement.refines([before, after], given))
+    }
+
+    /// `½ Σ k C²` (J) of all rows of finite stiffness at `x` (m).
+    fn elastic(&self, x: &[Vec3]) -> Real {
+        let mut sum = 0.0;
+        self.families.each_row(self.motion.inverse_mass(), x, |row, _| {
+            if row.stiffness.is_finite() {
+                sum += 0.5 * row.stiffness * row.value * row.value;
+            }
+        });
+        sum
     }
 
     /// Sets λ of every row to zero (damped: ν to `−k h β C⁰`), once per substep.

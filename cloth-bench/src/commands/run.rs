@@ -31,6 +31,7 @@ Of the numbers that come out:
   coarse_builds        coarse grids that pd made anew because pins had changed
   coarse_fallbacks     iterations of pd's steps that went without the coarse grid, because it could not be made or factorised
   newton_fallbacks     minimisations of implicit steps in which Newton's method took over from the quasi-Newton method
+  refinements          steps of xpbd taken again with twice as many substeps, because they would have gained energy
   rebuilds             changes of the cloth on the way (pins, tears) for which the method was built anew
   tangled_pairs        pairs of triangles that passed through each other before each step, of a scene with untangle=yes, until there were none
   held_steps           steps that ended with vertices held back by contact";
@@ -294,6 +295,7 @@ fn simulate(
         ("coarse_builds", json!(summary.coarse_builds)),
         ("coarse_fallbacks", json!(summary.coarse_fallbacks)),
         ("newton_fallbacks", json!(summary.newton_fallbacks)),
+        ("refinements", json!(summary.refinements)),
         ("rebuilds", json!(summary.rebuilds)),
         ("converged_steps", json!(summary.converged_steps)),
         ("max_stretch", json!(summary.max_stretch)),

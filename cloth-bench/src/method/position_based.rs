@@ -79,6 +79,14 @@ const PRECISION: Parameter = parameter(
     "of the sweeps: double, or single (springs and quadratic bending, coloured sweeps as they are)",
 );
 
+const ENERGY_GAIN: Parameter = parameter(
+    "energy_gain",
+    AUTO,
+    "a step that gains more than this part of the energy in play is taken again with twice as many substeps, up to eight times as many; none: never; auto: 0.01 with substeps=auto in double precision, else none",
+);
+/// With a number of substeps that is chosen.
+const CHOSEN_ENERGY_GAIN: Real = 0.01;
+
 /// Of position-based dynamics.
 pub(super) const PBD: &[Parameter] = &[
     PBD_ITERATIONS,
@@ -103,6 +111,7 @@ pub(super) const XPBD: &[Parameter] = &[
     CHEBYSHEV_DELAY,
     XPBD_DAMPING,
     PRECISION,
+    ENERGY_GAIN,
 ];
 
 const SWEEPS: [(&str, Sweep); 4] = [
@@ -169,9 +178,16 @@ fn loaded(scene: &Scene) -> Real {
     1.0 + load / own
 }
 
-/// Settings with the number of substeps that has been found.
+/// Settings with the number of substeps that has been found, and what that says about steps that gain energy.
 pub(super) fn with_substeps(settings: &Settings, count: u32) -> Settings {
-    settings.clone().with(XPBD_SUBSTEPS.name, count)
+    let is_chosen = settings.text(&XPBD_SUBSTEPS) == AUTO
+        && settings.text(&PRECISION) == PRECISION.default
+        && settings.text(&ENERGY_GAIN) == AUTO;
+    let found = settings.clone().with(XPBD_SUBSTEPS.name, count);
+    match is_chosen {
+        true => found.with(ENERGY_GAIN.name, CHOSEN_ENERGY_GAIN),
+        false => found,
+    }
 }
 
 pub(super) fn pbd(settings: &Settings) -> Result<PbdConfig, BenchError> {
@@ -196,6 +212,10 @@ pub(super) fn xpbd(settings: &Settings) -> Result<XpbdConfig, BenchError> {
         sweep: settings.choice(&SWEEP, &SWEEPS)?,
         acceleration: acceleration(settings, iterations)?,
         damping: settings.number(&XPBD_DAMPING)?,
+        energy_gain: match settings.text(&ENERGY_GAIN) {
+            AUTO | "none" => None,
+            _ => Some(settings.positive(&ENERGY_GAIN)?),
+        },
     })
 }
 

@@ -83,6 +83,10 @@ impl ContactConstraints for Timed {
         self.act(|c| c.change_velocities(velocities));
     }
 
+    fn given(&mut self, x: &[Vec3]) -> Real {
+        self.act(|c| c.given(x))
+    }
+
     fn end_step(&mut self, x: &[Vec3]) {
         self.act(|c| c.end_step(x));
     }

@@ -229,15 +229,15 @@ impl ContactConstraints for Contacts {
         }
     }
 
+    fn given(&mut self, x: &[Vec3]) -> Real {
+        self.rows.work + self.energy - self.stored_in_rows(x)
+    }
+
     fn end_step(&mut self, x: &[Vec3]) {
         self.is_open = false;
         self.work = self.rows.work;
         self.held = self.rows.report.shortened as usize;
-        let mut energy = 0.0;
-        for row in self.rows.rows.iter().filter(|row| row.lambda > 0.0) {
-            energy += row.energy(x, &self.near, self.rows.patches.as_mut());
-        }
-        self.energy = energy + self.rows.bodies.energy(&self.bodies, &self.near, x);
+        self.energy = self.stored_in_rows(x);
         if let Some(ledger) = &mut self.ledger {
             ledger.end(&self.near, &self.bodies, x);
         }
@@ -252,6 +252,16 @@ impl ContactConstraints for Contacts {
 }
 
 impl Contacts {
+    /// Energy (J) of the rows of the last substep, with the cloth at `x` (m).
+    fn stored_in_rows(&mut self, x: &[Vec3]) -> Real {
+        let (rows, near) = (&mut self.rows, &self.near);
+        let mut energy = rows.bodies.energy(&self.bodies, near, x);
+        for row in rows.rows.iter().filter(|row| row.lambda > 0.0) {
+            energy += row.energy(x, near, rows.patches.as_mut());
+        }
+        energy
+    }
+
     /// Rows for the pairs that a path to `to` (m) can bring into contact, if it is not too long for that. Returns
     /// whether it was not.
     fn find(&mut self, step: &ContactStep<'_>, to: &[Vec3], begins: bool) -> bool {

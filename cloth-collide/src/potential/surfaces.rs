@@ -442,6 +442,12 @@ impl ContactConstraints for PotentialContacts {
         self.contacts.change_velocities(velocities);
     }
 
+    fn given(&mut self, x: &[Vec3]) -> Real {
+        let surfaces = &mut self.surfaces;
+        surfaces.to[..x.len()].copy_from_slice(x);
+        self.contacts.given(&surfaces.to)
+    }
+
     fn end_step(&mut self, x: &[Vec3]) {
         let surfaces = &mut self.surfaces;
         surfaces.to[..x.len()].copy_from_slice(x);

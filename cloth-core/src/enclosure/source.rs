@@ -84,14 +84,17 @@ impl<C> Enclosed<C> {
         self.energy = self.stored(step.from);
     }
 
-    /// Energy, and the work (J) that prescribed vertices have done against the volumes, by the mean of the forces at
-    /// both ends of the step.
     fn end_at(&mut self, x: &[Vec3]) {
         self.energy = self.stored(x);
-        self.work = 0.0;
+        self.work = self.work_until(x);
+    }
+
+    /// The work (J) that prescribed vertices have done against the volumes, by the mean of the forces at both ends of
+    /// the step.
+    fn work_until(&mut self, x: &[Vec3]) -> Real {
         let moved = |v: usize| self.is_prescribed[v] && x[v] != self.start[v];
         if !(0..x.len()).any(moved) {
-            return;
+            return 0.0;
         }
         for (gradient, at) in self.gradients.iter_mut().zip([&self.start[..], x]) {
             gradient.clear();
@@ -101,9 +104,9 @@ impl<C> Enclosed<C> {
             }
         }
         let [first, last] = &self.gradients;
-        for v in (0..x.len()).filter(|&v| self.is_prescribed[v]) {
-            self.work += 0.5 * (first[v] + last[v]).dot(&(x[v] - self.start[v]));
-        }
+        let prescribed = (0..x.len()).filter(|&v| self.is_prescribed[v]);
+        let works = prescribed.map(|v| 0.5 * (first[v] + last[v]).dot(&(x[v] - self.start[v])));
+        works.sum()
     }
 }
 
@@ -222,6 +225,11 @@ impl<C: ContactConstraints> ContactConstraints for Enclosed<C> {
 
     fn change_velocities(&mut self, velocities: &mut [Vec3]) {
         self.contacts.change_velocities(velocities);
+    }
+
+    fn given(&mut self, x: &[Vec3]) -> Real {
+        let of_contact = self.contacts.given(x);
+        of_contact + self.work_until(x) + self.energy - self.stored(x)
     }
 
     fn end_step(&mut self, x: &[Vec3]) {

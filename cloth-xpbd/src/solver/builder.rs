@@ -2,6 +2,7 @@
 
 use super::XpbdSolver;
 use crate::config::XpbdConfig;
+use crate::refinement::Refinement;
 use crate::update::XpbdUpdate;
 use cloth_core::cloth::Elements;
 use cloth_core::element::Constraint;
@@ -66,6 +67,15 @@ impl XpbdBuilder {
                 range: "zero or positive, and finite",
             });
         }
+        if let Some(gain) = config.energy_gain
+            && !(gain > 0.0 && gain.is_finite())
+        {
+            return Err(BuildError::InvalidSetting {
+                name: "the energy gain",
+                value: gain,
+                range: "positive and finite",
+            });
+        }
         let vertex_count = motion.vertex_count();
         let families = self
             .families
@@ -80,6 +90,7 @@ impl XpbdBuilder {
             prescribed_offsets: Vec::new(),
             motion,
             families,
+            refinement: config.energy_gain.map(Refinement::new),
             config,
             last: None,
             prepared: None,

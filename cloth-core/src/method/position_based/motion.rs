@@ -74,6 +74,18 @@ impl Motion {
         &self.positions
     }
 
+    /// Velocities (m/s) as they are now, one per vertex.
+    #[must_use]
+    pub fn velocities(&self) -> &[Vec3] {
+        &self.velocities
+    }
+
+    /// Iterations since [`begin`](Self::begin).
+    #[must_use]
+    pub fn iterations(&self) -> u32 {
+        self.iterations
+    }
+
     /// Checks the input and copies the state.
     ///
     /// # Errors

@@ -1,0 +1,100 @@
+//! Steps that would gain energy are taken again with more substeps.
+//!
+//! Sweeps that are too few for what happens in a step leave strain behind: where cloth is stopped suddenly, or pulled
+//! taut, the springs end up with more energy than the motion had. No rule that is applied before a run knows when that
+//! will be. It shows in the balance of a step,
+//!
+//! ```text
+//! gain = (K + E after) − (K + E before) − work of gravity, loads, prescribed vertices and contact,
+//! ```
+//!
+//! with `E = ½ Σ k C²` over all rows of finite stiffness. (A hard row stores nothing.) XPBD loses energy in most steps,
+//! so a gain is a sure sign. A step that gains more than a part τ of the most energy that has been in play is taken
+//! again, from its start, with twice as many substeps, and the next one begins with as many. Once steps stay below a
+//! quarter of that, half as many are tried.
+
+use cloth_core::math::{Real, Vec3};
+use cloth_core::particles::State;
+use cloth_core::step::StepInput;
+
+/// Most times as many substeps as the settings have.
+const MOST: u32 = 8;
+/// Where twice as many substeps leave more than this part of the gain, they do not help.
+const HELPS: Real = 0.8;
+/// Part of the accepted gain below which fewer substeps may do, and steps in succession before they are tried.
+const CALM: Real = 0.25;
+const CALM_STEPS: u32 = 4;
+/// Motion in one step, relative to the size of the coordinates, that rounding may have made.
+const ROUNDING: Real = 1e-10;
+
+/// What is known of the energy of a run, and how many times as many substeps the next step takes.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Refinement {
+    /// τ (dimensionless).
+    tolerance: Real,
+    /// The most energy (J) that has been in play in a step.
+    in_play: Real,
+    /// The gain (J) of the step that is being tried, with half as many substeps.
+    coarser: Real,
+    factor: u32,
+    calm_steps: u32,
+}
+
+impl Refinement {
+    pub(crate) fn new(tolerance: Real) -> Self {
+        Self {
+            tolerance,
+            in_play: 0.0,
+            coarser: Real::INFINITY,
+            factor: 1,
+            calm_steps: 0,
+        }
+    }
+
+    /// How many times as many substeps as the settings have.
+    pub(crate) fn factor(&self) -> u32 {
+        self.factor
+    }
+
+    /// Whether a step from `before` to `after` (J), in which the cloth was given `given` (J), is to be taken again.
+    pub(crate) fn refines(&mut self, [before, after]: [Real; 2], given: Real) -> bool {
+        let gain = after - before - given;
+        self.in_play = self.in_play.max(before).max(before + given);
+        let most = self.tolerance * self.in_play;
+        if gain > most && gain < HELPS * self.coarser && self.factor < MOST {
+            (self.coarser, self.factor, self.calm_steps) = (gain, 2 * self.factor, 0);
+            return true;
+        }
+        self.coarser = Real::INFINITY;
+        self.calm_steps += 1;
+        if gain > CALM * most {
+            self.calm_steps = 0;
+        } else if self.calm_steps == CALM_STEPS {
+            (self.factor, self.calm_steps) = ((self.factor / 2).max(1), 0);
+        }
+        false
+    }
+}
+
+/// `½ Σ m ‖v‖²` (J) of the free vertices.
+pub(crate) fn kinetic(inverse_mass: &[Real], velocities: &[Vec3]) -> Real {
+    let free = inverse_mass.iter().zip(velocities).filter(|(w, _)| **w > 0.0);
+    free.map(|(w, v)| 0.5 * v.norm_squared() / w).sum()
+}
+
+/// Work (J) of gravity and loads on the way from `state` to `x` (m), and what rounding may add.
+pub(crate) fn external_work(
+    inverse_mass: &[Real],
+    state: &State,
+    x: &[Vec3],
+    input: &StepInput<'_>,
+) -> Real {
+    let (mut work, mut mass, mut size) = (0.0, 0.0, 0.0 as Real);
+    for (vertex, &w) in inverse_mass.iter().enumerate().filter(|(_, w)| **w > 0.0) {
+        let a = input.external_acceleration(vertex, w);
+        work += a.dot(&(x[vertex] - state.positions[vertex])) / w;
+        mass += 1.0 / w;
+        size = size.max(x[vertex].amax());
+    }
+    work + 0.5 * mass * (ROUNDING * size / input.dt).powi(2)
+}
