@@ -19,7 +19,8 @@ pub struct XpbdConfig {
     /// damping). Zero, the default, costs nothing. A hard row cannot move and is not damped.
     pub damping: Real,
     /// With `Some(τ)` a step that gains more than a part τ (dimensionless, above 0) of the energy in play is taken
-    /// again with twice as many substeps, up to eight times as many; see [`refinement`](crate#steps-that-gain-energy).
+    /// again with twice as many substeps, up to eight times as many; see
+    /// [steps that gain energy](crate#steps-that-gain-energy).
     /// `None`: nothing is computed for it.
     pub energy_gain: Option<Real>,
 }

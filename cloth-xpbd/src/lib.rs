@@ -273,6 +273,18 @@
 //!
 //! So spend sweeps on substeps, unless the constraints are few, or the step has to be that of implicit Euler.
 //!
+//! # Steps that gain energy
+//! No rule knows before a run where cloth will be stopped on a corner or pulled taut by a hand; there its substeps
+//! leave strain, with more energy in it than the motion had. With [`XpbdConfig::energy_gain`] a step is balanced, its
+//! kinetic and elastic energy against the work of gravity, loads, prescribed vertices and contact, and a step that
+//! gains more than that part of the energy in play is taken again with twice as many substeps, up to eight times as
+//! many; the next one begins with as many, or half of them where that is enough.
+//! [`StepReport::refinements`](cloth_core::step::StepReport::refinements) counts. A part of 0.01 is a good one, on top
+//! of [`SubstepRule`]. A sheet of 33 × 33 vertices of 10⁴ N/m that falls about two corners, by twenty substeps, then
+//! holds 0.4 % more than gravity has given it at any time of the swing; without the balance it is twelve times what
+//! gravity has given. A step that gains nothing costs two evaluations of the energy. The stiffer a cloth, the more
+//! energy is in the same strain, and the more often it takes all eight times as many.
+//!
 //! # Order of the constraints, colours and threads
 //! A sweep visits the families in the order in which they were added, and the elements of a family in the order
 //! of [`Sweep`]. Gauss–Seidel carries a correction along the order of the visits through a whole chain in one
@@ -475,7 +487,7 @@
 //! 2. `solver.rs`: the loop; `config.rs`: its settings.
 //! 3. `update.rs`: Δλ and damping. In `cloth-core/src/method/position_based`: `correction.rs` (one element),
 //!    `families.rs` (the sweep), `motion.rs` (flight, velocities, contact), `chebyshev.rs`.
-//! 4. `substeps.rs`, `forces.rs`, `links.rs`.
+//! 4. `substeps.rs`, `refinement.rs`, `forces.rs`, `links.rs`.
 //! 5. `direct.rs` and its folder: `kkt.rs` (the system), `saddle.rs` and `schur.rs` (its solvers), `linear.rs`,
 //!    `merit.rs`, `line_search.rs`, `solver.rs`.
 //! 6. `single.rs` and its folder.

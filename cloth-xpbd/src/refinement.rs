@@ -9,9 +9,9 @@
 //! ```
 //!
 //! with `E = ½ Σ k C²` over all rows of finite stiffness. (A hard row stores nothing.) XPBD loses energy in most steps,
-//! so a gain is a sure sign. A step that gains more than a part τ of the most energy that has been in play is taken
-//! again, from its start, with twice as many substeps, and the next one begins with as many. Once steps stay below a
-//! quarter of that, half as many are tried.
+//! so a gain is a sure sign. A step that gains more than a part τ of the most energy that has been in play, or would
+//! bring what steps before it have gained and not lost since to so much, is taken again, from its start, with twice as
+//! many substeps, and the next one begins with as many. Where that is below a half, the next one tries half as many.
 
 use cloth_core::math::{Real, Vec3};
 use cloth_core::particles::State;
@@ -21,9 +21,8 @@ use cloth_core::step::StepInput;
 const MOST: u32 = 8;
 /// Where twice as many substeps leave more than this part of the gain, they do not help.
 const HELPS: Real = 0.8;
-/// Part of the accepted gain below which fewer substeps may do, and steps in succession before they are tried.
-const CALM: Real = 0.25;
-const CALM_STEPS: u32 = 4;
+/// Part of the accepted gain below which fewer substeps may do.
+const CALM: Real = 0.5;
 /// Motion in one step, relative to the size of the coordinates, that rounding may have made.
 const ROUNDING: Real = 1e-10;
 
@@ -34,10 +33,11 @@ pub(crate) struct Refinement {
     tolerance: Real,
     /// The most energy (J) that has been in play in a step.
     in_play: Real,
+    /// What the last steps have gained (J), less what was lost after it.
+    gained: Real,
     /// The gain (J) of the step that is being tried, with half as many substeps.
     coarser: Real,
     factor: u32,
-    calm_steps: u32,
 }
 
 impl Refinement {
@@ -45,9 +45,9 @@ impl Refinement {
         Self {
             tolerance,
             in_play: 0.0,
+            gained: 0.0,
             coarser: Real::INFINITY,
             factor: 1,
-            calm_steps: 0,
         }
     }
 
@@ -61,16 +61,15 @@ impl Refinement {
         let gain = after - before - given;
         self.in_play = self.in_play.max(before).max(before + given);
         let most = self.tolerance * self.in_play;
-        if gain > most && gain < HELPS * self.coarser && self.factor < MOST {
-            (self.coarser, self.factor, self.calm_steps) = (gain, 2 * self.factor, 0);
+        let gained = self.gained + gain;
+        let helps = gain > 0.0 && gain < HELPS * self.coarser;
+        if gained > most && helps && self.factor < MOST {
+            (self.coarser, self.factor) = (gain, 2 * self.factor);
             return true;
         }
-        self.coarser = Real::INFINITY;
-        self.calm_steps += 1;
-        if gain > CALM * most {
-            self.calm_steps = 0;
-        } else if self.calm_steps == CALM_STEPS {
-            (self.factor, self.calm_steps) = ((self.factor / 2).max(1), 0);
+        (self.coarser, self.gained) = (Real::INFINITY, gained.max(0.0));
+        if gained < CALM * most {
+            self.factor = (self.factor / 2).max(1);
         }
         false
     }
@@ -78,7 +77,10 @@ impl Refinement {
 
 /// `½ Σ m ‖v‖²` (J) of the free vertices.
 pub(crate) fn kinetic(inverse_mass: &[Real], velocities: &[Vec3]) -> Real {
-    let free = inverse_mass.iter().zip(velocities).filter(|(w, _)| **w > 0.0);
+    let free = inverse_mass
+        .iter()
+        .zip(velocities)
+        .filter(|(w, _)| **w > 0.0);
     free.map(|(w, v)| 0.5 * v.norm_squared() / w).sum()
 }
 

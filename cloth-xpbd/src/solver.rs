@@ -124,11 +124,12 @@ impl XpbdSolver {
     /// `½ Σ k C²` (J) of all rows of finite stiffness at `x` (m).
     fn elastic(&self, x: &[Vec3]) -> Real {
         let mut sum = 0.0;
-        self.families.each_row(self.motion.inverse_mass(), x, |row, _| {
-            if row.stiffness.is_finite() {
-                sum += 0.5 * row.stiffness * row.value * row.value;
-            }
-        });
+        self.families
+            .each_row(self.motion.inverse_mass(), x, |row, _| {
+                if row.stiffness.is_finite() {
+                    sum += 0.5 * row.stiffness * row.value * row.value;
+                }
+            });
         sum
     }
 

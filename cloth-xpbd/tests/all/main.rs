@@ -16,6 +16,7 @@ mod minres;
 mod no_alloc;
 #[cfg(all(feature = "direct", feature = "single"))]
 mod pin_work;
+mod refinement;
 #[path = "../../../cloth-core/tests/support/sheet.rs"]
 mod sheet;
 #[cfg(feature = "single")]

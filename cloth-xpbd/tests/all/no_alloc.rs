@@ -6,9 +6,10 @@ use crate::sheet;
 #[test]
 fn nothing_is_allocated_after_the_first_step() {
     let (mesh, model) = sheet::held_sheet(24, 1e4);
-    for damping in [0.0, 1e-3] {
+    for (damping, energy_gain) in [(0.0, None), (1e-3, None), (0.0, Some(0.01))] {
         let config = cloth_xpbd::XpbdConfig {
             damping,
+            energy_gain,
             ..Default::default()
         };
         let builder = cloth_xpbd::XpbdSolver::builder(&model.particles);

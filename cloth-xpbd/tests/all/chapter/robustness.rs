@@ -109,6 +109,7 @@ fn variants() -> Vec<XpbdConfig> {
                     ..Acceleration::default()
                 },
                 damping: 1e-3,
+                energy_gain: None,
             });
         }
     }
