@@ -33,6 +33,7 @@ mod progress;
 mod quasi_newton;
 mod stage;
 mod system;
+mod truncated_newton;
 
 pub use bdf2::Bdf2;
 pub use builder::ImplicitBuilder;

@@ -55,6 +55,13 @@ impl GlobalTerms {
         }
     }
 
+    /// Adds the parts times `p` to `out`.
+    pub(super) fn add_product(&self, p: &[Vec3], out: &mut [Vec3]) {
+        for row in self.rows.rows() {
+            row.add_to(row.stiffness * row.dot(p), out);
+        }
+    }
+
     /// Makes of `z = P r` what the parts that there are so far make of it.
     pub(super) fn correct(&self, z: &mut [Vec3]) {
         let parts = self.rows.rows().iter().zip(&self.solved);

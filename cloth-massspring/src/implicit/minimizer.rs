@@ -319,8 +319,12 @@ impl Minimizer {
             }
             report.iterations += 1;
             report.linear_solves += 1;
-            report.linear_iterations += 1;
-            let slope = method.direction(&self.current.gradient, &mut self.direction);
+            let (g, direction) = (&self.current.gradient, &mut self.direction);
+            let (slope, solves) = match contact {
+                None => (method.direction(g, direction), 1),
+                Some(_) => method.direction_in_contact(g, direction),
+            };
+            report.linear_iterations += solves;
             let decrement = (-slope).max(0.0).sqrt();
             if slope >= 0.0 || slope.is_nan() {
                 // Uphill: the pairs, or a matrix that rounding has made indefinite, mislead.
@@ -369,8 +373,10 @@ impl Minimizer {
             if found.length < LOST && norm <= STALL * rounding {
                 return Ok(End::Done(Outcome::Converged));
             }
-            let (from, to) = (&self.current.gradient, &self.next.gradient);
-            method.remember(found.length, &self.direction, from, to);
+            if contact.is_none() {
+                let (from, to) = (&self.current.gradient, &self.next.gradient);
+                method.remember(found.length, &self.direction, from, to);
+            }
             std::mem::swap(&mut self.current, &mut self.next);
             if let Some(observer) = observer.as_deref_mut() {
                 observer.iteration(report.iterations, &self.current.positions);

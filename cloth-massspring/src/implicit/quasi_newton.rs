@@ -1,15 +1,18 @@
-//! The quasi-Newton direction: L-BFGS around a multigrid cycle on a positive definite Hessian.
+//! The direction, around a multigrid cycle on a positive definite Hessian: of L-BFGS, or in contact that of a truncated
+//! Newton method.
 
 use super::drift::Unconstrained;
 use super::global_terms::GlobalTerms;
 use super::line_search::Point;
 use super::stage::Stage;
+use super::truncated_newton::{Operator, TruncatedNewton};
 use cloth_core::contact::{ContactPotential, ContactRow};
 use cloth_core::math::{Real, Vec3};
 use cloth_core::method::block_matrix::BlockMatrix;
 use cloth_core::method::family::{Assembly, Energies};
 use cloth_core::method::limited_memory::LimitedMemory;
 use cloth_core::method::multigrid::Multigrid;
+use cloth_core::method::vectors::dot;
 use std::sync::Arc;
 
 /// Iterations at the start of a step that take the matrix anew each, with predicted forces.
@@ -32,6 +35,7 @@ pub(super) struct QuasiNewton {
     rows: Vec<ContactRow>,
     pairs: Vec<ContactRow>,
     global: GlobalTerms,
+    truncated_newton: TruncatedNewton,
     work: Vec<Vec3>,
     /// Iterations in this step, and since the matrix was taken.
     iterations: u32,
@@ -49,6 +53,7 @@ impl QuasiNewton {
             rows: Vec::new(),
             pairs: Vec::new(),
             global: GlobalTerms::default(),
+            truncated_newton: TruncatedNewton::default(),
             work: vec![Vec3::zeros(); is_free.len()],
             multigrid: None,
             unconstrained: Unconstrained::of_energies(energies, assembly.pattern(), &is_free),
@@ -78,7 +83,7 @@ impl QuasiNewton {
     ) -> bool {
         let x = &current.positions[..];
         let is_mixed = self.iterations < MIXED;
-        if !is_mixed && self.age < REFRESH {
+        if !is_mixed && self.age < REFRESH && stage.contact.is_none() {
             return false;
         }
         let to = if is_start { before } else { x };
@@ -128,6 +133,34 @@ impl QuasiNewton {
     /// The matrix (N/m) that was taken last.
     pub(super) fn matrix(&self) -> &BlockMatrix {
         &self.matrix
+    }
+
+    /// Writes the direction (m) in contact for a gradient (N) to `out`. Returns the slope along it (J), and the
+    /// iterations that it took.
+    pub(super) fn direction_in_contact(
+        &mut self,
+        gradient: &[Vec3],
+        out: &mut [Vec3],
+    ) -> (Real, u32) {
+        self.iterations += 1;
+        self.age += 1;
+        let (multigrid, global) = (&mut self.multigrid, &self.global);
+        let operator = Operator {
+            matrix: &self.matrix,
+            pairs: &self.pairs,
+            global,
+            is_free: &self.is_free,
+        };
+        let inverse = |r: &[Vec3], z: &mut [Vec3]| {
+            if let Some(multigrid) = multigrid {
+                multigrid.apply(r, z);
+                global.correct(z);
+            }
+        };
+        let iterations = self
+            .truncated_newton
+            .solve(operator, inverse, gradient, out);
+        (dot(gradient, out), iterations)
     }
 
     /// Writes the direction (m) for a gradient (N) to `out`, and returns the slope along it (J).
