@@ -320,10 +320,7 @@ impl Minimizer {
             report.iterations += 1;
             report.linear_solves += 1;
             let (g, direction) = (&self.current.gradient, &mut self.direction);
-            let (slope, solves) = match contact {
-                None => (method.direction(g, direction), 1),
-                Some(_) => method.direction_in_contact(g, direction),
-            };
+            let (slope, solves) = method.direction(g, direction);
             report.linear_iterations += solves;
             let decrement = (-slope).max(0.0).sqrt();
             if slope >= 0.0 || slope.is_nan() {
@@ -353,6 +350,7 @@ impl Minimizer {
             let found = line_search::search(&stage, from, &self.direction, slope, most, to);
             report.backtracks += found.backtracks;
             if let Some(trusted) = trusted {
+                method.cut(found.length);
                 // What contact has cut says nothing about the radius.
                 if found.backtracks > 0 {
                     radius.shorten(found.length * trusted.longest);
@@ -373,10 +371,8 @@ impl Minimizer {
             if found.length < LOST && norm <= STALL * rounding {
                 return Ok(End::Done(Outcome::Converged));
             }
-            if contact.is_none() {
-                let (from, to) = (&self.current.gradient, &self.next.gradient);
-                method.remember(found.length, &self.direction, from, to);
-            }
+            let (from, to) = (&self.current.gradient, &self.next.gradient);
+            method.remember(found.length, &self.direction, from, to);
             std::mem::swap(&mut self.current, &mut self.next);
             if let Some(observer) = observer.as_deref_mut() {
                 observer.iteration(report.iterations, &self.current.positions);

@@ -19,6 +19,13 @@ use std::sync::Arc;
 const MIXED: u32 = 4;
 /// Iterations after which the matrix is taken anew.
 const REFRESH: u32 = 8;
+/// Part of a direction below which a step in contact counts as cut short, and so many of those after which directions
+/// are those of the truncated Newton method.
+const SHORT: Real = 0.25;
+const MOST_CUT: u32 = 5;
+/// Largest stiffness of a contact, over the largest diagonal block of the cloth: beyond, a cycle in single precision
+/// would not stay positive definite.
+const STIFFEST: Real = 1e4;
 /// Pairs that are kept.
 const PAIRS: usize = 5;
 
@@ -34,9 +41,13 @@ pub(super) struct QuasiNewton {
     /// Contacts, and those at the last matrix between vertices.
     rows: Vec<ContactRow>,
     pairs: Vec<ContactRow>,
+    /// The latter, none stiffer than a cycle can take.
+    for_cycle: Vec<ContactRow>,
     global: GlobalTerms,
     truncated_newton: TruncatedNewton,
     work: Vec<Vec3>,
+    /// Steps in this minimisation that were cut short.
+    cut: u32,
     /// Iterations in this step, and since the matrix was taken.
     iterations: u32,
     age: u32,
@@ -52,10 +63,12 @@ impl QuasiNewton {
             history: LimitedMemory::new(is_free.len(), PAIRS),
             rows: Vec::new(),
             pairs: Vec::new(),
+            for_cycle: Vec::new(),
             global: GlobalTerms::default(),
             truncated_newton: TruncatedNewton::default(),
             work: vec![Vec3::zeros(); is_free.len()],
             multigrid: None,
+            cut: 0,
             unconstrained: Unconstrained::of_energies(energies, assembly.pattern(), &is_free),
             assembly,
             is_free,
@@ -67,8 +80,9 @@ impl QuasiNewton {
 
     pub(super) fn begin(&mut self) {
         self.history.clear();
-        (self.iterations, self.age) = (0, 0);
+        (self.iterations, self.age, self.cut) = (0, 0, 0);
         self.pairs.clear();
+        self.for_cycle.clear();
         self.global.clear();
     }
 
@@ -83,21 +97,26 @@ impl QuasiNewton {
     ) -> bool {
         let x = &current.positions[..];
         let is_mixed = self.iterations < MIXED;
-        if !is_mixed && self.age < REFRESH && stage.contact.is_none() {
+        if !is_mixed && self.age < REFRESH && !self.is_cut_short() {
             return false;
         }
         let to = if is_start { before } else { x };
         let mixed = is_mixed.then_some([before, to]);
         stage.lumped_hessian_into(&self.assembly, x, mixed, &mut self.matrix);
         if let Some(contact) = stage.contact {
+            let stiffest = STIFFEST * self.largest_diagonal();
             self.add_contact(contact, x);
+            self.for_cycle.clone_from(&self.pairs);
+            for row in &mut self.for_cycle {
+                row.stiffness = row.stiffness.min(stiffest);
+            }
         }
         let multigrid = self.multigrid.get_or_insert_with(|| {
             let rest = stage.potential.particles.rest_positions().unwrap_or(before);
             Multigrid::new(&self.matrix, &self.is_free, rest)
         });
         // A matrix that the coarsest level refuses still makes a descent direction of the others.
-        let _ = multigrid.refresh_with(&self.matrix, &self.pairs);
+        let _ = multigrid.refresh_with(&self.matrix, &self.for_cycle);
         if let Some(contact) = stage.contact {
             let prior = |r: &[Vec3], z: &mut [Vec3]| multigrid.apply(r, z);
             self.global.refresh(contact, x, &self.is_free, prior);
@@ -109,6 +128,14 @@ impl QuasiNewton {
         true
     }
 
+    /// The largest norm of a diagonal block of what can move (N/m).
+    fn largest_diagonal(&self) -> Real {
+        let blocks = self.matrix.blocks();
+        let diagonal = |v: usize| blocks[self.matrix.pattern().row(v).end - 1].norm();
+        let free = (0..self.is_free.len()).filter(|&v| self.is_free[v]);
+        free.map(diagonal).fold(0.0, Real::max)
+    }
+
     /// Takes the second derivative of contact at `x` (m): that of single vertices, held by bodies, into the matrix,
     /// that of pairs beside it.
     fn add_contact(&mut self, contact: &dyn ContactPotential, x: &[Vec3]) {
@@ -118,7 +145,7 @@ impl QuasiNewton {
         let blocks = self.matrix.blocks_mut();
         self.pairs.clear();
         for row in &self.rows {
-            if is_internal(row) {
+            if row.weights.iter().filter(|w| **w != 0.0).count() > 1 {
                 self.pairs.push(*row);
                 continue;
             }
@@ -135,49 +162,43 @@ impl QuasiNewton {
         &self.matrix
     }
 
-    /// Writes the direction (m) in contact for a gradient (N) to `out`. Returns the slope along it (J), and the
-    /// iterations that it took.
-    pub(super) fn direction_in_contact(
-        &mut self,
-        gradient: &[Vec3],
-        out: &mut [Vec3],
-    ) -> (Real, u32) {
+    /// Whether contact cuts the steps short, so that directions of L-BFGS lead nowhere.
+    fn is_cut_short(&self) -> bool {
+        self.cut >= MOST_CUT
+    }
+
+    /// Writes the direction (m) for a gradient (N) to `out`. Returns the slope along it (J), and how many linear
+    /// iterations that took.
+    pub(super) fn direction(&mut self, gradient: &[Vec3], out: &mut [Vec3]) -> (Real, u32) {
         self.iterations += 1;
         self.age += 1;
+        let is_cut_short = self.is_cut_short();
         let (multigrid, global) = (&mut self.multigrid, &self.global);
-        let operator = Operator {
-            matrix: &self.matrix,
-            pairs: &self.pairs,
-            global,
-            is_free: &self.is_free,
-        };
         let inverse = |r: &[Vec3], z: &mut [Vec3]| {
             if let Some(multigrid) = multigrid {
                 multigrid.apply(r, z);
                 global.correct(z);
             }
         };
-        let iterations = self
-            .truncated_newton
-            .solve(operator, inverse, gradient, out);
-        (dot(gradient, out), iterations)
+        if is_cut_short {
+            let operator = Operator {
+                matrix: &self.matrix,
+                pairs: &self.pairs,
+                global,
+                is_free: &self.is_free,
+            };
+            let method = &mut self.truncated_newton;
+            let iterations = method.solve(operator, inverse, gradient, out);
+            return (dot(gradient, out), iterations);
+        }
+        let (history, work) = (&mut self.history, &mut self.work);
+        self.slope = history.direction(gradient, work, out, inverse);
+        (self.slope, 1)
     }
 
-    /// Writes the direction (m) for a gradient (N) to `out`, and returns the slope along it (J).
-    pub(super) fn direction(&mut self, gradient: &[Vec3], out: &mut [Vec3]) -> Real {
-        self.iterations += 1;
-        self.age += 1;
-        let (multigrid, global) = (&mut self.multigrid, &self.global);
-        let slope = self
-            .history
-            .direction(gradient, &mut self.work, out, |r, z| {
-                if let Some(multigrid) = multigrid {
-                    multigrid.apply(r, z);
-                    global.correct(z);
-                }
-            });
-        self.slope = slope;
-        slope
+    /// Takes notice of a step that contact has cut to `part` of its direction.
+    pub(super) fn cut(&mut self, part: Real) {
+        self.cut += u32::from(part < SHORT);
     }
 
     /// Remembers a step of `length` along the last direction (m) from one gradient (N) to another.
@@ -188,7 +209,7 @@ impl QuasiNewton {
         from: &[Vec3],
         to: &[Vec3],
     ) {
-        if self.iterations >= MIXED {
+        if self.iterations >= MIXED && !self.is_cut_short() {
             self.history.push(length, self.slope, direction, from, to);
         }
     }
@@ -212,11 +233,12 @@ impl QuasiNewton {
         }
     }
 
-    /// Forgets the pairs, and takes the matrix anew in the next iteration. Returns whether that changes anything.
+    /// Goes back to L-BFGS without pairs, and takes the matrix anew in the next iteration. Returns whether that changes
+    /// anything.
     pub(super) fn restart(&mut self) -> bool {
-        let changes = !self.history.is_empty() || self.age > 1;
+        let changes = self.is_cut_short() || !self.history.is_empty() || self.age > 1;
         self.history.clear();
-        self.age = REFRESH;
+        (self.age, self.cut) = (REFRESH, 0);
         changes
     }
 }
