@@ -29,25 +29,25 @@ fn explicit_methods_that_feel_contact_get_no_energy_from_it() {
     }
 }
 
-/// A sheet that falls on a sphere has to buckle at once, which a cloth linearised before does not know of: one
-/// linearisation a step leaves 0.32 J from nowhere and half of the fall. The sheet has several ways to buckle, which
-/// fall by 0.138 m to 0.143 m: at the tolerance of a default, rounding chooses among them, so the reference is solved
-/// further.
+/// Sheets that fall on a sphere have to buckle at once, which a cloth linearised before does not know of: one
+/// linearisation a step leaves 0.32 J from nowhere and half of the fall. A sheet has several ways to buckle, and rounding
+/// chooses among them, so the falls of several sheets are compared on average.
 #[test]
-fn linearised_cloth_on_a_sphere_falls_as_far_and_makes_no_energy() {
+fn linearised_cloth_on_a_sphere_falls_nearly_as_far_and_makes_no_energy() {
     let methods = ["linear-implicit", "implicit-euler --set tolerance=1e-8"];
     let [linear, converged] = methods.map(|method| {
-        let (code, object, said) = run(&format!(
-            "drape-sphere --n 24 --method {method} --steps 12 --threads 1"
-        ));
-        assert_eq!(code, 0, "{method}: {said}");
-        assert_eq!(object["energy_excess"].as_f64(), Some(0.0), "{method}");
-        object["center_of_mass_drop"].as_f64().unwrap()
+        let fall = |n: u32| {
+            let (code, object, said) = run(&format!(
+                "drape-sphere --n {n} --method {method} --steps 12 --threads 1"
+            ));
+            assert_eq!(code, 0, "{method}: {said}");
+            assert_eq!(object["energy_excess"].as_f64(), Some(0.0), "{method}");
+            object["center_of_mass_drop"].as_f64().unwrap()
+        };
+        [21, 22, 24].map(fall).iter().sum::<f64>()
     });
-    assert!(
-        (linear / converged - 1.0).abs() < 0.06,
-        "{linear} m for {converged} m"
-    );
+    let part = linear / converged;
+    assert!((0.93..1.0).contains(&part), "{linear} m for {converged} m");
 }
 
 /// A corner that is stopped suddenly, and wind that pulls a sheet taut: more substeps are taken where, and only where,

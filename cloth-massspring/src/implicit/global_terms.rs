@@ -55,6 +55,10 @@ impl GlobalTerms {
         }
     }
 
+    pub(super) fn is_empty(&self) -> bool {
+        self.rows.rows().is_empty()
+    }
+
     /// Adds the parts times `p` to `out`.
     pub(super) fn add_product(&self, p: &[Vec3], out: &mut [Vec3]) {
         for row in self.rows.rows() {

@@ -196,9 +196,10 @@ impl QuasiNewton {
         (self.slope, 1)
     }
 
-    /// Takes notice of a step that contact has cut to `part` of its direction.
+    /// Takes notice of a step that contact has cut to `part` of its direction. A volume that is kept cuts steps by
+    /// itself, and a better direction does not help there.
     pub(super) fn cut(&mut self, part: Real) {
-        self.cut += u32::from(part < SHORT);
+        self.cut += u32::from(part < SHORT && self.global.is_empty());
     }
 
     /// Remembers a step of `length` along the last direction (m) from one gradient (N) to another.
