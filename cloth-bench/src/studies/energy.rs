@@ -332,7 +332,10 @@ fn free_sheets(study: &mut StudyRun<'_>) -> Result<(String, String), BenchError>
         ];
         for (momentum, of) in momenta {
             let curves = found.iter().map(|((label, ..), kept)| {
-                over_seconds(label, of(kept).iter().map(|change| change.0))
+                let mut curve = over_seconds(label, of(kept).iter().map(|change| change.0));
+                // At the start nothing has changed.
+                curve.points.remove(0);
+                curve
             });
             let change = Axis::log("change over the value at the start (dimensionless)");
             let seconds = Axis::linear("time (s)");

@@ -1,0 +1,300 @@
+//! What is done about negative eigenvalues: Newton's method on one vertex between two compressed springs, where one can
+//! see it, and on sheets.
+
+use crate::studies::prelude::*;
+use crate::studies::sheets::{STIFFNESS, hanging};
+use crate::yardstick::{Sample, StepProblem};
+use cloth_core::element::{Convexity, Energy};
+use cloth_core::energy::Spring;
+use cloth_core::math::Mat3;
+use cloth_core::method::linear::LinearMethod;
+use cloth_core::random::SplitMix64;
+use cloth_massspring::{HessianPolicy, ImplicitConfig, ImplicitEuler, Solve};
+
+const DT: Real = 1.0 / 60.0;
+/// Half the distance (m) of the ends.
+const HALF: Real = 0.09;
+/// Rest length (m) and stiffness (N/m) of either spring.
+const LENGTH: Real = 0.1;
+const K: Real = 1e3;
+/// Mass (kg) between them.
+const MASS: Real = 0.01;
+
+const POLICIES: [(&str, Convexity); 4] = [
+    ("none (exact)", Convexity::Exact),
+    ("clamp", Convexity::Clamp),
+    ("absolute", Convexity::Abs),
+    ("Gauss–Newton", Convexity::GaussNewton),
+];
+
+/// A vertex between two springs that are too long for the distance of their ends: `G` of a step that starts at rest in
+/// the middle has a saddle point there, and a minimum on either side.
+struct Buckled {
+    ends: [Vec3; 2],
+    spring: Spring,
+}
+
+impl Buckled {
+    fn new() -> Self {
+        Self {
+            ends: [-HALF, HALF].map(|x| x * Vec3::x()),
+            spring: Spring {
+                vertices: [0, 1],
+                rest_length: LENGTH,
+                stiffness: K,
+            },
+        }
+    }
+
+    /// `G` (J) at `y` (m) from the middle.
+    fn value(&self, y: Real) -> Real {
+        let inertia = 0.5 * MASS * y * y / (DT * DT);
+        let x = y * Vec3::y();
+        inertia
+            + self
+                .ends
+                .iter()
+                .map(|&end| self.spring.value(&[end, x]))
+                .sum::<Real>()
+    }
+
+    /// Where the minima are (m from the middle): the springs as long as inertia lets them be.
+    fn minimum() -> Real {
+        let length = LENGTH / (1.0 + MASS / (2.0 * K * DT * DT));
+        (length * length - HALF * HALF).sqrt()
+    }
+
+    /// Places (m from the middle) of Newton's method with full steps.
+    fn newton(&self, convexity: Convexity, from: Real) -> Vec<Real> {
+        let inertia = MASS / (DT * DT);
+        let mut x = from * Vec3::y();
+        let mut places = vec![x.y];
+        for _ in 0..20 {
+            let (mut gradient, mut hessian) = (inertia * x, inertia * Mat3::identity());
+            for &end in &self.ends {
+                let (of_spring, block) = self.spring.at_corner(&[end, x], 1, convexity);
+                gradient += of_spring;
+                hessian += block;
+            }
+            x -= hessian
+                .try_inverse()
+                .map_or_else(Vec3::zeros, |inverse| inverse * gradient);
+            places.push(x.y);
+        }
+        places
+    }
+}
+
+/// Where Newton's method starts (m from the middle).
+const START: Real = 2e-3;
+
+/// Draws the energy of the one vertex and what each policy makes of it.
+fn one_vertex(findings: &mut Findings) -> String {
+    let buckled = Buckled::new();
+    let (rest, middle) = (Buckled::minimum(), buckled.value(0.0));
+    let places = (-60..=60).map(|mm| 1e-3 * Real::from(mm));
+    let energy = places.map(|y| (1e3 * y, 1e3 * (buckled.value(y) - middle)));
+    let mark = |label: &str, y: &[Real]| {
+        let marks = y
+            .iter()
+            .map(|&y| (1e3 * y, 1e3 * (buckled.value(y) - middle)));
+        Series::new(label, marks.collect())
+    };
+    let plot = Plot::new(
+        "One step of a vertex between two compressed springs",
+        Axis::linear("displacement sideways (mm)"),
+        Axis::linear("G above the straight springs (mJ)"),
+    )
+    .with([Series::new("G", energy.collect()).styled(Style::Line)])
+    .points([mark("two minima", &[-rest, rest]), mark("saddle point", &[0.0])])
+    .note("Both minima solve the step, and so does the straight line between them, where ∇G = 0 too: which one a solver ends at depends on where it starts and on what it does about negative eigenvalues.");
+    findings.plot("newton-two-minima", &plot);
+    let traces = POLICIES.map(|(label, convexity)| (label, buckled.newton(convexity, START)));
+    let plot = Plot::new(
+        "Newton's method beside a saddle point, full steps",
+        Axis::linear("iterations (dimensionless)"),
+        Axis::linear("displacement sideways (mm)").within(-5.0, 45.0),
+    )
+    .with(traces.iter().map(|(label, places)| {
+        let points = places.iter().take(13).enumerate();
+        Series::new(label, points.map(|(i, &y)| (i as Real, 1e3 * y)).collect())
+    }))
+    .exact("minimum", [(0.0, 1e3 * rest), (12.0, 1e3 * rest)])
+    .exact("saddle point", [(0.0, 0.0), (12.0, 0.0)])
+    .note("Across a compressed spring the Hessian is negative. As it is, Newton's method climbs to the saddle point; without the negative part it goes down, by as much as inertia alone allows; with its absolute value it goes down in shorter steps.");
+    findings.plot("newton-saddle", &plot);
+    let told = traces.iter().map(|(label, places)| {
+        let end = places[places.len() - 1];
+        let near = |goal: Real| (end.abs() - goal).abs() < 1e-6;
+        let there = match (near(0.0), near(rest)) {
+            (true, _) => "the saddle point",
+            (_, true) => "a minimum",
+            _ => "neither in 20 iterations",
+        };
+        format!("{label} to {there}")
+    });
+    format!(
+        "One vertex between compressed springs, {} mm beside the saddle point, goes with negative eigenvalues by {}.",
+        1e3 * START,
+        told.collect::<Vec<_>>().join(", ")
+    )
+}
+
+/// A sheet whose step is taken, and what is done about negative eigenvalues.
+#[derive(Clone, Debug, Default, Serialize)]
+struct Case {
+    sheet: &'static str,
+    #[serde(rename = "negative eigenvalues")]
+    policy: &'static str,
+}
+
+/// How Newton's method gets on.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+struct Taken {
+    #[serde(rename = "iterations to a gradient of 1e-3")]
+    coarse: Option<u32>,
+    #[serde(rename = "iterations to a gradient of 1e-8")]
+    sharp: Option<u32>,
+    /// Of the last iteration; below 0 in a lower minimum than that of the reference.
+    objective_error: Option<Real>,
+    remark: String,
+}
+
+/// Iterations and their errors; none, and why, where the matrix was of no use.
+type Traced = (Vec<Sample>, String);
+
+const SHEETS: [&str; 2] = ["hanging", "compressed"];
+
+/// The sixteenth step of the hanging sheet, or the first of one that is pressed together by a tenth.
+fn problem(sheet: &str, side: u32) -> Result<(Scene, StepProblem), BenchError> {
+    let mut scene = scene::build("hang", None, &hanging(side, STIFFNESS))?;
+    let steps = if sheet == "hanging" { 15 } else { 0 };
+    if sheet == "compressed" {
+        let mut random = SplitMix64::new(1);
+        for x in &mut scene.start.positions {
+            *x = Vec3::new(0.9 * x.x, x.y, x.z + 1e-4 * random.symmetric());
+        }
+    }
+    let problem = StepProblem::after(&scene, steps, scene.dt)?;
+    Ok((scene, problem))
+}
+
+fn take(sheet: &str, side: u32, hessian: HessianPolicy) -> Result<Traced, BenchError> {
+    let (scene, problem) = problem(sheet, side)?;
+    let config = ImplicitConfig {
+        solve: Solve::Newton,
+        linear: LinearMethod::Cholesky,
+        max_iterations: 300,
+        tolerance: 0.0,
+        hessian,
+        ..Default::default()
+    };
+    let model = &scene.model;
+    let builder = ImplicitEuler::builder(&model.particles).elements(model.families());
+    let mut solver = builder.config(config).build()?;
+    Ok(match problem.trace(&mut solver) {
+        Ok(trace) => (trace, String::new()),
+        Err(error) => (Vec::new(), error.to_string()),
+    })
+}
+
+/// Measures and draws all, and says what comes of it.
+pub(super) fn run(study: &mut StudyRun<'_>) -> String {
+    let told = one_vertex(&mut study.findings);
+    let side = study.scope.pick(16, 32);
+    let blended = ("exact where it serves", HessianPolicy::ExactFirst);
+    let always = POLICIES.map(|(label, convexity)| (label, HessianPolicy::Always(convexity)));
+    let policies = || [blended].into_iter().chain(always);
+    let points = SHEETS
+        .into_iter()
+        .flat_map(|sheet| policies().map(move |policy| (sheet, policy)));
+    let found: Vec<((&str, (&str, HessianPolicy)), Traced)> = study.grid_side_by_side(
+        points,
+        |(sheet, (policy, _))| format!("negative eigenvalues, {sheet}, {policy}"),
+        |&(sheet, (_, hessian))| take(sheet, side, hessian),
+    );
+    for sheet in SHEETS {
+        let of_sheet = found.iter().filter(|((of, _), _)| *of == sheet);
+        let samples = of_sheet.flat_map(|((_, (policy, _)), (trace, _))| {
+            trace.iter().map(|sample| (*policy, sample))
+        });
+        let curves = curves(samples, |(policy, sample)| {
+            (
+                policy,
+                (Real::from(sample.iteration), sample.error.gradient),
+            )
+        });
+        let plot = Plot::new(
+            format!("What is done about negative eigenvalues: a {sheet} sheet, {side} × {side}"),
+            Axis::log("iterations of Newton's method (dimensionless)"),
+            Axis::log("‖∇G‖/‖∇G(x̃)‖ (dimensionless)"),
+        )
+        .with(curves);
+        study
+            .findings
+            .plot(&format!("newton-convexity-{sheet}"), &plot);
+    }
+    let row = |((sheet, (policy, _)), (trace, remark)): ((_, (_, _)), Traced)| {
+        let within = |goal: Real| trace.iter().find(|sample| sample.error.gradient <= goal);
+        let taken = Taken {
+            coarse: within(1e-3).map(|sample| sample.iteration),
+            sharp: within(1e-8).map(|sample| sample.iteration),
+            objective_error: trace.last().map(|sample| sample.error.objective),
+            remark,
+        };
+        (Case { sheet, policy }, taken)
+    };
+    let rows: Vec<(Case, Taken)> = found.into_iter().map(row).collect();
+    let caption = format!(
+        "Newton's method by what it does about negative eigenvalues, {side} × {side} vertices"
+    );
+    study
+        .findings
+        .table("newton-convexity", &caption, Table::of(&rows));
+    told
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_exact_hessian_climbs_to_the_saddle_point_and_the_others_go_down() {
+        let (buckled, rest) = (Buckled::new(), Buckled::minimum());
+        // Stationary, and lower than its neighbours; the middle is stationary, and higher.
+        for (y, is_minimum) in [(0.0, false), (rest, true), (-rest, true)] {
+            let [below, at, above] = [-1e-5, 0.0, 1e-5].map(|d| buckled.value(y + d));
+            assert!((above - below).abs() < 1e-9, "{y}");
+            assert_eq!(above > at && below > at, is_minimum, "{y}");
+        }
+        let [exact, clamped, absolute, gauss_newton] =
+            POLICIES.map(|(_, convexity)| buckled.newton(convexity, START));
+        assert!(exact[1].abs() < 2e-5 && exact[4].abs() < 1e-40, "{exact:?}");
+        // Once too far, where inertia alone resists; in shorter steps never.
+        assert!(
+            clamped[2] > rest && (clamped[9] - rest).abs() < 1e-9,
+            "{clamped:?}"
+        );
+        assert!(absolute.iter().all(|&y| y < rest) && rest - absolute[20] < 1e-9);
+        assert_eq!(clamped, gauss_newton);
+    }
+
+    #[test]
+    fn the_fewest_iterations_take_the_exact_hessian_where_it_serves() {
+        let sharp = |sheet, hessian| {
+            let (trace, remark) = take(sheet, 16, hessian).unwrap();
+            let there = trace.iter().find(|sample| sample.error.gradient <= 1e-8);
+            (there.map(|sample| sample.iteration), remark)
+        };
+        let of = |sheet, convexity| sharp(sheet, HessianPolicy::Always(convexity));
+        let hanging = |convexity| of("hanging", convexity).0.unwrap();
+        let blended = sharp("hanging", HessianPolicy::ExactFirst).0.unwrap();
+        assert_eq!([blended, hanging(Convexity::Exact)], [7, 7]);
+        assert!((11..=13).contains(&hanging(Convexity::Clamp)));
+        assert!((18..=20).contains(&hanging(Convexity::Abs)));
+        assert!(hanging(Convexity::GaussNewton) > 100);
+        let (there, remark) = of("compressed", Convexity::Exact);
+        assert_eq!(there, None);
+        assert!(remark.contains("not positive definite"), "{remark}");
+    }
+}
