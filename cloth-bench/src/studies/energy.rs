@@ -59,10 +59,9 @@ fn methods() -> Vec<Solver> {
 struct Kept {
     /// Energy (J) at the start and after every hundredth of the time.
     energy: Vec<Number>,
-    /// Change of the linear momentum by anything but gravity, over its value at the start, at the same times.
-    linear: Vec<Number>,
-    /// Change of the angular momentum about the origin, over its value at the start.
-    angular: Vec<Number>,
+    /// Changes over the values at the start, at the same times: of the linear momentum, by anything but gravity, and
+    /// of the angular momentum about the origin.
+    momenta: [Vec<Number>; 2],
 }
 
 impl Kept {
@@ -76,8 +75,8 @@ impl Kept {
 
     /// Largest changes of linear and of angular momentum.
     fn drift(&self) -> [Real; 2] {
-        let largest = |all: &[Number]| all.iter().map(|one| one.0).fold(0.0, Real::max);
-        [largest(&self.linear), largest(&self.angular)]
+        let largest = |all: &Vec<Number>| all.iter().map(|one| one.0).fold(0.0, Real::max);
+        self.momenta.each_ref().map(largest)
     }
 
     /// Fraction of the energy that is left after ten seconds.
@@ -148,11 +147,9 @@ fn follow(
             }
         }
     }
-    let [linear, angular] = drifts;
     Ok(Kept {
         energy: kept,
-        linear,
-        angular,
+        momenta: drifts,
     })
 }
 
@@ -326,13 +323,10 @@ fn free_sheets(study: &mut StudyRun<'_>) -> Result<(String, String), BenchError>
             setting.vertices_a_side, setting.steps_per_second
         );
         study.findings.plot(&name, &over_time(&title).with(curves));
-        let momenta: [(_, fn(&Kept) -> &Vec<Number>); 2] = [
-            ("linear", |kept| &kept.linear),
-            ("angular", |kept| &kept.angular),
-        ];
-        for (momentum, of) in momenta {
+        for (place, momentum) in ["linear", "angular"].into_iter().enumerate() {
             let curves = found.iter().map(|((label, ..), kept)| {
-                let mut curve = over_seconds(label, of(kept).iter().map(|change| change.0));
+                let mut curve =
+                    over_seconds(label, kept.momenta[place].iter().map(|change| change.0));
                 // At the start nothing has changed.
                 curve.points.remove(0);
                 curve

@@ -147,8 +147,8 @@ impl Observer for Idle {
 
 /// How a feature is there.
 #[derive(Clone, Copy, PartialEq)]
-enum Use {
-    Without,
+enum Presence {
+    Absent,
     Unused,
     InUse,
 }
@@ -162,7 +162,7 @@ struct Variant<'a> {
 }
 
 /// Settings of the sheet and of the method.
-fn settings(n: u32, feature: &str, used: Use) -> Result<[Settings; 2], BenchError> {
+fn settings(n: u32, feature: &str, used: Presence) -> Result<[Settings; 2], BenchError> {
     let known = memory::FEATURES.iter().find(|known| known.0 == feature);
     let unknown = || BenchError::Failed(format!("`{feature}` is no feature of this study"));
     let &(_, of_method, settings) = known.ok_or_else(unknown)?;
@@ -179,12 +179,12 @@ impl Variant<'_> {
         [sheet, own]: &[Settings; 2],
         feature: &str,
         method: &str,
-        used: Use,
+        used: Presence,
     ) -> Result<Self, BenchError> {
         let scene = scene::build("hang", None, sheet)?;
         let mut contacts: Option<Box<dyn ContactSource>> = None;
-        if let (Some(mesh), "contact", true) = (&scene.mesh, feature, used != Use::Without) {
-            let builder = PotentialContacts::builder(mesh).self_collision(used == Use::InUse);
+        if let (Some(mesh), "contact", true) = (&scene.mesh, feature, used != Presence::Absent) {
+            let builder = PotentialContacts::builder(mesh).self_collision(used == Presence::InUse);
             contacts = Some(Box::new(builder.build()?));
         } else if scene.can_touch() {
             contacts = scene.contacts()?.map(|contacts| Box::new(contacts) as _);
@@ -193,7 +193,7 @@ impl Variant<'_> {
             stepper: Method::find(method)?.build(&scene, own, scene.dt)?,
             scene,
             contacts,
-            observer: (feature == "observer" && used != Use::Without).then_some(Idle),
+            observer: (feature == "observer" && used != Presence::Absent).then_some(Idle),
         })
     }
 
@@ -223,10 +223,10 @@ fn times(scope: Scope, feature: &str, method: &str) -> Result<Times, BenchError>
         Variant::new(&settings, feature, method, used)
     };
     let mut variants = [
-        variant(Use::Without)?,
-        variant(Use::Without)?,
-        variant(Use::Unused)?,
-        variant(Use::InUse)?,
+        variant(Presence::Absent)?,
+        variant(Presence::Absent)?,
+        variant(Presence::Unused)?,
+        variant(Presence::InUse)?,
     ];
     let least = scope.pick(1.0, 4.0);
     let times = interleaved(least, |variant| variants[variant].step())?;

@@ -208,7 +208,7 @@ pub(super) fn run(study: &mut StudyRun<'_>) -> String {
     let points = SHEETS
         .into_iter()
         .flat_map(|sheet| policies().map(move |policy| (sheet, policy)));
-    let found: Vec<((&str, (&str, HessianPolicy)), Traced)> = study.grid_side_by_side(
+    let found = study.grid_side_by_side(
         points,
         |(sheet, (policy, _))| format!("negative eigenvalues, {sheet}, {policy}"),
         |&(sheet, (_, hessian))| take(sheet, side, hessian),
@@ -234,7 +234,7 @@ pub(super) fn run(study: &mut StudyRun<'_>) -> String {
             .findings
             .plot(&format!("newton-convexity-{sheet}"), &plot);
     }
-    let row = |((sheet, (policy, _)), (trace, remark)): ((_, (_, _)), Traced)| {
+    let row = |((sheet, (policy, _)), (trace, remark)): ((_, (_, HessianPolicy)), Traced)| {
         let within = |goal: Real| trace.iter().find(|sample| sample.error.gradient <= goal);
         let taken = Taken {
             coarse: within(1e-3).map(|sample| sample.iteration),

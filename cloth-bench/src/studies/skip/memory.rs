@@ -1,6 +1,6 @@
 //! What a feature costs in memory: everything that a scene, its solver, its contact and the first step ask for.
 
-use super::{Feature, Use, Variant, settings};
+use super::{Feature, Presence, Variant, settings};
 use crate::memory::{Allocated, allocated};
 use crate::studies::prelude::*;
 
@@ -97,9 +97,9 @@ fn held(n: u32, feature: &str, method: &str) -> Result<Held, BenchError> {
             stepped?;
             Ok((all, later))
         };
-        let (without, _) = of(Use::Without)?;
-        let (unused, later) = of(Use::Unused)?;
-        let (used, _) = of(Use::InUse)?;
+        let (without, _) = of(Presence::Absent)?;
+        let (unused, later) = of(Presence::Unused)?;
+        let (used, _) = of(Presence::InUse)?;
         Ok(Held {
             without: without.bytes,
             unused: unused.bytes - without.bytes,
