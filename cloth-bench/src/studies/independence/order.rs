@@ -128,10 +128,13 @@ pub(super) fn run(study: &mut StudyRun<'_>) -> Result<String, BenchError> {
     let told = labels
         .iter()
         .map(|label| format!("{label} {}", significant(most(label), 2)));
-    Ok(format!(
-        "A vertex of a symmetric sheet ends at most so far (m) from the mirror image of its partner: {}.",
+    let told = format!(
+        "A vertex of a symmetric sheet ends at most so far (m) from the mirror image of its partner, by however many iterations: {}.",
         told.collect::<Vec<_>>().join(", ")
-    ))
+    );
+    let question = "Does a symmetric cloth stay symmetric?";
+    study.findings.answer(question, told.clone());
+    Ok(told)
 }
 
 #[cfg(test)]
