@@ -153,41 +153,32 @@ pub(in crate::studies) fn fold_angle(name: &str, cells: usize) -> Result<Real, B
 
 /// Measures all, and says what every method makes of every pattern.
 pub(super) fn run(study: &mut StudyRun<'_>) -> String {
-    let (patterns, sizes) = (by_pattern(study.scope), by_iterations(study.scope));
-    let on_patterns = patterns.len();
-    let cases: Vec<(usize, Case)> = patterns.into_iter().chain(sizes).enumerate().collect();
+    let mut rows = measured(study, by_pattern(study.scope));
+    let told = by_method(&rows, &mut study.findings);
+    rows.extend(measured(study, by_iterations(study.scope)));
+    let (caption, table) = ("One fold by every method", Table::of(&rows));
+    study.findings.table("locking-methods", caption, table);
+    told
+}
+
+fn measured(study: &mut StudyRun<'_>, cases: Vec<Case>) -> Vec<(Solver, Made)> {
     let found = study.grid_side_by_side(
         cases,
-        |(_, case)| {
-            let Case {
-                variant,
-                pattern,
-                cells,
-            } = case;
-            format!("fold by {}, {pattern}, {cells} cells", variant.label)
+        |case| {
+            let (label, cells) = (&case.variant.label, case.cells);
+            format!("fold by {label}, {}, {cells} cells", case.pattern)
         },
-        |(_, case)| make(case),
+        make,
     );
-    let row = |((place, case), made): ((usize, Case), Made)| {
-        let Case {
-            variant,
-            pattern,
-            cells,
-        } = case;
-        let solver = Solver {
-            method: variant.label,
-            pattern,
-            cells,
-        };
-        (place, (solver, made))
+    let solver = |case: Case| Solver {
+        method: case.variant.label,
+        pattern: case.pattern,
+        cells: case.cells,
     };
-    let (places, rows): (Vec<usize>, Vec<(Solver, Made)>) = found.into_iter().map(row).unzip();
-    let caption = "One fold by every method";
-    study
-        .findings
-        .table("locking-methods", caption, Table::of(&rows));
-    let compared = places.iter().filter(|&&place| place < on_patterns).count();
-    by_method(&rows[..compared], &mut study.findings)
+    found
+        .into_iter()
+        .map(|(case, made)| (solver(case), made))
+        .collect()
 }
 
 /// One line a method, one column a pattern, and the same in words.
@@ -195,32 +186,23 @@ fn by_method(rows: &[(Solver, Made)], findings: &mut Findings) -> String {
     let mut table = Table::new(&[&["method"], &PATTERNS[..]].concat());
     let mut told = Vec::new();
     for method in method::all().map(|method| method.name) {
-        let of_method = rows
-            .iter()
-            .filter(|(solver, made)| solver.method == method && made.steps_to_rest.is_some());
-        let reached: Vec<(&str, Real)> = of_method
+        let at_rest = rows.iter().filter(|(_, made)| made.steps_to_rest.is_some());
+        let of_method = at_rest.filter(|(solver, _)| solver.method == method);
+        let mut reached: Vec<(&str, Real)> = of_method
             .map(|(solver, made)| (solver.pattern, made.bending_reached))
             .collect();
-        let by_size = |a: &&(&str, Real), b: &&(&str, Real)| a.1.total_cmp(&b.1);
-        let ends = reached
-            .iter()
-            .min_by(by_size)
-            .zip(reached.iter().max_by(by_size));
-        let Some(((locked, least), (free, most))) = ends else {
-            continue;
+        let of_pattern = |&pattern: &&str| {
+            let one = reached.iter().find(|one| one.0 == pattern);
+            Cell::from(one.map(|one| one.1))
         };
-        told.push(format!(
-            "{method} {} ({locked}) to {} ({free})",
-            significant(*least, 2),
-            significant(*most, 2)
-        ));
-        let of_pattern = |pattern| reached.iter().find(|one| one.0 == pattern).map(|one| one.1);
-        let cells = PATTERNS
-            .iter()
-            .map(|&pattern| Cell::from(of_pattern(pattern)));
-        table
-            .rows
-            .push([Cell::from(method)].into_iter().chain(cells).collect());
+        let cells = PATTERNS.iter().map(of_pattern);
+        let cells = [Cell::from(method)].into_iter().chain(cells).collect();
+        reached.sort_by(|a, b| a.1.total_cmp(&b.1));
+        if let [(locked, least), .., (free, most)] = reached[..] {
+            let [least, most] = [least, most].map(|share| significant(share, 2));
+            told.push(format!("{method} {least} ({locked}) to {most} ({free})"));
+            table.rows.push(cells);
+        }
     }
     findings.table(
         "locking-patterns",

@@ -12,13 +12,13 @@ use cloth_core::random::SplitMix64;
 use cloth_massspring::{HessianPolicy, ImplicitConfig, ImplicitEuler, Solve};
 
 const DT: Real = 1.0 / 60.0;
-/// Half the distance (m) of the ends.
+/// Half the distance of the ends and rest length of either spring (m), its stiffness (N/m), and the mass (kg) between.
 const HALF: Real = 0.09;
-/// Rest length (m) and stiffness (N/m) of either spring.
 const LENGTH: Real = 0.1;
 const K: Real = 1e3;
-/// Mass (kg) between them.
 const MASS: Real = 0.01;
+/// Where Newton's method starts (m from the middle).
+const START: Real = 2e-3;
 
 const POLICIES: [(&str, Convexity); 4] = [
     ("none (exact)", Convexity::Exact),
@@ -27,79 +27,51 @@ const POLICIES: [(&str, Convexity); 4] = [
     ("Gauss–Newton", Convexity::GaussNewton),
 ];
 
-/// A vertex between two springs that are too long for the distance of their ends: `G` of a step that starts at rest in
-/// the middle has a saddle point there, and a minimum on either side.
-struct Buckled {
-    ends: [Vec3; 2],
-    spring: Spring,
+/// Two springs that are too long for the distance of their ends, with those: `G` of a step of the vertex between them
+/// that starts at rest in the middle has a saddle point there, and a minimum on either side.
+fn springs() -> [(Spring, Vec3); 2] {
+    let spring = Spring {
+        vertices: [0, 1],
+        rest_length: LENGTH,
+        stiffness: K,
+    };
+    [-HALF, HALF].map(|x| (spring, x * Vec3::x()))
 }
 
-impl Buckled {
-    fn new() -> Self {
-        Self {
-            ends: [-HALF, HALF].map(|x| x * Vec3::x()),
-            spring: Spring {
-                vertices: [0, 1],
-                rest_length: LENGTH,
-                stiffness: K,
-            },
-        }
-    }
-
-    /// `G` (J) at `y` (m) from the middle.
-    fn value(&self, y: Real) -> Real {
-        let inertia = 0.5 * MASS * y * y / (DT * DT);
-        let x = y * Vec3::y();
-        inertia
-            + self
-                .ends
-                .iter()
-                .map(|&end| self.spring.value(&[end, x]))
-                .sum::<Real>()
-    }
-
-    /// Where the minima are (m from the middle): the springs as long as inertia lets them be.
-    fn minimum() -> Real {
-        let length = LENGTH / (1.0 + MASS / (2.0 * K * DT * DT));
-        (length * length - HALF * HALF).sqrt()
-    }
-
-    /// Places (m from the middle) of Newton's method with full steps.
-    fn newton(&self, convexity: Convexity, from: Real) -> Vec<Real> {
-        let inertia = MASS / (DT * DT);
-        let mut x = from * Vec3::y();
-        let mut places = vec![x.y];
-        for _ in 0..20 {
-            let (mut gradient, mut hessian) = (inertia * x, inertia * Mat3::identity());
-            for &end in &self.ends {
-                let (of_spring, block) = self.spring.at_corner(&[end, x], 1, convexity);
-                gradient += of_spring;
-                hessian += block;
-            }
-            x -= hessian
-                .try_inverse()
-                .map_or_else(Vec3::zeros, |inverse| inverse * gradient);
-            places.push(x.y);
-        }
-        places
-    }
+/// `G` (J) at `y` (m) from the middle.
+fn value(y: Real) -> Real {
+    let elastic = springs().map(|(spring, end)| spring.value(&[end, y * Vec3::y()]));
+    0.5 * MASS * y * y / (DT * DT) + elastic.iter().sum::<Real>()
 }
 
-/// Where Newton's method starts (m from the middle).
-const START: Real = 2e-3;
+/// Where the minima are (m from the middle): the springs as long as inertia lets them be.
+fn minimum() -> Real {
+    let length = LENGTH / (1.0 + MASS / (2.0 * K * DT * DT));
+    (length * length - HALF * HALF).sqrt()
+}
+
+/// Places (m from the middle) of Newton's method with full steps.
+fn newton(convexity: Convexity) -> Vec<Real> {
+    let inertia = MASS / (DT * DT);
+    let next = |x: &Vec3| {
+        let (mut gradient, mut hessian) = (inertia * x, inertia * Mat3::identity());
+        for (spring, end) in springs() {
+            let (of_spring, block) = spring.at_corner(&[end, *x], 1, convexity);
+            gradient += of_spring;
+            hessian += block;
+        }
+        Some(x - hessian.try_inverse()? * gradient)
+    };
+    let places = std::iter::successors(Some(START * Vec3::y()), next);
+    places.take(21).map(|x| x.y).collect()
+}
 
 /// Draws the energy of the one vertex and what each policy makes of it.
 fn one_vertex(findings: &mut Findings) -> String {
-    let buckled = Buckled::new();
-    let (rest, middle) = (Buckled::minimum(), buckled.value(0.0));
-    let places = (-60..=60).map(|mm| 1e-3 * Real::from(mm));
-    let energy = places.map(|y| (1e3 * y, 1e3 * (buckled.value(y) - middle)));
-    let mark = |label: &str, y: &[Real]| {
-        let marks = y
-            .iter()
-            .map(|&y| (1e3 * y, 1e3 * (buckled.value(y) - middle)));
-        Series::new(label, marks.collect())
-    };
+    let (rest, middle) = (minimum(), value(0.0));
+    let at = |y: Real| (1e3 * y, 1e3 * (value(y) - middle));
+    let energy = (-60..=60).map(|mm| at(1e-3 * Real::from(mm)));
+    let mark = |label: &str, y: &[Real]| Series::new(label, y.iter().map(|&y| at(y)).collect());
     let plot = Plot::new(
         "One step of a vertex between two compressed springs",
         Axis::linear("displacement sideways (mm)"),
@@ -109,7 +81,7 @@ fn one_vertex(findings: &mut Findings) -> String {
     .points([mark("two minima", &[-rest, rest]), mark("saddle point", &[0.0])])
     .note("Both minima solve the step, and so does the straight line between them, where ∇G = 0 too: which one a solver ends at depends on where it starts and on what it does about negative eigenvalues.");
     findings.plot("newton-two-minima", &plot);
-    let traces = POLICIES.map(|(label, convexity)| (label, buckled.newton(convexity, START)));
+    let traces = POLICIES.map(|(label, convexity)| (label, newton(convexity)));
     let plot = Plot::new(
         "Newton's method beside a saddle point, full steps",
         Axis::linear("iterations (dimensionless)"),
@@ -124,8 +96,7 @@ fn one_vertex(findings: &mut Findings) -> String {
     .note("Across a compressed spring the Hessian is negative. As it is, Newton's method climbs to the saddle point; without the negative part it goes down, by as much as inertia alone allows; with its absolute value it goes down in shorter steps.");
     findings.plot("newton-saddle", &plot);
     let told = traces.iter().map(|(label, places)| {
-        let end = places[places.len() - 1];
-        let near = |goal: Real| (end.abs() - goal).abs() < 1e-6;
+        let near = |goal: Real| places.last().is_some_and(|y| (y - goal).abs() < 1e-6);
         let there = match (near(0.0), near(rest)) {
             (true, _) => "the saddle point",
             (_, true) => "a minimum",
@@ -140,17 +111,12 @@ fn one_vertex(findings: &mut Findings) -> String {
     )
 }
 
-/// A sheet whose step is taken, and what is done about negative eigenvalues.
-#[derive(Clone, Debug, Default, Serialize)]
-struct Case {
+/// A sheet whose step is taken, what is done about negative eigenvalues, and how Newton's method gets on.
+#[derive(Default, Serialize)]
+struct Taken {
     sheet: &'static str,
     #[serde(rename = "negative eigenvalues")]
     policy: &'static str,
-}
-
-/// How Newton's method gets on.
-#[derive(Clone, Debug, Default, Serialize, Deserialize)]
-struct Taken {
     #[serde(rename = "iterations to a gradient of 1e-3")]
     coarse: Option<u32>,
     #[serde(rename = "iterations to a gradient of 1e-8")]
@@ -165,22 +131,18 @@ type Traced = (Vec<Sample>, String);
 
 const SHEETS: [&str; 2] = ["hanging", "compressed"];
 
-/// The sixteenth step of the hanging sheet, or the first of one that is pressed together by a tenth.
-fn problem(sheet: &str, side: u32) -> Result<(Scene, StepProblem), BenchError> {
+/// Takes the sixteenth step of the hanging sheet, or the first of one that is pressed together by a tenth.
+fn take(sheet: &str, side: u32, hessian: HessianPolicy) -> Result<Traced, BenchError> {
     let mut scene = scene::build("hang", None, &hanging(side, STIFFNESS))?;
-    let steps = if sheet == "hanging" { 15 } else { 0 };
+    let mut steps = 15;
     if sheet == "compressed" {
+        steps = 0;
         let mut random = SplitMix64::new(1);
         for x in &mut scene.start.positions {
             *x = Vec3::new(0.9 * x.x, x.y, x.z + 1e-4 * random.symmetric());
         }
     }
     let problem = StepProblem::after(&scene, steps, scene.dt)?;
-    Ok((scene, problem))
-}
-
-fn take(sheet: &str, side: u32, hessian: HessianPolicy) -> Result<Traced, BenchError> {
-    let (scene, problem) = problem(sheet, side)?;
     let config = ImplicitConfig {
         solve: Solve::Newton,
         linear: LinearMethod::Cholesky,
@@ -236,15 +198,16 @@ pub(super) fn run(study: &mut StudyRun<'_>) -> String {
     }
     let row = |((sheet, (policy, _)), (trace, remark)): ((_, (_, HessianPolicy)), Traced)| {
         let within = |goal: Real| trace.iter().find(|sample| sample.error.gradient <= goal);
-        let taken = Taken {
+        Taken {
+            sheet,
+            policy,
             coarse: within(1e-3).map(|sample| sample.iteration),
             sharp: within(1e-8).map(|sample| sample.iteration),
             objective_error: trace.last().map(|sample| sample.error.objective),
             remark,
-        };
-        (Case { sheet, policy }, taken)
+        }
     };
-    let rows: Vec<(Case, Taken)> = found.into_iter().map(row).collect();
+    let rows: Vec<Taken> = found.into_iter().map(row).collect();
     let caption = format!(
         "Newton's method by what it does about negative eigenvalues, {side} × {side} vertices"
     );
@@ -260,15 +223,15 @@ mod tests {
 
     #[test]
     fn the_exact_hessian_climbs_to_the_saddle_point_and_the_others_go_down() {
-        let (buckled, rest) = (Buckled::new(), Buckled::minimum());
+        let rest = minimum();
         // Stationary, and lower than its neighbours; the middle is stationary, and higher.
         for (y, is_minimum) in [(0.0, false), (rest, true), (-rest, true)] {
-            let [below, at, above] = [-1e-5, 0.0, 1e-5].map(|d| buckled.value(y + d));
+            let [below, at, above] = [-1e-5, 0.0, 1e-5].map(|d| value(y + d));
             assert!((above - below).abs() < 1e-9, "{y}");
             assert_eq!(above > at && below > at, is_minimum, "{y}");
         }
         let [exact, clamped, absolute, gauss_newton] =
-            POLICIES.map(|(_, convexity)| buckled.newton(convexity, START));
+            POLICIES.map(|(_, convexity)| newton(convexity));
         assert!(exact[1].abs() < 2e-5 && exact[4].abs() < 1e-40, "{exact:?}");
         // Once too far, where inertia alone resists; in shorter steps never.
         assert!(
