@@ -8,8 +8,6 @@ mod carriers;
 mod common;
 #[path = "contract/contact.rs"]
 mod contact;
-#[path = "../../cloth-core/tests/support/counting_allocator.rs"]
-mod counting_allocator;
 #[path = "contract/energy.rs"]
 mod energy;
 #[path = "contract/momentum.rs"]

@@ -1,6 +1,8 @@
 //! Where the time of a Newton iteration goes, which ordering and linear solver win at which size, and what a whole step
 //! costs with each.
 
+mod convexity;
+mod overshoot;
 mod parts;
 mod solvers;
 mod steps;
@@ -23,7 +25,10 @@ pub(super) const STUDY: Study = Study {
         and the stationary iterations never to be worth it. One might expect conjugate gradients to overtake the factorisation on large sheets and at loose tolerances; what surprises is that up to 256 a side they do not: this cloth is so stiff against its mass that their iterations grow with the side, to more than a thousand at 128 a side for a residual of 1e-3. \
         `multigrid` among the linear solvers is conjugate gradients around a multigrid cycle, whose iterations hardly grow. \
         Whole steps: the sixteenth of the hanging sheet, from its start guess, with solvers that have taken a step before; the error is (G − G*)/(G(x̃) − G*) against Newton's method to rounding. Newton's method solves its systems to a residual of 1e-3, in at most 1000 linear iterations, \
-        and takes at most 60 iterations; a solver that does not reach 1e-8 within them, or takes more than 5 s, is not asked for a sheet that is larger or stiffer. The quasi-Newton method is what implicit steps take by default.",
+        and takes at most 60 iterations; a solver that does not reach 1e-8 within them, or takes more than 5 s, is not asked for a sheet that is larger or stiffer. The quasi-Newton method is what implicit steps take by default. \
+        Negative eigenvalues: one vertex between two compressed springs, k = 1e3 N/m, Δt = 1/60 s, whose step has two minima and a saddle point between them; then the sixteenth step of the hanging sheet, and the first of a sheet pressed together by a tenth, each vertex off the plane by up to 0.1 mm. \
+        Each by Newton's method with the exact Hessian of every spring, with its negative eigenvalues at zero (clamp), with their absolute values, with the second derivative of the length left out (Gauss–Newton), and with as much of the exact one as is positive definite, which is what the solver takes by default. \
+        Overshoot: one step of a mass on a spring, stretched by a tenth or turning at its rest length.",
     run,
 };
 
@@ -57,7 +62,10 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
     let first = parts.report(&mut study.findings);
     let second = solvers.report(&mut study.findings);
     let third = steps::run(study, &conditions);
-    study.findings.section.verdict = Some(format!("{third} {first} {second}"));
+    let fourth = convexity::run(study);
+    let fifth = study.chapter("overshoot", |findings, _| overshoot::draw(findings));
+    let fifth = fifth.unwrap_or_default();
+    study.findings.section.verdict = Some(format!("{third} {first} {second} {fourth} {fifth}"));
     Ok(())
 }
 

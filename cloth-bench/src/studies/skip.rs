@@ -1,4 +1,6 @@
-//! What the features cost that a scene does not use: time, dependencies, build.
+//! What the features cost that a scene does not use: time, memory, dependencies, build.
+
+mod memory;
 
 use super::interleaved::interleaved;
 use crate::studies::prelude::*;
@@ -14,7 +16,8 @@ pub(super) const STUDY: Study = Study {
     name: "skip",
     question: "What does a feature cost where a scene does not use it?",
     about: "Expect a ratio of 1 for whatever is there but unused. Time: a step of the hanging sheet without the feature, with the feature there but not used (a bending rigidity of 0, a contact hook with nothing to touch, an observer that does nothing), and with it in use. \
-        Many rounds of one step each, and of their ratios to the step without the feature the median: what slows the machine for a while slows a whole round. How far that can be trusted stands beside it: the step without the feature is measured twice. Contact in use is self-collision of a sheet that does not touch itself, resolved once a step. That nothing is allocated is not measured here but tested. \
+        Many rounds of one step each, and of their ratios to the step without the feature the median: what slows the machine for a while slows a whole round. How far that can be trusted stands beside it: the step without the feature is measured twice. Contact in use is self-collision of a sheet that does not touch itself, resolved once a step. \
+        Memory: bytes that scene, solver and contact hold after their first step on one thread, and how often they have asked for memory until then, beside the same without the feature; every method that has it. Unused is a value that says so, a bending rigidity or a damping of 0, or a hook with nothing to do; of settings of a method their text is copied and given back, in two or three allocations. \
         Dependencies: other crates that a crate of this workspace brings in, with all of its features and with the fewest; seconds are those of building it alone from nothing, its dependencies included.",
     run,
 };
@@ -93,6 +96,7 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
         &format!("Time of a step of the {n} × {n} sheet with and without a feature"),
         Table::of(&times),
     );
+    let memory = memory::run(study);
     let of_crate = |(name, features): (_, &[&str])| {
         let features = features.join(" ");
         let features = if features.is_empty() {
@@ -117,7 +121,7 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
         .map(|(_, t)| (t.again - 1.0).abs())
         .fold(0.0, Real::max);
     let mut verdict = format!(
-        "A feature that is there but unused makes a step at most {most:.3} times as long; the same step measured twice differs by up to {:.1} %.",
+        "A feature that is there but unused makes a step at most {most:.3} times as long; the same step measured twice differs by up to {:.1} %. {memory}",
         100.0 * noise
     );
     let fewest = weights
@@ -141,6 +145,14 @@ impl Observer for Idle {
     fn iteration(&mut self, _: u32, _: &[Vec3]) {}
 }
 
+/// How a feature is there.
+#[derive(Clone, Copy, PartialEq)]
+enum Presence {
+    Absent,
+    Unused,
+    InUse,
+}
+
 /// One variant of taking steps.
 struct Variant<'a> {
     scene: Scene,
@@ -149,20 +161,49 @@ struct Variant<'a> {
     observer: Option<Idle>,
 }
 
+/// Settings of the sheet and of the method.
+fn settings(n: u32, feature: &str, used: Presence) -> Result<[Settings; 2], BenchError> {
+    let known = memory::FEATURES.iter().find(|known| known.0 == feature);
+    let unknown = || BenchError::Failed(format!("`{feature}` is no feature of this study"));
+    let &(_, of_method, settings) = known.ok_or_else(unknown)?;
+    let own = Settings::of(settings[used as usize]);
+    let sheet = Settings::default().with("n", n);
+    Ok(match of_method {
+        true => [sheet, own],
+        false => [sheet.then(&own), Settings::default()],
+    })
+}
+
 impl Variant<'_> {
-    fn new(method: &str, settings: &Settings) -> Result<Self, BenchError> {
-        let scene = scene::build("hang", None, settings)?;
+    fn new(
+        [sheet, own]: &[Settings; 2],
+        feature: &str,
+        method: &str,
+        used: Presence,
+    ) -> Result<Self, BenchError> {
+        let scene = scene::build("hang", None, sheet)?;
+        let mut contacts: Option<Box<dyn ContactSource>> = None;
+        if let (Some(mesh), "contact", true) = (&scene.mesh, feature, used != Presence::Absent) {
+            let builder = PotentialContacts::builder(mesh).self_collision(used == Presence::InUse);
+            contacts = Some(Box::new(builder.build()?));
+        } else if scene.can_touch() {
+            contacts = scene.contacts()?.map(|contacts| Box::new(contacts) as _);
+        }
         Ok(Self {
-            stepper: Method::find(method)?.build(&scene, &Settings::default(), scene.dt)?,
+            stepper: Method::find(method)?.build(&scene, own, scene.dt)?,
             scene,
-            contacts: None,
-            observer: None,
+            contacts,
+            observer: (feature == "observer" && used != Presence::Absent).then_some(Idle),
         })
     }
 
     /// Time (s) of one step from the start of the scene: the work is the same every time.
     fn step(&mut self) -> Result<Real, BenchError> {
         let mut state = self.scene.start.clone();
+        self.step_from(&mut state)
+    }
+
+    fn step_from(&mut self, state: &mut State) -> Result<Real, BenchError> {
         let mut input = StepInput::new(self.scene.dt).gravity(self.scene.gravity);
         if let Some(contacts) = &mut self.contacts {
             input = input.contacts(&mut **contacts);
@@ -171,43 +212,22 @@ impl Variant<'_> {
             input = input.observer(observer);
         }
         let started = Instant::now();
-        self.stepper.step(&mut state, input)?;
+        self.stepper.step(state, input)?;
         Ok(started.elapsed().as_secs_f64())
     }
 }
 
 fn times(scope: Scope, feature: &str, method: &str) -> Result<Times, BenchError> {
-    let plain = Settings::default().with("n", side(scope));
-    let [without, unused, used] = match feature {
-        "bending" => [
-            plain.clone().with("bending", "none"),
-            plain.clone().with("rigidity", 0),
-            plain,
-        ],
-        _ => [plain.clone(), plain.clone(), plain],
+    let variant = |used| {
+        let settings = settings(side(scope), feature, used)?;
+        Variant::new(&settings, feature, method, used)
     };
     let mut variants = [
-        Variant::new(method, &without)?,
-        Variant::new(method, &without)?,
-        Variant::new(method, &unused)?,
-        Variant::new(method, &used)?,
+        variant(Presence::Absent)?,
+        variant(Presence::Absent)?,
+        variant(Presence::Unused)?,
+        variant(Presence::InUse)?,
     ];
-    match feature {
-        "contact" => {
-            let Some(mesh) = variants[0].scene.mesh.clone() else {
-                return Err(BenchError::Failed("the sheet has no mesh".into()));
-            };
-            for (variant, itself) in variants[2..].iter_mut().zip([false, true]) {
-                let builder = PotentialContacts::builder(&mesh).self_collision(itself);
-                variant.contacts = Some(Box::new(builder.build()?));
-            }
-        }
-        "observer" => {
-            variants[2].observer = Some(Idle);
-            variants[3].observer = Some(Idle);
-        }
-        _ => {}
-    }
     let least = scope.pick(1.0, 4.0);
     let times = interleaved(least, |variant| variants[variant].step())?;
     let [_, again, unused, used] = times.ratios;

@@ -201,6 +201,26 @@ fn substeps_and_iterations_leave_what_the_readme_says() {
     );
 }
 
+#[test]
+fn a_symmetric_sheet_is_as_lopsided_as_the_study_finds() {
+    let sheets = table(&["independence", "--quick"], "independence-order");
+    // The name of the method has a comma of its own.
+    let off = |sweep: &str, iterations: &str| -> f64 {
+        let start = ["\"pbd", &format!(" {sweep}\""), iterations];
+        let mut lines = sheets.iter();
+        let line = lines.find(|line| line.iter().zip(start).all(|(a, b)| a == b));
+        line.unwrap()[3].parse().unwrap()
+    };
+    let [one, many] = ["1", "16"].map(|iterations| off("colours", iterations));
+    assert_says(
+        RESULTS,
+        &format!(
+            "is off its mirror image by {one:.3} m with one iteration of `pbd` a step, by {many:.3} m with 16"
+        ),
+    );
+    assert!(off("Jacobi", "16") < 1e-12);
+}
+
 /// The sheet of 64 × 64 vertices after half a second.
 fn fallen(method: &str, pairs: &[&str]) -> Summary {
     let sheet = Settings::parse(&["n=64"]).unwrap();

@@ -1,7 +1,6 @@
 //! The elements of a scene are a choice: a method takes those whose view it needs, and refuses the others by name.
 
-use crate::common::{advance, converged, methods, scene as built, solver};
-use crate::counting_allocator::allocations;
+use crate::common::{advance, allocations, converged, methods, scene as built, solver};
 use cloth_bench::error::BenchError;
 use cloth_bench::method::Method;
 use cloth_bench::run::run;

@@ -1,5 +1,6 @@
 //! What the claims share: the methods that run, and some scenes.
 
+use cloth_bench::memory::allocated;
 use cloth_bench::method::{METHODS, Method};
 use cloth_bench::scene::{self, Scene};
 use cloth_bench::settings::Settings;
@@ -39,4 +40,15 @@ pub(crate) fn advance(solver: &mut dyn Stepper, scene: &Scene, state: &mut State
             .step(state, StepInput::new(scene.dt).gravity(scene.gravity))
             .unwrap();
     }
+}
+
+/// How often `work` asks for memory, on this thread.
+pub(crate) fn allocations(work: impl FnOnce()) -> i64 {
+    allocated(work).1.count
+}
+
+/// How often twenty calls of `step` do, after a first one that may.
+pub(crate) fn allocations_once_warm(mut step: impl FnMut()) -> i64 {
+    step();
+    allocations(|| (0..20).for_each(|_| step()))
 }

@@ -1,7 +1,6 @@
 //! The hook of contact, in every method, with and without strain limiting.
 
-use crate::common::{methods, scene};
-use crate::counting_allocator::allocations_once_warm;
+use crate::common::{allocations_once_warm, methods, scene};
 use cloth_bench::method::{METHODS, Method};
 use cloth_bench::run::{SeparationWatch, run};
 use cloth_bench::settings::Settings;

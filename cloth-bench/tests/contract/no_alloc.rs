@@ -1,7 +1,6 @@
 //! No method allocates once warm.
 
-use crate::common::{advance, methods, scene, solver};
-use crate::counting_allocator::allocations_once_warm;
+use crate::common::{advance, allocations_once_warm, methods, scene, solver};
 
 #[test]
 fn no_step_allocates_after_the_first() {

@@ -1,6 +1,6 @@
 //! The laws of contact, where a method projects positions and feels it in every substep.
 
-use crate::counting_allocator::allocations_once_warm;
+use crate::common::allocations_once_warm;
 use cloth_collide::SeparationProbe;
 use cloth_collide::obstacle::{HalfSpace, Obstacle, Pose, RigidMotion, Sphere};
 use cloth_collide::potential::PotentialContacts;

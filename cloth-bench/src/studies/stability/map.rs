@@ -31,24 +31,59 @@ pub(super) struct Map {
     pub(super) across: &'static str,
     pub(super) down: &'static str,
     values: [[&'static [Real]; 2]; 2],
+    /// Who is asked.
+    pub(super) methods: fn() -> Vec<Variant>,
     /// The sheet and its step (s) for a value across and one down.
     build: fn(Real, Real) -> Result<(Scene, Real), BenchError>,
 }
 
+const STEPS_AND_STIFFNESSES: [[&[Real]; 2]; 2] = [
+    [&[1.0 / 240.0, 1.0 / 60.0, 0.25], &[1e2, 1e6]],
+    [
+        &[1e-3, 1.0 / 240.0, 1.0 / 60.0, 1.0 / 15.0, 0.25, 1.0],
+        &[1.0, 1e2, 1e4, 1e6, 1e8],
+    ],
+];
+
+/// Every method at its published setting.
+fn published() -> Vec<Variant> {
+    method::all().map(Variant::default_of).collect()
+}
+
+/// Every method that iterates, cut short after the first.
+fn cut_short() -> Vec<Variant> {
+    Variant::list(
+        "implicit-euler: iterations=1
+        implicit-euler, Newton: linear=cholesky iterations=1
+        implicit-midpoint: iterations=1
+        bdf2: iterations=1
+        pbd: iterations=1
+        xpbd: substeps=1 iterations=1
+        xpbd-direct: iterations=1
+        pd: iterations=1
+        pd, no coarse grid: coarse=0 iterations=1",
+    )
+}
+
+/// Every method with steps that are stable, and the sweeps that compute with fewer digits.
+fn with_single() -> Vec<Variant> {
+    let more = Variant::list(
+        "symplectic-euler, cut: substeps=auto
+        xpbd, single precision: precision=single",
+    );
+    let implicit = method::all().filter(|method| !method.is_explicit());
+    implicit.map(Variant::default_of).chain(more).collect()
+}
+
 /// Values are those of the quick scope, across and down, then of the full one.
-pub(super) static MAPS: [Map; 3] = [
+pub(super) static MAPS: [Map; 5] = [
     Map {
         name: "step",
         caption: "Step size and stiffness",
         across: "Δt",
         down: "stiffness (N/m)",
-        values: [
-            [&[1.0 / 240.0, 1.0 / 60.0, 0.25], &[1e2, 1e6]],
-            [
-                &[1e-3, 1.0 / 240.0, 1.0 / 60.0, 1.0 / 15.0, 0.25, 1.0],
-                &[1.0, 1e2, 1e4, 1e6, 1e8],
-            ],
-        ],
+        values: STEPS_AND_STIFFNESSES,
+        methods: published,
         build: |dt, stiffness| Ok((hung(stiffness)?, dt)),
     },
     Map {
@@ -60,6 +95,7 @@ pub(super) static MAPS: [Map; 3] = [
             [&[1.0, 1e4], &[1.0, 1e6]],
             [&[1.0, 1e2, 1e4, 1e6], &[1.0, 1e2, 1e4, 1e6, 1e8]],
         ],
+        methods: published,
         build: |mass, stiffness| Ok((uneven(mass, stiffness)?, STEP)),
     },
     Map {
@@ -71,7 +107,29 @@ pub(super) static MAPS: [Map; 3] = [
             [&[1.0, 1e-3, 0.0], &[1e4]],
             [&[1.0, 0.1, 1e-2, 1e-3, 1e-4, 1e-6, 0.0], &[1e2, 1e4, 1e6]],
         ],
+        methods: published,
         build: |height, stiffness| Ok((slivers(height, stiffness)?, STEP)),
+    },
+    Map {
+        name: "one-iteration",
+        caption: "Step size and stiffness with one iteration a step",
+        across: "Δt",
+        down: "stiffness (N/m)",
+        values: STEPS_AND_STIFFNESSES,
+        methods: cut_short,
+        build: |dt, stiffness| Ok((hung(stiffness)?, dt)),
+    },
+    Map {
+        name: "offset",
+        caption: "Distance from the origin",
+        across: "offset (m)",
+        down: "stiffness (N/m)",
+        values: [
+            [&[0.0, 1e4], &[1e4]],
+            [&[0.0, 1e4, 1e8, 1e12], &[1e2, 1e4, 1e6]],
+        ],
+        methods: with_single,
+        build: |offset, stiffness| Ok((far_away(offset, stiffness)?, STEP)),
     },
 ];
 
@@ -87,12 +145,12 @@ impl Map {
         &self,
         scope: Scope,
         down: Real,
-        method: &str,
+        method: &Variant,
     ) -> Result<Vec<Fate>, BenchError> {
         let steps = if scope == Scope::Quick { 20 } else { 60 };
         let (across, _) = self.values(scope);
         let fate = |first: Real| match (self.build)(first, down) {
-            Ok((scene, dt)) => worst(runs(scope, method), |seed| {
+            Ok((scene, dt)) => worst(runs(scope, method.method()), |seed| {
                 follow(&jittered(&scene, seed), method, dt, steps)
             }),
             Err(error) => Ok(Fate::Refused(error.to_string())),
@@ -121,7 +179,8 @@ pub(super) fn worst(
 
 /// What a method makes of the fall of a sheet with springs of so many N/m, in steps of 1/60 s.
 pub(super) fn falls(stiffness: Real, method: &str, steps: u32) -> Result<Fate, BenchError> {
-    follow(&jittered(&hung(stiffness)?, 1), method, STEP, steps)
+    let published = Variant::default_of(Method::find(method)?);
+    follow(&jittered(&hung(stiffness)?, 1), &published, STEP, steps)
 }
 
 fn jittered(scene: &Scene, seed: u64) -> Scene {
@@ -139,6 +198,15 @@ fn jittered(scene: &Scene, seed: u64) -> Scene {
 fn hung(stiffness: Real) -> Result<Scene, BenchError> {
     let settings = Settings::of(&format!("n={N} stiffness={stiffness}"));
     scene::build("hang", None, &settings)
+}
+
+/// The sheet moved by `offset` (m) along each axis: its edges lose as many digits as its coordinates have more.
+pub(super) fn far_away(offset: Real, stiffness: Real) -> Result<Scene, BenchError> {
+    let mut scene = hung(stiffness)?;
+    for x in &mut scene.start.positions {
+        *x += Vec3::repeat(offset);
+    }
+    Ok(scene)
 }
 
 /// The free corner opposite to the held ones is heavier than an inner vertex by `mass`, and the half of the sheet

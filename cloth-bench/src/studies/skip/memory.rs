@@ -1,0 +1,152 @@
+//! What a feature costs in memory: everything that a scene, its solver, its contact and the first step ask for.
+
+use super::{Feature, Presence, Variant, settings};
+use crate::memory::{Allocated, allocated};
+use crate::studies::prelude::*;
+
+/// Names, whether settings are those of the method, and the settings without the feature, with it unused and in use.
+/// Without any: a hook of the step.
+#[rustfmt::skip] // a table is read by rows
+pub(super) const FEATURES: [(&str, bool, [&str; 3]); 13] = [
+    ("bending", false, ["bending=none", "rigidity=0", ""]),
+    ("contact", false, [""; 3]),
+    ("observer", false, [""; 3]),
+    ("contact of the scene", false, ["contact=none", "self=no", "self=yes"]),
+    ("compression", false, ["", "compression=1", "compression=0.01"]),
+    ("slack", false, ["", "slack=none", "slack=0.99,1.01"]),
+    ("coarse level", false, ["", "level=0", "level=1"]),
+    ("strain limiting", true, ["", "strain_limit=none", "strain_limit=0.05"]),
+    ("air drag", true, ["", "air_drag=0", "air_drag=1"]),
+    ("stiffness damping", true, ["", "stiffness_damping=0", "stiffness_damping=1e-4"]),
+    ("damping of constraints", true, ["", "damping=0", "damping=1e-4"]),
+    ("Chebyshev", true, ["iterations=20", "iterations=20 chebyshev=none", "iterations=20 chebyshev=0.9"]),
+    ("coarse levels of PBD", true, ["", "hierarchy=none", "hierarchy=1"]),
+];
+
+/// Bytes that are held after a first step, and how often memory was asked for until then.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+struct Held {
+    #[serde(rename = "without (bytes)")]
+    without: i64,
+    #[serde(rename = "unused − without (bytes)")]
+    unused: i64,
+    #[serde(rename = "unused − without (allocations)")]
+    unused_count: i64,
+    #[serde(rename = "in use − without (bytes)")]
+    used: i64,
+    #[serde(rename = "in use − without (allocations)")]
+    used_count: i64,
+    #[serde(rename = "second step, unused (allocations)")]
+    later: i64,
+}
+
+/// Vertices a side.
+fn side(scope: Scope) -> u32 {
+    scope.pick(9, 33)
+}
+
+fn held(n: u32, feature: &str, method: &str) -> Result<Held, BenchError> {
+    // One thread, so that nothing is asked for by another.
+    let alone = rayon::ThreadPoolBuilder::new().num_threads(1).build();
+    let alone = alone.map_err(BenchError::failed)?;
+    alone.install(|| {
+        let of = |used| -> Result<(Allocated, Allocated), BenchError> {
+            let settings = settings(n, feature, used)?;
+            let first = || {
+                let mut variant = Variant::new(&settings, feature, method, used)?;
+                variant.step()?;
+                Ok::<_, BenchError>(variant)
+            };
+            // What is made once in a program, whoever asks first.
+            drop(first()?);
+            let (variant, all) = allocated(first);
+            let mut variant = variant?;
+            let mut state = variant.scene.start.clone();
+            let (stepped, later) = allocated(|| variant.step_from(&mut state));
+            stepped?;
+            Ok((all, later))
+        };
+        let (without, _) = of(Presence::Absent)?;
+        let (unused, later) = of(Presence::Unused)?;
+        let (used, _) = of(Presence::InUse)?;
+        Ok(Held {
+            without: without.bytes,
+            unused: unused.bytes - without.bytes,
+            unused_count: unused.count - without.count,
+            used: used.bytes - without.bytes,
+            used_count: used.count - without.count,
+            later: later.count,
+        })
+    })
+}
+
+/// Every feature with every method that has it.
+fn features() -> impl Iterator<Item = Feature> {
+    let methods = || method::all().filter(|method| !method.is_never_stable());
+    FEATURES
+        .into_iter()
+        .flat_map(move |(feature, of_method, settings)| {
+            let has = move |method: &&Method| {
+                let used = Settings::of(settings[2]);
+                !of_method || used.among(&method.parameters()) == used
+            };
+            methods().filter(has).map(move |method| Feature {
+                feature,
+                method: method.name,
+            })
+        })
+}
+
+/// Measures all, and says what is not free.
+pub(super) fn run(study: &mut StudyRun<'_>) -> String {
+    let n = side(study.scope);
+    let rows = study.grid(
+        features(),
+        |Feature { feature, method }| format!("memory, {feature}, {method}"),
+        |Feature { feature, method }| held(n, feature, method),
+    );
+    let caption =
+        format!("Memory of the {n} × {n} sheet with and without a feature, after one step");
+    study
+        .findings
+        .table("skip-memory", &caption, Table::of(&rows));
+    let costly = rows.iter().filter(|(_, held)| held.unused != 0);
+    let mut costly: Vec<&str> = costly.map(|(feature, _)| feature.feature).collect();
+    costly.dedup();
+    let most = rows.iter().map(|(_, held)| held.unused).max().unwrap_or(0);
+    format!(
+        "Of {} features {} hold no memory where they are not used; the others ({}) up to {most} bytes.",
+        FEATURES.len(),
+        FEATURES.len() - costly.len(),
+        costly.join(", ")
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// But for a contact hook that is there and has nothing to do, which holds its mesh.
+    #[test]
+    fn what_is_not_used_holds_no_memory_and_what_is_used_does() {
+        for Feature { feature, method } in features() {
+            let held = held(9, feature, method).unwrap();
+            let told = format!("{feature}, {method}: {held:?}");
+            assert_eq!(held.later, 0, "{told}");
+            match feature {
+                "contact" => {
+                    assert!((30_000..200_000).contains(&held.unused), "{told}");
+                    assert!(held.used > held.unused, "{told}");
+                }
+                // Of settings of a method their text is copied, and given back.
+                _ => assert!(held.unused == 0 && held.unused_count <= 3, "{told}"),
+            }
+            match feature {
+                "observer" => assert_eq!((held.used, held.used_count), (0, 0), "{told}"),
+                "strain limiting" => assert_eq!(held.used, 26_512, "{told}"),
+                "bending" => assert!(held.used > 15_000, "{told}"),
+                _ => {}
+            }
+        }
+    }
+}
