@@ -99,6 +99,7 @@
 //! | `Δt < 2/ω_max` | stability | [`stable_time_step`] |
 //! | `min G(x)` | implicit Euler, a minimisation | [`ImplicitEuler`], [`IncrementalPotential`] |
 //! | `p = −B⁻¹∇G`, B from pairs `s`, `y` around a multigrid cycle | quasi-Newton (L-BFGS) | [`Solve::QuasiNewton`] |
+//! | `B p = −∇G`, nearly | truncated Newton, in hard contact | [`Solve::QuasiNewton`] |
 //! | `Δx = −(M/Δt² + H)⁻¹ ∇G` | Newton's method, start guess | [`Solve::Newton`], [`StartGuess`] |
 //! | `τ = Δt/2` | the implicit midpoint rule | [`ImplicitMidpoint`] |
 //! | `τ = 2Δt/3` | BDF2, and when it starts again | [`Bdf2`] |
@@ -160,6 +161,11 @@
 //! What couples all vertices of a piece, the volume of a closed one
 //! ([`ClosedVolume`](cloth_core::enclosure::ClosedVolume)), is an addition of rank one around the whole cycle
 //! (Sherman–Morrison, `implicit/global_terms.rs`): a ball of water, K = 2·10⁹ Pa, converges as one of air does.
+//! Where five steps of a minimisation have been cut to less than a quarter by what is near, a direction of L-BFGS leads
+//! nowhere any more: what one cycle leaves of the residual is enough to run into the next contact. From there on the
+//! directions are those of a *truncated Newton method*: conjugate gradients around the cycle, to a tenth of the
+//! residual, on the matrix taken anew (`implicit/truncated_newton.rs`). A sheet of 41 × 41 vertices on a cube that turns
+//! takes 1,184 of them in 20 steps, where L-BFGS alone takes 25,077 iterations.
 //! Newton's method does not take over from a step with contact; one that has not converged within
 //! [`ImplicitConfig::max_iterations`] ends there, free of crossings.
 //!
@@ -335,8 +341,8 @@
 //!    norms.
 //! 4. `implicit/newton.rs` with `system.rs` (the matrix, kept positive definite) and `line_search.rs`.
 //! 5. `implicit/minimizer.rs` and `quasi_newton.rs`, around
-//!    [`LimitedMemory`](cloth_core::method::limited_memory::LimitedMemory): the default; `progress.rs`: when Newton's
-//!    method takes over.
+//!    [`LimitedMemory`](cloth_core::method::limited_memory::LimitedMemory): the default; `truncated_newton.rs`: its
+//!    directions in hard contact; `progress.rs`: when Newton's method takes over.
 //! 6. `implicit/bdf2.rs`, `at_end.rs` (contact of the midpoint rule), `damper.rs`, `linearized.rs`,
 //!    `drift.rs`, `global_terms.rs` (volumes).
 //!

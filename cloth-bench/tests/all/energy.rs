@@ -86,6 +86,18 @@ fn implicit_steps_into_a_ring_end_at_a_minimum() {
     assert!(stretch < 0.06, "{stretch}");
 }
 
+/// A cube turns below a sheet: where contact cuts directions of L-BFGS short, those of a truncated Newton method go on.
+/// L-BFGS alone takes 25,077 iterations.
+#[test]
+fn implicit_steps_in_hard_contact_take_some_sixty_iterations() {
+    let (code, object, said) =
+        run("drape-box --n 41 --method implicit-euler --steps 20 --threads 1");
+    assert_eq!(code, 0, "{said}");
+    assert_eq!(object["converged_steps"], 20);
+    let iterations = object["iterations"].as_u64().unwrap();
+    assert!(iterations < 1300, "{iterations}");
+}
+
 #[test]
 fn motion_that_nothing_gave_fails_the_run_with_its_step() {
     let (code, object, said) =

@@ -219,12 +219,24 @@ fn box_trembles_only_beyond_the_limit_of_its_contact() {
             let (_, motion) = contacts.contacts.free_motions().next().unwrap();
             heights.push(motion.pose.position.z);
         }
+        // From its start on: a box that has jumped may come to rest later.
         let least = heights.iter().copied().fold(f64::INFINITY, f64::min);
-        heights.iter().copied().fold(-f64::INFINITY, f64::max) - least
+        let swing = heights.iter().copied().fold(-f64::INFINITY, f64::max) - least;
+        println!("{dt} s: {swing} m");
+        swing
     };
     for part in [0.25, 0.95, 1.05] {
         let swing = swing(part * limit);
-        assert_eq!(swing < 1e-5, part < 1.0, "{part} of {limit} s: {swing} m");
+        // Nearer to the limit a swing is larger, but of the size of the start; one that grows is a thousand times that.
+        let (is_stable, bound) = (part < 1.0, 2e-5);
+        assert!(
+            if is_stable {
+                swing < bound
+            } else {
+                swing > 100.0 * bound
+            },
+            "{part} of {limit} s: {swing} m"
+        );
     }
 }
 
