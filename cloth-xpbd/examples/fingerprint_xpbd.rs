@@ -48,6 +48,7 @@ fn main() -> Result<(), Box<dyn Error>> {
                 ..Acceleration::default()
             },
             damping,
+            energy_gain: None,
         };
         let triangles = StvkTriangle::on(&mesh, 100.0, 0.3);
         let mut solver = XpbdSolver::builder(&model.particles)
