@@ -274,6 +274,18 @@ pub struct ContactRow {
     pub stiffness: Real,
 }
 
+impl ContactRow {
+    /// `k J (J·p)`, for displacements `p` (m) of all vertices: adds it to `out` (N).
+    pub fn add_product(&self, p: &[Vec3], out: &mut [Vec3]) {
+        let ends = || self.vertices.iter().zip(self.weights);
+        let along: Real = ends()
+            .map(|(v, w)| w * self.normal.dot(&p[*v as usize]))
+            .sum();
+        let force = self.normal * (self.stiffness * along);
+        ends().for_each(|(v, w)| out[*v as usize] += force * w);
+    }
+}
+
 /// Why contact could not be resolved.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]

@@ -28,6 +28,13 @@ pub fn kinetic_energy(particles: &Particles, velocities: &[Vec3]) -> Real {
     0.5 * twice
 }
 
+/// The kinetic energy (J) that rounding may make of a mass (kg) in a step of `dt` (s), with coordinates up to `size`
+/// (m): positions moved by 10⁻¹⁰ of them.
+#[must_use]
+pub fn rounding_energy(mass: Real, size: Real, dt: Real) -> Real {
+    0.5 * mass * (1e-10 * size / dt).powi(2)
+}
+
 /// `−Σ m g·x` (J), zero at the origin.
 ///
 /// # Panics

@@ -119,16 +119,10 @@ impl ContactSystem {
     fn multiply(&mut self) {
         self.product.copy_from_slice(&self.times_matrix);
         for row in &self.rows {
-            let ends = || row.vertices.iter().zip(row.weights);
-            let along: Real = ends()
-                .map(|(v, w)| w * row.normal.dot(&self.direction[*v as usize]))
-                .sum();
-            let force = row.normal * (row.stiffness * along);
-            ends().for_each(|(v, w)| self.product[*v as usize] += force * w);
+            row.add_product(&self.direction, &mut self.product);
         }
         for row in self.global.rows() {
-            let along = row.dot(&self.direction);
-            row.add_to(row.stiffness * along, &mut self.product);
+            row.add_product(&self.direction, &mut self.product);
         }
     }
 

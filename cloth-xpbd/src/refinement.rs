@@ -14,6 +14,7 @@
 //! many substeps, and the next one begins with as many. Where that is below a half, the next one tries half as many.
 
 use cloth_core::math::{Real, Vec3};
+use cloth_core::measure::rounding_energy;
 use cloth_core::particles::State;
 use cloth_core::step::StepInput;
 
@@ -23,8 +24,6 @@ const MOST: u32 = 8;
 const HELPS: Real = 0.8;
 /// Part of the accepted gain below which fewer substeps may do.
 const CALM: Real = 0.5;
-/// Motion in one step, relative to the size of the coordinates, that rounding may have made.
-const ROUNDING: Real = 1e-10;
 
 /// What is known of the energy of a run, and how many times as many substeps the next step takes.
 #[derive(Clone, Copy, Debug)]
@@ -98,5 +97,5 @@ pub(crate) fn external_work(
         mass += 1.0 / w;
         size = size.max(x[vertex].amax());
     }
-    work + 0.5 * mass * (ROUNDING * size / input.dt).powi(2)
+    work + rounding_energy(mass, size, input.dt)
 }

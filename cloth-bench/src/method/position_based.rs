@@ -235,7 +235,7 @@ pub(super) fn single(settings: &Settings) -> Result<Option<SingleConfig>, BenchE
     };
     if xpbd(settings)? != plain {
         return Err(BenchError::Usage(
-            "precision=single needs coloured sweeps without relaxation, extrapolation or damping"
+            "precision=single needs coloured sweeps without relaxation, extrapolation, damping or energy_gain"
                 .into(),
         ));
     }

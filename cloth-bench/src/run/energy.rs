@@ -46,6 +46,7 @@
 use crate::error::BenchError;
 use crate::scene::Scene;
 use cloth_core::math::{Real, Vec3};
+use cloth_core::measure;
 use cloth_core::method::family::Energies;
 use cloth_core::particles::{Particles, State};
 use serde::{Deserialize, Serialize};
@@ -78,8 +79,7 @@ impl fmt::Display for EnergyGain {
 
 /// Excess over what was given, from which on it is worth a warning.
 pub(super) const WORTH_A_WARNING: Real = 0.01;
-/// Motion in one step, relative to the size of the coordinates, that rounding may have made, and error of a sum
-/// relative to what is added.
+/// Error of a sum relative to what is added.
 const ROUNDING: Real = 1e-10;
 
 /// The account of one run.
@@ -193,7 +193,7 @@ impl EnergyBalance {
         self.most_given = self.most_given.max(given);
         let size = state.positions.iter().map(Vec3::amax).fold(0.0, Real::max);
         let mass: Real = self.particles.mass().iter().sum();
-        let jitter = 0.5 * mass * (ROUNDING * size / dt).powi(2);
+        let jitter = measure::rounding_energy(mass, size, dt);
         let sums = ROUNDING * (self.start.abs() + fallen.abs() + self.work.abs() + held);
         if held - given > jitter + sums {
             self.excess = self.excess.max(held - given);

@@ -22,6 +22,11 @@ impl GlobalRow {
             .sum()
     }
 
+    /// `k g (g·p)`, for displacements `p` (m) of all vertices: adds it to `out` (N).
+    pub fn add_product(&self, p: &[Vec3], out: &mut [Vec3]) {
+        self.add_to(self.stiffness * self.dot(p), out);
+    }
+
     /// Adds `scale g` to `out`, which has an entry for every vertex.
     pub fn add_to(&self, scale: Real, out: &mut [Vec3]) {
         for (&vertex, gradient) in self.vertices.iter().zip(&self.gradient) {

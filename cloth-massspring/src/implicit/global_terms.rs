@@ -62,7 +62,7 @@ impl GlobalTerms {
     /// Adds the parts times `p` to `out`.
     pub(super) fn add_product(&self, p: &[Vec3], out: &mut [Vec3]) {
         for row in self.rows.rows() {
-            row.add_to(row.stiffness * row.dot(p), out);
+            row.add_product(p, out);
         }
     }
 

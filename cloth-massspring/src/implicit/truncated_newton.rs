@@ -31,12 +31,7 @@ impl Operator<'_> {
     fn apply(&self, p: &[Vec3], out: &mut [Vec3]) {
         self.matrix.multiply(p, out);
         for row in self.pairs {
-            let ends = || row.vertices.iter().zip(row.weights);
-            let along: Real = ends()
-                .map(|(v, w)| w * row.normal.dot(&p[*v as usize]))
-                .sum();
-            let force = row.normal * (row.stiffness * along);
-            ends().for_each(|(v, w)| out[*v as usize] += force * w);
+            row.add_product(p, out);
         }
         self.global.add_product(p, out);
         for (out, is_free) in out.iter_mut().zip(self.is_free) {
