@@ -165,7 +165,7 @@
 //! nowhere any more: what one cycle leaves of the residual is enough to run into the next contact. From there on the
 //! directions are those of a *truncated Newton method*: conjugate gradients around the cycle, to a tenth of the
 //! residual, on the matrix taken anew (`implicit/truncated_newton.rs`). A sheet of 41 × 41 vertices on a cube that turns
-//! takes 1,184 of them in 20 steps, where L-BFGS alone takes 25,077 iterations.
+//! takes 1,184 iterations in 20 steps, and 25,077 by L-BFGS alone.
 //! Newton's method does not take over from a step with contact; one that has not converged within
 //! [`ImplicitConfig::max_iterations`] ends there, free of crossings.
 //!

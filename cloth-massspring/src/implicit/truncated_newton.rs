@@ -4,8 +4,8 @@
 //!
 //! One cycle is a good direction where nothing touches. In contact it is not: what it leaves of the residual is mostly
 //! where cloth and contact share the load, and there a little of it goes far into what is near. The line search then
-//! takes a twentieth of the direction, and the iterations are a thousand. A solve to a tenth costs as much as fifteen
-//! cycles, needs no search for what is near, and leaves a twentieth of the iterations.
+//! takes a twentieth of the direction, and the iterations are a thousand. A solve to a tenth costs some ten
+//! cycles, needs no search for what is near, and leaves a fifth to a twentieth of the iterations.
 
 use super::global_terms::GlobalTerms;
 use cloth_core::contact::ContactRow;
