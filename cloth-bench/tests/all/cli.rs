@@ -442,19 +442,19 @@ fn a_study_writes_its_report_and_its_data() {
     let folder = folder("study");
     let told = json(&[
         "study",
-        "locking",
+        "sag",
         "--quick",
         "--out",
         folder.to_str().unwrap(),
         "--json",
     ]);
-    assert_eq!(told["studies"][0], "locking");
+    assert_eq!(told["studies"][0], "sag");
     assert_eq!(told["failed"].as_array().unwrap().len(), 0);
     for file in [
         "report.html",
         "manifest.json",
-        "data/locking.csv",
-        "plots/locking-share.svg",
+        "data/sag-chain.csv",
+        "plots/sag-chain.svg",
     ] {
         assert!(
             folder.join(file).metadata().is_ok_and(|m| m.len() > 100),
@@ -462,7 +462,7 @@ fn a_study_writes_its_report_and_its_data() {
         );
     }
     let page = std::fs::read_to_string(folder.join("report.html")).unwrap();
-    assert!(page.contains("<svg") && page.contains("3V − E"));
+    assert!(page.contains("<svg") && page.contains("N(N − 1)/2"));
 }
 
 /// A vertex that falls through a triangle, and one that falls beside it; then once more, wrongly labelled.

@@ -4,7 +4,7 @@ use crate::program::program;
 use crate::scene_text::written;
 use cloth_bench::error::BenchError;
 use cloth_bench::method::{METHODS, Method};
-use cloth_bench::run::run;
+use cloth_bench::run::{from_start, run};
 use cloth_bench::scene::{self, Scene, file};
 use cloth_bench::settings::Settings;
 use cloth_core::math::Vec3;
@@ -179,7 +179,16 @@ fn the_ball_of_the_sample_takes_the_cloth_along() {
     let text = std::fs::read_to_string(sample("turning-sphere.toml")).unwrap();
     let scene = read("turning", &text.replace("41x41", "21x21")).unwrap();
     for method in ["xpbd", "pd"] {
-        let [before, later] = [100, 130].map(|steps| after(&scene, method, steps).positions);
+        let (mut before, method) = (Vec::new(), Method::find(method).unwrap());
+        let settings = Settings::default();
+        let look = |step, state: &State, _: &_| {
+            if step == 100 {
+                before.clone_from(&state.positions);
+            }
+            Ok(())
+        };
+        let (_, end) = from_start(&scene, method, &settings, scene.dt, 130, look).unwrap();
+        let (later, method) = (end.positions, method.name);
         let on_top = (0..before.len()).filter(|&v| before[v].z > 0.25);
         let turned: Vec<f64> = on_top
             .filter(|&v| before[v].xy().norm() > 0.05)
