@@ -383,6 +383,10 @@ pub struct Moment<'a> {
     pub report: &'a StepReport,
     /// The forces of contact in it, if the plan wants them and there is something to touch.
     pub forces: Option<&'a ContactForces>,
+    /// What the cloth holds by then (J): kinetic and elastic energy, and that of contact.
+    pub held: Real,
+    /// What it has been given until then (J): what it held at the start, what gravity has released, and work.
+    pub given: Real,
 }
 
 /// How a run goes.
@@ -454,12 +458,15 @@ fn take_steps(
         newton_fallbacks += u64::from(report.newton_fallbacks);
         refinements += u64::from(report.refinements);
         converged_steps += u32::from(report.outcome == Outcome::Converged);
+        let [held, given] = balance.now();
         after(&Moment {
             step,
             scene: &course.scene,
             state,
             report: &report,
             forces: course.forces(),
+            held,
+            given,
         })?;
     }
     let tangled = course.tangled(&state.positions);

@@ -95,6 +95,8 @@ pub(super) struct EnergyBalance {
     work: Real,
     /// The most that was given (J).
     most_given: Real,
+    /// What is held and what has been given (J) by now.
+    now: [Real; 2],
     excess: Real,
     gain: Option<EnergyGain>,
     /// The same of the last step alone.
@@ -119,6 +121,7 @@ impl EnergyBalance {
             start: 0.0,
             work: 0.0,
             most_given: 0.0,
+            now: [0.0; 2],
             excess: 0.0,
             gain: None,
             suspicion: None,
@@ -190,6 +193,7 @@ impl EnergyBalance {
     pub(super) fn end_step(&mut self, state: &State, dt: Real, stored: Real) {
         let (kinetic, fallen) = (self.kinetic(state), self.gravitational(state));
         let (held, given) = (self.held(state) + stored, self.given_until(state));
+        self.now = [held, given];
         self.most_given = self.most_given.max(given);
         let size = state.positions.iter().map(Vec3::amax).fold(0.0, Real::max);
         let mass: Real = self.particles.mass().iter().sum();
@@ -213,6 +217,11 @@ impl EnergyBalance {
     /// A step is over, of one part or several.
     pub(super) fn count_step(&mut self) {
         self.steps += 1;
+    }
+
+    /// What the cloth holds after the last step, and what it has been given until then (J).
+    pub(super) fn now(&self) -> [Real; 2] {
+        self.now
     }
 
     /// The largest excess so far (J), 0 if it was never more than rounding.

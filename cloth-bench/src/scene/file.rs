@@ -22,6 +22,7 @@ mod start;
 mod tear;
 
 pub use build::build;
+pub(crate) use build::build_text;
 pub use keys::{SECTIONS, SectionInfo, overrulable};
 
 /// Whether the scene that `name` names is a file.

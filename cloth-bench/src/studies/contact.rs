@@ -3,6 +3,7 @@
 mod laws;
 mod motion;
 mod step;
+mod survival;
 
 use crate::studies::prelude::*;
 
@@ -25,5 +26,6 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
     step::run(study);
     motion::run(study);
     laws::run(study);
+    survival::run(study);
     Ok(())
 }

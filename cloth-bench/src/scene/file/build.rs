@@ -24,15 +24,27 @@ use toml::de::{DeTable, DeValue};
 /// # Errors
 /// [`BenchError::Usage`] with the path, and with the line where there is one; or for a setting that overrules nothing.
 pub fn build(path: &Path, settings: &Settings) -> Result<Scene, BenchError> {
-    settings.check(&format!("scene `{}`", path.display()), &overrulable())?;
     let text = std::fs::read_to_string(path).map_err(|error| {
         BenchError::Usage(format!(
             "{}: the scene file cannot be read: {error}",
             path.display()
         ))
     })?;
-    let document = Document { path, text: &text };
-    let root = DeTable::parse(&text).map_err(|error| match error.span() {
+    build_text(path, &text, settings)
+}
+
+/// The scene that a text describes, which stands in the file `path`, or would.
+///
+/// # Errors
+/// As [`build`].
+pub(crate) fn build_text(
+    path: &Path,
+    text: &str,
+    settings: &Settings,
+) -> Result<Scene, BenchError> {
+    settings.check(&format!("scene `{}`", path.display()), &overrulable())?;
+    let document = Document { path, text };
+    let root = DeTable::parse(text).map_err(|error| match error.span() {
         Some(span) => document.refuse(span, error.message()),
         None => document.refuse_whole(error.message()),
     })?;

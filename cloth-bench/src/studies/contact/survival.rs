@@ -1,0 +1,374 @@
+//! What comes through contact, with steps of every size and from starts that pass through themselves.
+
+use crate::run::{Plan, SeparationWatch, Solver};
+use crate::studies::prelude::*;
+use cloth_core::random::SplitMix64;
+use std::path::Path;
+
+/// Time of a run (s).
+const SECONDS: Real = 0.5;
+/// Part of the energy that was given which a cloth may hold beyond it.
+const MOST_EXCESS: Real = 0.01;
+/// A run ends where it holds so many times as much.
+const TOO_MUCH: Real = 10.0;
+/// Velocities (m/s) that every vertex starts with, other ones in every run, are below this in each direction.
+const JITTER: Real = 1e-2;
+/// Steps of a run that untangles.
+const MOST_STEPS: u32 = 120;
+
+/// Scenes of contact: a drape, a fold, a stack, a garment.
+const SCENES: [&str; 4] = ["drape-sphere", "fold", "stack", "garment"];
+/// Those of them that can begin tangled.
+const TANGLED: [&str; 3] = ["fold", "stack", "garment"];
+
+/// A ribbon whose upper half comes down through the lower one.
+fn pleat(x: Vec3) -> Vec3 {
+    match x.z > 0.5 {
+        true => Vec3::new(x.x, 0.2 * (x.z - 0.75), 1.0 - x.z),
+        false => x,
+    }
+}
+
+/// Every second sheet is tilted about its middle, through the one below.
+fn through(x: Vec3) -> Vec3 {
+    let is_second = x.z > 2e-3;
+    Vec3::new(
+        x.x,
+        x.y,
+        x.z + if is_second { 0.2 * x.x } else { 0.0 } + 0.1,
+    )
+}
+
+/// Vertices a side, sizes of steps (s), and runs of each.
+fn size(scope: Scope) -> (u32, &'static [Real], u64) {
+    const STEPS: [Real; 4] = [1.0 / 240.0, 1.0 / 60.0, 1.0 / 30.0, 1.0 / 15.0];
+    scope.pick((7, &STEPS[1..3], 1), (17, &STEPS, 3))
+}
+
+fn scene_of(name: &str, n: u32, starts: &str) -> Result<Scene, BenchError> {
+    let settings = Settings::of(starts);
+    match name {
+        "garment" => {
+            let tube = format!("tube:{}x{n}", n / 2 * 2);
+            let settings = settings.then(&Settings::of("floor=0.2 self=yes"));
+            scene::build("drop", Some(&tube), &settings)
+        }
+        "stack" => scene::build(name, None, &settings.with("n", n).with("sheets", 2)),
+        _ => scene::build(name, None, &settings.with("n", n)),
+    }
+}
+
+/// The same with a start that passes through itself. The garment has got a lining, which comes out on one side.
+fn tangled(name: &str, n: u32) -> Result<Scene, BenchError> {
+    let (place, lift): (fn(Vec3) -> Vec3, _) = match name {
+        "fold" => (pleat, 0.0),
+        "stack" => (through, 0.1),
+        _ => return lined(n),
+    };
+    let mut scene = scene_of(name, n, "untangle=yes")?;
+    for x in &mut scene.start.positions {
+        *x = place(*x) + Vec3::z() * lift;
+    }
+    Ok(scene)
+}
+
+fn lined(n: u32) -> Result<Scene, BenchError> {
+    let around = n / 2 * 2;
+    let text = format!(
+        "[[mesh]]\ngenerator = \"tube:{around}x{n}\"\ntranslate = [0, 0, 0.2]\n\
+        [[mesh]]\ngenerator = \"tube:{around}x{n}\"\nscale = [0.9, 0.9, 0.95]\ntranslate = [0.05, 0.02, 0.22]\n\
+        [[obstacle]]\nshape = \"plane\"\n[contact]\nself = true\nuntangle = true\n"
+    );
+    scene::file::build_text(Path::new("lined.toml"), &text, &Settings::default())
+}
+
+/// Everything that moves by itself, and is never unstable by its own nature.
+fn methods() -> impl Iterator<Item = &'static str> + Clone {
+    method::all()
+        .filter(|method| !method.is_never_stable())
+        .map(|method| method.name)
+}
+
+/// What came of the worst run of a cell, from passing to failing.
+#[derive(Clone, Debug, Default, PartialEq, PartialOrd, Serialize, Deserialize)]
+enum Fate {
+    #[default]
+    Ok,
+    /// The cloth holds more energy than it was given, first after this step, but does not move with it: elastic energy
+    /// that a solver cut short leaves.
+    Strained(u32),
+    /// It moves with more energy than it was given.
+    Grew(u32),
+    /// Triangles cross, or vertices are inside a body, after so many steps.
+    Crossed(u32),
+    /// The run ended with an error.
+    Ended(String),
+}
+
+impl Fate {
+    fn word(&self) -> String {
+        match self {
+            Self::Ok => "ok".into(),
+            Self::Strained(step) => format!("strained ({step})"),
+            Self::Grew(step) => format!("grew ({step})"),
+            Self::Crossed(steps) => format!("crossed ({steps})"),
+            Self::Ended(_) => "ended".into(),
+        }
+    }
+}
+
+/// A run of a method, and what the cloth held of what it was given (dimensionless) after every step.
+fn follow(
+    scene: &Scene,
+    name: &str,
+    dt: Real,
+    seed: u64,
+) -> Result<(Fate, Vec<Number>), BenchError> {
+    let method = Method::find(name)?;
+    let settings = method.by_default(Settings::default());
+    let mut state = scene.start.clone();
+    let mut random = SplitMix64::new(seed);
+    for v in &mut state.velocities {
+        *v = Vec3::from_fn(|_, _| JITTER * random.symmetric());
+    }
+    let mut watch = SeparationWatch::new(scene)?;
+    let steps = (SECONDS / dt).round() as u32;
+    let mut solver = Solver::new(method, &settings, scene, dt)?;
+    let plan = Plan::new(dt, steps);
+    let (mut energies, mut is_lost): (Vec<[Real; 2]>, bool) = Default::default();
+    let ran = run::run_changing(scene, &mut solver, &mut state, plan, |moment| {
+        energies.push([moment.held, moment.given]);
+        is_lost = moment.held > TOO_MUCH * moment.given;
+        match is_lost {
+            true => Err(BenchError::Failed(String::new())),
+            false => watch.look(moment.scene, moment.state),
+        }
+    });
+    let most = energies
+        .iter()
+        .map(|[_, given]| *given)
+        .fold(0.0, Real::max);
+    let first = energies
+        .iter()
+        .zip(1..)
+        .find(|([held, given], _)| held - given > MOST_EXCESS * most);
+    let mut fate = first.map_or(Fate::Ok, |(_, step)| Fate::Strained(step));
+    let seen = watch.seen();
+    let inside = seen.min_clearance.is_some_and(|clearance| clearance < 0.0);
+    match ran {
+        Ok((summary, _)) => {
+            if let Some(gain) = summary.energy_gain {
+                fate = Fate::Grew(gain.step);
+            }
+        }
+        Err(_) if is_lost => fate = Fate::Grew(energies.len() as u32),
+        Err(error) => fate = Fate::Ended(error.to_string()),
+    }
+    if seen.crossed_steps > 0 || seen.most_obstacle_intersections > 0 || inside {
+        fate = Fate::Crossed(seen.crossed_steps.max(1));
+    }
+    let share = |[held, given]: [Real; 2]| Number(held / given);
+    Ok((fate, energies.into_iter().map(share).collect()))
+}
+
+/// A scene by a method.
+#[derive(Clone, Copy, Debug, Default, Serialize)]
+struct Cell {
+    scene: &'static str,
+    method: &'static str,
+}
+
+fn cells() -> impl Iterator<Item = Cell> {
+    let of_scene = |scene| methods().map(move |method| Cell { scene, method });
+    SCENES.into_iter().flat_map(of_scene)
+}
+
+/// The table of all scenes, methods and steps, and the energy over time.
+pub(super) fn run(study: &mut StudyRun<'_>) {
+    let (n, steps, runs) = size(study.scope);
+    let found = study.grid_side_by_side(
+        cells(),
+        |cell| format!("{} by {}, steps of every size", cell.scene, cell.method),
+        |cell| {
+            let scene = scene_of(cell.scene, n, "")?;
+            let of_step = |&dt: &Real| {
+                let mut worst = follow(&scene, cell.method, dt, 1)?;
+                for seed in 2..=runs {
+                    let (fate, _) = follow(&scene, cell.method, dt, seed)?;
+                    if fate > worst.0 {
+                        worst.0 = fate;
+                    }
+                }
+                Ok(worst)
+            };
+            steps
+                .iter()
+                .map(of_step)
+                .collect::<Result<Vec<_>, BenchError>>()
+        },
+    );
+    let columns = steps.iter().map(|dt| format!("Δt 1/{:.0} s", 1.0 / dt));
+    let names: Vec<String> = ["scene".into(), "method".into()]
+        .into_iter()
+        .chain(columns)
+        .collect();
+    let mut table = Table::new(&names.iter().map(String::as_str).collect::<Vec<_>>());
+    let mut passed: Vec<(&str, usize)> = methods().map(|method| (method, 0)).collect();
+    for (cell, fates) in &found {
+        let words = fates.iter().map(|(fate, _)| fate.word().into());
+        let row = [cell.scene.into(), cell.method.into()]
+            .into_iter()
+            .chain(words);
+        table.rows.push(row.collect());
+        let ok = fates.iter().filter(|(fate, _)| *fate == Fate::Ok).count();
+        passed
+            .iter_mut()
+            .filter(|one| one.0 == cell.method)
+            .for_each(|one| one.1 += ok);
+        for (fate, dt) in fates.iter().map(|(fate, _)| fate).zip(steps) {
+            if let Fate::Ended(reason) = fate {
+                let note = format!(
+                    "{} by {}, Δt = {dt:.1e} s: {reason}.",
+                    cell.scene, cell.method
+                );
+                study.findings.section.notes.push(note);
+            }
+        }
+    }
+    let caption = format!(
+        "Contact with steps of every size, {n} vertices a side, {SECONDS} s, the worst of {runs} runs"
+    );
+    study.findings.table("contact-steps", &caption, table);
+    for scene in SCENES {
+        // Steps of 1/60 s.
+        let place = steps
+            .iter()
+            .position(|dt| *dt == 1.0 / 60.0)
+            .unwrap_or_default();
+        let dt = steps[place];
+        let of_scene = found.iter().filter(|(cell, _)| cell.scene == scene);
+        let curves = of_scene.map(|(cell, fates)| {
+            let shares = fates
+                .get(place)
+                .into_iter()
+                .flat_map(|(_, shares)| shares)
+                .enumerate();
+            let points = shares.map(|(step, share)| ((step + 1) as Real * dt, share.0));
+            Series::new(cell.method, points.collect())
+        });
+        let held = Axis::linear("energy held over given (dimensionless)").within(0.0, 1.1);
+        let plot = Plot::new(
+            format!("Energy of {scene}, steps of 1/60 s"),
+            Axis::linear("time (s)"),
+            held,
+        )
+        .with(curves)
+        .exact("all that was given", [(0.0, 1.0), (SECONDS, 1.0)])
+        .note("Kinetic and elastic energy and that of contact, over what the cloth held at the start, gravity has released and bodies have done.");
+        study
+            .findings
+            .plot(&format!("contact-energy-{scene}"), &plot);
+    }
+    let all = SCENES.len() * steps.len();
+    let told: Vec<String> = passed
+        .iter()
+        .map(|(method, ok)| format!("{method} {ok}"))
+        .collect();
+    study.findings.answer(
+        "Which method comes through contact with long steps?",
+        format!(
+            "Of {all} scenes with steps of {:.3} to {:.3} s, no crossing and no energy from nowhere: {}.",
+            steps[0],
+            steps[steps.len() - 1],
+            told.join(", ")
+        ),
+    );
+    recovery(study);
+}
+
+/// Gains energy from every jerk, and tears the cloth to pieces that keep the last resort of contact busy for minutes.
+const LEFT_OUT: &str = "implicit-midpoint";
+
+/// How a start that passes through itself went.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+struct Recovered {
+    pairs_at_start: usize,
+    /// Steps until no pair crosses; none if some still do.
+    steps_until_free: Option<usize>,
+    pairs_at_end: usize,
+    /// After the step from which on nothing crosses.
+    crossings_afterwards: u32,
+    largest_stretch: Number,
+}
+
+fn recover(cell: Cell, n: u32) -> Result<Recovered, BenchError> {
+    let scene = tangled(cell.scene, n)?;
+    let method = Method::find(cell.method)?;
+    let settings = method.by_default(Settings::default());
+    let mut probe = scene.separation_probe();
+    let mut counts = Vec::new();
+    let (summary, _) = run::from_start(
+        &scene,
+        method,
+        &settings,
+        scene.dt,
+        MOST_STEPS,
+        |_, state, _| {
+            if let Some(probe) = &mut probe {
+                let now = probe
+                    .measure(&state.positions)
+                    .map_err(BenchError::failed)?;
+                counts.push(now.intersecting_pairs);
+            }
+            Ok(())
+        },
+    )?;
+    let at_start = summary.tangled_pairs.first().copied().unwrap_or(0);
+    let free = counts.iter().position(|pairs| *pairs == 0);
+    let later = free.map_or(0, |free| counts[free..].iter().filter(|n| **n > 0).count());
+    Ok(Recovered {
+        pairs_at_start: at_start,
+        steps_until_free: free.map(|free| free + 1),
+        pairs_at_end: counts.last().copied().unwrap_or(at_start),
+        crossings_afterwards: later as u32,
+        largest_stretch: Number(summary.max_stretch),
+    })
+}
+
+/// Cloth that passes through itself at the start.
+fn recovery(study: &mut StudyRun<'_>) {
+    let n = study.scope.pick(9, 17);
+    let is_tried = |cell: &Cell| TANGLED.contains(&cell.scene) && cell.method != LEFT_OUT;
+    let rows = study.grid_side_by_side(
+        cells().filter(is_tried),
+        |cell| {
+            format!(
+                "{} by {}, from a start that passes through itself",
+                cell.scene, cell.method
+            )
+        },
+        |cell| recover(*cell, n),
+    );
+    let caption = format!(
+        "Starts that pass through themselves, {n} vertices a side, {MOST_STEPS} steps of 1/60 s"
+    );
+    study
+        .findings
+        .table("contact-recovery", &caption, Table::of(&rows));
+    let mut told = Vec::new();
+    for method in methods().filter(|method| *method != LEFT_OUT) {
+        let of_method = || rows.iter().filter(|(cell, _)| cell.method == method);
+        let free = of_method().filter(|(_, found)| {
+            found.steps_until_free.is_some() && found.crossings_afterwards == 0
+        });
+        told.push(format!(
+            "{method} {} of {}",
+            free.count(),
+            of_method().count()
+        ));
+    }
+    study.findings.section.notes.push(format!(
+        "Pulled apart, and nothing crosses afterwards: {}.",
+        told.join(", ")
+    ));
+}
