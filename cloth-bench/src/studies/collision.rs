@@ -145,6 +145,12 @@ struct Row {
     min_clearance: Option<Real>,
     largest_stretch: Option<Real>,
     rms_strain: Option<Real>,
+    #[serde(rename = "kinetic and elastic energy (J)")]
+    energy: Option<Real>,
+    #[serde(rename = "energy beyond what was given (J)")]
+    energy_excess: Option<Real>,
+    #[serde(rename = "most that was given (J)")]
+    energy_given: Option<Real>,
     remark: String,
 }
 
@@ -165,6 +171,9 @@ impl Row {
             min_clearance: seen.min_clearance,
             largest_stretch: of(|s| s.max_stretch),
             rms_strain: of(|s| s.rms_strain),
+            energy: of(|s| s.kinetic_energy + s.elastic_energy),
+            energy_excess: of(|s| s.energy_excess),
+            energy_given: of(|s| s.energy_given),
             remark: ran.remark.clone(),
         }
     }

@@ -1,14 +1,15 @@
 //! Closed forms of contact, through every method's own view of it.
 
+use super::cylinder;
 use crate::studies::prelude::*;
 
 /// Acceleration of free fall (m/s²).
-const G: Real = 9.81;
+pub(super) const G: Real = 9.81;
 /// Coefficient of friction.
 const MU: Real = 0.3;
 /// Thickness (m) and stiffness (Pa/m) of contact, the defaults of scenes.
-const THICKNESS: Real = 2e-3;
-const KAPPA: Real = 1e6;
+pub(super) const THICKNESS: Real = 2e-3;
+pub(super) const KAPPA: Real = 1e6;
 /// Steps of 1/60 s that a sheet slides, and within which it settles.
 const SLIDE: u32 = 30;
 const SETTLE: u32 = 40;
@@ -62,9 +63,9 @@ fn pull(angle: Real) -> Real {
 }
 
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
-struct Measured {
-    expected: Number,
-    measured: Number,
+pub(super) struct Measured {
+    pub(super) expected: Number,
+    pub(super) measured: Number,
 }
 
 /// How far (m) a sheet slides from rest, and the closed form of the method's own steps, as of its free fall.
@@ -111,7 +112,7 @@ fn rest(name: &str, density: Real) -> Result<Measured, BenchError> {
 
 pub(super) fn run(study: &mut StudyRun<'_>) {
     let scope = study.scope;
-    let laws: [Law; 2] = [
+    let laws: [Law; 5] = [
         Law {
             name: "slide",
             title: "How far a sheet slides within 0.5 s down a slope, μ = 0.3",
@@ -131,6 +132,36 @@ pub(super) fn run(study: &mut StudyRun<'_>) {
             closed_form: |density| gap(density, 0.0),
             points: densities(scope),
             measure: rest,
+        },
+        Law {
+            name: "stack",
+            title: "The force of a floor under sheets that lie on each other, over the weight of one",
+            x: "sheets (dimensionless)",
+            y: "force over one weight (dimensionless)",
+            exact: "N",
+            closed_form: |sheets| sheets,
+            points: scope.pick(&[1.0, 3.0], &[1.0, 2.0, 3.0, 5.0, 10.0]),
+            measure: cylinder::stack,
+        },
+        Law {
+            name: "capstan",
+            title: "The ratio of the forces at its ends at which a strip slips on a cylinder",
+            x: "coefficient of friction (dimensionless)",
+            y: "ratio (dimensionless)",
+            exact: "e^μπ",
+            closed_form: cylinder::capstan,
+            points: scope.pick(&[0.3], &[0.1, 0.2, 0.3, 0.4, 0.5]),
+            measure: cylinder::slipping,
+        },
+        Law {
+            name: "pressure",
+            title: "The pressure on top of a cylinder under a strip that hangs down on both sides, over that of its weight",
+            x: "height of the top above the ends over the radius (dimensionless)",
+            y: "pressure over ρ g (dimensionless)",
+            exact: "1 + H/R",
+            closed_form: cylinder::top_pressure,
+            points: scope.pick(&[3.0], &[1.0, 2.0, 3.0, 4.0, 6.0]),
+            measure: cylinder::pressing,
         },
     ];
     let mut rows: Vec<Row> = Vec::new();

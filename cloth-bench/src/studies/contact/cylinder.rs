@@ -1,0 +1,258 @@
+//! A strip that hangs over a cylinder: how friction holds it, and how it presses.
+
+use super::laws::{G, KAPPA, Measured, THICKNESS};
+use crate::run::{Plan, Solver};
+use crate::studies::prelude::*;
+use cloth_collide::potential::ContactForces;
+use std::f64::consts::PI;
+use std::path::Path;
+
+/// Radius of the cylinder (m), cells half-way around it, and areal density (kg/m²).
+const RADIUS: Real = 0.1;
+const TURNS: usize = 16;
+const DENSITY: Real = 0.2;
+/// Force (N) at one end of the strip on every vertex, where the other one pulls harder and harder.
+const PULL: Real = 0.05;
+/// A strip that goes so far (m) in so many steps slips: a hundred times what the friction of potentials, which is
+/// smooth, gives way.
+const SLIPPED: Real = 1e-3;
+const WITHIN: usize = 5;
+/// Steps in which the strip settles, and part of the ratio by which the force grows in every one after that.
+const SETTLE: usize = 10;
+const GROWTH: Real = 4e-3;
+
+/// A strip one cell wide that lies around the upper half of a cylinder along y and hangs down on both sides.
+struct Strip {
+    scene: Scene,
+    /// Edge (m) along the strip, and cells that hang on each side.
+    side: Real,
+    tail: usize,
+}
+
+impl Strip {
+    fn new(tail: usize, friction: Real, gravity: Real) -> Result<Self, BenchError> {
+        let turn = PI / TURNS as Real;
+        // Vertices are at the thickness from the cylinder.
+        let around = RADIUS + THICKNESS;
+        let side = 2.0 * around * (0.5 * turn).sin();
+        let cells = TURNS + 2 * tail;
+        let length = side * cells as Real;
+        let text = format!(
+            "gravity = [0, 0, {:?}]\n[[mesh]]\ngenerator = \"grid:{}x2:alternating\"\nscale = {length:?}\n\
+            [cloth]\ndensity = {DENSITY:?}\nstiffness = 1e4\nrigidity = 1e-5\n\
+            [[obstacle]]\nshape = \"capsule\"\nradius = {RADIUS:?}\nlength = 1\nrotate = [{:?}, 0, 0]\n\
+            [contact]\nself = false\nthickness = {THICKNESS:?}\ncontact_stiffness = {KAPPA:?}\nfriction = {friction:?}\n",
+            -gravity,
+            cells + 1,
+            0.5 * PI,
+        );
+        let mut scene =
+            scene::file::build_text(Path::new("strip.toml"), &text, &Settings::default())?;
+        for x in &mut scene.start.positions {
+            let number = (x.x / side).round() - tail as Real;
+            let turned = number.clamp(0.0, TURNS as Real);
+            let [sin, cos] = [(turn * turned).sin(), (turn * turned).cos()];
+            let below = side * (turned - number).abs();
+            *x = Vec3::new(-around * cos, x.y, around * sin - below);
+        }
+        Ok(Self { scene, side, tail })
+    }
+
+    /// Vertices of a row across the strip, by its number from one end.
+    fn row(&self, number: usize) -> Vec<usize> {
+        let mesh = self.scene.mesh.as_ref();
+        let flat = mesh
+            .map_or(&[][..], |mesh| mesh.positions())
+            .iter()
+            .enumerate();
+        let is_there = |x: &Vec3| (x.x / self.side).round() == number as Real;
+        flat.filter(|(_, x)| is_there(x)).map(|(v, _)| v).collect()
+    }
+
+    fn cells(&self) -> usize {
+        TURNS + 2 * self.tail
+    }
+
+    /// The row on top.
+    fn top(&self) -> Vec<usize> {
+        self.row(self.cells() / 2)
+    }
+}
+
+/// The ratio of the forces at which the polygon of the strip slips: each of its corners turns by δ, the first and the
+/// last by half of that, and a corner that turns by 2 a bears (1 + μ tan a)/(1 − μ tan a).
+fn polygon(friction: Real) -> Real {
+    let corner = |half: Real| (1.0 + friction * half.tan()) / (1.0 - friction * half.tan());
+    let half = 0.5 * PI / TURNS as Real;
+    corner(half).powi(TURNS as i32 - 1) * corner(0.5 * half).powi(2)
+}
+
+/// e^{μπ}.
+pub(super) fn capstan(friction: Real) -> Real {
+    (friction * PI).exp()
+}
+
+/// The ratio of the forces at both ends at which a strip without weight slips on the cylinder, the force at one end
+/// growing slowly; expected is that of its polygon.
+///
+/// # Errors
+/// [`BenchError::Failed`] if it does not slip at one and a half times that.
+pub(super) fn slipping(name: &str, friction: Real) -> Result<Measured, BenchError> {
+    let strip = Strip::new(6, friction, 0.0)?;
+    let scene = &strip.scene;
+    let (ends, top) = ([strip.row(0), strip.row(strip.cells())], strip.top());
+    let method = Method::find(name)?;
+    let mut stepper = method.build(scene, &method.by_default(Settings::default()), scene.dt)?;
+    let mut contacts = scene.contacts()?;
+    let mut state = scene.start.clone();
+    let mut load = vec![Vec3::zeros(); state.positions.len()];
+    let expected = polygon(friction);
+    let mut from = vec![Vec3::zeros(); WITHIN];
+    let (mut ratio, mut step) = (1.0, 0);
+    while ratio < 1.5 * expected {
+        from[step % WITHIN] = state.positions[top[0]];
+        if step >= SETTLE {
+            ratio += GROWTH * expected;
+        }
+        for (end, pull) in ends.iter().zip([PULL, PULL * ratio]) {
+            end.iter().for_each(|&v| load[v] = Vec3::z() * -pull);
+        }
+        let mut input = StepInput::new(scene.dt).load(&load);
+        if let Some(contacts) = &mut contacts {
+            input = input.contacts(contacts);
+        }
+        stepper.step(&mut state, input)?;
+        step += 1;
+        if step > SETTLE && (state.positions[top[0]] - from[step % WITHIN]).norm() > SLIPPED {
+            return Ok(Measured {
+                expected: Number(expected),
+                measured: Number(ratio),
+            });
+        }
+    }
+    Err(BenchError::Failed(format!(
+        "the strip does not slip at a ratio of {ratio:.3}"
+    )))
+}
+
+/// What contact does in the second half of so many steps, on average (N).
+fn mean_force(
+    scene: &Scene,
+    name: &str,
+    steps: u32,
+    of: impl Fn(&ContactForces) -> Real,
+) -> Result<Real, BenchError> {
+    let method = Method::find(name)?;
+    let settings = method.by_default(Settings::default());
+    let mut solver = Solver::new(method, &settings, scene, scene.dt)?;
+    let mut state = scene.start.clone();
+    let plan = Plan {
+        forces: true,
+        ..Plan::new(scene.dt, steps)
+    };
+    let mut sum = 0.0;
+    run::run_changing(scene, &mut solver, &mut state, plan, |moment| {
+        let late = moment.forces.filter(|_| moment.step > steps / 2);
+        sum += late.map_or(0.0, &of);
+        Ok(())
+    })?;
+    Ok(sum / Real::from(steps - steps / 2))
+}
+
+/// 1 + H/R.
+pub(super) fn top_pressure(height_over_radius: Real) -> Real {
+    1.0 + height_over_radius
+}
+
+/// The pressure on top of the cylinder over that of the weight alone, of a strip that hangs down without friction so
+/// that its ends are so many radii below its top. Expected is that of the height that its cells come to.
+pub(super) fn pressing(name: &str, height_over_radius: Real) -> Result<Measured, BenchError> {
+    let around = RADIUS + THICKNESS;
+    let side = 2.0 * around * (0.5 * PI / TURNS as Real).sin();
+    let tail = ((height_over_radius - 1.0) * around / side).round();
+    let strip = Strip::new(tail as usize, 0.0, G)?;
+    let (scene, top) = (&strip.scene, strip.top());
+    let force = mean_force(scene, name, 60, |forces| {
+        top.iter().map(|&v| forces.normal[v].z).sum()
+    })?;
+    Ok(Measured {
+        expected: Number(top_pressure((around + tail * side) / around)),
+        measured: Number(force / (side * side * DENSITY * G)),
+    })
+}
+
+/// The force of a floor under sheets that lie on each other, over the weight of one.
+pub(super) fn stack(name: &str, sheets: Real) -> Result<Measured, BenchError> {
+    let settings = Settings::of("n=6").with("sheets", sheets);
+    let scene = scene::build("stack", None, &settings)?;
+    let force = mean_force(&scene, name, 120, |forces| {
+        -forces.bodies.iter().map(|body| body.force.z).sum::<Real>()
+    })?;
+    let weight = scene.model.particles.mass().iter().sum::<Real>() * G / sheets;
+    Ok(Measured {
+        expected: Number(sheets),
+        measured: Number(force / weight),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The force grows by two parts in a hundred until the strip has gone so far that it is seen to slip. Friction of
+    /// implicit Euler to 1e-6 lets go later than that; position-based dynamics with one substep does not.
+    #[test]
+    fn strips_slip_at_the_ratio_of_their_polygon() {
+        for name in [
+            "symplectic-euler",
+            "bdf2",
+            "linear-implicit",
+            "pd",
+            "xpbd",
+            "implicit-euler",
+        ] {
+            let Measured { expected, measured } = slipping(name, 0.3).unwrap();
+            let over = measured.0 / expected.0 - 1.0;
+            let most = if name == "implicit-euler" {
+                0.07
+            } else {
+                0.035
+            };
+            assert!((0.0..most).contains(&over), "{name}: {over}");
+        }
+        assert!(slipping("pbd", 0.3).is_err());
+    }
+
+    /// Soft cloth of position-based dynamics is longer, and presses by as much more.
+    #[test]
+    fn hanging_strips_press_as_their_tension_says() {
+        for (name, most) in [
+            ("symplectic-euler", 2e-3),
+            ("implicit-euler", 2e-3),
+            ("bdf2", 2e-3),
+            ("linear-implicit", 2e-3),
+            ("pd", 2e-3),
+            ("xpbd", 2e-3),
+            ("pbd", 0.21),
+        ] {
+            let Measured { expected, measured } = pressing(name, 3.0).unwrap();
+            let error = (measured.0 / expected.0 - 1.0).abs();
+            assert!(error < most, "{name}: {error}");
+        }
+    }
+
+    /// Methods that minimise end a step at a tolerance; the others take as much momentum as gravity gives.
+    #[test]
+    fn floors_bear_the_weight_of_stacks() {
+        for (name, most) in [
+            ("symplectic-euler", 1e-8),
+            ("xpbd", 1e-8),
+            ("pd", 1e-8),
+            ("implicit-euler", 1e-3),
+        ] {
+            let Measured { expected, measured } = stack(name, 3.0).unwrap();
+            let error = (measured.0 / expected.0 - 1.0).abs();
+            assert!(error < most, "{name}: {error}");
+        }
+    }
+}
