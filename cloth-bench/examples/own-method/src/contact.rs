@@ -9,8 +9,9 @@ pub struct LinearizedContact {
     rows: Vec<ContactRow>,
     /// J (x₀) of each row (m).
     at_start: Vec<Real>,
-    /// g (N).
+    /// g (N), and the energy there (J).
     gradient: Vec<Vec3>,
+    energy: Real,
     /// The rows of vertex v are `of_vertex[starts[v]..starts[v + 1]]`, with its place in the row.
     starts: Vec<u32>,
     of_vertex: Vec<(u32, u32)>,
@@ -23,6 +24,7 @@ impl LinearizedContact {
             rows: Vec::new(),
             at_start: Vec::new(),
             gradient: vec![Vec3::zeros(); vertex_count],
+            energy: 0.0,
             starts: vec![0; vertex_count + 1],
             of_vertex: Vec::new(),
         }
@@ -33,6 +35,7 @@ impl LinearizedContact {
         if !self.rows.is_empty() {
             self.rows.clear();
             self.starts.fill(0);
+            self.energy = 0.0;
         }
     }
 
@@ -44,7 +47,7 @@ impl LinearizedContact {
             return;
         }
         self.gradient.fill(Vec3::zeros());
-        contact.add_gradient(x, &mut self.gradient);
+        self.energy = contact.add_gradient(x, &mut self.gradient);
         self.at_start.clear();
         self.at_start
             .extend(self.rows.iter().map(|row| along(row, x)));
@@ -67,6 +70,11 @@ impl LinearizedContact {
                 self.of_vertex[*start as usize] = (number, place);
             }
         }
+    }
+
+    /// The energy (J) where it has been linearised.
+    pub fn energy(&self) -> Real {
+        self.energy
     }
 
     /// Whether a vertex has contacts.

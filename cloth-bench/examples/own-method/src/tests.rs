@@ -2,7 +2,7 @@
 
 use crate::VBD;
 use cloth_bench::method::Method;
-use cloth_bench::run::SeparationWatch;
+use cloth_bench::run::{SeparationWatch, from_start};
 use cloth_bench::scene;
 use cloth_bench::settings::Settings;
 use cloth_bench::yardstick::StepProblem;
@@ -87,6 +87,23 @@ fn wrapped_round_a_ball_it_passes_through_nothing() {
     assert_eq!(seen.most_intersections, 0);
     assert_eq!(seen.most_obstacle_intersections, 0);
     assert!(seen.min_clearance.unwrap() > 0.0, "{seen:?}");
+}
+
+/// Sheets come down on each other and on a floor. An iteration that took most of each gap would store fifty times what
+/// gravity has given in the barrier.
+#[test]
+fn a_stack_comes_to_rest_without_energy_from_nowhere() {
+    let settings = Settings::default().with("n", 7).with("sheets", 2);
+    let scene = scene::build("stack", None, &settings).unwrap();
+    let settings = Settings::default();
+    let ran = from_start(&scene, &VBD, &settings, scene.dt, 30, |_, _, _| Ok(()));
+    let (summary, _) = ran.unwrap();
+    assert_eq!(summary.energy_excess, 0.0);
+    assert_eq!(summary.intersections, Some(0));
+    assert!(
+        summary.kinetic_energy < 1e-9 * summary.energy_given,
+        "{summary:?}"
+    );
 }
 
 #[test]
