@@ -93,10 +93,7 @@ pub(super) fn capstan(friction: Real) -> Real {
 }
 
 /// The ratio of the forces at both ends at which a strip without weight slips on the cylinder, the force at one end
-/// growing slowly; expected is that of its polygon.
-///
-/// # Errors
-/// [`BenchError::Failed`] if it does not slip at one and a half times that.
+/// growing slowly, infinite if it holds at one and a half times that of its polygon, which is expected.
 pub(super) fn slipping(name: &str, friction: Real) -> Result<Measured, BenchError> {
     let strip = Strip::new(6, friction, 0.0)?;
     let scene = &strip.scene;
@@ -130,9 +127,10 @@ pub(super) fn slipping(name: &str, friction: Real) -> Result<Measured, BenchErro
             });
         }
     }
-    Err(BenchError::Failed(format!(
-        "the strip does not slip at a ratio of {ratio:.3}"
-    )))
+    Ok(Measured {
+        expected: Number(expected),
+        measured: Number(Real::INFINITY),
+    })
 }
 
 /// What contact does in the second half of so many steps, on average (N).
@@ -220,7 +218,7 @@ mod tests {
             };
             assert!((0.0..most).contains(&over), "{name}: {over}");
         }
-        assert!(slipping("pbd", 0.3).is_err());
+        assert!(slipping("pbd", 0.3).unwrap().measured.0.is_infinite());
     }
 
     /// Soft cloth of position-based dynamics is longer, and presses by as much more.
