@@ -198,7 +198,7 @@ mod tests {
     use super::*;
 
     /// The force grows by two parts in a hundred until the strip has gone so far that it is seen to slip. Friction of
-    /// implicit Euler to 1e-6 lets go later than that; position-based dynamics with one substep does not.
+    /// implicit Euler to 1e-3 lets go later than that; position-based dynamics with one substep does not.
     #[test]
     fn strips_slip_at_the_ratio_of_their_polygon() {
         for name in [
