@@ -91,6 +91,16 @@ pub(super) struct EnergyBalance {
     steps: u32,
     /// `K₀ + E₀ + U₀` (J).
     start: Real,
+    entries: Entries,
+    /// Positions (m) where the step begins.
+    before: Vec<Vec3>,
+    /// `∂E/∂x` (N) there and at its end, where prescribed vertices move.
+    gradients: [Vec<Vec3>; 2],
+}
+
+/// What changes from step to step.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Entries {
     /// W (J).
     work: Real,
     /// The most that was given (J).
@@ -101,10 +111,6 @@ pub(super) struct EnergyBalance {
     gain: Option<EnergyGain>,
     /// The same of the last step alone.
     suspicion: Option<EnergyGain>,
-    /// Positions (m) where the step begins.
-    before: Vec<Vec3>,
-    /// `∂E/∂x` (N) there and at its end, where prescribed vertices move.
-    gradients: [Vec<Vec3>; 2],
 }
 
 impl EnergyBalance {
@@ -119,17 +125,12 @@ impl EnergyBalance {
             energies,
             steps: 0,
             start: 0.0,
-            work: 0.0,
-            most_given: 0.0,
-            now: [0.0; 2],
-            excess: 0.0,
-            gain: None,
-            suspicion: None,
+            entries: Entries::default(),
             before: zeros.clone(),
             gradients: [zeros.clone(), zeros],
         };
-        balance.most_given = balance.held(state) + stored;
-        balance.start = balance.most_given + balance.gravitational(state);
+        balance.entries.most_given = balance.held(state) + stored;
+        balance.start = balance.entries.most_given + balance.gravitational(state);
         Ok(balance)
     }
 
@@ -144,10 +145,20 @@ impl EnergyBalance {
         let moving = |balance: &Self, state| balance.kinetic(state) + balance.gravitational(state);
         let had = moving(self, before);
         self.particles.clone_from(&scene.model.particles);
-        self.work += moving(self, state) - had;
+        self.entries.work += moving(self, state) - had;
         self.energies = scene.elastic().map_err(BenchError::failed)?;
         self.energies.set_time(state.time);
         Ok(())
+    }
+
+    /// What has been entered so far.
+    pub(super) fn entries(&self) -> Entries {
+        self.entries
+    }
+
+    /// Goes back to what had been entered before a step that is taken back.
+    pub(super) fn take_back(&mut self, entries: Entries) {
+        self.entries = entries;
     }
 
     /// Notes where a step begins. Moving pins have their velocities by then.
@@ -168,17 +179,17 @@ impl EnergyBalance {
         bodies: Real,
     ) {
         self.energies.set_time(state.time);
-        self.work += bodies;
+        self.entries.work += bodies;
         if let Some(pins) = pins {
-            self.work += pins;
+            self.entries.work += pins;
         } else if self.pins_move(state) {
             self.differentiate(1, state);
             let [begin, end] = &self.gradients;
             let force = |v: usize| 0.5 * (begin[v] + end[v]);
-            self.work += self.work_of(state, true, force);
+            self.entries.work += self.work_of(state, true, force);
         }
         if let Some(load) = load {
-            self.work += self.work_of(state, false, |v| load[v]);
+            self.entries.work += self.work_of(state, false, |v| load[v]);
         }
     }
 
@@ -186,31 +197,31 @@ impl EnergyBalance {
     /// what untangles moves the cloth by itself, and so does a seam that closes.
     pub(super) fn accept(&mut self, state: &State, stored: Real) {
         let excess = self.held(state) + stored - self.given_until(state);
-        self.work += excess.max(0.0);
+        self.entries.work += excess.max(0.0);
     }
 
     /// Balances the account after a step of `dt` (s); contact has stored `stored` (J).
     pub(super) fn end_step(&mut self, state: &State, dt: Real, stored: Real) {
         let (kinetic, fallen) = (self.kinetic(state), self.gravitational(state));
         let (held, given) = (self.held(state) + stored, self.given_until(state));
-        self.now = [held, given];
-        self.most_given = self.most_given.max(given);
+        self.entries.now = [held, given];
+        self.entries.most_given = self.entries.most_given.max(given);
         let size = state.positions.iter().map(Vec3::amax).fold(0.0, Real::max);
         let mass: Real = self.particles.mass().iter().sum();
         let jitter = measure::rounding_energy(mass, size, dt);
-        let sums = ROUNDING * (self.start.abs() + fallen.abs() + self.work.abs() + held);
+        let sums = ROUNDING * (self.start.abs() + fallen.abs() + self.entries.work.abs() + held);
         if held - given > jitter + sums {
-            self.excess = self.excess.max(held - given);
+            self.entries.excess = self.entries.excess.max(held - given);
         }
-        if self.gain.is_none() {
-            let gains = kinetic - given > self.most_given.max(jitter + sums);
+        if self.entries.gain.is_none() {
+            let gains = kinetic - given > self.entries.most_given.max(jitter + sums);
             let now = gains.then_some(EnergyGain {
                 step: self.steps + 1,
                 kinetic,
-                given: self.most_given,
+                given: self.entries.most_given,
             });
-            let before = std::mem::replace(&mut self.suspicion, now);
-            self.gain = now.and(before);
+            let before = std::mem::replace(&mut self.entries.suspicion, now);
+            self.entries.gain = now.and(before);
         }
     }
 
@@ -221,22 +232,22 @@ impl EnergyBalance {
 
     /// What the cloth holds after the last step, and what it has been given until then (J).
     pub(super) fn now(&self) -> [Real; 2] {
-        self.now
+        self.entries.now
     }
 
     /// The largest excess so far (J), 0 if it was never more than rounding.
     pub(super) fn excess(&self) -> Real {
-        self.excess
+        self.entries.excess
     }
 
     /// The most that was given until any step (J).
     pub(super) fn given(&self) -> Real {
-        self.most_given
+        self.entries.most_given
     }
 
     /// When the cloth first moved with energy that it was never given, if it did.
     pub(super) fn gain(&self) -> Option<EnergyGain> {
-        self.gain
+        self.entries.gain
     }
 
     fn pins_move(&self, state: &State) -> bool {
@@ -263,7 +274,7 @@ impl EnergyBalance {
 
     /// What it was given until it has come to `state` (J).
     fn given_until(&self, state: &State) -> Real {
-        self.start - self.gravitational(state) + self.work
+        self.start - self.gravitational(state) + self.entries.work
     }
 
     /// Kinetic and elastic energy (J).

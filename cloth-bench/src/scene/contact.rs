@@ -334,6 +334,11 @@ impl ContactSetup {
         (dt * self.highest_frequency).ceil().clamp(1.0, MOST) as u32
     }
 
+    /// Distance to keep (m).
+    pub(crate) fn thickness(&self) -> Real {
+        self.thickness
+    }
+
     /// Takes bodies that the cloth pushes to where they are at `time` (s).
     pub(crate) fn put(
         &mut self,

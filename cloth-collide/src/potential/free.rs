@@ -24,6 +24,9 @@ pub(super) struct FreeBody {
     pub(super) stop: [Vec3; 2],
     /// What that has changed of its velocities (m/s, rad/s) so far.
     pub(super) change: [Vec3; 2],
+    /// By how far (m) the push of the cloth in the last step would have changed its way in that step: it has moved before
+    /// the cloth.
+    pub(super) pushed: Real,
     /// Whether it stays where it is in this step.
     pub(super) is_halted: bool,
     /// Where it is at the start of the step.
@@ -68,6 +71,7 @@ impl FreeBody {
             impulse: [Vec3::zeros(); 2],
             stop: [Vec3::zeros(); 2],
             change: [Vec3::zeros(); 2],
+            pushed: 0.0,
             is_halted: false,
             place: obstacle.motion().pose,
             radius,
@@ -185,6 +189,10 @@ impl Contacts {
         for free in &mut self.free.list {
             let on = ledger.forces.bodies[free.number];
             free.impulse = [on.force * dt, on.torque * dt];
+            let by_cloth = [0, 1].map(|k| free.impulse[k] - free.stop[k]);
+            let [linear, angular] = free.body.velocity_by(&free.place, by_cloth);
+            let turning = angular.norm() * free.radius;
+            free.pushed = (linear.norm() + if turning.is_finite() { turning } else { 0.0 }) * dt;
             // It is among them.
             free.stop = [Vec3::zeros(); 2];
         }

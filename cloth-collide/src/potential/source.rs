@@ -350,6 +350,11 @@ impl Contacts {
         was_open
     }
 
+    /// Takes the last step for one that has not ended.
+    pub(super) fn reopen(&mut self) {
+        self.is_open = !self.before.is_empty();
+    }
+
     /// Takes bodies back to where they were before a step that has begun and not ended.
     pub(super) fn undo(&mut self) {
         if std::mem::take(&mut self.is_open) {

@@ -201,6 +201,22 @@ impl PotentialContacts {
         self.contacts.free_motions()
     }
 
+    /// By how far (m) the cloth has pushed a body from the way on which it has moved in the last step, of a method that
+    /// minimises: the body moves before the cloth, and takes up its push after it. Where that is more than the
+    /// thickness, the cloth has felt a body that is not where it would be, and the step is better taken back
+    /// ([`PotentialContacts::take_back`]) and taken again as shorter ones. 0 of methods that project positions.
+    #[must_use]
+    pub fn largest_push(&self) -> Real {
+        let pushed = self.contacts.free.list.iter().map(|free| free.pushed);
+        pushed.fold(0.0, Real::max)
+    }
+
+    /// Takes the last step, of a method that minimises, back: the next one begins where that has begun, with bodies as
+    /// they were there. The positions of the cloth are the caller's.
+    pub fn take_back(&mut self) {
+        self.contacts.reopen();
+    }
+
     /// The forces of the last step, if they are recorded.
     #[must_use]
     pub fn forces(&self) -> Option<&ContactForces> {

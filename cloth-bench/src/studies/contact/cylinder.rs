@@ -104,7 +104,7 @@ pub(super) fn slipping(name: &str, friction: Real) -> Result<Measured, BenchErro
     let mut state = scene.start.clone();
     let mut load = vec![Vec3::zeros(); state.positions.len()];
     let expected = polygon(friction);
-    let mut from = vec![Vec3::zeros(); WITHIN];
+    let mut from = [Vec3::zeros(); WITHIN];
     let (mut ratio, mut step) = (1.0, 0);
     while ratio < 1.5 * expected {
         from[step % WITHIN] = state.positions[top[0]];
