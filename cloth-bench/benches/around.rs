@@ -119,6 +119,8 @@ fn frames(criterion: &mut Criterion) {
             state: &state,
             report: &report,
             forces: None,
+            held: 0.0,
+            given: 0.0,
         };
         let x = &state.positions;
         let bytes = size_of_val(&x[..]) + size_of_val(mesh.triangles());
