@@ -3,6 +3,7 @@
 use crate::error::BenchError;
 use crate::names;
 use crate::settings::{Choice, Value};
+use cloth_core::error::within;
 use cloth_core::math::Vec3;
 use cloth_core::mesh::generate::{self, Diagonals};
 use cloth_core::mesh::{MeshError, TriMesh, io};
@@ -159,13 +160,8 @@ pub fn load(spec: &str) -> Result<TriMesh, BenchError> {
 /// the rim.
 fn with_holes(cells: usize, holes: usize) -> Result<TriMesh, MeshError> {
     let bands = holes.saturating_mul(2).saturating_add(1);
-    if cells < bands {
-        return Err(MeshError::InvalidParameter {
-            name: "the number of cells",
-            value: cells as f64,
-            range: "at least 2 K + 1 for K holes a side",
-        });
-    }
+    let range = "at least 2 K + 1 for K holes a side";
+    within(cells >= bands, "the number of cells", cells as f64, range)?;
     let sheet = generate::grid(
         cells.saturating_add(1),
         cells.saturating_add(1),

@@ -25,6 +25,7 @@ pub use value::{Auto, Choice, Factors, Infinite, Or, Range, Value};
 
 use crate::error::BenchError;
 use crate::names;
+use std::borrow::Cow;
 use std::fmt::Display;
 use std::ops::Deref;
 use std::sync::Arc;
@@ -153,7 +154,7 @@ impl<T> Setting<T> {
     /// # Errors
     /// [`BenchError::Usage`] that names both.
     pub fn refuse_without(&self, what: &str) -> Result<(), BenchError> {
-        self.refuse_given(format!("without {what}"))
+        self.refuse_given(format_args!("without {what}"))
     }
 
     /// Refuses it if it was given, because it does nothing `there`.
@@ -260,13 +261,16 @@ impl Settings {
     }
 
     /// These settings, and where they give nothing, other `defaults` than usual.
-    pub(crate) fn with_defaults(&self, defaults: &str) -> Self {
+    pub(crate) fn with_defaults(&self, defaults: &str) -> Cow<'_, Self> {
+        if defaults.is_empty() {
+            return Cow::Borrowed(self);
+        }
         let mut all = Self::of(defaults);
         all.given
             .iter_mut()
             .for_each(|entry| entry.is_default = true);
         all.table.clone_from(&self.table);
-        all.then(self)
+        Cow::Owned(all.then(self))
     }
 
     /// Refuses keys that none of the tables knows. `what` names what takes them.

@@ -27,7 +27,7 @@ pub(super) fn around(
     let air = Air::new(config, *Material::read(cloth)?.density, mesh).map_err(|error| {
         let (density, drag) = (own.density.bare(), own.drag.bare());
         let keys = [density, drag, own.lift.bare(), own.wind.bare()];
-        match keys.iter().find(|key| error.name.starts_with(key.name())) {
+        match keys.iter().find(|key| error.name.contains(key.name())) {
             Some(key) => key.refuse(error),
             None => section.refuse_table(error),
         }
