@@ -70,6 +70,32 @@ pub struct Scene {
 }
 
 impl Scene {
+    /// A cloth at rest at `positions` (m), with the steps of all named scenes and nothing else around it.
+    pub(crate) fn new(
+        name: &'static str,
+        model: ClothModel,
+        positions: Vec<Vec3>,
+        mesh: Option<TriMesh>,
+        gravity: Vec3,
+    ) -> Self {
+        Self {
+            name,
+            model,
+            start: State::at_rest(positions),
+            mesh,
+            gravity,
+            dt: 1.0 / 60.0,
+            steps: 300,
+            pins: None,
+            changes: Vec::new(),
+            touch: None,
+            gases: Vec::new(),
+            volumes: Vec::new(),
+            air: None,
+            order: None,
+        }
+    }
+
     /// What resolves contact, if the scene has anything to touch, and keeps volumes, if it has any.
     ///
     /// # Errors
@@ -337,39 +363,30 @@ const OWN_SHEET: &[&[Parameter]] = &[
     Contact::PARAMETERS,
 ];
 
-/// What can be set of any sheet, with contact.
-const SHEET: &[&[Parameter]] = &[
-    Grid::PARAMETERS,
-    Stiffness::PARAMETERS,
-    Material::PARAMETERS,
-    EdgeSprings::PARAMETERS,
-    Weight::PARAMETERS,
-    Placed::PARAMETERS,
-    Surface::PARAMETERS,
-    Contact::PARAMETERS,
-];
+/// What else can be set of a sheet that may be any mesh.
+const SHEET: &[&[Parameter]] = &[EdgeSprings::PARAMETERS, Placed::PARAMETERS];
 
 /// Every scene.
 pub const SCENES: [SceneInfo; 9] = [
     SceneInfo {
         name: "hang",
         about: "a sheet of 1 m × 1 m held at two corners, starting horizontal; with --mesh any OBJ or PLY file, held at its highest vertices",
-        groups: &[SHEET, &[Midpoints::PARAMETERS]],
+        groups: &[OWN_SHEET, SHEET, &[Midpoints::PARAMETERS]],
     },
     SceneInfo {
         name: "drop",
         about: "the same sheet in free fall, held nowhere: it must not deform; or onto a floor",
-        groups: &[SHEET, &[Floor::PARAMETERS]],
+        groups: &[OWN_SHEET, SHEET, &[Floor::PARAMETERS]],
     },
     SceneInfo {
         name: "drape-sphere",
         about: "the same sheet, or with --mesh any, falls on a sphere of 0.3 m",
-        groups: &[SHEET],
+        groups: &[OWN_SHEET, SHEET],
     },
     SceneInfo {
         name: "drape-box",
         about: "the same on a cube of 0.5 m that turns by 2 rad/s",
-        groups: &[SHEET],
+        groups: &[OWN_SHEET, SHEET],
     },
     SceneInfo {
         name: "fold",

@@ -98,62 +98,30 @@ impl Scheme {
             tolerance: 0.0,
             ..Default::default()
         };
+        macro_rules! built {
+            ($kind:ident, $config:expr) => {{
+                let builder = $kind::builder(&particles).energy(spring);
+                Box::new(builder.config($config).build()?)
+            }};
+        }
+        let xpbd = XpbdConfig {
+            substeps: 1,
+            iterations: 1,
+            ..Default::default()
+        };
+        let pd = PdConfig {
+            iterations: 1,
+            ..Default::default()
+        };
         Ok(match self {
-            Self::Explicit => Box::new(
-                ExplicitEuler::builder(&particles)
-                    .energy(spring)
-                    .config(unchecked)
-                    .build()?,
-            ),
-            Self::Symplectic => Box::new(
-                SymplecticEuler::builder(&particles)
-                    .energy(spring)
-                    .config(unchecked)
-                    .build()?,
-            ),
-            Self::Implicit => Box::new(
-                ImplicitEuler::builder(&particles)
-                    .energy(spring)
-                    .config(tight)
-                    .build()?,
-            ),
-            Self::Linear => Box::new(
-                ImplicitEuler::builder(&particles)
-                    .energy(spring)
-                    .config(ImplicitConfig::linearized())
-                    .build()?,
-            ),
-            Self::Midpoint => Box::new(
-                ImplicitMidpoint::builder(&particles)
-                    .energy(spring)
-                    .config(tight)
-                    .build()?,
-            ),
-            Self::Bdf2 => Box::new(
-                Bdf2::builder(&particles)
-                    .energy(spring)
-                    .config(tight)
-                    .build()?,
-            ),
-            Self::Xpbd => Box::new(
-                XpbdSolver::builder(&particles)
-                    .energy(spring)
-                    .config(XpbdConfig {
-                        substeps: 1,
-                        iterations: 1,
-                        ..Default::default()
-                    })
-                    .build()?,
-            ),
-            Self::Pd => Box::new(
-                PdSolver::builder(&particles)
-                    .energy(spring)
-                    .config(PdConfig {
-                        iterations: 1,
-                        ..Default::default()
-                    })
-                    .build()?,
-            ),
+            Self::Explicit => built!(ExplicitEuler, unchecked),
+            Self::Symplectic => built!(SymplecticEuler, unchecked),
+            Self::Implicit => built!(ImplicitEuler, tight),
+            Self::Linear => built!(ImplicitEuler, ImplicitConfig::linearized()),
+            Self::Midpoint => built!(ImplicitMidpoint, tight),
+            Self::Bdf2 => built!(Bdf2, tight),
+            Self::Xpbd => built!(XpbdSolver, xpbd),
+            Self::Pd => built!(PdSolver, pd),
         })
     }
 }

@@ -15,7 +15,7 @@ use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::TriMesh;
 use cloth_core::mesh::generate;
 use cloth_core::method::ordering::Order;
-use cloth_core::particles::{Particles, State};
+use cloth_core::particles::Particles;
 
 impl SceneInfo {
     /// The scene of that name.
@@ -151,22 +151,8 @@ pub(super) fn of_mesh(
     model: ClothModel,
     gravity: Vec3,
 ) -> Scene {
-    Scene {
-        name,
-        model,
-        start: State::at_rest(mesh.positions().to_vec()),
-        mesh: Some(mesh.clone()),
-        gravity,
-        dt: 1.0 / 60.0,
-        steps: 300,
-        pins: None,
-        touch: None,
-        air: None,
-        gases: Vec::new(),
-        volumes: Vec::new(),
-        changes: Vec::new(),
-        order: None,
-    }
+    let positions = mesh.positions().to_vec();
+    Scene::new(name, model, positions, Some(mesh.clone()), gravity)
 }
 
 pub(super) fn chain(settings: &Settings) -> Result<Scene, BenchError> {
@@ -186,27 +172,14 @@ pub(super) fn chain(settings: &Settings) -> Result<Scene, BenchError> {
         .collect();
     let ends: Vec<[u32; 2]> = (0..n as u32).map(|i| [i, i + 1]).collect();
     let stiffness = Stiffness::read(settings)?.stiffness.number();
-    Ok(Scene {
-        name: "chain",
-        model: ClothModel {
-            springs: Spring::along(&positions, &ends, stiffness),
-            hinges: Vec::new(),
-            others: Vec::new(),
-            particles,
-        },
-        start: State::at_rest(positions),
-        mesh: None,
-        gravity: Vec3::z() * -*Weight::read(settings)?.gravity,
-        dt: 1.0 / 60.0,
-        steps: 300,
-        pins: None,
-        touch: None,
-        air: None,
-        gases: Vec::new(),
-        volumes: Vec::new(),
-        changes: Vec::new(),
-        order: None,
-    })
+    let model = ClothModel {
+        springs: Spring::along(&positions, &ends, stiffness),
+        hinges: Vec::new(),
+        others: Vec::new(),
+        particles,
+    };
+    let gravity = Vec3::z() * -*Weight::read(settings)?.gravity;
+    Ok(Scene::new("chain", model, positions, None, gravity))
 }
 
 fn cantilever(settings: &Settings) -> Result<Scene, BenchError> {
