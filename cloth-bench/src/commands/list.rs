@@ -130,7 +130,7 @@ pub(super) fn execute(arguments: &Arguments) -> Result<(), BenchError> {
         lines.push(format!("{kind}:"));
         if !common.is_empty() {
             lines.push(format!("  {COMMON:18} of more than one of them"));
-            lines.extend(common.iter().map(|p| full(p)));
+            lines.extend(common.iter().map(&full));
         }
         for entry in &entries {
             lines.push(format!("  {:18} {}", entry.name, entry.about));

@@ -50,6 +50,7 @@ pub trait Value: Sized {
     fn read(value: &DeValue<'_>) -> Option<Self>;
 
     /// The value where nothing is given, from the default of the setting.
+    #[must_use]
     fn by_default(default: &str) -> Option<Self> {
         Self::read(&DeValue::String(default.into()))
     }
@@ -60,6 +61,7 @@ pub trait Value: Sized {
     }
 
     /// The names that it can have.
+    #[must_use]
     fn names() -> Vec<&'static str> {
         Vec::new()
     }

@@ -191,7 +191,7 @@ impl<'a> Borders<'a> {
 type Numbers = Setting<Option<Vec<u32>>>;
 
 /// The key of two that is given.
-fn given<'k>([list, border]: [&'k Numbers; 2]) -> &'k Numbers {
+fn given([list, border]: [&Numbers; 2]) -> &Numbers {
     if list.is_given() { list } else { border }
 }
 
