@@ -74,7 +74,7 @@ pub trait Table: Sized {
 
 /// Declares structs of settings. A field is `name: Type = default "unit" in range, "what it is";`; unit and range may be
 /// left out. A key that cannot be the name of a field stands behind it: `collides as "self": bool = "no", "…";`. The
-/// [module](crate::settings) has an example.
+/// [module](mod@crate::settings) has an example.
 #[macro_export]
 macro_rules! settings {
     ($($(#[$attribute:meta])* $visible:vis struct $table:ident { $(
