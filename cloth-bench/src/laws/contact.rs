@@ -12,8 +12,8 @@ const GRAVITY: Real = 9.81;
 
 crate::settings! {
     struct InclineSettings {
-        angle_deg: Real = 30 "°", "inclination of the plane, 0 to 90";
-        friction: Real = 0.3, "coefficient of friction, 0 or more";
+        angle_deg: Real = 30 "°" in Within(0.0, 90.0), "inclination of the plane";
+        friction: Real = 0.3 in AtLeast(0.0), "coefficient of friction";
         steps: u32 = 120 in AtLeast(1.0), "number of steps of 1/60 s";
     }
 }
@@ -28,7 +28,7 @@ pub(super) const INCLINE: Law = Law {
 
 crate::settings! {
     struct BounceSettings {
-        restitution: Real = 0.8, "coefficient of restitution, 0 to 1";
+        restitution: Real = 0.8 in Within(0.0, 1.0), "coefficient of restitution";
         height: Real = 1 "m" in Above(0.0), "height of the fall";
         bounces: u32 = 3 in AtLeast(1.0), "number of bounces n";
     }
@@ -61,11 +61,6 @@ pub(super) const BARRIER_GAP: Law = Law {
 fn incline(settings: &Settings) -> Result<Evaluation, BenchError> {
     let own = InclineSettings::read(settings)?;
     let degrees = *own.angle_deg;
-    if !(0.0..=90.0).contains(&degrees) {
-        return Err(BenchError::Usage(format!(
-            "angle_deg is {degrees}, but it has to be between 0 and 90"
-        )));
-    }
     let friction = *own.friction;
     let law = ImpactLaw::new(friction, 0.0).map_err(BenchError::usage)?;
     let steps = *own.steps;

@@ -15,8 +15,8 @@ crate::settings! {
         iterations: u32 = 20 in AtLeast(1.0), "sweeps per substep";
         substeps: Or<Substeps, u32> = 1 in AtLeast(1.0),
             "parts of a step, or auto: as many as xpbd takes for its strain, fewer by the root of the iterations";
-        projection: Or<Material, Real> = "material",
-            "stiffness of the projections: material (one constraint alone shows its k), or a number from 0 to 1";
+        projection: Or<Material, Real> = "material" in Within(0.0, 1.0),
+            "stiffness of the projections: material (one constraint alone shows its k), or a number";
         hierarchy: Option<Or<Once, u32>> = "none" in AtLeast(1.0),
             "correction by coarse levels: none, once a substep, or the number of sweeps from one to the next";
     }
@@ -38,7 +38,7 @@ crate::settings! {
             "largest strain that the sweeps may leave, with substeps=auto; auto: 0.1, or 0.07 where there is something \
              to touch";
         sweep: Sweep = "colored", "how a sweep goes: colored, sequential, jacobi (with averaging) or plain-jacobi";
-        relaxation: Real = 1, "part of its correction that a constraint makes in a visit, above 0 and below 2";
+        relaxation: Real = 1 in Between(0.0, 2.0), "part of its correction that a constraint makes in a visit";
         chebyshev: Option<Or<Auto, Real>> = "none",
             "extrapolation of the sweeps: none, auto (spectral radius estimated), or the spectral radius";
         chebyshev_delay: u32 = 4 in AtLeast(1.0), "plain sweeps of a substep before the extrapolation";

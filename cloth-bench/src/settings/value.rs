@@ -15,6 +15,8 @@ pub enum Range {
     AtLeast(Real),
     /// Those from a bound to another one, both included.
     Within(Real, Real),
+    /// The same without the bounds.
+    Between(Real, Real),
 }
 
 impl Range {
@@ -26,6 +28,7 @@ impl Range {
             Self::Above(bound) => number > bound,
             Self::AtLeast(bound) => number >= bound,
             Self::Within(least, most) => (least..=most).contains(&number),
+            Self::Between(low, high) => low < number && number < high,
         }
     }
 }
@@ -37,6 +40,7 @@ impl fmt::Display for Range {
             Self::Above(bound) => write!(f, "above {bound}"),
             Self::AtLeast(bound) => write!(f, "at least {bound}"),
             Self::Within(least, most) => write!(f, "from {least} to {most}"),
+            Self::Between(low, high) => write!(f, "above {low} and below {high}"),
         }
     }
 }

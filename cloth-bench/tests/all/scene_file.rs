@@ -364,7 +364,7 @@ fn every_mistake_names_its_line_and_key() {
         ),
         (
             "+[air]\ndensity = -1\n",
-            "line 4: the density of the air is -1, but it has to be a finite number, not below zero",
+            "line 4: the density of the air is -1, but it has to be zero or a positive finite number",
         ),
         ("+[air]\nlift = 1\ndrag = 0\n", "line 4: the lift is 1, but"),
         ("+[air]\nwind = 3\n", "line 4: wind is `3`, a number"),

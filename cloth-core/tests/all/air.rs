@@ -160,7 +160,7 @@ fn what_makes_no_sense_is_refused_by_name() {
     };
     assert_eq!(
         told(density, AREAL),
-        "the density of the air is -1, but it has to be a finite number, not below zero"
+        "the density of the air is -1, but it has to be zero or a positive finite number"
     );
     let drag = AirConfig {
         drag: Real::INFINITY,
