@@ -29,7 +29,7 @@ use std::borrow::Cow;
 use std::fmt::Display;
 use std::ops::Deref;
 use std::sync::Arc;
-use toml::de::DeValue;
+use toml::de::{DeTable, DeValue};
 
 /// What there is to know of a setting.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -366,10 +366,13 @@ impl Settings {
 
 impl Entry {
     fn read<T: Value>(&self, parameter: &Parameter) -> Result<T, BenchError> {
-        let bare = DeValue::String(self.text.as_str().into());
         let value = match &self.place {
-            Some(_) => DeValue::parse(&self.text).map_or(bare, |value| value.into_inner()),
-            None => bare,
+            // The head of a table is no value.
+            Some(_) => DeValue::parse(&self.text).map_or_else(
+                |_| DeValue::Table(DeTable::new()),
+                |value| value.into_inner(),
+            ),
+            None => DeValue::String(self.text.as_str().into()),
         };
         let read = T::read(&value).filter(|read| read.is_within(parameter.range));
         read.ok_or_else(|| {

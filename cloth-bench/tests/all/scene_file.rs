@@ -278,6 +278,7 @@ fn every_mistake_names_its_line_and_key() {
             "gravity = [0, 1]\n",
             "line 1: gravity is `[0, 1]`, a list, but it has to be three finite numbers",
         ),
+        ("[name]\n", "line 1: name is `[name]`, a table"),
         (
             "gravity = 1979-05-27\n",
             "line 1: gravity is `1979-05-27`, a date",
