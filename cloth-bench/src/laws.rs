@@ -102,8 +102,8 @@ pub struct Law {
     pub name: &'static str,
     /// What it says, and the unit of its number.
     pub about: &'static str,
-    /// What can be set.
-    pub parameters: &'static [Parameter],
+    /// What can be set, in groups.
+    pub parameters: &'static [&'static [Parameter]],
     /// How far the code may be from it (relative) before the law counts as broken.
     pub tolerance: Real,
     evaluate: fn(&Settings) -> Result<Evaluation, BenchError>,
@@ -167,7 +167,7 @@ impl Law {
     /// [`BenchError::Usage`] for a parameter that is unknown or out of range, [`BenchError::Failed`] if the code gives
     /// no number.
     pub fn evaluate(&self, settings: &Settings) -> Result<Evaluation, BenchError> {
-        settings.check(&format!("law `{}`", self.name), &[self.parameters])?;
+        settings.check(&format!("law `{}`", self.name), self.parameters)?;
         let evaluation = (self.evaluate)(settings)?;
         // Written so that a bound that is not a number is refused too.
         if evaluation.rounding < MOST_ROUNDING {

@@ -2,6 +2,8 @@
 
 use crate::error::BenchError;
 use crate::names;
+use crate::settings::{Choice, Value};
+use cloth_core::error::within;
 use cloth_core::math::Vec3;
 use cloth_core::mesh::generate::{self, Diagonals};
 use cloth_core::mesh::{MeshError, TriMesh, io};
@@ -44,12 +46,13 @@ pub const GENERATORS: [(&str, &str); 9] = [
     ),
 ];
 
-/// The diagonal patterns by name.
-pub const PATTERNS: [(&str, Diagonals); 3] = [
-    ("one-way", Diagonals::OneWay),
-    ("alternating", Diagonals::Alternating),
-    ("crossed", Diagonals::Crossed),
-];
+impl Choice for Diagonals {
+    const NAMES: &'static [(&'static str, Self)] = &[
+        ("one-way", Self::OneWay),
+        ("alternating", Self::Alternating),
+        ("crossed", Self::Crossed),
+    ];
+}
 
 /// Names of the generators.
 fn kinds() -> Vec<&'static str> {
@@ -115,13 +118,11 @@ pub fn load(spec: &str) -> Result<TriMesh, BenchError> {
                 return Err(wrong());
             };
             let [n, m] = two(size)?;
-            let diagonals = PATTERNS
-                .iter()
-                .find(|(name, _)| *name == pattern)
-                .ok_or_else(|| {
-                    let known: Vec<&str> = PATTERNS.iter().map(|(name, _)| *name).collect();
-                    BenchError::Usage(names::unknown("diagonal pattern", pattern, &known))
-                })?;
+            let diagonals = Diagonals::NAMES.iter().find(|(name, _)| *name == pattern);
+            let diagonals = diagonals.ok_or_else(|| {
+                let known = <Diagonals as Value>::names();
+                BenchError::Usage(names::unknown("diagonal pattern", pattern, &known))
+            })?;
             let height = m.saturating_sub(1) as f64 / n.saturating_sub(1).max(1) as f64;
             generate::grid(n, m, 1.0, height, diagonals.1)
         }
@@ -159,13 +160,8 @@ pub fn load(spec: &str) -> Result<TriMesh, BenchError> {
 /// the rim.
 fn with_holes(cells: usize, holes: usize) -> Result<TriMesh, MeshError> {
     let bands = holes.saturating_mul(2).saturating_add(1);
-    if cells < bands {
-        return Err(MeshError::InvalidParameter {
-            name: "the number of cells",
-            value: cells as f64,
-            range: "at least 2 K + 1 for K holes a side",
-        });
-    }
+    let range = "at least 2 K + 1 for K holes a side";
+    within(cells >= bands, "the number of cells", cells as f64, range)?;
     let sheet = generate::grid(
         cells.saturating_add(1),
         cells.saturating_add(1),

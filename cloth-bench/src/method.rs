@@ -13,7 +13,7 @@ pub use own::{Build, OwnMethod, all, register, with_own};
 use crate::error::BenchError;
 use crate::names;
 use crate::scene::{ContactSetup, Scene};
-use crate::settings::{Parameter, Settings};
+use crate::settings::{Or, Parameter, Settings, Table};
 use cloth_core::cloth::Elements;
 use cloth_core::energy::{Spring, StrainLimitSpring};
 use cloth_core::math::Real;
@@ -36,8 +36,8 @@ pub struct Method {
     pub name: &'static str,
     /// What it is.
     pub about: &'static str,
-    /// What can be set of this method alone, with the published setting.
-    parameters: &'static [Parameter],
+    /// What can be set of this method, with the published setting.
+    parameters: &'static [&'static [Parameter]],
     kind: Kind,
 }
 
@@ -118,7 +118,7 @@ pub const METHODS: [Method; 10] = [
     Method {
         name: "pd",
         about: "projective dynamics",
-        parameters: projective::PD,
+        parameters: &[projective::Pd::PARAMETERS],
         kind: Kind::Pd,
     },
 ];
@@ -137,19 +137,23 @@ impl Method {
 
     /// The tables of what can be set, with the published setting: of the method, and of all methods.
     #[must_use]
-    pub fn parameters(&self) -> [&'static [Parameter]; 2] {
-        [self.parameters, strain_limit::STRAIN_LIMITING]
+    pub fn parameters(&self) -> Vec<&'static [Parameter]> {
+        [self.parameters, &[strain_limit::StrainLimit::PARAMETERS]].concat()
+    }
+
+    /// Where the published setting is another one than the defaults of the parameters: `key=value` pairs.
+    pub(crate) fn defaults(&self) -> &'static str {
+        match self.kind {
+            Kind::LinearImplicit => "linear_tolerance=1e-8",
+            _ => "",
+        }
     }
 
     /// Settings of a run that is not a comparison: where the published one leaves more strain the finer the mesh, it is
     /// chosen for the mesh instead.
     pub(crate) fn by_default(&self, settings: Settings) -> Settings {
         match self.kind {
-            Kind::Xpbd => {
-                let chosen = Settings::default()
-                    .with(position_based::XPBD_SUBSTEPS.name, position_based::AUTO);
-                chosen.then(&settings)
-            }
+            Kind::Xpbd => Settings::of("substeps=auto").then(&settings),
             _ => settings,
         }
     }
@@ -174,14 +178,9 @@ impl Method {
         // Runs take a step in as many parts.
         let dt = dt / Real::from(scene.parts(dt));
         let substeps = self.substeps(scene, settings, dt)?;
-        let told = match self.kind {
-            Kind::Pbd | Kind::Xpbd | Kind::XpbdDirect | Kind::Explicit | Kind::Symplectic => {
-                position_based::with_substeps(settings, substeps)
-            }
-            _ => settings.clone(),
-        };
-        let solver = self.solver(scene, &told, dt)?;
-        strain_limit::limited(solver, scene, &told)
+        let settings = &settings.with_defaults(self.defaults());
+        let solver = self.solver(scene, settings, dt, substeps)?;
+        strain_limit::limited(solver, scene, settings)
     }
 
     /// Refuses hard constraints where the method has none.
@@ -251,6 +250,7 @@ impl Method {
         scene: &Scene,
         settings: &Settings,
         dt: Real,
+        substeps: u32,
     ) -> Result<Box<dyn Stepper>, BenchError> {
         let (particles, families) = (&scene.model.particles, scene.model.families());
         macro_rules! mass_spring {
@@ -260,41 +260,43 @@ impl Method {
             }};
         }
         Ok(match self.kind {
-            Kind::Explicit => mass_spring!(ExplicitEuler, self.explicit(scene, settings, dt)?),
-            Kind::Symplectic => mass_spring!(SymplecticEuler, self.explicit(scene, settings, dt)?),
+            Kind::Explicit => mass_spring!(ExplicitEuler, explicit(settings, substeps)?),
+            Kind::Symplectic => mass_spring!(SymplecticEuler, explicit(settings, substeps)?),
             Kind::Implicit => mass_spring!(ImplicitEuler, mass_spring::newton(scene, settings)?),
             Kind::LinearImplicit => mass_spring!(ImplicitEuler, mass_spring::linearized(settings)?),
             Kind::Midpoint => mass_spring!(ImplicitMidpoint, mass_spring::newton(scene, settings)?),
             Kind::Bdf2 => mass_spring!(Bdf2, mass_spring::newton(scene, settings)?),
             Kind::Pbd => {
-                let builder = PbdSolver::builder(particles).config(position_based::pbd(settings)?);
+                let builder =
+                    PbdSolver::builder(particles).config(position_based::pbd(settings, substeps)?);
                 let solver = self.built(builder.elements(families).build())?;
                 Box::new(match position_based::hierarchy(scene, settings)? {
                     Some(levels) => self.built(solver.with_hierarchy(levels))?,
                     None => solver,
                 })
             }
-            Kind::Xpbd => match position_based::single(settings)? {
+            Kind::Xpbd => match position_based::single(settings, substeps)? {
                 Some(config) => {
                     let builder = SingleXpbd::builder(particles).config(config);
                     Box::new(self.built(builder.elements(families).build())?)
                 }
                 None => {
-                    let config = position_based::xpbd(settings)?;
+                    let config = position_based::xpbd(settings, substeps)?;
                     let builder = XpbdSolver::builder(particles).config(config);
                     Box::new(self.built(builder.elements(families).build())?)
                 }
             },
             Kind::XpbdDirect => {
-                let builder = DirectXpbd::builder(particles).config(direct::direct(settings)?);
+                let builder =
+                    DirectXpbd::builder(particles).config(direct::direct(settings, substeps)?);
                 Box::new(self.built(builder.elements(families).build())?)
             }
             Kind::Pd => {
-                let config = projective::projective(settings)?;
+                let own = projective::Pd::read(settings)?;
+                let config = projective::projective(&own)?;
                 let mut builder = PdSolver::builder(particles).config(config);
-                let cells = settings.count(&projective::PD_COARSE, 0)?;
-                if cells > 0 {
-                    builder = builder.coarse_grid(&scene.start.positions, cells);
+                if *own.coarse > 0 {
+                    builder = builder.coarse_grid(&scene.start.positions, *own.coarse);
                 }
                 Box::new(self.built(builder.elements(families).build())?)
             }
@@ -307,19 +309,6 @@ impl Method {
         solver.map_err(|error| match error {
             BuildError::NoSuchView { .. } => BenchError::Usage(format!("`{}` {error}", self.name)),
             _ => BenchError::usage(error),
-        })
-    }
-
-    fn explicit(
-        &self,
-        scene: &Scene,
-        settings: &Settings,
-        dt: Real,
-    ) -> Result<ExplicitConfig, BenchError> {
-        Ok(ExplicitConfig {
-            substeps: self.substeps(scene, settings, dt)?,
-            damping: mass_spring::damping(settings)?,
-            ..Default::default()
         })
     }
 
@@ -343,12 +332,10 @@ impl Method {
             Kind::Pbd => position_based::pbd_substeps(scene, settings, dt),
             Kind::Xpbd => position_based::xpbd_substeps(scene, settings, dt),
             Kind::XpbdDirect => direct::substeps(scene, settings, dt),
-            Kind::Explicit | Kind::Symplectic
-                if settings.text(&mass_spring::EXPLICIT_SUBSTEPS) != "auto" =>
-            {
-                settings.count(&mass_spring::EXPLICIT_SUBSTEPS, 1)
-            }
             Kind::Explicit | Kind::Symplectic => {
+                if let Or::Value(count) = *mass_spring::Explicit::read(settings)?.substeps {
+                    return Ok(count);
+                }
                 let energies = taut(scene)?;
                 let stable =
                     stable_time_step(&energies, &scene.model.particles, &scene.start.positions);
@@ -363,6 +350,14 @@ impl Method {
             }
         }
     }
+}
+
+fn explicit(settings: &Settings, substeps: u32) -> Result<ExplicitConfig, BenchError> {
+    Ok(ExplicitConfig {
+        substeps,
+        damping: mass_spring::damping(settings)?,
+        ..Default::default()
+    })
 }
 
 /// The energy of a scene with all that is slack taut: at the start it may resist nothing, and later all at once.

@@ -14,7 +14,8 @@ pub use change::{Change, ChangeKind, Motion};
 pub use contact::ContactSetup;
 
 use crate::error::BenchError;
-use crate::settings::{Parameter, parameter};
+use crate::settings::{Parameter, Range::*, Table};
+use cloth::{EdgeSprings, Material, Stiffness};
 use cloth_collide::SeparationProbe;
 use cloth_collide::potential::PotentialContacts;
 use cloth_collide::untangle::StepUntangler;
@@ -25,12 +26,14 @@ use cloth_core::enclosure::{ClosedVolume, Enclosed, Pressure};
 use cloth_core::energy::{Spring, Stitch};
 use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::TriMesh;
+use cloth_core::mesh::generate::Diagonals;
 use cloth_core::method::family::Energies;
 use cloth_core::particles::State;
 use cloth_core::pin::Pins;
 use cloth_core::step::BuildError;
 use cloth_core::topology::EdgeTable;
-use contact::{TOUCHING, TOUCHING_ALONE};
+use contact::{Contact, Surface};
+use midpoints::Midpoints;
 use std::sync::Arc;
 
 /// What is simulated: the same masses, elements, pins and start for every method.
@@ -67,6 +70,32 @@ pub struct Scene {
 }
 
 impl Scene {
+    /// A cloth at rest at `positions` (m), with the steps of all named scenes and nothing else around it.
+    pub(crate) fn new(
+        name: &'static str,
+        model: ClothModel,
+        positions: Vec<Vec3>,
+        mesh: Option<TriMesh>,
+        gravity: Vec3,
+    ) -> Self {
+        Self {
+            name,
+            model,
+            start: State::at_rest(positions),
+            mesh,
+            gravity,
+            dt: 1.0 / 60.0,
+            steps: 300,
+            pins: None,
+            changes: Vec::new(),
+            touch: None,
+            gases: Vec::new(),
+            volumes: Vec::new(),
+            air: None,
+            order: None,
+        }
+    }
+
     /// What resolves contact, if the scene has anything to touch, and keeps volumes, if it has any.
     ///
     /// # Errors
@@ -242,200 +271,152 @@ pub struct SceneInfo {
     /// What it is.
     pub about: &'static str,
     /// What can be set, in groups.
-    groups: &'static [&'static [Parameter]],
+    groups: &'static [&'static [&'static [Parameter]]],
 }
 
 impl SceneInfo {
     /// What can be set, in groups.
     #[must_use]
-    pub fn groups(&self) -> &'static [&'static [Parameter]] {
-        self.groups
+    pub fn groups(&self) -> Vec<&'static [Parameter]> {
+        self.groups.concat()
+    }
+
+    /// Where the defaults are others than those of the parameters: `key=value` pairs.
+    pub(crate) fn defaults(&self) -> &'static str {
+        match self.name {
+            "cantilever" => "rigidity=0.1",
+            "fold" | "twist" | "stack" | "drape-sphere" | "drape-box" => "self=yes",
+            _ => "",
+        }
     }
 }
 
-pub(crate) const DENSITY: Parameter = parameter("density", "0.2", "areal density (kg/m²)");
-pub(crate) const STIFFNESS: Parameter = parameter(
-    "stiffness",
-    "1e4",
-    "stiffness k of every spring (N/m), at least 0, or inf: hard constraints, with xpbd alone",
-);
-pub(crate) const MODULUS: Parameter = parameter(
-    "modulus",
-    "none",
-    "membrane modulus Y (N/m) in the place of the stiffness of springs, or none",
-);
-pub(crate) const MEMBRANE: Parameter = parameter(
-    "membrane",
-    "springs",
-    "elements that resist stretching: springs, stvk or arap; triangles get the modulus that springs of the given stiffness have",
-);
-pub(crate) const POISSON: Parameter = parameter(
-    "poisson",
-    "0.3333333333333333",
-    "Poisson's ratio of stvk, from −1 to 1; springs have 1/3",
-);
-pub(crate) const SHEAR: Parameter = parameter(
-    "shear",
-    "none",
-    "stiffness of springs along both diagonals of rectangular cells (N/m), or none: one diagonal, as stiff as the other edges",
-);
-pub(crate) const BENDING: Parameter = parameter(
-    "bending",
-    "quadratic",
-    "elements that resist bending: quadratic, dihedral, bridson (a moment with sin θ/2), cubic, curved, spring (across hinges) or none",
-);
-pub(crate) const BENDING_STIFFNESS: Parameter = parameter(
-    "bending_stiffness",
-    "1",
-    "stiffness of springs across hinges (N/m)",
-);
-pub(crate) const RIGIDITY: Parameter = parameter("rigidity", "1e-5", "bending rigidity D (N·m)");
-pub(crate) const GRAVITY: Parameter =
-    parameter("gravity", "9.81", "acceleration of free fall (m/s²)");
-pub(crate) const SIZE: Parameter = parameter("n", "33", "vertices a side");
-pub(crate) const PATTERN: Parameter = parameter(
-    "pattern",
-    "alternating",
-    "diagonals: one-way, alternating or crossed",
-);
-pub(crate) const PINS: Parameter = parameter(
-    "pins",
-    "default",
-    "held vertices: default (corners of a grid, highest of a file), corners, highest, none, or numbers such as 0,32",
-);
-pub(crate) const UP: Parameter = parameter(
-    "up",
-    "default",
-    "axis against gravity: x, y or z (default z, for a file y)",
-);
-pub(crate) const LINKS: Parameter = parameter("n", "20", "number of free masses");
-pub(crate) const LINK_LENGTH: Parameter = parameter("link", "0.05", "length of a link (m)");
-pub(crate) const LINK_MASS: Parameter = parameter("mass", "0.01", "mass of a vertex (kg)");
-pub(crate) const TIP_MASS: Parameter =
-    parameter("tip_mass", "0.01", "mass of the last vertex (kg)");
-pub(crate) const ASPECT: Parameter =
-    parameter("length", "1", "length of the strip (m), 0.2 m wide");
-pub(crate) const STRIP_SIZE: Parameter = parameter("n", "8", "cells across the strip");
-pub(crate) const STRIP_RIGIDITY: Parameter =
-    parameter("rigidity", "0.1", "bending rigidity D (N·m)");
+crate::settings! {
+    /// Of a sheet that the scene makes itself.
+    pub(crate) struct Grid {
+        n: u32 = 33 in AtLeast(2.0), "vertices a side";
+        pattern: Diagonals = "alternating", "diagonals: one-way, alternating or crossed";
+    }
+    /// Of the strip of `cantilever`.
+    pub(crate) struct Strip {
+        n: u32 = 8 in AtLeast(1.0), "cells across the strip";
+        length: Real = 1 "m" in Above(0.0), "length of the strip, 0.2 m wide";
+        pattern: Diagonals = "alternating", "diagonals: one-way, alternating or crossed";
+    }
+    /// Of every scene.
+    pub(crate) struct Weight {
+        gravity: Real = 9.81 "m/s²", "acceleration of free fall";
+    }
+    /// Of a sheet that may be any mesh.
+    pub(crate) struct Placed {
+        pins: String = "default",
+            "held vertices: default (corners of a grid, highest of a file), corners, highest, none, or numbers such as \
+             0,32";
+        up: Axis = "default", "axis against gravity: x, y or z (default z, for a file y)";
+    }
+}
 
-pub(crate) const FLOOR: Parameter = parameter(
-    "floor",
-    "none",
-    "how far below the lowest vertex there is a floor (m), or none",
-);
-pub(crate) const TURNS: Parameter =
-    parameter("turns", "4", "full turns of one end against the other");
-pub(crate) const ROPE: Parameter = parameter(
-    "rope",
-    "0.025",
-    "radius (m) of the rope that the towel becomes: its ends come together by so much that a strand at this radius keeps its length",
-);
-pub(crate) const SHEETS: Parameter = parameter("sheets", "10", "number of sheets");
+crate::choices! {
+    /// An axis of space.
+    #[derive(PartialEq)]
+    pub(crate) enum Axis { Default = "default", X = "x", Y = "y", Z = "z" }
+}
 
-/// What can be set of a sheet that the scene makes and places itself.
-const OWN_SHEET: &[Parameter] = &[
-    SIZE,
-    PATTERN,
-    DENSITY,
-    STIFFNESS,
-    MODULUS,
-    MEMBRANE,
-    POISSON,
-    SHEAR,
-    RIGIDITY,
-    BENDING,
-    BENDING_STIFFNESS,
-    GRAVITY,
+crate::settings! {
+    /// Of a chain.
+    pub(crate) struct Chain {
+        n: u32 = 20 in Within(1.0, MOST_LINKS), "number of free masses";
+        link: Real = 0.05 "m" in Above(0.0), "length of a link";
+        mass: Real = 0.01 "kg", "mass of a vertex";
+        tip_mass: Real = 0.01 "kg", "mass of the last vertex";
+    }
+}
+
+/// A longer chain is a slip of the pen.
+const MOST_LINKS: Real = 1e7;
+
+crate::settings! {
+    /// Of `drop`.
+    pub(crate) struct Floor {
+        floor: Option<Real> = "none" "m", "how far below the lowest vertex there is a floor, or none";
+    }
+    /// Of `twist`.
+    pub(crate) struct Twist {
+        turns: Real = 4, "full turns of one end against the other";
+        rope: Real = 0.025 "m",
+            "radius of the rope that the towel becomes: its ends come together by so much that a strand at this radius \
+             keeps its length";
+    }
+    /// Of `stack`.
+    pub(crate) struct Stack {
+        sheets: u32 = 10 in AtLeast(1.0), "number of sheets";
+    }
+}
+
+/// What can be set of a sheet that the scene makes and places itself, with contact.
+const OWN_SHEET: &[&[Parameter]] = &[
+    Grid::PARAMETERS,
+    Stiffness::PARAMETERS,
+    Material::PARAMETERS,
+    Weight::PARAMETERS,
+    Surface::PARAMETERS,
+    Contact::PARAMETERS,
 ];
 
-/// What can be set of a sheet.
-const SHEET: &[Parameter] = &[
-    SIZE,
-    PATTERN,
-    DENSITY,
-    STIFFNESS,
-    MODULUS,
-    MEMBRANE,
-    POISSON,
-    SHEAR,
-    cloth::COMPRESSION,
-    cloth::SLACK,
-    cloth::EDGES,
-    cloth::LEVEL,
-    cloth::FINE_SHARE,
-    RIGIDITY,
-    BENDING,
-    BENDING_STIFFNESS,
-    GRAVITY,
-    PINS,
-    UP,
-];
+/// What else can be set of a sheet that may be any mesh.
+const SHEET: &[&[Parameter]] = &[EdgeSprings::PARAMETERS, Placed::PARAMETERS];
 
 /// Every scene.
 pub const SCENES: [SceneInfo; 9] = [
     SceneInfo {
         name: "hang",
         about: "a sheet of 1 m × 1 m held at two corners, starting horizontal; with --mesh any OBJ or PLY file, held at its highest vertices",
-        groups: &[SHEET, &[midpoints::POINTS], TOUCHING_ALONE],
+        groups: &[OWN_SHEET, SHEET, &[Midpoints::PARAMETERS]],
     },
     SceneInfo {
         name: "drop",
         about: "the same sheet in free fall, held nowhere: it must not deform; or onto a floor",
-        groups: &[SHEET, TOUCHING_ALONE, &[FLOOR]],
+        groups: &[OWN_SHEET, SHEET, &[Floor::PARAMETERS]],
     },
     SceneInfo {
         name: "drape-sphere",
         about: "the same sheet, or with --mesh any, falls on a sphere of 0.3 m",
-        groups: &[SHEET, TOUCHING],
+        groups: &[OWN_SHEET, SHEET],
     },
     SceneInfo {
         name: "drape-box",
         about: "the same on a cube of 0.5 m that turns by 2 rad/s",
-        groups: &[SHEET, TOUCHING],
+        groups: &[OWN_SHEET, SHEET],
     },
     SceneInfo {
         name: "fold",
         about: "a ribbon of 1 m × 0.25 m, upright on a floor, falls down on itself",
-        groups: &[OWN_SHEET, TOUCHING],
+        groups: &[OWN_SHEET],
     },
     SceneInfo {
         name: "twist",
         about: "a narrow towel of 1 m × 0.1 m whose ends are turned against each other within 4 s, and come nearer as it becomes a rope; with n = 33 its edges are as long as the rope is thick, and layers hook into each other; with 65 rarely",
-        groups: &[OWN_SHEET, TOUCHING, &[TURNS, ROPE]],
+        groups: &[OWN_SHEET, &[Twist::PARAMETERS]],
     },
     SceneInfo {
         name: "stack",
         about: "sheets of 0.5 m × 0.5 m, each turned by 0.1 rad against the one below, on a floor: they stay where they are",
-        groups: &[OWN_SHEET, TOUCHING, &[SHEETS]],
+        groups: &[OWN_SHEET, &[Stack::PARAMETERS]],
     },
     SceneInfo {
         name: "chain",
         about: "a chain of equal links held at one end, starting horizontal",
-        groups: &[&[LINKS, LINK_LENGTH, LINK_MASS, TIP_MASS, STIFFNESS, GRAVITY]],
+        groups: &[&[Chain::PARAMETERS, Stiffness::PARAMETERS, Weight::PARAMETERS]],
     },
     SceneInfo {
         name: "cantilever",
         about: "a strip clamped at one end, bending under its own weight",
         groups: &[&[
-            STRIP_SIZE,
-            ASPECT,
-            PATTERN,
-            DENSITY,
-            STIFFNESS,
-            MODULUS,
-            MEMBRANE,
-            POISSON,
-            SHEAR,
-            cloth::COMPRESSION,
-            cloth::SLACK,
-            cloth::EDGES,
-            cloth::LEVEL,
-            cloth::FINE_SHARE,
-            STRIP_RIGIDITY,
-            BENDING,
-            BENDING_STIFFNESS,
-            GRAVITY,
+            Strip::PARAMETERS,
+            Stiffness::PARAMETERS,
+            Material::PARAMETERS,
+            EdgeSprings::PARAMETERS,
+            Weight::PARAMETERS,
         ]],
     },
 ];

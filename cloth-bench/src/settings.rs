@@ -1,38 +1,196 @@
-//! `--set key=value`: named parameters of scenes, methods and laws, checked against what each of them knows.
+//! Settings of scenes, methods and laws: each declared once, as a field of a struct, with its default, unit and range.
+//!
+//! `--set key=value`, the tables of a scene file and `list` are readings of that struct:
+//!
+//! ```
+//! use cloth_bench::settings::{Range::*, Settings, Table};
+//! cloth_bench::settings! {
+//!     /// Of a ball that falls.
+//!     struct Ball {
+//!         height: f64 = 1 "m" in Above(0.0), "how far it falls";
+//!         bounces: u32 = 3 in AtLeast(1.0), "number of bounces";
+//!     }
+//! }
+//! let ball = Ball::read(&Settings::parse(&["height=2.5"])?)?;
+//! assert_eq!((*ball.height, *ball.bounces), (2.5, 3));
+//! assert_eq!(Ball::PARAMETERS[0].explained(), "(m, above 0) how far it falls");
+//! let error = Ball::read(&Settings::parse(&["bounces=0"])?).unwrap_err();
+//! assert_eq!(error.to_string(), "bounces is `0`, but it has to be a whole number of at least 1");
+//! # Ok::<(), cloth_bench::error::BenchError>(())
+//! ```
+
+mod value;
+
+pub use value::{Auto, Choice, Factors, Infinite, Or, Range, Value};
 
 use crate::error::BenchError;
 use crate::names;
-use cloth_core::math::Real;
+use std::borrow::Cow;
+use std::fmt::Display;
+use std::ops::Deref;
+use std::sync::Arc;
+use toml::de::{DeTable, DeValue};
 
-/// A parameter that a scene, a method or a law takes.
+/// What there is to know of a setting.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Parameter {
     /// Its key.
     pub name: &'static str,
-    /// Its value if it is not set, as one would write it.
+    /// Its value if it is not given, as one would write it.
     pub default: &'static str,
-    /// What it is, with its unit.
+    /// What it is.
     pub about: &'static str,
+    /// Its unit; empty if it has none.
+    pub unit: &'static str,
+    /// Which numbers it takes.
+    pub range: Range,
 }
 
-/// Shorthand for a table of parameters.
-#[must_use]
-pub const fn parameter(
-    name: &'static str,
-    default: &'static str,
-    about: &'static str,
-) -> Parameter {
-    Parameter {
-        name,
-        default,
-        about,
+impl Parameter {
+    /// What it is, with unit and range.
+    #[must_use]
+    pub fn explained(&self) -> String {
+        let limits = [self.unit, &self.range.to_string()];
+        let limits: Vec<&str> = limits.into_iter().filter(|text| !text.is_empty()).collect();
+        match limits.is_empty() {
+            true => self.about.to_owned(),
+            false => format!("({}) {}", limits.join(", "), self.about),
+        }
     }
 }
 
-/// The values set on the command line.
+/// A struct of settings, as [`settings!`](crate::settings!) declares it.
+pub trait Table: Sized {
+    /// Every setting, in the order of the fields.
+    const PARAMETERS: &'static [Parameter];
+
+    /// The struct as it is set.
+    ///
+    /// # Errors
+    /// [`BenchError::Usage`] for a value that cannot be read or is out of range, with its key, and with file and line
+    /// if it is from a file.
+    fn read(settings: &Settings) -> Result<Self, BenchError>;
+}
+
+/// Declares structs of settings. A field is `name: Type = default "unit" in range, "what it is";`; unit and range may be
+/// left out. A key that cannot be the name of a field stands behind it: `collides as "self": bool = "no", "…";`. The
+/// [module](mod@crate::settings) has an example.
+#[macro_export]
+macro_rules! settings {
+    ($($(#[$attribute:meta])* $visible:vis struct $table:ident { $(
+        $field:ident $(as $key:literal)?: $type:ty = $default:literal $($unit:literal)? $(in $range:expr)?,
+        $about:literal;
+    )+ })+) => { $(
+        $(#[$attribute])*
+        #[derive(Clone, Debug)]
+        $visible struct $table {
+            $(#[doc = $about] $visible $field: $crate::settings::Setting<$type>),+
+        }
+        impl $crate::settings::Table for $table {
+            const PARAMETERS: &'static [$crate::settings::Parameter] = &[$($crate::settings::Parameter {
+                name: [$($key,)? stringify!($field)][0],
+                default: concat!($default),
+                about: $about,
+                unit: concat!($($unit)?),
+                range: [$($range,)? $crate::settings::Range::Any][0],
+            }),+];
+
+            fn read(settings: &$crate::settings::Settings) -> Result<Self, $crate::error::BenchError> {
+                let mut parameters = Self::PARAMETERS.iter();
+                Ok(Self { $($field: settings.next(&mut parameters)?),+ })
+            }
+        }
+    )+ };
+}
+
+/// The value of a setting, which knows its key and where it comes from.
+#[derive(Clone, Debug)]
+pub struct Setting<T> {
+    value: T,
+    name: &'static str,
+    place: Option<Arc<str>>,
+    is_given: bool,
+}
+
+impl<T> Deref for Setting<T> {
+    type Target = T;
+
+    fn deref(&self) -> &T {
+        &self.value
+    }
+}
+
+impl<T> Setting<T> {
+    /// Whether it was given, by the user or by the program.
+    #[must_use]
+    pub fn is_given(&self) -> bool {
+        self.is_given
+    }
+
+    /// The same without the value, for lists of settings of several types.
+    #[must_use]
+    pub fn bare(&self) -> Setting<()> {
+        Setting {
+            value: (),
+            name: self.name,
+            place: self.place.clone(),
+            is_given: self.is_given,
+        }
+    }
+
+    /// Its key.
+    #[must_use]
+    pub fn name(&self) -> &'static str {
+        self.name
+    }
+
+    /// What is wrong with it, with file and line if it is from a file.
+    pub fn refuse(&self, message: impl Display) -> BenchError {
+        placed(self.place.as_deref(), message)
+    }
+
+    /// Refuses it if it was given, because it does nothing without `what`.
+    ///
+    /// # Errors
+    /// [`BenchError::Usage`] that names both.
+    pub fn refuse_without(&self, what: &str) -> Result<(), BenchError> {
+        self.refuse_given(format_args!("without {what}"))
+    }
+
+    /// Refuses it if it was given, because it does nothing `there`.
+    ///
+    /// # Errors
+    /// [`BenchError::Usage`] that names both.
+    pub fn refuse_given(&self, there: impl Display) -> Result<(), BenchError> {
+        match self.is_given {
+            true => Err(self.refuse(format!("{} has no meaning {there}", self.name))),
+            false => Ok(()),
+        }
+    }
+}
+
+fn placed(place: Option<&str>, message: impl Display) -> BenchError {
+    BenchError::Usage(format!("{}{message}", place.unwrap_or_default()))
+}
+
+/// What is given for a key.
+#[derive(Clone, Debug, PartialEq)]
+struct Entry {
+    key: String,
+    /// As it is written.
+    text: String,
+    /// File and line, if it is from a file.
+    place: Option<Arc<str>>,
+    /// Whether it only takes the place of the default.
+    is_default: bool,
+}
+
+/// Values by their keys, from the command line, from a file or from the program; the last one of a key holds.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Settings {
-    given: Vec<(String, String)>,
+    given: Vec<Entry>,
+    /// The table of a file that they are from.
+    table: Option<Arc<str>>,
 }
 
 impl Settings {
@@ -74,8 +232,24 @@ impl Settings {
     /// The same settings and one more, which holds if there is one of its key already.
     #[must_use]
     #[allow(clippy::needless_pass_by_value)] // callers hand in literals; a reference before each would only be noise
-    pub fn with(mut self, key: &str, value: impl std::fmt::Display) -> Self {
-        self.given.push((key.to_owned(), format!("{value}")));
+    pub fn with(self, key: &str, value: impl Display) -> Self {
+        self.entry(key, value, None)
+    }
+
+    /// The same settings and one from the `place` in a file, if it is from one.
+    pub(crate) fn entry(mut self, key: &str, text: impl Display, place: Option<Arc<str>>) -> Self {
+        self.given.push(Entry {
+            key: key.to_owned(),
+            text: text.to_string(),
+            place,
+            is_default: false,
+        });
+        self
+    }
+
+    /// The same settings, from a table of a file: what is wrong with a value that is not there is said of the table.
+    pub(crate) fn of_table(mut self, place: Arc<str>) -> Self {
+        self.table = Some(place);
         self
     }
 
@@ -84,6 +258,19 @@ impl Settings {
     pub fn then(mut self, later: &Self) -> Self {
         self.given.extend_from_slice(&later.given);
         self
+    }
+
+    /// These settings, and where they give nothing, other `defaults` than usual.
+    pub(crate) fn with_defaults(&self, defaults: &str) -> Cow<'_, Self> {
+        if defaults.is_empty() {
+            return Cow::Borrowed(self);
+        }
+        let mut all = Self::of(defaults);
+        all.given
+            .iter_mut()
+            .for_each(|entry| entry.is_default = true);
+        all.table.clone_from(&self.table);
+        Cow::Owned(all.then(self))
     }
 
     /// Refuses keys that none of the tables knows. `what` names what takes them.
@@ -96,12 +283,9 @@ impl Settings {
             .flat_map(|t| t.iter())
             .map(|p| p.name)
             .collect();
-        match self
-            .given
-            .iter()
-            .find(|(key, _)| !known.contains(&key.as_str()))
-        {
-            Some((key, _)) => Err(BenchError::Usage(names::unknown(
+        let mut given = self.given.iter().map(|entry| entry.key.as_str());
+        match given.find(|key| !known.contains(key)) {
+            Some(key) => Err(BenchError::Usage(names::unknown(
                 &format!("parameter of {what}"),
                 key,
                 &known,
@@ -110,139 +294,172 @@ impl Settings {
         }
     }
 
-    /// Refuses a parameter that was given, because it does nothing without `what`.
-    ///
-    /// # Errors
-    /// [`BenchError::Usage`] that names both.
-    pub fn refuse_without(&self, parameter: &Parameter, what: &str) -> Result<(), BenchError> {
-        if self.get(parameter.name).is_none() {
-            return Ok(());
-        }
-        Err(BenchError::Usage(format!(
-            "{} has no meaning without {what}",
-            parameter.name
-        )))
-    }
-
     /// Those of the settings whose keys the tables know.
     #[must_use]
     pub fn among(&self, tables: &[&[Parameter]]) -> Self {
         let is_known = |key: &str| tables.iter().flat_map(|t| t.iter()).any(|p| p.name == key);
-        let given = self.given.iter().filter(|(key, _)| is_known(key));
-        Self {
-            given: given.cloned().collect(),
-        }
+        let mut own = self.clone();
+        own.given.retain(|entry| is_known(&entry.key));
+        own
     }
 
-    /// What was given for a key.
+    /// What was given for a key, as it is written.
     #[must_use]
     pub fn get(&self, key: &str) -> Option<&str> {
-        self.given
-            .iter()
-            .rev()
-            .find(|(k, _)| k == key)
-            .map(|(_, v)| v.as_str())
+        let last = self.last(key).filter(|entry| !entry.is_default);
+        last.map(|entry| entry.text.as_str())
     }
 
-    /// The value of a parameter as text, its default if it was not set.
-    #[must_use]
-    pub fn text<'a>(&'a self, parameter: &Parameter) -> &'a str {
-        self.get(parameter.name).unwrap_or(parameter.default)
+    fn last(&self, key: &str) -> Option<&Entry> {
+        self.given.iter().rev().find(|entry| entry.key == key)
     }
 
-    /// The value as a finite number.
+    /// The value of the next of some parameters; [`settings!`](crate::settings!) reads the fields of a table by it.
     ///
     /// # Errors
-    /// [`BenchError::Usage`] if it is none.
-    pub fn number(&self, parameter: &Parameter) -> Result<Real, BenchError> {
-        let text = self.text(parameter);
-        text.parse::<Real>()
-            .ok()
-            .filter(|v| v.is_finite())
-            .ok_or_else(|| {
-                BenchError::Usage(format!(
-                    "{} is `{text}`, but it has to be a finite number",
-                    parameter.name
-                ))
-            })
+    /// [`BenchError::Usage`] for a value that cannot be read or is out of range.
+    ///
+    /// # Panics
+    /// If there is none left, or for a default that cannot be read.
+    pub fn next<T: Value>(
+        &self,
+        parameters: &mut std::slice::Iter<'static, Parameter>,
+    ) -> Result<Setting<T>, BenchError> {
+        let parameter = parameters.next().expect("as many parameters as fields");
+        let (value, place, is_given) = match self.last(parameter.name) {
+            Some(entry) => (entry.read(parameter)?, &entry.place, !entry.is_default),
+            None => {
+                let value = T::by_default(parameter.default);
+                let value = value.unwrap_or_else(|| panic!("{parameter:?} has a wrong default"));
+                (value, &self.table, false)
+            }
+        };
+        Ok(Setting {
+            value,
+            name: parameter.name,
+            place: place.clone(),
+            is_given,
+        })
     }
 
-    /// The value as a number above zero.
-    ///
-    /// # Errors
-    /// [`BenchError::Usage`] if it is none.
-    pub fn positive(&self, parameter: &Parameter) -> Result<Real, BenchError> {
-        let value = self.number(parameter)?;
-        if value > 0.0 {
-            Ok(value)
-        } else {
-            Err(BenchError::Usage(format!(
-                "{} is {value}, but it has to be above zero",
-                parameter.name
-            )))
+    /// The first of their keys that a message names.
+    fn named_in(&self, message: &str) -> Option<&Entry> {
+        let mut words = message.split(|c: char| !(c.is_alphanumeric() || c == '_'));
+        words.find_map(|word| self.last(word))
+    }
+
+    /// Says in which file and line the value stands that an error of a library names, or else where the table does.
+    /// Values of `own` tables come first.
+    pub(crate) fn blame<'a>(
+        &'a self,
+        own: impl IntoIterator<Item = &'a Self>,
+        error: impl Display,
+    ) -> BenchError {
+        let message = error.to_string();
+        let mut all = own.into_iter().chain([self]);
+        match all.find_map(|settings| settings.named_in(&message)) {
+            Some(entry) => placed(entry.place.as_deref(), message),
+            None => placed(self.table.as_deref(), message),
         }
     }
+}
 
-    /// The value as a whole number of at least `least`.
-    ///
-    /// # Errors
-    /// [`BenchError::Usage`] if it is none.
-    pub fn count(&self, parameter: &Parameter, least: u32) -> Result<u32, BenchError> {
-        let text = self.text(parameter);
-        text.parse::<u32>()
-            .ok()
-            .filter(|&n| n >= least)
-            .ok_or_else(|| {
-                BenchError::Usage(format!(
-                    "{} is `{text}`, but it has to be a whole number, at least {least}",
-                    parameter.name
-                ))
-            })
+impl Entry {
+    fn read<T: Value>(&self, parameter: &Parameter) -> Result<T, BenchError> {
+        let value = match &self.place {
+            // The head of a table is no value.
+            Some(_) => DeValue::parse(&self.text).map_or_else(
+                |_| DeValue::Table(DeTable::new()),
+                |value| value.into_inner(),
+            ),
+            None => DeValue::String(self.text.as_str().into()),
+        };
+        let read = T::read(&value).filter(|read| read.is_within(parameter.range));
+        read.ok_or_else(|| {
+            let text = value.as_str().unwrap_or(&self.text);
+            let expected = match (T::KIND, T::names()) {
+                ("", known) => {
+                    let message = names::unknown(parameter.name, text, &known);
+                    return placed(self.place.as_deref(), message);
+                }
+                (kind, words) => {
+                    let of = match parameter.range {
+                        Range::Any => "",
+                        Range::AtLeast(_) => " of ",
+                        _ => " ",
+                    };
+                    let words = words.iter().map(|word| format!(", or {word}"));
+                    let words: String = words.collect();
+                    format!("{kind}{of}{}{words}", parameter.range)
+                }
+            };
+            let shown = self.text.lines().next().unwrap_or_default();
+            let kind = self.place.as_ref().map_or("", |_| kind(&value));
+            let name = parameter.name;
+            let message = format!("{name} is `{shown}`{kind}, but it has to be {expected}");
+            placed(self.place.as_deref(), message)
+        })
     }
+}
 
-    /// The value as one of a few names.
-    ///
-    /// # Errors
-    /// [`BenchError::Usage`] that names the nearest known one.
-    pub fn choice<T: Copy>(
-        &self,
-        parameter: &Parameter,
-        choices: &[(&'static str, T)],
-    ) -> Result<T, BenchError> {
-        let text = self.text(parameter);
-        choices
-            .iter()
-            .find(|(name, _)| *name == text)
-            .map(|&(_, value)| value)
-            .ok_or_else(|| {
-                let known: Vec<&str> = choices.iter().map(|&(name, _)| name).collect();
-                BenchError::Usage(names::unknown(parameter.name, text, &known))
-            })
+/// What a value is, for errors.
+fn kind(value: &DeValue<'_>) -> &'static str {
+    match value {
+        DeValue::String(_) => ", a text",
+        DeValue::Integer(_) | DeValue::Float(_) => ", a number",
+        DeValue::Boolean(_) => ", true or false",
+        DeValue::Datetime(_) => ", a date",
+        DeValue::Array(_) => ", a list",
+        DeValue::Table(_) => ", a table",
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use cloth_core::math::Real;
 
-    const TABLE: [Parameter; 2] = [
-        parameter("stiffness", "1e4", "N/m"),
-        parameter("iterations", "10", "a count"),
-    ];
+    crate::settings! {
+        /// Of a test.
+        struct Chain {
+            stiffness: Real = 1e4 "N/m" in Range::Above(0.0), "k of every link";
+            iterations: u32 = 10 in Range::AtLeast(1.0), "sweeps of a step";
+            collides as "self": bool = "no", "whether it touches itself";
+            strain: Or<Auto, Real> = "auto", "strain to be left";
+        }
+    }
+
+    fn read(pairs: &[&str]) -> Result<Chain, BenchError> {
+        Chain::read(&Settings::parse(pairs).unwrap())
+    }
 
     #[test]
     fn the_last_value_of_a_key_holds_and_defaults_fill_in() {
         let set = Settings::parse(&["stiffness = 5"]).unwrap();
-        let set = set.with("stiffness", 7);
-        assert_eq!(set.number(&TABLE[0]).unwrap(), 7.0);
-        assert_eq!(set.count(&TABLE[1], 1).unwrap(), 10);
+        let chain = Chain::read(&set.with("stiffness", 7).with_defaults("iterations=3")).unwrap();
+        assert_eq!((*chain.stiffness, *chain.iterations), (7.0, 3));
+        assert!(chain.stiffness.is_given() && !chain.iterations.is_given());
+        assert_eq!(*chain.strain, Or::Word(Auto::Auto));
+        assert_eq!(*read(&["strain=0.1"]).unwrap().strain, Or::Value(0.1));
+        assert!(*read(&["self=yes"]).unwrap().collides);
+    }
+
+    #[test]
+    fn a_parameter_says_what_the_field_does() {
+        let [stiffness, iterations, collides, _] = Chain::PARAMETERS else {
+            panic!("four fields");
+        };
+        assert_eq!((stiffness.default, stiffness.unit), ("1e4", "N/m"));
+        assert_eq!(stiffness.explained(), "(N/m, above 0) k of every link");
+        assert_eq!(iterations.explained(), "(at least 1) sweeps of a step");
+        assert_eq!((collides.name, collides.default), ("self", "no"));
     }
 
     #[test]
     fn an_unknown_key_is_answered_with_the_nearest_known_one() {
         let set = Settings::parse(&["stifness=5"]).unwrap();
         let message = set
-            .check("scene `hang`", &[&TABLE])
+            .check("scene `hang`", &[Chain::PARAMETERS])
             .unwrap_err()
             .to_string();
         assert!(
@@ -255,30 +472,29 @@ mod tests {
     fn what_the_tables_do_not_know_stays_behind() {
         let set = Settings::parse(&["stiffness=5", "other=1"]).unwrap();
         assert_eq!(
-            set.among(&[&TABLE]),
+            set.among(&[Chain::PARAMETERS]),
             Settings::parse(&["stiffness=5"]).unwrap()
         );
     }
 
     #[test]
     fn values_out_of_range_are_refused_by_name() {
-        for (pair, parameter) in [
-            ("stiffness=nan", 0),
-            ("stiffness=-1", 0),
-            ("stiffness=x", 0),
+        for pair in [
+            "stiffness=nan",
+            "stiffness=-1",
+            "stiffness=x",
+            "iterations=0",
+            "strain=few",
         ] {
-            let error = Settings::parse(&[pair])
-                .unwrap()
-                .positive(&TABLE[parameter])
-                .unwrap_err();
-            assert!(error.to_string().starts_with("stiffness is"), "{error}");
+            let error = read(&[pair]).unwrap_err().to_string();
+            let (name, value) = pair.split_once('=').unwrap();
+            assert!(
+                error.starts_with(&format!("{name} is `{value}`")),
+                "{error}"
+            );
         }
-        assert!(
-            Settings::parse(&["iterations=0"])
-                .unwrap()
-                .count(&TABLE[1], 1)
-                .is_err()
-        );
+        let error = read(&["self=maybe"]).unwrap_err().to_string();
+        assert_eq!(error, "unknown self `maybe` (known: yes, no)");
         assert!(Settings::parse(&["iterations"]).is_err());
         assert!(Settings::parse(&["=3"]).is_err());
         assert!(Settings::parse(&["iterations=1", " iterations = 1"]).is_err());

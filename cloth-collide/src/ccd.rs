@@ -13,6 +13,7 @@ mod reach;
 pub use query::{Query, QueryKind};
 
 use crate::error::CollideError;
+use cloth_core::error::{not_negative, within};
 use cloth_core::math::Real;
 
 /// The conservative test: **no contact is missed, and no time of impact is late**, whatever the input. It is asked by
@@ -108,19 +109,9 @@ impl ContinuousTest {
     /// # Errors
     /// [`CollideError::OutOfRange`] if they are not in these ranges.
     pub fn new(separation: Real, slack: Real) -> Result<Self, CollideError> {
-        for (name, value, most, range) in [
-            (
-                "separation (m)",
-                separation,
-                Real::INFINITY,
-                "a finite number, zero or more",
-            ),
-            ("slack", slack, 1.0, "in the range from 0 to below 1"),
-        ] {
-            if !(0.0..most).contains(&value) {
-                return Err(CollideError::OutOfRange { name, value, range });
-            }
-        }
+        not_negative("separation (m)", separation)?;
+        let is_right = (0.0..1.0).contains(&slack);
+        within(is_right, "slack", slack, "in the range from 0 to below 1")?;
         Ok(Self { separation, slack })
     }
 }

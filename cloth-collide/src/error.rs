@@ -1,7 +1,7 @@
 //! What can be wrong with positions, and with what is asked of them.
 
 use cloth_core::contact::ContactError;
-use cloth_core::math::Real;
+use cloth_core::error::OutOfRange;
 use std::fmt;
 
 /// Why positions cannot be searched for contact, or not in the way asked for.
@@ -14,14 +14,7 @@ pub enum CollideError {
         vertex: usize,
     },
     /// A setting is out of its range.
-    OutOfRange {
-        /// Which one, with its unit.
-        name: &'static str,
-        /// What it was.
-        value: Real,
-        /// What it has to be.
-        range: &'static str,
-    },
+    OutOfRange(OutOfRange),
     /// Two vertices are so far apart, above 1e300 m, that their distance is not a number any more.
     TooFarApart,
 }
@@ -43,12 +36,16 @@ impl fmt::Display for CollideError {
                 f,
                 "vertex {vertex} has a coordinate that is not a finite number"
             ),
-            Self::OutOfRange { name, value, range } => {
-                write!(f, "the {name} is {value}, but it has to be {range}")
-            }
+            Self::OutOfRange(error) => write!(f, "the {error}"),
             Self::TooFarApart => write!(f, "two vertices are more than 1e300 m apart"),
         }
     }
 }
 
 impl std::error::Error for CollideError {}
+
+impl From<OutOfRange> for CollideError {
+    fn from(error: OutOfRange) -> Self {
+        Self::OutOfRange(error)
+    }
+}

@@ -81,6 +81,7 @@ pub use sphere::Sphere;
 pub use sweep::{FirstContact, VertexPath, first_contact};
 
 use crate::bounds::Bounds;
+use cloth_core::error::{not_negative, positive, within};
 use cloth_core::math::{Real, Vec3};
 use std::fmt::Debug;
 
@@ -133,34 +134,6 @@ pub trait SignedDistance: Debug + Send + Sync {
 
     /// A box that contains the shape, or nothing if none does.
     fn bounds(&self) -> Option<Bounds>;
-}
-
-/// A positive finite number, or which one is not.
-fn positive(name: &'static str, value: Real) -> Result<Real, ObstacleError> {
-    let is_right = value > 0.0 && value.is_finite();
-    within(is_right, name, value, "a positive finite number")
-}
-
-/// A finite number that is not negative, or which one is not.
-fn not_negative(name: &'static str, value: Real) -> Result<Real, ObstacleError> {
-    let is_right = value >= 0.0 && value.is_finite();
-    within(
-        is_right,
-        name,
-        value,
-        "a finite number that is not negative",
-    )
-}
-
-/// The number if it `is_right`.
-fn within(
-    is_right: bool,
-    name: &'static str,
-    value: Real,
-    range: &'static str,
-) -> Result<Real, ObstacleError> {
-    let wrong = ObstacleError::OutOfRange { name, value, range };
-    is_right.then_some(value).ok_or(wrong)
 }
 
 /// A finite vector, or which one is not.

@@ -18,10 +18,10 @@
 //!   long step: never more than what leaves the triangle with the smallest speed relative to the air. So no wind makes
 //!   a step unstable, and where the bound does not act the force is the formula's.
 
+use crate::error::{OutOfRange, finite, not_negative, positive, within};
 use crate::math::{Real, Vec3, gather};
 use crate::mesh::TriMesh;
 use crate::particles::State;
-use std::fmt;
 
 /// What the air is like.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -77,29 +77,22 @@ impl Air {
     /// Air around a cloth of `areal_density` (kg/m²) with the rest shape `mesh`.
     ///
     /// # Errors
-    /// [`AirError`] for a number that is not finite, a density or a coefficient below zero, a lift without drag (an
+    /// [`OutOfRange`] for a number that is not finite, a density or a coefficient below zero, a lift without drag (an
     /// explicit force across the flow only adds energy), or an areal density that is not positive.
-    pub fn new(config: AirConfig, areal_density: Real, mesh: &TriMesh) -> Result<Self, AirError> {
+    pub fn new(config: AirConfig, areal_density: Real, mesh: &TriMesh) -> Result<Self, OutOfRange> {
         for (name, value) in [
-            ("density of the air", config.density),
-            ("drag", config.drag),
-            ("lift", config.lift),
+            ("the density of the air", config.density),
+            ("the drag", config.drag),
+            ("the lift", config.lift),
         ] {
-            if !(value >= 0.0 && value.is_finite()) {
-                let needed = "a finite number, not below zero";
-                return Err(AirError::new(name, value, needed));
-            }
+            not_negative(name, value)?;
         }
-        if config.lift > 0.0 && config.drag == 0.0 {
-            return Err(AirError::new("lift", config.lift, "zero without drag"));
+        let is_right = config.lift == 0.0 || config.drag > 0.0;
+        within(is_right, "the lift", config.lift, "zero without drag")?;
+        for value in &config.wind {
+            finite("the wind", *value)?;
         }
-        if let Some(&worst) = config.wind.iter().find(|w| !w.is_finite()) {
-            return Err(AirError::new("wind", worst, "finite"));
-        }
-        if !(areal_density > 0.0 && areal_density.is_finite()) {
-            let (name, needed) = ("areal density", "a finite number above zero");
-            return Err(AirError::new(name, areal_density, needed));
-        }
+        positive("the areal density", areal_density)?;
         Ok(Self {
             config,
             triangles: mesh.triangles().to_vec(),
@@ -145,36 +138,3 @@ fn force(config: &AirConfig, area2: Vec3, flow: Vec3, rate: Real) -> Vec3 {
     let most = rate * force.dot(&flow) / force.norm_squared();
     if most < 1.0 { force * most } else { force }
 }
-
-/// A property of the air that makes no sense.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct AirError {
-    /// Which.
-    pub name: &'static str,
-    /// Its value.
-    pub value: Real,
-    needed: &'static str,
-}
-
-impl AirError {
-    fn new(name: &'static str, value: Real, needed: &'static str) -> Self {
-        Self {
-            name,
-            value,
-            needed,
-        }
-    }
-}
-
-impl fmt::Display for AirError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self {
-            name,
-            value,
-            needed,
-        } = self;
-        write!(f, "the {name} is {value}, but it has to be {needed}")
-    }
-}
-
-impl std::error::Error for AirError {}

@@ -48,6 +48,7 @@ pub use pieces::Piece;
 pub use relief::{SpringEdges, SpringLaw};
 
 use crate::energy::{CurvatureHinge, Spring, Stitch};
+use crate::error::{OutOfRange, not_negative};
 use crate::math::Real;
 use crate::mesh::{MeshError, TriMesh};
 use crate::method::family::Energies;
@@ -128,10 +129,11 @@ impl Cloth {
 impl Membrane {
     fn check(self) -> Result<(), ClothError> {
         let (name, value) = match self {
-            Self::SpringStiffness(k) => ("spring stiffness", k),
-            Self::Modulus(y) => ("membrane modulus", y),
+            Self::SpringStiffness(k) => ("spring stiffness (N/m)", k),
+            Self::Modulus(y) => ("membrane modulus (N/m)", y),
         };
-        carriers::not_negative(name, value, "N/m")
+        not_negative(name, value)?;
+        Ok(())
     }
 
     /// One spring per edge.
@@ -225,6 +227,9 @@ impl ClothModel {
     }
 }
 
+/// The range of a part of a whole.
+const FRACTION: &str = "at least 0 and at most 1";
+
 /// Why a cloth could not be cut to a mesh.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
@@ -234,14 +239,7 @@ pub enum ClothError {
     /// The density does not serve.
     Particles(ParticleError),
     /// A number of the description is negative or not finite.
-    OutOfRange {
-        /// Its name.
-        name: &'static str,
-        /// Its value.
-        value: Real,
-        /// Its unit.
-        unit: &'static str,
-    },
+    OutOfRange(OutOfRange),
     /// Poisson's ratio (dimensionless) does not lie between −1 and 1.
     PoissonRatio(Real),
     /// Shear springs were asked for beside a membrane that is not made of springs of a given stiffness.
@@ -259,10 +257,6 @@ pub enum ClothError {
         /// How many there are, as far as they were asked for.
         most: u32,
     },
-    /// The share of the modulus that stays with the edges (dimensionless) is above 1.
-    FineShare(Real),
-    /// The share of k under compression (dimensionless) is above 1.
-    CompressionShare(Real),
     /// The range of lengths without resistance does not hold 1 (dimensionless).
     SlackRange([Real; 2]),
     /// A piece names a triangle that the mesh does not have.
@@ -285,10 +279,7 @@ impl fmt::Display for ClothError {
         match self {
             Self::Mesh(error) => error.fmt(f),
             Self::Particles(error) => error.fmt(f),
-            Self::OutOfRange { name, value, unit } => write!(
-                f,
-                "the {name} is {value} {unit}, but it has to be zero or a positive finite number"
-            ),
+            Self::OutOfRange(error) => write!(f, "the {error}"),
             Self::PoissonRatio(value) => write!(
                 f,
                 "Poisson's ratio is {value}, but it has to lie between -1 and 1"
@@ -308,14 +299,6 @@ impl fmt::Display for ClothError {
             Self::NoSuchLevel { level, most } => write!(
                 f,
                 "coarse level {level} is to carry the cloth, but the mesh has levels from 1 to {most}"
-            ),
-            Self::FineShare(share) => write!(
-                f,
-                "springs on the edges keep {share} of the modulus, but it has to be at most 1"
-            ),
-            Self::CompressionShare(share) => write!(
-                f,
-                "under compression springs keep {share} of their stiffness, but it has to be at most 1"
             ),
             Self::SlackRange([shortest, longest]) => write!(
                 f,
@@ -339,6 +322,12 @@ impl fmt::Display for ClothError {
 }
 
 impl std::error::Error for ClothError {}
+
+impl From<OutOfRange> for ClothError {
+    fn from(error: OutOfRange) -> Self {
+        Self::OutOfRange(error)
+    }
+}
 
 impl From<MeshError> for ClothError {
     fn from(error: MeshError) -> Self {

@@ -17,7 +17,7 @@ pub use pressure::Pressure;
 pub use source::{Enclosed, NoContact};
 pub use volume::ClosedVolume;
 
-use crate::math::Real;
+use crate::error::OutOfRange;
 use crate::mesh::MeshError;
 use std::fmt;
 
@@ -26,14 +26,7 @@ use std::fmt;
 #[non_exhaustive]
 pub enum EnclosureError {
     /// A number is out of its range.
-    OutOfRange {
-        /// Its name.
-        name: &'static str,
-        /// Its value (Pa).
-        value: Real,
-        /// What it has to be.
-        range: &'static str,
-    },
+    OutOfRange(OutOfRange),
     /// The surface has a border, along this edge.
     Open([u32; 2]),
     /// The triangles at this edge face different ways.
@@ -47,9 +40,7 @@ pub enum EnclosureError {
 impl fmt::Display for EnclosureError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::OutOfRange { name, value, range } => {
-                write!(f, "the {name} is {value} Pa, but it has to be {range}")
-            }
+            Self::OutOfRange(error) => write!(f, "the {error}"),
             Self::Open([a, b]) => write!(
                 f,
                 "what is inside would escape: the surface has a border between vertices {a} and {b}"
@@ -65,6 +56,12 @@ impl fmt::Display for EnclosureError {
 }
 
 impl std::error::Error for EnclosureError {}
+
+impl From<OutOfRange> for EnclosureError {
+    fn from(error: OutOfRange) -> Self {
+        Self::OutOfRange(error)
+    }
+}
 
 impl From<MeshError> for EnclosureError {
     fn from(error: MeshError) -> Self {

@@ -88,6 +88,7 @@
 //!
 //! # The files, in reading order
 
+pub mod error;
 pub mod math;
 pub mod random;
 

@@ -1,5 +1,6 @@
 //! The rest shape of a cloth: rest positions and triangles, checked once at the door.
 
+use crate::error::OutOfRange;
 use crate::math::{Real, Vec3};
 use std::fmt;
 
@@ -223,14 +224,7 @@ pub enum MeshError {
         limit: usize,
     },
     /// A generator was asked for a mesh that does not exist.
-    InvalidParameter {
-        /// The parameter.
-        name: &'static str,
-        /// Its value.
-        value: Real,
-        /// What it has to be.
-        range: &'static str,
-    },
+    OutOfRange(OutOfRange),
 }
 
 impl fmt::Display for MeshError {
@@ -280,11 +274,15 @@ impl fmt::Display for MeshError {
                     "the mesh has {count} triangles, but {limit} is the most that can be numbered"
                 )
             }
-            Self::InvalidParameter { name, value, range } => {
-                write!(f, "{name} is {value}, but it has to be {range}")
-            }
+            Self::OutOfRange(error) => error.fmt(f),
         }
     }
 }
 
 impl std::error::Error for MeshError {}
+
+impl From<OutOfRange> for MeshError {
+    fn from(error: OutOfRange) -> Self {
+        Self::OutOfRange(error)
+    }
+}

@@ -1,6 +1,7 @@
 //! The contract between a method and those who run it: one step, what goes in, what comes out.
 
 use crate::contact::{ContactConstraints, ContactError, ContactPotential, ContactSource};
+use crate::error::OutOfRange;
 use crate::math::{Real, Vec3};
 use crate::particles::State;
 use std::fmt;
@@ -426,14 +427,7 @@ pub enum BuildError {
         needs: &'static str,
     },
     /// A setting lies outside its range.
-    InvalidSetting {
-        /// Its name.
-        name: &'static str,
-        /// Its value.
-        value: Real,
-        /// What it has to be.
-        range: &'static str,
-    },
+    OutOfRange(OutOfRange),
     /// Two settings exclude each other.
     SettingsConflict {
         /// The one, with its value.
@@ -459,9 +453,7 @@ impl fmt::Display for BuildError {
             Self::NoSuchView { elements, needs } => {
                 write!(f, "cannot take {elements}: it needs an energy that {needs}")
             }
-            Self::InvalidSetting { name, value, range } => {
-                write!(f, "{name} is {value}, but it has to be {range}")
-            }
+            Self::OutOfRange(error) => error.fmt(f),
             Self::SettingsConflict { one, needs } => write!(f, "{one} needs {needs}"),
             Self::MatrixTooLarge => {
                 write!(f, "the factor of the matrix is too large for the memory")
@@ -471,3 +463,9 @@ impl fmt::Display for BuildError {
 }
 
 impl std::error::Error for BuildError {}
+
+impl From<OutOfRange> for BuildError {
+    fn from(error: OutOfRange) -> Self {
+        Self::OutOfRange(error)
+    }
+}

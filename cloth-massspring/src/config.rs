@@ -2,6 +2,7 @@
 
 use crate::damping::Damping;
 use cloth_core::element::Convexity;
+use cloth_core::error::{at_least_one, not_negative};
 use cloth_core::math::Real;
 use cloth_core::method::linear::{LinearMethod, StoppingCriteria};
 use cloth_core::step::BuildError;
@@ -41,13 +42,7 @@ impl Default for ExplicitConfig {
 impl ExplicitConfig {
     /// Whether every setting lies in its range.
     pub(crate) fn check(&self) -> Result<(), BuildError> {
-        if self.substeps == 0 {
-            return Err(BuildError::InvalidSetting {
-                name: "substeps",
-                value: 0.0,
-                range: "at least 1",
-            });
-        }
+        at_least_one("substeps", self.substeps)?;
         self.damping.check()
     }
 }
@@ -202,20 +197,8 @@ impl ImplicitConfig {
 
     /// Whether every setting lies in its range.
     pub(crate) fn check(&self) -> Result<(), BuildError> {
-        if !(self.tolerance >= 0.0 && self.tolerance.is_finite()) {
-            return Err(BuildError::InvalidSetting {
-                name: "tolerance",
-                value: self.tolerance,
-                range: "zero or a positive finite number",
-            });
-        }
-        if self.max_iterations == 0 {
-            return Err(BuildError::InvalidSetting {
-                name: "max_iterations",
-                value: 0.0,
-                range: "at least 1",
-            });
-        }
+        not_negative("tolerance", self.tolerance)?;
+        at_least_one("max_iterations", self.max_iterations)?;
         if self.solve != Solve::Linearized
             && self.accept == Accept::Minimum
             && !self.linear.proves_definiteness()

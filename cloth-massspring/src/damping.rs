@@ -1,5 +1,6 @@
 //! Damping: drag of the air, and a resistance to deformation that grows with the stiffness.
 
+use cloth_core::error::not_negative;
 use cloth_core::math::Real;
 use cloth_core::step::BuildError;
 
@@ -26,19 +27,8 @@ pub struct Damping {
 impl Damping {
     /// Whether every coefficient lies in its range.
     pub(crate) fn check(&self) -> Result<(), BuildError> {
-        let coefficients = [
-            ("air_drag", self.air_drag),
-            ("stiffness damping", self.stiffness),
-        ];
-        for (name, value) in coefficients {
-            if !(value >= 0.0 && value.is_finite()) {
-                return Err(BuildError::InvalidSetting {
-                    name,
-                    value,
-                    range: "zero or a positive finite number",
-                });
-            }
-        }
+        not_negative("air_drag", self.air_drag)?;
+        not_negative("stiffness damping", self.stiffness)?;
         Ok(())
     }
 

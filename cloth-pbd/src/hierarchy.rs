@@ -4,6 +4,7 @@
 mod level;
 mod tether;
 
+use cloth_core::error::{at_least_one, within};
 use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::{MeshError, TriMesh};
 use cloth_core::method::multigrid::coarse_levels;
@@ -96,14 +97,12 @@ impl Hierarchy {
     ) -> Result<Self, HierarchyError> {
         check(&config)?;
         let vertex_count = mesh.vertex_count();
-        if particles.len() != vertex_count {
-            return Err(BuildError::InvalidSetting {
-                name: "the number of particles",
-                value: particles.len() as Real,
-                range: "that of the vertices of the mesh",
-            }
-            .into());
-        }
+        let count = particles.len();
+        let (name, range) = (
+            "the number of particles",
+            "that of the vertices of the mesh",
+        );
+        within(count == vertex_count, name, count as Real, range).map_err(BuildError::from)?;
         let edges = EdgeTable::build(mesh)?;
         let is_prescribed = |v: u32| particles.is_prescribed(v as usize);
         let [parents, most] = [config.parents, config.levels].map(|n| n as usize);
@@ -224,22 +223,11 @@ fn check(config: &HierarchyConfig) -> Result<(), BuildError> {
         ("the sweeps between corrections", config.every.unwrap_or(1)),
     ];
     for (name, count) in counts {
-        if count == 0 {
-            return Err(BuildError::InvalidSetting {
-                name,
-                value: 0.0,
-                range: "at least 1",
-            });
-        }
+        at_least_one(name, count)?;
     }
-    if config.stiffness > 0.0 && config.stiffness <= 1.0 {
-        return Ok(());
-    }
-    Err(BuildError::InvalidSetting {
-        name: "the stiffness of the coarse links",
-        value: config.stiffness,
-        range: "above 0 and at most 1",
-    })
+    let (name, k) = ("the stiffness of the coarse links", config.stiffness);
+    within(k > 0.0 && k <= 1.0, name, k, "above 0 and at most 1")?;
+    Ok(())
 }
 
 /// Why a hierarchy could not be built.

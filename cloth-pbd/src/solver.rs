@@ -7,6 +7,7 @@ pub use builder::PbdBuilder;
 use crate::config::PbdConfig;
 use crate::hierarchy::Hierarchy;
 use crate::stiffness::Projection;
+use cloth_core::error::within;
 use cloth_core::math::Real;
 use cloth_core::method::position_based::{Families, Motion};
 use cloth_core::particles::{Particles, State};
@@ -35,15 +36,14 @@ impl PbdSolver {
     /// or more often.
     ///
     /// # Errors
-    /// [`BuildError::InvalidSetting`] for a hierarchy of a mesh with another number of vertices.
+    /// [`BuildError::OutOfRange`] for a hierarchy of a mesh with another number of vertices.
     pub fn with_hierarchy(mut self, hierarchy: Hierarchy) -> Result<Self, BuildError> {
-        if hierarchy.vertex_count() != self.motion.vertex_count() {
-            return Err(BuildError::InvalidSetting {
-                name: "the number of vertices of the hierarchy",
-                value: hierarchy.vertex_count() as Real,
-                range: "that of the particles",
-            });
-        }
+        let (name, count) = (
+            "the number of vertices of the hierarchy",
+            hierarchy.vertex_count(),
+        );
+        let is_right = count == self.motion.vertex_count();
+        within(is_right, name, count as Real, "that of the particles")?;
         self.hierarchy = Some(hierarchy);
         Ok(self)
     }

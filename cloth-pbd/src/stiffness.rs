@@ -1,5 +1,6 @@
 //! The formula of a row, `Δλ = −s C/w̃`, and its s from the stiffness k of the material.
 
+use cloth_core::error::within;
 use cloth_core::math::Real;
 use cloth_core::method::position_based::{ConstraintUpdate, RowEquation, RowState};
 use cloth_core::step::BuildError;
@@ -21,14 +22,15 @@ pub enum StiffnessRule {
 
 impl StiffnessRule {
     pub(crate) fn check(self) -> Result<(), BuildError> {
-        match self {
-            Self::Fixed(s) if !(0.0..=1.0).contains(&s) => Err(BuildError::InvalidSetting {
-                name: "the fixed stiffness",
-                value: s,
-                range: "between 0 and 1",
-            }),
-            _ => Ok(()),
+        if let Self::Fixed(s) = self {
+            within(
+                (0.0..=1.0).contains(&s),
+                "the fixed stiffness",
+                s,
+                "between 0 and 1",
+            )?;
         }
+        Ok(())
     }
 }
 

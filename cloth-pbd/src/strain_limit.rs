@@ -12,6 +12,7 @@ pub use with_strain_limit::WithStrainLimit;
 
 use cloth_core::element::{Constraint, Element};
 use cloth_core::energy::{ArapTriangle, AreaTriangle, Spring};
+use cloth_core::error::{at_least_one, not_negative, within};
 use cloth_core::math::{Real, Vec3, is_finite};
 use cloth_core::method::family::check_vertices;
 use cloth_core::particles::{Particles, State};
@@ -48,21 +49,16 @@ impl StretchRange {
     }
 
     fn check(self) -> Result<(), BuildError> {
-        if !(self.min >= 0.0 && self.min.is_finite()) {
-            return Err(BuildError::InvalidSetting {
-                name: "the smallest ratio of a strain limit",
-                value: self.min,
-                range: "at least 0 and finite",
-            });
-        }
-        if self.max >= self.min && self.max > 0.0 {
-            return Ok(());
-        }
-        Err(BuildError::InvalidSetting {
-            name: "the largest ratio of a strain limit",
-            value: self.max,
-            range: "above 0 and not below the smallest",
-        })
+        not_negative("the smallest ratio of a strain limit", self.min)?;
+        let is_right = self.max >= self.min && self.max > 0.0;
+        let range = "above 0 and not below the smallest";
+        within(
+            is_right,
+            "the largest ratio of a strain limit",
+            self.max,
+            range,
+        )?;
+        Ok(())
     }
 }
 
@@ -257,21 +253,15 @@ impl StrainLimiterBuilder {
     /// The limiter.
     ///
     /// # Errors
-    /// [`BuildError::NoSuchVertex`]; [`BuildError::InvalidSetting`] for a range, a tolerance or a number of
+    /// [`BuildError::NoSuchVertex`]; [`BuildError::OutOfRange`] for a range, a tolerance or a number of
     /// passes out of its own range.
     pub fn build(self) -> Result<StrainLimiter, BuildError> {
         if let Some(error) = self.error {
             return Err(error);
         }
         let mut limiter = self.limiter;
-        let refuse = |name, value, range| Err(BuildError::InvalidSetting { name, value, range });
-        if !(limiter.tolerance >= 0.0 && limiter.tolerance.is_finite()) {
-            let name = "the tolerance of a strain limit";
-            return refuse(name, limiter.tolerance, "at least 0 and finite");
-        }
-        if limiter.max_passes == 0 {
-            return refuse("the number of passes", 0.0, "at least 1");
-        }
+        not_negative("the tolerance of a strain limit", limiter.tolerance)?;
+        at_least_one("the number of passes", limiter.max_passes)?;
         limiter.components = Components::new(&self.pairs, limiter.inverse_mass.len());
         Ok(limiter)
     }

@@ -1,5 +1,6 @@
 //! Settings of the solver: iterations, start, acceleration.
 
+use cloth_core::error::{at_least_one, not_negative, within};
 use cloth_core::math::Real;
 use cloth_core::method::limited_memory::MOST_PAIRS;
 use cloth_core::step::BuildError;
@@ -97,25 +98,28 @@ impl PdConfig {
 
     /// Whether every setting lies in its range.
     pub(crate) fn check(&self) -> Result<(), BuildError> {
-        let refuse = |name, value, range| Err(BuildError::InvalidSetting { name, value, range });
-        if self.iterations == 0 {
-            return refuse("iterations", 0.0, "at least 1");
-        }
-        if let Some(tolerance) = self.tolerance
-            && !(tolerance >= 0.0 && tolerance.is_finite())
-        {
-            return refuse("tolerance", tolerance, "zero or a positive finite number");
+        at_least_one("iterations", self.iterations)?;
+        if let Some(tolerance) = self.tolerance {
+            not_negative("tolerance", tolerance)?;
         }
         match self.acceleration {
             Acceleration::Chebyshev {
                 spectral_radius: Some(radius),
-            } if !(0.0..1.0).contains(&radius) => {
-                refuse("spectral_radius", radius, "at least 0 and below 1")
+            } => {
+                let is_right = (0.0..1.0).contains(&radius);
+                within(
+                    is_right,
+                    "spectral_radius",
+                    radius,
+                    "at least 0 and below 1",
+                )?;
             }
-            Acceleration::QuasiNewton { history } if history as usize > MOST_PAIRS => {
-                refuse("history", Real::from(history), "at most 32")
+            Acceleration::QuasiNewton { history } => {
+                let is_right = history as usize <= MOST_PAIRS;
+                within(is_right, "history", Real::from(history), "at most 32")?;
             }
-            _ => Ok(()),
+            _ => {}
         }
+        Ok(())
     }
 }

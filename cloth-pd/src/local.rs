@@ -6,6 +6,7 @@ use crate::global::Term;
 use crate::lattice::{ElementProlongation, PaddedBlock};
 use crate::vertex_blocks::VertexBlocks;
 use cloth_core::element::{Element, Projective};
+use cloth_core::error::not_negative;
 use cloth_core::math::{Real, Vec3, gather};
 use cloth_core::method::block_matrix::BlockPattern;
 use cloth_core::method::family::check_vertices;
@@ -75,14 +76,7 @@ impl<const N: usize, const K: usize, E: Projective<N, K>> Family<N, K, E> {
     pub(crate) fn new(elements: Vec<E>, particles: &Particles) -> Result<Self, BuildError> {
         check_vertices(&elements, particles.len())?;
         for element in &elements {
-            let weight = element.weight();
-            if !(weight >= 0.0 && weight.is_finite()) {
-                return Err(BuildError::InvalidSetting {
-                    name: "the weight of an element",
-                    value: weight,
-                    range: "zero or a positive finite number",
-                });
-            }
+            not_negative("the weight of an element", element.weight())?;
         }
         let mut places = vec![Place::Weightless; elements.len()];
         let mut sorted: Vec<(usize, E)> = elements.into_iter().enumerate().collect();

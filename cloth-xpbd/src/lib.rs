@@ -408,8 +408,8 @@
 //! ```
 //!
 //! k must not depend on x: the update takes it as a constant. An element whose one row has a unit gradient, or
-//! whose rows are linear coordinates, may say so (`unit_row`, `vector_row`) and is swept faster; the direct
-//! solver asks for `geometric_stiffness`, which has a default.
+//! whose rows are linear coordinates, may say so (`row_form`) and is swept faster; the direct solver asks for
+//! `geometric_stiffness`, which has a default.
 //!
 //! # What a sweep costs
 //! ns per element and sweep, on one thread of a 2-core AMD EPYC (Zen 3) with AVX2, plain release build

@@ -4,7 +4,7 @@
 //! constraint force. Links that share a vertex are hinged there; a rigid body is a truss of links. This module
 //! adds what chains and ragdolls need beside: a joint between two vertices, and a limit of an angle.
 
-use cloth_core::element::{Constraint, Element, Row, VectorRow};
+use cloth_core::element::{Constraint, Element, Row, RowForm, VectorRow};
 use cloth_core::energy::{Spring, StrainLimitSpring};
 use cloth_core::math::{Real, Vec3};
 
@@ -47,8 +47,8 @@ impl Constraint<2> for Joint {
     }
 
     #[inline]
-    fn vector_row(&self) -> Option<VectorRow<2>> {
-        Some(self.as_vector_row())
+    fn row_form(&self, _: &[Vec3; 2]) -> RowForm<2> {
+        RowForm::Vector(self.as_vector_row())
     }
 }
 

@@ -275,7 +275,7 @@ impl SingleBuilder {
     /// The solver.
     ///
     /// # Errors
-    /// [`BuildError::InvalidSetting`]; [`BuildError::NoSuchVertex`]; [`BuildError::SettingsConflict`] and
+    /// [`BuildError::OutOfRange`]; [`BuildError::NoSuchVertex`]; [`BuildError::SettingsConflict`] and
     /// [`BuildError::NoSuchView`] for elements that are not a vector row.
     pub fn build(self) -> Result<SingleXpbd, BuildError> {
         if let Some(error) = self.error {

@@ -33,34 +33,48 @@ const WIDTH: usize = 120;
 struct Entry {
     name: &'static str,
     about: &'static str,
-    parameters: Vec<&'static Parameter>,
+    parameters: Vec<Parameter>,
 }
 
 fn entries() -> [(&'static str, Vec<Entry>); 7] {
-    let entry = |name, about, tables: &[&'static [Parameter]]| Entry {
-        name,
-        about,
-        parameters: tables.iter().copied().flatten().collect(),
+    let with_defaults = |name, about, tables: &[&'static [Parameter]], defaults: &'static str| {
+        let own = |parameter: &Parameter| {
+            let mut defaults = defaults
+                .split_whitespace()
+                .filter_map(|pair| pair.split_once('='));
+            let own = defaults.find(|(key, _)| *key == parameter.name);
+            Parameter {
+                default: own.map_or(parameter.default, |(_, default)| default),
+                ..*parameter
+            }
+        };
+        Entry {
+            name,
+            about,
+            parameters: tables.iter().copied().flatten().map(own).collect(),
+        }
     };
+    let entry =
+        |name, about, tables: &[&'static [Parameter]]| with_defaults(name, about, tables, "");
     [
         (
             "scenes",
             SCENES
                 .iter()
-                .map(|s| entry(s.name, s.about, s.groups()))
+                .map(|s| with_defaults(s.name, s.about, &s.groups(), s.defaults()))
                 .collect(),
         ),
         (
             SCENE_FILES,
             file::SECTIONS
                 .iter()
-                .map(|s| entry(s.head, s.about, &[s.keys]))
+                .map(|s| entry(s.head, s.about, s.keys))
                 .collect(),
         ),
         (
             "methods",
             method::all()
-                .map(|m| entry(m.name, m.about, &m.parameters()))
+                .map(|m| with_defaults(m.name, m.about, &m.parameters(), m.defaults()))
                 .collect(),
         ),
         (
@@ -73,7 +87,7 @@ fn entries() -> [(&'static str, Vec<Entry>); 7] {
         (
             "laws",
             LAWS.iter()
-                .map(|l| entry(l.name, l.about, &[l.parameters]))
+                .map(|l| entry(l.name, l.about, l.parameters))
                 .collect(),
         ),
         (
@@ -111,12 +125,12 @@ pub(super) fn execute(arguments: &Arguments) -> Result<(), BenchError> {
             } else {
                 format!("--set {}={}", p.name, p.default)
             };
-            format!("  {:18}   {set}  {}", "", p.about)
+            format!("  {:18}   {set}  {}", "", p.explained())
         };
         lines.push(format!("{kind}:"));
         if !common.is_empty() {
             lines.push(format!("  {COMMON:18} of more than one of them"));
-            lines.extend(common.iter().map(|p| full(p)));
+            lines.extend(common.iter().map(&full));
         }
         for entry in &entries {
             lines.push(format!("  {:18} {}", entry.name, entry.about));
@@ -135,13 +149,13 @@ pub(super) fn execute(arguments: &Arguments) -> Result<(), BenchError> {
 }
 
 /// The parameters that more than one entry has, each once, with the default that it has first.
-fn common(entries: &[Entry]) -> Vec<&'static Parameter> {
+fn common(entries: &[Entry]) -> Vec<Parameter> {
     let all = || entries.iter().flat_map(|entry| &entry.parameters);
-    let mut common: Vec<&Parameter> = Vec::new();
+    let mut common: Vec<Parameter> = Vec::new();
     for p in all() {
         let is_known = common.iter().any(|known| known.name == p.name);
         if !is_known && all().filter(|other| is_same(other, p)).count() > 1 {
-            common.push(p);
+            common.push(*p);
         }
     }
     common
@@ -165,8 +179,7 @@ fn wrapped(names: &[String]) -> Vec<String> {
 }
 
 fn as_json(entry: &Entry) -> Value {
-    let parameter =
-        |p: &&Parameter| json!({"name": p.name, "default": p.default, "about": p.about});
+    let parameter = |p: &Parameter| json!({"name": p.name, "default": p.default, "about": p.about, "unit": p.unit, "range": p.range.to_string()});
     let parameters: Vec<Value> = entry.parameters.iter().map(parameter).collect();
     json!({"name": entry.name, "about": entry.about, "parameters": parameters})
 }

@@ -8,7 +8,7 @@ use crate::method::Method;
 use crate::report::render::{Surface, View, render};
 use crate::run::{Moment, Plan, SeparationWatch, Solver, run_changing};
 use crate::scene::{self, Scene, SceneInfo};
-use crate::settings::{Parameter, Settings};
+use crate::settings::Settings;
 use crate::yardstick::StepProblem;
 use clap::Args;
 use cloth_collide::potential::ContactForces;
@@ -108,22 +108,19 @@ pub(super) fn execute(arguments: &Arguments) -> Result<(), BenchError> {
         settings = settings.with("n", n);
     }
     let method = Method::find(&arguments.method)?;
-    let (of_file, info);
-    let groups: &[&[Parameter]] = if scene::file::is_file(&arguments.scene) {
+    let groups = if scene::file::is_file(&arguments.scene) {
         if arguments.n.is_some() || arguments.mesh.is_some() {
             return Err(BenchError::Usage(
                 "--n and --mesh are for the scenes of the program; a scene file has its own [[mesh]]".into(),
             ));
         }
-        of_file = scene::file::overrulable();
-        &of_file
+        scene::file::overrulable()
     } else {
-        info = SceneInfo::find(&arguments.scene)?;
-        info.groups()
+        SceneInfo::find(&arguments.scene)?.groups()
     };
     let what = format!("scene `{}` with method `{}`", arguments.scene, method.name);
-    settings.check(&what, &[groups, &method.parameters()[..]].concat())?;
-    let of_scene = settings.among(groups);
+    settings.check(&what, &[&groups[..], &method.parameters()].concat())?;
+    let of_scene = settings.among(&groups);
     let settings = method.by_default(settings.among(&method.parameters()));
     let scene = if scene::file::is_file(&arguments.scene) {
         scene::file::build(Path::new(&arguments.scene), &of_scene)?

@@ -25,7 +25,7 @@
 //! width as asked for and with both twice as large, give the number of the infinitely fine and narrow one, and that is
 //! what the law compares.
 
-use super::models::{MODEL, MODEL_NAMES, Model};
+use super::models::{Model, ModelSetting};
 use super::prelude::*;
 use super::strip::{Shape, Strip};
 use super::within_reach;
@@ -35,26 +35,24 @@ use cloth_core::method::family::{Assembly, Energies};
 use cloth_core::method::linear::{Inertia, UpperPattern};
 use cloth_massspring::Accept;
 
-const ACROSS: Parameter = parameter(
-    "across",
-    "9",
-    "vertices across the finer strips, an odd number; the coarser ones have half as many cells",
-);
-const ELONGATION: Parameter = parameter(
-    "elongation",
-    "0.8660254037844386",
-    "height of the triangles along the strip over their base across it; √¾ makes them equilateral",
-);
-const SLENDERNESS: Parameter = parameter(
-    "slenderness",
-    "16",
-    "length over width of the narrower strips; the wider ones have half of it",
-);
+crate::settings! {
+    struct LateralBucklingSettings {
+        across: u32 = 9 in AtLeast(5.0),
+            "vertices across the finer strips, an odd number; the coarser ones have half as many cells";
+        slenderness: Real = 16 in Above(0.0),
+            "length over width of the narrower strips; the wider ones have half of it";
+        elongation: Real = 0.8660254037844386 in Above(0.0),
+            "height of the triangles along the strip over their base across it; √¾ makes them equilateral";
+    }
+}
 
 pub(super) const LATERAL_BUCKLING: Law = Law {
     name: "lateral-buckling",
     about: "Γ at which a strip held edge-on falls over sideways under its own weight (dimensionless): 12.8538 √(2/(1 + ν)), ν = −1/3 for equilateral triangles; extrapolated from four strips",
-    parameters: &[MODEL, ACROSS, SLENDERNESS, ELONGATION],
+    parameters: &[
+        LateralBucklingSettings::PARAMETERS,
+        ModelSetting::PARAMETERS,
+    ],
     tolerance: 0.005,
     evaluate: lateral_buckling,
 };
@@ -197,17 +195,18 @@ fn critical(model: Model, shape: Shape) -> Result<Real, BenchError> {
 }
 
 fn lateral_buckling(settings: &Settings) -> Result<Evaluation, BenchError> {
-    let model = settings.choice(&MODEL, &MODEL_NAMES)?;
-    let across = settings.count(&ACROSS, 5)?;
+    let own = LateralBucklingSettings::read(settings)?;
+    let model = *ModelSetting::read(settings)?.model;
+    let across = *own.across;
     within_reach(1.5e6 * Real::from(across).powi(3))?;
     let across = across as usize;
-    let slenderness = settings.positive(&SLENDERNESS)?;
+    let slenderness = *own.slenderness;
     if across.is_multiple_of(2) {
         return Err(BenchError::Usage(format!(
             "across is {across}, but it has to be odd: half of the cells make the coarser strip"
         )));
     }
-    let elongation = settings.positive(&ELONGATION)?;
+    let elongation = *own.elongation;
     let finest = shape(across, slenderness, elongation)?;
     let at = |across, slenderness| critical(model, shape(across, slenderness, elongation)?);
     // To cells of no size, at either width; then to no width.

@@ -5,16 +5,20 @@ use super::within_reach;
 use cloth_massspring::{Accept, ImplicitConfig, ImplicitEuler};
 use nalgebra::{Matrix2, Vector2};
 
-const LINKS: Parameter = parameter("links", "20", "number of links, together 1 m");
-const SPAN: Parameter = parameter("span", "0.6", "distance of the supports (m), across");
-const DROP: Parameter = parameter("drop", "0.1", "height of the first over the second (m)");
-const STIFFNESS: Parameter = parameter("stiffness", "500", "stiffness k of every link (N/m)");
-const MASS: Parameter = parameter("mass", "0.05", "mass of every vertex (kg)");
+crate::settings! {
+    struct CatenarySettings {
+        links: u32 = 20 in AtLeast(2.0), "number of links, together 1 m";
+        span: Real = 0.6 "m" in Above(0.0), "distance of the supports, across";
+        drop: Real = 0.1 "m", "height of the first over the second";
+        stiffness: Real = 500 "N/m" in Above(0.0), "stiffness k of every link";
+        mass: Real = 0.05 "kg" in Above(0.0), "mass of every vertex";
+    }
+}
 
 pub(super) const CATENARY: Law = Law {
     name: "catenary",
     about: "depth (m) of the lowest vertex of a hanging chain below its first support: link i spans l(1/T + 1/kl)(H, V), with H the same everywhere and V falling by mg at every vertex",
-    parameters: &[LINKS, SPAN, DROP, STIFFNESS, MASS],
+    parameters: &[CatenarySettings::PARAMETERS],
     tolerance: 1e-8,
     evaluate: catenary,
 };
@@ -116,13 +120,14 @@ impl Chain {
 }
 
 fn catenary(settings: &Settings) -> Result<Evaluation, BenchError> {
-    let mass = settings.positive(&MASS)?;
-    let links = settings.count(&LINKS, 2)?;
+    let own = CatenarySettings::read(settings)?;
+    let mass = *own.mass;
+    let links = *own.links;
     within_reach(1e4 * Real::from(links))?;
     let chain = Chain {
         links: links as usize,
-        ends: Vector2::new(settings.positive(&SPAN)?, settings.number(&DROP)?),
-        stiffness: settings.positive(&STIFFNESS)?,
+        ends: Vector2::new(*own.span, *own.drop),
+        stiffness: *own.stiffness,
         weight: mass * GRAVITY,
     };
     let expected = chain.shape()?;

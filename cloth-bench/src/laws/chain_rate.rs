@@ -1,35 +1,44 @@
 //! How fast the sweeps over a straight chain of rigid links converge.
 
-use super::chains::{LINKS, chain};
+use super::chains::chain;
 use super::prelude::*;
 use super::within_reach;
+use crate::settings::Or;
 use cloth_core::method::position_based::{Acceleration, Chebyshev, Radius, Sweep};
 use cloth_core::step::Observer;
 use cloth_pbd::{PbdConfig, PbdSolver, StiffnessRule};
 use cloth_xpbd::{XpbdConfig, XpbdSolver};
 use std::f64::consts::FRAC_PI_2;
 
-const SOLVER: Parameter = parameter(
-    "solver",
-    "gauss-seidel",
-    "jacobi, gauss-seidel, sor (at its best relaxation) or chebyshev (on jacobi); pbd or xpbd: gauss-seidel of that method",
-);
-const METHOD: Parameter = parameter("method", "xpbd", "whose sweeps: pbd or xpbd");
+crate::settings! {
+    struct ChainRateSettings {
+        solver: Or<Sweeper, Solver> = "gauss-seidel",
+            "jacobi, gauss-seidel, sor (at its best relaxation) or chebyshev (on jacobi); pbd or xpbd: gauss-seidel of \
+             that method";
+        method: Sweeper = "xpbd", "whose sweeps: pbd or xpbd";
+        links: u32 = 20 in AtLeast(2.0), "number of links N";
+    }
+}
 
 pub(super) const CHAIN_RATE: Law = Law {
     name: "chain-rate",
     about: "factor by which one sweep reduces the slowest error of a straight chain of N rigid links, held at one end: jacobi cos(π/2N), gauss-seidel cos²(π/2N), sor ω − 1 with ω = 2/(1 + sin(π/2N)), chebyshev cos(π/2N)/(1 + sin(π/2N))",
-    parameters: &[SOLVER, METHOD, LINKS],
+    parameters: &[ChainRateSettings::PARAMETERS],
     tolerance: 1e-10,
     evaluate: chain_rate,
 };
 
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Solver {
-    Jacobi,
-    GaussSeidel,
-    Sor,
-    Chebyshev,
+crate::choices! {
+    /// A kind of sweep.
+    #[derive(PartialEq)]
+    enum Solver {
+        Jacobi = "jacobi",
+        GaussSeidel = "gauss-seidel",
+        Sor = "sor",
+        Chebyshev = "chebyshev",
+    }
+    /// Whose sweeps.
+    enum Sweeper { Pbd = "pbd", Xpbd = "xpbd" }
 }
 
 /// The slowest error of a kind of sweep, and what a sweep leaves of it.
@@ -127,22 +136,12 @@ impl Observer for Watch<'_> {
 }
 
 fn chain_rate(settings: &Settings) -> Result<Evaluation, BenchError> {
-    let links = settings.count(&LINKS, 2)?;
+    let own = ChainRateSettings::read(settings)?;
+    let links = *own.links;
     within_reach(2e3 * Real::from(links))?;
-    let (solver, by_pbd) = settings.choice(
-        &SOLVER,
-        &[
-            ("jacobi", (Solver::Jacobi, None)),
-            ("gauss-seidel", (Solver::GaussSeidel, None)),
-            ("sor", (Solver::Sor, None)),
-            ("chebyshev", (Solver::Chebyshev, None)),
-            ("pbd", (Solver::GaussSeidel, Some(true))),
-            ("xpbd", (Solver::GaussSeidel, Some(false))),
-        ],
-    )?;
-    let by_pbd = match by_pbd {
-        Some(by_pbd) => by_pbd,
-        None => settings.choice(&METHOD, &[("pbd", true), ("xpbd", false)])?,
+    let (solver, sweeper) = match *own.solver {
+        Or::Word(sweeper) => (Solver::GaussSeidel, sweeper),
+        Or::Value(solver) => (solver, *own.method),
     };
     let mode = Mode::new(solver, links);
     let (particles, springs, mut state) = chain(vec![1.0; links as usize + 1], Real::INFINITY)?;
@@ -150,7 +149,7 @@ fn chain_rate(settings: &Settings) -> Result<Evaluation, BenchError> {
         x.z -= displacement;
     }
     let (iterations, sweep, acceleration) = (mode.sweeps, mode.sweep, mode.acceleration);
-    let mut solver: Box<dyn Stepper> = if by_pbd {
+    let mut solver: Box<dyn Stepper> = if matches!(sweeper, Sweeper::Pbd) {
         let builder = PbdSolver::builder(&particles).elements(vec![Elements::Springs(springs)]);
         let config = PbdConfig {
             iterations,

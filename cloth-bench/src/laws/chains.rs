@@ -7,32 +7,36 @@ use cloth_massspring::{ImplicitConfig, ImplicitEuler};
 use cloth_xpbd::{XpbdConfig, XpbdSolver};
 use nalgebra::DVector;
 
-pub(super) const LINKS: Parameter = parameter("links", "20", "number of links N");
-
-const SUBSTEPS: Parameter = parameter("substeps", "10", "parts of the step of 1/60 s");
-const ITERATIONS: Parameter = parameter("iterations", "1", "sweeps per substep");
-const TIP_MASS: Parameter = parameter(
-    "tip_mass",
-    "1",
-    "mass of the last vertex (kg); the others have 1 kg",
-);
+crate::settings! {
+    struct SagSettings {
+        links: u32 = 20 in AtLeast(1.0), "number of links N";
+        substeps: u32 = 10 in AtLeast(1.0), "parts of the step of 1/60 s";
+        iterations: u32 = 1 in AtLeast(1.0), "sweeps per substep";
+        tip_mass: Real = 1 "kg" in Above(0.0), "mass of the last vertex; the others have 1 kg";
+    }
+}
 
 pub(super) const SAG: Law = Law {
     name: "sag",
     about: "sag (m) of a hanging chain of rigid links at rest under XPBD: g h² Σ (mass below vertex i)/mᵢ over the vertices between support and tip for one sweep from the support, which is g h² N(N − 1)/2 for equal masses; else the fixed point of the sweeps as a matrix",
-    parameters: &[LINKS, SUBSTEPS, ITERATIONS, TIP_MASS],
+    parameters: &[SagSettings::PARAMETERS],
     tolerance: 1e-10,
     evaluate: sag,
 };
 
-const STIFFNESS: Parameter = parameter("stiffness", "1e4", "stiffness k of every link (N/m)");
-const MASS: Parameter = parameter("mass", "0.1", "mass m of every vertex (kg)");
-const EXTRA: Parameter = parameter("tip_mass", "1", "further mass M at the tip (kg)");
+crate::settings! {
+    struct HangingChainSettings {
+        links: u32 = 20 in AtLeast(1.0), "number of links N";
+        stiffness: Real = 1e4 "N/m" in Above(0.0), "stiffness k of every link";
+        mass: Real = 0.1 "kg" in Above(0.0), "mass m of every vertex";
+        tip_mass: Real = 1 "kg", "further mass M at the tip";
+    }
+}
 
 pub(super) const HANGING_CHAIN: Law = Law {
     name: "hanging-chain",
     about: "displacement (m) of the tip of a hanging elastic chain: n(n + 1)mg/(2k) + nMg/k",
-    parameters: &[LINKS, STIFFNESS, MASS, EXTRA],
+    parameters: &[HangingChainSettings::PARAMETERS],
     tolerance: 1e-10,
     evaluate: hanging_chain,
 };
@@ -59,14 +63,15 @@ pub(super) fn chain(
 const MOST_STEPS: u32 = 100_000;
 
 fn sag(settings: &Settings) -> Result<Evaluation, BenchError> {
-    let links = settings.count(&LINKS, 1)?;
-    let substeps = settings.count(&SUBSTEPS, 1)?;
-    let iterations = settings.count(&ITERATIONS, 1)?;
+    let own = SagSettings::read(settings)?;
+    let links = *own.links;
+    let substeps = *own.substeps;
+    let iterations = *own.iterations;
     let [n, of_substeps, sweeps] = [links, substeps, iterations].map(Real::from);
     // The matrix of the sweeps is made one sweep after the other.
     within_reach(n.powi(3) * (sweeps + 10.0) + 30.0 * n * of_substeps * sweeps)?;
     let links = links as usize;
-    let tip = settings.positive(&TIP_MASS)?;
+    let tip = *own.tip_mass;
     let mut masses = vec![1.0; links + 1];
     masses[links] = tip;
     let h = 1.0 / 60.0 / Real::from(substeps);
@@ -206,12 +211,13 @@ impl SweepMatrix {
 }
 
 fn hanging_chain(settings: &Settings) -> Result<Evaluation, BenchError> {
-    let links = settings.count(&LINKS, 1)?;
+    let own = HangingChainSettings::read(settings)?;
+    let links = *own.links;
     within_reach(2e6 * Real::from(links))?;
     let links = links as usize;
-    let k = settings.positive(&STIFFNESS)?;
-    let m = settings.positive(&MASS)?;
-    let extra = settings.number(&EXTRA)?;
+    let k = *own.stiffness;
+    let m = *own.mass;
+    let extra = *own.tip_mass;
     let mut masses = vec![m; links + 1];
     masses[links] = m + extra;
     let (particles, springs, mut state) = chain(masses, k)?;

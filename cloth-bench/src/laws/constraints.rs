@@ -5,27 +5,34 @@ use super::within_reach;
 use cloth_pbd::{PbdConfig, PbdSolver, StiffnessRule};
 use cloth_xpbd::{XpbdConfig, XpbdSolver};
 
-const ITERATIONS: Parameter = parameter("iterations", "10", "sweeps of the one step");
-const DT: Parameter = parameter("dt", "0.01", "step size (s)");
-const STIFFNESS: Parameter = parameter("stiffness", "100", "stiffness k of the spring (N/m)");
-const FRACTION: Parameter = parameter(
-    "stiffness",
-    "0.5",
-    "stiffness s of the projection, 0 to 1 (dimensionless)",
-);
+crate::settings! {
+    struct XpbdConstraintSettings {
+        iterations: u32 = 10 in AtLeast(1.0), "sweeps of the one step";
+        stiffness: Real = 100 "N/m" in Above(0.0), "stiffness k of the spring";
+        dt: Real = 0.01 "s" in Above(0.0), "step size";
+    }
+}
 
 pub(super) const XPBD_CONSTRAINT: Law = Law {
     name: "xpbd-constraint",
     about: "stiffness (N/m) that one XPBD constraint shows in one step: k, whatever the iterations",
-    parameters: &[ITERATIONS, STIFFNESS, DT],
+    parameters: &[XpbdConstraintSettings::PARAMETERS],
     tolerance: 1e-10,
     evaluate: xpbd_constraint,
 };
 
+crate::settings! {
+    struct PbdConstraintSettings {
+        iterations: u32 = 10 in AtLeast(1.0), "sweeps of the one step";
+        stiffness: Real = 0.5, "stiffness s of the projection, 0 to 1";
+        dt: Real = 0.01 "s" in Above(0.0), "step size";
+    }
+}
+
 pub(super) const PBD_CONSTRAINT: Law = Law {
     name: "pbd-constraint",
     about: "stiffness (N/m) that one PBD constraint shows in one step: ((1 − s)⁻ⁿ − 1)/(Δt² w), w = 1 /kg",
-    parameters: &[ITERATIONS, FRACTION, DT],
+    parameters: &[PbdConstraintSettings::PARAMETERS],
     tolerance: 1e-10,
     evaluate: pbd_constraint,
 };
@@ -73,9 +80,10 @@ impl Stretched {
 }
 
 fn xpbd_constraint(settings: &Settings) -> Result<Evaluation, BenchError> {
-    let k = settings.positive(&STIFFNESS)?;
+    let own = XpbdConstraintSettings::read(settings)?;
+    let k = *own.stiffness;
     let stretched = Stretched::new(k)?;
-    let iterations = settings.count(&ITERATIONS, 1)?;
+    let iterations = *own.iterations;
     within_reach(100.0 * Real::from(iterations))?;
     let mut solver = XpbdSolver::builder(&stretched.particles)
         .elements(vec![Elements::Springs(vec![stretched.spring])])
@@ -86,7 +94,7 @@ fn xpbd_constraint(settings: &Settings) -> Result<Evaluation, BenchError> {
         })
         .build()
         .map_err(BenchError::usage)?;
-    let dt = settings.positive(&DT)?;
+    let dt = *own.dt;
     let measured = stretched.effective_stiffness(&mut solver, dt)?;
     Ok(Evaluation::new(k, measured).rounding(Stretched::rounding(k, dt)))
 }
@@ -98,15 +106,16 @@ pub(crate) fn fixed_projection(s: Real, iterations: u32, dt: Real) -> Real {
 }
 
 fn pbd_constraint(settings: &Settings) -> Result<Evaluation, BenchError> {
-    let s = settings.number(&FRACTION)?;
+    let own = PbdConstraintSettings::read(settings)?;
+    let s = *own.stiffness;
     if !(0.0..1.0).contains(&s) {
         return Err(BenchError::Usage(format!(
             "stiffness is {s}, but it has to be at least 0 and below 1, where the constraint is rigid"
         )));
     }
-    let iterations = settings.count(&ITERATIONS, 1)?;
+    let iterations = *own.iterations;
     within_reach(100.0 * Real::from(iterations))?;
-    let dt = settings.positive(&DT)?;
+    let dt = *own.dt;
     let stretched = Stretched::new(1.0)?;
     let mut solver = PbdSolver::builder(&stretched.particles)
         .elements(vec![Elements::Springs(vec![stretched.spring])])

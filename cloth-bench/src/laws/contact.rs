@@ -10,53 +10,60 @@ use cloth_massspring::{ImplicitConfig, ImplicitEuler, StartGuess};
 
 const GRAVITY: Real = 9.81;
 
-const ANGLE: Parameter = parameter("angle_deg", "30", "inclination of the plane (°), 0 to 90");
-const FRICTION: Parameter = parameter("friction", "0.3", "coefficient of friction, 0 or more");
-const STEPS: Parameter = parameter("steps", "120", "number of steps of 1/60 s");
+crate::settings! {
+    struct InclineSettings {
+        angle_deg: Real = 30 "°" in Within(0.0, 90.0), "inclination of the plane";
+        friction: Real = 0.3 in AtLeast(0.0), "coefficient of friction";
+        steps: u32 = 120 in AtLeast(1.0), "number of steps of 1/60 s";
+    }
+}
 
 pub(super) const INCLINE: Law = Law {
     name: "incline",
     about: "way (m) that a block slides from rest down an incline: ½ g (sin α − μ cos α) t² if tan α > μ, else none",
-    parameters: &[ANGLE, FRICTION, STEPS],
+    parameters: &[InclineSettings::PARAMETERS],
     tolerance: 1e-12,
     evaluate: incline,
 };
 
-const RESTITUTION: Parameter =
-    parameter("restitution", "0.8", "coefficient of restitution, 0 to 1");
-const HEIGHT: Parameter = parameter("height", "1", "height of the fall (m)");
-const BOUNCES: Parameter = parameter("bounces", "3", "number of bounces n");
+crate::settings! {
+    struct BounceSettings {
+        restitution: Real = 0.8 in Within(0.0, 1.0), "coefficient of restitution";
+        height: Real = 1 "m" in Above(0.0), "height of the fall";
+        bounces: u32 = 3 in AtLeast(1.0), "number of bounces n";
+    }
+}
 
 pub(super) const BOUNCE: Law = Law {
     name: "bounce",
     about: "height (m) of a ball after n bounces, e²ⁿ h",
-    parameters: &[RESTITUTION, HEIGHT, BOUNCES],
+    parameters: &[BounceSettings::PARAMETERS],
     tolerance: 1e-12,
     evaluate: bounce,
 };
 
-const MASS: Parameter = parameter("mass", "0.001", "kg");
-const STIFFNESS: Parameter = parameter("stiffness", "100", "stiffness κ of the barrier (N/m)");
-const RANGE: Parameter = parameter("range", "0.01", "distance at which the barrier begins (m)");
+crate::settings! {
+    struct BarrierGapSettings {
+        mass: Real = 0.001 "kg" in Above(0.0), "mass";
+        stiffness: Real = 100 "N/m" in Above(0.0), "stiffness κ of the barrier";
+        range: Real = 0.01 "m" in Above(0.0), "distance at which the barrier begins";
+    }
+}
 
 pub(super) const BARRIER_GAP: Law = Law {
     name: "barrier-gap",
     about: "gap d (m) between a plane and a mass that rests on its log barrier: κ b′(d) = −m g",
-    parameters: &[MASS, STIFFNESS, RANGE],
+    parameters: &[BarrierGapSettings::PARAMETERS],
     tolerance: 1e-9,
     evaluate: barrier_gap,
 };
 
 fn incline(settings: &Settings) -> Result<Evaluation, BenchError> {
-    let degrees = settings.number(&ANGLE)?;
-    if !(0.0..=90.0).contains(&degrees) {
-        return Err(BenchError::Usage(format!(
-            "angle_deg is {degrees}, but it has to be between 0 and 90"
-        )));
-    }
-    let friction = settings.number(&FRICTION)?;
+    let own = InclineSettings::read(settings)?;
+    let degrees = *own.angle_deg;
+    let friction = *own.friction;
     let law = ImpactLaw::new(friction, 0.0).map_err(BenchError::usage)?;
-    let steps = settings.count(&STEPS, 1)?;
+    let steps = *own.steps;
     within_reach(1e3 * Real::from(steps))?;
     let angle = degrees.to_radians();
     let plane = Obstacle::new(HalfSpace::inclined(angle).map_err(BenchError::usage)?);
@@ -87,10 +94,11 @@ fn incline(settings: &Settings) -> Result<Evaluation, BenchError> {
 }
 
 fn bounce(settings: &Settings) -> Result<Evaluation, BenchError> {
-    let restitution = settings.number(&RESTITUTION)?;
+    let own = BounceSettings::read(settings)?;
+    let restitution = *own.restitution;
     let law = ImpactLaw::new(0.0, restitution).map_err(BenchError::usage)?;
-    let height = settings.positive(&HEIGHT)?;
-    let bounces = settings.count(&BOUNCES, 1)?;
+    let height = *own.height;
+    let bounces = *own.bounces;
     within_reach(1e5 * Real::from(bounces))?;
     let floor = Obstacle::new(HalfSpace::new(Vec3::z()).map_err(BenchError::usage)?);
     // The nth rise ends at t₀ (1 + 2e + … + 2eⁿ⁻¹ + eⁿ), with the time t₀ of the first fall.
@@ -122,9 +130,10 @@ fn bounce(settings: &Settings) -> Result<Evaluation, BenchError> {
 }
 
 fn barrier_gap(settings: &Settings) -> Result<Evaluation, BenchError> {
-    let mass = settings.positive(&MASS)?;
-    let stiffness = settings.positive(&STIFFNESS)?;
-    let range = settings.positive(&RANGE)?;
+    let own = BarrierGapSettings::read(settings)?;
+    let mass = *own.mass;
+    let stiffness = *own.stiffness;
+    let range = *own.range;
     // b′(d) = −(d − h) (2 ln(d/h) + (d − h)/d) rises from −∞ to 0; with d = h q it is h times a function of q.
     let pressed = |q: Real| stiffness * range * (q - 1.0) * (2.0 * q.ln() + (q - 1.0) / q);
     let (mut low, mut high): (Real, Real) = (0.0, 1.0);

@@ -15,29 +15,26 @@
 //! there, 0.08 %, as `2 sin(θ/2)` is less than θ. The triangles matter: equilateral ones make the same strip of 5
 //! vertices across 15 % too soft or more.
 
-use super::models::{MODEL, MODEL_NAMES, Model};
+use super::models::{Model, ModelSetting};
 use super::prelude::*;
 use super::strip::{Equilibrium, Shape, Strip};
 use cloth_massspring::Accept;
 use std::f64::consts::FRAC_PI_2;
 
-const GAMMA: Parameter = parameter(
-    "gamma",
-    "10",
-    "weight over rigidity, ρ_A g L³/D (dimensionless), up to 1e5; above 1000 it takes more than 128 rows",
-);
-const RESOLUTION: Parameter = parameter("resolution", "128", "rows of vertices along the strip");
-const ACROSS: Parameter = parameter("across", "5", "vertices across the strip");
-const ELONGATION: Parameter = parameter(
-    "elongation",
-    "3",
-    "height of the triangles along the strip over their base across it",
-);
+crate::settings! {
+    struct ElasticaSettings {
+        gamma: Real = 10 in Above(0.0),
+            "weight over rigidity, ρ_A g L³/D, up to 1e5; above 1000 it takes more than 128 rows";
+        resolution: u32 = 128 in AtLeast(4.0), "rows of vertices along the strip";
+        across: u32 = 5 in AtLeast(2.0), "vertices across the strip";
+        elongation: Real = 3 in Above(0.0), "height of the triangles along the strip over their base across it";
+    }
+}
 
 pub(super) const ELASTICA: Law = Law {
     name: "elastica",
     about: "drop over span H/W of a clamped strip under its own weight (dimensionless): θ″ + Γ(1 − s) cos θ = 0, for any bending model",
-    parameters: &[GAMMA, MODEL, RESOLUTION, ACROSS, ELONGATION],
+    parameters: &[ElasticaSettings::PARAMETERS, ModelSetting::PARAMETERS],
     tolerance: 0.01,
     evaluate: elastica,
 };
@@ -129,25 +126,26 @@ pub(crate) fn sag(gamma: Real, model: Model, shape: Shape) -> Result<Sagged, Ben
 }
 
 /// The shape that settings ask for.
-fn shape(settings: &Settings) -> Result<Shape, BenchError> {
+fn shape(own: &ElasticaSettings) -> Result<Shape, BenchError> {
     let shape = Shape {
-        cells: settings.count(&RESOLUTION, 4)? as usize - 2,
-        across: settings.count(&ACROSS, 2)? as usize,
-        elongation: settings.positive(&ELONGATION)?,
+        cells: *own.resolution as usize - 2,
+        across: *own.across as usize,
+        elongation: *own.elongation,
     };
     shape.check()?;
     Ok(shape)
 }
 
 fn elastica(settings: &Settings) -> Result<Evaluation, BenchError> {
-    let gamma = settings.positive(&GAMMA)?;
+    let own = ElasticaSettings::read(settings)?;
+    let gamma = *own.gamma;
     if gamma > MOST_GAMMA {
         return Err(BenchError::Usage(format!(
             "gamma is {gamma}, but the strip shows no more than a fold above {MOST_GAMMA:e}"
         )));
     }
-    let model = settings.choice(&MODEL, &MODEL_NAMES)?;
-    let shape = shape(settings)?;
+    let model = *ModelSetting::read(settings)?.model;
+    let shape = shape(&own)?;
     let Profile { span, drop } = exact(gamma);
     let sagged = sag(gamma, model, shape)?;
     let measured = sagged.profile;

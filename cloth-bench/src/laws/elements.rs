@@ -6,34 +6,28 @@ use cloth_core::mesh::TriMesh;
 use cloth_core::mesh::generate::{self, Diagonals};
 use cloth_core::topology::EdgeTable;
 
-/// How a sheet is cut into triangles.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Pattern {
-    Equilateral,
-    OneWay,
-    Alternating,
+crate::choices! {
+    /// How a sheet is cut into triangles.
+    #[derive(PartialEq, Eq)]
+    pub(crate) enum Pattern {
+        Equilateral = "equilateral",
+        OneWay = "one-way",
+        Alternating = "alternating",
+    }
 }
 
-pub(super) const PATTERN: Parameter = parameter(
-    "pattern",
-    "equilateral",
-    "equilateral, one-way or alternating",
-);
-pub(crate) const PATTERNS: [(&str, Pattern); 3] = [
-    ("equilateral", Pattern::Equilateral),
-    ("one-way", Pattern::OneWay),
-    ("alternating", Pattern::Alternating),
-];
-pub(super) const ANGLE: Parameter = parameter(
-    "angle_deg",
-    "0",
-    "direction of the pull, from the x axis (degrees)",
-);
+crate::settings! {
+    /// Of laws of lattices.
+    pub(super) struct Direction {
+        pattern: Pattern = "equilateral", "equilateral, one-way or alternating";
+        angle_deg: Real = 0 "degrees", "direction of the pull, from the x axis";
+    }
+}
 
 pub(super) const LATTICE_MODULUS: Law = Law {
     name: "lattice-modulus",
     about: "Y/k of springs of equal stiffness, pulled in one direction (dimensionless)",
-    parameters: &[PATTERN, ANGLE],
+    parameters: &[Direction::PARAMETERS],
     tolerance: 1e-9,
     evaluate: lattice_modulus,
 };
@@ -101,9 +95,10 @@ fn stress(
 }
 
 fn lattice_modulus(settings: &Settings) -> Result<Evaluation, BenchError> {
+    let own = Direction::read(settings)?;
     const STRAIN: Real = 1e-5;
-    let pattern = settings.choice(&PATTERN, &PATTERNS)?;
-    let angle = settings.number(&ANGLE)?.to_radians();
+    let pattern = *own.pattern;
+    let angle = own.angle_deg.to_radians();
     let (mesh, ..) = patch(pattern)?;
     let cloth = Cloth {
         areal_density: 1.0,

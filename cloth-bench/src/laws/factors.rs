@@ -8,40 +8,37 @@
 //! on a sphere from 1.5 to 1. That is the stiffness that alternating cloth shows in equilibrium; a narrow strip, free
 //! to curve across as well, shows 2.4. Where all vertices are alike nothing settles.
 
-use super::elements::{ANGLE, PATTERN, PATTERNS, Pattern, patch};
-use super::models::{MODEL, MODEL_NAMES, Model};
+use super::elements::{Direction, Pattern, patch};
+use super::models::{Model, ModelSetting};
 use super::prelude::*;
 use cloth_core::method::family::Energies;
 use cloth_core::topology::{EdgeTable, HingeTable};
 
-const SURFACE: Parameter = parameter("surface", "cylinder", "cylinder, sphere or saddle");
-const SETTLED: Parameter = parameter(
-    "settled",
-    "no",
-    "yes: vertices of different kinds may stand at different heights; no: all stand on the surface",
-);
+crate::settings! {
+    struct BendingFactorSettings {
+        surface: Surface = "cylinder", "cylinder, sphere or saddle";
+        settled: bool = "no",
+            "yes: vertices of different kinds may stand at different heights; no: all stand on the surface";
+    }
+}
 
 pub(super) const BENDING_FACTOR: Law = Law {
     name: "bending-factor",
     about: "bending energy per area for coefficient k: over ½ k κ² on a cylinder and a saddle, over ½ k (2κ)² on a sphere",
-    parameters: &[MODEL, PATTERN, SURFACE, ANGLE, SETTLED],
+    parameters: &[
+        ModelSetting::PARAMETERS,
+        Direction::PARAMETERS,
+        BendingFactorSettings::PARAMETERS,
+    ],
     tolerance: 1e-9,
     evaluate: bending_factor,
 };
 
-/// A surface of constant curvature 1 in one direction and 0, 1 or −1 across it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Surface {
-    Cylinder,
-    Sphere,
-    Saddle,
+crate::choices! {
+    /// A surface of constant curvature 1 in one direction and 0, 1 or −1 across it.
+    #[derive(PartialEq, Eq)]
+    pub(crate) enum Surface { Cylinder = "cylinder", Sphere = "sphere", Saddle = "saddle" }
 }
-
-pub(crate) const SURFACES: [(&str, Surface); 3] = [
-    ("cylinder", Surface::Cylinder),
-    ("sphere", Surface::Sphere),
-    ("saddle", Surface::Saddle),
-];
 
 /// What is bent how.
 #[derive(Clone, Copy, Debug)]
@@ -149,12 +146,14 @@ pub(crate) fn factor(case: Case) -> Result<[Real; 2], BenchError> {
 }
 
 fn bending_factor(settings: &Settings) -> Result<Evaluation, BenchError> {
+    let own = BendingFactorSettings::read(settings)?;
+    let lattice = Direction::read(settings)?;
     let [expected, measured] = factor(Case {
-        model: settings.choice(&MODEL, &MODEL_NAMES)?,
-        pattern: settings.choice(&PATTERN, &PATTERNS)?,
-        surface: settings.choice(&SURFACE, &SURFACES)?,
-        angle: settings.number(&ANGLE)?.to_radians(),
-        settled: settings.choice(&SETTLED, &[("no", false), ("yes", true)])?,
+        model: *ModelSetting::read(settings)?.model,
+        pattern: *lattice.pattern,
+        surface: *own.surface,
+        angle: lattice.angle_deg.to_radians(),
+        settled: *own.settled,
     })?;
     Ok(Evaluation::new(expected, measured))
 }

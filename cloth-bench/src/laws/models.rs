@@ -1,6 +1,7 @@
 //! The bending models by name, for every law and study that compares them.
 
 use super::prelude::*;
+use crate::settings::Choice;
 use cloth_core::energy::{CubicShell, CurvatureHinge, CurvedHinge, DihedralHinge};
 use cloth_core::math::gather;
 
@@ -14,12 +15,6 @@ pub(crate) enum Model {
     Cubic,
 }
 
-pub(crate) const MODEL: Parameter = parameter(
-    "model",
-    "bergou",
-    "bergou or quadratic; curved (cotangent form); grinspun or dihedral; bridson; cubic",
-);
-
 /// Every model, by the name that results are shown under.
 pub(crate) const MODELS: [(&str, Model); 5] = [
     ("bergou", Model::Bergou),
@@ -29,16 +24,25 @@ pub(crate) const MODELS: [(&str, Model); 5] = [
     ("cubic", Model::Cubic),
 ];
 
-/// The same and other names for them.
-pub(crate) const MODEL_NAMES: [(&str, Model); 7] = [
-    MODELS[0],
-    MODELS[1],
-    MODELS[2],
-    MODELS[3],
-    MODELS[4],
-    ("quadratic", Model::Bergou),
-    ("dihedral", Model::Grinspun),
-];
+impl Choice for Model {
+    /// The same and other names for them.
+    const NAMES: &'static [(&'static str, Self)] = &[
+        MODELS[0],
+        MODELS[1],
+        MODELS[2],
+        MODELS[3],
+        MODELS[4],
+        ("quadratic", Model::Bergou),
+        ("dihedral", Model::Grinspun),
+    ];
+}
+
+crate::settings! {
+    /// Of laws of bending models.
+    pub(super) struct ModelSetting {
+        model: Model = "bergou", "bergou or quadratic; curved (cotangent form); grinspun or dihedral; bridson; cubic";
+    }
+}
 
 impl Model {
     /// Energy of a small fold over that of the quadratic model with the same coefficient.

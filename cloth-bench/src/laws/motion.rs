@@ -13,59 +13,53 @@ use cloth_pd::{PdConfig, PdSolver};
 use cloth_xpbd::{XpbdConfig, XpbdSolver};
 use nalgebra::Complex;
 
-const SCHEME: Parameter = parameter(
-    "scheme",
-    "implicit-euler",
-    "explicit-euler, symplectic-euler, implicit-euler, linear-implicit, implicit-midpoint, bdf2; xpbd and pd, which are implicit Euler here",
-);
-const Z: Parameter = parameter(
-    "z",
-    "0.5",
-    "step size times angular frequency, z = Δt ω (dimensionless)",
-);
+crate::settings! {
+    struct OscillatorSettings {
+        scheme: Scheme = "implicit-euler",
+            "explicit-euler, symplectic-euler, implicit-euler, linear-implicit, implicit-midpoint, bdf2; xpbd and pd, \
+             which are implicit Euler here";
+        z: Real = 0.5 in Above(0.0), "step size times angular frequency, z = Δt ω";
+    }
+}
 
 pub(super) const OSCILLATOR: Law = Law {
     name: "oscillator",
     about: "amplification per step of x″ = −ω²x (dimensionless); phase per step (rad) as a detail",
-    parameters: &[SCHEME, Z],
+    parameters: &[OscillatorSettings::PARAMETERS],
     tolerance: 1e-11,
     evaluate: oscillator,
 };
 
-const METHOD: Parameter = parameter("method", "xpbd", "any method");
-const SIZE: Parameter = parameter("n", "17", "vertices a side");
-const STEPS: Parameter = parameter("steps", "60", "number of steps");
+crate::settings! {
+    struct FreeFallSettings {
+        method: String = "xpbd", "any method";
+        n: u32 = 17 in AtLeast(2.0), "vertices a side";
+        steps: u32 = 60 in AtLeast(1.0), "number of steps";
+    }
+}
 
 pub(super) const FREE_FALL: Law = Law {
     name: "free-fall",
     about: "fall (m) of a free sheet after n steps of 1/60 s, without any change of shape",
-    parameters: &[METHOD, SIZE, STEPS],
+    parameters: &[FreeFallSettings::PARAMETERS],
     tolerance: 1e-12,
     evaluate: free_fall,
 };
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Scheme {
-    Explicit,
-    Symplectic,
-    Implicit,
-    Linear,
-    Midpoint,
-    Bdf2,
-    Xpbd,
-    Pd,
+crate::choices! {
+    /// What takes the step.
+    #[derive(PartialEq, Eq)]
+    enum Scheme {
+        Explicit = "explicit-euler",
+        Symplectic = "symplectic-euler",
+        Implicit = "implicit-euler",
+        Linear = "linear-implicit",
+        Midpoint = "implicit-midpoint",
+        Bdf2 = "bdf2",
+        Xpbd = "xpbd",
+        Pd = "pd",
+    }
 }
-
-const SCHEMES: [(&str, Scheme); 8] = [
-    ("explicit-euler", Scheme::Explicit),
-    ("symplectic-euler", Scheme::Symplectic),
-    ("implicit-euler", Scheme::Implicit),
-    ("linear-implicit", Scheme::Linear),
-    ("implicit-midpoint", Scheme::Midpoint),
-    ("bdf2", Scheme::Bdf2),
-    ("xpbd", Scheme::Xpbd),
-    ("pd", Scheme::Pd),
-];
 
 impl Scheme {
     /// Amplification and phase (rad) per step in closed form.
@@ -104,69 +98,38 @@ impl Scheme {
             tolerance: 0.0,
             ..Default::default()
         };
+        macro_rules! built {
+            ($kind:ident, $config:expr) => {{
+                let builder = $kind::builder(&particles).energy(spring);
+                Box::new(builder.config($config).build()?)
+            }};
+        }
+        let xpbd = XpbdConfig {
+            substeps: 1,
+            iterations: 1,
+            ..Default::default()
+        };
+        let pd = PdConfig {
+            iterations: 1,
+            ..Default::default()
+        };
         Ok(match self {
-            Self::Explicit => Box::new(
-                ExplicitEuler::builder(&particles)
-                    .energy(spring)
-                    .config(unchecked)
-                    .build()?,
-            ),
-            Self::Symplectic => Box::new(
-                SymplecticEuler::builder(&particles)
-                    .energy(spring)
-                    .config(unchecked)
-                    .build()?,
-            ),
-            Self::Implicit => Box::new(
-                ImplicitEuler::builder(&particles)
-                    .energy(spring)
-                    .config(tight)
-                    .build()?,
-            ),
-            Self::Linear => Box::new(
-                ImplicitEuler::builder(&particles)
-                    .energy(spring)
-                    .config(ImplicitConfig::linearized())
-                    .build()?,
-            ),
-            Self::Midpoint => Box::new(
-                ImplicitMidpoint::builder(&particles)
-                    .energy(spring)
-                    .config(tight)
-                    .build()?,
-            ),
-            Self::Bdf2 => Box::new(
-                Bdf2::builder(&particles)
-                    .energy(spring)
-                    .config(tight)
-                    .build()?,
-            ),
-            Self::Xpbd => Box::new(
-                XpbdSolver::builder(&particles)
-                    .energy(spring)
-                    .config(XpbdConfig {
-                        substeps: 1,
-                        iterations: 1,
-                        ..Default::default()
-                    })
-                    .build()?,
-            ),
-            Self::Pd => Box::new(
-                PdSolver::builder(&particles)
-                    .energy(spring)
-                    .config(PdConfig {
-                        iterations: 1,
-                        ..Default::default()
-                    })
-                    .build()?,
-            ),
+            Self::Explicit => built!(ExplicitEuler, unchecked),
+            Self::Symplectic => built!(SymplecticEuler, unchecked),
+            Self::Implicit => built!(ImplicitEuler, tight),
+            Self::Linear => built!(ImplicitEuler, ImplicitConfig::linearized()),
+            Self::Midpoint => built!(ImplicitMidpoint, tight),
+            Self::Bdf2 => built!(Bdf2, tight),
+            Self::Xpbd => built!(XpbdSolver, xpbd),
+            Self::Pd => built!(PdSolver, pd),
         })
     }
 }
 
 fn oscillator(settings: &Settings) -> Result<Evaluation, BenchError> {
-    let scheme = settings.choice(&SCHEME, &SCHEMES)?;
-    let z = settings.positive(&Z)?;
+    let own = OscillatorSettings::read(settings)?;
+    let scheme = *own.scheme;
+    let z = *own.z;
     let (amplification, phase) = match scheme {
         Scheme::Bdf2 => two_step_map(z)?,
         _ => one_step_map(scheme.solver(z * z)?)?,
@@ -239,9 +202,10 @@ fn two_step_map(z: Real) -> Result<(Real, Real), BenchError> {
 }
 
 fn free_fall(settings: &Settings) -> Result<Evaluation, BenchError> {
-    let method = Method::find(settings.text(&METHOD))?;
-    let steps = settings.count(&STEPS, 1)?;
-    let side = settings.count(&SIZE, 2)?;
+    let own = FreeFallSettings::read(settings)?;
+    let method = Method::find(&own.method)?;
+    let steps = *own.steps;
+    let side = *own.n;
     within_reach(5e3 * Real::from(side).powi(2) * Real::from(steps))?;
     let sheet = Settings::default().with("n", side).with("pins", "none");
     let scene = scene::build("drop", None, &sheet)?;

@@ -7,43 +7,31 @@ use cloth_core::mesh::{TriMesh, generate};
 use cloth_core::method::family::Energies;
 use cloth_core::topology::EdgeTable;
 
-const ELEMENT: Parameter = parameter(
-    "element",
-    "stvk",
-    "stvk, arap (both on an irregular mesh) or springs (on equilateral triangles)",
-);
-const LOAD: Parameter = parameter(
-    "load",
-    "uniaxial",
-    "uniaxial (free to become narrower) or equibiaxial",
-);
-const DIRECTION: Parameter = parameter(
-    "direction_deg",
-    "20",
-    "direction of the pull, from the x axis (degrees)",
-);
-const STRETCH: Parameter = parameter("stretch", "1.2", "present over rest length along the pull");
-const POISSON: Parameter = parameter("poisson", "0.3", "Poisson's ratio of stvk, from −1 to 1");
+crate::settings! {
+    struct PatchSettings {
+        element: Sheet = "stvk", "stvk, arap (both on an irregular mesh) or springs (on equilateral triangles)";
+        load: Load = "uniaxial", "uniaxial (free to become narrower) or equibiaxial";
+        direction_deg: Real = 20 "degrees", "direction of the pull, from the x axis";
+        stretch: Real = 1.2 in Within(0.1, 10.0), "present over rest length along the pull";
+        poisson: Real = 0.3 in Between(-1.0, 1.0), "Poisson's ratio of stvk";
+    }
+}
 
 pub(super) const PATCH: Law = Law {
     name: "patch",
     about: "pull per width over the modulus Y (dimensionless) of a sheet stretched s times: stvk s(s² − 1)/2, or over (1 − ν) equibiaxial; arap s − 1; springs by direction",
-    parameters: &[ELEMENT, LOAD, DIRECTION, STRETCH, POISSON],
+    parameters: &[PatchSettings::PARAMETERS],
     tolerance: 1e-10,
     evaluate: patch,
 };
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Sheet {
-    Stvk,
-    Arap,
-    Springs,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Load {
-    Uniaxial,
-    Equibiaxial,
+crate::choices! {
+    /// What the sheet is made of.
+    #[derive(PartialEq, Eq)]
+    enum Sheet { Stvk = "stvk", Arap = "arap", Springs = "springs" }
+    /// How the sheet is pulled.
+    #[derive(PartialEq, Eq)]
+    enum Load { Uniaxial = "uniaxial", Equibiaxial = "equibiaxial" }
 }
 
 impl Sheet {
@@ -144,34 +132,11 @@ fn relaxed(mut across: impl FnMut(Real) -> Result<Real, BenchError>) -> Result<R
 }
 
 fn patch(settings: &Settings) -> Result<Evaluation, BenchError> {
-    let sheet = settings.choice(
-        &ELEMENT,
-        &[
-            ("stvk", Sheet::Stvk),
-            ("arap", Sheet::Arap),
-            ("springs", Sheet::Springs),
-        ],
-    )?;
-    let load = settings.choice(
-        &LOAD,
-        &[
-            ("uniaxial", Load::Uniaxial),
-            ("equibiaxial", Load::Equibiaxial),
-        ],
-    )?;
-    let angle = settings.number(&DIRECTION)?.to_radians();
-    let s = settings.positive(&STRETCH)?;
-    let poisson = settings.number(&POISSON)?;
-    if !(-1.0 < poisson && poisson < 1.0) {
-        return Err(BenchError::Usage(format!(
-            "poisson is {poisson}, but it has to lie between -1 and 1"
-        )));
-    }
-    if !(0.1..=10.0).contains(&s) {
-        return Err(BenchError::Usage(format!(
-            "stretch is {s}, but it has to lie between 0.1 and 10"
-        )));
-    }
+    let own = PatchSettings::read(settings)?;
+    let (sheet, load) = (*own.element, *own.load);
+    let angle = own.direction_deg.to_radians();
+    let s = *own.stretch;
+    let poisson = *own.poisson;
     let (mesh, energies) = sheet.build(poisson)?;
     let [expected_width, width] = match load {
         Load::Equibiaxial => [s, s],

@@ -2,7 +2,7 @@
 
 pub(super) use super::{Evaluation, Law};
 pub(super) use crate::error::BenchError;
-pub(super) use crate::settings::{Parameter, Settings, parameter};
+pub(super) use crate::settings::{Range::*, Settings, Table};
 pub(super) use cloth_core::cloth::Elements;
 pub(super) use cloth_core::energy::Spring;
 pub(super) use cloth_core::math::{Real, Vec3};

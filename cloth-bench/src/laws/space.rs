@@ -10,12 +10,17 @@ use cloth_core::mesh::TriMesh;
 use cloth_core::topology::{EdgeTable, Topology};
 use cloth_pd::{PdConfig, PdSolver};
 
-const MESH: Parameter = parameter("mesh", "grid:9x9:alternating", "a generator or a file");
+crate::settings! {
+    /// Of laws of meshes.
+    struct MeshSetting {
+        mesh: String = "grid:9x9:alternating", "a generator or a file";
+    }
+}
 
 pub(super) const COUNT: Law = Law {
     name: "count",
     about: "3V − E = 3χ + E_b, on any mesh",
-    parameters: &[MESH],
+    parameters: &[MeshSetting::PARAMETERS],
     tolerance: 0.0,
     evaluate: count,
 };
@@ -23,24 +28,28 @@ pub(super) const COUNT: Law = Law {
 pub(super) const NULL_SPACE: Law = Law {
     name: "null-space",
     about: "motions that keep every edge of the bent mesh: 3χ + E_b, but at least the six rigid ones of each piece; the flat ones are a detail",
-    parameters: &[MESH],
+    parameters: &[MeshSetting::PARAMETERS],
     tolerance: 0.0,
     evaluate: null_space,
 };
 
-const SIZE: Parameter = parameter("n", "9", "vertices a side");
-const STIFFNESS: Parameter = parameter("stiffness", "100", "stiffness of the springs (N/m)");
+crate::settings! {
+    struct SameMinimumSettings {
+        n: u32 = 9 in AtLeast(2.0), "vertices a side";
+        stiffness: Real = 100 "N/m" in Above(0.0), "stiffness of the springs";
+    }
+}
 
 pub(super) const SAME_MINIMUM: Law = Law {
     name: "same-minimum",
     about: "distance (m) between the converged step of PD and that of Newton, on the hanging sheet: 0",
-    parameters: &[SIZE, STIFFNESS],
+    parameters: &[SameMinimumSettings::PARAMETERS],
     tolerance: 1e-9,
     evaluate: same_minimum,
 };
 
 fn counted(settings: &Settings) -> Result<(TriMesh, EdgeTable, Topology), BenchError> {
-    let mesh = mesh_spec::load(settings.text(&MESH))?;
+    let mesh = mesh_spec::load(&MeshSetting::read(settings)?.mesh)?;
     let edges = EdgeTable::build(&mesh).map_err(BenchError::usage)?;
     let topology = Topology::of(&mesh, &edges);
     Ok((mesh, edges, topology))
@@ -78,11 +87,12 @@ fn null_space(settings: &Settings) -> Result<Evaluation, BenchError> {
 }
 
 fn same_minimum(settings: &Settings) -> Result<Evaluation, BenchError> {
-    let side = settings.count(&SIZE, 2)?;
+    let own = SameMinimumSettings::read(settings)?;
+    let side = *own.n;
     within_reach(1e3 * Real::from(side).powi(4))?;
     let settings = Settings::default()
-        .with(SIZE.name, side)
-        .with(STIFFNESS.name, settings.positive(&STIFFNESS)?);
+        .with("n", side)
+        .with("stiffness", *own.stiffness);
     let scene = scene::build("hang", None, &settings)?;
     let input = || StepInput::new(scene.dt).gravity(scene.gravity);
     let mut newton = yardstick::reference(&scene.model)?;

@@ -7,47 +7,43 @@ use std::f64::consts::PI;
 
 const GRAVITY: Real = 9.81;
 
-const METHOD: Parameter = parameter(
-    "method",
-    "implicit-midpoint",
-    "implicit-midpoint or bdf2, which are of second order",
-);
-const ANGLE: Parameter = parameter("angle_deg", "90", "angle from which it is let go (degrees)");
-const STEPS: Parameter = parameter(
-    "steps",
-    "400",
-    "steps per period of small swings; a second run takes twice as many",
-);
+crate::settings! {
+    struct PendulumSettings {
+        angle_deg: Real = 90 "degrees" in Between(0.0, 180.0), "angle from which it is let go";
+        method: Scheme = "implicit-midpoint", "implicit-midpoint or bdf2, which are of second order";
+        steps: u32 = 400 in AtLeast(8.0), "steps per period of small swings; a second run takes twice as many";
+    }
+}
 
 pub(super) const PENDULUM: Law = Law {
     name: "pendulum",
     about: "period of a pendulum of 1 m over that of small swings (dimensionless): (2/π) K(sin θ/2); extrapolated from two step sizes",
-    parameters: &[ANGLE, METHOD, STEPS],
+    parameters: &[PendulumSettings::PARAMETERS],
     tolerance: 2e-6,
     evaluate: pendulum,
 };
 
-const LINKS: Parameter = parameter("links", "5", "number of links N");
-const MODE: Parameter = parameter("mode", "1", "which swing, 1 for the slowest, up to N");
+crate::settings! {
+    struct ChainSwingSettings {
+        links: u32 = 5 in AtLeast(1.0), "number of links N";
+        mode: u32 = 1 in AtLeast(1.0), "which swing, 1 for the slowest, up to N";
+        method: Scheme = "implicit-midpoint", "implicit-midpoint or bdf2, which are of second order";
+        steps: u32 = 400 in AtLeast(8.0), "steps per period of small swings; a second run takes twice as many";
+    }
+}
 
 pub(super) const CHAIN_SWING: Law = Law {
     name: "chain-swing",
     about: "angular frequency (rad/s) of a small swing of N equal masses on N links of 0.2 m: √(g x/l), x a zero of the Laguerre polynomial L_N; extrapolated from two step sizes",
-    parameters: &[LINKS, MODE, METHOD, STEPS],
+    parameters: &[ChainSwingSettings::PARAMETERS],
     tolerance: 1e-6,
     evaluate: chain_swing,
 };
 
-#[derive(Clone, Copy)]
-enum Scheme {
-    Midpoint,
-    Bdf2,
+crate::choices! {
+    /// What takes the step.
+    enum Scheme { Midpoint = "implicit-midpoint", Bdf2 = "bdf2" }
 }
-
-const SCHEMES: [(&str, Scheme); 2] = [
-    ("implicit-midpoint", Scheme::Midpoint),
-    ("bdf2", Scheme::Bdf2),
-];
 
 /// Something let go at rest, held at vertex 0.
 struct Swing {
@@ -128,14 +124,10 @@ fn agm(mut a: Real, mut b: Real) -> Real {
 }
 
 fn pendulum(settings: &Settings) -> Result<Evaluation, BenchError> {
-    let angle = settings.positive(&ANGLE)?;
-    if angle >= 180.0 {
-        return Err(BenchError::Usage(format!(
-            "angle_deg is {angle}, but it has to be below 180"
-        )));
-    }
-    let scheme = settings.choice(&METHOD, &SCHEMES)?;
-    let steps = settings.count(&STEPS, 8)?;
+    let own = PendulumSettings::read(settings)?;
+    let angle = *own.angle_deg;
+    let scheme = *own.method;
+    let steps = *own.steps;
     within_reach(4e3 * Real::from(steps))?;
     let angle = angle.to_radians();
     let mut particles = Particles::new(vec![1.0; 2])?;
@@ -155,18 +147,19 @@ fn pendulum(settings: &Settings) -> Result<Evaluation, BenchError> {
 }
 
 fn chain_swing(settings: &Settings) -> Result<Evaluation, BenchError> {
-    let links = settings.count(&LINKS, 1)?;
-    let steps = settings.count(&STEPS, 8)?;
+    let own = ChainSwingSettings::read(settings)?;
+    let links = *own.links;
+    let steps = *own.steps;
     let (n, of_steps) = (Real::from(links), Real::from(steps));
     within_reach(10.0 * n.powi(3) + 2e3 * n * of_steps)?;
     let links = links as usize;
-    let mode = settings.count(&MODE, 1)? as usize;
+    let mode = *own.mode as usize;
     if mode > links {
         return Err(BenchError::Usage(format!(
             "mode is {mode}, but {links} links have only {links} swings"
         )));
     }
-    let scheme = settings.choice(&METHOD, &SCHEMES)?;
+    let scheme = *own.method;
     let (length, mass, stiffness) = (0.2, 0.1, 1e3);
     let zero = laguerre_zeros(links)[mode - 1];
     let expected = (GRAVITY * zero / length).sqrt();

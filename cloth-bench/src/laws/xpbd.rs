@@ -8,98 +8,102 @@ use crate::yardstick::StepProblem;
 use cloth_xpbd::direct::{DirectConfig, DirectXpbd, System};
 use cloth_xpbd::{XpbdConfig, XpbdSolver};
 
-const ITERATIONS: Parameter = parameter("iterations", "3", "sweeps of the one step");
-const STIFFNESS: Parameter = parameter("stiffness", "100", "stiffness k of the spring (N/m)");
-const DAMPING: Parameter = parameter("damping", "0.02", "stiffness-proportional damping β (s)");
-const DT: Parameter = parameter("dt", "0.01", "step size (s)");
-const SPEED: Parameter = parameter("speed", "-3", "rate of the stretch at the start (m/s)");
+crate::settings! {
+    struct XpbdDampingSettings {
+        iterations: u32 = 3 in AtLeast(1.0), "sweeps of the one step";
+        stiffness: Real = 100 "N/m" in Above(0.0), "stiffness k of the spring";
+        damping: Real = 0.02 "s", "stiffness-proportional damping β";
+        dt: Real = 0.01 "s" in Above(0.0), "step size";
+        speed: Real = -3 "m/s", "rate of the stretch at the start";
+    }
+}
 
 pub(super) const XPBD_DAMPING: Law = Law {
     name: "xpbd-damping",
     about: "stretch (m) of one damped XPBD constraint, w = 1 /kg, stretched by 0.5 m, after one step: (C̃ + w h β k C⁰)/(1 + w k h (h + β)), whatever the iterations",
-    parameters: &[ITERATIONS, STIFFNESS, DAMPING, DT, SPEED],
+    parameters: &[XpbdDampingSettings::PARAMETERS],
     tolerance: 1e-12,
     evaluate: xpbd_damping,
 };
 
-const LINKS: Parameter = parameter("links", "8", "number of links N");
-const MASS: Parameter = parameter("mass", "0.05", "mass of every vertex (kg)");
-const TIP_MASS: Parameter = parameter("tip_mass", "0.05", "mass of the last vertex (kg)");
-const LINK_STIFFNESS: Parameter = parameter("stiffness", "2000", "stiffness k of every link (N/m)");
 /// Steps until the chain is at rest.
 const STEPS: u32 = 400;
-const SWEEPS: Parameter = parameter("iterations", "2000", "sweeps per step of 0.1 s");
+
+crate::settings! {
+    struct SupportForceSettings {
+        links: u32 = 8 in AtLeast(1.0), "number of links N";
+        mass: Real = 0.05 "kg" in Above(0.0), "mass of every vertex";
+        tip_mass: Real = 0.05 "kg" in Above(0.0), "mass of the last vertex";
+        stiffness: Real = 2000 "N/m" in Above(0.0), "stiffness k of every link";
+        iterations: u32 = 2000 in AtLeast(1.0), "sweeps per step of 0.1 s";
+    }
+}
 
 pub(super) const SUPPORT_FORCE: Law = Law {
     name: "support-force",
     about: "force (N) on the support of a hanging chain at rest, read out of XPBD's multipliers: its weight",
-    parameters: &[LINKS, MASS, TIP_MASS, LINK_STIFFNESS, SWEEPS],
+    parameters: &[SupportForceSettings::PARAMETERS],
     tolerance: 1e-10,
     evaluate: support_force,
 };
 
-const SWINGING_LINKS: Parameter = parameter("links", "10", "number of links N");
-const SWINGING_STIFFNESS: Parameter =
-    parameter("stiffness", "200", "stiffness k of every link (N/m)");
-const SWINGING_TIP: Parameter = parameter("tip_mass", "0.1", "mass of the last vertex (kg)");
-const SWINGING_DT: Parameter = parameter("dt", "0.01", "step size (s)");
-const CONVERGED: Parameter = parameter("iterations", "8000", "sweeps of the one step");
-const SYSTEM: Parameter = parameter(
-    "system",
-    "saddle",
-    "linear solver: saddle, saddle-minres, schur or schur-cg",
-);
+crate::settings! {
+    /// Of a swinging chain.
+    struct Swinging {
+        links: u32 = 10 in AtLeast(1.0), "number of links N";
+        stiffness: Real = 200 "N/m" in Above(0.0), "stiffness k of every link";
+        tip_mass: Real = 0.1 "kg" in Above(0.0), "mass of the last vertex";
+        dt: Real = 0.01 "s" in Above(0.0), "step size";
+    }
+    struct XpbdComplianceSettings {
+        iterations: u32 = 8000 in AtLeast(1.0), "sweeps of the one step";
+    }
+}
 
 pub(super) const XPBD_COMPLIANCE: Law = Law {
     name: "xpbd-compliance",
     about: "largest C + α̃λ (m) that converged XPBD leaves in one step of a swinging chain of links of 0.1 m: 0",
-    parameters: &[
-        SWINGING_LINKS,
-        SWINGING_STIFFNESS,
-        SWINGING_TIP,
-        SWINGING_DT,
-        CONVERGED,
-    ],
+    parameters: &[Swinging::PARAMETERS, XpbdComplianceSettings::PARAMETERS],
     tolerance: 1e-13,
     evaluate: xpbd_compliance,
 };
 
+crate::settings! {
+    struct DirectStepSettings {
+        system: System = "saddle", "linear solver: saddle, saddle-minres, schur or schur-cg";
+    }
+}
+
 pub(super) const DIRECT_STEP: Law = Law {
     name: "direct-step",
     about: "gradient norm that the direct solver leaves of the implicit Euler step of a swinging chain, relative to that at x̃: 0",
-    parameters: &[
-        SWINGING_LINKS,
-        SWINGING_STIFFNESS,
-        SWINGING_TIP,
-        SWINGING_DT,
-        SYSTEM,
-    ],
+    parameters: &[Swinging::PARAMETERS, DirectStepSettings::PARAMETERS],
     tolerance: 1e-8,
     evaluate: direct_step,
 };
 
 /// The step of a chain, let go sideways, after 0.3 s of implicit Euler.
-fn swinging(settings: &Settings) -> Result<(scene::Scene, StepProblem), BenchError> {
-    let links = settings.count(&SWINGING_LINKS, 1)?;
-    let dt = settings.positive(&SWINGING_DT)?;
+fn swinging(own: &Swinging) -> Result<(scene::Scene, StepProblem), BenchError> {
+    let (links, dt) = (*own.links, *own.dt);
     let steps = (0.3 / dt).ceil().min(1e5);
     within_reach(5e3 * Real::from(links) * steps)?;
     let chain = Settings::default()
         .with("n", links)
         .with("link", 0.1)
         .with("mass", 0.1)
-        .with("tip_mass", settings.positive(&SWINGING_TIP)?)
-        .with("stiffness", settings.positive(&SWINGING_STIFFNESS)?);
+        .with("tip_mass", *own.tip_mass)
+        .with("stiffness", *own.stiffness);
     let scene = scene::build("chain", None, &chain)?;
     let problem = StepProblem::after(&scene, steps as u32, dt)?;
     Ok((scene, problem))
 }
 
 fn xpbd_compliance(settings: &Settings) -> Result<Evaluation, BenchError> {
-    let iterations = settings.count(&CONVERGED, 1)?;
-    let links = settings.count(&SWINGING_LINKS, 1)?;
+    let chain = Swinging::read(settings)?;
+    let iterations = *XpbdComplianceSettings::read(settings)?.iterations;
+    let links = *chain.links;
     within_reach(30.0 * Real::from(links) * Real::from(iterations))?;
-    let (scene, problem) = swinging(settings)?;
+    let (scene, problem) = swinging(&chain)?;
     let mut solver = XpbdSolver::builder(&scene.model.particles)
         .elements(vec![Elements::Springs(scene.model.springs.clone())])
         .config(XpbdConfig {
@@ -110,7 +114,7 @@ fn xpbd_compliance(settings: &Settings) -> Result<Evaluation, BenchError> {
         .build()
         .map_err(BenchError::usage)?;
     let mut state = problem.state().clone();
-    let input = StepInput::new(settings.positive(&SWINGING_DT)?).gravity(scene.gravity);
+    let input = StepInput::new(*chain.dt).gravity(scene.gravity);
     solver.step(&mut state, input)?;
     let error = problem.error(&state.positions);
     let residual = solver.compliance_residual(&state.positions);
@@ -120,17 +124,12 @@ fn xpbd_compliance(settings: &Settings) -> Result<Evaluation, BenchError> {
 }
 
 fn direct_step(settings: &Settings) -> Result<Evaluation, BenchError> {
-    let (scene, problem) = swinging(settings)?;
-    let systems = [
-        ("saddle", System::SaddleLdlt),
-        ("saddle-minres", System::SaddleMinres),
-        ("schur", System::SchurCholesky),
-        ("schur-cg", System::SchurConjugateGradients),
-    ];
+    let own = DirectStepSettings::read(settings)?;
+    let (scene, problem) = swinging(&Swinging::read(settings)?)?;
     let mut solver = DirectXpbd::builder(&scene.model.particles)
         .elements(vec![Elements::Springs(scene.model.springs.clone())])
         .config(DirectConfig {
-            system: settings.choice(&SYSTEM, &systems)?,
+            system: *own.system,
             tolerance: 1e-13,
             ..DirectConfig::default()
         })
@@ -147,11 +146,12 @@ fn direct_step(settings: &Settings) -> Result<Evaluation, BenchError> {
 const STRETCH: Real = 0.5;
 
 fn xpbd_damping(settings: &Settings) -> Result<Evaluation, BenchError> {
-    let k = settings.positive(&STIFFNESS)?;
-    let beta = settings.number(&DAMPING)?;
-    let h = settings.positive(&DT)?;
-    let speed = settings.number(&SPEED)?;
-    let iterations = settings.count(&ITERATIONS, 1)?;
+    let own = XpbdDampingSettings::read(settings)?;
+    let k = *own.stiffness;
+    let beta = *own.damping;
+    let h = *own.dt;
+    let speed = *own.speed;
+    let iterations = *own.iterations;
     within_reach(100.0 * Real::from(iterations))?;
     let mut particles = Particles::new(vec![1.0; 2])?;
     particles.prescribe(0)?;
@@ -187,16 +187,17 @@ fn xpbd_damping(settings: &Settings) -> Result<Evaluation, BenchError> {
 }
 
 fn support_force(settings: &Settings) -> Result<Evaluation, BenchError> {
-    let links = settings.count(&LINKS, 1)?;
-    let iterations = settings.count(&SWEEPS, 1)?;
+    let own = SupportForceSettings::read(settings)?;
+    let links = *own.links;
+    let iterations = *own.iterations;
     within_reach(30.0 * Real::from(STEPS) * Real::from(links) * Real::from(iterations))?;
     let links = links as usize;
-    let mass = settings.positive(&MASS)?;
-    let tip = settings.positive(&TIP_MASS)?;
+    let mass = *own.mass;
+    let tip = *own.tip_mass;
     let mut masses = vec![mass; links + 1];
     masses[links] = tip;
     let weight = GRAVITY * (mass * (links as Real - 1.0) + tip);
-    let (particles, springs, mut state) = chain(masses, settings.positive(&LINK_STIFFNESS)?)?;
+    let (particles, springs, mut state) = chain(masses, *own.stiffness)?;
     let mut solver = XpbdSolver::builder(&particles)
         .elements(vec![Elements::Springs(springs)])
         .config(XpbdConfig {

@@ -22,8 +22,8 @@ pub struct OwnMethod {
     pub name: &'static str,
     /// What it is, in one line.
     pub about: &'static str,
-    /// What can be set of it.
-    pub parameters: &'static [Parameter],
+    /// What can be set of it: the tables of structs that [`settings!`](crate::settings!) declares.
+    pub parameters: &'static [&'static [Parameter]],
     /// A solver for a scene and a step size (s). Errors are [`BenchError::Usage`] for a setting out of range or an
     /// element that the method cannot take.
     pub build: Build,

@@ -2,124 +2,91 @@
 
 use crate::error::BenchError;
 use crate::scene::Scene;
-use crate::settings::{Parameter, Settings, parameter};
+use crate::settings::{Auto, Choice, Or, Parameter, Range::*, Setting, Settings, Table};
 use cloth_core::math::Real;
 use cloth_core::method::position_based::{Acceleration, Chebyshev, Radius, Sweep};
 use cloth_pbd::{Hierarchy, HierarchyConfig, PbdConfig, StiffnessRule};
 use cloth_xpbd::single::SingleConfig;
 use cloth_xpbd::{SubstepRule, XpbdConfig};
 
-const PBD_SUBSTEPS: Parameter = parameter(
-    "substeps",
-    "1",
-    "parts of a step, or auto: as many as xpbd takes for its strain, fewer by the root of the iterations",
-);
-/// The published setting has a name, so that a study can ask for it; [`run`](crate::commands) takes `auto` unless it is
-/// told otherwise.
-pub(super) const XPBD_SUBSTEPS: Parameter = parameter(
-    "substeps",
-    PUBLISHED,
-    "parts of a step: a number, published (20), or auto (what run takes): as many as leave no more than the given strain on this mesh, with this step and fall",
-);
-const PUBLISHED: &str = "published";
+crate::settings! {
+    /// Of position-based dynamics.
+    pub(super) struct Pbd {
+        iterations: u32 = 20 in AtLeast(1.0), "sweeps per substep";
+        substeps: Or<Substeps, u32> = 1 in AtLeast(1.0),
+            "parts of a step, or auto: as many as xpbd takes for its strain, fewer by the root of the iterations";
+        projection: Or<Material, Real> = "material" in Within(0.0, 1.0),
+            "stiffness of the projections: material (one constraint alone shows its k), or a number";
+        hierarchy: Option<Or<Once, u32>> = "none" in AtLeast(1.0),
+            "correction by coarse levels: none, once a substep, or the number of sweeps from one to the next";
+    }
+    /// Of extended position-based dynamics.
+    pub(super) struct Xpbd {
+        iterations: u32 = 1 in AtLeast(1.0), "sweeps per substep";
+        substeps: Or<Substeps, u32> = "published" in AtLeast(1.0),
+            "parts of a step: a number, published (20), or auto (what run takes): as many as leave no more than the \
+             given strain on this mesh, with this step and fall";
+        precision: Precision = "double",
+            "of the sweeps: double, or single (springs and quadratic bending, coloured sweeps as they are)";
+        energy_gain: Or<Auto, Option<Real>> = "auto" in Above(0.0),
+            "a step that gains more than this part of the energy in play is taken again with twice as many substeps, \
+             up to eight times as many; none: never; auto: 0.01 with substeps=auto in double precision, else none";
+    }
+    /// Of sweeps.
+    pub(super) struct Sweeps {
+        strain: Or<Auto, Real> = "auto" in Above(0.0),
+            "largest strain that the sweeps may leave, with substeps=auto; auto: 0.1, or 0.07 where there is something \
+             to touch";
+        sweep: Sweep = "colored", "how a sweep goes: colored, sequential, jacobi (with averaging) or plain-jacobi";
+        relaxation: Real = 1 in Between(0.0, 2.0), "part of its correction that a constraint makes in a visit";
+        chebyshev: Option<Or<Auto, Real>> = "none",
+            "extrapolation of the sweeps: none, auto (spectral radius estimated), or the spectral radius";
+        chebyshev_delay: u32 = 4 in AtLeast(1.0), "plain sweeps of a substep before the extrapolation";
+    }
+    /// Of constraints with a compliance.
+    pub(super) struct ConstraintDamping {
+        damping: Real = 0 "s", "stiffness-proportional damping β of every constraint: a force −β k Ċ along it";
+    }
+}
+
+/// Of position-based dynamics, and of its extended form.
+pub(super) const PBD: &[&[Parameter]] = &[Pbd::PARAMETERS, Sweeps::PARAMETERS];
+pub(super) const XPBD: &[&[Parameter]] = &[
+    Xpbd::PARAMETERS,
+    Sweeps::PARAMETERS,
+    ConstraintDamping::PARAMETERS,
+];
+
+crate::choices! {
+    /// The published number of substeps, which a study can ask for, or as many as the strain asks for: what
+    /// [`run`](crate::commands) takes unless it is told otherwise.
+    #[derive(PartialEq)]
+    pub(super) enum Substeps { Published = "published", Auto = "auto" }
+    /// Stiffness from the material.
+    pub(super) enum Material { Material = "material" }
+    /// Once a substep.
+    pub(super) enum Once { Once = "once" }
+    /// Precision of sweeps.
+    #[derive(PartialEq)]
+    pub(super) enum Precision { Double = "double", Single = "single" }
+}
+
+impl Choice for Sweep {
+    const NAMES: &'static [(&'static str, Self)] = &[
+        ("colored", Self::Colored),
+        ("sequential", Self::Sequential),
+        ("jacobi", Self::Jacobi),
+        ("plain-jacobi", Self::PlainJacobi),
+    ];
+}
+
 const PUBLISHED_SUBSTEPS: u32 = 20;
-/// As many substeps as the strain asks for.
-pub(crate) const AUTO: &str = "auto";
-const STRAIN: Parameter = parameter(
-    "strain",
-    AUTO,
-    "largest strain that the sweeps may leave, with substeps=auto; auto: 0.1, or 0.07 where there is something to touch",
-);
 /// Largest strain to be left in cloth that swings freely, and in cloth that can touch something: what stops it suddenly
 /// leaves more energy.
 const SWINGING: Real = 0.1;
 const TOUCHING: Real = 0.07;
-const PBD_ITERATIONS: Parameter = parameter("iterations", "20", "sweeps per substep");
-const PBD_STIFFNESS: Parameter = parameter(
-    "projection",
-    "material",
-    "stiffness of the projections: material (one constraint alone shows its k), or a number from 0 to 1",
-);
-const XPBD_ITERATIONS: Parameter = parameter("iterations", "1", "sweeps per substep");
-const SWEEP: Parameter = parameter(
-    "sweep",
-    "colored",
-    "how a sweep goes: colored, sequential, jacobi (with averaging) or plain-jacobi",
-);
-const RELAXATION: Parameter = parameter(
-    "relaxation",
-    "1",
-    "part of its correction that a constraint makes in a visit, above 0 and below 2",
-);
-const CHEBYSHEV: Parameter = parameter(
-    "chebyshev",
-    "none",
-    "extrapolation of the sweeps: none, auto (spectral radius estimated), or the spectral radius",
-);
-const CHEBYSHEV_DELAY: Parameter = parameter(
-    "chebyshev_delay",
-    "4",
-    "plain sweeps of a substep before the extrapolation",
-);
-
-const HIERARCHY: Parameter = parameter(
-    "hierarchy",
-    "none",
-    "correction by coarse levels: none, once a substep, or the number of sweeps from one to the next",
-);
-pub(super) const XPBD_DAMPING: Parameter = parameter(
-    "damping",
-    "0",
-    "stiffness-proportional damping β (s) of every constraint: a force −β k Ċ along it",
-);
-
-const PRECISION: Parameter = parameter(
-    "precision",
-    "double",
-    "of the sweeps: double, or single (springs and quadratic bending, coloured sweeps as they are)",
-);
-
-const ENERGY_GAIN: Parameter = parameter(
-    "energy_gain",
-    AUTO,
-    "a step that gains more than this part of the energy in play is taken again with twice as many substeps, up to eight times as many; none: never; auto: 0.01 with substeps=auto in double precision, else none",
-);
 /// With a number of substeps that is chosen.
 const CHOSEN_ENERGY_GAIN: Real = 0.01;
-
-/// Of position-based dynamics.
-pub(super) const PBD: &[Parameter] = &[
-    PBD_ITERATIONS,
-    PBD_SUBSTEPS,
-    STRAIN,
-    PBD_STIFFNESS,
-    HIERARCHY,
-    SWEEP,
-    RELAXATION,
-    CHEBYSHEV,
-    CHEBYSHEV_DELAY,
-];
-
-/// Of extended position-based dynamics.
-pub(super) const XPBD: &[Parameter] = &[
-    XPBD_ITERATIONS,
-    XPBD_SUBSTEPS,
-    STRAIN,
-    SWEEP,
-    RELAXATION,
-    CHEBYSHEV,
-    CHEBYSHEV_DELAY,
-    XPBD_DAMPING,
-    PRECISION,
-    ENERGY_GAIN,
-];
-
-const SWEEPS: [(&str, Sweep); 4] = [
-    ("colored", Sweep::Colored),
-    ("sequential", Sweep::Sequential),
-    ("jacobi", Sweep::Jacobi),
-    ("plain-jacobi", Sweep::PlainJacobi),
-];
 
 /// The number of substeps of position-based dynamics on a scene, for a step of `dt` (s).
 pub(super) fn pbd_substeps(
@@ -127,7 +94,8 @@ pub(super) fn pbd_substeps(
     settings: &Settings,
     dt: Real,
 ) -> Result<u32, BenchError> {
-    substeps(scene, settings, dt, [&PBD_SUBSTEPS, &PBD_ITERATIONS])
+    let own = Pbd::read(settings)?;
+    substeps(scene, settings, dt, *own.substeps, *own.iterations)
 }
 
 /// The same of its extended form.
@@ -136,32 +104,37 @@ pub(super) fn xpbd_substeps(
     settings: &Settings,
     dt: Real,
 ) -> Result<u32, BenchError> {
-    substeps(scene, settings, dt, [&XPBD_SUBSTEPS, &XPBD_ITERATIONS])
+    let own = Xpbd::read(settings)?;
+    substeps(scene, settings, dt, *own.substeps, *own.iterations)
 }
 
 fn substeps(
     scene: &Scene,
     settings: &Settings,
     dt: Real,
-    [count, iterations]: [&Parameter; 2],
+    wanted: Or<Substeps, u32>,
+    iterations: u32,
 ) -> Result<u32, BenchError> {
-    if settings.text(count) != AUTO {
-        settings.refuse_without(&STRAIN, "substeps=auto")?;
-        return match settings.text(count) {
-            PUBLISHED => Ok(PUBLISHED_SUBSTEPS),
-            _ => settings.count(count, 1),
-        };
+    let sweeps = Sweeps::read(settings)?;
+    let given = match wanted {
+        Or::Word(Substeps::Auto) => None,
+        Or::Word(Substeps::Published) => Some(PUBLISHED_SUBSTEPS),
+        Or::Value(count) => Some(count),
+    };
+    if let Some(count) = given {
+        sweeps.strain.refuse_without("substeps=auto")?;
+        return Ok(count);
     }
     let rule = SubstepRule {
-        strain: match settings.text(&STRAIN) {
-            AUTO if scene.can_touch() => TOUCHING,
-            AUTO => SWINGING,
-            _ => settings.positive(&STRAIN)?,
+        strain: match *sweeps.strain {
+            Or::Word(Auto::Auto) if scene.can_touch() => TOUCHING,
+            Or::Word(Auto::Auto) => SWINGING,
+            Or::Value(strain) => strain,
         },
         gravity: scene.gravity,
         fall: scene.fall(),
         tension: scene.lasting_tension(),
-        iterations: settings.count(iterations, 1)?,
+        iterations,
     };
     let particles = &scene.model.particles;
     let own = rule.substeps(particles, &scene.gauges()?, &scene.start.positions, dt);
@@ -178,68 +151,62 @@ fn loaded(scene: &Scene) -> Real {
     1.0 + load / own
 }
 
-/// Settings with the number of substeps that has been found, and what that says about steps that gain energy.
-pub(super) fn with_substeps(settings: &Settings, count: u32) -> Settings {
-    let is_chosen = settings.text(&XPBD_SUBSTEPS) == AUTO
-        && settings.text(&PRECISION) == PRECISION.default
-        && settings.text(&ENERGY_GAIN) == AUTO;
-    let found = settings.clone().with(XPBD_SUBSTEPS.name, count);
-    match is_chosen {
-        true => found.with(ENERGY_GAIN.name, CHOSEN_ENERGY_GAIN),
-        false => found,
-    }
-}
-
-pub(super) fn pbd(settings: &Settings) -> Result<PbdConfig, BenchError> {
-    let iterations = settings.count(&PBD_ITERATIONS, 1)?;
+pub(super) fn pbd(settings: &Settings, substeps: u32) -> Result<PbdConfig, BenchError> {
+    let (own, sweeps) = (Pbd::read(settings)?, Sweeps::read(settings)?);
     Ok(PbdConfig {
-        iterations,
-        substeps: settings.count(&PBD_SUBSTEPS, 1)?,
-        sweep: settings.choice(&SWEEP, &SWEEPS)?,
-        acceleration: acceleration(settings, iterations)?,
-        stiffness: match settings.text(&PBD_STIFFNESS) {
-            "material" => StiffnessRule::Material,
-            _ => StiffnessRule::Fixed(settings.number(&PBD_STIFFNESS)?),
+        iterations: *own.iterations,
+        substeps,
+        sweep: *sweeps.sweep,
+        acceleration: acceleration(&sweeps, &own.iterations)?,
+        stiffness: match *own.projection {
+            Or::Word(Material::Material) => StiffnessRule::Material,
+            Or::Value(stiffness) => StiffnessRule::Fixed(stiffness),
         },
     })
 }
 
-pub(super) fn xpbd(settings: &Settings) -> Result<XpbdConfig, BenchError> {
-    let iterations = settings.count(&XPBD_ITERATIONS, 1)?;
+pub(super) fn xpbd(settings: &Settings, substeps: u32) -> Result<XpbdConfig, BenchError> {
+    let (own, sweeps) = (Xpbd::read(settings)?, Sweeps::read(settings)?);
+    let is_chosen =
+        *own.substeps == Or::Word(Substeps::Auto) && *own.precision == Precision::Double;
     Ok(XpbdConfig {
-        iterations,
-        substeps: settings.count(&XPBD_SUBSTEPS, 1)?,
-        sweep: settings.choice(&SWEEP, &SWEEPS)?,
-        acceleration: acceleration(settings, iterations)?,
-        damping: settings.number(&XPBD_DAMPING)?,
-        energy_gain: match settings.text(&ENERGY_GAIN) {
-            AUTO | "none" => None,
-            _ => Some(settings.positive(&ENERGY_GAIN)?),
+        iterations: *own.iterations,
+        substeps,
+        sweep: *sweeps.sweep,
+        acceleration: acceleration(&sweeps, &own.iterations)?,
+        damping: *ConstraintDamping::read(settings)?.damping,
+        energy_gain: match *own.energy_gain {
+            Or::Word(Auto::Auto) => is_chosen.then_some(CHOSEN_ENERGY_GAIN),
+            Or::Value(gain) => gain,
         },
     })
 }
 
 /// The settings of sweeps in single precision, if that is asked for.
-pub(super) fn single(settings: &Settings) -> Result<Option<SingleConfig>, BenchError> {
-    if !settings.choice(&PRECISION, &[("double", false), ("single", true)])? {
+pub(super) fn single(
+    settings: &Settings,
+    substeps: u32,
+) -> Result<Option<SingleConfig>, BenchError> {
+    let own = Xpbd::read(settings)?;
+    if *own.precision == Precision::Double {
         return Ok(None);
     }
-    let config = SingleConfig {
-        iterations: settings.count(&XPBD_ITERATIONS, 1)?,
-        substeps: settings.count(&XPBD_SUBSTEPS, 1)?,
-    };
+    let iterations = *own.iterations;
     let plain = XpbdConfig {
-        iterations: config.iterations,
-        substeps: config.substeps,
+        iterations,
+        substeps,
         ..XpbdConfig::default()
     };
-    if xpbd(settings)? != plain {
+    if xpbd(settings, substeps)? != plain {
         return Err(BenchError::Usage(
             "precision=single needs coloured sweeps without relaxation, extrapolation, damping or energy_gain"
                 .into(),
         ));
     }
-    Ok(Some(config))
+    Ok(Some(SingleConfig {
+        iterations,
+        substeps,
+    }))
 }
 
 /// The coarse levels, if the settings ask for them.
@@ -247,10 +214,10 @@ pub(super) fn hierarchy(
     scene: &Scene,
     settings: &Settings,
 ) -> Result<Option<Hierarchy>, BenchError> {
-    let every = match settings.text(&HIERARCHY) {
-        "none" => return Ok(None),
-        "once" => None,
-        _ => Some(settings.count(&HIERARCHY, 1)?),
+    let every = match *Pbd::read(settings)?.hierarchy {
+        None => return Ok(None),
+        Some(Or::Word(Once::Once)) => None,
+        Some(Or::Value(count)) => Some(count),
     };
     let Some(mesh) = &scene.mesh else {
         return Err(BenchError::Usage(format!(
@@ -268,24 +235,24 @@ pub(super) fn hierarchy(
 }
 
 /// `iterations` are the sweeps of a substep.
-fn acceleration(settings: &Settings, iterations: u32) -> Result<Acceleration, BenchError> {
-    let relaxation = settings.number(&RELAXATION)?;
-    let radius = match settings.text(&CHEBYSHEV) {
-        "none" => {
-            settings.refuse_without(&CHEBYSHEV_DELAY, "chebyshev")?;
+fn acceleration(sweeps: &Sweeps, iterations: &Setting<u32>) -> Result<Acceleration, BenchError> {
+    let (relaxation, delay) = (*sweeps.relaxation, *sweeps.chebyshev_delay);
+    let radius = match *sweeps.chebyshev {
+        None => {
+            sweeps.chebyshev_delay.refuse_without("chebyshev")?;
             return Ok(Acceleration {
                 relaxation,
                 chebyshev: None,
             });
         }
-        "auto" => Radius::Estimated,
-        _ => Radius::Given(settings.number(&CHEBYSHEV)?),
+        Some(Or::Word(Auto::Auto)) => Radius::Estimated,
+        Some(Or::Value(radius)) => Radius::Given(radius),
     };
-    let delay = settings.count(&CHEBYSHEV_DELAY, 1)?;
     // Who says how many sweeps may want fewer: the beginning of a curve, for instance.
-    if iterations <= delay && settings.get(XPBD_ITERATIONS.name).is_none() {
+    if **iterations <= delay && !iterations.is_given() {
         return Err(BenchError::Usage(format!(
-            "chebyshev begins after the {delay} plain sweeps of chebyshev_delay, and iterations is {iterations} unless set: set more"
+            "chebyshev begins after the {delay} plain sweeps of chebyshev_delay, and iterations is {} unless set: set more",
+            **iterations
         )));
     }
     Ok(Acceleration {

@@ -2,38 +2,28 @@
 
 use crate::error::BenchError;
 use crate::scene::Scene;
-use crate::settings::{Parameter, Settings, parameter};
+use crate::settings::{Range::*, Settings, Table};
 use cloth_core::energy::{ArapTriangle, AreaTriangle};
+use cloth_core::math::Real;
 use cloth_core::step::Stepper;
 use cloth_pbd::{StrainLimiter, StretchRange, WithStrainLimit};
 
-const STRAIN_LIMIT: Parameter = parameter(
-    "strain_limit",
-    "none",
-    "strain beyond which nothing is stretched after a step (strain limiting), or none",
-);
-const STRAIN_LIMIT_OF: Parameter = parameter(
-    "strain_limit_of",
-    "edges",
-    "what is limited: edges, triangles (principal stretches, so in all directions alike) or areas (of triangles)",
-);
-const STRAIN_LIMIT_PASSES: Parameter = parameter(
-    "strain_limit_passes",
-    "100",
-    "most passes of strain limiting per step",
-);
-
-/// What is kept from being stretched.
-#[derive(Clone, Copy, PartialEq)]
-enum Limited {
-    Edges,
-    Triangles,
-    Areas,
+crate::settings! {
+    /// Of all methods.
+    pub(super) struct StrainLimit {
+        strain_limit: Option<Real> = "none",
+            "strain beyond which nothing is stretched after a step (strain limiting), or none";
+        strain_limit_of: Limited = "edges",
+            "what is limited: edges, triangles (principal stretches, so in all directions alike) or areas (of \
+             triangles)";
+        strain_limit_passes: u32 = 100 in AtLeast(1.0), "most passes of strain limiting per step";
+    }
 }
 
-/// Of all methods.
-pub(super) const STRAIN_LIMITING: &[Parameter] =
-    &[STRAIN_LIMIT, STRAIN_LIMIT_OF, STRAIN_LIMIT_PASSES];
+crate::choices! {
+    /// What is kept from being stretched.
+    pub(super) enum Limited { Edges = "edges", Triangles = "triangles", Areas = "areas" }
+}
 
 /// The solver, with strain limiting if the settings ask for it.
 pub(super) fn limited(
@@ -41,27 +31,20 @@ pub(super) fn limited(
     scene: &Scene,
     settings: &Settings,
 ) -> Result<Box<dyn Stepper>, BenchError> {
-    if settings.text(&STRAIN_LIMIT) == "none" {
-        settings.refuse_without(&STRAIN_LIMIT_OF, "strain_limit")?;
-        settings.refuse_without(&STRAIN_LIMIT_PASSES, "strain_limit")?;
+    let own = StrainLimit::read(settings)?;
+    let Some(strain) = *own.strain_limit else {
+        own.strain_limit_of.refuse_without("strain_limit")?;
+        own.strain_limit_passes.refuse_without("strain_limit")?;
         return Ok(solver);
-    }
-    let range = StretchRange::stretch(settings.number(&STRAIN_LIMIT)?);
+    };
+    let range = StretchRange::stretch(strain);
     let builder = StrainLimiter::builder(&scene.model.particles);
-    let limited = settings.choice(
-        &STRAIN_LIMIT_OF,
-        &[
-            ("edges", Limited::Edges),
-            ("triangles", Limited::Triangles),
-            ("areas", Limited::Areas),
-        ],
-    )?;
     let mesh = || {
         scene.mesh.as_ref().ok_or_else(|| {
             BenchError::usage("strain_limit_of: a scene without triangles has edges only")
         })
     };
-    let builder = match limited {
+    let builder = match *own.strain_limit_of {
         // Of every kind of cloth, springs with slack and triangles included.
         Limited::Edges => builder.springs(&scene.gauges()?, range),
         // The limiter knows no modulus.
@@ -69,7 +52,7 @@ pub(super) fn limited(
         Limited::Areas => builder.areas(&AreaTriangle::on(mesh()?, 1.0), range),
     };
     let limiter = builder
-        .max_passes(settings.count(&STRAIN_LIMIT_PASSES, 1)?)
+        .max_passes(*own.strain_limit_passes)
         .build()
         .map_err(BenchError::usage)?;
     Ok(Box::new(WithStrainLimit::new(solver, limiter)))

@@ -69,12 +69,12 @@ mod tests {
 
     #[test]
     fn every_value_comes_back() {
-        let mut table = Table::new(&["method", "error", "steps", "remark"]);
+        let mut table = Table::default();
         table.push([
-            Cell::from("pbd"),
-            Cell::from(0.1),
-            Cell::from(3_usize),
-            Cell::Missing,
+            ("method", Cell::from("pbd")),
+            ("error", Cell::from(0.1)),
+            ("steps", Cell::from(3_usize)),
+            ("remark", Cell::Missing),
         ]);
         let bytes = file([("convergence", "one", &table)]).unwrap();
         let mut reader = FileReader::try_new(std::io::Cursor::new(bytes), None).unwrap();

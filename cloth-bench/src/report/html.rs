@@ -326,8 +326,8 @@ mod tests {
 
     fn nasty() -> Report {
         let nasty = "<script>alert(\"x\")</script> & 'more' \u{1}";
-        let mut table = Table::new(&[nasty]);
-        table.push([nasty.into()]);
+        let mut table = Table::default();
+        table.push([(nasty, nasty.into())]);
         let plot = Plot {
             title: nasty.into(),
             series: vec![Series::new(nasty, vec![(0.0, 1.0)])],

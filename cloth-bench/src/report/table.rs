@@ -177,13 +177,21 @@ impl Table {
         }
     }
 
-    /// Adds one row.
+    /// Adds one row, each cell with its column; the first row names the columns of an empty table.
     ///
     /// # Panics
-    /// If the row does not have one cell per column.
-    pub fn push<const N: usize>(&mut self, row: [Cell; N]) {
-        assert_eq!(N, self.columns.len(), "a row has one cell per column");
-        self.rows.push(row.into());
+    /// If the table has other columns.
+    pub fn push<const N: usize>(&mut self, row: [(&str, Cell); N]) {
+        let names = row.each_ref().map(|(name, _)| *name);
+        if self.columns.is_empty() {
+            self.columns = names.map(str::to_owned).into();
+        }
+        assert!(
+            self.columns == names,
+            "{names:?} are not the columns {:?}",
+            self.columns
+        );
+        self.rows.push(row.map(|(_, cell)| cell).into());
     }
 
     /// As a CSV file (RFC 4180: comma, CRLF, first line the column names), at full precision.
@@ -342,8 +350,8 @@ mod tests {
 
     #[test]
     fn marks_are_for_people() {
-        let mut table = Table::new(&["ms"]);
-        table.push([Cell::Marked("1 < 2".into(), Mark::Best)]);
+        let mut table = Table::default();
+        table.push([("ms", Cell::Marked("1 < 2".into(), Mark::Best))]);
         assert_eq!(table.to_csv(), "ms\r\n1 < 2\r\n");
         assert!(table.to_text().contains("★ 1 < 2"));
         assert!(
@@ -365,9 +373,9 @@ mod tests {
             "\"",
             "ü → λ",
         ];
-        let mut table = Table::new(&["name, quoted"]);
+        let mut table = Table::default();
         for text in texts {
-            table.push([text.into()]);
+            table.push([("name, quoted", text.into())]);
         }
         let rows = parse(&table.to_csv());
         assert_eq!(rows[0][0].0, "name, quoted");
@@ -388,9 +396,9 @@ mod tests {
             f64::INFINITY,
             f64::NAN,
         ];
-        let mut table = Table::new(&["x (m)"]);
+        let mut table = Table::default();
         for number in numbers {
-            table.push([number.into()]);
+            table.push([("x (m)", number.into())]);
         }
         for (row, number) in parse(&table.to_csv())[1..].iter().zip(numbers) {
             let read: f64 = row[0].0.parse().unwrap();
@@ -400,16 +408,16 @@ mod tests {
 
     #[test]
     fn missing_is_not_the_empty_text() {
-        let mut table = Table::new(&["a", "b"]);
-        table.push([Cell::Missing, "".into()]);
+        let mut table = Table::default();
+        table.push([("a", Cell::Missing), ("b", "".into())]);
         assert_eq!(table.to_csv(), "a,b\r\n,\"\"\r\n");
     }
 
     #[test]
     fn text_stands_in_columns() {
-        let mut table = Table::new(&["name", "x (m)"]);
-        table.push(["λ".into(), 0.125.into()]);
-        table.push(["longer".into(), Cell::Missing]);
+        let mut table = Table::default();
+        table.push([("name", "λ".into()), ("x (m)", 0.125.into())]);
+        table.push([("name", "longer".into()), ("x (m)", Cell::Missing)]);
         assert_eq!(
             table.to_text(),
             "name    x (m)\nλ       0.125\nlonger      –\n"
@@ -418,8 +426,8 @@ mod tests {
 
     #[test]
     fn html_is_escaped_and_numbers_stand_right() {
-        let mut table = Table::new(&["<name>", "n"]);
-        table.push(["a<b & c".into(), 12_usize.into()]);
+        let mut table = Table::default();
+        table.push([("<name>", "a<b & c".into()), ("n", 12_usize.into())]);
         let html = table.to_html();
         assert!(html.contains("&lt;name&gt;") && html.contains("a&lt;b &amp; c"));
         assert!(html.contains("<th scope=\"col\" class=\"number\">n</th>"));

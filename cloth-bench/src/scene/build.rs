@@ -1,22 +1,21 @@
 //! From a name and settings to a [`Scene`].
 
-use super::contact::{ContactSetup, NO_SELF, SELF};
+use super::cloth::{self, Stiffness};
+use super::contact::ContactSetup;
+use super::midpoints::{self, Midpoints, Points};
 use super::touching::{self, Below};
-use super::{
-    ASPECT, FLOOR, GRAVITY, LINK_LENGTH, LINK_MASS, LINKS, PATTERN, PINS, RIGIDITY, SCENES, SIZE,
-    STRIP_RIGIDITY, STRIP_SIZE, Scene, SceneInfo, TIP_MASS, UP, cloth, midpoints, pins,
-};
+use super::{Axis, Chain, Floor, Grid, Placed, SCENES, Scene, SceneInfo, Strip, Weight, pins};
 use crate::error::BenchError;
-use crate::mesh_spec::{self, PATTERNS};
+use crate::mesh_spec;
 use crate::names;
-use crate::settings::Settings;
+use crate::settings::{Settings, Table};
 use cloth_core::cloth::ClothModel;
 use cloth_core::energy::Spring;
 use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::TriMesh;
 use cloth_core::mesh::generate;
 use cloth_core::method::ordering::Order;
-use cloth_core::particles::{Particles, State};
+use cloth_core::particles::Particles;
 
 impl SceneInfo {
     /// The scene of that name.
@@ -41,7 +40,8 @@ impl SceneInfo {
 /// value out of range.
 pub fn build(name: &str, mesh: Option<&str>, settings: &Settings) -> Result<Scene, BenchError> {
     let info = SceneInfo::find(name)?;
-    settings.check(&format!("scene `{name}`"), info.groups())?;
+    settings.check(&format!("scene `{name}`"), &info.groups())?;
+    let settings = &settings.with_defaults(info.defaults());
     match (info.name, mesh) {
         ("chain", None) => chain(settings),
         ("cantilever", None) => cantilever(settings),
@@ -60,14 +60,14 @@ pub fn build(name: &str, mesh: Option<&str>, settings: &Settings) -> Result<Scen
 /// `hang` and `drop`.
 fn sheet(name: &'static str, mesh: Option<&str>, settings: &Settings) -> Result<Scene, BenchError> {
     let from_file = mesh.is_some_and(mesh_spec::is_file);
+    let (grid, placed) = (Grid::read(settings)?, Placed::read(settings)?);
     let (mesh, order) = match mesh {
         Some(spec) => {
-            if let Some(name) = [SIZE.name, PATTERN.name]
-                .into_iter()
-                .find(|name| settings.get(name).is_some())
-            {
-                return Err(BenchError::Usage(format!(
-                    "{name} shapes the scene's own sheet, which --mesh replaces: give one of them"
+            let mut own = [grid.n.bare(), grid.pattern.bare()].into_iter();
+            if let Some(key) = own.find(|key| key.is_given()) {
+                return Err(key.refuse(format!(
+                    "{} shapes the scene's own sheet, which --mesh replaces: give one of them",
+                    key.name()
                 )));
             }
             let mesh = mesh_spec::load(spec)?;
@@ -76,33 +76,28 @@ fn sheet(name: &'static str, mesh: Option<&str>, settings: &Settings) -> Result<
             (mesh, order)
         }
         None => {
-            let n = settings.count(&SIZE, 2)? as usize;
-            let diagonals = settings.choice(&PATTERN, &PATTERNS)?;
-            (
-                generate::grid(n, n, 1.0, 1.0, diagonals).map_err(BenchError::usage)?,
-                None,
-            )
+            let n = *grid.n as usize;
+            let mesh = generate::grid(n, n, 1.0, 1.0, *grid.pattern);
+            (mesh.map_err(BenchError::usage)?, None)
         }
     };
-    let axis = match settings.text(&UP) {
-        "default" if from_file => "y",
-        "default" => "z",
-        axis => axis,
+    let up = match *placed.up {
+        Axis::X => Vec3::x(),
+        Axis::Default if from_file => Vec3::y(),
+        Axis::Y => Vec3::y(),
+        Axis::Default | Axis::Z => Vec3::z(),
     };
-    let up = Settings::default()
-        .with(UP.name, axis)
-        .choice(&UP, &[("x", Vec3::x()), ("y", Vec3::y()), ("z", Vec3::z())])?;
-    let held = match (settings.text(&PINS), name) {
+    let held = match (placed.pins.as_str(), name) {
         ("default", "drop" | "drape-sphere" | "drape-box") => "none",
         ("default", _) if from_file => "highest",
         ("default", _) => "corners",
         (text, _) => text,
     };
     let mut held = pins::chosen(held, mesh.positions(), up)?;
-    if name == "hang" && midpoints::are_asked_for(settings)? {
+    let gravity = up * -*Weight::read(settings)?.gravity;
+    if name == "hang" && *Midpoints::read(settings)?.points == Points::Midpoints {
         let (small, model) = midpoints::cut(settings, &mesh, &held)?;
-        let gravity = up * -settings.number(&GRAVITY)?;
-        let touch = ContactSetup::new(settings, &NO_SELF, Vec::new())?;
+        let touch = ContactSetup::new(settings, Vec::new())?;
         if !touch.is_idle() {
             return Err(BenchError::Usage(
                 "self=yes cannot be with points=midpoints: there are gaps between the small triangles, which contact would go through".into(),
@@ -119,22 +114,19 @@ fn sheet(name: &'static str, mesh: Option<&str>, settings: &Settings) -> Result<
         }
         None => mesh,
     };
-    let mut model = cloth::cut(settings, &RIGIDITY, &mesh)?;
+    let mut model = cloth::cut(settings, &mesh)?;
     hold(&held, &mut model)?;
-    let gravity = up * -settings.number(&GRAVITY)?;
-    let (own, below) = match name {
-        "drape-sphere" => (&SELF, Some(Below::Sphere)),
-        "drape-box" => (&SELF, Some(Below::TurningBox)),
-        "drop" if settings.text(&FLOOR) != "none" => {
-            (&NO_SELF, Some(Below::Floor(settings.number(&FLOOR)?)))
-        }
-        _ => (&NO_SELF, None),
+    let below = match name {
+        "drape-sphere" => Some(Below::Sphere),
+        "drape-box" => Some(Below::TurningBox),
+        "drop" => Floor::read(settings)?.floor.map(Below::Floor),
+        _ => None,
     };
     let obstacles = below
         .as_ref()
         .map(|kind| touching::below(kind, &mesh, up, settings));
     let scene = of_mesh(name, &mesh, model, gravity);
-    let touch = ContactSetup::new(settings, own, obstacles.transpose()?.into_iter().collect())?;
+    let touch = ContactSetup::new(settings, obstacles.transpose()?.into_iter().collect())?;
     Ok(Scene {
         order,
         touch: Some(touch),
@@ -159,86 +151,45 @@ pub(super) fn of_mesh(
     model: ClothModel,
     gravity: Vec3,
 ) -> Scene {
-    Scene {
-        name,
-        model,
-        start: State::at_rest(mesh.positions().to_vec()),
-        mesh: Some(mesh.clone()),
-        gravity,
-        dt: 1.0 / 60.0,
-        steps: 300,
-        pins: None,
-        touch: None,
-        air: None,
-        gases: Vec::new(),
-        volumes: Vec::new(),
-        changes: Vec::new(),
-        order: None,
-    }
+    let positions = mesh.positions().to_vec();
+    Scene::new(name, model, positions, Some(mesh.clone()), gravity)
 }
 
-/// A longer chain is a slip of the pen.
-const MOST_LINKS: usize = 10_000_000;
-
 pub(super) fn chain(settings: &Settings) -> Result<Scene, BenchError> {
-    let n = settings.count(&LINKS, 1)? as usize;
-    if n > MOST_LINKS {
-        return Err(BenchError::Usage(format!(
-            "n is {n}, but a chain has at most {MOST_LINKS} links"
-        )));
-    }
-    let link = settings.positive(&LINK_LENGTH)?;
+    let own = Chain::read(settings)?;
+    let (n, link) = (*own.n as usize, *own.link);
     if !(n as Real * link).is_finite() {
-        return Err(BenchError::Usage(format!(
-            "{n} links of {link} m are longer than any number"
-        )));
+        return Err(own
+            .link
+            .refuse(format!("{n} links of {link} m are longer than any number")));
     }
-    let mut mass = vec![settings.number(&LINK_MASS)?; n + 1];
-    mass[n] = settings.number(&TIP_MASS)?;
-    let mut particles = Particles::new(mass).map_err(BenchError::usage)?;
+    let mut mass = vec![*own.mass; n + 1];
+    mass[n] = *own.tip_mass;
+    let mut particles = Particles::new(mass).map_err(|error| settings.blame([], error))?;
     particles.prescribe(0).map_err(BenchError::usage)?;
     let positions: Vec<Vec3> = (0..=n)
         .map(|i| Vec3::new(i as Real * link, 0.0, 0.0))
         .collect();
     let ends: Vec<[u32; 2]> = (0..n as u32).map(|i| [i, i + 1]).collect();
-    let stiffness = cloth::stiffness(settings)?;
-    if stiffness < 0.0 {
-        return Err(BenchError::Usage(format!(
-            "stiffness is {stiffness}, but it must not be negative"
-        )));
-    }
-    Ok(Scene {
-        name: "chain",
-        model: ClothModel {
-            springs: Spring::along(&positions, &ends, stiffness),
-            hinges: Vec::new(),
-            others: Vec::new(),
-            particles,
-        },
-        start: State::at_rest(positions),
-        mesh: None,
-        gravity: Vec3::z() * -settings.number(&GRAVITY)?,
-        dt: 1.0 / 60.0,
-        steps: 300,
-        pins: None,
-        touch: None,
-        air: None,
-        gases: Vec::new(),
-        volumes: Vec::new(),
-        changes: Vec::new(),
-        order: None,
-    })
+    let stiffness = Stiffness::read(settings)?.stiffness.number();
+    let model = ClothModel {
+        springs: Spring::along(&positions, &ends, stiffness),
+        hinges: Vec::new(),
+        others: Vec::new(),
+        particles,
+    };
+    let gravity = Vec3::z() * -*Weight::read(settings)?.gravity;
+    Ok(Scene::new("chain", model, positions, None, gravity))
 }
 
 fn cantilever(settings: &Settings) -> Result<Scene, BenchError> {
     const WIDTH: Real = 0.2;
-    let across = settings.count(&STRIP_SIZE, 1)? as usize;
-    let length = settings.positive(&ASPECT)?;
+    let own = Strip::read(settings)?;
+    let (across, length) = (*own.n as usize, *own.length);
     let along = ((length / WIDTH * across as Real).round() as usize).max(2);
-    let diagonals = settings.choice(&PATTERN, &PATTERNS)?;
-    let mesh = generate::grid(along + 1, across + 1, length, WIDTH, diagonals)
+    let mesh = generate::grid(along + 1, across + 1, length, WIDTH, *own.pattern)
         .map_err(BenchError::usage)?;
-    let mut model = cloth::cut(settings, &STRIP_RIGIDITY, &mesh)?;
+    let mut model = cloth::cut(settings, &mesh)?;
     // Two columns of vertices are held: position and direction of the clamped end.
     let left = mesh
         .positions()
@@ -254,6 +205,6 @@ fn cantilever(settings: &Settings) -> Result<Scene, BenchError> {
         "cantilever",
         &mesh,
         model,
-        Vec3::z() * -settings.number(&GRAVITY)?,
+        Vec3::z() * -*Weight::read(settings)?.gravity,
     ))
 }

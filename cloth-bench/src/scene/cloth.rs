@@ -1,10 +1,7 @@
 //! The cloth of a scene: its numbers, and which elements carry it.
 
-use super::{
-    BENDING, BENDING_STIFFNESS, DENSITY, MEMBRANE, MODULUS, POISSON, RIGIDITY, SHEAR, STIFFNESS,
-};
 use crate::error::BenchError;
-use crate::settings::{Parameter, Settings, parameter};
+use crate::settings::{Infinite, Or, Range::*, Settings, Table};
 use cloth_core::cloth::{
     BendingCarrier, Cloth, ClothModel, CoarseMembrane, Discretization, Membrane, MembraneCarrier,
     SpringEdges, SpringLaw,
@@ -12,61 +9,80 @@ use cloth_core::cloth::{
 use cloth_core::math::Real;
 use cloth_core::mesh::TriMesh;
 
-pub(super) const COMPRESSION: Parameter = parameter(
-    "compression",
-    "1",
-    "share of the stiffness that springs on edges keep under compression, from 0 to 1",
-);
-pub(super) const SLACK: Parameter = parameter(
-    "slack",
-    "none",
-    "lengths relative to rest between which springs on edges do not resist, or principal stretches between which membrane=arap does not, such as 0.98,1.02, or none",
-);
-pub(super) const EDGES: Parameter = parameter(
-    "edges",
-    "all",
-    "edges that carry springs: all, quads (no diagonals), or the share of the coordinates that is to be free, such as 0.2",
-);
-pub(super) const LEVEL: Parameter = parameter(
-    "level",
-    "0",
-    "coarse level of the mesh that keeps the cloth from stretching, from 1; 0: the mesh itself does",
-);
-pub(super) const FINE_SHARE: Parameter = parameter(
-    "fine_fraction",
-    "0.01",
-    "part of the modulus that springs on edges keep beside a coarse level, from 0 to 1",
-);
+crate::settings! {
+    /// Of cloth and of chains.
+    pub(crate) struct Stiffness {
+        stiffness: Or<Infinite, Real> = 1e4 "N/m" in AtLeast(0.0),
+            "stiffness k of every spring, or inf: hard constraints, with xpbd alone";
+    }
+    /// Of cloth.
+    pub(crate) struct Material {
+        density: Real = 0.2 "kg/m²", "areal density";
+        modulus: Option<Real> = "none" "N/m", "membrane modulus Y in the place of the stiffness of springs, or none";
+        membrane: MembraneElements = "springs",
+            "elements that resist stretching: springs, stvk or arap; triangles get the modulus that springs of the \
+             given stiffness have";
+        poisson: Real = 0.3333333333333333, "Poisson's ratio of stvk, from −1 to 1; springs have 1/3";
+        shear: Option<Real> = "none" "N/m",
+            "stiffness of springs along both diagonals of rectangular cells, or none: one diagonal, as stiff as the \
+             other edges";
+        rigidity: Real = 1e-5 "N·m", "bending rigidity D";
+        bending: BendingElements = "quadratic",
+            "elements that resist bending: quadratic, dihedral, bridson (a moment with sin θ/2), cubic, curved, spring \
+             (across hinges) or none";
+        bending_stiffness: Real = 1 "N/m", "stiffness of springs across hinges";
+    }
+    /// Of the springs on edges.
+    pub(crate) struct EdgeSprings {
+        compression: Real = 1, "share of the stiffness that springs on edges keep under compression, from 0 to 1";
+        slack: Option<[Real; 2]> = "none",
+            "lengths relative to rest between which springs on edges do not resist, or principal stretches between \
+             which membrane=arap does not, such as 0.98,1.02, or none";
+        edges: Or<Edges, Real> = "all",
+            "edges that carry springs: all, quads (no diagonals), or the share of the coordinates that is to be free, \
+             such as 0.2";
+        level: u32 = 0,
+            "coarse level of the mesh that keeps the cloth from stretching, from 1; 0: the mesh itself does";
+        fine_fraction: Real = 0.01, "part of the modulus that springs on edges keep beside a coarse level, from 0 to 1";
+    }
+}
 
-/// Cuts the cloth that settings describe to a mesh. `rigidity` is the parameter of the scene for D: scenes differ in
-/// its default.
-pub(super) fn cut(
-    settings: &Settings,
-    rigidity: &Parameter,
-    mesh: &TriMesh,
-) -> Result<ClothModel, BenchError> {
-    let cloth = described(settings, rigidity)?;
+crate::choices! {
+    /// What resists stretching.
+    #[derive(PartialEq)]
+    pub(crate) enum MembraneElements { Springs = "springs", Stvk = "stvk", Arap = "arap" }
+    /// What resists bending.
+    #[derive(PartialEq)]
+    pub(crate) enum BendingElements {
+        Quadratic = "quadratic",
+        Dihedral = "dihedral",
+        Bridson = "bridson",
+        Cubic = "cubic",
+        Curved = "curved",
+        Spring = "spring",
+        None = "none",
+    }
+    /// Edges that carry springs.
+    #[derive(PartialEq)]
+    pub(crate) enum Edges { All = "all", Quads = "quads" }
+}
+
+/// Cuts the cloth that settings describe to a mesh.
+pub(super) fn cut(settings: &Settings, mesh: &TriMesh) -> Result<ClothModel, BenchError> {
+    let cloth = described(settings)?;
     let carriers = carriers(settings)?;
     let mut model = cloth
         .discretized_with(&carriers, mesh)
         .map_err(BenchError::usage)?;
-    if is_hard(settings) {
+    if is_hard(settings)? {
         harden(&mut model, |_| true);
     }
     Ok(model)
 }
 
 /// Whether the springs on edges are hard constraints.
-pub(super) fn is_hard(settings: &Settings) -> bool {
-    settings.text(&STIFFNESS).parse() == Ok(Real::INFINITY)
-}
-
-/// The stiffness k of springs (N/m), which may be infinite.
-pub(super) fn stiffness(settings: &Settings) -> Result<Real, BenchError> {
-    if is_hard(settings) {
-        return Ok(Real::INFINITY);
-    }
-    settings.number(&STIFFNESS)
+pub(super) fn is_hard(settings: &Settings) -> Result<bool, BenchError> {
+    Ok(*Stiffness::read(settings)?.stiffness == Or::Word(Infinite::Infinite))
 }
 
 /// Makes hard constraints of the springs that begin at vertices which are wanted.
@@ -79,150 +95,132 @@ pub(super) fn harden(model: &mut ClothModel, is_wanted: impl Fn(usize) -> bool) 
 
 /// Refuses what hard constraints cannot be beside.
 fn check_hard(settings: &Settings) -> Result<(), BenchError> {
-    let others = [&MEMBRANE, &SHEAR, &COMPRESSION, &SLACK, &EDGES, &LEVEL];
-    let mut others = others.into_iter();
-    let other = others.find(|key| settings.text(key) != key.default);
-    let springs = (settings.text(&BENDING) == "spring").then_some(&BENDING);
-    match other.or(springs) {
+    let (own, edges) = (Material::read(settings)?, EdgeSprings::read(settings)?);
+    let others = [
+        (
+            own.membrane.bare(),
+            *own.membrane != MembraneElements::Springs,
+        ),
+        (own.shear.bare(), own.shear.is_some()),
+        (edges.compression.bare(), *edges.compression != 1.0),
+        (edges.slack.bare(), edges.slack.is_some()),
+        (edges.edges.bare(), *edges.edges != Or::Word(Edges::All)),
+        (edges.level.bare(), *edges.level > 0),
+        (own.bending.bare(), *own.bending == BendingElements::Spring),
+    ];
+    match others.iter().find(|(_, is_wrong)| *is_wrong) {
         None => Ok(()),
-        Some(key) => Err(BenchError::Usage(format!(
-            "stiffness=inf is of one spring on every edge, and cannot be with {}={}",
-            key.name,
-            settings.text(key)
-        ))),
+        Some((key, _)) => {
+            let text = settings.get(key.name()).unwrap_or_default();
+            Err(Stiffness::read(settings)?.stiffness.refuse(format!(
+                "stiffness=inf is of one spring on every edge, and cannot be with {}={}",
+                key.name(),
+                text.trim_matches('"')
+            )))
+        }
     }
 }
 
 /// The elements that carry it.
 pub(super) fn carriers(settings: &Settings) -> Result<Discretization, BenchError> {
+    let (own, edges) = (Material::read(settings)?, EdgeSprings::read(settings)?);
     Ok(Discretization {
-        membrane: membrane_carrier(settings)?,
-        shear: optional(settings, &SHEAR)?,
-        bending: bending_carrier(settings)?,
-        law: law(settings)?,
-        edges: edges(settings)?,
-        detail: detail(settings)?,
+        membrane: membrane_carrier(&own)?,
+        shear: *own.shear,
+        bending: bending_carrier(&own)?,
+        law: law(&edges)?,
+        edges: match *edges.edges {
+            Or::Word(Edges::All) => SpringEdges::All,
+            Or::Word(Edges::Quads) => SpringEdges::Quads,
+            Or::Value(fraction) => SpringEdges::DofFraction(fraction),
+        },
+        detail: detail(&edges)?,
     })
 }
 
 /// The numbers of the cloth, whatever carries it.
-pub(super) fn described(settings: &Settings, rigidity: &Parameter) -> Result<Cloth, BenchError> {
+pub(super) fn described(settings: &Settings) -> Result<Cloth, BenchError> {
+    let own = Material::read(settings)?;
     Ok(Cloth {
-        areal_density: settings.number(&DENSITY)?,
-        membrane: membrane(settings)?,
-        bending_rigidity: settings.number(rigidity)?,
+        areal_density: *own.density,
+        membrane: membrane(settings, &own)?,
+        bending_rigidity: *own.rigidity,
     })
 }
 
-fn membrane(settings: &Settings) -> Result<Membrane, BenchError> {
-    let Some(modulus) = optional(settings, &MODULUS)? else {
-        if is_hard(settings) {
-            check_hard(settings)?;
-            // Hard constraints take the place of these springs.
-            return Ok(Membrane::SpringStiffness(1.0));
-        }
-        return Ok(Membrane::SpringStiffness(settings.number(&STIFFNESS)?));
+fn membrane(settings: &Settings, own: &Material) -> Result<Membrane, BenchError> {
+    let stiffness = Stiffness::read(settings)?.stiffness;
+    let Some(modulus) = *own.modulus else {
+        return Ok(Membrane::SpringStiffness(match *stiffness {
+            Or::Value(stiffness) => stiffness,
+            Or::Word(Infinite::Infinite) => {
+                check_hard(settings)?;
+                // Hard constraints take the place of these springs.
+                1.0
+            }
+        }));
     };
-    if settings.get(STIFFNESS.name).is_some() {
-        return Err(BenchError::Usage(
-            "modulus and stiffness both say how stiff the membrane is: give one of them".into(),
-        ));
+    if stiffness.is_given() {
+        return Err(own
+            .modulus
+            .refuse("modulus and stiffness both say how stiff the membrane is: give one of them"));
     }
     Ok(Membrane::Modulus(modulus))
 }
 
-pub(super) fn membrane_carrier(settings: &Settings) -> Result<MembraneCarrier, BenchError> {
-    let kind = settings.choice(
-        &MEMBRANE,
-        &[("springs", "springs"), ("stvk", "stvk"), ("arap", "arap")],
-    )?;
-    if kind != "stvk" {
-        settings.refuse_without(&POISSON, "membrane=stvk")?;
+pub(super) fn membrane_carrier(own: &Material) -> Result<MembraneCarrier, BenchError> {
+    if *own.membrane != MembraneElements::Stvk {
+        own.poisson.refuse_without("membrane=stvk")?;
     }
-    Ok(match kind {
-        "stvk" => MembraneCarrier::Stvk {
-            poisson_ratio: settings.number(&POISSON)?,
+    Ok(match *own.membrane {
+        MembraneElements::Springs => MembraneCarrier::Springs,
+        MembraneElements::Stvk => MembraneCarrier::Stvk {
+            poisson_ratio: *own.poisson,
         },
-        "arap" => MembraneCarrier::Arap,
-        _ => MembraneCarrier::Springs,
+        MembraneElements::Arap => MembraneCarrier::Arap,
     })
 }
 
-fn law(settings: &Settings) -> Result<SpringLaw, BenchError> {
-    if settings.text(&SLACK) == SLACK.default {
-        let share = settings.number(&COMPRESSION)?;
-        return Ok(if share == 1.0 {
-            SpringLaw::Linear
-        } else {
-            SpringLaw::Compression(share)
-        });
-    }
-    if settings.get(COMPRESSION.name).is_some() {
-        return Err(BenchError::Usage(
-            "slack and compression both say what springs do when they are pushed: give one of them"
-                .into(),
+fn law(edges: &EdgeSprings) -> Result<SpringLaw, BenchError> {
+    if edges.slack.is_some() && edges.compression.is_given() {
+        return Err(edges.slack.refuse(
+            "slack and compression both say what springs do when they are pushed: give one of them",
         ));
     }
-    let text = settings.text(&SLACK);
-    let limits = text.split_once(',').and_then(|(least, most)| {
-        let number = |text: &str| text.trim().parse::<Real>().ok();
-        Some([number(least)?, number(most)?])
-    });
-    limits.map(SpringLaw::DeadZone).ok_or_else(|| {
-        BenchError::Usage(format!(
-            "slack is `{text}`, but it has to be two numbers such as 0.98,1.02, or none"
-        ))
+    Ok(match (*edges.slack, *edges.compression) {
+        (Some(limits), _) => SpringLaw::DeadZone(limits),
+        (None, 1.0) => SpringLaw::Linear,
+        (None, share) => SpringLaw::Compression(share),
     })
 }
 
-fn edges(settings: &Settings) -> Result<SpringEdges, BenchError> {
-    Ok(match settings.text(&EDGES) {
-        "all" => SpringEdges::All,
-        "quads" => SpringEdges::Quads,
-        _ => SpringEdges::DofFraction(settings.number(&EDGES)?),
-    })
-}
-
-fn detail(settings: &Settings) -> Result<Option<CoarseMembrane>, BenchError> {
-    let level = settings.count(&LEVEL, 0)?;
+fn detail(edges: &EdgeSprings) -> Result<Option<CoarseMembrane>, BenchError> {
+    let level = *edges.level;
     if level == 0 {
-        settings.refuse_without(&FINE_SHARE, "a level of 1 or more")?;
+        edges.fine_fraction.refuse_without("a level of 1 or more")?;
         return Ok(None);
     }
-    let fine_fraction = settings.number(&FINE_SHARE)?;
     Ok(Some(CoarseMembrane {
         level,
-        fine_fraction,
+        fine_fraction: *edges.fine_fraction,
     }))
 }
 
-fn bending_carrier(settings: &Settings) -> Result<BendingCarrier, BenchError> {
-    let springs = BendingCarrier::Springs(settings.number(&BENDING_STIFFNESS)?);
-    let carrier = settings.choice(
-        &BENDING,
-        &[
-            ("quadratic", BendingCarrier::Quadratic),
-            ("dihedral", BendingCarrier::Dihedral),
-            ("bridson", BendingCarrier::Bridson),
-            ("cubic", BendingCarrier::Cubic),
-            ("curved", BendingCarrier::Curved),
-            ("spring", springs),
-            ("none", BendingCarrier::None),
-        ],
-    )?;
-    if carrier != springs {
-        settings.refuse_without(&BENDING_STIFFNESS, "bending=spring")?;
+fn bending_carrier(own: &Material) -> Result<BendingCarrier, BenchError> {
+    let carrier = match *own.bending {
+        BendingElements::Quadratic => BendingCarrier::Quadratic,
+        BendingElements::Dihedral => BendingCarrier::Dihedral,
+        BendingElements::Bridson => BendingCarrier::Bridson,
+        BendingElements::Cubic => BendingCarrier::Cubic,
+        BendingElements::Curved => BendingCarrier::Curved,
+        BendingElements::Spring => BendingCarrier::Springs(*own.bending_stiffness),
+        BendingElements::None => BendingCarrier::None,
+    };
+    if *own.bending != BendingElements::Spring {
+        own.bending_stiffness.refuse_without("bending=spring")?;
     }
-    if carrier == springs || carrier == BendingCarrier::None {
-        settings.refuse_without(&RIGIDITY, "bending hinges")?;
+    if matches!(carrier, BendingCarrier::Springs(_) | BendingCarrier::None) {
+        own.rigidity.refuse_without("bending hinges")?;
     }
     Ok(carrier)
-}
-
-/// The value as a number, or none where it says so.
-fn optional(settings: &Settings, parameter: &Parameter) -> Result<Option<Real>, BenchError> {
-    match settings.text(parameter) {
-        "none" => Ok(None),
-        _ => settings.number(parameter).map(Some),
-    }
 }

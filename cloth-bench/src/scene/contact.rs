@@ -1,7 +1,7 @@
 //! What the cloth of a scene can touch, and how it is kept from going through it.
 
 use crate::error::BenchError;
-use crate::settings::{Parameter, Settings, parameter};
+use crate::settings::{Choice, Range::*, Settings, Table};
 use cloth_collide::obstacle::{AnimatedMesh, ImpactLaw, Obstacle, RigidBody, RigidMotion};
 use cloth_collide::potential::PotentialContacts;
 use cloth_collide::untangle::StepUntangler;
@@ -9,82 +9,46 @@ use cloth_collide::{BodyProbe, BroadPhaseKind, SeparationProbe};
 use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::TriMesh;
 
-pub(crate) const CONTACT: Parameter = parameter(
-    "contact",
-    "potential",
-    "how contact acts: potential (an energy that implicit methods and pd minimise along, and constraints in every substep of explicit methods, xpbd and pbd) or none",
-);
-pub(crate) const SELF: Parameter = parameter(
-    "self",
-    "yes",
-    "whether the cloth can touch itself: yes or no",
-);
-pub(crate) const NO_SELF: Parameter = Parameter {
-    default: "no",
-    ..SELF
-};
-pub(crate) const THICKNESS: Parameter = parameter(
-    "thickness",
-    "2e-3",
-    "distance to keep (m), of cloth from cloth and from obstacles: where contact begins to push",
-);
-pub(crate) const STIFFNESS: Parameter = parameter(
-    "contact_stiffness",
-    "1e6",
-    "stiffness of contact=potential (Pa/m): pressure per m that is missing to the thickness",
-);
-pub(crate) const FRICTION: Parameter = parameter(
-    "friction",
-    "0.3",
-    "coefficient of friction, of cloth with cloth and with obstacles",
-);
+crate::settings! {
+    /// Of the surface of cloth.
+    pub(crate) struct Surface {
+        thickness: Real = 2e-3 "m" in Above(0.0),
+            "distance to keep, of cloth from cloth and from obstacles: where contact begins to push";
+        friction: Real = 0.3 in AtLeast(0.0), "coefficient of friction, of cloth with cloth and with obstacles";
+    }
+    /// Of contact.
+    pub(crate) struct Contact {
+        contact: Acts = "potential",
+            "how contact acts: potential (an energy that implicit methods and pd minimise along, and constraints in \
+             every substep of explicit methods, xpbd and pbd) or none";
+        collides as "self": bool = "no", "whether the cloth can touch itself: yes or no";
+        contact_stiffness: Real = 1e6 "Pa/m" in Above(0.0),
+            "stiffness of contact=potential: pressure per m that is missing to the thickness";
+        restitution: Option<Real> = "none" in Within(0.0, 1.0),
+            "coefficient of restitution: what hits something leaves it with this part of its speed; with explicit \
+             methods, pbd and xpbd; none: with what contact has stored and the method has not damped";
+        untangle: bool = "no",
+            "whether the cloth may pass through itself at the start: yes (those pairs are let go, and pulled apart \
+             during the run) or no (that is refused)";
+        broad_phase: BroadPhaseKind = "hierarchy",
+            "what finds near triangles: hierarchy (a tree of boxes), spatial-hash or morton-grid; the motion is the \
+             same with each, bit for bit";
+    }
+}
 
-pub(crate) const RESTITUTION: Parameter = parameter(
-    "restitution",
-    "none",
-    "coefficient of restitution, from 0 to 1: what hits something leaves it with this part of its speed; with explicit methods, pbd and xpbd; none: with what contact has stored and the method has not damped",
-);
+crate::choices! {
+    /// How contact acts.
+    #[derive(PartialEq)]
+    pub(crate) enum Acts { Potential = "potential", None = "none" }
+}
 
-pub(crate) const UNTANGLE: Parameter = parameter(
-    "untangle",
-    "no",
-    "whether the cloth may pass through itself at the start: yes (those pairs are let go, and pulled apart during the run) or no (that is refused)",
-);
-
-pub(crate) const BROAD_PHASE: Parameter = parameter(
-    "broad_phase",
-    "hierarchy",
-    "what finds near triangles: hierarchy (a tree of boxes), spatial-hash or morton-grid; the motion is the same with each, bit for bit",
-);
-const BROAD_PHASES: [(&str, BroadPhaseKind); 3] = [
-    ("hierarchy", BroadPhaseKind::Hierarchy),
-    ("spatial-hash", BroadPhaseKind::SpatialHash),
-    ("morton-grid", BroadPhaseKind::MortonGrid),
-];
-
-/// What can be set of contact, in a scene that is about it.
-pub(crate) const TOUCHING: &[Parameter] = &[
-    CONTACT,
-    SELF,
-    THICKNESS,
-    STIFFNESS,
-    FRICTION,
-    RESTITUTION,
-    UNTANGLE,
-    BROAD_PHASE,
-];
-
-/// The same where the cloth cannot touch itself unless that is asked for.
-pub(crate) const TOUCHING_ALONE: &[Parameter] = &[
-    CONTACT,
-    NO_SELF,
-    THICKNESS,
-    STIFFNESS,
-    FRICTION,
-    RESTITUTION,
-    UNTANGLE,
-    BROAD_PHASE,
-];
+impl Choice for BroadPhaseKind {
+    const NAMES: &'static [(&'static str, Self)] = &[
+        ("hierarchy", Self::Hierarchy),
+        ("spatial-hash", Self::SpatialHash),
+        ("morton-grid", Self::MortonGrid),
+    ];
+}
 
 /// Something that a cloth can touch.
 pub(super) enum Body {
@@ -110,13 +74,6 @@ pub(super) fn splits(radius: Real, thickness: Real) -> usize {
     const MOST: Real = 60.0;
     (1.13 * radius / thickness).sqrt().ceil().clamp(LEAST, MOST) as usize
 }
-
-/// A key of `[mesh.contact]` alone.
-pub(super) const EXCLUDE: Parameter = parameter(
-    "exclude",
-    "none",
-    "numbers of the [[mesh]] tables, from 0, that this piece passes through freely; with its own number, itself",
-);
 
 /// Contact of each vertex, where pieces differ.
 #[derive(Clone, Debug)]
@@ -154,21 +111,14 @@ pub struct ContactSetup {
 }
 
 impl ContactSetup {
-    /// As the settings say, with these bodies. `own` is the scene's parameter for cloth against itself.
-    pub(super) fn new(
-        settings: &Settings,
-        own: &Parameter,
-        bodies: Vec<Body>,
-    ) -> Result<Self, BenchError> {
-        let thickness = settings.positive(&THICKNESS)?;
-        let stiffness = settings.positive(&STIFFNESS)?;
-        let friction = settings.number(&FRICTION)?;
-        let restitution = match settings.text(&RESTITUTION) {
-            "none" => None,
-            _ => Some(settings.number(&RESTITUTION)?),
-        };
-        ImpactLaw::new(friction, restitution.unwrap_or(0.0)).map_err(BenchError::usage)?;
-        let is_on = settings.choice(&CONTACT, &[("potential", true), ("none", false)])?;
+    /// As the settings say, with these bodies.
+    pub(super) fn new(settings: &Settings, bodies: Vec<Body>) -> Result<Self, BenchError> {
+        let (surface, own) = (Surface::read(settings)?, Contact::read(settings)?);
+        let (stiffness, friction, restitution) =
+            (*own.contact_stiffness, *surface.friction, *own.restitution);
+        ImpactLaw::new(friction, restitution.unwrap_or(0.0))
+            .map_err(|error| settings.blame([], error))?;
+        let is_on = *own.contact == Acts::Potential;
         let (mut shapes, mut animated, mut free_bodies) = (Vec::new(), Vec::new(), Vec::new());
         let mut obstacles = Vec::new();
         for body in bodies {
@@ -191,34 +141,34 @@ impl ContactSetup {
             body.highest_frequency(stiffness, surface)
         };
         let highest_frequency = free_bodies.iter().map(frequency).fold(0.0, Real::max);
-        let self_collision = settings.choice(own, &[("yes", true), ("no", false)])?;
+        let self_collision = *own.collides;
         if !self_collision {
-            settings.refuse_without(&UNTANGLE, "a cloth that can touch itself (self=yes)")?;
+            own.untangle
+                .refuse_without("a cloth that can touch itself (self=yes)")?;
         }
-        let untangles = settings.choice(&UNTANGLE, &[("yes", true), ("no", false)])?;
-        let broad_phase = settings.choice(&BROAD_PHASE, &BROAD_PHASES)?;
         // Planes alone have no triangles to be found.
         if is_on && !self_collision && animated.is_empty() && shapes.iter().all(|shape| !shape.1) {
-            settings.refuse_without(
-                &BROAD_PHASE,
-                "triangles to touch (self=yes, or a body that is no plane)",
-            )?;
+            own.broad_phase
+                .refuse_without("triangles to touch (self=yes, or a body that is no plane)")?;
         }
         // contact=none switches contact off, whatever else is said of it.
         if is_on && !self_collision && shapes.is_empty() && animated.is_empty() {
-            for parameter in [&CONTACT, &THICKNESS, &STIFFNESS, &FRICTION, &RESTITUTION] {
-                settings.refuse_without(parameter, "anything to touch (self=yes)")?;
-            }
+            let what = "anything to touch (self=yes)";
+            own.contact.refuse_without(what)?;
+            surface.thickness.refuse_without(what)?;
+            own.contact_stiffness.refuse_without(what)?;
+            surface.friction.refuse_without(what)?;
+            own.restitution.refuse_without(what)?;
         }
         Ok(Self {
             is_on,
             self_collision,
-            thickness,
+            thickness: *surface.thickness,
             stiffness,
             friction,
             restitution,
-            untangles,
-            broad_phase,
+            untangles: *own.untangle,
+            broad_phase: *own.broad_phase,
             obstacles,
             shapes,
             free: free_bodies,

@@ -1,35 +1,26 @@
 //! A sheet whose degrees of freedom are the middles of its edges: the remedy against locking that is no matter of
 //! springs.
 
-use super::cloth::{self, COMPRESSION, EDGES, FINE_SHARE, LEVEL, SLACK};
-use super::{BENDING, BENDING_STIFFNESS, RIGIDITY, SHEAR};
+use super::cloth::{self, EdgeSprings, Material};
 use crate::error::BenchError;
-use crate::settings::{Parameter, Settings, parameter};
+use crate::settings::{Settings, Table};
 use cloth_core::cloth::ClothModel;
 use cloth_core::mesh::TriMesh;
 use cloth_core::topology::EdgeTable;
 
-pub(super) const POINTS: Parameter = parameter(
-    "points",
-    "vertices",
-    "what moves: vertices, or midpoints of the edges (nonconforming elements; no contact; pictures and exports show the small triangles between them)",
-);
+crate::settings! {
+    /// Of `hang`.
+    pub(super) struct Midpoints {
+        points: Points = "vertices",
+            "what moves: vertices, or midpoints of the edges (nonconforming elements; no contact; pictures and exports \
+             show the small triangles between them)";
+    }
+}
 
-/// What is made of springs on edges, or of other hinges.
-const WITHOUT_MEANING: [&Parameter; 8] = [
-    &SHEAR,
-    &COMPRESSION,
-    &SLACK,
-    &EDGES,
-    &LEVEL,
-    &FINE_SHARE,
-    &BENDING,
-    &BENDING_STIFFNESS,
-];
-
-/// Whether the middles of edges move instead of vertices.
-pub(super) fn are_asked_for(settings: &Settings) -> Result<bool, BenchError> {
-    settings.choice(&POINTS, &[("vertices", false), ("midpoints", true)])
+crate::choices! {
+    /// What moves.
+    #[derive(PartialEq)]
+    pub(super) enum Points { Vertices = "vertices", Midpoints = "midpoints" }
 }
 
 /// Cuts the cloth that settings describe to the midpoints of a mesh. A vertex that is held holds the middles of all its
@@ -39,16 +30,25 @@ pub(super) fn cut(
     mesh: &TriMesh,
     held: &[usize],
 ) -> Result<(TriMesh, ClothModel), BenchError> {
-    for parameter in WITHOUT_MEANING {
-        if settings.get(parameter.name).is_some() {
-            return Err(BenchError::Usage(format!(
-                "{} has no meaning with points=midpoints: small triangles of springs or of a continuum, and their own hinges, are all there is",
-                parameter.name
-            )));
-        }
+    let (own, springs) = (Material::read(settings)?, EdgeSprings::read(settings)?);
+    // What is made of springs on edges, or of other hinges.
+    let others = [
+        own.shear.bare(),
+        springs.compression.bare(),
+        springs.slack.bare(),
+        springs.edges.bare(),
+        springs.level.bare(),
+        springs.fine_fraction.bare(),
+        own.bending.bare(),
+        own.bending_stiffness.bare(),
+    ];
+    for other in others {
+        other.refuse_given(
+            "with points=midpoints: small triangles of springs or of a continuum, and their own hinges, are all there is",
+        )?;
     }
-    let described = cloth::described(settings, &RIGIDITY)?;
-    let carrier = cloth::membrane_carrier(settings)?;
+    let described = cloth::described(settings)?;
+    let carrier = cloth::membrane_carrier(&own)?;
     let cut = described
         .on_midpoints(carrier, mesh)
         .map_err(BenchError::usage)?;

@@ -1,10 +1,9 @@
 //! Scenes that are about contact.
 
-use super::contact::{Body, ContactSetup, SELF, THICKNESS, splits};
-use super::{GRAVITY, PATTERN, RIGIDITY, ROPE, SHEETS, SIZE, Scene, TURNS, build, cloth};
+use super::contact::{Body, ContactSetup, Surface, splits};
+use super::{Grid, Scene, Stack, Twist, Weight, build, cloth};
 use crate::error::BenchError;
-use crate::mesh_spec::PATTERNS;
-use crate::settings::Settings;
+use crate::settings::{Settings, Table};
 use cloth_collide::obstacle::{Cuboid, HalfSpace, Obstacle, Pose, RigidMotion, Sphere};
 use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::generate::Diagonals;
@@ -40,7 +39,7 @@ pub(super) fn below(
     let (low, high) = (low.unwrap_or_default(), high.unwrap_or_default());
     let lowest = low.dot(&up).min(high.dot(&up));
     let middle = (low + high) / 2.0;
-    let thickness = settings.positive(&THICKNESS)?;
+    let thickness = *Surface::read(settings)?.thickness;
     // Two thicknesses below the lowest vertex.
     let at = |depth: Real| middle + up * (lowest - depth - 2.0 * thickness - middle.dot(&up));
     let turned = UnitQuaternion::rotation_between(&Vec3::z(), &up)
@@ -110,7 +109,7 @@ pub(super) fn block(half: [Real; 3]) -> Result<TriMesh, BenchError> {
 }
 
 fn gravity(settings: &Settings) -> Result<Vec3, BenchError> {
-    Ok(Vec3::z() * -settings.number(&GRAVITY)?)
+    Ok(Vec3::z() * -*Weight::read(settings)?.gravity)
 }
 
 /// A grid around the origin.
@@ -134,7 +133,7 @@ fn moved(mesh: &TriMesh, place: impl Fn(Vec3) -> Vec3) -> Result<TriMesh, BenchE
 
 /// A sheet of the scene's own size around the origin, in the pattern that the settings ask for.
 fn sheet(settings: &Settings, cells: [u32; 2], size: [Real; 2]) -> Result<TriMesh, BenchError> {
-    centred(cells, size, settings.choice(&PATTERN, &PATTERNS)?)
+    centred(cells, size, *Grid::read(settings)?.pattern)
 }
 
 /// A ribbon of 1 m by ¼ m, upright on the floor, falls down on itself.
@@ -142,14 +141,14 @@ pub(super) fn fold(name: &'static str, settings: &Settings) -> Result<Scene, Ben
     /// How far the upright ribbon is bent out of its plane (m), so that it knows where to fall.
     const WAVE: Real = 0.01;
     const HEIGHT: Real = 1.0;
-    let n = settings.count(&SIZE, 2)? - 1;
+    let n = *Grid::read(settings)?.n - 1;
     let flat = sheet(settings, [n.div_ceil(4), n], [0.25, HEIGHT])?;
     let mesh = moved(&flat, |x| Vec3::new(x.x, 0.0, x.y))?;
-    let model = cloth::cut(settings, &RIGIDITY, &mesh)?;
+    let model = cloth::cut(settings, &mesh)?;
     let floor = below(&Below::Floor(0.0), &mesh, Vec3::z(), settings)?;
     let mut scene = Scene {
         steps: 180,
-        touch: Some(ContactSetup::new(settings, &SELF, vec![floor])?),
+        touch: Some(ContactSetup::new(settings, vec![floor])?),
         ..build::of_mesh(name, &mesh, model, gravity(settings)?)
     };
     for x in &mut scene.start.positions {
@@ -173,11 +172,11 @@ pub(super) fn twist(name: &'static str, settings: &Settings) -> Result<Scene, Be
     const SIZES: [Real; 2] = [1.0, 0.1];
     /// How long the turning takes (s).
     const DURATION: Real = 4.0;
-    let n = settings.count(&SIZE, 2)? - 1;
+    let n = *Grid::read(settings)?.n - 1;
     let mesh = sheet(settings, [n, n.div_ceil(10)], SIZES)?;
-    let mut model = cloth::cut(settings, &RIGIDITY, &mesh)?;
-    let turns = settings.number(&TURNS)?;
-    let radius = settings.number(&ROPE)?;
+    let mut model = cloth::cut(settings, &mesh)?;
+    let own = Twist::read(settings)?;
+    let (turns, radius) = (*own.turns, *own.rope);
     let wound = (radius * turns * TAU).abs();
     if wound >= SIZES[0] {
         return Err(BenchError::Usage(format!(
@@ -205,7 +204,7 @@ pub(super) fn twist(name: &'static str, settings: &Settings) -> Result<Scene, Be
     Ok(Scene {
         steps: 240,
         pins: Some(Arc::new(pins)),
-        touch: Some(ContactSetup::new(settings, &SELF, Vec::new())?),
+        touch: Some(ContactSetup::new(settings, Vec::new())?),
         ..build::of_mesh(name, &mesh, model, gravity(settings)?)
     })
 }
@@ -213,22 +212,22 @@ pub(super) fn twist(name: &'static str, settings: &Settings) -> Result<Scene, Be
 /// Square sheets of ½ m, each turned a little against the one below, on the floor.
 pub(super) fn stack(name: &'static str, settings: &Settings) -> Result<Scene, BenchError> {
     const WIDTH: Real = 0.5;
-    let n = settings.count(&SIZE, 2)? - 1;
-    let gap = 1.5 * settings.positive(&THICKNESS)?;
+    let n = *Grid::read(settings)?.n - 1;
+    let gap = 1.5 * *Surface::read(settings)?.thickness;
     let flat = sheet(settings, [n; 2], [WIDTH; 2])?;
     let layer = |k: u32| {
         let turn = Rotation3::from_axis_angle(&Vec3::z_axis(), 0.1 * Real::from(k));
         moved(&flat, |x| turn * x + Vec3::z() * (gap * Real::from(k)))
     };
-    let layers: Vec<TriMesh> = (0..settings.count(&SHEETS, 1)?)
+    let layers: Vec<TriMesh> = (0..*Stack::read(settings)?.sheets)
         .map(layer)
         .collect::<Result<_, _>>()?;
     let mesh = generate::join(&layers).map_err(BenchError::usage)?;
-    let model = cloth::cut(settings, &RIGIDITY, &mesh)?;
+    let model = cloth::cut(settings, &mesh)?;
     let floor = below(&Below::Floor(0.0), &mesh, Vec3::z(), settings)?;
     Ok(Scene {
         steps: 120,
-        touch: Some(ContactSetup::new(settings, &SELF, vec![floor])?),
+        touch: Some(ContactSetup::new(settings, vec![floor])?),
         ..build::of_mesh(name, &mesh, model, gravity(settings)?)
     })
 }

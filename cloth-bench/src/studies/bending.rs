@@ -1,10 +1,11 @@
 //! How cloth bends: a heavy strip against its exact curve, and what each model amounts to on each pattern.
 
 use crate::laws::elastica::{exact, sag};
-use crate::laws::elements::{PATTERNS, Pattern};
-use crate::laws::factors::{Case, SURFACES, by_hand, factor};
+use crate::laws::elements::Pattern;
+use crate::laws::factors::{Case, Surface, by_hand, factor};
 use crate::laws::models::{MODELS, Model};
 use crate::laws::strip::Shape;
+use crate::settings::Choice;
 use crate::studies::prelude::*;
 
 pub(super) const STUDY: Study = Study {
@@ -242,7 +243,7 @@ fn bent(model: Model, pattern: Pattern, (surface, degrees, settled): (usize, Rea
     Case {
         model,
         pattern,
-        surface: SURFACES[surface].1,
+        surface: Surface::NAMES[surface].1,
         angle: degrees.to_radians(),
         settled,
     }
@@ -263,7 +264,7 @@ fn factors(study: &mut StudyRun<'_>) -> Real {
         "settled: cylinder 45°",
         "settled: sphere",
     ]);
-    let on_patterns = |model| PATTERNS.map(|pattern| (model, pattern));
+    let on_patterns = |model| Pattern::NAMES.iter().map(move |&pattern| (model, pattern));
     let found = study.grid(
         MODELS.into_iter().flat_map(on_patterns),
         |((name, _), (pattern, _))| format!("{name} on {pattern}"),
@@ -280,7 +281,7 @@ fn factors(study: &mut StudyRun<'_>) -> Real {
         let measured = found.iter().map(|[_, measured]| Cell::from(*measured));
         table.rows.push(head.into_iter().chain(measured).collect());
     }
-    let settling = PATTERNS.into_iter().flat_map(|(name, pattern)| {
+    let settling = Pattern::NAMES.iter().flat_map(|&(name, pattern)| {
         let label = format!("{name}, settled");
         let settled = (name == "alternating").then_some((label, pattern, true));
         std::iter::once((name.to_owned(), pattern, false)).chain(settled)

@@ -149,27 +149,14 @@ fn one_constraint(
 /// Stiffness (N/m) that every method shows at some points `(x, iterations, Δt)`, in the order of [`on_one_constraint`].
 fn measure(points: &[(Real, u32, Real)]) -> Result<Vec<Vec<Number>>, BenchError> {
     let stretched = Stretched::new(STIFFNESS)?;
-    let scene = Scene {
-        name: "chain",
-        model: ClothModel {
-            particles: stretched.particles.clone(),
-            springs: vec![stretched.spring],
-            hinges: Vec::new(),
-            others: Vec::new(),
-        },
-        start: State::at_rest(vec![Vec3::zeros(), Vec3::x()]),
-        mesh: None,
-        gravity: Vec3::zeros(),
-        dt: 1e-2,
-        steps: 1,
-        pins: None,
-        touch: None,
-        air: None,
-        gases: Vec::new(),
-        volumes: Vec::new(),
-        changes: Vec::new(),
-        order: None,
+    let model = ClothModel {
+        particles: stretched.particles.clone(),
+        springs: vec![stretched.spring],
+        hinges: Vec::new(),
+        others: Vec::new(),
     };
+    let positions = vec![Vec3::zeros(), Vec3::x()];
+    let scene = Scene::new("chain", model, positions, None, Vec3::zeros());
     let measure = |(variant, _): (Variant, Option<Real>)| {
         let at = |&(_, iterations, dt): &(Real, u32, Real)| {
             let settings = variant.settings.clone().with("iterations", iterations);

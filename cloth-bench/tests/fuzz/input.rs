@@ -114,7 +114,7 @@ fn settings_are_refused_or_give_finite_runs() {
     let scenes: Vec<&SceneInfo> = SCENES.iter().filter(|s| alone.contains(&s.name)).collect();
     fuzz(5000, |random| {
         let info = random.pick(&scenes);
-        let small = settings(random, info.groups()).with("n", 2 + random.below(3));
+        let small = settings(random, &info.groups()).with("n", 2 + random.below(3));
         let Ok(scene) = scene::build(info.name, None, &small) else {
             return;
         };

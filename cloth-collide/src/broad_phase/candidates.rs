@@ -7,6 +7,7 @@ use crate::bounds::Bounds;
 use crate::closest::{edge_edge, point_triangle};
 use crate::error::CollideError;
 use crate::incidence::{Incidence, Primitives};
+use cloth_core::error::not_negative;
 use cloth_core::math::{Real, Vec3, gather, is_finite};
 use cloth_core::mesh::TriMesh;
 
@@ -108,13 +109,7 @@ impl<B: BroadPhase> ClothCandidates<B> {
             from.len() == count && to.len() == count,
             "the number of positions is not the number of vertices"
         );
-        if !(margin >= 0.0 && margin.is_finite()) {
-            return Err(CollideError::OutOfRange {
-                name: "margin (m)",
-                value: margin,
-                range: "a finite number that is not negative",
-            });
-        }
+        not_negative("margin (m)", margin)?;
         let Incidence {
             triangles, edges, ..
         } = &self.incidence;

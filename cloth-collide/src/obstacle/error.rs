@@ -1,5 +1,6 @@
 //! Why an obstacle, or a law of contact, was refused.
 
+use cloth_core::error::OutOfRange;
 use cloth_core::math::Real;
 use cloth_core::mesh::MeshError;
 use std::fmt;
@@ -9,14 +10,7 @@ use std::fmt;
 #[non_exhaustive]
 pub enum ObstacleError {
     /// A number is out of its range.
-    OutOfRange {
-        /// Which one, with its unit.
-        name: &'static str,
-        /// What it was.
-        value: Real,
-        /// What it has to be.
-        range: &'static str,
-    },
+    OutOfRange(OutOfRange),
     /// A coordinate is NaN or infinite.
     NonFinite {
         /// Of what.
@@ -81,9 +75,7 @@ pub enum ObstacleError {
 impl fmt::Display for ObstacleError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::OutOfRange { name, value, range } => {
-                write!(f, "the {name} is {value}, but it has to be {range}")
-            }
+            Self::OutOfRange(error) => write!(f, "the {error}"),
             Self::NonFinite { name } => {
                 write!(f, "the {name} has a coordinate that is not a finite number")
             }
@@ -130,3 +122,9 @@ impl fmt::Display for ObstacleError {
 }
 
 impl std::error::Error for ObstacleError {}
+
+impl From<OutOfRange> for ObstacleError {
+    fn from(error: OutOfRange) -> Self {
+        Self::OutOfRange(error)
+    }
+}

@@ -1,6 +1,7 @@
 //! Mass, inertia and momentum of a body that forces move.
 
 use super::{ObstacleError, Pose, RigidMotion, finite, positive};
+use cloth_core::error::OutOfRange;
 use cloth_core::math::{Real, Vec3, gather};
 use cloth_core::mesh::TriMesh;
 use nalgebra::{Matrix3, Matrix6, Vector6};
@@ -47,7 +48,7 @@ impl RigidBody {
         Ok(Self {
             mass,
             inertia,
-            inverse_inertia: inverse_inertia.ok_or(ObstacleError::OutOfRange {
+            inverse_inertia: inverse_inertia.ok_or(OutOfRange {
                 name,
                 value: least,
                 range: "above 0",

@@ -12,6 +12,7 @@ use super::source::Contacts;
 use super::surfaces::{Motion, PotentialContacts, Surface, Surfaces};
 use crate::broad_phase::BroadPhaseKind;
 use crate::obstacle::{AnimatedMesh, Obstacle, PenaltyLaw, RigidBody};
+use cloth_core::error::{OutOfRange, not_negative, positive};
 use cloth_core::math::Real;
 use cloth_core::mesh::TriMesh;
 use cloth_core::mesh::generate::join;
@@ -173,7 +174,7 @@ impl<'a> PotentialBuilder<'a> {
     /// Builds the contact source.
     ///
     /// # Errors
-    /// [`BuildError::InvalidSetting`] for a thickness or stiffness that is not positive and finite, a friction that is
+    /// [`BuildError::OutOfRange`] for a thickness or stiffness that is not positive and finite, a friction that is
     /// negative, the surface of an obstacle that there is not, or a free one that there is not, an animation of another
     /// number of vertices than its mesh, or a sewn vertex that there is not.
     pub fn build(self) -> Result<PotentialContacts, BuildError> {
@@ -197,9 +198,9 @@ impl<'a> PotentialBuilder<'a> {
             }
         }
         // Friction is no part of the law of pressure, and checked apart.
-        checked_friction("friction of contact", self.friction)?;
+        not_negative("friction of contact", self.friction)?;
         for (_, friction) in &self.obstacles {
-            checked_friction("friction of a body", *friction)?;
+            not_negative("friction of a body", *friction)?;
         }
         let sides = self.sides()?;
         let free = self.free_bodies()?;
@@ -264,12 +265,13 @@ impl<'a> PotentialBuilder<'a> {
             let (name, range) = ("number of a sewn vertex", "below the number of vertices");
             return Err(invalid(name, (sewn.count() - 1) as Real, range));
         }
-        let is_wrong = |value: &&Real| !(**value > 0.0 && value.is_finite());
-        if let Some(&value) = thickness.iter().find(is_wrong) {
-            return Err(invalid("thickness of a vertex (m)", value, POSITIVE));
+        for &value in thickness {
+            positive("thickness of a vertex (m)", value)?;
         }
-        let mut frictions = friction.iter();
-        frictions.try_for_each(|&value| checked_friction("friction of a vertex", value).map(drop))
+        for &value in friction {
+            not_negative("friction of a vertex", value)?;
+        }
+        Ok(())
     }
 
     /// The bodies that the cloth pushes.
@@ -307,7 +309,7 @@ impl<'a> PotentialBuilder<'a> {
                         let name = "number of vertices of an animation";
                         return Err(invalid(name, count as Real, "that of its mesh"));
                     }
-                    let friction = checked_friction("friction of a body", *friction)?;
+                    let friction = not_negative("friction of a body", *friction)?;
                     (false, friction, animated.next())
                 }
             };
@@ -322,16 +324,8 @@ impl<'a> PotentialBuilder<'a> {
     }
 }
 
-const POSITIVE: &str = "positive and finite";
+const POSITIVE: &str = "a positive finite number";
 
 fn invalid(name: &'static str, value: Real, range: &'static str) -> BuildError {
-    BuildError::InvalidSetting { name, value, range }
-}
-
-/// A coefficient of friction, or why it is none.
-fn checked_friction(name: &'static str, value: Real) -> Result<Real, BuildError> {
-    if value >= 0.0 && value.is_finite() {
-        return Ok(value);
-    }
-    Err(invalid(name, value, "finite and not negative"))
+    OutOfRange { name, value, range }.into()
 }

@@ -5,6 +5,7 @@
 mod exact_queries;
 
 use cloth_collide::{CollideError, ContinuousTest, Impact, Query, QueryKind, Stop};
+use cloth_core::error::OutOfRange;
 use cloth_core::math::{Real, Vec3};
 use exact_queries::{ExactQueries, Family, KnownQuery, Truth};
 use proptest::prelude::*;
@@ -407,14 +408,14 @@ mod bad_input {
         for bad in [-1.0, Real::NAN, Real::INFINITY] {
             assert!(matches!(
                 ContinuousTest::new(bad, 0.0),
-                Err(CollideError::OutOfRange {
+                Err(CollideError::OutOfRange(OutOfRange {
                     name: "separation (m)",
                     ..
-                })
+                }))
             ));
             assert!(matches!(
                 ContinuousTest::new(0.0, bad),
-                Err(CollideError::OutOfRange { name: "slack", .. })
+                Err(CollideError::OutOfRange(OutOfRange { name: "slack", .. }))
             ));
         }
         assert!(ContinuousTest::new(0.0, 1.0).is_err());

@@ -3,6 +3,7 @@
 use cloth_collide::SeparationProbe;
 use cloth_collide::potential::PotentialContacts;
 use cloth_core::contact::{ContactPotential, ContactStep};
+use cloth_core::error::OutOfRange;
 use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::TriMesh;
 use cloth_core::mesh::generate::{Diagonals, grid, join};
@@ -96,7 +97,7 @@ fn a_sewn_vertex_that_there_is_not_is_refused() {
     let (mesh, _) = beside(1e-4);
     let built = PotentialContacts::builder(&mesh).sew(&[[0, 32]]).build();
     match built.map(drop) {
-        Err(BuildError::InvalidSetting { name, value, .. }) => {
+        Err(BuildError::OutOfRange(OutOfRange { name, value, .. })) => {
             assert_eq!((name, value), ("number of a sewn vertex", 32.0));
         }
         other => panic!("{other:?}"),

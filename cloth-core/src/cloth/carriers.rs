@@ -5,6 +5,7 @@ use crate::energy::{
     ArapTriangle, CubicShell, CurvatureHinge, CurvedHinge, DihedralHinge, Spring,
     StrainLimitTriangle, StvkTriangle,
 };
+use crate::error::not_negative;
 use crate::math::{Real, gather};
 use crate::mesh::TriMesh;
 use crate::topology::{EdgeTable, HingeTable};
@@ -88,7 +89,7 @@ impl Discretization {
         edges: &EdgeTable,
     ) -> Result<Cut, ClothError> {
         cloth.membrane.check()?;
-        not_negative("bending rigidity", cloth.bending_rigidity, "N·m")?;
+        not_negative("bending rigidity (N·m)", cloth.bending_rigidity)?;
         let mut cut = Cut {
             springs: Vec::new(),
             hinges: Vec::new(),
@@ -153,7 +154,7 @@ impl Discretization {
         let Some(stiffness) = self.shear else {
             return Ok(());
         };
-        not_negative("shear stiffness", stiffness, "N/m")?;
+        not_negative("shear stiffness (N/m)", stiffness)?;
         if self.membrane != MembraneCarrier::Springs || matches!(membrane, Membrane::Modulus(_)) {
             return Err(ClothError::ShearWithoutStiffness);
         }
@@ -170,7 +171,7 @@ impl Discretization {
         cut: &mut Cut,
     ) -> Result<(), ClothError> {
         if let BendingCarrier::Springs(stiffness) = self.bending {
-            not_negative("stiffness of the bending springs", stiffness, "N/m")?;
+            not_negative("stiffness of the bending springs (N/m)", stiffness)?;
             let hinges = HingeTable::build(mesh, edges);
             let springs = Spring::across(mesh.positions(), &hinges, stiffness);
             cut.others.push(Elements::Springs(springs));
@@ -231,15 +232,4 @@ fn shear(
         return Err(ClothError::NoRectangles);
     }
     Ok(Spring::along(mesh.positions(), &crossing, stiffness))
-}
-
-pub(super) fn not_negative(
-    name: &'static str,
-    value: Real,
-    unit: &'static str,
-) -> Result<(), ClothError> {
-    if value >= 0.0 && value.is_finite() {
-        return Ok(());
-    }
-    Err(ClothError::OutOfRange { name, value, unit })
 }

@@ -10,8 +10,9 @@
 //! carry corrections far ([`crate::method::multigrid`]). Here they are elements with a stiffness, so that every method
 //! takes them and all agree on what they mean.
 
-use super::{ClothError, Membrane, carriers};
+use super::{ClothError, FRACTION, Membrane};
 use crate::energy::{Spring, StrainLimitSpring};
+use crate::error::within;
 use crate::math::Real;
 use crate::mesh::TriMesh;
 use crate::method::multigrid::coarse_levels;
@@ -44,15 +45,10 @@ const PARENTS: usize = 2;
 
 impl CoarseMembrane {
     fn check(self) -> Result<(), ClothError> {
-        carriers::not_negative(
-            "share of the fine level",
-            self.fine_fraction,
-            "(dimensionless)",
-        )?;
-        if self.fine_fraction <= 1.0 {
-            return Ok(());
-        }
-        Err(ClothError::FineShare(self.fine_fraction))
+        let value = self.fine_fraction;
+        let name = "part of the modulus that springs on the edges keep";
+        within((0.0..=1.0).contains(&value), name, value, FRACTION)?;
+        Ok(())
     }
 
     /// Leaves their share to the springs on the edges, all of them, and returns the links of the coarse level.

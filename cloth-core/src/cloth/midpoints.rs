@@ -1,8 +1,9 @@
 //! A cloth whose degrees of freedom are the middles of the edges.
 
-use super::carriers::{MembraneCarrier, not_negative};
+use super::carriers::MembraneCarrier;
 use super::{Cloth, ClothError, ClothModel, Elements};
 use crate::energy::{ArapTriangle, MidpointHinge, Spring, StvkTriangle};
+use crate::error::not_negative;
 use crate::math::gather;
 use crate::mesh::TriMesh;
 use crate::particles::Particles;
@@ -36,7 +37,7 @@ impl Cloth {
         mesh: &TriMesh,
     ) -> Result<MidpointCloth, ClothError> {
         self.membrane.check()?;
-        not_negative("bending rigidity", self.bending_rigidity, "N·m")?;
+        not_negative("bending rigidity (N·m)", self.bending_rigidity)?;
         let edges = EdgeTable::build(mesh)?;
         let midpoints = Midpoints::of(mesh, &edges)?;
         let small = midpoints.mesh();

@@ -16,8 +16,9 @@
 //! All of them are made of [`Spring`] and [`StrainLimitSpring`], which have all three views, so every method takes
 //! them.
 
-use super::{ClothError, carriers};
+use super::{ClothError, FRACTION};
 use crate::energy::{Spring, StrainLimitSpring};
+use crate::error::within;
 use crate::math::Real;
 use crate::mesh::TriMesh;
 use crate::topology::{EdgeTable, removable_edges};
@@ -56,11 +57,9 @@ impl SpringLaw {
         match self {
             Self::Linear => Ok(()),
             Self::Compression(share) => {
-                carriers::not_negative("share of k under compression", share, "(dimensionless)")?;
-                if share <= 1.0 {
-                    return Ok(());
-                }
-                Err(ClothError::CompressionShare(share))
+                let name = "part of k that springs keep under compression";
+                within((0.0..=1.0).contains(&share), name, share, FRACTION)?;
+                Ok(())
             }
             Self::DeadZone([shortest, longest]) => {
                 if (0.0..=1.0).contains(&shortest) && 1.0 <= longest && longest.is_finite() {

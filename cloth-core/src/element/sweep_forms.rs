@@ -90,6 +90,17 @@ impl<const N: usize> DeadZoneRow<N> {
     }
 }
 
+/// The rows of an element in a form that is faster to sweep than any number of [`Row`]s.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum RowForm<const N: usize> {
+    /// No such form.
+    General,
+    /// One row whose gradient is a unit vector at every vertex: twice as fast.
+    Unit(UnitRow<N>),
+    /// Three linear rows that are the coordinates of one vector.
+    Vector(VectorRow<N>),
+}
+
 /// Three rows that are the coordinates of one vector: `C = Σ qᵢ xᵢ − target`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct VectorRow<const N: usize> {

@@ -11,6 +11,7 @@
 
 use super::EnclosureError;
 use super::surface::ClosedSurface;
+use crate::error::finite;
 use crate::math::{Real, Vec3};
 use crate::mesh::TriMesh;
 
@@ -59,13 +60,7 @@ impl Pressure {
         mesh: &TriMesh,
         triangles: impl IntoIterator<Item = usize>,
     ) -> Result<Self, EnclosureError> {
-        if !pressure.is_finite() {
-            return Err(EnclosureError::OutOfRange {
-                name: "pressure",
-                value: pressure,
-                range: "finite",
-            });
-        }
+        finite("pressure (Pa)", pressure)?;
         let surface = ClosedSurface::of(mesh, triangles)?;
         Ok(Self { pressure, surface })
     }

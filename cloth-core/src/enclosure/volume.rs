@@ -17,6 +17,7 @@
 use super::EnclosureError;
 use super::surface::ClosedSurface;
 use crate::contact::GlobalRows;
+use crate::error::{positive, within};
 use crate::math::{Real, Vec3};
 use crate::mesh::TriMesh;
 
@@ -74,13 +75,7 @@ impl ClosedVolume {
         mesh: &TriMesh,
         triangles: impl IntoIterator<Item = usize>,
     ) -> Result<Self, EnclosureError> {
-        if !(modulus > 0.0 && modulus.is_finite()) {
-            return Err(EnclosureError::OutOfRange {
-                name: "bulk modulus",
-                value: modulus,
-                range: "a finite number above 0",
-            });
-        }
+        positive("bulk modulus (Pa)", modulus)?;
         let surface = ClosedSurface::of(mesh, triangles)?;
         let rest = surface.volume(mesh.positions());
         if !(rest > 0.0 && (modulus / rest).is_finite()) {
@@ -105,13 +100,9 @@ impl ClosedVolume {
     /// # Errors
     /// [`EnclosureError::OutOfRange`] for a pressure that is not finite, or is −K or below: no volume would be left.
     pub fn pressure(mut self, pressure: Real) -> Result<Self, EnclosureError> {
-        if !(pressure.is_finite() && pressure > -self.modulus) {
-            return Err(EnclosureError::OutOfRange {
-                name: "pressure",
-                value: pressure,
-                range: "finite and above the negative of the bulk modulus",
-            });
-        }
+        let is_right = pressure.is_finite() && pressure > -self.modulus;
+        let range = "finite and above the negative of the bulk modulus";
+        within(is_right, "pressure (Pa)", pressure, range)?;
         self.target = self.rest * (1.0 + pressure / self.modulus);
         Ok(self)
     }

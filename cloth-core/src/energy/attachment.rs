@@ -1,6 +1,6 @@
 //! A vertex tied to a point in space.
 
-use crate::element::{Constraint, Element, Projective, Row, VectorRow};
+use crate::element::{Constraint, Element, Projective, Row, RowForm, VectorRow};
 use crate::math::{Real, Vec3};
 
 /// A spring of rest length zero between a vertex and a fixed point p: `E = ½ k ‖x − p‖²` (J).
@@ -35,8 +35,8 @@ impl Constraint<1> for Attachment {
     }
 
     #[inline(always)]
-    fn vector_row(&self) -> Option<VectorRow<1>> {
-        Some(self.as_vector_row())
+    fn row_form(&self, _: &[Vec3; 1]) -> RowForm<1> {
+        RowForm::Vector(self.as_vector_row())
     }
 }
 

@@ -4,7 +4,7 @@
 //! SGP 2006, <https://doi.org/10.2312/SGP/SGP06/227-230>.
 
 use super::cotangent::{Cotangents, on_each_hinge};
-use crate::element::{Constraint, Element, Projective, Row, VectorRow};
+use crate::element::{Constraint, Element, Projective, Row, RowForm, VectorRow};
 use crate::math::{Real, Vec3};
 use crate::mesh::TriMesh;
 use crate::topology::HingeTable;
@@ -82,8 +82,8 @@ impl Constraint<4> for CurvatureHinge {
     }
 
     #[inline(always)]
-    fn vector_row(&self) -> Option<VectorRow<4>> {
-        Some(self.as_vector_row())
+    fn row_form(&self, _: &[Vec3; 4]) -> RowForm<4> {
+        RowForm::Vector(self.as_vector_row())
     }
 }
 

@@ -6,7 +6,7 @@
 //! <https://doi.org/10.1016/j.cagd.2007.07.006>. The formula below was derived from the two.
 
 use super::cotangent::Cotangents;
-use crate::element::{Constraint, Element, Projective, Row, VectorRow};
+use crate::element::{Constraint, Element, Projective, Row, RowForm, VectorRow};
 use crate::math::{Real, Vec3};
 
 /// The bending model of Bergou et al. (2006) in terms of edge midpoints.
@@ -77,8 +77,8 @@ impl Constraint<5> for MidpointHinge {
     }
 
     #[inline(always)]
-    fn vector_row(&self) -> Option<VectorRow<5>> {
-        Some(self.as_vector_row())
+    fn row_form(&self, _: &[Vec3; 5]) -> RowForm<5> {
+        RowForm::Vector(self.as_vector_row())
     }
 }
 

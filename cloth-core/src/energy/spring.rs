@@ -1,6 +1,6 @@
 //! The spring: two vertices that want to be a rest length apart.
 
-use crate::element::{Constraint, Convexity, Element, Projective, Row, UnitRow};
+use crate::element::{Constraint, Convexity, Element, Projective, Row, RowForm, UnitRow};
 use crate::math::{
     Blocks, Mat3, Real, Vec3, across_pair, across_pair_product, length_and_direction,
 };
@@ -133,7 +133,7 @@ impl Constraint<2> for Spring {
     }
 
     #[inline(always)]
-    fn unit_row(&self, x: &[Vec3; 2]) -> Option<UnitRow<2>> {
+    fn row_form(&self, x: &[Vec3; 2]) -> RowForm<2> {
         let mut d = x[0] - x[1];
         let squared = d.norm_squared();
         let mut length = squared.sqrt();
@@ -144,7 +144,7 @@ impl Constraint<2> for Spring {
             (shortest, d) = lost(d, self.vertices);
             (value, length) = (shortest - self.rest_length, 1.0);
         }
-        Some(UnitRow {
+        RowForm::Unit(UnitRow {
             value,
             direction: [d, -d],
             length,

@@ -1,7 +1,7 @@
 //! The stitch: two vertices that are drawn together, and then held together.
 
 use super::Spring;
-use crate::element::{Constraint, Convexity, Element, Projective, Row, UnitRow, VectorRow};
+use crate::element::{Constraint, Convexity, Element, Projective, Row, RowForm, VectorRow};
 use crate::math::{Blocks, Mat3, Real, Vec3};
 
 /// A spring between two vertices whose rest length L falls to zero: `E = ½ k (‖x₀ − x₁‖ − L(t))²` (J).
@@ -151,16 +151,11 @@ impl Constraint<2> for Stitch {
     }
 
     #[inline(always)]
-    fn unit_row(&self, x: &[Vec3; 2]) -> Option<UnitRow<2>> {
+    fn row_form(&self, x: &[Vec3; 2]) -> RowForm<2> {
         if self.is_closed() {
-            return None;
+            return RowForm::Vector(self.as_vector_row());
         }
-        self.spring().unit_row(x)
-    }
-
-    #[inline(always)]
-    fn vector_row(&self) -> Option<VectorRow<2>> {
-        self.is_closed().then(|| self.as_vector_row())
+        self.spring().row_form(x)
     }
 
     #[inline]

@@ -27,6 +27,7 @@ pub use pieces::{join, without_triangles};
 pub use round::{disk, moebius, sphere, torus, tube};
 
 use super::{MeshError, TriMesh};
+use crate::error::{positive, within};
 use crate::math::{Real, Vec3};
 
 /// How the rectangular cells of [`grid`] are cut into triangles.
@@ -50,7 +51,7 @@ pub enum Diagonals {
 /// of these, cell by cell in the same order.
 ///
 /// # Errors
-/// [`MeshError::InvalidParameter`] for fewer than 2 columns or rows, for a width or height that
+/// [`MeshError::OutOfRange`] for fewer than 2 columns or rows, for a width or height that
 /// is not positive and finite, or for more vertices than fit.
 pub fn grid(
     columns: usize,
@@ -102,7 +103,7 @@ pub fn grid(
 /// springs on the edges isotropic to first order.
 ///
 /// # Errors
-/// [`MeshError::InvalidParameter`] for fewer than 2 columns or rows, for an edge length that is
+/// [`MeshError::OutOfRange`] for fewer than 2 columns or rows, for an edge length that is
 /// not positive and finite, or for more vertices than fit.
 pub fn equilateral(columns: usize, rows: usize, edge: Real) -> Result<TriMesh, MeshError> {
     at_least("columns", columns, 2, "at least 2")?;
@@ -142,14 +143,14 @@ fn rising([a, b, d, e]: [u32; 4]) -> [[u32; 3]; 2] {
 const MOST_VERTICES: Real = 134_217_728.0;
 
 fn room_for(vertices: Real) -> Result<(), MeshError> {
-    if vertices <= MOST_VERTICES {
-        return Ok(());
-    }
-    Err(MeshError::InvalidParameter {
-        name: "the number of vertices",
-        value: vertices,
-        range: "at most 134217728",
-    })
+    let is_right = vertices <= MOST_VERTICES;
+    within(
+        is_right,
+        "the number of vertices",
+        vertices,
+        "at most 134217728",
+    )?;
+    Ok(())
 }
 
 fn at_least(
@@ -158,23 +159,6 @@ fn at_least(
     least: usize,
     range: &'static str,
 ) -> Result<(), MeshError> {
-    if count >= least {
-        return Ok(());
-    }
-    Err(MeshError::InvalidParameter {
-        name,
-        value: count as Real,
-        range,
-    })
-}
-
-fn positive(name: &'static str, value: Real) -> Result<(), MeshError> {
-    if value > 0.0 && value.is_finite() {
-        return Ok(());
-    }
-    Err(MeshError::InvalidParameter {
-        name,
-        value,
-        range: "a positive finite number",
-    })
+    within(count >= least, name, count as Real, range)?;
+    Ok(())
 }

@@ -160,7 +160,7 @@ fn what_makes_no_sense_is_refused_by_name() {
     };
     assert_eq!(
         told(density, AREAL),
-        "the density of the air is -1, but it has to be a finite number, not below zero"
+        "the density of the air is -1, but it has to be zero or a positive finite number"
     );
     let drag = AirConfig {
         drag: Real::INFINITY,
@@ -180,10 +180,10 @@ fn what_makes_no_sense_is_refused_by_name() {
     let wind = config(Vec3::new(0.0, Real::NAN, 0.0));
     assert_eq!(
         told(wind, AREAL),
-        "the wind is NaN, but it has to be finite"
+        "the wind is NaN, but it has to be a finite number"
     );
     assert_eq!(
         told(base, 0.0),
-        "the areal density is 0, but it has to be a finite number above zero"
+        "the areal density is 0, but it has to be a positive finite number"
     );
 }

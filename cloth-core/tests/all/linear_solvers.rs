@@ -454,7 +454,7 @@ fn a_spent_budget_is_told() {
 fn settings_out_of_range_are_refused() {
     let refused = |result: Result<(), BuildError>| {
         assert!(
-            matches!(result, Err(BuildError::InvalidSetting { .. })),
+            matches!(result, Err(BuildError::OutOfRange(_))),
             "{result:?}"
         );
     };

@@ -1,5 +1,6 @@
 //! Generated meshes: counts, areas, orientation and shape in closed form.
 
+use cloth_core::error::OutOfRange;
 use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::generate::{
     Diagonals, disk, equilateral, grid, irregular, join, moebius, sphere, torus, tube,
@@ -283,7 +284,7 @@ fn joined_meshes_keep_their_triangles() {
 fn meshes_that_do_not_exist_are_refused_by_name() {
     let nan = Real::NAN;
     let name = |result: Result<TriMesh, MeshError>| match result {
-        Err(MeshError::InvalidParameter { name, .. }) => name,
+        Err(MeshError::OutOfRange(OutOfRange { name, .. })) => name,
         other => panic!("{other:?}"),
     };
     assert_eq!(name(grid(1, 2, 1.0, 1.0, Diagonals::OneWay)), "columns");

@@ -6,6 +6,7 @@ use cloth_core::contact::{
 };
 use cloth_core::element::{Constraint, Element, Row};
 use cloth_core::energy::{Attachment, Spring};
+use cloth_core::error::OutOfRange;
 use cloth_core::math::{Real, Vec3};
 use cloth_core::measure::{angular_momentum, linear_momentum};
 use cloth_core::mesh::TriMesh;
@@ -360,7 +361,7 @@ fn elements_of_vertices_that_do_not_exist_and_no_iterations_are_refused() {
             .unwrap_err();
         assert!(matches!(
             error,
-            BuildError::InvalidSetting { value: 0.0, .. }
+            BuildError::OutOfRange(OutOfRange { value: 0.0, .. })
         ));
     }
 }

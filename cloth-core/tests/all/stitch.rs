@@ -1,7 +1,7 @@
 //! Stitches: their rest length in time, their derivatives, and what they leave alone.
 
 use crate::element_checks::{convex_choices_are_convex, derivatives_agree, is_invariant, shape};
-use cloth_core::element::{Constraint, Convexity, Element, Energy, Projective};
+use cloth_core::element::{Constraint, Convexity, Element, Energy, Projective, RowForm};
 use cloth_core::energy::{Spring, Stitch};
 use cloth_core::math::{Mat3, Real, Vec3};
 use cloth_core::method::family::Energies;
@@ -66,10 +66,10 @@ fn rows_and_projection_give_the_same_force_at_every_length() {
             let [force, _] = stitch.gradient(&x);
             assert!((force - (z - p) * K).norm() < 1e-12);
             // The fast forms of the rows, which sweeps use.
-            let fast = match (stitch.unit_row(&x), stitch.vector_row()) {
-                (Some(row), None) => row.direction[0] * (row.stiffness * row.value / row.length),
-                (None, Some(row)) => row.value(&x) * row.stiffness,
-                forms => panic!("{forms:?}"),
+            let fast = match stitch.row_form(&x) {
+                RowForm::Unit(row) => row.direction[0] * (row.stiffness * row.value / row.length),
+                RowForm::Vector(row) => row.value(&x) * row.stiffness,
+                RowForm::General => panic!("{stitch:?}"),
             };
             assert!((force - fast).norm() < 1e-12);
             let [hessian] = stitch.projected_hessian([z]);

@@ -2,6 +2,7 @@
 //! and on sheets.
 
 use cloth_core::energy::{CurvatureHinge, Spring};
+use cloth_core::error::OutOfRange;
 use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::TriMesh;
 use cloth_core::mesh::generate::{Diagonals, grid, irregular};
@@ -463,20 +464,20 @@ fn settings_out_of_range_are_refused() {
         let error = build(relaxed(relaxation)).unwrap_err();
         assert!(matches!(
             error,
-            BuildError::InvalidSetting {
+            BuildError::OutOfRange(OutOfRange {
                 name: "the relaxation",
                 ..
-            }
+            })
         ));
     }
     for radius in [-0.1, 1.0, Real::NAN] {
         let error = build(chebyshev(Radius::Given(radius), 1)).unwrap_err();
         assert!(matches!(
             error,
-            BuildError::InvalidSetting {
+            BuildError::OutOfRange(OutOfRange {
                 name: "the spectral radius",
                 ..
-            }
+            })
         ));
     }
     for (radius, delay) in [(Radius::Given(0.5), 0), (Radius::Estimated, 1)] {

@@ -52,7 +52,7 @@ impl<S> ExplicitBuilder<S> {
     ///
     /// # Errors
     /// [`BuildError::NoSuchVertex`] if an element names a vertex that the particles do not have;
-    /// [`BuildError::InvalidSetting`].
+    /// [`BuildError::OutOfRange`].
     pub fn build(self) -> Result<S, BuildError> {
         self.config.check()?;
         Ok((self.finish)(Model {

@@ -58,7 +58,7 @@ impl<S> ImplicitBuilder<S> {
     ///
     /// # Errors
     /// [`BuildError::NoSuchVertex`] if an element names a vertex that the particles do not have;
-    /// [`BuildError::InvalidSetting`], [`BuildError::SettingsConflict`], [`BuildError::MatrixTooLarge`].
+    /// [`BuildError::OutOfRange`], [`BuildError::SettingsConflict`], [`BuildError::MatrixTooLarge`].
     pub fn build(self) -> Result<S, BuildError> {
         self.config.check()?;
         let energies = self.energies?;

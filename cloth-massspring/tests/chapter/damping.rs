@@ -227,10 +227,10 @@ fn damping_that_is_negative_or_not_finite_is_refused() {
         for damping in [drag, stiff] {
             let config = ImplicitConfig { damping, ..sharp() };
             let error = ImplicitEuler::builder(&particles).config(config).build();
-            assert!(matches!(error, Err(BuildError::InvalidSetting { .. })));
+            assert!(matches!(error, Err(BuildError::OutOfRange(_))));
             let builder = SymplecticEuler::builder(&particles).config(explicit(damping));
             let error = builder.build();
-            assert!(matches!(error, Err(BuildError::InvalidSetting { .. })));
+            assert!(matches!(error, Err(BuildError::OutOfRange(_))));
         }
     }
 }

@@ -3,6 +3,7 @@
 use crate::{DOWN, all, chain};
 use cloth_core::element::Convexity;
 use cloth_core::energy::Spring;
+use cloth_core::error::OutOfRange;
 use cloth_core::math::{Real, Vec3};
 use cloth_core::particles::{Particles, State};
 use cloth_core::step::{BuildError, StepError, StepInput, Stepper};
@@ -142,7 +143,7 @@ fn settings_out_of_range() {
             .config(config)
             .build()
             .unwrap_err();
-        assert!(matches!(error, BuildError::InvalidSetting { .. }));
+        assert!(matches!(error, BuildError::OutOfRange(_)));
     }
     let config = ExplicitConfig {
         substeps: 0,
@@ -154,10 +155,10 @@ fn settings_out_of_range() {
         .unwrap_err();
     assert!(matches!(
         error,
-        BuildError::InvalidSetting {
+        BuildError::OutOfRange(OutOfRange {
             name: "substeps",
             ..
-        }
+        })
     ));
     let mut stray = springs;
     stray[0].vertices[0] = 9;

@@ -50,7 +50,7 @@ impl PbdBuilder {
     /// The solver.
     ///
     /// # Errors
-    /// [`BuildError::InvalidSetting`]; [`BuildError::NoSuchView`] for elements that are no constraints;
+    /// [`BuildError::OutOfRange`]; [`BuildError::NoSuchView`] for elements that are no constraints;
     /// [`BuildError::NoSuchVertex`] if an element names a vertex that the particles do not have.
     ///
     /// # Panics

@@ -360,6 +360,6 @@ fn settings_out_of_range_are_refused() {
         stiffness(Real::NAN),
     ] {
         let error = PbdSolver::builder(&particles).config(config).build();
-        assert!(matches!(error, Err(BuildError::InvalidSetting { .. })));
+        assert!(matches!(error, Err(BuildError::OutOfRange(_))));
     }
 }

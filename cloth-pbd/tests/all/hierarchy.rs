@@ -464,7 +464,7 @@ fn what_does_not_fit_is_refused() {
         let error = Hierarchy::build(&mesh, &particles, config).unwrap_err();
         assert!(matches!(
             error,
-            HierarchyError::Build(BuildError::InvalidSetting { .. })
+            HierarchyError::Build(BuildError::OutOfRange(_))
         ));
     }
     let fewer = Particles::new(vec![1.0; 3]).unwrap();

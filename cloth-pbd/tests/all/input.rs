@@ -175,7 +175,7 @@ fn elements_and_settings_that_do_not_fit_are_named() {
             };
             let error = PbdSolver::builder(&particles).config(config).build();
             assert!(
-                matches!(error, Err(BuildError::InvalidSetting { .. })),
+                matches!(error, Err(BuildError::OutOfRange(_))),
                 "{config:?}"
             );
         }

@@ -377,10 +377,7 @@ fn settings_out_of_range_are_refused() {
             let error = add(builder(), &mesh, StretchRange { min, max })
                 .build()
                 .unwrap_err();
-            assert!(
-                matches!(error, BuildError::InvalidSetting { .. }),
-                "{min} {max}"
-            );
+            assert!(matches!(error, BuildError::OutOfRange(_)), "{min} {max}");
         }
     }
     assert!(builder().tolerance(-1.0).build().is_err());

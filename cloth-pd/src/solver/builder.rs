@@ -11,6 +11,7 @@ use crate::objective::{Objective, Point};
 use crate::quasi_newton::QuasiNewton;
 use cloth_core::cloth::{Elements, ProjectiveVisitor};
 use cloth_core::element::Projective;
+use cloth_core::error::within;
 use cloth_core::math::{Real, Vec3, is_finite};
 use cloth_core::particles::Particles;
 use cloth_core::step::BuildError;
@@ -96,7 +97,7 @@ impl PdBuilder {
     /// The solver: assembles the matrix and analyses it. It is factorised in the first step, which tells the step size.
     ///
     /// # Errors
-    /// [`BuildError::NoSuchView`] for elements that are no squared distances to sets; [`BuildError::InvalidSetting`],
+    /// [`BuildError::NoSuchView`] for elements that are no squared distances to sets; [`BuildError::OutOfRange`],
     /// also for a weight that is negative or not finite, and for a coarse grid of no or too many cells or of positions
     /// that are not one finite position per vertex; [`BuildError::NoSuchVertex`] if an element names a vertex that the
     /// particles do not have; [`BuildError::MatrixTooLarge`].
@@ -165,16 +166,17 @@ impl PdBuilder {
 const MAX_CELLS: u32 = 1000;
 
 fn check_coarse(rest: &[Vec3], cells: u32, vertex_count: usize) -> Result<(), BuildError> {
-    let refuse = |name, value, range| Err(BuildError::InvalidSetting { name, value, range });
-    if !(1..=MAX_CELLS).contains(&cells) {
-        return refuse("coarse cells", Real::from(cells), "between 1 and 1000");
-    }
-    if rest.len() != vertex_count {
-        let range = "one per vertex";
-        return refuse("the number of rest positions", rest.len() as Real, range);
-    }
+    let (is_right, value) = ((1..=MAX_CELLS).contains(&cells), Real::from(cells));
+    within(is_right, "coarse cells", value, "between 1 and 1000")?;
+    let (is_right, count) = (rest.len() == vertex_count, rest.len() as Real);
+    within(
+        is_right,
+        "the number of rest positions",
+        count,
+        "one per vertex",
+    )?;
     match rest.iter().find(|x| !is_finite(x)) {
-        Some(x) => refuse("a rest position", x.sum(), "finite"),
+        Some(x) => Ok(within(false, "a rest position", x.sum(), "finite").map(drop)?),
         None => Ok(()),
     }
 }

@@ -5,6 +5,7 @@ use crate::cloth::{
     potential, shake, sheet, solver, to_tolerance,
 };
 use cloth_core::cloth::ClothModel;
+use cloth_core::error::OutOfRange;
 use cloth_core::math::{Real, Vec3};
 use cloth_core::measure::{Strain, center_of_mass, linear_momentum};
 use cloth_core::particles::State;
@@ -205,7 +206,7 @@ fn settings_out_of_range_are_refused() {
     let refused = |config: PdConfig, rest: &[Vec3], cells| {
         let builder = PdSolver::builder(&model.particles).config(config);
         match builder.coarse_grid(rest, cells).build() {
-            Err(BuildError::InvalidSetting { name, .. }) => name,
+            Err(BuildError::OutOfRange(OutOfRange { name, .. })) => name,
             other => panic!("{other:?}"),
         }
     };

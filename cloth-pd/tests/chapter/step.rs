@@ -7,6 +7,7 @@ use cloth_core::contact::{
     ContactConstraints, ContactError, ContactPotential, ContactRow, ContactSource, ContactStep,
 };
 use cloth_core::energy::Spring;
+use cloth_core::error::OutOfRange;
 use cloth_core::math::{Real, Vec3};
 use cloth_core::particles::{Particles, State};
 use cloth_core::step::{BuildError, StepError, StepInput, Stepper};
@@ -260,7 +261,7 @@ fn what_cannot_be_built_is_refused() {
             .build()
     };
     let refused = |spring, config: PdConfig| match build(spring, config) {
-        Err(BuildError::InvalidSetting { name, .. }) => name,
+        Err(BuildError::OutOfRange(OutOfRange { name, .. })) => name,
         other => panic!("{other:?}"),
     };
     let config = PdConfig::default();

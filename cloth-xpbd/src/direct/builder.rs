@@ -8,8 +8,10 @@ use super::rows::{RowFamily, Rows, family};
 use super::solver::DirectXpbd;
 use cloth_core::cloth::{ConstraintVisitor, Elements};
 use cloth_core::element::Constraint;
-use cloth_core::math::{Real, Vec3};
+use cloth_core::error::not_negative;
+use cloth_core::math::Vec3;
 use cloth_core::method::block_matrix::{BlockMatrix, PatternBuilder};
+use cloth_core::method::position_based::check_counts;
 use cloth_core::particles::{Particles, State};
 use cloth_core::step::BuildError;
 
@@ -79,37 +81,14 @@ impl DirectBuilder {
     /// The solver; the sparsity pattern is built and analysed here, once.
     ///
     /// # Errors
-    /// [`BuildError::InvalidSetting`]; [`BuildError::NoSuchView`] for elements that are no constraints; [`BuildError::NoSuchVertex`] if an element names a vertex that the
+    /// [`BuildError::OutOfRange`]; [`BuildError::NoSuchView`] for elements that are no constraints; [`BuildError::NoSuchVertex`] if an element names a vertex that the
     /// particles do not have; [`BuildError::MatrixTooLarge`].
     pub fn build(self) -> Result<DirectXpbd, BuildError> {
         let config = self.config;
-        check(
-            "the number of iterations",
-            Real::from(config.max_iterations),
-            config.max_iterations > 0,
-            "at least 1",
-        )?;
-        check(
-            "the number of substeps",
-            Real::from(config.substeps),
-            config.substeps > 0,
-            "at least 1",
-        )?;
-        let finite = |value: Real| value >= 0.0 && value.is_finite();
-        let range = "zero or positive, and finite";
-        check(
-            "the tolerance",
-            config.tolerance,
-            finite(config.tolerance),
-            range,
-        )?;
-        check("the damping", config.damping, finite(config.damping), range)?;
-        check(
-            "the Krylov tolerance",
-            config.krylov_tolerance,
-            finite(config.krylov_tolerance),
-            range,
-        )?;
+        check_counts(config.max_iterations, config.substeps)?;
+        not_negative("the tolerance", config.tolerance)?;
+        not_negative("the damping", config.damping)?;
+        not_negative("the Krylov tolerance", config.krylov_tolerance)?;
         let mut families = self.families?;
         let vertex_count = self.particles.len();
         let mut pattern = PatternBuilder::new(vertex_count);
@@ -159,16 +138,4 @@ impl DirectBuilder {
             rows,
         })
     }
-}
-
-fn check(
-    name: &'static str,
-    value: Real,
-    good: bool,
-    range: &'static str,
-) -> Result<(), BuildError> {
-    if good {
-        return Ok(());
-    }
-    Err(BuildError::InvalidSetting { name, value, range })
 }

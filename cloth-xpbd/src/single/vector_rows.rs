@@ -3,7 +3,7 @@
 use super::positions::PADDING;
 use super::{Family, SMALLEST, is_prescribed, scaled_compliance};
 use crate::update::XpbdUpdate;
-use cloth_core::element::{Constraint, Element, VectorRow};
+use cloth_core::element::{Constraint, Element, RowForm, VectorRow};
 use cloth_core::math::{Real, Vec3};
 use cloth_core::method::coloring::Colored;
 use cloth_core::step::BuildError;
@@ -58,7 +58,12 @@ impl<const N: usize> VectorRows<N> {
         elements: &[E],
         vertex_count: usize,
     ) -> Result<Self, BuildError> {
-        let exact: Option<Vec<VectorRow<N>>> = elements.iter().map(E::vector_row).collect();
+        // These do not depend on positions.
+        let exact = |element: &E| match element.row_form(&[Vec3::zeros(); N]) {
+            RowForm::Vector(row) => Some(row),
+            RowForm::Unit(_) | RowForm::General => None,
+        };
+        let exact: Option<Vec<VectorRow<N>>> = elements.iter().map(exact).collect();
         let exact = exact.ok_or(BuildError::SettingsConflict {
             one: "a sweep in single precision",
             needs: "springs, and elements whose rows are one vector row",

@@ -6,6 +6,7 @@ use crate::refinement::Refinement;
 use crate::update::XpbdUpdate;
 use cloth_core::cloth::Elements;
 use cloth_core::element::Constraint;
+use cloth_core::error::{not_negative, positive};
 use cloth_core::math::Vec3;
 use cloth_core::method::position_based::{FamilyPlans, Motion, check_counts};
 use cloth_core::particles::Particles;
@@ -52,7 +53,7 @@ impl XpbdBuilder {
     /// The solver.
     ///
     /// # Errors
-    /// [`BuildError::InvalidSetting`]; [`BuildError::NoSuchView`] for elements that are no constraints;
+    /// [`BuildError::OutOfRange`]; [`BuildError::NoSuchView`] for elements that are no constraints;
     /// [`BuildError::NoSuchVertex`] if an element names a vertex that the particles do not have.
     ///
     /// # Panics
@@ -60,21 +61,9 @@ impl XpbdBuilder {
     pub fn build(self) -> Result<XpbdSolver, BuildError> {
         let (motion, config) = (self.motion, self.config);
         check_counts(config.iterations, config.substeps)?;
-        if !(config.damping >= 0.0 && config.damping.is_finite()) {
-            return Err(BuildError::InvalidSetting {
-                name: "the damping",
-                value: config.damping,
-                range: "zero or positive, and finite",
-            });
-        }
-        if let Some(gain) = config.energy_gain
-            && !(gain > 0.0 && gain.is_finite())
-        {
-            return Err(BuildError::InvalidSetting {
-                name: "the energy gain",
-                value: gain,
-                range: "positive and finite",
-            });
+        not_negative("the damping", config.damping)?;
+        if let Some(gain) = config.energy_gain {
+            positive("the energy gain", gain)?;
         }
         let vertex_count = motion.vertex_count();
         let families = self

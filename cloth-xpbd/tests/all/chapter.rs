@@ -305,6 +305,6 @@ fn settings_out_of_range_are_refused() {
     };
     for config in [iterations(0), no_substep] {
         let error = XpbdSolver::builder(&particles).config(config).build();
-        assert!(matches!(error, Err(BuildError::InvalidSetting { .. })));
+        assert!(matches!(error, Err(BuildError::OutOfRange(_))));
     }
 }

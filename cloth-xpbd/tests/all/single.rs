@@ -191,7 +191,7 @@ fn what_it_cannot_take_is_refused_by_name() {
             substeps,
         };
         let error = builder().config(config).build().unwrap_err();
-        assert!(matches!(error, BuildError::InvalidSetting { .. }));
+        assert!(matches!(error, BuildError::OutOfRange(_)));
     }
     // Beyond single precision there is an error, and the state is as it was.
     let (_, mut solver) = pair(1e4);

@@ -13,29 +13,30 @@ mod vbd;
 
 use cloth_bench::error::BenchError;
 use cloth_bench::method::{Method, OwnMethod};
-use cloth_bench::settings::{Parameter, parameter};
+use cloth_bench::settings::{Range::AtLeast, Table};
 use std::process::ExitCode;
 use vbd::VertexBlockDescent;
 
-const ITERATIONS: Parameter = parameter("iterations", "100", "sweeps over all vertices a step");
-const RADIUS: Parameter = parameter(
-    "rho",
-    "0",
-    "spectral radius of the Chebyshev acceleration, from 0 (none) to below 1",
-);
+cloth_bench::settings! {
+    /// What can be set of it.
+    struct Vbd {
+        iterations: u32 = 100 in AtLeast(1.0), "sweeps over all vertices a step";
+        rho: f64 = 0, "spectral radius of the Chebyshev acceleration, from 0 (none) to below 1";
+    }
+}
 
 const VBD: Method = Method::own(OwnMethod {
     name: "vbd",
     about: "vertex block descent: implicit Euler by Gauss–Seidel over vertices",
-    parameters: &[ITERATIONS, RADIUS],
+    parameters: &[Vbd::PARAMETERS],
     build: |scene, settings, _| {
         let energies = scene.model.energies().map_err(BenchError::usage)?;
-        let iterations = settings.count(&ITERATIONS, 1)?;
-        let radius = settings.number(&RADIUS)?;
+        let own = Vbd::read(settings)?;
+        let (iterations, radius) = (*own.iterations, *own.rho);
         if !(0.0..1.0).contains(&radius) {
-            return Err(BenchError::Usage(format!(
-                "rho = {radius} is not from 0 to below 1"
-            )));
+            return Err(own
+                .rho
+                .refuse(format!("rho = {radius} is not from 0 to below 1")));
         }
         let particles = &scene.model.particles;
         let solver = VertexBlockDescent::new(particles, energies, iterations, radius);

@@ -1,10 +1,10 @@
 //! `[air]`: what brakes the cloth, and the wind.
 
 use super::document::Section;
-use super::keys::{AIR_DENSITY, DRAG, LIFT, WIND};
+use super::keys::AirTable;
 use crate::error::BenchError;
-use crate::scene::DENSITY;
-use crate::settings::Settings;
+use crate::scene::cloth::Material;
+use crate::settings::{Settings, Table};
 use cloth_core::air::{Air, AirConfig};
 use cloth_core::mesh::TriMesh;
 
@@ -17,17 +17,18 @@ pub(super) fn around(
     if !section.is_given() {
         return Ok(None);
     }
-    let usual = AirConfig::default();
+    let (own, usual) = (section.read::<AirTable>()?, AirConfig::default());
     let config = AirConfig {
-        density: section.number(&AIR_DENSITY)?.unwrap_or(usual.density),
-        drag: section.number(&DRAG)?.unwrap_or(usual.drag),
-        lift: section.number(&LIFT)?.unwrap_or(usual.lift),
-        wind: section.vector(&WIND)?.unwrap_or(usual.wind),
+        density: own.density.unwrap_or(usual.density),
+        drag: own.drag.unwrap_or(usual.drag),
+        lift: own.lift.unwrap_or(usual.lift),
+        wind: own.wind.unwrap_or(usual.wind),
     };
-    let air = Air::new(config, cloth.number(&DENSITY)?, mesh).map_err(|error| {
-        let keys = [&AIR_DENSITY, &DRAG, &LIFT, &WIND];
-        match keys.iter().find(|key| error.name.starts_with(key.name)) {
-            Some(key) => section.refuse(key, error),
+    let air = Air::new(config, *Material::read(cloth)?.density, mesh).map_err(|error| {
+        let (density, drag) = (own.density.bare(), own.drag.bare());
+        let keys = [density, drag, own.lift.bare(), own.wind.bare()];
+        match keys.iter().find(|key| error.name.contains(key.name())) {
+            Some(key) => key.refuse(error),
             None => section.refuse_table(error),
         }
     })?;

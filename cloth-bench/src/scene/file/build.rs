@@ -1,16 +1,14 @@
 //! From the text of a file to a [`Scene`].
 
 use super::document::{Document, Section};
-use super::keys::{
-    BODY_DENSITY, DT, GRAVITY, MESH_CLOTH, MESH_CONTACT, NAME, SECTIONS, STEPS, overrulable,
-};
+use super::keys::{MESH_CLOTH, MESH_CONTACT, Obstacle, SECTIONS, Top, overrulable};
 use super::material::Material;
 use super::{air, force, gas, link, mesh, obstacles, pins, roughness, seam, start, tear};
 use crate::bounds::bounds;
 use crate::error::BenchError;
-use crate::scene::contact::{ContactSetup, NO_SELF, THICKNESS};
-use crate::scene::{STIFFNESS, Scene, build as built_in};
-use crate::settings::Settings;
+use crate::scene::contact::{ContactSetup, Surface};
+use crate::scene::{Scene, build as built_in};
+use crate::settings::{Settings, Table};
 use cloth_core::math::Vec3;
 use cloth_core::method::ordering::Order;
 use cloth_core::pin::Pins;
@@ -153,33 +151,24 @@ impl<'a> Sections<'a> {
 
     fn scene(&self, settings: &Settings) -> Result<Scene, BenchError> {
         // The top first, as one reads it.
-        let (gravity, name) = (self.gravity()?, self.name()?);
-        let (dt, steps) = (self.top.positive(&DT)?, self.top.count(&STEPS)?);
+        let top = self.top.read::<Top>()?;
+        let gravity = top.gravity.unwrap_or(Vec3::z() * -9.81);
+        let stem = self.document.path.file_stem().unwrap_or_default();
+        let name = (*top.name).clone();
+        let name = name.unwrap_or_else(|| stem.to_string_lossy().into_owned());
         let scene = if self.chain.is_given() {
             self.chain(settings)?
         } else {
-            self.sheet(settings)?
+            self.sheet(settings, gravity)?
         };
         Ok(Scene {
             // Scenes have names that last, and a program reads one or a few files.
             name: Box::leak(name.into_boxed_str()),
             gravity,
-            dt: dt.unwrap_or(scene.dt),
-            steps: steps.unwrap_or(scene.steps),
+            dt: top.dt.unwrap_or(scene.dt),
+            steps: top.steps.unwrap_or(scene.steps),
             ..scene
         })
-    }
-
-    fn name(&self) -> Result<String, BenchError> {
-        let stem = self.document.path.file_stem().unwrap_or_default();
-        Ok(match self.top.text(&NAME)? {
-            Some(name) => name.to_owned(),
-            None => stem.to_string_lossy().into_owned(),
-        })
-    }
-
-    fn gravity(&self) -> Result<Vec3, BenchError> {
-        Ok(self.top.vector(&GRAVITY)?.unwrap_or(Vec3::z() * -9.81))
     }
 
     fn chain(&self, overruling: &Settings) -> Result<Scene, BenchError> {
@@ -197,17 +186,16 @@ impl<'a> Sections<'a> {
             return Err(other.refuse_table("has no meaning beside [chain]"));
         }
         let unused = overrulable().into_iter().flatten();
-        let mut unused = unused.filter(|key| key.name != STIFFNESS.name);
+        let mut unused = unused.filter(|key| key.name != "stiffness");
         if let Some(key) = unused.find(|key| overruling.get(key.name).is_some()) {
             let message = format!("--set {} has no meaning for a chain", key.name);
             return Err(BenchError::Usage(message));
         }
-        let settings = self.chain.settings(Settings::default())?;
+        let settings = self.chain.settings(Settings::default());
         built_in::chain(&settings.then(overruling))
-            .map_err(|error| self.chain.blame(error, overruling))
     }
 
-    fn sheet(&self, overruling: &Settings) -> Result<Scene, BenchError> {
+    fn sheet(&self, overruling: &Settings, gravity: Vec3) -> Result<Scene, BenchError> {
         let folder = self.document.path.parent().unwrap_or(Path::new(""));
         if self.meshes.is_empty() {
             return Err(self.document.refuse_whole(
@@ -215,12 +203,9 @@ impl<'a> Sections<'a> {
             ));
         }
         let (mesh, counts, from_file) = mesh::joined(&self.meshes, folder)?;
-        let settings = self
-            .contact
-            .settings(self.cloth.settings(Settings::default())?)?;
-        let settings = settings.then(overruling);
-        let mut material = Material::new(&settings, &self.materials, &counts)?;
-        let gravity = self.gravity()?;
+        let read = |section: &Section<'_>| section.settings(Settings::default()).then(overruling);
+        let (cloth, contact) = (read(&self.cloth), read(&self.contact));
+        let mut material = Material::new(&cloth, &self.materials, &counts);
         let up = -gravity.try_normalize(0.0).unwrap_or(-Vec3::z());
         let mut held = Vec::new();
         for section in &self.pins {
@@ -253,8 +238,7 @@ impl<'a> Sections<'a> {
             }
             None => mesh,
         };
-        let blame = |error| self.blame_material(error, overruling);
-        let mut model = material.cut(&mesh, |_| true).map_err(blame)?;
+        let mut model = material.cut(&mesh, |_| true)?;
         let is_linked = !links.is_empty();
         model.link(links);
         if let (true, Some(tear)) = (is_linked, self.tears.first()) {
@@ -281,28 +265,20 @@ impl<'a> Sections<'a> {
         }
         let [low, high] = bounds(mesh.positions().iter().copied());
         let size = (high - low).norm();
-        let thickness = settings
-            .positive(&THICKNESS)
-            .map_err(|error| self.contact.blame(error, overruling))?;
+        let thickness = *Surface::read(&contact)?.thickness;
         let bodies = self.obstacles.iter();
         let bodies: Vec<_> = bodies
             .map(|section| obstacles::body(section, folder, [size, thickness], gravity))
             .collect::<Result<_, _>>()?;
-        let mut touch = ContactSetup::new(&settings, &NO_SELF, bodies)
-            .map_err(|error| self.contact.blame(error, overruling))?;
+        let mut touch = ContactSetup::new(&contact, bodies)?;
         if let (true, Some(tear)) = (touch.free_bodies().next().is_some(), self.tears.first()) {
             return Err(tear.refuse_table("cloth that pushes a body (density) cannot be torn"));
         }
-        if touch.is_idle()
-            && let Some(free) = self
-                .obstacles
-                .iter()
-                .find(|s| s.value(&BODY_DENSITY).is_some())
-        {
-            let message = "density has no meaning with contact=none";
-            return Err(free.refuse(&BODY_DENSITY, message));
+        for obstacle in self.obstacles.iter().filter(|_| touch.is_idle()) {
+            let density = obstacle.read::<Obstacle>()?.density;
+            density.refuse_given("with contact=none")?;
         }
-        touch.pieces = roughness::of_pieces(&settings, &self.roughness, &counts, order.as_ref())?;
+        touch.pieces = roughness::of_pieces(&contact, &self.roughness, &counts, order.as_ref())?;
         if let (true, Some(section)) = (
             touch.excludes_and_untangles(),
             self.roughness.iter().flatten().next(),
@@ -321,7 +297,7 @@ impl<'a> Sections<'a> {
         let mut scene = Scene {
             order,
             touch: Some(touch),
-            air: air::around(&self.air, &settings, &mesh)?,
+            air: air::around(&self.air, &cloth, &mesh)?,
             pins: Some(Arc::new(ways)).filter(|ways| !ways.is_empty()),
             changes,
             gases,
@@ -335,15 +311,5 @@ impl<'a> Sections<'a> {
         }
         scene.changes.sort_by(|a, b| a.time.total_cmp(&b.time));
         Ok(scene)
-    }
-
-    /// Says in which line the value stands that an error of the material names: of a piece, or of all.
-    fn blame_material(&self, error: BenchError, overruling: &Settings) -> BenchError {
-        let own = self.materials.iter().flatten();
-        let mut own = own.filter(|section| section.is_named_in(&error));
-        match own.next() {
-            Some(section) => section.blame(error, &Settings::default()),
-            None => self.cloth.blame(error, overruling),
-        }
     }
 }

@@ -1,7 +1,7 @@
 //! `[[force]]`: forces on chosen vertices, for some time or for ever.
 
 use super::document::Section;
-use super::keys::{FORCE, FORCE_FROM, FORCE_UNTIL};
+use super::keys::Force;
 use crate::error::BenchError;
 use crate::scene::{Change, ChangeKind};
 use cloth_core::particles::Particles;
@@ -13,16 +13,17 @@ pub(super) fn push(
     particles: &Particles,
     changes: &[Change],
 ) -> Result<Change, BenchError> {
-    let force = section.vector(&FORCE)?;
-    let force = force.ok_or_else(|| section.refuse_table("needs a force"))?;
+    let own = section.read::<Force>()?;
+    let force = own
+        .force
+        .ok_or_else(|| section.refuse_table("needs a force"))?;
     if force.norm() == 0.0 {
-        return Err(section.refuse(&FORCE, "force is zero, which does nothing"));
+        return Err(own.force.refuse("force is zero, which does nothing"));
     }
-    let from = section.not_negative(&FORCE_FROM)?.unwrap_or(0.0);
-    let until = section.not_negative(&FORCE_UNTIL)?;
+    let (from, until) = (*own.from, *own.until);
     if until.is_some_and(|until| until <= from) {
         let message = format!("until has to be later than from, which is {from} s");
-        return Err(section.refuse(&FORCE_UNTIL, message));
+        return Err(own.until.refuse(message));
     }
     let is_released = |vertex: &usize| {
         changes.iter().any(|change| match &change.kind {

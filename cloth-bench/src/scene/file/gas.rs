@@ -1,7 +1,7 @@
 //! What is inside closed pieces: `pressure` and `bulk_modulus` of a `[[mesh]]`.
 
 use super::document::Section;
-use super::keys::{BULK_MODULUS, PRESSURE};
+use super::keys::Piece;
 use crate::error::BenchError;
 use cloth_core::enclosure::{ClosedVolume, Pressure};
 use cloth_core::mesh::TriMesh;
@@ -27,15 +27,15 @@ pub(super) fn inside(
         let numbered = mesh.triangles().iter().enumerate();
         let triangles = numbered.filter(|(_, corners)| is_own(corners));
         let triangles = triangles.map(|(number, _)| number);
-        let pressure = section.number(&PRESSURE)?;
-        if let Some(modulus) = section.number(&BULK_MODULUS)? {
+        let piece = section.read::<Piece>()?;
+        if let Some(modulus) = *piece.bulk_modulus {
             let volume = ClosedVolume::inside(modulus, mesh, triangles);
-            let volume = volume.map_err(|error| section.refuse(&BULK_MODULUS, error))?;
-            let volume = volume.pressure(pressure.unwrap_or(0.0));
-            volumes.push(volume.map_err(|error| section.refuse(&PRESSURE, error))?);
-        } else if let Some(pressure) = pressure {
+            let volume = volume.map_err(|error| piece.bulk_modulus.refuse(error))?;
+            let volume = volume.pressure(piece.pressure.unwrap_or(0.0));
+            volumes.push(volume.map_err(|error| piece.pressure.refuse(error))?);
+        } else if let Some(pressure) = *piece.pressure {
             let gas = Pressure::inside(pressure, mesh, triangles);
-            gases.push(gas.map_err(|error| section.refuse(&PRESSURE, error))?);
+            gases.push(gas.map_err(|error| piece.pressure.refuse(error))?);
         }
     }
     Ok((gases, volumes))

@@ -1,11 +1,10 @@
 //! Every key of a scene file.
 
-use crate::scene::contact::{EXCLUDE, FRICTION, THICKNESS, TOUCHING_ALONE};
-use crate::scene::{
-    BENDING, BENDING_STIFFNESS, DENSITY, LINK_LENGTH, LINK_MASS, LINKS, MEMBRANE, MODULUS, POISSON,
-    RIGIDITY, SHEAR, STIFFNESS, TIP_MASS, cloth,
-};
-use crate::settings::{Parameter, parameter};
+use crate::scene::Chain;
+use crate::scene::cloth::{EdgeSprings, Material, Stiffness};
+use crate::scene::contact::{Contact, Surface};
+use crate::settings::{Factors, Infinite, Or, Parameter, Range::*, Table};
+use cloth_core::math::{Real, Vec3};
 
 /// A table of the file.
 #[derive(Clone, Copy, Debug)]
@@ -14,280 +13,186 @@ pub struct SectionInfo {
     pub head: &'static str,
     /// What it is.
     pub about: &'static str,
-    /// What can stand in it.
-    pub keys: &'static [Parameter],
+    /// What can stand in it, in groups.
+    pub keys: &'static [&'static [Parameter]],
 }
 
-pub(super) const NAME: Parameter = parameter("name", "the file's", "of the scene");
-pub(super) const GRAVITY: Parameter = parameter(
-    "gravity",
-    "[0, 0, -9.81]",
-    "acceleration of free fall (m/s²); what is up for pins and pictures is its opposite",
-);
-pub(super) const DT: Parameter = parameter("dt", "1/60", "step size (s), above 0");
-pub(super) const STEPS: Parameter = parameter("steps", "300", "number of steps");
+crate::settings! {
+    /// Before all tables.
+    pub(super) struct Top {
+        name: Option<String> = "the file's", "of the scene";
+        gravity: Option<Vec3> = "[0, 0, -9.81]" "m/s²",
+            "acceleration of free fall; what is up for pins and pictures is its opposite";
+        dt: Option<Real> = "1/60" "s" in Above(0.0), "step size";
+        steps: Option<u32> = 300, "number of steps";
+    }
+    /// Of a mesh that is read or generated.
+    pub(super) struct Source {
+        file: Option<String> = "none", "an OBJ or PLY file in m, its path relative to the scene file";
+        generator: Option<String> = "none",
+            "a generated mesh such as \"grid:33x33:alternating\" (see meshes); give this or a file";
+        scale: Option<Factors> = 1 in Above(0.0), "factor, or one for each axis such as [1, 0.25, 1]; first of all";
+    }
+    /// Of a piece of cloth.
+    pub(super) struct Piece {
+        rotate: Option<Vec3> = "[0, 0, 0]" "rad",
+            "rotation about the origin: its direction is the axis, its length the angle";
+        translate: Option<Vec3> = "[0, 0, 0]" "m", "shift, last of all";
+        pressure: Option<Real> = "none" "Pa",
+            "gauge pressure inside a closed piece; with a bulk_modulus when it has its volume at rest, otherwise \
+             always, as if a pump kept it; none: 0";
+        bulk_modulus: Option<Real> = "none" "Pa" in Above(0.0),
+            "K of what is sealed inside a closed piece: its pressure falls by K for every volume at rest that is \
+             added; 1e5 for air, 2e9 for water; none: nothing is";
+    }
+    /// Of a piece that is not equally thick or rough.
+    pub(super) struct PieceContact {
+        exclude: Option<Vec<u32>> = "none",
+            "numbers of the [[mesh]] tables, from 0, that this piece passes through freely; with its own number, \
+             itself";
+    }
+    /// Of a `[[link]]`.
+    pub(super) struct Link {
+        meshes: Option<Vec<u32>> = "needed",
+            "numbers of the two [[mesh]] tables, from 0, that are joined, such as [0, 1]; the same one twice joins a \
+             piece to itself";
+        first: Option<Vec<u32>> = "none",
+            "vertices of the first mesh, from 0 in their own; give first and second, or at";
+        second: Option<Vec<u32>> = "none",
+            "as many of the second mesh, one for each: a link holds both as far apart as they are at rest";
+        at: Option<Vec3> = "none" "m",
+            "a point: the nearest vertex of the second mesh is linked to three of the first around it, a ball joint";
+        stiffness: Or<Infinite, Real> = "inf" "N/m" in Above(0.0), "of each link, or inf: rigid, with xpbd alone";
+    }
+    /// Vertices by name, number or place.
+    pub(super) struct Selection {
+        select: Option<String> = "none",
+            "\"corners\" (the two at one end of a sheet), \"highest\" or \"border\" (all on an edge of one triangle); \
+             give this, vertices or a box";
+        vertices: Option<Vec<u32>> = "none",
+            "numbers from 0, in the order of the file or the generator, mesh after mesh";
+        corners as "box": Option<[Vec3; 2]> = "none" "m",
+            "two corners such as [[0, 0, 0], [1, 1, 1]]: all vertices in between";
+    }
+    /// Of `[[pins]]`.
+    pub(super) struct Hold {
+        shift as "move": Option<Vec3> = "[0, 0, 0]" "m", "shift within the duration";
+        turn: Option<Vec3> = "[0, 0, 0]" "rad",
+            "rotation within the duration: its direction is the axis, its length the angle, any number of turns";
+        centre: Option<Vec3> = "[0, 0, 0]" "m", "a point on the axis of the turn";
+        duration: Real = 1 "s" in Above(0.0),
+            "how long shift and turn take, at a constant rate; the pins rest after it";
+        from: Real = 0 "s" in AtLeast(0.0),
+            "time at which the vertices are grabbed, wherever they are then; move and turn begin with it";
+        until: Option<Real> = "none" "s" in AtLeast(0.0),
+            "time at which they are released with the velocity they have, after from; none: never";
+    }
+    /// Of a `[[force]]`.
+    pub(super) struct Force {
+        force: Option<Vec3> = "needed" "N", "on all the chosen vertices together, spread over them by their masses";
+        from: Real = 0 "s" in AtLeast(0.0), "time from which on it acts: in steps that begin then or later";
+        until: Option<Real> = "none" "s" in AtLeast(0.0),
+            "time at which it ends, after from: it acts in steps that begin before; none: never";
+    }
+    /// Of a `[[tear]]`.
+    pub(super) struct Tear {
+        time: Option<Real> = "needed" "s" in AtLeast(0.0), "of the tear";
+        corners as "box": Option<[Vec3; 2]> = "needed" "m",
+            "two corners such as [[0, 0, 0], [1, 1, 1]]: triangles whose middle, at rest, is in between vanish";
+    }
+    /// Of a `[[seam]]`.
+    pub(super) struct Seam {
+        meshes: Option<Vec<u32>> = "needed",
+            "numbers of the two [[mesh]] tables, from 0, whose borders are sewn together, such as [0, 1]; the same one \
+             twice sews a piece to itself";
+        first: Option<Vec<u32>> = "none",
+            "vertices of the first chain in the order of the seam, from 0 in their own mesh, all on its border; give \
+             this or first_border";
+        first_border: Option<Vec<u32>> = "none",
+            "the two ends of the first chain, which goes along the border the shorter way; a number in between says \
+             which way, such as [0, 5, 40]";
+        second: Option<Vec<u32>> = "none",
+            "the same of the second chain: as many vertices, each for the one of the first in the same place";
+        second_border: Option<Vec<u32>> = "none",
+            "the same of the second chain; its first end is sewn to the first end of the other";
+        stiffness: Option<Real> = "none" "N/m" in Above(0.0),
+            "of the stitch between two vertices; none: the stiffness of the cloth's springs, or the modulus that is \
+             given in its place, of two pieces the smaller one";
+        from: Real = 0 "s" in AtLeast(0.0),
+            "time at which sewing begins, whatever the distance between two vertices is then";
+        until: Option<Real> = "none" "s" in AtLeast(0.0),
+            "time at which that distance, which falls at a constant rate, is zero, after from; none: the chains lie on \
+             each other at the start";
+    }
+    /// Of an `[[obstacle]]`.
+    pub(super) struct Obstacle {
+        shape: Option<Shape> = "needed",
+            "\"sphere\", \"box\", \"capsule\" (along its own z), \"plane\" (up along its own z), \"mesh\" (closed) or \
+             \"animation\" (open or closed, moved by its files)";
+        radius: Option<Real> = "needed" "m" in Above(0.0), "of a sphere or a capsule";
+        size: Option<Vec3> = "needed" "m" in Above(0.0), "the three edges of a box";
+        length: Option<Real> = "needed" "m" in AtLeast(0.0), "of the straight part of a capsule";
+        folder: Option<String> = "needed",
+            "of an animation: OBJ or PLY files in m with the same triangles, one shape each, in the order of their \
+             names";
+        interval: Option<Real> = "1/60" "s" in Above(0.0),
+            "time between two shapes of an animation; vertices go straight in between";
+        sampled: Option<Real> = "none" "m" in Above(0.0),
+            "of a mesh: spacing of a grid in which its signed distance is looked up, at most 0.87 spacings off; none: \
+             it is exact";
+        position: Option<Vec3> = "[0, 0, 0]" "m", "of the middle, or of a point on a plane, at the start";
+        rotate: Option<Vec3> = "[0, 0, 0]" "rad",
+            "rotation about the origin: its direction is the axis, its length the angle";
+        velocity: Option<Vec3> = "[0, 0, 0]" "m/s", "constant, or with a density at the start";
+        angular_velocity: Option<Vec3> = "[0, 0, 0]" "rad/s",
+            "the same of turning, about the position; with a density about the centre of mass";
+        density: Option<Real> = "none" "kg/m³" in Above(0.0),
+            "of a body that gravity pulls and the cloth pushes; none: it keeps its velocities, whatever pushes it. It \
+             stops, without a rebound and without friction, before held vertices and before other bodies, but for \
+             animations; other bodies pass through each other. A run cuts a step into parts that are short enough for \
+             the contact of the body";
+    }
+}
 
-pub(super) const FILE: Parameter = parameter(
-    "file",
-    "none",
-    "an OBJ or PLY file in m, its path relative to the scene file",
-);
-pub(super) const GENERATOR: Parameter = parameter(
-    "generator",
-    "none",
-    "a generated mesh such as \"grid:33x33:alternating\" (see meshes); give this or a file",
-);
-pub(super) const SCALE: Parameter = parameter(
-    "scale",
-    "1",
-    "factor above 0, or one for each axis such as [1, 0.25, 1]; first of all",
-);
-pub(super) const ROTATE: Parameter = parameter(
-    "rotate",
-    "[0, 0, 0]",
-    "rotation about the origin (rad): its direction is the axis, its length the angle",
-);
-pub(super) const TRANSLATE: Parameter =
-    parameter("translate", "[0, 0, 0]", "shift (m), last of all");
+crate::choices! {
+    /// Of an obstacle.
+    #[derive(PartialEq)]
+    pub(super) enum Shape {
+        Sphere = "sphere",
+        Box = "box",
+        Capsule = "capsule",
+        Plane = "plane",
+        Mesh = "mesh",
+        Animation = "animation",
+    }
+}
 
-pub(super) const PRESSURE: Parameter = parameter(
-    "pressure",
-    "none",
-    "gauge pressure (Pa) inside a closed piece; with a bulk_modulus when it has its volume at rest, otherwise always, as if a pump kept it; none: 0",
-);
-pub(super) const BULK_MODULUS: Parameter = parameter(
-    "bulk_modulus",
-    "none",
-    "K (Pa), above 0, of what is sealed inside a closed piece: its pressure falls by K for every volume at rest that is added; 1e5 for air, 2e9 for water; none: nothing is",
-);
-
-pub(super) const LINK_MESHES: Parameter = parameter(
-    "meshes",
-    "needed",
-    "numbers of the two [[mesh]] tables, from 0, that are joined, such as [0, 1]; the same one twice joins a piece to itself",
-);
-pub(super) const LINK_FIRST: Parameter = parameter(
-    "first",
-    "none",
-    "vertices of the first mesh, from 0 in their own; give first and second, or at",
-);
-pub(super) const LINK_SECOND: Parameter = parameter(
-    "second",
-    "none",
-    "as many of the second mesh, one for each: a link holds both as far apart as they are at rest",
-);
-pub(super) const LINK_AT: Parameter = parameter(
-    "at",
-    "none",
-    "a point (m): the nearest vertex of the second mesh is linked to three of the first around it, a ball joint",
-);
-pub(super) const LINK_STIFFNESS: Parameter = parameter(
-    "stiffness",
-    "inf",
-    "of each link (N/m), above 0, or inf: rigid, with xpbd alone",
-);
-
-pub(super) const SELECT: Parameter = parameter(
-    "select",
-    "none",
-    "\"corners\" (the two at one end of a sheet), \"highest\" or \"border\" (all on an edge of one triangle); give this, vertices or a box",
-);
-pub(super) const VERTICES: Parameter = parameter(
-    "vertices",
-    "none",
-    "numbers from 0, in the order of the file or the generator, mesh after mesh",
-);
-pub(super) const BOX: Parameter = parameter(
-    "box",
-    "none",
-    "two corners such as [[0, 0, 0], [1, 1, 1]] (m): all vertices in between",
-);
-pub(super) const MOVE: Parameter = parameter("move", "[0, 0, 0]", "shift (m) within the duration");
-pub(super) const TURN: Parameter = parameter(
-    "turn",
-    "[0, 0, 0]",
-    "rotation (rad) within the duration: its direction is the axis, its length the angle, any number of turns",
-);
-pub(super) const CENTRE: Parameter =
-    parameter("centre", "[0, 0, 0]", "a point (m) on the axis of the turn");
-pub(super) const DURATION: Parameter = parameter(
-    "duration",
-    "1",
-    "how long shift and turn take (s), above 0, at a constant rate; the pins rest after it",
-);
-
-pub(super) const FROM: Parameter = parameter(
-    "from",
-    "0",
-    "time (s) at which the vertices are grabbed, wherever they are then, at least 0; move and turn begin with it",
-);
-pub(super) const UNTIL: Parameter = parameter(
-    "until",
-    "none",
-    "time (s) at which they are released with the velocity they have, after from; none: never",
-);
-
-pub(super) const FORCE: Parameter = parameter(
-    "force",
-    "needed",
-    "on all the chosen vertices together (N), spread over them by their masses",
-);
-pub(super) const FORCE_FROM: Parameter = parameter(
-    "from",
-    "0",
-    "time (s) from which on it acts, at least 0: in steps that begin then or later",
-);
-pub(super) const FORCE_UNTIL: Parameter = parameter(
-    "until",
-    "none",
-    "time (s) at which it ends, after from: it acts in steps that begin before; none: never",
-);
-
-pub(super) const TEAR_TIME: Parameter = parameter("time", "needed", "of the tear (s), at least 0");
-pub(super) const TEAR_BOX: Parameter = parameter(
-    "box",
-    "needed",
-    "two corners such as [[0, 0, 0], [1, 1, 1]] (m): triangles whose middle, at rest, is in between vanish",
-);
-
-pub(super) const SEAM_MESHES: Parameter = parameter(
-    "meshes",
-    "needed",
-    "numbers of the two [[mesh]] tables, from 0, whose borders are sewn together, such as [0, 1]; the same one twice sews a piece to itself",
-);
-pub(super) const FIRST: Parameter = parameter(
-    "first",
-    "none",
-    "vertices of the first chain in the order of the seam, from 0 in their own mesh, all on its border; give this or first_border",
-);
-pub(super) const FIRST_BORDER: Parameter = parameter(
-    "first_border",
-    "none",
-    "the two ends of the first chain, which goes along the border the shorter way; a number in between says which way, such as [0, 5, 40]",
-);
-pub(super) const SECOND: Parameter = parameter(
-    "second",
-    "none",
-    "the same of the second chain: as many vertices, each for the one of the first in the same place",
-);
-pub(super) const SECOND_BORDER: Parameter = parameter(
-    "second_border",
-    "none",
-    "the same of the second chain; its first end is sewn to the first end of the other",
-);
-pub(super) const SEAM_STIFFNESS: Parameter = parameter(
-    "stiffness",
-    "none",
-    "of the stitch between two vertices (N/m), above 0; none: the stiffness of the cloth's springs, or the modulus that is given in its place, of two pieces the smaller one",
-);
-pub(super) const SEAM_FROM: Parameter = parameter(
-    "from",
-    "0",
-    "time (s) at which sewing begins, at least 0, whatever the distance between two vertices is then",
-);
-pub(super) const SEAM_UNTIL: Parameter = parameter(
-    "until",
-    "none",
-    "time (s) at which that distance, which falls at a constant rate, is zero, after from; none: the chains lie on each other at the start",
-);
-
-pub(super) const SHAPE: Parameter = parameter(
-    "shape",
-    "needed",
-    "\"sphere\", \"box\", \"capsule\" (along its own z), \"plane\" (up along its own z), \"mesh\" (closed) or \"animation\" (open or closed, moved by its files)",
-);
-pub(super) const FOLDER: Parameter = parameter(
-    "folder",
-    "needed",
-    "of an animation: OBJ or PLY files in m with the same triangles, one shape each, in the order of their names",
-);
-pub(super) const INTERVAL: Parameter = parameter(
-    "interval",
-    "1/60",
-    "time between two shapes of an animation (s), above 0; vertices go straight in between",
-);
-pub(super) const RADIUS: Parameter =
-    parameter("radius", "needed", "of a sphere or a capsule (m), above 0");
-pub(super) const EXTENT: Parameter =
-    parameter("size", "needed", "the three edges of a box (m), above 0");
-pub(super) const LENGTH: Parameter = parameter(
-    "length",
-    "needed",
-    "of the straight part of a capsule (m), at least 0",
-);
-pub(super) const SAMPLED: Parameter = parameter(
-    "sampled",
-    "none",
-    "of a mesh: spacing (m), above 0, of a grid in which its signed distance is looked up, at most 0.87 spacings off; none: it is exact",
-);
-pub(super) const POSITION: Parameter = parameter(
-    "position",
-    "[0, 0, 0]",
-    "of the middle, or of a point on a plane (m), at the start",
-);
-pub(super) const VELOCITY: Parameter = parameter(
-    "velocity",
-    "[0, 0, 0]",
-    "constant, or with a density at the start (m/s)",
-);
-pub(super) const ANGULAR_VELOCITY: Parameter = parameter(
-    "angular_velocity",
-    "[0, 0, 0]",
-    "the same of turning (rad/s), about the position; with a density about the centre of mass",
-);
-pub(super) const BODY_DENSITY: Parameter = parameter(
-    "density",
-    "none",
-    "of a body that gravity pulls and the cloth pushes (kg/m³), above 0; none: it keeps its velocities, whatever pushes it. It stops, without a rebound and without friction, before held vertices and before other bodies, but for animations; other bodies pass through each other. A run cuts a step into parts that are short enough for the contact of the body",
-);
-
-pub(super) const START_VELOCITY: Parameter = parameter(
-    "velocity",
-    "[0, 0, 0]",
-    "of every vertex that is not held (m/s)",
-);
-pub(super) const WAVE: Parameter = parameter(
-    "wave",
-    "[0, 0, 0]",
-    "amplitude (m) of a shift a sin(2π k·x), so that a flat sheet knows where to buckle",
-);
-pub(super) const WAVE_NUMBER: Parameter =
-    parameter("wave_number", "[0, 0, 0]", "k of the wave (1/m)");
-
-pub(super) const AIR_DENSITY: Parameter = parameter(
-    "density",
-    "1.2",
-    "of the air (kg/m³), at least 0; 1.2 at sea level",
-);
-pub(super) const DRAG: Parameter = parameter(
-    "drag",
-    "1.2",
-    "coefficient C_D of the force along the flow, at least 0; a plate has about 1.2",
-);
-pub(super) const LIFT: Parameter = parameter(
-    "lift",
-    "0",
-    "coefficient C_L of the force across the flow, at least 0, and 0 without drag",
-);
-pub(super) const WIND: Parameter = parameter("wind", "[0, 0, 0]", "velocity of the wind (m/s)");
+crate::settings! {
+    /// Of `[start]`.
+    pub(super) struct Start {
+        velocity: Option<Vec3> = "[0, 0, 0]" "m/s", "of every vertex that is not held";
+        wave: Option<Vec3> = "[0, 0, 0]" "m",
+            "amplitude of a shift a sin(2π k·x), so that a flat sheet knows where to buckle";
+        wave_number: Option<Vec3> = "[0, 0, 0]" "1/m", "k of the wave";
+    }
+    /// Of `[air]`.
+    pub(super) struct AirTable {
+        density: Option<Real> = 1.2 "kg/m³", "of the air; 1.2 at sea level";
+        drag: Option<Real> = 1.2, "coefficient C_D of the force along the flow, at least 0; a plate has about 1.2";
+        lift: Option<Real> = 0, "coefficient C_L of the force across the flow, at least 0, and 0 without drag";
+        wind: Option<Vec3> = "[0, 0, 0]" "m/s", "velocity of the wind";
+    }
+}
 
 /// Keys of `[cloth]`, which are those of `--set`.
-const CLOTH: &[Parameter] = &[
-    DENSITY,
-    STIFFNESS,
-    MODULUS,
-    MEMBRANE,
-    POISSON,
-    SHEAR,
-    cloth::COMPRESSION,
-    cloth::SLACK,
-    cloth::EDGES,
-    cloth::LEVEL,
-    cloth::FINE_SHARE,
-    RIGIDITY,
-    BENDING,
-    BENDING_STIFFNESS,
+pub(super) const CLOTH: &[&[Parameter]] = &[
+    Stiffness::PARAMETERS,
+    Material::PARAMETERS,
+    EdgeSprings::PARAMETERS,
 ];
+
+/// Keys of `[contact]`, which are those of `--set`.
+const CONTACT: &[&[Parameter]] = &[Surface::PARAMETERS, Contact::PARAMETERS];
 
 /// Below a `[[mesh]]`.
 pub(super) const MESH_CLOTH: SectionInfo = SectionInfo {
@@ -301,7 +206,7 @@ pub(super) const MESH_CONTACT: SectionInfo = SectionInfo {
     head: "[mesh.contact]",
     about: "below a [[mesh]]: what is different of the contact of this piece, which --set leaves as it is; two pieces keep half the sum \
             of their thicknesses, and have the geometric mean of their coefficients of friction, a piece and an obstacle too",
-    keys: &[THICKNESS, FRICTION, EXCLUDE],
+    keys: &[Surface::PARAMETERS, PieceContact::PARAMETERS],
 };
 
 /// Every table, in the order in which one would write them.
@@ -309,20 +214,12 @@ pub const SECTIONS: [SectionInfo; 15] = [
     SectionInfo {
         head: "",
         about: "before all tables",
-        keys: &[NAME, GRAVITY, DT, STEPS],
+        keys: &[Top::PARAMETERS],
     },
     SectionInfo {
         head: "[[mesh]]",
         about: "the cloth at rest; several make one cloth of several pieces",
-        keys: &[
-            FILE,
-            GENERATOR,
-            SCALE,
-            ROTATE,
-            TRANSLATE,
-            PRESSURE,
-            BULK_MODULUS,
-        ],
+        keys: &[Source::PARAMETERS, Piece::PARAMETERS],
     },
     MESH_CLOTH,
     MESH_CONTACT,
@@ -334,90 +231,57 @@ pub const SECTIONS: [SectionInfo; 15] = [
     SectionInfo {
         head: "[[pins]]",
         about: "held vertices, which may move, for some time or for ever",
-        keys: &[
-            SELECT, VERTICES, BOX, MOVE, TURN, CENTRE, DURATION, FROM, UNTIL,
-        ],
+        keys: &[Selection::PARAMETERS, Hold::PARAMETERS],
     },
     SectionInfo {
         head: "[[force]]",
         about: "a constant force on chosen vertices, for some time or for ever",
-        keys: &[SELECT, VERTICES, BOX, FORCE, FORCE_FROM, FORCE_UNTIL],
+        keys: &[Selection::PARAMETERS, Force::PARAMETERS],
     },
     SectionInfo {
         head: "[[tear]]",
         about: "triangles that are torn out; their mass stays with their corners",
-        keys: &[TEAR_TIME, TEAR_BOX],
+        keys: &[Tear::PARAMETERS],
     },
     SectionInfo {
         head: "[[seam]]",
         about: "two chains of border vertices that are drawn together, and then held together",
-        keys: &[
-            SEAM_MESHES,
-            FIRST,
-            FIRST_BORDER,
-            SECOND,
-            SECOND_BORDER,
-            SEAM_STIFFNESS,
-            SEAM_FROM,
-            SEAM_UNTIL,
-        ],
+        keys: &[Seam::PARAMETERS],
     },
     SectionInfo {
         head: "[[link]]",
         about: "links between vertices, as long as at rest: chains, joints, ragdolls",
-        keys: &[
-            LINK_MESHES,
-            LINK_FIRST,
-            LINK_SECOND,
-            LINK_AT,
-            LINK_STIFFNESS,
-        ],
+        keys: &[Link::PARAMETERS],
     },
     SectionInfo {
         head: "[start]",
         about: "where the cloth starts, unless at rest",
-        keys: &[START_VELOCITY, WAVE, WAVE_NUMBER],
+        keys: &[Start::PARAMETERS],
     },
     SectionInfo {
         head: "[air]",
         about: "the air that brakes and blows; without this table there is none",
-        keys: &[AIR_DENSITY, DRAG, LIFT, WIND],
+        keys: &[AirTable::PARAMETERS],
     },
     SectionInfo {
         head: "[[obstacle]]",
         about: "a body that the cloth can touch",
-        keys: &[
-            SHAPE,
-            RADIUS,
-            EXTENT,
-            LENGTH,
-            FILE,
-            GENERATOR,
-            SCALE,
-            FOLDER,
-            INTERVAL,
-            SAMPLED,
-            POSITION,
-            ROTATE,
-            VELOCITY,
-            ANGULAR_VELOCITY,
-            BODY_DENSITY,
-        ],
+        keys: &[Source::PARAMETERS, Obstacle::PARAMETERS],
     },
     SectionInfo {
         head: "[contact]",
         about: "how the cloth touches obstacles and itself",
-        keys: TOUCHING_ALONE,
+        keys: CONTACT,
     },
     SectionInfo {
         head: "[chain]",
         about: "a chain of links in the place of everything else but what stands before all tables",
-        keys: &[LINKS, LINK_LENGTH, LINK_MASS, TIP_MASS, STIFFNESS],
+        keys: &[Chain::PARAMETERS, Stiffness::PARAMETERS],
     },
 ];
 
 /// Keys that `--set` overrules.
 #[must_use]
-pub fn overrulable() -> [&'static [Parameter]; 2] {
-    [CLOTH, TOUCHING_ALONE]
+pub fn overrulable() -> Vec<&'static [Parameter]> {
+    [CLOTH, CONTACT].concat()
 }

@@ -1,9 +1,8 @@
 //! `[[link]]`: links between vertices, which keep the length that they have at rest.
 
 use super::document::Section;
-use super::keys::{LINK_AT, LINK_FIRST, LINK_MESHES, LINK_SECOND, LINK_STIFFNESS};
+use super::keys::Link;
 use crate::error::BenchError;
-use crate::settings::Parameter;
 use cloth_core::energy::Spring;
 use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::TriMesh;
@@ -22,35 +21,31 @@ pub(super) fn springs(
     counts: &[usize],
     mesh: &TriMesh,
 ) -> Result<Vec<Spring>, BenchError> {
-    let meshes = section.counts(&LINK_MESHES)?;
-    let meshes = meshes.ok_or_else(|| section.refuse_table("needs meshes"))?;
-    let &[first, second] = &meshes[..] else {
+    let own = section.read::<Link>()?;
+    let meshes = own.meshes.as_deref();
+    let &[first, second] = meshes.ok_or_else(|| section.refuse_table("needs meshes"))? else {
         let message = "meshes has to be two numbers such as [0, 1]";
-        return Err(section.refuse(&LINK_MESHES, message));
+        return Err(own.meshes.refuse(message));
     };
-    let piece = |number: u64| {
-        let number = usize::try_from(number).ok().filter(|&n| n < counts.len());
+    let piece = |number: u32| {
+        let number = Some(number as usize).filter(|&n| n < counts.len());
         let number = number.ok_or_else(|| {
             let message = format!(
                 "there is no mesh {first} or {second}, only 0 to {}",
                 counts.len() - 1
             );
-            section.refuse(&LINK_MESHES, message)
+            own.meshes.refuse(message)
         })?;
         let start = counts[..number].iter().sum();
         Ok::<_, BenchError>(start..start + counts[number])
     };
     let pieces = [piece(first)?, piece(second)?];
-    let lists = [section.counts(&LINK_FIRST)?, section.counts(&LINK_SECOND)?];
-    let ends = match (lists, section.vector(&LINK_AT)?) {
-        ([Some(first), Some(second)], None) => pairs(section, &[first, second], &pieces)?,
-        ([None, None], Some(point)) => joint(section, point, &pieces, mesh.positions())?,
+    let ends = match (&*own.first, &*own.second, *own.at) {
+        (Some(first), Some(second), None) => pairs(&own, [first, second], &pieces)?,
+        (None, None, Some(point)) => joint(&own, point, &pieces, mesh.positions())?,
         _ => return Err(section.refuse_table("needs first and second, or at")),
     };
-    let stiffness = section
-        .stiffness(&LINK_STIFFNESS)?
-        .unwrap_or(Real::INFINITY);
-    let springs = Spring::along(mesh.positions(), &ends, stiffness);
+    let springs = Spring::along(mesh.positions(), &ends, own.stiffness.number());
     match springs.iter().find(|spring| spring.rest_length == 0.0) {
         None => Ok(springs),
         Some(spring) => {
@@ -71,8 +66,8 @@ pub(super) fn reorder(springs: &mut [Spring], order: &Order) {
 
 /// Vertices that are given by their numbers.
 fn pairs(
-    section: &Section<'_>,
-    lists: &[Vec<u64>; 2],
+    own: &Link,
+    lists: [&[u32]; 2],
     pieces: &[Range<usize>; 2],
 ) -> Result<Vec<[u32; 2]>, BenchError> {
     let count = lists[0].len();
@@ -81,32 +76,31 @@ fn pairs(
             "there are {count} first vertices and {} second ones, but every link needs both",
             lists[1].len()
         );
-        return Err(section.refuse(&LINK_SECOND, message));
+        return Err(own.second.refuse(message));
     }
-    let keys: [&Parameter; 2] = [&LINK_FIRST, &LINK_SECOND];
-    let vertex = |side: usize, number: u64| {
-        let own = &pieces[side];
-        let found = usize::try_from(number).ok().filter(|&n| n < own.len());
-        let found = found.ok_or_else(|| {
-            let message = format!("there is no vertex {number}, only 0 to {}", own.len() - 1);
-            section.refuse(keys[side], message)
-        })?;
-        Ok::<_, BenchError>((own.start + found) as u32)
+    let keys = [&own.first, &own.second];
+    let vertex = |side: usize, number: u32| {
+        let Range { start, end } = pieces[side];
+        if (number as usize) < end - start {
+            return Ok(start as u32 + number);
+        }
+        let message = format!("there is no vertex {number}, only 0 to {}", end - start - 1);
+        Err(keys[side].refuse(message))
     };
-    let both = lists[0].iter().zip(&lists[1]);
+    let both = lists[0].iter().zip(lists[1]);
     both.map(|(&a, &b)| Ok([vertex(0, a)?, vertex(1, b)?]))
         .collect()
 }
 
 /// The nearest vertex of the second piece, linked to three of the first around it: three distances hold a point.
 fn joint(
-    section: &Section<'_>,
+    own: &Link,
     point: Vec3,
     [first, second]: &[Range<usize>; 2],
     x: &[Vec3],
 ) -> Result<Vec<[u32; 2]>, BenchError> {
     if first == second {
-        return Err(section.refuse(&LINK_AT, "a joint is between two pieces"));
+        return Err(own.at.refuse("a joint is between two pieces"));
     }
     let mut others: Vec<usize> = second.clone().collect();
     others.sort_by(|&a, &b| (x[a] - point).norm().total_cmp(&(x[b] - point).norm()));
@@ -128,6 +122,6 @@ fn joint(
         }
     }
     let message = "the first piece has no three vertices around the point that would hold it";
-    let anchors = best.1.ok_or_else(|| section.refuse(&LINK_AT, message))?;
+    let anchors = best.1.ok_or_else(|| own.at.refuse(message))?;
     Ok(anchors.map(|anchor| [anchor as u32, end as u32]).to_vec())
 }

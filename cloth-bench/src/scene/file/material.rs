@@ -2,7 +2,7 @@
 
 use super::document::Section;
 use crate::error::BenchError;
-use crate::scene::{RIGIDITY, cloth};
+use crate::scene::cloth;
 use crate::settings::Settings;
 use cloth_core::cloth::{ClothModel, Membrane, Piece};
 use cloth_core::math::Real;
@@ -13,6 +13,8 @@ use cloth_core::method::ordering::Order;
 pub(super) struct Material {
     /// Of every piece that has one of its own, after that of all others.
     settings: Vec<Settings>,
+    /// What stands in the tables of these pieces alone.
+    own: Vec<Settings>,
     /// Which of them each vertex has.
     of_vertex: Vec<usize>,
 }
@@ -20,25 +22,25 @@ pub(super) struct Material {
 impl Material {
     /// `common` is that of `[cloth]`, overruled; `own` are the tables of the pieces, and `counts` the numbers of their
     /// vertices.
-    pub(super) fn new(
-        common: &Settings,
-        own: &[Option<Section<'_>>],
-        counts: &[usize],
-    ) -> Result<Self, BenchError> {
+    pub(super) fn new(common: &Settings, own: &[Option<Section<'_>>], counts: &[usize]) -> Self {
         let mut settings = vec![common.clone()];
         let mut of_vertex = Vec::new();
         for (section, count) in own.iter().zip(counts) {
             let mut place = 0;
             if let Some(section) = section {
                 place = settings.len();
-                settings.push(section.settings(common.clone())?);
+                settings.push(section.settings(common.clone()));
             }
             of_vertex.extend(std::iter::repeat_n(place, *count));
         }
-        Ok(Self {
+        let own = own.iter().flatten();
+        Self {
             settings,
+            own: own
+                .map(|section| section.settings(Settings::default()))
+                .collect(),
             of_vertex,
-        })
+        }
     }
 
     /// The same for vertices in another order.
@@ -51,10 +53,10 @@ impl Material {
     /// hard constraints, which have none.
     pub(super) fn stiffness(&self, vertex: usize) -> Result<Real, BenchError> {
         let settings = &self.settings[self.of_vertex[vertex]];
-        if cloth::is_hard(settings) {
+        if cloth::is_hard(settings)? {
             return Ok(0.0);
         }
-        Ok(match cloth::described(settings, &RIGIDITY)?.membrane {
+        Ok(match cloth::described(settings)?.membrane {
             Membrane::SpringStiffness(value) | Membrane::Modulus(value) => value,
         })
     }
@@ -74,16 +76,17 @@ impl Material {
             let triangles: Vec<u32> = own.map(|(triangle, _)| triangle).collect();
             if !triangles.is_empty() {
                 pieces.push(Piece {
-                    cloth: cloth::described(settings, &RIGIDITY)?,
+                    cloth: cloth::described(settings)?,
                     carriers: cloth::carriers(settings)?,
                     triangles,
                 });
             }
         }
-        let mut model = ClothModel::of_pieces(mesh, &pieces).map_err(BenchError::usage)?;
-        cloth::harden(&mut model, |vertex| {
-            cloth::is_hard(&self.settings[self.of_vertex[vertex]])
-        });
+        let mut model = ClothModel::of_pieces(mesh, &pieces)
+            .map_err(|error| self.settings[0].blame(&self.own, error))?;
+        let is_hard = self.settings.iter().map(cloth::is_hard);
+        let is_hard: Vec<bool> = is_hard.collect::<Result<_, _>>()?;
+        cloth::harden(&mut model, |vertex| is_hard[self.of_vertex[vertex]]);
         Ok(model)
     }
 }

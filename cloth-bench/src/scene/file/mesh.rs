@@ -1,9 +1,10 @@
 //! `[[mesh]]`: the pieces of the cloth, each in its place.
 
 use super::document::Section;
-use super::keys::{FILE, GENERATOR, ROTATE, SCALE, TRANSLATE};
+use super::keys::{Piece, Source};
 use crate::error::BenchError;
 use crate::mesh_spec;
+use crate::settings::Factors;
 use cloth_core::math::Vec3;
 use cloth_core::mesh::{TriMesh, generate, io};
 use nalgebra::Rotation3;
@@ -17,7 +18,7 @@ pub(super) fn joined(
     let mut pieces = Vec::new();
     let mut from_file = false;
     for section in sections {
-        from_file |= section.value(&FILE).is_some();
+        from_file |= section.read::<Source>()?.file.is_some();
         pieces.push(piece(section, folder)?);
     }
     let counts = pieces.iter().map(TriMesh::vertex_count).collect();
@@ -33,24 +34,25 @@ pub(super) fn joined(
 
 /// The file or the generated mesh of a table, with its scale.
 pub(super) fn scaled(section: &Section<'_>, folder: &Path) -> Result<TriMesh, BenchError> {
-    let mesh = match (section.text(&FILE)?, section.text(&GENERATOR)?) {
+    let own = section.read::<Source>()?;
+    let mesh = match (own.file.as_deref(), own.generator.as_deref()) {
         (Some(file), None) => {
-            io::read(&folder.join(file)).map_err(|error| section.refuse(&FILE, error))?
+            io::read(&folder.join(file)).map_err(|error| own.file.refuse(error))?
         }
         (None, Some(spec)) if mesh_spec::is_file(spec) => {
             let message = format!("`{spec}` is no generator; a file goes under the key `file`");
-            return Err(section.refuse(&GENERATOR, message));
+            return Err(own.generator.refuse(message));
         }
-        (None, Some(spec)) => {
-            mesh_spec::load(spec).map_err(|error| section.refuse(&GENERATOR, error))?
-        }
+        (None, Some(spec)) => mesh_spec::load(spec).map_err(|error| own.generator.refuse(error))?,
         (None, None) => return Err(section.refuse_table("needs a file or a generator")),
         (Some(_), Some(_)) => {
-            return Err(section.refuse(&GENERATOR, "a file is given too: give one of them"));
+            return Err(own
+                .generator
+                .refuse("a file is given too: give one of them"));
         }
     };
     // What is not given changes no bit.
-    let Some(factors) = section.factors(&SCALE)? else {
+    let Some(Factors(factors)) = *own.scale else {
         return Ok(mesh);
     };
     let scaled = mesh.positions().iter().map(|x| x.component_mul(&factors));
@@ -61,11 +63,12 @@ pub(super) fn scaled(section: &Section<'_>, folder: &Path) -> Result<TriMesh, Be
 fn piece(section: &Section<'_>, folder: &Path) -> Result<TriMesh, BenchError> {
     let mesh = scaled(section, folder)?;
     let mut positions = mesh.positions().to_vec();
-    if let Some(rotation) = section.vector(&ROTATE)? {
+    let own = section.read::<Piece>()?;
+    if let Some(rotation) = *own.rotate {
         let rotation = Rotation3::new(rotation);
         positions.iter_mut().for_each(|x| *x = rotation * *x);
     }
-    if let Some(shift) = section.vector(&TRANSLATE)? {
+    if let Some(shift) = *own.translate {
         positions.iter_mut().for_each(|x: &mut Vec3| *x += shift);
     }
     TriMesh::new(positions, mesh.triangles().to_vec()).map_err(|error| section.refuse_table(error))

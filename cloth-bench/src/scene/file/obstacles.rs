@@ -1,16 +1,12 @@
 //! `[[obstacle]]`: rigid bodies, and their surfaces for pictures.
 
 use super::document::Section;
-use super::keys::{
-    ANGULAR_VELOCITY, BODY_DENSITY, EXTENT, FILE, FOLDER, GENERATOR, INTERVAL, LENGTH, POSITION,
-    RADIUS, ROTATE, SAMPLED, SCALE, SHAPE, VELOCITY,
-};
+use super::keys::{self, Shape, Source};
 use super::mesh;
 use crate::error::BenchError;
-use crate::names;
 use crate::scene::contact::{Body, splits};
 use crate::scene::touching;
-use crate::settings::Parameter;
+use crate::settings::Setting;
 use cloth_collide::obstacle::{
     AnimatedMesh, Capsule, ClosedMesh, Cuboid, HalfSpace, Obstacle, ObstacleError, Pose, RigidBody,
     RigidMotion, SampledDistance, Sphere,
@@ -28,33 +24,35 @@ pub(super) fn body(
     [size, thickness]: [Real; 2],
     gravity: Vec3,
 ) -> Result<Body, BenchError> {
-    if section.text(&SHAPE)? == Some("animation") {
-        return animated(section, folder);
+    let own = section.read::<keys::Obstacle>()?;
+    if *own.shape == Some(Shape::Animation) {
+        return animated(section, &own, folder);
     }
-    let (obstacle, surface, free) = rigid(section, folder, [size, thickness], gravity)?;
+    let (obstacle, surface, free) = rigid(section, &own, folder, [size, thickness], gravity)?;
     Ok(Body::Rigid {
         obstacle,
         surface,
         free: free.map(Box::new),
-        is_flat: section.text(&SHAPE)? == Some("plane"),
+        is_flat: *own.shape == Some(Shape::Plane),
     })
 }
 
 /// A surface whose shapes are the files of a folder.
-fn animated(section: &Section<'_>, folder: &Path) -> Result<Body, BenchError> {
-    only(section, &[&FOLDER, &INTERVAL])?;
-    if let Some(key) = [&VELOCITY, &ANGULAR_VELOCITY, &BODY_DENSITY]
-        .into_iter()
-        .find(|key| section.value(key).is_some())
-    {
-        let message = format!(
-            "{} has no meaning for this shape: its files say how it moves",
-            key.name
-        );
-        return Err(section.refuse(key, message));
+fn animated(
+    section: &Section<'_>,
+    own: &keys::Obstacle,
+    folder: &Path,
+) -> Result<Body, BenchError> {
+    only(section, own, &["folder", "interval"])?;
+    for key in [
+        own.velocity.bare(),
+        own.angular_velocity.bare(),
+        own.density.bare(),
+    ] {
+        key.refuse_given("for this shape: its files say how it moves")?;
     }
-    let name = needed(section, &FOLDER, section.text(&FOLDER)?)?;
-    let wrong = |error: &dyn std::fmt::Display| section.refuse(&FOLDER, error.to_string());
+    let name = needed(&own.folder)?;
+    let wrong = |error: &dyn std::fmt::Display| own.folder.refuse(error);
     let entries = std::fs::read_dir(folder.join(name)).map_err(|error| wrong(&error))?;
     let mut files: Vec<PathBuf> = Vec::new();
     for entry in entries {
@@ -65,7 +63,7 @@ fn animated(section: &Section<'_>, folder: &Path) -> Result<Body, BenchError> {
         }
     }
     files.sort();
-    let pose = motion(section)?.pose;
+    let pose = motion(own).pose;
     let mut first: Option<TriMesh> = None;
     let mut shapes = Vec::new();
     for file in &files {
@@ -83,29 +81,29 @@ fn animated(section: &Section<'_>, folder: &Path) -> Result<Body, BenchError> {
     let Some(mesh) = first else {
         return Err(wrong(&"has no OBJ or PLY file"));
     };
-    let interval = section.positive(&INTERVAL)?.unwrap_or(1.0 / 60.0);
+    let interval = own.interval.unwrap_or(1.0 / 60.0);
     let animation = AnimatedMesh::new(shapes, interval).map_err(|error| wrong(&error))?;
     Ok(Body::Animated(mesh, animation))
 }
 
 fn rigid(
     section: &Section<'_>,
+    own: &keys::Obstacle,
     folder: &Path,
     [size, thickness]: [Real; 2],
     gravity: Vec3,
 ) -> Result<(Obstacle, TriMesh, Option<RigidBody>), BenchError> {
     let refused = |error: ObstacleError| section.refuse_table(error);
-    let density = section.positive(&BODY_DENSITY)?;
+    let density = *own.density;
     let free = |body: Option<Result<RigidBody, ObstacleError>>| {
-        body.transpose()
-            .map_err(|error| section.refuse(&BODY_DENSITY, error))
+        body.transpose().map_err(|error| own.density.refuse(error))
     };
-    let motion = motion(section)?;
+    let motion = motion(own);
     let placed = |shape: Result<Obstacle, ObstacleError>| shape.map_err(refused);
-    match section.text(&SHAPE)? {
-        Some("sphere") => {
-            only(section, &[&RADIUS])?;
-            let radius = needed(section, &RADIUS, section.positive(&RADIUS)?)?;
+    match *own.shape {
+        Some(Shape::Sphere) => {
+            only(section, own, &["radius"])?;
+            let radius = *needed(&own.radius)?;
             let ball = Sphere::new(radius).map_err(refused)?;
             Ok((
                 placed(Obstacle::moving(ball, motion))?,
@@ -113,23 +111,22 @@ fn rigid(
                 free(density.map(|density| RigidBody::sphere(density, radius, gravity)))?,
             ))
         }
-        Some("box") => {
-            only(section, &[&EXTENT])?;
-            let edges = needed(section, &EXTENT, section.vector(&EXTENT)?)?;
+        Some(Shape::Box) => {
+            only(section, own, &["size"])?;
+            let edges = *needed(&own.size)?;
             let half = edges / 2.0;
-            let body = Cuboid::new(half).map_err(|error| section.refuse(&EXTENT, error))?;
+            let body = Cuboid::new(half).map_err(|error| own.size.refuse(error))?;
             Ok((
                 placed(Obstacle::moving(body, motion))?,
                 touching::block(half.into())?,
                 free(density.map(|density| RigidBody::cuboid(density, half, gravity)))?,
             ))
         }
-        Some("capsule") => {
-            only(section, &[&RADIUS, &LENGTH])?;
-            let radius = needed(section, &RADIUS, section.positive(&RADIUS)?)?;
-            let half = needed(section, &LENGTH, section.number(&LENGTH)?)? / 2.0;
-            let body =
-                Capsule::new(half, radius).map_err(|error| section.refuse(&LENGTH, error))?;
+        Some(Shape::Capsule) => {
+            only(section, own, &["radius", "length"])?;
+            let radius = *needed(&own.radius)?;
+            let half = *needed(&own.length)? / 2.0;
+            let body = Capsule::new(half, radius).map_err(|error| own.length.refuse(error))?;
             let ball = drawn(section, sphere(splits(radius, thickness), radius))?;
             // Both halves of the ball, moved apart.
             let stretch = |x: &Vec3| x + Vec3::z() * if x.z < 0.0 { -half } else { half };
@@ -141,56 +138,54 @@ fn rigid(
                 free(density.map(|density| RigidBody::capsule(density, half, radius, gravity)))?,
             ))
         }
-        Some("plane") => {
-            only(section, &[])?;
+        Some(Shape::Plane) => {
+            only(section, own, &[])?;
             let plane = HalfSpace::new(Vec3::z()).map_err(refused)?;
             let surface = touching::centred([1, 1], [1.5 * size; 2], Diagonals::OneWay)?;
             if density.is_some() {
                 let message = "a plane has no end, and so no mass";
-                return Err(section.refuse(&BODY_DENSITY, message));
+                return Err(own.density.refuse(message));
             }
             Ok((placed(Obstacle::moving(plane, motion))?, surface, None))
         }
-        Some("mesh") => {
-            only(section, &[&FILE, &GENERATOR, &SCALE, &SAMPLED])?;
-            let (surface, motion, body_of) = centred(section, folder, motion, density, gravity)?;
-            let body = ClosedMesh::new(&surface).map_err(|error| match section.value(&FILE) {
-                Some(_) => section.refuse(&FILE, error),
-                None => section.refuse(&GENERATOR, error),
-            })?;
-            let obstacle = match section.positive(&SAMPLED)? {
+        Some(Shape::Mesh) => {
+            only(section, own, &["file", "generator", "scale", "sampled"])?;
+            let (surface, motion, body_of) = centred(section, own, folder, motion, gravity)?;
+            let source = section.read::<Source>()?;
+            let key = match source.file.is_some() {
+                true => source.file,
+                false => source.generator,
+            };
+            let body = ClosedMesh::new(&surface).map_err(|error| key.refuse(error))?;
+            let obstacle = match *own.sampled {
                 None => Obstacle::moving(body, motion),
                 Some(spacing) => {
                     let padding = 2.0 * thickness + spacing;
                     let grid = SampledDistance::new(&body, spacing, padding)
-                        .map_err(|error| section.refuse(&SAMPLED, error))?;
+                        .map_err(|error| own.sampled.refuse(error))?;
                     Obstacle::moving(grid, motion)
                 }
             };
             Ok((placed(obstacle)?, surface, body_of))
         }
-        Some(other) => {
-            let known = ["sphere", "box", "capsule", "plane", "mesh", "animation"];
-            Err(section.refuse(&SHAPE, names::unknown("shape", other, &known)))
-        }
-        None => Err(section.refuse_table("needs a shape")),
+        Some(Shape::Animation) | None => Err(section.refuse_table("needs a shape")),
     }
 }
 
 /// The mesh of a body, and its motion. If it has a density, its frame has its origin in the centre of mass.
 fn centred(
     section: &Section<'_>,
+    own: &keys::Obstacle,
     folder: &Path,
     motion: RigidMotion,
-    density: Option<Real>,
     gravity: Vec3,
 ) -> Result<(TriMesh, RigidMotion, Option<RigidBody>), BenchError> {
     let surface = mesh::scaled(section, folder)?;
-    let Some(density) = density else {
+    let Some(density) = *own.density else {
         return Ok((surface, motion, None));
     };
     let (body, centre) = RigidBody::of_mesh(density, &surface, gravity)
-        .map_err(|error| section.refuse(&BODY_DENSITY, error))?;
+        .map_err(|error| own.density.refuse(error))?;
     let shifted = surface.positions().iter().map(|x| x - centre);
     let shifted = TriMesh::new(shifted.collect(), surface.triangles().to_vec());
     let pose = Pose {
@@ -204,32 +199,36 @@ fn centred(
     ))
 }
 
-fn motion(section: &Section<'_>) -> Result<RigidMotion, BenchError> {
-    let pose = Pose::at(section.vector(&POSITION)?.unwrap_or_default());
-    Ok(RigidMotion {
-        pose: pose.turned(section.vector(&ROTATE)?.unwrap_or_default()),
-        velocity: section.vector(&VELOCITY)?.unwrap_or_default(),
-        angular_velocity: section.vector(&ANGULAR_VELOCITY)?.unwrap_or_default(),
-    })
+fn motion(own: &keys::Obstacle) -> RigidMotion {
+    let pose = Pose::at(own.position.unwrap_or_default());
+    RigidMotion {
+        pose: pose.turned(own.rotate.unwrap_or_default()),
+        velocity: own.velocity.unwrap_or_default(),
+        angular_velocity: own.angular_velocity.unwrap_or_default(),
+    }
 }
 
-fn needed<T>(section: &Section<'_>, key: &Parameter, value: Option<T>) -> Result<T, BenchError> {
-    value.ok_or_else(|| section.refuse_table(format!("this shape needs the key {}", key.name)))
+fn needed<T>(setting: &Setting<Option<T>>) -> Result<&T, BenchError> {
+    let message = || format!("this shape needs the key {}", setting.name());
+    setting.as_ref().ok_or_else(|| setting.refuse(message()))
 }
 
 /// Refuses measures that the shape does not have.
-fn only(section: &Section<'_>, used: &[&Parameter]) -> Result<(), BenchError> {
-    let unused = [
-        &RADIUS, &EXTENT, &LENGTH, &FILE, &GENERATOR, &SCALE, &FOLDER, &INTERVAL, &SAMPLED,
+fn only(section: &Section<'_>, own: &keys::Obstacle, used: &[&str]) -> Result<(), BenchError> {
+    let source = section.read::<Source>()?;
+    let measures = [
+        own.radius.bare(),
+        own.size.bare(),
+        own.length.bare(),
+        source.file.bare(),
+        source.generator.bare(),
+        source.scale.bare(),
+        own.folder.bare(),
+        own.interval.bare(),
+        own.sampled.bare(),
     ];
-    let mut unused = unused.into_iter().filter(|key| !used.contains(key));
-    match unused.find(|key| section.value(key).is_some()) {
-        None => Ok(()),
-        Some(key) => {
-            let message = format!("{} has no meaning for this shape", key.name);
-            Err(section.refuse(key, message))
-        }
-    }
+    let mut unused = measures.iter().filter(|key| !used.contains(&key.name()));
+    unused.try_for_each(|key| key.refuse_given("for this shape"))
 }
 
 fn drawn(

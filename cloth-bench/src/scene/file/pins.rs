@@ -1,7 +1,7 @@
 //! `[[pins]]`: held vertices and their ways.
 
 use super::document::Section;
-use super::keys::{BOX, CENTRE, DURATION, FROM, MOVE, SELECT, TURN, UNTIL, VERTICES};
+use super::keys::{self, Selection};
 use crate::error::BenchError;
 use crate::names;
 use crate::scene::{Change, ChangeKind, Motion, pins};
@@ -18,29 +18,27 @@ pub(super) fn chosen(
     up: Vec3,
 ) -> Result<Vec<usize>, BenchError> {
     let positions = mesh.positions();
-    let select = section.text(&SELECT)?;
-    let numbers = section.counts(&VERTICES)?;
-    let corners = section.corners(&BOX)?;
-    match (select, numbers, corners) {
+    let own = section.read::<Selection>()?;
+    match (own.select.as_deref(), own.vertices.as_deref(), *own.corners) {
         (Some(name), None, None) => {
             let known = ["corners", "highest", "border"];
             if name == "border" {
-                return border(section, mesh);
+                return border(&own, mesh);
             }
             if known.contains(&name) {
                 return pins::chosen(name, positions, up);
             }
-            Err(section.refuse(&SELECT, names::unknown("selection", name, &known)))
+            Err(own.select.refuse(names::unknown("selection", name, &known)))
         }
         (None, Some(numbers), None) => {
-            let beyond = numbers.iter().find(|&&n| n >= positions.len() as u64);
+            let beyond = numbers.iter().find(|&&n| n as usize >= positions.len());
             match beyond {
-                None => Ok(numbers.into_iter().map(|n| n as usize).collect()),
+                None => Ok(numbers.iter().map(|&n| n as usize).collect()),
                 Some(vertex) => {
                     let count = positions.len();
                     let message =
                         format!("there is no vertex {vertex}, only {count}, counted from 0");
-                    Err(section.refuse(&VERTICES, message))
+                    Err(own.vertices.refuse(message))
                 }
             }
         }
@@ -51,7 +49,7 @@ pub(super) fn chosen(
                 .filter(|&v| inside(&positions[v]))
                 .collect();
             if found.is_empty() {
-                return Err(section.refuse(&BOX, "there is no vertex in the box"));
+                return Err(own.corners.refuse("there is no vertex in the box"));
             }
             Ok(found)
         }
@@ -60,8 +58,8 @@ pub(super) fn chosen(
 }
 
 /// All vertices on edges of one triangle alone.
-fn border(section: &Section<'_>, mesh: &TriMesh) -> Result<Vec<usize>, BenchError> {
-    let edges = EdgeTable::build(mesh).map_err(|error| section.refuse(&SELECT, error))?;
+fn border(own: &Selection, mesh: &TriMesh) -> Result<Vec<usize>, BenchError> {
+    let edges = EdgeTable::build(mesh).map_err(|error| own.select.refuse(error))?;
     let numbered = edges.ends().iter().enumerate();
     let border = numbered.filter(|(edge, _)| edges.is_boundary(*edge));
     let mut vertices: Vec<usize> = border
@@ -70,7 +68,7 @@ fn border(section: &Section<'_>, mesh: &TriMesh) -> Result<Vec<usize>, BenchErro
     vertices.sort_unstable();
     vertices.dedup();
     if vertices.is_empty() {
-        return Err(section.refuse(&SELECT, "a closed mesh has no border"));
+        return Err(own.select.refuse("a closed mesh has no border"));
     }
     Ok(vertices)
 }
@@ -85,28 +83,23 @@ pub(super) struct Hold {
 
 /// What a table says of these vertices.
 pub(super) fn hold(section: &Section<'_>, vertices: Vec<usize>) -> Result<Hold, BenchError> {
-    let duration = section.positive(&DURATION)?.unwrap_or(1.0);
-    let shift = section.vector(&MOVE)?;
-    let turn = section.vector(&TURN)?;
-    let centre = section.vector(&CENTRE)?.unwrap_or_default();
-    for key in [&CENTRE, &DURATION] {
-        let is_used = turn.is_some() || (key.name == DURATION.name && shift.is_some());
-        if section.value(key).is_some() && !is_used {
-            let message = format!("{} has no meaning without a turn or a move", key.name);
-            return Err(section.refuse(key, message));
-        }
+    let own = section.read::<keys::Hold>()?;
+    let (shift, turn, from, until) = (*own.shift, *own.turn, *own.from, *own.until);
+    if turn.is_none() {
+        own.centre.refuse_without("a turn or a move")?;
     }
-    let from = section.not_negative(&FROM)?.unwrap_or(0.0);
-    let until = section.not_negative(&UNTIL)?;
+    if turn.is_none() && shift.is_none() {
+        own.duration.refuse_without("a turn or a move")?;
+    }
     if until.is_some_and(|until| until <= from) {
         let message = format!("until has to be later than from, which is {from} s");
-        return Err(section.refuse(&UNTIL, message));
+        return Err(own.until.refuse(message));
     }
     let motion = (turn.is_some() || shift.is_some()).then(|| Motion {
         shift: shift.unwrap_or_default(),
         turn: turn.unwrap_or_default(),
-        centre,
-        duration,
+        centre: own.centre.unwrap_or_default(),
+        duration: *own.duration,
     });
     Ok(Hold {
         vertices,

@@ -1,10 +1,10 @@
 //! `[mesh.contact]`: pieces that are not equally thick or rough.
 
 use super::document::Section;
+use super::keys;
 use crate::error::BenchError;
-use crate::scene::contact::{EXCLUDE, FRICTION, PieceContact, THICKNESS};
-use crate::settings::Settings;
-use cloth_core::math::Real;
+use crate::scene::contact::{PieceContact, Surface};
+use crate::settings::{Settings, Table};
 use cloth_core::method::ordering::Order;
 
 /// Thickness and friction of every vertex, if a piece has its own; `common` is what `[contact]` says, `counts` are the
@@ -21,25 +21,14 @@ pub(super) fn of_pieces(
     let (mut thickness, mut friction) = (Vec::new(), Vec::new());
     let (mut piece, mut excluded) = (Vec::new(), Vec::new());
     for ((number, section), count) in (0..).zip(own).zip(counts) {
-        for other in section
-            .iter()
-            .flat_map(|section| others(section, own.len()))
-        {
-            excluded.push([number, other?]);
+        if let Some(section) = section {
+            excluded.extend(others(section, own.len())?.map(|other| [number, other]));
         }
         piece.extend(std::iter::repeat_n(number, *count));
-        let [h, mu]: [Real; 2] = match section {
-            None => [common.positive(&THICKNESS)?, common.number(&FRICTION)?],
-            Some(section) => {
-                let settings = section.settings(common.clone())?;
-                let blame = |error| section.blame(error, &Settings::default());
-                let mu = section.not_negative(&FRICTION)?;
-                let h = settings.positive(&THICKNESS).map_err(blame)?;
-                [h, mu.map_or_else(|| settings.number(&FRICTION), Ok)?]
-            }
-        };
-        thickness.extend(std::iter::repeat_n(h, *count));
-        friction.extend(std::iter::repeat_n(mu, *count));
+        let settings = section.map(|section| section.settings(common.clone()));
+        let surface = Surface::read(settings.as_ref().unwrap_or(common))?;
+        thickness.extend(std::iter::repeat_n(*surface.thickness, *count));
+        friction.extend(std::iter::repeat_n(*surface.friction, *count));
     }
     Ok(Some(PieceContact {
         thickness: ordered(thickness, order),
@@ -57,17 +46,14 @@ fn ordered<T: Copy>(values: Vec<T>, order: Option<&Order>) -> Vec<T> {
 }
 
 /// The pieces that one passes through.
-fn others(section: &Section<'_>, count: usize) -> Vec<Result<u32, BenchError>> {
-    let numbers = match section.counts(&EXCLUDE) {
-        Ok(numbers) => numbers.unwrap_or_default(),
-        Err(error) => return vec![Err(error)],
-    };
-    let checked = |number: u64| match u32::try_from(number) {
-        Ok(number) if (number as usize) < count => Ok(number),
-        _ => {
-            let message = format!("there is no mesh {number}, only 0 to {}", count - 1);
-            Err(section.refuse(&EXCLUDE, message))
-        }
-    };
-    numbers.into_iter().map(checked).collect()
+fn others(section: &Section<'_>, count: usize) -> Result<impl Iterator<Item = u32>, BenchError> {
+    let own = section.read::<keys::PieceContact>()?;
+    let numbers = (*own.exclude).clone().unwrap_or_default();
+    match numbers.iter().find(|&&number| number as usize >= count) {
+        Some(number) => Err(own.exclude.refuse(format!(
+            "there is no mesh {number}, only 0 to {}",
+            count - 1
+        ))),
+        None => Ok(numbers.into_iter()),
+    }
 }

@@ -1,13 +1,11 @@
 //! `[[seam]]`: two chains of border vertices that are drawn together.
 
 use super::document::Section;
-use super::keys::{
-    FIRST, FIRST_BORDER, SEAM_FROM, SEAM_MESHES, SEAM_STIFFNESS, SEAM_UNTIL, SECOND, SECOND_BORDER,
-};
+use super::keys::Seam;
 use super::material::Material;
 use crate::error::BenchError;
 use crate::scene::{Change, ChangeKind, Scene};
-use crate::settings::Parameter;
+use crate::settings::Setting;
 use cloth_core::energy::Stitch;
 use cloth_core::math::Real;
 use cloth_core::mesh::TriMesh;
@@ -53,22 +51,22 @@ impl<'a> Borders<'a> {
 
     /// The pairs of vertices that a table sews together.
     pub(super) fn pairs(&self, section: &Section<'_>) -> Result<Vec<[u32; 2]>, BenchError> {
-        let meshes = section.counts(&SEAM_MESHES)?;
-        let meshes = meshes.ok_or_else(|| section.refuse_table("needs meshes"))?;
-        let &[first, second] = &meshes[..] else {
+        let own = section.read::<Seam>()?;
+        let meshes = own.meshes.as_deref();
+        let &[first, second] = meshes.ok_or_else(|| section.refuse_table("needs meshes"))? else {
             let message = "meshes has to be two numbers such as [0, 1]";
-            return Err(section.refuse(&SEAM_MESHES, message));
+            return Err(own.meshes.refuse(message));
         };
-        let first = self.chain(section, first, [&FIRST, &FIRST_BORDER])?;
-        let (keys, first_count) = ([&SECOND, &SECOND_BORDER], first.len());
-        let second = self.chain(section, second, keys)?;
-        let key = given(section, keys);
+        let first = self.chain(&own, first, [&own.first, &own.first_border])?;
+        let (keys, first_count) = ([&own.second, &own.second_border], first.len());
+        let second = self.chain(&own, second, keys)?;
+        let key = given(keys);
         if second.len() != first_count {
             let message = format!(
                 "the first chain has {first_count} vertices and the second {}, but a seam needs as many in both",
                 second.len()
             );
-            return Err(section.refuse(key, message));
+            return Err(key.refuse(message));
         }
         let pairs: Vec<[u32; 2]> = first
             .into_iter()
@@ -79,13 +77,13 @@ impl<'a> Borders<'a> {
         for &[a, b] in &pairs {
             if firsts().any(|first| first == b) {
                 let message = format!("vertex {} is in both chains", self.own(b));
-                return Err(section.refuse(key, message));
+                return Err(key.refuse(message));
             }
             if self.edges.find(a, b).is_some() {
                 let [a, b] = [a, b].map(|v| self.own(v));
                 let message =
                     format!("vertices {a} and {b} are the ends of one edge, which would vanish");
-                return Err(section.refuse(key, message));
+                return Err(key.refuse(message));
             }
         }
         Ok(pairs)
@@ -99,55 +97,53 @@ impl<'a> Borders<'a> {
     }
 
     /// The vertices of one side, in the numbers of the joined mesh.
-    fn chain(
-        &self,
-        section: &Section<'_>,
-        mesh: u64,
-        keys: [&Parameter; 2],
-    ) -> Result<Vec<u32>, BenchError> {
-        let piece = usize::try_from(mesh).ok().and_then(|n| self.pieces.get(n));
-        let Some(piece) = piece else {
+    fn chain(&self, own: &Seam, mesh: u32, keys: [&Numbers; 2]) -> Result<Vec<u32>, BenchError> {
+        let Some(piece) = self.pieces.get(mesh as usize) else {
             let message = format!(
                 "there is no mesh {mesh}, only 0 to {}",
                 self.pieces.len() - 1
             );
-            return Err(section.refuse(&SEAM_MESHES, message));
+            return Err(own.meshes.refuse(message));
         };
         let [list, border] = keys;
-        let key = given(section, keys);
-        let numbers = match (section.counts(list)?, section.counts(border)?) {
+        let key = given(keys);
+        let numbers = match (&**list, &**border) {
             (Some(numbers), None) | (None, Some(numbers)) => numbers,
             _ => {
-                let message = format!("needs one of the keys {} and {}", list.name, border.name);
-                return Err(section.refuse_table(message));
+                let message = format!(
+                    "needs one of the keys {} and {}",
+                    list.name(),
+                    border.name()
+                );
+                return Err(key.refuse(message));
             }
         };
         let mut chain = Vec::with_capacity(numbers.len());
-        for number in numbers {
-            if number >= piece.len() as u64 {
+        for &number in numbers {
+            if number as usize >= piece.len() {
                 let message = format!(
                     "mesh {mesh} has no vertex {number}, only {}, counted from 0",
                     piece.len()
                 );
-                return Err(section.refuse(key, message));
+                return Err(key.refuse(message));
             }
             let vertex = (piece.start + number as usize) as u32;
             if !self.loops.iter().any(|border| border.contains(&vertex)) {
                 let message = format!("vertex {number} of mesh {mesh} is not on its border");
-                return Err(section.refuse(key, message));
+                return Err(key.refuse(message));
             }
             if chain.contains(&vertex) {
                 let message = format!("vertex {number} is there twice");
-                return Err(section.refuse(key, message));
+                return Err(key.refuse(message));
             }
             chain.push(vertex);
         }
-        if key.name == border.name {
+        if key.name() == border.name() {
             let between = self.between(&chain);
-            return between.map_err(|message| section.refuse(key, message));
+            return between.map_err(|message| key.refuse(message));
         }
         if chain.is_empty() {
-            return Err(section.refuse(key, "there is no vertex in it"));
+            return Err(key.refuse("there is no vertex in it"));
         }
         Ok(chain)
     }
@@ -191,12 +187,12 @@ impl<'a> Borders<'a> {
     }
 }
 
+/// Numbers of vertices, if they are given.
+type Numbers = Setting<Option<Vec<u32>>>;
+
 /// The key of two that is given.
-fn given<'k>(section: &Section<'_>, [list, border]: [&'k Parameter; 2]) -> &'k Parameter {
-    match section.value(list) {
-        Some(_) => list,
-        None => border,
-    }
+fn given([list, border]: [&Numbers; 2]) -> &Numbers {
+    if list.is_given() { list } else { border }
 }
 
 /// Refuses a pair of vertices that is sewn together twice.
@@ -228,13 +224,12 @@ pub(super) fn apply(
         let vertices = pairs.iter_mut().flatten();
         vertices.for_each(|v| *v = order.new_of_old()[*v as usize]);
     }
-    let from = section.not_negative(&SEAM_FROM)?.unwrap_or(0.0);
-    let until = section.not_negative(&SEAM_UNTIL)?;
+    let own = section.read::<Seam>()?;
+    let (from, until) = (*own.from, *own.until);
     if until.is_some_and(|until| until <= from) {
         let message = format!("until has to be later than from, which is {from} s");
-        return Err(section.refuse(&SEAM_UNTIL, message));
+        return Err(own.until.refuse(message));
     }
-    let own = section.positive(&SEAM_STIFFNESS)?;
     let mut stiffness = Vec::with_capacity(pairs.len());
     for pair in &pairs {
         let of_cloth = || -> Result<Real, BenchError> {
@@ -246,11 +241,11 @@ pub(super) fn apply(
             let message = "needs a stiffness, since that of the cloth is 0 or infinite";
             Err(section.refuse_table(message))
         };
-        stiffness.push(own.map_or_else(of_cloth, Ok)?);
+        stiffness.push(own.stiffness.map_or_else(of_cloth, Ok)?);
     }
     if from > 0.0 {
         let Some(until) = until else {
-            return Err(section.refuse(&SEAM_FROM, "from needs until"));
+            return Err(own.from.refuse("from needs until"));
         };
         let kind = ChangeKind::Sew {
             pairs,

@@ -1,13 +1,14 @@
 //! `[start]`: how the cloth differs from rest when the run begins.
 
 use super::document::Section;
-use super::keys::{START_VELOCITY, WAVE, WAVE_NUMBER};
+use super::keys::Start;
 use crate::error::BenchError;
 use crate::scene::Scene;
 use std::f64::consts::TAU;
 
 pub(super) fn apply(section: &Section<'_>, scene: &mut Scene) -> Result<(), BenchError> {
-    if let Some(velocity) = section.vector(&START_VELOCITY)? {
+    let own = section.read::<Start>()?;
+    if let Some(velocity) = *own.velocity {
         let inverse_mass = scene.model.particles.inverse_mass();
         for (v, w) in scene.start.velocities.iter_mut().zip(inverse_mass) {
             if *w > 0.0 {
@@ -15,8 +16,7 @@ pub(super) fn apply(section: &Section<'_>, scene: &mut Scene) -> Result<(), Benc
             }
         }
     }
-    let (wave, number) = (section.vector(&WAVE)?, section.vector(&WAVE_NUMBER)?);
-    match (wave, number) {
+    match (*own.wave, *own.wave_number) {
         (None, None) => {}
         (Some(wave), Some(number)) => {
             let number = number * TAU;

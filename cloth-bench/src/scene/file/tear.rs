@@ -1,7 +1,7 @@
 //! `[[tear]]`: triangles that vanish at a time.
 
 use super::document::Section;
-use super::keys::{TEAR_BOX, TEAR_TIME};
+use super::keys::Tear;
 use super::material::Material;
 use crate::error::BenchError;
 use crate::scene::{Change, ChangeKind};
@@ -16,16 +16,19 @@ pub(super) fn tears(
 ) -> Result<Vec<Change>, BenchError> {
     let mut timed = Vec::new();
     for section in sections {
-        let time = section.not_negative(&TEAR_TIME)?;
-        let time = time.ok_or_else(|| section.refuse_table("needs a time"))?;
-        let corners = section.corners(&TEAR_BOX)?;
-        let corners = corners.ok_or_else(|| section.refuse_table("needs a box"))?;
-        timed.push((time, corners, section));
+        let own = section.read::<Tear>()?;
+        let time = own
+            .time
+            .ok_or_else(|| section.refuse_table("needs a time"))?;
+        let corners = own
+            .corners
+            .ok_or_else(|| section.refuse_table("needs a box"))?;
+        timed.push((time, corners, (section, own)));
     }
     timed.sort_by(|a, b| a.0.total_cmp(&b.0));
     let mut is_left = vec![true; mesh.triangles().len()];
     let mut changes = Vec::new();
-    for (time, [a, b], section) in timed {
+    for (time, [a, b], (section, own)) in timed {
         let (low, high) = (a.inf(&b), a.sup(&b));
         let is_torn = |corners: [u32; 3]| {
             let sum: Vec3 = corners.map(|v| mesh.positions()[v as usize]).iter().sum();
@@ -41,11 +44,11 @@ pub(super) fn tears(
         }
         if count == 0 {
             let message = "there is no triangle in the box, or it has been torn out before";
-            return Err(section.refuse(&TEAR_BOX, message));
+            return Err(own.corners.refuse(message));
         }
         let kept = mesh.triangles().iter().zip(&is_left);
         let kept: Vec<[u32; 3]> = kept.filter(|(_, left)| **left).map(|(t, _)| *t).collect();
-        refuse_lonely(section, &kept, mesh)?;
+        refuse_lonely(&own, &kept, mesh)?;
         let rest = TriMesh::new(mesh.positions().to_vec(), kept);
         let rest = rest.map_err(|error| section.refuse_table(error))?;
         let model = material.cut(mesh, |triangle| is_left[triangle])?;
@@ -61,11 +64,7 @@ pub(super) fn tears(
 }
 
 /// Refuses to leave a vertex without any triangle.
-fn refuse_lonely(
-    section: &Section<'_>,
-    kept: &[[u32; 3]],
-    mesh: &TriMesh,
-) -> Result<(), BenchError> {
+fn refuse_lonely(own: &Tear, kept: &[[u32; 3]], mesh: &TriMesh) -> Result<(), BenchError> {
     let mut has_triangle = vec![false; mesh.vertex_count()];
     for vertex in kept.iter().flatten() {
         has_triangle[*vertex as usize] = true;
@@ -77,6 +76,6 @@ fn refuse_lonely(
             "the vertex at ({}, {}, {}) m would be left without a triangle: make the box narrower",
             x.x, x.y, x.z
         );
-        Err(section.refuse(&TEAR_BOX, message))
+        Err(own.corners.refuse(message))
     })
 }

@@ -44,7 +44,7 @@ fn timed<T>(work: impl FnOnce() -> T) -> Real {
 }
 
 /// The row of the tree: making it, letting it follow its boxes, and searching it.
-fn tree_alone(triangles: usize, boxes: &[Bounds]) -> Result<[Cell; 4], BenchError> {
+fn tree_alone(triangles: usize, boxes: &[Bounds]) -> Result<[(&'static str, Cell); 4], BenchError> {
     let mut tree = Hierarchy::over(boxes);
     let build = shortest(|| Ok(timed(|| Hierarchy::over(boxes))))?;
     let refit = shortest(|| Ok(timed(|| tree.refit(boxes.iter().copied()))))?;
@@ -54,10 +54,10 @@ fn tree_alone(triangles: usize, boxes: &[Bounds]) -> Result<[Cell; 4], BenchErro
         Ok(timed(|| tree.visit_overlapping(|a, b| pairs.push([a, b]))))
     })?;
     Ok([
-        Cell::from(triangles),
-        Cell::from(build),
-        Cell::from(refit),
-        Cell::from(query),
+        ("triangles", Cell::from(triangles)),
+        ("build (ms)", Cell::from(build)),
+        ("refit (ms)", Cell::from(refit)),
+        ("search (ms)", Cell::from(query)),
     ])
 }
 
@@ -70,7 +70,7 @@ fn search(
     positions: &[Vec3],
     boxes: &[Bounds],
     margin: Real,
-) -> Result<[Cell; 8], BenchError> {
+) -> Result<[(&'static str, Cell); 8], BenchError> {
     let mut pairs = Vec::new();
     let first = shortest(|| {
         let mut fresh = new();
@@ -87,14 +87,17 @@ fn search(
     let found = candidates.vertex_triangle().len() + candidates.edge_edge().len();
     let triangles = mesh.triangle_count();
     Ok([
-        Cell::from(triangles),
-        Cell::from(name),
-        Cell::from(first),
-        Cell::from(again),
-        Cell::from(pairs.len()),
-        Cell::from(all),
-        Cell::from(found),
-        Cell::from(1e6 * all / triangles as Real),
+        ("triangles", Cell::from(triangles)),
+        ("broad phase", Cell::from(name)),
+        ("first (ms)", Cell::from(first)),
+        ("again (ms)", Cell::from(again)),
+        ("pairs of triangles", Cell::from(pairs.len())),
+        ("candidates (ms)", Cell::from(all)),
+        ("candidates", Cell::from(found)),
+        (
+            "candidates, ns a triangle",
+            Cell::from(1e6 * all / triangles as Real),
+        ),
     ])
 }
 
@@ -175,29 +178,9 @@ pub(super) fn run(
     findings: &mut Findings,
     progress: &mut dyn FnMut(&str),
 ) -> Result<String, BenchError> {
-    let mut searches = Table::new(&[
-        "triangles",
-        "broad phase",
-        "first (ms)",
-        "again (ms)",
-        "pairs of triangles",
-        "candidates (ms)",
-        "candidates",
-        "candidates, ns a triangle",
-    ]);
-    let mut tree = Table::new(&["triangles", "build (ms)", "refit (ms)", "search (ms)"]);
-    let mut costs = Table::new(&[
-        "triangles",
-        "moves as one (ms)",
-        "pressed (ms)",
-        "pairs looked at",
-        "rows",
-        "pressed, µs a triangle",
-        "XPBD step (ms)",
-        "PD step (ms)",
-        "pressed / XPBD step",
-        "pressed / PD step",
-    ]);
+    let mut searches = Table::default();
+    let mut tree = Table::default();
+    let mut costs = Table::default();
     let mut cost = Cost::default();
     let mut each = Vec::new();
     for &side in sides(scope) {
@@ -232,16 +215,28 @@ pub(super) fn run(
             each.push(per_triangle);
         }
         costs.push([
-            Cell::from(triangles),
-            Cell::from(together),
-            Cell::from(pressed),
-            Cell::from(contacts.constraint_report().looked as usize),
-            Cell::from(contacts.constraint_report().rows as usize),
-            Cell::from(1e3 * per_triangle),
-            Cell::from(steps.map(|s| s[0])),
-            Cell::from(steps.map(|s| s[1])),
-            Cell::from(steps.map(|s| pressed / s[0])),
-            Cell::from(steps.map(|s| pressed / s[1])),
+            ("triangles", Cell::from(triangles)),
+            ("moves as one (ms)", Cell::from(together)),
+            ("pressed (ms)", Cell::from(pressed)),
+            (
+                "pairs looked at",
+                Cell::from(contacts.constraint_report().looked as usize),
+            ),
+            (
+                "rows",
+                Cell::from(contacts.constraint_report().rows as usize),
+            ),
+            ("pressed, µs a triangle", Cell::from(1e3 * per_triangle)),
+            ("XPBD step (ms)", Cell::from(steps.map(|s| s[0]))),
+            ("PD step (ms)", Cell::from(steps.map(|s| s[1]))),
+            (
+                "pressed / XPBD step",
+                Cell::from(steps.map(|s| pressed / s[0])),
+            ),
+            (
+                "pressed / PD step",
+                Cell::from(steps.map(|s| pressed / s[1])),
+            ),
         ]);
     }
     findings.table(

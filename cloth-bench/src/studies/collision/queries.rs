@@ -18,17 +18,7 @@ pub(super) fn run(
     progress: &mut dyn FnMut(&str),
 ) -> Result<[usize; 2], BenchError> {
     let count = scope.pick(300, 10_000);
-    let mut table = Table::new(&[
-        "queries",
-        "method",
-        "number",
-        "false positives",
-        "false negatives",
-        "late",
-        "median (ns)",
-        "mean (ns)",
-        "worst (ns)",
-    ]);
+    let mut table = Table::default();
     let (mut broken, mut asked) = (0, 0);
     for (name, kind) in KINDS {
         let queries = generate(kind, count, 1);
@@ -40,15 +30,15 @@ pub(super) fn run(
                 asked += score.queries;
             }
             table.push([
-                Cell::from(name),
-                Cell::from(method.name),
-                Cell::from(score.queries),
-                Cell::from(score.false_positives),
-                Cell::from(score.false_negatives),
-                Cell::from(score.late),
-                Cell::from(score.median_ns),
-                Cell::from(score.mean_ns),
-                Cell::from(score.worst_ns),
+                ("queries", Cell::from(name)),
+                ("method", Cell::from(method.name)),
+                ("number", Cell::from(score.queries)),
+                ("false positives", Cell::from(score.false_positives)),
+                ("false negatives", Cell::from(score.false_negatives)),
+                ("late", Cell::from(score.late)),
+                ("median (ns)", Cell::from(score.median_ns)),
+                ("mean (ns)", Cell::from(score.mean_ns)),
+                ("worst (ns)", Cell::from(score.worst_ns)),
             ]);
         }
     }

@@ -95,27 +95,15 @@ fn make(case: &Case) -> Result<Made, BenchError> {
     let (stiffness, Case { pattern, cells, .. }) = ([MODULUS, RIGIDITY], case);
     let (sheet, exact, _) =
         fold::prepared(Axis::Across, pattern, *cells, Kind::Springs, stiffness)?;
-    let scene = Scene {
-        name: "fold",
-        model: ClothModel {
-            particles: sheet.particles.clone(),
-            springs: Vec::new(),
-            hinges: Vec::new(),
-            others: sheet.families(),
-        },
-        start: State::at_rest(sheet.placed(|p| exact.place(p))),
-        mesh: Some(sheet.mesh.clone()),
-        gravity: Vec3::z() * -fold::GRAVITY,
-        dt: DT,
-        steps: MOST_STEPS,
-        pins: None,
-        touch: None,
-        air: None,
-        gases: Vec::new(),
-        volumes: Vec::new(),
-        changes: Vec::new(),
-        order: None,
+    let model = ClothModel {
+        particles: sheet.particles.clone(),
+        springs: Vec::new(),
+        hinges: Vec::new(),
+        others: sheet.families(),
     };
+    let start = sheet.placed(|p| exact.place(p));
+    let gravity = Vec3::z() * -fold::GRAVITY;
+    let scene = Scene::new("fold", model, start, Some(sheet.mesh.clone()), gravity);
     let method = Method::find(case.variant.method())?;
     let mut stepper = method.build(&scene, &case.variant.settings, DT)?;
     let mut state = scene.start.clone();

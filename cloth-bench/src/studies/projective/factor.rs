@@ -71,19 +71,7 @@ pub(super) fn costs(
     findings: &mut Findings,
     progress: &mut dyn FnMut(&str),
 ) -> Result<(), BenchError> {
-    let mut table = Table::new(&[
-        "n",
-        "numbers in the lower half of the matrix",
-        "numbers in the factor",
-        "fill",
-        "ms to factorise",
-        "ms a solve",
-        "ms the library's solve",
-        "library's solve / own",
-        "GB/s, the factor read twice",
-        "times as long as reading it",
-        "changed rows as dear as factorising",
-    ]);
+    let mut table = Table::default();
     for &n in sizes(scope) {
         progress(&format!("projective: the factor, {n} × {n}"));
         let scene = scene::build("hang", None, &Settings::default().with("n", n))?;
@@ -112,17 +100,20 @@ pub(super) fn costs(
         let rows = rows_worth(factorise, &mut panels, b.len());
         let (given, factor) = (cholesky.values_mut().len(), cholesky.factor_len());
         table.push([
-            Cell::from(n as usize),
-            Cell::from(given),
-            Cell::from(factor),
-            Cell::from(factor as Real / given as Real),
-            Cell::from(1e3 * factorise),
-            Cell::from(1e3 * solve),
-            Cell::from(1e3 * library),
-            Cell::from(library / solve),
-            Cell::from(16e-9 * factor as Real / solve),
-            Cell::from(solve / stream),
-            Cell::from(rows),
+            ("n", Cell::from(n as usize)),
+            ("numbers in the lower half of the matrix", Cell::from(given)),
+            ("numbers in the factor", Cell::from(factor)),
+            ("fill", Cell::from(factor as Real / given as Real)),
+            ("ms to factorise", Cell::from(1e3 * factorise)),
+            ("ms a solve", Cell::from(1e3 * solve)),
+            ("ms the library's solve", Cell::from(1e3 * library)),
+            ("library's solve / own", Cell::from(library / solve)),
+            (
+                "GB/s, the factor read twice",
+                Cell::from(16e-9 * factor as Real / solve),
+            ),
+            ("times as long as reading it", Cell::from(solve / stream)),
+            ("changed rows as dear as factorising", Cell::from(rows)),
         ]);
     }
     findings.table(
@@ -167,14 +158,7 @@ pub(super) fn local_steps(
     findings: &mut Findings,
     progress: &mut dyn FnMut(&str),
 ) -> Result<(), BenchError> {
-    let mut table = Table::new(&[
-        "n",
-        "springs",
-        "ns a spring",
-        "bytes",
-        "ns a spring to move them",
-        "times as long as moving them",
-    ]);
+    let mut table = Table::default();
     for &n in sizes(scope) {
         progress(&format!("projective: the local step, {n} × {n}"));
         let scene = scene::build("hang", None, &Settings::default().with("n", n))?;
@@ -191,12 +175,12 @@ pub(super) fn local_steps(
         }
         let per_spring = 1e9 / springs.len() as Real;
         table.push([
-            Cell::from(n as usize),
-            Cell::from(springs.len()),
-            Cell::from(project * per_spring),
-            Cell::from(local_bytes(springs, x)),
-            Cell::from(moved * per_spring),
-            Cell::from(project / moved),
+            ("n", Cell::from(n as usize)),
+            ("springs", Cell::from(springs.len())),
+            ("ns a spring", Cell::from(project * per_spring)),
+            ("bytes", Cell::from(local_bytes(springs, x))),
+            ("ns a spring to move them", Cell::from(moved * per_spring)),
+            ("times as long as moving them", Cell::from(project / moved)),
         ]);
     }
     findings.table(

@@ -117,17 +117,7 @@ pub(super) fn swings(
     findings: &mut Findings,
     progress: &mut dyn FnMut(&str),
 ) -> Result<(), BenchError> {
-    let mut table = Table::new(&[
-        "n",
-        "setting",
-        "largest stretch, mean",
-        "relative to implicit Euler",
-        "largest stretch at the end, relative",
-        "kinetic energy, mean (J)",
-        "kinetic energy, relative",
-        "elastic energy at the end (J)",
-        "ms per step",
-    ]);
+    let mut table = Table::default();
     let mut judged = Vec::new();
     for &n in sizes(scope) {
         progress(&format!("projective: five seconds, {n} × {n}"));
@@ -135,15 +125,21 @@ pub(super) fn swings(
         let mut push = |label: &str, swing: &Swing| {
             let errors = swing.relative_to(&converged);
             table.push([
-                Cell::from(n as usize),
-                Cell::from(label),
-                Cell::from(swing.stretch),
-                Cell::from(errors.stretch),
-                Cell::from(swing.end.max_stretch / converged.end.max_stretch - 1.0),
-                Cell::from(swing.kinetic),
-                Cell::from(errors.kinetic),
-                Cell::from(swing.end.elastic_energy),
-                Cell::from(errors.ms),
+                ("n", Cell::from(n as usize)),
+                ("setting", Cell::from(label)),
+                ("largest stretch, mean", Cell::from(swing.stretch)),
+                ("relative to implicit Euler", Cell::from(errors.stretch)),
+                (
+                    "largest stretch at the end, relative",
+                    Cell::from(swing.end.max_stretch / converged.end.max_stretch - 1.0),
+                ),
+                ("kinetic energy, mean (J)", Cell::from(swing.kinetic)),
+                ("kinetic energy, relative", Cell::from(errors.kinetic)),
+                (
+                    "elastic energy at the end (J)",
+                    Cell::from(swing.end.elastic_energy),
+                ),
+                ("ms per step", Cell::from(errors.ms)),
             ]);
             errors
         };

@@ -5,6 +5,7 @@ use super::random::Random;
 use cloth_collide::obstacle::{HalfSpace, Obstacle};
 use cloth_collide::potential::PotentialContacts;
 use cloth_core::contact::{ContactError, ContactStep, Projection};
+use cloth_core::error::OutOfRange;
 use cloth_core::math::{Vec3, is_finite};
 use cloth_core::mesh::TriMesh;
 use cloth_core::mesh::generate::{Diagonals, grid};
@@ -33,7 +34,7 @@ fn settings_out_of_range_are_refused_by_name() {
     };
     assert_eq!(build(1e-3, 0.0), Ok(()));
     let named = |result: Result<(), BuildError>, wanted: &str| match result {
-        Err(BuildError::InvalidSetting { name, .. }) => assert_eq!(name, wanted),
+        Err(BuildError::OutOfRange(OutOfRange { name, .. })) => assert_eq!(name, wanted),
         other => panic!("{other:?}"),
     };
     for bad in [0.0, -0.0, -1e-3, f64::NAN, f64::INFINITY] {

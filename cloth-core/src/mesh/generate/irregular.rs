@@ -31,7 +31,7 @@ const LEAST_QUALITY: Real = 0.5;
 /// result has the largest smallest angle.
 ///
 /// # Errors
-/// [`MeshError::InvalidParameter`] for `n` < 2, for a width or height that is not positive and
+/// [`MeshError::OutOfRange`] for `n` < 2, for a width or height that is not positive and
 /// finite, or for more vertices than fit. [`MeshError::ZeroArea`] if width and height differ by
 /// many orders of magnitude.
 pub fn irregular(n: usize, width: Real, height: Real, seed: u64) -> Result<TriMesh, MeshError> {

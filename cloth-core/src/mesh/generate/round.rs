@@ -1,6 +1,7 @@
 //! Surfaces with a circle in them: disk, tube, torus, sphere, Möbius band.
 
 use super::{at_least, positive, rising, room_for};
+use crate::error::within;
 use crate::math::{Real, Vec3};
 use crate::mesh::{MeshError, TriMesh};
 use crate::topology::{EdgeTable, triangle_edges};
@@ -20,7 +21,7 @@ fn on_circle(part: usize, whole: usize) -> Vec3 {
 /// area is that of the polygon, ½ n `radius`² sin(2π/n).
 ///
 /// # Errors
-/// [`MeshError::InvalidParameter`] for no rings, for a radius that is not positive and finite,
+/// [`MeshError::OutOfRange`] for no rings, for a radius that is not positive and finite,
 /// or for more vertices than fit.
 pub fn disk(rings: usize, radius: Real) -> Result<TriMesh, MeshError> {
     at_least("rings", rings, 1, "at least 1")?;
@@ -54,7 +55,7 @@ pub fn disk(rings: usize, radius: Real) -> Result<TriMesh, MeshError> {
 /// Vertex `ring * around + i`; all diagonals turn the same way.
 ///
 /// # Errors
-/// [`MeshError::InvalidParameter`] for fewer than 3 vertices around or 1 cell along, for a
+/// [`MeshError::OutOfRange`] for fewer than 3 vertices around or 1 cell along, for a
 /// radius or length that is not positive and finite, or for more vertices than fit.
 pub fn tube(
     around: usize,
@@ -83,14 +84,14 @@ pub fn tube(
 /// x axis.
 ///
 /// # Errors
-/// [`MeshError::InvalidParameter`] for fewer than 3 vertices either way, for radii that are not
+/// [`MeshError::OutOfRange`] for fewer than 3 vertices either way, for radii that are not
 /// positive and finite, for `minor` not below `major`, or for more vertices than fit.
 pub fn torus(around: usize, across: usize, major: Real, minor: Real) -> Result<TriMesh, MeshError> {
     at_least("around", around, 3, "at least 3")?;
     at_least("across", across, 3, "at least 3")?;
     positive("major", major)?;
     positive("minor", minor)?;
-    below("minor", minor, major, "below the major radius")?;
+    within(minor < major, "minor", minor, "below the major radius")?;
     room_for(around as Real * across as Real)?;
     let mut positions = Vec::with_capacity(around * across);
     for j in 0..across {
@@ -110,7 +111,7 @@ pub fn torus(around: usize, across: usize, major: Real, minor: Real) -> Result<T
 /// the positive x axis are [opposed](crate::topology::inconsistently_oriented_edges).
 ///
 /// # Errors
-/// [`MeshError::InvalidParameter`] for fewer than 3 vertices around or 1 cell across, for a
+/// [`MeshError::OutOfRange`] for fewer than 3 vertices around or 1 cell across, for a
 /// radius or width that is not positive and finite, for a width not below 2 `radius` (the band
 /// would pass through its own axis), or for more vertices than fit.
 pub fn moebius(
@@ -123,7 +124,12 @@ pub fn moebius(
     at_least("cells_across", cells_across, 1, "at least 1")?;
     positive("radius", radius)?;
     positive("width", width)?;
-    below("width", width, 2.0 * radius, "below twice the radius")?;
+    within(
+        width < 2.0 * radius,
+        "width",
+        width,
+        "below twice the radius",
+    )?;
     room_for(around as Real * (cells_across as Real + 1.0))?;
     let mut positions = Vec::with_capacity(around * (cells_across + 1));
     for j in 0..=cells_across {
@@ -149,7 +155,7 @@ pub fn moebius(
 /// faces. The longest edge tends to about 1.5 times the shortest as `n` grows.
 ///
 /// # Errors
-/// [`MeshError::InvalidParameter`] for `n` = 0, for a radius that is not positive and finite, or
+/// [`MeshError::OutOfRange`] for `n` = 0, for a radius that is not positive and finite, or
 /// for more vertices than fit.
 pub fn sphere(n: usize, radius: Real) -> Result<TriMesh, MeshError> {
     at_least("n", n, 1, "at least 1")?;
@@ -248,16 +254,4 @@ fn cells(columns: usize, rows: usize, vertex: impl Fn(usize, usize) -> u32) -> V
         }
     }
     triangles
-}
-
-fn below(
-    name: &'static str,
-    value: Real,
-    limit: Real,
-    range: &'static str,
-) -> Result<(), MeshError> {
-    if value < limit {
-        return Ok(());
-    }
-    Err(MeshError::InvalidParameter { name, value, range })
 }

@@ -18,6 +18,7 @@ use super::conjugate_gradients::{ConjugateGradients, Preconditioner};
 use super::diagonal::InverseDiagonal;
 use super::solver::{LinearError, LinearReport, LinearSolver, StoppingCriteria, dot};
 use super::spectrum::noise;
+use crate::error::within;
 use crate::math::{Real, Vec3};
 use crate::method::block_matrix::BlockMatrix;
 use crate::step::BuildError;
@@ -92,21 +93,17 @@ impl ChebyshevJacobi {
     /// of them.
     ///
     /// # Errors
-    /// [`BuildError::InvalidSetting`] for a budget or an interval out of range.
+    /// [`BuildError::OutOfRange`] for a budget or an interval out of range.
     pub fn new(
         is_free: &[bool],
         interval: Option<[Real; 2]>,
         budget: StoppingCriteria,
     ) -> Result<Self, BuildError> {
         budget.check()?;
-        if let Some([low, high]) = interval
-            && !(low > 0.0 && low <= high && high.is_finite())
-        {
-            return Err(BuildError::InvalidSetting {
-                name: "lower end of the Chebyshev interval",
-                value: low,
-                range: "positive and not above the upper end, which is finite",
-            });
+        if let Some([low, high]) = interval {
+            let is_right = low > 0.0 && low <= high && high.is_finite();
+            let range = "positive and not above the upper end, which is finite";
+            within(is_right, "lower end of the Chebyshev interval", low, range)?;
         }
         let zeros = vec![Vec3::zeros(); is_free.len()];
         Ok(Self {

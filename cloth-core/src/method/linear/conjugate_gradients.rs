@@ -41,7 +41,7 @@ impl ConjugateGradients {
     /// A solver over the free vertices.
     ///
     /// # Errors
-    /// [`BuildError::InvalidSetting`] for a budget out of range.
+    /// [`BuildError::OutOfRange`] for a budget out of range.
     pub fn new(
         is_free: &[bool],
         preconditioner: Preconditioner,

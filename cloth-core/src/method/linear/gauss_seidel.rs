@@ -34,7 +34,7 @@ impl GaussSeidel {
     /// A solver over the free vertices.
     ///
     /// # Errors
-    /// [`BuildError::InvalidSetting`] for a budget out of range.
+    /// [`BuildError::OutOfRange`] for a budget out of range.
     pub fn new(is_free: &[bool], budget: StoppingCriteria) -> Result<Self, BuildError> {
         budget.check()?;
         let zeros = vec![Vec3::zeros(); is_free.len()];

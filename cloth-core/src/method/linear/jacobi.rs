@@ -8,6 +8,7 @@
 
 use super::chebyshev::Interval;
 use super::solver::{LinearError, LinearReport, LinearSolver, StoppingCriteria, dot};
+use crate::error::positive;
 use crate::math::{Real, Vec3};
 use crate::method::block_matrix::BlockMatrix;
 use crate::step::BuildError;
@@ -27,19 +28,15 @@ impl Jacobi {
     /// A solver over the free vertices with the damping ω, or with `2/(λ_min + λ_max)` of the estimated spectrum.
     ///
     /// # Errors
-    /// [`BuildError::InvalidSetting`] for a budget or a damping out of range.
+    /// [`BuildError::OutOfRange`] for a budget or a damping out of range.
     pub fn new(
         is_free: &[bool],
         damping: Option<Real>,
         budget: StoppingCriteria,
     ) -> Result<Self, BuildError> {
         budget.check()?;
-        if let Some(value) = damping.filter(|omega| !(*omega > 0.0 && omega.is_finite())) {
-            return Err(BuildError::InvalidSetting {
-                name: "damping of the Jacobi iteration",
-                value,
-                range: "a positive finite number",
-            });
+        if let Some(omega) = damping {
+            positive("damping of the Jacobi iteration", omega)?;
         }
         let zeros = vec![Vec3::zeros(); is_free.len()];
         Ok(Self {

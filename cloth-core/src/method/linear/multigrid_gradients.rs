@@ -32,7 +32,7 @@ impl MultigridGradients {
     /// A solver over the free vertices, at rest at `rest` (m) if that is known.
     ///
     /// # Errors
-    /// [`BuildError::InvalidSetting`] for a budget out of range.
+    /// [`BuildError::OutOfRange`] for a budget out of range.
     ///
     /// # Panics
     /// If there is not one rest position per vertex.

@@ -7,6 +7,7 @@ use super::conjugate_gradients::{ConjugateGradients, Preconditioner};
 use super::gauss_seidel::GaussSeidel;
 use super::jacobi::Jacobi;
 use super::multigrid_gradients::MultigridGradients;
+use crate::error::{at_least_one, within};
 use crate::math::{Real, Vec3};
 use crate::method::block_matrix::{BlockMatrix, BlockPattern};
 use crate::step::{BuildError, Outcome};
@@ -111,20 +112,10 @@ impl Default for StoppingCriteria {
 
 impl StoppingCriteria {
     pub(super) fn check(&self) -> Result<(), BuildError> {
-        if !(self.tolerance >= 0.0 && self.tolerance < 1.0) {
-            return Err(BuildError::InvalidSetting {
-                name: "tolerance of the linear solver",
-                value: self.tolerance,
-                range: "at least 0 and below 1",
-            });
-        }
-        if self.max_iterations == 0 {
-            return Err(BuildError::InvalidSetting {
-                name: "max_iterations of the linear solver",
-                value: 0.0,
-                range: "at least 1",
-            });
-        }
+        let (name, tolerance) = ("tolerance of the linear solver", self.tolerance);
+        let is_right = (0.0..1.0).contains(&tolerance);
+        within(is_right, name, tolerance, "at least 0 and below 1")?;
+        at_least_one("max_iterations of the linear solver", self.max_iterations)?;
         Ok(())
     }
 
@@ -200,7 +191,7 @@ impl LinearMethod {
     /// converges more slowly.
     ///
     /// # Errors
-    /// [`BuildError::MatrixTooLarge`], [`BuildError::InvalidSetting`].
+    /// [`BuildError::MatrixTooLarge`], [`BuildError::OutOfRange`].
     ///
     /// # Panics
     /// If `is_free` does not have one entry per row of the pattern.

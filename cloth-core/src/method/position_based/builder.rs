@@ -3,7 +3,7 @@
 use super::{Acceleration, ConstraintUpdate, Families, Sweep};
 use crate::cloth::{ConstraintVisitor, Elements};
 use crate::element::Constraint;
-use crate::math::Real;
+use crate::error::at_least_one;
 use crate::step::BuildError;
 use std::fmt;
 
@@ -36,7 +36,7 @@ impl<U: ConstraintUpdate> FamilyPlans<U> {
     /// The families, on `vertex_count` vertices.
     ///
     /// # Errors
-    /// [`BuildError::InvalidSetting`] for an acceleration out of range; [`BuildError::NoSuchView`] for elements that
+    /// [`BuildError::OutOfRange`] for an acceleration out of range; [`BuildError::NoSuchView`] for elements that
     /// are no constraints; [`BuildError::NoSuchVertex`] if an element names a vertex that does not exist.
     ///
     /// # Panics
@@ -83,18 +83,9 @@ impl<U: ConstraintUpdate> fmt::Debug for FamilyPlans<U> {
 /// Checks how often a step is cut, and how often the constraints are swept in each part.
 ///
 /// # Errors
-/// [`BuildError::InvalidSetting`] if one of the two is zero.
+/// [`BuildError::OutOfRange`] if one of the two is zero.
 pub fn check_counts(iterations: u32, substeps: u32) -> Result<(), BuildError> {
-    let counts = [
-        ("the number of iterations", iterations),
-        ("the number of substeps", substeps),
-    ];
-    match counts.into_iter().find(|(_, count)| *count == 0) {
-        None => Ok(()),
-        Some((name, count)) => Err(BuildError::InvalidSetting {
-            name,
-            value: Real::from(count),
-            range: "at least 1",
-        }),
-    }
+    at_least_one("the number of iterations", iterations)?;
+    at_least_one("the number of substeps", substeps)?;
+    Ok(())
 }

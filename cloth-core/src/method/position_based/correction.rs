@@ -3,7 +3,7 @@
 //! The plain form is [`row_by_row_correction`]; the others are the same formula for rows of a special shape.
 
 use super::constraint_update::{ConstraintUpdate, RowEquation, RowState};
-use crate::element::{Constraint, DeadZoneRow, Row, RowArray, UnitRow, VectorRow};
+use crate::element::{Constraint, DeadZoneRow, Row, RowArray, RowForm, UnitRow, VectorRow};
 use crate::math::{Real, Vec3};
 
 /// Moves the vertices of one element, at `x` (m), by the `fraction` (dimensionless) of its correction.
@@ -33,9 +33,10 @@ pub(super) fn correction<const N: usize, E: Constraint<N>, U: ConstraintUpdate>(
     x: &[Vec3; N],
 ) -> [Vec3; N] {
     let w = element.vertices().map(|v| inverse_mass[v as usize]);
-    if let Some(row) = element.vector_row() {
+    let form = element.row_form(x);
+    if let RowForm::Vector(row) = form {
         vector_row_correction(update, &row, &w, fraction, memory, x)
-    } else if let Some(row) = element.unit_row(x) {
+    } else if let RowForm::Unit(row) = form {
         unit_row_correction(update, &row, &w, fraction, memory)
     } else if let Some(rows) = element.dead_zone_rows(x) {
         dead_zone_correction(update, rows.as_ref(), &w, fraction, memory)

@@ -288,7 +288,7 @@ impl<U: ConstraintUpdate> Families<U> {
     /// No family yet, on `vertex_count` vertices.
     ///
     /// # Errors
-    /// [`BuildError::InvalidSetting`] for an acceleration out of range.
+    /// [`BuildError::OutOfRange`] for an acceleration out of range.
     pub fn new(
         vertex_count: usize,
         sweep: Sweep,

@@ -1,6 +1,7 @@
 //! The order in which a sweep visits the elements, and the acceleration of a sequence of sweeps.
 
 use super::{Chebyshev, Radius};
+use crate::error::OutOfRange;
 use crate::math::Real;
 use crate::step::BuildError;
 
@@ -61,9 +62,9 @@ impl Acceleration {
     /// Whether the numbers are in their ranges.
     ///
     /// # Errors
-    /// [`BuildError::InvalidSetting`].
+    /// [`BuildError::OutOfRange`].
     pub fn check(&self) -> Result<(), BuildError> {
-        let refuse = |name, value, range| Err(BuildError::InvalidSetting { name, value, range });
+        let refuse = |name, value, range| Err(OutOfRange { name, value, range }.into());
         if !(self.relaxation > 0.0 && self.relaxation < 2.0) {
             let range = "above 0 and below 2";
             return refuse("the relaxation", self.relaxation, range);

@@ -159,7 +159,7 @@ fn damping_survives_a_restart_and_negative_damping_is_refused() {
         let built = XpbdSolver::builder(&particles)
             .config(damped(1, damping))
             .build();
-        assert!(matches!(built, Err(BuildError::InvalidSetting { .. })));
+        assert!(matches!(built, Err(BuildError::OutOfRange(_))));
     }
 }
 

@@ -355,7 +355,7 @@ fn settings_and_vertices_out_of_range_are_refused() {
         },
     ] {
         let built = DirectXpbd::builder(&chain.particles).config(config).build();
-        assert!(matches!(built, Err(BuildError::InvalidSetting { .. })));
+        assert!(matches!(built, Err(BuildError::OutOfRange(_))));
     }
     let stray = Spring {
         vertices: [0, 3],
