@@ -19,7 +19,7 @@ fn moduli(scope: Scope, cells: usize) -> &'static [Real] {
 }
 
 pub(super) fn sizes(scope: Scope) -> &'static [usize] {
-    scope.pick(&[16, 32], &[16, 32, 64, 128])
+    scope.pick(&[8, 16], &[16, 32, 64, 128])
 }
 
 /// The modulus (N/m) whose folds are drawn against the edge length.
