@@ -343,7 +343,7 @@ fn recover(cell: Cell, n: u32, steps: u32) -> Result<Recovered, BenchError> {
 /// Cloth that passes through itself at the start.
 fn recovery(study: &mut StudyRun<'_>) {
     let steps = most_steps(study.scope);
-    let n = study.scope.pick(7, 13);
+    let n = study.scope.pick(7, 17);
     let is_tried = |cell: &Cell| TANGLED.contains(&cell.scene) && cell.method != LEFT_OUT;
     let rows = study.grid_side_by_side(
         cells(study.scope).filter(is_tried),
