@@ -46,7 +46,7 @@ fn scene_of(scope: Scope, name: &str) -> Result<(Scene, u32), BenchError> {
 }
 
 /// The tube `mesh` above a floor, able to touch itself.
-fn garment(mesh: &str) -> Result<Scene, BenchError> {
+pub(super) fn garment(mesh: &str) -> Result<Scene, BenchError> {
     let settings = Settings::default().with("floor", "0.2").with("self", "yes");
     scene::build("drop", Some(mesh), &settings)
 }

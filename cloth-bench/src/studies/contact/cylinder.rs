@@ -13,7 +13,7 @@ const TURNS: usize = 16;
 const DENSITY: Real = 0.2;
 /// Force (N) at one end of the strip on every vertex, where the other one pulls harder and harder.
 const PULL: Real = 0.05;
-/// A strip that goes so far (m) in so many steps slips: a hundred times what the friction of potentials, which is
+/// A strip that goes so far (m) in so many steps slips: ten times what the friction of potentials, which is
 /// smooth, gives way.
 const SLIPPED: Real = 1e-3;
 const WITHIN: usize = 5;

@@ -1,6 +1,7 @@
 //! What comes through contact, with steps of every size and from starts that pass through themselves.
 
 use crate::run::{Plan, SeparationWatch, Solver};
+use crate::studies::collision;
 use crate::studies::prelude::*;
 use cloth_core::random::SplitMix64;
 use std::path::Path;
@@ -50,11 +51,7 @@ fn size(scope: Scope) -> (u32, &'static [Real], u64) {
 fn scene_of(name: &str, n: u32, starts: &str) -> Result<Scene, BenchError> {
     let settings = Settings::of(starts);
     match name {
-        "garment" => {
-            let tube = format!("tube:{}x{n}", n / 2 * 2);
-            let settings = settings.then(&Settings::of("floor=0.2 self=yes"));
-            scene::build("drop", Some(&tube), &settings)
-        }
+        "garment" => collision::garment(&format!("tube:{}x{n}", n / 2 * 2)),
         "stack" => scene::build(name, None, &settings.with("n", n).with("sheets", 2)),
         _ => scene::build(name, None, &settings.with("n", n)),
     }
@@ -176,15 +173,15 @@ fn follow(
     Ok((fate, energies.into_iter().map(share).collect()))
 }
 
-/// A scene by a method.
+/// A scene, and the method that takes its steps.
 #[derive(Clone, Copy, Debug, Default, Serialize)]
-struct Cell {
+struct Pairing {
     scene: &'static str,
     method: &'static str,
 }
 
-fn cells(scope: Scope) -> impl Iterator<Item = Cell> {
-    let of_scene = move |scene| methods(scope).map(move |method| Cell { scene, method });
+fn pairings(scope: Scope) -> impl Iterator<Item = Pairing> {
+    let of_scene = move |scene| methods(scope).map(move |method| Pairing { scene, method });
     SCENES.into_iter().flat_map(of_scene)
 }
 
@@ -192,20 +189,25 @@ fn cells(scope: Scope) -> impl Iterator<Item = Cell> {
 pub(super) fn run(study: &mut StudyRun<'_>) {
     let (n, steps, runs) = size(study.scope);
     let found = study.grid_side_by_side(
-        cells(study.scope),
-        |cell| format!("{} by {}, steps of every size", cell.scene, cell.method),
-        |cell| {
-            let scene = scene_of(cell.scene, n, "")?;
+        pairings(study.scope),
+        |pairing| {
+            format!(
+                "{} by {}, steps of every size",
+                pairing.scene, pairing.method
+            )
+        },
+        |pairing| {
+            let scene = scene_of(pairing.scene, n, "")?;
             let of_step = |&dt: &Real| {
-                let mut worst = follow(&scene, cell.method, dt, 1)?;
+                let mut worst = follow(&scene, pairing.method, dt, 1)?;
                 // One run of the direct solver takes as long as ten of most others.
-                let runs = if cell.method == "xpbd-direct" {
+                let runs = if pairing.method == "xpbd-direct" {
                     1
                 } else {
                     runs
                 };
                 for seed in 2..=runs {
-                    let (fate, _) = follow(&scene, cell.method, dt, seed)?;
+                    let (fate, _) = follow(&scene, pairing.method, dt, seed)?;
                     if fate > worst.0 {
                         worst.0 = fate;
                     }
@@ -225,22 +227,22 @@ pub(super) fn run(study: &mut StudyRun<'_>) {
         .collect();
     let mut table = Table::new(&names.iter().map(String::as_str).collect::<Vec<_>>());
     let mut passed: Vec<(&str, usize)> = methods(study.scope).map(|method| (method, 0)).collect();
-    for (cell, fates) in &found {
+    for (pairing, fates) in &found {
         let words = fates.iter().map(|(fate, _)| fate.word().into());
-        let row = [cell.scene.into(), cell.method.into()]
+        let row = [pairing.scene.into(), pairing.method.into()]
             .into_iter()
             .chain(words);
         table.rows.push(row.collect());
         let ok = fates.iter().filter(|(fate, _)| *fate == Fate::Ok).count();
         passed
             .iter_mut()
-            .filter(|one| one.0 == cell.method)
+            .filter(|one| one.0 == pairing.method)
             .for_each(|one| one.1 += ok);
         for (fate, dt) in fates.iter().map(|(fate, _)| fate).zip(steps) {
             if let Fate::Ended(reason) = fate {
                 let note = format!(
                     "{} by {}, Δt = {dt:.1e} s: {reason}.",
-                    cell.scene, cell.method
+                    pairing.scene, pairing.method
                 );
                 study.findings.section.notes.push(note);
             }
@@ -257,15 +259,15 @@ pub(super) fn run(study: &mut StudyRun<'_>) {
             .position(|dt| *dt == 1.0 / 60.0)
             .unwrap_or_default();
         let dt = steps[place];
-        let of_scene = found.iter().filter(|(cell, _)| cell.scene == scene);
-        let curves = of_scene.map(|(cell, fates)| {
+        let of_scene = found.iter().filter(|(pairing, _)| pairing.scene == scene);
+        let curves = of_scene.map(|(pairing, fates)| {
             let shares = fates
                 .get(place)
                 .into_iter()
                 .flat_map(|(_, shares)| shares)
                 .enumerate();
             let points = shares.map(|(step, share)| ((step + 1) as Real * dt, share.0));
-            Series::new(cell.method, points.collect())
+            Series::new(pairing.method, points.collect())
         });
         let held = Axis::linear("energy held over given (dimensionless)").within(0.0, 1.1);
         let plot = Plot::new(
@@ -312,9 +314,9 @@ struct Recovered {
     largest_stretch: Number,
 }
 
-fn recover(cell: Cell, n: u32, steps: u32) -> Result<Recovered, BenchError> {
-    let scene = tangled(cell.scene, n)?;
-    let method = Method::find(cell.method)?;
+fn recover(pairing: Pairing, n: u32, steps: u32) -> Result<Recovered, BenchError> {
+    let scene = tangled(pairing.scene, n)?;
+    let method = Method::find(pairing.method)?;
     let settings = method.by_default(Settings::default());
     let mut probe = scene.separation_probe();
     let mut counts = Vec::new();
@@ -344,16 +346,17 @@ fn recover(cell: Cell, n: u32, steps: u32) -> Result<Recovered, BenchError> {
 fn recovery(study: &mut StudyRun<'_>) {
     let steps = most_steps(study.scope);
     let n = study.scope.pick(7, 17);
-    let is_tried = |cell: &Cell| TANGLED.contains(&cell.scene) && cell.method != LEFT_OUT;
+    let is_tried =
+        |pairing: &Pairing| TANGLED.contains(&pairing.scene) && pairing.method != LEFT_OUT;
     let rows = study.grid_side_by_side(
-        cells(study.scope).filter(is_tried),
-        |cell| {
+        pairings(study.scope).filter(is_tried),
+        |pairing| {
             format!(
                 "{} by {}, from a start that passes through itself",
-                cell.scene, cell.method
+                pairing.scene, pairing.method
             )
         },
-        |cell| recover(*cell, n, steps),
+        |pairing| recover(*pairing, n, steps),
     );
     let caption = format!(
         "Starts that pass through themselves, {n} vertices a side, {steps} steps of 1/60 s"
@@ -363,7 +366,7 @@ fn recovery(study: &mut StudyRun<'_>) {
         .table("contact-recovery", &caption, Table::of(&rows));
     let mut told = Vec::new();
     for method in methods(study.scope).filter(|method| *method != LEFT_OUT) {
-        let of_method = || rows.iter().filter(|(cell, _)| cell.method == method);
+        let of_method = || rows.iter().filter(|(pairing, _)| pairing.method == method);
         let free = of_method().filter(|(_, found)| {
             found.steps_until_free.is_some() && found.crossings_afterwards == 0
         });
@@ -402,7 +405,7 @@ mod tests {
     fn sheets_that_pass_through_each_other_are_pulled_apart_for_good() {
         for method in ["implicit-euler", "xpbd"] {
             for scene in ["fold", "stack"] {
-                let found = recover(Cell { scene, method }, 9, 40).unwrap();
+                let found = recover(Pairing { scene, method }, 9, 40).unwrap();
                 assert!(found.pairs_at_start >= 10, "{found:?}");
                 assert!(
                     found.steps_until_free.is_some_and(|steps| steps < 15),
