@@ -190,7 +190,7 @@ pub(super) fn run(study: &mut StudyRun<'_>) {
             format!("{method} {}", significant(errors.fold(0.0, Real::max), 2))
         });
         let worst = worst.collect::<Vec<_>>().join(", ");
-        told.push(format!("{} (m): {worst}", law.exact));
+        told.push(format!("{}, {}: {worst}", law.exact, law.y));
         rows.extend(ours);
     }
     study.findings.data("contact-laws", Table::of(&rows));
