@@ -13,10 +13,16 @@ pub struct PdConfig {
     /// with as many.
     pub iterations: u32,
     /// The same for a step with active contacts, if that is more: an impact changes the problem during the iteration.
-    /// The step goes on, to ten times as many at most, as long as ten iterations lower `G` by more than a fiftieth of
-    /// what it has been lowered by, unless that is next to nothing.
-    /// Such a step ends sooner once `‖∇G(x)‖ ≤ 1e-8 ‖M (x − x̃)/Δt²‖` in the norm of M⁻¹.
+    /// Most such steps end sooner, at [`contact_tolerance`](Self::contact_tolerance), or once
+    /// `‖∇G(x)‖ ≤ 1e-8 ‖M (x − x̃)/Δt²‖` in the norm of M⁻¹.
     pub contact_iterations: u32,
+    /// A step with active contacts and without a `tolerance` ends after [`iterations`](Self::iterations) or more once
+    /// `√(∇Gᵀ H ∇G) ≤ τ ‖x − x̃‖_M/Δt`, H the inverse Hessian that the method has (τ dimensionless, at least 0): the
+    /// Newton decrement, as a speed, over the change of velocity that the forces have made. As pairs that mislead make
+    /// it small, ten iterations must have lowered `G` by no more than ten times the square of that besides. It is an
+    /// estimate, and tells less than that of the gradient: H is too stiff where cloth bends. 0 asks for all
+    /// `contact_iterations`.
+    pub contact_tolerance: Real,
     /// With `Some(τ)` the iteration ends as soon as `‖∇G(x)‖ ≤ τ ‖∇G(x̃)‖` in the norm of M⁻¹ (τ dimensionless), and
     /// the report has that ratio as its residual. `None`: nothing is computed for it.
     pub tolerance: Option<Real>,
@@ -75,7 +81,8 @@ impl Default for PdConfig {
     fn default() -> Self {
         Self {
             iterations: 10,
-            contact_iterations: 30,
+            contact_iterations: 300,
+            contact_tolerance: 0.1,
             tolerance: None,
             start: StartGuess::Inertial,
             acceleration: Acceleration::QuasiNewton { history: 2 },
@@ -89,7 +96,8 @@ impl PdConfig {
     pub fn plain() -> Self {
         Self {
             iterations: 10,
-            contact_iterations: 30,
+            contact_iterations: 300,
+            contact_tolerance: 0.1,
             tolerance: None,
             start: StartGuess::Predicted,
             acceleration: Acceleration::None,
@@ -99,6 +107,7 @@ impl PdConfig {
     /// Whether every setting lies in its range.
     pub(crate) fn check(&self) -> Result<(), BuildError> {
         at_least_one("iterations", self.iterations)?;
+        not_negative("contact_tolerance", self.contact_tolerance)?;
         if let Some(tolerance) = self.tolerance {
             not_negative("tolerance", tolerance)?;
         }

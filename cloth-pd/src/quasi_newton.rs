@@ -43,6 +43,9 @@ pub(crate) struct QuasiNewton {
     /// The direction of descent (m), and the slope of `G` along it (J).
     direction: Vec<Vec3>,
     slope: Real,
+    /// `gᵀ H g` (J) with the last direction before anything shortened it, H the inverse Hessian of the method: the
+    /// square of the Newton decrement.
+    decrement: Real,
     next: Point,
     /// In steps with contact, from the first direction on; and the first radius (m).
     radius: Option<TrustRadius>,
@@ -62,6 +65,7 @@ impl QuasiNewton {
             work: zeros.clone(),
             direction: zeros,
             slope: 0.0,
+            decrement: Real::INFINITY,
             next: Point::new(vertex_count),
             radius: None,
             first_radius: 0.0,
@@ -99,6 +103,7 @@ impl QuasiNewton {
             solves: self.find_direction(global, coarse, point),
             ..Advance::default()
         };
+        self.decrement = -self.slope;
         let found = match contact {
             None => self.search(objective, point, 1.0, contact, &mut done),
             Some(_) => self.search_in_contact(objective, point, contact, &mut done)?,
@@ -195,6 +200,11 @@ impl QuasiNewton {
         if let Some(contact_system) = &mut self.contact_system {
             contact_system.find(contact, &point.positions, &objective.particles);
         }
+    }
+
+    /// The square of the Newton decrement (J) where the last iteration began.
+    pub(crate) fn decrement(&self) -> Real {
+        self.decrement
     }
 
     /// The contacts of the last point, if there can be any.

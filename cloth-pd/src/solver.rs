@@ -58,12 +58,8 @@ enum Method {
 
 /// What is left of the forces in a step with contact that is done, over those that it takes to end where it does.
 const BALANCED: Real = 1e-8;
-/// A step with contact goes on as long as so many iterations lower `G` by more than a part of what all have lowered it
-/// by, and of what its forces would give to cloth at rest, up to so many times the number asked for.
-const SPAN: u32 = 10;
-const PROGRESS: Real = 0.02;
-const NOTICED: Real = 1e-3;
-const MOST_EXTENSION: u32 = 10;
+/// Iterations over which the fall of `G` is looked at in a step with contact.
+const SPAN: usize = 10;
 
 impl Stepper for PdSolver {
     fn name(&self) -> &'static str {
@@ -327,12 +323,8 @@ impl PdSolver {
         report.coarse_fallbacks += u32::from(self.lattice.is_some() && !is_coarse_ready);
         let first = report.iterations;
         let mut last = first + self.config.iterations;
-        let most = self
-            .config
-            .contact_iterations
-            .saturating_mul(MOST_EXTENSION);
-        // `G` (J) after the first iteration, and a span before the last.
-        let [mut start, mut before] = [Real::NAN; 2];
+        // The last values of `G` (J).
+        let mut values = [Real::INFINITY; SPAN];
         loop {
             let is_last = report.iterations == last;
             if is_last && self.config.tolerance.is_none() {
@@ -352,21 +344,13 @@ impl PdSolver {
             if is_stuck {
                 return Ok(Outcome::BudgetSpent);
             }
-            let now = self.point.value;
-            if report.iterations == first + 1 {
-                start = now;
-            }
+            let oldest = &mut values[report.iterations as usize % SPAN];
+            let gain = std::mem::replace(oldest, self.point.value) - self.point.value;
             if self.has_contact() {
                 last = last.max(first + self.config.contact_iterations);
-                if report.iterations + SPAN == last {
-                    before = now;
-                }
-                let is_end = report.iterations == last && last - first < most;
-                if is_end && before - now > PROGRESS * (start - now) {
-                    let velocity = self.objective.inertial_norm(&self.point) * self.objective.dt();
-                    if before - now > NOTICED * 0.5 * velocity * velocity {
-                        (last, before) = (last + SPAN, now);
-                    }
+                let is_early = report.iterations < first + self.config.iterations;
+                if !is_early && self.config.tolerance.is_none() && self.is_near(gain) {
+                    return Ok(Outcome::BudgetSpent);
                 }
             }
             if let Some(observer) = &mut input.observer {
@@ -418,6 +402,8 @@ impl PdSolver {
         let is_higher = excess.is_nan() || excess > ROUNDING * self.fallback.size;
         if is_higher {
             std::mem::swap(&mut self.point, &mut self.fallback);
+        } else if let Some(contact) = contact {
+            contact.limit(&self.point.positions, &self.point.positions)?;
         }
         Ok(is_higher)
     }
@@ -455,6 +441,17 @@ impl PdSolver {
         let objective = &self.objective;
         let forces = objective.inertial_norm(&self.point);
         objective.norm(&self.point.gradient) <= BALANCED * forces
+    }
+
+    /// Whether the end of a step with contact is near enough: by what the last direction promises, and by `gain` (J),
+    /// which is by how much `G` has fallen in [`SPAN`] iterations. Pairs that mislead make the first small.
+    fn is_near(&self, gain: Real) -> bool {
+        let Method::QuasiNewton(method) = &self.method else {
+            return false;
+        };
+        let velocity = self.objective.inertial_norm(&self.point) * self.objective.dt();
+        let enough = (self.config.contact_tolerance * velocity).powi(2);
+        method.decrement() <= enough && gain <= SPAN as Real * enough
     }
 
     /// Whether a contact was active where the last iteration began.

@@ -9,7 +9,8 @@ crate::settings! {
     /// Of projective dynamics.
     pub(super) struct Pd {
         iterations: u32 = 10 in AtLeast(1.0), "local–global iterations per step, at most";
-        contact_iterations: u32 = 30 in AtLeast(1.0), "the same for a step in which contact pushes, if that is more";
+        contact_iterations: u32 = 300 in AtLeast(1.0), "the same for a step in which contact pushes, if that is more";
+        contact_tolerance: Real = 0.1 in AtLeast(0.0), "decrement at which such a step is done, over the change of velocity";
         tolerance: Option<Real> = "none", "relative gradient norm at which a step is done, or none";
         start: StartGuess = "inertial", "first guess: previous, inertial or predicted";
         acceleration: Accelerated = "quasi-newton", "none, chebyshev or quasi-newton";
@@ -48,9 +49,13 @@ pub(super) fn projective(own: &Pd) -> Result<PdConfig, BenchError> {
         own.history.refuse_without("acceleration=quasi-newton")?;
         own.coarse.refuse_without("acceleration=quasi-newton")?;
     }
+    if own.tolerance.is_some() {
+        own.contact_tolerance.refuse_without("tolerance=none")?;
+    }
     Ok(PdConfig {
         iterations: *own.iterations,
         contact_iterations: *own.contact_iterations,
+        contact_tolerance: *own.contact_tolerance,
         tolerance: *own.tolerance,
         start: *own.start,
         acceleration: match *own.acceleration {

@@ -235,7 +235,7 @@ fn stack_carries_its_weight() {
         let mut contacts = contacts(&mesh, Some(floor()), 0.3);
         let mut state = State::at_rest(mesh.positions().to_vec());
         let mut probe = SeparationProbe::new(&mesh);
-        run(&mut *stepper, &mut contacts, &mut state, 20, |state, _| {
+        run(&mut *stepper, &mut contacts, &mut state, 30, |state, _| {
             assert_eq!(
                 probe.measure(&state.positions).unwrap().intersecting_pairs,
                 0

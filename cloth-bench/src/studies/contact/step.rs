@@ -188,7 +188,7 @@ fn refined(scope: Scope) -> Vec<(Variant, &'static str, Vec<String>)> {
     let tolerances = ["1", "1e-1", "1e-2", "1e-3", "1e-4", "1e-6"].map(str::to_owned);
     let variants = Variant::list(
         "implicit-euler, by tolerance
-        pd, by iterations: iterations=5
+        pd, by iterations: iterations=5, contact_tolerance=0
         xpbd, by iterations: substeps=1
         xpbd, by substeps: iterations=1
         pbd, by substeps: iterations=1",
@@ -348,6 +348,7 @@ mod tests {
             let settings = Settings::default();
             let settings = match name {
                 "xpbd" => settings.with("substeps", 1),
+                "pd" => settings.with("contact_tolerance", 0),
                 _ => settings,
             };
             let reached = |value| problem.reached(method, &settings.clone().with(key, value));

@@ -7,14 +7,15 @@ use crate::studies::prelude::*;
 use std::cmp::Ordering;
 
 /// Ends of a step of each method, those of a converged one first.
-const ENDS: [(&str, &str); 7] = [
+const ENDS: [(&str, &str); 8] = [
     ("implicit-euler", "tolerance=1e-3"),
     ("implicit-euler", "tolerance=1e-2"),
     ("implicit-euler", "tolerance=3e-2"),
     ("implicit-euler", "tolerance=1e-1"),
     ("implicit-euler", "tolerance=3e-1"),
-    ("pd", "contact_iterations=30"),
-    ("pd", "contact_iterations=100"),
+    ("pd", "contact_tolerance=3e-1"),
+    ("pd", "contact_tolerance=1e-1"),
+    ("pd", "contact_tolerance=3e-2"),
 ];
 
 /// Scenes, with vertices along in a quick and in a full run.
