@@ -8,6 +8,7 @@ mod position_based;
 mod projective;
 mod strain_limit;
 
+pub(crate) use own::own;
 pub use own::{Build, OwnMethod, all, register, with_own};
 
 use crate::error::BenchError;

@@ -16,7 +16,7 @@ pub struct PdConfig {
     /// Most such steps end sooner, at [`contact_tolerance`](Self::contact_tolerance), or once
     /// `‖∇G(x)‖ ≤ 1e-8 ‖M (x − x̃)/Δt²‖` in the norm of M⁻¹.
     pub contact_iterations: u32,
-    /// A step with active contacts and without a `tolerance` ends after [`iterations`](Self::iterations) or more once
+    /// A step with active contacts and without a `tolerance` ends after 30 iterations or more once
     /// `√(∇Gᵀ H ∇G) ≤ τ ‖x − x̃‖_M/Δt`, H the inverse Hessian that the method has (τ dimensionless, at least 0): the
     /// Newton decrement, as a speed, over the change of velocity that the forces have made. As pairs that mislead make
     /// it small, ten iterations must have lowered `G` by no more than ten times the square of that besides. It is an

@@ -250,8 +250,8 @@
 //!   where it was given 2·10⁻⁵ J, and seven times as long was spent on a step; with it, no more than it was given.
 //! - **A step goes on until it is near enough**, because an impact changes the problem while it is solved: up to
 //!   [`PdConfig::contact_iterations`] in a step in which anything pushes, with twenty pairs instead of two, until what
-//!   the iteration still has to move is a tenth of what forces have moved ([`PdConfig::contact_tolerance`]). Cloth that
-//!   lies takes ten iterations for it, a fold a few hundred. Six sheets of 33 vertices a side on a turning box, each
+//!   the iteration still has to move is a tenth of what forces have moved ([`PdConfig::contact_tolerance`]). That takes
+//!   30 iterations at least, and a few hundred in a fold. Six sheets of 33 vertices a side on a turning box, each
 //!   with 0.3 % more bending rigidity than the one before (`cloth-bench run drape-box --steps 30`), fall 0.074 m with a
 //!   spread of 0.003 m and are stretched by 0.3 %; with converged implicit Euler 0.074 and 0.001 m, 0.2 %; with 30
 //!   iterations in every step 0.068 and 0.006 m, 0.8 %. A ribbon that folds down on itself (`cloth-bench run fold --n 17

@@ -66,7 +66,7 @@ pub fn register(own: &'static [Method]) -> Result<(), BenchError> {
 }
 
 /// The methods that were added.
-fn own() -> &'static [Method] {
+pub(crate) fn own() -> &'static [Method] {
     OWN.get().copied().unwrap_or_default()
 }
 

@@ -91,9 +91,55 @@ impl DefaultRow {
     }
 }
 
+/// Objective errors that are asked for.
+const WANTED: [Real; 4] = [0.1, 1e-2, 1e-3, 1e-6];
+
+/// How long (ms) a method takes to the errors of [`WANTED`], if it gets there.
+#[derive(Serialize, Default)]
+struct TimesRow {
+    n: Cell,
+    method: String,
+    #[serde(rename = "ms to 1e-1")]
+    rough: Option<Real>,
+    #[serde(rename = "ms to 1e-2")]
+    visible: Option<Real>,
+    #[serde(rename = "ms to 1e-3")]
+    fair: Option<Real>,
+    #[serde(rename = "ms to 1e-6")]
+    exact: Option<Real>,
+}
+
+impl TimesRow {
+    /// From the errors and times (s) that were reached.
+    fn all(n: &Cell, reached: &[(String, Real, Real)]) -> Vec<Self> {
+        let mut rows: Vec<Self> = Vec::new();
+        for (name, ..) in reached {
+            if rows.iter().any(|row| row.method == *name) {
+                continue;
+            }
+            let [rough, visible, fair, exact] = WANTED.map(|wanted| {
+                let own = reached.iter().filter(|(other, ..)| other == name);
+                let there = own.filter(|(_, error, _)| *error <= wanted);
+                let seconds = there.map(|(.., seconds)| 1e3 * seconds);
+                seconds.min_by(Real::total_cmp)
+            });
+            rows.push(Self {
+                n: n.clone(),
+                method: name.clone(),
+                rough,
+                visible,
+                fair,
+                exact,
+            });
+        }
+        rows
+    }
+}
+
 fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
     let scope = study.scope;
     let (mut samples, mut defaults, mut fastest) = (Vec::new(), Vec::new(), Vec::new());
+    let mut times = Vec::new();
     let sheets = TestSheet::of_study(&study.cases, sizes(scope))?;
     for sheet in &sheets {
         let TestSheet {
@@ -150,15 +196,13 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
                 repeated(problem.get()?, &mut *solver, 5)
             });
             if let Ok(sample) = &sample {
-                reached.push((
-                    method.name.to_owned(),
-                    sample.error.objective,
-                    sample.seconds,
-                ));
+                let label = format!("{}, default", method.name);
+                reached.push((label, sample.error.objective, sample.seconds));
             }
             defaults.push(DefaultRow::new(size, method.name, sample));
         }
         fastest.push(format!("{name}: {}", fastest_to(&reached)));
+        times.extend(TimesRow::all(size, &reached));
         samples.extend(rows);
     }
     let what = sheets[0].what();
@@ -176,6 +220,13 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
         &format!("Every method at its default setting: one step of {what}"),
         Table::of(&defaults),
     );
+    study.findings.table(
+        "convergence-times",
+        &format!(
+            "How long each way takes to an objective error, from the inertial prediction: one step of {what}"
+        ),
+        Table::of(&times),
+    );
     study.findings.data("convergence", Table::of(&samples));
     let of_fall = sheets
         .iter()
@@ -185,7 +236,7 @@ fn run(study: &mut StudyRun<'_>) -> Result<(), BenchError> {
 
 /// Who is the first at each error, in words; from names, errors and times (s).
 fn fastest_to(reached: &[(String, Real, Real)]) -> String {
-    let parts = [0.1, 1e-2, 1e-3, 1e-6].map(|wanted| {
+    let parts = WANTED.map(|wanted| {
         let there = reached.iter().filter(|(_, error, _)| *error <= wanted);
         let first = there.min_by(|a, b| a.2.total_cmp(&b.2));
         first.map_or(

@@ -2,10 +2,10 @@
 
 use crate::studies::prelude::*;
 
-/// Methods that iterate on one step, with the most iterations.
+/// Methods that iterate on one step, with the most iterations; of your own those with a parameter of that name.
 pub(super) fn iterated(scope: Scope) -> Vec<Variant> {
     let [sweeps, accelerated, direct] = scope.pick([500, 200, 30], [2000, 500, 60]);
-    Variant::list(&format!(
+    let mut variants = Variant::list(&format!(
         "implicit-euler: tolerance=0 iterations={accelerated}
         implicit-euler, Newton: tolerance=0 linear=cholesky iterations=60
         pd: iterations={sweeps}
@@ -20,7 +20,21 @@ pub(super) fn iterated(scope: Scope) -> Vec<Variant> {
         xpbd, Chebyshev: substeps=1 chebyshev=auto iterations={accelerated}
         pbd, Chebyshev: substeps=1 chebyshev=auto projection=1 iterations={accelerated}
         pbd, coarse levels: substeps=1 projection=1 hierarchy=10 iterations={accelerated}"
-    ))
+    ));
+    let iterates = |own: &Method| {
+        own.parameters()
+            .into_iter()
+            .flatten()
+            .any(|one| one.name == "iterations")
+    };
+    let own = method::own()
+        .iter()
+        .filter(|own| own.aims_at_implicit_euler() && iterates(own));
+    variants.extend(own.map(|own| Variant {
+        settings: Settings::of(&format!("iterations={accelerated}")),
+        ..Variant::default_of(own)
+    }));
+    variants
 }
 
 /// Methods that cut the step, and into how many parts.
