@@ -34,10 +34,8 @@
 //! # Limits
 //!
 //! - φ of a shape is the distance to its surface, so from deep inside a thin one the nearest way out may be the far
-//!   side. What keeps vertices on their side is [`first_contact`], not the discrete response.
+//!   side. What keeps vertices on their side is [`first_contact`].
 //! - Meshes and samples are not taken to be convex: a path that grazes them may end early, and says so.
-//! - The impulses of one step treat one vertex and one obstacle at a time. A vertex between two obstacles is pushed by
-//!   each in turn, and may end inside the first.
 //!
 //! # References
 //!

@@ -72,21 +72,6 @@ impl RigidMotion {
         }
     }
 
-    /// The motion that leads from one pose to another within `duration` (s), on the shortest way of turning.
-    ///
-    /// # Errors
-    /// [`ObstacleError::OutOfRange`] for the duration, [`ObstacleError::NonFinite`] for a velocity.
-    pub fn between(from: Pose, to: Pose, duration: Real) -> Result<Self, ObstacleError> {
-        super::positive("duration of a motion (s)", duration)?;
-        let turn = to.orientation * from.orientation.inverse();
-        Self {
-            pose: from,
-            velocity: (to.position - from.position) / duration,
-            angular_velocity: turn.scaled_axis() / duration,
-        }
-        .checked()
-    }
-
     /// The pose after `time` (s).
     #[must_use]
     pub fn pose_at(&self, time: Real) -> Pose {
