@@ -4,7 +4,6 @@ use super::bodies::Body;
 use super::free::FreeBodies;
 use super::near::Near;
 use super::source::Contacts;
-use cloth_core::element::Energy;
 use cloth_core::math::{Real, Vec3, gather};
 
 /// Forces of contact in a step, averaged over it where a method takes several substeps; of a method that minimises,

@@ -17,7 +17,6 @@ use crate::pair::Gap;
 use cloth_core::contact::{
     ContactConstraints, ContactError, ContactPotential, ContactRow, ContactStep,
 };
-use cloth_core::element::Energy;
 use cloth_core::math::{Real, Vec3, gather, is_finite};
 
 /// Paths longer than this many thicknesses, apart from what all vertices do together, are looked at in part.
