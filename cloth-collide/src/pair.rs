@@ -5,11 +5,26 @@ use crate::closest::{edge_edge, point_triangle};
 use cloth_core::math::{Real, Vec3, gather};
 
 /// A vertex and a triangle, or two edges.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Pair {
-    pub(crate) kind: QueryKind,
-    /// Vertex and three corners, or the two ends of each edge.
-    pub(crate) vertices: [u32; 4],
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Pair {
+    /// Which of these.
+    pub kind: QueryKind,
+    /// The vertex, then the corners of the triangle; or the ends of one edge, then those of the other.
+    pub vertices: [u32; 4],
+}
+
+impl Pair {
+    /// How far (m) the plane across `normal` has the two apart at least, at positions `x` (m) of all vertices.
+    pub(crate) fn gap_along(self, normal: &Vec3, x: &[Vec3]) -> Real {
+        gap_along(self.kind, normal, &gather(x, self.vertices))
+    }
+}
+
+/// Σ c_k x_k (m), with positions `x` (m) of all vertices.
+#[inline]
+pub(crate) fn weighted(vertices: [u32; 4], weights: [Real; 4], x: &[Vec3]) -> Vec3 {
+    let ends = vertices.into_iter().zip(weights);
+    ends.map(|(v, w)| x[v as usize] * w).sum()
 }
 
 /// Between the nearest points of two primitives.
@@ -111,7 +126,7 @@ impl Query {
 }
 
 /// How far (m) the plane across `normal` has the two pieces apart at least, at positions `x` (m), rounding taken off.
-pub(crate) fn gap_along(kind: QueryKind, normal: &Vec3, x: &[Vec3; 4]) -> Real {
+fn gap_along(kind: QueryKind, normal: &Vec3, x: &[Vec3; 4]) -> Real {
     let displacements = [x[1] - x[0], x[2] - x[0], x[3] - x[0]];
     let [a, b, c] = displacements.map(|displacement| normal.dot(&displacement));
     let size = displacements.iter().fold(0.0, |size: Real, displacement| {

@@ -142,7 +142,7 @@ mod surfaces;
 mod tangent;
 mod zones;
 
-pub use crate::pair::Gap;
+pub use crate::pair::{Gap, Pair};
 pub use builder::PotentialBuilder;
 pub use forces::{BodyForce, ContactForces};
 pub use mollifier::Mollifier;

@@ -8,7 +8,7 @@ use crate::pair::Gap;
 use cloth_core::math::{Real, Vec3};
 
 /// Which two primitives move.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum QueryKind {
     /// A vertex and the three corners of a triangle.
     VertexTriangle,

@@ -174,21 +174,20 @@ impl Contacts {
         ledger.begin();
         // A force for a time of 1 s.
         ledger.pass(1.0);
-        for pair in self.pairs.iter() {
-            let (value, gradient) = pair.value_and_gradient(&gather(x, pair.vertices));
+        for near in self.pairs.iter() {
+            let vertices = near.pair.vertices;
+            let (value, gradient) = near.value_and_gradient(&gather(x, vertices));
             if value != 0.0 {
-                for (vertex, g) in pair.vertices.iter().zip(gradient) {
-                    ledger.add(*vertex as usize, -g);
+                for (vertex, g) in vertices.into_iter().zip(gradient) {
+                    ledger.add(vertex as usize, -g);
                 }
             }
         }
         let arm = |v: usize, number: usize| x[v] - self.bodies[number].0.motion().pose.position;
-        for &[vertex, number] in &self.pairs.vertex_obstacle {
-            let (v, number) = (vertex as usize, number as usize);
-            let at = self.still[number].signed_distance(x[v], 0.0);
-            let slope = self.near.vertex_area[v] * self.near.law_at(v).slope(at.value);
-            let normal = at.gradient() * -slope;
-            ledger.add_obstacle([v, number], [normal, Vec3::zeros()], arm(v, number));
+        for contact in self.obstacle_contacts(x) {
+            let (v, number) = (contact.vertex, contact.number);
+            let forces = [-contact.gradient(), Vec3::zeros()];
+            ledger.add_obstacle([v, number], forces, arm(v, number));
         }
         let reach = self.reach();
         for sticking in &self.sticking {

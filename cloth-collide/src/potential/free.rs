@@ -216,7 +216,7 @@ impl Contacts {
 fn rows_impulses(rows: &[Row], dt: Real, mut visit: impl FnMut(u32, Vec3)) {
     for row in rows.iter().filter(|row| row.lambda > 0.0) {
         let impulse = (row.normal * row.lambda + row.friction) / dt;
-        for (v, weight) in row.vertices.into_iter().zip(row.weights) {
+        for (v, weight) in row.pair.vertices.into_iter().zip(row.weights) {
             visit(v, impulse * weight);
         }
     }

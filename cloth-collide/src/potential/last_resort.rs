@@ -11,8 +11,7 @@
 //! - R. Bridson, R. Fedkiw and J. Anderson, Robust treatment of collisions, contact and friction for cloth animation,
 //!   SIGGRAPH 2002. DOI 10.1145/566570.566623
 
-use super::bodies::Body;
-use super::near::Near;
+use super::bodies::{Body, Substep};
 use super::rows::KEPT;
 use super::zones::{Zones, make_velocities_rigid, move_rigidly};
 use crate::bounds::mean;
@@ -101,15 +100,14 @@ impl LastResort {
     /// [`ContactError::Infeasible`], [`ContactError::NonFinite`]; `x` and `v` are of no use then.
     pub(super) fn resolve(
         &mut self,
-        near: &Near,
-        bodies: &[Body],
-        step: &ContactStep<'_>,
+        substep: &Substep<'_>,
         x: &mut [Vec3],
         v: &mut [Vec3],
     ) -> Result<usize, ContactError> {
+        let step = &substep.step;
         self.displacements.resize(x.len(), Vec3::zeros());
         for _ in 0..PUSHES {
-            if self.look(near, bodies, step, x)? {
+            if self.look(substep, x)? {
                 break;
             }
             self.hits.iter().for_each(|hit| hit.push(step, x, v));
@@ -118,7 +116,7 @@ impl LastResort {
         self.free.clear();
         self.free.extend_from_slice(x);
         for _ in 0..MOST_ROUNDS {
-            self.look(near, bodies, step, x)?;
+            self.look(substep, x)?;
             let zones = &mut self.zones;
             let joined = self
                 .hits
@@ -155,9 +153,9 @@ impl LastResort {
         for zone in self.zones.each() {
             make_velocities_rigid(zone, x, v, step.inverse_mass);
         }
-        let held = match self.look(near, bodies, step, x)? {
+        let held = match self.look(substep, x)? {
             true => 0,
-            false => self.hold_back(near, bodies, step, x, v)?,
+            false => self.hold_back(substep, x, v)?,
         };
         let numbers = x.iter().zip(v.iter());
         let mut finite =
@@ -171,12 +169,11 @@ impl LastResort {
     /// Leaves vertices where they were until nothing passes through anything. Returns how many.
     fn hold_back(
         &mut self,
-        near: &Near,
-        bodies: &[Body],
-        step: &ContactStep<'_>,
+        substep: &Substep<'_>,
         x: &mut [Vec3],
         v: &mut [Vec3],
     ) -> Result<usize, ContactError> {
+        let step = &substep.step;
         self.free.copy_from_slice(x);
         loop {
             let pairs = self.hits.iter().flat_map(|hit| hit.pair.vertices);
@@ -194,7 +191,7 @@ impl LastResort {
             if !is_stopped {
                 return Err(ContactError::Infeasible { vertex: first });
             }
-            if self.look(near, bodies, step, x)? {
+            if self.look(substep, x)? {
                 break;
             }
         }
@@ -207,13 +204,8 @@ impl LastResort {
     }
 
     /// Finds what is not free on the path to `x` (m). Returns whether all is.
-    fn look(
-        &mut self,
-        near: &Near,
-        bodies: &[Body],
-        step: &ContactStep<'_>,
-        x: &[Vec3],
-    ) -> Result<bool, ContactError> {
+    fn look(&mut self, substep: &Substep<'_>, x: &[Vec3]) -> Result<bool, ContactError> {
+        let Substep { near, bodies, step } = substep;
         self.hits.clear();
         if let Some(mesh) = &self.mesh {
             let new = || ClothCandidates::new(mesh, near.broad_phase.create());

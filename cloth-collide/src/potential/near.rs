@@ -178,10 +178,10 @@ impl Near {
     }
 
     /// The area (m²) that a pair stands for at `x` (m).
-    pub(super) fn area_of(&self, pair: &NearPair, x: &[Vec3; 4]) -> Real {
-        match pair.kind {
-            QueryKind::VertexTriangle => pair.area,
-            QueryKind::EdgeEdge => pair.area * self.mollifier(pair.vertices).at(x).0,
+    pub(super) fn area_of(&self, found: &NearPair, x: &[Vec3; 4]) -> Real {
+        match found.pair.kind {
+            QueryKind::VertexTriangle => found.area,
+            QueryKind::EdgeEdge => found.area * self.mollifier(found.pair.vertices).at(x).0,
         }
     }
 

@@ -12,7 +12,7 @@ use super::ranked::Ranked;
 use crate::bounds::mean;
 use crate::ccd::QueryKind;
 use crate::obstacle::Obstacle;
-use crate::pair::Gap;
+use crate::pair::{Gap, Pair};
 use cloth_core::math::{Real, Vec3, gather};
 
 /// Path (in thicknesses) that a vertex may go beyond the paths looked at, before pairs are chosen anew.
@@ -133,13 +133,13 @@ impl NearPairs {
             return;
         };
         let x = path[0];
-        patches.choose(near, &self.place, path, room, |pair, nearer| {
-            let (kind, vertices) = (pair.kind, pair.vertices);
+        patches.choose(near, &self.place, path, room, |found, nearer| {
+            let Pair { kind, vertices } = found.pair;
             let places = gather(x, vertices);
-            let reach = pair.range + nearer;
+            let reach = found.range + nearer;
             let apart = boxes_gap(&places, kind.split());
             if apart > reach {
-                return apart - pair.range;
+                return apart - found.range;
             }
             let distance = Gap::new(kind, &places).distance;
             if distance < reach {
@@ -148,15 +148,14 @@ impl NearPairs {
                     QueryKind::EdgeEdge => (&mut self.edge_edge, Some(near.mollifier(vertices))),
                 };
                 let contact = PairContact {
-                    kind,
-                    vertices,
-                    area: pair.area,
-                    law: near.law().with_range(pair.range),
+                    pair: found.pair,
+                    area: found.area,
+                    law: near.law().with_range(found.range),
                     mollifier,
                 };
-                list.push(distance - pair.range, contact);
+                list.push(distance - found.range, contact);
             }
-            distance - pair.range
+            distance - found.range
         });
         self.vertex_triangle.sort();
         self.edge_edge.sort();

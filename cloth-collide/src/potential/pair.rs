@@ -1,9 +1,8 @@
 //! The energy between a vertex and a triangle, and between two edges.
 
 use super::mollifier::Mollifier;
-use crate::ccd::QueryKind;
 use crate::obstacle::PenaltyLaw;
-use crate::pair::Gap;
+use crate::pair::{Gap, Pair};
 use cloth_core::math::{Real, Vec3};
 
 /// E = A b(d) (J) of a vertex and a triangle, or E = A m b(d) of two edges: d their distance, m the [`Mollifier`] for
@@ -15,9 +14,7 @@ use cloth_core::math::{Real, Vec3};
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PairContact {
     /// What the two are.
-    pub kind: QueryKind,
-    /// The vertex, then the corners of the triangle; or the ends of one edge, then those of the other.
-    pub vertices: [u32; 4],
+    pub pair: Pair,
     /// Area A that the contact stands for (m²).
     pub area: Real,
     /// b; its stiffness is per area (N/m³).
@@ -38,7 +35,7 @@ impl PairContact {
     /// E (J) and ∂E/∂x_k (N) at `x` (m).
     #[must_use]
     pub fn value_and_gradient(&self, x: &[Vec3; 4]) -> (Real, [Vec3; 4]) {
-        let gap = Gap::new(self.kind, x);
+        let gap = Gap::new(self.pair.kind, x);
         let barrier = self.law.energy(gap.distance);
         if barrier == 0.0 {
             return (0.0, [Vec3::zeros(); 4]);

@@ -20,8 +20,7 @@ mod partition;
 use super::near::Near;
 use crate::bounds::Bounds;
 use crate::broad_phase::BroadPhase;
-use crate::ccd::QueryKind;
-use crate::pair::Gap;
+use crate::pair::{Gap, Pair};
 use between::PatchPair;
 use cloth_core::math::{Real, Vec3, gather};
 use cloth_core::mesh::TriMesh;
@@ -51,8 +50,7 @@ pub(super) struct NearPair {
     pub(super) range: Real,
     /// Area (m²) that they stand for.
     pub(super) area: Real,
-    pub(super) kind: QueryKind,
-    pub(super) vertices: [u32; 4],
+    pub(super) pair: Pair,
     /// The substep that they were looked at in.
     seen: u32,
     /// The number of what is remembered of them, if anything is.
@@ -62,8 +60,7 @@ pub(super) struct NearPair {
 /// What is remembered of two primitives that have been looked at.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Memory {
-    kind: QueryKind,
-    vertices: [u32; 4],
+    pair: Pair,
     /// By how much friction has been stretched (m).
     pub(super) stretch: Vec3,
     /// Across a plane that has had the two apart.
@@ -292,7 +289,7 @@ impl Patches {
     pub(super) fn pair_mut(
         &mut self,
         place: Place,
-        vertices: [u32; 4],
+        pair: Pair,
     ) -> Option<(&NearPair, &mut Memory)> {
         let number = place.number as usize;
         let number = match self.ids.get(number) {
@@ -302,14 +299,14 @@ impl Patches {
         let PatchPair {
             pairs, memories, ..
         } = &mut self.pairs[number];
-        let is_it = |pair: &NearPair| pair.vertices == vertices;
+        let is_it = |found: &NearPair| found.pair.vertices == pair.vertices;
         let index = match place.index as usize {
             index if pairs.get(index).is_some_and(is_it) => index,
             _ => pairs.iter().position(is_it)?,
         };
-        let pair = &mut pairs[index];
-        let memory = pair.remember(memories);
-        Some((pair, memory))
+        let found = &mut pairs[index];
+        let memory = found.remember(memories);
+        Some((found, memory))
     }
 
     /// Number of pairs of patches that are near enough to be looked at.

@@ -6,8 +6,6 @@
 //! <https://doi.org/10.1111/cgf.14105>, section 3.6), and one that parts already is not pushed to be faster: what the law
 //! has stored is lost. What lies on something approaches it by its weight in a substep; that is no impact.
 
-use super::bodies::Bodies;
-use super::bodies::Body;
 use super::forces::Ledger;
 use super::near::Near;
 use super::row::Row;
@@ -35,7 +33,7 @@ pub(super) struct Rebound {
 #[derive(Debug)]
 pub(super) struct Rebounds {
     coefficient: Real,
-    list: Vec<Rebound>,
+    pub(super) list: Vec<Rebound>,
 }
 
 impl Rebounds {
@@ -50,33 +48,30 @@ impl Rebounds {
         self.list.clear();
     }
 
-    /// Takes those of a substep that ends at `x` (m).
-    pub(super) fn find(
-        &mut self,
-        (rows, of_bodies): (&[Row], &Bodies),
-        near: &Near,
-        bodies: &[Body],
-        step: &ContactStep<'_>,
-        x: &[Vec3],
-    ) {
+    /// How far (m) a pair has to approach in one substep.
+    pub(super) fn least(&self, near: &Near) -> Real {
+        RESTING * near.law().range()
+    }
+
+    /// Takes those between pieces of a substep that ends at `x` (m).
+    pub(super) fn find(&mut self, rows: &[Row], near: &Near, step: &ContactStep<'_>, x: &[Vec3]) {
         self.list.clear();
-        let least = RESTING * near.law().range();
+        let least = self.least(near);
         let touching = rows.iter().filter(|row| row.lambda > 0.0);
         for row in touching.filter(|row| row.approach.abs() > least) {
-            let ends = row.vertices.iter().zip(row.weights);
+            let ends = row.pair.vertices.iter().zip(row.weights);
             let moved = ends.filter(|(v, _)| **v as usize >= near.cloth);
             let moved = moved.map(|(v, w)| (x[*v as usize] - step.from[*v as usize]) * w);
             self.list.push(Rebound {
-                vertices: row.vertices,
+                vertices: row.pair.vertices,
                 weights: row.weights,
                 normal: row.normal,
-                inverse_mass: row.vertices.map(|v| step.inverse_mass[v as usize]),
+                inverse_mass: row.pair.vertices.map(|v| step.inverse_mass[v as usize]),
                 ease: row.ease,
                 approach: row.approach / step.dt,
                 of_body: row.normal.dot(&moved.sum()) / step.dt,
             });
         }
-        of_bodies.rebounds(bodies, least, &near.own_step(step), x, &mut self.list);
     }
 
     /// Changes the velocities (m/s), and returns the work (J) of moving bodies.

@@ -3,9 +3,9 @@
 use super::near::Near;
 use super::patches::{Known, Memory, NearPair, Patches, Place};
 use super::rows::{KEPT, LEAST, SLACK};
-use super::tangent::{Tangent, hold};
-use crate::ccd::{Query, QueryKind};
-use crate::pair::{Gap, Pair};
+use super::tangent::{Tangent, across, hold};
+use crate::ccd::Query;
+use crate::pair::{Gap, Pair, weighted};
 use cloth_core::contact::ContactStep;
 use cloth_core::math::{Real, Vec3, gather};
 
@@ -16,8 +16,7 @@ const PERSISTENT: Real = 0.02;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Row {
     pub(super) place: Place,
-    pub(super) kind: QueryKind,
-    pub(super) vertices: [u32; 4],
+    pub(super) pair: Pair,
     pub(super) weights: [Real; 4],
     pub(super) normal: Vec3,
     /// At the start of the substep (m).
@@ -48,8 +47,7 @@ pub(super) struct Row {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Parted {
     pub(super) place: Place,
-    pub(super) kind: QueryKind,
-    pub(super) vertices: [u32; 4],
+    pub(super) pair: Pair,
     pub(super) normal: Vec3,
     /// Distance (m) to keep.
     pub(super) kept: Real,
@@ -59,53 +57,51 @@ impl Row {
     /// Of a pair at `x` (m), in a substep of `dt` (s) in which it would go to `to` (m).
     pub(super) fn new(
         place: Place,
-        (pair, memory): (&NearPair, &mut Memory),
+        (found, memory): (&NearPair, &mut Memory),
         near: &Near,
         step: &ContactStep<'_>,
         to: &[Vec3],
         travel: Option<Real>,
     ) -> Self {
-        let law = near.law();
+        let (law, pair) = (near.law(), found.pair);
         let x = gather(step.from, pair.vertices);
         let fresh =
             |known: &Known| travel.is_some_and(|t| t - known.travel <= PERSISTENT * law.range());
         let known = memory.known.filter(fresh);
-        let sum = |x: &[Vec3; 4], w: &[Real; 4]| -> Vec3 { (0..4).map(|k| x[k] * w[k]).sum() };
+        let sum = |x: &[Vec3], weights: [Real; 4]| weighted(pair.vertices, weights, x);
         let gap = match &known {
             Some(known) => Gap {
-                distance: known.gap.normal.dot(&sum(&x, &known.gap.weights)),
+                distance: known.gap.normal.dot(&sum(step.from, known.gap.weights)),
                 ..known.gap
             },
             None => Gap::new(pair.kind, &x),
         };
-        let end = sum(&gather(to, pair.vertices), &gap.weights);
-        let approach = gap.distance - gap.normal.dot(&end);
+        let approach = gap.distance - gap.normal.dot(&sum(to, gap.weights));
         let w = pair.vertices.map(|v| step.inverse_mass[v as usize]);
         let ease = (0..4).map(|k| gap.weights[k] * gap.weights[k] * w[k]).sum();
-        let comes = gap.distance - approach.max(0.0) < pair.range + SLACK * law.range();
-        let faces = gap.distance < pair.range || !gap.is_at_boundary();
+        let comes = gap.distance - approach.max(0.0) < found.range + SLACK * law.range();
+        let faces = gap.distance < found.range || !gap.is_at_boundary();
         let mut pushes = comes && faces && ease > 0.0;
         let mut tangent = Tangent {
-            range: pair.range,
+            range: found.range,
             stiffness: 0.0,
         };
         if pushes {
             let area = match &known {
                 Some(known) => known.area,
-                None => near.area_of(pair, &x),
+                None => near.area_of(found, &x),
             };
             if known.is_none() {
                 memory.known = travel.map(|travel| Known { gap, area, travel });
             }
-            tangent = Tangent::of(law.with_range(pair.range), area, gap.distance);
+            tangent = Tangent::of(law.with_range(found.range), area, gap.distance);
             pushes = tangent.stiffness > 0.0;
         } else {
             memory.stretch = Vec3::zeros();
         }
         Self {
             place,
-            kind: pair.kind,
-            vertices: pair.vertices,
+            pair,
             weights: gap.weights,
             normal: gap.normal,
             distance: gap.distance,
@@ -116,21 +112,20 @@ impl Row {
                 0.0
             },
             ease,
-            kept: KEPT * gap.distance.min(pair.range),
-            least: LEAST * pair.range,
+            kept: KEPT * gap.distance.min(found.range),
+            least: LEAST * found.range,
             pushes,
             is_violated: false,
             coefficient: near.friction(pair.vertices),
             lambda: 0.0,
             friction: Vec3::zeros(),
             approach,
-            origin: sum(&x, &gap.weights) - memory.stretch,
+            origin: sum(step.from, gap.weights) - memory.stretch,
         }
     }
 
     pub(super) fn point(&self, x: &[Vec3]) -> Vec3 {
-        let ends = self.vertices.iter().zip(self.weights);
-        ends.map(|(v, w)| x[*v as usize] * w).sum()
+        weighted(self.pair.vertices, self.weights, x)
     }
 
     #[inline]
@@ -145,13 +140,12 @@ impl Row {
         let mut push = self.normal * (lambda - self.lambda);
         self.lambda = lambda;
         if self.coefficient > 0.0 {
-            let slip = point - self.origin;
-            let slip = slip - self.normal * self.normal.dot(&slip);
+            let slip = across(point - self.origin, self.normal);
             let held = hold(self.friction - slip / self.ease, self.coefficient * lambda);
             push += held - self.friction;
             self.friction = held;
         }
-        for (v, weight) in self.vertices.iter().zip(self.weights) {
+        for (v, weight) in self.pair.vertices.iter().zip(self.weights) {
             let v = *v as usize;
             x[v] += push * (weight * w[v]);
         }
@@ -166,8 +160,7 @@ impl Row {
     }
 
     pub(super) fn is_safe(&self, from: &[Vec3], to: &[Vec3]) -> bool {
-        let (kind, vertices) = (self.kind, self.vertices);
-        let path = Query::of(Pair { kind, vertices }, from, to);
+        let path = Query::of(self.pair, from, to);
         path.is_apart_along(&self.normal, self.kept)
             || path.is_shift(self.distance)
             || path.time_at(self.kept).is_none()
@@ -175,11 +168,11 @@ impl Row {
 
     /// Energy (J) at `x` (m).
     pub(super) fn energy(&self, x: &[Vec3], near: &Near, patches: Option<&mut Patches>) -> Real {
-        let pair = patches.and_then(|patches| patches.pair_mut(self.place, self.vertices));
-        pair.map_or(0.0, |(pair, _)| {
-            let x = gather(x, self.vertices);
-            let law = near.law().with_range(pair.range);
-            near.area_of(pair, &x) * law.energy(Gap::new(pair.kind, &x).distance)
+        let found = patches.and_then(|patches| patches.pair_mut(self.place, self.pair));
+        found.map_or(0.0, |(found, _)| {
+            let x = gather(x, self.pair.vertices);
+            let law = near.law().with_range(found.range);
+            near.area_of(found, &x) * law.energy(Gap::new(self.pair.kind, &x).distance)
         })
     }
 }

@@ -15,7 +15,7 @@
 //! not kept a part of its distance gets sweeps without compliance; then its vertices go back on their path; and what is
 //! left even then is for impact zones.
 
-use super::bodies::{Bodies, Body};
+use super::bodies::{Bodies, Body, Substep};
 use super::forces::Ledger;
 use super::near::Near;
 use super::patches::{Memory, NearPair, Patches, TooFar};
@@ -24,10 +24,9 @@ use super::rebound::Rebounds;
 use super::report::ConstraintReport;
 use super::row::{Parted, Row};
 use super::source::Contacts;
-use super::tangent::stretch;
-use crate::pair::gap_along;
+use super::tangent::{across, stretch};
 use cloth_core::contact::{ContactConstraints, ContactError, ContactStep};
-use cloth_core::math::{Real, Vec3, gather, is_finite};
+use cloth_core::math::{Real, Vec3, is_finite};
 
 /// What is looked at beyond the motion (in thicknesses).
 pub(super) const SLACK: Real = 0.05;
@@ -92,7 +91,7 @@ impl Rows {
         let mut sum = 0.0;
         for row in self.rows.iter().filter(|row| row.lambda > 0.0) {
             let push = row.normal * row.lambda + row.friction;
-            for (v, weight) in row.vertices.iter().zip(row.weights) {
+            for (v, weight) in row.pair.vertices.iter().zip(row.weights) {
                 let v = *v as usize;
                 if step.inverse_mass[v] == 0.0 {
                     sum -= push.dot(&(x[v] - step.from[v])) * weight;
@@ -158,8 +157,8 @@ impl ContactConstraints for Contacts {
         rows.by_zones = false;
         self.find(step, predicted, true);
         let own = self.near.own(predicted);
-        let part = self.near.own_step(step);
-        self.rows.bodies.begin(&self.bodies, &self.near, &part, own);
+        let substep = Substep::of_cloth(&self.near, &self.bodies, step);
+        self.rows.bodies.begin(&substep, own);
         let pushing = self.rows.rows.iter().filter(|row| row.pushes).count();
         self.rows.report.looked += (self.rows.rows.len() + self.rows.parted.len()) as u32;
         self.rows.report.rows += (pushing + self.rows.bodies.len()) as u32;
@@ -171,9 +170,9 @@ impl ContactConstraints for Contacts {
             return;
         }
         self.rows.sweep(step.inverse_mass, x);
-        let part = self.near.own_step(step);
+        let substep = Substep::of_cloth(&self.near, &self.bodies, step);
         let own = &mut x[..self.near.cloth];
-        self.rows.bodies.sweep(&self.bodies, &part, own);
+        self.rows.bodies.sweep(&substep, own);
     }
 
     fn end_substep(&mut self, step: &ContactStep<'_>, x: &mut [Vec3]) -> Result<(), ContactError> {
@@ -271,25 +270,23 @@ impl Contacts {
         };
         let (list, parted) = (&mut rows.rows, &mut rows.parted);
         let far = SLACK * near.law().range();
-        let visit = |place, pair: &NearPair, memory: &mut Memory, travel| {
-            let (kind, vertices) = (pair.kind, pair.vertices);
-            let now = gap_along(kind, &memory.normal, &gather(step.from, vertices));
-            let least = pair.range + far;
-            if now > least && gap_along(kind, &memory.normal, &gather(to, vertices)) > least {
+        let visit = |place, found: &NearPair, memory: &mut Memory, travel| {
+            let (pair, range, normal) = (found.pair, found.range, memory.normal);
+            let now = pair.gap_along(&normal, step.from);
+            if now > range + far && pair.gap_along(&normal, to) > range + far {
                 parted.push(Parted {
                     place,
-                    kind,
-                    vertices,
-                    normal: memory.normal,
-                    kept: KEPT * pair.range,
+                    pair,
+                    normal,
+                    kept: KEPT * range,
                 });
                 memory.stretch = Vec3::zeros();
-                return now - pair.range;
+                return now - range;
             }
-            let row = Row::new(place, (pair, &mut *memory), near, step, to, Some(travel));
+            let row = Row::new(place, (found, &mut *memory), near, step, to, Some(travel));
             list.push(row);
             memory.normal = row.normal;
-            row.distance - pair.range
+            row.distance - range
         };
         let found = if begins {
             patches.begin(near, step.from, to, visit)
@@ -310,9 +307,9 @@ impl Contacts {
             row.is_violated = !row.is_safe(step.from, x);
             count += u32::from(row.is_violated);
         }
-        let (part, own) = (self.near.own_step(step), self.near.own(x));
-        let rows = &mut self.rows.bodies;
-        Some(count + rows.violations(&self.bodies, &self.near, &part, own))
+        let substep = Substep::of_cloth(&self.near, &self.bodies, step);
+        let own = self.near.own(x);
+        Some(count + self.rows.bodies.violations(&substep, own))
     }
 
     /// Makes rows of pairs that their planes do not keep apart on the path to `x` (m).
@@ -328,10 +325,9 @@ impl Contacts {
             return;
         };
         parted.retain(|parted| {
-            let keeps =
-                gap_along(parted.kind, &parted.normal, &gather(x, parted.vertices)) > parted.kept;
+            let keeps = parted.pair.gap_along(&parted.normal, x) > parted.kept;
             // One that is not known any more is too far away.
-            let pair = (!keeps).then(|| patches.pair_mut(parted.place, parted.vertices));
+            let pair = (!keeps).then(|| patches.pair_mut(parted.place, parted.pair));
             let Some(pair) = pair.flatten() else {
                 return true;
             };
@@ -350,7 +346,7 @@ impl Contacts {
             rows.shares.resize(x.len(), 1.0);
         }
         let pairs = rows.rows.iter().filter(|row| row.is_violated);
-        let vertices = pairs.flat_map(|row| row.vertices);
+        let vertices = pairs.flat_map(|row| row.pair.vertices);
         let shares = &mut rows.shares;
         let mut shorten = |v: u32| {
             let v = v as usize;
@@ -382,10 +378,10 @@ impl Contacts {
         let rows = &self.rows;
         for row in rows.rows.iter().filter(|row| row.lambda > 0.0) {
             let impulses = [row.normal * row.lambda, row.friction].map(|push| push / step.dt);
-            ledger.add_pair(row.vertices, row.weights, impulses);
+            ledger.add_pair(row.pair.vertices, row.weights, impulses);
         }
-        let (part, own) = (self.near.own_step(step), self.near.own(x));
-        rows.bodies.record(&self.bodies, &part, own, ledger);
+        let substep = Substep::of_cloth(&self.near, &self.bodies, step);
+        rows.bodies.record(&substep, self.near.own(x), ledger);
     }
 
     /// The substep ends at `x` (m), and what it has done is remembered.
@@ -398,26 +394,26 @@ impl Contacts {
         if let Some(patches) = &mut rows.patches {
             patches.accept();
             for row in rows.rows.iter().filter(|row| row.pushes) {
-                if let Some((_, memory)) = patches.pair_mut(row.place, row.vertices) {
-                    let displacement = row.point(x) - row.origin;
-                    let displacement = displacement - row.normal * row.normal.dot(&displacement);
+                if let Some((_, memory)) = patches.pair_mut(row.place, row.pair) {
+                    let displacement = across(row.point(x) - row.origin, row.normal);
                     memory.stretch = stretch(displacement, row.lambda, reach);
                 }
             }
         }
-        let (part, own) = (near.own_step(step), near.own(x));
-        rows.work += rows.bodies.end(bodies, reach, &part, own);
+        let (substep, own) = (Substep::of_cloth(near, bodies, step), near.own(x));
+        rows.work += rows.bodies.end(&substep, reach, own);
         rows.work += rows.work_of_prescribed(step, x);
         if let Some(rebounds) = &mut rows.rebounds {
-            rebounds.find((&rows.rows, &rows.bodies), near, bodies, step, x);
+            rebounds.find(&rows.rows, near, step, x);
+            rows.bodies
+                .rebounds(&substep, rebounds.least(near), own, &mut rebounds.list);
         }
         if rows.rows.is_empty() && rows.bodies.len() == 0 {
             let relative = rows
                 .patches
                 .as_ref()
                 .map_or(Some(Real::INFINITY), Patches::margin);
-            let h = near.law().range();
-            let whole = rows.bodies.margin(bodies, h, &part, own);
+            let whole = rows.bodies.margin(&substep, own);
             // A body that nothing holds may set out in the next substep.
             let is_alone = self.free.list.is_empty();
             if let (Some(relative), Some(whole), true) = (relative, whole, is_alone) {
@@ -478,10 +474,15 @@ impl Contacts {
             .extend(displacements.map(|(from, x)| (x - from) / step.dt));
         // What was proposed has been given up.
         rows.proposed.clone_from(&rows.velocities);
-        let (near, bodies) = (&self.near, &self.bodies[..]);
+        let bodies = &self.bodies[..];
+        let substep = Substep {
+            near: &self.near,
+            bodies,
+            step: *step,
+        };
         let held = self
             .last_resort
-            .resolve(near, bodies, step, x, &mut rows.velocities)?;
+            .resolve(&substep, x, &mut rows.velocities)?;
         rows.report.shortened += held as u32;
         let changes = rows.velocities.iter().zip(&rows.proposed);
         let changes = changes.map(|(after, before)| after - before);

@@ -4,7 +4,7 @@ use super::bodies::Body;
 use super::filter::shorten_all;
 use super::forces::Ledger;
 use super::free::FreeBodies;
-use super::friction::{Sticking, Stretched};
+use super::friction::{ALONE, Sticking, Stretched};
 use super::last_resort::LastResort;
 use super::near::Near;
 use super::near_pairs::NearPairs;
@@ -12,8 +12,8 @@ use super::patches::Patches;
 use super::rows::Rows;
 use super::stops::Stops;
 use crate::bounds::mean;
-use crate::obstacle::Obstacle;
-use crate::pair::Gap;
+use crate::obstacle::{Distance, Obstacle, PenaltyLaw};
+use crate::pair::{Gap, weighted};
 use cloth_core::contact::{
     ContactConstraints, ContactError, ContactPotential, ContactRow, ContactStep,
 };
@@ -68,6 +68,23 @@ pub(super) struct Contacts {
     pub(super) energy: Real,
     /// Vertices that the last step has held back.
     pub(super) held: usize,
+}
+
+/// A vertex before an obstacle.
+pub(super) struct ObstacleContact {
+    pub(super) vertex: usize,
+    pub(super) number: usize,
+    at: Distance,
+    /// Area (m²) that the vertex stands for, and its law.
+    area: Real,
+    law: PenaltyLaw,
+}
+
+impl ObstacleContact {
+    /// ∂E/∂x (N).
+    pub(super) fn gradient(&self) -> Vec3 {
+        self.at.gradient() * (self.area * self.law.slope(self.at.value))
+    }
 }
 
 impl Contacts {
@@ -225,23 +242,20 @@ impl ContactPotential for Contacts {
 
     fn add_gradient(&self, x: &[Vec3], out: &mut [Vec3]) -> Real {
         let mut sum = 0.0;
-        for pair in self.pairs.iter() {
-            let (value, gradient) = pair.value_and_gradient(&gather(x, pair.vertices));
+        for near in self.pairs.iter() {
+            let vertices = near.pair.vertices;
+            let (value, gradient) = near.value_and_gradient(&gather(x, vertices));
             if value != 0.0 {
-                for (vertex, g) in pair.vertices.iter().zip(gradient) {
-                    out[*vertex as usize] += g;
+                for (vertex, g) in vertices.into_iter().zip(gradient) {
+                    out[vertex as usize] += g;
                 }
             }
             sum += value;
         }
-        for &[vertex, number] in &self.pairs.vertex_obstacle {
-            let v = vertex as usize;
-            let at = self.still[number as usize].signed_distance(x[v], 0.0);
-            let law = self.near.law_at(v);
-            if at.value < law.range() {
-                let area = self.near.vertex_area[v];
-                sum += area * law.energy(at.value);
-                out[v] += at.gradient() * (area * law.slope(at.value));
+        for contact in self.obstacle_contacts(x) {
+            if contact.at.value < contact.law.range() {
+                sum += contact.area * contact.law.energy(contact.at.value);
+                out[contact.vertex] += contact.gradient();
             }
         }
         let reach = self.reach();
@@ -262,22 +276,25 @@ impl ContactPotential for Contacts {
                 });
             }
         };
-        for pair in self.pairs.iter() {
-            let places = gather(x, pair.vertices);
-            let gap = Gap::new(pair.kind, &places);
-            let curvature = pair.law.curvature(gap.distance);
+        for near in self.pairs.iter() {
+            let places = gather(x, near.pair.vertices);
+            let gap = Gap::new(near.pair.kind, &places);
+            let curvature = near.law.curvature(gap.distance);
             if curvature > 0.0 {
-                let stiffness = pair.area_at(&places) * curvature;
-                push(pair.vertices, gap.weights, gap.normal, stiffness);
+                let stiffness = near.area_at(&places) * curvature;
+                push(near.pair.vertices, gap.weights, gap.normal, stiffness);
             }
         }
-        for &[vertex, number] in &self.pairs.vertex_obstacle {
-            let v = vertex as usize;
-            let law = self.near.law_at(v);
-            let at = self.still[number as usize].signed_distance(x[v], 0.0);
-            let stiffness =
-                self.near.vertex_area[v] * law.curvature(at.value) * at.slope * at.slope;
-            push([vertex; 4], [1.0, 0.0, 0.0, 0.0], at.normal, stiffness);
+        for ObstacleContact {
+            vertex,
+            at,
+            area,
+            law,
+            ..
+        } in self.obstacle_contacts(x)
+        {
+            let stiffness = area * law.curvature(at.value) * at.slope * at.slope;
+            push([vertex as u32; 4], ALONE, at.normal, stiffness);
         }
         let reach = self.reach();
         let sticking = self.sticking.iter();
@@ -390,26 +407,21 @@ impl Contacts {
         } = self;
         let x = step.from;
         sticking.clear();
-        let mut push = |vertices: [u32; 4], gap: Gap, most: Real| {
+        for contact in pairs.iter() {
+            let vertices = contact.pair.vertices;
+            let places = gather(x, vertices);
+            let gap = Gap::new(contact.pair.kind, &places);
+            let force = -contact.area_at(&places) * contact.law.slope(gap.distance);
+            let most = near.friction(vertices) * force;
             if most > 0.0 {
-                let ends = vertices.iter().zip(gap.weights);
-                let point: Vec3 = ends.map(|(v, w)| x[*v as usize] * w).sum();
                 sticking.push(Sticking {
                     key: vertices,
                     vertices,
                     weights: gap.weights,
                     normal: gap.normal,
                     most,
-                    origin: point - stretched.of(vertices),
+                    origin: weighted(vertices, gap.weights, x) - stretched.of(vertices),
                 });
-            }
-        };
-        for pair in pairs.iter() {
-            let places = gather(x, pair.vertices);
-            let gap = Gap::new(pair.kind, &places);
-            if gap.distance < pair.law.range() {
-                let force = -pair.area_at(&places) * pair.law.slope(gap.distance);
-                push(pair.vertices, gap, near.friction(pair.vertices) * force);
             }
         }
         let bodies = self.before.iter().zip(&self.still).zip(&self.bodies);
@@ -428,7 +440,7 @@ impl Contacts {
                     sticking.push(Sticking {
                         key,
                         vertices: [vertex; 4],
-                        weights: [1.0, 0.0, 0.0, 0.0],
+                        weights: ALONE,
                         normal: at.normal,
                         most: near.friction_on(v, *friction) * force,
                         origin: moved - stretched.of(key),
@@ -436,6 +448,23 @@ impl Contacts {
                 }
             }
         }
+    }
+
+    /// The vertices that may touch an obstacle, with the cloth at `x` (m).
+    pub(super) fn obstacle_contacts<'a>(
+        &'a self,
+        x: &'a [Vec3],
+    ) -> impl Iterator<Item = ObstacleContact> + 'a {
+        self.pairs.vertex_obstacle.iter().map(move |pair| {
+            let [vertex, number] = pair.map(|n| n as usize);
+            ObstacleContact {
+                vertex,
+                number,
+                at: self.still[number].signed_distance(x[vertex], 0.0),
+                area: self.near.vertex_area[vertex],
+                law: self.near.law_at(vertex),
+            }
+        })
     }
 
     /// Work (J) of what is prescribed against the forces of pairs at `x` (m), where the step ends.
@@ -460,20 +489,17 @@ impl Contacts {
     fn work_of_bodies(&self, x: &[Vec3]) -> Real {
         let reach = self.reach();
         let mut sum = 0.0;
-        for &[vertex, number] in &self.pairs.vertex_obstacle {
-            let (before, after) = (&self.before[number as usize], &self.still[number as usize]);
-            if before.motion().is_still() {
-                continue;
-            }
-            let v = vertex as usize;
-            let at = after.signed_distance(x[v], 0.0);
-            let local = after.motion().pose.to_local(x[v]);
-            let displacement = x[v] - before.motion().pose.to_world(local);
-            let force =
-                at.gradient() * (self.near.vertex_area[v] * self.near.law_at(v).slope(at.value));
-            let mut whole = -force;
-            let own = self.sticking.iter();
-            for sticking in own.filter(|s| s.key == [vertex, vertex, vertex, number]) {
+        let moving = |number: usize| !self.before[number].motion().is_still();
+        for contact in self
+            .obstacle_contacts(x)
+            .filter(|contact| moving(contact.number))
+        {
+            let (v, number) = (contact.vertex, contact.number);
+            let local = self.still[number].motion().pose.to_local(x[v]);
+            let displacement = x[v] - self.before[number].motion().pose.to_world(local);
+            let mut whole = -contact.gradient();
+            let key = [v as u32, v as u32, v as u32, number as u32];
+            for sticking in self.sticking.iter().filter(|sticking| sticking.key == key) {
                 let u = sticking.displacement(x);
                 whole -= u * (sticking.most / u.norm().max(reach));
             }

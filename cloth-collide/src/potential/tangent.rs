@@ -31,6 +31,12 @@ impl Tangent {
     }
 }
 
+/// The part of `v` at right angles to `normal` (unit length).
+#[inline]
+pub(super) fn across(v: Vec3, normal: Vec3) -> Vec3 {
+    v - normal * normal.dot(&v)
+}
+
 /// A force of friction that is not larger than `most`.
 pub(super) fn hold(wanted: Vec3, most: Real) -> Vec3 {
     let size = wanted.norm();

@@ -3,7 +3,7 @@
 use crate::random::Random;
 use cloth_collide::QueryKind;
 use cloth_collide::obstacle::PenaltyLaw;
-use cloth_collide::potential::{Gap, Mollifier, PairContact};
+use cloth_collide::potential::{Gap, Mollifier, Pair, PairContact};
 use cloth_core::check::gradient_error;
 use cloth_core::element::{Convexity, Element, Energy};
 use cloth_core::math::{Blocks, Vec3};
@@ -18,7 +18,7 @@ struct Barrier(PairContact);
 
 impl Element<4> for Barrier {
     fn vertices(&self) -> [u32; 4] {
-        self.0.vertices
+        self.0.pair.vertices
     }
 }
 
@@ -36,10 +36,14 @@ impl Energy<4> for Barrier {
     }
 }
 
+fn pair(kind: QueryKind) -> Pair {
+    let vertices = [0, 1, 2, 3];
+    Pair { kind, vertices }
+}
+
 fn vertex_triangle() -> Barrier {
     Barrier(PairContact {
-        kind: QueryKind::VertexTriangle,
-        vertices: [0, 1, 2, 3],
+        pair: pair(QueryKind::VertexTriangle),
         area: 0.7,
         law: PenaltyLaw::new(3.0, 1.0).unwrap(),
         mollifier: None,
@@ -48,7 +52,7 @@ fn vertex_triangle() -> Barrier {
 
 fn edge_edge(squared_lengths: [f64; 2]) -> Barrier {
     Barrier(PairContact {
-        kind: QueryKind::EdgeEdge,
+        pair: pair(QueryKind::EdgeEdge),
         mollifier: Some(Mollifier::new(squared_lengths)),
         ..vertex_triangle().0
     })

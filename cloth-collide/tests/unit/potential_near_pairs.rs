@@ -44,10 +44,13 @@ fn no_near_pair_is_missed_on_any_path() {
                 })
                 .collect();
             pairs.prepare(&near, [&from, &to], &[]);
-            let kept: HashSet<[u32; 4]> =
-                pairs.vertex_triangle.iter().map(|p| p.vertices).collect();
+            let kept: HashSet<[u32; 4]> = pairs
+                .vertex_triangle
+                .iter()
+                .map(|p| p.pair.vertices)
+                .collect();
             let kept_edges: HashSet<[u32; 4]> =
-                pairs.edge_edge.iter().map(|p| p.vertices).collect();
+                pairs.edge_edge.iter().map(|p| p.pair.vertices).collect();
             for part in [0.0, 0.5, 1.0] {
                 let x: Vec<Vec3> = from
                     .iter()

@@ -41,29 +41,18 @@ impl Look {
 }
 
 impl NearPair {
-    fn key(&self) -> (bool, [u32; 4]) {
-        (self.kind == QueryKind::EdgeEdge, self.vertices)
-    }
-
     /// What is remembered, from now on.
     pub(super) fn remember<'a>(&mut self, memories: &'a mut Vec<Memory>) -> &'a mut Memory {
         if self.memory == NOTHING {
             self.memory = memories.len() as u32;
             memories.push(Memory {
-                kind: self.kind,
-                vertices: self.vertices,
+                pair: self.pair,
                 stretch: Vec3::zeros(),
                 normal: Vec3::zeros(),
                 known: None,
             });
         }
         &mut memories[self.memory as usize]
-    }
-}
-
-impl Memory {
-    fn key(&self) -> (bool, [u32; 4]) {
-        (self.kind == QueryKind::EdgeEdge, self.vertices)
     }
 }
 
@@ -140,15 +129,15 @@ impl Patches {
         self.collect(near, x, ([p, q], boxes), h + room, &mut pair.pairs);
         let order = |a: &NearPair, b: &NearPair| {
             let rooms = a.room.total_cmp(&b.room);
-            rooms.then_with(|| a.key().cmp(&b.key()))
+            rooms.then_with(|| a.pair.cmp(&b.pair))
         };
         pair.pairs.sort_unstable_by(order);
         pair.wakes.extend(pair.pairs.iter().map(|pair| pair.room));
         memories.iter_mut().for_each(|memory| memory.known = None);
-        memories.sort_unstable_by_key(Memory::key);
-        for pair in &mut pair.pairs {
-            let memory = memories.binary_search_by_key(&pair.key(), Memory::key);
-            pair.memory = memory.map_or(NOTHING, |memory| memory as u32);
+        memories.sort_unstable_by_key(|memory| memory.pair);
+        for found in &mut pair.pairs {
+            let memory = memories.binary_search_by_key(&found.pair, |memory| memory.pair);
+            found.memory = memory.map_or(NOTHING, |memory| memory as u32);
         }
         true
     }
@@ -256,13 +245,13 @@ fn near_pair(
     if distance >= reach || !near.meets(vertices) {
         return None;
     }
-    let range = near.range_of(Pair { kind, vertices });
+    let pair = Pair { kind, vertices };
+    let range = near.range_of(pair);
     Some(NearPair {
         room: distance - range,
         range,
         area,
-        kind,
-        vertices,
+        pair,
         seen: 0,
         memory: NOTHING,
     })
