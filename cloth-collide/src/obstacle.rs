@@ -72,7 +72,6 @@ pub use impact::ImpactLaw;
 pub use motion::{Pose, RigidMotion};
 pub use penalty::PenaltyLaw;
 pub use placed::Obstacle;
-pub(crate) use rigid_body::Momenta;
 pub use rigid_body::RigidBody;
 pub use sampled::SampledDistance;
 pub use sphere::Sphere;

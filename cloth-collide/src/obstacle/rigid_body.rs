@@ -24,13 +24,6 @@ pub struct RigidBody {
     gravity: Vec3,
 }
 
-/// Momentum p (kg·m/s) and angular momentum L (kg·m²/s) about the centre of mass, in world axes.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Momenta {
-    pub(crate) linear: Vec3,
-    pub(crate) angular: Vec3,
-}
-
 impl RigidBody {
     /// A body of this mass (kg) and inertia (kg·m²), in its own frame about the origin, which gravity (m/s²) pulls.
     ///
@@ -179,14 +172,14 @@ impl RigidBody {
         (stiffness * largest.max(0.0)).sqrt()
     }
 
-    /// What it has with this motion.
-    pub(crate) fn momenta(&self, motion: &RigidMotion) -> Momenta {
+    /// Momentum p (kg·m/s), and angular momentum L (kg·m²/s) about the centre of mass, with this motion; in world axes.
+    pub(crate) fn momenta(&self, motion: &RigidMotion) -> [Vec3; 2] {
         let rotation = motion.pose.orientation.to_rotation_matrix();
         let local = rotation.inverse() * motion.angular_velocity;
-        Momenta {
-            linear: motion.velocity * self.mass,
-            angular: rotation * (self.inertia * local),
-        }
+        [
+            motion.velocity * self.mass,
+            rotation * (self.inertia * local),
+        ]
     }
 
     /// ω (rad/s) in this pose.
@@ -195,14 +188,15 @@ impl RigidBody {
         rotation * (self.inverse_inertia * (rotation.inverse() * angular))
     }
 
-    /// How it moves from `pose` on in a step of `dt` (s).
-    pub(crate) fn motion(&self, pose: Pose, momenta: &Momenta, dt: Real) -> RigidMotion {
-        let start = self.angular_velocity(&pose, momenta.angular);
+    /// How it moves from `pose` on with these momenta, in a step of `dt` (s).
+    pub(crate) fn motion(&self, pose: Pose, momenta: [Vec3; 2], dt: Real) -> RigidMotion {
+        let [linear, angular] = momenta;
+        let start = self.angular_velocity(&pose, angular);
         let half = pose.turned(start * (0.5 * dt));
         RigidMotion {
             pose,
-            velocity: momenta.linear / self.mass + self.gravity * dt,
-            angular_velocity: self.angular_velocity(&half, momenta.angular),
+            velocity: linear / self.mass + self.gravity * dt,
+            angular_velocity: self.angular_velocity(&half, angular),
         }
     }
 
@@ -212,9 +206,9 @@ impl RigidBody {
     }
 
     /// A step of `dt` (s) ends, in which this impulse (N·s) and this one of rotation (N·m·s) have acted.
-    pub(crate) fn push(&self, momenta: &mut Momenta, [linear, angular]: [Vec3; 2], dt: Real) {
-        momenta.linear += self.gravity * (self.mass * dt) + linear;
-        momenta.angular += angular;
+    pub(crate) fn push(&self, momenta: &mut [Vec3; 2], [linear, angular]: [Vec3; 2], dt: Real) {
+        momenta[0] += self.gravity * (self.mass * dt) + linear;
+        momenta[1] += angular;
     }
 }
 

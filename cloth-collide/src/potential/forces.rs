@@ -33,10 +33,8 @@ pub struct BodyForce {
 /// What adds them up.
 #[derive(Debug)]
 pub(super) struct Ledger {
-    /// Impulses (N·s) on all vertices, those of surfaces too.
-    normal: Vec<Vec3>,
-    friction: Vec<Vec3>,
-    bodies: Vec<BodyForce>,
+    /// Impulses (N·s, N·m·s) so far: on all vertices, those of surfaces too, and on bodies.
+    impulses: ContactForces,
     /// Over which time (s).
     time: Real,
     pub(super) forces: ContactForces,
@@ -44,25 +42,23 @@ pub(super) struct Ledger {
 
 impl Ledger {
     pub(super) fn new(vertices: usize, cloth: usize, bodies: usize) -> Self {
-        let zeros = |count| vec![Vec3::zeros(); count];
-        Self {
-            normal: zeros(vertices),
-            friction: zeros(vertices),
+        let none = |vertices: usize| ContactForces {
+            normal: vec![Vec3::zeros(); vertices],
+            friction: vec![Vec3::zeros(); vertices],
             bodies: vec![BodyForce::default(); bodies],
+        };
+        Self {
+            impulses: none(vertices),
             time: 0.0,
-            forces: ContactForces {
-                normal: zeros(cloth),
-                friction: zeros(cloth),
-                bodies: vec![BodyForce::default(); bodies],
-            },
+            forces: none(cloth),
         }
     }
 
     /// A step begins.
     pub(super) fn begin(&mut self) {
-        self.normal.fill(Vec3::zeros());
-        self.friction.fill(Vec3::zeros());
-        self.bodies.fill(BodyForce::default());
+        self.impulses.normal.fill(Vec3::zeros());
+        self.impulses.friction.fill(Vec3::zeros());
+        self.impulses.bodies.fill(BodyForce::default());
         self.time = 0.0;
     }
 
@@ -79,14 +75,14 @@ impl Ledger {
         [normal, friction]: [Vec3; 2],
     ) {
         for (v, weight) in vertices.into_iter().zip(weights) {
-            self.normal[v as usize] += normal * weight;
-            self.friction[v as usize] += friction * weight;
+            self.impulses.normal[v as usize] += normal * weight;
+            self.impulses.friction[v as usize] += friction * weight;
         }
     }
 
     /// Pressure (N·s) on one vertex.
     pub(super) fn add(&mut self, vertex: usize, normal: Vec3) {
-        self.normal[vertex] += normal;
+        self.impulses.normal[vertex] += normal;
     }
 
     /// Pressure and friction (N·s) of an obstacle on a vertex that is that far (m) from its position.
@@ -96,15 +92,15 @@ impl Ledger {
         [normal, friction]: [Vec3; 2],
         arm: Vec3,
     ) {
-        self.normal[vertex] += normal;
-        self.friction[vertex] += friction;
-        self.bodies[number].add(-(normal + friction), arm);
+        self.impulses.normal[vertex] += normal;
+        self.impulses.friction[vertex] += friction;
+        self.impulses.bodies[number].add(-(normal + friction), arm);
     }
 
     /// Impulses (N·s, N·m·s) of what stops free bodies.
     pub(super) fn add_stops(&mut self, free: &FreeBodies, per: Real) {
         for free in &free.list {
-            let body = &mut self.bodies[free.number];
+            let body = &mut self.impulses.bodies[free.number];
             body.force += free.stop[0] * per;
             body.torque += free.stop[1] * per;
         }
@@ -112,28 +108,19 @@ impl Ledger {
 
     /// The step is over, with all vertices at `x` (m).
     pub(super) fn end(&mut self, near: &Near, obstacles: &[Body], x: &[Vec3]) {
+        let Self {
+            impulses, forces, ..
+        } = self;
         for (v, body) in (near.cloth..).zip(near.bodies()) {
-            let position = obstacles
-                .get(body)
-                .map_or(Vec3::zeros(), |(body, _)| body.motion().pose.position);
-            let impulse = self.normal[v] + self.friction[v];
+            let obstacle = obstacles.get(body);
+            let position = obstacle.map_or(Vec3::zeros(), |(body, _)| body.motion().pose.position);
+            let impulse = impulses.normal[v] + impulses.friction[v];
             if impulse != Vec3::zeros() {
-                self.bodies[body].add(impulse, x[v] - position);
+                impulses.bodies[body].add(impulse, x[v] - position);
             }
         }
         let per_time = 1.0 / self.time;
-        let average = |out: &mut [Vec3], all: &[Vec3]| {
-            let all = all.iter().map(|impulse| impulse * per_time);
-            out.iter_mut()
-                .zip(all)
-                .for_each(|(out, force)| *out = force);
-        };
-        average(&mut self.forces.normal, &self.normal);
-        average(&mut self.forces.friction, &self.friction);
-        for (out, body) in self.forces.bodies.iter_mut().zip(&self.bodies) {
-            out.force = body.force * per_time;
-            out.torque = body.torque * per_time;
-        }
+        forces.change(impulses, |force, impulse| *force = impulse * per_time);
     }
 }
 
@@ -146,15 +133,25 @@ impl ContactForces {
             (&mut self.friction, &other.friction),
         ] {
             sum.resize(term.len(), Vec3::zeros());
-            let both = sum.iter_mut().zip(term);
-            both.for_each(|(sum, term)| *sum += term * weight);
         }
         self.bodies.resize(other.bodies.len(), BodyForce::default());
-        for (sum, term) in self.bodies.iter_mut().zip(&other.bodies) {
-            sum.force += term.force * weight;
-            sum.torque += term.torque * weight;
-        }
+        self.change(other, |sum, term| *sum += term * weight);
         self
+    }
+
+    /// Changes each vector by that of `other` in its place.
+    fn change(&mut self, other: &Self, change: impl Fn(&mut Vec3, Vec3)) {
+        for (own, other) in [
+            (&mut self.normal, &other.normal),
+            (&mut self.friction, &other.friction),
+        ] {
+            let both = own.iter_mut().zip(other);
+            both.for_each(|(own, other)| change(own, *other));
+        }
+        for (own, other) in self.bodies.iter_mut().zip(&other.bodies) {
+            change(&mut own.force, other.force);
+            change(&mut own.torque, other.torque);
+        }
     }
 }
 

@@ -7,7 +7,7 @@
 
 use super::row::Row;
 use super::source::Contacts;
-use crate::obstacle::{Momenta, Obstacle, Pose, RigidBody, RigidMotion};
+use crate::obstacle::{Obstacle, Pose, RigidBody, RigidMotion};
 use cloth_core::contact::ContactStep;
 use cloth_core::math::{Real, Vec3};
 
@@ -17,7 +17,8 @@ pub(super) struct FreeBody {
     /// The number of its obstacle.
     pub(super) number: usize,
     pub(super) body: RigidBody,
-    pub(super) momenta: Momenta,
+    /// Momentum (N·s) and angular momentum (N·m·s).
+    pub(super) momenta: [Vec3; 2],
     /// That of the step (N·s, N·m·s) about its position at the end.
     impulse: [Vec3; 2],
     /// That of what stops it.
@@ -43,7 +44,7 @@ pub(super) struct FreeBody {
 pub(super) struct FreeBodies {
     pub(super) list: Vec<FreeBody>,
     /// Their momenta before the step.
-    before: Vec<Momenta>,
+    before: Vec<[Vec3; 2]>,
     /// Size (s) of a step of a method that minimises.
     pub(super) dt: Real,
     /// Whether a start is led to where bodies go, so that impulses are none of theirs.
@@ -106,7 +107,7 @@ impl Contacts {
     pub(super) fn free_motions(&self) -> impl Iterator<Item = (usize, RigidMotion)> + '_ {
         self.free.list.iter().map(|free| {
             let pose = self.bodies[free.number].0.motion().pose;
-            let motion = free.body.motion(pose, &free.momenta, 0.0);
+            let motion = free.body.motion(pose, free.momenta, 0.0);
             (free.number, motion)
         })
     }
@@ -116,15 +117,11 @@ impl Contacts {
         for free in &mut self.free.list {
             let (obstacle, _) = &mut self.bodies[free.number];
             free.place = obstacle.motion().pose;
-            let [linear, angular] = free.stop;
-            let momenta = Momenta {
-                linear: free.momenta.linear + linear,
-                angular: free.momenta.angular + angular,
-            };
-            let mut motion = free.body.motion(free.place, &momenta, dt);
+            let momenta = [0, 1].map(|k| free.momenta[k] + free.stop[k]);
+            let mut motion = free.body.motion(free.place, momenta, dt);
             if free.is_halted {
-                let needed = free.body.momenta(&motion);
-                free.stop = [linear - needed.linear, -free.momenta.angular];
+                let [needed, _] = free.body.momenta(&motion);
+                free.stop = [free.stop[0] - needed, -free.momenta[1]];
                 motion = RigidMotion::still(free.place);
             }
             let moved = obstacle.set_motion(motion);
@@ -166,18 +163,9 @@ impl Contacts {
     /// the cloth between it and something else cannot give way to has to stop. Returns whether there was.
     pub(super) fn halt_near(&mut self, x: Vec3) -> bool {
         let distance = |free: &FreeBody| self.bodies[free.number].0.signed_distance(x, 0.0).value;
-        let moving = self
-            .free
-            .list
-            .iter()
-            .enumerate()
-            .filter(|(_, free)| !free.is_halted);
-        let near = moving.map(|(k, free)| (distance(free), k));
-        let nearest = near.min_by(|a, b| a.0.total_cmp(&b.0));
-        if let Some((_, k)) = nearest {
-            self.free.list[k].is_halted = true;
-        }
-        nearest.is_some()
+        let moving = self.free.list.iter_mut().filter(|free| !free.is_halted);
+        let nearest = moving.min_by(|a, b| distance(a).total_cmp(&distance(b)));
+        nearest.is_some_and(|free| !std::mem::replace(&mut free.is_halted, true))
     }
 
     /// The same of a potential, by the forces that have been recorded where a step ends.
