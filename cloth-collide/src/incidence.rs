@@ -89,44 +89,23 @@ pub(crate) fn ends(k: usize) -> [usize; 2] {
 
 /// The two vertices of each edge, in rising order, and the three edges of each triangle.
 pub(crate) fn edge_numbers(triangles: &[[u32; 3]]) -> (Vec<[u32; 2]>, Vec<[u32; 3]>) {
+    let mut sides = Vec::with_capacity(3 * triangles.len());
+    for (triangle, corners) in triangles.iter().enumerate() {
+        for k in 0..3 {
+            let [a, b] = ends(k).map(|k| corners[k]);
+            sides.push(([a.min(b), a.max(b)], triangle, k));
+        }
+    }
+    sides.sort_unstable();
     let mut edges = Vec::new();
     let mut of_triangle = vec![[0; 3]; triangles.len()];
-    let sides = sorted_sides(triangles);
-    for (number, same) in (0..).zip(sides.chunk_by(|a, b| a.ends == b.ends)) {
-        edges.push(same[0].ends);
-        for side in same {
-            of_triangle[side.triangle as usize][side.k] = number;
+    for (number, same) in (0..).zip(sides.chunk_by(|a, b| a.0 == b.0)) {
+        edges.push(same[0].0);
+        for &(_, triangle, k) in same {
+            of_triangle[triangle][k] = number;
         }
     }
     (edges, of_triangle)
-}
-
-/// One edge of one triangle.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-struct Side {
-    /// The two vertices, the smaller number first.
-    ends: [u32; 2],
-    triangle: u32,
-    k: usize,
-}
-
-/// All edges of all triangles, those between the same two vertices next to each other.
-fn sorted_sides(triangles: &[[u32; 3]]) -> Vec<Side> {
-    let mut sides: Vec<Side> = (0..)
-        .zip(triangles)
-        .flat_map(|(triangle, corners)| {
-            (0..3).map(move |k| {
-                let [a, b] = ends(k).map(|k| corners[k]);
-                Side {
-                    ends: [a.min(b), a.max(b)],
-                    triangle,
-                    k,
-                }
-            })
-        })
-        .collect();
-    sides.sort_unstable();
-    sides
 }
 
 /// A number for each vertex, the same for those that are connected.

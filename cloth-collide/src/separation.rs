@@ -130,22 +130,22 @@ impl SeparationProbe {
     }
 
     fn count_intersecting(&self, positions: &[Vec3]) -> usize {
-        let triangles = self.pairs.triangles();
+        let triangles = &self.pairs.triangles;
         let meets = |pair: &&[u32; 2]| {
             let corners = pair.map(|t| triangles[t as usize]);
             self.counts(corners) && meet_unduly(corners, positions)
         };
-        self.pairs.found().iter().filter(meets).count()
+        self.pairs.pairs.iter().filter(meets).count()
     }
 
     /// The smallest distance (m), given that the pairs of overlapping boxes have just been listed.
     fn min_distance(&self, positions: &[Vec3]) -> Option<Real> {
         let nearest = Cell::new(Real::INFINITY);
-        for &pair in self.pairs.found() {
+        for &pair in &self.pairs.pairs {
             self.lower_to_pair(pair, positions, &nearest);
         }
         self.pairs.visit_within(&nearest, |pair| {
-            let [a, b] = pair.map(|t| &self.pairs.bounds()[t as usize]);
+            let [a, b] = pair.map(|t| &self.pairs.bounds[t as usize]);
             // Overlapping boxes were in the list.
             if a.squared_gap(b) > 0.0 {
                 self.lower_to_pair(pair, positions, &nearest);
@@ -159,7 +159,7 @@ impl SeparationProbe {
         let Incidence {
             triangles, edges, ..
         } = &self.incidence;
-        let bounds = |t: u32| &self.pairs.bounds()[t as usize];
+        let bounds = |t: u32| &self.pairs.bounds[t as usize];
         let corners = |t: u32| triangles[t as usize];
         let is_far = |a: &Bounds, b: &Bounds| a.squared_gap(b) >= nearest.get();
         if is_far(bounds(pair[0]), bounds(pair[1])) || !self.counts(pair.map(corners)) {

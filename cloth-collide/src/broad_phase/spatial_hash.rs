@@ -17,14 +17,6 @@ pub struct SpatialHash {
     grid: Grid,
 }
 
-impl SpatialHash {
-    /// No table yet.
-    #[must_use]
-    pub fn new() -> Self {
-        Self::default()
-    }
-}
-
 /// All three numbers of a cell in one.
 fn packed(cell: Cell) -> u64 {
     let [x, y, z] = cell.map(u64::from);

@@ -187,23 +187,19 @@ impl Near {
 
     /// How many pairs of triangles meet at `x` (m) that should not.
     pub(super) fn crossing(&mut self, x: &[Vec3]) -> Result<usize, CollideError> {
-        let Some(mut pairs) = self.triangle_pairs.take() else {
-            return Ok(0);
+        if let Some(pairs) = &mut self.triangle_pairs {
+            pairs.find(x)?;
+        }
+        let crosses = |pair: &&[u32; 2]| {
+            let [a, b] = pair.map(|t| self.incidence.triangles[t as usize]);
+            let is_free = a.iter().chain(&b).any(|&v| self.is_free[v as usize]);
+            self.patches_meet([a[0], b[0]])
+                && !self.pass(&[a[0], a[1], a[2], b[0], b[1], b[2]])
+                && (is_free || self.is_own(a[0]) && self.is_own(b[0]))
+                && meet_unduly([a, b], x)
         };
-        let found = pairs.find(x).map(|found| {
-            let triangles = &self.incidence.triangles;
-            let crossing = found.iter().filter(|pair| {
-                let [a, b] = pair.map(|t| triangles[t as usize]);
-                let is_free = a.iter().chain(&b).any(|&v| self.is_free[v as usize]);
-                self.patches_meet([a[0], b[0]])
-                    && !self.pass(&[a[0], a[1], a[2], b[0], b[1], b[2]])
-                    && (is_free || self.is_own(a[0]) && self.is_own(b[0]))
-                    && meet_unduly([a, b], x)
-            });
-            crossing.count()
-        });
-        self.triangle_pairs = Some(pairs);
-        found
+        let found = self.triangle_pairs.iter().flat_map(|pairs| &pairs.pairs);
+        Ok(found.filter(crosses).count())
     }
 
     /// Whether parts of the cloth with these vertices may pass through each other, or are neighbours across a seam.

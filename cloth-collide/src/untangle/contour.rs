@@ -32,8 +32,8 @@ impl Contour {
         self.pairs.find(positions)?;
         self.segments.clear();
         self.meeting.clear();
-        let triangles = self.pairs.triangles();
-        for &pair in self.pairs.found() {
+        let triangles = &self.pairs.triangles;
+        for &pair in &self.pairs.pairs {
             let corners = pair.map(|t| triangles[t as usize]);
             if meet_unduly(corners, positions) {
                 self.meeting.push(pair);
@@ -45,7 +45,7 @@ impl Contour {
 
     /// The triangles of the mesh.
     pub(super) fn triangles(&self) -> &[[u32; 3]] {
-        self.pairs.triangles()
+        &self.pairs.triangles
     }
 
     /// How many pairs of triangles meet.

@@ -12,9 +12,9 @@ fn a_broad_phase_allocates_nothing_once_warm() {
     let wave = |x: &Vec3| 0.3 * Vec3::new((9.0 * x.x).sin(), (7.0 * x.y).sin(), x.x * x.y);
     let to: Vec<Vec3> = mesh.positions().iter().map(wave).collect();
     let kinds: [Box<dyn BroadPhase>; 3] = [
-        Box::new(Hierarchy::new()),
-        Box::new(SpatialHash::new()),
-        Box::new(MortonGrid::new()),
+        Box::new(Hierarchy::default()),
+        Box::new(SpatialHash::default()),
+        Box::new(MortonGrid::default()),
     ];
     for kind in kinds {
         let mut candidates = ClothCandidates::new(&mesh, kind);

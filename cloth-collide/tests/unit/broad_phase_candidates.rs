@@ -13,9 +13,9 @@ type Pairs = Vec<[u32; 2]>;
 /// One of each kind, with its name.
 fn all_kinds() -> [(&'static str, Box<dyn BroadPhase>); 3] {
     [
-        ("hierarchy", Box::new(Hierarchy::new())),
-        ("hash", Box::new(SpatialHash::new())),
-        ("morton", Box::new(MortonGrid::new())),
+        ("hierarchy", Box::new(Hierarchy::default())),
+        ("hash", Box::new(SpatialHash::default())),
+        ("morton", Box::new(MortonGrid::default())),
     ]
 }
 
@@ -198,7 +198,7 @@ fn what_comes_as_near_as_the_margin_is_a_candidate() {
     let mesh = sheet(5);
     let triangles = mesh.triangles();
     for (name, from, to) in motions(&mesh) {
-        let mut candidates = ClothCandidates::new(&mesh, Hierarchy::new());
+        let mut candidates = ClothCandidates::new(&mesh, Hierarchy::default());
         let margin = 0.05;
         candidates.update(&from, &to, margin).unwrap();
         for time in [0.0, 0.37, 1.0] {
@@ -233,7 +233,7 @@ fn candidates_do_not_depend_on_what_was_asked_before() {
     for (kind, broad_phase) in all_kinds() {
         let mut used = ClothCandidates::new(&mesh, broad_phase);
         for (name, from, to) in motions(&mesh) {
-            let mut fresh = ClothCandidates::new(&mesh, Hierarchy::new());
+            let mut fresh = ClothCandidates::new(&mesh, Hierarchy::default());
             used.update(&from, &to, 0.02).unwrap();
             fresh.update(&from, &to, 0.02).unwrap();
             assert_eq!(
@@ -322,7 +322,7 @@ fn close_layers_have_few_candidates_that_are_not_near() {
         .iter()
         .map(|x| Vec3::new(x.x, x.y, 0.99 * x.z))
         .collect();
-    let mut candidates = ClothCandidates::new(&mesh, Hierarchy::new());
+    let mut candidates = ClothCandidates::new(&mesh, Hierarchy::default());
     candidates.update(&from, &to, THICKNESS).unwrap();
     let found = candidates.vertex_triangle().len() + candidates.edge_edge().len();
     let paths = [&from[..], &to[..]];
@@ -346,7 +346,7 @@ fn close_layers_have_few_candidates_that_are_not_near() {
 fn bad_input_is_refused_by_name_and_changes_nothing() {
     let mesh = sheet(4);
     let rest = mesh.positions().to_vec();
-    let mut candidates = ClothCandidates::new(&mesh, SpatialHash::new());
+    let mut candidates = ClothCandidates::new(&mesh, SpatialHash::default());
     candidates.update(&rest, &rest, 0.5).unwrap();
     let before = (
         candidates.vertex_triangle().to_vec(),
