@@ -209,7 +209,3 @@ pub(crate) fn meet_unduly(pair: [[u32; 3]; 2], positions: &[Vec3]) -> bool {
         _ => false,
     }
 }
-
-#[cfg(test)]
-#[path = "../tests/unit/separation.rs"]
-mod tests;

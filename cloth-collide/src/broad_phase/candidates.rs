@@ -232,7 +232,3 @@ impl<B: BroadPhase> ClothCandidates<B> {
         &self.incidence.triangles
     }
 }
-
-#[cfg(test)]
-#[path = "../../tests/unit/broad_phase_candidates.rs"]
-mod tests;

@@ -60,7 +60,3 @@ impl AnimatedMesh {
         }
     }
 }
-
-#[cfg(test)]
-#[path = "../../tests/unit/obstacle_animated.rs"]
-mod tests;

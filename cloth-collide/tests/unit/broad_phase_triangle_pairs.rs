@@ -95,8 +95,9 @@ fn pairs_do_not_depend_on_what_was_asked_before() {
     let mut used = TrianglePairs::new(&mesh);
     for (name, positions) in shapes.iter().chain(shapes.iter().rev()) {
         let mut fresh = TrianglePairs::new(&mesh);
-        let found = used.find(positions).unwrap();
-        assert_eq!(found, fresh.find(positions).unwrap(), "{name}");
+        used.find(positions).unwrap();
+        fresh.find(positions).unwrap();
+        assert_eq!(used.pairs, fresh.pairs, "{name}");
     }
 }
 

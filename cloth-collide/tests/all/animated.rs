@@ -1,4 +1,5 @@
-use super::*;
+use cloth_collide::obstacle::{AnimatedMesh, ObstacleError};
+use cloth_core::math::{Real, Vec3};
 
 #[test]
 fn goes_straight_from_shape_to_shape_and_stays_at_the_ends() {
