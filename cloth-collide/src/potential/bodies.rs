@@ -111,7 +111,7 @@ impl Bodies {
     pub(super) fn begin(&mut self, substep: &Substep<'_>, to: &[Vec3]) {
         self.rows.clear();
         self.has_row.fill(false);
-        let reach = substep.near.law().range() * (1.0 + SLACK);
+        let reach = substep.near.law.range() * (1.0 + SLACK);
         self.each_near(substep, to, reach, |list, index, row| {
             row.set_law(substep);
             row.origin -= list.stretches[index];
@@ -175,15 +175,15 @@ impl Bodies {
     /// How far (m) every vertex may go from `x` (m) while none comes within the thickness of a body; nothing if bodies
     /// move.
     pub(super) fn margin(&self, substep: &Substep<'_>, x: &[Vec3]) -> Option<Real> {
-        let h = substep.near.law().range();
+        let h = substep.near.law.range();
         let mut least = Real::INFINITY;
         for (number, (body, _)) in substep.bodies.iter().enumerate() {
             if !body.motion().is_still() {
                 return None;
             }
-            let first = number * x.len();
-            for (vertex, x) in x.iter().enumerate() {
-                if substep.step.inverse_mass[vertex] > 0.0 {
+            let first = number * substep.near.cloth;
+            for (vertex, (x, w)) in x.iter().zip(substep.step.inverse_mass).enumerate() {
+                if *w > 0.0 {
                     let room = self.rooms[first + vertex] - h * (1.0 + SLACK);
                     let displacement = (x - self.places[first + vertex]).norm();
                     least = least.min(room / body.shape().lipschitz() - displacement);
@@ -222,7 +222,7 @@ impl Bodies {
 
     /// How many vertices come too near on their path to `x` (m); those get rows.
     pub(super) fn violations(&mut self, substep: &Substep<'_>, x: &[Vec3]) -> u32 {
-        let reach = KEPT * substep.near.law().range();
+        let reach = KEPT * substep.near.law.range();
         self.each_near(substep, x, reach, |list, index, row| {
             if !row.is_safe(substep, x) {
                 row.set_law(substep);
@@ -265,7 +265,7 @@ impl Bodies {
         let Substep { bodies, step, .. } = substep;
         for (number, (body, _)) in bodies.iter().enumerate() {
             if !body.motion().is_still() {
-                let first = number * x.len();
+                let first = number * step.from.len();
                 for (room, from) in self.rooms[first..].iter_mut().zip(step.from) {
                     *room -= displacement_of(body, *from, step.dt) * body.shape().lipschitz();
                 }
@@ -275,7 +275,7 @@ impl Bodies {
         for row in &self.rows {
             let v = row.vertex as usize;
             let displacement = across(x[v] - row.origin, row.normal);
-            let index = row.body as usize * x.len() + v;
+            let index = row.body as usize * step.from.len() + v;
             self.stretches[index] = stretch(displacement, row.lambda, reach);
             let impulse = (row.normal * row.lambda + row.friction) / step.dt;
             work += impulse.dot(&substep.body(row).velocity_at(x[v], step.dt));
@@ -360,7 +360,7 @@ impl Row {
     /// Whether the vertex does not come too near on its path to `x` (m).
     fn is_safe(&self, substep: &Substep<'_>, x: &[Vec3]) -> bool {
         let (body, step) = (substep.body(self), &substep.step);
-        let (v, h) = (self.vertex as usize, substep.near.law().range());
+        let (v, h) = (self.vertex as usize, substep.near.law.range());
         let (from, to) = (step.from[v], x[v]);
         if self.distance <= 0.0 {
             // It has been inside before, and must not get deeper.

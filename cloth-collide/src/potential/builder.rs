@@ -24,12 +24,10 @@ pub struct PotentialBuilder<'a> {
     mesh: &'a TriMesh,
     thickness: Real,
     stiffness: Real,
-    friction: Real,
     restitution: Option<Real>,
     obstacles: Vec<Body>,
     surfaces: Vec<Surface>,
     free: Vec<(usize, RigidBody)>,
-    self_collision: bool,
     own: Own,
 }
 
@@ -39,13 +37,14 @@ impl<'a> PotentialBuilder<'a> {
             mesh,
             thickness: 1e-3,
             stiffness: 1e6,
-            friction: 0.0,
             restitution: None,
             obstacles: Vec::new(),
             surfaces: Vec::new(),
             free: Vec::new(),
-            self_collision: true,
-            own: Own::default(),
+            own: Own {
+                self_collision: true,
+                ..Own::default()
+            },
         }
     }
 
@@ -62,7 +61,7 @@ impl<'a> PotentialBuilder<'a> {
     /// bodies, and two pieces keep half the sum of theirs. Replaces [`thickness`](Self::thickness).
     #[must_use]
     pub fn thickness_of_vertices(mut self, thickness: Vec<Real>) -> Self {
-        self.own.thickness = thickness;
+        self.own.thicknesses = thickness;
         self
     }
 
@@ -71,7 +70,7 @@ impl<'a> PotentialBuilder<'a> {
     /// [`friction`](Self::friction).
     #[must_use]
     pub fn friction_of_vertices(mut self, friction: Vec<Real>) -> Self {
-        self.own.friction = friction;
+        self.own.frictions = friction;
         self
     }
 
@@ -117,7 +116,7 @@ impl<'a> PotentialBuilder<'a> {
     /// Coefficient of friction μ (dimensionless) of cloth on cloth.
     #[must_use]
     pub fn friction(mut self, friction: Real) -> Self {
-        self.friction = friction;
+        self.own.friction = friction;
         self
     }
 
@@ -167,7 +166,7 @@ impl<'a> PotentialBuilder<'a> {
     /// Whether the cloth touches itself (it does unless told otherwise). If not, nothing is built for it.
     #[must_use]
     pub fn self_collision(mut self, self_collision: bool) -> Self {
-        self.self_collision = self_collision;
+        self.own.self_collision = self_collision;
         self
     }
 
@@ -179,7 +178,7 @@ impl<'a> PotentialBuilder<'a> {
     /// number of vertices than its mesh, or a sewn vertex that there is not.
     pub fn build(self) -> Result<PotentialContacts, BuildError> {
         self.check_own()?;
-        let most = self.own.thickness.iter().copied().reduce(Real::max);
+        let most = self.own.thicknesses.iter().copied().reduce(Real::max);
         let thickness = most.unwrap_or(self.thickness);
         let law = PenaltyLaw::new(self.stiffness, thickness).map_err(|_| {
             let is_stiff = self.stiffness > 0.0 && self.stiffness.is_finite();
@@ -198,7 +197,7 @@ impl<'a> PotentialBuilder<'a> {
             }
         }
         // Friction is no part of the law of pressure, and checked apart.
-        not_negative("friction of contact", self.friction)?;
+        not_negative("friction of contact", self.own.friction)?;
         for (_, friction) in &self.obstacles {
             not_negative("friction of a body", *friction)?;
         }
@@ -216,16 +215,9 @@ impl<'a> PotentialBuilder<'a> {
             let name = "number of vertices of the cloth and the surfaces of bodies";
             Some(join(&all).map_err(|_| invalid(name, count, "below 2³²"))?)
         };
-        let has_pairs = self.self_collision || joined.is_some();
+        let has_pairs = self.own.self_collision || joined.is_some();
         let mesh = joined.as_ref().unwrap_or(self.mesh);
-        let near = Near::new(
-            mesh,
-            law,
-            sides,
-            self.self_collision,
-            self.friction,
-            self.own,
-        );
+        let near = Near::new(mesh, law, sides, self.own);
         let patches = || has_pairs.then(|| Patches::new(mesh, &near));
         let patches = [patches(), patches()];
         let last_resort = LastResort::new(mesh, thickness, has_pairs);
@@ -242,18 +234,18 @@ impl<'a> PotentialBuilder<'a> {
     /// Checks what vertices have of their own.
     fn check_own(&self) -> Result<(), BuildError> {
         let Own {
-            thickness,
-            friction,
+            thicknesses,
+            frictions,
             excluded,
             sewn,
             ..
         } = &self.own;
         let count = self.mesh.vertex_count();
         for (name, length) in [
-            ("number of thicknesses of vertices", thickness.len()),
+            ("number of thicknesses of vertices", thicknesses.len()),
             (
                 "number of coefficients of friction of vertices",
-                friction.len(),
+                frictions.len(),
             ),
             ("number of regions of vertices", excluded.region_count()),
         ] {
@@ -265,10 +257,10 @@ impl<'a> PotentialBuilder<'a> {
             let (name, range) = ("number of a sewn vertex", "below the number of vertices");
             return Err(invalid(name, (sewn.count() - 1) as Real, range));
         }
-        for &value in thickness {
+        for &value in thicknesses {
             positive("thickness of a vertex (m)", value)?;
         }
-        for &value in friction {
+        for &value in frictions {
             not_negative("friction of a vertex", value)?;
         }
         Ok(())

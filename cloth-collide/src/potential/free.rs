@@ -17,8 +17,9 @@ pub(super) struct FreeBody {
     /// The number of its obstacle.
     pub(super) number: usize,
     pub(super) body: RigidBody,
-    /// Momentum (N·s) and angular momentum (N·m·s).
+    /// Momentum (N·s) and angular momentum (N·m·s), and what they were before the step.
     pub(super) momenta: [Vec3; 2],
+    before: [Vec3; 2],
     /// That of the step (N·s, N·m·s) about its position at the end.
     impulse: [Vec3; 2],
     /// That of what stops it.
@@ -43,8 +44,6 @@ pub(super) struct FreeBody {
 #[derive(Debug, Default)]
 pub(super) struct FreeBodies {
     pub(super) list: Vec<FreeBody>,
-    /// Their momenta before the step.
-    before: Vec<[Vec3; 2]>,
     /// Size (s) of a step of a method that minimises.
     pub(super) dt: Real,
     /// Whether a start is led to where bodies go, so that impulses are none of theirs.
@@ -69,6 +68,7 @@ impl FreeBody {
             number,
             body,
             momenta: body.momenta(obstacle.motion()),
+            before: body.momenta(obstacle.motion()),
             impulse: [Vec3::zeros(); 2],
             stop: [Vec3::zeros(); 2],
             change: [Vec3::zeros(); 2],
@@ -90,28 +90,18 @@ impl FreeBody {
 impl FreeBodies {
     /// Notes the momenta before a step.
     pub(super) fn remember(&mut self) {
-        self.before.clear();
-        self.before
-            .extend(self.list.iter().map(|free| free.momenta));
+        let list = self.list.iter_mut();
+        list.for_each(|free| free.before = free.momenta);
     }
 
     /// Goes back to them.
     pub(super) fn undo(&mut self) {
-        let both = self.list.iter_mut().zip(&self.before);
-        both.for_each(|(free, before)| free.momenta = *before);
+        let list = self.list.iter_mut();
+        list.for_each(|free| free.momenta = free.before);
     }
 }
 
 impl Contacts {
-    /// Where free bodies are now, and how they move, by the number of the obstacle.
-    pub(super) fn free_motions(&self) -> impl Iterator<Item = (usize, RigidMotion)> + '_ {
-        self.free.list.iter().map(|free| {
-            let pose = self.bodies[free.number].0.motion().pose;
-            let motion = free.body.motion(pose, free.momenta, 0.0);
-            (free.number, motion)
-        })
-    }
-
     /// Free bodies move as their momenta and what stops them say, in a (sub)step of `dt` (s).
     pub(super) fn move_free(&mut self, dt: Real) {
         for free in &mut self.free.list {

@@ -208,7 +208,7 @@ impl LastResort {
         let Substep { near, bodies, step } = substep;
         self.hits.clear();
         if let Some(mesh) = &self.mesh {
-            let new = || ClothCandidates::new(mesh, near.broad_phase.create());
+            let new = || ClothCandidates::new(mesh, near.own.broad_phase.create());
             let candidates = self.candidates.get_or_insert_with(new);
             // What all vertices do together brings nothing nearer to anything.
             let shift = mean(x) - mean(step.from);

@@ -26,18 +26,21 @@ pub(super) struct Side {
     pub(super) body: usize,
 }
 
-/// What the vertices of the cloth have of their own: lists as long as the cloth, or empty where all are alike.
+/// What the cloth has of its own.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Own {
-    /// Thickness (m).
-    pub(super) thickness: Vec<Real>,
-    /// Coefficient of friction μ (dimensionless).
-    pub(super) friction: Vec<Real>,
+    /// Thickness (m) and coefficient of friction μ (dimensionless) of each vertex; empty where all are alike.
+    pub(super) thicknesses: Vec<Real>,
+    pub(super) frictions: Vec<Real>,
+    /// Coefficient μ of cloth on cloth (dimensionless).
+    pub(super) friction: Real,
+    /// Whether it can touch itself.
+    pub(super) self_collision: bool,
     /// Pieces that may pass through each other.
     pub(super) excluded: LetGo,
     /// Vertices that are sewn together.
     pub(super) sewn: Sewn,
-    /// What finds near triangles.
+    /// What finds patches and pairs that are near each other.
     pub(super) broad_phase: BroadPhaseKind,
     /// Whether edges push from the thickness on, as vertices do, and vertices with all of their area.
     pub(super) keeps_all_apart: bool,
@@ -46,15 +49,12 @@ pub(super) struct Own {
 /// Areas, laws and freedom of the parts of a cloth, and of the surfaces of bodies behind it.
 #[derive(Debug)]
 pub(super) struct Near {
-    law: PenaltyLaw,
+    /// That with the largest range: what is farther apart than it does not touch.
+    pub(super) law: PenaltyLaw,
     /// Number of vertices of the cloth; what follows are those of surfaces of bodies.
     pub(super) cloth: usize,
     surfaces: Vec<Side>,
-    self_collision: bool,
-    /// Coefficient μ of cloth on cloth (dimensionless).
-    friction: Real,
-    /// Of each vertex of the cloth, where pieces differ; empty otherwise.
-    own: Own,
+    pub(super) own: Own,
     pub(super) incidence: Incidence,
     /// A third of the rest area of the triangles around each vertex, and around each edge (m²).
     pub(super) vertex_area: Vec<Real>,
@@ -69,20 +69,11 @@ pub(super) struct Near {
     pub(super) let_go: LetGo,
     /// None if the cloth cannot touch itself.
     triangle_pairs: Option<TrianglePairs>,
-    /// What finds patches and pairs that are near each other.
-    pub(super) broad_phase: BroadPhaseKind,
 }
 
 impl Near {
     /// Of a mesh that ends with the vertices of `surfaces`.
-    pub(super) fn new(
-        mesh: &TriMesh,
-        law: PenaltyLaw,
-        surfaces: Vec<Side>,
-        self_collision: bool,
-        friction: Real,
-        own: Own,
-    ) -> Self {
+    pub(super) fn new(mesh: &TriMesh, law: PenaltyLaw, surfaces: Vec<Side>, own: Own) -> Self {
         let incidence = Incidence::new(mesh);
         let mut vertex_area = vec![0.0; mesh.vertex_count()];
         let mut edge_area = vec![0.0; incidence.edges.len()];
@@ -94,14 +85,11 @@ impl Near {
             }
         }
         let cloth = mesh.vertex_count() - surfaces.len();
-        let any = self_collision || !surfaces.is_empty();
-        let broad_phase = own.broad_phase;
+        let any = own.self_collision || !surfaces.is_empty();
         Self {
             law,
             cloth,
             surfaces,
-            self_collision,
-            friction,
             own,
             incidence,
             vertex_area,
@@ -113,7 +101,6 @@ impl Near {
             is_resting: vec![false; mesh.vertex_count()],
             let_go: LetGo::default(),
             triangle_pairs: any.then(|| TrianglePairs::new(mesh)),
-            broad_phase,
         }
     }
 
@@ -147,11 +134,6 @@ impl Near {
         self.resting.len() < count
     }
 
-    /// Takes these pairs of vertices for sewn together.
-    pub(super) fn sew(&mut self, pairs: &[[u32; 2]]) {
-        self.own.sewn = Sewn::new(pairs);
-    }
-
     /// What there is of the cloth alone.
     pub(super) fn own<'a>(&self, of_all: &'a [Vec3]) -> &'a [Vec3] {
         &of_all[..self.cloth]
@@ -164,11 +146,6 @@ impl Near {
             inverse_mass: &step.inverse_mass[..self.cloth],
             dt: step.dt,
         }
-    }
-
-    /// That with the largest range: what is farther apart than it does not touch.
-    pub(super) fn law(&self) -> PenaltyLaw {
-        self.law
     }
 
     /// m of two edges.
@@ -232,7 +209,7 @@ impl Near {
     /// Whether pieces of the mesh with these vertices can touch: bodies do not touch each other.
     pub(super) fn patches_meet(&self, vertices: [u32; 2]) -> bool {
         match vertices.map(|v| self.is_own(v)) {
-            [true, true] => self.self_collision,
+            [true, true] => self.own.self_collision,
             [false, false] => false,
             _ => true,
         }
@@ -243,7 +220,7 @@ impl Near {
     pub(super) fn meets(&self, vertices: [u32; 4]) -> bool {
         if self.surfaces.is_empty() || vertices.iter().all(|&v| self.is_own(v)) {
             let rests = vertices.iter().all(|&v| self.is_resting[v as usize]);
-            return self.self_collision && !rests && !self.pass(&vertices);
+            return self.own.self_collision && !rests && !self.pass(&vertices);
         }
         vertices.iter().any(|&v| self.is_free[v as usize])
     }
@@ -257,31 +234,31 @@ impl Near {
     pub(super) fn friction(&self, vertices: [u32; 4]) -> Real {
         let [a, .., d] = vertices;
         let side = [a, d].map(|v| self.side(v)).into_iter().flatten().next();
-        if self.own.friction.is_empty() {
-            return side.map_or(self.friction, |side| side.friction);
+        if self.own.frictions.is_empty() {
+            return side.map_or(self.own.friction, |side| side.friction);
         }
         let of = |v: u32| {
             let side = self.side(v).map(|side| side.friction);
-            side.unwrap_or_else(|| self.own.friction[v as usize])
+            side.unwrap_or_else(|| self.own.frictions[v as usize])
         };
         (of(a) * of(d)).sqrt()
     }
 
     /// The same of a vertex of the cloth before a body of coefficient `friction`.
     pub(super) fn friction_on(&self, vertex: usize, friction: Real) -> Real {
-        let own = self.own.friction.get(vertex);
+        let own = self.own.frictions.get(vertex);
         own.map_or(friction, |own| (own * friction).sqrt())
     }
 
     /// The distance (m) from which on a vertex of the cloth is pushed away from a body.
     fn thickness(&self, vertex: u32) -> Real {
-        let own = self.own.thickness.get(vertex as usize);
+        let own = self.own.thicknesses.get(vertex as usize);
         own.copied().unwrap_or(self.law.range())
     }
 
     /// The law of a vertex of the cloth before a body.
     pub(super) fn law_at(&self, vertex: usize) -> PenaltyLaw {
-        match self.own.thickness.get(vertex) {
+        match self.own.thicknesses.get(vertex) {
             Some(&range) => self.law.with_range(range),
             None => self.law,
         }

@@ -69,7 +69,7 @@ impl NearPairs {
 
     /// Makes sure that the pairs are those of the straight path between two positions (m).
     pub(super) fn prepare(&mut self, near: &Near, path: [&[Vec3]; 2], obstacles: &[Obstacle]) {
-        let room = ROOM * near.law().range();
+        let room = ROOM * near.law.range();
         if path.iter().all(|x| self.holds(x, room)) {
             self.wake(path);
             return;
@@ -150,7 +150,7 @@ impl NearPairs {
                 let contact = PairContact {
                     pair: found.pair,
                     area: found.area,
-                    law: near.law().with_range(found.range),
+                    law: near.law.with_range(found.range),
                     mollifier,
                 };
                 list.push(distance - found.range, contact);
@@ -165,7 +165,7 @@ impl NearPairs {
         self.vertex_obstacle.clear();
         let nowhere = (Vec3::repeat(Real::INFINITY), 0.0);
         self.rooms.resize(near.cloth * obstacles.len(), nowhere);
-        let h = near.law().range();
+        let h = near.law.range();
         let vertices = self.place[..near.cloth].iter().zip(&self.reach);
         let mut rooms = self.rooms.iter_mut();
         for (vertex, (x, reach)) in (0u32..).zip(vertices) {

@@ -183,7 +183,7 @@ impl Patches {
             displacements: vec![0.0; count],
             boxes: vec![Bounds::around([Vec3::zeros()]); count],
             members,
-            broad_phase: near.broad_phase.create(),
+            broad_phase: near.own.broad_phase.create(),
             ..Self::default()
         }
     }
@@ -406,7 +406,7 @@ impl Patches {
             self.reach = (2.0 * displacement).max(REACH * self.edge);
             self.search(near, x);
         }
-        let slack = super::rows::SLACK * near.law().range();
+        let slack = super::rows::SLACK * near.law.range();
         let mut looks = std::mem::take(&mut self.looks);
         looks.clear();
         for k in 0..self.pairs.len() {
@@ -470,7 +470,7 @@ impl Patches {
     fn search(&mut self, near: &Near, x: &[Vec3]) {
         self.searches += 1;
         (0..self.members.len()).for_each(|p| self.refer(p, x));
-        let reach = self.reach + 0.5 * near.law().range();
+        let reach = self.reach + 0.5 * near.law.range();
         for (bounds, (_, vertices)) in self.boxes.iter_mut().zip(&self.members) {
             *bounds = around(vertices, x).inflated(reach);
         }

@@ -50,7 +50,7 @@ impl Rebounds {
 
     /// How far (m) a pair has to approach in one substep.
     pub(super) fn least(&self, near: &Near) -> Real {
-        RESTING * near.law().range()
+        RESTING * near.law.range()
     }
 
     /// Takes those between pieces of a substep that ends at `x` (m).

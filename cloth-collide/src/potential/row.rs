@@ -63,7 +63,7 @@ impl Row {
         to: &[Vec3],
         travel: Option<Real>,
     ) -> Self {
-        let (law, pair) = (near.law(), found.pair);
+        let (law, pair) = (near.law, found.pair);
         let x = gather(step.from, pair.vertices);
         let fresh =
             |known: &Known| travel.is_some_and(|t| t - known.travel <= PERSISTENT * law.range());
@@ -171,7 +171,7 @@ impl Row {
         let found = patches.and_then(|patches| patches.pair_mut(self.place, self.pair));
         found.map_or(0.0, |(found, _)| {
             let x = gather(x, self.pair.vertices);
-            let law = near.law().with_range(found.range);
+            let law = near.law.with_range(found.range);
             near.area_of(found, &x) * law.energy(Gap::new(self.pair.kind, &x).distance)
         })
     }

@@ -156,9 +156,8 @@ impl ContactConstraints for Contacts {
         rows.parted.clear();
         rows.by_zones = false;
         self.find(step, predicted, true);
-        let own = self.near.own(predicted);
         let substep = Substep::of_cloth(&self.near, &self.bodies, step);
-        self.rows.bodies.begin(&substep, own);
+        self.rows.bodies.begin(&substep, predicted);
         let pushing = self.rows.rows.iter().filter(|row| row.pushes).count();
         self.rows.report.looked += (self.rows.rows.len() + self.rows.parted.len()) as u32;
         self.rows.report.rows += (pushing + self.rows.bodies.len()) as u32;
@@ -171,8 +170,7 @@ impl ContactConstraints for Contacts {
         }
         self.rows.sweep(step.inverse_mass, x);
         let substep = Substep::of_cloth(&self.near, &self.bodies, step);
-        let own = &mut x[..self.near.cloth];
-        self.rows.bodies.sweep(&substep, own);
+        self.rows.bodies.sweep(&substep, x);
     }
 
     fn end_substep(&mut self, step: &ContactStep<'_>, x: &mut [Vec3]) -> Result<(), ContactError> {
@@ -269,7 +267,7 @@ impl Contacts {
             return true;
         };
         let (list, parted) = (&mut rows.rows, &mut rows.parted);
-        let far = SLACK * near.law().range();
+        let far = SLACK * near.law.range();
         let visit = |place, found: &NearPair, memory: &mut Memory, travel| {
             let (pair, range, normal) = (found.pair, found.range, memory.normal);
             let now = pair.gap_along(&normal, step.from);
@@ -308,8 +306,7 @@ impl Contacts {
             count += u32::from(row.is_violated);
         }
         let substep = Substep::of_cloth(&self.near, &self.bodies, step);
-        let own = self.near.own(x);
-        Some(count + self.rows.bodies.violations(&substep, own))
+        Some(count + self.rows.bodies.violations(&substep, x))
     }
 
     /// Makes rows of pairs that their planes do not keep apart on the path to `x` (m).
@@ -381,7 +378,7 @@ impl Contacts {
             ledger.add_pair(row.pair.vertices, row.weights, impulses);
         }
         let substep = Substep::of_cloth(&self.near, &self.bodies, step);
-        rows.bodies.record(&substep, self.near.own(x), ledger);
+        rows.bodies.record(&substep, x, ledger);
     }
 
     /// The substep ends at `x` (m), and what it has done is remembered.
@@ -400,20 +397,20 @@ impl Contacts {
                 }
             }
         }
-        let (substep, own) = (Substep::of_cloth(near, bodies, step), near.own(x));
-        rows.work += rows.bodies.end(&substep, reach, own);
+        let substep = Substep::of_cloth(near, bodies, step);
+        rows.work += rows.bodies.end(&substep, reach, x);
         rows.work += rows.work_of_prescribed(step, x);
         if let Some(rebounds) = &mut rows.rebounds {
             rebounds.find(&rows.rows, near, step, x);
             rows.bodies
-                .rebounds(&substep, rebounds.least(near), own, &mut rebounds.list);
+                .rebounds(&substep, rebounds.least(near), x, &mut rebounds.list);
         }
         if rows.rows.is_empty() && rows.bodies.len() == 0 {
             let relative = rows
                 .patches
                 .as_ref()
                 .map_or(Some(Real::INFINITY), Patches::margin);
-            let whole = rows.bodies.margin(&substep, own);
+            let whole = rows.bodies.margin(&substep, x);
             // A body that nothing holds may set out in the next substep.
             let is_alone = self.free.list.is_empty();
             if let (Some(relative), Some(whole), true) = (relative, whole, is_alone) {

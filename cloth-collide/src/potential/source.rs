@@ -59,7 +59,7 @@ pub(super) struct Contacts {
     pub(super) is_open: bool,
     /// Whether a step that had not ended was taken back, or other pairs were let go, so that nothing is known of the
     /// next one.
-    is_anew: bool,
+    pub(super) is_anew: bool,
     /// Prescribed vertices that move, and their displacements (m) in the step.
     moved: Vec<(u32, Vec3)>,
     /// Where the method would begin to iterate (m).
@@ -218,7 +218,7 @@ impl ContactPotential for Contacts {
     ) -> Result<(), ContactError> {
         parts.fill(1.0);
         shorten_all(from, to, parts, self.share(from, to));
-        let thickness = self.near.law().range();
+        let thickness = self.near.law.range();
         for round in 0..MOST_ROUNDS {
             // What is cut stays behind what flew along with it, and other pairs may be near on what is left of the
             // paths.
@@ -332,23 +332,12 @@ impl Contacts {
         let shift = mean(to) - mean(from);
         let displacements = from.iter().zip(to).map(|(a, b)| (b - a - shift).norm());
         let longest = displacements.fold(0.0, Real::max);
-        (LONGEST * self.near.law().range() / longest).min(1.0)
+        (LONGEST * self.near.law.range() / longest).min(1.0)
     }
 
     /// ε (m): the displacement below which friction is a spring.
     pub(super) fn reach(&self) -> Real {
-        STICKING * self.near.law().range()
-    }
-
-    /// Takes these pairs of vertices for sewn together, in the place of those before.
-    pub(super) fn sew(&mut self, pairs: &[[u32; 2]]) {
-        self.near.sew(pairs);
-        self.is_anew = true;
-    }
-
-    /// Lets pairs of regions go; see [`LetGo`](super::let_go::LetGo).
-    pub(super) fn let_go(&mut self, region: &[u32], pairs: &[[u32; 2]]) {
-        self.is_anew |= self.near.let_go.replace(region, pairs);
+        STICKING * self.near.law.range()
     }
 
     /// Notes where bodies are before a step.
@@ -364,11 +353,6 @@ impl Contacts {
         self.undo();
         self.is_anew |= was_open;
         was_open
-    }
-
-    /// Takes the last step for one that has not ended.
-    pub(super) fn reopen(&mut self) {
-        self.is_open = !self.before.is_empty();
     }
 
     /// Takes bodies back to where they were before a step that has begun and not ended.
@@ -524,7 +508,7 @@ impl Contacts {
     }
 
     fn safe_part(&self, from: &[Vec3], to: &[Vec3]) -> Result<Real, ContactError> {
-        let thickness = self.near.law().range();
+        let thickness = self.near.law.range();
         let part = self.pairs.safe_part(thickness, from, to, &self.still);
         part.map_err(|error| error.not_finite())
     }

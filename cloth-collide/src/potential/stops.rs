@@ -176,7 +176,7 @@ impl Contacts {
         let free = &self.free.list[number];
         let obstacle = &self.bodies[free.number].0;
         let centre = obstacle.motion().pose_at(time).position;
-        let keep = FROM_HELD * self.near.law().range();
+        let keep = FROM_HELD * self.near.law.range();
         let part = time / step.dt;
         for &corners in &self.stops.held {
             let from = gather(step.from, corners);
@@ -204,7 +204,7 @@ impl Contacts {
         let free = &self.free.list[number];
         let own = self.bodies[free.number].0.motion();
         let [before, then] = [0.0, time].map(|time| own.pose_at(time));
-        let keep = FROM_BODIES * self.near.law().range();
+        let keep = FROM_BODIES * self.near.law.range();
         for (index, (obstacle, _)) in self.bodies.iter().enumerate() {
             let stretch = obstacle.shape().lipschitz();
             let between = obstacle.signed_distance(then.position, time).value / stretch;

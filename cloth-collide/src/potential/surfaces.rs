@@ -11,6 +11,7 @@ use super::builder::PotentialBuilder;
 use super::forces::{ContactForces, Ledger};
 use super::report::ConstraintReport;
 use super::rows::LEADING_SWEEPS;
+use super::sewn::Sewn;
 use super::source::Contacts;
 use crate::obstacle::{AnimatedMesh, Pose, RigidMotion};
 use cloth_core::contact::{
@@ -198,7 +199,11 @@ impl PotentialContacts {
     /// Where the bodies that the cloth pushes are after the last step, with the velocities that their momenta give
     /// them, by the numbers of their obstacles.
     pub fn free_motions(&self) -> impl Iterator<Item = (usize, RigidMotion)> + '_ {
-        self.contacts.free_motions()
+        let Contacts { bodies, free, .. } = &self.contacts;
+        free.list.iter().map(|free| {
+            let pose = bodies[free.number].0.motion().pose;
+            (free.number, free.body.motion(pose, free.momenta, 0.0))
+        })
     }
 
     /// By how far (m) the cloth has pushed a body from the way on which it has moved in the last step, of a method that
@@ -214,7 +219,7 @@ impl PotentialContacts {
     /// Takes the last step, of a method that minimises, back: the next one begins where that has begun, with bodies as
     /// they were there. The positions of the cloth are the caller's.
     pub fn take_back(&mut self) {
-        self.contacts.reopen();
+        self.contacts.is_open = !self.contacts.before.is_empty();
     }
 
     /// The forces of the last step, if they are recorded.
@@ -227,13 +232,14 @@ impl PotentialContacts {
     /// From the next step on these pairs of vertices are sewn together, and no others; see
     /// [`PotentialBuilder::sew`](super::PotentialBuilder::sew). A vertex that there is not is left out.
     pub fn sew(&mut self, pairs: &[[u32; 2]]) {
-        self.contacts.sew(pairs);
+        self.contacts.near.own.sewn = Sewn::new(pairs);
+        self.contacts.is_anew = true;
     }
 
     /// From the next step on leaves out all pairs of pieces in two regions of a pair, and no others. `region` numbers
     /// the regions of vertices from 1; 0 for none.
     pub(crate) fn let_go(&mut self, region: &[u32], pairs: &[[u32; 2]]) {
-        self.contacts.let_go(region, pairs);
+        self.contacts.is_anew |= self.contacts.near.let_go.replace(region, pairs);
     }
 
     /// Whether another free body is halted for the cloth that would have no free way without.

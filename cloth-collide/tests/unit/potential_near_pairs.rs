@@ -14,7 +14,11 @@ fn no_near_pair_is_missed_on_any_path() {
     let mesh = sheet(9);
     let (edges, _) = edge_numbers(mesh.triangles());
     let law = PenaltyLaw::new(1e6, 0.02).unwrap();
-    let near = Near::new(&mesh, law, Vec::new(), true, 0.0, Own::default());
+    let own = Own {
+        self_collision: true,
+        ..Own::default()
+    };
+    let near = Near::new(&mesh, law, Vec::new(), own);
     let is_near = |kind: QueryKind, vertices: [u32; 4], x: &[Vec3]| {
         let range = near.range_of(Pair { kind, vertices });
         Gap::new(kind, &gather(x, vertices)).distance < range
@@ -103,7 +107,11 @@ fn no_near_pair_is_missed_on_any_path() {
 fn cloth_that_flies_is_looked_at_once() {
     let mesh = sheet(33);
     let law = PenaltyLaw::new(1e6, 2e-3).unwrap();
-    let near = Near::new(&mesh, law, Vec::new(), true, 0.0, Own::default());
+    let own = Own {
+        self_collision: true,
+        ..Own::default()
+    };
+    let near = Near::new(&mesh, law, Vec::new(), own);
     let mut pairs = NearPairs::new(Some(Patches::new(&mesh, &near)));
     let mut x = mesh.positions().to_vec();
     pairs.begin(&x, &near.is_resting, false);

@@ -107,7 +107,7 @@ impl Patches {
     /// Finds the pairs between two patches anew, with room for the present motion, of `once` (m), and more. Returns
     /// whether they are near at all.
     fn detect(&self, near: &Near, x: &[Vec3], pair: &mut PatchPair, once: Real) -> bool {
-        let h = near.law().range();
+        let h = near.law.range();
         let [p, q] = pair.patches.map(|p| p as usize);
         let boxes = [p, q].map(|p| around(&self.members[p].1, x));
         let room = self.room_for(near, once);
@@ -144,7 +144,7 @@ impl Patches {
 
     /// The room (m) of a search, where patches move by `once` (m) in the motion.
     fn room_for(&self, near: &Near, once: Real) -> Real {
-        let h = near.law().range();
+        let h = near.law.range();
         let once = once + SLACK * h;
         let room = (HOLD * once).clamp(LEAST_ROOM * h, (MOST_ROOM * self.edge).max(h));
         room.max(1.5 * once)
