@@ -1,6 +1,5 @@
 //! Who has which vertex and which edge, and who faces whom across an edge.
 
-use crate::sets::Sets;
 use cloth_core::mesh::TriMesh;
 
 /// The vertices and edges of the triangles of a mesh, each *represented* by the first triangle that has it, so that a
@@ -106,17 +105,4 @@ pub(crate) fn edge_numbers(triangles: &[[u32; 3]]) -> (Vec<[u32; 2]>, Vec<[u32; 
         }
     }
     (edges, of_triangle)
-}
-
-/// A number for each vertex, the same for those that are connected.
-pub(crate) fn pieces(mesh: &TriMesh) -> Vec<u32> {
-    let mut sets = Sets::default();
-    sets.reset(mesh.vertex_count());
-    for &[a, b, c] in mesh.triangles() {
-        sets.join(a, b);
-        sets.join(b, c);
-    }
-    (0..mesh.vertex_count() as u32)
-        .map(|v| sets.of(v))
-        .collect()
 }

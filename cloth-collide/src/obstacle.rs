@@ -69,6 +69,7 @@ pub use cuboid::Cuboid;
 pub use error::ObstacleError;
 pub use half_space::HalfSpace;
 pub use impact::ImpactLaw;
+pub(crate) use impact::hold;
 pub use motion::{Pose, RigidMotion};
 pub use penalty::PenaltyLaw;
 pub use placed::Obstacle;

@@ -13,6 +13,14 @@ impl Sets {
         self.parent.extend(0..count as u32);
     }
 
+    /// The lowest vertex of the set of each of `count` vertices, when these pairs are joined.
+    pub(crate) fn classes(count: usize, pairs: impl IntoIterator<Item = [u32; 2]>) -> Vec<u32> {
+        let mut sets = Self::default();
+        sets.reset(count);
+        pairs.into_iter().for_each(|[a, b]| sets.join(a, b));
+        (0..count as u32).map(|vertex| sets.of(vertex)).collect()
+    }
+
     /// The lowest vertex of the set of `vertex`.
     pub(crate) fn of(&mut self, vertex: u32) -> u32 {
         let mut root = vertex;

@@ -50,13 +50,16 @@ impl ImpactLaw {
             return Vec3::zeros();
         }
         let push = -(1.0 + self.restitution) * along;
-        let slide = relative - normal * along;
-        let speed = slide.norm();
-        let held = if self.friction * push >= speed {
-            slide
-        } else {
-            slide * (self.friction * push / speed)
-        };
-        normal * push - held
+        normal * push - hold(relative - normal * along, self.friction * push)
+    }
+}
+
+/// A force of friction that is not larger than `most`.
+pub(crate) fn hold(wanted: Vec3, most: Real) -> Vec3 {
+    let size = wanted.norm();
+    if size > most {
+        wanted * (most / size)
+    } else {
+        wanted
     }
 }

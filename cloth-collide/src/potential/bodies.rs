@@ -5,8 +5,8 @@ use super::friction::ALONE;
 use super::near::Near;
 use super::rebound::Rebound;
 use super::rows::{KEPT, LEAST, SLACK};
-use super::tangent::{Tangent, across, hold, stretch};
-use crate::obstacle::{Obstacle, VertexPath, first_contact};
+use super::tangent::{Tangent, across, stretch};
+use crate::obstacle::{Obstacle, VertexPath, first_contact, hold};
 use cloth_core::contact::ContactStep;
 use cloth_core::math::{Real, Vec3};
 

@@ -6,7 +6,8 @@
 //! beyond, where the force is μ λ. What the spring is stretched by at the end of a step is where it starts in the next:
 //! a cloth that sticks does not creep, whatever the number of steps.
 
-use super::tangent::{across, hold};
+use super::tangent::across;
+use crate::obstacle::hold;
 use crate::pair::weighted;
 use cloth_core::contact::ContactRow;
 use cloth_core::math::{Real, Vec3};

@@ -7,10 +7,11 @@ use super::sewn::Sewn;
 use crate::broad_phase::{BroadPhaseKind, TrianglePairs};
 use crate::ccd::QueryKind;
 use crate::error::CollideError;
-use crate::incidence::{Incidence, pieces};
+use crate::incidence::Incidence;
 use crate::obstacle::PenaltyLaw;
 use crate::pair::{Gap, Pair};
 use crate::separation::meet_unduly;
+use crate::sets::Sets;
 use cloth_core::contact::ContactStep;
 use cloth_core::math::{Real, Vec3, gather};
 use cloth_core::mesh::TriMesh;
@@ -91,11 +92,11 @@ impl Near {
             cloth,
             surfaces,
             own,
+            piece: Sets::classes(mesh.vertex_count(), incidence.edges.iter().copied()),
             incidence,
             vertex_area,
             edge_area,
             rest: mesh.positions().to_vec(),
-            piece: pieces(mesh),
             is_free: vec![true; mesh.vertex_count()],
             resting: Vec::new(),
             is_resting: vec![false; mesh.vertex_count()],

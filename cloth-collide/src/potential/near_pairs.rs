@@ -104,10 +104,10 @@ impl NearPairs {
 
     /// Whether the pairs hold at a place (m).
     fn holds(&mut self, x: &[Vec3], room: Real) -> bool {
-        if !self.is_chosen {
-            return false;
-        }
-        if !self.vertex_obstacle_holds(x) {
+        let displacements = x.iter().zip(&self.place).zip(&self.reach);
+        let mut displacements =
+            displacements.map(|((x, place), reach)| (x - place).norm_squared() <= reach * reach);
+        if !self.is_chosen || !displacements.all(|holds| holds) {
             return false;
         }
         // Mostly this is enough: any two parts may come nearer by two rooms, wherever they are.
@@ -116,13 +116,6 @@ impl NearPairs {
         }
         let patches = self.patches.as_mut();
         patches.is_none_or(|patches| patches.holds(&self.place, x))
-    }
-
-    fn vertex_obstacle_holds(&self, x: &[Vec3]) -> bool {
-        let displacements = x.iter().zip(&self.place).zip(&self.reach);
-        let mut displacements =
-            displacements.map(|((x, place), reach)| (x - place).norm_squared() <= reach * reach);
-        displacements.all(|holds| holds)
     }
 
     /// Keeps the pairs that can be nearer than their thickness.

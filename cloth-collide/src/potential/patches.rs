@@ -15,7 +15,6 @@ mod between;
 mod detect;
 mod motion;
 mod motions;
-mod partition;
 
 use super::near::Near;
 use crate::bounds::Bounds;
@@ -26,7 +25,6 @@ use cloth_core::math::{Real, Vec3, gather};
 use cloth_core::mesh::TriMesh;
 use detect::Look;
 use motions::Motions;
-use partition::halve;
 
 /// Triangles in a patch, at most.
 const PATCH: usize = 32;
@@ -180,6 +178,8 @@ impl Patches {
             reference: members.iter().map(places).collect(),
             reference_centres: vec![Vec3::zeros(); count],
             reference_spreads: vec![0.0; count],
+            now: Motions::new(count),
+            then: Motions::new(count),
             displacements: vec![0.0; count],
             boxes: vec![Bounds::around([Vec3::zeros()]); count],
             members,
@@ -199,10 +199,8 @@ impl Patches {
             self.reference_centres[p] = middle(vertices, x);
         }
         self.reference_spreads.fill(0.0);
-        for zeros in [&mut self.now.paths, &mut self.now.clocks] {
-            zeros.clear();
-            zeros.resize(self.members.len(), 0.0);
-        }
+        self.now.paths.fill(0.0);
+        self.now.clocks.fill(0.0);
         self.is_placed = false;
         self.place(x);
         self.is_known = false;
@@ -317,8 +315,7 @@ impl Patches {
 
     /// Takes `x` (m) for the start of the substep.
     pub(super) fn place(&mut self, x: &[Vec3]) {
-        let mut now = std::mem::take(&mut self.now);
-        now.resize(self.members.len());
+        let now = &mut self.now;
         for (p, (_, vertices)) in self.members.iter().enumerate() {
             if self.rests[p] && self.is_placed {
                 continue;
@@ -334,23 +331,21 @@ impl Patches {
         }
         now.finish(self.cloth);
         self.is_placed = true;
-        self.now = now;
     }
 
     /// Looks at the motion from the start of the substep, `x`, to `to` (m).
     fn measure(&mut self, x: &[Vec3], to: &[Vec3]) {
-        let mut then = std::mem::take(&mut self.then);
-        then.resize(self.members.len());
+        let (now, then) = (&self.now, &mut self.then);
         for (p, (_, vertices)) in self.members.iter().enumerate() {
             if self.rests[p] {
-                then.centres[p] = self.now.centres[p];
-                then.spreads[p] = self.now.spreads[p];
+                then.centres[p] = now.centres[p];
+                then.spreads[p] = now.spreads[p];
                 self.displacements[p] = 0.0;
                 continue;
             }
             let centre = middle(vertices, to);
             let since = centre - self.reference_centres[p];
-            let displacement = centre - self.now.centres[p];
+            let displacement = centre - now.centres[p];
             let (mut spread, mut besides): (Real, Real) = (0.0, 0.0);
             for (&v, from) in vertices.iter().zip(&self.reference[p]) {
                 let to = to[v as usize];
@@ -362,23 +357,12 @@ impl Patches {
             self.displacements[p] = besides.sqrt();
         }
         then.finish(self.cloth);
-        let (now, displacements) = (&self.now, &self.displacements);
         let shift = then.mean - now.mean;
-        then.paths.clear();
-        then.paths.extend(
-            now.paths
-                .iter()
-                .zip(displacements)
-                .map(|(path, displacement)| path + displacement),
-        );
-        then.clocks.clear();
-        let displacements = then.centres.iter().zip(&now.centres).zip(displacements);
-        let clocks = now.clocks.iter().zip(displacements);
-        then.clocks
-            .extend(clocks.map(|(clock, ((to, from), besides))| {
-                clock + (to - from - shift).norm() + besides
-            }));
-        self.then = then;
+        for (p, besides) in self.displacements.iter().enumerate() {
+            then.paths[p] = now.paths[p] + besides;
+            let displacement = then.centres[p] - now.centres[p] - shift;
+            then.clocks[p] = now.clocks[p] + displacement.norm() + besides;
+        }
     }
 
     /// Counts the spread of patch `p` from `x` (m) on, the start of the substep.
@@ -519,4 +503,21 @@ fn around(vertices: &[u32], x: &[Vec3]) -> Bounds {
         bounds.upper = bounds.upper.sup(&x[v as usize]);
     }
     bounds
+}
+
+/// Cuts a set of triangles across its longest side, until the parts are small enough.
+fn halve(triangles: &mut [u32], middle: &impl Fn(u32) -> Vec3, done: &mut impl FnMut(&[u32])) {
+    if triangles.len() <= PATCH {
+        done(triangles);
+        return;
+    }
+    let first = middle(triangles[0]);
+    let (lower, upper) = triangles.iter().fold((first, first), |(low, high), &t| {
+        (low.inf(&middle(t)), high.sup(&middle(t)))
+    });
+    let axis = (upper - lower).imax();
+    triangles.sort_by(|&a, &b| middle(a)[axis].total_cmp(&middle(b)[axis]));
+    let (a, b) = triangles.split_at_mut(triangles.len() / 2);
+    halve(a, middle, done);
+    halve(b, middle, done);
 }

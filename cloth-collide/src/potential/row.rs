@@ -3,8 +3,9 @@
 use super::near::Near;
 use super::patches::{Known, Memory, NearPair, Patches, Place};
 use super::rows::{KEPT, LEAST, SLACK};
-use super::tangent::{Tangent, across, hold};
+use super::tangent::{Tangent, across};
 use crate::ccd::Query;
+use crate::obstacle::hold;
 use crate::pair::{Gap, Pair, weighted};
 use cloth_core::contact::ContactStep;
 use cloth_core::math::{Real, Vec3, gather};

@@ -1,7 +1,7 @@
 //! What one row makes of the law of contact and of that of friction.
 
 use super::rows::LEAST;
-use crate::obstacle::PenaltyLaw;
+use crate::obstacle::{PenaltyLaw, hold};
 use cloth_core::math::{Real, Vec3};
 
 /// The tangent of a contact law at a distance: the force (N) is `stiffness` (N/m) times what is missing to `range` (m).
@@ -35,16 +35,6 @@ impl Tangent {
 #[inline]
 pub(super) fn across(v: Vec3, normal: Vec3) -> Vec3 {
     v - normal * normal.dot(&v)
-}
-
-/// A force of friction that is not larger than `most`.
-pub(super) fn hold(wanted: Vec3, most: Real) -> Vec3 {
-    let size = wanted.norm();
-    if size > most {
-        wanted * (most / size)
-    } else {
-        wanted
-    }
 }
 
 /// What friction is stretched by (m) after a `displacement` (m) from where it sticks: it gives in elastically by
