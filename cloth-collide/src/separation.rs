@@ -156,16 +156,13 @@ impl SeparationProbe {
 
     /// Lowers the squared distance `nearest` (m²) to that of the primitives that two triangles represent.
     fn lower_to_pair(&self, pair: [u32; 2], positions: &[Vec3], nearest: &Cell<Real>) {
-        let Incidence {
-            triangles, edges, ..
-        } = &self.incidence;
         let bounds = |t: u32| &self.pairs.bounds[t as usize];
-        let corners = |t: u32| triangles[t as usize];
+        let corners = |t: u32| self.pairs.triangles[t as usize];
         let is_far = |a: &Bounds, b: &Bounds| a.squared_gap(b) >= nearest.get();
         if is_far(bounds(pair[0]), bounds(pair[1])) || !self.counts(pair.map(corners)) {
             return;
         }
-        let edge = |e: u32| gather(positions, edges[e as usize]);
+        let edge = |e: u32| gather(positions, self.incidence.edges[e as usize]);
         self.incidence.visit(pair, |primitives| {
             let found = match primitives {
                 Primitives::EdgeTriangle(e, t) => {

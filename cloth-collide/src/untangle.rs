@@ -242,8 +242,8 @@ impl Untangler {
         assert_eq!(inverse_mass.len(), self.trial.len(), "one mass a vertex");
         self.contour.find(positions)?;
         let mut report = UntangleReport {
-            pairs_before: self.contour.pair_count(),
-            pairs_after: self.contour.pair_count(),
+            pairs_before: self.contour.meeting.len(),
+            pairs_after: self.contour.meeting.len(),
             length_before: self.contour.length(),
             length_after: self.contour.length(),
             iterations: 0,
@@ -255,10 +255,10 @@ impl Untangler {
             x.copy_from_slice(&start);
             let iterations = (&mut report.iterations, most_iterations);
             report.outcome = self.attempt(&mut x, inverse_mass, rounds, iterations, &mut after)?;
-            let is_better = self.contour.pair_count() < report.pairs_after;
+            let is_better = self.contour.meeting.len() < report.pairs_after;
             if is_better {
                 positions.copy_from_slice(&x);
-                report.pairs_after = self.contour.pair_count();
+                report.pairs_after = self.contour.meeting.len();
                 report.length_after = self.contour.length();
             }
             if report.outcome != UntangleOutcome::Stalled {
@@ -282,12 +282,12 @@ impl Untangler {
         let mut step = self.longest_step;
         // The fewest pairs and the shortest length so far, and when.
         let mut best = (
-            self.contour.pair_count(),
+            self.contour.meeting.len(),
             self.contour.length(),
             *iterations,
         );
         loop {
-            let (pairs, before) = (self.contour.pair_count(), self.contour.length());
+            let (pairs, before) = (self.contour.meeting.len(), self.contour.length());
             after(UntangleProgress {
                 iterations: *iterations,
                 pairs,
@@ -386,7 +386,7 @@ impl Untangler {
             }
             self.contour.find(&self.trial)?;
             let after = self.contour.length();
-            if after < before || self.contour.pair_count() == 0 {
+            if after < before || self.contour.meeting.is_empty() {
                 positions.copy_from_slice(&self.trial);
                 return Ok(Some(step));
             }

@@ -99,9 +99,6 @@ impl<B: BroadPhase> ClothCandidates<B> {
             "the number of positions is not the number of vertices"
         );
         not_negative("margin (m)", margin)?;
-        let Incidence {
-            triangles, edges, ..
-        } = &self.incidence;
         let ends = || from.iter().zip(to);
         if let Some(vertex) = ends().position(|(a, b)| !is_finite(a) || !is_finite(b)) {
             return Err(CollideError::NonFinitePosition { vertex });
@@ -109,11 +106,16 @@ impl<B: BroadPhase> ClothCandidates<B> {
         for (bounds, (&from, &to)) in self.vertex_boxes.iter_mut().zip(ends()) {
             *bounds = Bounds::around([from, to]).inflated(0.5 * margin);
         }
-        for (bounds, ends) in self.edge_boxes.iter_mut().zip(edges) {
+        for (bounds, ends) in self.edge_boxes.iter_mut().zip(&self.incidence.edges) {
             let [a, b] = ends.map(|v| &self.vertex_boxes[v as usize]);
             *bounds = a.joined(b);
         }
-        for (bounds, triangle) in self.triangle_pairs.bounds.iter_mut().zip(triangles) {
+        for (bounds, triangle) in self
+            .triangle_pairs
+            .bounds
+            .iter_mut()
+            .zip(&self.incidence.triangles)
+        {
             let [a, b, c] = triangle.map(|v| &self.vertex_boxes[v as usize]);
             *bounds = a.joined(b).joined(c);
         }
@@ -121,7 +123,7 @@ impl<B: BroadPhase> ClothCandidates<B> {
         for (middle, bounds) in self.middles.iter_mut().zip(&self.vertex_boxes) {
             *middle = (bounds.lower + bounds.upper) * 0.5;
         }
-        for (normal, &triangle) in self.normals.iter_mut().zip(triangles) {
+        for (normal, &triangle) in self.normals.iter_mut().zip(&self.incidence.triangles) {
             let [a, b, c] = gather(&self.middles, triangle);
             *normal = (b - a).cross(&(c - a));
         }

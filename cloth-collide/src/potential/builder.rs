@@ -233,34 +233,27 @@ impl<'a> PotentialBuilder<'a> {
 
     /// Checks what vertices have of their own.
     fn check_own(&self) -> Result<(), BuildError> {
-        let Own {
-            thicknesses,
-            frictions,
-            excluded,
-            sewn,
-            ..
-        } = &self.own;
-        let count = self.mesh.vertex_count();
+        let (own, count) = (&self.own, self.mesh.vertex_count());
         for (name, length) in [
-            ("number of thicknesses of vertices", thicknesses.len()),
+            ("number of thicknesses of vertices", own.thicknesses.len()),
             (
                 "number of coefficients of friction of vertices",
-                frictions.len(),
+                own.frictions.len(),
             ),
-            ("number of regions of vertices", excluded.region_count()),
+            ("number of regions of vertices", own.excluded.region_count()),
         ] {
             if length != 0 && length != count {
                 return Err(invalid(name, length as Real, "the number of vertices"));
             }
         }
-        if sewn.count() > count {
+        if own.sewn.count() > count {
             let (name, range) = ("number of a sewn vertex", "below the number of vertices");
-            return Err(invalid(name, (sewn.count() - 1) as Real, range));
+            return Err(invalid(name, (own.sewn.count() - 1) as Real, range));
         }
-        for &value in thicknesses {
+        for &value in &own.thicknesses {
             positive("thickness of a vertex (m)", value)?;
         }
-        for &value in frictions {
+        for &value in &own.frictions {
             not_negative("friction of a vertex", value)?;
         }
         Ok(())

@@ -108,9 +108,7 @@ impl Ledger {
 
     /// The step is over, with all vertices at `x` (m).
     pub(super) fn end(&mut self, near: &Near, obstacles: &[Body], x: &[Vec3]) {
-        let Self {
-            impulses, forces, ..
-        } = self;
+        let impulses = &mut self.impulses;
         for (v, body) in (near.cloth..).zip(near.bodies()) {
             let obstacle = obstacles.get(body);
             let position = obstacle.map_or(Vec3::zeros(), |(body, _)| body.motion().pose.position);
@@ -120,7 +118,8 @@ impl Ledger {
             }
         }
         let per_time = 1.0 / self.time;
-        forces.change(impulses, |force, impulse| *force = impulse * per_time);
+        self.forces
+            .change(impulses, |force, impulse| *force = impulse * per_time);
     }
 }
 

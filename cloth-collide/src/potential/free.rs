@@ -5,7 +5,7 @@
 //! together, whatever the method, its iterations and the step. The coupling is staggered: a step has to resolve the
 //! frequency of the body on the contact ([`RigidBody::highest_frequency`]), or the body trembles.
 
-use super::row::Row;
+use super::rows::Rows;
 use super::source::Contacts;
 use crate::obstacle::{Obstacle, Pose, RigidBody, RigidMotion};
 use cloth_core::contact::ContactStep;
@@ -122,30 +122,26 @@ impl Contacts {
     /// Adds up the impulses of the constraints on free bodies in a substep that ends at `x` (m), the bodies still
     /// being where they are at its start.
     pub(super) fn collect_impulses(&mut self, step: &ContactStep<'_>, x: &[Vec3]) {
-        let Self {
-            rows,
-            near,
-            bodies: obstacles,
-            free,
-            ..
-        } = self;
-        if free.is_led {
+        if self.free.is_led {
             return;
         }
-        let bodies = &rows.bodies;
-        for free in &mut free.list {
+        let Rows { rows, bodies, .. } = &self.rows;
+        for free in &mut self.free.list {
             let number = free.number;
-            let motion = obstacles[number].0.motion();
+            let motion = self.bodies[number].0.motion();
             let centre = motion.pose_at(step.dt).position;
             free.impulse = [Vec3::zeros(); 2];
             for (v, impulse) in bodies.impulses_of(number, step.dt) {
                 free.add(-impulse, x[v] - centre);
             }
-            rows_impulses(&rows.rows, step.dt, |v, impulse| {
-                if near.body_of(v) == Some(number) {
-                    free.add(impulse, x[v as usize] - centre);
+            for row in rows.iter().filter(|row| row.lambda > 0.0) {
+                let impulse = (row.normal * row.lambda + row.friction) / step.dt;
+                for (v, weight) in row.pair.vertices.into_iter().zip(row.weights) {
+                    if self.near.body_of(v) == Some(number) {
+                        free.add(impulse * weight, x[v as usize] - centre);
+                    }
                 }
-            });
+            }
         }
     }
 
@@ -186,16 +182,6 @@ impl Contacts {
                 (free.impulse, free.stop) = ([Vec3::zeros(); 2], [Vec3::zeros(); 2]);
                 free.is_halted = false;
             }
-        }
-    }
-}
-
-/// The impulses (N·s) of constraints in a substep of `dt` (s), vertex by vertex.
-fn rows_impulses(rows: &[Row], dt: Real, mut visit: impl FnMut(u32, Vec3)) {
-    for row in rows.iter().filter(|row| row.lambda > 0.0) {
-        let impulse = (row.normal * row.lambda + row.friction) / dt;
-        for (v, weight) in row.pair.vertices.into_iter().zip(row.weights) {
-            visit(v, impulse * weight);
         }
     }
 }

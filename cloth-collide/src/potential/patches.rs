@@ -294,16 +294,15 @@ impl Patches {
             Some(ids) if *ids == place.patches => number,
             _ => self.ids.binary_search(&place.patches).ok()?,
         };
-        let PatchPair {
-            pairs, memories, ..
-        } = &mut self.pairs[number];
+        let between = &mut self.pairs[number];
+        let pairs = &mut between.pairs;
         let is_it = |found: &NearPair| found.pair.vertices == pair.vertices;
         let index = match place.index as usize {
             index if pairs.get(index).is_some_and(is_it) => index,
             _ => pairs.iter().position(is_it)?,
         };
         let found = &mut pairs[index];
-        let memory = found.remember(memories);
+        let memory = found.remember(&mut between.memories);
         Some((found, memory))
     }
 

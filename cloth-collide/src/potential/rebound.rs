@@ -78,14 +78,8 @@ impl Rebounds {
     pub(super) fn act(&self, velocities: &mut [Vec3], mut ledger: Option<&mut Ledger>) -> Real {
         let mut work = 0.0;
         for rebound in &self.list {
-            let Rebound {
-                vertices,
-                weights,
-                normal,
-                inverse_mass,
-                ..
-            } = *rebound;
-            let ends = || vertices.into_iter().zip(weights);
+            let (normal, weights) = (rebound.normal, rebound.weights);
+            let ends = || rebound.vertices.into_iter().zip(weights);
             let own = ends().filter_map(|(v, w)| Some(*velocities.get(v as usize)? * w));
             let speed = normal.dot(&own.sum()) + rebound.of_body;
             let wanted = match rebound.approach > 0.0 {
@@ -93,14 +87,14 @@ impl Rebounds {
                 false => speed.min(-rebound.approach),
             };
             let impulse = (wanted - speed) / rebound.ease;
-            for ((v, weight), w) in ends().zip(inverse_mass) {
+            for ((v, weight), w) in ends().zip(rebound.inverse_mass) {
                 if let Some(velocity) = velocities.get_mut(v as usize) {
                     *velocity += normal * (impulse * weight * w);
                 }
             }
             work -= impulse * rebound.of_body;
             if let Some(ledger) = &mut ledger {
-                ledger.add_pair(vertices, weights, [normal * impulse, Vec3::zeros()]);
+                ledger.add_pair(rebound.vertices, weights, [normal * impulse, Vec3::zeros()]);
             }
         }
         work

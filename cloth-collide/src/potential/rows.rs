@@ -311,17 +311,11 @@ impl Contacts {
 
     /// Makes rows of pairs that their planes do not keep apart on the path to `x` (m).
     fn doubt(&mut self, step: &ContactStep<'_>, x: &[Vec3]) {
-        let Self { near, rows, .. } = self;
-        let Rows {
-            patches,
-            rows: list,
-            parted,
-            ..
-        } = rows;
-        let Some(patches) = patches else {
+        let (near, list) = (&self.near, &mut self.rows.rows);
+        let Some(patches) = &mut self.rows.patches else {
             return;
         };
-        parted.retain(|parted| {
+        self.rows.parted.retain(|parted| {
             let keeps = parted.pair.gap_along(&parted.normal, x) > parted.kept;
             // One that is not known any more is too far away.
             let pair = (!keeps).then(|| patches.pair_mut(parted.place, parted.pair));
@@ -385,9 +379,7 @@ impl Contacts {
     fn end_by_rows(&mut self, step: &ContactStep<'_>, x: &[Vec3]) {
         self.record_impulses(step, x);
         let reach = self.reach();
-        let Self {
-            rows, bodies, near, ..
-        } = self;
+        let (rows, bodies, near) = (&mut self.rows, &self.bodies[..], &self.near);
         if let Some(patches) = &mut rows.patches {
             patches.accept();
             for row in rows.rows.iter().filter(|row| row.pushes) {

@@ -227,10 +227,8 @@ impl ContactPotential for Contacts {
             if round > 0 && self.pairs.choices == known {
                 return Ok(());
             }
-            let cut = self
-                .pairs
-                .shorten(thickness, (from, to), parts, &self.still);
-            if !cut.map_err(|error| error.not_finite())? {
+            let path = (from, &mut *to);
+            if !self.pairs.shorten(thickness, path, parts, &self.still)? {
                 return Ok(());
             }
         }
@@ -382,16 +380,10 @@ impl Contacts {
 
     /// Finds the contacts at the start of a step that have friction in it.
     fn stick(&mut self, step: &ContactStep<'_>) {
-        let Self {
-            near,
-            pairs,
-            sticking,
-            stretched,
-            ..
-        } = self;
+        let (near, stretched, sticking) = (&self.near, &self.stretched, &mut self.sticking);
         let x = step.from;
         sticking.clear();
-        for contact in pairs.iter() {
+        for contact in self.pairs.iter() {
             let vertices = contact.pair.vertices;
             let places = gather(x, vertices);
             let gap = Gap::new(contact.pair.kind, &places);
@@ -509,8 +501,7 @@ impl Contacts {
 
     fn safe_part(&self, from: &[Vec3], to: &[Vec3]) -> Result<Real, ContactError> {
         let thickness = self.near.law.range();
-        let part = self.pairs.safe_part(thickness, from, to, &self.still);
-        part.map_err(|error| error.not_finite())
+        Ok(self.pairs.safe_part(thickness, from, to, &self.still)?)
     }
 
     /// Begins a step, after one that may not have ended: whether its start is in order, and whether it is where the
@@ -524,10 +515,9 @@ impl Contacts {
             return Ok(true);
         }
         self.safe.clear();
-        match self.near.crossing(step.from) {
-            Ok(0) => Ok(false),
-            Ok(pairs) => Err(ContactError::IntersectingStart { pairs }),
-            Err(error) => Err(error.not_finite()),
+        match self.near.crossing(step.from)? {
+            0 => Ok(false),
+            pairs => Err(ContactError::IntersectingStart { pairs }),
         }
     }
 }

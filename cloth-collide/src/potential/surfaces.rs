@@ -165,6 +165,30 @@ impl Surfaces {
         (step, &mut self.to)
     }
 
+    /// The same with the cloth at `x` (m).
+    fn with(&mut self, dt: Real, x: &[Vec3]) -> (ContactStep<'_>, &mut Vec<Vec3>) {
+        self.to[..x.len()].copy_from_slice(x);
+        self.all(dt)
+    }
+
+    /// The same of a path of the cloth (m).
+    fn path(&mut self, from: &[Vec3], to: &[Vec3]) -> (&[Vec3], &mut [Vec3]) {
+        self.from[..from.len()].copy_from_slice(from);
+        self.to[..to.len()].copy_from_slice(to);
+        (&self.from, &mut self.to)
+    }
+
+    /// Where everything is, with the cloth at `x` (m).
+    fn at(&mut self, x: &[Vec3]) -> &[Vec3] {
+        self.to[..x.len()].copy_from_slice(x);
+        &self.to
+    }
+
+    /// Takes the cloth to where it ends (m).
+    fn take(&self, x: &mut [Vec3]) {
+        x.copy_from_slice(&self.to[..x.len()]);
+    }
+
     fn shared(&self) -> MutexGuard<'_, [Vec<Vec3>; 2]> {
         self.shared.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -305,19 +329,18 @@ impl ContactSource for PotentialContacts {
         x: &mut [Vec3],
     ) -> Result<(), ContactError> {
         let surfaces = &mut self.surfaces;
-        let count = surfaces.cloth;
         // Of a step of no time, in which bodies stay.
         let step = ContactStep {
             from,
             inverse_mass,
             dt: 1.0,
         };
-        step.check(count, x, x)?;
+        step.check(surfaces.cloth, x, x)?;
         surfaces.place(&self.contacts.bodies, 0.0);
         surfaces.put(&step, x);
         let (all, to) = surfaces.all(step.dt);
         self.contacts.keep_free(all.from, all.inverse_mass, to)?;
-        x.copy_from_slice(&to[..count]);
+        self.surfaces.take(x);
         Ok(())
     }
 
@@ -345,19 +368,15 @@ impl ContactPotential for PotentialContacts {
                 Err(error) => return Err(error),
             }
         }
-        let surfaces = &mut self.surfaces;
-        let to = &surfaces.to;
-        start.copy_from_slice(&to[..start.len()]);
-        surfaces.time += step.dt;
-        surfaces.stay();
+        self.surfaces.take(start);
+        self.surfaces.time += step.dt;
+        self.surfaces.stay();
         Ok(())
     }
 
     fn limit(&mut self, from: &[Vec3], to: &[Vec3]) -> Result<Real, ContactError> {
-        let surfaces = &mut self.surfaces;
-        surfaces.from[..from.len()].copy_from_slice(from);
-        surfaces.to[..to.len()].copy_from_slice(to);
-        self.contacts.limit(&surfaces.from, &surfaces.to)
+        let (from, to) = self.surfaces.path(from, to);
+        self.contacts.limit(from, to)
     }
 
     fn limit_each(
@@ -367,11 +386,10 @@ impl ContactPotential for PotentialContacts {
         parts: &mut [Real],
     ) -> Result<(), ContactError> {
         let surfaces = &mut self.surfaces;
-        surfaces.from[..from.len()].copy_from_slice(from);
-        surfaces.to[..to.len()].copy_from_slice(to);
+        surfaces.path(from, to);
         self.contacts
             .limit_each(&surfaces.from, &mut surfaces.to, &mut surfaces.parts)?;
-        to.copy_from_slice(&surfaces.to[..to.len()]);
+        surfaces.take(to);
         parts.copy_from_slice(&surfaces.parts[..parts.len()]);
         Ok(())
     }
@@ -406,17 +424,14 @@ impl ContactPotential for PotentialContacts {
     }
 
     fn end(&mut self, x: &[Vec3], v: &[Vec3]) {
-        let surfaces = &mut self.surfaces;
-        surfaces.to[..x.len()].copy_from_slice(x);
-        self.contacts.end(&surfaces.to, v);
+        self.contacts.end(self.surfaces.at(x), v);
     }
 }
 
 impl ContactConstraints for PotentialContacts {
     fn begin_step(&mut self, step: &ContactStep<'_>) -> Result<(), ContactError> {
         self.place(step, step.from, [true, false])?;
-        let surfaces = &mut self.surfaces;
-        let (all, _) = surfaces.all(step.dt);
+        let (all, _) = self.surfaces.all(step.dt);
         self.contacts.begin_step(&all)
     }
 
@@ -426,23 +441,19 @@ impl ContactConstraints for PotentialContacts {
         predicted: &[Vec3],
     ) -> Result<(), ContactError> {
         self.place(step, predicted, [false, true])?;
-        let surfaces = &mut self.surfaces;
-        let (all, to) = surfaces.all(step.dt);
+        let (all, to) = self.surfaces.all(step.dt);
         self.contacts.begin_substep(&all, to)
     }
 
     fn sweep(&mut self, step: &ContactStep<'_>, x: &mut [Vec3]) {
-        let surfaces = &mut self.surfaces;
-        let (all, to) = surfaces.all(step.dt);
-        to[..x.len()].copy_from_slice(x);
+        let (all, to) = self.surfaces.with(step.dt, x);
         self.contacts.sweep(&all, to);
-        x.copy_from_slice(&to[..x.len()]);
+        self.surfaces.take(x);
     }
 
     fn end_substep(&mut self, step: &ContactStep<'_>, x: &mut [Vec3]) -> Result<(), ContactError> {
         loop {
-            let (all, to) = self.surfaces.all(step.dt);
-            to[..x.len()].copy_from_slice(x);
+            let (all, to) = self.surfaces.with(step.dt, x);
             match self.contacts.end_substep(&all, to) {
                 Ok(()) => break,
                 Err(error) if self.halts(&error) => {
@@ -454,9 +465,8 @@ impl ContactConstraints for PotentialContacts {
                 Err(error) => return Err(error),
             }
         }
-        let surfaces = &mut self.surfaces;
-        x.copy_from_slice(&surfaces.to[..x.len()]);
-        surfaces.time += step.dt;
+        self.surfaces.take(x);
+        self.surfaces.time += step.dt;
         Ok(())
     }
 
@@ -465,14 +475,10 @@ impl ContactConstraints for PotentialContacts {
     }
 
     fn given(&mut self, x: &[Vec3]) -> Real {
-        let surfaces = &mut self.surfaces;
-        surfaces.to[..x.len()].copy_from_slice(x);
-        self.contacts.given(&surfaces.to)
+        self.contacts.given(self.surfaces.at(x))
     }
 
     fn end_step(&mut self, x: &[Vec3]) {
-        let surfaces = &mut self.surfaces;
-        surfaces.to[..x.len()].copy_from_slice(x);
-        self.contacts.end_step(&surfaces.to);
+        self.contacts.end_step(self.surfaces.at(x));
     }
 }

@@ -41,15 +41,11 @@ impl Zones {
 
     /// Lists the members, zone by zone.
     pub(super) fn sort(&mut self) {
-        let Self {
-            sets,
-            member,
-            members,
-        } = self;
-        members.clear();
-        let inside = (0..member.len() as u32).filter(|&v| member[v as usize]);
-        members.extend(inside.map(|v| [sets.of(v), v]));
-        members.sort_unstable();
+        self.members.clear();
+        let inside = (0..self.member.len() as u32).filter(|&v| self.member[v as usize]);
+        let named = inside.map(|v| [self.sets.of(v), v]);
+        self.members.extend(named);
+        self.members.sort_unstable();
     }
 
     /// The vertices of each zone, as pairs (zone, vertex).

@@ -12,7 +12,7 @@ use cloth_core::mesh::TriMesh;
 /// segment.
 #[derive(Debug)]
 pub(super) struct Contour {
-    pairs: TrianglePairs,
+    pub(super) pairs: TrianglePairs,
     segments: Vec<[End; 2]>,
     /// Pairs of triangles that meet.
     pub(super) meeting: Vec<[u32; 2]>,
@@ -41,16 +41,6 @@ impl Contour {
             }
         }
         Ok(())
-    }
-
-    /// The triangles of the mesh.
-    pub(super) fn triangles(&self) -> &[[u32; 3]] {
-        &self.pairs.triangles
-    }
-
-    /// How many pairs of triangles meet.
-    pub(super) fn pair_count(&self) -> usize {
-        self.meeting.len()
     }
 
     /// Where edges pass through triangles: once for each triangle of the edge.
