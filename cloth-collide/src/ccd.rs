@@ -21,18 +21,12 @@ use cloth_core::math::Real;
 ///
 /// # Method
 ///
-/// A vertex p and a triangle abc touch if the triangle with the corners p − a, p − b, p − c contains the origin; two
-/// edges ab and cd touch if the parallelogram a − c, b − c, a − d, b − d does. So there is one question: when does a
-/// moving polygon first meet the origin? It cannot, over a piece of time, if there is a direction n(t), which may move
-/// too, with
-///
-/// n(t) · x_k(t) > d |n(t)|  for all corners x_k,
-///
-/// d being the minimal separation. The direction is that from the origin to the nearest feature of the polygon; as this
-/// feature moves, so does the direction: for a face the normal u(t) × v(t), for an edge e(t) a direction that stays
-/// across it, for a corner the vector to it. Then the left side is a cubic in t, and the convex hull of its four
-/// Bernstein coefficients shows how far it is positive. The test goes on to that time and looks again, until there is
-/// no time left or no distance.
+/// As the [crate](crate#between-two-moments) says, a moving polygon of differences cannot meet the origin over a piece
+/// of time in which n(t) · x_k(t) > d |n(t)| for all its corners x_k, with the minimal separation d. The direction n is
+/// that from the origin to the nearest feature of the polygon; as this feature moves, so does the direction: for a face
+/// the normal u(t) × v(t), for an edge e(t) a direction that stays across it, for a corner the vector to it. Then the
+/// left side is a cubic in t, and the convex hull of its four Bernstein coefficients shows how far it is positive. The
+/// test goes on to that time and looks again, until there is no time left or no distance.
 ///
 /// This is conservative advancement (Mirtich 1996), where additive advancement (Li et al. 2021) would bound the speed
 /// of approach by the largest relative speed of the vertices. Here sliding and turning cost nothing, as the direction

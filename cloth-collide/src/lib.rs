@@ -8,22 +8,16 @@
 //! contact on a path, the laws of pressure, and impulses with friction and restitution. (φ is this distance on all
 //! pages; ψ is the energy of contact.)
 //!
-//! **Cloth against cloth** is about pairs: a vertex and a triangle, or two edges. Looking at all of them would take n²
-//! tests, so a *broad phase* leaves the few whose boxes overlap, and of those the ones that no plane has apart
-//! ([`ClothCandidates`]). From there to the end of a step there are four more stages:
+//! **Cloth against cloth** is about pairs: a vertex and a triangle, or two edges. Of n² of them a *broad phase* leaves
+//! the few whose boxes overlap, and of those the ones that no plane has apart ([`ClothCandidates`]). From there to the
+//! end of a step there are four more stages:
 //!
 #![doc = include_str!("../doc/stages.svg")]
 //!
-//! **Measuring** comes last. A cloth of triangles is free of contact as long as no triangle meets another one, apart
-//! from the vertices and edges that they share. [`SeparationProbe`] tells the number of pairs of triangles that meet,
-//! decided exactly, and the smallest distance.
-//!
-//! Two triangles that do not meet are nearest either at a vertex of one and some point of the other, or at
-//! a point of an edge of each. So their distance is the smallest of 6 vertex–triangle and 9 edge–edge distances:
-//!
-//! d(A, B) = min ( min |v − T|, min |e − f| ).
-//!
-//! Comparing all of n triangles would take n² of these; a tree of boxes leaves a few for each triangle.
+//! **Measuring** comes last. [`SeparationProbe`] tells how many pairs of triangles meet apart from the vertices and
+//! edges that they share, decided exactly, and the smallest distance. Two triangles that do not meet are nearest either
+//! at a vertex of one and some point of the other, or at a point of an edge of each, so it is the smallest of 6
+//! vertex–triangle and 9 edge–edge distances, d(A, B) = min ( min |v − T|, min |e − f| ).
 //!
 //! # Between two moments
 //!
@@ -171,10 +165,8 @@
 //! - The uniform cells of two of the broad phases suit triangles of similar size, the tree suits all.
 //! - [`SeparationProbe`] looks at the positions of one moment. A cloth that has passed through another between two
 //!   moments, and is out on the far side, shows no trace.
-//! - [`ContinuousTest`] reports a pass at less than 1e-14 of the size of the motion (for d = 0: at less than 1e-29) as
-//!   a contact. The limits of each method stand with it.
-//! - Distances are right to rounding: about 1e-15 of the size of the triangles. Intersections are exact, apart from
-//!   over- and underflow at coordinates beyond about 1e±100 m, which is not guarded against.
+//! - Distances are right to rounding: about 1e-15 of the size of the triangles. What else limits a method stands with
+//!   it.
 //!
 //! # Files, in reading order
 //!
@@ -207,8 +199,7 @@
 //! - B. Mirtich, *Impulse-based dynamic simulation of rigid body systems*, PhD thesis, University of California,
 //!   Berkeley 1996: conservative advancement.
 //! - M. Li, D. M. Kaufman and C. Jiang, Codimensional incremental potential contact, *ACM Transactions on Graphics*
-//!   40(4),
-//!   2021. DOI 10.1145/3450626.3459767: additive conservative advancement.
+//!   40(4), 2021. DOI 10.1145/3450626.3459767: additive conservative advancement.
 //! - B. Wang, Z. Ferguson, T. Schneider, X. Jiang, M. Attene and D. Panozzo, A large-scale benchmark and an
 //!   inclusion-based algorithm for continuous collision detection, *ACM Transactions on Graphics* 40(5), 2021. DOI
 //!   10.1145/3460775

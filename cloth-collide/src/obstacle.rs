@@ -44,8 +44,6 @@
 //! - R. Bridson, R. Fedkiw and J. Anderson, Robust treatment of collisions, contact and friction for cloth animation,
 //!   SIGGRAPH 2002. DOI 10.1145/566570.566623. Its section on friction bounds the change of the tangential velocity by
 //!   that of the normal one.
-//! - B. V. Mirtich, *Impulse-based dynamic simulation of rigid body systems*, thesis, Berkeley 1996. Conservative
-//!   advancement.
 
 mod animated;
 mod capsule;

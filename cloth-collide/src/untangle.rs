@@ -77,8 +77,7 @@
 //! # References
 //!
 //! - P. Volino and N. Magnenat-Thalmann, Resolving surface collisions through intersection contour minimization, *ACM
-//!   Transactions on Graphics* 25(3),
-//!   2006. DOI 10.1145/1141911.1142007
+//!   Transactions on Graphics* 25(3), 2006. DOI 10.1145/1141911.1142007
 //! - D. Baraff, A. Witkin and M. Kass, Untangling cloth, *ACM Transactions on Graphics* 22(3), 2003. DOI
 //!   10.1145/882262.882357
 

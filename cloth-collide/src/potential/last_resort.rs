@@ -5,11 +5,8 @@
 //! become one rigid body (an impact zone), with their momentum and angular momentum, since inside a rigid body nothing
 //! can meet; zones that meet are joined. Where prescribed vertices or bodies do not let zones be rigid, vertices stay
 //! where they were. Everything is tested again after each change, so a step is free or refused.
-//!
-//! - X. Provot, Collision and self-collision handling in cloth model dedicated to design garments, *Computer Animation
-//!   and Simulation* 1997. DOI 10.1007/978-3-7091-6874-5_13
-//! - R. Bridson, R. Fedkiw and J. Anderson, Robust treatment of collisions, contact and friction for cloth animation,
-//!   SIGGRAPH 2002. DOI 10.1145/566570.566623
+//! Sources: Provot 1997 (see the [crate](crate#references)) and Bridson et al. 2002 (see
+//! [`obstacle`](crate::obstacle#references)).
 
 use super::bodies::{Body, Substep};
 use super::rows::KEPT;

@@ -1,3 +1,5 @@
+//! Surfaces that change their shape in a given way.
+
 use cloth_collide::obstacle::{AnimatedMesh, ObstacleError};
 use cloth_core::math::{Real, Vec3};
 

@@ -1,3 +1,5 @@
+//! Candidates of a motion: none is missed, whatever the broad phase.
+
 use crate::random::Random;
 use crate::shapes::{deformed, sheet};
 use cloth_collide::{

@@ -1,3 +1,5 @@
+//! Nearest points of two edges, against exact arithmetic and in awkward places.
+
 use crate::lattice as reference;
 use cloth_collide::edge_edge;
 use cloth_core::math::Vec3;

@@ -1,3 +1,5 @@
+//! The nearest point of a triangle, against exact arithmetic and in awkward places.
+
 use crate::lattice as reference;
 use cloth_collide::point_triangle;
 use cloth_core::math::Vec3;

@@ -1,3 +1,5 @@
+//! The measured separation, against all pairs.
+
 use crate::shapes::{deformed, sheet};
 use cloth_collide::{
     CollideError, Separation, SeparationProbe, edge_edge, point_triangle, segment_meets_triangle,
