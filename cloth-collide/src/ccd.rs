@@ -17,7 +17,7 @@ use cloth_core::error::{not_negative, within};
 use cloth_core::math::Real;
 
 /// The conservative test: **no contact is missed, and no time of impact is late**, whatever the input. It is asked by
-/// [`Query::first_contact`].
+/// [`Query::first_contact`]. The default has no separation and no slack: the first contact, as exactly as it can be told.
 ///
 /// # Method
 ///
@@ -56,7 +56,7 @@ use cloth_core::math::Real;
 /// - With a slack above 0, a start at less than about 1e-6 of the size of the motion can use up the steps, and then the
 ///   time is early by more than the slack asks for. Without slack and separation this has not been seen.
 /// - A contact during the motion is found. What lies on the wrong side already at the start is not known to be wrong.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ContinuousTest {
     separation: Real,
     slack: Real,
@@ -80,16 +80,6 @@ pub enum Stop {
     Slack,
     /// The steps were used up.
     Budget,
-}
-
-impl Default for ContinuousTest {
-    /// No separation and no slack: the first contact, as exactly as it can be told.
-    fn default() -> Self {
-        Self {
-            separation: 0.0,
-            slack: 0.0,
-        }
-    }
 }
 
 impl ContinuousTest {

@@ -1,6 +1,9 @@
 //! Who has which vertex and which edge, and who faces whom across an edge.
 
+use crate::ccd::QueryKind;
+use crate::pair::Pair;
 use cloth_core::mesh::TriMesh;
+use cloth_core::topology::DisjointSets;
 
 /// The vertices and edges of the triangles of a mesh, each *represented* by the first triangle that has it, so that a
 /// pair of primitives is met in one pair of triangles only.
@@ -50,6 +53,24 @@ impl Incidence {
         }
     }
 
+    /// A vertex and a triangle, by their numbers.
+    pub(crate) fn vertex_triangle(&self, vertex: u32, triangle: u32) -> Pair {
+        let [a, b, c] = self.triangles[triangle as usize];
+        Pair {
+            kind: QueryKind::VertexTriangle,
+            vertices: [vertex, a, b, c],
+        }
+    }
+
+    /// Two edges, by their numbers.
+    pub(crate) fn edge_edge(&self, e: u32, f: u32) -> Pair {
+        let [[a, b], [c, d]] = [e, f].map(|edge| self.edges[edge as usize]);
+        Pair {
+            kind: QueryKind::EdgeEdge,
+            vertices: [a, b, c, d],
+        }
+    }
+
     /// Hands `visit` the pairs of primitives without a common vertex that two triangles represent. What it returns
     /// counts for [`Primitives::EdgeTriangle`] alone, which comes before the edges.
     #[inline]
@@ -84,6 +105,13 @@ impl Incidence {
 /// The two corners of edge k of a triangle.
 pub(crate) fn ends(k: usize) -> [usize; 2] {
     [k, (k + 1) % 3]
+}
+
+/// The lowest of the vertices that are joined to each of `count` vertices by pairs, itself among them.
+pub(crate) fn joined(count: usize, pairs: &[[u32; 2]]) -> Vec<u32> {
+    let mut sets = DisjointSets::new(count);
+    pairs.iter().for_each(|&[a, b]| sets.join(a, b));
+    (0..count as u32).map(|vertex| sets.root(vertex)).collect()
 }
 
 /// The two vertices of each edge, in rising order, and the three edges of each triangle.

@@ -186,7 +186,7 @@
 //! | `broad_phase/cells.rs`, `spatial_hash.rs`, `morton_grid.rs` | a grid of cells, and two ways to sort boxes into it |
 //! | `broad_phase/candidates.rs`, `separating_plane.rs`, `order.rs` | from pairs of triangles to pairs of primitives that no plane separates, in order |
 //! | `broad_phase/triangle_pairs.rs`, `separation.rs` | pairs of triangles with overlapping boxes; the measurement |
-//! | `incidence.rs`, `sets.rs` | which triangle represents which vertex and edge; what belongs together |
+//! | `incidence.rs` | which triangle represents which vertex and edge |
 //! | `error.rs` | what can be wrong with positions and settings |
 //!
 //! # References
@@ -232,7 +232,6 @@ pub mod untangle;
 mod broad_phase;
 mod incidence;
 mod pair;
-mod sets;
 
 mod separation;
 

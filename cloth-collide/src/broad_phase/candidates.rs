@@ -8,6 +8,7 @@ use crate::bounds::Bounds;
 use crate::closest::{edge_edge, point_triangle};
 use crate::error::CollideError;
 use crate::incidence::{Incidence, Primitives};
+use crate::pair::Pair;
 use cloth_core::error::not_negative;
 use cloth_core::math::{Real, Vec3, gather, is_finite};
 use cloth_core::mesh::TriMesh;
@@ -228,9 +229,11 @@ impl<B: BroadPhase> ClothCandidates<B> {
         &self.incidence.edges
     }
 
-    /// The vertices of each triangle.
-    #[must_use]
-    pub fn triangles(&self) -> &[[u32; 3]] {
-        &self.incidence.triangles
+    /// All of them, those of a vertex and a triangle first.
+    pub(crate) fn pairs(&self) -> impl Iterator<Item = Pair> + '_ {
+        let vertex_triangle = self.vertex_triangle.iter();
+        let vertex_triangle = vertex_triangle.map(|&[v, t]| self.incidence.vertex_triangle(v, t));
+        let edge_edge = self.edge_edge.iter();
+        vertex_triangle.chain(edge_edge.map(|&[e, f]| self.incidence.edge_edge(e, f)))
     }
 }

@@ -5,18 +5,12 @@ use cloth_core::math::{Real, Vec3, is_finite};
 use nalgebra::UnitQuaternion;
 
 /// Place of a rigid body: x = p + R y takes a point y (m) of its own frame into the world.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Pose {
     /// Where the origin of its frame is, p (m).
     pub position: Vec3,
     /// How its frame is turned, R.
     pub orientation: UnitQuaternion<Real>,
-}
-
-impl Default for Pose {
-    fn default() -> Self {
-        Self::at(Vec3::zeros())
-    }
 }
 
 impl Pose {
@@ -25,7 +19,7 @@ impl Pose {
     pub fn at(position: Vec3) -> Self {
         Self {
             position,
-            orientation: UnitQuaternion::identity(),
+            ..Self::default()
         }
     }
 

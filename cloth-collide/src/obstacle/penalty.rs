@@ -20,8 +20,8 @@ use cloth_core::math::Real;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PenaltyLaw {
-    stiffness: Real,
-    range: Real,
+    pub(crate) stiffness: Real,
+    pub(crate) range: Real,
 }
 
 /// Fraction of the range below which the derivatives are those at just this fraction, to stay finite numbers.

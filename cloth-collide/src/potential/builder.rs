@@ -9,7 +9,7 @@ use super::patches::Patches;
 use super::rebound::Rebounds;
 use super::sewn::Sewn;
 use super::source::Contacts;
-use super::surfaces::{Motion, PotentialContacts, Surface, Surfaces};
+use super::surfaces::{Motion, PotentialContacts, Surfaces};
 use crate::broad_phase::BroadPhaseKind;
 use crate::obstacle::{AnimatedMesh, Obstacle, PenaltyLaw, RigidBody};
 use cloth_core::error::{OutOfRange, not_negative, positive};
@@ -26,7 +26,7 @@ pub struct PotentialBuilder<'a> {
     stiffness: Real,
     restitution: Option<Real>,
     obstacles: Vec<Body>,
-    surfaces: Vec<Surface>,
+    surfaces: Vec<(TriMesh, Motion)>,
     free: Vec<(usize, RigidBody)>,
     own: Own,
 }
@@ -141,8 +141,7 @@ impl<'a> PotentialBuilder<'a> {
     /// surface of the shape or inside, since the signed distance keeps vertices on its own.
     #[must_use]
     pub fn surface(mut self, number: usize, mesh: TriMesh) -> Self {
-        let motion = Motion::Obstacle(number);
-        self.surfaces.push(Surface::new(mesh, motion));
+        self.surfaces.push((mesh, Motion::Obstacle(number)));
         self
     }
 
@@ -159,7 +158,7 @@ impl<'a> PotentialBuilder<'a> {
     #[must_use]
     pub fn animated(mut self, mesh: TriMesh, animation: AnimatedMesh, friction: Real) -> Self {
         let motion = Motion::Own(animation, friction);
-        self.surfaces.push(Surface::new(mesh, motion));
+        self.surfaces.push((mesh, motion));
         self
     }
 
@@ -180,13 +179,10 @@ impl<'a> PotentialBuilder<'a> {
         self.check_own()?;
         let most = self.own.thicknesses.iter().copied().reduce(Real::max);
         let thickness = most.unwrap_or(self.thickness);
-        let law = PenaltyLaw::new(self.stiffness, thickness).map_err(|_| {
-            let is_stiff = self.stiffness > 0.0 && self.stiffness.is_finite();
-            match is_stiff {
-                true => invalid("thickness of contact (m)", self.thickness, POSITIVE),
-                false => invalid("stiffness of contact (Pa/m)", self.stiffness, POSITIVE),
-            }
-        })?;
+        let law = PenaltyLaw {
+            stiffness: positive("stiffness of contact (Pa/m)", self.stiffness)?,
+            range: positive("thickness of contact (m)", thickness)?,
+        };
         if let Some(e) = self.restitution {
             if !(0.0..=1.0).contains(&e) {
                 return Err(invalid("coefficient of restitution", e, "from 0 to 1"));
@@ -206,7 +202,7 @@ impl<'a> PotentialBuilder<'a> {
         let joined = if self.surfaces.is_empty() {
             None
         } else {
-            let surfaces = self.surfaces.iter().map(|surface| &surface.mesh);
+            let surfaces = self.surfaces.iter().map(|(mesh, _)| mesh);
             let all: Vec<TriMesh> = std::iter::once(self.mesh)
                 .chain(surfaces)
                 .cloned()
@@ -259,16 +255,20 @@ impl<'a> PotentialBuilder<'a> {
         Ok(())
     }
 
+    /// The rigid body of a number.
+    fn body(&self, name: &'static str, number: usize) -> Result<&Body, BuildError> {
+        let range = "below the number of obstacles";
+        let body = self.obstacles.get(number);
+        body.ok_or_else(|| invalid(name, number as Real, range))
+    }
+
     /// The bodies that the cloth pushes.
     fn free_bodies(&self) -> Result<Vec<FreeBody>, BuildError> {
         let found = self.free.iter().map(|&(number, body)| {
-            let (obstacle, _) = self.obstacles.get(number).ok_or_else(|| {
-                let name = "number of a free obstacle";
-                invalid(name, number as Real, "below the number of obstacles")
-            })?;
-            let is_own = |s: &&Surface| matches!(s.motion, Motion::Obstacle(of) if of == number);
-            let surface = self.surfaces.iter().find(is_own);
-            let vertices = surface.map_or(&[][..], |surface| surface.mesh.positions());
+            let (obstacle, _) = self.body("number of a free obstacle", number)?;
+            let is_own = |motion: &Motion| matches!(motion, Motion::Obstacle(of) if *of == number);
+            let surface = self.surfaces.iter().find(|(_, motion)| is_own(motion));
+            let vertices = surface.map_or(&[][..], |(mesh, _)| mesh.positions());
             Ok(FreeBody::new(number, body, obstacle, vertices.to_vec()))
         });
         found.collect()
@@ -278,14 +278,11 @@ impl<'a> PotentialBuilder<'a> {
     fn sides(&self) -> Result<Vec<Side>, BuildError> {
         let mut sides = Vec::new();
         let mut animated = self.obstacles.len()..;
-        for Surface { mesh, motion, .. } in &self.surfaces {
+        for (mesh, motion) in &self.surfaces {
             let (has_distance, friction, body) = match motion {
                 Motion::Obstacle(number) => {
                     let name = "number of the obstacle with a surface";
-                    let body = self.obstacles.get(*number);
-                    let (_, friction) = body.ok_or_else(|| {
-                        invalid(name, *number as Real, "below the number of obstacles")
-                    })?;
+                    let (_, friction) = self.body(name, *number)?;
                     (true, *friction, Some(*number))
                 }
                 Motion::Own(animation, friction) => {
@@ -308,8 +305,6 @@ impl<'a> PotentialBuilder<'a> {
         Ok(sides)
     }
 }
-
-const POSITIVE: &str = "a positive finite number";
 
 fn invalid(name: &'static str, value: Real, range: &'static str) -> BuildError {
     OutOfRange { name, value, range }.into()

@@ -13,7 +13,7 @@ use super::rows::KEPT;
 use super::zones::{Zones, make_velocities_rigid, move_rigidly};
 use crate::bounds::mean;
 use crate::broad_phase::{BroadPhase, ClothCandidates};
-use crate::ccd::{Query, QueryKind};
+use crate::ccd::Query;
 use crate::obstacle::{Obstacle, VertexPath, first_contact};
 use crate::pair::{Gap, Pair};
 use cloth_core::contact::{ContactError, ContactStep};
@@ -216,8 +216,7 @@ impl LastResort {
             let found = candidates.update(step.from, &self.displacements, self.thickness);
             found.map_err(|_| ContactError::NonFinite { vertex: 0 })?;
             let thickness = self.thickness;
-            let all = pairs(self.candidates.as_ref());
-            let all = all.filter(|pair| near.meets(pair.vertices));
+            let all = candidates.pairs().filter(|pair| near.meets(pair.vertices));
             self.hits
                 .extend(all.filter_map(|pair| hit(pair, thickness, step, x)));
         }
@@ -257,26 +256,6 @@ fn way_out(body: &Obstacle, thickness: Real, ends: [Vec3; 2], dt: Real) -> Optio
     let offset = at.normal.dot(&surface) + thickness;
     let missing = offset - at.normal.dot(&ends[1]);
     Some(at.normal * missing.max(0.0))
-}
-
-/// The candidates, as pairs.
-fn pairs<B: BroadPhase>(
-    candidates: Option<&ClothCandidates<B>>,
-) -> impl Iterator<Item = Pair> + '_ {
-    candidates.into_iter().flat_map(|candidates| {
-        let corners = |t: u32| candidates.triangles()[t as usize];
-        let ends = |e: u32| candidates.edges()[e as usize];
-        let vertex_triangle = candidates.vertex_triangle().iter().map(move |&[v, t]| {
-            let [a, b, c] = corners(t);
-            (QueryKind::VertexTriangle, [v, a, b, c])
-        });
-        let edge_edge = candidates.edge_edge().iter().map(move |&[e, f]| {
-            let ([a, b], [c, d]) = (ends(e), ends(f));
-            (QueryKind::EdgeEdge, [a, b, c, d])
-        });
-        let both = vertex_triangle.chain(edge_edge);
-        both.map(|(kind, vertices)| Pair { kind, vertices })
-    })
 }
 
 /// When a pair comes nearer on its path to `x` (m) than the share of its distance, or of the thickness if that is less,

@@ -7,11 +7,10 @@ use super::sewn::Sewn;
 use crate::broad_phase::{BroadPhaseKind, TrianglePairs};
 use crate::ccd::QueryKind;
 use crate::error::CollideError;
-use crate::incidence::Incidence;
+use crate::incidence::{Incidence, joined};
 use crate::obstacle::PenaltyLaw;
 use crate::pair::{Gap, Pair};
 use crate::separation::meet_unduly;
-use crate::sets::Sets;
 use cloth_core::contact::ContactStep;
 use cloth_core::math::{Real, Vec3, gather};
 use cloth_core::mesh::TriMesh;
@@ -92,7 +91,7 @@ impl Near {
             cloth,
             surfaces,
             own,
-            piece: Sets::classes(mesh.vertex_count(), incidence.edges.iter().copied()),
+            piece: joined(mesh.vertex_count(), &incidence.edges),
             incidence,
             vertex_area,
             edge_area,

@@ -1,6 +1,6 @@
 //! Vertices that are sewn together: what has one of them is a neighbour of what has the other.
 
-use crate::sets::Sets;
+use crate::incidence::joined;
 
 /// Classes of sewn vertices.
 #[derive(Clone, Debug, Default)]
@@ -16,7 +16,7 @@ impl Sewn {
         let last = pairs.iter().flatten().max();
         let count = last.map_or(0, |&last| last as usize + 1);
         Self {
-            class: Sets::classes(count, pairs.iter().copied()),
+            class: joined(count, pairs),
         }
     }
 

@@ -42,11 +42,11 @@ pub struct PotentialContacts {
 
 /// The surface of a body.
 #[derive(Clone, Debug)]
-pub(super) struct Surface {
-    pub(super) mesh: TriMesh,
-    pub(super) motion: Motion,
+struct Surface {
+    mesh: TriMesh,
+    motion: Motion,
     /// Where it is at both ends, if it is that of an obstacle and has been put there.
-    pub(super) placed: Option<[Pose; 2]>,
+    placed: Option<[Pose; 2]>,
 }
 
 /// What moves it.
@@ -77,23 +77,19 @@ pub(super) struct Surfaces {
     shared: Mutex<[Vec<Vec3>; 2]>,
 }
 
-impl Surface {
-    pub(super) fn new(mesh: TriMesh, motion: Motion) -> Self {
-        Self {
+impl Surfaces {
+    pub(super) fn new(cloth: usize, list: Vec<(TriMesh, Motion)>) -> Self {
+        let own = list.iter().map(|(mesh, _)| mesh.vertex_count());
+        let count = cloth + own.sum::<usize>();
+        let room = || vec![Vec3::zeros(); count];
+        let nowhere = |(mesh, motion)| Surface {
             mesh,
             motion,
             placed: None,
-        }
-    }
-}
-
-impl Surfaces {
-    pub(super) fn new(cloth: usize, list: Vec<Surface>) -> Self {
-        let count = cloth + list.iter().map(|s| s.mesh.vertex_count()).sum::<usize>();
-        let room = || vec![Vec3::zeros(); count];
+        };
         Self {
             cloth,
-            list,
+            list: list.into_iter().map(nowhere).collect(),
             time: 0.0,
             begun: 0.0,
             inverse_mass: vec![0.0; count],

@@ -3,10 +3,10 @@
 use super::{SMOOTHINGS, Untangler, WORTHWHILE};
 use crate::error::CollideError;
 use crate::potential::PotentialContacts;
-use crate::sets::Sets;
 use cloth_core::contact::{ContactError, ContactSource};
 use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::TriMesh;
+use cloth_core::topology::DisjointSets;
 
 /// Rings of neighbours around what crosses that belong to a region: where the contour may go in a step.
 const RINGS: u32 = 3;
@@ -25,7 +25,7 @@ const ITERATIONS: u32 = 4;
 #[derive(Debug)]
 pub struct StepUntangler {
     untangler: Untangler,
-    sets: Sets,
+    sets: DisjointSets,
     is_inside: Vec<bool>,
     region: Vec<u32>,
     pairs: Vec<[u32; 2]>,
@@ -44,7 +44,7 @@ impl StepUntangler {
         let count = mesh.vertex_count();
         Self {
             untangler: Untangler::new(mesh),
-            sets: Sets::default(),
+            sets: DisjointSets::default(),
             is_inside: vec![false; count],
             region: vec![0; count],
             pairs: Vec::new(),
@@ -156,7 +156,7 @@ impl StepUntangler {
         }
         for (vertex, region) in (0..).zip(&mut self.region) {
             *region = match self.is_inside[vertex as usize] {
-                true => self.sets.of(vertex) + 1,
+                true => self.sets.root(vertex) + 1,
                 false => 0,
             };
         }

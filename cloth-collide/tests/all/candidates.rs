@@ -145,6 +145,7 @@ fn leaves_out_what_is_apart(
 
 /// Whether the candidates are the pairs of boxes, apart from what is further apart than the margin.
 fn agree<B: BroadPhase>(
+    mesh: &TriMesh,
     candidates: &ClothCandidates<B>,
     vertex_triangle: &[[u32; 2]],
     edge_edge: &[[u32; 2]],
@@ -152,7 +153,7 @@ fn agree<B: BroadPhase>(
     margin: Real,
 ) -> bool {
     let of_vertex = |[v, t]: [u32; 2]| {
-        let [a, b, c] = candidates.triangles()[t as usize];
+        let [a, b, c] = mesh.triangles()[t as usize];
         [v, a, b, c]
     };
     let of_edges = |pair: [u32; 2]| {
@@ -189,7 +190,7 @@ fn all_three_find_what_brute_force_finds_in_order() {
                 candidates.update(&from, &to, margin).unwrap();
                 let paths = [&from[..], &to[..]];
                 let (vt, ee) = brute_force(&mesh, edges.ends(), paths, margin);
-                let agrees = agree(&candidates, &vt, &ee, paths, margin);
+                let agrees = agree(&mesh, &candidates, &vt, &ee, paths, margin);
                 assert!(agrees, "{kind}, {name}, margin {margin}");
             }
         }
@@ -305,7 +306,7 @@ fn three_triangles_at_an_edge_and_two_cloths_in_one_mesh_are_welcome() {
         let edges = candidates.edges().to_vec();
         let paths = [&positions[..]; 2];
         let (vt, ee) = brute_force(&mesh, &edges, paths, 0.1);
-        let agrees = agree(&candidates, &vt, &ee, paths, 0.1);
+        let agrees = agree(&mesh, &candidates, &vt, &ee, paths, 0.1);
         assert!(agrees, "{kind}");
         assert!(candidates.vertex_triangle().len() > 5 && candidates.edge_edge().len() > 9);
     }

@@ -3,10 +3,8 @@
 use super::between::PatchPair;
 use super::{HOLD, LEAST_ROOM, MOST_ROOM, Memory, NearPair, PATCH, Patches, around};
 use crate::bounds::Bounds;
-use crate::ccd::QueryKind;
 use crate::closest::{edge_edge, point_triangle};
 use crate::incidence::Primitives;
-use crate::pair::Pair;
 use crate::potential::near::Near;
 use crate::potential::rows::SLACK;
 use cloth_core::math::{Real, Vec3, gather};
@@ -216,7 +214,7 @@ fn near_pair(
     reach: Real,
 ) -> Option<NearPair> {
     let is_far = |a: &Bounds, b: &Bounds| a.squared_gap(b) > reach * reach;
-    let (kind, vertices, distance, area) = match primitives {
+    let (pair, distance, area) = match primitives {
         Primitives::VertexTriangle(vertex, triangle) => {
             let corners = near.incidence.triangles[triangle as usize];
             let place = x[vertex as usize];
@@ -226,26 +224,24 @@ fn near_pair(
                 return None;
             }
             let distance = point_triangle(place, gather(x, corners)).distance();
-            let [a, b, c] = corners;
-            let area = near.area_before(vertex, corners);
-            (QueryKind::VertexTriangle, [vertex, a, b, c], distance, area)
+            let pair = near.incidence.vertex_triangle(vertex, triangle);
+            (pair, distance, near.area_before(vertex, corners))
         }
         Primitives::EdgeEdge(e, f) => {
-            let [[a, b], [c, d]] = [e, f].map(|edge| near.incidence.edges[edge as usize]);
-            let (first, second) = (gather(x, [a, b]), gather(x, [c, d]));
+            let ends = |edge: u32| gather(x, near.incidence.edges[edge as usize]);
+            let (first, second) = (ends(e), ends(f));
             if is_far(&Bounds::around(first), &Bounds::around(second)) {
                 return None;
             }
             let distance = edge_edge(first, second).distance();
             let area = near.edge_area[e as usize].min(near.edge_area[f as usize]);
-            (QueryKind::EdgeEdge, [a, b, c, d], distance, area)
+            (near.incidence.edge_edge(e, f), distance, area)
         }
         Primitives::EdgeTriangle(..) => return None,
     };
-    if distance >= reach || !near.meets(vertices) {
+    if distance >= reach || !near.meets(pair.vertices) {
         return None;
     }
-    let pair = Pair { kind, vertices };
     let range = near.range_of(pair);
     Some(NearPair {
         room: distance - range,
