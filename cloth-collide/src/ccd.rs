@@ -17,7 +17,7 @@ use cloth_core::error::{not_negative, within};
 use cloth_core::math::Real;
 
 /// The conservative test: **no contact is missed, and no time of impact is late**, whatever the input. It is asked by
-/// [`Query::first_contact`]. The default has no separation and no slack: the first contact, as exactly as it can be told.
+/// [`Query::first_contact`]. The default has no separation and no slack: the first contact, as exactly as can be told.
 ///
 /// # Method
 ///

@@ -26,8 +26,8 @@ impl<const K: usize> Walk<K>
 where
     [Vec3; K]: NearestFeature,
 {
-    /// Where the walk along the motion of `polygon` ends before the motion does: at a contact, or when the distance beyond
-    /// `separation` (m) has shrunk to the fraction `slack` of what it was at the start.
+    /// Where the walk along the motion of `polygon` ends before the motion does: at a contact, or when the distance
+    /// beyond `separation` (m) has shrunk to the fraction `slack` of what it was at the start.
     pub(super) fn end(polygon: Difference<K>, separation: Real, slack: Real) -> Option<Impact> {
         let margin = Margin {
             separation: separation * polygon.scale,

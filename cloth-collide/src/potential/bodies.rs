@@ -5,8 +5,8 @@ use super::friction::ALONE;
 use super::near::Near;
 use super::rebound::Rebound;
 use super::rows::{KEPT, LEAST, SLACK};
-use super::tangent::{Tangent, across, stretch};
-use crate::obstacle::{Obstacle, VertexPath, first_contact, hold};
+use super::tangent::{RowState, Tangent};
+use crate::obstacle::{Obstacle, VertexPath, first_contact};
 use cloth_core::contact::ContactStep;
 use cloth_core::math::{Real, Vec3};
 
@@ -43,23 +43,15 @@ struct Row {
     body: u32,
     /// At the start of the substep (m).
     distance: Real,
-    /// h (m), d̂ (m), and α̃ (1/kg).
+    /// h (m).
     thickness: Real,
-    range: Real,
-    compliance: Real,
-    /// μ (dimensionless).
-    coefficient: Real,
+    state: RowState,
     is_violated: bool,
-    /// λ (kg m) along the normal of the last visit, and the same of friction.
-    lambda: Real,
+    /// That of the last visit, and the push (kg m) along those of all visits.
     normal: Vec3,
-    /// The same of the pressure of all visits.
     pressure: Vec3,
-    friction: Vec3,
     /// By how much it would get nearer in the substep (m), if that is wanted.
     approach: Real,
-    /// Where it sticks at the end of the substep (m).
-    origin: Vec3,
 }
 
 /// All vertices and bodies.
@@ -114,7 +106,7 @@ impl Bodies {
         let reach = substep.near.law.range() * (1.0 + SLACK);
         self.each_near(substep, to, reach, |list, index, row| {
             row.set_law(substep);
-            row.origin -= list.stretches[index];
+            row.state.origin -= list.stretches[index];
             list.has_row[index] = true;
             list.rows.push(*row);
         });
@@ -164,9 +156,9 @@ impl Bodies {
                         true => at.value - body.signed_distance(*to, step.dt).value,
                         false => 0.0,
                     },
-                    origin: motion.pose_at(step.dt).to_world(local),
                     ..Row::default()
                 };
+                row.state.origin = motion.pose_at(step.dt).to_world(local);
                 visit(self, index, &mut row);
             }
         }
@@ -198,25 +190,12 @@ impl Bodies {
         for row in &mut self.rows {
             let v = row.vertex as usize;
             let at = substep.body(row).signed_distance(x[v], substep.step.dt);
-            let value = at.value - row.range;
-            if value >= 0.0 && row.lambda == 0.0 {
-                continue;
+            let (ease, before) = (substep.step.inverse_mass[v], row.state.lambda);
+            if let Some(push) = row.state.project(&at, x[v], ease) {
+                row.normal = at.normal;
+                row.pressure += at.gradient() * (row.state.lambda - before);
+                x[v] += push * ease;
             }
-            let ease = substep.step.inverse_mass[v];
-            let change = -(value + row.compliance * row.lambda)
-                / (ease * at.slope * at.slope + row.compliance);
-            let lambda = (row.lambda + change).max(0.0);
-            let mut push = at.gradient() * (lambda - row.lambda);
-            (row.lambda, row.normal) = (lambda, at.normal);
-            row.pressure += push;
-            if row.coefficient > 0.0 {
-                let slip = across(x[v] - row.origin, at.normal);
-                let most = row.coefficient * lambda * at.slope;
-                let held = hold(row.friction - slip / ease, most);
-                push += held - row.friction;
-                row.friction = held;
-            }
-            x[v] += push * ease;
         }
     }
 
@@ -247,15 +226,15 @@ impl Bodies {
     /// Rows of those give in no more.
     pub(super) fn harden(&mut self) {
         for row in self.rows.iter_mut().filter(|row| row.is_violated) {
-            row.compliance = 0.0;
-            row.range = row.range.min(row.distance.max(LEAST * row.thickness));
+            let least = row.distance.max(LEAST * row.thickness);
+            (row.state.compliance, row.state.range) = (0.0, row.state.range.min(least));
         }
     }
 
     /// What is inside comes out in this substep, not in as many as its law would take.
     pub(super) fn lead_out(&mut self) {
         for row in self.rows.iter_mut().filter(|row| row.distance <= 0.0) {
-            (row.compliance, row.range) = (0.0, LEAST * row.thickness);
+            (row.state.compliance, row.state.range) = (0.0, LEAST * row.thickness);
         }
     }
 
@@ -274,10 +253,9 @@ impl Bodies {
         let mut work = 0.0;
         for row in &self.rows {
             let v = row.vertex as usize;
-            let displacement = across(x[v] - row.origin, row.normal);
             let index = row.body as usize * step.from.len() + v;
-            self.stretches[index] = stretch(displacement, row.lambda, reach);
-            let impulse = (row.normal * row.lambda + row.friction) / step.dt;
+            self.stretches[index] = row.state.stretch(x[v], row.normal, reach);
+            let impulse = (row.normal * row.state.lambda + row.state.friction) / step.dt;
             work += impulse.dot(&substep.body(row).velocity_at(x[v], step.dt));
         }
         work
@@ -293,7 +271,7 @@ impl Bodies {
         out: &mut Vec<Rebound>,
     ) {
         let step = &substep.step;
-        let touching = self.rows.iter().filter(|row| row.lambda > 0.0);
+        let touching = self.rows.iter().filter(|row| row.state.lambda > 0.0);
         for row in touching.filter(|row| row.approach.abs() > least) {
             let v = row.vertex as usize;
             out.push(Rebound {
@@ -320,7 +298,12 @@ impl Bodies {
             .rows
             .iter()
             .filter(move |row| row.body as usize == number);
-        own.map(move |row| (row.vertex as usize, (row.pressure + row.friction) / dt))
+        own.map(move |row| {
+            (
+                row.vertex as usize,
+                (row.pressure + row.state.friction) / dt,
+            )
+        })
     }
 
     /// Enters the impulses of a substep that ends at `x` (m), the bodies still being where they are at its start.
@@ -329,7 +312,7 @@ impl Bodies {
         for row in &self.rows {
             let (v, number) = (row.vertex as usize, row.body as usize);
             let arm = x[v] - substep.body(row).motion().pose_at(dt).position;
-            let impulses = [row.pressure, row.friction].map(|push| push / dt);
+            let impulses = [row.pressure, row.state.friction].map(|push| push / dt);
             ledger.add_obstacle([v, number], impulses, arm);
         }
     }
@@ -341,7 +324,7 @@ impl Bodies {
             let at = bodies[row.body as usize].0.signed_distance(x[v], 0.0);
             near.vertex_area[v] * near.law_at(v).energy(at.value)
         };
-        let pushing = self.rows.iter().filter(|row| row.lambda > 0.0);
+        let pushing = self.rows.iter().filter(|row| row.state.lambda > 0.0);
         pushing.map(energy).sum()
     }
 }
@@ -351,10 +334,10 @@ impl Row {
         let (v, (_, friction)) = (self.vertex as usize, &bodies[self.body as usize]);
         let law = near.law_at(v);
         self.thickness = law.range();
-        self.coefficient = near.friction_on(v, *friction);
+        self.state.coefficient = near.friction_on(v, *friction);
         let tangent = Tangent::of(law, near.vertex_area[v], self.distance);
-        self.range = tangent.range;
-        self.compliance = tangent.compliance(step.dt);
+        self.state.range = tangent.range;
+        self.state.compliance = tangent.compliance(step.dt);
     }
 
     /// Whether the vertex does not come too near on its path to `x` (m).

@@ -134,8 +134,8 @@ impl Contacts {
             for (v, impulse) in bodies.impulses_of(number, step.dt) {
                 free.add(-impulse, x[v] - centre);
             }
-            for row in rows.iter().filter(|row| row.lambda > 0.0) {
-                let impulse = (row.normal * row.lambda + row.friction) / step.dt;
+            for row in rows.iter().filter(|row| row.state.lambda > 0.0) {
+                let impulse = (row.normal * row.state.lambda + row.state.friction) / step.dt;
                 for (v, weight) in row.pair.vertices.into_iter().zip(row.weights) {
                     if self.near.body_of(v) == Some(number) {
                         free.add(impulse * weight, x[v as usize] - centre);

@@ -57,7 +57,7 @@ impl Rebounds {
     pub(super) fn find(&mut self, rows: &[Row], near: &Near, step: &ContactStep<'_>, x: &[Vec3]) {
         self.list.clear();
         let least = self.least(near);
-        let touching = rows.iter().filter(|row| row.lambda > 0.0);
+        let touching = rows.iter().filter(|row| row.state.lambda > 0.0);
         for row in touching.filter(|row| row.approach.abs() > least) {
             let ends = row.pair.vertices.iter().zip(row.weights);
             let moved = ends.filter(|(v, _)| **v as usize >= near.cloth);

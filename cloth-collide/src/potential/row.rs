@@ -3,9 +3,9 @@
 use super::near::Near;
 use super::patches::{Known, Memory, NearPair, Patches, Place};
 use super::rows::{KEPT, LEAST, SLACK};
-use super::tangent::{Tangent, across};
+use super::tangent::{RowState, Tangent};
 use crate::ccd::Query;
-use crate::obstacle::hold;
+use crate::obstacle::Distance;
 use crate::pair::{Gap, Pair, weighted};
 use cloth_core::contact::ContactStep;
 use cloth_core::math::{Real, Vec3, gather};
@@ -22,9 +22,8 @@ pub(super) struct Row {
     pub(super) normal: Vec3,
     /// At the start of the substep (m).
     pub(super) distance: Real,
-    /// d̂ (m), and α̃ (1/kg).
-    pub(super) range: Real,
-    pub(super) compliance: Real,
+    /// Of the point Σ wᵢ xᵢ (m).
+    pub(super) state: RowState,
     /// Σ wᵢ²/mᵢ (1/kg).
     pub(super) ease: Real,
     /// Distance (m) to keep, and to come back to.
@@ -33,15 +32,8 @@ pub(super) struct Row {
     /// Whether it pushes, or is only tested.
     pub(super) pushes: bool,
     pub(super) is_violated: bool,
-    /// μ (dimensionless).
-    pub(super) coefficient: Real,
-    /// λ (kg m), and the same of friction.
-    pub(super) lambda: Real,
-    pub(super) friction: Vec3,
     /// By how much it would get nearer in the substep (m).
     pub(super) approach: Real,
-    /// Σ wᵢ xᵢ (m) where it sticks.
-    pub(super) origin: Vec3,
 }
 
 /// A pair that a plane keeps apart in the predicted motion.
@@ -106,22 +98,22 @@ impl Row {
             weights: gap.weights,
             normal: gap.normal,
             distance: gap.distance,
-            range: tangent.range,
-            compliance: if pushes {
-                tangent.compliance(step.dt)
-            } else {
-                0.0
+            state: RowState {
+                range: tangent.range,
+                compliance: match pushes {
+                    true => tangent.compliance(step.dt),
+                    false => 0.0,
+                },
+                coefficient: near.friction(pair.vertices),
+                origin: sum(step.from, gap.weights) - memory.stretch,
+                ..RowState::default()
             },
             ease,
             kept: KEPT * gap.distance.min(found.range),
             least: LEAST * found.range,
             pushes,
             is_violated: false,
-            coefficient: near.friction(pair.vertices),
-            lambda: 0.0,
-            friction: Vec3::zeros(),
             approach,
-            origin: sum(step.from, gap.weights) - memory.stretch,
         }
     }
 
@@ -132,32 +124,21 @@ impl Row {
     #[inline]
     pub(super) fn project(&mut self, w: &[Real], x: &mut [Vec3]) {
         let point = self.point(x);
-        let value = self.normal.dot(&point) - self.range;
-        if value >= 0.0 && self.lambda == 0.0 {
-            return;
-        }
-        let change = -(value + self.compliance * self.lambda) / (self.ease + self.compliance);
-        let lambda = (self.lambda + change).max(0.0);
-        let mut push = self.normal * (lambda - self.lambda);
-        self.lambda = lambda;
-        if self.coefficient > 0.0 {
-            let slip = across(point - self.origin, self.normal);
-            let held = hold(self.friction - slip / self.ease, self.coefficient * lambda);
-            push += held - self.friction;
-            self.friction = held;
-        }
-        for (v, weight) in self.pair.vertices.iter().zip(self.weights) {
-            let v = *v as usize;
-            x[v] += push * (weight * w[v]);
+        let at = Distance::exact(self.normal.dot(&point), self.normal);
+        if let Some(push) = self.state.project(&at, point, self.ease) {
+            for (v, weight) in self.pair.vertices.iter().zip(self.weights) {
+                let v = *v as usize;
+                x[v] += push * (weight * w[v]);
+            }
         }
     }
 
     /// Gives in no more: for a pair that has come too near.
     pub(super) fn harden(&mut self) {
         self.pushes = self.ease > 0.0;
-        self.compliance = 0.0;
+        self.state.compliance = 0.0;
         let least = self.distance.max(self.least);
-        self.range = self.range.min(least);
+        self.state.range = self.state.range.min(least);
     }
 
     pub(super) fn is_safe(&self, from: &[Vec3], to: &[Vec3]) -> bool {

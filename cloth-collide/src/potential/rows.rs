@@ -24,7 +24,6 @@ use super::rebound::Rebounds;
 use super::report::ConstraintReport;
 use super::row::{Parted, Row};
 use super::source::Contacts;
-use super::tangent::{across, stretch};
 use cloth_core::contact::{ContactConstraints, ContactError, ContactStep};
 use cloth_core::math::{Real, Vec3, is_finite};
 
@@ -89,8 +88,8 @@ impl Rows {
     /// Work (J) of what is prescribed, on its path to `x` (m), against the forces λ n wᵢ/h² of the rows.
     fn work_of_prescribed(&self, step: &ContactStep<'_>, x: &[Vec3]) -> Real {
         let mut sum = 0.0;
-        for row in self.rows.iter().filter(|row| row.lambda > 0.0) {
-            let push = row.normal * row.lambda + row.friction;
+        for row in self.rows.iter().filter(|row| row.state.lambda > 0.0) {
+            let push = row.normal * row.state.lambda + row.state.friction;
             for (v, weight) in row.pair.vertices.iter().zip(row.weights) {
                 let v = *v as usize;
                 if step.inverse_mass[v] == 0.0 {
@@ -253,7 +252,7 @@ impl Contacts {
     fn stored_in_rows(&mut self, x: &[Vec3]) -> Real {
         let (rows, near) = (&mut self.rows, &self.near);
         let mut energy = rows.bodies.energy(&self.bodies, near, x);
-        for row in rows.rows.iter().filter(|row| row.lambda > 0.0) {
+        for row in rows.rows.iter().filter(|row| row.state.lambda > 0.0) {
             energy += row.energy(x, near, rows.patches.as_mut());
         }
         energy
@@ -367,8 +366,9 @@ impl Contacts {
         ledger.pass(step.dt);
         ledger.add_stops(&self.free, 1.0);
         let rows = &self.rows;
-        for row in rows.rows.iter().filter(|row| row.lambda > 0.0) {
-            let impulses = [row.normal * row.lambda, row.friction].map(|push| push / step.dt);
+        for row in rows.rows.iter().filter(|row| row.state.lambda > 0.0) {
+            let impulses =
+                [row.normal * row.state.lambda, row.state.friction].map(|push| push / step.dt);
             ledger.add_pair(row.pair.vertices, row.weights, impulses);
         }
         let substep = Substep::of_cloth(&self.near, &self.bodies, step);
@@ -384,8 +384,7 @@ impl Contacts {
             patches.accept();
             for row in rows.rows.iter().filter(|row| row.pushes) {
                 if let Some((_, memory)) = patches.pair_mut(row.place, row.pair) {
-                    let displacement = across(row.point(x) - row.origin, row.normal);
-                    memory.stretch = stretch(displacement, row.lambda, reach);
+                    memory.stretch = row.state.stretch(row.point(x), row.normal, reach);
                 }
             }
         }

@@ -20,7 +20,7 @@ where
     [Vec3; K]: NearestFeature,
 {
     /// The walk in double precision from `time` on, which `coarse` has reached, trying the part `trial` of the motion
-    /// first. It decides whether the two touch or only come nearer than `f64` can tell, and goes on if they do not touch.
+    /// first. It decides whether the two touch or only come nearer than `f64` can tell, and goes on if they do not.
     ///
     /// So near, what the nearest feature is cannot be told in `f64` either. All are tried, first the one that led
     /// furthest last.
