@@ -166,8 +166,9 @@ impl<B: BroadPhase> ClothCandidates<B> {
         self.triangle_pairs.pairs = pairs;
         (self.vertex_triangle, self.edge_edge) = (vertex_triangle, edge_edge);
         self.sorter
-            .sort(&mut self.vertex_triangle, self.vertex_boxes.len());
-        self.sorter.sort(&mut self.edge_edge, self.edge_boxes.len());
+            .sort_pairs(&mut self.vertex_triangle, self.vertex_boxes.len());
+        self.sorter
+            .sort_pairs(&mut self.edge_edge, self.edge_boxes.len());
     }
 
     /// Whether a plane along one of two triangles has them apart, and so all of their parts.

@@ -87,7 +87,7 @@ impl<B: BroadPhase> TrianglePairs<B> {
     pub(crate) fn search(&mut self) {
         self.broad_phase.overlapping(&self.bounds, &mut self.pairs);
         // What comes next reads the triangles of each pair; in this order most are still in the cache.
-        self.sorter.sort(&mut self.pairs, self.bounds.len());
+        self.sorter.sort_pairs(&mut self.pairs, self.bounds.len());
     }
 }
 

@@ -215,11 +215,16 @@ impl<'a> PotentialBuilder<'a> {
         let mesh = joined.as_ref().unwrap_or(self.mesh);
         let near = Near::new(mesh, law, sides, self.own);
         let patches = || has_pairs.then(|| Patches::new(mesh, &near));
-        let patches = [patches(), patches()];
+        let (for_rows, for_paths) = (patches(), patches());
         let last_resort = LastResort::new(mesh, thickness, has_pairs);
-        let mut contacts = Contacts::new(near, patches, self.obstacles, last_resort);
+        let mut contacts = Contacts::new(near, self.obstacles, last_resort);
+        contacts.rows.patches = for_rows;
+        contacts.pairs.patches = for_paths;
         contacts.free.list = free;
-        contacts.rows.rebounds = self.restitution.map(Rebounds::new);
+        contacts.rows.rebounds = self.restitution.map(|coefficient| Rebounds {
+            coefficient,
+            list: Vec::new(),
+        });
         contacts.rows.bodies.measures_approach = self.restitution.is_some();
         let surfaces = Surfaces::new(self.mesh.vertex_count(), self.surfaces);
         let mut contacts = PotentialContacts { contacts, surfaces };

@@ -22,7 +22,7 @@ const ROOM: Real = 0.5;
 #[derive(Debug, Default)]
 pub(super) struct NearPairs {
     /// None if the cloth cannot touch itself.
-    patches: Option<Patches>,
+    pub(super) patches: Option<Patches>,
     /// Where the pairs were chosen (m), and how far each vertex may go from there (m).
     place: Vec<Vec3>,
     /// Whether they were chosen for where obstacles are now.
@@ -43,13 +43,6 @@ pub(super) struct NearPairs {
 }
 
 impl NearPairs {
-    pub(super) fn new(patches: Option<Patches>) -> Self {
-        Self {
-            patches,
-            ..Self::default()
-        }
-    }
-
     /// Those that can be in contact.
     pub(super) fn iter(&self) -> impl Iterator<Item = &PairContact> {
         self.vertex_triangle.iter().chain(self.edge_edge.iter())

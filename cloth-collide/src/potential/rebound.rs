@@ -32,22 +32,11 @@ pub(super) struct Rebound {
 /// All of a substep, with the coefficient e (dimensionless).
 #[derive(Debug)]
 pub(super) struct Rebounds {
-    coefficient: Real,
+    pub(super) coefficient: Real,
     pub(super) list: Vec<Rebound>,
 }
 
 impl Rebounds {
-    pub(super) fn new(coefficient: Real) -> Self {
-        Self {
-            coefficient,
-            list: Vec::new(),
-        }
-    }
-
-    pub(super) fn clear(&mut self) {
-        self.list.clear();
-    }
-
     /// How far (m) a pair has to approach in one substep.
     pub(super) fn least(&self, near: &Near) -> Real {
         RESTING * near.law.range()

@@ -47,7 +47,7 @@ pub(super) const LEADING_SWEEPS: u32 = 10;
 /// What the constraints know.
 #[derive(Debug, Default)]
 pub(super) struct Rows {
-    patches: Option<Patches>,
+    pub(super) patches: Option<Patches>,
     pub(super) bodies: Bodies,
     pub(super) rows: Vec<Row>,
     parted: Vec<Parted>,
@@ -69,13 +69,6 @@ pub(super) struct Rows {
 }
 
 impl Rows {
-    pub(super) fn new(patches: Option<Patches>) -> Self {
-        Self {
-            patches,
-            ..Self::default()
-        }
-    }
-
     /// Forgets everything about earlier steps: the cloth starts at `from` (m), before so many bodies.
     fn start_anew(&mut self, near: &Near, from: &[Vec3], bodies: usize) {
         self.quiet.end(|_| ());
@@ -221,7 +214,7 @@ impl ContactConstraints for Contacts {
             velocities.copy_from_slice(&rows.velocities[..own]);
         } else if let Some(rebounds) = &mut rows.rebounds {
             rows.work += rebounds.act(velocities, self.ledger.as_mut());
-            rebounds.clear();
+            rebounds.list.clear();
         }
     }
 

@@ -8,7 +8,6 @@ use super::friction::{ALONE, Sticking, Stretched};
 use super::last_resort::LastResort;
 use super::near::Near;
 use super::near_pairs::NearPairs;
-use super::patches::Patches;
 use super::rows::Rows;
 use super::stops::Stops;
 use crate::bounds::mean;
@@ -88,17 +87,12 @@ impl ObstacleContact {
 }
 
 impl Contacts {
-    pub(super) fn new(
-        near: Near,
-        [for_rows, for_motion]: [Option<Patches>; 2],
-        bodies: Vec<Body>,
-        last_resort: LastResort,
-    ) -> Self {
+    pub(super) fn new(near: Near, bodies: Vec<Body>, last_resort: LastResort) -> Self {
         Self {
-            rows: Rows::new(for_rows),
+            rows: Rows::default(),
             scratch: vec![Vec3::zeros(); near.vertex_area.len()],
             near,
-            pairs: NearPairs::new(for_motion),
+            pairs: NearPairs::default(),
             safe: Vec::new(),
             sticking: Vec::new(),
             stretched: Stretched::default(),

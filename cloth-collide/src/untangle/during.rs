@@ -149,7 +149,7 @@ impl StepUntangler {
             smoother.grow(&mut self.is_inside);
         }
         self.sets.reset(self.is_inside.len());
-        for &[a, b] in smoother.edges() {
+        for &[a, b] in &smoother.edges {
             if self.is_inside[a as usize] && self.is_inside[b as usize] {
                 self.sets.join(a, b);
             }

@@ -26,7 +26,11 @@ fn no_near_pair_is_missed_on_any_path() {
     let mut random = Random::new(5);
     let mut touching = 0;
     for (_, start) in deformed(&mesh).into_iter().take(5) {
-        let mut pairs = NearPairs::new(Some(Patches::new(&mesh, &near)));
+        let patches = Some(Patches::new(&mesh, &near));
+        let mut pairs = NearPairs {
+            patches,
+            ..NearPairs::default()
+        };
         pairs.begin(&start, &near.is_resting, false);
         let mut from = start.clone();
         let mut last = vec![Vec3::zeros(); start.len()];
@@ -112,7 +116,11 @@ fn cloth_that_flies_is_looked_at_once() {
         ..Own::default()
     };
     let near = Near::new(&mesh, law, Vec::new(), own);
-    let mut pairs = NearPairs::new(Some(Patches::new(&mesh, &near)));
+    let patches = Some(Patches::new(&mesh, &near));
+    let mut pairs = NearPairs {
+        patches,
+        ..NearPairs::default()
+    };
     let mut x = mesh.positions().to_vec();
     pairs.begin(&x, &near.is_resting, false);
     for step in 0..100 {
