@@ -319,8 +319,8 @@ impl Untangler {
         }
     }
 
-    /// Goes down the gradient, averaged in so many `rounds`, by `step` (m) or less. How far it went, if the contour
-    /// became shorter.
+    /// Goes down the gradient, averaged in so many `rounds`, by `step` (m) or less, so that the contour becomes shorter
+    /// or goes away. How far it went, if it does.
     fn descend(
         &mut self,
         positions: &mut [Vec3],
@@ -332,7 +332,21 @@ impl Untangler {
         self.scale(inverse_mass);
         self.smoother
             .smooth(&mut self.gradient, inverse_mass, rounds);
-        self.shorten(positions, step)
+        let before = self.contour.length();
+        let mut step = step;
+        while step >= SHORTEST * self.longest_step {
+            let all = self.trial.iter_mut().zip(&*positions).zip(&self.gradient);
+            for ((trial, x), g) in all {
+                *trial = x - g * step;
+            }
+            self.contour.find(&self.trial)?;
+            if self.contour.length() < before || self.contour.meeting.is_empty() {
+                positions.copy_from_slice(&self.trial);
+                return Ok(Some(step));
+            }
+            step *= 0.5;
+        }
+        Ok(None)
     }
 
     /// Makes displacements of the gradient: by mass, and none much above 1.
@@ -367,30 +381,5 @@ impl Untangler {
         }
         self.contour.find(positions)?;
         Ok(true)
-    }
-
-    /// Goes down the gradient by `step` (m) or less, so that the contour becomes shorter, or goes away. How far it
-    /// went.
-    fn shorten(
-        &mut self,
-        positions: &mut [Vec3],
-        step: Real,
-    ) -> Result<Option<Real>, CollideError> {
-        let before = self.contour.length();
-        let mut step = step;
-        while step >= SHORTEST * self.longest_step {
-            let all = self.trial.iter_mut().zip(&*positions).zip(&self.gradient);
-            for ((trial, x), g) in all {
-                *trial = x - g * step;
-            }
-            self.contour.find(&self.trial)?;
-            let after = self.contour.length();
-            if after < before || self.contour.meeting.is_empty() {
-                positions.copy_from_slice(&self.trial);
-                return Ok(Some(step));
-            }
-            step *= 0.5;
-        }
-        Ok(None)
     }
 }

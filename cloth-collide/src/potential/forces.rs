@@ -4,7 +4,7 @@ use super::bodies::Body;
 use super::free::FreeBodies;
 use super::near::Near;
 use super::source::Contacts;
-use cloth_core::math::{Real, Vec3, gather};
+use cloth_core::math::{Real, Vec3};
 
 /// Forces of contact in a step, averaged over it where a method takes several substeps; of a method that minimises,
 /// those of the potential where the step ends.
@@ -170,15 +170,7 @@ impl Contacts {
         ledger.begin();
         // A force for a time of 1 s.
         ledger.pass(1.0);
-        for near in self.pairs.iter() {
-            let vertices = near.pair.vertices;
-            let (value, gradient) = near.value_and_gradient(&gather(x, vertices));
-            if value != 0.0 {
-                for (vertex, g) in vertices.into_iter().zip(gradient) {
-                    ledger.add(vertex as usize, -g);
-                }
-            }
-        }
+        self.pair_gradients(x, |vertex, g| ledger.add(vertex, -g));
         let arm = |v: usize, number: usize| x[v] - self.bodies[number].0.motion().pose.position;
         for contact in self.obstacle_contacts(x) {
             let (v, number) = (contact.vertex, contact.number);

@@ -181,6 +181,7 @@ impl Patches {
             now: Motions::new(count),
             then: Motions::new(count),
             displacements: vec![0.0; count],
+            drift: vec![0.0; count],
             boxes: vec![Bounds::around([Vec3::zeros()]); count],
             members,
             broad_phase: near.own.broad_phase.create(),
@@ -204,43 +205,6 @@ impl Patches {
         self.is_placed = false;
         self.place(x);
         self.is_known = false;
-    }
-
-    /// Begins a substep from `x` to `to` (m): makes sure that the pairs are complete, and hands `visit` those that the
-    /// motion can bring into contact.
-    pub(super) fn begin(
-        &mut self,
-        near: &Near,
-        x: &[Vec3],
-        to: &[Vec3],
-        mut visit: impl FnMut(Place, &NearPair, &mut Memory, Real) -> Real,
-    ) -> Result<(), TooFar> {
-        self.substep += 1;
-        self.awake = 0;
-        self.measure(x, to);
-        self.aim.copy(&self.then);
-        self.aim_displacements.clone_from(&self.displacements);
-        self.drift.clear();
-        self.drift.resize(self.members.len(), 0.0);
-        self.look(near, x, true, &mut visit)
-    }
-
-    /// The same for a motion that has become another one: hands `visit` only what has not been seen.
-    pub(super) fn extend(
-        &mut self,
-        near: &Near,
-        x: &[Vec3],
-        to: &[Vec3],
-        mut visit: impl FnMut(Place, &NearPair, &mut Memory, Real) -> Real,
-    ) -> Result<(), TooFar> {
-        self.measure(x, to);
-        let (aim, then) = (&self.aim, &self.then);
-        for (p, drift) in self.drift.iter_mut().enumerate() {
-            let further = (self.displacements[p] - self.aim_displacements[p])
-                .max(then.spreads[p] - aim.spreads[p]);
-            *drift = (then.centres[p] - aim.centres[p]).norm() + further.max(0.0);
-        }
-        self.look(near, x, false, &mut visit)
     }
 
     /// The most that two patches move relative to each other in the substep (m).
@@ -373,13 +337,31 @@ impl Patches {
         self.then.spreads[p] = self.now.spreads[p] + self.displacements[p];
     }
 
-    fn look(
+    /// Makes sure that the pairs are complete for a substep from `x` to `to` (m), and hands `visit` those that the motion
+    /// can bring into contact: all if the substep `begins`, and what it has not seen if the motion has become another
+    /// one.
+    pub(super) fn look(
         &mut self,
         near: &Near,
-        x: &[Vec3],
+        [x, to]: [&[Vec3]; 2],
         begins: bool,
-        visit: &mut impl FnMut(Place, &NearPair, &mut Memory, Real) -> Real,
+        mut visit: impl FnMut(Place, &NearPair, &mut Memory, Real) -> Real,
     ) -> Result<(), TooFar> {
+        self.measure(x, to);
+        let (aim, then) = (&mut self.aim, &self.then);
+        if begins {
+            self.substep += 1;
+            self.awake = 0;
+            aim.copy(then);
+            self.aim_displacements.clone_from(&self.displacements);
+            self.drift.fill(0.0);
+        } else {
+            for (p, drift) in self.drift.iter_mut().enumerate() {
+                let further = (self.displacements[p] - self.aim_displacements[p])
+                    .max(then.spreads[p] - aim.spreads[p]);
+                *drift = (then.centres[p] - aim.centres[p]).norm() + further.max(0.0);
+            }
+        }
         if !self.is_known || Self::stray(&self.searched, &self.then) > self.reach {
             let displacement = Self::stray(&self.now, &self.then);
             if displacement > FARTHEST * self.edge {

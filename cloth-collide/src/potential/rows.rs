@@ -278,12 +278,7 @@ impl Contacts {
             memory.normal = row.normal;
             row.distance - range
         };
-        let found = if begins {
-            patches.begin(near, step.from, to, visit)
-        } else {
-            patches.extend(near, step.from, to, visit)
-        };
-        found != Err(TooFar)
+        patches.look(near, [step.from, to], begins, visit) != Err(TooFar)
     }
 
     /// How many pairs do not keep their distances on the path to `x` (m); nothing if the path is too long to say.

@@ -128,7 +128,10 @@ impl Contacts {
         // What the step has done stays what it has done, and bodies are where it has left them.
         let (work, energy, held) = (self.work, self.energy, self.held);
         let ledger = self.ledger.take();
-        let kept = self.substep_of_no_time(&step, x);
+        let kept = self
+            .begin_step(&step)
+            .and_then(|()| self.begin_substep(&step, x))
+            .and_then(|()| self.end_substep(&step, x));
         self.ledger = ledger;
         kept?;
         let moved = std::mem::take(&mut self.rows.report.shortened) as usize;
@@ -137,16 +140,6 @@ impl Contacts {
         self.undo();
         (self.work, self.energy, self.held) = (work, energy, held + moved);
         Ok(())
-    }
-
-    fn substep_of_no_time(
-        &mut self,
-        step: &ContactStep<'_>,
-        x: &mut [Vec3],
-    ) -> Result<(), ContactError> {
-        self.begin_step(step)?;
-        self.begin_substep(step, x)?;
-        self.end_substep(step, x)
     }
 }
 
@@ -233,17 +226,7 @@ impl ContactPotential for Contacts {
     }
 
     fn add_gradient(&self, x: &[Vec3], out: &mut [Vec3]) -> Real {
-        let mut sum = 0.0;
-        for near in self.pairs.iter() {
-            let vertices = near.pair.vertices;
-            let (value, gradient) = near.value_and_gradient(&gather(x, vertices));
-            if value != 0.0 {
-                for (vertex, g) in vertices.into_iter().zip(gradient) {
-                    out[vertex as usize] += g;
-                }
-            }
-            sum += value;
-        }
+        let mut sum = self.pair_gradients(x, |vertex, g| out[vertex] += g);
         for contact in self.obstacle_contacts(x) {
             if contact.at.value < contact.law.range() {
                 sum += contact.area * contact.law.energy(contact.at.value);
@@ -418,6 +401,22 @@ impl Contacts {
                 }
             }
         }
+    }
+
+    /// Hands `add` the gradients (N) of the energies of pairs at `x` (m), vertex by vertex, and returns their sum (J).
+    pub(super) fn pair_gradients(&self, x: &[Vec3], mut add: impl FnMut(usize, Vec3)) -> Real {
+        let mut sum = 0.0;
+        for near in self.pairs.iter() {
+            let vertices = near.pair.vertices;
+            let (value, gradient) = near.value_and_gradient(&gather(x, vertices));
+            if value != 0.0 {
+                for (vertex, g) in vertices.into_iter().zip(gradient) {
+                    add(vertex as usize, g);
+                }
+            }
+            sum += value;
+        }
+        sum
     }
 
     /// The vertices that may touch an obstacle, with the cloth at `x` (m).
