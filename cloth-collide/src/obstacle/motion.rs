@@ -1,7 +1,7 @@
 //! Where a rigid body is, and how it moves.
 
 use super::{ObstacleError, finite};
-use cloth_core::math::{Real, Vec3, is_finite};
+use cloth_core::math::{Real, Vec3};
 use nalgebra::UnitQuaternion;
 
 /// Place of a rigid body: x = p + R y takes a point y (m) of its own frame into the world.
@@ -99,12 +99,7 @@ impl RigidMotion {
         finite("velocity of an obstacle", self.velocity)?;
         finite("angular velocity of an obstacle", self.angular_velocity)?;
         let turned = self.pose.orientation * Vec3::new(1.0, 1.0, 1.0);
-        if is_finite(&turned) {
-            Ok(self)
-        } else {
-            Err(ObstacleError::NonFinite {
-                name: "orientation of an obstacle",
-            })
-        }
+        finite("orientation of an obstacle", turned)?;
+        Ok(self)
     }
 }

@@ -27,7 +27,11 @@ impl<'a> Substep<'a> {
         Self {
             near,
             bodies,
-            step: near.own_step(step),
+            step: ContactStep {
+                from: near.own(step.from),
+                inverse_mass: &step.inverse_mass[..near.cloth],
+                dt: step.dt,
+            },
         }
     }
 
@@ -288,22 +292,12 @@ impl Bodies {
         }
     }
 
-    /// The vertices that touch body `number`, and the impulses (N·s) on them in a substep of `dt` (s).
-    pub(super) fn impulses_of(
-        &self,
-        number: usize,
-        dt: Real,
-    ) -> impl Iterator<Item = (usize, Vec3)> + '_ {
-        let own = self
-            .rows
-            .iter()
-            .filter(move |row| row.body as usize == number);
-        own.map(move |row| {
-            (
-                row.vertex as usize,
-                (row.pressure + row.state.friction) / dt,
-            )
-        })
+    /// Hands `visit` the vertices that touch body `number`, and the impulses (N·s) on them in a substep of `dt` (s).
+    pub(super) fn each_impulse(&self, number: usize, dt: Real, mut visit: impl FnMut(usize, Vec3)) {
+        for row in self.rows.iter().filter(|row| row.body as usize == number) {
+            let impulse = (row.pressure + row.state.friction) / dt;
+            visit(row.vertex as usize, impulse);
+        }
     }
 
     /// Enters the impulses of a substep that ends at `x` (m), the bodies still being where they are at its start.

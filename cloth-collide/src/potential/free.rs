@@ -131,9 +131,9 @@ impl Contacts {
             let motion = self.bodies[number].0.motion();
             let centre = motion.pose_at(step.dt).position;
             free.impulse = [Vec3::zeros(); 2];
-            for (v, impulse) in bodies.impulses_of(number, step.dt) {
+            bodies.each_impulse(number, step.dt, |v, impulse| {
                 free.add(-impulse, x[v] - centre);
-            }
+            });
             for row in rows.iter().filter(|row| row.state.lambda > 0.0) {
                 let impulse = (row.normal * row.state.lambda + row.state.friction) / step.dt;
                 for (v, weight) in row.pair.vertices.into_iter().zip(row.weights) {

@@ -11,7 +11,6 @@ use crate::incidence::{Incidence, joined};
 use crate::obstacle::PenaltyLaw;
 use crate::pair::{Gap, Pair};
 use crate::separation::meet_unduly;
-use cloth_core::contact::ContactStep;
 use cloth_core::math::{Real, Vec3, gather};
 use cloth_core::mesh::TriMesh;
 
@@ -139,15 +138,6 @@ impl Near {
         &of_all[..self.cloth]
     }
 
-    /// The same of a step.
-    pub(super) fn own_step<'a>(&self, step: &ContactStep<'a>) -> ContactStep<'a> {
-        ContactStep {
-            from: &step.from[..self.cloth],
-            inverse_mass: &step.inverse_mass[..self.cloth],
-            dt: step.dt,
-        }
-    }
-
     /// m of two edges.
     pub(super) fn mollifier(&self, vertices: [u32; 4]) -> Mollifier {
         let [a, b, c, d] = gather(&self.rest, vertices);
@@ -258,10 +248,7 @@ impl Near {
 
     /// The law of a vertex of the cloth before a body.
     pub(super) fn law_at(&self, vertex: usize) -> PenaltyLaw {
-        match self.own.thicknesses.get(vertex) {
-            Some(&range) => self.law.with_range(range),
-            None => self.law,
-        }
+        self.law.with_range(self.thickness(vertex as u32))
     }
 
     /// The area (m²) that a vertex stands for before a triangle: between two sheets, whose vertices all count, half of

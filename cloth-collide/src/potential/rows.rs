@@ -92,14 +92,6 @@ impl Rows {
         }
         sum / (step.dt * step.dt)
     }
-
-    fn sweep(&mut self, w: &[Real], x: &mut [Vec3]) {
-        for row in &mut self.rows {
-            if row.pushes {
-                row.project(w, x);
-            }
-        }
-    }
 }
 
 impl ContactConstraints for Contacts {
@@ -160,7 +152,9 @@ impl ContactConstraints for Contacts {
         if self.rows.quiet.is_on {
             return;
         }
-        self.rows.sweep(step.inverse_mass, x);
+        for row in self.rows.rows.iter_mut().filter(|row| row.pushes) {
+            row.project(step.inverse_mass, x);
+        }
         let substep = Substep::of_cloth(&self.near, &self.bodies, step);
         self.rows.bodies.sweep(&substep, x);
     }
