@@ -2,7 +2,6 @@
 
 use super::bodies::Body;
 use super::free::FreeBody;
-use super::last_resort::LastResort;
 use super::let_go::LetGo;
 use super::near::{Near, Own, Side};
 use super::patches::Patches;
@@ -216,8 +215,8 @@ impl<'a> PotentialBuilder<'a> {
         let near = Near::new(mesh, law, sides, self.own);
         let patches = || has_pairs.then(|| Patches::new(mesh, &near));
         let (for_rows, for_paths) = (patches(), patches());
-        let last_resort = LastResort::new(mesh, thickness, has_pairs);
-        let mut contacts = Contacts::new(near, self.obstacles, last_resort);
+        let mut contacts = Contacts::new(near, self.obstacles);
+        contacts.last_resort.mesh = has_pairs.then(|| mesh.clone());
         contacts.rows.patches = for_rows;
         contacts.pairs.patches = for_paths;
         contacts.free.list = free;

@@ -28,9 +28,8 @@ const MOST_ROUNDS: u32 = 20;
 /// What brings a substep to an end when nothing else does.
 #[derive(Debug, Default)]
 pub(super) struct LastResort {
-    thickness: Real,
     /// None if there are no pairs that can touch.
-    mesh: Option<TriMesh>,
+    pub(super) mesh: Option<TriMesh>,
     /// Made when first needed.
     candidates: Option<ClothCandidates<Box<dyn BroadPhase>>>,
     zones: Zones,
@@ -81,14 +80,6 @@ impl Hit {
 }
 
 impl LastResort {
-    pub(super) fn new(mesh: &TriMesh, thickness: Real, has_pairs: bool) -> Self {
-        Self {
-            thickness,
-            mesh: has_pairs.then(|| mesh.clone()),
-            ..Self::default()
-        }
-    }
-
     /// Changes the end `x` (m) of a step, with the velocities `v` (m/s) there, until the straight paths from
     /// `step.from` are free. Returns the number of vertices that were held back for it: safe, but behind where contact
     /// should let them go, and with less momentum.
@@ -203,6 +194,7 @@ impl LastResort {
     /// Finds what is not free on the path to `x` (m). Returns whether all is.
     fn look(&mut self, substep: &Substep<'_>, x: &[Vec3]) -> Result<bool, ContactError> {
         let Substep { near, bodies, step } = substep;
+        let thickness = near.law.range();
         self.hits.clear();
         if let Some(mesh) = &self.mesh {
             let new = || ClothCandidates::new(mesh, near.own.broad_phase.create());
@@ -213,9 +205,8 @@ impl LastResort {
                 *end = x - shift;
             }
             // Everything is finite, but a box around it need not be.
-            let found = candidates.update(step.from, &self.displacements, self.thickness);
+            let found = candidates.update(step.from, &self.displacements, thickness);
             found.map_err(|_| ContactError::NonFinite { vertex: 0 })?;
-            let thickness = self.thickness;
             let all = candidates.pairs().filter(|pair| near.meets(pair.vertices));
             self.hits
                 .extend(all.filter_map(|pair| hit(pair, thickness, step, x)));
@@ -223,7 +214,6 @@ impl LastResort {
         self.entering.clear();
         for (vertex, (&from, &to)) in (0u32..).zip(step.from.iter().zip(x)) {
             if step.inverse_mass[vertex as usize] != 0.0 {
-                let thickness = self.thickness;
                 let out = |(body, _): &Body| way_out(body, thickness, [from, to], step.dt);
                 let out = bodies.iter().filter_map(out);
                 self.entering.extend(out.map(|out| (vertex, out)));

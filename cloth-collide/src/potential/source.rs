@@ -87,7 +87,7 @@ impl ObstacleContact {
 }
 
 impl Contacts {
-    pub(super) fn new(near: Near, bodies: Vec<Body>, last_resort: LastResort) -> Self {
+    pub(super) fn new(near: Near, bodies: Vec<Body>) -> Self {
         Self {
             rows: Rows::default(),
             scratch: vec![Vec3::zeros(); near.vertex_area.len()],
@@ -98,7 +98,7 @@ impl Contacts {
             stretched: Stretched::default(),
             work: 0.0,
             bodies,
-            last_resort,
+            last_resort: LastResort::default(),
             ledger: None,
             free: FreeBodies::default(),
             stops: Stops::default(),

@@ -1,7 +1,7 @@
 //! What the contour cuts off a cloth: the parts that are probably on the wrong side.
 
 use super::crossing::Crossing;
-use crate::incidence::edge_numbers;
+use crate::incidence::{edge_numbers, joined};
 use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::TriMesh;
 use cloth_core::topology::DisjointSets;
@@ -33,20 +33,17 @@ impl Pieces {
     pub(super) fn new(mesh: &TriMesh) -> Self {
         let (edges, _) = edge_numbers(mesh.triangles());
         let count = mesh.vertex_count();
-        let mut pieces = Self {
+        Self {
+            mesh_of: joined(count, &edges),
             cut: vec![false; edges.len()],
             edges,
-            mesh_of: vec![0; count],
             sets: DisjointSets::default(),
             parent: vec![0; count],
             sizes: vec![0; count],
             largest: vec![0; count],
             crossings: Vec::new(),
             back: vec![Vec3::zeros(); count],
-        };
-        pieces.join_uncut();
-        pieces.mesh_of.copy_from_slice(&pieces.parent);
-        pieces
+        }
     }
 
     /// Finds the root of each vertex.
