@@ -101,8 +101,7 @@ impl LastResort {
             self.hits.iter().for_each(|hit| hit.push(step, x, v));
         }
         self.zones.reset(x.len());
-        self.free.clear();
-        self.free.extend_from_slice(x);
+        x.clone_into(&mut self.free);
         for _ in 0..MOST_ROUNDS {
             self.look(substep, x)?;
             let zones = &mut self.zones;

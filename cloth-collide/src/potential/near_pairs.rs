@@ -9,7 +9,7 @@ use super::near::Near;
 use super::pair::PairContact;
 use super::patches::Patches;
 use super::ranked::Ranked;
-use crate::bounds::mean;
+use crate::bounds::{Bounds, mean};
 use crate::ccd::QueryKind;
 use crate::obstacle::Obstacle;
 use crate::pair::{Gap, Pair};
@@ -69,8 +69,7 @@ impl NearPairs {
         }
         let [from, to] = path;
         self.choose(near, path, room);
-        self.place.clear();
-        self.place.extend_from_slice(from);
+        from.clone_into(&mut self.place);
         self.is_chosen = true;
         self.reach.clear();
         let displacements = from.iter().zip(to).map(|(a, b)| (b - a).norm() + room);
@@ -181,14 +180,9 @@ impl NearPairs {
 /// the others; not positive if they overlap.
 #[inline(always)]
 fn boxes_gap(x: &[Vec3; 4], split: usize) -> Real {
-    let around = |points: &[Vec3]| {
-        let first = (points[0], points[0]);
-        points[1..]
-            .iter()
-            .fold(first, |(low, high), x| (low.inf(x), high.sup(x)))
-    };
-    let (a, b) = (around(&x[..split]), around(&x[split..]));
-    (a.0 - b.1).max().max((b.0 - a.1).max())
+    let (a, b) = (Bounds::of(&x[..split]), Bounds::of(&x[split..]));
+    let gaps = [a.lower - b.upper, b.lower - a.upper];
+    gaps[0].max().max(gaps[1].max())
 }
 
 #[cfg(test)]

@@ -77,10 +77,6 @@ pub(super) struct Known {
     pub(super) travel: Real,
 }
 
-/// The motion needs more room than patches have: a path in one substep is longer than some edges.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct TooFar;
-
 /// Where a pair is: its patches, the number that they had then, and its number there.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Place {
@@ -339,14 +335,14 @@ impl Patches {
 
     /// Makes sure that the pairs are complete for a substep from `x` to `to` (m), and hands `visit` those that the motion
     /// can bring into contact: all if the substep `begins`, and what it has not seen if the motion has become another
-    /// one.
+    /// one. Returns false if a path is longer than some edges, which needs more room than patches have.
     pub(super) fn look(
         &mut self,
         near: &Near,
         [x, to]: [&[Vec3]; 2],
         begins: bool,
         mut visit: impl FnMut(Place, &NearPair, &mut Memory, Real) -> Real,
-    ) -> Result<(), TooFar> {
+    ) -> bool {
         self.measure(x, to);
         let (aim, then) = (&mut self.aim, &self.then);
         if begins {
@@ -366,7 +362,7 @@ impl Patches {
             let displacement = Self::stray(&self.now, &self.then);
             if displacement > FARTHEST * self.edge {
                 self.is_known = false;
-                return Err(TooFar);
+                return false;
             }
             self.reach = (2.0 * displacement).max(REACH * self.edge);
             self.search(near, x);
@@ -419,7 +415,7 @@ impl Patches {
             self.quiet[k] = self.now.clock(patches) + left - slack;
         }
         self.looks = looks;
-        Ok(())
+        true
     }
 
     /// How far a patch has gone, besides what all do together (m).

@@ -18,7 +18,7 @@
 use super::bodies::{Bodies, Body, Substep};
 use super::forces::Ledger;
 use super::near::Near;
-use super::patches::{Memory, NearPair, Patches, TooFar};
+use super::patches::{Memory, NearPair, Patches};
 use super::quiet::Quiet;
 use super::rebound::Rebounds;
 use super::report::ConstraintReport;
@@ -225,8 +225,7 @@ impl ContactConstraints for Contacts {
             ledger.end(&self.near, &self.bodies, x);
         }
         self.rows.took_last = true;
-        self.safe.clear();
-        self.safe.extend_from_slice(x);
+        x.clone_into(&mut self.safe);
         if let Some(patches) = &mut self.rows.patches {
             self.rows.report.searches = std::mem::take(&mut patches.searches);
             self.rows.report.detections = std::mem::take(&mut patches.detections);
@@ -272,7 +271,7 @@ impl Contacts {
             memory.normal = row.normal;
             row.distance - range
         };
-        patches.look(near, [step.from, to], begins, visit) != Err(TooFar)
+        patches.look(near, [step.from, to], begins, visit)
     }
 
     /// How many pairs do not keep their distances on the path to `x` (m); nothing if the path is too long to say.
@@ -312,8 +311,7 @@ impl Contacts {
     fn shorten(&mut self, step: &ContactStep<'_>, x: &mut [Vec3], begins: bool, halves: bool) {
         let rows = &mut self.rows;
         if begins {
-            rows.proposed.clear();
-            rows.proposed.extend_from_slice(x);
+            x.clone_into(&mut rows.proposed);
             rows.shares.clear();
             rows.shares.resize(x.len(), 1.0);
         }
@@ -428,8 +426,7 @@ impl Contacts {
         self.free.is_led = false;
         ended?;
         self.rows.led = led;
-        self.rows.led.clear();
-        self.rows.led.extend_from_slice(x);
+        x.clone_into(&mut self.rows.led);
         Ok(())
     }
 

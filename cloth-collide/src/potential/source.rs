@@ -152,8 +152,7 @@ impl ContactPotential for Contacts {
         self.remember_bodies();
         self.rows.took_last = false;
         let mut wanted = std::mem::take(&mut self.wanted);
-        wanted.clear();
-        wanted.extend_from_slice(start);
+        start.clone_into(&mut wanted);
         let is_still = self.is_still(step, &wanted);
         self.moved.clear();
         let prescribed = (0..wanted.len()).filter(|&v| step.inverse_mass[v] == 0.0);
@@ -288,8 +287,7 @@ impl ContactPotential for Contacts {
         let mut unused = std::mem::take(&mut self.scratch);
         self.energy = self.add_gradient(x, &mut unused);
         self.scratch = unused;
-        self.safe.clear();
-        self.safe.extend_from_slice(x);
+        x.clone_into(&mut self.safe);
     }
 }
 

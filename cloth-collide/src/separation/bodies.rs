@@ -63,8 +63,7 @@ impl BodyProbe {
         cloth: &[Vec3],
         bodies: impl IntoIterator<Item = &'a [Vec3]>,
     ) -> Result<usize, CollideError> {
-        self.places.clear();
-        self.places.extend_from_slice(cloth);
+        cloth.clone_into(&mut self.places);
         bodies
             .into_iter()
             .for_each(|x| self.places.extend_from_slice(x));
