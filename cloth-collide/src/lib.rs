@@ -79,9 +79,9 @@
 //!
 //! # Threads
 //!
-//! None: this crate runs on the thread that calls it, and needs no rayon. Candidates come out in the order of their
-//! vertices, sums run in that order, so results are the same bits whatever the number of threads of the method around
-//! it, and the same on every run.
+//! Pairs of primitives between patches of a large cloth are searched on several threads, with the feature `parallel` of
+//! `cloth-core`; all else runs on the thread that calls. Candidates and sums have an order of their own, so results are
+//! the same bits whatever the number of threads, and the same on every run.
 //!
 //! # Add an obstacle shape
 //!
@@ -102,7 +102,8 @@
 //!   still pays for the bounds on its motion (`cargo bench --bench steps -- "in flight"`).
 //! - A floor alone, far from any fold: an element with a penalty on the vertices
 //!   ([`PenaltyLaw`](obstacle::PenaltyLaw)) is enough, and differentiable.
-//! - Bouncing. There is no restitution in the potential; [`ImpactLaw`](obstacle::ImpactLaw) has it for single points.
+//! - Bouncing with methods that minimise: [restitution](potential::PotentialBuilder::restitution) is for those that
+//!   project positions, and [`ImpactLaw`](obstacle::ImpactLaw) for single points.
 //! - Layers in their tens at rest: forces travel through a stack one layer an iteration, and methods cut short at a
 //!   fixed number of iterations leave them out of balance.
 //! - A start that crosses: [`untangle`] first, or let a run do it.
