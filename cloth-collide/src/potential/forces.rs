@@ -127,12 +127,8 @@ impl ContactForces {
     /// These and others times a `weight` (dimensionless): the terms of a mean.
     #[must_use]
     pub fn plus(mut self, other: &Self, weight: Real) -> Self {
-        for (sum, term) in [
-            (&mut self.normal, &other.normal),
-            (&mut self.friction, &other.friction),
-        ] {
-            sum.resize(term.len(), Vec3::zeros());
-        }
+        self.normal.resize(other.normal.len(), Vec3::zeros());
+        self.friction.resize(other.friction.len(), Vec3::zeros());
         self.bodies.resize(other.bodies.len(), BodyForce::default());
         self.change(other, |sum, term| *sum += term * weight);
         self
