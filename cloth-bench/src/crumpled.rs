@@ -53,9 +53,9 @@ pub type NewBroadPhase = fn() -> Box<dyn BroadPhase>;
 
 /// Every broad phase, by name.
 pub const BROAD_PHASES: [(&str, NewBroadPhase); 3] = [
-    ("hierarchy", || Box::new(Hierarchy::new())),
-    ("spatial hash", || Box::new(SpatialHash::new())),
-    ("morton grid", || Box::new(MortonGrid::new())),
+    ("hierarchy", || Box::new(Hierarchy::default())),
+    ("spatial hash", || Box::new(SpatialHash::default())),
+    ("morton grid", || Box::new(MortonGrid::default())),
 ];
 
 #[cfg(test)]

@@ -52,9 +52,9 @@ impl BroadPhaseKind {
     #[must_use]
     pub fn create(self) -> Box<dyn BroadPhase> {
         match self {
-            Self::Hierarchy => Box::new(Hierarchy::new()),
-            Self::SpatialHash => Box::new(SpatialHash::new()),
-            Self::MortonGrid => Box::new(MortonGrid::new()),
+            Self::Hierarchy => Box::new(Hierarchy::default()),
+            Self::SpatialHash => Box::new(SpatialHash::default()),
+            Self::MortonGrid => Box::new(MortonGrid::default()),
         }
     }
 }

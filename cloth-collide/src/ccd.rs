@@ -17,22 +17,16 @@ use cloth_core::error::{not_negative, within};
 use cloth_core::math::Real;
 
 /// The conservative test: **no contact is missed, and no time of impact is late**, whatever the input. It is asked by
-/// [`Query::first_contact`].
+/// [`Query::first_contact`]. The default has no separation and no slack: the first contact, as exactly as can be told.
 ///
 /// # Method
 ///
-/// A vertex p and a triangle abc touch if the triangle with the corners p − a, p − b, p − c contains the origin; two
-/// edges ab and cd touch if the parallelogram a − c, b − c, a − d, b − d does. So there is one question: when does a
-/// moving polygon first meet the origin? It cannot, over a piece of time, if there is a direction n(t), which may move
-/// too, with
-///
-/// n(t) · x_k(t) > d |n(t)|  for all corners x_k,
-///
-/// d being the minimal separation. The direction is that from the origin to the nearest feature of the polygon; as this
-/// feature moves, so does the direction: for a face the normal u(t) × v(t), for an edge e(t) a direction that stays
-/// across it, for a corner the vector to it. Then the left side is a cubic in t, and the convex hull of its four
-/// Bernstein coefficients shows how far it is positive. The test goes on to that time and looks again, until there is
-/// no time left or no distance.
+/// As the [crate](crate#between-two-moments) says, a moving polygon of differences cannot meet the origin over a piece
+/// of time in which n(t) · x_k(t) > d |n(t)| for all its corners x_k, with the minimal separation d. The direction n is
+/// that from the origin to the nearest feature of the polygon; as this feature moves, so does the direction: for a face
+/// the normal u(t) × v(t), for an edge e(t) a direction that stays across it, for a corner the vector to it. Then the
+/// left side is a cubic in t, and the convex hull of its four Bernstein coefficients shows how far it is positive. The
+/// test goes on to that time and looks again, until there is no time left or no distance.
 ///
 /// This is conservative advancement (Mirtich 1996), where additive advancement (Li et al. 2021) would bound the speed
 /// of approach by the largest relative speed of the vertices. Here sliding and turning cost nothing, as the direction
@@ -62,7 +56,7 @@ use cloth_core::math::Real;
 /// - With a slack above 0, a start at less than about 1e-6 of the size of the motion can use up the steps, and then the
 ///   time is early by more than the slack asks for. Without slack and separation this has not been seen.
 /// - A contact during the motion is found. What lies on the wrong side already at the start is not known to be wrong.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ContinuousTest {
     separation: Real,
     slack: Real,
@@ -86,16 +80,6 @@ pub enum Stop {
     Slack,
     /// The steps were used up.
     Budget,
-}
-
-impl Default for ContinuousTest {
-    /// No separation and no slack: the first contact, as exactly as it can be told.
-    fn default() -> Self {
-        Self {
-            separation: 0.0,
-            slack: 0.0,
-        }
-    }
 }
 
 impl ContinuousTest {

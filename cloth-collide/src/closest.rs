@@ -4,10 +4,6 @@
 mod edge_edge;
 mod point_triangle;
 
-#[cfg(test)]
-#[path = "../tests/unit/closest_reference.rs"]
-mod reference;
-
 pub use edge_edge::{EdgeEdge, edge_edge};
 pub use point_triangle::{PointTriangle, point_triangle};
 

@@ -19,13 +19,14 @@ pub enum CollideError {
     TooFarApart,
 }
 
-impl CollideError {
-    /// The same for a step with contact: coordinates are not finite, or too large to work with.
-    pub(crate) fn not_finite(&self) -> ContactError {
-        match self {
-            Self::NonFinitePosition { vertex } => ContactError::NonFinite { vertex: *vertex },
-            _ => ContactError::NonFinite { vertex: 0 },
-        }
+/// The same in a step with contact: coordinates are not finite, or too large to work with.
+impl From<CollideError> for ContactError {
+    fn from(error: CollideError) -> Self {
+        let vertex = match error {
+            CollideError::NonFinitePosition { vertex } => vertex,
+            _ => 0,
+        };
+        Self::NonFinite { vertex }
     }
 }
 

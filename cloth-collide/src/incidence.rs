@@ -1,7 +1,9 @@
 //! Who has which vertex and which edge, and who faces whom across an edge.
 
-use crate::sets::Sets;
+use crate::ccd::QueryKind;
+use crate::pair::Pair;
 use cloth_core::mesh::TriMesh;
+use cloth_core::topology::DisjointSets;
 
 /// The vertices and edges of the triangles of a mesh, each *represented* by the first triangle that has it, so that a
 /// pair of primitives is met in one pair of triangles only.
@@ -51,6 +53,24 @@ impl Incidence {
         }
     }
 
+    /// A vertex and a triangle, by their numbers.
+    pub(crate) fn vertex_triangle(&self, vertex: u32, triangle: u32) -> Pair {
+        let [a, b, c] = self.triangles[triangle as usize];
+        Pair {
+            kind: QueryKind::VertexTriangle,
+            vertices: [vertex, a, b, c],
+        }
+    }
+
+    /// Two edges, by their numbers.
+    pub(crate) fn edge_edge(&self, e: u32, f: u32) -> Pair {
+        let [[a, b], [c, d]] = [e, f].map(|edge| self.edges[edge as usize]);
+        Pair {
+            kind: QueryKind::EdgeEdge,
+            vertices: [a, b, c, d],
+        }
+    }
+
     /// Hands `visit` the pairs of primitives without a common vertex that two triangles represent. What it returns
     /// counts for [`Primitives::EdgeTriangle`] alone, which comes before the edges.
     #[inline]
@@ -87,57 +107,30 @@ pub(crate) fn ends(k: usize) -> [usize; 2] {
     [k, (k + 1) % 3]
 }
 
+/// The lowest of the vertices that are joined to each of `count` vertices by pairs, itself among them.
+pub(crate) fn joined(count: usize, pairs: &[[u32; 2]]) -> Vec<u32> {
+    let mut sets = DisjointSets::new(count);
+    pairs.iter().for_each(|&[a, b]| sets.join(a, b));
+    (0..count as u32).map(|vertex| sets.root(vertex)).collect()
+}
+
 /// The two vertices of each edge, in rising order, and the three edges of each triangle.
 pub(crate) fn edge_numbers(triangles: &[[u32; 3]]) -> (Vec<[u32; 2]>, Vec<[u32; 3]>) {
+    let mut sides = Vec::with_capacity(3 * triangles.len());
+    for (triangle, corners) in triangles.iter().enumerate() {
+        for k in 0..3 {
+            let [a, b] = ends(k).map(|k| corners[k]);
+            sides.push(([a.min(b), a.max(b)], triangle, k));
+        }
+    }
+    sides.sort_unstable();
     let mut edges = Vec::new();
     let mut of_triangle = vec![[0; 3]; triangles.len()];
-    let sides = sorted_sides(triangles);
-    for (number, same) in (0..).zip(sides.chunk_by(|a, b| a.ends == b.ends)) {
-        edges.push(same[0].ends);
-        for side in same {
-            of_triangle[side.triangle as usize][side.k] = number;
+    for (number, same) in (0..).zip(sides.chunk_by(|a, b| a.0 == b.0)) {
+        edges.push(same[0].0);
+        for &(_, triangle, k) in same {
+            of_triangle[triangle][k] = number;
         }
     }
     (edges, of_triangle)
-}
-
-/// One edge of one triangle.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-struct Side {
-    /// The two vertices, the smaller number first.
-    ends: [u32; 2],
-    triangle: u32,
-    k: usize,
-}
-
-/// All edges of all triangles, those between the same two vertices next to each other.
-fn sorted_sides(triangles: &[[u32; 3]]) -> Vec<Side> {
-    let mut sides: Vec<Side> = (0..)
-        .zip(triangles)
-        .flat_map(|(triangle, corners)| {
-            (0..3).map(move |k| {
-                let [a, b] = ends(k).map(|k| corners[k]);
-                Side {
-                    ends: [a.min(b), a.max(b)],
-                    triangle,
-                    k,
-                }
-            })
-        })
-        .collect();
-    sides.sort_unstable();
-    sides
-}
-
-/// A number for each vertex, the same for those that are connected.
-pub(crate) fn pieces(mesh: &TriMesh) -> Vec<u32> {
-    let mut sets = Sets::default();
-    sets.reset(mesh.vertex_count());
-    for &[a, b, c] in mesh.triangles() {
-        sets.join(a, b);
-        sets.join(b, c);
-    }
-    (0..mesh.vertex_count() as u32)
-        .map(|v| sets.of(v))
-        .collect()
 }

@@ -8,22 +8,16 @@
 //! contact on a path, the laws of pressure, and impulses with friction and restitution. (φ is this distance on all
 //! pages; ψ is the energy of contact.)
 //!
-//! **Cloth against cloth** is about pairs: a vertex and a triangle, or two edges. Looking at all of them would take n²
-//! tests, so a *broad phase* leaves the few whose boxes overlap, and of those the ones that no plane has apart
-//! ([`ClothCandidates`]). From there to the end of a step there are four more stages:
+//! **Cloth against cloth** is about pairs: a vertex and a triangle, or two edges. Of n² of them a *broad phase* leaves
+//! the few whose boxes overlap, and of those the ones that no plane has apart ([`ClothCandidates`]). From there to the
+//! end of a step there are four more stages:
 //!
 #![doc = include_str!("../doc/stages.svg")]
 //!
-//! **Measuring** comes last. A cloth of triangles is free of contact as long as no triangle meets another one, apart
-//! from the vertices and edges that they share. [`SeparationProbe`] tells the number of pairs of triangles that meet,
-//! decided exactly, and the smallest distance.
-//!
-//! Two triangles that do not meet are nearest either at a vertex of one and some point of the other, or at
-//! a point of an edge of each. So their distance is the smallest of 6 vertex–triangle and 9 edge–edge distances:
-//!
-//! d(A, B) = min ( min |v − T|, min |e − f| ).
-//!
-//! Comparing all of n triangles would take n² of these; a tree of boxes leaves a few for each triangle.
+//! **Measuring** comes last. [`SeparationProbe`] tells how many pairs of triangles meet apart from the vertices and
+//! edges that they share, decided exactly, and the smallest distance. Two triangles that do not meet are nearest either
+//! at a vertex of one and some point of the other, or at a point of an edge of each, so it is the smallest of 6
+//! vertex–triangle and 9 edge–edge distances, d(A, B) = min ( min |v − T|, min |e − f| ).
 //!
 //! # Between two moments
 //!
@@ -85,9 +79,9 @@
 //!
 //! # Threads
 //!
-//! None: this crate runs on the thread that calls it, and needs no rayon. Candidates come out in the order of their
-//! vertices, sums run in that order, so results are the same bits whatever the number of threads of the method around
-//! it, and the same on every run.
+//! Pairs of primitives between patches of a large cloth are searched on several threads, with the feature `parallel` of
+//! `cloth-core`; all else runs on the thread that calls. Candidates and sums have an order of their own, so results are
+//! the same bits whatever the number of threads, and the same on every run.
 //!
 //! # Add an obstacle shape
 //!
@@ -108,7 +102,8 @@
 //!   still pays for the bounds on its motion (`cargo bench --bench steps -- "in flight"`).
 //! - A floor alone, far from any fold: an element with a penalty on the vertices
 //!   ([`PenaltyLaw`](obstacle::PenaltyLaw)) is enough, and differentiable.
-//! - Bouncing. There is no restitution in the potential; [`ImpactLaw`](obstacle::ImpactLaw) has it for single points.
+//! - Bouncing with methods that minimise: [restitution](potential::PotentialBuilder::restitution) is for those that
+//!   project positions, and [`ImpactLaw`](obstacle::ImpactLaw) for single points.
 //! - Layers in their tens at rest: forces travel through a stack one layer an iteration, and methods cut short at a
 //!   fixed number of iterations leave them out of balance.
 //! - A start that crosses: [`untangle`] first, or let a run do it.
@@ -171,16 +166,14 @@
 //! - The uniform cells of two of the broad phases suit triangles of similar size, the tree suits all.
 //! - [`SeparationProbe`] looks at the positions of one moment. A cloth that has passed through another between two
 //!   moments, and is out on the far side, shows no trace.
-//! - [`ContinuousTest`] reports a pass at less than 1e-14 of the size of the motion (for d = 0: at less than 1e-29) as
-//!   a contact. The limits of each method stand with it.
-//! - Distances are right to rounding: about 1e-15 of the size of the triangles. Intersections are exact, apart from
-//!   over- and underflow at coordinates beyond about 1e±100 m, which is not guarded against.
+//! - Distances are right to rounding: about 1e-15 of the size of the triangles. What else limits a method stands with
+//!   it.
 //!
 //! # Files, in reading order
 //!
 //! | File | What it holds |
 //! |---|---|
-//! | `closest/`, `pair.rs` | nearest points of a point and a triangle, and of two edges; their distance with both derivatives, and whether they stay apart on their path |
+//! | `closest/`, `pair.rs` | nearest points of a point and a triangle, and of two edges; their distance with its gradient, and whether they stay apart on their path |
 //! | `ccd.rs`, `ccd/query.rs` | the conservative continuous test, and what it is asked |
 //! | `ccd/difference.rs` | a vertex and a triangle, or two edges, as one moving polygon |
 //! | `ccd/direction.rs`, `ccd/reach.rs` | directions that may separate it from the origin; for how long they do, with the proof about rounding |
@@ -194,7 +187,7 @@
 //! | `broad_phase/cells.rs`, `spatial_hash.rs`, `morton_grid.rs` | a grid of cells, and two ways to sort boxes into it |
 //! | `broad_phase/candidates.rs`, `separating_plane.rs`, `order.rs` | from pairs of triangles to pairs of primitives that no plane separates, in order |
 //! | `broad_phase/triangle_pairs.rs`, `separation.rs` | pairs of triangles with overlapping boxes; the measurement |
-//! | `incidence.rs`, `sets.rs` | which triangle represents which vertex and edge; what belongs together |
+//! | `incidence.rs` | which triangle represents which vertex and edge |
 //! | `error.rs` | what can be wrong with positions and settings |
 //!
 //! # References
@@ -207,8 +200,7 @@
 //! - B. Mirtich, *Impulse-based dynamic simulation of rigid body systems*, PhD thesis, University of California,
 //!   Berkeley 1996: conservative advancement.
 //! - M. Li, D. M. Kaufman and C. Jiang, Codimensional incremental potential contact, *ACM Transactions on Graphics*
-//!   40(4),
-//!   2021. DOI 10.1145/3450626.3459767: additive conservative advancement.
+//!   40(4), 2021. DOI 10.1145/3450626.3459767: additive conservative advancement.
 //! - B. Wang, Z. Ferguson, T. Schneider, X. Jiang, M. Attene and D. Panozzo, A large-scale benchmark and an
 //!   inclusion-based algorithm for continuous collision detection, *ACM Transactions on Graphics* 40(5), 2021. DOI
 //!   10.1145/3460775
@@ -241,7 +233,6 @@ pub mod untangle;
 mod broad_phase;
 mod incidence;
 mod pair;
-mod sets;
 
 mod separation;
 

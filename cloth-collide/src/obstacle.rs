@@ -34,10 +34,8 @@
 //! # Limits
 //!
 //! - φ of a shape is the distance to its surface, so from deep inside a thin one the nearest way out may be the far
-//!   side. What keeps vertices on their side is [`first_contact`], not the discrete response.
+//!   side. What keeps vertices on their side is [`first_contact`].
 //! - Meshes and samples are not taken to be convex: a path that grazes them may end early, and says so.
-//! - The impulses of one step treat one vertex and one obstacle at a time. A vertex between two obstacles is pushed by
-//!   each in turn, and may end inside the first.
 //!
 //! # References
 //!
@@ -46,8 +44,6 @@
 //! - R. Bridson, R. Fedkiw and J. Anderson, Robust treatment of collisions, contact and friction for cloth animation,
 //!   SIGGRAPH 2002. DOI 10.1145/566570.566623. Its section on friction bounds the change of the tangential velocity by
 //!   that of the normal one.
-//! - B. V. Mirtich, *Impulse-based dynamic simulation of rigid body systems*, thesis, Berkeley 1996. Conservative
-//!   advancement.
 
 mod animated;
 mod capsule;
@@ -71,10 +67,10 @@ pub use cuboid::Cuboid;
 pub use error::ObstacleError;
 pub use half_space::HalfSpace;
 pub use impact::ImpactLaw;
+pub(crate) use impact::hold;
 pub use motion::{Pose, RigidMotion};
 pub use penalty::PenaltyLaw;
 pub use placed::Obstacle;
-pub(crate) use rigid_body::Momenta;
 pub use rigid_body::RigidBody;
 pub use sampled::SampledDistance;
 pub use sphere::Sphere;

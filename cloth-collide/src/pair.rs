@@ -1,26 +1,39 @@
-//! Two pieces of cloth: how far apart they are, with both derivatives, and whether they stay apart on their path.
+//! Two pieces of cloth: how far apart they are, with the gradient, and whether they stay apart on their path.
 
 use crate::ccd::{ContinuousTest, Query, QueryKind};
 use crate::closest::{edge_edge, point_triangle};
-use cloth_core::math::{Blocks, Mat3, Real, Vec3, gather};
+use cloth_core::math::{Real, Vec3, gather};
 
 /// A vertex and a triangle, or two edges.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Pair {
-    pub(crate) kind: QueryKind,
-    /// Vertex and three corners, or the two ends of each edge.
-    pub(crate) vertices: [u32; 4],
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Pair {
+    /// Which of these.
+    pub kind: QueryKind,
+    /// The vertex, then the corners of the triangle; or the ends of one edge, then those of the other.
+    pub vertices: [u32; 4],
+}
+
+impl Pair {
+    /// How far (m) the plane across `normal` has the two apart at least, at positions `x` (m) of all vertices.
+    pub(crate) fn gap_along(self, normal: &Vec3, x: &[Vec3]) -> Real {
+        gap_along(self.kind, normal, &gather(x, self.vertices))
+    }
+}
+
+/// Σ c_k x_k (m), with positions `x` (m) of all vertices.
+#[inline]
+pub(crate) fn weighted(vertices: [u32; 4], weights: [Real; 4], x: &[Vec3]) -> Vec3 {
+    let ends = vertices.into_iter().zip(weights);
+    ends.map(|(v, w)| x[v as usize] * w).sum()
 }
 
 /// Between the nearest points of two primitives.
 ///
 /// With the weights c_k(s) of the four vertices, which depend on up to two places s along edges, r = Σ c_k x_k goes
 /// from one nearest point to the other, and d = min over s of ‖r‖. The minimum is stationary in s, so ∂d/∂x_k = c_k n
-/// with n = r/d, and where the weights move, they follow from J ⊥ n.
+/// with n = r/d.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gap {
-    /// Of what.
-    pub kind: QueryKind,
     /// Distance d (m).
     pub distance: Real,
     /// From the second nearest point to the first, n (unit length; zero at distance 0).
@@ -52,7 +65,6 @@ impl Gap {
             Vec3::zeros()
         };
         Self {
-            kind,
             distance,
             normal,
             weights,
@@ -64,99 +76,11 @@ impl Gap {
         self.weights.contains(&0.0)
     }
 
-    /// ∂c/∂s for each place that is free to move, and how many are: on a corner nothing moves, on an edge the place
-    /// between its ends, inside a triangle two of them.
-    fn turns(&self) -> ([[Real; 4]; 2], usize) {
-        let on = self.weights.map(|weight| weight != 0.0);
-        let edges: &[[usize; 2]] = match (self.kind, on) {
-            (QueryKind::VertexTriangle, [_, true, true, true]) => &[[1, 2], [1, 3]],
-            (QueryKind::VertexTriangle, [_, true, true, false]) => &[[1, 2]],
-            (QueryKind::VertexTriangle, [_, false, true, true]) => &[[2, 3]],
-            (QueryKind::VertexTriangle, [_, true, false, true]) => &[[3, 1]],
-            (QueryKind::EdgeEdge, [true, true, true, true]) => &[[1, 0], [2, 3]],
-            (QueryKind::EdgeEdge, [true, true, ..]) => &[[1, 0]],
-            (QueryKind::EdgeEdge, [.., true, true]) => &[[2, 3]],
-            _ => &[],
-        };
-        let mut turns = [[0.0; 4]; 2];
-        for (turn, &[from, to]) in turns.iter_mut().zip(edges) {
-            (turn[from], turn[to]) = (1.0, -1.0);
-        }
-        (turns, edges.len())
-    }
-
     /// ∂d/∂x_k (dimensionless).
     #[must_use]
     pub fn gradient(&self) -> [Vec3; 4] {
         self.weights.map(|c| self.normal * c)
     }
-
-    /// ∂²d/∂x_k∂x_l (1/m) at the positions (m) that the gap was taken at. Between two regions, where it jumps, that of
-    /// one of them; zero for primitives that touch, and where G⁻¹ is beyond all numbers.
-    ///
-    /// Eliminating the places s from the Hessian of ½ r² leaves, with J_a = Σ ∂c_k/∂s_a x_k, G = JᵀJ, and the projector
-    /// T onto what is at right angles to n and all J,
-    ///
-    /// ∂²d = c_k c_l T/d − Σ (G⁻¹)_ab (∂_a c_k c_l n J_bᵀ + c_k ∂_b c_l J_a nᵀ + d ∂_a c_k ∂_b c_l n nᵀ),
-    ///
-    /// in which nothing cancels for small d.
-    #[must_use]
-    pub fn curvature(&self, x: &[Vec3; 4]) -> Blocks<4> {
-        let mut blocks = [[Mat3::zeros(); 4]; 4];
-        if self.distance == 0.0 {
-            return blocks;
-        }
-        let n = self.normal;
-        let (turns, free) = self.turns();
-        let along = turns.map(|turn| (0..4).map(|k| x[k] * turn[k]).sum::<Vec3>());
-        let Some(inverse) = inverse_metric(free, &along) else {
-            return blocks;
-        };
-        let mut across = Mat3::identity() - n * n.transpose();
-        match free {
-            1 => across -= along[0] * along[0].transpose() * inverse[0][0],
-            2 => across = Mat3::zeros(),
-            _ => {}
-        }
-        across /= self.distance;
-        for k in 0..4 {
-            for l in 0..4 {
-                let block = &mut blocks[k][l];
-                *block = across * (self.weights[k] * self.weights[l]);
-                for a in 0..free {
-                    for b in 0..free {
-                        let g = inverse[a][b];
-                        let (turn_k, turn_l) = (turns[a][k], turns[b][l]);
-                        *block -= n * along[b].transpose() * (g * turn_k * self.weights[l])
-                            + along[a] * n.transpose() * (g * self.weights[k] * turn_l)
-                            + n * n.transpose() * (g * self.distance * turn_k * turn_l);
-                    }
-                }
-            }
-        }
-        blocks
-    }
-}
-
-/// The inverse of G; nothing if it has none, or one beyond all numbers, as between edges that are parallel but for
-/// 1e-154.
-fn inverse_metric(free: usize, along: &[Vec3; 2]) -> Option<[[Real; 2]; 2]> {
-    let [u, v] = along;
-    let mut inverse = [[0.0; 2]; 2];
-    match free {
-        0 => {}
-        1 => inverse[0][0] = 1.0 / u.norm_squared(),
-        _ => {
-            let determinant = u.cross(v).norm_squared();
-            let off = -u.dot(v) / determinant;
-            inverse = [
-                [v.norm_squared() / determinant, off],
-                [off, u.norm_squared() / determinant],
-            ];
-        }
-    }
-    let finite = inverse.iter().flatten().all(|g| g.is_finite());
-    finite.then_some(inverse)
 }
 
 impl Query {
@@ -202,7 +126,7 @@ impl Query {
 }
 
 /// How far (m) the plane across `normal` has the two pieces apart at least, at positions `x` (m), rounding taken off.
-pub(crate) fn gap_along(kind: QueryKind, normal: &Vec3, x: &[Vec3; 4]) -> Real {
+fn gap_along(kind: QueryKind, normal: &Vec3, x: &[Vec3; 4]) -> Real {
     let displacements = [x[1] - x[0], x[2] - x[0], x[3] - x[0]];
     let [a, b, c] = displacements.map(|displacement| normal.dot(&displacement));
     let size = displacements.iter().fold(0.0, |size: Real, displacement| {

@@ -78,9 +78,9 @@
 //! | equation | code |
 //! |---|---|
 //! | ψ, ψ′, ψ″ | [`PenaltyLaw`] |
-//! | d, ∂d, ∂²d | [`Gap`] |
+//! | d, ∂d | [`Gap`] |
 //! | m(‖u × v‖²) for two edges u, v | [`Mollifier`] |
-//! | A ψ(d), A m ψ(d) as elements, with both derivatives | [`PairContact`] |
+//! | A ψ(d), A m ψ(d) with their gradients | [`PairContact`] |
 //! | μ λ f(‖u‖) | `friction` |
 //! | which pairs can be near on a path | `near_pairs`, `ranked` |
 //! | bodies behind the cloth | `surfaces` |
@@ -142,7 +142,7 @@ mod surfaces;
 mod tangent;
 mod zones;
 
-pub use crate::pair::Gap;
+pub use crate::pair::{Gap, Pair};
 pub use builder::PotentialBuilder;
 pub use forces::{BodyForce, ContactForces};
 pub use mollifier::Mollifier;

@@ -130,22 +130,22 @@ impl SeparationProbe {
     }
 
     fn count_intersecting(&self, positions: &[Vec3]) -> usize {
-        let triangles = self.pairs.triangles();
+        let triangles = &self.pairs.triangles;
         let meets = |pair: &&[u32; 2]| {
             let corners = pair.map(|t| triangles[t as usize]);
             self.counts(corners) && meet_unduly(corners, positions)
         };
-        self.pairs.found().iter().filter(meets).count()
+        self.pairs.pairs.iter().filter(meets).count()
     }
 
     /// The smallest distance (m), given that the pairs of overlapping boxes have just been listed.
     fn min_distance(&self, positions: &[Vec3]) -> Option<Real> {
         let nearest = Cell::new(Real::INFINITY);
-        for &pair in self.pairs.found() {
+        for &pair in &self.pairs.pairs {
             self.lower_to_pair(pair, positions, &nearest);
         }
         self.pairs.visit_within(&nearest, |pair| {
-            let [a, b] = pair.map(|t| &self.pairs.bounds()[t as usize]);
+            let [a, b] = pair.map(|t| &self.pairs.bounds[t as usize]);
             // Overlapping boxes were in the list.
             if a.squared_gap(b) > 0.0 {
                 self.lower_to_pair(pair, positions, &nearest);
@@ -156,16 +156,13 @@ impl SeparationProbe {
 
     /// Lowers the squared distance `nearest` (m²) to that of the primitives that two triangles represent.
     fn lower_to_pair(&self, pair: [u32; 2], positions: &[Vec3], nearest: &Cell<Real>) {
-        let Incidence {
-            triangles, edges, ..
-        } = &self.incidence;
-        let bounds = |t: u32| &self.pairs.bounds()[t as usize];
-        let corners = |t: u32| triangles[t as usize];
+        let bounds = |t: u32| &self.pairs.bounds[t as usize];
+        let corners = |t: u32| self.pairs.triangles[t as usize];
         let is_far = |a: &Bounds, b: &Bounds| a.squared_gap(b) >= nearest.get();
         if is_far(bounds(pair[0]), bounds(pair[1])) || !self.counts(pair.map(corners)) {
             return;
         }
-        let edge = |e: u32| gather(positions, edges[e as usize]);
+        let edge = |e: u32| gather(positions, self.incidence.edges[e as usize]);
         self.incidence.visit(pair, |primitives| {
             let found = match primitives {
                 Primitives::EdgeTriangle(e, t) => {
@@ -209,7 +206,3 @@ pub(crate) fn meet_unduly(pair: [[u32; 3]; 2], positions: &[Vec3]) -> bool {
         _ => false,
     }
 }
-
-#[cfg(test)]
-#[path = "../tests/unit/separation.rs"]
-mod tests;

@@ -77,8 +77,7 @@
 //! # References
 //!
 //! - P. Volino and N. Magnenat-Thalmann, Resolving surface collisions through intersection contour minimization, *ACM
-//!   Transactions on Graphics* 25(3),
-//!   2006. DOI 10.1145/1141911.1142007
+//!   Transactions on Graphics* 25(3), 2006. DOI 10.1145/1141911.1142007
 //! - D. Baraff, A. Witkin and M. Kass, Untangling cloth, *ACM Transactions on Graphics* 22(3), 2003. DOI
 //!   10.1145/882262.882357
 
@@ -242,8 +241,8 @@ impl Untangler {
         assert_eq!(inverse_mass.len(), self.trial.len(), "one mass a vertex");
         self.contour.find(positions)?;
         let mut report = UntangleReport {
-            pairs_before: self.contour.pair_count(),
-            pairs_after: self.contour.pair_count(),
+            pairs_before: self.contour.meeting.len(),
+            pairs_after: self.contour.meeting.len(),
             length_before: self.contour.length(),
             length_after: self.contour.length(),
             iterations: 0,
@@ -255,10 +254,10 @@ impl Untangler {
             x.copy_from_slice(&start);
             let iterations = (&mut report.iterations, most_iterations);
             report.outcome = self.attempt(&mut x, inverse_mass, rounds, iterations, &mut after)?;
-            let is_better = self.contour.pair_count() < report.pairs_after;
+            let is_better = self.contour.meeting.len() < report.pairs_after;
             if is_better {
                 positions.copy_from_slice(&x);
-                report.pairs_after = self.contour.pair_count();
+                report.pairs_after = self.contour.meeting.len();
                 report.length_after = self.contour.length();
             }
             if report.outcome != UntangleOutcome::Stalled {
@@ -282,12 +281,12 @@ impl Untangler {
         let mut step = self.longest_step;
         // The fewest pairs and the shortest length so far, and when.
         let mut best = (
-            self.contour.pair_count(),
+            self.contour.meeting.len(),
             self.contour.length(),
             *iterations,
         );
         loop {
-            let (pairs, before) = (self.contour.pair_count(), self.contour.length());
+            let (pairs, before) = (self.contour.meeting.len(), self.contour.length());
             after(UntangleProgress {
                 iterations: *iterations,
                 pairs,
@@ -320,8 +319,8 @@ impl Untangler {
         }
     }
 
-    /// Goes down the gradient, averaged in so many `rounds`, by `step` (m) or less. How far it went, if the contour
-    /// became shorter.
+    /// Goes down the gradient, averaged in so many `rounds`, by `step` (m) or less, so that the contour becomes shorter
+    /// or goes away. How far it went, if it does.
     fn descend(
         &mut self,
         positions: &mut [Vec3],
@@ -333,7 +332,21 @@ impl Untangler {
         self.scale(inverse_mass);
         self.smoother
             .smooth(&mut self.gradient, inverse_mass, rounds);
-        self.shorten(positions, step)
+        let before = self.contour.length();
+        let mut step = step;
+        while step >= SHORTEST * self.longest_step {
+            let all = self.trial.iter_mut().zip(&*positions).zip(&self.gradient);
+            for ((trial, x), g) in all {
+                *trial = x - g * step;
+            }
+            self.contour.find(&self.trial)?;
+            if self.contour.length() < before || self.contour.meeting.is_empty() {
+                positions.copy_from_slice(&self.trial);
+                return Ok(Some(step));
+            }
+            step *= 0.5;
+        }
+        Ok(None)
     }
 
     /// Makes displacements of the gradient: by mass, and none much above 1.
@@ -368,30 +381,5 @@ impl Untangler {
         }
         self.contour.find(positions)?;
         Ok(true)
-    }
-
-    /// Goes down the gradient by `step` (m) or less, so that the contour becomes shorter, or goes away. How far it
-    /// went.
-    fn shorten(
-        &mut self,
-        positions: &mut [Vec3],
-        step: Real,
-    ) -> Result<Option<Real>, CollideError> {
-        let before = self.contour.length();
-        let mut step = step;
-        while step >= SHORTEST * self.longest_step {
-            let all = self.trial.iter_mut().zip(&*positions).zip(&self.gradient);
-            for ((trial, x), g) in all {
-                *trial = x - g * step;
-            }
-            self.contour.find(&self.trial)?;
-            let after = self.contour.length();
-            if after < before || self.contour.pair_count() == 0 {
-                positions.copy_from_slice(&self.trial);
-                return Ok(Some(step));
-            }
-            step *= 0.5;
-        }
-        Ok(None)
     }
 }

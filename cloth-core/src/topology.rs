@@ -49,7 +49,7 @@ pub use boundary::boundary_loops;
 pub use edges::{EdgeTable, NONE, inconsistently_oriented_edges, triangle_edges};
 pub use hinges::HingeTable;
 pub use midpoints::Midpoints;
-pub use pieces::{bow_tie_vertices, components};
+pub use pieces::{DisjointSets, bow_tie_vertices, components};
 pub use thin::removable_edges;
 
 use crate::mesh::TriMesh;

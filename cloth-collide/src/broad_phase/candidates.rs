@@ -3,10 +3,12 @@
 use super::BroadPhase;
 use super::order::PairSorter;
 use super::separating_plane::SeparatingPlane;
+use super::triangle_pairs::TrianglePairs;
 use crate::bounds::Bounds;
 use crate::closest::{edge_edge, point_triangle};
 use crate::error::CollideError;
 use crate::incidence::{Incidence, Primitives};
+use crate::pair::Pair;
 use cloth_core::error::not_negative;
 use cloth_core::math::{Real, Vec3, gather, is_finite};
 use cloth_core::mesh::TriMesh;
@@ -39,7 +41,7 @@ use cloth_core::mesh::TriMesh;
 /// let to = [at(0.0), at(-1.0)].concat();
 /// let mesh = TriMesh::new(from.clone(), vec![[0, 1, 2], [3, 4, 5]])?;
 ///
-/// let mut candidates = ClothCandidates::new(&mesh, Hierarchy::new());
+/// let mut candidates = ClothCandidates::new(&mesh, Hierarchy::default());
 /// candidates.update(&from, &to, 0.01)?;
 /// assert_eq!(candidates.vertex_triangle().len(), 6);
 /// assert_eq!(candidates.edge_edge().len(), 9);
@@ -47,17 +49,15 @@ use cloth_core::mesh::TriMesh;
 /// ```
 #[derive(Debug)]
 pub struct ClothCandidates<B> {
-    broad_phase: B,
     incidence: Incidence,
     vertex_boxes: Vec<Bounds>,
     edge_boxes: Vec<Bounds>,
-    triangle_boxes: Vec<Bounds>,
+    triangle_pairs: TrianglePairs<B>,
     /// The middle (m) of each vertex's box.
     middles: Vec<Vec3>,
     /// Across each triangle, halfway (m²).
     normals: Vec<Vec3>,
     separating_plane: SeparatingPlane,
-    triangle_pairs: Vec<[u32; 2]>,
     vertex_triangle: Vec<[u32; 2]>,
     edge_edge: Vec<[u32; 2]>,
     sorter: PairSorter,
@@ -67,27 +67,17 @@ impl<B: BroadPhase> ClothCandidates<B> {
     /// Prepares for the cloth `mesh`. There are no candidates before the first
     /// [`ClothCandidates::update`].
     #[must_use]
-    pub fn new(mesh: &TriMesh, mut broad_phase: B) -> Self {
+    pub fn new(mesh: &TriMesh, broad_phase: B) -> Self {
         let incidence = Incidence::new(mesh);
-        let at = |vertex: &u32| mesh.positions()[*vertex as usize];
-        let rest = mesh.triangles().iter();
-        let rest: Vec<_> = rest
-            .map(|t| Bounds::of(&[at(&t[0]), at(&t[1]), at(&t[2])]))
-            .collect();
-        let mut triangle_pairs = Vec::new();
-        // A tree keeps the shape of its first boxes, and those of the rest shape are best.
-        broad_phase.overlapping(&rest, &mut triangle_pairs);
         let nothing = Bounds::around([Vec3::zeros()]);
         Self {
-            broad_phase,
             edge_boxes: vec![nothing; incidence.edges.len()],
             incidence,
             vertex_boxes: vec![nothing; mesh.vertex_count()],
-            triangle_boxes: rest,
+            triangle_pairs: TrianglePairs::with(mesh, broad_phase),
             middles: vec![Vec3::zeros(); mesh.vertex_count()],
             normals: vec![Vec3::zeros(); mesh.triangle_count()],
             separating_plane: SeparatingPlane::default(),
-            triangle_pairs,
             vertex_triangle: Vec::new(),
             edge_edge: Vec::new(),
             sorter: PairSorter::default(),
@@ -110,9 +100,6 @@ impl<B: BroadPhase> ClothCandidates<B> {
             "the number of positions is not the number of vertices"
         );
         not_negative("margin (m)", margin)?;
-        let Incidence {
-            triangles, edges, ..
-        } = &self.incidence;
         let ends = || from.iter().zip(to);
         if let Some(vertex) = ends().position(|(a, b)| !is_finite(a) || !is_finite(b)) {
             return Err(CollideError::NonFinitePosition { vertex });
@@ -120,11 +107,16 @@ impl<B: BroadPhase> ClothCandidates<B> {
         for (bounds, (&from, &to)) in self.vertex_boxes.iter_mut().zip(ends()) {
             *bounds = Bounds::around([from, to]).inflated(0.5 * margin);
         }
-        for (bounds, ends) in self.edge_boxes.iter_mut().zip(edges) {
+        for (bounds, ends) in self.edge_boxes.iter_mut().zip(&self.incidence.edges) {
             let [a, b] = ends.map(|v| &self.vertex_boxes[v as usize]);
             *bounds = a.joined(b);
         }
-        for (bounds, triangle) in self.triangle_boxes.iter_mut().zip(triangles) {
+        for (bounds, triangle) in self
+            .triangle_pairs
+            .bounds
+            .iter_mut()
+            .zip(&self.incidence.triangles)
+        {
             let [a, b, c] = triangle.map(|v| &self.vertex_boxes[v as usize]);
             *bounds = a.joined(b).joined(c);
         }
@@ -132,21 +124,18 @@ impl<B: BroadPhase> ClothCandidates<B> {
         for (middle, bounds) in self.middles.iter_mut().zip(&self.vertex_boxes) {
             *middle = (bounds.lower + bounds.upper) * 0.5;
         }
-        for (normal, &triangle) in self.normals.iter_mut().zip(triangles) {
+        for (normal, &triangle) in self.normals.iter_mut().zip(&self.incidence.triangles) {
             let [a, b, c] = gather(&self.middles, triangle);
             *normal = (b - a).cross(&(c - a));
         }
-        self.broad_phase
-            .overlapping(&self.triangle_boxes, &mut self.triangle_pairs);
+        self.triangle_pairs.search();
         self.collect();
         Ok(())
     }
 
     /// Makes candidates from the pairs of triangles.
     fn collect(&mut self) {
-        let mut pairs = std::mem::take(&mut self.triangle_pairs);
-        // What comes next reads the triangles of each pair; in this order most are still in the cache.
-        self.sorter.sort(&mut pairs, self.triangle_boxes.len());
+        let mut pairs = std::mem::take(&mut self.triangle_pairs.pairs);
         pairs.retain(|pair| !self.are_parted(pair.map(|t| t as usize)));
         let [mut vertex_triangle, mut edge_edge] =
             [&mut self.vertex_triangle, &mut self.edge_edge].map(std::mem::take);
@@ -162,7 +151,7 @@ impl<B: BroadPhase> ClothCandidates<B> {
                     can_touch
                 }
                 Primitives::EdgeTriangle(e, triangle) => {
-                    let bounds = &self.triangle_boxes[triangle as usize];
+                    let bounds = &self.triangle_pairs.bounds[triangle as usize];
                     self.edge_boxes[e as usize].overlaps(bounds)
                 }
                 Primitives::EdgeEdge(e, f) => {
@@ -174,11 +163,12 @@ impl<B: BroadPhase> ClothCandidates<B> {
                 }
             });
         }
-        self.triangle_pairs = pairs;
+        self.triangle_pairs.pairs = pairs;
         (self.vertex_triangle, self.edge_edge) = (vertex_triangle, edge_edge);
         self.sorter
-            .sort(&mut self.vertex_triangle, self.vertex_boxes.len());
-        self.sorter.sort(&mut self.edge_edge, self.edge_boxes.len());
+            .sort_pairs(&mut self.vertex_triangle, self.vertex_boxes.len());
+        self.sorter
+            .sort_pairs(&mut self.edge_edge, self.edge_boxes.len());
     }
 
     /// Whether a plane along one of two triangles has them apart, and so all of their parts.
@@ -198,7 +188,7 @@ impl<B: BroadPhase> ClothCandidates<B> {
     fn can_touch(&self, vertex: u32, triangle: u32) -> bool {
         let own = &self.vertex_boxes[vertex as usize];
         let corners = self.incidence.triangles[triangle as usize];
-        if !own.overlaps(&self.triangle_boxes[triangle as usize]) {
+        if !own.overlaps(&self.triangle_pairs.bounds[triangle as usize]) {
             return false;
         }
         let middle = self.middles[vertex as usize];
@@ -240,13 +230,11 @@ impl<B: BroadPhase> ClothCandidates<B> {
         &self.incidence.edges
     }
 
-    /// The vertices of each triangle.
-    #[must_use]
-    pub fn triangles(&self) -> &[[u32; 3]] {
-        &self.incidence.triangles
+    /// All of them, those of a vertex and a triangle first.
+    pub(crate) fn pairs(&self) -> impl Iterator<Item = Pair> + '_ {
+        let vertex_triangle = self.vertex_triangle.iter();
+        let vertex_triangle = vertex_triangle.map(|&[v, t]| self.incidence.vertex_triangle(v, t));
+        let edge_edge = self.edge_edge.iter();
+        vertex_triangle.chain(edge_edge.map(|&[e, f]| self.incidence.edge_edge(e, f)))
     }
 }
-
-#[cfg(test)]
-#[path = "../../tests/unit/broad_phase_candidates.rs"]
-mod tests;

@@ -21,12 +21,6 @@ pub struct Hierarchy {
 }
 
 impl Hierarchy {
-    /// No tree yet.
-    #[must_use]
-    pub fn new() -> Self {
-        Self::default()
-    }
-
     /// A tree whose shape suits `boxes`, finite ones.
     #[must_use]
     pub fn over(boxes: &[Bounds]) -> Self {

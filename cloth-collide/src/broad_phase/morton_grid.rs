@@ -12,14 +12,6 @@ use crate::bounds::Bounds;
 #[derive(Debug, Default)]
 pub struct MortonGrid(Grid);
 
-impl MortonGrid {
-    /// No cells yet.
-    #[must_use]
-    pub fn new() -> Self {
-        Self::default()
-    }
-}
-
 /// The lower 21 bits with two zeros after each.
 fn spread(x: u32) -> u64 {
     let x = u64::from(x);

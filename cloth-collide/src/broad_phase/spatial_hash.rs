@@ -2,6 +2,7 @@
 
 use super::BroadPhase;
 use super::cells::{Cell, Entry, Grid};
+use super::order::BucketSorter;
 use crate::bounds::Bounds;
 
 /// Uniform cells, about as large as a typical box, kept in a table by a hash of their place (Teschner et al. 2003,
@@ -11,18 +12,9 @@ use crate::bounds::Bounds;
 /// than the median crowd in one cell. Slow then, not wrong.
 #[derive(Debug, Default)]
 pub struct SpatialHash {
-    /// Where the entries of each slot of the table begin; the number of slots is a power of two.
-    starts: Vec<u32>,
-    sorted: Vec<Entry>,
+    /// Sorts entries into the slots of the table, whose number is a power of two.
+    sorter: BucketSorter<Entry>,
     grid: Grid,
-}
-
-impl SpatialHash {
-    /// No table yet.
-    #[must_use]
-    pub fn new() -> Self {
-        Self::default()
-    }
 }
 
 /// All three numbers of a cell in one.
@@ -40,25 +32,10 @@ impl BroadPhase for SpatialHash {
     fn overlapping(&mut self, boxes: &[Bounds], out: &mut Vec<[u32; 2]>) {
         // A box of typical size is in one to eight cells.
         let bits = (4 * boxes.len().max(1)).next_power_of_two().ilog2();
-        let (starts, sorted) = (&mut self.starts, &mut self.sorted);
+        let sorter = &mut self.sorter;
         let sort = |entries: &mut Vec<Entry>| {
-            starts.clear();
-            starts.resize(1 << bits, 0);
-            for &(key, _) in &*entries {
-                starts[slot(key, bits) as usize] += 1;
-            }
-            for i in 1..starts.len() {
-                starts[i] += starts[i - 1];
-            }
-            // Each number is now where its slot ends. Filled from there backwards, it is where the slot begins.
-            sorted.clear();
-            sorted.resize(entries.len(), (0, 0));
-            for &entry in &*entries {
-                let place = &mut starts[slot(entry.0, bits) as usize];
-                *place -= 1;
-                sorted[*place as usize] = entry;
-            }
-            std::mem::swap(entries, sorted);
+            sorter.sort(entries, 1 << bits, |entry| slot(entry.0, bits) as usize);
+            std::mem::swap(entries, &mut sorter.sorted);
         };
         self.grid
             .overlapping(boxes, out, packed, sort, |key| slot(key, bits));

@@ -9,7 +9,7 @@ use cloth_core::mesh::TriMesh;
 use std::cell::Cell;
 
 /// Finds the pairs of triangles of one cloth whose boxes overlap, from a tree that is made once, from the rest
-/// positions.
+/// positions; or by another broad phase.
 ///
 /// So a result depends on the mesh and the positions, not on what was asked before, and nothing is allocated once the
 /// list of pairs has grown to its size.
@@ -17,42 +17,33 @@ use std::cell::Cell;
 /// Limits: where the rest shape has many pieces in one place (a garment as a stack of flat patterns), the
 /// tree mixes the pieces and is slow, not wrong.
 #[derive(Debug)]
-pub(crate) struct TrianglePairs {
-    triangles: Vec<[u32; 3]>,
+pub(crate) struct TrianglePairs<B = Hierarchy> {
+    /// The triangles of the mesh, as vertex numbers.
+    pub(crate) triangles: Vec<[u32; 3]>,
     vertex_count: usize,
-    bounds: Vec<Bounds>,
-    tree: Hierarchy,
-    pairs: Vec<[u32; 2]>,
+    /// The box of each triangle.
+    pub(crate) bounds: Vec<Bounds>,
+    broad_phase: B,
+    /// Pairs `[a, b]` of triangle numbers, a < b, whose boxes overlap: in rising order, each once, neighbours in the
+    /// mesh included.
+    pub(crate) pairs: Vec<[u32; 2]>,
     sorter: PairSorter,
 }
 
 impl TrianglePairs {
     /// Builds the tree over the rest shape of `mesh`.
     pub(crate) fn new(mesh: &TriMesh) -> Self {
-        let corners = |&t: &[u32; 3]| Bounds::around(gather(mesh.positions(), t));
-        let bounds: Vec<_> = mesh.triangles().iter().map(corners).collect();
-        let (mut tree, mut pairs) = (Hierarchy::new(), Vec::new());
-        // The tree keeps the shape of its first boxes.
-        tree.overlapping(&bounds, &mut pairs);
-        Self {
-            triangles: mesh.triangles().to_vec(),
-            vertex_count: mesh.vertex_count(),
-            tree,
-            bounds,
-            pairs,
-            sorter: PairSorter::default(),
-        }
+        Self::with(mesh, Hierarchy::default())
     }
 
-    /// Finds the pairs `[a, b]` of triangle numbers, a < b, whose boxes overlap at `positions` (m), one per vertex; in
-    /// rising order, each once, neighbours in the mesh included.
+    /// Finds the pairs at `positions` (m), one per vertex.
     ///
     /// # Errors
     /// [`CollideError::NonFinitePosition`] if a coordinate is NaN or infinite. What was found then stays.
     ///
     /// # Panics
     /// If there are not as many positions as the mesh has vertices.
-    pub(crate) fn find(&mut self, positions: &[Vec3]) -> Result<&[[u32; 2]], CollideError> {
+    pub(crate) fn find(&mut self, positions: &[Vec3]) -> Result<(), CollideError> {
         assert_eq!(
             positions.len(),
             self.vertex_count,
@@ -64,30 +55,39 @@ impl TrianglePairs {
         for (bounds, &corners) in self.bounds.iter_mut().zip(&self.triangles) {
             *bounds = Bounds::around(gather(positions, corners));
         }
-        self.tree.overlapping(&self.bounds, &mut self.pairs);
-        self.sorter.sort(&mut self.pairs, self.bounds.len());
-        Ok(&self.pairs)
+        self.search();
+        Ok(())
     }
 
     /// Hands `visit` every pair of triangles a < b whose boxes, at the last positions, are nearer than the distance whose
     /// square is `limit` (m²), which `visit` may lower on the way.
     pub(crate) fn visit_within(&self, limit: &Cell<Real>, mut visit: impl FnMut([u32; 2])) {
-        self.tree.visit_near(limit, |a, b| visit([a, b]));
+        self.broad_phase.visit_near(limit, |a, b| visit([a, b]));
+    }
+}
+
+impl<B: BroadPhase> TrianglePairs<B> {
+    /// With this `broad_phase`.
+    pub(crate) fn with(mesh: &TriMesh, broad_phase: B) -> Self {
+        let corners = |&t: &[u32; 3]| Bounds::around(gather(mesh.positions(), t));
+        let mut pairs = Self {
+            triangles: mesh.triangles().to_vec(),
+            vertex_count: mesh.vertex_count(),
+            bounds: mesh.triangles().iter().map(corners).collect(),
+            broad_phase,
+            pairs: Vec::new(),
+            sorter: PairSorter::default(),
+        };
+        // A tree keeps the shape of its first boxes, and those of the rest shape are best.
+        pairs.search();
+        pairs
     }
 
-    /// What [`TrianglePairs::find`] has found last.
-    pub(crate) fn found(&self) -> &[[u32; 2]] {
-        &self.pairs
-    }
-
-    /// The triangles of the mesh, as vertex numbers.
-    pub(crate) fn triangles(&self) -> &[[u32; 3]] {
-        &self.triangles
-    }
-
-    /// The box of each triangle.
-    pub(crate) fn bounds(&self) -> &[Bounds] {
-        &self.bounds
+    /// Finds the pairs of the boxes as they are.
+    pub(crate) fn search(&mut self) {
+        self.broad_phase.overlapping(&self.bounds, &mut self.pairs);
+        // What comes next reads the triangles of each pair; in this order most are still in the cache.
+        self.sorter.sort_pairs(&mut self.pairs, self.bounds.len());
     }
 }
 

@@ -10,94 +10,68 @@ use super::reach::Margin;
 use super::{Impact, Stop};
 use cloth_core::math::{Real, Vec3};
 
-/// What was found, and after how many steps.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Walk {
-    pub(super) impact: Option<Impact>,
-    pub(super) steps: u32,
-}
-
-impl Walk {
-    /// To the end of the motion.
-    fn free(steps: u32) -> Self {
-        let impact = None;
-        Self { impact, steps }
-    }
-
-    fn stopped(time: Real, stop: Stop, steps: u32) -> Self {
-        let impact = Some(Impact { time, stop });
-        Self { impact, steps }
-    }
-}
-
 /// No walk has more steps.
 pub(super) const MOST_STEPS: u32 = 96;
 
 /// Steps in `f64` before it is left to double precision, where that can be used.
 const PATIENCE: u32 = MOST_STEPS - fine::BUDGET;
 
-/// Walks along the motion of `polygon` while it is certain to be further than `separation` (m) from the origin. Ends
-/// when the distance beyond that has shrunk to the fraction `slack` of what it was at the start.
-pub(super) fn walk<const K: usize>(polygon: &Difference<K>, separation: Real, slack: Real) -> Walk
+/// A polygon that is followed while it is certain to be further than the separation from the origin.
+pub(super) struct Walk<const K: usize> {
+    polygon: Difference<K>,
+    margin: Margin,
+}
+
+impl<const K: usize> Walk<K>
 where
     [Vec3; K]: NearestFeature,
 {
-    let margin = Margin {
-        separation: separation * polygon.scale,
-        size: polygon.size,
-    };
-    let exactly = separation == 0.0 && slack == 0.0;
-    let budget = if separation == 0.0 {
-        PATIENCE
-    } else {
-        MOST_STEPS
-    };
-    let (walk, trial) = coarse::coarse(polygon, margin, slack, budget);
-    let Some(Impact { time, stop }) = walk.impact else {
-        return walk;
-    };
-    let unclear = match stop {
-        Stop::Contact => separation == 0.0 && !goes_through(polygon, margin, time, trial),
-        Stop::Budget => exactly,
-        Stop::Slack => false,
-    };
-    if !unclear {
-        return walk;
+    /// Where the walk along the motion of `polygon` ends before the motion does: at a contact, or when the distance
+    /// beyond `separation` (m) has shrunk to the fraction `slack` of what it was at the start.
+    pub(super) fn end(polygon: Difference<K>, separation: Real, slack: Real) -> Option<Impact> {
+        let margin = Margin {
+            separation: separation * polygon.scale,
+            size: polygon.size,
+        };
+        let walk = Self { polygon, margin };
+        let may_touch = separation == 0.0;
+        let budget = if may_touch { PATIENCE } else { MOST_STEPS };
+        let (impact, trial) = walk.coarse(slack, budget);
+        let Impact { time, stop } = impact?;
+        let is_unclear = match stop {
+            Stop::Contact => may_touch && !walk.goes_through(time, trial),
+            Stop::Budget => may_touch && slack == 0.0,
+            Stop::Slack => false,
+        };
+        if is_unclear {
+            walk.fine(time, trial)
+        } else {
+            impact
+        }
     }
-    let fine = fine::fine(polygon, margin, time, trial);
-    Walk {
-        steps: walk.steps + fine.steps,
-        ..fine
+
+    /// Whether, as far as `f64` can tell, the origin goes through the inside of the face within a few `trial`s after
+    /// `time`. Then there is no need to look closer. A wrong yes would be a contact too many, which is safe.
+    fn goes_through(&self, time: Real, trial: Real) -> bool {
+        let before = self.polygon.at(time).map(Into::into);
+        let after = self.polygon.at((time + 8.0 * trial).min(1.0));
+        let after = after.map(Into::into);
+        // Near the boundary of the face the origin may pass it by.
+        let inside = |x: &[Vec3; K]| x.depth_inside() > 1e-6;
+        let across = |n: Vec3| self.margin.clearance(-n, &after) > 0.0;
+        inside(&before) && inside(&after) && steady(Feature::Face, &before).is_some_and(across)
     }
-}
 
-/// Whether, as far as `f64` can tell, the origin goes through the inside of the face within a few `trial`s after
-/// `time`. Then there is no need to look closer. A wrong yes would be a contact too many, which is safe.
-fn goes_through<const K: usize>(
-    polygon: &Difference<K>,
-    margin: Margin,
-    time: Real,
-    trial: Real,
-) -> bool
-where
-    [Vec3; K]: NearestFeature,
-{
-    let before = polygon.at(time).map(Into::into);
-    let after = polygon.at((time + 8.0 * trial).min(1.0)).map(Into::into);
-    // Near the boundary of the face the origin may pass it by.
-    let inside = |x: &[Vec3; K]| x.depth_inside() > 1e-6;
-    inside(&before)
-        && inside(&after)
-        && steady(Feature::Face, &before).is_some_and(|n| margin.clearance(-n, &after) > 0.0)
-}
-
-/// The share of the motion from `x` to `end` that the direction which follows `feature` certifies.
-fn reach_of<S: Number, const K: usize>(
-    margin: Margin,
-    feature: Feature,
-    x: &[Triple<S>; K],
-    end: &[Triple<S>; K],
-) -> Real {
-    let direction = moving(feature, x, end, |start| margin.facing(start, x));
-    direction.map_or(0.0, |direction| margin.moving_reach(&direction, x, end))
+    /// The share of the motion from `x` to `end` that the direction which follows `feature` certifies.
+    fn reach_of<S: Number>(
+        &self,
+        feature: Feature,
+        x: &[Triple<S>; K],
+        end: &[Triple<S>; K],
+    ) -> Real {
+        let direction = moving(feature, x, end, |start| self.margin.facing(start, x));
+        direction.map_or(0.0, |direction| {
+            self.margin.moving_reach(&direction, x, end)
+        })
+    }
 }

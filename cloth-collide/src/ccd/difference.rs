@@ -111,6 +111,18 @@ pub(super) trait NearestFeature {
     const FEATURES: &'static [Feature];
     /// Where it is.
     fn nearest_feature(&self) -> Feature;
+    /// `nearest` and those of more points that it belongs to. At a small distance it takes less than rounding to mistake
+    /// a point of an edge for its end, but the directions to the two are not the same; and the normal of the face often
+    /// serves for longer.
+    fn containing(nearest: Feature) -> impl Iterator<Item = Feature> {
+        let contains = move |larger: &Feature| match (*larger, nearest) {
+            (Feature::Face, nearest) => nearest != Feature::Face,
+            (Feature::Edge(k, l), Feature::Corner(corner)) => corner == k || corner == l,
+            _ => false,
+        };
+        let larger = Self::FEATURES.iter().copied().filter(contains);
+        std::iter::once(nearest).chain(larger)
+    }
     /// How far inside the face it is: its smallest weight (dimensionless), 0 on the boundary.
     fn depth_inside(&self) -> Real;
 }

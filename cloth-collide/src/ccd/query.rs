@@ -1,6 +1,6 @@
 //! A query as a value: for files of queries, for generated ones, and for methods to be compared.
 
-use super::advance::walk;
+use super::advance::Walk;
 use super::difference::Difference;
 use super::{ContinuousTest, Impact};
 use crate::error::CollideError;
@@ -8,7 +8,7 @@ use crate::pair::Gap;
 use cloth_core::math::{Real, Vec3};
 
 /// Which two primitives move.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum QueryKind {
     /// A vertex and the three corners of a triangle.
     VertexTriangle,
@@ -81,17 +81,16 @@ impl Query {
     /// [`CollideError::NonFinitePosition`] with the number of the vertex, 0 to 3, and [`CollideError::TooFarApart`].
     pub fn first_contact(&self, test: &ContinuousTest) -> Result<Option<Impact>, CollideError> {
         let (separation, slack) = (test.separation, test.slack);
-        let walk = match self.kind {
+        Ok(match self.kind {
             QueryKind::VertexTriangle => {
                 let polygon = Difference::new(self, [[0, 1], [0, 2], [0, 3]])?;
-                walk(&polygon, separation, slack)
+                Walk::end(polygon, separation, slack)
             }
             QueryKind::EdgeEdge => {
                 let polygon = Difference::new(self, [[0, 2], [1, 2], [0, 3], [1, 3]])?;
-                walk(&polygon, separation, slack)
+                Walk::end(polygon, separation, slack)
             }
-        };
-        Ok(walk.impact)
+        })
     }
 
     /// Distance (m) of the two primitives at `time` (dimensionless, 0..=1), in `f64`.

@@ -121,20 +121,14 @@ impl Margin {
         from: &[Triple<S>; K],
         to: &[Triple<S>; K],
     ) -> Real {
-        let [n0, n1, n2] = direction;
         let rounded = direction.map(|n| value(&n));
         let norm_1 = rounded.iter().map(norm_1).fold(0.0, Real::max);
         let [m0, m1, m2] = rounded.map(|n| self.separation * n.norm());
         let limit = [m0, (m0 + 2.0 * m1) / 3.0, (2.0 * m1 + m2) / 3.0, m2];
         let rounding = S::ROUNDING * norm_1 * (self.size + self.separation);
         let roughly = |x0: &Triple<S>, x1: &Triple<S>| {
-            let ([m0, m1, m2], [y0, y1]) = (rounded, [value(x0), value(x1)]);
-            let product = [
-                m0.dot(&y0),
-                (2.0 * m1.dot(&y0) + m0.dot(&y1)) / 3.0,
-                (m2.dot(&y0) + 2.0 * m1.dot(&y1)) / 3.0,
-                m2.dot(&y1),
-            ];
+            let [x0, x1] = [x0, x1].map(|x| x.map(S::value));
+            let product = products(&direction.map(|n| n.map(S::value)), &x0, &x1);
             let rounding = Real::ROUNDING * norm_1 * (self.size + self.separation);
             (0..4).all(|i| product[i] - limit[i] > 2.0 * rounding)
         };
@@ -143,18 +137,28 @@ impl Margin {
             if S::ROUNDING < Real::ROUNDING && roughly(x0, x1) {
                 return 1.0;
             }
-            let twice = |s: S| s.times_power(2.0);
-            let product = [
-                dot(n0, x0).value(),
-                (twice(dot(n1, x0)) + dot(n0, x1)).value() / 3.0,
-                (dot(n2, x0) + twice(dot(n1, x1))).value() / 3.0,
-                dot(n2, x1).value(),
-            ];
+            let product = products(direction, x0, x1);
             let over: [Real; 4] = std::array::from_fn(|i| product[i] - limit[i] - rounding);
             positive_until(over)
         };
         from.iter().zip(to).map(of_corner).fold(1.0, Real::min)
     }
+}
+
+/// The Bernstein coefficients of n · x, of a corner that goes from `x0` to `x1`.
+#[inline]
+fn products<S: Number>(
+    [n0, n1, n2]: &MovingDirection<S>,
+    x0: &Triple<S>,
+    x1: &Triple<S>,
+) -> [Real; 4] {
+    let twice = |s: S| s.times_power(2.0);
+    [
+        dot(n0, x0).value(),
+        (twice(dot(n1, x0)) + dot(n0, x1)).value() / 3.0,
+        (dot(n2, x0) + twice(dot(n1, x1))).value() / 3.0,
+        dot(n2, x1).value(),
+    ]
 }
 
 fn norm_1(v: &Vec3) -> Real {

@@ -100,7 +100,3 @@ fn nearest_with_an_end(first: [Vec3; 2], second: [Vec3; 2]) -> EdgeEdge {
     }
     nearest
 }
-
-#[cfg(test)]
-#[path = "../../tests/unit/closest_edge_edge.rs"]
-mod tests;

@@ -93,7 +93,3 @@ fn nearest_on_boundary(point: Vec3, triangle: [Vec3; 3]) -> PointTriangle {
     }
     nearest
 }
-
-#[cfg(test)]
-#[path = "../../tests/unit/closest_point_triangle.rs"]
-mod tests;

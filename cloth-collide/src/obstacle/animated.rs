@@ -48,12 +48,6 @@ impl AnimatedMesh {
         self.shapes[0].len()
     }
 
-    /// How long it moves (s).
-    #[must_use]
-    pub fn duration(&self) -> Real {
-        self.interval * (self.shapes.len() - 1) as Real
-    }
-
     /// Writes where the vertices are at `time` (s) to `out` (m), as many as there are.
     pub fn place(&self, time: Real, out: &mut [Vec3]) {
         let last = self.shapes.len() - 1;
@@ -66,7 +60,3 @@ impl AnimatedMesh {
         }
     }
 }
-
-#[cfg(test)]
-#[path = "../../tests/unit/obstacle_animated.rs"]
-mod tests;

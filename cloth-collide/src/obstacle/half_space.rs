@@ -43,12 +43,6 @@ impl HalfSpace {
     pub fn inclined(angle: Real) -> Result<Self, ObstacleError> {
         Self::new(Vec3::new(angle.sin(), 0.0, angle.cos()))
     }
-
-    /// The outward normal (dimensionless, unit length).
-    #[must_use]
-    pub fn normal(&self) -> Vec3 {
-        self.normal
-    }
 }
 
 impl SignedDistance for HalfSpace {

@@ -1,6 +1,6 @@
 //! Contact as an impulse: what an impact does to a velocity.
 
-use super::{Obstacle, ObstacleError, not_negative, within};
+use super::{ObstacleError, not_negative, within};
 use cloth_core::math::{Real, Vec3};
 
 /// Restitution and Coulomb friction, as a rule for velocities.
@@ -32,18 +32,6 @@ impl ImpactLaw {
         })
     }
 
-    /// Coefficient of friction μ.
-    #[must_use]
-    pub fn friction(&self) -> Real {
-        self.friction
-    }
-
-    /// Coefficient of restitution e.
-    #[must_use]
-    pub fn restitution(&self) -> Real {
-        self.restitution
-    }
-
     /// The same law without rebound.
     #[must_use]
     pub fn inelastic(self) -> Self {
@@ -62,34 +50,16 @@ impl ImpactLaw {
             return Vec3::zeros();
         }
         let push = -(1.0 + self.restitution) * along;
-        let slide = relative - normal * along;
-        let speed = slide.norm();
-        let held = if self.friction * push >= speed {
-            slide
-        } else {
-            slide * (self.friction * push / speed)
-        };
-        normal * push - held
+        normal * push - hold(relative - normal * along, self.friction * push)
     }
-    /// The discrete response of one vertex: if it is nearer than `thickness` (m) to `obstacle` at its `time` (s), its
-    /// `velocity` (m/s) changes as by an impact, and it is moved out to the thickness. Returns the change (m/s), which
-    /// is the impulse (N·s) per mass. Moving out changes no velocity, but energy by the weight times the displacement.
-    pub fn respond(
-        &self,
-        obstacle: &Obstacle,
-        time: Real,
-        thickness: Real,
-        position: &mut Vec3,
-        velocity: &mut Vec3,
-    ) -> Vec3 {
-        let at = obstacle.signed_distance(*position, time);
-        if at.value >= thickness {
-            return Vec3::zeros();
-        }
-        let surface = obstacle.velocity_at(*position, time);
-        let change = self.velocity_change(*velocity - surface, at.normal);
-        *velocity += change;
-        *position += at.normal * (thickness - at.value);
-        change
+}
+
+/// A force of friction that is not larger than `most`.
+pub(crate) fn hold(wanted: Vec3, most: Real) -> Vec3 {
+    let size = wanted.norm();
+    if size > most {
+        wanted * (most / size)
+    } else {
+        wanted
     }
 }

@@ -1,22 +1,16 @@
 //! Where a rigid body is, and how it moves.
 
 use super::{ObstacleError, finite};
-use cloth_core::math::{Real, Vec3, is_finite};
+use cloth_core::math::{Real, Vec3};
 use nalgebra::UnitQuaternion;
 
 /// Place of a rigid body: x = p + R y takes a point y (m) of its own frame into the world.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Pose {
     /// Where the origin of its frame is, p (m).
     pub position: Vec3,
     /// How its frame is turned, R.
     pub orientation: UnitQuaternion<Real>,
-}
-
-impl Default for Pose {
-    fn default() -> Self {
-        Self::at(Vec3::zeros())
-    }
 }
 
 impl Pose {
@@ -25,7 +19,7 @@ impl Pose {
     pub fn at(position: Vec3) -> Self {
         Self {
             position,
-            orientation: UnitQuaternion::identity(),
+            ..Self::default()
         }
     }
 
@@ -72,21 +66,6 @@ impl RigidMotion {
         }
     }
 
-    /// The motion that leads from one pose to another within `duration` (s), on the shortest way of turning.
-    ///
-    /// # Errors
-    /// [`ObstacleError::OutOfRange`] for the duration, [`ObstacleError::NonFinite`] for a velocity.
-    pub fn between(from: Pose, to: Pose, duration: Real) -> Result<Self, ObstacleError> {
-        super::positive("duration of a motion (s)", duration)?;
-        let turn = to.orientation * from.orientation.inverse();
-        Self {
-            pose: from,
-            velocity: (to.position - from.position) / duration,
-            angular_velocity: turn.scaled_axis() / duration,
-        }
-        .checked()
-    }
-
     /// The pose after `time` (s).
     #[must_use]
     pub fn pose_at(&self, time: Real) -> Pose {
@@ -120,12 +99,7 @@ impl RigidMotion {
         finite("velocity of an obstacle", self.velocity)?;
         finite("angular velocity of an obstacle", self.angular_velocity)?;
         let turned = self.pose.orientation * Vec3::new(1.0, 1.0, 1.0);
-        if is_finite(&turned) {
-            Ok(self)
-        } else {
-            Err(ObstacleError::NonFinite {
-                name: "orientation of an obstacle",
-            })
-        }
+        finite("orientation of an obstacle", turned)?;
+        Ok(self)
     }
 }

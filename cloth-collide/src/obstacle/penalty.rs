@@ -9,8 +9,7 @@ use cloth_core::math::Real;
 ///
 /// As the energy of one vertex it is in J, with k in N/m; of an area, in J/m² with k in Pa/m.
 ///
-/// - A. H. Chen, J. Hsu, Z. Liu, M. Macklin, Y. Yang and C. Yuksel, Offset geometric contact, *ACM Transactions on
-///   Graphics* 44(4), 2025. DOI 10.1145/3731205, section 3.3.
+/// Source: Chen et al. 2025, section 3.3; see [`potential`](crate::potential#references).
 ///
 /// ```
 /// use cloth_collide::obstacle::PenaltyLaw;
@@ -21,8 +20,8 @@ use cloth_core::math::Real;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PenaltyLaw {
-    stiffness: Real,
-    range: Real,
+    pub(crate) stiffness: Real,
+    pub(crate) range: Real,
 }
 
 /// Fraction of the range below which the derivatives are those at just this fraction, to stay finite numbers.

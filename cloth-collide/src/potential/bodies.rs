@@ -1,16 +1,44 @@
 //! Vertices before bodies, as constraints whose distance is evaluated in every sweep.
 
 use super::forces::Ledger;
+use super::friction::ALONE;
 use super::near::Near;
 use super::rebound::Rebound;
 use super::rows::{KEPT, LEAST, SLACK};
-use super::tangent::{Tangent, hold, stretch};
+use super::tangent::{RowState, Tangent};
 use crate::obstacle::{Obstacle, VertexPath, first_contact};
 use cloth_core::contact::ContactStep;
 use cloth_core::math::{Real, Vec3};
 
 /// A rigid body with a signed distance, and the coefficient of friction μ (dimensionless) on it.
 pub(super) type Body = (Obstacle, Real);
+
+/// A substep, of the cloth alone or of all vertices, and what it meets.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Substep<'a> {
+    pub(super) near: &'a Near,
+    pub(super) bodies: &'a [Body],
+    pub(super) step: ContactStep<'a>,
+}
+
+impl<'a> Substep<'a> {
+    /// That of the cloth alone.
+    pub(super) fn of_cloth(near: &'a Near, bodies: &'a [Body], step: &ContactStep<'a>) -> Self {
+        Self {
+            near,
+            bodies,
+            step: ContactStep {
+                from: near.own(step.from),
+                inverse_mass: &step.inverse_mass[..near.cloth],
+                dt: step.dt,
+            },
+        }
+    }
+
+    fn body(&self, row: &Row) -> &'a Obstacle {
+        &self.bodies[row.body as usize].0
+    }
+}
 
 /// A vertex that can touch a body in this substep.
 #[derive(Clone, Copy, Debug, Default)]
@@ -19,23 +47,15 @@ struct Row {
     body: u32,
     /// At the start of the substep (m).
     distance: Real,
-    /// h (m), d̂ (m), and α̃ (1/kg).
+    /// h (m).
     thickness: Real,
-    range: Real,
-    compliance: Real,
-    /// μ (dimensionless).
-    coefficient: Real,
+    state: RowState,
     is_violated: bool,
-    /// λ (kg m) along the normal of the last visit, and the same of friction.
-    lambda: Real,
+    /// That of the last visit, and the push (kg m) along those of all visits.
     normal: Vec3,
-    /// The same of the pressure of all visits.
     pressure: Vec3,
-    friction: Vec3,
     /// By how much it would get nearer in the substep (m), if that is wanted.
     approach: Real,
-    /// Where it sticks at the end of the substep (m).
-    origin: Vec3,
 }
 
 /// All vertices and bodies.
@@ -84,19 +104,13 @@ impl Bodies {
     }
 
     /// Begins a substep: rows for the vertices that can touch a body on their path to `to` (m).
-    pub(super) fn begin(
-        &mut self,
-        bodies: &[Body],
-        near: &Near,
-        step: &ContactStep<'_>,
-        to: &[Vec3],
-    ) {
+    pub(super) fn begin(&mut self, substep: &Substep<'_>, to: &[Vec3]) {
         self.rows.clear();
         self.has_row.fill(false);
-        let reach = near.law().range() * (1.0 + SLACK);
-        self.each_near(bodies, step, to, reach, |list, index, row| {
-            row.set_law(near, bodies, step.dt);
-            row.origin -= list.stretches[index];
+        let reach = substep.near.law.range() * (1.0 + SLACK);
+        self.each_near(substep, to, reach, |list, index, row| {
+            row.set_law(substep);
+            row.state.origin -= list.stretches[index];
             list.has_row[index] = true;
             list.rows.push(*row);
         });
@@ -105,8 +119,7 @@ impl Bodies {
     /// Hands `visit` each vertex without a row that can come as near as `reach` (m) to a body, with its index.
     fn each_near(
         &mut self,
-        bodies: &[Body],
-        step: &ContactStep<'_>,
+        Substep { bodies, step, .. }: &Substep<'_>,
         to: &[Vec3],
         reach: Real,
         mut visit: impl FnMut(&mut Self, usize, &mut Row),
@@ -147,31 +160,26 @@ impl Bodies {
                         true => at.value - body.signed_distance(*to, step.dt).value,
                         false => 0.0,
                     },
-                    origin: motion.pose_at(step.dt).to_world(local),
                     ..Row::default()
                 };
+                row.state.origin = motion.pose_at(step.dt).to_world(local);
                 visit(self, index, &mut row);
             }
         }
     }
 
-    /// How far (m) every vertex may go from `x` (m) while none comes within the thickness `h` (m) of a body; nothing if
-    /// bodies move.
-    pub(super) fn margin(
-        &self,
-        bodies: &[Body],
-        h: Real,
-        step: &ContactStep<'_>,
-        x: &[Vec3],
-    ) -> Option<Real> {
+    /// How far (m) every vertex may go from `x` (m) while none comes within the thickness of a body; nothing if bodies
+    /// move.
+    pub(super) fn margin(&self, substep: &Substep<'_>, x: &[Vec3]) -> Option<Real> {
+        let h = substep.near.law.range();
         let mut least = Real::INFINITY;
-        for (number, (body, _)) in bodies.iter().enumerate() {
+        for (number, (body, _)) in substep.bodies.iter().enumerate() {
             if !body.motion().is_still() {
                 return None;
             }
-            let first = number * x.len();
-            for (vertex, x) in x.iter().enumerate() {
-                if step.inverse_mass[vertex] > 0.0 {
+            let first = number * substep.near.cloth;
+            for (vertex, (x, w)) in x.iter().zip(substep.step.inverse_mass).enumerate() {
+                if *w > 0.0 {
                     let room = self.rooms[first + vertex] - h * (1.0 + SLACK);
                     let displacement = (x - self.places[first + vertex]).norm();
                     least = least.min(room / body.shape().lipschitz() - displacement);
@@ -182,55 +190,32 @@ impl Bodies {
     }
 
     /// Projects each vertex out of the bodies, where they are at the end of the substep.
-    pub(super) fn sweep(&mut self, bodies: &[Body], step: &ContactStep<'_>, x: &mut [Vec3]) {
+    pub(super) fn sweep(&mut self, substep: &Substep<'_>, x: &mut [Vec3]) {
         for row in &mut self.rows {
-            let (body, _) = &bodies[row.body as usize];
             let v = row.vertex as usize;
-            let at = body.signed_distance(x[v], step.dt);
-            let value = at.value - row.range;
-            if value >= 0.0 && row.lambda == 0.0 {
-                continue;
+            let at = substep.body(row).signed_distance(x[v], substep.step.dt);
+            let (ease, before) = (substep.step.inverse_mass[v], row.state.lambda);
+            if let Some(push) = row.state.project(&at, x[v], ease) {
+                row.normal = at.normal;
+                row.pressure += at.gradient() * (row.state.lambda - before);
+                x[v] += push * ease;
             }
-            let ease = step.inverse_mass[v];
-            let change = -(value + row.compliance * row.lambda)
-                / (ease * at.slope * at.slope + row.compliance);
-            let lambda = (row.lambda + change).max(0.0);
-            let mut push = at.gradient() * (lambda - row.lambda);
-            (row.lambda, row.normal) = (lambda, at.normal);
-            row.pressure += push;
-            if row.coefficient > 0.0 {
-                let slip = x[v] - row.origin;
-                let slip = slip - at.normal * at.normal.dot(&slip);
-                let most = row.coefficient * lambda * at.slope;
-                let held = hold(row.friction - slip / ease, most);
-                push += held - row.friction;
-                row.friction = held;
-            }
-            x[v] += push * ease;
         }
     }
 
     /// How many vertices come too near on their path to `x` (m); those get rows.
-    pub(super) fn violations(
-        &mut self,
-        bodies: &[Body],
-        near: &Near,
-        step: &ContactStep<'_>,
-        x: &[Vec3],
-    ) -> u32 {
-        let h = near.law().range();
-        self.each_near(bodies, step, x, KEPT * h, |list, index, row| {
-            let (body, _) = &bodies[row.body as usize];
-            if !row.is_safe(body, h, step, x) {
-                row.set_law(near, bodies, step.dt);
+    pub(super) fn violations(&mut self, substep: &Substep<'_>, x: &[Vec3]) -> u32 {
+        let reach = KEPT * substep.near.law.range();
+        self.each_near(substep, x, reach, |list, index, row| {
+            if !row.is_safe(substep, x) {
+                row.set_law(substep);
                 list.has_row[index] = true;
                 list.rows.push(*row);
             }
         });
         let mut count = 0;
         for row in &mut self.rows {
-            let (body, _) = &bodies[row.body as usize];
-            row.is_violated = !row.is_safe(body, h, step, x);
+            row.is_violated = !row.is_safe(substep, x);
             count += u32::from(row.is_violated);
         }
         count
@@ -245,30 +230,25 @@ impl Bodies {
     /// Rows of those give in no more.
     pub(super) fn harden(&mut self) {
         for row in self.rows.iter_mut().filter(|row| row.is_violated) {
-            row.compliance = 0.0;
-            row.range = row.range.min(row.distance.max(LEAST * row.thickness));
+            let least = row.distance.max(LEAST * row.thickness);
+            (row.state.compliance, row.state.range) = (0.0, row.state.range.min(least));
         }
     }
 
     /// What is inside comes out in this substep, not in as many as its law would take.
     pub(super) fn lead_out(&mut self) {
         for row in self.rows.iter_mut().filter(|row| row.distance <= 0.0) {
-            (row.compliance, row.range) = (0.0, LEAST * row.thickness);
+            (row.state.compliance, row.state.range) = (0.0, LEAST * row.thickness);
         }
     }
 
     /// The substep ends at `x` (m), the bodies still being where they are at its start. Friction gives in by `reach`
     /// (m). Returns the work (J) that they did.
-    pub(super) fn end(
-        &mut self,
-        bodies: &[Body],
-        reach: Real,
-        step: &ContactStep<'_>,
-        x: &[Vec3],
-    ) -> Real {
+    pub(super) fn end(&mut self, substep: &Substep<'_>, reach: Real, x: &[Vec3]) -> Real {
+        let Substep { bodies, step, .. } = substep;
         for (number, (body, _)) in bodies.iter().enumerate() {
             if !body.motion().is_still() {
-                let first = number * x.len();
+                let first = number * step.from.len();
                 for (room, from) in self.rooms[first..].iter_mut().zip(step.from) {
                     *room -= displacement_of(body, *from, step.dt) * body.shape().lipschitz();
                 }
@@ -277,13 +257,10 @@ impl Bodies {
         let mut work = 0.0;
         for row in &self.rows {
             let v = row.vertex as usize;
-            let (body, _) = &bodies[row.body as usize];
-            let displacement = x[v] - row.origin;
-            let displacement = displacement - row.normal * row.normal.dot(&displacement);
-            let index = row.body as usize * x.len() + v;
-            self.stretches[index] = stretch(displacement, row.lambda, reach);
-            let impulse = (row.normal * row.lambda + row.friction) / step.dt;
-            work += impulse.dot(&body.velocity_at(x[v], step.dt));
+            let index = row.body as usize * step.from.len() + v;
+            self.stretches[index] = row.state.stretch(x[v], row.normal, reach);
+            let impulse = (row.normal * row.state.lambda + row.state.friction) / step.dt;
+            work += impulse.dot(&substep.body(row).velocity_at(x[v], step.dt));
         }
         work
     }
@@ -292,54 +269,44 @@ impl Bodies {
     /// ends at `x` (m), the bodies still being where they are at its start.
     pub(super) fn rebounds(
         &self,
-        bodies: &[Body],
+        substep: &Substep<'_>,
         least: Real,
-        step: &ContactStep<'_>,
         x: &[Vec3],
         out: &mut Vec<Rebound>,
     ) {
-        let touching = self.rows.iter().filter(|row| row.lambda > 0.0);
+        let step = &substep.step;
+        let touching = self.rows.iter().filter(|row| row.state.lambda > 0.0);
         for row in touching.filter(|row| row.approach.abs() > least) {
             let v = row.vertex as usize;
-            let (body, _) = &bodies[row.body as usize];
             out.push(Rebound {
                 vertices: [row.vertex; 4],
-                weights: [1.0, 0.0, 0.0, 0.0],
+                weights: ALONE,
                 normal: row.normal,
                 inverse_mass: [step.inverse_mass[v]; 4],
                 ease: step.inverse_mass[v],
                 approach: row.approach / step.dt,
-                of_body: -row.normal.dot(&body.velocity_at(x[v], step.dt)),
+                of_body: -row
+                    .normal
+                    .dot(&substep.body(row).velocity_at(x[v], step.dt)),
             });
         }
     }
 
-    /// The vertices that touch body `number`, and the impulses (N·s) on them in a substep of `dt` (s).
-    pub(super) fn impulses_of(
-        &self,
-        number: usize,
-        dt: Real,
-    ) -> impl Iterator<Item = (usize, Vec3)> + '_ {
-        let own = self
-            .rows
-            .iter()
-            .filter(move |row| row.body as usize == number);
-        own.map(move |row| (row.vertex as usize, (row.pressure + row.friction) / dt))
+    /// Hands `visit` the vertices that touch body `number`, and the impulses (N·s) on them in a substep of `dt` (s).
+    pub(super) fn each_impulse(&self, number: usize, dt: Real, mut visit: impl FnMut(usize, Vec3)) {
+        for row in self.rows.iter().filter(|row| row.body as usize == number) {
+            let impulse = (row.pressure + row.state.friction) / dt;
+            visit(row.vertex as usize, impulse);
+        }
     }
 
     /// Enters the impulses of a substep that ends at `x` (m), the bodies still being where they are at its start.
-    pub(super) fn record(
-        &self,
-        bodies: &[Body],
-        step: &ContactStep<'_>,
-        x: &[Vec3],
-        ledger: &mut Ledger,
-    ) {
+    pub(super) fn record(&self, substep: &Substep<'_>, x: &[Vec3], ledger: &mut Ledger) {
+        let dt = substep.step.dt;
         for row in &self.rows {
             let (v, number) = (row.vertex as usize, row.body as usize);
-            let motion = bodies[number].0.motion();
-            let arm = x[v] - motion.pose_at(step.dt).position;
-            let impulses = [row.pressure, row.friction].map(|push| push / step.dt);
+            let arm = x[v] - substep.body(row).motion().pose_at(dt).position;
+            let impulses = [row.pressure, row.state.friction].map(|push| push / dt);
             ledger.add_obstacle([v, number], impulses, arm);
         }
     }
@@ -351,36 +318,32 @@ impl Bodies {
             let at = bodies[row.body as usize].0.signed_distance(x[v], 0.0);
             near.vertex_area[v] * near.law_at(v).energy(at.value)
         };
-        let pushing = self.rows.iter().filter(|row| row.lambda > 0.0);
+        let pushing = self.rows.iter().filter(|row| row.state.lambda > 0.0);
         pushing.map(energy).sum()
     }
 }
 
 impl Row {
-    fn set_law(&mut self, near: &Near, bodies: &[Body], dt: Real) {
+    fn set_law(&mut self, Substep { near, bodies, step }: &Substep<'_>) {
         let (v, (_, friction)) = (self.vertex as usize, &bodies[self.body as usize]);
         let law = near.law_at(v);
         self.thickness = law.range();
-        self.coefficient = near.friction_on(v, *friction);
+        self.state.coefficient = near.friction_on(v, *friction);
         let tangent = Tangent::of(law, near.vertex_area[v], self.distance);
-        self.range = tangent.range;
-        self.compliance = tangent.compliance(dt);
-    }
-
-    /// Distance (m) to keep: none of one that is not there.
-    fn kept(&self, h: Real) -> Real {
-        KEPT * self.distance.clamp(0.0, h)
+        self.state.range = tangent.range;
+        self.state.compliance = tangent.compliance(step.dt);
     }
 
     /// Whether the vertex does not come too near on its path to `x` (m).
-    fn is_safe(&self, body: &Obstacle, h: Real, step: &ContactStep<'_>, x: &[Vec3]) -> bool {
-        let v = self.vertex as usize;
+    fn is_safe(&self, substep: &Substep<'_>, x: &[Vec3]) -> bool {
+        let (body, step) = (substep.body(self), &substep.step);
+        let (v, h) = (self.vertex as usize, substep.near.law.range());
         let (from, to) = (step.from[v], x[v]);
         if self.distance <= 0.0 {
             // It has been inside before, and must not get deeper.
             return body.signed_distance(to, step.dt).value >= self.distance - 1e-2 * h;
         }
-        let kept = self.kept(h);
+        let kept = KEPT * self.distance.clamp(0.0, h);
         let displacement = (to - from).norm() + displacement_of(body, from, step.dt);
         if self.distance - displacement * body.shape().lipschitz() > kept {
             return true;

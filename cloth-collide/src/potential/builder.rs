@@ -2,14 +2,13 @@
 
 use super::bodies::Body;
 use super::free::FreeBody;
-use super::last_resort::LastResort;
 use super::let_go::LetGo;
 use super::near::{Near, Own, Side};
 use super::patches::Patches;
 use super::rebound::Rebounds;
 use super::sewn::Sewn;
 use super::source::Contacts;
-use super::surfaces::{Motion, PotentialContacts, Surface, Surfaces};
+use super::surfaces::{Motion, PotentialContacts, Surfaces};
 use crate::broad_phase::BroadPhaseKind;
 use crate::obstacle::{AnimatedMesh, Obstacle, PenaltyLaw, RigidBody};
 use cloth_core::error::{OutOfRange, not_negative, positive};
@@ -24,12 +23,10 @@ pub struct PotentialBuilder<'a> {
     mesh: &'a TriMesh,
     thickness: Real,
     stiffness: Real,
-    friction: Real,
     restitution: Option<Real>,
     obstacles: Vec<Body>,
-    surfaces: Vec<Surface>,
+    surfaces: Vec<(TriMesh, Motion)>,
     free: Vec<(usize, RigidBody)>,
-    self_collision: bool,
     own: Own,
 }
 
@@ -39,13 +36,14 @@ impl<'a> PotentialBuilder<'a> {
             mesh,
             thickness: 1e-3,
             stiffness: 1e6,
-            friction: 0.0,
             restitution: None,
             obstacles: Vec::new(),
             surfaces: Vec::new(),
             free: Vec::new(),
-            self_collision: true,
-            own: Own::default(),
+            own: Own {
+                self_collision: true,
+                ..Own::default()
+            },
         }
     }
 
@@ -62,7 +60,7 @@ impl<'a> PotentialBuilder<'a> {
     /// bodies, and two pieces keep half the sum of theirs. Replaces [`thickness`](Self::thickness).
     #[must_use]
     pub fn thickness_of_vertices(mut self, thickness: Vec<Real>) -> Self {
-        self.own.thickness = thickness;
+        self.own.thicknesses = thickness;
         self
     }
 
@@ -71,7 +69,7 @@ impl<'a> PotentialBuilder<'a> {
     /// [`friction`](Self::friction).
     #[must_use]
     pub fn friction_of_vertices(mut self, friction: Vec<Real>) -> Self {
-        self.own.friction = friction;
+        self.own.frictions = friction;
         self
     }
 
@@ -117,7 +115,7 @@ impl<'a> PotentialBuilder<'a> {
     /// Coefficient of friction μ (dimensionless) of cloth on cloth.
     #[must_use]
     pub fn friction(mut self, friction: Real) -> Self {
-        self.friction = friction;
+        self.own.friction = friction;
         self
     }
 
@@ -142,8 +140,7 @@ impl<'a> PotentialBuilder<'a> {
     /// surface of the shape or inside, since the signed distance keeps vertices on its own.
     #[must_use]
     pub fn surface(mut self, number: usize, mesh: TriMesh) -> Self {
-        let motion = Motion::Obstacle(number);
-        self.surfaces.push(Surface::new(mesh, motion));
+        self.surfaces.push((mesh, Motion::Obstacle(number)));
         self
     }
 
@@ -160,14 +157,14 @@ impl<'a> PotentialBuilder<'a> {
     #[must_use]
     pub fn animated(mut self, mesh: TriMesh, animation: AnimatedMesh, friction: Real) -> Self {
         let motion = Motion::Own(animation, friction);
-        self.surfaces.push(Surface::new(mesh, motion));
+        self.surfaces.push((mesh, motion));
         self
     }
 
     /// Whether the cloth touches itself (it does unless told otherwise). If not, nothing is built for it.
     #[must_use]
     pub fn self_collision(mut self, self_collision: bool) -> Self {
-        self.self_collision = self_collision;
+        self.own.self_collision = self_collision;
         self
     }
 
@@ -179,15 +176,12 @@ impl<'a> PotentialBuilder<'a> {
     /// number of vertices than its mesh, or a sewn vertex that there is not.
     pub fn build(self) -> Result<PotentialContacts, BuildError> {
         self.check_own()?;
-        let most = self.own.thickness.iter().copied().reduce(Real::max);
+        let most = self.own.thicknesses.iter().copied().reduce(Real::max);
         let thickness = most.unwrap_or(self.thickness);
-        let law = PenaltyLaw::new(self.stiffness, thickness).map_err(|_| {
-            let is_stiff = self.stiffness > 0.0 && self.stiffness.is_finite();
-            match is_stiff {
-                true => invalid("thickness of contact (m)", self.thickness, POSITIVE),
-                false => invalid("stiffness of contact (Pa/m)", self.stiffness, POSITIVE),
-            }
-        })?;
+        let law = PenaltyLaw {
+            stiffness: positive("stiffness of contact (Pa/m)", self.stiffness)?,
+            range: positive("thickness of contact (m)", thickness)?,
+        };
         if let Some(e) = self.restitution {
             if !(0.0..=1.0).contains(&e) {
                 return Err(invalid("coefficient of restitution", e, "from 0 to 1"));
@@ -198,7 +192,7 @@ impl<'a> PotentialBuilder<'a> {
             }
         }
         // Friction is no part of the law of pressure, and checked apart.
-        not_negative("friction of contact", self.friction)?;
+        not_negative("friction of contact", self.own.friction)?;
         for (_, friction) in &self.obstacles {
             not_negative("friction of a body", *friction)?;
         }
@@ -207,7 +201,7 @@ impl<'a> PotentialBuilder<'a> {
         let joined = if self.surfaces.is_empty() {
             None
         } else {
-            let surfaces = self.surfaces.iter().map(|surface| &surface.mesh);
+            let surfaces = self.surfaces.iter().map(|(mesh, _)| mesh);
             let all: Vec<TriMesh> = std::iter::once(self.mesh)
                 .chain(surfaces)
                 .cloned()
@@ -216,22 +210,20 @@ impl<'a> PotentialBuilder<'a> {
             let name = "number of vertices of the cloth and the surfaces of bodies";
             Some(join(&all).map_err(|_| invalid(name, count, "below 2³²"))?)
         };
-        let has_pairs = self.self_collision || joined.is_some();
+        let has_pairs = self.own.self_collision || joined.is_some();
         let mesh = joined.as_ref().unwrap_or(self.mesh);
-        let near = Near::new(
-            mesh,
-            law,
-            sides,
-            self.self_collision,
-            self.friction,
-            self.own,
-        );
+        let near = Near::new(mesh, law, sides, self.own);
         let patches = || has_pairs.then(|| Patches::new(mesh, &near));
-        let patches = [patches(), patches()];
-        let last_resort = LastResort::new(mesh, thickness, has_pairs);
-        let mut contacts = Contacts::new(near, patches, self.obstacles, last_resort);
+        let (for_rows, for_paths) = (patches(), patches());
+        let mut contacts = Contacts::new(near, self.obstacles);
+        contacts.last_resort.mesh = has_pairs.then(|| mesh.clone());
+        contacts.rows.patches = for_rows;
+        contacts.pairs.patches = for_paths;
         contacts.free.list = free;
-        contacts.rows.rebounds = self.restitution.map(Rebounds::new);
+        contacts.rows.rebounds = self.restitution.map(|coefficient| Rebounds {
+            coefficient,
+            list: Vec::new(),
+        });
         contacts.rows.bodies.measures_approach = self.restitution.is_some();
         let surfaces = Surfaces::new(self.mesh.vertex_count(), self.surfaces);
         let mut contacts = PotentialContacts { contacts, surfaces };
@@ -241,49 +233,46 @@ impl<'a> PotentialBuilder<'a> {
 
     /// Checks what vertices have of their own.
     fn check_own(&self) -> Result<(), BuildError> {
-        let Own {
-            thickness,
-            friction,
-            excluded,
-            sewn,
-            ..
-        } = &self.own;
-        let count = self.mesh.vertex_count();
+        let (own, count) = (&self.own, self.mesh.vertex_count());
         for (name, length) in [
-            ("number of thicknesses of vertices", thickness.len()),
+            ("number of thicknesses of vertices", own.thicknesses.len()),
             (
                 "number of coefficients of friction of vertices",
-                friction.len(),
+                own.frictions.len(),
             ),
-            ("number of regions of vertices", excluded.region_count()),
+            ("number of regions of vertices", own.excluded.region_count()),
         ] {
             if length != 0 && length != count {
                 return Err(invalid(name, length as Real, "the number of vertices"));
             }
         }
-        if sewn.count() > count {
+        if own.sewn.count() > count {
             let (name, range) = ("number of a sewn vertex", "below the number of vertices");
-            return Err(invalid(name, (sewn.count() - 1) as Real, range));
+            return Err(invalid(name, (own.sewn.count() - 1) as Real, range));
         }
-        for &value in thickness {
+        for &value in &own.thicknesses {
             positive("thickness of a vertex (m)", value)?;
         }
-        for &value in friction {
+        for &value in &own.frictions {
             not_negative("friction of a vertex", value)?;
         }
         Ok(())
     }
 
+    /// The rigid body of a number.
+    fn body(&self, name: &'static str, number: usize) -> Result<&Body, BuildError> {
+        let range = "below the number of obstacles";
+        let body = self.obstacles.get(number);
+        body.ok_or_else(|| invalid(name, number as Real, range))
+    }
+
     /// The bodies that the cloth pushes.
     fn free_bodies(&self) -> Result<Vec<FreeBody>, BuildError> {
         let found = self.free.iter().map(|&(number, body)| {
-            let (obstacle, _) = self.obstacles.get(number).ok_or_else(|| {
-                let name = "number of a free obstacle";
-                invalid(name, number as Real, "below the number of obstacles")
-            })?;
-            let is_own = |s: &&Surface| matches!(s.motion, Motion::Obstacle(of) if of == number);
-            let surface = self.surfaces.iter().find(is_own);
-            let vertices = surface.map_or(&[][..], |surface| surface.mesh.positions());
+            let (obstacle, _) = self.body("number of a free obstacle", number)?;
+            let is_own = |motion: &Motion| matches!(motion, Motion::Obstacle(of) if *of == number);
+            let surface = self.surfaces.iter().find(|(_, motion)| is_own(motion));
+            let vertices = surface.map_or(&[][..], |(mesh, _)| mesh.positions());
             Ok(FreeBody::new(number, body, obstacle, vertices.to_vec()))
         });
         found.collect()
@@ -293,14 +282,11 @@ impl<'a> PotentialBuilder<'a> {
     fn sides(&self) -> Result<Vec<Side>, BuildError> {
         let mut sides = Vec::new();
         let mut animated = self.obstacles.len()..;
-        for Surface { mesh, motion, .. } in &self.surfaces {
+        for (mesh, motion) in &self.surfaces {
             let (has_distance, friction, body) = match motion {
                 Motion::Obstacle(number) => {
                     let name = "number of the obstacle with a surface";
-                    let body = self.obstacles.get(*number);
-                    let (_, friction) = body.ok_or_else(|| {
-                        invalid(name, *number as Real, "below the number of obstacles")
-                    })?;
+                    let (_, friction) = self.body(name, *number)?;
                     (true, *friction, Some(*number))
                 }
                 Motion::Own(animation, friction) => {
@@ -323,8 +309,6 @@ impl<'a> PotentialBuilder<'a> {
         Ok(sides)
     }
 }
-
-const POSITIVE: &str = "a positive finite number";
 
 fn invalid(name: &'static str, value: Real, range: &'static str) -> BuildError {
     OutOfRange { name, value, range }.into()

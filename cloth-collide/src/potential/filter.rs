@@ -5,7 +5,7 @@ use super::pair::PairContact;
 use crate::ccd::{ContinuousTest, Query};
 use crate::error::CollideError;
 use crate::obstacle::{Obstacle, VertexPath, first_contact};
-use crate::pair::{Gap, Pair};
+use crate::pair::Gap;
 use cloth_core::math::{Real, Vec3};
 
 /// What a path leaves of each distance, or of the thickness where that is less.
@@ -71,8 +71,8 @@ impl NearPairs {
                     *share = share.min(part);
                 }
             };
-            for pair in self.iter().filter(|pair| was_cut(&pair.vertices)) {
-                take(pair.vertices, time_of_pair(pair, from, to)?);
+            for near in self.iter().filter(|near| was_cut(&near.pair.vertices)) {
+                take(near.pair.vertices, time_of_pair(near, from, to)?);
             }
             if !is_short || rounds == ROUNDS {
                 break !is_short;
@@ -124,11 +124,10 @@ pub(super) fn shorten_all(from: &[Vec3], to: &mut [Vec3], parts: &mut [Real], pa
 
 /// The time (dimensionless, 0..=1) at which a pair's distance is down to [`SLACK`] of that at the start, or of the
 /// thickness; 1 if that does not happen.
-fn time_of_pair(pair: &PairContact, from: &[Vec3], to: &[Vec3]) -> Result<Real, CollideError> {
-    let (kind, vertices) = (pair.kind, pair.vertices);
-    let path = Query::of(Pair { kind, vertices }, from, to);
-    let distance = Gap::new(kind, &path.from).distance;
-    let keep = SLACK * distance.min(pair.law.range());
+fn time_of_pair(near: &PairContact, from: &[Vec3], to: &[Vec3]) -> Result<Real, CollideError> {
+    let path = Query::of(near.pair, from, to);
+    let distance = Gap::new(path.kind, &path.from).distance;
+    let keep = SLACK * distance.min(near.law.range());
     if approach(&path) < distance - keep {
         return Ok(1.0);
     }

@@ -4,8 +4,7 @@ use super::bodies::Body;
 use super::free::FreeBodies;
 use super::near::Near;
 use super::source::Contacts;
-use cloth_core::element::Energy;
-use cloth_core::math::{Real, Vec3, gather};
+use cloth_core::math::{Real, Vec3};
 
 /// Forces of contact in a step, averaged over it where a method takes several substeps; of a method that minimises,
 /// those of the potential where the step ends.
@@ -34,10 +33,8 @@ pub struct BodyForce {
 /// What adds them up.
 #[derive(Debug)]
 pub(super) struct Ledger {
-    /// Impulses (N·s) on all vertices, those of surfaces too.
-    normal: Vec<Vec3>,
-    friction: Vec<Vec3>,
-    bodies: Vec<BodyForce>,
+    /// Impulses (N·s, N·m·s) so far: on all vertices, those of surfaces too, and on bodies.
+    impulses: ContactForces,
     /// Over which time (s).
     time: Real,
     pub(super) forces: ContactForces,
@@ -45,25 +42,23 @@ pub(super) struct Ledger {
 
 impl Ledger {
     pub(super) fn new(vertices: usize, cloth: usize, bodies: usize) -> Self {
-        let zeros = |count| vec![Vec3::zeros(); count];
-        Self {
-            normal: zeros(vertices),
-            friction: zeros(vertices),
+        let none = |vertices: usize| ContactForces {
+            normal: vec![Vec3::zeros(); vertices],
+            friction: vec![Vec3::zeros(); vertices],
             bodies: vec![BodyForce::default(); bodies],
+        };
+        Self {
+            impulses: none(vertices),
             time: 0.0,
-            forces: ContactForces {
-                normal: zeros(cloth),
-                friction: zeros(cloth),
-                bodies: vec![BodyForce::default(); bodies],
-            },
+            forces: none(cloth),
         }
     }
 
     /// A step begins.
     pub(super) fn begin(&mut self) {
-        self.normal.fill(Vec3::zeros());
-        self.friction.fill(Vec3::zeros());
-        self.bodies.fill(BodyForce::default());
+        self.impulses.normal.fill(Vec3::zeros());
+        self.impulses.friction.fill(Vec3::zeros());
+        self.impulses.bodies.fill(BodyForce::default());
         self.time = 0.0;
     }
 
@@ -80,14 +75,14 @@ impl Ledger {
         [normal, friction]: [Vec3; 2],
     ) {
         for (v, weight) in vertices.into_iter().zip(weights) {
-            self.normal[v as usize] += normal * weight;
-            self.friction[v as usize] += friction * weight;
+            self.impulses.normal[v as usize] += normal * weight;
+            self.impulses.friction[v as usize] += friction * weight;
         }
     }
 
     /// Pressure (N·s) on one vertex.
     pub(super) fn add(&mut self, vertex: usize, normal: Vec3) {
-        self.normal[vertex] += normal;
+        self.impulses.normal[vertex] += normal;
     }
 
     /// Pressure and friction (N·s) of an obstacle on a vertex that is that far (m) from its position.
@@ -97,15 +92,15 @@ impl Ledger {
         [normal, friction]: [Vec3; 2],
         arm: Vec3,
     ) {
-        self.normal[vertex] += normal;
-        self.friction[vertex] += friction;
-        self.bodies[number].add(-(normal + friction), arm);
+        self.impulses.normal[vertex] += normal;
+        self.impulses.friction[vertex] += friction;
+        self.impulses.bodies[number].add(-(normal + friction), arm);
     }
 
     /// Impulses (N·s, N·m·s) of what stops free bodies.
     pub(super) fn add_stops(&mut self, free: &FreeBodies, per: Real) {
         for free in &free.list {
-            let body = &mut self.bodies[free.number];
+            let body = &mut self.impulses.bodies[free.number];
             body.force += free.stop[0] * per;
             body.torque += free.stop[1] * per;
         }
@@ -113,28 +108,18 @@ impl Ledger {
 
     /// The step is over, with all vertices at `x` (m).
     pub(super) fn end(&mut self, near: &Near, obstacles: &[Body], x: &[Vec3]) {
+        let impulses = &mut self.impulses;
         for (v, body) in (near.cloth..).zip(near.bodies()) {
-            let position = obstacles
-                .get(body)
-                .map_or(Vec3::zeros(), |(body, _)| body.motion().pose.position);
-            let impulse = self.normal[v] + self.friction[v];
+            let obstacle = obstacles.get(body);
+            let position = obstacle.map_or(Vec3::zeros(), |(body, _)| body.motion().pose.position);
+            let impulse = impulses.normal[v] + impulses.friction[v];
             if impulse != Vec3::zeros() {
-                self.bodies[body].add(impulse, x[v] - position);
+                impulses.bodies[body].add(impulse, x[v] - position);
             }
         }
         let per_time = 1.0 / self.time;
-        let average = |out: &mut [Vec3], all: &[Vec3]| {
-            let all = all.iter().map(|impulse| impulse * per_time);
-            out.iter_mut()
-                .zip(all)
-                .for_each(|(out, force)| *out = force);
-        };
-        average(&mut self.forces.normal, &self.normal);
-        average(&mut self.forces.friction, &self.friction);
-        for (out, body) in self.forces.bodies.iter_mut().zip(&self.bodies) {
-            out.force = body.force * per_time;
-            out.torque = body.torque * per_time;
-        }
+        self.forces
+            .change(impulses, |force, impulse| *force = impulse * per_time);
     }
 }
 
@@ -142,20 +127,26 @@ impl ContactForces {
     /// These and others times a `weight` (dimensionless): the terms of a mean.
     #[must_use]
     pub fn plus(mut self, other: &Self, weight: Real) -> Self {
-        for (sum, term) in [
+        self.normal.resize(other.normal.len(), Vec3::zeros());
+        self.friction.resize(other.friction.len(), Vec3::zeros());
+        self.bodies.resize(other.bodies.len(), BodyForce::default());
+        self.change(other, |sum, term| *sum += term * weight);
+        self
+    }
+
+    /// Changes each vector by that of `other` in its place.
+    fn change(&mut self, other: &Self, change: impl Fn(&mut Vec3, Vec3)) {
+        for (own, other) in [
             (&mut self.normal, &other.normal),
             (&mut self.friction, &other.friction),
         ] {
-            sum.resize(term.len(), Vec3::zeros());
-            let both = sum.iter_mut().zip(term);
-            both.for_each(|(sum, term)| *sum += term * weight);
+            let both = own.iter_mut().zip(other);
+            both.for_each(|(own, other)| change(own, *other));
         }
-        self.bodies.resize(other.bodies.len(), BodyForce::default());
-        for (sum, term) in self.bodies.iter_mut().zip(&other.bodies) {
-            sum.force += term.force * weight;
-            sum.torque += term.torque * weight;
+        for (own, other) in self.bodies.iter_mut().zip(&other.bodies) {
+            change(&mut own.force, other.force);
+            change(&mut own.torque, other.torque);
         }
-        self
     }
 }
 
@@ -175,21 +166,12 @@ impl Contacts {
         ledger.begin();
         // A force for a time of 1 s.
         ledger.pass(1.0);
-        for pair in self.pairs.iter() {
-            let (value, gradient) = pair.value_and_gradient(&gather(x, pair.vertices));
-            if value != 0.0 {
-                for (vertex, g) in pair.vertices.iter().zip(gradient) {
-                    ledger.add(*vertex as usize, -g);
-                }
-            }
-        }
+        self.pair_gradients(x, |vertex, g| ledger.add(vertex, -g));
         let arm = |v: usize, number: usize| x[v] - self.bodies[number].0.motion().pose.position;
-        for &[vertex, number] in &self.pairs.vertex_obstacle {
-            let (v, number) = (vertex as usize, number as usize);
-            let at = self.still[number].signed_distance(x[v], 0.0);
-            let slope = self.near.vertex_area[v] * self.near.law_at(v).slope(at.value);
-            let normal = at.gradient() * -slope;
-            ledger.add_obstacle([v, number], [normal, Vec3::zeros()], arm(v, number));
+        for contact in self.obstacle_contacts(x) {
+            let (v, number) = (contact.vertex, contact.number);
+            let forces = [-contact.gradient(), Vec3::zeros()];
+            ledger.add_obstacle([v, number], forces, arm(v, number));
         }
         let reach = self.reach();
         for sticking in &self.sticking {

@@ -5,9 +5,9 @@
 //! together, whatever the method, its iterations and the step. The coupling is staggered: a step has to resolve the
 //! frequency of the body on the contact ([`RigidBody::highest_frequency`]), or the body trembles.
 
-use super::row::Row;
+use super::rows::Rows;
 use super::source::Contacts;
-use crate::obstacle::{Momenta, Obstacle, Pose, RigidBody, RigidMotion};
+use crate::obstacle::{Obstacle, Pose, RigidBody, RigidMotion};
 use cloth_core::contact::ContactStep;
 use cloth_core::math::{Real, Vec3};
 
@@ -17,7 +17,9 @@ pub(super) struct FreeBody {
     /// The number of its obstacle.
     pub(super) number: usize,
     pub(super) body: RigidBody,
-    pub(super) momenta: Momenta,
+    /// Momentum (N·s) and angular momentum (N·m·s), and what they were before the step.
+    pub(super) momenta: [Vec3; 2],
+    before: [Vec3; 2],
     /// That of the step (N·s, N·m·s) about its position at the end.
     impulse: [Vec3; 2],
     /// That of what stops it.
@@ -42,8 +44,6 @@ pub(super) struct FreeBody {
 #[derive(Debug, Default)]
 pub(super) struct FreeBodies {
     pub(super) list: Vec<FreeBody>,
-    /// Their momenta before the step.
-    before: Vec<Momenta>,
     /// Size (s) of a step of a method that minimises.
     pub(super) dt: Real,
     /// Whether a start is led to where bodies go, so that impulses are none of theirs.
@@ -68,6 +68,7 @@ impl FreeBody {
             number,
             body,
             momenta: body.momenta(obstacle.motion()),
+            before: body.momenta(obstacle.motion()),
             impulse: [Vec3::zeros(); 2],
             stop: [Vec3::zeros(); 2],
             change: [Vec3::zeros(); 2],
@@ -89,42 +90,28 @@ impl FreeBody {
 impl FreeBodies {
     /// Notes the momenta before a step.
     pub(super) fn remember(&mut self) {
-        self.before.clear();
-        self.before
-            .extend(self.list.iter().map(|free| free.momenta));
+        let list = self.list.iter_mut();
+        list.for_each(|free| free.before = free.momenta);
     }
 
     /// Goes back to them.
     pub(super) fn undo(&mut self) {
-        let both = self.list.iter_mut().zip(&self.before);
-        both.for_each(|(free, before)| free.momenta = *before);
+        let list = self.list.iter_mut();
+        list.for_each(|free| free.momenta = free.before);
     }
 }
 
 impl Contacts {
-    /// Where free bodies are now, and how they move, by the number of the obstacle.
-    pub(super) fn free_motions(&self) -> impl Iterator<Item = (usize, RigidMotion)> + '_ {
-        self.free.list.iter().map(|free| {
-            let pose = self.bodies[free.number].0.motion().pose;
-            let motion = free.body.motion(pose, &free.momenta, 0.0);
-            (free.number, motion)
-        })
-    }
-
     /// Free bodies move as their momenta and what stops them say, in a (sub)step of `dt` (s).
     pub(super) fn move_free(&mut self, dt: Real) {
         for free in &mut self.free.list {
             let (obstacle, _) = &mut self.bodies[free.number];
             free.place = obstacle.motion().pose;
-            let [linear, angular] = free.stop;
-            let momenta = Momenta {
-                linear: free.momenta.linear + linear,
-                angular: free.momenta.angular + angular,
-            };
-            let mut motion = free.body.motion(free.place, &momenta, dt);
+            let momenta = [0, 1].map(|k| free.momenta[k] + free.stop[k]);
+            let mut motion = free.body.motion(free.place, momenta, dt);
             if free.is_halted {
-                let needed = free.body.momenta(&motion);
-                free.stop = [linear - needed.linear, -free.momenta.angular];
+                let [needed, _] = free.body.momenta(&motion);
+                free.stop = [free.stop[0] - needed, -free.momenta[1]];
                 motion = RigidMotion::still(free.place);
             }
             let moved = obstacle.set_motion(motion);
@@ -135,30 +122,26 @@ impl Contacts {
     /// Adds up the impulses of the constraints on free bodies in a substep that ends at `x` (m), the bodies still
     /// being where they are at its start.
     pub(super) fn collect_impulses(&mut self, step: &ContactStep<'_>, x: &[Vec3]) {
-        let Self {
-            rows,
-            near,
-            bodies: obstacles,
-            free,
-            ..
-        } = self;
-        if free.is_led {
+        if self.free.is_led {
             return;
         }
-        let bodies = &rows.bodies;
-        for free in &mut free.list {
+        let Rows { rows, bodies, .. } = &self.rows;
+        for free in &mut self.free.list {
             let number = free.number;
-            let motion = obstacles[number].0.motion();
+            let motion = self.bodies[number].0.motion();
             let centre = motion.pose_at(step.dt).position;
             free.impulse = [Vec3::zeros(); 2];
-            for (v, impulse) in bodies.impulses_of(number, step.dt) {
+            bodies.each_impulse(number, step.dt, |v, impulse| {
                 free.add(-impulse, x[v] - centre);
-            }
-            rows_impulses(&rows.rows, step.dt, |v, impulse| {
-                if near.body_of(v) == Some(number) {
-                    free.add(impulse, x[v as usize] - centre);
-                }
             });
+            for row in rows.iter().filter(|row| row.state.lambda > 0.0) {
+                let impulse = (row.normal * row.state.lambda + row.state.friction) / step.dt;
+                for (v, weight) in row.pair.vertices.into_iter().zip(row.weights) {
+                    if self.near.body_of(v) == Some(number) {
+                        free.add(impulse * weight, x[v as usize] - centre);
+                    }
+                }
+            }
         }
     }
 
@@ -166,18 +149,9 @@ impl Contacts {
     /// the cloth between it and something else cannot give way to has to stop. Returns whether there was.
     pub(super) fn halt_near(&mut self, x: Vec3) -> bool {
         let distance = |free: &FreeBody| self.bodies[free.number].0.signed_distance(x, 0.0).value;
-        let moving = self
-            .free
-            .list
-            .iter()
-            .enumerate()
-            .filter(|(_, free)| !free.is_halted);
-        let near = moving.map(|(k, free)| (distance(free), k));
-        let nearest = near.min_by(|a, b| a.0.total_cmp(&b.0));
-        if let Some((_, k)) = nearest {
-            self.free.list[k].is_halted = true;
-        }
-        nearest.is_some()
+        let moving = self.free.list.iter_mut().filter(|free| !free.is_halted);
+        let nearest = moving.min_by(|a, b| distance(a).total_cmp(&distance(b)));
+        nearest.is_some_and(|free| !std::mem::replace(&mut free.is_halted, true))
     }
 
     /// The same of a potential, by the forces that have been recorded where a step ends.
@@ -208,16 +182,6 @@ impl Contacts {
                 (free.impulse, free.stop) = ([Vec3::zeros(); 2], [Vec3::zeros(); 2]);
                 free.is_halted = false;
             }
-        }
-    }
-}
-
-/// The impulses (N·s) of constraints in a substep of `dt` (s), vertex by vertex.
-fn rows_impulses(rows: &[Row], dt: Real, mut visit: impl FnMut(u32, Vec3)) {
-    for row in rows.iter().filter(|row| row.lambda > 0.0) {
-        let impulse = (row.normal * row.lambda + row.friction) / dt;
-        for (v, weight) in row.vertices.into_iter().zip(row.weights) {
-            visit(v, impulse * weight);
         }
     }
 }

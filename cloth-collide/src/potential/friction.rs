@@ -6,8 +6,14 @@
 //! beyond, where the force is μ λ. What the spring is stretched by at the end of a step is where it starts in the next:
 //! a cloth that sticks does not creep, whatever the number of steps.
 
+use super::tangent::across;
+use crate::obstacle::hold;
+use crate::pair::weighted;
 use cloth_core::contact::ContactRow;
 use cloth_core::math::{Real, Vec3};
+
+/// The weights of a vertex before a body, which stands for all four.
+pub(super) const ALONE: [Real; 4] = [1.0, 0.0, 0.0, 0.0];
 
 /// Friction of one contact during one step.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,10 +35,10 @@ impl Sticking {
     /// u (m) at `x` (m).
     #[inline]
     pub(super) fn displacement(&self, x: &[Vec3]) -> Vec3 {
-        let ends = self.vertices.iter().zip(self.weights);
-        let point: Vec3 = ends.map(|(v, w)| x[*v as usize] * w).sum();
-        let displacement = point - self.origin;
-        displacement - self.normal * self.normal.dot(&displacement)
+        across(
+            weighted(self.vertices, self.weights, x) - self.origin,
+            self.normal,
+        )
     }
 
     /// Adds the gradient (N) at `x` (m) to `out`, and returns the energy (J). `reach` is ε (m).
@@ -99,16 +105,10 @@ impl Stretched {
     /// Replaces all by those at `x` (m); `reach` is ε (m).
     pub(super) fn replace(&mut self, all: &[Sticking], reach: Real, x: &[Vec3]) {
         self.displacements.clear();
-        self.displacements.extend(all.iter().map(|sticking| {
-            let displacement = sticking.displacement(x);
-            let length = displacement.norm();
-            let kept = if length > reach {
-                displacement * (reach / length)
-            } else {
-                displacement
-            };
-            (sticking.key, kept)
-        }));
+        self.displacements.extend(
+            all.iter()
+                .map(|sticking| (sticking.key, hold(sticking.displacement(x), reach))),
+        );
         self.displacements.sort_unstable_by_key(|entry| entry.0);
     }
 }

@@ -5,19 +5,15 @@
 //! become one rigid body (an impact zone), with their momentum and angular momentum, since inside a rigid body nothing
 //! can meet; zones that meet are joined. Where prescribed vertices or bodies do not let zones be rigid, vertices stay
 //! where they were. Everything is tested again after each change, so a step is free or refused.
-//!
-//! - X. Provot, Collision and self-collision handling in cloth model dedicated to design garments, *Computer Animation
-//!   and Simulation* 1997. DOI 10.1007/978-3-7091-6874-5_13
-//! - R. Bridson, R. Fedkiw and J. Anderson, Robust treatment of collisions, contact and friction for cloth animation,
-//!   SIGGRAPH 2002. DOI 10.1145/566570.566623
+//! Sources: Provot 1997 (see the [crate](crate#references)) and Bridson et al. 2002 (see
+//! [`obstacle`](crate::obstacle#references)).
 
-use super::bodies::Body;
-use super::near::Near;
+use super::bodies::{Body, Substep};
 use super::rows::KEPT;
 use super::zones::{Zones, make_velocities_rigid, move_rigidly};
 use crate::bounds::mean;
 use crate::broad_phase::{BroadPhase, ClothCandidates};
-use crate::ccd::{Query, QueryKind};
+use crate::ccd::Query;
 use crate::obstacle::{Obstacle, VertexPath, first_contact};
 use crate::pair::{Gap, Pair};
 use cloth_core::contact::{ContactError, ContactStep};
@@ -32,9 +28,8 @@ const MOST_ROUNDS: u32 = 20;
 /// What brings a substep to an end when nothing else does.
 #[derive(Debug, Default)]
 pub(super) struct LastResort {
-    thickness: Real,
     /// None if there are no pairs that can touch.
-    mesh: Option<TriMesh>,
+    pub(super) mesh: Option<TriMesh>,
     /// Made when first needed.
     candidates: Option<ClothCandidates<Box<dyn BroadPhase>>>,
     zones: Zones,
@@ -85,14 +80,6 @@ impl Hit {
 }
 
 impl LastResort {
-    pub(super) fn new(mesh: &TriMesh, thickness: Real, has_pairs: bool) -> Self {
-        Self {
-            thickness,
-            mesh: has_pairs.then(|| mesh.clone()),
-            ..Self::default()
-        }
-    }
-
     /// Changes the end `x` (m) of a step, with the velocities `v` (m/s) there, until the straight paths from
     /// `step.from` are free. Returns the number of vertices that were held back for it: safe, but behind where contact
     /// should let them go, and with less momentum.
@@ -101,24 +88,22 @@ impl LastResort {
     /// [`ContactError::Infeasible`], [`ContactError::NonFinite`]; `x` and `v` are of no use then.
     pub(super) fn resolve(
         &mut self,
-        near: &Near,
-        bodies: &[Body],
-        step: &ContactStep<'_>,
+        substep: &Substep<'_>,
         x: &mut [Vec3],
         v: &mut [Vec3],
     ) -> Result<usize, ContactError> {
+        let step = &substep.step;
         self.displacements.resize(x.len(), Vec3::zeros());
         for _ in 0..PUSHES {
-            if self.look(near, bodies, step, x)? {
+            if self.look(substep, x)? {
                 break;
             }
             self.hits.iter().for_each(|hit| hit.push(step, x, v));
         }
         self.zones.reset(x.len());
-        self.free.clear();
-        self.free.extend_from_slice(x);
+        x.clone_into(&mut self.free);
         for _ in 0..MOST_ROUNDS {
-            self.look(near, bodies, step, x)?;
+            self.look(substep, x)?;
             let zones = &mut self.zones;
             let joined = self
                 .hits
@@ -155,9 +140,9 @@ impl LastResort {
         for zone in self.zones.each() {
             make_velocities_rigid(zone, x, v, step.inverse_mass);
         }
-        let held = match self.look(near, bodies, step, x)? {
+        let held = match self.look(substep, x)? {
             true => 0,
-            false => self.hold_back(near, bodies, step, x, v)?,
+            false => self.hold_back(substep, x, v)?,
         };
         let numbers = x.iter().zip(v.iter());
         let mut finite =
@@ -171,12 +156,11 @@ impl LastResort {
     /// Leaves vertices where they were until nothing passes through anything. Returns how many.
     fn hold_back(
         &mut self,
-        near: &Near,
-        bodies: &[Body],
-        step: &ContactStep<'_>,
+        substep: &Substep<'_>,
         x: &mut [Vec3],
         v: &mut [Vec3],
     ) -> Result<usize, ContactError> {
+        let step = &substep.step;
         self.free.copy_from_slice(x);
         loop {
             let pairs = self.hits.iter().flat_map(|hit| hit.pair.vertices);
@@ -194,7 +178,7 @@ impl LastResort {
             if !is_stopped {
                 return Err(ContactError::Infeasible { vertex: first });
             }
-            if self.look(near, bodies, step, x)? {
+            if self.look(substep, x)? {
                 break;
             }
         }
@@ -207,16 +191,12 @@ impl LastResort {
     }
 
     /// Finds what is not free on the path to `x` (m). Returns whether all is.
-    fn look(
-        &mut self,
-        near: &Near,
-        bodies: &[Body],
-        step: &ContactStep<'_>,
-        x: &[Vec3],
-    ) -> Result<bool, ContactError> {
+    fn look(&mut self, substep: &Substep<'_>, x: &[Vec3]) -> Result<bool, ContactError> {
+        let Substep { near, bodies, step } = substep;
+        let thickness = near.law.range();
         self.hits.clear();
         if let Some(mesh) = &self.mesh {
-            let new = || ClothCandidates::new(mesh, near.broad_phase.create());
+            let new = || ClothCandidates::new(mesh, near.own.broad_phase.create());
             let candidates = self.candidates.get_or_insert_with(new);
             // What all vertices do together brings nothing nearer to anything.
             let shift = mean(x) - mean(step.from);
@@ -224,18 +204,15 @@ impl LastResort {
                 *end = x - shift;
             }
             // Everything is finite, but a box around it need not be.
-            let found = candidates.update(step.from, &self.displacements, self.thickness);
+            let found = candidates.update(step.from, &self.displacements, thickness);
             found.map_err(|_| ContactError::NonFinite { vertex: 0 })?;
-            let thickness = self.thickness;
-            let all = pairs(self.candidates.as_ref());
-            let all = all.filter(|pair| near.meets(pair.vertices));
+            let all = candidates.pairs().filter(|pair| near.meets(pair.vertices));
             self.hits
                 .extend(all.filter_map(|pair| hit(pair, thickness, step, x)));
         }
         self.entering.clear();
         for (vertex, (&from, &to)) in (0u32..).zip(step.from.iter().zip(x)) {
             if step.inverse_mass[vertex as usize] != 0.0 {
-                let thickness = self.thickness;
                 let out = |(body, _): &Body| way_out(body, thickness, [from, to], step.dt);
                 let out = bodies.iter().filter_map(out);
                 self.entering.extend(out.map(|out| (vertex, out)));
@@ -268,26 +245,6 @@ fn way_out(body: &Obstacle, thickness: Real, ends: [Vec3; 2], dt: Real) -> Optio
     let offset = at.normal.dot(&surface) + thickness;
     let missing = offset - at.normal.dot(&ends[1]);
     Some(at.normal * missing.max(0.0))
-}
-
-/// The candidates, as pairs.
-fn pairs<B: BroadPhase>(
-    candidates: Option<&ClothCandidates<B>>,
-) -> impl Iterator<Item = Pair> + '_ {
-    candidates.into_iter().flat_map(|candidates| {
-        let corners = |t: u32| candidates.triangles()[t as usize];
-        let ends = |e: u32| candidates.edges()[e as usize];
-        let vertex_triangle = candidates.vertex_triangle().iter().map(move |&[v, t]| {
-            let [a, b, c] = corners(t);
-            (QueryKind::VertexTriangle, [v, a, b, c])
-        });
-        let edge_edge = candidates.edge_edge().iter().map(move |&[e, f]| {
-            let ([a, b], [c, d]) = (ends(e), ends(f));
-            (QueryKind::EdgeEdge, [a, b, c, d])
-        });
-        let both = vertex_triangle.chain(edge_edge);
-        both.map(|(kind, vertices)| Pair { kind, vertices })
-    })
 }
 
 /// When a pair comes nearer on its path to `x` (m) than the share of its distance, or of the thickness if that is less,

@@ -27,10 +27,8 @@ impl LetGo {
     pub(super) fn replace(&mut self, region: &[u32], pairs: &[[u32; 2]]) -> bool {
         let region = if pairs.is_empty() { &[] } else { region };
         let is_same = self.region == region && self.pairs == pairs;
-        self.region.clear();
-        self.region.extend_from_slice(region);
-        self.pairs.clear();
-        self.pairs.extend_from_slice(pairs);
+        region.clone_into(&mut self.region);
+        pairs.clone_into(&mut self.pairs);
         !is_same
     }
 

@@ -7,11 +7,10 @@ use super::sewn::Sewn;
 use crate::broad_phase::{BroadPhaseKind, TrianglePairs};
 use crate::ccd::QueryKind;
 use crate::error::CollideError;
-use crate::incidence::{Incidence, pieces};
+use crate::incidence::{Incidence, joined};
 use crate::obstacle::PenaltyLaw;
 use crate::pair::{Gap, Pair};
 use crate::separation::meet_unduly;
-use cloth_core::contact::ContactStep;
 use cloth_core::math::{Real, Vec3, gather};
 use cloth_core::mesh::TriMesh;
 
@@ -26,18 +25,21 @@ pub(super) struct Side {
     pub(super) body: usize,
 }
 
-/// What the vertices of the cloth have of their own: lists as long as the cloth, or empty where all are alike.
+/// What the cloth has of its own.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Own {
-    /// Thickness (m).
-    pub(super) thickness: Vec<Real>,
-    /// Coefficient of friction μ (dimensionless).
-    pub(super) friction: Vec<Real>,
+    /// Thickness (m) and coefficient of friction μ (dimensionless) of each vertex; empty where all are alike.
+    pub(super) thicknesses: Vec<Real>,
+    pub(super) frictions: Vec<Real>,
+    /// Coefficient μ of cloth on cloth (dimensionless).
+    pub(super) friction: Real,
+    /// Whether it can touch itself.
+    pub(super) self_collision: bool,
     /// Pieces that may pass through each other.
     pub(super) excluded: LetGo,
     /// Vertices that are sewn together.
     pub(super) sewn: Sewn,
-    /// What finds near triangles.
+    /// What finds patches and pairs that are near each other.
     pub(super) broad_phase: BroadPhaseKind,
     /// Whether edges push from the thickness on, as vertices do, and vertices with all of their area.
     pub(super) keeps_all_apart: bool,
@@ -46,15 +48,12 @@ pub(super) struct Own {
 /// Areas, laws and freedom of the parts of a cloth, and of the surfaces of bodies behind it.
 #[derive(Debug)]
 pub(super) struct Near {
-    law: PenaltyLaw,
+    /// That with the largest range: what is farther apart than it does not touch.
+    pub(super) law: PenaltyLaw,
     /// Number of vertices of the cloth; what follows are those of surfaces of bodies.
     pub(super) cloth: usize,
     surfaces: Vec<Side>,
-    self_collision: bool,
-    /// Coefficient μ of cloth on cloth (dimensionless).
-    friction: Real,
-    /// Of each vertex of the cloth, where pieces differ; empty otherwise.
-    own: Own,
+    pub(super) own: Own,
     pub(super) incidence: Incidence,
     /// A third of the rest area of the triangles around each vertex, and around each edge (m²).
     pub(super) vertex_area: Vec<Real>,
@@ -69,20 +68,11 @@ pub(super) struct Near {
     pub(super) let_go: LetGo,
     /// None if the cloth cannot touch itself.
     triangle_pairs: Option<TrianglePairs>,
-    /// What finds patches and pairs that are near each other.
-    pub(super) broad_phase: BroadPhaseKind,
 }
 
 impl Near {
     /// Of a mesh that ends with the vertices of `surfaces`.
-    pub(super) fn new(
-        mesh: &TriMesh,
-        law: PenaltyLaw,
-        surfaces: Vec<Side>,
-        self_collision: bool,
-        friction: Real,
-        own: Own,
-    ) -> Self {
+    pub(super) fn new(mesh: &TriMesh, law: PenaltyLaw, surfaces: Vec<Side>, own: Own) -> Self {
         let incidence = Incidence::new(mesh);
         let mut vertex_area = vec![0.0; mesh.vertex_count()];
         let mut edge_area = vec![0.0; incidence.edges.len()];
@@ -94,26 +84,22 @@ impl Near {
             }
         }
         let cloth = mesh.vertex_count() - surfaces.len();
-        let any = self_collision || !surfaces.is_empty();
-        let broad_phase = own.broad_phase;
+        let any = own.self_collision || !surfaces.is_empty();
         Self {
             law,
             cloth,
             surfaces,
-            self_collision,
-            friction,
             own,
+            piece: joined(mesh.vertex_count(), &incidence.edges),
             incidence,
             vertex_area,
             edge_area,
             rest: mesh.positions().to_vec(),
-            piece: pieces(mesh),
             is_free: vec![true; mesh.vertex_count()],
             resting: Vec::new(),
             is_resting: vec![false; mesh.vertex_count()],
             let_go: LetGo::default(),
             triangle_pairs: any.then(|| TrianglePairs::new(mesh)),
-            broad_phase,
         }
     }
 
@@ -147,28 +133,9 @@ impl Near {
         self.resting.len() < count
     }
 
-    /// Takes these pairs of vertices for sewn together.
-    pub(super) fn sew(&mut self, pairs: &[[u32; 2]]) {
-        self.own.sewn = Sewn::new(pairs);
-    }
-
     /// What there is of the cloth alone.
     pub(super) fn own<'a>(&self, of_all: &'a [Vec3]) -> &'a [Vec3] {
         &of_all[..self.cloth]
-    }
-
-    /// The same of a step.
-    pub(super) fn own_step<'a>(&self, step: &ContactStep<'a>) -> ContactStep<'a> {
-        ContactStep {
-            from: &step.from[..self.cloth],
-            inverse_mass: &step.inverse_mass[..self.cloth],
-            dt: step.dt,
-        }
-    }
-
-    /// That with the largest range: what is farther apart than it does not touch.
-    pub(super) fn law(&self) -> PenaltyLaw {
-        self.law
     }
 
     /// m of two edges.
@@ -178,32 +145,28 @@ impl Near {
     }
 
     /// The area (m²) that a pair stands for at `x` (m).
-    pub(super) fn area_of(&self, pair: &NearPair, x: &[Vec3; 4]) -> Real {
-        match pair.kind {
-            QueryKind::VertexTriangle => pair.area,
-            QueryKind::EdgeEdge => pair.area * self.mollifier(pair.vertices).at(x).0,
+    pub(super) fn area_of(&self, found: &NearPair, x: &[Vec3; 4]) -> Real {
+        match found.pair.kind {
+            QueryKind::VertexTriangle => found.area,
+            QueryKind::EdgeEdge => found.area * self.mollifier(found.pair.vertices).at(x).0,
         }
     }
 
     /// How many pairs of triangles meet at `x` (m) that should not.
     pub(super) fn crossing(&mut self, x: &[Vec3]) -> Result<usize, CollideError> {
-        let Some(mut pairs) = self.triangle_pairs.take() else {
-            return Ok(0);
+        if let Some(pairs) = &mut self.triangle_pairs {
+            pairs.find(x)?;
+        }
+        let crosses = |pair: &&[u32; 2]| {
+            let [a, b] = pair.map(|t| self.incidence.triangles[t as usize]);
+            let is_free = a.iter().chain(&b).any(|&v| self.is_free[v as usize]);
+            self.patches_meet([a[0], b[0]])
+                && !self.pass(&[a[0], a[1], a[2], b[0], b[1], b[2]])
+                && (is_free || self.is_own(a[0]) && self.is_own(b[0]))
+                && meet_unduly([a, b], x)
         };
-        let found = pairs.find(x).map(|found| {
-            let triangles = &self.incidence.triangles;
-            let crossing = found.iter().filter(|pair| {
-                let [a, b] = pair.map(|t| triangles[t as usize]);
-                let is_free = a.iter().chain(&b).any(|&v| self.is_free[v as usize]);
-                self.patches_meet([a[0], b[0]])
-                    && !self.pass(&[a[0], a[1], a[2], b[0], b[1], b[2]])
-                    && (is_free || self.is_own(a[0]) && self.is_own(b[0]))
-                    && meet_unduly([a, b], x)
-            });
-            crossing.count()
-        });
-        self.triangle_pairs = Some(pairs);
-        found
+        let found = self.triangle_pairs.iter().flat_map(|pairs| &pairs.pairs);
+        Ok(found.filter(crosses).count())
     }
 
     /// Whether parts of the cloth with these vertices may pass through each other, or are neighbours across a seam.
@@ -236,7 +199,7 @@ impl Near {
     /// Whether pieces of the mesh with these vertices can touch: bodies do not touch each other.
     pub(super) fn patches_meet(&self, vertices: [u32; 2]) -> bool {
         match vertices.map(|v| self.is_own(v)) {
-            [true, true] => self.self_collision,
+            [true, true] => self.own.self_collision,
             [false, false] => false,
             _ => true,
         }
@@ -247,7 +210,7 @@ impl Near {
     pub(super) fn meets(&self, vertices: [u32; 4]) -> bool {
         if self.surfaces.is_empty() || vertices.iter().all(|&v| self.is_own(v)) {
             let rests = vertices.iter().all(|&v| self.is_resting[v as usize]);
-            return self.self_collision && !rests && !self.pass(&vertices);
+            return self.own.self_collision && !rests && !self.pass(&vertices);
         }
         vertices.iter().any(|&v| self.is_free[v as usize])
     }
@@ -261,34 +224,31 @@ impl Near {
     pub(super) fn friction(&self, vertices: [u32; 4]) -> Real {
         let [a, .., d] = vertices;
         let side = [a, d].map(|v| self.side(v)).into_iter().flatten().next();
-        if self.own.friction.is_empty() {
-            return side.map_or(self.friction, |side| side.friction);
+        if self.own.frictions.is_empty() {
+            return side.map_or(self.own.friction, |side| side.friction);
         }
         let of = |v: u32| {
             let side = self.side(v).map(|side| side.friction);
-            side.unwrap_or_else(|| self.own.friction[v as usize])
+            side.unwrap_or_else(|| self.own.frictions[v as usize])
         };
         (of(a) * of(d)).sqrt()
     }
 
     /// The same of a vertex of the cloth before a body of coefficient `friction`.
     pub(super) fn friction_on(&self, vertex: usize, friction: Real) -> Real {
-        let own = self.own.friction.get(vertex);
+        let own = self.own.frictions.get(vertex);
         own.map_or(friction, |own| (own * friction).sqrt())
     }
 
     /// The distance (m) from which on a vertex of the cloth is pushed away from a body.
     fn thickness(&self, vertex: u32) -> Real {
-        let own = self.own.thickness.get(vertex as usize);
+        let own = self.own.thicknesses.get(vertex as usize);
         own.copied().unwrap_or(self.law.range())
     }
 
     /// The law of a vertex of the cloth before a body.
     pub(super) fn law_at(&self, vertex: usize) -> PenaltyLaw {
-        match self.own.thickness.get(vertex) {
-            Some(&range) => self.law.with_range(range),
-            None => self.law,
-        }
+        self.law.with_range(self.thickness(vertex as u32))
     }
 
     /// The area (m²) that a vertex stands for before a triangle: between two sheets, whose vertices all count, half of

@@ -9,10 +9,10 @@ use super::near::Near;
 use super::pair::PairContact;
 use super::patches::Patches;
 use super::ranked::Ranked;
-use crate::bounds::mean;
+use crate::bounds::{Bounds, mean};
 use crate::ccd::QueryKind;
 use crate::obstacle::Obstacle;
-use crate::pair::Gap;
+use crate::pair::{Gap, Pair};
 use cloth_core::math::{Real, Vec3, gather};
 
 /// Path (in thicknesses) that a vertex may go beyond the paths looked at, before pairs are chosen anew.
@@ -22,7 +22,7 @@ const ROOM: Real = 0.5;
 #[derive(Debug, Default)]
 pub(super) struct NearPairs {
     /// None if the cloth cannot touch itself.
-    patches: Option<Patches>,
+    pub(super) patches: Option<Patches>,
     /// Where the pairs were chosen (m), and how far each vertex may go from there (m).
     place: Vec<Vec3>,
     /// Whether they were chosen for where obstacles are now.
@@ -43,13 +43,6 @@ pub(super) struct NearPairs {
 }
 
 impl NearPairs {
-    pub(super) fn new(patches: Option<Patches>) -> Self {
-        Self {
-            patches,
-            ..Self::default()
-        }
-    }
-
     /// Those that can be in contact.
     pub(super) fn iter(&self) -> impl Iterator<Item = &PairContact> {
         self.vertex_triangle.iter().chain(self.edge_edge.iter())
@@ -69,15 +62,14 @@ impl NearPairs {
 
     /// Makes sure that the pairs are those of the straight path between two positions (m).
     pub(super) fn prepare(&mut self, near: &Near, path: [&[Vec3]; 2], obstacles: &[Obstacle]) {
-        let room = ROOM * near.law().range();
+        let room = ROOM * near.law.range();
         if path.iter().all(|x| self.holds(x, room)) {
             self.wake(path);
             return;
         }
         let [from, to] = path;
         self.choose(near, path, room);
-        self.place.clear();
-        self.place.extend_from_slice(from);
+        from.clone_into(&mut self.place);
         self.is_chosen = true;
         self.reach.clear();
         let displacements = from.iter().zip(to).map(|(a, b)| (b - a).norm() + room);
@@ -104,10 +96,10 @@ impl NearPairs {
 
     /// Whether the pairs hold at a place (m).
     fn holds(&mut self, x: &[Vec3], room: Real) -> bool {
-        if !self.is_chosen {
-            return false;
-        }
-        if !self.vertex_obstacle_holds(x) {
+        let displacements = x.iter().zip(&self.place).zip(&self.reach);
+        let mut displacements =
+            displacements.map(|((x, place), reach)| (x - place).norm_squared() <= reach * reach);
+        if !self.is_chosen || !displacements.all(|holds| holds) {
             return false;
         }
         // Mostly this is enough: any two parts may come nearer by two rooms, wherever they are.
@@ -118,13 +110,6 @@ impl NearPairs {
         patches.is_none_or(|patches| patches.holds(&self.place, x))
     }
 
-    fn vertex_obstacle_holds(&self, x: &[Vec3]) -> bool {
-        let displacements = x.iter().zip(&self.place).zip(&self.reach);
-        let mut displacements =
-            displacements.map(|((x, place), reach)| (x - place).norm_squared() <= reach * reach);
-        displacements.all(|holds| holds)
-    }
-
     /// Keeps the pairs that can be nearer than their thickness.
     fn choose(&mut self, near: &Near, path: [&[Vec3]; 2], room: Real) {
         self.vertex_triangle.clear();
@@ -133,13 +118,13 @@ impl NearPairs {
             return;
         };
         let x = path[0];
-        patches.choose(near, &self.place, path, room, |pair, nearer| {
-            let (kind, vertices) = (pair.kind, pair.vertices);
+        patches.choose(near, &self.place, path, room, |found, nearer| {
+            let Pair { kind, vertices } = found.pair;
             let places = gather(x, vertices);
-            let reach = pair.range + nearer;
+            let reach = found.range + nearer;
             let apart = boxes_gap(&places, kind.split());
             if apart > reach {
-                return apart - pair.range;
+                return apart - found.range;
             }
             let distance = Gap::new(kind, &places).distance;
             if distance < reach {
@@ -148,15 +133,14 @@ impl NearPairs {
                     QueryKind::EdgeEdge => (&mut self.edge_edge, Some(near.mollifier(vertices))),
                 };
                 let contact = PairContact {
-                    kind,
-                    vertices,
-                    area: pair.area,
-                    law: near.law().with_range(pair.range),
+                    pair: found.pair,
+                    area: found.area,
+                    law: near.law.with_range(found.range),
                     mollifier,
                 };
-                list.push(distance - pair.range, contact);
+                list.push(distance - found.range, contact);
             }
-            distance - pair.range
+            distance - found.range
         });
         self.vertex_triangle.sort();
         self.edge_edge.sort();
@@ -166,7 +150,7 @@ impl NearPairs {
         self.vertex_obstacle.clear();
         let nowhere = (Vec3::repeat(Real::INFINITY), 0.0);
         self.rooms.resize(near.cloth * obstacles.len(), nowhere);
-        let h = near.law().range();
+        let h = near.law.range();
         let vertices = self.place[..near.cloth].iter().zip(&self.reach);
         let mut rooms = self.rooms.iter_mut();
         for (vertex, (x, reach)) in (0u32..).zip(vertices) {
@@ -196,14 +180,9 @@ impl NearPairs {
 /// the others; not positive if they overlap.
 #[inline(always)]
 fn boxes_gap(x: &[Vec3; 4], split: usize) -> Real {
-    let around = |points: &[Vec3]| {
-        let first = (points[0], points[0]);
-        points[1..]
-            .iter()
-            .fold(first, |(low, high), x| (low.inf(x), high.sup(x)))
-    };
-    let (a, b) = (around(&x[..split]), around(&x[split..]));
-    (a.0 - b.1).max().max((b.0 - a.1).max())
+    let (a, b) = (Bounds::of(&x[..split]), Bounds::of(&x[split..]));
+    let gaps = [a.lower - b.upper, b.lower - a.upper];
+    gaps[0].max().max(gaps[1].max())
 }
 
 #[cfg(test)]

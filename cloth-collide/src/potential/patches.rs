@@ -15,19 +15,16 @@ mod between;
 mod detect;
 mod motion;
 mod motions;
-mod partition;
 
 use super::near::Near;
 use crate::bounds::Bounds;
 use crate::broad_phase::BroadPhase;
-use crate::ccd::QueryKind;
-use crate::pair::Gap;
+use crate::pair::{Gap, Pair};
 use between::PatchPair;
 use cloth_core::math::{Real, Vec3, gather};
 use cloth_core::mesh::TriMesh;
 use detect::Look;
 use motions::Motions;
-use partition::halve;
 
 /// Triangles in a patch, at most.
 const PATCH: usize = 32;
@@ -51,8 +48,7 @@ pub(super) struct NearPair {
     pub(super) range: Real,
     /// Area (m²) that they stand for.
     pub(super) area: Real,
-    pub(super) kind: QueryKind,
-    pub(super) vertices: [u32; 4],
+    pub(super) pair: Pair,
     /// The substep that they were looked at in.
     seen: u32,
     /// The number of what is remembered of them, if anything is.
@@ -62,8 +58,7 @@ pub(super) struct NearPair {
 /// What is remembered of two primitives that have been looked at.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Memory {
-    kind: QueryKind,
-    vertices: [u32; 4],
+    pair: Pair,
     /// By how much friction has been stretched (m).
     pub(super) stretch: Vec3,
     /// Across a plane that has had the two apart.
@@ -81,10 +76,6 @@ pub(super) struct Known {
     /// Travel of the patches (m).
     pub(super) travel: Real,
 }
-
-/// The motion needs more room than patches have: a path in one substep is longer than some edges.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct TooFar;
 
 /// Where a pair is: its patches, the number that they had then, and its number there.
 #[derive(Clone, Copy, Debug)]
@@ -183,10 +174,13 @@ impl Patches {
             reference: members.iter().map(places).collect(),
             reference_centres: vec![Vec3::zeros(); count],
             reference_spreads: vec![0.0; count],
+            now: Motions::new(count),
+            then: Motions::new(count),
             displacements: vec![0.0; count],
+            drift: vec![0.0; count],
             boxes: vec![Bounds::around([Vec3::zeros()]); count],
             members,
-            broad_phase: near.broad_phase.create(),
+            broad_phase: near.own.broad_phase.create(),
             ..Self::default()
         }
     }
@@ -202,50 +196,11 @@ impl Patches {
             self.reference_centres[p] = middle(vertices, x);
         }
         self.reference_spreads.fill(0.0);
-        for zeros in [&mut self.now.paths, &mut self.now.clocks] {
-            zeros.clear();
-            zeros.resize(self.members.len(), 0.0);
-        }
+        self.now.paths.fill(0.0);
+        self.now.clocks.fill(0.0);
         self.is_placed = false;
         self.place(x);
         self.is_known = false;
-    }
-
-    /// Begins a substep from `x` to `to` (m): makes sure that the pairs are complete, and hands `visit` those that the
-    /// motion can bring into contact.
-    pub(super) fn begin(
-        &mut self,
-        near: &Near,
-        x: &[Vec3],
-        to: &[Vec3],
-        mut visit: impl FnMut(Place, &NearPair, &mut Memory, Real) -> Real,
-    ) -> Result<(), TooFar> {
-        self.substep += 1;
-        self.awake = 0;
-        self.measure(x, to);
-        self.aim.copy(&self.then);
-        self.aim_displacements.clone_from(&self.displacements);
-        self.drift.clear();
-        self.drift.resize(self.members.len(), 0.0);
-        self.look(near, x, true, &mut visit)
-    }
-
-    /// The same for a motion that has become another one: hands `visit` only what has not been seen.
-    pub(super) fn extend(
-        &mut self,
-        near: &Near,
-        x: &[Vec3],
-        to: &[Vec3],
-        mut visit: impl FnMut(Place, &NearPair, &mut Memory, Real) -> Real,
-    ) -> Result<(), TooFar> {
-        self.measure(x, to);
-        let (aim, then) = (&self.aim, &self.then);
-        for (p, drift) in self.drift.iter_mut().enumerate() {
-            let further = (self.displacements[p] - self.aim_displacements[p])
-                .max(then.spreads[p] - aim.spreads[p]);
-            *drift = (then.centres[p] - aim.centres[p]).norm() + further.max(0.0);
-        }
-        self.look(near, x, false, &mut visit)
     }
 
     /// The most that two patches move relative to each other in the substep (m).
@@ -292,24 +247,23 @@ impl Patches {
     pub(super) fn pair_mut(
         &mut self,
         place: Place,
-        vertices: [u32; 4],
+        pair: Pair,
     ) -> Option<(&NearPair, &mut Memory)> {
         let number = place.number as usize;
         let number = match self.ids.get(number) {
             Some(ids) if *ids == place.patches => number,
             _ => self.ids.binary_search(&place.patches).ok()?,
         };
-        let PatchPair {
-            pairs, memories, ..
-        } = &mut self.pairs[number];
-        let is_it = |pair: &NearPair| pair.vertices == vertices;
+        let between = &mut self.pairs[number];
+        let pairs = &mut between.pairs;
+        let is_it = |found: &NearPair| found.pair.vertices == pair.vertices;
         let index = match place.index as usize {
             index if pairs.get(index).is_some_and(is_it) => index,
             _ => pairs.iter().position(is_it)?,
         };
-        let pair = &mut pairs[index];
-        let memory = pair.remember(memories);
-        Some((pair, memory))
+        let found = &mut pairs[index];
+        let memory = found.remember(&mut between.memories);
+        Some((found, memory))
     }
 
     /// Number of pairs of patches that are near enough to be looked at.
@@ -320,8 +274,7 @@ impl Patches {
 
     /// Takes `x` (m) for the start of the substep.
     pub(super) fn place(&mut self, x: &[Vec3]) {
-        let mut now = std::mem::take(&mut self.now);
-        now.resize(self.members.len());
+        let now = &mut self.now;
         for (p, (_, vertices)) in self.members.iter().enumerate() {
             if self.rests[p] && self.is_placed {
                 continue;
@@ -337,23 +290,21 @@ impl Patches {
         }
         now.finish(self.cloth);
         self.is_placed = true;
-        self.now = now;
     }
 
     /// Looks at the motion from the start of the substep, `x`, to `to` (m).
     fn measure(&mut self, x: &[Vec3], to: &[Vec3]) {
-        let mut then = std::mem::take(&mut self.then);
-        then.resize(self.members.len());
+        let (now, then) = (&self.now, &mut self.then);
         for (p, (_, vertices)) in self.members.iter().enumerate() {
             if self.rests[p] {
-                then.centres[p] = self.now.centres[p];
-                then.spreads[p] = self.now.spreads[p];
+                then.centres[p] = now.centres[p];
+                then.spreads[p] = now.spreads[p];
                 self.displacements[p] = 0.0;
                 continue;
             }
             let centre = middle(vertices, to);
             let since = centre - self.reference_centres[p];
-            let displacement = centre - self.now.centres[p];
+            let displacement = centre - now.centres[p];
             let (mut spread, mut besides): (Real, Real) = (0.0, 0.0);
             for (&v, from) in vertices.iter().zip(&self.reference[p]) {
                 let to = to[v as usize];
@@ -365,23 +316,12 @@ impl Patches {
             self.displacements[p] = besides.sqrt();
         }
         then.finish(self.cloth);
-        let (now, displacements) = (&self.now, &self.displacements);
         let shift = then.mean - now.mean;
-        then.paths.clear();
-        then.paths.extend(
-            now.paths
-                .iter()
-                .zip(displacements)
-                .map(|(path, displacement)| path + displacement),
-        );
-        then.clocks.clear();
-        let displacements = then.centres.iter().zip(&now.centres).zip(displacements);
-        let clocks = now.clocks.iter().zip(displacements);
-        then.clocks
-            .extend(clocks.map(|(clock, ((to, from), besides))| {
-                clock + (to - from - shift).norm() + besides
-            }));
-        self.then = then;
+        for (p, besides) in self.displacements.iter().enumerate() {
+            then.paths[p] = now.paths[p] + besides;
+            let displacement = then.centres[p] - now.centres[p] - shift;
+            then.clocks[p] = now.clocks[p] + displacement.norm() + besides;
+        }
     }
 
     /// Counts the spread of patch `p` from `x` (m) on, the start of the substep.
@@ -393,23 +333,41 @@ impl Patches {
         self.then.spreads[p] = self.now.spreads[p] + self.displacements[p];
     }
 
-    fn look(
+    /// Makes sure that the pairs are complete for a substep from `x` to `to` (m), and hands `visit` those that the motion
+    /// can bring into contact: all if the substep `begins`, and what it has not seen if the motion has become another
+    /// one. Returns false if a path is longer than some edges, which needs more room than patches have.
+    pub(super) fn look(
         &mut self,
         near: &Near,
-        x: &[Vec3],
+        [x, to]: [&[Vec3]; 2],
         begins: bool,
-        visit: &mut impl FnMut(Place, &NearPair, &mut Memory, Real) -> Real,
-    ) -> Result<(), TooFar> {
+        mut visit: impl FnMut(Place, &NearPair, &mut Memory, Real) -> Real,
+    ) -> bool {
+        self.measure(x, to);
+        let (aim, then) = (&mut self.aim, &self.then);
+        if begins {
+            self.substep += 1;
+            self.awake = 0;
+            aim.copy(then);
+            self.aim_displacements.clone_from(&self.displacements);
+            self.drift.fill(0.0);
+        } else {
+            for (p, drift) in self.drift.iter_mut().enumerate() {
+                let further = (self.displacements[p] - self.aim_displacements[p])
+                    .max(then.spreads[p] - aim.spreads[p]);
+                *drift = (then.centres[p] - aim.centres[p]).norm() + further.max(0.0);
+            }
+        }
         if !self.is_known || Self::stray(&self.searched, &self.then) > self.reach {
             let displacement = Self::stray(&self.now, &self.then);
             if displacement > FARTHEST * self.edge {
                 self.is_known = false;
-                return Err(TooFar);
+                return false;
             }
             self.reach = (2.0 * displacement).max(REACH * self.edge);
             self.search(near, x);
         }
-        let slack = super::rows::SLACK * near.law().range();
+        let slack = super::rows::SLACK * near.law.range();
         let mut looks = std::mem::take(&mut self.looks);
         looks.clear();
         for k in 0..self.pairs.len() {
@@ -457,7 +415,7 @@ impl Patches {
             self.quiet[k] = self.now.clock(patches) + left - slack;
         }
         self.looks = looks;
-        Ok(())
+        true
     }
 
     /// How far a patch has gone, besides what all do together (m).
@@ -473,7 +431,7 @@ impl Patches {
     fn search(&mut self, near: &Near, x: &[Vec3]) {
         self.searches += 1;
         (0..self.members.len()).for_each(|p| self.refer(p, x));
-        let reach = self.reach + 0.5 * near.law().range();
+        let reach = self.reach + 0.5 * near.law.range();
         for (bounds, (_, vertices)) in self.boxes.iter_mut().zip(&self.members) {
             *bounds = around(vertices, x).inflated(reach);
         }
@@ -522,4 +480,21 @@ fn around(vertices: &[u32], x: &[Vec3]) -> Bounds {
         bounds.upper = bounds.upper.sup(&x[v as usize]);
     }
     bounds
+}
+
+/// Cuts a set of triangles across its longest side, until the parts are small enough.
+fn halve(triangles: &mut [u32], middle: &impl Fn(u32) -> Vec3, done: &mut impl FnMut(&[u32])) {
+    if triangles.len() <= PATCH {
+        done(triangles);
+        return;
+    }
+    let first = middle(triangles[0]);
+    let (lower, upper) = triangles.iter().fold((first, first), |(low, high), &t| {
+        (low.inf(&middle(t)), high.sup(&middle(t)))
+    });
+    let axis = (upper - lower).imax();
+    triangles.sort_by(|&a, &b| middle(a)[axis].total_cmp(&middle(b)[axis]));
+    let (a, b) = triangles.split_at_mut(triangles.len() / 2);
+    halve(a, middle, done);
+    halve(b, middle, done);
 }

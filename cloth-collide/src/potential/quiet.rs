@@ -21,8 +21,7 @@ pub(super) struct Quiet {
 impl Quiet {
     /// Nothing is near the cloth at `x` (m) as long as no vertex goes further than that (m).
     pub(super) fn begin(&mut self, x: &[Vec3], relative: Real, whole: Real) {
-        self.place.clear();
-        self.place.extend_from_slice(x);
+        x.clone_into(&mut self.place);
         (self.relative, self.whole) = (relative, whole);
     }
 

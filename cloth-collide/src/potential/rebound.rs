@@ -6,8 +6,6 @@
 //! <https://doi.org/10.1111/cgf.14105>, section 3.6), and one that parts already is not pushed to be faster: what the law
 //! has stored is lost. What lies on something approaches it by its weight in a substep; that is no impact.
 
-use super::bodies::Bodies;
-use super::bodies::Body;
 use super::forces::Ledger;
 use super::near::Near;
 use super::row::Row;
@@ -34,63 +32,43 @@ pub(super) struct Rebound {
 /// All of a substep, with the coefficient e (dimensionless).
 #[derive(Debug)]
 pub(super) struct Rebounds {
-    coefficient: Real,
-    list: Vec<Rebound>,
+    pub(super) coefficient: Real,
+    pub(super) list: Vec<Rebound>,
 }
 
 impl Rebounds {
-    pub(super) fn new(coefficient: Real) -> Self {
-        Self {
-            coefficient,
-            list: Vec::new(),
-        }
+    /// How far (m) a pair has to approach in one substep.
+    pub(super) fn least(&self, near: &Near) -> Real {
+        RESTING * near.law.range()
     }
 
-    pub(super) fn clear(&mut self) {
+    /// Takes those between pieces of a substep that ends at `x` (m).
+    pub(super) fn find(&mut self, rows: &[Row], near: &Near, step: &ContactStep<'_>, x: &[Vec3]) {
         self.list.clear();
-    }
-
-    /// Takes those of a substep that ends at `x` (m).
-    pub(super) fn find(
-        &mut self,
-        (rows, of_bodies): (&[Row], &Bodies),
-        near: &Near,
-        bodies: &[Body],
-        step: &ContactStep<'_>,
-        x: &[Vec3],
-    ) {
-        self.list.clear();
-        let least = RESTING * near.law().range();
-        let touching = rows.iter().filter(|row| row.lambda > 0.0);
+        let least = self.least(near);
+        let touching = rows.iter().filter(|row| row.state.lambda > 0.0);
         for row in touching.filter(|row| row.approach.abs() > least) {
-            let ends = row.vertices.iter().zip(row.weights);
+            let ends = row.pair.vertices.iter().zip(row.weights);
             let moved = ends.filter(|(v, _)| **v as usize >= near.cloth);
             let moved = moved.map(|(v, w)| (x[*v as usize] - step.from[*v as usize]) * w);
             self.list.push(Rebound {
-                vertices: row.vertices,
+                vertices: row.pair.vertices,
                 weights: row.weights,
                 normal: row.normal,
-                inverse_mass: row.vertices.map(|v| step.inverse_mass[v as usize]),
+                inverse_mass: row.pair.vertices.map(|v| step.inverse_mass[v as usize]),
                 ease: row.ease,
                 approach: row.approach / step.dt,
                 of_body: row.normal.dot(&moved.sum()) / step.dt,
             });
         }
-        of_bodies.rebounds(bodies, least, &near.own_step(step), x, &mut self.list);
     }
 
     /// Changes the velocities (m/s), and returns the work (J) of moving bodies.
     pub(super) fn act(&self, velocities: &mut [Vec3], mut ledger: Option<&mut Ledger>) -> Real {
         let mut work = 0.0;
         for rebound in &self.list {
-            let Rebound {
-                vertices,
-                weights,
-                normal,
-                inverse_mass,
-                ..
-            } = *rebound;
-            let ends = || vertices.into_iter().zip(weights);
+            let (normal, weights) = (rebound.normal, rebound.weights);
+            let ends = || rebound.vertices.into_iter().zip(weights);
             let own = ends().filter_map(|(v, w)| Some(*velocities.get(v as usize)? * w));
             let speed = normal.dot(&own.sum()) + rebound.of_body;
             let wanted = match rebound.approach > 0.0 {
@@ -98,14 +76,14 @@ impl Rebounds {
                 false => speed.min(-rebound.approach),
             };
             let impulse = (wanted - speed) / rebound.ease;
-            for ((v, weight), w) in ends().zip(inverse_mass) {
+            for ((v, weight), w) in ends().zip(rebound.inverse_mass) {
                 if let Some(velocity) = velocities.get_mut(v as usize) {
                     *velocity += normal * (impulse * weight * w);
                 }
             }
             work -= impulse * rebound.of_body;
             if let Some(ledger) = &mut ledger {
-                ledger.add_pair(vertices, weights, [normal * impulse, Vec3::zeros()]);
+                ledger.add_pair(rebound.vertices, weights, [normal * impulse, Vec3::zeros()]);
             }
         }
         work

@@ -3,9 +3,10 @@
 use super::near::Near;
 use super::patches::{Known, Memory, NearPair, Patches, Place};
 use super::rows::{KEPT, LEAST, SLACK};
-use super::tangent::{Tangent, hold};
-use crate::ccd::{Query, QueryKind};
-use crate::pair::{Gap, Pair};
+use super::tangent::{RowState, Tangent};
+use crate::ccd::Query;
+use crate::obstacle::Distance;
+use crate::pair::{Gap, Pair, weighted};
 use cloth_core::contact::ContactStep;
 use cloth_core::math::{Real, Vec3, gather};
 
@@ -16,15 +17,13 @@ const PERSISTENT: Real = 0.02;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Row {
     pub(super) place: Place,
-    pub(super) kind: QueryKind,
-    pub(super) vertices: [u32; 4],
+    pub(super) pair: Pair,
     pub(super) weights: [Real; 4],
     pub(super) normal: Vec3,
     /// At the start of the substep (m).
     pub(super) distance: Real,
-    /// d̂ (m), and α̃ (1/kg).
-    pub(super) range: Real,
-    pub(super) compliance: Real,
+    /// Of the point Σ wᵢ xᵢ (m).
+    pub(super) state: RowState,
     /// Σ wᵢ²/mᵢ (1/kg).
     pub(super) ease: Real,
     /// Distance (m) to keep, and to come back to.
@@ -33,23 +32,15 @@ pub(super) struct Row {
     /// Whether it pushes, or is only tested.
     pub(super) pushes: bool,
     pub(super) is_violated: bool,
-    /// μ (dimensionless).
-    pub(super) coefficient: Real,
-    /// λ (kg m), and the same of friction.
-    pub(super) lambda: Real,
-    pub(super) friction: Vec3,
     /// By how much it would get nearer in the substep (m).
     pub(super) approach: Real,
-    /// Σ wᵢ xᵢ (m) where it sticks.
-    pub(super) origin: Vec3,
 }
 
 /// A pair that a plane keeps apart in the predicted motion.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Parted {
     pub(super) place: Place,
-    pub(super) kind: QueryKind,
-    pub(super) vertices: [u32; 4],
+    pub(super) pair: Pair,
     pub(super) normal: Vec3,
     /// Distance (m) to keep.
     pub(super) kept: Real,
@@ -59,115 +50,99 @@ impl Row {
     /// Of a pair at `x` (m), in a substep of `dt` (s) in which it would go to `to` (m).
     pub(super) fn new(
         place: Place,
-        (pair, memory): (&NearPair, &mut Memory),
+        (found, memory): (&NearPair, &mut Memory),
         near: &Near,
         step: &ContactStep<'_>,
         to: &[Vec3],
         travel: Option<Real>,
     ) -> Self {
-        let law = near.law();
+        let (law, pair) = (near.law, found.pair);
         let x = gather(step.from, pair.vertices);
         let fresh =
             |known: &Known| travel.is_some_and(|t| t - known.travel <= PERSISTENT * law.range());
         let known = memory.known.filter(fresh);
-        let sum = |x: &[Vec3; 4], w: &[Real; 4]| -> Vec3 { (0..4).map(|k| x[k] * w[k]).sum() };
+        let sum = |x: &[Vec3], weights: [Real; 4]| weighted(pair.vertices, weights, x);
         let gap = match &known {
             Some(known) => Gap {
-                distance: known.gap.normal.dot(&sum(&x, &known.gap.weights)),
+                distance: known.gap.normal.dot(&sum(step.from, known.gap.weights)),
                 ..known.gap
             },
             None => Gap::new(pair.kind, &x),
         };
-        let end = sum(&gather(to, pair.vertices), &gap.weights);
-        let approach = gap.distance - gap.normal.dot(&end);
+        let approach = gap.distance - gap.normal.dot(&sum(to, gap.weights));
         let w = pair.vertices.map(|v| step.inverse_mass[v as usize]);
         let ease = (0..4).map(|k| gap.weights[k] * gap.weights[k] * w[k]).sum();
-        let comes = gap.distance - approach.max(0.0) < pair.range + SLACK * law.range();
-        let faces = gap.distance < pair.range || !gap.is_at_boundary();
+        let comes = gap.distance - approach.max(0.0) < found.range + SLACK * law.range();
+        let faces = gap.distance < found.range || !gap.is_at_boundary();
         let mut pushes = comes && faces && ease > 0.0;
         let mut tangent = Tangent {
-            range: pair.range,
+            range: found.range,
             stiffness: 0.0,
         };
         if pushes {
             let area = match &known {
                 Some(known) => known.area,
-                None => near.area_of(pair, &x),
+                None => near.area_of(found, &x),
             };
             if known.is_none() {
                 memory.known = travel.map(|travel| Known { gap, area, travel });
             }
-            tangent = Tangent::of(law.with_range(pair.range), area, gap.distance);
+            tangent = Tangent::of(law.with_range(found.range), area, gap.distance);
             pushes = tangent.stiffness > 0.0;
         } else {
             memory.stretch = Vec3::zeros();
         }
         Self {
             place,
-            kind: pair.kind,
-            vertices: pair.vertices,
+            pair,
             weights: gap.weights,
             normal: gap.normal,
             distance: gap.distance,
-            range: tangent.range,
-            compliance: if pushes {
-                tangent.compliance(step.dt)
-            } else {
-                0.0
+            state: RowState {
+                range: tangent.range,
+                compliance: match pushes {
+                    true => tangent.compliance(step.dt),
+                    false => 0.0,
+                },
+                coefficient: near.friction(pair.vertices),
+                origin: sum(step.from, gap.weights) - memory.stretch,
+                ..RowState::default()
             },
             ease,
-            kept: KEPT * gap.distance.min(pair.range),
-            least: LEAST * pair.range,
+            kept: KEPT * gap.distance.min(found.range),
+            least: LEAST * found.range,
             pushes,
             is_violated: false,
-            coefficient: near.friction(pair.vertices),
-            lambda: 0.0,
-            friction: Vec3::zeros(),
             approach,
-            origin: sum(&x, &gap.weights) - memory.stretch,
         }
     }
 
     pub(super) fn point(&self, x: &[Vec3]) -> Vec3 {
-        let ends = self.vertices.iter().zip(self.weights);
-        ends.map(|(v, w)| x[*v as usize] * w).sum()
+        weighted(self.pair.vertices, self.weights, x)
     }
 
     #[inline]
     pub(super) fn project(&mut self, w: &[Real], x: &mut [Vec3]) {
         let point = self.point(x);
-        let value = self.normal.dot(&point) - self.range;
-        if value >= 0.0 && self.lambda == 0.0 {
-            return;
-        }
-        let change = -(value + self.compliance * self.lambda) / (self.ease + self.compliance);
-        let lambda = (self.lambda + change).max(0.0);
-        let mut push = self.normal * (lambda - self.lambda);
-        self.lambda = lambda;
-        if self.coefficient > 0.0 {
-            let slip = point - self.origin;
-            let slip = slip - self.normal * self.normal.dot(&slip);
-            let held = hold(self.friction - slip / self.ease, self.coefficient * lambda);
-            push += held - self.friction;
-            self.friction = held;
-        }
-        for (v, weight) in self.vertices.iter().zip(self.weights) {
-            let v = *v as usize;
-            x[v] += push * (weight * w[v]);
+        let at = Distance::exact(self.normal.dot(&point), self.normal);
+        if let Some(push) = self.state.project(&at, point, self.ease) {
+            for (v, weight) in self.pair.vertices.iter().zip(self.weights) {
+                let v = *v as usize;
+                x[v] += push * (weight * w[v]);
+            }
         }
     }
 
     /// Gives in no more: for a pair that has come too near.
     pub(super) fn harden(&mut self) {
         self.pushes = self.ease > 0.0;
-        self.compliance = 0.0;
+        self.state.compliance = 0.0;
         let least = self.distance.max(self.least);
-        self.range = self.range.min(least);
+        self.state.range = self.state.range.min(least);
     }
 
     pub(super) fn is_safe(&self, from: &[Vec3], to: &[Vec3]) -> bool {
-        let (kind, vertices) = (self.kind, self.vertices);
-        let path = Query::of(Pair { kind, vertices }, from, to);
+        let path = Query::of(self.pair, from, to);
         path.is_apart_along(&self.normal, self.kept)
             || path.is_shift(self.distance)
             || path.time_at(self.kept).is_none()
@@ -175,11 +150,11 @@ impl Row {
 
     /// Energy (J) at `x` (m).
     pub(super) fn energy(&self, x: &[Vec3], near: &Near, patches: Option<&mut Patches>) -> Real {
-        let pair = patches.and_then(|patches| patches.pair_mut(self.place, self.vertices));
-        pair.map_or(0.0, |(pair, _)| {
-            let x = gather(x, self.vertices);
-            let law = near.law().with_range(pair.range);
-            near.area_of(pair, &x) * law.energy(Gap::new(pair.kind, &x).distance)
+        let found = patches.and_then(|patches| patches.pair_mut(self.place, self.pair));
+        found.map_or(0.0, |(found, _)| {
+            let x = gather(x, self.pair.vertices);
+            let law = near.law.with_range(found.range);
+            near.area_of(found, &x) * law.energy(Gap::new(self.pair.kind, &x).distance)
         })
     }
 }

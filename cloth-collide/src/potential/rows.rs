@@ -15,19 +15,17 @@
 //! not kept a part of its distance gets sweeps without compliance; then its vertices go back on their path; and what is
 //! left even then is for impact zones.
 
-use super::bodies::{Bodies, Body};
+use super::bodies::{Bodies, Body, Substep};
 use super::forces::Ledger;
 use super::near::Near;
-use super::patches::{Memory, NearPair, Patches, TooFar};
+use super::patches::{Memory, NearPair, Patches};
 use super::quiet::Quiet;
 use super::rebound::Rebounds;
 use super::report::ConstraintReport;
 use super::row::{Parted, Row};
 use super::source::Contacts;
-use super::tangent::stretch;
-use crate::pair::gap_along;
 use cloth_core::contact::{ContactConstraints, ContactError, ContactStep};
-use cloth_core::math::{Real, Vec3, gather, is_finite};
+use cloth_core::math::{Real, Vec3, is_finite};
 
 /// What is looked at beyond the motion (in thicknesses).
 pub(super) const SLACK: Real = 0.05;
@@ -49,7 +47,7 @@ pub(super) const LEADING_SWEEPS: u32 = 10;
 /// What the constraints know.
 #[derive(Debug, Default)]
 pub(super) struct Rows {
-    patches: Option<Patches>,
+    pub(super) patches: Option<Patches>,
     pub(super) bodies: Bodies,
     pub(super) rows: Vec<Row>,
     parted: Vec<Parted>,
@@ -71,13 +69,6 @@ pub(super) struct Rows {
 }
 
 impl Rows {
-    pub(super) fn new(patches: Option<Patches>) -> Self {
-        Self {
-            patches,
-            ..Self::default()
-        }
-    }
-
     /// Forgets everything about earlier steps: the cloth starts at `from` (m), before so many bodies.
     fn start_anew(&mut self, near: &Near, from: &[Vec3], bodies: usize) {
         self.quiet.end(|_| ());
@@ -90,9 +81,9 @@ impl Rows {
     /// Work (J) of what is prescribed, on its path to `x` (m), against the forces λ n wᵢ/h² of the rows.
     fn work_of_prescribed(&self, step: &ContactStep<'_>, x: &[Vec3]) -> Real {
         let mut sum = 0.0;
-        for row in self.rows.iter().filter(|row| row.lambda > 0.0) {
-            let push = row.normal * row.lambda + row.friction;
-            for (v, weight) in row.vertices.iter().zip(row.weights) {
+        for row in self.rows.iter().filter(|row| row.state.lambda > 0.0) {
+            let push = row.normal * row.state.lambda + row.state.friction;
+            for (v, weight) in row.pair.vertices.iter().zip(row.weights) {
                 let v = *v as usize;
                 if step.inverse_mass[v] == 0.0 {
                     sum -= push.dot(&(x[v] - step.from[v])) * weight;
@@ -100,14 +91,6 @@ impl Rows {
             }
         }
         sum / (step.dt * step.dt)
-    }
-
-    fn sweep(&mut self, w: &[Real], x: &mut [Vec3]) {
-        for row in &mut self.rows {
-            if row.pushes {
-                row.project(w, x);
-            }
-        }
     }
 }
 
@@ -157,9 +140,8 @@ impl ContactConstraints for Contacts {
         rows.parted.clear();
         rows.by_zones = false;
         self.find(step, predicted, true);
-        let own = self.near.own(predicted);
-        let part = self.near.own_step(step);
-        self.rows.bodies.begin(&self.bodies, &self.near, &part, own);
+        let substep = Substep::of_cloth(&self.near, &self.bodies, step);
+        self.rows.bodies.begin(&substep, predicted);
         let pushing = self.rows.rows.iter().filter(|row| row.pushes).count();
         self.rows.report.looked += (self.rows.rows.len() + self.rows.parted.len()) as u32;
         self.rows.report.rows += (pushing + self.rows.bodies.len()) as u32;
@@ -170,10 +152,11 @@ impl ContactConstraints for Contacts {
         if self.rows.quiet.is_on {
             return;
         }
-        self.rows.sweep(step.inverse_mass, x);
-        let part = self.near.own_step(step);
-        let own = &mut x[..self.near.cloth];
-        self.rows.bodies.sweep(&self.bodies, &part, own);
+        for row in self.rows.rows.iter_mut().filter(|row| row.pushes) {
+            row.project(step.inverse_mass, x);
+        }
+        let substep = Substep::of_cloth(&self.near, &self.bodies, step);
+        self.rows.bodies.sweep(&substep, x);
     }
 
     fn end_substep(&mut self, step: &ContactStep<'_>, x: &mut [Vec3]) -> Result<(), ContactError> {
@@ -225,7 +208,7 @@ impl ContactConstraints for Contacts {
             velocities.copy_from_slice(&rows.velocities[..own]);
         } else if let Some(rebounds) = &mut rows.rebounds {
             rows.work += rebounds.act(velocities, self.ledger.as_mut());
-            rebounds.clear();
+            rebounds.list.clear();
         }
     }
 
@@ -242,8 +225,7 @@ impl ContactConstraints for Contacts {
             ledger.end(&self.near, &self.bodies, x);
         }
         self.rows.took_last = true;
-        self.safe.clear();
-        self.safe.extend_from_slice(x);
+        x.clone_into(&mut self.safe);
         if let Some(patches) = &mut self.rows.patches {
             self.rows.report.searches = std::mem::take(&mut patches.searches);
             self.rows.report.detections = std::mem::take(&mut patches.detections);
@@ -256,7 +238,7 @@ impl Contacts {
     fn stored_in_rows(&mut self, x: &[Vec3]) -> Real {
         let (rows, near) = (&mut self.rows, &self.near);
         let mut energy = rows.bodies.energy(&self.bodies, near, x);
-        for row in rows.rows.iter().filter(|row| row.lambda > 0.0) {
+        for row in rows.rows.iter().filter(|row| row.state.lambda > 0.0) {
             energy += row.energy(x, near, rows.patches.as_mut());
         }
         energy
@@ -270,33 +252,26 @@ impl Contacts {
             return true;
         };
         let (list, parted) = (&mut rows.rows, &mut rows.parted);
-        let far = SLACK * near.law().range();
-        let visit = |place, pair: &NearPair, memory: &mut Memory, travel| {
-            let (kind, vertices) = (pair.kind, pair.vertices);
-            let now = gap_along(kind, &memory.normal, &gather(step.from, vertices));
-            let least = pair.range + far;
-            if now > least && gap_along(kind, &memory.normal, &gather(to, vertices)) > least {
+        let far = SLACK * near.law.range();
+        let visit = |place, found: &NearPair, memory: &mut Memory, travel| {
+            let (pair, range, normal) = (found.pair, found.range, memory.normal);
+            let now = pair.gap_along(&normal, step.from);
+            if now > range + far && pair.gap_along(&normal, to) > range + far {
                 parted.push(Parted {
                     place,
-                    kind,
-                    vertices,
-                    normal: memory.normal,
-                    kept: KEPT * pair.range,
+                    pair,
+                    normal,
+                    kept: KEPT * range,
                 });
                 memory.stretch = Vec3::zeros();
-                return now - pair.range;
+                return now - range;
             }
-            let row = Row::new(place, (pair, &mut *memory), near, step, to, Some(travel));
+            let row = Row::new(place, (found, &mut *memory), near, step, to, Some(travel));
             list.push(row);
             memory.normal = row.normal;
-            row.distance - pair.range
+            row.distance - range
         };
-        let found = if begins {
-            patches.begin(near, step.from, to, visit)
-        } else {
-            patches.extend(near, step.from, to, visit)
-        };
-        found != Err(TooFar)
+        patches.look(near, [step.from, to], begins, visit)
     }
 
     /// How many pairs do not keep their distances on the path to `x` (m); nothing if the path is too long to say.
@@ -310,28 +285,20 @@ impl Contacts {
             row.is_violated = !row.is_safe(step.from, x);
             count += u32::from(row.is_violated);
         }
-        let (part, own) = (self.near.own_step(step), self.near.own(x));
-        let rows = &mut self.rows.bodies;
-        Some(count + rows.violations(&self.bodies, &self.near, &part, own))
+        let substep = Substep::of_cloth(&self.near, &self.bodies, step);
+        Some(count + self.rows.bodies.violations(&substep, x))
     }
 
     /// Makes rows of pairs that their planes do not keep apart on the path to `x` (m).
     fn doubt(&mut self, step: &ContactStep<'_>, x: &[Vec3]) {
-        let Self { near, rows, .. } = self;
-        let Rows {
-            patches,
-            rows: list,
-            parted,
-            ..
-        } = rows;
-        let Some(patches) = patches else {
+        let (near, list) = (&self.near, &mut self.rows.rows);
+        let Some(patches) = &mut self.rows.patches else {
             return;
         };
-        parted.retain(|parted| {
-            let keeps =
-                gap_along(parted.kind, &parted.normal, &gather(x, parted.vertices)) > parted.kept;
+        self.rows.parted.retain(|parted| {
+            let keeps = parted.pair.gap_along(&parted.normal, x) > parted.kept;
             // One that is not known any more is too far away.
-            let pair = (!keeps).then(|| patches.pair_mut(parted.place, parted.vertices));
+            let pair = (!keeps).then(|| patches.pair_mut(parted.place, parted.pair));
             let Some(pair) = pair.flatten() else {
                 return true;
             };
@@ -344,13 +311,12 @@ impl Contacts {
     fn shorten(&mut self, step: &ContactStep<'_>, x: &mut [Vec3], begins: bool, halves: bool) {
         let rows = &mut self.rows;
         if begins {
-            rows.proposed.clear();
-            rows.proposed.extend_from_slice(x);
+            x.clone_into(&mut rows.proposed);
             rows.shares.clear();
             rows.shares.resize(x.len(), 1.0);
         }
         let pairs = rows.rows.iter().filter(|row| row.is_violated);
-        let vertices = pairs.flat_map(|row| row.vertices);
+        let vertices = pairs.flat_map(|row| row.pair.vertices);
         let shares = &mut rows.shares;
         let mut shorten = |v: u32| {
             let v = v as usize;
@@ -380,44 +346,42 @@ impl Contacts {
         ledger.pass(step.dt);
         ledger.add_stops(&self.free, 1.0);
         let rows = &self.rows;
-        for row in rows.rows.iter().filter(|row| row.lambda > 0.0) {
-            let impulses = [row.normal * row.lambda, row.friction].map(|push| push / step.dt);
-            ledger.add_pair(row.vertices, row.weights, impulses);
+        for row in rows.rows.iter().filter(|row| row.state.lambda > 0.0) {
+            let impulses =
+                [row.normal * row.state.lambda, row.state.friction].map(|push| push / step.dt);
+            ledger.add_pair(row.pair.vertices, row.weights, impulses);
         }
-        let (part, own) = (self.near.own_step(step), self.near.own(x));
-        rows.bodies.record(&self.bodies, &part, own, ledger);
+        let substep = Substep::of_cloth(&self.near, &self.bodies, step);
+        rows.bodies.record(&substep, x, ledger);
     }
 
     /// The substep ends at `x` (m), and what it has done is remembered.
     fn end_by_rows(&mut self, step: &ContactStep<'_>, x: &[Vec3]) {
         self.record_impulses(step, x);
         let reach = self.reach();
-        let Self {
-            rows, bodies, near, ..
-        } = self;
+        let (rows, bodies, near) = (&mut self.rows, &self.bodies[..], &self.near);
         if let Some(patches) = &mut rows.patches {
             patches.accept();
             for row in rows.rows.iter().filter(|row| row.pushes) {
-                if let Some((_, memory)) = patches.pair_mut(row.place, row.vertices) {
-                    let displacement = row.point(x) - row.origin;
-                    let displacement = displacement - row.normal * row.normal.dot(&displacement);
-                    memory.stretch = stretch(displacement, row.lambda, reach);
+                if let Some((_, memory)) = patches.pair_mut(row.place, row.pair) {
+                    memory.stretch = row.state.stretch(row.point(x), row.normal, reach);
                 }
             }
         }
-        let (part, own) = (near.own_step(step), near.own(x));
-        rows.work += rows.bodies.end(bodies, reach, &part, own);
+        let substep = Substep::of_cloth(near, bodies, step);
+        rows.work += rows.bodies.end(&substep, reach, x);
         rows.work += rows.work_of_prescribed(step, x);
         if let Some(rebounds) = &mut rows.rebounds {
-            rebounds.find((&rows.rows, &rows.bodies), near, bodies, step, x);
+            rebounds.find(&rows.rows, near, step, x);
+            rows.bodies
+                .rebounds(&substep, rebounds.least(near), x, &mut rebounds.list);
         }
         if rows.rows.is_empty() && rows.bodies.len() == 0 {
             let relative = rows
                 .patches
                 .as_ref()
                 .map_or(Some(Real::INFINITY), Patches::margin);
-            let h = near.law().range();
-            let whole = rows.bodies.margin(bodies, h, &part, own);
+            let whole = rows.bodies.margin(&substep, x);
             // A body that nothing holds may set out in the next substep.
             let is_alone = self.free.list.is_empty();
             if let (Some(relative), Some(whole), true) = (relative, whole, is_alone) {
@@ -462,8 +426,7 @@ impl Contacts {
         self.free.is_led = false;
         ended?;
         self.rows.led = led;
-        self.rows.led.clear();
-        self.rows.led.extend_from_slice(x);
+        x.clone_into(&mut self.rows.led);
         Ok(())
     }
 
@@ -478,10 +441,15 @@ impl Contacts {
             .extend(displacements.map(|(from, x)| (x - from) / step.dt));
         // What was proposed has been given up.
         rows.proposed.clone_from(&rows.velocities);
-        let (near, bodies) = (&self.near, &self.bodies[..]);
+        let bodies = &self.bodies[..];
+        let substep = Substep {
+            near: &self.near,
+            bodies,
+            step: *step,
+        };
         let held = self
             .last_resort
-            .resolve(near, bodies, step, x, &mut rows.velocities)?;
+            .resolve(&substep, x, &mut rows.velocities)?;
         rows.report.shortened += held as u32;
         let changes = rows.velocities.iter().zip(&rows.proposed);
         let changes = changes.map(|(after, before)| after - before);

@@ -1,6 +1,6 @@
 //! Vertices that are sewn together: what has one of them is a neighbour of what has the other.
 
-use crate::sets::Sets;
+use crate::incidence::joined;
 
 /// Classes of sewn vertices.
 #[derive(Clone, Debug, Default)]
@@ -15,13 +15,8 @@ impl Sewn {
     pub(crate) fn new(pairs: &[[u32; 2]]) -> Self {
         let last = pairs.iter().flatten().max();
         let count = last.map_or(0, |&last| last as usize + 1);
-        let mut sets = Sets::default();
-        sets.reset(count);
-        for &[a, b] in pairs {
-            sets.join(a, b);
-        }
         Self {
-            class: (0..count as u32).map(|v| sets.of(v)).collect(),
+            class: joined(count, pairs),
         }
     }
 

@@ -4,20 +4,18 @@ use super::bodies::Body;
 use super::filter::shorten_all;
 use super::forces::Ledger;
 use super::free::FreeBodies;
-use super::friction::{Sticking, Stretched};
+use super::friction::{ALONE, Sticking, Stretched};
 use super::last_resort::LastResort;
 use super::near::Near;
 use super::near_pairs::NearPairs;
-use super::patches::Patches;
 use super::rows::Rows;
 use super::stops::Stops;
 use crate::bounds::mean;
-use crate::obstacle::Obstacle;
-use crate::pair::Gap;
+use crate::obstacle::{Distance, Obstacle, PenaltyLaw};
+use crate::pair::{Gap, weighted};
 use cloth_core::contact::{
     ContactConstraints, ContactError, ContactPotential, ContactRow, ContactStep,
 };
-use cloth_core::element::Energy;
 use cloth_core::math::{Real, Vec3, gather, is_finite};
 
 /// Paths longer than this many thicknesses, apart from what all vertices do together, are looked at in part.
@@ -60,7 +58,7 @@ pub(super) struct Contacts {
     pub(super) is_open: bool,
     /// Whether a step that had not ended was taken back, or other pairs were let go, so that nothing is known of the
     /// next one.
-    is_anew: bool,
+    pub(super) is_anew: bool,
     /// Prescribed vertices that move, and their displacements (m) in the step.
     moved: Vec<(u32, Vec3)>,
     /// Where the method would begin to iterate (m).
@@ -71,24 +69,36 @@ pub(super) struct Contacts {
     pub(super) held: usize,
 }
 
+/// A vertex before an obstacle.
+pub(super) struct ObstacleContact {
+    pub(super) vertex: usize,
+    pub(super) number: usize,
+    at: Distance,
+    /// Area (m²) that the vertex stands for, and its law.
+    area: Real,
+    law: PenaltyLaw,
+}
+
+impl ObstacleContact {
+    /// ∂E/∂x (N).
+    pub(super) fn gradient(&self) -> Vec3 {
+        self.at.gradient() * (self.area * self.law.slope(self.at.value))
+    }
+}
+
 impl Contacts {
-    pub(super) fn new(
-        near: Near,
-        [for_rows, for_motion]: [Option<Patches>; 2],
-        bodies: Vec<Body>,
-        last_resort: LastResort,
-    ) -> Self {
+    pub(super) fn new(near: Near, bodies: Vec<Body>) -> Self {
         Self {
-            rows: Rows::new(for_rows),
+            rows: Rows::default(),
             scratch: vec![Vec3::zeros(); near.vertex_area.len()],
             near,
-            pairs: NearPairs::new(for_motion),
+            pairs: NearPairs::default(),
             safe: Vec::new(),
             sticking: Vec::new(),
             stretched: Stretched::default(),
             work: 0.0,
             bodies,
-            last_resort,
+            last_resort: LastResort::default(),
             ledger: None,
             free: FreeBodies::default(),
             stops: Stops::default(),
@@ -118,7 +128,10 @@ impl Contacts {
         // What the step has done stays what it has done, and bodies are where it has left them.
         let (work, energy, held) = (self.work, self.energy, self.held);
         let ledger = self.ledger.take();
-        let kept = self.substep_of_no_time(&step, x);
+        let kept = self
+            .begin_step(&step)
+            .and_then(|()| self.begin_substep(&step, x))
+            .and_then(|()| self.end_substep(&step, x));
         self.ledger = ledger;
         kept?;
         let moved = std::mem::take(&mut self.rows.report.shortened) as usize;
@@ -127,16 +140,6 @@ impl Contacts {
         self.undo();
         (self.work, self.energy, self.held) = (work, energy, held + moved);
         Ok(())
-    }
-
-    fn substep_of_no_time(
-        &mut self,
-        step: &ContactStep<'_>,
-        x: &mut [Vec3],
-    ) -> Result<(), ContactError> {
-        self.begin_step(step)?;
-        self.begin_substep(step, x)?;
-        self.end_substep(step, x)
     }
 }
 
@@ -149,8 +152,7 @@ impl ContactPotential for Contacts {
         self.remember_bodies();
         self.rows.took_last = false;
         let mut wanted = std::mem::take(&mut self.wanted);
-        wanted.clear();
-        wanted.extend_from_slice(start);
+        start.clone_into(&mut wanted);
         let is_still = self.is_still(step, &wanted);
         self.moved.clear();
         let prescribed = (0..wanted.len()).filter(|&v| step.inverse_mass[v] == 0.0);
@@ -202,7 +204,7 @@ impl ContactPotential for Contacts {
     ) -> Result<(), ContactError> {
         parts.fill(1.0);
         shorten_all(from, to, parts, self.share(from, to));
-        let thickness = self.near.law().range();
+        let thickness = self.near.law.range();
         for round in 0..MOST_ROUNDS {
             // What is cut stays behind what flew along with it, and other pairs may be near on what is left of the
             // paths.
@@ -211,10 +213,8 @@ impl ContactPotential for Contacts {
             if round > 0 && self.pairs.choices == known {
                 return Ok(());
             }
-            let cut = self
-                .pairs
-                .shorten(thickness, (from, to), parts, &self.still);
-            if !cut.map_err(|error| error.not_finite())? {
+            let path = (from, &mut *to);
+            if !self.pairs.shorten(thickness, path, parts, &self.still)? {
                 return Ok(());
             }
         }
@@ -225,24 +225,11 @@ impl ContactPotential for Contacts {
     }
 
     fn add_gradient(&self, x: &[Vec3], out: &mut [Vec3]) -> Real {
-        let mut sum = 0.0;
-        for pair in self.pairs.iter() {
-            let (value, gradient) = pair.value_and_gradient(&gather(x, pair.vertices));
-            if value != 0.0 {
-                for (vertex, g) in pair.vertices.iter().zip(gradient) {
-                    out[*vertex as usize] += g;
-                }
-            }
-            sum += value;
-        }
-        for &[vertex, number] in &self.pairs.vertex_obstacle {
-            let v = vertex as usize;
-            let at = self.still[number as usize].signed_distance(x[v], 0.0);
-            let law = self.near.law_at(v);
-            if at.value < law.range() {
-                let area = self.near.vertex_area[v];
-                sum += area * law.energy(at.value);
-                out[v] += at.gradient() * (area * law.slope(at.value));
+        let mut sum = self.pair_gradients(x, |vertex, g| out[vertex] += g);
+        for contact in self.obstacle_contacts(x) {
+            if contact.at.value < contact.law.range() {
+                sum += contact.area * contact.law.energy(contact.at.value);
+                out[contact.vertex] += contact.gradient();
             }
         }
         let reach = self.reach();
@@ -263,22 +250,25 @@ impl ContactPotential for Contacts {
                 });
             }
         };
-        for pair in self.pairs.iter() {
-            let places = gather(x, pair.vertices);
-            let gap = Gap::new(pair.kind, &places);
-            let curvature = pair.law.curvature(gap.distance);
+        for near in self.pairs.iter() {
+            let places = gather(x, near.pair.vertices);
+            let gap = Gap::new(near.pair.kind, &places);
+            let curvature = near.law.curvature(gap.distance);
             if curvature > 0.0 {
-                let stiffness = pair.area_at(&places) * curvature;
-                push(pair.vertices, gap.weights, gap.normal, stiffness);
+                let stiffness = near.area_at(&places) * curvature;
+                push(near.pair.vertices, gap.weights, gap.normal, stiffness);
             }
         }
-        for &[vertex, number] in &self.pairs.vertex_obstacle {
-            let v = vertex as usize;
-            let law = self.near.law_at(v);
-            let at = self.still[number as usize].signed_distance(x[v], 0.0);
-            let stiffness =
-                self.near.vertex_area[v] * law.curvature(at.value) * at.slope * at.slope;
-            push([vertex; 4], [1.0, 0.0, 0.0, 0.0], at.normal, stiffness);
+        for ObstacleContact {
+            vertex,
+            at,
+            area,
+            law,
+            ..
+        } in self.obstacle_contacts(x)
+        {
+            let stiffness = area * law.curvature(at.value) * at.slope * at.slope;
+            push([vertex as u32; 4], ALONE, at.normal, stiffness);
         }
         let reach = self.reach();
         let sticking = self.sticking.iter();
@@ -297,8 +287,7 @@ impl ContactPotential for Contacts {
         let mut unused = std::mem::take(&mut self.scratch);
         self.energy = self.add_gradient(x, &mut unused);
         self.scratch = unused;
-        self.safe.clear();
-        self.safe.extend_from_slice(x);
+        x.clone_into(&mut self.safe);
     }
 }
 
@@ -316,23 +305,12 @@ impl Contacts {
         let shift = mean(to) - mean(from);
         let displacements = from.iter().zip(to).map(|(a, b)| (b - a - shift).norm());
         let longest = displacements.fold(0.0, Real::max);
-        (LONGEST * self.near.law().range() / longest).min(1.0)
+        (LONGEST * self.near.law.range() / longest).min(1.0)
     }
 
     /// ε (m): the displacement below which friction is a spring.
     pub(super) fn reach(&self) -> Real {
-        STICKING * self.near.law().range()
-    }
-
-    /// Takes these pairs of vertices for sewn together, in the place of those before.
-    pub(super) fn sew(&mut self, pairs: &[[u32; 2]]) {
-        self.near.sew(pairs);
-        self.is_anew = true;
-    }
-
-    /// Lets pairs of regions go; see [`LetGo`](super::let_go::LetGo).
-    pub(super) fn let_go(&mut self, region: &[u32], pairs: &[[u32; 2]]) {
-        self.is_anew |= self.near.let_go.replace(region, pairs);
+        STICKING * self.near.law.range()
     }
 
     /// Notes where bodies are before a step.
@@ -348,11 +326,6 @@ impl Contacts {
         self.undo();
         self.is_anew |= was_open;
         was_open
-    }
-
-    /// Takes the last step for one that has not ended.
-    pub(super) fn reopen(&mut self) {
-        self.is_open = !self.before.is_empty();
     }
 
     /// Takes bodies back to where they were before a step that has begun and not ended.
@@ -382,35 +355,24 @@ impl Contacts {
 
     /// Finds the contacts at the start of a step that have friction in it.
     fn stick(&mut self, step: &ContactStep<'_>) {
-        let Self {
-            near,
-            pairs,
-            sticking,
-            stretched,
-            ..
-        } = self;
+        let (near, stretched, sticking) = (&self.near, &self.stretched, &mut self.sticking);
         let x = step.from;
         sticking.clear();
-        let mut push = |vertices: [u32; 4], gap: Gap, most: Real| {
+        for contact in self.pairs.iter() {
+            let vertices = contact.pair.vertices;
+            let places = gather(x, vertices);
+            let gap = Gap::new(contact.pair.kind, &places);
+            let force = -contact.area_at(&places) * contact.law.slope(gap.distance);
+            let most = near.friction(vertices) * force;
             if most > 0.0 {
-                let ends = vertices.iter().zip(gap.weights);
-                let point: Vec3 = ends.map(|(v, w)| x[*v as usize] * w).sum();
                 sticking.push(Sticking {
                     key: vertices,
                     vertices,
                     weights: gap.weights,
                     normal: gap.normal,
                     most,
-                    origin: point - stretched.of(vertices),
+                    origin: weighted(vertices, gap.weights, x) - stretched.of(vertices),
                 });
-            }
-        };
-        for pair in pairs.iter() {
-            let places = gather(x, pair.vertices);
-            let gap = Gap::new(pair.kind, &places);
-            if gap.distance < pair.law.range() {
-                let force = -pair.area_at(&places) * pair.law.slope(gap.distance);
-                push(pair.vertices, gap, near.friction(pair.vertices) * force);
             }
         }
         let bodies = self.before.iter().zip(&self.still).zip(&self.bodies);
@@ -429,7 +391,7 @@ impl Contacts {
                     sticking.push(Sticking {
                         key,
                         vertices: [vertex; 4],
-                        weights: [1.0, 0.0, 0.0, 0.0],
+                        weights: ALONE,
                         normal: at.normal,
                         most: near.friction_on(v, *friction) * force,
                         origin: moved - stretched.of(key),
@@ -437,6 +399,39 @@ impl Contacts {
                 }
             }
         }
+    }
+
+    /// Hands `add` the gradients (N) of the energies of pairs at `x` (m), vertex by vertex, and returns their sum (J).
+    pub(super) fn pair_gradients(&self, x: &[Vec3], mut add: impl FnMut(usize, Vec3)) -> Real {
+        let mut sum = 0.0;
+        for near in self.pairs.iter() {
+            let vertices = near.pair.vertices;
+            let (value, gradient) = near.value_and_gradient(&gather(x, vertices));
+            if value != 0.0 {
+                for (vertex, g) in vertices.into_iter().zip(gradient) {
+                    add(vertex as usize, g);
+                }
+            }
+            sum += value;
+        }
+        sum
+    }
+
+    /// The vertices that may touch an obstacle, with the cloth at `x` (m).
+    pub(super) fn obstacle_contacts<'a>(
+        &'a self,
+        x: &'a [Vec3],
+    ) -> impl Iterator<Item = ObstacleContact> + 'a {
+        self.pairs.vertex_obstacle.iter().map(move |pair| {
+            let [vertex, number] = pair.map(|n| n as usize);
+            ObstacleContact {
+                vertex,
+                number,
+                at: self.still[number].signed_distance(x[vertex], 0.0),
+                area: self.near.vertex_area[vertex],
+                law: self.near.law_at(vertex),
+            }
+        })
     }
 
     /// Work (J) of what is prescribed against the forces of pairs at `x` (m), where the step ends.
@@ -461,20 +456,17 @@ impl Contacts {
     fn work_of_bodies(&self, x: &[Vec3]) -> Real {
         let reach = self.reach();
         let mut sum = 0.0;
-        for &[vertex, number] in &self.pairs.vertex_obstacle {
-            let (before, after) = (&self.before[number as usize], &self.still[number as usize]);
-            if before.motion().is_still() {
-                continue;
-            }
-            let v = vertex as usize;
-            let at = after.signed_distance(x[v], 0.0);
-            let local = after.motion().pose.to_local(x[v]);
-            let displacement = x[v] - before.motion().pose.to_world(local);
-            let force =
-                at.gradient() * (self.near.vertex_area[v] * self.near.law_at(v).slope(at.value));
-            let mut whole = -force;
-            let own = self.sticking.iter();
-            for sticking in own.filter(|s| s.key == [vertex, vertex, vertex, number]) {
+        let moving = |number: usize| !self.before[number].motion().is_still();
+        for contact in self
+            .obstacle_contacts(x)
+            .filter(|contact| moving(contact.number))
+        {
+            let (v, number) = (contact.vertex, contact.number);
+            let local = self.still[number].motion().pose.to_local(x[v]);
+            let displacement = x[v] - self.before[number].motion().pose.to_world(local);
+            let mut whole = -contact.gradient();
+            let key = [v as u32, v as u32, v as u32, number as u32];
+            for sticking in self.sticking.iter().filter(|sticking| sticking.key == key) {
                 let u = sticking.displacement(x);
                 whole -= u * (sticking.most / u.norm().max(reach));
             }
@@ -499,9 +491,8 @@ impl Contacts {
     }
 
     fn safe_part(&self, from: &[Vec3], to: &[Vec3]) -> Result<Real, ContactError> {
-        let thickness = self.near.law().range();
-        let part = self.pairs.safe_part(thickness, from, to, &self.still);
-        part.map_err(|error| error.not_finite())
+        let thickness = self.near.law.range();
+        Ok(self.pairs.safe_part(thickness, from, to, &self.still)?)
     }
 
     /// Begins a step, after one that may not have ended: whether its start is in order, and whether it is where the
@@ -515,10 +506,9 @@ impl Contacts {
             return Ok(true);
         }
         self.safe.clear();
-        match self.near.crossing(step.from) {
-            Ok(0) => Ok(false),
-            Ok(pairs) => Err(ContactError::IntersectingStart { pairs }),
-            Err(error) => Err(error.not_finite()),
+        match self.near.crossing(step.from)? {
+            0 => Ok(false),
+            pairs => Err(ContactError::IntersectingStart { pairs }),
         }
     }
 }

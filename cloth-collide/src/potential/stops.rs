@@ -51,7 +51,8 @@ pub(super) struct Stops {
 #[derive(Clone, Copy, Debug)]
 struct Meeting {
     /// The numbers of the body in the list of free ones, and of the other one, if that is free too.
-    bodies: [Option<usize>; 2],
+    body: usize,
+    other: Option<usize>,
     /// Where (m), and the direction in which the body is pushed.
     point: Vec3,
     normal: Vec3,
@@ -62,25 +63,10 @@ struct Meeting {
 }
 
 impl Meeting {
-    fn new(bodies: [Option<usize>; 2], point: Vec3, normal: Vec3, missing: Real) -> Self {
-        Self {
-            bodies,
-            point,
-            normal,
-            missing,
-            impulse: 0.0,
-        }
-    }
-
     /// The free bodies, and the sense in which each is pushed.
     fn ends(&self) -> impl Iterator<Item = (usize, Real)> + use<> {
-        let both = self.bodies.into_iter().zip([1.0, -1.0]);
-        both.filter_map(|(number, sign)| Some((number?, sign)))
-    }
-
-    /// The first of them.
-    fn body(&self) -> usize {
-        self.bodies[0].unwrap_or_default()
+        let other = self.other.map(|other| (other, -1.0));
+        std::iter::once((self.body, 1.0)).chain(other)
     }
 }
 
@@ -137,7 +123,7 @@ impl Contacts {
             self.meet(step, to);
             self.stops
                 .meetings
-                .retain(|meeting| !self.free.list[meeting.body()].is_halted);
+                .retain(|meeting| !self.free.list[meeting.body].is_halted);
             if self.stops.meetings.is_empty() {
                 return;
             }
@@ -145,7 +131,7 @@ impl Contacts {
         }
         // Nothing else is sure.
         for meeting in &self.stops.meetings {
-            self.free.list[meeting.body()].is_halted = true;
+            self.free.list[meeting.body].is_halted = true;
         }
         self.move_free(step.dt);
     }
@@ -176,7 +162,7 @@ impl Contacts {
         let free = &self.free.list[number];
         let obstacle = &self.bodies[free.number].0;
         let centre = obstacle.motion().pose_at(time).position;
-        let keep = FROM_HELD * self.near.law().range();
+        let keep = FROM_HELD * self.near.law.range();
         let part = time / step.dt;
         for &corners in &self.stops.held {
             let from = gather(step.from, corners);
@@ -192,9 +178,14 @@ impl Contacts {
             let distance = obstacle.signed_distance(point, time);
             let start = obstacle.signed_distance(start, 0.0).value;
             if let Some(missing) = missing(start, distance.value, keep) {
-                let speed = missing / time;
-                let meeting = Meeting::new([Some(number), None], point, -distance.normal, speed);
-                self.stops.meetings.push(meeting);
+                self.stops.meetings.push(Meeting {
+                    body: number,
+                    other: None,
+                    point,
+                    normal: -distance.normal,
+                    missing: missing / time,
+                    impulse: 0.0,
+                });
             }
         }
     }
@@ -204,7 +195,7 @@ impl Contacts {
         let free = &self.free.list[number];
         let own = self.bodies[free.number].0.motion();
         let [before, then] = [0.0, time].map(|time| own.pose_at(time));
-        let keep = FROM_BODIES * self.near.law().range();
+        let keep = FROM_BODIES * self.near.law.range();
         for (index, (obstacle, _)) in self.bodies.iter().enumerate() {
             let stretch = obstacle.shape().lipschitz();
             let between = obstacle.signed_distance(then.position, time).value / stretch;
@@ -220,10 +211,14 @@ impl Contacts {
                 }
                 let start = obstacle.signed_distance(before.to_world(*local), 0.0);
                 if let Some(missing) = missing(start.value, distance.value, keep) {
-                    let speed = missing / time;
-                    let bodies = [Some(number), other];
-                    let meeting = Meeting::new(bodies, point, distance.normal, speed);
-                    self.stops.meetings.push(meeting);
+                    self.stops.meetings.push(Meeting {
+                        body: number,
+                        other,
+                        point,
+                        normal: distance.normal,
+                        missing: missing / time,
+                        impulse: 0.0,
+                    });
                 }
             }
         }

@@ -11,6 +11,7 @@ use super::builder::PotentialBuilder;
 use super::forces::{ContactForces, Ledger};
 use super::report::ConstraintReport;
 use super::rows::LEADING_SWEEPS;
+use super::sewn::Sewn;
 use super::source::Contacts;
 use crate::obstacle::{AnimatedMesh, Pose, RigidMotion};
 use cloth_core::contact::{
@@ -41,11 +42,11 @@ pub struct PotentialContacts {
 
 /// The surface of a body.
 #[derive(Clone, Debug)]
-pub(super) struct Surface {
-    pub(super) mesh: TriMesh,
-    pub(super) motion: Motion,
+struct Surface {
+    mesh: TriMesh,
+    motion: Motion,
     /// Where it is at both ends, if it is that of an obstacle and has been put there.
-    pub(super) placed: Option<[Pose; 2]>,
+    placed: Option<[Pose; 2]>,
 }
 
 /// What moves it.
@@ -76,23 +77,19 @@ pub(super) struct Surfaces {
     shared: Mutex<[Vec<Vec3>; 2]>,
 }
 
-impl Surface {
-    pub(super) fn new(mesh: TriMesh, motion: Motion) -> Self {
-        Self {
+impl Surfaces {
+    pub(super) fn new(cloth: usize, list: Vec<(TriMesh, Motion)>) -> Self {
+        let own = list.iter().map(|(mesh, _)| mesh.vertex_count());
+        let count = cloth + own.sum::<usize>();
+        let room = || vec![Vec3::zeros(); count];
+        let nowhere = |(mesh, motion)| Surface {
             mesh,
             motion,
             placed: None,
-        }
-    }
-}
-
-impl Surfaces {
-    pub(super) fn new(cloth: usize, list: Vec<Surface>) -> Self {
-        let count = cloth + list.iter().map(|s| s.mesh.vertex_count()).sum::<usize>();
-        let room = || vec![Vec3::zeros(); count];
+        };
         Self {
             cloth,
-            list,
+            list: list.into_iter().map(nowhere).collect(),
             time: 0.0,
             begun: 0.0,
             inverse_mass: vec![0.0; count],
@@ -164,6 +161,30 @@ impl Surfaces {
         (step, &mut self.to)
     }
 
+    /// The same with the cloth at `x` (m).
+    fn with(&mut self, dt: Real, x: &[Vec3]) -> (ContactStep<'_>, &mut Vec<Vec3>) {
+        self.to[..x.len()].copy_from_slice(x);
+        self.all(dt)
+    }
+
+    /// The same of a path of the cloth (m).
+    fn path(&mut self, from: &[Vec3], to: &[Vec3]) -> (&[Vec3], &mut [Vec3]) {
+        self.from[..from.len()].copy_from_slice(from);
+        self.to[..to.len()].copy_from_slice(to);
+        (&self.from, &mut self.to)
+    }
+
+    /// Where everything is, with the cloth at `x` (m).
+    fn at(&mut self, x: &[Vec3]) -> &[Vec3] {
+        self.to[..x.len()].copy_from_slice(x);
+        &self.to
+    }
+
+    /// Takes the cloth to where it ends (m).
+    fn take(&self, x: &mut [Vec3]) {
+        x.copy_from_slice(&self.to[..x.len()]);
+    }
+
     fn shared(&self) -> MutexGuard<'_, [Vec<Vec3>; 2]> {
         self.shared.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -198,7 +219,11 @@ impl PotentialContacts {
     /// Where the bodies that the cloth pushes are after the last step, with the velocities that their momenta give
     /// them, by the numbers of their obstacles.
     pub fn free_motions(&self) -> impl Iterator<Item = (usize, RigidMotion)> + '_ {
-        self.contacts.free_motions()
+        let Contacts { bodies, free, .. } = &self.contacts;
+        free.list.iter().map(|free| {
+            let pose = bodies[free.number].0.motion().pose;
+            (free.number, free.body.motion(pose, free.momenta, 0.0))
+        })
     }
 
     /// By how far (m) the cloth has pushed a body from the way on which it has moved in the last step, of a method that
@@ -214,7 +239,7 @@ impl PotentialContacts {
     /// Takes the last step, of a method that minimises, back: the next one begins where that has begun, with bodies as
     /// they were there. The positions of the cloth are the caller's.
     pub fn take_back(&mut self) {
-        self.contacts.reopen();
+        self.contacts.is_open = !self.contacts.before.is_empty();
     }
 
     /// The forces of the last step, if they are recorded.
@@ -227,13 +252,14 @@ impl PotentialContacts {
     /// From the next step on these pairs of vertices are sewn together, and no others; see
     /// [`PotentialBuilder::sew`](super::PotentialBuilder::sew). A vertex that there is not is left out.
     pub fn sew(&mut self, pairs: &[[u32; 2]]) {
-        self.contacts.sew(pairs);
+        self.contacts.near.own.sewn = Sewn::new(pairs);
+        self.contacts.is_anew = true;
     }
 
     /// From the next step on leaves out all pairs of pieces in two regions of a pair, and no others. `region` numbers
     /// the regions of vertices from 1; 0 for none.
     pub(crate) fn let_go(&mut self, region: &[u32], pairs: &[[u32; 2]]) {
-        self.contacts.let_go(region, pairs);
+        self.contacts.is_anew |= self.contacts.near.let_go.replace(region, pairs);
     }
 
     /// Whether another free body is halted for the cloth that would have no free way without.
@@ -299,19 +325,18 @@ impl ContactSource for PotentialContacts {
         x: &mut [Vec3],
     ) -> Result<(), ContactError> {
         let surfaces = &mut self.surfaces;
-        let count = surfaces.cloth;
         // Of a step of no time, in which bodies stay.
         let step = ContactStep {
             from,
             inverse_mass,
             dt: 1.0,
         };
-        step.check(count, x, x)?;
+        step.check(surfaces.cloth, x, x)?;
         surfaces.place(&self.contacts.bodies, 0.0);
         surfaces.put(&step, x);
         let (all, to) = surfaces.all(step.dt);
         self.contacts.keep_free(all.from, all.inverse_mass, to)?;
-        x.copy_from_slice(&to[..count]);
+        self.surfaces.take(x);
         Ok(())
     }
 
@@ -339,19 +364,15 @@ impl ContactPotential for PotentialContacts {
                 Err(error) => return Err(error),
             }
         }
-        let surfaces = &mut self.surfaces;
-        let to = &surfaces.to;
-        start.copy_from_slice(&to[..start.len()]);
-        surfaces.time += step.dt;
-        surfaces.stay();
+        self.surfaces.take(start);
+        self.surfaces.time += step.dt;
+        self.surfaces.stay();
         Ok(())
     }
 
     fn limit(&mut self, from: &[Vec3], to: &[Vec3]) -> Result<Real, ContactError> {
-        let surfaces = &mut self.surfaces;
-        surfaces.from[..from.len()].copy_from_slice(from);
-        surfaces.to[..to.len()].copy_from_slice(to);
-        self.contacts.limit(&surfaces.from, &surfaces.to)
+        let (from, to) = self.surfaces.path(from, to);
+        self.contacts.limit(from, to)
     }
 
     fn limit_each(
@@ -361,11 +382,10 @@ impl ContactPotential for PotentialContacts {
         parts: &mut [Real],
     ) -> Result<(), ContactError> {
         let surfaces = &mut self.surfaces;
-        surfaces.from[..from.len()].copy_from_slice(from);
-        surfaces.to[..to.len()].copy_from_slice(to);
+        surfaces.path(from, to);
         self.contacts
             .limit_each(&surfaces.from, &mut surfaces.to, &mut surfaces.parts)?;
-        to.copy_from_slice(&surfaces.to[..to.len()]);
+        surfaces.take(to);
         parts.copy_from_slice(&surfaces.parts[..parts.len()]);
         Ok(())
     }
@@ -400,17 +420,14 @@ impl ContactPotential for PotentialContacts {
     }
 
     fn end(&mut self, x: &[Vec3], v: &[Vec3]) {
-        let surfaces = &mut self.surfaces;
-        surfaces.to[..x.len()].copy_from_slice(x);
-        self.contacts.end(&surfaces.to, v);
+        self.contacts.end(self.surfaces.at(x), v);
     }
 }
 
 impl ContactConstraints for PotentialContacts {
     fn begin_step(&mut self, step: &ContactStep<'_>) -> Result<(), ContactError> {
         self.place(step, step.from, [true, false])?;
-        let surfaces = &mut self.surfaces;
-        let (all, _) = surfaces.all(step.dt);
+        let (all, _) = self.surfaces.all(step.dt);
         self.contacts.begin_step(&all)
     }
 
@@ -420,23 +437,19 @@ impl ContactConstraints for PotentialContacts {
         predicted: &[Vec3],
     ) -> Result<(), ContactError> {
         self.place(step, predicted, [false, true])?;
-        let surfaces = &mut self.surfaces;
-        let (all, to) = surfaces.all(step.dt);
+        let (all, to) = self.surfaces.all(step.dt);
         self.contacts.begin_substep(&all, to)
     }
 
     fn sweep(&mut self, step: &ContactStep<'_>, x: &mut [Vec3]) {
-        let surfaces = &mut self.surfaces;
-        let (all, to) = surfaces.all(step.dt);
-        to[..x.len()].copy_from_slice(x);
+        let (all, to) = self.surfaces.with(step.dt, x);
         self.contacts.sweep(&all, to);
-        x.copy_from_slice(&to[..x.len()]);
+        self.surfaces.take(x);
     }
 
     fn end_substep(&mut self, step: &ContactStep<'_>, x: &mut [Vec3]) -> Result<(), ContactError> {
         loop {
-            let (all, to) = self.surfaces.all(step.dt);
-            to[..x.len()].copy_from_slice(x);
+            let (all, to) = self.surfaces.with(step.dt, x);
             match self.contacts.end_substep(&all, to) {
                 Ok(()) => break,
                 Err(error) if self.halts(&error) => {
@@ -448,9 +461,8 @@ impl ContactConstraints for PotentialContacts {
                 Err(error) => return Err(error),
             }
         }
-        let surfaces = &mut self.surfaces;
-        x.copy_from_slice(&surfaces.to[..x.len()]);
-        surfaces.time += step.dt;
+        self.surfaces.take(x);
+        self.surfaces.time += step.dt;
         Ok(())
     }
 
@@ -459,14 +471,10 @@ impl ContactConstraints for PotentialContacts {
     }
 
     fn given(&mut self, x: &[Vec3]) -> Real {
-        let surfaces = &mut self.surfaces;
-        surfaces.to[..x.len()].copy_from_slice(x);
-        self.contacts.given(&surfaces.to)
+        self.contacts.given(self.surfaces.at(x))
     }
 
     fn end_step(&mut self, x: &[Vec3]) {
-        let surfaces = &mut self.surfaces;
-        surfaces.to[..x.len()].copy_from_slice(x);
-        self.contacts.end_step(&surfaces.to);
+        self.contacts.end_step(self.surfaces.at(x));
     }
 }

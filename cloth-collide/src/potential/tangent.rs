@@ -1,7 +1,7 @@
 //! What one row makes of the law of contact and of that of friction.
 
 use super::rows::LEAST;
-use crate::obstacle::PenaltyLaw;
+use crate::obstacle::{Distance, PenaltyLaw, hold};
 use cloth_core::math::{Real, Vec3};
 
 /// The tangent of a contact law at a distance: the force (N) is `stiffness` (N/m) times what is missing to `range` (m).
@@ -31,22 +31,57 @@ impl Tangent {
     }
 }
 
-/// A force of friction that is not larger than `most`.
-pub(super) fn hold(wanted: Vec3, most: Real) -> Vec3 {
-    let size = wanted.norm();
-    if size > most {
-        wanted * (most / size)
-    } else {
-        wanted
-    }
+/// The part of `v` at right angles to `normal` (unit length).
+#[inline]
+pub(super) fn across(v: Vec3, normal: Vec3) -> Vec3 {
+    v - normal * normal.dot(&v)
 }
 
-/// What friction is stretched by (m) after a `displacement` (m) from where it sticks: it gives in elastically by
-/// `reach` (m), and what is more is slip. Nothing without a force λ.
-pub(super) fn stretch(displacement: Vec3, lambda: Real, reach: Real) -> Vec3 {
-    if lambda > 0.0 {
-        hold(displacement, reach)
-    } else {
-        Vec3::zeros()
+/// A unilateral constraint in a substep, C = d − d̂ ≥ 0 for a distance d, and what it has pushed with so far.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct RowState {
+    /// d̂ (m), α̃ (1/kg), and μ (dimensionless).
+    pub(super) range: Real,
+    pub(super) compliance: Real,
+    pub(super) coefficient: Real,
+    /// λ (kg m) along the normal, and the same of friction.
+    pub(super) lambda: Real,
+    pub(super) friction: Vec3,
+    /// Where it sticks at the end of the substep (m).
+    pub(super) origin: Vec3,
+}
+
+impl RowState {
+    /// XPBD's projection, with friction in its cone: the push (kg m) on a `point` (m) at the distance `at`, which gives
+    /// way by `ease` (1/kg). Nothing without contact.
+    #[inline]
+    pub(super) fn project(&mut self, at: &Distance, point: Vec3, ease: Real) -> Option<Vec3> {
+        let value = at.value - self.range;
+        if value >= 0.0 && self.lambda == 0.0 {
+            return None;
+        }
+        let change = -(value + self.compliance * self.lambda)
+            / (ease * at.slope * at.slope + self.compliance);
+        let lambda = (self.lambda + change).max(0.0);
+        let mut push = at.gradient() * (lambda - self.lambda);
+        self.lambda = lambda;
+        if self.coefficient > 0.0 {
+            let slip = across(point - self.origin, at.normal);
+            let most = self.coefficient * lambda * at.slope;
+            let held = hold(self.friction - slip / ease, most);
+            push += held - self.friction;
+            self.friction = held;
+        }
+        Some(push)
+    }
+
+    /// What friction is stretched by (m) with the point at `point` (m): it gives in elastically by `reach` (m), and what
+    /// is more is slip. Nothing without a force λ.
+    pub(super) fn stretch(&self, point: Vec3, normal: Vec3, reach: Real) -> Vec3 {
+        if self.lambda > 0.0 {
+            hold(across(point - self.origin, normal), reach)
+        } else {
+            Vec3::zeros()
+        }
     }
 }

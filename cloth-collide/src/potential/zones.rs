@@ -1,7 +1,7 @@
 //! Impact zones: parts of the cloth that move as rigid bodies for one step.
 
-use crate::sets::Sets;
 use cloth_core::math::{Mat3, Real, Vec3};
+use cloth_core::topology::DisjointSets;
 use nalgebra::Rotation3;
 
 /// No zone turns further than this in a step (rad). On the straight paths of its vertices distances inside it shrink by
@@ -11,7 +11,7 @@ const MOST_TURN: Real = 1.0;
 /// The zones of one step.
 #[derive(Debug, Default)]
 pub(super) struct Zones {
-    sets: Sets,
+    sets: DisjointSets,
     /// Whether a vertex is in a zone.
     member: Vec<bool>,
     /// (zone, vertex), in rising order, once sorted.
@@ -32,7 +32,7 @@ impl Zones {
     pub(super) fn join(&mut self, vertices: [u32; 4]) -> bool {
         let mut joined = false;
         for v in vertices {
-            joined |= self.sets.of(v) != self.sets.of(vertices[0]);
+            joined |= self.sets.root(v) != self.sets.root(vertices[0]);
             self.sets.join(vertices[0], v);
             self.member[v as usize] = true;
         }
@@ -41,15 +41,11 @@ impl Zones {
 
     /// Lists the members, zone by zone.
     pub(super) fn sort(&mut self) {
-        let Self {
-            sets,
-            member,
-            members,
-        } = self;
-        members.clear();
-        let inside = (0..member.len() as u32).filter(|&v| member[v as usize]);
-        members.extend(inside.map(|v| [sets.of(v), v]));
-        members.sort_unstable();
+        self.members.clear();
+        let inside = (0..self.member.len() as u32).filter(|&v| self.member[v as usize]);
+        let named = inside.map(|v| [self.sets.root(v), v]);
+        self.members.extend(named);
+        self.members.sort_unstable();
     }
 
     /// The vertices of each zone, as pairs (zone, vertex).

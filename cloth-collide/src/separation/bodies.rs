@@ -63,15 +63,14 @@ impl BodyProbe {
         cloth: &[Vec3],
         bodies: impl IntoIterator<Item = &'a [Vec3]>,
     ) -> Result<usize, CollideError> {
-        self.places.clear();
-        self.places.extend_from_slice(cloth);
+        cloth.clone_into(&mut self.places);
         bodies
             .into_iter()
             .for_each(|x| self.places.extend_from_slice(x));
         self.pairs.find(&self.places)?;
-        let triangles = self.pairs.triangles();
+        let triangles = &self.pairs.triangles;
         let is_own = |t: &[u32; 3]| (t[0] as usize) < self.cloth;
-        let pairs = self.pairs.found().iter();
+        let pairs = self.pairs.pairs.iter();
         let pairs = pairs.map(|pair| pair.map(|t| triangles[t as usize]));
         let mixed = pairs.filter(|[a, b]| is_own(a) != is_own(b));
         let meet = |pair: &[[u32; 3]; 2]| {

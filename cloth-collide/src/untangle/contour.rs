@@ -12,7 +12,7 @@ use cloth_core::mesh::TriMesh;
 /// segment.
 #[derive(Debug)]
 pub(super) struct Contour {
-    pairs: TrianglePairs,
+    pub(super) pairs: TrianglePairs,
     segments: Vec<[End; 2]>,
     /// Pairs of triangles that meet.
     pub(super) meeting: Vec<[u32; 2]>,
@@ -32,8 +32,8 @@ impl Contour {
         self.pairs.find(positions)?;
         self.segments.clear();
         self.meeting.clear();
-        let triangles = self.pairs.triangles();
-        for &pair in self.pairs.found() {
+        let triangles = &self.pairs.triangles;
+        for &pair in &self.pairs.pairs {
             let corners = pair.map(|t| triangles[t as usize]);
             if meet_unduly(corners, positions) {
                 self.meeting.push(pair);
@@ -41,16 +41,6 @@ impl Contour {
             }
         }
         Ok(())
-    }
-
-    /// The triangles of the mesh.
-    pub(super) fn triangles(&self) -> &[[u32; 3]] {
-        self.pairs.triangles()
-    }
-
-    /// How many pairs of triangles meet.
-    pub(super) fn pair_count(&self) -> usize {
-        self.meeting.len()
     }
 
     /// Where edges pass through triangles: once for each triangle of the edge.

@@ -53,9 +53,7 @@ impl Crossing {
             normal,
         })
     }
-}
 
-impl Crossing {
     /// The ends of the edge, the smaller number first.
     pub(super) fn sorted_edge(&self) -> [u32; 2] {
         let [a, b] = self.edge;

@@ -3,10 +3,10 @@
 use super::{SMOOTHINGS, Untangler, WORTHWHILE};
 use crate::error::CollideError;
 use crate::potential::PotentialContacts;
-use crate::sets::Sets;
 use cloth_core::contact::{ContactError, ContactSource};
 use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::TriMesh;
+use cloth_core::topology::DisjointSets;
 
 /// Rings of neighbours around what crosses that belong to a region: where the contour may go in a step.
 const RINGS: u32 = 3;
@@ -25,7 +25,7 @@ const ITERATIONS: u32 = 4;
 #[derive(Debug)]
 pub struct StepUntangler {
     untangler: Untangler,
-    sets: Sets,
+    sets: DisjointSets,
     is_inside: Vec<bool>,
     region: Vec<u32>,
     pairs: Vec<[u32; 2]>,
@@ -44,7 +44,7 @@ impl StepUntangler {
         let count = mesh.vertex_count();
         Self {
             untangler: Untangler::new(mesh),
-            sets: Sets::default(),
+            sets: DisjointSets::default(),
             is_inside: vec![false; count],
             region: vec![0; count],
             pairs: Vec::new(),
@@ -85,12 +85,11 @@ impl StepUntangler {
         let free = inverse_mass.iter().map(|w| Real::from(u8::from(*w > 0.0)));
         self.is_free.extend(free);
         for _ in 0..ITERATIONS {
-            if self.untangler.contour.pair_count() == 0 {
+            if self.untangler.contour.meeting.is_empty() {
                 break;
             }
             self.moved.copy_from_slice(positions);
-            let moved = self.untangler.iterate(&mut self.moved, &self.is_free);
-            moved.map_err(|error| error.not_finite())?;
+            self.untangler.iterate(&mut self.moved, &self.is_free)?;
             contacts.keep_free(positions, inverse_mass, &mut self.moved)?;
             positions.copy_from_slice(&self.moved);
             self.look(contacts, positions)?;
@@ -124,61 +123,47 @@ impl StepUntangler {
         contacts: &mut PotentialContacts,
         positions: &[Vec3],
     ) -> Result<usize, ContactError> {
-        let contour = &mut self.untangler.contour;
-        contour
-            .find(positions)
-            .map_err(|error| error.not_finite())?;
+        self.untangler.contour.find(positions)?;
         self.divide();
         contacts.let_go(&self.region, &self.pairs);
-        Ok(self.untangler.contour.pair_count())
+        Ok(self.untangler.contour.meeting.len())
     }
 
     /// Finds the regions around what crosses.
     fn divide(&mut self) {
-        let Untangler {
-            contour,
-            pieces,
-            smoother,
-            ..
-        } = &mut self.untangler;
+        let untangler = &mut self.untangler;
+        let (contour, smoother) = (&untangler.contour, &mut untangler.smoother);
         self.pairs.clear();
-        if contour.pair_count() == 0 {
+        if contour.meeting.is_empty() {
             return;
         }
-        pieces.divide(contour.crossings());
+        untangler.pieces.divide(contour.crossings());
         for (vertex, is_inside) in (0..).zip(&mut self.is_inside) {
-            *is_inside = pieces.is_cut_off(vertex);
+            *is_inside = untangler.pieces.is_cut_off(vertex);
         }
-        let triangles = contour.triangles();
-        for vertex in contour
-            .meeting
-            .iter()
-            .flatten()
-            .flat_map(|&t| triangles[t as usize])
-        {
+        let corners = |t: u32| contour.pairs.triangles[t as usize];
+        for vertex in contour.meeting.iter().flatten().flat_map(|&t| corners(t)) {
             self.is_inside[vertex as usize] = true;
         }
         for _ in 0..RINGS {
             smoother.grow(&mut self.is_inside);
         }
         self.sets.reset(self.is_inside.len());
-        for &[a, b] in smoother.edges() {
+        for &[a, b] in &smoother.edges {
             if self.is_inside[a as usize] && self.is_inside[b as usize] {
                 self.sets.join(a, b);
             }
         }
         for (vertex, region) in (0..).zip(&mut self.region) {
-            let is_inside = self.is_inside[vertex as usize];
-            *region = if is_inside {
-                self.sets.of(vertex) + 1
-            } else {
-                0
+            *region = match self.is_inside[vertex as usize] {
+                true => self.sets.root(vertex) + 1,
+                false => 0,
             };
         }
-        let of = |t: u32| self.region[triangles[t as usize][0] as usize];
+        let of = |t: u32| self.region[corners(t)[0] as usize];
         let crossing = contour.meeting.iter().map(|pair| pair.map(of));
-        self.pairs
-            .extend(crossing.map(|[a, b]| [a.min(b), a.max(b)]));
+        let sorted = crossing.map(|[a, b]| [a.min(b), a.max(b)]);
+        self.pairs.extend(sorted);
         self.pairs.sort_unstable();
         self.pairs.dedup();
     }

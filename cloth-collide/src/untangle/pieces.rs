@@ -1,10 +1,10 @@
 //! What the contour cuts off a cloth: the parts that are probably on the wrong side.
 
 use super::crossing::Crossing;
-use crate::incidence::edge_numbers;
-use crate::sets::Sets;
+use crate::incidence::{edge_numbers, joined};
 use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::TriMesh;
+use cloth_core::topology::DisjointSets;
 
 /// Connected parts of the mesh, when the edges that pass through a triangle are taken away.
 ///
@@ -16,7 +16,7 @@ pub(super) struct Pieces {
     edges: Vec<[u32; 2]>,
     /// The number of each vertex's mesh, if several are one.
     mesh_of: Vec<u32>,
-    sets: Sets,
+    sets: DisjointSets,
     /// The lowest vertex of the part of each vertex: its root.
     parent: Vec<u32>,
     /// Vertices of the part of each root, and the largest root of each mesh.
@@ -33,20 +33,17 @@ impl Pieces {
     pub(super) fn new(mesh: &TriMesh) -> Self {
         let (edges, _) = edge_numbers(mesh.triangles());
         let count = mesh.vertex_count();
-        let mut pieces = Self {
+        Self {
+            mesh_of: joined(count, &edges),
             cut: vec![false; edges.len()],
             edges,
-            mesh_of: vec![0; count],
-            sets: Sets::default(),
+            sets: DisjointSets::default(),
             parent: vec![0; count],
             sizes: vec![0; count],
             largest: vec![0; count],
             crossings: Vec::new(),
             back: vec![Vec3::zeros(); count],
-        };
-        pieces.join_uncut();
-        pieces.mesh_of.copy_from_slice(&pieces.parent);
-        pieces
+        }
     }
 
     /// Finds the root of each vertex.
@@ -56,7 +53,7 @@ impl Pieces {
             self.sets.join(a, b);
         }
         for (vertex, parent) in (0..).zip(&mut self.parent) {
-            *parent = self.sets.of(vertex);
+            *parent = self.sets.root(vertex);
         }
     }
 

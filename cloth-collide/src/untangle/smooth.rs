@@ -8,7 +8,7 @@ use cloth_core::mesh::TriMesh;
 /// surroundings vertex by vertex.
 #[derive(Debug)]
 pub(super) struct Smoother {
-    edges: Vec<[u32; 2]>,
+    pub(super) edges: Vec<[u32; 2]>,
     valence: Vec<Real>,
     sums: Vec<Vec3>,
     ring: Vec<u32>,
@@ -27,10 +27,6 @@ impl Smoother {
             sums: vec![Vec3::zeros(); mesh.vertex_count()],
             ring: Vec::new(),
         }
-    }
-
-    pub(super) fn edges(&self) -> &[[u32; 2]] {
-        &self.edges
     }
 
     /// Adds the neighbours of what is inside.

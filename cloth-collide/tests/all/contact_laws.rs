@@ -38,38 +38,6 @@ fn impulses_stay_in_the_friction_cone_and_never_turn_a_velocity() {
 }
 
 #[test]
-fn discrete_response_moves_a_vertex_out_and_tells_the_impulse() {
-    let motion = RigidMotion {
-        velocity: v(0.0, 0.0, 1.0),
-        angular_velocity: v(0.0, 0.0, 2.0),
-        ..RigidMotion::default()
-    };
-    let ball = Obstacle::moving(Sphere::new(0.5).unwrap(), motion).unwrap();
-    let mut random = Random::new(3);
-    let start: Vec<Vec3> = (0..200).map(|_| random.point(0.6)).collect();
-    let speeds: Vec<Vec3> = (0..200).map(|_| random.point(2.0)).collect();
-    let (mut x, mut u) = (start.clone(), speeds.clone());
-    let mut pushed = 0;
-    for i in 0..200 {
-        let change = law(0.4, 0.2).respond(&ball, 0.1, 0.01, &mut x[i], &mut u[i]);
-        assert!((u[i] - speeds[i] - change).norm() < 1e-14);
-        pushed += u32::from(change != Vec3::zeros());
-        let (before, after) = (
-            ball.signed_distance(start[i], 0.1),
-            ball.signed_distance(x[i], 0.1),
-        );
-        assert!(after.value > 0.01 - 1e-14);
-        if before.value >= 0.01 {
-            assert_eq!((x[i], u[i]), (start[i], speeds[i]));
-        } else {
-            let surface = ball.velocity_at(start[i], 0.1);
-            assert!((u[i] - surface).dot(&before.normal) > -1e-14);
-        }
-    }
-    assert!(pushed > 20, "{pushed}");
-}
-
-#[test]
 fn a_law_is_its_derivatives_integral() {
     let law = PenaltyLaw::new(300.0, 0.02).unwrap();
     for i in 1..100 {

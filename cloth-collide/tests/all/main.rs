@@ -1,7 +1,9 @@
 //! All tests of this crate in one program, which links once; a file is a subject, and a filter picks it:
 //! `cargo test --release -p cloth-collide --test all potential::`.
 
+mod animated;
 mod body_surfaces;
+mod candidates;
 mod ccd;
 mod contact_laws;
 mod contact_memory;
@@ -10,6 +12,10 @@ mod counting_allocator;
 mod edges_matter;
 mod first_contact;
 mod garments;
+#[path = "../support/lattice.rs"]
+mod lattice;
+mod nearest_edge_edge;
+mod nearest_point_triangle;
 mod no_allocation;
 mod obstacle_shapes;
 mod potential;
@@ -17,9 +23,12 @@ mod potential_derivatives;
 mod promise;
 #[path = "../support/random.rs"]
 mod random;
+mod separation;
 mod sewn;
 #[path = "../support/sewn_garments.rs"]
 mod sewn_garments;
+#[path = "../support/shapes.rs"]
+mod shapes;
 #[path = "../support/solids.rs"]
 mod solids;
 mod untangle;

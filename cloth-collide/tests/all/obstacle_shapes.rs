@@ -282,10 +282,6 @@ fn numbers_out_of_range_are_refused_by_name() {
             SampledDistance::new(&ball, bad, 0.1).unwrap_err(),
             "spacing",
         );
-        says(
-            RigidMotion::between(Pose::default(), Pose::default(), bad).unwrap_err(),
-            "duration",
-        );
     }
     for bad in [-1.0, f64::NAN, f64::INFINITY] {
         says(Capsule::new(bad, 1.0).unwrap_err(), "half length");
@@ -348,8 +344,4 @@ fn an_obstacle_moves_as_a_rigid_body() {
     let mut still = obstacle;
     assert!(still.advance(f64::NAN).is_err());
     assert_eq!(still.motion(), &motion);
-    let to = motion.pose_at(0.25);
-    let between = RigidMotion::between(motion.pose, to, 0.25).unwrap();
-    assert!((between.velocity - motion.velocity).norm() < 1e-13);
-    assert!((between.angular_velocity - motion.angular_velocity).norm() < 1e-13);
 }

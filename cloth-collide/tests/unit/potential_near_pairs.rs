@@ -14,7 +14,11 @@ fn no_near_pair_is_missed_on_any_path() {
     let mesh = sheet(9);
     let (edges, _) = edge_numbers(mesh.triangles());
     let law = PenaltyLaw::new(1e6, 0.02).unwrap();
-    let near = Near::new(&mesh, law, Vec::new(), true, 0.0, Own::default());
+    let own = Own {
+        self_collision: true,
+        ..Own::default()
+    };
+    let near = Near::new(&mesh, law, Vec::new(), own);
     let is_near = |kind: QueryKind, vertices: [u32; 4], x: &[Vec3]| {
         let range = near.range_of(Pair { kind, vertices });
         Gap::new(kind, &gather(x, vertices)).distance < range
@@ -22,7 +26,11 @@ fn no_near_pair_is_missed_on_any_path() {
     let mut random = Random::new(5);
     let mut touching = 0;
     for (_, start) in deformed(&mesh).into_iter().take(5) {
-        let mut pairs = NearPairs::new(Some(Patches::new(&mesh, &near)));
+        let patches = Some(Patches::new(&mesh, &near));
+        let mut pairs = NearPairs {
+            patches,
+            ..NearPairs::default()
+        };
         pairs.begin(&start, &near.is_resting, false);
         let mut from = start.clone();
         let mut last = vec![Vec3::zeros(); start.len()];
@@ -44,10 +52,13 @@ fn no_near_pair_is_missed_on_any_path() {
                 })
                 .collect();
             pairs.prepare(&near, [&from, &to], &[]);
-            let kept: HashSet<[u32; 4]> =
-                pairs.vertex_triangle.iter().map(|p| p.vertices).collect();
+            let kept: HashSet<[u32; 4]> = pairs
+                .vertex_triangle
+                .iter()
+                .map(|p| p.pair.vertices)
+                .collect();
             let kept_edges: HashSet<[u32; 4]> =
-                pairs.edge_edge.iter().map(|p| p.vertices).collect();
+                pairs.edge_edge.iter().map(|p| p.pair.vertices).collect();
             for part in [0.0, 0.5, 1.0] {
                 let x: Vec<Vec3> = from
                     .iter()
@@ -100,8 +111,16 @@ fn no_near_pair_is_missed_on_any_path() {
 fn cloth_that_flies_is_looked_at_once() {
     let mesh = sheet(33);
     let law = PenaltyLaw::new(1e6, 2e-3).unwrap();
-    let near = Near::new(&mesh, law, Vec::new(), true, 0.0, Own::default());
-    let mut pairs = NearPairs::new(Some(Patches::new(&mesh, &near)));
+    let own = Own {
+        self_collision: true,
+        ..Own::default()
+    };
+    let near = Near::new(&mesh, law, Vec::new(), own);
+    let patches = Some(Patches::new(&mesh, &near));
+    let mut pairs = NearPairs {
+        patches,
+        ..NearPairs::default()
+    };
     let mut x = mesh.positions().to_vec();
     pairs.begin(&x, &near.is_resting, false);
     for step in 0..100 {

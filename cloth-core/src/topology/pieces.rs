@@ -64,18 +64,28 @@ pub fn bow_tie_vertices(mesh: &TriMesh, edges: &EdgeTable) -> Vec<u32> {
 }
 
 /// Disjoint sets of numbers; the root of a set is its lowest number.
-struct DisjointSets {
+#[derive(Clone, Debug, Default)]
+pub struct DisjointSets {
     parent: Vec<u32>,
 }
 
 impl DisjointSets {
-    fn new(count: usize) -> Self {
-        Self {
-            parent: (0..count as u32).collect(),
-        }
+    /// Each of `count` numbers on its own.
+    #[must_use]
+    pub fn new(count: usize) -> Self {
+        let mut sets = Self::default();
+        sets.reset(count);
+        sets
     }
 
-    fn root(&mut self, mut of: u32) -> u32 {
+    /// The same again, in the memory that there is.
+    pub fn reset(&mut self, count: usize) {
+        self.parent.clear();
+        self.parent.extend(0..count as u32);
+    }
+
+    /// The lowest number of the set of a number.
+    pub fn root(&mut self, mut of: u32) -> u32 {
         while self.parent[of as usize] != of {
             // Halve the path on the way, which keeps later searches short.
             let above = self.parent[self.parent[of as usize] as usize];
@@ -85,7 +95,8 @@ impl DisjointSets {
         of
     }
 
-    fn join(&mut self, a: u32, b: u32) {
+    /// Joins the sets of two numbers.
+    pub fn join(&mut self, a: u32, b: u32) {
         let (a, b) = (self.root(a), self.root(b));
         self.parent[a.max(b) as usize] = a.min(b);
     }

@@ -1,72 +1,78 @@
 //! The walk in `f64`, which nearly always is all that is needed.
 
-use super::{Walk, reach_of};
-use crate::ccd::Stop;
-use crate::ccd::difference::{Difference, Feature, NearestFeature};
+use super::Walk;
+use crate::ccd::difference::{Feature, NearestFeature};
 use crate::ccd::direction::steady;
-use crate::ccd::reach::Margin;
+use crate::ccd::{Impact, Stop};
 use cloth_core::math::{Real, Vec3};
 
-/// Walks in `f64`, at most `budget` steps. Also tells which part of the motion it would have tried next.
-pub(super) fn coarse<const K: usize>(
-    polygon: &Difference<K>,
-    margin: Margin,
-    slack: Real,
-    budget: u32,
-) -> (Walk, Real)
+impl<const K: usize> Walk<K>
 where
     [Vec3; K]: NearestFeature,
 {
-    if margin.apart_along_an_axis(&polygon.from.rounded, &polygon.to.rounded) {
-        return (Walk::free(1), 1.0);
-    }
-    let (mut time, mut trial, mut goal) = (0.0, 1.0, 0.0);
-    let mut before: Option<[Real; 2]> = None;
-    let mut x = polygon.from.rounded;
-    for steps in 1..=budget {
-        let stopped = |stop: Stop| Walk::stopped(time, stop, steps);
-        let feature = x.nearest_feature();
-        let Some((direction, clearance)) = best_steady(margin, feature, &x) else {
-            return (stopped(Stop::Contact), trial);
-        };
-        if steps == 1 {
-            goal = slack * clearance;
+    /// Walks in `f64`, at most `budget` steps. Also tells which part of the motion it would have tried next.
+    pub(super) fn coarse(&self, slack: Real, budget: u32) -> (Option<Impact>, Real) {
+        let Self { polygon, margin } = self;
+        if margin.apart_along_an_axis(&polygon.from.rounded, &polygon.to.rounded) {
+            return (None, 1.0);
         }
-        // Where rounding hides the clearance, it may still be as large as the rounding.
-        let plausible = clearance.max(Real::EPSILON * margin.size);
-        trial = next_trial(trial, plausible, before);
-        if clearance <= 0.0 {
-            return (stopped(Stop::Contact), trial);
-        }
-        if clearance <= goal {
-            return (stopped(Stop::Slack), trial);
-        }
-        let far = margin.steady_reach(direction, &x, &polygon.to.rounded);
-        let mut next = part_of([time, 1.0], far);
-        let until = (time + trial).min(1.0);
-        if next < until {
-            let (start, end) = (x.map(Into::into), polygon.at(until));
-            for feature in containing::<K>(feature) {
-                let reach = reach_of(margin, feature, &start, &end);
-                next = next.max(part_of([time, until], reach));
+        let (mut time, mut trial, mut goal) = (0.0, 1.0, 0.0);
+        let mut before: Option<[Real; 2]> = None;
+        let mut x = polygon.from.rounded;
+        for steps in 1..=budget {
+            let stopped = |stop: Stop| Some(Impact { time, stop });
+            let feature = x.nearest_feature();
+            let Some((direction, clearance)) = self.best_steady(feature, &x) else {
+                return (stopped(Stop::Contact), trial);
+            };
+            if steps == 1 {
+                goal = slack * clearance;
             }
+            // Where rounding hides the clearance, it may still be as large as the rounding.
+            let plausible = clearance.max(Real::EPSILON * margin.size);
+            trial = next_trial(trial, plausible, before);
+            if clearance <= 0.0 {
+                return (stopped(Stop::Contact), trial);
+            }
+            if clearance <= goal {
+                return (stopped(Stop::Slack), trial);
+            }
+            let far = margin.steady_reach(direction, &x, &polygon.to.rounded);
+            let mut next = part_of([time, 1.0], far);
+            let until = (time + trial).min(1.0);
+            if next < until {
+                let (start, end) = (x.map(Into::into), polygon.at(until));
+                for feature in <[Vec3; K]>::containing(feature) {
+                    let reach = self.reach_of(feature, &start, &end);
+                    next = next.max(part_of([time, until], reach));
+                }
+            }
+            if next >= 1.0 {
+                return (None, trial);
+            }
+            if next <= time {
+                return (stopped(Stop::Contact), trial);
+            }
+            trial = match (next - time) / trial {
+                whole if next >= until && whole >= 0.5 => 8.0 * trial,
+                much if much >= 0.25 => 0.5 * trial,
+                _ => 0.125 * trial,
+            };
+            before = Some([next - time, clearance]);
+            time = next;
+            x = polygon.at(time).map(Into::into);
         }
-        if next >= 1.0 {
-            return (Walk::free(steps), trial);
-        }
-        if next <= time {
-            return (stopped(Stop::Contact), trial);
-        }
-        trial = match (next - time) / trial {
-            whole if next >= until && whole >= 0.5 => 8.0 * trial,
-            much if much >= 0.25 => 0.5 * trial,
-            _ => 0.125 * trial,
-        };
-        before = Some([next - time, clearance]);
-        time = next;
-        x = polygon.at(time).map(Into::into);
+        let stop = Stop::Budget;
+        (Some(Impact { time, stop }), trial)
     }
-    (Walk::stopped(time, Stop::Budget, budget), trial)
+
+    /// The steady direction that certifies the largest clearance at `x`, and this clearance (own unit).
+    fn best_steady(&self, feature: Feature, x: &[Vec3; K]) -> Option<(Vec3, Real)> {
+        <[Vec3; K]>::containing(feature)
+            .filter_map(|feature| steady(feature, x))
+            .map(|direction| (direction, self.margin.clearance(direction, x)))
+            .max_by(|a, b| a.1.total_cmp(&b.1))
+    }
 }
 
 /// The part of the motion to try next: not much more than twice as far as where a straight line through the last two
@@ -79,37 +85,6 @@ fn next_trial(trial: Real, clearance: Real, before: Option<[Real; 2]>) -> Real {
         }
         _ => trial.min(1.0),
     }
-}
-
-/// The nearest feature and those of more points that it belongs to. At a small distance it takes less than rounding to
-/// mistake a point of an edge for its end, but the directions to the two are not the same; and the normal of the face
-/// often serves for longer.
-fn containing<const K: usize>(nearest: Feature) -> impl Iterator<Item = Feature>
-where
-    [Vec3; K]: NearestFeature,
-{
-    let contains = move |larger: &Feature| match (*larger, nearest) {
-        (Feature::Face, nearest) => nearest != Feature::Face,
-        (Feature::Edge(k, l), Feature::Corner(corner)) => corner == k || corner == l,
-        _ => false,
-    };
-    let larger = <[Vec3; K]>::FEATURES.iter().copied().filter(contains);
-    std::iter::once(nearest).chain(larger)
-}
-
-/// The steady direction that certifies the largest clearance at `x`, and this clearance (own unit).
-fn best_steady<const K: usize>(
-    margin: Margin,
-    feature: Feature,
-    x: &[Vec3; K],
-) -> Option<(Vec3, Real)>
-where
-    [Vec3; K]: NearestFeature,
-{
-    containing::<K>(feature)
-        .filter_map(|feature| steady(feature, x))
-        .map(|direction| (direction, margin.clearance(direction, x)))
-        .max_by(|a, b| a.1.total_cmp(&b.1))
 }
 
 /// The time at the fraction `reach` of the interval, rounded down.

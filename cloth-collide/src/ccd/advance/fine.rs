@@ -1,10 +1,9 @@
 //! The walk in double precision, for what is nearer than `f64` can tell.
 
-use super::{Walk, reach_of};
-use crate::ccd::Stop;
-use crate::ccd::difference::{Difference, NearestFeature};
+use super::Walk;
+use crate::ccd::difference::NearestFeature;
 use crate::ccd::number::{Double, Number};
-use crate::ccd::reach::Margin;
+use crate::ccd::{Impact, Stop};
 use cloth_core::math::{Real, Vec3};
 
 /// Steps before giving up.
@@ -16,65 +15,65 @@ const SHORTEST_ADVANCE: Real = 1e-31;
 /// What is tried first is not shorter than this (dimensionless).
 const SHORTEST_TRIAL: Real = 1e-24;
 
-/// The walk in double precision from `time` on, which `coarse` has reached, trying the part `trial` of the motion
-/// first. It decides whether the two touch or only come nearer than `f64` can tell, and goes on if they do not touch.
-///
-/// So near, what the nearest feature is cannot be told in `f64` either. All are tried, first the one that led furthest
-/// last.
-pub(super) fn fine<const K: usize>(
-    polygon: &Difference<K>,
-    margin: Margin,
-    time: Real,
-    trial: Real,
-) -> Walk
+impl<const K: usize> Walk<K>
 where
     [Vec3; K]: NearestFeature,
 {
-    let features = <[Vec3; K]>::FEATURES;
-    let (mut now, mut trial) = (Double::new(time, 0.0), trial.max(SHORTEST_TRIAL));
-    let mut x = polygon.at(now);
-    let mut favourite = 0;
-    let mut growth = 8.0;
-    for steps in 1..=BUDGET {
-        let rest = (Double::new(1.0, 0.0) - now).value();
-        let whole = trial >= rest;
-        let until = if whole {
-            Double::new(1.0, 0.0)
-        } else {
-            now + Double::new(trial, 0.0)
-        };
-        let end = polygon.at(until);
-        let mut reach = 0.0;
-        let first = favourite;
-        let order = std::iter::once(first).chain((0..features.len()).filter(|&k| k != first));
-        for k in order {
-            let found = reach_of(margin, features[k], &x, &end);
-            if found > reach {
-                (reach, favourite) = (found, k);
+    /// The walk in double precision from `time` on, which `coarse` has reached, trying the part `trial` of the motion
+    /// first. It decides whether the two touch or only come nearer than `f64` can tell, and goes on if they do not.
+    ///
+    /// So near, what the nearest feature is cannot be told in `f64` either. All are tried, first the one that led
+    /// furthest last.
+    pub(super) fn fine(&self, time: Real, trial: Real) -> Option<Impact> {
+        let polygon = &self.polygon;
+        let features = <[Vec3; K]>::FEATURES;
+        let (mut now, mut trial) = (Double::new(time, 0.0), trial.max(SHORTEST_TRIAL));
+        let mut x = polygon.at(now);
+        let mut favourite = 0;
+        let mut growth = 8.0;
+        for _ in 0..BUDGET {
+            let rest = (Double::new(1.0, 0.0) - now).value();
+            let whole = trial >= rest;
+            let until = if whole {
+                Double::new(1.0, 0.0)
+            } else {
+                now + Double::new(trial, 0.0)
+            };
+            let end = polygon.at(until);
+            let mut reach = 0.0;
+            let first = favourite;
+            let order = std::iter::once(first).chain((0..features.len()).filter(|&k| k != first));
+            for k in order {
+                let found = self.reach_of(features[k], &x, &end);
+                if found > reach {
+                    (reach, favourite) = (found, k);
+                }
+                if reach >= 1.0 {
+                    break;
+                }
             }
             if reach >= 1.0 {
-                break;
+                if whole {
+                    return None;
+                }
+                now = until;
+                x = end;
+                trial *= growth;
+                growth = 64.0;
+            } else {
+                let length = (until - now).value();
+                let advance = length * reach * (1.0 - 8.0 * Real::EPSILON);
+                if advance < SHORTEST_ADVANCE {
+                    let (time, stop) = (now.rounded_down(), Stop::Contact);
+                    return Some(Impact { time, stop });
+                }
+                now = now + Double::new(advance, 0.0);
+                x = polygon.at(now);
+                trial = length * if reach < 0.25 { 0.125 } else { 0.5 };
+                growth = 8.0;
             }
         }
-        if reach >= 1.0 {
-            if whole {
-                return Walk::free(steps);
-            }
-            now = until;
-            x = end;
-            trial *= growth;
-            growth = 64.0;
-        } else {
-            let length = (until - now).value();
-            let advance = length * reach * (1.0 - 8.0 * Real::EPSILON);
-            if advance < SHORTEST_ADVANCE {
-                return Walk::stopped(now.rounded_down(), Stop::Contact, steps);
-            }
-            now = now + Double::new(advance, 0.0);
-            x = polygon.at(now);
-            trial = length * if reach < 0.25 { 0.125 } else { 0.5 };
-            growth = 8.0;
-        }
+        let (time, stop) = (now.rounded_down(), Stop::Budget);
+        Some(Impact { time, stop })
     }
-    Walk::stopped(now.rounded_down(), Stop::Budget, BUDGET)
 }

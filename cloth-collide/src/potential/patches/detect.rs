@@ -3,10 +3,8 @@
 use super::between::PatchPair;
 use super::{HOLD, LEAST_ROOM, MOST_ROOM, Memory, NearPair, PATCH, Patches, around};
 use crate::bounds::Bounds;
-use crate::ccd::QueryKind;
 use crate::closest::{edge_edge, point_triangle};
 use crate::incidence::Primitives;
-use crate::pair::Pair;
 use crate::potential::near::Near;
 use crate::potential::rows::SLACK;
 use cloth_core::math::{Real, Vec3, gather};
@@ -41,29 +39,18 @@ impl Look {
 }
 
 impl NearPair {
-    fn key(&self) -> (bool, [u32; 4]) {
-        (self.kind == QueryKind::EdgeEdge, self.vertices)
-    }
-
     /// What is remembered, from now on.
     pub(super) fn remember<'a>(&mut self, memories: &'a mut Vec<Memory>) -> &'a mut Memory {
         if self.memory == NOTHING {
             self.memory = memories.len() as u32;
             memories.push(Memory {
-                kind: self.kind,
-                vertices: self.vertices,
+                pair: self.pair,
                 stretch: Vec3::zeros(),
                 normal: Vec3::zeros(),
                 known: None,
             });
         }
         &mut memories[self.memory as usize]
-    }
-}
-
-impl Memory {
-    fn key(&self) -> (bool, [u32; 4]) {
-        (self.kind == QueryKind::EdgeEdge, self.vertices)
     }
 }
 
@@ -118,7 +105,7 @@ impl Patches {
     /// Finds the pairs between two patches anew, with room for the present motion, of `once` (m), and more. Returns
     /// whether they are near at all.
     fn detect(&self, near: &Near, x: &[Vec3], pair: &mut PatchPair, once: Real) -> bool {
-        let h = near.law().range();
+        let h = near.law.range();
         let [p, q] = pair.patches.map(|p| p as usize);
         let boxes = [p, q].map(|p| around(&self.members[p].1, x));
         let room = self.room_for(near, once);
@@ -140,22 +127,22 @@ impl Patches {
         self.collect(near, x, ([p, q], boxes), h + room, &mut pair.pairs);
         let order = |a: &NearPair, b: &NearPair| {
             let rooms = a.room.total_cmp(&b.room);
-            rooms.then_with(|| a.key().cmp(&b.key()))
+            rooms.then_with(|| a.pair.cmp(&b.pair))
         };
         pair.pairs.sort_unstable_by(order);
         pair.wakes.extend(pair.pairs.iter().map(|pair| pair.room));
         memories.iter_mut().for_each(|memory| memory.known = None);
-        memories.sort_unstable_by_key(Memory::key);
-        for pair in &mut pair.pairs {
-            let memory = memories.binary_search_by_key(&pair.key(), Memory::key);
-            pair.memory = memory.map_or(NOTHING, |memory| memory as u32);
+        memories.sort_unstable_by_key(|memory| memory.pair);
+        for found in &mut pair.pairs {
+            let memory = memories.binary_search_by_key(&found.pair, |memory| memory.pair);
+            found.memory = memory.map_or(NOTHING, |memory| memory as u32);
         }
         true
     }
 
     /// The room (m) of a search, where patches move by `once` (m) in the motion.
     fn room_for(&self, near: &Near, once: Real) -> Real {
-        let h = near.law().range();
+        let h = near.law.range();
         let once = once + SLACK * h;
         let room = (HOLD * once).clamp(LEAST_ROOM * h, (MOST_ROOM * self.edge).max(h));
         room.max(1.5 * once)
@@ -227,7 +214,7 @@ fn near_pair(
     reach: Real,
 ) -> Option<NearPair> {
     let is_far = |a: &Bounds, b: &Bounds| a.squared_gap(b) > reach * reach;
-    let (kind, vertices, distance, area) = match primitives {
+    let (pair, distance, area) = match primitives {
         Primitives::VertexTriangle(vertex, triangle) => {
             let corners = near.incidence.triangles[triangle as usize];
             let place = x[vertex as usize];
@@ -237,32 +224,30 @@ fn near_pair(
                 return None;
             }
             let distance = point_triangle(place, gather(x, corners)).distance();
-            let [a, b, c] = corners;
-            let area = near.area_before(vertex, corners);
-            (QueryKind::VertexTriangle, [vertex, a, b, c], distance, area)
+            let pair = near.incidence.vertex_triangle(vertex, triangle);
+            (pair, distance, near.area_before(vertex, corners))
         }
         Primitives::EdgeEdge(e, f) => {
-            let [[a, b], [c, d]] = [e, f].map(|edge| near.incidence.edges[edge as usize]);
-            let (first, second) = (gather(x, [a, b]), gather(x, [c, d]));
+            let ends = |edge: u32| gather(x, near.incidence.edges[edge as usize]);
+            let (first, second) = (ends(e), ends(f));
             if is_far(&Bounds::around(first), &Bounds::around(second)) {
                 return None;
             }
             let distance = edge_edge(first, second).distance();
             let area = near.edge_area[e as usize].min(near.edge_area[f as usize]);
-            (QueryKind::EdgeEdge, [a, b, c, d], distance, area)
+            (near.incidence.edge_edge(e, f), distance, area)
         }
         Primitives::EdgeTriangle(..) => return None,
     };
-    if distance >= reach || !near.meets(vertices) {
+    if distance >= reach || !near.meets(pair.vertices) {
         return None;
     }
-    let range = near.range_of(Pair { kind, vertices });
+    let range = near.range_of(pair);
     Some(NearPair {
         room: distance - range,
         range,
         area,
-        kind,
-        vertices,
+        pair,
         seen: 0,
         memory: NOTHING,
     })

@@ -18,10 +18,15 @@ pub(super) struct Motions {
 }
 
 impl Motions {
-    /// Makes room for so many patches.
-    pub(super) fn resize(&mut self, count: usize) {
-        self.centres.resize(count, Vec3::zeros());
-        self.spreads.resize(count, 0.0);
+    /// Of so many patches, which are nowhere yet.
+    pub(super) fn new(count: usize) -> Self {
+        Self {
+            centres: vec![Vec3::zeros(); count],
+            spreads: vec![0.0; count],
+            paths: vec![0.0; count],
+            clocks: vec![0.0; count],
+            mean: Vec3::zeros(),
+        }
     }
 
     /// All patches have been told, of which the first `cloth` are the cloth's.

@@ -1,5 +1,8 @@
-use super::super::reference;
-use super::*;
+//! The nearest point of a triangle, against exact arithmetic and in awkward places.
+
+use crate::lattice as reference;
+use cloth_collide::point_triangle;
+use cloth_core::math::Vec3;
 use proptest::prelude::*;
 
 /// Coordinates that make coincident points, zero areas and slivers frequent.

@@ -1,5 +1,11 @@
-use super::*;
+//! The measured separation, against all pairs.
+
 use crate::shapes::{deformed, sheet};
+use cloth_collide::{
+    CollideError, Separation, SeparationProbe, edge_edge, point_triangle, segment_meets_triangle,
+};
+use cloth_core::math::{Vec3, gather};
+use cloth_core::mesh::TriMesh;
 use cloth_core::mesh::generate::join;
 
 fn measure(mesh: &TriMesh, positions: &[Vec3]) -> Separation {

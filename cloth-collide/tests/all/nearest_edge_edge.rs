@@ -1,5 +1,8 @@
-use super::super::reference;
-use super::*;
+//! Nearest points of two edges, against exact arithmetic and in awkward places.
+
+use crate::lattice as reference;
+use cloth_collide::edge_edge;
+use cloth_core::math::Vec3;
 use proptest::prelude::*;
 
 /// Coordinates that make coincident points, parallel and nearly parallel edges frequent.

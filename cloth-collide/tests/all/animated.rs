@@ -1,10 +1,13 @@
-use super::*;
+//! Surfaces that change their shape in a given way.
+
+use cloth_collide::obstacle::{AnimatedMesh, ObstacleError};
+use cloth_core::math::{Real, Vec3};
 
 #[test]
 fn goes_straight_from_shape_to_shape_and_stays_at_the_ends() {
     let at = |x: Real| vec![Vec3::x() * x, Vec3::y() * x];
     let mesh = AnimatedMesh::new(vec![at(1.0), at(2.0), at(4.0)], 0.5).unwrap();
-    assert_eq!((mesh.vertex_count(), mesh.duration()), (2, 1.0));
+    assert_eq!(mesh.vertex_count(), 2);
     for (time, expected) in [
         (-1.0, 1.0),
         (0.0, 1.0),

@@ -3,9 +3,9 @@
 use cloth_core::math::{Real, Vec3};
 use proptest::prelude::*;
 
-pub(super) type Point = [i128; 3];
+pub(crate) type Point = [i128; 3];
 
-pub(super) fn real(p: Point) -> Vec3 {
+pub(crate) fn real(p: Point) -> Vec3 {
     p.map(|c| c as Real).into()
 }
 
@@ -13,7 +13,7 @@ pub(super) fn real(p: Point) -> Vec3 {
 /// that is long and thin, of which all points are in one plane. There, slivers and nearly parallel edges have
 /// angles down to 1e-8 and are often at distance 0, where an error is most visible, and parallel edges have
 /// coordinates too long for their cross product to come out as zero.
-pub(super) fn lattice() -> impl Strategy<Value = [Point; 4]> {
+pub(crate) fn lattice() -> impl Strategy<Value = [Point; 4]> {
     let points = |size: i128| proptest::array::uniform4(proptest::array::uniform3(-size..=size));
     let directions = (points(100_000_000), points(1000), points(3), points(3));
     let long_and_thin = directions.prop_map(|(long, medium, short, steps)| {
@@ -69,7 +69,7 @@ fn height(p: Point, n: Point) -> Real {
     dot(p, n).unsigned_abs() as Real / root_of_quotient(dot(n, n), 1)
 }
 
-pub(super) fn point_triangle(p: Point, [a, b, c]: [Point; 3]) -> Real {
+pub(crate) fn point_triangle(p: Point, [a, b, c]: [Point; 3]) -> Real {
     let n = cross(minus(b, a), minus(c, a));
     let left_of = |from: Point, to: Point| dot(n, cross(minus(to, from), minus(p, from))) >= 0;
     if n != [0; 3] && left_of(a, b) && left_of(b, c) && left_of(c, a) {
@@ -82,7 +82,7 @@ pub(super) fn point_triangle(p: Point, [a, b, c]: [Point; 3]) -> Real {
     }
 }
 
-pub(super) fn edge_edge([a, b]: [Point; 2], [c, d]: [Point; 2]) -> Real {
+pub(crate) fn edge_edge([a, b]: [Point; 2], [c, d]: [Point; 2]) -> Real {
     let (u, v, w) = (minus(b, a), minus(d, c), minus(c, a));
     let n = cross(u, v);
     let inside = |x: i128| 0 <= x && x <= dot(n, n);
