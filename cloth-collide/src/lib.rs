@@ -173,7 +173,7 @@
 //!
 //! | File | What it holds |
 //! |---|---|
-//! | `closest/`, `pair.rs` | nearest points of a point and a triangle, and of two edges; their distance with its gradient, and whether they stay apart on their path |
+//! | `closest/`, `pair.rs` | nearest points of a point and a triangle, and of two edges; their distance with both derivatives, and whether they stay apart on their path |
 //! | `ccd.rs`, `ccd/query.rs` | the conservative continuous test, and what it is asked |
 //! | `ccd/difference.rs` | a vertex and a triangle, or two edges, as one moving polygon |
 //! | `ccd/direction.rs`, `ccd/reach.rs` | directions that may separate it from the origin; for how long they do, with the proof about rounding |

@@ -1,8 +1,8 @@
-//! Two pieces of cloth: how far apart they are, with the gradient, and whether they stay apart on their path.
+//! Two pieces of cloth: how far apart they are, with both derivatives, and whether they stay apart on their path.
 
 use crate::ccd::{ContinuousTest, Query, QueryKind};
 use crate::closest::{edge_edge, point_triangle};
-use cloth_core::math::{Real, Vec3, gather};
+use cloth_core::math::{Blocks, Mat3, Real, Vec3, gather};
 
 /// A vertex and a triangle, or two edges.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -31,9 +31,11 @@ pub(crate) fn weighted(vertices: [u32; 4], weights: [Real; 4], x: &[Vec3]) -> Ve
 ///
 /// With the weights c_k(s) of the four vertices, which depend on up to two places s along edges, r = Σ c_k x_k goes
 /// from one nearest point to the other, and d = min over s of ‖r‖. The minimum is stationary in s, so ∂d/∂x_k = c_k n
-/// with n = r/d.
+/// with n = r/d, and where the weights move, they follow from J ⊥ n.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gap {
+    /// Of what.
+    pub kind: QueryKind,
     /// Distance d (m).
     pub distance: Real,
     /// From the second nearest point to the first, n (unit length; zero at distance 0).
@@ -65,6 +67,7 @@ impl Gap {
             Vec3::zeros()
         };
         Self {
+            kind,
             distance,
             normal,
             weights,
@@ -76,11 +79,99 @@ impl Gap {
         self.weights.contains(&0.0)
     }
 
+    /// ∂c/∂s for each place that is free to move, and how many are: on a corner nothing moves, on an edge the place
+    /// between its ends, inside a triangle two of them.
+    fn turns(&self) -> ([[Real; 4]; 2], usize) {
+        let on = self.weights.map(|weight| weight != 0.0);
+        let edges: &[[usize; 2]] = match (self.kind, on) {
+            (QueryKind::VertexTriangle, [_, true, true, true]) => &[[1, 2], [1, 3]],
+            (QueryKind::VertexTriangle, [_, true, true, false]) => &[[1, 2]],
+            (QueryKind::VertexTriangle, [_, false, true, true]) => &[[2, 3]],
+            (QueryKind::VertexTriangle, [_, true, false, true]) => &[[3, 1]],
+            (QueryKind::EdgeEdge, [true, true, true, true]) => &[[1, 0], [2, 3]],
+            (QueryKind::EdgeEdge, [true, true, ..]) => &[[1, 0]],
+            (QueryKind::EdgeEdge, [.., true, true]) => &[[2, 3]],
+            _ => &[],
+        };
+        let mut turns = [[0.0; 4]; 2];
+        for (turn, &[from, to]) in turns.iter_mut().zip(edges) {
+            (turn[from], turn[to]) = (1.0, -1.0);
+        }
+        (turns, edges.len())
+    }
+
     /// ∂d/∂x_k (dimensionless).
     #[must_use]
     pub fn gradient(&self) -> [Vec3; 4] {
         self.weights.map(|c| self.normal * c)
     }
+
+    /// ∂²d/∂x_k∂x_l (1/m) at the positions (m) that the gap was taken at. Between two regions, where it jumps, that of
+    /// one of them; zero for primitives that touch, and where G⁻¹ is beyond all numbers.
+    ///
+    /// Eliminating the places s from the Hessian of ½ r² leaves, with J_a = Σ ∂c_k/∂s_a x_k, G = JᵀJ, and the projector
+    /// T onto what is at right angles to n and all J,
+    ///
+    /// ∂²d = c_k c_l T/d − Σ (G⁻¹)_ab (∂_a c_k c_l n J_bᵀ + c_k ∂_b c_l J_a nᵀ + d ∂_a c_k ∂_b c_l n nᵀ),
+    ///
+    /// in which nothing cancels for small d.
+    #[must_use]
+    pub fn curvature(&self, x: &[Vec3; 4]) -> Blocks<4> {
+        let mut blocks = [[Mat3::zeros(); 4]; 4];
+        if self.distance == 0.0 {
+            return blocks;
+        }
+        let n = self.normal;
+        let (turns, free) = self.turns();
+        let along = turns.map(|turn| (0..4).map(|k| x[k] * turn[k]).sum::<Vec3>());
+        let Some(inverse) = inverse_metric(free, &along) else {
+            return blocks;
+        };
+        let mut across = Mat3::identity() - n * n.transpose();
+        match free {
+            1 => across -= along[0] * along[0].transpose() * inverse[0][0],
+            2 => across = Mat3::zeros(),
+            _ => {}
+        }
+        across /= self.distance;
+        for k in 0..4 {
+            for l in 0..4 {
+                let block = &mut blocks[k][l];
+                *block = across * (self.weights[k] * self.weights[l]);
+                for a in 0..free {
+                    for b in 0..free {
+                        let g = inverse[a][b];
+                        let (turn_k, turn_l) = (turns[a][k], turns[b][l]);
+                        *block -= n * along[b].transpose() * (g * turn_k * self.weights[l])
+                            + along[a] * n.transpose() * (g * self.weights[k] * turn_l)
+                            + n * n.transpose() * (g * self.distance * turn_k * turn_l);
+                    }
+                }
+            }
+        }
+        blocks
+    }
+}
+
+/// The inverse of G; nothing if it has none, or one beyond all numbers, as between edges that are parallel but for
+/// 1e-154.
+fn inverse_metric(free: usize, along: &[Vec3; 2]) -> Option<[[Real; 2]; 2]> {
+    let [u, v] = along;
+    let mut inverse = [[0.0; 2]; 2];
+    match free {
+        0 => {}
+        1 => inverse[0][0] = 1.0 / u.norm_squared(),
+        _ => {
+            let determinant = u.cross(v).norm_squared();
+            let off = -u.dot(v) / determinant;
+            inverse = [
+                [v.norm_squared() / determinant, off],
+                [off, u.norm_squared() / determinant],
+            ];
+        }
+    }
+    let finite = inverse.iter().flatten().all(|g| g.is_finite());
+    finite.then_some(inverse)
 }
 
 impl Query {

@@ -78,9 +78,9 @@
 //! | equation | code |
 //! |---|---|
 //! | ψ, ψ′, ψ″ | [`PenaltyLaw`] |
-//! | d, ∂d | [`Gap`] |
+//! | d, ∂d, ∂²d | [`Gap`] |
 //! | m(‖u × v‖²) for two edges u, v | [`Mollifier`] |
-//! | A ψ(d), A m ψ(d) with their gradients | [`PairContact`] |
+//! | A ψ(d), A m ψ(d) as elements, with both derivatives | [`PairContact`] |
 //! | μ λ f(‖u‖) | `friction` |
 //! | which pairs can be near on a path | `near_pairs`, `ranked` |
 //! | bodies behind the cloth | `surfaces` |

@@ -1,6 +1,6 @@
 //! What keeps the energy of two edges smooth where they are parallel.
 
-use cloth_core::math::{Real, Vec3};
+use cloth_core::math::{Blocks, Mat3, Real, Vec3};
 
 /// m(c) of c = ‖u × v‖², for the vectors u, v of two edges: c/ε (2 − c/ε) below ε, 1 from there on (Li et al. 2020,
 /// where distances of nearly parallel edges are treated).
@@ -26,18 +26,61 @@ impl Mollifier {
         }
     }
 
+    /// m, and how it changes with c and twice with c; only m if it is 1 around.
+    fn parts(&self, c: Real) -> (Real, Option<[Real; 2]>) {
+        let part = c / self.threshold;
+        if part < 1.0 {
+            let slope = 2.0 * (1.0 - part) / self.threshold;
+            let bend = -2.0 / (self.threshold * self.threshold);
+            (part * (2.0 - part), Some([slope, bend]))
+        } else {
+            // Also for edges without rest length, whose ratio is not a number.
+            (1.0, None)
+        }
+    }
+
     /// m and ∂m/∂x_k (1/m) at the ends (m) of the two edges.
     pub(super) fn at(&self, x: &[Vec3; 4]) -> (Real, [Vec3; 4]) {
         let (u, v) = (x[1] - x[0], x[3] - x[2]);
         let n = u.cross(&v);
-        let part = n.norm_squared() / self.threshold;
-        if part < 1.0 {
-            let slope = 2.0 * (1.0 - part) / self.threshold;
-            let (by_u, by_v) = (v.cross(&n) * (2.0 * slope), n.cross(&u) * (2.0 * slope));
-            (part * (2.0 - part), [-by_u, by_u, -by_v, by_v])
-        } else {
-            // Also for edges without rest length, whose ratio is not a number.
-            (1.0, [Vec3::zeros(); 4])
-        }
+        let (value, change) = self.parts(n.norm_squared());
+        let gradient = match change {
+            Some([slope, _]) => {
+                let (by_u, by_v) = (v.cross(&n) * (2.0 * slope), n.cross(&u) * (2.0 * slope));
+                [-by_u, by_u, -by_v, by_v]
+            }
+            None => [Vec3::zeros(); 4],
+        };
+        (value, gradient)
+    }
+
+    /// ∂²m/∂x_k∂x_l (1/m²); nothing where it is zero.
+    pub(super) fn curvature(&self, x: &[Vec3; 4]) -> Option<Blocks<4>> {
+        let (u, v) = (x[1] - x[0], x[3] - x[2]);
+        let n = u.cross(&v);
+        let [slope, bend] = self.parts(n.norm_squared()).1?;
+        let (by_u, by_v) = (v.cross(&n) * 2.0, n.cross(&u) * 2.0);
+        let identity = Mat3::identity();
+        let (uu, vv, uv) = (u.norm_squared(), v.norm_squared(), u.dot(&v));
+        // c = u² v² − (u·v)².
+        let second = [
+            [
+                (identity * vv - v * v.transpose()) * 2.0,
+                (u * v.transpose() * 2.0 - identity * uv - v * u.transpose()) * 2.0,
+            ],
+            [
+                (v * u.transpose() * 2.0 - identity * uv - u * v.transpose()) * 2.0,
+                (identity * uu - u * u.transpose()) * 2.0,
+            ],
+        ];
+        let first = [by_u, by_v];
+        let sign = [-1.0, 1.0, -1.0, 1.0];
+        Some(std::array::from_fn(|k| {
+            std::array::from_fn(|l| {
+                let (a, b) = (k / 2, l / 2);
+                let whole = second[a][b] * slope + first[a] * first[b].transpose() * bend;
+                whole * (sign[k] * sign[l])
+            })
+        }))
     }
 }

@@ -1,16 +1,16 @@
-//! The energy between a vertex and a triangle, and between two edges.
+//! The energy between a vertex and a triangle, and between two edges, as an element.
 
 use super::mollifier::Mollifier;
 use crate::obstacle::PenaltyLaw;
 use crate::pair::{Gap, Pair};
-use cloth_core::math::{Real, Vec3};
+use cloth_core::element::{Convexity, Element, Energy};
+use cloth_core::math::{Blocks, Real, Vec3, make_semidefinite};
 
 /// E = A b(d) (J) of a vertex and a triangle, or E = A m b(d) of two edges: d their distance, m the [`Mollifier`] for
 /// parallel ones.
 ///
 /// Convex in the direction of n only: where a vertex is led around a corner, the second derivative of d, which the
-/// barrier multiplies by its negative slope, pulls it off. Methods take the part A m b″ ∂d ∂dᵀ (Gauss–Newton), which
-/// leaves this out.
+/// barrier multiplies by its negative slope, pulls it off. [`Convexity::GaussNewton`] leaves this out.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PairContact {
     /// What the two are.
@@ -31,10 +31,24 @@ impl PairContact {
             None => self.area,
         }
     }
+}
 
-    /// E (J) and ∂E/∂x_k (N) at `x` (m).
-    #[must_use]
-    pub fn value_and_gradient(&self, x: &[Vec3; 4]) -> (Real, [Vec3; 4]) {
+impl Element<4> for PairContact {
+    fn vertices(&self) -> [u32; 4] {
+        self.pair.vertices
+    }
+}
+
+impl Energy<4> for PairContact {
+    fn value(&self, x: &[Vec3; 4]) -> Real {
+        self.value_and_gradient(x).0
+    }
+
+    fn gradient(&self, x: &[Vec3; 4]) -> [Vec3; 4] {
+        self.value_and_gradient(x).1
+    }
+
+    fn value_and_gradient(&self, x: &[Vec3; 4]) -> (Real, [Vec3; 4]) {
         let gap = Gap::new(self.pair.kind, x);
         let barrier = self.law.energy(gap.distance);
         if barrier == 0.0 {
@@ -48,5 +62,33 @@ impl PairContact {
         let gradient =
             std::array::from_fn(|k| (of_gap[k] * (slope * m) + of_m[k] * barrier) * self.area);
         (self.area * m * barrier, gradient)
+    }
+
+    /// A m (b″ ∂d ∂dᵀ + b′ ∂²d) + A (b ∂²m + b′ (∂m ∂dᵀ + ∂d ∂mᵀ)), of which [`Convexity::GaussNewton`] keeps the first
+    /// part.
+    fn hessian(&self, x: &[Vec3; 4], convexity: Convexity) -> Blocks<4> {
+        let gap = Gap::new(self.pair.kind, x);
+        let (area, of_gap) = (self.area_at(x), gap.gradient());
+        let slope = self.law.slope(gap.distance);
+        let curvature = area * self.law.curvature(gap.distance);
+        let mut blocks: Blocks<4> = std::array::from_fn(|k| {
+            std::array::from_fn(|l| of_gap[k] * of_gap[l].transpose() * curvature)
+        });
+        if convexity == Convexity::GaussNewton {
+            return blocks;
+        }
+        let bent = gap.curvature(x);
+        let mollified = self.mollifier.map(|m| (m.at(x).1, m.curvature(x)));
+        let barrier = self.law.energy(gap.distance);
+        for k in 0..4 {
+            for l in 0..4 {
+                blocks[k][l] += bent[k][l] * (area * slope);
+                if let Some((of_m, Some(of_m_twice))) = &mollified {
+                    let crossed = of_m[k] * of_gap[l].transpose() + of_gap[k] * of_m[l].transpose();
+                    blocks[k][l] += (of_m_twice[k][l] * barrier + crossed * slope) * self.area;
+                }
+            }
+        }
+        make_semidefinite(&blocks, convexity)
     }
 }

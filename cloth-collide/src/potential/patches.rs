@@ -256,7 +256,7 @@ impl Patches {
         };
         let between = &mut self.pairs[number];
         let pairs = &mut between.pairs;
-        let is_it = |found: &NearPair| found.pair.vertices == pair.vertices;
+        let is_it = |found: &NearPair| found.pair == pair;
         let index = match place.index as usize {
             index if pairs.get(index).is_some_and(is_it) => index,
             _ => pairs.iter().position(is_it)?,

@@ -16,6 +16,7 @@ use crate::pair::{Gap, weighted};
 use cloth_core::contact::{
     ContactConstraints, ContactError, ContactPotential, ContactRow, ContactStep,
 };
+use cloth_core::element::Energy;
 use cloth_core::math::{Real, Vec3, gather, is_finite};
 
 /// Paths longer than this many thicknesses, apart from what all vertices do together, are looked at in part.

@@ -1,39 +1,16 @@
-//! The energies of pairs and their gradients, against differences and closed forms.
+//! Distances, their first and second derivatives, and the energies made from them, against differences and closed
+//! forms.
 
 use crate::random::Random;
 use cloth_collide::QueryKind;
 use cloth_collide::obstacle::PenaltyLaw;
 use cloth_collide::potential::{Gap, Mollifier, Pair, PairContact};
-use cloth_core::check::gradient_error;
-use cloth_core::element::{Convexity, Element, Energy};
-use cloth_core::math::{Blocks, Vec3};
+use cloth_core::check::{gradient_error, hessian_error, smallest_eigenvalue};
+use cloth_core::element::{Convexity, Energy};
+use cloth_core::math::{Blocks, Mat3, Vec3};
 
 fn v(x: f64, y: f64, z: f64) -> Vec3 {
     Vec3::new(x, y, z)
-}
-
-/// As an element, for the checks of those.
-#[derive(Clone, Copy, Debug)]
-struct Barrier(PairContact);
-
-impl Element<4> for Barrier {
-    fn vertices(&self) -> [u32; 4] {
-        self.0.pair.vertices
-    }
-}
-
-impl Energy<4> for Barrier {
-    fn value(&self, x: &[Vec3; 4]) -> f64 {
-        self.0.value_and_gradient(x).0
-    }
-
-    fn gradient(&self, x: &[Vec3; 4]) -> [Vec3; 4] {
-        self.0.value_and_gradient(x).1
-    }
-
-    fn hessian(&self, _: &[Vec3; 4], _: Convexity) -> Blocks<4> {
-        unreachable!("the gradient alone is checked")
-    }
 }
 
 fn pair(kind: QueryKind) -> Pair {
@@ -41,21 +18,21 @@ fn pair(kind: QueryKind) -> Pair {
     Pair { kind, vertices }
 }
 
-fn vertex_triangle() -> Barrier {
-    Barrier(PairContact {
+fn vertex_triangle() -> PairContact {
+    PairContact {
         pair: pair(QueryKind::VertexTriangle),
         area: 0.7,
         law: PenaltyLaw::new(3.0, 1.0).unwrap(),
         mollifier: None,
-    })
+    }
 }
 
-fn edge_edge(squared_lengths: [f64; 2]) -> Barrier {
-    Barrier(PairContact {
+fn edge_edge(squared_lengths: [f64; 2]) -> PairContact {
+    PairContact {
         pair: pair(QueryKind::EdgeEdge),
         mollifier: Some(Mollifier::new(squared_lengths)),
-        ..vertex_triangle().0
-    })
+        ..vertex_triangle()
+    }
 }
 
 /// A vertex in each of the seven regions around a triangle: face, three edges, three corners.
@@ -91,31 +68,82 @@ fn edges() -> [[Vec3; 4]; 4] {
 }
 
 #[test]
-fn vertex_triangle_gradient_is_that_of_differences_in_all_regions() {
+fn vertex_triangle_derivatives_are_differences_in_all_regions() {
     let barrier = vertex_triangle();
     for height in [0.3, 0.03] {
         for place in REGIONS {
             let x = above_triangle(place, height);
             let scale = height.min(0.3);
-            let error = gradient_error(&barrier, &x, scale);
-            assert!(error < 1e-8, "{place:?} {height}: {error:e}");
+            let (first, second) = (
+                gradient_error(&barrier, &x, scale),
+                hessian_error(&barrier, &x, scale),
+            );
+            assert!(first < 1e-8, "{place:?} {height}: {first:e}");
+            assert!(second < 1e-7, "{place:?} {height}: {second:e}");
         }
     }
 }
 
 #[test]
-fn gradient_of_two_edges_is_that_of_differences_in_all_regions() {
+fn derivatives_of_two_edges_are_those_of_differences_in_all_regions() {
     for x in edges() {
         // With and without the mollifier at work, whose threshold grows with the rest lengths.
         for lengths in [[1.0, 1.0], [1e3, 2.0]] {
             let barrier = edge_edge(lengths);
-            let error = gradient_error(&barrier, &x, 0.3);
-            assert!(error < 1e-8, "{lengths:?}: {error:e}");
+            let (first, second) = (
+                gradient_error(&barrier, &x, 0.3),
+                hessian_error(&barrier, &x, 0.3),
+            );
+            assert!(first < 1e-8, "{lengths:?}: {first:e}");
+            assert!(second < 1e-7, "{lengths:?}: {second:e}");
         }
     }
 }
 
-/// From one region into the next, energy and gradient go on.
+#[test]
+fn second_derivative_between_two_points_is_that_of_a_distance() {
+    // (I − n nᵀ)/d, with the signs of the weights.
+    let x = above_triangle((-0.3, -0.2), 0.3);
+    let gap = Gap::new(QueryKind::VertexTriangle, &x);
+    assert_eq!(gap.weights, [1.0, -1.0, 0.0, 0.0]);
+    let n = x[0].normalize();
+    let expected = (Mat3::identity() - n * n.transpose()) / x[0].norm();
+    let found = gap.curvature(&x);
+    assert!((found[0][0] - expected).amax() < 1e-15);
+    assert!((found[0][1] + expected).amax() < 1e-15);
+    assert_eq!(found[0][2].amax(), 0.0);
+}
+
+#[test]
+fn height_above_a_plane_has_no_second_derivative_in_the_vertex() {
+    let x = above_triangle((0.4, 0.3), 0.3);
+    assert_eq!(
+        Gap::new(QueryKind::VertexTriangle, &x).curvature(&x)[0][0].amax(),
+        0.0
+    );
+}
+
+/// Along n, with ∂c₀ = (−1, 0), only d (G⁻¹)₀₀ = d v²/|u × v|² is left of it, until that overflows.
+#[test]
+fn second_derivative_of_nearly_parallel_edges_is_zero_beyond_all_numbers() {
+    let crossed = |slope: f64| {
+        let (half, up) = (v(5.0, 5.0 * slope, 0.0), v(0.0, 0.0, 0.3));
+        let along = v(0.5, 0.0, 0.0);
+        let x = [up - along, up + along, -half, half];
+        Gap::new(QueryKind::EdgeEdge, &x).curvature(&x)
+    };
+    for slope in [1e-2, 1e-9, 1e-100] {
+        let expected = -0.3 * (1.0 + slope * slope) / (slope * slope);
+        let found = crossed(slope)[0][0][(2, 2)];
+        let error = (found / expected - 1.0).abs();
+        assert!(error < 1e-15, "{slope:e}: {error:e}");
+    }
+    for block in crossed(2e-155).iter().flatten() {
+        assert_eq!(*block, Mat3::zeros());
+    }
+}
+
+/// From one region into the next, distance and gradient go on; only the second derivative may jump.
 #[test]
 fn gradient_is_continuous_across_the_seams() {
     let places = [
@@ -185,6 +213,29 @@ fn force_is_continuous_through_parallel_edges() {
         assert!(jump(one, other) > 0.7);
     }
     assert_eq!(barrier.value(&at(0.0)), 0.0);
+}
+
+#[test]
+fn hessians_that_are_made_convex_have_no_negative_eigenvalue() {
+    let mut random = Random::new(7);
+    let mut indefinite = 0;
+    for _ in 0..300 {
+        let x: [Vec3; 4] = std::array::from_fn(|_| random.point(0.7));
+        let (one, other) = (vertex_triangle(), edge_edge([1e3, 1.0]));
+        let lowest = |convexity| {
+            let (a, b) = (
+                smallest_eigenvalue(&one, &x, convexity),
+                smallest_eigenvalue(&other, &x, convexity),
+            );
+            let size = |h: Blocks<4>| h.iter().flatten().map(|b| b.amax()).fold(1e-300, f64::max);
+            (a / size(one.hessian(&x, convexity))).min(b / size(other.hessian(&x, convexity)))
+        };
+        indefinite += usize::from(lowest(Convexity::Exact) < -1e-6);
+        for convexity in [Convexity::Clamp, Convexity::GaussNewton] {
+            assert!(lowest(convexity) > -1e-12, "{:e}", lowest(convexity));
+        }
+    }
+    assert!(indefinite > 100, "{indefinite}");
 }
 
 /// Moving everything changes nothing, so forces add up to zero, and so do their moments.
