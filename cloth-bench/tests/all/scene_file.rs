@@ -178,7 +178,8 @@ fn the_flag_of_the_sample_blows_down_the_wind() {
 fn the_ball_of_the_sample_takes_the_cloth_along() {
     let text = std::fs::read_to_string(sample("turning-sphere.toml")).unwrap();
     let scene = read("turning", &text.replace("41x41", "21x21")).unwrap();
-    for method in ["xpbd", "pd"] {
+    // Steps of projective dynamics are cut short, and what lies loosely may fall behind.
+    for (method, most) in [("xpbd", 0.02), ("pd", 0.04)] {
         let (mut before, method) = (Vec::new(), Method::find(method).unwrap());
         let settings = Settings::default();
         let look = |step, state: &State, _: &_| {
@@ -200,8 +201,10 @@ fn the_ball_of_the_sample_takes_the_cloth_along() {
         assert!(turned.len() > 8, "{method}: {}", turned.len());
         // Half a second of π rad/s.
         let expected = std::f64::consts::FRAC_PI_2;
+        let mean = turned.iter().sum::<f64>() / turned.len() as f64;
+        assert!((mean - expected).abs() < 5e-3, "{method}: {mean} rad");
         for angle in turned {
-            assert!((angle - expected).abs() < 0.02, "{method}: {angle} rad");
+            assert!((angle - expected).abs() < most, "{method}: {angle} rad");
         }
     }
 }
