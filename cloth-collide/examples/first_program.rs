@@ -23,7 +23,7 @@ fn distances(x: Vec3) -> [(f64, Vec3); 2] {
     ]
 }
 
-/// `E = Σ A φ(d)` (J) with `φ = ½ κ (h − d)²` below h, and its gradient (N). A vertex has a third of the area of the
+/// `E = Σ A ψ(d)` (J) with `ψ = ½ κ (h − d)²` below h, and its gradient (N). A vertex has a third of the area of the
 /// triangles around it.
 fn energy(mesh: &TriMesh, x: &[Vec3]) -> (f64, Vec<Vec3>) {
     let mut area = vec![0.0; x.len()];
@@ -66,7 +66,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         dt: 0.01,
     };
     contacts.begin(&step, &mut x.clone())?;
-    contacts.limit(&x, &x)?;
+    contacts.limit(&x, &x)?; // an empty path: finds the pairs
     let mut gradient = vec![Vec3::zeros(); x.len()];
     let real = contacts.add_gradient(&x, &mut gradient);
 

@@ -5,7 +5,7 @@
 //!
 //! **Obstacles** are functions: the signed distance φ(x) of a point from a surface. A vertex is kept out by one
 //! inequality, φ(x) ≥ h, whatever the shape and however it moves. [`obstacle`] has the shapes, the search for the first
-//! contact on a path, the laws of pressure, and impulses with friction and restitution. (φ is this distance on all
+//! contact on a path, the law of pressure, and impulses with friction and restitution. (φ is this distance on all
 //! pages; ψ is the energy of contact.)
 //!
 //! **Cloth against cloth** is about pairs: a vertex and a triangle, or two edges. Of n² of them a *broad phase* leaves
@@ -60,9 +60,9 @@
 //! 4. *Filter.* The potential alone cannot tell the sides of a sheet apart. So every displacement is tested over the
 //!    whole of its path, and taken only as far as nothing reaches d = 0: what starts without a crossing stays without.
 //! 5. *Last resort.* An iteration that is cut short may be blocked for ever. Then pairs are pushed apart one by one,
-//!    what is stuck moves as one rigid body (an impact zone), and in the end vertices stay where they are: always
-//!    possible, since the start was free of crossings, and reported (`held`). So a step is either free of crossings or
-//!    refused.
+//!    what is stuck moves as one rigid body (an impact zone), and in the end vertices stay where they are: possible
+//!    unless prescribed vertices or bodies move into them, since the start was free of crossings, and reported
+//!    (`held`). So a step is either free of crossings or refused.
 //!
 //! The naive program is `examples/first_program.rs`: contact with a floor and a ball in one file, compared with the
 //! potential of the crate.
@@ -74,8 +74,9 @@
 //! do not fit the mesh a [`BuildError`](cloth_core::step::BuildError) that names the setting and its range. In a step,
 //! [`ContactError`](cloth_core::contact::ContactError) says what it cannot keep: a start that crosses already
 //! (`IntersectingStart`, see [`untangle`]), or two bodies that leave the cloth no room (`Infeasible`, with the vertex).
-//! The state is then as it was before the step. Nothing panics on input, and nothing is passed over in silence: what
-//! was held by the last resort, shortened or let go is counted in the reports.
+//! The caller keeps the state that it had. Nothing panics on values; slices of another length than the mesh has
+//! vertices do, where `# Panics` says so. What was held by the last resort, shortened or let go is counted in the
+//! reports; restitution is felt by methods that project alone.
 //!
 //! # Threads
 //!
@@ -88,13 +89,16 @@
 //! 1. A file in `obstacle/` with a type that implements [`SignedDistance`](obstacle::SignedDistance): the distance and
 //!    the outward normal at a point in the frame of the shape, whether it is convex, and a box around it. A constructor
 //!    that returns [`ObstacleError`](obstacle::ObstacleError) for sizes that make no shape.
-//! 2. Its line in the table of [`obstacle`]. Motion, friction, the continuous test, moving frames and work are
-//!    [`Obstacle`](obstacle::Obstacle)'s and need nothing.
+//! 2. Its line in the table of [`obstacle`]. Motion, moving frames and the continuous test are
+//!    [`Obstacle`](obstacle::Obstacle)'s, friction and work [`potential`]'s; they need nothing.
 //! 3. `tests/all/obstacle_shapes.rs`: add it to the shapes there; gradient against differences, distance against points
 //!    of the surface, and Lipschitz constant are then tested. If φ is not a true distance, say so by
 //!    [`lipschitz`](obstacle::SignedDistance::lipschitz).
 //! 4. Triangles of its surface ([`PotentialBuilder::surface`](potential::PotentialBuilder::surface)), if edges of the
 //!    cloth are not to cut it where it is smaller than a triangle.
+//!
+//! Another [`BroadPhase`] works in [`ClothCandidates`]; for [`potential`] add it to [`BroadPhaseKind`] too. Another law
+//! takes the place of [`PenaltyLaw`](obstacle::PenaltyLaw), the only one: energy, slope, curvature ≥ 0, infinite at 0.
 //!
 //! # When not to use it
 //!
@@ -110,8 +114,8 @@
 //!
 //! # Equation → function
 //!
-//! Of two edges, u and v are their vectors and d the vector between their first ends; of a triangle, u and e are two
-//! edges, n = u × e, and d goes from a corner to the point.
+//! Of two edges, u and v are their vectors, n = u × v, and d goes from the first end of the second to that of the
+//! first; of a triangle, u and e are two edges, n = u × e, and d goes from a corner to the point.
 //!
 //! | What | Where |
 //! |---|---|
@@ -161,8 +165,11 @@
 //!
 //! # Limits
 //!
-//! - Shapes with a signed distance are rigid, and move with constant velocities over a step; those that deform have
-//!   triangles alone.
+//! - Shapes with a signed distance are rigid, and keep the velocities that they were built with; those that deform, or
+//!   move on any other given path, have triangles alone
+//!   ([`PotentialBuilder::animated`](potential::PotentialBuilder::animated)). A mesh at rest is an animation of one
+//!   shape; a closed rigid one a [`ClosedMesh`](obstacle::ClosedMesh) (or
+//!   [`SampledDistance`](obstacle::SampledDistance)) with a surface of the same triangles.
 //! - The uniform cells of two of the broad phases suit triangles of similar size, the tree suits all.
 //! - [`SeparationProbe`] looks at the positions of one moment. A cloth that has passed through another between two
 //!   moments, and is out on the far side, shows no trace.
@@ -180,8 +187,8 @@
 //! | `ccd/advance.rs`, `ccd/advance/`, `ccd/number.rs` | the walk through time, in `f64` and in numbers of twice the digits |
 //! | `intersect.rs`, `intersect/apart.rs` | the exact test, and the quick one before it |
 //! | `bounds.rs`, `convert.rs` | boxes, ours and parry's |
-//! | `obstacle.rs`, `obstacle/` | a chapter of its own: `half_space`, `sphere`, `capsule`, `cuboid`, `closed_mesh`, `sampled`, `animated`; `motion`, `placed`; `penalty`, `impact`; `sweep` |
-//! | `potential.rs`, `potential/` | a chapter of its own: `mollifier`, `pair`, `friction`; `near`, `patches`, `filter`; `rows`, `bodies`; `last_resort`, `zones`; `source`, `builder` |
+//! | `obstacle.rs`, `obstacle/` | a chapter of its own: `half_space`, `sphere`, `capsule`, `cuboid`, `closed_mesh`, `sampled`, `animated`; `motion`, `placed`, `rigid_body`; `penalty`, `impact`; `sweep` |
+//! | `potential.rs`, `potential/` | a chapter of its own: `mollifier`, `pair`, `friction`; `near`, `near_pairs`, `ranked`, `patches`, `quiet`, `filter`; `row`, `rows`, `bodies`, `tangent`, `rebound`; `surfaces`, `free`, `stops`; `last_resort`, `zones`; `source`, `forces`, `report`, `sewn`, `let_go`, `builder` |
 //! | `untangle.rs`, `untangle/` | a chapter of its own: `crossing`, `contour`, `pieces`, `smooth`; `back`, `during` |
 //! | `broad_phase.rs`, `broad_phase/hierarchy.rs` | what a broad phase is; the tree of boxes |
 //! | `broad_phase/cells.rs`, `spatial_hash.rs`, `morton_grid.rs` | a grid of cells, and two ways to sort boxes into it |

@@ -26,8 +26,8 @@
 //! | φ = Σ wᵢ φᵢ over the eight corners of a cell | [`SampledDistance`] |
 //! | x = (1 − s) xₖ + s xₖ₊₁ between two shapes | [`AnimatedMesh`] |
 //! | x = p + R y, v(x) = v + ω × (x − p) | [`RigidMotion`] |
-//! | v = p/m + g h, ω = J⁻¹ L, p ← p + m g h + ∫f dt, L ← L + ∫τ dt | [`RigidBody`] |
-//! | E = ½ k (h − φ)², from h/2 on a barrier | [`PenaltyLaw`] |
+//! | v = P/m + g Δt, ω = J⁻¹ L, P ← P + m g Δt + ∫f dt, L ← L + ∫τ dt | [`RigidBody`] |
+//! | E = ½ k (h − φ)², a barrier below h/2 | [`PenaltyLaw`] |
 //! | Δvₙ = −(1 + e) vₙ, ‖Δvₜ‖ ≤ μ Δvₙ | [`ImpactLaw`] |
 //! | φ(x(t)) = h for the first time | [`first_contact`] |
 //!

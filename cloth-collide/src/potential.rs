@@ -13,51 +13,63 @@
 //! third of the rest area of the triangles around it, before other cloth for half of that, since the vertices of both
 //! sides press; an edge for a third of the area beside it, and two edges for the smaller of theirs. ψ is quadratic down
 //! to h/2 and a barrier from there on ([`PenaltyLaw`]): under a weight ρ g the gap is h − ρ g/κ, and nothing gets to
-//! d = 0. Edges push from h/2 on, which is nothing as long as the vertices do what is needed, and leaves far
+//! d = 0. Edges push below h/2, which is nothing as long as the vertices do what is needed, and leaves far
 //! fewer pairs: with edges from h on, five layers of 17 × 17 vertices at rest take implicit Euler three times as long.
 //!
 //! A method adds E to what it minimises, with its gradient, and the Gauss–Newton part of its second derivative, A ψ″ ∂d
 //! ∂dᵀ. Before it moves the cloth it asks how far the path is safe ([`ContinuousTest`](crate::ContinuousTest)). So what
-//! it accepts is free of crossings, and nothing is left to be repaired afterwards.
+//! it accepts is free of crossings, and nothing is left to be repaired afterwards. A path keeps a fifth of each
+//! distance, or of h where that is less (a tenth in substeps of constraints), and no more than 10 h of it are looked
+//! at, apart from the motion that all vertices share: a length below 1 need not mean a contact.
 //!
 //! A step begins where the method would begin by itself, as far as the path there is safe; where pins or bodies move,
-//! or cloth begins inside a body, where a substep of the constraints leads. The end of the step does not depend on
-//! that, but for which of several minima is found. Bodies are where they are at the end of the step for a method that
+//! or cloth begins inside a body, where a substep of the constraints leads. The end of the step depends on
+//! that only where there are several minima. Bodies are where they are at the end of the step for a method that
 //! minimises, and on their way for the substeps of one that projects.
 //!
 //! Friction has the normal forces λ and the directions of the start of the step (`friction`): a cloth that lands has
 //! none in the step in which it does. Its energy is μ λ f(u) of the way u in the tangent plane since then, f = u²/(2ε)
-//! below ε = h/100 and u − ε/2 from there on, so that f′, the fraction of μ λ, is continuous.
+//! below ε = h/100 and u − ε/2 from there on, so that f′, the fraction of μ λ, is continuous. (Li et al. take a
+//! cubic, smooth in f″ too.)
 //!
 //! # For methods that project positions
 //!
-//! XPBD, PBD and explicit methods get the same potential as constraints in each of their substeps: n·Σ wᵢ xᵢ ≥ h with
-//! the compliance 1/(A ψ″), a multiplier λ ≥ 0, and friction within μ λ that remembers where it began to stick. They
-//! come last in each sweep. What can touch follows from bounds on the relative motion of patches of the cloth, and at
-//! the end of a substep every pair is tested; what has come too near is swept again, then shortened, then given to the
-//! last resort (`last_resort`: pairs pushed apart one by one, impact zones, vertices that stay).
+//! XPBD, PBD and explicit methods get the same potential as constraints in each of their substeps: n·Σ wᵢ xᵢ ≥ d̂ with
+//! d̂ = d − ψ′/ψ″, which is h down to h/2, the compliance 1/(A ψ″), a multiplier λ ≥ 0, and friction within μ λ that
+//! remembers where it began to stick. They come last in each sweep. What can touch follows from bounds on the relative
+//! motion of patches of the cloth, and at the end of a substep every pair is tested; what has come too near is swept
+//! again, then shortened, then given to the last resort (`last_resort`: pairs pushed apart one by one, impact zones,
+//! vertices that stay).
 //!
 //! # Bodies
 //!
 //! A body that knows its signed distance keeps the vertices of the cloth out by it: their pressure is exact, whatever
 //! the triangles of both. What is between the vertices it does not see. So a body also has a surface of triangles
 //! ([`PotentialBuilder::surface`]), whose vertices stand behind those of the cloth as prescribed ones: pairs (edge,
-//! edge) and (vertex of the body, triangle of the cloth) are looked at as in the cloth itself, and push from h/2 on,
+//! edge) and (vertex of the body, triangle of the cloth) are looked at as in the cloth itself, and push below h/2,
 //! which is nothing as long as the vertices of the cloth do what is needed. A body that changes its shape, open or
 //! closed, has its triangles alone ([`PotentialBuilder::animated`]).
 //!
-//! Pairs of bodies, and pairs without a free vertex, are let go: a body that nothing pushes may pass through itself and
-//! others, and prescribed cloth may be inside of one. Cloth that two bodies leave no room for is an error,
+//! Pairs of bodies, and pairs without a free vertex, are left out: a body that nothing pushes may pass through itself
+//! and others, and prescribed cloth may be inside of one. Cloth that two bodies leave no room for is an error,
 //! [`ContactError::Infeasible`](cloth_core::contact::ContactError::Infeasible).
 //!
 //! # Bodies that the cloth pushes
 //!
 //! A body with a mass and an inertia ([`PotentialBuilder::free`]) moves on in each (sub)step as its momentum says, and
-//! takes up the impulses of contact at the end: momentum is kept. What the last resort does to the cloth is no impulse
-//! on it. Held vertices and other bodies do not give way, so they stop it before the step, inelastically (`stops`): at
-//! h/2 from held cloth, at h from bodies. Where cloth between it and something else has no free way even so, the body
-//! halts for the step, and loses its momentum. Steps have to resolve the frequency of the body on the contact,
-//! [`RigidBody::highest_frequency`](crate::obstacle::RigidBody::highest_frequency).
+//! takes up the impulses of contact at the end: momentum is kept, but for what the last resort does to the cloth, which
+//! is no impulse on it. Prescribed vertices and other bodies do not give way, so they stop it before the step,
+//! inelastically (`stops`): at h/2 from prescribed cloth, at h from bodies. Where cloth between it and something else
+//! has no free way even so, the body halts for the step, and loses its momentum. Steps have to resolve the frequency of
+//! the body on the contact, [`RigidBody::highest_frequency`](crate::obstacle::RigidBody::highest_frequency).
+//!
+//! # Add it to a method
+//!
+//! One that minimises: `begin`; in each iteration `add_gradient` and `linearize`, then `limit` or `limit_each` before
+//! moving; `end`. Every `add_gradient`, and `end` too, needs a `limit` whose path contains the place. One that
+//! projects: [`ContactConstraints`](cloth_core::contact::ContactConstraints) in the order of its functions, or
+//! [`Projection::step`](cloth_core::contact::Projection::step) after a free step. `cloth-bench/examples/own-method` is
+//! an example. After an error the positions are of no use: the caller keeps the state that it had.
 //!
 //! # Who feels it how
 //!
@@ -84,9 +96,9 @@
 //! | μ λ f(‖u‖) | `friction` |
 //! | which pairs can be near on a path | `near_pairs`, `ranked` |
 //! | bodies behind the cloth | `surfaces` |
-//! | p ← p + m g h + ∫f dt of bodies that the cloth pushes | `free` |
+//! | P ← P + m g Δt + ∫f dt of bodies that the cloth pushes | `free` |
 //! | n·K λ n = (min(d, φ₀) − φ)/τ, λ ≥ 0, where such a body meets what does not give way | `stops` |
-//! | C = n·Σ wᵢ xᵢ − h, α = 1/(A ψ″), λ ≥ 0 | `row`, `rows`, `bodies`, `tangent` |
+//! | C = n·Σ wᵢ xᵢ − d̂, α = 1/(A ψ″), λ ≥ 0 | `row`, `rows`, `bodies`, `tangent` |
 //! | what can touch in a substep or on a path | `patches`; whether anything can, `quiet` |
 //! | how far the path is safe | `filter` |
 //! | Σ A ψ, Σ A ∂ψ, Σ A ψ″ ∂d ∂dᵀ | [`PotentialContacts`] |

@@ -13,7 +13,7 @@ pub use global_rows::{GlobalRow, GlobalRows};
 use crate::math::{Real, Vec3, is_finite};
 use std::fmt;
 
-/// A step that a method has taken, seen from outside: where the cloth was, and what can be moved.
+/// A step that a method takes, seen from outside: where the cloth was, and what can be moved.
 #[derive(Clone, Copy, Debug)]
 pub struct ContactStep<'a> {
     /// Positions (m) at the start of the step, one per vertex.
@@ -118,7 +118,7 @@ pub trait ContactPotential: fmt::Debug + Send + Sync {
     fn begin(&mut self, step: &ContactStep<'_>, start: &mut [Vec3]) -> Result<(), ContactError>;
 
     /// The part of the straight path from `from` to `to` (m) that is safe (dimensionless, 0..=1), and gets ready for
-    /// places on it.
+    /// places on it, until the next call. Below 1 it need not mean a contact: long paths are looked at in parts.
     ///
     /// # Errors
     /// [`ContactError::NonFinite`].

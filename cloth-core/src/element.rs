@@ -43,8 +43,8 @@ pub struct Row<const N: usize> {
     pub value: Real,
     /// `∂C/∂xᵢ`, one per vertex of the element (unit of `C` per m).
     pub gradient: [Vec3; N],
-    /// `k` with the energy `½ k C²` (J); the compliance is `α = 1/k`. It must not depend on `x`: forces and Hessians are
-    /// computed as `k C ∂C` and `k ∂C ∂Cᵀ + k C ∂²C`, without a derivative of `k`.
+    /// `k` with the energy `½ k C²` (J); the compliance is `α = 1/k`. It must not depend on `x`: forces and Hessians
+    /// are computed as `k C ∂C` and `k ∂C ∂Cᵀ + k C ∂²C`, without a derivative of `k`.
     pub stiffness: Real,
 }
 
@@ -274,7 +274,7 @@ pub trait Projective<const N: usize, const K: usize>: Element<N> {
     /// a solver may add its part once a step instead of once an iteration.
     const PROJECTION_IS_CONSTANT: bool = false;
 
-    /// `G`: `K` rows of vertex coefficients, constant for the life of the element. Each row acts on x, y and z alike.
+    /// `S`: `K` rows of vertex coefficients, constant for the life of the element. Each row acts on x, y and z alike.
     fn operator(&self) -> [[Real; N]; K];
 
     /// `w`, in the unit that makes `½ w ‖S x‖²` a J.

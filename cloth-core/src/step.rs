@@ -208,7 +208,8 @@ pub struct StepReport {
     pub linear_solves: u32,
     /// Iterations of the linear solver in them; a direct solver takes one.
     pub linear_iterations: u32,
-    /// Step lengths that a line search tried and rejected.
+    /// Step lengths that a line search tried and rejected, and Chebyshev extrapolations that projective dynamics took
+    /// back.
     pub backtracks: u32,
     /// Substeps that gave up their Chebyshev extrapolation, because it made the corrections grow or something can be
     /// touched, and went on with plain sweeps.
@@ -337,7 +338,7 @@ pub enum StepError {
     LineSearchStalled {
         /// The iteration, counted from 1.
         iteration: u32,
-        /// Gradient norm there, relative to the start.
+        /// Gradient norm there, relative to that of the inertial forces, as in the report.
         residual: Real,
         /// The step, counted from 1.
         step: u64,

@@ -70,7 +70,7 @@ pub struct ImplicitConfig {
     /// part of time and memory on large sheets; its tolerance is also how much of the gradient a Newton step leaves
     /// behind.
     pub linear: LinearMethod,
-    /// Where Newton's method starts.
+    /// Where the minimisation starts.
     pub start: StartGuess,
     /// Which points with a small gradient are good enough.
     pub accept: Accept,
@@ -132,7 +132,7 @@ pub enum Accept {
     Minimum,
 }
 
-/// Where Newton's method starts. A prescribed vertex is where it will be at the end of the step, in any case.
+/// Where the minimisation starts. A prescribed vertex is where it will be at the end of the step, in any case.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum StartGuess {
@@ -165,9 +165,10 @@ impl Default for ImplicitConfig {
 }
 
 impl ImplicitConfig {
-    /// Settings for a step that costs one linear solve, as D. Baraff and A. Witkin take it (SIGGRAPH 1998,
-    /// <https://doi.org/10.1145/280814.280821>): linearised at `x[0]`, the indefinite part of compressed springs
-    /// dropped, and solved by multigrid-preconditioned conjugate gradients to 10⁻⁸.
+    /// Settings for one linear solve from `x[0]`, as D. Baraff and A. Witkin take it (SIGGRAPH 1998,
+    /// <https://doi.org/10.1145/280814.280821>); the indefinite part of compressed springs is dropped (compare Choi and
+    /// Ko 2002), and the system is solved by conjugate gradients around multigrid to 10⁻⁸ (theirs: modified conjugate
+    /// gradients).
     #[must_use]
     pub fn linearized() -> Self {
         Self {

@@ -16,8 +16,9 @@
 //!
 //! Without the velocity, a stage says that `x` is a stationary point of `‖x − x̂‖²_M/(2s²) + E(x)` with
 //! `s² = τ²/(1 + ατ)` and `x̂ = x_b + τ v_b/(1 + ατ) + s² g`: the drag α only changes two numbers. The modules below:
-//! the function in `stage` and `damper`, the loop in `newton`, the matrix in `system`, the step length in `line_search`
-//! and, where there is contact, the core's [`TrustRadius`](cloth_core::method::trust::TrustRadius).
+//! the function in `stage` and `damper`, the loops in `minimizer` (default) and `newton`, the matrix in `system`, the
+//! step length in `line_search` and, where there is contact, the core's
+//! [`TrustRadius`](cloth_core::method::trust::TrustRadius).
 
 mod at_end;
 mod bdf2;
@@ -67,8 +68,8 @@ use stage::Stage;
 /// `1/√(1 + 2 Δt γ + (Δt ω)²)` in a step, `2γ = α + β ω²` as at [`Damping`](crate::Damping).
 ///
 /// The residual in the report is what [`ImplicitConfig::tolerance`] bounds: the Newton decrement relative to the change
-/// of velocity that the forces have made, or `‖∇G(x)‖/‖M (x − x̃)/Δt²‖` in the norm of M⁻¹, which is never less, where
-/// that is small enough already. A step has converged when it is below the tolerance, or when the gradient is as small
+/// of velocity that the forces have made. A step may end earlier by its upper bound `‖∇G(x)‖/‖M (x − x̃)/Δt²‖` in the
+/// norm of M⁻¹. A step has converged when it is below the tolerance, or when the gradient is as small
 /// as rounding lets it be: positions are stored to half a unit in the last place of their coordinates, `½ ε |x|`, and a
 /// spring answers that with a force of `½ ε |x| k`. For a sheet of 1 m with springs of 10⁴ N/m and Δt = 1/60 s this
 /// floor lies between 10⁻⁸ and 10⁻¹⁰ of the forces. In free fall there are no forces, and the floor decides alone.
@@ -317,7 +318,7 @@ impl Implicit {
         Ok(report)
     }
 
-    /// Fills in the base, the prediction, the damper and the start of Newton's method.
+    /// Fills in the base, the prediction, the damper and the start of the minimisation.
     fn predict(
         &mut self,
         state: &State,

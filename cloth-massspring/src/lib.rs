@@ -44,8 +44,7 @@
 //!
 //! But a force that is right at the start can carry a vertex beyond the far side of its spring before it is asked
 //! again. The next force is then larger, and so on: *overshoot*. A step must be shorter than `2/ω`, with ω the fastest
-//! oscillation of the cloth, and ω grows with stiffness and with fineness. (Instability comes with a large Δt, not with
-//! a small one.)
+//! oscillation of the cloth, and ω grows with stiffness and with fineness.
 //!
 //! At the *end* of the step, the forces are those at positions not yet known:
 //!
@@ -59,8 +58,8 @@
 //! G(x) = ‖x − x̃‖²_M / (2Δt²) + E(x),    ‖y‖²_M = Σ mᵢ ‖yᵢ‖²
 //! ```
 //!
-//! and a minimum can be looked for with a guarantee that equations do not give: every Newton step,
-//! shortened by a line search, leads down. No step size is too large for it.
+//! and minimising has a measure of progress that solving equations lacks: G falls in every iteration, shortened by a
+//! line search where need be, whatever Δt.
 //!
 //! The same minimisation, with another goal and another time in place of `x̃` and Δt, gives two integrators of
 //! *second* order: the implicit midpoint rule (half a step of implicit Euler, and what happened in it once more) and
@@ -99,14 +98,14 @@
 //! | `Δt < 2/ω_max` | stability | [`stable_time_step`] |
 //! | `min G(x)` | implicit Euler, a minimisation | [`ImplicitEuler`], [`IncrementalPotential`] |
 //! | `p = −B⁻¹∇G`, B from pairs `s`, `y` around a multigrid cycle | quasi-Newton (L-BFGS) | [`Solve::QuasiNewton`] |
-//! | `B p = −∇G`, nearly | truncated Newton, in hard contact | [`Solve::QuasiNewton`] |
+//! | `A p = −∇G`, nearly | truncated Newton, in hard contact | [`Solve::QuasiNewton`] |
 //! | `Δx = −(M/Δt² + H)⁻¹ ∇G` | Newton's method, start guess | [`Solve::Newton`], [`StartGuess`] |
 //! | `τ = Δt/2` | the implicit midpoint rule | [`ImplicitMidpoint`] |
 //! | `τ = 2Δt/3` | BDF2, and when it starts again | [`Bdf2`] |
 //! | one Newton step | linearised implicit Euler | [`Solve::Linearized`], [`ImplicitConfig::linearized`] |
 //! | `−α M v − β K v` | drag, stiffness-proportional damping | [`Damping`] |
 //! | `M/Δt² + H` | the linear system, kept positive definite | [`HessianPolicy`], [`Accept`] |
-//! | `A p = −∇G` | its solution | [`ImplicitConfig::linear`], [`cloth_core::method::linear`] |
+//! | `A p = −∇G` for this matrix A | its solution | [`ImplicitConfig::linear`], [`cloth_core::method::linear`] |
 //!
 //! [`IncrementalPotential`]: cloth_core::measure::IncrementalPotential
 //!
@@ -121,20 +120,24 @@
 //! [multigrid](cloth_core::method::multigrid) on a positive definite Hessian, improved by the last five pairs `s = Δx`,
 //! `y = Δ∇G` (L-BFGS): five to ten times as many iterations as Newton's method, each thirty to sixty times cheaper.
 //!
-//! The levels: coarse vertices are an independent set among strongly coupled ones, about a quarter of them; the
-//! prolongation P is exact for linear functions of the rest positions, the coarse matrix is `PᵀAP` (Galerkin), the
-//! smoother a forward, then a backward sweep of Gauss–Seidel over blocks of 3 × 3, the coarsest level a dense Cholesky
-//! factorisation, all in single precision. Four things make it work:
+//! Step lengths: α = 1 first, then the minimum of a parabola, between a tenth and a half of the length before, until
+//! `G(x + αp) ≤ G(x) + 10⁻⁴ α ∇G·p` (Armijo). `p = −B⁻¹∇G` with B positive definite gives `∇G·p < 0`, so a short enough
+//! α passes. Armijo's condition does not ensure `s·y > 0`: pairs without it are not used.
+//!
+//! The levels: coarse vertices are a maximal independent set (no two of them neighbours by strong coupling), about a
+//! quarter of all; the prolongation P is exact for linear functions of the rest positions, the coarse matrix is `PᵀAP`
+//! (Galerkin), the smoother a forward, then a backward sweep of Gauss–Seidel over blocks of 3 × 3, the coarsest level a
+//! dense Cholesky factorisation, all in single precision. Four things make it work:
 //!
 //! - *Absolute and lumped.* With absolute values in the place of negative eigenvalues, the k (1 − L/l) of compressed
 //!   springs ([`Convexity::Abs`](cloth_core::element::Convexity::Abs)), the matrix is positive definite, so every
 //!   direction leads down; setting them to zero ([`Convexity::Clamp`](cloth_core::element::Convexity::Clamp)) would do,
 //!   too, but lets thin cloth move too far: at 64 vertices a side and 10⁻⁸ N·m a step takes 1.4 times as long. Alone
 //!   such a matrix would converge linearly, and slowly near a saddle point, where a compressed sheet has not buckled
-//!   yet: it is stiff in just the direction that is soft. The pairs bring that curvature back. The blocks that couple
-//!   the two vertices opposite a hinge's edge are moved to the diagonal
-//!   ([`lumped_assembly`](cloth_core::method::family::Energies::lumped_assembly)), which leaves the pattern of the
-//!   edges.
+//!   yet: it is stiff in just the direction that is soft. The pairs bring that curvature back where it is positive;
+//!   pairs of negative curvature are refused. The blocks that couple the two vertices opposite a hinge's edge are moved
+//!   to the diagonal ([`lumped_assembly`](cloth_core::method::family::Energies::lumped_assembly)), which leaves the
+//!   pattern of the edges.
 //! - *Predicted forces.* A stiff spring that turns in an iteration is stretched by far, and the Hessian then says that
 //!   the cloth is taut. In the first four iterations the part of the Hessian that depends on the force takes the force
 //!   that the *linearised* spring has predicted ([`mixed_hessian`](cloth_core::element::Energy::mixed_hessian)).
@@ -149,7 +152,17 @@
 //! Components of the cloth that nothing holds are shifted to where their momentum takes them at the start and at the
 //! end of the iteration, so that linear momentum is kept to rounding at any tolerance.
 //!
+//! # Pin and drag
+//!
+//! `particles.prescribe(i)?` before the solver is built; before each step set `state.velocities[i]` to
+//! `(target − state.positions[i])/Δt`, or let [`Pins`](cloth_core::pin::Pins) do it. A solver copies the masses when it
+//! is built: to grab or release another vertex, build a new one and go on with the state. [`Bdf2`] then starts again
+//! with one step of implicit Euler.
+//!
 //! # Contact
+//!
+//! From `cloth-collide`: `let mut contacts = PotentialContacts::builder(&mesh).obstacle(body, friction).build()?;`,
+//! then `solver.step(&mut state, StepInput::new(dt).contacts(&mut contacts))?`, with the same contacts in every step.
 //!
 //! What the cloth touches is one more energy in `G`, with a gradient and a positive semi-definite second derivative
 //! ([`ContactPotential`](cloth_core::contact::ContactPotential)), and a bound on every step: no iterate is accepted
@@ -160,14 +173,13 @@
 //! the mesh are additions of rank one to the matrix of the multigrid cycle: they come and go without a new pattern.
 //! What couples all vertices of a piece, the volume of a closed one
 //! ([`ClosedVolume`](cloth_core::enclosure::ClosedVolume)), is an addition of rank one around the whole cycle
-//! (Sherman–Morrison, `implicit/global_terms.rs`): a ball of water, K = 2·10⁹ Pa, converges as one of air does.
-//! Where five steps of a minimisation have been cut to less than a quarter by what is near, a direction of L-BFGS leads
+//! (Sherman–Morrison, `implicit/global_terms.rs`): a ball of water, K = 2·10⁹ Pa, converges as one of air does. Where
+//! five steps of a minimisation have been cut to less than a quarter by what is near, a direction of L-BFGS leads
 //! nowhere any more: what one cycle leaves of the residual is enough to run into the next contact. From there on the
 //! directions are those of a *truncated Newton method*: conjugate gradients around the cycle, to a tenth of the
-//! residual, on the matrix taken anew (`implicit/truncated_newton.rs`). A sheet of 41 × 41 vertices on a cube that turns
-//! takes 1,184 iterations in 20 steps, and 25,077 by L-BFGS alone.
-//! Newton's method does not take over from a step with contact; one that has not converged within
-//! [`ImplicitConfig::max_iterations`] ends there, free of crossings.
+//! residual, on the matrix taken anew (`implicit/truncated_newton.rs`). A sheet of 41 × 41 vertices on a cube that
+//! turns takes 1,184 iterations in 20 steps, and 25,077 by L-BFGS alone. Newton's method does not take over from a step
+//! with contact; one that has not converged within [`ImplicitConfig::max_iterations`] ends there, free of crossings.
 //!
 //! A linearised step linearises the cloth alone, and again where it is stopped and has to buckle
 //! ([`Solve::Linearized`]); the midpoint rule takes contact at its end ([`ImplicitMidpoint`]). [`Solve::Newton`] has no
@@ -191,13 +203,14 @@
 //! | Gauss–Seidel | as much as a product | the square of Jacobi's, or so |
 //! | Jacobi | a product and one pass | `(κ − 1)/(κ + 1)` |
 //!
-//! κ grows with stiffness, with Δt² and with resolution: 4·10⁴, 2·10⁵ and 10⁶ for the hanging sheet of 10⁴ N/m with 32,
-//! 64 and 128 vertices a side at Δt = 1/60 s, where conjugate gradients take 295, 589 and 1385 iterations to a residual
-//! of 10⁻³ and the factorisation is faster at every size up to 256 a side. (`cloth-bench study newton` measures all of
-//! it.) Where κ is smaller the choice turns round: a linearised step of 128 × 128 vertices by conjugate gradients (to
-//! 10⁻³) against Cholesky takes 266 ms against 165 ms at 10⁴ N/m and 1/60 s, but 106 against 176 at 10² N/m, and 14
-//! against 168 at 10⁴ N/m and 1 ms. The linearised step takes multigrid to 10⁻⁸, where it follows that by Cholesky to a
-//! micrometre in 20 steps (10⁻³: 6 mm), and shifts components that nothing holds to the momentum of the exact solution:
+//! Here A = M/Δt² + H, D its diagonal blocks. κ grows with stiffness, with Δt² and with resolution: 4·10⁴, 2·10⁵ and
+//! 10⁶ for the hanging sheet of 10⁴ N/m with 32, 64 and 128 vertices a side at Δt = 1/60 s, where conjugate gradients
+//! take 295, 589 and 1385 iterations to a residual of 10⁻³ and the factorisation is faster at every size up to 256 a
+//! side. (`cloth-bench study newton` measures all of it.) Where κ is smaller the choice turns round: a linearised step
+//! of 128 × 128 vertices by conjugate gradients (to 10⁻³) against Cholesky takes 266 ms against 165 ms at 10⁴ N/m and
+//! 1/60 s, but 106 against 176 at 10² N/m, and 14 against 168 at 10⁴ N/m and 1 ms. The linearised step takes multigrid
+//! to 10⁻⁸, where it follows that by Cholesky to a micrometre in 20 steps (10⁻³: 6 mm), and shifts components that
+//! nothing holds to the momentum of the exact solution:
 //!
 //! | vertices a side, ms (Zen 4, one thread, least of the steps) | Cholesky | multigrid to 10⁻³ | 10⁻⁶ | 10⁻⁸ |
 //! |---|---|---|---|---|
@@ -251,8 +264,9 @@
 //!
 //! # Add an element
 //! One struct and the traits of [`cloth_core::element`]: `Element<N>` names the vertices, and either `Constraint<N>`
-//! gives rows C with `E = ½ Σ k C²`, from which energy, gradient and Hessians follow, or `Energy<N>` gives them
-//! directly.
+//! gives rows C with `E = ½ Σ k C²`, from which energy, gradient and `Σ k ∂C ∂Cᵀ` follow, or `Energy<N>` gives them
+//! directly. Where C is not linear write `curvature`, `Σ k C ∂²C`, too, or every Hessian is Gauss–Newton's, and
+//! [`Accept::Minimum`] proves nothing; [`hessian_error`](cloth_core::check::hessian_error) tests it.
 //!
 //! ```
 //! use cloth_massspring::cloth_core::check::gradient_error;
@@ -309,14 +323,18 @@
 //!   Cloth that swings and wrinkles less with it than it should is the price of the large step, not a property of the
 //!   cloth. It keeps linear momentum, not angular momentum.
 //! - Symplectic Euler keeps both momenta, and its energy stays within a band; at `z` near 2 the band is wide. A sheet
-//!   of 64 × 64 vertices, 0.2 kg/m² and 10⁴ N/m, needs 370 steps for what implicit Euler does in one of 1/60 s.
+//!   of 64 × 64 vertices, 0.2 kg/m² and 10⁴ N/m, needs 370 steps, at the stable limit (`cloth-bench` takes half of it),
+//!   for what implicit Euler does in one of 1/60 s.
 //! - A compressed sheet has many minima, one for each buckling mode, and saddle points between them. Which minimum
-//!   Newton's method finds depends on the start; by default a saddle point will do as well, see [`Accept`].
+//!   Newton's method finds depends on the start; by default a saddle point will do as well, see [`Accept`]. Exactly
+//!   flat cloth under forces in its plane feels none out of it, and neither Newton's method nor L-BFGS leaves the
+//!   plane: by default it never buckles. Displace the start a little, or ask for [`Accept::Minimum`].
 //! - Springs with slack change their stiffness from nothing to all at the end of it; the quasi-Newton method then often
 //!   gets stuck, and Newton's method takes over: at 32 cells a side a step takes forty to sixty times as long.
 //! - Gradients cannot be made smaller than rounding: positions of 1 m are stored to 10⁻¹⁶ m, and stiff springs feel it.
-//!   At 10⁴ N/m and 1/60 s the floor is about 10⁻¹¹ to 10⁻¹³ of `‖∇G(x̃)‖`. The iteration knows it and stops there.
-//! - Springs on every edge lock bending across the diagonals (3V − E), whatever the integrator.
+//!   At 10⁴ N/m and 1/60 s the floor is about 10⁻⁸ to 10⁻¹⁰ of the forces. The iteration knows it and stops there.
+//! - Springs on every edge lock bending across the diagonals, whatever the integrator: 3V coordinates less E edge
+//!   lengths leave few free motions.
 //!
 //! # When not to use this method
 //! - **Interactive rates.** Half a second of a falling sheet of 64 × 64 vertices (1 m, 0.2 kg/m², 10⁴ N/m, Δt 1/60 s;
@@ -335,8 +353,8 @@
 //! # Files in reading order
 //! 1. `examples/first_program.rs`: the naive method. `examples/three_integrators.rs`, `examples/materials.rs`: what it
 //!    does.
-//! 2. `explicit.rs`: forward and symplectic Euler; `stability.rs`: the largest stable step; `explicit/monitor.rs`:
-//!    energy balance.
+//! 2. `explicit.rs`: forward and symplectic Euler; `damping.rs`: forces against the motion; `stability.rs`: the largest
+//!    stable step; `explicit/monitor.rs`: energy balance.
 //! 3. `implicit.rs`: a step as a minimisation; `config.rs`: its settings; `implicit/stage.rs`: `G`, its gradient and
 //!    norms.
 //! 4. `implicit/newton.rs` with `system.rs` (the matrix, kept positive definite) and `line_search.rs`.

@@ -23,7 +23,7 @@ pub struct HierarchyConfig {
     /// Parents that a vertex inside the cloth has at least on the next coarser level, at least 1.
     pub parents: u32,
     /// Sweeps over the links of the first coarse level in one correction, at least 1. Each further level has
-    /// about half as many vertices, and gets twice as many sweeps.
+    /// about half as many vertices, and gets twice as many sweeps, at the same work in all.
     pub sweeps: u32,
     /// Fraction (dimensionless, above 0 and at most 1) of its excess length that a link loses in a visit.
     pub stiffness: Real,

@@ -23,15 +23,16 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Meshes, materials and measures are in [`cloth_core`], re-exported here.
+//! Meshes, materials and measures are in [`cloth_core`], re-exported here. A sheet: `Cloth { … }.on(&grid(…)?)?` gives
+//! a model, and `PbdSolver::builder(&model.particles)` with `.elements(model.families())` takes it.
 //!
 //! # Idea
-//! A stiff spring makes a stiff differential equation. PBD does not integrate it. It moves each vertex by free
-//! flight, then visits the constraints one after another, and moves the few vertices of each along its
-//! gradient, light ones further, until it is satisfied or, for a soft one, partly so. The next constraint sees
-//! the positions that the one before it wrote (Gauss–Seidel). The velocity follows from the positions at the
-//! end. No force is computed, no system solved, and no spring overshoots: unless over-relaxed (ω > 1), a visit
-//! never moves it beyond its rest length.
+//! A stiff spring makes a stiff differential equation. PBD does not integrate it. It moves each vertex by free flight,
+//! then visits the constraints one after another, and moves the few vertices of each along its gradient, light ones
+//! further, until it is satisfied or, for a soft one, partly so. The next constraint sees the positions that the one
+//! before it wrote (Gauss–Seidel). The velocity follows from the positions at the end. No force is computed, no system
+//! solved, and no spring overshoots: unless over-relaxed (by ω > 1, see [acceleration](#acceleration)), a visit never
+//! moves it beyond its rest length.
 //!
 //! # From a constraint to the projection
 //! **One constraint.** Of all corrections that bring C to zero, to first order, take the smallest in the metric
@@ -42,15 +43,17 @@
 //! Δλ = −C/w̃,   Δxᵢ = wᵢ ∂C/∂xᵢ Δλ,   w̃ = Σ wᵢ ‖∂C/∂xᵢ‖²,   wᵢ = 1/mᵢ
 //! ```
 //!
-//! The inverse masses are not a choice: with them `Σ mᵢ Δxᵢ = Δλ Σ ∂C/∂xᵢ`, which is zero for every constraint
-//! that is invariant under translation. So no projection changes the linear momentum, and a vertex with w = 0
-//! does not move.
+//! with w̃ the generalised inverse mass of the row. The inverse masses are not a choice: with them
+//! `Σ mᵢ Δxᵢ = Δλ Σ ∂C/∂xᵢ`, which is zero for every constraint that is invariant under translation. So no projection
+//! changes the linear momentum, and a vertex with w = 0 does not move.
 //!
-//! **All constraints.** Backward Euler's step is the minimum of `½ ‖x − x̃‖²_M/h² + E(x)`, x̃ the end of the
-//! free flight. For infinitely stiff E that is the point nearest to x̃, in the metric of M, at which all
-//! constraints hold. A sweep of projections from x̃ is one Gauss–Seidel iteration towards it (exactly so where
-//! the constraints are linear): *PBD is the hard limit of backward Euler, solved approximately*. In that limit
-//! k has no place.
+//! **All constraints.** Backward Euler's step is the minimum of `½ ‖x − x̃‖²_M/h² + E(x)`, x̃ the end of the free
+//! flight. For infinitely stiff E that is the point nearest to x̃, in the metric of M, at which all constraints hold. A
+//! sweep of projections from x̃ is one Gauss–Seidel iteration towards it (exactly so where the constraints are linear):
+//! *PBD is the hard limit of backward Euler, solved approximately*. In that limit k has no place. With J = ∂C/∂x the
+//! system is `J M⁻¹ Jᵀ λ = −C(x̃)`, and a visit relaxes one row of it. For curved constraints J changes as the sweeps
+//! move x, so they end on C = 0, but not exactly at the nearest point. Soft rows add `1/(k h²)` to the diagonal; a
+//! method that does so must keep the λ of each row: that is XPBD.
 //!
 //! **Soft constraints** make the fraction s of the correction in a visit, and so leave `(1 − s)ⁿ` of C after n
 //! visits of one constraint alone. Backward Euler for a spring of stiffness k leaves `1/(1 + k h² w̃)`. Set equal, with
@@ -74,13 +77,19 @@
 //!     v ← v + (x − x̃)/h                                        velocities from positions
 //! ```
 //!
-//! It is the loop of Müller et al. 2007, section 3.1, without its damping and its update of velocities at contacts;
+//! A row is one scalar C with its gradient; an element has one or more. It is the loop of Müller et al. 2007, section
+//! 3.1, without its damping; contact may change velocities at the end
+//! ([`change_velocities`](cloth_core::contact::ContactConstraints::change_velocities));
 //! `v + (x − x̃)/h` is their `(x − x⁰)/h`, rounded better.
 //! `examples/first_program.rs` is this box as plain loops over arrays, and compares itself with [`PbdSolver`].
 //!
 //! A prescribed vertex, w = 0, moves with its velocity in the state, whatever pulls at it; the work that this
 //! takes is [`StepReport::pin_work`]. Nothing is carried from step to step but the state: a fresh solver
 //! continues a run with the same bits.
+//!
+//! **Stable?** Projecting onto a linear row with 0 ≤ s ≤ 1 takes x nearer, in `‖·‖_M`, to every point that meets it. So
+//! a step without forces from x⁰ with C(x⁰) = 0 gains no kinetic energy: `h ‖v⁺‖ = ‖x⁺ − x⁰‖ ≤ ‖x̃ − x⁰‖` (linear rows,
+//! pins at rest, no extrapolation). Where x⁰ violates rows, what the sweeps take back becomes velocity.
 //!
 //! **Constraints** are whatever shows rows `C(x)`, `∂C/∂x`, `k`: distance, bending (flat, curved, by angle),
 //! area, volume, soft pin, the strains of a triangle. A hard pin is a prescribed vertex, `w = 0`.
@@ -90,7 +99,7 @@
 //! | distance | ‖x₀ − x₁‖ − L | ±(x₀ − x₁)/‖x₀ − x₁‖ | [`Spring`] |
 //! | bending by angle | θ − θ₀ | −‖e‖ n/‖n‖² at the two opposite vertices, n the normals (twice the area), e the edge | [`DihedralHinge`](cloth_core::energy::DihedralHinge) |
 //! | isometric bending | Σ qᵢ xᵢ, three rows | qᵢ along each axis | [`CurvatureHinge`](cloth_core::energy::CurvatureHinge) |
-//! | area | A − A₀ | ½ n × the opposite edge | [`AreaTriangle`](cloth_core::energy::AreaTriangle) |
+//! | area | A − A₀ | ½ n̂ × the opposite edge, n̂ the unit normal | [`AreaTriangle`](cloth_core::energy::AreaTriangle) |
 //!
 //! | equation | function |
 //! |---|---|
@@ -124,7 +133,7 @@
 //! parallel, without locks, and give the same bits on any number of threads (feature `parallel`; a second
 //! thread takes part in colours of at least 4096 elements). [`Sweep::Sequential`] keeps the order given and one
 //! thread. Jacobi sweeps solve all elements at the same positions; averaged, each makes the fraction 1/n of its
-//! correction, n the elements at a vertex.
+//! correction, n the most elements, of all families, at one of its free vertices.
 //!
 //! What one sweep leaves of the slowest error of a straight chain of N rigid links, held at one end:
 //!
@@ -133,7 +142,7 @@
 //! | Jacobi, averaged (fraction ½) | `cos²(π/4N)` | 1493 |
 //! | Jacobi, in full | `cos(π/2N)` | 746 |
 //! | Gauss–Seidel | `cos²(π/2N)` | 373 |
-//! | Chebyshev on Jacobi | `cos(π/2N)/(1 + sin(π/2N))` | 29.3 |
+//! | Chebyshev on Jacobi, in full | `cos(π/2N)/(1 + sin(π/2N))` | 29.3 |
 //! | Gauss–Seidel with `ω = 2/(1 + sin(π/2N))` | `ω − 1` | 14.6 |
 //!
 //! # How many substeps, how many iterations
@@ -145,15 +154,14 @@
 //! method: see the limits.
 //!
 //! # Acceleration
-//! **Chebyshev** extrapolates over sweeps: `x⁺ = ω (S(x) − x⁻) + x⁻` with ω from 1 by `2/(2 − ρ²)`,
-//! `4/(4 − ρ²ω)`, …; ρ is the spectral radius of a sweep, given or estimated. **A hierarchy** corrects on
-//! coarser levels first, by links that resist stretching only. What they save: a sheet of 128 × 128 vertices,
-//! rigid springs, hangs at rest by its upper edge or its two upper corners, h = 1/60 s. Gravity takes every
-//! vertex down by g h²; sweeps until a hundredth of that is left, and their time on one thread of a 2-core AMD
-//! EPYC (the smallest of some repetitions:
-//! `cargo run --release -p cloth-bench -- study acceleration --tables`). "≥": extrapolated at the rate of the
-//! second half of the sweeps made, 4 000 or 16 000; where that could be checked, by an edge, it was one sweep
-//! in 22 239 off.
+//! **Chebyshev** extrapolates over sweeps: `x⁺ = ω (S(x) − x⁻) + x⁻` with ω = 1 for the first sweeps, then
+//! `2/(2 − ρ²)`, then `4/(4 − ρ²ω)` again and again (not the ω of SOR); ρ is the spectral radius of a sweep, given or
+//! estimated. **A hierarchy** corrects on coarser levels first, by links that resist stretching only. What they save: a
+//! sheet of 128 × 128 vertices, rigid springs, hangs at rest by its upper edge or its two upper corners, h = 1/60 s.
+//! Gravity takes every vertex down by g h²; sweeps until a hundredth of that is left, and their time on one thread of a
+//! 2-core AMD EPYC (the smallest of some repetitions:
+//! `cargo run --release -p cloth-bench -- study acceleration --tables`). "≥": extrapolated at the rate of the second
+//! half of the sweeps made, 4 000 or 16 000; where that could be checked, by an edge, it was one sweep in 22 239 off.
 //!
 //! | | sweeps, edge | ms | sweeps, corners | ms |
 //! |---|---|---|---|---|
@@ -177,7 +185,15 @@
 //! lengths, areas or principal stretches, and updates the velocities so that linear and angular momentum are
 //! conserved.
 //!
+//! # Pin and drag
+//! `particles.prescribe(i)?` before the solver is built; before each step set `state.velocities[i]` to
+//! `(target − state.positions[i])/Δt`, or let [`Pins`](cloth_core::pin::Pins) do it. A solver copies the masses when it
+//! is built: to grab or release another vertex, build a new one and go on with the state.
+//!
 //! # Contact
+//! From `cloth-collide`: `let mut contacts = PotentialContacts::builder(&mesh).obstacle(body, friction).build()?;`,
+//! then `solver.step(&mut state, StepInput::new(dt).contacts(&mut contacts))?`, with the same contacts in every step.
+//!
 //! A source of contact constraints ([`ContactConstraints`](cloth_core::contact::ContactConstraints),
 //! implemented by the crate `cloth-collide`) is handed over with [`StepInput::contacts`]. Its rows, with
 //! friction, are swept last in each sweep of every substep; the velocities follow from what they leave. The
@@ -203,7 +219,9 @@
 //!
 //! # Add an element
 //! One struct and two traits of [`cloth_core::element`]: `Element<N>` names the vertices, `Constraint<N>` gives
-//! the rows. The solver takes it as it takes ours; colours, threads, acceleration and strain limits follow.
+//! the rows. The solver takes it as it takes ours; colours, threads and acceleration follow. For an
+//! inequality φ(x) ≥ 0 give the value min(φ, 0), and a zero gradient where φ > 0. (XPBD needs
+//! [`dead_zone_rows`](cloth_core::element::Constraint::dead_zone_rows) too, to take a multiplier back.)
 //!
 //! ```
 //! use cloth_pbd::cloth_core::check::gradient_error;
@@ -246,13 +264,15 @@
 //!   more so the larger `k h² w̃` and the longer the chain: two springs in a row of k = 100 N/m, 10 g a vertex,
 //!   h = 1/60 s, sag 1.9 times too far; twenty of 10⁴ N/m 80 to 250 times (3 times at 1 kg a vertex). More
 //!   iterations do not cure it: each then corrects less, and the whole tends to a limit.
+//!   For n fixed and h → 0, `s ≈ k h² w̃/n`, and n visits move by `h² w k C ∂C`: the explicit force at x̃. The method
+//!   then converges to the material with order 1, where `k h² w̃ ≪ 1` for every row; there symplectic Euler is cheaper.
 //! - **With [`StiffnessRule::Fixed`] the stiffness depends on the iterations**: it grows with each of them and
 //!   with each smaller step, without bound, and no number of iterations is the right one.
 //! - A finer mesh needs more iterations: for a straight chain of N rigid links one sweep leaves `cos²(π/2N)` of
 //!   the error. At rest a rigid chain of N links of equal mass, swept once per substep from its support, sags
 //!   by `g h² N(N − 1)/2`.
-//! - Averaged Jacobi is slow: on a cloth six constraints meet at a vertex, and each makes a sixth of its
-//!   correction. Without averaging it diverges there. It is meant to be extrapolated.
+//! - Averaged Jacobi is slow: with springs alone six or eight constraints meet at a vertex, with hinges more, and
+//!   each makes that fraction of its correction. Without averaging it diverges there. It is meant to be extrapolated.
 //! - Chebyshev pays with many sweeps (below ten it has hardly begun), and makes a material of finite k stiffer
 //!   than the same number of plain sweeps: [`StiffnessRule::Material`] counts plain ones. An accelerated
 //!   Gauss–Seidel sweep is symmetric, forward and backward, at twice the work. Where extrapolation makes
@@ -270,7 +290,7 @@
 //! - There is no damping but the method's own (a spring alone divides its energy by 1 + (h ω)² in a substep). That of
 //!   Müller et al. 2007, section 3.5, which leaves the rigid motion as it is, is not offered; scale velocities between
 //!   steps for more.
-//! - Stiffnesses are taken to be zero, positive or infinite; a negative one is not looked for.
+//! - Stiffnesses are taken to be zero, positive or infinite; a negative one is not checked.
 //!
 //! # When not to use this method
 //! Half a second of a falling sheet of 64 × 64 vertices, held by two corners (1 m, 0.2 kg/m², 10⁴ N/m, Δt 1/60
@@ -284,7 +304,7 @@
 //! | implicit Euler, converged | 21 | 0.499 m | 1.2 % |
 //!
 //! - **Cloth with a material**, that is with k, Y or D that should mean something: take XPBD, which costs the
-//!   same, or projective dynamics.
+//!   same a sweep, or projective dynamics.
 //! - **Forces, tensions, energies** that are to be read out: take XPBD or implicit Euler.
 //! - **Fine meshes** without a hierarchy or extrapolation: sweeps grow with the square of the vertices a side.
 //! - **A wanted error**: take implicit Euler.

@@ -24,6 +24,7 @@ fn assemble(particles: &Particles, springs: &[Spring]) -> Vec<Vec<f64>> {
             }
         }
     }
+    // The columns stay, so A is not symmetric here, which LU allows; the solver drops both and takes Cholesky's.
     for i in (0..n).filter(|&i| particles.is_prescribed(i)) {
         a[i].fill(0.0);
         a[i][i] = 1.0;

@@ -43,7 +43,7 @@ pub(crate) struct QuasiNewton {
     /// The direction of descent (m), and the slope of `G` along it (J).
     direction: Vec<Vec3>,
     slope: Real,
-    /// `gᵀ H g` (J) with the last direction before anything shortened it, H the inverse Hessian of the method: the
+    /// `gᵀ B g` (J) with the last direction before anything shortened it, B the inverse Hessian of the method: the
     /// square of the Newton decrement.
     decrement: Real,
     next: Point,

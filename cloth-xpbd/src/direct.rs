@@ -62,10 +62,10 @@
 //! replaced by a block-diagonal upper bound. GMRES is not offered: on a symmetric matrix it makes the iterates
 //! of MINRES, and keeps all directions to do so.
 //!
-//! Numbers in the factor, iterations, and solves with it or Krylov iterations, of one step of 1/60 s to 1e-6 of
-//! the size: a chain of 100 rigid links of 1 m and 10 g a vertex with a tip of 10 kg, hanging; the same turning
-//! at 3 rad/s; without the tip; a sheet of 17 × 17 vertices held by two corners (0.2 kg/m², 10⁴ N/m, 10⁻⁵ N m),
-//! with springs and hinges:
+//! Numbers in the factor (before a colon), iterations, and solves with it or Krylov iterations (after a comma), of one
+//! step of 1/60 s to 1e-6 of the size: a chain of 100 rigid links, 1 m long in all, and 10 g a vertex with a tip of 10
+//! kg, hanging; the same turning at 3 rad/s; without the tip; a sheet of 17 × 17 vertices held by two corners (0.2
+//! kg/m², 10⁴ N/m, 10⁻⁵ N m), with springs and hinges:
 //!
 //! | system | hanging chain | turning, heavy tip | turning, equal masses | sheet |
 //! |---|---|---|---|---|
@@ -86,7 +86,7 @@
 //! of length l under a tension T swings sideways with up to `ω² = 4T/(m l)`, and beyond `hω = 2` one solve a
 //! step is unstable, however stiff the links and however exact the solve. With `−Σ λ ∂²C` in H, made positive
 //! semi-definite, it is stable (Tournier et al. 2015). Ours is the full matrix, not the stiffness of each
-//! vertex alone. The first step, which has no λ to start from, makes one solve more, without moving.
+//! vertex alone. With `warm_start` the first step, which has no λ to start from, makes one solve more, without moving.
 //!
 //! # Contact
 //! Contact constraints ([`ContactConstraints`](cloth_core::contact::ContactConstraints)) are no part of the

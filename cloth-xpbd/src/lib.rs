@@ -65,7 +65,8 @@
 //!
 //! # From backward Euler to the update
 //! **The step.** Backward Euler for `M v̇ = f − ∇E(x)` is `x = x̃ − h² M⁻¹ ∇E(x)`, with the inertial prediction, or
-//! free flight, `x̃ = x⁰ + h v⁰ + h² M⁻¹ f`. It is where the gradient of `G(x) = ½ ‖x − x̃‖²_M/h² + E(x)` vanishes.
+//! free flight, `x̃ = x⁰ + h v⁰ + h² M⁻¹ f` of all external forces f. It is where the gradient of
+//! `G(x) = ½ ‖x − x̃‖²_M/h² + E(x)` vanishes, with `‖y‖²_M = yᵀ M y`.
 //!
 //! **The energy.** An element shows constraint values C(x), its *rows*, with `E = ½ Σ k C²`, so
 //! `∇E = Σ k C ∂C/∂x`: every row pushes along its own gradient with the generalised force `−k C`. Call h² times
@@ -108,9 +109,10 @@
 //! nothing, and (b) would count it as if it had. (A warm start has to move x along, or keep the residual of
 //! (a), as [the direct solver](#direct-solve) does.)
 //!
-//! **What is lost** by the two approximations: `Jᵀ Δλ` is added up with the gradients of the places of each
-//! visit, so (a) holds with those, and not with the J of the end. Converged sweeps end near the minimum of G,
-//! not at it; see the [limits](#limits).
+//! **What is lost.** Dropping the geometric stiffness alone changes the path of the iteration, not its limit. The limit
+//! moves because the residual of (a) is dropped: each `JᵀΔλ` is added with the gradients of its own visit, so (a) holds
+//! with those, not with the J of the end. Converged sweeps end near the minimum of G; with linear rows, at it. See the
+//! [limits](#limits).
 //!
 //! **Beside projective dynamics**, which lowers the same G in x with one constant matrix for all elements at once: XPBD
 //! eliminates x and relaxes the dual system in λ, row by row. So hard rows cost XPBD nothing and long stiff chains do,
@@ -119,7 +121,7 @@
 //! # The step
 //! ```text
 //! for each of s substeps of h = Δt/s:
-//!     v ← v + h (g + w f),  x̃ ← x + h v,  λ ← 0        free flight
+//!     v ← v + h (g + w f),  x̃ ← x + h v,  λ ← 0        free flight (f without the weight)
 //!     x ← x̃
 //!     n times, for each row: Δλ, λ and x as above      one sweep
 //!     v ← v + (x − x̃)/h
@@ -129,14 +131,19 @@
 //! `(x − x⁰)/h`, rounded better. `examples/first_program.rs` is this box as plain loops over arrays, and
 //! compares itself with [`XpbdSolver`]: after 30 steps the two are less than 3e-13 m apart.
 //!
-//! A prescribed vertex, w = 0, moves with its velocity in the state, whatever pulls at it; the work that this
-//! takes is [`StepReport::pin_work`]. Nothing is carried from step to step but the state: a fresh solver
-//! continues a run with the same bits.
+//! A prescribed (pinned, kinematic) vertex, w = 0, moves with its velocity in the state, whatever pulls at it; the work
+//! that this takes is [`StepReport::pin_work`]. Nothing is carried from step to step but the state, unless
+//! `energy_gain` is set: a fresh solver continues a run with the same bits.
 //!
-//! The rows of one element are solved together, `(J M⁻¹ Jᵀ + α̃) Δλ = −(C + α̃λ)` with its few rows: the three
-//! strains of a triangle need no repetition to agree. Rows without a common coordinate, those of a quadratic
-//! hinge for instance, are solved one by one, which is the same. Of two redundant hard rows of an element the
-//! later one is left out.
+//! To drag a vertex, prescribe it before building, and before each step set its velocity to
+//! `(target − position)/Δt`; [`Pins`](cloth_core::pin::Pins) does so for paths. The solver copies masses and prescribed
+//! vertices when it is built: to grab or release one during a run, build a new solver and go on with the same state. A
+//! soft pin is an [`Attachment`](cloth_core::energy::Attachment).
+//!
+//! The rows of one element (those of limits apart) are solved together, block Gauss–Seidel:
+//! `(J M⁻¹ Jᵀ + α̃) Δλ = −(C + α̃λ)` with its few rows, so the three strains of a triangle need no repetition to agree.
+//! Rows without a common coordinate, those of a quadratic hinge for instance, are solved one by one, which is the same.
+//! Of two redundant hard rows of an element the later one is left out.
 //!
 //! A row of an inequality, a limit or a contact, accumulates too. For an upper limit C ≤ 0, which only pulls, the λ of
 //! the equation is projected onto its bound, `λ ← min(0, λ + Δλ)`, and the correction is the change of λ
@@ -147,9 +154,10 @@
 //! |---|---|
 //! | free flight; velocities from positions | [`Motion::predict`], [`Motion::update_velocities`] |
 //! | C, ∂C/∂x, k | [`Constraint::rows`] of each element |
-//! | `−(C + α̃λ)` and α̃, damping | `update.rs`: `XpbdUpdate::equation` |
+//! | `C + α̃λ` and α̃, damping | `update.rs`: `XpbdUpdate::equation` |
 //! | Δλ and `wᵢ ∂C/∂xᵢ Δλ` of one element | `cloth-core/src/method/position_based/correction.rs` |
 //! | the loop over rows | [`Families::sweep`], in the order of [`Sweep`] |
+//! | colours of each family; blocks from 2¹⁹ vertices on | `coloring.rs`, `parallel.rs` in `cloth-core/src/method` |
 //! | extrapolated sweeps, λ together with x | [`Chebyshev`] |
 //! | the loop over substeps and sweeps | [`XpbdSolver`]: `solver.rs` |
 //! | `max abs(C + α̃λ)` | [`XpbdSolver::compliance_residual`] |
@@ -166,7 +174,7 @@
 //! **Where the formula lives.** The plain form is `row_by_row_correction` in `correction.rs`:
 //!
 //! ```text
-//! Δλ ← residual/(w̃ + α̃)          residual = −(C + α̃ λ), from update.rs
+//! Δλ ← −residual/(w̃ + α̃)         residual = C + α̃ λ, from update.rs
 //! λ ← λ + Δλ
 //! for each vertex i of the row:  xᵢ ← xᵢ + wᵢ ∂C/∂xᵢ Δλ
 //! ```
@@ -186,12 +194,12 @@
 //! `α̃ = α/h²` and `w̃` have the same unit, u²/(kg m²); their ratio `k h² w̃` says how stiff a row is *for this
 //! step*: much above 1 it acts as a hard constraint, much below 1 one visit hardly matters. Elements take k,
 //! not α: a material is given as Y (N/m), D (N m) and so on, and each element derives its k. Infinite k is a
-//! hard row (zero compliance), zero k no row; negative k is not looked for.
+//! hard row (zero compliance), zero k no row; negative k is not checked.
 //!
 //! A quadratic hinge is three rows, `C = Σ qᵢ xᵢ` with the gradients qᵢ along x, y and z: q from the cotangents of its
-//! two triangles, k = 3 D/(A₀ + A₁) (Bergou et al. 2006). The strains of a StVK triangle are diagonalised, so that
-//! `½ Σ k C²` is its energy. Any energy E ≥ 0 can be written as one row, `C = √(2E)` and k = 1, but then ∂C has no
-//! value at rest.
+//! two triangles, k = D/(A₀ + A₁) (Bergou et al. 2006). The rows of a StVK triangle are its strain in the eigenbasis of
+//! the material matrix, so that `½ Σ k C²` is its energy. Any energy E ≥ 0 can be written as one row, `C = √(2E)` and k
+//! = 1, but then ∂C has no value at rest.
 //!
 //! # Damping
 //! [`XpbdConfig::damping`] = β (s) adds `−β k Ċ` to the force `−k C` of every row, with `Ċ = (C − C⁰)/h` and C⁰
@@ -202,15 +210,15 @@
 //! C = (C̃ + w̃ h β k C⁰)/(1 + w̃ k h (h + β))
 //! ```
 //!
-//! The paper writes `∂C/∂x·(x − x⁰)` for `C − C⁰`. For a spring that turns by a finite angle that is not zero,
-//! and damps the rotation; the difference of the values is zero for every rigid motion. By a change of
-//! variable, `ν = λ − k h β C⁰`, the sweep is the undamped one with `α̃ = 1/(k h (h + β))` and another start of
-//! the multiplier, so damping costs nothing in it. In the letters of the paper: its β (N s/m) is our βk, so its `γ =
-//! α̃ β̃/h` is our β/h; divide its Δλ through by 1 + γ to find `α̃/(1 + γ) = 1/(k h (h + β))`, and `γ/(1 + γ) =
-//! β/(h + β)` as the part of C⁰ that is kept.
+//! The paper writes `∂C/∂x·(x − x⁰)` for `C − C⁰`. For a spring that turns by a finite angle that is not zero, and
+//! damps the rotation; the difference of the values is zero for every rigid motion. By a change of variable,
+//! `ν = λ − k h β C⁰`, the sweep is the undamped one with `α̃ = 1/(k h (h + β))` and another start of the multiplier,
+//! so damping costs nothing in it. In the letters of the paper: its β (N s/m) is our βk, so its `γ = α̃ β̃/h`, with β̃
+//! = h²β, is our β/h; divide its Δλ through by 1 + γ to find `α̃/(1 + γ) = 1/(k h (h + β))`, and
+//! `γ/(1 + γ) = β/(h + β)` as the part of C⁰ that is kept.
 //!
 //! Without it, backward Euler's own damping remains: a substep divides the energy of an oscillation of ω by
-//! `1 + (hω)²`, so smaller substeps damp less.
+//! `1 + (hω)²`, so in a given time smaller substeps damp less where hω < 2, and more beyond.
 //!
 //! # Forces
 //! `Jᵀλ/h²` (N): [`XpbdSolver::each_force`] row by row, [`XpbdSolver::vertex_forces_into`] summed at the vertices,
@@ -223,21 +231,21 @@
 //! - **One sweep per substep** of `h = Δt/s`, from the support: the lower end of link i is left behind by what
 //!   the next link pulls, `wᵢ λᵢ₊₁` with `λᵢ₊₁ = g h² (mass below i)`. The chain sags by
 //!   `g h² Σ (mass below i)/mᵢ`: for equal masses `g h² N(N − 1)/2`, a mean strain of `ε = g h² (N − 1)/(2 l)`;
-//!   a tip of mass M adds `g h² (N − 1)(M/m − 1)`, which for a heavy one is nearly all. So a wanted ε takes
+//!   a tip of mass m_t adds `g h² (N − 1)(m_t/m − 1)`, which for a heavy one is nearly all. So a wanted ε takes
 //!
 //!   ```text
-//!   s = Δt √( g (N − 1) (1 + 2 (M/m − 1)/N) / (2 l ε) )   substeps
+//!   s = Δt √( g (N − 1) (1 + 2 (m_t/m − 1)/N) / (2 l ε) )   substeps
 //!   ```
 //!
 //!   that is 8.7 for 1 %, 24 links of 1/24 m, equal masses, 1/60 s and 9.81 m/s², and 87 with a tip of 1200
 //!   times the mass.
 //! - **n iterations** of one substep divide the sag by nearly n, not by n² as n substeps do: about
-//!   `g Δt² N(N − 1)/(2n)` as long as n is well below N². From then on each keeps `cos²(π/2N)` of the error, a
-//!   factor of 100 in `ln 100/(−2 ln cos(π/2N))` sweeps: 1,074 for these 24 links.
+//!   `g Δt² N(N − 1)/(2n)` as long as n is well below N². From then on each keeps `cos²(π/(2N))` of the error, a
+//!   factor of 100 in `ln 100/(−2 ln cos(π/(2N)))` sweeps: 1,074 for these 24 links.
 //! - **"As many iterations as the mesh is wide"** is a popular rule. N sweeps leave
-//!   `cos^(2N)(π/2N) ≈ e^(−π²/4N)` of the slowest error, here 90 %. At rest they leave a sag of about
+//!   `cos^(2N)(π/(2N)) ≈ e^(−π²/(4N))` of the slowest error, here 90 %. At rest they leave a sag of about
 //!   `g Δt² (N − 1)/2`, a mean strain of 3.1 %, for the 24 links: measured 3.0 %, and 2.3 % on a sheet of as
-//!   many rows. The same sweeps as substeps leave 0.25 % and 0.10 %.
+//!   many rows. The same sweeps as substeps leave 0.13 % and 0.10 %.
 //!
 //! What the prediction is worth, measured (`cloth-bench study sag --tables`; 24 edges of 1/24 m, rigid springs,
 //! one sweep per substep, at rest), in multiples of the predicted mean strain:
@@ -272,6 +280,7 @@
 //! Twenty substeps leave 54 % at 33 × 33 and 272 % at 64 × 64 by two corners, at the worst moment of the swing.
 //!
 //! So spend sweeps on substeps, unless the constraints are few, or the step has to be that of implicit Euler.
+//! `examples/hanging_sheet.rs` compares the two on a sheet.
 //!
 //! # Steps that gain energy
 //! No rule knows before a run where cloth will be stopped on a corner or pulled taut by a hand; there its substeps
@@ -279,6 +288,8 @@
 //! kinetic and elastic energy against the work of gravity, loads, prescribed vertices and contact, and a step that
 //! gains more than that part of the energy in play is taken again with twice as many substeps, up to eight times as
 //! many; the next one begins with as many, or half of them where that is enough.
+//! A step with more substeps that keeps over 0.8 of the gain is taken as it is: they do not help. The energy in play is
+//! the largest, so far, of kinetic and elastic energy, with the work given or without.
 //! [`StepReport::refinements`](cloth_core::step::StepReport::refinements) counts. A part of 0.01 is a good one, on top
 //! of [`SubstepRule`]. A sheet of 33 × 33 vertices of 10⁴ N/m that falls about two corners, by twenty substeps, then
 //! holds 0.4 % more than gravity has given it at any time of the swing; without the balance it is twelve times what
@@ -294,7 +305,8 @@
 //! Elements of a colour then do not see each other's writes: they can be visited in parallel, without locks,
 //! and give the same bits as in turn, on any number of threads. A second thread takes part in colours of at
 //! least 4096 elements (feature `parallel`); a processor gains on one thread too, since it need not wait for
-//! the element before. [`Sweep::Sequential`] keeps the order given and one thread. [`Sweep::Jacobi`] solves all
+//! the element before. Sweeps run on the current rayon pool (`RAYON_NUM_THREADS`, `ThreadPool::install`).
+//! [`Sweep::Sequential`] keeps the order given and one thread. [`Sweep::Jacobi`] solves all
 //! elements at the same positions and scales the corrections down; without extrapolation it is slow.
 //!
 //! [`XpbdConfig::acceleration`] extrapolates λ and x over the sweeps of a substep ([`Chebyshev`]), for those
@@ -305,17 +317,24 @@
 //! best. So contact comes last.
 //!
 //! # Contact
-//! A source of contact constraints ([`ContactConstraints`](cloth_core::contact::ContactConstraints),
-//! implemented by the crate `cloth-collide`) is handed over with [`StepInput::contacts`]. A contact is a row
-//! `C = n·Σ wᵢ xᵢ − d` with a compliance and `λ ← max(0, λ + Δλ)`, friction a multiplier in the tangent plane that is
-//! cut to `‖λ_t‖ ≤ μ λ`. They are swept last in each sweep of every substep; the velocities follow from what they
-//! leave. The solver itself knows nothing of shapes, and runs no code for contact without
-//! a source. The volume of a closed piece comes the same way, as one row on all its vertices before the contacts
-//! ([`ClosedVolume`](cloth_core::enclosure::ClosedVolume)): C = V − V*, along ∂V of where the substep began. A sheet of
-//! 64 × 64 vertices (1 m, k = 10⁴ N/m) that falls by 5 cm onto a ball of 0.1 m holds this strain energy after 20 and
-//! after 60 steps of 1/60 s, and is stretched by this much at most:
+//! A source of contact constraints ([`ContactConstraints`](cloth_core::contact::ContactConstraints), implemented by the
+//! crate `cloth-collide`) is handed over with [`StepInput::contacts`]. A contact is a row `C = n·Σ bᵢ xᵢ − d` (bᵢ
+//! barycentric weights, d the thickness) with a compliance and `λ ← max(0, λ + Δλ)`, friction a multiplier in the
+//! tangent plane that is cut to `‖λ_t‖ ≤ μ λ`:
 //!
-//! | substeps | J at 20 | J at 60 | most |
+//! ```text
+//! let mut contacts = PotentialContacts::builder(&mesh).thickness(2e-3).friction(0.3).build()?; // m; cloth on cloth
+//! solver.step(&mut state, StepInput::new(dt).gravity(g).contacts(&mut contacts))?;
+//! ```
+//!
+//! from `cloth_collide::potential`; bodies by `.obstacle(body, friction)`, and self-contact is on by default. They are
+//! swept last in each sweep of every substep; the velocities follow from what they leave. The solver itself knows
+//! nothing of shapes, and runs no code for contact without a source. The volume of a closed piece comes the same way,
+//! as one row on all its vertices before the contacts ([`ClosedVolume`](cloth_core::enclosure::ClosedVolume)): C = V −
+//! V*, along ∂V of where the substep began. A sheet of 64 × 64 vertices (1 m, k = 10⁴ N/m) that falls by 5 cm onto a
+//! ball of 0.1 m holds this strain energy after 20 and after 60 steps of 1/60 s, and is stretched by this much at most:
+//!
+//! | substeps | elastic energy after 20 steps (J) | after 60 (J) | largest strain |
 //! |---|---|---|---|
 //! | 20 | 18 | 3.5 | 41 % |
 //! | 40 | 2.0 | 0.47 | 25 % |
@@ -326,7 +345,7 @@
 //! number that [`SubstepRule`] gives for a strain, and the largest energy of the cloth beyond all that was put
 //! in, over 60 steps:
 //!
-//! | strain asked for | substeps | J too much |
+//! | strain asked for | substeps | excess energy (J) |
 //! |---|---|---|
 //! | 10 % | 100 | 0.47 |
 //! | 7 % | 141 | 0.09 |
@@ -428,15 +447,18 @@
 //! takes 5.6. Vertices numbered at random take 7.5 there and 29 on 1000 × 1000; sorted along a curve
 //! ([`Order::morton`](cloth_core::method::ordering::Order::morton)) they take 5.9 and 7.0.
 //!
+//! A step takes substeps × iterations × Σ elements × ns, and contact. A sheet with springs and hinges takes some 0.6 kB
+//! of memory a vertex, by the sizes of what is kept; a row keeps 16 bytes, λ and α̃.
+//!
 //! With a second thread springs take 4.1 instead of 5.2 at 128 a side, from 181 a side (33 000 vertices) on
 //! half the time of one thread; smaller sheets stay on one.
 //!
 //! # Limits
-//! - **It is not the minimiser of implicit Euler**, even when the sweeps have converged. They make `C + α̃λ`
-//!   zero, with the gradients of the places where each correction was made; implicit Euler wants them at the
-//!   end. The gap shrinks with h, in the end as h⁴, and not with n. On a swinging chain of ten links (0.1 m,
-//!   0.1 kg) converged sweeps leave these fractions of `G(x̃) − G*` (`cloth-bench study xpbd-floor`), the
-//!   direct solver rounding:
+//! - **It is not the minimiser of implicit Euler**, even when the sweeps have converged. They make `C + α̃λ` zero, with
+//!   the gradients of the places where each correction was made; implicit Euler wants them at the end. The gap shrinks
+//!   with h, towards h⁴ (factors of 193 and 50, not yet 256, in the last line), and not with n. On a swinging chain of
+//!   ten links (0.1 m, 0.1 kg) converged sweeps leave these fractions of `G(x̃) − G*` (`cloth-bench study xpbd-floor`),
+//!   the direct solver rounding:
 //!
 //!   | Δt (s) | k = 200 N/m | k = 10⁴ N/m |
 //!   |---|---|---|
@@ -446,7 +468,7 @@
 //!
 //! - For the same reason forces read from λ miss the balance at rest by an amount of order h² where links turn
 //!   from x̃ to x within a substep, as those of a rope between two pins do; in a straight chain they are exact.
-//! - Gauss–Seidel needs more sweeps on a finer mesh: a straight chain of N rigid links keeps `cos²(π/2N)` of
+//! - Gauss–Seidel needs more sweeps on a finer mesh: a straight chain of N rigid links keeps `cos²(π/(2N))` of
 //!   its error per sweep. Truncated early, a stiff cloth is softer than its k.
 //! - Iterates depend on the order of the constraints. Coloured sweeps give the same bits on any number of threads,
 //!   sequential ones others.
@@ -483,11 +505,12 @@
 //! some strain may be seen.
 //!
 //! # Files in reading order
-//! 1. `examples/first_program.rs`: the naive method.
+//! 1. `examples/first_program.rs`: the same step in plain loops.
 //! 2. `solver.rs`: the loop; `config.rs`: its settings.
 //! 3. `update.rs`: Δλ and damping. In `cloth-core/src/method/position_based`: `correction.rs` (one element),
-//!    `families.rs` (the sweep), `motion.rs` (flight, velocities, contact), `chebyshev.rs`.
-//! 4. `substeps.rs`, `refinement.rs`, `forces.rs`, `links.rs`.
+//!    `families.rs` (the sweep), `../coloring.rs` (the colours), `motion.rs` (flight, velocities, contact),
+//!    `chebyshev.rs`.
+//! 4. `substeps.rs`, `refinement.rs`, `forces.rs`, `links.rs` with `examples/rigid_links.rs`.
 //! 5. `direct.rs` and its folder: `kkt.rs` (the system), `saddle.rs` and `schur.rs` (its solvers), `linear.rs`,
 //!    `merit.rs`, `line_search.rs`, `solver.rs`.
 //! 6. `single.rs` and its folder.
@@ -503,6 +526,8 @@
 //! - M. Macklin, K. Storey, M. Lu, P. Terdiman, N. Chentanez, S. Jeschke, M. Müller, "Small steps in physics
 //!   simulation", Symposium on Computer Animation 2019, <https://doi.org/10.1145/3309486.3340247>: substeps
 //!   instead of iterations.
+//! - M. Bergou, M. Wardetzky, D. Harmon, D. Zorin, E. Grinspun, "A quadratic bending model for inextensible surfaces",
+//!   Symposium on Geometry Processing 2006: the quadratic hinge.
 //! - M. Servin, C. Lacoursière, N. Melin, "Interactive simulation of elastic deformable materials", SIGRAD 2006: the
 //!   compliant system (a), (b).
 //! - M. Tournier, M. Nesme, B. Gilles, F. Faure, "Stable constrained dynamics", ACM Transactions on Graphics 34

@@ -53,9 +53,9 @@
 //!     .config(SingleConfig { substeps: 40, ..Default::default() })
 //!     .build()?;
 //! let mut state = State::at_rest(mesh.positions().to_vec());
-//! let down = Vec3::new(0.0, 1.0, 0.0) * 9.81; // along the sheet
+//! let along = Vec3::y() * 9.81; // along the sheet
 //! for _ in 0..60 {
-//!     solver.step(&mut state, StepInput::new(1.0 / 60.0).gravity(down))?;
+//!     solver.step(&mut state, StepInput::new(1.0 / 60.0).gravity(along))?;
 //! }
 //! let mean = state.positions[32 * 33..].iter().map(|x| x.y).sum::<f64>() / 33.0;
 //! assert!((mean - 1.0).abs() < 0.01, "{mean}"); // hardly longer than it was

@@ -28,8 +28,8 @@
 //! as a swing or an impact do, so it is held to a fiftieth of the wanted strain, or of `T/k`, which is about twice what
 //! the springs yield to it, if that is more.
 //!
-//! Substeps shorter than those with `k h² (w₁ + w₂) < 1`, in which the springs give more than the sweep does,
-//! are never chosen for the first two: a soft cloth then has its own length. Nor is a substep ever longer than
+//! For the first two loads no substep is shorter than the h at which `k h² (w₁ + w₂) = 1`; below it the springs yield
+//! more than the sweep, and a soft cloth has its own length. Nor is a substep ever longer than
 //! 1/1200 s, the published setting.
 
 use cloth_core::energy::Spring;

@@ -1,4 +1,4 @@
-//! A query as a value: for files of queries, for generated ones, and for methods to be compared.
+//! What the continuous test is asked: two primitives whose vertices move linearly.
 
 use super::advance::Walk;
 use super::difference::Difference;

@@ -97,6 +97,7 @@ impl RigidBody {
     }
 
     /// What a closed mesh of this density (kg/m³) encloses, and its centre of mass (m), about which its inertia is.
+    /// Subtract the centre from the mesh and put the pose there: the origin of the frame has to be the centre of mass.
     ///
     /// # Errors
     /// As [`RigidBody::new`]; a mesh whose triangles point inwards has a negative mass.

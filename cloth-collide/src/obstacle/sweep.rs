@@ -60,14 +60,13 @@ const MOST_EVALUATIONS: u32 = 512;
 /// path begins.
 ///
 /// *Conservative advancement*: from the distance f = φ − h at one time, its rate ḟ and bounds on how fast it can
-/// change, follows a time until which there is no contact; that long the vertex is moved on, and asked again. With λ of
+/// change, follows a time until which there is no contact; that long the vertex is moved on, and asked again. With Λ of
 /// [`super::SignedDistance::lipschitz`], the relative velocity u of vertex and surface, and bounds over the rest of the
 /// path for its size, S = max ‖v − v_p‖ + ‖ω‖ max ‖x − p‖, and for its change in the frame of the obstacle, A = ‖a‖ +
 /// 2‖ω‖ max ‖v − v_p‖ + ‖ω‖² max ‖x − p‖, the best of these counts:
 ///
-/// - f(t + s) ≥ f − λ S s;
-/// - f(t + s) ≥ f − λ (‖u‖ s + ½ A s²), which comes near the contact by a factor of 1 − cos of the angle of impact a
-///   time;
+/// - f(t + s) ≥ f − Λ S s;
+/// - f(t + s) ≥ f − Λ (‖u‖ s + ½ A s²): each evaluation leaves 1 − cos (angle of impact) of the distance;
 /// - f(t + s) ≥ f + ḟ s − ½ A s², if φ is convex. It is Newton's method coming from the safe side: for straight paths
 ///   without rotation, a plane takes two evaluations, now and then a third for rounding, and a sphere a few.
 ///

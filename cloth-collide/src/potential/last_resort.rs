@@ -1,4 +1,5 @@
-//! The last resort: impact zones, then vertices that stay where they were.
+//! The last resort: pairs pushed apart one by one, up to 40 rounds, then impact zones, then vertices that stay where
+//! they were.
 //!
 //! What sweeps have not brought to an end in which nothing passes through anything comes here, with the motion that
 //! they have found. Vertices that get into a body are moved out of it. Vertices of pairs that go through each other

@@ -6,18 +6,18 @@ use crate::pair::{Gap, Pair};
 use cloth_core::element::{Convexity, Element, Energy};
 use cloth_core::math::{Blocks, Real, Vec3, make_semidefinite};
 
-/// E = A b(d) (J) of a vertex and a triangle, or E = A m b(d) of two edges: d their distance, m the [`Mollifier`] for
+/// E = A ψ(d) (J) of a vertex and a triangle, or E = A m ψ(d) of two edges: d their distance, m the [`Mollifier`] for
 /// parallel ones.
 ///
-/// Convex in the direction of n only: where a vertex is led around a corner, the second derivative of d, which the
-/// barrier multiplies by its negative slope, pulls it off. [`Convexity::GaussNewton`] leaves this out.
+/// The second derivative of d, times ψ′ < 0, makes it indefinite where a vertex is led around a corner;
+/// [`Convexity::GaussNewton`] leaves that out.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PairContact {
     /// What the two are.
     pub pair: Pair,
     /// Area A that the contact stands for (m²).
     pub area: Real,
-    /// b; its stiffness is per area (N/m³).
+    /// ψ; its stiffness is per area (N/m³).
     pub law: PenaltyLaw,
     /// m; none for a vertex and a triangle.
     pub mollifier: Option<Mollifier>,

@@ -12,8 +12,8 @@ pub(super) struct Tangent {
 }
 
 impl Tangent {
-    /// At the distance `d` (m), for the area `area` (m²); never further than a little beyond where the law begins to be
-    /// a spring.
+    /// At the distance `d` (m), for the area `area` (m²). `d` is clamped to 0.05 h … 0.75 h: beyond h/2 the law is a
+    /// spring.
     pub(super) fn of(law: PenaltyLaw, area: Real, d: Real) -> Self {
         let h = law.range();
         let at = d.clamp(LEAST * h, 0.75 * h);
@@ -75,8 +75,8 @@ impl RowState {
         Some(push)
     }
 
-    /// What friction is stretched by (m) with the point at `point` (m): it gives in elastically by `reach` (m), and what
-    /// is more is slip. Nothing without a force λ.
+    /// What friction is stretched by (m) with the point at `point` (m): it gives in elastically by `reach` (m), and
+    /// what is more is slip. Nothing without a force λ.
     pub(super) fn stretch(&self, point: Vec3, normal: Vec3, reach: Real) -> Vec3 {
         if self.lambda > 0.0 {
             hold(across(point - self.origin, normal), reach)

@@ -39,9 +39,8 @@ impl fmt::Display for ReturnError {
 impl std::error::Error for ReturnError {}
 
 /// Moves the `positions` (m) of an untangled cloth as near to its tangled `start` (m) as it can come without passing
-/// through itself again, its layers
-/// `thickness` (m) apart: those of one piece no farther apart than the positions of `mesh` have them, unless they touch
-/// there.
+/// through itself again, its layers `thickness` (m) apart: those of one piece no farther
+/// apart than the positions of `mesh` have them, unless they touch there.
 ///
 /// Each substep wants all vertices back at the start, and projects that onto the contact constraints (the nearest place
 /// in the metric of the masses), until nothing moves any more. Every straight path in between is free of crossings.

@@ -17,9 +17,9 @@ const CURVED: Real = 1e-12;
 
 /// What the numbers of pairs are kept in.
 ///
-/// Single precision (`f32`) is half the memory to wait for, and what is lost is not in the sums, which all take the same
-/// rounded numbers. But directions then have rounding errors of 10⁻⁷ of their own, which may add up to a momentum. Where
-/// nothing takes that out again pairs are kept in double precision.
+/// Single precision (`f32`) is half the memory to wait for, and what is lost is not in the sums, which all take the
+/// same rounded numbers. But directions then have rounding errors of 10⁻⁷ of their own, which may add up to a momentum.
+/// Where nothing takes that out again pairs are kept in double precision.
 pub trait Stored: nalgebra::Scalar + Copy + Into<Real> + Send + Sync {
     /// The number, rounded.
     fn rounded(x: Real) -> Self;
@@ -120,8 +120,8 @@ impl<T: Stored> LimitedMemory<T> {
         (0..self.len).map(move |k| (first + k) % capacity)
     }
 
-    /// Adds the pair `s = length · direction`, `y = to − from` (gradients, N), in the place of the oldest if there are
-    /// many, unless the curvature along it is not positive. `slope` is `from · direction` (J).
+    /// Adds the pair `s = length · direction`, `y = to − from` (gradients, N), unless the curvature along it is not
+    /// positive. A full memory gives up its oldest pair even then. `slope` is `from · direction` (J).
     pub fn push(
         &mut self,
         length: Real,

@@ -2,8 +2,8 @@
 //!
 //! What touches has to be known where the cloth will be, `x[1] = 2x − x[0]`, not in the middle. And contact is to take
 //! up motion: a force in the middle would throw back what it stops, as the midpoint rule keeps all energy. So what is
-//! new of the force f of contact acts over the whole step, as in implicit Euler, and only what has been there at the
-//! end of the last step, f[0], as all other forces do, so that what rests stays at rest:
+//! new of the force f of contact acts over the whole step, as in implicit Euler, and only what the forces at the ends
+//! of the last two steps have in common, f[0], as all other forces do, so that what rests stays at rest:
 //!
 //! ```text
 //! v[1] = v[0] + Δt M⁻¹ (f_other((x[0] + x[1])/2) + f(x[1]))

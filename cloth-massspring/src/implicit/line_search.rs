@@ -6,10 +6,10 @@ use cloth_core::math::{Real, Vec3};
 use cloth_core::method::line_search::{ARMIJO, Found, Trial, backtrack};
 
 /// `G` may rise by this part of itself where the slopes show that the minimum comes nearer: two values of `G` that
-/// differ by less cannot be told apart (see [`LineSearch::search`]).
+/// differ by less cannot be told apart (see [`search`]).
 const ROUNDING: Real = 1e-10;
-/// In that case the slope at the new point may be at most this part of the size of the first; how steeply `G` still
-/// falls there does not matter.
+/// In that case the slope at the new point may be at most this part of the size of the first, the approximate Wolfe
+/// condition `φ′(α) ≤ (1 − 2c) |φ′(0)|` with c = 0.1; how steeply `G` still falls there does not matter.
 const SLOPE: Real = 0.8;
 /// Step lengths tried before giving up. Each is at most half of the one before.
 const MOST_TRIALS: u32 = 50;

@@ -1,4 +1,4 @@
-//! Chebyshev acceleration of a sequence of sweeps .
+//! Chebyshev acceleration of a sequence of sweeps.
 //!
 //! H. Wang, "A Chebyshev semi-iterative approach for accelerating projective and position-based dynamics", ACM
 //! Trans. Graph. 34(6), 2015, <https://doi.org/10.1145/2816795.2818063>; the theory: G. H. Golub, R. S. Varga,
