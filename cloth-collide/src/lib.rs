@@ -165,10 +165,10 @@
 //!
 //! # Limits
 //!
-//! - Shapes with a signed distance are rigid, and keep the velocities that they were built with; those that deform, or
-//!   move on any other given path, have triangles alone
-//!   ([`PotentialBuilder::animated`](potential::PotentialBuilder::animated)). A mesh at rest is an animation of one
-//!   shape; a closed rigid one a [`ClosedMesh`](obstacle::ClosedMesh) (or
+//! - Shapes with a signed distance are rigid, and keep the velocities that they were built with, unless the cloth
+//!   pushes them ([`free`](potential::PotentialBuilder::free)); those that deform, or move on any other given path,
+//!   have triangles alone ([`PotentialBuilder::animated`](potential::PotentialBuilder::animated)). A mesh at rest is an
+//!   animation of one shape; a closed rigid one a [`ClosedMesh`](obstacle::ClosedMesh) (or
 //!   [`SampledDistance`](obstacle::SampledDistance)) with a surface of the same triangles.
 //! - The uniform cells of two of the broad phases suit triangles of similar size, the tree suits all.
 //! - [`SeparationProbe`] looks at the positions of one moment. A cloth that has passed through another between two

@@ -20,7 +20,7 @@
 //! ∂dᵀ. Before it moves the cloth it asks how far the path is safe ([`ContinuousTest`](crate::ContinuousTest)). So what
 //! it accepts is free of crossings, and nothing is left to be repaired afterwards. A path keeps a fifth of each
 //! distance, or of h where that is less (a tenth in substeps of constraints), and no more than 10 h of it are looked
-//! at, apart from the motion that all vertices share: a length below 1 need not mean a contact.
+//! at, apart from the motion that all vertices share: a part below 1 need not mean a contact.
 //!
 //! A step begins where the method would begin by itself, as far as the path there is safe; where pins or bodies move,
 //! or cloth begins inside a body, where a substep of the constraints leads. The end of the step depends on
@@ -29,8 +29,8 @@
 //!
 //! Friction has the normal forces λ and the directions of the start of the step (`friction`): a cloth that lands has
 //! none in the step in which it does. Its energy is μ λ f(u) of the way u in the tangent plane since then, f = u²/(2ε)
-//! below ε = h/100 and u − ε/2 from there on, so that f′, the fraction of μ λ, is continuous. (Li et al. take a
-//! cubic, smooth in f″ too.)
+//! below ε = h/100 and u − ε/2 from there on, so that f′, the fraction of μ λ, is continuous. (Li et al. take a cubic,
+//! whose f″ is continuous too.)
 //!
 //! # For methods that project positions
 //!
@@ -66,10 +66,11 @@
 //! # Add it to a method
 //!
 //! One that minimises: `begin`; in each iteration `add_gradient` and `linearize`, then `limit` or `limit_each` before
-//! moving; `end`. Every `add_gradient`, and `end` too, needs a `limit` whose path contains the place. One that
-//! projects: [`ContactConstraints`](cloth_core::contact::ContactConstraints) in the order of its functions, or
-//! [`Projection::step`](cloth_core::contact::Projection::step) after a free step. `cloth-bench/examples/own-method` is
-//! an example. After an error the positions are of no use: the caller keeps the state that it had.
+//! moving; `end`. Every `add_gradient`, and `end` too, needs a `limit` (or the `begin`, for `start`) whose path
+//! contains the place. One that projects: [`ContactConstraints`](cloth_core::contact::ContactConstraints) in the order
+//! of its functions, or [`Projection::step`](cloth_core::contact::Projection::step) after a free step.
+//! `cloth-bench/examples/own-method` is an example. After an error the positions are of no use: the caller keeps the
+//! state that it had.
 //!
 //! # Who feels it how
 //!

@@ -118,7 +118,7 @@ pub trait ContactPotential: fmt::Debug + Send + Sync {
     fn begin(&mut self, step: &ContactStep<'_>, start: &mut [Vec3]) -> Result<(), ContactError>;
 
     /// The part of the straight path from `from` to `to` (m) that is safe (dimensionless, 0..=1), and gets ready for
-    /// places on it, until the next call. Below 1 it need not mean a contact: long paths are looked at in parts.
+    /// places on that part, until the next call. Below 1 it need not mean a contact: long paths are looked at in parts.
     ///
     /// # Errors
     /// [`ContactError::NonFinite`].

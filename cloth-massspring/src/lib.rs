@@ -120,14 +120,14 @@
 //! [multigrid](cloth_core::method::multigrid) on a positive definite Hessian, improved by the last five pairs `s = Δx`,
 //! `y = Δ∇G` (L-BFGS): five to ten times as many iterations as Newton's method, each thirty to sixty times cheaper.
 //!
-//! Step lengths: α = 1 first, then the minimum of a parabola, between a tenth and a half of the length before, until
-//! `G(x + αp) ≤ G(x) + 10⁻⁴ α ∇G·p` (Armijo). `p = −B⁻¹∇G` with B positive definite gives `∇G·p < 0`, so a short enough
-//! α passes. Armijo's condition does not ensure `s·y > 0`: pairs without it are not used.
+//! Step lengths: α = 1 first (in contact the safe part), then the minimum of a parabola, between a tenth and a half of
+//! the length before, until `G(x + αp) ≤ G(x) + 10⁻⁴ α ∇G·p` (Armijo). `p = −B⁻¹∇G` with B positive definite gives
+//! `∇G·p < 0`, so a short enough α passes. Armijo's condition does not ensure `s·y > 0`: pairs without it are not used.
 //!
-//! The levels: coarse vertices are a maximal independent set (no two of them neighbours by strong coupling), about a
-//! quarter of all; the prolongation P is exact for linear functions of the rest positions, the coarse matrix is `PᵀAP`
-//! (Galerkin), the smoother a forward, then a backward sweep of Gauss–Seidel over blocks of 3 × 3, the coarsest level a
-//! dense Cholesky factorisation, all in single precision. Four things make it work:
+//! The levels: coarse vertices are an independent set (no two strongly coupled, nor close across a common neighbour),
+//! about a quarter of all; the prolongation P is exact for linear functions of the rest positions, the coarse matrix is
+//! `PᵀAP` (Galerkin), the smoother a forward, then a backward sweep of Gauss–Seidel over blocks of 3 × 3, the coarsest
+//! level a dense Cholesky factorisation, all in single precision. Four things make it work:
 //!
 //! - *Absolute and lumped.* With absolute values in the place of negative eigenvalues, the k (1 − L/l) of compressed
 //!   springs ([`Convexity::Abs`](cloth_core::element::Convexity::Abs)), the matrix is positive definite, so every
@@ -323,8 +323,8 @@
 //!   Cloth that swings and wrinkles less with it than it should is the price of the large step, not a property of the
 //!   cloth. It keeps linear momentum, not angular momentum.
 //! - Symplectic Euler keeps both momenta, and its energy stays within a band; at `z` near 2 the band is wide. A sheet
-//!   of 64 × 64 vertices, 0.2 kg/m² and 10⁴ N/m, needs 370 steps, at the stable limit (`cloth-bench` takes half of it),
-//!   for what implicit Euler does in one of 1/60 s.
+//!   of 64 × 64 vertices, 0.2 kg/m² and 10⁴ N/m, needs 370 steps, at the stable limit (`cloth-bench` takes steps half
+//!   as long), for what implicit Euler does in one of 1/60 s.
 //! - A compressed sheet has many minima, one for each buckling mode, and saddle points between them. Which minimum
 //!   Newton's method finds depends on the start; by default a saddle point will do as well, see [`Accept`]. Exactly
 //!   flat cloth under forces in its plane feels none out of it, and neither Newton's method nor L-BFGS leaves the

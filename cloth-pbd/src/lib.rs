@@ -31,8 +31,9 @@
 //! then visits the constraints one after another, and moves the few vertices of each along its gradient, light ones
 //! further, until it is satisfied or, for a soft one, partly so. The next constraint sees the positions that the one
 //! before it wrote (Gauss–Seidel). The velocity follows from the positions at the end. No force is computed, no system
-//! solved, and no spring overshoots: unless over-relaxed (by ω > 1, see [acceleration](#acceleration)), a visit never
-//! moves it beyond its rest length.
+//! solved, and no spring overshoots: unless over-relaxed (by a
+//! [`relaxation`](cloth_core::method::position_based::Acceleration) above 1), a visit never moves it beyond its rest
+//! length.
 //!
 //! # From a constraint to the projection
 //! **One constraint.** Of all corrections that bring C to zero, to first order, take the smallest in the metric
@@ -88,8 +89,9 @@
 //! continues a run with the same bits.
 //!
 //! **Stable?** Projecting onto a linear row with 0 ≤ s ≤ 1 takes x nearer, in `‖·‖_M`, to every point that meets it. So
-//! a step without forces from x⁰ with C(x⁰) = 0 gains no kinetic energy: `h ‖v⁺‖ = ‖x⁺ − x⁰‖ ≤ ‖x̃ − x⁰‖` (linear rows,
-//! pins at rest, no extrapolation). Where x⁰ violates rows, what the sweeps take back becomes velocity.
+//! a step of one substep without forces from x⁰ with C(x⁰) = 0 gains no kinetic energy:
+//! `h ‖v⁺‖ = ‖x⁺ − x⁰‖ ≤ ‖x̃ − x⁰‖` (linear rows, pins at rest, no extrapolation, full Jacobi or hierarchy). Where x⁰
+//! violates rows, what the sweeps take back becomes velocity.
 //!
 //! **Constraints** are whatever shows rows `C(x)`, `∂C/∂x`, `k`: distance, bending (flat, curved, by angle),
 //! area, volume, soft pin, the strains of a triangle. A hard pin is a prescribed vertex, `w = 0`.
@@ -271,8 +273,9 @@
 //! - A finer mesh needs more iterations: for a straight chain of N rigid links one sweep leaves `cos²(π/2N)` of
 //!   the error. At rest a rigid chain of N links of equal mass, swept once per substep from its support, sags
 //!   by `g h² N(N − 1)/2`.
-//! - Averaged Jacobi is slow: with springs alone six or eight constraints meet at a vertex, with hinges more, and
-//!   each makes that fraction of its correction. Without averaging it diverges there. It is meant to be extrapolated.
+//! - Averaged Jacobi is slow: with springs alone six or eight constraints meet at a vertex, with hinges more, and each
+//!   makes a sixth, an eighth or less of its correction. Without averaging it diverges there. It is meant to be
+//!   extrapolated.
 //! - Chebyshev pays with many sweeps (below ten it has hardly begun), and makes a material of finite k stiffer
 //!   than the same number of plain sweeps: [`StiffnessRule::Material`] counts plain ones. An accelerated
 //!   Gauss–Seidel sweep is symmetric, forward and backward, at twice the work. Where extrapolation makes

@@ -271,12 +271,12 @@
 //!   [`PdConfig::contact_iterations`] in a step in which anything pushes, with twenty pairs in every step that is given
 //!   contacts, until what the iteration still has to move is a tenth of what forces have moved
 //!   ([`PdConfig::contact_tolerance`]). It takes 30 iterations at least, if as many are allowed, unless forces balance
-//!   to 10⁻⁸ first; and a few hundred in a fold. Six sheets of 33 vertices a side on a turning box, each with 0.3 %
-//!   more bending rigidity than the one before (`cloth-bench run drape-box --steps 30`), fall 0.074 m with a spread of
-//!   0.003 m and are stretched by 0.3 %; with converged implicit Euler 0.074 and 0.001 m, 0.2 %; with 30 iterations in
-//!   every step 0.068 and 0.006 m, 0.8 %. A ribbon that folds down on itself (`cloth-bench run fold --n 17 --steps 30`)
-//!   falls 0.484 m, with 20 iterations at most 0.442 m; implicit Euler 0.494 m. If the end is above `G` at the start of
-//!   the step all the same, it is taken again from there.
+//!   to 10⁻⁸ or the line search fails first; and a few hundred in a fold. Six sheets of 33 vertices a side on a turning
+//!   box, each with 0.3 % more bending rigidity than the one before (`cloth-bench run drape-box --steps 30`), fall
+//!   0.074 m with a spread of 0.003 m and are stretched by 0.3 %; with converged implicit Euler 0.074 and 0.001 m, 0.2
+//!   %; with 30 iterations in every step 0.068 and 0.006 m, 0.8 %. A ribbon that folds down on itself
+//!   (`cloth-bench run fold --n 17 --steps 30`) falls 0.484 m, with 20 iterations at most 0.442 m; implicit Euler 0.494
+//!   m. If the end is above `G` at the start of the step all the same, it is taken again from there.
 //!
 //! So every accepted iterate, and every straight path between two of them, is free of intersections. A sheet with 64
 //! vertices a side (0.2 kg/m², 10⁴ N/m) that falls 5 cm onto a ball of 0.1 m (`cloth-bench/scenes/ball.toml`) is
@@ -320,9 +320,9 @@
 //! # Add an element
 //! One struct and two traits of [`cloth_core::element`]: `Element<N>` names the vertices, `Projective<N, K>` gives S, w
 //! and the projection, which must be the nearest point in the Euclidean norm, or `∇E = w Sᵀ(S x − p)` is wrong. Write
-//! `projected_hessian` too: its default, the identity, makes the coarse grid as stiff as A, and nothing is won by it.
-//! `PROJECTION_IS_CONSTANT` and `sphere` are for speed. The matrix, threads, accelerations and the removal of elements
-//! follow.
+//! `projected_hessian` too, unless the projection is constant: its default, the identity, makes the coarse grid as
+//! stiff as A, and nothing is won by it. `PROJECTION_IS_CONSTANT` and `sphere` are for speed. The matrix, threads,
+//! accelerations and the removal of elements follow.
 //!
 //! ```
 //! use cloth_pd::cloth_core::element::{Element, Projective};
@@ -440,9 +440,9 @@
 //! # When to use it
 //! For many steps with one mesh and one step size on a processor: an iteration costs two passes over a small factor,
 //! with the whole matrix none raises `G`, and no step size is too large. With the default a step of the sheet above
-//! takes, at 64 a side, about a seventh of the time of converged implicit Euler around multigrid, for a fall within 0.1
-//! % and a stretch within 3 % after half a second; what to take for longer motion is said above. Where the motion has
-//! to be right to the last digits, Newton's method gets there in a dozen iterations. Where the material is replaced
+//! takes, at 64 a side, about a seventh of the time of converged implicit Euler around multigrid, for a fall within
+//! 0.1 % and a stretch within 3 % after half a second; what to take for longer motion is said above. Where the motion
+//! has to be right to the last digits, Newton's method gets there in a dozen iterations. Where the material is replaced
 //! altogether between steps, the position-based methods have no matrix to factorise; XPBD relaxes the dual of the same
 //! step, row by row, in multipliers instead of positions, so that hard constraints cost it nothing. Quadratic energies
 //! (bending of a flat sheet, attachments) are solved exactly by one iteration.

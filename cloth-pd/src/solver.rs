@@ -20,7 +20,7 @@ use cloth_core::step::{Outcome, StepError, StepInput, StepReport, Stepper};
 /// Projective dynamics; see the [crate documentation](crate).
 ///
 /// A step reports as factorisations those of the constant matrix: 1 in the first step and whenever Δt has changed, else
-/// 0. Its residual is `‖∇G(x)‖/‖∇G(x̃)‖`, with a tolerance only.
+/// 0. Its residual is `‖∇G(x)‖/max(‖∇G(x̃)‖, ‖∇C(x)‖)`, with a tolerance only; C is the potential of contact.
 #[derive(Debug)]
 pub struct PdSolver {
     pub(crate) objective: Objective,

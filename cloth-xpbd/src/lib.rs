@@ -289,7 +289,7 @@
 //! gains more than that part of the energy in play is taken again with twice as many substeps, up to eight times as
 //! many; the next one begins with as many, or half of them where that is enough.
 //! A step with more substeps that keeps over 0.8 of the gain is taken as it is: they do not help. The energy in play is
-//! the largest, so far, of kinetic and elastic energy, with the work given or without.
+//! the largest, so far, of kinetic and elastic energy at the start of a step, with the work given or without.
 //! [`StepReport::refinements`](cloth_core::step::StepReport::refinements) counts. A part of 0.01 is a good one, on top
 //! of [`SubstepRule`]. A sheet of 33 × 33 vertices of 10⁴ N/m that falls about two corners, by twenty substeps, then
 //! holds 0.4 % more than gravity has given it at any time of the swing; without the balance it is twelve times what
@@ -318,9 +318,9 @@
 //!
 //! # Contact
 //! A source of contact constraints ([`ContactConstraints`](cloth_core::contact::ContactConstraints), implemented by the
-//! crate `cloth-collide`) is handed over with [`StepInput::contacts`]. A contact is a row `C = n·Σ bᵢ xᵢ − d` (bᵢ
-//! barycentric weights, d the thickness) with a compliance and `λ ← max(0, λ + Δλ)`, friction a multiplier in the
-//! tangent plane that is cut to `‖λ_t‖ ≤ μ λ`:
+//! crate `cloth-collide`) is handed over with [`StepInput::contacts`]. A contact is a row `C = n·Σ bᵢ xᵢ − d̂` (bᵢ
+//! barycentric weights, negative on one side; d̂ the range, down to half of it: the thickness, half of it for edges)
+//! with a compliance and `λ ← max(0, λ + Δλ)`, friction a multiplier in the tangent plane that is cut to `‖λ_t‖ ≤ μ λ`:
 //!
 //! ```text
 //! let mut contacts = PotentialContacts::builder(&mesh).thickness(2e-3).friction(0.3).build()?; // m; cloth on cloth

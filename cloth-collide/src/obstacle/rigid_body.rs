@@ -9,13 +9,13 @@ use std::f64::consts::PI;
 
 /// A rigid body of mass m with the inertia J about its centre of mass, which is the origin of its frame.
 ///
-/// Its momentum p and angular momentum L are what is integrated, so that both change by impulses and by nothing else.
-/// A step of h has
+/// Its momentum P and angular momentum L are what is integrated, so that both change by impulses and by nothing else.
+/// A step of Δt has
 ///
-/// v = p/m + g h, ω = J⁻¹ L (with J turned half-way), then p ← p + m g h + ∫f dt, L ← L + ∫τ dt,
+/// v = P/m + g Δt, ω = J⁻¹ L (with J turned half-way), then P ← P + m g Δt + ∫f dt, L ← L + ∫τ dt,
 ///
 /// symplectic Euler, with the forces f and torques τ of the step in which the body has moved with v and ω. A force of
-/// stiffness k is stable for h < 2 √(m/k): see [`RigidBody::highest_frequency`].
+/// stiffness k is stable for Δt < 2 √(m/k): see [`RigidBody::highest_frequency`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RigidBody {
     mass: Real,

@@ -148,7 +148,7 @@ impl<'a> PotentialBuilder<'a> {
 
     /// Obstacle `number` (in the order of [`obstacle`](Self::obstacle), from 0) is pushed by the cloth and pulled by
     /// gravity; it starts with the velocities of its motion. Other bodies stop it only at the vertices of its
-    /// [`surface`](Self::surface): without one it passes through them.
+    /// [`surface`](Self::surface), or of theirs if they are free: without either it passes through them.
     #[must_use]
     pub fn free(mut self, number: usize, body: RigidBody) -> Self {
         self.free.push((number, body));

@@ -64,7 +64,7 @@ impl Energy<4> for PairContact {
         (self.area * m * barrier, gradient)
     }
 
-    /// A m (b″ ∂d ∂dᵀ + b′ ∂²d) + A (b ∂²m + b′ (∂m ∂dᵀ + ∂d ∂mᵀ)), of which [`Convexity::GaussNewton`] keeps the first
+    /// A m (ψ″ ∂d ∂dᵀ + ψ′ ∂²d) + A (ψ ∂²m + ψ′ (∂m ∂dᵀ + ∂d ∂mᵀ)), of which [`Convexity::GaussNewton`] keeps the first
     /// part.
     fn hessian(&self, x: &[Vec3; 4], convexity: Convexity) -> Blocks<4> {
         let gap = Gap::new(self.pair.kind, x);

@@ -1,6 +1,7 @@
 //! Which vertices make the next coarser level, and how the others hang on them.
 //!
-//! The coarse vertices are a maximal independent set of the graph of strong couplings (J. W. Ruge, K. Stüben,
+//! The coarse vertices are an independent set of the graph of strong couplings, and of neighbours across a common one
+//! that are near (J. W. Ruge, K. Stüben,
 //! "Algebraic multigrid", in *Multigrid Methods*, SIAM 1987, <https://doi.org/10.1137/1.9781611971057.ch4>, section
 //! 4.6). The weights are not taken from the matrix, which changes all the time, but from the rest positions.
 
