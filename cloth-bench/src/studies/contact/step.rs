@@ -188,7 +188,7 @@ fn refined(scope: Scope) -> Vec<(Variant, &'static str, Vec<String>)> {
     let tolerances = ["1", "1e-1", "1e-2", "1e-3", "1e-4", "1e-6"].map(str::to_owned);
     let variants = Variant::list(
         "implicit-euler, by tolerance
-        pd, by iterations: iterations=5, contact_tolerance=0
+        pd, by iterations: iterations=5 contact_tolerance=0
         xpbd, by iterations: substeps=1
         xpbd, by substeps: iterations=1
         pbd, by substeps: iterations=1",
@@ -337,6 +337,17 @@ fn fastest(found: &[&Row]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn every_way_of_the_study_takes_its_step() {
+        let problem = ContactProblem::new(9).unwrap();
+        for (variant, key, values) in refined(Scope::Quick) {
+            let method = Method::find(variant.method()).unwrap();
+            let settings = variant.settings.clone().with(key, &values[0]);
+            let reached = problem.reached(method, &settings);
+            assert!(reached.is_ok(), "{}: {:?}", variant.label, reached.err());
+        }
+    }
 
     /// Implicit Euler gets as near to the minimiser as its tolerance says, projective dynamics with enough iterations,
     /// and the sweeps of XPBD in one substep come nearer slowly.
