@@ -406,6 +406,7 @@ impl PdSolver {
         if is_higher {
             std::mem::swap(&mut self.point, &mut self.fallback);
         } else if let Some(contact) = contact {
+            // Ready again for the place where the step ends, whose forces bodies get.
             contact.limit(&self.point.positions, &self.point.positions)?;
         }
         Ok(is_higher)

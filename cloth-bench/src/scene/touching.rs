@@ -63,7 +63,10 @@ pub(super) fn below(
                 angular_velocity: up * SPIN,
                 ..still(at(HALF_EDGES[2]))
             };
-            (Obstacle::moving(cuboid, motion), block(HALF_EDGES)?)
+            (
+                Obstacle::moving(cuboid, motion),
+                generate::cuboid(HALF_EDGES).map_err(BenchError::failed)?,
+            )
         }
         Below::Floor(depth) => {
             let size = 1.5 * (high - low).norm();
@@ -80,32 +83,6 @@ pub(super) fn below(
         free: None,
         is_flat: matches!(kind, Below::Floor(_)),
     })
-}
-
-/// The surface of a box.
-pub(super) fn block(half: [Real; 3]) -> Result<TriMesh, BenchError> {
-    let corners = (0..8).map(|c| {
-        let side = |axis: usize| {
-            if c >> axis & 1 == 1 {
-                half[axis]
-            } else {
-                -half[axis]
-            }
-        };
-        Vec3::new(side(0), side(1), side(2))
-    });
-    let quads = [
-        [0, 2, 3, 1],
-        [4, 5, 7, 6],
-        [0, 1, 5, 4],
-        [2, 6, 7, 3],
-        [0, 4, 6, 2],
-        [1, 3, 7, 5],
-    ];
-    let triangles = quads
-        .iter()
-        .flat_map(|&[a, b, c, d]: &[u32; 4]| [[a, b, c], [a, c, d]]);
-    TriMesh::new(corners.collect(), triangles.collect()).map_err(BenchError::failed)
 }
 
 fn gravity(settings: &Settings) -> Result<Vec3, BenchError> {

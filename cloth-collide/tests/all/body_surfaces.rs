@@ -7,7 +7,7 @@ use cloth_collide::obstacle::{
 use cloth_collide::potential::PotentialContacts;
 use cloth_core::contact::{ContactError, ContactSource, ContactStep, Projection};
 use cloth_core::math::{Real, Vec3};
-use cloth_core::mesh::generate::{Diagonals, grid, sphere};
+use cloth_core::mesh::generate::{Diagonals, cuboid, grid, sphere};
 use cloth_core::mesh::{TriMesh, generate};
 
 const THICKNESS: Real = 2e-3;
@@ -20,25 +20,6 @@ fn sheet(n: usize, cell: Real) -> TriMesh {
     let shift = Vec3::new(size, size, 0.0) / 2.0;
     let positions = flat.positions().iter().map(|x| x - shift).collect();
     TriMesh::new(positions, flat.triangles().to_vec()).unwrap()
-}
-
-fn cube(half: Real) -> TriMesh {
-    let corner = |c: u32| {
-        let side = |axis: u32| if c >> axis & 1 == 1 { half } else { -half };
-        Vec3::new(side(0), side(1), side(2))
-    };
-    let quads = [
-        [0, 2, 3, 1],
-        [4, 5, 7, 6],
-        [0, 1, 5, 4],
-        [2, 6, 7, 3],
-        [0, 4, 6, 2],
-        [1, 3, 7, 5],
-    ];
-    let triangles = quads
-        .iter()
-        .flat_map(|&[a, b, c, d]: &[u32; 4]| [[a, b, c], [a, c, d]]);
-    TriMesh::new((0..8).map(corner).collect(), triangles.collect()).unwrap()
 }
 
 fn rising(position: Vec3, speed: Real) -> RigidMotion {
@@ -153,7 +134,7 @@ fn work_of_a_body_is_its_velocity_times_the_momentum_it_gives() {
 #[test]
 fn a_corner_pierces_no_triangle() {
     let cloth = sheet(4, 0.12);
-    let body = cube(0.1);
+    let body = cuboid([0.1; 3]).unwrap();
     // On its corner: the diagonal of the cube upright, its top √3/10 m above its middle.
     let turn = Vec3::new(-0.5, 0.5, 0.0).normalize() * (1.0 / Real::sqrt(3.0)).acos();
     let pose = Pose::at(Vec3::new(0.03, 0.02, -0.1 * Real::sqrt(3.0) - 0.01)).turned(turn);
@@ -292,7 +273,7 @@ fn an_open_surface_that_changes_its_shape_lifts_cloth() {
 #[test]
 fn bodies_do_not_touch_each_other() {
     let cloth = sheet(3, 0.05);
-    let [one, other] = [0.05, 0.04].map(cube);
+    let [one, other] = [0.05, 0.04].map(|half| cuboid([half; 3]).unwrap());
     let crossed = generate::join(&[one.clone(), other]).unwrap();
     let body = Obstacle::moving(
         Cuboid::new(Vec3::repeat(0.05)).unwrap(),

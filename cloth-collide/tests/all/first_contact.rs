@@ -1,7 +1,6 @@
 //! The swept vertex meets what it has to meet, never late.
 
 use crate::random::Random;
-use crate::solids::box_mesh;
 use cloth_collide::obstacle::*;
 use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::generate;
@@ -26,7 +25,7 @@ fn a_thin_box_is_not_tunnelled_through_at_100_metres_per_second() {
         ("box", Obstacle::new(Cuboid::new(half).unwrap())),
         (
             "mesh",
-            Obstacle::new(ClosedMesh::new(&box_mesh(half)).unwrap()),
+            Obstacle::new(ClosedMesh::new(&generate::cuboid(half.into()).unwrap()).unwrap()),
         ),
     ];
     for (name, thin) in boxes {

@@ -1,20 +1,9 @@
 //! Nearest points of two edges, against exact arithmetic and in awkward places.
 
-use crate::lattice as reference;
+use crate::lattice::{self as reference, awkward};
 use cloth_collide::edge_edge;
 use cloth_core::math::Vec3;
 use proptest::prelude::*;
-
-/// Coordinates that make coincident points, parallel and nearly parallel edges frequent.
-fn awkward() -> impl Strategy<Value = Vec3> {
-    let whole = (-2i32..=2).prop_map(f64::from);
-    let coordinate = (
-        whole,
-        prop_oneof![Just(0.0), -1e-9..1e-9, -1e-15..1e-15, -1.0..1.0],
-    )
-        .prop_map(|(whole, part)| whole + part);
-    [coordinate.clone(), coordinate.clone(), coordinate].prop_map(Vec3::from)
-}
 
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(20_000))]

@@ -1,20 +1,9 @@
 //! The nearest point of a triangle, against exact arithmetic and in awkward places.
 
-use crate::lattice as reference;
+use crate::lattice::{self as reference, awkward};
 use cloth_collide::point_triangle;
 use cloth_core::math::Vec3;
 use proptest::prelude::*;
-
-/// Coordinates that make coincident points, zero areas and slivers frequent.
-fn awkward() -> impl Strategy<Value = Vec3> {
-    let whole = (-2i32..=2).prop_map(f64::from);
-    let coordinate = (
-        whole,
-        prop_oneof![Just(0.0), -1e-9..1e-9, -1e-15..1e-15, -1.0..1.0],
-    )
-        .prop_map(|(whole, part)| whole + part);
-    [coordinate.clone(), coordinate.clone(), coordinate].prop_map(Vec3::from)
-}
 
 /// The nearest point q of a convex set to p is the one for which the whole set lies behind the plane
 /// through q across p − q: (p − q)·(x − q) ≤ 0. For a triangle its corners are enough.

@@ -1,7 +1,7 @@
 //! Signed distances are what they say: against each other, against sampling, against the solid angle.
 
 use crate::random::Random;
-use crate::solids::{box_mesh, spike};
+use crate::solids::spike;
 use cloth_collide::obstacle::*;
 use cloth_core::math::{Real, Vec3, gather};
 use cloth_core::mesh::TriMesh;
@@ -90,7 +90,7 @@ fn normal_is_the_gradient_of_the_distance() {
 fn mesh_of_a_box_is_the_box() {
     let b = v(0.3, 0.5, 0.1);
     let (mesh, exact) = (
-        ClosedMesh::new(&box_mesh(b)).unwrap(),
+        ClosedMesh::new(&generate::cuboid(b.into()).unwrap()).unwrap(),
         Cuboid::new(b).unwrap(),
     );
     let mut random = Random::new(4);

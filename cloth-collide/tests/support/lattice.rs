@@ -3,6 +3,17 @@
 use cloth_core::math::{Real, Vec3};
 use proptest::prelude::*;
 
+/// Coordinates that make coincident points, parallel and nearly parallel edges, slivers and zero areas frequent.
+pub(crate) fn awkward() -> impl Strategy<Value = Vec3> {
+    let whole = (-2i32..=2).prop_map(f64::from);
+    let coordinate = (
+        whole,
+        prop_oneof![Just(0.0), -1e-9..1e-9, -1e-15..1e-15, -1.0..1.0],
+    )
+        .prop_map(|(whole, part)| whole + part);
+    [coordinate.clone(), coordinate.clone(), coordinate].prop_map(Vec3::from)
+}
+
 pub(crate) type Point = [i128; 3];
 
 pub(crate) fn real(p: Point) -> Vec3 {

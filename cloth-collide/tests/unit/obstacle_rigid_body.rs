@@ -12,28 +12,9 @@ fn near(a: Real, b: Real, part: Real) -> bool {
 fn mesh_has_the_mass_and_inertia_of_its_box() {
     let half = Vec3::new(0.1, 0.05, 0.2);
     let shift = Vec3::new(0.3, -0.2, 0.7);
-    let corners = (0..8).map(|c| {
-        let side = |axis: usize| {
-            if c >> axis & 1 == 1 {
-                half[axis]
-            } else {
-                -half[axis]
-            }
-        };
-        Vec3::new(side(0), side(1), side(2)) + shift
-    });
-    let quads: [[u32; 4]; 6] = [
-        [0, 2, 3, 1],
-        [4, 5, 7, 6],
-        [0, 1, 5, 4],
-        [2, 6, 7, 3],
-        [0, 4, 6, 2],
-        [1, 3, 7, 5],
-    ];
-    let triangles = quads
-        .iter()
-        .flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]);
-    let mesh = TriMesh::new(corners.collect(), triangles.collect()).unwrap();
+    let centred = generate::cuboid(half.into()).unwrap();
+    let corners = centred.positions().iter().map(|x| x + shift).collect();
+    let mesh = TriMesh::new(corners, centred.triangles().to_vec()).unwrap();
     let (body, centre) = RigidBody::of_mesh(DENSITY, &mesh, Vec3::zeros()).unwrap();
     let exact = RigidBody::cuboid(DENSITY, half, Vec3::zeros()).unwrap();
     assert!((centre - shift).norm() < 1e-14);

@@ -14,14 +14,17 @@
 //! | open tube, n around, m cells along | [`tube`] | n (m+1) | 2 n m | 0 |
 //! | torus, n × m | [`torus`] | n m | 2 n m | 0 |
 //! | sphere of frequency n | [`sphere`] | 10n² + 2 | 20n² | 2 |
+//! | box | [`cuboid`] | 8 | 12 | 2 |
 //! | Möbius band, n around, m cells across | [`moebius`] | n (m+1) | 2 n m | 0 |
 //!
 //! [`without_triangles`] cuts holes, [`join`] puts several meshes into one.
 
+mod cuboid;
 mod irregular;
 mod pieces;
 mod round;
 
+pub use cuboid::cuboid;
 pub use irregular::irregular;
 pub use pieces::{join, without_triangles};
 pub use round::{disk, moebius, sphere, torus, tube};

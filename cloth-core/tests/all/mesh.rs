@@ -3,7 +3,7 @@
 use cloth_core::error::OutOfRange;
 use cloth_core::math::{Real, Vec3};
 use cloth_core::mesh::generate::{
-    Diagonals, disk, equilateral, grid, irregular, join, moebius, sphere, torus, tube,
+    Diagonals, cuboid, disk, equilateral, grid, irregular, join, moebius, sphere, torus, tube,
     without_triangles,
 };
 use cloth_core::mesh::{MeshError, TriMesh};
@@ -132,6 +132,18 @@ fn volume(mesh: &TriMesh) -> Real {
     let tetrahedron = |[a, b, c]: [Vec3; 3]| a.dot(&b.cross(&c)) / 6.0;
     let all = mesh.triangles().iter();
     all.map(|&t| tetrahedron(corners(mesh, t))).sum()
+}
+
+#[test]
+fn a_box_is_closed_and_encloses_its_volume() {
+    let half = [0.1, 0.25, 0.7];
+    let mesh = cuboid(half).unwrap();
+    assert!(close(volume(&mesh), 8.0 * half.iter().product::<Real>()));
+    let edges = EdgeTable::build(&mesh).unwrap();
+    assert_eq!((mesh.vertex_count(), edges.ends().len()), (8, 18));
+    assert!(inconsistently_oriented_edges(&mesh, &edges).is_empty());
+    let on_corners = |x: &Vec3| (0..3).all(|axis| x[axis].abs() == half[axis]);
+    assert!(mesh.positions().iter().all(on_corners));
 }
 
 #[test]
@@ -301,6 +313,7 @@ fn meshes_that_do_not_exist_are_refused_by_name() {
     assert_eq!(name(tube(2, 1, 1.0, 1.0)), "around");
     assert_eq!(name(tube(3, 0, 1.0, 1.0)), "cells_along");
     assert_eq!(name(torus(3, 3, 1.0, 1.0)), "minor");
+    assert_eq!(name(cuboid([1.0, 0.0, 1.0])), "half extent");
     assert_eq!(name(sphere(0, 1.0)), "n");
     assert_eq!(name(sphere(usize::MAX, 1.0)), "the number of vertices");
     assert_eq!(name(moebius(3, 1, 1.0, 2.0)), "width");

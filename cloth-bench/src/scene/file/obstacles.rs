@@ -12,7 +12,7 @@ use cloth_collide::obstacle::{
     RigidMotion, SampledDistance, Sphere,
 };
 use cloth_core::math::{Real, Vec3};
-use cloth_core::mesh::generate::{Diagonals, sphere};
+use cloth_core::mesh::generate::{self, Diagonals, sphere};
 use cloth_core::mesh::{TriMesh, io};
 use std::path::{Path, PathBuf};
 
@@ -118,7 +118,7 @@ fn rigid(
             let body = Cuboid::new(half).map_err(|error| own.size.refuse(error))?;
             Ok((
                 placed(Obstacle::moving(body, motion))?,
-                touching::block(half.into())?,
+                generate::cuboid(half.into()).map_err(BenchError::failed)?,
                 free(density.map(|density| RigidBody::cuboid(density, half, gravity)))?,
             ))
         }
