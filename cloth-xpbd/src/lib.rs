@@ -447,8 +447,9 @@
 //! takes 5.6. Vertices numbered at random take 7.5 there and 29 on 1000 × 1000; sorted along a curve
 //! ([`Order::morton`](cloth_core::method::ordering::Order::morton)) they take 5.9 and 7.0.
 //!
-//! A step takes substeps × iterations × Σ elements × ns, and contact. A sheet with springs and hinges takes some 0.6 kB
-//! of memory a vertex, by the sizes of what is kept; a row keeps 16 bytes, λ and α̃.
+//! A step takes substeps × iterations × Σ elements × ns, and contact. A row keeps 16 bytes, λ and α̃.
+//! A whole run of a sheet with springs and hinges, 256 vertices a side, takes 1.6 kB of memory a vertex
+//! (`cloth-bench study scale`).
 //!
 //! With a second thread springs take 4.1 instead of 5.2 at 128 a side, from 181 a side (33 000 vertices) on
 //! half the time of one thread; smaller sheets stay on one.
