@@ -41,7 +41,7 @@ fn derivatives(
         let (d, k) = (x[i] - x[j], spring.stiffness);
         let (length, direction) = (d.norm(), d.normalize());
         let tension = k * (length - spring.rest_length);
-        // Along the spring k, across it f/l: negative where compressed, and then left out.
+        // Along the spring k, across it tension over length: negative where compressed, and then left out.
         let across = (tension / length).max(0.0);
         for a in 0..3 {
             gradient[3 * i + a] += tension * direction[a];

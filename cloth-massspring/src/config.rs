@@ -183,8 +183,8 @@ impl ImplicitConfig {
         }
     }
 
-    /// Settings for a reference solution in studies: a minimum, not a saddle point, to the last digit that
-    /// rounding allows or 1e-12, whichever comes first.
+    /// Settings for a reference solution in studies: a minimum, not a saddle point, to the last digit that rounding
+    /// allows or 1e-12, whichever comes first. They need the feature `cholesky`; without it `build` refuses them.
     #[must_use]
     pub fn reference() -> Self {
         Self {

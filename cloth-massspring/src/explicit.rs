@@ -3,7 +3,7 @@
 //! Forces at the start of the step; then:
 //!
 //! ```text
-//! v[1] = v[0] + Δt M⁻¹ f(x[0])
+//! v[1] = v[0] + Δt (M⁻¹ f(x[0]) + g)
 //! x[1] = x[0] + Δt v[1]          symplectic (semi-implicit) Euler
 //! x[1] = x[0] + Δt v[0]          forward (explicit) Euler
 //! ```
@@ -41,12 +41,13 @@ enum Scheme {
 /// has gained energy from nowhere; both end with [`StepError::Unstable`], whose `stable_dt` is 0 because no step is
 /// stable.
 ///
-/// Damping acts as it does in [`SymplecticEuler`]. A damped oscillation is stable for `Δt ω² < α + β ω²`; that limit is
-/// not computed, and `stable_dt` stays 0.
+/// Damping acts as it does in [`SymplecticEuler`]. A damped oscillation is stable for `Δt ω² < α + β ω²` and
+/// `2 Δt (α + β ω²) < 4 + (Δt ω)²`, the second for what is overdamped; that limit is not computed, and `stable_dt`
+/// stays 0.
 #[derive(Debug)]
 pub struct ExplicitEuler(Explicit);
 
-/// Symplectic (semi-implicit) Euler, `v[1] = v[0] + Δt M⁻¹ f(x[0])`, `x[1] = x[0] + Δt v[1]`.
+/// Symplectic (semi-implicit) Euler, `v[1] = v[0] + Δt (M⁻¹ f(x[0]) + g)`, `x[1] = x[0] + Δt v[1]`.
 ///
 /// First order, stable for `Δt ω < 2` in every oscillation ω of the cloth. The energy stays within a band around its
 /// true value, wide where `Δt ω` is near 2; linear and angular momentum are kept to rounding.

@@ -54,8 +54,14 @@ use stage::Stage;
 /// Implicit Euler: every step is a minimum of `G`, found by a quasi-Newton method around multigrid
 /// ([`Solve::QuasiNewton`]) or by Newton's method, with a line search.
 ///
-/// Stable for any step, of first order, and heavily damped: an oscillation ω shrinks by `1/√(1 + (Δt ω)²)` a step.
-/// Linear momentum is kept (to the tolerance), angular momentum is not.
+/// Of first order, and heavily damped: an oscillation ω shrinks by `1/√(1 + (Δt ω)²)` a step. Stable for any step:
+/// where E is convex (gravity included), `½ ‖v[1]‖²_M + E(x[1])` is never above `½ ‖v[0]‖²_M + E(x[0])`. Springs are
+/// not convex where they are compressed. There a descent from `x[0]` ([`StartGuess::Previous`]) guarantees
+/// `G(x[1]) ≤ G(x[0])`, that is `½ ‖v[1] − v[0]‖²_M + E(x[1]) ≤ ½ ‖v[0]‖²_M + E(x[0])`, and no more.
+///
+/// Linear momentum of cloth that nothing holds or touches is kept to rounding, whatever the tolerance, by
+/// [`Solve::QuasiNewton`] and [`Solve::Linearized`]: the iteration ends with a shift to where the momentum takes the
+/// cloth. In Newton's method it is kept as exactly as the linear systems are solved. Angular momentum is not kept.
 ///
 /// With [`Solve::Linearized`] it is the step of Baraff and Witkin, and calls itself `linear-implicit`. Where it can
 /// touch something, contact is not linearised, since it would not know of what the cloth only comes to in the step:
@@ -91,14 +97,15 @@ pub struct ImplicitEuler(Implicit);
 /// The implicit midpoint rule: the forces in the middle of the step, at `(x[0] + x[1])/2`.
 ///
 /// Second order, time-reversible and symplectic. An oscillation ω keeps its amplitude whatever the step, and turns by
-/// `2 atan(Δt ω/2)`: the energy of linear springs is kept to rounding, linear and angular momentum to the tolerance.
+/// `2 atan(Δt ω/2)`: the energy of linear springs is kept to rounding, linear momentum as in [`ImplicitEuler`], angular
+/// momentum to the tolerance.
 ///
 /// The other side of it: nothing dies out, and that holds for modes the step does not resolve. With `Δt ω ≫ 2` they
 /// turn by almost half a circle and appear as a vertex-to-vertex ringing that goes on for ever. Nor is the energy of
 /// *nonlinear* springs kept: where they are stiff and the step is long, it grows without bound, though every stage has
-/// its minimum. A sheet of 8 × 8 vertices on springs of 10⁴ N/m reaches 10⁶ J within 300 steps of 1/60 s (a test says
-/// so). Use it where the step resolves the fastest oscillation, `Δt ω < 2` or so; for cloth at large steps take
-/// [`Bdf2`].
+/// its minimum. A sheet of 8 × 8 vertices on springs of 10⁴ N/m gains more than 10³ J within 300 steps of 1/60 s (a
+/// test says so). Use it where the step resolves the fastest oscillation, `Δt ω < 2` or so; for cloth at large steps
+/// take [`Bdf2`].
 ///
 /// Half a step of implicit Euler, and what happened in it once more. Damping: drag and stiffness act with the velocity
 /// in the middle, both with second order. Prescribed vertices pass the middle at `x[0] + ½ Δt v[0]`.

@@ -28,7 +28,9 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Meshes, materials and measures are in [`cloth_core`], re-exported here.
+//! Meshes, materials and measures are in [`cloth_core`], re-exported here. Springs of equal k on this mesh are a sheet
+//! of the modulus `Y = 4k/3` and Poisson's ratio 1/3; [`Membrane::Modulus`](cloth_core::cloth::Membrane::Modulus) takes
+//! Y.
 //!
 //! # The idea
 //!
@@ -38,7 +40,7 @@
 //! At the *start* of the step they are known, and the step costs one pass over the springs:
 //!
 //! ```text
-//! v[1] = v[0] + Δt M⁻¹ f(x[0])
+//! v[1] = v[0] + Δt (M⁻¹ f(x[0]) + g)
 //! x[1] = x[0] + Δt v[1]        symplectic Euler;  with v[0] here: forward Euler
 //! ```
 //!
@@ -58,8 +60,8 @@
 //! G(x) = ‖x − x̃‖²_M / (2Δt²) + E(x),    ‖y‖²_M = Σ mᵢ ‖yᵢ‖²
 //! ```
 //!
-//! and minimising has a measure of progress that solving equations lacks: G falls in every iteration, shortened by a
-//! line search where need be, whatever Δt.
+//! and minimising has a measure of progress that solving equations lacks: G falls in every iteration whatever Δt, since
+//! a line search shortens the steps where need be.
 //!
 //! The same minimisation, with another goal and another time in place of `x̃` and Δt, gives two integrators of
 //! *second* order: the implicit midpoint rule (half a step of implicit Euler, and what happened in it once more) and
@@ -75,9 +77,9 @@
 //! ```
 //!
 //! Here α is the drag of the air, which costs nothing. Damping that grows with the stiffness adds a third term,
-//! `β/(2τ) (x − x_b)ᵀ K (x − x_b)`. And the minimisation can be cut short: one Newton step from `x[0]` without a line
-//! search is the implicit step of Baraff and Witkin: from `x[0]` it reads `(M/Δt² + H) Δx = M v[0]/Δt + M g + f`, and
-//! with `Δx = Δt (v[0] + Δv)` and `K = −H` that is their `(M − Δt² K) Δv = Δt (M g + f + Δt K v[0])`.
+//! `β/(2τ) (x − x_b)ᵀ K (x − x_b)` with `K = Σ k ∂C ∂Cᵀ`. And the minimisation can be cut short: one Newton step from
+//! `x[0]` without a line search is the implicit step of Baraff and Witkin, `(M/Δt² + H) Δx = M v[0]/Δt + M g + f`. With
+//! `Δx = Δt (v[0] + Δv)` and `∂f/∂x = −H` that is their `(M − Δt² ∂f/∂x) Δv = Δt (M g + f + Δt ∂f/∂x v[0])`.
 //!
 //! **The Hessian of a spring** decides how hard that is. With its unit vector n and its length l,
 //!
@@ -86,8 +88,8 @@
 //! ```
 //!
 //! and the same negative between the ends. Along the spring it is k. Across, it is tension over length: negative under
-//! compression, where the straight spring is a maximum sideways and buckling goes down. Where M/Δt² is small the sum
-//! over all springs is then indefinite, and a Newton step may lead up.
+//! compression, where the straight spring is a maximum sideways and buckling goes down. `M/Δt² + H` may then be
+//! indefinite (one spring between two free masses m: where `m/Δt² < 2k(L/l − 1)`), and a Newton step may lead up.
 //!
 //! # From equation to function
 //!
@@ -97,7 +99,7 @@
 //! | `x[1] = x[0] + Δt v[1]` or `v[0]` | explicit steps | [`SymplecticEuler`], [`ExplicitEuler`] |
 //! | `Δt < 2/ω_max` | stability | [`stable_time_step`] |
 //! | `min G(x)` | implicit Euler, a minimisation | [`ImplicitEuler`], [`IncrementalPotential`] |
-//! | `p = −B⁻¹∇G`, B from pairs `s`, `y` around a multigrid cycle | quasi-Newton (L-BFGS) | [`Solve::QuasiNewton`] |
+//! | `p = −B⁻¹∇G`, B from pairs `d`, `y` around a multigrid cycle | quasi-Newton (L-BFGS) | [`Solve::QuasiNewton`] |
 //! | `A p = −∇G`, nearly | truncated Newton, in hard contact | [`Solve::QuasiNewton`] |
 //! | `Δx = −(M/Δt² + H)⁻¹ ∇G` | Newton's method, start guess | [`Solve::Newton`], [`StartGuess`] |
 //! | `τ = Δt/2` | the implicit midpoint rule | [`ImplicitMidpoint`] |
@@ -115,19 +117,46 @@
 //!
 //! # The minimisation
 //!
-//! Newton's method takes some ten iterations a step, each a factorisation of 3V unknowns: most of its time, and more
-//! than proportional to V. The default factorises nothing. Its direction is `−B⁻¹∇G` with `B⁻¹` one V-cycle of
-//! [multigrid](cloth_core::method::multigrid) on a positive definite Hessian, improved by the last five pairs `s = Δx`,
-//! `y = Δ∇G` (L-BFGS): five to ten times as many iterations as Newton's method, each thirty to sixty times cheaper.
+//! Newton's method takes some ten iterations a step, each (with the feature `cholesky`) a factorisation of 3V unknowns:
+//! most of its time, and more than proportional to V. The default factorises nothing. Its direction is `−B⁻¹∇G` with B
+//! from one V-cycle of [multigrid](cloth_core::method::multigrid), `B₀⁻¹`, on a positive definite Hessian and from the
+//! last five pairs `d = Δx`, `y = Δ∇G` (L-BFGS): five to ten times as many iterations as Newton's method, each thirty
+//! to sixty times cheaper. On the hanging sheet it takes 22, 30 and 35 at 32, 64 and 128 vertices a side
+//! (`cloth-bench/doc/results.md`). One step:
 //!
-//! Step lengths: α = 1 first (in contact the safe part), then the minimum of a parabola, between a tenth and a half of
-//! the length before, until `G(x + αp) ≤ G(x) + 10⁻⁴ α ∇G·p` (Armijo). `p = −B⁻¹∇G` with B positive definite gives
-//! `∇G·p < 0`, so a short enough α passes. Armijo's condition does not ensure `s·y > 0`: pairs without it are not used.
+//! 1. `x_b`, `x̂` and the start of the iteration ([`StartGuess`]). Contact begins: it takes the start back where the
+//!    way there is not free.
+//! 2. Pieces of cloth that nothing holds or touches are shifted to where their momentum takes them. If nothing is held
+//!    at all and they touch only each other, they are shifted together.
+//! 3. Repeat:
+//!    1. Done if `‖∇G‖ ≤ tolerance · ‖M(x − x̂)/s²‖`, both in the norm of M⁻¹, or if rounding allows no more.
+//!    2. In iterations 1 to 4, 12, 20, 28, … take the Hessian anew.
+//!    3. `p = −B⁻¹∇G`. If `∇G·p ≥ 0`, drop the pairs, take the Hessian anew and repeat.
+//!    4. Done if the Newton decrement `√(−∇G·p) ≤ tolerance · ‖x − x̂‖_M/s`.
+//!    5. The longest step: t = 1; in contact no vertex farther than the trust radius (after a step that G has
+//!       shortened, twice what was left of it; four times as large after a step that was as long as it allowed), and
+//!       only the part that is free of crossings.
+//!    6. `x ← x + t p` with the first t that `G(x + t p) ≤ G(x) + 10⁻⁴ t ∇G·p` (Armijo) accepts, each the minimum of a
+//!       parabola, between a tenth and a half of the one before. Where G cannot tell (a rise below `10⁻¹⁰ |G|`) the
+//!       slope decides: `∇G(x + t p)·p ≤ 0.8 |∇G(x)·p|`.
+//!    7. From iteration 4 on, keep the pair `d = t p`, `y = Δ∇G` if `d·y > 0`, which Armijo's condition does not
+//!       ensure.
+//! 4. The shift of 2 again: so linear momentum is kept to rounding at any tolerance.
+//! 5. `v = (x − x_b)/τ`.
+//!
+//! With B positive definite `∇G·p < 0`, so a short enough t passes. `p = −B⁻¹∇G` takes two loops over the pairs, which
+//! outlive a new Hessian from iteration 12 on, but not the step:
+//!
+//! ```text
+//! q = −∇G;       newest pair first:  aᵢ = dᵢ·q/(dᵢ·yᵢ),   q ← q − aᵢ yᵢ
+//! p = B₀⁻¹ q;    oldest pair first:  p ← p + (aᵢ − yᵢ·p/(dᵢ·yᵢ)) dᵢ
+//! ```
 //!
 //! The levels: coarse vertices are an independent set (no two strongly coupled, nor close across a common neighbour),
 //! about a quarter of all; the prolongation P is exact for linear functions of the rest positions, the coarse matrix is
-//! `PᵀAP` (Galerkin), the smoother a forward, then a backward sweep of Gauss–Seidel over blocks of 3 × 3, the coarsest
-//! level a dense Cholesky factorisation, all in single precision. Four things make it work:
+//! `PᵀAP` (Galerkin). One forward sweep of Gauss–Seidel over blocks of 3 × 3 comes before the coarse correction and one
+//! backward sweep after it, so that the cycle is symmetric; a level of at most 48 vertices is solved by a dense
+//! Cholesky factorisation. All is in single precision. Four things make it work:
 //!
 //! - *Absolute and lumped.* With absolute values in the place of negative eigenvalues, the k (1 − L/l) of compressed
 //!   springs ([`Convexity::Abs`](cloth_core::element::Convexity::Abs)), the matrix is positive definite, so every
@@ -139,8 +168,9 @@
 //!   to the diagonal ([`lumped_assembly`](cloth_core::method::family::Energies::lumped_assembly)), which leaves the
 //!   pattern of the edges.
 //! - *Predicted forces.* A stiff spring that turns in an iteration is stretched by far, and the Hessian then says that
-//!   the cloth is taut. In the first four iterations the part of the Hessian that depends on the force takes the force
-//!   that the *linearised* spring has predicted ([`mixed_hessian`](cloth_core::element::Energy::mixed_hessian)).
+//!   the cloth is taut. In the first four iterations it takes the force that the spring linearised at the iterate
+//!   before, x′, has predicted, `k n nᵀ + k |C̃|/L (I − n nᵀ)` with `C̃ = C(x′) + ∂C(x′)·(x − x′)`; in the first
+//!   `C̃ = C(x[0])` ([`mixed_hessian`](cloth_core::element::Energy::mixed_hessian)).
 //! - *An extrapolated start.* Half of what the last step changed in the velocities is expected once more
 //!   ([`StartGuess::Extrapolated`]): a tenth fewer evaluations at 64 vertices a side.
 //! - *A fallback.* Where more than 1000 further iterations would be needed at the rate of the last 200, the line search
@@ -148,9 +178,6 @@
 //!   Newton's method goes on from there; [`newton_fallbacks`](cloth_core::step::StepReport::newton_fallbacks) counts
 //!   the first two. What needs it are springs with slack and very stiff springs on thin cloth (10⁶ N/m and more below
 //!   10⁻⁵ N·m); the example `materials` prints a table.
-//!
-//! Components of the cloth that nothing holds are shifted to where their momentum takes them at the start and at the
-//! end of the iteration, so that linear momentum is kept to rounding at any tolerance.
 //!
 //! # Pin and drag
 //!
@@ -167,19 +194,22 @@
 //! What the cloth touches is one more energy in `G`, with a gradient and a positive semi-definite second derivative
 //! ([`ContactPotential`](cloth_core::contact::ContactPotential)), and a bound on every step: no iterate is accepted
 //! that has gone through anything. So a step of any size ends with contact forces, elastic forces and inertia in
-//! balance: a sheet of ρ (kg/m²) rests `h − ρ g/κ_c` above a floor, with the thickness h and the stiffness κ_c (Pa/m)
-//! of contact, and slides down a slope with the acceleration a by `a Δt² n(n + 1)/2` in n steps, to nine digits. The
-//! quasi-Newton method of [`ImplicitEuler`] and [`Bdf2`] does this. Contacts between vertices far from each other in
-//! the mesh are additions of rank one to the matrix of the multigrid cycle: they come and go without a new pattern.
-//! What couples all vertices of a piece, the volume of a closed one
-//! ([`ClosedVolume`](cloth_core::enclosure::ClosedVolume)), is an addition of rank one around the whole cycle
-//! (Sherman–Morrison, `implicit/global_terms.rs`): a ball of water, K = 2·10⁹ Pa, converges as one of air does. Where
-//! five steps of a minimisation have been cut to less than a quarter by what is near, a direction of L-BFGS leads
-//! nowhere any more: what one cycle leaves of the residual is enough to run into the next contact. From there on the
-//! directions are those of a *truncated Newton method*: conjugate gradients around the cycle, to a tenth of the
-//! residual, on the matrix taken anew (`implicit/truncated_newton.rs`). A sheet of 41 × 41 vertices on a cube that
-//! turns takes 1,184 iterations in 20 steps, and 25,077 by L-BFGS alone. Newton's method does not take over from a step
-//! with contact; one that has not converged within [`ImplicitConfig::max_iterations`] ends there, free of crossings.
+//! balance. The pressure is `κ_c (h − d)` at the distance d (a barrier below h/2), with the thickness h and the
+//! stiffness κ_c (Pa/m) of contact; friction has the energy `μ λ f(u)` of the way u along the surface, with the normal
+//! force λ at the start of the step, `f = u²/(2ε)` up to ε = h/100 and `u − ε/2` beyond, where its force is μ λ. So a
+//! sheet of ρ (kg/m²) rests `h − ρ g/κ_c` above a floor, and slides down a slope with the acceleration a by
+//! `a Δt² n(n + 1)/2` in n steps, to six digits. The quasi-Newton method of [`ImplicitEuler`] and [`Bdf2`] does this
+//! (with [`Bdf2`] what is stopped bounces). Contacts between vertices far from each other in the mesh are additions of
+//! rank one to the matrix of the multigrid cycle: they come and go without a new pattern. What couples all vertices of
+//! a piece, the volume of a closed one ([`ClosedVolume`](cloth_core::enclosure::ClosedVolume)), is an addition of rank
+//! one around the whole cycle (Sherman–Morrison, `implicit/global_terms.rs`): a ball of water, K = 2·10⁹ Pa, converges
+//! as one of air does. Where five steps of a minimisation have been cut to less than a quarter by what is near, a
+//! direction of L-BFGS leads nowhere any more: what one cycle leaves of the residual is enough to run into the next
+//! contact. From there on the directions are those of a *truncated Newton method*: conjugate gradients around the
+//! cycle, to a tenth of the residual, on the matrix taken anew (`implicit/truncated_newton.rs`). A sheet of 41 × 41
+//! vertices on a cube that turns takes 1,184 iterations in 20 steps, and 25,077 by L-BFGS alone. Newton's method does
+//! not take over from a step with contact; one that has not converged within [`ImplicitConfig::max_iterations`] ends
+//! there, free of crossings.
 //!
 //! A linearised step linearises the cloth alone, and again where it is stopped and has to buckle
 //! ([`Solve::Linearized`]); the midpoint rule takes contact at its end ([`ImplicitMidpoint`]). [`Solve::Newton`] has no
@@ -200,8 +230,8 @@
 //! | multigrid (preconditioned conjugate gradients) | a product and a V-cycle | hardly depends on κ |
 //! | conjugate gradients | a product and two passes over the vectors | `(√κ − 1)/(√κ + 1)` or better |
 //! | Chebyshev–Jacobi | a product and one pass | `(√κ − 1)/(√κ + 1)` |
-//! | Gauss–Seidel | as much as a product | the square of Jacobi's, or so |
-//! | Jacobi | a product and one pass | `(κ − 1)/(κ + 1)` |
+//! | Gauss–Seidel | as much as a product | the square of undamped Jacobi's, for a chain or a grid without diagonals |
+//! | Jacobi | a product and one pass | `(κ − 1)/(κ + 1)` with the best damping, which is estimated |
 //!
 //! Here A = M/Δt² + H, D its diagonal blocks. κ grows with stiffness, with Δt² and with resolution: 4·10⁴, 2·10⁵ and
 //! 10⁶ for the hanging sheet of 10⁴ N/m with 32, 64 and 128 vertices a side at Δt = 1/60 s, where conjugate gradients
@@ -223,7 +253,7 @@
 //!
 //! # What a step does to one oscillation
 //!
-//! With `z = Δt ω` (the tests hold each line to twelve digits or more):
+//! With `z = Δt ω` (tests hold amplitudes and angles to 10⁻¹¹ or less, `z⁴/4` to 2 % at z = 0.05):
 //!
 //! | method | order | amplitude per step | angle per step | stable |
 //! |---|---|---|---|---|
@@ -251,22 +281,28 @@
 //!   `energy`), a matrix too large for its indices.
 //! - **A step** is refused with a [`StepError`] if Δt is not positive and finite, if an input or the result is not
 //!   finite (the vertex is named), if an explicit step exceeds the stability limit or gains energy
-//!   ([`StabilityCheck`]), if no descent is possible, or if contact cannot be resolved. The state is then what it was
-//!   before the step.
+//!   ([`StabilityCheck`]), if no descent is possible, if a matrix is not positive definite that has to be
+//!   ([`StepError::NotPositiveDefinite`]), if contact cannot be resolved, or not felt ([`StepError::ContactNotFelt`],
+//!   [`Solve::Newton`]). The state is then what it was before the step.
 //! - **A state of the wrong length** is a bug of the caller and panics.
-//! - **No convergence is no error.** A step that has spent [`ImplicitConfig::max_iterations`] reports
-//!   [`Outcome::BudgetSpent`](cloth_core::step::Outcome) with the residual that is left.
+//! - **No convergence is no error.** A step that has spent [`ImplicitConfig::max_iterations`], is stuck in contact, has
+//!   linearised the cloth eight times, or whose Newton's method does not fit into the memory or loses a nearly singular
+//!   matrix, reports [`Outcome::BudgetSpent`](cloth_core::step::Outcome) with the residual that is left. The state has
+//!   advanced: look at the report.
 //!
 //! # Threads
-//! With the feature `parallel` energies, gradients, matrices and multigrid run on rayon's threads. Sums are taken over
-//! fixed chunks of vertices in a fixed order, so results have the same bits on any number of threads, and without the
-//! feature.
+//! With the feature `parallel` energies, gradients, matrices and multigrid run on rayon's threads. No colours: each
+//! chunk of 2048 vertices visits all elements that touch it, and adds to its own vertices only; an element on the
+//! border of two is computed twice. The smoother is Gauss–Seidel within 8192 rows and Jacobi between them. Chunks and
+//! the order of sums are fixed, so results have the same bits on any number of threads, and without the feature.
 //!
 //! # Add an element
 //! One struct and the traits of [`cloth_core::element`]: `Element<N>` names the vertices, and either `Constraint<N>`
 //! gives rows C with `E = ½ Σ k C²`, from which energy, gradient and `Σ k ∂C ∂Cᵀ` follow, or `Energy<N>` gives them
 //! directly. Where C is not linear write `curvature`, `Σ k C ∂²C`, too, or every Hessian is Gauss–Newton's, and
-//! [`Accept::Minimum`] proves nothing; [`hessian_error`](cloth_core::check::hessian_error) tests it.
+//! [`Accept::Minimum`] proves nothing; [`hessian_error`](cloth_core::check::hessian_error) tests it. By `Clamp` and
+//! `Abs` it has to be semi-definite. Only elements of one vertex count as holding the cloth: the energy of every other
+//! must not change when all its vertices are shifted alike, or the shift of momentum is wrong.
 //!
 //! ```
 //! use cloth_massspring::cloth_core::check::gradient_error;
@@ -316,15 +352,16 @@
 //!   bounded where springs turn far in a step.
 //! - Damping keeps its order of accuracy: `K` is taken where inertia leads, `v` where the forces are. It is that of the
 //!   material only, the tension of a spring does not damp its turning.
-//! - Newton's method converges from cloth that is random, flattened, collapsed into a point or turned inside out, with
+//! - The default converges from cloth that is random, flattened, collapsed into a point or turned inside out, with
 //!   stiffnesses and masses that differ by 10⁸ and 10⁶, at steps from 1 ms to 1 s: ten runs of ten in each of 108
-//!   cases. But it can take hundreds of iterations (800 at worst) where a stiff net unfolds.
+//!   cases. But it can take hundreds of iterations where a stiff net unfolds.
 //! - Implicit Euler is *heavily damped*: an oscillation of period 10 Δt loses 15 % of its amplitude in every step.
 //!   Cloth that swings and wrinkles less with it than it should is the price of the large step, not a property of the
 //!   cloth. It keeps linear momentum, not angular momentum.
 //! - Symplectic Euler keeps both momenta, and its energy stays within a band; at `z` near 2 the band is wide. A sheet
 //!   of 64 × 64 vertices, 0.2 kg/m² and 10⁴ N/m, needs 370 steps, at the stable limit (`cloth-bench` takes steps half
-//!   as long), for what implicit Euler does in one of 1/60 s.
+//!   as long), for what implicit Euler does in one of 1/60 s. (0.77 l √(ρ/k), the limit of an endless grid, makes 305;
+//!   but at a corner a third of the mass ρ l² hangs on full springs, and ω² = 9.86 k/(ρ l²).)
 //! - A compressed sheet has many minima, one for each buckling mode, and saddle points between them. Which minimum
 //!   Newton's method finds depends on the start; by default a saddle point will do as well, see [`Accept`]. Exactly
 //!   flat cloth under forces in its plane feels none out of it, and neither Newton's method nor L-BFGS leaves the
@@ -364,7 +401,8 @@
 //! 6. `implicit/bdf2.rs`, `at_end.rs` (contact of the midpoint rule), `damper.rs`, `linearized.rs`,
 //!    `drift.rs`, `global_terms.rs` (volumes).
 //!
-//! The tests in `tests/chapter` are the claims of this page, one by one.
+//! Most claims of this page are tests in `tests/chapter` (`cargo test --release -p cloth-massspring --features cholesky
+//! --test chapter`), those on contact in `cloth-bench/tests/contract`; times and tables are `cloth-bench`'s.
 //!
 //! # Features
 //!
@@ -384,6 +422,13 @@
 //!   <https://doi.org/10.1073/pnas.38.3.235>: BDF.
 //! - J. Nocedal, S. J. Wright, *Numerical Optimization*, 2nd ed., Springer 2006,
 //!   <https://doi.org/10.1007/978-0-387-40065-5>: chapter 3, line search and modified Newton methods.
+//! - J. Nocedal, "Updating quasi-Newton matrices with limited storage", Math. Comp. 35, 1980,
+//!   <https://doi.org/10.1090/S0025-5718-1980-0572855-7>: L-BFGS.
+//! - J. W. Ruge, K. Stüben, "Algebraic multigrid", in *Multigrid Methods*, SIAM 1987,
+//!   <https://doi.org/10.1137/1.9781611971057.ch4>; R. Tamstorf, T. Jones, S. F. McCormick, "Smoothed aggregation
+//!   multigrid for cloth simulation", ACM TOG 34(6), 2015, <https://doi.org/10.1145/2816795.2818081>.
+//! - H. Chen et al., "Stabler neo-Hookean simulation: absolute eigenvalue filtering for projected Newton", SIGGRAPH
+//!   2024, <https://arxiv.org/abs/2406.05928>.
 //! - E. Hairer, C. Lubich, G. Wanner, *Geometric Numerical Integration*, 2nd ed., Springer 2006,
 //!   <https://doi.org/10.1007/3-540-30666-8>: what symplectic Euler and the midpoint rule keep.
 

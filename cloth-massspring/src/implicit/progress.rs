@@ -7,11 +7,11 @@ const WINDOW: u32 = 100;
 /// More iterations than this, at the rate of the last two windows, are too many: Newton's method takes over.
 const TOO_FAR: Real = 1000.0;
 
-/// The smallest gradient norms so far.
+/// The smallest Newton decrements (√J) so far.
 #[derive(Debug)]
 pub(super) struct Progress {
     smallest: Real,
-    /// The smallest norm two windows ago and one window ago.
+    /// The smallest two windows ago and one window ago.
     marks: [Real; 2],
 }
 
@@ -23,16 +23,17 @@ impl Progress {
         }
     }
 
-    /// Takes notice of the gradient norm before an iteration, and says whether it falls too slowly to be `enough`.
-    pub(super) fn is_too_slow(&mut self, iteration: u32, norm: Real, enough: Real) -> bool {
-        self.smallest = self.smallest.min(norm);
+    /// Takes notice of the Newton decrement (√J) of an iteration, counted from 1, and says whether it falls too slowly
+    /// to become `enough`.
+    pub(super) fn is_too_slow(&mut self, iteration: u32, decrement: Real, enough: Real) -> bool {
+        self.smallest = self.smallest.min(decrement);
         if !iteration.is_multiple_of(WINDOW) {
             return false;
         }
         let [before, last] = self.marks;
         self.marks = [last, self.smallest];
         let fall_per_iteration = (before / self.smallest).ln() / Real::from(2 * WINDOW);
-        (norm / enough).ln() > TOO_FAR * fall_per_iteration
+        (decrement / enough).ln() > TOO_FAR * fall_per_iteration
     }
 }
 
@@ -40,21 +41,21 @@ impl Progress {
 mod tests {
     use super::*;
 
-    /// The iteration at which a norm that falls by `factor` in each is given up, on its way to 1e-6.
+    /// The iteration at which a decrement that falls by `factor` in each is given up, on its way to 1e-6.
     fn given_up(factor: Real) -> Option<u32> {
         let mut progress = Progress::new();
-        let norm = |iteration: u32| factor.powi(iteration as i32);
-        (0..5000)
-            .take_while(|&iteration| norm(iteration) > 1e-6)
-            .find(|&iteration| progress.is_too_slow(iteration, norm(iteration), 1e-6))
+        let decrement = |iteration: u32| factor.powi(iteration as i32);
+        (1..5000)
+            .take_while(|&iteration| decrement(iteration) > 1e-6)
+            .find(|&iteration| progress.is_too_slow(iteration, decrement(iteration), 1e-6))
     }
 
     #[test]
-    fn what_needs_a_thousand_iterations_more_is_given_up_after_two_windows() {
+    fn what_needs_a_thousand_iterations_more_is_given_up_after_three_windows() {
         assert_eq!(given_up(0.98), None);
         assert_eq!(given_up(0.985), None);
-        assert_eq!(given_up(0.99), Some(200));
-        assert_eq!(given_up(0.9999), Some(200));
-        assert_eq!(given_up(1.0), Some(200));
+        assert_eq!(given_up(0.99), Some(300));
+        assert_eq!(given_up(0.9999), Some(300));
+        assert_eq!(given_up(1.0), Some(300));
     }
 }

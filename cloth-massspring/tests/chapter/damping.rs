@@ -16,8 +16,8 @@ const DAMPING: Damping = Damping {
     air_drag: 0.9,
     stiffness: 0.013,
 };
-/// γ = α + β ω² (1/s).
-const GAMMA: Real = 0.9 + 0.013 * OMEGA * OMEGA;
+/// 2γ = α + β ω² (1/s).
+const TWICE_GAMMA: Real = 0.9 + 0.013 * OMEGA * OMEGA;
 
 fn damped(config: ImplicitConfig) -> ImplicitConfig {
     ImplicitConfig {
@@ -46,9 +46,9 @@ fn orbit(mut solver: impl Stepper, dt: Real, steps: usize) -> Vec<[Real; 2]> {
     orbit
 }
 
-/// `v = v_b − τ(ω² x + γ v)`, `x = x_b + τ v`, solved.
+/// `v = v_b − τ(ω² x + 2γ v)`, `x = x_b + τ v`, solved.
 fn stage([x, v]: [Real; 2], tau: Real) -> [Real; 2] {
-    let speed = (v - tau * OMEGA * OMEGA * x) / (1.0 + tau * GAMMA + (tau * OMEGA).powi(2));
+    let speed = (v - tau * OMEGA * OMEGA * x) / (1.0 + tau * TWICE_GAMMA + (tau * OMEGA).powi(2));
     [x + tau * speed, speed]
 }
 
@@ -96,7 +96,7 @@ fn every_integrator_damps_an_oscillator_as_its_closed_form_says() {
         agree(&orbit(bdf2, dt, 20), parabola, "BDF2");
     }
     let dt = 0.01;
-    let kick = |[x, v]: [Real; 2]| v - dt * (OMEGA * OMEGA * x + GAMMA * v);
+    let kick = |[x, v]: [Real; 2]| v - dt * (OMEGA * OMEGA * x + TWICE_GAMMA * v);
     let symplectic = solver!(SymplecticEuler, p, springs.clone(), explicit(DAMPING));
     let leap = |o: &[[Real; 2]], n: usize| {
         let v = kick(o[n - 1]);
@@ -116,7 +116,7 @@ fn an_oscillation_shrinks_by_the_root_of_the_determinant() {
     let orbit = orbit(solver, dt, 30);
     // The area between two neighbouring points changes by the square of the factor.
     let area = |n: usize| orbit[n][0] * orbit[n + 1][1] - orbit[n][1] * orbit[n + 1][0];
-    let expected = 1.0 / (1.0 + dt * GAMMA + (dt * OMEGA).powi(2));
+    let expected = 1.0 / (1.0 + dt * TWICE_GAMMA + (dt * OMEGA).powi(2));
     for n in 0..20 {
         assert!((area(n + 1) / area(n) / expected - 1.0).abs() < 1e-11);
     }
@@ -125,7 +125,7 @@ fn an_oscillation_shrinks_by_the_root_of_the_determinant() {
 #[test]
 fn the_stable_step_of_a_damped_spring_is_the_closed_form() {
     let (particles, springs) = oscillator(OMEGA);
-    let rate = GAMMA;
+    let rate = TWICE_GAMMA;
     let limit = (-rate + (rate * rate + 4.0 * OMEGA * OMEGA).sqrt()) / (OMEGA * OMEGA);
     let config = ExplicitConfig {
         damping: DAMPING,

@@ -1,4 +1,5 @@
-//! Newton's method from starts that make no sense, at ratios that are too large.
+//! The default (L-BFGS, and Newton's method where that is stuck) from starts that make no sense, at ratios that are too
+//! large.
 //!
 //! A cell is one kind of start at one size of step, stiffness ratio and mass ratio; ten jittered runs each. A run
 //! passes if the step converges to a finite state whose incremental potential is not above that of its start, or fails
@@ -130,17 +131,17 @@ fn cell(
 }
 
 #[test]
-fn newton_converges_from_anywhere_on_uniform_cloth() {
+fn the_default_converges_from_anywhere_on_uniform_cloth() {
     converges_from_anywhere(1.0);
 }
 
 #[test]
-fn newton_converges_from_anywhere_where_one_half_is_stiffer() {
+fn the_default_converges_from_anywhere_where_one_half_is_stiffer() {
     converges_from_anywhere(1e4);
 }
 
 #[test]
-fn newton_converges_from_anywhere_where_one_half_is_rigid() {
+fn the_default_converges_from_anywhere_where_one_half_is_rigid() {
     converges_from_anywhere(1e8);
 }
 
