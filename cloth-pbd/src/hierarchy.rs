@@ -63,11 +63,11 @@ impl Default for HierarchyConfig {
 ///   projections. A link does not become shorter by the corrections of others: below its length at the start it
 ///   pushes back. (Müller's links only pull. Pulling by turns they draw the cloth together sideways, and
 ///   nothing on their level draws it apart again: on a hanging sheet of 128 × 128 vertices by a fifth of what
-///   gravity moved it.) Then the finer level follows: `Δx = Σ wₚ Δxₚ`, the prolongation P of [`coarse_levels`].
-///   The mass of a coarse vertex is `Σ w m` over its dependants, `Pᵀm`, so `Σ m x` does not change.
+///   gravity moved it.) Then the finer level follows: `Δxᵢ = Σⱼ Pᵢⱼ Δxⱼ`, with the prolongation P of
+///   [`coarse_levels`]. The mass of a coarse vertex is `Σᵢ Pᵢⱼ mᵢ`, `Pᵀm`, so `Σ m x` does not change.
 ///
 /// Limits: links are as hard as [`HierarchyConfig::stiffness`] says, whatever the material; a soft cloth
-/// becomes stiffer. Angular momentum is not conserved by `Δx = Σ wₚ Δxₚ`. Only stretching is corrected.
+/// becomes stiffer. Angular momentum is not conserved by the prolongation. Only stretching is corrected.
 #[derive(Debug)]
 pub struct Hierarchy {
     vertex_count: usize,

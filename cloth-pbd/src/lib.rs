@@ -45,20 +45,23 @@
 //! ```
 //!
 //! with w̃ the generalised inverse mass of the row. The inverse masses are not a choice: with them
-//! `Σ mᵢ Δxᵢ = Δλ Σ ∂C/∂xᵢ`, which is zero for every constraint that is invariant under translation. So no projection
-//! changes the linear momentum, and a vertex with w = 0 does not move.
+//! `Σ mᵢ Δxᵢ = Δλ Σ ∂C/∂xᵢ`, which is zero for every constraint that is invariant under translation. So a projection of
+//! free vertices onto such a constraint keeps the linear momentum; one that holds to a place (a soft pin, a plane) or
+//! has a prescribed vertex does not. A vertex with w = 0 does not move.
 //!
 //! **All constraints.** Backward Euler's step is the minimum of `½ ‖x − x̃‖²_M/h² + E(x)`, x̃ the end of the free
-//! flight. For infinitely stiff E that is the point nearest to x̃, in the metric of M, at which all constraints hold. A
-//! sweep of projections from x̃ is one Gauss–Seidel iteration towards it (exactly so where the constraints are linear):
-//! *PBD is the hard limit of backward Euler, solved approximately*. In that limit k has no place. With J = ∂C/∂x the
-//! system is `J M⁻¹ Jᵀ λ = −C(x̃)`, and a visit relaxes one row of it. For curved constraints J changes as the sweeps
-//! move x, so they end on C = 0, but not exactly at the nearest point. Soft rows add `1/(k h²)` to the diagonal; a
-//! method that does so must keep the λ of each row: that is XPBD.
+//! flight, since its stationary point has `M (x − x̃)/h² = −∂E/∂x`. For infinitely stiff E that is the point nearest to
+//! x̃, in the metric of M, at which all constraints hold. A sweep of projections from x̃ is one Gauss–Seidel iteration
+//! towards it (exactly so where the constraints are linear): *PBD is the hard limit of backward Euler, solved
+//! approximately*. In that limit k has no place. With J = ∂C/∂x the system is `J M⁻¹ Jᵀ λ = −C(x̃)`, and a visit
+//! relaxes one row of it. For curved constraints J changes as the sweeps move x, so they end on C = 0, but not exactly
+//! at the nearest point. Soft rows add `1/(k h²)` to the diagonal; a method that does so must keep the λ of each row:
+//! that is XPBD.
 //!
-//! **Soft constraints** make the fraction s of the correction in a visit, and so leave `(1 − s)ⁿ` of C after n
-//! visits of one constraint alone. Backward Euler for a spring of stiffness k leaves `1/(1 + k h² w̃)`. Set equal, with
-//! n sweeps in a substep of h,
+//! **Soft constraints** make the fraction s of the correction in a visit, and so leave `(1 − s)ⁿ` of C after n visits
+//! of one constraint alone. With `E = ½ k C²` and `λ = −k h² C`, backward Euler is `M (x − x̃) = λ ∂C/∂x`; for one
+//! linear row `C = C̃ + w̃ λ`, C̃ that at x̃, so `(w̃ + 1/(k h²)) λ = −C̃`, and `C = C̃/(1 + k h² w̃)` is left. Set
+//! equal, with n sweeps in a substep of h,
 //!
 //! ```text
 //! k = ((1 − s)^(−n) − 1)/(h² w̃)        what n visits with s act as
@@ -67,14 +70,15 @@
 //!
 //! With a fixed s ([`StiffnessRule::Fixed`]) the cloth is stiffer exponentially in n, and as 1/h². The second line is
 //! [`StiffnessRule::Material`], the default: that is how the same k (N/m) that the other methods take reaches PBD. It
-//! is exact for one constraint alone, and for nothing else; see the [limits](#limits).
+//! is exact for one constraint alone whose C is linear along its correction, as a spring's is, and for nothing else;
+//! see the [limits](#limits).
 //!
 //! # The step
 //! ```text
 //! for each substep of h = Δt/substeps:
-//!     v ← v + h (g + w f),  x̃ ← x + h v                        free flight
+//!     v ← v + h (g + w f) where w > 0,  x̃ ← x + h v            free flight
 //!     x ← x̃
-//!     n times, for each row:  xᵢ ← xᵢ − s wᵢ ∂C/∂xᵢ C/w̃        one sweep
+//!     n times, for each row:  xᵢ ← xᵢ − s wᵢ ∂C/∂xᵢ C/w̃        one sweep; then over the rows of contact
 //!     v ← v + (x − x̃)/h                                        velocities from positions
 //! ```
 //!
@@ -90,18 +94,18 @@
 //!
 //! **Stable?** Projecting onto a linear row with 0 ≤ s ≤ 1 takes x nearer, in `‖·‖_M`, to every point that meets it. So
 //! a step of one substep without forces from x⁰ with C(x⁰) = 0 gains no kinetic energy:
-//! `h ‖v⁺‖ = ‖x⁺ − x⁰‖ ≤ ‖x̃ − x⁰‖` (linear rows, pins at rest, no extrapolation, full Jacobi or hierarchy). Where x⁰
-//! violates rows, what the sweeps take back becomes velocity.
+//! `h ‖v⁺‖ = ‖x⁺ − x⁰‖ ≤ ‖x̃ − x⁰‖`. This is for linear rows and pins at rest, without extrapolation, a hierarchy or
+//! Jacobi sweeps in full. Where x⁰ violates rows, what the sweeps take back becomes velocity.
 //!
-//! **Constraints** are whatever shows rows `C(x)`, `∂C/∂x`, `k`: distance, bending (flat, curved, by angle),
-//! area, volume, soft pin, the strains of a triangle. A hard pin is a prescribed vertex, `w = 0`.
+//! **Constraints** are whatever shows rows `C(x)`, `∂C/∂x`, `k` with `E = ½ Σ k C²`: distance, bending (flat, curved,
+//! by angle), area, volume, soft pin, the strains of a triangle. A hard pin is a prescribed vertex, `w = 0`.
 //!
-//! | constraint | C | its gradient | element |
-//! |---|---|---|---|
-//! | distance | ‖x₀ − x₁‖ − L | ±(x₀ − x₁)/‖x₀ − x₁‖ | [`Spring`] |
-//! | bending by angle | θ − θ₀ | −‖e‖ n/‖n‖² at the two opposite vertices, n the normals (twice the area), e the edge | [`DihedralHinge`](cloth_core::energy::DihedralHinge) |
-//! | isometric bending | Σ qᵢ xᵢ, three rows | qᵢ along each axis | [`CurvatureHinge`](cloth_core::energy::CurvatureHinge) |
-//! | area | A − A₀ | ½ n̂ × the opposite edge, n̂ the unit normal | [`AreaTriangle`](cloth_core::energy::AreaTriangle) |
+//! | constraint | C | its gradient | k | element |
+//! |---|---|---|---|---|
+//! | distance | ‖x₀ − x₁‖ − L | ±(x₀ − x₁)/‖x₀ − x₁‖ | N/m | [`Spring`] |
+//! | bending by angle | θ − θ₀ | gᵢ = −‖e‖ nᵢ/‖nᵢ‖² at the tips i = 2, 3, with the edge e = x₁ − x₀ and the normals nᵢ (twice the area); −t₂ g₂ − t₃ g₃ at x₁, tᵢ = (xᵢ − x₀)·e/‖e‖²; at x₀ what makes the sum zero | N·m | [`DihedralHinge`](cloth_core::energy::DihedralHinge) |
+//! | isometric bending | Σ qᵢ xᵢ, three rows | qᵢ along each axis | N/m | [`CurvatureHinge`](cloth_core::energy::CurvatureHinge) |
+//! | area | A − A₀ | ½ n̂ × the opposite edge, n̂ the unit normal | N/m³ | [`AreaTriangle`](cloth_core::energy::AreaTriangle) |
 //!
 //! | equation | function |
 //! |---|---|
@@ -115,7 +119,7 @@
 //! | `1 − (1 + k h² w̃)^(−1/n)` | [`projection_stiffness`] |
 //! | work of prescribed vertices, `−Σ ∂C/∂xᵢ·vᵢ ΣΔλ/h` | [`Motion::count_pin_work`] |
 //! | the loop around them | [`PbdSolver`]: `solver.rs` |
-//! | coarse levels: `Δx = Σ wₚ Δxₚ` | [`Hierarchy`], [`PbdSolver::with_hierarchy`] |
+//! | coarse levels: `Δxᵢ = Σⱼ Pᵢⱼ Δxⱼ` | [`Hierarchy`], [`PbdSolver::with_hierarchy`] |
 //! | `σ_min ≤ σ ≤ σ_max` | [`StrainLimiter`], [`WithStrainLimit`] |
 //!
 //! **Where the formula lives.** The plain form is `row_by_row_correction` in `correction.rs`; the other
@@ -129,13 +133,15 @@
 //! [`Families::sweep`]: cloth_core::method::position_based::Families::sweep
 //!
 //! # Order of the constraints, colours and threads
-//! A sweep visits the families in the order in which they were added, and the elements of a family in the order
-//! of [`Sweep`]. The result depends on both; the constraint visited last is met best. [`Sweep::Colored`], the
-//! default, colours the elements greedily, so that no two of a colour share a vertex: they can be visited in
-//! parallel, without locks, and give the same bits on any number of threads (feature `parallel`; a second
-//! thread takes part in colours of at least 4096 elements). [`Sweep::Sequential`] keeps the order given and one
-//! thread. Jacobi sweeps solve all elements at the same positions; averaged, each makes the fraction 1/n of its
-//! correction, n the most elements, of all families, at one of its free vertices.
+//! A sweep visits the families in the order in which they were added, and the elements of a family in the order of
+//! [`Sweep`]. The result depends on both; the constraint visited last is met best. [`Sweep::Colored`], the default,
+//! colours the elements greedily, so that no two of a colour share a vertex: they can be visited in parallel, without
+//! locks, and give the same bits on any number of threads (feature `parallel`; a second thread takes part in colours of
+//! at least 4096 elements). Springs of which at most a meet at a vertex get between a and 2a − 1 colours. A cloth of
+//! 2¹⁹ vertices or more is visited by blocks of 2¹⁴ vertices, the colours of one block before the next.
+//! [`Sweep::Sequential`] keeps the order given and one thread. Jacobi sweeps solve all elements at the same positions;
+//! averaged, each makes the fraction 1/a of its correction, a the most elements, of all families, at one of its free
+//! vertices.
 //!
 //! What one sweep leaves of the slowest error of a straight chain of N rigid links, held at one end:
 //!
@@ -147,10 +153,16 @@
 //! | Chebyshev on Jacobi, in full | `cos(π/2N)/(1 + sin(π/2N))` | 29.3 |
 //! | Gauss–Seidel with `ω = 2/(1 + sin(π/2N))` | `ω − 1` | 14.6 |
 //!
+//! Jacobi's matrix `D⁻¹(L + U)` of this chain takes each link to the mean of its two neighbours, mirrored at the
+//! support and zero beyond the free end. So its eigenvectors are `cos((i − 1)θ)`, i = 1 … N, with `cos(Nθ) = 0`, the
+//! eigenvalues `cos θ`, the slowest with `θ = π/2N`. For a tridiagonal matrix Gauss–Seidel has their squares. One
+//! elimination would solve such a system exactly: not offered here, see the direct solver of `cloth-xpbd`.
+//!
 //! # How many substeps, how many iterations
 //! With rigid projections ([`StiffnessRule::Fixed`] of 1) a straight chain of N links of length l and equal masses,
 //! swept once per substep from its support, hangs with a mean strain of `ε = g h² (N − 1)/(2 l)`; so a wanted ε takes
-//! `Δt √(g (N − 1)/(2 l ε))` substeps at rest; what is stopped at a speed v strains by some 2 v h/l more. n iterations
+//! `Δt √(g (N − 1)/(2 l ε))` substeps at rest; what is stopped at a speed v strains for a while by up to v h/l more
+//! (single links by up to 2 v h/l if every other one is visited first). n iterations
 //! of one substep divide the sag by nearly n, n substeps by n². "As many iterations as the mesh is wide", a popular
 //! rule, leaves `cos^(2N)(π/2N) ≈ e^(−π²/4N)` of the slowest error: 90 % for N = 24. A soft material needs another
 //! method: see the limits.
@@ -162,8 +174,8 @@
 //! sheet of 128 × 128 vertices, rigid springs, hangs at rest by its upper edge or its two upper corners, h = 1/60 s.
 //! Gravity takes every vertex down by g h²; sweeps until a hundredth of that is left, and their time on one thread of a
 //! 2-core AMD EPYC (the smallest of some repetitions:
-//! `cargo run --release -p cloth-bench -- study acceleration --tables`). "≥": extrapolated at the rate of the second
-//! half of the sweeps made, 4 000 or 16 000; where that could be checked, by an edge, it was one sweep in 22 239 off.
+//! `cargo run --release -p cloth-bench -- study acceleration --tables`). "≥": not run to the end, but extrapolated from
+//! 4 000 or 16 000 sweeps at the rate of their second half; the first of these, run to its end, takes 22 239.
 //!
 //! | | sweeps, edge | ms | sweeps, corners | ms |
 //! |---|---|---|---|---|
@@ -185,7 +197,7 @@
 //! # Strain limiting
 //! For the end of a step of *any* method: [`WithStrainLimit`] follows each step by projections onto ranges of
 //! lengths, areas or principal stretches, and updates the velocities so that linear and angular momentum are
-//! conserved.
+//! conserved where no vertex is prescribed and contact does not shorten the way.
 //!
 //! # Pin and drag
 //! `particles.prescribe(i)?` before the solver is built; before each step set `state.velocities[i]` to
@@ -196,26 +208,31 @@
 //! From `cloth-collide`: `let mut contacts = PotentialContacts::builder(&mesh).obstacle(body, friction).build()?;`,
 //! then `solver.step(&mut state, StepInput::new(dt).contacts(&mut contacts))?`, with the same contacts in every step.
 //!
-//! A source of contact constraints ([`ContactConstraints`](cloth_core::contact::ContactConstraints),
-//! implemented by the crate `cloth-collide`) is handed over with [`StepInput::contacts`]. Its rows, with
-//! friction, are swept last in each sweep of every substep; the velocities follow from what they leave. The
-//! solver itself knows nothing of shapes, and runs no code for contact without a source. The strain that
-//! unconverged sweeps leave is elastic energy that contact can release: a sheet of 64 × 64 vertices that falls
-//! 5 cm onto a ball gains some 1500 J with the default of 20 iterations, where gravity gives 0.6 J (README,
-//! table).
+//! A source of contact constraints ([`ContactConstraints`](cloth_core::contact::ContactConstraints), implemented by the
+//! crate `cloth-collide`) is handed over with [`StepInput::contacts`]. In each substep `begin_substep` finds what can
+//! touch on the free flight; `sweep`, last in each sweep, visits its rows `C = n·Σ aᵢ xᵢ − d̂ ≥ 0` (normal n, nearest
+//! points by their weights aᵢ, range d̂) with the compliance of contact, and friction within μ λ; `end_substep` tests
+//! all paths before the velocities follow from the positions. What pushes the cloth out becomes velocity, unless
+//! `change_velocities` takes it back: `cloth-collide` does so where there is a coefficient of restitution. The solver
+//! itself knows nothing of shapes, and runs no code for contact without a source. The strain that unconverged sweeps
+//! leave is elastic energy that contact can release: a sheet of 64 × 64 vertices and 0.2 kg that falls 5 cm onto a ball
+//! gains some 1500 J with the default of 20 iterations (`cloth-bench/doc/results.md`), where a fall of 0.32 m, that of
+//! implicit Euler, gives 0.6 J.
 //!
 //! # Errors and bad input
 //! - **Building** is refused with a [`BuildError`] that names the setting and its range (no iterations or
 //!   substeps, a fixed stiffness outside [0, 1], relaxation outside (0, 2), …), or the element and the vertex
-//!   that does not exist.
+//!   that does not exist. A mass that is not positive and finite is refused before, by [`Particles::new`]
+//!   ([`ParticleError::InvalidMass`](cloth_core::particles::ParticleError::InvalidMass)).
 //! - **A step** is refused with a [`StepError`] if Δt is not positive and finite, or if gravity, loads,
 //!   positions or velocities are not finite (the first such vertex is named), and if its *result* is not
 //!   finite. In all cases the state is what it was before the step, and the solver can be used again.
-//! - **A state or load of the wrong length** is a bug of the caller and panics, as is an element that names a
-//!   vertex twice.
-//! - **Degenerate elements are no error.** A row whose gradient vanishes is left alone: a tetrahedron on a
-//!   line, a triangle in a point. The two ends of a spring that coincide, and a triangle flattened to a line,
-//!   are driven apart in a direction that depends on their numbers only.
+//! - **A state or load of the wrong length** is a bug of the caller and panics. So is an element that names a
+//!   vertex twice, which panics with [`Sweep::Colored`] and is not noticed with the other sweeps.
+//! - **Degenerate elements are no error.** A row with w̃ = 0 is left alone: all its vertices prescribed, a tetrahedron
+//!   on a line, a triangle in a point. The two ends of a spring that coincide, and an
+//!   [`AreaTriangle`](cloth_core::energy::AreaTriangle) flattened to a line, are driven apart in a direction that
+//!   depends on their numbers only.
 //! - **No convergence test.** A step makes its sweeps and reports
 //!   [`Outcome::BudgetSpent`](cloth_core::step::Outcome).
 //!
@@ -261,18 +278,19 @@
 //! ```
 //!
 //! # Limits
-//! - **The material is met by one constraint alone.** [`StiffnessRule::Material`] is exact for it. Constraints
-//!   that share vertices spoil each other's corrections, and then the rule gives cloth *softer* than its k, the
-//!   more so the larger `k h² w̃` and the longer the chain: two springs in a row of k = 100 N/m, 10 g a vertex,
-//!   h = 1/60 s, sag 1.9 times too far; twenty of 10⁴ N/m 80 to 250 times (3 times at 1 kg a vertex). More
-//!   iterations do not cure it: each then corrects less, and the whole tends to a limit.
-//!   For n fixed and h → 0, `s ≈ k h² w̃/n`, and n visits move by `h² w k C ∂C`: the explicit force at x̃. The method
-//!   then converges to the material with order 1, where `k h² w̃ ≪ 1` for every row; there symplectic Euler is cheaper.
+//! - **The material is met by one constraint alone.** Constraints that share vertices spoil each other's corrections,
+//!   and then the rule gives cloth *softer* than its k, the more so the larger `k h² w̃` and the longer the chain: two
+//!   springs in a row of k = 100 N/m, 10 g a vertex, h = 1/60 s, sag 1.9 times too far; twenty of 10⁴ N/m 80 to 250
+//!   times (3 times at 1 kg a vertex). By hand: N springs and equal masses m, swept once a substep from the support,
+//!   sag `1 + (k h²/m)(N − 1)/(N + 1)` times too far, 1.926 for the two. More iterations do not cure it: each then
+//!   corrects less, and the whole tends to a limit. For n fixed and h → 0, `s ≈ k h² w̃/n`, and n visits move by
+//!   `−h² w k C ∂C`: the explicit force at x̃. The method then converges to the material with order 1, where
+//!   `k h² w̃ ≪ 1` for every row; there symplectic Euler is cheaper.
 //! - **With [`StiffnessRule::Fixed`] the stiffness depends on the iterations**: it grows with each of them and
 //!   with each smaller step, without bound, and no number of iterations is the right one.
 //! - A finer mesh needs more iterations: for a straight chain of N rigid links one sweep leaves `cos²(π/2N)` of
-//!   the error. At rest a rigid chain of N links of equal mass, swept once per substep from its support, sags
-//!   by `g h² N(N − 1)/2`.
+//!   the error, and about `1 − m/((N − 1) M)` where a mass M ≫ N m hangs at the end of links with masses m. At rest a
+//!   rigid chain of N links of equal mass, swept once per substep from its support, sags by `g h² N(N − 1)/2`.
 //! - Averaged Jacobi is slow: with springs alone six or eight constraints meet at a vertex, with hinges more, and each
 //!   makes a sixth, an eighth or less of its correction. Without averaging it diverges there. It is meant to be
 //!   extrapolated.
@@ -290,10 +308,11 @@
 //!   and so do prescribed vertices that move: their work is that of these forces. The elastic energy that k and the
 //!   stretch that sweeps leave come to is no energy of the method, and may be thousands of times what was put in. Its
 //!   own forces do not give it back; contact, a strain limit or another method that goes on from there may.
-//! - There is no damping but the method's own (a spring alone divides its energy by 1 + (h ω)² in a substep). That of
+//! - There is no damping but the method's own (a spring alone divides its energy by 1 + k h² w̃ in a substep). That of
 //!   Müller et al. 2007, section 3.5, which leaves the rigid motion as it is, is not offered; scale velocities between
 //!   steps for more.
-//! - Stiffnesses are taken to be zero, positive or infinite; a negative one is not checked.
+//! - Stiffnesses are taken to be zero, positive or infinite, and not checked. A negative one pushes away from C = 0;
+//!   where `k h² w̃ ≤ −1`, and for NaN, there is no s, and the step ends with [`StepError::NonFinite`].
 //!
 //! # When not to use this method
 //! Half a second of a falling sheet of 64 × 64 vertices, held by two corners (1 m, 0.2 kg/m², 10⁴ N/m, Δt 1/60
@@ -306,8 +325,8 @@
 //! | projective dynamics, 10 quasi-Newton iterations | 3.6 | 0.499 m | 1.2 % |
 //! | implicit Euler, converged | 21 | 0.499 m | 1.2 % |
 //!
-//! - **Cloth with a material**, that is with k, Y or D that should mean something: take XPBD, which costs the
-//!   same a sweep, or projective dynamics.
+//! - **Cloth with a material**, whose k, membrane modulus Y or bending rigidity D should mean something: take XPBD,
+//!   which costs the same a sweep, or projective dynamics.
 //! - **Forces, tensions, energies** that are to be read out: take XPBD or implicit Euler.
 //! - **Fine meshes** without a hierarchy or extrapolation: sweeps grow with the square of the vertices a side.
 //! - **A wanted error**: take implicit Euler.
@@ -317,18 +336,25 @@
 //!
 //! # Files in reading order
 //! 1. `examples/first_program.rs`: the naive method. `examples/springs_in_a_row.rs`: what its k is worth.
-//! 2. `solver.rs`: the loop; `config.rs`: its settings.
+//! 2. `cloth-core/src/element.rs`: what a row is. `solver.rs`: the loop; `config.rs`: its settings.
 //! 3. `stiffness.rs`: the formula of a row. In `cloth-core/src/method/position_based`: `correction.rs` (one element),
 //!    `families.rs` (the sweep), `motion.rs` (flight, velocities, contact), `chebyshev.rs`.
 //! 4. `hierarchy.rs`, with `tether.rs` (the row of a coarse link) and `level.rs`.
 //! 5. `strain_limit.rs`, with `limit.rs` (one element), `components.rs` (angular momentum), `with_strain_limit.rs`.
 //!
-//! The tests in `tests/all/chapter.rs` are the claims of this page, one by one.
+//! Most claims of this page are tests in `tests/all/chapter.rs`; those on the hierarchy, strain
+//! limits, input and prescribed vertices are in the files beside it. Times and tables are `cloth-bench`'s.
 //!
 //! # References
 //! - M. Müller, B. Heidelberger, M. Hennix, J. Ratcliff, "Position based dynamics", J. Vis. Commun. Image
 //!   Represent. 18(2), 2007, <https://doi.org/10.1016/j.jvcir.2007.01.005>. Its `s = 1 − (1 − k)^(1/n)` leaves
 //!   `1 − k` of a violation after n visits, whatever n; the rule here adds h and w̃.
+//! - M. Macklin, M. Müller, N. Chentanez, "XPBD: position-based simulation of compliant constrained dynamics", Motion
+//!   in Games 2016, <https://doi.org/10.1145/2994258.2994272>: the multipliers that soft rows need.
+//! - E. Grinspun, A. Hirani, M. Desbrun, P. Schröder, "Discrete shells", SCA 2003,
+//!   <https://doi.org/10.2312/SCA03/062-067>: bending by angle. M. Bergou, M. Wardetzky, D. Harmon, D. Zorin, E.
+//!   Grinspun, "A quadratic bending model for inextensible surfaces", SGP 2006,
+//!   <https://doi.org/10.2312/SGP/SGP06/227-230>: isometric bending.
 //! - T. Jakobsen, "Advanced character physics", Game Developers Conference 2001: the distance projection.
 //! - J. Bender, M. Müller, M. A. Otaduy, M. Teschner, M. Macklin, "A survey on position-based simulation
 //!   methods in computer graphics", Comput. Graph. Forum 33(6), 2014, <https://doi.org/10.1111/cgf.12346>.

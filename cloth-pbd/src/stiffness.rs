@@ -11,8 +11,9 @@ pub enum StiffnessRule {
     /// `s = 1 − (1 + k h² w̃)^(−1/n)` from the stiffness k of each row, the number of iterations n, the substep
     /// h (s) and the generalised inverse mass w̃ of the row.
     ///
-    /// One constraint alone then ends a substep where implicit Euler would put it, whatever n and h.
-    /// Constraints that share vertices do not: see the limits in the [crate documentation](crate).
+    /// One constraint alone whose C is linear along its correction, as a spring's is, then ends a substep where
+    /// implicit Euler would put it, whatever n and h. Constraints that share vertices do not: see the limits in the
+    /// [crate documentation](crate).
     #[default]
     Material,
     /// The same s, between 0 and 1, for every row, whatever its k. One constraint alone behaves as if it had
@@ -34,12 +35,13 @@ impl StiffnessRule {
     }
 }
 
-/// `s = 1 − (1 + kh²w̃)^(−1/n)` (dimensionless), from `stiffness_times_h2_w` = kh²w̃ (dimensionless) and
-/// n = `iterations`: the inverse of [`effective_stiffness`]. For kh²w̃ ≥ 0 and n ≥ 1.
+/// `s = 1 − (1 + kh²w̃)^(−1/n)` (dimensionless), from `stiffness_times_h2_w` = kh²w̃ (dimensionless) and n =
+/// `iterations`: the inverse of [`effective_stiffness`]. For kh²w̃ ≥ 0 and n ≥ 1; between −1 and 0 it is negative, at
+/// −1 infinite, and below it is NaN, as it is for NaN.
 #[inline]
 #[must_use]
 pub fn projection_stiffness(stiffness_times_h2_w: Real, iterations: u32) -> Real {
-    debug_assert!(stiffness_times_h2_w >= 0.0 && iterations > 0);
+    debug_assert!(iterations > 0);
     // 1 − exp(−ln(1 + z)/n), written so that a soft material (small z) keeps its digits; z = ∞ gives 1.
     -(-stiffness_times_h2_w.ln_1p() / Real::from(iterations)).exp_m1()
 }
@@ -176,5 +178,9 @@ mod tests {
         // Soft: s → z/n, to the last digits.
         let s = projection_stiffness(1e-14, 4);
         assert!((s - 0.25e-14).abs() < 1e-28, "{s}");
+        assert!(projection_stiffness(-0.5, 7) < 0.0);
+        for nothing in [-2.0, Real::NAN] {
+            assert!(projection_stiffness(nothing, 7).is_nan());
+        }
     }
 }

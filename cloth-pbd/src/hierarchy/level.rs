@@ -99,7 +99,7 @@ impl Level {
         }
     }
 
-    /// Adds the prolongated correction to the next finer level: `Δx = Σ wₚ Δxₚ`.
+    /// Adds the prolongated correction to the next finer level: `Δxᵢ = Σⱼ Pᵢⱼ Δxⱼ`.
     pub(super) fn prolongate(&self, finer: &mut [Vec3]) {
         for (vertex, finer) in finer.iter_mut().enumerate() {
             for &(parent, weight) in self.prolongation.of_fine(vertex) {

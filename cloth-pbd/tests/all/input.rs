@@ -116,6 +116,28 @@ fn what_is_not_a_number_is_refused() {
 }
 
 #[test]
+fn a_negative_stiffness_pushes_away_or_the_result_is_refused() {
+    let particles = Particles::new(vec![1.0; 2]).unwrap();
+    let dt = 0.01;
+    let mut weak = solver(spring(1.0, -1.0), &particles);
+    let mut state = apart(2.0);
+    weak.step(&mut state, StepInput::new(dt)).unwrap();
+    // k h² w̃ = −2·10⁻⁴.
+    let length = (state.positions[1] - state.positions[0]).norm();
+    assert!(
+        (length - 1.0 - 1.0 / (1.0 - 2e-4)).abs() < 1e-12,
+        "{length}"
+    );
+    for stiffness in [-1e4, -1e6, Real::NEG_INFINITY, Real::NAN] {
+        let mut solver = solver(spring(1.0, stiffness), &particles);
+        let mut state = apart(2.0);
+        let error = solver.step(&mut state, StepInput::new(dt)).unwrap_err();
+        assert!(matches!(error, StepError::NonFinite { .. }), "{stiffness}");
+        assert!(state == apart(2.0));
+    }
+}
+
+#[test]
 fn nothing_at_all_and_nothing_that_moves_are_steps_too() {
     let empty = Particles::new(Vec::new());
     if let Ok(particles) = empty {
