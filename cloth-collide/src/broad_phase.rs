@@ -6,11 +6,11 @@
 //! margin. Pieces whose boxes are disjoint cannot come nearer than the margin. A *broad phase* finds the overlapping
 //! pairs without looking at all n². There are three, and they find the same pairs:
 //!
-//! | | how | suits |
-//! |---|---|---|
-//! | [`Hierarchy`] | a tree of boxes, made once and refitted | triangles of any sizes |
-//! | [`SpatialHash`] | cubic cells, looked up by a hash of their place | triangles of one size |
-//! | [`MortonGrid`] | the same cells, sorted along a space-filling curve | triangles of one size; no table |
+//! | | how | suits | cost of a search |
+//! |---|---|---|---|
+//! | [`Hierarchy`] | a tree of boxes, made once and refitted | triangles of any sizes | n, and the pairs of nodes that overlap |
+//! | [`SpatialHash`] | cubic cells, looked up by a hash of their place | triangles of one size | n, and the pairs in a cell |
+//! | [`MortonGrid`] | the same cells, sorted along a space-filling curve | triangles of one size; no table | n log n, and the pairs in a cell |
 //!
 //! Only triangles are searched for. [`ClothCandidates`] makes vertex–triangle and edge–edge pairs from their pairs:
 //! each vertex and each edge belongs to one of its triangles, its *representative* (Curtis, Tamstorf and Manocha 2008),

@@ -30,9 +30,9 @@ use cloth_core::math::Real;
 ///
 /// This is conservative advancement (Mirtich 1996), where additive advancement (Li et al. 2021) would bound the speed
 /// of approach by the largest relative speed of the vertices. Here sliding and turning cost nothing, as the direction
-/// goes along. So a step covers most of what is left, and a simple contact is approached quadratically. An inclusion
-/// test (Wang et al. 2021) halves boxes in time and in both parameters of the polygon; here, whatever its parameters, a
-/// polygon on one side of a plane is done with at once.
+/// goes along. So a step covers most of what is left; and as the hull is off the cubic by O(τ²) over a time τ, a simple
+/// contact is approached quadratically. An inclusion test (Wang et al. 2021) halves boxes in time and in both
+/// parameters of the polygon; here, whatever its parameters, a polygon on one side of a plane is done with at once.
 ///
 /// Only the sign of the products n · x_k proves anything, not the way in which n was found. So everything about
 /// rounding is in a few lines, and its allowance is subtracted (`src/ccd/reach.rs` has the proof). Where `f64` cannot
@@ -51,8 +51,8 @@ use cloth_core::math::Real;
 /// # Limits
 ///
 /// - A pass at a distance below the above is reported as a contact.
-/// - For d > 0, steps shrink with the square root of (distance − d)/d while the direction turns, because |n| is bounded
-///   from above.
+/// - For d > 0, steps shrink with the square root of (distance − d)/d while the direction turns: where n turns by θ, a
+///   share of the order of θ² is what its bound has above |n|, and d θ² has to stay below distance − d.
 /// - With a slack above 0, a start at less than about 1e-6 of the size of the motion can use up the steps, and then the
 ///   time is early by more than the slack asks for. Without slack and separation this has not been seen.
 /// - A contact during the motion is found. What lies on the wrong side already at the start is not known to be wrong.

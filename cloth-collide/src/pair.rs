@@ -31,7 +31,7 @@ pub(crate) fn weighted(vertices: [u32; 4], weights: [Real; 4], x: &[Vec3]) -> Ve
 ///
 /// With the weights c_k(s) of the four vertices, which depend on up to two places s along edges, r = Σ c_k x_k goes
 /// from one nearest point to the other, and d = min over s of ‖r‖. The minimum is stationary in s, so ∂d/∂x_k = c_k n
-/// with n = r/d, and where the weights move, they follow from J ⊥ n.
+/// with n = r/d. As the vertices move, s moves such that n stays at right angles to ∂r/∂s.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gap {
     /// Of what.
@@ -40,7 +40,8 @@ pub struct Gap {
     pub distance: Real,
     /// From the second nearest point to the first, n (unit length; zero at distance 0).
     pub normal: Vec3,
-    /// c_k, dimensionless: positive on the first primitive, where they sum to 1, negative on the second.
+    /// c_k, dimensionless: not negative on the first primitive, where they sum to 1, not positive on the second. The wᵢ
+    /// of rows and constraints.
     pub weights: [Real; 4],
 }
 

@@ -17,15 +17,21 @@
 //! fewer pairs: with edges from h on, five layers of 17 × 17 vertices at rest take implicit Euler three times as long.
 //!
 //! A method adds E to what it minimises, with its gradient, and the Gauss–Newton part of its second derivative, A ψ″ ∂d
-//! ∂dᵀ. Before it moves the cloth it asks how far the path is safe ([`ContinuousTest`](crate::ContinuousTest)). So what
-//! it accepts is free of crossings, and nothing is left to be repaired afterwards. A path keeps a fifth of each
-//! distance, or of h where that is less (a tenth in substeps of constraints), and no more than 10 h of it are looked
-//! at, apart from the motion that all vertices share: a part below 1 need not mean a contact.
+//! ∂dᵀ. Without A ψ′ ∂²d, which [`PairContact`] has, even Newton's iteration converges no faster than linearly where
+//! contact points slide or the normal turns. Before it moves the cloth it asks how far the path is safe
+//! ([`ContinuousTest`](crate::ContinuousTest)). So what it accepts is free of crossings, and nothing is left to be
+//! repaired afterwards. A path keeps a fifth of each distance, or of h where that is less (a tenth in substeps of
+//! constraints), and no more than 10 h of it are looked at, apart from the motion that all vertices share: a part below
+//! 1 need not mean a contact.
 //!
-//! A step begins where the method would begin by itself, as far as the path there is safe; where pins or bodies move,
-//! or cloth begins inside a body, where a substep of the constraints leads. The end of the step depends on
-//! that only where there are several minima. Bodies are where they are at the end of the step for a method that
-//! minimises, and on their way for the substeps of one that projects.
+//! `begin` checks that nothing crosses at the start, unless that is where the last step has ended; bodies that the
+//! cloth pushes set out. Where pins or bodies move, or cloth begins inside a body, a substep of the constraints leads
+//! to where the iteration begins. Then pairs are chosen and friction is frozen; and without that substep the iteration
+//! begins where the method would begin by itself, as far as the path there is safe. The end of the step depends on that
+//! only where there are several minima. An iteration takes the gradient and the rows, solves, asks how far it may go,
+//! and moves. `end` keeps what friction is stretched by, and adds up work, forces and the energy that is stored. Bodies
+//! are where they are at the end of the step for a method that minimises, and on their way for the substeps of one that
+//! projects.
 //!
 //! Friction has the normal forces λ and the directions of the start of the step (`friction`): a cloth that lands has
 //! none in the step in which it does. Its energy is μ λ f(u) of the way u in the tangent plane since then, f = u²/(2ε)
@@ -35,11 +41,13 @@
 //! # For methods that project positions
 //!
 //! XPBD, PBD and explicit methods get the same potential as constraints in each of their substeps: n·Σ wᵢ xᵢ ≥ d̂ with
-//! d̂ = d − ψ′/ψ″, which is h down to h/2, the compliance 1/(A ψ″), a multiplier λ ≥ 0, and friction within μ λ that
-//! remembers where it began to stick. They come last in each sweep. What can touch follows from bounds on the relative
-//! motion of patches of the cloth, and at the end of a substep every pair is tested; what has come too near is swept
-//! again, then shortened, then given to the last resort (`last_resort`: pairs pushed apart one by one, impact zones,
-//! vertices that stay).
+//! d̂ = d − ψ′/ψ″, which is h down to h/2, the compliance 1/(A ψ″), a multiplier λ ≥ 0 (kg m; λ/Δt² is the force), and
+//! friction within μ λ that remembers where it began to stick. Rows for what can touch, by bounds on the relative
+//! motion of patches of the cloth, are found at the beginning of a substep. They come last in each sweep. At the end
+//! every pair is tested. What has come too near has up to three rounds of five sweeps without compliance; then its
+//! vertices go half as far, three times, and then stay, with more of them in each of six more rounds; and what is not
+//! safe even then, or has a path too long to be looked at, is given to the last resort (`last_resort`: pairs pushed
+//! apart one by one, impact zones, vertices that stay).
 //!
 //! # Bodies
 //!
@@ -104,6 +112,16 @@
 //! | how far the path is safe | `filter` |
 //! | Σ A ψ, Σ A ∂ψ, Σ A ψ″ ∂d ∂dᵀ | [`PotentialContacts`] |
 //!
+//! # Cost
+//!
+//! Bounds on the motion cost time in proportion to the vertices in each substep or path, and to the vertices times the
+//! bodies. The distance of a body is asked for only where its bound does not tell; pairs of patches are searched when
+//! one has gone a mean edge or more, and the primitives of two patches, at most 32 triangles each, when the room of
+//! their last search is used up. Gradient, rows and sweeps are in proportion to the pairs nearer than h or nearly so,
+//! and so is a safe path: one continuous test each, of at most [`MOST_STEPS`](crate::ContinuousTest::MOST_STEPS) steps,
+//! where a bound does not tell. A round of the last resort searches the whole cloth. `cloth-bench/doc/results.md` has
+//! the time of a step of each method, without contact and with.
+//!
 //! # Limits
 //!
 //! - A sheet that falls on a ball of its own size buckles on impact in many ways at once, and the minimum of such a
@@ -116,18 +134,26 @@
 //!   [`PotentialContacts::take_back`] lets a caller take the step again as shorter ones, as the runs of `cloth-bench`
 //!   do. XPBD's substeps are short enough.
 //! - There is no restitution for methods that minimise: what bounces is elastic.
+//! - A contact is as stiff as A ψ″ = κ A (h/2d)² below h/2. The condition of what a method that minimises
+//!   solves grows with that over m/Δt² of a vertex, so cloth that is pressed to d ≪ h, or a large κ, costs iterations.
 //! - What is near a vertex without being below it counts too: as the thickness h comes near the length of edges, two
-//!   sheets press harder than κ says. On a grid by 0.3 % where h is a thousandth of a cell, 1.3 times at a tenth, 1.9
-//!   times at three tenths, 4.6 times where h is as large as a cell (a test has these numbers). Forces are in balance
-//!   all the same; only the gap is nearer to h than h − p/κ.
+//!   sheets press harder than κ says. On a grid by less than 1 % where h is a thousandth of a cell, 1.3 times at a
+//!   tenth, 1.9 times at three tenths, 4.6 times where h is as large as a cell (a test has these numbers). Forces are
+//!   in balance all the same; only the gap is nearer to h than h − p/κ.
 //!
 //! # References
 //!
 //! - M. Li, Z. Ferguson, T. Schneider, T. Langlois, D. Zorin, D. Panozzo, C. Jiang and D. M. Kaufman, Incremental
 //!   potential contact, *ACM Transactions on Graphics* 39(4), 2020. DOI 10.1145/3386569.3392425: the barrier, the
-//!   mollifier, lagged friction, the step that stays in the safe set.
+//!   mollifier, lagged friction (section 5.4), the step that stays in the safe set.
 //! - A. H. Chen, J. Hsu, Z. Liu, M. Macklin, Y. Yang and C. Yuksel, Offset geometric contact, *ACM Transactions on
-//!   Graphics* 44(4), 2025. DOI 10.1145/3731205: the two-stage law.
+//!   Graphics* 44(4), 2025. DOI 10.1145/3731205: the two-stage law (section 3.3).
+//! - M. Macklin, M. Müller and N. Chentanez, XPBD: position-based simulation of compliant constrained dynamics, *Motion
+//!   in Games* 2016. DOI 10.1145/2994258.2994272: constraints with a compliance.
+//! - M. Müller, M. Macklin, N. Chentanez, S. Jeschke and T.-Y. Kim, Detailed rigid body simulation with extended
+//!   position based dynamics, *Computer Graphics Forum* 39(8), 2020. DOI 10.1111/cgf.14105: restitution (section 3.6).
+//! - E. Guendelman, R. Bridson and R. Fedkiw, Nonconvex rigid bodies with stacking, *ACM Transactions on Graphics*
+//!   22(3), 2003. DOI 10.1145/882262.882358: impulses of single points, one after another.
 
 mod bodies;
 mod builder;

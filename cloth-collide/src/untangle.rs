@@ -165,7 +165,7 @@ pub struct UntangleProgress {
     pub length: Real,
 }
 
-/// Gradients above this (dimensionless) are shortened to about 1.
+/// Gradients g (dimensionless) become g/√(g² + this²): about 1 long well above this, ten times as long well below.
 const SOFT: Real = 0.1;
 /// Rounds of averaging, of one attempt after the other.
 const SMOOTHINGS: [u32; 3] = [8, 2, 0];
@@ -349,7 +349,7 @@ impl Untangler {
         Ok(None)
     }
 
-    /// Makes displacements of the gradient: by mass, and none much above 1.
+    /// Makes displacements of the gradient: by mass, and none longer than 1.
     fn scale(&mut self, inverse_mass: &[Real]) {
         let lightest = inverse_mass.iter().copied().fold(0.0, Real::max);
         for (g, w) in self.gradient.iter_mut().zip(inverse_mass) {

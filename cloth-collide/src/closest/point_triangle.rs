@@ -30,6 +30,9 @@ impl PointTriangle {
 ///
 /// w_c = n · (u × d) / n²,  w_b = u · (d − w_c e) / u²,  w_a = 1 − w_b − w_c.
 ///
+/// For d = w_b u + w_c e + z n: u × d = w_c n + z u × n, whose product with n is w_c n²; and d − w_c e = w_b u + z n,
+/// whose product with u is w_b u².
+///
 /// If none is negative, that is the answer. Otherwise the nearest point is on the boundary, and the nearest of the
 /// three edges' nearest points is it; clamping takes care of the vertices. Ericson goes through the regions one by one
 /// with dot products, which is less work, but for slivers their differences cancel. Here, if c is θ times as high above

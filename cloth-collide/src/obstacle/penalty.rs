@@ -7,6 +7,10 @@ use cloth_core::math::Real;
 /// ln(φ/t). A spring of known stiffness under a weight, a barrier under an impact, which never yields if no step leads
 /// through it. Twice continuously differentiable at h/2, once at h.
 ///
+/// Of the forces c/φᵖ, p = 1 is the weakest whose energy is infinite at φ = 0: hence the logarithm. With E′ = −c/φ
+/// below t, equal slopes −k t at t give c = k t²; E″ = k t²/φ² is k there by itself, since t is h/2; and equal energies
+/// give the constant ½ k t². As k → ∞ a mass rests at h, as h → 0 at 0: the inequalities φ ≥ h and φ ≥ 0.
+///
 /// As the energy of one vertex it is in J, with k in N/m; of an area, in J/m² with k in Pa/m.
 ///
 /// Source: Chen et al. 2025, section 3.3; see [`potential`](crate::potential#references).

@@ -123,7 +123,8 @@ impl<'a> PotentialBuilder<'a> {
 
     /// Coefficient of restitution e (dimensionless, 0 to 1) of all contacts: what approaches something with a speed u
     /// leaves it with e u. Of methods that project positions alone; no body can be free beside it. Unless set,
-    /// contact gives back what it has stored, less what the method damps.
+    /// contact gives back what it has stored, less what the method damps. Where g Δt² of a substep is more than h/1000,
+    /// the gap at rest is that of 1/(1 + e) of the weight.
     #[must_use]
     pub fn restitution(mut self, restitution: Real) -> Self {
         self.restitution = Some(restitution);
@@ -175,8 +176,10 @@ impl<'a> PotentialBuilder<'a> {
     ///
     /// # Errors
     /// [`BuildError::OutOfRange`] for a thickness or stiffness that is not positive and finite, a friction that is
-    /// negative, the surface of an obstacle that there is not, or a free one that there is not, an animation of another
-    /// number of vertices than its mesh, or a sewn vertex that there is not.
+    /// negative or not finite, a restitution outside 0 to 1, thicknesses, frictions or regions of vertices that are not
+    /// as many as these, the surface of an obstacle that there is not, or a free one that there is not, an animation of
+    /// another number of vertices than its mesh, a sewn vertex that there is not, or vertices beyond 2³² together.
+    /// [`BuildError::SettingsConflict`] for restitution beside a free body.
     pub fn build(self) -> Result<PotentialContacts, BuildError> {
         self.check_own()?;
         let most = self.own.thicknesses.iter().copied().reduce(Real::max);

@@ -93,7 +93,7 @@ impl NearPairs {
     }
 }
 
-/// As [`time`], of a vertex on its path from `a` to `b` (m) before an obstacle.
+/// As [`time_of_pair`], of a vertex on its path from `a` to `b` (m) before an obstacle.
 fn time_of_obstacle(obstacle: &Obstacle, thickness: Real, a: Vec3, b: Vec3) -> Real {
     let gap = obstacle.signed_distance(a, 0.0).value;
     let keep = SLACK * gap.min(thickness);

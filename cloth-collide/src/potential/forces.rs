@@ -2,6 +2,7 @@
 
 use super::bodies::Body;
 use super::free::FreeBodies;
+use super::friction::Key;
 use super::near::Near;
 use super::source::Contacts;
 use cloth_core::math::{Real, Vec3};
@@ -176,12 +177,13 @@ impl Contacts {
         let reach = self.reach();
         for sticking in &self.sticking {
             let friction = -sticking.force(reach, x).0;
-            let [v, .., number] = sticking.key.map(|n| n as usize);
-            if sticking.vertices == [sticking.vertices[0]; 4] {
-                ledger.add_obstacle([v, number], [Vec3::zeros(), friction], arm(v, number));
-            } else {
-                let forces = [Vec3::zeros(), friction];
-                ledger.add_pair(sticking.vertices, sticking.weights, forces);
+            let forces = [Vec3::zeros(), friction];
+            match sticking.key {
+                Key::Obstacle(key) => {
+                    let [v, number] = key.map(|n| n as usize);
+                    ledger.add_obstacle([v, number], forces, arm(v, number));
+                }
+                Key::Pair(pair) => ledger.add_pair(pair.vertices, sticking.weights, forces),
             }
         }
         ledger.add_stops(&self.free, 1.0 / self.free.dt);

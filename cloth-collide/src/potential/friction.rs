@@ -3,23 +3,30 @@
 //! Friction has no energy, but friction under a normal force λ and in a tangent plane T that do not change has one
 //! (lagged friction, Li et al. 2020, section 5.4): μ λ f(‖u‖), with u the displacement of the contact point in the
 //! plane. f is quadratic below a small length ε, so that sticking is a spring of the stiffness μ λ/ε, and ‖u‖ − ε/2
-//! beyond, where the force is μ λ. What the spring is stretched by at the end of a step is where it starts in the next:
-//! a cloth that sticks does not creep, whatever the number of steps.
+//! beyond, where the force is μ λ. The next step takes u on from there, cut to the length ε. So a cloth that sticks
+//! keeps the force that holds it, and does not creep, whatever the number of steps.
 
 use super::tangent::across;
 use crate::obstacle::hold;
-use crate::pair::weighted;
+use crate::pair::{Pair, weighted};
 use cloth_core::contact::ContactRow;
 use cloth_core::math::{Real, Vec3};
 
 /// The weights of a vertex before a body, which stands for all four.
 pub(super) const ALONE: [Real; 4] = [1.0, 0.0, 0.0, 0.0];
 
+/// What a contact is known by from step to step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Key {
+    Pair(Pair),
+    /// A vertex, and the number of an obstacle.
+    Obstacle([u32; 2]),
+}
+
 /// Friction of one contact during one step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Sticking {
-    /// What the contact is known by from step to step.
-    pub(super) key: [u32; 4],
+    pub(super) key: Key,
     /// The vertices, and the weights (dimensionless) of the difference of the two contact points.
     pub(super) vertices: [u32; 4],
     pub(super) weights: [Real; 4],
@@ -90,13 +97,13 @@ impl Sticking {
 /// What the springs of sticking contacts were stretched by at the end of a step.
 #[derive(Debug, Default)]
 pub(super) struct Stretched {
-    /// By vertices and obstacle, in rising order (m).
-    displacements: Vec<([u32; 4], Vec3)>,
+    /// In rising order of the contacts (m).
+    displacements: Vec<(Key, Vec3)>,
 }
 
 impl Stretched {
     /// The stretch (m) of a contact, zero of a new one.
-    pub(super) fn of(&self, key: [u32; 4]) -> Vec3 {
+    pub(super) fn of(&self, key: Key) -> Vec3 {
         let place = self
             .displacements
             .binary_search_by_key(&key, |entry| entry.0);
@@ -113,3 +120,7 @@ impl Stretched {
         self.displacements.sort_unstable_by_key(|entry| entry.0);
     }
 }
+
+#[cfg(test)]
+#[path = "../../tests/unit/potential_friction.rs"]
+mod tests;

@@ -6,7 +6,7 @@ use cloth_core::math::{Blocks, Mat3, Real, Vec3};
 /// where distances of nearly parallel edges are treated).
 ///
 /// The nearest points of parallel edges are not unique, and the gradient of their distance jumps. m is zero there, so
-/// the energy m b(d) is smooth. Nothing gets through meanwhile: between parallel edges an end is as near as any point,
+/// the energy m ψ(d) is smooth. Nothing gets through meanwhile: between parallel edges an end is as near as any point,
 /// and the vertices have barriers of their own.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mollifier {
@@ -14,7 +14,8 @@ pub struct Mollifier {
     threshold: Real,
 }
 
-/// Squared sine below which two edges of their rest lengths count as nearly parallel.
+/// ε over the product of the squared rest lengths: c is that product times sin² of the angle, so edges of their rest
+/// lengths count as nearly parallel below 1.8°.
 const PARALLEL: Real = 1e-3;
 
 impl Mollifier {

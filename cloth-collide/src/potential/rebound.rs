@@ -2,9 +2,12 @@
 //!
 //! The law of contact gives back what it has stored, less what a method damps. With a coefficient of restitution e the
 //! velocities of a substep follow instead: a pair that approached with the speed u and has touched parts with e u
-//! (M. Müller et al., "Detailed rigid body simulation with extended position based dynamics", SCA 2020,
-//! <https://doi.org/10.1111/cgf.14105>, section 3.6), and one that parts already is not pushed to be faster: what the law
-//! has stored is lost. What lies on something approaches it by its weight in a substep; that is no impact.
+//! (Müller et al. 2020, section 3.6; see the [chapter](super#references)), and one that parts already is not pushed to
+//! be faster: what the law has stored is lost.
+//!
+//! What lies on something approaches it by g Δt² in a substep. That is no impact below h/1000 (Δt < 0.32 ms at 1 mm).
+//! Above it is one in each substep: what lies still then has the speed v = e (g Δt − v) = e g Δt/(1 + e), and the law
+//! carries 1/(1 + e) of its weight, the rebound the rest.
 
 use super::forces::Ledger;
 use super::near::Near;

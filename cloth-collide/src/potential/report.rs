@@ -3,9 +3,9 @@
 /// What the last step took.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ConstraintReport {
-    /// Searches for pairs of patches, and for pairs of primitives between two patches.
+    /// Searches for pairs of patches.
     pub searches: u32,
-    /// See `searches`.
+    /// Searches for pairs of primitives between two patches.
     pub detections: u32,
     /// Pairs that were looked at, over all substeps.
     pub looked: u32,

@@ -1,10 +1,10 @@
 //! Contact as unilateral constraints: the view for methods that project positions.
 //!
-//! A substep of h goes from x₀. Each pair of pieces that can touch in it is a row n·Σ wᵢ xᵢ ≥ d̂, with the nearest
+//! A substep of Δt goes from x₀. Each pair of pieces that can touch in it is a row n·Σ wᵢ xᵢ ≥ d̂, with the nearest
 //! points frozen at x₀ (or at an earlier substep, while the patches have hardly moved against each other: then cloth at
 //! rest has the same rows in each), and what pushes is the law of the potential there: with stiffness k = A ψ″ and the
-//! range d̂ = d − ψ′/ψ″ where the tangent of the force ends, so that λ/h² is the force k (d̂ − d). XPBD's projection
-//! with the compliance α̃ = 1/(k h²) and λ ≥ 0 is
+//! range d̂ = d − ψ′/ψ″ where the tangent of the force ends, so that λ (kg m) over Δt² is the force k (d̂ − d) (N).
+//! XPBD's projection with the compliance α̃ = 1/(k Δt²) and λ ≥ 0 is
 //!
 //! Δλ = max(−λ, −(C + α̃ λ)/(Σ wᵢ²/mᵢ + α̃)), C = n·Σ wᵢ xᵢ − d̂.
 //!
@@ -78,7 +78,7 @@ impl Rows {
         }
     }
 
-    /// Work (J) of what is prescribed, on its path to `x` (m), against the forces λ n wᵢ/h² of the rows.
+    /// Work (J) of what is prescribed, on its path to `x` (m), against the forces λ n wᵢ/Δt² of the rows.
     fn work_of_prescribed(&self, step: &ContactStep<'_>, x: &[Vec3]) -> Real {
         let mut sum = 0.0;
         for row in self.rows.iter().filter(|row| row.state.lambda > 0.0) {

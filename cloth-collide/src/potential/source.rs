@@ -4,7 +4,7 @@ use super::bodies::Body;
 use super::filter::shorten_all;
 use super::forces::Ledger;
 use super::free::FreeBodies;
-use super::friction::{ALONE, Sticking, Stretched};
+use super::friction::{ALONE, Key, Sticking, Stretched};
 use super::last_resort::LastResort;
 use super::near::Near;
 use super::near_pairs::NearPairs;
@@ -145,8 +145,12 @@ impl Contacts {
 }
 
 impl ContactPotential for Contacts {
+    /// The start is checked, free bodies set out, and where something prescribed moves the constraints lead the start;
+    /// pairs are chosen and friction is frozen at `step.from`; a start that was not led is cut to where its path is
+    /// safe.
     fn begin(&mut self, step: &ContactStep<'_>, start: &mut [Vec3]) -> Result<(), ContactError> {
         let goes_on = self.check_start(step)? && !self.near.sets_out(step.from, start);
+        self.held = 0;
         self.free.remember();
         self.free.dt = step.dt;
         self.set_out_alone(step, start);
@@ -360,19 +364,19 @@ impl Contacts {
         let x = step.from;
         sticking.clear();
         for contact in self.pairs.iter() {
-            let vertices = contact.pair.vertices;
+            let (key, vertices) = (Key::Pair(contact.pair), contact.pair.vertices);
             let places = gather(x, vertices);
             let gap = Gap::new(contact.pair.kind, &places);
             let force = -contact.area_at(&places) * contact.law.slope(gap.distance);
             let most = near.friction(vertices) * force;
             if most > 0.0 {
                 sticking.push(Sticking {
-                    key: vertices,
+                    key,
                     vertices,
                     weights: gap.weights,
                     normal: gap.normal,
                     most,
-                    origin: weighted(vertices, gap.weights, x) - stretched.of(vertices),
+                    origin: weighted(vertices, gap.weights, x) - stretched.of(key),
                 });
             }
         }
@@ -386,7 +390,7 @@ impl Contacts {
                 let at = before.signed_distance(*place, 0.0);
                 let force = -near.vertex_area[v] * near.law_at(v).slope(at.value) * at.slope;
                 if force > 0.0 {
-                    let key = [vertex, vertex, vertex, number];
+                    let key = Key::Obstacle([vertex, number]);
                     let moved = after.motion().pose;
                     let moved = moved.to_world(before.motion().pose.to_local(*place));
                     sticking.push(Sticking {
@@ -466,7 +470,7 @@ impl Contacts {
             let local = self.still[number].motion().pose.to_local(x[v]);
             let displacement = x[v] - self.before[number].motion().pose.to_world(local);
             let mut whole = -contact.gradient();
-            let key = [v as u32, v as u32, v as u32, number as u32];
+            let key = Key::Obstacle([v as u32, number as u32]);
             for sticking in self.sticking.iter().filter(|sticking| sticking.key == key) {
                 let u = sticking.displacement(x);
                 whole -= u * (sticking.most / u.norm().max(reach));

@@ -2,7 +2,10 @@
 
 use crate::random::Random;
 use cloth_collide::obstacle::*;
+use cloth_collide::potential::PotentialContacts;
+use cloth_core::contact::{ContactStep, Projection};
 use cloth_core::math::{Real, Vec3};
+use cloth_core::mesh::generate::{Diagonals, grid};
 
 fn v(x: f64, y: f64, z: f64) -> Vec3 {
     Vec3::new(x, y, z)
@@ -74,6 +77,56 @@ fn a_mass_rests_where_the_closed_forms_say() {
             w => k * h * h / (4.0 * w),
         };
         assert!((law.slope(gap) + weight).abs() < 1e-13 * weight, "{weight}");
+    }
+}
+
+/// With restitution, cloth that lies on a floor lies still. In short substeps the law carries its weight; in longer
+/// ones, in which the weight alone moves it by more than h/1000, 1/(1 + e) of it, and the rebound the rest.
+#[test]
+fn what_lies_on_a_floor_lies_still_with_restitution() {
+    let (g, h, kappa, mass, e) = (9.81, 1e-3, 1e6, 0.01, 0.5);
+    let flat = grid(4, 4, 0.3, 0.3, Diagonals::Alternating).unwrap();
+    let mut area = vec![0.0; flat.vertex_count()];
+    for (corners, whole) in flat.triangles().iter().zip(flat.areas()) {
+        for v in corners {
+            area[*v as usize] += whole / 3.0;
+        }
+    }
+    let inverse_mass = vec![1.0 / mass; area.len()];
+    for (dt, share) in [(3e-4, 1.0), (1e-3, 1.0 / (1.0 + e))] {
+        let builder = PotentialContacts::builder(&flat)
+            .thickness(h)
+            .stiffness(kappa)
+            .restitution(e)
+            .obstacle(Obstacle::new(HalfSpace::new(Vec3::z()).unwrap()), 0.0);
+        let mut contacts = builder.build().unwrap();
+        let height = |v: usize| h - share * mass * g / (kappa * area[v]);
+        let speed = (1.0 - share) * g * dt;
+        let places = flat.positions().iter().enumerate();
+        let start: Vec<Vec3> = places.map(|(v, x)| x + Vec3::z() * height(v)).collect();
+        let mut x = start.clone();
+        let mut velocities = vec![Vec3::z() * speed; x.len()];
+        let mut projection = Projection::default();
+        for _ in 0..100 {
+            let from = x.clone();
+            for (x, v) in x.iter_mut().zip(&mut velocities) {
+                v.z -= g * dt;
+                *x += *v * dt;
+            }
+            let step = ContactStep {
+                from: &from,
+                inverse_mass: &inverse_mass,
+                dt,
+            };
+            let (x, v) = (&mut x, &mut velocities);
+            projection.step(&mut contacts, &step, 5, x, v).unwrap();
+        }
+        for v in 0..x.len() {
+            let moved = (x[v] - start[v]).norm();
+            assert!(moved < 1e-12, "{dt} s, vertex {v}: {moved:e} m");
+            let change = (velocities[v] - Vec3::z() * speed).norm();
+            assert!(change < 1e-9, "{dt} s, vertex {v}: {change:e} m/s");
+        }
     }
 }
 

@@ -10,7 +10,7 @@ use crate::potential::rows::SLACK;
 use cloth_core::math::{Real, Vec3, gather};
 use cloth_core::method::parallel::{join, wide};
 
-/// Looks at pairs of patches that one thread takes at least.
+/// Looks at pairs of patches that are not split between threads any more, at most.
 const BATCH: usize = 8;
 /// Of a pair that nothing is remembered of.
 const NOTHING: u32 = u32::MAX;

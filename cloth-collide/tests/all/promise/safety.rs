@@ -4,7 +4,7 @@ use super::flight::{Flight, moved, together};
 use super::random::Random;
 use cloth_collide::obstacle::{HalfSpace, Obstacle, Pose, RigidMotion};
 use cloth_collide::potential::PotentialContacts;
-use cloth_core::contact::{ContactError, ContactSource};
+use cloth_core::contact::{ContactError, ContactPotential, ContactSource, ContactStep};
 use cloth_core::math::Vec3;
 use cloth_core::mesh::TriMesh;
 use cloth_core::mesh::generate::{Diagonals, grid};
@@ -235,14 +235,16 @@ fn crossing_start_is_refused_with_its_count() {
     );
 }
 
+/// A floor (`up` 1) or a roof (−1) at a height (m).
+fn wall(height: f64, up: f64) -> Obstacle {
+    let still = RigidMotion::still(Pose::at(Vec3::z() * height));
+    Obstacle::moving(HalfSpace::new(Vec3::z() * up).unwrap(), still).unwrap()
+}
+
 /// Pieces so wild that they become rigid zones, which a floor below and a roof above do not let go where they would:
 /// then vertices are held back, and the report says how many and how much.
 #[test]
 fn zones_that_an_obstacle_stops_are_held_back_and_the_report_says_so() {
-    let wall = |height: f64, up: f64| {
-        let still = RigidMotion::still(Pose::at(Vec3::z() * height));
-        Obstacle::moving(HalfSpace::new(Vec3::z() * up).unwrap(), still).unwrap()
-    };
     let mut held_steps = 0;
     for seed in 0..3 {
         let mut random = Random::new(seed);
@@ -268,4 +270,38 @@ fn zones_that_an_obstacle_stops_are_held_back_and_the_report_says_so() {
         }
     }
     assert!(held_steps > 5, "{held_steps}");
+}
+
+/// A method that minimises holds nothing back by itself: what is held is what something else has moved after its step,
+/// and is forgotten with the next.
+#[test]
+fn what_is_held_after_a_minimised_step_is_of_that_step_alone() {
+    let mut held = 0;
+    for seed in 0..3 {
+        let mut random = Random::new(seed);
+        let mesh = soup(&mut random, 4);
+        let builder = PotentialContacts::builder(&mesh)
+            .thickness(5e-3)
+            .obstacle(wall(-0.4, 1.0), 0.0)
+            .obstacle(wall(2.2, -1.0), 0.0);
+        let mut contacts = builder.build().unwrap();
+        let inverse_mass = vec![1.0; mesh.vertex_count()];
+        let mut x = mesh.positions().to_vec();
+        for _ in 0..10 {
+            let from = x.clone();
+            let step = ContactStep {
+                from: &from,
+                inverse_mass: &inverse_mass,
+                dt: 0.01,
+            };
+            ContactPotential::begin(&mut contacts, &step, &mut x).unwrap();
+            ContactPotential::end(&mut contacts, &x, &vec![Vec3::zeros(); x.len()]);
+            assert_eq!(contacts.held(), 0, "seed {seed}");
+            let from = x.clone();
+            x.iter_mut().for_each(|x| *x += random.point(30.0));
+            contacts.keep_free(&from, &inverse_mass, &mut x).unwrap();
+            held += contacts.held();
+        }
+    }
+    assert!(held > 0);
 }
