@@ -48,8 +48,8 @@
 //! the implicit Euler step and not near it, and so that elastic energies and hard constraints can stand in one
 //! system. Where no gradient turns the two end at the same place.
 //!
-//! An iterate is accepted if a merit function falls (`direct/merit.rs`), which is the elastic energy near rest
-//! and a linear penalty beyond, so that hard rows need no limit process.
+//! An iterate is accepted if a merit function falls (`direct/merit.rs`): `½ ‖x − x̃‖²_M` and, for each row, its elastic
+//! energy `½ C²/α̃` near C = 0, linear in |C| beyond. For a hard row only the linear part is left, a penalty.
 //!
 //! A limit is active, in an iteration, where its position is beyond the range; a hard one, which ends at the
 //! end of its range, by the sign of its multiplier ([`DeadZoneRow`](cloth_core::element::DeadZoneRow)): a
@@ -78,7 +78,9 @@
 //!   smaller factor, since a sheet has some 12 rows for the 3 coordinates of a vertex.
 //! - **Dual by Cholesky** where rows hardly turn in a step and are fewer than coordinates: chains near rest.
 //!   Its factor is then a quarter.
-//! - **Krylov methods** where no factor fits into memory. Heavy ends cost them thousands of iterations.
+//! - **Krylov methods** where no factor fits into memory. In the table they take 100 to 1,400 iterations for each of the
+//!   step; a heavy tip that turns doubles those of MINRES (1,127 for 530), not those of conjugate gradients (125 for
+//!   100).
 //!
 //! # Geometric stiffness
 //! `J(x)ᵀλ` turns with the cloth. An iteration without that term, H = M, applies the forces of the step in the

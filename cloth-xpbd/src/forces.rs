@@ -78,8 +78,8 @@ impl XpbdSolver {
         });
     }
 
-    /// Writes `Σ Jᵀλ/h²` (N) over all constraints to `out`, one per vertex. At a prescribed vertex it is what
-    /// the cloth pulls with, the negative of what a support there has to bear.
+    /// Writes `Σ Jᵀλ/h²` (N) over all constraints to `out`, one per vertex. At a prescribed vertex it is the
+    /// load on the support, the negative of its reaction.
     ///
     /// # Panics
     /// If `out` does not have one entry per vertex.

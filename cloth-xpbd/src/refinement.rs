@@ -9,11 +9,11 @@
 //! ```
 //!
 //! with `E = ½ Σ k C²` over all rows of finite stiffness. (A hard row stores nothing.) XPBD loses energy in most steps,
-//! so a gain is a sure sign. A step that gains more than a part τ of the most energy that has been in play, or would
-//! bring what steps before it have gained and not lost since to so much, is taken again, from its start, with twice as
-//! many substeps, and the next one begins with as many. Where that is below a half, the next one tries half as many. If
-//! over 0.8 of the gain is left, more substeps do not help, and the step is taken. In play is the largest, so far, of K
-//! + E before a step, with the work given in it or without.
+//! so a gain is a sure sign. Gains are added up over the steps and losses taken off, but the sum is never below zero. A
+//! step that gains and brings the sum above a part τ of the most energy that has been in play is taken again, from its
+//! start, with twice as many substeps, and the next one begins with as many. Where the sum is below half of that, the
+//! next one tries half as many. If over 0.8 of the gain is left, more substeps do not help, and the step is taken. In
+//! play is the largest, so far, of K + E before a step, with the work given in it or without.
 
 use cloth_core::math::{Real, Vec3};
 use cloth_core::measure::rounding_energy;

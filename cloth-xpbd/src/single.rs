@@ -123,7 +123,7 @@ trait Family: Debug + Send {
     fn reset(&mut self);
     /// One sweep over positions (m, relative to the origin) with the inverse mass (1/kg) as the fourth number.
     fn sweep(&mut self, x: &mut [f32x4]);
-    /// `Σ Jᵀλ·v` (kg m²/s² per s) over the prescribed vertices, which have the velocities `v` (m/s).
+    /// `Σ Jᵀλ·v` (kg m²/s) over the prescribed vertices, which have the velocities `v` (m/s).
     fn power(&self, x: &[f32x4], v: &[Vec3]) -> Real;
 }
 
@@ -294,9 +294,14 @@ fn boxed<F: Family + 'static>(family: F) -> Box<dyn Family> {
     Box::new(family)
 }
 
-/// `α̃` in single precision.
+/// `α̃` in single precision. One that is not a number stays so, and the step ends in an error.
 fn scaled_compliance(update: XpbdUpdate, stiffness: Real) -> f32 {
-    (update.scaled_compliance(stiffness) as f32).min(MAX_SCALED_COMPLIANCE)
+    let compliance = update.scaled_compliance(stiffness) as f32;
+    if compliance > MAX_SCALED_COMPLIANCE {
+        MAX_SCALED_COMPLIANCE
+    } else {
+        compliance
+    }
 }
 
 /// Stands for `α̃ = ∞` of a row without stiffness, so that `α̃λ` has a value.

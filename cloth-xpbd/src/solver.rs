@@ -43,7 +43,10 @@ impl Stepper for XpbdSolver {
     ) -> Result<StepReport, StepError> {
         let fallbacks_before = self.families.chebyshev_fallbacks();
         let before = self.energy_before(state, input.dt);
-        self.last = None;
+        // After a step that failed the multipliers may be no numbers.
+        if self.last.take().is_none() {
+            self.prepared = None;
+        }
         let (mut sweeps, mut refinements) = (0, 0);
         let update = loop {
             let factor = self.refinement.as_ref().map_or(1, Refinement::factor);

@@ -1,7 +1,7 @@
 //! [`SubstepRule`]: the number of substeps that a cloth needs for a wanted strain.
 //!
 //! One sweep in a substep of h leaves a spring longer than its stiffness says: its end has been moved on by the
-//! next spring, by `w λ` with λ/h² the tension. So a sweep acts like a spring of a stiffness of some `m/h²` in
+//! next spring, by `w |λ|` with |λ|/h² the tension. So a sweep acts like a spring of a stiffness of some `m/h²` in
 //! series with the material's, and no wave goes faster than about an edge in a substep, l/h. Two loads follow.
 //!
 //! - **An impact**: cloth that is stopped, or bent round, at a speed v is strained by v over the wave speed,
@@ -24,9 +24,9 @@
 //!
 //! A third load lasts: **the tension** T (N/m) of cloth that is blown up, `p R/2` of a sphere. An edge there pulls with
 //! `T l`, which the sweeps of a substep leave as a strain of `0.65 T h²/m`. (Measured, as root mean square of all
-//! edges: spheres of 0.2 to 1 m with gas inside, 362 and 1442 vertices, at rest: 0.56 to 0.87.) Nothing of it passes,
-//! as a swing or an impact do, so it is held to a fiftieth of the wanted strain, or of `T/k`, which is about twice what
-//! the springs yield to it, if that is more.
+//! edges: spheres of 0.2 to 1 m with gas inside, 362 and 1442 vertices, at rest: 0.56 to 0.87.) It does not pass, as a
+//! swing or an impact does. So it may be a fiftieth of the wanted strain at most, or a fiftieth of `T/k` where that is
+//! more; the springs themselves yield to T by about half of `T/k`.
 //!
 //! For the first two loads no substep is shorter than the h at which `k h² (w₁ + w₂) = 1`; below it the springs yield
 //! more than the sweep, and a soft cloth has its own length. Nor is a substep ever longer than

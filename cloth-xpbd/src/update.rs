@@ -123,10 +123,14 @@ impl ConstraintUpdate for XpbdUpdate {
 
     const ROWS_TOGETHER: bool = true;
 
-    /// ν starts from `−k h β C⁰`.
+    /// ν starts from `−k h β C⁰`; where k is not a number ν is none either, and the step ends in an error.
     fn prepare(&self, row: RowState, memory: &mut Multiplier) {
         *memory = Multiplier {
-            lambda: -self.offset(row.stiffness, row.value),
+            lambda: if row.stiffness.is_nan() {
+                Real::NAN
+            } else {
+                -self.offset(row.stiffness, row.value)
+            },
             scaled_compliance: self
                 .scaled_compliance(row.stiffness)
                 .min(MAX_SCALED_COMPLIANCE),

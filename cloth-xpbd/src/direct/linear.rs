@@ -27,8 +27,9 @@ pub(super) struct Solver {
     residual: KktVector,
     /// Since the start of the step.
     pub(super) factorizations: u32,
-    /// Solves with a factor, or products of a Krylov method.
     pub(super) solves: u32,
+    /// Of a Krylov method; one in each solve with a factor.
+    pub(super) iterations: u32,
 }
 
 /// Shifts, tried in turn until the matrix can be factorised. Redundant hard rows make the unshifted one singular.
@@ -59,6 +60,7 @@ impl Solver {
             residual: pair(),
             factorizations: 0,
             solves: 0,
+            iterations: 0,
         })
     }
 
@@ -115,7 +117,8 @@ impl Solver {
                 return self.solve_with_factor(kkt, right, out);
             }
         };
-        self.solves += end.iterations;
+        self.solves += 1;
+        self.iterations += end.iterations;
         false
     }
 
@@ -128,6 +131,7 @@ impl Solver {
             *residual = shift * l;
         }
         self.solves += 1;
+        self.iterations += 1;
         self.backend.solve_once(kkt, &self.residual, out);
     }
 
@@ -137,10 +141,9 @@ impl Solver {
             backend,
             residual,
             correction,
-            solves,
             ..
         } = self;
-        *solves += 1;
+        let mut solves = 1;
         backend.solve_once(kkt, right, out);
         let whole = right.norm();
         let mut before = whole;
@@ -152,10 +155,12 @@ impl Solver {
                 break;
             }
             before = left;
-            *solves += 1;
+            solves += 1;
             backend.solve_once(kkt, residual, correction);
             out.add(correction);
         }
+        self.solves += solves;
+        self.iterations += solves;
         before > CONTRADICTION * whole
     }
 }

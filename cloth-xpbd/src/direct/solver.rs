@@ -172,6 +172,11 @@ impl DirectXpbd {
         let unknown =
             self.config.warm_start && self.config.geometric_stiffness && self.last.is_none();
         self.begin(state, input, update);
+        // A row whose stiffness is not a number would be none.
+        if let Some(row) = self.rows.stiffness.iter().position(|k| k.is_nan()) {
+            let vertex = self.rows.vertices[self.rows.entries(row).start] as usize;
+            return Err(StepError::NonFinite { vertex, step });
+        }
         let size = extent(&state.positions);
         let mut report = StepReport::new(Outcome::BudgetSpent, 0);
         for iteration in 1..=self.config.max_iterations {
@@ -256,6 +261,7 @@ impl DirectXpbd {
         self.merit.reset();
         self.solver.factorizations = 0;
         self.solver.solves = 0;
+        self.solver.iterations = 0;
         self.trial.copy_from_slice(&self.positions);
         self.evaluate_trial();
     }
@@ -404,6 +410,7 @@ impl DirectXpbd {
         };
         report.factorizations = self.solver.factorizations;
         report.linear_solves = self.solver.solves;
+        report.linear_iterations = self.solver.iterations;
         report.residual = Some(self.residuals.compliance);
     }
 

@@ -215,7 +215,7 @@ fn the_residual_is_that_of_the_multipliers_and_positions_given() {
     assert_eq!(solver.compliance_residual(&state.positions), 0.0);
     state.positions[1].z = -1.5;
     solver.step(&mut state, StepInput::new(0.2)).unwrap();
-    // k h² w = 1: half of the stretch is left, and a spring moved by 0.1 m is wrong by 0.1 m.
+    // One link, 1 kg: k h² w = 1, half of the stretch is left, and a spring moved by 0.1 m is wrong by 0.1 m.
     assert!(solver.compliance_residual(&state.positions) < 1e-15);
     state.positions[1].z -= 0.1;
     assert!((solver.compliance_residual(&state.positions) - 0.1).abs() < 1e-15);

@@ -16,7 +16,7 @@ use cloth_core::particles::State;
 use cloth_xpbd::direct::{DirectConfig, DirectXpbd, System};
 
 const GRAVITY: Vec3 = Vec3::new(0.0, 0.0, -9.81);
-const SYSTEMS: [System; 4] = [
+pub(crate) const SYSTEMS: [System; 4] = [
     System::SaddleLdlt,
     System::SaddleMinres,
     System::SchurCholesky,

@@ -9,11 +9,20 @@ use cloth_core::particles::{Particles, State};
 use cloth_core::step::{StepInput, Stepper};
 use cloth_xpbd::direct::{DirectConfig, DirectXpbd, System};
 
-/// Numbers stored in the factor, iterations, and solves (products of a Krylov method), of the first step.
+/// Numbers stored in the factor, iterations, and solves with it or Krylov iterations, of the first step.
 fn cost(mut solver: DirectXpbd, mut state: State) -> (usize, u32, u32) {
     let input = StepInput::new(1.0 / 60.0).gravity(Vec3::z() * -9.81);
     let report = solver.step(&mut state, input).unwrap();
-    (solver.factor_len(), report.iterations, report.linear_solves)
+    assert!(report.linear_solves >= report.iterations);
+    match solver.factor_len() {
+        0 => assert!(report.linear_iterations > 10 * report.linear_solves),
+        _ => assert_eq!(report.linear_iterations, report.linear_solves),
+    }
+    (
+        solver.factor_len(),
+        report.iterations,
+        report.linear_iterations,
+    )
 }
 
 fn config(system: System) -> DirectConfig {
