@@ -284,7 +284,8 @@ pub trait Projective<const N: usize, const K: usize>: Element<N> {
     fn project(&self, z: [Vec3; K]) -> [Vec3; K];
 
     /// The radius r (unit of `z`) if the set is the sphere `‖z‖ = r` and `K` is 1, so that `p = r z/‖z‖`: a solver may
-    /// then project several elements at once. [`Projective::project`] says what happens at `z = 0`.
+    /// then project several elements at once. It may keep r, so give one only if it never changes.
+    /// [`Projective::project`] says what happens at `z = 0`.
     #[inline(always)]
     fn sphere(&self) -> Option<Real> {
         None

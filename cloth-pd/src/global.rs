@@ -173,7 +173,7 @@ impl GlobalSystem {
     /// Estimated work (ns) of a factorisation.
     fn factorization_cost(&self) -> Real {
         let entries = self.cholesky.factor_len() as Real;
-        // Of a sheet ordered by minimum degree a column has some tens of rows; their mean stands for all.
+        // A column of the factor of a sheet has some tens of rows; their mean stands for all.
         let rows = entries / self.mass.len() as Real;
         entries * (cost::FACTOR_ENTRY + cost::FACTOR_PRODUCT * rows)
     }
@@ -329,7 +329,7 @@ mod tests {
     }
 
     #[test]
-    fn the_matrix_is_m_over_dt_squared_plus_w_gt_g_over_free_vertices() {
+    fn the_matrix_is_m_over_dt_squared_plus_w_st_s_over_free_vertices() {
         let mut particles = Particles::new(vec![0.1, 0.2, 0.3, 0.4, 0.5, 0.6]).unwrap();
         particles.prescribe(2).unwrap();
         let spring = |vertices, stiffness| Spring {

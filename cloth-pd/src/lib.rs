@@ -37,10 +37,11 @@
 //! Meshes, materials and measures are in [`cloth_core`], re-exported here.
 //!
 //! # Idea
-//! Implicit Euler, `M (x[1] − x̃)/Δt² = −∇E(x[1])` with `x̃ = x[0] + Δt v[0] + Δt² M⁻¹ f_ext`, is the condition
-//! `∇G = 0` of a minimisation:
+//! Implicit Euler is `x[1] = x[0] + Δt v[1]` with `v[1] = v[0] + Δt M⁻¹ (f_ext − ∇E(x[1]))`. The second put into the
+//! first gives `M (x[1] − x̃)/Δt² = −∇E(x[1])` with `x̃ = x[0] + Δt v[0] + Δt² M⁻¹ f_ext`, the condition `∇G = 0` of a
+//! minimisation:
 //!
-//! `G(x) = ‖x − x̃‖²_M/(2Δt²) + E(x)`.
+//! `G(x) = ‖x − x̃‖²_M/(2Δt²) + E(x)`, `‖y‖²_M = yᵀ M y`.
 //!
 //! Newton's method needs a new matrix in every iteration for that, because the Hessian of a spring turns with the
 //! spring. Projective dynamics writes the energy of an element as the squared distance from `z = S x` to a set of
@@ -50,9 +51,9 @@
 //! `E(x) = min over p in the set of ½ w ‖S x − p‖²`,
 //!
 //! and all that is not linear sits in p. So a step is a minimisation over x *and* all p, done in turns (block
-//! coordinate descent). The *local* step holds x: each element alone projects z to its nearest p, a spring to the
-//! vector of its rest length in its present direction. The *global* step holds all p: what is left is quadratic in x,
-//! and its minimum solves
+//! coordinate descent; for springs Liu et al. 2013, in general Bouaziz et al. 2014). The *local* step holds x: each
+//! element alone projects z to its nearest p, a spring to the vector of its rest length in its present direction. The
+//! *global* step holds all p: what is left is quadratic in x, and its minimum solves
 //!
 //! `A x = M x̃/Δt² + Σ w Sᵀ p`,  `A = M/Δt² + Σ w SᵀS`.
 //!
@@ -60,25 +61,25 @@
 //! x, y and z alike, so it has a row per vertex and not three; it is factorised once, and an iteration costs the
 //! projections and one solve with the factor.
 //!
-//! The weight w is the stiffness of the material and no parameter of the method: k (N/m) for a spring, area times
-//! modulus for a triangle. It says what the step converges to, the same minimum that Newton's method finds; the number
-//! of iterations only says how near.
+//! The weight w is the stiffness of the material and no parameter of the method: k (N/m) for a spring, rest area times
+//! the membrane modulus Y (N/m) for a triangle. (Equal springs on the alternating grid make Y = 4k/3.) It says what the
+//! step converges to, the same minimum that Newton's method finds; the number of iterations only says how near.
 //!
 //! | element | z = S x | its nearest p | w |
 //! |---|---|---|---|
 //! | spring ([`Spring`]) | x₀ − x₁ | L z/‖z‖ | k |
-//! | triangle, as rigid as possible ([`ArapTriangle`](cloth_core::energy::ArapTriangle)) | F, 3 × 2 | U Vᵀ of F = U Σ Vᵀ | area · Y |
+//! | triangle, as rigid as possible ([`ArapTriangle`](cloth_core::energy::ArapTriangle)) | F = Σ xᵢ bᵢᵀ, 3 × 2 | U Vᵀ of F = U Σ Vᵀ | area · Y |
 //! | limit of a triangle ([`StrainLimitTriangle`](cloth_core::energy::StrainLimitTriangle)) | F | U clamp(Σ) Vᵀ | area · Y |
-//! | hinge, flat at rest ([`CurvatureHinge`](cloth_core::energy::CurvatureHinge)) | Σ qᵢ xᵢ | 0: A alone solves it | K |
-//! | hinge, curved at rest ([`CurvedHinge`](cloth_core::energy::CurvedHinge)) | Σ qᵢ xᵢ | r z/‖z‖ | K |
+//! | hinge, flat at rest ([`CurvatureHinge`](cloth_core::energy::CurvatureHinge)) | Σ qᵢ xᵢ | 0: A alone solves it | D/(A₀ + A₁) |
+//! | hinge, curved at rest ([`CurvedHinge`](cloth_core::energy::CurvedHinge)) | Σ qᵢ xᵢ | r z/‖z‖ | D/(A₀ + A₁) |
 //! | stitch ([`Stitch`](cloth_core::energy::Stitch)) | x₀ − x₁ | L(t) z/‖z‖ | k |
 //! | attachment ([`Attachment`](cloth_core::energy::Attachment)) | x | its target | k |
 //!
 //! Why U clamp(Σ) Vᵀ is nearest: ‖F − P‖² = ‖F‖² − 2 F:P + ‖P‖², and F:P ≤ Σ σᵢ(F) σᵢ(P) (von Neumann), with equality
 //! for P with the singular vectors of F. What is left is one clamp per σᵢ; limits [1, 1] give U Vᵀ. F is 3 × 2, so
-//! there are no reflections to exclude. The qᵢ of a hinge are cotangent weights at rest, so that ‖Σ qᵢ xᵢ‖ = 2 e
-//! sin(θ/2) of its edge of length e and its fold θ without stretch, and K = D/(A₀ + A₁), D the bending rigidity and A
-//! the areas of its triangles.
+//! there are no reflections to exclude. The bᵢ (1/m) are the gradients of the linear hat functions on the triangle at
+//! rest. The qᵢ of a hinge are cotangent weights at rest, so that ‖Σ qᵢ xᵢ‖ = 2 e sin(θ/2) of its edge of length e and
+//! its fold θ without stretch; D is the bending rigidity, A₀ and A₁ are the areas of its triangles.
 //!
 //! Both steps minimise, so `G` falls in every iteration with the whole matrix, from any start, without a line search:
 //! the frozen p bound the energy from above and touch it at x (majorise and minimise). For the same reason the gradient
@@ -87,14 +88,17 @@
 //!
 //! `∇E = Σ w Sᵀ(S x − p)`,  `∇²E = Σ w Sᵀ(I − ∂p/∂z) S`.
 //!
-//! A has I in the place of I − ∂p/∂z. So an iteration is `A (x⁺ − x) = −∇G(x)`: Newton's method with A, which is never
-//! below it, in place of the Hessian, and with steps of length 1 (Liu et al. 2017).
+//! A has I in the place of I − ∂p/∂z. So an iteration is `A (x⁺ − x) = −∇G(x)`: Newton's method with A in place of the
+//! Hessian, and with steps of length 1 (Liu et al. 2017). A is never below the Hessian, because ∂p/∂z is never
+//! negative: p is the gradient of the largest of the linear functions `p·z − ½ ‖p‖²` of the set, which is convex in z.
 //!
 //! # What the constant matrix loses, and how it is won back
-//! A is as stiff across a spring as along it, but a spring resists only along. In motions that turn springs without
-//! stretching them, as falling and folding do, each iteration contracts the error by `κ/(m/Δt² + κ)`, κ their stiffness
-//! in `Σ w SᵀS`: linear convergence, with a factor close to 1 for stiff cloth. Truncated early, the sheet falls too
-//! slowly. Three accelerations use the same matrix:
+//! A is as stiff across a spring as along it, but a spring resists only along. Near the minimum an iteration turns the
+//! error e into `e⁺ = (I − A⁻¹ ∇²G) e`. Motions that turn springs without stretching them, as falling and folding do,
+//! have little more than `M/Δt²` in ∇²G, so it keeps `κ/(m/Δt² + κ)` of them, κ their stiffness in `Σ w SᵀS`. On the
+//! alternating grid of spacing h a wave of wave number s has `κ ≈ 2 k (s h)²` a vertex, and `m = ρ h²` for an areal
+//! density ρ: `κ Δt²/m = 2 k s² Δt²/ρ` does not depend on h. For the sheet below the factor is 0.9991 for a wave of 1 m
+//! and 0.9995 for one of 0.74 m. Truncated early, the sheet falls too slowly. Three accelerations use the same matrix:
 //!
 //! - **Chebyshev** (Wang 2015): extrapolation from the iterate before the last, with weights that follow from the
 //!   spectral radius ρ of the plain iteration. We keep `G` in view: where it would not fall, the plain iterate is taken
@@ -104,10 +108,10 @@
 //!   If a direction fails, a plain iteration is taken.
 //! - **A coarse grid**, a two-level Galerkin preconditioner (Bramble, Pasciak, Xu 1990): the slow motions are smooth,
 //!   so a few hundred unknowns on a lattice of trilinear hat functions describe them (P is the prolongation, Pᵀ the
-//!   restriction, `PᵀHP` the Galerkin coarse operator), where a Newton step is cheap. The initial inverse Hessian
-//!   becomes `A⁻¹ + P V Pᵀ`, V a cycle of [`Multigrid`](cloth_core::method::multigrid::Multigrid) for `PᵀHP` with the
-//!   Hessian H (its negative eigenvalues set to zero) at the start of the step's iteration: an additive correction. A
-//!   reduces the rough part of the error, the grid the smooth part.
+//!   restriction, H the Hessian at the start of the step's iteration with its negative eigenvalues set to zero, `PᵀHP`
+//!   the Galerkin coarse operator), where a Newton step is cheap. The initial inverse Hessian becomes `A⁻¹ + P V Pᵀ`, V
+//!   a cycle of [`Multigrid`](cloth_core::method::multigrid::Multigrid) for `PᵀHP`: an additive correction. A reduces
+//!   the rough part of the error, the grid the smooth part.
 //!
 //! As the matrix only preconditions there, the bending of thin cloth is left out of it: where quadratic hinges add
 //! less than a fiftieth to every diagonal entry they are left to the iteration, because a hinge ties four vertices and
@@ -130,7 +134,7 @@
 //! # Equations
 //! ```text
 //! u ← Δt v + Δt² M⁻¹ f_ext,   x̃ = x[0] + u
-//! q ← 0, Δt v or u; K times:                                       x = x[0] + q
+//! q ← 0, Δt v or u; so many times:                                 x = x[0] + q
 //!     p ← project(S x), every element for itself
 //!     g ← M (q − u)/Δt² + Σ w Sᵀ(S x − p)                          ∇G
 //!     solve (M/Δt² + Σ w SᵀS) d = g,   q ← q − d
@@ -138,9 +142,10 @@
 //! x[1] ← x[0] + q,   v[1] ← q/Δt
 //! ```
 //!
-//! The global step is often printed for x itself; for the increment it is the same equation. Neither positions nor
-//! predictions are subtracted, so free fall loses no digits, and a step so long that `M/Δt²` is rounded away ends where
-//! the held cloth is at rest. Rows and columns of prescribed vertices drop out.
+//! The global step is often printed for x itself; for the displacement q (not the qᵢ of a hinge) it is the same
+//! equation. Neither positions nor predictions are subtracted, so free fall loses no digits, and a step so long that
+//! `M/Δt²` is rounded away ends where the held cloth is at rest. A prescribed vertex has q = u from the start, and no
+//! row and column in A.
 //!
 //! `Σ w SᵀS` is positive semi-definite for weights ≥ 0, and M makes A positive definite.
 //!
@@ -161,10 +166,10 @@
 //! | `P V Pᵀ`; H | `lattice.rs`, `coarse.rs`; `local.rs` |
 //! | the prediction, the velocities and the loop | [`PdSolver`] |
 //!
-//! `examples/first_program.rs` is this box as plain loops over arrays with a dense matrix, and compares itself with
-//! [`PdSolver`]. In the crate the local step is spread over several files: the formula of one element stands in
-//! `batch.rs`, at `ProjectionBatch::find_one_by_one` (z, p, force `w (z − p)`, energy `½ w ‖z − p‖²`), and everything
-//! else computes the same numbers for many elements at once.
+//! `examples/first_program.rs` is the plain iteration from x̃, for x itself, as loops over arrays with a dense matrix,
+//! and compares itself with [`PdSolver`]. In the crate the local step is spread over several files: the formula of one
+//! element stands in `batch.rs`, at `ProjectionBatch::find_one_by_one` (z, p, force `w (z − p)`, energy
+//! `½ w ‖z − p‖²`), and everything else computes the same numbers for many elements at once.
 //!
 //! # Iterations
 //! The sixteenth step of that sheet, from x̃, until `(G − G*)/(G(x̃) − G*)` is below an error
@@ -191,9 +196,9 @@
 //!
 //! Cloth that changes between two steps ([`PdSolver::prescribe`], [`release`](PdSolver::release),
 //! [`attach`](PdSolver::attach), [`remove`](PdSolver::remove)) keeps the factor and corrects every solve by the
-//! identity of Woodbury, of rank k: 1 for a vertex that is grabbed and for an attachment, 2 for one that is released, a
-//! row of S each for an element that is removed. To set that up takes k/3 solves, which cost as much as a factorisation
-//! at k = 36 to 51 for 32 to 512 vertices a side; and as it slows down every solve, it is given up for a factorisation
+//! identity of Woodbury, of rank r: 1 for a vertex that is grabbed and for an attachment, 2 for one that is released, a
+//! row of S each for an element that is removed. To set that up takes r/3 solves, which cost as much as a factorisation
+//! at r = 36 to 51 for 32 to 512 vertices a side; and as it slows down every solve, it is given up for a factorisation
 //! when as much has been spent on it. A dragged pin or attachment changes no matrix; a pin or an element that comes or
 //! goes takes a coarse grid anew.
 //!
@@ -205,9 +210,10 @@
 //! # Cost
 //! A solve reads the factor twice: with bending 1.29 million numbers at 128 vertices a side, so 20.6 MB, and no solve
 //! is faster than the memory gives them. `cloth-bench study projective` has the time of a solve beside that of reading
-//! the factor, and beside the linear-algebra library, by size. The local step reads 24 bytes a spring and reads or
-//! writes 72 a vertex; `cargo bench -p cloth-bench --bench projective -- "local step"` has its time beside that of a
-//! stream of as many bytes: 2.0 to 2.6 times as long with 128 vertices a side, where all is in a cache, 1.0 to 1.3 with
+//! the factor, and beside the linear-algebra library, by size. The local step reads a rest length and a stiffness (16
+//! bytes) a spring where springs are streams (below), and reads or writes 72 bytes a vertex;
+//! `cargo bench -p cloth-bench --bench projective -- "local step"` has its time beside that of a stream of 24 bytes a
+//! spring and 72 a vertex: 2.0 to 2.6 times as long with 128 vertices a side, where all is in a cache, 1.0 to 1.3 with
 //! 256 and 1.3 to 1.9 with 512. Where the vertices are numbered along rows, as on a grid, the ends of neighbouring
 //! springs are neighbours too, and both are read and added to as streams, without an index: x, y and z apart, even
 //! vertices apart from odd ones, eight springs side by side. What is left is the square root and the division of each
@@ -215,20 +221,21 @@
 //! order takes the ends one by one.
 //!
 //! With quadratic bending and n vertices, f numbers in the factor, e springs and b entries in the matrix of the bending
-//! energy, an iteration moves `16 f` bytes for the solve, `24 e + 72 n` for the springs, `12 b + 64 n` for the bending,
-//! about `200 n` for the rest of the objective, and `100 n` and `96 n` for each pair that is remembered. At 128 a side,
-//! with the bending left out of the matrix, that is about 9 MB, 2 MB, 4 MB, 3 MB and, with two pairs, 5 MB. A large
-//! factor is cut into subtrees of its elimination tree, which threads can share; the cut does not depend on how many
-//! there are. All loops are compiled for wide registers too ([`wide`](cloth_core::method::parallel::wide)), and give
-//! the same bits without.
+//! energy (11 a row), an iteration moves `16 f` bytes for the solve, `16 e + 72 n` for the springs, `12 b + 64 n` for
+//! the bending, about `200 n` for the rest of the objective, and for L-BFGS `100 n`, with `96 n` more for each pair. At
+//! 128 a side, with the bending left out of the matrix, that is about 9 MB, 2 MB, 3 MB, 3 MB and, with two pairs, 5 MB.
+//! The factor is ordered by minimum degree or nested dissection, whichever takes less work. A large factor is cut into
+//! subtrees of its elimination tree, which threads can share; the cut does not depend on how many there are. All loops
+//! are compiled for wide registers too ([`wide`](cloth_core::method::parallel::wide)), and give the same bits without.
 //!
 //! The coarse matrix is summed once a step, element by element: `Pᵀ H P` is never a matrix of the whole cloth first,
 //! which would take 0.65 ms of a step of 3.5 ms at 64 a side, and takes 0.36 so. What does not make an iteration faster
 //! (AMD EPYC, Zen 4, one thread): the factor in single precision, by which the iteration converges as well; a number
 //! has to be widened before it is used, and a solve takes 83 µs instead of 63 at 64 a side, 480 instead of 360 at 128,
-//! 3.3 ms instead of 3.0 at 256. Several sums side by side in the products with the bending matrix and with P:
-//! additions do not wait for each other as it is. The coarse matrix is needed afresh in every step: kept for two, the
-//! kinetic energy of the swing (below) is −74 % instead of −44; taken several times in a step, no better than once.
+//! 3.3 ms instead of 3.0 at 256 (with four times as many vertices a solve takes 5.7 and 8.3 times as long). Several
+//! sums side by side in the products with the bending matrix and with P: additions do not wait for each other as it is.
+//! The coarse matrix is needed afresh in every step: kept for two, the kinetic energy of the swing (below) is −74 %
+//! instead of −44; taken several times in a step, no better than once.
 //!
 //! Why a solve of our own and not the library's: a triangular solve does two operations per number of the factor that
 //! it reads, so memory decides. [`PanelFactor`] lays the factor out in the order in
@@ -241,23 +248,24 @@
 //! quasi-Newton iteration has in `G`: its value and gradient are those of `G + C`. The crate `cloth-collide` has it:
 //! `PotentialContacts::builder(&mesh).obstacle(body, μ).friction(μ).build()?` once, then `.contacts(&mut contacts)` on
 //! every `StepInput`. `obstacle` takes the friction on a body, `friction` that of cloth on cloth, and self-collision is
-//! on unless `.self_collision(false)`. Friction is in C with the normal
-//! forces λ of the start of the step (lagged, Li et al. 2020): μ λ f(‖u‖) of the tangential displacement u, f quadratic
-//! at first and then linear, so that it has a potential too. Plain iterations become quasi-Newton iterations without
-//! pairs there, and Chebyshev's are left out, as extrapolation knows no bounds. Four things are
-//! particular.
+//! on unless `.self_collision(false)`. Friction is in C with the normal forces λ and planes of the start of the step
+//! (lagged, Li et al. 2020): μ λ f(‖u‖) of the displacement u in the plane. f′ rises linearly to 1 at ‖u‖ = ε, a
+//! hundredth of the thickness, and stays there, so that friction has a potential too. Plain iterations become
+//! quasi-Newton iterations without pairs there, and Chebyshev's are left out, as extrapolation knows no bounds. Four
+//! things are particular.
 //!
 //! - **Contact stiffness is in the solve.** A is stiff where springs are and soft for smooth motions of the whole sheet
 //!   (0.2 N/m a vertex against 250 N/m of a contact, with 64 vertices a side), so a direction from A alone goes through
 //!   the obstacle, is truncated there, and the sheet creeps. The initial inverse Hessian therefore is
-//!   `(A + Σ k J Jᵀ)⁻¹` with the contacts of the iterate: conjugate gradients around the factor of A, of which three to
-//!   six are enough, without a matrix of its own; the volume of a closed piece
+//!   `(A + Σ k J Jᵀ)⁻¹` with the contacts of the iterate, J the derivative of a distance by the vertices and k the
+//!   second derivative of its energy ([`ContactRow`](cloth_core::contact::ContactRow)): conjugate gradients around the
+//!   factor of A, of which three to six are enough, without a matrix of its own; the volume of a closed piece
 //!   ([`ClosedVolume`](cloth_core::enclosure::ClosedVolume)), one row on all its vertices, is among them. In the
 //!   fourteenth step of a sheet that falls on a ball (below), 30 iterations lower `G` by 0.28 J with contact in the
 //!   solve, by 0.11 J without.
 //! - **Each vertex has its own displacement bound.** With one step length for all vertices a single contact would stop
-//!   the whole sheet. Displacements are truncated vertex by vertex
-//!   ([`limit_each`](cloth_core::contact::ContactPotential::limit_each)); where that does not descend, one length for
+//!   the whole sheet. Displacements are truncated vertex by vertex (Wu et al. 2020, Chen et al. 2025;
+//!   [`limit_each`](cloth_core::contact::ContactPotential::limit_each)); where that does not descend, one length for
 //!   all is taken. The start `x[0] + Δt v[0]` is cut in the same way.
 //! - **Directions are trusted as far as steps have come.** A direction knows nothing of the contacts that it would only
 //!   make. Where cloth is light and soft it is many times as long as the cloth: detection then looks at all that could
@@ -278,7 +286,7 @@
 //!   (`cloth-bench run fold --n 17 --steps 30`) falls 0.484 m, with 20 iterations at most 0.442 m; implicit Euler 0.494
 //!   m. If the end is above `G` at the start of the step all the same, it is taken again from there.
 //!
-//! So every accepted iterate, and every straight path between two of them, is free of intersections. A sheet with 64
+//! So every accepted iterate, and the straight path from one to the next, is free of intersections. A sheet with 64
 //! vertices a side (0.2 kg/m², 10⁴ N/m) that falls 5 cm onto a ball of 0.1 m (`cloth-bench/scenes/ball.toml`) is
 //! stretched by 0.8 % at most after 20 steps of 1/60 s, 2.5 % with implicit Euler, which may stay at saddle points and
 //! buckle later, and no energy appears. The falls of the two methods differ by 4 %; one hundredth more bending rigidity
@@ -293,17 +301,17 @@
 //! `WithStrainLimit` of the crate `cloth-pbd` does it.
 //!
 //! # Errors and bad input
-//! - **Building** is refused with a [`BuildError`]: a setting outside its range (no iterations, a spectral radius
-//!   outside [0, 1), a weight that is negative or not finite, rest positions of the coarse grid that do not match), a
-//!   vertex that does not exist, a matrix too large for its indices. `energy` never fails; its error is kept for
-//!   `build`.
-//! - **A step** is refused with a [`StepError`] if Δt is not positive and finite, if an input or the result is not
-//!   finite (the vertex is named), if A is not positive definite to working precision, or if contact cannot be
-//!   resolved. The state is then what it was before the step.
+//! - **Building** is refused with a [`BuildError`]: `OutOfRange` (no iterations, a spectral radius outside [0, 1), a
+//!   weight that is negative or not finite, rest positions of the coarse grid that do not match), `NoSuchVertex`,
+//!   `NoSuchView`, or `MatrixTooLarge`. `energy` never fails; its error is kept for `build`.
+//! - **A step** is refused with a [`StepError`]: `InvalidTimeStep` if Δt is not positive and finite, `NonFiniteInput`
+//!   or `NonFinite` if an input or the result is not finite (the vertex is named), `NotPositiveDefinite` if A is not to
+//!   working precision, `Contact` if contact cannot be resolved. The state is then what it was before the step.
 //! - **A change** between two steps is refused with a [`ChangeError`], and nothing has changed.
 //! - **A state of the wrong length** is a bug of the caller and panics.
 //! - **Degenerate elements are no error.** A spring whose ends coincide projects to a direction that its vertex numbers
-//!   give, so a cloth collapsed to a point unfolds.
+//!   give, so a cloth collapsed to a point unfolds; a triangle collapsed to a line or a point has singular vectors
+//!   chosen for it. A triangle without rest area has no weight, and is left out.
 //! - **No convergence is no error.** Without a tolerance the outcome is
 //!   [`BudgetSpent`](cloth_core::step::Outcome::BudgetSpent), also where `contact_tolerance` or a failed line search in
 //!   contact ends the step early; it is `Converged` where forces in contact balance to 10⁻⁸ or nothing can move. With
@@ -312,20 +320,23 @@
 //! # Threads
 //! With the feature `parallel` (default) the vertices are cut into blocks of consecutive numbers. Each block visits the
 //! elements that touch it and adds to its own vertices only (owner computes), so no two threads write to the same place
-//! and no colouring is needed; an element on a border is computed twice. Families (all elements of one `.energy()`
-//! call) below 32 768 elements stay on one thread. The solve runs over independent subtrees of the elimination tree.
-//! Blocks and subtrees depend on the mesh alone, so results have the same bits on any number of threads, and without
-//! the feature.
+//! and no colouring is needed; an element on a border is computed twice. A family (all elements of one `.energy()`
+//! call) of fewer than 32 768 elements stays on one thread. The solve runs over independent subtrees of the elimination
+//! tree. Blocks and subtrees depend on the mesh alone, so results have the same bits on any number of threads, and
+//! without the feature.
 //!
 //! # Add an element
 //! One struct and two traits of [`cloth_core::element`]: `Element<N>` names the vertices, `Projective<N, K>` gives S, w
-//! and the projection, which must be the nearest point in the Euclidean norm, or `∇E = w Sᵀ(S x − p)` is wrong. Write
+//! and the projection, which must be the nearest point in the Euclidean norm, or `∇E = w Sᵀ(S x − p)` is wrong; for an
+//! element with `Energy` too, [`projection_error`](cloth_core::check::projection_error) tells. Write
 //! `projected_hessian` too, unless the projection is constant: its default, the identity, makes the coarse grid as
-//! stiff as A, and nothing is won by it. `PROJECTION_IS_CONSTANT` and `sphere` are for speed. The matrix, threads,
-//! accelerations and the removal of elements follow.
+//! stiff as A, and nothing is won by it. `PROJECTION_IS_CONSTANT` and `sphere` are for speed; give a `sphere` only if
+//! its radius never changes, because the solver keeps it. The matrix, threads, accelerations and the removal of
+//! elements follow.
 //!
 //! ```
 //! use cloth_pd::cloth_core::element::{Element, Projective};
+//! use cloth_pd::cloth_core::math::Mat3;
 //! use cloth_pd::{Particles, PdSolver, State, StepInput, Stepper, Vec3};
 //!
 //! /// Pulls a vertex to a plane through the origin: `E = ½ w (n·x)²` (J).
@@ -347,6 +358,9 @@
 //!     }
 //!     fn project(&self, [z]: [Vec3; 1]) -> [Vec3; 1] {
 //!         [z - self.normal * self.normal.dot(&z)]
+//!     }
+//!     fn projected_hessian(&self, _: [Vec3; 1]) -> [[Mat3; 1]; 1] {
+//!         [[self.normal * self.normal.transpose()]] // I − ∂p/∂z
 //!     }
 //! }
 //!
@@ -372,9 +386,9 @@
 //! ```
 //!
 //! # Limits
-//! - There is no damping but that of implicit Euler, by which a mode of the frequency ω divides its energy by
-//!   1 + (ω Δt)² in a step. For more, scale the velocities between steps, or hand drag over as a load
-//!   ([`cloth_core::air`]).
+//! - There is no damping but that of implicit Euler, which divides the energy of a mode of angular frequency ω by
+//!   `1 + (ω Δt)²` in a step: a swing of 1 s loses half of it in 1.06 s at Δt = 1/60 s, in 4.2 s at 1/240. For more,
+//!   scale the velocities between steps, or hand drag over as a load ([`cloth_core::air`]).
 //! - The plain iteration converges linearly, slowly for stiff cloth. An error of 10⁻² in `G` is soon
 //!   reached and says little: plain, truncated there, the sheet above floats. Check the fall beside the stretch before
 //!   choosing a number of iterations.
@@ -393,7 +407,7 @@
 //!   At 32 a side the default has a mean stretch of −5 % and a kinetic energy of −46 %. Rounding alone moves the
 //!   kinetic energy: with sums in another order, or with the factor in single precision, it is −44 to −52 % for the
 //!   default at 64 a side and −12 to −17 % for 16 cells and 18 iterations. For seconds of motion that have to be right
-//!   take 16 cells, 18 iterations and 2 pairs; a step then takes about 1.7 times as long.
+//!   take 16 cells, 18 iterations and 2 pairs; a step then takes 1.6 to 1.7 times as long.
 //!
 //!   *Why.* The motion is not chaotic: implicit Euler from a start disturbed by 10⁻³ m ends with the same largest
 //!   stretch to 1 % (32 a side). One instant still misleads, because a motion with too little energy is at another
@@ -403,7 +417,7 @@
 //!   that no spring is stretched. The matrix charges the motion across as if springs were stretched, and the hats of a
 //!   grid cannot follow the motion along: a grid of half the resolution of the cloth does no better, one as fine as the
 //!   cloth is Newton's method, for which three iterations are enough. So folds go on with the velocity that they have,
-//!   and what should have bent is compressed (11 times the elastic energy with the default, at 64 a side).
+//!   and what should have bent is compressed (9 times the elastic energy with the default, at 64 a side).
 //!
 //!   *Tried in vain*, at 32 or 64 a side: a start extrapolated with the last change of velocity; pairs kept from
 //!   the step before, as they are (the steps then need line searches) or with their changes of gradient taken anew;
@@ -414,12 +428,12 @@
 //! - It is the same with a chain of 20 links, swinging: with 6 iterations its centre of mass is right to 0.1 % after
 //!   half a second, but has fallen 3 % too little after five; with 8 iterations it is right to 0.2 % then.
 //! - In a step from `x[0]`, and in a quasi-Newton step from `x[0] + Δt v[0]`, `G(x[1]) ≤ G(x[0])`: one that ends above
-//!   is taken again, which the hanging sheet never needs. In energies this says that the potential energy after the
-//!   step and the kinetic energy `½ ‖v[1] − v[0]‖²_M` of the *change* of velocity are together at most the whole energy
-//!   before. It bounds the energy of a tangle, not the kinetic energy; the exact minimum bounds that too, where E is
-//!   convex. Plain and Chebyshev iterations from there, and all from x̃, have no such guard; ended early they can
-//!   feed a tangle. With the default a cloth of 10³ N/m, damped, hangs in the end from any start (in a point, on a
-//!   line, mirrored, random, blown up), forces balanced.
+//!   is taken again, which the hanging sheet never needs. In energies, where no pin moves, this says that the potential
+//!   energy after the step and the kinetic energy `½ ‖v[1] − v[0]‖²_M` of the *change* of velocity are together at most
+//!   the whole energy before. It bounds the energy of a tangle, not the kinetic energy; the exact minimum bounds that
+//!   too, where E is convex. Plain and Chebyshev iterations from there, and all from x̃, have no such guard; ended
+//!   early they can feed a tangle. With the default a cloth of 10³ N/m, damped, hangs in the end from any start (in a
+//!   point, on a line, mirrored, random, blown up), forces balanced.
 //! - The coarse grid needs rest positions, and is good for cloth that bends smoothly at its scale. It changes how fast
 //!   the iteration converges, never to what; and not always for the better: at 10⁵ N/m, from x̃, the first 10⁻² takes
 //!   32 iterations with it and 7 without any acceleration.
@@ -487,7 +501,8 @@
 //! 5. `chebyshev.rs`, `quasi_newton.rs`, `coarse.rs` with `lattice.rs`: the accelerations.
 //! 6. `contact.rs`; `components.rs`: momentum of what nothing holds; `pin_work.rs`.
 //!
-//! The tests in `tests/chapter` are the claims of this page, one by one.
+//! `tests/chapter` tests the claims of this page. A step that can be followed by hand is
+//! `one_spring_ends_at_implicit_euler_in_closed_form` in its `minimum.rs`.
 //!
 //! # References
 //! - S. Bouaziz, S. Martin, T. Liu, L. Kavan, M. Pauly, "Projective dynamics: fusing constraint projections for fast

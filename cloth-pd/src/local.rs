@@ -196,7 +196,7 @@ pub(crate) fn key<const N: usize, E: Element<N>>(element: &E) -> [u32; 4] {
 /// Vertices that elements stay with before they go on: few enough for positions and sums to stay in the nearest cache.
 const WINDOW: u32 = 512;
 
-/// Adds `Pᵀ w Sᵀ (I − ∂p/∂z) S P` of elements with these prolongation.
+/// Adds `Pᵀ w Sᵀ (I − ∂p/∂z) S P` of elements with their prolongation.
 #[inline(always)]
 fn add_stiffness<const N: usize, const K: usize, E: Projective<N, K>>(
     elements: &[E],

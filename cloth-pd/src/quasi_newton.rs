@@ -263,7 +263,7 @@ impl QuasiNewton {
         ends.for_each(|(to, (x, p))| *to = x + p);
     }
 
-    /// `direction = −H g` with `H` the inverse Hessian that the pairs make of the first one. Returns the number of
+    /// `direction = −B g` with `B` the inverse Hessian that the pairs make of the first one. Returns the number of
     /// global solves.
     fn find_direction(
         &mut self,

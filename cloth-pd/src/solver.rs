@@ -19,8 +19,9 @@ use cloth_core::step::{Outcome, StepError, StepInput, StepReport, Stepper};
 
 /// Projective dynamics; see the [crate documentation](crate).
 ///
-/// A step reports as factorisations those of the constant matrix: 1 in the first step and whenever Δt has changed, else
-/// 0. Its residual is `‖∇G(x)‖/max(‖∇G(x̃)‖, ‖∇C(x)‖)`, with a tolerance only; C is the potential of contact.
+/// A step reports as factorisations those of the constant matrix: 1 in the first step, for another Δt, and where so
+/// many pins or elements have changed that a correction is dearer; else 0. Its residual is
+/// `‖∇G(x)‖/max(‖∇G(x̃)‖, ‖∇C(x)‖)`, with a tolerance only; C is the potential of contact.
 #[derive(Debug)]
 pub struct PdSolver {
     pub(crate) objective: Objective,
@@ -44,7 +45,7 @@ pub struct PdSolver {
     /// that each vertex may take.
     feasible: Vec<Vec3>,
     fractions: Vec<Real>,
-    /// What is left to do with the positions.
+    /// `v[1]` (m/s).
     velocities: Vec<Vec3>,
 }
 
@@ -280,7 +281,7 @@ impl PdSolver {
         Ok(())
     }
 
-    /// Goes to `x⁽⁰⁾`.
+    /// Puts the iterate where the iteration starts: q = 0, Δt v[0] or u, and u for a prescribed vertex.
     fn start(&mut self, state: &State) {
         let (particles, inertial) = (&self.objective.particles, &self.objective.inertial);
         let q = &mut self.point.displacement;

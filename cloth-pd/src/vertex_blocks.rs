@@ -180,8 +180,9 @@ mod threads {
     use cloth_core::math::{Real, Vec3};
     use rayon::prelude::*;
 
-    /// Smaller families are visited on one thread: an element costs about five nanoseconds, so these take less than a
-    /// sixth of a millisecond, and a second thread that has to be woken first saves nothing of it.
+    /// Smaller families are visited on one thread: an element costs up to about five nanoseconds (a spring in a stream
+    /// 1.7), so these take less than a sixth of a millisecond, and a second thread that has to be woken first saves
+    /// nothing of it.
     const SMALLEST_PARALLEL_FAMILY: usize = 32_768;
 
     /// Each block with its number, its vertices and its value.

@@ -79,7 +79,7 @@ pub(crate) fn accelerated(config: PdConfig) -> [PdConfig; 6] {
     })
 }
 
-/// A solver with a coarse grid of 4 cells over the rest positions `rest` (m).
+/// A solver with a coarse grid of 10 cells over the rest positions `rest` (m).
 pub(crate) fn coarse_solver(model: &ClothModel, rest: &[Vec3], config: PdConfig) -> PdSolver {
     PdSolver::builder(&model.particles)
         .energy(model.springs.clone())
