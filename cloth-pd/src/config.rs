@@ -13,15 +13,16 @@ pub struct PdConfig {
     /// with as many.
     pub iterations: u32,
     /// The same for a step with active contacts, if that is more: an impact changes the problem during the iteration.
+    /// And for a step of [`Acceleration::QuasiNewton`] in which prescribed vertices move.
     /// Most such steps end sooner, at [`contact_tolerance`](Self::contact_tolerance), or once
     /// `‖∇G(x)‖ ≤ 1e-8 ‖M (x − x̃)/Δt²‖` in the norm of M⁻¹.
     pub contact_iterations: u32,
-    /// A step with active contacts and without a `tolerance` ends after 30 iterations or more once
+    /// Such a step without a `tolerance` ends after 30 iterations or more once
     /// `√(∇Gᵀ B ∇G) ≤ τ ‖x − x̃‖_M/Δt`, B the inverse Hessian that the method has (τ dimensionless, at least 0): the
     /// Newton decrement, as a speed, over the change of velocity that the forces have made. As pairs that mislead make
     /// it small, ten iterations must have lowered `G` by no more than `10 (τ ‖x − x̃‖_M/Δt)²` besides. It is an
     /// estimate, weaker than a bound on the gradient: A is too stiff where cloth bends, so B, and this, come out too
-    /// small. 0 asks for all `contact_iterations`.
+    /// small. Where prescribed vertices move, 0.3 τ is asked for. 0 asks for all `contact_iterations`.
     pub contact_tolerance: Real,
     /// With `Some(τ)` the iteration ends as soon as `‖∇G(x)‖ ≤ τ max(‖∇G(x̃)‖, ‖∇C(x)‖)` in the norm of M⁻¹ (τ
     /// dimensionless; C is the potential of contact, if there is any), and the report has that ratio as its residual.

@@ -139,6 +139,13 @@ impl Objective {
         self.dt
     }
 
+    /// Whether a prescribed vertex moves in the step.
+    pub(crate) fn is_driven(&self) -> bool {
+        let displacements = self.inertial.iter().enumerate();
+        let mut prescribed = displacements.filter(|(v, _)| self.particles.is_prescribed(*v));
+        prescribed.any(|(_, u)| *u != Vec3::zeros())
+    }
+
     /// Fills in the positions that belong to the displacement of `point`.
     pub(crate) fn place(&self, point: &mut Point) {
         let moved = self.from.iter().zip(&point.displacement);

@@ -9,7 +9,7 @@ crate::settings! {
     /// Of projective dynamics.
     pub(super) struct Pd {
         iterations: u32 = 10 in AtLeast(1.0), "local–global iterations per step, at most";
-        contact_iterations: u32 = 300 in AtLeast(1.0), "the same for a step in which contact pushes, if that is more";
+        contact_iterations: u32 = 300 in AtLeast(1.0), "the same for a step in which contact pushes or a pin moves, if that is more";
         contact_tolerance: Real = 0.1 in AtLeast(0.0), "decrement at which such a step is done, over the change of velocity";
         tolerance: Option<Real> = "none", "relative gradient norm at which a step is done, or none";
         start: StartGuess = "inertial", "first guess: previous, inertial or predicted";

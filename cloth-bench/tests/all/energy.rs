@@ -125,6 +125,17 @@ fn motion_that_pins_give_position_based_cloth_is_paid_for() {
     }
 }
 
+/// What ten iterations leave of the work of pins stays as strain, and the next step adds to it: 7.7 times as much.
+#[test]
+fn pd_takes_the_work_of_pins_that_move_to_nearly_what_it_should_be() {
+    let [pd, converged] = ["pd", "implicit-euler"].map(|method| {
+        let (code, object, said) = run(&format!("twist --n 65 --method {method} --steps 120"));
+        assert_eq!(code, 0, "{said}");
+        object["energy_given"].as_f64().unwrap()
+    });
+    assert!(pd < 2.0 * converged, "{pd} J, {converged} J");
+}
+
 #[test]
 fn stretch_that_is_left_is_a_warning_and_a_number() {
     for arguments in [

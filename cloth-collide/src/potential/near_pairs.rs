@@ -17,6 +17,9 @@ use cloth_core::math::{Real, Vec3, gather};
 
 /// Path (in thicknesses) that a vertex may go beyond the paths looked at, before pairs are chosen anew.
 const ROOM: Real = 0.5;
+/// A choice costs as much as so many looks at the pairs that it leaves, and at so many more.
+const AS_DEAR: usize = 4;
+const MANY: usize = 500;
 
 /// Pairs that can be near.
 #[derive(Debug, Default)]
@@ -31,6 +34,8 @@ pub(super) struct NearPairs {
     /// Of a vertex and a triangle each, and of two edges.
     vertex_triangle: Ranked<PairContact>,
     edge_edge: Ranked<PairContact>,
+    /// Looks at pairs since they were chosen.
+    spent: usize,
     /// Of each obstacle and each vertex: where it was asked for the distance, in the frame of the obstacle (m), and
     /// that distance (m). It changes by no more than the displacement from there.
     rooms: Vec<(Vec3, Real)>,
@@ -63,47 +68,59 @@ impl NearPairs {
     /// Makes sure that the pairs are those of the straight path between two positions (m).
     pub(super) fn prepare(&mut self, near: &Near, path: [&[Vec3]; 2], obstacles: &[Obstacle]) {
         let room = ROOM * near.law.range();
-        if path.iter().all(|x| self.holds(x, room)) {
-            self.wake(path);
-            return;
+        if self.is_chosen {
+            let moved = path.map(|x| longest([&self.place, x]));
+            let holds = path
+                .iter()
+                .zip(moved)
+                .all(|(x, moved)| self.holds(x, moved, room));
+            if holds && !self.is_elsewhere(path, moved[0], room) {
+                self.wake(moved);
+                return;
+            }
         }
         let [from, to] = path;
         self.choose(near, path, room);
         from.clone_into(&mut self.place);
         self.is_chosen = true;
+        self.spent = 0;
         self.reach.clear();
         let displacements = from.iter().zip(to).map(|(a, b)| (b - a).norm() + room);
         self.reach.extend(displacements);
         self.choose_obstacles(near, obstacles);
         self.choices += 1;
-        self.wake(path);
+        self.wake([0.0, longest(path)]);
     }
 
-    /// Looks after the pairs that the path can bring into contact.
-    fn wake(&mut self, path: [&[Vec3]; 2]) {
-        let nearer = 2.0 * self.moved(path[0]).max(self.moved(path[1]));
+    /// Whether a path is short beside how far the cloth has gone since pairs were chosen, so that few of them matter: as
+    /// where a minimisation comes to its end, one step of the cloth away from where it began. They are chosen anew once
+    /// looking at them has cost as much as that.
+    fn is_elsewhere(&mut self, path: [&[Vec3]; 2], moved: Real, room: Real) -> bool {
+        let [awake, all] = [Ranked::awake, Ranked::len]
+            .map(|count: fn(&_) -> usize| count(&self.vertex_triangle) + count(&self.edge_edge));
+        self.spent += awake;
+        let is_dear = self.spent > AS_DEAR * (MANY + all);
+        is_dear && 2.0 * (longest(path) + room) < moved
+    }
+
+    /// Looks after the pairs that the path can bring into contact, whose ends are so far (m) from where pairs were
+    /// chosen.
+    fn wake(&mut self, moved: [Real; 2]) {
+        let nearer = 2.0 * moved[0].max(moved[1]);
         self.vertex_triangle.wake(nearer);
         self.edge_edge.wake(nearer);
     }
 
-    /// How far (m) a vertex is from where it was when pairs were chosen, at most, besides what all have done together.
-    fn moved(&self, x: &[Vec3]) -> Real {
-        let shift = mean(x) - mean(&self.place);
-        let displacements = x.iter().zip(&self.place);
-        let most = displacements.map(|(x, place)| (x - place - shift).norm_squared());
-        most.fold(0.0, Real::max).sqrt()
-    }
-
-    /// Whether the pairs hold at a place (m).
-    fn holds(&mut self, x: &[Vec3], room: Real) -> bool {
+    /// Whether the pairs hold at a place (m), where a vertex has `moved` so far (m) besides what all have done together.
+    fn holds(&mut self, x: &[Vec3], moved: Real, room: Real) -> bool {
         let displacements = x.iter().zip(&self.place).zip(&self.reach);
         let mut displacements =
             displacements.map(|((x, place), reach)| (x - place).norm_squared() <= reach * reach);
-        if !self.is_chosen || !displacements.all(|holds| holds) {
+        if !displacements.all(|holds| holds) {
             return false;
         }
         // Mostly this is enough: any two parts may come nearer by two rooms, wherever they are.
-        if self.moved(x) <= room {
+        if moved <= room {
             return true;
         }
         let patches = self.patches.as_mut();
@@ -174,6 +191,14 @@ impl NearPairs {
             }
         }
     }
+}
+
+/// How far (m) a vertex goes, at most, besides what all do together.
+fn longest([from, to]: [&[Vec3]; 2]) -> Real {
+    let shift = mean(to) - mean(from);
+    let displacements = from.iter().zip(to);
+    let most = displacements.map(|(a, b)| (b - a - shift).norm_squared());
+    most.fold(0.0, Real::max).sqrt()
 }
 
 /// The distance (m) along an axis, the farthest, between the boxes around the first `split` of four points and around

@@ -39,6 +39,16 @@ impl<P> Ranked<P> {
         self.awake = self.all.partition_point(|(lack, _)| *lack <= nearer);
     }
 
+    /// How many there are.
+    pub(super) fn len(&self) -> usize {
+        self.all.len()
+    }
+
+    /// How many can be in contact.
+    pub(super) fn awake(&self) -> usize {
+        self.awake
+    }
+
     /// Those that can be in contact.
     pub(super) fn iter(&self) -> impl Iterator<Item = &P> {
         self.all[..self.awake].iter().map(|(_, pair)| pair)
