@@ -199,7 +199,7 @@
 //! force λ at the start of the step, `f = u²/(2ε)` up to ε = h/100 and `u − ε/2` beyond, where its force is μ λ. So a
 //! sheet of ρ (kg/m²) rests `h − ρ g/κ_c` above a floor, and slides down a slope with the acceleration a by
 //! `a Δt² n(n + 1)/2` in n steps, to six digits. The quasi-Newton method of [`ImplicitEuler`] and [`Bdf2`] does this
-//! (with [`Bdf2`] what is stopped bounces). Contacts between vertices far from each other in the mesh are additions of
+//! (with [`Bdf2`] what is stopped leaves with at most half of its speed). Contacts between vertices far from each other in the mesh are additions of
 //! rank one to the matrix of the multigrid cycle: they come and go without a new pattern. What couples all vertices of
 //! a piece, the volume of a closed one ([`ClosedVolume`](cloth_core::enclosure::ClosedVolume)), is an addition of rank
 //! one around the whole cycle (Sherman–Morrison, `implicit/global_terms.rs`): a ball of water, K = 2·10⁹ Pa, converges
